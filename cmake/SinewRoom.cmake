@@ -1,0 +1,52 @@
+# One room of the house: a folder below src/sinew, its library sinew::<name>, and the unit tests
+# that stand beside the code as *_test.cc.
+
+set(CMAKE_CXX_STANDARD 23)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+set(CMAKE_RUNTIME_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}")
+
+add_library(sinew_options INTERFACE)
+target_include_directories(sinew_options INTERFACE "${CMAKE_SOURCE_DIR}/src")
+# No code here reads errno after a math call or unmasks floating-point traps; saying so lets the
+# compiler use the square-root instruction and turn short branches into selects.
+target_compile_options(sinew_options INTERFACE
+  -Wall -Wextra -Wconversion -Wshadow -Werror -fno-math-errno -fno-trapping-math)
+
+if(SINEW_TESTS)
+  find_package(GTest REQUIRED)
+endif()
+
+# sinew_test(<name> SOURCES ... LIBRARIES ...): one GoogleTest program, registered with ctest.
+function(sinew_test name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LIBRARIES" ${ARGN})
+  add_executable(${name} ${ARG_SOURCES})
+  target_link_libraries(${name} PRIVATE sinew_options ${ARG_LIBRARIES} GTest::gtest_main)
+  set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}/tests")
+  add_test(NAME ${name}
+    COMMAND ${name} --gtest_output=json:${CMAKE_BINARY_DIR}/test_results/${name}.json)
+endfunction()
+
+# sinew_room(<name> LIBRARIES ...): the library of the folder that calls it.
+# TEST_LIBRARIES are linked into its unit tests only.
+function(sinew_room name)
+  cmake_parse_arguments(ARG "" "" "LIBRARIES;TEST_LIBRARIES" ${ARGN})
+  file(GLOB sources CONFIGURE_DEPENDS *.cc)
+  file(GLOB tests CONFIGURE_DEPENDS *_test.cc)
+  if(tests)
+    list(REMOVE_ITEM sources ${tests})
+  endif()
+  if(sources)
+    add_library(sinew_${name} STATIC ${sources})
+    target_link_libraries(sinew_${name} PUBLIC sinew_options ${ARG_LIBRARIES})
+  else()
+    add_library(sinew_${name} INTERFACE)
+    target_link_libraries(sinew_${name} INTERFACE sinew_options ${ARG_LIBRARIES})
+  endif()
+  add_library(sinew::${name} ALIAS sinew_${name})
+  if(SINEW_TESTS AND tests)
+    sinew_test(${name}_test SOURCES ${tests}
+      LIBRARIES sinew_${name} sinew_test_support ${ARG_TEST_LIBRARIES})
+  endif()
+endfunction()

@@ -1,0 +1,148 @@
+#include "sinew/core/error.h"
+
+#include <array>
+#include <cmath>
+#include <cstdio>
+
+#include "sinew/core/assert.h"
+#include "sinew/core/units.h"
+
+namespace sinew {
+namespace {
+
+using enum ErrorCode;
+using enum Quantity;
+constexpr StopCategory kNoStop = StopCategory::kNone;
+constexpr StopCategory kHold = StopCategory::kStopAndHold;
+
+// In the order of the enumerators; a test holds the two against each other.
+constexpr std::array kTable = std::to_array<ErrorInfo>({
+    {kOutOfReach, "out_of_reach", "out of reach by {excess}: needs {measured}, the arm has {limit}",
+     kLength, true, kNoStop, 422},
+    {kTooClose, "too_close", "too close by {excess}: at {measured}, the arm starts at {limit}",
+     kLength, true, kNoStop, 422},
+    {kJointLimit, "joint_limit", "{subject} would need {measured}, limit {limit}, {excess} too far",
+     kAngle, true, kNoStop, 422},
+    {kShoulderSingular, "shoulder_singular",
+     "singular: the wrist is {measured} from the first axis, so that axis is free", kLength, true,
+     kNoStop, 422},
+    {kElbowSingular, "elbow_singular",
+     "singular: the elbow is straight or folded, |sin| = {measured}", kRatio, true, kNoStop, 422},
+    {kWristSingular, "wrist_singular",
+     "singular: two wrist axes are in line, |sin of the bend| = {measured}", kRatio, true, kNoStop,
+     422},
+    {kSingular, "singular", "singular: smallest singular value {measured}, bound {limit}", kRatio,
+     true, kNoStop, 422},
+    {kApproachOutOfPlane, "approach_out_of_plane",
+     "the tool would have to leave the arm's vertical plane by {measured}; five joints cannot",
+     kAngle, true, kNoStop, 422},
+    {kRollNotFree, "roll_not_free",
+     "the roll about the tool axis is not free on this arm: it would be {measured}, asked {limit}",
+     kAngle, true, kNoStop, 422},
+    {kOrientationNotReachable, "orientation_not_reachable",
+     "this arm cannot turn its tool so: the nearest orientation is {measured} away", kAngle, true,
+     kNoStop, 422},
+    {kTaskNotSupported, "task_not_supported", "this arm cannot be asked for such a target", kNone,
+     true, kNoStop, 422},
+    {kLegLength, "leg_length", "{subject} would need {measured}, limit {limit}, {excess} too far",
+     kLength, true, kNoStop, 422},
+    {kCardanAngle, "cardan_angle",
+     "the cardan of {subject} would bend {measured}, limit {limit}, {excess} too far", kAngle, true,
+     kNoStop, 422},
+    {kBallAngle, "ball_angle",
+     "the ball joint of {subject} would tilt {measured}, limit {limit}, {excess} too far", kAngle,
+     true, kNoStop, 422},
+    {kConditionNumber, "condition_number",
+     "too near a singularity: condition number {measured}, limit {limit}", kRatio, true, kNoStop,
+     422},
+    {kAmbiguousAssembly, "ambiguous_assembly",
+     "ambiguous: the nearest answer is {measured} away from the last pose, limit {limit}", kAngle,
+     true, kNoStop, 422},
+    {kNotConverged, "not_converged",
+     "no answer found: the remaining error is {measured}, tolerance {limit}", kRatio, true, kNoStop,
+     422},
+    {kPulseRange, "pulse_range", "{subject} would need pulse {measured}, limit {limit}", kCount,
+     true, kNoStop, 422},
+    {kStepRange, "step_range", "{subject} would need step {measured}, limit {limit}", kCount, true,
+     kNoStop, 422},
+    {kUnsendable, "unsendable",
+     "{subject} at {measured} cannot be sent: the byte 0D in it would cut the command in two",
+     kCount, true, kNoStop, 422},
+    {kMultiplierRange, "multiplier_range",
+     "multiplier {measured} of {subject} is outside 1..{limit}", kCount, true, kNoStop, 422},
+    {kGripperRange, "gripper_range", "gripper position {measured} is outside 0..{limit}", kCount,
+     true, kNoStop, 422},
+    {kDeviceSilent, "device_silent", "the device did not answer within {limit}", kTime, false,
+     kHold, 504},
+    {kUnexpectedReply, "unexpected_reply",
+     "the device answered byte {measured} where {limit} was due", kCount, false, kHold, 502},
+    {kDeviceRefused, "device_refused", "the device called the command invalid", kNone, true, kHold,
+     502},
+    {kReplyMismatch, "reply_mismatch", "{subject}: the device reports {measured}, sent {limit}",
+     kCount, false, kHold, 502},
+    {kBusy, "busy", "a command is still under way", kNone, true, kNoStop, 409},
+    {kPortClosed, "port_closed", "the port was closed by the other side", kNone, false, kHold, 503},
+});
+
+std::string format_value(double value, Quantity quantity) {
+  char text[64];
+  const auto print = [&](const char* format, double v) {
+    // A tiny negative value must not print as "-0".
+    std::snprintf(text, sizeof text, format, v == 0 ? 0.0 : v);
+    return std::string(text);
+  };
+  switch (quantity) {
+    case kLength:
+      return print("%.6g mm", to_mm(value));
+    case kAngle:
+      return print("%.6g deg", to_deg(value));
+    case kTime:
+      return print("%.3g s", value);
+    case kCount:
+      return print("%.0f", value);
+    case kRatio:
+    case kNone:
+      return print("%.3g", value);
+  }
+  return {};
+}
+
+}  // namespace
+
+std::span<const ErrorInfo> error_table() {
+  return kTable;
+}
+
+const ErrorInfo& info(ErrorCode code) {
+  const auto row = static_cast<std::size_t>(code);
+  SINEW_ASSERT(row < kTable.size());
+  return kTable[row];
+}
+
+std::string describe(const Error& error, std::string_view subject) {
+  const ErrorInfo& row = info(error.code);
+  const std::string fallback = "J" + std::to_string(error.index + 1);
+  std::string text;
+  std::string_view rest = row.sentence;
+  while (!rest.empty()) {
+    const std::size_t open = rest.find('{');
+    text += rest.substr(0, open);
+    if (open == std::string_view::npos) break;
+    const std::size_t close = rest.find('}', open);
+    const std::string_view field = rest.substr(open + 1, close - open - 1);
+    if (field == "subject") {
+      text += subject.empty() ? std::string_view(fallback) : subject;
+    } else if (field == "measured") {
+      text += format_value(error.measured, row.quantity);
+    } else if (field == "limit") {
+      text += format_value(error.limit, row.quantity);
+    } else {
+      SINEW_ASSERT(field == "excess");
+      text += format_value(std::abs(error.measured - error.limit), row.quantity);
+    }
+    rest.remove_prefix(close + 1);
+  }
+  return text;
+}
+
+}  // namespace sinew

@@ -1,0 +1,86 @@
+#pragma once
+
+#include <cstdint>
+#include <expected>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace sinew {
+
+/// Every expected failure of Sinew. One line of meaning each; the rest is in the table of
+/// error.cc: sentence, unit, what it does to the position, which stop follows, HTTP status.
+enum class ErrorCode : std::uint8_t {
+  kOutOfReach,               ///< the target is farther than the arm is long; measured, limit: m
+  kTooClose,                 ///< the target is inside the arm's inner reach; measured, limit: m
+  kJointLimit,               ///< index: joint; measured, limit: rad
+  kShoulderSingular,         ///< measured: distance of the wrist from the first axis, m
+  kElbowSingular,            ///< measured: |sin| of the elbow's angle from straight or folded
+  kWristSingular,            ///< measured: |sin| of the wrist's bend
+  kSingular,                 ///< measured: smallest singular value of the scaled Jacobian
+  kApproachOutOfPlane,       ///< measured: angle of the approach axis out of the arm's plane, rad
+  kRollNotFree,              ///< measured: roll that the arm would give; limit: the asked one, rad
+  kOrientationNotReachable,  ///< measured: angle to the nearest orientation that can be had, rad
+  kTaskNotSupported,         ///< this arm has no such task (a pitch for an arm that has none)
+  kLegLength,                ///< index: leg; measured, limit: m
+  kCardanAngle,              ///< index: leg; measured, limit: rad
+  kBallAngle,                ///< index: leg; measured, limit: rad
+  kConditionNumber,          ///< measured, limit: condition number of the platform's Jacobian
+  kAmbiguousAssembly,        ///< measured, limit: rad between the answer and the last pose
+  kNotConverged,             ///< measured: remaining error; limit: tolerance
+  kPulseRange,               ///< index: joint; measured, limit: device units
+  kStepRange,                ///< index: joint; measured, limit: steps
+  kUnsendable,               ///< index: joint; measured: value that would cut its own frame
+  kMultiplierRange,          ///< index: joint; measured, limit: device units
+  kGripperRange,             ///< measured, limit: device units
+  kDeviceSilent,             ///< measured: time waited; limit: time allowed, s
+  kUnexpectedReply,          ///< the device answered something else than what was asked
+  kDeviceRefused,            ///< the device said that the command is invalid
+  kReplyMismatch,            ///< index: joint; measured: what it reported; limit: what was sent
+  kBusy,                     ///< a command is still under way
+  kPortClosed,               ///< the port went away
+};
+
+/// How a stop ends, after IEC 60204-1.
+enum class StopCategory : std::uint8_t {
+  kNone,              ///< nothing was moving because of this
+  kPowerOff,          ///< category 0: remove power at once
+  kStopThenPowerOff,  ///< category 1: decelerate, then remove power
+  kStopAndHold,       ///< category 2: decelerate and hold
+};
+
+/// What a number in an Error means to people; the value itself is always SI.
+enum class Quantity : std::uint8_t { kNone, kLength, kAngle, kTime, kRatio, kCount };
+
+/// An expected failure with the values that matter. Text is made at the edge by `describe`.
+struct Error {
+  ErrorCode code{};
+  std::int8_t index = -1;  ///< joint or leg, counted from 0; -1 where there is none
+  double measured = 0;     ///< what would be needed or was seen; unit by code
+  double limit = 0;        ///< what is allowed; same unit
+
+  friend bool operator==(const Error&, const Error&) = default;
+};
+
+template <class T>
+using Expected = std::expected<T, Error>;
+
+/// The row of the one table of errors.
+struct ErrorInfo {
+  ErrorCode code;
+  std::string_view name;      ///< stable, for machines
+  std::string_view sentence;  ///< with {subject} {measured} {limit} {excess}
+  Quantity quantity;
+  bool position_survives;
+  StopCategory stop;
+  int http_status;
+};
+
+std::span<const ErrorInfo> error_table();
+const ErrorInfo& info(ErrorCode code);
+
+/// One sentence in mm, degrees and seconds: "out of reach by 12 mm".
+/// @param subject  name of the joint or leg that `error.index` means; "J3" style when empty.
+std::string describe(const Error& error, std::string_view subject = {});
+
+}  // namespace sinew

@@ -1,0 +1,82 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <initializer_list>
+#include <span>
+
+#include "sinew/core/assert.h"
+
+namespace sinew {
+
+/// A vector that holds at most `Capacity` elements inside itself. Going past the capacity is a bug
+/// and asserts; callers that take sizes from outside check `full()` first. @rt
+template <class T, std::size_t Capacity>
+class FixedVector {
+ public:
+  using value_type = T;
+
+  constexpr FixedVector() = default;
+  constexpr FixedVector(std::initializer_list<T> items) {
+    for (const T& item : items) push_back(item);
+  }
+  constexpr explicit FixedVector(std::span<const T> items) {
+    for (const T& item : items) push_back(item);
+  }
+
+  static constexpr std::size_t capacity() { return Capacity; }
+  constexpr std::size_t size() const { return size_; }
+  constexpr bool empty() const { return size_ == 0; }
+  constexpr bool full() const { return size_ == Capacity; }
+
+  constexpr void push_back(const T& item) {
+    SINEW_ASSERT(size_ < Capacity);
+    items_[size_++] = item;
+  }
+  constexpr void pop_back() {
+    SINEW_ASSERT(size_ > 0);
+    --size_;
+  }
+  constexpr void clear() { size_ = 0; }
+  /// New elements are value-initialised.
+  constexpr void resize(std::size_t size) {
+    SINEW_ASSERT(size <= Capacity);
+    for (std::size_t i = size_; i < size; ++i) items_[i] = T{};
+    size_ = size;
+  }
+
+  constexpr T& operator[](std::size_t i) {
+    SINEW_ASSERT(i < size_);
+    return items_[i];
+  }
+  constexpr const T& operator[](std::size_t i) const {
+    SINEW_ASSERT(i < size_);
+    return items_[i];
+  }
+  constexpr T& back() { return (*this)[size_ - 1]; }
+  constexpr const T& back() const { return (*this)[size_ - 1]; }
+
+  constexpr T* data() { return items_.data(); }
+  constexpr const T* data() const { return items_.data(); }
+  constexpr T* begin() { return items_.data(); }
+  constexpr T* end() { return items_.data() + size_; }
+  constexpr const T* begin() const { return items_.data(); }
+  constexpr const T* end() const { return items_.data() + size_; }
+
+  constexpr operator std::span<T>() { return {items_.data(), size_}; }
+  constexpr operator std::span<const T>() const { return {items_.data(), size_}; }
+
+  friend constexpr bool operator==(const FixedVector& a, const FixedVector& b) {
+    if (a.size_ != b.size_) return false;
+    for (std::size_t i = 0; i < a.size_; ++i) {
+      if (!(a.items_[i] == b.items_[i])) return false;
+    }
+    return true;
+  }
+
+ private:
+  std::array<T, Capacity> items_{};
+  std::size_t size_ = 0;
+};
+
+}  // namespace sinew
