@@ -63,9 +63,6 @@ class FixedVector {
   constexpr const T* begin() const { return items_.data(); }
   constexpr const T* end() const { return items_.data() + size_; }
 
-  constexpr operator std::span<T>() { return {items_.data(), size_}; }
-  constexpr operator std::span<const T>() const { return {items_.data(), size_}; }
-
   friend constexpr bool operator==(const FixedVector& a, const FixedVector& b) {
     if (a.size_ != b.size_) return false;
     for (std::size_t i = 0; i < a.size_; ++i) {

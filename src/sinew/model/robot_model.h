@@ -9,6 +9,7 @@
 
 #include "sinew/core/fixed_vector.h"
 #include "sinew/core/pose.h"
+#include "sinew/core/units.h"
 #include "sinew/core/vec3.h"
 #include "sinew/model/device.h"
 
@@ -99,7 +100,7 @@ struct RobotModel {
 };
 
 /// Limits are inclusive, with this much for rounding: a target that sits on a limit is inside.
-inline constexpr double kJointLimitTolerance = 1e-9 * 3.14159265358979323846 / 180;
+inline constexpr double kJointLimitTolerance = 1e-9 * kPi / 180;
 
 /// @rt
 inline bool within_limits(const Joint& joint, double q) {

@@ -1,0 +1,35 @@
+# The doors of the house. Each is a script in scripts/ that says what it does and how long it took;
+# full logs go to build/logs/. All of them may be repeated: what is done is not done again.
+
+.PHONY: help run build test bench campaign format clean
+
+help:
+	@echo "make run       install what is missing, build, and move a simulated robot"
+	@echo "make build     install what is missing, build build/release/sinew"
+	@echo "make test      install what is missing, build and run every test (release, asan/ubsan)"
+	@echo "make bench     measure against the references: table, and build/bench.json"
+	@echo "make campaign  the long checks: format, clang, clang-tidy, tsan, fuzzing, fresh seeds"
+	@echo "               FUZZ_SECONDS=60 per target, SEEDS=5 runs; PARTS=\"tsan fuzz\" picks some"
+	@echo "make format    lay out all C++ with clang-format"
+	@echo "make clean     remove build/"
+
+run:
+	@scripts/run.sh
+
+build:
+	@scripts/build.sh
+
+test:
+	@scripts/test.sh
+
+bench:
+	@scripts/bench.sh
+
+campaign:
+	@scripts/campaign.sh
+
+format:
+	@scripts/format.sh
+
+clean:
+	rm -rf build

@@ -1,0 +1,72 @@
+#include "bench/ratio_reporter.h"
+
+#include <array>
+#include <cstdio>
+#include <string_view>
+
+namespace sinew::bench {
+namespace {
+
+/// One row of the table; `goal` is a ratio to the yardstick, 0 where there is none.
+struct Row {
+  std::string_view name;
+  std::string_view work;
+  double goal = 0;
+};
+
+constexpr auto kRows = std::to_array<Row>({
+    {kYardstick, "KDL: forward, 6R"},
+    {"kdl/jacobian_6r", "KDL: Jacobian alone, 6R"},
+    {"kdl/inverse_lma_near", "KDL: inverse LMA, near start"},
+    {"kdl/inverse_lma_far", "KDL: inverse LMA, far start"},
+    {"kdl/trapezoid_6_axes", "KDL: trapezoid of 6 axes (no jerk)"},
+    {"forward_6r", "forward, 6R", 0.23},
+    {"forward_and_jacobian_6r", "forward and Jacobian, 6R", 0.34},
+    {"inverse_6r_all_branches", "inverse, 6R, all 8 branches", 1.07},
+    {"inverse_5r_pitch", "inverse, 5R with pitch, all branches"},
+    {"inverse_5r_roll", "inverse, 5R with rolling forearm, all branches"},
+    {"inverse_numeric_near", "inverse, numeric, near start", 2.8},
+    {"inverse_numeric_far", "inverse, numeric, far start", 11},
+    {"inverse_palletizer", "inverse, palletizer"},
+    {"hexapod_inverse", "hexapod inverse", 0.17},
+    {"hexapod_forward_warm", "hexapod forward, warm start", 0.94},
+    {"hexapod_forward_cold", "hexapod forward, cold start", 1.5},
+    {"rest_to_rest_6_axes", "rest to rest, 6 axes together", 0.94},
+    {"sample_6_axes", "sampling q, qd, qdd of 6 axes", 0.05},
+});
+
+}  // namespace
+
+bool RatioReporter::ReportContext(const Context&) {
+  return true;
+}
+
+void RatioReporter::ReportRuns(const std::vector<Run>& runs) {
+  for (const Run& run : runs) {
+    if (run.error_occurred) {
+      std::fprintf(stderr, "%s: %s\n", run.benchmark_name().c_str(), run.error_message.c_str());
+    } else if (run.aggregate_name == "median") {
+      median_ns_[run.run_name.function_name] = run.GetAdjustedCPUTime();
+    }
+  }
+}
+
+void RatioReporter::Finalize() {
+  const auto yardstick = median_ns_.find(kYardstick);
+  if (yardstick == median_ns_.end()) return;
+  std::printf("%-48s %12s %10s %8s\n", "work", "median ns", "x KDL fwd", "goal");
+  for (const auto& [name, work, goal] : kRows) {
+    const auto median = median_ns_.find(std::string(name));
+    if (median == median_ns_.end()) continue;
+    const double ratio = median->second / yardstick->second;
+    std::printf("%-48.*s %12.1f %10.3f ", static_cast<int>(work.size()), work.data(),
+                median->second, ratio);
+    if (goal > 0) {
+      std::printf("%8.2f  %s\n", goal, ratio <= goal ? "met" : "NOT MET");
+    } else {
+      std::printf("%8s\n", "-");
+    }
+  }
+}
+
+}  // namespace sinew::bench

@@ -1,0 +1,84 @@
+#!/usr/bin/env bash
+# The long checks. Each part runs even where one before it failed; the end says which did.
+#   FUZZ_SECONDS  for each fuzz target (60)
+#   SEEDS         runs of all tests with a fresh seed (5)
+#   PARTS         which of: format tidy tsan fuzz seeds (all)
+# shellcheck source=scripts/lib.sh
+source "$(dirname "${BASH_SOURCE[0]}")/lib.sh"
+
+fuzz_seconds=${FUZZ_SECONDS:-60}
+seeds=${SEEDS:-5}
+parts=${PARTS:-format tidy tsan fuzz seeds}
+
+run_ctest() {
+  local preset=$1 title=$2 log=$3
+  shift 3
+  step "$title" "$log" ctest --test-dir "build/$preset" --output-on-failure --no-tests=error \
+    -j "$(jobs_count)" "$@"
+}
+
+format_part() { scripts/format.sh --check; }
+
+# Warnings are errors in every preset, so building is the check. Of the tests those are run that
+# ask something of the compiler itself.
+tidy_part() {
+  configure tidy -DSINEW_TESTS=ON && build tidy &&
+    run_ctest tidy "tests tidy" tests-tidy -R '^must_not_compile'
+}
+
+tsan_part() {
+  configure tsan -DSINEW_TESTS=ON && build tsan && run_ctest tsan "tests tsan" tests-tsan
+}
+
+# New finds go to build/corpus/, so that a campaign changes nothing in the tree; an input that
+# breaks something is left in build/findings/.
+fuzz_one() {
+  local program=$1 name found=build/corpus findings=build/findings
+  name=$(basename "$program")
+  local own=fuzz/corpus/${name%_fuzz}
+  mkdir -p "$found/$name" "$findings"
+  local corpora=("$found/$name")
+  if [[ -d $own ]]; then corpora+=("$own"); fi
+  step "fuzz $name" "fuzz-$name" "$program" "-max_total_time=$fuzz_seconds" -print_final_stats=1 \
+    "-artifact_prefix=$findings/$name-" "${corpora[@]}"
+}
+
+fuzz_part() {
+  local programs program code=0
+  configure fuzz && build fuzz || return 1
+  mapfile -t programs < <(find build/fuzz -name '*_fuzz' -type f -executable | sort)
+  if ((${#programs[@]} == 0)); then
+    echo "  no program called *_fuzz was built"
+    return 1
+  fi
+  for program in "${programs[@]}"; do fuzz_one "$program" || code=1; done
+  return "$code"
+}
+
+seeds_part() {
+  local i code=0
+  configure release -DSINEW_TESTS=ON "$(keep_toggle release SINEW_BENCH libbenchmark-dev)" &&
+    build release || return 1
+  for ((i = 1; i <= seeds; ++i)); do
+    SINEW_SEED=$((RANDOM << 30 | RANDOM << 15 | RANDOM))
+    export SINEW_SEED
+    run_ctest release "tests with SINEW_SEED=$SINEW_SEED" "seed-$SINEW_SEED" || code=1
+  done
+  unset SINEW_SEED
+  return "$code"
+}
+
+echo "sinew: campaign ($parts)"
+scripts/packages.sh build test campaign
+start=$(milliseconds_now)
+failed=()
+for part in $parts; do
+  declare -F "${part}_part" >/dev/null || die "no part of the campaign is called $part"
+  "${part}_part" || failed+=("$part")
+done
+printf '  %-34s %10s\n' "in all" "$(pretty_ms $(($(milliseconds_now) - start)))"
+if ((${#failed[@]} > 0)); then
+  echo "campaign failed in: ${failed[*]}"
+  exit 1
+fi
+echo "campaign clean"

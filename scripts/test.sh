@@ -1,0 +1,84 @@
+#!/usr/bin/env bash
+# Every test: all of them in the release build, and what reads bytes or files once more under the
+# address and undefined-behaviour sanitizers. Closes with "N passed, N failed".
+# shellcheck source=scripts/lib.sh
+source "$(dirname "${BASH_SOURCE[0]}")/lib.sh"
+
+# Rooms whose tests are repeated under the sanitizers, with the replayed fuzz corpora. The heavy
+# properties of kinematics are not among them.
+byte_rooms="core wire config device driver program io"
+
+passed=0
+failed=0
+# Counts what ctest says at the end of a log; a run that never got there counts as one failure.
+count() {
+  local log=$logs/$1.log of bad
+  of=$(sed -n 's/.* tests failed out of \([0-9]*\)$/\1/p' "$log")
+  bad=$(sed -n 's/.* \([0-9]*\) tests failed out of [0-9]*$/\1/p' "$log")
+  if [[ -z $of || $of == 0 ]]; then
+    failed=$((failed + 1))
+    return
+  fi
+  passed=$((passed + of - bad))
+  failed=$((failed + bad))
+}
+
+# run_tests PRESET OPTIONS...: the times of the tests stand in the log.
+run_tests() {
+  local preset=$1 code=0
+  shift
+  step "tests $preset" "tests-$preset" ctest --test-dir "build/$preset" --output-on-failure \
+    --no-tests=error --timeout 900 -j "$(jobs_count)" "$@" || code=$?
+  grep -E '^[0-9]+% tests passed' "$logs/tests-$preset.log" | sed 's/^/    /' || true
+  grep -hE '^[0-9]+ tests and [0-9]+ random cases' build/"$preset"/Testing/Temporary/LastTest.log |
+    sed 's/^/    /' || true
+  count "tests-$preset"
+  return "$code"
+}
+
+# Names of the tests for the sanitizers, joined for ctest -R.
+byte_tests() {
+  local room rooms
+  rooms=$(for room in $byte_rooms; do echo "${room}_test"; done)
+  { echo "$rooms"; ctest --test-dir build/asan/fuzz -N 2>/dev/null | sed -n 's/^ *Test *#[0-9]*: //p'; } |
+    sed 's/[.+]/\\&/g' | paste -s -d '|' | sed 's/.*/^(&)$/'
+}
+
+# Ninja's name for all that a folder builds, for each room that stands and for the corpora.
+byte_targets() {
+  local room
+  for room in $byte_rooms; do
+    if [[ -e src/sinew/$room/CMakeLists.txt ]]; then echo "src/sinew/$room/all"; fi
+  done
+  echo fuzz/all
+}
+
+release_part() {
+  if ! configure release -DSINEW_TESTS=ON \
+    "$(keep_toggle release SINEW_BENCH libbenchmark-dev)" || ! build release; then
+    failed=$((failed + 1))
+    return 1
+  fi
+  # Old results would speak for programs that no longer run.
+  rm -rf build/release/test_results
+  SINEW_FULL_RUN=1 run_tests release
+}
+
+asan_part() {
+  local targets
+  configure asan -DSINEW_TESTS=ON || { failed=$((failed + 1)); return 1; }
+  mapfile -t targets < <(byte_targets)
+  build asan "${targets[@]}" || { failed=$((failed + 1)); return 1; }
+  run_tests asan -R "$(byte_tests)"
+}
+
+start=$(milliseconds_now)
+code=0
+echo "sinew: test"
+scripts/packages.sh build test || { echo "0 passed, 1 failed"; exit 1; }
+release_part || code=1
+asan_part || code=1
+printf '  %-34s %10s\n' "in all" "$(pretty_ms $(($(milliseconds_now) - start)))"
+if ((failed > 0)); then code=1; fi
+echo "$passed passed, $failed failed"
+exit "$code"

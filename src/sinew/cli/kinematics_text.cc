@@ -1,0 +1,100 @@
+#include "sinew/cli/kinematics_text.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "sinew/cli/table.h"
+#include "sinew/core/units.h"
+
+namespace sinew::cli {
+namespace {
+
+bool is_leg(const Joint& joint) {
+  return joint.kind == JointKind::kPrismatic;
+}
+double shown(double q, const Joint& joint) {
+  return is_leg(joint) ? to_mm(q) : to_deg(q);
+}
+
+std::string_view subject(const Error& error, const RobotModel& model) {
+  const auto index = static_cast<std::size_t>(error.index);
+  if (error.index < 0 || index >= model.joints.size()) return {};
+  return model.joints[index].name;
+}
+
+}  // namespace
+
+Json pose_json(const Vec3& p, const Rotation& R) {
+  const Vec3 rpy = fixed_xyz(R);
+  return {{"x_mm", to_mm(p.x)},
+          {"y_mm", to_mm(p.y)},
+          {"z_mm", to_mm(p.z)},
+          {"quaternion_wxyz", quaternion_wxyz(R)},
+          {"rotation_fixed_xyz_deg", {to_deg(rpy.x), to_deg(rpy.y), to_deg(rpy.z)}}};
+}
+
+std::string pose_text(const Vec3& p, const Rotation& R) {
+  const Vec3 rpy = fixed_xyz(R);
+  return fmt::format(
+      "  position  x {:>10}   y {:>10}   z {:>10}   mm\n"
+      "  rotation rx {:>10}  ry {:>10}  rz {:>10}   deg, about fixed axes x, y, z\n",
+      number(to_mm(p.x)), number(to_mm(p.y)), number(to_mm(p.z)), number(to_deg(rpy.x), 4),
+      number(to_deg(rpy.y), 4), number(to_deg(rpy.z), 4));
+}
+
+Json error_json(const Error& error, const RobotModel& model) {
+  const ErrorInfo& row = info(error.code);
+  Json json{{"code", row.name}, {"sentence", error_text(error, model)}};
+  const std::string_view name = subject(error, model);
+  if (!name.empty()) json["joint"] = name;
+  const auto put = [&](const char* unit, double factor) {
+    json[fmt::format("measured{}", unit)] = error.measured * factor;
+    json[fmt::format("limit{}", unit)] = error.limit * factor;
+    json[fmt::format("excess{}", unit)] = std::abs(error.measured - error.limit) * factor;
+  };
+  switch (row.quantity) {
+    case Quantity::kLength:
+      put("_mm", 1e3);
+      break;
+    case Quantity::kAngle:
+      put("_deg", 180 / kPi);
+      break;
+    case Quantity::kTime:
+      put("_s", 1);
+      break;
+    case Quantity::kRatio:
+    case Quantity::kCount:
+      put("", 1);
+      break;
+    case Quantity::kNone:
+      break;
+  }
+  return json;
+}
+
+std::string error_text(const Error& error, const RobotModel& model) {
+  return describe(error, subject(error, model));
+}
+
+Json joints_json(std::span<const double> q, const RobotModel& model) {
+  Json json = Json::array();
+  for (std::size_t i = 0; i < q.size(); ++i) json.push_back(shown(q[i], model.joints[i]));
+  return json;
+}
+
+std::string joint_text(double q, const Joint& joint) {
+  return number(shown(q, joint));
+}
+
+const char* joints_key(const RobotModel& model) {
+  return !model.joints.empty() && is_leg(model.joints[0]) ? "legs_mm" : "joints_deg";
+}
+
+std::vector<std::string> joint_names(const RobotModel& model) {
+  std::vector<std::string> names;
+  for (const Joint& joint : model.joints) names.push_back(joint.name);
+  return names;
+}
+
+}  // namespace sinew::cli

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+namespace sinew::cli {
+
+using Json = nlohmann::ordered_json;
+
+/// What the process tells its caller.
+enum class ExitCode : int {
+  kDone = 0,
+  kCouldNot = 1,  ///< the request is understood and cannot be met
+  kBadInput = 2,  ///< the request makes no sense as it stands
+};
+
+/// What one verb answers, for both kinds of readers. Verbs make it, main prints it.
+struct Outcome {
+  ExitCode exit = ExitCode::kDone;
+  Json json = Json::object();  ///< with --json, on stdout
+  std::string text;            ///< without --json, on stdout
+  std::string complaint;       ///< a sentence for stderr, in both cases
+};
+
+/// Bad input: the sentence goes to stderr, and to JSON as {"error":{"sentence":..}}.
+Outcome bad_input(const std::string& sentence);
+
+/// A request that cannot be met for a reason outside of the robot (a port, a file).
+Outcome could_not(const std::string& sentence);
+
+}  // namespace sinew::cli

@@ -1,0 +1,56 @@
+#include "sinew/cli/robot_argument.h"
+
+#include <fmt/format.h>
+
+#include <vector>
+
+#include "sinew/cli/table.h"
+#include "sinew/config/builtin_robots.h"
+#include "sinew/config/spelling.h"
+#include "sinew/io/file.h"
+
+namespace sinew::cli {
+namespace {
+
+Outcome complaints_outcome(const std::vector<Complaint>& complaints) {
+  Json list = Json::array();
+  std::string sentences;
+  for (const Complaint& complaint : complaints) {
+    list.push_back({{"file", complaint.file},
+                    {"line", complaint.line},
+                    {"column", complaint.column},
+                    {"key", complaint.key},
+                    {"sentence", complaint.message}});
+    sentences += (sentences.empty() ? "" : "\n") + to_text(complaint);
+  }
+  Outcome outcome = bad_input(sentences);
+  outcome.json["error"]["complaints"] = list;
+  return outcome;
+}
+
+std::expected<RobotFile, Outcome> read(std::string_view text, std::string_view file_name) {
+  auto file = read_robot_file(text, file_name);
+  if (!file) return std::unexpected(complaints_outcome(file.error()));
+  return std::move(*file);
+}
+
+}  // namespace
+
+std::expected<RobotFile, Outcome> find_robot(const std::string& argument) {
+  if (argument.ends_with(".toml")) {
+    const auto text = io::read_file(argument);
+    if (!text) return std::unexpected(bad_input(text.error().sentence));
+    return read(*text, argument);
+  }
+  std::vector<std::string_view> ids;
+  for (const BuiltinRobot& robot : builtin_robots()) {
+    if (robot.id == argument) return read(robot.text, robot.file_name);
+    ids.push_back(robot.id);
+  }
+  const std::string_view meant = nearest_spelling(argument, ids);
+  return std::unexpected(bad_input(fmt::format(
+      "there is no robot '{}'{}; known: {}; a file of your own ends in .toml", printable(argument),
+      meant.empty() ? "" : fmt::format(", did you mean '{}'?", meant), joined(ids, ", "))));
+}
+
+}  // namespace sinew::cli

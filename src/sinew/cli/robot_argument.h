@@ -1,0 +1,15 @@
+#pragma once
+
+#include <expected>
+#include <string>
+
+#include "sinew/cli/outcome.h"
+#include "sinew/config/robot_file.h"
+
+namespace sinew::cli {
+
+/// The robot that a user named: an id of a built-in one, or the path of a .toml file. The error is
+/// ready to be printed: every complaint of the file, or the ids that there are.
+std::expected<RobotFile, Outcome> find_robot(const std::string& argument);
+
+}  // namespace sinew::cli

@@ -1,0 +1,32 @@
+#include "sinew/config/complaint.h"
+
+#include <algorithm>
+#include <tuple>
+#include <utility>
+
+namespace sinew {
+
+std::string to_text(const Complaint& complaint) {
+  std::string text = complaint.file + ":" + std::to_string(complaint.line) + ":" +
+                     std::to_string(complaint.column) + ": ";
+  if (!complaint.key.empty()) text += complaint.key + ": ";
+  return text + complaint.message;
+}
+
+void Findings::complain(Place place, std::string key, std::string message) {
+  if (complaints_.size() == kMaxComplaints) return;
+  if (complaints_.size() == kMaxComplaints - 1) {
+    key.clear();
+    message = "too many complaints; mend these first";
+  }
+  complaints_.push_back({file_, place.line, place.column, std::move(key), std::move(message)});
+}
+
+std::vector<Complaint> Findings::take_complaints() {
+  std::ranges::sort(complaints_, {}, [](const Complaint& complaint) {
+    return std::tie(complaint.line, complaint.column, complaint.key, complaint.message);
+  });
+  return std::move(complaints_);
+}
+
+}  // namespace sinew

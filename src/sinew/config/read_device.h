@@ -1,0 +1,12 @@
+#pragma once
+
+#include "sinew/config/table_reader.h"
+#include "sinew/model/robot_model.h"
+
+namespace sinew {
+
+/// Reads [device]: the wire's name and what it can do, and the settings of the wires that this
+/// version speaks.
+void read_device(TableReader& root, RobotModel& model);
+
+}  // namespace sinew

@@ -1,0 +1,141 @@
+#include "sinew/config/read_joints.h"
+
+#include <algorithm>
+
+#include "sinew/config/spelling.h"
+
+namespace sinew {
+namespace {
+
+constexpr std::size_t kMaxNameBytes = 32;
+
+/// What a joint of one kind is measured in, and how much of it is believable.
+struct JointScale {
+  Dimension position, velocity, acceleration, jerk;
+  Range limits;  // rad or m
+  Range velocity_max, acceleration_max, jerk_max;
+  Unit shown;
+};
+
+constexpr JointScale kRevoluteScale{kAngle,
+                                    kAngleRate,
+                                    kAngleRate2,
+                                    kAngleRate3,
+                                    between(from_deg(-720), from_deg(720)),
+                                    above_zero_to(from_deg(3600)),
+                                    above_zero_to(from_deg(1e5)),
+                                    above_zero_to(from_deg(1e7)),
+                                    kAngle[0]};
+constexpr JointScale kPrismaticScale{
+    kLength,           kLengthRate,        kLengthRate2,       kLengthRate3, between(-10, 10),
+    above_zero_to(10), above_zero_to(1e3), above_zero_to(1e5), kLength[0]};
+
+bool letter(char c) {
+  return c >= 'a' && c <= 'z';
+}
+bool digit(char c) {
+  return c >= '0' && c <= '9';
+}
+
+/// Names are typed on command lines and stand beside J1..Jn, which every robot has already.
+bool good_name(std::string_view name) {
+  const bool plain =
+      std::ranges::all_of(name, [](char c) { return letter(c) || digit(c) || c == '_'; });
+  const bool numbered =
+      name.size() > 1 && name.front() == 'j' && std::ranges::all_of(name.substr(1), digit);
+  return plain && letter(name.front()) && !numbered;
+}
+
+std::string shown(double q, const JointScale& scale) {
+  return number_text(q / scale.shown.to_si) + " " + std::string(scale.shown.text);
+}
+
+void read_name(TableReader& reader, const std::vector<Joint>& before, Joint& joint) {
+  if (!reader.text("name", kMaxNameBytes, joint.name)) return;
+  if (!good_name(joint.name)) {
+    reader.complain("name",
+                    "must be lower-case letters, digits and _, begin with a letter, and not look "
+                    "like j1, which every robot has");
+    return;
+  }
+  const auto twin = std::ranges::find(before, joint.name, &Joint::name);
+  if (twin != before.end()) {
+    reader.complain("name", "joint " + std::to_string(twin - before.begin() + 1) + " is called `" +
+                                joint.name + "` already");
+    return;
+  }
+  reader.rename("joint." + joint.name);
+}
+
+Joint read_joint(TableReader& reader, const JointScale& scale, bool has_home,
+                 const std::vector<Joint>& before) {
+  Joint joint;
+  read_name(reader, before, joint);
+  const bool lower = reader.quantity("lower_*", scale.position, scale.limits, joint.lower);
+  const bool upper = reader.quantity("upper_*", scale.position, scale.limits, joint.upper);
+  const bool ordered = lower && upper && joint.lower < joint.upper;
+  if (lower && upper && !ordered) {
+    reader.complain("upper_*", "limits reversed or equal: must be above the lower limit, " +
+                                   shown(joint.lower, scale));
+  }
+  reader.quantity("velocity_*_max", scale.velocity, scale.velocity_max, joint.velocity_max);
+  reader.quantity("acceleration_*_max", scale.acceleration, scale.acceleration_max,
+                  joint.acceleration_max);
+  reader.quantity("jerk_*_max", scale.jerk, scale.jerk_max, joint.jerk_max);
+  if (has_home && reader.quantity("home_*", scale.position, scale.limits, joint.home) && ordered) {
+    if (!within_limits(joint, joint.home)) {
+      reader.complain("home_*", "must be inside the joint's limits, " + shown(joint.lower, scale) +
+                                    " to " + shown(joint.upper, scale));
+    }
+    joint.home = std::clamp(joint.home, joint.lower, joint.upper);
+  }
+  reader.finish();
+  return joint;
+}
+
+std::size_t wanted_joints(const Geometry& geometry) {
+  if (const auto* serial = std::get_if<SerialGeometry>(&geometry)) return serial->rows.size();
+  return std::holds_alternative<HexapodGeometry>(geometry) ? kLegs : 3;
+}
+
+void set_home_of_legs(TableReader& root, RobotModel& model) {
+  const auto& geometry = std::get<HexapodGeometry>(model.geometry);
+  for (std::size_t i = 0; i < model.joints.size(); ++i) {
+    Joint& leg = model.joints[i];
+    leg.home = norm(geometry.X_BP_home * geometry.p_PA[i] - geometry.p_BA[i]);
+    if (!within_limits(leg, leg.home)) {
+      root.complain("geometry", "the home pose needs " + shown(leg.home, kPrismaticScale) +
+                                    " of `" + leg.name + "`, limits " +
+                                    shown(leg.lower, kPrismaticScale) + " to " +
+                                    shown(leg.upper, kPrismaticScale));
+    }
+  }
+}
+
+}  // namespace
+
+void read_joints(TableReader& root, GeometryKind kind, RobotModel& model) {
+  const bool legs = kind == GeometryKind::kHexapod;
+  const JointScale& scale = legs ? kPrismaticScale : kRevoluteScale;
+  std::vector<TableReader> readers = root.tables("joint");
+  for (TableReader& reader : readers) {
+    if (model.joints.size() == kMaxJoints) {
+      reader.complain("one joint too many: a robot has at most " + std::to_string(kMaxJoints));
+      return;
+    }
+    model.joints.push_back(read_joint(reader, scale, !legs, model.joints));
+    model.joints.back().kind = legs ? JointKind::kPrismatic : JointKind::kRevolute;
+  }
+  if (readers.empty()) return;
+  const std::size_t wanted = wanted_joints(model.geometry);
+  if (wanted == 0) return;  // a chain without rows has been complained about
+  if (readers.size() != wanted) {
+    readers[std::min(readers.size() - 1, wanted)].complain(
+        "the file has " + std::to_string(readers.size()) + " of the " + std::to_string(wanted) +
+        " joints that the geometry moves");
+  } else if (legs && root.clean()) {
+    set_home_of_legs(root, model);
+  }
+}
+
+}  // namespace sinew

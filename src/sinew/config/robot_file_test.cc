@@ -1,0 +1,277 @@
+#include "sinew/config/robot_file.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "sinew/config/builtin_robots.h"
+#include "sinew/core/units.h"
+
+namespace sinew {
+namespace {
+
+using Lines = std::vector<std::string>;
+
+/// One joint, one row: the smallest robot there is. The numbers on the right are line numbers.
+constexpr std::string_view kOneJoint =
+    R"(id = "one"
+title = "One joint"
+[geometry]
+kind = "serial"
+[[geometry.dh]]
+theta_offset_deg = 0
+d_mm = 95
+a_mm = 0
+alpha_deg = -90
+source = "s"
+[tool]
+xyz_mm = [0, 0, 10]
+rpy_deg = [0, 0, 0]
+source = "s"
+[[joint]]
+name = "elbow"
+lower_deg = -30
+upper_deg = 60
+velocity_deg_s_max = 10
+acceleration_deg_s2_max = 20
+jerk_deg_s3_max = 30
+home_deg = 0
+source = "s"
+[device]
+protocol = "none"
+motion = "stream"
+feedback = "none"
+)";
+
+/// `text` with its only occurrence of `from` turned into `to`.
+std::string with(std::string_view text, std::string_view from, std::string_view to) {
+  std::string changed(text);
+  const std::size_t at = changed.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  EXPECT_EQ(changed.find(from, at + 1), std::string::npos) << from << " stands there twice";
+  if (at != std::string::npos) changed.replace(at, from.size(), to);
+  return changed;
+}
+
+Lines complaints(const std::string& text) {
+  const auto model = read_robot(text, "r.toml");
+  Lines lines;
+  if (!model) {
+    for (const Complaint& complaint : model.error()) lines.push_back(to_text(complaint));
+  }
+  return lines;
+}
+
+Lines complaints_with(std::string_view from, std::string_view to) {
+  return complaints(with(kOneJoint, from, to));
+}
+
+std::string builtin(std::string_view id) {
+  const auto found = std::ranges::find(builtin_robots(), id, &BuiltinRobot::id);
+  return std::string(found->text);
+}
+
+TEST(RobotFile, smallest_robot_arrives_in_si) {
+  const auto model = read_robot(kOneJoint, "r.toml");
+  ASSERT_TRUE(model.has_value()) << to_text(model.error().front());
+  EXPECT_EQ(model->id, "one");
+  EXPECT_EQ(model->title, "One joint");
+  const auto& geometry = std::get<SerialGeometry>(model->geometry);
+  ASSERT_EQ(geometry.rows.size(), 1U);
+  EXPECT_DOUBLE_EQ(geometry.rows[0].d, 0.095);
+  EXPECT_DOUBLE_EQ(geometry.rows[0].alpha, -kPi / 2);
+  EXPECT_DOUBLE_EQ(geometry.X_FT.p.z, 0.010);
+  ASSERT_EQ(model->joints.size(), 1U);
+  const Joint& joint = model->joints[0];
+  EXPECT_EQ(joint.name, "elbow");
+  EXPECT_EQ(joint.kind, JointKind::kRevolute);
+  EXPECT_DOUBLE_EQ(joint.lower, from_deg(-30));
+  EXPECT_DOUBLE_EQ(joint.upper, from_deg(60));
+  EXPECT_DOUBLE_EQ(joint.velocity_max, from_deg(10));
+  EXPECT_DOUBLE_EQ(joint.acceleration_max, from_deg(20));
+  EXPECT_DOUBLE_EQ(joint.jerk_max, from_deg(30));
+  EXPECT_EQ(model->device.protocol, "none");
+  EXPECT_EQ(model->device.capability.motion, MotionKind::kStream);
+}
+
+TEST(RobotFile, every_fault_is_told_at_its_place_with_its_remedy) {
+  const struct {
+    const char* from;
+    const char* to;
+    const char* complaint;
+  } kCases[] = {
+      {"upper_deg = 60", "  uper_deg = 60",
+       "r.toml:18:3: joint.elbow.uper_deg: unknown key; did you mean `upper_deg`?"},
+      {"d_mm = 95", "d = 95",
+       "r.toml:7:1: geometry.dh[1].d: missing unit: write `d_mm`, `d_m` or `d_in`"},
+      {"d_mm = 95", "d_cm = 9.5",
+       "r.toml:7:1: geometry.dh[1].d_cm: unknown key; did you mean `d_mm`?"},
+      {"d_mm = 95\n", "", "r.toml:5:1: geometry.dh[1].d: missing: write `d_mm`, `d_m` or `d_in`"},
+      {"d_mm = 95", "d_mm = 95\nd_m = 0.095",
+       "r.toml:8:1: geometry.dh[1].d_m: the same quantity stands in `d_mm` already; keep one"},
+      {"d_mm = 95", "d_mm = \"95\"",
+       "r.toml:7:8: geometry.dh[1].d_mm: must be a number, not a string"},
+      {"d_mm = 95", "d_mm = nan",
+       "r.toml:7:8: geometry.dh[1].d_mm: must be -10000 to 10000 mm, not nan"},
+      {"d_mm = 95", "d_mm = +inf",
+       "r.toml:7:8: geometry.dh[1].d_mm: must be -10000 to 10000 mm, not inf"},
+      {"d_mm = 95", "d_m = 95", "r.toml:7:7: geometry.dh[1].d_m: must be -10 to 10 m, not 95"},
+      {"lower_deg = -30", "lower_deg = 70",
+       "r.toml:18:13: joint.elbow.upper_deg: limits reversed or equal: must be above the lower "
+       "limit, 70 deg"},
+      {"lower_deg = -30", "lower_deg = 60",
+       "r.toml:18:13: joint.elbow.upper_deg: limits reversed or equal: must be above the lower "
+       "limit, 60 deg"},
+      {"velocity_deg_s_max = 10", "velocity_deg_s_max = 0",
+       "r.toml:19:22: joint.elbow.velocity_deg_s_max: must be above 0 and at most 3600 deg/s, not "
+       "0"},
+      {"velocity_deg_s_max = 10", "velocity_max = 10",
+       "r.toml:19:1: joint.elbow.velocity_max: missing unit: write `velocity_deg_s_max` or "
+       "`velocity_rad_s_max`"},
+      {"home_deg = 0", "home_deg = 61",
+       "r.toml:22:12: joint.elbow.home_deg: must be inside the joint's limits, -30 deg to 60 deg"},
+      {"\"elbow\"", "\"J3\"",
+       "r.toml:16:8: joint[1].name: must be lower-case letters, digits and _, begin with a letter, "
+       "and not look like j1, which every robot has"},
+      {"\"elbow\"", "\"j3\"",
+       "r.toml:16:8: joint[1].name: must be lower-case letters, digits and _, begin with a letter, "
+       "and not look like j1, which every robot has"},
+      {"\"one\"", "\"One\"",
+       "r.toml:1:6: id: must be lower-case letters, digits and - between them"},
+      {"\"serial\"", "\"seriel\"",
+       "r.toml:4:8: geometry.kind: must be `serial`, `palletizer` or `hexapod`, not `seriel`; did "
+       "you mean `serial`?"},
+      {"\"none\"\nmotion", "\"nose\"\nmotion",
+       "r.toml:25:12: device.protocol: must be `none`, `bigrobotarm`, `lsc`, `maxarm`, `icp` or "
+       "`axis_registers`, not `nose`; did you mean `none`?"},
+      {"\"none\"\nmotion", "\"lsc\"\nmotion", "r.toml:24:1: device.baud: missing: write `baud`"},
+      {"\"none\"\nmotion", "\"bigrobotarm\"\nbaud = 250000\nsource = \"s\"\nmotion",
+       "r.toml:25:12: device.protocol: this firmware drives five joints, the robot has 1"},
+      {"[tool]\n", "[tol]\n", "r.toml:11:2: tol: unknown key; did you mean `tool`?"},
+      {"[0, 0, 10]", "[0, 0]", "r.toml:12:10: tool.xyz_mm: must have three numbers, not 2"},
+      {"source = \"s\"\n[tool]", "[tool]",
+       "r.toml:5:1: geometry.dh[1].source: missing: write where these numbers come from, or "
+       "\"assumed\""},
+      {"[geometry]\nkind = \"serial\"", "[geometry]\nkind = \"serial\"\npitch_preferred_deg = 180",
+       "r.toml:5:1: geometry.pitch_preferred_deg: unknown key; known here are `source`, `kind` or "
+       "`dh`"},
+  };
+  for (const auto& c : kCases) {
+    const Lines lines = complaints_with(c.from, c.to);
+    EXPECT_EQ(lines, Lines{c.complaint}) << c.from << " -> " << c.to;
+  }
+}
+
+TEST(RobotFile, all_complaints_come_at_once_in_the_order_of_the_file) {
+  std::string text = with(kOneJoint, "d_mm = 95", "d = 95");
+  text = with(text, "upper_deg = 60", "upper_deg = true");
+  text = with(text, "\"One joint\"", "\"\"");
+  text = with(text, "motion = \"stream\"", "motion = \"creep\"");
+  EXPECT_EQ(complaints(text),
+            (Lines{"r.toml:2:9: title: must be 1 to 120 bytes of text, not blank, without control "
+                   "characters",
+                   "r.toml:7:1: geometry.dh[1].d: missing unit: write `d_mm`, `d_m` or `d_in`",
+                   "r.toml:18:13: joint.elbow.upper_deg: must be a number, not true or false",
+                   "r.toml:26:10: device.motion: must be `stream` or `point_to_point`, not "
+                   "`creep`"}));
+}
+
+TEST(RobotFile, syntax_error_is_told_with_its_place_and_alone) {
+  const auto model = read_robot(with(kOneJoint, "[tool]", "[tool"), "r.toml");
+  ASSERT_FALSE(model.has_value());
+  ASSERT_EQ(model.error().size(), 1U);
+  EXPECT_EQ(model.error()[0].file, "r.toml");
+  EXPECT_EQ(model.error()[0].line, 11);
+  const Lines twice = complaints_with("d_mm = 95", "d_mm = 95\nd_mm = 95");
+  ASSERT_EQ(twice.size(), 1U);
+  EXPECT_TRUE(twice[0].starts_with("r.toml:8:")) << twice[0];
+}
+
+TEST(RobotFile, two_joints_of_one_name_are_told_apart) {
+  const std::string text = builtin("maxarm");
+  EXPECT_EQ(complaints(with(text, "name = \"forearm\"", "name = \"base\"")),
+            Lines{"r.toml:45:8: joint[3].name: joint 1 is called `base` already"});
+}
+
+TEST(RobotFile, joints_are_as_many_as_the_geometry_moves) {
+  const std::string one(kOneJoint);
+  const std::string joint =
+      one.substr(one.find("[[joint]]"), one.find("[device]") - one.find("[[joint]]"));
+  EXPECT_EQ(
+      complaints(with(kOneJoint, "[device]", with(joint, "\"elbow\"", "\"other\"") + "[device]")),
+      Lines{"r.toml:24:1: joint.other: the file has 2 of the 1 joints that the geometry moves"});
+  EXPECT_EQ(complaints(with(kOneJoint, joint, "")),
+            Lines{"r.toml:1:1: joint: missing: write `joint`"});
+
+  std::string hexapod = builtin("hexapod");
+  const std::size_t leg = hexapod.find("[[joint]]\nname = \"leg6\"");
+  hexapod.erase(leg, hexapod.find("[device]") - leg);
+  const Lines lines = complaints(hexapod);
+  ASSERT_EQ(lines.size(), 1U);
+  EXPECT_TRUE(
+      lines[0].ends_with("joint.leg5: the file has 5 of the 6 joints that the geometry moves"))
+      << lines[0];
+}
+
+TEST(RobotFile, rows_and_joints_beyond_the_bound_are_refused_without_harm) {
+  const std::string one(kOneJoint);
+  const std::string row =
+      one.substr(one.find("[[geometry.dh]]"), one.find("[tool]") - one.find("[[geometry.dh]]"));
+  std::string rows;
+  for (int i = 0; i < 20; ++i) rows += row;
+  EXPECT_EQ(complaints(with(kOneJoint, row, rows)),
+            (Lines{"r.toml:53:1: geometry.dh[9]: one row too many: a chain has at most 8",
+                   "r.toml:129:1: joint.elbow: the file has 1 of the 8 joints that the geometry "
+                   "moves"}));
+}
+
+TEST(RobotFile, hexapod_home_outside_the_legs_is_refused_with_the_length) {
+  const std::string text = with(builtin("hexapod"), "xyz_mm = [0, 0, 250]", "xyz_mm = [0, 0, 400]");
+  const Lines lines = complaints(text);
+  ASSERT_EQ(lines.size(), 6U);
+  EXPECT_NE(lines[0].find("the home pose needs 411.726 mm of `leg1`, limits 195 mm to 345 mm"),
+            std::string::npos)
+      << lines[0];
+}
+
+TEST(RobotFile, bigrobotarm_settings_are_checked_per_joint) {
+  const std::string text = builtin("bigrobotarm");
+  const auto complaint = [&](std::string_view from, std::string_view to) {
+    const Lines lines = complaints(with(text, from, to));
+    if (lines.size() != 1) return "not one complaint but " + std::to_string(lines.size());
+    return lines[0].substr(lines[0].find(": ") + 2);
+  };
+  EXPECT_EQ(complaint("[device.joint.elbow]", "[device.joint.elbo]"),
+            "device.joint.elbo: unknown key; did you mean `elbow`?");
+  EXPECT_EQ(complaint("steps_per_turn = 26000", "steps_per = 26000"),
+            "device.joint.base.steps_per: missing unit: write `steps_per_turn`, `steps_per_deg` or "
+            "`steps_per_rad`");
+  EXPECT_EQ(complaint("steps_per_turn = 26000", "steps_per_turn = 0"),
+            "device.joint.base.steps_per_turn: must be at least one step per radian, either sign");
+  EXPECT_EQ(complaint("multiplier_boot = 200", "multiplier_boot = 301"),
+            "device.joint.base.multiplier_boot: must be 1 to 300, not 301");
+  EXPECT_EQ(complaint("gripper_max = 180", "gripper_max = 256"),
+            "device.gripper_max: must be 0 to 255, not 256");
+  EXPECT_EQ(complaint("wire = \"byte\"", "wire = \"bytes\""),
+            "device.wire: must be `byte` or `text`, not `bytes`; did you mean `byte`?");
+}
+
+TEST(RobotFile, limits_may_stand_in_other_units_and_home_on_a_limit) {
+  std::string text = with(kOneJoint, "upper_deg = 60", "upper_rad = 1.0471975511965976");
+  text = with(text, "home_deg = 0", "home_deg = 60");
+  const auto model = read_robot(text, "r.toml");
+  ASSERT_TRUE(model.has_value()) << to_text(model.error().front());
+  EXPECT_LE(model->joints[0].home, model->joints[0].upper);
+  EXPECT_NEAR(model->joints[0].upper, from_deg(60), 1e-15);
+}
+
+TEST(RobotFile, bytes_that_are_no_text_are_refused) {
+  EXPECT_EQ(complaints(""), (Lines{"r.toml:1:1: geometry: missing: write `geometry`",
+                                   "r.toml:1:1: id: missing: write `id`",
+                                   "r.toml:1:1: title: missing: write `title`"}));
+  EXPECT_FALSE(read_robot(std::string(100, '\0'), "r").has_value());
+  EXPECT_FALSE(read_robot("\xff\xfe", "r").has_value());
+}
+
+}  // namespace
+}  // namespace sinew

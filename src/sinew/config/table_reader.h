@@ -1,0 +1,123 @@
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "sinew/config/complaint.h"
+#include "sinew/config/dimension.h"
+#include "sinew/config/toml_tree.h"
+#include "sinew/core/vec3.h"
+
+namespace sinew {
+
+enum class Presence : bool { kRequired, kOptional };
+
+/// One spelling of an enumeration.
+template <class T>
+struct Named {
+  std::string_view name;
+  T value;
+};
+
+/// Reads one table of a file strictly: every key must be asked for, every value must have its type
+/// and range, every table with numbers must say where they come from.
+///
+/// A `pattern` is a key with '*' where its unit stands: "d_*", "velocity_*_max". Every reading
+/// function returns whether it has written its last argument; what was wrong has been complained
+/// about by then. Keys that were not asked for come to light in `finish`, which closes a table.
+class TableReader {
+ public:
+  /// @param path  dotted path for complaints, empty for the root
+  TableReader(const TomlTable& table, Place place, std::string path, Findings& findings)
+      : table_(&table), place_(place), path_(std::move(path)), findings_(&findings) {}
+
+  /// A number with a unit; integers are numbers too. `out` and `range` in SI.
+  bool quantity(std::string_view pattern, Dimension dimension, const Range& range, double& out);
+  /// Three of them in a list.
+  bool vector(std::string_view pattern, Dimension dimension, const Range& range, Vec3& out);
+  /// A direction; `out` has length 1.
+  bool direction(std::string_view key, Vec3& out);
+  /// A number that has no unit.
+  bool number(std::string_view key, const Range& range, double& out);
+  template <class Integer>
+  bool integer(std::string_view key, std::int64_t lower, std::int64_t upper, Integer& out) {
+    std::int64_t value = 0;
+    if (!whole_number(key, lower, upper, value)) return false;
+    out = static_cast<Integer>(value);
+    return true;
+  }
+  /// Not blank, no control characters, at most `max_bytes` long.
+  bool text(std::string_view key, std::size_t max_bytes, std::string& out);
+  template <class T, std::size_t N>
+  bool choice(std::string_view key, const Named<T> (&names)[N], T& out) {
+    std::array<std::string_view, N> words;
+    for (std::size_t i = 0; i < N; ++i) words[i] = names[i].name;
+    std::size_t index = 0;
+    if (!one_of(key, words, index)) return false;
+    out = names[index].value;
+    return true;
+  }
+
+  std::optional<TableReader> table(std::string_view key, Presence presence = Presence::kRequired);
+  /// An array of tables, all of them; their paths are key[1], key[2] ...
+  std::vector<TableReader> tables(std::string_view key);
+
+  /// Complains at the value of a key that was asked for, or at the table if it is not there.
+  void complain(std::string_view pattern, std::string message);
+  /// Complains at the table itself.
+  void complain(std::string message);
+
+  /// No complaint about keys that were not asked for, unless they are misspelt ones that were:
+  /// something is wrong that decides which keys belong here.
+  void ignore_rest() { ignore_rest_ = true; }
+  /// Nothing in the whole file has been complained about so far.
+  bool clean() const { return findings_->clean(); }
+
+  /// Gives the table a name that people know, "joint.elbow" for "joint[3]".
+  void rename(std::string path) { path_ = std::move(path); }
+  /// Complains about keys nobody asked for, keys that are missing and constants without a source.
+  void finish();
+
+ private:
+  struct Asked {
+    std::string pattern;
+    std::vector<std::string> spellings;
+    const TomlEntry* entry = nullptr;
+    bool required = true;
+    bool constant = false;
+    bool excused = false;  ///< missing, but a complaint tells why already
+  };
+
+  const TomlEntry* ask(std::string_view pattern, Dimension dimension, Presence presence,
+                       bool constant);
+  bool real(const TomlNode& node, const std::string& key, const Unit& unit, const Range& range,
+            double& out);
+  bool three(std::string_view pattern, const TomlEntry* entry, const Unit& unit, const Range& range,
+             Vec3& out);
+  bool whole_number(std::string_view key, std::int64_t lower, std::int64_t upper,
+                    std::int64_t& out);
+  bool one_of(std::string_view key, std::span<const std::string_view> words, std::size_t& index);
+  void wrong_type(const TomlNode& node, const std::string& key, std::string_view wanted);
+  void check_unknown(const TomlEntry& entry);
+  bool is_missing(std::string_view spelling) const;
+  void check_sources();
+  void check_source_table(const TomlEntry& source, const TomlTable& sources);
+  std::string dotted(std::string_view key) const;
+  std::vector<const TomlEntry*> constants() const;
+
+  const TomlTable* table_;
+  Place place_;
+  std::string path_;
+  Findings* findings_;
+  std::vector<Asked> asked_;
+  bool ignore_rest_ = false;
+  bool source_excused_ = false;  ///< `source` is missing because its key is misspelt
+};
+
+/// "`d_mm`, `d_m` or `d_in`"
+std::string any_of_text(std::span<const std::string_view> words);
+
+}  // namespace sinew

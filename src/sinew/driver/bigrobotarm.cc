@@ -1,0 +1,350 @@
+#include "sinew/driver/bigrobotarm.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+
+#include "sinew/core/assert.h"
+
+namespace sinew {
+
+using namespace bigrobotarm;
+
+namespace {
+
+/// The firmware fills the top byte of a reported position with the sign alone.
+constexpr double kStepMax = (1 << 24) - 1;
+/// It keeps multipliers as floats and cuts them when it echoes.
+constexpr std::int32_t kEchoTolerance = 1;
+
+Error joint_error(ErrorCode code, std::size_t joint, double measured, double limit) {
+  return {code, static_cast<std::int8_t>(joint), measured, limit};
+}
+
+/// The step for `steps`, or the nearer neighbour where it cannot be sent.
+std::optional<std::int32_t> sendable_step(double steps) {
+  const auto nearest = static_cast<std::int32_t>(std::lround(steps));
+  const std::int32_t side = steps < nearest ? -1 : 1;
+  for (const std::int32_t candidate : {nearest, nearest + side, nearest - side}) {
+    if (byte::sendable(candidate)) return candidate;
+  }
+  return std::nullopt;
+}
+
+std::optional<Error> compare(const Words& reported, const Words& sent, std::int32_t tolerance) {
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    if (std::abs(std::int64_t{reported[i]} - sent[i]) > tolerance) {
+      return joint_error(ErrorCode::kReplyMismatch, i, reported[i], sent[i]);
+    }
+  }
+  return std::nullopt;
+}
+
+/// The byte that stands for a reply on the byte wire.
+double head_of(const Reply& reply) {
+  if (std::holds_alternative<Status>(reply)) return 0xCA;
+  if (std::holds_alternative<Invalid>(reply)) return 0xC9;
+  if (const auto* started = std::get_if<MotionStarted>(&reply)) {
+    return static_cast<double>(started->id);
+  }
+  return static_cast<double>(reply.index());  // GotoDone is 1, and so on
+}
+
+double head_due(const Request& request) {
+  if (std::holds_alternative<ReadStatus>(request)) return 0xCA;
+  return static_cast<double>(id_of(request));
+}
+
+}  // namespace
+
+BigRobotArmDriver::BigRobotArmDriver(const BigRobotArmDevice& device,
+                                     const BigRobotArmTiming& timing)
+    : device_(device), timing_(timing) {
+  for (const BigRobotArmJoint& joint : device.joints) SINEW_ASSERT(joint.steps_per_rad != 0);
+  SINEW_ASSERT(timing.quiet > Duration::zero() && timing.reply_timeout > Duration::zero());
+}
+
+void BigRobotArmDriver::open(Instant now) {
+  byte_decoder_.reset();
+  text_decoder_.reset();
+  output_.clear();
+  state_ = State::kQuiet;
+  doubt_told_ = false;
+  quiet_since_ = now;
+  deadline_ = now + timing_.quiet;
+}
+
+void BigRobotArmDriver::close() {
+  const bool known = state_ == State::kClosed;
+  state_ = State::kClosed;
+  deadline_.reset();
+  output_.clear();
+  if (!known) tell(Failed{{ErrorCode::kPortClosed}});
+}
+
+Expected<void> BigRobotArmDriver::read_status(Instant now) {
+  return ask(ReadStatus{}, now);
+}
+
+Expected<void> BigRobotArmDriver::move_to(const BigRobotArmAngles& q, Duration expected,
+                                          Instant now) {
+  const auto steps = steps_of(q);
+  if (!steps) return std::unexpected(steps.error());
+  const auto asked = ask(Goto{*steps}, now);
+  if (asked) expected_ = std::max(expected, Duration::zero());
+  return asked;
+}
+
+Expected<void> BigRobotArmDriver::home(Duration expected, Instant now) {
+  // The text wire's G28 would throw the gripper open as well, which nobody asked for.
+  const bool text = device_.wire == BigRobotArmWire::kText;
+  const auto asked = ask(text ? Request{Goto{}} : Request{Home{}}, now);
+  if (asked) expected_ = std::max(expected, Duration::zero());
+  return asked;
+}
+
+Expected<void> BigRobotArmDriver::set_speeds(const Words& multipliers, Instant now) {
+  if (const auto checked = check_multipliers(device_, multipliers); !checked) return checked;
+  return ask(SetSpeeds{multipliers}, now);
+}
+
+Expected<void> BigRobotArmDriver::set_accelerations(const Words& multipliers, Instant now) {
+  if (const auto checked = check_multipliers(device_, multipliers); !checked) return checked;
+  return ask(SetAccelerations{multipliers}, now);
+}
+
+Expected<void> BigRobotArmDriver::set_gripper(bool enabled, std::int32_t position, Instant now) {
+  if (position < 0 || position > std::min(device_.gripper_max, 255)) {
+    return std::unexpected(
+        Error{ErrorCode::kGripperRange, -1, 1.0 * position, 1.0 * device_.gripper_max});
+  }
+  return ask(SetGripper{enabled, static_cast<std::uint8_t>(position)}, now);
+}
+
+Expected<void> BigRobotArmDriver::reset_positions(Instant now) {
+  return ask(Reset{}, now);
+}
+
+Expected<Words> BigRobotArmDriver::steps_of(const BigRobotArmAngles& q) const {
+  Words words{};
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    const double steps = (q[i] - offset_[i]) * device_.joints[i].steps_per_rad;
+    // Written so that NaN is refused too.
+    if (!(std::abs(steps) <= kStepMax - 1)) {
+      return std::unexpected(joint_error(ErrorCode::kStepRange, i, steps, kStepMax));
+    }
+    words[i] = static_cast<std::int32_t>(std::lround(steps));
+    if (device_.wire == BigRobotArmWire::kText) continue;
+    const auto step = sendable_step(steps);
+    if (!step) return std::unexpected(joint_error(ErrorCode::kUnsendable, i, words[i], 0));
+    words[i] = *step;
+  }
+  return words;
+}
+
+BigRobotArmAngles BigRobotArmDriver::angles_of(const Words& steps) const {
+  BigRobotArmAngles q{};
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    q[i] = offset_[i] + steps[i] / device_.joints[i].steps_per_rad;
+  }
+  return q;
+}
+
+Expected<void> BigRobotArmDriver::ask(const Request& request, Instant now) {
+  if (state_ != State::kIdle) return std::unexpected(Error{ErrorCode::kBusy});
+  const bool fits = device_.wire == BigRobotArmWire::kByte ? byte::sendable(request)
+                                                           : text::sendable(text::Line{request});
+  if (!fits) {
+    const auto* gripper = std::get_if<SetGripper>(&request);
+    return std::unexpected(
+        Error{ErrorCode::kUnsendable, -1, gripper != nullptr ? 1.0 * gripper->position : 0.0});
+  }
+  send(request);
+  state_ = State::kAsked;
+  asked_at_ = now;
+  deadline_ = now + timing_.reply_timeout;
+  return {};
+}
+
+void BigRobotArmDriver::send(const Request& request) {
+  SINEW_ASSERT(output_.empty());
+  asked_ = request;
+  output_begun_ = false;
+  if (device_.wire == BigRobotArmWire::kByte) {
+    for (const std::uint8_t byte : byte::encode_request(request)) output_.push_back(byte);
+    output_.push_back(byte::kTerminator);
+  } else {
+    for (const char character : text::encode_line({request})) {
+      output_.push_back(static_cast<std::uint8_t>(character));
+    }
+    output_.push_back(text::kLineEnd);
+  }
+}
+
+void BigRobotArmDriver::receive(std::span<const std::uint8_t> bytes, Instant now) {
+  // What was due before these bytes came is late, whoever called first.
+  if (deadline_ && now > *deadline_) poll(now);
+  for (const std::uint8_t byte : bytes) {
+    if (state_ == State::kClosed) return;
+    if (state_ == State::kQuiet) {
+      deadline_ = now + timing_.quiet;
+      if (now - quiet_since_ > timing_.quiet_limit && !doubt_told_) {
+        doubt({ErrorCode::kUnexpectedReply, -1, 1.0 * byte, head_due(ReadStatus{})}, now);
+      }
+      continue;
+    }
+    const auto result = decode(byte);
+    if (state_ == State::kIdle || !output_.empty()) {
+      // Nothing was asked, or the question has not even left.
+      doubt({ErrorCode::kUnexpectedReply, -1, 1.0 * byte}, now);
+    } else if (result && !*result) {
+      doubt({ErrorCode::kUnexpectedReply, -1, 1.0 * result->error().seen,
+             1.0 * result->error().expected},
+            now);
+    } else if (result) {
+      if (const auto error = check(**result)) {
+        doubt(*error, now);
+      } else {
+        take_reply(**result);
+      }
+    }
+  }
+}
+
+std::optional<std::expected<Reply, Garbage>> BigRobotArmDriver::decode(std::uint8_t byte) {
+  if (device_.wire == BigRobotArmWire::kByte) return byte_decoder_.push(byte);
+  return text_decoder_.push(static_cast<char>(byte));
+}
+
+std::optional<Error> BigRobotArmDriver::check(const Reply& reply) const {
+  const Error unexpected{ErrorCode::kUnexpectedReply, -1, head_of(reply), head_due(asked_)};
+  if (std::holds_alternative<Invalid>(reply)) return Error{ErrorCode::kDeviceRefused};
+  if (const auto* started = std::get_if<MotionStarted>(&reply)) {
+    const bool due = state_ == State::kAsked && started->id == id_of(asked_);
+    return due ? std::nullopt : std::optional(unexpected);
+  }
+  const auto* go = std::get_if<Goto>(&asked_);
+  const bool motion = go != nullptr || std::holds_alternative<Home>(asked_);
+  if (motion && state_ != State::kMoving) return unexpected;
+  if (const auto* done = std::get_if<GotoDone>(&reply); done != nullptr && go != nullptr) {
+    return compare(done->positions, go->positions, 0);
+  }
+  if (const auto* done = std::get_if<HomeDone>(&reply);
+      done != nullptr && std::holds_alternative<Home>(asked_)) {
+    return compare(done->positions, Words{}, 0);
+  }
+  if (const auto* done = std::get_if<ResetDone>(&reply);
+      done != nullptr && std::holds_alternative<Reset>(asked_)) {
+    return compare(done->positions, Words{}, 0);
+  }
+  const auto* speeds = std::get_if<SetSpeeds>(&asked_);
+  if (const auto* echo = std::get_if<Speeds>(&reply); echo != nullptr && speeds != nullptr) {
+    return compare(echo->speeds, speeds->speeds, kEchoTolerance);
+  }
+  const auto* ramps = std::get_if<SetAccelerations>(&asked_);
+  if (const auto* echo = std::get_if<Accelerations>(&reply); echo != nullptr && ramps != nullptr) {
+    return compare(echo->accelerations, ramps->accelerations, kEchoTolerance);
+  }
+  const auto* grip = std::get_if<SetGripper>(&asked_);
+  if (const auto* echo = std::get_if<Gripper>(&reply); echo != nullptr && grip != nullptr) {
+    // A disabled gripper keeps its old position, whatever was asked.
+    const bool same =
+        echo->enabled == grip->enabled && (!grip->enabled || echo->position == grip->position);
+    if (same) return std::nullopt;
+    return Error{ErrorCode::kReplyMismatch, -1, 1.0 * echo->position, 1.0 * grip->position};
+  }
+  const bool status =
+      std::holds_alternative<Status>(reply) && std::holds_alternative<ReadStatus>(asked_);
+  return status ? std::nullopt : std::optional(unexpected);
+}
+
+void BigRobotArmDriver::take_reply(const Reply& reply) {
+  if (std::holds_alternative<MotionStarted>(reply)) {
+    state_ = State::kMoving;
+    deadline_ =
+        asked_at_ + from_seconds(to_seconds(expected_) * timing_.move_factor) + timing_.move_margin;
+    return tell(Started{});
+  }
+  if (const auto* status = std::get_if<Status>(&reply)) return take_status(*status);
+  if (const auto* done = std::get_if<GotoDone>(&reply)) positions_ = done->positions;
+  if (std::holds_alternative<HomeDone>(reply)) positions_ = {};
+  if (std::holds_alternative<ResetDone>(reply)) {
+    offset_ = angles_of(positions_);
+    positions_ = {};
+  }
+  state_ = State::kIdle;
+  deadline_.reset();
+  tell(Done{id_of(asked_), angles_of(positions_)});
+}
+
+void BigRobotArmDriver::take_status(const Status& status) {
+  const bool after_doubt = state_ == State::kVerify;
+  positions_ = status.positions;
+  state_ = State::kIdle;
+  deadline_.reset();
+  doubt_told_ = false;
+  tell(StatusRead{angles_of(positions_), status, after_doubt, looks_like_boot(status)});
+}
+
+bool BigRobotArmDriver::looks_like_boot(const Status& status) const {
+  Words boot{};
+  for (std::size_t i = 0; i < kJoints; ++i) boot[i] = device_.joints[i].multiplier_boot;
+  return status.positions == Words{} && !compare(status.speeds, boot, kEchoTolerance) &&
+         !compare(status.accelerations, boot, kEchoTolerance) && !status.sync &&
+         status.gripper.value_or(Gripper{true, 90}) == Gripper{true, 90};
+}
+
+void BigRobotArmDriver::poll(Instant now) {
+  if (!deadline_ || now < *deadline_) return;
+  if (state_ == State::kQuiet) {
+    if (!output_.empty()) {
+      deadline_ = now + timing_.quiet;
+      return;
+    }
+    byte_decoder_.reset();
+    text_decoder_.reset();
+    send(ReadStatus{});
+    state_ = State::kVerify;
+    asked_at_ = now;
+    deadline_ = now + timing_.reply_timeout;
+    return;
+  }
+  doubt({ErrorCode::kDeviceSilent, -1, to_seconds(now - asked_at_),
+         to_seconds(*deadline_ - asked_at_)},
+        now);
+}
+
+void BigRobotArmDriver::doubt(const Error& error, Instant now) {
+  // A request that has not begun to leave is dropped. One that has must go on: the real device
+  // takes a goto that breaks off for a goto to zero.
+  if (!output_begun_) output_.clear();
+  state_ = State::kQuiet;
+  quiet_since_ = now;
+  deadline_ = now + timing_.quiet;
+  if (!doubt_told_) tell(Failed{error});
+  doubt_told_ = true;
+}
+
+std::size_t BigRobotArmDriver::take_output(std::span<std::uint8_t> out) {
+  const std::size_t count = std::min(out.size(), output_.size());
+  std::copy_n(output_.begin(), count, out.begin());
+  std::copy(output_.begin() + count, output_.end(), output_.begin());
+  output_.resize(output_.size() - count);
+  output_begun_ = output_begun_ || count > 0;
+  return count;
+}
+
+std::optional<BigRobotArmDriver::Event> BigRobotArmDriver::take_event() {
+  if (events_.empty()) return std::nullopt;
+  const Event first = events_[0];
+  std::copy(events_.begin() + 1, events_.end(), events_.begin());
+  events_.pop_back();
+  return first;
+}
+
+void BigRobotArmDriver::tell(const Event& event) {
+  SINEW_ASSERT(!events_.full());
+  events_.push_back(event);
+}
+
+}  // namespace sinew

@@ -1,0 +1,158 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <variant>
+
+#include "sinew/core/error.h"
+#include "sinew/core/fixed_vector.h"
+#include "sinew/core/instant.h"
+#include "sinew/driver/bigrobotarm_multipliers.h"
+#include "sinew/model/device.h"
+#include "sinew/wire/bigrobotarm_byte.h"
+#include "sinew/wire/bigrobotarm_text.h"
+
+namespace sinew {
+
+using BigRobotArmAngles = std::array<double, bigrobotarm::kJoints>;  // rad, model's sign
+
+struct BigRobotArmTiming {
+  Duration reply_timeout = std::chrono::milliseconds(500);  ///< also until a motion is taken up
+  Duration quiet = std::chrono::milliseconds(100);          ///< silence that ends a doubt
+  Duration quiet_limit = std::chrono::seconds(5);  ///< a line that talks on for so long is told
+  double move_factor = 1.5;                        ///< of the expected duration, and
+  Duration move_margin = std::chrono::seconds(2);  ///< this on top: the device is slower than
+                                                   ///< its own profile where many joints step
+};
+
+/// Host side of the BigRobotArm, for both of its wires: rad to microsteps and back, one command at
+/// a time, every answer checked against what was asked. It has no clock and no port: bytes and
+/// Instants come in, bytes and events go out.
+///
+///   state    | what happens                           | next
+///   ---------+----------------------------------------+----------------------------------
+///   kClosed  | open                                   | kQuiet
+///   kQuiet   | a byte comes                           | kQuiet, the pause starts again
+///   kQuiet   | `quiet` without a byte                 | kVerify, a status is asked for
+///   kVerify  | the status comes                       | kIdle, StatusRead
+///   kVerify  | anything else, or nothing              | kQuiet
+///   kIdle    | a command                              | kAsked
+///   kIdle    | a byte nobody asked for                | kQuiet, Failed
+///   kAsked   | the right answer                       | kIdle, Done or StatusRead
+///   kAsked   | a motion is taken up                   | kMoving, Started
+///   kMoving  | the motion's answer                    | kIdle, Done
+///   kAsked,  | garbage, a wrong answer, a wrong value,| kQuiet, Failed
+///   kMoving  | or nothing in time                     |
+///   any      | close                                  | kClosed, Failed
+///
+/// A doubt is told once (Failed) and ends with StatusRead; until then every command is kBusy. The
+/// device has no stop: a motion that it took up ends where it was sent. All members are @rt.
+class BigRobotArmDriver {
+ public:
+  enum class State : std::uint8_t { kClosed, kQuiet, kVerify, kIdle, kAsked, kMoving };
+
+  struct Started {};
+  struct Done {
+    bigrobotarm::RequestId request{};
+    BigRobotArmAngles q{};  ///< rad, the last positions that the device reported: its targets
+  };
+  struct StatusRead {
+    BigRobotArmAngles q{};
+    bigrobotarm::Status status;
+    bool after_doubt = false;  ///< not asked for: the driver opened or recovered
+    /// All values are those of power-up: the board may have been reset, and its zero moved.
+    bool looks_like_boot = false;
+  };
+  struct Failed {
+    Error error;
+  };
+  using Event = std::variant<Started, Done, StatusRead, Failed>;
+
+  explicit BigRobotArmDriver(const BigRobotArmDevice& device, const BigRobotArmTiming& timing = {});
+
+  /// The port is open: waits for quiet, then reads the status.
+  void open(Instant now);
+  /// The port went away.
+  void close();
+
+  /// Model position of the device's zero, rad: after a reset of the board the host knows better
+  /// than its counters.
+  void set_offset(const BigRobotArmAngles& offset) { offset_ = offset; }
+  const BigRobotArmAngles& offset() const { return offset_; }
+
+  /// The commands. Done (StatusRead for read_status) or Failed follows.
+  /// @error kBusy: a command is under way, or a doubt, or the port is closed. Nothing is sent.
+  Expected<void> read_status(Instant now);
+
+  /// @param q         target, rad; goes to the nearest step, or on the byte wire, where that step
+  ///                  would be cut, to the nearer of its neighbours (Done tells where).
+  /// @param expected  how long the caller predicts the motion to take.
+  /// @error kStepRange (index, steps, the largest that the device reports rightly),
+  ///        kUnsendable (index, steps: neither it nor a neighbour), kBusy
+  Expected<void> move_to(const BigRobotArmAngles& q, Duration expected, Instant now);
+
+  /// To the device's zero. @error kBusy
+  Expected<void> home(Duration expected, Instant now);
+
+  /// @error kMultiplierRange, kUnsendable (index), kBusy
+  Expected<void> set_speeds(const bigrobotarm::Words& multipliers, Instant now);
+  Expected<void> set_accelerations(const bigrobotarm::Words& multipliers, Instant now);
+
+  /// @param position  degrees of the gripper's servo; it jumps there, and only when enabled.
+  /// @error kGripperRange (position, gripper_max), kUnsendable (13 on the byte wire), kBusy
+  Expected<void> set_gripper(bool enabled, std::int32_t position, Instant now);
+
+  /// The device's zero moves to where it stands; the offset moves along, so that q stays.
+  Expected<void> reset_positions(Instant now);
+
+  /// Bytes from the port; takes events out after each call (there is room for 16).
+  void receive(std::span<const std::uint8_t> bytes, Instant now);
+  /// Time passes.
+  void poll(Instant now);
+  /// When poll has something to do next.
+  std::optional<Instant> next_deadline() const { return deadline_; }
+
+  std::size_t take_output(std::span<std::uint8_t> out);
+  std::optional<Event> take_event();
+
+  State state() const { return state_; }
+
+ private:
+  using Words = bigrobotarm::Words;
+
+  Expected<bigrobotarm::Words> steps_of(const BigRobotArmAngles& q) const;
+  BigRobotArmAngles angles_of(const Words& steps) const;
+  Expected<void> ask(const bigrobotarm::Request& request, Instant now);
+  void send(const bigrobotarm::Request& request);
+  std::optional<std::expected<bigrobotarm::Reply, bigrobotarm::Garbage>> decode(std::uint8_t byte);
+  void take_reply(const bigrobotarm::Reply& reply);
+  void take_status(const bigrobotarm::Status& status);
+  std::optional<Error> check(const bigrobotarm::Reply& reply) const;
+  bool looks_like_boot(const bigrobotarm::Status& status) const;
+  void doubt(const Error& error, Instant now);
+  void tell(const Event& event);
+
+  BigRobotArmDevice device_;
+  BigRobotArmTiming timing_;
+  BigRobotArmAngles offset_{};
+
+  State state_ = State::kClosed;
+  bigrobotarm::Request asked_;
+  Instant asked_at_{};
+  Duration expected_{};  ///< of the motion under way
+  std::optional<Instant> deadline_;
+  Instant quiet_since_{};  ///< when the doubt began
+  bool doubt_told_ = false;
+  Words positions_{};  ///< as last reported
+
+  bigrobotarm::byte::ReplyDecoder byte_decoder_;
+  bigrobotarm::text::ReplyDecoder text_decoder_;
+  FixedVector<std::uint8_t, 128> output_;
+  bool output_begun_ = false;  ///< some of the request has left
+  FixedVector<Event, 16> events_;
+};
+
+}  // namespace sinew

@@ -1,0 +1,39 @@
+#pragma once
+
+#include "sinew/core/error.h"
+#include "sinew/model/device.h"
+#include "sinew/wire/bigrobotarm.h"
+
+namespace sinew {
+
+/// Speeds and accelerations of one move, hundredths of a motor revolution per s and s^2.
+struct BigRobotArmMultipliers {
+  bigrobotarm::Words speeds{};
+  bigrobotarm::Words accelerations{};
+};
+
+/// Seconds that one joint's trapezoid takes over `steps` (either sign); both multipliers >= 1. @rt
+double motion_time(const BigRobotArmJoint& joint, double steps, std::int32_t speed,
+                   std::int32_t acceleration);
+
+/// Multipliers with which all joints arrive together, none faster than `base`: what the device's
+/// own sync mode should do, which this host never uses because it counts in a frame of its own.
+/// The slowest joint keeps its base values; a joint that stands still keeps them too. Values that
+/// the byte wire cannot carry (13, 269, ...) are stepped over downwards.
+///
+/// @param deltas  microsteps to go, either sign.
+/// @return  motion times as near to the slowest joint's as whole multipliers come: within 3 % for
+///          ways of half a motor revolution to five and base values of 100 and more; a way of a
+///          few steps is over earlier, and base values below 10 leave little choice.
+/// @error kMultiplierRange (index, base value, multiplier_max)
+/// @rt      no allocation, no lock.
+Expected<BigRobotArmMultipliers> synchronised_multipliers(const BigRobotArmDevice& device,
+                                                          const bigrobotarm::Words& deltas,
+                                                          const BigRobotArmMultipliers& base);
+
+/// Every value in 1..multiplier_max, and none that the device's wire would be cut by.
+/// @error kMultiplierRange, kUnsendable; index: joint
+Expected<void> check_multipliers(const BigRobotArmDevice& device,
+                                 const bigrobotarm::Words& multipliers);
+
+}  // namespace sinew

@@ -1,0 +1,10 @@
+#pragma once
+
+#include <cstdint>
+
+namespace sinew::io {
+
+/// Sets any baud rate on an open serial device (250000 has no constant of its own); 0 or an errno.
+int set_baud_rate(int descriptor, std::uint32_t baud);
+
+}  // namespace sinew::io

@@ -1,0 +1,22 @@
+#include "sinew/io/clock.h"
+
+#include <algorithm>
+
+namespace sinew::io {
+
+Clock::Clock(double scale) : scale_(scale), start_(std::chrono::steady_clock::now()) {}
+
+Instant Clock::now() const {
+  const Duration real = std::chrono::steady_clock::now() - start_;
+  if (scale_ == 1) return Instant{real};
+  return Instant{from_seconds(to_seconds(real) * scale_)};
+}
+
+Duration Clock::until(Instant instant) const {
+  const Duration left = instant - now();
+  if (left <= Duration::zero()) return Duration::zero();
+  if (scale_ == 1) return left;
+  return from_seconds(to_seconds(left) / scale_);
+}
+
+}  // namespace sinew::io

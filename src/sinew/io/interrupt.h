@@ -1,0 +1,12 @@
+#pragma once
+
+namespace sinew::io {
+
+/// Catches Ctrl-C (SIGINT), SIGTERM and SIGHUP for the life of the process, so that a run can end
+/// in order. Loops look at `interrupts()` at least every 50 ms.
+void catch_interrupts();
+
+/// How often one of them came.
+int interrupts();
+
+}  // namespace sinew::io

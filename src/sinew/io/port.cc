@@ -1,0 +1,163 @@
+#include "sinew/io/port.h"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/ioctl.h>
+#include <termios.h>
+#include <unistd.h>
+
+#include <array>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/posix/stream_descriptor.hpp>
+#include <cerrno>
+#include <cstdlib>
+#include <optional>
+
+#include "sinew/io/baud_rate.h"
+
+namespace sinew::io {
+namespace {
+
+namespace asio = boost::asio;
+
+constexpr Duration kWriteTimeout = std::chrono::seconds(2);
+
+/// Raw, 8N1, no flow control, and no hang-up on close: dropping DTR resets many of these boards.
+int make_raw(int descriptor) {
+  termios settings{};
+  if (tcgetattr(descriptor, &settings) != 0) return errno;
+  cfmakeraw(&settings);
+  settings.c_iflag |= IGNBRK;
+  settings.c_cflag &= ~static_cast<tcflag_t>(CSTOPB | CRTSCTS | HUPCL);
+  settings.c_cflag |= CLOCAL | CREAD;
+  settings.c_cc[VMIN] = 1;
+  settings.c_cc[VTIME] = 0;
+  return tcsetattr(descriptor, TCSANOW, &settings) == 0 ? 0 : errno;
+}
+
+IoError open_error(const std::string& path, int errno_value) {
+  IoError error = system_error(path, errno_value);
+  if (errno_value == EACCES) {
+    error.sentence +=
+        "; on Debian the group 'dialout' may use serial ports: "
+        "sudo adduser $USER dialout, then log in again";
+  } else if (errno_value == ENOENT) {
+    error.sentence += "; ls /dev/serial/by-id shows what is plugged in";
+  }
+  return error;
+}
+
+}  // namespace
+
+struct Port::Implementation {
+  explicit Implementation(std::string path_of_port)
+      : path(std::move(path_of_port)), stream(context) {}
+  ~Implementation() {
+    if (peer >= 0) ::close(peer);
+  }
+
+  std::string path;
+  asio::io_context context;
+  asio::posix::stream_descriptor stream;
+  /// A pseudo-terminal's own other side: while it is open, hosts may come and go.
+  int peer = -1;
+};
+
+Port::Port(std::unique_ptr<Implementation> implementation)
+    : implementation_(std::move(implementation)) {}
+Port::Port(Port&&) noexcept = default;
+Port& Port::operator=(Port&&) noexcept = default;
+Port::~Port() = default;
+
+const std::string& Port::path() const {
+  return implementation_->path;
+}
+
+IoResult<Port> Port::open_serial(const std::string& path, std::uint32_t baud) {
+  auto port = std::make_unique<Implementation>(path);
+  const int descriptor = ::open(path.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
+  if (descriptor < 0) return std::unexpected(open_error(path, errno));
+  port->stream.assign(descriptor);
+  if (isatty(descriptor) == 0) {
+    return std::unexpected(IoError{path + ": not a serial port"});
+  }
+  // Two programs on one arm would each see half of its answers.
+  if (flock(descriptor, LOCK_EX | LOCK_NB) != 0 || ioctl(descriptor, TIOCEXCL) != 0) {
+    return std::unexpected(IoError{path + ": another program is using this port"});
+  }
+  if (const int error = make_raw(descriptor); error != 0) {
+    return std::unexpected(system_error(path, error));
+  }
+  if (const int error = set_baud_rate(descriptor, baud); error != 0) {
+    return std::unexpected(system_error(path + ": " + std::to_string(baud) + " baud", error));
+  }
+  tcflush(descriptor, TCIOFLUSH);
+  return Port(std::move(port));
+}
+
+IoResult<Port> Port::open_pseudo_terminal() {
+  const int descriptor = posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
+  if (descriptor < 0) return std::unexpected(system_error("pseudo-terminal", errno));
+  std::array<char, 128> name{};
+  if (grantpt(descriptor) != 0 || unlockpt(descriptor) != 0 ||
+      ptsname_r(descriptor, name.data(), name.size()) != 0) {
+    const int error = errno;
+    ::close(descriptor);
+    return std::unexpected(system_error("pseudo-terminal", error));
+  }
+  auto port = std::make_unique<Implementation>(name.data());
+  port->stream.assign(descriptor);
+  port->peer = ::open(name.data(), O_RDWR | O_NOCTTY | O_CLOEXEC);
+  if (port->peer < 0) return std::unexpected(system_error(port->path, errno));
+  if (const int error = make_raw(port->peer); error != 0) {
+    return std::unexpected(system_error(port->path, error));
+  }
+  return Port(std::move(port));
+}
+
+IoResult<std::size_t> Port::read(std::span<std::uint8_t> buffer, Duration timeout) {
+  auto& [path, context, stream, peer] = *implementation_;
+  std::optional<boost::system::error_code> result;
+  std::size_t count = 0;
+  stream.async_read_some(asio::buffer(buffer.data(), buffer.size()),
+                         [&](const boost::system::error_code& error, std::size_t size) {
+                           result = error;
+                           count = size;
+                         });
+  context.restart();
+  context.run_for(timeout);
+  if (!result) {
+    stream.cancel();
+    context.restart();
+    context.run();
+  }
+  if (*result == asio::error::operation_aborted) return 0;
+  if (*result) return std::unexpected(IoError{path + ": the other side closed the port"});
+  return count;
+}
+
+IoResult<void> Port::write(std::span<const std::uint8_t> bytes) {
+  auto& [path, context, stream, peer] = *implementation_;
+  while (!bytes.empty()) {
+    std::optional<boost::system::error_code> result;
+    std::size_t count = 0;
+    stream.async_write_some(asio::buffer(bytes.data(), bytes.size()),
+                            [&](const boost::system::error_code& error, std::size_t size) {
+                              result = error;
+                              count = size;
+                            });
+    context.restart();
+    context.run_for(kWriteTimeout);
+    if (!result) {
+      stream.cancel();
+      context.restart();
+      context.run();
+      return std::unexpected(IoError{path + ": the port takes no bytes"});
+    }
+    if (*result) return std::unexpected(IoError{path + ": the other side closed the port"});
+    bytes = bytes.subspan(count);
+  }
+  return {};
+}
+
+}  // namespace sinew::io

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "sinew/core/error.h"
+#include "sinew/core/fixed_vector.h"
+#include "sinew/model/robot_model.h"
+
+namespace sinew::kinematics {
+
+/// Ways in which a pose can be singular, as bits. At each of them some joint is free or two
+/// branches meet; the pose of the answer stays exact, its joints may jump between neighbours.
+enum Singularity : std::uint8_t {
+  kShoulderBit = 1,  ///< wrist on the first axis, or its two shoulder branches meet
+  kElbowBit = 2,     ///< arm straight or folded: the elbow's two branches meet
+  kWristBit = 4,     ///< two wrist axes in line
+};
+
+/// Below these measures an answer is flagged singular: the sine of the wrist's and the elbow's
+/// bend, and the wrist's distance from the first axis (m) with its sine from the shoulder's branch
+/// point. Outside of them joints come back to 1e-6 rad.
+inline constexpr double kSingularSine = 1e-4;
+inline constexpr double kSingularDistance = 1e-4;
+
+/// A target this far (m) outside of the reach still counts as on its edge, for rounding's sake.
+inline constexpr double kReachTolerance = 1e-10;
+
+/// One set of joint angles that puts the tool where it was asked for.
+struct IkBranch {
+  JointVector q;
+  bool within_limits = false;
+  std::uint8_t singular = 0;  ///< Singularity bits
+};
+
+/// All branches of one closed form; order is fixed (shoulder, elbow, wrist), not by preference.
+using IkBranches = FixedVector<IkBranch, 8>;
+
+/// Orders branches: those within their limits first, then by the largest joint move from `near`.
+void sort_by_distance(IkBranches& branches, std::span<const double> near);
+
+/// The limits that `q` breaks, one kJointLimit each with the joint, its value and the limit.
+using LimitViolations = FixedVector<Error, kMaxJoints>;
+LimitViolations limit_violations(std::span<const Joint> joints, std::span<const double> q);
+
+/// The refusal for an answer with no branch inside its limits: the smallest violation among those
+/// that are the worst of their branch, so "which joint, by how many degrees" names the nearest way.
+Error nearest_violation(std::span<const Joint> joints, const IkBranches& branches);
+
+/// Joint limits as plain arrays, and the choice of the full turn that suits them. @rt
+class JointRanges {
+ public:
+  explicit JointRanges(std::span<const Joint> joints);
+
+  /// Turns each angle by whole turns to the one nearest to `near` (0 where `near` is empty), and
+  /// by one more turn where only that lies inside the limits. Sets `within_limits`.
+  void settle(IkBranch& branch, std::span<const double> near) const;
+
+  bool contains(std::span<const double> q) const;
+  std::size_t size() const { return size_; }
+  double lower(std::size_t joint) const { return lower_[joint]; }
+  double upper(std::size_t joint) const { return upper_[joint]; }
+
+ private:
+  std::size_t size_ = 0;
+  std::array<double, kMaxJoints> lower_{};
+  std::array<double, kMaxJoints> upper_{};
+};
+
+}  // namespace sinew::kinematics

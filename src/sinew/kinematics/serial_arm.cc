@@ -1,0 +1,161 @@
+#include "sinew/kinematics/serial_arm.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sinew/core/trig.h"
+
+namespace sinew::kinematics {
+namespace {
+
+double excess(const Error& error) {
+  return std::abs(error.measured - error.limit);
+}
+
+}  // namespace
+
+PoseFT tool_pose(const SerialGeometry& geometry, std::optional<double> jaw_width) {
+  PoseFT X_FT = geometry.X_FT;
+  if (!geometry.gripper) return X_FT;
+  const JawGripper& jaws = *geometry.gripper;
+  const double open = jaw_width.value_or(jaws.width_max) / jaws.width_max;
+  const double reach = jaws.reach_closed + open * (jaws.reach_open - jaws.reach_closed);
+  X_FT.p = X_FT.p + reach * X_FT.R.z;
+  return X_FT;
+}
+
+SerialArm::SerialArm(const SerialGeometry& geometry, std::span<const Joint> joints,
+                     const PoseFT& X_FT)
+    : chain_(geometry), joints_(joints), X_FT_(X_FT) {
+  SerialGeometry with_tool = geometry;
+  with_tool.X_FT = X_FT;
+  if (const auto six = SixR::match(with_tool, joints)) {
+    solver_ = *six;
+  } else if (const auto pitch = FiveRPitch::match(with_tool, joints)) {
+    solver_ = *pitch;
+  } else if (const auto roll = FiveRRoll::match(with_tool, joints)) {
+    solver_ = *roll;
+  }
+}
+
+Expected<IkBranches> SerialArm::inverse(const PoseBT& X_BT, std::span<const double> near,
+                                        double tolerance) const {
+  if (const auto* six = std::get_if<SixR>(&solver_)) {
+    return six->inverse(X_BT * X_FT_.inverse(), near);
+  }
+  if (const auto* pitch = std::get_if<FiveRPitch>(&solver_)) {
+    const auto target = pitch->target(X_BT, tolerance);
+    if (!target) return std::unexpected(target.error());
+    return pitch->inverse(*target, X_FT_, near);
+  }
+  if (const auto* roll = std::get_if<FiveRRoll>(&solver_)) {
+    return inverse_rolling(*roll, X_BT, near, tolerance);
+  }
+  return inverse_general(X_BT, near);
+}
+
+/// A full pose for an arm whose roll follows from the rest: only branches that give the asked roll.
+Expected<IkBranches> SerialArm::inverse_rolling(const FiveRRoll& solver, const PoseBT& X_BT,
+                                                std::span<const double> near,
+                                                double tolerance) const {
+  auto all = solver.inverse({X_BT.p, X_BT.R.z}, near);
+  if (!all) return all;
+  IkBranches fitting;
+  Error refusal{ErrorCode::kRollNotFree, -1, 2 * kPi, 0};
+  const Rotation R_asked = X_BT.R;
+  for (IkBranch& branch : *all) {
+    const Rotation R = forward(branch.q).R;
+    const Vec3 x_asked = transposed_times(R, R_asked.x);
+    const double off = std::atan2(x_asked.y, x_asked.x);
+    if (std::abs(off) > tolerance && (branch.singular & kWristBit) != 0) {
+      // The forearm's roll is free here and turns the tool about its own axis: use it.
+      for (const double sign : {1.0, -1.0}) {
+        IkBranch turned = branch;
+        turned.q[3] += sign * off;
+        JointRanges(joints_).settle(turned, near);
+        if (angle_between(forward(turned.q).R, R_asked) > tolerance) continue;
+        fitting.push_back(turned);
+        break;
+      }
+    } else if (std::abs(off) <= tolerance) {
+      fitting.push_back(branch);
+    } else if (std::abs(off) < std::abs(refusal.measured - refusal.limit)) {
+      refusal.limit = fixed_xyz(R_asked).z;
+      refusal.measured = refusal.limit - off;
+    }
+  }
+  if (fitting.empty()) return std::unexpected(refusal);
+  return fitting;
+}
+
+Expected<IkBranches> SerialArm::inverse_general(const PoseBT& X_BT,
+                                                std::span<const double> near) const {
+  JointVector start;
+  for (std::size_t i = 0; i < chain_.size(); ++i) {
+    start.push_back(i < near.size() ? near[i] : (joints_[i].lower + joints_[i].upper) / 2);
+  }
+  const auto solution = inverse_numeric(chain_, joints_, X_BT * X_FT_.inverse(), start);
+  if (!solution) return std::unexpected(solution.error());
+  return IkBranches{IkBranch{.q = solution->q, .within_limits = true, .singular = 0}};
+}
+
+Expected<IkBranches> SerialArm::inverse_at_pitch(const Vec3& p_BT, double pitch,
+                                                 std::span<const double> near) const {
+  const bool on_axis = std::hypot(p_BT.x, p_BT.y) < kFreeDirection;
+  const double yaw = on_axis ? (near.empty() ? 0.0 : near[0]) : std::atan2(p_BT.y, p_BT.x);
+  if (const auto* solver = std::get_if<FiveRPitch>(&solver_)) {
+    return solver->inverse({.p_BT = p_BT, .pitch = pitch, .roll = 0, .yaw = yaw}, X_FT_, near);
+  }
+  if (const auto* solver = std::get_if<FiveRRoll>(&solver_)) {
+    const double level = std::sin(pitch);
+    const Vec3 approach{std::cos(yaw) * level, std::sin(yaw) * level, std::cos(pitch)};
+    return solver->inverse({p_BT, approach}, near);
+  }
+  return std::unexpected(Error{.code = ErrorCode::kTaskNotSupported});
+}
+
+Expected<SerialArm::PitchedBranches> SerialArm::inverse_nearest_pitch(
+    const Vec3& p_BT, double preferred, std::span<const double> near) const {
+  std::optional<Error> nearest;
+  const auto try_pitch = [&](double pitch) -> std::optional<PitchedBranches> {
+    const auto answer = inverse_at_pitch(p_BT, pitch, near);
+    if (answer) {
+      const auto inside = [](const IkBranch& branch) { return branch.within_limits; };
+      if (std::any_of(answer->begin(), answer->end(), inside)) return {{pitch, *answer}};
+    }
+    const Error error = answer ? nearest_violation(joints_, *answer) : answer.error();
+    // A limit is nearer than a target that no angle reaches.
+    const bool first_limit =
+        nearest && error.code == ErrorCode::kJointLimit && nearest->code != ErrorCode::kJointLimit;
+    if (!nearest || first_limit ||
+        (error.code == nearest->code && excess(error) < excess(*nearest))) {
+      nearest = error;
+    }
+    return {};
+  };
+
+  constexpr double kStep = kPi / 720;
+  constexpr int kSteps = 720;
+  for (int i = 0; i <= kSteps; ++i) {
+    for (const double side : {-1.0, 1.0}) {
+      auto found = try_pitch(preferred + side * i * kStep);
+      if (!found) continue;
+      // Between the last step that failed and this one lies the smallest tilt.
+      double inside = i * kStep;
+      double outside = std::max(0, i - 1) * kStep;
+      while (inside - outside > 1e-9) {
+        const double middle = (inside + outside) / 2;
+        if (const auto better = try_pitch(preferred + side * middle)) {
+          found = better;
+          inside = middle;
+        } else {
+          outside = middle;
+        }
+      }
+      return *found;
+    }
+  }
+  return std::unexpected(*nearest);
+}
+
+}  // namespace sinew::kinematics

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <array>
+#include <span>
+
+#include "sinew/core/pose.h"
+#include "sinew/model/robot_model.h"
+
+namespace sinew::kinematics {
+
+using PoseBF = Pose<frame::Base, frame::Flange>;
+
+/// Geometric Jacobian of a chain of n revolute joints: column i is what joint i contributes to the
+/// flange's twist, J_v in m/rad (velocity of the flange's origin) and J_w (angular velocity), both
+/// expressed in base B.
+struct Jacobian {
+  std::size_t size = 0;
+  std::array<Vec3, kMaxJoints> v;
+  std::array<Vec3, kMaxJoints> w;
+};
+
+/// Forward kinematics of an open chain, with the constants of its DH table folded once. Every
+/// function takes `q` in rad, one per row, |q| <= kSinCosRange. @rt
+class SerialChain {
+ public:
+  explicit SerialChain(const SerialGeometry& geometry);
+
+  std::size_t size() const { return size_; }
+  std::span<const DhRow> rows() const { return {rows_.data(), size_}; }
+
+  /// Flange in base; 1e-15 times the arm's length in m and 1e-15 rad.
+  PoseBF forward(std::span<const double> q) const;
+
+  /// Flange in base, and the Jacobian there.
+  PoseBF forward(std::span<const double> q, Jacobian& J) const;
+
+  /// X_{i-1,i} of one row: docs/kinematics/serial.md, eq. (1).
+  PoseBF link(std::size_t row, double q) const;
+
+  /// Longest way from the base origin to the flange that the lengths allow, m.
+  double length() const;
+
+ private:
+  struct Link {
+    double d, a, cos_alpha, sin_alpha;
+  };
+  template <class Visit>
+  PoseBF walk(std::span<const double> q, Visit&& visit) const;
+  void sines(std::span<const double> q, std::array<double, kMaxJoints>& s,
+             std::array<double, kMaxJoints>& c) const;
+
+  std::size_t size_ = 0;
+  std::array<DhRow, kMaxJoints> rows_{};
+  std::array<Link, kMaxJoints> links_{};
+  std::array<double, kMaxJoints> theta_offset_{};
+};
+
+/// Smallest singular value, and product of all of them (Yoshikawa's manipulability), of the
+/// Jacobian with its linear rows divided by `length` (m), which makes both free of units.
+struct Dexterity {
+  double singular_value_min = 0;
+  double manipulability = 0;
+};
+Dexterity dexterity(const Jacobian& J, double length);
+
+}  // namespace sinew::kinematics

@@ -1,0 +1,194 @@
+#include "sinew/program/sequence_plan.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "sinew/driver/bigrobotarm_multipliers.h"
+#include "sinew/wire/bigrobotarm_byte.h"
+
+namespace sinew::sequence {
+namespace {
+
+Error joint_error(ErrorCode code, std::size_t joint, double measured, double limit) {
+  return {code, static_cast<std::int8_t>(joint), measured, limit};
+}
+
+/// Follows a program with the device's state in mind and writes the orders down.
+class Planner {
+ public:
+  Planner(const RobotModel& robot, const DeviceState& start)
+      : robot_(robot),
+        device_(std::get<BigRobotArmDevice>(robot.device.settings)),
+        positions_(start.positions),
+        wanted_{start.speeds, start.accelerations},
+        set_(wanted_) {}
+
+  std::optional<Error> add(const Step& step, int round, int rounds) {
+    line_ = step.line;
+    round_ = round;
+    rounds_ = rounds;
+    return std::visit([this](const auto& command) { return take(command); }, step.command);
+  }
+
+  Plan finish() {
+    if (const auto error = set_multipliers(wanted_)) return plan_;  // they were accepted before
+    return std::move(plan_);
+  }
+
+ private:
+  template <class What>
+  void order(const What& what) {
+    plan_.orders.push_back({line_, round_, rounds_, what});
+  }
+
+  static Words overlay(Words base, const GivenWords& given) {
+    std::copy_n(given.words.begin(), given.count, base.begin());
+    return base;
+  }
+
+  BigRobotArmAngles angles(const Words& steps) const {
+    BigRobotArmAngles q;
+    for (std::size_t i = 0; i < kBigRobotArmJoints; ++i) {
+      q[i] = (zero_[i] + steps[i]) / device_.joints[i].steps_per_rad;
+    }
+    return q;
+  }
+
+  std::optional<Error> take(const Move& move) {
+    return move_to(overlay(positions_, move.steps), false);
+  }
+  std::optional<Error> take(const Home&) { return move_to(Words{}, true); }
+
+  std::optional<Error> take(const Reset&) {
+    order(ResetOrder{});
+    for (std::size_t i = 0; i < kBigRobotArmJoints; ++i) zero_[i] += positions_[i];
+    positions_ = {};
+    return {};
+  }
+  std::optional<Error> take(const Speeds& speeds) {
+    wanted_.speeds = overlay(wanted_.speeds, speeds.multipliers);
+    return set_multipliers(wanted_);
+  }
+  std::optional<Error> take(const Accelerations& accelerations) {
+    wanted_.accelerations = overlay(wanted_.accelerations, accelerations.multipliers);
+    return set_multipliers(wanted_);
+  }
+  std::optional<Error> take(const Gripper& gripper) {
+    if (gripper.position < 0 || gripper.position > device_.gripper_max) {
+      return Error{ErrorCode::kGripperRange, -1, 1.0 * gripper.position, 1.0 * device_.gripper_max};
+    }
+    order(GripperOrder{gripper.enabled, gripper.position});
+    return {};
+  }
+  std::optional<Error> take(const Synchronise& synchronise) {
+    synchronise_ = synchronise.on;
+    return synchronise_ ? std::nullopt : set_multipliers(wanted_);
+  }
+
+  /// Orders only what differs from what the device has.
+  std::optional<Error> set_multipliers(const BigRobotArmMultipliers& multipliers) {
+    if (multipliers.speeds != set_.speeds) {
+      if (const auto fine = check_multipliers(device_, multipliers.speeds); !fine) {
+        return fine.error();
+      }
+      order(SpeedsOrder{multipliers.speeds});
+    }
+    if (multipliers.accelerations != set_.accelerations) {
+      if (const auto fine = check_multipliers(device_, multipliers.accelerations); !fine) {
+        return fine.error();
+      }
+      order(AccelerationsOrder{multipliers.accelerations});
+    }
+    set_ = multipliers;
+    return {};
+  }
+
+  std::optional<Error> move_to(const Words& target, bool home) {
+    const BigRobotArmAngles q = angles(target);
+    for (std::size_t i = 0; i < kBigRobotArmJoints; ++i) {
+      const Joint& joint = robot_.joints[i];
+      // Whole steps are coarser than the limit's rounding: half a step is still on the limit.
+      const double half_step = 0.5 / std::abs(device_.joints[i].steps_per_rad);
+      if (q[i] < joint.lower - half_step) {
+        return joint_error(ErrorCode::kJointLimit, i, q[i], joint.lower);
+      }
+      if (q[i] > joint.upper + half_step) {
+        return joint_error(ErrorCode::kJointLimit, i, q[i], joint.upper);
+      }
+      const bool byte_wire = device_.wire == BigRobotArmWire::kByte;
+      using bigrobotarm::byte::sendable;
+      if (byte_wire && !sendable(target[i]) && !sendable(target[i] - 1) &&
+          !sendable(target[i] + 1)) {
+        return joint_error(ErrorCode::kUnsendable, i, target[i], 0);
+      }
+    }
+    Words deltas;
+    for (std::size_t i = 0; i < kBigRobotArmJoints; ++i) deltas[i] = target[i] - positions_[i];
+    if (synchronise_) {
+      const auto scaled = synchronised_multipliers(device_, deltas, wanted_);
+      if (!scaled) return scaled.error();
+      if (const auto error = set_multipliers(*scaled)) return error;
+    }
+    order(predict(target, q, home));
+    positions_ = target;
+    return {};
+  }
+
+  MoveOrder predict(const Words& target, const BigRobotArmAngles& q, bool home) {
+    MoveOrder move{.q_start = angles(positions_), .q = q, .home = home, .profiles = {}};
+    for (std::size_t i = 0; i < kBigRobotArmJoints; ++i) {
+      if (target[i] == positions_[i]) continue;
+      const BigRobotArmJoint& joint = device_.joints[i];
+      const double unit = joint.steps_per_motor_rev / 100 / std::abs(joint.steps_per_rad);
+      // A device that was set to nonsense is predicted as if it crept.
+      const double speed = std::max(1, set_.speeds[i]) * unit;
+      const double acceleration = std::max(1, set_.accelerations[i]) * unit;
+      move.profiles[i] = Trapezoid(q[i] - move.q_start[i], speed, acceleration);
+      move.duration = std::max(move.duration, move.profiles[i].duration());
+    }
+    plan_.duration += move.duration;
+    ++plan_.moves;
+    return move;
+  }
+
+  const RobotModel& robot_;
+  const BigRobotArmDevice& device_;
+  Words positions_;
+  Words zero_{};  ///< the device's zero, in steps from the first one
+  BigRobotArmMultipliers wanted_;
+  BigRobotArmMultipliers set_;
+  bool synchronise_ = false;
+  int line_ = 0;
+  int round_ = 1;
+  int rounds_ = 1;
+  Plan plan_;
+};
+
+}  // namespace
+
+DeviceState boot_state(const BigRobotArmDevice& device) {
+  DeviceState state;
+  for (std::size_t i = 0; i < kBigRobotArmJoints; ++i) {
+    state.speeds[i] = device.joints[i].multiplier_boot;
+    state.accelerations[i] = device.joints[i].multiplier_boot;
+  }
+  return state;
+}
+
+std::expected<Plan, PlanRefusal> make_plan(const Program& program, const RobotModel& robot,
+                                           const DeviceState& start) {
+  Planner planner(robot, start);
+  for (const Section& section : program.sections) {
+    for (int round = 1; round <= section.repeats; ++round) {
+      for (const Step& step : section.steps) {
+        if (const auto error = planner.add(step, round, section.repeats)) {
+          return std::unexpected(PlanRefusal{step.line, *error});
+        }
+      }
+    }
+  }
+  return planner.finish();
+}
+
+}  // namespace sinew::sequence

@@ -1,0 +1,78 @@
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "sinew/program/sequence_plan.h"
+
+namespace sinew::sequence {
+
+/// What became of one order.
+struct Record {
+  const Order* order = nullptr;
+  Instant asked{};
+  Instant started{};  ///< when the device took a motion up; else as asked
+  Instant done{};
+  BigRobotArmAngles q_reported{};  ///< rad; the device reports its targets
+};
+
+/// Runs a program on a BigRobotArm through its driver, one order at a time. It has no clock and no
+/// port: `poll` follows each receive() or poll() of the driver.
+///
+///   phase     | what happens                   | next
+///   ----------+--------------------------------+-----------------------------
+///   kOpening  | the device's first status      | kRunning, or kFailed (refused)
+///   kRunning  | an order is done               | kRunning, kDone after the last
+///   kRunning  | stop()                         | kStopping
+///   kRunning, | an order fails                 | kFailed
+///   kStopping | the order under way is done    | kStopped
+///
+/// The device has no stop: a motion that it took up is finished in any case.
+class Run {
+ public:
+  enum class Phase { kOpening, kRunning, kStopping, kDone, kStopped, kFailed };
+
+  /// @param robot, driver  outlive the run
+  Run(const Program& program, const RobotModel& robot, BigRobotArmDriver& driver);
+
+  /// The port is open.
+  void start(Instant now);
+  void poll(Instant now);
+  /// No further orders.
+  void stop();
+
+  Phase phase() const { return phase_; }
+  bool finished() const { return phase_ >= Phase::kDone; }
+  const Plan& plan() const { return plan_; }
+  std::span<const Record> records() const { return records_; }
+  /// The order under way, if any.
+  std::optional<Record> under_way() const;
+
+  /// Predicted motion that is behind the run, s.
+  double progress(Instant now) const;
+
+  /// Why the phase is kFailed: the line (0: before the first order) and the reason.
+  const std::optional<PlanRefusal>& failure() const { return failure_; }
+  /// The device answered with the values of power-up: it may have been reset, and its zero moved.
+  bool looked_like_boot() const { return looked_like_boot_; }
+
+ private:
+  void take(const BigRobotArmDriver::StatusRead& status);
+  void issue_next(Instant now);
+  Expected<void> issue(const Order& order, Instant now);
+  void fail(const Error& error);
+
+  const Program& program_;
+  const RobotModel& robot_;
+  BigRobotArmDriver& driver_;
+  Phase phase_ = Phase::kOpening;
+  Plan plan_;
+  std::size_t next_ = 0;
+  std::optional<Record> current_;
+  std::vector<Record> records_;
+  std::optional<PlanRefusal> failure_;
+  bool looked_like_boot_ = false;
+};
+
+}  // namespace sinew::sequence

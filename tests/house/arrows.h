@@ -1,0 +1,73 @@
+#pragma once
+
+#include <array>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "house/source_tree.h"
+
+namespace sinew::house {
+
+/// One folder below src/sinew and the folders it points at, space-separated.
+struct FolderArrows {
+  std::string_view folder;
+  std::string_view points_at;
+};
+
+/// The arrows of the house. A folder may include what it reaches by following them, everything
+/// reaches core, and "*" is all folders. New arrows are a design decision, not a fix for a test.
+inline constexpr std::array kArrows = std::to_array<FolderArrows>({
+    {"core", ""},
+    {"mcu", ""},
+    {"model", ""},
+    {"io", ""},
+    {"config", "model"},
+    {"kinematics", "model"},
+    {"vision", "model"},
+    {"wire", "mcu"},
+    {"motion", "mcu"},
+    {"device", "wire motion kinematics"},
+    {"driver", "wire model"},
+    {"planning", "motion kinematics model"},
+    {"sim", "device kinematics model"},
+    {"control", "driver planning"},
+    {"program", "control"},
+    {"runtime", "io sim program control driver vision config"},
+    {"server", "runtime"},
+    {"cli", "*"},
+});
+
+/// Headers by which bytes, files or time leave the process, and the folders that may include them.
+/// A name that ends in '/' means everything below it.
+struct GuardedHeaders {
+  std::string_view headers;
+  std::string_view folders;
+};
+
+inline constexpr std::array kGuardedHeaders = std::to_array<GuardedHeaders>({
+    {"unistd.h fcntl.h termios.h poll.h pty.h netdb.h dirent.h sys/ linux/ netinet/ arpa/", "io"},
+    {"boost/asio/ boost/asio.hpp", "io server"},
+    {"boost/beast/ boost/beast.hpp", "server"},
+});
+
+/// Folders that move the machine or speak its bytes: they never see a clock, file, socket or
+/// thread, so that one seed replays one whole run.
+inline constexpr std::string_view kPureFolders =
+    "mcu control driver device wire motion planning kinematics";
+
+inline constexpr std::string_view kNotInPureFolders =
+    "thread mutex shared_mutex condition_variable future semaphore latch barrier stop_token "
+    "pthread.h fstream iostream filesystem cstdio stdio.h ctime time.h";
+
+/// Complaints of the form `path:line: what is wrong`; an empty list is a clean house. Unit tests
+/// (*_test.cc, *_test*.h) may include anything, and may not sleep.
+std::vector<std::string> check_arrows(std::span<const SourceFile> files);
+std::vector<std::string> check_guarded_headers(std::span<const SourceFile> files);
+std::vector<std::string> check_clocks_and_sleeps(std::span<const SourceFile> files);
+
+/// What `folder` may include besides itself, sorted; empty for a folder that has no row.
+std::vector<std::string> reachable_from(std::string_view folder);
+
+}  // namespace sinew::house

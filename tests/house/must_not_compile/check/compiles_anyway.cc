@@ -1,0 +1,4 @@
+// error: never seen
+int main() {
+  return 0;
+}

@@ -1,0 +1,96 @@
+#include "support/robot_promises.h"
+
+#include <cmath>
+#include <set>
+
+#include "sinew/core/units.h"
+
+namespace sinew::test {
+namespace {
+
+bool finite(const Vec3& v) {
+  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+bool unit(const Vec3& v) {
+  return std::abs(norm(v) - 1) < 1e-12;
+}
+bool positive(double value) {
+  return std::isfinite(value) && value > 0;
+}
+bool proper(const Rotation& R) {
+  return unit(R.x) && unit(R.y) && unit(R.z) && norm(cross(R.x, R.y) - R.z) < 1e-12;
+}
+
+std::string broken(const SerialGeometry& geometry) {
+  if (geometry.rows.empty()) return "chain without rows";
+  for (const DhRow& row : geometry.rows) {
+    if (!finite({row.d, row.a, row.alpha}) || !std::isfinite(row.theta_offset)) return "DH row";
+  }
+  if (!proper(geometry.X_FT.R) || !finite(geometry.X_FT.p)) return "tool pose";
+  if (const auto& gripper = geometry.gripper) {
+    if (!positive(gripper->width_max)) return "gripper width";
+    if (!std::isfinite(gripper->reach_open + gripper->reach_closed)) return "gripper reach";
+  }
+  return geometry.pitch_preferred >= 0 && geometry.pitch_preferred <= kPi ? "" : "pitch";
+}
+
+std::string broken(const PalletizerGeometry& geometry) {
+  if (!positive(geometry.upper_arm) || !positive(geometry.forearm)) return "palletizer link";
+  const double sum = geometry.base_height + geometry.shoulder_offset + geometry.tool_offset;
+  if (!std::isfinite(sum) || !std::isfinite(geometry.base_front)) return "palletizer offset";
+  return geometry.radius_min >= 0 ? "" : "palletizer radius";
+}
+
+std::string broken(const HexapodGeometry& geometry) {
+  for (std::size_t i = 0; i < kLegs; ++i) {
+    if (!finite(geometry.p_BA[i]) || !finite(geometry.p_PA[i])) return "anchor";
+    if (!unit(geometry.motor_axis_B[i]) || !unit(geometry.skewer_axis_P[i])) return "axis";
+  }
+  if (!positive(geometry.cardan_angle_max) || !positive(geometry.ball_angle_max)) return "cone";
+  if (!positive(geometry.condition_max) || geometry.condition_max < 1 ||
+      !positive(geometry.platform_radius))
+    return "condition";
+  return proper(geometry.X_BP_home.R) ? "" : "home pose";
+}
+
+std::size_t joints_of(const Geometry& geometry) {
+  if (const auto* serial = std::get_if<SerialGeometry>(&geometry)) return serial->rows.size();
+  return std::holds_alternative<PalletizerGeometry>(geometry) ? 3 : kLegs;
+}
+
+std::string broken(const BigRobotArmDevice& device) {
+  for (const BigRobotArmJoint& joint : device.joints) {
+    if (!positive(std::abs(joint.steps_per_rad))) return "steps per rad";
+    if (!positive(joint.steps_per_motor_rev)) return "steps per motor rev";
+    if (joint.multiplier_boot < 1 || joint.multiplier_boot > device.multiplier_max) {
+      return "multiplier";
+    }
+  }
+  return "";
+}
+
+}  // namespace
+
+std::string broken_promise(const RobotModel& model) {
+  if (model.id.empty() || model.title.empty()) return "id or title";
+  if (model.joints.size() != joints_of(model.geometry)) return "number of joints";
+  std::set<std::string> names;
+  for (const Joint& joint : model.joints) {
+    if (joint.name.empty() || !names.insert(joint.name).second) return "name " + joint.name;
+    const bool ordered = joint.lower < joint.upper;  // false for NaN, too
+    if (!ordered) return "limits of " + joint.name;
+    const bool home_inside = joint.home >= joint.lower && joint.home <= joint.upper;
+    if (!home_inside) return "home of " + joint.name;
+    if (!positive(joint.velocity_max) || !positive(joint.acceleration_max) ||
+        !positive(joint.jerk_max)) {
+      return "maxima of " + joint.name;
+    }
+  }
+  if (const auto* device = std::get_if<BigRobotArmDevice>(&model.device.settings)) {
+    if (model.joints.size() != kBigRobotArmJoints) return "joints of the device";
+    if (std::string text = broken(*device); !text.empty()) return text;
+  }
+  return std::visit([](const auto& geometry) { return broken(geometry); }, model.geometry);
+}
+
+}  // namespace sinew::test
