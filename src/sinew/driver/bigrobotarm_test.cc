@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iostream>
+#include <string_view>
 #include <vector>
 
 #include "sinew/core/units.h"
@@ -361,6 +363,7 @@ TEST(BigRobotArmDriver, echo_may_be_one_less_but_not_two) {
     ASSERT_EQ(cell.events.size(), 1U);
     EXPECT_EQ(cell.last<Driver::Done>() != nullptr, right) << echo;
     if (right) continue;
+    ASSERT_NE(cell.last<Driver::Failed>(), nullptr);
     EXPECT_EQ(cell.last<Driver::Failed>()->error,
               (Error{ErrorCode::kReplyMismatch, 1, 1.0 * echo, 117}));
   }
@@ -397,6 +400,57 @@ TEST(BigRobotArmDriver, refusal_and_unasked_bytes_end_in_a_status) {
   cell.run_for(1s);
   EXPECT_EQ(cell.failure(), ErrorCode::kDeviceRefused);
   EXPECT_NE(cell.last<Driver::StatusRead>(), nullptr);
+}
+
+TEST(BigRobotArmDriver, reply_after_its_deadline_counts_as_silence) {
+  Cell cell;
+  cell.link.cut = true;
+  ASSERT_TRUE(cell.driver.set_gripper(true, 40, cell.now));
+  cell.run_for(1ms);
+  cell.driver.receive(byte::encode_reply(Gripper{true, 40}), cell.now + 1s);
+  const auto event = cell.driver.take_event();
+  ASSERT_TRUE(event && std::holds_alternative<Driver::Failed>(*event));
+  EXPECT_EQ(std::get<Driver::Failed>(*event).error.code, ErrorCode::kDeviceSilent);
+  EXPECT_EQ(cell.driver.state(), Driver::State::kQuiet);
+}
+
+TEST(BigRobotArmDriver, half_a_reply_does_not_spoil_the_status_that_follows) {
+  Cell cell;
+  cell.link.cut = true;
+  ASSERT_TRUE(cell.driver.set_gripper(true, 40, cell.now));
+  cell.run_for(1ms);
+  const auto reply = byte::encode_reply(Gripper{true, 40});
+  cell.driver.receive(std::span<const std::uint8_t>(reply).first(5), cell.now);
+  cell.run_for(500ms);
+  cell.link.cut = false;
+  cell.link.to_arm.clear();
+  cell.run_for(1s);
+  EXPECT_NE(cell.last<Driver::StatusRead>(), nullptr);
+  EXPECT_EQ(cell.link.to_arm.size(), 2U) << "one status is enough";
+}
+
+TEST(BigRobotArmDriver, answer_to_a_question_that_has_not_left_is_no_answer) {
+  Cell cell;
+  ASSERT_TRUE(cell.driver.set_gripper(true, 40, cell.now));
+  cell.driver.receive(byte::encode_reply(Gripper{true, 40}), cell.now);
+  cell.run_for(1s);
+  EXPECT_EQ(cell.failure(), ErrorCode::kUnexpectedReply);
+  EXPECT_EQ(cell.firmware.gripper().position, 90) << "what had not begun to leave was dropped";
+}
+
+TEST(BigRobotArmDriver, motion_that_was_never_taken_up_is_not_done) {
+  Cell cell(arm(BigRobotArmWire::kText));
+  cell.link.cut = true;
+  ASSERT_TRUE(cell.driver.move_to({}, 1s, cell.now));
+  cell.run_for(1ms);
+  // The echo is of another command, so that nothing says that a motion began.
+  const std::string_view reply =
+      "Free mem: 1\r\nProcess command: G92\r\nBigRobotArm::MOVING-TO\r\n"
+      "BigRobotArm::POSITION: B0 S0 E0 WR0 W0\r\nBigRobotArm::READY\r\n";
+  cell.driver.receive({reinterpret_cast<const std::uint8_t*>(reply.data()), reply.size()},
+                      cell.now);
+  cell.run_for(1ms);
+  EXPECT_EQ(cell.failure(), ErrorCode::kUnexpectedReply);
 }
 
 TEST(BigRobotArmDriver, line_that_never_falls_silent_is_told) {

@@ -1,0 +1,151 @@
+#include "sinew/cli/plot_svg.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "sinew/cli/table.h"
+
+namespace sinew::cli {
+namespace {
+
+constexpr double kWidth = 960;
+constexpr double kPanelHeight = 260;
+constexpr double kLeft = 64;
+constexpr double kRight = 150;
+constexpr double kTop = 56;
+constexpr double kGap = 48;
+constexpr double kPlotWidth = kWidth - kLeft - kRight;
+
+/// Okabe and Ito's palette: told apart by readers of every kind of colour vision.
+constexpr std::array<const char*, 8> kColours{"#0072b2", "#d55e00", "#009e73", "#cc79a7",
+                                              "#e69f00", "#56b4e9", "#8a6d00", "#666666"};
+
+std::string escaped(const std::string& text) {
+  std::string result;
+  for (const char c : text) {
+    if (c == '<') {
+      result += "&lt;";
+    } else if (c == '&') {
+      result += "&amp;";
+    } else {
+      result += c;
+    }
+  }
+  return result;
+}
+
+struct Axis {
+  double lower = 0;
+  double upper = 1;
+  double step = 1;
+};
+
+/// Round numbers that hold all values, about `ticks` of them.
+Axis axis_for(double lower, double upper, int ticks) {
+  if (upper - lower < 1e-9) {
+    lower -= 1;
+    upper += 1;
+  }
+  const double raw = (upper - lower) / ticks;
+  const double power = std::pow(10, std::floor(std::log10(raw)));
+  double step = 10 * power;
+  for (const double nice : {1.0, 2.0, 5.0}) {
+    if (raw <= nice * power) {
+      step = nice * power;
+      break;
+    }
+  }
+  return {std::floor(lower / step) * step, std::ceil(upper / step) * step, step};
+}
+
+class Picture {
+ public:
+  Picture(const std::string& title, const std::vector<double>& t_s, std::size_t panels)
+      : t_s_(t_s) {
+    const double height = kTop + static_cast<double>(panels) * (kPanelHeight + kGap);
+    svg_ = fmt::format(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0} {1}\" width=\"{0}\" "
+        "height=\"{1}\" font-family=\"system-ui, sans-serif\" font-size=\"12\">\n"
+        "<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n"
+        "<text x=\"{2}\" y=\"30\" font-size=\"17\" font-weight=\"600\" "
+        "fill=\"#1a1a1a\">{3}</text>\n",
+        kWidth, height, kLeft, escaped(title));
+    time_ = axis_for(0, t_s.empty() ? 1 : t_s.back(), 10);
+    if (!t_s.empty()) time_.upper = t_s.back() > 0 ? t_s.back() : 1;
+  }
+
+  void add(const Panel& panel, std::size_t index) {
+    const double top = kTop + static_cast<double>(index) * (kPanelHeight + kGap);
+    double lower = 0;
+    double upper = 0;
+    for (const Curve& curve : panel.curves) {
+      for (const double value : curve.values) {
+        lower = std::min(lower, value);
+        upper = std::max(upper, value);
+      }
+    }
+    const Axis axis = axis_for(lower, upper, 6);
+    const auto y = [&](double value) {
+      return top + kPanelHeight * (axis.upper - value) / (axis.upper - axis.lower);
+    };
+    svg_ += fmt::format("<text x=\"{}\" y=\"{}\" fill=\"#444\">{}</text>\n", kLeft, top - 8,
+                        escaped(panel.title));
+    for (double tick = axis.lower; tick <= axis.upper + axis.step / 2; tick += axis.step) {
+      const double value = std::abs(tick) < axis.step / 1e6 ? 0 : tick;
+      svg_ += fmt::format(
+          "<path d=\"M{} {:.1f}h{}\" stroke=\"{}\"/><text x=\"{}\" y=\"{:.1f}\" "
+          "text-anchor=\"end\" fill=\"#666\">{}</text>\n",
+          kLeft, y(value), kPlotWidth, value == 0 ? "#999" : "#e4e4e4", kLeft - 8, y(value) + 4,
+          number(value));
+    }
+    for (double tick = 0; tick <= time_.upper; tick += time_.step) {
+      svg_ += fmt::format(
+          "<path d=\"M{0:.1f} {1}v{2}\" stroke=\"#f0f0f0\"/><text x=\"{0:.1f}\" y=\"{3}\" "
+          "text-anchor=\"middle\" fill=\"#666\">{4} s</text>\n",
+          x(tick), top, kPanelHeight, top + kPanelHeight + 17, number(tick));
+    }
+    for (std::size_t i = 0; i < panel.curves.size(); ++i) add(panel.curves[i], i, top, y);
+  }
+
+  std::string finish() { return std::move(svg_) + "</svg>\n"; }
+
+ private:
+  double x(double t) const { return kLeft + kPlotWidth * t / time_.upper; }
+
+  template <class Y>
+  void add(const Curve& curve, std::size_t i, double top, const Y& y) {
+    const char* colour = kColours[i % kColours.size()];
+    std::string points;
+    for (std::size_t k = 0; k < t_s_.size(); ++k) {
+      points += fmt::format("{:.2f},{:.2f} ", x(t_s_[k]), y(curve.values[k]));
+    }
+    svg_ += fmt::format(
+        "<polyline points=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"1.8\" "
+        "stroke-linejoin=\"round\"/>\n",
+        points, colour);
+    const double legend = top + 8 + 20 * static_cast<double>(i);
+    svg_ += fmt::format(
+        "<path d=\"M{} {}h18\" stroke=\"{}\" stroke-width=\"3\"/><text x=\"{}\" y=\"{}\" "
+        "fill=\"#333\">{}</text>\n",
+        kWidth - kRight + 14, legend, colour, kWidth - kRight + 38, legend + 4,
+        escaped(curve.name));
+  }
+
+  const std::vector<double>& t_s_;
+  Axis time_;
+  std::string svg_;
+};
+
+}  // namespace
+
+std::string plot_svg(const std::string& title, const std::vector<double>& t_s,
+                     const std::vector<Panel>& panels) {
+  Picture picture(title, t_s, panels.size());
+  for (std::size_t i = 0; i < panels.size(); ++i) picture.add(panels[i], i);
+  return picture.finish();
+}
+
+}  // namespace sinew::cli
