@@ -6,6 +6,8 @@
 #include "sinew/cli/forward_verb.h"
 #include "sinew/cli/inverse_verb.h"
 #include "sinew/cli/robots_verb.h"
+#include "sinew/cli/run_verb.h"
+#include "sinew/cli/sim_verb.h"
 
 namespace sinew::cli {
 namespace {
@@ -17,6 +19,8 @@ struct Call {
   std::string robot;
   ForwardRequest forward;
   InverseRequest inverse;
+  SimRequest sim;
+  RunRequest run;
 };
 
 CLI::App* add_verb(CLI::App& app, Call& call, const std::string& name, const std::string& what,
@@ -72,6 +76,42 @@ void add_inverse(CLI::App& app, Call& call) {
   verb->callback([&call] { call.verb = [&call] { return inverse(call.inverse); }; });
 }
 
+void add_sim(CLI::App& app, Call& call) {
+  CLI::App* verb = add_verb(app, call, "sim", "a robot's device, simulated behind a real port",
+                            "sinew sim bigrobotarm --link /tmp/arm");
+  SimRequest& request = call.sim;
+  verb->add_option("ROBOT", request.robot, "id or .toml file")->required();
+  verb->add_option("--link", request.link, "a name for the port, kept while the simulation runs");
+  verb->add_option("--time-scale", request.time_scale, "the device's time against real time");
+  verb->add_option("--log", request.log, "every byte both ways, with its time");
+  verb->callback([&call] {
+    call.verb = [&call] {
+      call.sim.json = call.json;
+      return simulate(call.sim);
+    };
+  });
+}
+
+void add_run(CLI::App& app, Call& call) {
+  CLI::App* verb = add_verb(app, call, "run", "a program on a robot, or on its simulated device",
+                            "sinew run robots/bigrobotarm/sequence.txt --robot bigrobotarm");
+  RunRequest& request = call.run;
+  verb->add_option("FILE", request.file, "the program")->required();
+  verb->add_option("--robot", request.robot, "id or .toml file")->required();
+  verb->add_option("--port", request.port, "serial device; the simulated device where left out");
+  verb->add_option("--wire", request.wire, "byte or text; as in the robot's file where left out");
+  verb->add_option("--record", request.record, "CSV file: t, q, qd of every sample");
+  verb->add_option("--plot", request.plot, "SVG file: the same, drawn");
+  verb->add_option("--log", request.log, "every byte both ways, with its time");
+  verb->add_option("--time-scale", request.time_scale, "simulated device only: faster or slower");
+  verb->callback([&call] {
+    call.verb = [&call] {
+      call.run.quiet = call.json;
+      return run_program(call.run);
+    };
+  });
+}
+
 int print(const Outcome& outcome, bool json) {
   const std::string text = json ? outcome.json.dump(2) + "\n" : outcome.text;
   std::fwrite(text.data(), 1, text.size(), stdout);
@@ -91,6 +131,8 @@ int run(int argc, char** argv) {
   add_robots(app, call);
   add_forward(app, call);
   add_inverse(app, call);
+  add_sim(app, call);
+  add_run(app, call);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

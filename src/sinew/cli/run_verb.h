@@ -1,0 +1,25 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "sinew/cli/outcome.h"
+
+namespace sinew::cli {
+
+struct RunRequest {
+  std::string file;
+  std::string robot;
+  std::optional<std::string> port;
+  std::optional<std::string> wire;
+  std::optional<std::string> record;
+  std::optional<std::string> plot;
+  std::optional<std::string> log;
+  double time_scale = 1;
+  bool quiet = false;  ///< no progress on stderr
+};
+
+/// `sinew run`: a program on a robot, over its port or against the simulated device.
+Outcome run_program(const RunRequest& request);
+
+}  // namespace sinew::cli
