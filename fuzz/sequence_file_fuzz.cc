@@ -24,8 +24,7 @@ std::string with_crlf_and_comments(std::string_view text) {
   return out;
 }
 
-void complaints_point_into(std::string_view text,
-                           const std::vector<sequence::Complaint>& complaints) {
+void complaints_point_into(std::string_view text, const std::vector<Complaint>& complaints) {
   const auto lines = 1 + std::count(text.begin(), text.end(), '\n');
   SINEW_ASSERT(!complaints.empty() && complaints.size() <= sequence::kComplaintMax);
   int last = 1;
@@ -33,7 +32,7 @@ void complaints_point_into(std::string_view text,
     SINEW_ASSERT(complaint.line >= last && complaint.line <= lines);
     SINEW_ASSERT(complaint.column >= 1 &&
                  static_cast<std::size_t>(complaint.column) <= text.size() + 1);
-    SINEW_ASSERT(complaint.text.find('\n') == std::string::npos);
+    SINEW_ASSERT(complaint.message.find('\n') == std::string::npos);
     last = complaint.line;
   }
 }
@@ -43,16 +42,16 @@ void complaints_point_into(std::string_view text,
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string_view text(reinterpret_cast<const char*>(data), size);
   const BigRobotArmDevice device;
-  const auto program = sequence::parse(text, device);
+  const auto program = sequence::parse(text, "f", device);
   if (!program) {
     complaints_point_into(text, program.error());
     return 0;
   }
   const std::string spelled = sequence::to_text(*program);
-  const auto again = sequence::parse(spelled, device);
+  const auto again = sequence::parse(spelled, "f", device);
   SINEW_ASSERT(again && sequence::same(*again, *program));
   SINEW_ASSERT(sequence::to_text(*again) == spelled);
-  const auto decorated = sequence::parse(with_crlf_and_comments(spelled), device);
+  const auto decorated = sequence::parse(with_crlf_and_comments(spelled), "f", device);
   SINEW_ASSERT(decorated && sequence::same(*decorated, *program));
   return 0;
 }

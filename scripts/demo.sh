@@ -1,9 +1,29 @@
 #!/usr/bin/env bash
-# The main job on one page: the BigRobotArm drives its sample sequence, against the simulated
-# device.
+# The main job on one page: the BigRobotArm drives its document's sequence, over its own bytes and
+# a real pseudo-terminal, against the simulated device; then the inverse finds the same pose.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
-demo=(build/release/sinew run robots/bigrobotarm/sequence.txt --robot bigrobotarm)
-printf '$ %s\n' "${demo[*]}"
-exec "${demo[@]}"
+show() {
+  printf '\n$ %s\n' "$*"
+  "$@"
+}
+
+sinew=build/release/sinew
+show "$sinew" run robots/bigrobotarm/sequence.txt --robot bigrobotarm
+
+# Where the last line of the sequence ends, and every way for the joints to get there.
+joints=0,-1.8,-45,-67.5,0
+show "$sinew" fk bigrobotarm --joints-deg "$joints"
+pose=$("$sinew" fk bigrobotarm --joints-deg "$joints" | sed -n 's/.*--pose-mm-deg //p')
+show "$sinew" ik bigrobotarm --pose-mm-deg "$pose"
+
+cat <<EOF
+
+Try next:
+  $sinew robots                                   the six robots
+  $sinew ik learm --point-mm 200,0,20             a pick, tool pitch chosen
+  $sinew fk learm --joints-deg 0,0,90,90,0 --frames   every matrix of the chain
+  $sinew sim bigrobotarm --link /tmp/arm          a device for your own program to talk to
+  $sinew run robots/bigrobotarm/sequence.txt --robot bigrobotarm --plot run.svg --record run.csv
+EOF

@@ -32,12 +32,12 @@ Outcome refusal(const RobotModel& model, const Error& error) {
   return outcome;
 }
 
-Json singular_json(std::uint8_t bits) {
-  Json list = Json::array();
-  if (bits & kinematics::kShoulderBit) list.push_back("shoulder");
-  if (bits & kinematics::kElbowBit) list.push_back("elbow");
-  if (bits & kinematics::kWristBit) list.push_back("wrist");
-  return list;
+std::vector<std::string> singular_names(std::uint8_t bits) {
+  std::vector<std::string> names;
+  if (bits & kinematics::kShoulderBit) names.emplace_back("shoulder");
+  if (bits & kinematics::kElbowBit) names.emplace_back("elbow");
+  if (bits & kinematics::kWristBit) names.emplace_back("wrist");
+  return names;
 }
 
 /// The branches as a table and as JSON; a refusal where none is inside its limits.
@@ -56,13 +56,18 @@ Outcome list_branches(const RobotModel& model, const IkBranches& branches) {
     Json json{{"joints_deg", joints_json(branch.q, model)},
               {"within_limits", branch.within_limits},
               {"violations", Json::array()},
-              {"singular", singular_json(branch.singular)}};
-    std::string verdict = branch.within_limits ? "inside its limits" : "";
+              {"singular", singular_names(branch.singular)}};
+    std::string verdict = branch.within_limits ? "inside its limits" : "outside: ";
     for (const Error& violation : violations) {
       json["violations"].push_back(error_json(violation, model));
-      verdict += (verdict.empty() ? "" : "; ") + error_text(violation, model);
+      const auto joint = static_cast<std::size_t>(violation.index);
+      verdict += fmt::format("{}{} by {} deg", &violation == violations.begin() ? "" : ", ",
+                             model.joints[joint].name,
+                             number(to_deg(std::abs(violation.measured - violation.limit)), 1));
     }
-    if (branch.singular != 0) verdict += "; singular: " + singular_json(branch.singular).dump();
+    if (branch.singular != 0) {
+      verdict += "; singular: " + joined(singular_names(branch.singular), ", ");
+    }
     outcome.json["solutions"].push_back(json);
     std::vector<std::string> row{fmt::format("{}", outcome.json["solutions"].size())};
     for (std::size_t i = 0; i < branch.q.size(); ++i) {

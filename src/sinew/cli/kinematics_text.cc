@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <cmath>
 
 #include "sinew/cli/table.h"
@@ -36,11 +37,15 @@ Json pose_json(const Vec3& p, const Rotation& R) {
 
 std::string pose_text(const Vec3& p, const Rotation& R) {
   const Vec3 rpy = fixed_xyz(R);
+  const std::array position{number(to_mm(p.x)), number(to_mm(p.y)), number(to_mm(p.z))};
+  const std::array rotation{number(to_deg(rpy.x), 4), number(to_deg(rpy.y), 4),
+                            number(to_deg(rpy.z), 4)};
   return fmt::format(
       "  position  x {:>10}   y {:>10}   z {:>10}   mm\n"
-      "  rotation rx {:>10}  ry {:>10}  rz {:>10}   deg, about fixed axes x, y, z\n",
-      number(to_mm(p.x)), number(to_mm(p.y)), number(to_mm(p.z)), number(to_deg(rpy.x), 4),
-      number(to_deg(rpy.y), 4), number(to_deg(rpy.z), 4));
+      "  rotation rx {:>10}  ry {:>10}  rz {:>10}   deg, about fixed axes x, y, z\n"
+      "  for ik:  --pose-mm-deg {},{},{},{},{},{}\n",
+      position[0], position[1], position[2], rotation[0], rotation[1], rotation[2], position[0],
+      position[1], position[2], rotation[0], rotation[1], rotation[2]);
 }
 
 Json error_json(const Error& error, const RobotModel& model) {

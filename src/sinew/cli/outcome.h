@@ -2,6 +2,9 @@
 
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
+
+#include "sinew/core/complaint.h"
 
 namespace sinew::cli {
 
@@ -27,5 +30,8 @@ Outcome bad_input(const std::string& sentence);
 
 /// A request that cannot be met for a reason outside of the robot (a port, a file).
 Outcome could_not(const std::string& sentence);
+
+/// Everything that is wrong with a file, a line each, and as {"error":{"complaints":[..]}}.
+Outcome complaints_outcome(const std::vector<Complaint>& complaints);
 
 }  // namespace sinew::cli

@@ -15,7 +15,7 @@ constexpr double kWidth = 960;
 constexpr double kPanelHeight = 260;
 constexpr double kLeft = 64;
 constexpr double kRight = 150;
-constexpr double kTop = 56;
+constexpr double kTop = 72;
 constexpr double kGap = 48;
 constexpr double kPlotWidth = kWidth - kLeft - kRight;
 

@@ -8,7 +8,7 @@
 #include <cmath>
 
 #include "sinew/cli/table.h"
-#include "sinew/config/spelling.h"
+#include "sinew/core/spelling.h"
 #include "sinew/core/units.h"
 
 namespace sinew::cli {

@@ -6,27 +6,11 @@
 
 #include "sinew/cli/table.h"
 #include "sinew/config/builtin_robots.h"
-#include "sinew/config/spelling.h"
+#include "sinew/core/spelling.h"
 #include "sinew/io/file.h"
 
 namespace sinew::cli {
 namespace {
-
-Outcome complaints_outcome(const std::vector<Complaint>& complaints) {
-  Json list = Json::array();
-  std::string sentences;
-  for (const Complaint& complaint : complaints) {
-    list.push_back({{"file", complaint.file},
-                    {"line", complaint.line},
-                    {"column", complaint.column},
-                    {"key", complaint.key},
-                    {"sentence", complaint.message}});
-    sentences += (sentences.empty() ? "" : "\n") + to_text(complaint);
-  }
-  Outcome outcome = bad_input(sentences);
-  outcome.json["error"]["complaints"] = list;
-  return outcome;
-}
 
 std::expected<RobotFile, Outcome> read(std::string_view text, std::string_view file_name) {
   auto file = read_robot_file(text, file_name);

@@ -54,21 +54,6 @@ class SimulatedDevice {
   std::thread thread_;
 };
 
-Outcome file_complaints(const std::string& file, const std::vector<sequence::Complaint>& list) {
-  std::string sentences;
-  Json complaints = Json::array();
-  for (const auto& complaint : list) {
-    sentences += (sentences.empty() ? "" : "\n") + sequence::describe(file, complaint);
-    complaints.push_back({{"file", file},
-                          {"line", complaint.line},
-                          {"column", complaint.column},
-                          {"sentence", complaint.text}});
-  }
-  Outcome outcome = bad_input(sentences);
-  outcome.json["error"]["complaints"] = complaints;
-  return outcome;
-}
-
 Outcome plan_refusal(const std::string& file, const sequence::PlanRefusal& refusal,
                      const RobotModel& model) {
   Outcome outcome = could_not(fmt::format("{}:{}: {}; nothing was moved", file, refusal.line,
@@ -185,8 +170,8 @@ Outcome run_program(const RunRequest& request) {
   }
   const auto text = io::read_file(request.file);
   if (!text) return bad_input(text.error().sentence);
-  const auto program = sequence::parse(*text, *device);
-  if (!program) return file_complaints(request.file, program.error());
+  const auto program = sequence::parse(*text, request.file, *device);
+  if (!program) return complaints_outcome(program.error());
   // Checked whole before the first byte leaves; once more when the device has told where it is.
   const auto plan = sequence::make_plan(*program, model, sequence::boot_state(*device));
   if (!plan) return plan_refusal(request.file, plan.error(), model);

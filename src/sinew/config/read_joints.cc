@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "sinew/config/spelling.h"
+#include "sinew/core/spelling.h"
 
 namespace sinew {
 namespace {

@@ -4,7 +4,7 @@
 #include <string_view>
 #include <vector>
 
-#include "sinew/config/complaint.h"
+#include "sinew/config/findings.h"
 #include "sinew/model/robot_model.h"
 
 namespace sinew {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sinew/config/spelling.h"
+#include "sinew/core/spelling.h"
 
 namespace sinew {
 namespace {

@@ -6,8 +6,8 @@
 #include <string_view>
 #include <vector>
 
-#include "sinew/config/complaint.h"
 #include "sinew/config/dimension.h"
+#include "sinew/config/findings.h"
 #include "sinew/config/toml_tree.h"
 #include "sinew/core/vec3.h"
 

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "sinew/config/spelling.h"
 #include "sinew/config/table_reader.h"
+#include "sinew/core/spelling.h"
 
 namespace sinew {
 namespace {

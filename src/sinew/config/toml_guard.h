@@ -3,7 +3,7 @@
 #include <optional>
 #include <string_view>
 
-#include "sinew/config/complaint.h"
+#include "sinew/config/findings.h"
 
 namespace sinew {
 

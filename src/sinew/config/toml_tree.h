@@ -7,7 +7,7 @@
 #include <variant>
 #include <vector>
 
-#include "sinew/config/complaint.h"
+#include "sinew/config/findings.h"
 
 namespace sinew {
 

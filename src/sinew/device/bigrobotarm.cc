@@ -200,13 +200,13 @@ void BigRobotArmFirmware::begin_motion(const Words& targets) {
     // A joint that cannot move keeps its place: a profile that takes for ever, in effect.
     const double speed = speeds_[i] > 0 ? speeds_[i] * unit : 1e-12;
     profiles_[i] =
-        Trapezoid(static_cast<double>(distance), speed, accelerations_in_force_[i] * unit);
+        motion::Trapezoid(static_cast<double>(distance), speed, accelerations_in_force_[i] * unit);
     longest = std::max(longest, profiles_[i].duration());
   }
   targets_ = targets;
   if (longest == 0) return;
   if (sync_) {
-    for (Trapezoid& profile : profiles_) profile = profile.stretched(longest);
+    for (motion::Trapezoid& profile : profiles_) profile = profile.stretched(longest);
   }
   moving_ = true;
   motion_start_ = now_;

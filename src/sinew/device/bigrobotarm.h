@@ -91,7 +91,7 @@ class BigRobotArmFirmware {
   bool moving_ = false;
   Instant motion_start_{};
   std::optional<Instant> motion_end_;
-  std::array<Trapezoid, bigrobotarm::kJoints> profiles_;
+  std::array<motion::Trapezoid, bigrobotarm::kJoints> profiles_;
   bigrobotarm::Request under_way_;
 
   FixedVector<bigrobotarm::text::Line, kSequenceCapacity> sequence_;

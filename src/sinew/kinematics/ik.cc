@@ -50,15 +50,15 @@ JointRanges::JointRanges(std::span<const Joint> joints) : size_(joints.size()) {
   for (std::size_t i = 0; i < size_; ++i) {
     lower_[i] = joints[i].lower - kJointLimitTolerance;
     upper_[i] = joints[i].upper + kJointLimitTolerance;
+    turn_up_below_[i] = std::min(lower_[i], upper_[i] - 2 * kPi);
+    turn_down_above_[i] = std::max(upper_[i], lower_[i] + 2 * kPi);
   }
 }
 
 void JointRanges::settle(IkBranch& branch, std::span<const double> near) const {
   bool inside = true;
   for (std::size_t i = 0; i < size_; ++i) {
-    double q = wrap_near(branch.q[i], i < near.size() ? near[i] : 0);
-    if (q < lower_[i] && q + 2 * kPi <= upper_[i]) q += 2 * kPi;
-    if (q > upper_[i] && q - 2 * kPi >= lower_[i]) q -= 2 * kPi;
+    const double q = settled(branch.q[i], i < near.size() ? near[i] : 0, i);
     inside &= q >= lower_[i] && q <= upper_[i];
     branch.q[i] = q;
   }

@@ -1,10 +1,13 @@
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cstdint>
 #include <span>
 
 #include "sinew/core/error.h"
 #include "sinew/core/fixed_vector.h"
+#include "sinew/core/trig.h"
 #include "sinew/model/robot_model.h"
 
 namespace sinew::kinematics {
@@ -56,15 +59,49 @@ class JointRanges {
   /// by one more turn where only that lies inside the limits. Sets `within_limits`.
   void settle(IkBranch& branch, std::span<const double> near) const;
 
+  /// The same for N branches at once, as lanes: a row per joint, a column per branch.
+  /// @return  of each branch, how far (rad) its worst joint is outside of its limits; <= 0 inside.
+  template <std::size_t Joints, std::size_t N>
+  std::array<double, N> settle(std::array<std::array<double, N>, Joints>& q,
+                               std::span<const double> near) const {
+    std::array<double, Joints> near_q{};
+    for (std::size_t j = 0; j < std::min(near.size(), Joints); ++j) near_q[j] = near[j];
+    std::array<double, N> outside;
+    // Joints inside, branches outside: one plain loop over the lanes is left for the vectoriser.
+    for (std::size_t i = 0; i < N; ++i) {
+      double worst = -2 * kPi;
+      for (std::size_t j = 0; j < Joints; ++j) {
+        const double angle = settled(q[j][i], near_q[j], j);
+        const double below = lower_[j] - angle;
+        const double above = angle - upper_[j];
+        worst = below > worst ? below : worst;
+        worst = above > worst ? above : worst;
+        q[j][i] = angle;
+      }
+      outside[i] = worst;
+    }
+    return outside;
+  }
+
   bool contains(std::span<const double> q) const;
   std::size_t size() const { return size_; }
   double lower(std::size_t joint) const { return lower_[joint]; }
   double upper(std::size_t joint) const { return upper_[joint]; }
 
  private:
+  double settled(double angle, double near, std::size_t joint) const {
+    const double q = wrap_near(angle, near);
+    const double up = q < turn_up_below_[joint] ? 2 * kPi : 0;
+    const double down = q > turn_down_above_[joint] ? 2 * kPi : 0;
+    return q + up - down;
+  }
+
   std::size_t size_ = 0;
   std::array<double, kMaxJoints> lower_{};
   std::array<double, kMaxJoints> upper_{};
+  // Outside of these an angle has left its limits on one side and a turn brings it back inside.
+  std::array<double, kMaxJoints> turn_up_below_{};
+  std::array<double, kMaxJoints> turn_down_above_{};
 };
 
 }  // namespace sinew::kinematics

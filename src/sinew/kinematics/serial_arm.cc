@@ -14,6 +14,18 @@ double excess(const Error& error) {
 
 }  // namespace
 
+namespace {
+
+/// Equal to within what counts as singular.
+bool same_joints(const IkBranch& a, const IkBranch& b) {
+  for (std::size_t i = 0; i < a.q.size(); ++i) {
+    if (std::abs(a.q[i] - b.q[i]) > kSingularSine) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
 PoseFT tool_pose(const SerialGeometry& geometry, std::optional<double> jaw_width) {
   PoseFT X_FT = geometry.X_FT;
   if (!geometry.gripper) return X_FT;
@@ -74,7 +86,9 @@ Expected<IkBranches> SerialArm::inverse_rolling(const FiveRRoll& solver, const P
         turned.q[3] += sign * off;
         JointRanges(joints_).settle(turned, near);
         if (angle_between(forward(turned.q).R, R_asked) > tolerance) continue;
-        fitting.push_back(turned);
+        // With the wrist straight both of its flips are the same joints.
+        const auto same = [&](const IkBranch& other) { return same_joints(other, turned); };
+        if (std::none_of(fitting.begin(), fitting.end(), same)) fitting.push_back(turned);
         break;
       }
     } else if (std::abs(off) <= tolerance) {

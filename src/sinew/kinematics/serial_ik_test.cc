@@ -313,6 +313,18 @@ TEST(FiveRRoll, roll_that_is_not_free_is_refused_with_the_roll_it_would_be) {
   EXPECT_EQ(answer.error().code, ErrorCode::kRollNotFree);
 }
 
+TEST(FiveRRoll, straight_wrist_lists_no_joints_twice) {
+  const SerialRobot robot("bigrobotarm");
+  const JointVector q{0, from_deg(-1.8), from_deg(-45), from_deg(-67.5), 0};
+  const auto answer = robot.arm.inverse(robot.arm.forward(q), q);
+  ASSERT_TRUE(answer) << describe(answer.error());
+  for (std::size_t i = 0; i < answer->size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      EXPECT_GT(largest_difference((*answer)[i].q, (*answer)[j].q), 1e-3) << i << " " << j;
+    }
+  }
+}
+
 TEST(FiveRRoll, straight_up_arm_is_solved_with_base_and_roll_where_they_are) {
   const SerialRobot robot("bigrobotarm");
   const JointVector q{0.25, 0, 0, -0.5, 0};

@@ -25,7 +25,8 @@ SixR::SixR(const SerialGeometry& geometry, std::span<const Joint> joints, const 
   p_6F_ = {rows[5].a, 0, rows[5].d};
   cos_alpha6_ = std::cos(rows[5].alpha);
   sin_alpha6_ = std::sin(rows[5].alpha);
-  for (std::size_t i = 0; i < 6; ++i) theta_offset_[i] = rows[i].theta_offset;
+  for (std::size_t i = 0; i < 6; ++i) theta_offset_[i] = q_zero_[i] = rows[i].theta_offset;
+  q_zero_[2] += arm.forearm_angle();
 }
 
 /// The wrist of one arm, docs/kinematics/six_r.md eq. (10) to (13); returns the singularity bit.
@@ -81,29 +82,40 @@ Expected<IkBranches> SixR::inverse(const PoseBF& X_BF, std::span<const double> n
     lanes.cosine[2][i] = arm.cos_bend;
     arms[i].singular |= wrist(arm, R_B6, theta_near(3), i, lanes);
   }
-  std::array<std::array<double, 4>, 6> theta;
+  std::array<std::array<double, 4>, 6> q;
   for (std::size_t j = 0; j < 6; ++j) {
     for (std::size_t i = 0; i < 4; ++i) {
-      theta[j][i] = arc_tangent(lanes.sine[j][i], lanes.cosine[j][i]);
+      q[j][i] = arc_tangent(lanes.sine[j][i], lanes.cosine[j][i]);
     }
   }
-
-  IkBranches branches;
-  for (std::size_t i = 0; i < arm_count; ++i) {
-    for (const double flip : {0.0, 1.0}) {
-      IkBranch branch;
-      branch.singular = arms[i].singular;
-      branch.q.resize(6);
-      for (std::size_t j = 0; j < 6; ++j) branch.q[j] = theta[j][i] - theta_offset_[j];
-      branch.q[2] -= arm_.forearm_angle();
-      branch.q[3] += flip * kPi;
-      branch.q[4] -= flip * 2 * theta[4][i];
-      branch.q[5] += flip * kPi;
-      ranges_.settle(branch, near);
-      branches.push_back(branch);
-    }
-  }
+  Expected<IkBranches> branches(std::in_place);
+  write_branches(q, arms, arm_count, near, *branches);
   return branches;
+}
+
+/// Both flips of the wrist of every arm, eq. (13), as joint angles next to `near`.
+void SixR::write_branches(const Angles& theta, const std::array<ArmSide, 4>& arms,
+                          std::size_t arm_count, std::span<const double> near,
+                          IkBranches& branches) const {
+  std::array<std::array<double, 8>, 6> q;  // 4 arms, then the same with the wrist flipped
+  for (std::size_t i = 0; i < 4; ++i) {
+    for (std::size_t j = 0; j < 6; ++j) q[j][i] = theta[j][i] - q_zero_[j];
+    for (std::size_t j = 0; j < 3; ++j) q[j][4 + i] = q[j][i];
+    q[3][4 + i] = q[3][i] + kPi;
+    q[4][4 + i] = -theta[4][i] - q_zero_[4];
+    q[5][4 + i] = q[5][i] + kPi;
+  }
+  const std::array<double, 8> outside = ranges_.settle(q, near);
+  branches.resize(2 * arm_count);
+  for (std::size_t k = 0; k < 2 * arm_count; ++k) {
+    const std::size_t arm = k / 2;
+    const std::size_t lane = arm + 4 * (k % 2);
+    IkBranch& branch = branches[k];
+    branch.q.resize(6);
+    for (std::size_t j = 0; j < 6; ++j) branch.q[j] = q[j][lane];
+    branch.within_limits = outside[lane] <= 0;
+    branch.singular = arms[arm].singular;
+  }
 }
 
 }  // namespace sinew::kinematics

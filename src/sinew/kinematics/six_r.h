@@ -35,9 +35,14 @@ class SixR {
     std::array<std::array<double, 4>, 6> sine{};
     std::array<std::array<double, 4>, 6> cosine{};
   };
+  using Angles = std::array<std::array<double, 4>, 6>;  // a row per joint, a column per arm
+
   SixR(const SerialGeometry& geometry, std::span<const Joint> joints, const RegionalArm& arm);
   std::uint8_t wrist(const ArmSide& arm, const Rotation& R_B6, double theta4_near, std::size_t i,
                      Lanes& lanes) const;
+  void write_branches(const Angles& theta, const std::array<ArmSide, 4>& arms,
+                      std::size_t arm_count, std::span<const double> near,
+                      IkBranches& branches) const;
 
   JointRanges ranges_;
   RegionalArm arm_;
@@ -45,6 +50,7 @@ class SixR {
   Vec3 p_6F_;             // flange in frame 6 before its twist
   double cos_alpha6_, sin_alpha6_;
   std::array<double, 6> theta_offset_{};
+  std::array<double, 6> q_zero_{};  // what the angles above count from: q = angle - this
 };
 
 }  // namespace sinew::kinematics

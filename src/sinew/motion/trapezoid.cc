@@ -5,7 +5,7 @@
 
 #include "sinew/core/assert.h"
 
-namespace sinew {
+namespace sinew::motion {
 
 Trapezoid::Trapezoid(double distance, double velocity_max, double acceleration_max)
     : distance_(distance), acceleration_(acceleration_max) {
@@ -44,4 +44,4 @@ Trapezoid Trapezoid::stretched(double duration) const {
   return slower;
 }
 
-}  // namespace sinew
+}  // namespace sinew::motion

@@ -1,6 +1,6 @@
 #pragma once
 
-namespace sinew {
+namespace sinew::motion {
 
 /// One axis from rest to rest with a trapezoid (or triangle) of speed: the profile that a
 /// point-to-point device makes for itself. Any unit of length; seconds. @rt
@@ -39,4 +39,4 @@ class Trapezoid {
   double cruise_ = 0;  ///< s
 };
 
-}  // namespace sinew
+}  // namespace sinew::motion

@@ -6,7 +6,7 @@
 
 #include "support/property.h"
 
-namespace sinew {
+namespace sinew::motion {
 namespace {
 
 TEST(Trapezoid, long_way_takes_its_length_over_speed_and_one_ramp) {
@@ -58,4 +58,4 @@ TEST(Trapezoid, any_profile_keeps_its_limits_and_joins_without_a_jump) {
 }
 
 }  // namespace
-}  // namespace sinew
+}  // namespace sinew::motion

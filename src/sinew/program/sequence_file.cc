@@ -2,9 +2,10 @@
 
 #include <algorithm>
 #include <charconv>
-#include <numeric>
 #include <optional>
 #include <utility>
+
+#include "sinew/core/spelling.h"
 
 namespace sinew::sequence {
 namespace {
@@ -27,13 +28,7 @@ struct Range {
 };
 
 std::string quoted(std::string_view text) {
-  constexpr std::size_t kLongest = 40;
-  std::string result = "'";
-  for (const char character : text.substr(0, kLongest)) {
-    const bool printable = character >= ' ' && character != '\x7F';
-    result += printable ? character : '?';
-  }
-  return result + (text.size() > kLongest ? "...'" : "'");
+  return "'" + printable(text) + "'";
 }
 
 std::string upper_case(std::string_view text) {
@@ -44,28 +39,10 @@ std::string upper_case(std::string_view text) {
   return result;
 }
 
-/// Levenshtein's distance.
-std::size_t distance(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), std::size_t{0});
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    std::size_t diagonal = row[0]++;
-    for (std::size_t j = 0; j < b.size(); ++j) {
-      const std::size_t above = row[j + 1];
-      row[j + 1] = std::min({above + 1, row[j] + 1, diagonal + (a[i] == b[j] ? 0U : 1U)});
-      diagonal = above;
-    }
-  }
-  return row.back();
-}
-
-/// " Did you mean G0?", or the list of all commands.
+/// "did you mean G0?", or the list of all commands.
 std::string suggestion(std::string_view word) {
-  const std::string upper = upper_case(word.substr(0, 8));
-  const auto nearest = std::min_element(kCommands.begin(), kCommands.end(), [&](auto a, auto b) {
-    return distance(upper, a) < distance(upper, b);
-  });
-  if (distance(upper, *nearest) <= 1) return "did you mean " + std::string(*nearest) + "?";
+  const std::string_view nearest = nearest_spelling(upper_case(word.substr(0, 8)), kCommands);
+  if (!nearest.empty()) return "did you mean " + std::string(nearest) + "?";
   return "commands are G0 G28 G92 M203 M201 G1 S0 S1 BEGIN END";
 }
 
@@ -83,8 +60,10 @@ std::vector<Word> words_of(std::string_view line) {
 
 class Parser {
  public:
-  explicit Parser(const BigRobotArmDevice& device)
-      : multipliers_{1, device.multiplier_max}, gripper_{0, device.gripper_max} {}
+  Parser(std::string_view file_name, const BigRobotArmDevice& device)
+      : file_name_(file_name),
+        multipliers_{1, device.multiplier_max},
+        gripper_{0, device.gripper_max} {}
 
   void take_line(int number, std::string_view line) {
     line_ = number;
@@ -109,7 +88,7 @@ class Parser {
 
  private:
   void complain(int column, std::string text) {
-    if (!full()) complaints_.push_back({line_, column, std::move(text)});
+    if (!full()) complaints_.push_back({file_name_, line_, column, "", std::move(text)});
   }
 
   std::optional<std::int32_t> take_number(const Word& word, std::size_t letters, Range range,
@@ -259,6 +238,7 @@ class Parser {
     }
   }
 
+  std::string file_name_;
   Range multipliers_;
   Range gripper_;
   int line_ = 0;
@@ -300,8 +280,9 @@ void put_command(std::string& out, const Command& command) {
 }  // namespace
 
 std::expected<Program, std::vector<Complaint>> parse(std::string_view text,
+                                                     std::string_view file_name,
                                                      const BigRobotArmDevice& device) {
-  Parser parser(device);
+  Parser parser(file_name, device);
   for (int number = 1; !text.empty() && !parser.full(); ++number) {
     const std::size_t end = std::min(text.find('\n'), text.size());
     std::string_view line = text.substr(0, end);
@@ -317,11 +298,6 @@ std::expected<Program, std::vector<Complaint>> parse(std::string_view text,
     return std::unexpected(std::move(parser.complaints()));
   }
   return std::move(parser.program());
-}
-
-std::string describe(std::string_view file, const Complaint& complaint) {
-  return std::string(file) + ":" + std::to_string(complaint.line) + ":" +
-         std::to_string(complaint.column) + ": " + complaint.text;
 }
 
 std::string to_text(const Program& program) {

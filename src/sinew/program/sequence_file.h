@@ -8,6 +8,7 @@
 #include <variant>
 #include <vector>
 
+#include "sinew/core/complaint.h"
 #include "sinew/model/device.h"
 
 /// The BigRobotArm's own program format: moves in motor steps, and blocks that repeat.
@@ -84,19 +85,13 @@ struct Program {
   std::vector<Section> sections;
 };
 
-struct Complaint {
-  int line = 0;    ///< from 1
-  int column = 0;  ///< from 1, in bytes
-  std::string text;
-};
-
 /// Reads a whole file; lines end with LF or CR LF.
-/// @return every complaint that the file earns, up to kComplaintMax, in the order of the lines.
+/// @param file_name  as complaints shall show it
+/// @return every complaint that the file earns, up to kComplaintMax, in the order of the lines;
+///         columns count bytes.
 std::expected<Program, std::vector<Complaint>> parse(std::string_view text,
+                                                     std::string_view file_name,
                                                      const BigRobotArmDevice& device);
-
-/// "pick.seq:3:9: ..."
-std::string describe(std::string_view file, const Complaint& complaint);
 
 /// The program's one spelling; parse() gives the same sections back, lines counted anew.
 std::string to_text(const Program& program);

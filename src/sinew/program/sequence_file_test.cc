@@ -10,10 +10,10 @@ namespace {
 const BigRobotArmDevice kDevice{};
 
 std::string complaint_of(std::string_view text) {
-  const auto program = parse(text, kDevice);
+  const auto program = parse(text, "f", kDevice);
   if (program) return "accepted";
   EXPECT_EQ(program.error().size(), 1U) << text;
-  return describe("f", program.error()[0]);
+  return to_text(program.error()[0]);
 }
 
 TEST(SequenceFile, documented_sequence_is_one_block_of_two_moves) {
@@ -22,7 +22,7 @@ TEST(SequenceFile, documented_sequence_is_one_block_of_two_moves) {
       "G0 B100 S200 E300 WR400 W300\n"
       "G0 B0 S50 E5000 WR1500 W0\n"
       "END\n",
-      kDevice);
+      "f", kDevice);
   ASSERT_TRUE(program);
   ASSERT_EQ(program->sections.size(), 1U);
   const Section& block = program->sections[0];
@@ -38,7 +38,7 @@ TEST(SequenceFile, every_command_stands_inside_and_outside_a_block) {
   const std::string commands =
       "G0 B-1 S2 E3 WR4 W5\nG28\nG92\nM203 B200 S100 E100 WR100 W300\nM201 B1\nG1 E1 P180\n"
       "G1 E0 P0\nS0\nS1\n";
-  const auto program = parse(commands + "BEGIN I127\n" + commands + "END\n", kDevice);
+  const auto program = parse(commands + "BEGIN I127\n" + commands + "END\n", "f", kDevice);
   ASSERT_TRUE(program);
   ASSERT_EQ(program->sections.size(), 10U);
   EXPECT_EQ(program->sections[9].steps.size(), 9U);
@@ -48,7 +48,8 @@ TEST(SequenceFile, every_command_stands_inside_and_outside_a_block) {
 }
 
 TEST(SequenceFile, comments_blank_lines_tabs_and_crlf_are_no_commands) {
-  const auto program = parse("\r\n# all\r\n  G0\tB1 S2   E3 WR4 W5 # there\r\n\r\nS1", kDevice);
+  const auto program =
+      parse("\r\n# all\r\n  G0\tB1 S2   E3 WR4 W5 # there\r\n\r\nS1", "f", kDevice);
   ASSERT_TRUE(program);
   ASSERT_EQ(program->sections.size(), 2U);
   EXPECT_EQ(program->sections[0].line, 3);
@@ -56,7 +57,7 @@ TEST(SequenceFile, comments_blank_lines_tabs_and_crlf_are_no_commands) {
 }
 
 TEST(SequenceFile, seventh_word_of_recorded_programs_is_ignored_as_the_arm_does) {
-  const auto program = parse("G0 B1 S2 E3 WR4 W5 G40\n", kDevice);
+  const auto program = parse("G0 B1 S2 E3 WR4 W5 G40\n", "f", kDevice);
   ASSERT_TRUE(program);
   EXPECT_EQ(to_text(*program), "G0 B1 S2 E3 WR4 W5\n");
   EXPECT_EQ(complaint_of("M203 B1 S2 E3 WR4 W5 G40\n"),
@@ -109,7 +110,7 @@ TEST(SequenceFile, blocks_are_whole_short_and_flat) {
 }
 
 TEST(SequenceFile, all_complaints_come_at_once_in_the_order_of_the_lines) {
-  const auto program = parse("BEGIN I0\nG0 B1 X2 E3 W4\nfoo\nM203 B0 S0\n", kDevice);
+  const auto program = parse("BEGIN I0\nG0 B1 X2 E3 W4\nfoo\nM203 B0 S0\n", "f", kDevice);
   ASSERT_FALSE(program);
   std::vector<std::pair<int, int>> places;
   for (const auto& complaint : program.error()) {
@@ -119,16 +120,16 @@ TEST(SequenceFile, all_complaints_come_at_once_in_the_order_of_the_lines) {
                         {1, 1}, {1, 8}, {2, 7}, {2, 13}, {3, 1}, {4, 7}, {4, 10}}));
   std::string many;
   for (int i = 0; i < 1000; ++i) many += "?\n";
-  EXPECT_EQ(parse(many, kDevice).error().size(), kComplaintMax);
+  EXPECT_EQ(parse(many, "f", kDevice).error().size(), kComplaintMax);
 }
 
 TEST(SequenceFile, limits_come_from_the_robot) {
   BigRobotArmDevice device;
   device.multiplier_max = 500;
   device.gripper_max = 150;
-  EXPECT_TRUE(parse("M203 B500\n", device));
-  EXPECT_FALSE(parse("M203 B501\n", device));
-  EXPECT_FALSE(parse("G1 E1 P151\n", device));
+  EXPECT_TRUE(parse("M203 B500\n", "f", device));
+  EXPECT_FALSE(parse("M203 B501\n", "f", device));
+  EXPECT_FALSE(parse("G1 E1 P151\n", "f", device));
 }
 
 GivenWords random_words(test::Random& random, std::int64_t lower, std::int64_t upper) {
@@ -170,7 +171,7 @@ TEST(SequenceFile, any_program_is_written_and_read_back_unchanged) {
       }
       program.sections.push_back(section);
     }
-    const auto again = parse(to_text(program), kDevice);
+    const auto again = parse(to_text(program), "f", kDevice);
     ASSERT_TRUE(again) << to_text(program);
     EXPECT_TRUE(same(program, *again)) << to_text(program);
   });

@@ -144,7 +144,7 @@ class Planner {
       // A device that was set to nonsense is predicted as if it crept.
       const double speed = std::max(1, set_.speeds[i]) * unit;
       const double acceleration = std::max(1, set_.accelerations[i]) * unit;
-      move.profiles[i] = Trapezoid(q[i] - move.q_start[i], speed, acceleration);
+      move.profiles[i] = motion::Trapezoid(q[i] - move.q_start[i], speed, acceleration);
       move.duration = std::max(move.duration, move.profiles[i].duration());
     }
     plan_.duration += move.duration;

@@ -31,7 +31,7 @@ struct MoveOrder {
   BigRobotArmAngles q{};        ///< rad
   bool home = false;
   /// The device's own profile of each joint, rad from q_start.
-  std::array<Trapezoid, kBigRobotArmJoints> profiles;
+  std::array<motion::Trapezoid, kBigRobotArmJoints> profiles;
   double duration = 0;  ///< s, predicted
 };
 struct SpeedsOrder {

@@ -28,9 +28,15 @@ io::IoResult<SessionEnd> run_sequence(sequence::Run& run, BigRobotArmDriver& dri
   };
 
   run.start(clock.now());
+  bool opening = true;
   while (true) {
     const std::size_t done_before = run.records().size();
     run.poll(clock.now());
+    if (opening && run.phase() != sequence::Run::Phase::kOpening) {
+      // What it took to find the device belongs to the total, not to the first order.
+      opening = false;
+      current = {};
+    }
     if (run.records().size() > done_before) {
       end.bytes.push_back(current);
       current = {};

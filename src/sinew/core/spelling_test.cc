@@ -1,4 +1,4 @@
-#include "sinew/config/spelling.h"
+#include "sinew/core/spelling.h"
 
 #include <gtest/gtest.h>
 

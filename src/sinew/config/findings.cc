@@ -1,17 +1,10 @@
-#include "sinew/config/complaint.h"
+#include "sinew/config/findings.h"
 
 #include <algorithm>
 #include <tuple>
 #include <utility>
 
 namespace sinew {
-
-std::string to_text(const Complaint& complaint) {
-  std::string text = complaint.file + ":" + std::to_string(complaint.line) + ":" +
-                     std::to_string(complaint.column) + ": ";
-  if (!complaint.key.empty()) text += complaint.key + ": ";
-  return text + complaint.message;
-}
 
 void Findings::complain(Place place, std::string key, std::string message) {
   if (complaints_.size() == kMaxComplaints) return;
