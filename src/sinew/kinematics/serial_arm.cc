@@ -12,10 +12,6 @@ double excess(const Error& error) {
   return std::abs(error.measured - error.limit);
 }
 
-}  // namespace
-
-namespace {
-
 /// Equal to within what counts as singular.
 bool same_joints(const IkBranch& a, const IkBranch& b) {
   for (std::size_t i = 0; i < a.q.size(); ++i) {
@@ -75,6 +71,11 @@ Expected<IkBranches> SerialArm::inverse_rolling(const FiveRRoll& solver, const P
   IkBranches fitting;
   Error refusal{ErrorCode::kRollNotFree, -1, 2 * kPi, 0};
   const Rotation R_asked = X_BT.R;
+  // With the wrist straight both of its flips are the same joints.
+  const auto add = [&](const IkBranch& candidate) {
+    const auto same = [&](const IkBranch& other) { return same_joints(other, candidate); };
+    if (std::none_of(fitting.begin(), fitting.end(), same)) fitting.push_back(candidate);
+  };
   for (IkBranch& branch : *all) {
     const Rotation R = forward(branch.q).R;
     const Vec3 x_asked = transposed_times(R, R_asked.x);
@@ -86,13 +87,11 @@ Expected<IkBranches> SerialArm::inverse_rolling(const FiveRRoll& solver, const P
         turned.q[3] += sign * off;
         JointRanges(joints_).settle(turned, near);
         if (angle_between(forward(turned.q).R, R_asked) > tolerance) continue;
-        // With the wrist straight both of its flips are the same joints.
-        const auto same = [&](const IkBranch& other) { return same_joints(other, turned); };
-        if (std::none_of(fitting.begin(), fitting.end(), same)) fitting.push_back(turned);
+        add(turned);
         break;
       }
     } else if (std::abs(off) <= tolerance) {
-      fitting.push_back(branch);
+      add(branch);
     } else if (std::abs(off) < std::abs(refusal.measured - refusal.limit)) {
       refusal.limit = fixed_xyz(R_asked).z;
       refusal.measured = refusal.limit - off;
