@@ -119,8 +119,12 @@ class Picture {
   void add(const Curve& curve, std::size_t i, double top, const Y& y) {
     const char* colour = kColours[i % kColours.size()];
     std::string points;
+    double drawn = -1;
     for (std::size_t k = 0; k < t_s_.size(); ++k) {
-      points += fmt::format("{:.2f},{:.2f} ", x(t_s_[k]), y(curve.values[k]));
+      // One point a pixel is all that the eye gets.
+      if (x(t_s_[k]) < drawn + 1 && k + 1 < t_s_.size()) continue;
+      drawn = x(t_s_[k]);
+      points += fmt::format("{:.1f},{:.1f} ", drawn, y(curve.values[k]));
     }
     svg_ += fmt::format(
         "<polyline points=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"1.8\" "
