@@ -123,12 +123,13 @@ Json run_json(const RobotModel& model, const sequence::Run& run, const runtime::
 
 std::string run_text(const RobotModel& model, const sequence::Run& run,
                      const runtime::SessionEnd& end) {
+  const auto records = run.records();
+  if (records.empty()) return "";
   std::string names;
   for (const Joint& joint : model.joints) names += " " + joint.name;
   Table table({"#", "line", "round", "commanded, deg", "reported, deg", "off deg", "predicted s",
                "took s", "bytes out", "in"});
   table.left(3).left(4);
-  const auto records = run.records();
   for (std::size_t i = 0; i < records.size(); ++i) {
     const Record& record = records[i];
     const MoveOrder* move = move_of(record);
@@ -141,7 +142,6 @@ std::string run_text(const RobotModel& model, const sequence::Run& run,
                fmt::format("{}", end.bytes[i].to_host)});
   }
   std::string text = fmt::format("\n  joints:{}\n\n{}", names, table.text());
-  if (records.empty()) return text;
   const double time = to_seconds(records.back().done - records.front().asked);
   const auto X_BT = tool_at(model, records.back().q_reported);
   text += fmt::format(

@@ -129,7 +129,10 @@ Outcome drive(const Job& job, io::Port& port, const io::Clock& clock, runtime::B
     outcome.complaint = fmt::format("{}:{}: {}", job.request.file, run.failure()->line,
                                     error_text(run.failure()->error, job.model));
   } else if (run.failure()) {
-    outcome.complaint = "before the first order: " + error_text(run.failure()->error, job.model);
+    outcome.complaint = fmt::format(
+        "{}: {}; is it switched on, is this its port, and does it speak the {} wire (--wire)?",
+        port.path(), error_text(run.failure()->error, job.model),
+        job.device.wire == BigRobotArmWire::kByte ? "byte" : "text");
   }
   if (run.phase() != Phase::kDone) outcome.exit = ExitCode::kCouldNot;
   if (run.looked_like_boot() && job.request.port) {

@@ -27,30 +27,70 @@ SixR::SixR(const SerialGeometry& geometry, std::span<const Joint> joints, const 
   sin_alpha6_ = std::sin(rows[5].alpha);
   for (std::size_t i = 0; i < 6; ++i) theta_offset_[i] = q_zero_[i] = rows[i].theta_offset;
   q_zero_[2] += arm.forearm_angle();
+  free_at_zero_ = {sin_cos(theta_offset_[0]), sin_cos(theta_offset_[1]), sin_cos(theta_offset_[3])};
 }
 
-/// The wrist of one arm, docs/kinematics/six_r.md eq. (10) to (13); returns the singularity bit.
-std::uint8_t SixR::wrist(const ArmSide& arm, const Rotation& R_B6, double theta4_near,
-                         std::size_t i, Lanes& lanes) const {
-  const Vec3 z_36 = transposed_times(arm.R_B3, R_B6.z);
-  const double sin5 = std::sqrt(z_36.x * z_36.x + z_36.y * z_36.y);
-  SinCos four;
-  if (sin5 < kFreeDirection) {
-    // Axes 4 and 6 are in line and only their sum counts: joint 4 keeps the angle it has.
-    four = sin_cos(theta4_near);
-  } else {
-    const double scale = sign5_ / sin5;
-    four = {scale * z_36.y, scale * z_36.x};
+/// All four arms: docs/kinematics/six_r.md eq. (3) to (12). Every lane takes the same way through
+/// this loop, which is what makes it a vector's.
+void SixR::solve(const Vec3& p_BW, const Rotation& R_B6, FreeJoints free,
+                 Arms& arms) const {
+  constexpr std::array<double, kArms> kSide{1, 1, -1, -1};
+  constexpr std::array<double, kArms> kElbow{1, -1, 1, -1};
+  // Copies, so that nothing in the loop has to be read from memory that `arms` might overlap.
+  const RegionalArm arm = arm_;
+  const auto [x6, y6, z6] = R_B6;
+  const Vec3 p = p_BW;
+  const double sign5 = sign5_;
+  const double sign45 = sign4_ * sign5_;
+  const double up = arm.up();
+  const double twist3 = arm.third_twist();
+  for (std::size_t i = 0; i < kArms; ++i) {
+    const ShoulderSide side = arm.shoulder(p, kSide[i], free.first);
+    const Elbow elbow = arm.elbow(side, kElbow[i], free.second);
+    // A vector of the base along frame 3's axes x and y, the latter across the arm's plane.
+    const auto along_x3 = [&](const Vec3& v_B) {
+      return elbow.c23 * (side.c1 * v_B.x + side.s1 * v_B.y) + up * elbow.s23 * v_B.z;
+    };
+    const auto along_y3 = [&](const Vec3& v_B) {
+      return twist3 * up * (side.s1 * v_B.x - side.c1 * v_B.y);
+    };
+    const double z_36_x = along_x3(z6);
+    const double z_36_y = along_y3(z6);
+    const double z_36_z = twist3 * (elbow.s23 * (side.c1 * z6.x + side.s1 * z6.y) -
+                                    up * elbow.c23 * z6.z);
+    const double sin5 = std::sqrt(z_36_x * z_36_x + z_36_y * z_36_y);
+    // Axes 4 and 6 in line: only their sum counts, and joint 4 keeps the angle it has.
+    const bool is_free = sin5 < kFreeDirection;
+    const double scale = sign5 / sin5;
+    const double s4 = is_free ? free.fourth.sin : scale * z_36_y;
+    const double c4 = is_free ? free.fourth.cos : scale * z_36_x;
+    arms.sine[i] = side.s1;
+    arms.cosine[i] = side.c1;
+    arms.sine[kArms + i] = elbow.s2;
+    arms.cosine[kArms + i] = elbow.c2;
+    arms.sine[2 * kArms + i] = elbow.sin_bend;
+    arms.cosine[2 * kArms + i] = elbow.cos_bend;
+    arms.sine[3 * kArms + i] = s4;
+    arms.cosine[3 * kArms + i] = c4;
+    arms.sine[4 * kArms + i] = sin5;
+    arms.cosine[4 * kArms + i] = -sign45 * z_36_z;
+    // Joint 6 from the axis that joint 4 leaves it, so that their errors cancel near the
+    // singularity.
+    arms.sine[5 * kArms + i] = sign45 * (s4 * along_x3(x6) - c4 * along_y3(x6));
+    arms.cosine[5 * kArms + i] = sign45 * (s4 * along_x3(y6) - c4 * along_y3(y6));
+    arms.spread[i] = side.spread;
+    arms.distance_squared[i] = elbow.distance_squared;
   }
-  // Joint 6 from the axis that joint 4 leaves it, so that their errors cancel near the singularity.
-  const Vec3 z_B4 = sign4_ * (four.sin * arm.R_B3.x - four.cos * arm.R_B3.y);
-  lanes.sine[3][i] = four.sin;
-  lanes.cosine[3][i] = four.cos;
-  lanes.sine[4][i] = sin5;
-  lanes.cosine[4][i] = -sign4_ * sign5_ * z_36.z;
-  lanes.sine[5][i] = sign5_ * dot(z_B4, R_B6.x);
-  lanes.cosine[5][i] = sign5_ * dot(z_B4, R_B6.y);
-  return sin5 < kSingularSine ? kWristBit : 0;
+}
+
+std::array<std::uint8_t, SixR::kArms> SixR::singular_bits(const Arms& arms) const {
+  std::array<std::uint8_t, kArms> bits{};
+  for (std::size_t i = 0; i < kArms; ++i) {
+    bits[i] = RegionalArm::singular_bits(arms.spread[i], arms.sine[2 * kArms + i],
+                                         arms.distance_squared[i]);
+    if (arms.sine[4 * kArms + i] < kSingularSine) bits[i] |= kWristBit;
+  }
+  return bits;
 }
 
 Expected<IkBranches> SixR::inverse(const PoseBF& X_BF, std::span<const double> near) const {
@@ -58,64 +98,58 @@ Expected<IkBranches> SixR::inverse(const PoseBF& X_BF, std::span<const double> n
   const Rotation R_B6{X_BF.R.x, cos_alpha6_ * X_BF.R.y - sin_alpha6_ * X_BF.R.z,
                       sin_alpha6_ * X_BF.R.y + cos_alpha6_ * X_BF.R.z};
   const Vec3 p_BW = X_BF.p - R_B6 * p_6F_;
-  const auto theta_near = [&](std::size_t joint) {
-    return (joint < near.size() ? near[joint] : 0) + theta_offset_[joint];
-  };
-
-  std::array<ShoulderSide, 2> sides;
-  std::array<ArmSide, 4> arms;
-  const std::size_t side_count = arm_.shoulders(p_BW, theta_near(0), sides);
-  std::size_t arm_count = 0;
-  for (std::size_t i = 0; i < side_count; ++i) {
-    arm_.append_elbows(sides[i], theta_near(1), arms, arm_count);
+  if (!arm_.plane_holds(p_BW)) return std::unexpected(arm_.refusal(p_BW, {}));
+  Arms arms;
+  solve(p_BW, R_B6, free_at_zero_, arms);
+  if (!arm_.within_reach(arms.distance_squared[0]) &&
+      !arm_.within_reach(arms.distance_squared[2])) {
+    return std::unexpected(refusal(p_BW));
   }
-  if (arm_count == 0) return std::unexpected(arm_.refusal(p_BW, {sides.data(), side_count}));
-
-  Lanes lanes;
-  for (std::size_t i = 0; i < arm_count; ++i) {
-    const ArmSide& arm = arms[i];
-    lanes.sine[0][i] = arm.s1;
-    lanes.cosine[0][i] = arm.c1;
-    lanes.sine[1][i] = arm.s2;
-    lanes.cosine[1][i] = arm.c2;
-    lanes.sine[2][i] = arm.sin_bend;
-    lanes.cosine[2][i] = arm.cos_bend;
-    arms[i].singular |= wrist(arm, R_B6, theta_near(3), i, lanes);
+  const auto singular = singular_bits(arms);
+  if (!near.empty() && (singular[0] | singular[1] | singular[2] | singular[3]) != 0) {
+    const auto near_theta = [&](std::size_t j) { return sin_cos(near[j] + theta_offset_[j]); };
+    solve(p_BW, R_B6, {near_theta(0), near_theta(1), near_theta(3)}, arms);
   }
-  std::array<std::array<double, 4>, 6> q;
-  for (std::size_t j = 0; j < 6; ++j) {
-    for (std::size_t i = 0; i < 4; ++i) {
-      q[j][i] = arc_tangent(lanes.sine[j][i], lanes.cosine[j][i]);
-    }
-  }
-  Expected<IkBranches> branches(std::in_place);
-  write_branches(q, arms, arm_count, near, *branches);
-  return branches;
+  return branches(arms, singular, near);
 }
 
-/// Both flips of the wrist of every arm, eq. (13), as joint angles next to `near`.
-void SixR::write_branches(const Angles& theta, const std::array<ArmSide, 4>& arms,
-                          std::size_t arm_count, std::span<const double> near,
-                          IkBranches& branches) const {
-  std::array<std::array<double, 8>, 6> q;  // 4 arms, then the same with the wrist flipped
-  for (std::size_t i = 0; i < 4; ++i) {
-    for (std::size_t j = 0; j < 6; ++j) q[j][i] = theta[j][i] - q_zero_[j];
-    for (std::size_t j = 0; j < 3; ++j) q[j][4 + i] = q[j][i];
-    q[3][4 + i] = q[3][i] + kPi;
-    q[4][4 + i] = -theta[4][i] - q_zero_[4];
-    q[5][4 + i] = q[5][i] + kPi;
+/// Both flips of the wrist of every arm within reach, eq. (13), next to `near`.
+Expected<IkBranches> SixR::branches(const Arms& arms,
+                                    const std::array<std::uint8_t, kArms>& singular,
+                                    std::span<const double> near) const {
+  Angles theta;
+  for (std::size_t k = 0; k < theta.size(); ++k) {
+    theta[k] = arc_tangent(arms.sine[k], arms.cosine[k]);
   }
-  const std::array<double, 8> outside = ranges_.settle(q, near);
-  branches.resize(2 * arm_count);
-  for (std::size_t k = 0; k < 2 * arm_count; ++k) {
+  std::array<std::array<double, 2 * kArms>, 6> q;  // the arms, then the same with the wrist flipped
+  for (std::size_t i = 0; i < kArms; ++i) {
+    for (std::size_t j = 0; j < 6; ++j) q[j][i] = theta[j * kArms + i] - q_zero_[j];
+    for (std::size_t j = 0; j < 3; ++j) q[j][kArms + i] = q[j][i];
+    q[3][kArms + i] = q[3][i] + kPi;
+    q[4][kArms + i] = -theta[4 * kArms + i] - q_zero_[4];
+    q[5][kArms + i] = q[5][i] + kPi;
+  }
+  const std::array<double, 2 * kArms> outside = ranges_.settle(q, near);
+
+  Expected<IkBranches> found(std::in_place);
+  for (std::size_t k = 0; k < 2 * kArms; ++k) {
     const std::size_t arm = k / 2;
-    const std::size_t lane = arm + 4 * (k % 2);
-    IkBranch& branch = branches[k];
+    const std::size_t lane = arm + kArms * (k % 2);
+    if (!arm_.within_reach(arms.distance_squared[arm])) continue;
+    found->resize(found->size() + 1);
+    IkBranch& branch = found->back();
     branch.q.resize(6);
     for (std::size_t j = 0; j < 6; ++j) branch.q[j] = q[j][lane];
     branch.within_limits = outside[lane] <= 0;
-    branch.singular = arms[arm].singular;
+    branch.singular = singular[arm];
   }
+  return found;
+}
+
+Error SixR::refusal(const Vec3& p_BW) const {
+  std::array<ShoulderSide, 2> sides;
+  const std::size_t count = arm_.shoulders(p_BW, 0, sides);
+  return arm_.refusal(p_BW, {sides.data(), count});
 }
 
 }  // namespace sinew::kinematics

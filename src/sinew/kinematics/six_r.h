@@ -29,20 +29,28 @@ class SixR {
   Expected<IkBranches> inverse(const PoseBF& X_BF, std::span<const double> near = {}) const;
 
  private:
-  /// Sine and cosine of every angle, one row per joint and one column per arm, so that all angles
-  /// come from one loop of arc tangents.
-  struct Lanes {
-    std::array<std::array<double, 4>, 6> sine{};
-    std::array<std::array<double, 4>, 6> cosine{};
+  static constexpr std::size_t kArms = 4;
+  /// A row per joint, a column per arm (two sides of two elbows), laid out flat so that one plain
+  /// loop serves all.
+  using Angles = std::array<double, 6 * kArms>;
+  /// What is known of the arms before any arc tangent: sines and cosines up to a positive factor,
+  /// and the measures that say which of them are singular or out of reach.
+  struct Arms {
+    Angles sine, cosine;
+    std::array<double, kArms> spread, distance_squared;
   };
-  using Angles = std::array<std::array<double, 4>, 6>;  // a row per joint, a column per arm
+  /// Where joints stay that a singular pose leaves free.
+  struct FreeJoints {
+    SinCos first, second, fourth;
+  };
 
   SixR(const SerialGeometry& geometry, std::span<const Joint> joints, const RegionalArm& arm);
-  std::uint8_t wrist(const ArmSide& arm, const Rotation& R_B6, double theta4_near, std::size_t i,
-                     Lanes& lanes) const;
-  void write_branches(const Angles& theta, const std::array<ArmSide, 4>& arms,
-                      std::size_t arm_count, std::span<const double> near,
-                      IkBranches& branches) const;
+  void solve(const Vec3& p_BW, const Rotation& R_B6, FreeJoints free, Arms& arms) const;
+  std::array<std::uint8_t, kArms> singular_bits(const Arms& arms) const;
+  Expected<IkBranches> branches(const Arms& arms,
+                                const std::array<std::uint8_t, kArms>& singular,
+                                std::span<const double> near) const;
+  Error refusal(const Vec3& p_BW) const;
 
   JointRanges ranges_;
   RegionalArm arm_;
@@ -50,7 +58,8 @@ class SixR {
   Vec3 p_6F_;             // flange in frame 6 before its twist
   double cos_alpha6_, sin_alpha6_;
   std::array<double, 6> theta_offset_{};
-  std::array<double, 6> q_zero_{};  // what the angles above count from: q = angle - this
+  std::array<double, 6> q_zero_{};  // what the angles of Arms count from: q = angle - this
+  FreeJoints free_at_zero_{};
 };
 
 }  // namespace sinew::kinematics

@@ -8,6 +8,7 @@ Run::Run(const Program& program, const RobotModel& robot, BigRobotArmDriver& dri
     : program_(program), robot_(robot), driver_(driver) {}
 
 void Run::start(Instant now) {
+  opened_at_ = now;
   driver_.open(now);
 }
 
@@ -26,7 +27,7 @@ void Run::poll(Instant now) {
     if (const auto* status = std::get_if<BigRobotArmDriver::StatusRead>(&*event)) {
       if (phase_ == Phase::kOpening) take(*status);
     } else if (const auto* failed = std::get_if<BigRobotArmDriver::Failed>(&*event)) {
-      fail(failed->error);
+      take(*failed);
     } else if (std::holds_alternative<BigRobotArmDriver::Started>(*event)) {
       if (current_) current_->started = now;
     } else if (const auto* done = std::get_if<BigRobotArmDriver::Done>(&*event); done && current_) {
@@ -37,7 +38,14 @@ void Run::poll(Instant now) {
       if (phase_ == Phase::kStopping) phase_ = Phase::kStopped;
     }
   }
+  if (phase_ == Phase::kOpening && now - opened_at_ > kOpeningLimit) fail(opening_trouble_);
   if (phase_ == Phase::kRunning && !current_) issue_next(now);
+}
+
+/// While the port opens, a device may be deaf or talk nonsense for a while; the driver asks again.
+void Run::take(const BigRobotArmDriver::Failed& failed) {
+  if (phase_ != Phase::kOpening) return fail(failed.error);
+  if (failed.error.code != ErrorCode::kDeviceSilent) opening_trouble_ = failed.error;
 }
 
 /// The device's own word on where it is and how it is set: the plan is made for that.

@@ -23,6 +23,7 @@ struct Record {
 ///   phase     | what happens                   | next
 ///   ----------+--------------------------------+-----------------------------
 ///   kOpening  | the device's first status      | kRunning, or kFailed (refused)
+///   kOpening  | none within kOpeningLimit      | kFailed
 ///   kRunning  | an order is done               | kRunning, kDone after the last
 ///   kRunning  | stop()                         | kStopping
 ///   kRunning, | an order fails                 | kFailed
@@ -31,6 +32,9 @@ struct Record {
 /// The device has no stop: a motion that it took up is finished in any case.
 class Run {
  public:
+  /// Opening the port may reset the board, whose boot loader then listens for a second or two.
+  static constexpr Duration kOpeningLimit = std::chrono::seconds(6);
+
   enum class Phase { kOpening, kRunning, kStopping, kDone, kStopped, kFailed };
 
   /// @param robot, driver  outlive the run
@@ -59,6 +63,7 @@ class Run {
 
  private:
   void take(const BigRobotArmDriver::StatusRead& status);
+  void take(const BigRobotArmDriver::Failed& failed);
   void issue_next(Instant now);
   Expected<void> issue(const Order& order, Instant now);
   void fail(const Error& error);
@@ -67,6 +72,8 @@ class Run {
   const RobotModel& robot_;
   BigRobotArmDriver& driver_;
   Phase phase_ = Phase::kOpening;
+  Instant opened_at_{};
+  Error opening_trouble_{.code = ErrorCode::kDeviceSilent, .limit = to_seconds(kOpeningLimit)};
   Plan plan_;
   std::size_t next_ = 0;
   std::optional<Record> current_;
