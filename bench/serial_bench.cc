@@ -14,6 +14,15 @@ void forward_6r(benchmark::State& state) {
 }
 BENCHMARK(forward_6r);
 
+void forward_6r_portable(benchmark::State& state) {
+  const SerialInputs in("robot-arm-2");
+  std::size_t i = 0;
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(in.arm.chain().forward_portable(in.q[i++ % kInputs]));
+  }
+}
+BENCHMARK(forward_6r_portable);
+
 void forward_and_jacobian_6r(benchmark::State& state) {
   const SerialInputs in("robot-arm-2");
   std::size_t i = 0;
@@ -35,6 +44,14 @@ void inverse(benchmark::State& state, std::string_view id) {
 void inverse_6r_all_branches(benchmark::State& state) {
   inverse(state, "robot-arm-2");
 }
+void inverse_6r_portable(benchmark::State& state) {
+  const SerialInputs in("robot-arm-2");
+  const auto solver = kinematics::SixR::match(in.geometry, in.model.joints);
+  std::size_t i = 0;
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(solver->inverse_portable(in.X_BF[i++ % kInputs]));
+  }
+}
 void inverse_5r_pitch(benchmark::State& state) {
   inverse(state, "learm");
 }
@@ -48,6 +65,7 @@ void inverse_5r_roll(benchmark::State& state) {
   }
 }
 BENCHMARK(inverse_6r_all_branches);
+BENCHMARK(inverse_6r_portable);
 BENCHMARK(inverse_5r_pitch);
 BENCHMARK(inverse_5r_roll);
 

@@ -146,6 +146,10 @@ Outcome inverse_palletizer(const InverseRequest& request, const RobotModel& mode
   if (request.pitch_deg) {
     return bad_input("--pitch-deg: the linkage of " + model.id + " keeps its tool level");
   }
+  if (request.near_joints_deg) {
+    const auto near = parse_joints("--near-joints-deg", *request.near_joints_deg, model);
+    if (!near) return bad_input(near.error());
+  }
   Vec3 p;
   std::optional<Rotation> R_asked;
   if (request.pose_mm_deg) {
@@ -220,7 +224,15 @@ Outcome inverse(const InverseRequest& request) {
   if (request.pose_mm_deg && request.pitch_deg) {
     return bad_input("--pitch-deg goes with --point-mm; a pose has its own pitch");
   }
-  if (const auto* hexapod = std::get_if<HexapodGeometry>(&model.geometry)) {
+  const auto* hexapod = std::get_if<HexapodGeometry>(&model.geometry);
+  if (request.near_pose_mm_deg) {
+    if (hexapod == nullptr) {
+      return bad_input("--near-pose-mm-deg: only a hexapod has it; give --near-joints-deg");
+    }
+    const auto near = parse_pose("--near-pose-mm-deg", *request.near_pose_mm_deg);
+    if (!near) return bad_input(near.error());
+  }
+  if (hexapod != nullptr) {
     return inverse_hexapod(request, model, *hexapod);
   }
   if (const auto* palletizer = std::get_if<PalletizerGeometry>(&model.geometry)) {

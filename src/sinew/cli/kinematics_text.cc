@@ -98,6 +98,7 @@ const char* joints_key(const RobotModel& model) {
 
 std::vector<std::string> joint_names(const RobotModel& model) {
   std::vector<std::string> names;
+  names.reserve(model.joints.size());
   for (const Joint& joint : model.joints) names.push_back(joint.name);
   return names;
 }

@@ -1,13 +1,20 @@
 // `sinew`: composition and text. Verbs live in their own files and return an Outcome.
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
+#include <exception>
 #include <functional>
+#include <span>
+#include <sstream>
 
 #include "sinew/cli/forward_verb.h"
 #include "sinew/cli/inverse_verb.h"
 #include "sinew/cli/robots_verb.h"
 #include "sinew/cli/run_verb.h"
 #include "sinew/cli/sim_verb.h"
+#include "sinew/cli/table.h"
+#include "sinew/core/spelling.h"
+#include "sinew/io/standard_streams.h"
 
 namespace sinew::cli {
 namespace {
@@ -112,34 +119,84 @@ void add_run(CLI::App& app, Call& call) {
   });
 }
 
-int print(const Outcome& outcome, bool json) {
-  const std::string text = json ? outcome.json.dump(2) + "\n" : outcome.text;
-  std::fwrite(text.data(), 1, text.size(), stdout);
-  std::fflush(stdout);
-  if (!outcome.complaint.empty()) std::fprintf(stderr, "sinew: %s\n", outcome.complaint.c_str());
-  return static_cast<int>(outcome.exit);
+/// The first word where a verb is due, if any.
+std::string_view verb_word(std::span<char*> arguments) {
+  for (const std::string_view argument : arguments) {
+    if (!argument.starts_with('-')) return argument;
+  }
+  return {};
 }
 
-int run(int argc, char** argv) {
-  CLI::App app{"Sinew: one controller for the robot arms that people build themselves"};
+/// What CLI11 says about values, as a sentence.
+std::string value_sentence(const CLI::ParseError& error) {
+  const std::string what = error.what();
+  if (dynamic_cast<const CLI::ArgumentMismatch*>(&error) != nullptr) {
+    return what.substr(0, what.find(':')) + ": takes one value, once";
+  }
+  const std::size_t equals = what.find(" = ");
+  constexpr std::string_view kPrefix = "Could not convert: ";
+  if (!what.starts_with(kPrefix) || equals == std::string::npos) return what;
+  return what.substr(kPrefix.size(), equals - kPrefix.size()) + ": '" +
+         printable(what.substr(equals + 3)) + "' is not a number";
+}
+
+/// A sentence for what the parser threw, which knows less about verbs than people need.
+std::string parse_sentence(const CLI::App& app, const CLI::ParseError& error,
+                           std::span<char*> arguments) {
+  constexpr std::size_t kLongest = 300;  // bytes; an argument can have thousands
+  std::vector<std::string_view> verbs;
+  std::vector<std::string> names;
+  for (const CLI::App* verb : app.get_subcommands({})) names.push_back(verb->get_name());
+  for (const std::string& name : names) verbs.push_back(name);
+  const std::string_view word = verb_word(arguments);
+  if (std::find(verbs.begin(), verbs.end(), word) == verbs.end()) {
+    const std::string known = "the verbs are " + joined(verbs, ", ") + "; sinew --help shows more";
+    if (word.empty()) return "a verb is missing; " + known;
+    const std::string_view meant = nearest_spelling(word, verbs);
+    return "there is no verb '" + printable(word) + "'" +
+           (meant.empty() ? "" : ", did you mean '" + std::string(meant) + "'?") + "; " + known;
+  }
+  std::string sentence = value_sentence(error);
+  if (sentence.size() > kLongest) sentence = sentence.substr(0, kLongest) + " ...";
+  return sentence + "; sinew " + std::string(word) + " --help shows the way";
+}
+
+/// Asked for JSON, however wrong the rest is.
+bool wants_json(std::span<char*> arguments) {
+  return std::ranges::any_of(arguments,
+                             [](std::string_view argument) { return argument == "--json"; });
+}
+
+int run(std::span<char*> arguments) {
+  CLI::App app{"Sinew: one controller for the robot arms that people build themselves", "sinew"};
   app.require_subcommand(1);
   app.set_version_flag("--version", SINEW_VERSION);
   app.footer(
       "Try:\n  sinew robots\n  sinew fk learm --joints-deg 0,90,0,0,0\n"
       "  sinew VERB --help shows an example of each verb.\n");
   Call call;
+  app.add_flag("--json", call.json, "one JSON document on stdout, for machines");
   add_robots(app, call);
   add_forward(app, call);
   add_inverse(app, call);
   add_sim(app, call);
   add_run(app, call);
   try {
-    app.parse(argc, argv);
+    // Backwards, as CLI11 wants a vector.
+    app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));
   } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return app.exit(error);
-    std::fprintf(stderr, "sinew: %s; sinew --help shows the way\n", error.what());
-    return static_cast<int>(ExitCode::kBadInput);
+    const bool json = wants_json(arguments);
+    if (error.get_exit_code() != 0) {
+      return print(bad_input(parse_sentence(app, error, arguments)), json);
+    }
+    std::ostringstream help;
+    app.exit(error, help, help);
+    Outcome outcome;
+    outcome.json = {{"help", help.str()}};
+    outcome.text = help.str();
+    return print(outcome, json);
   }
+  call.json = call.json || wants_json(arguments);
   return print(call.verb(), call.json);
 }
 
@@ -147,5 +204,15 @@ int run(int argc, char** argv) {
 }  // namespace sinew::cli
 
 int main(int argc, char** argv) {
-  return sinew::cli::run(argc, argv);
+  using namespace sinew;
+  io::hold_standard_streams();
+  // An empty argv is a caller's right.
+  const std::span<char*> arguments(argv + std::min(argc, 1), argv + argc);
+  try {
+    return cli::run(arguments);
+  } catch (const std::exception& error) {
+    return cli::print(
+        cli::could_not(std::string("a fault of Sinew itself, please report it: ") + error.what()),
+        cli::wants_json(arguments));
+  }
 }

@@ -1,5 +1,13 @@
 #include "sinew/cli/outcome.h"
 
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <string_view>
+
+#include "sinew/cli/shown_text.h"
+#include "sinew/io/standard_streams.h"
+
 namespace sinew::cli {
 namespace {
 
@@ -7,7 +15,25 @@ Outcome failure(ExitCode exit, const std::string& sentence) {
   return {exit, Json{{"error", {{"sentence", sentence}}}}, "", sentence};
 }
 
+void tell(std::string_view complaint) {
+  std::fputs(fmt::format("sinew: {}\n", shown(complaint)).c_str(), stderr);
+}
+
 }  // namespace
+
+int print(const Outcome& outcome, bool json) {
+  std::string text = shown(outcome.text);
+  if (json) {
+    const int indent = outcome.json_line ? -1 : 2;
+    text = outcome.json.dump(indent, ' ', false, Json::error_handler_t::replace) + "\n";
+  }
+  const auto written = io::write_stdout(text);
+  if (!outcome.complaint.empty()) tell(outcome.complaint);
+  if (!written) tell(written.error().sentence);
+  // Exit 0 promises that the answer arrived.
+  if (!written && outcome.exit == ExitCode::kDone) return static_cast<int>(ExitCode::kCouldNot);
+  return static_cast<int>(outcome.exit);
+}
 
 Outcome bad_input(const std::string& sentence) {
   return failure(ExitCode::kBadInput, sentence);

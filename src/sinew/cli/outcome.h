@@ -23,7 +23,12 @@ struct Outcome {
   Json json = Json::object();  ///< with --json, on stdout
   std::string text;            ///< without --json, on stdout
   std::string complaint;       ///< a sentence for stderr, in both cases
+  bool json_line = false;      ///< not the first document on stdout: one line, as the others
 };
+
+/// Prints an outcome for one of both kinds of readers and gives the exit code. Whatever bytes a
+/// user or a file brought in, the terminal gets no control characters and JSON is valid.
+int print(const Outcome& outcome, bool json);
 
 /// Bad input: the sentence goes to stderr, and to JSON as {"error":{"sentence":..}}.
 Outcome bad_input(const std::string& sentence);

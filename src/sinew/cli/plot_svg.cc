@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 
+#include "sinew/cli/shown_text.h"
 #include "sinew/cli/table.h"
 
 namespace sinew::cli {
@@ -25,7 +26,7 @@ constexpr std::array<const char*, 8> kColours{"#0072b2", "#d55e00", "#009e73", "
 
 std::string escaped(const std::string& text) {
   std::string result;
-  for (const char c : text) {
+  for (const char c : shown(text)) {
     if (c == '<') {
       result += "&lt;";
     } else if (c == '&') {
@@ -41,6 +42,17 @@ struct Axis {
   double lower = 0;
   double upper = 1;
   double step = 1;
+
+  std::vector<double> ticks() const {
+    std::vector<double> values;
+    const double first = std::round(lower / step);
+    const auto count = static_cast<int>(std::floor((upper - lower) / step + 0.5)) + 1;
+    for (int i = 0; i < count; ++i) {
+      const double value = (first + i) * step;
+      if (value <= upper + step / 1e6) values.push_back(value);
+    }
+    return values;
+  }
 };
 
 /// Round numbers that hold all values, about `ticks` of them.
@@ -93,15 +105,14 @@ class Picture {
     };
     svg_ += fmt::format("<text x=\"{}\" y=\"{}\" fill=\"#444\">{}</text>\n", kLeft, top - 8,
                         escaped(panel.title));
-    for (double tick = axis.lower; tick <= axis.upper + axis.step / 2; tick += axis.step) {
-      const double value = std::abs(tick) < axis.step / 1e6 ? 0 : tick;
+    for (const double value : axis.ticks()) {
       svg_ += fmt::format(
           "<path d=\"M{} {:.1f}h{}\" stroke=\"{}\"/><text x=\"{}\" y=\"{:.1f}\" "
           "text-anchor=\"end\" fill=\"#666\">{}</text>\n",
           kLeft, y(value), kPlotWidth, value == 0 ? "#999" : "#e4e4e4", kLeft - 8, y(value) + 4,
           number(value));
     }
-    for (double tick = 0; tick <= time_.upper; tick += time_.step) {
+    for (const double tick : time_.ticks()) {
       svg_ += fmt::format(
           "<path d=\"M{0:.1f} {1}v{2}\" stroke=\"#f0f0f0\"/><text x=\"{0:.1f}\" y=\"{3}\" "
           "text-anchor=\"middle\" fill=\"#666\">{4} s</text>\n",

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cstdio>
 
-#include "sinew/io/terminal.h"
+#include "sinew/io/standard_streams.h"
 
 namespace sinew::cli {
 namespace {
@@ -55,7 +55,8 @@ void ProgressLine::show_live(const runtime::SessionView& view) {
   const auto& plan = view.run.plan();
   const double done = view.run.progress(view.now);
   std::string line =
-      fmt::format("\r  [{}] {:5.1f} of {:.1f} s", bar(done / plan.duration), done, plan.duration);
+      fmt::format("\r  [{}] {:5.1f} of {:.1f} s", bar(plan.duration > 0 ? done / plan.duration : 1),
+                  done, plan.duration);
   if (const auto record = view.run.under_way()) {
     line += fmt::format("   order {} of {}, line {}, round {}/{}", view.run.records().size() + 1,
                         plan.orders.size(), record->order->line, record->order->round,

@@ -44,7 +44,8 @@ std::expected<double, std::string> parse_quantity(std::string_view text, Dimensi
   const std::string_view digits = word.front() == '+' ? word.substr(1) : word;
   double value = 0;
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-  if (error != std::errc{} || !std::isfinite(value)) {
+  const bool two_signs = digits.size() != word.size() && digits.starts_with('-');
+  if (two_signs || error != std::errc{} || !std::isfinite(value)) {
     return std::unexpected(fmt::format("'{}' is not a finite number", printable(word)));
   }
   const std::string_view suffix =

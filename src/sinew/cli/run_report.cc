@@ -36,7 +36,7 @@ std::string words_text(const sequence::Words& words) {
 /// What an order asked for, as people read it.
 std::string commanded_text(const sequence::Order& order) {
   if (const auto* move = std::get_if<MoveOrder>(&order.what)) {
-    return (move->home ? "home " : "move ") + angles_text(move->q);
+    return (move->home ? "home " : "move ") + angles_text(move->q_asked);
   }
   if (const auto* speeds = std::get_if<sequence::SpeedsOrder>(&order.what)) {
     return "speeds " + words_text(speeds->multipliers);
@@ -61,7 +61,7 @@ const MoveOrder* move_of(const Record& record) {
 double largest_error(const MoveOrder& move, const Record& record) {
   double largest = 0;
   for (std::size_t i = 0; i < move.q.size(); ++i) {
-    largest = std::max(largest, std::abs(record.q_reported[i] - move.q[i]));
+    largest = std::max(largest, std::abs(record.q_reported[i] - move.q_asked[i]));
   }
   return largest;
 }
@@ -102,7 +102,7 @@ Json run_json(const RobotModel& model, const sequence::Run& run, const runtime::
                {"bytes_to_device", end.bytes[i].to_device},
                {"bytes_to_host", end.bytes[i].to_host}};
     if (const MoveOrder* move = move_of(record)) {
-      order["commanded_deg"] = joints_json(move->q, model);
+      order["commanded_deg"] = joints_json(move->q_asked, model);
       order["reported_deg"] = joints_json(record.q_reported, model);
       order["predicted_s"] = move->duration;
     }

@@ -6,6 +6,8 @@
 #include <atomic>
 #include <cstdio>
 #include <thread>
+#include <utility>
+#include <vector>
 
 #include "sinew/cli/device_argument.h"
 #include "sinew/cli/kinematics_text.h"
@@ -63,15 +65,16 @@ Outcome plan_refusal(const std::string& file, const sequence::PlanRefusal& refus
   return outcome;
 }
 
-/// Timing of the driver for a run of scaled time: real delays of this machine do not shrink.
+/// Patience in a run of scaled time: real delays of this machine do not shrink.
+Duration stretched(Duration duration, double scale) {
+  return from_seconds(to_seconds(duration) * std::max(1.0, scale));
+}
+
 BigRobotArmTiming timing_for(double scale) {
   BigRobotArmTiming timing;
-  const auto stretched = [&](Duration duration) {
-    return from_seconds(to_seconds(duration) * std::max(1.0, scale));
-  };
-  timing.reply_timeout = stretched(timing.reply_timeout);
-  timing.move_margin = stretched(timing.move_margin);
-  timing.quiet_limit = stretched(timing.quiet_limit);
+  timing.reply_timeout = stretched(timing.reply_timeout, scale);
+  timing.move_margin = stretched(timing.move_margin, scale);
+  timing.quiet_limit = stretched(timing.quiet_limit, scale);
   return timing;
 }
 
@@ -82,27 +85,57 @@ struct Job {
   const sequence::Program& program;
 };
 
-/// Files that a run leaves behind; their failure must not hide what the arm did.
+/// Adds a failure that must not hide what the arm did.
+void add_failure(Outcome& outcome, const std::string& sentence) {
+  outcome.exit = ExitCode::kCouldNot;
+  outcome.complaint += (outcome.complaint.empty() ? "" : "\n") + sentence;
+}
+
+/// Files that a run leaves behind.
 void write_files(const Job& job, const sequence::Run& run, Outcome& outcome) {
-  const auto write = [&](const std::optional<std::string>& path, const std::string& text) {
+  const auto write = [&](const char* option, const std::optional<std::string>& path,
+                         const std::string& text) {
     if (!path) return;
     if (const auto written = io::replace_file(*path, text); !written) {
-      outcome.exit = ExitCode::kCouldNot;
-      outcome.complaint += (outcome.complaint.empty() ? "" : "\n") + written.error().sentence;
+      add_failure(outcome, fmt::format("{}: {}", option, written.error().sentence));
     } else {
       outcome.text += "  " + *path + "\n";
     }
   };
-  if (job.request.record) write(job.request.record, run_csv(job.model, run));
+  if (job.request.record) write("--record", job.request.record, run_csv(job.model, run));
   if (job.request.plot) {
-    write(job.request.plot, run_svg(job.model, run, job.model.title + ": " + job.request.file));
+    write("--plot", job.request.plot,
+          run_svg(job.model, run, job.model.title + ": " + job.request.file));
   }
+}
+
+/// Why a run did not come to its end, as a sentence; empty where it did.
+std::string why_not_done(const Job& job, const sequence::Run& run, const runtime::SessionEnd& end,
+                         const std::string& port) {
+  if (end.left_at_once) return "left at once; the device finishes the motion under way, unseen";
+  if (end.port_failure) {
+    return end.port_failure->sentence +
+           "; a motion that was under way is finished by the device, unseen";
+  }
+  if (run.phase() == sequence::Run::Phase::kStopped) {
+    return "stopped: no further orders were sent (the motion under way was finished; "
+           "the device has no stop)";
+  }
+  if (!run.failure()) return {};
+  const std::string reason = error_text(run.failure()->error, job.model);
+  if (run.failure()->line > 0) {
+    return fmt::format("{}:{}: {}", job.request.file, run.failure()->line, reason);
+  }
+  return fmt::format(
+      "{}: {}; is it switched on, is this its port, and does it speak the {} wire (--wire)?", port,
+      reason, job.device.wire == BigRobotArmWire::kByte ? "byte" : "text");
 }
 
 Outcome drive(const Job& job, io::Port& port, const io::Clock& clock, runtime::ByteLog& log) {
   BigRobotArmDriver driver(job.device, timing_for(clock.scale()));
-  sequence::Run run(job.program, job.model, driver);
-  io::IoResult<runtime::SessionEnd> end;
+  sequence::Run run(job.program, job.model, driver,
+                    stretched(sequence::Run::kOpeningLimit, clock.scale()));
+  runtime::SessionEnd end;
   {
     ProgressLine progress(job.request.quiet);
     runtime::SessionHooks hooks{
@@ -110,37 +143,21 @@ Outcome drive(const Job& job, io::Port& port, const io::Clock& clock, runtime::B
         .interrupts = [] { return io::interrupts(); }};
     end = runtime::run_sequence(run, driver, port, clock, log, hooks);
   }
-  if (!end) {
-    return could_not(end.error().sentence +
-                     "; a motion that was under way is finished by the device, unseen");
-  }
   Outcome outcome;
   outcome.json = {{"robot", job.model.id}, {"port", port.path()}};
-  outcome.json.update(run_json(job.model, run, *end));
-  outcome.text = run_text(job.model, run, *end);
-  using Phase = sequence::Run::Phase;
-  if (end->left_at_once) {
-    outcome.complaint = "left at once; the device finishes the motion under way, unseen";
-  } else if (run.phase() == Phase::kStopped) {
-    outcome.complaint =
-        "stopped: no further orders were sent (the motion under way was finished; "
-        "the device has no stop)";
-  } else if (run.failure() && run.failure()->line > 0) {
-    outcome.complaint = fmt::format("{}:{}: {}", job.request.file, run.failure()->line,
-                                    error_text(run.failure()->error, job.model));
-  } else if (run.failure()) {
-    outcome.complaint = fmt::format(
-        "{}: {}; is it switched on, is this its port, and does it speak the {} wire (--wire)?",
-        port.path(), error_text(run.failure()->error, job.model),
-        job.device.wire == BigRobotArmWire::kByte ? "byte" : "text");
-  }
-  if (run.phase() != Phase::kDone) outcome.exit = ExitCode::kCouldNot;
+  outcome.json.update(run_json(job.model, run, end));
+  outcome.text = run_text(job.model, run, end);
+  outcome.complaint = why_not_done(job, run, end, port.path());
+  if (run.phase() != sequence::Run::Phase::kDone) outcome.exit = ExitCode::kCouldNot;
   if (run.looked_like_boot() && job.request.port) {
     outcome.text +=
         "  note: the device answered as just powered up; it counts from where the arm "
         "stood then\n";
   }
   write_files(job, run, outcome);
+  if (const auto failure = log.failure()) {
+    add_failure(outcome, "--log: " + failure->sentence + "; the log is not whole");
+  }
   return outcome;
 }
 
@@ -158,53 +175,103 @@ std::expected<BigRobotArmDevice, Outcome> device_for(const RunRequest& request,
   return device;
 }
 
+/// Whoever mistypes a name must not lose the program, the robot's file, or send text to the arm.
+std::expected<void, Outcome> check_outputs(const RunRequest& request) {
+  std::vector<std::pair<std::string, std::string>> taken{{"the program", request.file}};
+  if (request.robot.ends_with(".toml")) taken.emplace_back("the robot's file", request.robot);
+  if (request.port) taken.emplace_back("the port", *request.port);
+  const auto check = [&](const std::string& option,
+                         const std::optional<std::string>& path) -> std::expected<void, Outcome> {
+    if (!path) return {};
+    if (const auto fine = io::check_place(*path); !fine) {
+      return std::unexpected(bad_input(option + ": " + fine.error().sentence));
+    }
+    for (const auto& [what, other] : taken) {
+      if (!io::same_file(*path, other)) continue;
+      return std::unexpected(
+          bad_input(fmt::format("{}: {} is {}; choose another name", option, *path, what)));
+    }
+    taken.emplace_back("the file of " + option, *path);
+    return {};
+  };
+  if (auto fine = check("--log", request.log); !fine) return fine;
+  if (auto fine = check("--record", request.record); !fine) return fine;
+  return check("--plot", request.plot);
+}
+
+struct Prepared {
+  RobotModel model;
+  BigRobotArmDevice device;
+  sequence::Program program;
+  sequence::Plan plan;
+};
+
+/// Everything that can be wrong before a byte leaves.
+std::expected<Prepared, Outcome> prepare(const RunRequest& request) {
+  const auto file = find_robot(request.robot);
+  if (!file) return std::unexpected(file.error());
+  Prepared prepared{.model = file->model, .device = {}, .program = {}, .plan = {}};
+  const auto device = device_for(request, prepared.model);
+  if (!device) return std::unexpected(device.error());
+  prepared.device = *device;
+  prepared.model.device.settings = *device;
+  if (const auto fine = check_time_scale(request.time_scale); !fine) {
+    return std::unexpected(fine.error());
+  }
+  if (request.port && request.time_scale != 1) {
+    return std::unexpected(
+        bad_input("--time-scale: a real port keeps real time; sinew sim has a scale of its own"));
+  }
+  if (const auto fine = check_outputs(request); !fine) return std::unexpected(fine.error());
+  const auto text = io::read_file(request.file);
+  if (!text) return std::unexpected(bad_input(text.error().sentence));
+  auto program = sequence::parse(*text, request.file, *device);
+  if (!program) return std::unexpected(complaints_outcome(program.error()));
+  prepared.program = std::move(*program);
+  // Checked whole before the first byte leaves; once more when the device has told where it is.
+  auto plan = sequence::make_plan(prepared.program, prepared.model, sequence::boot_state(*device));
+  if (!plan) return std::unexpected(plan_refusal(request.file, plan.error(), prepared.model));
+  prepared.plan = std::move(*plan);
+  if (prepared.plan.orders.empty()) {
+    return std::unexpected(bad_input(request.file + ": has nothing to do for the arm; a first line "
+                                                    "could be: G0 B100"));
+  }
+  return prepared;
+}
+
 }  // namespace
 
 Outcome run_program(const RunRequest& request) {
-  const auto file = find_robot(request.robot);
-  if (!file) return file.error();
-  RobotModel model = file->model;
-  const auto device = device_for(request, model);
-  if (!device) return device.error();
-  model.device.settings = *device;
-  if (const auto fine = check_time_scale(request.time_scale); !fine) return fine.error();
-  if (request.port && request.time_scale != 1) {
-    return bad_input("--time-scale: a real port keeps real time; sinew sim has a scale of its own");
-  }
-  const auto text = io::read_file(request.file);
-  if (!text) return bad_input(text.error().sentence);
-  const auto program = sequence::parse(*text, request.file, *device);
-  if (!program) return complaints_outcome(program.error());
-  // Checked whole before the first byte leaves; once more when the device has told where it is.
-  const auto plan = sequence::make_plan(*program, model, sequence::boot_state(*device));
-  if (!plan) return plan_refusal(request.file, plan.error(), model);
-
-  runtime::ByteLog log;
-  if (request.log) {
-    auto created = runtime::ByteLog::create(*request.log);
-    if (!created) return could_not("--log: " + created.error().sentence);
-    log = std::move(*created);
-  }
+  const auto prepared = prepare(request);
+  if (!prepared) return prepared.error();
+  const auto& [model, device, program, plan] = *prepared;
   io::catch_interrupts();
   const io::Clock clock(request.time_scale);
   std::unique_ptr<SimulatedDevice> simulated;
   std::string path = request.port.value_or("");
   if (!request.port) {
-    auto started = SimulatedDevice::start(*device, clock);
+    auto started = SimulatedDevice::start(device, clock);
     if (!started) return could_not(started.error().sentence);
     simulated = std::move(*started);
     path = simulated->path();
   }
   auto port = io::Port::open_serial(path, model.device.baud);
   if (!port) return could_not(port.error().sentence);
+  // Only now: whoever is refused the port must not empty the log of the run that has it.
+  runtime::ByteLog log;
+  if (request.log) {
+    auto created = runtime::ByteLog::create(*request.log);
+    if (!created) return could_not("--log: " + created.error().sentence);
+    log = std::move(*created);
+  }
   if (!request.quiet) {
     std::fputs(fmt::format("  {}: {} orders, {:.1f} s of motion, over {} ({})\n", model.title,
-                           plan->orders.size(), plan->duration, path,
+                           plan.orders.size(), plan.duration, path,
                            simulated ? "simulated device" : "real port")
                    .c_str(),
                stderr);
   }
-  return drive({request, model, *device, *program}, *port, clock, log);
+  return drive({request, model, device, program}, *port, clock, log);
 }
 
 }  // namespace sinew::cli

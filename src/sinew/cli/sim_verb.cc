@@ -10,6 +10,7 @@
 #include "sinew/cli/table.h"
 #include "sinew/core/units.h"
 #include "sinew/io/interrupt.h"
+#include "sinew/io/standard_streams.h"
 #include "sinew/runtime/device_server.h"
 
 namespace sinew::cli {
@@ -56,8 +57,9 @@ Outcome simulate(const SimRequest& request) {
 
   io::catch_interrupts();
   const std::string first_line = request.json ? Json{{"port", port->path()}}.dump() : port->path();
-  std::printf("%s\n", first_line.c_str());
-  std::fflush(stdout);
+  if (const auto told = io::write_stdout(first_line + "\n"); !told) {
+    return could_not(told.error().sentence + "; nobody would know the port");
+  }
   std::fprintf(stderr, "sinew: %s simulated behind this port, time x%s; Ctrl-C ends it\n",
                file->model.id.c_str(), number(request.time_scale, 4).c_str());
 
@@ -66,6 +68,10 @@ Outcome simulate(const SimRequest& request) {
   const auto served =
       runtime::serve_device(firmware, *port, clock, log, [] { return io::interrupts() > 0; });
   Outcome outcome = served ? Outcome{} : could_not(served.error().sentence);
+  if (const auto failure = log.failure()) {
+    outcome = could_not("--log: " + failure->sentence + "; the log is not whole");
+  }
+  outcome.json_line = true;
   const Json truth = truth_json(firmware, *device, clock.now());
   outcome.json["truth"] = truth;
   outcome.text = "motor steps at the end: " + truth["motor_steps"].dump() + "\n";

@@ -16,7 +16,7 @@ struct SimRequest {
 };
 
 /// `sinew sim`: the robot's device on a pseudo-terminal, until Ctrl-C. The first line on stdout is
-/// the port's path (with --json: {"port": ...}).
+/// the port's path; with --json {"port": ..}, and {"truth": ..} on the last, a document a line.
 Outcome simulate(const SimRequest& request);
 
 }  // namespace sinew::cli

@@ -17,7 +17,7 @@ std::string Table::text() const {
     std::string line;
     for (std::size_t i = 0; i < row.size(); ++i) {
       const bool left = std::find(left_.begin(), left_.end(), i) != left_.end();
-      line += i == 0 ? "  " : "  ";
+      line += "  ";
       line +=
           left ? fmt::format("{:<{}}", row[i], width[i]) : fmt::format("{:>{}}", row[i], width[i]);
     }

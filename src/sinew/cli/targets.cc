@@ -54,6 +54,7 @@ std::expected<JointVector, std::string> parse_joints(const std::string& option,
                                                      const std::string& text,
                                                      const RobotModel& model) {
   std::vector<Dimension> dimensions;
+  dimensions.reserve(model.joints.size());
   for (const Joint& joint : model.joints) {
     dimensions.push_back(joint.kind == JointKind::kPrismatic ? Dimension::kLength
                                                              : Dimension::kAngle);

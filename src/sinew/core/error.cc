@@ -37,7 +37,8 @@ constexpr std::array kTable = std::to_array<ErrorInfo>({
      "the tool would have to leave the arm's vertical plane by {measured}; five joints cannot",
      kAngle, true, kNoStop, 422},
     {kRollNotFree, "roll_not_free",
-     "the roll about the tool axis is not free on this arm: it would be {measured}, asked {limit}",
+     "the roll about the tool axis is not free on this arm: the nearest it can have is {measured} "
+     "away",
      kAngle, true, kNoStop, 422},
     {kOrientationNotReachable, "orientation_not_reachable",
      "this arm cannot turn its tool so: the nearest orientation is {measured} away", kAngle, true,

@@ -11,15 +11,15 @@ namespace sinew {
 /// Every expected failure of Sinew. One line of meaning each; the rest is in the table of
 /// error.cc: sentence, unit, what it does to the position, which stop follows, HTTP status.
 enum class ErrorCode : std::uint8_t {
-  kOutOfReach,               ///< the target is farther than the arm is long; measured, limit: m
-  kTooClose,                 ///< the target is inside the arm's inner reach; measured, limit: m
-  kJointLimit,               ///< index: joint; measured, limit: rad
-  kShoulderSingular,         ///< measured: distance of the wrist from the first axis, m
-  kElbowSingular,            ///< measured: |sin| of the elbow's angle from straight or folded
-  kWristSingular,            ///< measured: |sin| of the wrist's bend
-  kSingular,                 ///< measured: smallest singular value of the scaled Jacobian
-  kApproachOutOfPlane,       ///< measured: angle of the approach axis out of the arm's plane, rad
-  kRollNotFree,              ///< measured: roll that the arm would give; limit: the asked one, rad
+  kOutOfReach,          ///< the target is farther than the arm is long; measured, limit: m
+  kTooClose,            ///< the target is inside the arm's inner reach; measured, limit: m
+  kJointLimit,          ///< index: joint; measured, limit: rad
+  kShoulderSingular,    ///< measured: distance of the wrist from the first axis, m
+  kElbowSingular,       ///< measured: |sin| of the elbow's angle from straight or folded
+  kWristSingular,       ///< measured: |sin| of the wrist's bend
+  kSingular,            ///< measured: smallest singular value of the scaled Jacobian
+  kApproachOutOfPlane,  ///< measured: angle of the approach axis out of the arm's plane, rad
+  kRollNotFree,  ///< measured: angle about the tool axis to the nearest roll it can have, rad
   kOrientationNotReachable,  ///< measured: angle to the nearest orientation that can be had, rad
   kTaskNotSupported,         ///< this arm has no such task (a pitch for an arm that has none)
   kLegLength,                ///< index: leg; measured, limit: m

@@ -24,7 +24,7 @@ class FixedVector {
     for (const T& item : items) push_back(item);
   }
 
-  static constexpr std::size_t capacity() { return Capacity; }
+  constexpr std::size_t capacity() const { return Capacity; }
   constexpr std::size_t size() const { return size_; }
   constexpr bool empty() const { return size_ == 0; }
   constexpr bool full() const { return size_ == Capacity; }

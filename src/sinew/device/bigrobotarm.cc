@@ -155,7 +155,7 @@ void BigRobotArmFirmware::take_line(const text::Line& line) {
   } else if (recording_) {
     sequence_.push_back(line);
   } else {
-    const Request& request = std::get<Request>(line.command);
+    const auto& request = std::get<Request>(line.command);
     execute(request, line.words_given);
     if (!moving_) reply_done(request);
     return;

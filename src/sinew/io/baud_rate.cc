@@ -19,4 +19,9 @@ int set_baud_rate(int descriptor, std::uint32_t baud) {
   return ioctl(descriptor, TCSETS2, &settings) == 0 ? 0 : errno;
 }
 
+std::uint32_t baud_rate(int descriptor) {
+  termios2 settings{};
+  return ioctl(descriptor, TCGETS2, &settings) == 0 ? settings.c_ospeed : 0;
+}
+
 }  // namespace sinew::io

@@ -16,7 +16,9 @@ Duration Clock::until(Instant instant) const {
   const Duration left = instant - now();
   if (left <= Duration::zero()) return Duration::zero();
   if (scale_ == 1) return left;
-  return from_seconds(to_seconds(left) / scale_);
+  // Slowed down, a far instant would leave the count of nanoseconds; nobody waits a day in one go.
+  constexpr double kLongest = 86'400;  // s
+  return from_seconds(std::min(to_seconds(left) / scale_, kLongest));
 }
 
 }  // namespace sinew::io

@@ -11,7 +11,7 @@ class Clock {
   explicit Clock(double scale = 1);
 
   Instant now() const;
-  /// Real time until `instant`; zero where it has passed.
+  /// Real time until `instant`; zero where it has passed; with a scale a day at most.
   Duration until(Instant instant) const;
   double scale() const { return scale_; }
 

@@ -2,6 +2,7 @@
 
 #include <cstdio>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -9,32 +10,45 @@
 
 namespace sinew::io {
 
-/// A whole file as text. @error not there, no permission, a folder, over `size_max` bytes
+/// A whole file as text; a pipe is read to its end.
+/// @error not there, no permission, a folder or a device, an empty pipe, over `size_max` bytes
 IoResult<std::string> read_file(const std::string& path, std::size_t size_max = 1U << 20);
 
 /// Writes the file beside its place, syncs it, and moves it there: whoever reads sees the old or
-/// the new text, never half of one.
+/// the new text, never half of one. A link's target is replaced, not the link. What is no file (a
+/// pipe, /dev/null) is written to as it stands.
 IoResult<void> replace_file(const std::string& path, std::string_view text);
+
+/// Whether a file could be written there, without doing it: what would be a pity to learn at the
+/// end of a long run. @error a folder, no permission, no such folder above it
+IoResult<void> check_place(const std::string& path);
+
+/// Both names lead to one file or device, through links too; also where it is not there yet.
+bool same_file(const std::string& a, const std::string& b);
 
 /// A text file that grows line by line; each line is out as soon as it is added.
 class LineFile {
  public:
   static IoResult<LineFile> create(const std::string& path);
   void add(std::string_view line);
+  /// Why a line could not be written (a full disk); those behind it are missing too.
+  const std::optional<IoError>& failure() const { return failure_; }
 
  private:
   struct Closer {
     void operator()(std::FILE* file) const { std::fclose(file); }
   };
-  explicit LineFile(std::FILE* file) : file_(file) {}
+  LineFile(std::FILE* file, std::string path) : file_(file), path_(std::move(path)) {}
   std::unique_ptr<std::FILE, Closer> file_;
+  std::string path_;
+  std::optional<IoError> failure_;
 };
 
 /// A symbolic link that lives as long as this object.
 class ScopedLink {
  public:
-  /// Replaces a dangling link that stands there (a run before this one may have been killed), but
-  /// nothing else.
+  /// Replaces a link that stands there and dangles (a run before this one may have been killed) or
+  /// says the same already, but nothing else.
   static IoResult<ScopedLink> create(const std::string& target, const std::string& path);
   ScopedLink(ScopedLink&&) noexcept;
   ScopedLink& operator=(ScopedLink&&) = delete;

@@ -8,7 +8,7 @@ namespace sinew::io {
 IoError system_error(const std::string& subject, int errno_value) {
   std::string message = std::generic_category().message(errno_value);
   if (!message.empty()) message[0] = static_cast<char>(std::tolower(message[0]));
-  return {subject + ": " + message};
+  return {(subject.empty() ? "''" : subject) + ": " + message};
 }
 
 }  // namespace sinew::io

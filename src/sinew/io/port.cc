@@ -3,6 +3,8 @@
 #include <fcntl.h>
 #include <sys/file.h>
 #include <sys/ioctl.h>
+#include <sys/stat.h>
+#include <sys/sysmacros.h>
 #include <termios.h>
 #include <unistd.h>
 
@@ -20,6 +22,9 @@ namespace {
 
 namespace asio = boost::asio;
 
+constexpr unsigned kPseudoTerminalMajor = 136;  // of the kernel's list of devices: 136..143
+constexpr const char* kWhereToLook = "; ls /dev/serial/by-id shows what is plugged in";
+constexpr const char* kInUse = ": another program is using this port";
 constexpr Duration kWriteTimeout = std::chrono::seconds(2);
 
 /// Raw, 8N1, no flow control, and no hang-up on close: dropping DTR resets many of these boards.
@@ -35,14 +40,27 @@ int make_raw(int descriptor) {
   return tcsetattr(descriptor, TCSANOW, &settings) == 0 ? 0 : errno;
 }
 
+/// Kept to this process by the kernel too, where that ends with this process. A pseudo-terminal
+/// would stay closed to others as long as its device's side holds it open.
+bool keep_to_ourselves(int descriptor) {
+  // Two programs on one arm would each see half of its answers.
+  if (flock(descriptor, LOCK_EX | LOCK_NB) != 0) return false;
+  struct stat status{};
+  if (fstat(descriptor, &status) != 0) return false;
+  const bool pseudo = major(status.st_rdev) >= kPseudoTerminalMajor &&
+                      major(status.st_rdev) < kPseudoTerminalMajor + 8;
+  return pseudo || ioctl(descriptor, TIOCEXCL) == 0;
+}
+
 IoError open_error(const std::string& path, int errno_value) {
+  if (errno_value == EBUSY) return {path + kInUse};
   IoError error = system_error(path, errno_value);
   if (errno_value == EACCES) {
     error.sentence +=
         "; on Debian the group 'dialout' may use serial ports: "
         "sudo adduser $USER dialout, then log in again";
   } else if (errno_value == ENOENT) {
-    error.sentence += "; ls /dev/serial/by-id shows what is plugged in";
+    error.sentence += kWhereToLook;
   }
   return error;
 }
@@ -79,17 +97,21 @@ IoResult<Port> Port::open_serial(const std::string& path, std::uint32_t baud) {
   if (descriptor < 0) return std::unexpected(open_error(path, errno));
   port->stream.assign(descriptor);
   if (isatty(descriptor) == 0) {
-    return std::unexpected(IoError{path + ": not a serial port"});
+    return std::unexpected(IoError{path + ": not a serial port" + kWhereToLook});
   }
-  // Two programs on one arm would each see half of its answers.
-  if (flock(descriptor, LOCK_EX | LOCK_NB) != 0 || ioctl(descriptor, TIOCEXCL) != 0) {
-    return std::unexpected(IoError{path + ": another program is using this port"});
-  }
+  if (!keep_to_ourselves(descriptor)) return std::unexpected(IoError{path + kInUse});
   if (const int error = make_raw(descriptor); error != 0) {
     return std::unexpected(system_error(path, error));
   }
   if (const int error = set_baud_rate(descriptor, baud); error != 0) {
     return std::unexpected(system_error(path + ": " + std::to_string(baud) + " baud", error));
+  }
+  // A driver that cannot divide down to it takes another rate and calls that success. Between two
+  // UARTs 2 % is what the last bit of a byte allows.
+  const std::uint32_t rate = baud_rate(descriptor);
+  if (std::abs(std::int64_t{rate} - std::int64_t{baud}) > std::int64_t{baud} / 50) {
+    return std::unexpected(IoError{path + ": cannot do " + std::to_string(baud) +
+                                   " baud; the nearest is " + std::to_string(rate)});
   }
   tcflush(descriptor, TCIOFLUSH);
   return Port(std::move(port));
@@ -134,6 +156,16 @@ IoResult<std::size_t> Port::read(std::span<std::uint8_t> buffer, Duration timeou
   if (*result == asio::error::operation_aborted) return 0;
   if (*result) return std::unexpected(IoError{path + ": the other side closed the port"});
   return count;
+}
+
+IoResult<std::size_t> Port::write_now(std::span<const std::uint8_t> bytes) {
+  auto& [path, context, stream, peer] = *implementation_;
+  boost::system::error_code error;
+  stream.non_blocking(true, error);
+  const std::size_t count = stream.write_some(asio::buffer(bytes.data(), bytes.size()), error);
+  if (!error) return count;
+  if (error == asio::error::would_block || error == asio::error::try_again) return 0;
+  return std::unexpected(IoError{path + ": the other side closed the port"});
 }
 
 IoResult<void> Port::write(std::span<const std::uint8_t> bytes) {

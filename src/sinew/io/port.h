@@ -21,7 +21,8 @@ class Port {
   /// Opens a serial device (or a pseudo-terminal's path) for this process alone.
   ///
   /// @param baud  any rate that the device's driver can divide down to; ignored by a pty.
-  /// @error  not there, no permission, used by another program, not a serial device
+  /// @error  not there, no permission, used by another program, not a serial device, a rate that
+  ///         it cannot do
   static IoResult<Port> open_serial(const std::string& path, std::uint32_t baud);
 
   /// The device's side of a new pseudo-terminal; `path()` is what a host opens.
@@ -34,6 +35,10 @@ class Port {
   /// All bytes, in one piece where the system takes it.
   /// @error  the other side went away, or took nothing for two seconds
   IoResult<void> write(std::span<const std::uint8_t> bytes);
+
+  /// As many of the bytes as the system takes without waiting; how many these were.
+  /// @error  the other side went away
+  IoResult<std::size_t> write_now(std::span<const std::uint8_t> bytes);
 
   const std::string& path() const;
 

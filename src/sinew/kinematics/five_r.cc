@@ -28,8 +28,8 @@ std::optional<FiveRPitch> FiveRPitch::match(const SerialGeometry& geometry,
   const bool wrist = is_right_angle(rows[3].alpha) && is_zero(rows[4].a) && is_zero(rows[4].alpha);
   const auto arm = RegionalArm::match(rows, 0);
   if (!parallel || !wrist || !arm || !suits(geometry.X_FT)) return std::nullopt;
-  // A lateral offset at joint 4 would need its own place in the regional arm; no known arm has it.
-  if (!is_zero(rows[3].d)) return std::nullopt;
+  // With a lateral offset the second family stands in another plane; no known arm has one.
+  if (!is_zero(rows[1].d + rows[2].d) || !is_zero(rows[3].d)) return std::nullopt;
   return FiveRPitch(geometry, joints, *arm);
 }
 
@@ -37,7 +37,6 @@ FiveRPitch::FiveRPitch(const SerialGeometry& geometry, std::span<const Joint> jo
                        const RegionalArm& arm)
     : ranges_(joints), arm_(arm) {
   const auto& rows = geometry.rows;
-  lateral_ = rows[1].d + rows[2].d;
   a4_ = rows[3].a;
   d5_ = rows[4].d;
   sign1_ = std::copysign(1, std::sin(rows[0].alpha));
@@ -56,9 +55,7 @@ Expected<PitchTarget> FiveRPitch::target(const PoseBT& X_BT, double tolerance) c
   const double level = std::hypot(approach.x, approach.y);
   PitchTarget target{.p_BT = X_BT.p};
   if (rho > kFreeDirection) {
-    // The plane holds the point, at its lateral offset from the axis.
-    const double k = std::clamp(-sign1_ * lateral_ / rho, -1.0, 1.0);
-    target.yaw = std::atan2(X_BT.p.y, X_BT.p.x) - std::asin(k);
+    target.yaw = std::atan2(X_BT.p.y, X_BT.p.x);
   } else if (level > kFreeDirection) {
     target.yaw = std::atan2(approach.y, approach.x);
   }

@@ -50,7 +50,7 @@ class FiveRPitch {
 
   JointRanges ranges_;
   RegionalArm arm_;
-  double lateral_, a4_, d5_, sign1_, sign4_;
+  double a4_, d5_, sign1_, sign4_;
   std::array<double, 5> theta_offset_{};
 };
 

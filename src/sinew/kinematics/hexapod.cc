@@ -1,6 +1,7 @@
 #include "sinew/kinematics/hexapod.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 
@@ -15,6 +16,8 @@ namespace {
 constexpr double kSingularRatio = 1e-14;
 /// A pivot below this part of its column's scale is no pivot.
 constexpr double kPivotRatio = 1e-14;
+/// Below this part of its scale the determinant of a 3 x 3 block costs too many digits.
+constexpr double kDeterminantRatio = 1e-4;
 
 /// A correction that shrinks the residual by less than this is the last with its factorisation.
 /// Each one that goes on gains that much, so that their number is bounded too.
@@ -52,12 +55,66 @@ double cos_angle_between(const Rotation& A, const Rotation& B) {
   return 0.5 * (dot(A.x, B.x) + dot(A.y, B.y) + dot(A.z, B.z) - 1);
 }
 
-/// Root of the sum of squares over the six legs: never below the largest, and not a number where
-/// any of them is none.
-double norm_of_legs(const LegLanes& f) {
-  return std::sqrt((f[0] * f[0] + f[1] * f[1]) + (f[2] * f[2] + f[3] * f[3]) +
-                   (f[4] * f[4] + f[5] * f[5]));
+/// Over the six legs; not a number where any of them is none.
+double sum_of_squares(const LegLanes& f) {
+  return (f[0] * f[0] + f[1] * f[1]) + (f[2] * f[2] + f[3] * f[3]) + (f[4] * f[4] + f[5] * f[5]);
 }
+
+/// The split of these directions whose first three legs span the largest volume.
+LegSplit widest_split(const std::array<Vec3, kLegs>& directions) {
+  LegSplit best;
+  double volume_max = -1;
+  for (unsigned legs = 0; legs < 1U << kLegs; ++legs) {
+    if (std::popcount(legs) != 3) continue;
+    LegSplit split;
+    std::size_t first = 0;
+    std::size_t second = 0;
+    for (std::size_t i = 0; i < kLegs; ++i) {
+      ((legs >> i & 1U) != 0 ? split.first[first++] : split.second[second++]) = i;
+    }
+    const auto& [a, b, c] = split.first;
+    const double volume = std::abs(dot(directions[a], cross(directions[b], directions[c])));
+    if (volume <= volume_max) continue;
+    volume_max = volume;
+    best = split;
+  }
+  return best;
+}
+
+/// Solves with the gradient of the squared lengths: by blocks, or with a search for pivots where
+/// they are too close to singular.
+class LegSolver {
+ public:
+  /// @param longest, radius  m: scales of the gradient's linear and angular columns.
+  LegSolver(const LegSplit& split, double longest, double radius)
+      : split_(split), longest_(longest), radius_(radius) {
+    const double volume = longest * longest * longest;
+    determinant_min_ = {kDeterminantRatio * volume,
+                        kDeterminantRatio * volume * radius * radius * radius};
+  }
+
+  bool factor(const LegColumns& gradient) {
+    blocks_fit_ = blocks_.factor(gradient, split_, determinant_min_);
+    return blocks_fit_ || factor_lu(gradient);
+  }
+  TwistArray solve(const LegLanes& rhs) const {
+    return blocks_fit_ ? blocks_.solve(rhs) : lu_.solve(rhs);
+  }
+
+ private:
+  [[gnu::noinline]] bool factor_lu(const LegColumns& gradient) {
+    const double linear = kPivotRatio * longest_;
+    const double angular = linear * radius_;
+    return lu_.factor(gradient, {linear, linear, linear, angular, angular, angular});
+  }
+
+  LegSplit split_;
+  double longest_, radius_;
+  std::array<double, 2> determinant_min_;
+  bool blocks_fit_ = false;
+  LegBlocks blocks_;
+  LegLu lu_;
+};
 
 }  // namespace
 
@@ -73,7 +130,13 @@ Hexapod::Hexapod(const HexapodGeometry& geometry)
       cos_cardan_min_(std::cos(geometry.cardan_angle_max + kJointLimitTolerance)),
       sin_ball_max_(std::sin(geometry.ball_angle_max + kJointLimitTolerance)),
       cos_turn_min_(std::cos(kHexapodTurnMax)),
-      cos_swing_min_(std::cos(std::min(2 * geometry.cardan_angle_max, kPi)) - 1e-9) {}
+      cos_swing_min_(std::cos(std::min(2 * geometry.cardan_angle_max, kPi)) - 1e-9) {
+  std::array<Vec3, kLegs> directions;
+  for (std::size_t i = 0; i < kLegs; ++i) {
+    directions[i] = geometry.X_BP_home * geometry.p_PA[i] - geometry.p_BA[i];
+  }
+  split_ = widest_split(directions);
+}
 
 Hexapod::LaneVectors Hexapod::lanes(const std::array<Vec3, kLegs>& vectors) {
   LaneVectors result;
@@ -143,43 +206,43 @@ Expected<HexapodSolution> Hexapod::forward(const JointVector& legs, const PoseBP
     shortest = std::min(shortest, legs[i]);
     longest = std::max(longest, legs[i]);
   }
-  TwistArray pivots_min{};
-  for (std::size_t k = 0; k < kTwistSize; ++k) {
-    pivots_min[k] = kPivotRatio * longest * (k < 3 ? 1 : platform_radius_);
-  }
 
   HexapodSolution solution{{orthonormalised(X_BP_last.R), X_BP_last.p}};
   Placement placement = place(solution.X_BP);
   const LaneVectors u_last = placement.u;
-  LegLu lu;
+  LegSolver solver(split_, longest, platform_radius_);
   LegLanes f;
+  // All errors are squares of lengths here, and their comparisons need no root.
+  const double squared_end = kHexapodResidual * kHexapodResidual * shortest * shortest;
+  double squared_error = 0;
   const auto converged = [&] {
     const LegLanes squared = squared_lengths(placement.u);
     for (std::size_t i = 0; i < kLegs; ++i) f[i] = 0.5 * (squared_targets[i] - squared[i]);
-    solution.residual = norm_of_legs(f) / shortest;
-    return solution.residual <= kHexapodResidual;
+    squared_error = sum_of_squares(f);
+    return squared_error <= squared_end;
   };
   bool done = converged();
   while (!done) {
     if (solution.iterations == kHexapodIterationsMax) {
-      return std::unexpected(
-          Error{ErrorCode::kNotConverged, -1, solution.residual, kHexapodResidual});
+      return std::unexpected(Error{ErrorCode::kNotConverged, -1,
+                                   std::sqrt(squared_error) / shortest, kHexapodResidual});
     }
-    if (!lu.factor(squared_length_gradient(placement), pivots_min)) {
+    if (!solver.factor(squared_length_gradient(placement))) {
       return std::unexpected(singular(solution.X_BP));
     }
     ++solution.iterations;
     // A correction costs a third of a factorisation: the second makes the convergence cubic, and
     // more of them pay while each gains more than a digit, eq. (12).
-    double gain = kGainMin;
-    for (int correction = 0; !done && (correction < 2 || gain >= kGainMin); ++correction) {
-      const double before = solution.residual;
-      apply(lu.solve(f), solution.X_BP);
+    bool gains = true;
+    for (int correction = 0; !done && (correction < 2 || gains); ++correction) {
+      const double before = squared_error;
+      apply(solver.solve(f), solution.X_BP);
       placement = place(solution.X_BP);
       done = converged();
-      gain = before / solution.residual;
+      gains = before >= kGainMin * kGainMin * squared_error;
     }
   }
+  solution.residual = std::sqrt(squared_error) / shortest;
   if (const auto refusal = other_assembly(solution.X_BP, X_BP_last, placement.u, u_last)) {
     return std::unexpected(*refusal);
   }

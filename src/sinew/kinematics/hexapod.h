@@ -9,6 +9,7 @@
 #include "sinew/core/fixed_vector.h"
 #include "sinew/core/pose.h"
 #include "sinew/kinematics/hexapod_linear.h"
+#include "sinew/kinematics/leg_blocks.h"
 #include "sinew/model/robot_model.h"
 
 namespace sinew::kinematics {
@@ -119,6 +120,7 @@ class Hexapod {
   double sin_ball_max_;
   double cos_turn_min_;
   double cos_swing_min_;
+  LegSplit split_;
 };
 
 }  // namespace sinew::kinematics

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "sinew/core/unrolled.h"
+
 namespace sinew::kinematics {
 namespace {
 
@@ -11,15 +13,6 @@ namespace {
 constexpr int kSweepsMax = 12;
 /// Columns whose cosine is below this are orthogonal.
 constexpr double kOrthogonal = 1e-15;
-
-/// Calls body(0) .. body(N - 1) with constants: -O2 leaves short triangular loops rolled up, which
-/// costs half of their time.
-template <std::size_t N, class Body>
-void unrolled(const Body& body) {
-  [&]<std::size_t... I>(std::index_sequence<I...>) {
-    (body(std::integral_constant<std::size_t, I>{}), ...);
-  }(std::make_index_sequence<N>{});
-}
 
 double dot_lanes(const LegLanes& a, const LegLanes& b) {
   return (a[0] * b[0] + a[1] * b[1]) + (a[2] * b[2] + a[3] * b[3]) + (a[4] * b[4] + a[5] * b[5]);
@@ -84,7 +77,7 @@ TwistArray LegLu::solve(const LegLanes& rhs) const {
     unrolled<kTwistSize - 1 - k>([&](auto i) { x[k + 1 + i] -= x[k] * triangles_[k][k + 1 + i]; });
   });
   unrolled<kTwistSize>([&](auto step) {
-    constexpr std::size_t k = kTwistSize - 1 - step;
+    const std::size_t k = kTwistSize - 1 - step;
     x[k] *= inverse_pivots_[k];
     unrolled<k>([&](auto i) { x[i] -= x[k] * triangles_[k][i]; });
   });

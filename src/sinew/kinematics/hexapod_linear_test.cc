@@ -5,6 +5,7 @@
 #include <Eigen/Dense>
 #include <cmath>
 
+#include "sinew/kinematics/leg_blocks.h"
 #include "support/property.h"
 
 namespace sinew::kinematics {
@@ -52,6 +53,38 @@ TEST(LegLu, solves_what_can_be_solved) {
     ++solved;
   });
   EXPECT_GT(solved, 90'000);
+}
+
+TEST(LegBlocks, agrees_with_the_pivoted_solver_where_both_blocks_are_regular) {
+  constexpr LegSplit kSplit{.first = {5, 0, 3}, .second = {1, 4, 2}};
+  int solved = 0;
+  test::for_random_cases(100'000, [&](test::Random& random) {
+    const LegColumns columns = columns_of(random_matrix(random));
+    LegBlocks blocks;
+    LegLu lu;
+    if (!blocks.factor(columns, kSplit, {0.1, 0.1}) || !lu.factor(columns, kAnyPivot)) return;
+    LegLanes rhs;
+    for (double& value : rhs.lane) value = random.uniform(-1, 1);
+    const TwistArray x = blocks.solve(rhs);
+    const TwistArray x_expected = lu.solve(rhs);
+    for (std::size_t k = 0; k < kTwistSize; ++k) ASSERT_NEAR(x[k], x_expected[k], 1e-10);
+    ++solved;
+  });
+  EXPECT_GT(solved, 50'000);
+}
+
+TEST(LegBlocks, block_without_a_volume_is_refused) {
+  // Legs 0, 2 and 4 are parallel: the matrix is regular, but its first block is not.
+  LegColumns columns;
+  for (std::size_t i = 0; i < kLegs; ++i) columns[2][i] = 1;
+  columns[3] = {{0, 0, 1, 0, 0, 0}};
+  columns[4] = {{0, 0, 0, 0, 1, 0}};
+  columns[0] = {{0, 1, 0, 0, 0, 0}};
+  columns[1] = {{0, 0, 0, 1, 0, 0}};
+  columns[5] = {{0, 0, 0, 0, 0, 1}};
+  LegBlocks blocks;
+  EXPECT_FALSE(blocks.factor(columns, {}, {1e-4, 1e-4}));
+  EXPECT_TRUE(blocks.factor(columns, {.first = {0, 1, 3}, .second = {2, 4, 5}}, {1e-4, 1e-4}));
 }
 
 TEST(LegLu, rows_in_any_order_have_their_pivots_found) {

@@ -21,8 +21,8 @@ enum Singularity : std::uint8_t {
 };
 
 /// Below these measures an answer is flagged singular: the sine of the wrist's and the elbow's
-/// bend, and the wrist's distance from the first axis (m) with its sine from the shoulder's branch
-/// point. Outside of them joints come back to 1e-6 rad.
+/// bend, and the distance (m) of the wrist in the arm's plane from the first axis. Outside of them
+/// joints come back to 1e-6 rad.
 inline constexpr double kSingularSine = 1e-4;
 inline constexpr double kSingularDistance = 1e-4;
 

@@ -16,7 +16,7 @@ struct NumericOptions {
   double position_tolerance = 1e-10;  ///< m
   double rotation_tolerance = 1e-10;  ///< rad
   int iterations_max = 40;            ///< of one attempt
-  int attempts_max = 100;              ///< the first from the start, the others from random joints
+  int attempts_max = 100;             ///< the first from the start, the others from random joints
   std::uint64_t seed = 1;             ///< of the random restarts: one seed, one answer
 };
 
@@ -28,11 +28,13 @@ struct NumericSolution {
 
 /// Joint angles inside the limits that put the flange at X_BF, for any chain: damped least squares
 /// whose damping follows the error (T. Sugihara, IEEE T-RO 27(5), 2011), joints at a limit held
-/// while they push outwards, restarts from random joints. Derivation: docs/kinematics/numeric.md.
+/// while they push outwards or turned to their other limit where that is nearer on the circle,
+/// restarts from random joints. Derivation: docs/kinematics/numeric.md.
 ///
 /// @param start  rad; clamped into the limits. The answer is one branch, usually the nearest.
 /// @error  kOutOfReach (m) where the lengths of the links cannot add up; kNotConverged with the
-///         smallest remaining error (m, with rad times the arm's length added).
+///         smallest remaining error, m: position and the arm's length times the rotation (rad),
+///         as one vector.
 /// @rt     bounded by attempts_max * iterations_max steps; no allocation, no lock.
 Expected<NumericSolution> inverse_numeric(const SerialChain& chain, std::span<const Joint> joints,
                                           const PoseBF& X_BF, std::span<const double> start,

@@ -55,8 +55,8 @@ std::size_t RegionalArm::shoulders(const Vec3& p_BW, double theta1_near,
 }
 
 std::uint8_t RegionalArm::singular_bits(double spread, double sin_bend, double distance_squared) {
-  const bool elbow = std::abs(sin_bend) < kSingularSine ||
-                     distance_squared < kFreeDirection * kFreeDirection;
+  const bool elbow =
+      std::abs(sin_bend) < kSingularSine || distance_squared < kFreeDirection * kFreeDirection;
   return static_cast<std::uint8_t>((spread < kSingularDistance ? kShoulderBit : 0) |
                                    (elbow ? kElbowBit : 0));
 }

@@ -30,8 +30,8 @@ struct ShoulderSide {
 struct Elbow {
   double c2 = 1, s2 = 0;
   double cos_bend = 1, sin_bend = 0;
-  double c23 = 1, s23 = 0;       ///< direction of frame 3's x axis in the arm's plane
-  double distance_squared = 0;   ///< m^2, target from joint 2
+  double c23 = 1, s23 = 0;      ///< direction of frame 3's x axis in the arm's plane
+  double distance_squared = 0;  ///< m^2, target from joint 2
 };
 
 /// Shoulder and elbow of one branch.

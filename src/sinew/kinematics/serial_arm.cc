@@ -69,7 +69,7 @@ Expected<IkBranches> SerialArm::inverse_rolling(const FiveRRoll& solver, const P
   auto all = solver.inverse({X_BT.p, X_BT.R.z}, near);
   if (!all) return all;
   IkBranches fitting;
-  Error refusal{ErrorCode::kRollNotFree, -1, 2 * kPi, 0};
+  Error refusal{ErrorCode::kRollNotFree, -1, 2 * kPi, tolerance};
   const Rotation R_asked = X_BT.R;
   // With the wrist straight both of its flips are the same joints.
   const auto add = [&](const IkBranch& candidate) {
@@ -92,9 +92,8 @@ Expected<IkBranches> SerialArm::inverse_rolling(const FiveRRoll& solver, const P
       }
     } else if (std::abs(off) <= tolerance) {
       add(branch);
-    } else if (std::abs(off) < std::abs(refusal.measured - refusal.limit)) {
-      refusal.limit = fixed_xyz(R_asked).z;
-      refusal.measured = refusal.limit - off;
+    } else {
+      refusal.measured = std::min(refusal.measured, std::abs(off));
     }
   }
   if (fitting.empty()) return std::unexpected(refusal);
@@ -117,7 +116,17 @@ Expected<IkBranches> SerialArm::inverse_at_pitch(const Vec3& p_BT, double pitch,
   const bool on_axis = std::hypot(p_BT.x, p_BT.y) < kFreeDirection;
   const double yaw = on_axis ? (near.empty() ? 0.0 : near[0]) : std::atan2(p_BT.y, p_BT.x);
   if (const auto* solver = std::get_if<FiveRPitch>(&solver_)) {
-    return solver->inverse({.p_BT = p_BT, .pitch = pitch, .roll = 0, .yaw = yaw}, X_FT_, near);
+    auto answer =
+        solver->inverse({.p_BT = p_BT, .pitch = pitch, .roll = 0, .yaw = yaw}, X_FT_, near);
+    if (!answer) return answer;
+    // A point asks for no roll: the last joint stays where it is.
+    const JointRanges ranges(joints_);
+    const Joint& roll = joints_[4];
+    for (IkBranch& branch : *answer) {
+      branch.q[4] = std::clamp(near.size() > 4 ? near[4] : 0.0, roll.lower, roll.upper);
+      branch.within_limits = ranges.contains(branch.q);
+    }
+    return answer;
   }
   if (const auto* solver = std::get_if<FiveRRoll>(&solver_)) {
     const double level = std::sin(pitch);

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "sinew/core/assert.h"
+#include "sinew/core/dispatch.h"
 #include "sinew/core/trig.h"
 
 namespace sinew::kinematics {
@@ -25,58 +26,53 @@ SerialChain::SerialChain(const SerialGeometry& geometry) : size_(geometry.rows.s
   }
 }
 
-void SerialChain::sines(std::span<const double> q, std::array<double, kMaxJoints>& s,
-                        std::array<double, kMaxJoints>& c) const {
-  SINEW_ASSERT(q.size() == size_);
-  std::array<double, kMaxJoints> theta{};
-  for (std::size_t i = 0; i < size_; ++i) theta[i] = q[i] + theta_offset_[i];
-  // Always in pairs and without a branch, so that two joints share one vector.
-  for (std::size_t i = 0; i < size_; i += 2) {
-    for (std::size_t lane = i; lane < i + 2; ++lane) {
-      const SinCos sc = sin_cos(theta[lane]);
-      s[lane] = sc.sin;
-      c[lane] = sc.cos;
-    }
-  }
-}
-
-/// Multiplies the links from base to flange, eq. (1); before link i is passed, `visit` gets i and
-/// the frame whose z axis joint i turns about.
-template <class Visit>
+/// Walks the links from base to flange; before link i is passed, `visit` gets i and the frame whose
+/// z axis joint i turns about.
+template <class V, class Visit>
 PoseBF SerialChain::walk(std::span<const double> q, Visit&& visit) const {
+  SINEW_ASSERT(q.size() == size_);
   std::array<double, kMaxJoints> s, c;
-  sines(q, s, c);
-  PoseBF X;
+  sines(q.data(), theta_offset_, size_, s, c);
+  WalkFrame<V> frame;
   for (std::size_t i = 0; i < size_; ++i) {
-    visit(i, X);
-    const Link& link = links_[i];
-    const Vec3 x = c[i] * X.R.x + s[i] * X.R.y;
-    const Vec3 y = c[i] * X.R.y - s[i] * X.R.x;
-    const Vec3 z = X.R.z;
-    X.p = X.p + link.d * z + link.a * x;
-    X.R = {x, link.cos_alpha * y + link.sin_alpha * z, link.cos_alpha * z - link.sin_alpha * y};
+    visit(i, frame);
+    frame.pass(links_[i], s[i], c[i]);
   }
-  return X;
+  return {{vec3(frame.x), vec3(frame.y), vec3(frame.z)}, vec3(frame.p)};
 }
 
-PoseBF SerialChain::forward(std::span<const double> q) const {
-  return walk(q, [](std::size_t, const PoseBF&) {});
-}
-
-PoseBF SerialChain::forward(std::span<const double> q, Jacobian& J) const {
+template <class V>
+PoseBF SerialChain::walk(std::span<const double> q, Jacobian& J) const {
   std::array<Vec3, kMaxJoints> origin;
   J.size = size_;
-  const PoseBF X = walk(q, [&](std::size_t i, const PoseBF& X_Bi) {
-    J.w[i] = X_Bi.R.z;
-    origin[i] = X_Bi.p;
+  const PoseBF X = walk<V>(q, [&](std::size_t i, const WalkFrame<V>& frame) {
+    J.w[i] = vec3(frame.z);
+    origin[i] = vec3(frame.p);
   });
   for (std::size_t i = 0; i < size_; ++i) J.v[i] = cross(J.w[i], X.p - origin[i]);
   return X;
 }
 
+PoseBF SerialChain::forward_portable(std::span<const double> q) const {
+  return walk<Vec3>(q, [](std::size_t, const WalkFrame<Vec3>&) {});
+}
+
+PoseBF SerialChain::forward_portable(std::span<const double> q, Jacobian& J) const {
+  return walk<Vec3>(q, J);
+}
+
+PoseBF SerialChain::forward(std::span<const double> q) const {
+  return dispatched([&] { return forward_portable(q); },
+                    [&] { return walk<Column>(q, [](std::size_t, const WalkFrame<Column>&) {}); });
+}
+
+PoseBF SerialChain::forward(std::span<const double> q, Jacobian& J) const {
+  return dispatched([&] { return forward_portable(q, J); }, [&] { return walk<Column>(q, J); });
+}
+
 PoseBF SerialChain::link(std::size_t row, double q) const {
   SINEW_ASSERT(row < size_);
-  const Link& link = links_[row];
+  const SerialLink& link = links_[row];
   const SinCos sc = sin_cos(q + theta_offset_[row]);
   const Vec3 x{sc.cos, sc.sin, 0};
   const Vec3 y{-sc.sin, sc.cos, 0};

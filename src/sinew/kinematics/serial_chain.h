@@ -4,6 +4,7 @@
 #include <span>
 
 #include "sinew/core/pose.h"
+#include "sinew/kinematics/serial_walk.h"
 #include "sinew/model/robot_model.h"
 
 namespace sinew::kinematics {
@@ -28,11 +29,17 @@ class SerialChain {
   std::size_t size() const { return size_; }
   std::span<const DhRow> rows() const { return {rows_.data(), size_}; }
 
+  std::span<const SerialLink> links() const { return {links_.data(), size_}; }
+
   /// Flange in base; 1e-15 times the arm's length in m and 1e-15 rad.
   PoseBF forward(std::span<const double> q) const;
 
   /// Flange in base, and the Jacobian there.
   PoseBF forward(std::span<const double> q, Jacobian& J) const;
+
+  /// Both again, in the version that they take on a processor without wide vectors.
+  PoseBF forward_portable(std::span<const double> q) const;
+  PoseBF forward_portable(std::span<const double> q, Jacobian& J) const;
 
   /// X_{i-1,i} of one row: docs/kinematics/serial.md, eq. (1).
   PoseBF link(std::size_t row, double q) const;
@@ -41,17 +48,14 @@ class SerialChain {
   double length() const;
 
  private:
-  struct Link {
-    double d, a, cos_alpha, sin_alpha;
-  };
-  template <class Visit>
+  template <class V, class Visit>
   PoseBF walk(std::span<const double> q, Visit&& visit) const;
-  void sines(std::span<const double> q, std::array<double, kMaxJoints>& s,
-             std::array<double, kMaxJoints>& c) const;
+  template <class V>
+  PoseBF walk(std::span<const double> q, Jacobian& J) const;
 
   std::size_t size_ = 0;
   std::array<DhRow, kMaxJoints> rows_{};
-  std::array<Link, kMaxJoints> links_{};
+  std::array<SerialLink, kMaxJoints> links_{};
   std::array<double, kMaxJoints> theta_offset_{};
 };
 

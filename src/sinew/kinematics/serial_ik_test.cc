@@ -238,9 +238,38 @@ TEST(FiveRPitch, straight_down_ring_of_learm_is_as_narrow_as_documented) {
   }
 }
 
-TEST(FiveRPitch, both_families_appear_and_turn_the_roll_by_half_a_turn) {
+TEST(FiveRPitch, lateral_offset_is_left_to_the_numeric_solver) {
   const SerialRobot robot("learm");
-  const auto answer = robot.arm.inverse_at_pitch({0.1, 0.05, 0.3}, from_deg(60));
+  SerialGeometry offset = robot.geometry;
+  offset.rows[1].d = 0.02;
+  EXPECT_FALSE(FiveRPitch::match(offset, robot.model.joints));
+  const SerialArm arm(offset, robot.model.joints, tool_pose(offset));
+  test::for_random_cases(200, [&](test::Random& random) {
+    const PoseBT X = arm.forward(robot.random_joints(random));
+    const auto answer = arm.inverse(X);
+    ASSERT_TRUE(answer) << describe(answer.error());
+    ASSERT_LE(position_error(arm.forward((*answer)[0].q), X), kPoseTolerance);
+    ASSERT_LE(angle_between(arm.forward((*answer)[0].q).R, X.R), kPoseTolerance);
+  });
+}
+
+TEST(FiveRPitch, point_behind_the_base_is_reached_with_the_roll_as_it_is) {
+  const SerialRobot robot("learm");
+  const Vec3 p{-0.2, 0.05, 0.2};
+  const auto answer = robot.arm.inverse_nearest_pitch(p, kPi, JointVector{0, 0, 0, 0, 0.3});
+  ASSERT_TRUE(answer) << describe(answer.error());
+  bool inside = false;
+  for (const IkBranch& branch : answer->branches) {
+    EXPECT_LE(norm(robot.arm.forward(branch.q).p - p), kPoseTolerance);
+    EXPECT_EQ(branch.q[4], 0.3);
+    inside |= branch.within_limits;
+  }
+  EXPECT_TRUE(inside);
+}
+
+TEST(FiveRPitch, both_families_of_a_pose_turn_the_roll_by_half_a_turn) {
+  const SerialRobot robot("learm");
+  const auto answer = robot.arm.inverse(robot.arm.forward(JointVector{0.4, 0.3, 0.5, 0.2, 0.1}));
   ASSERT_TRUE(answer);
   ASSERT_EQ(answer->size(), 4U);
   EXPECT_NEAR(std::abs((*answer)[2].q[0] - (*answer)[0].q[0]), kPi, 1e-12);
@@ -311,6 +340,7 @@ TEST(FiveRRoll, roll_that_is_not_free_is_refused_with_the_roll_it_would_be) {
   const auto answer = robot.arm.inverse(X);
   ASSERT_FALSE(answer);
   EXPECT_EQ(answer.error().code, ErrorCode::kRollNotFree);
+  EXPECT_NEAR(answer.error().measured, 0.1, 1e-9);
 }
 
 TEST(FiveRRoll, straight_wrist_lists_no_joints_twice) {

@@ -2,7 +2,9 @@
 
 #include <cmath>
 
+#include "sinew/core/dispatch.h"
 #include "sinew/core/trig.h"
+#include "sinew/core/unrolled.h"
 
 namespace sinew::kinematics {
 
@@ -32,8 +34,7 @@ SixR::SixR(const SerialGeometry& geometry, std::span<const Joint> joints, const 
 
 /// All four arms: docs/kinematics/six_r.md eq. (3) to (12). Every lane takes the same way through
 /// this loop, which is what makes it a vector's.
-void SixR::solve(const Vec3& p_BW, const Rotation& R_B6, FreeJoints free,
-                 Arms& arms) const {
+void SixR::solve(const Vec3& p_BW, const Rotation& R_B6, FreeJoints free, Arms& arms) const {
   constexpr std::array<double, kArms> kSide{1, 1, -1, -1};
   constexpr std::array<double, kArms> kElbow{1, -1, 1, -1};
   // Copies, so that nothing in the loop has to be read from memory that `arms` might overlap.
@@ -56,8 +57,8 @@ void SixR::solve(const Vec3& p_BW, const Rotation& R_B6, FreeJoints free,
     };
     const double z_36_x = along_x3(z6);
     const double z_36_y = along_y3(z6);
-    const double z_36_z = twist3 * (elbow.s23 * (side.c1 * z6.x + side.s1 * z6.y) -
-                                    up * elbow.c23 * z6.z);
+    const double z_36_z =
+        twist3 * (elbow.s23 * (side.c1 * z6.x + side.s1 * z6.y) - up * elbow.c23 * z6.z);
     const double sin5 = std::sqrt(z_36_x * z_36_x + z_36_y * z_36_y);
     // Axes 4 and 6 in line: only their sum counts, and joint 4 keeps the angle it has.
     const bool is_free = sin5 < kFreeDirection;
@@ -94,6 +95,11 @@ std::array<std::uint8_t, SixR::kArms> SixR::singular_bits(const Arms& arms) cons
 }
 
 Expected<IkBranches> SixR::inverse(const PoseBF& X_BF, std::span<const double> near) const {
+  return dispatched([&] { return inverse_portable(X_BF, near); });
+}
+
+Expected<IkBranches> SixR::inverse_portable(const PoseBF& X_BF,
+                                            std::span<const double> near) const {
   // Frame 6 before its twist, and the wrist W: eq. (2).
   const Rotation R_B6{X_BF.R.x, cos_alpha6_ * X_BF.R.y - sin_alpha6_ * X_BF.R.z,
                       sin_alpha6_ * X_BF.R.y + cos_alpha6_ * X_BF.R.z};
@@ -139,7 +145,8 @@ Expected<IkBranches> SixR::branches(const Arms& arms,
     found->resize(found->size() + 1);
     IkBranch& branch = found->back();
     branch.q.resize(6);
-    for (std::size_t j = 0; j < 6; ++j) branch.q[j] = q[j][lane];
+    double* const joints = branch.q.data();
+    unrolled<6>([&](auto j) { joints[j] = q[j][lane]; });
     branch.within_limits = outside[lane] <= 0;
     branch.singular = singular[arm];
   }

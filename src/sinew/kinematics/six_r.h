@@ -28,6 +28,11 @@ class SixR {
   /// @error       kOutOfReach, kTooClose (m, of the wrist from the shoulder)
   Expected<IkBranches> inverse(const PoseBF& X_BF, std::span<const double> near = {}) const;
 
+  /// The same on any processor, in the version that inverse() takes where there are no wide
+  /// vectors.
+  Expected<IkBranches> inverse_portable(const PoseBF& X_BF,
+                                        std::span<const double> near = {}) const;
+
  private:
   static constexpr std::size_t kArms = 4;
   /// A row per joint, a column per arm (two sides of two elbows), laid out flat so that one plain
@@ -47,8 +52,7 @@ class SixR {
   SixR(const SerialGeometry& geometry, std::span<const Joint> joints, const RegionalArm& arm);
   void solve(const Vec3& p_BW, const Rotation& R_B6, FreeJoints free, Arms& arms) const;
   std::array<std::uint8_t, kArms> singular_bits(const Arms& arms) const;
-  Expected<IkBranches> branches(const Arms& arms,
-                                const std::array<std::uint8_t, kArms>& singular,
+  Expected<IkBranches> branches(const Arms& arms, const std::array<std::uint8_t, kArms>& singular,
                                 std::span<const double> near) const;
   Error refusal(const Vec3& p_BW) const;
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "sinew/core/assert.h"
+#include "sinew/core/dispatch.h"
 
 namespace sinew::motion {
 
@@ -71,24 +72,31 @@ void RestToRest::set_axis(std::size_t i, const JerkLimitedMove& move, double jer
 }
 
 void RestToRest::sample(double t, AxisStates& out) const {
+  dispatched([&] { sample_portable(t, out); });
+}
+
+void RestToRest::sample_portable(double t, AxisStates& out) const {
   // The second half is the first one seen from the target: one ramp and half a cruise serve both.
   const double now = std::clamp(t, 0.0, duration_);
   const bool leaving = now <= duration_ - now;
   const double tau = leaving ? now : duration_ - now;
   const double side = leaving ? 1 : -1;
   const Lanes& origin = leaving ? start_ : target_;
-  // All lanes, used or not: a constant count is one straight run of vector code.
-  for (std::size_t i = 0; i < kAxesMax; ++i) {
-    const double cruise = std::max(0.0, tau - ramp_end_[i]);
-    const double ramp = tau - cruise;
+  // Both lanes of a pair, used or not: the compiler puts two axes into one vector.
+  static_assert(kAxesMax % 2 == 0);
+  const std::size_t lanes = (size_ + 1) / 2 * 2;
+  for (std::size_t i = 0; i < lanes; ++i) {
+    const double ramp = std::min(tau, ramp_end_[i]);
+    const double cruise = tau - ramp;
     const double rising = std::min(ramp, jerk_end_[i]);
     const double steady = ramp - rising;
     const double falling = std::max(0.0, ramp - fall_start_[i]);
+    const double falling_squared = falling * falling;
     // Jerk is +j, then 0, then -j: the three integrals of that, as sums without cancellation.
     const double linear = rising - falling;
-    const double square = rising * (ramp + steady) - falling * falling;
+    const double square = rising * (ramp + steady) - falling_squared;
     const double cube =
-        rising * (ramp * ramp + ramp * steady + steady * steady) - falling * falling * falling;
+        rising * (ramp * (ramp + steady) + steady * steady) - falling * falling_squared;
     out.qdd[i] = side * jerk_[i] * linear;
     out.qd[i] = 0.5 * jerk_[i] * square;
     out.q[i] = origin[i] + side * (jerk_[i] * (1.0 / 6) * cube + velocity_[i] * cruise);

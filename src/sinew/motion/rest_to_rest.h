@@ -61,6 +61,9 @@ class RestToRest {
   /// from size() on are not defined.
   void sample(double t, AxisStates& out) const;
 
+  /// The same, in the version that sample() takes on a processor without wide vectors.
+  void sample_portable(double t, AxisStates& out) const;
+
  private:
   void set_axis(std::size_t i, const JerkLimitedMove& move, double jerk);
 

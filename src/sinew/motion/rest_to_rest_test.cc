@@ -152,6 +152,23 @@ TEST(RestToRest, staying_where_one_is_takes_no_time) {
   EXPECT_EQ(state.q[1], -1.0);
 }
 
+TEST(RestToRest, wide_vectors_sample_what_the_portable_version_does) {
+  test::for_random_cases(20'000, [](test::Random& random) {
+    const Move move = random_move(random);
+    const RestToRest plan(move.start, move.target, move.limits);
+    const double t = random.uniform(-0.1, 1.1) * plan.duration();
+    AxisStates wide{};
+    AxisStates portable{};
+    plan.sample(t, wide);
+    plan.sample_portable(t, portable);
+    for (std::size_t i = 0; i < plan.size(); ++i) {
+      ASSERT_NEAR(wide.q[i], portable.q[i], 1e-12);
+      ASSERT_NEAR(wide.qd[i], portable.qd[i], 1e-12 * move.limits[i].velocity);
+      ASSERT_NEAR(wide.qdd[i], portable.qdd[i], 1e-12 * move.limits[i].acceleration);
+    }
+  });
+}
+
 TEST(RestToRest, nothing_allocates) {
   const std::vector<AxisLimits> limits(2, AxisLimits{1, 1, 1});
   const std::vector<double> start{0, 1};

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
+#include <limits>
 #include <optional>
 
 #include "sinew/driver/bigrobotarm_multipliers.h"
@@ -9,6 +11,9 @@
 
 namespace sinew::sequence {
 namespace {
+
+/// Above this the device reports positions wrongly.
+constexpr double kStepMax = (1 << 24) - 1;
 
 Error joint_error(ErrorCode code, std::size_t joint, double measured, double limit) {
   return {code, static_cast<std::int8_t>(joint), measured, limit};
@@ -50,9 +55,27 @@ class Planner {
   BigRobotArmAngles angles(const Words& steps) const {
     BigRobotArmAngles q;
     for (std::size_t i = 0; i < kBigRobotArmJoints; ++i) {
-      q[i] = (zero_[i] + steps[i]) / device_.joints[i].steps_per_rad;
+      q[i] = static_cast<double>(zero_[i] + steps[i]) / device_.joints[i].steps_per_rad;
     }
     return q;
+  }
+
+  bool byte_wire() const { return device_.wire == BigRobotArmWire::kByte; }
+
+  /// Nothing, or why the joint may not go to `steps`.
+  std::optional<Error> check_place(std::size_t i, std::int32_t steps) const {
+    const Joint& joint = robot_.joints[i];
+    const double per_rad = device_.joints[i].steps_per_rad;
+    const double q = static_cast<double>(zero_[i] + steps) / per_rad;
+    // Whole steps are coarser than the limit's rounding: half a step is still on the limit.
+    const double half_step = 0.5 / std::abs(per_rad);
+    if (q < joint.lower - half_step) return joint_error(ErrorCode::kJointLimit, i, q, joint.lower);
+    if (q > joint.upper + half_step) return joint_error(ErrorCode::kJointLimit, i, q, joint.upper);
+    if (std::abs(steps) >= kStepMax) return joint_error(ErrorCode::kStepRange, i, steps, kStepMax);
+    if (byte_wire() && !bigrobotarm::byte::sendable(steps)) {
+      return joint_error(ErrorCode::kUnsendable, i, steps, 0);
+    }
+    return {};
   }
 
   std::optional<Error> take(const Move& move) {
@@ -77,6 +100,9 @@ class Planner {
   std::optional<Error> take(const Gripper& gripper) {
     if (gripper.position < 0 || gripper.position > device_.gripper_max) {
       return Error{ErrorCode::kGripperRange, -1, 1.0 * gripper.position, 1.0 * device_.gripper_max};
+    }
+    if (byte_wire() && !bigrobotarm::byte::sendable(gripper.position)) {
+      return Error{ErrorCode::kUnsendable, -1, 1.0 * gripper.position};
     }
     order(GripperOrder{gripper.enabled, gripper.position});
     return {};
@@ -104,39 +130,48 @@ class Planner {
     return {};
   }
 
-  std::optional<Error> move_to(const Words& target, bool home) {
-    const BigRobotArmAngles q = angles(target);
+  std::optional<Error> move_to(const Words& asked, bool home) {
+    Words target = asked;
     for (std::size_t i = 0; i < kBigRobotArmJoints; ++i) {
-      const Joint& joint = robot_.joints[i];
-      // Whole steps are coarser than the limit's rounding: half a step is still on the limit.
-      const double half_step = 0.5 / std::abs(device_.joints[i].steps_per_rad);
-      if (q[i] < joint.lower - half_step) {
-        return joint_error(ErrorCode::kJointLimit, i, q[i], joint.lower);
-      }
-      if (q[i] > joint.upper + half_step) {
-        return joint_error(ErrorCode::kJointLimit, i, q[i], joint.upper);
-      }
-      const bool byte_wire = device_.wire == BigRobotArmWire::kByte;
-      using bigrobotarm::byte::sendable;
-      if (byte_wire && !sendable(target[i]) && !sendable(target[i] - 1) &&
-          !sendable(target[i] + 1)) {
-        return joint_error(ErrorCode::kUnsendable, i, target[i], 0);
-      }
+      const auto error = check_place(i, asked[i]);
+      if (error && error->code != ErrorCode::kUnsendable) return error;
+      if (!error) continue;
+      const std::int32_t side = check_place(i, asked[i] + 1) ? -1 : 1;
+      if (check_place(i, asked[i] + side)) return error;
+      target[i] = asked[i] + side;
     }
-    Words deltas;
-    for (std::size_t i = 0; i < kBigRobotArmJoints; ++i) deltas[i] = target[i] - positions_[i];
     if (synchronise_) {
-      const auto scaled = synchronised_multipliers(device_, deltas, wanted_);
-      if (!scaled) return scaled.error();
-      if (const auto error = set_multipliers(*scaled)) return error;
+      if (const auto error = scale_multipliers(target)) return error;
     }
-    order(predict(target, q, home));
+    MoveOrder move = predict(target);
+    move.q_asked = angles(asked);
+    move.home = home;
+    plan_.duration += move.duration;
+    ++plan_.moves;
+    order(move);
     positions_ = target;
     return {};
   }
 
-  MoveOrder predict(const Words& target, const BigRobotArmAngles& q, bool home) {
-    MoveOrder move{.q_start = angles(positions_), .q = q, .home = home, .profiles = {}};
+  /// So that all joints arrive together.
+  std::optional<Error> scale_multipliers(const Words& target) {
+    Words deltas;
+    for (std::size_t i = 0; i < kBigRobotArmJoints; ++i) {
+      const std::int64_t delta = std::int64_t{target[i]} - positions_[i];
+      // Only a device that reports nonsense is so far away.
+      if (std::abs(delta) > std::numeric_limits<std::int32_t>::max()) {
+        return joint_error(ErrorCode::kStepRange, i, positions_[i], kStepMax);
+      }
+      deltas[i] = static_cast<std::int32_t>(delta);
+    }
+    const auto scaled = synchronised_multipliers(device_, deltas, wanted_);
+    if (!scaled) return scaled.error();
+    return set_multipliers(*scaled);
+  }
+
+  MoveOrder predict(const Words& target) const {
+    MoveOrder move{
+        .q_start = angles(positions_), .q = angles(target), .q_asked = {}, .profiles = {}};
     for (std::size_t i = 0; i < kBigRobotArmJoints; ++i) {
       if (target[i] == positions_[i]) continue;
       const BigRobotArmJoint& joint = device_.joints[i];
@@ -144,18 +179,17 @@ class Planner {
       // A device that was set to nonsense is predicted as if it crept.
       const double speed = std::max(1, set_.speeds[i]) * unit;
       const double acceleration = std::max(1, set_.accelerations[i]) * unit;
-      move.profiles[i] = motion::Trapezoid(q[i] - move.q_start[i], speed, acceleration);
+      move.profiles[i] = motion::Trapezoid(move.q[i] - move.q_start[i], speed, acceleration);
       move.duration = std::max(move.duration, move.profiles[i].duration());
     }
-    plan_.duration += move.duration;
-    ++plan_.moves;
     return move;
   }
 
   const RobotModel& robot_;
   const BigRobotArmDevice& device_;
   Words positions_;
-  Words zero_{};  ///< the device's zero, in steps from the first one
+  /// The device's zero, in steps from the first one.
+  std::array<std::int64_t, kBigRobotArmJoints> zero_{};
   BigRobotArmMultipliers wanted_;
   BigRobotArmMultipliers set_;
   bool synchronise_ = false;

@@ -28,7 +28,9 @@ DeviceState boot_state(const BigRobotArmDevice& device);
 
 struct MoveOrder {
   BigRobotArmAngles q_start{};  ///< rad
-  BigRobotArmAngles q{};        ///< rad
+  BigRobotArmAngles q{};        ///< rad, as it is sent
+  /// rad, as the program asks; a step off where the wire cannot carry what it asks.
+  BigRobotArmAngles q_asked{};
   bool home = false;
   /// The device's own profile of each joint, rad from q_start.
   std::array<motion::Trapezoid, kBigRobotArmJoints> profiles;
@@ -67,6 +69,9 @@ struct PlanRefusal {
 
 /// Unrolls a program and predicts each move as the device will make it. Where the program asks for
 /// synchronised joints, speeds and accelerations are scaled per move and put back afterwards.
+///
+/// On the byte wire a target that would be cut goes one step to the side, as the driver would do
+/// with it; the plan goes on from there.
 ///
 /// @param robot  a robot whose device is a BigRobotArm.
 /// @error  kJointLimit, kUnsendable, kMultiplierRange, kGripperRange, with the line; nothing of the

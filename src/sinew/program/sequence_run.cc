@@ -4,8 +4,13 @@
 
 namespace sinew::sequence {
 
-Run::Run(const Program& program, const RobotModel& robot, BigRobotArmDriver& driver)
-    : program_(program), robot_(robot), driver_(driver) {}
+Run::Run(const Program& program, const RobotModel& robot, BigRobotArmDriver& driver,
+         Duration opening_limit)
+    : program_(program),
+      robot_(robot),
+      driver_(driver),
+      opening_limit_(opening_limit),
+      opening_trouble_{.code = ErrorCode::kDeviceSilent, .limit = to_seconds(opening_limit)} {}
 
 void Run::start(Instant now) {
   opened_at_ = now;
@@ -38,13 +43,14 @@ void Run::poll(Instant now) {
       if (phase_ == Phase::kStopping) phase_ = Phase::kStopped;
     }
   }
-  if (phase_ == Phase::kOpening && now - opened_at_ > kOpeningLimit) fail(opening_trouble_);
+  if (phase_ == Phase::kOpening && now - opened_at_ > opening_limit_) fail(opening_trouble_);
   if (phase_ == Phase::kRunning && !current_) issue_next(now);
 }
 
 /// While the port opens, a device may be deaf or talk nonsense for a while; the driver asks again.
 void Run::take(const BigRobotArmDriver::Failed& failed) {
-  if (phase_ != Phase::kOpening) return fail(failed.error);
+  const bool for_good = failed.error.code == ErrorCode::kPortClosed;
+  if (phase_ != Phase::kOpening || for_good) return fail(failed.error);
   if (failed.error.code != ErrorCode::kDeviceSilent) opening_trouble_ = failed.error;
 }
 

@@ -38,7 +38,8 @@ class Run {
   enum class Phase { kOpening, kRunning, kStopping, kDone, kStopped, kFailed };
 
   /// @param robot, driver  outlive the run
-  Run(const Program& program, const RobotModel& robot, BigRobotArmDriver& driver);
+  Run(const Program& program, const RobotModel& robot, BigRobotArmDriver& driver,
+      Duration opening_limit = kOpeningLimit);
 
   /// The port is open.
   void start(Instant now);
@@ -72,8 +73,9 @@ class Run {
   const RobotModel& robot_;
   BigRobotArmDriver& driver_;
   Phase phase_ = Phase::kOpening;
+  Duration opening_limit_;
   Instant opened_at_{};
-  Error opening_trouble_{.code = ErrorCode::kDeviceSilent, .limit = to_seconds(kOpeningLimit)};
+  Error opening_trouble_;
   Plan plan_;
   std::size_t next_ = 0;
   std::optional<Record> current_;

@@ -16,7 +16,7 @@ struct Sample {
   bool predicted = false;
 };
 
-/// The whole run, every `period` seconds and at each end of a motion.
+/// The whole run, every `period` > 0 seconds and at each end of a motion; times never run back.
 std::vector<Sample> sample(std::span<const Record> records, double period);
 
 }  // namespace sinew::sequence

@@ -20,6 +20,10 @@ class ByteLog {
   static io::IoResult<ByteLog> create(const std::string& path);
 
   void add(Direction direction, std::span<const std::uint8_t> bytes, Instant now);
+  /// Why the log is not whole.
+  std::optional<io::IoError> failure() const {
+    return file_ ? file_->failure() : std::optional<io::IoError>();
+  }
 
  private:
   std::optional<io::LineFile> file_;

@@ -26,11 +26,10 @@ io::IoResult<void> serve_device(BigRobotArmFirmware& firmware, io::Port& port,
     log.add(ByteLog::Direction::kToDevice, received, now);
     if (!received.empty()) firmware.receive(received, now);
     while (const std::size_t size = firmware.take_output(buffer)) {
-      const std::span reply(buffer.data(), size);
-      log.add(ByteLog::Direction::kToHost, reply, now);
-      if (const auto written = port.write(reply); !written) {
-        return std::unexpected(written.error());
-      }
+      // A serial line does not wait for its reader: what finds no room is lost.
+      const auto sent = port.write_now(std::span(buffer.data(), size));
+      if (!sent) return std::unexpected(sent.error());
+      log.add(ByteLog::Direction::kToHost, std::span(buffer.data(), *sent), now);
     }
   }
   return {};

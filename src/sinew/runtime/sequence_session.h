@@ -1,6 +1,8 @@
 #pragma once
 
 #include <functional>
+#include <optional>
+#include <vector>
 
 #include "sinew/io/clock.h"
 #include "sinew/io/port.h"
@@ -32,12 +34,12 @@ struct SessionEnd {
   std::vector<ByteCount> bytes;  ///< one per record of the run
   ByteCount total;
   bool left_at_once = false;
+  std::optional<io::IoError> port_failure;  ///< the port went away; nobody saw what came after
 };
 
-/// Drives one program over one port in real (or scaled) time until it is over.
-/// @error the port failed; what the run had done by then stands in its records.
-io::IoResult<SessionEnd> run_sequence(sequence::Run& run, BigRobotArmDriver& driver, io::Port& port,
-                                      const io::Clock& clock, ByteLog& log,
-                                      const SessionHooks& hooks);
+/// Drives one program over one port in real (or scaled) time until it is over. What the run had
+/// done by then stands in its records, however it ended.
+SessionEnd run_sequence(sequence::Run& run, BigRobotArmDriver& driver, io::Port& port,
+                        const io::Clock& clock, ByteLog& log, const SessionHooks& hooks);
 
 }  // namespace sinew::runtime

@@ -23,7 +23,7 @@ void put(Characters& out, std::string_view text) {
 
 void put(Characters& out, std::int64_t number) {
   char digits[24];
-  const auto end = std::to_chars(digits, digits + sizeof digits, number).ptr;
+  auto* const end = std::to_chars(digits, digits + sizeof digits, number).ptr;
   put(out, std::string_view(digits, end));
 }
 

@@ -1,0 +1,57 @@
+#include "sinew/io/clock.h"
+
+#include <gtest/gtest.h>
+
+namespace sinew::io {
+namespace {
+
+using namespace std::chrono_literals;
+
+TEST(Clock, starts_at_zero_and_never_runs_back) {
+  const Clock clock;
+  Instant last = clock.now();
+  EXPECT_LT(last, Instant{1s});
+  for (int i = 0; i < 1000; ++i) {
+    const Instant now = clock.now();
+    ASSERT_GE(now, last);
+    last = now;
+  }
+}
+
+TEST(Clock, scaled_clocks_pass_their_seconds_faster_or_slower) {
+  const Clock fast(100);
+  const Clock slow(0.01);
+  const auto start = std::chrono::steady_clock::now();
+  const Instant fast_start = fast.now();
+  const Instant slow_start = slow.now();
+  while (std::chrono::steady_clock::now() - start < 5ms) {
+  }
+  // Others may take the processor away in the middle: lower bounds are sure, upper ones generous.
+  EXPECT_GE(fast.now() - fast_start, 499ms);
+  const Duration slow_passed = slow.now() - slow_start;
+  EXPECT_GE(slow_passed, 49us);
+  EXPECT_LT(slow_passed, (std::chrono::steady_clock::now() - start) / 50);
+}
+
+TEST(Clock, until_counts_in_real_time) {
+  const Clock fast(100);
+  const Duration left = fast.until(fast.now() + 1s);
+  EXPECT_LE(left, 10ms);
+  EXPECT_GT(left, 1ms);
+  EXPECT_EQ(fast.until(Instant{-1s}), Duration::zero());
+  const Clock plain;
+  EXPECT_GT(plain.until(plain.now() + 1h), 59min);
+  EXPECT_LE(plain.until(plain.now() + 1h), 1h);
+}
+
+/// The simulated arm can be sent on a way of a century; slowed down a hundred times, that many
+/// nanoseconds are more than a Duration holds.
+TEST(Clock, far_instants_stay_in_the_future_at_every_scale) {
+  for (const double scale : {0.01, 0.5, 1.0, 100.0}) {
+    const Clock clock(scale);
+    EXPECT_GE(clock.until(Instant{from_seconds(9e9)}), 24h) << scale;
+  }
+}
+
+}  // namespace
+}  // namespace sinew::io

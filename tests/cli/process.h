@@ -1,0 +1,64 @@
+#pragma once
+
+#include <sys/types.h>
+
+#include <chrono>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+namespace sinew::test {
+
+using Json = nlohmann::json;
+using Arguments = std::vector<std::string>;
+
+/// How a process ended. `exit` is minus the signal where one killed it.
+struct Ended {
+  int exit = 0;
+  std::string out;
+  std::string err;
+
+  /// stdout as one JSON document; a failure and null where it is none.
+  Json json() const;
+};
+
+/// Where the three streams of a process go; a path, "" for this object's own keeping, or "closed".
+struct Streams {
+  std::string out;
+  std::string err;
+};
+
+/// The built `sinew` under way. Whoever forgets to end it kills it.
+class Process {
+ public:
+  explicit Process(const Arguments& arguments, const Streams& streams = {});
+  ~Process();
+  Process(const Process&) = delete;
+  Process& operator=(const Process&) = delete;
+
+  void signal(int number) const;
+  /// What is on stdout (stderr) by now.
+  std::string out() const { return text_of(out_); }
+  std::string err() const { return text_of(err_); }
+  /// Waits until stdout (stderr) holds `text`; a failure after 10 s.
+  void wait_for_out(const std::string& text) const { wait_for(out_, text); }
+  void wait_for_err(const std::string& text) const { wait_for(err_, text); }
+  /// The end of the process; a failure and its death after 20 s.
+  Ended end();
+
+ private:
+  static std::string text_of(int file);
+  void wait_for(int file, const std::string& text) const;
+
+  pid_t pid_ = -1;
+  int out_ = -1;
+  int err_ = -1;
+};
+
+/// One call of `sinew` from its start to its end.
+Ended sinew(const Arguments& arguments, const Streams& streams = {});
+
+/// A call that must succeed with one JSON document on stdout and nothing on stderr.
+Json answer(Arguments arguments);
+
+}  // namespace sinew::test
