@@ -25,14 +25,17 @@ struct MinimumCases {
 // fails the full run.
 
 inline constexpr std::array kMinimumTests = std::to_array<MinimumTests>({
-    {"config_test", 66},
+    {"cli_test", 56},
+    {"config_test", 62},
     {"core_test", 12},
     {"device_test", 16},
     {"driver_test", 24},
     {"house_test", 33},
+    {"io_test", 38},
     {"kinematics_test", 111},
     {"motion_test", 12},
-    {"program_test", 9},
+    {"program_test", 53},
+    {"runtime_test", 13},
     {"wire_test", 18},
 });
 
@@ -150,6 +153,8 @@ inline constexpr std::array kMinimumCases = std::to_array<MinimumCases>({
     {"motion_test", "RestToRest.wide_vectors_sample_what_the_portable_version_does", 20'000},
     {"motion_test", "Trapezoid.any_profile_keeps_its_limits_and_joins_without_a_jump", 100'000},
     {"program_test", "SequenceFile.any_program_is_written_and_read_back_unchanged", 20'000},
+    {"program_test", "SequencePlan.any_plan_is_without_gaps_inside_its_limits_and_sendable", 5'000},
+    {"program_test", "SequenceRun.any_noise_in_any_motion_ends_in_a_run_that_is_over", 500},
     {"wire_test", "BigRobotArmByte.any_noise_is_survived_and_a_reset_ends_it", 100'000},
     {"wire_test", "BigRobotArmByte.random_messages_come_back_as_they_were_sent", 100'000},
     {"wire_test", "BigRobotArmText.random_lines_come_back_as_they_were_sent", 100'000},

@@ -2,20 +2,26 @@
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
-#include <sys/mman.h>
+#include <poll.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <csignal>
 #include <stdexcept>
-#include <thread>
 
 namespace sinew::test {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-constexpr auto kLook = std::chrono::milliseconds(1);
+using std::chrono::milliseconds;
+
+int milliseconds_to(Clock::time_point limit) {
+  const auto left = std::chrono::ceil<milliseconds>(limit - Clock::now()).count();
+  return static_cast<int>(std::max<long>(left, 0));
+}
 
 /// In the child: `number` leads to where the test wants it.
 void redirect(const std::string& where, int kept, int number) {
@@ -35,20 +41,30 @@ Json Ended::json() const {
   return nullptr;
 }
 
-Process::Process(const Arguments& arguments, const Streams& streams)
-    : out_(memfd_create("stdout", MFD_CLOEXEC)), err_(memfd_create("stderr", MFD_CLOEXEC)) {
+Process::Process(const Arguments& arguments, const Streams& streams) {
   std::vector<std::string> words{SINEW_PROGRAM};
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> argv;
+  argv.reserve(words.size() + 1);
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
+  std::array<int, 2> out{};
+  std::array<int, 2> err{};
+  if (pipe2(out.data(), O_CLOEXEC) != 0 || pipe2(err.data(), O_CLOEXEC) != 0) {
+    throw std::runtime_error("pipe");
+  }
   pid_ = fork();
   if (pid_ < 0) throw std::runtime_error("fork");
-  if (pid_ > 0) return;
-  redirect(streams.out, out_, STDOUT_FILENO);
-  redirect(streams.err, err_, STDERR_FILENO);
-  execv(argv[0], argv.data());
-  _exit(127);
+  if (pid_ == 0) {
+    redirect(streams.out, out[1], STDOUT_FILENO);
+    redirect(streams.err, err[1], STDERR_FILENO);
+    execv(argv[0], argv.data());
+    _exit(127);
+  }
+  ::close(out[1]);
+  ::close(err[1]);
+  out_.file = out[0];
+  err_.file = err[0];
 }
 
 Process::~Process() {
@@ -56,45 +72,57 @@ Process::~Process() {
     signal(SIGKILL);
     waitpid(pid_, nullptr, 0);
   }
-  ::close(out_);
-  ::close(err_);
+  for (const Output* output : {&out_, &err_}) {
+    if (output->file >= 0) ::close(output->file);
+  }
 }
 
 void Process::signal(int number) const {
   if (pid_ > 0) kill(pid_, number);
 }
 
-std::string Process::text_of(int file) {
-  std::string text;
-  std::array<char, 4096> buffer{};
-  while (true) {
-    const ssize_t count =
-        pread(file, buffer.data(), buffer.size(), static_cast<off_t>(text.size()));
-    if (count <= 0) return text;
-    text.append(buffer.data(), static_cast<std::size_t>(count));
+bool Process::pump(Clock::time_point limit) {
+  std::array<pollfd, 2> files{{{out_.file, POLLIN, 0}, {err_.file, POLLIN, 0}}};
+  if (::poll(files.data(), files.size(), milliseconds_to(limit)) <= 0) return false;
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    if (files[i].revents == 0) continue;
+    Output& output = i == 0 ? out_ : err_;
+    std::array<char, 4096> buffer{};
+    const ssize_t count = ::read(output.file, buffer.data(), buffer.size());
+    if (count > 0) {
+      output.text.append(buffer.data(), static_cast<std::size_t>(count));
+    } else {
+      ::close(output.file);
+      output.file = -1;
+    }
   }
+  return true;
 }
 
-void Process::wait_for(int file, const std::string& text) const {
+void Process::wait_for(const Output& output, const std::string& text) {
   const auto limit = Clock::now() + std::chrono::seconds(10);
-  while (text_of(file).find(text) == std::string::npos) {
-    ASSERT_LT(Clock::now(), limit) << "waited for '" << text << "', got: " << out() << err();
-    std::this_thread::sleep_for(kLook);
+  while (output.text.find(text) == std::string::npos) {
+    ASSERT_TRUE(output.file >= 0 && pump(limit))
+        << "waited for '" << text << "', got: " << out_.text << err_.text;
   }
 }
 
 Ended Process::end() {
   const auto limit = Clock::now() + std::chrono::seconds(20);
-  int status = 0;
-  while (waitpid(pid_, &status, WNOHANG) == 0) {
-    if (Clock::now() > limit) {
-      ADD_FAILURE() << "does not end; so far: " << out() << err();
-      signal(SIGKILL);
-    }
-    std::this_thread::sleep_for(kLook);
+  bool late = false;
+  while (!late && (out_.file >= 0 || err_.file >= 0)) late = !pump(limit);
+  // Both streams may be elsewhere: only the process itself tells when it has ended.
+  pollfd process{static_cast<int>(syscall(SYS_pidfd_open, pid_, 0)), POLLIN, 0};
+  late = late || ::poll(&process, 1, milliseconds_to(limit)) <= 0;
+  ::close(process.fd);
+  if (late) {
+    ADD_FAILURE() << "does not end; so far: " << out_.text << err_.text;
+    signal(SIGKILL);
   }
+  int status = 0;
+  waitpid(pid_, &status, 0);
   pid_ = -1;
-  return {WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status), out(), err()};
+  return {WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status), out_.text, err_.text};
 }
 
 Ended sinew(const Arguments& arguments, const Streams& streams) {

@@ -37,22 +37,26 @@ class Process {
   Process& operator=(const Process&) = delete;
 
   void signal(int number) const;
-  /// What is on stdout (stderr) by now.
-  std::string out() const { return text_of(out_); }
-  std::string err() const { return text_of(err_); }
+  /// What was on stdout when it was last waited for.
+  const std::string& out() const { return out_.text; }
   /// Waits until stdout (stderr) holds `text`; a failure after 10 s.
-  void wait_for_out(const std::string& text) const { wait_for(out_, text); }
-  void wait_for_err(const std::string& text) const { wait_for(err_, text); }
+  void wait_for_out(const std::string& text) { wait_for(out_, text); }
+  void wait_for_err(const std::string& text) { wait_for(err_, text); }
   /// The end of the process; a failure and its death after 20 s.
   Ended end();
 
  private:
-  static std::string text_of(int file);
-  void wait_for(int file, const std::string& text) const;
+  struct Output {
+    int file = -1;  ///< of the pipe from it; -1 where it has been closed
+    std::string text;
+  };
+  /// Reads what comes first, on either stream; false where nothing did until `limit`.
+  bool pump(std::chrono::steady_clock::time_point limit);
+  void wait_for(const Output& output, const std::string& text);
 
   pid_t pid_ = -1;
-  int out_ = -1;
-  int err_ = -1;
+  Output out_;
+  Output err_;
 };
 
 /// One call of `sinew` from its start to its end.

@@ -18,9 +18,9 @@ namespace {
 using namespace std::chrono_literals;
 using Bytes = std::vector<std::uint8_t>;
 
-std::string first_line(const Process& process) {
+std::string first_line(Process& process) {
   process.wait_for_out("\n");
-  const std::string out = process.out();
+  const std::string& out = process.out();
   return out.substr(0, out.find('\n'));
 }
 

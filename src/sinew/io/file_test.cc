@@ -2,12 +2,12 @@
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/ioctl.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <array>
-#include <chrono>
 #include <csignal>
 #include <thread>
 
@@ -81,7 +81,9 @@ TEST(ReadFile, waits_for_the_writer_of_a_pipe_but_not_for_one_that_never_comes) 
   ASSERT_EQ(::pipe(ends.data()), 0);
   std::thread writer([&] {
     for (const char letter : {'a', 'b'}) {
-      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+      // The reader finds the pipe empty and open before each of them.
+      int waiting = 1;
+      while (waiting > 0) EXPECT_EQ(ioctl(ends[0], FIONREAD, &waiting), 0);
       EXPECT_EQ(::write(ends[1], &letter, 1), 1);
     }
     ::close(ends[1]);
