@@ -157,6 +157,7 @@ Expected<SerialArm::PitchedBranches> SerialArm::inverse_nearest_pitch(
   };
 
   constexpr double kStep = kPi / 720;
+  constexpr double kRoundingMargin = 1e-5;
   constexpr int kSteps = 720;
   for (int i = 0; i <= kSteps; ++i) {
     for (const double side : {-1.0, 1.0}) {
@@ -174,7 +175,9 @@ Expected<SerialArm::PitchedBranches> SerialArm::inverse_nearest_pitch(
           outside = middle;
         }
       }
-      return *found;
+      // A hair more where there is room: the pitch is still inside when people round it.
+      const auto roomy = try_pitch(preferred + side * (inside + kRoundingMargin));
+      return inside > 0 && roomy ? *roomy : *found;
     }
   }
   return std::unexpected(*nearest);

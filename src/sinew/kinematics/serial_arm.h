@@ -48,7 +48,7 @@ class SerialArm {
     IkBranches branches;
   };
   /// The same with the pitch chosen: the smallest tilt from `preferred` at which a branch lies
-  /// inside its limits, found to 1e-9 rad.
+  /// inside its limits, and 1e-5 rad more where there is room.
   /// @error the refusal of the pitch that came nearest.
   Expected<PitchedBranches> inverse_nearest_pitch(const Vec3& p_BT, double preferred,
                                                   std::span<const double> near = {}) const;
