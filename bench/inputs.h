@@ -8,6 +8,7 @@
 
 #include "sinew/config/builtin_robots.h"
 #include "sinew/config/robot_file.h"
+#include "sinew/core/split_mix.h"
 #include "sinew/kinematics/serial_arm.h"
 
 namespace sinew::bench {
@@ -15,19 +16,9 @@ namespace sinew::bench {
 /// So many different inputs in turn that no branch predictor learns them by heart.
 inline constexpr std::size_t kInputs = 4096;
 
-/// The same numbers in every run: SplitMix64.
-class Numbers {
- public:
-  double uniform(double lower, double upper) {
-    state_ += 0x9E3779B97F4A7C15ULL;
-    std::uint64_t z = state_;
-    z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9ULL;
-    z = (z ^ (z >> 27)) * 0x94D049BB133111EBULL;
-    return lower + (upper - lower) * static_cast<double>((z ^ (z >> 31)) >> 11) * 0x1p-53;
-  }
-
- private:
-  std::uint64_t state_ = 42;
+/// The same numbers in every run.
+struct Numbers : SplitMix64 {
+  Numbers() : SplitMix64(42) {}
 };
 
 inline RobotModel robot(std::string_view id) {

@@ -7,34 +7,21 @@
 #include <iostream>
 #include <string>
 
+#include "sinew/core/split_mix.h"
+
 namespace sinew::test {
 
-/// Seeded random numbers for one property; one seed replays one run on every platform.
-class Random {
+/// Seeded random numbers for one case of a property; one seed replays one run on every platform.
+class Random : public SplitMix64 {
  public:
-  explicit Random(std::uint64_t seed) : state_(seed) {}
+  using SplitMix64::SplitMix64;
 
-  /// SplitMix64 (Steele, Lea, Flood, 2014): cheap to seed, and every case seeds its own.
-  std::uint64_t bits() {
-    state_ += 0x9E3779B97F4A7C15ULL;
-    std::uint64_t z = state_;
-    z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9ULL;
-    z = (z ^ (z >> 27)) * 0x94D049BB133111EBULL;
-    return z ^ (z >> 31);
-  }
-  /// In [lower, upper).
-  double uniform(double lower, double upper) {
-    return lower + (upper - lower) * static_cast<double>(bits() >> 11) * 0x1p-53;
-  }
   /// In [lower, upper], both included.
   std::int64_t integer(std::int64_t lower, std::int64_t upper) {
     const auto span = static_cast<std::uint64_t>(upper - lower) + 1;
     return lower + static_cast<std::int64_t>(span == 0 ? bits() : bits() % span);
   }
   bool chance(double probability) { return uniform(0, 1) < probability; }
-
- private:
-  std::uint64_t state_;
 };
 
 /// The seed of this process: SINEW_SEED where it is set, else a fixed one, so that a plain test

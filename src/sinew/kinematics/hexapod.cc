@@ -278,7 +278,7 @@ HexapodViolations Hexapod::check(const PoseBP& X_BP, std::span<const Joint> legs
   SINEW_ASSERT(legs.size() == kLegs);
   HexapodViolations violations;
   const Placement placement = place(X_BP);
-  const auto& [u, r] = placement;
+  const LaneVectors& u = placement.u;
   for (std::size_t i = 0; i < kLegs; ++i) {
     const auto leg = static_cast<std::int8_t>(i);
     const Vec3 leg_B{u.x[i], u.y[i], u.z[i]};

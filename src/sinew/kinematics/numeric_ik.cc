@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "sinew/core/dispatch.h"
+#include "sinew/core/split_mix.h"
 #include "sinew/core/trig.h"
 #include "sinew/core/unrolled.h"
 #include "sinew/kinematics/serial_walk.h"
@@ -53,15 +54,6 @@ void solve_symmetric(Matrix<N>& H, Vector<N>& g) {
   });
 }
 
-/// SplitMix64: the restarts must be the same on every platform.
-double next_uniform(std::uint64_t& state) {
-  state += 0x9E3779B97F4A7C15ULL;
-  std::uint64_t z = state;
-  z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9ULL;
-  z = (z ^ (z >> 27)) * 0x94D049BB133111EBULL;
-  return static_cast<double>((z ^ (z >> 31)) >> 11) * 0x1p-53;
-}
-
 /// The solver of chains with N joints; V is the vector type of the walk, a Vec3 or Column.
 template <std::size_t N, class V>
 class Solver {
@@ -85,10 +77,10 @@ class Solver {
     Vector<N> q;
     for (std::size_t i = 0; i < N; ++i) q[i] = std::clamp(start[i], lower_[i], upper_[i]);
     NumericSolution solution;
-    std::uint64_t state = options_.seed;
+    SplitMix64 numbers(options_.seed);
     double least = std::numeric_limits<double>::infinity();
     while (solution.attempts < options_.attempts_max) {
-      if (solution.attempts > 0) q = random_joints(state);
+      if (solution.attempts > 0) q = random_joints(numbers);
       ++solution.attempts;
       double squared_error = 0;
       if (attempt(q, solution.iterations, squared_error)) {
@@ -204,10 +196,10 @@ class Solver {
     }
   }
 
-  Vector<N> random_joints(std::uint64_t& state) const {
+  Vector<N> random_joints(SplitMix64& numbers) const {
     Vector<N> q;
     for (std::size_t i = 0; i < N; ++i) {
-      q[i] = lower_[i] + (upper_[i] - lower_[i]) * next_uniform(state);
+      q[i] = numbers.uniform(lower_[i], upper_[i]);
     }
     return q;
   }
