@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <cmath>
 #include <sstream>
 #include <tuple>
 #include <utility>
@@ -46,6 +47,23 @@ TEST(ForwardVerb, learm_stands_where_its_document_says) {
   const Json up = fk("learm", "0,0,0,0,0");
   expect_at(up, 0, 0, 448);
   expect_numbers(up["pose"]["quaternion_wxyz"], {1, 0, 0, 0}, 1e-12);
+}
+
+TEST(InverseVerb, bigrobotarm_points_out_of_its_plane_by_rolling_the_forearm) {
+  const Json ways =
+      answer({"ik", "bigrobotarm", "--point-mm", "300,100,100", "--approach", "1,0.5,-2"});
+  ASSERT_EQ(ways["solutions"].size(), 8U);
+  const Json& joints = ways["solutions"][0]["joints_deg"];
+  EXPECT_GT(std::abs(joints[3].get<double>()), 1);
+  std::string list;
+  for (const double joint : joints) list += (list.empty() ? "" : ",") + std::to_string(joint);
+  const Json pose = fk("bigrobotarm", list);
+  expect_at(pose, 300, 100, 100);
+  // The tool's z axis is the third column of the rotation.
+  const auto q = pose["pose"]["quaternion_wxyz"].get<std::array<double, 4>>();
+  const double length = std::sqrt(1 + 0.25 + 4);
+  EXPECT_NEAR(2 * (q[1] * q[3] + q[0] * q[2]), 1 / length, 1e-6);
+  EXPECT_NEAR(2 * (q[2] * q[3] - q[0] * q[1]), 0.5 / length, 1e-6);
 }
 
 TEST(ForwardVerb, bigrobotarm_is_568_mm_tall) {

@@ -87,6 +87,39 @@ Outcome list_branches(const RobotModel& model, const IkBranches& branches) {
   return outcome;
 }
 
+struct Solved {
+  Expected<IkBranches> branches;
+  std::optional<double> chosen_pitch;  ///< where nobody gave one
+};
+
+/// The branches for the one kind of target that the request names.
+std::expected<Solved, Outcome> solve(const InverseRequest& request, const SerialGeometry& geometry,
+                                     const kinematics::SerialArm& arm, const JointVector& near) {
+  if (request.pose_mm_deg) {
+    const auto X = parse_pose("--pose-mm-deg", *request.pose_mm_deg);
+    if (!X) return std::unexpected(bad_input(X.error()));
+    return Solved{arm.inverse(*X, near, kTypedTolerance), {}};
+  }
+  const auto p = parse_point("--point-mm", *request.point_mm);
+  if (!p) return std::unexpected(bad_input(p.error()));
+  if (request.approach) {
+    const auto approach = parse_direction("--approach", *request.approach);
+    if (!approach) return std::unexpected(bad_input(approach.error()));
+    return Solved{arm.inverse_along(*p, *approach, near), {}};
+  }
+  if (request.pitch_deg) {
+    const auto pitch = parse_quantity(*request.pitch_deg, Dimension::kAngle);
+    if (!pitch || std::abs(*pitch) > 2 * kPi) {
+      return std::unexpected(
+          bad_input("--pitch-deg: " + (pitch ? "is beyond one turn" : pitch.error())));
+    }
+    return Solved{arm.inverse_at_pitch(*p, *pitch, near), {}};
+  }
+  auto pitched = arm.inverse_nearest_pitch(*p, geometry.pitch_preferred, near);
+  if (!pitched) return Solved{std::unexpected(pitched.error()), {}};
+  return Solved{pitched->branches, pitched->pitch};
+}
+
 Outcome inverse_serial(const InverseRequest& request, const RobotModel& model,
                        const SerialGeometry& geometry) {
   const auto jaw_width = parse_jaw_width(request.gripper_mm, &geometry);
@@ -100,32 +133,14 @@ Outcome inverse_serial(const InverseRequest& request, const RobotModel& model,
     if (!joints) return bad_input(joints.error());
     near = *joints;
   }
-  Expected<IkBranches> branches = std::unexpected(Error{});
-  std::optional<double> chosen_pitch;
-  if (request.pose_mm_deg) {
-    const auto X = parse_pose("--pose-mm-deg", *request.pose_mm_deg);
-    if (!X) return bad_input(X.error());
-    branches = arm.inverse(*X, near, kTypedTolerance);
-  } else {
-    const auto p = parse_point("--point-mm", *request.point_mm);
-    if (!p) return bad_input(p.error());
-    if (request.pitch_deg) {
-      const auto pitch = parse_quantity(*request.pitch_deg, Dimension::kAngle);
-      if (!pitch || std::abs(*pitch) > 2 * kPi) {
-        return bad_input("--pitch-deg: " + (pitch ? "is beyond one turn" : pitch.error()));
-      }
-      branches = arm.inverse_at_pitch(*p, *pitch, near);
-    } else {
-      const auto pitched = arm.inverse_nearest_pitch(*p, geometry.pitch_preferred, near);
-      branches = pitched ? Expected<IkBranches>(pitched->branches)
-                         : Expected<IkBranches>(std::unexpected(pitched.error()));
-      if (pitched) chosen_pitch = pitched->pitch;
-    }
-  }
+  auto solved = solve(request, geometry, arm, near);
+  if (!solved) return solved.error();
+  auto& [branches, chosen_pitch] = *solved;
   if (!branches) {
     Outcome outcome = refusal(model, branches.error());
     if (branches.error().code == ErrorCode::kTaskNotSupported) {
-      outcome.complaint = model.id + " has six joints: give the whole pose with --pose-mm-deg";
+      outcome.complaint =
+          model.id + " cannot be asked for that: give the whole pose with --pose-mm-deg";
     }
     return outcome;
   }
@@ -143,8 +158,9 @@ Outcome inverse_serial(const InverseRequest& request, const RobotModel& model,
 Outcome inverse_palletizer(const InverseRequest& request, const RobotModel& model,
                            const PalletizerGeometry& geometry) {
   if (request.gripper_mm) return bad_input("--gripper-mm: this robot has no gripper with jaws");
-  if (request.pitch_deg) {
-    return bad_input("--pitch-deg: the linkage of " + model.id + " keeps its tool level");
+  if (request.pitch_deg || request.approach) {
+    return bad_input(fmt::format("{}: the linkage of {} keeps its tool level",
+                                 request.pitch_deg ? "--pitch-deg" : "--approach", model.id));
   }
   if (request.near_joints_deg) {
     const auto near = parse_joints("--near-joints-deg", *request.near_joints_deg, model);
@@ -175,7 +191,7 @@ Outcome inverse_palletizer(const InverseRequest& request, const RobotModel& mode
 
 Outcome inverse_hexapod(const InverseRequest& request, const RobotModel& model,
                         const HexapodGeometry& geometry) {
-  if (!request.pose_mm_deg || request.pitch_deg || request.gripper_mm || request.near_joints_deg) {
+  if (!request.pose_mm_deg || request.gripper_mm || request.near_joints_deg) {
     return bad_input(model.id + " is a platform: give its pose with --pose-mm-deg x,y,z,rx,ry,rz");
   }
   const auto X = parse_pose("--pose-mm-deg", *request.pose_mm_deg);
@@ -221,8 +237,11 @@ Outcome inverse(const InverseRequest& request) {
   if (request.pose_mm_deg.has_value() == request.point_mm.has_value()) {
     return bad_input("give either --pose-mm-deg x,y,z,rx,ry,rz or --point-mm x,y,z");
   }
-  if (request.pose_mm_deg && request.pitch_deg) {
-    return bad_input("--pitch-deg goes with --point-mm; a pose has its own pitch");
+  if (request.pose_mm_deg && (request.pitch_deg || request.approach)) {
+    return bad_input("--pitch-deg and --approach go with --point-mm; a pose has its own direction");
+  }
+  if (request.pitch_deg && request.approach) {
+    return bad_input("give either --pitch-deg or --approach, not both");
   }
   const auto* hexapod = std::get_if<HexapodGeometry>(&model.geometry);
   if (request.near_pose_mm_deg) {

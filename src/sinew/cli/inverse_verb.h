@@ -13,6 +13,7 @@ struct InverseRequest {
   std::optional<std::string> pose_mm_deg;
   std::optional<std::string> point_mm;
   std::optional<std::string> pitch_deg;
+  std::optional<std::string> approach;
   std::optional<std::string> gripper_mm;
   std::optional<std::string> near_joints_deg;
   std::optional<std::string> near_pose_mm_deg;

@@ -74,6 +74,9 @@ void add_inverse(CLI::App& app, Call& call) {
   verb->add_option("--pitch-deg", request.pitch_deg,
                    "with --point-mm: tool from straight up (90 level, 180 down); chosen where left "
                    "out");
+  verb->add_option("--approach", request.approach,
+                   "with --point-mm: x,y,z of the tool's direction, of any length; the forearm "
+                   "rolls as it must");
   verb->add_option("--gripper-mm", request.gripper_mm,
                    "width between the jaws; open where left out");
   verb->add_option("--near-joints-deg", request.near_joints_deg,

@@ -50,6 +50,14 @@ std::expected<Vec3, std::string> parse_point(const std::string& option, const st
   return Vec3{(*v)[0], (*v)[1], (*v)[2]};
 }
 
+std::expected<Vec3, std::string> parse_direction(const std::string& option,
+                                                 const std::string& text) {
+  const auto v = parse_point(option, text);
+  if (!v) return v;
+  if (!(norm(*v) > 1e-9)) return std::unexpected(option + ": a direction needs a length");
+  return normalized(*v);
+}
+
 std::expected<JointVector, std::string> parse_joints(const std::string& option,
                                                      const std::string& text,
                                                      const RobotModel& model) {

@@ -18,6 +18,10 @@ std::expected<Pose<frame::Base, frame::Tool>, std::string> parse_pose(const std:
 
 std::expected<Vec3, std::string> parse_point(const std::string& option, const std::string& text);
 
+/// "x,y,z" without a unit, of any length but 0, made a unit vector.
+std::expected<Vec3, std::string> parse_direction(const std::string& option,
+                                                 const std::string& text);
+
 /// One value a joint or leg, in the order of the robot's file.
 std::expected<JointVector, std::string> parse_joints(const std::string& option,
                                                      const std::string& text,

@@ -122,7 +122,8 @@ const ErrorInfo& info(ErrorCode code) {
 
 std::string describe(const Error& error, std::string_view subject) {
   const ErrorInfo& row = info(error.code);
-  const std::string fallback = "J" + std::to_string(error.index + 1);
+  const std::string fallback =
+      error.index < 0 ? "the value" : "J" + std::to_string(error.index + 1);
   std::string text;
   std::string_view rest = row.sentence;
   while (!rest.empty()) {

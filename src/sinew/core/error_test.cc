@@ -22,6 +22,8 @@ TEST(Error, sentence_speaks_in_mm_and_degrees) {
             "out of reach by 12 mm: needs 696 mm, the arm has 684 mm");
   EXPECT_EQ(describe({ErrorCode::kJointLimit, 2, from_deg(131.4), from_deg(126)}, "elbow"),
             "elbow would need 131.4 deg, limit 126 deg, 5.4 deg too far");
+  EXPECT_EQ(describe({ErrorCode::kUnsendable, -1, 13}),
+            "the value at 13 cannot be sent: the byte 0D in it would cut the command in two");
   EXPECT_EQ(describe({ErrorCode::kJointLimit, 2, 0, -0.0}),
             "J3 would need 0 deg, limit 0 deg, 0 deg too far");
 }

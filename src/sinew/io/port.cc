@@ -161,7 +161,7 @@ IoResult<std::size_t> Port::read(std::span<std::uint8_t> buffer, Duration timeou
 IoResult<std::size_t> Port::write_now(std::span<const std::uint8_t> bytes) {
   auto& [path, context, stream, peer] = *implementation_;
   boost::system::error_code error;
-  stream.non_blocking(true, error);
+  static_cast<void>(stream.non_blocking(true, error));
   const std::size_t count = stream.write_some(asio::buffer(bytes.data(), bytes.size()), error);
   if (!error) return count;
   if (error == asio::error::would_block || error == asio::error::try_again) return 0;

@@ -114,7 +114,8 @@ Expected<IkBranches> SerialArm::inverse_general(const PoseBT& X_BT,
 Expected<IkBranches> SerialArm::inverse_at_pitch(const Vec3& p_BT, double pitch,
                                                  std::span<const double> near) const {
   const bool on_axis = std::hypot(p_BT.x, p_BT.y) < kFreeDirection;
-  const double yaw = on_axis ? (near.empty() ? 0.0 : near[0]) : std::atan2(p_BT.y, p_BT.x);
+  const double yaw_near = near.empty() ? 0 : near[0];
+  const double yaw = on_axis ? yaw_near : std::atan2(p_BT.y, p_BT.x);
   if (const auto* solver = std::get_if<FiveRPitch>(&solver_)) {
     auto answer =
         solver->inverse({.p_BT = p_BT, .pitch = pitch, .roll = 0, .yaw = yaw}, X_FT_, near);
@@ -128,12 +129,15 @@ Expected<IkBranches> SerialArm::inverse_at_pitch(const Vec3& p_BT, double pitch,
     }
     return answer;
   }
-  if (const auto* solver = std::get_if<FiveRRoll>(&solver_)) {
-    const double level = std::sin(pitch);
-    const Vec3 approach{std::cos(yaw) * level, std::sin(yaw) * level, std::cos(pitch)};
-    return solver->inverse({p_BT, approach}, near);
-  }
-  return std::unexpected(Error{.code = ErrorCode::kTaskNotSupported});
+  const double level = std::sin(pitch);
+  return inverse_along(p_BT, {std::cos(yaw) * level, std::sin(yaw) * level, std::cos(pitch)}, near);
+}
+
+Expected<IkBranches> SerialArm::inverse_along(const Vec3& p_BT, const Vec3& approach_B,
+                                              std::span<const double> near) const {
+  const auto* solver = std::get_if<FiveRRoll>(&solver_);
+  if (solver == nullptr) return std::unexpected(Error{.code = ErrorCode::kTaskNotSupported});
+  return solver->inverse({p_BT, approach_B}, near);
 }
 
 Expected<SerialArm::PitchedBranches> SerialArm::inverse_nearest_pitch(

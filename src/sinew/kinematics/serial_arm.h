@@ -43,6 +43,12 @@ class SerialArm {
   Expected<IkBranches> inverse_at_pitch(const Vec3& p_BT, double pitch,
                                         std::span<const double> near = {}) const;
 
+  /// Joint angles that bring the tool's tip to p_BT with its z axis along approach_B (unit vector
+  /// in base), whatever roll follows; arms with a rolling forearm only.
+  /// @error as inverse(), and kTaskNotSupported.
+  Expected<IkBranches> inverse_along(const Vec3& p_BT, const Vec3& approach_B,
+                                     std::span<const double> near = {}) const;
+
   struct PitchedBranches {
     double pitch = 0;  ///< rad from straight up
     IkBranches branches;

@@ -63,7 +63,7 @@ class Run {
   bool looked_like_boot() const { return looked_like_boot_; }
 
  private:
-  void take(const BigRobotArmDriver::StatusRead& status);
+  void take(const BigRobotArmDriver::StatusRead& read);
   void take(const BigRobotArmDriver::Failed& failed);
   void issue_next(Instant now);
   Expected<void> issue(const Order& order, Instant now);
