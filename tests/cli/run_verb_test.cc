@@ -218,7 +218,7 @@ TEST_F(RunVerb, one_interrupt_finishes_the_motion_under_way) {
     process.signal(signal);
     const Ended ended = process.end();
     EXPECT_EQ(ended.exit, 1);
-    EXPECT_NE(ended.err.find("stopped: no further orders were sent"), std::string::npos);
+    EXPECT_NE(ended.err.find("stopped: no further motion was asked for"), std::string::npos);
     EXPECT_NE(ended.out.find("stopped: 2 of 3 orders"), std::string::npos) << ended.out;
     EXPECT_NE(text_of(folder.at("r.csv")).find(",27.692308,"), std::string::npos);
   }

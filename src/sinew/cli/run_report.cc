@@ -87,6 +87,7 @@ kinematics::PoseBT tool_at(const RobotModel& model, const BigRobotArmAngles& q) 
 
 Json run_json(const RobotModel& model, const sequence::Run& run, const runtime::SessionEnd& end) {
   Json json{{"result", result_name(run, end)},
+            {"counts_from_power_up", run.looked_like_boot()},
             {"predicted_s", run.plan().duration},
             {"orders_planned", run.plan().orders.size()},
             {"bytes_to_device", end.total.to_device},

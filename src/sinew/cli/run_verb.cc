@@ -118,7 +118,7 @@ std::string why_not_done(const Job& job, const sequence::Run& run, const runtime
            "; a motion that was under way is finished by the device, unseen";
   }
   if (run.phase() == sequence::Run::Phase::kStopped) {
-    return "stopped: no further orders were sent (the motion under way was finished; "
+    return "stopped: no further motion was asked for (the motion under way was finished; "
            "the device has no stop)";
   }
   if (!run.failure()) return {};

@@ -9,6 +9,7 @@
 #include "sinew/cli/robot_argument.h"
 #include "sinew/cli/table.h"
 #include "sinew/core/units.h"
+#include "sinew/io/file.h"
 #include "sinew/io/interrupt.h"
 #include "sinew/io/standard_streams.h"
 #include "sinew/runtime/device_server.h"
@@ -40,11 +41,9 @@ Outcome simulate(const SimRequest& request) {
   if (!device) return device.error();
   if (const auto fine = check_time_scale(request.time_scale); !fine) return fine.error();
 
-  runtime::ByteLog log;
-  if (request.log) {
-    auto created = runtime::ByteLog::create(*request.log);
-    if (!created) return could_not("--log: " + created.error().sentence);
-    log = std::move(*created);
+  if (request.log && request.robot.ends_with(".toml") &&
+      io::same_file(*request.log, request.robot)) {
+    return bad_input("--log: " + *request.log + " is the robot's file; choose another name");
   }
   auto port = io::Port::open_pseudo_terminal();
   if (!port) return could_not(port.error().sentence);
@@ -55,6 +54,13 @@ Outcome simulate(const SimRequest& request) {
     link.emplace(std::move(*created));
   }
 
+  // Last, so that a simulation that cannot start empties nobody's log.
+  runtime::ByteLog log;
+  if (request.log) {
+    auto created = runtime::ByteLog::create(*request.log);
+    if (!created) return could_not("--log: " + created.error().sentence);
+    log = std::move(*created);
+  }
   io::catch_interrupts();
   const std::string first_line = request.json ? Json{{"port", port->path()}}.dump() : port->path();
   if (const auto told = io::write_stdout(first_line + "\n"); !told) {

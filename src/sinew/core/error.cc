@@ -60,8 +60,8 @@ constexpr std::array kTable = std::to_array<ErrorInfo>({
      "ambiguous: the nearest answer is {measured} away from the last pose, limit {limit}", kAngle,
      true, kNoStop, 422},
     {kNotConverged, "not_converged",
-     "no answer found: the remaining error is {measured}, tolerance {limit}", kRatio, true, kNoStop,
-     422},
+     "no answer found: the remaining error is {measured}, tolerance {limit}", kLength, true,
+     kNoStop, 422},
     {kPulseRange, "pulse_range", "{subject} would need pulse {measured}, limit {limit}", kCount,
      true, kNoStop, 422},
     {kStepRange, "step_range", "{subject} would need step {measured}, limit {limit}", kCount, true,
@@ -82,6 +82,13 @@ constexpr std::array kTable = std::to_array<ErrorInfo>({
     {kReplyMismatch, "reply_mismatch", "{subject}: the device reports {measured}, sent {limit}",
      kCount, false, kHold, 502},
     {kBusy, "busy", "a command is still under way", kNone, true, kNoStop, 409},
+    {kDeviceSync, "device_sync",
+     "the device's own sync mode is on, which counts positions in a frame of its own; switch it "
+     "off "
+     "(S0) first",
+     kNone, false, kNoStop, 409},
+    {kProgramTooLong, "program_too_long",
+     "the program comes to {measured} orders and more, limit {limit}", kCount, true, kNoStop, 422},
     {kPortClosed, "port_closed", "the port was closed by the other side", kNone, false, kHold, 503},
 });
 

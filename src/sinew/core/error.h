@@ -38,6 +38,8 @@ enum class ErrorCode : std::uint8_t {
   kDeviceRefused,            ///< the device said that the command is invalid
   kReplyMismatch,            ///< index: joint; measured: what it reported; limit: what was sent
   kBusy,                     ///< a command is still under way
+  kDeviceSync,               ///< the device moves its joints in a frame that it does not report
+  kProgramTooLong,           ///< measured, limit: orders
   kPortClosed,               ///< the port went away
 };
 

@@ -17,6 +17,25 @@ constexpr double kStepMax = (1 << 24) - 1;
 /// It keeps multipliers as floats and cuts them when it echoes.
 constexpr std::int32_t kEchoTolerance = 1;
 
+/// Steps per s that the board's processor manages at most, one joint alone and all together; its
+/// own trapezoid knows nothing of them. Measured on the firmware in a cycle-accurate emulation.
+constexpr double kStepRateAlone = 3430;
+constexpr double kStepRateTogether = 5000;
+/// From the ordinary quiet time up to 8 times it.
+constexpr int kPatienceDoublings = 3;
+
+/// Seconds that the processor needs for the steps of a motion, however fast they are asked for.
+double stepping_time(const Words& from, const Words& to) {
+  double longest = 0;
+  double total = 0;
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    const double steps = std::abs(1.0 * to[i] - from[i]);
+    longest = std::max(longest, steps);
+    total += steps;
+  }
+  return std::max(longest / kStepRateAlone, total / kStepRateTogether);
+}
+
 Error joint_error(ErrorCode code, std::size_t joint, double measured, double limit) {
   return {code, static_cast<std::int8_t>(joint), measured, limit};
 }
@@ -205,7 +224,7 @@ void BigRobotArmDriver::receive(std::span<const std::uint8_t> bytes, Instant now
       if (const auto error = check(**result)) {
         doubt(*error, now);
       } else {
-        take_reply(**result);
+        take_reply(**result, now);
       }
     }
   }
@@ -258,14 +277,16 @@ std::optional<Error> BigRobotArmDriver::check(const Reply& reply) const {
   return status ? std::nullopt : std::optional(unexpected);
 }
 
-void BigRobotArmDriver::take_reply(const Reply& reply) {
+void BigRobotArmDriver::take_reply(const Reply& reply, Instant now) {
   if (std::holds_alternative<MotionStarted>(reply)) {
     state_ = State::kMoving;
-    deadline_ =
-        asked_at_ + from_seconds(to_seconds(expected_) * timing_.move_factor) + timing_.move_margin;
+    const auto* go = std::get_if<Goto>(&asked_);
+    const double stepping = stepping_time(positions_, go != nullptr ? go->positions : Words{});
+    const double expected = std::max(to_seconds(expected_), stepping);
+    deadline_ = asked_at_ + from_seconds(expected * timing_.move_factor) + timing_.move_margin;
     return tell(Started{});
   }
-  if (const auto* status = std::get_if<Status>(&reply)) return take_status(*status);
+  if (const auto* status = std::get_if<Status>(&reply)) return take_status(*status, now);
   if (const auto* done = std::get_if<GotoDone>(&reply)) positions_ = done->positions;
   if (std::holds_alternative<HomeDone>(reply)) positions_ = {};
   if (std::holds_alternative<ResetDone>(reply)) {
@@ -277,8 +298,15 @@ void BigRobotArmDriver::take_reply(const Reply& reply) {
   tell(Done{id_of(asked_), angles_of(positions_)});
 }
 
-void BigRobotArmDriver::take_status(const Status& status) {
+void BigRobotArmDriver::take_status(const Status& status, Instant now) {
   const bool after_doubt = state_ == State::kVerify;
+  if (after_doubt && silent_asks_ > 0) {
+    // It may answer an earlier question, with the rest of the answers still to come.
+    silent_asks_ = 0;
+    state_ = State::kQuiet;
+    deadline_ = now + timing_.quiet;
+    return;
+  }
   positions_ = status.positions;
   state_ = State::kIdle;
   deadline_.reset();
@@ -309,6 +337,7 @@ void BigRobotArmDriver::poll(Instant now) {
     deadline_ = now + timing_.reply_timeout;
     return;
   }
+  if (state_ == State::kVerify) ++silent_asks_;
   doubt({ErrorCode::kDeviceSilent, -1, to_seconds(now - asked_at_),
          to_seconds(*deadline_ - asked_at_)},
         now);
@@ -320,7 +349,9 @@ void BigRobotArmDriver::doubt(const Error& error, Instant now) {
   if (!output_begun_) output_.clear();
   state_ = State::kQuiet;
   quiet_since_ = now;
-  deadline_ = now + timing_.quiet;
+  // Twice as patient after each question without an answer: where a request was cut off before,
+  // every byte of a question fills it up.
+  deadline_ = now + timing_.quiet * (1 << std::min(silent_asks_, kPatienceDoublings));
   if (!doubt_told_) tell(Failed{error});
   doubt_told_ = true;
 }

@@ -38,6 +38,7 @@ struct BigRobotArmTiming {
 ///   kQuiet   | a byte comes                           | kQuiet, the pause starts again
 ///   kQuiet   | `quiet` without a byte                 | kVerify, a status is asked for
 ///   kVerify  | the status comes                       | kIdle, StatusRead
+///   kVerify  | it comes after unanswered questions    | kQuiet: others may follow
 ///   kVerify  | anything else, or nothing              | kQuiet
 ///   kIdle    | a command                              | kAsked
 ///   kIdle    | a byte nobody asked for                | kQuiet, Failed
@@ -128,8 +129,8 @@ class BigRobotArmDriver {
   Expected<void> ask(const bigrobotarm::Request& request, Instant now);
   void send(const bigrobotarm::Request& request);
   std::optional<std::expected<bigrobotarm::Reply, bigrobotarm::Garbage>> decode(std::uint8_t byte);
-  void take_reply(const bigrobotarm::Reply& reply);
-  void take_status(const bigrobotarm::Status& status);
+  void take_reply(const bigrobotarm::Reply& reply, Instant now);
+  void take_status(const bigrobotarm::Status& status, Instant now);
   std::optional<Error> check(const bigrobotarm::Reply& reply) const;
   bool looks_like_boot(const bigrobotarm::Status& status) const;
   void doubt(const Error& error, Instant now);
@@ -146,7 +147,8 @@ class BigRobotArmDriver {
   std::optional<Instant> deadline_;
   Instant quiet_since_{};  ///< when the doubt began
   bool doubt_told_ = false;
-  Words positions_{};  ///< as last reported
+  int silent_asks_ = 0;  ///< statuses asked for in a row without an answer
+  Words positions_{};    ///< as last reported
 
   bigrobotarm::byte::ReplyDecoder byte_decoder_;
   bigrobotarm::text::ReplyDecoder text_decoder_;

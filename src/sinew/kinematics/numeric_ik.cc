@@ -239,7 +239,7 @@ Expected<NumericSolution> inverse_numeric(const SerialChain& chain, std::span<co
                                           const PoseBF& X_BF, std::span<const double> start,
                                           const NumericOptions& options) {
   SINEW_ASSERT(joints.size() == chain.size() && start.size() == chain.size());
-  if (const double distance = norm(X_BF.p); distance > chain.length()) {
+  if (const double distance = norm(X_BF.p); distance > chain.length() + kReachTolerance) {
     return std::unexpected(Error{ErrorCode::kOutOfReach, -1, distance, chain.length()});
   }
   return solve_sized<kMaxJoints>(chain, joints, X_BF, start, options);

@@ -201,6 +201,22 @@ TEST(SixR, any_offsets_and_signs_of_the_structure_are_solved) {
   });
 }
 
+TEST(NumericIk, straight_chain_is_in_reach_of_its_own_links) {
+  SerialGeometry planar;
+  planar.rows = {{0, 0.2, 0, 0}, {0, 0.18, 0, 0}, {0, 0.1021, 0, 0}};
+  std::vector<Joint> joints(3);
+  for (Joint& joint : joints) {
+    joint.lower = -kPi;
+    joint.upper = kPi;
+  }
+  const SerialChain chain(planar);
+  test::for_random_cases(2'000, [&](test::Random& random) {
+    const JointVector q{random.uniform(-3, 3), 0, 0};
+    const auto answer = inverse_numeric(chain, joints, chain.forward(q), q);
+    ASSERT_TRUE(answer) << describe(answer.error());
+  });
+}
+
 TEST(SixR, other_structures_are_left_to_the_numeric_solver) {
   SerialRobot robot("robot-arm-2");
   SerialGeometry bent = robot.geometry;

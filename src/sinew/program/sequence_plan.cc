@@ -36,6 +36,8 @@ class Planner {
     return std::visit([this](const auto& command) { return take(command); }, step.command);
   }
 
+  std::size_t orders() const { return plan_.orders.size(); }
+
   Plan finish() {
     if (const auto error = set_multipliers(wanted_)) return plan_;  // they were accepted before
     return std::move(plan_);
@@ -44,7 +46,7 @@ class Planner {
  private:
   template <class What>
   void order(const What& what) {
-    plan_.orders.push_back({line_, round_, rounds_, what});
+    plan_.orders.push_back({line_, round_, rounds_, what, wanted_, set_});
   }
 
   static Words overlay(Words base, const GivenWords& given) {
@@ -118,15 +120,16 @@ class Planner {
       if (const auto fine = check_multipliers(device_, multipliers.speeds); !fine) {
         return fine.error();
       }
+      set_.speeds = multipliers.speeds;
       order(SpeedsOrder{multipliers.speeds});
     }
     if (multipliers.accelerations != set_.accelerations) {
       if (const auto fine = check_multipliers(device_, multipliers.accelerations); !fine) {
         return fine.error();
       }
+      set_.accelerations = multipliers.accelerations;
       order(AccelerationsOrder{multipliers.accelerations});
     }
-    set_ = multipliers;
     return {};
   }
 
@@ -143,6 +146,7 @@ class Planner {
     if (synchronise_) {
       if (const auto error = scale_multipliers(target)) return error;
     }
+    if (const auto error = check_settings(target)) return error;
     MoveOrder move = predict(target);
     move.q_asked = angles(asked);
     move.home = home;
@@ -150,6 +154,19 @@ class Planner {
     ++plan_.moves;
     order(move);
     positions_ = target;
+    return {};
+  }
+
+  /// Another host may have left the device with settings that freeze it or race: a joint that is to
+  /// move has to have sane ones.
+  std::optional<Error> check_settings(const Words& target) const {
+    for (std::size_t i = 0; i < kBigRobotArmJoints; ++i) {
+      if (target[i] == positions_[i]) continue;
+      for (const std::int32_t value : {set_.speeds[i], set_.accelerations[i]}) {
+        if (value >= 1 && value <= device_.multiplier_max) continue;
+        return joint_error(ErrorCode::kMultiplierRange, i, value, device_.multiplier_max);
+      }
+    }
     return {};
   }
 
@@ -176,10 +193,8 @@ class Planner {
       if (target[i] == positions_[i]) continue;
       const BigRobotArmJoint& joint = device_.joints[i];
       const double unit = joint.steps_per_motor_rev / 100 / std::abs(joint.steps_per_rad);
-      // A device that was set to nonsense is predicted as if it crept.
-      const double speed = std::max(1, set_.speeds[i]) * unit;
-      const double acceleration = std::max(1, set_.accelerations[i]) * unit;
-      move.profiles[i] = motion::Trapezoid(move.q[i] - move.q_start[i], speed, acceleration);
+      move.profiles[i] = motion::Trapezoid(move.q[i] - move.q_start[i], set_.speeds[i] * unit,
+                                           set_.accelerations[i] * unit);
       move.duration = std::max(move.duration, move.profiles[i].duration());
     }
     return move;
@@ -218,6 +233,10 @@ std::expected<Plan, PlanRefusal> make_plan(const Program& program, const RobotMo
       for (const Step& step : section.steps) {
         if (const auto error = planner.add(step, round, section.repeats)) {
           return std::unexpected(PlanRefusal{step.line, *error});
+        }
+        if (planner.orders() > kOrdersMax) {
+          return std::unexpected(PlanRefusal{
+              step.line, {ErrorCode::kProgramTooLong, -1, 1.0 * kOrdersMax, 1.0 * kOrdersMax}});
         }
       }
     }

@@ -8,6 +8,7 @@
 #include "sinew/core/error.h"
 #include "sinew/core/instant.h"
 #include "sinew/driver/bigrobotarm.h"
+#include "sinew/driver/bigrobotarm_multipliers.h"
 #include "sinew/model/robot_model.h"
 #include "sinew/motion/trapezoid.h"
 #include "sinew/program/sequence_file.h"
@@ -53,7 +54,14 @@ struct Order {
   int round = 1;  ///< of its block
   int rounds = 1;
   std::variant<MoveOrder, SpeedsOrder, AccelerationsOrder, GripperOrder, ResetOrder> what;
+  /// Speeds and accelerations that the program has asked for by now, and those that the device has
+  /// after this order: others, where they are scaled so that joints arrive together.
+  BigRobotArmMultipliers wanted;
+  BigRobotArmMultipliers set;
 };
+
+/// More would be days of motion; a file of this many repeats is a slip or an attack.
+inline constexpr std::size_t kOrdersMax = 100'000;
 
 struct Plan {
   std::vector<Order> orders;
@@ -74,7 +82,8 @@ struct PlanRefusal {
 /// with it; the plan goes on from there.
 ///
 /// @param robot  a robot whose device is a BigRobotArm.
-/// @error  kJointLimit, kUnsendable, kMultiplierRange, kGripperRange, with the line; nothing of the
+/// @error  kProgramTooLong, kJointLimit, kUnsendable, kMultiplierRange, kGripperRange, with the
+/// line; nothing of the
 ///         program may run then.
 std::expected<Plan, PlanRefusal> make_plan(const Program& program, const RobotModel& robot,
                                            const DeviceState& start);

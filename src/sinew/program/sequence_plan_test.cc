@@ -241,13 +241,40 @@ TEST(SequencePlan, nonsense_from_the_device_is_a_refusal_or_a_plan_but_no_accide
     state.speeds.fill(word);
     state.accelerations.fill(word);
     const auto plan = make_plan(program_of("G0 B1 S1 E1 WR1 W1\nG92\nG0 B5"), model, state);
-    ASSERT_TRUE(plan) << word;
-    EXPECT_TRUE(std::isfinite(plan->duration)) << word;
+    ASSERT_FALSE(plan) << word;
+    EXPECT_EQ(plan.error().error.code, ErrorCode::kMultiplierRange) << word;
     EXPECT_FALSE(make_plan(program_of("S1\nG0 B1 S1 E1 WR1 W1"), model, state)) << word;
     const auto reset = make_plan(program_of("G92\nG0 B16777215"), model, state);
     ASSERT_FALSE(reset) << word;
     EXPECT_EQ(reset.error().error.code, ErrorCode::kJointLimit) << word;
   }
+}
+
+TEST(SequencePlan, joint_that_moves_needs_sane_settings_in_the_device) {
+  const RobotModel model = arm();
+  for (const std::int32_t speed : {-5, 0, 301, 3000}) {
+    DeviceState state = boot_state(device_of(model));
+    state.speeds[0] = speed;
+    const auto plan = make_plan(program_of("G0 B50"), model, state);
+    ASSERT_FALSE(plan) << speed;
+    EXPECT_EQ(plan.error().error, (Error{ErrorCode::kMultiplierRange, 0, 1.0 * speed, 300}));
+    EXPECT_TRUE(make_plan(program_of("G0 B0 S50"), model, state)) << "the base stays";
+    EXPECT_TRUE(make_plan(program_of("M203 B100\nG0 B50"), model, state)) << "set first";
+  }
+}
+
+TEST(SequencePlan, program_without_end_is_refused_before_it_fills_the_memory) {
+  std::string text;
+  for (int i = 0; i < 100; ++i) {
+    text += "BEGIN I127\n";
+    for (int line = 0; line < 20; ++line) text += line % 2 == 0 ? "G0 B1\n" : "G0 B2\n";
+    text += "END\n";
+  }
+  const RobotModel model = arm();
+  const auto plan = make_plan(program_of(text), model, boot_state(device_of(model)));
+  ASSERT_FALSE(plan);
+  EXPECT_EQ(plan.error().error.code, ErrorCode::kProgramTooLong);
+  EXPECT_GT(plan.error().line, 0);
 }
 
 TEST(SequencePlan, steps_that_the_device_reports_wrongly_are_refused) {

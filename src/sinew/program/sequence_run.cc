@@ -40,11 +40,33 @@ void Run::poll(Instant now) {
       current_->q_reported = done->q;
       records_.push_back(*current_);
       current_.reset();
-      if (phase_ == Phase::kStopping) phase_ = Phase::kStopped;
+      if (phase_ == Phase::kStopping && closing_.empty()) prepare_closing();
     }
   }
   if (phase_ == Phase::kOpening && now - opened_at_ > opening_limit_) fail(opening_trouble_);
-  if (phase_ == Phase::kRunning && !current_) issue_next(now);
+  const bool on = phase_ == Phase::kRunning || phase_ == Phase::kStopping;
+  if (on && !current_) issue_next(now);
+}
+
+/// The next program must not find speeds that were meant for one move of this one.
+void Run::prepare_closing() {
+  const Order& last = *records_.back().order;
+  Order order = last;
+  if (last.set.speeds != last.wanted.speeds) {
+    order.what = SpeedsOrder{last.wanted.speeds};
+    closing_.push_back(order);
+  }
+  if (last.set.accelerations != last.wanted.accelerations) {
+    order.what = AccelerationsOrder{last.wanted.accelerations};
+    closing_.push_back(order);
+  }
+}
+
+const Order* Run::next_order() {
+  if (phase_ == Phase::kStopping) {
+    return closing_next_ < closing_.size() ? &closing_[closing_next_++] : nullptr;
+  }
+  return next_ < plan_.orders.size() ? &plan_.orders[next_++] : nullptr;
 }
 
 /// While the port opens, a device may be deaf or talk nonsense for a while; the driver asks again.
@@ -58,6 +80,8 @@ void Run::take(const BigRobotArmDriver::Failed& failed) {
 void Run::take(const BigRobotArmDriver::StatusRead& read) {
   looked_like_boot_ = read.looks_like_boot;
   const auto& status = read.status;
+  // Switching it off for the user would leave the arm where its reports do not say it is.
+  if (status.sync) return fail({.code = ErrorCode::kDeviceSync});
   auto plan = make_plan(program_, robot_, {status.positions, status.speeds, status.accelerations});
   if (!plan) {
     failure_ = plan.error();
@@ -65,18 +89,18 @@ void Run::take(const BigRobotArmDriver::StatusRead& read) {
     return;
   }
   plan_ = std::move(*plan);
-  records_.reserve(plan_.orders.size());
+  records_.reserve(plan_.orders.size() + closing_.capacity());
   phase_ = Phase::kRunning;
 }
 
 void Run::issue_next(Instant now) {
-  if (next_ == plan_.orders.size()) {
-    phase_ = Phase::kDone;
+  const Order* order = next_order();
+  if (order == nullptr) {
+    phase_ = phase_ == Phase::kStopping ? Phase::kStopped : Phase::kDone;
     return;
   }
-  const Order& order = plan_.orders[next_++];
-  current_ = Record{.order = &order, .asked = now, .started = now, .done = now, .q_reported = {}};
-  if (const auto accepted = issue(order, now); !accepted) fail(accepted.error());
+  current_ = Record{.order = order, .asked = now, .started = now, .done = now, .q_reported = {}};
+  if (const auto accepted = issue(*order, now); !accepted) fail(accepted.error());
 }
 
 Expected<void> Run::issue(const Order& order, Instant now) {

@@ -27,7 +27,8 @@ struct Record {
 ///   kRunning  | an order is done               | kRunning, kDone after the last
 ///   kRunning  | stop()                         | kStopping
 ///   kRunning, | an order fails                 | kFailed
-///   kStopping | the order under way is done    | kStopped
+///   kStopping | the order under way is done,   | kStopped
+///             | scaled settings are put back   |
 ///
 /// The device has no stop: a motion that it took up is finished in any case.
 class Run {
@@ -44,7 +45,7 @@ class Run {
   /// The port is open.
   void start(Instant now);
   void poll(Instant now);
-  /// No further orders.
+  /// No further motion. Settings that were scaled for a synchronised move are still put back.
   void stop();
 
   Phase phase() const { return phase_; }
@@ -65,6 +66,8 @@ class Run {
  private:
   void take(const BigRobotArmDriver::StatusRead& read);
   void take(const BigRobotArmDriver::Failed& failed);
+  void prepare_closing();
+  const Order* next_order();
   void issue_next(Instant now);
   Expected<void> issue(const Order& order, Instant now);
   void fail(const Error& error);
@@ -78,6 +81,8 @@ class Run {
   Error opening_trouble_;
   Plan plan_;
   std::size_t next_ = 0;
+  FixedVector<Order, 2> closing_;  ///< what a stopped run still owes the device
+  std::size_t closing_next_ = 0;
   std::optional<Record> current_;
   std::vector<Record> records_;
   std::optional<PlanRefusal> failure_;

@@ -46,6 +46,20 @@ TEST_P(EitherWire, each_record_takes_the_predicted_time) {
               1e-6);
 }
 
+/// What the device says of itself once the run is over.
+std::optional<bigrobotarm::Status> status_of(Cell& cell) {
+  EXPECT_EQ(cell.driver.read_status(cell.now), Expected<void>());
+  std::array<std::uint8_t, 128> bytes{};
+  const std::size_t asked = cell.driver.take_output(bytes);
+  cell.firmware.receive(std::span(bytes.data(), asked), cell.now);
+  while (const std::size_t size = cell.firmware.take_output(bytes)) {
+    cell.driver.receive(std::span(bytes.data(), size), cell.now);
+  }
+  const auto event = cell.driver.take_event();
+  const auto* read = event ? std::get_if<BigRobotArmDriver::StatusRead>(&*event) : nullptr;
+  return read != nullptr ? std::optional(read->status) : std::nullopt;
+}
+
 TEST_P(EitherWire, every_command_arrives_at_the_device) {
   Cell cell(
       "M203 B150 S90 E80 WR70 W60\nM201 B50\nG1 E1 P40\nG0 B100 S200 E300 WR400 W300\nG92\n"
@@ -60,19 +74,37 @@ TEST_P(EitherWire, every_command_arrives_at_the_device) {
   EXPECT_EQ(cell.firmware.bytes_lost(), 0U);
 
   // Whoever comes next finds the program's own speeds, not those of the synchronised move.
-  EXPECT_EQ(cell.driver.read_status(cell.now), Expected<void>());
+  const auto status = status_of(cell);
+  ASSERT_TRUE(status);
+  EXPECT_EQ(status->speeds, (Words{150, 90, 80, 70, 60}));
+  EXPECT_EQ(status->accelerations, (Words{50, 100, 100, 100, 100}));
+}
+
+TEST_P(EitherWire, stop_in_a_synchronised_part_puts_the_speeds_back) {
+  Cell cell("M203 B150\nS1\nG0 B20 S0 E9000\nG0 B2000\n", arm(GetParam()));
+  cell.go_to_line(3);
+  cell.run.stop();
+  cell.go_on();
+  ASSERT_EQ(cell.run.phase(), Phase::kStopped);
+  EXPECT_LT(apart(cell.truth(), angles_of(cell.model, {20, 0, 9000, 0, 0})), 1e-9);
+  const auto status = status_of(cell);
+  ASSERT_TRUE(status);
+  EXPECT_EQ(status->speeds, (Words{150, 100, 100, 100, 100}));
+  EXPECT_EQ(status->accelerations, (Words{200, 100, 100, 100, 100}));
+}
+
+TEST_P(EitherWire, device_with_its_own_sync_on_is_not_moved) {
+  Cell cell("G0 B100\n", arm(GetParam()));
+  const auto on = GetParam() == BigRobotArmWire::kByte ? std::string("\x07\x01\r") : "S1\r";
+  cell.firmware.receive(std::span(reinterpret_cast<const std::uint8_t*>(on.data()), on.size()),
+                        cell.now);
   std::array<std::uint8_t, 128> bytes{};
-  const std::size_t asked = cell.driver.take_output(bytes);
-  cell.firmware.receive(std::span(bytes.data(), asked), cell.now);
-  while (const std::size_t size = cell.firmware.take_output(bytes)) {
-    cell.driver.receive(std::span(bytes.data(), size), cell.now);
+  while (cell.firmware.take_output(bytes) > 0) {
   }
-  const auto event = cell.driver.take_event();
-  ASSERT_TRUE(event);
-  const auto* status = std::get_if<BigRobotArmDriver::StatusRead>(&*event);
-  ASSERT_NE(status, nullptr);
-  EXPECT_EQ(status->status.speeds, (Words{150, 90, 80, 70, 60}));
-  EXPECT_EQ(status->status.accelerations, (Words{50, 100, 100, 100, 100}));
+  cell.go_on();
+  ASSERT_EQ(cell.run.phase(), Phase::kFailed);
+  EXPECT_EQ(cell.run.failure()->error.code, ErrorCode::kDeviceSync);
+  EXPECT_EQ(apart(cell.truth(), {}), 0);
 }
 
 TEST_P(EitherWire, stop_finishes_the_motion_under_way_and_sends_nothing_more) {
