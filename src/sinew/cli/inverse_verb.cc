@@ -34,9 +34,9 @@ Outcome refusal(const RobotModel& model, const Error& error) {
 
 std::vector<std::string> singular_names(std::uint8_t bits) {
   std::vector<std::string> names;
-  if (bits & kinematics::kShoulderBit) names.emplace_back("shoulder");
-  if (bits & kinematics::kElbowBit) names.emplace_back("elbow");
-  if (bits & kinematics::kWristBit) names.emplace_back("wrist");
+  if ((bits & kinematics::kShoulderBit) != 0) names.emplace_back("shoulder");
+  if ((bits & kinematics::kElbowBit) != 0) names.emplace_back("elbow");
+  if ((bits & kinematics::kWristBit) != 0) names.emplace_back("wrist");
   return names;
 }
 

@@ -132,7 +132,7 @@ std::string_view verb_word(std::span<char*> arguments) {
 
 /// What CLI11 says about values, as a sentence.
 std::string value_sentence(const CLI::ParseError& error) {
-  const std::string what = error.what();
+  std::string what = error.what();
   if (dynamic_cast<const CLI::ArgumentMismatch*>(&error) != nullptr) {
     return what.substr(0, what.find(':')) + ": takes one value, once";
   }
@@ -150,7 +150,7 @@ std::string parse_sentence(const CLI::App& app, const CLI::ParseError& error,
   std::vector<std::string_view> verbs;
   std::vector<std::string> names;
   for (const CLI::App* verb : app.get_subcommands({})) names.push_back(verb->get_name());
-  for (const std::string& name : names) verbs.push_back(name);
+  verbs.assign(names.begin(), names.end());
   const std::string_view word = verb_word(arguments);
   if (std::find(verbs.begin(), verbs.end(), word) == verbs.end()) {
     const std::string known = "the verbs are " + joined(verbs, ", ") + "; sinew --help shows more";

@@ -138,7 +138,7 @@ Outcome drive(const Job& job, io::Port& port, const io::Clock& clock, runtime::B
   runtime::SessionEnd end;
   {
     ProgressLine progress(job.request.quiet);
-    runtime::SessionHooks hooks{
+    const runtime::SessionHooks hooks{
         .progress = [&](const runtime::SessionView& view) { progress.show(view); },
         .interrupts = [] { return io::interrupts(); }};
     end = runtime::run_sequence(run, driver, port, clock, log, hooks);
