@@ -141,7 +141,7 @@ TEST(BigRobotArm, zero_pose_is_568_mm_tall_and_planar_formulas_hold) {
 /// The closed-form inverse of docs/kinematics relies on this shape.
 TEST(BigRobotArm, wrist_centre_is_the_origin_of_frame_4_and_the_shoulder_has_no_offset) {
   const SerialGeometry& arm = serial("bigrobotarm");
-  for (const std::size_t i : {0, 2, 3}) {
+  for (const std::size_t i : {0U, 2U, 3U}) {
     EXPECT_DOUBLE_EQ(std::abs(arm.rows[i].alpha), kPi / 2) << "row " << i + 1;
     EXPECT_EQ(arm.rows[i].a, 0) << "row " << i + 1;
   }

@@ -189,9 +189,9 @@ TEST(Hexapod, check_finds_each_leg_that_is_too_long_too_bent_or_too_tilted) {
       EXPECT_EQ(violations[i].index, expected[i].index);
       EXPECT_NEAR(violations[i].measured, expected[i].measured, 1e-9);
       EXPECT_NEAR(violations[i].limit, expected[i].limit, 1e-15);
-      found[expected[i].code == ErrorCode::kLegLength     ? 0
-            : expected[i].code == ErrorCode::kCardanAngle ? 1
-                                                          : 2]++;
+      // The three codes stand one after the other.
+      found[static_cast<std::size_t>(expected[i].code) -
+            static_cast<std::size_t>(ErrorCode::kLegLength)]++;
     }
     if (ill) {
       EXPECT_EQ(violations.back().code, ErrorCode::kConditionNumber);
@@ -217,7 +217,7 @@ TEST(Hexapod, nothing_is_taken_from_the_heap) {
   const auto refused = kHexapod.forward(legs, yawed(60));
   const HexapodViolations violations = kHexapod.check(X_far, kLegJoints);
   const HexapodJacobian J = kHexapod.jacobian(X_far);
-  EXPECT_EQ(allocations.count(), 0u);
+  EXPECT_EQ(allocations.count(), 0U);
   EXPECT_TRUE(found);
   EXPECT_FALSE(refused);
   EXPECT_FALSE(violations.empty());

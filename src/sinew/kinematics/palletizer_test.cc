@@ -364,7 +364,7 @@ TEST(Palletizer, nothing_is_taken_from_the_heap) {
   const PalletizerJacobian J = jacobian(kMaxArm, q);
   const bool reached = inverse(kMaxArm, kJoints, X_BT.p).has_value();
   const bool refused = !inverse(kMaxArm, kJoints, Vec3{}).has_value();
-  EXPECT_EQ(allocations.count(), 0u);
+  EXPECT_EQ(allocations.count(), 0U);
   EXPECT_TRUE(reached && refused);
   EXPECT_GT(norm(J[0]), 0);
 }
