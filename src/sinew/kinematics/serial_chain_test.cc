@@ -27,7 +27,7 @@ class SerialChains : public testing::TestWithParam<const char*> {
 INSTANTIATE_TEST_SUITE_P(Robots, SerialChains, testing::ValuesIn(kSerialRobots), test_name);
 
 TEST_P(SerialChains, forward_and_jacobian_agree_with_kdl) {
-  KDL::Chain chain = robot_.kdl_chain();
+  const KDL::Chain chain = robot_.kdl_chain();
   KDL::ChainFkSolverPos_recursive forward(chain);
   KDL::ChainJntToJacSolver jacobian(chain);
   const auto n = static_cast<unsigned>(robot_.geometry.rows.size());
@@ -42,7 +42,7 @@ TEST_P(SerialChains, forward_and_jacobian_agree_with_kdl) {
     Jacobian J;
     const PoseBF X = robot_.arm.chain().forward(q, J);
     for (unsigned row = 0; row < 3; ++row) {
-      const auto at = [&](const Vec3& v) { return row == 0 ? v.x : row == 1 ? v.y : v.z; };
+      const auto at = [&](const Vec3& v) { return std::array{v.x, v.y, v.z}[row]; };
       ASSERT_NEAR(at(X.p), frame.p(static_cast<int>(row)), 1e-9);
       ASSERT_NEAR(at(X.R.x), frame.M(static_cast<int>(row), 0), 1e-9);
       ASSERT_NEAR(at(X.R.y), frame.M(static_cast<int>(row), 1), 1e-9);
@@ -59,7 +59,7 @@ TEST_P(SerialChains, forward_and_jacobian_agree_with_kdl) {
 }
 
 TEST_P(SerialChains, jacobian_is_the_derivative_of_forward) {
-  constexpr double h = 1e-6;
+  const double h = 1e-6;
   const SerialChain& chain = robot_.arm.chain();
   test::for_random_cases(100'000, [&](test::Random& random) {
     const JointVector q = robot_.random_joints(random);
