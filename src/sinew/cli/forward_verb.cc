@@ -19,9 +19,9 @@ namespace {
 using PoseBT = Pose<frame::Base, frame::Tool>;
 
 /// Pose, joints and their verdict: what the answers of all robots share.
-Outcome answer(const RobotModel& model, const PoseBT& X, const JointVector& q) {
+Outcome answer(const RobotModel& model, const PoseBT& X, const JointVector& q,
+               std::span<const Error> violations) {
   Outcome outcome;
-  const auto violations = kinematics::limit_violations(model.joints, q);
   outcome.json = {{"robot", model.id},
                   {"pose", pose_json(X.p, X.R)},
                   {joints_key(model), joints_json(q, model)},
@@ -41,9 +41,9 @@ Outcome forward_serial(const ForwardRequest& request, const RobotModel& model,
   if (!jaw_width) return bad_input(jaw_width.error());
   const kinematics::SerialArm arm(geometry, model.joints,
                                   kinematics::tool_pose(geometry, *jaw_width));
-  Outcome outcome = answer(model, arm.forward(q), q);
   kinematics::Jacobian J;
-  arm.chain().forward(q, J);
+  const PoseBT X = arm.chain().forward(q, J) * arm.tool();
+  Outcome outcome = answer(model, X, q, kinematics::limit_violations(model.joints, q));
   const auto dexterity = kinematics::dexterity(J, arm.chain().length());
   outcome.json["manipulability"] = dexterity.manipulability;
   outcome.json["singular_value_min"] = dexterity.singular_value_min;
@@ -72,16 +72,7 @@ Outcome forward_hexapod(const ForwardRequest& request, const RobotModel& model,
     return refusal;
   }
   const PoseBT X = relabel<frame::Base, frame::Tool>(solution->X_BP);
-  Outcome outcome = answer(model, X, *legs);
-  // The platform's own check knows more than the lengths, and replaces the joints' verdict.
-  outcome.text = pose_text(X.p, X.R);
-  outcome.json["violations"] = Json::array();
-  const auto violations = hexapod.check(solution->X_BP, model.joints);
-  outcome.json["within_limits"] = violations.empty();
-  for (const Error& violation : violations) {
-    outcome.json["violations"].push_back(error_json(violation, model));
-    outcome.text += "  outside its limits: " + error_text(violation, model) + "\n";
-  }
+  Outcome outcome = answer(model, X, *legs, hexapod.check(solution->X_BP, model.joints));
   const auto dexterity = hexapod.dexterity(solution->X_BP);
   outcome.json["condition"] = dexterity.condition;
   outcome.json["iterations"] = solution->iterations;
@@ -123,7 +114,8 @@ Outcome forward(const ForwardRequest& request) {
   if (serial != nullptr) return forward_serial(request, model, *serial, q);
   const auto jaw_width = parse_jaw_width(request.gripper_mm, nullptr);
   if (!jaw_width) return bad_input(jaw_width.error());
-  return answer(model, kinematics::forward(std::get<PalletizerGeometry>(model.geometry), q), q);
+  return answer(model, kinematics::forward(std::get<PalletizerGeometry>(model.geometry), q), q,
+                kinematics::limit_violations(model.joints, q));
 }
 
 }  // namespace sinew::cli

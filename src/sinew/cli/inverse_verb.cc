@@ -62,8 +62,7 @@ Outcome list_branches(const RobotModel& model, const IkBranches& branches) {
       json["violations"].push_back(error_json(violation, model));
       const auto joint = static_cast<std::size_t>(violation.index);
       verdict += fmt::format("{}{} by {} deg", &violation == violations.begin() ? "" : ", ",
-                             model.joints[joint].name,
-                             number(to_deg(std::abs(violation.measured - violation.limit)), 1));
+                             model.joints[joint].name, number(to_deg(excess(violation)), 1));
     }
     if (branch.singular != 0) {
       verdict += "; singular: " + joined(singular_names(branch.singular), ", ");

@@ -56,7 +56,7 @@ Json error_json(const Error& error, const RobotModel& model) {
   const auto put = [&](const char* unit, double factor) {
     json[fmt::format("measured{}", unit)] = error.measured * factor;
     json[fmt::format("limit{}", unit)] = error.limit * factor;
-    json[fmt::format("excess{}", unit)] = std::abs(error.measured - error.limit) * factor;
+    json[fmt::format("excess{}", unit)] = excess(error) * factor;
   };
   switch (row.quantity) {
     case Quantity::kLength:

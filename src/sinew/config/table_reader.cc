@@ -114,13 +114,21 @@ bool TableReader::real(const TomlNode& node, const std::string& key, const Unit&
   return true;
 }
 
+namespace {
+
+/// The unit that the key of `entry` names; it was found by one of them.
+const Unit& unit_of(std::string_view pattern, Dimension dimension, const TomlEntry& entry) {
+  return *std::ranges::find_if(
+      dimension, [&](const Unit& u) { return with_unit(pattern, u.name) == entry.key; });
+}
+
+}  // namespace
+
 bool TableReader::quantity(std::string_view pattern, Dimension dimension, const Range& range,
                            double& out) {
   const TomlEntry* entry = ask(pattern, dimension, Presence::kRequired, true);
   if (entry == nullptr) return false;
-  const auto unit = std::ranges::find_if(
-      dimension, [&](const Unit& u) { return with_unit(pattern, u.name) == entry->key; });
-  return real(entry->node, dotted(entry->key), *unit, range, out);
+  return real(entry->node, dotted(entry->key), unit_of(pattern, dimension, *entry), range, out);
 }
 
 bool TableReader::number(std::string_view key, const Range& range, double& out) {
@@ -153,9 +161,7 @@ bool TableReader::vector(std::string_view pattern, Dimension dimension, const Ra
                          Vec3& out) {
   const TomlEntry* entry = ask(pattern, dimension, Presence::kRequired, true);
   if (entry == nullptr) return false;
-  const auto unit = std::ranges::find_if(
-      dimension, [&](const Unit& u) { return with_unit(pattern, u.name) == entry->key; });
-  return three(pattern, entry, *unit, range, out);
+  return three(pattern, entry, unit_of(pattern, dimension, *entry), range, out);
 }
 
 bool TableReader::direction(std::string_view key, Vec3& out) {

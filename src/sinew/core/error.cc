@@ -147,7 +147,7 @@ std::string describe(const Error& error, std::string_view subject) {
       text += format_value(error.limit, row.quantity);
     } else {
       SINEW_ASSERT(field == "excess");
-      text += format_value(std::abs(error.measured - error.limit), row.quantity);
+      text += format_value(excess(error), row.quantity);
     }
     rest.remove_prefix(close + 1);
   }

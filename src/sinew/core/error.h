@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <expected>
 #include <span>
@@ -80,6 +81,11 @@ struct ErrorInfo {
 
 std::span<const ErrorInfo> error_table();
 const ErrorInfo& info(ErrorCode code);
+
+/// How far beyond the limit; unit by code. @rt
+inline double excess(const Error& error) {
+  return std::abs(error.measured - error.limit);
+}
 
 /// One sentence in mm, degrees and seconds: "out of reach by 12 mm".
 /// @param subject  name of the joint or leg that `error.index` means; "J3" style when empty.

@@ -33,7 +33,6 @@ LimitViolations limit_violations(std::span<const Joint> joints, std::span<const 
 }
 
 Error nearest_violation(std::span<const Joint> joints, const IkBranches& branches) {
-  const auto excess = [](const Error& e) { return std::abs(e.measured - e.limit); };
   Error nearest{ErrorCode::kJointLimit, 0, std::numeric_limits<double>::infinity(), 0};
   for (const IkBranch& branch : branches) {
     const LimitViolations violations = limit_violations(joints, branch.q);

@@ -5,6 +5,7 @@
 
 #include "sinew/core/assert.h"
 #include "sinew/core/units.h"
+#include "sinew/kinematics/ik.h"
 
 namespace sinew::kinematics {
 namespace {
@@ -59,13 +60,13 @@ Expected<JointVector> inverse(const PalletizerGeometry& geometry, std::span<cons
   const double stretched = upper_arm + forearm;
   const double folded = std::abs(upper_arm - forearm);
   // Written so that a target that is not a number fails.
-  if (!(d <= stretched + kPalletizerReachTolerance)) {
+  if (!(d <= stretched + kReachTolerance)) {
     return std::unexpected(Error{ErrorCode::kOutOfReach, -1, d, stretched});
   }
-  if (radius < geometry.radius_min - kPalletizerReachTolerance) {
+  if (radius < geometry.radius_min - kReachTolerance) {
     return std::unexpected(Error{ErrorCode::kTooClose, -1, radius, geometry.radius_min});
   }
-  if (d < folded - kPalletizerReachTolerance) {
+  if (d < folded - kReachTolerance) {
     return std::unexpected(Error{ErrorCode::kTooClose, -1, d, folded});
   }
   const double cos_elbow = std::clamp(

@@ -11,9 +11,6 @@ namespace sinew::kinematics {
 
 inline constexpr std::size_t kPalletizerJoints = 3;
 
-/// A target this far (m) outside of the reach still counts as on its edge, for rounding's sake.
-inline constexpr double kPalletizerReachTolerance = 1e-10;
-
 /// Tool in base of a four-bar palletizer. The linkage keeps the tool level, so its frame is
 /// parallel to the base, turned by the base alone: R_BT = Rz(base_front - q[0]). With the arm at
 /// its front the tool's axes are the base's own.

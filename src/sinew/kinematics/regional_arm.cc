@@ -91,7 +91,6 @@ Error RegionalArm::refusal(const Vec3& p_BW, std::span<const ShoulderSide> sides
   }
   const double reach = upper_arm_ + forearm_;
   const double inner = std::abs(upper_arm_ - forearm_);
-  const auto excess = [](const Error& e) { return std::abs(e.measured - e.limit); };
   std::optional<Error> nearest;
   for (const ShoulderSide& side : sides) {
     const double distance = std::hypot(side.x, side.y);

@@ -8,10 +8,6 @@
 namespace sinew::kinematics {
 namespace {
 
-double excess(const Error& error) {
-  return std::abs(error.measured - error.limit);
-}
-
 /// Equal to within what counts as singular.
 bool same_joints(const IkBranch& a, const IkBranch& b) {
   for (std::size_t i = 0; i < a.q.size(); ++i) {
