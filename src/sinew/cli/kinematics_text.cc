@@ -68,6 +68,9 @@ Json error_json(const Error& error, const RobotModel& model) {
     case Quantity::kTime:
       put("_s", 1);
       break;
+    case Quantity::kVoltage:
+      put("_v", 1);
+      break;
     case Quantity::kRatio:
     case Quantity::kCount:
       put("", 1);

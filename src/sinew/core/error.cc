@@ -90,6 +90,57 @@ constexpr std::array kTable = std::to_array<ErrorInfo>({
     {kProgramTooLong, "program_too_long",
      "the program comes to {measured} orders and more, limit {limit}", kCount, true, kNoStop, 422},
     {kPortClosed, "port_closed", "the port was closed by the other side", kNone, false, kHold, 503},
+    {kPositionUnknown, "position_unknown",
+     "nobody knows for sure where {subject} is; home it, or say where it is", kNone, false, kNoStop,
+     409},
+    {kNotHomed, "not_homed", "{subject} has not been homed since it was switched on", kNone, false,
+     kNoStop, 409},
+    {kSegmentTime, "segment_time",
+     "a motion of {measured} is not what this wire can say; limit "
+     "{limit}",
+     kTime, true, kNoStop, 422},
+    {kToolNotFitted, "tool_not_fitted", "this robot has no such tool", kNone, true, kNoStop, 422},
+    {kDeviceKilled, "device_killed",
+     "the device was told to shut down and hears nothing more: cut its power, then switch it on",
+     kNone, false, kHold, 503},
+    {kVersionMismatch, "version_mismatch",
+     "the device speaks version {measured} of its wire, this program version {limit}", kCount, true,
+     kNoStop, 502},
+    {kModelMismatch, "model_mismatch",
+     "the device was set up for another robot; send it this robot's settings first", kNone, true,
+     kNoStop, 502},
+    {kChecksum, "checksum", "{measured} messages in a row came damaged; look at the cable", kCount,
+     false, kHold, 502},
+    {kEmergencyStop, "emergency_stop", "the emergency stop of {subject} is latched; release it",
+     kNone, true, StopCategory::kStopThenPowerOff, 409},
+    {kFollowingError, "following_error", "{subject} fell too far behind its setpoint", kNone, true,
+     kHold, 500},
+    {kStalled, "stalled", "the motor of {subject} does not turn: blocked, or too weak", kNone, true,
+     kHold, 500},
+    {kEncodersDisagree, "encoders_disagree",
+     "the joint's and the motor's encoder of {subject} tell different stories", kNone, false, kHold,
+     500},
+    {kEncoderLost, "encoder_lost",
+     "an encoder of {subject} gives no reading: look at its magnet and cable", kNone, false, kHold,
+     500},
+    {kEndStop, "end_stop", "the end stop of {subject} closed where none should be", kNone, false,
+     kHold, 500},
+    {kHomingFailed, "homing_failed",
+     "homing of {subject} failed: its end stop was not reached in time, or stayed closed", kNone,
+     false, kHold, 500},
+    {kSupplyLow, "supply_low", "the supply is down to {measured}, limit {limit}", kVoltage, false,
+     kHold, 503},
+    {kOverheated, "overheated", "{subject} is too hot; let it cool down", kNone, true, kHold, 503},
+    {kLinkSilent, "link_silent",
+     "{subject} heard nothing from this program for too long and stopped by itself", kNone, true,
+     kHold, 504},
+    {kSelfTestFailed, "self_test_failed", "the self-test of {subject} failed", kNone, true, kHold,
+     500},
+    {kMotionIgnored, "motion_ignored",
+     "{subject} acknowledged a motion and did not make it; read its status", kNone, false, kHold,
+     502},
+    {kMissedTarget, "missed_target", "{subject} came to {measured}, sent to {limit}, {excess} off",
+     kAngle, true, kHold, 502},
 });
 
 std::string format_value(double value, Quantity quantity) {
@@ -108,6 +159,8 @@ std::string format_value(double value, Quantity quantity) {
       return print("%.3g s", value);
     case kCount:
       return print("%.0f", value);
+    case kVoltage:
+      return print("%.3g V", value);
     case kRatio:
     case kNone:
       return print("%.3g", value);

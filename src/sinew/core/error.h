@@ -42,6 +42,27 @@ enum class ErrorCode : std::uint8_t {
   kDeviceSync,               ///< the device moves its joints in a frame that it does not report
   kProgramTooLong,           ///< measured, limit: orders
   kPortClosed,               ///< the port went away
+  kPositionUnknown,          ///< index: joint; it is lost or uncertain, so nothing plans with it
+  kNotHomed,                 ///< index: joint
+  kSegmentTime,              ///< measured, limit: s; longer or shorter than this wire can say
+  kToolNotFitted,            ///< this robot has no such tool
+  kDeviceKilled,             ///< the device answers nothing more until its power is cut
+  kVersionMismatch,          ///< measured: what the device speaks; limit: what the host does
+  kModelMismatch,            ///< the device was set up for another robot
+  kChecksum,                 ///< a message came damaged, again and again; measured: how often
+  kEmergencyStop,            ///< index: joint; latched until it is released
+  kFollowingError,           ///< index: joint; the device is too far behind its setpoint
+  kStalled,                  ///< index: joint; the motor does not turn
+  kEncodersDisagree,         ///< index: joint; its two encoders tell different stories
+  kEncoderLost,              ///< index: joint; an encoder gives no reading
+  kEndStop,                  ///< index: joint; an end stop closed where none should
+  kHomingFailed,             ///< index: joint; the end stop was not found, or stayed closed
+  kSupplyLow,                ///< measured, limit: V
+  kOverheated,               ///< index: joint
+  kLinkSilent,               ///< index: joint; the device heard nothing from us for too long
+  kSelfTestFailed,           ///< index: joint
+  kMotionIgnored,            ///< index: joint; the device acknowledged a motion and did not make it
+  kMissedTarget,             ///< index: joint; measured: where it is, limit: where it was sent, rad
 };
 
 /// How a stop ends, after IEC 60204-1.
@@ -53,7 +74,7 @@ enum class StopCategory : std::uint8_t {
 };
 
 /// What a number in an Error means to people; the value itself is always SI.
-enum class Quantity : std::uint8_t { kNone, kLength, kAngle, kTime, kRatio, kCount };
+enum class Quantity : std::uint8_t { kNone, kLength, kAngle, kTime, kRatio, kCount, kVoltage };
 
 /// An expected failure with the values that matter. Text is made at the edge by `describe`.
 struct Error {

@@ -5,7 +5,12 @@
 #include <string>
 #include <variant>
 
+#include "sinew/core/fixed_vector.h"
+#include "sinew/core/instant.h"
+
 namespace sinew {
+
+inline constexpr std::size_t kMaxJoints = 8;
 
 /// Who makes the motion: the host, setpoint by setpoint, or the device, from target to target.
 enum class MotionKind : std::uint8_t { kStream, kPointToPoint };
@@ -37,14 +42,129 @@ struct BigRobotArmDevice {
   std::int32_t gripper_max = 180;
 };
 
-/// A device whose wire this version of Sinew does not speak yet.
+// robot-arm-2: one controller board per axis on an SPI bus.
+
+/// How MOVE_ANGLE says an angle in its four bytes; boards of different ages disagree.
+enum class AngleEncoding : std::uint8_t {
+  kDegU32,   ///< whole degrees from `zero`, big endian: the document
+  kMdegI32,  ///< thousandths of a degree, two's complement, big endian
+  kF32Be,    ///< degrees as an IEEE float, big endian
+  kF32Le,
+};
+
+/// Where the registers of a board stand; the defaults are the document's.
+struct AxisRegisterMap {
+  std::uint16_t homing = 0;
+  std::uint16_t move_angle = 1;
+  std::uint16_t diag_control = 2;
+  std::uint16_t diag_status = 3;
+  std::uint16_t emergency_stop = 4;
+  friend bool operator==(const AxisRegisterMap&, const AxisRegisterMap&) = default;
+};
+
+/// One axis board and its wires. Boards may share a bus, or have one each.
+struct AxisBoard {
+  std::uint8_t spi_bus = 0;
+  std::uint8_t spi_device = 0;
+  std::uint8_t select_gpio = 0;  ///< BCM number of the chip select
+  std::uint8_t ready_gpio = 0;   ///< READY, which is shown and never relied on
+  double zero = 0;               ///< rad: the joint angle that kDegU32 calls 0
+};
+
+struct AxisRegistersDevice {
+  AngleEncoding encoding = AngleEncoding::kDegU32;
+  AxisRegisterMap registers;
+  std::uint8_t slave_id = 1;
+  std::uint32_t clock_hz = 500'000;
+  /// DIAG_STATUS tells something. Boards with the first firmware always answer 0: a move is done
+  /// there when its predicted time is over, and positions are `commanded`.
+  bool reports_status = true;
+  FixedVector<AxisBoard, kMaxJoints> boards;  ///< one per joint
+};
+
+/// robot-arm-2 with axis boards that run Sinew's own firmware.
+struct AxisLinkDevice {
+  std::uint32_t clock_hz = 4'000'000;
+  Duration deadline = std::chrono::milliseconds(100);  ///< silence that stops an axis; 20..500 ms
+  FixedVector<AxisBoard, kMaxJoints> boards;
+};
+
+// learm
+
+enum class LscProfile : std::uint8_t {
+  kLsc6,   ///< six PWM servos, open loop: the classic board
+  kBus,    ///< bus servos, positions can be read
+  kEsp32,  ///< PWM servos, commanded positions can be read; some commands mean other things
+};
+
+/// One servo: device units at the joint's zero and per rad, signed. On PWM boards a unit is a
+/// microsecond of pulse, on bus boards a thousandth of 240 degrees.
+struct LscServo {
+  std::uint8_t id = 0;
+  double centre = 1500;      ///< units at q = 0
+  double units_per_rad = 0;  ///< signed: the servo may turn against the model
+  double trim = 0;           ///< units, added to the centre
+  std::int32_t lower = 500;  ///< units that may be sent
+  std::int32_t upper = 2500;
+};
+
+/// The gripper's servo: jaw width is linear in its units.
+struct LscGripper {
+  std::uint8_t id = 1;
+  double open = 1500;    ///< units with the jaws at width_max
+  double closed = 2500;  ///< units with the jaws closed
+};
+
+struct LscDevice {
+  LscProfile profile = LscProfile::kLsc6;
+  FixedVector<LscServo, kMaxJoints> servos;  ///< one per joint
+  LscGripper gripper;
+};
+
+// maxarm
+
+enum class MaxArmChecksum : std::uint8_t { kSpec, kWithHeader };
+enum class MaxArmVariant : std::uint8_t { kArduino, kMicroPython };
+
+/// What the wire calls servo angles: pulse = offset + pulses_per_rad * q, 0..1000.
+struct MaxArmServo {
+  double offset = 0;
+  double pulses_per_rad = 0;
+};
+
+struct MaxArmDevice {
+  std::array<MaxArmServo, 3> servos;  ///< base, shoulder, forearm
+  /// What a simulated device answers like; a host accepts both.
+  MaxArmChecksum checksum = MaxArmChecksum::kSpec;
+  MaxArmVariant variant = MaxArmVariant::kArduino;
+};
+
+// hexapod
+
+/// One leg's motor.
+struct IcpLeg {
+  bool invert = false;       ///< direction bit 0 shortens the leg
+  std::uint8_t address = 0;  ///< 7-bit I2C address of its TMC222, for the simulated device
+};
+
+struct IcpDevice {
+  double units_per_m = 0;     ///< position units (microsteps) per metre of leg
+  double units_per_down = 1;  ///< units that a "-1" really moves: 2 where it is sent as FFFE
+  std::array<IcpLeg, 6> legs;
+  Duration reply_timeout = std::chrono::milliseconds(50);  ///< beyond the time on the wire
+  int tries = 3;
+};
+
+/// A robot that is a model only.
 struct NoDriver {};
 
 struct Device {
   std::string protocol;  ///< name of the wire in the robot's file
   std::uint32_t baud = 0;
   DeviceCapability capability;
-  std::variant<NoDriver, BigRobotArmDevice> settings;
+  std::variant<NoDriver, BigRobotArmDevice, AxisRegistersDevice, AxisLinkDevice, LscDevice,
+               MaxArmDevice, IcpDevice>
+      settings;
 };
 
 }  // namespace sinew

@@ -12,10 +12,9 @@
 #include "sinew/core/units.h"
 #include "sinew/core/vec3.h"
 #include "sinew/model/device.h"
+#include "sinew/model/dynamics.h"
 
 namespace sinew {
-
-inline constexpr std::size_t kMaxJoints = 8;
 
 /// One number per joint or leg, in the order of the robot's file: rad, or m for a leg.
 using JointVector = FixedVector<double, kMaxJoints>;
@@ -96,6 +95,7 @@ struct RobotModel {
   std::string title;
   Geometry geometry;
   std::vector<Joint> joints;  ///< at most kMaxJoints; six legs for a hexapod
+  Dynamics dynamics;          ///< what moves it and what it weighs; empty where nobody said
   Device device;
 };
 

@@ -101,7 +101,7 @@ Decoded decode(ReplyDecoder& decoder, std::span<const std::uint8_t> bytes) {
 TEST(BigRobotArmByte, every_golden_request_is_read_and_written) {
   int count = 0;
   for (const auto& golden : test::read_goldens("bigrobotarm_byte.txt")) {
-    if (!golden.from_host) continue;
+    if (!golden.from_host()) continue;
     ++count;
     const Bytes bytes = test::from_hex(golden.bytes);
     const Request meaning = test::request_of(golden.meaning);
@@ -122,7 +122,7 @@ TEST(BigRobotArmByte, every_golden_request_is_read_and_written) {
 TEST(BigRobotArmByte, every_golden_reply_is_read_and_written) {
   int count = 0;
   for (const auto& golden : test::read_goldens("bigrobotarm_byte.txt")) {
-    if (golden.from_host) continue;
+    if (golden.from_host()) continue;
     ++count;
     const Bytes bytes = test::from_hex(golden.bytes);
     std::vector<Reply> meaning;

@@ -66,7 +66,7 @@ TEST(BigRobotArmText, every_golden_line_is_read_and_written) {
   int host = 0;
   int device = 0;
   for (const auto& golden : test::read_goldens("bigrobotarm_text.txt")) {
-    if (golden.from_host) {
+    if (golden.from_host()) {
       ++host;
       const Line meaning = line_of(golden.meaning);
       EXPECT_EQ(view(encode_line(meaning)), golden.bytes) << golden.where;

@@ -1,8 +1,6 @@
 #pragma once
 
 #include <array>
-#include <fstream>
-#include <iterator>
 #include <sstream>
 #include <stdexcept>
 #include <string>
@@ -10,58 +8,10 @@
 #include <vector>
 
 #include "sinew/wire/bigrobotarm.h"
+#include "support/golden.h"
 
-/// Reads tests/golden/*.txt; the meaning of a vector is a few words of plain text.
+/// What the vectors of the BigRobotArm's two wires mean.
 namespace sinew::test {
-
-struct Golden {
-  bool from_host = false;
-  std::string bytes;
-  std::string meaning;
-  std::string where;  ///< file:line
-};
-
-inline std::string trimmed(std::string_view text) {
-  const auto begin = text.find_first_not_of(' ');
-  if (begin == std::string_view::npos) return {};
-  return std::string(text.substr(begin, text.find_last_not_of(' ') - begin + 1));
-}
-
-inline std::vector<std::string> split(std::string_view text, char separator) {
-  std::vector<std::string> parts;
-  std::stringstream stream{std::string(text)};
-  for (std::string part; std::getline(stream, part, separator);) parts.push_back(trimmed(part));
-  return parts;
-}
-
-inline std::vector<Golden> read_goldens(const std::string& name) {
-  std::ifstream file(std::string(SINEW_GOLDEN_DIR) + "/" + name);
-  if (!file) throw std::runtime_error("no golden file " + name);
-  std::vector<Golden> goldens;
-  std::string line;
-  for (int number = 1; std::getline(file, line); ++number) {
-    if (line.empty() || line[0] == '#') continue;
-    const auto parts = split(line, '|');
-    if (parts.size() < 3) throw std::runtime_error(name + ":" + std::to_string(number));
-    goldens.push_back(
-        {parts[0] == "host", parts[1], parts[2], name + ":" + std::to_string(number)});
-  }
-  return goldens;
-}
-
-inline std::vector<std::uint8_t> from_hex(const std::string& text) {
-  std::vector<std::uint8_t> bytes;
-  std::string digits;
-  for (const char character : text) {
-    if (character == ' ') continue;
-    digits += character;
-    if (digits.size() < 2) continue;
-    bytes.push_back(static_cast<std::uint8_t>(std::stoul(digits, nullptr, 16)));
-    digits.clear();
-  }
-  if (!digits.empty()) throw std::runtime_error("odd number of digits: " + text);
-  return bytes;
-}
 
 inline bigrobotarm::Words words_of(const std::string& text, std::size_t count = 5) {
   std::stringstream stream(text);

@@ -1,0 +1,163 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <variant>
+
+#include "sinew/core/error.h"
+#include "sinew/core/fixed_vector.h"
+#include "sinew/core/instant.h"
+#include "sinew/model/robot_model.h"
+#include "sinew/wire/spi.h"
+
+namespace sinew {
+
+/// How well a joint's position is known; the same four words wherever it is shown.
+enum class PositionQuality : std::uint8_t {
+  kLost,       ///< nobody knows
+  kUncertain,  ///< somewhere in [lower, upper]
+  kCommanded,  ///< the device was told, and nothing says that it did not go there
+  kMeasured,   ///< a sensor says so
+};
+
+/// Joint position as the host knows it, in the model's frame; rad, or m for a leg.
+struct JointPosition {
+  PositionQuality quality = PositionQuality::kLost;
+  double q = 0;      ///< best guess; without meaning while lost
+  double lower = 0;  ///< kUncertain: the truth is in here. Else q -+ the wire's resolution
+  double upper = 0;
+};
+
+/// What the tool is asked to do. A robot without that tool answers kToolNotFitted.
+struct JawsTo {
+  double width = 0;  ///< m between the jaws
+};
+struct GripperTo {
+  bool enabled = true;
+  double angle = 0;  ///< rad of its servo
+};
+struct Suction {
+  enum class State : std::uint8_t { kOn, kRelease, kOff } state = State::kOff;
+};
+struct NozzleTo {
+  double angle = 0;  ///< rad, 0 at its centre
+  Duration duration{};
+};
+using ToolAction = std::variant<JawsTo, GripperTo, Suction, NozzleTo>;
+
+/// One piece of motion. For a point-to-point device it is a whole move; for a streaming one it is
+/// the way from the last segment's end to `q`, in `duration`.
+struct JointMove {
+  JointVector q;        ///< where it ends; rad or m, model's frame, every joint
+  JointVector qd;       ///< speed there, per s; all zero at the end of a motion
+  Duration duration{};  ///< how long it shall (stream) or is predicted to take (point to point)
+};
+
+/// Where a driver is in its life.
+enum class DriverState : std::uint8_t {
+  kClosed,   ///< no port
+  kOpening,  ///< finding the device, or finding it again after a doubt
+  kReady,    ///< answers, at rest, takes commands
+  kMoving,
+  kStopping,
+  kFault,  ///< will not move before clear_fault(); fault() says why
+};
+
+/// What happened. Each command that was accepted ends with exactly one kDone, kFailed or kStopped.
+struct DriverEvent {
+  enum class Kind : std::uint8_t {
+    kReady,    ///< opened, or recovered after a doubt: positions() are fresh
+    kDone,     ///< the command is carried out
+    kFailed,   ///< it is not, or nobody knows; positions() say what is left of the position
+    kStopped,  ///< stop() has taken effect, as far as this wire can
+    kNotice,   ///< nothing is under way that it could have broken; for the record
+  } kind = Kind::kNotice;
+  Error error;  ///< kFailed and kNotice
+};
+
+/// What can be told of a device's well-being.
+struct DriverHealth {
+  std::optional<double> supply_volts;
+  std::optional<double> temperature_c;
+  std::uint64_t requests = 0;    ///< exchanges begun
+  std::uint64_t retries = 0;     ///< exchanges begun again, where that cannot move anything twice
+  std::uint64_t timeouts = 0;    ///< answers that never came
+  std::uint64_t unexpected = 0;  ///< bytes or answers that fit nothing
+};
+
+/// Host side of one wire: joint units to device units and back, time-outs, bounded retries that
+/// can never carry out a move twice, resynchronisation. No clock and no port: bytes and Instants
+/// come in, bytes and events go out. Instants never run back. All members are @rt.
+class Driver {
+ public:
+  virtual ~Driver() = default;
+
+  /// The port is open. kReady (or kFailed) follows.
+  virtual void open(Instant now) = 0;
+  /// The port went away. A command under way ends with kFailed (kPortClosed).
+  virtual void close(Instant now) = 0;
+
+  virtual DriverState state() const = 0;
+  /// Why the state is kFault.
+  virtual std::optional<Error> fault() const { return std::nullopt; }
+  /// One per joint.
+  virtual std::span<const JointPosition> positions() const = 0;
+  virtual DriverHealth health() const = 0;
+
+  /// True where move() would take a piece of motion now. A streaming driver takes the next segment
+  /// while the last one is still under way, early enough that there is no gap.
+  virtual bool wants_move(Instant now) const = 0;
+
+  /// @error kBusy, kPositionUnknown, kFault's own code, kJointLimit, or what this wire cannot say
+  ///        (kPulseRange, kStepRange, kUnsendable, kSegmentTime). Nothing is sent then.
+  virtual Expected<void> move(const JointMove& move, Instant now) = 0;
+
+  /// No further motion, as soon as the wire and the device can; kStopped follows. Always accepted.
+  virtual void stop(Instant now) = 0;
+
+  /// Finds the joints' zeros, where the machine can. @error kTaskNotSupported, kBusy
+  virtual Expected<void> home(Instant now) {
+    static_cast<void>(now);
+    return std::unexpected(Error{ErrorCode::kTaskNotSupported});
+  }
+  /// Leaves kFault once its cause is gone; never resumes a motion. @error kBusy, or the cause
+  virtual Expected<void> clear_fault(Instant now) {
+    static_cast<void>(now);
+    return {};
+  }
+  /// @error kToolNotFitted, kGripperRange, kBusy
+  virtual Expected<void> tool(const ToolAction& action, Instant now) {
+    static_cast<void>(action), static_cast<void>(now);
+    return std::unexpected(Error{ErrorCode::kToolNotFitted});
+  }
+  /// What the host knows from elsewhere (a journal, the user's declaration): one per joint.
+  virtual void declare_positions(std::span<const JointPosition> positions) {
+    static_cast<void>(positions);
+  }
+
+  /// Time passes.
+  virtual void poll(Instant now) = 0;
+  /// When poll() has something to do next.
+  virtual std::optional<Instant> next_deadline() const = 0;
+  virtual std::optional<DriverEvent> take_event() = 0;
+};
+
+/// A driver over a stream of bytes.
+class ByteDriver : public Driver {
+ public:
+  virtual void receive(std::span<const std::uint8_t> bytes, Instant now) = 0;
+  /// Moves bytes for the device out; how many. What is taken counts as sent.
+  virtual std::size_t take_output(std::span<std::uint8_t> out) = 0;
+};
+
+/// A driver over framed exchanges.
+class SpiDriver : public Driver {
+ public:
+  /// The exchange that is due at `now`, if any; exchanged() follows before the next one.
+  virtual std::optional<spi::Transfer> take_transfer(Instant now) = 0;
+  /// @param miso  as many bytes as the transfer had. @param now  when its last bit was through.
+  virtual void exchanged(std::span<const std::uint8_t> miso, Instant now) = 0;
+};
+
+}  // namespace sinew

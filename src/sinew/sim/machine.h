@@ -1,0 +1,81 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "sinew/core/fixed_vector.h"
+#include "sinew/core/instant.h"
+#include "sinew/model/robot_model.h"
+#include "sinew/wire/spi.h"
+
+/// The physical truth under a device. Nothing here reads a clock: time is handed in, and all
+/// chance comes from one seed.
+namespace sinew::sim {
+
+/// One joint as it really is, which no device is ever told; rad, or m for a leg, model's frame.
+struct JointTruth {
+  double q = 0;              ///< the joint itself, behind gear and backlash
+  double qd = 0;             ///< per s
+  double believed = 0;       ///< where the device thinks it is, in the same frame
+  bool stalled = false;      ///< its motor slipped since power-up
+  bool at_end_stop = false;  ///< it leans against a mechanical end
+};
+
+/// A machine at one instant.
+struct Truth {
+  FixedVector<JointTruth, kMaxJoints> joints;
+  double supply_volts = 0;
+  bool moving = false;
+  double tool = 0;       ///< jaw width in m, nozzle or gripper angle in rad; 0 without a tool
+  bool suction = false;  ///< pump on
+  std::uint64_t bytes_lost = 0;  ///< bytes that the device had no room for
+};
+
+/// Things that happen to a machine from outside. They change physics, never a value.
+struct Disturbance {
+  enum class Kind : std::uint8_t {
+    kSupply,   ///< volts from now on; a dip is two of them
+    kPayload,  ///< kg at the tool
+    kBlock,    ///< joint cannot pass `value` (rad or m) from now on
+    kUnblock,  ///< joint is free again
+    kMagnet,   ///< joint's encoder magnet: 0 falls off, 1 is put back
+    kLoad,     ///< extra torque on the joint, Nm (force on a leg, N)
+  } kind = Kind::kSupply;
+  std::int8_t joint = -1;
+  double value = 0;
+};
+
+/// A device together with the machine under it. @rt apart from its construction.
+class Machine {
+ public:
+  virtual ~Machine() = default;
+  /// Lets time pass up to `now`, which never runs back.
+  virtual void advance(Instant now) = 0;
+  /// When something will happen by itself that the wire shows; nothing: it waits for bytes.
+  virtual std::optional<Instant> next_event() const = 0;
+  /// At the last advance().
+  virtual Truth truth() const = 0;
+  virtual void disturb(const Disturbance& what) = 0;
+};
+
+/// A machine behind a stream of bytes.
+class ByteMachine : public Machine {
+ public:
+  /// Bytes that arrive at `now`; advances first.
+  virtual void receive(std::span<const std::uint8_t> bytes, Instant now) = 0;
+  /// Moves the device's answers out; how many bytes.
+  virtual std::size_t take_output(std::span<std::uint8_t> out) = 0;
+};
+
+/// A machine of several boards on an SPI bus.
+class SpiMachine : public Machine {
+ public:
+  /// @param now  of the first clock edge. The time of the transfer passes inside.
+  virtual spi::Bytes exchange(const spi::Transfer& transfer, Instant now) = 0;
+  /// Level of the READY line of an axis.
+  virtual bool ready_pin(std::size_t axis) const = 0;
+};
+
+}  // namespace sinew::sim
