@@ -69,6 +69,59 @@ std::string broken(const BigRobotArmDevice& device) {
   return "";
 }
 
+std::string broken(const LscDevice& device) {
+  std::set<int> ids{device.gripper.id};
+  for (const LscServo& servo : device.servos) {
+    if (!positive(std::abs(servo.units_per_rad))) return "units per rad";
+    if (servo.lower >= servo.upper || servo.lower < 0) return "pulse range";
+    if (!std::isfinite(servo.centre + servo.trim)) return "centre";
+    if (!ids.insert(servo.id).second) return "servo id";
+  }
+  return device.gripper.open != device.gripper.closed ? "" : "gripper";
+}
+
+std::string broken(const MaxArmDevice& device) {
+  for (const MaxArmServo& servo : device.servos) {
+    if (!positive(std::abs(servo.pulses_per_rad)) || !std::isfinite(servo.offset)) return "pulses";
+  }
+  return "";
+}
+
+std::string broken(const IcpDevice& device) {
+  if (!positive(device.units_per_m) || device.tries < 1) return "units per m";
+  return device.units_per_down >= 1 && device.units_per_down <= 2 ? "" : "units per down";
+}
+
+template <class Boards>
+std::string broken_boards(const Boards& boards, std::uint32_t clock_hz) {
+  std::set<int> selects;
+  for (const AxisBoard& board : boards) {
+    if (!selects.insert(board.select_gpio).second) return "chip select";
+    if (!std::isfinite(board.zero)) return "zero";
+  }
+  return clock_hz > 0 ? "" : "clock";
+}
+std::string broken(const AxisRegistersDevice& device) {
+  return broken_boards(device.boards, device.clock_hz);
+}
+std::string broken(const AxisLinkDevice& device) {
+  if (device.deadline < std::chrono::milliseconds(20)) return "deadline";
+  return broken_boards(device.boards, device.clock_hz);
+}
+std::string broken(const NoDriver& /*device*/) {
+  return "";
+}
+
+/// How many joints the device has settings for.
+template <class Settings>
+std::size_t joints_of_device(const Settings& settings, std::size_t joints) {
+  if constexpr (requires { settings.boards; }) return settings.boards.size();
+  if constexpr (requires { settings.servos; }) return settings.servos.size();
+  if constexpr (requires { settings.legs; }) return settings.legs.size();
+  if constexpr (requires { settings.joints; }) return settings.joints.size();
+  return joints;
+}
+
 }  // namespace
 
 std::string broken_promise(const RobotModel& model) {
@@ -86,10 +139,14 @@ std::string broken_promise(const RobotModel& model) {
       return "maxima of " + joint.name;
     }
   }
-  if (const auto* device = std::get_if<BigRobotArmDevice>(&model.device.settings)) {
-    if (model.joints.size() != kBigRobotArmJoints) return "joints of the device";
-    if (std::string text = broken(*device); !text.empty()) return text;
-  }
+  const std::string device = std::visit(
+      [&](const auto& settings) -> std::string {
+        const std::size_t joints = model.joints.size();
+        if (joints_of_device(settings, joints) != joints) return "joints of the device";
+        return broken(settings);
+      },
+      model.device.settings);
+  if (!device.empty()) return device;
   return std::visit([](const auto& geometry) { return broken(geometry); }, model.geometry);
 }
 

@@ -1,56 +1,42 @@
 #include "sinew/config/read_device.h"
 
-#include <cmath>
+#include <set>
+
+#include "sinew/config/read_devices.h"
+#include "sinew/config/read_joints.h"
 
 namespace sinew {
 namespace {
 
-enum class Wire : std::uint8_t { kNone, kSerialPort, kBus, kBigRobotArm };
-
+/// One wire: its name, whether it runs over a serial port, how many joints it drives (0: any), and
+/// who reads the rest.
 struct Protocol {
   std::string_view name;
-  Wire wire;
+  bool serial_port = false;
+  std::size_t joints = 0;
+  void (*read)(TableReader&, RobotModel&) = nullptr;
 };
 
-/// The wires of the reference robots. Those that Sinew does not speak yet have a name and a speed
-/// here, so that a robot can be planned and previewed before it can be driven.
+constexpr std::size_t kMaxArmJoints = 3;
+
 constexpr Named<Protocol> kProtocols[] = {
-    {"none", {"none", Wire::kNone}},     {"bigrobotarm", {"bigrobotarm", Wire::kBigRobotArm}},
-    {"lsc", {"lsc", Wire::kSerialPort}}, {"maxarm", {"maxarm", Wire::kSerialPort}},
-    {"icp", {"icp", Wire::kSerialPort}}, {"axis_registers", {"axis_registers", Wire::kBus}},
+    {"none", {"none", false, 0, nullptr}},
+    {"bigrobotarm", {"bigrobotarm", true, kBigRobotArmJoints, read_bigrobotarm}},
+    {"lsc", {"lsc", true, 0, read_lsc}},
+    {"maxarm", {"maxarm", true, kMaxArmJoints, read_maxarm}},
+    {"icp", {"icp", true, kLegs, read_icp}},
+    {"axis_registers", {"axis_registers", false, 0, read_axis_registers}},
+    {"axis_link", {"axis_link", false, 0, read_axis_link}},
 };
-
-void read_bigrobotarm(TableReader& reader, const RobotModel& model, BigRobotArmDevice& device) {
-  constexpr Named<BigRobotArmWire> kWires[] = {{"byte", BigRobotArmWire::kByte},
-                                               {"text", BigRobotArmWire::kText}};
-  constexpr std::int32_t kMaxMultiplier = 3000;  // the document's own user interface ends there
-  constexpr Range kSteps = between(-1e6, 1e6);   // per rad
-  constexpr double kFewestSteps = 1;             // per rad
-  reader.choice("wire", kWires, device.wire);
-  reader.integer("multiplier_max", 1, kMaxMultiplier, device.multiplier_max);
-  reader.integer("gripper_max", 0, 255, device.gripper_max);
-  std::optional<TableReader> joints = reader.table("joint");
-  if (!joints) return;
-  for (std::size_t i = 0; i < kBigRobotArmJoints; ++i) {
-    if (model.joints[i].name.empty()) {  // complained about at the joint itself
-      joints->ignore_rest();
-      continue;
-    }
-    std::optional<TableReader> joint_reader = joints->table(model.joints[i].name);
-    if (!joint_reader) continue;
-    BigRobotArmJoint& joint = device.joints[i];
-    if (joint_reader->quantity("steps_per_*", kPerAngle, kSteps, joint.steps_per_rad) &&
-        std::abs(joint.steps_per_rad) < kFewestSteps) {
-      joint_reader->complain("steps_per_*", "must be at least one step per radian, either sign");
-    }
-    joint_reader->number("steps_per_motor_rev", between(1, 1e6), joint.steps_per_motor_rev);
-    joint_reader->integer("multiplier_boot", 1, device.multiplier_max, joint.multiplier_boot);
-    joint_reader->finish();
-  }
-  joints->finish();
-}
 
 }  // namespace
+
+bool joints_are_sound(const RobotModel& model) {
+  std::set<std::string_view> names;
+  for (const Joint& joint : model.joints) names.insert(joint.name);
+  return model.joints.size() == joints_moved_by(model.geometry) &&
+         names.size() == model.joints.size() && !names.contains("");
+}
 
 void read_device(TableReader& root, RobotModel& model) {
   constexpr Named<MotionKind> kMotions[] = {{"stream", MotionKind::kStream},
@@ -70,17 +56,16 @@ void read_device(TableReader& root, RobotModel& model) {
     return;
   }
   device.protocol = protocol.name;
-  if (protocol.wire == Wire::kSerialPort || protocol.wire == Wire::kBigRobotArm) {
-    reader->integer("baud", 300, 4'000'000, device.baud);
-  }
-  if (protocol.wire == Wire::kBigRobotArm) {
-    if (model.joints.size() == kBigRobotArmJoints) {
-      read_bigrobotarm(*reader, model, device.settings.emplace<BigRobotArmDevice>());
-    } else {
-      reader->complain("protocol", "this firmware drives five joints, the robot has " +
-                                       std::to_string(model.joints.size()));
-      reader->ignore_rest();
-    }
+  if (protocol.serial_port) reader->integer("baud", 300, 4'000'000, device.baud);
+  if (!joints_are_sound(model)) {
+    reader->ignore_rest();
+  } else if (protocol.joints != 0 && model.joints.size() != protocol.joints) {
+    reader->complain("protocol", "this wire drives " + std::to_string(protocol.joints) +
+                                     " joints, the robot has " +
+                                     std::to_string(model.joints.size()));
+    reader->ignore_rest();
+  } else if (protocol.read != nullptr) {
+    protocol.read(*reader, model);
   }
   reader->finish();
 }

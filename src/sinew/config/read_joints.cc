@@ -93,11 +93,6 @@ Joint read_joint(TableReader& reader, const JointScale& scale, bool has_home,
   return joint;
 }
 
-std::size_t wanted_joints(const Geometry& geometry) {
-  if (const auto* serial = std::get_if<SerialGeometry>(&geometry)) return serial->rows.size();
-  return std::holds_alternative<HexapodGeometry>(geometry) ? kLegs : 3;
-}
-
 void set_home_of_legs(TableReader& root, RobotModel& model) {
   const auto& geometry = std::get<HexapodGeometry>(model.geometry);
   for (std::size_t i = 0; i < model.joints.size(); ++i) {
@@ -114,6 +109,11 @@ void set_home_of_legs(TableReader& root, RobotModel& model) {
 
 }  // namespace
 
+std::size_t joints_moved_by(const Geometry& geometry) {
+  if (const auto* serial = std::get_if<SerialGeometry>(&geometry)) return serial->rows.size();
+  return std::holds_alternative<HexapodGeometry>(geometry) ? kLegs : 3;
+}
+
 void read_joints(TableReader& root, GeometryKind kind, RobotModel& model) {
   const bool legs = kind == GeometryKind::kHexapod;
   const JointScale& scale = legs ? kPrismaticScale : kRevoluteScale;
@@ -127,7 +127,7 @@ void read_joints(TableReader& root, GeometryKind kind, RobotModel& model) {
     model.joints.back().kind = legs ? JointKind::kPrismatic : JointKind::kRevolute;
   }
   if (readers.empty()) return;
-  const std::size_t wanted = wanted_joints(model.geometry);
+  const std::size_t wanted = joints_moved_by(model.geometry);
   if (wanted == 0) return;  // a chain without rows has been complained about
   if (readers.size() != wanted) {
     readers[std::min(readers.size() - 1, wanted)].complain(

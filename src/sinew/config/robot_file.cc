@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "sinew/config/read_device.h"
+#include "sinew/config/read_dynamics.h"
 #include "sinew/config/read_geometry.h"
 #include "sinew/config/read_joints.h"
 #include "sinew/config/table_reader.h"
@@ -28,6 +29,7 @@ void read_root(TableReader& root, RobotModel& model) {
   if (const std::optional<GeometryKind> kind = read_geometry(root, model.geometry)) {
     read_joints(root, *kind, model);
     read_device(root, model);
+    read_dynamics(root, model);
   } else {
     root.ignore_rest();
   }

@@ -142,11 +142,10 @@ TEST(RobotFile, every_fault_is_told_at_its_place_with_its_remedy) {
        "r.toml:4:8: geometry.kind: must be `serial`, `palletizer` or `hexapod`, not `seriel`; did "
        "you mean `serial`?"},
       {"\"none\"\nmotion", "\"nose\"\nmotion",
-       "r.toml:25:12: device.protocol: must be `none`, `bigrobotarm`, `lsc`, `maxarm`, `icp` or "
-       "`axis_registers`, not `nose`; did you mean `none`?"},
-      {"\"none\"\nmotion", "\"lsc\"\nmotion", "r.toml:24:1: device.baud: missing: write `baud`"},
+       "r.toml:25:12: device.protocol: must be `none`, `bigrobotarm`, `lsc`, `maxarm`, `icp`, "
+       "`axis_registers` or `axis_link`, not `nose`; did you mean `none`?"},
       {"\"none\"\nmotion", "\"bigrobotarm\"\nbaud = 250000\nsource = \"s\"\nmotion",
-       "r.toml:25:12: device.protocol: this firmware drives five joints, the robot has 1"},
+       "r.toml:25:12: device.protocol: this wire drives 5 joints, the robot has 1"},
       {"[tool]\n", "[tol]\n", "r.toml:11:2: tol: unknown key; did you mean `tool`?"},
       {"[0, 0, 10]", "[0, 0]", "r.toml:12:10: tool.xyz_mm: must have three numbers, not 2"},
       {"source = \"s\"\n[tool]", "[tool]",
@@ -247,13 +246,56 @@ TEST(RobotFile, bigrobotarm_settings_are_checked_per_joint) {
             "device.joint.base.steps_per: missing unit: write `steps_per_turn`, `steps_per_deg` or "
             "`steps_per_rad`");
   EXPECT_EQ(complaint("steps_per_turn = 26000", "steps_per_turn = 0"),
-            "device.joint.base.steps_per_turn: must be at least one step per radian, either sign");
+            "device.joint.base.steps_per_turn: must be at least one per radian, either sign");
   EXPECT_EQ(complaint("multiplier_boot = 200", "multiplier_boot = 301"),
             "device.joint.base.multiplier_boot: must be 1 to 300, not 301");
   EXPECT_EQ(complaint("gripper_max = 180", "gripper_max = 256"),
             "device.gripper_max: must be 0 to 255, not 256");
   EXPECT_EQ(complaint("wire = \"byte\"", "wire = \"bytes\""),
             "device.wire: must be `byte` or `text`, not `bytes`; did you mean `byte`?");
+}
+
+TEST(RobotFile, settings_of_every_wire_are_checked) {
+  const auto complaint = [&](std::string_view robot, std::string_view from, std::string_view to) {
+    const Lines lines = complaints(with(builtin(robot), from, to));
+    if (lines.size() != 1) return "not one complaint but " + std::to_string(lines.size());
+    return lines[0].substr(lines[0].find(": ") + 2);
+  };
+  EXPECT_EQ(complaint("learm", "servo_id = 5", "servo_id = 6"),
+            "device.joint: servo 6 is named twice");
+  EXPECT_EQ(complaint("learm", "servo_id = 1\n", "servo_id = 2\n"),
+            "device.joint: servo 2 is named twice");
+  EXPECT_EQ(complaint("learm", "closed = 2500", "closed = 1500"),
+            "device.gripper.closed: must differ from open");
+  EXPECT_EQ(complaint("learm", "profile = \"lsc6\"", "profile = \"lsc7\""),
+            "device.profile: must be `lsc6`, `bus` or `esp32`, not `lsc7`; did you mean `lsc6`?");
+  EXPECT_EQ(complaint("maxarm", "pulses_per_turn = -1500", "pulses_per_turn = 1"),
+            "device.joint.shoulder.pulses_per_turn: must be at least one per radian, either sign");
+  EXPECT_EQ(complaint("hexapod", "travel_per_turn_mm = 0.7", "travel_per_turn_mm = 0"),
+            "device.travel_per_turn_mm: must be above 0 and at most 100 mm, not 0");
+  EXPECT_EQ(complaint("hexapod", "i2c_address = 97", "i2c_address = 128"),
+            "device.joint.leg1.i2c_address: must be 96 to 127, not 128");
+  EXPECT_EQ(complaint("robot-arm-2", "select_gpio = 6", "select_gpio = 5"),
+            "device.joint: boards 1 and 2 share select_gpio 5");
+  EXPECT_EQ(
+      complaint("robot-arm-2", "\"deg_u32\"  #", "\"deg\"  #"),
+      "device.angle_encoding: must be `deg_u32`, `mdeg_i32`, `f32_be` or `f32_le`, not `deg`");
+  EXPECT_EQ(complaint("robot-arm-2", "zero_deg = -90", "zero = -90"),
+            "device.joint.shoulder.zero: missing unit: write `zero_deg` or `zero_rad`");
+}
+
+TEST(RobotFile, registers_of_other_boards_may_stand_elsewhere_and_never_twice) {
+  const std::string map =
+      "[device.register]\nhoming = 0\nmove_angle = 1\ndiag_control = 3\ndiag_status = 4\n"
+      "emergency_stop = 5\nsource = \"second firmware\"\n\n  [device.joint.base]";
+  const auto model = read_robot(with(builtin("robot-arm-2"), "  [device.joint.base]", map), "r");
+  ASSERT_TRUE(model.has_value()) << to_text(model.error().front());
+  EXPECT_EQ(std::get<AxisRegistersDevice>(model->device.settings).registers,
+            (AxisRegisterMap{0, 1, 3, 4, 5}));
+  const Lines lines = complaints(with(builtin("robot-arm-2"), "  [device.joint.base]",
+                                      with(map, "diag_status = 4", "diag_status = 3")));
+  ASSERT_EQ(lines.size(), 1U);
+  EXPECT_TRUE(lines[0].ends_with("device.register: two registers have the same number"));
 }
 
 TEST(RobotFile, limits_may_stand_in_other_units_and_home_on_a_limit) {

@@ -129,6 +129,7 @@ void TableReader::check_source_table(const TomlEntry& source, const TomlTable& s
   for (const TomlEntry& entry : sources) {
     const std::string key = dotted(kSource) + "." + printable(entry.key);
     if (std::ranges::find(names, entry.key) == names.end()) {
+      if (ignore_rest_) continue;
       const std::string_view meant = nearest_spelling(entry.key, names);
       findings_->complain(
           entry.place, key,

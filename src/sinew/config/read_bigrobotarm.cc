@@ -1,0 +1,31 @@
+#include <cmath>
+
+#include "sinew/config/read_devices.h"
+
+namespace sinew {
+
+void read_per_angle(TableReader& reader, std::string_view pattern, double& out) {
+  constexpr Range kUnits = between(-1e6, 1e6);  // per rad
+  constexpr double kFewest = 1;                 // per rad
+  if (reader.quantity(pattern, kPerAngle, kUnits, out) && std::abs(out) < kFewest) {
+    reader.complain(pattern, "must be at least one per radian, either sign");
+  }
+}
+
+void read_bigrobotarm(TableReader& reader, RobotModel& model) {
+  constexpr Named<BigRobotArmWire> kWires[] = {{"byte", BigRobotArmWire::kByte},
+                                               {"text", BigRobotArmWire::kText}};
+  constexpr std::int32_t kMaxMultiplier = 3000;  // the document's own user interface ends there
+  auto& device = model.device.settings.emplace<BigRobotArmDevice>();
+  reader.choice("wire", kWires, device.wire);
+  reader.integer("multiplier_max", 1, kMaxMultiplier, device.multiplier_max);
+  reader.integer("gripper_max", 0, 255, device.gripper_max);
+  for_each_joint(reader, model, [&](std::size_t i, TableReader& table) {
+    BigRobotArmJoint& joint = device.joints[i];
+    read_per_angle(table, "steps_per_*", joint.steps_per_rad);
+    table.number("steps_per_motor_rev", between(1, 1e6), joint.steps_per_motor_rev);
+    table.integer("multiplier_boot", 1, device.multiplier_max, joint.multiplier_boot);
+  });
+}
+
+}  // namespace sinew

@@ -1,0 +1,24 @@
+#include "sinew/config/read_devices.h"
+
+namespace sinew {
+
+void read_icp(TableReader& reader, RobotModel& model) {
+  constexpr Named<bool> kYesNo[] = {{"yes", true}, {"no", false}};
+  auto& device = model.device.settings.emplace<IcpDevice>();
+  double travel = 0;
+  double units = 0;
+  const bool pitch = reader.quantity("travel_per_turn_*", kLength, above_zero_to(0.1), travel);
+  const bool steps = reader.number("microsteps_per_rev", between(1, 1e6), units);
+  if (pitch && steps) device.units_per_m = units / travel;
+  reader.number("units_per_down", between(1, 2), device.units_per_down);
+  std::int64_t timeout_ms = 50;
+  reader.integer("reply_timeout_ms", 5, 5000, timeout_ms);
+  device.reply_timeout = std::chrono::milliseconds(timeout_ms);
+  reader.integer("tries", 1, 20, device.tries);
+  for_each_joint(reader, model, [&](std::size_t i, TableReader& table) {
+    table.choice("invert", kYesNo, device.legs[i].invert);
+    table.integer("i2c_address", 0x60, 0x7F, device.legs[i].address);
+  });
+}
+
+}  // namespace sinew
