@@ -1,6 +1,7 @@
 #include "sinew/io/port.h"
 
 #include <fcntl.h>
+#include <linux/serial.h>
 #include <sys/file.h>
 #include <sys/ioctl.h>
 #include <sys/stat.h>
@@ -52,6 +53,15 @@ bool keep_to_ourselves(int descriptor) {
   return pseudo || ioctl(descriptor, TIOCEXCL) == 0;
 }
 
+/// USB adapters collect bytes for 16 ms before they hand them over; this flag asks for 1 ms. Where
+/// the driver does not know it, answers are that much later, and nothing else.
+void make_prompt(int descriptor) {
+  serial_struct settings{};
+  if (ioctl(descriptor, TIOCGSERIAL, &settings) != 0) return;
+  settings.flags |= ASYNC_LOW_LATENCY;
+  static_cast<void>(ioctl(descriptor, TIOCSSERIAL, &settings));
+}
+
 IoError open_error(const std::string& path, int errno_value) {
   if (errno_value == EBUSY) return {path + kInUse};
   IoError error = system_error(path, errno_value);
@@ -69,14 +79,18 @@ IoError open_error(const std::string& path, int errno_value) {
 
 struct Port::Implementation {
   explicit Implementation(std::string path_of_port)
-      : path(std::move(path_of_port)), stream(context) {}
+      : path(std::move(path_of_port)), stream(context), output(context) {}
   ~Implementation() {
     if (peer >= 0) ::close(peer);
   }
 
+  asio::posix::stream_descriptor& writer() { return output.is_open() ? output : stream; }
+
   std::string path;
   asio::io_context context;
   asio::posix::stream_descriptor stream;
+  /// Where bytes go; closed where that is `stream` too.
+  asio::posix::stream_descriptor output;
   /// A pseudo-terminal's own other side: while it is open, hosts may come and go.
   int peer = -1;
 };
@@ -113,6 +127,7 @@ IoResult<Port> Port::open_serial(const std::string& path, std::uint32_t baud) {
     return std::unexpected(IoError{path + ": cannot do " + std::to_string(baud) +
                                    " baud; the nearest is " + std::to_string(rate)});
   }
+  make_prompt(descriptor);
   tcflush(descriptor, TCIOFLUSH);
   return Port(std::move(port));
 }
@@ -137,8 +152,20 @@ IoResult<Port> Port::open_pseudo_terminal() {
   return Port(std::move(port));
 }
 
+IoResult<Port> Port::from_descriptors(int reading, int writing, std::string name) {
+  auto port = std::make_unique<Implementation>(std::move(name));
+  boost::system::error_code in;
+  boost::system::error_code out;
+  static_cast<void>(port->stream.assign(reading, in));
+  if (writing != reading) static_cast<void>(port->output.assign(writing, out));
+  if (!in && !out) return Port(std::move(port));
+  if (in) ::close(reading);
+  if (out) ::close(writing);
+  return std::unexpected(IoError{port->path + ": a plain file cannot be talked to; use a pipe"});
+}
+
 IoResult<std::size_t> Port::read(std::span<std::uint8_t> buffer, Duration timeout) {
-  auto& [path, context, stream, peer] = *implementation_;
+  auto& [path, context, stream, output, peer] = *implementation_;
   std::optional<boost::system::error_code> result;
   std::size_t count = 0;
   stream.async_read_some(asio::buffer(buffer.data(), buffer.size()),
@@ -159,7 +186,8 @@ IoResult<std::size_t> Port::read(std::span<std::uint8_t> buffer, Duration timeou
 }
 
 IoResult<std::size_t> Port::write_now(std::span<const std::uint8_t> bytes) {
-  auto& [path, context, stream, peer] = *implementation_;
+  const std::string& path = implementation_->path;
+  auto& stream = implementation_->writer();
   boost::system::error_code error;
   static_cast<void>(stream.non_blocking(true, error));
   const std::size_t count = stream.write_some(asio::buffer(bytes.data(), bytes.size()), error);
@@ -169,7 +197,9 @@ IoResult<std::size_t> Port::write_now(std::span<const std::uint8_t> bytes) {
 }
 
 IoResult<void> Port::write(std::span<const std::uint8_t> bytes) {
-  auto& [path, context, stream, peer] = *implementation_;
+  const std::string& path = implementation_->path;
+  asio::io_context& context = implementation_->context;
+  auto& stream = implementation_->writer();
   while (!bytes.empty()) {
     std::optional<boost::system::error_code> result;
     std::size_t count = 0;

@@ -28,6 +28,10 @@ class Port {
   /// The device's side of a new pseudo-terminal; `path()` is what a host opens.
   static IoResult<Port> open_pseudo_terminal();
 
+  /// Any stream: a socket has one descriptor for both, a pair of pipes two. Takes them over.
+  /// @error  a plain file, which no stream can be made of
+  static IoResult<Port> from_descriptors(int reading, int writing, std::string name);
+
   /// What came, at least one byte, or 0 after `timeout`.
   /// @error  the other side went away
   IoResult<std::size_t> read(std::span<std::uint8_t> buffer, Duration timeout);
