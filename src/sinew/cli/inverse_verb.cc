@@ -107,7 +107,7 @@ std::expected<Solved, Outcome> solve(const InverseRequest& request, const Serial
     return Solved{arm.inverse_along(*p, *approach, near), {}};
   }
   if (request.pitch_deg) {
-    const auto pitch = parse_quantity(*request.pitch_deg, Dimension::kAngle);
+    const auto pitch = parse_quantity(*request.pitch_deg, Measure::kAngle, UnitRule::kOptional);
     if (!pitch || std::abs(*pitch) > 2 * kPi) {
       return std::unexpected(
           bad_input("--pitch-deg: " + (pitch ? "is beyond one turn" : pitch.error())));

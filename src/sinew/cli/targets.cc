@@ -18,12 +18,12 @@ constexpr double kLengthMax = 100;           // m
 constexpr double kAngleMax = 100 * 2 * kPi;  // rad
 
 std::expected<std::vector<double>, std::string> parse_bounded(
-    const std::string& option, const std::string& text, const std::vector<Dimension>& dimensions,
+    const std::string& option, const std::string& text, const std::vector<Measure>& dimensions,
     const std::vector<std::string>& names) {
   auto values = parse_quantities(option, text, dimensions, names);
   if (!values) return values;
   for (std::size_t i = 0; i < values->size(); ++i) {
-    const bool length = dimensions[i] == Dimension::kLength;
+    const bool length = dimensions[i] == Measure::kLength;
     if (std::abs((*values)[i]) <= (length ? kLengthMax : kAngleMax)) continue;
     return std::unexpected(fmt::format("{}: number {} ({}) is beyond {}", option, i + 1, names[i],
                                        length ? "100 m" : "100 turns"));
@@ -35,8 +35,8 @@ std::expected<std::vector<double>, std::string> parse_bounded(
 
 std::expected<Pose<frame::Base, frame::Tool>, std::string> parse_pose(const std::string& option,
                                                                       const std::string& text) {
-  constexpr auto kL = Dimension::kLength;
-  constexpr auto kA = Dimension::kAngle;
+  constexpr auto kL = Measure::kLength;
+  constexpr auto kA = Measure::kAngle;
   const auto v =
       parse_bounded(option, text, {kL, kL, kL, kA, kA, kA}, {"x", "y", "z", "rx", "ry", "rz"});
   if (!v) return std::unexpected(v.error());
@@ -45,7 +45,7 @@ std::expected<Pose<frame::Base, frame::Tool>, std::string> parse_pose(const std:
 }
 
 std::expected<Vec3, std::string> parse_point(const std::string& option, const std::string& text) {
-  const auto v = parse_bounded(option, text, std::vector(3, Dimension::kLength), {"x", "y", "z"});
+  const auto v = parse_bounded(option, text, std::vector(3, Measure::kLength), {"x", "y", "z"});
   if (!v) return std::unexpected(v.error());
   return Vec3{(*v)[0], (*v)[1], (*v)[2]};
 }
@@ -61,11 +61,10 @@ std::expected<Vec3, std::string> parse_direction(const std::string& option,
 std::expected<JointVector, std::string> parse_joints(const std::string& option,
                                                      const std::string& text,
                                                      const RobotModel& model) {
-  std::vector<Dimension> dimensions;
+  std::vector<Measure> dimensions;
   dimensions.reserve(model.joints.size());
   for (const Joint& joint : model.joints) {
-    dimensions.push_back(joint.kind == JointKind::kPrismatic ? Dimension::kLength
-                                                             : Dimension::kAngle);
+    dimensions.push_back(joint.kind == JointKind::kPrismatic ? Measure::kLength : Measure::kAngle);
   }
   const auto v = parse_bounded(option, text, dimensions, joint_names(model));
   if (!v) return std::unexpected(v.error());
@@ -78,7 +77,7 @@ std::expected<std::optional<double>, std::string> parse_jaw_width(
   if (geometry == nullptr || !geometry->gripper) {
     return std::unexpected("--gripper-mm: this robot has no gripper with jaws");
   }
-  const auto width = parse_quantity(*text, Dimension::kLength);
+  const auto width = parse_quantity(*text, Measure::kLength, UnitRule::kOptional);
   if (!width) return std::unexpected("--gripper-mm: " + width.error());
   const double max = geometry->gripper->width_max;
   if (*width < 0 || *width > max) {

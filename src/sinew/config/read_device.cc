@@ -9,24 +9,26 @@ namespace sinew {
 namespace {
 
 /// One wire: its name, whether it runs over a serial port, how many joints it drives (0: any), and
-/// who reads the rest.
+/// how
+/// long a streamed segment may be, who reads the rest.
 struct Protocol {
   std::string_view name;
   bool serial_port = false;
   std::size_t joints = 0;
+  std::int64_t segment_ms_max = 0;  ///< of a streamed motion
   void (*read)(TableReader&, RobotModel&) = nullptr;
 };
 
 constexpr std::size_t kMaxArmJoints = 3;
 
 constexpr Named<Protocol> kProtocols[] = {
-    {"none", {"none", false, 0, nullptr}},
-    {"bigrobotarm", {"bigrobotarm", true, kBigRobotArmJoints, read_bigrobotarm}},
-    {"lsc", {"lsc", true, 0, read_lsc}},
-    {"maxarm", {"maxarm", true, kMaxArmJoints, read_maxarm}},
-    {"icp", {"icp", true, kLegs, read_icp}},
-    {"axis_registers", {"axis_registers", false, 0, read_axis_registers}},
-    {"axis_link", {"axis_link", false, 0, read_axis_link}},
+    {"none", {"none", false, 0, 0, nullptr}},
+    {"bigrobotarm", {"bigrobotarm", true, kBigRobotArmJoints, 1000, read_bigrobotarm}},
+    {"lsc", {"lsc", true, 0, 100, read_lsc}},
+    {"maxarm", {"maxarm", true, kMaxArmJoints, 1000, read_maxarm}},
+    {"icp", {"icp", true, kLegs, 1000, read_icp}},
+    {"axis_registers", {"axis_registers", false, 0, 1000, read_axis_registers}},
+    {"axis_link", {"axis_link", false, 0, 100, read_axis_link}},
 };
 
 }  // namespace
@@ -65,6 +67,11 @@ void read_device(TableReader& root, RobotModel& model) {
                                      std::to_string(model.joints.size()));
     reader->ignore_rest();
   } else if (protocol.read != nullptr) {
+    if (device.capability.motion == MotionKind::kStream) {
+      std::int64_t segment_ms = 0;
+      reader->integer("segment_ms", 1, protocol.segment_ms_max, segment_ms);
+      device.capability.segment = std::chrono::milliseconds(segment_ms);
+    }
     protocol.read(*reader, model);
   }
   reader->finish();

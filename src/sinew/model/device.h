@@ -22,6 +22,9 @@ enum class PositionFeedback : std::uint8_t { kMeasured, kCommanded, kNone };
 struct DeviceCapability {
   MotionKind motion = MotionKind::kPointToPoint;
   PositionFeedback feedback = PositionFeedback::kNone;
+  /// kStream: how long one segment of a motion shall be. Short ones stop sooner and follow closer,
+  /// long ones cost less of the wire.
+  Duration segment{};
 };
 
 inline constexpr std::size_t kBigRobotArmJoints = 5;
@@ -35,9 +38,14 @@ struct BigRobotArmJoint {
 
 enum class BigRobotArmWire : std::uint8_t { kByte, kText };
 
+/// The text wire's two generations. A host works with either; a simulated device is one of them.
+enum class BigRobotArmDialect : std::uint8_t { k2021, k2026 };
+
 struct BigRobotArmDevice {
   std::array<BigRobotArmJoint, kBigRobotArmJoints> joints;
   BigRobotArmWire wire = BigRobotArmWire::kByte;
+  BigRobotArmDialect dialect = BigRobotArmDialect::k2021;  ///< of the text wire
+  bool probe_wire = false;  ///< wire and dialect are found out when the port opens
   std::int32_t multiplier_max = 300;
   std::int32_t gripper_max = 180;
 };

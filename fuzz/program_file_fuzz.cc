@@ -1,0 +1,46 @@
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+
+#include "sinew/core/assert.h"
+#include "sinew/program/program_plan.h"
+
+// A program file for a small arm: whatever is accepted has its loops closed and can be planned, or
+// is refused, in bounded time; whatever is refused has a place and a sentence.
+
+namespace {
+
+using namespace sinew;
+
+const RobotModel& two_joints() {
+  static const RobotModel model = [] {
+    RobotModel robot;
+    robot.id = "two";
+    for (const char* name : {"base", "elbow"}) {
+      robot.joints.push_back({name, JointKind::kRevolute, -1, 1, 1, 1, 1, 0});
+    }
+    return robot;
+  }();
+  return model;
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const std::string_view text(reinterpret_cast<const char*>(data), size);
+  const auto program = program::parse(text, "f", two_joints());
+  if (!program) {
+    SINEW_ASSERT(!program.error().empty());
+    for (const Complaint& complaint : program.error()) {
+      SINEW_ASSERT(complaint.line >= 1 && complaint.column >= 1 && !complaint.message.empty());
+    }
+    return 0;
+  }
+  const auto plan = program::make_plan(*program, two_joints(), JointVector{0, 0});
+  if (!plan) {
+    SINEW_ASSERT(plan.error().line >= 1);
+    return 0;
+  }
+  SINEW_ASSERT(plan->orders.size() <= program::kOrdersMax && plan->duration >= 0);
+  return 0;
+}

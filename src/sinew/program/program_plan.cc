@@ -1,0 +1,146 @@
+#include "sinew/program/program_plan.h"
+
+#include <algorithm>
+#include <array>
+
+namespace sinew::program {
+namespace {
+
+constexpr double kFirstMoveSpeed = 0.1;  // of a joint's top speed
+constexpr double kFirstMoveMin = 2;      // s
+
+constexpr std::size_t kTurnsMax = 4 * kOrdersMax;
+
+Error too_long() {
+  constexpr auto kMax = static_cast<double>(kOrdersMax);
+  return {ErrorCode::kProgramTooLong, -1, kMax + 1, kMax};
+}
+
+class Planner {
+ public:
+  Planner(const RobotModel& robot, const Start& start) : robot_(robot), q_(start) {}
+
+  std::optional<Refusal> take(const Step& step, int round, int rounds) {
+    if (plan_.orders.size() >= kOrdersMax) {
+      return Refusal{step.line, too_long()};
+    }
+    Order order{step.line, round, rounds, HomeOrder{}};
+    if (const auto* joint = std::get_if<JointStep>(&step.what)) {
+      auto move = plan_move(*joint);
+      if (!move) return Refusal{step.line, move.error()};
+      plan_.duration += move->duration;
+      q_ = move->q;
+      order.what = *move;
+    } else if (const auto* wait = std::get_if<WaitStep>(&step.what)) {
+      plan_.duration += to_seconds(wait->duration);
+      order.what = WaitOrder{wait->duration};
+    } else if (const auto* tool = std::get_if<ToolStep>(&step.what)) {
+      order.what = ToolOrder{tool->action};
+    } else {
+      q_.emplace();
+      for (const Joint& homed : robot_.joints) q_->push_back(homed.home);
+    }
+    plan_.orders.push_back(order);
+    return std::nullopt;
+  }
+
+  Plan& plan() { return plan_; }
+
+ private:
+  std::expected<MoveOrder, Error> plan_move(const JointStep& step) const {
+    for (std::size_t i = 0; i < robot_.joints.size(); ++i) {
+      const bool given = (step.given >> i & 1) != 0;
+      const auto index = static_cast<std::int8_t>(i);
+      if (!given) {
+        if (!q_) return std::unexpected(Error{ErrorCode::kPositionUnknown, index});
+        continue;
+      }
+      const Joint& joint = robot_.joints[i];
+      if (within_limits(joint, step.q[i])) continue;
+      const double limit = step.q[i] < joint.lower ? joint.lower : joint.upper;
+      const bool leg = joint.kind == JointKind::kPrismatic;
+      return std::unexpected(
+          Error{leg ? ErrorCode::kLegLength : ErrorCode::kJointLimit, index, step.q[i], limit});
+    }
+    if (!q_) return MoveOrder{step, q_, step.q, first_move_duration(robot_)};
+    const JointVector q = resolved(step, *q_);
+    return MoveOrder{step, q_, q, profile_between(*q_, q, robot_, step.speed).duration()};
+  }
+
+  const RobotModel& robot_;
+  Start q_;
+  Plan plan_;
+};
+
+/// One loop that is being unrolled.
+struct Open {
+  std::size_t loop = 0;
+  int round = 1;
+};
+
+}  // namespace
+
+double first_move_duration(const RobotModel& robot) {
+  double longest = kFirstMoveMin;
+  for (const Joint& joint : robot.joints) {
+    longest =
+        std::max(longest, (joint.upper - joint.lower) / (kFirstMoveSpeed * joint.velocity_max));
+  }
+  return longest;
+}
+
+JointVector resolved(const JointStep& step, const JointVector& from) {
+  JointVector q = from;
+  for (std::size_t i = 0; i < q.size(); ++i) {
+    if ((step.given >> i & 1) != 0) q[i] = step.q[i];
+  }
+  return q;
+}
+
+motion::RestToRest profile_between(const JointVector& from, const JointVector& to,
+                                   const RobotModel& robot, double speed) {
+  std::array<motion::AxisLimits, kMaxJoints> limits{};
+  for (std::size_t i = 0; i < robot.joints.size(); ++i) {
+    const Joint& joint = robot.joints[i];
+    limits[i] = {joint.velocity_max * speed, joint.acceleration_max * speed,
+                 joint.jerk_max * speed};
+  }
+  const std::size_t size = robot.joints.size();
+  return {std::span(from.data(), size), std::span(to.data(), size),
+          std::span<const motion::AxisLimits>(limits.data(), size)};
+}
+
+std::expected<Plan, Refusal> make_plan(const Program& program, const RobotModel& robot,
+                                       const Start& start) {
+  Planner planner(robot, start);
+  std::vector<Open> open;
+  std::size_t turns = 0;  // empty loops turn without an order
+  for (std::size_t place = 0; place < program.steps.size(); ++place) {
+    const Step& step = program.steps[place];
+    if (std::holds_alternative<LoopStep>(step.what)) {
+      open.push_back({place, 1});
+      continue;
+    }
+    if (std::holds_alternative<EndStep>(step.what)) {
+      const auto& loop = std::get<LoopStep>(program.steps[open.back().loop].what);
+      if (++turns > kTurnsMax) {
+        return std::unexpected(Refusal{step.line, too_long()});
+      }
+      if (open.back().round < loop.rounds) {
+        ++open.back().round;
+        place = open.back().loop;
+      } else {
+        open.pop_back();
+      }
+      continue;
+    }
+    const int rounds =
+        open.empty() ? 1 : std::get<LoopStep>(program.steps[open.back().loop].what).rounds;
+    if (const auto refusal = planner.take(step, open.empty() ? 1 : open.back().round, rounds)) {
+      return std::unexpected(*refusal);
+    }
+  }
+  return std::move(planner.plan());
+}
+
+}  // namespace sinew::program

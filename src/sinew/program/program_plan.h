@@ -1,0 +1,74 @@
+#pragma once
+
+#include <expected>
+#include <optional>
+#include <span>
+#include <variant>
+#include <vector>
+
+#include "sinew/motion/rest_to_rest.h"
+#include "sinew/program/program_file.h"
+
+namespace sinew::program {
+
+/// What is known of the joints when a plan begins: nothing where a machine has to be homed, or
+/// moves slowly for a first time.
+using Start = std::optional<JointVector>;
+
+/// All joints from rest to rest, arriving together. Where the machine turns out to stand somewhere
+/// else than planned (after homing), `resolved` is asked again.
+struct MoveOrder {
+  JointStep step;
+  Start q_start;
+  JointVector q;
+  double duration = 0;  ///< s, predicted
+};
+struct HomeOrder {};
+struct WaitOrder {
+  Duration duration{};
+};
+struct ToolOrder {
+  ToolAction action;
+};
+
+struct Order {
+  int line = 0;
+  int round = 1;  ///< of its innermost loop
+  int rounds = 1;
+  std::variant<MoveOrder, HomeOrder, WaitOrder, ToolOrder> what;
+};
+
+/// More would be days of motion; a file of this many repeats is a slip or an attack.
+inline constexpr std::size_t kOrdersMax = 100'000;
+
+struct Plan {
+  std::vector<Order> orders;
+  double duration = 0;  ///< s of motion and waiting, predicted; homing not counted
+};
+
+struct Refusal {
+  int line = 0;
+  Error error;
+};
+
+/// Seconds for a first move from nobody knows where: each joint's whole range at a tenth of its
+/// top speed, 2 s at least.
+double first_move_duration(const RobotModel& robot);
+
+/// Unrolls a program and plans every move. After `home` the joints are where homing ends: nobody
+/// knows before it ran, so the moves behind it are planned from `home_deg` of the robot's file and
+/// planned again when the machine has told.
+///
+/// @error kJointLimit (index), kPositionUnknown (a move of some joints, while the others are
+///        nowhere known), kProgramTooLong; nothing of the program may run then.
+std::expected<Plan, Refusal> make_plan(const Program& program, const RobotModel& robot,
+                                       const Start& start);
+
+/// Where a step goes from `from`: joints that it does not name stay.
+JointVector resolved(const JointStep& step, const JointVector& from);
+
+/// The profile of one move between two known places, straight in joint space.
+motion::RestToRest profile_between(const JointVector& from, const JointVector& to,
+                                   const RobotModel& robot, double speed);
+
+}  // namespace sinew::program

@@ -1,0 +1,227 @@
+#include "sinew/program/program_run.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sinew/core/assert.h"
+
+namespace sinew::program {
+namespace {
+
+/// While a motion is streamed the driver is asked this often whether it takes the next segment.
+constexpr Duration kFeedInterval = std::chrono::milliseconds(2);
+
+}  // namespace
+
+Run::Run(const Program& program, const RobotModel& robot, Driver& driver, Duration opening_limit)
+    : program_(program),
+      robot_(robot),
+      driver_(driver),
+      opening_limit_(opening_limit),
+      opening_trouble_{.code = ErrorCode::kDeviceSilent, .limit = to_seconds(opening_limit)} {}
+
+void Run::start(Instant now) {
+  opened_at_ = now;
+  driver_.open(now);
+}
+
+void Run::stop(Instant now) {
+  if (finished() || phase_ == Phase::kStopping) return;
+  wait_end_.reset();
+  profile_.reset();
+  if (phase_ == Phase::kOpening || outstanding_ == 0) {
+    phase_ = Phase::kStopped;
+    return;
+  }
+  phase_ = Phase::kStopping;
+  driver_.stop(now);
+}
+
+void Run::poll(Instant now) {
+  while (const auto event = driver_.take_event()) {
+    if (!finished()) take(*event, now);
+  }
+  if (phase_ == Phase::kOpening && now - opened_at_ > opening_limit_) fail(opening_trouble_, now);
+  if (phase_ != Phase::kRunning) return;
+  if (wait_end_ && now >= *wait_end_) {
+    wait_end_.reset();
+    finish_order(now);
+  }
+  if (const auto fed = feed(now); !fed) return fail(fed.error(), now);
+  while (phase_ == Phase::kRunning && !current_) issue_next(now);
+}
+
+void Run::take(const DriverEvent& event, Instant now) {
+  using Kind = DriverEvent::Kind;
+  if (phase_ == Phase::kOpening) {
+    if (event.kind == Kind::kReady) begin();
+    if (event.kind == Kind::kFailed) {
+      if (event.error.code == ErrorCode::kPortClosed) return fail(event.error, now);
+      // A device may be deaf or talk nonsense for a while; the driver asks again.
+      if (event.error.code != ErrorCode::kDeviceSilent) opening_trouble_ = event.error;
+    }
+    return;
+  }
+  switch (event.kind) {
+    case Kind::kDone:
+      outstanding_ = std::max(0, outstanding_ - 1);
+      if (phase_ == Phase::kRunning && current_ && outstanding_ == 0 &&
+          segments_sent_ == segments_) {
+        finish_order(now);
+      }
+      break;
+    case Kind::kStopped:
+      outstanding_ = 0;
+      if (phase_ == Phase::kStopping) phase_ = Phase::kStopped;
+      break;
+    case Kind::kFailed:
+      return fail(event.error, now);
+    case Kind::kReady:
+    case Kind::kNotice:
+      break;
+  }
+}
+
+Start Run::known_positions() const {
+  JointVector q;
+  for (const JointPosition& position : driver_.positions()) {
+    if (position.quality < PositionQuality::kCommanded) return std::nullopt;
+    q.push_back(position.q);
+  }
+  return q;
+}
+
+/// The machine's own word on where it is: the plan is made for that.
+void Run::begin() {
+  q_ = known_positions();
+  auto plan = make_plan(program_, robot_, q_);
+  if (!plan) {
+    failure_ = plan.error();
+    phase_ = Phase::kFailed;
+    return;
+  }
+  plan_ = std::move(*plan);
+  records_.reserve(plan_.orders.size());
+  phase_ = Phase::kRunning;
+}
+
+void Run::issue_next(Instant now) {
+  if (next_ == plan_.orders.size()) {
+    phase_ = Phase::kDone;
+    return;
+  }
+  const Order& order = plan_.orders[next_++];
+  current_ = Record{.order = &order,
+                    .asked = now,
+                    .done = now,
+                    .q_start = q_,
+                    .q = {},
+                    .duration = 0,
+                    .reported = {}};
+  segments_ = 0;
+  segments_sent_ = 0;
+  if (const auto accepted = issue(order, now); !accepted) fail(accepted.error(), now);
+}
+
+Expected<void> Run::issue(const Order& order, Instant now) {
+  if (const auto* move = std::get_if<MoveOrder>(&order.what)) return issue_move(*move, now);
+  if (const auto* wait = std::get_if<WaitOrder>(&order.what)) {
+    wait_end_ = now + wait->duration;
+    current_->duration = to_seconds(wait->duration);
+    return {};
+  }
+  const auto* tool = std::get_if<ToolOrder>(&order.what);
+  const auto accepted = tool != nullptr ? driver_.tool(tool->action, now) : driver_.home(now);
+  if (accepted) ++outstanding_;
+  return accepted;
+}
+
+Expected<void> Run::issue_move(const MoveOrder& order, Instant now) {
+  const JointVector q = q_ ? resolved(order.step, *q_) : order.step.q;
+  current_->q = q;
+  const bool streamed = q_ && robot_.device.capability.motion == MotionKind::kStream;
+  const auto profile =
+      q_ ? std::optional(profile_between(*q_, q, robot_, order.step.speed)) : std::nullopt;
+  current_->duration = profile ? profile->duration() : first_move_duration(robot_);
+  if (streamed) {
+    const double longest = to_seconds(robot_.device.capability.segment);
+    profile_ = profile;
+    segments_ = std::max(1, static_cast<int>(std::ceil(profile->duration() / longest)));
+    // A motion shorter than one segment is one: no wire says less.
+    segment_ = segments_ == 1 ? longest : profile->duration() / segments_;
+    return feed(now);
+  }
+  JointMove move{q, {}, from_seconds(current_->duration)};
+  move.qd.resize(q.size());
+  const auto accepted = driver_.move(move, now);
+  if (accepted) ++outstanding_;
+  return accepted;
+}
+
+/// The next segments, as many as the driver takes.
+Expected<void> Run::feed(Instant now) {
+  while (profile_ && segments_sent_ < segments_ && driver_.wants_move(now)) {
+    const bool last = segments_sent_ + 1 == segments_;
+    const double t = last ? profile_->duration() : segment_ * (segments_sent_ + 1);
+    motion::AxisStates states;
+    profile_->sample(t, states);
+    JointMove move;
+    move.duration = from_seconds(segment_);
+    for (std::size_t i = 0; i < profile_->size(); ++i) {
+      move.q.push_back(states.q[i]);
+      move.qd.push_back(last ? 0 : states.qd[i]);
+    }
+    if (auto accepted = driver_.move(move, now); !accepted) return accepted;
+    ++outstanding_;
+    ++segments_sent_;
+  }
+  return {};
+}
+
+void Run::finish_order(Instant now) {
+  SINEW_ASSERT(current_);
+  current_->done = now;
+  for (const JointPosition& position : driver_.positions()) {
+    current_->reported.push_back(position);
+  }
+  if (std::holds_alternative<MoveOrder>(current_->order->what)) {
+    q_ = current_->q;
+    profile_.reset();
+  } else if (std::holds_alternative<HomeOrder>(current_->order->what)) {
+    q_ = known_positions();
+  }
+  records_.push_back(*current_);
+  current_.reset();
+}
+
+void Run::fail(const Error& error, Instant now) {
+  // Segments that were handed over already must not be the last word.
+  if (phase_ == Phase::kRunning && outstanding_ > 0) driver_.stop(now);
+  failure_ = Refusal{current_ ? current_->order->line : 0, error};
+  current_.reset();
+  profile_.reset();
+  phase_ = Phase::kFailed;
+}
+
+std::optional<Instant> Run::next_deadline(Instant now) const {
+  if (profile_ && segments_sent_ < segments_) return now + kFeedInterval;
+  return wait_end_;
+}
+
+double Run::progress(Instant now) const {
+  double total = 0;
+  double done = 0;
+  const auto weight = [](const Order& order) {
+    if (const auto* move = std::get_if<MoveOrder>(&order.what)) return move->duration;
+    if (const auto* wait = std::get_if<WaitOrder>(&order.what)) return to_seconds(wait->duration);
+    return 0.0;
+  };
+  for (const Order& order : plan_.orders) total += weight(order);
+  for (const Record& record : records_) done += weight(*record.order);
+  if (current_) {
+    done += std::clamp(to_seconds(now - current_->asked), 0.0, weight(*current_->order));
+  }
+  return total > 0 ? done / total : 0;
+}
+
+}  // namespace sinew::program

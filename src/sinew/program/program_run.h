@@ -1,0 +1,97 @@
+#pragma once
+
+#include <array>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "sinew/program/program_plan.h"
+
+namespace sinew::program {
+
+/// What became of one order.
+struct Record {
+  const Order* order = nullptr;
+  Instant asked{};
+  Instant done{};
+  Start q_start;                                    ///< of a move, as it was really made
+  JointVector q;                                    ///< where the move was sent
+  double duration = 0;                              ///< s, predicted at the moment it was asked
+  FixedVector<JointPosition, kMaxJoints> reported;  ///< when it was done
+};
+
+/// Runs a program on any robot through its driver, one order at a time; a motion is handed to a
+/// streaming driver in segments. It has no clock and no port: `poll` follows each call of the
+/// driver's.
+///
+///   phase     | what happens                    | next
+///   ----------+---------------------------------+-------------------------------------
+///   kOpening  | the driver is ready             | kRunning, or kFailed (refused)
+///   kOpening  | it is not within the limit      | kFailed
+///   kRunning  | an order is done                | kRunning, kDone after the last
+///   kRunning  | stop()                          | kStopping, kStopped where nothing moves
+///   kRunning  | an order fails                  | kFailed
+///   kStopping | the driver has stopped          | kStopped
+class Run {
+ public:
+  /// Opening a port may reset the board, whose boot loader then listens for a second or two.
+  static constexpr Duration kOpeningLimit = std::chrono::seconds(6);
+
+  enum class Phase { kOpening, kRunning, kStopping, kDone, kStopped, kFailed };
+
+  /// @param program, robot, driver  outlive the run
+  Run(const Program& program, const RobotModel& robot, Driver& driver,
+      Duration opening_limit = kOpeningLimit);
+
+  /// The port is open.
+  void start(Instant now);
+  void poll(Instant now);
+  void stop(Instant now);
+
+  Phase phase() const { return phase_; }
+  bool finished() const { return phase_ >= Phase::kDone; }
+  const Plan& plan() const { return plan_; }
+  std::span<const Record> records() const { return records_; }
+  const std::optional<Record>& under_way() const { return current_; }
+  const Driver& driver() const { return driver_; }
+  /// Share of the predicted duration that is behind the run, 0..1.
+  double progress(Instant now) const;
+  /// When poll() should be called next even if the driver has nothing to do.
+  std::optional<Instant> next_deadline(Instant now) const;
+  /// Why the phase is kFailed: the line (0: before the first order) and the reason.
+  const std::optional<Refusal>& failure() const { return failure_; }
+
+ private:
+  void take(const DriverEvent& event, Instant now);
+  void begin();
+  void issue_next(Instant now);
+  Expected<void> issue(const Order& order, Instant now);
+  Expected<void> issue_move(const MoveOrder& order, Instant now);
+  Expected<void> feed(Instant now);
+  void finish_order(Instant now);
+  void fail(const Error& error, Instant now);
+  Start known_positions() const;
+
+  const Program& program_;
+  const RobotModel& robot_;
+  Driver& driver_;
+  Duration opening_limit_;
+  Phase phase_ = Phase::kOpening;
+  Instant opened_at_{};
+  Error opening_trouble_;
+  Plan plan_;
+  std::size_t next_ = 0;
+  std::optional<Record> current_;
+  std::vector<Record> records_;
+  std::optional<Refusal> failure_;
+
+  Start q_;              ///< where the last order left the joints
+  int outstanding_ = 0;  ///< commands that the driver accepted and has not ended
+  std::optional<motion::RestToRest> profile_;  ///< of the motion being streamed
+  int segments_ = 0;
+  int segments_sent_ = 0;
+  double segment_ = 0;  ///< s
+  std::optional<Instant> wait_end_;
+};
+
+}  // namespace sinew::program

@@ -1,0 +1,251 @@
+#include "sinew/program/program_run.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <deque>
+
+#include "sinew/core/units.h"
+#include "support/robots.h"
+
+namespace sinew::program {
+namespace {
+
+using namespace std::chrono_literals;
+using Phase = Run::Phase;
+using Kind = DriverEvent::Kind;
+
+/// Does what it is told in exactly the time it is told, one segment ahead.
+class PlainDriver : public Driver {
+ public:
+  explicit PlainDriver(JointVector q) {
+    for (const double value : q) {
+      positions_.push_back({PositionQuality::kCommanded, value, value, value});
+    }
+  }
+
+  void open(Instant /*now*/) override { tell(Kind::kReady); }
+  void close(Instant /*now*/) override { tell(Kind::kFailed, {ErrorCode::kPortClosed}); }
+  DriverState state() const override {
+    return moves_.empty() ? DriverState::kReady : DriverState::kMoving;
+  }
+  std::span<const JointPosition> positions() const override { return positions_; }
+  DriverHealth health() const override { return {}; }
+  bool wants_move(Instant /*now*/) const override { return moves_.size() < 2; }
+  Expected<void> move(const JointMove& move, Instant now) override {
+    if (refuse_) return std::unexpected(*refuse_);
+    const Instant start = moves_.empty() ? now : moves_.back().end;
+    moves_.push_back({move, start + move.duration});
+    taken_.push_back(move);
+    return {};
+  }
+  void stop(Instant /*now*/) override {
+    moves_.clear();
+    tell(Kind::kStopped);
+  }
+  Expected<void> home(Instant /*now*/) override {
+    for (JointPosition& position : positions_) {
+      position = {PositionQuality::kMeasured, homed_, homed_, homed_};
+    }
+    tell(Kind::kDone);
+    return {};
+  }
+  Expected<void> tool(const ToolAction& /*action*/, Instant /*now*/) override {
+    ++tools_;
+    tell(Kind::kDone);
+    return {};
+  }
+  void poll(Instant now) override {
+    while (!moves_.empty() && moves_.front().end <= now) {
+      for (std::size_t i = 0; i < positions_.size(); ++i) {
+        const double q = moves_.front().move.q[i];
+        positions_[i] = {PositionQuality::kCommanded, q, q, q};
+      }
+      moves_.pop_front();
+      tell(Kind::kDone);
+    }
+  }
+  std::optional<Instant> next_deadline() const override {
+    return moves_.empty() ? std::nullopt : std::optional(moves_.front().end);
+  }
+  std::optional<DriverEvent> take_event() override {
+    if (events_.empty()) return std::nullopt;
+    const DriverEvent event = events_.front();
+    events_.pop_front();
+    return event;
+  }
+
+  void tell(Kind kind, Error error = {}) { events_.push_back({kind, error}); }
+  void lose() {
+    for (JointPosition& position : positions_) position.quality = PositionQuality::kLost;
+  }
+
+  struct Timed {
+    JointMove move;
+    Instant end;
+  };
+  std::vector<JointPosition> positions_;
+  std::deque<Timed> moves_;
+  std::vector<JointMove> taken_;
+  std::deque<DriverEvent> events_;
+  std::optional<Error> refuse_;
+  double homed_ = 0;
+  int tools_ = 0;
+};
+
+JointVector at(const RobotModel& robot, double q) {
+  JointVector all;
+  for (std::size_t i = 0; i < robot.joints.size(); ++i) all.push_back(q);
+  return all;
+}
+
+struct Cell {
+  Cell(std::string_view id, std::string_view text)
+      : robot(test::robot(id)),
+        program(*parse(text, "p", robot)),
+        driver(at(robot, 0)),
+        run(program, robot, driver) {}
+
+  /// Runs until it is over, or for an hour of its own time.
+  void go(Duration limit = 1h) {
+    run.start(now);
+    while (!run.finished() && now < Instant{} + limit) {
+      driver.poll(now);
+      run.poll(now);
+      now += 1ms;
+    }
+  }
+
+  RobotModel robot;
+  Program program;
+  PlainDriver driver;
+  Run run;
+  Instant now{};
+};
+
+TEST(ProgramRun, streamed_motion_is_cut_into_even_segments_that_join_without_a_jump) {
+  Cell cell("learm", "joint base=30deg elbow=-20deg\n");
+  cell.go();
+  ASSERT_EQ(cell.run.phase(), Phase::kDone);
+  ASSERT_EQ(cell.run.records().size(), 1U);
+  const auto& moves = cell.driver.taken_;
+  ASSERT_GT(moves.size(), 3U);
+  double last = 0;
+  for (const JointMove& move : moves) {
+    EXPECT_EQ(move.duration, moves[0].duration);
+    EXPECT_LE(move.duration, cell.robot.device.capability.segment);
+    const double dt = to_seconds(move.duration);
+    EXPECT_LE(std::abs(move.q[0] - last), cell.robot.joints[0].velocity_max * dt * 1.001);
+    last = move.q[0];
+  }
+  EXPECT_EQ(moves.back().q[0], from_deg(30));
+  EXPECT_EQ(moves.back().q[2], from_deg(-20));
+  EXPECT_EQ(moves.back().q[1], 0);
+  EXPECT_EQ(moves.back().qd[0], 0);
+  const double took = to_seconds(cell.run.records()[0].done - cell.run.records()[0].asked);
+  EXPECT_NEAR(took, cell.run.records()[0].duration, 0.01);
+}
+
+TEST(ProgramRun, point_to_point_device_gets_the_whole_move_at_once) {
+  Cell cell("robot-arm-2", "joint J2=30deg\njoint J2=0deg speed=50%\n");
+  cell.go();
+  ASSERT_EQ(cell.run.phase(), Phase::kDone);
+  ASSERT_EQ(cell.driver.taken_.size(), 2U);
+  EXPECT_GT(cell.driver.taken_[1].duration, cell.driver.taken_[0].duration);
+  EXPECT_EQ(cell.driver.taken_[1].qd, at(cell.robot, 0));
+}
+
+TEST(ProgramRun, loops_waits_and_tools_come_in_their_order) {
+  Cell cell("learm", "loop 3\n loop 2\n  jaws 10mm\n end\n wait 0.5s\nend\n");
+  cell.go();
+  ASSERT_EQ(cell.run.phase(), Phase::kDone);
+  EXPECT_EQ(cell.driver.tools_, 6);
+  EXPECT_EQ(cell.run.records().size(), 9U);
+  EXPECT_EQ(cell.run.records()[1].order->round, 2);
+  EXPECT_EQ(cell.run.records()[1].order->rounds, 2);
+  EXPECT_GE(cell.now - Instant{}, 1500ms);
+  EXPECT_NEAR(cell.run.plan().duration, 1.5, 1e-12);
+}
+
+TEST(ProgramRun, joints_that_are_not_named_stay_where_homing_really_left_them) {
+  Cell cell("robot-arm-2", "home\njoint J1=10deg\n");
+  cell.driver.lose();
+  cell.driver.homed_ = 0.25;  // not what the robot's file calls home
+  cell.go();
+  ASSERT_EQ(cell.run.phase(), Phase::kDone);
+  ASSERT_EQ(cell.driver.taken_.size(), 1U);
+  EXPECT_EQ(cell.driver.taken_[0].q[0], from_deg(10));
+  EXPECT_EQ(cell.driver.taken_[0].q[1], 0.25);
+}
+
+TEST(ProgramRun, from_nowhere_all_joints_must_be_named_and_move_slowly_in_one_piece) {
+  Cell some("learm", "joint base=30deg\n");
+  some.driver.lose();
+  some.go();
+  ASSERT_EQ(some.run.phase(), Phase::kFailed);
+  EXPECT_EQ(some.run.failure()->error.code, ErrorCode::kPositionUnknown);
+  EXPECT_TRUE(some.driver.taken_.empty());
+  Cell all("learm", "joint J1=30deg J2=0deg J3=0deg J4=0deg J5=0deg\njoint J1=0deg\n");
+  all.driver.lose();
+  all.go();
+  ASSERT_EQ(all.run.phase(), Phase::kDone);
+  EXPECT_GE(all.driver.taken_[0].duration, 2s);
+  EXPECT_GT(all.driver.taken_.size(), 2U) << "the second move is streamed";
+}
+
+TEST(ProgramRun, limit_is_refused_with_its_line_before_anything_moves) {
+  Cell cell("learm", "joint base=10deg\njoint base=91deg\n");
+  cell.go();
+  ASSERT_EQ(cell.run.phase(), Phase::kFailed);
+  EXPECT_EQ(cell.run.failure()->line, 2);
+  EXPECT_EQ(cell.run.failure()->error.code, ErrorCode::kJointLimit);
+  EXPECT_TRUE(cell.driver.taken_.empty());
+}
+
+TEST(ProgramRun, stop_ends_a_stream_a_wait_and_an_opening) {
+  Cell moving("learm", "joint base=80deg\n");
+  moving.go(300ms);
+  const std::size_t sent = moving.driver.taken_.size();
+  moving.run.stop(moving.now);
+  moving.run.poll(moving.now);
+  EXPECT_EQ(moving.run.phase(), Phase::kStopped);
+  EXPECT_EQ(moving.driver.taken_.size(), sent);
+  Cell waiting("learm", "wait 60s\n");
+  waiting.go(300ms);
+  waiting.run.stop(waiting.now);
+  EXPECT_EQ(waiting.run.phase(), Phase::kStopped);
+}
+
+TEST(ProgramRun, failure_of_the_driver_ends_the_run_with_its_line_and_stops_what_is_queued) {
+  Cell cell("learm", "wait 0.1s\njoint base=80deg\n");
+  cell.go(500ms);
+  cell.driver.tell(Kind::kFailed, {ErrorCode::kDeviceSilent});
+  cell.run.poll(cell.now);
+  ASSERT_EQ(cell.run.phase(), Phase::kFailed);
+  EXPECT_EQ(cell.run.failure()->line, 2);
+  EXPECT_TRUE(cell.driver.moves_.empty());
+}
+
+TEST(ProgramRun, silent_device_fails_the_opening_after_its_limit) {
+  Cell cell("learm", "wait 0.1s\n");
+  cell.run.start(cell.now);
+  cell.driver.events_.clear();
+  cell.run.poll(Instant{} + 6s);
+  EXPECT_EQ(cell.run.phase(), Phase::kOpening);
+  cell.run.poll(Instant{} + 6s + 1ms);
+  ASSERT_EQ(cell.run.phase(), Phase::kFailed);
+  EXPECT_EQ(cell.run.failure()->error.code, ErrorCode::kDeviceSilent);
+}
+
+TEST(ProgramPlan, endless_programs_are_refused) {
+  const RobotModel& robot = test::robot("learm");
+  for (const char* text :
+       {"loop 10000\nloop 10000\njaws 1mm\nend\nend", "loop 10000\nloop 10000\nend\nend"}) {
+    const auto plan = make_plan(*parse(text, "p", robot), robot, at(robot, 0));
+    ASSERT_FALSE(plan) << text;
+    EXPECT_EQ(plan.error().error.code, ErrorCode::kProgramTooLong);
+  }
+}
+
+}  // namespace
+}  // namespace sinew::program
