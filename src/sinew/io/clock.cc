@@ -1,6 +1,7 @@
 #include "sinew/io/clock.h"
 
 #include <algorithm>
+#include <thread>
 
 namespace sinew::io {
 
@@ -19,6 +20,10 @@ Duration Clock::until(Instant instant) const {
   // Slowed down, a far instant would leave the count of nanoseconds; nobody waits a day in one go.
   constexpr double kLongest = 86'400;  // s
   return from_seconds(std::min(to_seconds(left) / scale_, kLongest));
+}
+
+void Clock::pause(Duration real) const {
+  std::this_thread::sleep_for(real);
 }
 
 }  // namespace sinew::io

@@ -13,6 +13,8 @@ class Clock {
   Instant now() const;
   /// Real time until `instant`; zero where it has passed; with a scale a day at most.
   Duration until(Instant instant) const;
+  /// Lets this much real time pass, or a little more.
+  void pause(Duration real) const;
   double scale() const { return scale_; }
 
  private:

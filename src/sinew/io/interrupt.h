@@ -9,4 +9,7 @@ void catch_interrupts();
 /// How often one of them came.
 int interrupts();
 
+/// How often SIGUSR1 came, by which somebody asks how it goes.
+int status_requests();
+
 }  // namespace sinew::io

@@ -8,14 +8,9 @@
 #include "sinew/io/port.h"
 #include "sinew/program/sequence_run.h"
 #include "sinew/runtime/byte_log.h"
+#include "sinew/runtime/driver_line.h"
 
 namespace sinew::runtime {
-
-/// Bytes that one order cost on the wire.
-struct ByteCount {
-  std::size_t to_device = 0;
-  std::size_t to_host = 0;
-};
 
 /// What a session tells while it runs.
 struct SessionView {

@@ -69,13 +69,33 @@ class ByteMachine : public Machine {
   virtual std::size_t take_output(std::span<std::uint8_t> out) = 0;
 };
 
-/// A machine of several boards on an SPI bus.
+/// A machine of several boards on an SPI bus, as its pins see it.
 class SpiMachine : public Machine {
  public:
-  /// @param now  of the first clock edge. The time of the transfer passes inside.
-  virtual spi::Bytes exchange(const spi::Transfer& transfer, Instant now) = 0;
+  /// The chip selects from now on: bit i is axis i, 1 selects it (its line goes low). Advances.
+  virtual void select(std::uint8_t mask, Instant now) = 0;
+
+  /// Clocks bytes through, whoever is selected; a host that drives its pins badly may do so with
+  /// nobody selected. Mode 0, most significant bit first.
+  /// @param miso  as long as `mosi`
+  /// @param now   of the first clock edge. The time of the transfer passes inside.
+  virtual void shift(std::span<const std::uint8_t> mosi, std::span<std::uint8_t> miso,
+                     std::uint32_t clock_hz, Instant now) = 0;
+
   /// Level of the READY line of an axis.
   virtual bool ready_pin(std::size_t axis) const = 0;
+
+  /// One framed exchange: select, setup, bytes, select off.
+  spi::Bytes exchange(const spi::Transfer& transfer, Instant now) {
+    spi::Bytes miso;
+    miso.resize(transfer.mosi.size());
+    select(transfer.select, now);
+    const Instant first_edge = now + transfer.setup;
+    shift({transfer.mosi.data(), transfer.mosi.size()}, {miso.data(), miso.size()},
+          transfer.clock_hz, first_edge);
+    select(0, first_edge + spi::wire_time(transfer));
+    return miso;
+  }
 };
 
 }  // namespace sinew::sim
