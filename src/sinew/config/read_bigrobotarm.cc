@@ -13,11 +13,24 @@ void read_per_angle(TableReader& reader, std::string_view pattern, double& out) 
 }
 
 void read_bigrobotarm(TableReader& reader, RobotModel& model) {
-  constexpr Named<BigRobotArmWire> kWires[] = {{"byte", BigRobotArmWire::kByte},
-                                               {"text", BigRobotArmWire::kText}};
+  struct Wire {
+    BigRobotArmWire wire = BigRobotArmWire::kByte;
+    BigRobotArmDialect dialect = BigRobotArmDialect::k2021;
+    bool probe = false;
+  };
+  constexpr Named<Wire> kWires[] = {
+      {"byte", {}},
+      {"text", {BigRobotArmWire::kText}},
+      {"text2026", {BigRobotArmWire::kText, BigRobotArmDialect::k2026}},
+      {"probe", {BigRobotArmWire::kByte, BigRobotArmDialect::k2021, true}},
+  };
   constexpr std::int32_t kMaxMultiplier = 3000;  // the document's own user interface ends there
   auto& device = model.device.settings.emplace<BigRobotArmDevice>();
-  reader.choice("wire", kWires, device.wire);
+  Wire wire;
+  reader.choice("wire", kWires, wire);
+  device.wire = wire.wire;
+  device.dialect = wire.dialect;
+  device.probe_wire = wire.probe;
   reader.integer("multiplier_max", 1, kMaxMultiplier, device.multiplier_max);
   reader.integer("gripper_max", 0, 255, device.gripper_max);
   for_each_joint(reader, model, [&](std::size_t i, TableReader& table) {

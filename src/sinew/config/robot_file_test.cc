@@ -252,7 +252,8 @@ TEST(RobotFile, bigrobotarm_settings_are_checked_per_joint) {
   EXPECT_EQ(complaint("gripper_max = 180", "gripper_max = 256"),
             "device.gripper_max: must be 0 to 255, not 256");
   EXPECT_EQ(complaint("wire = \"byte\"", "wire = \"bytes\""),
-            "device.wire: must be `byte` or `text`, not `bytes`; did you mean `byte`?");
+            "device.wire: must be `byte`, `text`, `text2026` or `probe`, not `bytes`; did you mean "
+            "`byte`?");
 }
 
 TEST(RobotFile, settings_of_every_wire_are_checked) {
