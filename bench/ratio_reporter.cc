@@ -35,6 +35,9 @@ constexpr auto kRows = std::to_array<Row>({
     {"hexapod_forward_cold", "hexapod forward, cold start", 1.5},
     {"rest_to_rest_6_axes", "rest to rest, 6 axes together", 0.94},
     {"sample_6_axes", "sampling q, qd, qdd of 6 axes", 0.05},
+    {"axis_link_encode", "axis link: encode a frame"},
+    {"axis_link_decode", "axis link: decode a frame"},
+    {"axis_link_cycle_6_axes", "axis link: one cycle of 6 axes, host"},
 });
 
 }  // namespace

@@ -7,6 +7,7 @@ echo "sinew: bench"
 scripts/packages.sh build bench
 configure release "$(keep_toggle release SINEW_TESTS libgtest-dev liborocos-kdl-dev)" \
   -DSINEW_BENCH=ON
-build release sinew_bench
+build release sinew_bench sinew_wire_rates
 build/release/sinew_bench --benchmark_out=build/bench.json --benchmark_out_format=json
 echo "  build/bench.json"
+build/release/sinew_wire_rates

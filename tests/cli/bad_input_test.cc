@@ -138,9 +138,9 @@ TEST_F(BadInput, robots_that_are_none) {
       {kBadInput, "run F/p.txt --robot F/bad.toml", "bad.toml:1:6: id: "},
       {kBadInput, "run F/p.txt --robot nobody", "there is no robot 'nobody'"},
       {kBadInput, "sim nobody", "there is no robot 'nobody'"},
-      {kCouldNot, "run F/p.txt --robot learm", "has no driver for the wire 'lsc' yet"},
+      {kBadInput, "run F/p.txt --robot learm", "runs programs of the form NAME.sinew"},
       {kCouldNot, "run F/p.txt --robot puma560", "puma560 has no device"},
-      {kCouldNot, "sim maxarm", "has no driver for the wire 'maxarm' yet"},
+      {kBadInput, "sim maxarm --profile pico", "'pico' is none of arduino, micropython"},
   });
 }
 
@@ -228,7 +228,7 @@ TEST_F(BadInput, ports_scales_and_files_to_write) {
       {kCouldNot, run + "--port F/file", "file: not a serial port"},
       {kCouldNot, run + "--port /dev/null", "/dev/null: not a serial port"},
       {kCouldNot, run + "--port F/folder.toml", "folder.toml: is a directory"},
-      {kBadInput, run + "--wire morse", "--wire: 'morse' is neither byte nor text"},
+      {kBadInput, run + "--wire morse", "--wire: 'morse' is none of byte, text, text2026, probe"},
       {kBadInput, run + "--time-scale 0", "--time-scale: 0 is outside 0.01..100"},
       {kBadInput, run + "--time-scale -1", "--time-scale: -1 is outside"},
       {kBadInput, run + "--time-scale nan", "--time-scale: nan is outside"},

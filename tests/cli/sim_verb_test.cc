@@ -2,6 +2,7 @@
 
 #include <array>
 #include <chrono>
+#include <cmath>
 #include <csignal>
 #include <filesystem>
 #include <stdexcept>
@@ -62,8 +63,9 @@ TEST(SimVerb, answers_the_documents_status_request_and_goto_example) {
   sim.signal(SIGINT);
   const Ended ended = sim.end();
   EXPECT_EQ(ended.exit, 0);
-  EXPECT_NE(ended.out.find("[-2400.0,600.0,-5000.0,800.0,-1000.0]"), std::string::npos)
-      << ended.out;
+  // -2400 steps of 72.2 a degree, and so on; the wrist 1000 steps of 33.3 the other way.
+  EXPECT_NE(ended.out.find("believes -33.231"), std::string::npos) << ended.out;
+  EXPECT_NE(ended.out.find("believes -30.000"), std::string::npos) << ended.out;
   EXPECT_NE(ended.err.find("Ctrl-C ends it"), std::string::npos);
 }
 
@@ -139,8 +141,11 @@ TEST(SimVerb, json_is_a_document_a_line) {
   const std::string rest = ended.out.substr(ended.out.find('\n') + 1);
   EXPECT_EQ(rest.find('\n'), rest.size() - 1);
   const Json truth = Json::parse(rest, nullptr, false)["truth"];
-  EXPECT_EQ(truth["motor_steps"], Json({0, 0, 0, 0, 0}));
-  EXPECT_EQ(truth["joints_deg"].size(), 5U);
+  ASSERT_EQ(truth["joints"].size(), 5U);
+  EXPECT_EQ(truth["joints"][0]["joint"], "base");
+  EXPECT_EQ(truth["joints"][0]["believed_deg"], 0);
+  // Up to two full steps of its motor beside it, where the power stage caught it.
+  EXPECT_LE(std::abs(truth["joints"][1]["q_deg"].get<double>()), 0.2);
   EXPECT_EQ(truth["moving"], false);
   EXPECT_EQ(truth["bytes_lost"], 0);
 }

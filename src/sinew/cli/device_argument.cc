@@ -4,14 +4,24 @@
 
 namespace sinew::cli {
 
-std::expected<BigRobotArmDevice, Outcome> big_robot_arm(const RobotModel& model) {
-  if (const auto* device = std::get_if<BigRobotArmDevice>(&model.device.settings)) return *device;
-  if (model.device.protocol == "none") {
-    return std::unexpected(could_not(model.id + " has no device: it is a model only"));
+std::expected<void, Outcome> check_has_device(const RobotModel& model) {
+  if (!std::holds_alternative<NoDriver>(model.device.settings)) return {};
+  return std::unexpected(could_not(model.id + " has no device: it is a model only"));
+}
+
+std::span<const AxisBoard> boards_of(const RobotModel& model) {
+  const auto& settings = model.device.settings;
+  if (const auto* registers = std::get_if<AxisRegistersDevice>(&settings)) {
+    return {registers->boards.data(), registers->boards.size()};
   }
-  return std::unexpected(could_not(
-      fmt::format("{}: this version has no driver for the wire '{}' yet; bigrobotarm has one",
-                  model.id, model.device.protocol)));
+  if (const auto* link = std::get_if<AxisLinkDevice>(&settings)) {
+    return {link->boards.data(), link->boards.size()};
+  }
+  return {};
+}
+
+bool is_on_spi(const RobotModel& model) {
+  return !boards_of(model).empty();
 }
 
 std::expected<void, Outcome> check_time_scale(double scale) {

@@ -1,14 +1,20 @@
 #pragma once
 
 #include <expected>
+#include <span>
 
 #include "sinew/cli/outcome.h"
 #include "sinew/model/robot_model.h"
 
 namespace sinew::cli {
 
-/// The device settings of a robot whose wire this version speaks. The error is ready to be printed.
-std::expected<BigRobotArmDevice, Outcome> big_robot_arm(const RobotModel& model);
+/// A robot that is more than a model. The error is ready to be printed.
+std::expected<void, Outcome> check_has_device(const RobotModel& model);
+
+/// Its boards hang on SPI; else its device hangs on a serial port.
+bool is_on_spi(const RobotModel& model);
+/// The boards of a robot on SPI; none for others.
+std::span<const AxisBoard> boards_of(const RobotModel& model);
 
 /// Time scales that a simulation can keep up with: 0.01 to 100.
 std::expected<void, Outcome> check_time_scale(double scale);

@@ -7,6 +7,7 @@
 #include <span>
 #include <sstream>
 
+#include "sinew/cli/doctor_verb.h"
 #include "sinew/cli/forward_verb.h"
 #include "sinew/cli/inverse_verb.h"
 #include "sinew/cli/robots_verb.h"
@@ -28,6 +29,7 @@ struct Call {
   InverseRequest inverse;
   SimRequest sim;
   RunRequest run;
+  DoctorRequest doctor;
 };
 
 CLI::App* add_verb(CLI::App& app, Call& call, const std::string& name, const std::string& what,
@@ -88,10 +90,22 @@ void add_inverse(CLI::App& app, Call& call) {
 
 void add_sim(CLI::App& app, Call& call) {
   CLI::App* verb = add_verb(app, call, "sim", "a robot's device, simulated behind a real port",
-                            "sinew sim bigrobotarm --link /tmp/arm");
+                            "sinew sim learm --profile bus --link /tmp/arm");
   SimRequest& request = call.sim;
   verb->add_option("ROBOT", request.robot, "id or .toml file")->required();
   verb->add_option("--link", request.link, "a name for the port, kept while the simulation runs");
+  verb->add_option("--profile", request.profile,
+                   "which variant of the device; an unknown name lists them");
+  verb->add_option("--wire", request.wire,
+                   "which of the robot's wires; as in its file where left out");
+  verb->add_option("--simwire", request.simwire,
+                   "boards on SPI: unix:PATH or stdio; a new socket where left out");
+  verb->add_option("--slaves", request.slaves, "boards on SPI: how many are there");
+  verb->add_option("--nss", request.nss,
+                   "boards on SPI: hard, or soft for boards that always listen");
+  verb->add_option("--fault", request.fault,
+                   "bad cables and blows, as in drop=0.001,flip=1e-4,cut@3s:500ms,supply=9V@5s");
+  verb->add_option("--seed", request.seed, "of all chance in the simulation");
   verb->add_option("--time-scale", request.time_scale, "the device's time against real time");
   verb->add_option("--log", request.log, "every byte both ways, with its time");
   verb->callback([&call] {
@@ -102,14 +116,32 @@ void add_sim(CLI::App& app, Call& call) {
   });
 }
 
+void add_doctor(CLI::App& app, Call& call) {
+  CLI::App* verb = add_verb(app, call, "doctor", "what this computer offers, and what answers",
+                            "sinew doctor --robot learm --port /dev/ttyUSB0");
+  DoctorRequest& request = call.doctor;
+  verb->add_option("--robot", request.robot, "id or .toml file");
+  verb->add_option("--port", request.port,
+                   "serial device, spidev or simwire:unix:PATH; asked questions that move nothing");
+  verb->add_option("--wire", request.wire, "which of the robot's wires");
+  verb->callback([&call] { call.verb = [&call] { return examine(call.doctor); }; });
+}
+
 void add_run(CLI::App& app, Call& call) {
   CLI::App* verb = add_verb(app, call, "run", "a program on a robot, or on its simulated device",
                             "sinew run robots/bigrobotarm/sequence.txt --robot bigrobotarm");
   RunRequest& request = call.run;
   verb->add_option("FILE", request.file, "the program")->required();
   verb->add_option("--robot", request.robot, "id or .toml file")->required();
-  verb->add_option("--port", request.port, "serial device; the simulated device where left out");
-  verb->add_option("--wire", request.wire, "byte or text; as in the robot's file where left out");
+  verb->add_option("--port", request.port,
+                   "serial device, spidev or simwire:unix:PATH; a simulated device where left out");
+  verb->add_option("--wire", request.wire,
+                   "which of the robot's wires; as in its file where left out");
+  verb->add_option("--profile", request.profile,
+                   "which variant of the device; an unknown name lists them");
+  verb->add_option("--standing-at", request.standing_at,
+                   "where a machine without sensors stands: home, or a value per joint (deg, mm)");
+  verb->add_option("--seed", request.seed, "simulated device only: of all its chance");
   verb->add_option("--record", request.record, "CSV file: t, q, qd of every sample");
   verb->add_option("--plot", request.plot, "SVG file: the same, drawn");
   verb->add_option("--log", request.log, "every byte both ways, with its time");
@@ -184,6 +216,7 @@ int run(std::span<char*> arguments) {
   add_inverse(app, call);
   add_sim(app, call);
   add_run(app, call);
+  add_doctor(app, call);
   try {
     // Backwards, as CLI11 wants a vector.
     app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));

@@ -12,7 +12,11 @@ namespace sinew::cli {
 namespace {
 
 Outcome failure(ExitCode exit, const std::string& sentence) {
-  return {exit, Json{{"error", {{"sentence", sentence}}}}, "", sentence};
+  Outcome outcome;
+  outcome.exit = exit;
+  outcome.json = Json{{"error", {{"sentence", sentence}}}};
+  outcome.complaint = sentence;
+  return outcome;
 }
 
 void tell(std::string_view complaint) {
@@ -27,7 +31,7 @@ int print(const Outcome& outcome, bool json) {
     const int indent = outcome.json_line ? -1 : 2;
     text = outcome.json.dump(indent, ' ', false, Json::error_handler_t::replace) + "\n";
   }
-  const auto written = io::write_stdout(text);
+  const auto written = outcome.silent ? io::IoResult<void>{} : io::write_stdout(text);
   if (!outcome.complaint.empty()) tell(outcome.complaint);
   if (!written) tell(written.error().sentence);
   // Exit 0 promises that the answer arrived.

@@ -23,6 +23,7 @@ struct Outcome {
   Json json = Json::object();  ///< with --json, on stdout
   std::string text;            ///< without --json, on stdout
   std::string complaint;       ///< a sentence for stderr, in both cases
+  bool silent = false;         ///< nothing on stdout: it belongs to a protocol
   bool json_line = false;      ///< not the first document on stdout: one line, as the others
 };
 

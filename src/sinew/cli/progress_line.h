@@ -1,13 +1,15 @@
 #pragma once
 
 #include <cstddef>
+#include <string>
 
+#include "sinew/program/program_run.h"
 #include "sinew/runtime/sequence_session.h"
 
 namespace sinew::cli {
 
-/// How a run gets on, on stderr: one line that is written over on a terminal, a line per motion
-/// into a log.
+/// How a run gets on, on stderr: one line that is written over on a terminal, a line per order into
+/// a log.
 class ProgressLine {
  public:
   explicit ProgressLine(bool quiet);
@@ -16,9 +18,20 @@ class ProgressLine {
   ProgressLine& operator=(const ProgressLine&) = delete;
 
   void show(const runtime::SessionView& view);
+  void show(const program::Run& run, Instant now);
 
  private:
-  void show_live(const runtime::SessionView& view);
+  /// What both kinds of runs have to tell.
+  struct View {
+    bool opening = false;
+    bool stopping = false;
+    double share = 0;  ///< that is behind the run, 0..1
+    std::string amount;
+    std::string under_way;
+    std::size_t orders_done = 0;
+  };
+  void show_live(const View& view, Instant now);
+  bool due(Instant now) const { return live_ && now >= next_; }
 
   bool quiet_;
   bool live_;

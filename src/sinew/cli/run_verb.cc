@@ -3,58 +3,26 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cstdio>
-#include <thread>
 #include <utility>
 #include <vector>
 
 #include "sinew/cli/device_argument.h"
 #include "sinew/cli/kinematics_text.h"
+#include "sinew/cli/program_verb.h"
 #include "sinew/cli/progress_line.h"
 #include "sinew/cli/robot_argument.h"
 #include "sinew/cli/run_report.h"
 #include "sinew/io/file.h"
 #include "sinew/io/interrupt.h"
 #include "sinew/program/sequence_file.h"
-#include "sinew/runtime/device_server.h"
+#include "sinew/runtime/machine_thread.h"
+#include "sinew/runtime/robot_machine.h"
+#include "sinew/runtime/robot_variant.h"
 #include "sinew/runtime/sequence_session.h"
 
 namespace sinew::cli {
 namespace {
-
-/// The simulated device in a thread of its own, behind a real pseudo-terminal.
-class SimulatedDevice {
- public:
-  static io::IoResult<std::unique_ptr<SimulatedDevice>> start(const BigRobotArmDevice& device,
-                                                              const io::Clock& clock) {
-    auto port = io::Port::open_pseudo_terminal();
-    if (!port) return std::unexpected(port.error());
-    return std::unique_ptr<SimulatedDevice>(new SimulatedDevice(device, clock, std::move(*port)));
-  }
-  ~SimulatedDevice() {
-    stop_ = true;
-    thread_.join();
-  }
-  SimulatedDevice(const SimulatedDevice&) = delete;
-  SimulatedDevice& operator=(const SimulatedDevice&) = delete;
-
-  const std::string& path() const { return port_.path(); }
-
- private:
-  SimulatedDevice(const BigRobotArmDevice& device, const io::Clock& clock, io::Port port)
-      : firmware_(device, clock.now()), port_(std::move(port)), thread_([this, clock] {
-          // A port that fails shows at the other end, where somebody waits.
-          static_cast<void>(runtime::serve_device(firmware_, port_, clock, log_,
-                                                  [this] { return stop_.load(); }));
-        }) {}
-
-  BigRobotArmFirmware firmware_;
-  io::Port port_;
-  runtime::ByteLog log_;
-  std::atomic<bool> stop_ = false;
-  std::thread thread_;
-};
 
 Outcome plan_refusal(const std::string& file, const sequence::PlanRefusal& refusal,
                      const RobotModel& model) {
@@ -84,12 +52,6 @@ struct Job {
   const BigRobotArmDevice& device;
   const sequence::Program& program;
 };
-
-/// Adds a failure that must not hide what the arm did.
-void add_failure(Outcome& outcome, const std::string& sentence) {
-  outcome.exit = ExitCode::kCouldNot;
-  outcome.complaint += (outcome.complaint.empty() ? "" : "\n") + sentence;
-}
 
 /// Files that a run leaves behind.
 void write_files(const Job& job, const sequence::Run& run, Outcome& outcome) {
@@ -161,44 +123,6 @@ Outcome drive(const Job& job, io::Port& port, const io::Clock& clock, runtime::B
   return outcome;
 }
 
-std::expected<BigRobotArmDevice, Outcome> device_for(const RunRequest& request,
-                                                     const RobotModel& model) {
-  auto device = big_robot_arm(model);
-  if (!device || !request.wire) return device;
-  if (*request.wire == "byte") {
-    device->wire = BigRobotArmWire::kByte;
-  } else if (*request.wire == "text") {
-    device->wire = BigRobotArmWire::kText;
-  } else {
-    return std::unexpected(bad_input("--wire: '" + *request.wire + "' is neither byte nor text"));
-  }
-  return device;
-}
-
-/// Whoever mistypes a name must not lose the program, the robot's file, or send text to the arm.
-std::expected<void, Outcome> check_outputs(const RunRequest& request) {
-  std::vector<std::pair<std::string, std::string>> taken{{"the program", request.file}};
-  if (request.robot.ends_with(".toml")) taken.emplace_back("the robot's file", request.robot);
-  if (request.port) taken.emplace_back("the port", *request.port);
-  const auto check = [&](const std::string& option,
-                         const std::optional<std::string>& path) -> std::expected<void, Outcome> {
-    if (!path) return {};
-    if (const auto fine = io::check_place(*path); !fine) {
-      return std::unexpected(bad_input(option + ": " + fine.error().sentence));
-    }
-    for (const auto& [what, other] : taken) {
-      if (!io::same_file(*path, other)) continue;
-      return std::unexpected(
-          bad_input(fmt::format("{}: {} is {}; choose another name", option, *path, what)));
-    }
-    taken.emplace_back("the file of " + option, *path);
-    return {};
-  };
-  if (auto fine = check("--log", request.log); !fine) return fine;
-  if (auto fine = check("--record", request.record); !fine) return fine;
-  return check("--plot", request.plot);
-}
-
 struct Prepared {
   RobotModel model;
   BigRobotArmDevice device;
@@ -211,10 +135,17 @@ std::expected<Prepared, Outcome> prepare(const RunRequest& request) {
   const auto file = find_robot(request.robot);
   if (!file) return std::unexpected(file.error());
   Prepared prepared{.model = file->model, .device = {}, .program = {}, .plan = {}};
-  const auto device = device_for(request, prepared.model);
-  if (!device) return std::unexpected(device.error());
+  if (const auto fine = check_has_device(file->model); !fine) return std::unexpected(fine.error());
+  auto variant = runtime::variant_of(file->model, request.profile, request.wire);
+  if (!variant) return std::unexpected(bad_input(variant.error()));
+  prepared.model = std::move(*variant);
+  const auto* device = std::get_if<BigRobotArmDevice>(&prepared.model.device.settings);
+  if (device == nullptr) {
+    return std::unexpected(bad_input(request.file +
+                                     ": this robot runs programs of the form "
+                                     "NAME.sinew; G0 .. sequences are the BigRobotArm's"));
+  }
   prepared.device = *device;
-  prepared.model.device.settings = *device;
   if (const auto fine = check_time_scale(request.time_scale); !fine) {
     return std::unexpected(fine.error());
   }
@@ -242,15 +173,20 @@ std::expected<Prepared, Outcome> prepare(const RunRequest& request) {
 }  // namespace
 
 Outcome run_program(const RunRequest& request) {
+  if (request.file.ends_with(".sinew")) return run_sinew_program(request);
   const auto prepared = prepare(request);
   if (!prepared) return prepared.error();
   const auto& [model, device, program, plan] = *prepared;
   io::catch_interrupts();
   const io::Clock clock(request.time_scale);
-  std::unique_ptr<SimulatedDevice> simulated;
+  std::unique_ptr<runtime::MachineThread> simulated;
   std::string path = request.port.value_or("");
   if (!request.port) {
-    auto started = SimulatedDevice::start(device, clock);
+    auto machine = runtime::make_machine(model, {.profile = request.profile, .seed = request.seed},
+                                         clock.now());
+    if (!machine) return could_not(machine.error());
+    auto started = runtime::MachineThread::start(std::move(machine->byte), clock,
+                                                 {.baud = model.device.baud, .faults = {}});
     if (!started) return could_not(started.error().sentence);
     simulated = std::move(*started);
     path = simulated->path();

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 
@@ -12,6 +13,9 @@ struct RunRequest {
   std::string robot;
   std::optional<std::string> port;
   std::optional<std::string> wire;
+  std::optional<std::string> profile;
+  std::optional<std::string> standing_at;  ///< "home", or one value per joint
+  std::uint64_t seed = 1;                  ///< of the simulated machine
   std::optional<std::string> record;
   std::optional<std::string> plot;
   std::optional<std::string> log;

@@ -2,49 +2,180 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
 #include <cstdio>
 
 #include "sinew/cli/device_argument.h"
 #include "sinew/cli/robot_argument.h"
 #include "sinew/cli/table.h"
-#include "sinew/core/units.h"
+#include "sinew/cli/truth_text.h"
 #include "sinew/io/file.h"
 #include "sinew/io/interrupt.h"
+#include "sinew/io/local_socket.h"
+#include "sinew/io/request_lines.h"
 #include "sinew/io/standard_streams.h"
-#include "sinew/runtime/device_server.h"
+#include "sinew/runtime/machine_server.h"
+#include "sinew/runtime/robot_machine.h"
+#include "sinew/runtime/robot_variant.h"
+#include "sinew/runtime/simwire_bus.h"
+#include "sinew/sim/spi_faults.h"
 
 namespace sinew::cli {
 namespace {
 
-/// Where the simulated arm really stands, which its wire never tells.
-Json truth_json(const BigRobotArmFirmware& firmware, const BigRobotArmDevice& device, Instant now) {
-  Json steps = Json::array();
-  Json joints = Json::array();
-  const auto rotor = firmware.rotor_steps(now);
-  for (std::size_t i = 0; i < rotor.size(); ++i) {
-    steps.push_back(rotor[i]);
-    joints.push_back(to_deg(rotor[i] / device.joints[i].steps_per_rad));
+constexpr Duration kAcceptSlice = std::chrono::milliseconds(50);
+
+/// Everything that was asked for and found to make sense.
+struct Job {
+  const SimRequest& request;
+  RobotModel model;
+  sim::FaultPlan faults;
+  runtime::RobotMachine machine;
+};
+
+/// Answers whoever asks how the machine stands, by SIGUSR1 or a line on stdin.
+class StatusReporter {
+ public:
+  StatusReporter(const Job& job, bool reads_stdin) : job_(job), reads_stdin_(reads_stdin) {}
+
+  void look() {
+    const int signals = io::status_requests();
+    if (signals != answered_) tell();
+    answered_ = signals;
+    while (reads_stdin_ && lines_.next()) tell();
   }
-  return {{"motor_steps", steps},
-          {"joints_deg", joints},
-          {"moving", firmware.moving()},
-          {"bytes_lost", firmware.bytes_lost()}};
+
+ private:
+  void tell() const {
+    const sim::Truth truth = job_.machine.get().truth();
+    const std::string line = job_.request.json
+                                 ? Json{{"truth", truth_json(truth, job_.model)}}.dump()
+                                 : "truth: " + truth_line(truth, job_.model);
+    // stdout carries documents for programs; a person's line goes beside them.
+    if (job_.request.json && reads_stdin_) {
+      static_cast<void>(io::write_stdout(line + "\n"));
+    } else {
+      std::fputs((line + "\n").c_str(), stderr);
+    }
+  }
+
+  const Job& job_;
+  bool reads_stdin_;
+  io::RequestLines lines_;
+  int answered_ = 0;
+};
+
+std::expected<void, Outcome> check_spi_options(const SimRequest& request, bool spi) {
+  const auto only_spi = [&](const char* option, bool given) -> std::expected<void, Outcome> {
+    if (!given || spi) return {};
+    return std::unexpected(bad_input(std::string(option) + ": " + request.robot +
+                                     " hangs on a serial port, not on SPI"));
+  };
+  if (auto fine = only_spi("--simwire", request.simwire.has_value()); !fine) return fine;
+  if (auto fine = only_spi("--slaves", request.slaves.has_value()); !fine) return fine;
+  if (auto fine = only_spi("--nss", request.nss.has_value()); !fine) return fine;
+  if (spi && request.link) {
+    return std::unexpected(
+        bad_input("--link: boards on SPI have no port; use --simwire unix:PATH"));
+  }
+  if (spi && request.time_scale != 1) {
+    return std::unexpected(
+        bad_input("--time-scale: over simwire the time is the host's, which stamps every request"));
+  }
+  if (request.nss && *request.nss != "hard" && *request.nss != "soft") {
+    return std::unexpected(bad_input("--nss: '" + *request.nss + "' is neither hard nor soft"));
+  }
+  if (request.simwire && *request.simwire != "stdio" && !request.simwire->starts_with("unix:")) {
+    return std::unexpected(
+        bad_input("--simwire: '" + *request.simwire + "' is neither unix:PATH nor stdio"));
+  }
+  return {};
 }
 
-}  // namespace
-
-Outcome simulate(const SimRequest& request) {
+std::expected<Job, Outcome> prepare(const SimRequest& request) {
   const auto file = find_robot(request.robot);
-  if (!file) return file.error();
-  const auto device = big_robot_arm(file->model);
-  if (!device) return device.error();
-  if (const auto fine = check_time_scale(request.time_scale); !fine) return fine.error();
-
+  if (!file) return std::unexpected(file.error());
+  if (const auto fine = check_has_device(file->model); !fine) {
+    return std::unexpected(fine.error());
+  }
+  auto variant = runtime::variant_of(file->model, request.profile, request.wire);
+  if (!variant) return std::unexpected(bad_input(variant.error()));
+  Job job{request, std::move(*variant), {}, {}};
+  const bool spi = is_on_spi(job.model);
+  if (const auto fine = check_spi_options(request, spi); !fine) {
+    return std::unexpected(fine.error());
+  }
+  if (const auto fine = check_time_scale(request.time_scale); !fine) {
+    return std::unexpected(fine.error());
+  }
+  const auto axes = static_cast<std::int64_t>(job.model.joints.size());
+  if (request.slaves && (*request.slaves < 1 || *request.slaves > axes)) {
+    return std::unexpected(bad_input(fmt::format(
+        "--slaves: {} is outside 1..{}, the boards of this robot", *request.slaves, axes)));
+  }
+  if (request.fault) {
+    auto faults = sim::parse_faults(*request.fault);
+    if (!faults) return std::unexpected(bad_input("--fault: " + faults.error()));
+    job.faults = std::move(*faults);
+    for (const sim::TimedDisturbance& blow : job.faults.disturbances) {
+      if (blow.what.joint < axes) continue;
+      return std::unexpected(
+          bad_input(fmt::format("--fault: the robot has no J{}", blow.what.joint + 1)));
+    }
+  }
   if (request.log && request.robot.ends_with(".toml") &&
       io::same_file(*request.log, request.robot)) {
-    return bad_input("--log: " + *request.log + " is the robot's file; choose another name");
+    return std::unexpected(
+        bad_input("--log: " + *request.log + " is the robot's file; choose another name"));
   }
+  auto machine =
+      runtime::make_machine(job.model,
+                            {.profile = request.profile,
+                             .seed = request.seed,
+                             .boards = static_cast<std::size_t>(request.slaves.value_or(axes)),
+                             .soft_select = request.nss == "soft"},
+                            Instant{});
+  if (!machine) return std::unexpected(could_not(machine.error()));
+  job.machine = std::move(*machine);
+  return job;
+}
+
+std::expected<runtime::ByteLog, Outcome> open_log(const SimRequest& request) {
+  if (!request.log) return runtime::ByteLog();
+  auto created = runtime::ByteLog::create(*request.log);
+  if (!created) return std::unexpected(could_not("--log: " + created.error().sentence));
+  return std::move(*created);
+}
+
+Outcome finished(const Job& job, const io::IoResult<void>& served, const runtime::ByteLog& log) {
+  Outcome outcome = served ? Outcome{} : could_not(served.error().sentence);
+  if (const auto failure = log.failure()) {
+    outcome = could_not("--log: " + failure->sentence + "; the log is not whole");
+  }
+  outcome.json_line = true;
+  const sim::Truth truth = job.machine.get().truth();
+  outcome.json["truth"] = truth_json(truth, job.model);
+  outcome.text = "at the end: " + truth_line(truth, job.model) + "\n";
+  return outcome;
+}
+
+/// The first line on stdout: where a host finds the device.
+std::expected<void, Outcome> announce(const Job& job, const std::string& place) {
+  const std::string line = job.request.json ? Json{{"port", place}}.dump() : place;
+  if (const auto told = io::write_stdout(line + "\n"); !told) {
+    return std::unexpected(could_not(told.error().sentence + "; nobody would know the port"));
+  }
+  std::fputs(
+      fmt::format("sinew: {} simulated behind this port, {}time x{}; Ctrl-C ends it, Enter "
+                  "shows where it really stands\n",
+                  job.model.id, job.request.profile ? "profile " + *job.request.profile + ", " : "",
+                  number(job.request.time_scale, 4))
+          .c_str(),
+      stderr);
+  return {};
+}
+
+Outcome serve_bytes(Job& job) {
+  const SimRequest& request = job.request;
   auto port = io::Port::open_pseudo_terminal();
   if (!port) return could_not(port.error().sentence);
   std::optional<io::ScopedLink> link;
@@ -53,35 +184,78 @@ Outcome simulate(const SimRequest& request) {
     if (!created) return could_not("--link: " + created.error().sentence);
     link.emplace(std::move(*created));
   }
-
   // Last, so that a simulation that cannot start empties nobody's log.
-  runtime::ByteLog log;
-  if (request.log) {
-    auto created = runtime::ByteLog::create(*request.log);
-    if (!created) return could_not("--log: " + created.error().sentence);
-    log = std::move(*created);
-  }
+  auto log = open_log(request);
+  if (!log) return log.error();
   io::catch_interrupts();
-  const std::string first_line = request.json ? Json{{"port", port->path()}}.dump() : port->path();
-  if (const auto told = io::write_stdout(first_line + "\n"); !told) {
-    return could_not(told.error().sentence + "; nobody would know the port");
-  }
-  std::fprintf(stderr, "sinew: %s simulated behind this port, time x%s; Ctrl-C ends it\n",
-               file->model.id.c_str(), number(request.time_scale, 4).c_str());
-
+  if (const auto told = announce(job, port->path()); !told) return told.error();
+  StatusReporter status(job, true);
   const io::Clock clock(request.time_scale);
-  BigRobotArmFirmware firmware(*device, clock.now());
-  const auto served =
-      runtime::serve_device(firmware, *port, clock, log, [] { return io::interrupts() > 0; });
-  Outcome outcome = served ? Outcome{} : could_not(served.error().sentence);
-  if (const auto failure = log.failure()) {
-    outcome = could_not("--log: " + failure->sentence + "; the log is not whole");
+  const auto served = runtime::serve_machine(
+      *job.machine.byte, *port, clock, {.baud = job.model.device.baud, .faults = job.faults}, *log,
+      {.stop = [] { return io::interrupts() > 0; }, .look = [&](Instant) { status.look(); }});
+  Outcome outcome =
+      finished(job, served ? io::IoResult<void>{} : std::unexpected(served.error()), *log);
+  if (served && request.fault) {
+    const auto& [to_device, to_host] = *served;
+    outcome.text +=
+        fmt::format("faults: {} dropped, {} doubled, {} flipped, {} delayed, {} lost in cuts\n",
+                    to_device.dropped + to_host.dropped, to_device.duplicated + to_host.duplicated,
+                    to_device.flipped + to_host.flipped, to_device.delayed + to_host.delayed,
+                    to_device.cut + to_host.cut);
   }
-  outcome.json_line = true;
-  const Json truth = truth_json(firmware, *device, clock.now());
-  outcome.json["truth"] = truth;
-  outcome.text = "motor steps at the end: " + truth["motor_steps"].dump() + "\n";
   return outcome;
+}
+
+std::string default_socket() {
+  return fmt::format("{}/sinew-{}.sock", io::runtime_folder(), io::process_id());
+}
+
+Outcome serve_boards(Job& job) {
+  const SimRequest& request = job.request;
+  auto faulty = sim::SpiFaults::create(*job.machine.spi, job.faults);
+  if (!faulty) return bad_input("--fault: " + faulty.error());
+  sim::SimwireServer server(**faulty, boards_of(job.model), "sinew-" + job.model.id);
+  auto log = open_log(request);
+  if (!log) return log.error();
+  io::catch_interrupts();
+  const bool stdio = request.simwire == "stdio";
+  StatusReporter status(job, !stdio);
+  const auto stop = [&] {
+    status.look();
+    return io::interrupts() > 0;
+  };
+  if (stdio) {
+    auto port = io::standard_port();
+    if (!port) return could_not(port.error().sentence);
+    static_cast<void>(runtime::serve_simwire(server, *port, *log, stop));
+    Outcome outcome = finished(job, {}, *log);
+    // stdout belongs to the protocol.
+    std::fputs(outcome.text.c_str(), stderr);
+    outcome.silent = true;
+    return outcome;
+  }
+  const std::string path = request.simwire ? request.simwire->substr(5) : default_socket();
+  auto listener = io::LocalListener::create(path);
+  if (!listener) return could_not(listener.error().sentence);
+  if (const auto told = announce(job, "simwire:unix:" + path); !told) return told.error();
+  while (!stop()) {
+    auto client = listener->accept(kAcceptSlice);
+    if (!client) return could_not(client.error().sentence);
+    if (!*client) continue;
+    server.restart();
+    // A host that goes away is no failure: the next one may come.
+    static_cast<void>(runtime::serve_simwire(server, **client, *log, stop));
+  }
+  return finished(job, {}, *log);
+}
+
+}  // namespace
+
+Outcome simulate(const SimRequest& request) {
+  auto job = prepare(request);
+  if (!job) return job.error();
+  return job->machine.byte ? serve_bytes(*job) : serve_boards(*job);
 }
 
 }  // namespace sinew::cli

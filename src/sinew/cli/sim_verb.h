@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 
@@ -11,12 +12,20 @@ struct SimRequest {
   std::string robot;
   std::optional<std::string> link;
   std::optional<std::string> log;
+  std::optional<std::string> profile;
+  std::optional<std::string> wire;
+  std::optional<std::string> fault;
+  std::optional<std::string> simwire;  ///< "unix:PATH" or "stdio"; boards on SPI only
+  std::optional<std::int64_t> slaves;
+  std::optional<std::string> nss;  ///< "hard" or "soft"
+  std::uint64_t seed = 1;
   double time_scale = 1;
   bool json = false;
 };
 
-/// `sinew sim`: the robot's device on a pseudo-terminal, until Ctrl-C. The first line on stdout is
-/// the port's path; with --json {"port": ..}, and {"truth": ..} on the last, a document a line.
+/// `sinew sim`: the robot's device on a pseudo-terminal, or its boards on SPI behind simwire, until
+/// Ctrl-C. The first line on stdout is the port's path; with --json {"port": ..}, and {"truth": ..}
+/// on the last, a document a line. SIGUSR1, and a line on stdin, are answered with the truth.
 Outcome simulate(const SimRequest& request);
 
 }  // namespace sinew::cli

@@ -144,6 +144,18 @@ Expected<void> BigRobotArmDriver::reset_positions(Instant now) {
   return ask(Reset{}, now);
 }
 
+Expected<void> BigRobotArmDriver::leave_sync(Instant now) {
+  return ask(SetSync{false}, now);
+}
+
+bool BigRobotArmDriver::withdraw() {
+  if (state_ != State::kAsked || output_.empty() || output_begun_) return false;
+  output_.clear();
+  state_ = State::kIdle;
+  deadline_.reset();
+  return true;
+}
+
 Expected<Words> BigRobotArmDriver::steps_of(const BigRobotArmAngles& q) const {
   Words words{};
   for (std::size_t i = 0; i < kJoints; ++i) {
@@ -271,6 +283,11 @@ std::optional<Error> BigRobotArmDriver::check(const Reply& reply) const {
         echo->enabled == grip->enabled && (!grip->enabled || echo->position == grip->position);
     if (same) return std::nullopt;
     return Error{ErrorCode::kReplyMismatch, -1, 1.0 * echo->position, 1.0 * grip->position};
+  }
+  const auto* sync = std::get_if<SetSync>(&asked_);
+  if (const auto* echo = std::get_if<Sync>(&reply); echo != nullptr && sync != nullptr) {
+    if (echo->on == sync->on) return std::nullopt;
+    return Error{ErrorCode::kReplyMismatch, -1, 1.0 * echo->on, 1.0 * sync->on};
   }
   const bool status =
       std::holds_alternative<Status>(reply) && std::holds_alternative<ReadStatus>(asked_);

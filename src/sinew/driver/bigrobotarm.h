@@ -109,6 +109,19 @@ class BigRobotArmDriver {
   /// The device's zero moves to where it stands; the offset moves along, so that q stays.
   Expected<void> reset_positions(Instant now);
 
+  /// The device's own sync mode off; nothing switches it on. @error kBusy
+  Expected<void> leave_sync(Instant now);
+
+  /// Where move_to() would send the motors. @error kStepRange, kUnsendable, as move_to()
+  Expected<bigrobotarm::Words> steps_of(const BigRobotArmAngles& q) const;
+  /// Where the model is when the device reports `steps`.
+  BigRobotArmAngles angles_of(const bigrobotarm::Words& steps) const;
+  /// The device set up as at power-up: it may have been reset, and its zero moved.
+  bool looks_like_boot(const bigrobotarm::Status& status) const;
+
+  /// Takes a command back that has not begun to leave. @return whether there was one
+  bool withdraw();
+
   /// Bytes from the port; takes events out after each call (there is room for 16).
   void receive(std::span<const std::uint8_t> bytes, Instant now);
   /// Time passes.
@@ -124,15 +137,12 @@ class BigRobotArmDriver {
  private:
   using Words = bigrobotarm::Words;
 
-  Expected<bigrobotarm::Words> steps_of(const BigRobotArmAngles& q) const;
-  BigRobotArmAngles angles_of(const Words& steps) const;
   Expected<void> ask(const bigrobotarm::Request& request, Instant now);
   void send(const bigrobotarm::Request& request);
   std::optional<std::expected<bigrobotarm::Reply, bigrobotarm::Garbage>> decode(std::uint8_t byte);
   void take_reply(const bigrobotarm::Reply& reply, Instant now);
   void take_status(const bigrobotarm::Status& status, Instant now);
   std::optional<Error> check(const bigrobotarm::Reply& reply) const;
-  bool looks_like_boot(const bigrobotarm::Status& status) const;
   void doubt(const Error& error, Instant now);
   void tell(const Event& event);
 

@@ -72,7 +72,8 @@ double motion_time(const BigRobotArmJoint& joint, double steps, std::int32_t spe
 
 Expected<BigRobotArmMultipliers> synchronised_multipliers(const BigRobotArmDevice& device,
                                                           const Words& deltas,
-                                                          const BigRobotArmMultipliers& base) {
+                                                          const BigRobotArmMultipliers& base,
+                                                          double at_least) {
   BigRobotArmMultipliers result;
   std::array<double, kJoints> times{};
   for (std::size_t i = 0; i < kJoints; ++i) {
@@ -86,7 +87,7 @@ Expected<BigRobotArmMultipliers> synchronised_multipliers(const BigRobotArmDevic
     result.accelerations[i] = sendable_at_or_below(base.accelerations[i]);
     times[i] = motion_time(device.joints[i], deltas[i], result.speeds[i], result.accelerations[i]);
   }
-  const double slowest = *std::max_element(times.begin(), times.end());
+  const double slowest = std::max(at_least, *std::max_element(times.begin(), times.end()));
   for (std::size_t i = 0; i < kJoints; ++i) {
     if (times[i] == 0 || times[i] == slowest) continue;
     const Pair pair = pair_for_time(device.joints[i], deltas[i],

@@ -18,10 +18,12 @@ double motion_time(const BigRobotArmJoint& joint, double steps, std::int32_t spe
 
 /// Multipliers with which all joints arrive together, none faster than `base`: what the device's
 /// own sync mode should do, which this host never uses because it counts in a frame of its own.
-/// The slowest joint keeps its base values; a joint that stands still keeps them too. Values that
+/// The slowest joint keeps its base values unless `at_least` asks for more time; a joint that
+/// stands still keeps them too. Values that
 /// the byte wire cannot carry (13, 269, ...) are stepped over downwards.
 ///
-/// @param deltas  microsteps to go, either sign.
+/// @param deltas    microsteps to go, either sign.
+/// @param at_least  s; the motion shall not take less.
 /// @return  motion times as near to the slowest joint's as whole multipliers come: within 3 % for
 ///          ways of half a motor revolution to five and base values of 100 and more; a way of a
 ///          few steps is over earlier, and base values below 10 leave little choice.
@@ -29,7 +31,8 @@ double motion_time(const BigRobotArmJoint& joint, double steps, std::int32_t spe
 /// @rt      no allocation, no lock.
 Expected<BigRobotArmMultipliers> synchronised_multipliers(const BigRobotArmDevice& device,
                                                           const bigrobotarm::Words& deltas,
-                                                          const BigRobotArmMultipliers& base);
+                                                          const BigRobotArmMultipliers& base,
+                                                          double at_least = 0);
 
 /// Every value in 1..multiplier_max, and none that the device's wire would be cut by.
 /// @error kMultiplierRange, kUnsendable; index: joint

@@ -205,4 +205,14 @@ ScopedLink::~ScopedLink() {
   if (!path_.empty() && link_target(path_) == target_) ::unlink(path_.c_str());
 }
 
+std::string runtime_folder() {
+  const char* folder = std::getenv("XDG_RUNTIME_DIR");
+  const bool usable = folder != nullptr && ::access(folder, W_OK | X_OK) == 0;
+  return usable ? folder : "/tmp";
+}
+
+int process_id() {
+  return ::getpid();
+}
+
 }  // namespace sinew::io

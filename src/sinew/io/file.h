@@ -26,6 +26,11 @@ IoResult<void> check_place(const std::string& path);
 /// Both names lead to one file or device, through links too; also where it is not there yet.
 bool same_file(const std::string& a, const std::string& b);
 
+/// Where this user's programs put their sockets: $XDG_RUNTIME_DIR, else /tmp.
+std::string runtime_folder();
+/// A number that no other process has now.
+int process_id();
+
 /// A text file that grows line by line; each line is out as soon as it is added.
 class LineFile {
  public:

@@ -94,6 +94,14 @@ Start Run::known_positions() const {
 /// The machine's own word on where it is: the plan is made for that.
 void Run::begin() {
   q_ = known_positions();
+  if (!q_ && declared_) {
+    FixedVector<JointPosition, kMaxJoints> positions;
+    for (const double q : *declared_) {
+      positions.push_back({PositionQuality::kCommanded, q, q, q});
+    }
+    driver_.declare_positions({positions.data(), positions.size()});
+    q_ = known_positions();
+  }
   auto plan = make_plan(program_, robot_, q_);
   if (!plan) {
     failure_ = plan.error();

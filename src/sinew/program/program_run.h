@@ -43,6 +43,10 @@ class Run {
   Run(const Program& program, const RobotModel& robot, Driver& driver,
       Duration opening_limit = kOpeningLimit);
 
+  /// Where somebody says the machine stands, for one that cannot know; it counts where the driver
+  /// does not know better.
+  void declare(const JointVector& q) { declared_ = q; }
+
   /// The port is open.
   void start(Instant now);
   void poll(Instant now);
@@ -85,6 +89,7 @@ class Run {
   std::vector<Record> records_;
   std::optional<Refusal> failure_;
 
+  Start declared_;
   Start q_;              ///< where the last order left the joints
   int outstanding_ = 0;  ///< commands that the driver accepted and has not ended
   std::optional<motion::RestToRest> profile_;  ///< of the motion being streamed

@@ -6,8 +6,9 @@
 #include <thread>
 
 #include "sinew/io/scratch_folder_test_support.h"
-#include "sinew/runtime/device_server.h"
+#include "sinew/runtime/machine_server.h"
 #include "sinew/runtime/sequence_session.h"
+#include "sinew/sim/bigrobotarm_machine.h"
 #include "support/robots.h"
 
 /// Device server and session, each over its end of a real pseudo-terminal, time fifty times faster.
@@ -41,14 +42,15 @@ BigRobotArmTiming patient() {
 class Arm {
  public:
   Arm(const RobotModel& model, const io::Clock& clock, const std::string& log_path = "")
-      : firmware_(device_of(model), clock.now()) {
+      : machine_(model, BigRobotArmProfile::kDocument, BigRobotArmDialect::k2021, 1, clock.now()) {
     auto port = io::Port::open_pseudo_terminal();
     if (!port) throw std::runtime_error(port.error().sentence);
     path_ = port->path();
     if (!log_path.empty()) log_ = std::move(*ByteLog::create(log_path));
     thread_ = std::thread([this, clock, port = std::move(*port)]() mutable {
       const auto served =
-          serve_device(firmware_, port, clock, log_, [this] { return stop_.load(); });
+          serve_machine(machine_, port, clock, {.baud = 250'000, .faults = {}}, log_,
+                        {.stop = [this] { return stop_.load(); }, .look = {}});
       if (!served) sentence_ = served.error().sentence;
     });
   }
@@ -64,16 +66,27 @@ class Arm {
   }
   const std::string& path() const { return path_; }
   /// After end() only.
-  const BigRobotArmFirmware& firmware() const { return firmware_; }
+  sim::Truth truth() const { return machine_.truth(); }
 
  private:
-  BigRobotArmFirmware firmware_;
+  sim::BigRobotArmMachine machine_;
   ByteLog log_;
   std::string path_;
   std::string sentence_;
   std::atomic<bool> stop_ = false;
   std::thread thread_;
 };
+
+/// Exactly there as the device believes; in truth up to two full steps of a motor beside it.
+void expect_stands_at(const sim::Truth& truth, const BigRobotArmDevice& device,
+                      const std::array<double, 5>& steps) {
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    const double steps_per_rad = device.joints[i].steps_per_rad;
+    EXPECT_NEAR(truth.joints[i].believed, steps[i] / steps_per_rad, 1e-9) << i;
+    const double full_step = device.joints[i].steps_per_motor_rev / 200 / std::abs(steps_per_rad);
+    EXPECT_NEAR(truth.joints[i].q, steps[i] / steps_per_rad, 2.5 * full_step) << i;
+  }
+}
 
 /// What a test sees of a session that is over.
 struct Result {
@@ -135,9 +148,8 @@ TEST_P(EitherWire, program_runs_to_its_end_and_the_arm_stands_where_it_was_sent)
   EXPECT_FALSE(result.end.port_failure);
   EXPECT_FALSE(result.end.left_at_once);
   ASSERT_EQ(result.records.size(), 2U);
-  EXPECT_EQ(device.firmware().bytes_lost(), 0U);
-  auto firmware = device.firmware();
-  EXPECT_EQ(firmware.rotor_steps(clock.now()), (std::array<double, 5>{0, 50, 2000, 700, 0}));
+  EXPECT_EQ(device.truth().bytes_lost, 0U);
+  expect_stands_at(device.truth(), device_of(model), {0, 50, 2000, 700, 0});
   const double took = to_seconds(result.records[1].done - result.records[0].asked);
   EXPECT_GE(took, result.predicted - 1e-6);
   // Threads that hand over late are late by milliseconds, which count fifty-fold here.
@@ -246,8 +258,7 @@ TEST(Session, first_interrupt_finishes_the_motion_under_way) {
   EXPECT_FALSE(result.end.left_at_once);
   ASSERT_EQ(result.records.size(), 1U);
   EXPECT_EQ(result.end.bytes.size(), 1U);
-  auto firmware = device.firmware();
-  EXPECT_EQ(firmware.rotor_steps(clock.now()), (std::array<double, 5>{100, 200, 300, 400, 300}));
+  expect_stands_at(device.truth(), device_of(model), {100, 200, 300, 400, 300});
 }
 
 TEST(Session, second_interrupt_leaves_at_once) {

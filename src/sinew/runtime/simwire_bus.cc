@@ -42,6 +42,10 @@ class LineSource {
   std::size_t size_ = 0;
 };
 
+std::span<const std::uint8_t> as_bytes(std::string_view text) {
+  return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
+}
+
 io::IoResult<void> write_line(io::Port& port, const Line& line) {
   std::vector<std::uint8_t> bytes(line.begin(), line.end());
   bytes.push_back('\n');
@@ -202,17 +206,19 @@ std::unique_ptr<io::SpiBus> bus_of(sim::SpiMachine& machine, const io::Clock& cl
   return std::make_unique<MachineBus>(machine, clock);
 }
 
-io::IoResult<void> serve_simwire(sim::SimwireServer& server, io::Port& port,
+io::IoResult<void> serve_simwire(sim::SimwireServer& server, io::Port& port, ByteLog& log,
                                  const std::function<bool()>& stop) {
   LineSource lines(port);
   while (!stop() && !server.finished()) {
     const auto read = lines.next(kSlice);
     if (!read) return std::unexpected(read.error());
     if (*read == LineReader::Result::kMore) continue;
-    const Reply reply = *read == LineReader::Result::kLine
-                            ? server.answer(lines.line())
-                            : Reply{Refused{text_of("the line is too long")}};
-    if (auto written = write_line(port, encode_reply(reply)); !written) return written;
+    const Line reply = encode_reply(*read == LineReader::Result::kLine
+                                        ? server.answer(lines.line())
+                                        : Reply{Refused{text_of("the line is too long")}});
+    log.add(ByteLog::Direction::kToDevice, as_bytes(lines.line()), server.now());
+    log.add(ByteLog::Direction::kToHost, as_bytes(view(reply)), server.now());
+    if (auto written = write_line(port, reply); !written) return written;
   }
   return {};
 }

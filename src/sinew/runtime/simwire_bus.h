@@ -8,6 +8,7 @@
 #include "sinew/io/port.h"
 #include "sinew/io/spi_bus.h"
 #include "sinew/model/device.h"
+#include "sinew/runtime/byte_log.h"
 #include "sinew/sim/simwire_server.h"
 
 namespace sinew::runtime {
@@ -23,7 +24,7 @@ std::unique_ptr<io::SpiBus> bus_of(sim::SpiMachine& machine, const io::Clock& cl
 
 /// Answers one host's requests until it says BYE or goes away, or `stop()` says so, which is asked
 /// at least every 50 ms.
-io::IoResult<void> serve_simwire(sim::SimwireServer& server, io::Port& port,
+io::IoResult<void> serve_simwire(sim::SimwireServer& server, io::Port& port, ByteLog& log,
                                  const std::function<bool()>& stop);
 
 }  // namespace sinew::runtime

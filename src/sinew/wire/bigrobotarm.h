@@ -123,8 +123,28 @@ struct Invalid {
   friend bool operator==(const Invalid&, const Invalid&) = default;
 };
 
-using Reply = std::variant<MotionStarted, GotoDone, HomeDone, ResetDone, Speeds, Accelerations,
-                           Gripper, Sync, Status, Accepted, Invalid>;
+// The queue of the text wire of 2026.
+
+/// The motion starts now, or when those before it are over.
+struct Queued {
+  Words positions{};  ///< where it will end
+  friend bool operator==(const Queued&, const Queued&) = default;
+};
+/// Four wait behind the running one: it was not taken.
+struct QueueFull {
+  friend bool operator==(const QueueFull&, const QueueFull&) = default;
+};
+struct QueueDrained {
+  friend bool operator==(const QueueDrained&, const QueueDrained&) = default;
+};
+/// Those that waited are forgotten; the running one ends where it was sent.
+struct QueueCleared {
+  friend bool operator==(const QueueCleared&, const QueueCleared&) = default;
+};
+
+using Reply =
+    std::variant<MotionStarted, GotoDone, HomeDone, ResetDone, Speeds, Accelerations, Gripper, Sync,
+                 Status, Accepted, Invalid, Queued, QueueFull, QueueDrained, QueueCleared>;
 
 /// What no reply of the device can hold.
 struct Garbage {

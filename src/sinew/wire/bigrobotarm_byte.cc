@@ -215,7 +215,6 @@ bool sendable(std::int32_t word) {
 }
 
 ReplyBytes encode_reply(const Reply& reply) {
-  SINEW_ASSERT(!std::holds_alternative<Accepted>(reply));
   ReplyBytes out;
   std::visit(
       Overload{[&](const MotionStarted& m) { put_head(out, m.id); },
@@ -237,12 +236,14 @@ ReplyBytes encode_reply(const Reply& reply) {
                  out.push_back(m.on ? 1 : 0);
                  put_data_end(out);
                },
-               [&](const Status& m) { put_status(out, m); }, [](const Accepted&) {},
+               [&](const Status& m) { put_status(out, m); },
                [&](const Invalid&) {
                  put_head(out, kInvalid);
                  for (const std::uint8_t byte : kReadyBytes) out.push_back(byte);
-               }},
+               },
+               [](const auto&) {}},
       reply);
+  SINEW_ASSERT(!out.empty());
   return out;
 }
 
@@ -307,6 +308,19 @@ std::optional<std::expected<Request, Invalid>> RequestDecoder::push(std::uint8_t
   bytes_.clear();
   terminator_due_ = true;
   return request;
+}
+
+std::optional<std::expected<Request, Invalid>> CutRequestDecoder::push(std::uint8_t byte) {
+  if (byte != kTerminator) {
+    if (size_ < kBuffer) bytes_[size_++] = byte;
+    return std::nullopt;
+  }
+  const bool known = size_ > 0 && request_length(bytes_[0]) != 0;
+  const auto result =
+      known ? std::expected<Request, Invalid>(parse_request(bytes_)) : std::unexpected(Invalid{});
+  bytes_ = {};
+  size_ = 0;
+  return result;
 }
 
 }  // namespace sinew::bigrobotarm::byte

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <expected>
@@ -31,8 +32,8 @@ bool sendable(const Request& request);
 bool sendable(std::int32_t word);
 
 /// The bytes of one reply. A motion has two: MotionStarted{id} is the first 3 bytes, GotoDone or
-/// HomeDone the other 25. `Accepted` does not exist on this wire, and a Status must have its
-/// gripper: both assert.
+/// HomeDone the other 25. `Accepted` and the queue do not exist on this wire, and a Status must
+/// have its gripper: both assert.
 ReplyBytes encode_reply(const Reply& reply);
 
 /// Host side: bytes to replies, by the length that the head byte says. 0D 0A inside data is data.
@@ -70,6 +71,20 @@ class RequestDecoder {
   RequestBytes bytes_;
   bool unknown_ = false;
   bool terminator_due_ = false;
+};
+
+/// Device side, as the firmware does it: the first 0D ends a request, wherever it stands, and
+/// what follows is the next one. The first byte alone tells its kind; missing bytes are 0, those
+/// beyond its payload are not looked at, those beyond 50 not kept.
+class CutRequestDecoder {
+ public:
+  static constexpr std::size_t kBuffer = 50;
+
+  std::optional<std::expected<Request, Invalid>> push(std::uint8_t byte);
+
+ private:
+  std::array<std::uint8_t, kBuffer> bytes_{};
+  std::size_t size_ = 0;
 };
 
 }  // namespace sinew::bigrobotarm::byte

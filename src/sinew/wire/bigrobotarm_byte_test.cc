@@ -137,7 +137,49 @@ TEST(BigRobotArmByte, every_golden_reply_is_read_and_written) {
     EXPECT_EQ(decoded.replies, meaning) << golden.where;
     EXPECT_TRUE(decoded.garbage.empty() && decoder.at_boundary()) << golden.where;
   }
-  EXPECT_EQ(count, 14);
+  EXPECT_EQ(count, 15);
+}
+
+TEST(BigRobotArmByte, every_golden_cut_is_read_as_the_firmware_does) {
+  int count = 0;
+  for (const auto& golden : test::read_goldens("bigrobotarm_cut.txt")) {
+    ++count;
+    std::vector<std::expected<Request, Invalid>> meaning;
+    for (const auto& part : test::split(golden.meaning, ';')) {
+      if (part == "invalid") {
+        meaning.emplace_back(std::unexpected(Invalid{}));
+      } else {
+        meaning.emplace_back(test::request_of(part));
+      }
+    }
+    CutRequestDecoder decoder;
+    std::vector<std::expected<Request, Invalid>> decoded;
+    for (const std::uint8_t byte : test::from_hex(golden.bytes)) {
+      if (const auto result = decoder.push(byte)) decoded.push_back(*result);
+    }
+    EXPECT_EQ(decoded, meaning) << golden.where;
+  }
+  EXPECT_EQ(count, 9);
+}
+
+TEST(BigRobotArmByte, sendable_requests_are_the_same_to_the_document_and_to_the_firmware) {
+  test::for_random_cases(20'000, [](test::Random& random) {
+    const Request request = random_request(random);
+    if (!sendable(request)) return;
+    CutRequestDecoder decoder;
+    for (const std::uint8_t byte : encode_request(request)) EXPECT_FALSE(decoder.push(byte));
+    const auto result = decoder.push(kTerminator);
+    ASSERT_TRUE(result && *result);
+    EXPECT_EQ(**result, request);
+  });
+}
+
+TEST(BigRobotArmByte, bytes_beyond_fifty_are_dropped) {
+  CutRequestDecoder decoder;
+  EXPECT_FALSE(decoder.push(8));
+  for (int i = 0; i < 1000; ++i) EXPECT_FALSE(decoder.push(1));
+  EXPECT_EQ(decoder.push(kTerminator)->value(), Request{ReadStatus{}});
+  EXPECT_FALSE(decoder.push(kTerminator)->has_value()) << "nothing of it is left";
 }
 
 TEST(BigRobotArmByte, replies_survive_every_cut_of_the_stream) {

@@ -114,6 +114,10 @@ std::optional<ReplyLine> decode_body_line(std::string_view rest) {
   if (rest == "MOVING-TO") return MovingTo{};
   if (rest == "READY") return Ready{};
   if (rest == "INVALID-COMMAND") return Invalid{};
+  if (rest == "QUEUED-TO") return QueuedTo{};
+  if (rest == "QUEUE-FULL") return QueueFull{};
+  if (rest == "QUEUE-DRAINED") return QueueDrained{};
+  if (rest == "QUEUE-CLEARED") return QueueCleared{};
   Words words{};
   if (take_prefix(rest, "POSITION:")) {
     if (take_exact_words(rest, words)) return PositionLine{words};
@@ -176,7 +180,10 @@ Characters encode_line(const Line& line) {
                         put(out, "BEGIN I");
                         put(out, std::int64_t{begin.repeats});
                       },
-                      [&](const End&) { put(out, "END"); }},
+                      [&](const End&) { put(out, "END"); },
+                      [&](const QueueGoto& m) { words("Q0", m.positions); },
+                      [&](const QueueFlush&) { put(out, "QFLUSH"); },
+                      [&](const QueueClear&) { put(out, "QCLEAR"); }},
              line.command);
   return out;
 }
@@ -188,8 +195,9 @@ bool sendable(const Line& line) {
 std::optional<Line> decode_line(std::string_view line) {
   std::string_view rest = line;
   const std::string_view name = next_word(rest);
-  if (name == "G0" || name == "M203" || name == "M201") {
+  if (name == "G0" || name == "Q0" || name == "M203" || name == "M201") {
     const GivenWords given = take_words(rest);
+    if (name == "Q0") return Line{QueueGoto{given.words}, given.count};
     if (name == "G0") return Line{Request{Goto{given.words}}, given.count};
     if (name == "M203") return Line{Request{SetSpeeds{given.words}}, given.count};
     return Line{Request{SetAccelerations{given.words}}, given.count};
@@ -199,6 +207,8 @@ std::optional<Line> decode_line(std::string_view line) {
   if (name == "G1") return Line{Request{take_gripper(rest)}};
   if (name == "M503") return Line{Request{ReadStatus{}}};
   if (name == "END") return Line{End{}};
+  if (name == "QFLUSH") return Line{QueueFlush{}};
+  if (name == "QCLEAR") return Line{QueueClear{}};
   if (name == "BEGIN") {
     const auto repeats = static_cast<std::uint32_t>(number_of(next_word(rest), 1));
     return Line{Begin{static_cast<std::int8_t>(repeats & 0xFF)}};
@@ -235,7 +245,11 @@ Characters encode_reply_line(const ReplyLine& line) {
             put(out, m.on ? "BigRobotArm::SYNC-MOTORS: 1" : "BigRobotArm::SYNC-MOTORS: 0");
           },
           [&](const Invalid&) { put(out, "BigRobotArm::INVALID-COMMAND"); },
-          [&](const Ready&) { put(out, "BigRobotArm::READY"); }},
+          [&](const Ready&) { put(out, "BigRobotArm::READY"); },
+          [&](const QueuedTo&) { put(out, "BigRobotArm::QUEUED-TO"); },
+          [&](const QueueFull&) { put(out, "BigRobotArm::QUEUE-FULL"); },
+          [&](const QueueDrained&) { put(out, "BigRobotArm::QUEUE-DRAINED"); },
+          [&](const QueueCleared&) { put(out, "BigRobotArm::QUEUE-CLEARED"); }},
       line);
   return out;
 }
@@ -338,6 +352,14 @@ std::optional<std::expected<Reply, Garbage>> ReplyDecoder::finish() {
       return Sync{status.sync};
     case bit<MovingTo>() | bit<PositionLine>() | bit<Speeds>() | bit<Accelerations>() | bit<Sync>():
       return status;
+    case bit<QueuedTo>() | bit<PositionLine>():
+      return Queued{status.positions};
+    case bit<QueueFull>():
+      return QueueFull{};
+    case bit<QueueDrained>():
+      return QueueDrained{};
+    case bit<QueueCleared>():
+      return QueueCleared{};
     default:
       return std::unexpected(Garbage{0, kLetter});
   }

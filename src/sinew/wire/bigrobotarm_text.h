@@ -27,12 +27,27 @@ struct End {
   friend bool operator==(const End&, const End&) = default;
 };
 
-using Command = std::variant<Request, Begin, End>;
+// Since 2026: up to four motions wait behind the running one, and the device still listens.
+
+struct QueueGoto {
+  Words positions{};
+  friend bool operator==(const QueueGoto&, const QueueGoto&) = default;
+};
+/// Answered when no motion is left.
+struct QueueFlush {
+  friend bool operator==(const QueueFlush&, const QueueFlush&) = default;
+};
+struct QueueClear {
+  friend bool operator==(const QueueClear&, const QueueClear&) = default;
+};
+
+using Command = std::variant<Request, Begin, End, QueueGoto, QueueFlush, QueueClear>;
 
 /// One host line. Words are told by their place alone, so a short line gives the first ones only.
 struct Line {
   Command command;
-  std::uint8_t words_given = kJoints;  ///< of Goto, SetSpeeds, SetAccelerations; the rest is 0
+  /// Of Goto, QueueGoto, SetSpeeds, SetAccelerations; the rest is 0.
+  std::uint8_t words_given = kJoints;
   friend bool operator==(const Line&, const Line&) = default;
 };
 
@@ -72,12 +87,16 @@ struct PositionLine {
   Words positions{};
   friend bool operator==(const PositionLine&, const PositionLine&) = default;
 };
+struct QueuedTo {
+  friend bool operator==(const QueuedTo&, const QueuedTo&) = default;
+};
 struct Ready {
   friend bool operator==(const Ready&, const Ready&) = default;
 };
 
-using ReplyLine = std::variant<FreeMemory, Echo, MovingTo, PositionLine, Speeds, Accelerations,
-                               Gripper, Sync, Invalid, Ready>;
+using ReplyLine =
+    std::variant<FreeMemory, Echo, MovingTo, PositionLine, Speeds, Accelerations, Gripper, Sync,
+                 Invalid, Ready, QueuedTo, QueueFull, QueueDrained, QueueCleared>;
 
 /// One line without its CR LF.
 Characters encode_reply_line(const ReplyLine& line);

@@ -16,6 +16,9 @@ Line line_of(const std::string& meaning) {
   const auto [name, rest] = test::name_and_rest(meaning);
   if (name == "begin") return {Begin{static_cast<std::int8_t>(std::stoi(rest))}};
   if (name == "end") return {End{}};
+  if (name == "queue-goto") return {QueueGoto{test::words_of(rest)}};
+  if (name == "queue-flush") return {QueueFlush{}};
+  if (name == "queue-clear") return {QueueClear{}};
   if (name == "goto-partial") {
     const auto given = test::split(rest, ' ').size();
     return {Request{Goto{test::words_of(rest, given)}}, static_cast<std::uint8_t>(given)};
@@ -35,6 +38,10 @@ ReplyLine reply_line_of(const std::string& meaning) {
   if (name == "sync") return Sync{test::flag_of(rest)};
   if (name == "invalid") return Invalid{};
   if (name == "ready") return Ready{};
+  if (name == "queued-to") return QueuedTo{};
+  if (name == "queue-full") return QueueFull{};
+  if (name == "queue-drained") return QueueDrained{};
+  if (name == "queue-cleared") return QueueCleared{};
   throw std::runtime_error("no such line: " + meaning);
 }
 
@@ -78,8 +85,8 @@ TEST(BigRobotArmText, every_golden_line_is_read_and_written) {
       EXPECT_EQ(decode_reply_line(golden.bytes), meaning) << golden.where;
     }
   }
-  EXPECT_EQ(host, 15);
-  EXPECT_EQ(device, 11);
+  EXPECT_EQ(host, 18);
+  EXPECT_EQ(device, 15);
 }
 
 TEST(BigRobotArmText, host_lines_are_read_by_place_and_not_by_letter) {
@@ -140,6 +147,22 @@ TEST(BigRobotArmText, replies_are_told_apart_by_their_lines) {
   EXPECT_EQ(decode(preamble("M503") + moving + positions + accelerations + speeds +
                    "BigRobotArm::SYNC-MOTORS: 1\r\n" + kReadyLine),
             (Replies{Status{words, {9, 8, 7, 6, 5}, {5, 4, 3, 2, 1}, std::nullopt, true}}));
+}
+
+TEST(BigRobotArmText, replies_of_the_queue_are_told_apart) {
+  const std::string q0 = preamble("Q0 B1 S2 E3 WR4 W5");
+  const std::string head = "BigRobotArm::QUEUE";
+  using Replies = std::vector<Reply>;
+  EXPECT_EQ(decode(q0 + head + "D-TO\r\nBigRobotArm::POSITION: B1 S2 E3 WR4 W5\r\n" + kReadyLine),
+            (Replies{Queued{{1, 2, 3, 4, 5}}}));
+  EXPECT_EQ(decode(q0 + head + "-FULL\r\n" + kReadyLine), (Replies{QueueFull{}}));
+  EXPECT_EQ(decode(preamble("QFLUSH") + head + "-DRAINED\r\n" + kReadyLine),
+            (Replies{QueueDrained{}}));
+  EXPECT_EQ(decode(preamble("QCLEAR") + head + "-CLEARED\r\n" + kReadyLine),
+            (Replies{QueueCleared{}}));
+  int garbage = 0;
+  EXPECT_TRUE(decode(q0 + head + "D-TO\r\n" + kReadyLine, &garbage).empty());
+  EXPECT_EQ(garbage, 1) << "queued, and nobody says where to";
 }
 
 TEST(BigRobotArmText, garbage_is_told_once_and_ready_ends_it) {

@@ -1,0 +1,119 @@
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "sinew/core/assert.h"
+#include "sinew/wire/encoder_link.h"
+
+// The encoder link from both sides. For any bytes: a decoder that was cut off and goes on in a copy
+// says the same as one that ran through; what was accepted is spelled as the very bytes it came
+// from; every message comes back; and whatever answers arrive, when, and in which order, an
+// unwrapped position never goes farther than the shaft can.
+
+namespace {
+
+using namespace sinew;
+using namespace sinew::encoder_link;
+
+template <class Decoder>
+auto decode_all(Decoder& decoder, std::span<const std::uint8_t> bytes) {
+  std::vector<typename decltype(decoder.push(0))::value_type> results;
+  for (const std::uint8_t byte : bytes) {
+    if (const auto result = decoder.push(byte)) results.push_back(*result);
+  }
+  return results;
+}
+
+template <class Decoder>
+void same_when_cut(Decoder whole, std::span<const std::uint8_t> bytes) {
+  Decoder first = whole;
+  const auto expected = decode_all(whole, bytes);
+  const std::size_t cut = bytes.empty() ? 0 : bytes[0] % (bytes.size() + 1);
+  auto results = decode_all(first, bytes.first(cut));
+  Decoder second = first;
+  for (const auto& result : decode_all(second, bytes.subspan(cut))) results.push_back(result);
+  SINEW_ASSERT(results == expected);
+}
+
+void requests_are_their_bytes(std::span<const std::uint8_t> bytes) {
+  RequestDecoder decoder;
+  for (std::size_t end = 1; end <= bytes.size(); ++end) {
+    const auto request = decoder.push(bytes[end - 1]);
+    const bool there = end >= kRequestSize && bytes[end - 3] == kStart && bytes[end - 2] >= 1 &&
+                       bytes[end - 2] <= 4 && bytes[end - 1] == kEnd;
+    SINEW_ASSERT(request.has_value() == there);
+    if (!request) continue;
+    const auto spelled = encode(*request);
+    SINEW_ASSERT(std::equal(spelled.begin(), spelled.end(), &bytes[end - kRequestSize]));
+  }
+}
+
+void replies_are_their_bytes(Register asked, std::span<const std::uint8_t> bytes) {
+  ReplyDecoder decoder(asked);
+  for (std::size_t end = 1; end <= bytes.size(); ++end) {
+    const auto result = decoder.push(bytes[end - 1]);
+    SINEW_ASSERT(result.has_value() == (end % kReplySize == 0));
+    if (!result || !*result) continue;
+    const auto spelled = encode(**result);
+    SINEW_ASSERT(std::equal(spelled.begin(), spelled.end(), &bytes[end - kReplySize]));
+  }
+}
+
+void every_message_comes_back(std::span<const std::uint8_t> bytes) {
+  for (std::size_t i = 0; i + 1 < bytes.size(); ++i) {
+    const auto name = static_cast<Register>(1 + bytes[i] % 4);
+    RequestDecoder requests;
+    const auto asked = decode_all(requests, encode(Request{name}));
+    SINEW_ASSERT(asked.size() == 1 && asked[0] == Request{name});
+    auto value = static_cast<std::uint16_t>(bytes[i] | bytes[i + 1] << 8);
+    if (name == Register::kPosition) value %= kTurn;
+    ReplyDecoder replies(name);
+    const auto answered = decode_all(replies, encode(Reply{name, value}));
+    SINEW_ASSERT(answered.size() == 1 && answered[0] == Reply({name, value}));
+  }
+}
+
+/// Each byte is a thing that happens: a byte on the line, or time.
+void conversation_stays_sane(std::span<const std::uint8_t> bytes) {
+  constexpr double kSpeed = 20'000;  // ticks/s
+  Conversation link{Conversation::Timing{}};
+  Unwrap unwrap(kSpeed);
+  Instant now{};
+  Instant accepted_at{};
+  std::int64_t ticks = 0;
+  bool started = false;
+  for (const std::uint8_t byte : bytes) {
+    now += std::chrono::microseconds(byte % 8 * 500);
+    link.poll(now);
+    if (link.ready(now)) link.ask(Register::kPosition, now);
+    const auto result = link.receive(byte, now);
+    if (!result || !*result) continue;
+    const auto position = unwrap.update((*result)->value, now);
+    if (!position) continue;
+    SINEW_ASSERT(((*position - (*result)->value) % kTurn) == 0);
+    const auto way = static_cast<double>(std::abs(*position - ticks));
+    const double reach = kSpeed * to_seconds(now - accepted_at) + 4;
+    SINEW_ASSERT(!started || way <= kTurn / 2.0);
+    SINEW_ASSERT(!started || !unwrap.certain() || way <= 3 * reach);
+    started = true;
+    ticks = *position;
+    accepted_at = now;
+  }
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const std::span bytes(data, size);
+  same_when_cut(RequestDecoder{}, bytes);
+  for (const Register name : {Register::kPosition, Register::kVelocity, Register::kStatus}) {
+    same_when_cut(ReplyDecoder{name}, bytes);
+    replies_are_their_bytes(name, bytes);
+  }
+  requests_are_their_bytes(bytes);
+  every_message_comes_back(bytes);
+  conversation_stays_sane(bytes);
+  return 0;
+}

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "sinew/cli/outcome.h"
+
+namespace sinew::cli {
+
+struct DoctorRequest {
+  std::optional<std::string> robot;
+  std::optional<std::string> port;
+  std::optional<std::string> wire;
+};
+
+/// `sinew doctor`: ports, rights and kernel interfaces of this computer; with a robot and a port
+/// also what answers there. Only questions that move nothing are asked.
+Outcome examine(const DoctorRequest& request);
+
+}  // namespace sinew::cli

@@ -1,0 +1,278 @@
+#include "sinew/cli/program_report.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "sinew/cli/kinematics_text.h"
+#include "sinew/cli/plot_svg.h"
+#include "sinew/cli/table.h"
+#include "sinew/cli/truth_text.h"
+#include "sinew/core/units.h"
+
+namespace sinew::cli {
+namespace {
+
+using program::MoveOrder;
+using program::Record;
+
+constexpr Duration kSamplePeriod = std::chrono::milliseconds(10);
+
+bool is_leg(const Joint& joint) {
+  return joint.kind == JointKind::kPrismatic;
+}
+double shown(double q, const Joint& joint) {
+  return is_leg(joint) ? to_mm(q) : to_deg(q);
+}
+const char* unit_of(const RobotModel& model) {
+  return is_leg(model.joints[0]) ? "mm" : "deg";
+}
+int digits_of(const RobotModel& model) {
+  return is_leg(model.joints[0]) ? 4 : 2;
+}
+
+std::string values_text(std::span<const double> q, const RobotModel& model) {
+  std::string text;
+  for (std::size_t i = 0; i < q.size(); ++i) {
+    text += fmt::format("{}{:.{}f}", i == 0 ? "" : " ", shown(q[i], model.joints[i]) + 0.0,
+                        digits_of(model));
+  }
+  return text;
+}
+
+std::string reported_text(const Record& record, const RobotModel& model) {
+  std::string text;
+  for (std::size_t i = 0; i < record.reported.size(); ++i) {
+    const JointPosition& position = record.reported[i];
+    const Joint& joint = model.joints[i];
+    const char* blank = i == 0 ? "" : " ";
+    const int digits = digits_of(model);
+    if (position.quality == PositionQuality::kLost) {
+      text += fmt::format("{}?", blank);
+    } else if (position.quality == PositionQuality::kUncertain) {
+      text += fmt::format("{}{:.{}f}..{:.{}f}", blank, shown(position.lower, joint), digits,
+                          shown(position.upper, joint), digits);
+    } else {
+      text += fmt::format("{}{:.{}f}", blank, shown(position.q, joint) + 0.0, digits);
+    }
+  }
+  return text;
+}
+
+std::string tool_text(const ToolAction& action) {
+  if (const auto* jaws = std::get_if<JawsTo>(&action)) {
+    return fmt::format("jaws {} mm", number(to_mm(jaws->width), 4));
+  }
+  if (const auto* gripper = std::get_if<GripperTo>(&action)) {
+    return gripper->enabled ? fmt::format("gripper {} deg", number(to_deg(gripper->angle), 4))
+                            : "gripper off";
+  }
+  if (const auto* suction = std::get_if<Suction>(&action)) {
+    constexpr const char* kNames[] = {"on", "release", "off"};
+    return fmt::format("suction {}", kNames[static_cast<int>(suction->state)]);
+  }
+  const auto& nozzle = std::get<NozzleTo>(action);
+  return fmt::format("nozzle {} deg in {} s", number(to_deg(nozzle.angle), 4),
+                     number(to_seconds(nozzle.duration), 3));
+}
+
+std::string command_text(const Record& record, const RobotModel& model) {
+  const auto& what = record.order->what;
+  if (std::holds_alternative<MoveOrder>(what)) {
+    return "joint " + values_text({record.q.data(), record.q.size()}, model);
+  }
+  if (const auto* wait = std::get_if<program::WaitOrder>(&what)) {
+    return fmt::format("wait {} s", number(to_seconds(wait->duration), 3));
+  }
+  if (const auto* tool = std::get_if<program::ToolOrder>(&what)) return tool_text(tool->action);
+  return "home";
+}
+
+double took(const Record& record) {
+  return to_seconds(record.done - record.asked);
+}
+
+/// Largest distance of a reported joint from where it was sent; nothing where one is not known.
+std::optional<double> largest_error(const Record& record, const RobotModel& model) {
+  if (!std::holds_alternative<MoveOrder>(record.order->what)) return std::nullopt;
+  double largest = 0;
+  for (std::size_t i = 0; i < record.q.size(); ++i) {
+    const JointPosition& position = record.reported[i];
+    if (position.quality < PositionQuality::kCommanded) return std::nullopt;
+    largest = std::max(largest, std::abs(shown(position.q - record.q[i], model.joints[i])));
+  }
+  return largest;
+}
+
+PositionQuality worst_of(std::span<const JointPosition> positions) {
+  PositionQuality worst = PositionQuality::kMeasured;
+  for (const JointPosition& position : positions) worst = std::min(worst, position.quality);
+  return worst;
+}
+
+const char* result_name(const ProgramReport& report) {
+  if (report.end.left_at_once) return "left";
+  switch (report.run.phase()) {
+    case program::Run::Phase::kDone:
+      return "done";
+    case program::Run::Phase::kStopped:
+      return "stopped";
+    default:
+      return "failed";
+  }
+}
+
+Json positions_json(std::span<const JointPosition> positions, const RobotModel& model) {
+  Json list = Json::array();
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    const JointPosition& position = positions[i];
+    const Joint& joint = model.joints[i];
+    const std::string unit = is_leg(joint) ? "_mm" : "_deg";
+    Json one{{"joint", joint.name}, {"quality", quality_name(position.quality)}};
+    if (position.quality != PositionQuality::kLost) {
+      one["q" + unit] = shown(position.q, joint);
+      one["lower" + unit] = shown(position.lower, joint);
+      one["upper" + unit] = shown(position.upper, joint);
+    }
+    list.push_back(one);
+  }
+  return list;
+}
+
+Json health_json(const DriverHealth& health) {
+  Json json{{"requests", health.requests},
+            {"retries", health.retries},
+            {"timeouts", health.timeouts},
+            {"unexpected", health.unexpected}};
+  if (health.supply_volts) json["supply_v"] = *health.supply_volts;
+  if (health.temperature_c) json["temperature_c"] = *health.temperature_c;
+  return json;
+}
+
+}  // namespace
+
+const char* quality_name(PositionQuality quality) {
+  constexpr const char* kNames[] = {"lost", "uncertain", "commanded", "measured"};
+  return kNames[static_cast<int>(quality)];
+}
+
+void SampleRecorder::look(const program::Run& run, Instant now) {
+  if (run.phase() == program::Run::Phase::kOpening) return;
+  if (samples_.empty()) start_ = now;
+  if (!samples_.empty() && now < next_) return;
+  next_ = now + kSamplePeriod;
+  JointSample sample;
+  sample.t = to_seconds(now - start_);
+  sample.worst = worst_of(run.driver().positions());
+  for (const JointPosition& position : run.driver().positions()) sample.q.push_back(position.q);
+  samples_.push_back(sample);
+}
+
+Json program_json(const ProgramReport& report) {
+  const auto& [model, run, end, truth] = report;
+  Json json{{"result", result_name(report)},
+            {"predicted_s", run.plan().duration},
+            {"orders_planned", run.plan().orders.size()},
+            {"bytes_to_device", end.bytes.to_device},
+            {"bytes_to_host", end.bytes.to_host},
+            {"health", health_json(run.driver().health())},
+            {"orders", Json::array()}};
+  for (const Record& record : run.records()) {
+    Json order{
+        {"line", record.order->line},
+        {"round", record.order->round},
+        {"command", command_text(record, model)},
+        {"took_s", took(record)},
+        {"positions", positions_json({record.reported.data(), record.reported.size()}, model)}};
+    if (std::holds_alternative<MoveOrder>(record.order->what)) {
+      order["commanded"] = joints_json({record.q.data(), record.q.size()}, model);
+      order["predicted_s"] = record.duration;
+    }
+    json["orders"].push_back(order);
+  }
+  json["positions"] = positions_json(run.driver().positions(), model);
+  if (truth) json["truth"] = truth_json(*truth, model);
+  if (run.failure()) {
+    json["refusal"] = error_json(run.failure()->error, model);
+    json["refusal"]["line"] = run.failure()->line;
+  }
+  return json;
+}
+
+std::string program_text(const ProgramReport& report) {
+  const auto& [model, run, end, truth] = report;
+  const auto records = run.records();
+  std::string text;
+  if (!records.empty()) {
+    std::string names;
+    for (const Joint& joint : model.joints) names += " " + joint.name;
+    const std::string unit = unit_of(model);
+    Table table({"#", "line", "round", "order, " + unit, "then known, " + unit, "off", "known how",
+                 "predicted s", "took s"});
+    table.left(3).left(4).left(6);
+    for (std::size_t i = 0; i < records.size(); ++i) {
+      const Record& record = records[i];
+      const auto error = largest_error(record, model);
+      table.add({fmt::format("{}", i + 1), fmt::format("{}", record.order->line),
+                 fmt::format("{}/{}", record.order->round, record.order->rounds),
+                 command_text(record, model), reported_text(record, model),
+                 error ? number(*error, 3) : "",
+                 quality_name(worst_of({record.reported.data(), record.reported.size()})),
+                 record.duration > 0 ? fmt::format("{:.2f}", record.duration) : "",
+                 fmt::format("{:.2f}", took(record))});
+    }
+    text += fmt::format("\n  joints:{}\n\n{}\n", names, table.text());
+  }
+  const double time = records.empty() ? 0 : to_seconds(records.back().done - records.front().asked);
+  text += fmt::format("  {}: {} of {} orders, {:.2f} s, {} bytes out, {} in\n", result_name(report),
+                      records.size(), run.plan().orders.size(), time, end.bytes.to_device,
+                      end.bytes.to_host);
+  const DriverHealth health = run.driver().health();
+  if (health.retries + health.timeouts + health.unexpected > 0) {
+    text +=
+        fmt::format("  on the wire: {} retries, {} answers that never came, {} that fit nothing\n",
+                    health.retries, health.timeouts, health.unexpected);
+  }
+  if (truth) text += "  where it really stands: " + truth_line(*truth, model) + "\n";
+  return text;
+}
+
+std::string program_csv(const RobotModel& model, const std::vector<JointSample>& samples) {
+  std::string csv = "t_s";
+  for (const Joint& joint : model.joints)
+    csv += "," + joint.name + (is_leg(joint) ? "_mm" : "_deg");
+  csv += ",quality\n";
+  for (const JointSample& sample : samples) {
+    csv += fmt::format("{:.6f}", sample.t);
+    for (std::size_t i = 0; i < sample.q.size(); ++i) {
+      csv += fmt::format(",{:.6f}", shown(sample.q[i], model.joints[i]));
+    }
+    csv += fmt::format(",{}\n", quality_name(sample.worst));
+  }
+  return csv;
+}
+
+std::string program_svg(const RobotModel& model, const std::vector<JointSample>& samples,
+                        const std::string& title) {
+  const std::string unit = unit_of(model);
+  Panel position{"position, " + unit, {}};
+  Panel velocity{"velocity, " + unit + "/s", {}};
+  std::vector<double> t;
+  for (const JointSample& sample : samples) t.push_back(sample.t);
+  for (std::size_t i = 0; i < model.joints.size(); ++i) {
+    position.curves.push_back({model.joints[i].name, {}});
+    velocity.curves.push_back({model.joints[i].name, {}});
+    for (std::size_t k = 0; k < samples.size(); ++k) {
+      const double q = shown(samples[k].q[i], model.joints[i]);
+      position.curves[i].values.push_back(q);
+      const std::size_t before = k == 0 ? 0 : k - 1;
+      const double dt = t[k] - t[before];
+      const double last = shown(samples[before].q[i], model.joints[i]);
+      velocity.curves[i].values.push_back(dt > 0 ? (q - last) / dt : 0);
+    }
+  }
+  return plot_svg(title, t, {position, velocity});
+}
+
+}  // namespace sinew::cli

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "sinew/cli/outcome.h"
+#include "sinew/program/program_run.h"
+#include "sinew/runtime/program_session.h"
+#include "sinew/sim/machine.h"
+
+namespace sinew::cli {
+
+/// Where the joints were at one instant of a run, as the driver knew it.
+struct JointSample {
+  double t = 0;  ///< s since the first order
+  JointVector q;
+  PositionQuality worst = PositionQuality::kLost;  ///< of all joints
+};
+
+/// Collects samples while a program runs, at most one in 10 ms.
+class SampleRecorder {
+ public:
+  void look(const program::Run& run, Instant now);
+  const std::vector<JointSample>& samples() const { return samples_; }
+
+ private:
+  std::vector<JointSample> samples_;
+  Instant start_{};
+  Instant next_{};
+};
+
+/// All that is to be told about a run that is over.
+struct ProgramReport {
+  const RobotModel& model;
+  const program::Run& run;
+  const runtime::ProgramEnd& end;
+  std::optional<sim::Truth> truth;  ///< of the machine that was simulated for it
+};
+
+Json program_json(const ProgramReport& report);
+std::string program_text(const ProgramReport& report);
+std::string program_csv(const RobotModel& model, const std::vector<JointSample>& samples);
+std::string program_svg(const RobotModel& model, const std::vector<JointSample>& samples,
+                        const std::string& title);
+
+/// "measured", "commanded", "uncertain", "lost".
+const char* quality_name(PositionQuality quality);
+
+}  // namespace sinew::cli

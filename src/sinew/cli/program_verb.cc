@@ -1,0 +1,225 @@
+#include "sinew/cli/program_verb.h"
+
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <utility>
+#include <vector>
+
+#include "sinew/cli/device_argument.h"
+#include "sinew/cli/kinematics_text.h"
+#include "sinew/cli/program_report.h"
+#include "sinew/cli/progress_line.h"
+#include "sinew/cli/quantity.h"
+#include "sinew/cli/robot_argument.h"
+#include "sinew/io/file.h"
+#include "sinew/io/interrupt.h"
+#include "sinew/program/program_file.h"
+#include "sinew/runtime/robot_link.h"
+#include "sinew/runtime/robot_variant.h"
+
+namespace sinew::cli {
+namespace {
+
+struct Prepared {
+  RobotModel model;
+  program::Program program;
+  std::optional<JointVector> standing_at;
+};
+
+std::expected<std::optional<JointVector>, Outcome> standing_at(const RunRequest& request,
+                                                               const RobotModel& model) {
+  JointVector q;
+  for (const Joint& joint : model.joints) q.push_back(joint.home);
+  // A machine that is simulated here begins at its home.
+  if (!request.standing_at) return request.port ? std::nullopt : std::optional(q);
+  if (*request.standing_at == "home") return q;
+  const bool legs = model.joints[0].kind == JointKind::kPrismatic;
+  const auto values =
+      parse_quantities("--standing-at", *request.standing_at,
+                       std::vector(model.joints.size(), legs ? Measure::kLength : Measure::kAngle),
+                       joint_names(model));
+  if (!values) return std::unexpected(bad_input(values.error()));
+  q.clear();
+  for (std::size_t i = 0; i < values->size(); ++i) {
+    if (!within_limits(model.joints[i], (*values)[i])) {
+      const double limit =
+          (*values)[i] < model.joints[i].lower ? model.joints[i].lower : model.joints[i].upper;
+      const Error error{legs ? ErrorCode::kLegLength : ErrorCode::kJointLimit,
+                        static_cast<std::int8_t>(i), (*values)[i], limit};
+      return std::unexpected(bad_input("--standing-at: " + error_text(error, model)));
+    }
+    q.push_back((*values)[i]);
+  }
+  return q;
+}
+
+/// Everything that can be wrong before a byte leaves.
+std::expected<Prepared, Outcome> prepare(const RunRequest& request) {
+  const auto file = find_robot(request.robot);
+  if (!file) return std::unexpected(file.error());
+  if (const auto fine = check_has_device(file->model); !fine) return std::unexpected(fine.error());
+  auto variant = runtime::variant_of(file->model, request.profile, request.wire);
+  if (!variant) return std::unexpected(bad_input(variant.error()));
+  Prepared prepared{std::move(*variant), {}, {}};
+  const RobotModel& model = prepared.model;
+  if (const auto fine = check_time_scale(request.time_scale); !fine) {
+    return std::unexpected(fine.error());
+  }
+  if (request.port && request.time_scale != 1 && !runtime::may_be_simulated(*request.port)) {
+    return std::unexpected(bad_input("--time-scale: a real port keeps real time"));
+  }
+  if (const auto fine = check_outputs(request); !fine) return std::unexpected(fine.error());
+  const auto text = io::read_file(request.file);
+  if (!text) return std::unexpected(bad_input(text.error().sentence));
+  auto parsed = program::parse(*text, request.file, model);
+  if (!parsed) return std::unexpected(complaints_outcome(parsed.error()));
+  prepared.program = std::move(*parsed);
+  if (prepared.program.steps.empty()) {
+    return std::unexpected(bad_input(request.file + ": has no step; a first line could be: joint " +
+                                     model.joints[0].name + "=10deg"));
+  }
+  const auto standing = standing_at(request, model);
+  if (!standing) return std::unexpected(standing.error());
+  prepared.standing_at = *standing;
+  // Checked whole before the first byte leaves; once more when the machine has told where it is.
+  JointVector home;
+  for (const Joint& joint : model.joints) home.push_back(joint.home);
+  const auto plan =
+      program::make_plan(prepared.program, model, prepared.standing_at.value_or(home));
+  if (!plan) {
+    Outcome outcome =
+        could_not(fmt::format("{}:{}: {}; nothing was moved", request.file, plan.error().line,
+                              error_text(plan.error().error, model)));
+    outcome.json["refusal"] = error_json(plan.error().error, model);
+    outcome.json["refusal"]["line"] = plan.error().line;
+    return std::unexpected(outcome);
+  }
+  return prepared;
+}
+
+/// Why a run did not come to its end, as a sentence; empty where it did.
+std::string why_not_done(const RunRequest& request, const RobotModel& model,
+                         const program::Run& run, const runtime::ProgramEnd& end,
+                         const std::string& port) {
+  if (end.left_at_once) return "left at once; what was under way goes on, unseen";
+  if (end.wire_failure) return end.wire_failure->sentence;
+  if (run.phase() == program::Run::Phase::kStopped) return "stopped";
+  if (!run.failure()) return {};
+  const std::string reason = error_text(run.failure()->error, model);
+  if (run.failure()->line > 0) {
+    return fmt::format("{}:{}: {}", request.file, run.failure()->line, reason);
+  }
+  return fmt::format("{}: {}; is it switched on, and is this its port?", port, reason);
+}
+
+void write_files(const RunRequest& request, const RobotModel& model,
+                 const std::vector<JointSample>& samples, Outcome& outcome) {
+  const auto write = [&](const char* option, const std::optional<std::string>& path,
+                         const std::string& text) {
+    if (!path) return;
+    if (const auto written = io::replace_file(*path, text); !written) {
+      add_failure(outcome, fmt::format("{}: {}", option, written.error().sentence));
+    } else {
+      outcome.text += "  " + *path + "\n";
+    }
+  };
+  if (request.record) write("--record", request.record, program_csv(model, samples));
+  if (request.plot) {
+    write("--plot", request.plot, program_svg(model, samples, model.title + ": " + request.file));
+  }
+}
+
+Outcome drive(const RunRequest& request, const Prepared& prepared, runtime::RobotLink& link,
+              const io::Clock& clock, const runtime::ByteLog& log) {
+  const RobotModel& model = prepared.model;
+  program::Run run(
+      prepared.program, model, link.driver(),
+      from_seconds(to_seconds(runtime::opening_limit(model)) * std::max(1.0, clock.scale())));
+  if (prepared.standing_at) run.declare(*prepared.standing_at);
+  SampleRecorder recorder;
+  runtime::ProgramEnd end;
+  {
+    ProgressLine progress(request.quiet);
+    end = runtime::run_program(run, link.driver(), link.line(), clock,
+                               {.progress =
+                                    [&](const program::Run& view, Instant now) {
+                                      recorder.look(view, now);
+                                      progress.show(view, now);
+                                    },
+                                .interrupts = [] { return io::interrupts(); }});
+  }
+  const ProgramReport report{model, run, end, link.end()};
+  Outcome outcome;
+  outcome.json = {{"robot", model.id}, {"port", link.name()}};
+  outcome.json.update(program_json(report));
+  outcome.text = program_text(report);
+  outcome.complaint = why_not_done(request, model, run, end, link.name());
+  if (run.phase() != program::Run::Phase::kDone) outcome.exit = ExitCode::kCouldNot;
+  write_files(request, model, recorder.samples(), outcome);
+  if (const auto failure = log.failure()) {
+    add_failure(outcome, "--log: " + failure->sentence + "; the log is not whole");
+  }
+  return outcome;
+}
+
+}  // namespace
+
+void add_failure(Outcome& outcome, const std::string& sentence) {
+  outcome.exit = ExitCode::kCouldNot;
+  outcome.complaint += (outcome.complaint.empty() ? "" : "\n") + sentence;
+}
+
+std::expected<void, Outcome> check_outputs(const RunRequest& request) {
+  // Whoever mistypes a name must not lose the program, the robot's file, or send text to the arm.
+  std::vector<std::pair<std::string, std::string>> taken{{"the program", request.file}};
+  if (request.robot.ends_with(".toml")) taken.emplace_back("the robot's file", request.robot);
+  if (request.port) taken.emplace_back("the port", *request.port);
+  const auto check = [&](const std::string& option,
+                         const std::optional<std::string>& path) -> std::expected<void, Outcome> {
+    if (!path) return {};
+    if (const auto fine = io::check_place(*path); !fine) {
+      return std::unexpected(bad_input(option + ": " + fine.error().sentence));
+    }
+    for (const auto& [what, other] : taken) {
+      if (!io::same_file(*path, other)) continue;
+      return std::unexpected(
+          bad_input(fmt::format("{}: {} is {}; choose another name", option, *path, what)));
+    }
+    taken.emplace_back("the file of " + option, *path);
+    return {};
+  };
+  if (auto fine = check("--log", request.log); !fine) return fine;
+  if (auto fine = check("--record", request.record); !fine) return fine;
+  return check("--plot", request.plot);
+}
+
+Outcome run_sinew_program(const RunRequest& request) {
+  const auto prepared = prepare(request);
+  if (!prepared) return prepared.error();
+  const RobotModel& model = prepared->model;
+  io::catch_interrupts();
+  const io::Clock clock(request.time_scale);
+  runtime::ByteLog log;
+  auto link = request.port
+                  ? runtime::RobotLink::open(model, *request.port, clock, log)
+                  : runtime::RobotLink::simulate(
+                        model, {.profile = request.profile, .seed = request.seed}, clock, log);
+  if (!link) return could_not(link.error().sentence);
+  // Only now: whoever is refused the port must not empty the log of the run that has it.
+  if (request.log) {
+    auto created = runtime::ByteLog::create(*request.log);
+    if (!created) return could_not("--log: " + created.error().sentence);
+    log = std::move(*created);
+  }
+  if (!request.quiet) {
+    std::fputs(
+        fmt::format("  {}: {} steps, over {} ({})\n", model.title, prepared->program.steps.size(),
+                    link->name(), link->simulated() ? "simulated device" : "real port")
+            .c_str(),
+        stderr);
+  }
+  return drive(request, *prepared, *link, clock, log);
+}
+
+}  // namespace sinew::cli

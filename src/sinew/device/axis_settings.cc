@@ -1,0 +1,57 @@
+#include "sinew/device/axis_settings.h"
+
+#include <algorithm>
+
+#include "sinew/core/assert.h"
+
+namespace sinew {
+namespace {
+
+/// Of the step rate, what profiles use; the rest is for the loop to correct with.
+constexpr double kProfileShare = 0.9;
+constexpr double kTrackingJerk = 10;  // times the joint's own
+/// The switch closes this far outside the position limits, and the homed axis waits as far inside.
+constexpr double kSwitchBeyondLimit = from_deg(2);
+constexpr double kClearInsideLimit = from_deg(1);
+/// The search may take the whole way between the limits, both ends beyond them, and this.
+constexpr double kSearchMargin = from_deg(10);
+
+}  // namespace
+
+AxisSettings axis_settings(const RobotModel& model, std::size_t joint) {
+  SINEW_ASSERT(joint < model.joints.size());
+  const Joint& from = model.joints[joint];
+  AxisSettings settings;
+  if (joint < model.dynamics.drives.size()) {
+    const StepperDrive& drive = model.dynamics.drives[joint];
+    settings.gear_ratio = drive.gear_ratio;
+    settings.backlash = drive.backlash;
+    settings.full_steps_per_turn = drive.steps_per_turn;
+    settings.microsteps = drive.microsteps;
+    // Play and a count of the joint's encoder are no disagreement, whatever this gear's play is.
+    settings.supervision.disagreement += drive.backlash;
+  }
+  settings.lower = from.lower;
+  settings.upper = from.upper;
+  const double rate_max = settings.step_rate_max / settings.steps_per_rad();
+  settings.limits = {std::min(from.velocity_max, kProfileShare * rate_max), from.acceleration_max,
+                     from.jerk_max};
+  settings.tracking_jerk = kTrackingJerk * from.jerk_max;
+
+  settings.encoders.gear_ratio = settings.gear_ratio;
+  // Half an electrical turn of the motor: two full steps.
+  settings.supervision.stall_angle = 2 * 2 * kPi / settings.full_steps_per_turn;
+
+  HomingSettings& homing = settings.homing;
+  homing.end_stop_angle = from.lower - kSwitchBeyondLimit;
+  homing.clear_angle = std::min(from.lower + kClearInsideLimit, from.upper);
+  homing.travel_max = from.upper - from.lower + 2 * kSwitchBeyondLimit + kSearchMargin;
+  homing.approach_speed = std::min(homing.approach_speed, settings.limits.velocity);
+  homing.slow_speed = std::min(homing.slow_speed, settings.limits.velocity);
+
+  settings.cascade.rate_max = rate_max;
+  settings.cascade.dead_band = 1 / settings.steps_per_rad();
+  return settings;
+}
+
+}  // namespace sinew

@@ -1,0 +1,330 @@
+#include "sinew/device/lsc_board.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string_view>
+
+#include "sinew/core/assert.h"
+
+namespace sinew {
+
+using namespace lsc;
+
+namespace {
+
+constexpr double kBootUnits = 1500;               // us; the middle of a PWM servo
+constexpr std::uint16_t kPulseMin = 500;          // us
+constexpr std::uint16_t kPulseMax = 2500;         // us
+constexpr std::uint16_t kBusMax = 1000;           // thousandths of 240 deg
+constexpr std::uint16_t kEsp32GripperMax = 1500;  // us; beyond it the jaws would stall
+constexpr std::uint16_t kEsp32TimeMin = 20;       // ms
+constexpr std::uint16_t kEsp32TimeMax = 30'000;   // ms
+constexpr std::uint16_t kEsp32HomeTime = 1000;    // ms; assumed
+constexpr int kOffsetMax = 125;
+constexpr Duration kBeepPause = std::chrono::seconds(1);
+constexpr std::string_view kEsp32BootText = "pwm servo\r\nbegin\r\n";
+
+bool known(std::uint8_t id) {
+  return id >= 1 && id <= LscBoard::kServos;
+}
+
+/// What the ESP32's firmware makes of a move before it carries it out.
+Move esp32_clamped(const Move& move) {
+  Move clamped;
+  clamped.time_ms = std::clamp(move.time_ms, kEsp32TimeMin, kEsp32TimeMax);
+  for (const ServoValue& servo : move.servos) {
+    const std::uint16_t top = servo.id == 1 ? kEsp32GripperMax : kPulseMax;
+    if (known(servo.id)) {
+      clamped.servos.push_back({servo.id, std::clamp(servo.value, kPulseMin, top)});
+    }
+  }
+  return clamped;
+}
+
+}  // namespace
+
+LscBoard::LscBoard(LscProfile profile, Instant boot)
+    : profile_(profile),
+      now_(boot),
+      decoder_(profile == LscProfile::kEsp32 ? LengthRule::kAnything : LengthRule::kBounded) {
+  power_cycle(boot);
+}
+
+Dialect LscBoard::dialect() const {
+  switch (profile_) {
+    case LscProfile::kBus:
+      return Dialect::kBus;
+    case LscProfile::kEsp32:
+      return Dialect::kEsp32;
+    case LscProfile::kLsc6:
+      break;
+  }
+  return Dialect::kLsc6;
+}
+
+void LscBoard::power_cycle(Instant now) {
+  now_ = std::max(now_, now);
+  decoder_.reset();
+  output_.clear();
+  groups_.stop();
+  groups_.forget_speeds();
+  for (Servo& servo : servos_) {
+    const double measured = servo.measured;
+    const std::int8_t offset = servo.saved_offset;
+    servo = {.driven = false,
+             .from = kBootUnits,
+             .to = kBootUnits,
+             .start = now_,
+             .duration = Duration::zero(),
+             .measured = measured,
+             .offset = offset,
+             .saved_offset = offset};
+  }
+  if (profile_ != LscProfile::kEsp32) return;
+  for (const char character : kEsp32BootText) {
+    output_.push_back(static_cast<std::uint8_t>(character));
+  }
+}
+
+void LscBoard::receive(std::span<const std::uint8_t> bytes, Instant now) {
+  advance(now);
+  const std::uint64_t skipped = decoder_.skipped();
+  for (const std::uint8_t byte : bytes) {
+    const auto frame = decoder_.push(byte);
+    if (!frame) continue;
+    const auto request = decode_request(*frame, dialect());
+    if (request) {
+      take(*request);
+    } else {
+      ++beeps_;
+    }
+  }
+  if (decoder_.skipped() != skipped) ++beeps_;
+}
+
+void LscBoard::advance(Instant now) {
+  SINEW_ASSERT(now >= now_);
+  // Each round goes on at its own instant, so that the next action starts exactly there.
+  while (groups_.due() && *groups_.due() <= now) {
+    now_ = std::max(now_, *groups_.due());
+    const std::uint8_t group = groups_.group();
+    const std::uint16_t times = groups_.times();
+    if (const auto action = groups_.next()) {
+      start(*action);
+    } else if (profile_ != LscProfile::kEsp32) {
+      say(GroupFinished{group, times});
+    }
+  }
+  now_ = now;
+  if (supply_volts_ < kBeepVolts && (!beeped_ || now_ - *beeped_ >= kBeepPause)) {
+    beeped_ = now_;
+    ++beeps_;
+  }
+}
+
+std::size_t LscBoard::take_output(std::span<std::uint8_t> out) {
+  const std::size_t count = std::min(out.size(), output_.size());
+  std::copy_n(output_.begin(), count, out.begin());
+  std::copy(output_.begin() + count, output_.end(), output_.begin());
+  output_.resize(output_.size() - count);
+  return count;
+}
+
+double LscBoard::at(const Servo& servo) const {
+  const Duration gone = now_ - servo.start;
+  if (gone >= servo.duration) return servo.to;
+  return servo.from + (servo.to - servo.from) * to_seconds(gone) / to_seconds(servo.duration);
+}
+
+double LscBoard::commanded(std::uint8_t id) const {
+  return at(servo(id));
+}
+
+LscBoard::Command LscBoard::command(std::uint8_t id) const {
+  const Servo& it = servo(id);
+  return {it.driven, at(it) + it.offset};
+}
+
+void LscBoard::sense_position(std::uint8_t id, double units) {
+  servo(id).measured = units - servo(id).offset;
+}
+
+bool LscBoard::moving() const {
+  return std::any_of(servos_.begin(), servos_.end(), [&](const Servo& servo) {
+    return servo.driven && now_ - servo.start < servo.duration;
+  });
+}
+
+bool LscBoard::acceptable(const Move& move) const {
+  const bool bus = profile_ == LscProfile::kBus;
+  return std::all_of(move.servos.begin(), move.servos.end(), [&](const ServoValue& servo) {
+    if (!known(servo.id)) return false;
+    if (bus) return servo.value <= kBusMax || servo.value == kLeavePosition;
+    return servo.value >= kPulseMin && servo.value <= kPulseMax;
+  });
+}
+
+void LscBoard::start(const Move& move) {
+  for (const ServoValue& target : move.servos) {
+    if (target.value == kLeavePosition) continue;
+    Servo& it = servo(target.id);
+    const bool from_itself = profile_ == LscProfile::kBus && !it.driven;
+    it.from = from_itself ? it.measured : at(it);
+    it.to = target.value;
+    it.start = now_;
+    it.duration = std::chrono::milliseconds(move.time_ms);
+    it.driven = true;
+  }
+}
+
+void LscBoard::run_group(std::uint8_t group, std::uint16_t times) {
+  if (!groups_.run(group, times, now_)) {
+    ++beeps_;
+    return;
+  }
+  if (profile_ != LscProfile::kEsp32) say(GroupStarted{group, times});
+  advance(now_);
+}
+
+void LscBoard::press_run(bool held, Instant now) {
+  advance(now);
+  run_group(kButtonGroup, held ? 0 : 1);
+}
+
+void LscBoard::take(const Request& request) {
+  bool right = true;
+  if (const auto* move = std::get_if<Move>(&request)) {
+    const bool clamps = profile_ == LscProfile::kEsp32;
+    right = clamps || acceptable(*move);
+    if (right) start(clamps ? esp32_clamped(*move) : *move);
+  } else if (const auto* run = std::get_if<RunGroup>(&request)) {
+    run_group(run->group, run->times);
+  } else if (std::holds_alternative<StopGroup>(request)) {
+    if (groups_.stop() && profile_ != LscProfile::kEsp32) say(GroupStopped{});
+  } else if (const auto* erase = std::get_if<EraseGroup>(&request)) {
+    if (erase->group == kAllGroups || profile_ == LscProfile::kEsp32) {
+      groups_.erase_all();
+    } else {
+      groups_.erase(erase->group);
+    }
+    say(GroupErased{});
+  } else if (const auto* speed = std::get_if<SetGroupSpeed>(&request)) {
+    groups_.set_speed(speed->group, speed->percent);
+  } else if (std::holds_alternative<ReadBattery>(request)) {
+    const double millivolts = std::clamp(supply_volts_ * 1000, 0.0, 65535.0);
+    say(Battery{static_cast<std::uint16_t>(std::lround(millivolts))});
+  } else if (const auto* step = std::get_if<GroupStep>(&request)) {
+    right = take_group_step(*step);
+  } else {
+    right = profile_ == LscProfile::kBus ? take_bus(request) : take_esp32(request);
+  }
+  if (!right) ++beeps_;
+}
+
+bool LscBoard::take_group_step(const GroupStep& step) {
+  if (step.kind == GroupStep::Kind::kBegin) {
+    if (step.value > LscGroups::kGroupMax) return false;
+    download_group_ = step.value;
+    download_place_ = 0;
+  } else if (step.kind == GroupStep::Kind::kAction) {
+    // Blocks are how the board's memory is cut; the order of the actions is the order of the group.
+    if (!acceptable(step.move)) return false;
+    if (!groups_.store(download_group_, download_place_, step.move)) return false;
+    ++download_place_;
+  }
+  say(GroupStepTaken{static_cast<std::uint8_t>(step.kind)});
+  return true;
+}
+
+bool LscBoard::for_each(const ServoIds& ids, auto&& action) {
+  if (!std::all_of(ids.begin(), ids.end(), known)) return false;
+  for (const std::uint8_t id : ids) action(id, servo(id));
+  return true;
+}
+
+bool LscBoard::take_offset(const ServoOffset& offset) {
+  if (!known(offset.id) || std::abs(offset.offset) > kOffsetMax) return false;
+  servo(offset.id).offset = offset.offset;
+  return true;
+}
+
+bool LscBoard::take_bus(const Request& request) {
+  if (const auto* unload = std::get_if<Unload>(&request)) {
+    return for_each(unload->ids, [](std::uint8_t, Servo& it) { it.driven = false; });
+  }
+  if (const auto* read = std::get_if<ReadPositions>(&request)) {
+    Positions positions;
+    const bool right = for_each(read->ids, [&](std::uint8_t id, const Servo& it) {
+      const double units = std::clamp(it.measured, 0.0, 65535.0);
+      positions.servos.push_back({id, static_cast<std::uint16_t>(std::lround(units))});
+    });
+    if (right) say(positions);
+    return right;
+  }
+  if (const auto* store = std::get_if<StoreBusOffsets>(&request)) {
+    return for_each(store->ids, [](std::uint8_t, Servo& it) { it.saved_offset = it.offset; });
+  }
+  if (const auto* read = std::get_if<ReadBusOffsets>(&request)) {
+    BusOffsets offsets;
+    const bool right = for_each(read->ids, [&](std::uint8_t id, const Servo& it) {
+      offsets.servos.push_back({id, it.offset});
+    });
+    if (right) say(offsets);
+    return right;
+  }
+  if (const auto* adjust = std::get_if<AdjustBusOffset>(&request)) {
+    if (std::abs(adjust->offset) > kOffsetMax) return false;
+    return take_offset({adjust->id, static_cast<std::int8_t>(adjust->offset)});
+  }
+  // Motor mode and the registers of the servos themselves are not part of an arm.
+  return false;
+}
+
+bool LscBoard::take_esp32(const Request& request) {
+  if (std::holds_alternative<ReadVersion>(request)) {
+    say(Version{1, 1});
+  } else if (std::holds_alternative<ReadOffsets>(request)) {
+    Offsets offsets;
+    for (std::uint8_t id = 1; id <= kServos; ++id) {
+      offsets.servos[id - 1U] = {id, servo(id).offset};
+    }
+    say(offsets);
+  } else if (const auto* offset = std::get_if<SetOffset>(&request)) {
+    return take_offset(offset->servo);
+  } else if (std::holds_alternative<SaveOffsets>(request)) {
+    for (Servo& it : servos_) it.saved_offset = it.offset;
+    say(OffsetsSaved{});
+  } else if (std::holds_alternative<GoHome>(request)) {
+    Move home{kEsp32HomeTime, {}};
+    for (std::uint8_t id = 1; id <= kServos; ++id) {
+      home.servos.push_back({id, static_cast<std::uint16_t>(kBootUnits)});
+    }
+    start(home);
+  } else if (std::holds_alternative<ReadCommanded>(request)) {
+    Commanded commanded_now;
+    for (std::uint8_t id = 1; id <= kServos; ++id) {
+      const auto units = static_cast<std::uint16_t>(std::lround(commanded(id)));
+      commanded_now.servos[id - 1U] = {id, units};
+    }
+    say(commanded_now);
+  } else if (const auto* action = std::get_if<StoreAction>(&request)) {
+    if (!groups_.store(action->group, action->index, esp32_clamped(action->move))) return false;
+    say(ActionStored{});
+  } else {
+    // A jog runs the board's own kinematics, which nobody has; it beeps as for a point out of
+    // reach.
+    return std::holds_alternative<Chassis>(request);
+  }
+  return true;
+}
+
+void LscBoard::say(const Reply& reply) {
+  const Bytes bytes = encode(reply);
+  if (output_.size() + bytes.size() > output_.capacity()) {
+    bytes_lost_ += bytes.size();
+    return;
+  }
+  for (const std::uint8_t byte : bytes) output_.push_back(byte);
+}
+
+}  // namespace sinew

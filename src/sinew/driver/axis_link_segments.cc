@@ -1,0 +1,115 @@
+#include "sinew/driver/axis_link_segments.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "sinew/core/assert.h"
+
+namespace sinew::axis_link {
+namespace {
+
+/// Pieces that are cut out of a smooth motion swing out by rounding and by the fourth power of
+/// their duration; so much (rad) is held back at the limit, more is refused.
+constexpr double kSwing = 1e-4;
+/// Likewise of the peak speed.
+constexpr double kSpeedTolerance = 1.01;
+/// s. Shorter than any cycle of the link: there would be no setpoint inside.
+constexpr double kShortest = 1e-4;
+/// s. An hour; longer is a mistake of units.
+constexpr double kLongest = 3600;
+
+}  // namespace
+
+CubicPiece::CubicPiece(const Setpoint& from, const Setpoint& to, double duration)
+    : from_(from), to_(to), duration_(duration) {
+  SINEW_ASSERT(duration > 0);
+  const double mean = (to.q - from.q) / duration;
+  c2_ = (3 * mean - 2 * from.qd - to.qd) / duration;
+  c3_ = (from.qd + to.qd - 2 * mean) / (duration * duration);
+}
+
+Setpoint CubicPiece::at(double t) const {
+  if (t >= duration_) return to_;
+  return {from_.q + t * (from_.qd + t * (c2_ + t * c3_)), from_.qd + t * (2 * c2_ + t * 3 * c3_)};
+}
+
+double CubicPiece::peak_speed() const {
+  double peak = std::max(std::abs(from_.qd), std::abs(to_.qd));
+  const double t = -c2_ / (3 * c3_);  // where its acceleration is 0
+  if (t > 0 && t < duration_) peak = std::max(peak, std::abs(at(t).qd));
+  return peak;
+}
+
+Expected<void> CubicPiece::check(const Joint& joint) const {
+  const double peak = peak_speed();
+  if (!(peak <= joint.velocity_max * kSpeedTolerance)) {
+    return std::unexpected(
+        Error{ErrorCode::kSegmentTime, -1, duration_, duration_ * peak / joint.velocity_max});
+  }
+  // Where its speed is 0: 3 c3 t^2 + 2 c2 t + qd = 0, in the form that also takes c3 = 0.
+  const double root = std::sqrt(std::max(0.0, c2_ * c2_ - 3 * c3_ * from_.qd));
+  for (const double sum : {-c2_ - root, -c2_ + root}) {
+    for (const double t : {sum / (3 * c3_), from_.qd / sum}) {
+      if (!(t > 0 && t < duration_)) continue;
+      const double q = at(t).q;
+      if (q >= joint.lower - kSwing && q <= joint.upper + kSwing) continue;
+      return std::unexpected(
+          Error{ErrorCode::kJointLimit, -1, q, q < joint.lower ? joint.lower : joint.upper});
+    }
+  }
+  return {};
+}
+
+Expected<void> SegmentQueue::push(const JointMove& move, std::span<const Joint> joints,
+                                  std::span<const Setpoint> start, Instant now) {
+  SINEW_ASSERT(!full() && start.size() == joints.size());
+  if (move.q.size() != joints.size() || move.qd.size() != joints.size()) {
+    return std::unexpected(Error{ErrorCode::kUnsendable, -1, static_cast<double>(move.q.size())});
+  }
+  const double duration = to_seconds(move.duration);
+  if (duration < kShortest || duration > kLongest) {
+    const double limit = duration < kShortest ? kShortest : kLongest;
+    return std::unexpected(Error{ErrorCode::kSegmentTime, -1, duration, limit});
+  }
+  Segment segment{
+      .pieces = {}, .start = empty() ? now : back().end, .end = {}, .ends_at_rest = true};
+  segment.end = segment.start + move.duration;
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    const auto refuse = [&](Error error) {
+      error.index = static_cast<std::int8_t>(i);
+      return std::unexpected(error);
+    };
+    const double q = move.q[i];
+    // Written so that NaN is refused too.
+    if (!within_limits(joints[i], q)) {
+      const double limit = q < joints[i].lower ? joints[i].lower : joints[i].upper;
+      return refuse({ErrorCode::kJointLimit, -1, q, limit});
+    }
+    if (!std::isfinite(move.qd[i])) return refuse({ErrorCode::kUnsendable, -1, move.qd[i]});
+    const Setpoint from = empty() ? start[i] : back().pieces[i].end();
+    const CubicPiece piece(from, {q, move.qd[i]}, duration);
+    if (const auto checked = piece.check(joints[i]); !checked) return refuse(checked.error());
+    segment.ends_at_rest = segment.ends_at_rest && move.qd[i] == 0;
+    segment.pieces.push_back(piece);
+  }
+  segments_.push_back(segment);
+  return {};
+}
+
+void SegmentQueue::pop_front() {
+  SINEW_ASSERT(!empty());
+  std::copy(segments_.begin() + 1, segments_.end(), segments_.begin());
+  segments_.pop_back();
+}
+
+Setpoint SegmentQueue::at(std::size_t joint, Instant when) const {
+  SINEW_ASSERT(!empty());
+  for (const Segment& segment : segments_) {
+    if (when >= segment.end) continue;
+    return segment.pieces[joint].at(std::max(0.0, to_seconds(when - segment.start)));
+  }
+  return back().pieces[joint].end();
+}
+
+}  // namespace sinew::axis_link

@@ -1,0 +1,81 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <span>
+
+#include "sinew/core/error.h"
+#include "sinew/core/fixed_vector.h"
+#include "sinew/core/instant.h"
+#include "sinew/driver/driver.h"
+#include "sinew/model/robot_model.h"
+
+/// Pieces of a streamed motion, and the setpoints between their ends. All @rt.
+namespace sinew::axis_link {
+
+struct Setpoint {
+  double q = 0;   ///< rad
+  double qd = 0;  ///< rad/s
+};
+
+/// The cubic from one setpoint to another: the only one that has both positions and both speeds.
+/// Source: C. de Boor, A Practical Guide to Splines, 1978, ch. IV (cubic Hermite interpolation).
+class CubicPiece {
+ public:
+  CubicPiece() = default;
+  CubicPiece(const Setpoint& from, const Setpoint& to, double duration);
+
+  /// @param t  s from its start, 0..duration.
+  Setpoint at(double t) const;
+  Setpoint end() const { return to_; }
+  /// Whether it stays inside the joint's limits of position and speed all along.
+  /// @error kJointLimit (it swings out between its ends), kSegmentTime (limit: what it would need)
+  Expected<void> check(const Joint& joint) const;
+
+ private:
+  double peak_speed() const;
+
+  Setpoint from_;
+  Setpoint to_;
+  double duration_ = 0;
+  double c2_ = 0;
+  double c3_ = 0;
+};
+
+/// One piece for every joint.
+struct Segment {
+  FixedVector<CubicPiece, kMaxJoints> pieces;
+  Instant start;
+  Instant end;
+  bool ends_at_rest = false;
+};
+
+/// The pieces that were asked for and are not over.
+class SegmentQueue {
+ public:
+  /// As many as give a host of 20 ms segments 60 ms of reserve.
+  static constexpr std::size_t kSegments = 4;
+
+  /// The next piece from the end of the last one, or from `start` at `now` where there is none.
+  /// Nothing is taken on error.
+  /// @error kUnsendable (number of joints, a speed that is no number), kJointLimit, kSegmentTime,
+  /// with the joint's index
+  Expected<void> push(const JointMove& move, std::span<const Joint> joints,
+                      std::span<const Setpoint> start, Instant now);
+  bool empty() const { return segments_.empty(); }
+  bool full() const { return segments_.full(); }
+  std::size_t size() const { return segments_.size(); }
+  void clear() { segments_.clear(); }
+
+  /// @pre not empty
+  const Segment& front() const { return segments_[0]; }
+  const Segment& back() const { return segments_.back(); }
+  void pop_front();
+  /// Where the joint shall be at `when`; beyond the last end it is that end.
+  Setpoint at(std::size_t joint, Instant when) const;
+
+ private:
+  FixedVector<Segment, kSegments> segments_;
+};
+
+}  // namespace sinew::axis_link

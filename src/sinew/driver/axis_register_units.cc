@@ -1,0 +1,98 @@
+#include "sinew/driver/axis_register_units.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "sinew/core/units.h"
+
+namespace sinew::axis_registers {
+
+namespace {
+
+/// 1.5 microsteps of a board's 200 x 16 steps behind 17:1.
+constexpr double kTargetTolerance = 0.01 * kPi / 180;
+
+AngleFormat format_of(AngleEncoding encoding) {
+  switch (encoding) {
+    case AngleEncoding::kDegU32:
+      return AngleFormat::kDegU32;
+    case AngleEncoding::kMdegI32:
+      return AngleFormat::kMdegI32;
+    case AngleEncoding::kF32Be:
+      return AngleFormat::kF32Be;
+    case AngleEncoding::kF32Le:
+      break;
+  }
+  return AngleFormat::kF32Le;
+}
+
+std::optional<ToldAngle> told(AngleFormat format, double offset, const AngleBytes& bytes) {
+  const auto angle_deg = decode_angle(format, bytes);
+  if (!angle_deg) return std::nullopt;
+  return ToldAngle{bytes, offset + from_deg(*angle_deg),
+                   from_deg(angle_unit_deg(format, *angle_deg)) / 2};
+}
+
+double offset_of(AngleEncoding encoding, double zero) {
+  return encoding == AngleEncoding::kDegU32 ? zero : 0;
+}
+
+}  // namespace
+
+Expected<ToldAngle> tell_angle(AngleEncoding encoding, double zero, const Joint& joint, double q) {
+  const double limit = q < joint.lower ? joint.lower : joint.upper;
+  const Error outside{ErrorCode::kJointLimit, -1, q, limit};
+  if (!within_limits(joint, q)) return std::unexpected(outside);  // NaN too
+  const AngleFormat format = format_of(encoding);
+  const double offset = offset_of(encoding, zero);
+  const double wanted_deg = to_deg(q - offset);
+  const double unit_deg = angle_unit_deg(format, wanted_deg);
+  // The nearest may lie beyond a limit that is no whole unit; then its neighbour inside.
+  const double inward = q > (joint.lower + joint.upper) / 2 ? -unit_deg : unit_deg;
+  for (const double candidate_deg : {wanted_deg, wanted_deg + inward}) {
+    const auto bytes = encode_angle(format, candidate_deg);
+    if (!bytes) continue;
+    const auto angle = told(format, offset, *bytes);
+    if (angle && within_limits(joint, angle->q)) return *angle;
+  }
+  return std::unexpected(outside);
+}
+
+std::optional<ToldAngle> read_angle(AngleEncoding encoding, double zero, const Data& data) {
+  AngleBytes bytes{};
+  if (data.size() != bytes.size()) return std::nullopt;
+  std::copy_n(data.begin(), bytes.size(), bytes.begin());
+  return told(format_of(encoding), offset_of(encoding, zero), bytes);
+}
+
+double same_target_tolerance(const ToldAngle& told) {
+  return std::max(told.half_unit, kTargetTolerance);
+}
+
+double quickest_time(const Joint& joint, double distance) {
+  const double v = joint.velocity_max;
+  const double a = joint.acceleration_max;
+  const double j = joint.jerk_max;
+  const double d = std::abs(distance);
+  // Peak speed of a move that never cruises, and from it whether it would be too fast.
+  const double ramp = a / j;
+  const bool full_ramp = d >= 2 * a * ramp * ramp;
+  const double time = full_ramp ? ramp + std::sqrt(ramp * ramp + 4 * d / a) : std::cbrt(32 * d / j);
+  const double peak = 2 * d / time;
+  if (d == 0 || peak <= v) return d == 0 ? 0 : time;
+  const double to_cruise = v * j >= a * a ? v / a + ramp : 2 * std::sqrt(v / j);
+  return d / v + to_cruise;
+}
+
+std::optional<Error> fault_of(std::uint8_t number) {
+  using enum ErrorCode;
+  constexpr std::array kCodes{kFollowingError, kStalled,    kEncodersDisagree, kEncoderLost,
+                              kEncoderLost,    kEndStop,    kHomingFailed,     kHomingFailed,
+                              kSupplyLow,      kOverheated, kLinkSilent,       kSelfTestFailed};
+  if (number == 0) return std::nullopt;
+  if (number > kCodes.size()) return Error{kUnexpectedReply, -1, 1.0 * number};
+  return Error{kCodes[number - 1]};
+}
+
+}  // namespace sinew::axis_registers

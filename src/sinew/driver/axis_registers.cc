@@ -1,0 +1,433 @@
+#include "sinew/driver/axis_registers.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "sinew/core/assert.h"
+
+namespace sinew {
+
+using namespace axis_registers;
+
+namespace {
+
+/// Events that are told whatever happens; notices give way to them.
+constexpr std::size_t kRoomForEnds = 16;
+
+}  // namespace
+
+AxisRegistersDriver::AxisRegistersDriver(const AxisRegistersDevice& device,
+                                         std::span<const Joint> joints,
+                                         const AxisRegistersTiming& timing)
+    : device_(device), timing_(timing), joints_(joints), link_(device, timing.link) {
+  SINEW_ASSERT(!joints.empty() && joints.size() == device.boards.size());
+  axes_.resize(joints.size());
+  positions_.resize(joints.size());
+  if (timing_.homing_order.empty()) {
+    for (std::size_t i = 0; i < joints.size(); ++i) {
+      timing_.homing_order.push_back(static_cast<std::uint8_t>(i));
+    }
+  }
+  for (const std::uint8_t joint : timing_.homing_order) SINEW_ASSERT(joint < joints.size());
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    std::uint8_t same_bus = 0;
+    for (std::size_t k = 0; k < joints.size(); ++k) {
+      if (device.boards[k].spi_bus == device.boards[i].spi_bus) {
+        same_bus = static_cast<std::uint8_t>(same_bus | 1U << k);
+      }
+    }
+    if (std::ranges::find(buses_, same_bus) == buses_.end()) buses_.push_back(same_bus);
+  }
+}
+
+void AxisRegistersDriver::open(Instant now) {
+  if (activity_ != Activity::kClosed) return;
+  link_.reset();
+  silence_told_ = false;
+  begin_opening(now);
+  pump(now);
+}
+
+void AxisRegistersDriver::close(Instant) {
+  if (activity_ == Activity::kClosed) return;
+  if (command_ || stop_asked_) tell(DriverEvent::Kind::kFailed, {ErrorCode::kPortClosed});
+  command_ = stop_asked_ = open_again_ = false;
+  link_.reset();
+  asked_.reset();
+  wake_at_.reset();
+  activity_ = Activity::kClosed;
+}
+
+DriverState AxisRegistersDriver::state() const {
+  switch (activity_) {
+    case Activity::kClosed:
+      return DriverState::kClosed;
+    case Activity::kOpening:
+      return DriverState::kOpening;
+    case Activity::kMoving:
+    case Activity::kHoming:
+      return DriverState::kMoving;
+    case Activity::kStopping:
+      return DriverState::kStopping;
+    case Activity::kIdle:
+    case Activity::kClearing:
+      break;
+  }
+  return fault_ ? DriverState::kFault : DriverState::kReady;
+}
+
+std::span<const JointPosition> AxisRegistersDriver::positions() const {
+  return {positions_.data(), positions_.size()};
+}
+
+bool AxisRegistersDriver::wants_move(Instant) const {
+  return activity_ == Activity::kIdle && !fault_;
+}
+
+std::optional<Error> AxisRegistersDriver::check_ready() const {
+  if (activity_ == Activity::kClosed) return Error{ErrorCode::kPortClosed};
+  if (activity_ != Activity::kIdle) return Error{ErrorCode::kBusy};
+  return fault_;
+}
+
+Expected<ToldAngle> AxisRegistersDriver::target_for(std::size_t i, double q) const {
+  const auto index = static_cast<std::int8_t>(i);
+  auto told = tell_angle(device_.encoding, device_.boards[i].zero, joints_[i], q);
+  const JointPosition& position = positions_[i];
+  if (axes_[i].fault) {
+    // It takes part by standing still.
+    const bool holds =
+        q >= position.lower - kJointLimitTolerance && q <= position.upper + kJointLimitTolerance;
+    if (!holds) return std::unexpected(*axes_[i].fault);
+    return ToldAngle{};
+  }
+  if (!told) {
+    Error error = told.error();
+    error.index = index;
+    return std::unexpected(error);
+  }
+  if (position.quality == PositionQuality::kLost) {
+    return std::unexpected(Error{ErrorCode::kPositionUnknown, index});
+  }
+  return told;
+}
+
+Expected<void> AxisRegistersDriver::move(const JointMove& move, Instant now) {
+  SINEW_ASSERT(move.q.size() == joints_.size());
+  if (const auto error = check_ready()) return std::unexpected(*error);
+  std::array<ToldAngle, kMaxJoints> targets{};
+  for (std::size_t i = 0; i < axes_.size(); ++i) {
+    const auto target = target_for(i, move.q[i]);
+    if (!target) return std::unexpected(target.error());
+    targets[i] = *target;
+  }
+  begin(Activity::kMoving);
+  for (std::size_t i = 0; i < axes_.size(); ++i) {
+    Axis& axis = axes_[i];
+    axis.phase = Phase::kDone;
+    axis.moves = false;
+    if (axis.fault) continue;
+    const JointPosition& from = positions_[i];
+    axis.target = targets[i];
+    axis.moves = from.quality != PositionQuality::kCommanded || from.q != axis.target.q;
+    const double distance =
+        std::max(std::abs(axis.target.q - from.lower), std::abs(axis.target.q - from.upper));
+    axis.expected = std::max(to_seconds(move.duration), quickest_time(joints_[i], distance));
+    axis.not_before = now;
+    axis.deadline = now + timing_.move_margin;
+    if (axis.moves) {
+      axis.phase = axis.latched ? Phase::kRelease : Phase::kWrite;
+    } else if (device_.reports_status) {
+      axis.phase = Phase::kPoll;
+    }
+  }
+  pump(now);
+  return {};
+}
+
+void AxisRegistersDriver::stop(Instant now) {
+  if (activity_ == Activity::kClosed) {
+    return tell(DriverEvent::Kind::kFailed, {ErrorCode::kPortClosed});
+  }
+  stop_asked_ = true;
+  if (activity_ == Activity::kStopping) return;
+  open_again_ = activity_ == Activity::kOpening;
+  command_ = false;
+  begin_stopping(now);
+  pump(now);
+}
+
+Expected<void> AxisRegistersDriver::home(Instant now) {
+  if (!device_.reports_status) return std::unexpected(Error{ErrorCode::kTaskNotSupported});
+  if (const auto error = check_ready()) return std::unexpected(*error);
+  for (const Axis& axis : axes_) {
+    // One that does not answer is left out; one that has a fault of its own is told about first.
+    if (axis.fault && axis.answers) return std::unexpected(*axis.fault);
+  }
+  if (std::ranges::none_of(axes_, &Axis::answers)) return std::unexpected(*axes_[0].fault);
+  begin(Activity::kHoming);
+  begin_homing_of(0);
+  pump(now);
+  return {};
+}
+
+Expected<void> AxisRegistersDriver::clear_fault(Instant now) {
+  if (activity_ == Activity::kClosed) return std::unexpected(Error{ErrorCode::kPortClosed});
+  if (activity_ != Activity::kIdle) return std::unexpected(Error{ErrorCode::kBusy});
+  begin(Activity::kClearing);
+  for (Axis& axis : axes_) {
+    axis.phase = Phase::kClear;
+    axis.not_before = now;
+  }
+  pump(now);
+  return {};
+}
+
+void AxisRegistersDriver::declare_positions(std::span<const JointPosition> positions) {
+  SINEW_ASSERT(positions.size() == positions_.size());
+  const bool at_rest = activity_ == Activity::kClosed || activity_ == Activity::kOpening ||
+                       activity_ == Activity::kIdle;
+  if (!at_rest) return;
+  for (std::size_t i = 0; i < positions_.size(); ++i) {
+    JointPosition declared = positions[i];
+    if (!std::isfinite(declared.q)) declared = {};
+    const bool inside = declared.lower <= declared.q && declared.q <= declared.upper;
+    if (!inside) declared.lower = declared.upper = declared.q;
+    if (declared.quality == PositionQuality::kMeasured) {
+      declared.quality = PositionQuality::kCommanded;
+    }
+    positions_[i] = declared;
+  }
+}
+
+void AxisRegistersDriver::begin(Activity activity) {
+  activity_ = activity;
+  command_ = true;
+  cursor_ = 0;
+  for (Axis& axis : axes_) axis.phase = Phase::kDone;
+}
+
+void AxisRegistersDriver::begin_opening(Instant now) {
+  activity_ = Activity::kOpening;
+  open_again_ = false;
+  cursor_ = 0;
+  for (Axis& axis : axes_) {
+    axis.phase = Phase::kFind;
+    axis.answers = false;
+    axis.fault.reset();
+    axis.not_before = now;
+  }
+}
+
+void AxisRegistersDriver::begin_stopping(Instant now) {
+  link_.abandon();
+  asked_.reset();
+  activity_ = Activity::kStopping;
+  cursor_ = 0;
+  buses_stopped_ = 0;
+  stop_error_.reset();
+  for (std::size_t i = 0; i < axes_.size(); ++i) {
+    Axis& axis = axes_[i];
+    const Joint& joint = joints_[i];
+    axis.latched = true;
+    axis.stops_left = timing_.link.tries;
+    axis.phase = axis.answers ? Phase::kVerify : Phase::kStop;
+    axis.not_before = now;
+    axis.deadline = now + timing_.stop_margin +
+                    from_seconds(joint.velocity_max / joint.acceleration_max +
+                                 joint.acceleration_max / joint.jerk_max);
+  }
+}
+
+void AxisRegistersDriver::begin_homing_of(std::size_t place) {
+  for (; place < timing_.homing_order.size(); ++place) {
+    Axis& axis = axes_[timing_.homing_order[place]];
+    if (!axis.answers) continue;
+    axis.phase = axis.latched ? Phase::kRelease : Phase::kBefore;
+    break;
+  }
+  homing_place_ = place;
+}
+
+bool AxisRegistersDriver::all_done() const {
+  return std::ranges::all_of(axes_, [](const Axis& axis) { return axis.phase == Phase::kDone; });
+}
+
+void AxisRegistersDriver::pump(Instant now) {
+  // Each round asks somebody or ends an activity or an axis.
+  for (std::size_t round = 0; round < 4 * kMaxJoints; ++round) {
+    wake_at_.reset();
+    if (activity_ == Activity::kClosed || link_.busy()) return;
+    if (activity_ == Activity::kStopping && broadcast_stop(now)) return;
+    const auto next = activity_ == Activity::kIdle ? next_idle_axis(now) : next_axis(now);
+    if (!next && (activity_ == Activity::kIdle || !all_done())) return;
+    if (!next) {
+      finish(now);
+    } else if (axes_[*next].phase == Phase::kPoll && !device_.reports_status) {
+      // Its time is over; nothing that it could be asked says more.
+      set_at(*next, axes_[*next].target);
+      axes_[*next].phase = Phase::kDone;
+    } else {
+      return ask(*next, now);
+    }
+  }
+}
+
+bool AxisRegistersDriver::broadcast_stop(Instant now) {
+  if (buses_stopped_ == buses_.size()) return false;
+  link_.start({.select = buses_[buses_stopped_++],
+               .operation = Operation::kWrite,
+               .address = device_.registers.emergency_stop,
+               .data = {kOn},
+               .blind = true},
+              now);
+  return true;
+}
+
+std::optional<std::size_t> AxisRegistersDriver::next_axis(Instant now) {
+  // Orders before questions, and nobody waits for a board that is known to be silent.
+  const auto rank = [](const Axis& axis) {
+    return (axis.phase < Phase::kPollHoming ? 0 : 1) + (axis.answers ? 0 : 2);
+  };
+  std::optional<std::size_t> best;
+  for (std::size_t k = 0; k < axes_.size(); ++k) {
+    const std::size_t i = (cursor_ + k) % axes_.size();
+    const Axis& axis = axes_[i];
+    if (axis.phase == Phase::kDone) continue;
+    if (axis.not_before > now) {
+      wake_at_ = std::min(wake_at_.value_or(axis.not_before), axis.not_before);
+    } else if (!best || rank(axis) < rank(axes_[*best])) {
+      best = i;
+    }
+  }
+  if (best) cursor_ = (*best + 1) % axes_.size();
+  return best;
+}
+
+std::optional<std::size_t> AxisRegistersDriver::next_idle_axis(Instant now) {
+  std::optional<std::size_t> watched;
+  for (std::size_t k = 0; k < axes_.size(); ++k) {
+    const std::size_t i = (cursor_ + k) % axes_.size();
+    Axis& axis = axes_[i];
+    if (axis.answers && !watched) watched = i;
+    if (axis.answers) continue;
+    if (axis.not_before <= now) {
+      if (!axis.stop_due) axis.phase = Phase::kFind;
+      if (axis.stop_due && axis.phase != Phase::kVerify) axis.phase = Phase::kStop;
+      return i;
+    }
+    wake_at_ = std::min(wake_at_.value_or(axis.not_before), axis.not_before);
+  }
+  if (!watched) return std::nullopt;
+  if (now < watch_at_) {
+    wake_at_ = std::min(wake_at_.value_or(watch_at_), watch_at_);
+    return std::nullopt;
+  }
+  axes_[*watched].phase = Phase::kFind;
+  cursor_ = (*watched + 1) % axes_.size();
+  return watched;
+}
+
+void AxisRegistersDriver::finish(Instant now) {
+  switch (activity_) {
+    case Activity::kOpening:
+      return finish_opening(now);
+    case Activity::kStopping:
+      return finish_stopping(now);
+    case Activity::kClearing:
+      return finish_clearing();
+    case Activity::kHoming:
+      begin_homing_of(homing_place_ + 1);
+      if (homing_place_ < timing_.homing_order.size()) return;
+      break;
+    case Activity::kMoving:
+      break;
+    case Activity::kClosed:
+    case Activity::kIdle:
+      return;
+  }
+  activity_ = Activity::kIdle;
+  watch_at_ = now + timing_.watch;
+  command_ = false;
+  tell(DriverEvent::Kind::kDone);
+}
+
+void AxisRegistersDriver::finish_opening(Instant now) {
+  if (std::ranges::any_of(axes_, &Axis::answers)) {
+    activity_ = Activity::kIdle;
+    return tell(DriverEvent::Kind::kReady);
+  }
+  if (!silence_told_) tell(DriverEvent::Kind::kFailed, *axes_[0].fault);
+  silence_told_ = true;
+  for (Axis& axis : axes_) {
+    axis.phase = Phase::kFind;
+    axis.not_before = now + timing_.retry;
+  }
+}
+
+void AxisRegistersDriver::finish_stopping(Instant now) {
+  activity_ = Activity::kIdle;
+  if (stop_error_ && !fault_) fault_ = stop_error_;
+  if (stop_asked_ && !stop_error_) tell(DriverEvent::Kind::kStopped);
+  if (stop_asked_ && stop_error_) tell(DriverEvent::Kind::kFailed, *stop_error_);
+  if (!stop_asked_ && stop_error_) tell(DriverEvent::Kind::kNotice, *stop_error_);
+  stop_asked_ = false;
+  if (open_again_) begin_opening(now);
+}
+
+void AxisRegistersDriver::finish_clearing() {
+  activity_ = Activity::kIdle;
+  command_ = false;
+  const bool fit =
+      std::ranges::any_of(axes_, [](const Axis& axis) { return axis.answers && !axis.fault; });
+  if (fit) {
+    fault_.reset();
+    return tell(DriverEvent::Kind::kDone);
+  }
+  fault_ = axes_[0].fault;
+  tell(DriverEvent::Kind::kFailed, *fault_);
+}
+
+void AxisRegistersDriver::fail_motion(Error error, Instant now) {
+  fault_ = error;
+  if (command_) tell(DriverEvent::Kind::kFailed, error);
+  command_ = false;
+  begin_stopping(now);
+}
+
+void AxisRegistersDriver::poll(Instant now) {
+  pump(now);
+}
+
+std::optional<Instant> AxisRegistersDriver::next_deadline() const {
+  return link_.busy() ? link_.next_deadline() : wake_at_;
+}
+
+std::optional<spi::Transfer> AxisRegistersDriver::take_transfer(Instant now) {
+  pump(now);
+  return link_.take_transfer(now);
+}
+
+void AxisRegistersDriver::exchanged(std::span<const std::uint8_t> miso, Instant now) {
+  link_.exchanged(miso, now);
+  if (const auto outcome = link_.take_outcome()) take(*outcome, now);
+  pump(now);
+}
+
+std::optional<DriverEvent> AxisRegistersDriver::take_event() {
+  if (events_.empty()) return std::nullopt;
+  const DriverEvent first = events_[0];
+  std::copy(events_.begin() + 1, events_.end(), events_.begin());
+  events_.pop_back();
+  return first;
+}
+
+void AxisRegistersDriver::tell(DriverEvent::Kind kind, const Error& error) {
+  const bool notice = kind == DriverEvent::Kind::kNotice;
+  if (notice && events_.size() >= events_.capacity() - kRoomForEnds) return;
+  SINEW_ASSERT(!events_.full());
+  events_.push_back({kind, error});
+}
+
+}  // namespace sinew

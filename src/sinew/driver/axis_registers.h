@@ -1,0 +1,210 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "sinew/core/error.h"
+#include "sinew/core/fixed_vector.h"
+#include "sinew/core/instant.h"
+#include "sinew/driver/axis_register_link.h"
+#include "sinew/driver/axis_register_units.h"
+#include "sinew/driver/driver.h"
+#include "sinew/model/device.h"
+#include "sinew/model/robot_model.h"
+#include "sinew/wire/axis_registers.h"
+
+namespace sinew {
+
+struct AxisRegistersTiming {
+  AxisRegisterTiming link;
+  Duration watch = std::chrono::milliseconds(200);  ///< between two reads at rest
+  Duration retry = std::chrono::seconds(2);  ///< between two tries on an axis that does not answer
+  double move_factor = 1.5;                  ///< of the expected duration, and
+  Duration move_margin = std::chrono::seconds(2);     ///< this on top, until a move has failed
+  Duration stop_margin = std::chrono::seconds(2);     ///< on top of a joint's slowest deceleration
+  Duration homing_limit = std::chrono::seconds(120);  ///< one axis
+  FixedVector<std::uint8_t, kMaxJoints> homing_order;  ///< joints; empty: the order of the file
+};
+
+/// Host side of the register protocol: one board per axis, one target per move, each board makes
+/// its own profile. docs/wires/axis_registers.md has the wire and what it can lose.
+///
+///   activity  | what happens                            | next
+///   ----------+-----------------------------------------+----------------------------------
+///   kClosed   | open                                    | kOpening
+///   kOpening  | every board was asked, one answered     | kIdle, kReady
+///   kOpening  | none answered                           | kOpening again, kFailed once
+///   kIdle     | move, home, clear_fault                 | kMoving, kHoming, kClearing
+///   kMoving   | every board arrived and tells its target| kIdle, kDone
+///   kHoming   | each board in turn is homed             | kIdle, kDone
+///   kClearing | every board was told                    | kIdle, kDone or kFailed
+///   kMoving,  | a board fails, silent or faulted        | kStopping, kFailed, then kIdle with
+///   kHoming   |                                         | the fault latched
+///   any       | stop                                    | kStopping
+///   kStopping | every board says that it stands         | kIdle (or kOpening), kStopped
+///   any       | close                                   | kClosed
+///
+/// The wire has one stop, EMERGENCY_STOP, and that is what stop() sends: to all boards at once,
+/// then each is asked, and told again alone where it did not hear. The latch stays until the next
+/// move or home, which take it back first. A latch that this driver did not set is a fault.
+///
+/// A board that fails `tries` transactions in a row, or reports a fault, is out: axis_fault() says
+/// why, a silent one is tried again every `retry`. The others go on; move() takes targets that
+/// leave a board that is out where positions() shows it.
+///
+/// positions(): kLost before homing; kUncertain while moving, after a move that was stopped or
+/// failed, and for a board that was homed by somebody else, always over an interval that holds the
+/// truth; kCommanded after a move, at the angle that the board was really told. A move from an
+/// uncertain position is allowed: the board knows where it stands. All members are @rt.
+class AxisRegistersDriver : public SpiDriver {
+ public:
+  /// @param joints  one per board.
+  AxisRegistersDriver(const AxisRegistersDevice& device, std::span<const Joint> joints,
+                      const AxisRegistersTiming& timing = {});
+
+  void open(Instant now) override;
+  void close(Instant now) override;
+  DriverState state() const override;
+  std::optional<Error> fault() const override { return fault_; }
+  std::span<const JointPosition> positions() const override;
+  DriverHealth health() const override { return link_.health(); }
+  bool wants_move(Instant now) const override;
+
+  /// @error kPortClosed, kBusy, the fault, kJointLimit, kPositionUnknown (a joint is lost),
+  ///        kUnsendable (the number of joints), or the fault of a board that is out
+  Expected<void> move(const JointMove& move, Instant now) override;
+  void stop(Instant now) override;
+  /// The boards one after the other; those that do not answer are left out.
+  /// @error kTaskNotSupported (boards without a status: nothing would say whether it happened),
+  ///        kPortClosed, kBusy, the fault
+  Expected<void> home(Instant now) override;
+  /// DIAG_CONTROL 1 and EMERGENCY_STOP 0 on every board. kDone follows where one is fit to move.
+  /// @error kPortClosed, kBusy
+  Expected<void> clear_fault(Instant now) override;
+  /// At rest only; what the boards say goes before it.
+  void declare_positions(std::span<const JointPosition> positions) override;
+
+  void poll(Instant now) override;
+  std::optional<Instant> next_deadline() const override;
+  std::optional<DriverEvent> take_event() override;
+
+  std::optional<spi::Transfer> take_transfer(Instant now) override;
+  void exchanged(std::span<const std::uint8_t> miso, Instant now) override;
+
+  /// Why a board is out. @pre joint < joints
+  std::optional<Error> axis_fault(std::size_t joint) const { return axes_[joint].fault; }
+  std::uint16_t frame_id() const { return link_.frame_id(); }
+
+ private:
+  enum class Activity : std::uint8_t {
+    kClosed,
+    kOpening,
+    kIdle,
+    kMoving,
+    kHoming,
+    kStopping,
+    kClearing,
+  };
+
+  /// What an axis has to be asked next. Those before kPoll go first, on all axes.
+  enum class Phase : std::uint8_t {
+    kClear,       ///< DIAG_CONTROL 1
+    kStop,        ///< EMERGENCY_STOP 1, this axis alone
+    kCancel,      ///< HOMING 0
+    kRelease,     ///< EMERGENCY_STOP 0
+    kBefore,      ///< MOVE_ANGLE as it is before homing
+    kHome,        ///< HOMING 1
+    kWrite,       ///< MOVE_ANGLE
+    kPollHoming,  ///< HOMING, until it is 0
+    kPoll,        ///< DIAG_STATUS, until it stands
+    kReadBack,    ///< MOVE_ANGLE, which must be the target
+    kVerify,      ///< the stop is latched, and it stands
+    kFind,        ///< is it there, and how is it
+    kDone,
+  };
+
+  struct Axis {
+    std::optional<Error> fault;  ///< why it is out
+    bool answers = false;
+    bool latched = false;   ///< by us
+    bool stop_due = false;  ///< it never confirmed a stop
+    bool homing = false;    ///< told to, and not seen to end
+    bool moves = false;     ///< has a target of its own in this move
+    Phase phase = Phase::kDone;
+    Instant not_before;
+    Instant deadline;
+    int stops_left = 0;
+    double expected = 0;  ///< s, of its move
+    axis_registers::ToldAngle target;
+    std::optional<axis_registers::ToldAngle> before;  ///< MOVE_ANGLE, before homing
+  };
+  struct Asked {
+    std::size_t axis = 0;
+    Phase phase = Phase::kDone;
+  };
+
+  // axis_registers.cc: what is to be done
+  std::optional<Error> check_ready() const;
+  Expected<axis_registers::ToldAngle> target_for(std::size_t i, double q) const;
+  bool all_done() const;
+  void begin(Activity activity);
+  void begin_opening(Instant now);
+  void begin_stopping(Instant now);
+  void begin_homing_of(std::size_t place);
+  void finish(Instant now);
+  void finish_opening(Instant now);
+  void finish_stopping(Instant now);
+  void finish_clearing();
+  void pump(Instant now);
+  bool broadcast_stop(Instant now);
+  std::optional<std::size_t> next_axis(Instant now);
+  std::optional<std::size_t> next_idle_axis(Instant now);
+  void fail_motion(Error error, Instant now);
+  void tell(DriverEvent::Kind kind, const Error& error = {});
+
+  // axis_registers_steps.cc: what one axis is asked, and what its answers mean
+  void ask(std::size_t i, Instant now);
+  AxisRegisterRequest request_for(std::size_t i) const;
+  void take(const AxisRegisterOutcome& outcome, Instant now);
+  void take_value(std::size_t i, Phase phase, const axis_registers::Data& value, Instant now);
+  void take_homing(std::size_t i, const axis_registers::Data& value, Instant now);
+  void take_poll(std::size_t i, const axis_registers::Data& value, Instant now);
+  void take_read_back(std::size_t i, const axis_registers::Data& value, Instant now);
+  void take_stop_check(std::size_t i, const axis_registers::Data& value, Instant now);
+  void take_found(std::size_t i, const axis_registers::Data& value, Instant now);
+  std::optional<axis_registers::Status> take_status(std::size_t i,
+                                                    const axis_registers::Data& value);
+  void axis_fails(std::size_t i, Error error, Instant now);
+  void after_release(std::size_t i);
+  void set_everywhere(std::size_t i);
+  void set_lost(std::size_t i);
+  void set_at(std::size_t i, const axis_registers::ToldAngle& where);
+  void stretch_to_target(std::size_t i);
+
+  AxisRegistersDevice device_;
+  AxisRegistersTiming timing_;
+  FixedVector<Joint, kMaxJoints> joints_;
+  FixedVector<Axis, kMaxJoints> axes_;
+  FixedVector<JointPosition, kMaxJoints> positions_;
+  FixedVector<std::uint8_t, kMaxJoints> buses_;  ///< select of the boards on each bus
+
+  AxisRegisterLink link_;
+  Activity activity_ = Activity::kClosed;
+  std::optional<Asked> asked_;
+  std::size_t cursor_ = 0;  ///< round robin
+  Instant watch_at_;
+  std::size_t homing_place_ = 0;   ///< in the order
+  std::size_t buses_stopped_ = 0;  ///< broadcasts sent
+  bool command_ = false;           ///< a move, home or clear_fault whose end is to be told
+  bool stop_asked_ = false;
+  bool open_again_ = false;  ///< the stop interrupted opening
+  bool silence_told_ = false;
+  std::optional<Error> fault_;
+  std::optional<Error> stop_error_;
+  std::optional<Instant> wake_at_;
+  FixedVector<DriverEvent, 32> events_;
+};
+
+}  // namespace sinew

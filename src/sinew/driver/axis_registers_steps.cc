@@ -1,0 +1,353 @@
+#include <algorithm>
+#include <cmath>
+
+#include "sinew/core/assert.h"
+#include "sinew/core/units.h"
+#include "sinew/driver/axis_registers.h"
+
+// What one axis is asked, and what its answers mean.
+
+namespace sinew {
+
+using namespace axis_registers;
+
+void AxisRegistersDriver::ask(std::size_t i, Instant now) {
+  Axis& axis = axes_[i];
+  // What is claimed of the position must hold from the moment when an order may arrive.
+  if (axis.phase == Phase::kWrite) stretch_to_target(i);
+  if (axis.phase == Phase::kHome) {
+    axis.homing = true;
+    set_lost(i);
+  }
+  asked_ = Asked{i, axis.phase};
+  link_.start(request_for(i), now);
+}
+
+AxisRegisterRequest AxisRegistersDriver::request_for(std::size_t i) const {
+  const Axis& axis = axes_[i];
+  const AxisRegisterMap& map = device_.registers;
+  AxisRegisterRequest request;
+  request.select = static_cast<std::uint8_t>(1U << i);
+  request.tries = axis.answers || activity_ == Activity::kOpening ? timing_.link.tries : 1;
+  const auto write = [&](std::uint16_t address, const Data& data) {
+    request.operation = Operation::kWrite;
+    request.address = address;
+    request.size = static_cast<std::uint16_t>(data.size());
+    request.data = data;
+    return request;
+  };
+  const auto read = [&](std::uint16_t address, std::uint16_t size) {
+    request.address = address;
+    request.size = size;
+    return request;
+  };
+  switch (axis.phase) {
+    case Phase::kClear:
+      return write(map.diag_control, {kClearFaults});
+    case Phase::kStop:
+      return write(map.emergency_stop, {kOn});
+    case Phase::kCancel:
+      return write(map.homing, {kOff});
+    case Phase::kRelease:
+      return write(map.emergency_stop, {kOff});
+    case Phase::kHome:
+      return write(map.homing, {kOn});
+    case Phase::kWrite:
+      return write(map.move_angle, Data(axis.target.bytes));
+    case Phase::kPollHoming:
+      return read(map.homing, 1);
+    case Phase::kBefore:
+    case Phase::kReadBack:
+      return read(map.move_angle, 4);
+    case Phase::kPoll:
+    case Phase::kVerify:
+    case Phase::kFind:
+    case Phase::kDone:
+      break;
+  }
+  // The first firmware reads a register of four bytes wrong, and has a status that says nothing.
+  if (device_.reports_status) return read(map.diag_status, 4);
+  return read(map.emergency_stop, 1);
+}
+
+void AxisRegistersDriver::take(const AxisRegisterOutcome& outcome, Instant now) {
+  if (!asked_) return;  // a broadcast: its boards are asked one by one
+  const Asked asked = *asked_;
+  asked_.reset();
+  if (activity_ == Activity::kIdle) watch_at_ = now + timing_.watch;
+  if (outcome.error) return axis_fails(asked.axis, *outcome.error, now);
+  if (axes_[asked.axis].phase == asked.phase) {
+    return take_value(asked.axis, asked.phase, outcome.value, now);
+  }
+  // A command was taken up while a board was asked how it is: the question is over, the answer
+  // holds, and a board that has just lost its position goes nowhere.
+  if (asked.phase != Phase::kFind || !device_.reports_status) return;
+  take_status(asked.axis, outcome.value);
+  if (activity_ != Activity::kMoving || axes_[asked.axis].phase == Phase::kDone) return;
+  const bool lost = positions_[asked.axis].quality == PositionQuality::kLost;
+  if (axes_[asked.axis].fault) {
+    fail_motion(*axes_[asked.axis].fault, now);
+  } else if (lost) {
+    fail_motion({ErrorCode::kPositionUnknown, static_cast<std::int8_t>(asked.axis)}, now);
+  }
+}
+
+void AxisRegistersDriver::take_value(std::size_t i, Phase phase, const Data& value, Instant now) {
+  Axis& axis = axes_[i];
+  switch (phase) {
+    case Phase::kClear:
+      axis.phase = Phase::kRelease;
+      return;
+    case Phase::kStop:
+      axis.phase = Phase::kVerify;
+      axis.not_before = now;
+      return;
+    case Phase::kCancel:
+      axis.homing = false;
+      axis.phase = Phase::kDone;
+      return;
+    case Phase::kRelease:
+      return after_release(i);
+    case Phase::kBefore:
+      axis.before = read_angle(device_.encoding, device_.boards[i].zero, value);
+      axis.phase = Phase::kHome;
+      return;
+    case Phase::kHome:
+      axis.phase = Phase::kPollHoming;
+      axis.deadline = now + timing_.homing_limit;
+      return;
+    case Phase::kWrite:
+      axis.phase = Phase::kPoll;
+      axis.deadline = now + from_seconds(axis.expected * timing_.move_factor) + timing_.move_margin;
+      if (!device_.reports_status) axis.not_before = now + from_seconds(axis.expected);
+      return;
+    case Phase::kPollHoming:
+      return take_homing(i, value, now);
+    case Phase::kPoll:
+      return take_poll(i, value, now);
+    case Phase::kReadBack:
+      return take_read_back(i, value, now);
+    case Phase::kVerify:
+      return take_stop_check(i, value, now);
+    case Phase::kFind:
+      return take_found(i, value, now);
+    case Phase::kDone:
+      return;
+  }
+}
+
+void AxisRegistersDriver::after_release(std::size_t i) {
+  Axis& axis = axes_[i];
+  axis.latched = false;
+  axis.stop_due = false;
+  if (activity_ == Activity::kHoming) {
+    axis.phase = Phase::kBefore;
+  } else if (activity_ == Activity::kMoving) {
+    axis.phase = Phase::kWrite;
+  } else {
+    // Acknowledged: what the status says next counts.
+    axis.fault.reset();
+    axis.phase = Phase::kFind;
+  }
+}
+
+std::optional<Status> AxisRegistersDriver::take_status(std::size_t i, const Data& value) {
+  const auto status = decode_status(value);
+  if (!status) return status;
+  Axis& axis = axes_[i];
+  std::optional<Error> fault = fault_of(status->fault);
+  if (!fault && status->emergency_stop && !axis.latched) fault = Error{ErrorCode::kEmergencyStop};
+  if (!fault && !status->sensor_ok) fault = Error{ErrorCode::kEncoderLost};
+  if (!fault && !status->motor_ok) fault = Error{ErrorCode::kSelfTestFailed};
+  if (fault && !axis.fault) {
+    fault->index = static_cast<std::int8_t>(i);
+    axis.fault = fault;
+  }
+  const bool known = status->homed && status->position_ok;
+  const bool lost = positions_[i].quality == PositionQuality::kLost;
+  if (!known) {
+    set_lost(i);
+  } else if (status->moving ? activity_ == Activity::kIdle : lost && !axis.homing) {
+    // The board knows where it is and this host does not: it moves unasked, or was homed by
+    // somebody else.
+    set_everywhere(i);
+  }
+  return status;
+}
+
+void AxisRegistersDriver::take_homing(std::size_t i, const Data& value, Instant now) {
+  Axis& axis = axes_[i];
+  const auto index = static_cast<std::int8_t>(i);
+  if (value[0] == kOff) {
+    axis.phase = Phase::kPoll;
+  } else if (now > axis.deadline) {
+    fail_motion({ErrorCode::kHomingFailed, index}, now);
+  }
+}
+
+void AxisRegistersDriver::take_poll(std::size_t i, const Data& value, Instant now) {
+  Axis& axis = axes_[i];
+  const auto index = static_cast<std::int8_t>(i);
+  const auto status = take_status(i, value);
+  if (!status) return axis_fails(i, {ErrorCode::kUnexpectedReply, index, 1.0 * value[0]}, now);
+  if (axis.fault) return fail_motion(*axis.fault, now);
+  if (axis.moves && status->emergency_stop) {
+    return fail_motion({ErrorCode::kEmergencyStop, index}, now);
+  }
+  if (status->moving) {
+    if (now > axis.deadline) fail_motion({ErrorCode::kMotionIgnored, index}, now);
+    return;
+  }
+  const bool known = status->homed && status->position_ok;
+  if (!known) {
+    return fail_motion(
+        {axis.homing ? ErrorCode::kHomingFailed : ErrorCode::kPositionUnknown, index}, now);
+  }
+  axis.phase = axis.moves || axis.homing ? Phase::kReadBack : Phase::kDone;
+}
+
+void AxisRegistersDriver::take_read_back(std::size_t i, const Data& value, Instant now) {
+  Axis& axis = axes_[i];
+  const auto index = static_cast<std::int8_t>(i);
+  const double zero = device_.boards[i].zero;
+  const auto read = read_angle(device_.encoding, zero, value);
+  if (!read) return axis_fails(i, {ErrorCode::kUnexpectedReply, index, 1.0 * value[0]}, now);
+  axis.phase = Phase::kDone;
+  const double tolerance = same_target_tolerance(*read);
+  const auto is_at = [&](double q) { return std::abs(read->q - q) <= tolerance; };
+  if (activity_ == Activity::kOpening) {
+    // Somebody else sent it elsewhere since the position was known.
+    if (!is_at(positions_[i].q)) set_everywhere(i);
+  } else if (activity_ == Activity::kHoming) {
+    axis.homing = false;
+    set_at(i, *read);
+    // Where MOVE_ANGLE is what it was before homing, the board may not have touched it, and then
+    // homing ends at the joint's zero.
+    const bool untouched = !axis.before || is_at(axis.before->q);
+    if (untouched && !is_at(zero)) {
+      positions_[i] = {PositionQuality::kUncertain, zero, std::min(zero, read->q) - read->half_unit,
+                       std::max(zero, read->q) + read->half_unit};
+    }
+  } else if (is_at(axis.target.q)) {
+    set_at(i, axis.target);
+  } else {
+    fail_motion({ErrorCode::kMotionIgnored, index}, now);
+  }
+}
+
+void AxisRegistersDriver::take_stop_check(std::size_t i, const Data& value, Instant now) {
+  Axis& axis = axes_[i];
+  const Error ignored{ErrorCode::kMotionIgnored, static_cast<std::int8_t>(i)};
+  bool latched = value[0] == kOn;
+  bool moving = false;
+  if (device_.reports_status) {
+    const auto status = take_status(i, value);
+    if (!status) return axis_fails(i, {ErrorCode::kUnexpectedReply, -1, 1.0 * value[0]}, now);
+    latched = status->emergency_stop;
+    moving = status->moving;
+  }
+  if (!latched) {
+    if (axis.stops_left-- <= 0) return axis_fails(i, ignored, now);
+    axis.phase = Phase::kStop;
+    return;
+  }
+  if (moving) {
+    if (now > axis.deadline) axis_fails(i, ignored, now);
+    return;
+  }
+  axis.stop_due = false;
+  if (!axis.answers) {
+    axis.answers = true;
+    axis.fault.reset();
+    if (activity_ == Activity::kIdle && !fault_) tell(DriverEvent::Kind::kReady);
+  }
+  axis.phase = axis.homing ? Phase::kCancel : Phase::kDone;
+}
+
+void AxisRegistersDriver::take_found(std::size_t i, const Data& value, Instant now) {
+  Axis& axis = axes_[i];
+  axis.phase = Phase::kDone;
+  const bool was_out = !axis.answers;
+  if (was_out) axis.fault.reset();  // silence was its fault
+  const bool had_fault = axis.fault.has_value();
+  if (!device_.reports_status) {
+    if (value[0] != kOff && !axis.latched && !had_fault) {
+      axis.fault = Error{ErrorCode::kEmergencyStop, static_cast<std::int8_t>(i)};
+    }
+  } else if (!take_status(i, value)) {
+    return axis_fails(i, {ErrorCode::kUnexpectedReply, -1, 1.0 * value[0]}, now);
+  }
+  axis.answers = true;
+  const bool known = positions_[i].quality == PositionQuality::kCommanded;
+  if (activity_ == Activity::kOpening && known && device_.reports_status) {
+    axis.phase = Phase::kReadBack;
+  }
+  if (activity_ != Activity::kIdle) return;
+  if (axis.fault && !had_fault) tell(DriverEvent::Kind::kNotice, *axis.fault);
+  if (was_out && !axis.fault && !fault_) tell(DriverEvent::Kind::kReady);
+}
+
+void AxisRegistersDriver::axis_fails(std::size_t i, Error error, Instant now) {
+  Axis& axis = axes_[i];
+  const bool answered = axis.answers;
+  const bool takes_part = axis.phase != Phase::kDone;
+  error.index = static_cast<std::int8_t>(i);
+  axis.fault = error;
+  axis.answers = false;
+  axis.homing = false;
+  axis.not_before = now + timing_.retry;
+  axis.phase = Phase::kDone;
+  // It may have lost its supply, and then its joint is held by nothing.
+  if (positions_[i].quality != PositionQuality::kLost) set_everywhere(i);
+  switch (activity_) {
+    case Activity::kMoving:
+    case Activity::kHoming:
+      if (takes_part) return fail_motion(error, now);
+      break;
+    case Activity::kStopping:
+      axis.stop_due = true;
+      if (answered && !stop_error_) stop_error_ = error;
+      return;
+    case Activity::kOpening:
+      if (silence_told_) return;
+      break;
+    case Activity::kIdle:
+      if (!answered) return;
+      break;
+    case Activity::kClearing:
+    case Activity::kClosed:
+      return;
+  }
+  tell(DriverEvent::Kind::kNotice, error);
+}
+
+void AxisRegistersDriver::set_everywhere(std::size_t i) {
+  // Homing may end a little beyond a limit.
+  const double margin = from_deg(1);
+  JointPosition& position = positions_[i];
+  position.quality = PositionQuality::kUncertain;
+  position.lower = joints_[i].lower - margin;
+  position.upper = joints_[i].upper + margin;
+}
+
+void AxisRegistersDriver::set_lost(std::size_t i) {
+  JointPosition& position = positions_[i];
+  position = {PositionQuality::kLost, position.q, position.q, position.q};
+}
+
+void AxisRegistersDriver::set_at(std::size_t i, const ToldAngle& where) {
+  positions_[i] = {PositionQuality::kCommanded, where.q, where.q - where.half_unit,
+                   where.q + where.half_unit};
+}
+
+void AxisRegistersDriver::stretch_to_target(std::size_t i) {
+  const ToldAngle& target = axes_[i].target;
+  JointPosition& position = positions_[i];
+  SINEW_ASSERT(position.quality != PositionQuality::kLost);
+  position.quality = PositionQuality::kUncertain;
+  position.q = target.q;
+  position.lower = std::min(position.lower, target.q - target.half_unit);
+  position.upper = std::max(position.upper, target.q + target.half_unit);
+}
+
+}  // namespace sinew

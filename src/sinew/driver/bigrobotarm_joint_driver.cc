@@ -1,0 +1,476 @@
+#include "sinew/driver/bigrobotarm_joint_driver.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sinew/core/assert.h"
+#include "sinew/core/units.h"
+
+namespace sinew {
+
+using namespace bigrobotarm;
+
+namespace {
+
+/// The firmware cuts what it echoes; a marked value differs by more.
+constexpr std::int32_t kEchoTolerance = 1;
+/// Limits in a file are rounded; so much above one is still it.
+constexpr double kLimitRounding = 1.001;
+
+std::int32_t multiplier_of(double per_second, const BigRobotArmJoint& joint, std::int32_t most) {
+  const double steps = per_second * std::abs(joint.steps_per_rad);
+  const double multiplier = steps / (joint.steps_per_motor_rev / 100) * kLimitRounding;
+  return static_cast<std::int32_t>(std::clamp(multiplier, 1.0, 1.0 * most));
+}
+
+/// The first joint in which they differ by more than the tolerance.
+std::optional<std::size_t> difference(const Words& a, const Words& b, std::int32_t tolerance) {
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    if (std::abs(std::int64_t{a[i]} - b[i]) > tolerance) return i;
+  }
+  return std::nullopt;
+}
+
+bool same(const BigRobotArmMultipliers& a, const Status& status) {
+  return !difference(a.speeds, status.speeds, kEchoTolerance) &&
+         !difference(a.accelerations, status.accelerations, kEchoTolerance);
+}
+
+}  // namespace
+
+BigRobotArmJointDriver::BigRobotArmJointDriver(const BigRobotArmDevice& device,
+                                               std::span<const Joint> joints,
+                                               const BigRobotArmJointTiming& timing)
+    : device_(device),
+      timing_(timing),
+      driver_(device, timing.wire),
+      probe_(timing.wire),
+      belief_(device) {
+  SINEW_ASSERT(joints.size() == kJoints);
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    const BigRobotArmJoint& own = device.joints[i];
+    SINEW_ASSERT(own.steps_per_motor_rev > 0);
+    limits_[i] = {joints[i].lower, joints[i].upper,
+                  multiplier_of(joints[i].velocity_max, own, device.multiplier_max),
+                  multiplier_of(joints[i].acceleration_max, own, device.multiplier_max)};
+  }
+}
+
+// Opening, closing, and what happens in between.
+
+void BigRobotArmJointDriver::open(Instant now) {
+  if (state_ != DriverState::kClosed) close(now);
+  state_ = DriverState::kOpening;
+  opening_ = true;
+  belief_.reopen();
+  limit_ = now + timing_.opening_limit;
+  const double allowed = to_seconds(timing_.opening_limit);
+  trouble_ = {ErrorCode::kDeviceSilent, -1, allowed, allowed};
+  if (device_.probe_wire) {
+    step_ = Step::kProbe;
+    probe_.open(now);
+  } else {
+    step_ = Step::kRecover;
+    driver_.open(now);
+  }
+}
+
+void BigRobotArmJointDriver::close(Instant now) {
+  if (state_ == DriverState::kClosed) return;
+  driver_.close();
+  while (driver_.take_event()) {
+  }
+  // A stop has no better end than a port from which nothing can leave any more.
+  if (stop_wanted_ && !command_) tell(DriverEvent::Kind::kStopped);
+  if (command_ || opening_) tell(DriverEvent::Kind::kFailed, {ErrorCode::kPortClosed});
+  command_ = opening_ = stop_wanted_ = false;
+  state_ = DriverState::kClosed;
+  step_ = Step::kNone;
+  fault_.reset();
+  limit_.reset();
+  show(now);
+}
+
+void BigRobotArmJointDriver::poll(Instant now) {
+  if (state_ == DriverState::kClosed) return;
+  if (step_ == Step::kProbe) {
+    probe_.poll(now);
+  } else {
+    driver_.poll(now);
+  }
+  pump(now);
+  if (limit_ && now >= *limit_) {
+    limit_.reset();
+    const bool failed = opening_ || stop_wanted_;
+    tell(failed ? DriverEvent::Kind::kFailed : DriverEvent::Kind::kNotice, trouble_);
+    opening_ = stop_wanted_ = false;
+  }
+  show(now);
+}
+
+void BigRobotArmJointDriver::receive(std::span<const std::uint8_t> bytes, Instant now) {
+  if (state_ == DriverState::kClosed) return;
+  if (step_ == Step::kProbe) {
+    probe_.receive(bytes, now);
+    if (const auto found = probe_.found()) {
+      device_.wire = found->wire;
+      device_.dialect = found->dialect;
+      driver_ = BigRobotArmDriver(device_, timing_.wire);
+      driver_.set_offset(belief_.offset());
+      driver_.open(now);
+      step_ = Step::kRecover;
+    }
+  } else {
+    driver_.receive(bytes, now);
+  }
+  pump(now);
+  show(now);
+}
+
+std::size_t BigRobotArmJointDriver::take_output(std::span<std::uint8_t> out) {
+  return step_ == Step::kProbe ? probe_.take_output(out) : driver_.take_output(out);
+}
+
+std::optional<Instant> BigRobotArmJointDriver::next_deadline() const {
+  auto next = step_ == Step::kProbe ? probe_.next_deadline() : driver_.next_deadline();
+  if (limit_ && (!next || *limit_ < *next)) next = limit_;
+  return next;
+}
+
+void BigRobotArmJointDriver::pump(Instant now) {
+  while (const auto event = driver_.take_event()) {
+    if (const auto* read = std::get_if<BigRobotArmDriver::StatusRead>(&*event)) {
+      take(*read, now);
+    } else if (std::holds_alternative<BigRobotArmDriver::Done>(*event)) {
+      take_done(now);
+    } else if (const auto* failed = std::get_if<BigRobotArmDriver::Failed>(&*event)) {
+      doubt(failed->error, now);
+    }
+  }
+}
+
+void BigRobotArmJointDriver::take(const BigRobotArmDriver::StatusRead& read, Instant now) {
+  if (read.after_doubt) {
+    return confirm(read.status, Step::kRecover, now);
+  }
+  if (step_ == Step::kConfirm) {
+    alike_ = last_read_ == read.status ? alike_ + 1 : 1;
+    last_read_ = read.status;
+    if (alike_ >= (is_familiar(read.status) ? 2 : 3)) return settle(read.status, now);
+    if (++readings_ < kReadingsMax) return go_on(Step::kConfirm, now);
+    // A line like that is no line; start again from quiet.
+    trouble_ = {ErrorCode::kChecksum, -1, 1.0 * readings_};
+    driver_.open(now);
+    return doubt(trouble_, now);
+  }
+  if (as_expected(read.status)) return go_on_after(step_, now);
+  confirm(read.status, step_, now);
+}
+
+void BigRobotArmJointDriver::confirm(const std::optional<Status>& first, Step resume, Instant now) {
+  readings_ = alike_ = first ? 1 : 0;
+  last_read_ = first;
+  resume_ = resume;
+  go_on(Step::kConfirm, now);
+}
+
+/// Where we left it, or sent it: one flipped bit twice does not look like that.
+bool BigRobotArmJointDriver::is_familiar(const Status& status) const {
+  return status.positions == belief_.steps() || (belief_.going() && status.positions == target_);
+}
+
+bool BigRobotArmJointDriver::as_expected(const Status& status) const {
+  const bool after = step_ == Step::kAfter;
+  return !status.sync && status.positions == (after ? target_ : belief_.steps()) &&
+         same(after ? wanted_ : multipliers_, status);
+}
+
+void BigRobotArmJointDriver::settle(const Status& status, Instant now) {
+  const Step answered = resume_;
+  step_ = answered;
+  last_read_.reset();
+  if (answered != Step::kRecover && as_expected(status)) return go_on_after(answered, now);
+  const auto joint = difference(status.positions, belief_.going() ? target_ : belief_.steps(), 0);
+  belief_.judge(status, driver_.looks_like_boot(status));
+  driver_.set_offset(belief_.offset());
+  multipliers_ = {status.speeds, status.accelerations};
+  if (command_) {
+    Error error{ErrorCode::kReplyMismatch};
+    if (joint) error.index = static_cast<std::int8_t>(*joint);
+    end_command(DriverEvent::Kind::kFailed, error);
+  }
+  step_ = Step::kNone;
+  limit_.reset();
+  state_ = DriverState::kReady;
+  if (status.sync) {
+    state_ = DriverState::kFault;
+    fault_ = Error{ErrorCode::kDeviceSync};
+  }
+  if (status.sync && opening_) {
+    tell(DriverEvent::Kind::kFailed, *fault_);
+  } else {
+    tell(DriverEvent::Kind::kReady);
+  }
+  opening_ = false;
+  if (stop_wanted_) tell(DriverEvent::Kind::kStopped);
+  stop_wanted_ = false;
+}
+
+void BigRobotArmJointDriver::take_done(Instant now) {
+  if (step_ == Step::kSpeeds) multipliers_.speeds = wanted_.speeds;
+  if (step_ == Step::kRamps) multipliers_.accelerations = wanted_.accelerations;
+  if (step_ == Step::kSyncOff) {
+    return confirm(std::nullopt, Step::kRecover, now);
+  }
+  go_on_after(step_, now);
+}
+
+void BigRobotArmJointDriver::doubt(const Error& error, Instant now) {
+  ++(error.code == ErrorCode::kDeviceSilent ? health_.timeouts : health_.unexpected);
+  if (command_) {
+    end_command(DriverEvent::Kind::kFailed, error);
+  } else if (state_ == DriverState::kReady || state_ == DriverState::kFault) {
+    tell(DriverEvent::Kind::kNotice, error);
+  } else if (error.code != ErrorCode::kDeviceSilent) {
+    trouble_ = error;
+  }
+  if (state_ != DriverState::kOpening) {
+    trouble_ = error;
+    limit_ = now + timing_.opening_limit;
+  }
+  belief_.doubt();
+  state_ = DriverState::kOpening;
+  fault_.reset();
+  step_ = Step::kRecover;
+}
+
+// The dialogue.
+
+void BigRobotArmJointDriver::go_on_after(Step done, Instant now) {
+  switch (done) {
+    case Step::kBefore:
+      if (multipliers_.speeds != wanted_.speeds) return go_on(Step::kSpeeds, now);
+      [[fallthrough]];
+    case Step::kSpeeds:
+      if (multipliers_.accelerations != wanted_.accelerations) return go_on(Step::kRamps, now);
+      [[fallthrough]];
+    case Step::kRamps:
+      return go_on(Step::kGoto, now);
+    case Step::kGoto:
+      return go_on(Step::kAfter, now);
+    case Step::kAfter:
+      belief_.arrive();
+      break;
+    default:
+      break;
+  }
+  step_ = Step::kNone;
+  state_ = DriverState::kReady;
+  const bool stopped = stop_wanted_;
+  stop_wanted_ = false;
+  end_command(stopped ? DriverEvent::Kind::kStopped : DriverEvent::Kind::kDone, {});
+}
+
+void BigRobotArmJointDriver::go_on(Step step, Instant now) {
+  const bool harmless = step == Step::kConfirm || step == Step::kAfter;
+  if (stop_wanted_ && command_ && !harmless) return go_on_after(Step::kNone, now);
+  if (const auto asked = ask(step, now); !asked) {
+    // Every value was looked at before the first byte left.
+    SINEW_ASSERT(asked.error().code == ErrorCode::kBusy);
+    doubt(asked.error(), now);
+  }
+}
+
+Expected<void> BigRobotArmJointDriver::ask(Step step, Instant now) {
+  Expected<void> asked;
+  switch (step) {
+    case Step::kSpeeds:
+      asked = driver_.set_speeds(wanted_.speeds, now);
+      break;
+    case Step::kRamps:
+      asked = driver_.set_accelerations(wanted_.accelerations, now);
+      break;
+    case Step::kGoto:
+      asked = driver_.move_to(q_target_, expected_, now);
+      if (asked) belief_.go(target_);
+      going_since_ = now;
+      break;
+    case Step::kGripper:
+      asked = driver_.set_gripper(gripper_enabled_, gripper_, now);
+      break;
+    case Step::kSyncOff:
+      asked = driver_.leave_sync(now);
+      break;
+    default:
+      asked = driver_.read_status(now);
+      break;
+  }
+  if (!asked) return asked;
+  step_ = step;
+  ++health_.requests;
+  health_.retries += step == Step::kConfirm ? 1 : 0;
+  return {};
+}
+
+Expected<void> BigRobotArmJointDriver::check_ready() const {
+  if (state_ == DriverState::kReady) return {};
+  if (state_ == DriverState::kFault) return std::unexpected(*fault_);
+  const bool closed = state_ == DriverState::kClosed;
+  return std::unexpected(Error{closed ? ErrorCode::kPortClosed : ErrorCode::kBusy});
+}
+
+Expected<void> BigRobotArmJointDriver::check_move(const JointMove& move) const {
+  SINEW_ASSERT(move.q.size() == kJoints);
+  if (const auto unknown = belief_.unknown()) {
+    return std::unexpected(Error{ErrorCode::kPositionUnknown, static_cast<std::int8_t>(*unknown)});
+  }
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    const auto joint = static_cast<std::int8_t>(i);
+    const bool low = move.q[i] < limits_[i].lower;
+    const Limits& limit = limits_[i];
+    // Written so that NaN is refused too.
+    if (!(move.q[i] >= limit.lower - kJointLimitTolerance &&
+          move.q[i] <= limit.upper + kJointLimitTolerance)) {
+      return std::unexpected(
+          Error{ErrorCode::kJointLimit, joint, move.q[i], low ? limit.lower : limit.upper});
+    }
+    if (i < move.qd.size() && !(move.qd[i] == 0)) {
+      return std::unexpected(Error{ErrorCode::kTaskNotSupported, joint});
+    }
+  }
+  return {};
+}
+
+Expected<void> BigRobotArmJointDriver::move(const JointMove& move, Instant now) {
+  if (const auto ready = check_ready(); !ready) return ready;
+  if (const auto fine = check_move(move); !fine) return fine;
+  std::copy(move.q.begin(), move.q.end(), q_target_.begin());
+  const auto target = driver_.steps_of(q_target_);
+  if (!target) return std::unexpected(target.error());
+  Words deltas = *target;
+  for (std::size_t i = 0; i < kJoints; ++i) deltas[i] -= belief_.steps()[i];
+  const auto chosen = multipliers_for(deltas, move.duration);
+  if (!chosen) return std::unexpected(chosen.error());
+  const auto asked = ask(Step::kBefore, now);
+  if (!asked) return asked;
+  wanted_ = *chosen;
+  target_ = *target;
+  expected_ = duration_of(deltas);
+  state_ = DriverState::kMoving;
+  command_ = true;
+  return {};
+}
+
+/// Never those of power-up, so that a board that was reset shows it.
+Expected<BigRobotArmMultipliers> BigRobotArmJointDriver::multipliers_for(const Words& deltas,
+                                                                         Duration at_least) const {
+  BigRobotArmMultipliers base;
+  Words boot{};
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    base.speeds[i] = limits_[i].speed_max;
+    base.accelerations[i] = limits_[i].acceleration_max;
+    boot[i] = device_.joints[i].multiplier_boot;
+  }
+  auto chosen = synchronised_multipliers(device_, deltas, base, to_seconds(at_least));
+  if (!chosen) return chosen;
+  if (!difference(chosen->speeds, boot, kEchoTolerance) &&
+      !difference(chosen->accelerations, boot, kEchoTolerance)) {
+    std::int32_t& marked = chosen->accelerations[0];
+    marked = std::max(1, marked - 1 - 2 * kEchoTolerance);
+    while (marked > 1 && !byte::sendable(marked)) --marked;
+  }
+  return chosen;
+}
+
+Duration BigRobotArmJointDriver::duration_of(const Words& deltas) const {
+  double longest = 0;
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    longest = std::max(longest, motion_time(device_.joints[i], deltas[i], wanted_.speeds[i],
+                                            wanted_.accelerations[i]));
+  }
+  return from_seconds(longest);
+}
+
+Expected<void> BigRobotArmJointDriver::tool(const ToolAction& action, Instant now) {
+  const auto* gripper = std::get_if<GripperTo>(&action);
+  if (gripper == nullptr) return std::unexpected(Error{ErrorCode::kToolNotFitted});
+  if (const auto ready = check_ready(); !ready) return ready;
+  const double degrees = std::round(to_deg(gripper->angle));
+  if (!(degrees >= 0 && degrees <= device_.gripper_max)) {
+    return std::unexpected(Error{ErrorCode::kGripperRange, -1, degrees, 1.0 * device_.gripper_max});
+  }
+  gripper_ = static_cast<std::int32_t>(degrees);
+  gripper_enabled_ = gripper->enabled;
+  const auto asked = ask(Step::kGripper, now);
+  if (!asked) return asked;
+  state_ = DriverState::kMoving;
+  command_ = true;
+  return {};
+}
+
+void BigRobotArmJointDriver::stop(Instant now) {
+  if (state_ == DriverState::kOpening) {
+    stop_wanted_ = true;
+    if (!limit_) limit_ = now + timing_.opening_limit;
+  } else if (state_ != DriverState::kMoving && state_ != DriverState::kStopping) {
+    tell(DriverEvent::Kind::kStopped);
+  } else {
+    stop_wanted_ = true;
+    state_ = DriverState::kStopping;
+    if (driver_.withdraw()) {
+      belief_.stay();
+      go_on_after(Step::kNone, now);
+    }
+  }
+  show(now);
+}
+
+Expected<void> BigRobotArmJointDriver::clear_fault(Instant now) {
+  if (state_ == DriverState::kMoving || state_ == DriverState::kStopping) {
+    return std::unexpected(Error{ErrorCode::kBusy});
+  }
+  if (state_ != DriverState::kFault) return {};
+  if (const auto asked = ask(Step::kSyncOff, now); !asked) return asked;
+  fault_.reset();
+  state_ = DriverState::kOpening;
+  limit_ = now + timing_.opening_limit;
+  return {};
+}
+
+void BigRobotArmJointDriver::declare_positions(std::span<const JointPosition> positions) {
+  const bool moving = state_ == DriverState::kMoving || state_ == DriverState::kStopping;
+  if (moving) return;
+  belief_.declare(positions);
+  driver_.set_offset(belief_.offset());
+  belief_.show(0, shown_);
+}
+
+void BigRobotArmJointDriver::show(Instant now) {
+  const double whole = to_seconds(expected_);
+  belief_.show(whole > 0 ? to_seconds(now - going_since_) / whole : 1, shown_);
+}
+
+void BigRobotArmJointDriver::end_command(DriverEvent::Kind kind, const Error& error) {
+  if (command_) tell(kind, error);
+  command_ = false;
+}
+
+void BigRobotArmJointDriver::tell(DriverEvent::Kind kind, const Error& error) {
+  // Who stops again and again without listening has been told already.
+  if (kind == DriverEvent::Kind::kStopped && !events_.empty() && events_.back().kind == kind) {
+    return;
+  }
+  if (events_.full() && kind == DriverEvent::Kind::kNotice) return;
+  SINEW_ASSERT(!events_.full());
+  events_.push_back({kind, error});
+}
+
+std::optional<DriverEvent> BigRobotArmJointDriver::take_event() {
+  if (events_.empty()) return std::nullopt;
+  const DriverEvent first = events_[0];
+  std::copy(events_.begin() + 1, events_.end(), events_.begin());
+  events_.pop_back();
+  return first;
+}
+
+}  // namespace sinew

@@ -1,0 +1,175 @@
+#pragma once
+
+#include <array>
+#include <optional>
+#include <span>
+
+#include "sinew/driver/bigrobotarm.h"
+#include "sinew/driver/bigrobotarm_multipliers.h"
+#include "sinew/driver/bigrobotarm_positions.h"
+#include "sinew/driver/bigrobotarm_probe.h"
+#include "sinew/driver/driver.h"
+
+namespace sinew {
+
+struct BigRobotArmJointTiming {
+  BigRobotArmTiming wire;
+  /// Until the device has answered well: a board that was reset by the port that opened hears
+  /// nothing for a second or two, and one in motion until that is over.
+  Duration opening_limit = std::chrono::seconds(8);
+};
+
+/// The BigRobotArm behind the common interface. A move is a small dialogue, every step of which is
+/// checked before the next:
+///
+///   step         | asks                                    | goes on when
+///   -------------+-----------------------------------------+----------------------------------
+///   kBefore      | status                                  | it is as we left it: no reset since
+///   kSpeeds      | speeds with which all arrive together   | echoed
+///   kRamps       | accelerations, the same                 | echoed
+///   kGoto        | the target                              | the target is reported back
+///   kAfter       | status                                  | it holds our speeds: no reset since
+///
+/// A status that differs from what is expected is read again until two readings in a row agree, and
+/// three where it tells of a place where nobody sent the arm. Speeds are never those of power-up,
+/// so that a board that was reset shows it.
+///
+///   state      | what happens                              | next
+///   -----------+-------------------------------------------+------------------------------
+///   kClosed    | open                                      | kOpening: probe, quiet, status twice
+///   kOpening   | equal statuses                            | kReady, or kFault in sync mode
+///   kReady     | move(), tool()                            | kMoving
+///   kMoving    | the last step is through                  | kReady, kDone
+///   kMoving    | stop()                                    | kStopping
+///   kStopping  | the step under way is through             | kReady, kStopped
+///   kMoving,   | a doubt: silence, garbage, a wrong value  | kOpening, kFailed
+///   kStopping  |                                           |
+///   kFault     | clear_fault(): sync mode off              | kOpening
+///   any        | close                                     | kClosed, kFailed where moving
+///
+/// The device has no stop and is deaf in motion: a goto that has begun to leave is finished, and
+/// kStopped follows then. It has no switches either: home() is not supported.
+///
+/// Positions: BigRobotArmPositions. At the beginning, and after everything that may have moved the
+/// device's zero, no move is taken until declare_positions() says where the arm stands, by whoever
+/// knows and has recorded it.
+/// All members are @rt.
+class BigRobotArmJointDriver : public ByteDriver {
+ public:
+  /// @param joints  five: limits, and the speeds and accelerations that no move exceeds.
+  BigRobotArmJointDriver(const BigRobotArmDevice& device, std::span<const Joint> joints,
+                         const BigRobotArmJointTiming& timing = {});
+
+  void open(Instant now) override;
+  void close(Instant now) override;
+  DriverState state() const override { return state_; }
+  std::optional<Error> fault() const override { return fault_; }
+  std::span<const JointPosition> positions() const override { return shown_; }
+  DriverHealth health() const override { return health_; }
+  bool wants_move(Instant) const override { return state_ == DriverState::kReady; }
+
+  /// @param move  ends at rest. Joints arrive together, in `duration` or what the joints' limits
+  ///              need, whichever is longer.
+  /// @error kBusy, kPortClosed, the fault's, kPositionUnknown (index), kJointLimit (index, rad),
+  ///        kStepRange, kUnsendable (index, steps), kTaskNotSupported (a speed at the end)
+  Expected<void> move(const JointMove& move, Instant now) override;
+  void stop(Instant now) override;
+  Expected<void> clear_fault(Instant now) override;
+  /// GripperTo: its servo jumps to the nearest whole degree.
+  /// @error kToolNotFitted, kGripperRange (degrees, gripper_max), kUnsendable, kBusy, kPortClosed
+  Expected<void> tool(const ToolAction& action, Instant now) override;
+  /// Where the arm stands; without effect while it moves or is in doubt. `uncertain` keeps its
+  /// interval from then on.
+  void declare_positions(std::span<const JointPosition> positions) override;
+
+  void poll(Instant now) override;
+  std::optional<Instant> next_deadline() const override;
+  std::optional<DriverEvent> take_event() override;
+  void receive(std::span<const std::uint8_t> bytes, Instant now) override;
+  std::size_t take_output(std::span<std::uint8_t> out) override;
+
+  /// What the probe found, or what the robot's file says.
+  BigRobotArmFound wire() const { return {device_.wire, device_.dialect}; }
+  /// True where no move is taken before declare_positions().
+  bool wants_declaration() const { return belief_.unknown().has_value(); }
+
+ private:
+  using Words = bigrobotarm::Words;
+  using Status = bigrobotarm::Status;
+
+  enum class Step : std::uint8_t {
+    kNone,
+    kProbe,
+    kRecover,  ///< the wire's driver finds the device (again)
+    kConfirm,  ///< a status that nobody expected, once more
+    kBefore,
+    kSpeeds,
+    kRamps,
+    kGoto,
+    kAfter,
+    kGripper,
+    kSyncOff,
+  };
+  struct Limits {
+    double lower = 0;
+    double upper = 0;
+    std::int32_t speed_max = 1;  ///< multiplier
+    std::int32_t acceleration_max = 1;
+  };
+  /// Readings of a status; then the line is no line.
+  static constexpr int kReadingsMax = 8;
+
+  void pump(Instant now);
+  void take(const BigRobotArmDriver::StatusRead& read, Instant now);
+  void take_done(Instant now);
+  void confirm(const std::optional<Status>& first, Step resume, Instant now);
+  bool as_expected(const Status& status) const;
+  bool is_familiar(const Status& status) const;
+  void settle(const Status& status, Instant now);
+  void doubt(const Error& error, Instant now);
+  Expected<void> ask(Step step, Instant now);
+  void go_on(Step step, Instant now);
+  void go_on_after(Step done, Instant now);
+  Expected<void> check_ready() const;
+  Expected<void> check_move(const JointMove& move) const;
+  Expected<BigRobotArmMultipliers> multipliers_for(const Words& deltas, Duration at_least) const;
+  Duration duration_of(const Words& deltas) const;
+  void end_command(DriverEvent::Kind kind, const Error& error);
+  void tell(DriverEvent::Kind kind, const Error& error = {});
+  void show(Instant now);
+
+  BigRobotArmDevice device_;
+  BigRobotArmJointTiming timing_;
+  std::array<Limits, bigrobotarm::kJoints> limits_{};
+  BigRobotArmDriver driver_;
+  BigRobotArmProbe probe_;
+  BigRobotArmPositions belief_;
+  std::array<JointPosition, bigrobotarm::kJoints> shown_;
+
+  DriverState state_ = DriverState::kClosed;
+  std::optional<Error> fault_;
+  Step step_ = Step::kNone;
+  bool opening_ = false;  ///< open() has not been answered by an event
+  bool command_ = false;  ///< nor has a command
+  bool stop_wanted_ = false;
+  std::optional<Instant> limit_;  ///< of opening, or of a doubt
+  Error trouble_;                 ///< what is told then
+  std::optional<Status> last_read_;
+  Step resume_ = Step::kNone;  ///< what a confirmed status answers
+  int readings_ = 0;           ///< of it so far
+  int alike_ = 0;              ///< the last ones, in a row
+
+  BigRobotArmMultipliers multipliers_;  ///< the device's, as far as known
+  BigRobotArmMultipliers wanted_;
+  BigRobotArmAngles q_target_{};
+  Words target_{};
+  Instant going_since_{};
+  Duration expected_{};
+  std::int32_t gripper_ = 0;
+  bool gripper_enabled_ = false;
+
+  DriverHealth health_;
+  FixedVector<DriverEvent, 16> events_;
+};
+
+}  // namespace sinew

@@ -1,0 +1,279 @@
+#include "sinew/driver/bigrobotarm_joint_driver.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "sinew/core/units.h"
+#include "sinew/driver/bigrobotarm_test_cell.h"
+#include "support/allocation_guard.h"
+
+namespace sinew {
+namespace {
+
+using namespace std::chrono_literals;
+using Kind = DriverEvent::Kind;
+using test::BigRobotArmCell;
+
+constexpr std::array<double, 5> kThere{0.5, -0.2, 0.4, 0.3, -0.5};  // rad
+
+double distance(const BigRobotArmCell& cell, const std::array<double, 5>& q) {
+  const sim::Truth truth = cell.machine.truth();
+  double most = 0;
+  for (std::size_t i = 0; i < 5; ++i) most = std::max(most, std::abs(truth.joints[i].q - q[i]));
+  return most;
+}
+
+PositionQuality worst(const BigRobotArmCell& cell) {
+  PositionQuality quality = PositionQuality::kMeasured;
+  for (const auto& one : cell.driver.positions()) quality = std::min(quality, one.quality);
+  return quality;
+}
+
+class EveryDevice : public ::testing::TestWithParam<std::tuple<BigRobotArmProfile, int>> {
+ protected:
+  RobotModel robot() const {
+    const int kind = std::get<1>(GetParam());
+    return test::big_robot_arm(kind == 0 ? BigRobotArmWire::kByte : BigRobotArmWire::kText,
+                               kind == 2 ? BigRobotArmDialect::k2026 : BigRobotArmDialect::k2021);
+  }
+  BigRobotArmProfile profile() const { return std::get<0>(GetParam()); }
+};
+INSTANTIATE_TEST_SUITE_P(BigRobotArm, EveryDevice,
+                         ::testing::Combine(::testing::Values(BigRobotArmProfile::kDocument,
+                                                              BigRobotArmProfile::kAsBuilt),
+                                            ::testing::Values(0, 1, 2)));
+
+TEST_P(EveryDevice, move_goes_there_and_joints_arrive_together) {
+  BigRobotArmCell cell(robot(), profile());
+  cell.make_ready();
+  ASSERT_TRUE(cell.driver.move(cell.move_to(kThere), cell.now));
+  EXPECT_FALSE(cell.driver.wants_move(cell.now));
+  std::array<double, 5> arrived{};
+  const Instant start = cell.now;
+  while (cell.driver.state() == DriverState::kMoving) {
+    cell.run(20ms);
+    EXPECT_EQ(cell.liar(), -1);
+    const sim::Truth truth = cell.machine.truth();
+    for (std::size_t i = 0; i < 5; ++i) {
+      const bool there = std::abs(truth.joints[i].q - kThere[i]) < 0.02;
+      if (there && arrived[i] == 0) arrived[i] = to_seconds(cell.now - start);
+    }
+  }
+  EXPECT_EQ(cell.kinds(), (std::vector{Kind::kDone}));
+  EXPECT_LT(distance(cell, kThere), 0.03);
+  EXPECT_EQ(worst(cell), PositionQuality::kCommanded);
+  if (profile() == BigRobotArmProfile::kAsBuilt) return;  // its processor has its own mind
+  for (const double time : arrived) EXPECT_NEAR(time, arrived[2], 0.15 * arrived[2]);
+}
+
+TEST_P(EveryDevice, move_takes_no_less_than_it_was_given) {
+  BigRobotArmCell cell(robot(), profile());
+  cell.make_ready();
+  const Instant start = cell.now;
+  ASSERT_TRUE(cell.driver.move(cell.move_to(kThere, 12s), cell.now));
+  cell.run_until(DriverState::kReady);
+  EXPECT_EQ(cell.kinds(), (std::vector{Kind::kDone}));
+  EXPECT_NEAR(to_seconds(cell.now - start), 12, 0.08 * 12);
+}
+
+TEST_P(EveryDevice, port_that_resets_the_board_costs_the_right_to_move_until_declared) {
+  BigRobotArmCell cell(robot(), profile());
+  cell.make_ready();
+  ASSERT_TRUE(cell.driver.move(cell.move_to(kThere), cell.now));
+  cell.run_until(DriverState::kReady);
+  cell.driver.close(cell.now);
+  cell.machine.port_opened(cell.now);
+  cell.driver.open(cell.now);
+  cell.run_until(DriverState::kReady);
+  EXPECT_EQ(worst(cell), PositionQuality::kUncertain);
+  EXPECT_EQ(cell.liar(), -1);
+  EXPECT_EQ(cell.driver.move(cell.move_to({}), cell.now).error().code, ErrorCode::kPositionUnknown);
+  // Recorded as it is: moves are taken, and stay as uncertain as the place they began at.
+  const std::vector<JointPosition> known(cell.driver.positions().begin(),
+                                         cell.driver.positions().end());
+  cell.driver.declare_positions(known);
+  ASSERT_TRUE(cell.driver.move(cell.move_to({}), cell.now));
+  cell.run_until(DriverState::kReady);
+  EXPECT_EQ(worst(cell), PositionQuality::kUncertain);
+  EXPECT_EQ(cell.liar(), -1);
+  EXPECT_LT(distance(cell, {}), 0.12);
+}
+
+TEST_P(EveryDevice, stop_lets_the_motion_under_way_end_and_says_so_then) {
+  for (const auto after : {0us, 100us, 1000us, 8000us, 200'000us, 1'000'000us}) {
+    BigRobotArmCell cell(robot(), profile());
+    cell.make_ready();
+    ASSERT_TRUE(cell.driver.move(cell.move_to(kThere), cell.now));
+    cell.run(after);
+    cell.driver.stop(cell.now);
+    cell.run_until(DriverState::kReady);
+    cell.run(1ms);
+    EXPECT_EQ(cell.kinds(), (std::vector{Kind::kStopped})) << after.count();
+    EXPECT_FALSE(cell.machine.firmware().moving());
+    EXPECT_EQ(cell.liar(), -1);
+    ASSERT_TRUE(cell.driver.move(cell.move_to({}), cell.now)) << after.count();
+    cell.run_until(DriverState::kReady);
+    EXPECT_EQ(cell.count(Kind::kDone), 1);
+  }
+}
+
+TEST_P(EveryDevice, gripper_jumps_and_its_range_is_kept) {
+  BigRobotArmCell cell(robot(), profile());
+  cell.make_ready();
+  ASSERT_TRUE(cell.driver.tool(GripperTo{true, from_deg(40)}, cell.now));
+  cell.run_until(DriverState::kReady);
+  EXPECT_EQ(cell.kinds(), (std::vector{Kind::kDone}));
+  EXPECT_NEAR(cell.machine.truth().tool, from_deg(40), 1e-9);
+  EXPECT_EQ(cell.driver.tool(GripperTo{true, from_deg(181)}, cell.now).error().code,
+            ErrorCode::kGripperRange);
+  EXPECT_EQ(cell.driver.tool(GripperTo{true, std::nan("")}, cell.now).error().code,
+            ErrorCode::kGripperRange);
+  EXPECT_EQ(cell.driver.tool(Suction{}, cell.now).error().code, ErrorCode::kToolNotFitted);
+  EXPECT_EQ(cell.driver.home(cell.now).error().code, ErrorCode::kTaskNotSupported);
+}
+
+TEST(BigRobotArmJointDriver, nothing_moves_before_somebody_says_where_the_arm_stands) {
+  BigRobotArmCell cell;
+  EXPECT_EQ(cell.driver.move(cell.move_to(kThere), cell.now).error().code, ErrorCode::kPortClosed);
+  cell.driver.open(cell.now);
+  EXPECT_EQ(cell.driver.move(cell.move_to(kThere), cell.now).error().code, ErrorCode::kBusy);
+  cell.run_until(DriverState::kReady);
+  EXPECT_EQ(cell.kinds(), (std::vector{Kind::kReady}));
+  EXPECT_EQ(worst(cell), PositionQuality::kLost);
+  EXPECT_EQ(cell.driver.move(cell.move_to(kThere), cell.now).error().code,
+            ErrorCode::kPositionUnknown);
+}
+
+TEST(BigRobotArmJointDriver, journal_told_before_the_port_opens_is_uncertain_after_a_reset) {
+  BigRobotArmCell cell;
+  std::array<JointPosition, 5> upright{};
+  for (auto& one : upright) one = {PositionQuality::kCommanded, 0, 0, 0};
+  cell.driver.declare_positions(upright);
+  cell.driver.open(cell.now);
+  cell.run_until(DriverState::kReady);
+  EXPECT_EQ(worst(cell), PositionQuality::kUncertain);
+  EXPECT_EQ(cell.liar(), -1) << "two full steps are what a power stage may snap by";
+}
+
+TEST(BigRobotArmJointDriver, values_out_of_range_never_leave) {
+  BigRobotArmCell cell;
+  cell.make_ready();
+  for (const double bad : {2.0, -2.0, std::nan(""), HUGE_VAL}) {
+    EXPECT_EQ(cell.driver.move(cell.move_to({0, bad, 0, 0, 0}), cell.now).error().code,
+              ErrorCode::kJointLimit);
+  }
+  JointMove rolling = cell.move_to(kThere);
+  rolling.qd[0] = 0.1;
+  EXPECT_EQ(cell.driver.move(rolling, cell.now).error().code, ErrorCode::kTaskNotSupported);
+  const double unsendable =
+      cell.driver.positions()[0].q + 3400 / cell.device().joints[0].steps_per_rad;
+  const auto refused = cell.driver.move(cell.move_to({unsendable, 0, 0, 0, 0}), cell.now);
+  EXPECT_EQ(refused.error(), (Error{ErrorCode::kUnsendable, 0, 3400, 0}));
+  cell.run(1s);
+  EXPECT_TRUE(cell.to_device.empty());
+}
+
+TEST(BigRobotArmJointDriver, reset_that_nobody_saw_is_found_before_the_arm_moves) {
+  BigRobotArmCell cell;
+  cell.make_ready();
+  ASSERT_TRUE(cell.driver.move(cell.move_to(kThere), cell.now));
+  cell.run_until(DriverState::kReady);
+  cell.machine.disturb({sim::Disturbance::Kind::kSupply, -1, 3});
+  cell.run(10ms);
+  cell.machine.disturb({sim::Disturbance::Kind::kSupply, -1, 12});
+  cell.run(3s);
+  cell.events.clear();
+  ASSERT_TRUE(cell.driver.move(cell.move_to({}), cell.now));
+  cell.run_until(DriverState::kReady);
+  EXPECT_EQ(cell.count(Kind::kFailed), 1);
+  EXPECT_EQ(cell.count(Kind::kDone), 0);
+  EXPECT_LT(distance(cell, kThere), 0.06) << "it did not move";
+  EXPECT_EQ(worst(cell), PositionQuality::kUncertain);
+  EXPECT_EQ(cell.liar(), -1);
+}
+
+TEST(BigRobotArmJointDriver, reset_in_motion_loses_the_position) {
+  BigRobotArmCell cell;
+  cell.make_ready();
+  ASSERT_TRUE(cell.driver.move(cell.move_to(kThere), cell.now));
+  cell.run(1s);
+  cell.machine.disturb({sim::Disturbance::Kind::kSupply, -1, 3});
+  cell.run(10ms);
+  cell.machine.disturb({sim::Disturbance::Kind::kSupply, -1, 12});
+  cell.run_until(DriverState::kReady);
+  EXPECT_EQ(cell.count(Kind::kFailed), 1);
+  EXPECT_EQ(worst(cell), PositionQuality::kLost);
+}
+
+TEST(BigRobotArmJointDriver, device_in_sync_mode_is_a_fault_until_it_is_cleared) {
+  BigRobotArmCell cell;
+  cell.machine.receive(std::array<std::uint8_t, 3>{7, 1, 13}, cell.now);
+  cell.driver.open(cell.now);
+  cell.run_until(DriverState::kFault);
+  ASSERT_TRUE(cell.driver.fault());
+  EXPECT_EQ(cell.driver.fault()->code, ErrorCode::kDeviceSync);
+  EXPECT_EQ(cell.driver.move(cell.move_to({}), cell.now).error().code, ErrorCode::kDeviceSync);
+  ASSERT_TRUE(cell.driver.clear_fault(cell.now));
+  cell.run_until(DriverState::kReady);
+  cell.declare();
+  EXPECT_TRUE(cell.driver.move(cell.move_to({}), cell.now));
+}
+
+TEST(BigRobotArmJointDriver, closed_port_fails_the_move_and_the_hull_stays_true) {
+  BigRobotArmCell cell;
+  cell.make_ready();
+  ASSERT_TRUE(cell.driver.move(cell.move_to(kThere), cell.now));
+  cell.run(1s);
+  cell.driver.close(cell.now);
+  cell.run(5s);
+  EXPECT_EQ(cell.kinds(), (std::vector{Kind::kFailed}));
+  EXPECT_EQ(cell.events[0].error.code, ErrorCode::kPortClosed);
+  EXPECT_EQ(worst(cell), PositionQuality::kUncertain);
+  EXPECT_EQ(cell.liar(), -1);
+}
+
+TEST(BigRobotArmJointDriver, silent_device_fails_to_open_and_a_stop_ends_all_the_same) {
+  BigRobotArmCell cell;
+  cell.cut = true;
+  cell.driver.open(cell.now);
+  cell.run(9s);
+  ASSERT_EQ(cell.kinds(), (std::vector{Kind::kFailed}));
+  EXPECT_EQ(cell.events[0].error.code, ErrorCode::kDeviceSilent);
+  cell.driver.stop(cell.now);
+  cell.run(10s);
+  EXPECT_EQ(cell.events.size(), 2U);
+  cell.cut = false;
+  cell.run_until(DriverState::kReady);
+  EXPECT_EQ(cell.driver.state(), DriverState::kReady);
+}
+
+TEST(BigRobotArmJointDriver, stop_without_a_listener_overflows_nothing) {
+  BigRobotArmCell cell;
+  cell.make_ready();
+  for (int i = 0; i < 100; ++i) cell.driver.stop(cell.now);
+  EXPECT_EQ(cell.driver.take_event()->kind, Kind::kStopped);
+  EXPECT_FALSE(cell.driver.take_event());
+}
+
+TEST(BigRobotArmJointDriver, exchange_does_not_allocate) {
+  const RobotModel robot = test::big_robot_arm();
+  BigRobotArmCell cell(robot);
+  cell.make_ready();
+  std::array<std::uint8_t, 128> bytes{};
+  const JointMove move = cell.move_to(kThere);
+  int events = 0;
+  const test::AllocationCounter allocations;
+  ASSERT_TRUE(cell.driver.move(move, cell.now));
+  for (int i = 0; i < 800; ++i, cell.now += 10ms) {
+    cell.machine.receive(std::span(bytes).first(cell.driver.take_output(bytes)), cell.now);
+    cell.driver.receive(std::span(bytes).first(cell.machine.take_output(bytes)), cell.now);
+    cell.driver.poll(cell.now);
+    while (cell.driver.take_event()) ++events;
+  }
+  EXPECT_EQ(allocations.count(), 0U);
+  EXPECT_EQ(events, 1);
+}
+
+}  // namespace
+}  // namespace sinew

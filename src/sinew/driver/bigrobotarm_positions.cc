@@ -1,0 +1,176 @@
+#include "sinew/driver/bigrobotarm_positions.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sinew/core/assert.h"
+#include "sinew/core/units.h"
+
+namespace sinew {
+
+using namespace bigrobotarm;
+
+namespace {
+
+constexpr double kFullStepsPerRev = 200;
+/// Full steps by which a rotor may snap when its power stage starts anew.
+constexpr double kSnap = 2;
+
+}  // namespace
+
+BigRobotArmPositions::BigRobotArmPositions(const BigRobotArmDevice& device) : device_(device) {
+  for (const BigRobotArmJoint& joint : device.joints) {
+    SINEW_ASSERT(joint.steps_per_rad != 0 && joint.steps_per_motor_rev > 0);
+  }
+}
+
+double BigRobotArmPositions::angle(std::size_t joint, const Words& steps) const {
+  return offset_[joint] + steps[joint] / device_.joints[joint].steps_per_rad;
+}
+
+double BigRobotArmPositions::full_step(std::size_t joint) const {
+  const BigRobotArmJoint& own = device_.joints[joint];
+  return own.steps_per_motor_rev / kFullStepsPerRev / std::abs(own.steps_per_rad);
+}
+
+void BigRobotArmPositions::declare(std::span<const JointPosition> positions) {
+  SINEW_ASSERT(positions.size() == kJoints);
+  if (!heard_) {
+    pending_.emplace();
+    std::copy(positions.begin(), positions.end(), pending_->begin());
+    take_declaration(positions);
+    declared_ = false;
+    return;
+  }
+  if (going_ || doubted_) return;
+  take_declaration(positions);
+}
+
+void BigRobotArmPositions::take_declaration(std::span<const JointPosition> positions) {
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    const JointPosition& one = positions[i];
+    Slack& slack = slack_[i];
+    const double margin = full_step(i) * (fresh_ ? 1 + kSnap : 1);
+    slack = {.lost = one.quality == PositionQuality::kLost || !std::isfinite(one.q) ||
+                     !std::isfinite(one.lower) || !std::isfinite(one.upper),
+             .uncertain = one.quality == PositionQuality::kUncertain,
+             .lower = -margin,
+             .upper = margin};
+    if (slack.lost) continue;
+    offset_[i] += one.q - angle(i, steps_);
+    if (!slack.uncertain) continue;
+    slack.lower = std::min(slack.lower, one.lower - one.q);
+    slack.upper = std::max(slack.upper, one.upper - one.q);
+  }
+  declared_ = true;
+}
+
+void BigRobotArmPositions::go(const Words& target) {
+  target_ = target;
+  going_ = true;
+}
+
+void BigRobotArmPositions::arrive() {
+  steps_ = target_;
+  going_ = fresh_ = false;
+}
+
+void BigRobotArmPositions::doubt() {
+  doubted_ = heard_;
+}
+
+void BigRobotArmPositions::judge(const Status& status, bool boot) {
+  const Words from = steps_;
+  const bool first = !heard_;
+  const bool as_left = status.positions == from;
+  const bool as_asked = going_ && status.positions == target_ && !reopened_;
+  steps_ = status.positions;
+  heard_ = true;
+  if (status.sync) {
+    lose();
+  } else if (first) {
+    if (pending_) {
+      take_declaration(*pending_);
+      if (boot) widen_by_snap();
+    } else {
+      lose();
+    }
+    pending_.reset();
+  } else if (boot && going_) {
+    lose();
+  } else if (boot) {
+    for (std::size_t i = 0; i < kJoints; ++i) {
+      offset_[i] += (from[i] - steps_[i]) / device_.joints[i].steps_per_rad;
+    }
+    widen_by_snap();
+  } else if (as_left || as_asked) {
+  } else if (reopened_) {
+    lose();
+  } else if (status.positions == Words{}) {
+    reach_from_zero(from);
+  }
+  going_ = doubted_ = reopened_ = false;
+  fresh_ = boot;
+}
+
+void BigRobotArmPositions::lose() {
+  slack_ = {};
+  declared_ = false;
+}
+
+void BigRobotArmPositions::widen_by_snap() {
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    slack_[i].uncertain = true;
+    slack_[i].lower -= kSnap * full_step(i);
+    slack_[i].upper += kSnap * full_step(i);
+  }
+  declared_ = false;
+}
+
+/// The arm stands where it stood, or at the device's zero; the device counts 0 in both cases.
+void BigRobotArmPositions::reach_from_zero(const Words& from) {
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    const double way = from[i] / device_.joints[i].steps_per_rad;
+    slack_[i].uncertain = true;
+    slack_[i].lower += std::min(0.0, way);
+    slack_[i].upper += std::max(0.0, way);
+  }
+  declared_ = false;
+}
+
+std::optional<std::size_t> BigRobotArmPositions::unknown() const {
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    if (!declared_ || slack_[i].lost) return i;
+  }
+  return std::nullopt;
+}
+
+void BigRobotArmPositions::show(double progress, std::span<JointPosition> positions) const {
+  SINEW_ASSERT(positions.size() == kJoints);
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    JointPosition& shown = positions[i];
+    const Slack& slack = slack_[i];
+    if (slack.lost) {
+      shown = {};
+      continue;
+    }
+    const double here = angle(i, steps_);
+    shown = {.quality = PositionQuality::kCommanded, .q = here, .lower = here, .upper = here};
+    const auto reach = [&](double q) {
+      shown.lower = std::min(shown.lower, q);
+      shown.upper = std::max(shown.upper, q);
+    };
+    if (going_) {
+      const double there = angle(i, target_);
+      reach(there);
+      shown.q = here + std::clamp(progress, 0.0, 1.0) * (there - here);
+    }
+    // One flipped bit makes a gripper's request a way home; a cut goto leads there too.
+    if (doubted_) reach(offset_[i]);
+    if (going_ || doubted_ || slack.uncertain) shown.quality = PositionQuality::kUncertain;
+    shown.lower += slack.lower;
+    shown.upper += slack.upper;
+  }
+}
+
+}  // namespace sinew

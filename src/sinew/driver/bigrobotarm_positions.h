@@ -1,0 +1,98 @@
+#pragma once
+
+#include <array>
+#include <optional>
+#include <span>
+
+#include "sinew/driver/bigrobotarm_multipliers.h"
+#include "sinew/driver/driver.h"
+#include "sinew/model/device.h"
+#include "sinew/wire/bigrobotarm.h"
+
+namespace sinew {
+
+/// What a host may believe of a BigRobotArm's joints, from what it asked and what the device told:
+/// a zero for each joint (the model's position where the device counts 0), the steps that were last
+/// confirmed, and how far the truth may be from there.
+///
+///   a confirmed status says               | what is believed then
+///   --------------------------------------+---------------------------------------------------
+///   the first one, after a declaration    | the declared place, its zero follows
+///   the first one, nothing declared       | lost
+///   the steps we left, or were going to   | those
+///   power-up values, at rest before       | the place we left, uncertain by two full steps more
+///   power-up values, in motion before     | lost
+///   all steps 0 and nobody sent it there  | uncertain from the place we left to the zero: a
+///                                         | damaged request reset the counters, or went home
+///   other steps, another host between     | lost
+///   other steps                           | those: a damaged goto, in the frame as it was
+///   sync mode                             | lost: it moves in a frame of its own
+///
+/// `commanded` means within one full motor step, by which a rotor may trail its field; at a device
+/// that was just reset within three, since a rotor that friction holds between two rests snaps to
+/// one of them, up to two full steps away, when its motor first turns. @rt
+class BigRobotArmPositions {
+ public:
+  using Words = bigrobotarm::Words;
+  using Angles = std::array<double, bigrobotarm::kJoints>;
+
+  explicit BigRobotArmPositions(const BigRobotArmDevice& device);
+
+  /// Where the arm stands, from whoever knows and has recorded it; while nothing is heard yet it is
+  /// kept for the first status.
+  void declare(std::span<const JointPosition> positions);
+  /// A goto may be carried out from now on; lasts until arrive() or judge().
+  void go(const Words& target);
+  /// It was not sent after all.
+  void stay() { going_ = false; }
+  /// It was, and everything says so.
+  void arrive();
+  /// Nobody knows what the device understood.
+  void doubt();
+  /// A port that others may have used is open again.
+  void reopen() { reopened_ = heard_; }
+  /// A status that two readings agree on.
+  /// @param boot  its values are those of power-up.
+  void judge(const bigrobotarm::Status& status, bool boot);
+
+  const Words& steps() const { return steps_; }
+  const Angles& offset() const { return offset_; }
+  /// The first joint that no move may start from; nothing: all may.
+  std::optional<std::size_t> unknown() const;
+  bool declared() const { return declared_; }
+  bool going() const { return going_; }
+
+  /// @param progress  0..1 of the motion under way.
+  void show(double progress, std::span<JointPosition> positions) const;
+
+ private:
+  /// How far the truth may be from the nominal place, rad.
+  struct Slack {
+    bool lost = true;
+    bool uncertain = false;
+    double lower = 0;
+    double upper = 0;
+  };
+
+  double angle(std::size_t joint, const Words& steps) const;
+  double full_step(std::size_t joint) const;
+  void take_declaration(std::span<const JointPosition> positions);
+  void lose();
+  void widen_by_snap();
+  void reach_from_zero(const Words& from);
+
+  BigRobotArmDevice device_;
+  Angles offset_{};
+  Words steps_{};
+  Words target_{};
+  bool heard_ = false;     ///< a status was judged
+  bool declared_ = false;  ///< since the last thing that moved the frame
+  bool going_ = false;
+  bool doubted_ = false;
+  bool reopened_ = false;
+  bool fresh_ = false;  ///< reset, and not moved since
+  std::optional<std::array<JointPosition, bigrobotarm::kJoints>> pending_;
+  std::array<Slack, bigrobotarm::kJoints> slack_;
+};
+
+}  // namespace sinew

@@ -1,0 +1,628 @@
+#include "sinew/driver/icp.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdlib>
+#include <utility>
+
+#include "sinew/core/assert.h"
+
+namespace sinew {
+
+using namespace icp;
+
+namespace {
+
+constexpr std::uint8_t kAllLegs = (1U << kLegs) - 1;
+constexpr std::array<std::size_t, 3> kStrayLegs{0, 1, 3};  ///< 11, 12 and 14 are one bit from 10
+constexpr Duration kSegmentMax = std::chrono::hours(24);
+constexpr Duration kEarlySlack{100'000};  // ns; a clock of a port is some percent off
+constexpr int kMeanOf = 16;               // cycles
+
+template <std::size_t... kIndex>
+std::array<IcpLegClaim, kLegs> make_claims(const IcpDevice& device,
+                                           std::index_sequence<kIndex...>) {
+  const auto units_per_down = static_cast<std::int64_t>(std::llround(device.units_per_down));
+  return {IcpLegClaim(static_cast<std::int8_t>(kIndex), device.legs[kIndex], device.units_per_m,
+                      units_per_down)...};
+}
+
+constexpr std::uint8_t bit_of(std::size_t leg) {
+  return static_cast<std::uint8_t>(1U << leg);
+}
+
+std::uint8_t motor_of(std::size_t leg) {
+  return static_cast<std::uint8_t>(leg + 1);
+}
+
+Error leg_error(ErrorCode code, std::size_t leg, double measured = 0, double limit = 0) {
+  return {code, static_cast<std::int8_t>(leg), measured, limit};
+}
+
+}  // namespace
+
+IcpDriver::IcpDriver(const IcpDevice& device, std::span<const Joint> legs, const IcpTiming& timing)
+    : device_(device),
+      timing_(timing),
+      legs_(make_claims(device, std::make_index_sequence<kLegs>{})),
+      cycle_time_(4 * timing.byte_time) {
+  SINEW_ASSERT(legs.size() == kLegs && device.tries >= 1 && timing.quiet > Duration::zero());
+  for (std::size_t i = 0; i < kLegs; ++i) {
+    lower_[i] = legs[i].lower - kJointLimitTolerance;
+    upper_[i] = legs[i].upper + kJointLimitTolerance;
+  }
+}
+
+void IcpDriver::open(Instant now) {
+  fault_.reset();
+  begin_opening(now);
+}
+
+void IcpDriver::begin_opening(Instant now) {
+  opening_ = true;
+  recovering_ = true;
+  polls_ = kAllLegs;
+  failures_ = 0;
+  rereads_ = 0;
+  poll_error_.reset();
+  kill_suspected_ = false;
+  heard_ = now;
+  quiet_since_ = now;
+  sync_risky_ = true;
+  send(Sync{}, Phase::kQuiet, now);
+}
+
+void IcpDriver::close(Instant now) {
+  if (phase_ == Phase::kClosed) return;
+  if (phase_ == Phase::kStep) {
+    const StepMerge::Step step = merge_.next();
+    legs_[step.leg].maybe_stepped(step.direction);
+    refresh(step.leg);
+  }
+  if (phase_ == Phase::kSelect) {
+    legs_[polled_].status_lost();
+    refresh(polled_);
+  }
+  if (stop_asked_) end_stopped(now);
+  if (opening_ || !queue_.empty() || command_ != Command::kNone) {
+    give_up({ErrorCode::kPortClosed});
+  }
+  stopping_ = false;
+  recovering_ = false;
+  polls_ = 0;
+  fault_.reset();
+  output_.reset();
+  deadline_.reset();
+  phase_ = Phase::kClosed;
+}
+
+DriverState IcpDriver::state() const {
+  if (phase_ == Phase::kClosed) return DriverState::kClosed;
+  if (fault_) return DriverState::kFault;
+  if (stop_asked_ || stopping_) return DriverState::kStopping;
+  if (recovering_) return DriverState::kOpening;
+  const bool busy = !queue_.empty() || command_ != Command::kNone;
+  return busy ? DriverState::kMoving : DriverState::kReady;
+}
+
+Expected<void> IcpDriver::ready() const {
+  if (phase_ == Phase::kClosed) return std::unexpected(Error{ErrorCode::kPortClosed});
+  if (fault_) return std::unexpected(*fault_);
+  const bool doubtful = opening_ || (recovering_ && queue_.empty());
+  if (doubtful || stop_asked_ || stopping_ || command_ != Command::kNone) {
+    return std::unexpected(Error{ErrorCode::kBusy});
+  }
+  return {};
+}
+
+bool IcpDriver::wants_move(Instant) const {
+  return ready().has_value() && queue_.size() < 2;
+}
+
+std::optional<Error> IcpDriver::too_uncertain() const {
+  for (std::size_t i = 0; i < kLegs; ++i) {
+    if (!legs_[i].known() || legs_[i].uncertainty() > timing_.uncertain_units_max) {
+      return leg_error(ErrorCode::kPositionUnknown, i);
+    }
+  }
+  return std::nullopt;
+}
+
+Expected<void> IcpDriver::move(const JointMove& move, Instant now) {
+  if (const auto able = ready(); !able) return able;
+  if (const auto error = too_uncertain()) return std::unexpected(*error);
+  SINEW_ASSERT(move.q.size() == kLegs);
+  for (std::size_t i = 0; i < kLegs; ++i) {
+    // Written so that NaN is refused too.
+    if (!(move.q[i] >= lower_[i] && move.q[i] <= upper_[i])) {
+      const double limit = move.q[i] < lower_[i] ? lower_[i] : upper_[i];
+      return std::unexpected(leg_error(ErrorCode::kLegLength, i, move.q[i], limit));
+    }
+  }
+  if (move.duration < Duration::zero() || move.duration > kSegmentMax) {
+    return std::unexpected(
+        Error{ErrorCode::kSegmentTime, -1, to_seconds(move.duration), to_seconds(kSegmentMax)});
+  }
+  return accept({.q = move.q, .duration = move.duration}, now);
+}
+
+Expected<void> IcpDriver::jog(std::size_t leg, std::int64_t steps, Instant now) {
+  SINEW_ASSERT(leg < kLegs);
+  if (const auto able = ready(); !able) return able;
+  const double most = kJogMax * device_.units_per_m;
+  if (steps == 0 || std::abs(static_cast<double>(steps)) > most) {
+    return std::unexpected(leg_error(ErrorCode::kStepRange, leg, static_cast<double>(steps), most));
+  }
+  if (legs_[leg].known()) {
+    const double q = positions_[leg].q + legs_[leg].way_of(steps);
+    if (!(q >= lower_[leg] && q <= upper_[leg])) {
+      const double limit = q < lower_[leg] ? lower_[leg] : upper_[leg];
+      return std::unexpected(leg_error(ErrorCode::kLegLength, leg, q, limit));
+    }
+  }
+  Move jog;
+  jog.jog[leg] = steps;
+  return accept(jog, now);
+}
+
+Expected<void> IcpDriver::accept(const Move& move, Instant now) {
+  if (queue_.full()) return std::unexpected(Error{ErrorCode::kBusy});
+  queue_.push_back(move);
+  if (queue_.size() > 1) return {};
+  SINEW_ASSERT(phase_ == Phase::kIdle);
+  begin_move(now);
+  next_of_move(now);
+  return {};
+}
+
+void IcpDriver::begin_move(Instant start) {
+  StepMerge::Counts counts = queue_[0].jog;
+  if (!queue_[0].q.empty()) {
+    for (std::size_t i = 0; i < kLegs; ++i) counts[i] = legs_[i].steps_to(queue_[0].q[i]);
+  }
+  merge_ = StepMerge(counts);
+  move_start_ = start;
+}
+
+void IcpDriver::stop(Instant now) {
+  if (stop_asked_) return;
+  if (queue_.empty()) {
+    const bool told = !events_.empty() && events_.back().kind == DriverEvent::Kind::kStopped;
+    if (!told) tell(DriverEvent::Kind::kStopped);
+    return;
+  }
+  // A step that is on its way is waited for; anything else moves nothing.
+  stop_asked_ = true;
+  if (phase_ != Phase::kStep) end_stopped(now);
+}
+
+/// Nothing moves any more.
+void IcpDriver::end_stopped(Instant now) {
+  for (std::size_t i = 0; i < queue_.size(); ++i) tell(DriverEvent::Kind::kStopped);
+  queue_.clear();
+  merge_ = {};
+  finishing_ = false;
+  stop_asked_ = false;
+  polls_ = static_cast<std::uint8_t>(polls_ | moved_legs());
+  stopping_ = true;
+  if (phase_ == Phase::kPause) next(now);
+}
+
+std::uint8_t IcpDriver::moved_legs() const {
+  std::uint8_t moved = 0;
+  for (std::size_t i = 0; i < kLegs; ++i) {
+    if (legs_[i].moved()) moved = static_cast<std::uint8_t>(moved | bit_of(i));
+  }
+  return moved;
+}
+
+std::uint8_t IcpDriver::tagged_legs() const {
+  std::uint8_t tagged = 0;
+  for (std::size_t i = 0; i < kLegs; ++i) {
+    if (legs_[i].tagged()) tagged = static_cast<std::uint8_t>(tagged | bit_of(i));
+  }
+  return tagged;
+}
+
+Expected<void> IcpDriver::clear_fault(Instant now) {
+  if (phase_ == Phase::kClosed) return std::unexpected(Error{ErrorCode::kPortClosed});
+  if (!fault_) return {};
+  fault_.reset();
+  begin_opening(now);
+  return {};
+}
+
+void IcpDriver::declare_positions(std::span<const JointPosition> positions) {
+  SINEW_ASSERT(positions.size() == kLegs);
+  if (!queue_.empty() || stopping_) return;
+  for (std::size_t i = 0; i < kLegs; ++i) {
+    legs_[i].declare(positions[i]);
+    refresh(i);
+  }
+}
+
+Expected<void> IcpDriver::begin_command(Command command, std::uint8_t polls, Instant now) {
+  if (const auto able = ready(); !able) return able;
+  if (!queue_.empty()) return std::unexpected(Error{ErrorCode::kBusy});
+  command_ = command;
+  polls_ = polls;
+  begin_exchange(now);
+  return {};
+}
+
+Expected<void> IcpDriver::read_status(std::size_t leg, Instant now) {
+  SINEW_ASSERT(leg < kLegs);
+  return begin_command(Command::kStatus, bit_of(leg), now);
+}
+
+Expected<void> IcpDriver::wake(Instant now) {
+  return begin_command(Command::kWake, 0, now);
+}
+
+Expected<void> IcpDriver::kill(Instant now) {
+  return begin_command(Command::kKill, 0, now);
+}
+
+// --- exchanges ---
+
+void IcpDriver::send(const Request& request, Phase phase, Instant now) {
+  using Due = ReplyDecoder::Due;
+  output_ = encode_request(request);
+  phase_ = phase;
+  asked_ = now;
+  earliest_ = now + 2 * timing_.byte_time - kEarlySlack;
+  const bool silent = phase == Phase::kQuiet || phase == Phase::kKill;
+  const bool block = phase == Phase::kSelect;
+  decoder_.expect(silent ? Due::kNothing : block ? Due::kBlock : Due::kByte);
+  const auto bytes = block ? 2 + kStatusSize : std::size_t{2};
+  const Duration wire = static_cast<std::int64_t>(bytes) * timing_.byte_time;
+  deadline_ = now + (silent ? timing_.byte_time + timing_.quiet : wire + device_.reply_timeout);
+}
+
+void IcpDriver::begin_exchange(Instant now) {
+  if (!recovering_ && now - heard_ >= timing_.idle_limit) kill_suspected_ = true;
+  ++health_.requests;
+  began_ = now;
+  send(Init{}, Phase::kInit, now);
+}
+
+/// The device waits for a command: only now is it decided which.
+void IcpDriver::send_command(Instant now) {
+  if (!recovering_ && polls_ == 0) {
+    if (command_ == Command::kKill) return send(Kill{}, Phase::kKill, now);
+    if (command_ == Command::kWake) return send(Wake{}, Phase::kWake, now);
+    if (running() && !merge_.done()) {
+      const StepMerge::Step step = merge_.next();
+      const bool direction = legs_[step.leg].wire_bit(step.direction);
+      return send(Step{motor_of(step.leg), direction}, Phase::kStep, now);
+    }
+    // Stopped in between: out of the exchange by a question that moves nothing.
+    polls_ = bit_of(0);
+  }
+  send(StatusRequest{}, Phase::kRequest, now);
+}
+
+void IcpDriver::receive(std::span<const std::uint8_t> bytes, Instant now) {
+  // What was due before these bytes came is late, whoever called first.
+  if (deadline_ && now > *deadline_) poll(now);
+  for (const std::uint8_t byte : bytes) {
+    if (phase_ == Phase::kClosed) return;
+    on_byte(byte, now);
+  }
+}
+
+void IcpDriver::on_byte(std::uint8_t byte, Instant now) {
+  heard_ = now;
+  kill_suspected_ = false;
+  if (fault_) {
+    ++health_.unexpected;
+    return;
+  }
+  if (phase_ == Phase::kQuiet) {
+    ++health_.unexpected;
+    if (sync_risky_) {
+      // A sync byte has no answer. This one may have been read as 11, 12 or 14.
+      sync_risky_ = false;
+      for (const std::size_t leg : kStrayLegs) {
+        legs_[leg].maybe_strayed(legs_[leg].wire_bit(1) ? -1 : 1);
+        refresh(leg);
+      }
+    }
+    if (now - quiet_since_ > timing_.quiet_limit) {
+      return give_up({ErrorCode::kUnexpectedReply, -1, 1.0 * byte, 1.0 * kAck});
+    }
+    deadline_ = now + timing_.quiet;
+    return;
+  }
+  const Error unexpected{ErrorCode::kUnexpectedReply, -1, 1.0 * byte, 1.0 * kAck};
+  const bool early = timing_.refuse_early && now < earliest_;
+  const auto reply = decoder_.push(byte);
+  if (early || (reply && !*reply)) {
+    ++health_.unexpected;
+    return doubt(unexpected, now);
+  }
+  if (reply) on_reply(**reply, now);
+}
+
+void IcpDriver::on_reply(const Reply& reply, Instant now) {
+  if (std::holds_alternative<Refused>(reply)) return on_refusal(now);
+  if (const auto* status = std::get_if<Status>(&reply)) return on_status(*status, now);
+  switch (phase_) {
+    case Phase::kInit:
+      return send_command(now);
+    case Phase::kStep:
+      step_made(now);
+      if (stop_asked_) end_stopped(now);
+      return next(now);
+    case Phase::kRequest: {
+      polled_ = static_cast<std::size_t>(std::countr_zero(polls_));
+      const std::uint8_t motor = motor_of(polled_);
+      const Request plain = Select{motor};
+      return send(selector_is_step_ ? Request{Step{motor, false}} : plain, Phase::kSelect, now);
+    }
+    case Phase::kWake:
+      command_ = Command::kStatus;
+      polls_ = kAllLegs;
+      return next(now);
+    default:
+      break;
+  }
+}
+
+void IcpDriver::on_refusal(Instant now) {
+  if (phase_ == Phase::kWake) {
+    // A firmware without C0: a status wakes a module as well.
+    command_ = Command::kStatus;
+    polls_ = kAllLegs;
+    return next(now);
+  }
+  if (phase_ == Phase::kInit) {
+    // It was inside an exchange, and left it with this answer.
+    recovering_ = true;
+    if (polls_ == 0) polls_ = bit_of(0);
+  }
+  if (stop_asked_) end_stopped(now);
+  ++health_.retries;
+  ++failures_;
+  if (failures_ < device_.tries) return next(now);
+  if (phase_ == Phase::kSelect && !selector_is_step_) {
+    selector_is_step_ = true;
+    failures_ = 0;
+    return next(now);
+  }
+  give_up({ErrorCode::kDeviceRefused});
+}
+
+void IcpDriver::on_status(const Status& status, Instant now) {
+  statuses_[polled_] = status;
+  failures_ = 0;
+  Error error;
+  const IcpLegClaim::Verdict verdict = legs_[polled_].judge(status, error);
+  if (verdict == IcpLegClaim::Verdict::kDoubtful && ++rereads_ < device_.tries) {
+    ++health_.retries;
+    return begin_exchange(now);
+  }
+  rereads_ = 0;
+  if (verdict == IcpLegClaim::Verdict::kGood) {
+    legs_[polled_].confirm(status);
+  } else {
+    legs_[polled_].withdraw(status);
+    if (!poll_error_) poll_error_ = error;
+  }
+  refresh(polled_);
+  polls_ = static_cast<std::uint8_t>(polls_ & ~unsigned{bit_of(polled_)});
+  next(now);
+}
+
+void IcpDriver::step_made(Instant now) {
+  const StepMerge::Step step = merge_.next();
+  merge_.advance();
+  legs_[step.leg].stepped(step.direction);
+  refresh(step.leg);
+  failures_ = 0;
+  cycle_time_ += (now - began_ - cycle_time_) / kMeanOf;
+}
+
+// --- what comes next ---
+
+/// The device is in its loop and nothing is on its way.
+void IcpDriver::next(Instant now) {
+  phase_ = Phase::kIdle;
+  deadline_.reset();
+  if (polls_ != 0) return begin_exchange(now);
+  if (poll_error_) return give_up(*std::exchange(poll_error_, std::nullopt));
+  const bool recovered = std::exchange(recovering_, false);
+  const bool at_rest = queue_.empty() && command_ == Command::kNone && !stopping_;
+  if (std::exchange(opening_, false) || (recovered && at_rest)) tell(DriverEvent::Kind::kReady);
+  stopping_ = false;
+  if (command_ == Command::kStatus) {
+    command_ = Command::kNone;
+    return tell(DriverEvent::Kind::kDone);
+  }
+  if (command_ != Command::kNone) return begin_exchange(now);
+  if (queue_.empty()) return;
+  if (finishing_) return finish(now);
+  next_of_move(now);
+}
+
+void IcpDriver::next_of_move(Instant now) {
+  const Move& move = queue_[0];
+  if (const auto error = too_uncertain(); error && !move.q.empty()) {
+    fail_all(*error);
+    polls_ = moved_legs();
+    stopping_ = polls_ != 0;
+    return next(now);
+  }
+  const double share = merge_.done() ? 1
+                                     : static_cast<double>(merge_.total() - merge_.remaining()) /
+                                           static_cast<double>(merge_.total());
+  const Instant due = move_start_ + from_seconds(to_seconds(move.duration) * share);
+  if (now < due) {
+    phase_ = Phase::kPause;
+    deadline_ = due;
+    return;
+  }
+  if (!merge_.done()) {
+    // Whether the power was away in the meantime must be seen before a step hides it.
+    if (now - heard_ > timing_.trust) polls_ = tagged_legs();
+    return begin_exchange(now);
+  }
+  if (queue_.size() == 1) {
+    finishing_ = true;
+    polls_ = moved_legs();
+    return next(now);
+  }
+  finish(now);
+}
+
+/// The first move of the queue is carried out.
+void IcpDriver::finish(Instant now) {
+  finishing_ = false;
+  const Instant end = move_start_ + queue_[0].duration;
+  std::copy(queue_.begin() + 1, queue_.end(), queue_.begin());
+  queue_.pop_back();
+  tell(DriverEvent::Kind::kDone);
+  if (queue_.empty()) return;
+  // In time: the next one's time begins where this one's ended, so that nothing adds up.
+  begin_move(now - end < cycle_time_ ? end : now);
+  next_of_move(now);
+}
+
+// --- doubts ---
+
+void IcpDriver::doubt(const Error& error, Instant now) {
+  const Phase was = phase_;
+  output_.reset();
+  if (was == Phase::kStep) {
+    const StepMerge::Step step = merge_.next();
+    merge_.advance();
+    legs_[step.leg].maybe_stepped(step.direction);
+    refresh(step.leg);
+  }
+  if (was == Phase::kSelect) {
+    legs_[polled_].status_lost();
+    refresh(polled_);
+  }
+  if (was == Phase::kKill) {
+    command_ = Command::kNone;
+    tell(DriverEvent::Kind::kFailed, error);
+  }
+  // All of them: what silenced the controller may have taken the modules' power as well, and a
+  // step more would hide that.
+  polls_ = kAllLegs;
+  recovering_ = true;
+  if (stop_asked_) {
+    phase_ = Phase::kQuiet;
+    end_stopped(now);
+  }
+  if (++failures_ >= device_.tries) {
+    const bool killed = error.code == ErrorCode::kDeviceSilent && kill_suspected_;
+    return give_up(killed ? Error{ErrorCode::kDeviceKilled} : error);
+  }
+  ++health_.retries;
+  quiet_since_ = now;
+  sync_risky_ = false;
+  // Where a selector is due, no bit of a sync byte makes a step of it; elsewhere it could.
+  if (was == Phase::kSelect || was == Phase::kKill) return send(Sync{}, Phase::kQuiet, now);
+  decoder_.expect(ReplyDecoder::Due::kNothing);
+  phase_ = Phase::kQuiet;
+  deadline_ = now + timing_.quiet;
+}
+
+void IcpDriver::give_up(const Error& error) {
+  fault_ = error;
+  fail_all(error);
+  phase_ = Phase::kIdle;
+  deadline_.reset();
+  decoder_.expect(ReplyDecoder::Due::kNothing);
+  output_.reset();
+  recovering_ = false;
+  stopping_ = false;
+  polls_ = 0;
+  poll_error_.reset();
+  failures_ = 0;
+  rereads_ = 0;
+}
+
+void IcpDriver::fail_all(const Error& error) {
+  const bool nobody = queue_.empty() && command_ == Command::kNone && !opening_;
+  for (std::size_t i = 0; i < queue_.size(); ++i) tell(DriverEvent::Kind::kFailed, error);
+  if (std::exchange(command_, Command::kNone) != Command::kNone) {
+    tell(DriverEvent::Kind::kFailed, error);
+  }
+  if (std::exchange(opening_, false)) tell(DriverEvent::Kind::kFailed, error);
+  if (nobody) tell(DriverEvent::Kind::kNotice, error);
+  queue_.clear();
+  merge_ = {};
+  finishing_ = false;
+}
+
+// --- time and bytes ---
+
+void IcpDriver::poll(Instant now) {
+  // Each deadline is followed by a later one or none.
+  for (int i = 0; i < 4 && deadline_ && now >= *deadline_; ++i) on_deadline(now);
+}
+
+void IcpDriver::on_deadline(Instant now) {
+  switch (phase_) {
+    case Phase::kQuiet:
+      sync_risky_ = false;
+      return begin_exchange(now);
+    case Phase::kPause:
+      return next(now);
+    case Phase::kKill:
+      command_ = Command::kNone;
+      tell(DriverEvent::Kind::kDone);
+      fault_ = Error{ErrorCode::kDeviceKilled};
+      phase_ = Phase::kIdle;
+      return deadline_.reset();
+    default:
+      break;
+  }
+  // F0 and C0 are one bit from E0. Behind a silent FF the suspicion stays as it was.
+  const bool special = phase_ == Phase::kRequest || phase_ == Phase::kWake;
+  if (phase_ != Phase::kInit) kill_suspected_ = special;
+  ++health_.timeouts;
+  doubt({ErrorCode::kDeviceSilent, -1, to_seconds(now - asked_), to_seconds(*deadline_ - asked_)},
+        now);
+}
+
+std::int64_t IcpDriver::steps_left() const {
+  std::int64_t steps = merge_.remaining();
+  for (std::size_t i = 1; i < queue_.size(); ++i) {
+    for (std::size_t leg = 0; leg < kLegs; ++leg) {
+      steps += std::abs(queue_[i].jog[leg]);
+      if (queue_[i].q.empty() || queue_[i - 1].q.empty()) continue;
+      steps +=
+          std::llround(std::abs(queue_[i].q[leg] - queue_[i - 1].q[leg]) * device_.units_per_m);
+    }
+  }
+  return steps;
+}
+
+std::size_t IcpDriver::take_output(std::span<std::uint8_t> out) {
+  if (!output_ || out.empty()) return 0;
+  out[0] = *output_;
+  output_.reset();
+  return 1;
+}
+
+std::optional<DriverEvent> IcpDriver::take_event() {
+  if (events_.empty()) return std::nullopt;
+  const DriverEvent first = events_[0];
+  std::copy(events_.begin() + 1, events_.end(), events_.begin());
+  events_.pop_back();
+  return first;
+}
+
+void IcpDriver::tell(DriverEvent::Kind kind, const Error& error) {
+  // What ends no command may be lost where nobody listens.
+  const bool ends = kind != DriverEvent::Kind::kNotice && kind != DriverEvent::Kind::kReady;
+  if (events_.full() && !ends) return;
+  SINEW_ASSERT(!events_.full());
+  events_.push_back({kind, error});
+}
+
+}  // namespace sinew

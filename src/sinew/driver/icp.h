@@ -1,0 +1,201 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "sinew/core/fixed_vector.h"
+#include "sinew/driver/driver.h"
+#include "sinew/driver/icp_leg.h"
+#include "sinew/driver/step_merge.h"
+#include "sinew/wire/icp.h"
+
+namespace sinew {
+
+struct IcpTiming {
+  Duration byte_time{1'041'667};  ///< on the wire: 10 bits at 9600 baud
+  /// A reply that comes sooner than two bytes take is none. False where the bytes travel through
+  /// something that is quicker than the wire.
+  bool refuse_early = true;
+  Duration quiet = std::chrono::milliseconds(100);  ///< twice the longest answer: ends a doubt
+  Duration quiet_limit = std::chrono::seconds(5);   ///< a line that talks on for so long is told
+  Duration idle_limit = std::chrono::minutes(10);   ///< after it, silence means: shut itself down
+  /// After a silence of so long the modules are looked at before the next step: a power cut leaves
+  /// their target position 0.
+  Duration trust = std::chrono::milliseconds(500);
+  /// A leg whose interval is wider, in position units, is not moved any more.
+  std::int64_t uncertain_units_max = 8;
+};
+
+/// Host side of the hexapod's wire: leg lengths to single microsteps, one exchange each, six legs
+/// merged so that the platform stays on its line. Every exchange begins with FF; what follows its
+/// ACK is decided when the ACK is there.
+///
+///   phase    | what happens                        | next
+///   ---------+-------------------------------------+--------------------------------------------
+///   kIdle    | a command                           | kInit
+///   kInit    | 00                                  | kStep, kRequest, kWake or kKill
+///   kInit    | 11 (it was inside an exchange)      | kInit, once more
+///   kStep    | 00                                  | kInit, kPause or kIdle: the step is made
+///   kStep    | 11, 22                              | kInit: it is not made, the same step again
+///   kStep    | anything else, nothing in time      | kQuiet: the leg is uncertain by this step
+///   kRequest | 00                                  | kSelect
+///   kSelect  | 00 and 12 bytes                     | kInit or kIdle: the leg is judged
+///   kWake    | 00, or 11 of a firmware without it  | kInit: the status of all six
+///   kKill    | nothing                             | kIdle, fault kDeviceKilled
+///   kPause   | the next step is due                | kInit
+///   kQuiet   | silence for `quiet`                 | kInit, then a status before anything else
+///   kQuiet   | a byte                              | kQuiet, the silence starts again
+///   any      | a byte too soon, a byte unasked,    | kQuiet; after `tries` in a row kFault
+///            | a wrong one, nothing in time        |
+///
+/// After a doubt no step leaves before a status has come in full: its fixed bits show whether the
+/// answers are still those to the questions. No sync byte is sent where a flipped bit could make a
+/// step of it: FF gets the device out of there as well.
+///
+/// A motion ends with a status of every leg that it moved; what that shows to be undone makes the
+/// leg uncertain (IcpLegClaim) and ends in kFault. A leg may be uncertain by uncertain_units_max
+/// and still move. Leg limits are told as kLegLength. All members are @rt.
+class IcpDriver final : public ByteDriver {
+ public:
+  static constexpr std::size_t kQueue = 4;  ///< moves
+  static constexpr double kJogMax = 1e-3;   ///< m
+
+  /// @param legs  six, with the limits that no move leaves.
+  IcpDriver(const IcpDevice& device, std::span<const Joint> legs, const IcpTiming& timing = {});
+
+  void open(Instant now) override;
+  void close(Instant now) override;
+  DriverState state() const override;
+  std::optional<Error> fault() const override { return fault_; }
+  std::span<const JointPosition> positions() const override { return positions_; }
+  DriverHealth health() const override { return health_; }
+  bool wants_move(Instant now) const override;
+  /// Steps are spread over move.duration where the wire is quicker than that.
+  /// @error kLegLength, kPositionUnknown (index), kSegmentTime, kBusy, kPortClosed, fault's own
+  Expected<void> move(const JointMove& move, Instant now) override;
+  void stop(Instant now) override;
+  Expected<void> clear_fault(Instant now) override;
+  /// Only while nothing moves; else it is not heard.
+  void declare_positions(std::span<const JointPosition> positions) override;
+  void poll(Instant now) override;
+  std::optional<Instant> next_deadline() const override { return deadline_; }
+  std::optional<DriverEvent> take_event() override;
+  void receive(std::span<const std::uint8_t> bytes, Instant now) override;
+  std::size_t take_output(std::span<std::uint8_t> out) override;
+
+  /// Steps of one leg, also while nobody knows where it is; + is longer.
+  /// @error kStepRange (beyond kJogMax), and those of move()
+  Expected<void> jog(std::size_t leg, std::int64_t steps, Instant now);
+  /// Asks for a status at rest; kDone follows, and status() has it. @error kBusy, fault's own
+  Expected<void> read_status(std::size_t leg, Instant now);
+  /// Wakes all motor modules. @error kBusy, fault's own
+  Expected<void> wake(Instant now);
+  /// Shuts the controller down until its power is cut: kDone, then fault kDeviceKilled.
+  /// @error kBusy, fault's own
+  Expected<void> kill(Instant now);
+
+  /// The last status of a leg.
+  const std::optional<icp::Status>& status(std::size_t leg) const { return statuses_[leg]; }
+  std::int64_t steps_left() const;
+  /// Of one step, moving mean.
+  Duration cycle_time() const { return cycle_time_; }
+  /// For all moves accepted, as things go.
+  Duration time_left() const { return steps_left() * cycle_time_; }
+
+ private:
+  enum class Phase : std::uint8_t {
+    kClosed,
+    kIdle,
+    kPause,
+    kQuiet,
+    kInit,
+    kStep,
+    kRequest,
+    kSelect,
+    kWake,
+    kKill,
+  };
+  enum class Command : std::uint8_t { kNone, kStatus, kWake, kKill };
+  struct Move {
+    JointVector q;
+    Duration duration{};
+    StepMerge::Counts jog{};  ///< instead of q, where q is empty
+  };
+
+  Expected<void> ready() const;
+  Expected<void> accept(const Move& move, Instant now);
+  Expected<void> begin_command(Command command, std::uint8_t polls, Instant now);
+  void begin_opening(Instant now);
+  void begin_exchange(Instant now);
+  void begin_move(Instant start);
+  void send(const icp::Request& request, Phase phase, Instant now);
+  void send_command(Instant now);
+
+  void on_byte(std::uint8_t byte, Instant now);
+  void on_reply(const icp::Reply& reply, Instant now);
+  void on_refusal(Instant now);
+  void on_status(const icp::Status& status, Instant now);
+  void on_deadline(Instant now);
+
+  void next(Instant now);
+  void next_of_move(Instant now);
+  void finish(Instant now);
+  void step_made(Instant now);
+  void doubt(const Error& error, Instant now);
+  void give_up(const Error& error);
+  void fail_all(const Error& error);
+  void end_stopped(Instant now);
+  std::uint8_t moved_legs() const;
+  std::uint8_t tagged_legs() const;
+  std::optional<Error> too_uncertain() const;
+  bool running() const { return !queue_.empty() && !finishing_; }
+  void refresh(std::size_t leg) { positions_[leg] = legs_[leg].position(); }
+  void tell(DriverEvent::Kind kind, const Error& error = {});
+
+  IcpDevice device_;
+  IcpTiming timing_;
+  std::array<double, kLegs> lower_{};
+  std::array<double, kLegs> upper_{};
+  std::array<IcpLegClaim, kLegs> legs_;
+  std::array<JointPosition, kLegs> positions_;
+  std::array<std::optional<icp::Status>, kLegs> statuses_;
+
+  Phase phase_ = Phase::kClosed;
+  std::optional<Instant> deadline_;
+  Instant asked_{};     ///< when the byte under way was put out
+  Instant earliest_{};  ///< before it no reply is one
+  Instant began_{};     ///< the exchange under way
+  Instant heard_{};     ///< the last byte
+  Instant quiet_since_{};
+  icp::ReplyDecoder decoder_;
+  std::optional<std::uint8_t> output_;
+
+  bool opening_ = false;     ///< kReady or kFailed is owed
+  bool recovering_ = false;  ///< no step before a status has come
+  bool sync_risky_ = false;  ///< the sync byte may have found an exchange of another host
+  bool kill_suspected_ = false;
+  bool selector_is_step_ = false;  ///< this firmware checks selectors
+  int failures_ = 0;               ///< exchanges in a row that led to nothing
+  int rereads_ = 0;
+  std::uint8_t polls_ = 0;  ///< legs whose status is due, a bit each
+  std::size_t polled_ = 0;
+  std::optional<Error> poll_error_;
+
+  FixedVector<Move, kQueue> queue_;  ///< the first is under way
+  StepMerge merge_;
+  Instant move_start_{};
+  bool finishing_ = false;  ///< its steps are made, the statuses are due
+  bool stop_asked_ = false;
+  bool stopping_ = false;  ///< nothing moves any more, the statuses are due
+  Command command_ = Command::kNone;
+  std::optional<Error> fault_;
+
+  Duration cycle_time_{};
+  DriverHealth health_;
+  FixedVector<DriverEvent, 16> events_;
+};
+
+}  // namespace sinew

@@ -1,0 +1,90 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+
+#include "sinew/driver/driver.h"
+#include "sinew/model/device.h"
+#include "sinew/wire/icp.h"
+
+namespace sinew {
+
+/// What the host knows of one leg: whole position units from the place where it was declared, and
+/// how far the truth may be from that on either side. No sensor tells; only what was sent and what
+/// was acknowledged. All members are @rt.
+class IcpLegClaim {
+ public:
+  /// What a power cut may turn the motor by when the current comes back: two full steps.
+  static constexpr std::int64_t kHomePhaseUnits = 32;
+
+  enum class Verdict : std::uint8_t {
+    kGood,
+    kDoubtful,  ///< may be a damaged answer: nothing that a second reading would not show again
+    kBad,       ///< flags, which the reading has cleared
+  };
+
+  IcpLegClaim(std::int8_t index, const IcpLeg& leg, double units_per_m,
+              std::int64_t units_per_down);
+
+  void declare(const JointPosition& position);
+  JointPosition position() const;
+  bool known() const { return known_; }
+  /// Width of the interval, units.
+  std::int64_t uncertainty() const { return below_ + above_; }
+
+  /// Direction bit of the wire; direction is +1 (longer) or -1.
+  bool wire_bit(int direction) const { return (direction < 0) != invert_; }
+  /// Steps that bring it nearest to q, m, without going beyond it.
+  std::int64_t steps_to(double q) const;
+  /// m that so many steps change it by.
+  double way_of(std::int64_t steps) const;
+
+  /// The step was acknowledged.
+  void stepped(int direction);
+  /// Nobody knows whether it was made.
+  void maybe_stepped(int direction);
+  /// Nobody knows whether a stray byte moved it by one step.
+  void maybe_strayed(int direction);
+  /// A status was asked for, its flags are cleared, and the answer did not come: the last step may
+  /// have been lost without a trace.
+  void status_lost();
+
+  /// Stepped since the last good status.
+  bool moved() const { return moved_; }
+  /// @return  the verdict, and in `error` what is wrong.
+  Verdict judge(const icp::Status& status, Error& error) const;
+  /// Its module holds a target position that only a power cut or a lost step would take away.
+  bool tagged() const { return tag_ != 0; }
+  /// All is well: what was sent was done.
+  void confirm(const icp::Status& status);
+  /// Anything since the last good status may not have been done.
+  void withdraw(const icp::Status& status);
+
+ private:
+  std::int64_t size_of(int direction) const { return wire_bit(direction) ? units_per_down_ : 1; }
+  void widen(std::int64_t lower, std::int64_t upper);
+  void grow_hull();
+
+  std::int8_t index_;
+  bool invert_;
+  std::uint8_t address_;
+  double units_per_m_;
+  std::int64_t units_per_down_;
+
+  bool known_ = false;
+  double origin_ = 0;       ///< m, at 0 units
+  std::int64_t units_ = 0;  ///< best guess
+  std::int64_t below_ = 0;  ///< the truth is in [units - below, units + above]
+  std::int64_t above_ = 0;
+  std::int64_t hull_lower_ = 0;  ///< of all that the truth may have been since a good status
+  std::int64_t hull_upper_ = 0;
+  bool moved_ = false;
+  std::int64_t tag_ = 0;     ///< |target position| that the module must show; 0: anything
+  bool last_maybe_ = false;  ///< a later step may or may not have been made
+  int last_direction_ = 1;
+  /// Steps by direction bit whose size no status has shown yet.
+  std::array<std::int64_t, 2> unseen_{};
+};
+
+}  // namespace sinew

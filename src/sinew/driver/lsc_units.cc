@@ -1,0 +1,85 @@
+#include "sinew/driver/lsc_units.h"
+
+#include <cmath>
+
+#include "sinew/core/assert.h"
+
+namespace sinew {
+
+LscUnits::LscUnits(const LscDevice& device, std::span<const Joint> joints,
+                   const std::optional<JawGripper>& gripper)
+    : device_(device), joints_(joints), gripper_(gripper) {
+  SINEW_ASSERT(!joints.empty() && joints.size() == device.servos.size());
+  SINEW_ASSERT(slots() <= kMaxJoints);
+  for (const LscServo& servo : device.servos) {
+    SINEW_ASSERT(servo.units_per_rad != 0 && servo.lower >= 0 && servo.upper <= 0xFEFF);
+  }
+  SINEW_ASSERT(device.gripper.open != device.gripper.closed);
+}
+
+std::optional<std::size_t> LscUnits::jaws() const {
+  if (!gripper_) return std::nullopt;
+  return joints_.size();
+}
+
+std::uint8_t LscUnits::id(std::size_t slot) const {
+  return slot < joints_.size() ? device_.servos[slot].id : device_.gripper.id;
+}
+
+std::optional<std::size_t> LscUnits::slot_of(std::uint8_t servo_id) const {
+  for (std::size_t slot = 0; slot < slots(); ++slot) {
+    if (id(slot) == servo_id) return slot;
+  }
+  return std::nullopt;
+}
+
+Expected<std::uint16_t> LscUnits::of_joint(std::size_t joint, double q) const {
+  const auto index = static_cast<std::int8_t>(joint);
+  const Joint& limits = joints_[joint];
+  if (!std::isfinite(q) || !within_limits(limits, q)) {
+    const double limit = q < limits.lower ? limits.lower : limits.upper;
+    return std::unexpected(Error{ErrorCode::kJointLimit, index, q, limit});
+  }
+  const LscServo& servo = device_.servos[joint];
+  const double units = std::round(servo.centre + servo.trim + servo.units_per_rad * q);
+  if (!(units >= servo.lower && units <= servo.upper)) {
+    const double limit = units < servo.lower ? servo.lower : servo.upper;
+    return std::unexpected(Error{ErrorCode::kPulseRange, index, units, limit});
+  }
+  return static_cast<std::uint16_t>(units);
+}
+
+Expected<std::uint16_t> LscUnits::of_width(double width) const {
+  if (!gripper_) return std::unexpected(Error{ErrorCode::kToolNotFitted});
+  const LscGripper& jaws = device_.gripper;
+  const double units = jaws.closed + (jaws.open - jaws.closed) * width / gripper_->width_max;
+  if (!std::isfinite(width) || width < 0 || width > gripper_->width_max) {
+    const double limit = width < 0 ? jaws.closed : jaws.open;
+    return std::unexpected(Error{ErrorCode::kGripperRange, -1, units, limit});
+  }
+  return static_cast<std::uint16_t>(std::lround(units));
+}
+
+double LscUnits::q_of(std::size_t joint, double units) const {
+  const LscServo& servo = device_.servos[joint];
+  return (units - servo.centre - servo.trim) / servo.units_per_rad;
+}
+
+bool LscUnits::inside(std::size_t joint, double q) const {
+  const Joint& limits = joints_[joint];
+  return q >= limits.lower - resolution(joint) && q <= limits.upper + resolution(joint);
+}
+
+double LscUnits::resolution(std::size_t joint) const {
+  return 1 / std::abs(device_.servos[joint].units_per_rad);
+}
+
+double LscUnits::speed_max(std::size_t joint) const {
+  return joints_[joint].velocity_max * std::abs(device_.servos[joint].units_per_rad);
+}
+
+double LscUnits::stroke() const {
+  return std::abs(device_.gripper.closed - device_.gripper.open);
+}
+
+}  // namespace sinew

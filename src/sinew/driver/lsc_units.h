@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "sinew/core/error.h"
+#include "sinew/core/fixed_vector.h"
+#include "sinew/model/device.h"
+#include "sinew/model/robot_model.h"
+
+namespace sinew {
+
+/// Joint angles and jaw width in a servo board's units, and back. Servos are counted as slots: the
+/// joints in their order, and behind them the jaws where the robot has any. @rt
+class LscUnits {
+ public:
+  /// @param joints  one per servo of the device, asserted.
+  LscUnits(const LscDevice& device, std::span<const Joint> joints,
+           const std::optional<JawGripper>& gripper);
+
+  std::size_t joints() const { return joints_.size(); }
+  std::size_t slots() const { return joints_.size() + (gripper_ ? 1U : 0U); }
+  std::optional<std::size_t> jaws() const;
+  std::uint8_t id(std::size_t slot) const;
+  std::optional<std::size_t> slot_of(std::uint8_t id) const;
+
+  /// units = centre + trim + units_per_rad q, to the nearest.
+  /// @error kJointLimit (also not a number), kPulseRange
+  Expected<std::uint16_t> of_joint(std::size_t joint, double q) const;
+  /// @param width  m; @error kToolNotFitted, kGripperRange (also not a number)
+  Expected<std::uint16_t> of_width(double width) const;
+
+  double q_of(std::size_t joint, double units) const;
+  /// Within the joint's limits, a unit more or less.
+  bool inside(std::size_t joint, double q) const;
+  /// rad that one unit is.
+  double resolution(std::size_t joint) const;
+  /// Units per s that the model allows a joint.
+  double speed_max(std::size_t joint) const;
+  /// Units from open to closed jaws.
+  double stroke() const;
+
+ private:
+  LscDevice device_;
+  FixedVector<Joint, kMaxJoints> joints_;
+  std::optional<JawGripper> gripper_;
+};
+
+}  // namespace sinew

@@ -1,0 +1,176 @@
+#include "sinew/runtime/machine_server.h"
+
+#include <algorithm>
+#include <array>
+#include <deque>
+
+namespace sinew::runtime {
+namespace {
+
+using Direction = sim::LinkDirection;
+
+constexpr Duration kSliceMax = std::chrono::milliseconds(50);
+constexpr std::size_t kBacklogMax = 1U << 16U;  // bytes on the wire, each way
+
+/// One direction of a serial line: bytes follow each other at the baud rate.
+class Lane {
+ public:
+  explicit Lane(std::uint32_t baud)
+      : byte_time_(baud == 0 ? Duration::zero() : Duration{10'000'000'000 / baud}) {}
+
+  void push(std::span<const std::uint8_t> bytes, Instant now) {
+    for (const std::uint8_t byte : bytes) {
+      if (waiting_.size() >= kBacklogMax) return;
+      last_ = std::max(last_, now) + byte_time_;
+      waiting_.push_back({last_, byte});
+    }
+  }
+  std::optional<Instant> next() const {
+    return waiting_.empty() ? std::nullopt : std::optional(waiting_.front().arrives);
+  }
+  struct Waiting {
+    Instant arrives{};
+    std::uint8_t byte = 0;
+  };
+  std::optional<Waiting> take(Instant now) {
+    if (waiting_.empty() || waiting_.front().arrives > now) return std::nullopt;
+    const Waiting front = waiting_.front();
+    waiting_.pop_front();
+    return front;
+  }
+
+ private:
+  Duration byte_time_;
+  Instant last_{};
+  std::deque<Waiting> waiting_;
+};
+
+class Server {
+ public:
+  Server(sim::ByteMachine& machine, io::Port& port, const io::Clock& clock,
+         const SimulatedCable& cable, ByteLog& log)
+      : machine_(machine),
+        port_(port),
+        clock_(clock),
+        log_(log),
+        to_device_(cable.baud),
+        to_host_(cable.baud),
+        start_(clock.now()),
+        faults_(cable.faults.link, start_),
+        blows_(cable.faults.disturbances) {
+    std::ranges::stable_sort(blows_, {}, &sim::TimedDisturbance::at);
+  }
+
+  io::IoResult<void> turn() {
+    const auto count = port_.read(buffer_, until_next());
+    if (!count) return std::unexpected(count.error());
+    const Instant now = clock_.now();
+    const std::span received(buffer_.data(), *count);
+    log_.add(ByteLog::Direction::kToDevice, received, now);
+    faults_.push(Direction::kToDevice, received, now);
+    while (const std::size_t size = faults_.take(Direction::kToDevice, now, buffer_)) {
+      to_device_.push({buffer_.data(), size}, now);
+    }
+    run_machine(now);
+    return send(now);
+  }
+
+  Instant now() const { return clock_.now(); }
+  std::array<sim::LinkCounts, 2> counts() const {
+    return {faults_.counts(Direction::kToDevice), faults_.counts(Direction::kToHost)};
+  }
+
+ private:
+  Duration until_next() const {
+    Duration wait = kSliceMax;
+    for (const auto& next :
+         {machine_.next_event(), faults_.next_event(), to_device_.next(), to_host_.next()}) {
+      if (next) wait = std::min(wait, clock_.until(*next));
+    }
+    if (next_blow_ < blows_.size()) {
+      wait = std::min(wait, clock_.until(start_ + blows_[next_blow_].at));
+    }
+    return wait;
+  }
+
+  /// Bytes and blows reach the machine at their own instants, in their order.
+  void run_machine(Instant now) {
+    while (true) {
+      const bool blow =
+          next_blow_ < blows_.size() && start_ + blows_[next_blow_].at <= now &&
+          (!to_device_.next() || start_ + blows_[next_blow_].at <= *to_device_.next());
+      if (blow) {
+        machine_.advance(std::max(last_, start_ + blows_[next_blow_].at));
+        machine_.disturb(blows_[next_blow_++].what);
+        continue;
+      }
+      const auto byte = to_device_.take(now);
+      if (!byte) break;
+      last_ = std::max(last_, byte->arrives);
+      machine_.receive({&byte->byte, 1}, last_);
+      collect(last_);
+    }
+    last_ = std::max(last_, now);
+    machine_.advance(last_);
+    collect(last_);
+  }
+
+  void collect(Instant at) {
+    while (const std::size_t size = machine_.take_output(answers_)) {
+      faults_.push(Direction::kToHost, {answers_.data(), size}, at);
+    }
+  }
+
+  io::IoResult<void> send(Instant now) {
+    while (const std::size_t size = faults_.take(Direction::kToHost, now, answers_)) {
+      to_host_.push({answers_.data(), size}, now);
+    }
+    std::size_t size = 0;
+    while (const auto byte = to_host_.take(now)) {
+      answers_[size++] = byte->byte;
+      if (size < answers_.size()) continue;
+      if (auto sent = write({answers_.data(), size}, now); !sent) return sent;
+      size = 0;
+    }
+    return write({answers_.data(), size}, now);
+  }
+
+  io::IoResult<void> write(std::span<const std::uint8_t> bytes, Instant now) {
+    if (bytes.empty()) return {};
+    // A serial line does not wait for its reader: what finds no room is lost.
+    const auto sent = port_.write_now(bytes);
+    if (!sent) return std::unexpected(sent.error());
+    log_.add(ByteLog::Direction::kToHost, bytes.first(*sent), now);
+    return {};
+  }
+
+  sim::ByteMachine& machine_;
+  io::Port& port_;
+  const io::Clock& clock_;
+  ByteLog& log_;
+  Lane to_device_;
+  Lane to_host_;
+  Instant start_;
+  Instant last_{};
+  sim::LinkFaults faults_;
+  std::vector<sim::TimedDisturbance> blows_;
+  std::size_t next_blow_ = 0;
+  std::array<std::uint8_t, 512> buffer_{};
+  std::array<std::uint8_t, 512> answers_{};
+};
+
+}  // namespace
+
+io::IoResult<std::array<sim::LinkCounts, 2>> serve_machine(sim::ByteMachine& machine,
+                                                           io::Port& port, const io::Clock& clock,
+                                                           const SimulatedCable& cable,
+                                                           ByteLog& log, const ServeHooks& hooks) {
+  Server server(machine, port, clock, cable, log);
+  while (!hooks.stop()) {
+    if (const auto turned = server.turn(); !turned) return std::unexpected(turned.error());
+    if (hooks.look) hooks.look(server.now());
+  }
+  return server.counts();
+}
+
+}  // namespace sinew::runtime

@@ -1,0 +1,132 @@
+#include "sinew/runtime/robot_link.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <vector>
+
+#include "sinew/io/local_socket.h"
+#include "sinew/runtime/machine_thread.h"
+#include "sinew/runtime/simwire_bus.h"
+
+namespace sinew::runtime {
+namespace {
+
+constexpr std::string_view kSimwire = "simwire:";
+constexpr std::string_view kSpidev = "spidev";
+
+std::span<const AxisBoard> boards_of(const RobotModel& robot) {
+  if (const auto* registers = std::get_if<AxisRegistersDevice>(&robot.device.settings)) {
+    return {registers->boards.data(), registers->boards.size()};
+  }
+  const auto& link = std::get<AxisLinkDevice>(robot.device.settings);
+  return {link.boards.data(), link.boards.size()};
+}
+
+io::IoResult<std::unique_ptr<io::SpiBus>> open_bus(const RobotModel& robot, const std::string& port,
+                                                   const io::Clock& clock) {
+  const auto boards = boards_of(robot);
+  if (port == kSpidev) {
+    std::vector<io::SpiBoard> places;
+    for (const AxisBoard& board : boards) {
+      places.push_back({board.spi_bus, board.spi_device, board.select_gpio, board.ready_gpio});
+    }
+    return io::open_spidev(places);
+  }
+  const std::string place = port.starts_with(kSimwire) ? port.substr(kSimwire.size()) : port;
+  const auto connect = [&]() -> io::IoResult<io::Port> {
+    if (place.starts_with("unix:")) return io::connect_local(place.substr(5));
+    if (place.starts_with("tcp:")) return io::connect_tcp(place.substr(4));
+    return std::unexpected(
+        io::IoError{port + ": this robot hangs on SPI; its port is spidev, simwire:unix:PATH or "
+                           "simwire:tcp:HOST:PORT"});
+  };
+  auto connected = connect();
+  if (!connected) return std::unexpected(connected.error());
+  return connect_simwire(std::move(*connected), boards, clock);
+}
+
+}  // namespace
+
+/// In the order in which they are taken apart, last first.
+struct RobotLink::Parts {
+  std::unique_ptr<MachineThread> thread;    ///< a machine that speaks bytes
+  std::unique_ptr<sim::SpiMachine> boards;  ///< a machine of boards on SPI
+  std::optional<io::Port> port;
+  std::unique_ptr<io::SpiBus> bus;
+  RobotDriver driver;
+  std::unique_ptr<DriverLine> line;
+  std::string name;
+};
+
+RobotLink::RobotLink(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
+RobotLink::RobotLink(RobotLink&&) noexcept = default;
+RobotLink::~RobotLink() = default;
+
+io::IoResult<RobotLink> RobotLink::open(const RobotModel& robot, const std::string& port,
+                                        const io::Clock& clock, ByteLog& log) {
+  auto parts = std::make_unique<Parts>();
+  parts->name = port;
+  // Real delays of this computer do not shrink where the device's time runs faster.
+  parts->driver = make_driver(robot, std::max(1.0, clock.scale()));
+  if (parts->driver.byte) {
+    auto opened = io::Port::open_serial(port, robot.device.baud);
+    if (!opened) return std::unexpected(opened.error());
+    parts->port.emplace(std::move(*opened));
+    parts->line = line_over(*parts->driver.byte, *parts->port, clock, log);
+  } else {
+    auto bus = open_bus(robot, port, clock);
+    if (!bus) return std::unexpected(bus.error());
+    parts->bus = std::move(*bus);
+    parts->line = line_over(*parts->driver.spi, *parts->bus, clock, log);
+  }
+  return RobotLink(std::move(parts));
+}
+
+io::IoResult<RobotLink> RobotLink::simulate(const RobotModel& robot, const MachineOptions& options,
+                                            const io::Clock& clock, ByteLog& log) {
+  auto machine = make_machine(robot, options, clock.now());
+  if (!machine) return std::unexpected(io::IoError{machine.error()});
+  if (machine->spi) {
+    auto parts = std::make_unique<Parts>();
+    parts->name = "SPI";
+    parts->boards = std::move(machine->spi);
+    parts->driver = make_driver(robot, std::max(1.0, clock.scale()));
+    parts->bus = bus_of(*parts->boards, clock);
+    parts->line = line_over(*parts->driver.spi, *parts->bus, clock, log);
+    return RobotLink(std::move(parts));
+  }
+  auto thread = MachineThread::start(std::move(machine->byte), clock,
+                                     {.baud = robot.device.baud, .faults = {}});
+  if (!thread) return std::unexpected(thread.error());
+  auto link = open(robot, (*thread)->path(), clock, log);
+  if (!link) return link;
+  link->parts_->thread = std::move(*thread);
+  return link;
+}
+
+Driver& RobotLink::driver() const {
+  return parts_->driver.get();
+}
+DriverLine& RobotLink::line() const {
+  return *parts_->line;
+}
+const std::string& RobotLink::name() const {
+  return parts_->name;
+}
+bool RobotLink::simulated() const {
+  return parts_->thread || parts_->boards;
+}
+
+std::optional<sim::Truth> RobotLink::end() {
+  if (parts_->thread) return parts_->thread->end();
+  if (parts_->boards) return parts_->boards->truth();
+  return std::nullopt;
+}
+
+bool may_be_simulated(const std::string& port) {
+  if (port.starts_with(kSimwire)) return true;
+  std::error_code error;  // the port may be a link to a pseudo-terminal
+  return std::filesystem::weakly_canonical(port, error).string().starts_with("/dev/pts/");
+}
+
+}  // namespace sinew::runtime

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "sinew/runtime/driver_line.h"
+#include "sinew/runtime/machine_server.h"
+#include "sinew/runtime/robot_driver.h"
+#include "sinew/runtime/robot_machine.h"
+
+namespace sinew::runtime {
+
+/// A robot's driver on a wire to its device: over a real port, over simwire, or to a machine that
+/// is simulated in this process, behind a pseudo-terminal where it speaks bytes.
+class RobotLink {
+ public:
+  /// @param port  "/dev/ttyUSB0" for robots on a serial port; for those on SPI "spidev",
+  ///              "simwire:unix:PATH" or "simwire:tcp:HOST:PORT".
+  /// @error  the port cannot be opened; a sentence that says why, and what helps
+  static io::IoResult<RobotLink> open(const RobotModel& robot, const std::string& port,
+                                      const io::Clock& clock, ByteLog& log);
+  /// @param clock, log  outlive the link
+  static io::IoResult<RobotLink> simulate(const RobotModel& robot, const MachineOptions& options,
+                                          const io::Clock& clock, ByteLog& log);
+
+  RobotLink(RobotLink&&) noexcept;
+  RobotLink& operator=(RobotLink&&) = delete;
+  ~RobotLink();
+
+  Driver& driver() const;
+  DriverLine& line() const;
+  /// What people know it by: the port's path, "simwire:..", "spidev".
+  const std::string& name() const;
+  bool simulated() const;
+  /// The end of a simulated machine: it runs no further, and this is where it stands.
+  std::optional<sim::Truth> end();
+
+ private:
+  struct Parts;
+  explicit RobotLink(std::unique_ptr<Parts> parts);
+  std::unique_ptr<Parts> parts_;
+};
+
+/// Whether a port's name is that of a pseudo-terminal or of simwire, whose other end may keep a
+/// time of its own.
+bool may_be_simulated(const std::string& port);
+
+}  // namespace sinew::runtime

@@ -1,0 +1,105 @@
+#include "sinew/runtime/robot_machine.h"
+
+#include "sinew/sim/bigrobotarm_machine.h"
+#include "sinew/sim/icp_machine.h"
+#include "sinew/sim/lsc_machine.h"
+#include "sinew/sim/maxarm_machine.h"
+#include "sinew/sim/stepper_arm.h"
+
+namespace sinew::runtime {
+namespace {
+
+IcpQuirks quirks_of(const std::string& profile) {
+  IcpQuirks quirks;
+  quirks.dialect.knows_wake = profile != "section4";
+  if (profile == "fffe") quirks.minus_one = -2;
+  if (profile == "slow") quirks.processing = std::chrono::milliseconds(5);
+  if (profile == "idle-shutdown") quirks.idle_shutdown = std::chrono::minutes(10);
+  return quirks;
+}
+
+/// Picks the machine that belongs to the settings.
+class Maker {
+ public:
+  Maker(const RobotModel& robot, const MachineOptions& options, Instant boot)
+      : robot_(robot), options_(options), boot_(boot) {}
+
+  RobotMachine operator()(const NoDriver& /*none*/) const { return {}; }
+  RobotMachine operator()(const BigRobotArmDevice& device) const {
+    const auto profile = options_.profile == "as-built" ? BigRobotArmProfile::kAsBuilt
+                                                        : BigRobotArmProfile::kDocument;
+    return {std::make_unique<sim::BigRobotArmMachine>(robot_, profile, device.dialect,
+                                                      options_.seed, boot_),
+            nullptr};
+  }
+  RobotMachine operator()(const LscDevice& device) const {
+    return {std::make_unique<sim::LscMachine>(robot_, device.profile, options_.seed, boot_),
+            nullptr};
+  }
+  RobotMachine operator()(const MaxArmDevice& device) const {
+    return {std::make_unique<sim::MaxArmMachine>(robot_, device.checksum, device.variant,
+                                                 options_.seed, boot_),
+            nullptr};
+  }
+  RobotMachine operator()(const IcpDevice& /*device*/) const {
+    return {std::make_unique<sim::IcpMachine>(robot_, quirks_of(options_.profile.value_or("")),
+                                              options_.seed, boot_),
+            nullptr};
+  }
+  RobotMachine operator()(const AxisRegistersDevice& /*device*/) const {
+    return stepper_arm(options_.profile == "as-built" ? sim::AxisWire::kRegistersAsBuilt
+                                                      : sim::AxisWire::kRegisters);
+  }
+  RobotMachine operator()(const AxisLinkDevice& /*device*/) const {
+    return stepper_arm(sim::AxisWire::kLink);
+  }
+
+ private:
+  RobotMachine stepper_arm(sim::AxisWire wire) const {
+    sim::StepperArm::Settings settings;
+    settings.wire = wire;
+    settings.select = options_.soft_select ? sim::SelectKind::kSoft : sim::SelectKind::kHard;
+    settings.seed = options_.seed;
+    settings.boards = options_.boards;
+    return {nullptr, std::make_unique<sim::StepperArm>(robot_, settings, boot_)};
+  }
+
+  const RobotModel& robot_;
+  const MachineOptions& options_;
+  Instant boot_;
+};
+
+/// Why this robot's device cannot be simulated; empty where it can.
+std::string obstacle(const RobotModel& robot) {
+  const auto& settings = robot.device.settings;
+  const bool serial = std::holds_alternative<SerialGeometry>(robot.geometry);
+  const std::string other = robot.id + ": its device is simulated for ";
+  if (std::holds_alternative<MaxArmDevice>(settings)) {
+    return std::holds_alternative<PalletizerGeometry>(robot.geometry) ? ""
+                                                                      : other + "a palletizer only";
+  }
+  if (std::holds_alternative<IcpDevice>(settings)) {
+    return std::holds_alternative<HexapodGeometry>(robot.geometry) ? "" : other + "a hexapod only";
+  }
+  if (!serial) return other + "a serial chain only";
+  const bool boards = std::holds_alternative<AxisRegistersDevice>(settings) ||
+                      std::holds_alternative<AxisLinkDevice>(settings);
+  const std::size_t joints = robot.joints.size();
+  if (boards && (robot.dynamics.drives.size() != joints || robot.dynamics.links.size() != joints)) {
+    return robot.id +
+           ": to simulate it, its file needs a table [drive.<joint>] and a table "
+           "[link.<joint>] for every joint";
+  }
+  return {};
+}
+
+}  // namespace
+
+std::expected<RobotMachine, std::string> make_machine(const RobotModel& robot,
+                                                      const MachineOptions& options, Instant boot) {
+  if (std::holds_alternative<NoDriver>(robot.device.settings)) return RobotMachine{};
+  if (std::string why = obstacle(robot); !why.empty()) return std::unexpected(std::move(why));
+  return std::visit(Maker{robot, options, boot}, robot.device.settings);
+}
+
+}  // namespace sinew::runtime

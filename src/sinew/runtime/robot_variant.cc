@@ -1,0 +1,154 @@
+#include "sinew/runtime/robot_variant.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "sinew/core/spelling.h"
+
+namespace sinew::runtime {
+namespace {
+
+using Names = std::vector<std::string>;
+
+std::string list_of(const Names& names) {
+  std::string list;
+  for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
+  return list;
+}
+
+std::expected<void, std::string> check(const char* option, const std::optional<std::string>& name,
+                                       const Names& known, const RobotModel& robot) {
+  if (!name || std::ranges::find(known, *name) != known.end()) return {};
+  const std::string what = std::string(option) + ": '" + printable(*name) + "' ";
+  if (known.empty()) return std::unexpected(what + "is unknown: " + robot.id + " has but one");
+  return std::unexpected(what + "is none of " + list_of(known));
+}
+
+/// Bus servos count 1000 units over 240 degrees, their middle is 500, an arm joint has 125..875.
+void use_bus_units(LscDevice& device) {
+  constexpr double kUnitsPerRad = 1000 / (240 * std::numbers::pi / 180);
+  for (LscServo& servo : device.servos) {
+    const double trim_rad = servo.units_per_rad != 0 ? servo.trim / servo.units_per_rad : 0;
+    servo.units_per_rad = std::copysign(kUnitsPerRad, servo.units_per_rad);
+    servo.trim = trim_rad * servo.units_per_rad;
+    servo.centre = 500;
+    servo.lower = 125;
+    servo.upper = 875;
+  }
+  device.gripper.open = 200;
+  device.gripper.closed = 700;
+}
+
+void set_profile(RobotModel& robot, LscDevice& device, const std::string& profile) {
+  constexpr double kBusUnitsMax = 1000;
+  const bool was_bus = device.profile == LscProfile::kBus || device.servos[0].upper <= kBusUnitsMax;
+  if (profile == "bus") {
+    device.profile = LscProfile::kBus;
+    if (!was_bus) use_bus_units(device);
+    robot.device.capability.feedback = PositionFeedback::kMeasured;
+  } else if (profile == "esp32") {
+    device.profile = LscProfile::kEsp32;
+    // The ESP32 kit's gripper turns the other way and is stopped at 1500.
+    device.gripper.open = 500;
+    device.gripper.closed = 1500;
+    robot.device.capability.feedback = PositionFeedback::kCommanded;
+  } else {
+    device.profile = LscProfile::kLsc6;
+  }
+}
+
+void use_axis_link(RobotModel& robot) {
+  AxisLinkDevice link;
+  link.boards = std::get<AxisRegistersDevice>(robot.device.settings).boards;
+  robot.device.settings = link;
+  robot.device.protocol = "axis_link";
+  robot.device.capability = {MotionKind::kStream, PositionFeedback::kMeasured,
+                             std::chrono::milliseconds(10)};
+}
+
+void set_wire(RobotModel& robot, BigRobotArmDevice& device, const std::string& wire) {
+  static_cast<void>(robot);
+  device.probe_wire = wire == "probe";
+  device.wire = wire.starts_with("text") ? BigRobotArmWire::kText : BigRobotArmWire::kByte;
+  device.dialect = wire == "text2026" ? BigRobotArmDialect::k2026 : BigRobotArmDialect::k2021;
+}
+
+}  // namespace
+
+std::vector<std::string> profiles_of(const RobotModel& robot) {
+  const auto& settings = robot.device.settings;
+  if (std::holds_alternative<BigRobotArmDevice>(settings)) return {"document", "as-built"};
+  if (std::holds_alternative<AxisRegistersDevice>(settings)) return {"document", "as-built"};
+  if (const auto* lsc = std::get_if<LscDevice>(&settings)) {
+    constexpr const char* kNames[] = {"lsc6", "bus", "esp32"};
+    Names names{kNames[static_cast<int>(lsc->profile)]};
+    for (const char* name : kNames) {
+      if (name != names[0]) names.emplace_back(name);
+    }
+    return names;
+  }
+  if (std::holds_alternative<MaxArmDevice>(settings)) {
+    return {"arduino", "micropython", "arduino-with-header", "micropython-spec"};
+  }
+  if (std::holds_alternative<IcpDevice>(settings)) {
+    return {"table1", "section4", "fffe", "slow", "idle-shutdown"};
+  }
+  return {};
+}
+
+std::vector<std::string> wires_of(const RobotModel& robot) {
+  const auto& settings = robot.device.settings;
+  if (const auto* arm = std::get_if<BigRobotArmDevice>(&settings)) {
+    Names names{"byte", "text", "text2026", "probe"};
+    const bool text = arm->wire == BigRobotArmWire::kText;
+    const std::size_t own = arm->probe_wire                             ? 3
+                            : !text                                     ? 0
+                            : arm->dialect == BigRobotArmDialect::k2026 ? 2
+                                                                        : 1;
+    std::rotate(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(own),
+                names.begin() + static_cast<std::ptrdiff_t>(own) + 1);
+    return names;
+  }
+  if (std::holds_alternative<AxisRegistersDevice>(settings)) return {"registers", "link"};
+  if (std::holds_alternative<AxisLinkDevice>(settings)) return {"link"};
+  return {};
+}
+
+std::expected<RobotModel, std::string> variant_of(const RobotModel& robot,
+                                                  const std::optional<std::string>& profile,
+                                                  const std::optional<std::string>& wire) {
+  if (const auto fine = check("--wire", wire, wires_of(robot), robot); !fine) {
+    return std::unexpected(fine.error());
+  }
+  RobotModel variant = robot;
+  auto& settings = variant.device.settings;
+  if (wire) {
+    if (auto* arm = std::get_if<BigRobotArmDevice>(&settings)) set_wire(variant, *arm, *wire);
+    if (*wire == "link" && std::holds_alternative<AxisRegistersDevice>(settings)) {
+      use_axis_link(variant);
+    }
+  }
+  if (const auto fine = check("--profile", profile, profiles_of(variant), variant); !fine) {
+    return std::unexpected(fine.error());
+  }
+  if (profile) {
+    if (auto* lsc = std::get_if<LscDevice>(&settings)) set_profile(variant, *lsc, *profile);
+    if (auto* arm = std::get_if<MaxArmDevice>(&settings)) {
+      const bool arduino = profile->starts_with("arduino");
+      arm->variant = arduino ? MaxArmVariant::kArduino : MaxArmVariant::kMicroPython;
+      const bool header = *profile == "micropython" || *profile == "arduino-with-header";
+      arm->checksum = header ? MaxArmChecksum::kWithHeader : MaxArmChecksum::kSpec;
+    }
+    if (auto* boards = std::get_if<AxisRegistersDevice>(&settings)) {
+      // The first firmware's DIAG_STATUS is always 0.
+      boards->reports_status = *profile != "as-built";
+    }
+    if (auto* icp = std::get_if<IcpDevice>(&settings)) {
+      if (*profile == "fffe") icp->units_per_down = 2;
+    }
+  }
+  return variant;
+}
+
+}  // namespace sinew::runtime

@@ -1,0 +1,289 @@
+#include "sinew/sim/link_fault.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <bit>
+#include <map>
+
+#include "sinew/core/units.h"
+#include "support/allocation_guard.h"
+#include "support/property.h"
+
+namespace sinew::sim {
+namespace {
+
+using namespace std::chrono_literals;
+using Bytes = std::vector<std::uint8_t>;
+constexpr auto kToDevice = LinkDirection::kToDevice;
+constexpr auto kToHost = LinkDirection::kToHost;
+
+FaultPlan plan_of(const std::string& text) {
+  const auto plan = parse_faults(text);
+  if (!plan) ADD_FAILURE() << plan.error();
+  return plan.value_or(FaultPlan{});
+}
+
+Bytes all_of(LinkFaults& link, LinkDirection direction, Instant now) {
+  Bytes bytes;
+  std::array<std::uint8_t, 7> piece{};
+  while (const std::size_t n = link.take(direction, now, piece)) {
+    bytes.insert(bytes.end(), piece.begin(), piece.begin() + static_cast<std::ptrdiff_t>(n));
+  }
+  return bytes;
+}
+
+Bytes counting(std::size_t size) {
+  Bytes bytes(size);
+  for (std::size_t i = 0; i < size; ++i) bytes[i] = static_cast<std::uint8_t>(i % 251);
+  return bytes;
+}
+
+TEST(LinkFaults, without_faults_it_is_a_wire) {
+  LinkFaults link({}, Instant{});
+  const Bytes sent = counting(1000);
+  link.push(kToHost, sent, Instant{1s});
+  EXPECT_TRUE(all_of(link, kToDevice, Instant{1s}).empty());
+  EXPECT_EQ(link.next_event(), Instant{1s});
+  EXPECT_EQ(all_of(link, kToHost, Instant{1s}), sent);
+  EXPECT_FALSE(link.next_event());
+  EXPECT_EQ(link.counts(kToHost), (LinkCounts{.in = 1000, .out = 1000}));
+}
+
+TEST(LinkFaults, each_fault_comes_as_often_as_its_chance_says) {
+  LinkFaults link(plan_of("drop=0.1,duplicate=0.05,flip=0.02:to-device,seed=5").link, Instant{});
+  const Bytes sent = counting(50'000);
+  for (const auto direction : {kToDevice, kToHost}) {
+    link.push(direction, sent, Instant{});
+    (void)all_of(link, direction, Instant{});
+    const LinkCounts& counts = link.counts(direction);
+    EXPECT_NEAR(static_cast<double>(counts.dropped), 5000, 350);
+    EXPECT_NEAR(static_cast<double>(counts.duplicated), 2250, 250);
+    EXPECT_NEAR(static_cast<double>(counts.flipped), direction == kToDevice ? 900 : 0, 150);
+  }
+}
+
+TEST(LinkFaults, a_flip_turns_exactly_one_bit_and_any_of_the_eight) {
+  LinkFaults link(plan_of("flip=1").link, Instant{});
+  const Bytes sent(2000, 0x5A);
+  link.push(kToDevice, sent, Instant{});
+  std::map<int, int> bits;
+  for (const std::uint8_t byte : all_of(link, kToDevice, Instant{})) {
+    const auto changed = static_cast<std::uint8_t>(byte ^ 0x5A);
+    ASSERT_EQ(std::popcount(changed), 1);
+    ++bits[std::countr_zero(changed)];
+  }
+  for (int bit = 0; bit < 8; ++bit) EXPECT_GT(bits[bit], 180) << bit;
+}
+
+TEST(LinkFaults, a_late_byte_holds_up_all_behind_it) {
+  LinkFaults link(plan_of("delay=0.02:200ms,seed=2").link, Instant{});
+  const Bytes sent = counting(500);
+  Bytes got;
+  Instant now{};
+  for (const std::uint8_t byte : sent) {
+    now += 1ms;
+    link.push(kToHost, std::span(&byte, 1), now);
+    for (const std::uint8_t b : all_of(link, kToHost, now)) got.push_back(b);
+  }
+  EXPECT_LT(got.size(), sent.size() + 1);
+  EXPECT_GT(link.counts(kToHost).delayed, 2U);
+  while (const auto next = link.next_event()) {
+    for (const std::uint8_t b : all_of(link, kToHost, *next)) got.push_back(b);
+  }
+  EXPECT_EQ(got, sent);
+}
+
+TEST(LinkFaults, cut_is_dead_both_ways_for_its_time_and_half_open_one_way) {
+  LinkFaults link(plan_of("cut@3s:500ms,half-open@10s:to-host").link, Instant{100s});
+  const auto passes = [&](LinkDirection direction, Duration since_start) {
+    link.push(direction, Bytes{1}, Instant{100s} + since_start);
+    return all_of(link, direction, Instant{100s} + since_start).size() == 1;
+  };
+  EXPECT_TRUE(passes(kToHost, 2999ms));
+  EXPECT_FALSE(passes(kToHost, 3s));
+  EXPECT_FALSE(passes(kToDevice, 3499ms));
+  EXPECT_TRUE(passes(kToDevice, 3500ms));
+  EXPECT_TRUE(passes(kToHost, 9999ms));
+  EXPECT_FALSE(passes(kToHost, 10s));
+  EXPECT_TRUE(passes(kToDevice, 10s));
+  EXPECT_FALSE(passes(kToHost, 1000s)) << "no end: for ever";
+  EXPECT_EQ(link.counts(kToHost).cut, 3U);
+}
+
+TEST(LinkFaults, a_full_link_loses_and_says_so) {
+  LinkFaults link(plan_of("delay=1:10s").link, Instant{});
+  link.push(kToDevice, Bytes(LinkFaults::kCapacity + 5), Instant{});
+  EXPECT_EQ(link.counts(kToDevice).cut, 5U);
+  EXPECT_EQ(all_of(link, kToDevice, Instant{10s}).size(), LinkFaults::kCapacity);
+}
+
+TEST(LinkFaults, same_seed_same_faults_however_bytes_are_grouped_and_none_is_made_up) {
+  test::for_random_cases(300, [](test::Random& random) {
+    LinkFaultSpec spec;
+    for (ByteFaults& faults : spec.bytes) {
+      faults = {random.uniform(0, 0.2), random.uniform(0, 0.2), random.uniform(0, 0.2),
+                random.uniform(0, 0.1), std::chrono::milliseconds(random.integer(0, 50))};
+    }
+    spec.seed = random.bits();
+    LinkFaults whole(spec, Instant{});
+    LinkFaults pieces(spec, Instant{});
+    const Bytes sent = counting(static_cast<std::size_t>(random.integer(0, 400)));
+    const Bytes other = counting(50);
+    const test::AllocationCounter allocations;
+    pieces.push(kToHost, other, Instant{});  // the other direction changes nothing
+    whole.push(kToDevice, sent, Instant{});
+    for (std::size_t at = 0; at < sent.size();) {
+      const auto n = std::min(sent.size() - at, static_cast<std::size_t>(random.integer(1, 9)));
+      pieces.push(kToDevice, std::span(sent).subspan(at, n), Instant{});
+      at += n;
+    }
+    EXPECT_EQ(allocations.count(), 0U);
+    const Bytes early = all_of(whole, kToDevice, Instant{10ms});
+    EXPECT_EQ(early, all_of(pieces, kToDevice, Instant{10ms}));
+    EXPECT_EQ(all_of(whole, kToDevice, Instant{1s}), all_of(pieces, kToDevice, Instant{1s}));
+    const LinkCounts& counts = whole.counts(kToDevice);
+    EXPECT_EQ(counts, pieces.counts(kToDevice));
+    EXPECT_EQ(counts.out, counts.in - counts.dropped - counts.cut + counts.duplicated);
+  });
+}
+
+TEST(FaultText, all_items_are_read) {
+  const FaultPlan plan = plan_of(
+      " drop=0.001 , flip=1e-4:to-host,delay=0.01:200ms,cut@3s:500ms,half-open@10s:to-host:1s,"
+      "cut@1min,seed=7,supply=9V@3s,block=J2@20deg@4s,unblock=J2@5s,payload=0.5kg@1s,"
+      "magnet=J3:off@2s,magnet=J3:on@2500ms,load=J1:-0.5Nm@0s,block=J6@12mm@1s,load=J4:2N@1s");
+  EXPECT_EQ(plan.link.bytes[0].drop, 0.001);
+  EXPECT_EQ(plan.link.bytes[1].drop, 0.001);
+  EXPECT_EQ(plan.link.bytes[0].flip, 0);
+  EXPECT_EQ(plan.link.bytes[1].flip, 1e-4);
+  EXPECT_EQ(plan.link.bytes[1].delay_time, 200ms);
+  EXPECT_EQ(plan.link.cuts,
+            (std::vector<LinkCut>{
+                {3s, 500ms, std::nullopt}, {10s, 1s, kToHost}, {60s, std::nullopt, std::nullopt}}));
+  EXPECT_EQ(plan.link.seed, 7U);
+  using Kind = Disturbance::Kind;
+  struct Row {
+    Kind kind;
+    int joint;
+    double value;
+    Duration at;
+  };
+  const std::vector<Row> rows{{Kind::kSupply, -1, 9, 3s}, {Kind::kBlock, 1, from_deg(20), 4s},
+                              {Kind::kUnblock, 1, 0, 5s}, {Kind::kPayload, -1, 0.5, 1s},
+                              {Kind::kMagnet, 2, 0, 2s},  {Kind::kMagnet, 2, 1, 2500ms},
+                              {Kind::kLoad, 0, -0.5, 0s}, {Kind::kBlock, 5, 0.012, 1s},
+                              {Kind::kLoad, 3, 2, 1s}};
+  ASSERT_EQ(plan.disturbances.size(), rows.size());
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    EXPECT_EQ(plan.disturbances[i].what.kind, rows[i].kind) << i;
+    EXPECT_EQ(plan.disturbances[i].what.joint, rows[i].joint) << i;
+    EXPECT_NEAR(plan.disturbances[i].what.value, rows[i].value, 1e-15) << i;
+    EXPECT_EQ(plan.disturbances[i].at, rows[i].at) << i;
+  }
+}
+
+TEST(FaultText, every_mistake_earns_a_sentence_that_names_it) {
+  const std::vector<std::array<std::string, 2>> mistakes{
+      {"dorp=0.1", "did you mean \"drop\"?"},
+      {"nonsense", "there are drop, duplicate"},
+      {"drop", "needs = behind its name"},
+      {"cut=3s", "needs @ behind its name"},
+      {"drop=2", "\"2\" is no chance; it is a number 0..1"},
+      {"drop=nan", "is no chance"},
+      {"drop=1%", "is no chance"},
+      {"drop=0.1:sideways", "\"sideways\" is no direction; there are to-host and to-device"},
+      {"drop=0.1,drop=0.2:to-host", "is said twice"},
+      {"seed=1,seed=2", "is said twice"},
+      {"seed=-1", "a seed is a whole number"},
+      {"delay=0.1", "needs how long, as delay=0.01:200ms"},
+      {"delay=0.1:5", "needs a unit"},
+      {"cut@-1s", "a time is 0..1000000 s"},
+      {"cut@1e9s", "a time is 0..1000000 s"},
+      {"half-open@3s", "is no direction"},
+      {"supply=9V", "needs its moment, as @3s"},
+      {"supply=9kg@1s", "fault \"supply=9kg@1s\":"},
+      {"payload=-1kg@1s", "cannot be negative"},
+      {"block=J9@1deg@1s", "\"J9\" is no joint; they are J1 to J8"},
+      {"block=2@1deg@1s", "\"2\" is no joint"},
+      {"block=J2@1kg@1s", "is no place of a joint; write 20deg or 12mm"},
+      {"block=J2@1s", "is no place of a joint"},
+      {"magnet=J1@1s", "a magnet is on or off"},
+      {"unblock=J1:x@1s", "needs a joint and its moment only"},
+      {"load=J1:5kg@1s", "fault \"load=J1:5kg@1s\":"},
+      {"drop=0.1,,flip=0.1", "one comma too many"},
+      {"drop=0.1,", "one comma too many"}};
+  for (const auto& [text, words] : mistakes) {
+    const auto plan = parse_faults(text);
+    ASSERT_FALSE(plan) << text;
+    EXPECT_NE(plan.error().find(words), std::string::npos) << text << " -> " << plan.error();
+  }
+  EXPECT_TRUE(plan_of("").disturbances.empty());
+}
+
+TEST(FaultText, what_is_printed_reads_back_as_the_same_plan) {
+  test::for_random_cases(2000, [](test::Random& random) {
+    FaultPlan plan;
+    for (ByteFaults& faults : plan.link.bytes) {
+      if (random.chance(0.5)) faults.drop = random.uniform(0, 1);
+      if (random.chance(0.5)) faults.duplicate = 0.25;
+      if (random.chance(0.5)) faults.flip = random.uniform(0, 1e-6);
+      if (random.chance(0.5)) {
+        faults.delay = 0.5;
+        faults.delay_time = std::chrono::microseconds(random.integer(0, 10'000'000));
+      }
+    }
+    for (std::int64_t i = random.integer(0, 3); i > 0; --i) {
+      LinkCut cut{std::chrono::milliseconds(random.integer(0, 100'000)), std::nullopt,
+                  std::nullopt};
+      if (random.chance(0.5)) cut.lasts = std::chrono::nanoseconds(random.integer(0, 1LL << 40));
+      if (random.chance(0.5)) cut.only = random.chance(0.5) ? kToHost : kToDevice;
+      plan.link.cuts.push_back(cut);
+    }
+    for (std::int64_t i = random.integer(0, 4); i > 0; --i) {
+      Disturbance what{.kind = static_cast<Disturbance::Kind>(random.integer(0, 5))};
+      using Kind = Disturbance::Kind;
+      const bool global = what.kind == Kind::kSupply || what.kind == Kind::kPayload;
+      if (!global) what.joint = static_cast<std::int8_t>(random.integer(0, 7));
+      if (what.kind == Kind::kMagnet) {
+        what.value = random.chance(0.5) ? 1 : 0;
+      } else if (what.kind != Kind::kUnblock) {
+        what.value = random.uniform(global ? 0 : -3, 12);
+      }
+      plan.disturbances.push_back({std::chrono::microseconds(random.integer(0, 1LL << 33)), what});
+    }
+    if (random.chance(0.5)) plan.link.seed = random.bits();
+    const std::string text = to_text(plan);
+    const FaultPlan again = plan_of(text);
+    EXPECT_EQ(again.link, plan.link) << text;
+    ASSERT_EQ(again.disturbances.size(), plan.disturbances.size()) << text;
+    for (std::size_t i = 0; i < plan.disturbances.size(); ++i) {
+      EXPECT_EQ(again.disturbances[i].at, plan.disturbances[i].at) << text;
+      EXPECT_EQ(again.disturbances[i].what.kind, plan.disturbances[i].what.kind) << text;
+      EXPECT_EQ(again.disturbances[i].what.joint, plan.disturbances[i].what.joint) << text;
+      EXPECT_EQ(again.disturbances[i].what.value, plan.disturbances[i].what.value) << text;
+    }
+    EXPECT_EQ(to_text(again), text);
+  });
+}
+
+TEST(FaultText, any_text_is_read_or_refused_with_a_sentence) {
+  test::for_random_cases(20'000, [](test::Random& random) {
+    static constexpr std::string_view kPieces[] = {
+        "drop", "cut", "half-open", "=",  "@",   ":",     ",",  "J2",  "J", "0.1", "1e999",
+        "3s",   "ms",  "to-host",   "-1", "off", "block", "kg", "nan", " ", "\n",  "magnet"};
+    std::string text;
+    for (std::int64_t i = random.integer(0, 12); i > 0; --i) {
+      text += kPieces[static_cast<std::size_t>(random.integer(0, 21))];
+    }
+    const auto plan = parse_faults(text);
+    if (plan) {
+      EXPECT_EQ(parse_faults(to_text(*plan))->link, plan->link) << text;
+    } else {
+      EXPECT_FALSE(plan.error().empty());
+    }
+  });
+}
+
+}  // namespace
+}  // namespace sinew::sim

@@ -1,0 +1,370 @@
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+#include "sinew/core/quantity.h"
+#include "sinew/core/spelling.h"
+#include "sinew/core/units.h"
+#include "sinew/sim/link_fault.h"
+
+// The text of a fault plan, both ways.
+
+namespace sinew::sim {
+namespace {
+
+using Checked = std::expected<void, std::string>;
+
+constexpr double kTimeMax = 1e6;  // s, some eleven days
+constexpr int kJointsMax = 8;
+constexpr std::array<std::string_view, 13> kItems{
+    "drop",   "duplicate", "flip",  "delay",   "cut",    "half-open", "seed",
+    "supply", "payload",   "block", "unblock", "magnet", "load"};
+
+std::string quoted(std::string_view text) {
+  return "\"" + printable(text) + "\"";
+}
+
+std::string_view trimmed(std::string_view text) {
+  while (!text.empty() && text.front() == ' ') text.remove_prefix(1);
+  while (!text.empty() && text.back() == ' ') text.remove_suffix(1);
+  return text;
+}
+
+/// Up to `separator`, which is taken away too; the rest stays in `text`.
+std::string_view take_until(std::string_view& text, char separator) {
+  const std::size_t end = std::min(text.find(separator), text.size());
+  const std::string_view head = text.substr(0, end);
+  text.remove_prefix(std::min(end + 1, text.size()));
+  return trimmed(head);
+}
+
+/// One item of the plan: reads its own text and complains with it.
+class ItemReader {
+ public:
+  ItemReader(std::string_view item, FaultPlan& plan, std::vector<std::string>& seen)
+      : item_(item), plan_(plan), seen_(seen) {}
+
+  Checked read() {
+    const std::size_t end = std::min(item_.find_first_of("=@"), item_.size());
+    name_ = trimmed(item_.substr(0, end));
+    rest_ = item_.substr(std::min(end + 1, item_.size()));
+    if (std::ranges::find(kItems, name_) == kItems.end()) return unknown();
+    const char separator = end < item_.size() ? item_[end] : ' ';
+    const char due = name_ == "cut" || name_ == "half-open" ? '@' : '=';
+    if (separator != due) return wrong("needs " + std::string(1, due) + " behind its name");
+    if (name_ == "cut") return read_cut();
+    if (name_ == "half-open") return read_half_open();
+    if (name_ == "seed") return read_seed();
+    if (name_ == "delay") return read_delay();
+    if (name_ == "drop") return read_chance(&ByteFaults::drop);
+    if (name_ == "duplicate") return read_chance(&ByteFaults::duplicate);
+    if (name_ == "flip") return read_chance(&ByteFaults::flip);
+    return read_disturbance();
+  }
+
+ private:
+  std::unexpected<std::string> wrong(const std::string& what) const {
+    return std::unexpected("fault " + quoted(item_) + ": " + what);
+  }
+
+  Checked unknown() const {
+    const std::string_view near = nearest_spelling(name_, kItems);
+    if (!near.empty()) return wrong("did you mean " + quoted(near) + "?");
+    std::string all;
+    for (const std::string_view name : kItems) all += (all.empty() ? "" : ", ") + std::string(name);
+    return wrong("there are " + all);
+  }
+
+  Checked once(const std::string& key) {
+    if (std::ranges::find(seen_, key) != seen_.end()) return wrong("is said twice");
+    seen_.push_back(key);
+    return {};
+  }
+
+  Checked read_time(std::string_view text, Duration& out) const {
+    const auto seconds = parse_quantity(text, Measure::kTime, UnitRule::kRequired);
+    if (!seconds) return wrong(seconds.error());
+    if (!(*seconds >= 0 && *seconds <= kTimeMax)) return wrong("a time is 0..1000000 s");
+    out = from_seconds(*seconds);
+    return {};
+  }
+
+  Checked read_quantity(std::string_view text, Measure measure, double& out) const {
+    const auto value = parse_quantity(text, measure, UnitRule::kRequired);
+    if (!value) return wrong(value.error());
+    out = *value;
+    return {};
+  }
+
+  Checked read_probability(std::string_view text, double& out) const {
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), out);
+    const bool whole = error == std::errc{} && end == text.data() + text.size();
+    if (!whole || !(out >= 0 && out <= 1)) {
+      return wrong(quoted(text) + " is no chance; it is a number 0..1 for each byte, as 0.001");
+    }
+    return {};
+  }
+
+  Checked read_direction(std::string_view text, LinkDirection& out) const {
+    if (text != "to-host" && text != "to-device") {
+      return wrong(quoted(text) + " is no direction; there are to-host and to-device");
+    }
+    out = text == "to-host" ? LinkDirection::kToHost : LinkDirection::kToDevice;
+    return {};
+  }
+
+  /// Sets the item in both directions, or in the one that `rest_` names.
+  template <class Set>
+  Checked for_directions(Set&& set) {
+    std::array<bool, 2> meant{true, true};
+    if (!rest_.empty()) {
+      LinkDirection only{};
+      if (auto read = read_direction(trimmed(rest_), only); !read) return read;
+      meant[only == LinkDirection::kToHost ? 0 : 1] = false;
+    }
+    for (std::size_t i = 0; i < meant.size(); ++i) {
+      if (!meant[i]) continue;
+      if (auto first = once(std::string(name_) + (i == 0 ? ">" : "<")); !first) return first;
+      set(plan_.link.bytes[i]);
+    }
+    return {};
+  }
+
+  Checked read_chance(double ByteFaults::* member) {
+    double chance = 0;
+    if (auto read = read_probability(take_until(rest_, ':'), chance); !read) return read;
+    return for_directions([&](ByteFaults& faults) { faults.*member = chance; });
+  }
+
+  Checked read_delay() {
+    double chance = 0;
+    Duration time{};
+    if (auto read = read_probability(take_until(rest_, ':'), chance); !read) return read;
+    if (rest_.empty()) return wrong("needs how long, as delay=0.01:200ms");
+    if (auto read = read_time(take_until(rest_, ':'), time); !read) return read;
+    return for_directions([&](ByteFaults& faults) {
+      faults.delay = chance;
+      faults.delay_time = time;
+    });
+  }
+
+  Checked read_lasts(LinkCut& cut) {
+    if (rest_.empty()) return {};
+    Duration lasts{};
+    if (auto read = read_time(trimmed(rest_), lasts); !read) return read;
+    cut.lasts = lasts;
+    return {};
+  }
+
+  Checked read_cut() {
+    LinkCut cut;
+    if (auto read = read_time(take_until(rest_, ':'), cut.at); !read) return read;
+    if (auto read = read_lasts(cut); !read) return read;
+    plan_.link.cuts.push_back(cut);
+    return {};
+  }
+
+  Checked read_half_open() {
+    LinkCut cut;
+    LinkDirection only{};
+    if (auto read = read_time(take_until(rest_, ':'), cut.at); !read) return read;
+    if (auto read = read_direction(take_until(rest_, ':'), only); !read) return read;
+    if (auto read = read_lasts(cut); !read) return read;
+    cut.only = only;
+    plan_.link.cuts.push_back(cut);
+    return {};
+  }
+
+  Checked read_seed() {
+    const std::string_view text = trimmed(rest_);
+    const auto [end, error] =
+        std::from_chars(text.data(), text.data() + text.size(), plan_.link.seed);
+    if (error != std::errc{} || end != text.data() + text.size()) {
+      return wrong("a seed is a whole number, 0 or more");
+    }
+    return once("seed");
+  }
+
+  Checked read_joint(std::string_view text, std::int8_t& joint) const {
+    const bool named = text.starts_with('J') || text.starts_with('j');
+    const std::string_view digits = named ? text.substr(1) : std::string_view{};
+    int number = 0;
+    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), number);
+    const bool whole = error == std::errc{} && end == digits.data() + digits.size();
+    if (!whole || number < 1 || number > kJointsMax) {
+      return wrong(quoted(text) + " is no joint; they are J1 to J" + std::to_string(kJointsMax));
+    }
+    joint = static_cast<std::int8_t>(number - 1);
+    return {};
+  }
+
+  Checked read_place(std::string_view text, double& out) const {
+    const auto angle = parse_quantity(text, Measure::kAngle, UnitRule::kRequired);
+    if (angle) return out = *angle, Checked{};
+    const auto length = parse_quantity(text, Measure::kLength, UnitRule::kRequired);
+    if (length) return out = *length, Checked{};
+    return wrong(quoted(text) + " is no place of a joint; write 20deg or 12mm");
+  }
+
+  /// A force of a leg is written in N and a torque in Nm; the number is the same.
+  Checked read_load(std::string_view text, double& out) const {
+    std::string torque(text);
+    if (torque.ends_with('N')) torque += 'm';
+    return read_quantity(torque, Measure::kTorque, out);
+  }
+
+  Checked read_disturbance() {
+    const std::size_t at = rest_.rfind('@');
+    if (at == std::string_view::npos) return wrong("needs its moment, as @3s");
+    TimedDisturbance timed;
+    if (auto read = read_time(trimmed(rest_.substr(at + 1)), timed.at); !read) return read;
+    if (auto read = read_what(rest_.substr(0, at), timed.what); !read) return read;
+    plan_.disturbances.push_back(timed);
+    return {};
+  }
+
+  Checked read_what(std::string_view what, Disturbance& out) const {
+    using Kind = Disturbance::Kind;
+    if (name_ == "supply" || name_ == "payload") {
+      out.kind = name_ == "supply" ? Kind::kSupply : Kind::kPayload;
+      const Measure measure = name_ == "supply" ? Measure::kVoltage : Measure::kMass;
+      if (auto read = read_quantity(trimmed(what), measure, out.value); !read) return read;
+      if (!(out.value >= 0)) return wrong("cannot be negative");
+      return {};
+    }
+    const char separator = name_ == "block" ? '@' : ':';
+    if (auto read = read_joint(take_until(what, separator), out.joint); !read) return read;
+    const std::string_view value = trimmed(what);
+    if (name_ == "block") {
+      out.kind = Kind::kBlock;
+      return read_place(value, out.value);
+    }
+    if (name_ == "load") {
+      out.kind = Kind::kLoad;
+      return read_load(value, out.value);
+    }
+    if (name_ == "magnet") {
+      out.kind = Kind::kMagnet;
+      out.value = value == "on" ? 1 : 0;
+      if (value != "on" && value != "off") return wrong("a magnet is on or off");
+      return {};
+    }
+    out.kind = Kind::kUnblock;
+    if (!value.empty()) return wrong("needs a joint and its moment only, as unblock=J2@5s");
+    return {};
+  }
+
+  std::string_view item_;
+  FaultPlan& plan_;
+  std::vector<std::string>& seen_;
+  std::string_view name_;
+  std::string_view rest_;
+};
+
+/// Shortest text that reads back as the same number.
+std::string exact(double value) {
+  std::array<char, 32> text{};
+  const auto result = std::to_chars(text.data(), text.data() + text.size(), value);
+  return {text.data(), result.ptr};
+}
+
+/// Whole where they are whole, so that nothing is rounded.
+std::string text_of(Duration time) {
+  using std::chrono::milliseconds;
+  if (time % std::chrono::seconds(1) == Duration::zero()) {
+    return std::to_string(time / std::chrono::seconds(1)) + "s";
+  }
+  if (time % milliseconds(1) == Duration::zero()) {
+    return std::to_string(time / milliseconds(1)) + "ms";
+  }
+  return exact(to_seconds(time)) + "s";
+}
+
+std::string_view text_of(LinkDirection direction) {
+  return direction == LinkDirection::kToHost ? "to-host" : "to-device";
+}
+
+void print_bytes(const LinkFaultSpec& link, std::vector<std::string>& items) {
+  const ByteFaults& to_device = link.bytes[0];
+  const ByteFaults& to_host = link.bytes[1];
+  const auto print = [&](std::string_view name, auto&& value_of) {
+    const std::string both[2]{value_of(to_device), value_of(to_host)};
+    if (both[0] == both[1]) {
+      if (!both[0].empty()) items.push_back(std::string(name) + "=" + both[0]);
+      return;
+    }
+    for (const auto direction : {LinkDirection::kToDevice, LinkDirection::kToHost}) {
+      const std::string& value = both[static_cast<std::size_t>(direction)];
+      if (value.empty()) continue;
+      items.push_back(std::string(name) + "=" + value + ":" + std::string(text_of(direction)));
+    }
+  };
+  const auto chance = [](double p) { return p > 0 ? exact(p) : std::string{}; };
+  print("drop", [&](const ByteFaults& f) { return chance(f.drop); });
+  print("duplicate", [&](const ByteFaults& f) { return chance(f.duplicate); });
+  print("flip", [&](const ByteFaults& f) { return chance(f.flip); });
+  print("delay", [&](const ByteFaults& f) {
+    return f.delay > 0 ? exact(f.delay) + ":" + text_of(f.delay_time) : std::string{};
+  });
+}
+
+std::string text_of(const LinkCut& cut) {
+  std::string text = (cut.only ? "half-open@" : "cut@") + text_of(cut.at);
+  if (cut.only) text += ":" + std::string(text_of(*cut.only));
+  if (cut.lasts) text += ":" + text_of(*cut.lasts);
+  return text;
+}
+
+std::string text_of(const TimedDisturbance& timed) {
+  using Kind = Disturbance::Kind;
+  const std::string joint = "J" + std::to_string(timed.what.joint + 1);
+  const std::string value = exact(timed.what.value);
+  const std::string at = "@" + text_of(timed.at);
+  switch (timed.what.kind) {
+    case Kind::kSupply:
+      return "supply=" + value + "V" + at;
+    case Kind::kPayload:
+      return "payload=" + value + "kg" + at;
+    case Kind::kBlock:
+      return "block=" + joint + "@" + value + "rad" + at;
+    case Kind::kUnblock:
+      return "unblock=" + joint + at;
+    case Kind::kMagnet:
+      return "magnet=" + joint + (timed.what.value != 0 ? ":on" : ":off") + at;
+    case Kind::kLoad:
+      break;
+  }
+  return "load=" + joint + ":" + value + "Nm" + at;
+}
+
+}  // namespace
+
+std::expected<FaultPlan, std::string> parse_faults(std::string_view text) {
+  FaultPlan plan;
+  std::vector<std::string> seen;
+  if (trimmed(text).empty()) return plan;
+  while (true) {
+    const bool last = text.find(',') == std::string_view::npos;
+    const std::string_view item = take_until(text, ',');
+    if (item.empty()) return std::unexpected("an empty fault: one comma too many");
+    if (auto read = ItemReader(item, plan, seen).read(); !read) {
+      return std::unexpected(read.error());
+    }
+    if (last) return plan;
+  }
+}
+
+std::string to_text(const FaultPlan& plan) {
+  std::vector<std::string> items;
+  print_bytes(plan.link, items);
+  for (const LinkCut& cut : plan.link.cuts) items.push_back(text_of(cut));
+  for (const TimedDisturbance& timed : plan.disturbances) items.push_back(text_of(timed));
+  if (plan.link.seed != LinkFaultSpec{}.seed) {
+    items.push_back("seed=" + std::to_string(plan.link.seed));
+  }
+  std::string text;
+  for (const std::string& item : items) text += (text.empty() ? "" : ",") + item;
+  return text;
+}
+
+}  // namespace sinew::sim

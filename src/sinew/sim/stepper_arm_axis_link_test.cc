@@ -1,0 +1,134 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <optional>
+
+#include "sinew/driver/axis_link.h"
+#include "sinew/sim/stepper_arm.h"
+#include "support/robots.h"
+
+// AxisLinkDriver against the whole simulated arm: motors, gears, encoders and controllers.
+
+namespace sinew {
+namespace {
+
+using namespace std::chrono_literals;
+using Kind = DriverEvent::Kind;
+
+/// Close above the end stops, so that homing is short.
+JointVector near_home(const RobotModel& model) {
+  JointVector q;
+  for (const Joint& joint : model.joints) q.push_back(joint.lower + from_deg(4));
+  return q;
+}
+
+struct ArmCell {
+  ArmCell()
+      : model(test::robot("robot-arm-2")),
+        arm(model, {.wire = sim::AxisWire::kLink, .seed = 5, .start = near_home(model)},
+            Instant{}) {
+    for (std::size_t i = 0; i < model.joints.size(); ++i) device.boards.push_back({});
+    driver.emplace(device, model.joints);
+  }
+
+  bool run_to(Kind kind, Duration limit) {
+    for (const Instant end = now + limit; now < end;) {
+      if (const auto transfer = driver->take_transfer(now)) {
+        const auto miso = arm.exchange(*transfer, now);
+        now += 50us + spi::wire_time(*transfer);
+        driver->exchanged(miso, now);
+      } else {
+        now = std::max(now + 10us, driver->next_deadline().value_or(end));
+        arm.advance(now);
+        driver->poll(now);
+      }
+      while (const auto event = driver->take_event()) {
+        last = *event;
+        if (event->kind == kind) return true;
+        if (event->kind == Kind::kFailed) return false;
+      }
+    }
+    return false;
+  }
+  /// Largest distance (rad) between what positions() says and where the joints are.
+  double worst_lie() const {
+    double worst = 0;
+    const sim::Truth truth = arm.truth();
+    for (std::size_t i = 0; i < model.joints.size(); ++i) {
+      EXPECT_EQ(driver->positions()[i].quality, PositionQuality::kMeasured);
+      worst = std::max(worst, std::abs(driver->positions()[i].q - truth.joints[i].q));
+    }
+    return worst;
+  }
+  JointMove by(double angle, Duration duration) const {
+    JointMove move{.q = {}, .qd = {}, .duration = duration};
+    for (const JointPosition& position : driver->positions()) {
+      move.q.push_back(position.q + angle);
+      move.qd.push_back(0);
+    }
+    return move;
+  }
+
+  const RobotModel& model;
+  sim::StepperArm arm;
+  AxisLinkDevice device;
+  std::optional<AxisLinkDriver> driver;
+  Instant now{};
+  DriverEvent last;
+};
+
+TEST(AxisLinkArm, a_board_that_browns_out_in_motion_is_lost_and_the_others_stop) {
+  ArmCell cell;
+  cell.driver->open(cell.now);
+  ASSERT_TRUE(cell.run_to(Kind::kReady, 1s));
+  ASSERT_TRUE(cell.driver->home(cell.now));
+  ASSERT_TRUE(cell.run_to(Kind::kDone, 300s)) << describe(cell.last.error);
+  ASSERT_TRUE(cell.driver->move(cell.by(from_deg(10), 6s), cell.now));
+  EXPECT_FALSE(cell.run_to(Kind::kDone, 2s));
+  cell.arm.disturb({sim::Disturbance::Kind::kSupply, 2, 5});
+  EXPECT_FALSE(cell.run_to(Kind::kDone, 100ms));
+  cell.arm.disturb({sim::Disturbance::Kind::kSupply, 2, 24});
+  EXPECT_FALSE(cell.run_to(Kind::kDone, 6s));
+  EXPECT_EQ(cell.driver->state(), DriverState::kFault);
+  EXPECT_EQ(cell.driver->fault()->index, 2);
+  EXPECT_EQ(cell.driver->positions()[2].quality, PositionQuality::kLost);
+  EXPECT_EQ(cell.driver->positions()[1].quality, PositionQuality::kMeasured);
+  const sim::Truth stopped = cell.arm.truth();
+  EXPECT_FALSE(cell.run_to(Kind::kDone, 500ms));
+  for (std::size_t i = 0; i < 6; ++i) {
+    EXPECT_NEAR(to_deg(cell.arm.truth().joints[i].q - stopped.joints[i].q), 0, 0.1) << i;
+  }
+}
+
+TEST(AxisLinkArm, homes_moves_and_stops_the_simulated_arm) {
+  ArmCell cell;
+  cell.driver->open(cell.now);
+  ASSERT_TRUE(cell.run_to(Kind::kReady, 1s));
+  ASSERT_TRUE(cell.driver->home(cell.now));
+  ASSERT_TRUE(cell.run_to(Kind::kDone, 300s)) << describe(cell.last.error);
+  EXPECT_LT(to_deg(cell.worst_lie()), 0.5);
+  const sim::Truth home = cell.arm.truth();
+  ASSERT_TRUE(cell.driver->move(cell.by(from_deg(5), 4s), cell.now));
+  ASSERT_TRUE(cell.run_to(Kind::kDone, 8s)) << describe(cell.last.error);
+  const sim::Truth there = cell.arm.truth();
+  for (std::size_t i = 0; i < 6; ++i) {
+    EXPECT_NEAR(to_deg(there.joints[i].q - home.joints[i].q), 5, 0.5) << i;
+    EXPECT_FALSE(there.joints[i].stalled) << i;
+  }
+  EXPECT_LT(to_deg(cell.worst_lie()), 0.5);
+  ASSERT_TRUE(cell.driver->move(cell.by(from_deg(5), 4s), cell.now));
+  EXPECT_FALSE(cell.run_to(Kind::kDone, 2s));
+  cell.driver->stop(cell.now);
+  ASSERT_TRUE(cell.run_to(Kind::kStopped, 8s));
+  const sim::Truth stopped = cell.arm.truth();
+  EXPECT_FALSE(cell.run_to(Kind::kDone, 500ms));
+  for (std::size_t i = 0; i < 6; ++i) {
+    // What the windup of the gears gives back; half way, it went at 2 deg/s.
+    EXPECT_NEAR(to_deg(cell.arm.truth().joints[i].q - stopped.joints[i].q), 0, 0.1) << i;
+  }
+  EXPECT_LT(to_deg(cell.worst_lie()), 0.5);
+  EXPECT_EQ(cell.driver->state(), DriverState::kReady);
+}
+
+}  // namespace
+}  // namespace sinew

@@ -1,0 +1,227 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <csignal>
+#include <map>
+
+#include "cli/process.h"
+#include "sinew/io/scratch_folder_test_support.h"
+
+/// `sinew run` in one process, `sinew sim` in another, their bytes between them: each robot ends
+/// where the program said, as the physics of the simulation has it.
+namespace sinew::test {
+namespace {
+
+struct Case {
+  std::string robot;
+  std::vector<std::string> options;  ///< of sim and run alike
+  std::string time_scale;            ///< of both; of run only where the boards sit on SPI
+  std::string program;
+  std::vector<double> target;  ///< deg or mm, every joint, at the end
+  double tolerance;            ///< deg or mm: the wire's resolution, backlash, a servo's dead band
+  bool on_spi = false;
+};
+
+class FiveRobots : public ::testing::TestWithParam<Case> {};
+
+std::string place_of(Process& sim) {
+  sim.wait_for_out("\n");
+  return sim.out().substr(0, sim.out().find('\n'));
+}
+
+TEST_P(FiveRobots, end_where_they_were_sent) {
+  const Case& c = GetParam();
+  const ScratchFolder folder;
+  const std::string program = folder.file("p.sinew", c.program);
+  std::vector<std::string> sim_words{"sim", c.robot, "--json"};
+  std::vector<std::string> run_words{"run",    program,         "--robot", c.robot,
+                                     "--json", "--standing-at", "home"};
+  if (!c.on_spi) sim_words.insert(sim_words.end(), {"--time-scale", c.time_scale});
+  run_words.insert(run_words.end(), {"--time-scale", c.time_scale});
+  sim_words.insert(sim_words.end(), c.options.begin(), c.options.end());
+  run_words.insert(run_words.end(), c.options.begin(), c.options.end());
+  if (c.on_spi) sim_words.insert(sim_words.end(), {"--simwire", "unix:" + folder.at("boards")});
+
+  Process sim(sim_words);
+  const Json first = Json::parse(place_of(sim), nullptr, false);
+  ASSERT_TRUE(first.is_object()) << sim.out();
+  run_words.insert(run_words.end(), {"--port", first["port"].get<std::string>()});
+  const Ended run = sinew(run_words);
+  EXPECT_EQ(run.exit, 0) << run.err << run.out;
+  const Json report = run.json();
+  sim.signal(SIGINT);
+  const Ended ended = sim.end();
+  ASSERT_EQ(ended.exit, 0) << ended.err;
+
+  const std::string last = ended.out.substr(ended.out.find('\n') + 1);
+  const Json truth = Json::parse(last, nullptr, false)["truth"];
+  ASSERT_EQ(truth["joints"].size(), c.target.size()) << last;
+  for (std::size_t i = 0; i < c.target.size(); ++i) {
+    const Json& joint = truth["joints"][i];
+    const double q =
+        joint.contains("q_deg") ? joint["q_deg"].get<double>() : joint["q_mm"].get<double>();
+    EXPECT_NEAR(q, c.target[i], c.tolerance) << joint.dump();
+    const Json& known = report["positions"][i];
+    EXPECT_TRUE(known["quality"] == "commanded" || known["quality"] == "measured") << known.dump();
+  }
+}
+
+constexpr const char* kRobotArm2 =
+    "home\njoint J1=10deg J2=-20deg J3=15deg J4=0deg J5=30deg J6=-40deg\n";
+const std::vector<double> kRobotArm2Target{10, -20, 15, 0, 30, -40};
+constexpr const char* kLearm =
+    "joint base=0deg shoulder=20deg elbow=40deg wrist=30deg roll=0deg\n"
+    "joint base=30deg wrist=50deg\njaws 20mm\n";
+const std::vector<double> kLearmTarget{30, 20, 40, 50, 0};
+
+INSTANTIATE_TEST_SUITE_P(
+    Robots, FiveRobots,
+    ::testing::Values(
+        Case{"robot-arm-2",
+             {"--profile", "document"},
+             "40",
+             kRobotArm2,
+             kRobotArm2Target,
+             0.6,
+             true},
+        Case{"robot-arm-2", {"--wire", "link"}, "10", kRobotArm2, kRobotArm2Target, 0.3, true},
+        Case{"learm", {"--profile", "lsc6"}, "1", kLearm, kLearmTarget, 0.6},
+        Case{"learm", {"--profile", "bus"}, "1", kLearm, kLearmTarget, 0.8},
+        Case{"learm", {"--profile", "esp32"}, "1", kLearm, kLearmTarget, 0.6},
+        Case{"bigrobotarm",
+             {"--profile", "document"},
+             "2",
+             "joint base=30deg shoulder=20deg elbow=-25deg\njoint wrist=40deg\ngripper 60deg\n",
+             {30, 20, -25, 0, 40},
+             0.6},
+        Case{"bigrobotarm",
+             {"--profile", "as-built", "--wire", "text2026"},
+             "1",
+             "joint base=30deg shoulder=20deg\n",
+             {30, 20, 0, 0, 0},
+             0.6},
+        Case{"maxarm",
+             {"--profile", "arduino"},
+             "1",
+             "joint base=120deg shoulder=110deg forearm=30deg\njoint base=90deg\nsuction on\n",
+             {90, 110, 30},
+             1.0},
+        Case{"maxarm",
+             {"--profile", "micropython"},
+             "1",
+             "joint base=120deg shoulder=110deg forearm=30deg\n",
+             {120, 110, 30},
+             1.0},
+        Case{"hexapod",
+             {"--profile", "table1"},
+             "1",
+             "joint leg1=268.37mm leg2=268.36mm\njoint leg4=268.355mm\n",
+             {268.37, 268.36, 268.3629, 268.355, 268.3629, 268.3629},
+             0.0005}),
+    [](const auto& parameter) {
+      std::string name = parameter.param.robot + "_" + parameter.param.options.back();
+      for (char& c : name) {
+        if (c == '-') c = '_';
+      }
+      return name;
+    });
+
+TEST(RunProgram, everything_wrong_is_said_before_a_byte_leaves) {
+  const ScratchFolder folder;
+  const auto program = [&](const std::string& text) { return folder.file("p.sinew", text); };
+  const struct {
+    std::string robot;
+    std::string text;
+    std::vector<std::string> options;
+    int exit;
+    std::string sentence;
+  } kCases[] = {
+      {"learm",
+       "joint base=91deg",
+       {},
+       1,
+       "p.sinew:1: base would need 91 deg, limit 90 deg, 1 deg too far; nothing was moved"},
+      {"learm", "jont base=1deg", {}, 2, "p.sinew:1:1: unknown step 'jont'; did you mean joint?"},
+      {"learm", "# nothing\n", {}, 2, "has no step; a first line could be: joint base=10deg"},
+      {"learm", "home", {"--profile", "lsc7"}, 2, "--profile: 'lsc7' is none of lsc6, bus, esp32"},
+      {"learm", "home", {"--wire", "text"}, 2, "--wire: 'text' is unknown: learm has but one"},
+      {"puma560", "home", {}, 1, "puma560 has no device: it is a model only"},
+      {"hexapod", "wait 1s", {"--standing-at", "1,2"}, 2, "--standing-at: 6 numbers are wanted"},
+      {"hexapod",
+       "wait 1s",
+       {"--standing-at", "100,200,200,200,200,200"},
+       2,
+       "--standing-at: leg1 would need 100 mm, limit 195 mm"},
+      {"hexapod", "joint leg1=268mm", {"--port", "/dev/null"}, 1, "/dev/null: not a serial port"},
+      {"robot-arm-2", "home", {"--port", "simwire:unix:/nowhere/s"}, 1, "/nowhere/s: no such file"},
+      {"robot-arm-2",
+       "home",
+       {"--port", "/dev/ttyS9"},
+       1,
+       "this robot hangs on SPI; its port is spidev, simwire:unix:PATH or"},
+      {"robot-arm-2", "home", {"--port", "spidev"}, 1, "/dev/spidev0.0: "},
+      {"learm",
+       "home",
+       {"--port", "/dev/nothing", "--time-scale", "2"},
+       2,
+       "--time-scale: a real port keeps real time"},
+  };
+  for (const auto& c : kCases) {
+    std::vector<std::string> words{"run", program(c.text), "--robot", c.robot};
+    words.insert(words.end(), c.options.begin(), c.options.end());
+    const Ended ended = sinew(words);
+    EXPECT_EQ(ended.exit, c.exit) << c.sentence << "\n" << ended.err;
+    EXPECT_NE(ended.err.find(c.sentence), std::string::npos) << c.sentence << "\n" << ended.err;
+  }
+}
+
+TEST(RunProgram, machine_that_nobody_knows_the_place_of_is_not_moved) {
+  const ScratchFolder folder;
+  Process sim({"sim", "hexapod", "--json"});
+  const Json first = Json::parse(place_of(sim), nullptr, false);
+  const Ended run = sinew({"run", folder.file("p.sinew", "joint leg1=268.4mm\n"), "--robot",
+                           "hexapod", "--port", first["port"].get<std::string>(), "--json"});
+  EXPECT_EQ(run.exit, 1);
+  EXPECT_EQ(run.json()["refusal"]["code"], "position_unknown") << run.out;
+  EXPECT_EQ(run.json()["orders"].size(), 0U);
+}
+
+TEST(SimVerb, truth_is_told_on_request) {
+  Process sim({"sim", "learm", "--seed", "5"});
+  place_of(sim);
+  sim.signal(SIGUSR1);
+  sim.wait_for_err("truth: base ");
+  sim.signal(SIGINT);
+  const Ended ended = sim.end();
+  EXPECT_EQ(ended.exit, 0);
+  EXPECT_NE(ended.err.find("; supply "), std::string::npos) << ended.err;
+}
+
+TEST(SimVerb, options_that_make_no_sense_are_refused) {
+  const struct {
+    std::vector<std::string> words;
+    std::string sentence;
+  } kCases[] = {
+      {{"sim", "learm", "--simwire", "stdio"},
+       "--simwire: learm hangs on a serial port, not on SPI"},
+      {{"sim", "learm", "--nss", "soft"}, "--nss: learm hangs on a serial port"},
+      {{"sim", "robot-arm-2", "--simwire", "tcp:1"}, "'tcp:1' is neither unix:PATH nor stdio"},
+      {{"sim", "robot-arm-2", "--slaves", "7"}, "--slaves: 7 is outside 1..6"},
+      {{"sim", "robot-arm-2", "--slaves", "0"}, "--slaves: 0 is outside 1..6"},
+      {{"sim", "robot-arm-2", "--nss", "none"}, "--nss: 'none' is neither hard nor soft"},
+      {{"sim", "robot-arm-2", "--link", "/tmp/x"}, "--link: boards on SPI have no port"},
+      {{"sim", "robot-arm-2", "--time-scale", "2"}, "over simwire the time is the host's"},
+      {{"sim", "robot-arm-2", "--fault", "drop=0.1"}, "cannot befall SPI"},
+      {{"sim", "hexapod", "--fault", "drop=2"}, "--fault: "},
+      {{"sim", "hexapod", "--fault", "block=J9@1mm@1s"}, "--fault: "},
+      {{"sim", "hexapod", "--profile", "x"}, "--profile: 'x' is none of table1"},
+  };
+  for (const auto& c : kCases) {
+    const Ended ended = sinew(c.words);
+    EXPECT_EQ(ended.exit, 2) << c.sentence << ended.err;
+    EXPECT_NE(ended.err.find(c.sentence), std::string::npos) << c.sentence << "\n" << ended.err;
+  }
+}
+
+}  // namespace
+}  // namespace sinew::test

@@ -1,0 +1,440 @@
+#include "faults/campaign.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <sstream>
+
+#include "sinew/core/units.h"
+#include "sinew/program/program_plan.h"
+
+namespace sinew::test {
+namespace {
+
+using namespace std::chrono_literals;
+using sim::LinkDirection;
+
+constexpr Duration kLook = 20ms;     // between two looks at the truth
+constexpr Duration kFeed = 2ms;      // between two segments' chances
+constexpr Duration kWarmUp = 20s;    // before a port opens: slow boards boot and home
+constexpr Duration kSlowMove = 3s;
+constexpr Duration kHomingMax = 400s;
+constexpr Duration kPowerOff = 500ms;
+constexpr Duration kPowerUp = 20s;
+
+runtime::MachineOptions options_of(const WireRules& rules, std::uint64_t seed) {
+  runtime::MachineOptions options;
+  options.profile = rules.profile;
+  options.seed = seed;
+  return options;
+}
+
+double nominal_volts(sim::Machine& machine) {
+  return machine.truth().supply_volts;
+}
+
+bool at_rest(const Driver& driver) {
+  return driver.state() == DriverState::kReady || driver.state() == DriverState::kFault;
+}
+
+}  // namespace
+
+FaultCase::FaultCase(const RobotModel& robot, const WireRules& rules, std::uint64_t seed,
+                     CampaignSums& sums)
+    : robot_(robot),
+      rules_(rules),
+      sums_(sums),
+      random_(seed),
+      cell_(robot, options_of(rules, random_.bits()), kWarmUp) {
+  cell_.look = [this](const std::optional<DriverEvent>& event) { watch(event); };
+  anywhere_ = true;
+  way_.resize(robot.joints.size());
+}
+
+bool FaultCase::complain(const std::string& what) {
+  if (!complaint_.empty()) return false;
+  std::ostringstream text;
+  text << "episode " << episode_ << ", " << to_seconds(cell_.now() - Instant{}) << " s: " << what;
+  complaint_ = text.str();
+  return false;
+}
+
+// Looking
+
+void FaultCase::watch(const std::optional<DriverEvent>& event) {
+  if (event) {
+    if (const auto wrong = ledger_.take(*event)) complain(*wrong);
+    return;
+  }
+  if (cell_.driver().state() == DriverState::kOpening) ledger_.may_fail();
+  feed();
+  if (cell_.now() < next_look_) return;
+  next_look_ = cell_.now() + kLook;
+  watch_way();
+  watch_health();
+}
+
+void FaultCase::watch_health() {
+  const DriverHealth now = cell_.driver().health();
+  if (now.requests < health_.requests || now.retries < health_.retries ||
+      now.timeouts < health_.timeouts || now.unexpected < health_.unexpected) {
+    complain("a health counter ran back");
+  }
+  health_ = now;
+}
+
+void FaultCase::watch_way() {
+  if (anywhere_) return;
+  const sim::Truth truth = cell_.machine().truth();
+  for (std::size_t i = 0; i < way_.size(); ++i) {
+    const double q = rules_.by_field ? truth.joints[i].believed : truth.joints[i].q;
+    const double excess = std::max(way_[i].lower - q, q - way_[i].upper) - rules_.overshoot;
+    if (excess <= 0) continue;
+    sums_.worst_excess = std::max(sums_.worst_excess, excess + rules_.overshoot);
+    if (!strayed_) ++sums_.wrong_motions;
+    strayed_ = true;
+    if (!rules_.trusted) continue;
+    std::ostringstream text;
+    text << "J" << i + 1 << " went to " << q << ", asked for was " << way_[i].lower << " to "
+         << way_[i].upper;
+    complain(text.str());
+  }
+}
+
+bool FaultCase::known() const {
+  const auto positions = const_cast<FaultCell&>(cell_).driver().positions();
+  return std::ranges::all_of(positions, [](const JointPosition& position) {
+    return position.quality >= PositionQuality::kCommanded;
+  });
+}
+
+bool FaultCase::judge_rest() {
+  const sim::Truth truth = cell_.machine().truth();
+  const auto positions = cell_.driver().positions();
+  bool honest = true;
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    const JointPosition& claim = positions[i];
+    if (claim.quality == PositionQuality::kLost) continue;
+    const double q = rules_.by_field ? truth.joints[i].believed : truth.joints[i].q;
+    const double error = std::max(claim.lower - q, q - claim.upper);
+    if (error <= rules_.tolerance) continue;
+    honest = false;
+    sums_.worst_error = std::max(sums_.worst_error, error);
+    std::ostringstream text;
+    text << "J" << i + 1 << " rests at " << q << ", claimed is " << claim.lower << " to "
+         << claim.upper << ", quality " << static_cast<int>(claim.quality);
+    if (rules_.trusted) return complain(text.str());
+  }
+  if (!honest) ++sums_.wrong_rests;
+  return honest;
+}
+
+// Using
+
+void FaultCase::ask_move(double speed) {
+  Driver& driver = cell_.driver();
+  std::array<double, kMaxJoints> from{};
+  std::array<double, kMaxJoints> to{};
+  const std::size_t n = robot_.joints.size();
+  const auto positions = driver.positions();
+  for (std::size_t i = 0; i < n; ++i) {
+    const Joint& joint = robot_.joints[i];
+    const double way = rules_.way * (joint.upper - joint.lower);
+    const bool lost = positions[i].quality == PositionQuality::kLost;
+    from[i] = lost ? joint.home : positions[i].q;
+    const double margin = 0.02 * (joint.upper - joint.lower);
+    to[i] = std::clamp(from[i] + random_.uniform(-way, way), joint.lower + margin,
+                       joint.upper - margin);
+  }
+  JointVector q_from;
+  JointVector q_to;
+  for (std::size_t i = 0; i < n; ++i) {
+    q_from.push_back(from[i]);
+    q_to.push_back(to[i]);
+  }
+  const bool sure = known();
+  const auto profile = program::profile_between(q_from, q_to, robot_, speed);
+  const bool streamed = sure && robot_.device.capability.motion == MotionKind::kStream;
+  profile_.reset();
+  if (streamed) {
+    const double longest = to_seconds(robot_.device.capability.segment);
+    profile_ = profile;
+    segments_ = std::max(1, static_cast<int>(std::ceil(profile.duration() / longest)));
+    segments_sent_ = 0;
+    motion_end_ = std::max(motion_end_, cell_.now() + from_seconds(profile.duration()) + 100ms);
+    return feed();
+  }
+  const Duration slow = rules_.regain == Regain::kSlowMove ? kSlowMove : 0ms;
+  const Duration duration = sure ? from_seconds(profile.duration()) + 20ms : slow;
+  JointMove move{q_to, {}, std::max(duration, from_seconds(profile.duration()) + 20ms)};
+  move.qd.resize(n);
+  // Where it really stands is where it begins.
+  const sim::Truth truth = cell_.machine().truth();
+  if (!driver.move(move, cell_.now())) {
+    ++sums_.refused;
+    return;
+  }
+  ledger_.accepted();
+  motion_end_ = std::max(motion_end_, cell_.now() + move.duration);
+  for (std::size_t i = 0; i < n; ++i) {
+    const double q = rules_.by_field ? truth.joints[i].believed : truth.joints[i].q;
+    way_[i].lower = std::min({way_[i].lower, to[i], q});
+    way_[i].upper = std::max({way_[i].upper, to[i], q});
+  }
+}
+
+/// As many segments as the driver takes.
+void FaultCase::feed() {
+  Driver& driver = cell_.driver();
+  while (profile_ && segments_sent_ < segments_ && driver.wants_move(cell_.now())) {
+    const bool last = segments_sent_ + 1 == segments_;
+    const double longest = to_seconds(robot_.device.capability.segment);
+    const double segment = segments_ == 1 ? longest : profile_->duration() / segments_;
+    motion::AxisStates states;
+    profile_->sample(last ? profile_->duration() : segment * (segments_sent_ + 1), states);
+    JointMove move;
+    move.duration = from_seconds(segment);
+    for (std::size_t i = 0; i < profile_->size(); ++i) {
+      move.q.push_back(states.q[i]);
+      move.qd.push_back(last ? 0 : states.qd[i]);
+    }
+    if (!driver.move(move, cell_.now())) {
+      ++sums_.refused;
+      profile_.reset();
+      // What was begun and cannot go on must not be the last word.
+      if (ledger_.under_way() > 0) {
+        ledger_.stop_asked();
+        driver.stop(cell_.now());
+      }
+      return;
+    }
+    ledger_.accepted();
+    ++segments_sent_;
+    for (std::size_t i = 0; i < move.q.size(); ++i) {
+      way_[i].lower = std::min(way_[i].lower, move.q[i]);
+      way_[i].upper = std::max(way_[i].upper, move.q[i]);
+    }
+  }
+}
+
+void FaultCase::ask_tool() {
+  std::vector<ToolAction> actions{
+      JawsTo{random_.uniform(0, 0.05)},
+      GripperTo{random_.chance(0.8), random_.uniform(0, kPi)},
+      Suction{static_cast<Suction::State>(random_.integer(0, 2))},
+      NozzleTo{random_.uniform(-1, 1), from_seconds(random_.uniform(0.1, 1))},
+  };
+  for (const ToolAction& action : actions) {
+    if (!cell_.driver().tool(action, cell_.now())) continue;
+    ledger_.accepted();
+    motion_end_ = std::max(motion_end_, cell_.now() + 2s);
+    return;
+  }
+}
+
+void FaultCase::reopen() {
+  profile_.reset();
+  cell_.driver().close(cell_.now());
+  cell_.line().clear(cell_.now());
+  if (!run_for(from_seconds(random_.uniform(0, 0.3)), false)) return;
+  ledger_.may_fail();
+  cell_.driver().open(cell_.now());
+}
+
+/// What somebody does who cannot wait.
+void FaultCase::act() {
+  Driver& driver = cell_.driver();
+  const double dice = random_.uniform(0, 1);
+  if (dice < 0.06) {
+    profile_.reset();
+    ledger_.stop_asked();
+    driver.stop(cell_.now());
+  } else if (dice < 0.09) {
+    reopen();
+  } else if (dice < 0.12 && driver.state() == DriverState::kFault) {
+    if (driver.clear_fault(cell_.now())) ledger_.accepted();
+  } else if (driver.state() != DriverState::kReady || profile_) {
+    if (profile_ && segments_sent_ == segments_ && ledger_.under_way() == 0) profile_.reset();
+  } else if (dice < 0.2) {
+    ask_tool();
+  } else if (known()) {
+    ask_move(random_.uniform(0.2, 1));
+  }
+}
+
+sim::LinkFaultSpec FaultCase::draw_faults(Duration phase) {
+  sim::LinkFaultSpec spec;
+  spec.seed = random_.bits();
+  const auto draw = [&] {
+    if (random_.chance(0.5)) return 0.0;
+    return rules_.chance_max * std::pow(10, random_.uniform(-1.5, 0));
+  };
+  for (sim::ByteFaults& faults : spec.bytes) {
+    if (random_.chance(0.15)) continue;  // that way is clean
+    faults = {draw(), draw(), draw(), draw() / 4, from_seconds(random_.uniform(0.001, 0.3))};
+  }
+  if (!random_.chance(0.3)) return spec;
+  sim::LinkCut cut;
+  cut.at = from_seconds(random_.uniform(0, to_seconds(phase)));
+  cut.lasts = from_seconds(random_.uniform(0.005, 0.8));
+  if (random_.chance(0.5)) cut.only = static_cast<LinkDirection>(random_.integer(0, 1));
+  spec.cuts.push_back(cut);
+  return spec;
+}
+
+bool FaultCase::run_for(Duration duration, bool user) {
+  const Instant end = cell_.now() + duration;
+  while (cell_.now() < end && complaint_.empty()) {
+    if (user && cell_.now() >= next_action_) {
+      next_action_ = cell_.now() + from_seconds(random_.uniform(0.02, 0.8));
+      act();
+    }
+    const Instant until = user ? std::min(end, next_action_) : end;
+    const bool fine = cell_.run_to(until, profile_ ? kFeed : kLook,
+                                   [&] { return !complaint_.empty(); });
+    if (!fine) return complain("driver and machine keep each other awake");
+  }
+  return complaint_.empty();
+}
+
+// Finding back
+
+bool FaultCase::settle() {
+  cell_.line().set_faults({}, cell_.now());
+  const Instant start = std::max(cell_.now(), motion_end_);
+  const Instant limit = start + rules_.recovery;
+  const auto settled = [&] { return at_rest(cell_.driver()) && ledger_.under_way() == 0; };
+  profile_.reset();
+  if (ledger_.under_way() > 0 && robot_.device.capability.motion == MotionKind::kStream) {
+    // Nobody feeds it any more.
+    ledger_.stop_asked();
+    cell_.driver().stop(cell_.now());
+  }
+  while (!settled() && cell_.now() < limit && complaint_.empty()) {
+    if (!cell_.run_to(limit, kLook, [&] { return settled() || !complaint_.empty(); })) {
+      return complain("driver and machine keep each other awake");
+    }
+  }
+  if (!settled()) {
+    return complain("not back in time: state " +
+                    std::to_string(static_cast<int>(cell_.driver().state())) + ", under way " +
+                    std::to_string(ledger_.under_way()));
+  }
+  sums_.worst_recovery = std::max(sums_.worst_recovery, cell_.now() - start);
+  return complaint_.empty();
+}
+
+/// Out of a fault: acknowledged where that helps, else the power is cut.
+bool FaultCase::resolve_fault() {
+  const auto faulty = [&] { return cell_.driver().state() == DriverState::kFault; };
+  if (!faulty()) return true;
+  const auto fault = cell_.driver().fault();
+  if (!fault) return complain("in kFault, and fault() says nothing");
+  ++sums_.device_faults[std::string(info(fault->code).name)];
+  for (int i = 0; i < 2 && faulty(); ++i) {
+    if (cell_.driver().clear_fault(cell_.now()) &&
+        robot_.device.capability.feedback == PositionFeedback::kMeasured) {
+      ledger_.may_fail();
+    }
+    if (!run_for(3s, false)) return false;
+  }
+  if (!faulty() && at_rest(cell_.driver())) return true;
+  ++sums_.power_cuts;
+  anywhere_ = true;
+  const double volts = nominal_volts(cell_.machine());
+  cell_.driver().close(cell_.now());
+  cell_.machine().disturb({.kind = sim::Disturbance::Kind::kSupply, .value = 0});
+  if (!run_for(kPowerOff, false)) return false;
+  cell_.machine().disturb({.kind = sim::Disturbance::Kind::kSupply, .value = volts});
+  if (!run_for(kPowerUp, false)) return false;
+  cell_.line().clear(cell_.now());
+  ledger_.may_fail();
+  cell_.driver().open(cell_.now());
+  motion_end_ = cell_.now();
+  return settle() && (!faulty() || complain("a power cut does not help"));
+}
+
+bool FaultCase::regain() {
+  if (known()) return true;
+  anywhere_ = rules_.regain == Regain::kHome || anywhere_;
+  if (rules_.regain == Regain::kDeclare) {
+    const sim::Truth truth = cell_.machine().truth();
+    std::vector<JointPosition> places;
+    for (const sim::JointTruth& joint : truth.joints) {
+      const double q = rules_.by_field ? joint.believed : joint.q;
+      places.push_back({PositionQuality::kCommanded, q, q, q});
+    }
+    cell_.driver().declare_positions(places);
+  } else if (rules_.regain == Regain::kSlowMove) {
+    ask_move(1);
+    if (!run_for(kSlowMove + 3s, false)) return false;
+  } else if (rules_.regain == Regain::kHome) {
+    if (const auto homed = cell_.driver().home(cell_.now()); !homed) {
+      return complain("home refused: " + describe(homed.error()));
+    }
+    ledger_.accepted();
+    const Instant limit = cell_.now() + kHomingMax;
+    cell_.run_to(limit, kLook, [&] { return ledger_.under_way() == 0 || !complaint_.empty(); });
+  }
+  if (!run_for(rules_.rest, false)) return false;
+  return known() || complain("the position does not come back");
+}
+
+bool FaultCase::clean_motion() {
+  const std::uint64_t done = ledger_.done();
+  ask_move(1);
+  const Duration way = std::max(Duration{}, motion_end_ - cell_.now());
+  const Instant limit = cell_.now() + way + rules_.recovery;
+  while (cell_.now() < limit && complaint_.empty()) {
+    const bool over = ledger_.under_way() == 0 && (!profile_ || segments_sent_ == segments_);
+    if (over && cell_.driver().state() == DriverState::kReady) break;
+    if (cell_.driver().state() == DriverState::kFault) break;
+    cell_.run_to(std::min(limit, cell_.now() + kLook), profile_ ? kFeed : kLook,
+                 [&] { return false; });
+  }
+  profile_.reset();
+  if (!run_for(rules_.rest, false)) return false;
+  if (ledger_.done() == done || cell_.driver().state() != DriverState::kReady) {
+    const auto fault = cell_.driver().fault();
+    return complain("a clean motion is not done, state " +
+                    std::to_string(static_cast<int>(cell_.driver().state())) + ": " +
+                    (fault ? describe(*fault) : "no fault"));
+  }
+  return true;
+}
+
+bool FaultCase::begin() {
+  ledger_.may_fail();
+  cell_.driver().open(cell_.now());
+  motion_end_ = cell_.now();
+  if (!settle() || !resolve_fault() || !regain() || !clean_motion()) return false;
+  return judge_rest() || complain("a clean start, and the claim is not true");
+}
+
+bool FaultCase::episode() {
+  ++episode_;
+  ++sums_.episodes;
+  const Instant start = cell_.now();
+  const std::uint64_t faults = cell_.line().counts().faults;
+  const sim::Truth truth = cell_.machine().truth();
+  for (std::size_t i = 0; i < way_.size(); ++i) {
+    const double q = rules_.by_field ? truth.joints[i].believed : truth.joints[i].q;
+    way_[i] = {q, q};
+  }
+  anywhere_ = false;
+  strayed_ = false;
+  const Duration phase = from_seconds(random_.uniform(0.2, to_seconds(rules_.phase)));
+  cell_.line().set_faults(draw_faults(phase), cell_.now());
+  next_action_ = cell_.now();
+  bool fine = run_for(phase, true) && settle() && run_for(rules_.rest, false);
+  if (fine && cell_.driver().state() != DriverState::kFault) judge_rest();
+  fine = fine && complaint_.empty() && settle() && resolve_fault() && regain();
+  // Whatever was believed wrongly, one clean motion makes it right.
+  fine = fine && clean_motion();
+  if (fine && !judge_rest()) fine = complain("the claim is not true after a clean motion");
+  sums_.faults += cell_.line().counts().faults - faults;
+  sums_.virtual_time += cell_.now() - start;
+  return fine;
+}
+
+}  // namespace sinew::test

@@ -1,0 +1,121 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "faults/fault_cell.h"
+#include "faults/ledger.h"
+#include "sinew/motion/rest_to_rest.h"
+#include "support/property.h"
+
+namespace sinew::test {
+
+/// How a joint's position comes back after it was lost.
+enum class Regain : std::uint8_t {
+  kDeclare,   ///< whoever looks at the machine says it
+  kSlowMove,  ///< a slow move to a known place
+  kHome,      ///< by its end stops
+  kMeasured,  ///< by itself
+};
+
+/// What a wire promises, and how hard it is tried. Its document in docs/wires/ says why.
+struct WireRules {
+  std::string robot;
+  std::optional<std::string> profile;
+  std::optional<std::string> wire;
+  Regain regain = Regain::kMeasured;
+  /// Any damaged frame is known as such: no wrong motion and no wrong position, ever.
+  bool trusted = true;
+  double tolerance = 0;  ///< rad or m: sag, backlash and dead band beyond what is claimed
+  double overshoot = 0;  ///< rad or m beyond the way that was asked for
+  bool by_field = false; ///< the motor's field is what is claimed, not the rotor that trails it
+  Duration recovery{};   ///< from the last fault, or the end of a motion, to ready or a fault
+  Duration rest{};       ///< then, until what is claimed must be true
+  Duration phase{};      ///< longest time with faults
+  double way = 0.1;      ///< of a joint's range, the longest move
+  double chance_max = 0.05;  ///< of each fault, per byte
+  int episodes = 20;         ///< with one machine
+};
+
+/// What a campaign found.
+struct CampaignSums {
+  std::uint64_t faults = 0;
+  std::uint64_t episodes = 0;
+  std::uint64_t done = 0;
+  std::uint64_t failed = 0;
+  std::uint64_t stopped = 0;
+  std::uint64_t refused = 0;
+  std::uint64_t power_cuts = 0;
+  std::uint64_t wrong_motions = 0;  ///< episodes in which a joint left the way it was asked to go
+  std::uint64_t wrong_rests = 0;    ///< episodes after which a claim was not true
+  double worst_excess = 0;          ///< rad or m beyond that way
+  double worst_error = 0;           ///< rad or m beyond a claim at rest
+  Duration worst_recovery{};
+  Duration virtual_time{};
+  std::map<std::string, std::uint64_t> device_faults;  ///< kFault, by its code
+};
+
+/// One machine under random use and random faults. An episode is a phase with faults, the time that
+/// the driver needs to find its way back, a rest at which its claims are held against the truth,
+/// and a clean motion.
+class FaultCase {
+ public:
+  /// @param robot, rules, sums  outlive it
+  FaultCase(const RobotModel& robot, const WireRules& rules, std::uint64_t seed,
+            CampaignSums& sums);
+
+  /// Up and at a known place. @return  false: it has complained
+  bool begin();
+  bool episode();
+  const std::string& complaint() const { return complaint_; }
+
+ private:
+  struct Range {
+    double lower = 0;
+    double upper = 0;
+  };
+
+  void watch(const std::optional<DriverEvent>& event);
+  void watch_way();
+  void watch_health();
+  void act();
+  void ask_move(double speed);
+  void ask_tool();
+  void feed();
+  void reopen();
+  bool run_for(Duration duration, bool user);
+  bool settle();
+  bool resolve_fault();
+  bool regain();
+  bool clean_motion();
+  bool judge_rest();
+  bool known() const;
+  sim::LinkFaultSpec draw_faults(Duration phase);
+  bool complain(const std::string& what);
+
+  const RobotModel& robot_;
+  const WireRules& rules_;
+  CampaignSums& sums_;
+  Random random_;
+  FaultCell cell_;
+  Ledger ledger_;
+  DriverHealth health_;
+  std::string complaint_;
+  int episode_ = 0;
+
+  Instant next_action_{};
+  Instant next_look_{};
+  Instant motion_end_{};  ///< of all that was asked for, as predicted
+  std::optional<motion::RestToRest> profile_;
+  int segments_ = 0;
+  int segments_sent_ = 0;
+  std::vector<Range> way_;  ///< where each joint may be
+  bool anywhere_ = false;   ///< homing: no way to hold it to
+  bool strayed_ = false;
+};
+
+}  // namespace sinew::test
