@@ -108,7 +108,7 @@ void Process::wait_for(const Output& output, const std::string& text) {
 }
 
 Ended Process::end() {
-  const auto limit = Clock::now() + std::chrono::seconds(20);
+  const auto limit = Clock::now() + std::chrono::seconds(60);
   bool late = false;
   while (!late && (out_.file >= 0 || err_.file >= 0)) late = !pump(limit);
   // Both streams may be elsewhere: only the process itself tells when it has ended.

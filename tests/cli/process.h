@@ -42,7 +42,7 @@ class Process {
   /// Waits until stdout (stderr) holds `text`; a failure after 10 s.
   void wait_for_out(const std::string& text) { wait_for(out_, text); }
   void wait_for_err(const std::string& text) { wait_for(err_, text); }
-  /// The end of the process; a failure and its death after 20 s.
+  /// The end of the process; a failure and its death after 60 s.
   Ended end();
 
  private:

@@ -18,7 +18,8 @@ constexpr Duration kLook = 20ms;     // between two looks at the truth
 constexpr Duration kFeed = 2ms;      // between two segments' chances
 constexpr Duration kWarmUp = 20s;    // before a port opens: slow boards boot and home
 constexpr Duration kSlowMove = 3s;
-constexpr Duration kHomingMax = 400s;
+constexpr Duration kHomingMax = 1200s;  // six joints, one after the other
+constexpr double kNoise = 1e-9;      // rad
 constexpr Duration kPowerOff = 500ms;
 constexpr Duration kPowerUp = 20s;
 
@@ -54,7 +55,8 @@ FaultCase::FaultCase(const RobotModel& robot, const WireRules& rules, std::uint6
 bool FaultCase::complain(const std::string& what) {
   if (!complaint_.empty()) return false;
   std::ostringstream text;
-  text << "episode " << episode_ << ", " << to_seconds(cell_.now() - Instant{}) << " s: " << what;
+  text << "episode " << episode_ << ", " << to_seconds(cell_.now() - Instant{}) << " s: " << what
+       << "; the last thing refused or failed: " << (last_error_ ? describe(*last_error_) : "-");
   complaint_ = text.str();
   return false;
 }
@@ -64,6 +66,7 @@ bool FaultCase::complain(const std::string& what) {
 void FaultCase::watch(const std::optional<DriverEvent>& event) {
   if (event) {
     if (const auto wrong = ledger_.take(*event)) complain(*wrong);
+    if (event->kind == DriverEvent::Kind::kFailed) last_error_ = event->error;
     return;
   }
   if (cell_.driver().state() == DriverState::kOpening) ledger_.may_fail();
@@ -87,7 +90,7 @@ void FaultCase::watch_way() {
   if (anywhere_) return;
   const sim::Truth truth = cell_.machine().truth();
   for (std::size_t i = 0; i < way_.size(); ++i) {
-    const double q = rules_.by_field ? truth.joints[i].believed : truth.joints[i].q;
+    const double q = place(truth.joints[i]);
     const double excess = std::max(way_[i].lower - q, q - way_[i].upper) - rules_.overshoot;
     if (excess <= 0) continue;
     sums_.worst_excess = std::max(sums_.worst_excess, excess + rules_.overshoot);
@@ -103,29 +106,39 @@ void FaultCase::watch_way() {
 
 bool FaultCase::known() const {
   const auto positions = const_cast<FaultCell&>(cell_).driver().positions();
-  return std::ranges::all_of(positions, [](const JointPosition& position) {
-    return position.quality >= PositionQuality::kCommanded;
-  });
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    const JointPosition& claim = positions[i];
+    const auto least =
+        rules_.moves_uncertain ? PositionQuality::kUncertain : PositionQuality::kCommanded;
+    if (claim.quality < least) return false;
+    // A limp arm has sunk out of its limits: it only moves slowly.
+    const bool outside =
+        claim.q < robot_.joints[i].lower - kNoise || claim.q > robot_.joints[i].upper + kNoise;
+    if (outside && rules_.regain == Regain::kSlowMove) return false;
+  }
+  return true;
 }
 
 bool FaultCase::judge_rest() {
   const sim::Truth truth = cell_.machine().truth();
   const auto positions = cell_.driver().positions();
   bool honest = true;
+  bool slipped = false;
   for (std::size_t i = 0; i < positions.size(); ++i) {
     const JointPosition& claim = positions[i];
     if (claim.quality == PositionQuality::kLost) continue;
-    const double q = rules_.by_field ? truth.joints[i].believed : truth.joints[i].q;
+    const double q = place(truth.joints[i]);
     const double error = std::max(claim.lower - q, q - claim.upper);
     if (error <= rules_.tolerance) continue;
     honest = false;
     sums_.worst_error = std::max(sums_.worst_error, error);
+    slipped = slipped || truth.joints[i].stalled || truth.joints[i].at_end_stop;
     std::ostringstream text;
     text << "J" << i + 1 << " rests at " << q << ", claimed is " << claim.lower << " to "
          << claim.upper << ", quality " << static_cast<int>(claim.quality);
     if (rules_.trusted) return complain(text.str());
   }
-  if (!honest) ++sums_.wrong_rests;
+  if (!honest) ++(slipped ? sums_.slips : sums_.wrong_rests);
   return honest;
 }
 
@@ -143,8 +156,9 @@ void FaultCase::ask_move(double speed) {
     const bool lost = positions[i].quality == PositionQuality::kLost;
     from[i] = lost ? joint.home : positions[i].q;
     const double margin = 0.02 * (joint.upper - joint.lower);
-    to[i] = std::clamp(from[i] + random_.uniform(-way, way), joint.lower + margin,
-                       joint.upper - margin);
+    to[i] = std::clamp(from[i] + random_.uniform(-way, way),
+                       std::max(joint.lower + margin, rules_.lower[i]),
+                       std::min(joint.upper - margin, rules_.upper[i]));
   }
   JointVector q_from;
   JointVector q_to;
@@ -162,24 +176,30 @@ void FaultCase::ask_move(double speed) {
     segments_ = std::max(1, static_cast<int>(std::ceil(profile.duration() / longest)));
     segments_sent_ = 0;
     motion_end_ = std::max(motion_end_, cell_.now() + from_seconds(profile.duration()) + 100ms);
+    widen_way(q_to);
     return feed();
   }
   const Duration slow = rules_.regain == Regain::kSlowMove ? kSlowMove : 0ms;
   const Duration duration = sure ? from_seconds(profile.duration()) + 20ms : slow;
   JointMove move{q_to, {}, std::max(duration, from_seconds(profile.duration()) + 20ms)};
   move.qd.resize(n);
-  // Where it really stands is where it begins.
-  const sim::Truth truth = cell_.machine().truth();
-  if (!driver.move(move, cell_.now())) {
+  if (const auto taken = driver.move(move, cell_.now()); !taken) {
     ++sums_.refused;
+    last_error_ = taken.error();
     return;
   }
   ledger_.accepted();
   motion_end_ = std::max(motion_end_, cell_.now() + move.duration);
-  for (std::size_t i = 0; i < n; ++i) {
-    const double q = rules_.by_field ? truth.joints[i].believed : truth.joints[i].q;
-    way_[i].lower = std::min({way_[i].lower, to[i], q});
-    way_[i].upper = std::max({way_[i].upper, to[i], q});
+  widen_way(q_to);
+}
+
+/// To the target of a motion, and to where it really begins.
+void FaultCase::widen_way(const JointVector& target) {
+  const sim::Truth truth = cell_.machine().truth();
+  for (std::size_t i = 0; i < target.size(); ++i) {
+    const double q = place(truth.joints[i]);
+    way_[i].lower = std::min({way_[i].lower, target[i], q});
+    way_[i].upper = std::max({way_[i].upper, target[i], q});
   }
 }
 
@@ -198,8 +218,9 @@ void FaultCase::feed() {
       move.q.push_back(states.q[i]);
       move.qd.push_back(last ? 0 : states.qd[i]);
     }
-    if (!driver.move(move, cell_.now())) {
+    if (const auto taken = driver.move(move, cell_.now()); !taken) {
       ++sums_.refused;
+      last_error_ = taken.error();
       profile_.reset();
       // What was begun and cannot go on must not be the last word.
       if (ledger_.under_way() > 0) {
@@ -210,10 +231,6 @@ void FaultCase::feed() {
     }
     ledger_.accepted();
     ++segments_sent_;
-    for (std::size_t i = 0; i < move.q.size(); ++i) {
-      way_[i].lower = std::min(way_[i].lower, move.q[i]);
-      way_[i].upper = std::max(way_[i].upper, move.q[i]);
-    }
   }
 }
 
@@ -251,8 +268,11 @@ void FaultCase::act() {
     driver.stop(cell_.now());
   } else if (dice < 0.09) {
     reopen();
-  } else if (dice < 0.12 && driver.state() == DriverState::kFault) {
-    if (driver.clear_fault(cell_.now())) ledger_.accepted();
+  } else if (driver.state() == DriverState::kFault) {
+    if (driver.clear_fault(cell_.now())) ledger_.clearing();
+  } else if (driver.state() == DriverState::kReady && rules_.regain == Regain::kDeclare &&
+             !known()) {
+    declare();
   } else if (driver.state() != DriverState::kReady || profile_) {
     if (profile_ && segments_sent_ == segments_ && ledger_.under_way() == 0) profile_.reset();
   } else if (dice < 0.2) {
@@ -265,13 +285,14 @@ void FaultCase::act() {
 sim::LinkFaultSpec FaultCase::draw_faults(Duration phase) {
   sim::LinkFaultSpec spec;
   spec.seed = random_.bits();
+  const double worst = random_.chance(0.5) ? rules_.chance_max : rules_.chance_max / 10;
   const auto draw = [&] {
-    if (random_.chance(0.5)) return 0.0;
-    return rules_.chance_max * std::pow(10, random_.uniform(-1.5, 0));
+    if (random_.chance(0.4)) return 0.0;
+    return worst * std::pow(10, random_.uniform(-1.5, 0));
   };
   for (sim::ByteFaults& faults : spec.bytes) {
-    if (random_.chance(0.15)) continue;  // that way is clean
-    faults = {draw(), draw(), draw(), draw() / 4, from_seconds(random_.uniform(0.001, 0.3))};
+    if (random_.chance(0.1)) continue;  // that way is clean
+    faults = {draw(), draw(), std::min(1.0, draw()), draw() / 4, from_seconds(random_.uniform(0.001, 0.3))};
   }
   if (!random_.chance(0.3)) return spec;
   sim::LinkCut cut;
@@ -315,8 +336,12 @@ bool FaultCase::settle() {
       return complain("driver and machine keep each other awake");
     }
   }
+  if (!settled() && rules_.runs_away && cell_.machine().truth().moving) {
+    ++sums_.runaways;
+    return power_cycle();
+  }
   if (!settled()) {
-    return complain("not back in time: state " +
+    return complain("not back in time: moving " + std::to_string(cell_.machine().truth().moving) + ", state " +
                     std::to_string(static_cast<int>(cell_.driver().state())) + ", under way " +
                     std::to_string(ledger_.under_way()));
   }
@@ -332,13 +357,14 @@ bool FaultCase::resolve_fault() {
   if (!fault) return complain("in kFault, and fault() says nothing");
   ++sums_.device_faults[std::string(info(fault->code).name)];
   for (int i = 0; i < 2 && faulty(); ++i) {
-    if (cell_.driver().clear_fault(cell_.now()) &&
-        robot_.device.capability.feedback == PositionFeedback::kMeasured) {
-      ledger_.may_fail();
-    }
+    if (cell_.driver().clear_fault(cell_.now())) ledger_.clearing();
     if (!run_for(3s, false)) return false;
   }
   if (!faulty() && at_rest(cell_.driver())) return true;
+  return power_cycle();
+}
+
+bool FaultCase::power_cycle() {
   ++sums_.power_cuts;
   anywhere_ = true;
   const double volts = nominal_volts(cell_.machine());
@@ -351,24 +377,42 @@ bool FaultCase::resolve_fault() {
   ledger_.may_fail();
   cell_.driver().open(cell_.now());
   motion_end_ = cell_.now();
-  return settle() && (!faulty() || complain("a power cut does not help"));
+  if (!settle()) return false;
+  // What the device lost with its power may have to be acknowledged.
+  for (int i = 0; i < 2 && cell_.driver().state() == DriverState::kFault; ++i) {
+    if (cell_.driver().clear_fault(cell_.now())) ledger_.clearing();
+    if (!run_for(3s, false)) return false;
+  }
+  return cell_.driver().state() == DriverState::kReady || complain("a power cut does not help");
+}
+
+/// Somebody looks where the machine stands.
+void FaultCase::declare() {
+  if (cell_.machine().truth().moving) return;
+  const sim::Truth truth = cell_.machine().truth();
+  std::vector<JointPosition> places;
+  for (std::size_t i = 0; i < truth.joints.size(); ++i) {
+    const double q = place(truth.joints[i]);
+    places.push_back({PositionQuality::kCommanded, q, q, q});
+    way_[i] = {std::min(way_[i].lower, q), std::max(way_[i].upper, q)};
+  }
+  cell_.driver().declare_positions(places);
 }
 
 bool FaultCase::regain() {
   if (known()) return true;
   anywhere_ = rules_.regain == Regain::kHome || anywhere_;
   if (rules_.regain == Regain::kDeclare) {
-    const sim::Truth truth = cell_.machine().truth();
-    std::vector<JointPosition> places;
-    for (const sim::JointTruth& joint : truth.joints) {
-      const double q = rules_.by_field ? joint.believed : joint.q;
-      places.push_back({PositionQuality::kCommanded, q, q, q});
-    }
-    cell_.driver().declare_positions(places);
+    declare();
   } else if (rules_.regain == Regain::kSlowMove) {
     ask_move(1);
     if (!run_for(kSlowMove + 3s, false)) return false;
   } else if (rules_.regain == Regain::kHome) {
+    // An axis that was out is left out, until somebody asks for it.
+    if (cell_.driver().clear_fault(cell_.now())) ledger_.clearing();
+    if (!run_for(3s, false)) return false;
+    if (known()) return true;
+    ++sums_.homings;
     if (const auto homed = cell_.driver().home(cell_.now()); !homed) {
       return complain("home refused: " + describe(homed.error()));
     }
@@ -377,12 +421,23 @@ bool FaultCase::regain() {
     cell_.run_to(limit, kLook, [&] { return ledger_.under_way() == 0 || !complaint_.empty(); });
   }
   if (!run_for(rules_.rest, false)) return false;
-  return known() || complain("the position does not come back");
+  if (known()) return true;
+  std::ostringstream text;
+  text << "the position does not come back: moving " << cell_.machine().truth().moving;
+  const sim::Truth truth = cell_.machine().truth();
+  const auto positions = cell_.driver().positions();
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    text << ", J" << i + 1 << " quality " << static_cast<int>(positions[i].quality) << " at "
+         << truth.joints[i].q << " with " << truth.joints[i].qd << "/s"
+         << (truth.joints[i].at_end_stop ? " in its end" : "");
+  }
+  return complain(text.str());
 }
 
 bool FaultCase::clean_motion() {
   const std::uint64_t done = ledger_.done();
-  ask_move(1);
+  // A target may be one that this wire cannot say.
+  for (int i = 0; i < 8 && ledger_.under_way() == 0; ++i) ask_move(1);
   const Duration way = std::max(Duration{}, motion_end_ - cell_.now());
   const Instant limit = cell_.now() + way + rules_.recovery;
   while (cell_.now() < limit && complaint_.empty()) {
@@ -395,12 +450,16 @@ bool FaultCase::clean_motion() {
   profile_.reset();
   if (!run_for(rules_.rest, false)) return false;
   if (ledger_.done() == done || cell_.driver().state() != DriverState::kReady) {
-    const auto fault = cell_.driver().fault();
     return complain("a clean motion is not done, state " +
-                    std::to_string(static_cast<int>(cell_.driver().state())) + ": " +
-                    (fault ? describe(*fault) : "no fault"));
+                    std::to_string(static_cast<int>(cell_.driver().state())));
   }
   return true;
+}
+
+void FaultCase::add_counts() {
+  sums_.done += ledger_.done();
+  sums_.failed += ledger_.failed();
+  sums_.stopped += ledger_.stopped();
 }
 
 bool FaultCase::begin() {
@@ -418,7 +477,7 @@ bool FaultCase::episode() {
   const std::uint64_t faults = cell_.line().counts().faults;
   const sim::Truth truth = cell_.machine().truth();
   for (std::size_t i = 0; i < way_.size(); ++i) {
-    const double q = rules_.by_field ? truth.joints[i].believed : truth.joints[i].q;
+    const double q = place(truth.joints[i]);
     way_[i] = {q, q};
   }
   anywhere_ = false;

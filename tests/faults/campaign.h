@@ -30,15 +30,29 @@ struct WireRules {
   Regain regain = Regain::kMeasured;
   /// Any damaged frame is known as such: no wrong motion and no wrong position, ever.
   bool trusted = true;
+  /// A damaged order may keep the device away for hours, until somebody cuts its power.
+  bool runs_away = false;
   double tolerance = 0;  ///< rad or m: sag, backlash and dead band beyond what is claimed
   double overshoot = 0;  ///< rad or m beyond the way that was asked for
+  /// The device knows where it stands, where the host has but an interval: a move is taken.
+  bool moves_uncertain = false;
   bool by_field = false; ///< the motor's field is what is claimed, not the rotor that trails it
   Duration recovery{};   ///< from the last fault, or the end of a motion, to ready or a fault
   Duration rest{};       ///< then, until what is claimed must be true
   Duration phase{};      ///< longest time with faults
+  /// Where moves may go, inside the joints' limits; rad or m.
+  std::array<double, kMaxJoints> lower = filled(-1e9);
+  std::array<double, kMaxJoints> upper = filled(1e9);
   double way = 0.1;      ///< of a joint's range, the longest move
-  double chance_max = 0.05;  ///< of each fault, per byte
+  double chance_max = 0.3;   ///< of each fault, per byte
   int episodes = 20;         ///< with one machine
+
+ private:
+  static constexpr std::array<double, kMaxJoints> filled(double value) {
+    std::array<double, kMaxJoints> all{};
+    all.fill(value);
+    return all;
+  }
 };
 
 /// What a campaign found.
@@ -50,6 +64,9 @@ struct CampaignSums {
   std::uint64_t stopped = 0;
   std::uint64_t refused = 0;
   std::uint64_t power_cuts = 0;
+  std::uint64_t homings = 0;
+  std::uint64_t slips = 0;     ///< wrong claims of a motor that slipped
+  std::uint64_t runaways = 0;  ///< of those, because the machine went on and on
   std::uint64_t wrong_motions = 0;  ///< episodes in which a joint left the way it was asked to go
   std::uint64_t wrong_rests = 0;    ///< episodes after which a claim was not true
   double worst_excess = 0;          ///< rad or m beyond that way
@@ -71,6 +88,8 @@ class FaultCase {
   /// Up and at a known place. @return  false: it has complained
   bool begin();
   bool episode();
+  /// Adds what has been counted since it began to the sums.
+  void add_counts();
   const std::string& complaint() const { return complaint_; }
 
  private:
@@ -81,15 +100,21 @@ class FaultCase {
 
   void watch(const std::optional<DriverEvent>& event);
   void watch_way();
+  void widen_way(const JointVector& target);
+  double place(const sim::JointTruth& joint) const {
+    return rules_.by_field ? joint.believed : joint.q;
+  }
   void watch_health();
   void act();
   void ask_move(double speed);
   void ask_tool();
   void feed();
   void reopen();
+  void declare();
   bool run_for(Duration duration, bool user);
   bool settle();
   bool resolve_fault();
+  bool power_cycle();
   bool regain();
   bool clean_motion();
   bool judge_rest();
@@ -104,6 +129,7 @@ class FaultCase {
   FaultCell cell_;
   Ledger ledger_;
   DriverHealth health_;
+  std::optional<Error> last_error_;
   std::string complaint_;
   int episode_ = 0;
 

@@ -15,6 +15,8 @@ class Ledger {
  public:
   void accepted() { ++under_way_; }
   void stop_asked() { ++stops_; }
+  /// clear_fault() was accepted: some drivers say kDone when it is over, some kReady.
+  void clearing() { ++clears_; }
   /// open(), or the device is being found again: may fail by itself.
   void may_fail() { may_fail_ = true; }
 
@@ -34,6 +36,10 @@ class Ledger {
       --stops_;
       return {};
     }
+    if (clears_ > 0) {
+      --clears_;
+      return {};
+    }
     if (event.kind == Kind::kFailed && (may_fail_ || stops_ > 0)) return {};
     return "an event ends a command that nobody gave: kind " +
            std::to_string(static_cast<int>(event.kind)) + ", " +
@@ -48,6 +54,7 @@ class Ledger {
  private:
   std::uint64_t under_way_ = 0;
   std::uint64_t stops_ = 0;
+  std::uint64_t clears_ = 0;
   bool may_fail_ = false;
   std::uint64_t done_ = 0;
   std::uint64_t failed_ = 0;

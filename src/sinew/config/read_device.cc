@@ -72,6 +72,7 @@ void read_device(TableReader& root, RobotModel& model) {
       reader->integer("segment_ms", 1, protocol.segment_ms_max, segment_ms);
       device.capability.segment = std::chrono::milliseconds(segment_ms);
     }
+    if (protocol.name == "axis_link") device.capability.limits_share = 0.8;
     protocol.read(*reader, model);
   }
   reader->finish();

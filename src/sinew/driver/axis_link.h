@@ -17,13 +17,15 @@ struct AxisLinkTiming {
   Duration cycle = std::chrono::milliseconds(1);
   /// From the chip select to the first clock: the axis loads its answer.
   Duration select_setup = std::chrono::microseconds(10);
-  int failures_max = 8;                                 ///< frames in a row, then the axis is out
-  Duration retry = std::chrono::milliseconds(20);       ///< between frames to an axis that is out
-  Duration open_timeout = std::chrono::seconds(1);      ///< until an axis must have answered
-  Duration settle_timeout = std::chrono::seconds(2);    ///< after the end of a motion
-  double settle_tolerance = from_deg(0.5);              ///< rad, of the measured position then
-  Duration homing_timeout = std::chrono::seconds(180);  ///< one axis; it has its own besides
-  Duration stop_margin = std::chrono::seconds(1);       ///< beyond the time that braking needs
+  int failures_max = 8;                             ///< frames in a row, then the axis is out
+  Duration retry = std::chrono::milliseconds(20);   ///< between frames to an axis that is out
+  Duration open_timeout = std::chrono::seconds(1);  ///< until an axis must have answered
+  /// After the end of a motion. An axis that fell behind comes back inside its limits, and the
+  /// documented ones of robot-arm-2 are slow: half a degree takes it 2.4 s.
+  Duration settle_timeout = std::chrono::seconds(5);
+  double settle_tolerance = from_deg(0.5);                  ///< rad, of the measured position then
+  Duration homing_timeout = std::chrono::minutes(10);       ///< one axis; it has its own besides
+  Duration stop_margin = std::chrono::seconds(1);           ///< beyond the time that braking needs
   Duration health_period = std::chrono::milliseconds(500);  ///< at rest only
 };
 

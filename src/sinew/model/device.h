@@ -25,6 +25,9 @@ struct DeviceCapability {
   /// kStream: how long one segment of a motion shall be. Short ones stop sooner and follow closer,
   /// long ones cost less of the wire.
   Duration segment{};
+  /// kStream: share of the joints' limits that a motion is planned with. An axis that closes its
+  /// own loop needs the rest to catch up where a setpoint came late.
+  double limits_share = 1;
 };
 
 inline constexpr std::size_t kBigRobotArmJoints = 5;

@@ -102,8 +102,9 @@ motion::RestToRest profile_between(const JointVector& from, const JointVector& t
   std::array<motion::AxisLimits, kMaxJoints> limits{};
   for (std::size_t i = 0; i < robot.joints.size(); ++i) {
     const Joint& joint = robot.joints[i];
-    limits[i] = {joint.velocity_max * speed, joint.acceleration_max * speed,
-                 joint.jerk_max * speed};
+    const double share = speed * robot.device.capability.limits_share;
+    limits[i] = {joint.velocity_max * share, joint.acceleration_max * share,
+                 joint.jerk_max * share};
   }
   const std::size_t size = robot.joints.size();
   return {std::span(from.data(), size), std::span(to.data(), size),

@@ -11,6 +11,13 @@ namespace {
 /// While a motion is streamed the driver is asked this often whether it takes the next segment.
 constexpr Duration kFeedInterval = std::chrono::milliseconds(2);
 
+bool inside_limits(const JointVector& q, const RobotModel& robot) {
+  for (std::size_t i = 0; i < q.size(); ++i) {
+    if (!within_limits(robot.joints[i], q[i])) return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 Run::Run(const Program& program, const RobotModel& robot, Driver& driver, Duration opening_limit)
@@ -147,9 +154,11 @@ Expected<void> Run::issue(const Order& order, Instant now) {
 Expected<void> Run::issue_move(const MoveOrder& order, Instant now) {
   const JointVector q = q_ ? resolved(order.step, *q_) : order.step.q;
   current_->q = q;
-  const bool streamed = q_ && robot_.device.capability.motion == MotionKind::kStream;
+  // A limp arm may hang beyond its limits; it comes back in one slow piece.
+  const bool known = q_ && inside_limits(*q_, robot_);
+  const bool streamed = known && robot_.device.capability.motion == MotionKind::kStream;
   const auto profile =
-      q_ ? std::optional(profile_between(*q_, q, robot_, order.step.speed)) : std::nullopt;
+      known ? std::optional(profile_between(*q_, q, robot_, order.step.speed)) : std::nullopt;
   current_->duration = profile ? profile->duration() : first_move_duration(robot_);
   if (streamed) {
     const double longest = to_seconds(robot_.device.capability.segment);

@@ -193,6 +193,16 @@ TEST(ProgramRun, from_nowhere_all_joints_must_be_named_and_move_slowly_in_one_pi
   EXPECT_GT(all.driver.taken_.size(), 2U) << "the second move is streamed";
 }
 
+TEST(ProgramRun, arm_that_hangs_beyond_a_limit_comes_back_slowly_in_one_piece) {
+  Cell cell("learm", "joint J1=0deg J2=20deg J3=0deg J4=0deg J5=0deg\njoint J1=30deg\n");
+  cell.driver.positions_[1].q = from_deg(99);
+  cell.go();
+  ASSERT_EQ(cell.run.phase(), Phase::kDone);
+  EXPECT_GE(cell.driver.taken_[0].duration, 2s);
+  EXPECT_EQ(cell.driver.taken_[0].q[1], from_deg(20));
+  EXPECT_LE(cell.driver.taken_[1].duration, cell.robot.device.capability.segment);
+}
+
 TEST(ProgramRun, limit_is_refused_with_its_line_before_anything_moves) {
   Cell cell("learm", "joint base=10deg\njoint base=91deg\n");
   cell.go();

@@ -64,7 +64,7 @@ void use_axis_link(RobotModel& robot) {
   robot.device.settings = link;
   robot.device.protocol = "axis_link";
   robot.device.capability = {MotionKind::kStream, PositionFeedback::kMeasured,
-                             std::chrono::milliseconds(10)};
+                             std::chrono::milliseconds(50), 0.8};
 }
 
 void set_wire(RobotModel& robot, BigRobotArmDevice& device, const std::string& wire) {
