@@ -11,10 +11,14 @@
 #include <vector>
 
 #include "bench/ideal_axis.h"
+#include "sinew/config/builtin_robots.h"
+#include "sinew/config/robot_file.h"
 #include "sinew/device/axis_link_node.h"
 #include "sinew/device/axis_register_slave.h"
 #include "sinew/driver/axis_link.h"
 #include "sinew/driver/axis_register_link.h"
+#include "sinew/driver/icp.h"
+#include "sinew/sim/icp_machine.h"
 
 namespace sinew::bench {
 namespace {
@@ -118,6 +122,59 @@ double axis_link_hz(std::size_t axes, std::uint32_t clock_hz, Duration overhead)
   return static_cast<double>(setpoints) / to_seconds(now - begun) / static_cast<double>(axes);
 }
 
+/// The hexapod of the built-in robots.
+RobotModel hexapod() {
+  for (const BuiltinRobot& builtin : builtin_robots()) {
+    if (builtin.id == "hexapod") return *read_robot(builtin.text, builtin.file_name);
+  }
+  give_up("no built-in hexapod");
+}
+
+/// Microsteps a second over the hexapod's wire, its controller taking no time of its own: what the
+/// host leaves idle between an ACK and the next FF would show.
+double hexapod_moves_per_second() {
+  const RobotModel robot = hexapod();
+  const auto& device = std::get<IcpDevice>(robot.device.settings);
+  const Duration byte_time{10'000'000'000 / static_cast<std::int64_t>(robot.device.baud)};
+  sim::IcpMachine machine(robot, {}, 1, Instant{});
+  IcpDriver driver(device, robot.joints);
+  Instant now = Instant{} + 100ms;
+  // One byte at a time is on the wire: a byte there, its answer back.
+  const auto run_until = [&](const auto& done) {
+    for (int i = 0; i < 1'000'000 && !done(); ++i) {
+      std::array<std::uint8_t, 1> byte{};
+      if (driver.take_output(byte) == 1) {
+        now += byte_time;
+        machine.receive(byte, now);
+      } else if (machine.take_output(byte) == 1) {
+        now += byte_time;
+        driver.receive(byte, now);
+      } else {
+        now = std::max(now, driver.next_deadline().value_or(now + 1ms));
+        machine.advance(now);
+        driver.poll(now);
+      }
+    }
+    if (!done()) give_up("the hexapod's wire stands still");
+  };
+  FixedVector<JointPosition, kMaxJoints> home;
+  JointMove move;
+  constexpr std::array kUnits{400, -400, 400, -400, 400, 400};
+  for (std::size_t i = 0; i < kUnits.size(); ++i) {
+    const double q = robot.joints[i].home;
+    home.push_back({PositionQuality::kCommanded, q, q, q});
+    move.q.push_back(q + kUnits[i] / device.units_per_m);
+  }
+  driver.declare_positions({home.data(), home.size()});
+  driver.open(now);
+  run_until([&] { return driver.state() == DriverState::kReady; });
+  const Instant begun = now;
+  if (!driver.move(move, now)) give_up("the hexapod takes no move");
+  const std::int64_t steps = driver.steps_left();
+  run_until([&] { return driver.steps_left() == 0; });
+  return static_cast<double>(steps) / to_seconds(now - begun);
+}
+
 /// One line of the table. A wire's new row is a new entry below.
 struct Row {
   std::string_view what;
@@ -134,6 +191,8 @@ int run() {
        [] { return axis_link_hz(6, 500'000, 50us); }, 540, true},
       {"axis link, 6 axes in series, 4 MHz, 50 us a frame", "Hz",
        [] { return axis_link_hz(6, 4'000'000, 50us); }, 2000, true},
+      {"hexapod, microsteps of six legs merged, 9600 baud", "/s", hexapod_moves_per_second, 239.9,
+       true},
   });
   std::printf("%-56s %12s %10s\n", "wire, in virtual time", "measured", "goal");
   bool all_met = true;

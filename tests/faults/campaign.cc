@@ -19,7 +19,9 @@ constexpr Duration kFeed = 2ms;      // between two segments' chances
 constexpr Duration kWarmUp = 20s;    // before a port opens: slow boards boot and home
 constexpr Duration kSlowMove = 3s;
 constexpr Duration kHomingMax = 1200s;  // six joints, one after the other
+constexpr std::uint64_t kFlipWithin = 40;  // bytes
 constexpr double kNoise = 1e-9;      // rad
+constexpr double kStill = 1e-3;      // rad/s or m/s
 constexpr Duration kPowerOff = 500ms;
 constexpr Duration kPowerUp = 20s;
 
@@ -71,6 +73,7 @@ void FaultCase::watch(const std::optional<DriverEvent>& event) {
   }
   if (cell_.driver().state() == DriverState::kOpening) ledger_.may_fail();
   feed();
+  flip_now_and_then();
   if (cell_.now() < next_look_) return;
   next_look_ = cell_.now() + kLook;
   watch_way();
@@ -87,21 +90,44 @@ void FaultCase::watch_health() {
 }
 
 void FaultCase::watch_way() {
-  if (anywhere_) return;
+  if (anywhere_) {
+    stray_since_.reset();
+    return;
+  }
   const sim::Truth truth = cell_.machine().truth();
+  std::size_t worst_joint = 0;
+  double worst = 0;
   for (std::size_t i = 0; i < way_.size(); ++i) {
     const double q = place(truth.joints[i]);
     const double excess = std::max(way_[i].lower - q, q - way_[i].upper) - rules_.overshoot;
-    if (excess <= 0) continue;
-    sums_.worst_excess = std::max(sums_.worst_excess, excess + rules_.overshoot);
-    if (!strayed_) ++sums_.wrong_motions;
-    strayed_ = true;
-    if (!rules_.trusted) continue;
-    std::ostringstream text;
-    text << "J" << i + 1 << " went to " << q << ", asked for was " << way_[i].lower << " to "
-         << way_[i].upper;
-    complain(text.str());
+    if (excess <= worst) continue;
+    worst = excess;
+    worst_joint = i;
   }
+  if (worst > 0) return note_stray(worst_joint, worst + rules_.overshoot);
+  stray_since_.reset();
+}
+
+void FaultCase::note_stray(std::size_t joint, double excess) {
+  if (!stray_since_) stray_since_ = cell_.now();
+  const Duration stray = cell_.now() - *stray_since_;
+  sums_.worst_stray = std::max(sums_.worst_stray, stray);
+  sums_.worst_excess = std::max(sums_.worst_excess, excess);
+  if (!strayed_) ++sums_.wrong_motions;
+  strayed_ = true;
+  if (!rules_.trusted && excess <= rules_.excess_max && stray <= rules_.stray_max) return;
+  std::ostringstream text;
+  text << "J" << joint + 1 << " is " << excess << " beyond the way that was asked for, since "
+       << to_seconds(stray) << " s";
+  complain(text.str());
+}
+
+void FaultCase::flip_now_and_then() {
+  if (!flipping_ || cell_.line().flip_pending() || cell_.now() < next_flip_) return;
+  next_flip_ = cell_.now() + *rules_.single_flips;
+  const auto direction = static_cast<LinkDirection>(random_.integer(0, 1));
+  cell_.line().flip_once(direction, random_.bits() % kFlipWithin,
+                         static_cast<unsigned>(random_.integer(0, 7)));
 }
 
 bool FaultCase::known() const {
@@ -321,6 +347,7 @@ bool FaultCase::run_for(Duration duration, bool user) {
 // Finding back
 
 bool FaultCase::settle() {
+  flipping_ = false;
   cell_.line().set_faults({}, cell_.now());
   const Instant start = std::max(cell_.now(), motion_end_);
   const Instant limit = start + rules_.recovery;
@@ -388,8 +415,10 @@ bool FaultCase::power_cycle() {
 
 /// Somebody looks where the machine stands.
 void FaultCase::declare() {
-  if (cell_.machine().truth().moving) return;
   const sim::Truth truth = cell_.machine().truth();
+  for (const sim::JointTruth& joint : truth.joints) {
+    if (std::abs(joint.qd) > kStill) return;
+  }
   std::vector<JointPosition> places;
   for (std::size_t i = 0; i < truth.joints.size(); ++i) {
     const double q = place(truth.joints[i]);
@@ -470,6 +499,14 @@ bool FaultCase::begin() {
   return judge_rest() || complain("a clean start, and the claim is not true");
 }
 
+bool FaultCase::clean_motions(int count) {
+  for (int i = 0; i < count; ++i) {
+    if (!clean_motion()) return false;
+    if (!judge_rest()) return complain("the claim is not true after a clean motion");
+  }
+  return true;
+}
+
 bool FaultCase::episode() {
   ++episode_;
   ++sums_.episodes;
@@ -483,7 +520,8 @@ bool FaultCase::episode() {
   anywhere_ = false;
   strayed_ = false;
   const Duration phase = from_seconds(random_.uniform(0.2, to_seconds(rules_.phase)));
-  cell_.line().set_faults(draw_faults(phase), cell_.now());
+  flipping_ = rules_.single_flips.has_value();
+  if (!flipping_) cell_.line().set_faults(draw_faults(phase), cell_.now());
   next_action_ = cell_.now();
   bool fine = run_for(phase, true) && settle() && run_for(rules_.rest, false);
   if (fine && cell_.driver().state() != DriverState::kFault) judge_rest();

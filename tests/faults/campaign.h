@@ -45,6 +45,11 @@ struct WireRules {
   std::array<double, kMaxJoints> upper = filled(1e9);
   double way = 0.1;      ///< of a joint's range, the longest move
   double chance_max = 0.3;   ///< of each fault, per byte
+  /// Instead of random faults, one flipped bit at a time, with so long between two that the driver
+  /// has got over the first; zero: in every exchange.
+  std::optional<Duration> single_flips;
+  double excess_max = 1e9;  ///< rad or m beyond the way, where it may be left
+  Duration stray_max = std::chrono::hours(1);  ///< beyond the way, at a stretch
   int episodes = 20;         ///< with one machine
 
  private:
@@ -70,6 +75,7 @@ struct CampaignSums {
   std::uint64_t wrong_motions = 0;  ///< episodes in which a joint left the way it was asked to go
   std::uint64_t wrong_rests = 0;    ///< episodes after which a claim was not true
   double worst_excess = 0;          ///< rad or m beyond that way
+  Duration worst_stray{};         ///< beyond that way, at a stretch
   double worst_error = 0;           ///< rad or m beyond a claim at rest
   Duration worst_recovery{};
   Duration virtual_time{};
@@ -88,6 +94,8 @@ class FaultCase {
   /// Up and at a known place. @return  false: it has complained
   bool begin();
   bool episode();
+  /// No faults: motions as people make them.
+  bool clean_motions(int count);
   /// Adds what has been counted since it began to the sums.
   void add_counts();
   const std::string& complaint() const { return complaint_; }
@@ -100,6 +108,8 @@ class FaultCase {
 
   void watch(const std::optional<DriverEvent>& event);
   void watch_way();
+  void note_stray(std::size_t joint, double excess);
+  void flip_now_and_then();
   void widen_way(const JointVector& target);
   double place(const sim::JointTruth& joint) const {
     return rules_.by_field ? joint.believed : joint.q;
@@ -142,6 +152,9 @@ class FaultCase {
   std::vector<Range> way_;  ///< where each joint may be
   bool anywhere_ = false;   ///< homing: no way to hold it to
   bool strayed_ = false;
+  std::optional<Instant> stray_since_;
+  bool flipping_ = false;
+  Instant next_flip_{};
 };
 
 }  // namespace sinew::test

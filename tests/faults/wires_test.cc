@@ -33,7 +33,8 @@ void print(const CampaignSums& sums, double seconds) {
             << sums.done << ", failed " << sums.failed << ", stopped " << sums.stopped
             << ", refused " << sums.refused << "\n  worst recovery "
             << to_seconds(sums.worst_recovery) << " s; off the way " << sums.wrong_motions
-            << " times, by " << sums.worst_excess << " at most; rested elsewhere than claimed "
+            << " times, by " << sums.worst_excess << " and for "
+            << to_seconds(sums.worst_stray) << " s at most; rested elsewhere than claimed "
             << sums.wrong_rests << " times, by " << sums.worst_error << " at most; power cuts "
             << sums.power_cuts << ", runaways " << sums.runaways << ", slips "
             << sums.slips << ", homings " << sums.homings << '\n';
@@ -89,6 +90,23 @@ WireRules lsc(const std::string& profile) {
   return rules;
 }
 
+/// Between two frames and their repeats.
+WireRules lsc_single_flips(const std::string& profile) {
+  WireRules rules = lsc(profile);
+  rules.single_flips = 400ms;
+  rules.excess_max = 0.8;
+  rules.stray_max = 300ms;
+  return rules;
+}
+
+TEST(Faults, lsc6_single_flips_are_mended_by_the_next_segment) {
+  const CampaignSums sums = run_campaign(lsc_single_flips("lsc6"), 500);
+  EXPECT_EQ(sums.wrong_rests, 0U);
+}
+TEST(Faults, lsc_bus_single_flips_are_mended_by_the_next_segment) {
+  const CampaignSums sums = run_campaign(lsc_single_flips("bus"), 500);
+  EXPECT_EQ(sums.wrong_rests, 0U);
+}
 TEST(Faults, lsc6) {
   run_campaign(lsc("lsc6"), 2000);
 }
@@ -140,6 +158,13 @@ WireRules bigrobotarm(const std::string& profile, const std::string& wire) {
   return rules;
 }
 
+TEST(Faults, maxarm_single_flips_make_no_wrong_motion) {
+  WireRules rules = maxarm("arduino");
+  rules.trusted = true;
+  rules.single_flips = 3s;
+  run_campaign(rules, 100);
+}
+
 TEST(Faults, bigrobotarm_byte) {
   run_campaign(bigrobotarm("document", "byte"), 1000);
 }
@@ -167,6 +192,13 @@ WireRules icp() {
 
 TEST(Faults, icp) {
   run_campaign(icp(), 1000);
+}
+
+TEST(Faults, icp_single_flips_make_no_wrong_step) {
+  WireRules rules = icp();
+  rules.trusted = true;
+  rules.single_flips = 600ms;
+  run_campaign(rules, 200);
 }
 
 WireRules axis(const std::string& profile, const std::string& wire) {
