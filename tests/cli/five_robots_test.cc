@@ -202,6 +202,34 @@ TEST(RunProgram, machine_that_nobody_knows_the_place_of_is_not_moved) {
   EXPECT_EQ(run.json()["orders"].size(), 0U);
 }
 
+TEST(DeviceVerb, hexapod_is_read_jogged_waked_and_killed_for_good) {
+  Process sim({"sim", "hexapod", "--json"});
+  const std::string port = Json::parse(place_of(sim), nullptr, false)["port"].get<std::string>();
+  const auto device = [&](std::vector<std::string> words) {
+    words.insert(words.begin(), {"device", "hexapod"});
+    words.insert(words.end(), {"--port", port, "--json"});
+    return sinew(words);
+  };
+  const Ended status = device({"status"});
+  ASSERT_EQ(status.exit, 0) << status.err;
+  EXPECT_EQ(status.json()["legs"].size(), 6U);
+  EXPECT_EQ(status.json()["legs"][0]["bytes"], "E1 DD FF 6F 00 02 00 00 00 00 00 F8");
+  EXPECT_EQ(device({"wake"}).exit, 0);
+  EXPECT_EQ(device({"jog", "--leg", "2", "--steps", "-30"}).exit, 0);
+  EXPECT_EQ(device({"status"}).json()["legs"][1]["target_units"], -1);
+  EXPECT_EQ(device({"jog", "--leg", "7", "--steps", "1"}).exit, 2);
+  EXPECT_EQ(device({"jog", "--leg", "1"}).exit, 2);
+  EXPECT_EQ(device({"dance"}).exit, 2);
+  EXPECT_EQ(device({"kill"}).exit, 0);
+  const Ended dead = device({"status"});
+  EXPECT_EQ(dead.exit, 1);
+  EXPECT_NE(dead.err.find("cut its power"), std::string::npos) << dead.err;
+  sim.signal(SIGINT);
+  const std::string out = sim.end().out;
+  const Json truth = Json::parse(out.substr(out.find('\n') + 1), nullptr, false)["truth"];
+  EXPECT_NEAR(truth["joints"][1]["q_mm"].get<double>(), 268.3629 - 30 * 0.7 / 3200, 5e-4);
+}
+
 TEST(SimVerb, truth_is_told_on_request) {
   Process sim({"sim", "learm", "--seed", "5"});
   place_of(sim);

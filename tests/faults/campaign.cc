@@ -58,7 +58,9 @@ bool FaultCase::complain(const std::string& what) {
   if (!complaint_.empty()) return false;
   std::ostringstream text;
   text << "episode " << episode_ << ", " << to_seconds(cell_.now() - Instant{}) << " s: " << what
-       << "; the last thing refused or failed: " << (last_error_ ? describe(*last_error_) : "-");
+       << "; the last thing refused or failed: " << (last_error_ ? describe(*last_error_) : "-")
+       << '\n'
+       << described();
   complaint_ = text.str();
   return false;
 }
@@ -368,9 +370,7 @@ bool FaultCase::settle() {
     return power_cycle();
   }
   if (!settled()) {
-    return complain("not back in time: moving " + std::to_string(cell_.machine().truth().moving) + ", state " +
-                    std::to_string(static_cast<int>(cell_.driver().state())) + ", under way " +
-                    std::to_string(ledger_.under_way()));
+    return complain("not back in time, under way " + std::to_string(ledger_.under_way()));
   }
   sums_.worst_recovery = std::max(sums_.worst_recovery, cell_.now() - start);
   return complaint_.empty();
@@ -451,38 +451,55 @@ bool FaultCase::regain() {
   }
   if (!run_for(rules_.rest, false)) return false;
   if (known()) return true;
+  return complain("the position does not come back");
+}
+
+std::string FaultCase::described() const {
+  auto& cell = const_cast<FaultCell&>(cell_);
   std::ostringstream text;
-  text << "the position does not come back: moving " << cell_.machine().truth().moving;
-  const sim::Truth truth = cell_.machine().truth();
-  const auto positions = cell_.driver().positions();
+  text << "state " << static_cast<int>(cell.driver().state());
+  const sim::Truth truth = cell.machine().truth();
+  const auto positions = cell.driver().positions();
   for (std::size_t i = 0; i < positions.size(); ++i) {
     text << ", J" << i + 1 << " quality " << static_cast<int>(positions[i].quality) << " at "
          << truth.joints[i].q << " with " << truth.joints[i].qd << "/s"
          << (truth.joints[i].at_end_stop ? " in its end" : "");
   }
-  return complain(text.str());
+  return text.str();
 }
 
 bool FaultCase::clean_motion() {
-  const std::uint64_t done = ledger_.done();
+  for (int tries = 0; tries < 2 && complaint_.empty(); ++tries) {
+    if (tries > 0) {
+      // An axis that is out, or half a request that the device still had.
+      ++sums_.second_tries;
+      if (cell_.driver().clear_fault(cell_.now())) ledger_.clearing();
+      if (!run_for(3s, false) || !regain()) return false;
+    }
+    const std::uint64_t done = ledger_.done();
+    if (!motion_to_its_end() || !run_for(rules_.rest, false)) return false;
+    if (ledger_.done() > done && cell_.driver().state() == DriverState::kReady) return true;
+  }
+  return complain("a clean motion is not done");
+}
+
+bool FaultCase::motion_to_its_end() {
   // A target may be one that this wire cannot say.
-  for (int i = 0; i < 8 && ledger_.under_way() == 0; ++i) ask_move(1);
+  for (int i = 0; i < 8 && ledger_.under_way() == 0 && !profile_; ++i) ask_move(1);
   const Duration way = std::max(Duration{}, motion_end_ - cell_.now());
   const Instant limit = cell_.now() + way + rules_.recovery;
-  while (cell_.now() < limit && complaint_.empty()) {
-    const bool over = ledger_.under_way() == 0 && (!profile_ || segments_sent_ == segments_);
-    if (over && cell_.driver().state() == DriverState::kReady) break;
-    if (cell_.driver().state() == DriverState::kFault) break;
+  const auto over = [&] {
+    const DriverState state = cell_.driver().state();
+    const bool sent = !profile_ || segments_sent_ == segments_;
+    return state == DriverState::kFault ||
+           (state == DriverState::kReady && sent && ledger_.under_way() == 0);
+  };
+  while (cell_.now() < limit && complaint_.empty() && !over()) {
     cell_.run_to(std::min(limit, cell_.now() + kLook), profile_ ? kFeed : kLook,
                  [&] { return false; });
   }
   profile_.reset();
-  if (!run_for(rules_.rest, false)) return false;
-  if (ledger_.done() == done || cell_.driver().state() != DriverState::kReady) {
-    return complain("a clean motion is not done, state " +
-                    std::to_string(static_cast<int>(cell_.driver().state())));
-  }
-  return true;
+  return complaint_.empty();
 }
 
 void FaultCase::add_counts() {

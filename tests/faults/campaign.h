@@ -70,6 +70,7 @@ struct CampaignSums {
   std::uint64_t refused = 0;
   std::uint64_t power_cuts = 0;
   std::uint64_t homings = 0;
+  std::uint64_t second_tries = 0;  ///< of motions without any fault
   std::uint64_t slips = 0;     ///< wrong claims of a motor that slipped
   std::uint64_t runaways = 0;  ///< of those, because the machine went on and on
   std::uint64_t wrong_motions = 0;  ///< episodes in which a joint left the way it was asked to go
@@ -127,9 +128,11 @@ class FaultCase {
   bool power_cycle();
   bool regain();
   bool clean_motion();
+  bool motion_to_its_end();
   bool judge_rest();
   bool known() const;
   sim::LinkFaultSpec draw_faults(Duration phase);
+  std::string described() const;
   bool complain(const std::string& what);
 
   const RobotModel& robot_;

@@ -9,6 +9,25 @@ std::expected<void, Outcome> check_has_device(const RobotModel& model) {
   return std::unexpected(could_not(model.id + " has no device: it is a model only"));
 }
 
+std::string silence_hint(const RobotModel& model) {
+  const auto& settings = model.device.settings;
+  const std::string common = "; is it switched on, and is this its port?";
+  if (std::holds_alternative<IcpDevice>(settings)) {
+    return common +
+           " If so, cut its power: its controller shuts down when it was told to, and "
+           "after a long idle time";
+  }
+  if (std::holds_alternative<MaxArmDevice>(settings)) {
+    return common +
+           " The arm's stock firmware does not speak this wire: the vendor's slave program "
+           "has to be installed";
+  }
+  if (std::holds_alternative<BigRobotArmDevice>(settings)) {
+    return common + " Does it speak this wire (--wire probe finds out)?";
+  }
+  return common;
+}
+
 std::span<const AxisBoard> boards_of(const RobotModel& model) {
   const auto& settings = model.device.settings;
   if (const auto* registers = std::get_if<AxisRegistersDevice>(&settings)) {

@@ -2,6 +2,7 @@
 
 #include <expected>
 #include <span>
+#include <string>
 
 #include "sinew/cli/outcome.h"
 #include "sinew/model/robot_model.h"
@@ -10,6 +11,9 @@ namespace sinew::cli {
 
 /// A robot that is more than a model. The error is ready to be printed.
 std::expected<void, Outcome> check_has_device(const RobotModel& model);
+
+/// What to look at where nobody answers; begins with "; ".
+std::string silence_hint(const RobotModel& model);
 
 /// Its boards hang on SPI; else its device hangs on a serial port.
 bool is_on_spi(const RobotModel& model);

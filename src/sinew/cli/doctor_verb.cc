@@ -100,7 +100,8 @@ Outcome ask_robot(const DoctorRequest& request) {
   if (trouble) {
     outcome.exit = ExitCode::kCouldNot;
     outcome.complaint = *request.port + ": " +
-                        (wire_failure ? wire_failure->sentence : error_text(*trouble, *model));
+                        (wire_failure ? wire_failure->sentence
+                                      : error_text(*trouble, *model) + silence_hint(*model));
     outcome.json["answer"] = {{"ok", false}, {"sentence", outcome.complaint}};
     return outcome;
   }

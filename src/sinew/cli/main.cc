@@ -7,6 +7,7 @@
 #include <span>
 #include <sstream>
 
+#include "sinew/cli/device_verb.h"
 #include "sinew/cli/doctor_verb.h"
 #include "sinew/cli/forward_verb.h"
 #include "sinew/cli/inverse_verb.h"
@@ -30,6 +31,7 @@ struct Call {
   SimRequest sim;
   RunRequest run;
   DoctorRequest doctor;
+  DeviceRequest device;
 };
 
 CLI::App* add_verb(CLI::App& app, Call& call, const std::string& name, const std::string& what,
@@ -127,6 +129,22 @@ void add_doctor(CLI::App& app, Call& call) {
   verb->callback([&call] { call.verb = [&call] { return examine(call.doctor); }; });
 }
 
+void add_device(CLI::App& app, Call& call) {
+  CLI::App* verb = add_verb(app, call, "device", "what only one kind of device can be asked for",
+                            "sinew device hexapod status --port /dev/ttyUSB0");
+  DeviceRequest& request = call.device;
+  verb->add_option("ROBOT", request.robot, "id or .toml file; the hexapod has such commands")
+      ->required();
+  verb->add_option("ACTION", request.action,
+                   "status, wake, kill (until its power is cut), jog (one leg, wherever it is)")
+      ->required();
+  verb->add_option("--port", request.port, "serial device")->required();
+  verb->add_option("--leg", request.leg, "jog: 1 to 6");
+  verb->add_option("--steps", request.steps, "jog: microsteps, positive to lengthen the leg");
+  verb->add_option("--time-scale", request.time_scale, "simulated device only: faster or slower");
+  verb->callback([&call] { call.verb = [&call] { return run_device_action(call.device); }; });
+}
+
 void add_run(CLI::App& app, Call& call) {
   CLI::App* verb = add_verb(app, call, "run", "a program on a robot, or on its simulated device",
                             "sinew run robots/bigrobotarm/sequence.txt --robot bigrobotarm");
@@ -217,6 +235,7 @@ int run(std::span<char*> arguments) {
   add_sim(app, call);
   add_run(app, call);
   add_doctor(app, call);
+  add_device(app, call);
   try {
     // Backwards, as CLI11 wants a vector.
     app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));

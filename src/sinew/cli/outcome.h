@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -11,7 +12,7 @@ namespace sinew::cli {
 using Json = nlohmann::ordered_json;
 
 /// What the process tells its caller.
-enum class ExitCode : int {
+enum class ExitCode : std::uint8_t {
   kDone = 0,
   kCouldNot = 1,  ///< the request is understood and cannot be met
   kBadInput = 2,  ///< the request makes no sense as it stands

@@ -110,7 +110,7 @@ std::string why_not_done(const RunRequest& request, const RobotModel& model,
   if (run.failure()->line > 0) {
     return fmt::format("{}:{}: {}", request.file, run.failure()->line, reason);
   }
-  return fmt::format("{}: {}; is it switched on, and is this its port?", port, reason);
+  return fmt::format("{}: {}{}", port, reason, silence_hint(model));
 }
 
 void write_files(const RunRequest& request, const RobotModel& model,

@@ -108,7 +108,7 @@ void EncoderNode::receive(std::span<const std::uint8_t> bytes, Instant now) {
 
 std::uint16_t EncoderNode::status() const {
   namespace bits = encoder_link::status;
-  std::uint16_t value = static_cast<std::uint16_t>(bus_errors_ << 8);
+  auto value = static_cast<std::uint16_t>(bus_errors_ << 8);
   if (state_ != State::kBlind) value |= bits::kFresh;
   if (state_ == State::kSettled) value |= bits::kSettled;
   if ((chip_status_ & kMagnetDetected) != 0) value |= bits::kMagnet;
@@ -126,9 +126,9 @@ std::int16_t EncoderNode::per_second(std::int64_t q20, int power) const {
 }
 
 void EncoderNode::answer(Register name) {
-  const bool silent = name == Register::kPosition ? state_ == State::kBlind
-                      : name == Register::kStatus ? false
-                                                  : state_ != State::kSettled;
+  bool silent = state_ != State::kSettled;
+  if (name == Register::kPosition) silent = state_ == State::kBlind;
+  if (name == Register::kStatus) silent = false;
   if (silent || output_.capacity() - output_.size() < encoder_link::kReplySize) return;
   std::uint16_t value = 0;
   switch (name) {

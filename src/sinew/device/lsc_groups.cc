@@ -13,7 +13,10 @@ const LscGroups::Group* LscGroups::find(std::uint8_t number) const {
 }
 
 LscGroups::Group* LscGroups::find(std::uint8_t number) {
-  return const_cast<Group*>(std::as_const(*this).find(number));
+  for (Group& group : groups_) {
+    if (group.number == number) return &group;
+  }
+  return nullptr;
 }
 
 bool LscGroups::store(std::uint8_t group, std::size_t index, const lsc::Move& action) {

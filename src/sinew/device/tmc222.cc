@@ -144,7 +144,7 @@ void Tmc222::make_step() {
   const std::uint8_t mode = parameters_.step_mode;
   actual_ = wrapped(std::int64_t{actual_} + direction_, mode);
   const int sense = parameters_.shaft ? -direction_ : direction_;
-  field_ += sense * (kSixteenth / microsteps(mode));
+  field_ += std::int64_t{sense} * (kSixteenth / microsteps(mode));
   const std::int32_t way = wrapped(std::int64_t{target_} - actual_, mode);
   const double change = 2 * kAcceleration[parameters_.acceleration] / microsteps(mode);
   const double low = velocity_low_ * velocity_low_;
@@ -169,7 +169,9 @@ void Tmc222::make_step() {
   double next = now;
   if (slows) next = std::max(low, now - change);
   if (!slows && !parameters_.acceleration_shape) next = std::min(top, now + change);
-  ramp_ = next < now ? -1 : next > now ? 1 : 0;
+  ramp_ = 0;
+  if (next < now) ramp_ = -1;
+  if (next > now) ramp_ = 1;
   speed_ = std::sqrt(next);
   schedule(at);
 }

@@ -38,6 +38,7 @@ struct AxisLinkTiming {
 ///   kOpening  | every axis is up or out, one is up     | kIdle, kReady (clear_fault: kDone)
 ///   kOpening  | every axis is out                      | kIdle with the fault, kFailed
 ///   kIdle     | move                                   | kMoving
+///   kIdle     | every axis is out                      | kIdle with the fault, kFailed
 ///   kMoving   | a segment is over, the next is there   | kMoving, kDone
 ///   kMoving   | the last one ended at rest, all settled| kIdle, kDone
 ///   kMoving   | the last one did not end at rest       | kStopping, kFailed (kSegmentTime)

@@ -101,6 +101,32 @@ TEST(AxisLinkFaults, a_stop_to_all_with_any_bit_flipped_still_stops_all) {
   }
 }
 
+// A cable that was unplugged at rest left the driver ready and wanting nothing: a program waited for
+// ever.
+TEST(AxisLinkFaults, a_cable_unplugged_at_rest_is_a_fault_and_no_endless_wait) {
+  LinkCell cell(3);
+  cell.open_at(0);
+  cell.disturb = [](const spi::Transfer&) {
+    LinkFault fault;
+    fault.lost = true;
+    return fault;
+  };
+  ASSERT_TRUE(cell.run_to_event(Kind::kFailed, 1s));
+  EXPECT_EQ(cell.driver->state(), DriverState::kFault);
+  ASSERT_TRUE(cell.driver->fault());
+  cell.disturb = {};
+  cell.run_for(1s);
+  EXPECT_EQ(cell.driver->state(), DriverState::kFault) << "nobody has acknowledged it";
+  const auto refused = cell.driver->move(cell.move_to(deg(10), 1s), cell.now);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, cell.driver->fault()->code);
+  cell.events.clear();
+  ASSERT_TRUE(cell.driver->clear_fault(cell.now));
+  ASSERT_TRUE(cell.run_to_event(Kind::kDone, 1s));
+  EXPECT_EQ(cell.driver->state(), DriverState::kReady);
+  EXPECT_TRUE(cell.driver->wants_move(cell.now));
+}
+
 TEST(AxisLinkFaults, frames_that_arrive_twice_or_late_move_nothing_twice) {
   LinkCell cell(2);
   cell.open_at(0);
@@ -337,7 +363,9 @@ LinkFault random_fault(test::Random& random) {
 }
 
 TEST(AxisLinkFaults, whatever_the_line_does_no_axis_moves_wrong_and_every_claim_holds) {
-  test::for_random_cases(60, [](test::Random& random) {
+  std::size_t arrived = 0;
+  std::size_t failed = 0;
+  test::for_random_cases(60, [&](test::Random& random) {
     LinkCell cell(3);
     cell.open_at(0);
     const double rate = random.chance(0.3) ? 0.5 : random.uniform(0, 0.3);
@@ -348,7 +376,6 @@ TEST(AxisLinkFaults, whatever_the_line_does_no_axis_moves_wrong_and_every_claim_
       return hit ? random_fault(random) : LinkFault{};
     };
     std::size_t accepted = 0;
-    std::size_t ended = 0;
     for (int round = 0; round < 3; ++round) {
       const auto ask = cell.driver->move(cell.move_to(deg(random.uniform(-80, 80)), 3s), cell.now);
       accepted += ask ? 1 : 0;
@@ -372,8 +399,10 @@ TEST(AxisLinkFaults, whatever_the_line_does_no_axis_moves_wrong_and_every_claim_
     }
     noisy = false;
     cell.run_for(2s);
-    ended = cell.count(Kind::kDone) + cell.count(Kind::kFailed) + cell.count(Kind::kStopped);
-    EXPECT_GE(ended, accepted);
+    EXPECT_GE(cell.count(Kind::kDone) + cell.count(Kind::kFailed) + cell.count(Kind::kStopped),
+              accepted);
+    arrived += cell.count(Kind::kDone);
+    failed += cell.count(Kind::kFailed);
     cell.expect_only_sent_targets();
     for (const auto& axis : cell.axes) EXPECT_FALSE(axis->status().moving);
     cell.events.clear();
@@ -385,6 +414,8 @@ TEST(AxisLinkFaults, whatever_the_line_does_no_axis_moves_wrong_and_every_claim_
     EXPECT_EQ(cell.count(Kind::kDone), 2U);
     for (const auto& axis : cell.axes) EXPECT_NEAR(axis->q(), 0, 1e-7);
   });
+  EXPECT_GT(arrived, 0U) << "not every line is hopeless";
+  EXPECT_GT(failed, 0U) << "the faults reach the driver";
 }
 
 }  // namespace

@@ -87,6 +87,11 @@ void AxisLinkDriver::note_outs() {
 
 void AxisLinkDriver::step_idle(Instant now) {
   note_outs();
+  // With every axis out nothing can be asked for any more; who waits shall hear of it.
+  if (!fault_ && !any_up()) {
+    fault_ = channels_[0].error();
+    tell(Kind::kFailed, fault_.value_or(Error{ErrorCode::kDeviceSilent}));
+  }
   if (now < health_due_) return;
   health_due_ = now + timing_.health_period;
   health_axis_ = (health_axis_ + 1) % channels_.size();

@@ -287,7 +287,7 @@ std::optional<Error> BigRobotArmDriver::check(const Reply& reply) const {
   const auto* sync = std::get_if<SetSync>(&asked_);
   if (const auto* echo = std::get_if<Sync>(&reply); echo != nullptr && sync != nullptr) {
     if (echo->on == sync->on) return std::nullopt;
-    return Error{ErrorCode::kReplyMismatch, -1, 1.0 * echo->on, 1.0 * sync->on};
+    return Error{ErrorCode::kReplyMismatch, -1, echo->on ? 1.0 : 0.0, sync->on ? 1.0 : 0.0};
   }
   const bool status =
       std::holds_alternative<Status>(reply) && std::holds_alternative<ReadStatus>(asked_);

@@ -124,6 +124,30 @@ TEST(BigRobotArmFaults, damaged_request_is_never_told_as_done_elsewhere) {
   }
 }
 
+// A flipped bit sent the elbow beyond its mechanical end, where the motor slipped; the status told
+// of the place that it was sent to, and that was believed.
+TEST(BigRobotArmFaults, goto_that_was_damaged_to_beyond_a_limit_leaves_the_position_lost) {
+  BigRobotArmCell cell;
+  cell.make_ready();
+  cell.to_device.clear();
+  // Two requests of 22 bytes behind the status's two; then the goto's id and the first joint's word.
+  constexpr int kGotoBase = 2 + 22 + 22 + 1;
+  cell.to_machine.fault = once(kGotoBase + 2, [](std::uint8_t byte) {
+    return std::vector<std::uint8_t>{static_cast<std::uint8_t>(byte ^ 1)};  // 65536 steps
+  });
+  ASSERT_TRUE(cell.driver.move(cell.move_to(kThere), cell.now));
+  cell.run_until(DriverState::kReady, 120s);
+  ASSERT_EQ(cell.driver.state(), DriverState::kReady);
+  EXPECT_EQ(cell.count(Kind::kFailed), 1);
+  EXPECT_TRUE(cell.machine.truth().joints[0].stalled) << "it hit its end";
+  EXPECT_EQ(cell.driver.positions()[0].quality, PositionQuality::kLost);
+  const auto refused = cell.driver.move(cell.move_to(kThere), cell.now);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::kPositionUnknown);
+  cell.declare();
+  EXPECT_TRUE(cell.driver.move(cell.move_to(kThere), cell.now)) << "somebody has said where it is";
+}
+
 TEST(BigRobotArmFaults, line_that_is_cut_at_any_moment_of_a_move_leaves_the_claims_true) {
   for (const bool text : {false, true}) {
     for (Duration moment = 0ms; moment < 6s; moment += moment < 30ms ? 1ms : 130ms) {

@@ -185,13 +185,24 @@ bool BigRobotArmJointDriver::as_expected(const Status& status) const {
          same(after ? wanted_ : multipliers_, status);
 }
 
+/// A damaged goto that was sent beyond a joint's limits may have ended at its mechanical end.
+bool BigRobotArmJointDriver::is_outside(const Words& steps) const {
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    const double q = belief_.offset()[i] + steps[i] / device_.joints[i].steps_per_rad;
+    if (q < limits_[i].lower || q > limits_[i].upper) return true;
+  }
+  return false;
+}
+
 void BigRobotArmJointDriver::settle(const Status& status, Instant now) {
   const Step answered = resume_;
   step_ = answered;
   last_read_.reset();
   if (answered != Step::kRecover && as_expected(status)) return go_on_after(answered, now);
   const auto joint = difference(status.positions, belief_.going() ? target_ : belief_.steps(), 0);
+  const bool strayed = !is_familiar(status);
   belief_.judge(status, driver_.looks_like_boot(status));
+  if (strayed && is_outside(status.positions)) belief_.lose();
   driver_.set_offset(belief_.offset());
   multipliers_ = {status.speeds, status.accelerations};
   if (command_) {

@@ -125,6 +125,7 @@ class BigRobotArmJointDriver : public ByteDriver {
   void confirm(const std::optional<Status>& first, Step resume, Instant now);
   bool as_expected(const Status& status) const;
   bool is_familiar(const Status& status) const;
+  bool is_outside(const Words& steps) const;
   void settle(const Status& status, Instant now);
   void doubt(const Error& error, Instant now);
   Expected<void> ask(Step step, Instant now);

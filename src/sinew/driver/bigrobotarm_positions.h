@@ -25,7 +25,8 @@ namespace sinew {
 ///   all steps 0 and nobody sent it there  | uncertain from the place we left to the zero: a
 ///                                         | damaged request reset the counters, or went home
 ///   other steps, another host between     | lost
-///   other steps                           | those: a damaged goto, in the frame as it was
+///   other steps                           | those: a damaged goto, in the frame as it was; lost
+///                                         | where they lie outside the joints' limits (lose())
 ///   sync mode                             | lost: it moves in a frame of its own
 ///
 /// `commanded` means within one full motor step, by which a rotor may trail its field; at a device
@@ -51,6 +52,8 @@ class BigRobotArmPositions {
   void doubt();
   /// A port that others may have used is open again.
   void reopen() { reopened_ = heard_; }
+  /// It went where its mechanical ends are, and its motors may have slipped there.
+  void lose();
   /// A status that two readings agree on.
   /// @param boot  its values are those of power-up.
   void judge(const bigrobotarm::Status& status, bool boot);
@@ -77,7 +80,6 @@ class BigRobotArmPositions {
   double angle(std::size_t joint, const Words& steps) const;
   double full_step(std::size_t joint) const;
   void take_declaration(std::span<const JointPosition> positions);
-  void lose();
   void widen_by_snap();
   void reach_from_zero(const Words& from);
 

@@ -42,7 +42,7 @@ class BigRobotArmProbe {
 
  private:
   std::optional<BigRobotArmFound> take_byte(std::uint8_t byte);
-  std::optional<BigRobotArmFound> take_line(std::string_view line);
+  std::optional<BigRobotArmFound> take_line(std::string_view raw);
   void wait(Duration pause, Instant now);
 
   BigRobotArmTiming timing_;

@@ -20,11 +20,10 @@ constexpr Duration kSegmentMax = std::chrono::hours(24);
 constexpr Duration kEarlySlack{100'000};  // ns; a clock of a port is some percent off
 constexpr int kMeanOf = 16;               // cycles
 
-template <std::size_t... kIndex>
-std::array<IcpLegClaim, kLegs> make_claims(const IcpDevice& device,
-                                           std::index_sequence<kIndex...>) {
+template <std::size_t... Index>
+std::array<IcpLegClaim, kLegs> make_claims(const IcpDevice& device, std::index_sequence<Index...>) {
   const auto units_per_down = static_cast<std::int64_t>(std::llround(device.units_per_down));
-  return {IcpLegClaim(static_cast<std::int8_t>(kIndex), device.legs[kIndex], device.units_per_m,
+  return {IcpLegClaim(static_cast<std::int8_t>(Index), device.legs[Index], device.units_per_m,
                       units_per_down)...};
 }
 
@@ -274,7 +273,8 @@ void IcpDriver::send(const Request& request, Phase phase, Instant now) {
   earliest_ = now + 2 * timing_.byte_time - kEarlySlack;
   const bool silent = phase == Phase::kQuiet || phase == Phase::kKill;
   const bool block = phase == Phase::kSelect;
-  decoder_.expect(silent ? Due::kNothing : block ? Due::kBlock : Due::kByte);
+  decoder_.expect(block ? Due::kBlock : Due::kByte);
+  if (silent) decoder_.expect(Due::kNothing);
   const auto bytes = block ? 2 + kStatusSize : std::size_t{2};
   const Duration wire = static_cast<std::int64_t>(bytes) * timing_.byte_time;
   deadline_ = now + (silent ? timing_.byte_time + timing_.quiet : wire + device_.reply_timeout);

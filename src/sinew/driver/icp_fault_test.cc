@@ -101,6 +101,11 @@ struct Tally {
     const auto fault = story.cell.driver.fault();
     killed += fault && fault->code == ErrorCode::kDeviceKilled ? 1 : 0;
   }
+  /// The damage reached the driver, and what it did not touch stayed certain.
+  void expect_told_apart() const {
+    EXPECT_GT(uncertain, 0);
+    EXPECT_LT(uncertain, runs);
+  }
   void print(const char* what) const {
     std::cout << "  " << what << ": " << runs << " runs, " << uncertain << " uncertain, " << faults
               << " faults, " << killed << " killed\n";
@@ -120,18 +125,19 @@ TEST(IcpDriverFaults, any_one_flipped_bit_makes_no_wrong_move_that_is_not_admitt
         const auto flip = static_cast<std::uint8_t>(1U << bit);
         SCOPED_TRACE(::testing::Message()
                      << (host ? "host" : "device") << " byte " << place << " bit " << bit);
-        const Story story({{.host = host, .place = place, .flip = flip}});
-        tally.add(story);
+        tally.add(Story({{.host = host, .place = place, .flip = flip}}));
         if (HasFailure()) return;
       }
     }
     tally.print(host ? "flips from the host" : "flips from the device");
+    tally.expect_told_apart();
   }
 }
 
 TEST(IcpDriverFaults, any_one_dropped_doubled_or_late_byte_is_admitted) {
   const Story clean({});
   for (const bool host : {true, false}) {
+    Tally tally;
     for (std::size_t place = 0; place < (host ? clean.up : clean.down); ++place) {
       for (const Damage& kind :
            {Damage{.copies = 1}, Damage{.copies = 2}, Damage{.copies = 3}, Damage{.late = 10ms},
@@ -142,10 +148,12 @@ TEST(IcpDriverFaults, any_one_dropped_doubled_or_late_byte_is_admitted) {
         damage.place = place;
         SCOPED_TRACE(::testing::Message() << (host ? "host" : "device") << " byte " << place << ", "
                                           << kind.copies << " copies, " << to_seconds(kind.late));
-        const Story story({damage});
+        tally.add(Story({damage}));
         if (HasFailure()) return;
       }
     }
+    tally.print(host ? "drops, copies, delays from the host" : "the same from the device");
+    tally.expect_told_apart();
   }
 }
 
@@ -171,6 +179,7 @@ TEST(IcpDriverFaults, one_more_flipped_bit_anywhere_in_the_recovery_is_admitted_
     }
   }
   tally.print("a lost reply, then a flip");
+  tally.expect_told_apart();
 }
 
 TEST(IcpDriverFaults, any_flip_of_the_opening_sync_with_a_host_that_died_in_an_exchange) {
@@ -384,6 +393,7 @@ TEST(IcpDriverFaults, random_faults_never_make_a_position_silently_wrong) {
     tally.faults += cell.driver.fault() ? 1 : 0;
   });
   tally.print("random faults");
+  EXPECT_GT(tally.uncertain, tally.runs / 2) << "the faults reach the driver";
 }
 
 }  // namespace

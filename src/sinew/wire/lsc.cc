@@ -129,7 +129,10 @@ Frame frame_of(const GroupStep& step) {
 GroupStep read_group_step(Reader& reader) {
   GroupStep step;
   const std::uint8_t kind = reader.u8();
-  reader.expect(kind >= 1 && kind <= static_cast<std::uint8_t>(GroupStep::Kind::kEnd));
+  if (kind < 1 || kind > static_cast<std::uint8_t>(GroupStep::Kind::kEnd)) {
+    reader.expect(false);
+    return step;
+  }
   step.kind = static_cast<GroupStep::Kind>(kind);
   if (step.kind == GroupStep::Kind::kAction) {
     step.block = reader.u8();

@@ -1,11 +1,14 @@
 #include "sinew/wire/simwire.h"
 
+#include <algorithm>
+#include <array>
 #include <charconv>
 
 namespace sinew::simwire {
 namespace {
 
 constexpr std::string_view kHexDigits = "0123456789abcdef";
+constexpr std::array<std::string_view, 3> kPulls = {"UP", "DOWN", "OFF"};  // by Pull
 
 /// Words of a line, one at a time.
 class Words {
@@ -109,9 +112,7 @@ struct ActionWriter {
     put(line, "DIR");
     put_number(line, direction.pin);
     put(line, direction.output ? " OUT" : " IN");
-    put(line, direction.pull == Pull::kUp     ? " UP"
-              : direction.pull == Pull::kDown ? " DOWN"
-                                              : " OFF");
+    put_text(line, kPulls.at(static_cast<std::size_t>(direction.pull)));
   }
   void operator()(const SetPin& set) const {
     put(line, "SET");
@@ -158,9 +159,9 @@ Decoded decode_direction(Words& words) {
   const std::string_view way = words.next();
   const std::string_view pull = words.next();
   direction.output = way == "OUT";
-  direction.pull = pull == "UP" ? Pull::kUp : pull == "DOWN" ? Pull::kDown : Pull::kOff;
-  const bool known =
-      (way == "IN" || way == "OUT") && (pull == "UP" || pull == "DOWN" || pull == "OFF");
+  const auto found = std::find(kPulls.begin(), kPulls.end(), pull);
+  if (found != kPulls.end()) direction.pull = static_cast<Pull>(found - kPulls.begin());
+  const bool known = (way == "IN" || way == "OUT") && found != kPulls.end();
   if (!pin || !known) return std::unexpected("write DIR <pin> IN|OUT UP|DOWN|OFF");
   return direction;
 }
