@@ -2,13 +2,16 @@
 # The long checks. Each part runs even where one before it failed; the end says which did.
 #   FUZZ_SECONDS  for each fuzz target (60)
 #   SEEDS         runs of all tests with a fresh seed (5)
-#   PARTS         which of: format tidy tsan fuzz seeds (all)
+#   SINEW_FAULTS  injected into each wire (1000000)
+#   PARTS         which of: format tidy tsan fuzz seeds faults (all)
 # shellcheck source=scripts/lib.sh
 source "$(dirname "${BASH_SOURCE[0]}")/lib.sh"
 
 fuzz_seconds=${FUZZ_SECONDS:-60}
 seeds=${SEEDS:-5}
-parts=${PARTS:-format tidy tsan fuzz seeds}
+faults=${SINEW_FAULTS:-1000000}
+parts=${PARTS:-format tidy tsan fuzz seeds faults}
+unset SINEW_FAULTS # only the part with the faults asks for so many
 
 run_ctest() {
   local preset=$1 title=$2 log=$3
@@ -65,6 +68,33 @@ seeds_part() {
     run_ctest release "tests with SINEW_SEED=$SINEW_SEED" "seed-$SINEW_SEED" || code=1
   done
   unset SINEW_SEED
+  return "$code"
+}
+
+# Every wire by itself, so that they run side by side.
+faults_part() {
+  configure release -DSINEW_TESTS=ON "$(keep_toggle release SINEW_BENCH libbenchmark-dev)" &&
+    build release || return 1
+  local names name code=0 running=0
+  mapfile -t names < <(build/release/tests/faults_test --gtest_list_tests --gtest_filter='Faults.*' |
+    awk '/^  / { print $1 }')
+  if ((${#names[@]} == 0)); then
+    echo "  no wire has a test with faults"
+    return 1
+  fi
+  for name in "${names[@]}"; do
+    if ((running >= $(jobs_count))); then
+      wait -n || code=1
+      running=$((running - 1))
+    fi
+    (live=no && step "faults $name" "faults-$name" env "SINEW_FAULTS=$faults" \
+      build/release/tests/faults_test "--gtest_filter=Faults.$name") &
+    running=$((running + 1))
+  done
+  while ((running > 0)); do
+    wait -n || code=1
+    running=$((running - 1))
+  done
   return "$code"
 }
 

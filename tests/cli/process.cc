@@ -29,7 +29,9 @@ void redirect(const std::string& where, int kept, int number) {
     ::close(number);
     return;
   }
-  ::dup2(where.empty() ? kept : ::open(where.c_str(), O_WRONLY | O_CREAT, 0600), number);
+  const int place = where.empty() ? kept : ::open(where.c_str(), O_WRONLY | O_CREAT, 0600);
+  if (place < 0) ::_exit(127);
+  ::dup2(place, number);
 }
 
 }  // namespace

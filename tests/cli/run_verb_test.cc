@@ -142,6 +142,7 @@ TEST_F(RunVerb, program_may_come_out_of_a_pipe) {
   std::array<int, 2> ends{};
   ASSERT_EQ(::pipe2(ends.data(), O_CLOEXEC), 0);
   const int before = ::dup(0);
+  ASSERT_GE(before, 0);
   ::dup2(ends[0], 0);
   ::close(ends[0]);
   {
@@ -176,7 +177,7 @@ TEST_F(RunVerb, one_simulation_serves_one_run_after_the_other) {
 
 TEST_F(RunVerb, wrong_wire_ends_in_a_question_for_the_wire) {
   const std::string link = folder.at("arm");
-  Simulation simulation(link, "1");
+  const Simulation simulation(link, "1");
   const Ended ended = sinew(run("G0 B10\n", "1", {"--port", link, "--wire", "text", "--json"}));
   EXPECT_EQ(ended.exit, 1);
   EXPECT_EQ(ended.json()["result"], "failed");
@@ -187,7 +188,7 @@ TEST_F(RunVerb, wrong_wire_ends_in_a_question_for_the_wire) {
 
 TEST_F(RunVerb, port_that_is_taken_is_refused_and_the_log_of_its_owner_stays) {
   const std::string link = folder.at("arm");
-  Simulation simulation(link, "1");
+  const Simulation simulation(link, "1");
   Process first(run(kLongMove, "1", {"--port", link, "--log", folder.at("log")}));
   first.wait_for_err("1/3 line 1");
   const std::string log = text_of(folder.at("log"));

@@ -14,14 +14,14 @@ namespace {
 using namespace std::chrono_literals;
 using sim::LinkDirection;
 
-constexpr Duration kLook = 20ms;     // between two looks at the truth
-constexpr Duration kFeed = 2ms;      // between two segments' chances
-constexpr Duration kWarmUp = 20s;    // before a port opens: slow boards boot and home
+constexpr Duration kLook = 20ms;   // between two looks at the truth
+constexpr Duration kFeed = 2ms;    // between two segments' chances
+constexpr Duration kWarmUp = 20s;  // before a port opens: slow boards boot and home
 constexpr Duration kSlowMove = 3s;
-constexpr Duration kHomingMax = 1200s;  // six joints, one after the other
+constexpr Duration kHomingMax = 1200s;     // six joints, one after the other
 constexpr std::uint64_t kFlipWithin = 40;  // bytes
-constexpr double kNoise = 1e-9;      // rad
-constexpr double kStill = 1e-3;      // rad/s or m/s
+constexpr double kNoise = 0.0045;          // rad: what a bus servo's unit is
+constexpr double kStill = 1e-3;            // rad/s or m/s
 constexpr Duration kPowerOff = 500ms;
 constexpr Duration kPowerUp = 20s;
 
@@ -133,7 +133,7 @@ void FaultCase::flip_now_and_then() {
 }
 
 bool FaultCase::known() const {
-  const auto positions = const_cast<FaultCell&>(cell_).driver().positions();
+  const auto positions = cell_.driver().positions();
   for (std::size_t i = 0; i < positions.size(); ++i) {
     const JointPosition& claim = positions[i];
     const auto least =
@@ -182,7 +182,7 @@ void FaultCase::ask_move(double speed) {
     const Joint& joint = robot_.joints[i];
     const double way = rules_.way * (joint.upper - joint.lower);
     const bool lost = positions[i].quality == PositionQuality::kLost;
-    from[i] = lost ? joint.home : positions[i].q;
+    from[i] = lost ? joint.home : std::clamp(positions[i].q, joint.lower, joint.upper);
     const double margin = 0.02 * (joint.upper - joint.lower);
     to[i] = std::clamp(from[i] + random_.uniform(-way, way),
                        std::max(joint.lower + margin, rules_.lower[i]),
@@ -263,7 +263,7 @@ void FaultCase::feed() {
 }
 
 void FaultCase::ask_tool() {
-  std::vector<ToolAction> actions{
+  const std::vector<ToolAction> actions{
       JawsTo{random_.uniform(0, 0.05)},
       GripperTo{random_.chance(0.8), random_.uniform(0, kPi)},
       Suction{static_cast<Suction::State>(random_.integer(0, 2))},
@@ -294,7 +294,7 @@ void FaultCase::act() {
     profile_.reset();
     ledger_.stop_asked();
     driver.stop(cell_.now());
-  } else if (dice < 0.09) {
+  } else if (dice < 0.09 && rules_.closes) {
     reopen();
   } else if (driver.state() == DriverState::kFault) {
     if (driver.clear_fault(cell_.now())) ledger_.clearing();
@@ -320,7 +320,8 @@ sim::LinkFaultSpec FaultCase::draw_faults(Duration phase) {
   };
   for (sim::ByteFaults& faults : spec.bytes) {
     if (random_.chance(0.1)) continue;  // that way is clean
-    faults = {draw(), draw(), std::min(1.0, draw()), draw() / 4, from_seconds(random_.uniform(0.001, 0.3))};
+    faults = {draw(), draw(), std::min(1.0, draw()), draw() / 4,
+              from_seconds(random_.uniform(0.001, 0.3))};
   }
   if (!random_.chance(0.3)) return spec;
   sim::LinkCut cut;
@@ -339,8 +340,8 @@ bool FaultCase::run_for(Duration duration, bool user) {
       act();
     }
     const Instant until = user ? std::min(end, next_action_) : end;
-    const bool fine = cell_.run_to(until, profile_ ? kFeed : kLook,
-                                   [&] { return !complaint_.empty(); });
+    const bool fine =
+        cell_.run_to(until, profile_ ? kFeed : kLook, [&] { return !complaint_.empty(); });
     if (!fine) return complain("driver and machine keep each other awake");
   }
   return complaint_.empty();
@@ -350,6 +351,7 @@ bool FaultCase::run_for(Duration duration, bool user) {
 
 bool FaultCase::settle() {
   flipping_ = false;
+  cell_.line().cancel_flips();
   cell_.line().set_faults({}, cell_.now());
   const Instant start = std::max(cell_.now(), motion_end_);
   const Instant limit = start + rules_.recovery;
@@ -455,11 +457,10 @@ bool FaultCase::regain() {
 }
 
 std::string FaultCase::described() const {
-  auto& cell = const_cast<FaultCell&>(cell_);
   std::ostringstream text;
-  text << "state " << static_cast<int>(cell.driver().state());
-  const sim::Truth truth = cell.machine().truth();
-  const auto positions = cell.driver().positions();
+  text << "state " << static_cast<int>(cell_.driver().state());
+  const sim::Truth truth = cell_.machine().truth();
+  const auto positions = cell_.driver().positions();
   for (std::size_t i = 0; i < positions.size(); ++i) {
     text << ", J" << i + 1 << " quality " << static_cast<int>(positions[i].quality) << " at "
          << truth.joints[i].q << " with " << truth.joints[i].qd << "/s"

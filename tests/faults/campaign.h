@@ -36,21 +36,22 @@ struct WireRules {
   double overshoot = 0;  ///< rad or m beyond the way that was asked for
   /// The device knows where it stands, where the host has but an interval: a move is taken.
   bool moves_uncertain = false;
-  bool by_field = false; ///< the motor's field is what is claimed, not the rotor that trails it
-  Duration recovery{};   ///< from the last fault, or the end of a motion, to ready or a fault
-  Duration rest{};       ///< then, until what is claimed must be true
-  Duration phase{};      ///< longest time with faults
+  bool by_field = false;  ///< the motor's field is what is claimed, not the rotor that trails it
+  Duration recovery{};    ///< from the last fault, or the end of a motion, to ready or a fault
+  Duration rest{};        ///< then, until what is claimed must be true
+  Duration phase{};       ///< longest time with faults
   /// Where moves may go, inside the joints' limits; rad or m.
   std::array<double, kMaxJoints> lower = filled(-1e9);
   std::array<double, kMaxJoints> upper = filled(1e9);
-  double way = 0.1;      ///< of a joint's range, the longest move
-  double chance_max = 0.3;   ///< of each fault, per byte
+  double way = 0.1;         ///< of a joint's range, the longest move
+  double chance_max = 0.3;  ///< of each fault, per byte
   /// Instead of random faults, one flipped bit at a time, with so long between two that the driver
   /// has got over the first; zero: in every exchange.
   std::optional<Duration> single_flips;
-  double excess_max = 1e9;  ///< rad or m beyond the way, where it may be left
+  bool closes = true;                          ///< the port goes away now and then
+  double excess_max = 1e9;                     ///< rad or m beyond the way, where it may be left
   Duration stray_max = std::chrono::hours(1);  ///< beyond the way, at a stretch
-  int episodes = 20;         ///< with one machine
+  int episodes = 20;                           ///< with one machine
 
  private:
   static constexpr std::array<double, kMaxJoints> filled(double value) {
@@ -70,13 +71,13 @@ struct CampaignSums {
   std::uint64_t refused = 0;
   std::uint64_t power_cuts = 0;
   std::uint64_t homings = 0;
-  std::uint64_t second_tries = 0;  ///< of motions without any fault
-  std::uint64_t slips = 0;     ///< wrong claims of a motor that slipped
-  std::uint64_t runaways = 0;  ///< of those, because the machine went on and on
+  std::uint64_t second_tries = 0;   ///< of motions without any fault
+  std::uint64_t slips = 0;          ///< wrong claims of a motor that slipped
+  std::uint64_t runaways = 0;       ///< of those, because the machine went on and on
   std::uint64_t wrong_motions = 0;  ///< episodes in which a joint left the way it was asked to go
   std::uint64_t wrong_rests = 0;    ///< episodes after which a claim was not true
   double worst_excess = 0;          ///< rad or m beyond that way
-  Duration worst_stray{};         ///< beyond that way, at a stretch
+  Duration worst_stray{};           ///< beyond that way, at a stretch
   double worst_error = 0;           ///< rad or m beyond a claim at rest
   Duration worst_recovery{};
   Duration virtual_time{};

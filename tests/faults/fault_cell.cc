@@ -39,7 +39,7 @@ std::uint64_t faults_of(const sim::LinkFaults& link) {
          faults_of(link.counts(LinkDirection::kToHost));
 }
 
-class ByteLine : public FaultLine {
+class ByteLine final : public FaultLine {
  public:
   ByteLine(ByteDriver& driver, sim::ByteMachine& machine, Duration byte_time, Instant now)
       : driver_(driver), machine_(machine), byte_time_(byte_time) {
@@ -91,6 +91,9 @@ class ByteLine : public FaultLine {
     lane(direction).flip = {true, bytes_first, bit};
   }
   bool flip_pending() const override { return lanes_[0].flip.due || lanes_[1].flip.due; }
+  void cancel_flips() override {
+    for (Lane& lane : lanes_) lane.flip.due = false;
+  }
 
   LineCounts counts() const override {
     std::uint64_t faults = faults_;
@@ -190,7 +193,7 @@ class FlippingBus : public sim::SpiMachine {
   sim::SpiMachine& machine_;
 };
 
-class SpiLine : public FaultLine {
+class SpiLine final : public FaultLine {
  public:
   /// What the host's system call costs beside the clocks.
   static constexpr Duration kCall = std::chrono::microseconds(20);
@@ -229,6 +232,9 @@ class SpiLine : public FaultLine {
     bus_.flips[static_cast<std::size_t>(direction)] = {true, bytes_first, bit};
   }
   bool flip_pending() const override { return bus_.flips[0].due || bus_.flips[1].due; }
+  void cancel_flips() override {
+    for (PendingFlip& flip : bus_.flips) flip.due = false;
+  }
 
   LineCounts counts() const override {
     return {bytes_, faults_ + bus_.faults + faulty_->flipped()};

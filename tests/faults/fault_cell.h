@@ -35,6 +35,7 @@ class FaultLine {
   /// One bit of the byte that goes this way behind `bytes_first` others.
   virtual void flip_once(sim::LinkDirection direction, std::uint64_t bytes_first, unsigned bit) = 0;
   virtual bool flip_pending() const = 0;
+  virtual void cancel_flips() = 0;
   virtual LineCounts counts() const = 0;
 };
 
@@ -51,9 +52,9 @@ class FaultCell {
   /// @param robot  as variant_of() made it; outlives the cell. @param seed  of the machine
   FaultCell(const RobotModel& robot, const runtime::MachineOptions& options, Duration warm_up);
 
-  Driver& driver() { return driver_.get(); }
-  sim::Machine& machine() { return machine_.get(); }
-  sim::SpiMachine* spi_machine() { return machine_.spi.get(); }
+  Driver& driver() const { return driver_.get(); }
+  sim::Machine& machine() const { return machine_.get(); }
+  sim::SpiMachine* spi_machine() const { return machine_.spi.get(); }
   FaultLine& line() { return *line_; }
   const RobotModel& robot() const { return robot_; }
   Instant now() const { return now_; }

@@ -139,7 +139,7 @@ std::string broken_promise(const RobotModel& model) {
       return "maxima of " + joint.name;
     }
   }
-  const std::string device = std::visit(
+  std::string device = std::visit(
       [&](const auto& settings) -> std::string {
         const std::size_t joints = model.joints.size();
         if (joints_of_device(settings, joints) != joints) return "joints of the device";

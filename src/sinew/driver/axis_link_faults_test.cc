@@ -101,8 +101,8 @@ TEST(AxisLinkFaults, a_stop_to_all_with_any_bit_flipped_still_stops_all) {
   }
 }
 
-// A cable that was unplugged at rest left the driver ready and wanting nothing: a program waited for
-// ever.
+// A cable that was unplugged at rest left the driver ready and wanting nothing: a program waited
+// for ever.
 TEST(AxisLinkFaults, a_cable_unplugged_at_rest_is_a_fault_and_no_endless_wait) {
   LinkCell cell(3);
   cell.open_at(0);

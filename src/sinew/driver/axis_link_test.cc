@@ -326,7 +326,7 @@ TEST(AxisLinkDriver, a_jammed_axis_is_a_missed_target_and_never_done) {
   cell.open_at(0);
   cell.axes[3]->jammed = true;
   ASSERT_TRUE(cell.driver->move(cell.move_to(deg(10), 500ms), cell.now));
-  ASSERT_TRUE(cell.run_to_event(Kind::kFailed, 5s));
+  ASSERT_TRUE(cell.run_to_event(Kind::kFailed, 10s));
   EXPECT_EQ(cell.failure()->code, ErrorCode::kMissedTarget);
   EXPECT_EQ(cell.failure()->index, 3);
   EXPECT_EQ(cell.count(Kind::kDone), 0U);

@@ -22,9 +22,9 @@ struct AxisRegistersTiming {
   Duration watch = std::chrono::milliseconds(200);  ///< between two reads at rest
   Duration retry = std::chrono::seconds(2);  ///< between two tries on an axis that does not answer
   double move_factor = 1.5;                  ///< of the expected duration, and
-  Duration move_margin = std::chrono::seconds(2);     ///< this on top, until a move has failed
-  Duration stop_margin = std::chrono::seconds(2);     ///< on top of a joint's slowest deceleration
-  Duration homing_limit = std::chrono::minutes(10);  ///< one axis; two turns at 3 deg/s are 4
+  Duration move_margin = std::chrono::seconds(2);      ///< this on top, until a move has failed
+  Duration stop_margin = std::chrono::seconds(2);      ///< on top of a joint's slowest deceleration
+  Duration homing_limit = std::chrono::minutes(10);    ///< one axis; two turns at 3 deg/s are 4
   FixedVector<std::uint8_t, kMaxJoints> homing_order;  ///< joints; empty: the order of the file
 };
 

@@ -130,7 +130,8 @@ TEST(BigRobotArmFaults, goto_that_was_damaged_to_beyond_a_limit_leaves_the_posit
   BigRobotArmCell cell;
   cell.make_ready();
   cell.to_device.clear();
-  // Two requests of 22 bytes behind the status's two; then the goto's id and the first joint's word.
+  // Two requests of 22 bytes behind the status's two; then the goto's id and the first joint's
+  // word.
   constexpr int kGotoBase = 2 + 22 + 22 + 1;
   cell.to_machine.fault = once(kGotoBase + 2, [](std::uint8_t byte) {
     return std::vector<std::uint8_t>{static_cast<std::uint8_t>(byte ^ 1)};  // 65536 steps

@@ -273,8 +273,9 @@ void IcpDriver::send(const Request& request, Phase phase, Instant now) {
   earliest_ = now + 2 * timing_.byte_time - kEarlySlack;
   const bool silent = phase == Phase::kQuiet || phase == Phase::kKill;
   const bool block = phase == Phase::kSelect;
-  decoder_.expect(block ? Due::kBlock : Due::kByte);
-  if (silent) decoder_.expect(Due::kNothing);
+  Due due = block ? Due::kBlock : Due::kByte;
+  if (silent) due = Due::kNothing;
+  decoder_.expect(due);
   const auto bytes = block ? 2 + kStatusSize : std::size_t{2};
   const Duration wire = static_cast<std::int64_t>(bytes) * timing_.byte_time;
   deadline_ = now + (silent ? timing_.byte_time + timing_.quiet : wire + device_.reply_timeout);

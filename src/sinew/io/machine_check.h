@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -7,7 +8,7 @@ namespace sinew::io {
 
 /// One device file that a robot may hang on, and whether this user can use it.
 struct FoundDevice {
-  enum class Kind { kSerial, kSpi, kGpio } kind = Kind::kSerial;
+  enum class Kind : std::uint8_t { kSerial, kSpi, kGpio } kind = Kind::kSerial;
   std::string path;     ///< "/dev/ttyUSB0"
   std::string name;     ///< what it calls itself: the adapter's name, the chip's label
   std::string trouble;  ///< why it cannot be used and what helps; empty where it can

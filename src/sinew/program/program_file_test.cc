@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <iostream>
+
 #include "sinew/core/units.h"
 #include "support/property.h"
 #include "support/robots.h"
@@ -102,18 +104,29 @@ TEST(ProgramFile, any_bytes_are_read_or_refused_with_a_place) {
   constexpr std::string_view kWords[] = {
       "joint", "base=", "10deg", "J2=",  "-1rad",    "loop", "3",    "end",  "wait", "0.5s",
       "\n",    " ",     "#",     "\r\n", "speed=5%", "home", "\xff", "jaws", "20mm", "suction on"};
+  constexpr std::string_view kRows[] = {"joint base=10deg", "loop 3", "end", "wait 0.5s",
+                                        "jaws 20mm",        "",       "end", "# why"};
+  int accepted = 0;
+  int loops = 0;
   test::for_random_cases(20'000, [&](test::Random& random) {
     std::string text;
-    for (auto i = random.integer(0, 30); i > 0; --i) {
-      text += kWords[random.integer(0, std::ssize(kWords) - 1)];
-      if (random.chance(0.5)) text += ' ';
-      if (random.chance(0.2)) text += '\n';
+    const double noise = random.chance(0.5) ? 0.05 : 1;
+    for (auto i = random.integer(0, 20); i > 0; --i) {
+      if (random.chance(noise)) {
+        text += kWords[random.integer(0, std::ssize(kWords) - 1)];
+        if (random.chance(0.5)) text += ' ';
+      } else {
+        text += kRows[random.integer(0, std::ssize(kRows) - 1)];
+      }
+      if (noise < 1 || random.chance(0.2)) text += '\n';
     }
     const auto program = parse(text, "p", test::robot("learm"));
     if (program) {
+      ++accepted;
       for (std::size_t i = 0; i < program->steps.size(); ++i) {
         const auto* loop = std::get_if<LoopStep>(&program->steps[i].what);
         if (loop == nullptr) continue;
+        ++loops;
         ASSERT_GT(loop->end, i);
         ASSERT_EQ(std::get<EndStep>(program->steps[loop->end].what).loop, i);
       }
@@ -124,6 +137,10 @@ TEST(ProgramFile, any_bytes_are_read_or_refused_with_a_place) {
       ASSERT_FALSE(complaint.message.empty());
     }
   });
+  std::cout << "  " << accepted << " programs were read, with " << loops << " loops\n";
+  EXPECT_GT(accepted, 500);
+  EXPECT_LT(accepted, 15'000);
+  EXPECT_GT(loops, 100);
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <vector>
@@ -37,7 +38,7 @@ class Run {
   /// Opening a port may reset the board, whose boot loader then listens for a second or two.
   static constexpr Duration kOpeningLimit = std::chrono::seconds(6);
 
-  enum class Phase { kOpening, kRunning, kStopping, kDone, kStopped, kFailed };
+  enum class Phase : std::uint8_t { kOpening, kRunning, kStopping, kDone, kStopped, kFailed };
 
   /// @param program, robot, driver  outlive the run
   Run(const Program& program, const RobotModel& robot, Driver& driver,

@@ -224,6 +224,15 @@ TEST(ProgramRun, stop_ends_a_stream_a_wait_and_an_opening) {
   waiting.go(300ms);
   waiting.run.stop(waiting.now);
   EXPECT_EQ(waiting.run.phase(), Phase::kStopped);
+  Cell opening("learm", "joint base=80deg\n");
+  opening.run.start(opening.now);
+  opening.driver.events_.clear();
+  opening.run.poll(opening.now);
+  ASSERT_EQ(opening.run.phase(), Phase::kOpening);
+  opening.run.stop(opening.now);
+  opening.run.poll(opening.now);
+  EXPECT_EQ(opening.run.phase(), Phase::kStopped);
+  EXPECT_TRUE(opening.driver.taken_.empty());
 }
 
 TEST(ProgramRun, failure_of_the_driver_ends_the_run_with_its_line_and_stops_what_is_queued) {

@@ -102,10 +102,9 @@ std::vector<std::string> wires_of(const RobotModel& robot) {
   if (const auto* arm = std::get_if<BigRobotArmDevice>(&settings)) {
     Names names{"byte", "text", "text2026", "probe"};
     const bool text = arm->wire == BigRobotArmWire::kText;
-    const std::size_t own = arm->probe_wire                             ? 3
-                            : !text                                     ? 0
-                            : arm->dialect == BigRobotArmDialect::k2026 ? 2
-                                                                        : 1;
+    std::size_t own = 0;
+    if (text) own = arm->dialect == BigRobotArmDialect::k2026 ? 2 : 1;
+    if (arm->probe_wire) own = 3;
     std::rotate(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(own),
                 names.begin() + static_cast<std::ptrdiff_t>(own) + 1);
     return names;

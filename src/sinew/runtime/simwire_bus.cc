@@ -42,8 +42,8 @@ class LineSource {
   std::size_t size_ = 0;
 };
 
-std::span<const std::uint8_t> as_bytes(std::string_view text) {
-  return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
+std::vector<std::uint8_t> bytes_of(std::string_view text) {
+  return {text.begin(), text.end()};
 }
 
 io::IoResult<void> write_line(io::Port& port, const Line& line) {
@@ -175,7 +175,7 @@ class MachineBus : public io::SpiBus {
   io::IoResult<void> exchange(std::uint8_t select, std::span<const std::uint8_t> mosi,
                               std::span<std::uint8_t> miso, Duration setup,
                               std::uint32_t clock_hz) override {
-    spi::Transfer transfer{select, spi::Bytes(mosi), setup, clock_hz};
+    const spi::Transfer transfer{select, spi::Bytes(mosi), setup, clock_hz};
     // The machine's time never runs back, and a transfer's own time lies ahead of the clock.
     const Instant start = std::max(clock_.now(), machine_time_);
     const spi::Bytes received = machine_.exchange(transfer, start);
@@ -216,8 +216,8 @@ io::IoResult<void> serve_simwire(sim::SimwireServer& server, io::Port& port, Byt
     const Line reply = encode_reply(*read == LineReader::Result::kLine
                                         ? server.answer(lines.line())
                                         : Reply{Refused{text_of("the line is too long")}});
-    log.add(ByteLog::Direction::kToDevice, as_bytes(lines.line()), server.now());
-    log.add(ByteLog::Direction::kToHost, as_bytes(view(reply)), server.now());
+    log.add(ByteLog::Direction::kToDevice, bytes_of(lines.line()), server.now());
+    log.add(ByteLog::Direction::kToHost, bytes_of(view(reply)), server.now());
     if (auto written = write_line(port, reply); !written) return written;
   }
   return {};

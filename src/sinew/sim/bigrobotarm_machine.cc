@@ -88,7 +88,7 @@ BigRobotArmMachine::Axis::Axis(const StepperDrive& stepper, double joint_inertia
       motor(stepper, inertia, angle) {}
 
 double BigRobotArmMachine::Axis::contact_torque() const {
-  const double beyond = q() < lower ? q() - lower : q() > upper ? q() - upper : 0;
+  const double beyond = q() - std::clamp(q(), lower, upper);
   // As stiff as the tick can integrate.
   const double stiffness = 0.2 * inertia / (kTickSeconds * kTickSeconds);
   return -stiffness * beyond / joint_per_motor;

@@ -47,7 +47,7 @@ class BigRobotArmMachine : public ByteMachine {
 
  private:
   struct Axis {
-    Axis(const StepperDrive& stepper, double joint_inertia, double joint_per_motor, double angle);
+    Axis(const StepperDrive& stepper, double joint_inertia, double ratio, double angle);
 
     StepperDrive drive;
     double inertia;          ///< kg m^2 at the motor

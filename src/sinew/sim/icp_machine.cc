@@ -32,9 +32,9 @@ StepperDrive usual_drive() {
   return drive;
 }
 
-template <class Make, std::size_t... kIndex>
-auto array_of(Make&& make, std::index_sequence<kIndex...>) {
-  return std::array{make(kIndex)...};
+template <class Make, std::size_t... Index>
+auto array_of(Make&& make, std::index_sequence<Index...>) {
+  return std::array{make(Index)...};
 }
 
 std::array<Tmc222, kLegs> make_modules(const IcpDevice& device, std::uint64_t seed, Instant boot) {

@@ -86,7 +86,7 @@ TEST(LinkFaults, a_late_byte_holds_up_all_behind_it) {
     link.push(kToHost, std::span(&byte, 1), now);
     for (const std::uint8_t b : all_of(link, kToHost, now)) got.push_back(b);
   }
-  EXPECT_LT(got.size(), sent.size() + 1);
+  EXPECT_LT(got.size(), sent.size()) << "some are still under way";
   EXPECT_GT(link.counts(kToHost).delayed, 2U);
   while (const auto next = link.next_event()) {
     for (const std::uint8_t b : all_of(link, kToHost, *next)) got.push_back(b);
@@ -268,21 +268,33 @@ TEST(FaultText, what_is_printed_reads_back_as_the_same_plan) {
 }
 
 TEST(FaultText, any_text_is_read_or_refused_with_a_sentence) {
-  test::for_random_cases(20'000, [](test::Random& random) {
-    static constexpr std::string_view kPieces[] = {
-        "drop", "cut", "half-open", "=",  "@",   ":",     ",",  "J2",  "J", "0.1", "1e999",
-        "3s",   "ms",  "to-host",   "-1", "off", "block", "kg", "nan", " ", "\n",  "magnet"};
+  static constexpr std::string_view kPieces[] = {
+      "drop", "cut", "half-open", "=",  "@",   ":",     ",",  "J2",  "J", "0.1", "1e999",
+      "3s",   "ms",  "to-host",   "-1", "off", "block", "kg", "nan", " ", "\n",  "magnet"};
+  static constexpr std::string_view kItems[] = {"drop=0.1", "cut@3s", "block=J2@20deg@4s",
+                                                "delay=0.01:3ms", "half-open@1s:to-host"};
+  int accepted = 0;
+  test::for_random_cases(20'000, [&](test::Random& random) {
     std::string text;
-    for (std::int64_t i = random.integer(0, 12); i > 0; --i) {
-      text += kPieces[static_cast<std::size_t>(random.integer(0, 21))];
+    for (std::int64_t i = random.integer(0, 4); i > 0; --i) {
+      if (!text.empty()) text += ',';
+      text += kItems[static_cast<std::size_t>(random.integer(0, std::ssize(kItems) - 1))];
+    }
+    for (std::int64_t i = random.integer(0, 4); i > 0; --i) {
+      const auto piece = static_cast<std::size_t>(random.integer(0, std::ssize(kPieces) - 1));
+      const auto place = static_cast<std::size_t>(random.integer(0, std::ssize(text)));
+      text.insert(place, kPieces[piece]);
     }
     const auto plan = parse_faults(text);
     if (plan) {
+      accepted += text.empty() ? 0 : 1;
       EXPECT_EQ(parse_faults(to_text(*plan))->link, plan->link) << text;
     } else {
       EXPECT_FALSE(plan.error().empty());
     }
   });
+  EXPECT_GT(accepted, 1000) << "some are read";
+  EXPECT_LT(accepted, 15'000) << "some are refused";
 }
 
 }  // namespace

@@ -77,7 +77,7 @@ LscMachine::LscMachine(const RobotModel& model, LscProfile profile, std::uint64_
   for (const Joint& joint : model.joints) {
     const double lower = std::max(joint.lower, -kServoEnd);
     const double upper = std::min(joint.upper, kServoEnd);
-    servos_.push_back(ServoMotor(drive, random.uniform(lower, upper)));
+    servos_.emplace_back(drive, random.uniform(lower, upper));
   }
   const auto& gripper = serial(model).gripper;
   const double unit = profile == LscProfile::kBus ? kBusUnitAngle : kPwmUnitAngle;
@@ -85,7 +85,7 @@ LscMachine::LscMachine(const RobotModel& model, LscProfile profile, std::uint64_
   jaw_span_ = std::abs(device_.gripper.closed - device_.gripper.open) * unit;
   drive.end_lower = 0;
   drive.end_upper = jaw_span_;
-  servos_.push_back(ServoMotor(drive, random.uniform(0, jaw_span_)));
+  servos_.emplace_back(drive, random.uniform(0, jaw_span_));
   update_load();
   sense();
 }

@@ -12,7 +12,7 @@ using namespace simwire;
 
 namespace {
 
-constexpr std::uint64_t kJump_us = 3'600'000'000;
+constexpr std::uint64_t kJumpUs = 3'600'000'000;
 constexpr std::uint32_t kClockMax = 50'000'000;  // Hz
 
 Reply refused(std::string_view why) {
@@ -68,7 +68,7 @@ bool SimwireServer::advance_to(std::uint64_t time_us) {
   if (last_us_ && time_us < *last_us_) return false;
   const std::uint64_t passed = last_us_ ? time_us - *last_us_ : 0;
   last_us_ = time_us;
-  if (passed > kJump_us) return true;
+  if (passed > kJumpUs) return true;
   // Time that a transfer took may already lie ahead of the host's stamp.
   const Instant stamp = stamp_ + std::chrono::microseconds(passed);
   stamp_ = stamp;

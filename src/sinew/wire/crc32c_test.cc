@@ -11,7 +11,7 @@ namespace sinew {
 namespace {
 
 std::uint32_t crc_of(std::string_view text) {
-  return crc32c({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+  return crc32c(std::vector<std::uint8_t>(text.begin(), text.end()));
 }
 
 /// Bit by bit, as the polynomial says it.
