@@ -43,6 +43,11 @@ bool is_on_spi(const RobotModel& model) {
   return !boards_of(model).empty();
 }
 
+std::expected<void, Outcome> check_seed(std::int64_t seed) {
+  if (seed >= 0) return {};
+  return std::unexpected(bad_input(fmt::format("--seed: {} is negative; any number from 0", seed)));
+}
+
 std::expected<void, Outcome> check_time_scale(double scale) {
   constexpr double kMin = 0.01;
   constexpr double kMax = 100;

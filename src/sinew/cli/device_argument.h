@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <expected>
 #include <span>
 #include <string>
@@ -19,6 +20,9 @@ std::string silence_hint(const RobotModel& model);
 bool is_on_spi(const RobotModel& model);
 /// The boards of a robot on SPI; none for others.
 std::span<const AxisBoard> boards_of(const RobotModel& model);
+
+/// A seed is a whole number from 0.
+std::expected<void, Outcome> check_seed(std::int64_t seed);
 
 /// Time scales that a simulation can keep up with: 0.01 to 100.
 std::expected<void, Outcome> check_time_scale(double scale);

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
+#include <utility>
 
 #include "sinew/cli/shown_text.h"
 #include "sinew/cli/table.h"
@@ -73,6 +75,24 @@ Axis axis_for(double lower, double upper, int ticks) {
   return {std::floor(lower / step) * step, std::ceil(upper / step) * step, step};
 }
 
+/// Zero is shown where it is not far beside the values: a leg of 268 mm has no use for it.
+std::pair<double, double> range_of(const Panel& panel) {
+  double lower = std::numeric_limits<double>::infinity();
+  double upper = -lower;
+  for (const Curve& curve : panel.curves) {
+    for (const double value : curve.values) {
+      if (!std::isfinite(value)) continue;
+      lower = std::min(lower, value);
+      upper = std::max(upper, value);
+    }
+  }
+  if (lower > upper) return {0, 0};
+  const double span = upper - lower;
+  if (lower > 0 && lower < 10 * span) lower = 0;
+  if (upper < 0 && -upper < 10 * span) upper = 0;
+  return {lower, upper};
+}
+
 class Picture {
  public:
   Picture(const std::string& title, const std::vector<double>& t_s, std::size_t panels)
@@ -91,14 +111,7 @@ class Picture {
 
   void add(const Panel& panel, std::size_t index) {
     const double top = kTop + static_cast<double>(index) * (kPanelHeight + kGap);
-    double lower = 0;
-    double upper = 0;
-    for (const Curve& curve : panel.curves) {
-      for (const double value : curve.values) {
-        lower = std::min(lower, value);
-        upper = std::max(upper, value);
-      }
-    }
+    const auto [lower, upper] = range_of(panel);
     const Axis axis = axis_for(lower, upper, 6);
     const auto y = [&](double value) {
       return top + kPanelHeight * (axis.upper - value) / (axis.upper - axis.lower);
@@ -129,18 +142,23 @@ class Picture {
   template <class Y>
   void add(const Curve& curve, std::size_t i, double top, const Y& y) {
     const char* colour = kColours[i % kColours.size()];
-    std::string points;
+    std::string path;
     double drawn = -1;
+    bool pen_down = false;
     for (std::size_t k = 0; k < t_s_.size(); ++k) {
+      const bool known = std::isfinite(curve.values[k]);
       // One point a pixel is all that the eye gets.
-      if (x(t_s_[k]) < drawn + 1 && k + 1 < t_s_.size()) continue;
+      if (known && pen_down && x(t_s_[k]) < drawn + 1 && k + 1 < t_s_.size()) continue;
       drawn = x(t_s_[k]);
-      points += fmt::format("{:.1f},{:.1f} ", drawn, y(curve.values[k]));
+      if (known) {
+        path += fmt::format("{}{:.1f},{:.1f} ", pen_down ? "L" : "M", drawn, y(curve.values[k]));
+      }
+      pen_down = known;
     }
     svg_ += fmt::format(
-        "<polyline points=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"1.8\" "
+        "<path d=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"1.8\" "
         "stroke-linejoin=\"round\"/>\n",
-        points, colour);
+        path, colour);
     const double legend = top + 8 + 20 * static_cast<double>(i);
     svg_ += fmt::format(
         "<path d=\"M{} {}h18\" stroke=\"{}\" stroke-width=\"3\"/><text x=\"{}\" y=\"{}\" "

@@ -18,7 +18,7 @@ struct Panel {
 };
 
 /// A picture of curves over time, readable on light and dark pages alike.
-/// @param t_s  ascending; every curve has as many values.
+/// @param t_s  ascending; every curve has as many values; what is not a number is a gap.
 std::string plot_svg(const std::string& title, const std::vector<double>& t_s,
                      const std::vector<Panel>& panels);
 

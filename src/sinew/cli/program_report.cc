@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "sinew/cli/kinematics_text.h"
 #include "sinew/cli/plot_svg.h"
@@ -18,6 +19,7 @@ using program::MoveOrder;
 using program::Record;
 
 constexpr Duration kSamplePeriod = std::chrono::milliseconds(10);
+constexpr double kVelocityWindow = 0.2;  // s
 
 bool is_leg(const Joint& joint) {
   return joint.kind == JointKind::kPrismatic;
@@ -165,7 +167,10 @@ void SampleRecorder::look(const program::Run& run, Instant now) {
   JointSample sample;
   sample.t = to_seconds(now - start_);
   sample.worst = worst_of(run.driver().positions());
-  for (const JointPosition& position : run.driver().positions()) sample.q.push_back(position.q);
+  for (const JointPosition& position : run.driver().positions()) {
+    const bool known = position.quality != PositionQuality::kLost;
+    sample.q.push_back(known ? position.q : std::numeric_limits<double>::quiet_NaN());
+  }
   samples_.push_back(sample);
 }
 
@@ -246,7 +251,8 @@ std::string program_csv(const RobotModel& model, const std::vector<JointSample>&
   for (const JointSample& sample : samples) {
     csv += fmt::format("{:.6f}", sample.t);
     for (std::size_t i = 0; i < sample.q.size(); ++i) {
-      csv += fmt::format(",{:.6f}", shown(sample.q[i], model.joints[i]));
+      const bool known = std::isfinite(sample.q[i]);
+      csv += known ? fmt::format(",{:.6f}", shown(sample.q[i], model.joints[i])) : ",";
     }
     csv += fmt::format(",{}\n", quality_name(sample.worst));
   }
@@ -259,14 +265,17 @@ std::string program_svg(const RobotModel& model, const std::vector<JointSample>&
   Panel position{"position, " + unit, {}};
   Panel velocity{"velocity, " + unit + "/s", {}};
   std::vector<double> t;
+  t.reserve(samples.size());
   for (const JointSample& sample : samples) t.push_back(sample.t);
   for (std::size_t i = 0; i < model.joints.size(); ++i) {
     position.curves.push_back({model.joints[i].name, {}});
     velocity.curves.push_back({model.joints[i].name, {}});
+    std::size_t before = 0;
     for (std::size_t k = 0; k < samples.size(); ++k) {
       const double q = shown(samples[k].q[i], model.joints[i]);
       position.curves[i].values.push_back(q);
-      const std::size_t before = k == 0 ? 0 : k - 1;
+      // Readings come in steps; over a fifth of a second they make a speed.
+      while (t[k] - t[before] > kVelocityWindow) ++before;
       const double dt = t[k] - t[before];
       const double last = shown(samples[before].q[i], model.joints[i]);
       velocity.curves[i].values.push_back(dt > 0 ? (q - last) / dt : 0);

@@ -12,8 +12,8 @@ namespace sinew::cli {
 
 /// Where the joints were at one instant of a run, as the driver knew it.
 struct JointSample {
-  double t = 0;  ///< s since the first order
-  JointVector q;
+  double t = 0;                                    ///< s since the first order
+  JointVector q;                                   ///< not a number where a joint is lost
   PositionQuality worst = PositionQuality::kLost;  ///< of all joints
 };
 

@@ -31,8 +31,13 @@ std::expected<std::optional<JointVector>, Outcome> standing_at(const RunRequest&
                                                                const RobotModel& model) {
   JointVector q;
   for (const Joint& joint : model.joints) q.push_back(joint.home);
-  // A machine that is simulated here begins at its home.
-  if (!request.standing_at) return request.port ? std::nullopt : std::optional(q);
+  if (!request.standing_at) {
+    // These two begin at their home where they are simulated; the others must find out.
+    const auto& settings = model.device.settings;
+    const bool at_home = std::holds_alternative<IcpDevice>(settings) ||
+                         std::holds_alternative<BigRobotArmDevice>(settings);
+    return !request.port && at_home ? std::optional(q) : std::nullopt;
+  }
   if (*request.standing_at == "home") return q;
   const bool legs = model.joints[0].kind == JointKind::kPrismatic;
   const auto values =
@@ -63,6 +68,7 @@ std::expected<Prepared, Outcome> prepare(const RunRequest& request) {
   if (!variant) return std::unexpected(bad_input(variant.error()));
   Prepared prepared{std::move(*variant), {}, {}};
   const RobotModel& model = prepared.model;
+  if (const auto fine = check_seed(request.seed); !fine) return std::unexpected(fine.error());
   if (const auto fine = check_time_scale(request.time_scale); !fine) {
     return std::unexpected(fine.error());
   }
@@ -155,7 +161,10 @@ Outcome drive(const RunRequest& request, const Prepared& prepared, runtime::Robo
   outcome.json.update(program_json(report));
   outcome.text = program_text(report);
   outcome.complaint = why_not_done(request, model, run, end, link.name());
-  if (run.phase() != program::Run::Phase::kDone) outcome.exit = ExitCode::kCouldNot;
+  if (run.phase() != program::Run::Phase::kDone) {
+    outcome.exit = ExitCode::kCouldNot;
+    outcome.json["error"] = {{"sentence", outcome.complaint}};
+  }
   write_files(request, model, recorder.samples(), outcome);
   if (const auto failure = log.failure()) {
     add_failure(outcome, "--log: " + failure->sentence + "; the log is not whole");
@@ -203,8 +212,10 @@ Outcome run_sinew_program(const RunRequest& request) {
   runtime::ByteLog log;
   auto link = request.port
                   ? runtime::RobotLink::open(model, *request.port, clock, log)
-                  : runtime::RobotLink::simulate(
-                        model, {.profile = request.profile, .seed = request.seed}, clock, log);
+                  : runtime::RobotLink::simulate(model,
+                                                 {.profile = request.profile,
+                                                  .seed = static_cast<std::uint64_t>(request.seed)},
+                                                 clock, log);
   if (!link) return could_not(link.error().sentence);
   // Only now: whoever is refused the port must not empty the log of the run that has it.
   if (request.log) {

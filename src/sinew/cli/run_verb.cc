@@ -110,7 +110,10 @@ Outcome drive(const Job& job, io::Port& port, const io::Clock& clock, runtime::B
   outcome.json.update(run_json(job.model, run, end));
   outcome.text = run_text(job.model, run, end);
   outcome.complaint = why_not_done(job, run, end, port.path());
-  if (run.phase() != sequence::Run::Phase::kDone) outcome.exit = ExitCode::kCouldNot;
+  if (run.phase() != sequence::Run::Phase::kDone) {
+    outcome.exit = ExitCode::kCouldNot;
+    outcome.json["error"] = {{"sentence", outcome.complaint}};
+  }
   if (run.looked_like_boot() && job.request.port) {
     outcome.text +=
         "  note: the device answered as just powered up; it counts from where the arm "
@@ -146,6 +149,17 @@ std::expected<Prepared, Outcome> prepare(const RunRequest& request) {
                                      "NAME.sinew; G0 .. sequences are the BigRobotArm's"));
   }
   prepared.device = *device;
+  if (device->probe_wire) {
+    return std::unexpected(
+        bad_input("--wire: a sequence needs byte, text or text2026; programs "
+                  "NAME.sinew can find out by themselves (probe)"));
+  }
+  if (request.standing_at) {
+    return std::unexpected(
+        bad_input("--standing-at: a sequence counts from where the arm stood "
+                  "when it was switched on; a program NAME.sinew takes it"));
+  }
+  if (const auto fine = check_seed(request.seed); !fine) return std::unexpected(fine.error());
   if (const auto fine = check_time_scale(request.time_scale); !fine) {
     return std::unexpected(fine.error());
   }
@@ -182,8 +196,9 @@ Outcome run_program(const RunRequest& request) {
   std::unique_ptr<runtime::MachineThread> simulated;
   std::string path = request.port.value_or("");
   if (!request.port) {
-    auto machine = runtime::make_machine(model, {.profile = request.profile, .seed = request.seed},
-                                         clock.now());
+    auto machine = runtime::make_machine(
+        model, {.profile = request.profile, .seed = static_cast<std::uint64_t>(request.seed)},
+        clock.now());
     if (!machine) return could_not(machine.error());
     auto started = runtime::MachineThread::start(std::move(machine->byte), clock,
                                                  {.baud = model.device.baud, .faults = {}});

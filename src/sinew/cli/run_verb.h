@@ -15,7 +15,7 @@ struct RunRequest {
   std::optional<std::string> wire;
   std::optional<std::string> profile;
   std::optional<std::string> standing_at;  ///< "home", or one value per joint
-  std::uint64_t seed = 1;                  ///< of the simulated machine
+  std::int64_t seed = 1;                   ///< of the simulated machine
   std::optional<std::string> record;
   std::optional<std::string> plot;
   std::optional<std::string> log;

@@ -104,6 +104,7 @@ std::expected<Job, Outcome> prepare(const SimRequest& request) {
   if (const auto fine = check_spi_options(request, spi); !fine) {
     return std::unexpected(fine.error());
   }
+  if (const auto fine = check_seed(request.seed); !fine) return std::unexpected(fine.error());
   if (const auto fine = check_time_scale(request.time_scale); !fine) {
     return std::unexpected(fine.error());
   }
@@ -130,7 +131,7 @@ std::expected<Job, Outcome> prepare(const SimRequest& request) {
   auto machine =
       runtime::make_machine(job.model,
                             {.profile = request.profile,
-                             .seed = request.seed,
+                             .seed = static_cast<std::uint64_t>(request.seed),
                              .boards = static_cast<std::size_t>(request.slaves.value_or(axes)),
                              .soft_select = request.nss == "soft"},
                             Instant{});

@@ -18,7 +18,7 @@ struct SimRequest {
   std::optional<std::string> simwire;  ///< "unix:PATH" or "stdio"; boards on SPI only
   std::optional<std::int64_t> slaves;
   std::optional<std::string> nss;  ///< "hard" or "soft"
-  std::uint64_t seed = 1;
+  std::int64_t seed = 1;
   double time_scale = 1;
   bool json = false;
 };

@@ -141,6 +141,12 @@ constexpr std::array kTable = std::to_array<ErrorInfo>({
      502},
     {kMissedTarget, "missed_target", "{subject} came to {measured}, sent to {limit}, {excess} off",
      kAngle, true, kHold, 502},
+    {kJawWidth, "jaw_width", "jaws of {measured} are asked for; they open from 0 to {limit}",
+     kLength, true, kNoStop, 422},
+    {kToolAngle, "tool_angle", "the tool would need {measured}, limit {limit}", kAngle, true,
+     kNoStop, 422},
+    {kNoEndStops, "no_end_stops", "this robot has no end stops to find its zeros with", kNone, true,
+     kNoStop, 422},
 });
 
 std::string format_value(double value, Quantity quantity) {

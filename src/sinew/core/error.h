@@ -63,6 +63,9 @@ enum class ErrorCode : std::uint8_t {
   kSelfTestFailed,           ///< index: joint
   kMotionIgnored,            ///< index: joint; the device acknowledged a motion and did not make it
   kMissedTarget,             ///< index: joint; measured: where it is, limit: where it was sent, rad
+  kJawWidth,                 ///< measured, limit: m
+  kToolAngle,                ///< measured, limit: rad
+  kNoEndStops,               ///< this robot cannot find its zeros by itself
 };
 
 /// How a stop ends, after IEC 60204-1.

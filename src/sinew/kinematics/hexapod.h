@@ -8,6 +8,7 @@
 #include "sinew/core/error.h"
 #include "sinew/core/fixed_vector.h"
 #include "sinew/core/pose.h"
+#include "sinew/core/units.h"
 #include "sinew/kinematics/hexapod_linear.h"
 #include "sinew/kinematics/leg_blocks.h"
 #include "sinew/model/robot_model.h"
@@ -24,7 +25,7 @@ inline constexpr double kHexapodResidual = 1e-12;
 inline constexpr int kHexapodIterationsMax = 16;
 
 /// An answer turned by more than this from the last pose may be another assembly: refused, rad.
-inline constexpr double kHexapodTurnMax = 30 * 3.14159265358979323846 / 180;
+inline constexpr double kHexapodTurnMax = from_deg(30);
 
 /// Row i turns the platform's twist into the rate of leg i, m/s: [s_i, R a_i x s_i] times
 /// [velocity of P's origin, angular velocity], both in base B; s_i is the unit vector along leg i.

@@ -8,6 +8,7 @@
 
 #include "sinew/core/quantity.h"
 #include "sinew/core/spelling.h"
+#include "sinew/core/stable_sort.h"
 #include "sinew/core/units.h"
 
 namespace sinew::program {
@@ -286,7 +287,7 @@ std::expected<Program, std::vector<Complaint>> parse(std::string_view text,
   }
   parser.finish();
   if (!parser.complaints().empty()) {
-    std::ranges::stable_sort(parser.complaints(), {}, [](const Complaint& complaint) {
+    stable_sort_by(parser.complaints(), [](const Complaint& complaint) {
       return Place{complaint.line, complaint.column};
     });
     return std::unexpected(std::move(parser.complaints()));

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+
+#include "sinew/core/units.h"
 
 namespace sinew::program {
 namespace {
@@ -14,6 +17,41 @@ constexpr std::size_t kTurnsMax = 4 * kOrdersMax;
 Error too_long() {
   constexpr auto kMax = static_cast<double>(kOrdersMax);
   return {ErrorCode::kProgramTooLong, -1, kMax + 1, kMax};
+}
+
+/// What this robot's tool cannot do; nothing where it can.
+std::optional<Error> tool_refusal(const RobotModel& robot, const ToolAction& action) {
+  const auto& settings = robot.device.settings;
+  constexpr double kNozzleMax = kPi / 2;  // either way: 500 to 2500 us
+  constexpr double kTolerance = 1e-9;
+  if (const auto* jaws = std::get_if<JawsTo>(&action)) {
+    const auto* geometry = std::get_if<SerialGeometry>(&robot.geometry);
+    const bool fitted =
+        geometry != nullptr && geometry->gripper && std::holds_alternative<LscDevice>(settings);
+    if (!fitted) return Error{ErrorCode::kToolNotFitted};
+    const double widest = geometry->gripper->width_max;
+    if (jaws->width >= 0 && jaws->width <= widest + kTolerance) return std::nullopt;
+    return Error{ErrorCode::kJawWidth, -1, jaws->width, widest};
+  }
+  if (const auto* gripper = std::get_if<GripperTo>(&action)) {
+    const auto* device = std::get_if<BigRobotArmDevice>(&settings);
+    if (device == nullptr) return Error{ErrorCode::kToolNotFitted};
+    const double widest = from_deg(device->gripper_max);
+    const bool fine = gripper->angle >= 0 && gripper->angle <= widest + kTolerance;
+    if (!gripper->enabled || fine) return std::nullopt;
+    return Error{ErrorCode::kToolAngle, -1, gripper->angle, gripper->angle < 0 ? 0 : widest};
+  }
+  if (!std::holds_alternative<MaxArmDevice>(settings)) return Error{ErrorCode::kToolNotFitted};
+  const auto* nozzle = std::get_if<NozzleTo>(&action);
+  if (nozzle == nullptr || std::abs(nozzle->angle) <= kNozzleMax + kTolerance) return std::nullopt;
+  return Error{ErrorCode::kToolAngle, -1, nozzle->angle, std::copysign(kNozzleMax, nozzle->angle)};
+}
+
+/// Only axis boards have end stops, and only those that report can say that they were found.
+bool can_home(const RobotModel& robot) {
+  const auto* registers = std::get_if<AxisRegistersDevice>(&robot.device.settings);
+  if (registers != nullptr) return registers->reports_status;
+  return std::holds_alternative<AxisLinkDevice>(robot.device.settings);
 }
 
 class Planner {
@@ -35,8 +73,12 @@ class Planner {
       plan_.duration += to_seconds(wait->duration);
       order.what = WaitOrder{wait->duration};
     } else if (const auto* tool = std::get_if<ToolStep>(&step.what)) {
+      if (const auto refusal = tool_refusal(robot_, tool->action)) {
+        return Refusal{step.line, *refusal};
+      }
       order.what = ToolOrder{tool->action};
     } else {
+      if (!can_home(robot_)) return Refusal{step.line, Error{ErrorCode::kNoEndStops}};
       q_.emplace();
       for (const Joint& homed : robot_.joints) q_->push_back(homed.home);
     }

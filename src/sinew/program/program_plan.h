@@ -59,7 +59,8 @@ double first_move_duration(const RobotModel& robot);
 /// knows before it ran, so the moves behind it are planned from `home_deg` of the robot's file and
 /// planned again when the machine has told.
 ///
-/// @error kJointLimit (index), kPositionUnknown (a move of some joints, while the others are
+/// @error kJointLimit (index), kToolNotFitted, kJawWidth, kToolAngle, kNoEndStops, kPositionUnknown
+/// (a move of some joints, while the others are
 ///        nowhere known), kProgramTooLong; nothing of the program may run then.
 std::expected<Plan, Refusal> make_plan(const Program& program, const RobotModel& robot,
                                        const Start& start);

@@ -256,6 +256,36 @@ TEST(ProgramRun, silent_device_fails_the_opening_after_its_limit) {
   EXPECT_EQ(cell.run.failure()->error.code, ErrorCode::kDeviceSilent);
 }
 
+TEST(ProgramPlan, tools_and_homing_are_checked_with_everything_else) {
+  const struct {
+    const char* robot;
+    const char* text;
+    std::optional<ErrorCode> refusal;
+  } kCases[] = {
+      {"learm", "jaws 60mm", std::nullopt},
+      {"learm", "jaws 60.1mm", ErrorCode::kJawWidth},
+      {"learm", "jaws -1mm", ErrorCode::kJawWidth},
+      {"learm", "gripper 10deg", ErrorCode::kToolNotFitted},
+      {"learm", "home", ErrorCode::kNoEndStops},
+      {"bigrobotarm", "gripper 180deg", std::nullopt},
+      {"bigrobotarm", "gripper 181deg", ErrorCode::kToolAngle},
+      {"bigrobotarm", "jaws 1mm", ErrorCode::kToolNotFitted},
+      {"maxarm", "suction on", std::nullopt},
+      {"maxarm", "nozzle -90deg time=1s", std::nullopt},
+      {"maxarm", "nozzle -91deg time=1s", ErrorCode::kToolAngle},
+      {"hexapod", "suction off", ErrorCode::kToolNotFitted},
+      {"robot-arm-2", "home", std::nullopt},
+  };
+  for (const auto& c : kCases) {
+    const RobotModel& robot = test::robot(c.robot);
+    const auto plan = make_plan(*parse(c.text, "p", robot), robot, at(robot, 0));
+    ASSERT_EQ(plan.has_value(), !c.refusal) << c.robot << " " << c.text;
+    if (!plan) {
+      EXPECT_EQ(plan.error().error.code, *c.refusal) << c.robot << " " << c.text;
+    }
+  }
+}
+
 TEST(ProgramPlan, endless_programs_are_refused) {
   const RobotModel& robot = test::robot("learm");
   for (const char* text :

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <vector>
@@ -36,7 +37,7 @@ class Run {
   /// Opening the port may reset the board, whose boot loader then listens for a second or two.
   static constexpr Duration kOpeningLimit = std::chrono::seconds(6);
 
-  enum class Phase { kOpening, kRunning, kStopping, kDone, kStopped, kFailed };
+  enum class Phase : std::uint8_t { kOpening, kRunning, kStopping, kDone, kStopped, kFailed };
 
   /// @param robot, driver  outlive the run
   Run(const Program& program, const RobotModel& robot, BigRobotArmDriver& driver,
