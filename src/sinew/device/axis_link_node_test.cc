@@ -152,7 +152,7 @@ TEST(AxisLinkNode, an_answer_is_the_state_from_before_its_frame) {
   bench.run_for(20ms);
   const double q = bench.axis.q();
   const Reply reply = bench.exchange(bench.request(Mode::kStop));
-  const State& state = std::get<State>(reply.body);
+  const auto& state = std::get<State>(reply.body);
   EXPECT_NEAR(from_units(state.position), q, 1e-8);
   EXPECT_NEAR(state.velocity / kStateVelocityUnits, from_deg(100), 1e-3);
   EXPECT_TRUE(state.moving);

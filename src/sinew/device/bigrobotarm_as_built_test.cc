@@ -345,9 +345,8 @@ TEST(BigRobotArmAsBuilt, any_bytes_are_survived_without_an_allocation) {
     for (int step = 0; step < 40; ++step) {
       for (auto& byte : bytes) {
         const auto letter = static_cast<std::size_t>(random.integer(0, kAlphabet.size() - 1));
-        byte = static_cast<std::uint8_t>(wire == BigRobotArmWire::kText ? kAlphabet[letter]
-                                         : random.chance(0.7)           ? random.integer(0, 14)
-                                                                        : random.integer(0, 255));
+        byte = static_cast<std::uint8_t>(random.integer(0, random.chance(0.7) ? 14 : 255));
+        if (wire == BigRobotArmWire::kText) byte = static_cast<std::uint8_t>(kAlphabet[letter]);
       }
       firmware.receive(bytes, now);
       now += Duration{random.integer(0, 20'000'000'000)};

@@ -14,9 +14,9 @@ using namespace std::chrono_literals;
 using Bytes = std::vector<std::uint8_t>;
 using State = IcpController::State;
 
-template <std::size_t... kIndex>
-std::array<Tmc222, icp::kMotors> six(std::index_sequence<kIndex...>) {
-  return {Tmc222(static_cast<std::uint8_t>(0x61 + kIndex), {}, 7.5, Instant{})...};
+template <std::size_t... Index>
+std::array<Tmc222, icp::kMotors> six(std::index_sequence<Index...>) {
+  return {Tmc222(static_cast<std::uint8_t>(0x61 + Index), {}, 7.5, Instant{})...};
 }
 
 struct Bench {
@@ -51,7 +51,7 @@ struct Bench {
 };
 
 TEST(IcpController, boot_wakes_all_modules_and_writes_their_parameters) {
-  Bench bench;
+  const Bench bench;
   for (const Tmc222& module : bench.modules) {
     EXPECT_EQ(module.state(), Tmc222::State::kStopped);
     EXPECT_EQ(module.parameters(), icp::kMotorParameters);

@@ -22,11 +22,6 @@ Error with_index(Error error, std::size_t joint) {
   return error;
 }
 
-/// s to rest from full speed, inside the joint's limits.
-double braking_time(const Joint& joint) {
-  return joint.velocity_max / joint.acceleration_max + joint.acceleration_max / joint.jerk_max;
-}
-
 }  // namespace
 
 AxisLinkDriver::AxisLinkDriver(const AxisLinkDevice& device, std::span<const Joint> joints,
@@ -37,7 +32,7 @@ AxisLinkDriver::AxisLinkDriver(const AxisLinkDevice& device, std::span<const Joi
   for (std::size_t i = 0; i < joints.size(); ++i) {
     channels_.push_back(
         Channel({static_cast<std::uint8_t>(i), joints[i], deadline_, timing.failures_max}));
-    braking_ = std::max(braking_, from_seconds(braking_time(joints[i])));
+    run_out_ = std::max(run_out_, channels_[i].run_out());
   }
   positions_.resize(joints.size());
 }

@@ -47,8 +47,8 @@ struct AxisLinkTiming {
 ///   kIdle     | home                                   | kHoming
 ///   kHoming   | each axis in turn is homed             | kIdle, kDone
 ///   any       | stop                                   | kStopping
-///   kStopping | every axis that answers stands, those  | kIdle, kStopped
-///             | that do not are past their deadline    |
+///   kStopping | every axis that answers stands, others | kIdle, kStopped
+///             | had their deadline and time to brake   |
 ///   any       | close                                  | kClosed, kFailed
 ///
 /// stop() is a frame to all axes in the next transfer, then one to each until it says that it has
@@ -61,7 +61,8 @@ struct AxisLinkTiming {
 ///
 /// positions(): kMeasured -+ the encoder's resolution once an axis is homed, as it was when its
 /// last frame began; kUncertain while its answers fail, over all that it can have gone since;
-/// kLost before homing, after a restart, and when it was silent for its deadline. All @rt.
+/// kLost before homing, after a restart, and when it was silent for its deadline and the time that
+/// braking takes. All @rt.
 class AxisLinkDriver : public SpiDriver {
  public:
   /// @param joints  one per board, within +-32 rad.
@@ -163,7 +164,7 @@ class AxisLinkDriver : public SpiDriver {
   // Stopping.
   bool stop_asked_ = false;
   bool stop_in_opening_ = false;
-  Duration braking_{};
+  Duration run_out_{};  ///< of the slowest axis
 
   FixedVector<DriverEvent, 32> events_;
 };

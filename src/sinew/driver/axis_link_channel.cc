@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "sinew/core/assert.h"
+#include "sinew/core/units.h"
 
 namespace sinew::axis_link {
 namespace {
@@ -25,6 +26,14 @@ std::int32_t inside_units(const Joint& joint, double q) {
 constexpr double kSnap = 3.7e-3;
 
 constexpr int kHelloTries = 8;
+
+/// Longest time to rest inside the joint's limits: at full speed a moment from now, and the
+/// acceleration that leads there must end first.
+Duration braking_time(const Joint& joint) {
+  if (joint.velocity_max == 0) return {};  // a channel without a joint as yet
+  return from_seconds(joint.velocity_max / joint.acceleration_max +
+                      2 * joint.acceleration_max / joint.jerk_max);
+}
 
 bool all_alike(std::span<const std::uint8_t> bytes) {
   return std::ranges::all_of(bytes, [&](std::uint8_t byte) { return byte == bytes[0]; });
@@ -68,7 +77,8 @@ Channel::Channel(const ChannelSettings& settings)
     : settings_(settings),
       hash_(model_hash({settings.axis, settings.joint.lower, settings.joint.upper,
                         settings.joint.velocity_max, settings.joint.acceleration_max,
-                        settings.joint.jerk_max})) {
+                        settings.joint.jerk_max})),
+      run_out_(settings.deadline + braking_time(settings.joint)) {
   SINEW_ASSERT(to_units(settings.joint.lower) && to_units(settings.joint.upper));
   SINEW_ASSERT(settings.failures_max > 0);
 }
@@ -167,7 +177,8 @@ bool Channel::replied(std::span<const std::uint8_t> miso, Instant now) {
   if (!of_session) {
     // It started again, or heard nothing from us for so long that it closed the session.
     const auto* state = std::get_if<State>(&reply->body);
-    const bool forgot = state_ && ((state != nullptr && !state->homed) || !state_->position_ok);
+    const bool denies = state != nullptr && !state->homed;
+    const bool forgot = state_ && state_->homed && (denies || !state_->position_ok);
     if (forgot) state_->position_ok = false;
     fail(forgot ? ErrorCode::kPositionUnknown : ErrorCode::kLinkSilent, 0, now);
     return false;
@@ -244,7 +255,7 @@ JointPosition Channel::position(Instant now) const {
   const bool known =
       step_ != Step::kShut && state_ && state_->homed && state_->position_ok && !state_->homing;
   const Duration age = now - fresh_at_;
-  if (!known || (failures_ > 0 && age > settings_.deadline)) return position;
+  if (!known || (failures_ > 0 && age > run_out_)) return position;
   // As far as it can have gone since it was seen.
   const double way = failures_ > 0 ? settings_.joint.velocity_max * to_seconds(age) + kSnap : 0;
   position.quality = failures_ > 0 ? PositionQuality::kUncertain : PositionQuality::kMeasured;

@@ -79,6 +79,8 @@ class Channel {
   bool at_rest() const;
   /// Since the frame of the last fresh answer began.
   Duration silence(Instant now) const { return now - fresh_at_; }
+  /// From the last frame that an axis heard until it stands for sure: its deadline, then braking.
+  Duration run_out() const { return run_out_; }
   /// At `now`; measured means: when the last frame began.
   JointPosition position(Instant now) const;
   std::uint64_t failed_frames() const { return failed_frames_; }
@@ -92,6 +94,7 @@ class Channel {
 
   ChannelSettings settings_;
   std::uint32_t hash_;
+  Duration run_out_;
   Step step_ = Step::kShut;
   bool clear_ = false;
   std::optional<Error> error_;

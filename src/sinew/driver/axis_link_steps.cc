@@ -185,14 +185,16 @@ void AxisLinkDriver::step_homing(Instant now) {
 }
 
 void AxisLinkDriver::step_stopping(Instant now) {
-  const Duration limit = deadline_ + braking_ + timing_.stop_margin;
+  const Duration limit = run_out_ + timing_.stop_margin;
   bool stands = !to_all_due_;
   for (std::size_t i = 0; i < channels_.size(); ++i) {
     const Channel& channel = channels_[i];
     if (channel.at_rest()) continue;
-    // Nobody answers: its own deadline has stopped it by now, or it has no power.
-    const bool silent = channel.is_out() && channel.silence(now) >= deadline_;
-    if (silent && now - since_ >= deadline_) continue;
+    // Nobody answers: its own deadline has stopped it and it has braked, or it has no power.
+    const Duration silence = channel.silence(now);
+    const bool stood_before = silence >= channel.run_out() + timing_.stop_margin;
+    const Duration wait = stood_before ? deadline_ : channel.run_out();
+    if (channel.is_out() && std::min(silence, now - since_) >= wait) continue;
     if (now - since_ >= limit) {
       fault_ = fault_.value_or(Error{ErrorCode::kUnexpectedReply, static_cast<std::int8_t>(i),
                                      to_seconds(now - since_), to_seconds(limit)});

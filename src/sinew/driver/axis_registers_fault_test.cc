@@ -540,6 +540,7 @@ TEST(AxisRegistersFaults, whatever_happens_no_position_is_silently_wrong) {
       const double choice = random.uniform(0, 1);
       if (choice < 0.6) {
         std::vector<double> q_deg;
+        q_deg.reserve(cell.joints.size());
         for (const Joint& joint : cell.joints) {
           q_deg.push_back(std::round(to_deg(random.uniform(joint.lower, joint.upper))));
         }

@@ -14,8 +14,6 @@ namespace sinew {
 namespace {
 
 using namespace std::chrono_literals;
-using axis_registers::Register;
-using test::LineFault;
 using test::RegisterCell;
 using Kind = DriverEvent::Kind;
 using Quality = PositionQuality;
@@ -242,6 +240,7 @@ TEST(AxisRegistersDriver, every_encoding_carries_every_joint_to_its_limits) {
     cell.start_at();
     for (const double part : {-1.0, 1.0, 0.37}) {
       std::vector<double> q_deg;
+      q_deg.reserve(cell.joints.size());
       for (const Joint& joint : cell.joints) q_deg.push_back(to_deg(joint.upper) * part);
       ASSERT_TRUE(cell.driver->move(cell.to(q_deg), cell.now));
       EXPECT_EQ(cell.finish().kind, Kind::kDone);

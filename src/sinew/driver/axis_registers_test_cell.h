@@ -87,7 +87,7 @@ class RegisterCell {
     events.clear();
   }
 
-  JointMove to(std::vector<double> q_deg) const {
+  JointMove to(const std::vector<double>& q_deg) const {
     JointMove move;
     for (const double angle : q_deg) {
       move.q.push_back(from_deg(angle));

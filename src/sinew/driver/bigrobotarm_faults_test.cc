@@ -21,7 +21,8 @@ using test::BigRobotArmCell;
 constexpr std::array<double, 5> kThere{0.5, -0.2, 0.4, 0.3, -0.5};  // rad
 
 /// Hits one byte, counted from now on.
-test::Lane::Fault once(int place, std::function<std::vector<std::uint8_t>(std::uint8_t)> damage) {
+test::Lane::Fault once(int place,
+                       const std::function<std::vector<std::uint8_t>(std::uint8_t)>& damage) {
   return [place, damage](std::uint8_t byte) mutable {
     return place-- == 0 ? damage(byte) : std::vector<std::uint8_t>{byte};
   };

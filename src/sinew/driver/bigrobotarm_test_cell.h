@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <deque>
 #include <functional>
+#include <utility>
 #include <vector>
 
 #include "sinew/driver/bigrobotarm_joint_driver.h"
@@ -55,10 +56,10 @@ class Lane {
 /// Driver and machine back to back.
 class BigRobotArmCell {
  public:
-  explicit BigRobotArmCell(const RobotModel& model = big_robot_arm(),
+  explicit BigRobotArmCell(RobotModel model = big_robot_arm(),
                            BigRobotArmProfile profile = BigRobotArmProfile::kAsBuilt,
                            std::uint64_t seed = 1)
-      : robot(model),
+      : robot(std::move(model)),
         machine(robot, profile, device().dialect, seed, Instant{}),
         driver(device(), robot.joints) {}
 
@@ -133,6 +134,7 @@ class BigRobotArmCell {
   }
   std::vector<DriverEvent::Kind> kinds() const {
     std::vector<DriverEvent::Kind> all;
+    all.reserve(events.size());
     for (const DriverEvent& event : events) all.push_back(event.kind);
     return all;
   }

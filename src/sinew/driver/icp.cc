@@ -65,6 +65,7 @@ void IcpDriver::begin_opening(Instant now) {
   failures_ = 0;
   rereads_ = 0;
   poll_error_.reset();
+  supply_lost_ = false;
   kill_suspected_ = false;
   heard_ = now;
   quiet_since_ = now;
@@ -83,13 +84,18 @@ void IcpDriver::close(Instant now) {
     legs_[polled_].status_lost();
     refresh(polled_);
   }
+  // Whether the legs did as they were told stays open where nobody has looked since.
+  const bool unread = finishing_ || stopping_ || legs_to_read() != 0;
+  if (unread || supply_lost_ || (recovering_ && !opening_)) suspect_supply();
   if (stop_asked_) end_stopped(now);
+  tell_stopped();
   if (opening_ || !queue_.empty() || command_ != Command::kNone) {
     give_up({ErrorCode::kPortClosed});
   }
   stopping_ = false;
   recovering_ = false;
   polls_ = 0;
+  supply_lost_ = false;
   fault_.reset();
   output_.reset();
   deadline_.reset();
@@ -186,6 +192,10 @@ void IcpDriver::begin_move(Instant start) {
 
 void IcpDriver::stop(Instant now) {
   if (stop_asked_) return;
+  if (stopping_) {
+    stops_owed_ = std::max<std::size_t>(stops_owed_, 1);
+    return;
+  }
   if (queue_.empty()) {
     const bool told = !events_.empty() && events_.back().kind == DriverEvent::Kind::kStopped;
     if (!told) tell(DriverEvent::Kind::kStopped);
@@ -196,24 +206,27 @@ void IcpDriver::stop(Instant now) {
   if (phase_ != Phase::kStep) end_stopped(now);
 }
 
-/// Nothing moves any more.
+/// Nothing moves any more. It is told when the legs have been read: who hears it may leave.
 void IcpDriver::end_stopped(Instant now) {
-  for (std::size_t i = 0; i < queue_.size(); ++i) tell(DriverEvent::Kind::kStopped);
+  stops_owed_ += queue_.size();
   queue_.clear();
   merge_ = {};
   finishing_ = false;
   stop_asked_ = false;
-  polls_ = static_cast<std::uint8_t>(polls_ | moved_legs());
+  polls_ = static_cast<std::uint8_t>(polls_ | legs_to_read());
   stopping_ = true;
   if (phase_ == Phase::kPause) next(now);
 }
 
-std::uint8_t IcpDriver::moved_legs() const {
-  std::uint8_t moved = 0;
-  for (std::size_t i = 0; i < kLegs; ++i) {
-    if (legs_[i].moved()) moved = static_cast<std::uint8_t>(moved | bit_of(i));
-  }
-  return moved;
+void IcpDriver::tell_stopped() {
+  for (; stops_owed_ > 0; --stops_owed_) tell(DriverEvent::Kind::kStopped);
+}
+
+/// All, where one has moved: a low supply may have let go of the others alone.
+std::uint8_t IcpDriver::legs_to_read() const {
+  const bool moved =
+      std::any_of(legs_.begin(), legs_.end(), [](const IcpLegClaim& leg) { return leg.moved(); });
+  return moved ? kAllLegs : std::uint8_t{0};
 }
 
 std::uint8_t IcpDriver::tagged_legs() const {
@@ -256,7 +269,8 @@ Expected<void> IcpDriver::read_status(std::size_t leg, Instant now) {
 }
 
 Expected<void> IcpDriver::wake(Instant now) {
-  return begin_command(Command::kWake, 0, now);
+  // C0 clears the flags of all modules: they are read before it.
+  return begin_command(Command::kWake, kAllLegs, now);
 }
 
 Expected<void> IcpDriver::kill(Instant now) {
@@ -331,6 +345,7 @@ void IcpDriver::on_byte(std::uint8_t byte, Instant now) {
       }
     }
     if (now - quiet_since_ > timing_.quiet_limit) {
+      suspect_supply();
       return give_up({ErrorCode::kUnexpectedReply, -1, 1.0 * byte, 1.0 * kAck});
     }
     deadline_ = now + timing_.quiet;
@@ -385,7 +400,7 @@ void IcpDriver::on_refusal(Instant now) {
   }
   if (stop_asked_) end_stopped(now);
   ++health_.retries;
-  ++failures_;
+  count_failure();
   if (failures_ < device_.tries) return next(now);
   if (phase_ == Phase::kSelect && !selector_is_step_) {
     selector_is_step_ = true;
@@ -408,11 +423,18 @@ void IcpDriver::on_status(const Status& status, Instant now) {
   if (verdict == IcpLegClaim::Verdict::kGood) {
     legs_[polled_].confirm(status);
   } else {
+    supply_lost_ = supply_lost_ || legs_[polled_].shows_supply_loss(status);
     legs_[polled_].withdraw(status);
     if (!poll_error_) poll_error_ = error;
   }
   refresh(polled_);
   polls_ = static_cast<std::uint8_t>(polls_ & ~unsigned{bit_of(polled_)});
+  if (polls_ == 0 && !poll_error_) {
+    for (std::size_t i = 0; i < kLegs; ++i) {
+      legs_[i].round_passed();
+      refresh(i);
+    }
+  }
   next(now);
 }
 
@@ -432,11 +454,15 @@ void IcpDriver::next(Instant now) {
   phase_ = Phase::kIdle;
   deadline_.reset();
   if (polls_ != 0) return begin_exchange(now);
-  if (poll_error_) return give_up(*std::exchange(poll_error_, std::nullopt));
+  if (poll_error_) {
+    if (supply_lost_) suspect_supply();
+    return give_up(*std::exchange(poll_error_, std::nullopt));
+  }
   const bool recovered = std::exchange(recovering_, false);
   const bool at_rest = queue_.empty() && command_ == Command::kNone && !stopping_;
   if (std::exchange(opening_, false) || (recovered && at_rest)) tell(DriverEvent::Kind::kReady);
   stopping_ = false;
+  tell_stopped();
   if (command_ == Command::kStatus) {
     command_ = Command::kNone;
     return tell(DriverEvent::Kind::kDone);
@@ -451,7 +477,7 @@ void IcpDriver::next_of_move(Instant now) {
   const Move& move = queue_[0];
   if (const auto error = too_uncertain(); error && !move.q.empty()) {
     fail_all(*error);
-    polls_ = moved_legs();
+    polls_ = legs_to_read();
     stopping_ = polls_ != 0;
     return next(now);
   }
@@ -471,7 +497,7 @@ void IcpDriver::next_of_move(Instant now) {
   }
   if (queue_.size() == 1) {
     finishing_ = true;
-    polls_ = moved_legs();
+    polls_ = legs_to_read();
     return next(now);
   }
   finish(now);
@@ -517,9 +543,11 @@ void IcpDriver::doubt(const Error& error, Instant now) {
     phase_ = Phase::kQuiet;
     end_stopped(now);
   }
-  if (++failures_ >= device_.tries) {
-    const bool killed = error.code == ErrorCode::kDeviceSilent && kill_suspected_;
-    return give_up(killed ? Error{ErrorCode::kDeviceKilled} : error);
+  count_failure();
+  if (failures_ >= device_.tries) {
+    suspect_supply();
+    if (error.code != ErrorCode::kDeviceSilent) return give_up(error);
+    return give_up(kill_suspected_ ? Error{ErrorCode::kDeviceKilled} : silence(now));
   }
   ++health_.retries;
   quiet_since_ = now;
@@ -529,6 +557,26 @@ void IcpDriver::doubt(const Error& error, Instant now) {
   decoder_.expect(ReplyDecoder::Due::kNothing);
   phase_ = Phase::kQuiet;
   deadline_ = now + timing_.quiet;
+}
+
+void IcpDriver::count_failure() {
+  if (failures_++ == 0) failing_since_ = asked_;
+}
+
+/// As a person has waited for it: all the tries, not the last one.
+Error IcpDriver::silence(Instant now) const {
+  constexpr double kTenths = 10;
+  const Duration patience = device_.tries * (2 * timing_.byte_time + device_.reply_timeout);
+  const double limit = std::ceil(to_seconds(patience) * kTenths) / kTenths;
+  return {ErrorCode::kDeviceSilent, -1, to_seconds(now - failing_since_), limit};
+}
+
+/// What silences the controller, or one module, may have taken the current from all six.
+void IcpDriver::suspect_supply() {
+  for (std::size_t i = 0; i < kLegs; ++i) {
+    legs_[i].suspect_supply();
+    refresh(i);
+  }
 }
 
 void IcpDriver::give_up(const Error& error) {
@@ -544,10 +592,12 @@ void IcpDriver::give_up(const Error& error) {
   poll_error_.reset();
   failures_ = 0;
   rereads_ = 0;
+  supply_lost_ = false;
 }
 
 void IcpDriver::fail_all(const Error& error) {
   const bool nobody = queue_.empty() && command_ == Command::kNone && !opening_;
+  tell_stopped();
   for (std::size_t i = 0; i < queue_.size(); ++i) tell(DriverEvent::Kind::kFailed, error);
   if (std::exchange(command_, Command::kNone) != Command::kNone) {
     tell(DriverEvent::Kind::kFailed, error);

@@ -55,9 +55,11 @@ struct IcpTiming {
 /// answers are still those to the questions. No sync byte is sent where a flipped bit could make a
 /// step of it: FF gets the device out of there as well.
 ///
-/// A motion ends with a status of every leg that it moved; what that shows to be undone makes the
-/// leg uncertain (IcpLegClaim) and ends in kFault. A leg may be uncertain by uncertain_units_max
-/// and still move. Leg limits are told as kLegLength. All members are @rt.
+/// A motion, also one that was stopped, ends with a status of every leg; what that
+/// shows to be undone makes the leg uncertain (IcpLegClaim) and ends in kFault. Where a status
+/// tells of the supply, or the device stays silent, that goes for all legs: until six good statuses
+/// show that the modules have forgotten nothing. A leg may be uncertain by uncertain_units_max and
+/// still move. Leg limits are told as kLegLength. All members are @rt.
 class IcpDriver final : public ByteDriver {
  public:
   static constexpr std::size_t kQueue = 4;  ///< moves
@@ -76,6 +78,8 @@ class IcpDriver final : public ByteDriver {
   /// Steps are spread over move.duration where the wire is quicker than that.
   /// @error kLegLength, kPositionUnknown (index), kSegmentTime, kBusy, kPortClosed, fault's own
   Expected<void> move(const JointMove& move, Instant now) override;
+  /// Steps end with the one in flight; kStopped comes when the legs have been read, or
+  /// do not answer. What the statuses show then is a kNotice.
   void stop(Instant now) override;
   Expected<void> clear_fault(Instant now) override;
   /// Only while nothing moves; else it is not heard.
@@ -91,7 +95,7 @@ class IcpDriver final : public ByteDriver {
   Expected<void> jog(std::size_t leg, std::int64_t steps, Instant now);
   /// Asks for a status at rest; kDone follows, and status() has it. @error kBusy, fault's own
   Expected<void> read_status(std::size_t leg, Instant now);
-  /// Wakes all motor modules. @error kBusy, fault's own
+  /// Reads all motor modules, wakes them, and reads them again. @error kBusy, fault's own
   Expected<void> wake(Instant now);
   /// Shuts the controller down until its power is cut: kDone, then fault kDeviceKilled.
   /// @error kBusy, fault's own
@@ -148,7 +152,11 @@ class IcpDriver final : public ByteDriver {
   void give_up(const Error& error);
   void fail_all(const Error& error);
   void end_stopped(Instant now);
-  std::uint8_t moved_legs() const;
+  void tell_stopped();
+  void count_failure();
+  void suspect_supply();
+  Error silence(Instant now) const;
+  std::uint8_t legs_to_read() const;
   std::uint8_t tagged_legs() const;
   std::optional<Error> too_uncertain() const;
   bool running() const { return !queue_.empty() && !finishing_; }
@@ -183,13 +191,16 @@ class IcpDriver final : public ByteDriver {
   std::uint8_t polls_ = 0;  ///< legs whose status is due, a bit each
   std::size_t polled_ = 0;
   std::optional<Error> poll_error_;
+  bool supply_lost_ = false;  ///< a status of this round tells so
+  Instant failing_since_{};   ///< the first question of those failures
 
   FixedVector<Move, kQueue> queue_;  ///< the first is under way
   StepMerge merge_;
   Instant move_start_{};
   bool finishing_ = false;  ///< its steps are made, the statuses are due
   bool stop_asked_ = false;
-  bool stopping_ = false;  ///< nothing moves any more, the statuses are due
+  bool stopping_ = false;       ///< nothing moves any more, the statuses are due
+  std::size_t stops_owed_ = 0;  ///< kStopped events that are told then
   Command command_ = Command::kNone;
   std::optional<Error> fault_;
 

@@ -43,6 +43,8 @@ void arrange(IcpCell& cell, const std::vector<Damage>& damages) {
   }
 }
 
+constexpr double kHomeWay = 2.0 * IcpLegClaim::kHomePhaseUnits;
+
 constexpr std::array<std::int64_t, kLegs> kWay{2, -1, 0, 1, 0, -2};
 
 /// A motion of every kind of step, its statuses, a wake-up and one more motion, with `damages` at
@@ -115,9 +117,9 @@ struct Tally {
 TEST(IcpDriverFaults, any_one_flipped_bit_makes_no_wrong_move_that_is_not_admitted) {
   const Story clean({});
   ASSERT_FALSE(clean.cell.uncertain());
-  // 6 moves, 4 statuses, a wake-up with 6 statuses: 2 or 3 bytes up; 2 or 15 down.
-  ASSERT_EQ(clean.up, 6U * 2 + 4 * 3 + 2 + 6 * 3);
-  ASSERT_EQ(clean.down, 6U * 2 + 4 * 15 + 2 + 6 * 15);
+  // 6 moves, 6 statuses, a wake-up between 6 and 6 statuses: 2 or 3 bytes up; 2 or 15 down.
+  ASSERT_EQ(clean.up, 6U * 2 + 6 * 3 + 6 * 3 + 2 + 6 * 3);
+  ASSERT_EQ(clean.down, 6U * 2 + 6 * 15 + 6 * 15 + 2 + 6 * 15);
   for (const bool host : {true, false}) {
     Tally tally;
     for (std::size_t place = 0; place < (host ? clean.up : clean.down); ++place) {
@@ -269,11 +271,18 @@ TEST(IcpDriverFaults, unplugged_line_is_told_as_silent_and_found_again) {
   cell.up.fault = [](std::uint8_t, std::size_t) { return IcpLine::Fate{}; };
   ASSERT_TRUE(cell.go({1, 0, 0, 0, 0, 0}));
   cell.settle();
-  EXPECT_EQ(cell.driver.fault()->code, ErrorCode::kDeviceSilent);
-  EXPECT_FALSE(cell.uncertain()) << "no step was sent";
+  // Three times 52.1 ms, rounded up; with the silences in between it took longer.
+  ASSERT_EQ(cell.driver.fault()->code, ErrorCode::kDeviceSilent);
+  EXPECT_EQ(cell.driver.fault()->limit, 0.2);
+  EXPECT_NEAR(cell.driver.fault()->measured, 0.356, 0.001);
+  for (const JointPosition& claim : cell.driver.positions()) {
+    EXPECT_EQ(claim.quality, PositionQuality::kUncertain) << "the power may be away as well";
+    EXPECT_NEAR(claim.upper - claim.lower, kHomeWay / test::kIcpUnitsPerM, 1e-12);
+  }
   cell.up.fault = nullptr;
   ASSERT_TRUE(cell.driver.clear_fault(cell.now));
   cell.settle();
+  EXPECT_FALSE(cell.uncertain()) << "no step was sent, and no module has forgotten anything";
   ASSERT_TRUE(cell.go({1, 0, 0, 0, 0, 0}));
   cell.settle();
   EXPECT_EQ(cell.truth(0), 1);
@@ -345,6 +354,122 @@ TEST(IcpDriverFaults, under_voltage_blocks_the_weaker_modules_and_is_found) {
   EXPECT_LT(moved, 6);
   EXPECT_EQ(cell.driver.fault()->code, ErrorCode::kMotionIgnored);
   cell.expect_honest();
+}
+
+/// Dips of the supply, each at a moment of its own; the last one may last.
+void dip(IcpCell& cell, test::Random& random) {
+  const auto dips = random.integer(1, 2);
+  for (std::int64_t i = 0; i < dips; ++i) {
+    cell.run_for(Duration{random.integer(0, 400'000'000)});
+    cell.machine.disturb({sim::Disturbance::Kind::kSupply, -1, random.uniform(0, 9)});
+    cell.run_for(Duration{random.integer(100'000, 400'000'000)});
+    if (random.chance(0.8)) cell.machine.disturb({sim::Disturbance::Kind::kSupply, -1, 12});
+  }
+}
+
+TEST(IcpDriverFaults, dip_of_the_supply_at_any_moment_leaves_no_leg_silently_wrong) {
+  Tally tally;
+  int silent = 0;
+  test::for_random_cases(400, [&](test::Random& random) {
+    IcpCell cell({}, test::icp_device(), {}, static_cast<std::uint64_t>(random.integer(1, 1000)));
+    cell.begin();
+    // So that the modules hold something and stand beside their home phase.
+    std::array<std::int64_t, kLegs> way{};
+    for (auto& units : way) units = random.integer(-60, 60);
+    ASSERT_TRUE(cell.go(way));
+    cell.settle();
+    for (auto& units : way) units += random.chance(0.3) ? 0 : random.integer(-60, 60);
+    ASSERT_TRUE(cell.go(way));
+    dip(cell, random);
+    if (random.chance(0.3)) cell.driver.stop(cell.now);
+    cell.settle();
+    // Where it came at rest, the next command looks; a step beforehand would not.
+    cell.run_for(600ms);
+    if (cell.driver.state() != DriverState::kFault) {
+      const auto leg = static_cast<std::size_t>(random.integer(0, kLegs - 1));
+      way[leg] += 1;
+      (void)(random.chance(0.5) ? cell.go(way) : cell.driver.wake(cell.now));
+      cell.settle();
+    }
+    expect_rotors_inside(cell);
+    silent += cell.driver.fault() && cell.driver.fault()->code == ErrorCode::kDeviceSilent ? 1 : 0;
+    // The supply is back for good: what is restored must be true, what is not is admitted.
+    cell.machine.disturb({sim::Disturbance::Kind::kSupply, -1, 12});
+    cell.run_for(100ms);
+    for (int i = 0; i < 2 && cell.driver.fault(); ++i) {
+      ASSERT_TRUE(cell.driver.clear_fault(cell.now));
+      cell.settle();
+    }
+    cell.run_for(100ms);
+    expect_rotors_inside(cell);
+    ++tally.runs;
+    tally.uncertain += cell.uncertain() ? 1 : 0;
+    tally.faults += cell.driver.fault() ? 1 : 0;
+  });
+  tally.print("dips of the supply");
+  EXPECT_GT(silent, tally.runs / 10);
+  tally.expect_told_apart();
+}
+
+TEST(IcpDriverFaults, supply_loss_that_one_module_shows_withdraws_all_six) {
+  IcpCell cell;
+  cell.begin();
+  ASSERT_TRUE(cell.go({9, 9, 9, 9, 9, 9}));
+  cell.settle();
+  ASSERT_FALSE(cell.uncertain());
+  // Leg 5 alone: the others have been read in the same round, and are good.
+  cell.machine.module(4).set_supply(6, cell.now);
+  ASSERT_TRUE(cell.go({10, 10, 10, 10, 10, 10}));
+  cell.settle();
+  ASSERT_EQ(cell.driver.fault()->code, ErrorCode::kMotionIgnored);
+  EXPECT_EQ(cell.driver.fault()->index, 4);
+  for (const JointPosition& claim : cell.driver.positions()) {
+    EXPECT_EQ(claim.quality, PositionQuality::kUncertain);
+    EXPECT_NEAR(claim.upper - claim.lower, (kHomeWay + 1) / test::kIcpUnitsPerM, 1e-12);
+  }
+  // Six good answers: five legs are where they were sent, whatever one module went through.
+  cell.machine.module(4).set_supply(12, cell.now);
+  for (int i = 0; i < 2 && cell.driver.fault(); ++i) {
+    ASSERT_TRUE(cell.driver.clear_fault(cell.now));
+    cell.settle();
+  }
+  ASSERT_FALSE(cell.driver.fault());
+  for (std::size_t i = 0; i < kLegs; ++i) {
+    const auto due = i == 4 ? PositionQuality::kUncertain : PositionQuality::kCommanded;
+    EXPECT_EQ(cell.driver.positions()[i].quality, due) << i;
+  }
+  expect_rotors_inside(cell);
+}
+
+TEST(IcpDriverFaults, silence_after_a_stop_ends_it_once_and_says_why) {
+  IcpCell cell;
+  cell.begin();
+  ASSERT_TRUE(cell.go({50, 0, 0, -50, 0, 0}));
+  cell.run_for(20ms);
+  cell.driver.stop(cell.now);
+  cell.machine.disturb({sim::Disturbance::Kind::kSupply, -1, 3});
+  cell.settle();
+  EXPECT_EQ(cell.driver.state(), DriverState::kFault);
+  ASSERT_EQ(cell.events.size(), 2U);
+  EXPECT_EQ(cell.events[0].kind, Kind::kStopped);
+  EXPECT_EQ(cell.events[1].kind, Kind::kNotice);
+  EXPECT_EQ(cell.events[1].error.code, ErrorCode::kDeviceSilent);
+  expect_rotors_inside(cell);
+}
+
+TEST(IcpDriverFaults, close_in_a_motion_or_in_its_statuses_admits_what_nobody_has_looked_at) {
+  for (int at = 1; at < 160; ++at) {
+    IcpCell cell;
+    cell.begin();
+    ASSERT_TRUE(cell.go({3, 0, 0, -3, 0, 0}));
+    cell.run_for(std::chrono::milliseconds(at));
+    const bool ended = cell.count(Kind::kDone) == 1;
+    cell.driver.close(cell.now);
+    cell.run_for(10ms);
+    EXPECT_EQ(cell.uncertain(), !ended && at > 2) << at;
+    EXPECT_TRUE(ended || at < 150) << at;
+    cell.expect_honest();
+  }
 }
 
 TEST(IcpDriverFaults, random_faults_never_make_a_position_silently_wrong) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <utility>
 
 #include "sinew/core/assert.h"
 
@@ -33,8 +34,21 @@ void IcpLegClaim::declare(const JointPosition& position) {
   }
   hull_lower_ = -below_;
   hull_upper_ = above_;
+  suspected_ = false;
+  confirmed_ = false;
+  withdrawn_ = false;
   moved_ = false;
   unseen_ = {};
+}
+
+std::int64_t IcpLegClaim::lower() const {
+  const std::int64_t plain = units_ - below_;
+  return suspected_ ? std::min(plain, hull_lower_ - kHomePhaseUnits) : plain;
+}
+
+std::int64_t IcpLegClaim::upper() const {
+  const std::int64_t plain = units_ + above_;
+  return suspected_ ? std::max(plain, hull_upper_ + kHomePhaseUnits) : plain;
 }
 
 JointPosition IcpLegClaim::position() const {
@@ -45,7 +59,7 @@ JointPosition IcpLegClaim::position() const {
   if (uncertainty() == 0) {
     return {PositionQuality::kCommanded, at(units_), at(units_ - 1), at(units_ + 1)};
   }
-  return {PositionQuality::kUncertain, at(units_), at(units_ - below_), at(units_ + above_)};
+  return {PositionQuality::kUncertain, at(units_), at(lower()), at(upper())};
 }
 
 std::int64_t IcpLegClaim::steps_to(double q) const {
@@ -68,6 +82,7 @@ void IcpLegClaim::stepped(int direction) {
   tag_ = size_of(direction);
   last_maybe_ = false;
   moved_ = true;
+  withdrawn_ = false;
   ++unseen_[wire_bit(direction) ? 1 : 0];
   grow_hull();
 }
@@ -79,6 +94,7 @@ void IcpLegClaim::maybe_stepped(int direction) {
   if (tag_ == 0) last_direction_ = direction;
   last_maybe_ = true;
   moved_ = true;
+  withdrawn_ = false;
   ++unseen_[wire_bit(direction) ? 1 : 0];
   grow_hull();
 }
@@ -87,6 +103,7 @@ void IcpLegClaim::maybe_strayed(int direction) {
   (direction > 0 ? above_ : below_) += size_of(direction);
   last_maybe_ = true;
   moved_ = true;
+  withdrawn_ = false;
   grow_hull();
 }
 
@@ -123,9 +140,23 @@ IcpLegClaim::Verdict IcpLegClaim::judge(const icp::Status& status, Error& error)
   return Verdict::kDoubtful;
 }
 
-void IcpLegClaim::confirm(const icp::Status& status) {
+bool IcpLegClaim::shows_supply_loss(const icp::Status& status) const {
+  const tmc222::Flags& flags = status.one.flags;
+  const bool told = flags.vdd_reset || flags.under_voltage || flags.charge_pump_failure;
+  const bool forgotten = tag_ != 0 && status.two.target == 0;
+  return told || forgotten || status.one.parameters != icp::kMotorParameters;
+}
+
+void IcpLegClaim::round_passed() {
+  suspected_ = false;
+  if (!std::exchange(confirmed_, false)) return;
   hull_lower_ = units_ - below_;
   hull_upper_ = units_ + above_;
+}
+
+void IcpLegClaim::confirm(const icp::Status& status) {
+  // The hull stays until the round has ended: another leg may still tell of the supply.
+  confirmed_ = true;
   if (moved_ && !last_maybe_) unseen_[wire_bit(last_direction_) ? 1 : 0] = 0;
   moved_ = false;
   // From before this program, or from a step that may have been made: it stays until it is lost.
@@ -147,9 +178,12 @@ void IcpLegClaim::withdraw(const icp::Status& status) {
     hull_lower_ = std::min(hull_lower_, hull_lower_ + more);
     hull_upper_ = std::max(hull_upper_, hull_upper_ + more);
   }
-  widen(hull_lower_ - kHomePhaseUnits, hull_upper_ + kHomePhaseUnits);
+  const std::int64_t margin = std::exchange(withdrawn_, true) ? 0 : kHomePhaseUnits;
+  widen(hull_lower_ - margin, hull_upper_ + margin);
   hull_lower_ = units_ - below_;
   hull_upper_ = units_ + above_;
+  suspected_ = false;
+  confirmed_ = false;
   moved_ = false;
   // What the module holds now is where the next comparison starts.
   tag_ = 0;

@@ -15,8 +15,11 @@ namespace sinew {
 /// was acknowledged. All members are @rt.
 class IcpLegClaim {
  public:
-  /// What a power cut may turn the motor by when the current comes back: two full steps.
-  static constexpr std::int64_t kHomePhaseUnits = 32;
+  /// What power cuts may turn the motor by. One cut: two full steps to the home phase when the
+  /// current comes back, and half a one before that, to where the magnets hold it. A second cut
+  /// that meets the rotor in its swing lets it run on by whole electrical turns: four were seen in
+  /// simulation, eight are allowed for.
+  static constexpr std::int64_t kHomePhaseUnits = 8 * 64;
 
   enum class Verdict : std::uint8_t {
     kGood,
@@ -31,7 +34,7 @@ class IcpLegClaim {
   JointPosition position() const;
   bool known() const { return known_; }
   /// Width of the interval, units.
-  std::int64_t uncertainty() const { return below_ + above_; }
+  std::int64_t uncertainty() const { return upper() - lower(); }
 
   /// Direction bit of the wire; direction is +1 (longer) or -1.
   bool wire_bit(int direction) const { return (direction < 0) != invert_; }
@@ -60,9 +63,18 @@ class IcpLegClaim {
   void confirm(const icp::Status& status);
   /// Anything since the last good status may not have been done.
   void withdraw(const icp::Status& status);
+  /// The status tells of a supply that was away or too low, which all legs share.
+  bool shows_supply_loss(const icp::Status& status) const;
+  /// The current may have been away since the last good round: until round_passed() the interval
+  /// holds all that the leg may have done since then, and the way to its home phase.
+  void suspect_supply() { suspected_ = !withdrawn_; }
+  /// Every status of a round was good: the modules have kept what they held.
+  void round_passed();
 
  private:
   std::int64_t size_of(int direction) const { return wire_bit(direction) ? units_per_down_ : 1; }
+  std::int64_t lower() const;
+  std::int64_t upper() const;
   void widen(std::int64_t lower, std::int64_t upper);
   void grow_hull();
 
@@ -77,8 +89,11 @@ class IcpLegClaim {
   std::int64_t units_ = 0;  ///< best guess
   std::int64_t below_ = 0;  ///< the truth is in [units - below, units + above]
   std::int64_t above_ = 0;
-  std::int64_t hull_lower_ = 0;  ///< of all that the truth may have been since a good status
+  std::int64_t hull_lower_ = 0;  ///< of all that the truth may have been since a good round
   std::int64_t hull_upper_ = 0;
+  bool suspected_ = false;  ///< the supply may have been away since then
+  bool confirmed_ = false;  ///< in the round under way
+  bool withdrawn_ = false;  ///< and not moved since: another power cut adds nothing
   bool moved_ = false;
   std::int64_t tag_ = 0;     ///< |target position| that the module must show; 0: anything
   bool last_maybe_ = false;  ///< a later step may or may not have been made

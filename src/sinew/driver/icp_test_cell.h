@@ -136,12 +136,12 @@ class IcpCell {
   }
 
   /// Units that the leg's motor really made from home.
-  std::int64_t truth(std::size_t leg) {
+  std::int64_t truth(std::size_t leg) const {
     const double q = machine.truth().joints[leg].believed;
     return std::llround((q - from_mm(268)) * kIcpUnitsPerM);
   }
   /// Every leg is where the driver says, or inside what it admits.
-  void expect_honest() {
+  void expect_honest() const {
     const sim::Truth truth = machine.truth();
     for (std::size_t i = 0; i < kLegs; ++i) {
       const JointPosition& claim = driver.positions()[i];

@@ -15,8 +15,9 @@ namespace {
 constexpr Duration kTimeMin = std::chrono::milliseconds(20);  // the boards' own tick
 constexpr int kOpeningReadings = 60;  // 2 s: a limp arm sinks until something holds it
 constexpr Duration kBlockedPause = std::chrono::milliseconds(1);
-constexpr double kSpeedSlack = 1.1;   // planners round their times
-constexpr double kServoSlack = 0.06;  // rad: dead band and sag under the arm's own weight
+constexpr double kSpeedSlack = 1.1;  // planners round their times
+/// rad, the most that a servo is off its target at rest: dead band, and sag under the arm's weight.
+constexpr double kServoSlack = 0.06;
 
 std::uint8_t bit(std::size_t slot) {
   return static_cast<std::uint8_t>(1U << slot);
@@ -176,7 +177,7 @@ bool LscDriver::must_be_slow() const {
 bool LscDriver::wants_move(Instant now) const {
   if (phase_ == Phase::kIdle) return true;
   if (stopping_ || current_.rest || next_) return false;
-  if (phase_ == Phase::kConfirming) return true;
+  if (phase_ == Phase::kConfirming) return output_.empty();
   return phase_ == Phase::kRunning && now >= current_.end - frame_time() - timing_.lead;
 }
 
@@ -238,16 +239,17 @@ Expected<void> LscDriver::move(const JointMove& move, Instant now) {
                                                [](double speed) { return speed == 0; });
   ++health_.requests;
   ++pending_;
-  if (phase_ == Phase::kRunning) {
-    next_ = segment;
-    poll(now);
+  if (!follows) {
+    begin(segment, now);
     return {};
   }
-  if (follows) {  // an underrun: the arm stands at the end of the segment before
-    tell(Kind::kDone);
-    --pending_;
+  if (phase_ == Phase::kConfirming) {
+    // An underrun: the arm stands at the end of the segment before, and need not be told again.
+    drop_targets();
+    phase_ = Phase::kRunning;
   }
-  begin(segment, now);
+  next_ = segment;
+  poll(now);
   return {};
 }
 
@@ -364,8 +366,10 @@ void LscDriver::refresh(Instant now) {
     const bool runs = phase_ == Phase::kRunning || phase_ == Phase::kConfirming;
     if (runs) joint.quality = PositionQuality::kCommanded;
     joint.q = units_.q_of(i, runs ? at(slots_[i], now) : slots_[i].to);
-    joint.lower = joint.q - units_.resolution(i) / 2;
-    joint.upper = joint.q + units_.resolution(i) / 2;
+    // A servo that was told is where it was told only as well as it can be.
+    const double slack = joint.quality == PositionQuality::kCommanded ? kServoSlack : 0;
+    joint.lower = joint.q - units_.resolution(i) / 2 - slack;
+    joint.upper = joint.q + units_.resolution(i) / 2 + slack;
   }
 }
 
@@ -373,6 +377,7 @@ void LscDriver::send(const Request& request, Instant now) {
   SINEW_ASSERT(output_.empty());
   output_ = encode(request);
   output_begun_ = false;
+  output_moves_ = std::holds_alternative<Move>(request);
   output_since_ = now;
   wire_free_ = std::max(now, wire_free_) + byte_time() * static_cast<int>(output_.size());
 }

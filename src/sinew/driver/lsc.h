@@ -56,6 +56,12 @@ struct LscTiming {
 /// one kind of move: 2 s to 30 s long, so that the arm goes slowly. It is sent again every 100 ms
 /// with the time that is left.
 ///
+/// At rest an lsc6 hears its targets again behind each sign of life: nothing tells the host that
+/// the last frame of a motion was damaged, so that must not count for longer than a second.
+///
+/// positions(): what was commanded is claimed with the servo's dead band and sag to either side,
+/// 0.06 rad; what was measured with the wire's resolution.
+///
 /// stop() drops what has not begun to leave and sends the place where the servos will be as their
 /// target, to be reached in 20 ms: they stand 72 ms later at most. During the first move of an
 /// arm on a board that tells nothing, that place is not known; there the move is slowed to the
@@ -121,8 +127,9 @@ class LscDriver : public ByteDriver {
     Duration duration{};
     Instant start{};  ///< when its frame has arrived
     Instant end{};
-    bool rest = true;   ///< the end of a motion
-    bool sent = false;  ///< for the one that waits
+    bool rest = true;    ///< the end of a motion
+    bool sent = false;   ///< for the one that waits
+    bool first = false;  ///< for the one that waits: no command ends where it takes over
   };
 
   bool lost() const;
@@ -138,6 +145,8 @@ class LscDriver : public ByteDriver {
 
   void send(const lsc::Request& request, Instant now);
   void send_targets(const Segment& segment, Instant now, Duration time);
+  bool drop_targets();
+  void say_rest(Instant now);
   void send_segment(Segment& segment, Instant now, Instant end);
   void poll_opening(Instant now);
   void poll_running(Instant now);
@@ -203,6 +212,7 @@ class LscDriver : public ByteDriver {
   lsc::FrameDecoder decoder_;
   lsc::Bytes output_;
   bool output_begun_ = false;
+  bool output_moves_ = false;  ///< it is a frame of targets
   Instant output_since_{};
   Instant wire_free_{};  ///< when all bytes are through
   FixedVector<DriverEvent, 16> events_;

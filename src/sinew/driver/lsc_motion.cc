@@ -50,14 +50,16 @@ double LscDriver::at(const Slot& slot, Instant time) const {
   return slot.from + (slot.to - slot.from) * part;
 }
 
+/// From rest. A question that is just leaving goes first.
 void LscDriver::begin(const Segment& segment, Instant now) {
+  drop_targets();
   next_ = segment;
-  send_segment(*next_, now, now);
-  promote();
-  repair_at_ = current_.start + timing_.segment_max;
+  next_->first = true;
+  current_.start = current_.end = now;
   rewrites_left_ = kRewrites;
   tries_left_ = timing_.tries;
   phase_ = Phase::kRunning;
+  poll_running(now);
   refresh(now);
 }
 
@@ -84,6 +86,22 @@ void LscDriver::send_targets(const Segment& segment, Instant now, Duration time)
   send(frame, now);
 }
 
+/// False where what waits to leave is no frame of targets, or has begun to leave.
+bool LscDriver::drop_targets() {
+  if (output_.empty() || output_begun_ || !output_moves_) return false;
+  wire_free_ -= byte_time() * static_cast<int>(output_.size());
+  output_.clear();
+  return true;
+}
+
+/// Behind a sign of life at rest, where the board cannot be asked what it has understood.
+void LscDriver::say_rest(Instant now) {
+  if (profile_ != LscProfile::kLsc6 || phase_ != Phase::kIdle || !output_.empty() || lost()) return;
+  const bool held =
+      std::any_of(slots_.begin(), slots_.end(), [](const Slot& slot) { return slot.held; });
+  if (held) send_targets({}, now, kTimeMin);
+}
+
 /// The segment that was sent is the one that the board now carries out.
 void LscDriver::promote() {
   const Segment next = *next_;
@@ -106,6 +124,10 @@ void LscDriver::poll_running(Instant now) {
   if (stop_due_) send_stop(now);
   if (next_ && !next_->sent && output_.empty() && now >= current_.end - frame_time()) {
     send_segment(*next_, now, current_.end);
+    if (next_->first) {
+      promote();
+      repair_at_ = current_.start + timing_.segment_max;
+    }
   }
   if (next_ && next_->sent && now >= next_->start) {
     promote();
@@ -182,11 +204,8 @@ void LscDriver::stop(Instant now) {
   if (stopping_) return;
   if (pending_ == 0) return tell(Kind::kStopped);
   stopping_ = true;
-  if (next_ && next_->sent && !output_.empty() && !output_begun_) {
-    wire_free_ -= byte_time() * static_cast<int>(output_.size());
-    output_.clear();
-    next_.reset();
-  }
+  if (next_ && next_->first) return finish(now);  // nothing of it has left
+  if (next_ && next_->sent && drop_targets()) next_.reset();
   if (next_ && !next_->sent) next_.reset();
   stop_due_ = phase_ == Phase::kRunning;
   if (stop_due_) send_stop(now);

@@ -172,7 +172,7 @@ void LscDriver::take_battery(double volts, Instant now) {
 
 void LscDriver::take_life(Instant now) {
   tries_left_ = timing_.tries;
-  if (phase_ != Phase::kAsking) return;
+  if (phase_ != Phase::kAsking) return say_rest(now);
   if (profile_ == LscProfile::kLsc6) return become_ready(now);
   reading_ = Units{};  // no reading agrees with all zeros
 }

@@ -148,6 +148,29 @@ class LscCell {
     FAIL() << "driver and machine keep each other awake";
   }
 
+  /// The host does nothing for so long: no poll, no byte taken or given.
+  void sleep_for(Duration duration) {
+    const Instant end = now + duration;
+    while (now < end) {
+      Instant next = end;
+      for (const auto due : {machine.next_event(), to_board.next()}) {
+        if (due) next = std::min(next, *due);
+      }
+      now = std::max(now, next);
+      machine.advance(now);
+      carry();
+    }
+  }
+  /// The port takes so many bytes.
+  void take(std::size_t most) {
+    std::array<std::uint8_t, 64> piece{};
+    const std::size_t count = driver.take_output({piece.data(), std::min(most, piece.size())});
+    for (std::size_t i = 0; i < count; ++i) to_board.push(piece[i], now);
+  }
+  void take_events() {
+    while (const auto event = driver.take_event()) events.push_back(*event);
+  }
+
   /// Until an event of that kind, or 10 s are over.
   bool run_until(DriverEvent::Kind kind) {
     for (int i = 0; i < 2000; ++i) {
@@ -241,11 +264,8 @@ class LscCell {
   std::array<double, 5> planned{};
 
  private:
-  void pump() {
+  void carry() {
     std::array<std::uint8_t, 16> piece{};
-    while (const std::size_t count = driver.take_output(piece)) {
-      for (std::size_t i = 0; i < count; ++i) to_board.push(piece[i], now);
-    }
     while (to_board.next() && *to_board.next() <= now) {
       const std::uint8_t byte = to_board.pop();
       machine.receive({&byte, 1}, now);
@@ -253,11 +273,15 @@ class LscCell {
     while (const std::size_t count = machine.take_output(piece)) {
       for (std::size_t i = 0; i < count; ++i) to_host.push(piece[i], now);
     }
+  }
+  void pump() {
+    take(64);
+    carry();
     while (to_host.next() && *to_host.next() <= now) {
       const std::uint8_t byte = to_host.pop();
       driver.receive({&byte, 1}, now);
     }
-    while (const auto event = driver.take_event()) events.push_back(*event);
+    take_events();
   }
 };
 

@@ -419,7 +419,7 @@ TEST(MaxArmDriver, works_without_allocating) {
   Instant now{};
   const test::AllocationCounter allocations;
   driver.open(now);
-  JointMove move{.q = {2.0, 1.5, 0.1}, .qd = {0, 0, 0}, .duration = 1s};
+  const JointMove move{.q = {2.0, 1.5, 0.1}, .qd = {0, 0, 0}, .duration = 1s};
   for (int i = 0; i < 3000; ++i) {
     now += 5ms;
     driver.poll(now);

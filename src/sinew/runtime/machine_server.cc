@@ -4,6 +4,8 @@
 #include <array>
 #include <deque>
 
+#include "sinew/core/stable_sort.h"
+
 namespace sinew::runtime {
 namespace {
 
@@ -58,7 +60,7 @@ class Server {
         start_(clock.now()),
         faults_(cable.faults.link, start_),
         blows_(cable.faults.disturbances) {
-    std::ranges::stable_sort(blows_, {}, &sim::TimedDisturbance::at);
+    stable_sort_by(blows_, &sim::TimedDisturbance::at);
   }
 
   io::IoResult<void> turn() {

@@ -159,7 +159,7 @@ TEST_P(EitherWire, program_runs_to_its_end_and_the_arm_stands_where_it_was_sent)
 TEST(Session, bytes_are_counted_by_order_and_in_total) {
   const RobotModel model = arm(BigRobotArmWire::kByte);
   const io::Clock clock(kScale);
-  Arm device(model, clock);
+  const Arm device(model, clock);
   const Result result = Session("G0 B100\nG1 E1 P40\nG92\n", model, clock).over(device.path());
   ASSERT_EQ(result.phase, Phase::kDone);
   ASSERT_EQ(result.end.bytes.size(), 3U);
@@ -231,7 +231,7 @@ TEST(Session, both_logs_hold_every_byte_with_time_direction_and_text) {
 TEST(Session, log_without_room_says_so_and_the_run_goes_on) {
   const RobotModel model = arm(BigRobotArmWire::kByte);
   const io::Clock clock(kScale);
-  Arm device(model, clock);
+  const Arm device(model, clock);
   auto log = ByteLog::create("/dev/full");
   ASSERT_TRUE(log);
   ASSERT_TRUE(log->failure());
@@ -264,7 +264,7 @@ TEST(Session, first_interrupt_finishes_the_motion_under_way) {
 TEST(Session, second_interrupt_leaves_at_once) {
   const RobotModel model = arm(BigRobotArmWire::kByte);
   const io::Clock clock;
-  Arm device(model, clock);
+  const Arm device(model, clock);
   bool moving = false;
   int asked = 0;
   const SessionHooks hooks{.progress =
@@ -353,7 +353,7 @@ Bytes exchange(io::Port& port, const Bytes& request, std::size_t reply) {
 TEST(DeviceServer, device_is_deaf_in_its_motion_and_answers_after_it) {
   const RobotModel model = arm(BigRobotArmWire::kByte);
   const io::Clock clock(kScale);
-  Arm device(model, clock);
+  const Arm device(model, clock);
   auto port = io::Port::open_serial(device.path(), 250'000);
   ASSERT_TRUE(port);
   const Bytes go{1, 0x88, 0x13, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 13};
@@ -382,7 +382,7 @@ TEST(DeviceServer, host_that_asks_and_never_reads_does_not_hold_the_device_up) {
   ASSERT_TRUE(port);
   // What was still on its way comes first; then the device answers as ever.
   std::array<std::uint8_t, 4096> buffer{};
-  while (*port->read(buffer, 30ms) > 0) {
+  while (*port->read(buffer, 300ms) > 0) {
   }
   const Bytes status = exchange(*port, {8, 13}, 71);
   ASSERT_EQ(status.size(), 71U);

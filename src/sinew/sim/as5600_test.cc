@@ -19,7 +19,7 @@ std::uint16_t word(const std::array<std::uint8_t, 2>& bytes) {
 
 TEST(As5600, counts_go_round_with_the_magnet_and_wrap) {
   As5600 chip(0.1, 1);
-  for (double angle = 0.1; angle < 30; angle += 0.01) chip.turn_to(angle, 0.1);
+  for (int i = 10; i < 3000; ++i) chip.turn_to(0.01 * i, 0.1);
   chip.turn_to(30, 0.1);
   EXPECT_NEAR(chip.counts(), std::fmod(30 / (2 * kPi), 1) * 4096, 2);
   chip.turn_to(-0.01, 1);

@@ -145,6 +145,7 @@ struct SixBoards {
   }
   std::vector<std::uint8_t> frame(std::uint8_t select, const std::vector<std::uint8_t>& mosi) {
     std::vector<std::uint8_t> miso;
+    miso.reserve(mosi.size());
     bus.select(select);
     for (const std::uint8_t byte : mosi) miso.push_back(bus.shift(byte));
     bus.select(0);

@@ -34,7 +34,7 @@ struct Bench {
   }
 
   void wait(double seconds) {
-    for (double t = 0; t < seconds - kTick / 2; t += kTick) plant.advance(outputs, kTick);
+    for (auto i = std::llround(seconds / kTick); i > 0; --i) plant.advance(outputs, kTick);
   }
   void power() {
     outputs.enabled = true;

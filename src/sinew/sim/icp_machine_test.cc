@@ -35,9 +35,9 @@ struct Bench {
       (void)machine.take_output(out);
     }
   }
-  JointTruth leg(std::size_t index) { return machine.truth().joints[index]; }
+  JointTruth leg(std::size_t index) const { return machine.truth().joints[index]; }
   /// Units off home, as the rotor has it.
-  double units(std::size_t index) { return (leg(index).q - from_mm(268)) / kUnit; }
+  double units(std::size_t index) const { return (leg(index).q - from_mm(268)) / kUnit; }
 
   IcpMachine machine;
   Instant now{};
@@ -148,7 +148,7 @@ TEST(IcpMachine, brown_out_takes_the_modules_memory_and_deeper_the_controllers) 
 }
 
 TEST(IcpMachine, power_that_comes_back_turns_the_rotors_to_their_home_phase) {
-  for (int microsteps : {1, 20, 31, 33, 50}) {
+  for (const int microsteps : {1, 20, 31, 33, 50}) {
     Bench bench;
     bench.steps(1, false, microsteps);
     bench.machine.power_cycle();

@@ -58,18 +58,20 @@ struct FaultPlan {
 ///
 ///     drop=P duplicate=P flip=P        [:to-host | :to-device]     P: 0..1 per byte
 ///     delay=P:TIME                     [:to-host | :to-device]
-///     cut@TIME                         [:TIME]                     both ways; without end: for
-///     ever half-open@TIME:to-host|to-device [:TIME]                     that direction is dead
+///     cut@TIME                         [:TIME]       both ways; without the second TIME for ever
+///     half-open@TIME:to-host|to-device [:TIME]       that direction is dead
 ///     seed=N
 ///     supply=12V@TIME  payload=0.5kg@TIME  block=J2@20deg@TIME  unblock=J2@TIME
 ///     magnet=J3:off@TIME  magnet=J3:on@TIME  load=J1:0.5Nm@TIME
 ///
 /// TIME is a number with ms, s or min; a block's place has deg, rad, mm or m; a load Nm or N.
-/// An item that would replace an earlier one, and any number that is none, is an error.
+/// An error: an item that says again, or replaces, what an earlier one says of the same moment; a
+/// number that is none, or outside the ranges of docs/faults.md; a text without an item.
 /// @error  one sentence that names the item and says what would be right.
 std::expected<FaultPlan, std::string> parse_faults(std::string_view text);
 
-/// A text that parse_faults reads back as the same plan; empty for a plan without faults.
+/// A text that parse_faults reads back as the same plan; empty, which it refuses, for a plan
+/// without faults.
 std::string to_text(const FaultPlan& plan);
 
 /// What was done to the bytes of one direction. out + waiting = in - dropped - cut + duplicated.

@@ -16,6 +16,12 @@ using Checked = std::expected<void, std::string>;
 
 constexpr double kTimeMax = 1e6;  // s, some eleven days
 constexpr int kJointsMax = 8;
+// Far beyond these the physics has no numbers any more, and no robot here comes near them.
+constexpr double kSupplyMax = 60;    // V
+constexpr double kPayloadMax = 100;  // kg
+constexpr double kLoadMax = 1000;    // Nm, N
+constexpr double kAngleMax = 100;    // rad
+constexpr double kLengthMax = 10;    // m
 constexpr std::array<std::string_view, 13> kItems{
     "drop",   "duplicate", "flip",  "delay",   "cut",    "half-open", "seed",
     "supply", "payload",   "block", "unblock", "magnet", "load"};
@@ -148,6 +154,12 @@ class ItemReader {
     });
   }
 
+  /// Two cuts that begin at once, or two blows to the same thing at once: the later one would take
+  /// the place of the earlier one.
+  Checked once_at(const std::string& what, Duration at) {
+    return once(what + "@" + std::to_string(at.count()));
+  }
+
   Checked read_lasts(LinkCut& cut) {
     if (rest_.empty()) return {};
     Duration lasts{};
@@ -161,7 +173,7 @@ class ItemReader {
     if (auto read = read_time(take_until(rest_, ':'), cut.at); !read) return read;
     if (auto read = read_lasts(cut); !read) return read;
     plan_.link.cuts.push_back(cut);
-    return {};
+    return once_at("cut", cut.at);
   }
 
   Checked read_half_open() {
@@ -172,7 +184,7 @@ class ItemReader {
     if (auto read = read_lasts(cut); !read) return read;
     cut.only = only;
     plan_.link.cuts.push_back(cut);
-    return {};
+    return once_at(only == LinkDirection::kToHost ? "half-open<" : "half-open>", cut.at);
   }
 
   Checked read_seed() {
@@ -200,17 +212,24 @@ class ItemReader {
 
   Checked read_place(std::string_view text, double& out) const {
     const auto angle = parse_quantity(text, Measure::kAngle, UnitRule::kRequired);
-    if (angle) return out = *angle, Checked{};
     const auto length = parse_quantity(text, Measure::kLength, UnitRule::kRequired);
-    if (length) return out = *length, Checked{};
-    return wrong(quoted(text) + " is no place of a joint; write 20deg or 12mm");
+    if (!angle && !length) {
+      return wrong(quoted(text) + " is no place of a joint; write 20deg or 12mm");
+    }
+    out = angle ? *angle : *length;
+    if (!(std::abs(out) <= (angle ? kAngleMax : kLengthMax))) {
+      return wrong("a place is -100..100 rad or -10..10 m");
+    }
+    return {};
   }
 
   /// A force of a leg is written in N and a torque in Nm; the number is the same.
   Checked read_load(std::string_view text, double& out) const {
     std::string torque(text);
     if (torque.ends_with('N')) torque += 'm';
-    return read_quantity(torque, Measure::kTorque, out);
+    if (auto read = read_quantity(torque, Measure::kTorque, out); !read) return read;
+    if (!(std::abs(out) <= kLoadMax)) return wrong("a load is -1000..1000 Nm or N");
+    return {};
   }
 
   Checked read_disturbance() {
@@ -220,16 +239,23 @@ class ItemReader {
     if (auto read = read_time(trimmed(rest_.substr(at + 1)), timed.at); !read) return read;
     if (auto read = read_what(rest_.substr(0, at), timed.what); !read) return read;
     plan_.disturbances.push_back(timed);
-    return {};
+    const std::string_view thing = name_ == "unblock" ? "block" : name_;
+    return once_at(std::string(thing) + std::to_string(timed.what.joint), timed.at);
   }
 
   Checked read_what(std::string_view what, Disturbance& out) const {
     using Kind = Disturbance::Kind;
-    if (name_ == "supply" || name_ == "payload") {
-      out.kind = name_ == "supply" ? Kind::kSupply : Kind::kPayload;
-      const Measure measure = name_ == "supply" ? Measure::kVoltage : Measure::kMass;
-      if (auto read = read_quantity(trimmed(what), measure, out.value); !read) return read;
-      if (!(out.value >= 0)) return wrong("cannot be negative");
+    if (name_ == "supply") {
+      out.kind = Kind::kSupply;
+      if (auto read = read_quantity(trimmed(what), Measure::kVoltage, out.value); !read)
+        return read;
+      if (!(out.value >= 0 && out.value <= kSupplyMax)) return wrong("a supply is 0..60 V");
+      return {};
+    }
+    if (name_ == "payload") {
+      out.kind = Kind::kPayload;
+      if (auto read = read_quantity(trimmed(what), Measure::kMass, out.value); !read) return read;
+      if (!(out.value >= 0 && out.value <= kPayloadMax)) return wrong("a payload is 0..100 kg");
       return {};
     }
     const char separator = name_ == "block" ? '@' : ':';
@@ -342,7 +368,9 @@ std::string text_of(const TimedDisturbance& timed) {
 std::expected<FaultPlan, std::string> parse_faults(std::string_view text) {
   FaultPlan plan;
   std::vector<std::string> seen;
-  if (trimmed(text).empty()) return plan;
+  if (trimmed(text).empty()) {
+    return std::unexpected("an empty fault: it says nothing; write one, as drop=0.001");
+  }
   while (true) {
     const bool last = text.find(',') == std::string_view::npos;
     const std::string_view item = take_until(text, ',');

@@ -49,13 +49,14 @@ class PlainBoards : public SpiMachine {
 struct Bench {
   Bench() {
     std::vector<AxisBoard> boards;
+    boards.reserve(2);
     for (std::uint8_t i = 0; i < 2; ++i) {
       boards.push_back(
           {0, 0, static_cast<std::uint8_t>(5 + i), static_cast<std::uint8_t>(22 + i), 0});
     }
     server = std::make_unique<SimwireServer>(machine, boards, "sinew");
   }
-  std::string ask(const std::string& line) {
+  std::string ask(const std::string& line) const {
     const auto reply = simwire::encode_reply(server->answer(line));
     return std::string(simwire::view(reply));
   }

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 
+#include "sinew/core/stable_sort.h"
+
 namespace sinew::sim {
 namespace {
 
@@ -24,7 +26,7 @@ std::expected<std::unique_ptr<SpiFaults>, std::string> SpiFaults::create(SpiMach
 
 SpiFaults::SpiFaults(SpiMachine& machine, const FaultPlan& plan)
     : machine_(machine), plan_(plan), random_(plan.link.seed) {
-  std::ranges::stable_sort(plan_.disturbances, {}, &TimedDisturbance::at);
+  stable_sort_by(plan_.disturbances, &TimedDisturbance::at);
 }
 
 void SpiFaults::advance(Instant now) {

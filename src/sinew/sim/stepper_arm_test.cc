@@ -79,14 +79,14 @@ class Cell {
     arm_.advance(now_);
   }
   void run(double seconds) {
-    for (double t = 0; t < seconds; t += 0.01) {
+    for (int k = 0; k * 0.01 < seconds; ++k) {
       for (std::size_t i = 0; i < kAxes; ++i) state_[i] = send(i, Mode::kRead);
       advance(milliseconds(10) - kAxes * kFrameTime);
     }
   }
   /// Until all stand still, at most `seconds`.
   bool settle(double seconds) {
-    for (double t = 0; t < seconds; t += 0.1) {
+    for (int i = 0; i * 0.1 < seconds; ++i) {
       run(0.1);
       bool busy = false;
       for (const auto& state : state_) busy = busy || (state && (state->moving || state->homing));

@@ -60,7 +60,7 @@ TEST(StepperMotor, blocked_rotor_loses_whole_electrical_turns) {
 
 TEST(StepperMotor, torque_falls_beyond_the_corner_speed) {
   const auto speed_up_to = [](StepperMotor& motor, double speed) {
-    for (double v = 0; v < speed; v += 0.05) motor.advance(v * kTick, -0.8, 0, 0, kTick);
+    for (int i = 0; i * 0.05 < speed; ++i) motor.advance(i * 0.05 * kTick, -0.8, 0, 0, kTick);
   };
   StepperMotor slow(drive(), 6e-5);
   speed_up_to(slow, 50);

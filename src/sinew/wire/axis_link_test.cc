@@ -276,8 +276,9 @@ TEST(AxisLink, the_model_hash_tells_every_number_and_the_axis_apart) {
   const AxisModel model{1, -2.9, 2.9, 1.7, 0.17, 0.17};
   const std::uint32_t hash = model_hash(model);
   EXPECT_EQ(hash, model_hash(model));
-  for (double AxisModel::* field : {&AxisModel::lower, &AxisModel::upper, &AxisModel::velocity_max,
-                                    &AxisModel::acceleration_max, &AxisModel::jerk_max}) {
+  for (double AxisModel::* const field :
+       {&AxisModel::lower, &AxisModel::upper, &AxisModel::velocity_max,
+        &AxisModel::acceleration_max, &AxisModel::jerk_max}) {
     AxisModel other = model;
     other.*field += 1e-7;
     EXPECT_NE(model_hash(other), hash);

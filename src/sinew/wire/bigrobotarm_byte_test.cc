@@ -221,7 +221,8 @@ TEST(BigRobotArmByte, unknown_id_is_invalid_up_to_its_terminator) {
   std::string seen;
   for (const std::uint8_t byte : bytes) {
     const auto result = decoder.push(byte);
-    seen += !result ? '.' : result->has_value() ? 'S' : 'I';
+    if (result) seen += result->has_value() ? 'S' : 'I';
+    if (!result) seen += '.';
   }
   EXPECT_EQ(seen, "S....II.IS");
 }

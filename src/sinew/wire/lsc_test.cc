@@ -333,9 +333,10 @@ TEST(Lsc, a_flipped_bit_is_another_valid_move_in_two_places_of_five) {
     const auto request = decode_request(frames[0], Dialect::kLsc6);
     const auto* other = request ? std::get_if<Move>(&*request) : nullptr;
     if (other == nullptr) continue;
-    passed += std::ranges::all_of(other->servos, [](const ServoValue& servo) {
+    const bool sane = std::ranges::all_of(other->servos, [](const ServoValue& servo) {
       return servo.id >= 1 && servo.id <= 6 && servo.value >= 500 && servo.value <= 2500;
     });
+    passed += sane ? 1 : 0;
   }
   EXPECT_EQ(passed, 60) << "of " << 8 * move.size();
 }

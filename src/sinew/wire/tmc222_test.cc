@@ -91,7 +91,7 @@ TEST(Tmc222Wire, every_golden_refusal_is_given) {
 TEST(Tmc222Wire, every_golden_answer_is_read_and_written) {
   int count = 0;
   for (const auto& golden : test::read_goldens("tmc222.txt")) {
-    if (golden.who.rfind("status", 0) != 0) continue;
+    if (!golden.who.starts_with("status")) continue;
     ++count;
     const Answer answer = answer_of(golden);
     const auto words = test::words_in(golden.meaning);
