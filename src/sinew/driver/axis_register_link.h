@@ -35,7 +35,7 @@ struct AxisRegisterRequest {
   std::uint8_t select = 0;  ///< bit i: axis i
   axis_registers::Operation operation = axis_registers::Operation::kRead;
   std::uint16_t address = 0;
-  std::uint16_t size = 1;       ///< of the register
+  std::uint16_t size = 1;     ///< of the register
   axis_registers::Data data;  ///< of a WRITE, `size` bytes
   int tries = 1;
   /// To several boards at once: their answers may collide, so nothing of them is believed, and the

@@ -37,10 +37,10 @@ LscCell underrun() {
   }
   cell.planned = at;
   cell.planned[0] += 0.1;
-  cell.sleep_for(90ms);
+  cell.be_late_by(90ms);
   cell.driver.poll(cell.now);  // takes the last one over
   cell.take(64);
-  cell.sleep_for(120ms);
+  cell.be_late_by(120ms);
   return cell;
 }
 
@@ -71,7 +71,7 @@ TEST(LscDriverLateHost, a_command_waits_for_a_question_that_is_leaving_and_a_sto
       cell.start(kHere);
       cell.run_for(1s);
       const std::size_t before = cell.to_board.history.size();
-      cell.sleep_for(1100ms);
+      cell.be_late_by(1100ms);
       cell.driver.poll(cell.now);
       cell.take(begun);
       Pose there = kHere;
@@ -96,7 +96,7 @@ class LateHost {
   LateHost(LscCell& cell, Random& random) : cell_(cell), random_(random) {}
 
   void act() {
-    cell_.sleep_for(1ms * random_.integer(0, random_.chance(0.1) ? 250 : 40));
+    cell_.be_late_by(1ms * random_.integer(0, random_.chance(0.1) ? 250 : 40));
     if (random_.chance(0.8)) cell_.driver.poll(cell_.now);
     if (random_.chance(0.7)) cell_.take(static_cast<std::size_t>(random_.integer(0, 30)));
     if (random_.chance(0.2)) cell_.run_for(1ms * random_.integer(0, 60));

@@ -149,7 +149,7 @@ class LscCell {
   }
 
   /// The host does nothing for so long: no poll, no byte taken or given.
-  void sleep_for(Duration duration) {
+  void be_late_by(Duration duration) {
     const Instant end = now + duration;
     while (now < end) {
       Instant next = end;

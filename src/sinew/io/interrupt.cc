@@ -2,7 +2,6 @@
 
 #include <array>
 #include <csignal>
-#include <ctime>
 
 namespace sinew::io {
 namespace {
@@ -10,22 +9,13 @@ namespace {
 volatile std::sig_atomic_t count = 0;
 volatile std::sig_atomic_t status_count = 0;
 
-/// Ctrl-C in a shell, and `timeout`, may reach a process twice at once; only a second wish hurries.
-constexpr long kTogether_ms = 300;
+volatile std::sig_atomic_t last = 0;
 
-long milliseconds_now() {
-  timespec now{};
-  clock_gettime(CLOCK_MONOTONIC, &now);  // allowed in a signal handler
-  return now.tv_sec * 1000 + now.tv_nsec / 1'000'000;
-}
-
-volatile long last_ms = 0;
-
+/// `timeout` and service managers may send the same signal to a process and to its group: a second
+/// SIGTERM is no second wish. A second Ctrl-C is one.
 extern "C" void note_interrupt(int signal) {
-  const long now_ms = milliseconds_now();
-  const bool again = count > 0;
-  if (!again || (signal == SIGINT && now_ms - last_ms > kTogether_ms)) count = count + 1;
-  last_ms = now_ms;
+  if (signal != last || signal == SIGINT) count = count + 1;
+  last = signal;
 }
 
 extern "C" void note_status_request(int) {

@@ -6,8 +6,7 @@ namespace sinew::io {
 /// in order. Loops look at `interrupts()` at least every 50 ms.
 void catch_interrupts();
 
-/// How often somebody wished for an end: 1 after the first of them; a later Ctrl-C counts again, if
-/// it does not come together with the one before.
+/// How often somebody wished for an end. The same signal again, other than Ctrl-C, counts once.
 int interrupts();
 
 /// How often SIGUSR1 came, by which somebody asks how it goes.

@@ -65,10 +65,12 @@ TEST(Interrupts, each_signal_counts_and_none_kills) {
   EXPECT_EQ(in_child([] {
               catch_interrupts();
               if (interrupts() != 0) return 10;
-              for (const int signal : {SIGINT, SIGTERM, SIGHUP}) std::raise(signal);
+              for (const int signal : {SIGINT, SIGTERM, SIGTERM, SIGHUP}) std::raise(signal);
+              for (int i = 0; i < 2; ++i) std::raise(SIGINT);
               return interrupts();
             }),
-            3);
+            5)
+      << "SIGTERM twice in a row is one wish";
 }
 
 }  // namespace
