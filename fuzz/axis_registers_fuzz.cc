@@ -68,8 +68,8 @@ void what_is_accepted_has_one_spelling(std::span<const std::uint8_t> bytes) {
   }
   if (bytes.size() < 4) return;
   const AngleBytes angle{bytes[0], bytes[1], bytes[2], bytes[3]};
-  using enum AngleFormat;
-  for (const AngleFormat format : {kDegU32, kMdegI32, kF32Be, kF32Le}) {
+  using enum AngleEncoding;
+  for (const AngleEncoding format : {kDegU32, kMdegI32, kF32Be, kF32Le}) {
     const auto angle_deg = decode_angle(format, angle);
     if (!angle_deg) continue;
     const auto again = encode_angle(format, *angle_deg);

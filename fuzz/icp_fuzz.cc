@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "decoders.h"
 #include "sinew/core/assert.h"
 #include "sinew/wire/icp.h"
 
@@ -15,28 +16,9 @@
 namespace {
 
 using namespace sinew;
+using fuzz::decode_all;
+using fuzz::same_when_cut;
 using namespace sinew::icp;
-
-template <class Decoder>
-auto decode_all(Decoder& decoder, std::span<const std::uint8_t> bytes) {
-  std::vector<typename decltype(decoder.push(0))::value_type> results;
-  for (const std::uint8_t byte : bytes) {
-    if (const auto result = decoder.push(byte)) results.push_back(*result);
-  }
-  return results;
-}
-
-template <class Decoder>
-void same_when_cut(const Decoder& fresh, std::span<const std::uint8_t> bytes) {
-  Decoder whole = fresh;
-  const auto expected = decode_all(whole, bytes);
-  Decoder first = fresh;
-  const std::size_t cut = bytes.empty() ? 0 : bytes[0] % (bytes.size() + 1);
-  auto results = decode_all(first, bytes.first(cut));
-  Decoder second = first;
-  for (const auto& result : decode_all(second, bytes.subspan(cut))) results.push_back(result);
-  SINEW_ASSERT(results == expected);
-}
 
 void requests_have_one_spelling(const Dialect& dialect, std::span<const std::uint8_t> bytes) {
   RequestDecoder decoder(dialect);

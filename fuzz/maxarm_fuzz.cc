@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "decoders.h"
 #include "sinew/core/assert.h"
 #include "sinew/wire/maxarm.h"
 
@@ -14,28 +15,9 @@
 namespace {
 
 using namespace sinew;
+using fuzz::decode_all;
+using fuzz::same_when_cut;
 using namespace sinew::maxarm;
-
-template <class Decoder>
-auto decode_all(Decoder& decoder, std::span<const std::uint8_t> bytes) {
-  std::vector<typename decltype(decoder.push(0))::value_type> results;
-  for (const std::uint8_t byte : bytes) {
-    if (const auto result = decoder.push(byte)) results.push_back(*result);
-  }
-  return results;
-}
-
-template <class Decoder>
-void same_when_cut(std::span<const std::uint8_t> bytes) {
-  Decoder whole;
-  const auto expected = decode_all(whole, bytes);
-  const std::size_t cut = bytes.empty() ? 0 : bytes[0] % (bytes.size() + 1);
-  Decoder first;
-  auto results = decode_all(first, bytes.first(cut));
-  Decoder second = first;
-  for (const auto& result : decode_all(second, bytes.subspan(cut))) results.push_back(result);
-  SINEW_ASSERT(results == expected);
-}
 
 void ends_with(std::span<const std::uint8_t> bytes, const FrameBytes& frame) {
   SINEW_ASSERT(frame.size() <= bytes.size());
@@ -105,8 +87,8 @@ void every_message_comes_back(std::span<const std::uint8_t> bytes) {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::span bytes(data, size);
-  same_when_cut<RequestDecoder>(bytes);
-  same_when_cut<ReplyDecoder>(bytes);
+  same_when_cut(RequestDecoder{}, bytes);
+  same_when_cut(ReplyDecoder{}, bytes);
   what_is_accepted_is_its_bytes(bytes);
   zeros_wake(bytes);
   every_message_comes_back(bytes);

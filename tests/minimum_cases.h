@@ -27,7 +27,7 @@ struct MinimumCases {
 inline constexpr std::array kMinimumTests = std::to_array<MinimumTests>({
     {"cli_test", 72},
     {"config_test", 64},
-    {"core_test", 19},
+    {"core_test", 22},
     {"device_test", 216},
     {"driver_test", 256},
     {"faults_test", 19},

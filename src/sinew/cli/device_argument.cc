@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "sinew/runtime/robot_variant.h"
+
 namespace sinew::cli {
 
 std::expected<void, Outcome> check_has_device(const RobotModel& model) {
@@ -28,19 +30,8 @@ std::string silence_hint(const RobotModel& model) {
   return common;
 }
 
-std::span<const AxisBoard> boards_of(const RobotModel& model) {
-  const auto& settings = model.device.settings;
-  if (const auto* registers = std::get_if<AxisRegistersDevice>(&settings)) {
-    return {registers->boards.data(), registers->boards.size()};
-  }
-  if (const auto* link = std::get_if<AxisLinkDevice>(&settings)) {
-    return {link->boards.data(), link->boards.size()};
-  }
-  return {};
-}
-
 bool is_on_spi(const RobotModel& model) {
-  return !boards_of(model).empty();
+  return !runtime::boards_of(model).empty();
 }
 
 std::expected<void, Outcome> check_seed(std::int64_t seed) {

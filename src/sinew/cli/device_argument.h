@@ -18,8 +18,6 @@ std::string silence_hint(const RobotModel& model);
 
 /// Its boards hang on SPI; else its device hangs on a serial port.
 bool is_on_spi(const RobotModel& model);
-/// The boards of a robot on SPI; none for others.
-std::span<const AxisBoard> boards_of(const RobotModel& model);
 
 /// A seed is a whole number from 0.
 std::expected<void, Outcome> check_seed(std::int64_t seed);

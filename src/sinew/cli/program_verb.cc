@@ -12,6 +12,7 @@
 #include "sinew/cli/progress_line.h"
 #include "sinew/cli/quantity.h"
 #include "sinew/cli/robot_argument.h"
+#include "sinew/cli/run_outputs.h"
 #include "sinew/io/file.h"
 #include "sinew/io/interrupt.h"
 #include "sinew/program/program_file.h"
@@ -119,23 +120,6 @@ std::string why_not_done(const RunRequest& request, const RobotModel& model,
   return fmt::format("{}: {}{}", port, reason, silence_hint(model));
 }
 
-void write_files(const RunRequest& request, const RobotModel& model,
-                 const std::vector<JointSample>& samples, Outcome& outcome) {
-  const auto write = [&](const char* option, const std::optional<std::string>& path,
-                         const std::string& text) {
-    if (!path) return;
-    if (const auto written = io::replace_file(*path, text); !written) {
-      add_failure(outcome, fmt::format("{}: {}", option, written.error().sentence));
-    } else {
-      outcome.text += "  " + *path + "\n";
-    }
-  };
-  if (request.record) write("--record", request.record, program_csv(model, samples));
-  if (request.plot) {
-    write("--plot", request.plot, program_svg(model, samples, model.title + ": " + request.file));
-  }
-}
-
 Outcome drive(const RunRequest& request, const Prepared& prepared, runtime::RobotLink& link,
               const io::Clock& clock, const runtime::ByteLog& log) {
   const RobotModel& model = prepared.model;
@@ -165,43 +149,15 @@ Outcome drive(const RunRequest& request, const Prepared& prepared, runtime::Robo
     outcome.exit = ExitCode::kCouldNot;
     outcome.json["error"] = {{"sentence", outcome.complaint}};
   }
-  write_files(request, model, recorder.samples(), outcome);
-  if (const auto failure = log.failure()) {
-    add_failure(outcome, "--log: " + failure->sentence + "; the log is not whole");
-  }
+  write_outputs(
+      request,
+      {[&] { return program_csv(model, recorder.samples()); },
+       [&] { return program_svg(model, recorder.samples(), model.title + ": " + request.file); }},
+      log, outcome);
   return outcome;
 }
 
 }  // namespace
-
-void add_failure(Outcome& outcome, const std::string& sentence) {
-  outcome.exit = ExitCode::kCouldNot;
-  outcome.complaint += (outcome.complaint.empty() ? "" : "\n") + sentence;
-}
-
-std::expected<void, Outcome> check_outputs(const RunRequest& request) {
-  // Whoever mistypes a name must not lose the program, the robot's file, or send text to the arm.
-  std::vector<std::pair<std::string, std::string>> taken{{"the program", request.file}};
-  if (request.robot.ends_with(".toml")) taken.emplace_back("the robot's file", request.robot);
-  if (request.port) taken.emplace_back("the port", *request.port);
-  const auto check = [&](const std::string& option,
-                         const std::optional<std::string>& path) -> std::expected<void, Outcome> {
-    if (!path) return {};
-    if (const auto fine = io::check_place(*path); !fine) {
-      return std::unexpected(bad_input(option + ": " + fine.error().sentence));
-    }
-    for (const auto& [what, other] : taken) {
-      if (!io::same_file(*path, other)) continue;
-      return std::unexpected(
-          bad_input(fmt::format("{}: {} is {}; choose another name", option, *path, what)));
-    }
-    taken.emplace_back("the file of " + option, *path);
-    return {};
-  };
-  if (auto fine = check("--log", request.log); !fine) return fine;
-  if (auto fine = check("--record", request.record); !fine) return fine;
-  return check("--plot", request.plot);
-}
 
 Outcome run_sinew_program(const RunRequest& request) {
   const auto prepared = prepare(request);

@@ -12,6 +12,7 @@
 #include "sinew/cli/program_verb.h"
 #include "sinew/cli/progress_line.h"
 #include "sinew/cli/robot_argument.h"
+#include "sinew/cli/run_outputs.h"
 #include "sinew/cli/run_report.h"
 #include "sinew/io/file.h"
 #include "sinew/io/interrupt.h"
@@ -52,24 +53,6 @@ struct Job {
   const BigRobotArmDevice& device;
   const sequence::Program& program;
 };
-
-/// Files that a run leaves behind.
-void write_files(const Job& job, const sequence::Run& run, Outcome& outcome) {
-  const auto write = [&](const char* option, const std::optional<std::string>& path,
-                         const std::string& text) {
-    if (!path) return;
-    if (const auto written = io::replace_file(*path, text); !written) {
-      add_failure(outcome, fmt::format("{}: {}", option, written.error().sentence));
-    } else {
-      outcome.text += "  " + *path + "\n";
-    }
-  };
-  if (job.request.record) write("--record", job.request.record, run_csv(job.model, run));
-  if (job.request.plot) {
-    write("--plot", job.request.plot,
-          run_svg(job.model, run, job.model.title + ": " + job.request.file));
-  }
-}
 
 /// Why a run did not come to its end, as a sentence; empty where it did.
 std::string why_not_done(const Job& job, const sequence::Run& run, const runtime::SessionEnd& end,
@@ -119,10 +102,11 @@ Outcome drive(const Job& job, io::Port& port, const io::Clock& clock, runtime::B
         "  note: the device answered as just powered up; it counts from where the arm "
         "stood then\n";
   }
-  write_files(job, run, outcome);
-  if (const auto failure = log.failure()) {
-    add_failure(outcome, "--log: " + failure->sentence + "; the log is not whole");
-  }
+  write_outputs(
+      job.request,
+      {[&] { return run_csv(job.model, run); },
+       [&] { return run_svg(job.model, run, job.model.title + ": " + job.request.file); }},
+      log, outcome);
   return outcome;
 }
 

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <initializer_list>
+#include <optional>
 #include <span>
 
 #include "sinew/core/assert.h"
@@ -38,6 +40,27 @@ class FixedVector {
     --size_;
   }
   constexpr void clear() { size_ = 0; }
+
+  /// Takes the first `count` out; the others move up.
+  constexpr void drop_front(std::size_t count) {
+    SINEW_ASSERT(count <= size_);
+    std::copy(begin() + count, end(), begin());
+    resize(size_ - count);
+  }
+  /// Moves as many of the first ones out as `out` has room for; how many.
+  constexpr std::size_t take_front(std::span<T> out) {
+    const std::size_t count = std::min(out.size(), size_);
+    std::copy_n(begin(), count, out.begin());
+    drop_front(count);
+    return count;
+  }
+  /// The first one, taken out; nothing where there is none.
+  constexpr std::optional<T> take_front() {
+    if (empty()) return std::nullopt;
+    const T first = items_[0];
+    drop_front(1);
+    return first;
+  }
   /// New elements are value-initialised.
   constexpr void resize(std::size_t size) {
     SINEW_ASSERT(size <= Capacity);

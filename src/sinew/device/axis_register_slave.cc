@@ -13,20 +13,6 @@ namespace {
 
 constexpr AxisRegisterMap kLaterMap{0, 1, 3, 4, 5};
 
-AngleFormat format_of(AngleEncoding encoding) {
-  switch (encoding) {
-    case AngleEncoding::kDegU32:
-      return AngleFormat::kDegU32;
-    case AngleEncoding::kMdegI32:
-      return AngleFormat::kMdegI32;
-    case AngleEncoding::kF32Be:
-      return AngleFormat::kF32Be;
-    case AngleEncoding::kF32Le:
-      break;
-  }
-  return AngleFormat::kF32Le;
-}
-
 std::uint16_t address_in(const AxisRegisterMap& map, const RegisterRow& row) {
   switch (row.name) {
     case Register::kHoming:
@@ -65,7 +51,7 @@ Status wire_status(const AxisStatus& axis) {
 AxisRegisterSlave::AxisRegisterSlave(const AxisRegistersDevice& device, std::size_t joint,
                                      AxisRegisterProfile profile, Axis& axis)
     : profile_(profile),
-      format_(format_of(device.encoding)),
+      encoding_(device.encoding),
       zero_(device.boards[joint].zero),
       slave_id_(device.slave_id),
       axis_(axis) {
@@ -270,10 +256,10 @@ Data AxisRegisterSlave::live_value(Register name) const {
     case Register::kDiagStatus:
       return encode_status(wire_status(status));
     case Register::kMoveAngle: {
-      const bool from_zero = format_ == AngleFormat::kDegU32;
+      const bool from_zero = encoding_ == AngleEncoding::kDegU32;
       const double angle = to_deg(status.q_target - (from_zero ? zero_ : 0));
       // An axis may stand a little before its zero; 0 is the nearest that can be said.
-      const auto bytes = encode_angle(format_, from_zero ? std::max(angle, 0.0) : angle);
+      const auto bytes = encode_angle(encoding_, from_zero ? std::max(angle, 0.0) : angle);
       return bytes ? Data(*bytes) : Data{0, 0, 0, 0};
     }
     case Register::kDiagControl:
@@ -326,9 +312,9 @@ void AxisRegisterSlave::move() {
   AngleBytes bytes{};
   const Data data = stored(*std::ranges::find(rows_, Register::kMoveAngle, &RegisterRow::name));
   std::copy_n(data.begin(), bytes.size(), bytes.begin());
-  const auto angle_deg = decode_angle(format_, bytes);
+  const auto angle_deg = decode_angle(encoding_, bytes);
   if (!angle_deg) return;
-  const double offset = format_ == AngleFormat::kDegU32 ? zero_ : 0;
+  const double offset = encoding_ == AngleEncoding::kDegU32 ? zero_ : 0;
   // The wire has no word for a refusal: it shows in DIAG_STATUS, and MOVE_ANGLE reads the old
   // target.
   static_cast<void>(axis_.move_to(offset + from_deg(*angle_deg)));

@@ -100,7 +100,7 @@ class AxisRegisterSlave {
   void move();
 
   AxisRegisterProfile profile_;
-  axis_registers::AngleFormat format_;
+  AngleEncoding encoding_;
   double zero_;  ///< rad
   std::uint8_t slave_id_;
   Axis& axis_;

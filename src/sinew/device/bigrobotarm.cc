@@ -94,11 +94,7 @@ void BigRobotArmFirmware::advance(Instant now) {
 }
 
 std::size_t BigRobotArmFirmware::take_output(std::span<std::uint8_t> out) {
-  const std::size_t count = std::min(out.size(), output_.size());
-  std::copy_n(output_.begin(), count, out.begin());
-  std::copy(output_.begin() + count, output_.end(), output_.begin());
-  output_.resize(output_.size() - count);
-  return count;
+  return output_.take_front(out);
 }
 
 std::optional<Instant> BigRobotArmFirmware::next_event() const {
@@ -143,8 +139,7 @@ void BigRobotArmFirmware::process() {
 bool BigRobotArmFirmware::next_byte(std::uint8_t& byte) {
   if (input_.empty()) return false;
   byte = input_[0];
-  std::copy(input_.begin() + 1, input_.end(), input_.begin());
-  input_.pop_back();
+  input_.drop_front(1);
   return true;
 }
 
@@ -346,8 +341,7 @@ void BigRobotArmFirmware::run_queue() {
   queue_running_ = true;
   while (!moving_ && !queue_.empty()) {
     const Words next = queue_[0];
-    std::copy(queue_.begin() + 1, queue_.end(), queue_.begin());
-    queue_.pop_back();
+    queue_.drop_front(1);
     begin_motion(next);
   }
   if (moving_) return;

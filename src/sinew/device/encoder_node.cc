@@ -152,11 +152,7 @@ void EncoderNode::answer(Register name) {
 }
 
 std::size_t EncoderNode::take_output(std::span<std::uint8_t> out) {
-  const std::size_t taken = std::min(out.size(), output_.size());
-  std::copy_n(output_.begin(), taken, out.begin());
-  std::copy(output_.begin() + taken, output_.end(), output_.begin());
-  output_.resize(output_.size() - taken);
-  return taken;
+  return output_.take_front(out);
 }
 
 }  // namespace sinew

@@ -117,8 +117,7 @@ void MaxArmFirmware::process() {
     if (!arduino()) poll_port();
     if (ring_.empty() || (!arduino() && poll_left_ == 0)) return;
     const std::uint8_t byte = ring_[0];
-    std::copy(ring_.begin() + 1, ring_.end(), ring_.begin());
-    ring_.pop_back();
+    ring_.drop_front(1);
     if (poll_left_ > 0) --poll_left_;
     const auto request = decoder_.push(byte);
     if (request) execute(*request);
@@ -212,11 +211,7 @@ double MaxArmFirmware::nozzle_us(Instant now) const {
 }
 
 std::size_t MaxArmFirmware::take_output(std::span<std::uint8_t> out) {
-  const std::size_t count = std::min(out.size(), output_.size());
-  std::copy_n(output_.begin(), count, out.begin());
-  std::copy(output_.begin() + count, output_.end(), output_.begin());
-  output_.resize(output_.size() - count);
-  return count;
+  return output_.take_front(out);
 }
 
 }  // namespace sinew

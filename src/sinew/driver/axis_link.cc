@@ -282,11 +282,7 @@ std::optional<Instant> AxisLinkDriver::next_deadline() const {
 }
 
 std::optional<DriverEvent> AxisLinkDriver::take_event() {
-  if (events_.empty()) return std::nullopt;
-  const DriverEvent first = events_[0];
-  std::copy(events_.begin() + 1, events_.end(), events_.begin());
-  events_.pop_back();
-  return first;
+  return events_.take_front();
 }
 
 void AxisLinkDriver::tell(DriverEvent::Kind kind, const Error& error) {

@@ -99,8 +99,7 @@ Expected<void> SegmentQueue::push(const JointMove& move, std::span<const Joint> 
 
 void SegmentQueue::pop_front() {
   SINEW_ASSERT(!empty());
-  std::copy(segments_.begin() + 1, segments_.end(), segments_.begin());
-  segments_.pop_back();
+  segments_.drop_front(1);
 }
 
 Setpoint SegmentQueue::at(std::size_t joint, Instant when) const {

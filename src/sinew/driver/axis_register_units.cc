@@ -13,25 +13,11 @@ namespace {
 /// 1.5 microsteps of a board's 200 x 16 steps behind 17:1.
 constexpr double kTargetTolerance = 0.01 * kPi / 180;
 
-AngleFormat format_of(AngleEncoding encoding) {
-  switch (encoding) {
-    case AngleEncoding::kDegU32:
-      return AngleFormat::kDegU32;
-    case AngleEncoding::kMdegI32:
-      return AngleFormat::kMdegI32;
-    case AngleEncoding::kF32Be:
-      return AngleFormat::kF32Be;
-    case AngleEncoding::kF32Le:
-      break;
-  }
-  return AngleFormat::kF32Le;
-}
-
-std::optional<ToldAngle> told(AngleFormat format, double offset, const AngleBytes& bytes) {
-  const auto angle_deg = decode_angle(format, bytes);
+std::optional<ToldAngle> told(AngleEncoding encoding, double offset, const AngleBytes& bytes) {
+  const auto angle_deg = decode_angle(encoding, bytes);
   if (!angle_deg) return std::nullopt;
   return ToldAngle{bytes, offset + from_deg(*angle_deg),
-                   from_deg(angle_unit_deg(format, *angle_deg)) / 2};
+                   from_deg(angle_unit_deg(encoding, *angle_deg)) / 2};
 }
 
 double offset_of(AngleEncoding encoding, double zero) {
@@ -44,16 +30,15 @@ Expected<ToldAngle> tell_angle(AngleEncoding encoding, double zero, const Joint&
   const double limit = q < joint.lower ? joint.lower : joint.upper;
   const Error outside{ErrorCode::kJointLimit, -1, q, limit};
   if (!within_limits(joint, q)) return std::unexpected(outside);  // NaN too
-  const AngleFormat format = format_of(encoding);
   const double offset = offset_of(encoding, zero);
   const double wanted_deg = to_deg(q - offset);
-  const double unit_deg = angle_unit_deg(format, wanted_deg);
+  const double unit_deg = angle_unit_deg(encoding, wanted_deg);
   // The nearest may lie beyond a limit that is no whole unit; then its neighbour inside.
   const double inward = q > (joint.lower + joint.upper) / 2 ? -unit_deg : unit_deg;
   for (const double candidate_deg : {wanted_deg, wanted_deg + inward}) {
-    const auto bytes = encode_angle(format, candidate_deg);
+    const auto bytes = encode_angle(encoding, candidate_deg);
     if (!bytes) continue;
-    const auto angle = told(format, offset, *bytes);
+    const auto angle = told(encoding, offset, *bytes);
     if (angle && within_limits(joint, angle->q)) return *angle;
   }
   return std::unexpected(outside);
@@ -63,7 +48,7 @@ std::optional<ToldAngle> read_angle(AngleEncoding encoding, double zero, const D
   AngleBytes bytes{};
   if (data.size() != bytes.size()) return std::nullopt;
   std::copy_n(data.begin(), bytes.size(), bytes.begin());
-  return told(format_of(encoding), offset_of(encoding, zero), bytes);
+  return told(encoding, offset_of(encoding, zero), bytes);
 }
 
 double same_target_tolerance(const ToldAngle& told) {

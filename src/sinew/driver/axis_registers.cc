@@ -416,11 +416,7 @@ void AxisRegistersDriver::exchanged(std::span<const std::uint8_t> miso, Instant 
 }
 
 std::optional<DriverEvent> AxisRegistersDriver::take_event() {
-  if (events_.empty()) return std::nullopt;
-  const DriverEvent first = events_[0];
-  std::copy(events_.begin() + 1, events_.end(), events_.begin());
-  events_.pop_back();
-  return first;
+  return events_.take_front();
 }
 
 void AxisRegistersDriver::tell(DriverEvent::Kind kind, const Error& error) {

@@ -477,11 +477,7 @@ void BigRobotArmJointDriver::tell(DriverEvent::Kind kind, const Error& error) {
 }
 
 std::optional<DriverEvent> BigRobotArmJointDriver::take_event() {
-  if (events_.empty()) return std::nullopt;
-  const DriverEvent first = events_[0];
-  std::copy(events_.begin() + 1, events_.end(), events_.begin());
-  events_.pop_back();
-  return first;
+  return events_.take_front();
 }
 
 }  // namespace sinew

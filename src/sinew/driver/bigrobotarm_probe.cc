@@ -93,11 +93,7 @@ void BigRobotArmProbe::poll(Instant now) {
 }
 
 std::size_t BigRobotArmProbe::take_output(std::span<std::uint8_t> out) {
-  const std::size_t count = std::min(out.size(), output_.size());
-  std::copy_n(output_.begin(), count, out.begin());
-  std::copy(output_.begin() + count, output_.end(), output_.begin());
-  output_.resize(output_.size() - count);
-  return count;
+  return output_.take_front(out);
 }
 
 }  // namespace sinew

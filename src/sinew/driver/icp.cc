@@ -507,8 +507,7 @@ void IcpDriver::next_of_move(Instant now) {
 void IcpDriver::finish(Instant now) {
   finishing_ = false;
   const Instant end = move_start_ + queue_[0].duration;
-  std::copy(queue_.begin() + 1, queue_.end(), queue_.begin());
-  queue_.pop_back();
+  queue_.drop_front(1);
   tell(DriverEvent::Kind::kDone);
   if (queue_.empty()) return;
   // In time: the next one's time begins where this one's ended, so that nothing adds up.
@@ -661,11 +660,7 @@ std::size_t IcpDriver::take_output(std::span<std::uint8_t> out) {
 }
 
 std::optional<DriverEvent> IcpDriver::take_event() {
-  if (events_.empty()) return std::nullopt;
-  const DriverEvent first = events_[0];
-  std::copy(events_.begin() + 1, events_.end(), events_.begin());
-  events_.pop_back();
-  return first;
+  return events_.take_front();
 }
 
 void IcpDriver::tell(DriverEvent::Kind kind, const Error& error) {

@@ -383,20 +383,13 @@ void LscDriver::send(const Request& request, Instant now) {
 }
 
 std::size_t LscDriver::take_output(std::span<std::uint8_t> out) {
-  const std::size_t count = std::min(out.size(), output_.size());
-  std::copy_n(output_.begin(), count, out.begin());
-  std::copy(output_.begin() + count, output_.end(), output_.begin());
-  output_.resize(output_.size() - count);
+  const std::size_t count = output_.take_front(out);
   output_begun_ = !output_.empty() && (output_begun_ || count > 0);
   return count;
 }
 
 std::optional<DriverEvent> LscDriver::take_event() {
-  if (events_.empty()) return std::nullopt;
-  const DriverEvent first = events_[0];
-  std::copy(events_.begin() + 1, events_.end(), events_.begin());
-  events_.pop_back();
-  return first;
+  return events_.take_front();
 }
 
 void LscDriver::tell(Kind kind, const Error& error) {

@@ -603,11 +603,7 @@ void MaxArmDriver::show_doubt() {
 }
 
 std::size_t MaxArmDriver::take_output(std::span<std::uint8_t> out) {
-  const std::size_t count = std::min(out.size(), output_.size());
-  std::copy_n(output_.begin(), count, out.begin());
-  std::copy(output_.begin() + count, output_.end(), output_.begin());
-  output_.resize(output_.size() - count);
-  return count;
+  return output_.take_front(out);
 }
 
 std::optional<Instant> MaxArmDriver::next_deadline() const {
@@ -616,11 +612,7 @@ std::optional<Instant> MaxArmDriver::next_deadline() const {
 }
 
 std::optional<DriverEvent> MaxArmDriver::take_event() {
-  if (events_.empty()) return std::nullopt;
-  const DriverEvent first = events_[0];
-  std::copy(events_.begin() + 1, events_.end(), events_.begin());
-  events_.pop_back();
-  return first;
+  return events_.take_front();
 }
 
 }  // namespace sinew

@@ -5,6 +5,7 @@
 #include <string>
 #include <variant>
 
+#include "sinew/core/angle_encoding.h"
 #include "sinew/core/fixed_vector.h"
 #include "sinew/core/instant.h"
 
@@ -54,14 +55,6 @@ struct BigRobotArmDevice {
 };
 
 // robot-arm-2: one controller board per axis on an SPI bus.
-
-/// How MOVE_ANGLE says an angle in its four bytes; boards of different ages disagree.
-enum class AngleEncoding : std::uint8_t {
-  kDegU32,   ///< whole degrees from `zero`, big endian: the document
-  kMdegI32,  ///< thousandths of a degree, two's complement, big endian
-  kF32Be,    ///< degrees as an IEEE float, big endian
-  kF32Le,
-};
 
 /// Where the registers of a board stand; the defaults are the document's.
 struct AxisRegisterMap {

@@ -6,15 +6,10 @@
 #include "sinew/io/clock.h"
 #include "sinew/io/port.h"
 #include "sinew/io/spi_bus.h"
+#include "sinew/runtime/byte_line.h"
 #include "sinew/runtime/byte_log.h"
 
 namespace sinew::runtime {
-
-/// Bytes that went over a wire.
-struct ByteCount {
-  std::size_t to_device = 0;
-  std::size_t to_host = 0;
-};
 
 /// A driver on its wire in real (or scaled) time: what it has to say goes out, what comes goes in.
 class DriverLine {

@@ -6,6 +6,7 @@
 
 #include "sinew/io/local_socket.h"
 #include "sinew/runtime/machine_thread.h"
+#include "sinew/runtime/robot_variant.h"
 #include "sinew/runtime/simwire_bus.h"
 
 namespace sinew::runtime {
@@ -13,14 +14,6 @@ namespace {
 
 constexpr std::string_view kSimwire = "simwire:";
 constexpr std::string_view kSpidev = "spidev";
-
-std::span<const AxisBoard> boards_of(const RobotModel& robot) {
-  if (const auto* registers = std::get_if<AxisRegistersDevice>(&robot.device.settings)) {
-    return {registers->boards.data(), registers->boards.size()};
-  }
-  const auto& link = std::get<AxisLinkDevice>(robot.device.settings);
-  return {link.boards.data(), link.boards.size()};
-}
 
 io::IoResult<std::unique_ptr<io::SpiBus>> open_bus(const RobotModel& robot, const std::string& port,
                                                    const io::Clock& clock) {

@@ -2,12 +2,16 @@
 
 #include <expected>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "sinew/model/robot_model.h"
 
 namespace sinew::runtime {
+
+/// The boards of a robot that hangs on SPI, which live in its model; none of any other.
+std::span<const AxisBoard> boards_of(const RobotModel& robot);
 
 /// The names of a simulated device's variants (`--profile`), its default first; none where it has
 /// but one.

@@ -200,44 +200,44 @@ std::optional<Status> decode_status(std::span<const std::uint8_t> data) {
   return Status{bit(0), bit(1), bit(2), bit(3), bit(4), bit(5), bit(6), bit(7), byte_of(word, 8)};
 }
 
-std::optional<AngleBytes> encode_angle(AngleFormat format, double angle_deg) {
+std::optional<AngleBytes> encode_angle(AngleEncoding encoding, double angle_deg) {
   if (!std::isfinite(angle_deg)) return std::nullopt;
-  switch (format) {
-    case AngleFormat::kDegU32: {
+  switch (encoding) {
+    case AngleEncoding::kDegU32: {
       const double units = std::round(angle_deg);
       if (units < 0 || units > std::numeric_limits<std::uint32_t>::max()) return std::nullopt;
       return big_endian(static_cast<std::uint32_t>(units));
     }
-    case AngleFormat::kMdegI32: {
+    case AngleEncoding::kMdegI32: {
       const double units = std::round(angle_deg * 1000);
       if (std::abs(units) > std::numeric_limits<std::int32_t>::max()) return std::nullopt;
       return big_endian(static_cast<std::uint32_t>(static_cast<std::int32_t>(units)));
     }
-    case AngleFormat::kF32Be:
-    case AngleFormat::kF32Le: {
+    case AngleEncoding::kF32Be:
+    case AngleEncoding::kF32Le: {
       if (std::abs(angle_deg) > std::numeric_limits<float>::max()) return std::nullopt;
       AngleBytes bytes = big_endian(std::bit_cast<std::uint32_t>(static_cast<float>(angle_deg)));
-      if (format == AngleFormat::kF32Le) std::ranges::reverse(bytes);
+      if (encoding == AngleEncoding::kF32Le) std::ranges::reverse(bytes);
       return bytes;
     }
   }
   return std::nullopt;
 }
 
-std::optional<double> decode_angle(AngleFormat format, const AngleBytes& bytes) {
+std::optional<double> decode_angle(AngleEncoding encoding, const AngleBytes& bytes) {
   AngleBytes ordered = bytes;
-  if (format == AngleFormat::kF32Le) std::ranges::reverse(ordered);
+  if (encoding == AngleEncoding::kF32Le) std::ranges::reverse(ordered);
   const std::uint32_t word = from_big_endian(ordered);
-  if (format == AngleFormat::kDegU32) return static_cast<double>(word);
-  if (format == AngleFormat::kMdegI32) return static_cast<std::int32_t>(word) / 1000.0;
+  if (encoding == AngleEncoding::kDegU32) return static_cast<double>(word);
+  if (encoding == AngleEncoding::kMdegI32) return static_cast<std::int32_t>(word) / 1000.0;
   const auto angle_deg = std::bit_cast<float>(word);
   if (!std::isfinite(angle_deg)) return std::nullopt;
   return static_cast<double>(angle_deg);
 }
 
-double angle_unit_deg(AngleFormat format, double angle_deg) {
-  if (format == AngleFormat::kDegU32) return 1;
-  if (format == AngleFormat::kMdegI32) return 1e-3;
+double angle_unit_deg(AngleEncoding encoding, double angle_deg) {
+  if (encoding == AngleEncoding::kDegU32) return 1;
+  if (encoding == AngleEncoding::kMdegI32) return 1e-3;
   const auto here = static_cast<float>(std::abs(angle_deg));
   return static_cast<double>(std::nextafter(here, std::numeric_limits<float>::infinity())) -
          static_cast<double>(here);

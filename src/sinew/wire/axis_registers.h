@@ -7,6 +7,7 @@
 #include <optional>
 #include <span>
 
+#include "sinew/core/angle_encoding.h"
 #include "sinew/core/fixed_vector.h"
 #include "sinew/core/instant.h"
 
@@ -83,7 +84,7 @@ enum class Operation : std::uint8_t { kRead = 1, kWrite = 2 };
 
 enum class Register : std::uint8_t {
   kHoming,          ///< 1 starts, 0 cancels; 1 while it runs
-  kMoveAngle,       ///< target, as AngleFormat
+  kMoveAngle,       ///< target, as AngleEncoding
   kDiagControl,     ///< 1 clears faults, 2 runs the self-test
   kDiagStatus,      ///< Status
   kEmergencyStop,   ///< 1 stops and latches, 0 unlatches and resumes nothing
@@ -197,22 +198,15 @@ Data encode_status(const Status& status);
 /// Nothing: not four bytes, or a bit above 15 is set, so that it is some other status.
 std::optional<Status> decode_status(std::span<const std::uint8_t> data);
 
-/// What the four bytes of MOVE_ANGLE are.
-enum class AngleFormat : std::uint8_t {
-  kDegU32,   ///< whole degrees from the joint's zero, unsigned: the document
-  kMdegI32,  ///< thousandths of a degree, two's complement
-  kF32Be,    ///< degrees, IEEE float, big endian
-  kF32Le,    ///< degrees, IEEE float, little endian
-};
-
+/// The four bytes of MOVE_ANGLE.
 using AngleBytes = std::array<std::uint8_t, 4>;
 
-/// The angle that the format can say nearest to `angle_deg`. Nothing: not finite, or outside what
-/// four bytes of this format hold; an angle never wraps round.
-std::optional<AngleBytes> encode_angle(AngleFormat format, double angle_deg);
+/// The angle that the encoding can say nearest to `angle_deg`. Nothing: not finite, or outside what
+/// four bytes of this encoding hold; an angle never wraps round.
+std::optional<AngleBytes> encode_angle(AngleEncoding encoding, double angle_deg);
 /// Degrees. Nothing: a float that is not finite.
-std::optional<double> decode_angle(AngleFormat format, const AngleBytes& bytes);
-/// Distance in degrees from `angle_deg` to the next angle that the format can say.
-double angle_unit_deg(AngleFormat format, double angle_deg);
+std::optional<double> decode_angle(AngleEncoding encoding, const AngleBytes& bytes);
+/// Distance in degrees from `angle_deg` to the next angle that the encoding can say.
+double angle_unit_deg(AngleEncoding encoding, double angle_deg);
 
 }  // namespace sinew::axis_registers

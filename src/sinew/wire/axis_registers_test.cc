@@ -42,10 +42,10 @@ const std::map<std::string, Verdict> kVerdicts{{"ok", Verdict::kOk},
                                                {"end", Verdict::kEndByte},
                                                {"crc", Verdict::kCrc},
                                                {"operation", Verdict::kOperation}};
-const std::map<std::string, AngleFormat> kFormats{{"deg_u32", AngleFormat::kDegU32},
-                                                  {"mdeg_i32", AngleFormat::kMdegI32},
-                                                  {"f32_be", AngleFormat::kF32Be},
-                                                  {"f32_le", AngleFormat::kF32Le}};
+const std::map<std::string, AngleEncoding> kFormats{{"deg_u32", AngleEncoding::kDegU32},
+                                                    {"mdeg_i32", AngleEncoding::kMdegI32},
+                                                    {"f32_be", AngleEncoding::kF32Be},
+                                                    {"f32_le", AngleEncoding::kF32Le}};
 
 Status status_of(const std::string& flags, const std::string& fault) {
   Status status;
@@ -89,7 +89,7 @@ void check_golden(const std::vector<std::string>& words, const ByteList& bytes) 
     ASSERT_TRUE(unseal(bytes));
     EXPECT_EQ(list(*unseal(bytes)), data);
   } else if (kind == "angle") {
-    const AngleFormat format = kFormats.at(words.at(1));
+    const AngleEncoding format = kFormats.at(words.at(1));
     const double angle_deg = std::stod(words.at(2));
     ASSERT_TRUE(encode_angle(format, angle_deg));
     const AngleBytes encoded = *encode_angle(format, angle_deg);
@@ -252,8 +252,8 @@ TEST(AxisRegisters, frame_ids_run_from_1_to_fffe_and_begin_again) {
 }
 
 TEST(AxisRegisters, an_angle_that_does_not_fit_is_refused_and_never_wraps) {
-  using enum AngleFormat;
-  for (const AngleFormat format : {kDegU32, kMdegI32, kF32Be, kF32Le}) {
+  using enum AngleEncoding;
+  for (const AngleEncoding format : {kDegU32, kMdegI32, kF32Be, kF32Le}) {
     EXPECT_FALSE(encode_angle(format, std::nan("")));
     EXPECT_FALSE(encode_angle(format, HUGE_VAL));
     EXPECT_FALSE(encode_angle(format, -1e300));
@@ -270,8 +270,8 @@ TEST(AxisRegisters, an_angle_that_does_not_fit_is_refused_and_never_wraps) {
 TEST(AxisRegisters, an_angle_comes_back_within_half_a_unit) {
   test::for_random_cases(50'000, [](test::Random& random) {
     const double angle_deg = random.uniform(-720, 720);
-    using enum AngleFormat;
-    for (const AngleFormat format : {kDegU32, kMdegI32, kF32Be, kF32Le}) {
+    using enum AngleEncoding;
+    for (const AngleEncoding format : {kDegU32, kMdegI32, kF32Be, kF32Le}) {
       if (format == kDegU32 && angle_deg < 0) continue;
       const auto bytes = encode_angle(format, angle_deg);
       ASSERT_TRUE(bytes);
@@ -311,7 +311,7 @@ TEST(AxisRegisters, coding_does_not_allocate) {
   const test::AllocationCounter allocations;
   const HeaderBytes header = encode_header({1, 2, 2, 1, 4});
   EXPECT_EQ(check_header(header, {}), Verdict::kOk);
-  const auto angle = encode_angle(AngleFormat::kF32Be, 12.5);
+  const auto angle = encode_angle(AngleEncoding::kF32Be, 12.5);
   const SealedData sealed = seal(*angle);
   EXPECT_TRUE(unseal({sealed.data(), sealed.size()}));
   EXPECT_EQ(allocations.count(), 0U);

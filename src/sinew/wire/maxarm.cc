@@ -192,8 +192,7 @@ std::optional<ReplyFrame> ReplyDecoder::push(std::uint8_t byte) {
 }
 
 void ReplyDecoder::drop_first() {
-  std::copy(bytes_.begin() + 1, bytes_.end(), bytes_.begin());
-  bytes_.pop_back();
+  bytes_.drop_front(1);
   ++skipped_;
 }
 

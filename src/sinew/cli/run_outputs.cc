@@ -1,0 +1,62 @@
+#include "sinew/cli/run_outputs.h"
+
+#include <fmt/format.h>
+
+#include <utility>
+#include <vector>
+
+#include "sinew/io/file.h"
+
+namespace sinew::cli {
+namespace {
+
+void add_failure(Outcome& outcome, const std::string& sentence) {
+  outcome.exit = ExitCode::kCouldNot;
+  outcome.complaint += (outcome.complaint.empty() ? "" : "\n") + sentence;
+}
+
+}  // namespace
+
+std::expected<void, Outcome> check_outputs(const RunRequest& request) {
+  // Whoever mistypes a name must not lose the program, the robot's file, or send text to the arm.
+  std::vector<std::pair<std::string, std::string>> taken{{"the program", request.file}};
+  if (request.robot.ends_with(".toml")) taken.emplace_back("the robot's file", request.robot);
+  if (request.port) taken.emplace_back("the port", *request.port);
+  const auto check = [&](const std::string& option,
+                         const std::optional<std::string>& path) -> std::expected<void, Outcome> {
+    if (!path) return {};
+    if (const auto fine = io::check_place(*path); !fine) {
+      return std::unexpected(bad_input(option + ": " + fine.error().sentence));
+    }
+    for (const auto& [what, other] : taken) {
+      if (!io::same_file(*path, other)) continue;
+      return std::unexpected(
+          bad_input(fmt::format("{}: {} is {}; choose another name", option, *path, what)));
+    }
+    taken.emplace_back("the file of " + option, *path);
+    return {};
+  };
+  if (auto fine = check("--log", request.log); !fine) return fine;
+  if (auto fine = check("--record", request.record); !fine) return fine;
+  return check("--plot", request.plot);
+}
+
+void write_outputs(const RunRequest& request, const RunTexts& texts, const runtime::ByteLog& log,
+                   Outcome& outcome) {
+  const auto write = [&](const char* option, const std::optional<std::string>& path,
+                         const std::function<std::string()>& text) {
+    if (!path) return;
+    if (const auto written = io::replace_file(*path, text()); !written) {
+      add_failure(outcome, fmt::format("{}: {}", option, written.error().sentence));
+    } else {
+      outcome.text += "  " + *path + "\n";
+    }
+  };
+  write("--record", request.record, texts.record);
+  write("--plot", request.plot, texts.plot);
+  if (const auto failure = log.failure()) {
+    add_failure(outcome, "--log: " + failure->sentence + "; the log is not whole");
+  }
+}
+
+}  // namespace sinew::cli

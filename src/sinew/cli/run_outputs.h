@@ -1,0 +1,27 @@
+#pragma once
+
+#include <expected>
+#include <functional>
+#include <string>
+
+#include "sinew/cli/outcome.h"
+#include "sinew/cli/run_verb.h"
+#include "sinew/runtime/byte_log.h"
+
+namespace sinew::cli {
+
+/// What a run may not overwrite, and whether its files can be written at all.
+std::expected<void, Outcome> check_outputs(const RunRequest& request);
+
+/// The texts of the files that a run leaves behind; asked for only where the request names one.
+struct RunTexts {
+  std::function<std::string()> record;
+  std::function<std::string()> plot;
+};
+
+/// Writes the files that were asked for. What goes wrong, the log included, is added to the
+/// outcome and hides nothing of what the arm did.
+void write_outputs(const RunRequest& request, const RunTexts& texts, const runtime::ByteLog& log,
+                   Outcome& outcome);
+
+}  // namespace sinew::cli
