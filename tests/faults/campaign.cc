@@ -438,6 +438,11 @@ bool FaultCase::regain() {
   } else if (rules_.regain == Regain::kSlowMove) {
     ask_move(1);
     if (!run_for(kSlowMove + 3s, false)) return false;
+  } else if (rules_.regain == Regain::kMeasured) {
+    // A damaged time makes a motion last for up to 65 s, and what moves is not measured.
+    const Instant limit = cell_.now() + rules_.longest_motion;
+    const auto rests = [&] { return known() && !cell_.machine().truth().moving; };
+    cell_.run_to(limit, kLook, [&] { return rests() || !complaint_.empty(); });
   } else if (rules_.regain == Regain::kHome) {
     // An axis that was out is left out, until somebody asks for it.
     if (cell_.driver().clear_fault(cell_.now())) ledger_.clearing();
@@ -469,12 +474,20 @@ std::string FaultCase::described() const {
   return text.str();
 }
 
+/// A damaged order made the device count far away, where no target can be said any more.
+bool FaultCase::counts_far_away() {
+  const bool far = rules_.runs_away && last_error_ && last_error_->code == ErrorCode::kStepRange;
+  if (far) ++sums_.runaways;
+  return far;
+}
+
 bool FaultCase::clean_motion() {
   for (int tries = 0; tries < 2 && complaint_.empty(); ++tries) {
     if (tries > 0) {
       // An axis that is out, or half a request that the device still had.
       ++sums_.second_tries;
       if (cell_.driver().clear_fault(cell_.now())) ledger_.clearing();
+      if (counts_far_away() && !power_cycle()) return false;
       if (!run_for(3s, false) || !regain()) return false;
     }
     const std::uint64_t done = ledger_.done();

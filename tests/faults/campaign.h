@@ -40,6 +40,7 @@ struct WireRules {
   Duration recovery{};    ///< from the last fault, or the end of a motion, to ready or a fault
   Duration rest{};        ///< then, until what is claimed must be true
   Duration phase{};       ///< longest time with faults
+  Duration longest_motion{};  ///< that a damaged order may make
   /// Where moves may go, inside the joints' limits; rad or m.
   std::array<double, kMaxJoints> lower = filled(-1e9);
   std::array<double, kMaxJoints> upper = filled(1e9);
@@ -128,6 +129,7 @@ class FaultCase {
   bool resolve_fault();
   bool power_cycle();
   bool regain();
+  bool counts_far_away();
   bool clean_motion();
   bool motion_to_its_end();
   bool judge_rest();

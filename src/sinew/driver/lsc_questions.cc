@@ -17,6 +17,10 @@ constexpr Duration kQuestionRoom = std::chrono::milliseconds(8);  // a question'
 constexpr double kBootUnits = 1500;
 constexpr double kMeasuredAgree = 4;  // units between two readings of a servo that stands
 constexpr double kVoltsPlausible = 30;
+// Units at which a servo can stand. A bus servo that was turned by hand may be a little beyond what
+// it can be sent to; nothing else is.
+constexpr std::uint16_t kMeasuredMax = 1200;
+constexpr std::uint16_t kCommandedMax = 2500;
 constexpr std::string_view kBootText = "begin";  // the ESP32's last words before it listens
 
 std::uint8_t bit(std::size_t slot) {
@@ -178,11 +182,12 @@ void LscDriver::take_life(Instant now) {
 }
 
 void LscDriver::take_positions(std::span<const ServoValue> servos, Instant now) {
+  const std::uint16_t highest = profile_ == LscProfile::kBus ? kMeasuredMax : kCommandedMax;
   Units units{};
   std::uint32_t found = 0;
   for (const ServoValue& servo : servos) {
     const auto slot = units_.slot_of(servo.id);
-    if (!slot) continue;
+    if (!slot || servo.value > highest) continue;
     units[*slot] = servo.value;
     found |= bit(*slot);
   }

@@ -57,6 +57,28 @@ TEST(LscDriver, open_stops_groups_waits_for_a_sign_of_life_and_tells_the_quality
   }
 }
 
+TEST(LscDriver, the_same_damage_in_two_answers_is_no_position_where_no_servo_can_stand_there) {
+  LscCell clean(LscProfile::kBus);
+  clean.driver.open(clean.now);
+  clean.run_for(600ms);
+  LscCell damaged(LscProfile::kBus);
+  const auto& heard = clean.to_host.history;
+  int answers = 0;
+  for (std::size_t i = 0; i + 7 < heard.size(); ++i) {
+    if (heard[i] != 0x55 || heard[i + 1] != 0x55 || heard[i + 3] != 21) continue;
+    damaged.to_host.hit(i + 7, LscLine::Fault::kFlip, 0x40);  // high byte of the first servo
+    ++answers;
+  }
+  ASSERT_EQ(answers, 2);
+  damaged.driver.open(damaged.now);
+  damaged.run_for(2s);
+  EXPECT_EQ(damaged.driver.state(), DriverState::kReady);
+  EXPECT_EQ(damaged.driver.health().unexpected, 2U);
+  for (std::size_t i = 0; i < 5; ++i) {
+    EXPECT_NEAR(damaged.driver.positions()[i].q, damaged.machine.truth().joints[i].q, 0.05);
+  }
+}
+
 TEST(LscDriver, an_esp32_that_has_kept_its_power_tells_where_it_was_sent) {
   LscCell cell(LscProfile::kEsp32);
   cell.start(kHere);
