@@ -103,7 +103,7 @@ INSTANTIATE_TEST_SUITE_P(
              kRobotArm2Target,
              0.6,
              true},
-        Case{"robot-arm-2", {"--wire", "link"}, "8", kRobotArm2, kRobotArm2Target, 0.3, true},
+        Case{"robot-arm-2", {"--wire", "link"}, "3", kRobotArm2, kRobotArm2Target, 0.3, true},
         Case{"learm", {"--profile", "lsc6"}, "1", kLearm, kLearmTarget, 0.6},
         Case{"learm", {"--profile", "bus"}, "1", kLearm, kLearmTarget, 0.8},
         Case{"learm", {"--profile", "esp32"}, "1", kLearm, kLearmTarget, 0.6},
@@ -189,6 +189,11 @@ TEST(RunProgram, everything_wrong_is_said_before_a_byte_leaves) {
        "this robot hangs on SPI; its port is spidev, simwire:unix:PATH or"},
       {"robot-arm-2", "home", {"--port", "spidev"}, 1, "/dev/spidev0.0: "},
       {"learm",
+       "wait 1s",
+       {"--port", "simwire:unix:/nowhere/s"},
+       1,
+       "learm hangs on a serial port, not on SPI; its port is a device as"},
+      {"learm",
        "home",
        {"--port", "/dev/nothing", "--time-scale", "2"},
        2,
@@ -242,6 +247,28 @@ TEST(DeviceVerb, hexapod_is_read_jogged_waked_and_killed_for_good) {
   EXPECT_NEAR(truth["joints"][1]["q_mm"].get<double>(), 268.3629 - 30 * 0.7 / 3200, 5e-4);
 }
 
+TEST(Doctor, first_firmware_is_recognised_where_the_robots_file_says_document) {
+  const ScratchFolder folder;
+  Process sim({"sim", "robot-arm-2", "--profile", "as-built", "--simwire",
+               "unix:" + folder.at("boards"), "--json"});
+  const std::string port = Json::parse(place_of(sim), nullptr, false)["port"].get<std::string>();
+  const std::string advice = "looks like boards with the first firmware; try --profile as-built";
+  const Arguments doctor{"doctor", "--robot", "robot-arm-2", "--port", port};
+  const Ended asked = sinew(doctor);
+  EXPECT_EQ(asked.exit, 1);
+  EXPECT_NE(asked.err.find(advice), std::string::npos) << asked.err;
+  const Ended run =
+      sinew({"run", folder.file("p.sinew", "home\n"), "--robot", "robot-arm-2", "--port", port});
+  EXPECT_EQ(run.exit, 1);
+  EXPECT_NE(run.err.find(advice), std::string::npos) << run.err;
+  Arguments as_built = doctor;
+  as_built.insert(as_built.end(), {"--profile", "as-built"});
+  const Ended known = sinew(as_built);
+  EXPECT_EQ(known.exit, 0) << known.err;
+  EXPECT_EQ(known.err.find(advice), std::string::npos) << known.err;
+  EXPECT_EQ(sinew({"doctor", "--profile", "as-built"}).exit, 2);
+}
+
 TEST(SimVerb, truth_is_told_on_request) {
   Process sim({"sim", "learm", "--seed", "5"});
   place_of(sim);
@@ -270,6 +297,9 @@ TEST(SimVerb, options_that_make_no_sense_are_refused) {
       {{"sim", "robot-arm-2", "--fault", "drop=0.1"}, "cannot befall SPI"},
       {{"sim", "hexapod", "--fault", "drop=2"}, "--fault: "},
       {{"sim", "hexapod", "--fault", "block=J9@1mm@1s"}, "--fault: "},
+      {{"sim", "robot-arm-2", "--fault", "block=J2@20mm@1s"},
+       "--fault: block=J2: shoulder is a joint that turns; its place is an angle, as 20deg"},
+      {{"sim", "learm", "--fault", "magnet=J1:off@1s"}, "learm has no magnet that could fall off"},
       {{"sim", "hexapod", "--profile", "x"}, "--profile: 'x' is none of table1"},
   };
   for (const auto& c : kCases) {

@@ -103,9 +103,10 @@ WireRules lsc_single_flips(const std::string& profile) {
   rules.excess_max = 3.6;
   // A bus arm is measured, says so, and waits for a slow move where it stands outside its limits.
   if (profile == "lsc6") {
-    rules.rest = 1500ms;
+    // Up to 1.1 s until it hears its targets again, and 0.9 s on the way.
+    rules.rest = 2500ms;
     // Where a second flip makes the position lost, until the slow move that finds it again.
-    rules.stray_max = 6s;
+    rules.stray_max = 20s;
   }
   return rules;
 }
@@ -163,7 +164,7 @@ WireRules bigrobotarm(const std::string& profile, const std::string& wire) {
   rules.runs_away = true;
   rules.tolerance = from_deg(0.3);
   rules.overshoot = from_deg(0.5);
-  rules.recovery = 15s;
+  rules.recovery = 20s;
   rules.rest = 1s;
   rules.phase = 25s;
   rules.way = 0.05;

@@ -112,6 +112,36 @@ std::string broken(const NoDriver& /*device*/) {
   return "";
 }
 
+std::string broken_form(const Capsule& capsule) {
+  return finite(capsule.p_LA) && finite(capsule.p_LB) && positive(capsule.radius) ? "" : "capsule";
+}
+std::string broken_form(const CollisionBox& box) {
+  const bool sized = positive(box.half.x) && positive(box.half.y) && positive(box.half.z);
+  return sized && proper(box.X_LX.R) && finite(box.X_LX.p) ? "" : "box";
+}
+std::string broken_form(const LegCapsule& leg) {
+  return positive(leg.radius) ? "" : "leg's radius";
+}
+
+std::string broken(const Collision& collision, std::size_t links, bool legs) {
+  if (collision.shapes.size() > kCollisionShapesMax) return "number of shapes";
+  if (!std::isfinite(collision.margin) || collision.margin < 0) return "margin";
+  if (!std::isfinite(collision.table_height.value_or(0))) return "table";
+  for (const CollisionShape& shape : collision.shapes) {
+    if (shape.link >= links) return "link of a shape";
+    const bool on_leg = legs && shape.link >= 1 && shape.link <= kLegs;
+    if (on_leg != std::holds_alternative<LegCapsule>(shape.form)) return "shape of a leg";
+    const std::string form = std::visit([](const auto& is) { return broken_form(is); }, shape.form);
+    if (!form.empty()) return form;
+  }
+  for (const LinkPair& pair : collision.ignored) {
+    for (const std::size_t link : {pair.first, pair.second}) {
+      if (link >= links && link != kTableLink) return "ignored link";
+    }
+  }
+  return "";
+}
+
 /// How many joints the device has settings for.
 template <class Settings>
 std::size_t joints_of_device(const Settings& settings, std::size_t joints) {
@@ -147,6 +177,9 @@ std::string broken_promise(const RobotModel& model) {
       },
       model.device.settings);
   if (!device.empty()) return device;
+  const bool legs = std::holds_alternative<HexapodGeometry>(model.geometry);
+  const std::string body = broken(model.collision, model.joints.size() + 2, legs);
+  if (!body.empty()) return body;
   return std::visit([](const auto& geometry) { return broken(geometry); }, model.geometry);
 }
 

@@ -11,8 +11,14 @@ std::expected<void, Outcome> check_has_device(const RobotModel& model) {
   return std::unexpected(could_not(model.id + " has no device: it is a model only"));
 }
 
-std::string silence_hint(const RobotModel& model) {
+std::string silence_hint(const RobotModel& model, const DriverHealth& health) {
   const auto& settings = model.device.settings;
+  const bool is_bigrobotarm = std::holds_alternative<BigRobotArmDevice>(settings);
+  if (health.unexpected > 0) {
+    return "; something answers there, but not as " + model.id +
+           " does: is another robot on this port?" +
+           (is_bigrobotarm ? " Or does it speak another wire (--wire probe finds out)?" : "");
+  }
   const std::string common = "; is it switched on, and is this its port?";
   if (std::holds_alternative<IcpDevice>(settings)) {
     return common +
@@ -22,9 +28,10 @@ std::string silence_hint(const RobotModel& model) {
   if (std::holds_alternative<MaxArmDevice>(settings)) {
     return common +
            " The arm's stock firmware does not speak this wire: the vendor's slave program "
-           "has to be installed";
+           "has to be installed. Its MicroPython program sleeps and homes for 14 s after it was "
+           "switched on (--profile micropython waits for that)";
   }
-  if (std::holds_alternative<BigRobotArmDevice>(settings)) {
+  if (is_bigrobotarm) {
     return common + " Does it speak this wire (--wire probe finds out)?";
   }
   return common;

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "sinew/cli/outcome.h"
+#include "sinew/driver/driver.h"
 #include "sinew/model/robot_model.h"
 
 namespace sinew::cli {
@@ -13,8 +14,8 @@ namespace sinew::cli {
 /// A robot that is more than a model. The error is ready to be printed.
 std::expected<void, Outcome> check_has_device(const RobotModel& model);
 
-/// What to look at where nobody answers; begins with "; ".
-std::string silence_hint(const RobotModel& model);
+/// What to look at where nobody answers, or only what fits nothing; begins with "; ".
+std::string silence_hint(const RobotModel& model, const DriverHealth& health);
 
 /// Its boards hang on SPI; else its device hangs on a serial port.
 bool is_on_spi(const RobotModel& model);

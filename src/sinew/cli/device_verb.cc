@@ -33,7 +33,7 @@ class Hexapod {
   /// Until the device has answered. @return why it did not
   std::optional<std::string> open() {
     icp_.open(clock_.now());
-    return wait([](Kind kind) { return kind == Kind::kReady; }, runtime::opening_limit(model_));
+    return wait([](Kind kind) { return kind == Kind::kReady; }, runtime::opening_of(model_).limit);
   }
 
   /// Gives a command and waits for its end. @return why it failed
@@ -202,7 +202,7 @@ Outcome run_device_action(const DeviceRequest& request) {
   if (!link) return could_not(link.error().sentence);
   Hexapod hexapod(std::move(*link), clock, *model);
   if (const auto why = hexapod.open()) {
-    return could_not(request.port + ": " + *why + silence_hint(*model));
+    return could_not(request.port + ": " + *why + silence_hint(*model, hexapod.icp().health()));
   }
   return act(request, hexapod, *model);
 }

@@ -81,7 +81,7 @@ Outcome ask_robot(const DoctorRequest& request) {
   const auto file = find_robot(*request.robot);
   if (!file) return file.error();
   if (const auto fine = check_has_device(file->model); !fine) return fine.error();
-  const auto model = runtime::variant_of(file->model, std::nullopt, request.wire);
+  const auto model = runtime::variant_of(file->model, request.profile, request.wire);
   if (!model) return bad_input(model.error());
   Outcome outcome;
   add_devices(outcome);
@@ -96,18 +96,24 @@ Outcome ask_robot(const DoctorRequest& request) {
     return outcome;
   }
   std::optional<io::IoError> wire_failure;
-  const auto trouble = first_answer(*link, clock, runtime::opening_limit(*model), wire_failure);
+  const auto trouble = first_answer(*link, clock, runtime::opening_of(*model).limit, wire_failure);
   if (trouble) {
     outcome.exit = ExitCode::kCouldNot;
     outcome.complaint = *request.port + ": " +
                         (wire_failure ? wire_failure->sentence
-                                      : error_text(*trouble, *model) + silence_hint(*model));
+                                      : error_text(*trouble, *model) +
+                                            silence_hint(*model, link->driver().health()));
     outcome.json["answer"] = {{"ok", false}, {"sentence", outcome.complaint}};
     return outcome;
   }
   const std::string answer = healthy_text(*model, link->driver());
   outcome.text += fmt::format("\n  {} answers on {}: {}\n", model->id, *request.port, answer);
-  outcome.json["answer"] = {{"ok", true}, {"sentence", answer}};
+  const std::string suspicion = runtime::suspicion(link->driver());
+  outcome.json["answer"] = {{"ok", suspicion.empty()},
+                            {"sentence", suspicion.empty() ? answer : suspicion}};
+  if (suspicion.empty()) return outcome;
+  outcome.exit = ExitCode::kCouldNot;
+  outcome.complaint = *request.port + ": " + suspicion;
   return outcome;
 }
 
@@ -116,6 +122,9 @@ Outcome ask_robot(const DoctorRequest& request) {
 Outcome examine(const DoctorRequest& request) {
   if (request.robot.has_value() != request.port.has_value()) {
     return bad_input("--robot and --port belong together: which robot, and where it is plugged in");
+  }
+  if (!request.robot && (request.wire || request.profile)) {
+    return bad_input("--wire and --profile belong to a robot: --robot ROBOT --port DEVICE");
   }
   if (request.robot) return ask_robot(request);
   Outcome outcome;

@@ -11,6 +11,7 @@ struct DoctorRequest {
   std::optional<std::string> robot;
   std::optional<std::string> port;
   std::optional<std::string> wire;
+  std::optional<std::string> profile;
 };
 
 /// `sinew doctor`: ports, rights and kernel interfaces of this computer; with a robot and a port

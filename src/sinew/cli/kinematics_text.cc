@@ -71,6 +71,12 @@ Json error_json(const Error& error, const RobotModel& model) {
     case Quantity::kVoltage:
       put("_v", 1);
       break;
+    case Quantity::kAngularVelocity:
+      put("_deg_s", 180 / kPi);
+      break;
+    case Quantity::kAngularAcceleration:
+      put("_deg_s2", 180 / kPi);
+      break;
     case Quantity::kRatio:
     case Quantity::kCount:
       put("", 1);

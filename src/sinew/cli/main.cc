@@ -7,14 +7,17 @@
 #include <span>
 #include <sstream>
 
+#include "sinew/cli/axis_verb.h"
 #include "sinew/cli/device_verb.h"
 #include "sinew/cli/doctor_verb.h"
 #include "sinew/cli/forward_verb.h"
 #include "sinew/cli/inverse_verb.h"
+#include "sinew/cli/plan_verb.h"
 #include "sinew/cli/robots_verb.h"
 #include "sinew/cli/run_verb.h"
 #include "sinew/cli/sim_verb.h"
 #include "sinew/cli/table.h"
+#include "sinew/cli/torque_verb.h"
 #include "sinew/core/spelling.h"
 #include "sinew/io/standard_streams.h"
 
@@ -32,6 +35,9 @@ struct Call {
   RunRequest run;
   DoctorRequest doctor;
   DeviceRequest device;
+  AxisRequest axis;
+  PlanRequest plan;
+  TorqueRequest torque;
 };
 
 CLI::App* add_verb(CLI::App& app, Call& call, const std::string& name, const std::string& what,
@@ -125,7 +131,10 @@ void add_doctor(CLI::App& app, Call& call) {
   verb->add_option("--robot", request.robot, "id or .toml file");
   verb->add_option("--port", request.port,
                    "serial device, spidev or simwire:unix:PATH; asked questions that move nothing");
-  verb->add_option("--wire", request.wire, "which of the robot's wires");
+  verb->add_option("--wire", request.wire,
+                   "which of the robot's wires; as in its file where left out");
+  verb->add_option("--profile", request.profile,
+                   "which variant of the device; an unknown name lists them");
   verb->callback([&call] { call.verb = [&call] { return examine(call.doctor); }; });
 }
 
@@ -143,6 +152,45 @@ void add_device(CLI::App& app, Call& call) {
   verb->add_option("--steps", request.steps, "jog: microsteps, positive to lengthen the leg");
   verb->add_option("--time-scale", request.time_scale, "simulated device only: faster or slower");
   verb->callback([&call] { call.verb = [&call] { return run_device_action(call.device); }; });
+}
+
+void add_plan(CLI::App& app, Call& call) {
+  CLI::App* verb =
+      add_verb(app, call, "plan", "a motion along a way, checked and timed; nothing moves",
+               "sinew plan robot-arm-2 --to 300,-150,300 --to 300,150,300 "
+               "--speed 80mm/s --plot plan.svg");
+  PlanRequest& request = call.plan;
+  verb->add_option("ROBOT", request.robot, "id or .toml file")->required();
+  verb->add_option("--to", request.to,
+                   "x,y,z or x,y,z,rx,ry,rz: a straight line of the tool; joints=a,b,..: a joint "
+                   "move; again for each further move")
+      ->required()
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  verb->add_option("--from-joints", request.from, "where it starts; home where left out");
+  verb->add_option("--speed", request.speed,
+                   "of the tool, as in 80mm/s; what it can where left out");
+  verb->add_option("--blend", request.blend,
+                   "how far from a corner the tool may leave its line, as in 10mm; a stop where "
+                   "left out");
+  verb->add_option("--plot", request.plot,
+                   "SVG file: every joint against its limits, the tool's way");
+  verb->callback([&call] { call.verb = [&call] { return plan(call.plan); }; });
+}
+
+void add_axis(CLI::App& app, Call& call) {
+  CLI::App* verb = add_verb(app, call, "axis",
+                            "how each axis answers a jump and follows a move, simulated with load",
+                            "sinew axis robot-arm-2 --axis J2 --plot shoulder.svg");
+  AxisRequest& request = call.axis;
+  verb->add_option("ROBOT", request.robot, "id or .toml file")->required();
+  verb->add_option("--axis", request.axis, "J1.. or its name; all where left out");
+  verb->add_option("--step", request.step, "size of the jump, 1.5deg where left out");
+  verb->add_option("--track", request.track, "length of the move, 40deg where left out");
+  verb->add_option("--joints-deg", request.joints_deg, "where the arm stands; home where left out");
+  verb->add_option("--payload", request.payload, "mass at the tool, as in 0.5kg");
+  verb->add_option("--plot", request.plot, "SVG file: step responses and tracking errors");
+  verb->callback([&call] { call.verb = [&call] { return try_axis(call.axis); }; });
 }
 
 void add_run(CLI::App& app, Call& call) {
@@ -170,6 +218,19 @@ void add_run(CLI::App& app, Call& call) {
       return run_program(call.run);
     };
   });
+}
+
+void add_torque(CLI::App& app, Call& call) {
+  CLI::App* verb =
+      add_verb(app, call, "torque", "what each joint needs against what its motors and gear give",
+               "sinew torque robot-arm-2 --payload-kg 1");
+  TorqueRequest& request = call.torque;
+  verb->add_option("ROBOT", request.robot, "id or .toml file")->required();
+  verb->add_option("--payload-kg", request.payload_kg, "at the tool; none where left out");
+  verb->add_option("--program", request.program, "a .sinew file: its peaks and means, from home");
+  verb->add_option("--axis", request.axis,
+                   "the joint to look at closely, J1.. or its name; the weakest where left out");
+  verb->callback([&call] { call.verb = [&call] { return torque(call.torque); }; });
 }
 
 /// The first word where a verb is due, if any.
@@ -236,6 +297,9 @@ int run(std::span<char*> arguments) {
   add_run(app, call);
   add_doctor(app, call);
   add_device(app, call);
+  add_plan(app, call);
+  add_axis(app, call);
+  add_torque(app, call);
   try {
     // Backwards, as CLI11 wants a vector.
     app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));

@@ -3,12 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
+#include <string_view>
 #include <utility>
 
-#include "sinew/cli/shown_text.h"
+#include "sinew/cli/svg_parts.h"
 #include "sinew/cli/table.h"
 
 namespace sinew::cli {
@@ -21,59 +21,6 @@ constexpr double kRight = 150;
 constexpr double kTop = 72;
 constexpr double kGap = 48;
 constexpr double kPlotWidth = kWidth - kLeft - kRight;
-
-/// Okabe and Ito's palette: told apart by readers of every kind of colour vision.
-constexpr std::array<const char*, 8> kColours{"#0072b2", "#d55e00", "#009e73", "#cc79a7",
-                                              "#e69f00", "#56b4e9", "#8a6d00", "#666666"};
-
-std::string escaped(const std::string& text) {
-  std::string result;
-  for (const char c : shown(text)) {
-    if (c == '<') {
-      result += "&lt;";
-    } else if (c == '&') {
-      result += "&amp;";
-    } else {
-      result += c;
-    }
-  }
-  return result;
-}
-
-struct Axis {
-  double lower = 0;
-  double upper = 1;
-  double step = 1;
-
-  std::vector<double> ticks() const {
-    std::vector<double> values;
-    const double first = std::round(lower / step);
-    const auto count = static_cast<int>(std::floor((upper - lower) / step + 0.5)) + 1;
-    for (int i = 0; i < count; ++i) {
-      const double value = (first + i) * step;
-      if (value <= upper + step / 1e6) values.push_back(value);
-    }
-    return values;
-  }
-};
-
-/// Round numbers that hold all values, about `ticks` of them.
-Axis axis_for(double lower, double upper, int ticks) {
-  if (upper - lower < 1e-9) {
-    lower -= 1;
-    upper += 1;
-  }
-  const double raw = (upper - lower) / ticks;
-  const double power = std::pow(10, std::floor(std::log10(raw)));
-  double step = 10 * power;
-  for (const double nice : {1.0, 2.0, 5.0}) {
-    if (raw <= nice * power) {
-      step = nice * power;
-      break;
-    }
-  }
-  return {std::floor(lower / step) * step, std::ceil(upper / step) * step, step};
-}
 
 /// Zero is shown where it is not far beside the values: a leg of 268 mm has no use for it.
 std::pair<double, double> range_of(const Panel& panel) {
@@ -97,27 +44,27 @@ class Picture {
  public:
   Picture(const std::string& title, const std::vector<double>& t_s, std::size_t panels)
       : t_s_(t_s) {
-    const double height = kTop + static_cast<double>(panels) * (kPanelHeight + kGap);
+    const double height = plot_size(panels).height;
     svg_ = fmt::format(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0} {1}\" width=\"{0}\" "
         "height=\"{1}\" font-family=\"system-ui, sans-serif\" font-size=\"12\">\n"
         "<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n"
         "<text x=\"{2}\" y=\"30\" font-size=\"17\" font-weight=\"600\" "
         "fill=\"#1a1a1a\">{3}</text>\n",
-        kWidth, height, kLeft, escaped(title));
-    time_ = axis_for(0, t_s.empty() ? 1 : t_s.back(), 10);
+        kWidth, height, kLeft, svg_escaped(title));
+    time_ = scale_for(0, t_s.empty() ? 1 : t_s.back(), 10);
     if (!t_s.empty()) time_.upper = t_s.back() > 0 ? t_s.back() : 1;
   }
 
   void add(const Panel& panel, std::size_t index) {
     const double top = kTop + static_cast<double>(index) * (kPanelHeight + kGap);
     const auto [lower, upper] = range_of(panel);
-    const Axis axis = axis_for(lower, upper, 6);
+    const PlotScale axis = scale_for(lower, upper, 6);
     const auto y = [&](double value) {
       return top + kPanelHeight * (axis.upper - value) / (axis.upper - axis.lower);
     };
     svg_ += fmt::format("<text x=\"{}\" y=\"{}\" fill=\"#444\">{}</text>\n", kLeft, top - 8,
-                        escaped(panel.title));
+                        svg_escaped(panel.title));
     for (const double value : axis.ticks()) {
       svg_ += fmt::format(
           "<path d=\"M{} {:.1f}h{}\" stroke=\"{}\"/><text x=\"{}\" y=\"{:.1f}\" "
@@ -141,7 +88,7 @@ class Picture {
 
   template <class Y>
   void add(const Curve& curve, std::size_t i, double top, const Y& y) {
-    const char* colour = kColours[i % kColours.size()];
+    const char* colour = kCurveColours[i % kCurveColours.size()];
     std::string path;
     double drawn = -1;
     bool pen_down = false;
@@ -164,11 +111,11 @@ class Picture {
         "<path d=\"M{} {}h18\" stroke=\"{}\" stroke-width=\"3\"/><text x=\"{}\" y=\"{}\" "
         "fill=\"#333\">{}</text>\n",
         kWidth - kRight + 14, legend, colour, kWidth - kRight + 38, legend + 4,
-        escaped(curve.name));
+        svg_escaped(curve.name));
   }
 
   const std::vector<double>& t_s_;
-  Axis time_;
+  PlotScale time_;
   std::string svg_;
 };
 
@@ -179,6 +126,30 @@ std::string plot_svg(const std::string& title, const std::vector<double>& t_s,
   Picture picture(title, t_s, panels.size());
   for (std::size_t i = 0; i < panels.size(); ++i) picture.add(panels[i], i);
   return picture.finish();
+}
+
+PictureSize plot_size(std::size_t panels) {
+  return {kWidth, kTop + static_cast<double>(panels) * (kPanelHeight + kGap)};
+}
+
+std::string tiled_svg(const std::string& title, const std::vector<std::string>& pictures,
+                      std::size_t columns, PictureSize size) {
+  constexpr double kHead = 64;
+  constexpr std::string_view kRoot = "<svg ";
+  const std::size_t rows = (pictures.size() + columns - 1) / columns;
+  std::string svg = fmt::format(
+      "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0} {1}\" width=\"{0}\" "
+      "height=\"{1}\" font-family=\"system-ui, sans-serif\">\n"
+      "<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n"
+      "<text x=\"{2}\" y=\"44\" font-size=\"24\" font-weight=\"600\" fill=\"#1a1a1a\">{3}</text>\n",
+      size.width * static_cast<double>(columns), kHead + size.height * static_cast<double>(rows),
+      kLeft, svg_escaped(title));
+  for (std::size_t i = 0; i < pictures.size(); ++i) {
+    svg += fmt::format("<svg x=\"{}\" y=\"{}\" ", size.width * static_cast<double>(i % columns),
+                       kHead + size.height * static_cast<double>(i / columns));
+    svg += pictures[i].substr(kRoot.size());
+  }
+  return svg + "</svg>\n";
 }
 
 }  // namespace sinew::cli

@@ -91,6 +91,12 @@ std::string command_text(const Record& record, const RobotModel& model) {
   return "home";
 }
 
+std::string predicted_text(const Record& record) {
+  if (record.duration <= 0) return "";
+  const bool bound = std::holds_alternative<program::HomeOrder>(record.order->what);
+  return fmt::format("{}{:.2f}", bound ? "at most " : "", record.duration);
+}
+
 double took(const Record& record) {
   return to_seconds(record.done - record.asked);
 }
@@ -145,11 +151,21 @@ Json positions_json(std::span<const JointPosition> positions, const RobotModel& 
 Json health_json(const DriverHealth& health) {
   Json json{{"requests", health.requests},
             {"retries", health.retries},
+            {"planned_repeats", health.repeats},
             {"timeouts", health.timeouts},
             {"unexpected", health.unexpected}};
   if (health.supply_volts) json["supply_v"] = *health.supply_volts;
   if (health.temperature_c) json["temperature_c"] = *health.temperature_c;
   return json;
+}
+
+/// A row asked for a speed, and the device cannot be asked for one.
+bool speed_unheard(const ProgramReport& report) {
+  if (report.model.device.capability.takes_speed) return false;
+  return std::ranges::any_of(report.run.plan().orders, [](const program::Order& order) {
+    const auto* move = std::get_if<program::MoveOrder>(&order.what);
+    return move != nullptr && move->step.speed != 1;
+  });
 }
 
 }  // namespace
@@ -178,6 +194,7 @@ Json program_json(const ProgramReport& report) {
   const auto& [model, run, end, truth] = report;
   Json json{{"result", result_name(report)},
             {"predicted_s", run.plan().duration},
+            {"homing_at_most_s", run.plan().homing_max},
             {"orders_planned", run.plan().orders.size()},
             {"bytes_to_device", end.bytes.to_device},
             {"bytes_to_host", end.bytes.to_host},
@@ -193,6 +210,8 @@ Json program_json(const ProgramReport& report) {
     if (std::holds_alternative<MoveOrder>(record.order->what)) {
       order["commanded"] = joints_json({record.q.data(), record.q.size()}, model);
       order["predicted_s"] = record.duration;
+    } else if (std::holds_alternative<program::HomeOrder>(record.order->what)) {
+      order["at_most_s"] = record.duration;
     }
     json["orders"].push_back(order);
   }
@@ -224,8 +243,7 @@ std::string program_text(const ProgramReport& report) {
                  command_text(record, model), reported_text(record, model),
                  error ? number(*error, 3) : "",
                  quality_name(worst_of({record.reported.data(), record.reported.size()})),
-                 record.duration > 0 ? fmt::format("{:.2f}", record.duration) : "",
-                 fmt::format("{:.2f}", took(record))});
+                 predicted_text(record), fmt::format("{:.2f}", took(record))});
     }
     text += fmt::format("\n  joints:{}\n\n{}\n", names, table.text());
   }
@@ -238,6 +256,12 @@ std::string program_text(const ProgramReport& report) {
     text +=
         fmt::format("  on the wire: {} retries, {} answers that never came, {} that fit nothing\n",
                     health.retries, health.timeouts, health.unexpected);
+  }
+  if (health.repeats > 0) {
+    text += fmt::format("  on the wire: {} frames said again, as planned\n", health.repeats);
+  }
+  if (speed_unheard(report)) {
+    text += "  note: these boards have one speed of their own; speed= was not heard\n";
   }
   if (truth) text += "  where it really stands: " + truth_line(*truth, model) + "\n";
   return text;

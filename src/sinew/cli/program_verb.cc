@@ -16,6 +16,7 @@
 #include "sinew/io/file.h"
 #include "sinew/io/interrupt.h"
 #include "sinew/program/program_file.h"
+#include "sinew/runtime/homing_time.h"
 #include "sinew/runtime/robot_link.h"
 #include "sinew/runtime/robot_variant.h"
 
@@ -26,6 +27,7 @@ struct Prepared {
   RobotModel model;
   program::Program program;
   std::optional<JointVector> standing_at;
+  double homing_max = 0;  ///< s, of all its `home` rows
 };
 
 std::expected<std::optional<JointVector>, Outcome> standing_at(const RunRequest& request,
@@ -67,7 +69,7 @@ std::expected<Prepared, Outcome> prepare(const RunRequest& request) {
   if (const auto fine = check_has_device(file->model); !fine) return std::unexpected(fine.error());
   auto variant = runtime::variant_of(file->model, request.profile, request.wire);
   if (!variant) return std::unexpected(bad_input(variant.error()));
-  Prepared prepared{std::move(*variant), {}, {}};
+  Prepared prepared{std::move(*variant), {}, {}, 0};
   const RobotModel& model = prepared.model;
   if (const auto fine = check_seed(request.seed); !fine) return std::unexpected(fine.error());
   if (const auto fine = check_time_scale(request.time_scale); !fine) {
@@ -92,8 +94,8 @@ std::expected<Prepared, Outcome> prepare(const RunRequest& request) {
   // Checked whole before the first byte leaves; once more when the machine has told where it is.
   JointVector home;
   for (const Joint& joint : model.joints) home.push_back(joint.home);
-  const auto plan =
-      program::make_plan(prepared.program, model, prepared.standing_at.value_or(home));
+  const auto plan = program::make_plan(prepared.program, model, prepared.standing_at.value_or(home),
+                                       runtime::homing_times(model));
   if (!plan) {
     Outcome outcome =
         could_not(fmt::format("{}:{}: {}; nothing was moved", request.file, plan.error().line,
@@ -102,6 +104,7 @@ std::expected<Prepared, Outcome> prepare(const RunRequest& request) {
     outcome.json["refusal"]["line"] = plan.error().line;
     return std::unexpected(outcome);
   }
+  prepared.homing_max = plan->homing_max;
   return prepared;
 }
 
@@ -113,29 +116,37 @@ std::string why_not_done(const RunRequest& request, const RobotModel& model,
   if (end.wire_failure) return end.wire_failure->sentence;
   if (run.phase() == program::Run::Phase::kStopped) return "stopped";
   if (!run.failure()) return {};
-  const std::string reason = error_text(run.failure()->error, model);
+  std::string reason = error_text(run.failure()->error, model);
+  if (const auto more = runtime::suspicion(run.driver()); !more.empty()) reason += "; " + more;
   if (run.failure()->line > 0) {
     return fmt::format("{}:{}: {}", request.file, run.failure()->line, reason);
   }
-  return fmt::format("{}: {}{}", port, reason, silence_hint(model));
+  return fmt::format("{}: {}{}", port, reason, silence_hint(model, run.driver().health()));
+}
+
+/// What is waited for while nobody has answered yet.
+std::string opening_text(const runtime::Opening& opening) {
+  return fmt::format("the device{} (at most {:.0f} s)", opening.waits_for,
+                     to_seconds(opening.limit));
 }
 
 Outcome drive(const RunRequest& request, const Prepared& prepared, runtime::RobotLink& link,
               const io::Clock& clock, const runtime::ByteLog& log) {
   const RobotModel& model = prepared.model;
-  program::Run run(
-      prepared.program, model, link.driver(),
-      from_seconds(to_seconds(runtime::opening_limit(model)) * std::max(1.0, clock.scale())));
+  const runtime::Opening opening = runtime::opening_of(model);
+  program::Run run(prepared.program, model, link.driver(),
+                   from_seconds(to_seconds(opening.limit) * std::max(1.0, clock.scale())));
+  run.expect_homing(runtime::homing_times(model));
   if (prepared.standing_at) run.declare(*prepared.standing_at);
   SampleRecorder recorder;
   runtime::ProgramEnd end;
   {
-    ProgressLine progress(request.quiet);
+    ProgressLine progress(request.quiet, opening_text(opening));
     end = runtime::run_program(run, link.driver(), link.line(), clock,
                                {.progress =
                                     [&](const program::Run& view, Instant now) {
                                       recorder.look(view, now);
-                                      progress.show(view, now);
+                                      progress.show(view, model, now);
                                     },
                                 .interrupts = [] { return io::interrupts(); }});
   }
@@ -181,8 +192,10 @@ Outcome run_sinew_program(const RunRequest& request) {
   }
   if (!request.quiet) {
     std::fputs(
-        fmt::format("  {}: {} steps, over {} ({})\n", model.title, prepared->program.steps.size(),
-                    link->name(), link->simulated() ? "simulated device" : "real port")
+        fmt::format(
+            "  {}: {} steps, over {} ({}){}\n", model.title, prepared->program.steps.size(),
+            link->name(), link->simulated() ? "simulated device" : "real port",
+            prepared->homing_max > 0 ? "; homing takes " + at_most_text(prepared->homing_max) : "")
             .c_str(),
         stderr);
   }

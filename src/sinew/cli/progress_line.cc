@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
+#include <utility>
 
 #include "sinew/io/standard_streams.h"
 
@@ -11,6 +13,7 @@ namespace sinew::cli {
 namespace {
 
 constexpr int kBarWidth = 28;
+constexpr double kMinutesFrom = 100;  // s
 
 std::string bar(double share) {
   const auto full = static_cast<int>(std::clamp(share, 0.0, 1.0) * kBarWidth);
@@ -35,7 +38,24 @@ void tell_done(std::size_t place, std::size_t planned, const Record& record) {
 
 }  // namespace
 
-ProgressLine::ProgressLine(bool quiet) : quiet_(quiet), live_(io::stderr_is_terminal()) {}
+std::string elapsed_text(double seconds) {
+  return seconds < kMinutesFrom ? fmt::format("{:.0f} s", std::floor(seconds))
+                                : fmt::format("{:.0f} min", std::floor(seconds / 60));
+}
+
+std::string at_most_text(double seconds) {
+  return seconds < kMinutesFrom ? fmt::format("at most {:.0f} s", std::ceil(seconds))
+                                : fmt::format("at most {:.0f} min", std::ceil(seconds / 60));
+}
+
+std::string homing_text(const std::string& joint, double elapsed_s, double at_most_s) {
+  std::string text = "homing" + (joint.empty() ? "" : " " + joint) + " (" + elapsed_text(elapsed_s);
+  if (at_most_s > 0) text += " of " + at_most_text(at_most_s);
+  return text + ")";
+}
+
+ProgressLine::ProgressLine(bool quiet, std::string waits_for)
+    : quiet_(quiet), waits_for_(std::move(waits_for)), live_(io::stderr_is_terminal()) {}
 
 ProgressLine::~ProgressLine() {
   if (dirty_) std::fputs("\r\033[K", stderr);
@@ -63,7 +83,7 @@ void ProgressLine::show(const runtime::SessionView& view) {
   show_live(shown, now);
 }
 
-void ProgressLine::show(const program::Run& run, Instant now) {
+void ProgressLine::show(const program::Run& run, const RobotModel& model, Instant now) {
   using Phase = program::Run::Phase;
   if (quiet_) return;
   const auto& plan = run.plan();
@@ -72,14 +92,22 @@ void ProgressLine::show(const program::Run& run, Instant now) {
   }
   if (!due(now)) return;
   const double share = run.progress(now);
+  const double total = plan.duration + plan.homing_max;
   View shown{.opening = run.phase() == Phase::kOpening,
              .stopping = run.phase() == Phase::kStopping,
              .share = share,
-             .amount = fmt::format("{:5.1f} of {:.1f} s", share * plan.duration, plan.duration),
+             .amount = fmt::format("{:5.1f} of {}{:.1f} s", share * total,
+                                   plan.homing_max > 0 ? "at most " : "", total),
              .under_way = {},
              .orders_done = run.records().size()};
   if (run.under_way()) {
-    shown.under_way = order_text(run.records().size(), plan.orders.size(), *run.under_way()->order);
+    const auto& record = *run.under_way();
+    shown.under_way = order_text(run.records().size(), plan.orders.size(), *record.order);
+    if (const auto* home = std::get_if<program::HomeOrder>(&record.order->what)) {
+      const auto joint = run.driver().homing_joint();
+      shown.under_way += ", " + homing_text(joint ? model.joints[*joint].name : "",
+                                            to_seconds(now - record.asked), home->duration_max);
+    }
   }
   show_live(shown, now);
 }
@@ -88,7 +116,7 @@ void ProgressLine::show_live(const View& view, Instant now) {
   next_ = now + std::chrono::milliseconds(100);
   dirty_ = true;
   if (view.opening) {
-    std::fputs("\r  waiting for the device ...\033[K", stderr);
+    std::fputs(("\r  waiting for " + waits_for_ + " ...\033[K").c_str(), stderr);
     return;
   }
   std::string line = fmt::format("\r  [{}] {}   {}", bar(view.share), view.amount, view.under_way);

@@ -12,13 +12,14 @@ namespace sinew::cli {
 /// a log.
 class ProgressLine {
  public:
-  explicit ProgressLine(bool quiet);
+  /// @param waits_for  shown until the device has answered
+  explicit ProgressLine(bool quiet, std::string waits_for = "the device");
   ~ProgressLine();
   ProgressLine(const ProgressLine&) = delete;
   ProgressLine& operator=(const ProgressLine&) = delete;
 
   void show(const runtime::SessionView& view);
-  void show(const program::Run& run, Instant now);
+  void show(const program::Run& run, const RobotModel& model, Instant now);
 
  private:
   /// What both kinds of runs have to tell.
@@ -34,10 +35,19 @@ class ProgressLine {
   bool due(Instant now) const { return live_ && now >= next_; }
 
   bool quiet_;
+  std::string waits_for_;
   bool live_;
   bool dirty_ = false;
   std::size_t told_ = 0;
   Instant next_{};
 };
+
+/// "40 s", "2 min": how long something has taken.
+std::string elapsed_text(double seconds);
+/// "at most 90 s", "at most 8 min": rounded up.
+std::string at_most_text(double seconds);
+/// "homing elbow (2 min of at most 8 min)"; the bound is left out where nobody knows one.
+/// @param joint  empty between two joints
+std::string homing_text(const std::string& joint, double elapsed_s, double at_most_s);
 
 }  // namespace sinew::cli

@@ -42,6 +42,23 @@ bool has_driver(const Device& device) {
   return !std::holds_alternative<NoDriver>(device.settings);
 }
 
+/// What collision checks know of its body, in words.
+std::string body_text(const Collision& collision) {
+  if (collision.shapes.empty()) return "no collision shapes";
+  const std::string table =
+      collision.table_height
+          ? fmt::format("table at {} mm", number(to_mm(*collision.table_height), 4))
+          : "no table";
+  return fmt::format("{} collision shapes, {}, margin {} mm", collision.shapes.size(), table,
+                     number(to_mm(collision.margin), 4));
+}
+
+Json body(const Collision& collision) {
+  Json json{{"shapes", collision.shapes.size()}, {"margin_mm", to_mm(collision.margin)}};
+  if (collision.table_height) json["table_height_mm"] = to_mm(*collision.table_height);
+  return json;
+}
+
 Json summary(const RobotModel& model) {
   return {{"id", model.id},
           {"title", model.title},
@@ -79,6 +96,7 @@ Outcome show_robot(const std::string& argument) {
   const RobotModel& model = file->model;
   Outcome outcome;
   outcome.json = summary(model);
+  outcome.json["collision"] = body(model.collision);
   outcome.json["limits"] = Json::array();
   Table table({"joint", "from", "to", "home", "speed max", "acceleration max", "jerk max", "unit"});
   table.left(7);
@@ -110,9 +128,10 @@ Outcome show_robot(const std::string& argument) {
     outcome.json["sources"].push_back(
         {{"key", source.key}, {"line", source.line}, {"source", source.source}});
   }
-  outcome.text = fmt::format("  {}: {}\n  {}; wire {}, motion made by the {}\n\n{}\n{}", model.id,
-                             model.title, kinematics_name(model), model.device.protocol,
-                             motion_name(model.device), table.text(), sources.text());
+  outcome.text = fmt::format("  {}: {}\n  {}; wire {}, motion made by the {}\n  {}\n\n{}\n{}",
+                             model.id, model.title, kinematics_name(model), model.device.protocol,
+                             motion_name(model.device), body_text(model.collision), table.text(),
+                             sources.text());
   return outcome;
 }
 

@@ -18,6 +18,7 @@
 #include "sinew/io/interrupt.h"
 #include "sinew/program/sequence_file.h"
 #include "sinew/runtime/machine_thread.h"
+#include "sinew/runtime/robot_link.h"
 #include "sinew/runtime/robot_machine.h"
 #include "sinew/runtime/robot_variant.h"
 #include "sinew/runtime/sequence_session.h"
@@ -190,6 +191,7 @@ Outcome run_program(const RunRequest& request) {
     simulated = std::move(*started);
     path = simulated->path();
   }
+  if (const auto why = runtime::wrong_port(model, path)) return could_not(*why);
   auto port = io::Port::open_serial(path, model.device.baud);
   if (!port) return could_not(port.error().sentence);
   // Only now: whoever is refused the port must not empty the log of the run that has it.

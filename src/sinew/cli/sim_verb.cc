@@ -17,6 +17,7 @@
 #include "sinew/runtime/robot_machine.h"
 #include "sinew/runtime/robot_variant.h"
 #include "sinew/runtime/simwire_bus.h"
+#include "sinew/runtime/simwire_guests.h"
 #include "sinew/sim/spi_faults.h"
 
 namespace sinew::cli {
@@ -117,10 +118,8 @@ std::expected<Job, Outcome> prepare(const SimRequest& request) {
     auto faults = sim::parse_faults(*request.fault);
     if (!faults) return std::unexpected(bad_input("--fault: " + faults.error()));
     job.faults = std::move(*faults);
-    for (const sim::TimedDisturbance& blow : job.faults.disturbances) {
-      if (blow.what.joint < axes) continue;
-      return std::unexpected(
-          bad_input(fmt::format("--fault: the robot has no J{}", blow.what.joint + 1)));
+    if (const auto fine = sim::check_faults(job.faults, job.model); !fine) {
+      return std::unexpected(bad_input("--fault: " + fine.error()));
     }
   }
   if (request.log && request.robot.ends_with(".toml") &&
@@ -229,8 +228,7 @@ Outcome serve_boards(Job& job) {
   if (stdio) {
     auto port = io::standard_port();
     if (!port) return could_not(port.error().sentence);
-    static_cast<void>(runtime::serve_simwire(server, *port, *log, stop));
-    Outcome outcome = finished(job, {}, *log);
+    Outcome outcome = finished(job, runtime::serve_simwire(server, *port, *log, stop), *log);
     // stdout belongs to the protocol.
     std::fputs(outcome.text.c_str(), stderr);
     outcome.silent = true;
@@ -240,13 +238,21 @@ Outcome serve_boards(Job& job) {
   auto listener = io::LocalListener::create(path);
   if (!listener) return could_not(listener.error().sentence);
   if (const auto told = announce(job, "simwire:unix:" + path); !told) return told.error();
+  const io::Clock clock;
+  runtime::SimwireGuests guests(*listener, clock);
+  const auto stop_or_turn_away = [&] {
+    if (guests.look() > 0) {
+      std::fputs("sinew: turned a second host away: these boards talk to one at a time\n", stderr);
+    }
+    return stop();
+  };
   while (!stop()) {
     auto client = listener->accept(kAcceptSlice);
     if (!client) return could_not(client.error().sentence);
     if (!*client) continue;
     server.restart();
     // A host that goes away is no failure: the next one may come.
-    static_cast<void>(runtime::serve_simwire(server, **client, *log, stop));
+    static_cast<void>(runtime::serve_simwire(server, **client, *log, stop_or_turn_away));
   }
   return finished(job, {}, *log);
 }

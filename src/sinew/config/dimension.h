@@ -35,9 +35,12 @@ inline constexpr Unit kPerAngle[] = {{"turn", "steps per turn", 1 / (2 * kPi)},
                                      {"rad", "steps per rad", 1}};
 inline constexpr Unit kTorque[] = {{"nm", "Nm", 1}, {"ncm", "Ncm", 0.01}};
 inline constexpr Unit kTorquePerRate[] = {{"nms_rad", "Nm s/rad", 1}};
+inline constexpr Unit kForce[] = {{"n", "N", 1}};
+inline constexpr Unit kForcePerRate[] = {{"ns_m", "N s/m", 1}};
 inline constexpr Unit kInertia[] = {{"kgm2", "kg m^2", 1}, {"gcm2", "g cm^2", 1e-7}};
 inline constexpr Unit kMass[] = {{"kg", "kg", 1}, {"g", "g", 1e-3}};
 inline constexpr Unit kTurnRate[] = {{"rpm", "rpm", 2 * kPi / 60}, {"rad_s", "rad/s", 1}};
+inline constexpr Unit kPerTime[] = {{"per_s", "1/s", 1}};
 /// A number without a unit; its key carries none.
 inline constexpr Unit kPlain{"", "", 1};
 

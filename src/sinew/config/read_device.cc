@@ -73,6 +73,7 @@ void read_device(TableReader& root, RobotModel& model) {
       device.capability.segment = std::chrono::milliseconds(segment_ms);
     }
     if (protocol.name == "axis_link") device.capability.limits_share = 0.8;
+    if (protocol.name == "axis_registers") device.capability.takes_speed = false;
     protocol.read(*reader, model);
   }
   reader->finish();

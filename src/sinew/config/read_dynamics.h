@@ -5,8 +5,8 @@
 
 namespace sinew {
 
-/// Reads [drive.<joint>] and [link.<joint>]: what moves a joint, what hangs on it. Either is there
-/// for every joint or for none.
+/// Reads [drive.<joint>], [link.<joint>] and [control.<joint>]: what moves a joint, what hangs on
+/// it, how its board holds it. Each is there for every joint or for none.
 void read_dynamics(TableReader& root, RobotModel& model);
 
 }  // namespace sinew

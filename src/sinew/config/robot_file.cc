@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "sinew/config/read_collision.h"
 #include "sinew/config/read_device.h"
 #include "sinew/config/read_dynamics.h"
 #include "sinew/config/read_geometry.h"
@@ -30,6 +31,7 @@ void read_root(TableReader& root, RobotModel& model) {
     read_joints(root, *kind, model);
     read_device(root, model);
     read_dynamics(root, model);
+    read_collision(root, model);
   } else {
     root.ignore_rest();
   }

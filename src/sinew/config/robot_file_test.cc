@@ -281,8 +281,64 @@ TEST(RobotFile, settings_of_every_wire_are_checked) {
   EXPECT_EQ(
       complaint("robot-arm-2", "\"deg_u32\"  #", "\"deg\"  #"),
       "device.angle_encoding: must be `deg_u32`, `mdeg_i32`, `f32_be` or `f32_le`, not `deg`");
+  EXPECT_EQ(
+      complaint("robot-arm-2", "0.77318\nbacklash_deg = 0.2\njoint_encoder = \"quadrature_600",
+                "0.77318\nbacklash_deg = 0.2\njoint_encoder = \"as5601"),
+      "drive.shoulder.joint_encoder: must be `none`, `quadrature_600` or `as5600`, not "
+      "`as5601`; did you mean `as5600`?");
+  EXPECT_EQ(complaint("robot-arm-2", "position_gain_per_s = 5.5", "position_gain = 5.5"),
+            "control.shoulder.position_gain: missing unit: write `position_gain_per_s`");
+  EXPECT_EQ(complaint("robot-arm-2", "position_gain_per_s = 5.5", "position_gain_per_s = 0"),
+            "control.shoulder.position_gain_per_s: must be above 0 and at most 100 1/s, not 0");
   EXPECT_EQ(complaint("robot-arm-2", "zero_deg = -90", "zero = -90"),
             "device.joint.shoulder.zero: missing unit: write `zero_deg` or `zero_rad`");
+}
+
+TEST(RobotFile, motors_and_masses_of_every_kind_of_robot_are_read) {
+  const auto learm = read_robot(builtin("learm"), "r");
+  ASSERT_TRUE(learm.has_value());
+  EXPECT_EQ(learm->dynamics.servos.size(), 5U);
+  EXPECT_TRUE(learm->dynamics.drives.empty());
+  EXPECT_NEAR(learm->dynamics.servos[1].no_load_speed, 6.2, 1e-12);
+  EXPECT_NEAR(learm->dynamics.links[1].p_JC.x, -0.0525, 1e-12);
+  const auto hexapod = read_robot(builtin("hexapod"), "r");
+  ASSERT_TRUE(hexapod.has_value());
+  ASSERT_EQ(hexapod->dynamics.links.size(), 1U);
+  EXPECT_NEAR(hexapod->dynamics.links[0].mass, 1.2, 1e-12);
+  EXPECT_NEAR(hexapod->dynamics.drives[5].gear_ratio, 2 * kPi / 0.7e-3, 1e-9);
+  EXPECT_NEAR(hexapod->dynamics.drives[5].coulomb_friction, 45, 1e-12);
+}
+
+TEST(RobotFile, motors_and_masses_get_their_complaints) {
+  const auto complained = [](std::string_view id, std::string_view from, std::string_view to) {
+    const Lines lines = complaints(with(builtin(id), from, to));
+    return lines.empty() ? std::string() : lines.front();
+  };
+  const std::string drive = "[drive.leg1]\nholding_torque_nm = 0.22\nmotors = 1\nlead_mm = 0";
+  EXPECT_NE(complained("hexapod", drive + ".7", drive)
+                .find("drive.leg1.lead_mm: must be above 0 and at most 1000 mm, not 0"),
+            std::string::npos);
+  const std::string servo = "[servo.base]\nstall_torque_nm = ";
+  EXPECT_NE(complained("learm", servo + "1.7", servo + "-1")
+                .find("servo.base.stall_torque_nm: must be above 0 and at most 1000 Nm, not -1"),
+            std::string::npos);
+  EXPECT_NE(complained("hexapod", "[link.platform]", "[link.leg1]").find("link"),
+            std::string::npos);
+}
+
+TEST(RobotFile, robot_with_drives_and_servos_is_refused) {
+  const std::string servos = [] {
+    std::string text;
+    for (const char* joint : {"base", "shoulder", "elbow", "wrist_rotate", "wrist"}) {
+      text += std::string("[servo.") + joint +
+              "]\nstall_torque_nm = 1\nno_load_speed_rad_s = 6\nfriction_nm = 0\nsource = \"x\"\n";
+    }
+    return text;
+  }();
+  const auto model =
+      read_robot(with(builtin("bigrobotarm"), "[device]\n", servos + "[device]\n"), "r");
+  ASSERT_FALSE(model.has_value());
+  EXPECT_NE(to_text(model.error().front()).find("[drive] or [servo], not both"), std::string::npos);
 }
 
 TEST(RobotFile, registers_of_other_boards_may_stand_elsewhere_and_never_twice) {

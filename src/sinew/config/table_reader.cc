@@ -249,9 +249,9 @@ std::optional<TableReader> TableReader::table(std::string_view key, Presence pre
   return TableReader(*inner, entry->node.place, dotted(key), *findings_);
 }
 
-std::vector<TableReader> TableReader::tables(std::string_view key) {
+std::vector<TableReader> TableReader::tables(std::string_view key, Presence presence) {
   std::vector<TableReader> readers;
-  const TomlEntry* entry = ask(key, {&kPlain, 1}, Presence::kRequired, false);
+  const TomlEntry* entry = ask(key, {&kPlain, 1}, presence, false);
   if (entry == nullptr) return readers;
   const auto* items = std::get_if<TomlArray>(&entry->node.value);
   if (items == nullptr) {

@@ -63,7 +63,7 @@ class TableReader {
 
   std::optional<TableReader> table(std::string_view key, Presence presence = Presence::kRequired);
   /// An array of tables, all of them; their paths are key[1], key[2] ...
-  std::vector<TableReader> tables(std::string_view key);
+  std::vector<TableReader> tables(std::string_view key, Presence presence = Presence::kRequired);
 
   /// Complains at the value of a key that was asked for, or at the table if it is not there.
   void complain(std::string_view pattern, std::string message);

@@ -145,6 +145,24 @@ constexpr std::array kTable = std::to_array<ErrorInfo>({
      kLength, true, kNoStop, 422},
     {kToolAngle, "tool_angle", "the tool would need {measured}, limit {limit}", kAngle, true,
      kNoStop, 422},
+    {kMotionInput, "motion_input",
+     "the motion of {subject} has a state or a limit that is no number, or limits out of order",
+     kNone, true, kNoStop, 422},
+    {kTargetVelocity, "target_velocity",
+     "{subject} would have to pass its target at {measured}, limit {limit}", kAngularVelocity, true,
+     kNoStop, 422},
+    {kTargetAcceleration, "target_acceleration",
+     "{subject} would have to pass its target at {measured}, limit {limit}", kAngularAcceleration,
+     true, kNoStop, 422},
+    {kNotStraight, "not_straight",
+     "the joints do not start and arrive along one line, so they cannot stay on it", kNone, true,
+     kNoStop, 422},
+    {kMoveInput, "move_input",
+     "a target, a speed or a radius of this move is no number, or is out of its range", kNone, true,
+     kNoStop, 422},
+    {kArcCollinear, "arc_collinear",
+     "start, via point and end of the arc lie on one line: {measured} off it, at least {limit}",
+     kLength, true, kNoStop, 422},
     {kNoEndStops, "no_end_stops", "this robot has no end stops to find its zeros with", kNone, true,
      kNoStop, 422},
 });
@@ -167,6 +185,10 @@ std::string format_value(double value, Quantity quantity) {
       return print("%.0f", value);
     case kVoltage:
       return print("%.3g V", value);
+    case kAngularVelocity:
+      return print("%.6g deg/s", to_deg(value));
+    case kAngularAcceleration:
+      return print("%.6g deg/s^2", to_deg(value));
     case kRatio:
     case kNone:
       return print("%.3g", value);

@@ -65,7 +65,13 @@ enum class ErrorCode : std::uint8_t {
   kMissedTarget,             ///< index: joint; measured: where it is, limit: where it was sent, rad
   kJawWidth,                 ///< measured, limit: m
   kToolAngle,                ///< measured, limit: rad
-  kNoEndStops,               ///< this robot cannot find its zeros by itself
+  kMotionInput,         ///< index: joint; a state or a limit is not finite, or limits out of order
+  kTargetVelocity,      ///< index: joint; measured, limit: rad/s, at or beside the target
+  kTargetAcceleration,  ///< index: joint; measured, limit: rad/s^2
+  kNotStraight,         ///< the states do not lie along one line of joint space
+  kMoveInput,           ///< a target, speed or radius of a move is not finite or out of its range
+  kArcCollinear,        ///< measured, limit: m that the via point is off the line to the end
+  kNoEndStops,          ///< this robot cannot find its zeros by itself
 };
 
 /// How a stop ends, after IEC 60204-1.
@@ -77,7 +83,17 @@ enum class StopCategory : std::uint8_t {
 };
 
 /// What a number in an Error means to people; the value itself is always SI.
-enum class Quantity : std::uint8_t { kNone, kLength, kAngle, kTime, kRatio, kCount, kVoltage };
+enum class Quantity : std::uint8_t {
+  kNone,
+  kLength,
+  kAngle,
+  kTime,
+  kRatio,
+  kCount,
+  kVoltage,
+  kAngularVelocity,
+  kAngularAcceleration,
+};
 
 /// An expected failure with the values that matter. Text is made at the edge by `describe`.
 struct Error {

@@ -13,6 +13,8 @@ struct Base;
 struct Flange;
 struct Tool;
 struct Platform;
+struct Link;  ///< whichever link of a robot is spoken of
+struct Box;
 }  // namespace frame
 
 /// Pose X_AB of frame B in frame A: p_AB in m, R_AB. Costs nothing over an untyped pose. @rt

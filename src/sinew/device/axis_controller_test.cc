@@ -560,6 +560,14 @@ TEST(AxisSettings, come_from_the_model_or_are_the_documents) {
   EXPECT_NEAR(axis_settings(bare, 0).steps_per_rad() * 2 * kPi, 54'400, 1e-6);
   bare.dynamics.drives.push_back({.holding_torque = 1, .gear_ratio = 5, .microsteps = 8});
   EXPECT_NEAR(axis_settings(bare, 0).steps_per_rad() * 2 * kPi, 8'000, 1e-6);
+  const auto counts_with = [&](JointEncoder encoder) {
+    bare.dynamics.drives[0].joint_encoder = encoder;
+    const AxisEncoderSettings encoders = axis_settings(bare, 0).encoders;
+    EXPECT_EQ(encoders.joint, encoder);
+    return encoders.joint_counts_per_turn;
+  };
+  EXPECT_EQ(counts_with(JointEncoder::kQuadrature), 2400);
+  EXPECT_EQ(counts_with(JointEncoder::kAs5600), 4096);
 }
 
 }  // namespace

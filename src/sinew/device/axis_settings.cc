@@ -9,6 +9,7 @@ namespace {
 
 /// Of the step rate, what profiles use; the rest is for the loop to correct with.
 constexpr double kProfileShare = 0.9;
+constexpr double kAs5600CountsPerTurn = 4096;
 constexpr double kTrackingJerk = 10;  // times the joint's own
 /// The switch closes this far outside the position limits, and the homed axis waits as far inside.
 constexpr double kSwitchBeyondLimit = from_deg(2);
@@ -28,6 +29,10 @@ AxisSettings axis_settings(const RobotModel& model, std::size_t joint) {
     settings.backlash = drive.backlash;
     settings.full_steps_per_turn = drive.steps_per_turn;
     settings.microsteps = drive.microsteps;
+    settings.encoders.joint = drive.joint_encoder;
+    if (drive.joint_encoder == JointEncoder::kAs5600) {
+      settings.encoders.joint_counts_per_turn = kAs5600CountsPerTurn;
+    }
     // Play and a count of the joint's encoder are no disagreement, whatever this gear's play is.
     settings.supervision.disagreement += drive.backlash;
   }
@@ -49,6 +54,12 @@ AxisSettings axis_settings(const RobotModel& model, std::size_t joint) {
   homing.approach_speed = std::min(homing.approach_speed, settings.limits.velocity);
   homing.slow_speed = std::min(homing.slow_speed, settings.limits.velocity);
 
+  if (joint < model.dynamics.gains.size()) {
+    const AxisGains& gains = model.dynamics.gains[joint];
+    settings.cascade.position_gain = gains.position_gain;
+    settings.cascade.velocity_gain = gains.velocity_gain;
+    settings.cascade.integral_gain = gains.integral_gain;
+  }
   settings.cascade.rate_max = rate_max;
   settings.cascade.dead_band = 1 / settings.steps_per_rad();
   return settings;

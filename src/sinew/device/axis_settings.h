@@ -5,18 +5,12 @@
 
 #include "sinew/core/instant.h"
 #include "sinew/core/units.h"
+#include "sinew/model/dynamics.h"
 #include "sinew/model/robot_model.h"
 #include "sinew/motion/cascade.h"
 #include "sinew/motion/rest_to_rest.h"
 
 namespace sinew {
-
-/// What turns with the joint itself, behind the gear.
-enum class JointEncoder : std::uint8_t {
-  kNone,        ///< the motor's encoder is not checked by a second one
-  kQuadrature,  ///< incremental, 600 pulses = 2400 counts per turn; a free running counter
-  kAs5600,      ///< 4096 positions per turn
-};
 
 /// What emergency_stop() does once the steps are frozen.
 enum class EmergencyStopAction : std::uint8_t {
@@ -96,8 +90,8 @@ struct AxisSettings {
   double steps_per_rad() const { return full_steps_per_turn * microsteps * gear_ratio / (2 * kPi); }
 };
 
-/// The settings of one joint of a model; the gear and motor are the model's where it has dynamics,
-/// else the 17:1 gear and the 200 x 16 steps of robot-arm-2.
+/// The settings of one joint of a model; gear, motor and joint encoder are the model's where it has
+/// dynamics, else the 17:1 gear, the 200 x 16 steps and the quadrature of robot-arm-2's shoulder.
 AxisSettings axis_settings(const RobotModel& model, std::size_t joint);
 
 }  // namespace sinew

@@ -22,7 +22,8 @@ inline StepperDrive test_drive() {
           .corner_speed = 30,
           .coulomb_friction = 0.2,
           .viscous_friction = 0.1,
-          .backlash = from_deg(0.2)};
+          .backlash = from_deg(0.2),
+          .joint_encoder = JointEncoder::kQuadrature};
 }
 
 inline RobotModel test_model() {

@@ -86,6 +86,10 @@ class AxisLinkDriver : public SpiDriver {
   /// In the order of the joints, one after the other; axes that are out are left out.
   /// @error kPortClosed, the fault, kBusy
   Expected<void> home(Instant now) override;
+  std::optional<std::size_t> homing_joint() const override {
+    const bool searching = activity_ == Activity::kHoming && homing_ < joints_.size();
+    return searching ? std::optional(homing_) : std::nullopt;
+  }
   /// Every axis that is out gets a new session, its latch released and its faults cleared; kDone
   /// follows where one axis is fit to move. @error kPortClosed, kBusy
   Expected<void> clear_fault(Instant now) override;

@@ -81,6 +81,17 @@ std::span<const JointPosition> AxisRegistersDriver::positions() const {
   return {positions_.data(), positions_.size()};
 }
 
+std::optional<std::size_t> AxisRegistersDriver::homing_joint() const {
+  const bool searching =
+      activity_ == Activity::kHoming && homing_place_ < timing_.homing_order.size();
+  return searching ? std::optional<std::size_t>(timing_.homing_order[homing_place_]) : std::nullopt;
+}
+
+bool AxisRegistersDriver::statuses_are_blank() const {
+  return device_.reports_status && std::ranges::any_of(axes_, &Axis::answers) &&
+         std::ranges::all_of(axes_, [](const Axis& axis) { return axis.blank || !axis.answers; });
+}
+
 bool AxisRegistersDriver::wants_move(Instant) const {
   return activity_ == Activity::kIdle && !fault_;
 }

@@ -80,6 +80,7 @@ class AxisRegistersDriver : public SpiDriver {
   /// @error kTaskNotSupported (boards without a status: nothing would say whether it happened),
   ///        kPortClosed, kBusy, the fault
   Expected<void> home(Instant now) override;
+  std::optional<std::size_t> homing_joint() const override;
   /// DIAG_CONTROL 1 and EMERGENCY_STOP 0 on every board. kDone follows where one is fit to move.
   /// @error kPortClosed, kBusy
   Expected<void> clear_fault(Instant now) override;
@@ -95,6 +96,9 @@ class AxisRegistersDriver : public SpiDriver {
 
   /// Why a board is out. @pre joint < joints
   std::optional<Error> axis_fault(std::size_t joint) const { return axes_[joint].fault; }
+  /// Some board answers, and DIAG_STATUS is all zero on each that does: no board that fills this
+  /// register tells so, and the first firmware always.
+  bool statuses_are_blank() const;
   std::uint16_t frame_id() const { return link_.frame_id(); }
 
  private:
@@ -128,6 +132,7 @@ class AxisRegistersDriver : public SpiDriver {
   struct Axis {
     std::optional<Error> fault;  ///< why it is out
     bool answers = false;
+    bool blank = false;     ///< its last status was all zero
     bool latched = false;   ///< by us
     bool stop_due = false;  ///< it never confirmed a stop
     bool homing = false;    ///< told to, and not seen to end

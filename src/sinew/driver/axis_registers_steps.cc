@@ -155,6 +155,7 @@ std::optional<Status> AxisRegistersDriver::take_status(std::size_t i, const Data
   const auto status = decode_status(value);
   if (!status) return status;
   Axis& axis = axes_[i];
+  axis.blank = *status == Status{};
   std::optional<Error> fault = fault_of(status->fault);
   if (!fault && status->emergency_stop && !axis.latched) fault = Error{ErrorCode::kEmergencyStop};
   if (!fault && !status->sensor_ok) fault = Error{ErrorCode::kEncoderLost};

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -24,8 +25,10 @@ enum class PositionQuality : std::uint8_t {
 /// Joint position as the host knows it, in the model's frame; rad, or m for a leg.
 struct JointPosition {
   PositionQuality quality = PositionQuality::kLost;
-  double q = 0;      ///< best guess; without meaning while lost
-  double lower = 0;  ///< kUncertain: the truth is in here. Else q -+ the wire's resolution
+  double q = 0;  ///< best guess; without meaning while lost
+  /// The truth is in [lower, upper]: kUncertain as far as is known, else q -+ what wire and device
+  /// leave open (resolution, dead band, sag). Without meaning while lost.
+  double lower = 0;
   double upper = 0;
 };
 
@@ -82,6 +85,7 @@ struct DriverHealth {
   std::optional<double> temperature_c;
   std::uint64_t requests = 0;    ///< exchanges begun
   std::uint64_t retries = 0;     ///< exchanges begun again, where that cannot move anything twice
+  std::uint64_t repeats = 0;     ///< frames said again as planned, where a wire has no checksum
   std::uint64_t timeouts = 0;    ///< answers that never came
   std::uint64_t unexpected = 0;  ///< bytes or answers that fit nothing
 };
@@ -121,6 +125,8 @@ class Driver {
     static_cast<void>(now);
     return std::unexpected(Error{ErrorCode::kTaskNotSupported});
   }
+  /// The joint whose zero is being searched for; nothing where none is.
+  virtual std::optional<std::size_t> homing_joint() const { return std::nullopt; }
   /// Leaves kFault once its cause is gone; never resumes a motion. @error kBusy, or the cause
   virtual Expected<void> clear_fault(Instant now) {
     static_cast<void>(now);

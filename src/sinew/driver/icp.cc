@@ -345,7 +345,7 @@ void IcpDriver::on_byte(std::uint8_t byte, Instant now) {
       }
     }
     if (now - quiet_since_ > timing_.quiet_limit) {
-      suspect_supply();
+      suspect_silence();
       return give_up({ErrorCode::kUnexpectedReply, -1, 1.0 * byte, 1.0 * kAck});
     }
     deadline_ = now + timing_.quiet;
@@ -544,7 +544,7 @@ void IcpDriver::doubt(const Error& error, Instant now) {
   }
   count_failure();
   if (failures_ >= device_.tries) {
-    suspect_supply();
+    suspect_silence();
     if (error.code != ErrorCode::kDeviceSilent) return give_up(error);
     return give_up(kill_suspected_ ? Error{ErrorCode::kDeviceKilled} : silence(now));
   }
@@ -570,10 +570,18 @@ Error IcpDriver::silence(Instant now) const {
   return {ErrorCode::kDeviceSilent, -1, to_seconds(now - failing_since_), limit};
 }
 
-/// What silences the controller, or one module, may have taken the current from all six.
+/// A status tells of the supply, which all six share.
 void IcpDriver::suspect_supply() {
   for (std::size_t i = 0; i < kLegs; ++i) {
     legs_[i].suspect_supply();
+    refresh(i);
+  }
+}
+
+/// What silences the controller, or one module, may have taken the current from all six.
+void IcpDriver::suspect_silence() {
+  for (std::size_t i = 0; i < kLegs; ++i) {
+    legs_[i].suspect_silence();
     refresh(i);
   }
 }

@@ -155,6 +155,7 @@ class IcpDriver final : public ByteDriver {
   void tell_stopped();
   void count_failure();
   void suspect_supply();
+  void suspect_silence();
   Error silence(Instant now) const;
   std::uint8_t legs_to_read() const;
   std::uint8_t tagged_legs() const;

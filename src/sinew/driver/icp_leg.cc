@@ -8,6 +8,14 @@
 #include "sinew/core/assert.h"
 
 namespace sinew {
+namespace {
+
+/// Every status that tells of it clears these: the next one tells of another time.
+bool tells_of_supply(const tmc222::Flags& flags) {
+  return flags.vdd_reset || flags.under_voltage || flags.charge_pump_failure;
+}
+
+}  // namespace
 
 IcpLegClaim::IcpLegClaim(std::int8_t index, const IcpLeg& leg, double units_per_m,
                          std::int64_t units_per_down)
@@ -43,12 +51,12 @@ void IcpLegClaim::declare(const JointPosition& position) {
 
 std::int64_t IcpLegClaim::lower() const {
   const std::int64_t plain = units_ - below_;
-  return suspected_ ? std::min(plain, hull_lower_ - kHomePhaseUnits) : plain;
+  return suspected_ ? std::min(plain, hull_lower_ - kPowerCutUnits) : plain;
 }
 
 std::int64_t IcpLegClaim::upper() const {
   const std::int64_t plain = units_ + above_;
-  return suspected_ ? std::max(plain, hull_upper_ + kHomePhaseUnits) : plain;
+  return suspected_ ? std::max(plain, hull_upper_ + kPowerCutUnits) : plain;
 }
 
 JointPosition IcpLegClaim::position() const {
@@ -141,14 +149,13 @@ IcpLegClaim::Verdict IcpLegClaim::judge(const icp::Status& status, Error& error)
 }
 
 bool IcpLegClaim::shows_supply_loss(const icp::Status& status) const {
-  const tmc222::Flags& flags = status.one.flags;
-  const bool told = flags.vdd_reset || flags.under_voltage || flags.charge_pump_failure;
+  const bool told = tells_of_supply(status.one.flags);
   const bool forgotten = tag_ != 0 && status.two.target == 0;
   return told || forgotten || status.one.parameters != icp::kMotorParameters;
 }
 
 void IcpLegClaim::round_passed() {
-  suspected_ = false;
+  if (std::exchange(suspected_, false) && withdrawn_) widen_by_power_cut();
   if (!std::exchange(confirmed_, false)) return;
   hull_lower_ = units_ - below_;
   hull_upper_ = units_ + above_;
@@ -169,6 +176,12 @@ void IcpLegClaim::widen(std::int64_t lower, std::int64_t upper) {
   above_ = std::max(above_, upper - units_);
 }
 
+void IcpLegClaim::widen_by_power_cut() {
+  widen(hull_lower_ - kPowerCutUnits, hull_upper_ + kPowerCutUnits);
+  hull_lower_ = units_ - below_;
+  hull_upper_ = units_ + above_;
+}
+
 void IcpLegClaim::withdraw(const icp::Status& status) {
   // A module that counts otherwise than was thought did so at every step that no status has shown.
   const std::int64_t tag = std::abs(std::int64_t{status.two.target});
@@ -178,10 +191,8 @@ void IcpLegClaim::withdraw(const icp::Status& status) {
     hull_lower_ = std::min(hull_lower_, hull_lower_ + more);
     hull_upper_ = std::max(hull_upper_, hull_upper_ + more);
   }
-  const std::int64_t margin = std::exchange(withdrawn_, true) ? 0 : kHomePhaseUnits;
-  widen(hull_lower_ - margin, hull_upper_ + margin);
-  hull_lower_ = units_ - below_;
-  hull_upper_ = units_ + above_;
+  const bool again = tells_of_supply(status.one.flags) || suspected_;
+  if (!std::exchange(withdrawn_, true) || again) widen_by_power_cut();
   suspected_ = false;
   confirmed_ = false;
   moved_ = false;

@@ -14,6 +14,9 @@ namespace {
 constexpr Duration kTimeMin = std::chrono::milliseconds(20);  // the boards' own tick
 constexpr std::uint16_t kTimeMax = 65535;                     // ms
 constexpr std::uint16_t kEsp32TimeMax = 30'000;               // ms
+/// Of a rest frame: over before the next one. Nobody expects an arm at rest to move, so what such a
+/// frame mends, or breaks where it is damaged itself, must not go at full servo speed.
+constexpr Duration kRestTime = std::chrono::milliseconds(900);
 constexpr int kConfirms = 2;     // one fault spoils two frames in a row at most
 constexpr int kRewrites = 2;     // esp32: confirmed again where it says something else
 constexpr int kReadingsMax = 8;  // until two in a row agree
@@ -99,7 +102,7 @@ void LscDriver::say_rest(Instant now) {
   if (profile_ != LscProfile::kLsc6 || phase_ != Phase::kIdle || !output_.empty() || lost()) return;
   const bool held =
       std::any_of(slots_.begin(), slots_.end(), [](const Slot& slot) { return slot.held; });
-  if (held) send_targets({}, now, kTimeMin);
+  if (held) send_targets({}, now, kRestTime);
 }
 
 /// The segment that was sent is the one that the board now carries out.
@@ -144,7 +147,7 @@ void LscDriver::poll_running(Instant now) {
     repair_at_ = now + timing_.segment_max;
     const Instant arrival = std::max(now, wire_free_) + frame_time();
     if (current_.end - arrival < kTimeMin) return;
-    ++health_.retries;
+    ++health_.repeats;
     send_targets(current_, now, current_.end - arrival);
   }
 }
@@ -153,7 +156,7 @@ void LscDriver::poll_confirming(Instant now) {
   if (now < phase_due_ || !output_.empty()) return;
   if (confirms_left_ > 0) {
     --confirms_left_;
-    ++health_.retries;
+    ++health_.repeats;
     send_targets(current_, now, creeping_ ? std::chrono::milliseconds(kTimeMax) : kTimeMin);
     phase_due_ = wire_free_ + kTimeMin;
     return;

@@ -59,6 +59,7 @@ TEST(LscDriver, open_stops_groups_waits_for_a_sign_of_life_and_tells_the_quality
 
 TEST(LscDriver, the_same_damage_in_two_answers_is_no_position_where_no_servo_can_stand_there) {
   LscCell clean(LscProfile::kBus);
+  clean.run_for(2s);  // a limp arm sinks first
   clean.driver.open(clean.now);
   clean.run_for(600ms);
   LscCell damaged(LscProfile::kBus);
@@ -70,6 +71,7 @@ TEST(LscDriver, the_same_damage_in_two_answers_is_no_position_where_no_servo_can
     ++answers;
   }
   ASSERT_EQ(answers, 2);
+  damaged.run_for(2s);
   damaged.driver.open(damaged.now);
   damaged.run_for(2s);
   EXPECT_EQ(damaged.driver.state(), DriverState::kReady);
@@ -612,6 +614,39 @@ TEST(LscDriver, a_damaged_last_repeat_is_mended_behind_the_next_sign_of_life) {
     EXPECT_LT(cell.worst(kThere), kSag);
   });
   EXPECT_GT(wrong, 2) << "of the flips, those that nothing else mends";
+}
+
+TEST(LscDriver, a_servo_that_stands_wrong_at_rest_goes_back_slowly) {
+  int wrong = 0;
+  for_random_cases(120, [&](Random& random) {
+    LscCell cell(LscProfile::kLsc6, random.bits());
+    cell.start(kHere);
+    // In a frame of the end of a motion, or in one at rest: neither way may anything leap.
+    cell.stream(kThere, 1600ms);
+    cell.run_for(300ms);
+    const auto frame = cell.to_board.count();
+    cell.run_for(1100ms);
+    ASSERT_GE(cell.to_board.count(), frame + 26) << "a question of 4 bytes, a frame of 22";
+    LscCell clean = cell;
+    clean.run_for(1100ms);
+    ASSERT_GE(clean.to_board.count() - cell.to_board.count(), 26U);
+    // A flipped position: behind 55 55 LEN 03 n and the time, each servo has id, low and high byte.
+    const auto servo = static_cast<std::uint64_t>(random.integer(0, 4));
+    const auto bits = static_cast<std::uint8_t>(random.chance(0.5) ? 0x80 : 0x01);
+    cell.to_board.hit(4 + 7 + 3 * servo + (bits == 0x80 ? 1 : 2), Fault::kFlip, bits);
+    double worst = 0;
+    double fastest = 0;
+    for (int i = 0; i < 350; ++i) {
+      cell.run_for(10ms);
+      worst = std::max(worst, cell.worst(kThere));
+      const sim::Truth truth = cell.machine.truth();
+      for (std::size_t k = 0; k < 5; ++k) fastest = std::max(fastest, std::abs(truth.joints[k].qd));
+    }
+    wrong += worst > 0.1 ? 1 : 0;
+    EXPECT_LT(fastest, worst / 0.9 * 1.5 + 0.1) << "on a way of " << worst;
+    EXPECT_LT(cell.worst(kThere), kSag);
+  });
+  EXPECT_GT(wrong, 60) << "the flips reach the servos";
 }
 
 TEST(LscDriver, targets_are_said_again_at_rest_only_while_they_are_known_and_only_where_unread) {

@@ -62,6 +62,16 @@ void make_prompt(int descriptor) {
   static_cast<void>(ioctl(descriptor, TIOCSSERIAL, &settings));
 }
 
+/// What is no device that went away (EIO: an unplugged adapter) has a reason of its own: a full
+/// disk.
+IoError write_error(const std::string& path, const boost::system::error_code& error) {
+  const int number = error.value();
+  if (number == ENOSPC || number == EFBIG || number == EDQUOT || number == EBADF) {
+    return system_error(path, number);
+  }
+  return {path + ": the other side closed the port"};
+}
+
 IoError open_error(const std::string& path, int errno_value) {
   if (errno_value == EBUSY) return {path + kInUse};
   IoError error = system_error(path, errno_value);
@@ -193,7 +203,7 @@ IoResult<std::size_t> Port::write_now(std::span<const std::uint8_t> bytes) {
   const std::size_t count = stream.write_some(asio::buffer(bytes.data(), bytes.size()), error);
   if (!error) return count;
   if (error == asio::error::would_block || error == asio::error::try_again) return 0;
-  return std::unexpected(IoError{path + ": the other side closed the port"});
+  return std::unexpected(write_error(path, error));
 }
 
 IoResult<void> Port::write(std::span<const std::uint8_t> bytes) {
@@ -216,7 +226,7 @@ IoResult<void> Port::write(std::span<const std::uint8_t> bytes) {
       context.run();
       return std::unexpected(IoError{path + ": the port takes no bytes"});
     }
-    if (*result) return std::unexpected(IoError{path + ": the other side closed the port"});
+    if (*result) return std::unexpected(write_error(path, *result));
     bytes = bytes.subspan(count);
   }
   return {};

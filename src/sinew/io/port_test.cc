@@ -217,6 +217,20 @@ TEST(Port, other_side_that_goes_away_ends_read_and_write) {
   EXPECT_EQ(now.error().sentence, path + ": the other side closed the port");
 }
 
+TEST(Port, write_that_finds_no_room_says_so_and_not_that_somebody_left) {
+  std::array<int, 2> pipe{};
+  ASSERT_EQ(::pipe(pipe.data()), 0);
+  auto port = Port::from_descriptors(pipe[0], ::open("/dev/full", O_WRONLY), "stdin and stdout");
+  ASSERT_TRUE(port) << port.error().sentence;
+  const auto written = port->write(Bytes{1});
+  ASSERT_FALSE(written);
+  EXPECT_EQ(written.error().sentence, "stdin and stdout: no space left on device");
+  const auto now = port->write_now(Bytes{1});
+  ASSERT_FALSE(now);
+  EXPECT_EQ(now.error().sentence, "stdin and stdout: no space left on device");
+  ::close(pipe[1]);
+}
+
 TEST(Port, device_outlives_hosts_that_come_and_go) {
   auto device = Port::open_pseudo_terminal();
   ASSERT_TRUE(device);

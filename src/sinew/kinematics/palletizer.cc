@@ -84,6 +84,20 @@ Expected<JointVector> inverse(const PalletizerGeometry& geometry, std::span<cons
   return refuse_outside_limits(joints, q);
 }
 
+PalletizerLinks palletizer_links(const PalletizerGeometry& geometry, std::span<const double> q) {
+  const Pose<frame::Base, frame::Tool> X_BT = forward(geometry, q);
+  const Vec3 outward_B = -X_BT.R.y;
+  const Vec3 up_B = X_BT.R.z;
+  const auto along = [&](double outward, double up) {
+    return Rotation{X_BT.R.x, -outward * outward_B - up * up_B, outward * up_B - up * outward_B};
+  };
+  const Rotation R_upper = along(-std::cos(q[1]), std::sin(q[1]));
+  const Rotation R_forearm = along(std::cos(q[2]), -std::sin(q[2]));
+  const Vec3 shoulder = geometry.shoulder_offset * outward_B + geometry.base_height * up_B;
+  const Vec3 elbow = shoulder - geometry.upper_arm * R_upper.y;
+  return {{{X_BT.R, {}}, {R_upper, shoulder}, {R_forearm, elbow}, {X_BT.R, X_BT.p}}};
+}
+
 PalletizerJacobian jacobian(const PalletizerGeometry& geometry, std::span<const double> q) {
   const Pose<frame::Base, frame::Tool> X_BT = forward(geometry, q);
   const Vec3 outward_B = -X_BT.R.y;

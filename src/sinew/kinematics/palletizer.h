@@ -40,6 +40,15 @@ Pose<frame::Base, frame::Tool> forward(const PalletizerGeometry& geometry,
 Expected<JointVector> inverse(const PalletizerGeometry& geometry, std::span<const Joint> joints,
                               const Vec3& p_BT);
 
+/// Column, upper arm, forearm and tool in base B. Each lies along its frame's -y from the origin:
+/// the column's origin is B's, the upper arm's the shoulder, the forearm's the elbow, the tool's
+/// the nozzle; the x axes are all the tool's.
+using PalletizerLinks = std::array<Pose<frame::Base, frame::Link>, kPalletizerJoints + 1>;
+
+/// Source: docs/kinematics/maxarm.md, eq. (14) to (17).
+/// @rt no allocation, no lock.
+PalletizerLinks palletizer_links(const PalletizerGeometry& geometry, std::span<const double> q);
+
 /// Column i is what joint i contributes to the velocity of the nozzle, in base B, m/rad. The tool
 /// turns about the base's z at -qd[0], whatever the other joints do.
 using PalletizerJacobian = std::array<Vec3, kPalletizerJoints>;

@@ -357,15 +357,43 @@ TEST(Palletizer, reach_at_each_height_is_the_documented_one) {
   }
 }
 
+TEST(Palletizer, links_lie_from_joint_to_joint_along_their_own_axis) {
+  test::for_random_cases(20'000, [](test::Random& random) {
+    JointVector q;
+    for (const Joint& joint : kJoints) q.push_back(random.uniform(joint.lower, joint.upper));
+    const auto X_BT = forward(kMaxArm, q);
+    const PalletizerLinks X = palletizer_links(kMaxArm, q);
+    for (const auto& link : X) {
+      ASSERT_LE(norm(link.R.x - X_BT.R.x), 1e-15);
+      ASSERT_LE(norm(cross(link.R.x, link.R.y) - link.R.z), 1e-15);
+      ASSERT_NEAR(norm(link.R.y), 1, 1e-15);
+    }
+    const auto& [column, upper_arm, forearm, tool] = X;
+    ASSERT_EQ(tool.p, X_BT.p);
+    ASSERT_EQ(column.p, Vec3{});
+    ASSERT_LE(norm(column * Vec3{0, -kMaxArm.shoulder_offset, kMaxArm.base_height} - upper_arm.p),
+              1e-15);
+    ASSERT_LE(norm(upper_arm * Vec3{0, -kMaxArm.upper_arm, 0} - forearm.p), 1e-15);
+    const Vec3 wrist = forearm * Vec3{0, -kMaxArm.forearm, 0};
+    ASSERT_LE(norm(tool * Vec3{0, kMaxArm.tool_offset, 0} - wrist), 1e-15);
+  });
+  // Forearm level and upper arm upright, as the page draws them at the vendor's home.
+  const PalletizerLinks home = palletizer_links(kMaxArm, JointVector{2 * kPi / 3, kPi / 2, 0});
+  EXPECT_LE(norm(home[2].R.y - Vec3{0, 1, 0}), 1e-15);
+  EXPECT_LE(norm(home[1].R.y - Vec3{0, 0, -1}), 1e-15);
+}
+
 TEST(Palletizer, nothing_is_taken_from_the_heap) {
   const JointVector q{2, 1.8, 0.4};
   const test::AllocationCounter allocations;
   const auto X_BT = forward(kMaxArm, q);
   const PalletizerJacobian J = jacobian(kMaxArm, q);
+  const PalletizerLinks X = palletizer_links(kMaxArm, q);
   const bool reached = inverse(kMaxArm, kJoints, X_BT.p).has_value();
   const bool refused = !inverse(kMaxArm, kJoints, Vec3{}).has_value();
   EXPECT_EQ(allocations.count(), 0U);
   EXPECT_TRUE(reached && refused);
+  EXPECT_EQ(X.back().p, X_BT.p);
   EXPECT_GT(norm(J[0]), 0);
 }
 

@@ -70,6 +70,19 @@ PoseBF SerialChain::forward(std::span<const double> q, Jacobian& J) const {
   return dispatched([&] { return forward_portable(q, J); }, [&] { return walk<Column>(q, J); });
 }
 
+template <class V>
+void SerialChain::walk(std::span<const double> q, std::span<PoseBL> X) const {
+  SINEW_ASSERT(X.size() == size_);
+  const PoseBF X_BF = walk<V>(q, [&](std::size_t i, const WalkFrame<V>& frame) {
+    if (i > 0) X[i - 1] = {{vec3(frame.x), vec3(frame.y), vec3(frame.z)}, vec3(frame.p)};
+  });
+  X[size_ - 1] = relabel<frame::Base, frame::Link>(X_BF);
+}
+
+void SerialChain::frames(std::span<const double> q, std::span<PoseBL> X) const {
+  dispatched([&] { walk<Vec3>(q, X); }, [&] { walk<Column>(q, X); });
+}
+
 PoseBF SerialChain::link(std::size_t row, double q) const {
   SINEW_ASSERT(row < size_);
   const SerialLink& link = links_[row];

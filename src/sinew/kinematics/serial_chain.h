@@ -10,6 +10,7 @@
 namespace sinew::kinematics {
 
 using PoseBF = Pose<frame::Base, frame::Flange>;
+using PoseBL = Pose<frame::Base, frame::Link>;
 
 /// Geometric Jacobian of a chain of n revolute joints: column i is what joint i contributes to the
 /// flange's twist, J_v in m/rad (velocity of the flange's origin) and J_w (angular velocity), both
@@ -41,6 +42,10 @@ class SerialChain {
   PoseBF forward_portable(std::span<const double> q) const;
   PoseBF forward_portable(std::span<const double> q, Jacobian& J) const;
 
+  /// Every link in base: X[i] is the frame that row i ends with, the last one the flange.
+  /// @param X  size() poses
+  void frames(std::span<const double> q, std::span<PoseBL> X) const;
+
   /// X_{i-1,i} of one row: docs/kinematics/serial.md, eq. (1).
   PoseBF link(std::size_t row, double q) const;
 
@@ -52,6 +57,8 @@ class SerialChain {
   PoseBF walk(std::span<const double> q, Visit&& visit) const;
   template <class V>
   PoseBF walk(std::span<const double> q, Jacobian& J) const;
+  template <class V>
+  void walk(std::span<const double> q, std::span<PoseBL> X) const;
 
   std::size_t size_ = 0;
   std::array<DhRow, kMaxJoints> rows_{};

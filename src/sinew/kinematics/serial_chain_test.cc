@@ -115,6 +115,26 @@ TEST(SerialChain, robot_arm_2_stands_where_its_reference_says) {
                  {14.005756, -160.824634, 436.299587}, 1e-6);
 }
 
+TEST_P(SerialChains, frames_are_the_product_of_the_links_before_them) {
+  const SerialChain& chain = robot_.arm.chain();
+  std::vector<PoseBL> X(chain.size());
+  test::for_random_cases(20'000, [&](test::Random& random) {
+    const JointVector q = robot_.random_joints(random);
+    const test::AllocationCounter allocations;
+    chain.frames(q, X);
+    ASSERT_EQ(allocations.count(), 0U);
+    PoseBL product;
+    for (std::size_t i = 0; i < chain.size(); ++i) {
+      product = product * relabel<frame::Link, frame::Link>(chain.link(i, q[i]));
+      ASSERT_LE(norm(X[i].p - product.p), 1e-14);
+      ASSERT_LE(norm(X[i].R.x - product.R.x), 1e-14);
+      ASSERT_LE(norm(X[i].R.y - product.R.y), 1e-14);
+      ASSERT_LE(norm(X[i].R.z - product.R.z), 1e-14);
+    }
+    ASSERT_EQ(X.back().p, chain.forward(q).p);
+  });
+}
+
 TEST(SerialChain, placeholder_table_of_robot_arm_2_gives_its_reference_positions) {
   // The maker's first table, with parallel axes 2, 3 and 4: no wrist, but forward must hold.
   SerialGeometry geometry;

@@ -29,6 +29,8 @@ struct DeviceCapability {
   /// kStream: share of the joints' limits that a motion is planned with. An axis that closes its
   /// own loop needs the rest to catch up where a setpoint came late.
   double limits_share = 1;
+  /// kPointToPoint: how quickly a motion is made can be asked for. Else the device has one speed.
+  bool takes_speed = true;
 };
 
 inline constexpr std::size_t kBigRobotArmJoints = 5;

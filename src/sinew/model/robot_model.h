@@ -11,6 +11,7 @@
 #include "sinew/core/pose.h"
 #include "sinew/core/units.h"
 #include "sinew/core/vec3.h"
+#include "sinew/model/collision.h"
 #include "sinew/model/device.h"
 #include "sinew/model/dynamics.h"
 
@@ -96,6 +97,7 @@ struct RobotModel {
   Geometry geometry;
   std::vector<Joint> joints;  ///< at most kMaxJoints; six legs for a hexapod
   Dynamics dynamics;          ///< what moves it and what it weighs; empty where nobody said
+  Collision collision;        ///< what it must not hit itself and its table with
   Device device;
 };
 

@@ -11,7 +11,7 @@ double Cascade::rate(double q_ref, double qd_ref, double q, double qd, double dt
     integral_ = 0;
     return 0;
   }
-  const double velocity = qd_ref + settings_.position_gain * error;
+  const double velocity = settings_.feed_forward * qd_ref + settings_.position_gain * error;
   const double velocity_error = velocity - qd;
   const double wanted = velocity + settings_.velocity_gain * velocity_error + integral_;
   const double rate = std::clamp(wanted, -settings_.rate_max, settings_.rate_max);

@@ -11,6 +11,7 @@ struct CascadeSettings {
   /// Measured velocity trails by some 20 ms, and more than 0.5 would wake the rotor's oscillation.
   double velocity_gain = 0.2;
   double integral_gain = 1;  ///< 1/s
+  double feed_forward = 1;   ///< share of the reference's velocity that needs no error to be made
   /// Of rate_max, what the integral may hold: a load bends the field by a fraction of a turn and
   /// never needs a steady rate, so this much is ample.
   double integral_share = 0.05;

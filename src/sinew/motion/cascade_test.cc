@@ -38,6 +38,21 @@ TEST(Cascade, reference_is_fed_forward_without_a_lag) {
   EXPECT_LT(worst, 3e-4);
 }
 
+TEST(Cascade, without_feed_forward_it_lags_by_speed_over_gain) {
+  CascadeSettings blind = settings();
+  blind.feed_forward = 0;
+  blind.integral_gain = 0;
+  Cascade cascade(blind);
+  Motor motor;
+  double lag = 0;
+  for (int i = 1; i <= 3000; ++i) {
+    const double q_ref = 0.2 * i * 1e-3;
+    motor.advance(cascade.rate(q_ref, 0.2, motor.q, motor.qd, 1e-3), 0, 1e-3);
+    lag = q_ref - motor.q;
+  }
+  EXPECT_NEAR(lag, 0.2 / blind.position_gain, 1e-3);
+}
+
 TEST(Cascade, load_is_taken_out_in_a_second) {
   Cascade cascade(settings());
   Motor motor;

@@ -31,11 +31,6 @@ double natural_velocity(const AxisState& state, double jerk) {
 
 }  // namespace
 
-AxisState advanced(const AxisState& state, double jerk, double dt) {
-  return {state.q + dt * (state.qd + dt * (state.qdd / 2 + dt * jerk / 6)),
-          state.qd + dt * (state.qdd + dt * jerk / 2), state.qdd + dt * jerk};
-}
-
 ProfileBounds ProfileBounds::mirrored() const {
   ProfileBounds result = *this;
   result.velocity_lower = -velocity_upper;

@@ -90,6 +90,9 @@ class OnlineProfile {
 };
 
 /// State after `dt` (s) of constant jerk. @rt
-AxisState advanced(const AxisState& state, double jerk, double dt);
+inline AxisState advanced(const AxisState& state, double jerk, double dt) {
+  return {state.q + dt * (state.qd + dt * (0.5 * state.qdd + dt * jerk * (1.0 / 6))),
+          state.qd + dt * (state.qdd + dt * (0.5 * jerk)), state.qdd + dt * jerk};
+}
 
 }  // namespace sinew::motion

@@ -1,6 +1,7 @@
 #include "sinew/planning/joint_path.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "sinew/core/assert.h"
 
@@ -134,6 +135,31 @@ void JointPath::sample_piece(std::size_t i, double u, PathPoint& out) const {
         c[1][j] + u * (2 * c[2][j] + u * (3 * c[3][j] + u * (4 * c[4][j] + u * 5 * c[5][j])));
     out.ddq[j] = 2 * c[2][j] + u * (6 * c[3][j] + u * (12 * c[4][j] + u * 20 * c[5][j]));
     out.dddq[j] = 6 * c[3][j] + u * (24 * c[4][j] + u * 60 * c[5][j]);
+  }
+}
+
+void JointPath::bound_piece(std::size_t i, double u0, double u1, PathPoint& out) const {
+  // Between two places a function leaves its chord by h^2/8 of its second derivative at most.
+  const auto& c = pieces_[i].coefficients;
+  const double eighth = (u1 - u0) * (u1 - u0) / 8;
+  const auto d1 = [&](std::size_t j, double u) {
+    return c[1][j] + u * (2 * c[2][j] + u * (3 * c[3][j] + u * (4 * c[4][j] + u * 5 * c[5][j])));
+  };
+  const auto d2 = [&](std::size_t j, double u) {
+    return 2 * c[2][j] + u * (6 * c[3][j] + u * (12 * c[4][j] + u * 20 * c[5][j]));
+  };
+  const auto d3 = [&](std::size_t j, double u) {
+    return 6 * c[3][j] + u * (24 * c[4][j] + u * 60 * c[5][j]);
+  };
+  const auto d4 = [&](std::size_t j, double u) { return 24 * c[4][j] + u * 120 * c[5][j]; };
+  const auto larger = [](double a, double b) {
+    a = std::abs(a), b = std::abs(b);
+    return a > b ? a : b;
+  };
+  for (std::size_t j = 0; j < kMaxJoints; ++j) {
+    out.dddq[j] = larger(d3(j, u0), d3(j, u1)) + eighth * 120 * std::abs(c[5][j]);
+    out.ddq[j] = larger(d2(j, u0), d2(j, u1)) + eighth * larger(d4(j, u0), d4(j, u1));
+    out.dq[j] = larger(d1(j, u0), d1(j, u1)) + eighth * out.dddq[j];
   }
 }
 

@@ -59,6 +59,9 @@ class JointPath {
   std::size_t piece_at(double s, std::size_t hint = 0) const;
   /// Within piece `i`, at `u` beyond its beginning: on a border each side tells its own dddq.
   void sample_piece(std::size_t i, double u, PathPoint& out) const;
+  /// Upper bounds of |dq|, |ddq| and |dddq| (no q) within piece `i` between u0 and u1 beyond its
+  /// beginning: exact where a derivative is linear there, never too low elsewhere.
+  void bound_piece(std::size_t i, double u0, double u1, PathPoint& out) const;
   /// At s, clamped to [0, length].
   void sample(double s, PathPoint& out, std::size_t hint = 0) const;
 

@@ -27,8 +27,10 @@ void TimeLaw::append(double jerk, double duration) {
 
 void TimeLaw::append(double jerk, double duration, const PathState& end) {
   if (duration > 0) {
-    SINEW_ASSERT(has_room(1));
-    phases_.push_back({duration_, end_, jerk});
+    if (phases_.empty() || phases_.back().jerk != jerk) {
+      SINEW_ASSERT(has_room(1));
+      phases_.push_back({duration_, end_, jerk});
+    }
     duration_ += duration;
   }
   end_ = end;

@@ -35,7 +35,8 @@ class TimeLaw {
   /// Where it ends. What was appended last is integrated from its own beginning, so nothing drifts.
   const PathState& end() const { return end_; }
 
-  /// Goes on with `jerk` for `duration` s; nothing where that is not above 0.
+  /// Goes on with `jerk` for `duration` s; nothing where that is not above 0. Neighbours of equal
+  /// jerk are one phase.
   void append(double jerk, double duration);
   /// The same, and puts the end to `end`, by rounding's breadth from where it came.
   void append(double jerk, double duration, const PathState& end);

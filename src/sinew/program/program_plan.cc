@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 
 #include "sinew/core/units.h"
 
@@ -56,13 +57,14 @@ bool can_home(const RobotModel& robot) {
 
 class Planner {
  public:
-  Planner(const RobotModel& robot, const Start& start) : robot_(robot), q_(start) {}
+  Planner(const RobotModel& robot, const Start& start, const HomingTimes& homing)
+      : robot_(robot), q_(start), homing_(std::accumulate(homing.begin(), homing.end(), 0.0)) {}
 
   std::optional<Refusal> take(const Step& step, int round, int rounds) {
     if (plan_.orders.size() >= kOrdersMax) {
       return Refusal{step.line, too_long()};
     }
-    Order order{step.line, round, rounds, HomeOrder{}};
+    Order order{step.line, round, rounds, HomeOrder{homing_}};
     if (const auto* joint = std::get_if<JointStep>(&step.what)) {
       auto move = plan_move(*joint);
       if (!move) return Refusal{step.line, move.error()};
@@ -79,6 +81,7 @@ class Planner {
       order.what = ToolOrder{tool->action};
     } else {
       if (!can_home(robot_)) return Refusal{step.line, Error{ErrorCode::kNoEndStops}};
+      plan_.homing_max += homing_;
       q_.emplace();
       for (const Joint& homed : robot_.joints) q_->push_back(homed.home);
     }
@@ -111,6 +114,7 @@ class Planner {
 
   const RobotModel& robot_;
   Start q_;
+  double homing_;  ///< s at most, all joints
   Plan plan_;
 };
 
@@ -142,9 +146,10 @@ JointVector resolved(const JointStep& step, const JointVector& from) {
 motion::RestToRest profile_between(const JointVector& from, const JointVector& to,
                                    const RobotModel& robot, double speed) {
   std::array<motion::AxisLimits, kMaxJoints> limits{};
+  const DeviceCapability& device = robot.device.capability;
+  const double share = (device.takes_speed ? speed : 1) * device.limits_share;
   for (std::size_t i = 0; i < robot.joints.size(); ++i) {
     const Joint& joint = robot.joints[i];
-    const double share = speed * robot.device.capability.limits_share;
     limits[i] = {joint.velocity_max * share, joint.acceleration_max * share,
                  joint.jerk_max * share};
   }
@@ -154,8 +159,8 @@ motion::RestToRest profile_between(const JointVector& from, const JointVector& t
 }
 
 std::expected<Plan, Refusal> make_plan(const Program& program, const RobotModel& robot,
-                                       const Start& start) {
-  Planner planner(robot, start);
+                                       const Start& start, const HomingTimes& homing) {
+  Planner planner(robot, start, homing);
   std::vector<Open> open;
   std::size_t turns = 0;  // empty loops turn without an order
   for (std::size_t place = 0; place < program.steps.size(); ++place) {

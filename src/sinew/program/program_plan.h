@@ -23,7 +23,11 @@ struct MoveOrder {
   JointVector q;
   double duration = 0;  ///< s, predicted
 };
-struct HomeOrder {};
+struct HomeOrder {
+  double duration_max = 0;  ///< s, an upper bound; 0 where nobody knows one
+};
+/// How long the search for each joint's zero takes at most, s; empty where nobody knows.
+using HomingTimes = FixedVector<double, kMaxJoints>;
 struct WaitOrder {
   Duration duration{};
 };
@@ -43,7 +47,8 @@ inline constexpr std::size_t kOrdersMax = 100'000;
 
 struct Plan {
   std::vector<Order> orders;
-  double duration = 0;  ///< s of motion and waiting, predicted; homing not counted
+  double duration = 0;    ///< s of motion and waiting, predicted; homing not counted
+  double homing_max = 0;  ///< s, an upper bound of all homing
 };
 
 struct Refusal {
@@ -59,16 +64,19 @@ double first_move_duration(const RobotModel& robot);
 /// knows before it ran, so the moves behind it are planned from `home_deg` of the robot's file and
 /// planned again when the machine has told.
 ///
+/// @param homing  of this robot's joints, which are searched one after the other
+///
 /// @error kJointLimit (index), kToolNotFitted, kJawWidth, kToolAngle, kNoEndStops, kPositionUnknown
 /// (a move of some joints, while the others are
 ///        nowhere known), kProgramTooLong; nothing of the program may run then.
 std::expected<Plan, Refusal> make_plan(const Program& program, const RobotModel& robot,
-                                       const Start& start);
+                                       const Start& start, const HomingTimes& homing = {});
 
 /// Where a step goes from `from`: joints that it does not name stay.
 JointVector resolved(const JointStep& step, const JointVector& from);
 
-/// The profile of one move between two known places, straight in joint space.
+/// The profile of one move between two known places, straight in joint space; `speed`, a share of
+/// the limits, counts where the device can be asked for it.
 motion::RestToRest profile_between(const JointVector& from, const JointVector& to,
                                    const RobotModel& robot, double speed);
 

@@ -63,7 +63,9 @@ void Run::take(const DriverEvent& event, Instant now) {
   if (phase_ == Phase::kOpening) {
     if (event.kind == Kind::kReady) begin();
     if (event.kind == Kind::kFailed) {
-      if (event.error.code == ErrorCode::kPortClosed) return fail(event.error, now);
+      const bool final =
+          event.error.code == ErrorCode::kPortClosed || driver_.state() == DriverState::kFault;
+      if (final) return fail(event.error, now);
       // A device may be deaf or talk nonsense for a while; the driver asks again.
       if (event.error.code != ErrorCode::kDeviceSilent) opening_trouble_ = event.error;
     }
@@ -109,7 +111,7 @@ void Run::begin() {
     driver_.declare_positions({positions.data(), positions.size()});
     q_ = known_positions();
   }
-  auto plan = make_plan(program_, robot_, q_);
+  auto plan = make_plan(program_, robot_, q_, homing_);
   if (!plan) {
     failure_ = plan.error();
     phase_ = Phase::kFailed;
@@ -146,6 +148,9 @@ Expected<void> Run::issue(const Order& order, Instant now) {
     return {};
   }
   const auto* tool = std::get_if<ToolOrder>(&order.what);
+  if (const auto* home = std::get_if<HomeOrder>(&order.what)) {
+    current_->duration = home->duration_max;
+  }
   const auto accepted = tool != nullptr ? driver_.tool(tool->action, now) : driver_.home(now);
   if (accepted) ++outstanding_;
   return accepted;
@@ -231,6 +236,7 @@ double Run::progress(Instant now) const {
   const auto weight = [](const Order& order) {
     if (const auto* move = std::get_if<MoveOrder>(&order.what)) return move->duration;
     if (const auto* wait = std::get_if<WaitOrder>(&order.what)) return to_seconds(wait->duration);
+    if (const auto* home = std::get_if<HomeOrder>(&order.what)) return home->duration_max;
     return 0.0;
   };
   for (const Order& order : plan_.orders) total += weight(order);

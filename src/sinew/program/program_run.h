@@ -15,9 +15,9 @@ struct Record {
   const Order* order = nullptr;
   Instant asked{};
   Instant done{};
-  Start q_start;                                    ///< of a move, as it was really made
-  JointVector q;                                    ///< where the move was sent
-  double duration = 0;                              ///< s, predicted at the moment it was asked
+  Start q_start;        ///< of a move, as it was really made
+  JointVector q;        ///< where the move was sent
+  double duration = 0;  ///< s, predicted at the moment it was asked; of `home` the upper bound
   FixedVector<JointPosition, kMaxJoints> reported;  ///< when it was done
 };
 
@@ -28,7 +28,8 @@ struct Record {
 ///   phase     | what happens                    | next
 ///   ----------+---------------------------------+-------------------------------------
 ///   kOpening  | the driver is ready             | kRunning, or kFailed (refused)
-///   kOpening  | it is not within the limit      | kFailed
+///   kOpening  | it is not within the limit, or  | kFailed
+///             | cannot be before its fault ends |
 ///   kRunning  | an order is done                | kRunning, kDone after the last
 ///   kRunning  | stop()                          | kStopping, kStopped where nothing moves
 ///   kRunning  | an order fails                  | kFailed
@@ -36,7 +37,7 @@ struct Record {
 class Run {
  public:
   /// Opening a port may reset the board, whose boot loader then listens for a second or two.
-  static constexpr Duration kOpeningLimit = std::chrono::seconds(6);
+  static constexpr Duration kOpeningLimit = std::chrono::seconds(5);
 
   enum class Phase : std::uint8_t { kOpening, kRunning, kStopping, kDone, kStopped, kFailed };
 
@@ -47,6 +48,8 @@ class Run {
   /// Where somebody says the machine stands, for one that cannot know; it counts where the driver
   /// does not know better.
   void declare(const JointVector& q) { declared_ = q; }
+  /// For the plan's estimate of `home`. Before start().
+  void expect_homing(const HomingTimes& times) { homing_ = times; }
 
   /// The port is open.
   void start(Instant now);
@@ -59,7 +62,7 @@ class Run {
   std::span<const Record> records() const { return records_; }
   const std::optional<Record>& under_way() const { return current_; }
   const Driver& driver() const { return driver_; }
-  /// Share of the predicted duration that is behind the run, 0..1.
+  /// Share of the predicted duration that is behind the run, 0..1; homing counts with its bound.
   double progress(Instant now) const;
   /// When poll() should be called next even if the driver has nothing to do.
   std::optional<Instant> next_deadline(Instant now) const;
@@ -81,6 +84,7 @@ class Run {
   const RobotModel& robot_;
   Driver& driver_;
   Duration opening_limit_;
+  HomingTimes homing_;
   Phase phase_ = Phase::kOpening;
   Instant opened_at_{};
   Error opening_trouble_;

@@ -27,6 +27,7 @@ class PlainDriver : public Driver {
   void open(Instant /*now*/) override { tell(Kind::kReady); }
   void close(Instant /*now*/) override { tell(Kind::kFailed, {ErrorCode::kPortClosed}); }
   DriverState state() const override {
+    if (gave_up_) return DriverState::kFault;
     return moves_.empty() ? DriverState::kReady : DriverState::kMoving;
   }
   std::span<const JointPosition> positions() const override { return positions_; }
@@ -47,7 +48,7 @@ class PlainDriver : public Driver {
     for (JointPosition& position : positions_) {
       position = {PositionQuality::kMeasured, homed_, homed_, homed_};
     }
-    tell(Kind::kDone);
+    if (homes_by_itself_) tell(Kind::kDone);
     return {};
   }
   Expected<void> tool(const ToolAction& /*action*/, Instant /*now*/) override {
@@ -90,6 +91,8 @@ class PlainDriver : public Driver {
   std::deque<DriverEvent> events_;
   std::optional<Error> refuse_;
   double homed_ = 0;
+  bool homes_by_itself_ = true;
+  bool gave_up_ = false;
   int tools_ = 0;
 };
 
@@ -147,7 +150,7 @@ TEST(ProgramRun, streamed_motion_is_cut_into_even_segments_that_join_without_a_j
 }
 
 TEST(ProgramRun, point_to_point_device_gets_the_whole_move_at_once) {
-  Cell cell("robot-arm-2", "joint J2=30deg\njoint J2=0deg speed=50%\n");
+  Cell cell("bigrobotarm", "joint J2=30deg\njoint J2=0deg speed=50%\n");
   cell.go();
   ASSERT_EQ(cell.run.phase(), Phase::kDone);
   ASSERT_EQ(cell.driver.taken_.size(), 2U);
@@ -249,11 +252,52 @@ TEST(ProgramRun, silent_device_fails_the_opening_after_its_limit) {
   Cell cell("learm", "wait 0.1s\n");
   cell.run.start(cell.now);
   cell.driver.events_.clear();
-  cell.run.poll(Instant{} + 6s);
+  cell.run.poll(Instant{} + Run::kOpeningLimit);
   EXPECT_EQ(cell.run.phase(), Phase::kOpening);
-  cell.run.poll(Instant{} + 6s + 1ms);
+  cell.run.poll(Instant{} + Run::kOpeningLimit + 1ms);
   ASSERT_EQ(cell.run.phase(), Phase::kFailed);
   EXPECT_EQ(cell.run.failure()->error.code, ErrorCode::kDeviceSilent);
+}
+
+TEST(ProgramRun, driver_that_gave_up_while_opening_is_not_waited_for) {
+  Cell cell("learm", "wait 0.1s\n");
+  cell.run.start(cell.now);
+  cell.driver.events_.clear();
+  const Error silent{ErrorCode::kDeviceSilent, -1, 1, 1};
+  cell.driver.tell(Kind::kFailed, silent);
+  cell.run.poll(cell.now);
+  ASSERT_EQ(cell.run.phase(), Phase::kOpening) << "it asks again";
+  cell.driver.gave_up_ = true;
+  cell.driver.tell(Kind::kFailed, silent);
+  cell.run.poll(cell.now + 1ms);
+  ASSERT_EQ(cell.run.phase(), Phase::kFailed);
+  EXPECT_EQ(cell.run.failure()->error, silent);
+}
+
+TEST(ProgramRun, homing_is_in_the_plan_and_in_the_progress_with_its_bound) {
+  Cell cell("robot-arm-2", "wait 10s\nhome\nloop 2\nhome\nend\n");
+  HomingTimes times;
+  for (int i = 1; i <= 6; ++i) times.push_back(10 * i);
+  cell.run.expect_homing(times);
+  cell.run.start(cell.now);
+  cell.run.poll(cell.now);
+  const Plan& plan = cell.run.plan();
+  EXPECT_EQ(plan.duration, 10);
+  EXPECT_EQ(plan.homing_max, 3 * 210);
+  EXPECT_EQ(std::get<HomeOrder>(plan.orders[1].what).duration_max, 210);
+  EXPECT_EQ(cell.run.progress(cell.now), 0);
+  EXPECT_NEAR(cell.run.progress(cell.now + 10s), 10.0 / 640, 1e-12);
+  cell.driver.homes_by_itself_ = false;
+  cell.now += 10s;
+  cell.run.poll(cell.now);
+  EXPECT_NEAR(cell.run.progress(cell.now + 105s), 115.0 / 640, 1e-12);
+  EXPECT_NEAR(cell.run.progress(cell.now + 1h), 220.0 / 640, 1e-12) << "no more than its bound";
+  cell.driver.homes_by_itself_ = true;
+  cell.driver.tell(Kind::kDone);
+  cell.go();
+  ASSERT_EQ(cell.run.phase(), Phase::kDone);
+  EXPECT_EQ(cell.run.records()[1].duration, 210);
+  EXPECT_EQ(cell.run.progress(cell.now), 1);
 }
 
 TEST(ProgramPlan, tools_and_homing_are_checked_with_everything_else) {
@@ -283,6 +327,18 @@ TEST(ProgramPlan, tools_and_homing_are_checked_with_everything_else) {
     if (!plan) {
       EXPECT_EQ(plan.error().error.code, *c.refusal) << c.robot << " " << c.text;
     }
+  }
+}
+
+TEST(ProgramPlan, speed_counts_only_where_the_device_can_be_asked_for_it) {
+  for (const auto& [name, heard] : {std::pair{"learm", true}, {"robot-arm-2", false}}) {
+    const RobotModel& robot = test::robot(name);
+    const auto full = make_plan(*parse("joint J2=20deg", "p", robot), robot, at(robot, 0));
+    const auto half =
+        make_plan(*parse("joint J2=20deg speed=10%", "p", robot), robot, at(robot, 0));
+    ASSERT_TRUE(full && half);
+    EXPECT_EQ(half->duration > full->duration, heard) << name;
+    EXPECT_EQ(half->duration == full->duration, !heard) << name;
   }
 }
 

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <vector>
 
+#include "sinew/driver/axis_registers.h"
 #include "sinew/io/local_socket.h"
 #include "sinew/runtime/machine_thread.h"
 #include "sinew/runtime/robot_variant.h"
@@ -15,6 +16,13 @@ namespace {
 constexpr std::string_view kSimwire = "simwire:";
 constexpr std::string_view kSpidev = "spidev";
 
+constexpr std::string_view kUnix = "unix:";
+constexpr std::string_view kTcp = "tcp:";
+
+std::string place_of(const std::string& port) {
+  return port.starts_with(kSimwire) ? port.substr(kSimwire.size()) : port;
+}
+
 io::IoResult<std::unique_ptr<io::SpiBus>> open_bus(const RobotModel& robot, const std::string& port,
                                                    const io::Clock& clock) {
   const auto boards = boards_of(robot);
@@ -25,15 +33,9 @@ io::IoResult<std::unique_ptr<io::SpiBus>> open_bus(const RobotModel& robot, cons
     }
     return io::open_spidev(places);
   }
-  const std::string place = port.starts_with(kSimwire) ? port.substr(kSimwire.size()) : port;
-  const auto connect = [&]() -> io::IoResult<io::Port> {
-    if (place.starts_with("unix:")) return io::connect_local(place.substr(5));
-    if (place.starts_with("tcp:")) return io::connect_tcp(place.substr(4));
-    return std::unexpected(
-        io::IoError{port + ": this robot hangs on SPI; its port is spidev, simwire:unix:PATH or "
-                           "simwire:tcp:HOST:PORT"});
-  };
-  auto connected = connect();
+  const std::string place = place_of(port);
+  auto connected = place.starts_with(kUnix) ? io::connect_local(place.substr(kUnix.size()))
+                                            : io::connect_tcp(place.substr(kTcp.size()));
   if (!connected) return std::unexpected(connected.error());
   return connect_simwire(std::move(*connected), boards, clock);
 }
@@ -57,6 +59,7 @@ RobotLink::~RobotLink() = default;
 
 io::IoResult<RobotLink> RobotLink::open(const RobotModel& robot, const std::string& port,
                                         const io::Clock& clock, ByteLog& log) {
+  if (const auto why = wrong_port(robot, port)) return std::unexpected(io::IoError{*why});
   auto parts = std::make_unique<Parts>();
   parts->name = port;
   // Real delays of this computer do not shrink where the device's time runs faster.
@@ -114,6 +117,26 @@ std::optional<sim::Truth> RobotLink::end() {
   if (parts_->thread) return parts_->thread->end();
   if (parts_->boards) return parts_->boards->truth();
   return std::nullopt;
+}
+
+std::optional<std::string> wrong_port(const RobotModel& robot, const std::string& port) {
+  const std::string place = place_of(port);
+  const bool simwire = place.starts_with(kUnix) || place.starts_with(kTcp);
+  if (!boards_of(robot).empty()) {
+    if (simwire || port == kSpidev) return std::nullopt;
+    return port + ": this robot hangs on SPI; its port is spidev, simwire:unix:PATH or " +
+           "simwire:tcp:HOST:PORT";
+  }
+  if (!simwire && !port.starts_with(kSimwire) && port != kSpidev) return std::nullopt;
+  return port + ": " + robot.id + " hangs on a serial port, not on SPI; its port is a device as " +
+         "/dev/ttyUSB0, or the pseudo-terminal that sinew sim " + robot.id + " shows";
+}
+
+std::string suspicion(const Driver& driver) {
+  const auto* boards = dynamic_cast<const AxisRegistersDriver*>(&driver);
+  if (boards == nullptr || !boards->statuses_are_blank()) return {};
+  return "the status of every board reads zero: looks like boards with the first firmware; "
+         "try --profile as-built";
 }
 
 bool may_be_simulated(const std::string& port) {

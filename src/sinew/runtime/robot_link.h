@@ -42,6 +42,14 @@ class RobotLink {
   std::unique_ptr<Parts> parts_;
 };
 
+/// A port of the wrong kind: boards on SPI have no serial port, and the others nothing else. A
+/// sentence that says what this robot's port is; nothing where the name may be right.
+std::optional<std::string> wrong_port(const RobotModel& robot, const std::string& port);
+
+/// Boards that say nothing of themselves, where the robot's file promises that they do: what to
+/// try, for people. Empty where all is as it should be.
+std::string suspicion(const Driver& driver);
+
 /// Whether a port's name is that of a pseudo-terminal or of simwire, whose other end may keep a
 /// time of its own.
 bool may_be_simulated(const std::string& port);

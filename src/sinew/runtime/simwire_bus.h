@@ -24,6 +24,7 @@ std::unique_ptr<io::SpiBus> bus_of(sim::SpiMachine& machine, const io::Clock& cl
 
 /// Answers one host's requests until it says BYE or goes away, or `stop()` says so, which is asked
 /// at least every 50 ms.
+/// @error  a reply could not be written
 io::IoResult<void> serve_simwire(sim::SimwireServer& server, io::Port& port, ByteLog& log,
                                  const std::function<bool()>& stop);
 

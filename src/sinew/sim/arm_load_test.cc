@@ -15,6 +15,10 @@ const SerialGeometry& geometry() {
   return std::get<SerialGeometry>(test::robot("robot-arm-2").geometry);
 }
 
+const Dynamics& dynamics() {
+  return test::robot("robot-arm-2").dynamics;
+}
+
 JointVector random_joints(test::Random& random) {
   JointVector q;
   for (const Joint& joint : test::robot("robot-arm-2").joints) {
@@ -30,7 +34,7 @@ double energy_at(ArmLoad& load, JointVector q, std::size_t joint, double offset)
 }
 
 TEST(ArmLoad, torque_is_the_slope_of_the_potential_energy) {
-  ArmLoad load(geometry(), robot_arm_2_dynamics());
+  ArmLoad load(geometry(), dynamics());
   test::for_random_cases(2'000, [&](test::Random& random) {
     load.set_payload(random.uniform(0, 3));
     const JointVector q = random_joints(random);
@@ -66,21 +70,20 @@ double kinetic_energy(const Dynamics& dynamics, double payload, const JointVecto
 }
 
 TEST(ArmLoad, inertia_is_twice_the_kinetic_energy_of_one_turning_joint) {
-  const Dynamics dynamics = robot_arm_2_dynamics();
-  ArmLoad load(geometry(), dynamics);
+  ArmLoad load(geometry(), dynamics());
   test::for_random_cases(500, [&](test::Random& random) {
     const double payload = random.uniform(0, 3);
     load.set_payload(payload);
     const JointVector q = random_joints(random);
     load.update(q);
     for (std::size_t i = 0; i < q.size(); ++i) {
-      EXPECT_NEAR(load.inertia(i), 2 * kinetic_energy(dynamics, payload, q, i), 1e-6);
+      EXPECT_NEAR(load.inertia(i), 2 * kinetic_energy(dynamics(), payload, q, i), 1e-6);
     }
   });
 }
 
 TEST(ArmLoad, joint_that_swings_freely_keeps_its_energy) {
-  ArmLoad load(geometry(), robot_arm_2_dynamics());
+  ArmLoad load(geometry(), dynamics());
   load.set_payload(1);
   test::for_random_cases(20, [&](test::Random& random) {
     const auto joint = static_cast<std::size_t>(random.integer(1, 5));
@@ -103,7 +106,7 @@ TEST(ArmLoad, joint_that_swings_freely_keeps_its_energy) {
 
 TEST(ArmLoad, stretched_arm_weighs_on_its_shoulder_by_hand_calculation) {
   // The upper arm lies along x, and so does the forearm; the elbow's 45 mm point up.
-  ArmLoad load(geometry(), robot_arm_2_dynamics());
+  ArmLoad load(geometry(), dynamics());
   const JointVector q{0, from_deg(-90), from_deg(90), 0, 0, 0};
   load.update(q);
   const kinematics::SerialChain chain(geometry());
@@ -126,43 +129,15 @@ TEST(ArmLoad, payload_pulls_at_its_lever) {
 
 TEST(ArmLoad, torque_table_of_the_author_is_reproduced) {
   constexpr std::array kTable{15.0, 45.0, 30.0, 15.0, 9.5, 4.8};  // Nm
-  const Dynamics dynamics = robot_arm_2_dynamics();
   for (std::size_t i = 0; i < kTable.size(); ++i) {
-    const StepperDrive& drive = dynamics.drives[i];
+    const StepperDrive& drive = dynamics().drives[i];
     EXPECT_NEAR(drive.holding_torque * drive.motors * drive.gear_ratio * drive.gear_efficiency,
                 kTable[i], 0.05);
   }
 }
 
-TEST(ArmLoad, numbers_without_a_file_are_those_of_the_robots_file) {
-  const Dynamics& file = test::robot("robot-arm-2").dynamics;
-  const Dynamics code = robot_arm_2_dynamics();
-  ASSERT_EQ(file.drives.size(), code.drives.size());
-  ASSERT_EQ(file.links.size(), code.links.size());
-  for (std::size_t i = 0; i < code.drives.size(); ++i) {
-    const StepperDrive& a = file.drives[i];
-    const StepperDrive& b = code.drives[i];
-    const std::array<std::array<double, 2>, 10> pairs{
-        {{a.holding_torque, b.holding_torque},
-         {a.motors * 1.0, b.motors * 1.0},
-         {a.gear_ratio, b.gear_ratio},
-         {a.gear_efficiency, b.gear_efficiency},
-         {a.steps_per_turn * a.microsteps, b.steps_per_turn * b.microsteps},
-         {a.rotor_inertia, b.rotor_inertia},
-         {a.corner_speed, b.corner_speed},
-         {a.coulomb_friction, b.coulomb_friction},
-         {a.viscous_friction, b.viscous_friction},
-         {a.backlash, b.backlash}}};
-    // The file rounds its frictions to five digits.
-    for (const auto& [ours, theirs] : pairs) EXPECT_NEAR(ours, theirs, 1e-4 * theirs) << i;
-    EXPECT_NEAR(file.links[i].mass, code.links[i].mass, 1e-9);
-    EXPECT_NEAR(norm(file.links[i].p_JC - code.links[i].p_JC), 0, 1e-9);
-    EXPECT_NEAR(norm(file.links[i].inertia - code.links[i].inertia), 0, 1e-9);
-  }
-}
-
 TEST(ArmLoad, never_allocates) {
-  ArmLoad load(geometry(), robot_arm_2_dynamics());
+  ArmLoad load(geometry(), dynamics());
   JointVector q{0.1, 0.2, 0.3, 0.4, 0.5, 0.6};
   const test::AllocationCounter allocations;
   for (int i = 0; i < 1000; ++i) {

@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sinew/sim/arm_load.h"
 #include "support/allocation_guard.h"
 #include "support/property.h"
+#include "support/robots.h"
 
 namespace sinew::sim {
 namespace {
@@ -18,7 +18,7 @@ constexpr double kShoulderInertia = 1.0;  // kg m^2
 
 AxisPlantSettings shoulder() {
   AxisPlantSettings settings;
-  settings.drive = robot_arm_2_dynamics().drives[1];
+  settings.drive = test::robot("robot-arm-2").dynamics.drives[1];
   settings.end_lower = from_deg(-95);
   settings.end_upper = from_deg(95);
   settings.switch_angle = from_deg(-91);

@@ -173,6 +173,17 @@ bool BigRobotArmMachine::at_rest() const {
   return true;
 }
 
+/// As physics has it. A motion that the firmware never ends, since a joint's speed is 0, is none.
+bool BigRobotArmMachine::turning() const {
+  const auto pulses = firmware_.rotor_steps(std::max(ticked_, now_));
+  return std::ranges::any_of(axes_, [&](const Axis& axis) {
+    const auto i = static_cast<std::size_t>(&axis - axes_.data());
+    const double coulomb = axis.drive.coulomb_friction * std::abs(axis.joint_per_motor);
+    return (supplied() && axis.pulses != pulses[i]) ||
+           !axis.motor.settled(axis.load(load_.torque(i)), coulomb);
+  });
+}
+
 void BigRobotArmMachine::tick(Instant end) {
   const bool on = supplied();
   if (on) firmware_.advance(end);
@@ -213,7 +224,7 @@ Truth BigRobotArmMachine::truth() const {
                             .at_end_stop = axis.contact_torque() != 0});
   }
   truth.supply_volts = volts_;
-  truth.moving = !at_rest();
+  truth.moving = turning();
   truth.tool = firmware_.gripper().position * kPi / 180;
   truth.bytes_lost = firmware_.bytes_lost();
   return truth;

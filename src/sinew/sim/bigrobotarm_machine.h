@@ -67,7 +67,8 @@ class BigRobotArmMachine : public ByteMachine {
                                                           const Dynamics& dynamics, ArmLoad& load,
                                                           std::uint64_t seed);
   void tick(Instant end);
-  bool at_rest() const;
+  bool at_rest() const;  ///< nothing will happen by itself
+  bool turning() const;
   void update_load();
   void restart(Duration deaf);
   bool supplied() const;

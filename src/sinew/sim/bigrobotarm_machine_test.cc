@@ -90,6 +90,24 @@ TEST(BigRobotArmMachine, arm_follows_its_counters_within_a_full_step_under_its_o
   }
 }
 
+TEST(BigRobotArmMachine, motion_that_never_ends_is_none_once_every_joint_stands) {
+  for (const auto profile : {BigRobotArmProfile::kDocument, BigRobotArmProfile::kAsBuilt}) {
+    Bench bench(profile);
+    bench.run(1s);
+    // The shoulder has somewhere to go and no speed: the firmware waits for it for ever.
+    bench.send(SetSpeeds{{100, 0, 100, 100, 100}});
+    bench.run(100ms);
+    bench.send(kDocumented);
+    bench.run(200ms);
+    EXPECT_TRUE(bench.machine.truth().moving);
+    bench.run(60s);
+    EXPECT_TRUE(bench.machine.firmware().moving());
+    const Truth truth = bench.machine.truth();
+    for (const JointTruth& joint : truth.joints) EXPECT_EQ(joint.qd, 0);
+    EXPECT_FALSE(truth.moving);
+  }
+}
+
 TEST(BigRobotArmMachine, block_makes_a_joint_slip_and_nobody_is_told) {
   Bench bench;
   bench.run(1s);

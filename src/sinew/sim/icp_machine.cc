@@ -176,7 +176,7 @@ Truth IcpMachine::truth() const {
     joint.stalled = motors_[i].slipped();
     joint.at_end_stop = joint.q <= legs_[i].lower() || joint.q >= legs_[i].upper();
     truth.joints.push_back(joint);
-    truth.moving = truth.moving || modules_[i].moving();
+    truth.moving = truth.moving || modules_[i].moving() || joint.qd != 0;
   }
   truth.supply_volts = volts_;
   truth.bytes_lost = controller_.bytes_lost();

@@ -11,6 +11,7 @@
 
 #include "sinew/core/instant.h"
 #include "sinew/core/split_mix.h"
+#include "sinew/model/robot_model.h"
 #include "sinew/sim/machine.h"
 
 /// Faults of a byte link and blows to a machine, from one line of text: docs/faults.md.
@@ -47,6 +48,8 @@ struct LinkFaultSpec {
 struct TimedDisturbance {
   Duration at{};
   Disturbance what;
+  /// kBlock and kLoad: the kind of joint that the text's unit belongs to.
+  std::optional<JointKind> unit = std::nullopt;
 };
 
 struct FaultPlan {
@@ -69,6 +72,10 @@ struct FaultPlan {
 /// number that is none, or outside the ranges of docs/faults.md; a text without an item.
 /// @error  one sentence that names the item and says what would be right.
 std::expected<FaultPlan, std::string> parse_faults(std::string_view text);
+
+/// Whether a plan's blows can befall this robot: its joints, their units, its magnets.
+/// @error  one sentence that names the item and says what would be right.
+std::expected<void, std::string> check_faults(const FaultPlan& plan, const RobotModel& robot);
 
 /// A text that parse_faults reads back as the same plan; empty, which it refuses, for a plan
 /// without faults.

@@ -210,25 +210,29 @@ class ItemReader {
     return {};
   }
 
-  Checked read_place(std::string_view text, double& out) const {
+  Checked read_place(std::string_view text, TimedDisturbance& timed) const {
     const auto angle = parse_quantity(text, Measure::kAngle, UnitRule::kRequired);
     const auto length = parse_quantity(text, Measure::kLength, UnitRule::kRequired);
     if (!angle && !length) {
       return wrong(quoted(text) + " is no place of a joint; write 20deg or 12mm");
     }
-    out = angle ? *angle : *length;
-    if (!(std::abs(out) <= (angle ? kAngleMax : kLengthMax))) {
+    timed.what.value = angle ? *angle : *length;
+    timed.unit = angle ? JointKind::kRevolute : JointKind::kPrismatic;
+    if (!(std::abs(timed.what.value) <= (angle ? kAngleMax : kLengthMax))) {
       return wrong("a place is -100..100 rad or -10..10 m");
     }
     return {};
   }
 
   /// A force of a leg is written in N and a torque in Nm; the number is the same.
-  Checked read_load(std::string_view text, double& out) const {
+  Checked read_load(std::string_view text, TimedDisturbance& timed) const {
     std::string torque(text);
-    if (torque.ends_with('N')) torque += 'm';
-    if (auto read = read_quantity(torque, Measure::kTorque, out); !read) return read;
-    if (!(std::abs(out) <= kLoadMax)) return wrong("a load is -1000..1000 Nm or N");
+    const bool force = torque.ends_with('N');
+    if (force) torque += 'm';
+    timed.unit = force ? JointKind::kPrismatic : JointKind::kRevolute;
+    double& load = timed.what.value;
+    if (auto read = read_quantity(torque, Measure::kTorque, load); !read) return read;
+    if (!(std::abs(load) <= kLoadMax)) return wrong("a load is -1000..1000 Nm or N");
     return {};
   }
 
@@ -237,14 +241,15 @@ class ItemReader {
     if (at == std::string_view::npos) return wrong("needs its moment, as @3s");
     TimedDisturbance timed;
     if (auto read = read_time(trimmed(rest_.substr(at + 1)), timed.at); !read) return read;
-    if (auto read = read_what(rest_.substr(0, at), timed.what); !read) return read;
+    if (auto read = read_what(rest_.substr(0, at), timed); !read) return read;
     plan_.disturbances.push_back(timed);
     const std::string_view thing = name_ == "unblock" ? "block" : name_;
     return once_at(std::string(thing) + std::to_string(timed.what.joint), timed.at);
   }
 
-  Checked read_what(std::string_view what, Disturbance& out) const {
+  Checked read_what(std::string_view what, TimedDisturbance& timed) const {
     using Kind = Disturbance::Kind;
+    Disturbance& out = timed.what;
     if (name_ == "supply") {
       out.kind = Kind::kSupply;
       if (auto read = read_quantity(trimmed(what), Measure::kVoltage, out.value); !read)
@@ -263,11 +268,11 @@ class ItemReader {
     const std::string_view value = trimmed(what);
     if (name_ == "block") {
       out.kind = Kind::kBlock;
-      return read_place(value, out.value);
+      return read_place(value, timed);
     }
     if (name_ == "load") {
       out.kind = Kind::kLoad;
-      return read_load(value, out.value);
+      return read_load(value, timed);
     }
     if (name_ == "magnet") {
       out.kind = Kind::kMagnet;
@@ -346,13 +351,14 @@ std::string text_of(const TimedDisturbance& timed) {
   const std::string joint = "J" + std::to_string(timed.what.joint + 1);
   const std::string value = exact(timed.what.value);
   const std::string at = "@" + text_of(timed.at);
+  const bool leg = timed.unit == JointKind::kPrismatic;
   switch (timed.what.kind) {
     case Kind::kSupply:
       return "supply=" + value + "V" + at;
     case Kind::kPayload:
       return "payload=" + value + "kg" + at;
     case Kind::kBlock:
-      return "block=" + joint + "@" + value + "rad" + at;
+      return "block=" + joint + "@" + value + (leg ? "m" : "rad") + at;
     case Kind::kUnblock:
       return "unblock=" + joint + at;
     case Kind::kMagnet:
@@ -360,7 +366,7 @@ std::string text_of(const TimedDisturbance& timed) {
     case Kind::kLoad:
       break;
   }
-  return "load=" + joint + ":" + value + "Nm" + at;
+  return "load=" + joint + ":" + value + (leg ? "N" : "Nm") + at;
 }
 
 }  // namespace

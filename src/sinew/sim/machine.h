@@ -27,7 +27,7 @@ struct JointTruth {
 struct Truth {
   FixedVector<JointTruth, kMaxJoints> joints;
   double supply_volts = 0;
-  bool moving = false;
+  bool moving = false;   ///< something turns, whatever the device believes
   double tool = 0;       ///< jaw width in m, nozzle or gripper angle in rad; 0 without a tool
   bool suction = false;  ///< pump on
   std::uint64_t bytes_lost = 0;  ///< bytes that the device had no room for

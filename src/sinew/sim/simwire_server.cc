@@ -58,23 +58,26 @@ void SimwireServer::restart() {
 Reply SimwireServer::answer(std::string_view line) {
   const auto request = decode_request(line);
   if (!request) return refused(request.error());
-  if (!advance_to(request->time_us)) return refused("the time ran back");
   const bool greets = std::holds_alternative<Hello>(request->action);
+  // A host that begins may have another clock; the machine's own goes on from where it stands.
+  if (greets) last_us_.reset();
+  if (const auto why = advance_to(request->time_us)) return refused(*why);
   if (!greeted_ && !greets) return refused("say HELLO 1 first");
   return std::visit([this](const auto& action) { return act(action); }, request->action);
 }
 
-bool SimwireServer::advance_to(std::uint64_t time_us) {
-  if (last_us_ && time_us < *last_us_) return false;
+std::optional<std::string_view> SimwireServer::advance_to(std::uint64_t time_us) {
+  if (last_us_ && time_us < *last_us_) return "the time ran back";
   const std::uint64_t passed = last_us_ ? time_us - *last_us_ : 0;
+  // A stamp that is wrong must not be what all later ones are measured by.
+  if (passed > kJumpUs) return "the time jumped by more than an hour; HELLO begins a new clock";
   last_us_ = time_us;
-  if (passed > kJumpUs) return true;
   // Time that a transfer took may already lie ahead of the host's stamp.
   const Instant stamp = stamp_ + std::chrono::microseconds(passed);
   stamp_ = stamp;
   now_ = std::max(now_, stamp);
   machine_.advance(now_);
-  return true;
+  return std::nullopt;
 }
 
 Reply SimwireServer::act(const Hello& hello) {

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string_view>
 
 #include "sinew/model/robot_model.h"
 #include "sinew/sim/machine.h"
@@ -13,8 +14,8 @@ namespace sinew::sim {
 
 /// Answers simwire requests from a machine of boards on SPI: pins, transfers, statistics. The
 /// machine's time is the host's: it advances to the stamp of each request, so that a host with a
-/// virtual clock can run it as fast or slow as it likes. Stamps that run back are refused, and a
-/// jump of more than an hour is taken for another clock, which starts there.
+/// virtual clock can run it as fast or slow as it likes. Stamps that run back, and those more than
+/// an hour ahead of the last good one, are refused and change nothing; HELLO begins a new clock.
 ///
 /// Pins that no board is wired to are ordinary outputs and inputs that nothing hangs on.
 class SimwireServer {
@@ -55,7 +56,8 @@ class SimwireServer {
   simwire::Reply act(const simwire::Fault& fault);
   simwire::Reply act(const simwire::Bye& bye);
 
-  bool advance_to(std::uint64_t time_us);
+  /// Why not; nothing where the time has passed.
+  std::optional<std::string_view> advance_to(std::uint64_t time_us);
   void update_selects();
   bool is_open(std::uint32_t bus, std::uint32_t device) const;
   simwire::Report report(bool dump) const;

@@ -94,10 +94,27 @@ TEST(SimwireServer, time_is_the_hosts_and_a_transfer_takes_its_own) {
   bench.ask("5000110 STAT");  // a host that does not count the transfer's time
   EXPECT_EQ(bench.server->now(), Instant{} + 132us);
   EXPECT_EQ(bench.ask("5000109 STAT"), "ERR the time ran back");
-  bench.ask("99000000000 STAT");
-  EXPECT_EQ(bench.server->now(), Instant{} + 132us) << "a jump is another clock";
+  bench.ask("99000000000 HELLO 1");
+  EXPECT_EQ(bench.server->now(), Instant{} + 132us) << "another clock begins";
   bench.ask("99000001000 STAT");
   EXPECT_EQ(bench.server->now(), Instant{} + 1110us);
+}
+
+TEST(SimwireServer, a_stamp_far_ahead_is_refused_and_locks_nobody_out) {
+  Bench bench;
+  bench.ask("1000 HELLO 1");
+  for (const char* stamp : {"1000000000000000000", "18446744073709551615", "3600001001"}) {
+    EXPECT_EQ(bench.ask(std::string(stamp) + " STAT"),
+              "ERR the time jumped by more than an hour; HELLO begins a new clock");
+    EXPECT_EQ(bench.server->now(), Instant{});
+  }
+  EXPECT_TRUE(bench.ask("1100 STAT").starts_with("STAT ")) << "measured by the last good one";
+  EXPECT_EQ(bench.server->now(), Instant{} + 100us);
+  EXPECT_TRUE(bench.ask("3600001100 STAT").starts_with("STAT ")) << "an hour is not too much";
+  EXPECT_EQ(bench.ask("18446744073709551615 HELLO 1"), "OK simwire 1 sinew");
+  EXPECT_EQ(bench.ask("5 STAT"), "ERR the time ran back");
+  EXPECT_EQ(bench.ask("5 HELLO 1"), "OK simwire 1 sinew") << "a wrong HELLO can be said again";
+  EXPECT_EQ(bench.server->now(), Instant{} + 100us + 1h);
 }
 
 TEST(SimwireServer, nothing_is_done_that_is_not_in_order) {

@@ -14,27 +14,6 @@ constexpr double kEndMargin = from_deg(5);  // ASSUMED: from limit or switch to 
 constexpr double kLoadResolution = from_deg(0.1);  // torque changes by 0.2 % of its maximum
 constexpr double kMovingSpeed = 1e-4;              // rad/s
 
-const Dynamics& fallback_dynamics() {
-  static const Dynamics dynamics = robot_arm_2_dynamics();
-  return dynamics;
-}
-
-const Dynamics& dynamics_of(const RobotModel& model) {
-  return model.dynamics.drives.empty() ? fallback_dynamics() : model.dynamics;
-}
-
-AxisPlantSettings plant_settings(const RobotModel& model, std::size_t joint,
-                                 const AxisSettings& axis) {
-  AxisPlantSettings settings;
-  settings.drive = dynamics_of(model).drives[joint];
-  settings.switch_angle = axis.homing.end_stop_angle;
-  settings.switch_direction = axis.homing.direction;
-  settings.end_lower = std::min(axis.lower, axis.homing.end_stop_angle) - kEndMargin;
-  settings.end_upper = std::max(axis.upper, axis.homing.end_stop_angle) + kEndMargin;
-  settings.joint_as5600 = axis.encoders.joint == JointEncoder::kAs5600;
-  return settings;
-}
-
 template <class Settings>
 Settings device_settings(const RobotModel& model) {
   if (const auto* settings = std::get_if<Settings>(&model.device.settings)) return *settings;
@@ -45,6 +24,18 @@ Settings device_settings(const RobotModel& model) {
 
 }  // namespace
 
+AxisPlantSettings axis_plant_settings(const RobotModel& model, std::size_t joint,
+                                      const AxisSettings& axis) {
+  AxisPlantSettings settings;
+  settings.drive = model.dynamics.drives[joint];
+  settings.switch_angle = axis.homing.end_stop_angle;
+  settings.switch_direction = axis.homing.direction;
+  settings.end_lower = std::min(axis.lower, axis.homing.end_stop_angle) - kEndMargin;
+  settings.end_upper = std::max(axis.upper, axis.homing.end_stop_angle) + kEndMargin;
+  settings.joint_as5600 = axis.encoders.joint == JointEncoder::kAs5600;
+  return settings;
+}
+
 /// One axis: physics, controller, and the wire's end on it.
 class StepperArm::Board : public SpiSlave {
  public:
@@ -53,7 +44,7 @@ class StepperArm::Board : public SpiSlave {
       : axis_(axis_settings(model, joint)),
         joint_(joint),
         joint_limits_(model.joints[joint]),
-        plant_(plant_settings(model, joint, axis_), q, seed),
+        plant_(axis_plant_settings(model, joint, axis_), q, seed),
         controller_(axis_) {
     if (settings.wire == AxisWire::kLink) {
       start_node();
@@ -116,10 +107,10 @@ class StepperArm::Board : public SpiSlave {
 };
 
 StepperArm::StepperArm(const RobotModel& model, const Settings& settings, Instant boot)
-    : load_(std::get<SerialGeometry>(model.geometry), dynamics_of(model)),
+    : load_(std::get<SerialGeometry>(model.geometry), model.dynamics),
       plugged_in_(settings.boards),
       next_tick_(boot + kTick) {
-  SINEW_ASSERT(dynamics_of(model).drives.size() == model.joints.size());
+  SINEW_ASSERT(model.dynamics.drives.size() == model.joints.size());
   SplitMix64 random(settings.seed);
   const auto bus_of = [&](std::size_t joint) -> std::uint8_t {
     const auto registers = device_settings<AxisRegistersDevice>(model).boards;

@@ -24,6 +24,10 @@ enum class AxisWire : std::uint8_t {
   kLink,              ///< the axis link
 };
 
+/// What an axis of such an arm is built of.
+AxisPlantSettings axis_plant_settings(const RobotModel& model, std::size_t joint,
+                                      const AxisSettings& axis);
+
 /// robot-arm-2 as a machine: per joint a plant (motor, gear, joint, encoders), an axis controller
 /// at 1 kHz and a board on an SPI bus; the arm's weight and inertia join the plants. It starts as a
 /// real one does: without current, at a pose that nobody knows, so it must be homed.
@@ -42,9 +46,8 @@ class StepperArm : public SpiMachine {
     std::size_t boards = kMaxJoints;  ///< plugged in, from the first axis on; the rest are silent
   };
 
-  /// @param model  a serial arm. Where its device does not belong to the wire, defaults serve;
-  /// where
-  ///               it has no dynamics, those of robot_arm_2_dynamics() (six joints then).
+  /// @param model  a serial arm with a drive per joint. Where its device does not belong to the
+  ///               wire, defaults serve.
   StepperArm(const RobotModel& model, const Settings& settings, Instant boot);
   ~StepperArm() override;
 

@@ -34,6 +34,28 @@ JointVector near_home(double degrees = 4) {
   return q;
 }
 
+TEST(StepperArm, axes_carry_the_joint_encoders_of_the_robots_file) {
+  const RobotModel& robot = model();
+  // The author's list: axes 1 to 3 incremental, 4 to 6 absolute.
+  for (std::size_t i = 0; i < kAxes; ++i) {
+    const auto due = i < 3 ? JointEncoder::kQuadrature : JointEncoder::kAs5600;
+    EXPECT_EQ(robot.dynamics.drives[i].joint_encoder, due) << i;
+  }
+  // A magnet that falls off is the motor's on the first three, the joint's own on the others.
+  StepperArm arm(robot, {AxisWire::kLink, SelectKind::kHard, 1, near_home()}, Instant{});
+  for (std::size_t i = 0; i < kAxes; ++i) {
+    arm.disturb({Disturbance::Kind::kMagnet, static_cast<std::int8_t>(i), 0});
+  }
+  arm.advance(Instant{} + milliseconds(100));
+  for (std::size_t i = 0; i < kAxes; ++i) {
+    const AxisInputs inputs = arm.plant(i).inputs();
+    EXPECT_EQ(inputs.motor_encoder_ok, i >= 3) << i;
+    EXPECT_EQ(inputs.joint_encoder_ok, i < 3) << i;
+    const AxisFault fault = i < 3 ? AxisFault::kMotorEncoder : AxisFault::kJointEncoder;
+    EXPECT_EQ(arm.status(i).fault, fault) << i;
+  }
+}
+
 /// A host on the axis link that knows just enough to talk: one frame to each axis every 10 ms.
 class Cell {
  public:

@@ -1,0 +1,12 @@
+#pragma once
+
+#include "sinew/config/table_reader.h"
+#include "sinew/model/robot_model.h"
+
+namespace sinew {
+
+/// Reads [collision]: the shapes of the robot's body, its table, and which links are not held
+/// against each other. May be left out.
+void read_collision(TableReader& root, RobotModel& model);
+
+}  // namespace sinew

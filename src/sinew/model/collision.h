@@ -1,0 +1,56 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <variant>
+#include <vector>
+
+#include "sinew/core/pose.h"
+
+namespace sinew {
+
+/// All points within `radius` of the straight line between two points; a ball where they are one.
+struct Capsule {
+  Vec3 p_LA;          ///< m, in the link's frame L
+  Vec3 p_LB;          ///< m
+  double radius = 0;  ///< m, > 0
+};
+
+/// A box, sharp edges included.
+struct CollisionBox {
+  Pose<frame::Link, frame::Box> X_LX;  ///< its middle, along its edges
+  Vec3 half;                           ///< half of each edge, m, > 0
+};
+
+/// The capsule from a leg's base anchor to its platform anchor, as long as the leg is now.
+struct LegCapsule {
+  double radius = 0;  ///< m, > 0
+};
+
+/// A piece of a robot's body. Links are counted as model/collision_links.h says.
+struct CollisionShape {
+  std::uint8_t link = 0;
+  std::variant<Capsule, CollisionBox, LegCapsule> form;  ///< LegCapsule on legs, and only there
+};
+
+/// Stands for the table where a link is named.
+inline constexpr std::uint8_t kTableLink = 255;
+
+/// Two links whose shapes are not held against each other.
+struct LinkPair {
+  std::uint8_t first = 0;
+  std::uint8_t second = 0;
+};
+
+inline constexpr std::size_t kCollisionShapesMax = 24;
+
+/// What a robot must not hit itself and its table with; empty where nobody said.
+struct Collision {
+  std::vector<CollisionShape> shapes;  ///< at most kCollisionShapesMax
+  std::optional<double> table_height;  ///< m, z in base B: everything below is solid
+  std::vector<LinkPair> ignored;       ///< beside links that are joined
+  double margin = 0;                   ///< m, how near things may come
+};
+
+}  // namespace sinew

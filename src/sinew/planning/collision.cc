@@ -1,0 +1,193 @@
+#include "sinew/planning/collision.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sinew/core/assert.h"
+#include "sinew/model/collision_links.h"
+
+namespace sinew::planning {
+namespace {
+
+using kinematics::PoseBL;
+using kinematics::PoseBP;
+
+/// The shapes as this model places them: those of a chain's tool stand on its last link.
+std::vector<CollisionShape> placed_shapes(const RobotModel& model) {
+  std::vector<CollisionShape> shapes = model.collision.shapes;
+  SINEW_ASSERT(shapes.size() <= kCollisionShapesMax);
+  const auto* serial = std::get_if<SerialGeometry>(&model.geometry);
+  if (serial == nullptr) return shapes;
+  const auto X_LT = relabel<frame::Link, frame::Link>(serial->X_FT);
+  for (CollisionShape& shape : shapes) {
+    if (shape.link <= model.joints.size()) continue;
+    shape.link = static_cast<std::uint8_t>(model.joints.size());
+    if (auto* capsule = std::get_if<Capsule>(&shape.form)) {
+      capsule->p_LA = X_LT * capsule->p_LA;
+      capsule->p_LB = X_LT * capsule->p_LB;
+    } else if (auto* box = std::get_if<CollisionBox>(&shape.form)) {
+      box->X_LX = X_LT * box->X_LX;
+    }
+  }
+  return shapes;
+}
+
+double radius_of(const CollisionShape& shape) {
+  if (const auto* capsule = std::get_if<Capsule>(&shape.form)) return capsule->radius;
+  if (const auto* leg = std::get_if<LegCapsule>(&shape.form)) return leg->radius;
+  return 0;
+}
+
+bool is_box(const CollisionShape& shape) {
+  return std::holds_alternative<CollisionBox>(shape.form);
+}
+
+bool excused(const Collision& collision, std::size_t first, std::size_t second) {
+  return std::ranges::any_of(collision.ignored, [&](const LinkPair& pair) {
+    return (pair.first == first && pair.second == second) ||
+           (pair.first == second && pair.second == first);
+  });
+}
+
+std::variant<kinematics::SerialChain, PalletizerGeometry, kinematics::Hexapod> kinematics_of(
+    const Geometry& geometry) {
+  if (const auto* serial = std::get_if<SerialGeometry>(&geometry)) {
+    return kinematics::SerialChain(*serial);
+  }
+  if (const auto* palletizer = std::get_if<PalletizerGeometry>(&geometry)) return *palletizer;
+  return kinematics::Hexapod(std::get<HexapodGeometry>(geometry));
+}
+
+}  // namespace
+
+CollisionModel::CollisionModel(const RobotModel& model)
+    : model_(&model), robot_(kinematics_of(model.geometry)), shapes_(placed_shapes(model)) {
+  for (const CollisionShape& shape : shapes_) radii_.push_back(radius_of(shape));
+  const std::vector<CollisionShape>& named = model.collision.shapes;
+  const auto checked = [&](std::size_t first, std::size_t second) {
+    return !links_joined(model, first, second) && !excused(model.collision, first, second);
+  };
+  for (std::size_t i = 0; i < named.size(); ++i) {
+    for (std::size_t j = i + 1; j < named.size(); ++j) {
+      if (!checked(named[i].link, named[j].link)) continue;
+      pairs_.push_back({static_cast<std::uint8_t>(i), static_cast<std::uint8_t>(j),
+                        joint_reach(model, shapes_[i], &shapes_[j])});
+    }
+    if (!model.collision.table_height || !checked(named[i].link, kTableLink)) continue;
+    pairs_.push_back(
+        {static_cast<std::uint8_t>(i), kTableShape, joint_reach(model, shapes_[i], nullptr)});
+  }
+}
+
+PoseBP CollisionModel::start(const PoseBP* X_near) const {
+  if (X_near != nullptr) return *X_near;
+  const auto* geometry = std::get_if<HexapodGeometry>(&model_->geometry);
+  return geometry != nullptr ? geometry->X_BP_home : PoseBP{};
+}
+
+void CollisionModel::place_shapes(Scene& scene) const {
+  for (std::size_t i = 0; i < shapes_.size(); ++i) {
+    const PoseBL& X_BL = scene.X_BL[shapes_[i].link];
+    Placed& placed = scene.shapes[i];
+    if (const auto* capsule = std::get_if<Capsule>(&shapes_[i].form)) {
+      placed.a = X_BL * capsule->p_LA;
+      placed.b = X_BL * capsule->p_LB;
+    } else if (const auto* box = std::get_if<CollisionBox>(&shapes_[i].form)) {
+      placed.centre = X_BL * box->X_LX.p;
+      placed.ball = norm(box->half);
+      continue;
+    }
+    placed.centre = 0.5 * (placed.a + placed.b);
+    placed.ball = 0.5 * norm(placed.b - placed.a) + radii_[i];
+  }
+}
+
+void CollisionModel::place_platform(const PoseBP& X_BP, Scene& scene) const {
+  const auto& geometry = std::get<HexapodGeometry>(model_->geometry);
+  for (std::size_t i = 0; i < shapes_.size(); ++i) {
+    if (!std::holds_alternative<LegCapsule>(shapes_[i].form)) continue;
+    const std::size_t leg = shapes_[i].link - 1U;
+    scene.shapes[i].a = geometry.p_BA[leg];
+    scene.shapes[i].b = X_BP * geometry.p_PA[leg];
+  }
+  scene.X_BL[kLegs + 1] = relabel<frame::Base, frame::Link>(X_BP);
+  place_shapes(scene);
+}
+
+bool CollisionModel::place(std::span<const double> q, PoseBP& X_near, Scene& scene) const {
+  SINEW_ASSERT(q.size() == model_->joints.size());
+  if (const auto* chain = std::get_if<kinematics::SerialChain>(&robot_)) {
+    chain->frames(q, {scene.X_BL.data() + 1, q.size()});
+    place_shapes(scene);
+    return true;
+  }
+  if (const auto* geometry = std::get_if<PalletizerGeometry>(&robot_)) {
+    std::ranges::copy(kinematics::palletizer_links(*geometry, q), scene.X_BL.begin() + 1);
+    place_shapes(scene);
+    return true;
+  }
+  const auto found = std::get<kinematics::Hexapod>(robot_).forward(JointVector(q), X_near);
+  if (!found) return false;
+  X_near = found->X_BP;
+  place_platform(X_near, scene);
+  return true;
+}
+
+PlacedCapsule CollisionModel::capsule(const Scene& scene, std::size_t shape) const {
+  return {scene.shapes[shape].a, scene.shapes[shape].b, radii_[shape]};
+}
+
+PlacedBox CollisionModel::box(const Scene& scene, std::size_t shape) const {
+  const auto& form = std::get<CollisionBox>(shapes_[shape].form);
+  return {scene.X_BL[shapes_[shape].link] * form.X_LX, form.half};
+}
+
+double CollisionModel::distance(const Scene& scene, const Pair& pair) const {
+  const std::size_t i = pair.first, j = pair.second;
+  const bool first_box = is_box(shapes_[i]);
+  if (pair.second == kTableShape) {
+    const double height = *model_->collision.table_height;
+    return first_box ? distance_above(box(scene, i), height)
+                     : distance_above(capsule(scene, i), height);
+  }
+  const bool second_box = is_box(shapes_[j]);
+  if (first_box && second_box) return planning::distance(box(scene, i), box(scene, j));
+  if (first_box) return planning::distance(capsule(scene, j), box(scene, i));
+  if (second_box) return planning::distance(capsule(scene, i), box(scene, j));
+  return planning::distance(capsule(scene, i), capsule(scene, j));
+}
+
+double CollisionModel::ball_distance(const Scene& scene, const Pair& pair) const {
+  const Placed& first = scene.shapes[pair.first];
+  if (pair.second == kTableShape) {
+    return first.centre.z - first.ball - *model_->collision.table_height;
+  }
+  const Placed& second = scene.shapes[pair.second];
+  return norm(first.centre - second.centre) - first.ball - second.ball;
+}
+
+Clearance CollisionModel::nearest(const Scene& scene) const {
+  Clearance nearest;
+  for (const Pair& pair : pairs_) {
+    if (ball_distance(scene, pair) >= nearest.distance) continue;
+    const double apart = distance(scene, pair);
+    if (apart < nearest.distance) nearest = {apart, pair.first, pair.second};
+  }
+  return nearest;
+}
+
+Clearance CollisionModel::distance(std::span<const double> q, const PoseBP* X_near) const {
+  Scene scene;
+  PoseBP X_BP = start(X_near);
+  if (!place(q, X_BP, scene)) return {-std::numeric_limits<double>::infinity()};
+  return nearest(scene);
+}
+
+Clearance CollisionModel::distance(const PoseBP& X_BP) const {
+  SINEW_ASSERT(std::holds_alternative<HexapodGeometry>(model_->geometry));
+  Scene scene;
+  place_platform(X_BP, scene);
+  return nearest(scene);
+}
+
+}  // namespace sinew::planning

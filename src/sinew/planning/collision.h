@@ -1,0 +1,138 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <span>
+#include <variant>
+#include <vector>
+
+#include "sinew/kinematics/hexapod.h"
+#include "sinew/kinematics/palletizer.h"
+#include "sinew/kinematics/serial_chain.h"
+#include "sinew/model/robot_model.h"
+#include "sinew/planning/collision_reach.h"
+#include "sinew/planning/joint_path.h"
+#include "sinew/planning/shape_distance.h"
+
+namespace sinew::planning {
+
+/// Stands for the table where a shape is named.
+inline constexpr std::uint8_t kTableShape = 255;
+
+/// The two bodies that are nearest to each other.
+struct Clearance {
+  /// m; 0 they touch, negative they overlap (by how far one has to be shifted). Infinite where
+  /// nothing is to be checked; minus infinity where a hexapod's legs have no pose.
+  double distance = std::numeric_limits<double>::infinity();
+  std::uint8_t first = 0;   ///< place in RobotModel::collision.shapes
+  std::uint8_t second = 0;  ///< likewise, or kTableShape
+};
+
+/// A place of a path where two bodies come too near.
+struct PathContact {
+  double s = 0;
+  Clearance nearest;
+};
+
+/// Whether a robot hits itself or its table: every two shapes whose links are not joined and that
+/// its file does not excuse, and every moving shape against the table. docs/collision.md.
+///
+/// @param q       one per joint: rad, or a leg's length in m.
+/// @param margin  m, how near things may come; its file's margin() or another one.
+/// @param X_near  a hexapod's last known pose, its home where absent; others do not look at it.
+/// @rt            all functions but the constructor: no allocation, no lock.
+class CollisionModel {
+ public:
+  /// @param model  outlives this.
+  explicit CollisionModel(const RobotModel& model);
+
+  std::size_t pairs() const { return pairs_.size(); }
+  double margin() const { return model_->collision.margin; }
+
+  Clearance distance(std::span<const double> q, const kinematics::PoseBP* X_near = nullptr) const;
+  /// The same where a hexapod's pose is known already.
+  Clearance distance(const kinematics::PoseBP& X_BP) const;
+
+  /// Whether every distance is at least `margin`.
+  bool clear(std::span<const double> q, double margin) const {
+    return distance(q).distance >= margin;
+  }
+
+  /// The first place between `begin` and `end` (clamped to the path) where two bodies are nearer
+  /// than `margin`; nothing where there is none. None is missed, however thin: from the distances
+  /// at one place follows how far the joints may turn before any pair can have met. What comes
+  /// within kResolution of the margin counts as too near.
+  ///
+  /// A hexapod's path must keep its condition_max, as planned ones do: where it is found broken, or
+  /// the legs have no pose, a contact with a distance of minus infinity is told.
+  std::optional<PathContact> check_path(const JointPath& path, double margin, double begin = 0,
+                                        double end = std::numeric_limits<double>::infinity(),
+                                        const kinematics::PoseBP* X_near = nullptr) const;
+
+  /// For how long the joints can go on at qd (rad/s, m/s; straight in joint space) until two
+  /// bodies are as near as `margin`, s; at most `horizon`. Bodies that are nearer already count
+  /// only while they come nearer still: moving apart is always allowed.
+  double free_time(std::span<const double> q, std::span<const double> qd, double horizon,
+                   double margin, const kinematics::PoseBP* X_near = nullptr) const;
+
+  /// The share of qd, 0 to 1, at which a jog can still stop before the margin with the joints' own
+  /// acceleration and jerk limits: 1 far away and whenever bodies move apart, falling to 0 without
+  /// a jump on the way there.
+  ///
+  /// Holds for a jog whose speed and acceleration together never promise more than the share
+  /// (v + a^2 / 2j <= share * qd), asked for in every cycle.
+  double speed_share(std::span<const double> q, std::span<const double> qd, double margin,
+                     const kinematics::PoseBP* X_near = nullptr) const;
+
+  /// m; how near to the margin counts as at the margin where a motion is followed.
+  static constexpr double kResolution = 1e-4;
+
+ private:
+  struct Pair {
+    std::uint8_t first = 0;
+    std::uint8_t second = 0;
+    JointReach reach{};
+  };
+  /// A shape at one q: a capsule's ends, and the ball around it.
+  struct Placed {
+    Vec3 a;
+    Vec3 b;
+    Vec3 centre;
+    double ball = 0;
+  };
+  struct Scene {
+    std::array<kinematics::PoseBL, kMaxJoints + 2> X_BL;  ///< by link
+    std::array<Placed, kCollisionShapesMax> shapes;
+  };
+  static constexpr std::size_t kPairsMax = kCollisionShapesMax * (kCollisionShapesMax + 1) / 2;
+  /// How far (m) each pair may still come nearer.
+  using Budgets = std::array<double, kPairsMax>;
+  using Excused = std::array<bool, kPairsMax>;
+
+  bool place(std::span<const double> q, kinematics::PoseBP& X_near, Scene& scene) const;
+  void place_shapes(Scene& scene) const;
+  void place_platform(const kinematics::PoseBP& X_BP, Scene& scene) const;
+  PlacedCapsule capsule(const Scene& scene, std::size_t shape) const;
+  PlacedBox box(const Scene& scene, std::size_t shape) const;
+  double distance(const Scene& scene, const Pair& pair) const;
+  /// A bound of it that costs next to nothing.
+  double ball_distance(const Scene& scene, const Pair& pair) const;
+  Clearance nearest(const Scene& scene) const;
+
+  Clearance measure(const Scene& scene, double margin, const Excused* excused,
+                    Budgets& budgets) const;
+  double spend(const JointArray& speeds, double way, Budgets& budgets) const;
+  bool bound_holds(const kinematics::PoseBP& X_BP) const;
+  kinematics::PoseBP start(const kinematics::PoseBP* X_near) const;
+
+  const RobotModel* model_;
+  std::variant<kinematics::SerialChain, PalletizerGeometry, kinematics::Hexapod> robot_;
+  std::vector<CollisionShape> shapes_;  ///< the tool's of a chain moved to its last link
+  std::vector<double> radii_;           ///< of capsules; 0 for boxes
+  std::vector<Pair> pairs_;
+};
+
+}  // namespace sinew::planning

@@ -1,0 +1,187 @@
+#include "sinew/planning/move_check.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace sinew::planning {
+namespace {
+
+/// Coefficients of one joint's polynomial in Bernstein's basis: it stays within their hull.
+using Hull = std::array<double, 6>;
+
+/// Divisions of one piece until what is left of a hull cannot hide anything: 2^-16 of a piece.
+constexpr int kDepthMax = 16;
+
+/// A hexapod is looked at so often, m of the path.
+constexpr double kLook = 2e-3;
+
+/// One piece by its ends, which say all of a polynomial of degree 5.
+struct PieceEnds {
+  double h = 0;
+  PathPoint from;
+  PathPoint to;
+
+  PieceEnds(const JointPath& path, std::size_t i) : h(path.begin(i + 1) - path.begin(i)) {
+    path.sample_piece(i, 0, from);
+    path.sample_piece(i, h, to);
+  }
+
+  /// @param sign  -1: of the joint mirrored
+  Hull hull(std::size_t j, double sign) const {
+    const double step = h / 5;
+    const double bend = h * h / 20;
+    return {sign * from.q[j],
+            sign * (from.q[j] + step * from.dq[j]),
+            sign * (from.q[j] + 2 * step * from.dq[j] + bend * from.ddq[j]),
+            sign * (to.q[j] - 2 * step * to.dq[j] + bend * to.ddq[j]),
+            sign * (to.q[j] - step * to.dq[j]),
+            sign * to.q[j]};
+  }
+};
+
+double top(const Hull& hull) {
+  return *std::max_element(hull.begin(), hull.end());
+}
+
+/// De Casteljau at the middle.
+void halve(const Hull& whole, Hull& left, Hull& right) {
+  Hull row = whole;
+  for (std::size_t k = 0; k < row.size(); ++k) {
+    left[k] = row[0];
+    right[row.size() - 1 - k] = row[row.size() - 1 - k];
+    for (std::size_t i = 0; i + 1 < row.size() - k; ++i) row[i] = (row[i] + row[i + 1]) / 2;
+  }
+}
+
+/// The first u in [0, 1] at which the polynomial is above `limit`.
+std::optional<double> first_above(const Hull& hull, double limit, int depth = 0) {
+  if (top(hull) <= limit) return std::nullopt;
+  if (hull.front() > limit) return 0.0;
+  if (depth == kDepthMax) {
+    if (hull.back() > limit) return 1.0;
+    return std::nullopt;
+  }
+  Hull left;
+  Hull right;
+  halve(hull, left, right);
+  if (const auto u = first_above(left, limit, depth + 1)) return *u / 2;
+  if (const auto u = first_above(right, limit, depth + 1)) return 0.5 + *u / 2;
+  return std::nullopt;
+}
+
+/// The polynomial's greatest value, if it is above `least`.
+double greatest(const Hull& hull, double least, int depth = 0) {
+  const double ends = std::max({hull.front(), hull.back(), least});
+  if (depth == kDepthMax || top(hull) <= ends) return ends;
+  Hull left;
+  Hull right;
+  halve(hull, left, right);
+  return greatest(right, greatest(left, ends, depth + 1), depth + 1);
+}
+
+/// The farthest that joint j goes to the side of `sign` on these pieces.
+double farthest(const JointPath& path, PieceRange pieces, std::size_t j, double sign) {
+  double most = -std::numeric_limits<double>::infinity();
+  for (std::size_t i = pieces.first; i < pieces.last; ++i) {
+    most = greatest(PieceEnds(path, i).hull(j, sign), most);
+  }
+  return sign * most;
+}
+
+}  // namespace
+
+std::optional<PathFault> first_limit_break(const JointPath& path, PieceRange pieces,
+                                           std::span<const Joint> joints) {
+  for (std::size_t i = pieces.first; i < pieces.last; ++i) {
+    const PieceEnds ends(path, i);
+    std::optional<PathFault> first;
+    for (std::size_t j = 0; j < joints.size(); ++j) {
+      const Joint& joint = joints[j];
+      for (const double sign : {1.0, -1.0}) {
+        const double limit = sign > 0 ? joint.upper : joint.lower;
+        const auto out = first_above(ends.hull(j, sign), sign * limit + kJointLimitTolerance);
+        if (!out) continue;
+        const double s = path.begin(i) + ends.h * *out;
+        if (first && first->s <= s) continue;
+        const bool leg = joint.kind == JointKind::kPrismatic;
+        first = PathFault{
+            {leg ? ErrorCode::kLegLength : ErrorCode::kJointLimit, static_cast<std::int8_t>(j),
+             farthest(path, {i, pieces.last}, j, sign), limit},
+            s};
+      }
+    }
+    if (first) return first;
+  }
+  return std::nullopt;
+}
+
+std::optional<PathFault> first_hexapod_refusal(const ToolSpace& space, const JointPath& path,
+                                               PieceRange pieces, PoseBT& X_first) {
+  const kinematics::Hexapod& hexapod = *space.hexapod();
+  const auto look = [&](double s, PoseBT& X_near) -> std::optional<Error> {
+    PathPoint at;
+    path.sample(s, at);
+    const auto X_BT = space.forward(std::span<const double>(at.q.data(), space.size()), X_near);
+    if (!X_BT) return X_BT.error();
+    X_near = *X_BT;
+    const auto wrong = hexapod.check(relabel<frame::Base, frame::Platform>(*X_BT), space.joints());
+    if (wrong.empty()) return std::nullopt;
+    return wrong[0];
+  };
+  const double begin = path.begin(pieces.first);
+  const double length = path.begin(pieces.last) - begin;
+  const auto looks = static_cast<std::size_t>(std::ceil(std::max(1.0, length / kLook)));
+  double good = begin;
+  for (std::size_t k = 0; k <= looks; ++k) {
+    double s = begin + length * static_cast<double>(k) / static_cast<double>(looks);
+    PoseBT X_near = X_first;
+    auto wrong = look(s, X_near);
+    if (!wrong) {
+      good = s;
+      X_first = X_near;
+      continue;
+    }
+    // Narrowed down to a tenth of a micrometre.
+    while (k > 0 && s - good > 1e-7) {
+      const double middle = (good + s) / 2;
+      X_near = X_first;
+      if (const auto nearer = look(middle, X_near)) {
+        s = middle;
+        wrong = nearer;
+      } else {
+        good = middle;
+        X_first = X_near;
+      }
+    }
+    return PathFault{*wrong, s};
+  }
+  return std::nullopt;
+}
+
+SlowestPlace slowest_place(const JointPath& path, PieceRange pieces, std::span<const Joint> joints,
+                           double joint_share) {
+  SlowestPlace slowest{path.begin(pieces.first), std::numeric_limits<double>::infinity(), 0};
+  for (std::size_t i = pieces.first; i < pieces.last; ++i) {
+    const double h = path.begin(i + 1) - path.begin(i);
+    for (const double share : {0.0, 0.5, 1.0}) {
+      PathPoint at;
+      path.sample_piece(i, share * h, at);
+      // Of its square, which needs one root in the end; a joint that stays allows anything.
+      double square = std::numeric_limits<double>::infinity();
+      for (std::size_t j = 0; j < joints.size(); ++j) {
+        const double rate = joint_share * joints[j].velocity_max / at.dq[j];
+        square = std::min({square, rate * rate, joints[j].acceleration_max / std::abs(at.ddq[j])});
+      }
+      const double rate = std::sqrt(square);
+      slowest.rate_elsewhere = std::max(slowest.rate_elsewhere, rate);
+      if (rate >= slowest.rate) continue;
+      slowest.rate = rate;
+      slowest.s = path.begin(i) + share * h;
+    }
+  }
+  return slowest;
+}
+
+}  // namespace sinew::planning

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <span>
+
+#include "sinew/planning/joint_path.h"
+#include "sinew/planning/tool_space.h"
+
+namespace sinew::planning {
+
+/// A place of a path where something is wrong.
+struct PathFault {
+  Error error;
+  double s = 0;  ///< of the path
+};
+
+/// Pieces [first, last) of a path.
+struct PieceRange {
+  std::size_t first = 0;
+  std::size_t last = 0;
+};
+
+/// The first place where a joint leaves its limits, inside the polynomials too: their Bernstein
+/// hulls bound them, and only where a hull sticks out it is divided. @rt
+/// @return kJointLimit (kLegLength for a leg) with the joint and the farthest that it would go.
+std::optional<PathFault> first_limit_break(const JointPath& path, PieceRange pieces,
+                                           std::span<const Joint> joints);
+
+/// The first place that Hexapod::check() refuses, looked at every 2 mm (or 0.02 rad) of the
+/// platform's way and then narrowed down; an angle goes no farther than 1e-5 rad beyond its limit
+/// between two good places. @rt
+/// @param X_first  pose at the first piece's begin; on return, at the last good place.
+std::optional<PathFault> first_hexapod_refusal(const ToolSpace& space, const JointPath& path,
+                                               PieceRange pieces, PoseBT& X_first);
+
+/// Where the joints let the tool go slowest.
+struct SlowestPlace {
+  double s = 0;
+  double rate = 0;            ///< ds/dt, m/s
+  double rate_elsewhere = 0;  ///< the greatest that they allow anywhere on these pieces
+};
+
+/// By the joints' velocities (times `joint_share`) and what q'' asks of their accelerations, looked
+/// at in three places of each piece. @rt
+SlowestPlace slowest_place(const JointPath& path, PieceRange pieces, std::span<const Joint> joints,
+                           double joint_share);
+
+}  // namespace sinew::planning

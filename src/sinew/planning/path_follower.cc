@@ -1,0 +1,91 @@
+#include "sinew/planning/path_follower.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "sinew/core/assert.h"
+
+namespace sinew::planning {
+
+PathFollower::PathFollower(std::size_t cells_max)
+    : timing_(cells_max), law_(timing_.phases_max()), next_(timing_.phases_max()) {}
+
+std::optional<Error> PathFollower::start(const PlannedPath& path,
+                                         std::span<const motion::AxisLimits> limits, double feed) {
+  path_ = nullptr;
+  if (const auto error = timing_.prepare(path, limits, kFeedMax)) return error;
+  if (!std::isfinite(feed)) return Error{ErrorCode::kMotionInput, -1, feed, kFeedMax};
+  path_ = &path;
+  state_ = {};
+  law_.clear();
+  t_ = 0;
+  piece_ = 0;
+  paused_ = stopped_ = false;
+  feed_ = std::clamp(feed, 0.0, kFeedMax);
+  const auto error = replan();
+  step(0);
+  return error;
+}
+
+const JointMotion& PathFollower::step(double dt) {
+  SINEW_ASSERT(path_ != nullptr && dt >= 0);
+  t_ += dt;
+  state_ = law_.sample(t_);
+  sample_motion(*path_, state_, law_.jerk(t_), piece_, now_);
+  return now_;
+}
+
+PathProgress PathFollower::progress() const {
+  return path_ == nullptr ? PathProgress{} : Trajectory::progress_at(*path_, state_.s);
+}
+
+std::optional<Error> PathFollower::replan() {
+  const bool rest = paused_ || stopped_ || !(feed_ > 0);
+  const auto error = rest ? timing_.stop(state_, next_) : timing_.plan(state_, feed_, next_);
+  if (error) return error;
+  std::swap(law_, next_);
+  t_ = 0;
+  return {};
+}
+
+std::optional<Error> PathFollower::set_feed(double feed) {
+  if (!std::isfinite(feed)) return Error{ErrorCode::kMotionInput, -1, feed, kFeedMax};
+  feed = std::clamp(feed, 0.0, kFeedMax);
+  const double before = std::exchange(feed_, feed);
+  if (path_ == nullptr || stopped_ || paused_ || feed == before) return {};
+  return replan();
+}
+
+std::optional<Error> PathFollower::pause() {
+  if (path_ == nullptr || paused_ || stopped_) return {};
+  paused_ = true;
+  return replan();
+}
+
+std::optional<Error> PathFollower::resume() {
+  if (path_ == nullptr || !paused_ || stopped_) return {};
+  paused_ = false;
+  return replan();
+}
+
+std::optional<Error> PathFollower::stop() {
+  if (path_ == nullptr || stopped_) return {};
+  stopped_ = true;
+  return paused_ ? std::optional<Error>{} : replan();
+}
+
+bool PathFollower::at_rest() const {
+  return path_ == nullptr || (state_.v == 0 && state_.a == 0 && t_ >= law_.duration()) ||
+         law_.size() == 0;
+}
+
+bool PathFollower::finished() const {
+  return path_ != nullptr && at_rest() && state_.s >= path_->joints.length();
+}
+
+double PathFollower::time_left() const {
+  return std::max(0.0, law_.duration() - t_);
+}
+
+}  // namespace sinew::planning

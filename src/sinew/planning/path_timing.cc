@@ -1,0 +1,623 @@
+#include "sinew/planning/path_timing.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sinew/core/assert.h"
+
+namespace sinew::planning {
+namespace {
+
+// Rounding's breadth of speeds that should be equal, relative.
+constexpr double kSameSpeed = 1e-10;
+
+constexpr int kRefinements = 1;  // a second gains less than 0.1 %
+// A law with a larger jump than this, as shares of length, speed and acceleration, is not given
+// out.
+constexpr double kBreak = 1e-7;
+constexpr double kBreakAcceleration = 1e-3;
+// Of the speed and braking before: what is left of them at the end of a path is rounding.
+constexpr double kAtRest = 1e-3;
+constexpr double kOnLimit = 1 + 1e-9;
+constexpr double kSlides = 0.9;     // of a cell's speed: it is what binds
+constexpr double kInstant = 1e-13;  // s; shorter is rounding
+
+bool finite(const PathState& state) {
+  return std::isfinite(state.s) && std::isfinite(state.v) && std::isfinite(state.a);
+}
+
+Error bad_input(int index, double measured = 0, double limit = 0) {
+  return {ErrorCode::kMotionInput, static_cast<std::int8_t>(index), measured, limit};
+}
+
+/// From the beginning of `stretch` to a state in it: near to rest the way hardly tells the time.
+double time_between(const Stretch& stretch, const PathState& state) {
+  const auto& [s, v, a] = stretch.from;
+  if (stretch.jerk == 0 || state.v > 0.01 * v)
+    return time_over(state.s - s, stretch.from, stretch.jerk);
+  return (state.a - a) / stretch.jerk;
+}
+
+}  // namespace
+
+void LimitTimes::add(const LimitTimes& other) {
+  for (std::size_t i = 0; i < seconds_.size(); ++i) seconds_[i] += other.seconds_[i];
+}
+
+double LimitTimes::total() const {
+  double sum = 0;
+  for (const double seconds : seconds_) sum += seconds;
+  return sum;
+}
+
+PathLimit LimitTimes::largest() const {
+  const auto i = static_cast<std::size_t>(std::max_element(seconds_.begin(), seconds_.end()) -
+                                          seconds_.begin());
+  return {static_cast<LimitKind>(i / (kMaxJoints + 1)),
+          static_cast<std::int8_t>(static_cast<int>(i % (kMaxJoints + 1)) - 1)};
+}
+
+PathTiming::PathTiming(std::size_t cells_max)
+    : grid_(cells_max), draft_(kStretchesPerCell * cells_max) {
+  down_.reserve(phases_max());
+  up_.reserve(phases_max());
+  way_.reserve(phases_max());
+  speeds_.reserve(cells_max);
+  limit_times_.reserve(kSectionsMax);
+}
+
+std::optional<Error> PathTiming::prepare(const PlannedPath& path,
+                                         std::span<const motion::AxisLimits> limits, double feed) {
+  const auto good = [](double x) { return std::isfinite(x) && x > 0; };
+  if (limits.size() != path.joints.joints() || path.joints.empty() ||
+      path.tool.size() != path.joints.size() || path.sections.empty() || !good(feed)) {
+    return bad_input(-1);
+  }
+  for (std::size_t j = 0; j < limits.size(); ++j) {
+    const auto& [v, a, u] = limits[j];
+    if (!good(v) || !good(a) || !good(u)) return bad_input(static_cast<int>(j));
+  }
+  for (const PathSection& section : path.sections) {
+    if (!(section.tool_speed > 0) || !(section.tool_acceleration > 0) ||
+        !(section.joint_share > 0 && section.joint_share <= 1)) {
+      return bad_input(-1);
+    }
+  }
+  if (path.sections.size() > kSectionsMax) {
+    return Error{ErrorCode::kProgramTooLong, -1, static_cast<double>(path.sections.size()),
+                 static_cast<double>(kSectionsMax)};
+  }
+  if (!grid_.build(path, limits)) {
+    return Error{ErrorCode::kProgramTooLong, -1, static_cast<double>(path.joints.size()),
+                 static_cast<double>(grid_.capacity())};
+  }
+  for (std::size_t i = 0; i < grid_.size(); ++i) {
+    const PathCell& cell = grid_[i];
+    if (!(cell.v_joints > 0 && cell.v_shape > 0 && cell.a > 0 && cell.u > 0)) return bad_input(-1);
+  }
+  feed_max_ = feed;
+  grid_.set_feed(feed);
+  limit_times_.resize(path.sections.size());
+  for (int i = 0; i < kRefinements && grid_.curved(); ++i) refine();
+  return {};
+}
+
+/// Plans once from rest to rest, and gives what its speeds leave to acceleration and jerk.
+void PathTiming::refine() {
+  draft_.clear();
+  begin_law({}, draft_);
+  sweep_back(0);
+  static_cast<void>(go({}, draft_));
+  grid_.refine(speeds_);
+}
+
+void PathTiming::begin_law(const PathState& start, TimeLaw& out) {
+  out.clear(start);
+  unbroken_ = true;
+  speeds_.assign(grid_.size(), 0);
+  cell_ = grid_.cell_at(start.s);
+  std::fill(limit_times_.begin(), limit_times_.end(), LimitTimes{});
+}
+
+void PathTiming::emit(const Stretch& stretch, TimeLaw& out) {
+  const PathState end = advanced(stretch.from, stretch.jerk, stretch.duration);
+  const PathCell& near = grid_[std::min(cell_, grid_.size() - 1)];
+  const auto same = [&](const PathState& one, const PathState& other) {
+    return std::abs(one.s - other.s) <= kBreak * grid_.length() &&
+           std::abs(one.v - other.v) <= kBreak * near.v &&
+           std::abs(one.a - other.a) <= kBreakAcceleration * near.a;
+  };
+  unbroken_ =
+      unbroken_ && stretch.to.v >= 0 && same(stretch.from, out.end()) && same(end, stretch.to);
+  // What takes no time but for rounding is no phase.
+  if (!(stretch.duration > kInstant)) return out.append(0, 0, stretch.to);
+  out.append(stretch.jerk, stretch.duration, stretch.to);
+  const double middle = stretch.from.s + (stretch.to.s - stretch.from.s) / 2;
+  while (cell_ + 1 < grid_.size() && grid_.begin(cell_ + 1) <= middle) ++cell_;
+  speeds_[cell_] = std::max({speeds_[cell_], stretch.from.v, stretch.to.v});
+  limit_times_[grid_[cell_].section].add(binding(stretch), stretch.duration);
+}
+
+PathLimit PathTiming::binding(const Stretch& stretch) const {
+  const PathCell& cell = grid_[cell_];
+  constexpr double kNearly = 0.99;
+  if (std::abs(stretch.jerk) >= kNearly * cell.u) return {LimitKind::kJointJerk, cell.jerk_joint};
+  const double a = std::max(std::abs(stretch.from.a), std::abs(stretch.to.a));
+  const double v = std::max(stretch.from.v, stretch.to.v);
+  if (a >= kNearly * cell.a && a > 0) return cell.acceleration;
+  // A slide along rising speeds touches only some of them.
+  if (a == 0 || v >= kSlides * cell.v) return grid_.speed_limit(cell_);
+  return a / cell.a > v / cell.v ? cell.acceleration : grid_.speed_limit(cell_);
+}
+
+LimitTimes PathTiming::limit_times() const {
+  LimitTimes all;
+  for (const LimitTimes& section : limit_times_) all.add(section);
+  return all;
+}
+
+void PathTiming::sweep_back(double to) {
+  down_.clear();
+  const UpSweep sweep(grid_, false);
+  const double end = grid_.length() - to;
+  SweepState at;
+  while (at.cell < grid_.size() && at.state.s <= end) sweep.step(at, down_);
+  const double length = grid_.length();
+  std::reverse(down_.begin(), down_.end());
+  // Borders of cells are the same number in both directions: L - (L - s) is not always s.
+  std::size_t border = grid_.cell_at(to);
+  const auto forwards = [&](const PathState& back) {
+    PathState state{length - back.s, back.v, -back.a};
+    const double near = 1e-15 * length;
+    while (border < grid_.size() && grid_.begin(border) < state.s - near) ++border;
+    if (std::abs(grid_.begin(border) - state.s) <= near) state.s = grid_.begin(border);
+    return state;
+  };
+  for (Stretch& stretch : down_) {
+    const Stretch back = stretch;
+    stretch.from = forwards(back.to);
+    stretch.to = forwards(back.from);
+  }
+}
+
+std::size_t PathTiming::down_stretch(double s) const {
+  const auto after =
+      std::upper_bound(down_.begin(), down_.end(), s,
+                       [](double at, const Stretch& stretch) { return at < stretch.from.s; });
+  return after == down_.begin() ? 0 : static_cast<std::size_t>(after - down_.begin()) - 1;
+}
+
+PathState PathTiming::down_at(std::size_t stretch, double s, Target target) const {
+  return target == Target::kRest ? PathState{s, 0, 0} : state_at(down_[stretch], s);
+}
+
+SweepState PathTiming::in_cell(const PathState& state) const {
+  return {grid_.cell_at(state.s), state};
+}
+
+/// `jerk` from x to `end` (s), or to where its acceleration turns or it stops, if that is before.
+PathTiming::Leg PathTiming::leg(const PathState& x, double jerk, double end) {
+  const double turn = -x.a / jerk;
+  const PathState turned = advanced(x, jerk, turn);
+  if (turn > 0 && turned.v > 0 && turned.s <= end && turned.s > x.s) {
+    return {{x, {turned.s, turned.v, 0}, jerk, turn}, false};
+  }
+  double t = time_over(end - x.s, x, jerk);
+  const bool stops = !std::isfinite(t);
+  if (stops) {
+    t = std::max(0.0, (-x.a - std::sqrt(std::max(0.0, x.a * x.a - 2 * jerk * x.v))) / jerk);
+    end = std::clamp(advanced(x, jerk, t).s, x.s, end);
+  }
+  PathState y = advanced(x, jerk, t);
+  y.s = end;
+  if (stops) y.v = 0;
+  return {{x, y, jerk, t}, stops};
+}
+
+/// Where on `own` its acceleration is that of the target: a secant with a bracket.
+double PathTiming::meeting_place(const Stretch& own, double sign, Target target,
+                                 std::size_t down) const {
+  double low = own.from.s;
+  double high = own.to.s;
+  double f_low = sign * (own.from.a - down_at(down, low, target).a);
+  double f_high = sign * (own.to.a - down_at(down, high, target).a);
+  double s = high;
+  for (int i = 0; i < 60 && high - low > 1e-16 * high && f_high != 0; ++i) {
+    s = (low * f_high - high * f_low) / (f_high - f_low);
+    if (!(s > low && s < high)) s = low + (high - low) / 2;
+    const double f = sign * (state_at(own, s).a - down_at(down, s, target).a);
+    if (f == 0) break;
+    if (f > 0) {
+      if (high - s < 1e-16 * high) break;
+      high = s, f_high = f, f_low /= 2;
+    } else {
+      if (s - low < 1e-16 * high) break;
+      low = s, f_low = f, f_high /= 2;
+    }
+  }
+  return s;
+}
+
+PathTiming::Meeting PathTiming::meet(SweepState from, double sign, Target target,
+                                     std::vector<Stretch>* way) const {
+  std::size_t down = target == Target::kDown ? down_stretch(from.state.s) : 0;
+  PathState& x = from.state;
+  const double speed = x.v;
+  double braking = -x.a;
+  const auto meets = [&](const PathState& state) {
+    return sign * (state.a - down_at(down, state.s, target).a) >= 0;
+  };
+  const auto meeting_at = [&](const PathState& own, bool at_once) {
+    return Meeting{true, at_once, down_at(down, own.s, target).v - own.v, own, down};
+  };
+  if (meets(x)) return meeting_at(x, true);
+  for (; from.cell < grid_.size(); ++from.cell) {
+    const double jerk = sign * grid_[from.cell].u;
+    const double cell_end = grid_.begin(from.cell + 1);
+    braking = std::max(braking, -x.a);
+    while (x.s < cell_end) {
+      const bool down_first = target == Target::kDown && down_[down].to.s <= cell_end;
+      const double end = down_first ? down_[down].to.s : cell_end;
+      const PathState turned = advanced(x, jerk, -x.a / jerk);
+      if (sign * x.a < 0 && turned.v > 0 && !(turned.s > x.s)) {
+        x.a = 0;  // it was but for rounding
+        if (meets(x)) return meeting_at(x, false);
+      }
+      const auto [own, stops] = leg(x, jerk, end);
+      if (meets(own.to)) {
+        const double s = meeting_place(own, sign, target, down);
+        const PathState there = s == own.to.s ? own.to : state_at(own, s);
+        // The time from the acceleration: near to rest the way hardly tells it.
+        if (way != nullptr) way->push_back({x, there, jerk, (there.a - x.a) / jerk});
+        return meeting_at(there, false);
+      }
+      if (way != nullptr) way->push_back(own);
+      if (stops) return meeting_at(own.to, false);
+      x = own.to;
+      if (down_first && x.s >= end) {
+        if (down + 1 == down_.size()) break;
+        ++down;
+      }
+    }
+  }
+  // The end of the path, at rest but for rounding.
+  if (target == Target::kRest && x.v <= kAtRest * speed && -x.a <= kAtRest * braking) {
+    x = {grid_.length(), 0, 0};
+    if (way != nullptr && !way->empty()) way->back().to = x;
+    return {true, false, 0, x, down};
+  }
+  return {};
+}
+
+void PathTiming::level_up(SweepState& at) {
+  while (at.state.a < 0 && at.cell < grid_.size()) {
+    const double jerk = grid_[at.cell].u;
+    const PathState from = at.state;
+    const double t = -from.a / jerk;
+    const PathState level = advanced(from, jerk, t);
+    const double end = grid_.begin(at.cell + 1);
+    if (level.s <= end) {
+      unbroken_ = unbroken_ && level.v >= -kBreak * grid_[at.cell].v;
+      at.state = {level.s, std::max(level.v, 0.0), 0};
+      up_.push_back({from, at.state, jerk, t});
+      return;
+    }
+    const double over = time_over(end - from.s, from, jerk);
+    at.state = advanced(from, jerk, over);
+    at.state.s = end;
+    up_.push_back({from, at.state, jerk, over});
+    ++at.cell;
+  }
+}
+
+/// Forwards and up, until it has passed over into the backward motion, or stands below of it with
+/// nothing to gain from going up at once. @return on the backward motion
+bool PathTiming::rise(SweepState& at, TimeLaw& out) {
+  const UpSweep sweep(grid_, true);
+  up_.clear();
+  level_up(at);
+  std::size_t checked = 0;
+  std::size_t down = down_stretch(at.state.s);
+  while (true) {
+    for (; checked < up_.size(); ++checked) {
+      const PathState& to = up_[checked].to;
+      while (down + 1 < down_.size() && down_[down].to.s < to.s) ++down;
+      const PathState other = state_at(down_[down], to.s);
+      if (to.v > other.v * (1 + kSameSpeed)) {
+        up_.resize(checked + 1);
+        return pass_over(at, out);
+      }
+      if (to.a == 0 && other.a == 0 && to.v >= other.v * (1 - kSameSpeed)) {
+        up_.resize(checked + 1);
+        for (const Stretch& stretch : up_) emit(stretch, out);
+        at.state = to;
+        return true;
+      }
+    }
+    if (at.cell >= grid_.size()) {
+      // Only rounding's breadth was left.
+      for (const Stretch& stretch : up_) emit(stretch, out);
+      at.state = {grid_.length(), 0, 0};
+      out.append(0, 0, at.state);
+      return false;
+    }
+    sweep.step(at, up_);
+  }
+}
+
+bool PathTiming::pass_over(SweepState& at, TimeLaw& out) {
+  const auto gap_from = [&](const PathState& state) {
+    const Meeting meeting = meet(in_cell(state), -1, Target::kDown, nullptr);
+    return meeting.found ? meeting.gap : -std::numeric_limits<double>::infinity();
+  };
+  // The last stretch at whose beginning it still can.
+  std::size_t low_index = 0;
+  std::size_t high_index = up_.size();
+  // Gallop back from the crossing: the place is near to it.
+  for (std::size_t back = 1; back < high_index; back *= 2) {
+    const std::size_t i = up_.size() - back;
+    if (gap_from(up_[i].from) >= 0) {
+      low_index = i;
+      break;
+    }
+    high_index = i;
+  }
+  while (high_index - low_index > 1) {
+    const std::size_t i = low_index + (high_index - low_index) / 2;
+    (gap_from(up_[i].from) >= 0 ? low_index : high_index) = i;
+  }
+  const Stretch leave = up_[low_index];
+  double low = 0, high = leave.duration;
+  double f_low = gap_from(leave.from);
+  double f_high = gap_from(leave.to);
+  if (f_high >= 0) low = high, f_low = f_high;
+  int same = 0;
+  for (int i = 0; i < 200 && high - low > 1e-16 * high && f_low > 0; ++i) {
+    double t = low + (high - low) / 2;
+    if (std::isfinite(f_high) && i % 4 != 3) t = (low * f_high - high * f_low) / (f_high - f_low);
+    if (!(t > low && t < high)) t = low + (high - low) / 2;
+    if (!(t > low && t < high)) break;
+    const double f = gap_from(advanced(leave.from, leave.jerk, t));
+    if (f >= 0) {
+      low = t, f_low = f;
+      if (same > 0) f_high /= 2;
+      same = 1;
+    } else {
+      high = t, f_high = f;
+      if (same < 0) f_low /= 2;
+      same = -1;
+    }
+  }
+  for (std::size_t i = 0; i < low_index; ++i) emit(up_[i], out);
+  const PathState from = low > 0 ? advanced(leave.from, leave.jerk, low) : leave.from;
+  emit({leave.from, from, leave.jerk, low}, out);
+  way_.clear();
+  const Meeting meeting = meet(in_cell(from), -1, Target::kDown, &way_);
+  for (const Stretch& stretch : way_) emit(stretch, out);
+  unbroken_ = unbroken_ && meeting.found;
+  at = meeting.found ? in_cell(meeting.own) : in_cell(from);
+  return meeting.gap <= kSameSpeed * at.state.v;
+}
+
+/// Along the backward motion, to where it jumps up: there is more to gain from there.
+void PathTiming::follow_down(SweepState& at, TimeLaw& out) {
+  std::size_t i = down_stretch(at.state.s);
+  // At a jump the stretch that ends there is meant.
+  if (i > 0 && down_[i].from.s >= at.state.s) --i;
+  PathState from = state_at(down_[i], at.state.s);
+  out.append(0, 0, from);
+  while (true) {
+    const Stretch& stretch = down_[i];
+    const double done = from.s > stretch.from.s ? time_between(stretch, from) : 0;
+    emit({from, stretch.to, stretch.jerk, stretch.duration - done}, out);
+    at.state = stretch.to;
+    if (i + 1 == down_.size()) {
+      at.state = {grid_.length(), 0, 0};
+      out.append(0, 0, at.state);
+      at.cell = grid_.size();
+      return;
+    }
+    ++i;
+    from = down_[i].from;
+    if (from.v > at.state.v * (1 + kSameSpeed)) break;
+  }
+  at.cell = grid_.cell_at(at.state.s);
+}
+
+/// Whether full jerk downwards keeps this state below the backward motion until it follows that.
+bool PathTiming::stays_below(const SweepState& at) const {
+  const Meeting meeting = meet(at, -1, Target::kDown, nullptr);
+  return meeting.found && meeting.gap >= -kSameSpeed * (at.state.v + meeting.own.v);
+}
+
+Error PathTiming::not_planned(const PathState& start) const {
+  return bad_input(-1, start.s, grid_.length());
+}
+
+std::optional<Error> PathTiming::go(const PathState& start, TimeLaw& out) {
+  SweepState at = in_cell(start);
+  bool on_down = false;
+  if (!stays_below(at)) {
+    const auto landed = descend(at, Target::kDown, out);
+    if (!landed) return not_planned(start);
+    on_down = *landed;
+  }
+  // Each turn comes by a cell at least.
+  for (std::size_t turns = 0; at.cell < grid_.size(); ++turns) {
+    if (!unbroken_ || turns > 2 * grid_.size() + 8) return not_planned(start);
+    if (!on_down) on_down = rise(at, out);
+    if (on_down) follow_down(at, out);
+    on_down = false;
+  }
+  return unbroken_ ? std::nullopt : std::optional(not_planned(start));
+}
+
+std::optional<Error> PathTiming::plan(const PathState& start, double feed, TimeLaw& out) {
+  if (!finite(start) || start.s < 0 || start.s > grid_.length() || start.v < 0 || !(feed > 0) ||
+      feed > feed_max_) {
+    return bad_input(-1);
+  }
+  if (feed != grid_.feed()) grid_.set_feed(feed);
+  sweep_back(start.s);
+  begin_law(start, out);
+  if (start.s >= grid_.length()) return {};
+  if (!go(start, out)) return {};
+  // Rarely a moving start lies so that neither way leads on: to rest first, and on from there.
+  begin_law(start, out);
+  SweepState at = in_cell(start);
+  const bool rests = descend(at, Target::kRest, out).has_value() && unbroken_;
+  return rests ? go(at.state, out) : std::optional(not_planned(start));
+}
+
+/// Largest braking from `at` to the end of its cell, or to where it stops.
+std::size_t PathTiming::brake_parts(const SweepState& at, Stretch (&parts)[3]) const {
+  const PathCell& cell = grid_[at.cell];
+  const double end = grid_.begin(at.cell + 1);
+  PathState x = at.state;
+  std::size_t size = 0;
+  const auto add = [&](double jerk, double t) {
+    const double over = time_over(end - x.s, x, jerk);
+    const bool ends = over <= t;
+    t = std::min(t, over);
+    PathState y = advanced(x, jerk, t);
+    if (ends) y.s = end;
+    y.v = std::max(y.v, 0.0);
+    if (t > 0) parts[size++] = {x, y, jerk, t};
+    x = y;
+    return ends || y.v <= 0;
+  };
+  if (x.a > 0) {
+    if (add(-cell.u, x.a / cell.u)) return size;
+    x.a = 0;
+  }
+  if (x.a > -cell.a) {
+    const double to_stop = (x.a + std::sqrt(x.a * x.a + 2 * cell.u * x.v)) / cell.u;
+    const double to_limit = (x.a + cell.a) / cell.u;
+    if (add(-cell.u, std::min(to_stop, to_limit))) return size;
+    if (to_limit <= to_stop) x.a = -cell.a;
+  }
+  add(0, x.a < 0 ? x.v / -x.a : 0);
+  return size;
+}
+
+/// The first cell that would be entered with more braking than it allows if the braking were taken
+/// back from here on with full jerk; size() where there is none.
+std::size_t PathTiming::blocked_at(SweepState at) const {
+  while (at.state.a < 0 && at.state.v > 0) {
+    const double jerk = grid_[at.cell].u;
+    const double end = grid_.begin(at.cell + 1);
+    const double level = -at.state.a / jerk;
+    const double over = time_over(end - at.state.s, at.state, jerk);
+    if (!(over < level) || at.cell + 1 >= grid_.size()) break;
+    at.state = advanced(at.state, jerk, over);
+    at.state.s = end;
+    ++at.cell;
+    if (-at.state.a > grid_[at.cell].a * kOnLimit) return at.cell;
+  }
+  return grid_.size();
+}
+
+/// Brakes as hard as it can until full jerk the other way leads into the target: onto the backward
+/// motion, below it where that jumps, or to rest. @return on the target; none: the path ends before
+std::optional<bool> PathTiming::descend(SweepState& at, Target target, TimeLaw& out) {
+  struct Look {
+    bool lands = false;
+    std::size_t blocked = 0;
+    bool goes_on(std::size_t none) const { return !lands && blocked == none; }
+  };
+  const std::size_t none = grid_.size();
+  const auto look = [&](const SweepState& from) {
+    const Meeting meeting = meet(from, 1, target, nullptr);
+    Look result;
+    // Slower, but on the way up too steeply: not there yet.
+    const double near = target == Target::kDown ? kSameSpeed * from.state.v : 0;
+    result.lands = meeting.found && meeting.gap >= -near &&
+                   !(meeting.at_once && target == Target::kDown && !stays_below(from));
+    result.blocked = result.lands ? none : blocked_at(from);
+    return result;
+  };
+  if (look(at).lands) return land(at, target, out);
+  while (at.cell < grid_.size()) {
+    Stretch parts[3];
+    const std::size_t size = brake_parts(at, parts);
+    std::size_t next = at.cell + 1;
+    for (std::size_t i = 0; i < size; ++i) {
+      const Stretch& part = parts[i];
+      const bool ends = part.to.s >= grid_.begin(at.cell + 1);
+      Look fails = look({at.cell + (ends ? 1 : 0), part.to});
+      if (ends && next < none && -part.to.a > grid_[next].a * kOnLimit) fails = {false, next};
+      if (fails.goes_on(none) && part.to.v > 0) {
+        emit(part, out);
+        at.state = part.to;
+        continue;
+      }
+      double low = 0, high = part.duration;
+      while (high - low > 1e-16 * part.duration) {
+        const double t = low + (high - low) / 2;
+        if (!(t > low && t < high)) break;
+        const Look there = look({at.cell, advanced(part.from, part.jerk, t)});
+        if (there.goes_on(none)) {
+          low = t;
+        } else {
+          high = t, fails = there;
+        }
+      }
+      const bool lands = fails.blocked == none;
+      // The instant after it: there it leads below the target where that jumps.
+      if (lands && target == Target::kDown) low = high;
+      at.state = advanced(part.from, part.jerk, low);
+      emit({part.from, at.state, part.jerk, low}, out);
+      // On the very last way into the end of the path.
+      if (lands && !meet(at, 1, target, nullptr).found) return {};
+      if (lands) return land(at, target, out);
+      // Less braking is allowed from a cell on: there with as much as that.
+      relax_until(at, fails.blocked, out);
+      next = at.cell;
+      break;
+    }
+    at.cell = next;
+  }
+  return {};
+}
+
+void PathTiming::relax_until(SweepState& at, std::size_t cell, TimeLaw& out) {
+  while (at.cell < cell && at.state.a < 0) {
+    const double jerk = grid_[at.cell].u;
+    const double end = grid_.begin(at.cell + 1);
+    const double over = time_over(end - at.state.s, at.state, jerk);
+    if (!std::isfinite(over)) break;
+    PathState to = advanced(at.state, jerk, over);
+    to.s = end;
+    emit({at.state, to, jerk, over}, out);
+    at = {at.cell + 1, to};
+  }
+}
+
+/// Full jerk upwards into the target. @return it is on it and not below
+bool PathTiming::land(SweepState& at, Target target, TimeLaw& out) {
+  way_.clear();
+  const Meeting meeting = meet(at, 1, target, &way_);
+  for (const Stretch& stretch : way_) emit(stretch, out);
+  at = in_cell(meeting.own);
+  const PathState other = down_at(meeting.down, at.state.s, target);
+  const double same = kSameSpeed * grid_[at.cell].a;
+  const bool touches = meeting.gap <= kSameSpeed * at.state.v && at.state.a <= other.a + same;
+  if (target == Target::kRest) at.state = {at.state.s, 0, 0};
+  if (target == Target::kDown && touches) at.state = other;
+  out.append(0, 0, at.state);
+  return touches;
+}
+
+std::optional<Error> PathTiming::stop(const PathState& start, TimeLaw& out) {
+  if (!finite(start) || start.s < 0 || start.s > grid_.length() || start.v < 0) {
+    return bad_input(-1);
+  }
+  begin_law(start, out);
+  if (start.v == 0 && start.a == 0) return {};
+  SweepState at = in_cell(start);
+  if (descend(at, Target::kRest, out).has_value() && unbroken_) return {};
+  // On the last way into the end of the path: there.
+  return plan(start, grid_.feed(), out);
+}
+
+}  // namespace sinew::planning

@@ -1,0 +1,139 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "sinew/core/error.h"
+#include "sinew/planning/path_grid.h"
+#include "sinew/planning/path_sweep.h"
+#include "sinew/planning/time_law.h"
+
+namespace sinew::planning {
+
+/// How long each limit held a motion back, s.
+class LimitTimes {
+ public:
+  void add(const PathLimit& limit, double duration) { seconds_[index(limit)] += duration; }
+  void add(const LimitTimes& other);
+  double of(const PathLimit& limit) const { return seconds_[index(limit)]; }
+  double total() const;
+  /// What held it back for longest: what to change to make it quicker.
+  PathLimit largest() const;
+
+ private:
+  static constexpr std::size_t kKinds = 6;
+  static std::size_t index(const PathLimit& limit) {
+    return static_cast<std::size_t>(limit.kind) * (kMaxJoints + 1) +
+           static_cast<std::size_t>(limit.joint + 1);
+  }
+  std::array<double, kKinds*(kMaxJoints + 1)> seconds_{};
+};
+
+/// Time along a path: s(t) in phases of constant jerk, as quick as the joints' velocities,
+/// accelerations and jerks and the asked-for speeds of the tool allow, ending at rest at the path's
+/// end.
+///
+/// prepare() turns the limits of the joints into limits of s (PathGrid). plan() then sweeps from
+/// the end backwards, with time running backwards, as quickly as it can, which gives the quickest
+/// motion that still can stop; and forwards from the start, as quickly as it can, until the two
+/// meet: the last instant from which the forward motion still passes over into the backward one,
+/// without a jump in acceleration, is found by bisection. With limits that do not change this is
+/// the time-optimal profile of seven phases.
+///
+/// The motion holds the limits at every instant, to rounding (1e-9). It is the quickest one under
+/// the cells' limits except where the speed that is allowed falls or rises steadily. @rt except the
+/// constructor.
+class PathTiming {
+ public:
+  static constexpr std::size_t kCellsMax = 2 * JointPath::kPiecesMax;
+  static constexpr std::size_t kSectionsMax = 1024;
+
+  explicit PathTiming(std::size_t cells_max = kCellsMax);
+  /// Of a law for this, so that nothing is allocated.
+  std::size_t phases_max() const { return kStretchesPerCell * grid_.capacity(); }
+
+  /// Looks at a path, which stays as it is until the next prepare().
+  /// @param limits  one per joint, all > 0 and finite.
+  /// @param feed    the largest that plan() will be asked for, > 0: the limits of s leave room for
+  ///                the speeds of a motion at that feed and not for more.
+  /// @error kMotionInput (index: joint, or -1: the path or the feed), kProgramTooLong.
+  std::optional<Error> prepare(const PlannedPath& path, std::span<const motion::AxisLimits> limits,
+                               double feed = 1);
+
+  /// The motion from `start` to rest at the end of the path.
+  /// @param feed  (0, that of prepare()]: scales the tool speed and the share of the joints'
+  ///              velocities that were asked for, never beyond what the joints may do. A start that
+  ///              is quicker brakes first.
+  /// @error kMotionInput: start or feed is no number or outside its range; kMotionInput (limit: the
+  /// path's length)
+  ///        where it cannot stop before the end of the path (measured, limit: s).
+  std::optional<Error> plan(const PathState& start, double feed, TimeLaw& out);
+
+  /// To rest on the path, as soon as the limits allow.
+  std::optional<Error> stop(const PathState& start, TimeLaw& out);
+
+  /// What limited the last plan, for each section of the path and over all.
+  std::span<const LimitTimes> section_limit_times() const { return limit_times_; }
+  LimitTimes limit_times() const;
+
+  const PathGrid& grid() const { return grid_; }
+
+ private:
+  static constexpr std::size_t kStretchesPerCell = 6;
+
+  /// Full jerk of one sign, from a state until its acceleration is that of the backward motion at
+  /// the same place (or 0, of a motion that only stops).
+  struct Meeting {
+    bool found = false;
+    bool at_once = false;  ///< it already was so at the start
+    double gap = 0;        ///< of the speeds there: other minus own
+    PathState own;
+    std::size_t down = 0;  ///< stretch of the backward motion
+  };
+  enum class Target : unsigned char { kDown, kRest };
+
+  void refine();
+  void begin_law(const PathState& start, TimeLaw& out);
+  void emit(const Stretch& stretch, TimeLaw& out);
+  PathLimit binding(const Stretch& stretch) const;
+  void sweep_back(double to);
+  PathState down_at(std::size_t stretch, double s, Target target) const;
+  std::size_t down_stretch(double s) const;
+  Meeting meet(SweepState from, double sign, Target target, std::vector<Stretch>* way) const;
+  struct Leg {
+    Stretch own;
+    bool stops = false;
+  };
+  static Leg leg(const PathState& x, double jerk, double end);
+  double meeting_place(const Stretch& own, double sign, Target target, std::size_t down) const;
+  bool stays_below(const SweepState& at) const;
+  SweepState in_cell(const PathState& state) const;
+
+  Error not_planned(const PathState& start) const;
+  std::optional<Error> go(const PathState& start, TimeLaw& out);
+  bool rise(SweepState& at, TimeLaw& out);
+  void level_up(SweepState& at);
+  bool pass_over(SweepState& at, TimeLaw& out);
+  void follow_down(SweepState& at, TimeLaw& out);
+  std::optional<bool> descend(SweepState& at, Target target, TimeLaw& out);
+  std::size_t blocked_at(SweepState at) const;
+  void relax_until(SweepState& at, std::size_t cell, TimeLaw& out);
+  bool land(SweepState& at, Target target, TimeLaw& out);
+  std::size_t brake_parts(const SweepState& at, Stretch (&parts)[3]) const;
+
+  PathGrid grid_;
+  std::vector<Stretch> down_;  ///< the backward motion, in the order of s
+  std::vector<Stretch> up_;    ///< the forward motion since it left the backward one
+  std::vector<Stretch> way_;
+  std::vector<double> speeds_;  ///< the largest in each cell, of the last plan
+  std::vector<LimitTimes> limit_times_;
+  std::size_t cell_ = 0;  ///< of what was emitted last
+  bool unbroken_ = true;  ///< so far each stretch of the law began where the last one ended
+  TimeLaw draft_;
+  double feed_max_ = 1;
+};
+
+}  // namespace sinew::planning

@@ -1,0 +1,100 @@
+#include "sinew/program/program_load.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sinew/core/assert.h"
+
+namespace sinew::program {
+namespace {
+
+constexpr double kPeriod = 5e-3;  // s
+constexpr double kLooksMax = 500'000;
+constexpr double kLeast = 1e-12;
+
+class Meter {
+ public:
+  Meter(const planning::InverseDynamics& dynamics, std::span<const planning::DriveTrain> drives)
+      : dynamics_(dynamics), drives_(drives), loads_(drives.size()), squares_(drives.size(), 0.0) {}
+
+  /// One look that stands for `dt` seconds.
+  std::optional<Error> look(std::span<const double> q, const kinematics::JointMotion& motion,
+                            int line, double time, double dt) {
+    const auto torque = dynamics_.torque(q, motion);
+    if (!torque) return torque.error();
+    for (std::size_t i = 0; i < drives_.size(); ++i) {
+      const double demand = drives_[i].demand({(*torque)[i], motion.qd[i], motion.qdd[i]});
+      const double available = std::max(drives_[i].available(motion.qd[i]), kLeast);
+      squares_[i] += demand * demand * dt;
+      JointLoad& load = loads_[i];
+      const bool first = load.line == 0;
+      if (!first && demand * load.available <= load.peak * available) continue;
+      load.peak = demand;
+      load.available = available;
+      load.line = line;
+      load.time = time;
+    }
+    seconds_ += dt;
+    return std::nullopt;
+  }
+
+  std::vector<JointLoad> loads() const {
+    std::vector<JointLoad> loads = loads_;
+    for (std::size_t i = 0; i < loads.size(); ++i) {
+      if (seconds_ > 0) loads[i].rms = std::sqrt(squares_[i] / seconds_);
+    }
+    return loads;
+  }
+
+ private:
+  const planning::InverseDynamics& dynamics_;
+  std::span<const planning::DriveTrain> drives_;
+  std::vector<JointLoad> loads_;
+  std::vector<double> squares_;
+  double seconds_ = 0;
+};
+
+}  // namespace
+
+std::expected<std::vector<JointLoad>, Refusal> load_of(
+    const Plan& plan, const RobotModel& robot, const planning::InverseDynamics& dynamics,
+    std::span<const planning::DriveTrain> drives) {
+  const std::size_t n = robot.joints.size();
+  SINEW_ASSERT(drives.size() == n);
+  const double period = std::max(kPeriod, plan.duration / kLooksMax);
+  Meter meter(dynamics, drives);
+  JointVector q, still;
+  still.resize(n);
+  for (const Joint& joint : robot.joints) q.push_back(joint.home);
+  double start = 0;
+  for (const Order& order : plan.orders) {
+    std::optional<Error> error;
+    if (const auto* move = std::get_if<MoveOrder>(&order.what)) {
+      SINEW_ASSERT(move->q_start.has_value());
+      const auto profile = profile_between(*move->q_start, move->q, robot, move->step.speed);
+      const double looks = std::max(1.0, std::ceil(profile.duration() / period));
+      motion::AxisStates states;
+      for (double k = 0; k <= looks && !error; ++k) {
+        const double t = profile.duration() * k / looks;
+        profile.sample(t, states);
+        const kinematics::JointMotion motion{{states.qd.data(), n}, {states.qdd.data(), n}};
+        // Trapezoidal weights: both ends stand for half of what the others do.
+        const double share = k == 0 || k == looks ? 0.5 : 1;
+        error = meter.look({states.q.data(), n}, motion, order.line, start + t,
+                           share * profile.duration() / looks);
+      }
+      start += profile.duration();
+      q = move->q;
+    } else if (const auto* wait = std::get_if<WaitOrder>(&order.what)) {
+      const double seconds = to_seconds(wait->duration);
+      error = meter.look(q, {still, still}, order.line, start, seconds);
+      start += seconds;
+    } else if (std::holds_alternative<HomeOrder>(order.what)) {
+      for (std::size_t i = 0; i < n; ++i) q[i] = robot.joints[i].home;
+    }
+    if (error) return std::unexpected(Refusal{order.line, *error});
+  }
+  return meter.loads();
+}
+
+}  // namespace sinew::program

@@ -1,0 +1,79 @@
+#include "sinew/runtime/robot_link.h"
+
+#include <gtest/gtest.h>
+
+#include "sinew/runtime/robot_variant.h"
+#include "support/robots.h"
+
+namespace sinew::runtime {
+namespace {
+
+using namespace std::chrono_literals;
+
+/// What people are told of boards of one profile by a host that takes them for another, once it
+/// has asked all of them.
+std::string suspicion_of(const char* boards, const char* taken_for) {
+  const RobotModel robot = *variant_of(test::robot("robot-arm-2"), taken_for, std::nullopt);
+  const RobotModel real = *variant_of(test::robot("robot-arm-2"), boards, std::nullopt);
+  const auto machine = make_machine(real, {.profile = boards}, Instant{});
+  const RobotDriver driver = make_driver(robot);
+  Instant now{};
+  driver.spi->open(now);
+  EXPECT_EQ(suspicion(*driver.spi), "") << "nobody has answered yet";
+  while (driver.spi->state() == DriverState::kOpening && now < Instant{} + 10s) {
+    const auto transfer = driver.spi->take_transfer(now);
+    if (!transfer) {
+      now += 100us;
+      continue;
+    }
+    const auto miso = machine->spi->exchange(*transfer, now);
+    now += transfer->setup + spi::wire_time(*transfer);
+    driver.spi->exchanged({miso.data(), miso.size()}, now);
+  }
+  EXPECT_EQ(driver.spi->state(), DriverState::kReady);
+  return suspicion(*driver.spi);
+}
+
+TEST(RobotLink, boards_whose_status_says_nothing_are_suspected_to_have_the_first_firmware) {
+  EXPECT_EQ(suspicion_of("as-built", "document"),
+            "the status of every board reads zero: looks like boards with the first firmware; "
+            "try --profile as-built");
+  EXPECT_EQ(suspicion_of("document", "document"), "");
+  EXPECT_EQ(suspicion_of("as-built", "as-built"), "") << "that is what they are taken for";
+}
+
+TEST(RobotLink, port_of_the_wrong_kind_is_refused_with_what_would_be_right) {
+  for (const char* robot : {"learm", "maxarm", "bigrobotarm", "hexapod"}) {
+    for (const std::string port : {"simwire:unix:/tmp/x", "simwire:x", "unix:/tmp/x", "spidev"}) {
+      const io::Clock clock;
+      ByteLog log;
+      const auto link = RobotLink::open(test::robot(robot), port, clock, log);
+      ASSERT_FALSE(link);
+      EXPECT_EQ(link.error().sentence,
+                port + ": " + robot + " hangs on a serial port, not on SPI; its port is a device " +
+                    "as /dev/ttyUSB0, or the pseudo-terminal that sinew sim " + robot + " shows");
+    }
+    EXPECT_FALSE(wrong_port(test::robot(robot), "/dev/ttyUSB0"));
+    EXPECT_FALSE(wrong_port(test::robot(robot), "simwire/arm")) << "a link may have any name";
+  }
+  EXPECT_TRUE(wrong_port(test::robot("robot-arm-2"), "/dev/ttyUSB0"));
+  EXPECT_FALSE(wrong_port(test::robot("robot-arm-2"), "simwire:unix:/tmp/x"));
+  EXPECT_FALSE(wrong_port(test::robot("robot-arm-2"), "tcp:localhost:1"));
+}
+
+TEST(RobotLink, silence_is_told_as_soon_as_the_wire_allows) {
+  const auto limit = [](const char* robot, const char* profile) {
+    return opening_of(*variant_of(test::robot(robot), profile, std::nullopt)).limit;
+  };
+  EXPECT_LE(limit("learm", "lsc6"), 3s);
+  EXPECT_LE(limit("learm", "bus"), 3s);
+  EXPECT_LE(limit("learm", "esp32"), 5s);
+  EXPECT_LE(limit("bigrobotarm", "document"), 5s);
+  EXPECT_LE(limit("hexapod", "table1"), 5s);
+  EXPECT_LE(limit("robot-arm-2", "document"), 5s);
+  EXPECT_LE(limit("maxarm", "arduino"), 5s);
+  EXPECT_GT(limit("maxarm", "micropython"), 14s) << "asleep for 10 s, then homing for 3.5 s";
+}
+
+}  // namespace
+}  // namespace sinew::runtime

@@ -1,0 +1,56 @@
+#include <string>
+
+#include "sinew/sim/link_fault.h"
+
+// Whether a plan of faults can befall a robot.
+
+namespace sinew::sim {
+namespace {
+
+using Kind = Disturbance::Kind;
+
+/// Whether a joint's position sensor hangs on a magnet, or on what can fail like one: the axis
+/// boards' AS5600, the MaxArm's servos that answer -1.
+bool has_magnets(const RobotModel& robot) {
+  const auto& settings = robot.device.settings;
+  return std::holds_alternative<AxisRegistersDevice>(settings) ||
+         std::holds_alternative<AxisLinkDevice>(settings) ||
+         std::holds_alternative<MaxArmDevice>(settings);
+}
+
+std::expected<void, std::string> check_unit(const TimedDisturbance& timed, const Joint& joint,
+                                            const std::string& name) {
+  if (!timed.unit || *timed.unit == joint.kind) return {};
+  const bool leg = joint.kind == JointKind::kPrismatic;
+  const bool block = timed.what.kind == Kind::kBlock;
+  std::string right;
+  if (block) {
+    right = leg ? "its place is a length, as 12mm" : "its place is an angle, as 20deg";
+  } else {
+    right = leg ? "its load is a force, as 2N" : "its load is a torque, as 0.5Nm";
+  }
+  return std::unexpected((block ? "block=" : "load=") + name + ": " + joint.name +
+                         (leg ? " is a leg; " : " is a joint that turns; ") + right);
+}
+
+}  // namespace
+
+std::expected<void, std::string> check_faults(const FaultPlan& plan, const RobotModel& robot) {
+  for (const TimedDisturbance& timed : plan.disturbances) {
+    if (timed.what.joint < 0) continue;
+    const auto joint = static_cast<std::size_t>(timed.what.joint);
+    const std::string name = "J" + std::to_string(joint + 1);
+    if (joint >= robot.joints.size()) {
+      return std::unexpected("the robot has no " + name + "; its joints are J1 to J" +
+                             std::to_string(robot.joints.size()));
+    }
+    if (timed.what.kind == Kind::kMagnet && !has_magnets(robot)) {
+      return std::unexpected("magnet=" + name + ": " + robot.id +
+                             " has no magnet that could fall off: no sensor looks at its joints");
+    }
+    if (auto fine = check_unit(timed, robot.joints[joint], name); !fine) return fine;
+  }
+  return {};
+}
+
+}  // namespace sinew::sim

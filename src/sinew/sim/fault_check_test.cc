@@ -1,0 +1,56 @@
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "sinew/sim/link_fault.h"
+#include "support/robots.h"
+
+namespace sinew::sim {
+namespace {
+
+std::string refusal(const char* robot, const std::string& text) {
+  const auto plan = parse_faults(text);
+  if (!plan) return "not read: " + plan.error();
+  const auto fine = check_faults(*plan, test::robot(robot));
+  return fine ? "" : fine.error();
+}
+
+TEST(FaultCheck, units_that_do_not_fit_the_joint_are_refused_with_what_would_be_right) {
+  EXPECT_EQ(refusal("robot-arm-2", "block=J2@20mm@1s"),
+            "block=J2: shoulder is a joint that turns; its place is an angle, as 20deg");
+  EXPECT_EQ(refusal("robot-arm-2", "load=J2:2N@1s"),
+            "load=J2: shoulder is a joint that turns; its load is a torque, as 0.5Nm");
+  EXPECT_EQ(refusal("hexapod", "drop=0.1,block=J2@20deg@1s"),
+            "block=J2: leg2 is a leg; its place is a length, as 12mm");
+  EXPECT_EQ(refusal("hexapod", "load=J6:2Nm@1s"),
+            "load=J6: leg6 is a leg; its load is a force, as 2N");
+}
+
+TEST(FaultCheck, magnets_fall_off_only_where_there_are_some) {
+  for (const char* robot : {"learm", "bigrobotarm", "hexapod"}) {
+    EXPECT_EQ(refusal(robot, "magnet=J3:off@1s"),
+              "magnet=J3: " + std::string(robot) +
+                  " has no magnet that could fall off: no sensor looks at its joints");
+  }
+  EXPECT_EQ(refusal("robot-arm-2", "magnet=J3:off@1s,magnet=J3:on@2s"), "");
+  EXPECT_EQ(refusal("maxarm", "magnet=J3:off@1s"), "");
+}
+
+TEST(FaultCheck, joints_that_are_not_there_are_refused) {
+  EXPECT_EQ(refusal("maxarm", "unblock=J4@1s"), "the robot has no J4; its joints are J1 to J3");
+  EXPECT_EQ(refusal("learm", "load=J6:1Nm@1s"), "the robot has no J6; its joints are J1 to J5");
+}
+
+TEST(FaultCheck, what_fits_is_let_through) {
+  EXPECT_EQ(refusal("robot-arm-2", "block=J2@20deg@1s,load=J1:0.5Nm@1s,supply=9V@2s"), "");
+  EXPECT_EQ(refusal("hexapod", "block=J6@12mm@1s,unblock=J6@2s,load=J1:2N@1s,payload=1kg@0s"), "");
+}
+
+TEST(FaultCheck, the_unit_survives_being_printed) {
+  const auto plan = parse_faults("block=J6@12mm@1s,load=J1:2N@1s,load=J2:2Nm@1s");
+  ASSERT_TRUE(plan);
+  EXPECT_EQ(to_text(*plan), "block=J6@0.012m@1s,load=J1:2N@1s,load=J2:2Nm@1s");
+}
+
+}  // namespace
+}  // namespace sinew::sim
