@@ -44,11 +44,20 @@ double share(const PlannedMotion& motion) {
   return total > 0 ? motion.limits.of(motion.limits.largest()) / total : 0;
 }
 
+/// The singularity is what slows the tool, and not only the nearest one that there is.
+bool is_near(const Error& singularity) {
+  constexpr double kNearSine = 0.2;
+  constexpr double kNearDistance = 0.03;  // m
+  const bool distance = singularity.code == ErrorCode::kShoulderSingular;
+  return singularity.measured < (distance ? kNearDistance : kNearSine);
+}
+
 std::string slowdown_text(const planning::Slowdown& slowdown, const RobotModel& model) {
-  return fmt::format("move {}: slowed at {} mm ({} %), the tool goes {} mm/s there; {}",
-                     slowdown.place.move + 1, number(slowdown.place.at * 1e3, 1),
-                     number(slowdown.place.share * 100, 1), number(slowdown.tool_speed * 1e3, 1),
-                     error_text(slowdown.near, model));
+  const std::string place =
+      fmt::format("move {}: at {} mm ({} %) the joints allow no more than {} mm/s",
+                  slowdown.place.move + 1, number(slowdown.place.at * 1e3, 1),
+                  number(slowdown.place.share * 100, 1), number(slowdown.tool_speed * 1e3, 1));
+  return is_near(slowdown.near) ? place + "; " + error_text(slowdown.near, model) : place;
 }
 
 double shown(double value, const Joint& joint) {
