@@ -85,7 +85,9 @@ struct AxisSettings {
   motion::CascadeSettings cascade;
   AxisSupervision supervision;
   EmergencyStopAction emergency_stop = EmergencyStopAction::kHold;
-  double position_tolerance = from_deg(0.1);  ///< nearer than this it has arrived
+  /// rad, nearer than this it has arrived: weight and one count leave up to 0.15 deg
+  /// (docs/closed_loop.md).
+  double position_tolerance = from_deg(0.2);
 
   double steps_per_rad() const { return full_steps_per_turn * microsteps * gear_ratio / (2 * kPi); }
 };
