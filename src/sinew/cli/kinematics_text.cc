@@ -11,13 +11,6 @@
 namespace sinew::cli {
 namespace {
 
-bool is_leg(const Joint& joint) {
-  return joint.kind == JointKind::kPrismatic;
-}
-double shown(double q, const Joint& joint) {
-  return is_leg(joint) ? to_mm(q) : to_deg(q);
-}
-
 std::string_view subject(const Error& error, const RobotModel& model) {
   const auto index = static_cast<std::size_t>(error.index);
   if (error.index < 0 || index >= model.joints.size()) return {};
@@ -25,6 +18,14 @@ std::string_view subject(const Error& error, const RobotModel& model) {
 }
 
 }  // namespace
+
+bool is_leg(const Joint& joint) {
+  return joint.kind == JointKind::kPrismatic;
+}
+
+double shown(double value, const Joint& joint) {
+  return is_leg(joint) ? to_mm(value) : to_deg(value);
+}
 
 Json pose_json(const Vec3& p, const Rotation& R) {
   const Vec3 rpy = fixed_xyz(R);

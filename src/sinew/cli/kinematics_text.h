@@ -19,6 +19,10 @@ std::string pose_text(const Vec3& p, const Rotation& R);
 Json error_json(const Error& error, const RobotModel& model);
 std::string error_text(const Error& error, const RobotModel& model);
 
+bool is_leg(const Joint& joint);
+/// A joint's value, or its derivative, as people see it: deg, or mm of a leg.
+double shown(double value, const Joint& joint);
+
 /// Values of joints (deg) or legs (mm), as JSON numbers and as people read them.
 Json joints_json(std::span<const double> q, const RobotModel& model);
 std::string joint_text(double q, const Joint& joint);

@@ -60,10 +60,6 @@ std::string slowdown_text(const planning::Slowdown& slowdown, const RobotModel& 
   return is_near(slowdown.near) ? place + "; " + error_text(slowdown.near, model) : place;
 }
 
-double shown(double value, const Joint& joint) {
-  return joint.kind == JointKind::kPrismatic ? value * 1e3 : to_deg(value);
-}
-
 Json values(const planning::JointArray& array, const RobotModel& model) {
   Json json = Json::array();
   for (std::size_t j = 0; j < model.joints.size(); ++j) {
@@ -105,8 +101,7 @@ std::string plan_text(const MotionPlan& plan) {
 
 Json plan_json(const MotionPlan& plan) {
   const RobotModel& model = plan.model;
-  const bool legs = model.joints[0].kind == JointKind::kPrismatic;
-  const char* unit = legs ? "mm" : "deg";
+  const char* unit = is_leg(model.joints[0]) ? "mm" : "deg";
   Json json{{"robot", model.id},
             {"duration_s", plan.duration},
             {"tool_way_mm", plan.way * 1e3},

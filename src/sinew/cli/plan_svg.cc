@@ -7,9 +7,9 @@
 #include <limits>
 #include <utility>
 
+#include "sinew/cli/kinematics_text.h"
 #include "sinew/cli/svg_parts.h"
 #include "sinew/cli/table.h"
-#include "sinew/core/units.h"
 
 namespace sinew::cli {
 namespace {
@@ -113,10 +113,6 @@ class Drawing {
   std::string finish() { return std::move(svg_) + "</svg>\n"; }
 
  private:
-  double shown(double value, const Joint& joint) const {
-    return joint.kind == JointKind::kPrismatic ? value * 1e3 : to_deg(value);
-  }
-
   std::pair<double, double> range(double Vec3::* axis) const {
     double low = std::numeric_limits<double>::infinity();
     double high = -low;
@@ -199,7 +195,7 @@ class Drawing {
     const auto share = [&](double value) { return (value - low) / (high - low); };
     shade(box, 0, share(limit_low));
     shade(box, share(limit_high), 1);
-    const char* unit = joint.kind == JointKind::kPrismatic ? "mm" : "deg";
+    const char* unit = is_leg(joint) ? "mm" : "deg";
     constexpr std::array<const char*, kRows> kPer{"", "/s", "/s²", "/s³"};
     ticks(box, shown(low, joint), shown(high, joint), false);
     ticks(box, 0, std::max(plan_.duration, 1e-3), true);

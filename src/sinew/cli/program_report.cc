@@ -21,12 +21,6 @@ using program::Record;
 constexpr Duration kSamplePeriod = std::chrono::milliseconds(10);
 constexpr double kVelocityWindow = 0.2;  // s
 
-bool is_leg(const Joint& joint) {
-  return joint.kind == JointKind::kPrismatic;
-}
-double shown(double q, const Joint& joint) {
-  return is_leg(joint) ? to_mm(q) : to_deg(q);
-}
 const char* unit_of(const RobotModel& model) {
   return is_leg(model.joints[0]) ? "mm" : "deg";
 }

@@ -48,21 +48,6 @@ struct Tour {
   }
 };
 
-void expect_smooth(const JointPath& path) {
-  for (std::size_t i = 0; i + 1 < path.size(); ++i) {
-    PathPoint before;
-    PathPoint behind;
-    const double h = path.begin(i + 1) - path.begin(i);
-    path.sample_piece(i, h, before);
-    path.sample_piece(i + 1, 0, behind);
-    for (std::size_t j = 0; j < path.joints(); ++j) {
-      EXPECT_NEAR(before.q[j], behind.q[j], 1e-11);
-      EXPECT_NEAR(before.dq[j], behind.dq[j], 1e-8 * (1 + std::abs(before.dq[j])));
-      EXPECT_NEAR(before.ddq[j], behind.ddq[j], 1e-6 * (1 + std::abs(before.ddq[j]) + 1 / h));
-    }
-  }
-}
-
 TEST_P(Blending, a_path_through_corners_has_no_jump_and_stays_within_their_radius) {
   PathRobot robot(GetParam());
   int blended = 0;
