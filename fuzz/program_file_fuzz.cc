@@ -12,13 +12,22 @@ namespace {
 
 using namespace sinew;
 
-const RobotModel& two_joints() {
+/// A small arm whose tool has somewhere to go.
+const RobotModel& small_arm() {
   static const RobotModel model = [] {
     RobotModel robot;
-    robot.id = "two";
-    for (const char* name : {"base", "elbow"}) {
-      robot.joints.push_back({name, JointKind::kRevolute, -1, 1, 1, 1, 1, 0});
+    robot.id = "small";
+    robot.geometry = PalletizerGeometry{.base_height = 0.084,
+                                        .shoulder_offset = 0.008,
+                                        .upper_arm = 0.128,
+                                        .forearm = 0.138,
+                                        .tool_offset = 0.017,
+                                        .base_front = kPi * 2 / 3,
+                                        .radius_min = 0.05};
+    for (const char* name : {"base", "shoulder", "elbow"}) {
+      robot.joints.push_back({name, JointKind::kRevolute, -1, 4, 1, 1, 1, 1.5});
     }
+    robot.joints.back().home = 0.5;
     return robot;
   }();
   return model;
@@ -28,7 +37,7 @@ const RobotModel& two_joints() {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string_view text(reinterpret_cast<const char*>(data), size);
-  const auto program = program::parse(text, "f", two_joints());
+  const auto program = program::parse(text, "f", small_arm());
   if (!program) {
     SINEW_ASSERT(!program.error().empty());
     for (const Complaint& complaint : program.error()) {
@@ -36,7 +45,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     }
     return 0;
   }
-  const auto plan = program::make_plan(*program, two_joints(), JointVector{0, 0});
+  const auto plan = program::make_plan(*program, small_arm(), JointVector{1.5, 1.5, 0.5});
   if (!plan) {
     SINEW_ASSERT(plan.error().line >= 1);
     return 0;

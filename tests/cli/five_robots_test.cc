@@ -176,7 +176,7 @@ TEST(RunProgram, everything_wrong_is_said_before_a_byte_leaves) {
        "joint base=91deg",
        {},
        1,
-       "p.sinew:1: base would need 91 deg, limit 90 deg, 1 deg too far; nothing was moved"},
+       "base would need 91 deg, limit 90 deg, 1 deg too far; nothing was moved"},
       {"learm", "jont base=1deg", {}, 2, "p.sinew:1:1: unknown step 'jont'; did you mean joint?"},
       {"learm", "# nothing\n", {}, 2, "has no step; a first line could be: joint base=10deg"},
       {"learm", "home", {"--profile", "lsc7"}, 2, "--profile: 'lsc7' is none of lsc6, bus, esp32"},

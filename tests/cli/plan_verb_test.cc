@@ -8,7 +8,7 @@
 namespace sinew::test {
 namespace {
 
-const Arguments kLine{"plan",  "robot-arm-2", "--json", "--from-joints", "0,30,-60,0,30,0",
+const Arguments kLine{"plan",  "robot-arm-2", "--json", "--from-joints", "0,-30,-30,0,30,0",
                       "--to",  "400,150,300", "--to",   "400,-150,300",  "--speed",
                       "80mm/s"};
 
@@ -51,6 +51,43 @@ TEST(PlanVerb, wide_blend_saves_the_stop_in_the_corner) {
   EXPECT_LT(blended.json()["duration_s"], stopped.json()["duration_s"]);
 }
 
+TEST(PlanVerb, program_is_planned_row_by_row_and_nothing_moves) {
+  const ScratchFolder folder;
+  const std::string file = folder.file("p.sinew",
+                                       "joint J1=0deg J2=20deg J3=-30deg J5=30deg\n"
+                                       "wait 0.5s\n"
+                                       "loop 2\n"
+                                       "line y=40mm z=600mm\n"
+                                       "line y=-40mm blend=5mm\n"
+                                       "line z=620mm speed=20mm/s\n"
+                                       "end\n");
+  const Ended ended = sinew({"plan", file, "--robot", "robot-arm-2", "--json"});
+  ASSERT_EQ(ended.exit, 0) << ended.err;
+  const Json plan = ended.json();
+  ASSERT_EQ(plan["stretches"].size(), 3U);
+  EXPECT_EQ(plan["stretches"][2]["first_line"], 5);
+  EXPECT_EQ(plan["stretches"][2]["last_line"], 6);
+  const Json& last = plan["samples"].back();
+  EXPECT_NEAR(last["tool_mm"][1], -40, 1e-3);
+  EXPECT_NEAR(last["tool_mm"][2], 620, 1e-3);
+  EXPECT_NEAR(last["t_s"], plan["duration_s"], 1e-9);
+  // Register boards take whole moves, so a way takes them longer.
+  EXPECT_GT(plan["stretches"][1]["on_wire_s"], plan["stretches"][1]["duration_s"]);
+}
+
+TEST(PlanVerb, program_that_hits_its_own_arm_is_refused_with_line_and_links) {
+  const ScratchFolder folder;
+  const std::string file = folder.file("p.sinew", "joint J3=-30deg\njoint J3=-100deg\n");
+  for (const Arguments& words : {Arguments{"plan", file, "--robot", "robot-arm-2"},
+                                 Arguments{"run", file, "--robot", "robot-arm-2"}}) {
+    const Ended ended = sinew(words);
+    EXPECT_EQ(ended.exit, 1) << ended.out;
+    EXPECT_NE(ended.err.find("p.sinew:2, at "), std::string::npos) << ended.err;
+    EXPECT_NE(ended.err.find("shoulder and forearm_roll would come within"), std::string::npos)
+        << ended.err;
+  }
+}
+
 TEST(PlanVerb, picture_has_a_box_for_each_joint_and_quantity) {
   const ScratchFolder folder;
   const std::string file = folder.at("plan.svg");
@@ -72,7 +109,7 @@ TEST(PlanVerb, what_cannot_be_gone_is_refused_with_move_and_place) {
   } kCases[] = {
       {{"plan", "robot-arm-2", "--to", "900,0,300"}, "move 1, at "},
       {{"plan", "robot-arm-2", "--to", "joints=0,95,0,0,0,0"}, "shoulder"},
-      {{"plan", "robot-arm-2", "--to", "joints=0,10,-60,0,30,0", "--to", "2000,0,300"}, "move 2"},
+      {{"plan", "robot-arm-2", "--to", "joints=0,10,-30,0,30,0", "--to", "2000,0,300"}, "move 2"},
       {{"plan", "maxarm", "--to", "0,-900,100"}, "move 1"},
   };
   for (const auto& c : kCases) {
@@ -97,9 +134,30 @@ TEST(PlanVerb, bad_input_is_told_in_a_sentence) {
       {{"--to", "300,0,300", "--blend", "3deg"}, "--blend: "},
       {{"--to", "300,0,300", "--from-joints", "1"}, "--from-joints: "},
       {{"--to", "300,0,300", "--plot", "/nowhere/p.svg"}, "--plot: "},
+      {{"--to", "300,0,300", "--robot", "learm"}, "--robot: "},
   };
   for (const auto& c : kCases) {
     const Ended ended = sinew(with({"plan", "robot-arm-2"}, c.more));
+    EXPECT_EQ(ended.exit, 2) << ended.out << ended.err;
+    EXPECT_NE(ended.err.find(c.says), std::string::npos) << ended.err;
+  }
+}
+
+TEST(PlanVerb, program_needs_its_robot_and_no_moves_beside_it) {
+  const ScratchFolder folder;
+  const std::string good = folder.file("p.sinew", "line z=600mm\n");
+  const std::string bad = folder.file("q.sinew", "line z=600\n");
+  const struct {
+    Arguments words;
+    const char* says;
+  } kCases[] = {
+      {{"plan", good}, "--robot is missing"},
+      {{"plan", good, "--robot", "robot-arm-2", "--to", "1,2,3"}, "--to, --speed, --blend: "},
+      {{"plan", folder.at("none.sinew"), "--robot", "robot-arm-2"}, "none.sinew"},
+      {{"plan", bad, "--robot", "robot-arm-2"}, "q.sinew:1:6: '600' needs a unit"},
+  };
+  for (const auto& c : kCases) {
+    const Ended ended = sinew(c.words);
     EXPECT_EQ(ended.exit, 2) << ended.out << ended.err;
     EXPECT_NE(ended.err.find(c.says), std::string::npos) << ended.err;
   }

@@ -103,7 +103,7 @@ TEST(TorqueVerb, robot_without_motors_and_masses_says_what_is_missing) {
 TEST(TorqueVerb, program_that_leaves_its_limits_is_refused_with_its_line) {
   const ScratchFolder folder;
   const std::string file = folder.file("far.sinew", "joint base=10deg\njoint base=179deg\n");
-  expect_refused({"torque", "robot-arm-2", "--program", file}, 1, "far.sinew:2:");
+  expect_refused({"torque", "robot-arm-2", "--program", file}, 1, "far.sinew:2, at ");
 }
 
 }  // namespace

@@ -7,12 +7,17 @@
 
 #include "sinew/cli/table.h"
 #include "sinew/core/units.h"
+#include "sinew/model/collision_links.h"
 
 namespace sinew::cli {
 namespace {
 
-std::string_view subject(const Error& error, const RobotModel& model) {
+std::string subject(const Error& error, const RobotModel& model) {
   const auto index = static_cast<std::size_t>(error.index);
+  if (error.code == ErrorCode::kCollision && error.index >= 0 && error.other >= 0) {
+    return fmt::format("{} and {}", link_name(model, index),
+                       link_name(model, static_cast<std::size_t>(error.other)));
+  }
   if (error.index < 0 || index >= model.joints.size()) return {};
   return model.joints[index].name;
 }
@@ -52,8 +57,8 @@ std::string pose_text(const Vec3& p, const Rotation& R) {
 Json error_json(const Error& error, const RobotModel& model) {
   const ErrorInfo& row = info(error.code);
   Json json{{"code", row.name}, {"sentence", error_text(error, model)}};
-  const std::string_view name = subject(error, model);
-  if (!name.empty()) json["joint"] = name;
+  const std::string name = subject(error, model);
+  if (!name.empty()) json[error.other >= 0 ? "links" : "joint"] = name;
   const auto put = [&](const char* unit, double factor) {
     json[fmt::format("measured{}", unit)] = error.measured * factor;
     json[fmt::format("limit{}", unit)] = error.limit * factor;

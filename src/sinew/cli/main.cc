@@ -160,11 +160,12 @@ void add_plan(CLI::App& app, Call& call) {
                "sinew plan robot-arm-2 --to 300,-150,300 --to 300,150,300 "
                "--speed 80mm/s --plot plan.svg");
   PlanRequest& request = call.plan;
-  verb->add_option("ROBOT", request.robot, "id or .toml file")->required();
+  verb->add_option("ROBOT", request.subject, "id or .toml file; or a program NAME.sinew")
+      ->required();
+  verb->add_option("--robot", request.robot, "of a program: id or .toml file");
   verb->add_option("--to", request.to,
                    "x,y,z or x,y,z,rx,ry,rz: a straight line of the tool; joints=a,b,..: a joint "
                    "move; again for each further move")
-      ->required()
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   verb->add_option("--from-joints", request.from, "where it starts; home where left out");

@@ -33,13 +33,12 @@ std::string limit_text(const PathLimit& limit, const RobotModel& model) {
 }
 
 /// "1", or "2..4".
-std::string moves_text(const PlannedMotion& motion) {
-  const std::size_t last = motion.first + motion.stretch.moves;
-  return last == motion.first + 1 ? fmt::format("{}", last)
-                                  : fmt::format("{}..{}", motion.first + 1, last);
+std::string rows_text(const MotionSummary& motion) {
+  return motion.first == motion.last ? fmt::format("{}", motion.first)
+                                     : fmt::format("{}..{}", motion.first, motion.last);
 }
 
-double share(const PlannedMotion& motion) {
+double share(const MotionSummary& motion) {
   const double total = motion.limits.total();
   return total > 0 ? motion.limits.of(motion.limits.largest()) / total : 0;
 }
@@ -52,14 +51,6 @@ bool is_near(const Error& singularity) {
   return singularity.measured < (distance ? kNearDistance : kNearSine);
 }
 
-std::string slowdown_text(const planning::Slowdown& slowdown, const RobotModel& model) {
-  const std::string place =
-      fmt::format("move {}: at {} mm ({} %) the joints allow no more than {} mm/s",
-                  slowdown.place.move + 1, number(slowdown.place.at * 1e3, 1),
-                  number(slowdown.place.share * 100, 1), number(slowdown.tool_speed * 1e3, 1));
-  return is_near(slowdown.near) ? place + "; " + error_text(slowdown.near, model) : place;
-}
-
 Json values(const planning::JointArray& array, const RobotModel& model) {
   Json json = Json::array();
   for (std::size_t j = 0; j < model.joints.size(); ++j) {
@@ -68,7 +59,7 @@ Json values(const planning::JointArray& array, const RobotModel& model) {
   return json;
 }
 
-Json limit_json(const PlannedMotion& motion, const RobotModel& model) {
+Json limit_json(const MotionSummary& motion, const RobotModel& model) {
   const PathLimit limit = motion.limits.largest();
   return {{"by", limit_text(limit, model)}, {"share_of_time", share(motion)}};
 }
@@ -81,18 +72,49 @@ std::string joints_option(const planning::JointArray& q, const RobotModel& model
   return text;
 }
 
+std::vector<std::string> ways_that_work(const planning::MoveProposal& proposal,
+                                        const RobotModel& model) {
+  std::vector<std::string> ways;
+  if (proposal.move_j) {
+    ways.push_back("a joint move: joints=" + joints_option(*proposal.move_j, model));
+  }
+  if (proposal.other_start) {
+    ways.push_back("the same way from another branch: from " +
+                   joints_option(*proposal.other_start, model));
+  }
+  if (proposal.tilted) {
+    ways.push_back(fmt::format("the same line with the tool tilted by {} deg",
+                               number(to_deg(proposal.tilted->tilt), 1)));
+  }
+  if (proposal.nearest) {
+    const Vec3 rpy = fixed_xyz(proposal.nearest->X_BT.R);
+    ways.push_back(fmt::format("the nearest orientation that it can have: {},{},{} deg",
+                               number(to_deg(rpy.x)), number(to_deg(rpy.y)),
+                               number(to_deg(rpy.z))));
+  }
+  return ways;
+}
+
 }  // namespace
 
+std::string slowdown_text(const planning::Slowdown& slowdown, const RobotModel& model) {
+  const std::string place = fmt::format(
+      "at {} mm ({} %) the joints allow no more than {} mm/s", number(slowdown.place.at * 1e3, 1),
+      number(slowdown.place.share * 100, 1), number(slowdown.tool_speed * 1e3, 1));
+  return is_near(slowdown.near) ? place + "; " + error_text(slowdown.near, model) : place;
+}
+
 std::string plan_text(const MotionPlan& plan) {
-  Table table({"moves", "tool way mm", "time s", "held back most by", "share of time"});
-  table.left(3);
+  Table table(
+      {plan.rows, "tool way mm", "time s", "on the wire s", "held back most by", "share of time"});
+  table.left(4);
   std::string notes;
-  for (const PlannedMotion& motion : plan.motions) {
-    table.add({moves_text(motion), number(motion.path.joints.length() * 1e3, 1),
-               number(motion.law.duration(), 3), limit_text(motion.limits.largest(), plan.model),
+  for (const MotionSummary& motion : plan.motions) {
+    table.add({rows_text(motion), number(motion.length * 1e3, 1), number(motion.duration, 3),
+               number(motion.on_wire, 3), limit_text(motion.limits.largest(), plan.model),
                fmt::format("{} %", number(share(motion) * 100, 0))});
-    for (const planning::Slowdown& slowdown : motion.stretch.slowdowns) {
-      notes += "  " + slowdown_text(slowdown, plan.model) + "\n";
+    for (const std::string& note : motion.notes) {
+      notes += fmt::format("  {} {}: {}\n", plan.rows, rows_text(motion), note);
     }
   }
   return fmt::format("{}\n{}  {} s in all, from rest to rest; nothing was moved\n", table.text(),
@@ -107,11 +129,15 @@ Json plan_json(const MotionPlan& plan) {
             {"tool_way_mm", plan.way * 1e3},
             {"stretches", Json::array()},
             {"samples", Json::array()}};
-  for (const PlannedMotion& motion : plan.motions) {
-    json["stretches"].push_back({{"first_move", motion.first + 1},
-                                 {"moves", motion.stretch.moves},
-                                 {"duration_s", motion.law.duration()},
-                                 {"limited", limit_json(motion, model)}});
+  const std::string word = plan.rows == "moves" ? "move" : "line";
+  for (const MotionSummary& motion : plan.motions) {
+    json["stretches"].push_back({{"first_" + word, motion.first},
+                                 {"last_" + word, motion.last},
+                                 {"duration_s", motion.duration},
+                                 {"on_wire_s", motion.on_wire},
+                                 {"pieces", motion.pieces},
+                                 {"limited", limit_json(motion, model)},
+                                 {"notes", motion.notes}});
   }
   for (const PlanSample& sample : plan.samples) {
     Json row{{"t_s", sample.t}};
@@ -125,37 +151,29 @@ Json plan_json(const MotionPlan& plan) {
   return json;
 }
 
-Outcome plan_refusal(const RobotModel& model, const planning::PathRefusal& refusal,
-                     const planning::MoveProposal& proposal) {
+Outcome plan_refusal(const RobotModel& model, const std::string& file,
+                     const program::Refusal& refusal) {
+  const std::string row = fmt::format("{}{}", file.empty() ? "move " : file + ":", refusal.line);
+  std::string complaint = row;
   std::vector<std::string> ways;
-  if (proposal.move_j) {
-    ways.push_back("a joint move: --to joints=" + joints_option(*proposal.move_j, model));
+  if (refusal.way) {
+    const planning::MovePlace& place = refusal.way->refusal.place;
+    ways = ways_that_work(refusal.way->proposal, model);
+    complaint += fmt::format(", at {} mm ({} %)", number(place.at * 1e3, 1),
+                             number(place.share * 100, 1));
   }
-  if (proposal.other_start) {
-    ways.push_back("the same line from another branch: --from-joints " +
-                   joints_option(*proposal.other_start, model));
+  complaint += ": " + error_text(refusal.error, model) + "; nothing was moved";
+  for (const std::string& way : ways) complaint += "\n  would work: " + way;
+  Outcome outcome = could_not(complaint);
+  outcome.json["robot"] = model.id;
+  Json& json = outcome.json["refusal"];
+  json = error_json(refusal.error, model);
+  json[file.empty() ? "move" : "line"] = refusal.line;
+  if (refusal.way) {
+    json["at_mm"] = refusal.way->refusal.place.at * 1e3;
+    json["share"] = refusal.way->refusal.place.share;
+    json["would_work"] = ways;
   }
-  if (proposal.tilted) {
-    ways.push_back(fmt::format("the same line with the tool tilted by {} deg",
-                               number(to_deg(proposal.tilted->tilt), 1)));
-  }
-  if (proposal.nearest) {
-    const Vec3 rpy = fixed_xyz(proposal.nearest->X_BT.R);
-    ways.push_back(fmt::format("the nearest orientation that it can have: {},{},{} deg",
-                               number(to_deg(rpy.x)), number(to_deg(rpy.y)),
-                               number(to_deg(rpy.z))));
-  }
-  Outcome outcome;
-  outcome.exit = ExitCode::kCouldNot;
-  outcome.complaint = fmt::format(
-      "move {}, at {} mm ({} %): {}", refusal.place.move + 1, number(refusal.place.at * 1e3, 1),
-      number(refusal.place.share * 100, 1), error_text(refusal.error, model));
-  for (const std::string& way : ways) outcome.complaint += "\n  would work: " + way;
-  outcome.json = {{"robot", model.id}, {"refusal", error_json(refusal.error, model)}};
-  outcome.json["refusal"]["move"] = refusal.place.move + 1;
-  outcome.json["refusal"]["at_mm"] = refusal.place.at * 1e3;
-  outcome.json["refusal"]["share"] = refusal.place.share;
-  outcome.json["refusal"]["would_work"] = ways;
   return outcome;
 }
 

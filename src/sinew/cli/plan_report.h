@@ -5,21 +5,22 @@
 
 #include "sinew/cli/outcome.h"
 #include "sinew/model/robot_model.h"
-#include "sinew/planning/move_proposal.h"
 #include "sinew/planning/path_timing.h"
 #include "sinew/planning/trajectory.h"
+#include "sinew/program/program_plan.h"
 
 namespace sinew::cli {
 
-/// A motion from rest to rest.
-struct PlannedMotion {
-  PlannedMotion(std::size_t joints, std::size_t phases_max) : path(joints), law(phases_max) {}
-
-  planning::PlannedPath path;
-  planning::TimeLaw law;
+/// What a plan tells of one motion from rest to rest.
+struct MotionSummary {
+  int first = 0;  ///< move from 1, or line of the program
+  int last = 0;
+  double length = 0;    ///< m of the tool's way, or its like where it hardly moves
+  double duration = 0;  ///< s, as the limits allow
+  double on_wire = 0;   ///< s, as the device takes it
+  std::size_t pieces = 0;
   planning::LimitTimes limits;
-  std::size_t first = 0;  ///< of the moves, from 0
-  planning::PathStretch stretch;
+  std::vector<std::string> notes;
 };
 
 /// All joints and the tool at one instant of a plan.
@@ -31,9 +32,10 @@ struct PlanSample {
 
 struct MotionPlan {
   const RobotModel& model;
-  std::vector<PlannedMotion> motions;
-  double duration = 0;  ///< s
-  double way = 0;       ///< m that the tool moves
+  std::vector<MotionSummary> motions;
+  std::string rows = "moves";  ///< what first and last count: "moves" or "lines"
+  double duration = 0;         ///< s
+  double way = 0;              ///< m that the tool moves
   std::vector<PlanSample> samples;
 };
 
@@ -41,8 +43,12 @@ std::string plan_text(const MotionPlan& plan);
 /// With the trajectory at even steps.
 Json plan_json(const MotionPlan& plan);
 
+/// "at 40 mm (25 %) the joints allow no more than 12 mm/s", and what is near.
+std::string slowdown_text(const planning::Slowdown& slowdown, const RobotModel& model);
+
 /// Why a way cannot be gone and where, and what would work instead.
-Outcome plan_refusal(const RobotModel& model, const planning::PathRefusal& refusal,
-                     const planning::MoveProposal& proposal);
+/// @param file  whose line refuses; empty where it is a move of the command line
+Outcome plan_refusal(const RobotModel& model, const std::string& file,
+                     const program::Refusal& refusal);
 
 }  // namespace sinew::cli

@@ -9,6 +9,7 @@
 #include "sinew/cli/plan_report.h"
 #include "sinew/cli/plan_svg.h"
 #include "sinew/cli/robot_argument.h"
+#include "sinew/cli/table.h"
 #include "sinew/cli/targets.h"
 #include "sinew/core/quantity.h"
 #include "sinew/io/file.h"
@@ -16,38 +17,39 @@
 namespace sinew::cli {
 namespace {
 
-using planning::Move;
-using planning::MoveJ;
-using planning::MoveL;
-
 constexpr std::string_view kJoints = "joints=";
 constexpr double kSampleStep = 0.01;  // s
 constexpr std::size_t kSamplesMax = 4000;
+constexpr std::size_t kMotionsShown = 500;
 
-planning::JointArray array_of(const JointVector& q) {
-  planning::JointArray array{};
-  std::ranges::copy(q, array.begin());
-  return array;
-}
-
-std::expected<Move, std::string> parse_move(const std::string& text, const RobotModel& model) {
-  Move move;
+/// One --to as a row of a program.
+std::expected<program::Step, std::string> parse_move(const std::string& text, int number,
+                                                     const program::MotionOptions& how,
+                                                     const RobotModel& model) {
   if (text.starts_with(kJoints)) {
     const auto q = parse_joints("--to", text.substr(kJoints.size()), model);
     if (!q) return std::unexpected(q.error());
-    move.way = MoveJ{array_of(*q)};
-    return move;
+    program::JointStep step{.q = *q, .given = 0, .how = how};
+    step.given = static_cast<std::uint8_t>((1U << model.joints.size()) - 1);
+    return program::Step{number, step};
   }
-  if (std::ranges::count(text, ',') == 2) {
+  program::ToolMoveStep step;
+  step.way = program::ToolMoveStep::Way::kLine;
+  step.how = how;
+  const bool point = std::ranges::count(text, ',') == 2;
+  Vec3 p_BT;
+  if (point) {
     const auto p = parse_point("--to", text);
     if (!p) return std::unexpected(p.error());
-    move.way = MoveL{{{.R = {}, .p = *p}, planning::Asked::kPoint}};
-    return move;
+    p_BT = *p;
+  } else {
+    const auto X_BT = parse_pose("--to", text);
+    if (!X_BT) return std::unexpected(X_BT.error());
+    p_BT = X_BT->p;
+    step.to.R_BT = X_BT->R;
   }
-  const auto X = parse_pose("--to", text);
-  if (!X) return std::unexpected(X.error());
-  move.way = MoveL{{*X, planning::Asked::kPose}};
-  return move;
+  step.to.p_BT = {p_BT.x, p_BT.y, p_BT.z};
+  return program::Step{number, step};
 }
 
 /// A length (or speed: a length per second), above 0 and below 100 m.
@@ -62,66 +64,160 @@ std::expected<double, std::string> parse_amount(const char* option, std::string 
 }
 
 struct Wanted {
+  RobotModel model;
   JointVector from;
-  std::vector<Move> moves;
+  program::Program program;
+  std::string file;  ///< empty: --to
 };
 
-std::expected<Wanted, std::string> parse(const PlanRequest& request, const RobotModel& model) {
-  Wanted wanted;
-  for (const Joint& joint : model.joints) wanted.from.push_back(joint.home);
-  if (request.from) {
-    auto from = parse_joints("--from-joints", *request.from, model);
-    if (!from) return std::unexpected(from.error());
-    wanted.from = *from;
-  }
-  double speed = std::numeric_limits<double>::infinity();
-  double blend = 0;
+std::expected<program::Program, std::string> parse_moves(const PlanRequest& request,
+                                                         const RobotModel& model) {
+  program::MotionOptions how;
   if (request.speed) {
     const auto value = parse_amount("--speed", *request.speed, true);
     if (!value) return std::unexpected(value.error());
-    speed = *value;
+    how.tool_speed = *value;
   }
   if (request.blend) {
     const auto value = parse_amount("--blend", *request.blend, false);
     if (!value) return std::unexpected(value.error());
-    blend = *value;
+    how.blend_radius = *value;
   }
+  program::Program program;
   for (const std::string& text : request.to) {
-    auto move = parse_move(text, model);
-    if (!move) return std::unexpected(move.error());
-    move->tool_speed = speed;
-    move->blend_radius = blend;
-    wanted.moves.push_back(*move);
+    const auto step = parse_move(text, static_cast<int>(program.steps.size()) + 1, how, model);
+    if (!step) return std::unexpected(step.error());
+    program.steps.push_back(*step);
   }
+  return program;
+}
+
+std::expected<Wanted, Outcome> prepare(const PlanRequest& request) {
+  const auto refused = [](const std::string& why) { return std::unexpected(bad_input(why)); };
+  const bool from_file = request.subject.ends_with(".sinew");
+  if (from_file && !request.robot) {
+    return refused("--robot is missing: for which robot is " + request.subject + "?");
+  }
+  if (!from_file && request.robot) {
+    return refused("--robot: a program NAME.sinew takes it; " + request.subject + " is none");
+  }
+  if (from_file && (!request.to.empty() || request.speed || request.blend)) {
+    return refused("--to, --speed, --blend: the rows of " + request.subject + " say that");
+  }
+  if (!from_file && request.to.empty()) return refused("--to is missing: where shall it go?");
+  const auto file = find_robot(from_file ? *request.robot : request.subject);
+  if (!file) return std::unexpected(file.error());
+  Wanted wanted{.model = file->model, .from = {}, .program = {}, .file = {}};
+  const RobotModel& model = wanted.model;
+  for (const Joint& joint : model.joints) wanted.from.push_back(joint.home);
+  if (request.from) {
+    auto from = parse_joints("--from-joints", *request.from, model);
+    if (!from) return refused(from.error());
+    wanted.from = *from;
+  }
+  if (request.plot) {
+    if (const auto fine = io::check_place(*request.plot); !fine) {
+      return refused("--plot: " + fine.error().sentence);
+    }
+  }
+  if (!from_file) {
+    auto program = parse_moves(request, model);
+    if (!program) return refused(program.error());
+    wanted.program = std::move(*program);
+    return wanted;
+  }
+  wanted.file = request.subject;
+  const auto text = io::read_file(wanted.file);
+  if (!text) return refused(text.error().sentence);
+  auto program = program::parse(*text, wanted.file, model);
+  if (!program) return std::unexpected(complaints_outcome(program.error()));
+  wanted.program = std::move(*program);
   return wanted;
 }
 
-std::vector<motion::AxisLimits> limits_of(const RobotModel& model) {
-  std::vector<motion::AxisLimits> limits;
-  const double share = model.device.capability.limits_share;
-  for (const Joint& joint : model.joints) {
-    limits.push_back(
-        {share * joint.velocity_max, share * joint.acceleration_max, share * joint.jerk_max});
+/// Collects what is told and drawn while the motions are planned one after the other.
+class Recorder {
+ public:
+  Recorder(MotionPlan& plan, const planning::ToolSpace& space, double step)
+      : plan_(plan), space_(space), X_near_(space.home()), step_(step) {}
+
+  void add(const planning::PlannedMotion& motion) {
+    const planning::Trajectory trajectory = motion.trajectory();
+    const auto count = static_cast<std::size_t>(std::ceil(motion.law.duration() / step_));
+    for (std::size_t k = 0; k <= count; ++k) {
+      const double t = std::min(static_cast<double>(k) * step_, motion.law.duration());
+      PlanSample sample;
+      sample.t = plan_.duration + t;
+      trajectory.sample(t, sample.joints);
+      const auto tool = space_.forward({sample.joints.q.data(), space_.size()}, X_near_);
+      if (tool) X_near_ = *tool;
+      sample.p_BT = X_near_.p;
+      if (!plan_.samples.empty() && k > 0) {
+        plan_.way += norm(X_near_.p - plan_.samples.back().p_BT);
+      }
+      plan_.samples.push_back(sample);
+    }
+    plan_.duration += motion.law.duration();
   }
-  return limits;
+
+  /// The robot stands for a while.
+  void wait(double duration) {
+    plan_.duration += duration;
+    if (plan_.samples.empty()) return;
+    PlanSample sample = plan_.samples.back();
+    sample.t = plan_.duration;
+    sample.joints.qd = sample.joints.qdd = sample.joints.qddd = {};
+    plan_.samples.push_back(sample);
+  }
+
+ private:
+  MotionPlan& plan_;
+  const planning::ToolSpace& space_;
+  planning::PoseBT X_near_;
+  double step_;
+};
+
+void summarise(const program::RowMotion& pieces, const planning::PlannedMotion& motion,
+               std::span<const program::Step> rows, MotionPlan& plan) {
+  if (plan.motions.size() == kMotionsShown) return;
+  MotionSummary summary{.first = rows.front().line,
+                        .last = rows.back().line,
+                        .length = motion.path.joints.length(),
+                        .duration = motion.law.duration(),
+                        .on_wire = pieces.duration,
+                        .pieces = pieces.pieces.size(),
+                        .limits = motion.limits,
+                        .notes = {}};
+  for (const planning::Slowdown& slowdown : motion.stretch.slowdowns) {
+    summary.notes.push_back(slowdown_text(slowdown, plan.model));
+  }
+  const bool stops = plan.model.device.capability.motion == MotionKind::kPointToPoint;
+  if (stops && summary.pieces > 1) {
+    summary.notes.push_back(
+        fmt::format("the device takes whole moves only: {} of them from stop to stop, at most {} "
+                    "mm off the way",
+                    summary.pieces, number(program::RowPlanner::kWayTolerance * 1e3)));
+  }
+  plan.motions.push_back(summary);
 }
 
-void add_samples(const PlannedMotion& motion, const planning::ToolSpace& space, double step,
-                 MotionPlan& plan) {
-  const planning::Trajectory trajectory(motion.path, motion.law);
-  const auto count = static_cast<std::size_t>(std::ceil(motion.law.duration() / step));
-  planning::PoseBT X = space.home();
-  for (std::size_t k = 0; k <= count; ++k) {
-    const double t = std::min(static_cast<double>(k) * step, motion.law.duration());
-    PlanSample sample;
-    sample.t = plan.duration + t;
-    trajectory.sample(t, sample.joints);
-    const auto tool = space.forward({sample.joints.q.data(), space.size()}, X);
-    if (tool) X = *tool;
-    sample.p_BT = X.p;
-    if (!plan.samples.empty() && k > 0) plan.way += norm(X.p - plan.samples.back().p_BT);
-    plan.samples.push_back(sample);
+std::expected<void, program::Refusal> follow(const Wanted& wanted, const program::Plan& orders,
+                                             MotionPlan& plan) {
+  program::RowPlanner planner(wanted.model);
+  Recorder recorder(plan, planner.space(), std::max(kSampleStep, orders.duration / kSamplesMax));
+  for (const program::Order& order : orders.orders) {
+    if (const auto* wait = std::get_if<program::WaitOrder>(&order.what)) {
+      recorder.wait(to_seconds(wait->duration));
+    }
+    const auto* move = std::get_if<program::MoveOrder>(&order.what);
+    if (move == nullptr) continue;
+    const auto pieces = planner.plan(*move->q_start, move->rows);
+    if (!pieces) return std::unexpected(pieces.error());
+    if (planner.motion().empty()) continue;
+    recorder.add(planner.motion());
+    if (order.round == 1) summarise(*pieces, planner.motion(), move->rows, plan);
   }
+  return {};
 }
 
 Outcome finish(const MotionPlan& plan, const PlanRequest& request) {
@@ -140,50 +236,20 @@ Outcome finish(const MotionPlan& plan, const PlanRequest& request) {
 }  // namespace
 
 Outcome plan(const PlanRequest& request) {
-  const auto file = find_robot(request.robot);
-  if (!file) return file.error();
-  const RobotModel& model = file->model;
-  const auto wanted = parse(request, model);
-  if (!wanted) return bad_input(wanted.error());
-  if (request.plot) {
-    if (const auto fine = io::check_place(*request.plot); !fine) {
-      return bad_input("--plot: " + fine.error().sentence);
-    }
+  const auto wanted = prepare(request);
+  if (!wanted) return wanted.error();
+  const RobotModel& model = wanted->model;
+  if (!program::plannable(wanted->from, model)) {
+    planning::MotionPlanner planner(model);
+    const auto at = planner.place_at({wanted->from.data(), wanted->from.size()});
+    if (!at) return could_not("--from-joints: " + error_text(at.error(), model));
   }
-  const planning::ToolSpace space(model);
-  planning::MovePathBuilder builder(space);
-  planning::PathTiming timing;
-  const auto limits = limits_of(model);
+  const auto orders = program::make_plan(wanted->program, model, wanted->from);
+  if (!orders) return plan_refusal(model, wanted->file, orders.error());
   MotionPlan plan{.model = model, .motions = {}, .duration = 0, .way = 0, .samples = {}};
-  auto at = builder.place_at(wanted->from, space.home());
-  if (!at) return could_not("--from-joints: " + error_text(at.error(), model));
-  for (std::size_t k = 0; k < wanted->moves.size();) {
-    PlannedMotion& motion = plan.motions.emplace_back(model.joints.size(), timing.phases_max());
-    const auto stretch = builder.build(*at, wanted->moves, k, motion.path);
-    if (!stretch) {
-      planning::PlannedPath scratch(model.joints.size());
-      return plan_refusal(model, stretch.error(),
-                          propose(builder, space, stretch.error(), wanted->moves, scratch));
-    }
-    motion.first = k;
-    motion.stretch = *stretch;
-    k += stretch->moves;
-    *at = stretch->end;
-    if (motion.path.joints.empty()) {
-      plan.motions.pop_back();
-      continue;
-    }
-    auto trouble = timing.prepare(motion.path, limits);
-    if (!trouble) trouble = timing.plan({}, 1, motion.law);
-    if (trouble) return could_not(error_text(*trouble, model));
-    motion.limits = timing.limit_times();
-  }
-  double total = 0;
-  for (const PlannedMotion& motion : plan.motions) total += motion.law.duration();
-  const double step = std::max(kSampleStep, total / kSamplesMax);
-  for (const PlannedMotion& motion : plan.motions) {
-    add_samples(motion, space, step, plan);
-    plan.duration += motion.law.duration();
+  if (!wanted->file.empty()) plan.rows = "lines";
+  if (const auto done = follow(*wanted, *orders, plan); !done) {
+    return plan_refusal(model, wanted->file, done.error());
   }
   return finish(plan, request);
 }

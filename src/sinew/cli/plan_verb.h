@@ -10,7 +10,8 @@ namespace sinew::cli {
 
 /// What the user wrote after `sinew plan`; numbers still as text.
 struct PlanRequest {
-  std::string robot;
+  std::string subject;               ///< a robot, or a program NAME.sinew
+  std::optional<std::string> robot;  ///< of a program
   /// One a move, in order: "x,y,z" or "x,y,z,rx,ry,rz" for a straight line of the tool,
   /// "joints=a,b,..." for a joint move.
   std::vector<std::string> to;

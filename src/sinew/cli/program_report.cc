@@ -73,10 +73,28 @@ std::string tool_text(const ToolAction& action) {
                      number(to_seconds(nozzle.duration), 3));
 }
 
+/// "joint", "line", or of several rows that are one motion "line..arc".
+std::string row_name(const MoveOrder& move) {
+  const auto name = [](const program::Step& row) -> std::string {
+    if (std::holds_alternative<program::JointStep>(row.what)) return "joint";
+    if (std::holds_alternative<program::SplineStep>(row.what)) return "spline";
+    constexpr const char* kNames[] = {"move", "line", "arc"};
+    return kNames[static_cast<int>(std::get<program::ToolMoveStep>(row.what).way)];
+  };
+  const std::string first = name(move.rows.front());
+  return move.rows.size() == 1 ? first : first + ".." + name(move.rows.back());
+}
+
+/// "4", or "4..7".
+std::string lines_text(const program::Order& order) {
+  return order.line == order.last_line ? fmt::format("{}", order.line)
+                                       : fmt::format("{}..{}", order.line, order.last_line);
+}
+
 std::string command_text(const Record& record, const RobotModel& model) {
   const auto& what = record.order->what;
-  if (std::holds_alternative<MoveOrder>(what)) {
-    return "joint " + values_text({record.q.data(), record.q.size()}, model);
+  if (const auto* move = std::get_if<MoveOrder>(&what)) {
+    return row_name(*move) + " " + values_text({record.q.data(), record.q.size()}, model);
   }
   if (const auto* wait = std::get_if<program::WaitOrder>(&what)) {
     return fmt::format("wait {} s", number(to_seconds(wait->duration), 3));
@@ -158,7 +176,9 @@ bool speed_unheard(const ProgramReport& report) {
   if (report.model.device.capability.takes_speed) return false;
   return std::ranges::any_of(report.run.plan().orders, [](const program::Order& order) {
     const auto* move = std::get_if<program::MoveOrder>(&order.what);
-    return move != nullptr && move->step.speed != 1;
+    return move != nullptr && std::ranges::any_of(move->rows, [](const program::Step& row) {
+             return program::motion_of(row)->joint_share != 1;
+           });
   });
 }
 
@@ -197,6 +217,7 @@ Json program_json(const ProgramReport& report) {
   for (const Record& record : run.records()) {
     Json order{
         {"line", record.order->line},
+        {"last_line", record.order->last_line},
         {"round", record.order->round},
         {"command", command_text(record, model)},
         {"took_s", took(record)},
@@ -232,7 +253,7 @@ std::string program_text(const ProgramReport& report) {
     for (std::size_t i = 0; i < records.size(); ++i) {
       const Record& record = records[i];
       const auto error = largest_error(record, model);
-      table.add({fmt::format("{}", i + 1), fmt::format("{}", record.order->line),
+      table.add({fmt::format("{}", i + 1), lines_text(*record.order),
                  fmt::format("{}/{}", record.order->round, record.order->rounds),
                  command_text(record, model), reported_text(record, model),
                  error ? number(*error, 3) : "",

@@ -8,6 +8,7 @@
 
 #include "sinew/cli/device_argument.h"
 #include "sinew/cli/kinematics_text.h"
+#include "sinew/cli/plan_report.h"
 #include "sinew/cli/program_report.h"
 #include "sinew/cli/progress_line.h"
 #include "sinew/cli/quantity.h"
@@ -97,12 +98,7 @@ std::expected<Prepared, Outcome> prepare(const RunRequest& request) {
   const auto plan = program::make_plan(prepared.program, model, prepared.standing_at.value_or(home),
                                        runtime::homing_times(model));
   if (!plan) {
-    Outcome outcome =
-        could_not(fmt::format("{}:{}: {}; nothing was moved", request.file, plan.error().line,
-                              error_text(plan.error().error, model)));
-    outcome.json["refusal"] = error_json(plan.error().error, model);
-    outcome.json["refusal"]["line"] = plan.error().line;
-    return std::unexpected(outcome);
+    return std::unexpected(plan_refusal(model, request.file, plan.error()));
   }
   prepared.homing_max = plan->homing_max;
   return prepared;

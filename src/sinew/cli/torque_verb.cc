@@ -7,6 +7,7 @@
 #include <set>
 
 #include "sinew/cli/kinematics_text.h"
+#include "sinew/cli/plan_report.h"
 #include "sinew/cli/robot_argument.h"
 #include "sinew/cli/table.h"
 #include "sinew/cli/torque_report.h"
@@ -133,20 +134,13 @@ std::optional<Outcome> load_program(const std::string& path, TorqueReport& repor
   if (!parsed) return complaints_outcome(parsed.error());
   JointVector home;
   for (const Joint& joint : model.joints) home.push_back(joint.home);
-  const auto refused = [&](const program::Refusal& refusal) {
-    Outcome outcome =
-        could_not(fmt::format("{}:{}: {}", path, refusal.line, error_text(refusal.error, model)));
-    outcome.json["refusal"] = error_json(refusal.error, model);
-    outcome.json["refusal"]["line"] = refusal.line;
-    return outcome;
-  };
   const auto plan = program::make_plan(*parsed, model, home);
-  if (!plan) return refused(plan.error());
+  if (!plan) return plan_refusal(model, path, plan.error());
   std::vector<planning::DriveTrain> drives;
   for (std::size_t i = 0; i < model.joints.size(); ++i) drives.push_back(report.study.drive(i));
   const auto loads =
       program::load_of(*plan, model, planning::InverseDynamics(model, report.payload), drives);
-  if (!loads) return refused(loads.error());
+  if (!loads) return plan_refusal(model, path, loads.error());
   report.program = path;
   report.program_duration = plan->duration;
   report.loads = *loads;

@@ -165,6 +165,9 @@ constexpr std::array kTable = std::to_array<ErrorInfo>({
      kLength, true, kNoStop, 422},
     {kNoEndStops, "no_end_stops", "this robot has no end stops to find its zeros with", kNone, true,
      kNoStop, 422},
+    {kCollision, "collision",
+     "{subject} would come within {measured} of each other, at least {limit} is asked for", kLength,
+     true, kNoStop, 422},
 });
 
 std::string format_value(double value, Quantity quantity) {
@@ -210,8 +213,10 @@ const ErrorInfo& info(ErrorCode code) {
 
 std::string describe(const Error& error, std::string_view subject) {
   const ErrorInfo& row = info(error.code);
-  const std::string fallback =
-      error.index < 0 ? "the value" : "J" + std::to_string(error.index + 1);
+  std::string fallback = error.index < 0 ? "the value" : "J" + std::to_string(error.index + 1);
+  if (error.other >= 0) {
+    fallback = "links " + std::to_string(error.index) + " and " + std::to_string(error.other);
+  }
   std::string text;
   std::string_view rest = row.sentence;
   while (!rest.empty()) {

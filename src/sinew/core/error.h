@@ -72,6 +72,7 @@ enum class ErrorCode : std::uint8_t {
   kMoveInput,           ///< a target, speed or radius of a move is not finite or out of its range
   kArcCollinear,        ///< measured, limit: m that the via point is off the line to the end
   kNoEndStops,          ///< this robot cannot find its zeros by itself
+  kCollision,  ///< index, other: links (model/collision_links.h); measured, limit: m between them
 };
 
 /// How a stop ends, after IEC 60204-1.
@@ -98,9 +99,10 @@ enum class Quantity : std::uint8_t {
 /// An expected failure with the values that matter. Text is made at the edge by `describe`.
 struct Error {
   ErrorCode code{};
-  std::int8_t index = -1;  ///< joint or leg, counted from 0; -1 where there is none
-  double measured = 0;     ///< what would be needed or was seen; unit by code
-  double limit = 0;        ///< what is allowed; same unit
+  std::int8_t index = -1;   ///< joint or leg, counted from 0; -1 where there is none
+  double measured = 0;      ///< what would be needed or was seen; unit by code
+  double limit = 0;         ///< what is allowed; same unit
+  std::int16_t other = -1;  ///< the second one where two of them meet
 
   friend bool operator==(const Error&, const Error&) = default;
 };

@@ -32,6 +32,11 @@ constexpr auto kUnits = std::to_array<Unit>({
     {"kg", Measure::kMass, 1},
     {"g", Measure::kMass, 1e-3},
     {"Nm", Measure::kTorque, 1},
+    {"mm/s", Measure::kSpeed, 1e-3},
+    {"m/s", Measure::kSpeed, 1},
+    {"in/s", Measure::kSpeed, 0.0254},
+    {"mm/s2", Measure::kAcceleration, 1e-3},
+    {"m/s2", Measure::kAcceleration, 1},
 });
 
 std::string_view trimmed(std::string_view text) {

@@ -45,8 +45,8 @@ MoveProposal propose(MovePathBuilder& builder, const ToolSpace& space, const Pat
   move.blend_radius = 0;
   move.blend_joints = 0;
   MoveWay way(space);
-  if (std::holds_alternative<MoveJ>(move.way) || refusal.error.code == ErrorCode::kMoveInput ||
-      way.make(move, refusal.from) || way.length() == 0) {
+  if (refusal.error.code == ErrorCode::kMoveInput || way.make(move, refusal.from) ||
+      way.straight_in_joints() || way.length() == 0) {
     return proposal;
   }
   const RobotPlace& from = refusal.from;

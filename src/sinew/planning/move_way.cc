@@ -79,17 +79,30 @@ std::optional<MoveFault> MoveWay::make(const Move& move, const RobotPlace& from)
   if (!is_valid(move)) return bad_input();
   q_from_ = from.q;
   X_from_ = from.X_BT;
-  const auto* to = std::get_if<MoveJ>(&move.way);
-  joints_ = to != nullptr;
-  return joints_ ? make_joints(*to, from) : make_tool(move, from);
+  const auto* joints = std::get_if<MoveJ>(&move.way);
+  const auto* to = std::get_if<MoveTo>(&move.way);
+  joints_ = joints != nullptr || to != nullptr;
+  if (joints != nullptr) return make_joints(joints->q, from);
+  return to != nullptr ? make_joints_to(to->to, from) : make_tool(move, from);
 }
 
-std::optional<MoveFault> MoveWay::make_joints(const MoveJ& move, const RobotPlace& from) {
+std::optional<MoveFault> MoveWay::make_joints_to(const ToolTarget& target, const RobotPlace& from) {
+  const auto point = resolve(target, from, space_.point(from.X_BT));
+  if (!point) return point.error();
+  const auto branches = space_.branches(*point, from.q);
+  if (!branches.empty()) return make_joints(branches[0], from);
+  // With its limits aside, so that whoever checks them can say which one is in the way.
+  const auto q = space_.inverse_near(*point, from.q);
+  if (!q) return MoveFault{q.error(), {}};
+  return make_joints(*q, from);
+}
+
+std::optional<MoveFault> MoveWay::make_joints(const JointArray& q, const RobotPlace& from) {
   q_to_ = {};
   double largest = 0;
   for (std::size_t j = 0; j < space_.size(); ++j) {
-    if (!std::isfinite(move.q[j])) return bad_input();
-    q_to_[j] = move.q[j];
+    if (!std::isfinite(q[j])) return bad_input();
+    q_to_[j] = q[j];
     largest = std::max(largest, std::abs(q_to_[j] - from.q[j]));
   }
   X_end_ = from.X_BT;
@@ -100,8 +113,8 @@ std::optional<MoveFault> MoveWay::make_joints(const MoveJ& move, const RobotPlac
   }
   double way = 0;
   for (int k = 1; k <= kWayParts; ++k) {
-    const JointArray q = joints_at(length_ * k / kWayParts);
-    const auto X_BT = space_.forward(std::span(q.data(), space_.size()), X_end_);
+    const JointArray q_on_way = joints_at(length_ * k / kWayParts);
+    const auto X_BT = space_.forward(std::span(q_on_way.data(), space_.size()), X_end_);
     if (!X_BT) return MoveFault{X_BT.error(), {}};
     way += std::max(norm(X_BT->p - X_end_.p),
                     kTurnRadius *

@@ -46,7 +46,8 @@ class MoveWay {
   const PoseBT& joint_end() const { return X_end_; }
 
  private:
-  std::optional<MoveFault> make_joints(const MoveJ& move, const RobotPlace& from);
+  std::optional<MoveFault> make_joints(const JointArray& q, const RobotPlace& from);
+  std::optional<MoveFault> make_joints_to(const ToolTarget& target, const RobotPlace& from);
   std::optional<MoveFault> make_tool(const Move& move, const RobotPlace& from);
   std::expected<TaskPoint, MoveFault> resolve(const ToolTarget& target, const RobotPlace& from,
                                               const TaskPoint& last) const;

@@ -26,6 +26,11 @@ struct MoveJ {
   JointArray q{};
 };
 
+/// The tool goes there, the joints straight: the nearest of all branches inside the limits.
+struct MoveTo {
+  ToolTarget to;
+};
+
 /// The tool goes along a straight line; its orientation turns evenly, the shortest way. On a
 /// five-joint arm pitch and roll change evenly, or the approach axis turns.
 struct MoveL {
@@ -48,7 +53,7 @@ struct MoveSpline {
 /// One row of a program. Where another one follows, a blend lets the path leave this move near its
 /// end and join the next one as far behind it; without one the robot comes to a stop there.
 struct Move {
-  std::variant<MoveJ, MoveL, MoveC, MoveSpline> way;
+  std::variant<MoveJ, MoveTo, MoveL, MoveC, MoveSpline> way;
   double tool_speed = std::numeric_limits<double>::infinity();         ///< m/s, > 0
   double tool_acceleration = std::numeric_limits<double>::infinity();  ///< m/s^2, > 0
   double joint_share = 1;  ///< of the joints' velocity limits, (0, 1]

@@ -40,7 +40,7 @@ TEST(ProgramFile, every_row_is_read) {
   EXPECT_EQ(joint.given, 0b11);
   EXPECT_DOUBLE_EQ(joint.q[0], from_deg(30));
   EXPECT_DOUBLE_EQ(joint.q[1], -0.5);
-  EXPECT_DOUBLE_EQ(joint.speed, 0.5);
+  EXPECT_DOUBLE_EQ(joint.how.joint_share, 0.5);
   const auto& loop = std::get<LoopStep>(program->steps[2].what);
   EXPECT_EQ(loop.rounds, 3);
   EXPECT_EQ(loop.end, 5U);
@@ -57,17 +57,17 @@ TEST(ProgramFile, every_fault_is_told_at_its_place_with_its_remedy) {
   } kCases[] = {
       {"jont base=1deg", "p.sinew:1:1: unknown step 'jont'; did you mean joint?"},
       {"\n  fly",
-       "p.sinew:2:3: unknown step 'fly'; steps are joint home jaws gripper suction "
-       "nozzle wait loop end"},
+       "p.sinew:2:3: unknown step 'fly'; steps are joint move line arc spline home jaws gripper "
+       "suction nozzle wait loop end"},
       {"joint", "p.sinew:1:1: a joint is missing; write joint base=10deg"},
-      {"joint speed=50%", "p.sinew:1:1: a joint is missing: speed alone moves nothing"},
+      {"joint speed=50%", "p.sinew:1:1: a joint is missing: options alone move nothing"},
       {"joint base=10", "p.sinew:1:7: '10' needs a unit: deg, rad"},
       {"joint base=10mm", "p.sinew:1:7: '10mm' ends in 'mm', which is none of deg, rad"},
       {"joint base", "p.sinew:1:7: 'base': write NAME=VALUE, as in base=10deg"},
       {"joint bse=10deg", "p.sinew:1:7: 'bse' is no joint of this robot; did you mean base?"},
       {"joint J6=10deg",
        "p.sinew:1:7: 'J6' is no joint of this robot; it has base shoulder elbow "
-       "wrist roll speed"},
+       "wrist roll speed accel blend"},
       {"joint base=1deg J1=2deg", "p.sinew:1:17: 'J1' is named twice"},
       {"joint base=1deg speed=150%", "p.sinew:1:17: speed is 1% to 100%, once"},
       {"joint base=nandeg", "p.sinew:1:7: 'nandeg' is not a finite number"},
@@ -88,6 +88,99 @@ TEST(ProgramFile, every_fault_is_told_at_its_place_with_its_remedy) {
   EXPECT_EQ(complaints("joint leg1=20deg", "hexapod"),
             std::vector<std::string>{
                 "p.sinew:1:7: '20deg' ends in 'deg', which is none of mm, cm, m, in"});
+}
+
+TEST(ProgramFile, every_fault_of_a_tool_row_is_told_too) {
+  const struct {
+    const char* text;
+    const char* complaint;
+  } kCases[] = {
+      {"line",
+       "p.sinew:1:1: a target is missing; it has x y z pitch roll rx ry rz speed accel blend"},
+      {"line speed=10%",
+       "p.sinew:1:1: a target is missing; it has x y z pitch roll rx ry rz speed accel blend"},
+      {"line X=10mm",
+       "p.sinew:1:6: 'X' is nothing that this row takes; it has x y z pitch roll rx ry rz speed "
+       "accel blend"},
+      {"line x=10", "p.sinew:1:6: '10' needs a unit: mm, cm, m, in"},
+      {"line x=1mm x=2mm", "p.sinew:1:12: 'x' is named twice"},
+      {"line x=200m", "p.sinew:1:6: 'x' is farther away than 100 m"},
+      {"line rx=10deg",
+       "p.sinew:1:1: rx, ry and rz belong together: an orientation needs all three"},
+      {"line rx=1000deg ry=0deg rz=0deg", "p.sinew:1:6: 'rx' is two turns at most"},
+      {"line x=1mm rx=1deg rx=1deg", "p.sinew:1:20: 'rx' is named twice"},
+      {"line x=1mm speed=80", "p.sinew:1:12: '80' needs a unit: %"},
+      {"line x=1mm speed=0mm/s",
+       "p.sinew:1:12: a tool's speed is above 0 and at most 100 m/s, once"},
+      {"line x=1mm speed=1mm/s speed=2mm/s",
+       "p.sinew:1:24: a tool's speed is above 0 and at most 100 m/s, once"},
+      {"line x=1mm accel=1mm/s",
+       "p.sinew:1:12: '1mm/s' ends in 'mm/s', which is none of mm/s2, m/s2"},
+      {"line x=1mm accel=-1mm/s2", "p.sinew:1:12: accel is above 0 and at most 100 m/s2"},
+      {"line x=1mm blend=0mm", "p.sinew:1:12: blend is above 0 and at most 1 m, or 1 rad"},
+      {"line x=1mm blend=1mm blend=1mm", "p.sinew:1:22: 'blend' is named twice"},
+      {"line x=1mm ptch=3deg",
+       "p.sinew:1:12: 'ptch' is nothing that this row takes; did you mean pitch?"},
+      {"arc x=1mm", "p.sinew:1:1: an arc needs a point on its way; write via=200mm,0mm,180mm"},
+      {"arc via=1mm,2mm x=1mm", "p.sinew:1:5: '1mm,2mm': a point is X,Y,Z, as in 200mm,0mm,150mm"},
+      {"arc via=1mm,2mm,3 x=1mm", "p.sinew:1:5: '3' needs a unit: mm, cm, m, in"},
+      {"arc via=1mm,2mm,3mm via=1mm,2mm,3mm x=1mm", "p.sinew:1:21: 'via' is named twice"},
+      {"line via=1mm,2mm,3mm",
+       "p.sinew:1:6: 'via' is nothing that this row takes; it has x y z pitch roll rx ry rz speed "
+       "accel blend"},
+      {"spline", "p.sinew:1:1: a spline has 1 to 256 points, as in 200mm,0mm,150mm"},
+      {"spline 1mm,2mm,3mm x=1mm",
+       "p.sinew:1:20: 'x' is nothing that this row takes; it has speed accel blend"},
+  };
+  for (const auto& c : kCases) {
+    EXPECT_EQ(complaints(c.text), std::vector<std::string>{c.complaint}) << c.text;
+  }
+}
+
+TEST(ProgramFile, rows_of_the_tool_are_read) {
+  const auto program = parse(
+      "move x=200mm z=1in speed=50% blend=3deg\n"
+      "line y=-5cm rx=180deg ry=0deg rz=90deg speed=80mm/s speed=20% accel=1m/s2 blend=20mm\n"
+      "arc via=200mm,0mm,180mm y=50mm\n"
+      "spline 1mm,2mm,3mm 4mm,5mm,6mm speed=1in/s\n",
+      "p", test::robot("puma560"));
+  ASSERT_TRUE(program) << to_text(program.error().front());
+  ASSERT_EQ(program->steps.size(), 4U);
+  const auto& move = std::get<ToolMoveStep>(program->steps[0].what);
+  EXPECT_EQ(move.way, ToolMoveStep::Way::kJoints);
+  EXPECT_EQ(move.to.p_BT, (std::array<std::optional<double>, 3>{0.2, std::nullopt, 0.0254}));
+  EXPECT_EQ(move.how.joint_share, 0.5);
+  EXPECT_DOUBLE_EQ(move.how.blend_joints, from_deg(3));
+  EXPECT_EQ(move.how.blend_radius, 0);
+  EXPECT_FALSE(move.to.R_BT);
+  const auto& line = std::get<ToolMoveStep>(program->steps[1].what);
+  EXPECT_EQ(line.way, ToolMoveStep::Way::kLine);
+  ASSERT_TRUE(line.to.R_BT);
+  EXPECT_LT(angle_between(*line.to.R_BT, rotation_from_fixed_xyz({kPi, 0, kPi / 2})), 1e-9);
+  EXPECT_DOUBLE_EQ(line.how.tool_speed, 0.08);
+  EXPECT_DOUBLE_EQ(line.how.joint_share, 0.2);
+  EXPECT_DOUBLE_EQ(line.how.tool_acceleration, 1);
+  EXPECT_DOUBLE_EQ(line.how.blend_radius, 0.02);
+  EXPECT_TRUE(motion_of(program->steps[1])->blends());
+  const auto& arc = std::get<ToolMoveStep>(program->steps[2].what);
+  EXPECT_EQ(arc.way, ToolMoveStep::Way::kArc);
+  EXPECT_NEAR(arc.p_via_BT.z, 0.18, 1e-12);
+  EXPECT_FALSE(motion_of(program->steps[2])->blends());
+  const auto& spline = std::get<SplineStep>(program->steps[3].what);
+  ASSERT_EQ(spline.through->size(), 2U);
+  EXPECT_NEAR((*spline.through)[1].y, 0.005, 1e-12);
+  EXPECT_DOUBLE_EQ(spline.how.tool_speed, 0.0254);
+}
+
+TEST(ProgramFile, arms_with_five_joints_take_pitch_and_roll) {
+  const auto five = parse("line pitch=90deg roll=-10deg", "p", test::robot("learm"));
+  const auto& to = std::get<ToolMoveStep>(five->steps[0].what).to;
+  EXPECT_DOUBLE_EQ(*to.pitch, kPi / 2);
+  EXPECT_DOUBLE_EQ(*to.roll, from_deg(-10));
+  EXPECT_FALSE(parse("line pitch=90deg", "p", test::robot("puma560")));
+  EXPECT_EQ(complaints("line rx=1deg", "maxarm"),
+            std::vector<std::string>{"p.sinew:1:6: 'rx' is nothing that this row takes; it has x y "
+                                     "z speed accel blend"});
 }
 
 TEST(ProgramFile, all_faults_come_at_once_and_never_too_many) {

@@ -38,6 +38,27 @@ class Meter {
     return std::nullopt;
   }
 
+  /// All of a motion that begins at `time`.
+  std::optional<Error> look_along(const planning::PlannedMotion& motion, int line, double time,
+                                  double period) {
+    if (motion.empty()) return std::nullopt;
+    const planning::Trajectory trajectory = motion.trajectory();
+    const std::size_t n = drives_.size();
+    const double looks = std::max(1.0, std::ceil(trajectory.duration() / period));
+    planning::JointMotion at;
+    for (double k = 0; k <= looks; ++k) {
+      const double t = trajectory.duration() * k / looks;
+      trajectory.sample(t, at);
+      // Trapezoidal weights: both ends stand for half of what the others do.
+      const double share = k == 0 || k == looks ? 0.5 : 1;
+      if (const auto error = look({at.q.data(), n}, {{at.qd.data(), n}, {at.qdd.data(), n}}, line,
+                                  time + t, share * trajectory.duration() / looks)) {
+        return error;
+      }
+    }
+    return std::nullopt;
+  }
+
   std::vector<JointLoad> loads() const {
     std::vector<JointLoad> loads = loads_;
     for (std::size_t i = 0; i < loads.size(); ++i) {
@@ -63,6 +84,7 @@ std::expected<std::vector<JointLoad>, Refusal> load_of(
   SINEW_ASSERT(drives.size() == n);
   const double period = std::max(kPeriod, plan.duration / kLooksMax);
   Meter meter(dynamics, drives);
+  RowPlanner planner(robot);
   JointVector q, still;
   still.resize(n);
   for (const Joint& joint : robot.joints) q.push_back(joint.home);
@@ -71,19 +93,15 @@ std::expected<std::vector<JointLoad>, Refusal> load_of(
     std::optional<Error> error;
     if (const auto* move = std::get_if<MoveOrder>(&order.what)) {
       SINEW_ASSERT(move->q_start.has_value());
-      const auto profile = profile_between(*move->q_start, move->q, robot, move->step.speed);
-      const double looks = std::max(1.0, std::ceil(profile.duration() / period));
-      motion::AxisStates states;
-      for (double k = 0; k <= looks && !error; ++k) {
-        const double t = profile.duration() * k / looks;
-        profile.sample(t, states);
-        const kinematics::JointMotion motion{{states.qd.data(), n}, {states.qdd.data(), n}};
-        // Trapezoidal weights: both ends stand for half of what the others do.
-        const double share = k == 0 || k == looks ? 0.5 : 1;
-        error = meter.look({states.q.data(), n}, motion, order.line, start + t,
-                           share * profile.duration() / looks);
+      JointVector at = *move->q_start;
+      for (std::span<const Step> rows = move->rows; !rows.empty() && !error;) {
+        const auto motion = planner.plan(at, rows);
+        if (!motion) return std::unexpected(motion.error());
+        error = meter.look_along(planner.motion(), order.line, start, period);
+        start += planner.motion().law.duration();
+        rows = rows.subspan(motion->rows);
+        at = motion->q_end;
       }
-      start += profile.duration();
       q = move->q;
     } else if (const auto* wait = std::get_if<WaitOrder>(&order.what)) {
       const double seconds = to_seconds(wait->duration);
@@ -92,7 +110,7 @@ std::expected<std::vector<JointLoad>, Refusal> load_of(
     } else if (std::holds_alternative<HomeOrder>(order.what)) {
       for (std::size_t i = 0; i < n; ++i) q[i] = robot.joints[i].home;
     }
-    if (error) return std::unexpected(Refusal{order.line, *error});
+    if (error) return std::unexpected(Refusal{order.line, *error, std::nullopt});
   }
   return meter.loads();
 }

@@ -69,7 +69,7 @@ TEST(ProgramLoad, peak_is_where_a_slow_look_at_the_profile_finds_it) {
       start += 1;
       continue;
     }
-    const auto profile = profile_between(*move->q_start, move->q, arm(), move->step.speed);
+    const auto profile = profile_between(*move->q_start, move->q, arm(), 1);
     for (double t = 0; t <= profile.duration(); t += 1e-3) {
       motion::AxisStates s;
       profile.sample(t, s);
@@ -123,7 +123,8 @@ TEST(ProgramLoad, leg_lengths_that_no_platform_has_are_refused_with_their_line) 
   apart[0] = model.joints[0].upper;
   apart[3] = model.joints[3].lower;
   apart[1] = model.joints[1].lower;
-  plan.orders.push_back({7, 1, 1, MoveOrder{{apart, 63, 1}, home_of(model), apart, 1}});
+  const Step row{7, JointStep{apart, 63, {}}};
+  plan.orders.push_back({7, 7, 1, 1, MoveOrder{{row}, home_of(model), apart, 1}});
   const auto drives = drives_of(model);
   const auto loads = load_of(plan, model, InverseDynamics(model, 0), drives);
   ASSERT_FALSE(loads.has_value());

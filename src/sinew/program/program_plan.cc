@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
+#include <memory>
 #include <numeric>
 
 #include "sinew/core/units.h"
@@ -14,6 +16,8 @@ constexpr double kFirstMoveSpeed = 0.1;  // of a joint's top speed
 constexpr double kFirstMoveMin = 2;      // s
 
 constexpr std::size_t kTurnsMax = 4 * kOrdersMax;
+/// Different motions of one program: each takes about a millisecond to plan.
+constexpr std::size_t kMotionsMax = 20'000;
 
 Error too_long() {
   constexpr auto kMax = static_cast<double>(kOrdersMax);
@@ -60,62 +64,130 @@ class Planner {
   Planner(const RobotModel& robot, const Start& start, const HomingTimes& homing)
       : robot_(robot), q_(start), homing_(std::accumulate(homing.begin(), homing.end(), 0.0)) {}
 
-  std::optional<Refusal> take(const Step& step, int round, int rounds) {
-    if (plan_.orders.size() >= kOrdersMax) {
-      return Refusal{step.line, too_long()};
+  /// One row in the order in which they come. @param place  of the row in its program
+  std::optional<Refusal> take(const Step& step, std::size_t place, int round, int rounds) {
+    if (motion_of(step) != nullptr) {
+      if (rows_.empty()) first_ = {round, rounds};
+      rows_.push_back(step);
+      places_.push_back(place);
+      // Too many for one motion: what there is goes first.
+      const bool more = motion_of(step)->blends() && rows_.size() < RowPlanner::kRowsMax;
+      return more ? std::nullopt : finish();
     }
-    Order order{step.line, round, rounds, HomeOrder{homing_}};
-    if (const auto* joint = std::get_if<JointStep>(&step.what)) {
-      auto move = plan_move(*joint);
-      if (!move) return Refusal{step.line, move.error()};
-      plan_.duration += move->duration;
-      q_ = move->q;
-      order.what = *move;
-    } else if (const auto* wait = std::get_if<WaitStep>(&step.what)) {
+    if (auto refusal = finish()) return refusal;
+    Order order{step.line, step.line, round, rounds, HomeOrder{homing_}};
+    if (const auto* wait = std::get_if<WaitStep>(&step.what)) {
       plan_.duration += to_seconds(wait->duration);
       order.what = WaitOrder{wait->duration};
     } else if (const auto* tool = std::get_if<ToolStep>(&step.what)) {
       if (const auto refusal = tool_refusal(robot_, tool->action)) {
-        return Refusal{step.line, *refusal};
+        return Refusal{step.line, *refusal, std::nullopt};
       }
       order.what = ToolOrder{tool->action};
     } else {
-      if (!can_home(robot_)) return Refusal{step.line, Error{ErrorCode::kNoEndStops}};
+      if (!can_home(robot_)) {
+        return Refusal{step.line, Error{ErrorCode::kNoEndStops}, std::nullopt};
+      }
       plan_.homing_max += homing_;
       q_.emplace();
       for (const Joint& homed : robot_.joints) q_->push_back(homed.home);
     }
-    plan_.orders.push_back(order);
+    return add(std::move(order));
+  }
+
+  /// Plans the motions that are still waiting for rows to blend with.
+  std::optional<Refusal> finish() {
+    std::span<const Step> rows = rows_;
+    std::span<const std::size_t> places = places_;
+    while (!rows.empty()) {
+      const auto motion = plan_motion(rows, places);
+      if (!motion) return motion.error();
+      const auto taken = rows.first(motion->rows);
+      Order order{taken.front().line, taken.back().line, first_.round, first_.rounds, {}};
+      order.what = MoveOrder{{taken.begin(), taken.end()}, q_, motion->q_end, motion->duration};
+      plan_.duration += motion->duration;
+      q_ = motion->q_end;
+      if (auto refusal = add(std::move(order))) return refusal;
+      rows = rows.subspan(motion->rows);
+      places = places.subspan(motion->rows);
+    }
+    rows_.clear();
+    places_.clear();
     return std::nullopt;
   }
 
   Plan& plan() { return plan_; }
 
  private:
-  std::expected<MoveOrder, Error> plan_move(const JointStep& step) const {
-    for (std::size_t i = 0; i < robot_.joints.size(); ++i) {
-      const bool given = (step.given >> i & 1) != 0;
-      const auto index = static_cast<std::int8_t>(i);
-      if (!given) {
-        if (!q_) return std::unexpected(Error{ErrorCode::kPositionUnknown, index});
-        continue;
-      }
-      const Joint& joint = robot_.joints[i];
-      if (within_limits(joint, step.q[i])) continue;
-      const double limit = step.q[i] < joint.lower ? joint.lower : joint.upper;
-      const bool leg = joint.kind == JointKind::kPrismatic;
+  struct Planned {
+    std::size_t rows = 0;
+    JointVector q_end;
+    double duration = 0;
+  };
+  /// The rows of a motion and where it begins: loops come by the same ones again and again.
+  struct Key {
+    std::vector<std::size_t> places;
+    std::vector<double> q_start;
+    auto operator<=>(const Key&) const = default;
+  };
+  struct First {
+    int round = 1;
+    int rounds = 1;
+  };
+
+  std::optional<Refusal> add(Order order) {
+    if (plan_.orders.size() >= kOrdersMax) return Refusal{order.line, too_long(), std::nullopt};
+    plan_.orders.push_back(std::move(order));
+    return std::nullopt;
+  }
+
+  std::expected<Planned, Refusal> plan_motion(std::span<const Step> rows,
+                                              std::span<const std::size_t> places) {
+    if (!plannable(q_, robot_)) return first_move(rows[0]);
+    Key key{{places.begin(), places.end()}, {q_->begin(), q_->end()}};
+    if (const auto known = known_.find(key); known != known_.end()) return known->second;
+    if (known_.size() == kMotionsMax) {
+      constexpr auto kMax = static_cast<double>(kMotionsMax);
       return std::unexpected(
-          Error{leg ? ErrorCode::kLegLength : ErrorCode::kJointLimit, index, step.q[i], limit});
+          Refusal{rows[0].line, {ErrorCode::kProgramTooLong, -1, kMax + 1, kMax}, std::nullopt});
     }
-    if (!q_) return MoveOrder{step, q_, step.q, first_move_duration(robot_)};
-    const JointVector q = resolved(step, *q_);
-    return MoveOrder{step, q_, q, profile_between(*q_, q, robot_, step.speed).duration()};
+    if (!planner_) planner_ = std::make_unique<RowPlanner>(robot_);
+    const auto motion = planner_->plan(*q_, rows);
+    if (!motion) return std::unexpected(motion.error());
+    const Planned planned{motion->rows, motion->q_end, motion->duration};
+    known_.emplace(std::move(key), planned);
+    return planned;
+  }
+
+  std::expected<Planned, Refusal> first_move(const Step& row) const {
+    const auto refused = [&](const Error& error) {
+      return std::unexpected(Refusal{row.line, error, std::nullopt});
+    };
+    const auto* joint = std::get_if<JointStep>(&row.what);
+    for (std::size_t i = 0; i < robot_.joints.size(); ++i) {
+      const auto index = static_cast<std::int8_t>(i);
+      const bool given = joint != nullptr && (joint->given >> i & 1) != 0;
+      if (!given && !q_) return refused(Error{ErrorCode::kPositionUnknown, index});
+      const double q = given ? joint->q[i] : (*q_)[i];
+      const Joint& limits = robot_.joints[i];
+      if (within_limits(limits, q)) continue;
+      const bool leg = limits.kind == JointKind::kPrismatic;
+      return refused(Error{leg ? ErrorCode::kLegLength : ErrorCode::kJointLimit, index, q,
+                           q < limits.lower ? limits.lower : limits.upper});
+    }
+    if (joint == nullptr) return refused(Error{ErrorCode::kPositionUnknown, 0});
+    return Planned{1, q_ ? resolved(*joint, *q_) : joint->q, first_move_duration(robot_)};
   }
 
   const RobotModel& robot_;
   Start q_;
   double homing_;  ///< s at most, all joints
   Plan plan_;
+  std::unique_ptr<RowPlanner> planner_;
+  std::map<Key, Planned> known_;
+  std::vector<Step> rows_;  ///< that wait for the next one to blend with
+  std::vector<std::size_t> places_;
+  First first_;
 };
 
 /// One loop that is being unrolled.
@@ -135,27 +207,12 @@ double first_move_duration(const RobotModel& robot) {
   return longest;
 }
 
-JointVector resolved(const JointStep& step, const JointVector& from) {
-  JointVector q = from;
-  for (std::size_t i = 0; i < q.size(); ++i) {
-    if ((step.given >> i & 1) != 0) q[i] = step.q[i];
+bool plannable(const Start& q, const RobotModel& robot) {
+  if (!q) return false;
+  for (std::size_t i = 0; i < q->size(); ++i) {
+    if (!within_limits(robot.joints[i], (*q)[i])) return false;
   }
-  return q;
-}
-
-motion::RestToRest profile_between(const JointVector& from, const JointVector& to,
-                                   const RobotModel& robot, double speed) {
-  std::array<motion::AxisLimits, kMaxJoints> limits{};
-  const DeviceCapability& device = robot.device.capability;
-  const double share = (device.takes_speed ? speed : 1) * device.limits_share;
-  for (std::size_t i = 0; i < robot.joints.size(); ++i) {
-    const Joint& joint = robot.joints[i];
-    limits[i] = {joint.velocity_max * share, joint.acceleration_max * share,
-                 joint.jerk_max * share};
-  }
-  const std::size_t size = robot.joints.size();
-  return {std::span(from.data(), size), std::span(to.data(), size),
-          std::span<const motion::AxisLimits>(limits.data(), size)};
+  return true;
 }
 
 std::expected<Plan, Refusal> make_plan(const Program& program, const RobotModel& robot,
@@ -172,7 +229,7 @@ std::expected<Plan, Refusal> make_plan(const Program& program, const RobotModel&
     if (std::holds_alternative<EndStep>(step.what)) {
       const auto& loop = std::get<LoopStep>(program.steps[open.back().loop].what);
       if (++turns > kTurnsMax) {
-        return std::unexpected(Refusal{step.line, too_long()});
+        return std::unexpected(Refusal{step.line, too_long(), std::nullopt});
       }
       if (open.back().round < loop.rounds) {
         ++open.back().round;
@@ -184,10 +241,12 @@ std::expected<Plan, Refusal> make_plan(const Program& program, const RobotModel&
     }
     const int rounds =
         open.empty() ? 1 : std::get<LoopStep>(program.steps[open.back().loop].what).rounds;
-    if (const auto refusal = planner.take(step, open.empty() ? 1 : open.back().round, rounds)) {
+    if (const auto refusal =
+            planner.take(step, place, open.empty() ? 1 : open.back().round, rounds)) {
       return std::unexpected(*refusal);
     }
   }
+  if (const auto refusal = planner.finish()) return std::unexpected(*refusal);
   return std::move(planner.plan());
 }
 

@@ -6,8 +6,8 @@
 #include <variant>
 #include <vector>
 
-#include "sinew/motion/rest_to_rest.h"
 #include "sinew/program/program_file.h"
+#include "sinew/program/row_planner.h"
 
 namespace sinew::program {
 
@@ -15,12 +15,12 @@ namespace sinew::program {
 /// moves slowly for a first time.
 using Start = std::optional<JointVector>;
 
-/// All joints from rest to rest, arriving together. Where the machine turns out to stand somewhere
-/// else than planned (after homing), `resolved` is asked again.
+/// A motion from rest to rest: one row, or several that blend into each other. Where the machine
+/// turns out to stand somewhere else than planned (after homing), it is planned again.
 struct MoveOrder {
-  JointStep step;
+  std::vector<Step> rows;
   Start q_start;
-  JointVector q;
+  JointVector q;        ///< where it ends
   double duration = 0;  ///< s, predicted
 };
 struct HomeOrder {
@@ -37,7 +37,8 @@ struct ToolOrder {
 
 struct Order {
   int line = 0;
-  int round = 1;  ///< of its innermost loop
+  int last_line = 0;  ///< the same, but where rows blend into each other
+  int round = 1;      ///< of its innermost loop
   int rounds = 1;
   std::variant<MoveOrder, HomeOrder, WaitOrder, ToolOrder> what;
 };
@@ -49,11 +50,6 @@ struct Plan {
   std::vector<Order> orders;
   double duration = 0;    ///< s of motion and waiting, predicted; homing not counted
   double homing_max = 0;  ///< s, an upper bound of all homing
-};
-
-struct Refusal {
-  int line = 0;
-  Error error;
 };
 
 /// Seconds for a first move from nobody knows where: each joint's whole range at a tenth of its
@@ -68,16 +64,13 @@ double first_move_duration(const RobotModel& robot);
 ///
 /// @error kJointLimit (index), kToolNotFitted, kJawWidth, kToolAngle, kNoEndStops, kPositionUnknown
 /// (a move of some joints, while the others are
-///        nowhere known), kProgramTooLong; nothing of the program may run then.
+///        nowhere known, or of the tool), kProgramTooLong, and those of RowPlanner::plan; nothing
+///        of the program may run then.
 std::expected<Plan, Refusal> make_plan(const Program& program, const RobotModel& robot,
                                        const Start& start, const HomingTimes& homing = {});
 
-/// Where a step goes from `from`: joints that it does not name stay.
-JointVector resolved(const JointStep& step, const JointVector& from);
-
-/// The profile of one move between two known places, straight in joint space; `speed`, a share of
-/// the limits, counts where the device can be asked for it.
-motion::RestToRest profile_between(const JointVector& from, const JointVector& to,
-                                   const RobotModel& robot, double speed);
+/// Whether a motion's start is known and inside all limits. Elsewhere (nobody knows, or a limp arm
+/// hangs beyond a limit) only a joint row goes on, slowly and in one piece.
+bool plannable(const Start& q, const RobotModel& robot);
 
 }  // namespace sinew::program

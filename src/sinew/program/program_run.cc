@@ -11,13 +11,6 @@ namespace {
 /// While a motion is streamed the driver is asked this often whether it takes the next segment.
 constexpr Duration kFeedInterval = std::chrono::milliseconds(2);
 
-bool inside_limits(const JointVector& q, const RobotModel& robot) {
-  for (std::size_t i = 0; i < q.size(); ++i) {
-    if (!within_limits(robot.joints[i], q[i])) return false;
-  }
-  return true;
-}
-
 }  // namespace
 
 Run::Run(const Program& program, const RobotModel& robot, Driver& driver, Duration opening_limit)
@@ -35,7 +28,7 @@ void Run::start(Instant now) {
 void Run::stop(Instant now) {
   if (finished() || phase_ == Phase::kStopping) return;
   wait_end_.reset();
-  profile_.reset();
+  pieces_.clear();
   if (phase_ == Phase::kOpening || outstanding_ == 0) {
     phase_ = Phase::kStopped;
     return;
@@ -75,8 +68,8 @@ void Run::take(const DriverEvent& event, Instant now) {
     case Kind::kDone:
       outstanding_ = std::max(0, outstanding_ - 1);
       if (phase_ == Phase::kRunning && current_ && outstanding_ == 0 &&
-          segments_sent_ == segments_) {
-        finish_order(now);
+          pieces_sent_ == pieces_.size()) {
+        if (const auto gone_on = order_done(now); !gone_on) fail(gone_on.error(), now);
       }
       break;
     case Kind::kStopped:
@@ -135,13 +128,16 @@ void Run::issue_next(Instant now) {
                     .q = {},
                     .duration = 0,
                     .reported = {}};
-  segments_ = 0;
-  segments_sent_ = 0;
+  pieces_.clear();
+  pieces_sent_ = 0;
   if (const auto accepted = issue(order, now); !accepted) fail(accepted.error(), now);
 }
 
-Expected<void> Run::issue(const Order& order, Instant now) {
-  if (const auto* move = std::get_if<MoveOrder>(&order.what)) return issue_move(*move, now);
+std::expected<void, Refusal> Run::issue(const Order& order, Instant now) {
+  if (const auto* move = std::get_if<MoveOrder>(&order.what)) {
+    rows_left_ = move->rows;
+    return issue_move(now);
+  }
   if (const auto* wait = std::get_if<WaitOrder>(&order.what)) {
     wait_end_ = now + wait->duration;
     current_->duration = to_seconds(wait->duration);
@@ -152,50 +148,71 @@ Expected<void> Run::issue(const Order& order, Instant now) {
     current_->duration = home->duration_max;
   }
   const auto accepted = tool != nullptr ? driver_.tool(tool->action, now) : driver_.home(now);
-  if (accepted) ++outstanding_;
-  return accepted;
+  if (!accepted) return std::unexpected(Refusal{order.line, accepted.error(), std::nullopt});
+  ++outstanding_;
+  return {};
 }
 
-Expected<void> Run::issue_move(const MoveOrder& order, Instant now) {
-  const JointVector q = q_ ? resolved(order.step, *q_) : order.step.q;
-  current_->q = q;
-  // A limp arm may hang beyond its limits; it comes back in one slow piece.
-  const bool known = q_ && inside_limits(*q_, robot_);
-  const bool streamed = known && robot_.device.capability.motion == MotionKind::kStream;
-  const auto profile =
-      known ? std::optional(profile_between(*q_, q, robot_, order.step.speed)) : std::nullopt;
-  current_->duration = profile ? profile->duration() : first_move_duration(robot_);
-  if (streamed) {
-    const double longest = to_seconds(robot_.device.capability.segment);
-    profile_ = profile;
-    segments_ = std::max(1, static_cast<int>(std::ceil(profile->duration() / longest)));
-    // A motion shorter than one segment is one: no wire says less.
-    segment_ = segments_ == 1 ? longest : profile->duration() / segments_;
-    return feed(now);
+std::expected<void, Refusal> Run::issue_move(Instant now) {
+  SINEW_ASSERT(!rows_left_.empty());
+  const Step& first = rows_left_.front();
+  pieces_.clear();
+  pieces_sent_ = 0;
+  if (!plannable(q_, robot_)) {
+    const auto& row = std::get<JointStep>(first.what);
+    const JointVector q = q_ ? resolved(row, *q_) : row.q;
+    JointMove move{q, {}, from_seconds(first_move_duration(robot_))};
+    move.qd.resize(q.size());
+    pieces_.assign(1, move);
+    rows_left_ = rows_left_.subspan(1);
+    current_->q = q;
+    current_->duration += first_move_duration(robot_);
+  } else {
+    // The arm may stand elsewhere than the plan had it: after homing, or after a first move. Then
+    // its corners may not blend as they did, and what was one motion takes several.
+    if (!planner_) planner_ = std::make_unique<RowPlanner>(robot_);
+    auto motion = planner_->plan(*q_, rows_left_);
+    if (!motion) return std::unexpected(motion.error());
+    pieces_ = std::move(motion->pieces);
+    rows_left_ = rows_left_.subspan(motion->rows);
+    current_->q = motion->q_end;
+    current_->duration += motion->duration;
   }
-  JointMove move{q, {}, from_seconds(current_->duration)};
-  move.qd.resize(q.size());
-  const auto accepted = driver_.move(move, now);
-  if (accepted) ++outstanding_;
-  return accepted;
+  if (pieces_.empty()) return motion_done(now);
+  const bool streamed = robot_.device.capability.motion == MotionKind::kStream;
+  // Whoever cannot take a whole move now says why.
+  const auto accepted = streamed && plannable(q_, robot_) ? feed(now) : send_piece(now);
+  if (!accepted) return std::unexpected(Refusal{first.line, accepted.error(), std::nullopt});
+  return {};
 }
 
-/// The next segments, as many as the driver takes.
+/// What was under way is done: what is left of its order follows, or the next one.
+std::expected<void, Refusal> Run::order_done(Instant now) {
+  if (std::holds_alternative<MoveOrder>(current_->order->what)) return motion_done(now);
+  finish_order(now);
+  return {};
+}
+
+std::expected<void, Refusal> Run::motion_done(Instant now) {
+  q_ = current_->q;
+  pieces_.clear();
+  pieces_sent_ = 0;
+  if (!rows_left_.empty()) return issue_move(now);
+  finish_order(now);
+  return {};
+}
+
+Expected<void> Run::send_piece(Instant now) {
+  if (auto accepted = driver_.move(pieces_[pieces_sent_], now); !accepted) return accepted;
+  ++outstanding_;
+  ++pieces_sent_;
+  return {};
+}
+
+/// The next pieces, as many as the driver takes.
 Expected<void> Run::feed(Instant now) {
-  while (profile_ && segments_sent_ < segments_ && driver_.wants_move(now)) {
-    const bool last = segments_sent_ + 1 == segments_;
-    const double t = last ? profile_->duration() : segment_ * (segments_sent_ + 1);
-    motion::AxisStates states;
-    profile_->sample(t, states);
-    JointMove move;
-    move.duration = from_seconds(segment_);
-    for (std::size_t i = 0; i < profile_->size(); ++i) {
-      move.q.push_back(states.q[i]);
-      move.qd.push_back(last ? 0 : states.qd[i]);
-    }
-    if (auto accepted = driver_.move(move, now); !accepted) return accepted;
-    ++outstanding_;
-    ++segments_sent_;
+  while (pieces_sent_ < pieces_.size() && driver_.wants_move(now)) {
+    if (auto accepted = send_piece(now); !accepted) return accepted;
   }
   return {};
 }
@@ -206,10 +223,7 @@ void Run::finish_order(Instant now) {
   for (const JointPosition& position : driver_.positions()) {
     current_->reported.push_back(position);
   }
-  if (std::holds_alternative<MoveOrder>(current_->order->what)) {
-    q_ = current_->q;
-    profile_.reset();
-  } else if (std::holds_alternative<HomeOrder>(current_->order->what)) {
+  if (std::holds_alternative<HomeOrder>(current_->order->what)) {
     q_ = known_positions();
   }
   records_.push_back(*current_);
@@ -217,16 +231,20 @@ void Run::finish_order(Instant now) {
 }
 
 void Run::fail(const Error& error, Instant now) {
+  fail({current_ ? current_->order->line : 0, error, std::nullopt}, now);
+}
+
+void Run::fail(const Refusal& refusal, Instant now) {
   // Segments that were handed over already must not be the last word.
   if (phase_ == Phase::kRunning && outstanding_ > 0) driver_.stop(now);
-  failure_ = Refusal{current_ ? current_->order->line : 0, error};
+  failure_ = refusal;
   current_.reset();
-  profile_.reset();
+  pieces_.clear();
   phase_ = Phase::kFailed;
 }
 
 std::optional<Instant> Run::next_deadline(Instant now) const {
-  if (profile_ && segments_sent_ < segments_) return now + kFeedInterval;
+  if (pieces_sent_ < pieces_.size()) return now + kFeedInterval;
   return wait_end_;
 }
 

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -21,9 +22,9 @@ struct Record {
   FixedVector<JointPosition, kMaxJoints> reported;  ///< when it was done
 };
 
-/// Runs a program on any robot through its driver, one order at a time; a motion is handed to a
-/// streaming driver in segments. It has no clock and no port: `poll` follows each call of the
-/// driver's.
+/// Runs a program on any robot through its driver, one order at a time; a motion is handed to the
+/// driver in the pieces that its device takes. It has no clock and no port: `poll` follows each
+/// call of the driver's.
 ///
 ///   phase     | what happens                    | next
 ///   ----------+---------------------------------+-------------------------------------
@@ -73,11 +74,15 @@ class Run {
   void take(const DriverEvent& event, Instant now);
   void begin();
   void issue_next(Instant now);
-  Expected<void> issue(const Order& order, Instant now);
-  Expected<void> issue_move(const MoveOrder& order, Instant now);
+  std::expected<void, Refusal> issue(const Order& order, Instant now);
+  std::expected<void, Refusal> issue_move(Instant now);
+  std::expected<void, Refusal> order_done(Instant now);
+  std::expected<void, Refusal> motion_done(Instant now);
+  Expected<void> send_piece(Instant now);
   Expected<void> feed(Instant now);
   void finish_order(Instant now);
   void fail(const Error& error, Instant now);
+  void fail(const Refusal& refusal, Instant now);
   Start known_positions() const;
 
   const Program& program_;
@@ -97,10 +102,10 @@ class Run {
   Start declared_;
   Start q_;              ///< where the last order left the joints
   int outstanding_ = 0;  ///< commands that the driver accepted and has not ended
-  std::optional<motion::RestToRest> profile_;  ///< of the motion being streamed
-  int segments_ = 0;
-  int segments_sent_ = 0;
-  double segment_ = 0;  ///< s
+  std::unique_ptr<RowPlanner> planner_;
+  std::span<const Step> rows_left_;  ///< of the order under way, behind its motion
+  std::vector<JointMove> pieces_;    ///< of the motion under way
+  std::size_t pieces_sent_ = 0;
   std::optional<Instant> wait_end_;
 };
 

@@ -1,0 +1,83 @@
+#pragma once
+
+#include <expected>
+#include <span>
+#include <vector>
+
+#include "sinew/planning/collision.h"
+#include "sinew/planning/move_path.h"
+#include "sinew/planning/move_proposal.h"
+#include "sinew/planning/path_timing.h"
+#include "sinew/planning/trajectory.h"
+
+namespace sinew::planning {
+
+/// A motion from rest to rest, checked and timed, ready to be followed.
+struct PlannedMotion {
+  explicit PlannedMotion(std::size_t joints, std::size_t phases_max)
+      : path(joints), law(phases_max) {}
+
+  PlannedPath path;
+  TimeLaw law;
+  LimitTimes limits;         ///< what held it back
+  PathStretch stretch;       ///< the moves that it took
+  double clearance_min = 0;  ///< m that it was held against: the robot's margin, or less at a start
+                             ///< that was nearer
+  /// Where nothing moves: the robot stands there already.
+  bool empty() const { return path.joints.empty(); }
+  Trajectory trajectory() const { return {path, law}; }
+};
+
+/// What the joints may do on a robot's device: the model's limits, and what its device leaves of
+/// them.
+std::vector<motion::AxisLimits> motion_limits(const RobotModel& model);
+
+/// From moves to motions: the way with all its checks (MovePathBuilder), nothing hit on it
+/// (CollisionModel), and the time along it (PathTiming). Holds its workspace; one planner serves
+/// one thread.
+class MotionPlanner {
+ public:
+  /// @param model  outlives this.
+  explicit MotionPlanner(const RobotModel& model);
+  MotionPlanner(const MotionPlanner&) = delete;
+  MotionPlanner& operator=(const MotionPlanner&) = delete;
+
+  const ToolSpace& space() const { return space_; }
+  /// A motion that fits any plan() of this robot.
+  PlannedMotion make_motion() const { return PlannedMotion(space_.size(), timing_.phases_max()); }
+
+  /// Where the robot stands at q. A hexapod's pose is looked for near the last one that this was
+  /// asked for, its home at first.
+  /// @error as MovePathBuilder::place_at
+  Expected<RobotPlace> place_at(std::span<const double> q);
+
+  /// The motion of moves[first] and of those that blend into each other behind it.
+  ///
+  /// A start that is nearer to something than the robot's margin may go on, never nearer.
+  /// @error as MovePathBuilder::build; kCollision (index, other: links); kProgramTooLong
+  std::expected<void, PathRefusal> plan(const RobotPlace& start, std::span<const Move> moves,
+                                        std::size_t first, PlannedMotion& out);
+
+  /// Where a move ends that comes to a stop there; only its way is checked.
+  std::expected<RobotPlace, PathRefusal> end_of(const RobotPlace& start, Move move);
+
+  /// What would work instead of a refused move, without hitting anything.
+  MoveProposal propose(const PathRefusal& refusal, std::span<const Move> moves);
+
+ private:
+  std::optional<PathRefusal> check_contacts(const RobotPlace& start, std::size_t first,
+                                            PlannedMotion& motion) const;
+
+  bool hits_nothing(const RobotPlace& from, Move move);
+
+  const RobotModel& model_;
+  ToolSpace space_;
+  MovePathBuilder builder_;
+  CollisionModel collision_;
+  PathTiming timing_;
+  std::vector<motion::AxisLimits> limits_;
+  PoseBT X_near_;
+  PlannedPath scratch_;
+};
+
+}  // namespace sinew::planning

@@ -1,0 +1,304 @@
+#include "sinew/program/motion_rows.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "sinew/core/spelling.h"
+#include "sinew/planning/moves.h"
+
+namespace sinew::program {
+namespace {
+
+using planning::TaskSpace;
+using Way = ToolMoveStep::Way;
+
+constexpr std::array<std::string_view, 5> kRows{"joint", "move", "line", "arc", "spline"};
+constexpr std::array<std::string_view, 3> kOptions{"speed", "accel", "blend"};
+constexpr double kJointShareMin = 0.01;
+constexpr double kToolMax = 100;      // m/s, m/s^2: beyond what any of these arms can do
+constexpr double kBlendMax = 1;       // m, rad
+constexpr double kToolMin = 1e-6;     // m/s, m/s^2
+constexpr double kTurnMax = 4 * kPi;  // rad
+constexpr double kFarAway = 100;      // m
+
+std::string listed(const std::vector<std::string>& names) {
+  std::string all;
+  for (const std::string& one : names) all += (all.empty() ? "" : " ") + one;
+  return all;
+}
+
+}  // namespace
+
+MotionRows::MotionRows(const RobotModel& robot, RowReader& row)
+    : robot_(robot), row_(row), task_(planning::ToolSpace(robot).task()) {
+  for (std::size_t i = 0; i < robot.joints.size(); ++i) {
+    names_.push_back(robot.joints[i].name);
+    aliases_.push_back("J" + std::to_string(i + 1));
+  }
+}
+
+bool MotionRows::known(std::string_view name) {
+  return std::ranges::find(kRows, name) != kRows.end();
+}
+
+std::optional<Step> MotionRows::read() {
+  const std::string_view name = row_.words()[0].text;
+  if (name == "joint") return joint_row();
+  if (name == "spline") return spline_row();
+  return tool_row(name == "move" ? Way::kJoints : name == "line" ? Way::kLine : Way::kArc);
+}
+
+std::optional<MotionRows::Argument> MotionRows::argument(const Word& word,
+                                                         std::string_view example) {
+  const std::size_t equals = word.text.find('=');
+  if (equals != std::string_view::npos) {
+    return Argument{word, word.text.substr(0, equals), word.text.substr(equals + 1)};
+  }
+  row_.complain(word, quoted(word.text) + ": write NAME=VALUE, as in " + std::string(example));
+  return std::nullopt;
+}
+
+void MotionRows::unknown(const Argument& argument, const std::vector<std::string>& names,
+                         std::string_view what) {
+  std::vector<std::string_view> known(names.begin(), names.end());
+  const std::string_view meant = nearest_spelling(argument.name, known);
+  row_.complain(argument.word, quoted(argument.name) + " is " + std::string(what) +
+                                   (meant.empty() ? "; it has " + listed(names)
+                                                  : "; did you mean " + std::string(meant) + "?"));
+}
+
+std::optional<bool> MotionRows::option(const Argument& argument, MotionOptions& how, Given& given) {
+  if (argument.name == "speed") return take_speed(argument, how, given);
+  if (argument.name != "accel" && argument.name != "blend") return std::nullopt;
+  bool& before = argument.name == "accel" ? given.acceleration : given.blend;
+  if (before) {
+    row_.complain(argument.word, quoted(argument.name) + " is named twice");
+    return false;
+  }
+  before = true;
+  if (argument.name == "blend") return take_blend(argument, how);
+  const auto value = row_.quantity(argument.word, argument.value, Measure::kAcceleration);
+  if (!value) return false;
+  how.tool_acceleration = *value;
+  if (*value >= kToolMin && *value <= kToolMax) return true;
+  row_.complain(argument.word, "accel is above 0 and at most 100 m/s2");
+  return false;
+}
+
+/// In percent it is the joints', as a length per second the tool's; a row may have both.
+bool MotionRows::take_speed(const Argument& argument, MotionOptions& how, Given& given) {
+  const bool of_tool = argument.value.ends_with("/s");
+  bool& before = of_tool ? given.tool_speed : given.speed;
+  const bool again = before;
+  before = true;
+  if (of_tool) {
+    const auto value = row_.quantity(argument.word, argument.value, Measure::kSpeed);
+    if (value && (!(*value >= kToolMin && *value <= kToolMax) || again)) {
+      row_.complain(argument.word, "a tool's speed is above 0 and at most 100 m/s, once");
+      return false;
+    }
+    how.tool_speed = value.value_or(0);
+    return value.has_value();
+  }
+  const auto share = row_.quantity(argument.word, argument.value, Measure::kShare);
+  if (share && (!(*share >= kJointShareMin && *share <= 1) || again)) {
+    row_.complain(argument.word, "speed is 1% to 100%, once");
+    return false;
+  }
+  how.joint_share = share.value_or(1);
+  return share.has_value();
+}
+
+/// As a length it is the tool's distance from the corner, as an angle the joints'.
+bool MotionRows::take_blend(const Argument& argument, MotionOptions& how) {
+  const bool angle = argument.value.ends_with("deg") || argument.value.ends_with("rad");
+  const auto value =
+      row_.quantity(argument.word, argument.value, angle ? Measure::kAngle : Measure::kLength);
+  if (!value) return false;
+  if (!(*value > 0 && *value <= kBlendMax)) {
+    row_.complain(argument.word, "blend is above 0 and at most 1 m, or 1 rad");
+    return false;
+  }
+  (angle ? how.blend_joints : how.blend_radius) = *value;
+  return true;
+}
+
+std::optional<std::size_t> MotionRows::joint_called(std::string_view name) const {
+  for (const auto* names : {&names_, &aliases_}) {
+    const auto found = std::ranges::find(*names, name);
+    if (found != names->end()) return static_cast<std::size_t>(found - names->begin());
+  }
+  return std::nullopt;
+}
+
+std::optional<Step> MotionRows::joint_row() {
+  const auto& words = row_.words();
+  JointStep step;
+  step.q.resize(robot_.joints.size());
+  bool good = words.size() > 1;
+  if (!good) {
+    row_.complain(words[0],
+                  "a joint is missing; write joint " + names_[0] + "=" +
+                      (robot_.joints[0].kind == JointKind::kRevolute ? "10deg" : "200mm"));
+  }
+  Given given;
+  for (std::size_t w = 1; w < words.size(); ++w) {
+    const auto one = argument(words[w], names_[0] + "=10deg");
+    if (!one) {
+      good = false;
+      continue;
+    }
+    const auto taken = option(*one, step.how, given);
+    good = (taken ? *taken : take_joint(*one, step)) && good;
+  }
+  if (!good) return std::nullopt;
+  if (step.given != 0) return Step{row_.line(), step};
+  row_.complain(words[0], "a joint is missing: options alone move nothing");
+  return std::nullopt;
+}
+
+bool MotionRows::take_joint(const Argument& argument, JointStep& step) {
+  const auto joint = joint_called(argument.name);
+  if (!joint) {
+    std::vector<std::string> known = names_;
+    known.insert(known.end(), kOptions.begin(), kOptions.end());
+    unknown(argument, known, "no joint of this robot");
+    return false;
+  }
+  if ((step.given >> *joint & 1) != 0) {
+    row_.complain(argument.word, quoted(argument.name) + " is named twice");
+    return false;
+  }
+  const bool revolute = robot_.joints[*joint].kind == JointKind::kRevolute;
+  const auto value =
+      row_.quantity(argument.word, argument.value, revolute ? Measure::kAngle : Measure::kLength);
+  if (!value) return false;
+  step.q[*joint] = *value;
+  step.given = static_cast<std::uint8_t>(step.given | 1U << *joint);
+  return true;
+}
+
+std::optional<Step> MotionRows::tool_row(Way way) {
+  const auto& words = row_.words();
+  ToolMoveStep step;
+  step.way = way;
+  Given given;
+  bool via = false;
+  bool good = true;
+  Rotations rotations;
+  for (std::size_t w = 1; w < words.size(); ++w) {
+    const auto one = argument(words[w], "x=200mm");
+    if (!one) {
+      good = false;
+    } else if (way == Way::kArc && one->name == "via") {
+      if (via) row_.complain(one->word, "'via' is named twice");
+      const auto p = row_.point(one->word, one->value);
+      good = good && p && !via;
+      via = true;
+      step.p_via_BT = p.value_or(Vec3{});
+    } else {
+      const auto taken = option(*one, step.how, given);
+      good = (taken ? *taken : take_goal(*one, step, rotations)) && good;
+    }
+  }
+  if (!good || !goal_is_whole(step, rotations, via)) return std::nullopt;
+  if (rotations[0])
+    step.to.R_BT = rotation_from_fixed_xyz({*rotations[0], *rotations[1], *rotations[2]});
+  return Step{row_.line(), step};
+}
+
+bool MotionRows::goal_is_whole(const ToolMoveStep& step, const Rotations& rotations, bool via) {
+  const Word& row = row_.words()[0];
+  const auto named = [](const auto& value) { return value.has_value(); };
+  const bool turned = std::ranges::any_of(rotations, named);
+  if (turned && !std::ranges::all_of(rotations, named)) {
+    row_.complain(row, "rx, ry and rz belong together: an orientation needs all three");
+    return false;
+  }
+  if (step.way == Way::kArc && !via) {
+    row_.complain(row, "an arc needs a point on its way; write via=200mm,0mm,180mm");
+    return false;
+  }
+  if (std::ranges::any_of(step.to.p_BT, named) || turned || step.to.pitch || step.to.roll) {
+    return true;
+  }
+  row_.complain(row, "a target is missing; it has " + listed(goal_names(step.way == Way::kArc)));
+  return false;
+}
+
+std::vector<std::string> MotionRows::goal_names(bool arc) const {
+  std::vector<std::string> names{"x", "y", "z"};
+  if (task_ == TaskSpace::kPitchRoll) names.insert(names.end(), {"pitch", "roll"});
+  if (task_ != TaskSpace::kPoint) names.insert(names.end(), {"rx", "ry", "rz"});
+  if (arc) names.emplace_back("via");
+  names.insert(names.end(), kOptions.begin(), kOptions.end());
+  return names;
+}
+
+bool MotionRows::take_goal(const Argument& argument, ToolMoveStep& step, Rotations& rotations) {
+  constexpr std::array<std::string_view, 3> kAxes{"x", "y", "z"};
+  for (std::size_t i = 0; i < kAxes.size(); ++i) {
+    if (argument.name != kAxes[i]) continue;
+    const bool again = step.to.p_BT[i].has_value();
+    const auto value = row_.quantity(argument.word, argument.value, Measure::kLength);
+    step.to.p_BT[i] = value.value_or(0);
+    if (value && (again || !(std::abs(*value) <= kFarAway))) {
+      row_.complain(argument.word, quoted(argument.name) +
+                                       (again ? " is named twice" : " is farther away than 100 m"));
+      return false;
+    }
+    return value.has_value();
+  }
+  const auto names = goal_names(step.way == Way::kArc);
+  if (std::ranges::find(names, argument.name) == names.end()) {
+    unknown(argument, names, "nothing that this row takes");
+    return false;
+  }
+  if (argument.name == "pitch") return take_angle(argument, step.to.pitch);
+  if (argument.name == "roll") return take_angle(argument, step.to.roll);
+  // What is left is rx, ry or rz.
+  return take_angle(argument, rotations[argument.name == "rx" ? 0 : argument.name == "ry" ? 1 : 2]);
+}
+
+/// @param angle  set already where the row named it before
+bool MotionRows::take_angle(const Argument& argument, std::optional<double>& angle) {
+  if (angle) {
+    row_.complain(argument.word, quoted(argument.name) + " is named twice");
+    return false;
+  }
+  angle = row_.quantity(argument.word, argument.value, Measure::kAngle);
+  if (!angle) return false;
+  if (std::abs(*angle) <= kTurnMax) return true;
+  row_.complain(argument.word, quoted(argument.name) + " is two turns at most");
+  return false;
+}
+
+std::optional<Step> MotionRows::spline_row() {
+  const auto& words = row_.words();
+  std::vector<Vec3> through;
+  MotionOptions how;
+  Given given;
+  bool good = true;
+  for (std::size_t w = 1; w < words.size(); ++w) {
+    if (words[w].text.find('=') == std::string_view::npos) {
+      const auto p = row_.point(words[w], words[w].text);
+      good = good && p;
+      through.push_back(p.value_or(Vec3{}));
+      continue;
+    }
+    const auto one = argument(words[w], "");
+    const auto taken = option(*one, how, given);
+    if (!taken) unknown(*one, {kOptions.begin(), kOptions.end()}, "nothing that this row takes");
+    good = taken.value_or(false) && good;
+  }
+  if (!good) return std::nullopt;
+  if (through.empty() || through.size() > planning::MoveSpline::kPointsMax) {
+    row_.complain(words[0], "a spline has 1 to 256 points, as in 200mm,0mm,150mm");
+    return std::nullopt;
+  }
+  return Step{row_.line(),
+              SplineStep{std::make_shared<const std::vector<Vec3>>(std::move(through)), how}};
+}
+
+}  // namespace sinew::program

@@ -1,0 +1,217 @@
+#include "sinew/program/row_planner.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "sinew/core/assert.h"
+#include "sinew/planning/chords.h"
+
+namespace sinew::program {
+namespace {
+
+using planning::Asked;
+using planning::JointArray;
+using planning::Move;
+using planning::RobotPlace;
+using planning::TaskPoint;
+using planning::TaskSpace;
+using planning::ToolSpace;
+using planning::ToolTarget;
+
+JointArray array_of(const JointVector& q) {
+  JointArray array{};
+  std::ranges::copy(q, array.begin());
+  return array;
+}
+
+JointVector vector_of(const JointArray& q, std::size_t size) {
+  return JointVector(std::span<const double>(q.data(), size));
+}
+
+/// A goal in the terms of the planner: what it does not name stays as it is at `from`.
+ToolTarget target_of(const ToolGoal& goal, const RobotPlace& from, const ToolSpace& space) {
+  ToolTarget target{from.X_BT, Asked::kPoint};
+  Vec3& p = target.X_BT.p;
+  p = {goal.p_BT[0].value_or(p.x), goal.p_BT[1].value_or(p.y), goal.p_BT[2].value_or(p.z)};
+  if (goal.R_BT) {
+    target.X_BT.R = *goal.R_BT;
+    target.asked = Asked::kPose;
+  }
+  if (goal.pitch || goal.roll) {
+    TaskPoint point = space.point(goal.R_BT ? target.X_BT : from.X_BT);
+    point.p_BT = p;
+    point.attitude[0] = goal.pitch.value_or(point.attitude[0]);
+    point.attitude[1] = goal.roll.value_or(point.attitude[1]);
+    target = {space.pose(point), Asked::kPose};
+  }
+  return target;
+}
+
+Move move_of(const Step& row, const RobotPlace& from, const ToolSpace& space,
+             const DeviceCapability& device) {
+  const MotionOptions& how = *motion_of(row);
+  Move move;
+  move.joint_share = device.takes_speed ? how.joint_share : 1;
+  move.tool_speed = how.tool_speed;
+  move.tool_acceleration = how.tool_acceleration;
+  move.blend_radius = how.blend_radius;
+  move.blend_joints = how.blend_joints;
+  if (const auto* joint = std::get_if<JointStep>(&row.what)) {
+    const JointVector q = vector_of(from.q, space.size());
+    move.way = planning::MoveJ{array_of(resolved(*joint, q))};
+  } else if (const auto* tool = std::get_if<ToolMoveStep>(&row.what)) {
+    const ToolTarget target = target_of(tool->to, from, space);
+    using Way = ToolMoveStep::Way;
+    if (tool->way == Way::kJoints) move.way = planning::MoveTo{target};
+    if (tool->way == Way::kLine) move.way = planning::MoveL{target};
+    if (tool->way == Way::kArc) move.way = planning::MoveC{tool->p_via_BT, target};
+  } else {
+    planning::MoveSpline spline;
+    for (const Vec3& p : *std::get<SplineStep>(row.what).through) {
+      spline.through.push_back({{from.X_BT.R, p}, Asked::kPoint});
+    }
+    move.way = spline;
+  }
+  return move;
+}
+
+/// When a law comes to s.
+double time_at(const planning::TimeLaw& law, double s) {
+  double before = 0, after = law.duration();
+  if (s >= law.sample(after).s) return after;
+  while (after - before > 1e-6) {
+    const double middle = (before + after) / 2;
+    (law.sample(middle).s < s ? before : after) = middle;
+  }
+  return after;
+}
+
+}  // namespace
+
+RowPlanner::RowPlanner(const RobotModel& robot)
+    : robot_(robot), planner_(robot), motion_(planner_.make_motion()) {}
+
+std::expected<RowMotion, Refusal> RowPlanner::plan(const JointVector& q_start,
+                                                   std::span<const Step> rows) {
+  SINEW_ASSERT(!rows.empty());
+  const auto start = planner_.place_at({q_start.data(), q_start.size()});
+  if (!start) return std::unexpected(Refusal{rows[0].line, start.error(), std::nullopt});
+  if (const auto made = make_moves(*start, rows); !made) return std::unexpected(made.error());
+  if (const auto planned = planner_.plan(*start, moves_, 0, motion_); !planned) {
+    return std::unexpected(refusal(rows, planned.error()));
+  }
+  RowMotion out;
+  out.rows = motion_.stretch.moves;
+  out.q_end = vector_of(motion_.stretch.end.q, robot_.joints.size());
+  // To the last bit where the row said it.
+  if (const auto* last = std::get_if<planning::MoveJ>(&moves_[out.rows - 1].way)) {
+    out.q_end = vector_of(last->q, robot_.joints.size());
+  }
+  if (motion_.empty()) return out;
+  const bool streamed = robot_.device.capability.motion == MotionKind::kStream;
+  if (streamed) {
+    cut_into_segments(out);
+  } else {
+    cut_into_chords(*start, out);
+  }
+  return out;
+}
+
+/// The rows that go into one motion; each one's target depends on where the one before it ends.
+std::expected<void, Refusal> RowPlanner::make_moves(const RobotPlace& start,
+                                                    std::span<const Step> rows) {
+  moves_.clear();
+  RobotPlace at = start;
+  for (std::size_t i = 0; i < std::min(rows.size(), kRowsMax); ++i) {
+    const Move& move =
+        moves_.emplace_back(move_of(rows[i], at, planner_.space(), robot_.device.capability));
+    if (!motion_of(rows[i])->blends() || i + 1 == std::min(rows.size(), kRowsMax)) break;
+    const auto end = planner_.end_of(at, move);
+    if (!end) {
+      planning::PathRefusal why = end.error();
+      why.place.move = i;
+      return std::unexpected(refusal(rows, why));
+    }
+    at = *end;
+  }
+  return {};
+}
+
+Refusal RowPlanner::refusal(std::span<const Step> rows, const planning::PathRefusal& why) {
+  return {rows[why.place.move].line, why.error, WayRefusal{why, planner_.propose(why, moves_)}};
+}
+
+/// Equal times, none longer than the device's segment.
+void RowPlanner::cut_into_segments(RowMotion& out) const {
+  const double longest = to_seconds(robot_.device.capability.segment);
+  const double duration = motion_.law.duration();
+  const auto count = static_cast<std::size_t>(std::max(1.0, std::ceil(duration / longest)));
+  // A motion shorter than one segment is one: no wire says less.
+  const double segment = count == 1 ? longest : duration / static_cast<double>(count);
+  const planning::Trajectory trajectory = motion_.trajectory();
+  planning::JointMotion at;
+  for (std::size_t k = 1; k <= count; ++k) {
+    const bool last = k == count;
+    trajectory.sample(last ? duration : segment * static_cast<double>(k), at);
+    JointMove piece{.q = {}, .qd = {}, .duration = from_seconds(segment)};
+    for (std::size_t j = 0; j < robot_.joints.size(); ++j) {
+      piece.q.push_back(last ? out.q_end[j] : at.q[j]);
+      piece.qd.push_back(last ? 0 : at.qd[j]);
+    }
+    out.pieces.push_back(piece);
+  }
+  out.duration = segment * static_cast<double>(count);
+}
+
+void RowPlanner::cut_into_chords(const RobotPlace& start, RowMotion& out) const {
+  const planning::PlannedPath& path = motion_.path;
+  std::vector<double> places{path.joints.length()};
+  const bool joints_straight = std::holds_alternative<planning::MoveJ>(moves_[0].way) ||
+                               std::holds_alternative<planning::MoveTo>(moves_[0].way);
+  const bool whole = out.rows == 1 && joints_straight;
+  if (!whole) {
+    places = planning::chords(planner_.space(), path, kWayTolerance, kChordMax, start.X_BT);
+  }
+  JointVector from = vector_of(start.q, robot_.joints.size());
+  double t_from = 0;
+  for (const double s : places) {
+    planning::PathPoint at;
+    path.joints.sample(s, at);
+    const bool last = s == places.back();
+    const JointVector to = last ? out.q_end : vector_of(at.q, robot_.joints.size());
+    const double t = time_at(motion_.law, s);
+    const std::size_t move = planning::Trajectory::progress_at(path, s).move;
+    const double own = profile_between(from, to, robot_, moves_[move].joint_share).duration();
+    // From rest to rest, and no faster than the tool was asked to be.
+    const double duration =
+        std::isfinite(moves_[move].tool_speed) ? std::max(own, t - t_from) : own;
+    JointMove piece{.q = to, .qd = {}, .duration = from_seconds(duration)};
+    piece.qd.resize(to.size());
+    out.pieces.push_back(piece);
+    out.duration += duration;
+    from = to;
+    t_from = t;
+  }
+}
+
+JointVector resolved(const JointStep& step, const JointVector& from) {
+  JointVector q = from;
+  for (std::size_t i = 0; i < q.size(); ++i) {
+    if ((step.given >> i & 1) != 0) q[i] = step.q[i];
+  }
+  return q;
+}
+
+motion::RestToRest profile_between(const JointVector& from, const JointVector& to,
+                                   const RobotModel& robot, double speed) {
+  auto limits = planning::motion_limits(robot);
+  const double share = robot.device.capability.takes_speed ? speed : 1;
+  for (motion::AxisLimits& limit : limits) {
+    limit = {share * limit.velocity, share * limit.acceleration, share * limit.jerk};
+  }
+  const std::size_t size = robot.joints.size();
+  return {std::span(from.data(), size), std::span(to.data(), size), limits};
+}
+
+}  // namespace sinew::program

@@ -1,0 +1,77 @@
+#pragma once
+
+#include <expected>
+#include <span>
+#include <vector>
+
+#include "sinew/planning/motion_planner.h"
+#include "sinew/program/program_file.h"
+
+namespace sinew::program {
+
+/// Why a way cannot be gone, where, and what would work instead.
+struct WayRefusal {
+  planning::PathRefusal refusal;
+  planning::MoveProposal proposal;
+};
+
+/// Why a program cannot run.
+struct Refusal {
+  int line = 0;
+  Error error;
+  std::optional<WayRefusal> way;
+};
+
+/// A motion and the pieces in which its device takes it.
+struct RowMotion {
+  std::size_t rows = 0;  ///< that it took
+  JointVector q_end;
+  /// One after another: timed segments of a streaming device, whole moves from rest to rest of
+  /// another one. Empty where the robot stands there already.
+  std::vector<JointMove> pieces;
+  double duration = 0;  ///< s, of all pieces
+};
+
+/// Plans the rows of a program that move the robot. Holds the planner's workspace.
+class RowPlanner {
+ public:
+  /// A device that takes whole moves only is led along a tool's way by moves whose straight joints
+  /// leave it by no more than this (m; of its turn, rad * kTurnRadius), from stop to stop.
+  static constexpr double kWayTolerance = 0.5e-3;
+  static constexpr double kChordMax = 20e-3;  ///< m
+  /// So many rows at most blend into one motion; then there is a stop.
+  static constexpr std::size_t kRowsMax = 64;
+
+  /// @param robot  outlives this.
+  explicit RowPlanner(const RobotModel& robot);
+
+  /// The motion of rows[0] and of those that blend into each other behind it.
+  /// @param rows  all of them motions
+  std::expected<RowMotion, Refusal> plan(const JointVector& q_start, std::span<const Step> rows);
+
+  /// What the last plan() made.
+  const planning::PlannedMotion& motion() const { return motion_; }
+  const planning::ToolSpace& space() const { return planner_.space(); }
+
+ private:
+  std::expected<void, Refusal> make_moves(const planning::RobotPlace& start,
+                                          std::span<const Step> rows);
+  Refusal refusal(std::span<const Step> rows, const planning::PathRefusal& why);
+  void cut_into_segments(RowMotion& out) const;
+  void cut_into_chords(const planning::RobotPlace& start, RowMotion& out) const;
+
+  const RobotModel& robot_;
+  planning::MotionPlanner planner_;
+  planning::PlannedMotion motion_;
+  std::vector<planning::Move> moves_;
+};
+
+/// Where a joint row goes from `from`: joints that it does not name stay.
+JointVector resolved(const JointStep& step, const JointVector& from);
+
+/// The profile of one move between two known places, straight in joint space; `speed`, a share of
+/// the limits, counts where the device can be asked for it.
+motion::RestToRest profile_between(const JointVector& from, const JointVector& to,
+                                   const RobotModel& robot, double speed);
+
+}  // namespace sinew::program

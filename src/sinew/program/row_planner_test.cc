@@ -1,0 +1,209 @@
+#include "sinew/program/row_planner.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "sinew/core/units.h"
+#include "sinew/program/program_plan.h"
+#include "support/robots.h"
+
+namespace sinew::program {
+namespace {
+
+using kinematics::PoseBT;
+
+/// A stretched-out start of each robot from where its tool has room all around.
+JointVector start_of(const RobotModel& robot) {
+  if (robot.id == "robot-arm-2") {
+    return {0, from_deg(20), from_deg(-30), 0, from_deg(30), 0};
+  }
+  if (robot.id == "learm") return {0, from_deg(10), from_deg(75), from_deg(20), 0};
+  if (robot.id == "bigrobotarm") return {0, from_deg(10), from_deg(70), 0, from_deg(40)};
+  if (robot.id == "maxarm") return {from_deg(120), from_deg(110), from_deg(30)};
+  JointVector q;
+  for (const Joint& joint : robot.joints) q.push_back(joint.home);
+  return q;
+}
+
+struct Bench {
+  explicit Bench(std::string_view id) : robot(test::robot(id)), planner(robot) {}
+
+  std::expected<RowMotion, Refusal> plan(std::string_view text) {
+    program = *parse(text, "p", robot);
+    return planner.plan(start_of(robot), program.steps);
+  }
+  PoseBT tool(std::span<const double> q) {
+    const auto X_BT = planner.space().forward(q, planner.space().home());
+    EXPECT_TRUE(X_BT);
+    return *X_BT;
+  }
+  PoseBT start() { return tool({start_of(robot).data(), robot.joints.size()}); }
+
+  const RobotModel& robot;
+  RowPlanner planner;
+  Program program;
+};
+
+class RowPlannerOf : public testing::TestWithParam<const char*> {};
+INSTANTIATE_TEST_SUITE_P(Robots, RowPlannerOf,
+                         testing::Values("robot-arm-2", "learm", "bigrobotarm", "maxarm",
+                                         "hexapod"),
+                         [](const auto& test) {
+                           std::string name = test.param;
+                           std::erase(name, '-');
+                           return name;
+                         });
+
+TEST_P(RowPlannerOf, line_ends_where_it_was_sent_and_its_pieces_lie_on_it) {
+  Bench bench(GetParam());
+  const auto from = bench.start();
+  // A platform's legs are slow and short.
+  const double step = bench.planner.space().hexapod() != nullptr ? 4e-3 : 30e-3;
+  char text[80];
+  std::snprintf(text, sizeof text, "line z=%.6fmm", (from.p.z + step) * 1e3);
+  const auto motion = bench.plan(text);
+  ASSERT_TRUE(motion) << describe(motion.error().error);
+  ASSERT_FALSE(motion->pieces.empty());
+  for (const JointMove& piece : motion->pieces) {
+    const auto X_BT = bench.tool({piece.q.data(), piece.q.size()});
+    EXPECT_LT(std::hypot(X_BT.p.x - from.p.x, X_BT.p.y - from.p.y), 2e-5);
+    EXPECT_GE(X_BT.p.z, from.p.z - 1e-6);
+    EXPECT_LE(X_BT.p.z, from.p.z + step + 1e-6);
+  }
+  EXPECT_EQ(motion->pieces.back().q, motion->q_end);
+  EXPECT_NEAR(bench.tool({motion->q_end.data(), motion->q_end.size()}).p.z, from.p.z + step, 1e-6);
+  double sum = 0;
+  for (const JointMove& piece : motion->pieces) sum += to_seconds(piece.duration);
+  EXPECT_NEAR(sum, motion->duration, 1e-9 * static_cast<double>(motion->pieces.size()));
+}
+
+TEST_P(RowPlannerOf, whoever_takes_whole_moves_is_led_along_the_way_from_stop_to_stop) {
+  Bench bench(GetParam());
+  const auto from = bench.start();
+  const double step = bench.planner.space().hexapod() != nullptr ? 4e-3 : 40e-3;
+  char text[80];
+  std::snprintf(text, sizeof text, "line z=%.6fmm", (from.p.z + step) * 1e3);
+  const auto motion = bench.plan(text);
+  ASSERT_TRUE(motion) << describe(motion.error().error);
+  if (bench.robot.device.capability.motion == MotionKind::kStream) {
+    EXPECT_LE(motion->pieces[0].duration, bench.robot.device.capability.segment);
+    return;
+  }
+  JointVector last = start_of(bench.robot);
+  for (const JointMove& piece : motion->pieces) {
+    for (const double qd : piece.qd) EXPECT_EQ(qd, 0);
+    for (const double share : {0.25, 0.5, 0.75}) {
+      JointVector q = last;
+      for (std::size_t j = 0; j < q.size(); ++j) q[j] += share * (piece.q[j] - last[j]);
+      const auto X_BT = bench.tool({q.data(), q.size()});
+      EXPECT_LT(std::hypot(X_BT.p.x - from.p.x, X_BT.p.y - from.p.y),
+                RowPlanner::kWayTolerance * 1.05);
+    }
+    last = piece.q;
+  }
+}
+
+TEST(RowPlanner, rows_that_blend_are_one_motion_and_the_others_are_not) {
+  Bench bench("robot-arm-2");
+  const auto stops = bench.plan("line y=40mm\nline z=620mm\n");
+  ASSERT_TRUE(stops) << describe(stops.error().error);
+  EXPECT_EQ(stops->rows, 1U);
+  const auto blended = bench.plan("line y=40mm blend=10mm\nline z=620mm blend=5mm\nline y=0mm\n");
+  ASSERT_TRUE(blended) << describe(blended.error().error);
+  EXPECT_EQ(blended->rows, 3U);
+  const auto end = bench.tool({blended->q_end.data(), 6});
+  EXPECT_NEAR(end.p.z, 0.62, 1e-6);
+  EXPECT_NEAR(end.p.y, 0, 1e-6);
+}
+
+TEST(RowPlanner, what_a_row_does_not_name_stays_as_it_is) {
+  Bench bench("learm");
+  const auto from = bench.start();
+  const auto pitched = bench.plan("line pitch=120deg");
+  ASSERT_TRUE(pitched) << describe(pitched.error().error);
+  const auto to = bench.tool({pitched->q_end.data(), 5});
+  EXPECT_LT(norm(to.p - from.p), 1e-6);
+  EXPECT_NEAR(bench.planner.space().point(to).attitude[0], from_deg(120), 1e-6);
+  Bench six("robot-arm-2");
+  const JointVector q = start_of(six.robot);
+  const auto X_from = six.start();
+  char text[80];
+  std::snprintf(text, sizeof text, "move z=%.3fmm", (X_from.p.z + 0.05) * 1e3);
+  const auto program = *parse(text, "p", six.robot);
+  const auto moved = six.planner.plan(q, program.steps);
+  ASSERT_TRUE(moved) << describe(moved.error().error);
+  const auto X_to = six.tool({moved->q_end.data(), 6});
+  EXPECT_NEAR(X_to.p.z, X_from.p.z + 0.05, 1e-5);
+  EXPECT_NEAR(X_to.p.x, X_from.p.x, 1e-6);
+  EXPECT_LT(angle_between(X_to.R, X_from.R), 1e-6);
+}
+
+TEST(RowPlanner, joint_row_behind_a_blended_line_keeps_the_joints_that_the_line_ends_with) {
+  Bench bench("robot-arm-2");
+  const auto line = bench.plan("line y=40mm\n");
+  ASSERT_TRUE(line);
+  const auto both = bench.plan("line y=40mm blend=10mm\njoint J1=20deg\n");
+  ASSERT_TRUE(both) << describe(both.error().error);
+  ASSERT_EQ(both->rows, 2U);
+  EXPECT_EQ(both->q_end[0], from_deg(20));
+  for (std::size_t j = 1; j < 6; ++j) EXPECT_NEAR(both->q_end[j], line->q_end[j], 1e-9);
+}
+
+TEST(RowPlanner, tool_speed_stretches_the_pieces_of_whole_moves_too) {
+  for (const char* id : {"learm", "bigrobotarm", "maxarm"}) {
+    Bench bench(id);
+    const auto from = bench.start();
+    char text[80];
+    std::snprintf(text, sizeof text, "line z=%.3fmm speed=5mm/s", (from.p.z + 0.03) * 1e3);
+    const auto slow = bench.plan(text);
+    ASSERT_TRUE(slow) << id << describe(slow.error().error);
+    EXPECT_GE(slow->duration, 0.03 / 5e-3) << id;
+  }
+}
+
+TEST(RowPlanner, refusal_names_its_line_and_what_would_work) {
+  Bench bench("robot-arm-2");
+  const auto motion = bench.plan("line y=40mm blend=10mm\n\nline x=3000mm\n");
+  ASSERT_FALSE(motion);
+  EXPECT_EQ(motion.error().line, 3);
+  ASSERT_TRUE(motion.error().way);
+  EXPECT_EQ(motion.error().way->refusal.place.move, 1U);
+  EXPECT_EQ(motion.error().error.code, ErrorCode::kOutOfReach);
+  // Folded onto its own upper arm.
+  const auto through = bench.plan("joint J3=-100deg\n");
+  ASSERT_FALSE(through);
+  EXPECT_EQ(through.error().error.code, ErrorCode::kCollision) << describe(through.error().error);
+  EXPECT_GE(through.error().error.other, 0);
+  EXPECT_GT(through.error().way->refusal.place.at, 0);
+}
+
+TEST(RowPlanner, row_that_goes_nowhere_has_no_pieces) {
+  Bench bench("robot-arm-2");
+  const auto motion = bench.plan("joint J1=0deg\n");
+  ASSERT_TRUE(motion);
+  EXPECT_TRUE(motion->pieces.empty());
+  EXPECT_EQ(motion->rows, 1U);
+  EXPECT_EQ(motion->q_end, start_of(bench.robot));
+}
+
+TEST(RowPlanner, loops_plan_each_motion_once_and_count_them_all) {
+  const RobotModel& robot = test::robot("robot-arm-2");
+  const auto program = *parse(
+      "loop 5000\nline y=40mm z=600mm\nline y=-40mm blend=5mm\nline z=620mm\nend\n", "p", robot);
+  const auto plan = make_plan(program, robot, start_of(robot));
+  ASSERT_TRUE(plan) << describe(plan.error().error);
+  EXPECT_EQ(plan->orders.size(), 10'000U);
+  EXPECT_EQ(plan->orders[1].line, 3);
+  EXPECT_EQ(plan->orders[1].last_line, 4);
+}
+
+TEST(RowPlanner, tool_rows_need_a_known_start) {
+  const RobotModel& robot = test::robot("learm");
+  const auto plan = make_plan(*parse("line z=200mm", "p", robot), robot, std::nullopt);
+  ASSERT_FALSE(plan);
+  EXPECT_EQ(plan.error().error.code, ErrorCode::kPositionUnknown);
+}
+
+}  // namespace
+}  // namespace sinew::program
