@@ -3,6 +3,8 @@
 #include <cmath>
 
 #include "bench/inputs.h"
+#include "sinew/planning/collision.h"
+#include "sinew/planning/move_path.h"
 #include "sinew/planning/path_follower.h"
 
 namespace sinew::bench {
@@ -53,12 +55,57 @@ void path_timing_100_pieces(benchmark::State& state) {
 }
 BENCHMARK(path_timing_100_pieces);
 
+/// The same as a law that can be changed on the way.
+void path_timing_changeable_100_pieces(benchmark::State& state) {
+  const Waves waves;
+  planning::PathTiming timing(4 * Waves::kPieces);
+  planning::TimeLaw law(timing.phases_max());
+  for (auto _ : state) {
+    if (timing.prepare(waves.path, waves.limits, 1, planning::LawUse::kChangeable) ||
+        timing.plan({}, 1, law))
+      state.SkipWithError("");
+    benchmark::DoNotOptimize(law);
+  }
+}
+BENCHMARK(path_timing_changeable_100_pieces);
+
+/// A line of 300 mm of the tool: made and checked for limits, checked for contact, and timed.
+void planned_line_300mm_6r(benchmark::State& state) {
+  const RobotModel model = robot("robot-arm-2");
+  const planning::ToolSpace space(model);
+  planning::MovePathBuilder builder(space);
+  const planning::CollisionModel collision(model);
+  planning::PlannedPath path(space.size());
+  planning::PathTiming timing;
+  planning::TimeLaw law(timing.phases_max());
+  std::vector<motion::AxisLimits> limits;
+  for (const Joint& joint : model.joints) {
+    limits.push_back({joint.velocity_max, joint.acceleration_max, joint.jerk_max});
+  }
+  const planning::JointArray q{0, from_deg(-30), from_deg(30), 0, from_deg(60), 0};
+  const auto from = *builder.place_at({q.data(), space.size()}, space.home());
+  const planning::Move line{
+      .way = planning::MoveL{
+          {{from.X_BT.R, from.X_BT.p + Vec3{-0.05, 0.29, -0.05}}, planning::Asked::kPoint}}};
+  for (auto _ : state) {
+    if (!builder.build(from, {&line, 1}, 0, path) ||
+        collision.check_path(path.joints, collision.margin()) || timing.prepare(path, limits) ||
+        timing.plan({}, 1, law)) {
+      state.SkipWithError("refused");
+    }
+    benchmark::DoNotOptimize(law);
+  }
+}
+BENCHMARK(planned_line_300mm_6r);
+
 void path_replan_100_pieces(benchmark::State& state) {
   const Waves waves;
   planning::PathTiming timing(4 * Waves::kPieces);
   planning::TimeLaw law(timing.phases_max());
   planning::TimeLaw next(timing.phases_max());
-  if (timing.prepare(waves.path, waves.limits, 2) || timing.plan({}, 1, law)) std::abort();
+  if (timing.prepare(waves.path, waves.limits, 2, planning::LawUse::kChangeable) ||
+      timing.plan({}, 1, law))
+    std::abort();
   const planning::PathState start = law.sample(law.duration() / 4);
   double feed = 0.5;
   for (auto _ : state) {

@@ -14,7 +14,7 @@ PathFollower::PathFollower(std::size_t cells_max)
 std::optional<Error> PathFollower::start(const PlannedPath& path,
                                          std::span<const motion::AxisLimits> limits, double feed) {
   path_ = nullptr;
-  if (const auto error = timing_.prepare(path, limits, kFeedMax)) return error;
+  if (const auto error = timing_.prepare(path, limits, kFeedMax, LawUse::kChangeable)) return error;
   if (!std::isfinite(feed)) return Error{ErrorCode::kMotionInput, -1, feed, kFeedMax};
   path_ = &path;
   state_ = {};

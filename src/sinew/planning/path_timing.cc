@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "sinew/core/assert.h"
 
@@ -11,7 +12,6 @@ namespace {
 // Rounding's breadth of speeds that should be equal, relative.
 constexpr double kSameSpeed = 1e-10;
 
-constexpr int kRefinements = 1;  // a second gains less than 0.1 %
 // A law with a larger jump than this, as shares of length, speed and acceleration, is not given
 // out.
 constexpr double kBreak = 1e-7;
@@ -58,7 +58,7 @@ PathLimit LimitTimes::largest() const {
 }
 
 PathTiming::PathTiming(std::size_t cells_max)
-    : grid_(cells_max), draft_(kStretchesPerCell * cells_max) {
+    : grid_(cells_max), curve_(cells_max), draft_(kStretchesPerCell * cells_max) {
   down_.reserve(phases_max());
   up_.reserve(phases_max());
   way_.reserve(phases_max());
@@ -67,7 +67,8 @@ PathTiming::PathTiming(std::size_t cells_max)
 }
 
 std::optional<Error> PathTiming::prepare(const PlannedPath& path,
-                                         std::span<const motion::AxisLimits> limits, double feed) {
+                                         std::span<const motion::AxisLimits> limits, double feed,
+                                         LawUse use) {
   const auto good = [](double x) { return std::isfinite(x) && x > 0; };
   if (limits.size() != path.joints.joints() || path.joints.empty() ||
       path.tool.size() != path.joints.size() || path.sections.empty() || !good(feed)) {
@@ -98,12 +99,44 @@ std::optional<Error> PathTiming::prepare(const PlannedPath& path,
   feed_max_ = feed;
   grid_.set_feed(feed);
   limit_times_.resize(path.sections.size());
-  for (int i = 0; i < kRefinements && grid_.curved(); ++i) refine();
+  use_ = use;
+  refined_ = false;
+  const bool curve = use == LawUse::kQuickest && grid_.curved() && curve_.prepare(path, limits);
+  if (!curve) curve_.clear();
+  if (use == LawUse::kChangeable) refine();
   return {};
+}
+
+std::optional<Error> PathTiming::begin(double s, double feed) {
+  if (!(s >= 0 && s < grid_.length()) || !(feed > 0 && feed <= feed_max_)) return bad_input(-1);
+  if (use_ != LawUse::kQuickest || !curve_.prepared()) return bad_input(-1);
+  curve_.begin(s, feed);
+  return {};
+}
+
+bool PathTiming::advance(std::size_t cells, TimeLaw& out) {
+  if (!curve_.advance(cells)) return false;
+  write_curve(out);
+  return true;
+}
+
+/// @return false: no such law.
+bool PathTiming::write_curve(TimeLaw& out) {
+  begin_law({curve_.start(), 0, 0}, out);
+  if (!curve_.found()) return false;
+  curve_.for_each_phase([&](const SpeedCurve::Phase& phase, const PathState& end,
+                            const PathLimit& limit, std::size_t section) {
+    out.append(phase.jerk, phase.duration, end);
+    limit_times_[section].add(limit, phase.duration);
+  });
+  return true;
 }
 
 /// Plans once from rest to rest, and gives what its speeds leave to acceleration and jerk.
 void PathTiming::refine() {
+  if (refined_ || !grid_.curved()) return;
+  refined_ = true;
+  if (grid_.feed() != feed_max_) grid_.set_feed(feed_max_);
   draft_.clear();
   begin_law({}, draft_);
   sweep_back(0);
@@ -457,6 +490,28 @@ std::optional<Error> PathTiming::plan(const PathState& start, double feed, TimeL
       feed > feed_max_) {
     return bad_input(-1);
   }
+  const bool moves = start.v != 0 || start.a != 0;
+  if (use_ == LawUse::kQuickest) {
+    if (moves) return bad_input(-1);
+    constexpr std::size_t kAll = std::numeric_limits<std::size_t>::max();
+    if (!begin(start.s, feed) && curve_.advance(kAll) && write_curve(out)) {
+      if (curve_.settled()) return {};
+      const double first = out.duration();
+      if (curve_.refine() && !begin(start.s, feed) && curve_.advance(kAll) && write_curve(out) &&
+          curve_.settled() && out.duration() < first) {
+        return {};
+      }
+      const double duration = curve_.found() ? out.duration() : 0;
+      if (!plan_sweeps(start, feed, out) && (duration == 0 || out.duration() < duration)) return {};
+      if (duration > 0) write_curve(out);
+      return duration > 0 ? std::nullopt : plan_sweeps(start, feed, out);
+    }
+  }
+  return plan_sweeps(start, feed, out);
+}
+
+std::optional<Error> PathTiming::plan_sweeps(const PathState& start, double feed, TimeLaw& out) {
+  refine();
   if (feed != grid_.feed()) grid_.set_feed(feed);
   sweep_back(start.s);
   begin_law(start, out);
@@ -614,6 +669,7 @@ std::optional<Error> PathTiming::stop(const PathState& start, TimeLaw& out) {
   }
   begin_law(start, out);
   if (start.v == 0 && start.a == 0) return {};
+  if (use_ == LawUse::kQuickest) return bad_input(-1);
   SweepState at = in_cell(start);
   if (descend(at, Target::kRest, out).has_value() && unbroken_) return {};
   // On the last way into the end of the path: there.

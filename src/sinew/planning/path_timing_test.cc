@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "sinew/planning/path_timing_test_paths.h"
+#include "sinew/planning/path_timing_test_reference.h"
 #include "support/allocation_guard.h"
 
 namespace sinew::planning {
@@ -151,7 +152,8 @@ TEST(PathTiming, a_law_from_any_instant_of_another_feed_keeps_the_joints_limits)
   TimeLaw next(planner.timing.phases_max());
   for_random_cases(400, [&](Random& random) {
     const Case test = test_paths::random_case(random);
-    ASSERT_FALSE(planner.timing.prepare(test.path, test.limits, 2).has_value());
+    ASSERT_FALSE(
+        planner.timing.prepare(test.path, test.limits, 2, LawUse::kChangeable).has_value());
     ASSERT_FALSE(planner.timing.plan({}, random.uniform(0.1, 2), planner.law).has_value());
     for (int i = 0; i < 5; ++i) {
       const PathState start = planner.law.sample(planner.law.duration() * random.uniform(0, 1));
@@ -221,7 +223,7 @@ TEST(PathTiming, a_narrow_blend_between_two_lines_is_taken_slowly_and_the_lines_
   expect_within_limits(test, planner.law, 1);
   double quickest = 0;
   for (const LawPhase& phase : planner.law.phases()) quickest = std::max(quickest, phase.state.v);
-  EXPECT_NEAR(quickest, 1, 1e-9);
+  EXPECT_GT(quickest, 0.995);
   // Two lines of 1.29 s from rest to rest, and the blend at the little speed that its bend allows.
   EXPECT_LT(planner.law.duration(), 2 * 1.29 + 0.2);
 }
@@ -233,6 +235,8 @@ TEST(PathTiming, four_thousand_pieces_are_planned_without_the_heap) {
   ASSERT_EQ(test.path.joints.size(), 4000U);
   const test::AllocationCounter counter;
   ASSERT_FALSE(planner.plan(test).has_value());
+  ASSERT_FALSE(planner.timing.prepare(test.path, test.limits, 1, LawUse::kChangeable).has_value());
+  ASSERT_FALSE(planner.timing.plan({}, 1, planner.law).has_value());
   ASSERT_FALSE(planner.timing.stop(planner.law.sample(1), planner.law).has_value());
   EXPECT_EQ(counter.count(), 0U);
   ASSERT_FALSE(planner.timing.plan({}, 1, planner.law).has_value());
@@ -283,6 +287,142 @@ TEST(PathTiming, what_is_no_number_or_out_of_range_is_refused) {
   PathTiming small(2);
   line = test_paths::straight({1, 1}, {{1, 1, 1}, {1, 1, 1}}, 1, 3);
   EXPECT_EQ(small.prepare(line.path, line.limits)->code, ErrorCode::kProgramTooLong);
+}
+
+TEST(PathTiming, takes_little_longer_than_a_long_optimisation_finds) {
+  Planner planner;
+  double ratios = 0, worst = 0, changeable = 0;
+  int cases = 0;
+  for_random_cases(12, [&](Random& random) {
+    const Case test = test_paths::random_case(random);
+    ASSERT_FALSE(planner.plan(test).has_value());
+    const double reference = test_paths::QuickestMotion(test.path, test.limits, 600).duration();
+    const double ratio = planner.law.duration() / reference;
+    ratios += ratio, worst = std::max(worst, ratio), ++cases;
+    ASSERT_FALSE(
+        planner.timing.prepare(test.path, test.limits, 1, LawUse::kChangeable).has_value());
+    ASSERT_FALSE(planner.timing.plan({}, 1, planner.law).has_value());
+    changeable += planner.law.duration() / reference;
+  });
+  std::cout << "  " << ratios / cases << " times the reference, at most " << worst
+            << "; changeable laws " << changeable / cases << '\n';
+  EXPECT_LE(ratios / cases, 1.04);
+  EXPECT_LE(worst, 1.08);
+  EXPECT_GE(ratios / cases, 0.99);
+}
+
+TEST(PathTiming, the_reference_finds_the_seven_phases_of_a_straight_line) {
+  const Case line = test_paths::straight({1}, {{0.5, 1, 4}}, 1);
+  const double quickest = motion::plan_axis(1, line.limits[0]).duration();
+  test_paths::QuickestMotion reference(line.path, line.limits, 800);
+  EXPECT_NEAR(reference.duration() / quickest, 1, 0.005);
+}
+
+/// Ways on which the tool turns on the spot, one joint turns alone, or nothing turns at all.
+Case standing_case(Random& random) {
+  Case test{PlannedPath(3, 64), {}};
+  for (int j = 0; j < 3; ++j) {
+    test.limits.push_back({ten_to(random, -0.5, 0.5), ten_to(random, 0, 1), ten_to(random, 0, 2)});
+  }
+  PathPoint at;
+  const auto way = static_cast<std::size_t>(random.integer(2, 6));
+  for (std::size_t i = 0; i < way; ++i) {
+    PathPoint next = at;
+    const auto kind = random.integer(0, 2);
+    for (std::size_t j = 0; j < 3; ++j) {
+      // Level at its ends: a joint that only turns within a piece stands at both of its borders.
+      const bool turns = kind == 0 || (kind == 1 && j == i % 3);
+      next.q[j] = at.q[j] + (turns ? random.uniform(-1, 1) : 0);
+      next.dq[j] = kind == 0 && i + 1 < way ? random.uniform(-1, 1) : 0;
+    }
+    const double length = random.uniform(0.1, 0.5);
+    EXPECT_TRUE(test.path.joints.append_quintic(at, next, length));
+    test.path.tool.push_back({kind == 0 ? 1.0 : 0.0, kind == 0 ? 1.0 : 0.0});
+    at = next;
+  }
+  test.path.sections.push_back({0, 0, random.chance(0.5) ? 0.3 : 1e9, 2, 1});
+  return test;
+}
+
+TEST(PathTiming, stretches_where_the_tool_or_some_joints_or_all_stand_keep_every_limit) {
+  Planner planner;
+  for_random_cases(200, [&](Random& random) {
+    const Case test = standing_case(random);
+    for (const LawUse use : {LawUse::kQuickest, LawUse::kChangeable}) {
+      ASSERT_FALSE(planner.timing.prepare(test.path, test.limits, 1, use).has_value());
+      ASSERT_FALSE(planner.timing.plan({}, 1, planner.law).has_value());
+      EXPECT_LE(check(test.path, planner.law, test.limits, 1, 20).worst(), 1 + 1e-9);
+      // Where nothing moves s is as quick as it likes.
+      PathState most{1, 1, 1};
+      for (const LawPhase& phase : planner.law.phases()) {
+        most.v = std::max(most.v, phase.state.v);
+        most.a = std::max(most.a, std::abs(phase.state.a));
+      }
+      const PathState jump = test_paths::largest_jump(planner.law);
+      EXPECT_LE(jump.s, 1e-9);
+      EXPECT_LE(jump.v, 1e-9 * most.v);
+      EXPECT_LE(jump.a, 1e-9 * most.a);
+      EXPECT_EQ(planner.law.end().s, test.path.joints.length());
+      EXPECT_EQ(planner.law.end().v, 0);
+    }
+  });
+}
+
+// Once such a cell passed for a cubic, and a jerk came 0.8 % beyond its limit.
+TEST(PathTiming, a_cell_whose_ends_have_the_same_third_derivative_may_still_bend_between) {
+  Planner planner;
+  for_random_cases(200, [&](Random& random) {
+    Case test{PlannedPath(2, 3), {}};
+    PathPoint at;
+    for (int i = 0; i < 3; ++i) {
+      PathPoint next;
+      for (std::size_t j = 0; j < 2; ++j) next.q[j] = at.q[j] + random.uniform(-1, 1);
+      ASSERT_TRUE(test.path.joints.append_quintic(at, next, random.uniform(0.1, 2)));
+      test.path.tool.push_back({1, 1});
+      at = next;
+    }
+    test.path.sections.push_back({});
+    for (int j = 0; j < 2; ++j) test.limits.push_back({10, 10, ten_to(random, 0, 1)});
+    ASSERT_FALSE(planner.plan(test).has_value());
+    EXPECT_LE(check(test.path, planner.law, test.limits, 1, 20).worst(), 1 + 1e-9);
+  });
+}
+
+TEST(PathTiming, a_plan_in_parts_looks_at_a_bounded_number_of_cells_and_is_the_same_plan) {
+  Planner planner;
+  TimeLaw law(planner.timing.phases_max());
+  for_random_cases(40, [&](Random& random) {
+    const Case test = test_paths::random_case(random);
+    ASSERT_FALSE(planner.timing.prepare(test.path, test.limits).has_value());
+    ASSERT_FALSE(planner.timing.begin(0, 1).has_value());
+    ASSERT_TRUE(planner.timing.advance(std::numeric_limits<std::size_t>::max(), planner.law));
+    const auto part = static_cast<std::size_t>(random.integer(1, 200));
+    const test::AllocationCounter counter;
+    ASSERT_FALSE(planner.timing.begin(0, 1).has_value());
+    std::size_t parts = 1;
+    while (!planner.timing.advance(part, law)) ++parts;
+    EXPECT_EQ(counter.count(), 0U);
+    EXPECT_LE(parts, PathTiming::kLooksMax * planner.timing.curve_cells() / part + 1);
+    EXPECT_EQ(law.duration(), planner.law.duration());
+    EXPECT_EQ(law.size(), planner.law.size());
+    expect_within_limits(test, law, 1, 10);
+  });
+}
+
+TEST(PathTiming, a_law_to_be_followed_as_it_is_begins_at_rest_anywhere_and_cannot_be_changed) {
+  Planner planner;
+  for_random_cases(100, [&](Random& random) {
+    const Case test = test_paths::random_case(random);
+    ASSERT_FALSE(planner.plan(test).has_value());
+    const PathState moving = planner.law.sample(planner.law.duration() / 2);
+    EXPECT_TRUE(planner.timing.plan(moving, 1, planner.law).has_value());
+    EXPECT_TRUE(planner.timing.stop(moving, planner.law).has_value());
+    const double from = test.path.joints.length() * random.uniform(0, 0.999);
+    ASSERT_FALSE(planner.timing.plan({from, 0, 0}, 1, planner.law).has_value());
+    expect_within_limits(test, planner.law, 1, 10);
+    EXPECT_EQ(planner.law.sample(0).s, from);
+    EXPECT_EQ(planner.law.end().s, test.path.joints.length());
+  });
 }
 
 }  // namespace
