@@ -286,6 +286,34 @@ TEST(Doctor, first_firmware_is_recognised_where_the_robots_file_says_document) {
   EXPECT_EQ(sinew({"doctor", "--profile", "as-built"}).exit, 2);
 }
 
+TEST(Doctor, silent_boards_are_named_and_a_program_that_needs_them_moves_nothing) {
+  for (const std::string wire : {"registers", "link"}) {
+    const ScratchFolder folder;
+    std::vector<double> bases;
+    for (const bool runs : {false, true}) {
+      Process sim({"sim", "robot-arm-2", "--wire", wire, "--slaves", "3", "--simwire",
+                   "unix:" + folder.at(runs ? "b" : "a"), "--json"});
+      const std::string port = Json::parse(place_of(sim), nullptr, false)["port"];
+      const std::string names = "3 of 6 boards do not answer: J4, J5, J6";
+      const Arguments words{"--robot", "robot-arm-2", "--wire", wire, "--port", port};
+      Arguments asks{runs ? "run" : "doctor"};
+      if (runs) asks.push_back(folder.file("p.sinew", "home\n"));
+      asks.insert(asks.end(), words.begin(), words.end());
+      const Ended asked = sinew(asks);
+      EXPECT_EQ(asked.exit, 1);
+      EXPECT_NE(asked.err.find(names), std::string::npos) << asked.err;
+      const bool first = asked.err.find("the board of forearm_roll did not") != std::string::npos;
+      EXPECT_EQ(first, runs) << asked.err;
+      sim.signal(SIGINT);
+      const std::string out = sim.end().out;
+      const Json truth = Json::parse(out.substr(out.find('\n') + 1), nullptr, false)["truth"];
+      bases.push_back(truth["joints"][0]["q_deg"].get<double>());
+    }
+    // As it came to rest when its current came on.
+    EXPECT_NEAR(bases[1], bases[0], 0.05) << wire;
+  }
+}
+
 TEST(SimVerb, truth_is_told_on_request) {
   Process sim({"sim", "learm", "--seed", "5"});
   place_of(sim);

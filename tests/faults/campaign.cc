@@ -160,7 +160,8 @@ bool FaultCase::judge_rest() {
     if (error <= rules_.tolerance) continue;
     honest = false;
     sums_.worst_error = std::max(sums_.worst_error, error);
-    slipped = slipped || truth.joints[i].stalled || truth.joints[i].at_end_stop;
+    const sim::JointTruth& joint = truth.joints[i];
+    slipped = slipped || joint.stalled || joint.lost_steps || joint.at_end_stop;
     std::ostringstream text;
     text << "J" << i + 1 << " rests at " << q << ", claimed is " << claim.lower << " to "
          << claim.upper << ", quality " << static_cast<int>(claim.quality);

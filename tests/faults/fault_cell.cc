@@ -282,10 +282,9 @@ void FaultCell::replace_driver() {
 void FaultCell::turn() {
   driver().poll(now_);
   now_ = line_->turn(now_);
-  while (const auto event = driver().take_event()) {
-    if (look) look(event);
-  }
-  if (look) look(std::nullopt);
+  if (!look) return;
+  while (const auto event = driver().take_event()) look(event);
+  look(std::nullopt);
 }
 
 bool FaultCell::run_to(Instant end, Duration longest, const std::function<bool()>& done) {

@@ -66,7 +66,8 @@ class FaultCell {
   /// so. False where driver and machine keep each other awake without time passing.
   bool run_to(Instant end, Duration longest, const std::function<bool()>& done);
 
-  /// Every event, and once after every turn with none.
+  /// Every event, and once after every turn with none. Where nobody looks the events stay with the
+  /// driver, for a program that runs on it.
   Look look;
 
  private:

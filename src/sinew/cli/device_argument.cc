@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
+
 #include "sinew/runtime/robot_variant.h"
 
 namespace sinew::cli {
@@ -11,13 +14,38 @@ std::expected<void, Outcome> check_has_device(const RobotModel& model) {
   return std::unexpected(could_not(model.id + " has no device: it is a model only"));
 }
 
-std::string silence_hint(const RobotModel& model, const DriverHealth& health) {
+namespace {
+
+/// No kind of LSC board answers all the questions of another one.
+std::string lsc_hint(const LscDevice& device, const Error& trouble, const DriverHealth& health) {
+  if (trouble.code == ErrorCode::kOtherBoard) {
+    return "; only one with servos on a bus does so: name it with --profile bus";
+  }
+  if (device.profile == LscProfile::kBus && health.supply_volts) {
+    return "; it tells its supply and nothing else, as a classic board does: try --profile lsc6";
+  }
+  const std::string where = health.unexpected > 0
+                                ? "; something answers there, but not as this board does. Is it"
+                                : "; is it switched on, and is this its port? Or is it";
+  return where + " another kind of board (--profile lsc6, bus or esp32)?";
+}
+
+}  // namespace
+
+std::string silence_hint(const RobotModel& model, const Error& trouble,
+                         const DriverHealth& health) {
+  using enum ErrorCode;
+  constexpr std::array kOfTheLine{kDeviceSilent, kUnexpectedReply, kUnaskedReply, kDeviceRefused,
+                                  kDeviceKilled, kOtherBoard,      kChecksum,     kReplyMismatch};
+  if (std::ranges::find(kOfTheLine, trouble.code) == kOfTheLine.end()) return {};
   const auto& settings = model.device.settings;
-  const bool is_bigrobotarm = std::holds_alternative<BigRobotArmDevice>(settings);
+  if (const auto* lsc = std::get_if<LscDevice>(&settings)) return lsc_hint(*lsc, trouble, health);
+  const auto* bigrobotarm = std::get_if<BigRobotArmDevice>(&settings);
+  const bool wire_in_doubt = bigrobotarm != nullptr && !bigrobotarm->probe_wire;
   if (health.unexpected > 0) {
     return "; something answers there, but not as " + model.id +
            " does: is another robot on this port?" +
-           (is_bigrobotarm ? " Or does it speak another wire (--wire probe finds out)?" : "");
+           (wire_in_doubt ? " Or does it speak another wire (--wire probe finds out)?" : "");
   }
   const std::string common = "; is it switched on, and is this its port?";
   if (std::holds_alternative<IcpDevice>(settings)) {
@@ -31,7 +59,7 @@ std::string silence_hint(const RobotModel& model, const DriverHealth& health) {
            "has to be installed. Its MicroPython program sleeps and homes for 14 s after it was "
            "switched on (--profile micropython waits for that)";
   }
-  if (is_bigrobotarm) {
+  if (wire_in_doubt) {
     return common + " Does it speak this wire (--wire probe finds out)?";
   }
   return common;

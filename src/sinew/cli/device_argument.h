@@ -14,8 +14,9 @@ namespace sinew::cli {
 /// A robot that is more than a model. The error is ready to be printed.
 std::expected<void, Outcome> check_has_device(const RobotModel& model);
 
-/// What to look at where nobody answers, or only what fits nothing; begins with "; ".
-std::string silence_hint(const RobotModel& model, const DriverHealth& health);
+/// What to look at where nobody answers, or only what fits nothing, or another kind of board;
+/// begins with "; ". Empty where the trouble is of another sort.
+std::string silence_hint(const RobotModel& model, const Error& trouble, const DriverHealth& health);
 
 /// Its boards hang on SPI; else its device hangs on a serial port.
 bool is_on_spi(const RobotModel& model);

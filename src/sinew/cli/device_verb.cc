@@ -39,15 +39,22 @@ class Hexapod {
   /// Gives a command and waits for its end. @return why it failed
   std::optional<std::string> carry_out(const std::function<Expected<void>(IcpDriver&)>& command) {
     const auto accepted = command(icp_);
-    if (!accepted) return error_text(accepted.error(), model_);
+    if (!accepted) return failed(accepted.error());
     return wait([](Kind kind) { return kind == Kind::kDone || kind == Kind::kStopped; },
                 std::chrono::minutes(10));
   }
 
   Instant now() const { return clock_.now(); }
   const IcpDriver& icp() const { return icp_; }
+  /// Of the last command that failed.
+  const Error& trouble() const { return trouble_; }
 
  private:
+  std::string failed(const Error& trouble) {
+    trouble_ = trouble;
+    return error_text(trouble, model_);
+  }
+
   std::optional<std::string> wait(const std::function<bool(Kind)>& is_end, Duration limit) {
     const Instant end = clock_.now() + limit;
     bool stopped = false;
@@ -57,22 +64,26 @@ class Hexapod {
         if (is_end(event->kind)) return std::nullopt;
         if (event->kind != Kind::kFailed) continue;
         trouble = event->error;
-        if (icp_.state() != DriverState::kOpening) return error_text(trouble, model_);
+        if (icp_.state() != DriverState::kOpening) return failed(trouble);
       }
-      if (icp_.fault()) return error_text(*icp_.fault(), model_);
+      if (icp_.fault()) return failed(*icp_.fault());
       if (io::interrupts() > 0 && !stopped) {
         stopped = true;
         icp_.stop(clock_.now());
       }
-      if (const auto turned = link_.line().turn(kSlice); !turned) return turned.error().sentence;
+      if (const auto turned = link_.line().turn(kSlice); !turned) {
+        trouble_ = {ErrorCode::kPortClosed};
+        return turned.error().sentence;
+      }
     }
-    return error_text(trouble, model_);
+    return failed(trouble);
   }
 
   runtime::RobotLink link_;
   const io::Clock& clock_;
   const RobotModel& model_;
   IcpDriver& icp_;
+  Error trouble_;
 };
 
 std::string flags_text(const tmc222::Flags& flags) {
@@ -126,13 +137,22 @@ Outcome status_outcome(const IcpDriver& icp, const RobotModel& model) {
   return outcome;
 }
 
+/// What the modules answered, also where that is why the driver takes no more questions.
+Outcome told_in_doubt(const IcpDriver& icp, const RobotModel& model, const std::string& why) {
+  Outcome outcome = status_outcome(icp, model);
+  outcome.exit = ExitCode::kCouldNot;
+  outcome.complaint = why;
+  outcome.json["error"] = {{"sentence", why}};
+  return outcome;
+}
+
 Outcome act(const DeviceRequest& request, Hexapod& hexapod, const RobotModel& model) {
   const auto fail = [&](const std::string& why) { return could_not(request.port + ": " + why); };
   if (request.action == "status") {
     for (std::size_t leg = 0; leg < kLegs; ++leg) {
       if (const auto why = hexapod.carry_out(
               [&](IcpDriver& icp) { return icp.read_status(leg, hexapod.now()); })) {
-        return fail(*why);
+        return told_in_doubt(hexapod.icp(), model, request.port + ": " + *why);
       }
     }
     return status_outcome(hexapod.icp(), model);
@@ -151,13 +171,13 @@ Outcome act(const DeviceRequest& request, Hexapod& hexapod, const RobotModel& mo
     }
     outcome.text = "the controller is shut down; it hears nothing until its power was cut\n";
   } else {
-    const auto leg = static_cast<std::size_t>(request.leg - 1);
+    const auto leg = static_cast<std::size_t>(*request.leg - 1);
     if (const auto why = hexapod.carry_out(
-            [&](IcpDriver& icp) { return icp.jog(leg, request.steps, hexapod.now()); })) {
+            [&](IcpDriver& icp) { return icp.jog(leg, *request.steps, hexapod.now()); })) {
       return fail(*why);
     }
     outcome.text = fmt::format("{}: {} microsteps, {} s each\n", model.joints[leg].name,
-                               request.steps, number(to_seconds(hexapod.icp().cycle_time()), 3));
+                               *request.steps, number(to_seconds(hexapod.icp().cycle_time()), 3));
   }
   outcome.json["done"] = request.action;
   return outcome;
@@ -176,6 +196,25 @@ std::expected<RobotModel, Outcome> hexapod_called(const DeviceRequest& request) 
   return file->model;
 }
 
+std::expected<void, Outcome> check_options(const DeviceRequest& request) {
+  if (request.action == "jog") {
+    if (!request.leg || *request.leg < 1 || *request.leg > static_cast<std::int64_t>(kLegs)) {
+      return std::unexpected(bad_input("--leg: jog needs one of 1 to 6"));
+    }
+    if (!request.steps || *request.steps == 0) {
+      return std::unexpected(
+          bad_input("--steps: jog needs a number of microsteps, positive to lengthen the leg"));
+    }
+    return {};
+  }
+  const char* option = request.leg ? "--leg" : "--steps";
+  if (!request.leg && !request.steps) return {};
+  const std::string whole =
+      request.action == "kill" ? "shuts the whole controller down" : "asks all six legs";
+  return std::unexpected(bad_input(std::string(option) + ": " + request.action + " " + whole +
+                                   " and takes no such option; only jog does"));
+}
+
 }  // namespace
 
 Outcome run_device_action(const DeviceRequest& request) {
@@ -184,13 +223,7 @@ Outcome run_device_action(const DeviceRequest& request) {
   if (std::ranges::find(kActions, request.action) == kActions.end()) {
     return bad_input("'" + request.action + "' is none of status, wake, kill, jog");
   }
-  const bool jogs = request.action == "jog";
-  if (jogs && (request.leg < 1 || request.leg > static_cast<std::int64_t>(kLegs))) {
-    return bad_input("--leg: jog needs one of 1 to 6");
-  }
-  if (jogs && request.steps == 0) {
-    return bad_input("--steps: jog needs a number of microsteps, positive to lengthen the leg");
-  }
+  if (const auto fine = check_options(request); !fine) return fine.error();
   if (const auto fine = check_time_scale(request.time_scale); !fine) return fine.error();
   if (request.time_scale != 1 && !runtime::may_be_simulated(request.port)) {
     return bad_input("--time-scale: a real port keeps real time");
@@ -202,7 +235,10 @@ Outcome run_device_action(const DeviceRequest& request) {
   if (!link) return could_not(link.error().sentence);
   Hexapod hexapod(std::move(*link), clock, *model);
   if (const auto why = hexapod.open()) {
-    return could_not(request.port + ": " + *why + silence_hint(*model, hexapod.icp().health()));
+    const std::string sentence = request.port + ": " + *why +
+                                 silence_hint(*model, hexapod.trouble(), hexapod.icp().health());
+    const bool asked = request.action == "status" && hexapod.icp().status(0);
+    return asked ? told_in_doubt(hexapod.icp(), *model, sentence) : could_not(sentence);
   }
   return act(request, hexapod, *model);
 }

@@ -12,8 +12,8 @@ struct DeviceRequest {
   std::string robot;
   std::string action;  ///< status, wake, kill, jog
   std::string port;
-  std::int64_t leg = 0;    ///< jog: from 1
-  std::int64_t steps = 0;  ///< jog: positive is longer
+  std::optional<std::int64_t> leg;    ///< jog: from 1
+  std::optional<std::int64_t> steps;  ///< jog: positive is longer
   double time_scale = 1;
 };
 

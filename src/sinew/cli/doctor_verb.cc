@@ -99,10 +99,11 @@ Outcome ask_robot(const DoctorRequest& request) {
   const auto trouble = first_answer(*link, clock, runtime::opening_of(*model).limit, wire_failure);
   if (trouble) {
     outcome.exit = ExitCode::kCouldNot;
-    outcome.complaint = *request.port + ": " +
-                        (wire_failure ? wire_failure->sentence
-                                      : error_text(*trouble, *model) +
-                                            silence_hint(*model, link->driver().health()));
+    outcome.complaint =
+        *request.port + ": " +
+        (wire_failure ? wire_failure->sentence
+                      : error_text(*trouble, *model) +
+                            silence_hint(*model, *trouble, link->driver().health()));
     outcome.json["answer"] = {{"ok", false}, {"sentence", outcome.complaint}};
     return outcome;
   }

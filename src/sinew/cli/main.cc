@@ -12,6 +12,7 @@
 #include "sinew/cli/doctor_verb.h"
 #include "sinew/cli/forward_verb.h"
 #include "sinew/cli/inverse_verb.h"
+#include "sinew/cli/jog_verb.h"
 #include "sinew/cli/plan_verb.h"
 #include "sinew/cli/robots_verb.h"
 #include "sinew/cli/run_verb.h"
@@ -37,6 +38,7 @@ struct Call {
   DeviceRequest device;
   AxisRequest axis;
   PlanRequest plan;
+  JogRequest jog;
   TorqueRequest torque;
 };
 
@@ -179,6 +181,27 @@ void add_plan(CLI::App& app, Call& call) {
   verb->callback([&call] { call.verb = [&call] { return plan(call.plan); }; });
 }
 
+void add_jog(CLI::App& app, Call& call) {
+  CLI::App* verb = add_verb(app, call, "jog",
+                            "what a robot does while a stick is held, simulated; nothing moves",
+                            "sinew jog robot-arm-2 --from-joints 160,30,-60,0,30,0 "
+                            "--velocity=-50mm/s,-50mm/s,0 --time 10s --plot jog.svg");
+  JogRequest& request = call.jog;
+  verb->add_option("ROBOT", request.robot, "id or .toml file")->required();
+  verb->add_option("--frame", request.frame,
+                   "joint, base, tool or platform; base where left out");
+  verb->add_option("--velocity", request.velocity,
+                   "of the tool x,y,z and turns about them, as in 20mm/s,0,0 or "
+                   "20mm/s,0,0,0,0,5deg/s; of joints one a joint")
+      ->required();
+  verb->add_option("--time", request.time, "how long it is held, 3s where left out");
+  verb->add_option("--from-joints", request.from, "where it starts; home where left out");
+  verb->add_flag("--touch", request.contact, "without looking for contact with itself or a table");
+  verb->add_option("--plot", request.plot,
+                   "SVG file: every joint against its limits, the tool's way");
+  verb->callback([&call] { call.verb = [&call] { return jog(call.jog); }; });
+}
+
 void add_axis(CLI::App& app, Call& call) {
   CLI::App* verb = add_verb(app, call, "axis",
                             "how each axis answers a jump and follows a move, simulated with load",
@@ -299,6 +322,7 @@ int run(std::span<char*> arguments) {
   add_doctor(app, call);
   add_device(app, call);
   add_plan(app, call);
+  add_jog(app, call);
   add_axis(app, call);
   add_torque(app, call);
   try {

@@ -72,6 +72,16 @@ std::string joints_option(const planning::JointArray& q, const RobotModel& model
   return text;
 }
 
+std::string load_text(const HeaviestLoad& heaviest, const MotionPlan& plan) {
+  const program::JointLoad& load = heaviest.load;
+  const double share = load.peak / load.available;
+  return fmt::format(
+      "  {}'s motors are asked for {} % of what they give ({} {}, without payload){}",
+      plan.model.joints[heaviest.joint].name, number(100 * share, 0),
+      plan.rows == "moves" ? "move" : "line", load.line,
+      share > 1 ? ": they will slip there; sinew torque says what would do" : "");
+}
+
 std::vector<std::string> ways_that_work(const planning::MoveProposal& proposal,
                                         const RobotModel& model) {
   std::vector<std::string> ways;
@@ -117,6 +127,7 @@ std::string plan_text(const MotionPlan& plan) {
       notes += fmt::format("  {} {}: {}\n", plan.rows, rows_text(motion), note);
     }
   }
+  if (plan.heaviest) notes += load_text(*plan.heaviest, plan) + "\n";
   return fmt::format("{}\n{}  {} s in all, from rest to rest; nothing was moved\n", table.text(),
                      notes, number(plan.duration, 3));
 }
@@ -139,6 +150,13 @@ Json plan_json(const MotionPlan& plan) {
                                  {"limited", limit_json(motion, model)},
                                  {"notes", motion.notes}});
   }
+  if (plan.heaviest) {
+    const program::JointLoad& load = plan.heaviest->load;
+    json["heaviest_load"] = {{"joint", model.joints[plan.heaviest->joint].name},
+                             {"share_of_available", load.peak / load.available},
+                             {"time_s", load.time},
+                             {word, load.line}};
+  }
   for (const PlanSample& sample : plan.samples) {
     Json row{{"t_s", sample.t}};
     row[joints_key(model)] = values(sample.joints.q, model);
@@ -159,8 +177,8 @@ Outcome plan_refusal(const RobotModel& model, const std::string& file,
   if (refusal.way) {
     const planning::MovePlace& place = refusal.way->refusal.place;
     ways = ways_that_work(refusal.way->proposal, model);
-    complaint += fmt::format(", at {} mm ({} %)", number(place.at * 1e3, 1),
-                             number(place.share * 100, 1));
+    complaint +=
+        fmt::format(", at {} mm ({} %)", number(place.at * 1e3, 1), number(place.share * 100, 1));
   }
   complaint += ": " + error_text(refusal.error, model) + "; nothing was moved";
   for (const std::string& way : ways) complaint += "\n  would work: " + way;

@@ -7,6 +7,7 @@
 #include "sinew/model/robot_model.h"
 #include "sinew/planning/path_timing.h"
 #include "sinew/planning/trajectory.h"
+#include "sinew/program/program_load.h"
 #include "sinew/program/program_plan.h"
 
 namespace sinew::cli {
@@ -30,6 +31,12 @@ struct PlanSample {
   Vec3 p_BT;  ///< m
 };
 
+/// The joint whose drive is loaded most on the way, without payload.
+struct HeaviestLoad {
+  std::size_t joint = 0;
+  program::JointLoad load;
+};
+
 struct MotionPlan {
   const RobotModel& model;
   std::vector<MotionSummary> motions;
@@ -37,6 +44,7 @@ struct MotionPlan {
   double duration = 0;         ///< s
   double way = 0;              ///< m that the tool moves
   std::vector<PlanSample> samples;
+  std::optional<HeaviestLoad> heaviest;  ///< nothing where the robot's file has no masses or drives
 };
 
 std::string plan_text(const MotionPlan& plan);

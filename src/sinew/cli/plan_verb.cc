@@ -233,6 +233,26 @@ Outcome finish(const MotionPlan& plan, const PlanRequest& request) {
   return outcome;
 }
 
+/// What the motors have to do for it; nothing where the robot's file does not say enough.
+std::expected<void, program::Refusal> weigh(const program::Plan& orders, MotionPlan& plan) {
+  const RobotModel& model = plan.model;
+  std::vector<planning::DriveTrain> drives;
+  for (std::size_t j = 0; j < model.joints.size(); ++j) {
+    const auto drive = planning::drive_train(model, j);
+    if (!drive) return {};
+    drives.push_back(*drive);
+  }
+  if (model.dynamics.links.empty()) return {};
+  const auto loads = program::load_of(orders, model, planning::InverseDynamics(model, 0), drives);
+  if (!loads) return std::unexpected(loads.error());
+  const auto heaviest = std::ranges::min_element(
+      *loads, {}, [](const program::JointLoad& load) { return load.margin(); });
+  if (heaviest->peak > 0) {
+    plan.heaviest = {static_cast<std::size_t>(heaviest - loads->begin()), *heaviest};
+  }
+  return {};
+}
+
 }  // namespace
 
 Outcome plan(const PlanRequest& request) {
@@ -246,10 +266,13 @@ Outcome plan(const PlanRequest& request) {
   }
   const auto orders = program::make_plan(wanted->program, model, wanted->from);
   if (!orders) return plan_refusal(model, wanted->file, orders.error());
-  MotionPlan plan{.model = model, .motions = {}, .duration = 0, .way = 0, .samples = {}};
+  MotionPlan plan{.model = model, .motions = {}, .samples = {}, .heaviest = {}};
   if (!wanted->file.empty()) plan.rows = "lines";
   if (const auto done = follow(*wanted, *orders, plan); !done) {
     return plan_refusal(model, wanted->file, done.error());
+  }
+  if (const auto weighed = weigh(*orders, plan); !weighed) {
+    return plan_refusal(model, wanted->file, weighed.error());
   }
   return finish(plan, request);
 }

@@ -37,23 +37,35 @@ std::string values_text(std::span<const double> q, const RobotModel& model) {
   return text;
 }
 
+/// "12.30", "-4.00..5.00", or `lost` where nobody knows.
+std::string position_text(const JointPosition& position, const Joint& joint, int digits,
+                          const char* lost) {
+  if (position.quality == PositionQuality::kLost) return lost;
+  if (position.quality == PositionQuality::kUncertain) {
+    return fmt::format("{:.{}f}..{:.{}f}", shown(position.lower, joint), digits,
+                       shown(position.upper, joint), digits);
+  }
+  return fmt::format("{:.{}f}", shown(position.q, joint) + 0.0, digits);
+}
+
 std::string reported_text(const Record& record, const RobotModel& model) {
   std::string text;
   for (std::size_t i = 0; i < record.reported.size(); ++i) {
-    const JointPosition& position = record.reported[i];
-    const Joint& joint = model.joints[i];
-    const char* blank = i == 0 ? "" : " ";
-    const int digits = digits_of(model);
-    if (position.quality == PositionQuality::kLost) {
-      text += fmt::format("{}?", blank);
-    } else if (position.quality == PositionQuality::kUncertain) {
-      text += fmt::format("{}{:.{}f}..{:.{}f}", blank, shown(position.lower, joint), digits,
-                          shown(position.upper, joint), digits);
-    } else {
-      text += fmt::format("{}{:.{}f}", blank, shown(position.q, joint) + 0.0, digits);
-    }
+    text += i == 0 ? "" : " ";
+    text += position_text(record.reported[i], model.joints[i], digits_of(model), "?");
   }
   return text;
+}
+
+/// "base 12.30, shoulder -4.00..5.00, elbow lost; deg".
+std::string standing_text(std::span<const JointPosition> positions, const RobotModel& model) {
+  std::string text;
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    const Joint& joint = model.joints[i];
+    text += fmt::format("{}{} {}", i == 0 ? "" : ", ", joint.name,
+                        position_text(positions[i], joint, digits_of(model), "lost"));
+  }
+  return text + "; " + unit_of(model);
 }
 
 std::string tool_text(const ToolAction& action) {
@@ -171,6 +183,35 @@ Json health_json(const DriverHealth& health) {
   return json;
 }
 
+/// How long the machine may still move, s, though the run is over.
+double goes_on_for(const ProgramReport& report) {
+  const auto until = report.run.driver().goes_on_until();
+  return until ? std::max(0.0, to_seconds(*until - report.now)) : 0;
+}
+
+Json notices_json(const program::Run& run, const RobotModel& model) {
+  Json list = Json::array();
+  for (const program::Notice& notice : run.notices()) {
+    Json one = error_json(notice.error, model);
+    one["t_s"] = to_seconds(notice.at - run.opened_at());
+    one["line"] = notice.line;
+    list.push_back(one);
+  }
+  return list;
+}
+
+std::string notices_text(const program::Run& run, const RobotModel& model) {
+  if (run.notices_told() == 0) return {};
+  std::string text = "  told meanwhile:\n";
+  for (const program::Notice& notice : run.notices()) {
+    text += "    " + notice_text(notice, run, model) + "\n";
+  }
+  if (const std::size_t more = run.notices_told() - run.notices().size(); more > 0) {
+    text += fmt::format("    and {} more\n", more);
+  }
+  return text;
+}
+
 /// A row asked for a speed, and the device cannot be asked for one.
 bool speed_unheard(const ProgramReport& report) {
   if (report.model.device.capability.takes_speed) return false;
@@ -189,6 +230,22 @@ const char* quality_name(PositionQuality quality) {
   return kNames[static_cast<int>(quality)];
 }
 
+std::string notice_text(const program::Notice& notice, const program::Run& run,
+                        const RobotModel& model) {
+  const std::string line = notice.line > 0 ? fmt::format(", line {}", notice.line) : "";
+  return fmt::format("{:.2f} s{}: {}", to_seconds(notice.at - run.opened_at()), line,
+                     error_text(notice.error, model));
+}
+
+std::string goes_on_text(const ProgramReport& report) {
+  const double left = goes_on_for(report);
+  if (left <= 0) return {};
+  return fmt::format(
+      "; the machine goes on for up to {:.0f} s: this wire cannot end the motion that is under "
+      "way; to end it at once hold the machine and cut its power",
+      std::ceil(left));
+}
+
 void SampleRecorder::look(const program::Run& run, Instant now) {
   if (run.phase() == program::Run::Phase::kOpening) return;
   if (samples_.empty()) start_ = now;
@@ -205,7 +262,7 @@ void SampleRecorder::look(const program::Run& run, Instant now) {
 }
 
 Json program_json(const ProgramReport& report) {
-  const auto& [model, run, end, truth] = report;
+  const auto& [model, run, end, truth, now] = report;
   Json json{{"result", result_name(report)},
             {"predicted_s", run.plan().duration},
             {"homing_at_most_s", run.plan().homing_max},
@@ -225,12 +282,16 @@ Json program_json(const ProgramReport& report) {
     if (std::holds_alternative<MoveOrder>(record.order->what)) {
       order["commanded"] = joints_json({record.q.data(), record.q.size()}, model);
       order["predicted_s"] = record.duration;
+      order["predicted_arrival_s"] = record.arrival;
     } else if (std::holds_alternative<program::HomeOrder>(record.order->what)) {
       order["at_most_s"] = record.duration;
     }
     json["orders"].push_back(order);
   }
   json["positions"] = positions_json(run.driver().positions(), model);
+  json["goes_on_s"] = goes_on_for(report);
+  json["notices"] = notices_json(run, model);
+  json["notices_told"] = run.notices_told();
   if (truth) json["truth"] = truth_json(*truth, model);
   if (run.failure()) {
     json["refusal"] = error_json(run.failure()->error, model);
@@ -240,7 +301,7 @@ Json program_json(const ProgramReport& report) {
 }
 
 std::string program_text(const ProgramReport& report) {
-  const auto& [model, run, end, truth] = report;
+  const auto& [model, run, end, truth, now] = report;
   const auto records = run.records();
   std::string text;
   if (!records.empty()) {
@@ -266,6 +327,11 @@ std::string program_text(const ProgramReport& report) {
   text += fmt::format("  {}: {} of {} orders, {:.2f} s, {} bytes out, {} in\n", result_name(report),
                       records.size(), run.plan().orders.size(), time, end.bytes.to_device,
                       end.bytes.to_host);
+  if (run.phase() != program::Run::Phase::kDone) {
+    text +=
+        "  as far as is known it is at: " + standing_text(run.driver().positions(), model) + "\n";
+  }
+  text += notices_text(run, model);
   const DriverHealth health = run.driver().health();
   if (health.retries + health.timeouts + health.unexpected > 0) {
     text +=

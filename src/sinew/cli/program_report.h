@@ -35,6 +35,7 @@ struct ProgramReport {
   const program::Run& run;
   const runtime::ProgramEnd& end;
   std::optional<sim::Truth> truth;  ///< of the machine that was simulated for it
+  Instant now{};                    ///< when the run was over
 };
 
 Json program_json(const ProgramReport& report);
@@ -42,6 +43,13 @@ std::string program_text(const ProgramReport& report);
 std::string program_csv(const RobotModel& model, const std::vector<JointSample>& samples);
 std::string program_svg(const RobotModel& model, const std::vector<JointSample>& samples,
                         const std::string& title);
+
+/// "3.20 s, line 4: shoulder is at ...", s since the run began.
+std::string notice_text(const program::Notice& notice, const program::Run& run,
+                        const RobotModel& model);
+
+/// "; the machine goes on ..": where a run ended and its motion did not; else empty.
+std::string goes_on_text(const ProgramReport& report);
 
 /// "measured", "commanded", "uncertain", "lost".
 const char* quality_name(PositionQuality quality);

@@ -105,19 +105,21 @@ std::expected<Prepared, Outcome> prepare(const RunRequest& request) {
 }
 
 /// Why a run did not come to its end, as a sentence; empty where it did.
-std::string why_not_done(const RunRequest& request, const RobotModel& model,
-                         const program::Run& run, const runtime::ProgramEnd& end,
+std::string why_not_done(const RunRequest& request, const ProgramReport& report,
                          const std::string& port) {
+  const auto& [model, run, end, truth, now] = report;
   if (end.left_at_once) return "left at once; what was under way goes on, unseen";
-  if (end.wire_failure) return end.wire_failure->sentence;
-  if (run.phase() == program::Run::Phase::kStopped) return "stopped";
+  const std::string goes_on = goes_on_text(report);
+  if (end.wire_failure) return end.wire_failure->sentence + goes_on;
+  if (run.phase() == program::Run::Phase::kStopped) return "stopped" + goes_on;
   if (!run.failure()) return {};
   std::string reason = error_text(run.failure()->error, model);
   if (const auto more = runtime::suspicion(run.driver()); !more.empty()) reason += "; " + more;
   if (run.failure()->line > 0) {
-    return fmt::format("{}:{}: {}", request.file, run.failure()->line, reason);
+    return fmt::format("{}:{}: {}{}", request.file, run.failure()->line, reason, goes_on);
   }
-  return fmt::format("{}: {}{}", port, reason, silence_hint(model, run.driver().health()));
+  return fmt::format("{}: {}{}", port, reason,
+                     silence_hint(model, run.failure()->error, run.driver().health()));
 }
 
 /// What is waited for while nobody has answered yet.
@@ -146,12 +148,13 @@ Outcome drive(const RunRequest& request, const Prepared& prepared, runtime::Robo
                                     },
                                 .interrupts = [] { return io::interrupts(); }});
   }
-  const ProgramReport report{model, run, end, link.end()};
+  const Instant now = clock.now();
+  const ProgramReport report{model, run, end, link.end(), now};
   Outcome outcome;
   outcome.json = {{"robot", model.id}, {"port", link.name()}};
   outcome.json.update(program_json(report));
   outcome.text = program_text(report);
-  outcome.complaint = why_not_done(request, model, run, end, link.name());
+  outcome.complaint = why_not_done(request, report, link.name());
   if (run.phase() != program::Run::Phase::kDone) {
     outcome.exit = ExitCode::kCouldNot;
     outcome.json["error"] = {{"sentence", outcome.complaint}};

@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <utility>
 
+#include "sinew/cli/program_report.h"
 #include "sinew/io/standard_streams.h"
 
 namespace sinew::cli {
@@ -86,6 +87,7 @@ void ProgressLine::show(const runtime::SessionView& view) {
 void ProgressLine::show(const program::Run& run, const RobotModel& model, Instant now) {
   using Phase = program::Run::Phase;
   if (quiet_) return;
+  tell_notices(run, model);
   const auto& plan = run.plan();
   for (; !live_ && told_ < run.records().size(); ++told_) {
     tell_done(told_, plan.orders.size(), run.records()[told_]);
@@ -110,6 +112,14 @@ void ProgressLine::show(const program::Run& run, const RobotModel& model, Instan
     }
   }
   show_live(shown, now);
+}
+
+/// Each on a line of its own, above the one that is written over.
+void ProgressLine::tell_notices(const program::Run& run, const RobotModel& model) {
+  for (; notices_told_ < run.notices().size(); ++notices_told_) {
+    const std::string text = notice_text(run.notices()[notices_told_], run, model);
+    std::fputs(((dirty_ ? "\r\033[K  note: " : "  note: ") + text + "\n").c_str(), stderr);
+  }
 }
 
 void ProgressLine::show_live(const View& view, Instant now) {

@@ -32,6 +32,7 @@ class ProgressLine {
     std::size_t orders_done = 0;
   };
   void show_live(const View& view, Instant now);
+  void tell_notices(const program::Run& run, const RobotModel& model);
   bool due(Instant now) const { return live_ && now >= next_; }
 
   bool quiet_;
@@ -39,6 +40,7 @@ class ProgressLine {
   bool live_;
   bool dirty_ = false;
   std::size_t told_ = 0;
+  std::size_t notices_told_ = 0;
   Instant next_{};
 };
 

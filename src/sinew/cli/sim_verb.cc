@@ -115,7 +115,7 @@ std::expected<Job, Outcome> prepare(const SimRequest& request) {
         "--slaves: {} is outside 1..{}, the boards of this robot", *request.slaves, axes)));
   }
   if (request.fault) {
-    auto faults = sim::parse_faults(*request.fault);
+    auto faults = sim::parse_faults(*request.fault, job.model.joints.size());
     if (!faults) return std::unexpected(bad_input("--fault: " + faults.error()));
     job.faults = std::move(*faults);
     if (const auto fine = sim::check_faults(job.faults, job.model); !fine) {

@@ -29,6 +29,7 @@ Json truth_json(const sim::Truth& truth, const RobotModel& model) {
                       {"believed" + unit, joint.believed * factor},
                       {"qd" + unit + "_s", joint.qd * factor},
                       {"stalled", joint.stalled},
+                      {"lost_steps_since_power_up", joint.lost_steps},
                       {"at_end_stop", joint.at_end_stop}});
   }
   return {{"joints", joints},
@@ -51,6 +52,8 @@ std::string truth_line(const sim::Truth& truth, const RobotModel& model) {
       line += fmt::format(" (believes {:.{}f})", joint.believed * factor + 0.0, digits);
     }
     if (joint.stalled) line += " STALLED";
+    // Of the past, and nothing takes it back.
+    if (joint.lost_steps) line += " (lost steps since power-up)";
     if (joint.at_end_stop) line += " AT ITS END";
   }
   line +=

@@ -73,8 +73,8 @@ constexpr std::array kTable = std::to_array<ErrorInfo>({
      "multiplier {measured} of {subject} is outside 1..{limit}", kCount, true, kNoStop, 422},
     {kGripperRange, "gripper_range", "gripper position {measured} is outside 0..{limit}", kCount,
      true, kNoStop, 422},
-    {kDeviceSilent, "device_silent", "the device did not answer within {limit}", kTime, false,
-     kHold, 504},
+    {kDeviceSilent, "device_silent", "{device} did not answer within {limit}", kTime, false, kHold,
+     504},
     {kUnexpectedReply, "unexpected_reply",
      "the device answered byte {measured} where {limit} was due", kCount, false, kHold, 502},
     {kDeviceRefused, "device_refused", "the device called the command invalid", kNone, true, kHold,
@@ -165,6 +165,25 @@ constexpr std::array kTable = std::to_array<ErrorInfo>({
      kLength, true, kNoStop, 422},
     {kNoEndStops, "no_end_stops", "this robot has no end stops to find its zeros with", kNone, true,
      kNoStop, 422},
+    {kOtherBoard, "other_board",
+     "the board on this port is of another kind: it answers what the kind that was asked for "
+     "cannot",
+     kNone, false, kNoStop, 502},
+    {kMovedUnasked, "moved_unasked",
+     "{subject} is at {measured} and was left at {limit}, {excess} off: it moved without an order",
+     kAngle, true, kHold, 409},
+    {kForeignMotion, "foreign_motion",
+     "somebody else moves this machine: a button on its board, or another program", kNone, false,
+     kHold, 409},
+    {kUnaskedReply, "unasked_reply",
+     "what comes from the device answers nothing that was asked; its last byte was {measured}",
+     kCount, false, kHold, 502},
+    {kDeviceRestarted, "device_restarted",
+     "the device has restarted and does not know any more where the machine is", kNone, false,
+     kHold, 502},
+    {kSupplyFlag, "supply_flag",
+     "the board of {subject} says that its supply is, or was, too low: look at the power supply",
+     kNone, false, kHold, 503},
     {kCollision, "collision",
      "{subject} would come within {measured} of each other, at least {limit} is asked for", kLength,
      true, kNoStop, 422},
@@ -225,8 +244,12 @@ std::string describe(const Error& error, std::string_view subject) {
     if (open == std::string_view::npos) break;
     const std::size_t close = rest.find('}', open);
     const std::string_view field = rest.substr(open + 1, close - open - 1);
+    const std::string_view whom = subject.empty() ? std::string_view(fallback) : subject;
     if (field == "subject") {
-      text += subject.empty() ? std::string_view(fallback) : subject;
+      text += whom;
+    } else if (field == "device") {
+      // Of several boards it is one that is meant.
+      text += error.index < 0 ? "the device" : "the board of " + std::string(whom);
     } else if (field == "measured") {
       text += format_value(error.measured, row.quantity);
     } else if (field == "limit") {

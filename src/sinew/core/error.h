@@ -72,6 +72,12 @@ enum class ErrorCode : std::uint8_t {
   kMoveInput,           ///< a target, speed or radius of a move is not finite or out of its range
   kArcCollinear,        ///< measured, limit: m that the via point is off the line to the end
   kNoEndStops,          ///< this robot cannot find its zeros by itself
+  kOtherBoard,          ///< the board answers what the kind that was asked for cannot
+  kMovedUnasked,        ///< index: joint; measured: where it is, limit: where it was left, rad
+  kForeignMotion,       ///< somebody else moves the machine
+  kUnaskedReply,        ///< bytes that answer nothing; measured: the last of them
+  kDeviceRestarted,     ///< what it knew of its position is gone
+  kSupplyFlag,          ///< index: joint; its board says that the supply was too low, or away
   kCollision,  ///< index, other: links (model/collision_links.h); measured, limit: m between them
 };
 

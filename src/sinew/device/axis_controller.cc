@@ -128,7 +128,9 @@ void AxisController::supervise_motion(double dt) {
   stalled_for_ = slipped ? stalled_for_ + dt : 0;
   if (stalled_for_ > to_seconds(limits.stall_time)) return fail(AxisFault::kStalled);
 
-  const double behind = std::abs(reference_.q - encoders_.q());
+  // Of what it is told by its reference, and the reference of what a stream tells.
+  const double astray = mode_ == Mode::kTracking ? std::abs(follower_.astray(reference_)) : 0;
+  const double behind = std::max(std::abs(reference_.q - encoders_.q()), astray);
   following_for_ = behind > limits.following_error ? following_for_ + dt : 0;
   const double q = encoders_.q();
   const double qd = encoders_.qd();

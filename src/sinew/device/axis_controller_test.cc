@@ -234,6 +234,53 @@ TEST(AxisController, streamed_motion_is_followed_and_ends_on_its_last_setpoint) 
   EXPECT_FALSE(cell.status().moving);
 }
 
+TEST(AxisController, joint_does_not_run_ahead_of_a_stream_with_jitter) {
+  for_random_cases(8, [](Random& random) {
+    AxisCell cell = homed_cell();
+    const double from = cell.controller.reference().q;
+    const double to = from + from_deg(random.uniform(5, 30));
+    const auto plan = motion::OnlineProfile::to(
+        cell.controller.reference(), to, motion::ProfileBounds(cell.controller.settings().limits));
+    const auto told = [&](double t) { return plan.at(std::clamp(t, 0.0, plan.duration())); };
+    double sends = 0, round = 1e-3, beyond = 0, apart = 0;
+    for (int i = 1; i * 1e-3 < plan.duration() + 1; ++i) {
+      const double t = i * 1e-3;
+      while (sends < t) {
+        const motion::AxisState setpoint = told(sends + round);
+        ASSERT_EQ(cell.controller.track(setpoint.q, setpoint.qd), AxisVerdict::kAccepted);
+        round = random.uniform(0.5e-3, 3e-3);
+        sends += round;
+      }
+      cell.tick();
+      beyond = std::max(beyond, cell.plant.q() - to);
+      const double late = told(t - motion::SetpointFollower::kDelay).q;
+      apart = std::max(apart, std::abs(cell.plant.q() - late));
+    }
+    // Half the play and the counts, as without jitter.
+    EXPECT_LT(beyond, kTruth);
+    EXPECT_LT(to_deg(apart), 0.22);
+    EXPECT_EQ(cell.status().fault, AxisFault::kNone);
+  });
+}
+
+TEST(AxisController, stream_that_it_cannot_follow_is_a_following_error) {
+  AxisCell cell = homed_cell();
+  const double from = cell.controller.reference().q;
+  for (int i = 0; i < 100; ++i) {
+    (void)cell.controller.track(from + from_deg(1), 0);
+    cell.tick();
+  }
+  EXPECT_EQ(cell.status().fault, AxisFault::kNone);
+  for (int i = 0; i < 100; ++i) {
+    (void)cell.controller.track(from + from_deg(8), 0);
+    cell.tick();
+  }
+  EXPECT_EQ(cell.status().fault, AxisFault::kFollowingError);
+  ASSERT_TRUE(cell.run_to_rest(5));
+  EXPECT_LT(to_deg(std::abs(cell.status().q - from)), 2);
+  EXPECT_TRUE(cell.status().position_ok);
+}
+
 TEST(AxisController, stream_that_falls_silent_in_motion_is_a_stop) {
   AxisCell cell = homed_cell();
   const double from = cell.controller.reference().q;
@@ -287,6 +334,7 @@ TEST(AxisController, any_requests_at_any_time_keep_every_limit_at_every_tick) {
   settings.homing.clear_angle = from_deg(-19);
   settings.limits.acceleration = from_deg(200);
   settings.limits.jerk = from_deg(2000);
+  settings.supervision.following_error = 10;  // setpoints that jump are meant to be run after here
   settings.tracking_jerk = from_deg(20'000);
   const Echo homed(settings);
   // 100 cases of 1000 requests: a hundred thousand retargets and stops.

@@ -221,8 +221,9 @@ void AxisLinkNode::close_session() {
 void AxisLinkNode::prepare() {
   Reply reply{.axis = settings_.model.axis, .session = session_, .sequence = executed_, .body = {}};
   if (asked_ == Mode::kHello) {
-    reply.body = Identity{hash_, settings_.boot,
-                          saturated<std::uint16_t>(settings_.resolution * kResolutionUnits + 0.5)};
+    reply.body =
+        Identity{hash_, settings_.boot,
+                 saturated<std::uint16_t>(settings_.uncertainty * kUncertaintyUnits + 0.5)};
   } else if (asked_ == Mode::kReadHealth) {
     reply.body = health();
   } else {

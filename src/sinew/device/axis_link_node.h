@@ -17,7 +17,8 @@ namespace sinew {
 struct AxisLinkNodeSettings {
   axis_link::AxisModel model;  ///< what the firmware was set up for, its axis number included
   std::uint16_t boot = 0;      ///< from a counter that survives a reset
-  double resolution = 2 * kPi / 4096;  ///< of the measured position, rad
+  /// rad, at most, between the position that is told and the joint; of a measured joint, a count.
+  double uncertainty = 2 * kPi / 4096;
 };
 
 /// Node `axis` of a robot with such a joint there.

@@ -84,7 +84,7 @@ TEST(AxisLinkNode, moves_nothing_before_a_hello_of_its_model) {
   ASSERT_NE(identity, nullptr) << "the frame after a hello says who it is";
   EXPECT_EQ(identity->model_hash, model_hash(axis_link_node_settings(bench.joint, 2).model));
   EXPECT_EQ(identity->boot, 7);
-  EXPECT_GE(identity->resolution / kResolutionUnits, 2 * kPi / 4096);
+  EXPECT_GE(identity->uncertainty / kUncertaintyUnits, 2 * kPi / 4096);
   bench.greet();
   EXPECT_TRUE(bench.axis.targets.empty());
   bench.exchange(bench.request(Mode::kTrack, 0.5));

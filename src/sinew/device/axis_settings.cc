@@ -1,6 +1,7 @@
 #include "sinew/device/axis_settings.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "sinew/core/assert.h"
 
@@ -18,6 +19,14 @@ constexpr double kClearInsideLimit = from_deg(1);
 constexpr double kSearchMargin = from_deg(10);
 
 }  // namespace
+
+double AxisSettings::uncertainty() const {
+  // Homing names the place of the switch as if the motor pushed the joint there. Where a weight
+  // pulled it, the name is off by the whole play; half of the play is left on either flank; and the
+  // gear gives, then and now. Two counts are noise and the edge of one.
+  const double count = 2 * kPi / std::abs(encoders.motor_counts_per_turn * gear_ratio);
+  return 1.5 * backlash + 2 * give + 2 * count;
+}
 
 AxisSettings axis_settings(const RobotModel& model, std::size_t joint) {
   SINEW_ASSERT(joint < model.joints.size());

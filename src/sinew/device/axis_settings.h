@@ -77,6 +77,9 @@ struct AxisSettings {
   double tracking_jerk = 0;
   double gear_ratio = 17;
   double backlash = 0;  ///< rad at the joint, whole gap
+  /// rad at the joint by which the gear gives under all that its motor can hold. ASSUMED, as
+  /// docs/simulation.md says.
+  double give = from_deg(0.1);
   double full_steps_per_turn = 200;
   double microsteps = 16;
   double step_rate_max = 5000;  ///< microsteps/s, the first firmware's ceiling
@@ -88,6 +91,9 @@ struct AxisSettings {
   /// rad, nearer than this it has arrived: weight and one count leave up to 0.15 deg
   /// (docs/closed_loop.md).
   double position_tolerance = from_deg(0.2);
+
+  /// rad, at most, between the joint at rest and what the motor's encoder says of it.
+  double uncertainty() const;
 
   double steps_per_rad() const { return full_steps_per_turn * microsteps * gear_ratio / (2 * kPi); }
 };

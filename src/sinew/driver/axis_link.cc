@@ -14,8 +14,10 @@ namespace {
 
 /// A setpoint never looks farther ahead than this, however late a round was.
 constexpr Duration kRoundMax = std::chrono::milliseconds(50);
+/// Rounds over which the look ahead is evened out.
+constexpr int kRoundsOfAhead = 8;
 /// rad. A target nearer than this to where an axis stands leaves that axis alone.
-constexpr double kLeftAlone = 1e-3;
+constexpr double kLeftAlone = 1.6e-3;  // an AS5600's count
 
 Error with_index(Error error, std::size_t joint) {
   error.index = static_cast<std::int8_t>(joint);
@@ -114,8 +116,7 @@ Expected<void> AxisLinkDriver::check_axes(const JointMove& move) const {
   }
   for (std::size_t i = 0; i < channels_.size(); ++i) {
     if (const auto out = channels_[i].error()) {
-      const double tolerance = std::max(channels_[i].resolution(), kLeftAlone);
-      if (std::abs(move.q[i] - channels_[i].q()) <= tolerance) continue;
+      if (std::abs(move.q[i] - channels_[i].q()) <= kLeftAlone) continue;
       return std::unexpected(*out);
     }
     if (positions_[i].quality != PositionQuality::kMeasured) {
@@ -182,7 +183,10 @@ void AxisLinkDriver::begin_stop(Mode mode, Instant now) {
 
 Expected<void> AxisLinkDriver::home(Instant now) {
   if (const auto may = may_begin(); !may) return may;
-  if (!any_up()) return std::unexpected(channels_[0].error().value_or(Error{ErrorCode::kBusy}));
+  // All of them or none: who asks for home has a program that counts on every joint.
+  for (const Channel& channel : channels_) {
+    if (const auto out = channel.error()) return std::unexpected(*out);
+  }
   ++pending_;
   activity_ = Activity::kHoming;
   homing_ = 0;
@@ -220,7 +224,7 @@ std::optional<spi::Transfer> AxisLinkDriver::take_transfer(Instant now) {
   if (!next_axis(now)) return std::nullopt;
   Channel& channel = channels_[axis_];
   if (activity_ == Activity::kMoving && channel.is_up()) {
-    channel.follow(queue_.at(axis_, now + round_));
+    channel.follow(queue_.at(axis_, now + ahead_));
   }
   flight_ = Flight::kToOne;
   return transfer_to(static_cast<std::uint8_t>(1U << axis_), encode(channel.next_request(now)));
@@ -231,6 +235,10 @@ bool AxisLinkDriver::next_axis(Instant now) {
   if (axis_ == 0) {
     if (now < round_due_) return false;
     round_ = std::clamp(now - round_began_, Duration::zero(), kRoundMax);
+    // Evened out: after a pause the next round is a short one again, and a setpoint that looks as
+    // far ahead as the pause was long would be a jump there and back.
+    const Duration most = timing_.cycle;
+    ahead_ += std::clamp(round_ - ahead_, -most, most) / kRoundsOfAhead;
     round_began_ = now;
     round_due_ = now + timing_.cycle;
     // An axis that is out costs its share of the wire; seldom is enough, but for a stop.
@@ -296,6 +304,16 @@ void AxisLinkDriver::end_commands(DriverEvent::Kind kind, const Error& error) {
 
 bool AxisLinkDriver::any_up() const {
   return std::ranges::any_of(channels_, [](const Channel& channel) { return channel.is_up(); });
+}
+
+/// The first one's reason, and no board's where all are silent alike.
+Error AxisLinkDriver::why_all_are_out() const {
+  Error error = channels_[0].error().value_or(Error{ErrorCode::kDeviceSilent});
+  const bool all_silent = std::ranges::all_of(channels_, [](const Channel& channel) {
+    return channel.error() && channel.error()->code == ErrorCode::kDeviceSilent;
+  });
+  if (all_silent) error.index = -1;
+  return error;
 }
 
 void AxisLinkDriver::update_positions(Instant now) {

@@ -59,8 +59,9 @@ struct AxisLinkTiming {
 /// out: axis_fault() says why, kNotice tells it at rest. The others go on; move() takes targets
 /// that leave an axis that is out where positions() shows it. clear_fault() brings it back.
 ///
-/// positions(): kMeasured -+ the encoder's resolution once an axis is homed, as it was when its
-/// last frame began; kUncertain while its answers fail, over all that it can have gone since;
+/// positions(): kMeasured once an axis is homed, as it was when its last frame began: the motor's
+/// encoder, -+ all that the axis says may lie between that and the joint, and the way that it goes
+/// while a reading ages; kUncertain while its answers fail, over all that it can have gone since;
 /// kLost before homing, after a restart, and when it was silent for its deadline and the time that
 /// braking takes. All @rt.
 class AxisLinkDriver : public SpiDriver {
@@ -83,8 +84,8 @@ class AxisLinkDriver : public SpiDriver {
   void stop(Instant now) override;
   /// As stop(), but the axes freeze at once and stay latched. Never sent by itself.
   void emergency_stop(Instant now);
-  /// In the order of the joints, one after the other; axes that are out are left out.
-  /// @error kPortClosed, the fault, kBusy
+  /// In the order of the joints, one after the other; nothing moves where an axis is out.
+  /// @error kPortClosed, the fault, kBusy, or the fault of an axis that is out
   Expected<void> home(Instant now) override;
   std::optional<std::size_t> homing_joint() const override {
     const bool searching = activity_ == Activity::kHoming && homing_ < joints_.size();
@@ -127,6 +128,7 @@ class AxisLinkDriver : public SpiDriver {
   void note_outs();
   std::optional<Error> first_new_out();
   bool any_up() const;
+  Error why_all_are_out() const;
   void update_positions(Instant now);
   void tell(DriverEvent::Kind kind, const Error& error = {});
 
@@ -154,6 +156,7 @@ class AxisLinkDriver : public SpiDriver {
   Instant outs_due_;
   bool serve_outs_ = false;
   Duration round_{};
+  Duration ahead_{};  ///< from now to a setpoint: the rounds, evened out
   Instant health_due_;
   std::size_t health_axis_ = 0;
   std::uint64_t requests_ = 0;

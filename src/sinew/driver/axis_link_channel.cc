@@ -25,6 +25,9 @@ std::int32_t inside_units(const Joint& joint, double q) {
 /// rad. A motor whose current failed comes back up to two full steps away: 3.6 deg, 17:1.
 constexpr double kSnap = 3.7e-3;
 
+/// s. A position in an answer is at most this old when the frame begins: docs/wires/axis_link.md.
+constexpr double kReadingAge = 0.005;
+
 constexpr int kHelloTries = 8;
 
 /// Longest time to rest inside the joint's limits: at full speed a moment from now, and the
@@ -45,7 +48,7 @@ std::optional<Error> trouble_of(const State& state) {
   using enum ErrorCode;
   constexpr std::array kCodes{kFollowingError, kStalled,    kEncodersDisagree, kEncoderLost,
                               kEncoderLost,    kEndStop,    kHomingFailed,     kHomingFailed,
-                              kSupplyLow,      kOverheated, kLinkSilent,       kSelfTestFailed};
+                              kSupplyFlag,     kOverheated, kLinkSilent,       kSelfTestFailed};
   if (state.emergency_stopped) return Error{kEmergencyStop};
   if (state.fault == 0) return std::nullopt;
   if (state.fault > kCodes.size()) return Error{kUnexpectedReply, -1, 1.0 * state.fault};
@@ -58,8 +61,8 @@ std::optional<Error> refusal_of(const State& state) {
       return std::nullopt;
     case Verdict::kNotHomed:
       return Error{ErrorCode::kNotHomed};
-    case Verdict::kOutOfLimits:
-      return Error{ErrorCode::kJointLimit, -1, from_units(state.position)};
+    case Verdict::kOutOfLimits:  // of which it tells no number, and ours were kept
+      return Error{ErrorCode::kDeviceRefused};
     case Verdict::kEmergencyStopped:
       return Error{ErrorCode::kEmergencyStop};
     case Verdict::kBusy:
@@ -197,7 +200,7 @@ void Channel::take(const Reply& reply) {
   if (const auto* identity = std::get_if<Identity>(&reply.body)) {
     if (step_ != Step::kHello) return;  // the frame before was still a hello
     session_ = reply.session;
-    resolution_ = identity->resolution / kResolutionUnits;
+    uncertainty_ = identity->uncertainty / kUncertaintyUnits;
     step_ = clear_ ? Step::kRelease : Step::kLook;
     return;
   }
@@ -257,10 +260,12 @@ JointPosition Channel::position(Instant now) const {
   const Duration age = now - fresh_at_;
   if (!known || (failures_ > 0 && age > run_out_)) return position;
   // As far as it can have gone since it was seen.
-  const double way = failures_ > 0 ? settings_.joint.velocity_max * to_seconds(age) + kSnap : 0;
+  const double speed = std::abs(state_->velocity) / kStateVelocityUnits;
+  const double way =
+      failures_ > 0 ? settings_.joint.velocity_max * to_seconds(age) + kSnap : speed * kReadingAge;
   position.quality = failures_ > 0 ? PositionQuality::kUncertain : PositionQuality::kMeasured;
-  position.lower = position.q - resolution_ - way;
-  position.upper = position.q + resolution_ + way;
+  position.lower = position.q - uncertainty_ - way;
+  position.upper = position.q + uncertainty_ + way;
   return position;
 }
 

@@ -74,7 +74,7 @@ class Channel {
   std::uint16_t executed() const { return executed_; }
   std::uint16_t sequence() const { return sequence_; }
   double q() const { return state_ ? from_units(state_->position) : 0; }
-  double resolution() const { return resolution_; }
+  double uncertainty() const { return uncertainty_; }
   /// Neither moving nor homing, by a fresh answer that came after its last command.
   bool at_rest() const;
   /// Since the frame of the last fresh answer began.
@@ -120,7 +120,7 @@ class Channel {
 
   std::optional<State> state_;
   Health health_;
-  double resolution_ = 0;
+  double uncertainty_ = 0;
 };
 
 /// What an axis says of itself, as an error; nothing where it is well.

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "sinew/driver/axis_link_test_cell.h"
@@ -263,6 +264,49 @@ TEST(AxisLinkFaults, swapped_boards_are_found_before_anything_moves) {
   EXPECT_EQ(cell.failure()->code, ErrorCode::kDeviceSilent);
   EXPECT_EQ(cell.driver->state(), DriverState::kFault);
   EXPECT_FALSE(cell.driver->move(cell.move_to(deg(1), 1s), cell.now));
+}
+
+TEST(AxisLinkFaults, nothing_is_homed_where_a_board_is_silent) {
+  LinkCell cell;
+  cell.disturb = [](const spi::Transfer& transfer) {
+    LinkFault fault;
+    fault.lost = transfer.select >= 8;
+    return fault;
+  };
+  cell.driver->open(cell.now);
+  ASSERT_TRUE(cell.run_to_event(Kind::kReady, 2s));
+  const auto refused = cell.driver->home(cell.now);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::kDeviceSilent);
+  EXPECT_EQ(refused.error().index, 3);
+  cell.run_for(1s);
+  for (const auto& axis : cell.axes) EXPECT_FALSE(axis->status().homing);
+  EXPECT_EQ(cell.driver->state(), DriverState::kReady);
+}
+
+TEST(AxisLinkFaults, words_of_an_axis_are_told_without_numbers_that_nobody_measured) {
+  for (std::uint8_t fault = 1; fault <= 12; ++fault) {
+    const axis_link::State state{.fault = fault};
+    const std::string sentence = describe(*axis_link::trouble_of(state), "the base");
+    EXPECT_EQ(sentence.find_first_of("0123456789"), std::string::npos) << sentence;
+  }
+  const axis_link::State state{.verdict = axis_link::Verdict::kOutOfLimits};
+  const std::string sentence = describe(*axis_link::refusal_of(state), "the base");
+  EXPECT_EQ(sentence.find_first_of("0123456789"), std::string::npos) << sentence;
+}
+
+TEST(AxisLinkFaults, a_pause_of_the_host_sends_no_setpoint_ahead_and_back) {
+  LinkCell cell;
+  cell.open_at(0);
+  ASSERT_TRUE(cell.driver->move(cell.move_to(deg(60), 5s, deg(20)), cell.now));
+  cell.run_for(2s);
+  for (int i = 0; i < 10; ++i) {
+    cell.now += 40ms;
+    cell.run_for(50ms);
+  }
+  const std::vector<double>& targets = cell.axes[0]->targets;
+  EXPECT_GT(targets.size(), 2000U);
+  EXPECT_TRUE(std::ranges::is_sorted(targets));
 }
 
 TEST(AxisLinkFaults, a_dead_axis_is_out_and_the_rest_stop_and_go_on) {

@@ -62,7 +62,7 @@ void AxisLinkDriver::step_opening(Instant now) {
     fault_.reset();
     tell(clearing_ ? Kind::kDone : Kind::kReady);
   } else {
-    fault_ = channels_[0].error();
+    fault_ = why_all_are_out();
     tell(Kind::kFailed, *fault_);
   }
   if (clearing_) --pending_;
@@ -89,8 +89,8 @@ void AxisLinkDriver::step_idle(Instant now) {
   note_outs();
   // With every axis out nothing can be asked for any more; who waits shall hear of it.
   if (!fault_ && !any_up()) {
-    fault_ = channels_[0].error();
-    tell(Kind::kFailed, fault_.value_or(Error{ErrorCode::kDeviceSilent}));
+    fault_ = why_all_are_out();
+    tell(Kind::kFailed, *fault_);
   }
   if (now < health_due_) return;
   health_due_ = now + timing_.health_period;

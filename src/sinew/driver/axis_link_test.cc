@@ -33,7 +33,7 @@ TEST(AxisLinkDriver, open_greets_every_axis_and_then_knows_where_it_is) {
   const JointPosition& known = cell.driver->positions()[2];
   EXPECT_EQ(known.quality, PositionQuality::kMeasured);
   EXPECT_NEAR(known.q, 0.5, 1e-8);
-  EXPECT_NEAR(known.upper - known.q, 2 * kPi / 4096, 2e-6) << "the resolution the axis told";
+  EXPECT_NEAR(known.upper - known.q, 2 * kPi / 4096, 2e-6) << "the uncertainty the axis told";
   EXPECT_GE(known.upper - known.q, 2 * kPi / 4096);
 }
 

@@ -74,7 +74,7 @@ std::optional<Error> fault_of(std::uint8_t number) {
   using enum ErrorCode;
   constexpr std::array kCodes{kFollowingError, kStalled,    kEncodersDisagree, kEncoderLost,
                               kEncoderLost,    kEndStop,    kHomingFailed,     kHomingFailed,
-                              kSupplyLow,      kOverheated, kLinkSilent,       kSelfTestFailed};
+                              kSupplyFlag,     kOverheated, kLinkSilent,       kSelfTestFailed};
   if (number == 0) return std::nullopt;
   if (number > kCodes.size()) return Error{kUnexpectedReply, -1, 1.0 * number};
   return Error{kCodes[number - 1]};

@@ -172,11 +172,10 @@ void AxisRegistersDriver::stop(Instant now) {
 Expected<void> AxisRegistersDriver::home(Instant now) {
   if (!device_.reports_status) return std::unexpected(Error{ErrorCode::kTaskNotSupported});
   if (const auto error = check_ready()) return std::unexpected(*error);
+  // All of them or none: who asks for home has a program that counts on every joint.
   for (const Axis& axis : axes_) {
-    // One that does not answer is left out; one that has a fault of its own is told about first.
-    if (axis.fault && axis.answers) return std::unexpected(*axis.fault);
+    if (axis.fault) return std::unexpected(*axis.fault);
   }
-  if (std::ranges::none_of(axes_, &Axis::answers)) return std::unexpected(*axes_[0].fault);
   begin(Activity::kHoming);
   begin_homing_of(0);
   pump(now);
@@ -369,7 +368,12 @@ void AxisRegistersDriver::finish_opening(Instant now) {
     activity_ = Activity::kIdle;
     return tell(DriverEvent::Kind::kReady);
   }
-  if (!silence_told_) tell(DriverEvent::Kind::kFailed, *axes_[0].fault);
+  const bool all_silent = std::ranges::all_of(axes_, [](const Axis& axis) {
+    return axis.fault && axis.fault->code == ErrorCode::kDeviceSilent;
+  });
+  Error error = *axes_[0].fault;
+  if (all_silent) error.index = -1;  // it is no board's own trouble
+  if (!silence_told_) tell(DriverEvent::Kind::kFailed, error);
   silence_told_ = true;
   for (Axis& axis : axes_) {
     axis.phase = Phase::kFind;

@@ -54,10 +54,12 @@ struct AxisRegistersTiming {
 /// why, a silent one is tried again every `retry`. The others go on; move() takes targets that
 /// leave a board that is out where positions() shows it.
 ///
-/// positions(): kLost before homing; kUncertain while moving, after a move that was stopped or
-/// failed, and for a board that was homed by somebody else, always over an interval that holds the
-/// truth; kCommanded after a move, at the angle that the board was really told. A move from an
-/// uncertain position is allowed: the board knows where it stands. All members are @rt.
+/// positions(): kLost before homing, while a board is silent, and from a board that stalled or had
+/// too little supply until it is homed again: its joint may have fallen to its mechanical end.
+/// kUncertain while moving, after a move that was stopped or failed, and for a board that was homed
+/// by somebody else, always over an interval that holds the truth; kCommanded after a move, at the
+/// angle that the board was really told. A move from an uncertain position is allowed: the board
+/// knows where it stands. All members are @rt.
 class AxisRegistersDriver : public SpiDriver {
  public:
   /// @param joints  one per board.
@@ -76,9 +78,9 @@ class AxisRegistersDriver : public SpiDriver {
   ///        kUnsendable (the number of joints), or the fault of a board that is out
   Expected<void> move(const JointMove& move, Instant now) override;
   void stop(Instant now) override;
-  /// The boards one after the other; those that do not answer are left out.
+  /// The boards one after the other; nothing moves where one of them is out.
   /// @error kTaskNotSupported (boards without a status: nothing would say whether it happened),
-  ///        kPortClosed, kBusy, the fault
+  ///        kPortClosed, kBusy, the fault, or the one of a board that is out
   Expected<void> home(Instant now) override;
   std::optional<std::size_t> homing_joint() const override;
   /// DIAG_CONTROL 1 and EMERGENCY_STOP 0 on every board. kDone follows where one is fit to move.
@@ -136,6 +138,7 @@ class AxisRegistersDriver : public SpiDriver {
     bool latched = false;   ///< by us
     bool stop_due = false;  ///< it never confirmed a stop
     bool homing = false;    ///< told to, and not seen to end
+    bool unheld = false;    ///< its current was weak or off since it was homed
     bool moves = false;     ///< has a target of its own in this move
     Phase phase = Phase::kDone;
     Instant not_before;

@@ -294,6 +294,54 @@ TEST(AxisRegistersFaults, one_silent_board_leaves_the_other_five) {
   cell.expect_honest();
 }
 
+TEST(AxisRegistersFaults, nothing_is_homed_where_a_board_is_silent) {
+  RegisterCell cell;
+  cell.line = [](const spi::Transfer&, int) { return LineFault{.deaf = 0b111000}; };
+  cell.driver->open(cell.now);
+  ASSERT_TRUE(cell.run_until([&] { return cell.saw(Kind::kReady); }, 20));
+  const auto refused = cell.driver->home(cell.now);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::kDeviceSilent);
+  EXPECT_EQ(refused.error().index, 3);
+  EXPECT_EQ(describe(refused.error(), "forearm_roll").find("the board of forearm_roll did not"),
+            0U);
+  cell.run_for(2s);
+  for (const test::FakeAxis& axis : cell.axes) EXPECT_FALSE(axis.status().homing);
+  EXPECT_EQ(cell.driver->state(), DriverState::kReady);
+}
+
+TEST(AxisRegistersFaults, a_joint_that_nothing_holds_is_lost_and_not_inside_its_limits) {
+  RegisterCell silent;
+  silent.start_at();
+  silent.line = [](const spi::Transfer&, int) { return LineFault{.deaf = 0b10}; };
+  ASSERT_TRUE(silent.run_until([&] { return silent.driver->axis_fault(1).has_value(); }, 20));
+  silent.axes[1].place(silent.joints[1].upper + from_deg(4));
+  EXPECT_EQ(silent.driver->positions()[1].quality, Quality::kLost);
+  silent.expect_honest("silent");
+  EXPECT_EQ(silent.driver->positions()[0].quality, Quality::kCommanded);
+
+  for (const AxisFault fault : {AxisFault::kSupplyLow, AxisFault::kStalled}) {
+    RegisterCell weak;
+    weak.start_at();
+    weak.axes[1].stop(fault);
+    ASSERT_TRUE(weak.run_until([&] { return weak.driver->axis_fault(1).has_value(); }, 20));
+    weak.axes[1].place(weak.joints[1].upper + from_deg(4));
+    weak.run_for(3s);
+    weak.expect_honest("weak");
+    // Clearing the fault brings no knowledge back; homing does.
+    ASSERT_TRUE(weak.driver->clear_fault(weak.now));
+    EXPECT_EQ(weak.finish().kind, Kind::kDone);
+    weak.run_for(3s);
+    EXPECT_EQ(weak.driver->positions()[1].quality, Quality::kLost);
+    EXPECT_EQ(weak.driver->move(weak.to({0, 10, 0, 0, 0, 0}), weak.now).error().code,
+              ErrorCode::kPositionUnknown);
+    ASSERT_TRUE(weak.driver->home(weak.now));
+    EXPECT_EQ(weak.finish(600).kind, Kind::kDone);
+    EXPECT_NE(weak.driver->positions()[1].quality, Quality::kLost);
+    weak.expect_honest("homed");
+  }
+}
+
 TEST(AxisRegistersFaults, a_bus_without_any_board_is_told_once_and_tried_on) {
   RegisterCell cell;
   cell.line = [](const spi::Transfer&, int) { return LineFault{.deaf = 0x3F}; };

@@ -164,9 +164,13 @@ std::optional<Status> AxisRegistersDriver::take_status(std::size_t i, const Data
     fault->index = static_cast<std::int8_t>(i);
     axis.fault = fault;
   }
+  const bool weak = axis.fault && (axis.fault->code == ErrorCode::kSupplyFlag ||
+                                   axis.fault->code == ErrorCode::kStalled);
+  axis.unheld = axis.unheld || weak;
   const bool known = status->homed && status->position_ok;
   const bool lost = positions_[i].quality == PositionQuality::kLost;
-  if (!known) {
+  if (!known || axis.unheld) {
+    // The board may know; this wire does not tell where, and the limits do not bound a fall.
     set_lost(i);
   } else if (status->moving ? activity_ == Activity::kIdle : lost && !axis.homing) {
     // The board knows where it is and this host does not: it moves unasked, or was homed by
@@ -220,7 +224,7 @@ void AxisRegistersDriver::take_read_back(std::size_t i, const Data& value, Insta
     // Somebody else sent it elsewhere since the position was known.
     if (!is_at(positions_[i].q)) set_everywhere(i);
   } else if (activity_ == Activity::kHoming) {
-    axis.homing = false;
+    axis.homing = axis.unheld = false;
     set_at(i, *read);
     // Where MOVE_ANGLE is what it was before homing, the board may not have touched it, and then
     // homing ends at the joint's zero.
@@ -298,8 +302,8 @@ void AxisRegistersDriver::axis_fails(std::size_t i, Error error, Instant now) {
   axis.homing = false;
   axis.not_before = now + timing_.retry;
   axis.phase = Phase::kDone;
-  // It may have lost its supply, and then its joint is held by nothing.
-  if (positions_[i].quality != PositionQuality::kLost) set_everywhere(i);
+  // It may have lost its supply, and then its joint is held by nothing: not even by its limits.
+  if (positions_[i].quality != PositionQuality::kLost) set_lost(i);
   switch (activity_) {
     case Activity::kMoving:
     case Activity::kHoming:

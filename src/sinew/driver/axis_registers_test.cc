@@ -303,7 +303,7 @@ TEST(AxisRegistersDriver, every_fault_of_an_axis_has_its_word) {
       {AxisFault::kEndStop, ErrorCode::kEndStop},
       {AxisFault::kHomingTimeout, ErrorCode::kHomingFailed},
       {AxisFault::kEndStopStuck, ErrorCode::kHomingFailed},
-      {AxisFault::kSupplyLow, ErrorCode::kSupplyLow},
+      {AxisFault::kSupplyLow, ErrorCode::kSupplyFlag},
       {AxisFault::kTooHot, ErrorCode::kOverheated},
       {AxisFault::kLinkSilent, ErrorCode::kLinkSilent},
       {AxisFault::kSelfTest, ErrorCode::kSelfTestFailed},
@@ -320,6 +320,10 @@ TEST(AxisRegistersDriver, every_fault_of_an_axis_has_its_word) {
     EXPECT_EQ(end.error.code, code);
     EXPECT_EQ(end.error.index, 3);
     cell.expect_honest();
+    // The board gave a word and no number; so the sentence has none.
+    const std::string sentence = describe(end.error, "the forearm");
+    const bool numbers = code == ErrorCode::kUnexpectedReply;
+    EXPECT_EQ(sentence.find_first_of("0123456789") != std::string::npos, numbers) << sentence;
   }
 }
 

@@ -218,22 +218,26 @@ void BigRobotArmDriver::receive(std::span<const std::uint8_t> bytes, Instant now
   for (const std::uint8_t byte : bytes) {
     if (state_ == State::kClosed) return;
     if (state_ == State::kQuiet) {
+      ++unexpected_;
       deadline_ = now + timing_.quiet;
       if (now - quiet_since_ > timing_.quiet_limit && !doubt_told_) {
-        doubt({ErrorCode::kUnexpectedReply, -1, 1.0 * byte, head_due(ReadStatus{})}, now);
+        doubt({ErrorCode::kUnaskedReply, -1, 1.0 * byte}, now);
       }
       continue;
     }
     const auto result = decode(byte);
     if (state_ == State::kIdle || !output_.empty()) {
       // Nothing was asked, or the question has not even left.
-      doubt({ErrorCode::kUnexpectedReply, -1, 1.0 * byte}, now);
+      ++unexpected_;
+      doubt({ErrorCode::kUnaskedReply, -1, 1.0 * byte}, now);
     } else if (result && !*result) {
+      ++unexpected_;
       doubt({ErrorCode::kUnexpectedReply, -1, 1.0 * result->error().seen,
              1.0 * result->error().expected},
             now);
     } else if (result) {
       if (const auto error = check(**result)) {
+        ++unexpected_;
         doubt(*error, now);
       } else {
         take_reply(**result, now);

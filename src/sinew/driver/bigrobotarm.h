@@ -133,6 +133,8 @@ class BigRobotArmDriver {
   std::optional<Event> take_event();
 
   State state() const { return state_; }
+  /// Bytes that nobody asked for, and answers that fit nothing.
+  std::uint64_t unexpected() const { return unexpected_; }
 
  private:
   using Words = bigrobotarm::Words;
@@ -157,6 +159,7 @@ class BigRobotArmDriver {
   std::optional<Instant> deadline_;
   Instant quiet_since_{};  ///< when the doubt began
   bool doubt_told_ = false;
+  std::uint64_t unexpected_ = 0;
   int silent_asks_ = 0;  ///< statuses asked for in a row without an answer
   Words positions_{};    ///< as last reported
 

@@ -106,7 +106,7 @@ TEST(BigRobotArmFaults, damaged_request_is_never_told_as_done_elsewhere) {
         if (!hit) break;
         const sim::Truth truth = cell.machine.truth();
         const bool slip = std::any_of(truth.joints.begin(), truth.joints.end(),
-                                      [](const auto& joint) { return joint.stalled; });
+                                      [](const auto& joint) { return joint.lost_steps; });
         ASSERT_EQ(endings(cell), 1) << place;
         failed += cell.count(Kind::kFailed);
         slipped += slip ? 1 : 0;
@@ -141,7 +141,7 @@ TEST(BigRobotArmFaults, goto_that_was_damaged_to_beyond_a_limit_leaves_the_posit
   cell.run_until(DriverState::kReady, 120s);
   ASSERT_EQ(cell.driver.state(), DriverState::kReady);
   EXPECT_EQ(cell.count(Kind::kFailed), 1);
-  EXPECT_TRUE(cell.machine.truth().joints[0].stalled) << "it hit its end";
+  EXPECT_TRUE(cell.machine.truth().joints[0].lost_steps) << "it hit its end";
   EXPECT_EQ(cell.driver.positions()[0].quality, PositionQuality::kLost);
   const auto refused = cell.driver.move(cell.move_to(kThere), cell.now);
   ASSERT_FALSE(refused);

@@ -56,6 +56,12 @@ BigRobotArmJointDriver::BigRobotArmJointDriver(const BigRobotArmDevice& device,
   }
 }
 
+DriverHealth BigRobotArmJointDriver::health() const {
+  DriverHealth health = health_;
+  health.unexpected += driver_.unexpected() + probe_.unexpected();
+  return health;
+}
+
 // Opening, closing, and what happens in between.
 
 void BigRobotArmJointDriver::open(Instant now) {
@@ -102,6 +108,9 @@ void BigRobotArmJointDriver::poll(Instant now) {
   if (limit_ && now >= *limit_) {
     limit_.reset();
     const bool failed = opening_ || stop_wanted_;
+    if (step_ == Step::kProbe && probe_.unexpected() > 0) {
+      trouble_ = {ErrorCode::kUnaskedReply, -1, 1.0 * probe_.last_byte()};
+    }
     tell(failed ? DriverEvent::Kind::kFailed : DriverEvent::Kind::kNotice, trouble_);
     opening_ = stop_wanted_ = false;
   }
@@ -115,6 +124,7 @@ void BigRobotArmJointDriver::receive(std::span<const std::uint8_t> bytes, Instan
     if (const auto found = probe_.found()) {
       device_.wire = found->wire;
       device_.dialect = found->dialect;
+      health_.unexpected += driver_.unexpected();
       driver_ = BigRobotArmDriver(device_, timing_.wire);
       driver_.set_offset(belief_.offset());
       driver_.open(now);
@@ -160,6 +170,7 @@ void BigRobotArmJointDriver::take(const BigRobotArmDriver::StatusRead& read, Ins
     if (++readings_ < kReadingsMax) return go_on(Step::kConfirm, now);
     // A line like that is no line; start again from quiet.
     trouble_ = {ErrorCode::kChecksum, -1, 1.0 * readings_};
+    ++health_.unexpected;
     driver_.open(now);
     return doubt(trouble_, now);
   }
@@ -237,7 +248,7 @@ void BigRobotArmJointDriver::take_done(Instant now) {
 }
 
 void BigRobotArmJointDriver::doubt(const Error& error, Instant now) {
-  ++(error.code == ErrorCode::kDeviceSilent ? health_.timeouts : health_.unexpected);
+  health_.timeouts += error.code == ErrorCode::kDeviceSilent ? 1 : 0;
   if (command_) {
     end_command(DriverEvent::Kind::kFailed, error);
   } else if (state_ == DriverState::kReady || state_ == DriverState::kFault) {

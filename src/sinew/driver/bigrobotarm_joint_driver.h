@@ -65,7 +65,7 @@ class BigRobotArmJointDriver : public ByteDriver {
   DriverState state() const override { return state_; }
   std::optional<Error> fault() const override { return fault_; }
   std::span<const JointPosition> positions() const override { return shown_; }
-  DriverHealth health() const override { return health_; }
+  DriverHealth health() const override;
   bool wants_move(Instant) const override { return state_ == DriverState::kReady; }
 
   /// @param move  ends at rest. Joints arrive together, in `duration` or what the joints' limits

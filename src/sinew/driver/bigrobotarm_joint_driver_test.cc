@@ -275,5 +275,31 @@ TEST(BigRobotArmJointDriver, exchange_does_not_allocate) {
   EXPECT_EQ(events, 1);
 }
 
+TEST(BigRobotArmJointDriver, garbage_is_counted_byte_by_byte_also_while_it_probes) {
+  for (const bool probes : {false, true}) {
+    RobotModel robot = test::big_robot_arm(BigRobotArmWire::kByte, BigRobotArmDialect::k2021);
+    auto& device = std::get<BigRobotArmDevice>(robot.device.settings);
+    device.probe_wire = probes;
+    BigRobotArmJointDriver driver(device, robot.joints);
+    Instant now{};
+    driver.open(now);
+    std::array<std::uint8_t, 50> garbage{};
+    std::array<std::uint8_t, 64> out{};
+    std::optional<Error> failure;
+    for (int i = 0; i < 1000; ++i) {
+      now += 20ms;
+      driver.receive(garbage, now);
+      driver.poll(now);
+      (void)driver.take_output(out);
+      while (const auto event = driver.take_event()) {
+        if (event->kind == Kind::kFailed) failure = event->error;
+      }
+    }
+    EXPECT_EQ(driver.health().unexpected, 50'000U) << probes;
+    ASSERT_TRUE(failure) << probes;
+    EXPECT_EQ(failure->code, ErrorCode::kUnaskedReply) << probes;
+  }
+}
+
 }  // namespace
 }  // namespace sinew

@@ -1,6 +1,7 @@
 #include "sinew/driver/bigrobotarm_probe.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace sinew {
 
@@ -26,13 +27,17 @@ void BigRobotArmProbe::wait(Duration pause, Instant now) {
 
 void BigRobotArmProbe::receive(std::span<const std::uint8_t> bytes, Instant now) {
   if (found_ || bytes.empty()) return;
+  last_byte_ = bytes.back();
   if (!asked_) {  // the rest of something that was said before
+    unexpected_ += bytes.size();
     wait(timing_.quiet, now);
     return;
   }
   for (const std::uint8_t byte : bytes) {
+    ++unread_;
     const auto answer = take_byte(byte);
     if (!answer) continue;
+    unread_ = 0;
     if (first_ == answer) {
       found_ = answer;
       deadline_.reset();
@@ -80,6 +85,7 @@ void BigRobotArmProbe::poll(Instant now) {
   if (!deadline_ || now < *deadline_) return;
   if (asked_) {
     first_.reset();
+    unexpected_ += std::exchange(unread_, 0);
     silent_ = std::min(silent_ + 1, kPatienceDoublings);
     wait(timing_.quiet * (1 << silent_), now);
     return;

@@ -39,6 +39,10 @@ class BigRobotArmProbe {
   std::size_t take_output(std::span<std::uint8_t> out);
   /// Once there is one it stays until the next open().
   std::optional<BigRobotArmFound> found() const { return found_; }
+  /// Bytes since open() that are part of no answer.
+  std::uint64_t unexpected() const { return unexpected_; }
+  /// The last byte that came.
+  std::uint8_t last_byte() const { return last_byte_; }
 
  private:
   std::optional<BigRobotArmFound> take_byte(std::uint8_t byte);
@@ -49,6 +53,9 @@ class BigRobotArmProbe {
   std::optional<Instant> deadline_;
   bool asked_ = false;
   int silent_ = 0;
+  std::uint64_t unexpected_ = 0;
+  std::uint64_t unread_ = 0;  ///< bytes since the question
+  std::uint8_t last_byte_ = 0;
   FixedVector<std::uint8_t, 2> output_;
   bigrobotarm::byte::ReplyDecoder byte_decoder_;
   bigrobotarm::text::Characters line_;

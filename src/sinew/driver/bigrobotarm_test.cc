@@ -408,7 +408,7 @@ TEST(BigRobotArmDriver, refusal_and_unasked_bytes_end_in_a_status) {
   Cell cell;
   cell.driver.receive(std::array<std::uint8_t, 1>{0xC9}, cell.now);
   cell.run_for(1s);
-  EXPECT_EQ(cell.failure(), ErrorCode::kUnexpectedReply);
+  EXPECT_EQ(cell.failure(), ErrorCode::kUnaskedReply);
   EXPECT_NE(cell.last<Driver::StatusRead>(), nullptr);
   cell.events.clear();
   cell.link.cut = true;
@@ -453,7 +453,7 @@ TEST(BigRobotArmDriver, answer_to_a_question_that_has_not_left_is_no_answer) {
   ASSERT_TRUE(cell.driver.set_gripper(true, 40, cell.now));
   cell.driver.receive(byte::encode_reply(Gripper{true, 40}), cell.now);
   cell.run_for(1s);
-  EXPECT_EQ(cell.failure(), ErrorCode::kUnexpectedReply);
+  EXPECT_EQ(cell.failure(), ErrorCode::kUnaskedReply);
   EXPECT_EQ(cell.firmware.gripper().position, 90) << "what had not begun to leave was dropped";
 }
 
@@ -481,7 +481,8 @@ TEST(BigRobotArmDriver, line_that_never_falls_silent_is_told) {
   }
   EXPECT_TRUE(cell.link.to_arm.empty()) << "it must not talk into the noise";
   EXPECT_EQ(cell.events.size(), 1U);
-  EXPECT_EQ(cell.failure(), ErrorCode::kUnexpectedReply);
+  EXPECT_EQ(cell.failure(), ErrorCode::kUnaskedReply);
+  EXPECT_EQ(cell.driver.unexpected(), 200U) << "every byte of it";
 }
 
 TEST(BigRobotArmDriver, begun_request_is_never_cut_short) {

@@ -55,6 +55,9 @@ struct JointMove {
   JointVector q;        ///< where it ends; rad or m, model's frame, every joint
   JointVector qd;       ///< speed there, per s; all zero at the end of a motion
   Duration duration{};  ///< how long it shall (stream) or is predicted to take (point to point)
+  /// Where the machine was taken to stand when this was planned; empty where nobody planned, and
+  /// behind a segment that is still under way. Who measures refuses it elsewhere (kMovedUnasked).
+  JointVector q_start{};
 };
 
 /// Where a driver is in its life.
@@ -107,14 +110,18 @@ class Driver {
   virtual std::optional<Error> fault() const { return std::nullopt; }
   /// One per joint.
   virtual std::span<const JointPosition> positions() const = 0;
+  /// Until when the machine may go on moving although nothing is under way any more: a motion that
+  /// the wire cannot end, or that nobody was left to end. Nothing where it stands.
+  virtual std::optional<Instant> goes_on_until() const { return std::nullopt; }
   virtual DriverHealth health() const = 0;
 
   /// True where move() would take a piece of motion now. A streaming driver takes the next segment
   /// while the last one is still under way, early enough that there is no gap.
   virtual bool wants_move(Instant now) const = 0;
 
-  /// @error kBusy, kPositionUnknown, kFault's own code, kJointLimit, or what this wire cannot say
-  ///        (kPulseRange, kStepRange, kUnsendable, kSegmentTime). Nothing is sent then.
+  /// @error kBusy, kPositionUnknown, kMovedUnasked (index, rad), kFault's own code, kJointLimit, or
+  ///        what this wire cannot say (kPulseRange, kStepRange, kUnsendable, kSegmentTime). Nothing
+  ///        is sent then.
   virtual Expected<void> move(const JointMove& move, Instant now) = 0;
 
   /// No further motion, as soon as the wire and the device can; kStopped follows. Always accepted.

@@ -346,17 +346,19 @@ void IcpDriver::on_byte(std::uint8_t byte, Instant now) {
     }
     if (now - quiet_since_ > timing_.quiet_limit) {
       suspect_silence();
-      return give_up({ErrorCode::kUnexpectedReply, -1, 1.0 * byte, 1.0 * kAck});
+      return give_up({ErrorCode::kUnaskedReply, -1, 1.0 * byte});
     }
     deadline_ = now + timing_.quiet;
     return;
   }
-  const Error unexpected{ErrorCode::kUnexpectedReply, -1, 1.0 * byte, 1.0 * kAck};
   const bool early = timing_.refuse_early && now < earliest_;
   const auto reply = decoder_.push(byte);
   if (early || (reply && !*reply)) {
     ++health_.unexpected;
-    return doubt(unexpected, now);
+    const bool unasked = early || byte == kAck;
+    return doubt(unasked ? Error{ErrorCode::kUnaskedReply, -1, 1.0 * byte}
+                         : Error{ErrorCode::kUnexpectedReply, -1, 1.0 * byte, 1.0 * kAck},
+                 now);
   }
   if (reply) on_reply(**reply, now);
 }

@@ -20,7 +20,7 @@ struct IcpTiming {
   /// something that is quicker than the wire.
   bool refuse_early = true;
   Duration quiet = std::chrono::milliseconds(100);  ///< twice the longest answer: ends a doubt
-  Duration quiet_limit = std::chrono::seconds(5);   ///< a line that talks on for so long is told
+  Duration quiet_limit = std::chrono::seconds(4);   ///< a line that talks on for so long is told
   Duration idle_limit = std::chrono::minutes(10);   ///< after it, silence means: shut itself down
   /// After a silence of so long the modules are looked at before the next step: a power cut leaves
   /// their target position 0.

@@ -297,8 +297,19 @@ TEST(IcpDriverFaults, line_that_talks_on_for_ever_is_told) {
     cell.driver.receive(std::array<std::uint8_t, 1>{0x55}, cell.now);
     cell.run_for(90ms);
   }
-  EXPECT_EQ(cell.driver.fault()->code, ErrorCode::kUnexpectedReply);
+  EXPECT_EQ(cell.driver.fault()->code, ErrorCode::kUnaskedReply);
+  EXPECT_EQ(cell.driver.fault()->measured, 0x55);
   EXPECT_EQ(cell.count(Kind::kNotice), 1U);
+}
+
+TEST(IcpDriverFaults, zeros_that_nobody_asked_for_are_not_called_a_wrong_zero) {
+  IcpCell cell;
+  cell.begin();
+  for (int i = 0; i < 100; ++i) {
+    cell.driver.receive(std::array<std::uint8_t, 1>{0}, cell.now);
+    cell.run_for(90ms);
+  }
+  EXPECT_EQ(cell.driver.fault(), (Error{ErrorCode::kUnaskedReply, -1, 0}));
 }
 
 TEST(IcpDriverFaults, module_that_lost_its_power_is_found_at_the_next_rest_and_admitted) {
@@ -354,7 +365,7 @@ TEST(IcpDriverFaults, under_voltage_blocks_the_weaker_modules_and_is_found) {
   for (std::size_t i = 0; i < kLegs; ++i) moved += cell.truth(i) == 6 ? 1 : 0;
   EXPECT_GT(moved, 0) << "not all motors spin";
   EXPECT_LT(moved, 6);
-  EXPECT_EQ(cell.driver.fault()->code, ErrorCode::kMotionIgnored);
+  EXPECT_EQ(cell.driver.fault()->code, ErrorCode::kSupplyFlag) << "its module says so";
   cell.expect_honest();
 }
 
@@ -485,7 +496,7 @@ TEST(IcpDriverFaults, supply_loss_that_one_module_shows_withdraws_all_six) {
   cell.machine.module(4).set_supply(6, cell.now);
   ASSERT_TRUE(cell.go({10, 10, 10, 10, 10, 10}));
   cell.settle();
-  ASSERT_EQ(cell.driver.fault()->code, ErrorCode::kMotionIgnored);
+  ASSERT_EQ(cell.driver.fault()->code, ErrorCode::kSupplyFlag);
   EXPECT_EQ(cell.driver.fault()->index, 4);
   for (const JointPosition& claim : cell.driver.positions()) {
     EXPECT_EQ(claim.quality, PositionQuality::kUncertain);

@@ -126,7 +126,7 @@ IcpLegClaim::Verdict IcpLegClaim::judge(const icp::Status& status, Error& error)
     error = {ErrorCode::kOverheated, index_};
     return Verdict::kBad;
   }
-  error = {ErrorCode::kMotionIgnored, index_};
+  error = {tells_of_supply(flags) ? ErrorCode::kSupplyFlag : ErrorCode::kMotionIgnored, index_};
   if (flags.vdd_reset || flags.step_loss || flags.electrical_defect || flags.under_voltage ||
       flags.over_current_1 || flags.over_current_2 || flags.charge_pump_failure) {
     return Verdict::kBad;

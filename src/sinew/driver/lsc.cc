@@ -45,6 +45,7 @@ void LscDriver::open(Instant now) {
   told_silent_ = false;
   stopping_ = false;
   low_readings_ = empty_readings_ = 0;
+  kind_silences_ = 0;
   output_.clear();
   wire_free_ = now_;
   question_ = Question::kNone;
@@ -68,6 +69,7 @@ void LscDriver::close(Instant now) {
     joint.lower = std::min(a, b) - kServoSlack;
     joint.upper = std::max(a, b) + kServoSlack;
   }
+  admit_motion();
   end_all(Kind::kFailed, {ErrorCode::kPortClosed});
   phase_ = Phase::kClosed;
   question_ = Question::kNone;
@@ -101,6 +103,7 @@ void LscDriver::doubt(const Error& error, Instant now) {
     tell(opening ? Kind::kFailed : Kind::kNotice, error);
   }
   told_silent_ = true;
+  admit_motion();
   lose_positions();
   // Half a frame would swallow the next one, so what has begun to leave leaves.
   if (!output_begun_) output_.clear();
@@ -117,9 +120,15 @@ void LscDriver::enter_fault(const Error& error) {
     tell(Kind::kFailed, error);
   }
   fault_ = error;
+  admit_motion();
   lose_positions();
   if (!output_begun_) output_.clear();
   phase_ = Phase::kFault;
+}
+
+/// What is left without an end goes on by itself.
+void LscDriver::admit_motion() {
+  if (phase_ == Phase::kRunning && current_.end > now_) goes_on_until_ = current_.end;
 }
 
 void LscDriver::lose_positions() {
@@ -188,6 +197,18 @@ Expected<void> LscDriver::may_begin() const {
   return std::unexpected(Error{ErrorCode::kBusy});
 }
 
+Expected<void> LscDriver::check_start(const JointMove& move) const {
+  for (std::size_t i = 0; i < move.q_start.size(); ++i) {
+    const JointPosition& here = positions_[i];
+    const bool elsewhere = here.quality == PositionQuality::kMeasured &&
+                           std::abs(here.q - move.q_start[i]) > timing_.measured_tolerance;
+    if (!elsewhere) continue;
+    return std::unexpected(
+        Error{ErrorCode::kMovedUnasked, static_cast<std::int8_t>(i), here.q, move.q_start[i]});
+  }
+  return {};
+}
+
 Expected<void> LscDriver::check_time(const Segment& segment, const JointMove& move) const {
   const double time = to_seconds(move.duration);
   for (std::size_t i = 0; i < units_.joints(); ++i) {
@@ -225,6 +246,7 @@ Expected<void> LscDriver::move(const JointMove& move, Instant now) {
                        (phase_ == Phase::kRunning || phase_ == Phase::kConfirming);
   if (!follows) {
     if (const auto may = may_begin(); !may) return may;
+    if (const auto start = check_start(move); !start) return start;
   }
   Segment segment;
   for (std::size_t i = 0; i < units_.joints(); ++i) {
@@ -307,7 +329,9 @@ Expected<void> LscDriver::clear_fault(Instant now) {
     return {};
   }
   const bool fresh = now - volts_at_ <= 2 * timing_.health_period;
-  if (!fresh || empty_readings_ > 0) return std::unexpected(*fault_);
+  const bool of_supply = fault_->code == ErrorCode::kSupplyLow;
+  if (of_supply && (!fresh || empty_readings_ > 0)) return std::unexpected(*fault_);
+  kind_silences_ = 0;
   fault_.reset();
   told_silent_ = false;
   question_ = Question::kNone;

@@ -41,8 +41,10 @@ struct LscTiming {
 ///
 ///   phase      | what ends it                        | then
 ///   kQuiet     | 60 ms without a byte                | stop groups, ask: kAsking
-///   kAsking    | a sign of life; esp32, bus: two     | kIdle; kFault where the supply is too low
-///              | positions in a row that agree       |
+///   kAsking    | a sign of life; esp32, bus: two     | kIdle; kFault where the supply is too low,
+///              | positions in a row that agree;      | or where an lsc6 tells positions: then it
+///              | lsc6: two silences where it is      | is a bus board, which would move mirrored
+///              | asked for one, once per open()      |
 ///   kIdle      | move(), tool()                      | kRunning
 ///   kRunning   | the segment's end with a next one   | kRunning, kDone for the one that ended
 ///              | without                             | kConfirming
@@ -65,7 +67,8 @@ struct LscTiming {
 /// stop() drops what has not begun to leave and sends the place where the servos will be as their
 /// target, to be reached in 20 ms: they stand 72 ms later at most. During the first move of an
 /// arm on a board that tells nothing, that place is not known; there the move is slowed to the
-/// longest time the wire can say, 65 s (some 3 deg/s), and the position stays lost.
+/// longest time the wire can say, 65 s (some 3 deg/s), and the position stays lost; goes_on_until()
+/// says so.
 /// Every command that was under way at a stop ends with its own kStopped. @rt
 class LscDriver : public ByteDriver {
  public:
@@ -79,8 +82,10 @@ class LscDriver : public ByteDriver {
   std::optional<Error> fault() const override { return fault_; }
   std::span<const JointPosition> positions() const override;
   DriverHealth health() const override { return health_; }
+  std::optional<Instant> goes_on_until() const override { return goes_on_until_; }
   bool wants_move(Instant now) const override;
-  /// @error beside the contract's: kPositionUnknown (measured, limit: s) where the position is lost
+  /// @error beside the contract's: kMovedUnasked on the bus only, kPositionUnknown (measured,
+  /// limit: s) where the position is lost
   ///        and the move is not a slow one; kSegmentTime with a joint where it would be too fast.
   Expected<void> move(const JointMove& move, Instant now) override;
   void stop(Instant now) override;
@@ -109,7 +114,7 @@ class LscDriver : public ByteDriver {
     kReading,
     kFault,
   };
-  enum class Question : std::uint8_t { kNone, kBattery, kVersion, kPositions };
+  enum class Question : std::uint8_t { kNone, kBattery, kVersion, kPositions, kKind };
   using Units = std::array<std::uint16_t, kMaxJoints>;
 
   /// What the board was told about one servo; units.
@@ -136,6 +141,7 @@ class LscDriver : public ByteDriver {
   bool outside(std::size_t joint) const;
   bool must_be_slow() const;
   Expected<void> may_begin() const;
+  Expected<void> check_start(const JointMove& move) const;
   Expected<void> check_time(const Segment& segment, const JointMove& move) const;
   void begin(const Segment& segment, Instant now);
   void promote();
@@ -162,6 +168,8 @@ class LscDriver : public ByteDriver {
   void handle(const lsc::Reply& reply, Instant now);
   void take_battery(double volts, Instant now);
   void take_life(Instant now);
+  void take_kind(const lsc::Positions& positions);
+  void admit_motion();
   void take_positions(std::span<const lsc::ServoValue> servos, Instant now);
   void positions_agreed(const Units& units, Instant now);
   void check_arrival(const Units& units, Instant now);
@@ -192,6 +200,7 @@ class LscDriver : public ByteDriver {
   bool stopping_ = false;
   bool stop_due_ = false;  ///< its frame has not been sent
   bool creeping_ = false;  ///< a stop of a move from nobody knows where
+  std::optional<Instant> goes_on_until_;
   int confirms_left_ = 0;
   int rewrites_left_ = 0;
   Instant phase_due_{};  ///< of kQuiet, kConfirming, kSettling
@@ -207,6 +216,7 @@ class LscDriver : public ByteDriver {
   int empty_readings_ = 0;
   Instant volts_at_{};
   std::size_t boot_matched_ = 0;
+  int kind_silences_ = 0;  ///< lsc6: of the question that only a bus board answers
 
   DriverHealth health_;
   lsc::FrameDecoder decoder_;

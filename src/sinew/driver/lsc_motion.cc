@@ -56,6 +56,7 @@ double LscDriver::at(const Slot& slot, Instant time) const {
 /// From rest. A question that is just leaving goes first.
 void LscDriver::begin(const Segment& segment, Instant now) {
   drop_targets();
+  goes_on_until_.reset();
   next_ = segment;
   next_->first = true;
   current_.start = current_.end = now;
@@ -166,6 +167,7 @@ void LscDriver::poll_confirming(Instant now) {
 
 void LscDriver::after_confirming(Instant now) {
   if (creeping_) {
+    goes_on_until_ = now + std::chrono::milliseconds(kTimeMax);
     for (std::size_t i = 0; i < units_.slots(); ++i) {
       if (!slots_[i].held || slots_[i].known) continue;
       slots_[i] = {};

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string_view>
+#include <utility>
 
 #include "sinew/core/assert.h"
 #include "sinew/driver/lsc.h"
@@ -21,6 +22,9 @@ constexpr double kVoltsPlausible = 30;
 // it can be sent to; nothing else is.
 constexpr std::uint16_t kMeasuredMax = 1200;
 constexpr std::uint16_t kCommandedMax = 2500;
+/// One lost byte spoils two questions in a row; that must not make a bus board pass for a classic
+/// one.
+constexpr int kKindSilences = 3;
 constexpr std::string_view kBootText = "begin";  // the ESP32's last words before it listens
 
 std::uint8_t bit(std::size_t slot) {
@@ -45,6 +49,10 @@ void LscDriver::ask(Question question, Instant now) {
       send(profile_ == LscProfile::kBus ? Request{ReadPositions{ids}} : Request{ReadCommanded{}},
            now);
       break;
+    case Question::kKind:
+      // The base's servo alone: a flipped bit makes "go limp" of it, and a base does not fall.
+      send(ReadPositions{{units_.id(0)}}, now);
+      break;
     case Question::kNone:
       return;
   }
@@ -63,15 +71,22 @@ void LscDriver::poll_health(Instant now) {
   // A question must never make a segment late.
   if (phase_ == Phase::kRunning && now + kQuestionRoom > current_.end - frame_time()) return;
   if (phase_ != Phase::kAsking) health_due_ = now + timing_.health_period;
-  if (phase_ == Phase::kAsking && reading_) return ask(Question::kPositions, now);
+  if (phase_ == Phase::kAsking && reading_) {
+    return ask(profile_ == LscProfile::kLsc6 ? Question::kKind : Question::kPositions, now);
+  }
   ask(life, now);
 }
 
 void LscDriver::poll_question(Instant now) {
   if (question_ == Question::kNone || now < question_due_) return;
-  question_ = Question::kNone;
-  ++health_.timeouts;
+  const bool of_kind = std::exchange(question_, Question::kNone) == Question::kKind;
   decoder_.reset();
+  if (of_kind) {
+    // As a board without readings does.
+    if (++kind_silences_ >= kKindSilences) become_ready(now);
+    return;
+  }
+  ++health_.timeouts;
   if (phase_ == Phase::kFault) return;
   if (--tries_left_ <= 0) {
     const double waited = to_seconds(timing_.reply_timeout) * timing_.tries;
@@ -98,7 +113,7 @@ void LscDriver::receive(std::span<const std::uint8_t> bytes, Instant now) {
       continue;
     }
     if (text_says_boot(byte)) {
-      doubt({ErrorCode::kUnexpectedReply, -1, 1.0 * byte}, now);
+      doubt({ErrorCode::kDeviceRestarted}, now);
       continue;
     }
     const std::uint64_t skipped = decoder_.skipped();
@@ -130,7 +145,7 @@ void LscDriver::handle(const Reply& reply, Instant now) {
     // Somebody else moved the arm: the Run button, an app.
     ++health_.unexpected;
     if (phase_ == Phase::kFault) return;
-    return doubt({ErrorCode::kUnexpectedReply, -1, started != nullptr ? 6.0 : 8.0}, now);
+    return doubt({ErrorCode::kForeignMotion}, now);
   }
   if (const auto* battery = std::get_if<Battery>(&reply);
       battery != nullptr && question_ == Question::kBattery) {
@@ -143,6 +158,7 @@ void LscDriver::handle(const Reply& reply, Instant now) {
   }
   const auto* commanded = std::get_if<Commanded>(&reply);
   const auto* measured = std::get_if<Positions>(&reply);
+  if (profile_ == LscProfile::kLsc6 && measured != nullptr) return take_kind(*measured);
   if (question_ == Question::kPositions && commanded != nullptr) {
     return take_positions(commanded->servos, now);
   }
@@ -177,8 +193,21 @@ void LscDriver::take_battery(double volts, Instant now) {
 void LscDriver::take_life(Instant now) {
   tries_left_ = timing_.tries;
   if (phase_ != Phase::kAsking) return say_rest(now);
-  if (profile_ == LscProfile::kLsc6) return become_ready(now);
+  const bool told_apart = profile_ == LscProfile::kLsc6 && kind_silences_ >= kKindSilences;
+  if (told_apart) return become_ready(now);
   reading_ = Units{};  // no reading agrees with all zeros
+}
+
+/// A board that tells where a servo is has servos on a bus: its units are others, and turn the
+/// other way.
+void LscDriver::take_kind(const Positions& positions) {
+  const bool asked_for = positions.servos.size() == 1 && positions.servos[0].id == units_.id(0);
+  if (!asked_for || phase_ == Phase::kFault) {
+    ++health_.unexpected;
+    return;
+  }
+  question_ = Question::kNone;
+  enter_fault({ErrorCode::kOtherBoard});
 }
 
 void LscDriver::take_positions(std::span<const ServoValue> servos, Instant now) {
@@ -206,7 +235,7 @@ void LscDriver::take_positions(std::span<const ServoValue> servos, Instant now) 
   if (same) return positions_agreed(units, now);
   // It still moves, or answers get damaged all the time.
   if (--readings_left_ > 0) return;
-  doubt({ErrorCode::kUnexpectedReply, -1, 1.0 * units[0]}, now);
+  doubt({ErrorCode::kPositionUnknown, 0}, now);
 }
 
 void LscDriver::positions_agreed(const Units& units, Instant now) {

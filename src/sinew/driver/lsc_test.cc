@@ -33,7 +33,7 @@ ErrorCode refusal(const Expected<void>& result) {
 
 TEST(LscDriver, open_stops_groups_waits_for_a_sign_of_life_and_tells_the_quality_honestly) {
   const std::map<LscProfile, std::pair<std::vector<std::uint8_t>, Quality>> expected{
-      {LscProfile::kLsc6, {{7, 15}, Quality::kLost}},
+      {LscProfile::kLsc6, {{7, 15, 21, 21, 21}, Quality::kLost}},
       {LscProfile::kBus, {{7, 15, 21, 21}, Quality::kMeasured}},
       // Just switched on it says 1500 everywhere, which is no position.
       {LscProfile::kEsp32, {{7, 1, 13, 13}, Quality::kLost}}};
@@ -42,7 +42,7 @@ TEST(LscDriver, open_stops_groups_waits_for_a_sign_of_life_and_tells_the_quality
     EXPECT_EQ(cell.driver.state(), DriverState::kClosed);
     cell.run_for(2s);  // a limp arm sinks until something holds it
     cell.driver.open(cell.now);
-    cell.run_for(600ms);
+    cell.run_for(800ms);
     EXPECT_EQ(cell.driver.state(), DriverState::kReady);
     EXPECT_EQ(cell.events.size(), 1U);
     std::vector<std::uint8_t> commands;
@@ -96,7 +96,7 @@ TEST(LscDriver, an_esp32_that_has_kept_its_power_tells_where_it_was_sent) {
 TEST(LscDriver, a_lost_arm_moves_slowly_or_not_at_all) {
   LscCell cell(LscProfile::kLsc6);
   cell.driver.open(cell.now);
-  cell.run_for(600ms);
+  cell.run_for(800ms);
   const auto sent = cell.to_board.count();
   for (const Duration duration : {80ms, 100ms, 1999ms}) {
     const auto refused = cell.driver.move(cell.to(kHere, duration), cell.now);
@@ -299,7 +299,7 @@ TEST(LscDriver, stop_is_answered_in_every_state) {
 TEST(LscDriver, stop_of_a_first_move_slows_it_to_a_creep_and_leaves_the_arm_lost) {
   LscCell cell(LscProfile::kLsc6);
   cell.driver.open(cell.now);
-  cell.run_for(600ms);
+  cell.run_for(800ms);
   ASSERT_TRUE(cell.driver.move(cell.to({1.5, 0.3, 0.2, 0.1, 0}, 2s), cell.now));
   cell.run_for(700ms);
   cell.driver.stop(cell.now);
@@ -314,7 +314,7 @@ TEST(LscDriver, stop_of_a_first_move_slows_it_to_a_creep_and_leaves_the_arm_lost
 TEST(LscDriver, stop_of_a_first_move_on_a_board_that_can_be_asked_stands) {
   LscCell cell(LscProfile::kEsp32);
   cell.driver.open(cell.now);
-  cell.run_for(600ms);
+  cell.run_for(800ms);
   ASSERT_TRUE(cell.driver.move(cell.to({1.5, 0.3, 0.2, 0.1, 0}, 2s), cell.now));
   cell.run_for(700ms);
   cell.driver.stop(cell.now);
@@ -580,7 +580,7 @@ TEST(LscDriver, a_damaged_first_move_is_mended_while_it_is_under_way) {
   for_random_cases(60, [](Random& random) {
     LscCell cell(LscProfile::kLsc6, random.bits());
     cell.driver.open(cell.now);
-    cell.run_for(600ms);
+    cell.run_for(800ms);
     cell.to_board.hit(static_cast<std::uint64_t>(random.integer(0, 21)),
                       static_cast<Fault>(random.integer(0, 2)),
                       static_cast<std::uint8_t>(1 << random.integer(0, 7)));

@@ -120,9 +120,11 @@ class LscLine {
 
 class LscCell {
  public:
-  explicit LscCell(LscProfile profile, std::uint64_t seed = 7)
+  explicit LscCell(LscProfile profile, std::uint64_t seed = 7) : LscCell(profile, profile, seed) {}
+  /// A board of one kind with a driver that takes it for another.
+  LscCell(LscProfile profile, LscProfile board, std::uint64_t seed = 7)
       : model(learm(profile)),
-        machine(model, profile, seed, Instant{}),
+        machine(learm(board), board, seed, Instant{}),
         driver(std::get<LscDevice>(model.device.settings), model.joints,
                std::get<SerialGeometry>(model.geometry).gripper) {}
 

@@ -22,6 +22,7 @@ constexpr Duration kTakenUp = 150ms;       // the MicroPython program looks at i
 constexpr double kRounding = 0.5;          // pulses
 constexpr double kCreep = 1;               // pulses between two readings of an arm at rest
 constexpr double kCreepAgain = 4;          // times what it crept between the last two
+constexpr double kSentBeside = 1.5;        // pulses: rounding, and a sturdier frame's neighbour
 constexpr int kZeros = 16;
 constexpr int kSetsMax = 3;
 constexpr int kStrangersMax = 3;
@@ -65,6 +66,7 @@ void MaxArmDriver::open(Instant now) {
   silent_ = 0;
   free_at_ = now;
   in_doubt_ = false;
+  left_at_.reset();
   doubt(now);
 }
 
@@ -102,6 +104,7 @@ Expected<void> MaxArmDriver::move(const JointMove& move, Instant now) {
     if (positions_[i].quality == PositionQuality::kMeasured) continue;
     return std::unexpected(joint_error(ErrorCode::kPositionUnknown, i, 0, 0));
   }
+  if (const auto moved = moved_from(move.q_start)) return std::unexpected(*moved);
   const double seconds = to_seconds(move.duration);
   double shortest = kTimeMin * 1e-3;
   for (std::size_t i = 0; i < kServos; ++i) {
@@ -122,6 +125,18 @@ Expected<void> MaxArmDriver::move(const JointMove& move, Instant now) {
   // A question that is out is waited for; else the move can go at once.
   if (phase_ == Phase::kPausing) pause(Duration::zero(), now);
   return {};
+}
+
+/// Whether the arm stands elsewhere than a move was planned from, by more than servos rest beside
+/// their target.
+std::optional<Error> MaxArmDriver::moved_from(const JointVector& q) const {
+  if (q.size() != kServos) return std::nullopt;
+  for (std::size_t i = 0; i < kServos; ++i) {
+    const double pulse = device_.servos[i].offset + device_.servos[i].pulses_per_rad * q[i];
+    if (std::abs(reading_[i] - pulse) <= timing_.reached + kSentBeside) continue;
+    return joint_error(ErrorCode::kMovedUnasked, i, angle_of(i, reading_[i]), q[i]);
+  }
+  return std::nullopt;
 }
 
 Expected<MaxArmDriver::Pulses> MaxArmDriver::pulses_of(const JointMove& move) const {
@@ -262,6 +277,8 @@ void MaxArmDriver::give_up(const Error& error) {
 }
 
 void MaxArmDriver::finish(DriverEvent::Kind kind, const Error& error) {
+  if (job_ == Job::kMove || job_ == Job::kStop) left_at_.reset();
+  if (!left_at_ && rests()) left_at_ = reading_;
   job_ = Job::kNone;
   sets_ = 0;
   tool_frames_ = 0;
@@ -377,12 +394,6 @@ void MaxArmDriver::take_reading(const Angles& angles, Instant now) {
   if (job_ != Job::kNone) in_doubt_ = false;
   previous_ = reading_;
   for (std::size_t i = 0; i < kServos; ++i) reading_[i] = angles.pulses[i];
-  if (job_ == Job::kNone && ready_ && rests() && !near(reading_, previous_, timing_.reached)) {
-    const std::size_t joint = farthest(previous_);
-    tell(DriverEvent::Kind::kNotice,
-         joint_error(ErrorCode::kMissedTarget, joint, angle_of(joint, reading_[joint]),
-                     angle_of(joint, previous_[joint])));
-  }
   alike_ = alike_ > 0 && near(reading_, previous_, 1) ? alike_ + 1 : 1;
   // While the servos' ramps may still run, standing still says nothing.
   if (sets_ > 0 && asked_at_ < moves_until_) alike_ = 0;
@@ -491,13 +502,27 @@ void MaxArmDriver::go_on_with_tool(Instant now) {
   if (!rests()) return pause(timing_.read_period, now);
   // The device answers: it lives, and what it was told has reached it as far as anyone can know.
   show_measured();
+  tell_if_moved();
   finish(DriverEvent::Kind::kDone);
   pause(timing_.idle_period, now);
+}
+
+/// At rest, with nothing under way that could have moved it.
+void MaxArmDriver::tell_if_moved() {
+  if (left_at_ && !near(reading_, *left_at_, timing_.reached)) {
+    const std::size_t joint = farthest(*left_at_);
+    tell(DriverEvent::Kind::kNotice,
+         joint_error(ErrorCode::kMovedUnasked, joint, angle_of(joint, reading_[joint]),
+                     angle_of(joint, (*left_at_)[joint])));
+    left_at_.reset();
+  }
+  if (!left_at_) left_at_ = reading_;
 }
 
 void MaxArmDriver::rest_idle(Instant now) {
   if (rests()) {
     show_measured();
+    tell_if_moved();
   } else {
     for (std::size_t i = 0; i < kServos; ++i) {
       way_low_[i] = std::min(reading_[i], previous_[i]);

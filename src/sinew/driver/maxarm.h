@@ -44,6 +44,8 @@ struct MaxArmTiming {
 /// it was measured behind it. A SET is sent again only when readings show the arm at rest where
 /// the move began; its target is absolute, so a copy that was only late changes nothing.
 ///
+/// An arm at rest that is found elsewhere is told (notice kMovedUnasked), each new place once.
+///
 /// Positions: measured to half a pulse and one more for creeping while two readings agree;
 /// uncertain over the way while it moves; uncertain over the whole range in doubt; lost for a dead
 /// servo. @rt
@@ -61,7 +63,8 @@ class MaxArmDriver : public ByteDriver {
   DriverHealth health() const override { return health_; }
   bool wants_move(Instant now) const override;
 
-  /// @error kBusy, kPositionUnknown, kJointLimit, kPulseRange (1..1000: a servo at 0 kills the
+  /// @error kBusy, kPositionUnknown, kMovedUnasked, kJointLimit, kPulseRange (1..1000: a servo at 0
+  /// kills the
   ///        MicroPython program), kSegmentTime (20 ms..30 s, and no faster than the joints may),
   ///        or the fault's code
   Expected<void> move(const JointMove& move, Instant now) override;
@@ -109,6 +112,8 @@ class MaxArmDriver : public ByteDriver {
   void go_on_with_stop(Instant now);
   void go_on_with_tool(Instant now);
   void rest_idle(Instant now);
+  void tell_if_moved();
+  std::optional<Error> moved_from(const JointVector& q) const;
   maxarm::SetAngle sturdy_set(const Pulses& target, std::int32_t time_ms) const;
   void send_set(const Pulses& target, std::int32_t time_ms, Instant now);
   bool rests() const { return alike_ >= 2; }
@@ -157,6 +162,8 @@ class MaxArmDriver : public ByteDriver {
   maxarm::Request tool_request_;
   int tool_frames_ = 0;  ///< still to send
   Duration tool_time_{};
+
+  std::optional<Pulses> left_at_;  ///< where the last command left it, or was told that it is
 
   std::array<JointPosition, maxarm::kServos> positions_{};
   DriverHealth health_;

@@ -392,6 +392,50 @@ TEST(MaxArmDriver, board_that_restarts_and_homes_by_itself_is_noticed) {
   }
 }
 
+TEST(MaxArmDriver, an_arm_that_is_found_elsewhere_is_told_once_a_place) {
+  Cell cell;
+  ASSERT_TRUE(cell.driver.move(cell.to(kFar, 1s), cell.now));
+  ASSERT_TRUE(cell.run_to_end(10s));
+  cell.events.clear();
+  cell.run_for(5s);
+  EXPECT_TRUE(cell.events.empty()) << "it stands where it was sent";
+  // Its servos let go, the board stays awake.
+  cell.machine.disturb({DisturbanceKind::kSupply, -1, 5.5});
+  cell.run_for(5s);
+  ASSERT_EQ(cell.events.size(), 1U);
+  EXPECT_EQ(cell.events[0].kind, Kind::kNotice);
+  EXPECT_EQ(cell.events[0].error.code, ErrorCode::kMovedUnasked);
+  const auto joint = static_cast<std::size_t>(cell.events[0].error.index);
+  EXPECT_NEAR(cell.events[0].error.measured, cell.machine.truth().joints[joint].q, from_deg(2));
+  EXPECT_NEAR(cell.events[0].error.limit, cell.to(kFar, 1s).q[joint], from_deg(1.5));
+  cell.machine.disturb({DisturbanceKind::kSupply, -1, 7.5});
+  cell.run_for(5s);
+  ASSERT_EQ(cell.events.size(), 2U) << "and that it came back";
+  EXPECT_NEAR(cell.events[1].error.measured, cell.to(kFar, 1s).q[joint], from_deg(1.5));
+}
+
+TEST(MaxArmDriver, a_move_that_was_planned_from_elsewhere_is_refused_with_both_places) {
+  Cell cell;
+  ASSERT_TRUE(cell.driver.move(cell.to(kFar, 1s), cell.now));
+  ASSERT_TRUE(cell.run_to_end(10s));
+  cell.machine.disturb({DisturbanceKind::kSupply, -1, 5.5});
+  cell.run_for(5s);
+  cell.sent.clear();
+  JointMove move = cell.to(kOther, 2s);
+  move.q_start = cell.to(kFar, 1s).q;
+  const auto refused = cell.driver.move(move, cell.now);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::kMovedUnasked);
+  const auto joint = static_cast<std::size_t>(refused.error().index);
+  EXPECT_EQ(refused.error().limit, move.q_start[joint]);
+  EXPECT_NEAR(refused.error().measured, cell.machine.truth().joints[joint].q, from_deg(2));
+  cell.run_for(1s);
+  EXPECT_TRUE(sent<SetAngle>(cell).empty());
+  // Who plans from where it is may go on.
+  for (std::size_t i = 0; i < 3; ++i) move.q_start[i] = cell.driver.positions()[i].q;
+  EXPECT_TRUE(cell.driver.move(move, cell.now));
+}
+
 TEST(MaxArmDriver, an_answer_with_the_other_sum_is_noise_until_it_is_all_that_comes) {
   Cell cell;
   // The board is exchanged for one with the other sum.

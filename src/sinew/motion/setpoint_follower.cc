@@ -7,17 +7,22 @@
 namespace sinew::motion {
 namespace {
 
-// s. A stream is expected every 2 to 10 ms; beyond these it is not one.
+// s. A stream is expected every 1 to 10 ms; beyond these it is not one.
 constexpr double kPeriodMin = 5e-4;
 constexpr double kPeriodMax = 0.05;
 constexpr double kPeriodFirst = 5e-3;  ///< until two setpoints have shown it
-/// Shares of an arrival's lateness that move the phase and the period, once the rhythm is known:
-/// jitter of one control tick is evened out over some thirty setpoints.
-constexpr double kPhaseGain = 0.06;
-constexpr double kPeriodGain = 0.001;
-/// Setpoints in a row that come after more than one period, until that is the new period.
-constexpr int kGapsMax = 2;
-/// Periods after the end of a cubic for which its last velocity is kept.
+/// Intervals that the mean period is made of; one counts as two of the mean at most, so that a
+/// pause of the host is no new period.
+constexpr int kPeriodMemory = 50;
+constexpr double kIntervalMax = 2;
+/// s. Time constant of the pull of the setpoints' positions: a position that is off by the way of
+/// a millisecond at 30 deg/s shows as 0.06 deg/s.
+constexpr double kPullTime = 0.5;
+/// A position that is farther off than jitter explains is a jump: the line jumps with it.
+constexpr double kJitterTime = 0.01;    // s of the stream's own speed
+constexpr double kJitterPeriods = 2;    // likewise; the longer one counts
+constexpr double kJitterAtRest = 2e-5;  // rad: units of a wire
+/// Setpoints in a row that may get lost.
 constexpr double kLostSetpoints = 2;
 /// Poles of the pull towards the goal, 1/s: the strongest one that the jerk allows. What rounding
 /// or a lost setpoint left is gone in 0.2 s.
@@ -28,12 +33,13 @@ constexpr double kStateTolerance = 1e-9;  // of a limit
 }  // namespace
 
 void SetpointFollower::begin(const AxisState& state) {
-  clock_ = 0;
-  from_ = to_ = {state.q, 0};
+  line_ = {state.q, 0};
   goal_ = state;
   pending_ = running_ = false;
   silent_ = true;
   period_ = kPeriodFirst;
+  arrivals_ = 0;
+  age_ = towards_ = apart_ = 0;
 }
 
 void SetpointFollower::setpoint(double q, double qd) {
@@ -45,56 +51,50 @@ void SetpointFollower::setpoint(double q, double qd) {
 void SetpointFollower::take_setpoint() {
   pending_ = false;
   const bool first = !running_ || silent_;
-  const double since = clock_ - begin_;
-  const double periods = first ? 0 : std::round(since / period_);
-  from_ = to_;
-  if (first) {
-    begin_ = clock_;
-    rhythm_known_ = false;
-  } else if (!rhythm_known_ || periods < 1 || (periods > 1 && gaps_ >= kGapsMax)) {
-    // The first interval, or another rhythm: the evened one is worth nothing.
-    period_ = std::clamp(since, kPeriodMin, kPeriodMax);
-    begin_ = clock_;
-    rhythm_known_ = true;
-    arrivals_ = 2;
-    gaps_ = 0;
+  if (!first) {
+    arrivals_ = std::min(arrivals_ + 1, kPeriodMemory);
+    const double most = arrivals_ == 1 ? kPeriodMax : kIntervalMax * period_;
+    const double interval = std::clamp(age_, kPeriodMin, std::min(most, kPeriodMax));
+    period_ += (interval - period_) / arrivals_;
   } else {
-    const double late = since - periods * period_;
-    gaps_ = periods > 1 ? gaps_ + 1 : 0;
-    // Where setpoints were lost, the axis went on with the last velocity.
-    from_.q += (periods - 1) * period_ * from_.qd;
-    // A straight line through all arrivals so far, then through the latest ones (E. Brookner,
-    // Tracking and Kalman Filtering Made Easy, 1998, section 1.2.10, expanding memory).
-    arrivals_ = std::min(arrivals_ + 1, 1000);
-    const double n = arrivals_;
-    const double phase_gain = std::max(kPhaseGain, 2 * (2 * n - 1) / (n * (n + 1)));
-    const double period_gain = std::max(kPeriodGain, 6 / (n * (n + 1)));
-    begin_ += periods * period_ + phase_gain * late;
-    period_ = std::clamp(period_ + period_gain * late / periods, kPeriodMin, kPeriodMax);
+    line_ = {next_.q - period_ * next_.qd, next_.qd};
+    goal_ = {line_.q - kDelay * next_.qd, next_.qd, 0};
   }
-  to_ = next_;
+  age_ = 0;
+  towards_ = next_.qd;
+  apart_ = next_.q - line_.q - period_ * (line_.qd + towards_) / 2;
+  const double speed = std::max(std::abs(line_.qd), std::abs(towards_));
+  const double jitter = kJitterAtRest + speed * std::max(kJitterTime, kJitterPeriods * period_);
+  const double jump = apart_ - std::clamp(apart_, -jitter, jitter);
+  apart_ -= jump;
+  line_.q += jump;
+  goal_.q += jump;
   running_ = true;
   silent_ = false;
 }
 
-/// Cubic Hermite from the last knot to the newest; after it, the newest one's velocity.
-double SetpointFollower::drawn(double clock) const {
-  const double u = std::max((clock - begin_) / period_, -0.5);
-  if (u >= 1) return to_.q + (u - 1) * period_ * to_.qd;
-  const double way = to_.q - from_.q;
-  const double at_start = from_.qd * period_;
-  const double at_end = to_.qd * period_;
-  return from_.q +
-         u * (at_start + u * (3 * way - 2 * at_start - at_end + u * (at_start + at_end - 2 * way)));
+/// The line goes on for `dt`: evenly to the newest velocity within a period of its arrival, then
+/// with that one.
+void SetpointFollower::draw(double dt) {
+  const double left = period_ - age_;
+  const double share = left > dt ? dt / left : 1;
+  const double before = line_.qd;
+  line_.qd += share * (towards_ - before);
+  const double ramp = std::clamp(left, 0.0, dt);
+  const double pulled = apart_ * (1 - std::exp(-dt / kPullTime));
+  line_.q += ramp * (before + line_.qd) / 2 + (dt - ramp) * line_.qd + pulled;
+  apart_ -= pulled;
+  age_ += dt;
 }
 
-/// Smooths the cubic over the next `dt`; the mean jerk.
+/// Draws the line on and smooths it, over the next `dt`; the mean jerk.
 double SetpointFollower::advance_goal(double dt) {
   const int steps = static_cast<int>(std::ceil(dt / (kLag / 5)));
   const double h = dt / steps;
   const double before = goal_.qdd;
   for (int i = 0; i < steps; ++i) {
-    const double ahead = drawn(clock_ + i * h) - goal_.q;
+    const double ahead = line_.q - goal_.q;
+    draw(h);
     const double jerk = ((ahead / kLag - 3 * goal_.qd) / kLag - 3 * goal_.qdd) / kLag;
     goal_ = advanced(goal_, jerk, h);
   }
@@ -120,8 +120,8 @@ double SetpointFollower::wanted_jerk(const AxisState& state, const AxisState& go
   return (OnlineProfile::to(state, rest, bounds).at(dt).qdd - state.qdd) / dt;
 }
 
-/// Would a stop from `after` still keep every limit? Where the axis was outside the position
-/// limits already, it may stay but not go farther.
+/// Would a stop from `after` still keep every limit, and not pass where the stream could stop?
+/// Where the axis was outside already, it may stay but not go farther.
 bool SetpointFollower::keeps_limits(const AxisState& before, const AxisState& after) const {
   const double slack = 1 + kStateTolerance;
   if (std::abs(after.qdd) > limits_.acceleration * slack) return false;
@@ -129,26 +129,27 @@ bool SetpointFollower::keeps_limits(const AxisState& before, const AxisState& af
   if (std::abs(released) > limits_.velocity * slack) return false;
   if (std::abs(after.qd) > limits_.velocity * slack) return false;
   const PositionRange stop = OnlineProfile::stop(after, ProfileBounds(limits_)).range();
-  return stop.lower >= std::min(range_.lower, before.q) &&
-         stop.upper <= std::max(range_.upper, before.q);
+  return stop.lower >= std::min(reach_.lower, before.q) &&
+         stop.upper <= std::max(reach_.upper, before.q);
 }
 
 AxisState SetpointFollower::step(const AxisState& state, double dt) {
-  if (pending_ && (!running_ || silent_)) {
-    goal_ = state;
-    to_ = {state.q, state.qd};
-  }
   const bool follows = running_ && !silent_;
   double jerk = 0;
   if (follows) {
     const AxisState goal = goal_;
     jerk = wanted_jerk(state, goal, advance_goal(dt), dt);
   }
-  clock_ += dt;
   if (pending_) take_setpoint();
-  silent_ = !running_ || clock_ > begin_ + (1 + kLostSetpoints) * period_ + dt;
-  const AxisState stopping = OnlineProfile::stop(state, ProfileBounds(limits_)).at(dt);
+  silent_ = !running_ || age_ > std::max(kHold, (1 + kLostSetpoints) * period_) + dt;
+  const ProfileBounds bounds(limits_);
+  const AxisState stopping = OnlineProfile::stop(state, bounds).at(dt);
   if (!follows || silent_) return stopping;
+  // A stream that keeps the limits can never stop sooner later on, so whoever can stop there now
+  // will not pass it when it stops.
+  const PositionRange stream = OnlineProfile::stop(goal_, bounds).range();
+  reach_ = {std::max(range_.lower, stream.lower - kBeyond),
+            std::min(range_.upper, stream.upper + kBeyond)};
   const double room = limits_.acceleration;
   jerk = std::clamp(jerk, std::min(0.0, (-room - state.qdd) / dt),
                     std::max(0.0, (room - state.qdd) / dt));

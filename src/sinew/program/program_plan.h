@@ -21,7 +21,7 @@ struct MoveOrder {
   std::vector<Step> rows;
   Start q_start;
   JointVector q;        ///< where it ends
-  double duration = 0;  ///< s, predicted
+  double duration = 0;  ///< s, predicted, until the driver has told that it is done
 };
 struct HomeOrder {
   double duration_max = 0;  ///< s, an upper bound; 0 where nobody knows one

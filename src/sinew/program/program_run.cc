@@ -18,7 +18,11 @@ Run::Run(const Program& program, const RobotModel& robot, Driver& driver, Durati
       robot_(robot),
       driver_(driver),
       opening_limit_(opening_limit),
-      opening_trouble_{.code = ErrorCode::kDeviceSilent, .limit = to_seconds(opening_limit)} {}
+      trouble_(silence()) {}
+
+Error Run::silence() const {
+  return {.code = ErrorCode::kDeviceSilent, .limit = to_seconds(opening_limit_)};
+}
 
 void Run::start(Instant now) {
   opened_at_ = now;
@@ -39,16 +43,45 @@ void Run::stop(Instant now) {
 
 void Run::poll(Instant now) {
   while (const auto event = driver_.take_event()) {
+    if (event->kind == DriverEvent::Kind::kNotice) take_notice(event->error, now);
     if (!finished()) take(*event, now);
   }
-  if (phase_ == Phase::kOpening && now - opened_at_ > opening_limit_) fail(opening_trouble_, now);
+  if (phase_ == Phase::kOpening && now - opened_at_ > opening_limit_) fail(trouble_, now);
   if (phase_ != Phase::kRunning) return;
   if (wait_end_ && now >= *wait_end_) {
     wait_end_.reset();
     finish_order(now);
   }
+  const bool idle = outstanding_ == 0 && pieces_sent_ < pieces_.size();
+  if (idle && in_doubt(now)) return;
   if (const auto fed = feed(now); !fed) return fail(fed.error(), now);
-  while (phase_ == Phase::kRunning && !current_) issue_next(now);
+  while (phase_ == Phase::kRunning && !current_) {
+    if (next_ < plan_.orders.size() && in_doubt(now)) return;
+    issue_next(now);
+  }
+}
+
+void Run::take_notice(const Error& error, Instant now) {
+  ++notices_told_;
+  if (driver_.state() == DriverState::kOpening) trouble_ = error;
+  if (notices_.size() == kNoticesMax) return;
+  notices_.push_back({now, current_ ? current_->order->line : 0, error});
+}
+
+/// Nothing is under way, and the driver cannot take anything yet: it looks for its device again.
+bool Run::in_doubt(Instant now) {
+  const DriverState state = driver_.state();
+  const bool unready = state == DriverState::kReady && !driver_.wants_move(now);
+  if (state != DriverState::kOpening && !unready) {
+    doubt_since_.reset();
+    return false;
+  }
+  if (!doubt_since_) doubt_since_ = now;
+  if (now - *doubt_since_ <= opening_limit_) return true;
+  if (unready && !current_) return false;  // it says why it takes nothing
+  const Order& due = current_ ? *current_->order : plan_.orders[next_];
+  fail({due.line, trouble_, std::nullopt}, now);
+  return true;
 }
 
 void Run::take(const DriverEvent& event, Instant now) {
@@ -60,7 +93,7 @@ void Run::take(const DriverEvent& event, Instant now) {
           event.error.code == ErrorCode::kPortClosed || driver_.state() == DriverState::kFault;
       if (final) return fail(event.error, now);
       // A device may be deaf or talk nonsense for a while; the driver asks again.
-      if (event.error.code != ErrorCode::kDeviceSilent) opening_trouble_ = event.error;
+      if (event.error.code != ErrorCode::kDeviceSilent) trouble_ = event.error;
     }
     return;
   }
@@ -95,6 +128,7 @@ Start Run::known_positions() const {
 
 /// The machine's own word on where it is: the plan is made for that.
 void Run::begin() {
+  trouble_ = silence();
   q_ = known_positions();
   if (!q_ && declared_) {
     FixedVector<JointPosition, kMaxJoints> positions;
@@ -127,6 +161,7 @@ void Run::issue_next(Instant now) {
                     .q_start = q_,
                     .q = {},
                     .duration = 0,
+                    .arrival = 0,
                     .reported = {}};
   pieces_.clear();
   pieces_sent_ = 0;
@@ -161,11 +196,12 @@ std::expected<void, Refusal> Run::issue_move(Instant now) {
   if (!plannable(q_, robot_)) {
     const auto& row = std::get<JointStep>(first.what);
     const JointVector q = q_ ? resolved(row, *q_) : row.q;
-    JointMove move{q, {}, from_seconds(first_move_duration(robot_))};
+    JointMove move{.q = q, .qd = {}, .duration = from_seconds(first_move_duration(robot_))};
     move.qd.resize(q.size());
     pieces_.assign(1, move);
     rows_left_ = rows_left_.subspan(1);
     current_->q = q;
+    current_->arrival = current_->duration + first_move_duration(robot_);
     current_->duration += first_move_duration(robot_);
   } else {
     // The arm may stand elsewhere than the plan had it: after homing, or after a first move. Then
@@ -176,12 +212,14 @@ std::expected<void, Refusal> Run::issue_move(Instant now) {
     pieces_ = std::move(motion->pieces);
     rows_left_ = rows_left_.subspan(motion->rows);
     current_->q = motion->q_end;
+    current_->arrival = current_->duration + motion->arrival;
     current_->duration += motion->duration;
   }
   if (pieces_.empty()) return motion_done(now);
   const bool streamed = robot_.device.capability.motion == MotionKind::kStream;
   // Whoever cannot take a whole move now says why.
-  const auto accepted = streamed && plannable(q_, robot_) ? feed(now) : send_piece(now);
+  const bool fed = streamed && plannable(q_, robot_) && !doubt_since_;
+  const auto accepted = fed ? feed(now) : send_piece(now);
   if (!accepted) return std::unexpected(Refusal{first.line, accepted.error(), std::nullopt});
   return {};
 }
@@ -203,7 +241,13 @@ std::expected<void, Refusal> Run::motion_done(Instant now) {
 }
 
 Expected<void> Run::send_piece(Instant now) {
-  if (auto accepted = driver_.move(pieces_[pieces_sent_], now); !accepted) return accepted;
+  JointMove piece = pieces_[pieces_sent_];
+  // Behind another one that is under way it begins where that one ends.
+  if (outstanding_ == 0) {
+    const bool first = pieces_sent_ == 0;
+    piece.q_start = first ? q_.value_or(JointVector{}) : pieces_[pieces_sent_ - 1].q;
+  }
+  if (auto accepted = driver_.move(piece, now); !accepted) return accepted;
   ++outstanding_;
   ++pieces_sent_;
   return {};

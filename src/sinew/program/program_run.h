@@ -19,7 +19,15 @@ struct Record {
   Start q_start;        ///< of a move, as it was really made
   JointVector q;        ///< where the move was sent
   double duration = 0;  ///< s, predicted at the moment it was asked; of `home` the upper bound
+  double arrival = 0;   ///< s, of a motion: when its joints are predicted to be there
   FixedVector<JointPosition, kMaxJoints> reported;  ///< when it was done
+};
+
+/// What the driver told beside the orders: nothing broke, but somebody should know.
+struct Notice {
+  Instant at{};
+  int line = 0;  ///< of the order under way; 0: of none
+  Error error;
 };
 
 /// Runs a program on any robot through its driver, one order at a time; a motion is handed to the
@@ -34,11 +42,15 @@ struct Record {
 ///   kRunning  | an order is done                | kRunning, kDone after the last
 ///   kRunning  | stop()                          | kStopping, kStopped where nothing moves
 ///   kRunning  | an order fails                  | kFailed
+///   kRunning  | the next one is due, and the    | kRunning once it is ready again, kFailed where
+///             | driver is in doubt              | that takes longer than an opening may
 ///   kStopping | the driver has stopped          | kStopped
 class Run {
  public:
   /// Opening a port may reset the board, whose boot loader then listens for a second or two.
   static constexpr Duration kOpeningLimit = std::chrono::seconds(5);
+  /// So many notices are kept, the first ones; all are counted.
+  static constexpr std::size_t kNoticesMax = 100;
 
   enum class Phase : std::uint8_t { kOpening, kRunning, kStopping, kDone, kStopped, kFailed };
 
@@ -63,6 +75,10 @@ class Run {
   std::span<const Record> records() const { return records_; }
   const std::optional<Record>& under_way() const { return current_; }
   const Driver& driver() const { return driver_; }
+  std::span<const Notice> notices() const { return notices_; }
+  /// Also of those that were not kept.
+  std::size_t notices_told() const { return notices_told_; }
+  Instant opened_at() const { return opened_at_; }
   /// Share of the predicted duration that is behind the run, 0..1; homing counts with its bound.
   double progress(Instant now) const;
   /// When poll() should be called next even if the driver has nothing to do.
@@ -72,6 +88,9 @@ class Run {
 
  private:
   void take(const DriverEvent& event, Instant now);
+  void take_notice(const Error& error, Instant now);
+  bool in_doubt(Instant now);
+  Error silence() const;
   void begin();
   void issue_next(Instant now);
   std::expected<void, Refusal> issue(const Order& order, Instant now);
@@ -92,7 +111,10 @@ class Run {
   HomingTimes homing_;
   Phase phase_ = Phase::kOpening;
   Instant opened_at_{};
-  Error opening_trouble_;
+  Error trouble_;  ///< of an opening, or of a driver in doubt
+  std::optional<Instant> doubt_since_;
+  std::vector<Notice> notices_;
+  std::size_t notices_told_ = 0;
   Plan plan_;
   std::size_t next_ = 0;
   std::optional<Record> current_;

@@ -28,13 +28,15 @@ class PlainDriver : public Driver {
   void close(Instant /*now*/) override { tell(Kind::kFailed, {ErrorCode::kPortClosed}); }
   DriverState state() const override {
     if (gave_up_) return DriverState::kFault;
+    if (in_doubt_) return DriverState::kOpening;
     return moves_.empty() ? DriverState::kReady : DriverState::kMoving;
   }
   std::span<const JointPosition> positions() const override { return positions_; }
   DriverHealth health() const override { return {}; }
-  bool wants_move(Instant /*now*/) const override { return moves_.size() < 2; }
+  bool wants_move(Instant /*now*/) const override { return !in_doubt_ && moves_.size() < 2; }
   Expected<void> move(const JointMove& move, Instant now) override {
     if (refuse_) return std::unexpected(*refuse_);
+    if (in_doubt_) return std::unexpected(Error{ErrorCode::kBusy});
     const Instant start = moves_.empty() ? now : moves_.back().end;
     moves_.push_back({move, start + move.duration});
     taken_.push_back(move);
@@ -93,6 +95,7 @@ class PlainDriver : public Driver {
   double homed_ = 0;
   bool homes_by_itself_ = true;
   bool gave_up_ = false;
+  bool in_doubt_ = false;
   int tools_ = 0;
 };
 
@@ -146,7 +149,8 @@ TEST(ProgramRun, streamed_motion_is_cut_into_even_segments_that_join_without_a_j
   EXPECT_EQ(moves.back().q[1], 0);
   EXPECT_EQ(moves.back().qd[0], 0);
   const double took = to_seconds(cell.run.records()[0].done - cell.run.records()[0].asked);
-  EXPECT_NEAR(took, cell.run.records()[0].duration, 0.01);
+  const double report = to_seconds(motion_delay(cell.robot.device).report);
+  EXPECT_NEAR(took, cell.run.records()[0].duration - report, 0.01) << "this driver says so at once";
 }
 
 TEST(ProgramRun, point_to_point_device_gets_the_whole_move_at_once) {
@@ -272,6 +276,69 @@ TEST(ProgramRun, driver_that_gave_up_while_opening_is_not_waited_for) {
   cell.run.poll(cell.now + 1ms);
   ASSERT_EQ(cell.run.phase(), Phase::kFailed);
   EXPECT_EQ(cell.run.failure()->error, silent);
+}
+
+TEST(ProgramRun, notices_are_kept_with_their_time_and_line_and_all_are_counted) {
+  Cell cell("learm", "wait 1s\njoint base=1deg\nwait 1s\n");
+  cell.run.start(cell.now);
+  cell.run.poll(cell.now);
+  const Error moved{ErrorCode::kMovedUnasked, 1, 2.0, 1.0};
+  cell.now += 300ms;
+  cell.driver.tell(Kind::kNotice, moved);
+  cell.run.poll(cell.now);
+  ASSERT_EQ(cell.run.notices().size(), 1U);
+  EXPECT_EQ(cell.run.notices()[0].at, cell.now);
+  EXPECT_EQ(cell.run.notices()[0].line, 1);
+  EXPECT_EQ(cell.run.notices()[0].error, moved);
+  EXPECT_EQ(cell.run.phase(), Phase::kRunning) << "nothing is broken by it";
+  for (int i = 0; i < 500; ++i) cell.driver.tell(Kind::kNotice, moved);
+  cell.run.poll(cell.now);
+  EXPECT_EQ(cell.run.notices().size(), Run::kNoticesMax);
+  EXPECT_EQ(cell.run.notices_told(), 501U);
+  cell.run.stop(cell.now);
+  cell.driver.tell(Kind::kNotice, moved);
+  cell.run.poll(cell.now);
+  EXPECT_EQ(cell.run.notices_told(), 502U) << "also what a stop shows";
+}
+
+TEST(ProgramRun, each_motion_says_where_it_was_planned_from) {
+  Cell streamed("learm", "joint base=30deg\njoint base=0deg\n");
+  streamed.go();
+  const auto& moves = streamed.driver.taken_;
+  std::vector<double> starts;
+  for (const JointMove& move : moves) {
+    if (!move.q_start.empty()) starts.push_back(move.q_start[0]);
+  }
+  EXPECT_EQ(starts, (std::vector<double>{0, from_deg(30)})) << "a segment behind another has none";
+  Cell whole("bigrobotarm", "joint J2=30deg\njoint J2=0deg\n");
+  whole.go();
+  ASSERT_EQ(whole.driver.taken_.size(), 2U);
+  EXPECT_EQ(whole.driver.taken_[1].q_start[1], from_deg(30));
+}
+
+TEST(ProgramRun, an_order_waits_for_a_driver_that_is_in_doubt_as_long_as_for_one_that_opens) {
+  for (const bool recovers : {true, false}) {
+    Cell cell("bigrobotarm", "wait 1s\njoint J2=30deg\n");
+    cell.go(500ms);
+    cell.driver.in_doubt_ = true;
+    const Error silent{ErrorCode::kDeviceSilent, -1, 0.45, 0.45};
+    cell.driver.tell(Kind::kNotice, silent);
+    const auto run_to = [&](Duration end) {
+      for (; cell.now < Instant{} + end && !cell.run.finished(); cell.now += 1ms) {
+        cell.driver.poll(cell.now);
+        cell.run.poll(cell.now);
+      }
+    };
+    run_to(1s + Run::kOpeningLimit - 10ms);
+    ASSERT_EQ(cell.run.phase(), Phase::kRunning);
+    EXPECT_TRUE(cell.driver.taken_.empty());
+    cell.driver.in_doubt_ = !recovers;
+    run_to(1h);
+    ASSERT_EQ(cell.run.phase(), recovers ? Phase::kDone : Phase::kFailed);
+    if (recovers) continue;
+    EXPECT_EQ(cell.run.failure()->line, 2);
+    EXPECT_EQ(cell.run.failure()->error, silent);
+  }
 }
 
 TEST(ProgramRun, homing_is_in_the_plan_and_in_the_progress_with_its_bound) {

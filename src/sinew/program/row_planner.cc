@@ -90,7 +90,10 @@ double time_at(const planning::TimeLaw& law, double s) {
 }  // namespace
 
 RowPlanner::RowPlanner(const RobotModel& robot)
-    : robot_(robot), planner_(robot), motion_(planner_.make_motion()) {}
+    : robot_(robot),
+      delay_(motion_delay(robot.device)),
+      planner_(robot),
+      motion_(planner_.make_motion()) {}
 
 std::expected<RowMotion, Refusal> RowPlanner::plan(const JointVector& q_start,
                                                    std::span<const Step> rows) {
@@ -161,7 +164,9 @@ void RowPlanner::cut_into_segments(RowMotion& out) const {
     }
     out.pieces.push_back(piece);
   }
-  out.duration = segment * static_cast<double>(count);
+  const double whole = segment * static_cast<double>(count);
+  out.arrival = whole + to_seconds(delay_.arrival);
+  out.duration = whole + to_seconds(delay_.report);
 }
 
 void RowPlanner::cut_into_chords(const RobotPlace& start, RowMotion& out) const {
@@ -182,14 +187,15 @@ void RowPlanner::cut_into_chords(const RobotPlace& start, RowMotion& out) const 
     const JointVector to = last ? out.q_end : vector_of(at.q, robot_.joints.size());
     const double t = time_at(motion_.law, s);
     const std::size_t move = planning::Trajectory::progress_at(path, s).move;
-    const double own = profile_between(from, to, robot_, moves_[move].joint_share).duration();
+    const double own = whole_move_duration(from, to, robot_, moves_[move].joint_share);
     // From rest to rest, and no faster than the tool was asked to be.
     const double duration =
         std::isfinite(moves_[move].tool_speed) ? std::max(own, t - t_from) : own;
     JointMove piece{.q = to, .qd = {}, .duration = from_seconds(duration)};
     piece.qd.resize(to.size());
     out.pieces.push_back(piece);
-    out.duration += duration;
+    out.arrival = out.duration + duration + to_seconds(delay_.arrival);
+    out.duration += duration + to_seconds(delay_.report);
     from = to;
     t_from = t;
   }
@@ -201,6 +207,21 @@ JointVector resolved(const JointStep& step, const JointVector& from) {
     if ((step.given >> i & 1) != 0) q[i] = step.q[i];
   }
   return q;
+}
+
+double whole_move_duration(const JointVector& from, const JointVector& to, const RobotModel& robot,
+                           double speed) {
+  const Duration each = motion_delay(robot.device).each;
+  if (each == Duration{}) return profile_between(from, to, robot, speed).duration();
+  const auto limits = planning::motion_limits(robot);
+  double longest = 0;
+  int told = 0;
+  for (std::size_t j = 0; j < from.size(); ++j) {
+    if (to[j] == from[j]) continue;
+    const double own = motion::plan_axis(std::abs(to[j] - from[j]), limits[j]).duration();
+    longest = std::max(longest, told++ * to_seconds(each) + own);
+  }
+  return longest;
 }
 
 motion::RestToRest profile_between(const JointVector& from, const JointVector& to,

@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "sinew/driver/motion_delay.h"
 #include "sinew/planning/motion_planner.h"
 #include "sinew/program/program_file.h"
 
@@ -29,7 +30,8 @@ struct RowMotion {
   /// One after another: timed segments of a streaming device, whole moves from rest to rest of
   /// another one. Empty where the robot stands there already.
   std::vector<JointMove> pieces;
-  double duration = 0;  ///< s, of all pieces
+  double arrival = 0;   ///< s, from the first piece's order until the joints are at the end
+  double duration = 0;  ///< s, until the driver has told so
 };
 
 /// Plans the rows of a program that move the robot. Holds the planner's workspace.
@@ -61,6 +63,7 @@ class RowPlanner {
   void cut_into_chords(const planning::RobotPlace& start, RowMotion& out) const;
 
   const RobotModel& robot_;
+  MotionDelay delay_;
   planning::MotionPlanner planner_;
   planning::PlannedMotion motion_;
   std::vector<planning::Move> moves_;
@@ -68,6 +71,11 @@ class RowPlanner {
 
 /// Where a joint row goes from `from`: joints that it does not name stay.
 JointVector resolved(const JointStep& step, const JointVector& from);
+
+/// How long a device takes for one move from rest to rest between known places, s: its joints go
+/// together, or each is told by itself and then goes at its own pace.
+double whole_move_duration(const JointVector& from, const JointVector& to, const RobotModel& robot,
+                           double speed);
 
 /// The profile of one move between two known places, straight in joint space; `speed`, a share of
 /// the limits, counts where the device can be asked for it.

@@ -73,9 +73,14 @@ TEST_P(RowPlannerOf, line_ends_where_it_was_sent_and_its_pieces_lie_on_it) {
   }
   EXPECT_EQ(motion->pieces.back().q, motion->q_end);
   EXPECT_NEAR(bench.tool({motion->q_end.data(), motion->q_end.size()}).p.z, from.p.z + step, 1e-6);
-  double sum = 0;
-  for (const JointMove& piece : motion->pieces) sum += to_seconds(piece.duration);
+  const MotionDelay delay = motion_delay(bench.robot.device);
+  const bool streamed = bench.robot.device.capability.motion == MotionKind::kStream;
+  double sum = streamed ? to_seconds(delay.report) : 0;
+  for (const JointMove& piece : motion->pieces) {
+    sum += to_seconds(piece.duration) + (streamed ? 0 : to_seconds(delay.report));
+  }
   EXPECT_NEAR(sum, motion->duration, 1e-9 * static_cast<double>(motion->pieces.size()));
+  EXPECT_NEAR(motion->duration - motion->arrival, to_seconds(delay.report - delay.arrival), 1e-9);
 }
 
 TEST_P(RowPlannerOf, whoever_takes_whole_moves_is_led_along_the_way_from_stop_to_stop) {

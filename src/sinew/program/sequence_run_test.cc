@@ -194,7 +194,7 @@ TEST(SequenceRun, device_that_talks_nonsense_while_it_opens_is_told_as_that) {
   }
   ASSERT_EQ(cell.run.phase(), Phase::kFailed);
   EXPECT_EQ(cell.run.failure()->line, 0);
-  EXPECT_EQ(cell.run.failure()->error.code, ErrorCode::kUnexpectedReply);
+  EXPECT_EQ(cell.run.failure()->error.code, ErrorCode::kUnaskedReply);
 }
 
 TEST(SequenceRun, port_that_closes_while_it_opens_fails_at_once) {

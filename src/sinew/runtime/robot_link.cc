@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <vector>
 
+#include "sinew/driver/axis_link.h"
 #include "sinew/driver/axis_registers.h"
 #include "sinew/io/local_socket.h"
 #include "sinew/runtime/machine_thread.h"
@@ -132,9 +133,32 @@ std::optional<std::string> wrong_port(const RobotModel& robot, const std::string
          "/dev/ttyUSB0, or the pseudo-terminal that sinew sim " + robot.id + " shows";
 }
 
+namespace {
+
+/// The boards that are silent while others answer, for people; empty where there are none.
+template <class BoardDriver>
+std::string silent_boards(const BoardDriver& driver) {
+  std::string names;
+  std::size_t silent = 0;
+  const std::size_t joints = driver.positions().size();
+  for (std::size_t i = 0; i < joints; ++i) {
+    const auto fault = driver.axis_fault(i);
+    if (!fault || fault->code != ErrorCode::kDeviceSilent) continue;
+    names += (silent++ == 0 ? "J" : ", J") + std::to_string(i + 1);
+  }
+  if (silent == 0 || silent == joints) return {};
+  const std::string many = std::to_string(silent) + " of " + std::to_string(joints) + " boards";
+  return many + (silent == 1 ? " does" : " do") + " not answer: " + names;
+}
+
+}  // namespace
+
 std::string suspicion(const Driver& driver) {
+  if (const auto* link = dynamic_cast<const AxisLinkDriver*>(&driver)) return silent_boards(*link);
   const auto* boards = dynamic_cast<const AxisRegistersDriver*>(&driver);
-  if (boards == nullptr || !boards->statuses_are_blank()) return {};
+  if (boards == nullptr) return {};
+  if (const std::string silent = silent_boards(*boards); !silent.empty()) return silent;
+  if (!boards->statuses_are_blank()) return {};
   return "the status of every board reads zero: looks like boards with the first firmware; "
          "try --profile as-built";
 }

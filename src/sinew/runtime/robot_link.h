@@ -46,8 +46,9 @@ class RobotLink {
 /// sentence that says what this robot's port is; nothing where the name may be right.
 std::optional<std::string> wrong_port(const RobotModel& robot, const std::string& port);
 
-/// Boards that say nothing of themselves, where the robot's file promises that they do: what to
-/// try, for people. Empty where all is as it should be.
+/// Boards that are silent while others answer, or that say nothing of themselves where the robot's
+/// file promises that they do: which, and what to try, for people. Empty where all is as it should
+/// be.
 std::string suspicion(const Driver& driver);
 
 /// Whether a port's name is that of a pseudo-terminal or of simwire, whose other end may keep a

@@ -10,6 +10,25 @@ namespace {
 
 using namespace std::chrono_literals;
 
+/// Lets a host ask all of its boards.
+void opened(SpiDriver& driver, sim::SpiMachine& machine) {
+  Instant now{};
+  driver.open(now);
+  while (driver.state() == DriverState::kOpening && now < Instant{} + 10s) {
+    const auto transfer = driver.take_transfer(now);
+    if (!transfer) {
+      now += 100us;
+      machine.advance(now);
+      driver.poll(now);
+      continue;
+    }
+    const auto miso = machine.exchange(*transfer, now);
+    now += transfer->setup + spi::wire_time(*transfer);
+    driver.exchanged({miso.data(), miso.size()}, now);
+  }
+  EXPECT_EQ(driver.state(), DriverState::kReady);
+}
+
 /// What people are told of boards of one profile by a host that takes them for another, once it
 /// has asked all of them.
 std::string suspicion_of(const char* boards, const char* taken_for) {
@@ -17,20 +36,8 @@ std::string suspicion_of(const char* boards, const char* taken_for) {
   const RobotModel real = *variant_of(test::robot("robot-arm-2"), boards, std::nullopt);
   const auto machine = make_machine(real, {.profile = boards}, Instant{});
   const RobotDriver driver = make_driver(robot);
-  Instant now{};
-  driver.spi->open(now);
   EXPECT_EQ(suspicion(*driver.spi), "") << "nobody has answered yet";
-  while (driver.spi->state() == DriverState::kOpening && now < Instant{} + 10s) {
-    const auto transfer = driver.spi->take_transfer(now);
-    if (!transfer) {
-      now += 100us;
-      continue;
-    }
-    const auto miso = machine->spi->exchange(*transfer, now);
-    now += transfer->setup + spi::wire_time(*transfer);
-    driver.spi->exchanged({miso.data(), miso.size()}, now);
-  }
-  EXPECT_EQ(driver.spi->state(), DriverState::kReady);
+  opened(*driver.spi, *machine->spi);
   return suspicion(*driver.spi);
 }
 
@@ -40,6 +47,23 @@ TEST(RobotLink, boards_whose_status_says_nothing_are_suspected_to_have_the_first
             "try --profile as-built");
   EXPECT_EQ(suspicion_of("document", "document"), "");
   EXPECT_EQ(suspicion_of("as-built", "as-built"), "") << "that is what they are taken for";
+}
+
+TEST(RobotLink, boards_that_are_silent_are_named_on_both_wires) {
+  for (const std::optional<std::string>& wire :
+       {std::optional<std::string>("link"), std::optional<std::string>()}) {
+    for (const auto& [there, sentence] :
+         {std::pair(std::size_t{3}, "3 of 6 boards do not answer: J4, J5, J6"),
+          std::pair(std::size_t{5}, "1 of 6 boards does not answer: J6"),
+          std::pair(std::size_t{6}, "")}) {
+      const RobotModel robot = *variant_of(test::robot("robot-arm-2"), std::nullopt, wire);
+      const auto machine = make_machine(robot, {.profile = {}, .boards = there}, Instant{});
+      const RobotDriver driver = make_driver(robot);
+      opened(*driver.spi, *machine->spi);
+      EXPECT_EQ(suspicion(*driver.spi), sentence);
+      EXPECT_EQ(driver.spi->home(Instant{} + 20s).has_value(), there == 6);
+    }
+  }
 }
 
 TEST(RobotLink, port_of_the_wrong_kind_is_refused_with_what_would_be_right) {

@@ -220,8 +220,8 @@ Truth BigRobotArmMachine::truth() const {
     truth.joints.push_back({.q = axis.q(),
                             .qd = axis.motor.speed() * axis.joint_per_motor,
                             .believed = counted[i] / device_.joints[i].steps_per_rad,
-                            .stalled = axis.motor.slipped(),
-                            .at_end_stop = axis.contact_torque() != 0});
+                            .at_end_stop = axis.contact_torque() != 0,
+                            .lost_steps = axis.motor.slipped()});
   }
   truth.supply_volts = volts_;
   truth.moving = turning();

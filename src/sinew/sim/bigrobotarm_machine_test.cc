@@ -116,10 +116,10 @@ TEST(BigRobotArmMachine, block_makes_a_joint_slip_and_nobody_is_told) {
   bench.send(kDocumented);
   bench.run(6s);
   const Truth truth = bench.machine.truth();
-  EXPECT_TRUE(truth.joints[0].stalled);
+  EXPECT_TRUE(truth.joints[0].lost_steps);
   EXPECT_GT(std::abs(bench.apart(0, start)), 0.2);
   EXPECT_NEAR(truth.joints[0].q, -0.2, 0.1);
-  EXPECT_FALSE(truth.joints[2].stalled);
+  EXPECT_FALSE(truth.joints[2].lost_steps);
   EXPECT_EQ(bench.replies().back(), Reply{GotoDone{kDocumented.positions}});
 }
 
@@ -129,7 +129,7 @@ TEST(BigRobotArmMachine, too_much_weight_makes_the_shoulder_slip) {
   bench.machine.disturb({Disturbance::Kind::kPayload, -1, 40});
   bench.send(Goto{{0, -2400, 0, 0, 0}});
   bench.run(10s);
-  EXPECT_TRUE(bench.machine.truth().joints[1].stalled);
+  EXPECT_TRUE(bench.machine.truth().joints[1].lost_steps);
 }
 
 TEST(BigRobotArmMachine, supply_dip_resets_the_counters_wherever_the_arm_stands) {

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <string>
 
 #include "sinew/sim/link_fault.h"
@@ -33,6 +34,23 @@ std::expected<void, std::string> check_unit(const TimedDisturbance& timed, const
                          (leg ? " is a leg; " : " is a joint that turns; ") + right);
 }
 
+/// What is undone must have been done, or it says nothing.
+std::expected<void, std::string> check_undoing(const FaultPlan& plan, const TimedDisturbance& timed,
+                                               const std::string& name) {
+  const bool unblocks = timed.what.kind == Kind::kUnblock;
+  if (!unblocks && (timed.what.kind != Kind::kMagnet || timed.what.value == 0)) return {};
+  const bool done = std::ranges::any_of(plan.disturbances, [&](const TimedDisturbance& other) {
+    const bool counterpart = unblocks ? other.what.kind == Kind::kBlock
+                                      : other.what.kind == Kind::kMagnet && other.what.value == 0;
+    return counterpart && other.what.joint == timed.what.joint && other.at < timed.at;
+  });
+  if (done) return {};
+  return std::unexpected(unblocks ? "unblock=" + name + ": nothing blocks " + name +
+                                        " before; it goes with block=" + name + "@20deg@4s"
+                                  : "magnet=" + name +
+                                        ":on: it is on; it goes with magnet=" + name + ":off@4s");
+}
+
 }  // namespace
 
 std::expected<void, std::string> check_faults(const FaultPlan& plan, const RobotModel& robot) {
@@ -49,6 +67,7 @@ std::expected<void, std::string> check_faults(const FaultPlan& plan, const Robot
                              " has no magnet that could fall off: no sensor looks at its joints");
     }
     if (auto fine = check_unit(timed, robot.joints[joint], name); !fine) return fine;
+    if (auto fine = check_undoing(plan, timed, name); !fine) return fine;
   }
   return {};
 }

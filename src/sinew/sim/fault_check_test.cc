@@ -41,6 +41,22 @@ TEST(FaultCheck, joints_that_are_not_there_are_refused) {
   EXPECT_EQ(refusal("learm", "load=J6:1Nm@1s"), "the robot has no J6; its joints are J1 to J5");
 }
 
+TEST(FaultCheck, joints_are_counted_as_the_robot_has_them) {
+  const auto plan = parse_faults("block=J9@2mm@1s", 6);
+  ASSERT_FALSE(plan);
+  EXPECT_EQ(plan.error(), "fault \"block=J9@2mm@1s\": \"J9\" is no joint; they are J1 to J6");
+}
+
+TEST(FaultCheck, what_is_undone_must_have_been_done) {
+  EXPECT_EQ(refusal("learm", "unblock=J2@5s"),
+            "unblock=J2: nothing blocks J2 before; it goes with block=J2@20deg@4s");
+  EXPECT_EQ(refusal("learm", "unblock=J2@5s,block=J2@1deg@6s,block=J1@1deg@1s"),
+            "unblock=J2: nothing blocks J2 before; it goes with block=J2@20deg@4s");
+  EXPECT_EQ(refusal("maxarm", "magnet=J1:on@5s"),
+            "magnet=J1:on: it is on; it goes with magnet=J1:off@4s");
+  EXPECT_EQ(refusal("maxarm", "magnet=J1:on@5s,magnet=J1:off@4s"), "") << "in any order of items";
+}
+
 TEST(FaultCheck, what_fits_is_let_through) {
   EXPECT_EQ(refusal("robot-arm-2", "block=J2@20deg@1s,load=J1:0.5Nm@1s,supply=9V@2s"), "");
   EXPECT_EQ(refusal("hexapod", "block=J6@12mm@1s,unblock=J6@2s,load=J1:2N@1s,payload=1kg@0s"), "");

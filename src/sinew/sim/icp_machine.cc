@@ -173,7 +173,7 @@ Truth IcpMachine::truth() const {
         legs_[i].resting ? 0 : legs_[i].sense * motors_[i].speed() / legs_[i].drive.gear_ratio;
     joint.believed =
         length(i, static_cast<double>(modules_[i].field()) * 2 * kPi / kMicrostepsPerTurn);
-    joint.stalled = motors_[i].slipped();
+    joint.lost_steps = motors_[i].slipped();
     joint.at_end_stop = joint.q <= legs_[i].lower() || joint.q >= legs_[i].upper();
     truth.joints.push_back(joint);
     truth.moving = truth.moving || modules_[i].moving() || joint.qd != 0;

@@ -51,7 +51,7 @@ TEST(IcpMachine, legs_stand_at_home_and_stay_there) {
   EXPECT_FALSE(truth.moving);
   for (const JointTruth& joint : truth.joints) {
     EXPECT_NEAR(joint.q, from_mm(268), 2 * kUnit);
-    EXPECT_FALSE(joint.stalled || joint.at_end_stop);
+    EXPECT_FALSE(joint.lost_steps || joint.at_end_stop);
   }
 }
 
@@ -62,7 +62,7 @@ TEST(IcpMachine, a_turn_of_steps_is_a_lead_of_the_spindle) {
   EXPECT_NEAR(bench.units(1), 3200, 2) << "behind its field by friction and load";
   bench.steps(2, true, 1600);
   EXPECT_NEAR(bench.units(1), 1600, 2);
-  EXPECT_FALSE(bench.leg(1).stalled);
+  EXPECT_FALSE(bench.leg(1).lost_steps);
 }
 
 TEST(IcpMachine, inverted_leg_becomes_shorter_with_bit_0) {
@@ -90,7 +90,7 @@ TEST(IcpMachine, mechanical_end_holds_the_leg_and_the_motor_loses_steps) {
   // Each time it slips it springs back by an electrical turn at most.
   EXPECT_LE(leg.q, from_mm(346) + 2 * kUnit);
   EXPECT_GE(leg.q, from_mm(346) - 66 * kUnit);
-  EXPECT_TRUE(leg.stalled);
+  EXPECT_TRUE(leg.lost_steps);
   EXPECT_NEAR(leg.believed, from_mm(344.99) + 6000 * kUnit, 1e-9) << "nobody is told";
 }
 
@@ -99,7 +99,7 @@ TEST(IcpMachine, thing_in_the_way_blocks_a_leg_until_it_is_gone) {
   bench.machine.disturb({Kind::kBlock, 2, from_mm(268) + 20 * kUnit});
   bench.steps(3, false, 300);
   EXPECT_NEAR(bench.units(2), 20, 2);
-  EXPECT_TRUE(bench.leg(2).stalled);
+  EXPECT_TRUE(bench.leg(2).lost_steps);
   bench.machine.disturb({Kind::kUnblock, 2, 0});
   const double before = bench.units(2);
   bench.steps(3, false, 128);
@@ -114,7 +114,7 @@ TEST(IcpMachine, load_beyond_the_motors_torque_pulls_the_leg_down_and_a_usual_on
   Bench heavy;
   heavy.machine.disturb({Kind::kLoad, 0, -4000});
   heavy.steps(1, false, 200);
-  EXPECT_TRUE(heavy.leg(0).stalled);
+  EXPECT_TRUE(heavy.leg(0).lost_steps);
   EXPECT_LT(heavy.units(0), 0);
 }
 

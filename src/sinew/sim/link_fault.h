@@ -68,12 +68,16 @@ struct FaultPlan {
 ///     magnet=J3:off@TIME  magnet=J3:on@TIME  load=J1:0.5Nm@TIME
 ///
 /// TIME is a number with ms, s or min; a block's place has deg, rad, mm or m; a load Nm or N.
-/// An error: an item that says again, or replaces, what an earlier one says of the same moment; a
-/// number that is none, or outside the ranges of docs/faults.md; a text without an item.
+/// An error: an item that says again, or replaces, what an earlier one says of the same moment; one
+/// that says nothing (a chance of 0, a cut of 0 s, a seed without a chance); a number that is none,
+/// or outside the ranges of docs/faults.md; a text without an item.
+/// @param joints  of the machine: J1 to as many.
 /// @error  one sentence that names the item and says what would be right.
-std::expected<FaultPlan, std::string> parse_faults(std::string_view text);
+std::expected<FaultPlan, std::string> parse_faults(std::string_view text,
+                                                   std::size_t joints = kMaxJoints);
 
-/// Whether a plan's blows can befall this robot: its joints, their units, its magnets.
+/// Whether a plan's blows can befall this robot: its joints, their units, its magnets; what is
+/// undone (unblock, a magnet put back) must have been done before.
 /// @error  one sentence that names the item and says what would be right.
 std::expected<void, std::string> check_faults(const FaultPlan& plan, const RobotModel& robot);
 

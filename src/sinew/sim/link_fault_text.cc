@@ -15,7 +15,6 @@ namespace {
 using Checked = std::expected<void, std::string>;
 
 constexpr double kTimeMax = 1e6;  // s, some eleven days
-constexpr int kJointsMax = 8;
 // Far beyond these the physics has no numbers any more, and no robot here comes near them.
 constexpr double kSupplyMax = 60;    // V
 constexpr double kPayloadMax = 100;  // kg
@@ -47,8 +46,9 @@ std::string_view take_until(std::string_view& text, char separator) {
 /// One item of the plan: reads its own text and complains with it.
 class ItemReader {
  public:
-  ItemReader(std::string_view item, FaultPlan& plan, std::vector<std::string>& seen)
-      : item_(item), plan_(plan), seen_(seen) {}
+  ItemReader(std::string_view item, std::size_t joints, FaultPlan& plan,
+             std::vector<std::string>& seen)
+      : item_(item), joints_(joints), plan_(plan), seen_(seen) {}
 
   Checked read() {
     const std::size_t end = std::min(item_.find_first_of("=@"), item_.size());
@@ -108,6 +108,7 @@ class ItemReader {
     if (!whole || !(out >= 0 && out <= 1)) {
       return wrong(quoted(text) + " is no chance; it is a number 0..1 for each byte, as 0.001");
     }
+    if (out == 0) return wrong("a chance of 0 says nothing; leave it out");
     return {};
   }
 
@@ -148,6 +149,7 @@ class ItemReader {
     if (auto read = read_probability(take_until(rest_, ':'), chance); !read) return read;
     if (rest_.empty()) return wrong("needs how long, as delay=0.01:200ms");
     if (auto read = read_time(take_until(rest_, ':'), time); !read) return read;
+    if (time == Duration::zero()) return wrong("a delay of 0 s says nothing; leave it out");
     return for_directions([&](ByteFaults& faults) {
       faults.delay = chance;
       faults.delay_time = time;
@@ -164,6 +166,7 @@ class ItemReader {
     if (rest_.empty()) return {};
     Duration lasts{};
     if (auto read = read_time(trimmed(rest_), lasts); !read) return read;
+    if (lasts == Duration::zero()) return wrong("a cut of 0 s says nothing; leave it out");
     cut.lasts = lasts;
     return {};
   }
@@ -200,11 +203,11 @@ class ItemReader {
   Checked read_joint(std::string_view text, std::int8_t& joint) const {
     const bool named = text.starts_with('J') || text.starts_with('j');
     const std::string_view digits = named ? text.substr(1) : std::string_view{};
-    int number = 0;
+    std::size_t number = 0;
     const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), number);
     const bool whole = error == std::errc{} && end == digits.data() + digits.size();
-    if (!whole || number < 1 || number > kJointsMax) {
-      return wrong(quoted(text) + " is no joint; they are J1 to J" + std::to_string(kJointsMax));
+    if (!whole || number < 1 || number > joints_) {
+      return wrong(quoted(text) + " is no joint; they are J1 to J" + std::to_string(joints_));
     }
     joint = static_cast<std::int8_t>(number - 1);
     return {};
@@ -286,6 +289,7 @@ class ItemReader {
   }
 
   std::string_view item_;
+  std::size_t joints_;
   FaultPlan& plan_;
   std::vector<std::string>& seen_;
   std::string_view name_;
@@ -369,9 +373,15 @@ std::string text_of(const TimedDisturbance& timed) {
   return "load=" + joint + ":" + value + (leg ? "N" : "Nm") + at;
 }
 
+bool has_chances(const LinkFaultSpec& link) {
+  return std::ranges::any_of(link.bytes, [](const ByteFaults& faults) {
+    return faults.drop > 0 || faults.duplicate > 0 || faults.flip > 0 || faults.delay > 0;
+  });
+}
+
 }  // namespace
 
-std::expected<FaultPlan, std::string> parse_faults(std::string_view text) {
+std::expected<FaultPlan, std::string> parse_faults(std::string_view text, std::size_t joints) {
   FaultPlan plan;
   std::vector<std::string> seen;
   if (trimmed(text).empty()) {
@@ -381,11 +391,15 @@ std::expected<FaultPlan, std::string> parse_faults(std::string_view text) {
     const bool last = text.find(',') == std::string_view::npos;
     const std::string_view item = take_until(text, ',');
     if (item.empty()) return std::unexpected("an empty fault: one comma too many");
-    if (auto read = ItemReader(item, plan, seen).read(); !read) {
+    if (auto read = ItemReader(item, joints, plan, seen).read(); !read) {
       return std::unexpected(read.error());
     }
-    if (last) return plan;
+    if (last) break;
   }
+  const bool seeded = std::ranges::find(seen, "seed") != seen.end();
+  if (!seeded || has_chances(plan.link)) return plan;
+  return std::unexpected(
+      "fault \"seed\": says nothing without a chance; it goes with drop, duplicate, flip or delay");
 }
 
 std::string to_text(const FaultPlan& plan) {

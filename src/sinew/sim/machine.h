@@ -19,8 +19,9 @@ struct JointTruth {
   double q = 0;              ///< the joint itself, behind gear and backlash
   double qd = 0;             ///< per s
   double believed = 0;       ///< where the device thinks it is, in the same frame
-  bool stalled = false;      ///< its motor slipped since power-up
+  bool stalled = false;      ///< its servo pushes now and does not turn
   bool at_end_stop = false;  ///< it leans against a mechanical end
+  bool lost_steps = false;   ///< its stepper did since power-up; says nothing of now
 };
 
 /// A machine at one instant.

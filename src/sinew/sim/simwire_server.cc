@@ -185,7 +185,7 @@ Report SimwireServer::report(bool dump) const {
     if (!dump) continue;
     put(report.text, "believed_deg_", i, to_deg(truth.joints[i].believed));
     put(report.text, "qd_deg_s_", i, to_deg(truth.joints[i].qd));
-    put(report.text, truth.joints[i].stalled ? " stalled=1" : " stalled=0");
+    put(report.text, truth.joints[i].lost_steps ? " lost_steps=1" : " lost_steps=0");
   }
   put(report.text, truth.moving ? " moving=1" : " moving=0");
   return report;

@@ -46,7 +46,7 @@ std::unique_ptr<SpiFaults> faulty(Echo& boards, const char* text) {
 
 TEST(SpiFaults, without_faults_it_is_a_wire) {
   Echo boards;
-  const auto faults = faulty(boards, "seed=3");
+  const auto faults = faulty(boards, "supply=24V@1000s");
   EXPECT_EQ(through(*faults, 200, Instant{}), std::vector<std::uint8_t>(200, 0x5A));
   EXPECT_EQ(faults->flipped(), 0U);
 }

@@ -89,8 +89,10 @@ class StepperArm::Board : public SpiSlave {
     if (node_) start_node();
   }
   void start_node() {
-    node_.emplace(controller_, axis_link_node_settings(joint_limits_,
-                                                       static_cast<std::uint8_t>(joint_), boots_));
+    auto settings =
+        axis_link_node_settings(joint_limits_, static_cast<std::uint8_t>(joint_), boots_);
+    settings.uncertainty = axis_.uncertainty();
+    node_.emplace(controller_, settings);
     ++boots_;
   }
 
@@ -178,8 +180,11 @@ Truth StepperArm::truth() const {
   Truth truth;
   for (const std::unique_ptr<Board>& board : boards_) {
     const AxisPlant& plant = board->plant();
-    truth.joints.push_back(
-        {plant.q(), plant.qd(), board->status().q, plant.stalled(), plant.at_end()});
+    truth.joints.push_back({.q = plant.q(),
+                            .qd = plant.qd(),
+                            .believed = board->status().q,
+                            .at_end_stop = plant.at_end(),
+                            .lost_steps = plant.stalled()});
     truth.moving = truth.moving || std::abs(plant.qd()) > kMovingSpeed;
   }
   if (!boards_.empty()) truth.supply_volts = boards_[0]->plant().inputs().supply_volts;

@@ -180,7 +180,7 @@ TEST(StepperArm, homed_and_moved_the_truth_is_within_the_play_of_the_command) {
     for (std::size_t i = 0; i < kAxes; ++i) {
       EXPECT_NEAR(cell.truth(i).q, cell.lower(i) + from_deg(degrees), kPlay) << "joint " << i;
       EXPECT_NEAR(cell.truth(i).believed, cell.truth(i).q, kPlay) << "joint " << i;
-      EXPECT_FALSE(cell.truth(i).stalled) << "joint " << i;
+      EXPECT_FALSE(cell.truth(i).lost_steps) << "joint " << i;
     }
   }
 }

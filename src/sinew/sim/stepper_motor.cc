@@ -37,6 +37,7 @@ void StepperMotor::set_power(bool on) {
   if (on && !powered_) {
     const double turn = 2 * kPi / pole_pairs_;
     field_ = std::round(angle_ / turn) * turn;
+    in_step_ = false;
   }
   powered_ = on;
 }
@@ -86,9 +87,10 @@ void StepperMotor::advance(double turn, double load, double coulomb, double visc
   }
   // More than half an electrical turn behind: it hangs on to another pole, the steps are lost.
   const double electrical = 2 * kPi / pole_pairs_;
+  in_step_ = in_step_ || std::abs(field_ - angle_) < electrical / 4;
   if (powered_ && std::abs(field_ - angle_) > electrical / 2) {
     field_ -= std::round((field_ - angle_) / electrical) * electrical;
-    slipped_ = true;
+    slipped_ = slipped_ || in_step_;
   }
 }
 

@@ -33,6 +33,8 @@ class StepperMotor {
   double speed() const { return speed_; }  ///< rad/s
   /// Where the rotor would stand without load, had it never slipped.
   double field() const { return field_; }
+  /// It lost steps since it was switched on first. Where current comes on, the rotor goes to the
+  /// one pole or the other; that is no loss, for until then it held none.
   bool slipped() const { return slipped_; }
   /// It stands, the field stands, and nothing would change that.
   bool settled(double load, double coulomb) const;
@@ -47,6 +49,7 @@ class StepperMotor {
   double inertia_;
   bool powered_ = true;
   bool slipped_ = false;
+  bool in_step_ = true;  ///< it has reached its field since the current came on
   double supply_ratio_ = 1;
   double angle_;
   double speed_ = 0;

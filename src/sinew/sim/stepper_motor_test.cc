@@ -85,6 +85,20 @@ TEST(StepperMotor, power_up_snaps_to_the_next_home_phase_within_two_full_steps) 
   });
 }
 
+TEST(StepperMotor, going_to_the_other_pole_at_power_up_is_no_lost_step) {
+  // All but half way between two poles, where a load decides.
+  const double electrical = 2 * kPi / 50;
+  StepperMotor motor(drive(), 6e-5, 0.499 * electrical);
+  motor.set_power(false);
+  motor.set_power(true);
+  turn_at(motor, 0, 0.5, 0.03);
+  EXPECT_NEAR(motor.angle(), electrical, 0.1 * electrical);
+  EXPECT_FALSE(motor.slipped());
+  // From then on a lost step is one.
+  turn_at(motor, 0, 0.5, 3);
+  EXPECT_TRUE(motor.slipped());
+}
+
 TEST(StepperMotor, without_current_a_load_turns_it_and_its_steps_do_nothing) {
   StepperMotor motor(drive(), 6e-5);
   motor.set_power(false);

@@ -105,7 +105,7 @@ Kind put_body(Frame& frame, const State& state) {
 Kind put_body(Frame& frame, const Identity& identity) {
   put<4>(frame, 4, identity.model_hash);
   put<2>(frame, 8, identity.boot);
-  put<2>(frame, 10, identity.resolution);
+  put<2>(frame, 10, identity.uncertainty);
   return Kind::kIdentity;
 }
 

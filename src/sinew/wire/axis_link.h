@@ -89,8 +89,8 @@ struct State {
 /// Answer to a hello.
 struct Identity {
   std::uint32_t model_hash = 0;
-  std::uint16_t boot = 0;        ///< counts the axis's starts
-  std::uint16_t resolution = 0;  ///< of its position: 2^-20 rad
+  std::uint16_t boot = 0;         ///< counts the axis's starts
+  std::uint16_t uncertainty = 0;  ///< of its position: 2^-20 rad
   friend bool operator==(const Identity&, const Identity&) = default;
 };
 
@@ -137,7 +137,7 @@ constexpr bool is_newer(std::uint16_t sequence, std::uint16_t last) {
 inline constexpr double kUnitsPerRad = 1 << 26;
 inline constexpr double kVelocityUnits = 1 << 18;         ///< per rad/s: 2^-18 rad/s, +-32 rad/s
 inline constexpr double kStateVelocityUnits = 1 << 10;    ///< per rad/s
-inline constexpr double kResolutionUnits = 1 << 20;       ///< per rad
+inline constexpr double kUncertaintyUnits = 1 << 20;      ///< per rad
 inline constexpr std::int32_t kVelocityMax = 0x7F'FFFF;   ///< 24 bits
 inline constexpr std::int32_t kVelocityMin = -0x80'0000;  ///< 24 bits
 
