@@ -71,9 +71,10 @@ TEST(PlanVerb, program_is_planned_row_by_row_and_nothing_moves) {
   EXPECT_NEAR(last["tool_mm"][1], -40, 1e-3);
   EXPECT_NEAR(last["tool_mm"][2], 620, 1e-3);
   EXPECT_NEAR(last["t_s"], plan["duration_s"], 1e-9);
-  EXPECT_EQ(plan["heaviest_load"]["joint"], "shoulder");
-  EXPECT_GT(plan["heaviest_load"]["share_of_available"], 0.2);
-  EXPECT_LT(plan["heaviest_load"]["share_of_available"], 1);
+  // The elbow alone moves far here; sinew torque --program tells the same.
+  EXPECT_EQ(plan["heaviest_load"]["joint"], "elbow");
+  EXPECT_GT(plan["heaviest_load"]["share_of_available"], 0.1);
+  EXPECT_LT(plan["heaviest_load"]["share_of_available"], 0.5);
   // Register boards take whole moves, so a way takes them longer.
   EXPECT_GT(plan["stretches"][1]["on_wire_s"], plan["stretches"][1]["duration_s"]);
 }

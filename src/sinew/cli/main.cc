@@ -188,8 +188,7 @@ void add_jog(CLI::App& app, Call& call) {
                             "--velocity=-50mm/s,-50mm/s,0 --time 10s --plot jog.svg");
   JogRequest& request = call.jog;
   verb->add_option("ROBOT", request.robot, "id or .toml file")->required();
-  verb->add_option("--frame", request.frame,
-                   "joint, base, tool or platform; base where left out");
+  verb->add_option("--frame", request.frame, "joint, base, tool or platform; base where left out");
   verb->add_option("--velocity", request.velocity,
                    "of the tool x,y,z and turns about them, as in 20mm/s,0,0 or "
                    "20mm/s,0,0,0,0,5deg/s; of joints one a joint")
