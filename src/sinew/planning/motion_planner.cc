@@ -6,7 +6,8 @@ namespace sinew::planning {
 namespace {
 
 /// The error that two shapes make which are named by their places in the model.
-Error contact_error(const RobotModel& model, const Clearance& nearest, double margin) {
+Error contact_error(const RobotModel& model, const Clearance& nearest) {
+  const double margin = model.collision.margin;
   const auto& shapes = model.collision.shapes;
   const auto link = [&](std::uint8_t shape) {
     return shape == kTableShape ? kTableLink : shapes[shape].link;
@@ -77,7 +78,7 @@ std::optional<PathRefusal> MotionPlanner::check_contacts(const RobotPlace& start
   if (!contact) return std::nullopt;
   const PathProgress at = Trajectory::progress_at(motion.path, contact->s);
   const double begin = motion.path.sections[at.move - first].begin;
-  return PathRefusal{contact_error(model_, contact->nearest, motion.clearance_min),
+  return PathRefusal{contact_error(model_, contact->nearest),
                      {at.move, contact->s - begin, at.move_share},
                      std::nullopt,
                      start};

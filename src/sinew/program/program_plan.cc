@@ -143,7 +143,11 @@ class Planner {
 
   std::expected<Planned, Refusal> plan_motion(std::span<const Step> rows,
                                               std::span<const std::size_t> places) {
-    if (!plannable(q_, robot_)) return first_move(rows[0]);
+    if (!plannable(q_, robot_)) {
+      const auto q = first_target(rows[0], q_, robot_);
+      if (!q) return std::unexpected(q.error());
+      return Planned{1, *q, first_move_duration(robot_)};
+    }
     Key key{{places.begin(), places.end()}, {q_->begin(), q_->end()}};
     if (const auto known = known_.find(key); known != known_.end()) return known->second;
     if (known_.size() == kMotionsMax) {
@@ -157,26 +161,6 @@ class Planner {
     const Planned planned{motion->rows, motion->q_end, motion->duration};
     known_.emplace(std::move(key), planned);
     return planned;
-  }
-
-  std::expected<Planned, Refusal> first_move(const Step& row) const {
-    const auto refused = [&](const Error& error) {
-      return std::unexpected(Refusal{row.line, error, std::nullopt});
-    };
-    const auto* joint = std::get_if<JointStep>(&row.what);
-    for (std::size_t i = 0; i < robot_.joints.size(); ++i) {
-      const auto index = static_cast<std::int8_t>(i);
-      const bool given = joint != nullptr && (joint->given >> i & 1) != 0;
-      if (!given && !q_) return refused(Error{ErrorCode::kPositionUnknown, index});
-      const double q = given ? joint->q[i] : (*q_)[i];
-      const Joint& limits = robot_.joints[i];
-      if (within_limits(limits, q)) continue;
-      const bool leg = limits.kind == JointKind::kPrismatic;
-      return refused(Error{leg ? ErrorCode::kLegLength : ErrorCode::kJointLimit, index, q,
-                           q < limits.lower ? limits.lower : limits.upper});
-    }
-    if (joint == nullptr) return refused(Error{ErrorCode::kPositionUnknown, 0});
-    return Planned{1, q_ ? resolved(*joint, *q_) : joint->q, first_move_duration(robot_)};
   }
 
   const RobotModel& robot_;
@@ -213,6 +197,28 @@ bool plannable(const Start& q, const RobotModel& robot) {
     if (!within_limits(robot.joints[i], (*q)[i])) return false;
   }
   return true;
+}
+
+std::expected<JointVector, Refusal> first_target(const Step& row, const Start& q,
+                                                 const RobotModel& robot) {
+  const auto refused = [&](const Error& error) {
+    return std::unexpected(Refusal{row.line, error, std::nullopt});
+  };
+  const auto* joint = std::get_if<JointStep>(&row.what);
+  JointVector target;
+  for (std::size_t i = 0; i < robot.joints.size(); ++i) {
+    const auto index = static_cast<std::int8_t>(i);
+    const bool given = joint != nullptr && (joint->given >> i & 1) != 0;
+    if (!given && !q) return refused(Error{ErrorCode::kPositionUnknown, index});
+    target.push_back(given ? joint->q[i] : (*q)[i]);
+    const Joint& limits = robot.joints[i];
+    if (within_limits(limits, target[i])) continue;
+    const bool leg = limits.kind == JointKind::kPrismatic;
+    return refused(Error{leg ? ErrorCode::kLegLength : ErrorCode::kJointLimit, index, target[i],
+                         target[i] < limits.lower ? limits.lower : limits.upper});
+  }
+  if (joint == nullptr) return refused(Error{ErrorCode::kPositionUnknown, 0});
+  return target;
 }
 
 std::expected<Plan, Refusal> make_plan(const Program& program, const RobotModel& robot,

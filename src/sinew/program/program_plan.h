@@ -72,5 +72,10 @@ std::expected<Plan, Refusal> make_plan(const Program& program, const RobotModel&
 /// Whether a motion's start is known and inside all limits. Elsewhere (nobody knows, or a limp arm
 /// hangs beyond a limit) only a joint row goes on, slowly and in one piece.
 bool plannable(const Start& q, const RobotModel& robot);
+/// Where that one slow piece goes.
+/// @error kPositionUnknown (a joint that the row does not name, or no joint row), kJointLimit,
+///        kLegLength
+std::expected<JointVector, Refusal> first_target(const Step& row, const Start& q,
+                                                 const RobotModel& robot);
 
 }  // namespace sinew::program

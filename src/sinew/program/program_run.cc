@@ -194,13 +194,13 @@ std::expected<void, Refusal> Run::issue_move(Instant now) {
   pieces_.clear();
   pieces_sent_ = 0;
   if (!plannable(q_, robot_)) {
-    const auto& row = std::get<JointStep>(first.what);
-    const JointVector q = q_ ? resolved(row, *q_) : row.q;
-    JointMove move{.q = q, .qd = {}, .duration = from_seconds(first_move_duration(robot_))};
-    move.qd.resize(q.size());
+    const auto q = first_target(first, q_, robot_);
+    if (!q) return std::unexpected(q.error());
+    JointMove move{.q = *q, .qd = {}, .duration = from_seconds(first_move_duration(robot_))};
+    move.qd.resize(q->size());
     pieces_.assign(1, move);
     rows_left_ = rows_left_.subspan(1);
-    current_->q = q;
+    current_->q = *q;
     current_->arrival = current_->duration + first_move_duration(robot_);
     current_->duration += first_move_duration(robot_);
   } else {

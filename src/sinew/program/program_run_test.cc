@@ -48,7 +48,7 @@ class PlainDriver : public Driver {
   }
   Expected<void> home(Instant /*now*/) override {
     for (JointPosition& position : positions_) {
-      position = {PositionQuality::kMeasured, homed_, homed_, homed_};
+      if (!homes_nowhere_) position = {PositionQuality::kMeasured, homed_, homed_, homed_};
     }
     if (homes_by_itself_) tell(Kind::kDone);
     return {};
@@ -94,6 +94,7 @@ class PlainDriver : public Driver {
   std::optional<Error> refuse_;
   double homed_ = 0;
   bool homes_by_itself_ = true;
+  bool homes_nowhere_ = false;
   bool gave_up_ = false;
   bool in_doubt_ = false;
   int tools_ = 0;
@@ -183,6 +184,19 @@ TEST(ProgramRun, joints_that_are_not_named_stay_where_homing_really_left_them) {
   ASSERT_EQ(cell.driver.taken_.size(), 1U);
   EXPECT_EQ(cell.driver.taken_[0].q[0], from_deg(10));
   EXPECT_EQ(cell.driver.taken_[0].q[1], 0.25);
+}
+
+TEST(ProgramRun, homing_that_leaves_no_position_moves_nothing_that_needs_one) {
+  for (const char* row : {"joint J1=10deg\n", "move z=600mm\n"}) {
+    Cell cell("robot-arm-2", std::string("home\n") + row);
+    cell.driver.lose();
+    cell.driver.homes_nowhere_ = true;
+    cell.go();
+    ASSERT_EQ(cell.run.phase(), Phase::kFailed) << row;
+    EXPECT_EQ(cell.run.failure()->error.code, ErrorCode::kPositionUnknown);
+    EXPECT_EQ(cell.run.failure()->line, 2);
+    EXPECT_TRUE(cell.driver.taken_.empty());
+  }
 }
 
 TEST(ProgramRun, from_nowhere_all_joints_must_be_named_and_move_slowly_in_one_piece) {
