@@ -157,10 +157,10 @@ void add_device(CLI::App& app, Call& call) {
 }
 
 void add_plan(CLI::App& app, Call& call) {
-  CLI::App* verb =
-      add_verb(app, call, "plan", "a motion along a way, checked and timed; nothing moves",
-               "sinew plan robot-arm-2 --to 300,-150,300 --to 300,150,300 "
-               "--speed 80mm/s --plot plan.svg");
+  CLI::App* verb = add_verb(
+      app, call, "plan", "a motion along a way, checked and timed; nothing moves",
+      "sinew plan robot-arm-2 --from-joints 0,-30,-30,0,30,0 --to 400,150,300 --to 400,-150,300 "
+      "--speed 80mm/s --plot plan.svg");
   PlanRequest& request = call.plan;
   verb->add_option("ROBOT", request.subject, "id or .toml file; or a program NAME.sinew")
       ->required();

@@ -192,8 +192,9 @@ constexpr std::array kTable = std::to_array<ErrorInfo>({
 std::string format_value(double value, Quantity quantity) {
   char text[64];
   const auto print = [&](const char* format, double v) {
-    // A tiny negative value must not print as "-0".
-    std::snprintf(text, sizeof text, format, v == 0 ? 0.0 : v);
+    // Rounding is nothing, and must not print as "3.1e-14" or "-0".
+    constexpr double kNothing = 1e-9;
+    std::snprintf(text, sizeof text, format, std::abs(v) < kNothing ? 0.0 : v);
     return std::string(text);
   };
   switch (quantity) {
