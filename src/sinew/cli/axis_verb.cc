@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <numeric>
 #include <vector>
 
 #include "sinew/cli/axis_plot.h"
@@ -15,6 +16,7 @@
 #include "sinew/core/units.h"
 #include "sinew/device/axis_settings.h"
 #include "sinew/io/file.h"
+#include "sinew/model/joint_lookup.h"
 
 namespace sinew::cli {
 namespace {
@@ -37,19 +39,14 @@ struct Trials {
 
 Parsed<std::vector<std::size_t>> parse_axes(const std::optional<std::string>& text,
                                             const RobotModel& model) {
-  std::vector<std::size_t> axes;
-  std::vector<std::string> names;
-  for (std::size_t i = 0; i < model.joints.size(); ++i) {
-    const std::string number = fmt::format("J{}", i + 1);
-    if (!text || *text == number || *text == model.joints[i].name) axes.push_back(i);
-    names.push_back(number);
-    names.push_back(model.joints[i].name);
+  if (!text) {
+    std::vector<std::size_t> axes(model.joints.size());
+    std::iota(axes.begin(), axes.end(), 0U);
+    return axes;
   }
-  if (axes.empty()) {
-    return std::unexpected(fmt::format("--axis: {} has no axis '{}'; its axes are {}", model.id,
-                                       printable(*text), joined(joint_names(model), ", ")));
-  }
-  return axes;
+  if (const auto joint = joint_named(model, *text)) return std::vector{*joint};
+  return std::unexpected(fmt::format("--axis: {} has no axis '{}'; its axes are {}", model.id,
+                                     printable(*text), joined(joint_names(model), ", ")));
 }
 
 Parsed<double> parse_size(const std::string& option, const std::optional<std::string>& text,
@@ -97,7 +94,7 @@ Parsed<Trials> parse(const AxisRequest& request, const RobotModel& model) {
     if (!pose) return std::unexpected(pose.error());
     trials.pose = *pose;
   } else {
-    for (const Joint& joint : model.joints) trials.pose.push_back(joint.home);
+    trials.pose = home_joints(model);
   }
   if (request.payload) {
     const auto payload = parse_quantity(*request.payload, Measure::kMass, UnitRule::kOptional);

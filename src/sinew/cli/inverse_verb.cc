@@ -14,6 +14,7 @@
 #include "sinew/kinematics/hexapod.h"
 #include "sinew/kinematics/palletizer.h"
 #include "sinew/kinematics/serial_arm.h"
+#include "sinew/model/joint_lookup.h"
 
 namespace sinew::cli {
 namespace {
@@ -125,8 +126,7 @@ Outcome inverse_serial(const InverseRequest& request, const RobotModel& model,
   if (!jaw_width) return bad_input(jaw_width.error());
   const kinematics::SerialArm arm(geometry, model.joints,
                                   kinematics::tool_pose(geometry, *jaw_width));
-  JointVector near;
-  for (const Joint& joint : model.joints) near.push_back(joint.home);
+  JointVector near = home_joints(model);
   if (request.near_joints_deg) {
     const auto joints = parse_joints("--near-joints-deg", *request.near_joints_deg, model);
     if (!joints) return bad_input(joints.error());

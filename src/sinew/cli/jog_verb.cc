@@ -15,6 +15,7 @@
 #include "sinew/cli/targets.h"
 #include "sinew/core/spelling.h"
 #include "sinew/io/file.h"
+#include "sinew/model/joint_lookup.h"
 #include "sinew/planning/jog.h"
 
 namespace sinew::cli {
@@ -253,14 +254,12 @@ std::string record_text(const JogRecord& record) {
 std::expected<JointVector, std::string> parse_start(const JogRequest& request, const Jog& jog,
                                                     const RobotModel& model) {
   if (request.from) return parse_joints("--from-joints", *request.from, model);
-  JointVector q;
   const planning::ToolSpace& tool = jog.space().tool();
   if (tool.hexapod() != nullptr) {
     const auto legs = tool.inverse_near(tool.point(tool.home()), {});
     if (legs) return JointVector(std::span<const double>(legs->data(), model.joints.size()));
   }
-  for (const Joint& joint : model.joints) q.push_back(joint.home);
-  return q;
+  return home_joints(model);
 }
 
 }  // namespace

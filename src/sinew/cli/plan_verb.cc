@@ -13,6 +13,7 @@
 #include "sinew/cli/targets.h"
 #include "sinew/core/quantity.h"
 #include "sinew/io/file.h"
+#include "sinew/model/joint_lookup.h"
 
 namespace sinew::cli {
 namespace {
@@ -109,7 +110,7 @@ std::expected<Wanted, Outcome> prepare(const PlanRequest& request) {
   if (!file) return std::unexpected(file.error());
   Wanted wanted{.model = file->model, .from = {}, .program = {}, .file = {}};
   const RobotModel& model = wanted.model;
-  for (const Joint& joint : model.joints) wanted.from.push_back(joint.home);
+  wanted.from = home_joints(model);
   if (request.from) {
     auto from = parse_joints("--from-joints", *request.from, model);
     if (!from) return refused(from.error());

@@ -16,6 +16,7 @@
 #include "sinew/cli/run_outputs.h"
 #include "sinew/io/file.h"
 #include "sinew/io/interrupt.h"
+#include "sinew/model/joint_lookup.h"
 #include "sinew/program/program_file.h"
 #include "sinew/runtime/homing_time.h"
 #include "sinew/runtime/robot_link.h"
@@ -33,8 +34,7 @@ struct Prepared {
 
 std::expected<std::optional<JointVector>, Outcome> standing_at(const RunRequest& request,
                                                                const RobotModel& model) {
-  JointVector q;
-  for (const Joint& joint : model.joints) q.push_back(joint.home);
+  JointVector q = home_joints(model);
   if (!request.standing_at) {
     // These two begin at their home where they are simulated; the others must find out.
     const auto& settings = model.device.settings;
@@ -93,10 +93,9 @@ std::expected<Prepared, Outcome> prepare(const RunRequest& request) {
   if (!standing) return std::unexpected(standing.error());
   prepared.standing_at = *standing;
   // Checked whole before the first byte leaves; once more when the machine has told where it is.
-  JointVector home;
-  for (const Joint& joint : model.joints) home.push_back(joint.home);
-  const auto plan = program::make_plan(prepared.program, model, prepared.standing_at.value_or(home),
-                                       runtime::homing_times(model));
+  const auto plan =
+      program::make_plan(prepared.program, model, prepared.standing_at.value_or(home_joints(model)),
+                         runtime::homing_times(model));
   if (!plan) {
     return std::unexpected(plan_refusal(model, request.file, plan.error()));
   }

@@ -15,6 +15,7 @@
 #include "sinew/core/spelling.h"
 #include "sinew/device/axis_settings.h"
 #include "sinew/io/file.h"
+#include "sinew/model/joint_lookup.h"
 #include "sinew/program/program_file.h"
 
 namespace sinew::cli {
@@ -37,10 +38,8 @@ std::expected<double, std::string> parse_payload(const std::optional<std::string
 /// The joint of that name, or of a number as in J2.
 std::expected<std::size_t, std::string> find_joint(const std::string& name,
                                                    const RobotModel& model) {
-  std::vector<std::string> names = joint_names(model);
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    if (name == names[i] || name == fmt::format("J{}", i + 1)) return i;
-  }
+  if (const auto joint = joint_named(model, name)) return *joint;
+  const std::vector<std::string> names = joint_names(model);
   const std::vector<std::string_view> known(names.begin(), names.end());
   const std::string_view meant = nearest_spelling(name, known);
   return std::unexpected(
@@ -132,9 +131,7 @@ std::optional<Outcome> load_program(const std::string& path, TorqueReport& repor
   if (!text) return bad_input("--program: " + text.error().sentence);
   const auto parsed = program::parse(*text, path, model);
   if (!parsed) return complaints_outcome(parsed.error());
-  JointVector home;
-  for (const Joint& joint : model.joints) home.push_back(joint.home);
-  const auto plan = program::make_plan(*parsed, model, home);
+  const auto plan = program::make_plan(*parsed, model, home_joints(model));
   if (!plan) return plan_refusal(model, path, plan.error());
   std::vector<planning::DriveTrain> drives;
   for (std::size_t i = 0; i < model.joints.size(); ++i) drives.push_back(report.study.drive(i));

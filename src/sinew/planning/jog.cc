@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "sinew/core/assert.h"
+#include "sinew/planning/motion_limits.h"
 
 namespace sinew::planning {
 namespace {
@@ -38,11 +39,9 @@ double along(const TaskArray& task, const TaskArray& way) {
 
 FixedVector<JogJoint, kMaxJoints> joints_of(const RobotModel& model) {
   FixedVector<JogJoint, kMaxJoints> joints;
-  const double share = model.device.capability.limits_share;
-  for (const Joint& joint : model.joints) {
-    const motion::AxisLimits limits{share * joint.velocity_max, share * joint.acceleration_max,
-                                    share * joint.jerk_max};
-    joints.push_back(JogJoint(limits, {joint.lower, joint.upper}));
+  const auto limits = motion_limits(model);
+  for (std::size_t j = 0; j < limits.size(); ++j) {
+    joints.push_back(JogJoint(limits[j], {model.joints[j].lower, model.joints[j].upper}));
   }
   return joints;
 }

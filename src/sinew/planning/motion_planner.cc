@@ -22,16 +22,6 @@ Error contact_error(const RobotModel& model, const Clearance& nearest) {
 
 }  // namespace
 
-std::vector<motion::AxisLimits> motion_limits(const RobotModel& model) {
-  std::vector<motion::AxisLimits> limits;
-  const double share = model.device.capability.limits_share;
-  for (const Joint& joint : model.joints) {
-    limits.push_back(
-        {share * joint.velocity_max, share * joint.acceleration_max, share * joint.jerk_max});
-  }
-  return limits;
-}
-
 MotionPlanner::MotionPlanner(const RobotModel& model)
     : model_(model),
       space_(model),

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "sinew/planning/collision.h"
+#include "sinew/planning/motion_limits.h"
 #include "sinew/planning/move_path.h"
 #include "sinew/planning/move_proposal.h"
 #include "sinew/planning/path_timing.h"
@@ -27,10 +28,6 @@ struct PlannedMotion {
   bool empty() const { return path.joints.empty(); }
   Trajectory trajectory() const { return {path, law}; }
 };
-
-/// What the joints may do on a robot's device: the model's limits, and what its device leaves of
-/// them.
-std::vector<motion::AxisLimits> motion_limits(const RobotModel& model);
 
 /// From moves to motions: the way with all its checks (MovePathBuilder), nothing hit on it
 /// (CollisionModel), and the time along it (PathTiming). Holds its workspace; one planner serves

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "sinew/core/spelling.h"
+#include "sinew/model/joint_lookup.h"
 #include "sinew/planning/moves.h"
 
 namespace sinew::program {
@@ -32,10 +33,7 @@ std::string listed(const std::vector<std::string>& names) {
 
 MotionRows::MotionRows(const RobotModel& robot, RowReader& row)
     : robot_(robot), row_(row), task_(planning::ToolSpace(robot).task()) {
-  for (std::size_t i = 0; i < robot.joints.size(); ++i) {
-    names_.push_back(robot.joints[i].name);
-    aliases_.push_back("J" + std::to_string(i + 1));
-  }
+  for (const Joint& joint : robot.joints) names_.push_back(joint.name);
 }
 
 bool MotionRows::known(std::string_view name) {
@@ -124,14 +122,6 @@ bool MotionRows::take_blend(const Argument& argument, MotionOptions& how) {
   return true;
 }
 
-std::optional<std::size_t> MotionRows::joint_called(std::string_view name) const {
-  for (const auto* names : {&names_, &aliases_}) {
-    const auto found = std::ranges::find(*names, name);
-    if (found != names->end()) return static_cast<std::size_t>(found - names->begin());
-  }
-  return std::nullopt;
-}
-
 std::optional<Step> MotionRows::joint_row() {
   const auto& words = row_.words();
   JointStep step;
@@ -159,7 +149,7 @@ std::optional<Step> MotionRows::joint_row() {
 }
 
 bool MotionRows::take_joint(const Argument& argument, JointStep& step) {
-  const auto joint = joint_called(argument.name);
+  const auto joint = joint_named(robot_, argument.name);
   if (!joint) {
     std::vector<std::string> known = names_;
     known.insert(known.end(), kOptions.begin(), kOptions.end());

@@ -52,14 +52,12 @@ class MotionRows {
   bool take_angle(const Argument& argument, std::optional<double>& angle);
   void unknown(const Argument& argument, const std::vector<std::string>& names,
                std::string_view what);
-  std::optional<std::size_t> joint_called(std::string_view name) const;
   std::vector<std::string> goal_names(bool arc) const;
 
   const RobotModel& robot_;
   RowReader& row_;
   planning::TaskSpace task_;
   std::vector<std::string> names_;
-  std::vector<std::string> aliases_;
 };
 
 }  // namespace sinew::program

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "sinew/core/assert.h"
+#include "sinew/model/joint_lookup.h"
 
 namespace sinew::program {
 namespace {
@@ -85,9 +86,8 @@ std::expected<std::vector<JointLoad>, Refusal> load_of(
   const double period = std::max(kPeriod, plan.duration / kLooksMax);
   Meter meter(dynamics, drives);
   RowPlanner planner(robot);
-  JointVector q, still;
+  JointVector q = home_joints(robot), still;
   still.resize(n);
-  for (const Joint& joint : robot.joints) q.push_back(joint.home);
   double start = 0;
   for (const Order& order : plan.orders) {
     std::optional<Error> error;
@@ -108,7 +108,7 @@ std::expected<std::vector<JointLoad>, Refusal> load_of(
       error = meter.look(q, {still, still}, order.line, start, seconds);
       start += seconds;
     } else if (std::holds_alternative<HomeOrder>(order.what)) {
-      for (std::size_t i = 0; i < n; ++i) q[i] = robot.joints[i].home;
+      q = home_joints(robot);
     }
     if (error) return std::unexpected(Refusal{order.line, *error, std::nullopt});
   }

@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "sinew/core/units.h"
+#include "sinew/model/joint_lookup.h"
 
 namespace sinew::program {
 namespace {
@@ -89,8 +90,7 @@ class Planner {
         return Refusal{step.line, Error{ErrorCode::kNoEndStops}, std::nullopt};
       }
       plan_.homing_max += homing_;
-      q_.emplace();
-      for (const Joint& homed : robot_.joints) q_->push_back(homed.home);
+      q_ = home_joints(robot_);
     }
     return add(std::move(order));
   }

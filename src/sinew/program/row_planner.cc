@@ -1,7 +1,6 @@
 #include "sinew/program/row_planner.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "sinew/core/assert.h"
@@ -15,7 +14,6 @@ using planning::JointArray;
 using planning::Move;
 using planning::RobotPlace;
 using planning::TaskPoint;
-using planning::TaskSpace;
 using planning::ToolSpace;
 using planning::ToolTarget;
 

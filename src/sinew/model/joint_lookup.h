@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "sinew/model/robot_model.h"
+
+namespace sinew {
+
+/// All joints where the robot's file calls them home.
+inline JointVector home_joints(const RobotModel& model) {
+  JointVector q;
+  for (const Joint& joint : model.joints) q.push_back(joint.home);
+  return q;
+}
+
+/// The joint of that name, or of a number as in J2; nothing where there is none.
+inline std::optional<std::size_t> joint_named(const RobotModel& model, std::string_view name) {
+  for (std::size_t i = 0; i < model.joints.size(); ++i) {
+    if (model.joints[i].name == name) return i;
+  }
+  for (std::size_t i = 0; i < model.joints.size(); ++i) {
+    if ("J" + std::to_string(i + 1) == name) return i;
+  }
+  return std::nullopt;
+}
+
+}  // namespace sinew
