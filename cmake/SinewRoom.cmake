@@ -20,14 +20,20 @@ if(SINEW_TESTS)
   find_package(GTest REQUIRED)
 endif()
 
-# sinew_test(<name> SOURCES ... LIBRARIES ...): one GoogleTest program, registered with ctest.
+# sinew_test(<name> SOURCES ... LIBRARIES ... [SHARDS n]): one GoogleTest program, registered with
+# ctest; with SHARDS as n processes side by side.
 function(sinew_test name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;LIBRARIES" ${ARGN})
+  cmake_parse_arguments(ARG "" "SHARDS" "SOURCES;LIBRARIES" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE sinew_options ${ARG_LIBRARIES} GTest::gtest_main)
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}/tests")
-  add_test(NAME ${name}
-    COMMAND ${name} --gtest_output=json:${CMAKE_BINARY_DIR}/test_results/${name}.json)
+  set(results "${CMAKE_BINARY_DIR}/test_results/${name}")
+  if(ARG_SHARDS)
+    add_test(NAME ${name} COMMAND "${CMAKE_SOURCE_DIR}/tests/support/side_by_side.sh"
+      $<TARGET_FILE:${name}> ${ARG_SHARDS} "${results}")
+  else()
+    add_test(NAME ${name} COMMAND ${name} "--gtest_output=json:${results}.json")
+  endif()
 endfunction()
 
 # sinew_room(<name> LIBRARIES ...): the library of the folder that calls it.

@@ -36,6 +36,18 @@ std::string fewer(const std::string& who, std::uint64_t ran, std::uint64_t minim
   return who + " ran " + std::to_string(ran) + " " + what + ", minimum " + std::to_string(minimum);
 }
 
+/// To what another shard of the same program has left.
+void add_result(ProgramResult&& result, std::vector<ProgramResult>& results) {
+  const auto found = std::ranges::find(results, result.program, &ProgramResult::program);
+  if (found == results.end()) {
+    results.push_back(std::move(result));
+    return;
+  }
+  found->tests += result.tests;
+  found->skipped += result.skipped;
+  found->cases.merge(result.cases);
+}
+
 void complain_of_missing_rows(const ProgramResult& result,
                               std::span<const MinimumTests> minimum_tests,
                               std::span<const MinimumCases> minimum_cases,
@@ -124,14 +136,17 @@ std::vector<ProgramResult> read_results(const std::filesystem::path& folder,
   if (!fs::exists(folder)) return results;
   for (const auto& entry : fs::directory_iterator(folder)) {
     if (entry.path().extension() != ".json") continue;
-    const fs::path program = programs_folder / entry.path().stem();
+    // Shards of one program are NAME.1.json, NAME.2.json, ...
+    const std::string stem = entry.path().stem().string();
+    const std::string name = stem.substr(0, stem.find('.'));
+    const fs::path program = programs_folder / name;
     if (!fs::exists(program)) continue;
     if (fs::last_write_time(program) > entry.last_write_time()) continue;
     std::ifstream file(entry.path(), std::ios::binary);
     const std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-    auto result = parse_result(entry.path().stem().string(), text);
+    auto result = parse_result(name, text);
     if (result.has_value()) {
-      results.push_back(std::move(*result));
+      add_result(std::move(*result), results);
     } else {
       complaints.push_back(result.error());
     }

@@ -40,8 +40,9 @@ std::vector<std::string> hold_against(std::span<const ProgramResult> results,
 /// The rows of minimum_cases.h that these results would just meet.
 std::string as_table(std::span<const ProgramResult> results);
 
-/// The results below `folder`, sorted by program. A result that is older than its program in
-/// `programs_folder` belongs to an earlier build and is left out; an unreadable one is a complaint.
+/// The results below `folder`, sorted by program; of one that ran in shards NAME.1.json,
+/// NAME.2.json and so on are added up. A result that is older than its program in `programs_folder`
+/// belongs to an earlier build and is left out; an unreadable one is a complaint.
 std::vector<ProgramResult> read_results(const std::filesystem::path& folder,
                                         const std::filesystem::path& programs_folder,
                                         std::vector<std::string>& complaints);

@@ -5,6 +5,8 @@
 #include <array>
 #include <vector>
 
+#include "sinew/io/scratch_folder_test_support.h"
+
 namespace sinew::house {
 namespace {
 
@@ -86,6 +88,27 @@ TEST(CaseCounts, an_unreadable_result_is_a_complaint) {
     EXPECT_TRUE(complaints[0].starts_with("wire_test left no readable result: ")) << complaints[0];
   }
   EXPECT_EQ(judged(report("many"), Extent::kPartial).size(), 1U);
+}
+
+TEST(CaseCounts, shards_of_one_program_are_added_up) {
+  const test::ScratchFolder folder;
+  const std::filesystem::path programs = folder.at("programs");
+  const std::filesystem::path results = folder.at("results");
+  std::filesystem::create_directories(programs);
+  std::filesystem::create_directories(results);
+  std::ofstream(programs / "wire_test") << "x";
+  std::ofstream(results / "wire_test.1.json") << report("200");
+  std::ofstream(results / "wire_test.2.json") << R"({"testsuites": [{"name": "Lsc", "testsuite": [
+        {"name": "flips", "status": "RUN", "result": "COMPLETED", "cases": "7"}]}]})";
+  Complaints complaints;
+  const auto all = read_results(results, programs, complaints);
+  EXPECT_TRUE(complaints.empty());
+  ASSERT_EQ(all.size(), 1U);
+  EXPECT_EQ(all[0].program, "wire_test");
+  EXPECT_EQ(all[0].tests, 3U);
+  EXPECT_EQ(all[0].skipped, 1U);
+  EXPECT_EQ(all[0].cases.at("Crc.finds_it"), 200U);
+  EXPECT_EQ(all[0].cases.at("Lsc.flips"), 7U);
 }
 
 }  // namespace

@@ -32,11 +32,9 @@ Json truth_json(const sim::Truth& truth, const RobotModel& model) {
                       {"lost_steps_since_power_up", joint.lost_steps},
                       {"at_end_stop", joint.at_end_stop}});
   }
-  return {{"joints", joints},
-          {"moving", truth.moving},
-          {"supply_v", truth.supply_volts},
-          {"suction", truth.suction},
-          {"bytes_lost", truth.bytes_lost}};
+  return {{"joints", joints},         {"moving", truth.moving},
+          {"deaf", truth.deaf},       {"supply_v", truth.supply_volts},
+          {"suction", truth.suction}, {"bytes_lost", truth.bytes_lost}};
 }
 
 std::string truth_line(const sim::Truth& truth, const RobotModel& model) {
@@ -58,6 +56,7 @@ std::string truth_line(const sim::Truth& truth, const RobotModel& model) {
   }
   line +=
       fmt::format("; supply {:.1f} V; {}", truth.supply_volts, truth.moving ? "moving" : "at rest");
+  if (truth.deaf && !truth.moving) line += ", and deaf: it waits for a motion of its own to end";
   if (truth.suction) line += "; suction on";
   if (truth.bytes_lost > 0) line += fmt::format("; {} bytes lost", truth.bytes_lost);
   return line;

@@ -218,7 +218,7 @@ void BigRobotArmDriver::receive(std::span<const std::uint8_t> bytes, Instant now
   for (const std::uint8_t byte : bytes) {
     if (state_ == State::kClosed) return;
     if (state_ == State::kQuiet) {
-      ++unexpected_;
+      take_unexpected();
       deadline_ = now + timing_.quiet;
       if (now - quiet_since_ > timing_.quiet_limit && !doubt_told_) {
         doubt({ErrorCode::kUnaskedReply, -1, 1.0 * byte}, now);
@@ -228,22 +228,27 @@ void BigRobotArmDriver::receive(std::span<const std::uint8_t> bytes, Instant now
     const auto result = decode(byte);
     if (state_ == State::kIdle || !output_.empty()) {
       // Nothing was asked, or the question has not even left.
-      ++unexpected_;
+      take_unexpected();
       doubt({ErrorCode::kUnaskedReply, -1, 1.0 * byte}, now);
     } else if (result && !*result) {
-      ++unexpected_;
+      take_unexpected();
       doubt({ErrorCode::kUnexpectedReply, -1, 1.0 * result->error().seen,
              1.0 * result->error().expected},
             now);
     } else if (result) {
       if (const auto error = check(**result)) {
-        ++unexpected_;
+        take_unexpected();
         doubt(*error, now);
       } else {
         take_reply(**result, now);
       }
     }
   }
+}
+
+void BigRobotArmDriver::take_unexpected() {
+  ++unexpected_;
+  noise_ = true;
 }
 
 std::optional<std::expected<Reply, Garbage>> BigRobotArmDriver::decode(std::uint8_t byte) {
@@ -332,7 +337,8 @@ void BigRobotArmDriver::take_status(const Status& status, Instant now) {
   state_ = State::kIdle;
   deadline_.reset();
   doubt_told_ = false;
-  tell(StatusRead{angles_of(positions_), status, after_doubt, looks_like_boot(status)});
+  tell(StatusRead{angles_of(positions_), status, after_doubt, looks_like_boot(status), deaf_});
+  noise_ = deaf_ = false;
 }
 
 bool BigRobotArmDriver::looks_like_boot(const Status& status) const {
@@ -358,7 +364,7 @@ void BigRobotArmDriver::poll(Instant now) {
     deadline_ = now + timing_.reply_timeout;
     return;
   }
-  if (state_ == State::kVerify) ++silent_asks_;
+  if (state_ == State::kVerify && ++silent_asks_ >= kDeafAsks && noise_) deaf_ = true;
   doubt({ErrorCode::kDeviceSilent, -1, to_seconds(now - asked_at_),
          to_seconds(*deadline_ - asked_at_)},
         now);

@@ -66,11 +66,16 @@ class BigRobotArmDriver {
     bool after_doubt = false;  ///< not asked for: the driver opened or recovered
     /// All values are those of power-up: the board may have been reset, and its zero moved.
     bool looks_like_boot = false;
+    /// It was silent for kDeafAsks questions and more, after bytes that nobody asked for: it may
+    /// have made a motion that noise had ordered.
+    bool was_deaf = false;
   };
   struct Failed {
     Error error;
   };
   using Event = std::variant<Started, Done, StatusRead, Failed>;
+
+  static constexpr int kDeafAsks = 3;  ///< 2.2 s with the usual timing
 
   explicit BigRobotArmDriver(const BigRobotArmDevice& device, const BigRobotArmTiming& timing = {});
 
@@ -142,6 +147,7 @@ class BigRobotArmDriver {
   Expected<void> ask(const bigrobotarm::Request& request, Instant now);
   void send(const bigrobotarm::Request& request);
   std::optional<std::expected<bigrobotarm::Reply, bigrobotarm::Garbage>> decode(std::uint8_t byte);
+  void take_unexpected();
   void take_reply(const bigrobotarm::Reply& reply, Instant now);
   void take_status(const bigrobotarm::Status& status, Instant now);
   std::optional<Error> check(const bigrobotarm::Reply& reply) const;
@@ -161,6 +167,8 @@ class BigRobotArmDriver {
   bool doubt_told_ = false;
   std::uint64_t unexpected_ = 0;
   int silent_asks_ = 0;  ///< statuses asked for in a row without an answer
+  bool noise_ = false;   ///< unasked bytes since the last good status
+  bool deaf_ = false;    ///< and then a long silence
   Words positions_{};    ///< as last reported
 
   bigrobotarm::byte::ReplyDecoder byte_decoder_;

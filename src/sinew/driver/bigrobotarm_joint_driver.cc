@@ -160,6 +160,7 @@ void BigRobotArmJointDriver::pump(Instant now) {
 }
 
 void BigRobotArmJointDriver::take(const BigRobotArmDriver::StatusRead& read, Instant now) {
+  was_deaf_ = was_deaf_ || read.was_deaf;
   if (read.after_doubt) {
     return confirm(read.status, Step::kRecover, now);
   }
@@ -205,15 +206,25 @@ bool BigRobotArmJointDriver::is_outside(const Words& steps) const {
   return false;
 }
 
+/// Longer deaf than our own motion explains: noise has ordered one, and perhaps a reset as well,
+/// so that its counters tell nothing.
+bool BigRobotArmJointDriver::may_have_wandered(Instant now) const {
+  if (!was_deaf_) return false;
+  const Duration own = from_seconds(to_seconds(expected_) * timing_.wire.move_factor);
+  return !belief_.going() || now > going_since_ + own + timing_.wire.move_margin;
+}
+
 void BigRobotArmJointDriver::settle(const Status& status, Instant now) {
   const Step answered = resume_;
   step_ = answered;
   last_read_.reset();
+  const bool wandered = may_have_wandered(now);
+  was_deaf_ = false;
   if (answered != Step::kRecover && as_expected(status)) return go_on_after(answered, now);
   const auto joint = difference(status.positions, belief_.going() ? target_ : belief_.steps(), 0);
   const bool strayed = !is_familiar(status);
   belief_.judge(status, driver_.looks_like_boot(status));
-  if (strayed && is_outside(status.positions)) belief_.lose();
+  if (wandered || (strayed && is_outside(status.positions))) belief_.lose();
   driver_.set_offset(belief_.offset());
   multipliers_ = {status.speeds, status.accelerations};
   if (command_) {

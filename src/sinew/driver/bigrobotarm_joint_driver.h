@@ -126,6 +126,7 @@ class BigRobotArmJointDriver : public ByteDriver {
   bool as_expected(const Status& status) const;
   bool is_familiar(const Status& status) const;
   bool is_outside(const Words& steps) const;
+  bool may_have_wandered(Instant now) const;
   void settle(const Status& status, Instant now);
   void doubt(const Error& error, Instant now);
   Expected<void> ask(Step step, Instant now);
@@ -159,6 +160,7 @@ class BigRobotArmJointDriver : public ByteDriver {
   Step resume_ = Step::kNone;  ///< what a confirmed status answers
   int readings_ = 0;           ///< of it so far
   int alike_ = 0;              ///< the last ones, in a row
+  bool was_deaf_ = false;      ///< before the first of them
 
   BigRobotArmMultipliers multipliers_;  ///< the device's, as far as known
   BigRobotArmMultipliers wanted_;

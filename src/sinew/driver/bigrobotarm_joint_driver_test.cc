@@ -233,6 +233,53 @@ TEST(BigRobotArmJointDriver, closed_port_fails_the_move_and_the_hull_stays_true)
   EXPECT_EQ(cell.liar(), -1);
 }
 
+TEST(BigRobotArmJointDriver, motion_and_reset_that_noise_ordered_lose_the_position) {
+  BigRobotArmCell cell;
+  cell.make_ready();
+  // Back on its zero by its own counters, and not in truth.
+  const auto order = [&](const bigrobotarm::Request& request) {
+    auto bytes = bigrobotarm::byte::encode_request(request);
+    for (const std::uint8_t byte : bytes) cell.machine.receive({&byte, 1}, cell.now);
+    const std::uint8_t end = bigrobotarm::byte::kTerminator;
+    cell.machine.receive({&end, 1}, cell.now);
+  };
+  const std::uint8_t garbage = 0xA5;
+  cell.driver.receive({&garbage, 1}, cell.now);
+  order(bigrobotarm::Goto{{3000, -2000, -2600, 800, -1000}});
+  order(bigrobotarm::Reset{});
+  cell.run_until(DriverState::kReady);
+  EXPECT_GT(distance(cell, {}), 0.5);
+  EXPECT_EQ(worst(cell), PositionQuality::kLost);
+  EXPECT_EQ(cell.driver.move(cell.move_to({}), cell.now).error().code, ErrorCode::kPositionUnknown);
+}
+
+TEST(BigRobotArmJointDriver, garbage_while_it_moves_on_our_order_leaves_the_position_known) {
+  BigRobotArmCell cell;
+  cell.make_ready();
+  ASSERT_TRUE(cell.driver.move(cell.move_to(kThere), cell.now));
+  cell.run(500ms);
+  const std::uint8_t garbage = 0xA5;
+  cell.driver.receive({&garbage, 1}, cell.now);
+  cell.run_until(DriverState::kReady);
+  EXPECT_EQ(cell.count(Kind::kFailed), 1);
+  EXPECT_EQ(worst(cell), PositionQuality::kCommanded);
+  EXPECT_LT(distance(cell, kThere), 0.06);
+}
+
+TEST(BigRobotArmJointDriver, cable_that_was_out_for_long_leaves_the_position_known) {
+  BigRobotArmCell cell;
+  cell.make_ready();
+  ASSERT_TRUE(cell.driver.move(cell.move_to(kThere), cell.now));
+  cell.run_until(DriverState::kReady);
+  cell.cut = true;
+  EXPECT_TRUE(cell.driver.move(cell.move_to({}), cell.now));
+  cell.run(20s);
+  cell.cut = false;
+  cell.run_until(DriverState::kReady);
+  EXPECT_EQ(worst(cell), PositionQuality::kCommanded);
+  EXPECT_EQ(cell.liar(), -1);
+}
+
 TEST(BigRobotArmJointDriver, silent_device_fails_to_open_and_a_stop_ends_all_the_same) {
   BigRobotArmCell cell;
   cell.cut = true;

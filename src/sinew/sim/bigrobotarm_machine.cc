@@ -225,6 +225,7 @@ Truth BigRobotArmMachine::truth() const {
   }
   truth.supply_volts = volts_;
   truth.moving = turning();
+  truth.deaf = supplied() && firmware_.moving();
   truth.tool = firmware_.gripper().position * kPi / 180;
   truth.bytes_lost = firmware_.bytes_lost();
   return truth;

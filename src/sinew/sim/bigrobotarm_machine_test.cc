@@ -69,6 +69,7 @@ TEST(BigRobotArmMachine, at_power_up_it_stands_upright_within_two_full_steps) {
       EXPECT_EQ(truth.joints[i].believed, 0);
     }
     EXPECT_FALSE(truth.moving);
+    EXPECT_FALSE(truth.deaf);
   }
   EXPECT_TRUE(moved) << "nobody places an arm to the step";
 }
@@ -105,6 +106,7 @@ TEST(BigRobotArmMachine, motion_that_never_ends_is_none_once_every_joint_stands)
     const Truth truth = bench.machine.truth();
     for (const JointTruth& joint : truth.joints) EXPECT_EQ(joint.qd, 0);
     EXPECT_FALSE(truth.moving);
+    EXPECT_TRUE(truth.deaf);
   }
 }
 

@@ -29,6 +29,7 @@ struct Truth {
   FixedVector<JointTruth, kMaxJoints> joints;
   double supply_volts = 0;
   bool moving = false;   ///< something turns, whatever the device believes
+  bool deaf = false;     ///< the device hears nothing until a motion of its own is over, if ever
   double tool = 0;       ///< jaw width in m, nozzle or gripper angle in rad; 0 without a tool
   bool suction = false;  ///< pump on
   std::uint64_t bytes_lost = 0;  ///< bytes that the device had no room for
