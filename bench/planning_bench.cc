@@ -116,6 +116,23 @@ void path_replan_100_pieces(benchmark::State& state) {
 }
 BENCHMARK(path_replan_100_pieces);
 
+/// To rest from the middle of it.
+void path_stop_100_pieces(benchmark::State& state) {
+  const Waves waves;
+  planning::PathTiming timing(4 * Waves::kPieces);
+  planning::TimeLaw law(timing.phases_max());
+  planning::TimeLaw next(timing.phases_max());
+  if (timing.prepare(waves.path, waves.limits, 2, planning::LawUse::kChangeable) ||
+      timing.plan({}, 1, law))
+    std::abort();
+  const planning::PathState start = law.sample(law.duration() / 2);
+  for (auto _ : state) {
+    if (timing.stop(start, next)) state.SkipWithError("");
+    benchmark::DoNotOptimize(next);
+  }
+}
+BENCHMARK(path_stop_100_pieces);
+
 void trajectory_sample_6_joints(benchmark::State& state) {
   const Waves waves;
   planning::PathTiming timing(4 * Waves::kPieces);

@@ -3,15 +3,17 @@
 #   FUZZ_SECONDS  for each fuzz target (60)
 #   SEEDS         runs of all tests with a fresh seed (5)
 #   SINEW_FAULTS  injected into each wire (1000000)
-#   PARTS         which of: format tidy tsan fuzz seeds faults (all)
+#   SINEW_SEQUENCES  of plan, jog, override, pause and stop, on all robots together (1000000)
+#   PARTS         which of: format tidy tsan fuzz seeds faults motion (all)
 # shellcheck source=scripts/lib.sh
 source "$(dirname "${BASH_SOURCE[0]}")/lib.sh"
 
 fuzz_seconds=${FUZZ_SECONDS:-60}
 seeds=${SEEDS:-5}
 faults=${SINEW_FAULTS:-1000000}
-parts=${PARTS:-format tidy tsan fuzz seeds faults}
-unset SINEW_FAULTS # only the part with the faults asks for so many
+sequences=${SINEW_SEQUENCES:-1000000}
+parts=${PARTS:-format tidy tsan fuzz seeds faults motion}
+unset SINEW_FAULTS SINEW_SEQUENCES # only their own parts ask for so many
 
 run_ctest() {
   local preset=$1 title=$2 log=$3
@@ -71,15 +73,16 @@ seeds_part() {
   return "$code"
 }
 
-# Every wire by itself, so that they run side by side.
-faults_part() {
+# side_by_side TITLE PROGRAM SUITE VARIABLE=NUMBER: every test of the suite by itself.
+side_by_side() {
+  local title=$1 program=build/release/tests/$2 suite=$3 many=$4
   configure release -DSINEW_TESTS=ON "$(keep_toggle release SINEW_BENCH libbenchmark-dev)" &&
     build release || return 1
   local names name code=0 running=0
-  mapfile -t names < <(build/release/tests/faults_test --gtest_list_tests --gtest_filter='Faults.*' |
+  mapfile -t names < <("$program" --gtest_list_tests "--gtest_filter=$suite.*" |
     awk '/^  / { print $1 }')
   if ((${#names[@]} == 0)); then
-    echo "  no wire has a test with faults"
+    echo "  $2 has no test called $suite.*"
     return 1
   fi
   for name in "${names[@]}"; do
@@ -87,8 +90,8 @@ faults_part() {
       wait -n || code=1
       running=$((running - 1))
     fi
-    (live=no && step "faults $name" "faults-$name" env "SINEW_FAULTS=$faults" \
-      build/release/tests/faults_test "--gtest_filter=Faults.$name") &
+    (live=no && step "$title ${name##*/}" "$title-${name//\//-}" env "$many" \
+      "$program" "--gtest_filter=$suite.$name") &
     running=$((running + 1))
   done
   while ((running > 0)); do
@@ -97,6 +100,9 @@ faults_part() {
   done
   return "$code"
 }
+
+faults_part() { side_by_side faults faults_test Faults "SINEW_FAULTS=$faults"; }
+motion_part() { side_by_side motion sequences_test '*Sequences' "SINEW_SEQUENCES=$sequences"; }
 
 echo "sinew: campaign ($parts)"
 scripts/packages.sh build test campaign

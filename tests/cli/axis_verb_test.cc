@@ -9,7 +9,7 @@
 namespace sinew::test {
 namespace {
 
-const std::vector<std::string> kArmOut{"--joints-deg", "0,-45,45,0,40,0", "--payload", "0.5kg"};
+const std::vector<std::string> kArmOut{"--joints-deg", "0,-45,45,0,40,0", "--payload-kg", "0.5"};
 
 std::vector<std::string> axis_words(const std::vector<std::string>& more) {
   std::vector<std::string> words{"axis", "robot-arm-2"};
@@ -53,18 +53,22 @@ TEST(AxisVerb, draws_what_it_tells) {
 }
 
 TEST(AxisVerb, what_cannot_be_tried_is_refused_with_the_way_out) {
-  const auto refused = [](std::vector<std::string> words, const std::string& sentence) {
+  const auto refused = [](std::vector<std::string> words, const std::string& sentence,
+                          int exit = 2) {
     words.insert(words.begin(), "axis");
     const Ended ended = sinew(words);
-    EXPECT_EQ(ended.exit, 2);
+    EXPECT_EQ(ended.exit, exit);
     EXPECT_NE(ended.err.find(sentence), std::string::npos) << ended.err;
   };
-  refused({"learm"}, "no arm with a stepper on each joint");
-  refused({"hexapod"}, "no arm with a stepper on each joint");
+  refused({"learm"}, "no arm with a stepper on each joint", 1);
+  refused({"hexapod"}, "no arm with a stepper on each joint", 1);
+  refused({"bigrobotarm"}, "its motors run open loop", 1);
   refused({"robot-arm-2", "--axis", "J7"}, "no axis 'J7'");
   refused({"robot-arm-2", "--axis", "J2", "--track", "120deg"}, "its limits are -90 and 90 deg");
   refused({"robot-arm-2", "--step", "0"}, "must be above 0");
-  refused({"robot-arm-2", "--payload", "-1kg"}, "--payload");
+  refused({"robot-arm-2", "--payload-kg", "-1kg"}, "--payload-kg");
+  refused({"robot-arm-2", "--payload-kg", "900"}, "must be 0 to 50 kg");
+  refused({"robot-arm-2", "--plot", "/nowhere/x.svg"}, "--plot: ");
 }
 
 }  // namespace

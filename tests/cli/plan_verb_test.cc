@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
 
 #include "cli/process.h"
 #include "sinew/io/scratch_folder_test_support.h"
@@ -44,8 +45,9 @@ TEST(PlanVerb, tool_goes_straight_from_point_to_point_inside_all_limits) {
 }
 
 TEST(PlanVerb, wide_blend_saves_the_stop_in_the_corner) {
-  const Ended stopped = sinew(kLine);
-  const Ended blended = sinew(with(kLine, {"--blend", "120mm"}));
+  const Arguments words{"plan", "puma560", "--json", "--to", "400,150,100", "--to", "400,-150,100"};
+  const Ended stopped = sinew(words);
+  const Ended blended = sinew(with(words, {"--blend", "60mm"}));
   ASSERT_EQ(blended.exit, 0) << blended.err;
   EXPECT_EQ(blended.json()["stretches"].size(), 1U);
   EXPECT_LT(blended.json()["duration_s"], stopped.json()["duration_s"]);
@@ -64,9 +66,11 @@ TEST(PlanVerb, program_is_planned_row_by_row_and_nothing_moves) {
   const Ended ended = sinew({"plan", file, "--robot", "robot-arm-2", "--json"});
   ASSERT_EQ(ended.exit, 0) << ended.err;
   const Json plan = ended.json();
-  ASSERT_EQ(plan["stretches"].size(), 3U);
+  // Its first line begins elsewhere in the second round; the boards stop behind each row.
+  ASSERT_EQ(plan["stretches"].size(), 5U);
   EXPECT_EQ(plan["stretches"][2]["first_line"], 5);
-  EXPECT_EQ(plan["stretches"][2]["last_line"], 6);
+  EXPECT_EQ(plan["stretches"][2]["last_line"], 5);
+  EXPECT_EQ(plan["stretches"][2]["times"], 2);
   const Json& last = plan["samples"].back();
   EXPECT_NEAR(last["tool_mm"][1], -40, 1e-3);
   EXPECT_NEAR(last["tool_mm"][2], 620, 1e-3);
@@ -135,6 +139,7 @@ TEST(PlanVerb, bad_input_is_told_in_a_sentence) {
       {{"--to", "joints=1,2"}, "--to: "},
       {{"--to", "300,0,300", "--speed", "-1mm/s"}, "--speed: "},
       {{"--to", "300,0,300", "--speed", "0"}, "--speed: "},
+      {{"--to", "300,0,300", "--speed", "80mm"}, "--speed: "},
       {{"--to", "300,0,300", "--blend", "3deg"}, "--blend: "},
       {{"--to", "300,0,300", "--from-joints", "1"}, "--from-joints: "},
       {{"--to", "300,0,300", "--plot", "/nowhere/p.svg"}, "--plot: "},
@@ -165,6 +170,134 @@ TEST(PlanVerb, program_needs_its_robot_and_no_moves_beside_it) {
     EXPECT_EQ(ended.exit, 2) << ended.out << ended.err;
     EXPECT_NE(ended.err.find(c.says), std::string::npos) << ended.err;
   }
+}
+
+TEST(PlanVerb, home_is_a_row_with_its_bound_and_the_way_home_behind_it) {
+  const Arguments words{"plan", SINEW_SOURCE_DIR "/robots/robot-arm-2/first_moves.sinew", "--robot",
+                        "robot-arm-2"};
+  const Ended text = sinew(words);
+  ASSERT_EQ(text.exit, 0) << text.err;
+  EXPECT_NE(text.out.find("2 home "), std::string::npos) << text.out;
+  EXPECT_NE(text.out.find("at most 17 min"), std::string::npos) << text.out;
+  EXPECT_NE(text.out.find("shoulder and forearm_roll overlap by"), std::string::npos) << text.out;
+  const Json plan = sinew(with(words, {"--json"})).json();
+  EXPECT_EQ(plan["stretches"][0]["what"], "home");
+  EXPECT_GT(plan["stretches"][0]["at_most_s"], 900);
+  EXPECT_EQ(plan["homing_at_most_s"], plan["stretches"][0]["at_most_s"]);
+  double sum = 0;
+  for (const Json& row : plan["stretches"]) {
+    if (row.contains("on_wire_s")) sum += row["on_wire_s"].get<double>();
+  }
+  EXPECT_NEAR(plan["on_wire_s"], sum, 1e-9) << "the main figure is what the device takes";
+  EXPECT_EQ(plan["stretches"][1]["what"], "to home");
+}
+
+TEST(PlanVerb, loops_list_a_row_once_and_count_it) {
+  const ScratchFolder folder;
+  const std::string file = folder.file("p.sinew",
+                                       "joint J1=0deg J2=20deg J3=-30deg J5=30deg\n"
+                                       "loop 500\nline y=40mm\nline y=0mm\nend\n");
+  const Ended ended = sinew({"plan", file, "--robot", "robot-arm-2"});
+  ASSERT_EQ(ended.exit, 0) << ended.err;
+  EXPECT_NE(ended.out.find("4 x 500"), std::string::npos) << ended.out;
+  EXPECT_NE(ended.out.find("  line 4: "), std::string::npos) << ended.out;
+}
+
+TEST(PlanVerb, what_the_device_is_not_told_is_noted) {
+  const ScratchFolder folder;
+  const struct {
+    const char* robot;
+    const char* rows;
+    const char* says;
+  } kCases[] = {
+      {"maxarm", "joint base=110deg blend=5deg\njoint shoulder=100deg\n", "stops at each corner"},
+      {"maxarm", "joint base=110deg accel=5mm/s2\n", "accel= is not heard"},
+      {"robot-arm-2", "joint J1=10deg speed=10%\n", "speed= is not heard"},
+  };
+  for (const auto& c : kCases) {
+    const Ended ended = sinew({"plan", folder.file("p.sinew", c.rows), "--robot", c.robot});
+    ASSERT_EQ(ended.exit, 0) << ended.err;
+    EXPECT_NE(ended.out.find(c.says), std::string::npos) << ended.out;
+  }
+}
+
+TEST(PlanVerb, arm_that_does_not_know_where_it_stands_is_counted_with_its_slow_first_move) {
+  const std::string file = SINEW_SOURCE_DIR "/robots/learm/wave.sinew";
+  const Arguments words{"plan", file, "--robot", "learm", "--json"};
+  const Json unknown = sinew(words).json();
+  ASSERT_EQ(unknown["notes"].size(), 1U);
+  EXPECT_NE(unknown["notes"][0].get<std::string>().find("line 2 takes 10 s"), std::string::npos);
+  const Json known = sinew(with(words, {"--from-joints", "0,0,0,0,0"})).json();
+  EXPECT_TRUE(known["notes"].empty());
+  EXPECT_GT(unknown["on_wire_s"].get<double>(), known["on_wire_s"].get<double>() + 9);
+}
+
+/// Each offer can be typed and works; what was just refused is none.
+TEST(PlanVerb, what_would_work_works_as_it_is_printed) {
+  const Arguments kCases[] = {
+      {"plan", "robot-arm-2", "--from-joints", "0,-30,-30,0,30,0", "--to", "700,0,300"},
+      {"plan", "bigrobotarm", "--from-joints", "0,20,60,0,40", "--to", "350,50,150,0,180,0"},
+      {"plan", "learm", "--to", "150,50,100,0,170,0"},
+      {"plan", "learm", "--to", "150,0,100,0,150,5"},
+  };
+  int tried = 0;
+  for (const Arguments& words : kCases) {
+    const Ended refused = sinew(with(words, {"--json"}));
+    ASSERT_EQ(refused.exit, 1);
+    const Json answer = refused.json();
+    for (const Json& way : answer["refusal"]["would_work"]) {
+      const std::string text = way;
+      const std::size_t at = text.find("--to ");
+      ASSERT_NE(at, std::string::npos) << text;
+      if (text.starts_with("the same way")) continue;
+      Arguments again(words.begin(), words.end() - 1);
+      again.push_back(text.substr(at + 5));
+      const Ended ended = sinew(again);
+      EXPECT_EQ(ended.exit, 0) << text << ended.err;
+      ++tried;
+    }
+  }
+  EXPECT_GE(tried, 1);
+  const Ended far = sinew(kCases[0]);
+  EXPECT_NE(far.err.find("its target: out of reach by 36."), std::string::npos) << far.err;
+  EXPECT_NE(far.err.find("mm of the line: --to "), std::string::npos) << far.err;
+}
+
+TEST(PlanVerb, robot_without_a_device_has_no_time_on_the_wire) {
+  const Ended ended = sinew({"plan", "puma560", "--to", "400,150,100"});
+  ASSERT_EQ(ended.exit, 0) << ended.err;
+  EXPECT_EQ(ended.out.find("nan"), std::string::npos) << ended.out;
+  EXPECT_EQ(ended.out.find("on the wire"), std::string::npos) << ended.out;
+}
+
+TEST(PlanVerb, file_that_is_no_program_is_told_what_it_is) {
+  const std::string robots = SINEW_SOURCE_DIR "/robots/";
+  const struct {
+    Arguments words;
+    const char* says;
+  } kCases[] = {
+      {{"plan", robots + "bigrobotarm/sequence.txt", "--robot", "bigrobotarm"}, "sinew run "},
+      {{"plan", robots + "bigrobotarm/sequence.txt"}, "sinew run "},
+      {{"plan", robots + "learm.toml", "--robot", "learm"}, "is a robot's file itself"},
+  };
+  for (const auto& c : kCases) {
+    const Ended ended = sinew(c.words);
+    EXPECT_EQ(ended.exit, 2) << ended.out;
+    EXPECT_NE(ended.err.find(c.says), std::string::npos) << ended.err;
+  }
+}
+
+TEST(PlanVerb, sample_programs_of_all_robots_can_be_made) {
+  namespace fs = std::filesystem;
+  int programs = 0;
+  for (const auto& entry : fs::recursive_directory_iterator(SINEW_SOURCE_DIR "/robots")) {
+    if (entry.path().extension() != ".sinew") continue;
+    const std::string robot = entry.path().parent_path().filename();
+    const Ended ended = sinew({"plan", entry.path(), "--robot", robot});
+    EXPECT_EQ(ended.exit, 0) << entry.path() << ended.err;
+    ++programs;
+  }
+  EXPECT_GE(programs, 10);
 }
 
 }  // namespace

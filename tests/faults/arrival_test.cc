@@ -131,7 +131,7 @@ TEST_P(Arrivals, are_as_predicted) {
   ASSERT_TRUE(program) << to_text(program.error().front());
   FaultCell cell(model, {.profile = c.profile, .seed = 7}, 1s);
   program::Run run(*program, model, cell.driver(), runtime::opening_of(model).limit);
-  run.expect_homing(runtime::homing_times(model));
+  run.expect_homing(runtime::homing_of(model));
   if (c.at_home) {
     JointVector home;
     for (const Joint& joint : model.joints) home.push_back(joint.home);
@@ -231,6 +231,14 @@ INSTANTIATE_TEST_SUITE_P(
              "joint leg1=268.40mm leg2=268.40mm\n"
              "joint leg1=268.36mm leg2=268.36mm leg3=268.40mm leg4=268.40mm leg5=268.40mm "
              "leg6=268.40mm\n",
+             true},
+        Case{"hexapod_legs_alone",
+             "hexapod",
+             {},
+             {},
+             "joint leg1=268.60mm\njoint leg2=268.50mm leg5=268.30mm\njoint leg2=268.36mm\n"
+             "joint leg1=268.36mm speed=40%\nline z=250.1mm\nline z=250.2mm blend=0.02mm\n"
+             "line x=0.1mm\n",
              true}),
     [](const auto& test) { return std::string(test.param.name); });
 

@@ -23,7 +23,7 @@ namespace {
 
 constexpr double kStep = from_deg(1.5);  // the largest following error that boards tolerate
 constexpr double kTrack = from_deg(40);  // long enough to come to the joint's speed
-constexpr double kPayloadMax = 1000;     // kg
+constexpr double kPayloadMax = 50;       // kg, more than any such arm weighs
 
 template <class T>
 using Parsed = std::expected<T, std::string>;
@@ -98,9 +98,9 @@ Parsed<Trials> parse(const AxisRequest& request, const RobotModel& model) {
   }
   if (request.payload) {
     const auto payload = parse_quantity(*request.payload, Measure::kMass, UnitRule::kOptional);
-    if (!payload) return std::unexpected("--payload: " + payload.error());
+    if (!payload) return std::unexpected("--payload-kg: " + payload.error());
     if (!(*payload >= 0 && *payload <= kPayloadMax)) {
-      return std::unexpected(fmt::format("--payload: must be 0 to {} kg", kPayloadMax));
+      return std::unexpected(fmt::format("--payload-kg: must be 0 to {} kg", kPayloadMax));
     }
     trials.payload = *payload;
   }
@@ -156,8 +156,10 @@ void add_rows(Table& table, const AxisCurves& curves) {
     const sim::StepFigures figures = sim::step_figures(record);
     table.add({up ? curves.name : "", up ? number(record.load_torque, 2) : "",
                up ? number(record.load_inertia, 4) : "", up ? "up" : "down",
-               number(figures.rise, 3), number(to_deg(figures.overshoot), 3),
-               number(figures.settling, 3), number(to_deg(figures.steady), 3),
+               record.stalled ? "-" : number(figures.rise, 3),
+               record.stalled ? "-" : number(to_deg(figures.overshoot), 3),
+               record.stalled ? "-" : number(figures.settling, 3),
+               number(to_deg(figures.steady), 3),
                up ? number(to_deg(sim::tracking_error(curves.tracking)), 3) : "",
                up ? number(to_deg(sim::tracking_error(curves.blind)), 3) : "",
                record.stalled ? "loses steps" : ""});
@@ -171,13 +173,19 @@ Outcome try_axis(const AxisRequest& request) {
   if (!file) return file.error();
   const RobotModel& model = file->model;
   if (!std::holds_alternative<SerialGeometry>(model.geometry) || model.dynamics.drives.empty()) {
-    return bad_input(model.id + " is no arm with a stepper on each joint ([drive] tables)");
+    return could_not(model.id + " is no arm with a stepper on each joint ([drive] tables)");
+  }
+  for (const StepperDrive& drive : model.dynamics.drives) {
+    if (drive.joint_encoder != JointEncoder::kNone) continue;
+    return could_not(model.id +
+                     " has no encoders on its joints: its motors run open loop, and "
+                     "there is no loop to look at");
   }
   const auto trials = parse(request, model);
   if (!trials) return bad_input(trials.error());
   if (request.plot) {
     if (const auto place = io::check_place(*request.plot); !place) {
-      return could_not("--plot: " + place.error().sentence);
+      return bad_input("--plot: " + place.error().sentence);
     }
   }
 

@@ -14,7 +14,7 @@ struct AxisRequest {
   std::optional<std::string> step;        ///< "10deg"
   std::optional<std::string> track;       ///< "40deg": length of the move
   std::optional<std::string> joints_deg;  ///< where the arm stands
-  std::optional<std::string> payload;     ///< "0.5kg"
+  std::optional<std::string> payload;     ///< "0.5", "0.5kg"
   std::optional<std::string> plot;        ///< SVG file
 };
 

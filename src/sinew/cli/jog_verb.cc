@@ -6,8 +6,8 @@
 #include <array>
 #include <cmath>
 
+#include "sinew/cli/jog_report.h"
 #include "sinew/cli/kinematics_text.h"
-#include "sinew/cli/plan_report.h"
 #include "sinew/cli/plan_svg.h"
 #include "sinew/cli/quantity.h"
 #include "sinew/cli/robot_argument.h"
@@ -24,8 +24,6 @@ namespace {
 using planning::Jog;
 using planning::JogCommand;
 using planning::JogFrame;
-using planning::JogReason;
-using planning::JogStatus;
 
 constexpr double kTime = 3;         // s
 constexpr double kTimeMax = 600;    // s
@@ -38,70 +36,6 @@ constexpr auto kFrames =
                                                           {"base", JogFrame::kBase},
                                                           {"tool", JogFrame::kTool},
                                                           {"platform", JogFrame::kPlatform}});
-
-/// A while with one reason for its speed.
-struct Stretch {
-  double begin = 0;
-  double end = 0;
-  JogReason reason = JogReason::kNone;
-  int joint = -1;
-  double least = 1;
-  double most = 0;
-};
-
-struct JogRecord {
-  MotionPlan plan;
-  std::vector<Stretch> stretches;
-};
-
-std::string_view reason_name(JogReason reason) {
-  switch (reason) {
-    case JogReason::kNone:
-      return "none";
-    case JogReason::kNoCommand:
-      return "no_command";
-    case JogReason::kStopped:
-      return "stopped";
-    case JogReason::kExpired:
-      return "expired";
-    case JogReason::kContact:
-      return "contact";
-    case JogReason::kPoseLimit:
-      return "pose_limit";
-    case JogReason::kJointLimit:
-      return "joint_limit";
-    case JogReason::kSingular:
-      return "singular";
-    case JogReason::kJointSpeed:
-      return "joint_speed";
-  }
-  return "none";
-}
-
-std::string reason_text(JogReason reason, int joint, const RobotModel& model) {
-  const std::string name =
-      joint < 0 ? "a joint" : model.joints[static_cast<std::size_t>(joint)].name;
-  switch (reason) {
-    case JogReason::kNone:
-      return "as asked";
-    case JogReason::kNoCommand:
-    case JogReason::kStopped:
-    case JogReason::kExpired:
-      return "released: comes to rest";
-    case JogReason::kContact:
-      return "would touch itself or its table";
-    case JogReason::kPoseLimit:
-      return joint < 0 ? "the end of what its geometry can do"
-                       : "a joint at the end of " + name + " is at its angle";
-    case JogReason::kJointLimit:
-      return name + " is at its limit";
-    case JogReason::kSingular:
-      return "singular: a direction is lost";
-    case JogReason::kJointSpeed:
-      return name + " can go no faster";
-  }
-  return {};
-}
 
 std::expected<JogCommand, std::string> parse_command(const JogRequest& request, const Jog& jog,
                                                      const RobotModel& model) {
@@ -136,7 +70,17 @@ std::expected<JogCommand, std::string> parse_command(const JogRequest& request, 
   }
   const auto values = parse_quantities("--velocity", text, measures, names);
   if (!values) return std::unexpected(values.error());
-  for (const double value : *values) command.velocity.push_back(value);
+  for (std::size_t k = 0; k < values->size(); ++k) {
+    const double value = (*values)[k];
+    if (!(std::abs(value) <= Jog::kSpeedMax)) {
+      const bool turns = measures[k] == Measure::kAngle;
+      return std::unexpected(fmt::format(
+          "--velocity: {} is {} {}; no jog is faster than {} {}", names[k],
+          number(turns ? to_deg(value) : value), turns ? "deg/s" : "m/s",
+          number(turns ? to_deg(Jog::kSpeedMax) : Jog::kSpeedMax), turns ? "deg/s" : "m/s"));
+    }
+    command.velocity.push_back(value);
+  }
   return command;
 }
 
@@ -148,16 +92,6 @@ std::expected<double, std::string> parse_time(const std::optional<std::string>& 
     return std::unexpected(fmt::format("--time: has to be above 0 and at most {} s", kTimeMax));
   }
   return *time;
-}
-
-void note(std::vector<Stretch>& stretches, double t, const JogStatus& status) {
-  const bool same = !stretches.empty() && stretches.back().reason == status.reason &&
-                    stretches.back().joint == status.joint;
-  if (!same) stretches.push_back({t, t, status.reason, status.joint, status.share, status.share});
-  Stretch& stretch = stretches.back();
-  stretch.end = t;
-  stretch.least = std::min(stretch.least, status.share);
-  stretch.most = std::max(stretch.most, status.share);
 }
 
 PlanSample sample(const Jog& jog, double t, double dt, const motion::AxisStates& before) {
@@ -180,6 +114,7 @@ void hold(Jog& jog, const JogCommand& command, double seconds, JogRecord& record
   const auto held = static_cast<std::size_t>(std::ceil(seconds / dt));
   const auto most = held + static_cast<std::size_t>(kComeToRest / dt);
   const std::size_t every = 1 + held / kSamplesMax;
+  record.let_go = static_cast<double>(held) * dt;
   JogCommand none = command;
   for (double& number : none.velocity) number = 0;
   Instant now{};
@@ -191,63 +126,16 @@ void hold(Jog& jog, const JogCommand& command, double seconds, JogRecord& record
     now += kCycle;
     static_cast<void>(jog.step(now));
     const double t = static_cast<double>(k) * dt;
-    note(record.stretches, t, jog.status());
+    record.note(t, dt, jog.status());
     record.plan.duration = t;
     record.plan.way += norm(jog.pose().p - p);
     p = jog.pose().p;
-    if (k % every == 0) record.plan.samples.push_back(sample(jog, t, dt, before));
-    if (k > held && jog.at_rest()) break;
+    if (k == held) record.way_before = record.plan.way;
+    const bool last = k > held && jog.at_rest();
+    if (k % every == 0 || last) record.plan.samples.push_back(sample(jog, t, dt, before));
+    if (last) break;
   }
-}
-
-Json record_json(const JogRecord& record, const JogRequest& request) {
-  const RobotModel& model = record.plan.model;
-  Json json{{"robot", model.id},
-            {"frame", request.frame},
-            {"duration_s", record.plan.duration},
-            {"tool_way_mm", to_mm(record.plan.way)},
-            {"stretches", Json::array()},
-            {"samples", Json::array()}};
-  for (const Stretch& stretch : record.stretches) {
-    Json row{{"from_s", stretch.begin},
-             {"to_s", stretch.end},
-             {"reason", reason_name(stretch.reason)},
-             {"share_min", stretch.least},
-             {"share_max", stretch.most}};
-    if (stretch.joint >= 0) {
-      row["joint"] = model.joints[static_cast<std::size_t>(stretch.joint)].name;
-    }
-    json["stretches"].push_back(row);
-  }
-  for (const PlanSample& at : record.plan.samples) {
-    const std::span q(at.joints.q.data(), model.joints.size());
-    const std::span qd(at.joints.qd.data(), model.joints.size());
-    const char* unit = is_leg(model.joints[0]) ? "velocity_mm_s" : "velocity_deg_s";
-    json["samples"].push_back(
-        {{"t_s", at.t},
-         {joints_key(model), joints_json(q, model)},
-         {unit, joints_json(qd, model)},
-         {"tool_mm", {to_mm(at.p_BT.x), to_mm(at.p_BT.y), to_mm(at.p_BT.z)}}});
-  }
-  return json;
-}
-
-/// What lasts less than this is not told to people, s.
-constexpr double kShort = 0.05;
-
-std::string record_text(const JogRecord& record) {
-  Table table({"from s", "to s", "of the speed asked for", "what holds it back"});
-  table.left(3);
-  for (const Stretch& stretch : record.stretches) {
-    if (stretch.end - stretch.begin < kShort) continue;
-    table.add(
-        {number(stretch.begin, 2), number(stretch.end, 2),
-         fmt::format("{} to {} %", number(100 * stretch.least, 0), number(100 * stretch.most, 0)),
-         reason_text(stretch.reason, stretch.joint, record.plan.model)});
-  }
-  return fmt::format("{}\n  {} mm of tool way, at rest after {} s; nothing was moved\n",
-                     table.text(), number(to_mm(record.plan.way), 3),
-                     number(record.plan.duration, 2));
+  record.join_stretches();
 }
 
 /// Joints of a pose to start from; a hexapod's legs at its home.
@@ -260,6 +148,54 @@ std::expected<JointVector, std::string> parse_start(const JogRequest& request, c
     if (legs) return JointVector(std::span<const double>(legs->data(), model.joints.size()));
   }
   return home_joints(model);
+}
+
+/// Less than this outside of a limit is where a person's hand or an arm's own weight left it.
+double slack_of(const Joint& joint) {
+  return is_leg(joint) ? 1e-3 : from_deg(1);
+}
+
+/// Joints that stand outside of their limits.
+std::vector<Error> outside(const JointVector& q, const RobotModel& model) {
+  std::vector<Error> errors;
+  for (std::size_t j = 0; j < model.joints.size(); ++j) {
+    const Joint& joint = model.joints[j];
+    if (within_limits(joint, q[j])) continue;
+    errors.push_back({is_leg(joint) ? ErrorCode::kLegLength : ErrorCode::kJointLimit,
+                      static_cast<std::int8_t>(j), q[j],
+                      q[j] > joint.upper ? joint.upper : joint.lower});
+  }
+  return errors;
+}
+
+/// As a plan refuses it, but a little; its own joints may be driven back from wherever they are.
+std::optional<Error> far_outside(const std::vector<Error>& errors, const RobotModel& model) {
+  for (const Error& error : errors) {
+    const Joint& joint = model.joints[static_cast<std::size_t>(error.index)];
+    if (std::abs(error.measured - error.limit) > slack_of(joint)) return error;
+  }
+  return std::nullopt;
+}
+
+/// What is to be known of where it starts.
+std::vector<std::string> start_notes(const std::vector<Error>& errors, const Jog& jog,
+                                     const JogCommand& command, const RobotModel& model) {
+  std::vector<std::string> notes;
+  for (const Error& error : errors) {
+    const Joint& joint = model.joints[static_cast<std::size_t>(error.index)];
+    const char* unit = is_leg(joint) ? "mm" : "deg";
+    notes.push_back(
+        fmt::format("{} starts {} {} outside of its limit ({} {}): it moves inwards only",
+                    joint.name, joint_text(std::abs(error.measured - error.limit), joint), unit,
+                    joint_text(error.limit, joint), unit));
+  }
+  if (jog.overlap() && command.frame != JogFrame::kJoint) {
+    notes.push_back(
+        fmt::format("starts nearer to itself or its table than its margin ({} mm): --frame joint "
+                    "moves its joints slowly, whichever way",
+                    number(to_mm(*jog.overlap()), 1)));
+  }
+  return notes;
 }
 
 }  // namespace
@@ -280,6 +216,11 @@ Outcome jog(const JogRequest& request) {
       return bad_input("--plot: " + fine.error().sentence);
     }
   }
+  const auto beyond = outside(*start, model);
+  if (const auto error = far_outside(beyond, model); error && command->frame != JogFrame::kJoint) {
+    return could_not("--from-joints: " + error_text(*error, model) +
+                     "; --frame joint brings it in");
+  }
   std::vector<motion::AxisState> states;
   for (const double q : *start) states.push_back({q, 0, 0});
   if (const auto error = jog.start(states, Instant{})) {
@@ -288,12 +229,15 @@ Outcome jog(const JogRequest& request) {
   if (const auto error = jog.command(*command, Instant{})) {
     return bad_input("--velocity: " + error_text(*error, model));
   }
-  JogRecord record{.plan = {.model = model, .motions = {}, .samples = {}, .heaviest = {}},
-                   .stretches = {}};
+  JogRecord record{
+      .plan = {.model = model, .motions = {}, .notes = {}, .samples = {}, .heaviest = {}},
+      .frame = request.frame,
+      .stretches = {},
+      .notes = start_notes(beyond, jog, *command, model)};
   hold(jog, *command, *time, record);
   Outcome outcome;
-  outcome.json = record_json(record, request);
-  outcome.text = record_text(record);
+  outcome.json = jog_json(record);
+  outcome.text = jog_text(record);
   if (!request.plot) return outcome;
   const std::string svg = plan_svg(
       record.plan, fmt::format("{}: jog, {} {}", model.title, request.frame, request.velocity));

@@ -211,7 +211,7 @@ void add_axis(CLI::App& app, Call& call) {
   verb->add_option("--step", request.step, "size of the jump, 1.5deg where left out");
   verb->add_option("--track", request.track, "length of the move, 40deg where left out");
   verb->add_option("--joints-deg", request.joints_deg, "where the arm stands; home where left out");
-  verb->add_option("--payload", request.payload, "mass at the tool, as in 0.5kg");
+  verb->add_option("--payload-kg", request.payload, "at the tool; none where left out");
   verb->add_option("--plot", request.plot, "SVG file: step responses and tracking errors");
   verb->callback([&call] { call.verb = [&call] { return try_axis(call.axis); }; });
 }

@@ -2,7 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "sinew/cli/kinematics_text.h"
+#include "sinew/cli/plan_offers.h"
+#include "sinew/cli/progress_line.h"
 #include "sinew/cli/table.h"
 #include "sinew/core/units.h"
 
@@ -26,16 +30,38 @@ std::string limit_text(const PathLimit& limit, const RobotModel& model) {
       return "the tool speed asked for";
     case LimitKind::kToolAcceleration:
       return "the tool acceleration asked for";
+    case LimitKind::kWire:
+      return "the wire";
     case LimitKind::kFeed:
       break;
   }
   return "the feed";
 }
 
-/// "1", or "2..4".
+/// "1", "2..4", "3 home", "2 x 500".
 std::string rows_text(const MotionSummary& motion) {
-  return motion.first == motion.last ? fmt::format("{}", motion.first)
-                                     : fmt::format("{}..{}", motion.first, motion.last);
+  std::string text = motion.first == motion.last ? fmt::format("{}", motion.first)
+                                                 : fmt::format("{}..{}", motion.first, motion.last);
+  if (!motion.what.empty()) text += " " + motion.what;
+  if (motion.times > 1) text += fmt::format(" x {}", motion.times);
+  return text;
+}
+
+/// "line 4", or "lines 4..6".
+std::string named_rows(const MotionSummary& motion, const MotionPlan& plan) {
+  const std::string word = plan.rows == "moves" ? "move" : "line";
+  return motion.first == motion.last ? fmt::format("{} {}", word, motion.first)
+                                     : fmt::format("{}s {}..{}", word, motion.first, motion.last);
+}
+
+/// mm with one decimal, or three digits that count.
+std::string way_text(double length) {
+  const double mm = to_mm(length);
+  return mm >= 100 ? number(mm, 1) : fmt::format("{:.3g}", mm);
+}
+
+bool has_device(const RobotModel& model) {
+  return !std::holds_alternative<NoDriver>(model.device.settings);
 }
 
 double share(const MotionSummary& motion) {
@@ -64,14 +90,6 @@ Json limit_json(const MotionSummary& motion, const RobotModel& model) {
   return {{"by", limit_text(limit, model)}, {"share_of_time", share(motion)}};
 }
 
-std::string joints_option(const planning::JointArray& q, const RobotModel& model) {
-  std::string text;
-  for (std::size_t j = 0; j < model.joints.size(); ++j) {
-    text += (j > 0 ? "," : "") + number(shown(q[j], model.joints[j]));
-  }
-  return text;
-}
-
 std::string load_text(const HeaviestLoad& heaviest, const MotionPlan& plan) {
   const program::JointLoad& load = heaviest.load;
   const double share = load.peak / load.available;
@@ -82,27 +100,29 @@ std::string load_text(const HeaviestLoad& heaviest, const MotionPlan& plan) {
       share > 1 ? ": they will slip there; sinew torque says what would do" : "");
 }
 
-std::vector<std::string> ways_that_work(const planning::MoveProposal& proposal,
-                                        const RobotModel& model) {
-  std::vector<std::string> ways;
-  if (proposal.move_j) {
-    ways.push_back("a joint move: joints=" + joints_option(*proposal.move_j, model));
+std::vector<std::string> cells(const MotionSummary& motion, const MotionPlan& plan) {
+  std::vector<std::string> row{rows_text(motion)};
+  if (motion.at_most > 0) {
+    row.insert(row.end(), {"", at_most_text(motion.at_most), "", "", ""});
+    return row;
   }
-  if (proposal.other_start) {
-    ways.push_back("the same way from another branch: from " +
-                   joints_option(*proposal.other_start, model));
+  row.push_back(way_text(motion.length));
+  if (has_device(plan.model)) row.push_back(number(motion.on_wire, 3));
+  row.insert(row.end(),
+             {number(motion.duration, 3), limit_text(motion.limits.largest(), plan.model),
+              fmt::format("{} %", number(share(motion) * 100, 0))});
+  return row;
+}
+
+/// "12.3 s in all as this device takes it, ..".
+std::string total_text(const MotionPlan& plan) {
+  if (!has_device(plan.model)) {
+    return fmt::format("{} s in all, from rest to rest", number(plan.duration, 3));
   }
-  if (proposal.tilted) {
-    ways.push_back(fmt::format("the same line with the tool tilted by {} deg",
-                               number(to_deg(proposal.tilted->tilt), 1)));
-  }
-  if (proposal.nearest) {
-    const Vec3 rpy = fixed_xyz(proposal.nearest->X_BT.R);
-    ways.push_back(fmt::format("the nearest orientation that it can have: {},{},{} deg",
-                               number(to_deg(rpy.x)), number(to_deg(rpy.y)),
-                               number(to_deg(rpy.z))));
-  }
-  return ways;
+  const std::string homing =
+      plan.homing_max > 0 ? ", and homing: " + at_most_text(plan.homing_max) : "";
+  return fmt::format("{} s in all as this device takes it{}; {} s if only the limits counted",
+                     number(plan.on_wire, 3), homing, number(plan.duration, 3));
 }
 
 }  // namespace
@@ -114,36 +134,77 @@ std::string slowdown_text(const planning::Slowdown& slowdown, const RobotModel& 
   return is_near(slowdown.near) ? place + "; " + error_text(slowdown.near, model) : place;
 }
 
+std::vector<std::string> unheard_notes(const program::Plan& orders, const RobotModel& model,
+                                       const char* heard) {
+  program::Unheard any;
+  for (const program::Order& order : orders.orders) {
+    const auto* move = std::get_if<program::MoveOrder>(&order.what);
+    if (move == nullptr) continue;
+    for (const program::Step& row : move->rows) {
+      const program::Unheard one = program::unheard(*program::motion_of(row), model);
+      any.speed = any.speed || one.speed;
+      any.acceleration = any.acceleration || one.acceleration;
+      any.blend = any.blend || one.blend;
+    }
+  }
+  std::vector<std::string> notes;
+  if (any.speed) {
+    notes.push_back(
+        fmt::format("these boards have one speed of their own; speed= {} not heard", heard));
+  }
+  if (any.acceleration) {
+    notes.push_back(fmt::format(
+        "this device starts and stops its moves in its own way; accel= {} not heard", heard));
+  }
+  if (any.blend) {
+    notes.push_back(
+        fmt::format("this device stops at each corner anyway; blend= {} not heard", heard));
+  }
+  return notes;
+}
+
 std::string plan_text(const MotionPlan& plan) {
-  Table table(
-      {plan.rows, "tool way mm", "time s", "on the wire s", "held back most by", "share of time"});
-  table.left(4);
+  const bool device = has_device(plan.model);
+  std::vector<std::string> head{plan.rows, "tool way mm"};
+  if (device) head.emplace_back("on the wire s");
+  head.insert(head.end(), {"by the limits s", "held back most by", "share of time"});
+  Table table(head);
+  table.left(device ? 4 : 3);
   std::string notes;
   for (const MotionSummary& motion : plan.motions) {
-    table.add({rows_text(motion), number(motion.length * 1e3, 1), number(motion.duration, 3),
-               number(motion.on_wire, 3), limit_text(motion.limits.largest(), plan.model),
-               fmt::format("{} %", number(share(motion) * 100, 0))});
+    table.add(cells(motion, plan));
     for (const std::string& note : motion.notes) {
-      notes += fmt::format("  {} {}: {}\n", plan.rows, rows_text(motion), note);
+      notes += fmt::format("  {}: {}\n", named_rows(motion, plan), note);
     }
   }
   if (plan.heaviest) notes += load_text(*plan.heaviest, plan) + "\n";
-  return fmt::format("{}\n{}  {} s in all, from rest to rest; nothing was moved\n", table.text(),
-                     notes, number(plan.duration, 3));
+  for (const std::string& note : plan.notes) notes += "  note: " + note + "\n";
+  return fmt::format("{}\n{}  {}; nothing was moved\n", table.text(), notes, total_text(plan));
 }
 
 Json plan_json(const MotionPlan& plan) {
   const RobotModel& model = plan.model;
   const char* unit = is_leg(model.joints[0]) ? "mm" : "deg";
-  Json json{{"robot", model.id},
-            {"duration_s", plan.duration},
-            {"tool_way_mm", plan.way * 1e3},
-            {"stretches", Json::array()},
-            {"samples", Json::array()}};
+  Json json{{"robot", model.id},          {"duration_s", plan.duration},
+            {"on_wire_s", plan.on_wire},  {"homing_at_most_s", plan.homing_max},
+            {"notes", plan.notes},        {"tool_way_mm", plan.way * 1e3},
+            {"stretches", Json::array()}, {"samples", Json::array()}};
   const std::string word = plan.rows == "moves" ? "move" : "line";
+  if (!has_device(model)) json.erase("on_wire_s");
   for (const MotionSummary& motion : plan.motions) {
+    if (motion.at_most > 0) {
+      json["stretches"].push_back({{"first_" + word, motion.first},
+                                   {"last_" + word, motion.last},
+                                   {"what", motion.what},
+                                   {"times", motion.times},
+                                   {"at_most_s", motion.at_most},
+                                   {"notes", motion.notes}});
+      continue;
+    }
     json["stretches"].push_back({{"first_" + word, motion.first},
                                  {"last_" + word, motion.last},
+                                 {"what", motion.what},
+                                 {"times", motion.times},
                                  {"duration_s", motion.duration},
                                  {"on_wire_s", motion.on_wire},
                                  {"pieces", motion.pieces},
@@ -176,11 +237,15 @@ Outcome plan_refusal(const RobotModel& model, const std::string& file,
   std::vector<std::string> ways;
   if (refusal.way) {
     const planning::MovePlace& place = refusal.way->refusal.place;
-    ways = ways_that_work(refusal.way->proposal, model);
+    ways = offers(*refusal.way, model, !file.empty());
     complaint +=
         fmt::format(", at {} mm ({} %)", number(place.at * 1e3, 1), number(place.share * 100, 1));
   }
-  complaint += ": " + error_text(refusal.error, model) + "; nothing was moved";
+  complaint += ": " + error_text(refusal.error, model);
+  if (refusal.way && refusal.way->proposal.at_target) {
+    complaint += "; its target: " + error_text(*refusal.way->proposal.at_target, model);
+  }
+  complaint += "; nothing was moved";
   for (const std::string& way : ways) complaint += "\n  would work: " + way;
   Outcome outcome = could_not(complaint);
   outcome.json["robot"] = model.id;
@@ -191,6 +256,9 @@ Outcome plan_refusal(const RobotModel& model, const std::string& file,
     json["at_mm"] = refusal.way->refusal.place.at * 1e3;
     json["share"] = refusal.way->refusal.place.share;
     json["would_work"] = ways;
+    if (refusal.way->proposal.at_target) {
+      json["at_target"] = error_json(*refusal.way->proposal.at_target, model);
+    }
   }
   return outcome;
 }

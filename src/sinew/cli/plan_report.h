@@ -12,16 +12,19 @@
 
 namespace sinew::cli {
 
-/// What a plan tells of one motion from rest to rest.
+/// What a plan tells of one motion from rest to rest, or of the search for the joints' zeros.
 struct MotionSummary {
   int first = 0;  ///< move from 1, or line of the program
   int last = 0;
-  double length = 0;    ///< m of the tool's way, or its like where it hardly moves
-  double duration = 0;  ///< s, as the limits allow
-  double on_wire = 0;   ///< s, as the device takes it
+  std::string what{};     ///< beside the number: "home", "to home"; mostly empty
+  std::size_t times = 1;  ///< that it is made, in loops
+  double at_most = 0;     ///< s, of a search; then nothing else is known
+  double length = 0;      ///< m of the tool's way, or its like where it hardly moves
+  double duration = 0;    ///< s, as the limits allow
+  double on_wire = 0;     ///< s, as the device takes it
   std::size_t pieces = 0;
-  planning::LimitTimes limits;
-  std::vector<std::string> notes;
+  planning::LimitTimes limits{};
+  std::vector<std::string> notes{};
 };
 
 /// All joints and the tool at one instant of a plan.
@@ -40,12 +43,20 @@ struct HeaviestLoad {
 struct MotionPlan {
   const RobotModel& model;
   std::vector<MotionSummary> motions;
-  std::string rows = "moves";  ///< what first and last count: "moves" or "lines"
-  double duration = 0;         ///< s
-  double way = 0;              ///< m that the tool moves
+  std::string rows = "moves";        ///< what first and last count: "moves" or "lines"
+  double duration = 0;               ///< s, as the limits allow
+  double on_wire = 0;                ///< s, as the device takes it, the search of homing aside
+  double homing_max = 0;             ///< s, of all homing, the way home behind it not counted
+  std::vector<std::string> notes{};  ///< of all of it
+  double way = 0;                    ///< m that the tool moves
   std::vector<PlanSample> samples;
   std::optional<HeaviestLoad> heaviest;  ///< nothing where the robot's file has no masses or drives
 };
+
+/// What its rows ask for and the device cannot be told, each in a sentence.
+/// @param heard  "is" before, "was" behind a run
+std::vector<std::string> unheard_notes(const program::Plan& orders, const RobotModel& model,
+                                       const char* heard);
 
 std::string plan_text(const MotionPlan& plan);
 /// With the trajectory at even steps.

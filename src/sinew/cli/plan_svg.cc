@@ -4,12 +4,15 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 #include <utility>
 
 #include "sinew/cli/kinematics_text.h"
 #include "sinew/cli/svg_parts.h"
 #include "sinew/cli/table.h"
+#include "sinew/model/joint_lookup.h"
+#include "sinew/planning/tool_space.h"
 
 namespace sinew::cli {
 namespace {
@@ -23,6 +26,8 @@ constexpr double kTop = 96;
 constexpr double kView = 340;
 constexpr std::size_t kRows = 4;
 constexpr const char* kShade = "#f6d5c3";
+constexpr const char* kStart = "#009e73";
+constexpr const char* kEnd = "#d55e00";
 
 struct Box {
   double x = 0;
@@ -79,7 +84,7 @@ class Drawing {
   }
 
   /// The tool's way, one axis against another at one scale for all views.
-  void view(std::size_t index, const char* name, double Vec3::* across, double Vec3::* up) {
+  void view(std::size_t index, const std::string& name, double Vec3::* across, double Vec3::* up) {
     const Box box{kMargin + static_cast<double>(index) * (kView + 60), kTop + kRows * kRow + 34,
                   kView, kView};
     const auto middle = [&](double Vec3::* axis) {
@@ -106,8 +111,10 @@ class Drawing {
         "<path d=\"{}\" fill=\"none\" stroke=\"#0072b2\" stroke-width=\"2\" "
         "stroke-linejoin=\"round\"/>\n",
         path);
-    dot(x(plan_.samples.front().p_BT), y(plan_.samples.front().p_BT), "#009e73");
-    dot(x(plan_.samples.back().p_BT), y(plan_.samples.back().p_BT), "#d55e00");
+    dot(x(plan_.samples.front().p_BT), y(plan_.samples.front().p_BT), kStart);
+    dot(x(plan_.samples.back().p_BT), y(plan_.samples.back().p_BT), kEnd);
+    legend(box.x + box.width - 84, box.y - 11, kStart, "start");
+    legend(box.x + box.width - 32, box.y - 11, kEnd, "end");
   }
 
   std::string finish() { return std::move(svg_) + "</svg>\n"; }
@@ -142,6 +149,11 @@ class Drawing {
     svg_ +=
         fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"5\" fill=\"{}\" stroke=\"#fff\"/>\n",
                     x, y, colour);
+  }
+
+  void legend(double x, double y, const char* colour, const char* name) {
+    dot(x, y, colour);
+    svg_ += fmt::format("<text x=\"{}\" y=\"{}\" fill=\"#444\">{}</text>\n", x + 8, y + 4, name);
   }
 
   void ticks(const Box& box, double lower, double upper, bool across) {
@@ -222,14 +234,25 @@ class Drawing {
   std::string svg_;
 };
 
+/// What a view along the other one of the two axes is called: an arm's front is where its tool is
+/// at home. Nothing for a robot whose tool stands above its base.
+std::string seen_from(const RobotModel& model, bool x_across) {
+  const planning::ToolSpace tool(model);
+  const JointVector q = home_joints(model);
+  const auto X_BT = tool.forward({q.data(), q.size()}, tool.home());
+  if (tool.hexapod() != nullptr || !X_BT) return "";
+  const bool x_forward = std::abs(X_BT->p.x) >= std::abs(X_BT->p.y);
+  return x_across == x_forward ? "from the side: " : "from the front: ";
+}
+
 }  // namespace
 
 std::string plan_svg(const MotionPlan& plan, const std::string& title) {
   Drawing drawing(plan, title);
   if (plan.samples.empty()) return drawing.finish();
   for (std::size_t j = 0; j < plan.model.joints.size(); ++j) drawing.joint(j);
-  drawing.view(0, "from the front: x across, z up", &Vec3::x, &Vec3::z);
-  drawing.view(1, "from the side: y across, z up", &Vec3::y, &Vec3::z);
+  drawing.view(0, seen_from(plan.model, true) + "x across, z up", &Vec3::x, &Vec3::z);
+  drawing.view(1, seen_from(plan.model, false) + "y across, z up", &Vec3::y, &Vec3::z);
   drawing.view(2, "from above: x across, y up", &Vec3::x, &Vec3::y);
   return drawing.finish();
 }

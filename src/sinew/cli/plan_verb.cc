@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <tuple>
 
 #include "sinew/cli/kinematics_text.h"
 #include "sinew/cli/plan_report.h"
@@ -12,8 +14,11 @@
 #include "sinew/cli/table.h"
 #include "sinew/cli/targets.h"
 #include "sinew/core/quantity.h"
+#include "sinew/core/units.h"
 #include "sinew/io/file.h"
+#include "sinew/model/collision_links.h"
 #include "sinew/model/joint_lookup.h"
+#include "sinew/runtime/homing_time.h"
 
 namespace sinew::cli {
 namespace {
@@ -53,13 +58,21 @@ std::expected<program::Step, std::string> parse_move(const std::string& text, in
   return program::Step{number, step};
 }
 
-/// A length (or speed: a length per second), above 0 and below 100 m.
-std::expected<double, std::string> parse_amount(const char* option, std::string text, bool speed) {
-  if (speed && text.ends_with("/s")) text.resize(text.size() - 2);
+/// As in a row of a program; mm and mm/s where no unit is given.
+std::expected<double, std::string> parse_speed(const std::string& text) {
+  const auto value = parse_quantity(text, Measure::kSpeed, UnitRule::kOptional);
+  if (!value) return std::unexpected("--speed: " + value.error());
+  if (!(*value >= 1e-6 && *value <= 100)) {
+    return std::unexpected("--speed: has to be 0.001 mm/s to 100 m/s");
+  }
+  return *value;
+}
+
+std::expected<double, std::string> parse_blend(const std::string& text) {
   const auto value = parse_quantity(text, Measure::kLength, UnitRule::kOptional);
-  if (!value) return std::unexpected(fmt::format("{}: {}", option, value.error()));
-  if (!(*value > 0 && *value <= 100)) {
-    return std::unexpected(fmt::format("{}: has to be above 0 and at most 100 m", option));
+  if (!value) return std::unexpected("--blend: " + value.error());
+  if (!(*value > 0 && *value <= 1)) {
+    return std::unexpected("--blend: has to be above 0 and at most 1 m");
   }
   return *value;
 }
@@ -67,6 +80,7 @@ std::expected<double, std::string> parse_amount(const char* option, std::string 
 struct Wanted {
   RobotModel model;
   JointVector from;
+  bool declared = false;  ///< somebody said where it stands
   program::Program program;
   std::string file;  ///< empty: --to
 };
@@ -75,12 +89,12 @@ std::expected<program::Program, std::string> parse_moves(const PlanRequest& requ
                                                          const RobotModel& model) {
   program::MotionOptions how;
   if (request.speed) {
-    const auto value = parse_amount("--speed", *request.speed, true);
+    const auto value = parse_speed(*request.speed);
     if (!value) return std::unexpected(value.error());
     how.tool_speed = *value;
   }
   if (request.blend) {
-    const auto value = parse_amount("--blend", *request.blend, false);
+    const auto value = parse_blend(*request.blend);
     if (!value) return std::unexpected(value.error());
     how.blend_radius = *value;
   }
@@ -93,14 +107,33 @@ std::expected<program::Program, std::string> parse_moves(const PlanRequest& requ
   return program;
 }
 
+/// Why a file cannot be planned that is no program; empty where it is a robot's.
+std::string no_program(const PlanRequest& request) {
+  const std::string& name = request.subject;
+  if (name.ends_with(".toml")) {
+    if (!request.robot) return {};
+    return "--robot: " + name + " is a robot's file itself; write sinew plan " + name +
+           " --to .., or sinew plan NAME.sinew --robot " + name;
+  }
+  if (!io::read_file(name)) {
+    return "--robot: a program NAME.sinew takes it; " + name + " is none";
+  }
+  return name +
+         ": a program is a file NAME.sinew, a robot's a file NAME.toml; a sequence of the "
+         "BigRobotArm (G0 ..) is planned by sinew run " +
+         name +
+         " --robot bigrobotarm, before it "
+         "moves";
+}
+
 std::expected<Wanted, Outcome> prepare(const PlanRequest& request) {
   const auto refused = [](const std::string& why) { return std::unexpected(bad_input(why)); };
   const bool from_file = request.subject.ends_with(".sinew");
   if (from_file && !request.robot) {
     return refused("--robot is missing: for which robot is " + request.subject + "?");
   }
-  if (!from_file && request.robot) {
-    return refused("--robot: a program NAME.sinew takes it; " + request.subject + " is none");
+  if (!from_file && (request.robot || io::read_file(request.subject))) {
+    if (const auto why = no_program(request); !why.empty()) return refused(why);
   }
   if (from_file && (!request.to.empty() || request.speed || request.blend)) {
     return refused("--to, --speed, --blend: the rows of " + request.subject + " say that");
@@ -109,6 +142,7 @@ std::expected<Wanted, Outcome> prepare(const PlanRequest& request) {
   const auto file = find_robot(from_file ? *request.robot : request.subject);
   if (!file) return std::unexpected(file.error());
   Wanted wanted{.model = file->model, .from = {}, .program = {}, .file = {}};
+  wanted.declared = request.from.has_value();
   const RobotModel& model = wanted.model;
   wanted.from = home_joints(model);
   if (request.from) {
@@ -178,47 +212,159 @@ class Recorder {
   double step_;
 };
 
-void summarise(const program::RowMotion& pieces, const planning::PlannedMotion& motion,
-               std::span<const program::Step> rows, MotionPlan& plan) {
-  if (plan.motions.size() == kMotionsShown) return;
-  MotionSummary summary{.first = rows.front().line,
-                        .last = rows.back().line,
-                        .length = motion.path.joints.length(),
+/// Why a motion stops where a blend was asked for; empty where none was.
+std::string stop_text(const program::MoveOrder& move) {
+  using Reason = program::CornerStopReason;
+  switch (move.stop) {
+    case Reason::kNone:
+      return {};
+    case Reason::kCostsTime:
+      return fmt::format(
+          "stops at its end: with the blend asked for there it would take {} s "
+          "longer",
+          number(move.stop_saves, 3));
+    case Reason::kNoWay:
+      return "stops at its end: no blend, since this row or the next one goes nowhere";
+    case Reason::kNoFit:
+      break;
+  }
+  return "stops at its end: no blend fits there, neither the one asked for nor a smaller one, that "
+         "keeps the joints and the tool inside what they may do";
+}
+
+MotionSummary summary_of(const program::RowMotion& pieces, const planning::PlannedMotion& motion,
+                         const RobotModel& model) {
+  MotionSummary summary{.length = motion.path.joints.length(),
                         .duration = motion.law.duration(),
                         .on_wire = pieces.duration,
                         .pieces = pieces.pieces.size(),
-                        .limits = motion.limits,
-                        .notes = {}};
+                        .limits = motion.limits};
   for (const planning::Slowdown& slowdown : motion.stretch.slowdowns) {
-    summary.notes.push_back(slowdown_text(slowdown, plan.model));
+    summary.notes.push_back(slowdown_text(slowdown, model));
   }
-  const bool stops = plan.model.device.capability.motion == MotionKind::kPointToPoint;
+  const bool stops = model.device.capability.motion == MotionKind::kPointToPoint;
   if (stops && summary.pieces > 1) {
     summary.notes.push_back(
         fmt::format("the device takes whole moves only: {} of them from stop to stop, at most {} "
                     "mm off the way",
                     summary.pieces, number(program::RowPlanner::kWayTolerance * 1e3)));
   }
-  plan.motions.push_back(summary);
+  return summary;
 }
 
-std::expected<void, program::Refusal> follow(const Wanted& wanted, const program::Plan& orders,
-                                             MotionPlan& plan) {
-  program::RowPlanner planner(wanted.model);
-  Recorder recorder(plan, planner.space(), std::max(kSampleStep, orders.duration / kSamplesMax));
-  for (const program::Order& order : orders.orders) {
-    if (const auto* wait = std::get_if<program::WaitOrder>(&order.what)) {
-      recorder.wait(to_seconds(wait->duration));
-    }
-    const auto* move = std::get_if<program::MoveOrder>(&order.what);
-    if (move == nullptr) continue;
-    const auto pieces = planner.plan(*move->q_start, move->rows);
-    if (!pieces) return std::unexpected(pieces.error());
-    if (planner.motion().empty()) continue;
-    recorder.add(planner.motion());
-    if (order.round == 1) summarise(*pieces, planner.motion(), move->rows, plan);
+std::string overlap_text(const planning::Clearance& overlap, const RobotModel& model) {
+  const auto name = [&](std::uint8_t shape) {
+    const bool table = shape == planning::kTableShape;
+    return std::string(link_name(model, table ? kTableLink : model.collision.shapes[shape].link));
+  };
+  const std::string pair = name(overlap.first) + " and " + name(overlap.second);
+  if (overlap.distance >= 0) {
+    return fmt::format("{} are {} mm apart there", pair, number(to_mm(overlap.distance), 1));
   }
-  return {};
+  return fmt::format("by the robot's file {} overlap by {} mm there", pair,
+                     number(-to_mm(overlap.distance), 1));
+}
+
+/// Follows a plan's orders, motion by motion.
+class Follower {
+ public:
+  Follower(const Wanted& wanted, const program::Plan& orders, MotionPlan& plan)
+      : wanted_(wanted),
+        planner_(wanted.model),
+        recorder_(plan, planner_.space(), std::max(kSampleStep, orders.duration / kSamplesMax)),
+        plan_(plan) {}
+
+  std::expected<void, program::Refusal> follow(const program::Order& order) {
+    if (const auto* wait = std::get_if<program::WaitOrder>(&order.what)) {
+      recorder_.wait(to_seconds(wait->duration));
+    } else if (const auto* home = std::get_if<program::HomeOrder>(&order.what)) {
+      search(order, *home);
+    } else if (const auto* move = std::get_if<program::MoveOrder>(&order.what)) {
+      const auto pieces = planner_.plan(*move->q_start, move->rows);
+      if (!pieces) return std::unexpected(pieces.error());
+      if (planner_.motion().empty()) return {};
+      recorder_.add(planner_.motion());
+      auto summary = summary_of(*pieces, planner_.motion(), wanted_.model);
+      if (const std::string why = stop_text(*move); !why.empty()) summary.notes.push_back(why);
+      tell(std::move(summary), order, *move->q_start);
+    }
+    return {};
+  }
+
+ private:
+  /// The search for the zeros, and the way home behind it.
+  void search(const program::Order& order, const program::HomeOrder& home) {
+    MotionSummary search{.what = "home", .at_most = home.duration_max};
+    search.notes.push_back(
+        "nobody knows where homing begins, so nobody can check it: watch the "
+        "arm, and the switch that stops it");
+    if (home.back) search.at_most -= home.back->duration;
+    if (home.back && home.back->overlap) {
+      search.notes.push_back("the joints rest beside their end stops behind it; " +
+                             overlap_text(*home.back->overlap, wanted_.model) +
+                             ", and it cannot be told whether they meet on the way");
+    }
+    tell(std::move(search), order, {});
+    if (!home.back) return;
+    plan_.homing_max -= home.back->duration;
+    plan_.on_wire += home.back->duration;
+    for (const program::HomeLeg& leg : home.back->legs) {
+      recorder_.add(leg.planned);
+      auto summary = summary_of(leg.motion, leg.planned, wanted_.model);
+      summary.what = "to home";
+      if (leg.slow) summary.notes.push_back("slowly, out of where the model has it overlap");
+      tell(std::move(summary), order, leg.motion.q_end);
+    }
+  }
+
+  /// Rounds of a loop that are all the same are told once.
+  void tell(MotionSummary summary, const program::Order& order, const JointVector& q) {
+    summary.first = order.line;
+    summary.last = order.last_line;
+    Key key{order.line, order.last_line, summary.what, {}};
+    constexpr double kSame = 1e-6;  // rad, m: what rounds of a loop differ by is rounding
+    for (const double value : q) std::get<3>(key).push_back(std::round(value / kSame));
+    if (const auto known = told_.find(key); known != told_.end()) {
+      ++plan_.motions[known->second].times;
+      return;
+    }
+    if (plan_.motions.size() == kMotionsShown) return;
+    told_.emplace(key, plan_.motions.size());
+    plan_.motions.push_back(std::move(summary));
+  }
+
+  using Key = std::tuple<int, int, std::string, std::vector<double>>;
+
+  const Wanted& wanted_;
+  program::RowPlanner planner_;
+  Recorder recorder_;
+  MotionPlan& plan_;
+  std::map<Key, std::size_t> told_;  ///< and where in the plan
+};
+
+/// An open-loop arm does not know where it stands: its first move is another one than if it did.
+void tell_first_move(const Wanted& wanted, const program::Homing& homing, MotionPlan& plan) {
+  const auto* board = std::get_if<LscDevice>(&plan.model.device.settings);
+  const bool blind = board != nullptr && board->profile == LscProfile::kLsc6;
+  if (!blind || wanted.declared || wanted.file.empty()) return;
+  const auto orders = program::make_plan(wanted.program, plan.model, std::nullopt, homing);
+  if (!orders) {
+    plan.notes.push_back(fmt::format(
+        "planned from its home pose; an arm that does not know where it stands refuses line {} "
+        "unless sinew run --standing-at says it",
+        orders.error().line));
+    return;
+  }
+  plan.on_wire = orders->duration;
+  for (const program::Order& order : orders->orders) {
+    const auto* move = std::get_if<program::MoveOrder>(&order.what);
+    if (move == nullptr || !move->first_move) continue;
+    const std::string word = plan.rows == "moves" ? "move" : "line";
+    plan.notes.push_back(fmt::format(
+        "the arm does not know where it stands: {} {} takes {} s, slowly; sinew run --standing-at "
+        "says where it is",
+        word, order.line, number(move->duration, 2)));
+  }
 }
 
 Outcome finish(const MotionPlan& plan, const PlanRequest& request) {
@@ -265,13 +411,21 @@ Outcome plan(const PlanRequest& request) {
     const auto at = planner.place_at({wanted->from.data(), wanted->from.size()});
     if (!at) return could_not("--from-joints: " + error_text(at.error(), model));
   }
-  const auto orders = program::make_plan(wanted->program, model, wanted->from);
+  const program::Homing homing = runtime::homing_of(model);
+  const auto orders = program::make_plan(wanted->program, model, wanted->from, homing);
   if (!orders) return plan_refusal(model, wanted->file, orders.error());
-  MotionPlan plan{.model = model, .motions = {}, .samples = {}, .heaviest = {}};
+  MotionPlan plan{.model = model, .motions = {}, .notes = {}, .samples = {}, .heaviest = {}};
   if (!wanted->file.empty()) plan.rows = "lines";
-  if (const auto done = follow(*wanted, *orders, plan); !done) {
-    return plan_refusal(model, wanted->file, done.error());
+  plan.on_wire = orders->duration;
+  plan.homing_max = orders->homing_max;
+  plan.notes = unheard_notes(*orders, model, "is");
+  Follower follower(*wanted, *orders, plan);
+  for (const program::Order& order : orders->orders) {
+    if (const auto done = follower.follow(order); !done) {
+      return plan_refusal(model, wanted->file, done.error());
+    }
   }
+  tell_first_move(*wanted, homing, plan);
   if (const auto weighed = weigh(*orders, plan); !weighed) {
     return plan_refusal(model, wanted->file, weighed.error());
   }

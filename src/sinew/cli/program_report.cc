@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "sinew/cli/kinematics_text.h"
+#include "sinew/cli/plan_report.h"
 #include "sinew/cli/plot_svg.h"
 #include "sinew/cli/table.h"
 #include "sinew/cli/truth_text.h"
@@ -212,15 +213,12 @@ std::string notices_text(const program::Run& run, const RobotModel& model) {
   return text;
 }
 
-/// A row asked for a speed, and the device cannot be asked for one.
-bool speed_unheard(const ProgramReport& report) {
-  if (report.model.device.capability.takes_speed) return false;
-  return std::ranges::any_of(report.run.plan().orders, [](const program::Order& order) {
-    const auto* move = std::get_if<program::MoveOrder>(&order.what);
-    return move != nullptr && std::ranges::any_of(move->rows, [](const program::Step& row) {
-             return program::motion_of(row)->joint_share != 1;
-           });
-  });
+/// s from the first order to the last one's end, or to the end of a run that broke off.
+double ran_for(const ProgramReport& report) {
+  const auto& run = report.run;
+  if (!run.begun_at()) return 0;
+  const bool done = run.phase() == program::Run::Phase::kDone && !run.records().empty();
+  return to_seconds((done ? run.records().back().done : report.now) - *run.begun_at());
 }
 
 }  // namespace
@@ -266,6 +264,8 @@ Json program_json(const ProgramReport& report) {
   Json json{{"result", result_name(report)},
             {"predicted_s", run.plan().duration},
             {"homing_at_most_s", run.plan().homing_max},
+            {"ran_s", ran_for(report)},
+            {"notes", unheard_notes(run.plan(), model, "was")},
             {"orders_planned", run.plan().orders.size()},
             {"bytes_to_device", end.bytes.to_device},
             {"bytes_to_host", end.bytes.to_host},
@@ -323,10 +323,9 @@ std::string program_text(const ProgramReport& report) {
     }
     text += fmt::format("\n  joints:{}\n\n{}\n", names, table.text());
   }
-  const double time = records.empty() ? 0 : to_seconds(records.back().done - records.front().asked);
   text += fmt::format("  {}: {} of {} orders, {:.2f} s, {} bytes out, {} in\n", result_name(report),
-                      records.size(), run.plan().orders.size(), time, end.bytes.to_device,
-                      end.bytes.to_host);
+                      records.size(), run.plan().orders.size(), ran_for(report),
+                      end.bytes.to_device, end.bytes.to_host);
   if (run.phase() != program::Run::Phase::kDone) {
     text +=
         "  as far as is known it is at: " + standing_text(run.driver().positions(), model) + "\n";
@@ -341,8 +340,8 @@ std::string program_text(const ProgramReport& report) {
   if (health.repeats > 0) {
     text += fmt::format("  on the wire: {} frames said again, as planned\n", health.repeats);
   }
-  if (speed_unheard(report)) {
-    text += "  note: these boards have one speed of their own; speed= was not heard\n";
+  for (const std::string& note : unheard_notes(run.plan(), model, "was")) {
+    text += "  note: " + note + "\n";
   }
   if (truth) text += "  where it really stands: " + truth_line(*truth, model) + "\n";
   return text;

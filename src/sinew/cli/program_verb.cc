@@ -95,7 +95,7 @@ std::expected<Prepared, Outcome> prepare(const RunRequest& request) {
   // Checked whole before the first byte leaves; once more when the machine has told where it is.
   const auto plan =
       program::make_plan(prepared.program, model, prepared.standing_at.value_or(home_joints(model)),
-                         runtime::homing_times(model));
+                         runtime::homing_of(model));
   if (!plan) {
     return std::unexpected(plan_refusal(model, request.file, plan.error()));
   }
@@ -133,7 +133,7 @@ Outcome drive(const RunRequest& request, const Prepared& prepared, runtime::Robo
   const runtime::Opening opening = runtime::opening_of(model);
   program::Run run(prepared.program, model, link.driver(),
                    from_seconds(to_seconds(opening.limit) * std::max(1.0, clock.scale())));
-  run.expect_homing(runtime::homing_times(model));
+  run.expect_homing(runtime::homing_of(model));
   if (prepared.standing_at) run.declare(*prepared.standing_at);
   SampleRecorder recorder;
   runtime::ProgramEnd end;

@@ -72,13 +72,16 @@ double stall_that_does(const DriveTrain& drive, const JointNeed& need) {
   return need.demand / left;
 }
 
+std::string margin_verdict(const TorqueReport& report, std::size_t i, double margin) {
+  if (margin < 1) return "fails";
+  const bool stepper = report.study.drive(i).stepper() != nullptr;
+  if (stepper && margin < planning::kTorqueReserve) return "does, with less than the reserve";
+  return "does";
+}
+
 std::string verdict(const TorqueReport& report, std::size_t i, const JointNeed& need) {
   if (need.weight > need.holding) return "cannot hold its weight";
-  if (need.margin() < 1) return "fails";
-  const bool stepper = report.study.drive(i).stepper() != nullptr;
-  if (stepper && need.margin() < planning::kTorqueReserve)
-    return "does, with less than the reserve";
-  return "does";
+  return margin_verdict(report, i, need.margin());
 }
 
 std::string drives_text(const TorqueReport& report) {
@@ -174,7 +177,7 @@ std::string rows_text(const TorqueReport& report) {
                                 "weight " + unit,
                                 "moving " + unit,
                                 "margin",
-                                fmt::format("fails from {}/s2", way_unit(report)),
+                                fmt::format("alone fails from {}/s2", way_unit(report)),
                                 "fails from reach mm"};
   head.push_back(servo ? "stall " + unit + " that does"
                        : (has_legs(report) ? "lead that does" : "ratio that does"));
@@ -201,17 +204,20 @@ std::string rows_text(const TorqueReport& report) {
 
 std::string program_text(const TorqueReport& report) {
   const std::string unit = load_unit(report);
-  Table table(
-      {"axis", "peak " + unit, "gives " + unit, "margin", "in line", "at s", "rms " + unit});
+  Table table({"axis", "peak " + unit, "gives " + unit, "margin", "in line", "at s", "rms " + unit,
+               "verdict"});
+  table.left(7);
   for (std::size_t i = 0; i < report.loads.size(); ++i) {
     const program::JointLoad& load = report.loads[i];
     if (load.line == 0) continue;
     table.add({report.model.joints[i].name, rough(load.peak), rough(load.available),
                rough(load.margin()), fmt::format("{}", load.line), number(load.time, 2),
-               rough(load.rms)});
+               rough(load.rms), margin_verdict(report, i, load.margin())});
   }
-  return fmt::format("  {}, {} s:\n\n{}\n", report.program, number(report.program_duration, 2),
-                     table.text());
+  return fmt::format(
+      "  {}, {} s as the device takes it; times count its motions as their limits "
+      "allow, homing and the wire aside:\n\n{}\n",
+      report.program, number(report.program_duration, 2), table.text());
 }
 
 std::string close_text(const TorqueReport& report) {
@@ -224,12 +230,14 @@ std::string close_text(const TorqueReport& report) {
                   report.chosen ? "" : ", the first that a payload is too much for",
                   rough(bare.holding), unit, rows_text(report));
   const double moving = report.model.joints[report.weakest].acceleration_max;
-  text += fmt::format("  moving means the file's top speed and {} {}/s2; {}",
-                      number(shown_rate(report, moving)), way_unit(report),
-                      joint.fails_from && *joint.fails_from > 0
-                          ? fmt::format("so it fails from {} kg", rough(*joint.fails_from))
-                      : joint.fails_from ? "so it fails without payload"
-                                         : "so it never fails");
+  text += fmt::format(
+      "  alone: this joint from rest, while the others stand\n"
+      "  moving means all joints at the file's top speed and, this one, {} {}/s2; {}",
+      number(shown_rate(report, moving)), way_unit(report),
+      joint.fails_from && *joint.fails_from > 0
+          ? fmt::format("so it fails from {} kg", rough(*joint.fails_from))
+      : joint.fails_from ? "so it fails without payload"
+                         : "so it never fails");
   if (joint.fails_from_at_rest) {
     text += fmt::format(", at rest from {} kg", rough(*joint.fails_from_at_rest));
   }
@@ -339,10 +347,13 @@ Json torque_json(const TorqueReport& report) {
                       {"margin", load.margin()},
                       {"line", load.line},
                       {"at_s", load.time},
-                      {load_key(report, "rms"), load.rms}});
+                      {load_key(report, "rms"), load.rms},
+                      {"verdict", margin_verdict(report, i, load.margin())}});
     }
-    json["program"] = {
-        {"file", report.program}, {"duration_s", report.program_duration}, {"joints", list}};
+    json["program"] = {{"file", report.program},
+                       {"duration_s", report.program_duration},
+                       {"at_s_counts", "motions by their limits"},
+                       {"joints", list}};
   }
   return json;
 }

@@ -17,6 +17,7 @@
 #include "sinew/io/file.h"
 #include "sinew/model/joint_lookup.h"
 #include "sinew/program/program_file.h"
+#include "sinew/runtime/homing_time.h"
 
 namespace sinew::cli {
 namespace {
@@ -88,7 +89,10 @@ std::vector<double> payload_rows(const JointTorque& joint, double asked) {
   if (first < 1e-3) first = joint.fails_from_at_rest.value_or(0);
   if (first >= 1e-3) {
     const double step = round_step(first / 3);
-    for (int i = 1; i <= kRows; ++i) payloads.insert(i * step);
+    for (int i = 1; i <= kRows; ++i) {
+      const auto same = [&](double payload) { return std::abs(payload - i * step) < step / 1e6; };
+      if (std::ranges::none_of(payloads, same)) payloads.insert(i * step);
+    }
   }
   return {payloads.begin(), payloads.end()};
 }
@@ -131,7 +135,8 @@ std::optional<Outcome> load_program(const std::string& path, TorqueReport& repor
   if (!text) return bad_input("--program: " + text.error().sentence);
   const auto parsed = program::parse(*text, path, model);
   if (!parsed) return complaints_outcome(parsed.error());
-  const auto plan = program::make_plan(*parsed, model, home_joints(model));
+  const auto plan =
+      program::make_plan(*parsed, model, home_joints(model), runtime::homing_of(model));
   if (!plan) return plan_refusal(model, path, plan.error());
   std::vector<planning::DriveTrain> drives;
   for (std::size_t i = 0; i < model.joints.size(); ++i) drives.push_back(report.study.drive(i));

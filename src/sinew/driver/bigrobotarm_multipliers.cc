@@ -19,6 +19,9 @@ std::int32_t sendable_at_or_below(std::int32_t value) {
   return std::max(value, 1);
 }
 
+/// From here on a motion is slowed on purpose, and not only predicted to take that long.
+constexpr double kSlowed = 1.05;
+
 struct Pair {
   std::int32_t speed = 1;
   std::int32_t acceleration = 1;
@@ -26,12 +29,18 @@ struct Pair {
 
 /// The pair of whole numbers, neither above `base`, whose trapezoid takes nearest to `time`
 /// seconds; among equals the one with the shape of the base profile slowed evenly.
-Pair pair_for_time(const BigRobotArmJoint& joint, double steps, Pair base, double time) {
+/// @param evenly  no acceleration above what that shape has: slowness was asked for, and a crawl
+///                that starts with a jerk is none
+Pair pair_for_time(const BigRobotArmJoint& joint, double steps, Pair base, double time,
+                   bool evenly) {
   const double unit = joint.steps_per_motor_rev / 100;
   const double way = std::abs(steps) / unit;  // in multipliers, so that v and a are the numbers
   const double k = motion_time(joint, steps, base.speed, base.acceleration) / time;
   const double speed_even = std::max(1.0, base.speed * k);
-  Pair best = base;
+  const double even = std::ceil(base.acceleration * k * k);
+  const auto most = evenly ? std::clamp(static_cast<std::int32_t>(even), 1, base.acceleration)
+                           : base.acceleration;
+  Pair best{1, 1};
   double best_cost = 1e300;
   for (std::int32_t speed = 1; speed <= base.speed; ++speed) {
     if (!sendable(speed)) continue;
@@ -41,10 +50,10 @@ Pair pair_for_time(const BigRobotArmJoint& joint, double steps, Pair base, doubl
     if (acceleration * way < static_cast<double>(speed) * speed) {
       acceleration = 4 * way / (time * time);
     }
-    const double floor = std::clamp(std::floor(acceleration), 1.0, 1.0 * base.acceleration);
+    const double floor = std::clamp(std::floor(acceleration), 1.0, 1.0 * most);
     for (const double candidate : {floor, floor + 1}) {
       const auto whole = static_cast<std::int32_t>(candidate);
-      if (whole > base.acceleration || !sendable(whole)) continue;
+      if (whole > most || !sendable(whole)) continue;
       const double own = motion_time(joint, steps, speed, whole);
       const double cost =
           std::abs(own - time) / time + 0.01 * std::abs(speed - speed_even) / speed_even;
@@ -87,11 +96,13 @@ Expected<BigRobotArmMultipliers> synchronised_multipliers(const BigRobotArmDevic
     result.accelerations[i] = sendable_at_or_below(base.accelerations[i]);
     times[i] = motion_time(device.joints[i], deltas[i], result.speeds[i], result.accelerations[i]);
   }
-  const double slowest = std::max(at_least, *std::max_element(times.begin(), times.end()));
+  const double own = *std::max_element(times.begin(), times.end());
+  const double slowest = std::max(at_least, own);
   for (std::size_t i = 0; i < kJoints; ++i) {
     if (times[i] == 0 || times[i] == slowest) continue;
-    const Pair pair = pair_for_time(device.joints[i], deltas[i],
-                                    {result.speeds[i], result.accelerations[i]}, slowest);
+    const Pair pair =
+        pair_for_time(device.joints[i], deltas[i], {result.speeds[i], result.accelerations[i]},
+                      slowest, at_least > own * kSlowed);
     result.speeds[i] = pair.speed;
     result.accelerations[i] = pair.acceleration;
   }

@@ -23,7 +23,8 @@ double motion_time(const BigRobotArmJoint& joint, double steps, std::int32_t spe
 /// the byte wire cannot carry (13, 269, ...) are stepped over downwards.
 ///
 /// @param deltas    microsteps to go, either sign.
-/// @param at_least  s; the motion shall not take less.
+/// @param at_least  s; the motion shall not take less. Where that slows it on purpose (by 5 % and
+///                  more) no joint accelerates harder than its base profile slowed evenly.
 /// @return  motion times as near to the slowest joint's as whole multipliers come: within 3 % for
 ///          ways of half a motor revolution to five and base values of 100 and more; a way of a
 ///          few steps is over earlier, and base values below 10 leave little choice.

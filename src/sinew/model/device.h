@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <variant>
 
@@ -29,6 +30,9 @@ struct DeviceCapability {
   /// kStream: share of the joints' limits that a motion is planned with. An axis that closes its
   /// own loop needs the rest to catch up where a setpoint came late.
   double limits_share = 1;
+  /// kStream: where one wire carries the ways of all joints one after the other, the sum of their
+  /// speeds that it carries, m/s (rad/s); infinite where it does not count.
+  double shared_velocity = std::numeric_limits<double>::infinity();
   /// kPointToPoint: how quickly a motion is made can be asked for. Else the device has one speed.
   bool takes_speed = true;
 };

@@ -109,8 +109,9 @@ TEST_P(CollisionMotions, time_that_is_left_is_clear_to_its_end_and_no_longer) {
     JointVector qd, to = q;
     for (const Joint& joint : model.joints)
       qd.push_back(random.uniform(-1, 1) * joint.velocity_max);
+    const Joint& first = model.joints[0];
     const double horizon =
-        model.joints[0].kind == JointKind::kPrismatic ? random.uniform(0, 500) : 1.5;
+        first.kind == JointKind::kPrismatic ? random.uniform(0, 4.4e-3) / first.velocity_max : 1.5;
     const double free = collision.free_time(q, qd, horizon, margin);
     ASSERT_GE(free, 0);
     ASSERT_LE(free, horizon);

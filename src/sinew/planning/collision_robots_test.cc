@@ -90,7 +90,7 @@ TEST(CollisionOfRobots, sample_programs_hit_nothing) {
       ++programs;
     }
   }
-  EXPECT_EQ(programs, 5);
+  EXPECT_EQ(programs, 10);
 }
 
 TEST(CollisionOfRobots, sequence_of_the_bigrobotarm_hits_nothing) {

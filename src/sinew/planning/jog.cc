@@ -51,6 +51,7 @@ FixedVector<JogJoint, kMaxJoints> joints_of(const RobotModel& model) {
 Jog::Jog(const RobotModel& model, const Options& options)
     : space_(model, options.jaw_width),
       joints_(joints_of(model)),
+      shared_velocity_(shared_velocity(model)),
       resolver_(space_, {joints_.data(), joints_.size()}) {
   if (options.avoid_contact && !model.collision.shapes.empty()) {
     collision_ = std::make_unique<CollisionModel>(model);
@@ -82,11 +83,17 @@ std::optional<Error> Jog::start(std::span<const AxisState> states, Instant now,
   JointArray rest{};
   for (std::size_t j = 0; j < joints(); ++j) rest[j] = joints_[j].stop(states_[j]).target();
   violation_ = space_.violation(rest, X_BT_);
+  overlaps_ = true;
+  look_at_overlap();
   last_ = now;
   drive_ = Drive::kBrake;
   idle_ = JogReason::kNoCommand;
   refused_ = JogReason::kNone;
   ramp_valid_ = false;
+  resolver_.forget();
+  step_ = 0;
+  speed_share_ = 1;
+  slowest_ = -1;
   return std::nullopt;
 }
 
@@ -115,6 +122,11 @@ std::optional<Error> Jog::refusal(const JogCommand& command, Instant now) const 
 std::optional<Error> Jog::command(const JogCommand& command, Instant now) {
   if (const auto error = refusal(command, now)) return error;
   expires_ = now + command.expiry;
+  if (std::ranges::all_of(command.velocity, [](double number) { return number == 0; })) {
+    if (driven()) drive_ = Drive::kBrake;
+    idle_ = JogReason::kNoCommand;
+    return std::nullopt;
+  }
   const bool joints = command.frame == JogFrame::kJoint;
   const Drive drive = joints ? Drive::kJoints : Drive::kTool;
   JointArray wanted{};
@@ -138,8 +150,7 @@ void Jog::stop() {
 }
 
 void Jog::expire(Instant now) {
-  const bool driven = drive_ == Drive::kJoints || drive_ == Drive::kTool;
-  if (!driven || (now < expires_ && now - last_ <= kGap)) return;
+  if (!driven() || (now < expires_ && now - last_ <= kGap)) return;
   drive_ = Drive::kBrake;
   idle_ = JogReason::kExpired;
 }
@@ -181,16 +192,8 @@ void Jog::set_states(const States& next) {
   }
 }
 
-Jog::Stops Jog::stops_from(const States& states) const {
-  Stops stops;
-  for (std::size_t j = 0; j < joints(); ++j) {
-    stops.joints[j] = joints_[j].stop(states[j]);
-    stops.duration = std::max(stops.duration, stops.joints[j].duration());
-  }
-  for (std::size_t j = 0; j < joints(); ++j) {
-    stops.joints[j] = joints_[j].stop_in(states[j], stops.duration);
-  }
-  return stops;
+void Jog::plan_stop(const States& states, JogStop& stop) const {
+  stop.plan({joints_.data(), joints()}, {states.data(), joints()});
 }
 
 /// The way to rest that was found to be free when the last setpoint was made, or the one from here
@@ -199,7 +202,7 @@ void Jog::brake(double dt) {
   ramp_valid_ = false;
   if (drive_ == Drive::kRest) return;
   if (!can_stop_) {
-    stops_ = stops_from(states_);
+    plan_stop(states_, *stop_);
     stopping_ = 0;
     can_stop_ = true;
   }
@@ -207,10 +210,7 @@ void Jog::brake(double dt) {
   States next{};
   JointArray q{};
   for (std::size_t j = 0; j < joints(); ++j) {
-    // Durations differ by rounding.
-    const motion::OnlineProfile& stop = stops_.joints[j];
-    next[j] =
-        stop.at(stopping_ >= stops_.duration ? std::max(stopping_, stop.duration()) : stopping_);
+    next[j] = stop_->at(j, stopping_);
     q[j] = next[j].q;
   }
   set_states(next);
@@ -225,18 +225,66 @@ bool Jog::at_rest() const {
   return true;
 }
 
+/// Of velocities `full` (of the joints), what the wire carries of them.
+void Jog::slow_for_wire(const JointArray& full, double& share) {
+  double sum = 0;
+  for (std::size_t j = 0; j < joints(); ++j) sum += std::abs(full[j]);
+  // One joint alone may have the wire's whole speed as its own limit.
+  wire_slows_ = sum * share >= shared_velocity_ * (1 - 1e-9);
+  if (wire_slows_) share = std::min(share, shared_velocity_ / sum);
+}
+
+/// A joint that slows down holds its part of the wire until it has done so: those that shall become
+/// faster get what is left.
+void Jog::share_wire(JointArray& wanted) const {
+  if (!std::isfinite(shared_velocity_)) return;
+  JointArray held{};
+  double sum = 0, more = 0;
+  for (std::size_t j = 0; j < joints(); ++j) {
+    // The fastest that it will still be on the way to no acceleration.
+    const double qd = states_[j].qd, qdd = states_[j].qdd;
+    held[j] =
+        std::max(std::abs(qd), std::abs(qd + qdd * std::abs(qdd) / (2 * joints_[j].limits().jerk)));
+    sum += held[j];
+    more += std::max(std::abs(wanted[j]) - held[j], 0.0);
+  }
+  const double left = std::max(shared_velocity_ - sum, 0.0);
+  if (more <= left) return;
+  for (std::size_t j = 0; j < joints(); ++j) {
+    const double extra = std::abs(wanted[j]) - held[j];
+    if (extra > 0) wanted[j] = std::copysign(held[j] + extra * left / more, wanted[j]);
+  }
+}
+
+/// Once it is clear, contacts are kept out as anywhere.
+void Jog::look_at_overlap() {
+  if (!overlaps_ || !collision_) {
+    overlaps_ = false;
+    return;
+  }
+  const auto X_BP = relabel<frame::Base, frame::Platform>(X_BT_);
+  distance_ = collision_->distance({setpoint_.q.data(), joints()}, &X_BP).distance;
+  overlaps_ = distance_ < collision_->margin() - kOverlapDepth;
+}
+
 void Jog::drive_joints(double dt) {
   speed_share_ = 1;
   slowest_ = -1;
+  look_at_overlap();
   for (std::size_t j = 0; j < joints(); ++j) {
-    const double most = joints_[j].limits().velocity;
+    const double slow = overlaps_ ? kOverlapShare : 1;
+    const double most = slow * joints_[j].limits().velocity;
     if (std::abs(wanted_joints_[j]) * speed_share_ <= most) continue;
     speed_share_ = most / std::abs(wanted_joints_[j]);
     slowest_ = static_cast<std::int8_t>(j);
   }
+  slow_for_wire(wanted_joints_, speed_share_);
+  JointArray wanted = wanted_joints_;
+  for (double& velocity : wanted) velocity *= speed_share_;
+  share_wire(wanted);
   States next{};
   for (std::size_t j = 0; j < joints(); ++j) {
-    next[j] = joints_[j].follow(states_[j], {speed_share_ * wanted_joints_[j], 0}, dt);
+    next[j] = joints_[j].follow(states_[j], {wanted[j], 0}, dt);
   }
   try_states(next, dt);
 }
@@ -277,6 +325,7 @@ double Jog::speed_share(const JointArray& full, const JointArray& turn) {
     const double change = std::abs(turn[j] - turn_[j]) / step_;
     if (change > 0 && turn_[j] != 0) slow(j, now * std::cbrt(kCurveShare * jerk / change));
   }
+  slow_for_wire(full, share);
   return share;
 }
 
@@ -333,10 +382,12 @@ bool Jog::drive_tool(double dt) {
   along_ramp_ = resolver_.joints_for(ramp_.velocity());
 
   JointArray reference = resolver_.drive(ramp_.velocity(), dt);
-  double scale = 1;
+  double scale = 1, sum = 0;
   for (std::size_t j = 0; j < joints(); ++j) {
     scale = std::min(scale, joints_[j].limits().velocity / std::abs(reference[j]));
+    sum += std::abs(reference[j]);
   }
+  scale = std::min(scale, shared_velocity_ / sum);
   if (scale < 1) {
     for (double& number : reference) number *= scale;
   }
@@ -354,9 +405,9 @@ bool Jog::drive_tool(double dt) {
 /// found that it may.
 void Jog::try_states(const States& next, double dt) {
   if (space_.has_more_limits() || collision_) {
-    const Stops stops = stops_from(next);
-    if (!may_be(stops)) return brake(dt);
-    stops_ = stops;
+    plan_stop(next, *tried_);
+    if (!may_be(*tried_)) return brake(dt);
+    std::swap(stop_, tried_);
     stopping_ = 0;
     can_stop_ = true;
   } else {
@@ -369,12 +420,12 @@ void Jog::try_states(const States& next, double dt) {
 }
 
 /// Looks along the way to rest, at places that follow each other in even times.
-bool Jog::may_be(const Stops& stops) {
+bool Jog::may_be(const JogStop& stop) {
   std::array<JointArray, kLooks + 1> way{};
   double violation = 0;
   for (std::size_t k = 0; k <= kLooks; ++k) {
-    const double t = stops.duration * static_cast<double>(k) / kLooks;
-    for (std::size_t j = 0; j < joints(); ++j) way[k][j] = stops.joints[j].at(t).q;
+    const double t = stop.duration() * static_cast<double>(k) / kLooks;
+    for (std::size_t j = 0; j < joints(); ++j) way[k][j] = stop.at(j, t).q;
     // A platform's ways to rest are short, and looking at its joints is dear.
     if (!space_.has_more_limits() || (space_.tool().hexapod() != nullptr && k < kLooks)) continue;
     violation = std::max(violation, space_.violation(way[k], X_BT_));
@@ -383,7 +434,8 @@ bool Jog::may_be(const Stops& stops) {
     refused_ = JogReason::kPoseLimit;
     return false;
   }
-  if (collision_ && !clear_to_rest(way)) {
+  const bool may_touch = overlaps_ && drive_ == Drive::kJoints;
+  if (collision_ && !may_touch && !clear_to_rest(way)) {
     refused_ = JogReason::kContact;
     return false;
   }
@@ -441,7 +493,9 @@ JogStatus Jog::status() const {
     for (std::size_t j = 0; j < joints(); ++j) {
       const double asked = speed_share_ * std::abs(wanted_joints_[j]);
       if (asked > joints_[j].approach_speed(states_[j].q, wanted_joints_[j] > 0, 1)) {
-        return {JogReason::kJointLimit, static_cast<std::int8_t>(j), status.share, status.moving};
+        status.reason = JogReason::kJointLimit;
+        status.joint = static_cast<std::int8_t>(j);
+        return status;
       }
     }
   } else {
@@ -452,9 +506,14 @@ JogStatus Jog::status() const {
     if (obstacle.kind == JogObstacle::Kind::kSingular) status.reason = JogReason::kSingular;
     if (status.reason != JogReason::kNone) return status;
   }
+  if (!tool && overlaps_) {
+    status.reason = JogReason::kOverlap;
+    status.distance = distance_;
+    return status;
+  }
   if (speed_share_ < 0.999) {
-    status.reason = JogReason::kJointSpeed;
-    status.joint = slowest_;
+    status.reason = wire_slows_ ? JogReason::kWire : JogReason::kJointSpeed;
+    status.joint = wire_slows_ ? std::int8_t{-1} : slowest_;
   }
   return status;
 }

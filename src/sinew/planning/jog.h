@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -12,6 +13,7 @@
 #include "sinew/planning/jog_joint.h"
 #include "sinew/planning/jog_resolver.h"
 #include "sinew/planning/jog_space.h"
+#include "sinew/planning/jog_stop.h"
 #include "sinew/planning/twist_ramp.h"
 
 namespace sinew::planning {
@@ -36,16 +38,19 @@ enum class JogReason : std::uint8_t {
   kStopped,     ///< by stop()
   kExpired,     ///< nobody renewed the command
   kContact,     ///< the robot would touch itself or its table
+  kOverlap,     ///< it stood nearer than its margin at the start; its joints go, slowly
   kPoseLimit,   ///< a hexapod's joints or condition, a palletizer's nozzle or elbow
   kJointLimit,  ///< joint `joint` is at its limit
   kSingular,    ///< a direction is lost
   kJointSpeed,  ///< joint `joint` would be too fast; all are slowed down together
+  kWire,        ///< it cannot carry that much for all joints together
 };
 
 struct JogStatus {
   JogReason reason = JogReason::kNoCommand;
   std::int8_t joint = -1;
-  double share = 0;  ///< of the velocity asked for that is driven along it; 1 is all
+  double share = 0;     ///< of the velocity asked for that is driven along it; 1 is all
+  double distance = 0;  ///< m between what is nearest where the reason is kOverlap; below 0 inside
   bool moving = false;
 };
 
@@ -53,12 +58,19 @@ struct JogStatus {
 /// cycle. Sans-IO: time is handed in.
 ///
 /// Whatever is commanded and whenever, every joint keeps its limits of velocity, acceleration and
-/// jerk, and can at every instant come to rest inside its limits of position. Where the tool is
-/// driven, its direction is kept as the joints gather speed, and where a joint's limit or a
-/// singularity takes a part of it away, the rest goes on along the boundary; away from there it
-/// always goes. Places at which the robot would touch itself or its table, and poses that its
-/// geometry cannot have, are kept out by looking at the way on which the joints would come to rest:
-/// where that is not free, they come to rest before. From a contact only another command leads on.
+/// jerk, and can at every instant come to rest inside its limits of position. Joints that share a
+/// wire divide what it carries as the command asks for; while some take over from others the sum
+/// stays within 1 % of it where joints are driven, and within a quarter where the tool is, whose
+/// direction counts more. Where the tool is driven, its direction is kept as the joints gather
+/// speed, and where a joint's limit or a singularity takes a part of it away, the rest goes on
+/// along the boundary; away from there it always goes. Places at which the robot would touch itself
+/// or its table, and poses that its geometry cannot have, are kept out by looking at the way on
+/// which the joints would come to rest: where that is not free, they come to rest before. From a
+/// contact only another command leads on.
+///
+/// A robot that overlaps at the start may have no way out on which it does not overlap more at
+/// first: until nothing does any more its joints can be driven in any direction, at kOverlapShare
+/// of their speed, and whoever drives them has to look. Its tool goes only where all comes apart.
 ///
 /// Source: Berscheid and Kroeger 2021 for retargeting by plans to a velocity; the ideas of MoveIt
 /// Servo for the rest, whose known troubles (no way back out of a singularity or from a limit) are
@@ -70,6 +82,11 @@ class Jog {
   static constexpr Duration kGap = std::chrono::milliseconds(50);
   /// Cycles are cut into steps of at most this.
   static constexpr Duration kStep = std::chrono::milliseconds(10);
+  /// Of the joints' speeds while the robot overlaps.
+  static constexpr double kOverlapShare = 0.1;
+  /// m: nearer than the margin by more than this is an overlap; less is what the way to rest before
+  /// a contact may be off by.
+  static constexpr double kOverlapDepth = 2e-3;
   /// Faster than any of these commands are mistakes: m/s, rad/s.
   static constexpr double kSpeedMax = 100;
 
@@ -99,8 +116,9 @@ class Jog {
   ///        not above 0 and up to kJogExpiryMax; or `now` lies before what was said last). What was
   ///        commanded before then goes on.
   std::optional<Error> command(const JogCommand& command, Instant now);
-  /// To rest, as quickly as the joint can that takes longest, and all others with it, so that the
-  /// tool keeps its direction; the next command moves again.
+  /// To rest along the direction in which the joints move, in the time that the slowest of them
+  /// needs; the next command moves again. A command of zeros and one that expires do the same: to
+  /// keep the tool's own direction would take joints near a singularity longer, and farther.
   void stop();
 
   /// Time goes on; setpoint() is where the joints shall be at `now`.
@@ -112,16 +130,16 @@ class Jog {
   const PoseBT& pose() const { return X_BT_; }
   bool at_rest() const;
   JogStatus status() const;
+  /// m between what is nearest, below 0 inside each other, while it overlaps since the start.
+  std::optional<double> overlap() const {
+    return overlaps_ ? std::optional(distance_) : std::nullopt;
+  }
 
  private:
   enum class Drive : std::uint8_t { kRest, kBrake, kJoints, kTool };
   using States = std::array<motion::AxisState, kMaxJoints>;
-  /// All joints to rest.
-  struct Stops {
-    std::array<motion::OnlineProfile, kMaxJoints> joints;
-    double duration = 0;  ///< s
-  };
 
+  bool driven() const { return drive_ == Drive::kJoints || drive_ == Drive::kTool; }
   std::optional<Error> refusal(const JogCommand& command, Instant now) const;
   void expire(Instant now);
   void advance(double dt);
@@ -130,15 +148,19 @@ class Jog {
   bool drive_tool(double dt);
   void begin_ramp();
   double speed_share(const JointArray& full, const JointArray& turn);
+  void slow_for_wire(const JointArray& full, double& share);
+  void share_wire(JointArray& wanted) const;
   double ramp_limits(const JointArray& change, const JointArray& turn, double& jerk) const;
   void try_states(const States& next, double dt);
-  Stops stops_from(const States& states) const;
-  bool may_be(const Stops& stops);
+  void plan_stop(const States& states, JogStop& stop) const;
+  bool may_be(const JogStop& stop);
   bool clear_to_rest(std::span<const JointArray> way) const;
+  void look_at_overlap();
   void set_states(const States& next);
 
   JogSpace space_;
   FixedVector<JogJoint, kMaxJoints> joints_;
+  double shared_velocity_;  ///< of all joints together
   std::unique_ptr<CollisionModel> collision_;
   JogResolver resolver_;
   TwistRamp ramp_;
@@ -153,9 +175,11 @@ class Jog {
   motion::AxisStates setpoint_{};
   PoseBT X_BT_;
   double violation_ = 0;
-  Stops stops_;  ///< from the state `stopping_` s ago; found to be free
+  std::array<JogStop, 2> stops_;
+  JogStop* stop_ = &stops_[0];   ///< from the state `stopping_` s ago; found to be free
+  JogStop* tried_ = &stops_[1];  ///< workspace
   double stopping_ = 0;
-  bool can_stop_ = false;  ///< stops_ begins here
+  bool can_stop_ = false;  ///< stop_ begins here
 
   bool ramp_valid_ = false;
   JointArray reference_{};   ///< joints' velocities, of the last step
@@ -164,9 +188,13 @@ class Jog {
   unsigned held_ = 0;
   double step_ = 0;  ///< s, the last one
 
+  bool overlaps_ = false;  ///< since the start
+  double distance_ = 0;    ///< m, of what is nearest meanwhile
+
   JogReason refused_ = JogReason::kNone;  ///< why it comes to rest although there is a command
   JogReason idle_ = JogReason::kNoCommand;
   double speed_share_ = 1;
+  bool wire_slows_ = false;
   std::int8_t slowest_ = -1;
 };
 

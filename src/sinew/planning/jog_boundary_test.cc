@@ -143,6 +143,69 @@ TEST(JogBoundary, joint_outside_of_its_limits_goes_back_in_and_no_farther_out) {
   EXPECT_LT(run.jog.setpoint().q[1], q[1] + 1e-12);
 }
 
+TEST(JogBoundary, tool_drives_a_joint_outside_of_its_limits_only_inwards) {
+  JogRun run("robot-arm-2");
+  std::vector<motion::AxisState> states;
+  for (const double q : from_degrees({0, 20, -60, 30, 40, 361})) states.push_back({q, 0, 0});
+  for (const double turn : {0.2, -0.2}) {
+    ASSERT_FALSE(run.jog.start(states, run.now));
+    const auto command = tool_command(JogFrame::kTool, {0.01, 0, 0, 0, 0, turn});
+    double least = states[5].q;
+    for (int k = 0; k < 1500; ++k) {
+      ASSERT_FALSE(run.jog.command(command, run.now));
+      run.now += from_seconds(0.002);
+      ASSERT_FALSE(run.jog.step(run.now));
+      ASSERT_LE(run.jog.setpoint().q[5], states[5].q + 1e-12);
+      least = std::min(least, run.jog.setpoint().q[5]);
+    }
+    EXPECT_EQ(turn < 0, least < from_deg(360));
+  }
+}
+
+/// After homing it lies folded, its forearm in its upper arm, and opening leads deeper at first.
+TEST(JogBoundary, robot_that_overlaps_can_be_driven_out_by_its_joints_slowly) {
+  JogRun run("robot-arm-2", true);
+  const CollisionModel collision(run.model);
+  const auto folded = from_degrees({-169, -89, -134, -169, -119, -359});
+  const double depth = collision.distance(folded).distance;
+  ASSERT_LT(depth, -0.03);
+  JogCommand command;
+  command.velocity.resize(6);
+  for (std::size_t j = 0; j < 6; ++j) {
+    run.start(folded);
+    for (double& velocity : command.velocity) velocity = 0;
+    command.velocity[j] = run.limits[j].velocity;
+    run.hold(command, 0.5, 0.002);
+    ASSERT_FALSE(HasFatalFailure());
+    EXPECT_EQ(run.jog.status().reason, JogReason::kOverlap) << "J" << j + 1;
+    EXPECT_LT(run.jog.status().distance, -0.03);
+    EXPECT_LE(std::abs(run.last.qd[j]), 0.1 * run.limits[j].velocity * (1 + 1e-9));
+    EXPECT_GT(run.last.q[j] - folded[j], from_deg(0.1)) << "J" << j + 1;
+  }
+  // Up with the upper arm while the elbow opens, until it is clear, and quick again.
+  run.start(folded);
+  command.velocity = {0, run.limits[1].velocity, run.limits[2].velocity, 0, 0, 0};
+  double deepest = depth;
+  for (int k = 0; k < 600 && run.jog.overlap(); ++k) {
+    deepest = std::min(deepest, run.jog.overlap().value_or(0));
+    run.hold(command, 0.1, 0.01);
+    ASSERT_FALSE(HasFatalFailure());
+  }
+  EXPECT_LT(deepest, depth - 1e-3) << "deeper before it is out";
+  EXPECT_FALSE(run.jog.overlap());
+  run.hold(command, 3, 0.01);
+  EXPECT_GT(run.last.qd[2], 0.5 * run.limits[2].velocity);
+  // Now there is no way back in.
+  for (double& number : command.velocity) number = -number;
+  for (int k = 0; k < 30; ++k) {
+    run.hold(command, 1, 0.01);
+    ASSERT_FALSE(HasFatalFailure());
+    const std::span q(run.jog.setpoint().q.data(), run.joints());
+    ASSERT_GE(collision.distance(q).distance, collision.margin() - Jog::kOverlapDepth);
+  }
+  EXPECT_EQ(run.jog.status().reason, JogReason::kContact);
+}
+
 /// Along a line from home, as far as the platform may go.
 PoseBT last_allowed(const JogRun& run, const Vec3& turn, const Vec3& shift, double short_of) {
   const ToolSpace& tool = run.jog.space().tool();

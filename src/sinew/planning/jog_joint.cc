@@ -20,57 +20,11 @@ constexpr double kRateShare = 0.9;
 /// Of a limit: what is rounding.
 constexpr double kRounding = 1e-12;
 
-/// Tries at most for a stop of a given duration.
-constexpr int kStretchSteps = 12;
-
 double clamped(double x, double most) {
   return std::clamp(x, -most, most);
 }
 
 }  // namespace
-
-/// With a share of the limits of acceleration and jerk it takes longer, and it takes longer the
-/// smaller the share.
-OnlineProfile JogJoint::stop_in(const AxisState& state, double duration) const {
-  constexpr double kSame = 1e-6;
-  OnlineProfile best = stop(state);
-  if (best.duration() == 0 || best.duration() >= duration * (1 - kSame)) return best;
-  // The time goes with some power of the share between the inverse and its root, which each try
-  // tells better.
-  double least = 0;
-  double most = 1;
-  double power = 1;
-  double share = 1;
-  double ratio = best.duration() / duration;
-  for (int step = 0; step < kStretchSteps && ratio < 1 - kSame; ++step) {
-    double next = share * std::pow(ratio / (1 - kSame / 2), 1 / power);
-    if (!(next > least && next < most)) next = (least + most) / 2;
-    ProfileBounds bounds = bounds_;
-    bounds.acceleration_upper *= next;
-    bounds.acceleration_lower *= next;
-    bounds.jerk *= next;
-    const OnlineProfile slower = OnlineProfile::stop(state, bounds);
-    const double other = slower.duration() / duration;
-    power = std::clamp(std::log(other / ratio) / std::log(share / next), 0.3, 2.0);
-    if (other > 1) {
-      // Too slow: from the last one that was not, less far.
-      least = next;
-      continue;
-    }
-    most = share = next;
-    ratio = other;
-    best = slower;
-  }
-  // Not where an acceleration that fades so slowly would carry it too far, too fast, or back.
-  const PositionRange range = range_from(state);
-  const PositionRange passed = best.range();
-  const double slack = kRounding * std::abs(state.q - best.target());
-  const bool one_way = passed.lower >= std::min(state.q, best.target()) - slack &&
-                       passed.upper <= std::max(state.q, best.target()) + slack;
-  const bool inside = passed.upper <= range.upper && passed.lower >= range.lower;
-  const double peak = state.qd + state.qdd * std::abs(state.qdd) / (2 * most * limits_.jerk);
-  return one_way && inside && std::abs(peak) <= limits_.velocity ? best : stop(state);
-}
 
 /// With the acceleration taken back at once, the velocity still grows by a^2 / 2j.
 bool JogJoint::keeps_velocity(const AxisState& state) const {
@@ -89,7 +43,6 @@ bool JogJoint::rests_inside(const AxisState& state, const PositionRange& range) 
   return passed.upper <= range.upper && passed.lower >= range.lower;
 }
 
-/// Where it is outside already, what it cannot avoid any more is the limit.
 PositionRange JogJoint::range_from(const AxisState& state) const {
   if (rests_inside(state, range_)) return range_;
   const PositionRange passed = stop(state).range();

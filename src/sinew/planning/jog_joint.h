@@ -34,9 +34,9 @@ class JogJoint {
   motion::OnlineProfile stop(const motion::AxisState& state) const {
     return motion::OnlineProfile::stop(state, bounds_);
   }
-  /// To rest in `duration` (s), which is not too short, so that joints which brake together keep
-  /// the direction of their way; as soon as it can where the way would become too long.
-  motion::OnlineProfile stop_in(const motion::AxisState& state, double duration) const;
+  /// Where it may be on its way to rest: inside its limits of position, and where it cannot avoid
+  /// any more to leave them.
+  motion::PositionRange range_from(const motion::AxisState& state) const;
 
   /// How fast it may go upwards (or downwards: a positive number too) from q, without acceleration,
   /// so that it still comes to rest at its limit with this share of its acceleration and jerk;
@@ -46,7 +46,6 @@ class JogJoint {
  private:
   bool keeps_velocity(const motion::AxisState& state) const;
   bool rests_inside(const motion::AxisState& state, const motion::PositionRange& range) const;
-  motion::PositionRange range_from(const motion::AxisState& state) const;
   motion::AxisState towards_velocity(const motion::AxisState& state,
                                      const JointReference& reference, double dt);
 

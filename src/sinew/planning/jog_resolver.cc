@@ -52,6 +52,15 @@ void JogResolver::look_at_caps(const JointArray& q) {
   }
 }
 
+void JogResolver::forget() {
+  for (TaskSolver& solver : solvers_) solver = TaskSolver();
+  holds_ = 0;
+  held_ = 0;
+  fixed_ = {};
+  escape_ = {};
+  escapes_ = false;
+}
+
 bool JogResolver::look(JogFrame frame, const JointArray& q, const TaskArray& task, PoseBT& X_BT) {
   frame_ = frame;
   q_ = q;

@@ -26,6 +26,8 @@ struct JogObstacle {
 class JogResolver {
  public:
   JogResolver(const JogSpace& space, std::span<const JogJoint> joints);
+  /// Nothing of what was before counts any more: the same motion begins in the same way.
+  void forget();
 
   /// Looks around at q and decides which joints must be held back for this task. @param X_BT  the
   /// last pose; then the one at q. @return false: a hexapod's legs have no pose

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "sinew/planning/jog.h"
+#include "sinew/planning/motion_limits.h"
 #include "support/property.h"
 #include "support/robots.h"
 
@@ -125,7 +126,9 @@ struct JogRun {
     const auto error = jog.step(now);
     ASSERT_FALSE(error) << describe(*error);
     const motion::AxisStates& state = jog.setpoint();
+    double speeds = 0;
     for (std::size_t j = 0; j < joints(); ++j) {
+      speeds += std::abs(state.qd[j]);
       const auto& [velocity, acceleration, jerk] = limits[j];
       constexpr double kRounding = 1 + 1e-9;
       ASSERT_TRUE(std::isfinite(state.q[j]) && std::isfinite(state.qd[j])) << "J" << j + 1;
@@ -144,6 +147,7 @@ struct JogRun {
         ASSERT_LE(q, joint.upper + 1e-9) << "J" << j + 1;
       }
     }
+    shared_worst = std::max(shared_worst, speeds / shared_velocity(model));
     last = state;
   }
 
@@ -179,6 +183,7 @@ struct JogRun {
   Instant now{};
   PoseBT X_near;
   motion::AxisStates last{};
+  double shared_worst = 0;  ///< of what all joints share, so far
 };
 
 }  // namespace sinew::planning

@@ -28,8 +28,10 @@ MotionPlanner::MotionPlanner(const RobotModel& model)
       builder_(space_),
       collision_(model),
       limits_(motion_limits(model)),
+      shared_velocity_(shared_velocity(model)),
       X_near_(space_.home()),
-      scratch_(model.joints.size()) {}
+      scratch_(model.joints.size()),
+      scratch_law_(timing_.phases_max()) {}
 
 Expected<RobotPlace> MotionPlanner::place_at(std::span<const double> q) {
   auto place = builder_.place_at(q, X_near_);
@@ -40,34 +42,47 @@ Expected<RobotPlace> MotionPlanner::place_at(std::span<const double> q) {
 std::expected<void, PathRefusal> MotionPlanner::plan(const RobotPlace& start,
                                                      std::span<const Move> moves, std::size_t first,
                                                      PlannedMotion& out) {
-  out.law.clear();
-  out.limits = {};
-  const auto stretch = builder_.build(start, moves, first, out.path);
-  if (!stretch) return std::unexpected(stretch.error());
-  out.stretch = *stretch;
-  X_near_ = stretch->end.X_BT;
-  if (out.empty()) return {};
-  if (const auto refusal = check_contacts(start, first, out)) return std::unexpected(*refusal);
-  auto trouble = timing_.prepare(out.path, limits_);
-  if (!trouble) trouble = timing_.plan({}, 1, out.law);
-  if (trouble) return std::unexpected(PathRefusal{*trouble, {.move = first}, std::nullopt, start});
-  out.limits = timing_.limit_times();
+  out.stop.reset();
+  if (const auto refusal = make(start, moves, first, out)) return std::unexpected(*refusal);
+  if (out.stretch.moves > 1) leave_out_blends(start, moves, first, out);
   return {};
 }
 
+std::optional<PathRefusal> MotionPlanner::make(const RobotPlace& start, std::span<const Move> moves,
+                                               std::size_t first, PlannedMotion& out) {
+  out.law.clear();
+  out.limits = {};
+  const auto stretch = builder_.build(start, moves, first, out.path);
+  if (!stretch) return stretch.error();
+  out.stretch = *stretch;
+  X_near_ = stretch->end.X_BT;
+  if (out.empty()) return std::nullopt;
+  if (const auto refusal = check_contacts(start, first, out.path, out.clearance_min))
+    return refusal;
+  auto trouble = timing_.prepare(out.path, limits_, 1, LawUse::kQuickest, shared_velocity_);
+  if (!trouble) trouble = timing_.plan({}, 1, out.law);
+  if (trouble) {
+    out.law.clear();
+    return PathRefusal{*trouble, {.move = first}, std::nullopt, start};
+  }
+  out.limits = timing_.limit_times();
+  return std::nullopt;
+}
+
 std::optional<PathRefusal> MotionPlanner::check_contacts(const RobotPlace& start, std::size_t first,
-                                                         PlannedMotion& motion) const {
+                                                         const PlannedPath& path,
+                                                         double& clearance_min) const {
   const auto X_BP = relabel<frame::Base, frame::Platform>(start.X_BT);
   const std::span q(start.q.data(), space_.size());
   const double here = collision_.distance(q, &X_BP).distance;
   // What counts as at the margin is that much nearer than the start, so that it can leave.
   const double nearest = here - 2 * CollisionModel::kResolution;
-  motion.clearance_min = std::clamp(nearest, 0.0, model_.collision.margin);
-  const auto contact = collision_.check_path(motion.path.joints, motion.clearance_min, 0,
-                                             motion.path.joints.length(), &X_BP);
+  clearance_min = std::clamp(nearest, 0.0, model_.collision.margin);
+  const auto contact =
+      collision_.check_path(path.joints, clearance_min, 0, path.joints.length(), &X_BP);
   if (!contact) return std::nullopt;
-  const PathProgress at = Trajectory::progress_at(motion.path, contact->s);
-  const double begin = motion.path.sections[at.move - first].begin;
+  const PathProgress at = Trajectory::progress_at(path, contact->s);
+  const double begin = path.sections[at.move - first].begin;
   return PathRefusal{contact_error(model_, contact->nearest),
                      {at.move, contact->s - begin, at.move_share},
                      std::nullopt,

@@ -13,6 +13,13 @@
 
 namespace sinew::planning {
 
+/// A corner that is driven as a stop although a blend was asked for and fits: with it the moves
+/// would take longer.
+struct CornerStop {
+  std::size_t move = 0;  ///< at whose end
+  double lost = 0;       ///< s that the moves would have taken longer than from stop to stop
+};
+
 /// A motion from rest to rest, checked and timed, ready to be followed.
 struct PlannedMotion {
   explicit PlannedMotion(std::size_t joints, std::size_t phases_max)
@@ -20,8 +27,9 @@ struct PlannedMotion {
 
   PlannedPath path;
   TimeLaw law;
-  LimitTimes limits;         ///< what held it back
-  PathStretch stretch;       ///< the moves that it took
+  LimitTimes limits;               ///< what held it back
+  PathStretch stretch;             ///< the moves that it took
+  std::optional<CornerStop> stop;  ///< why it ends where another move would have blended in
   double clearance_min = 0;  ///< m that it was held against: the robot's margin, or less at a start
                              ///< that was nearer
   /// Where nothing moves: the robot stands there already.
@@ -51,6 +59,9 @@ class MotionPlanner {
   /// The motion of moves[first] and of those that blend into each other behind it.
   ///
   /// A start that is nearer to something than the robot's margin may go on, never nearer.
+  /// A blend with which its two moves take longer than with stops is left out: the motion ends
+  /// there. So it takes no longer than its moves one by one would, but for moves that cannot be
+  /// made from stop to stop.
   /// @error as MovePathBuilder::build; kCollision (index, other: links); kProgramTooLong
   std::expected<void, PathRefusal> plan(const RobotPlace& start, std::span<const Move> moves,
                                         std::size_t first, PlannedMotion& out);
@@ -62,8 +73,18 @@ class MotionPlanner {
   MoveProposal propose(const PathRefusal& refusal, std::span<const Move> moves);
 
  private:
+  std::optional<PathRefusal> make(const RobotPlace& start, std::span<const Move> moves,
+                                  std::size_t first, PlannedMotion& out);
   std::optional<PathRefusal> check_contacts(const RobotPlace& start, std::size_t first,
-                                            PlannedMotion& motion) const;
+                                            const PlannedPath& path, double& clearance_min) const;
+
+  void leave_out_blends(const RobotPlace& start, std::span<const Move> moves, std::size_t first,
+                        PlannedMotion& out);
+  double quickest_alone(std::size_t k, const Move& move) const;
+  double alone(std::size_t k, Move move);
+  double cost(std::size_t from, std::size_t to, std::span<const Move> moves);
+  std::optional<CornerStop> costliest(std::span<const Move> moves);
+  bool can_stop_at(std::size_t k, std::span<const Move> moves, std::size_t first);
 
   bool hits_nothing(const RobotPlace& from, Move move);
 
@@ -73,8 +94,15 @@ class MotionPlanner {
   CollisionModel collision_;
   PathTiming timing_;
   std::vector<motion::AxisLimits> limits_;
+  double shared_velocity_;
   PoseBT X_near_;
   PlannedPath scratch_;
+
+  // Of the motion at hand, whose moves k counts.
+  TimeLaw scratch_law_;
+  std::vector<RobotPlace> corners_;            ///< where each begins, and the last one ends
+  std::vector<double> section_times_, alone_;  ///< s, in the motion and from stop to stop
+  std::vector<bool> needed_;                   ///< blends at their ends without which nothing goes
 };
 
 }  // namespace sinew::planning

@@ -161,7 +161,7 @@ std::optional<PathFault> first_hexapod_refusal(const ToolSpace& space, const Joi
 }
 
 SlowestPlace slowest_place(const JointPath& path, PieceRange pieces, std::span<const Joint> joints,
-                           double joint_share) {
+                           double joint_share, double shared_velocity) {
   SlowestPlace slowest{path.begin(pieces.first), std::numeric_limits<double>::infinity(), 0};
   for (std::size_t i = pieces.first; i < pieces.last; ++i) {
     const double h = path.begin(i + 1) - path.begin(i);
@@ -170,11 +170,13 @@ SlowestPlace slowest_place(const JointPath& path, PieceRange pieces, std::span<c
       path.sample_piece(i, share * h, at);
       // Of its square, which needs one root in the end; a joint that stays allows anything.
       double square = std::numeric_limits<double>::infinity();
+      double speeds = 0;
       for (std::size_t j = 0; j < joints.size(); ++j) {
         const double rate = joint_share * joints[j].velocity_max / at.dq[j];
+        speeds += std::abs(at.dq[j]);
         square = std::min({square, rate * rate, joints[j].acceleration_max / std::abs(at.ddq[j])});
       }
-      const double rate = std::sqrt(square);
+      const double rate = std::min(std::sqrt(square), joint_share * shared_velocity / speeds);
       slowest.rate_elsewhere = std::max(slowest.rate_elsewhere, rate);
       if (rate >= slowest.rate) continue;
       slowest.rate = rate;

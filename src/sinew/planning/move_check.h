@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <limits>
 #include <optional>
 #include <span>
 
@@ -41,9 +42,10 @@ struct SlowestPlace {
   double rate_elsewhere = 0;  ///< the greatest that they allow anywhere on these pieces
 };
 
-/// By the joints' velocities (times `joint_share`) and what q'' asks of their accelerations, looked
-/// at in three places of each piece. @rt
+/// By the joints' velocities, each and all together (times `joint_share`), and what q'' asks of
+/// their accelerations, looked at in three places of each piece. @rt
 SlowestPlace slowest_place(const JointPath& path, PieceRange pieces, std::span<const Joint> joints,
-                           double joint_share);
+                           double joint_share,
+                           double shared_velocity = std::numeric_limits<double>::infinity());
 
 }  // namespace sinew::planning

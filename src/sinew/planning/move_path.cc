@@ -316,8 +316,8 @@ std::optional<PathRefusal> MovePathBuilder::check(const Leg& leg) {
 
 std::optional<PathRefusal> MovePathBuilder::check_speed(Leg& leg, const Move& move) {
   const JointPath& path = laid();
-  const SlowestPlace slowest =
-      slowest_place(path, {0, path.size()}, space_.joints(), move.joint_share);
+  const SlowestPlace slowest = slowest_place(path, {0, path.size()}, space_.joints(),
+                                             move.joint_share, space_.shared_velocity());
   const double usual = std::min(move.tool_speed, slowest.rate_elsewhere);
   const bool asked = std::isfinite(move.tool_speed);
   const double creep =

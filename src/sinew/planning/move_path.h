@@ -81,6 +81,8 @@ class MovePathBuilder {
 
   /// The corners that the last build() rounded.
   std::span<const Blend> blends() const { return blends_; }
+  /// Where the last build()'s move `k` begins, counted from its first, blends aside.
+  const RobotPlace& corner_before(std::size_t k) const { return legs_[k].from; }
 
  private:
   /// One move on its way into the path.

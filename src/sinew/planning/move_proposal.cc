@@ -6,9 +6,42 @@
 namespace sinew::planning {
 namespace {
 
+/// Where a move ends that can be made; nothing where it cannot.
+std::optional<RobotPlace> end_of(MovePathBuilder& builder, const RobotPlace& from, const Move& move,
+                                 PlannedPath& scratch) {
+  const auto stretch = builder.build(from, std::span(&move, 1), 0, scratch);
+  return stretch ? std::optional(stretch->end) : std::nullopt;
+}
+
 bool works(MovePathBuilder& builder, const RobotPlace& from, const Move& move,
            PlannedPath& scratch) {
-  return builder.build(from, std::span(&move, 1), 0, scratch).has_value();
+  return end_of(builder, from, move, scratch).has_value();
+}
+
+/// The same move with another orientation at its end.
+Move turned(Move move, const PoseBT& X_BT) {
+  const ToolTarget target{X_BT, Asked::kPose};
+  if (auto* to = std::get_if<MoveTo>(&move.way)) to->to = target;
+  if (auto* line = std::get_if<MoveL>(&move.way)) line->to = target;
+  if (auto* arc = std::get_if<MoveC>(&move.way)) arc->to = target;
+  return move;
+}
+
+/// A line that cannot be gone to its end, up to where it can.
+std::optional<MoveProposal::Part> find_part(MovePathBuilder& builder, const ToolSpace& space,
+                                            const PathRefusal& refusal, const Move& move,
+                                            const MoveWay& way, PlannedPath& scratch) {
+  constexpr double kFirst = 1e-3;  // m before the refused place, then twice as far again and again
+  for (double before = kFirst; before < refusal.place.at; before *= 2) {
+    const double length = refusal.place.at - before;
+    const PoseBT X_BT = space.pose(way.point_at(length), refusal.from.X_BT.R);
+    const Asked asked = space.task() == TaskSpace::kPoint ? Asked::kPoint : Asked::kPose;
+    Move shorter = move;
+    shorter.way = MoveL{{X_BT, asked}};
+    const auto end = end_of(builder, refusal.from, shorter, scratch);
+    if (end) return MoveProposal::Part{length, end->X_BT};
+  }
+  return std::nullopt;
 }
 
 /// X with its tool tilted by `tilt` in the vertical plane through the base axis and the tool.
@@ -29,7 +62,9 @@ std::optional<MoveProposal::Tilted> find_tilt(MovePathBuilder& builder, const To
       const double tilt = sign * i * kStep;
       const PoseBT X_tilted = tilted(X_BT, tilt);
       const Move line{.way = MoveL{{X_tilted, asked}}};
-      if (works(builder, from, line, scratch)) return MoveProposal::Tilted{tilt, X_tilted};
+      if (const auto end = end_of(builder, from, line, scratch)) {
+        return MoveProposal::Tilted{tilt, end->X_BT};
+      }
     }
   }
   return std::nullopt;
@@ -40,10 +75,14 @@ std::optional<MoveProposal::Tilted> find_tilt(MovePathBuilder& builder, const To
 MoveProposal propose(MovePathBuilder& builder, const ToolSpace& space, const PathRefusal& refusal,
                      std::span<const Move> moves, PlannedPath& scratch) {
   MoveProposal proposal;
-  proposal.nearest = refusal.nearest;
   Move move = moves[refusal.place.move];
   move.blend_radius = 0;
   move.blend_joints = 0;
+  // The orientation alone may not be all that is wrong.
+  const auto& nearest = refusal.nearest;
+  if (nearest && works(builder, refusal.from, turned(move, nearest->X_BT), scratch)) {
+    proposal.nearest = nearest;
+  }
   MoveWay way(space);
   if (refusal.error.code == ErrorCode::kMoveInput || way.make(move, refusal.from) ||
       way.straight_in_joints() || way.length() == 0) {
@@ -51,6 +90,10 @@ MoveProposal propose(MovePathBuilder& builder, const ToolSpace& space, const Pat
   }
   const RobotPlace& from = refusal.from;
   const TaskPoint end = way.point_at(way.length());
+  if (const auto q = space.inverse_near(end, from.q); !q) proposal.at_target = q.error();
+  if (std::holds_alternative<MoveL>(move.way)) {
+    proposal.part = find_part(builder, space, refusal, move, way, scratch);
+  }
   for (const JointArray& q : space.branches(end, from.q)) {
     if (!works(builder, from, {.way = MoveJ{q}}, scratch)) continue;
     proposal.move_j = q;

@@ -13,8 +13,19 @@ constexpr double kJointWay = 0.01;
 /// Pieces in which a joint move's tool way is measured.
 constexpr int kWayParts = 32;
 
-bool is_finite(const Vec3& v) {
-  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+/// No robot is as large as this, m, and no joint turns as far, rad (a leg: m).
+constexpr double kFarAway = 1e3;
+constexpr double kFarTurn = 1e3;
+/// What a sweep over a path can tell from standing.
+constexpr double kToolMin = 1e-6;  // m/s, m/s^2
+constexpr double kShareMin = 1e-3;
+
+/// The one of its numbers that cannot be, or is too far away.
+std::optional<double> far_away(const Vec3& v) {
+  for (const double x : {v.x, v.y, v.z}) {
+    if (!(std::abs(x) <= kFarAway)) return x;
+  }
+  return std::nullopt;
 }
 
 bool is_rotation(const Rotation& R) {
@@ -24,18 +35,25 @@ bool is_rotation(const Rotation& R) {
          norm(cross(R.x, R.y) - R.z) <= kRounding;
 }
 
-bool is_valid(const ToolTarget& target) {
-  return is_finite(target.X_BT.p) && (target.asked == Asked::kPoint || is_rotation(target.X_BT.R));
+MoveFault bad_input(double measured = 0, double limit = 0) {
+  return {{ErrorCode::kMoveInput, -1, measured, limit}, {}};
+}
+
+std::optional<MoveFault> fault_in(const ToolTarget& target) {
+  if (const auto x = far_away(target.X_BT.p)) return bad_input(*x, kFarAway);
+  if (target.asked != Asked::kPoint && !is_rotation(target.X_BT.R)) return bad_input();
+  return std::nullopt;
 }
 
 /// Written so that what is no number fails.
-bool is_valid(const Move& move) {
-  return move.tool_speed > 0 && move.tool_acceleration > 0 && move.joint_share > 0 &&
-         move.joint_share <= 1 && move.blend_radius >= 0 && move.blend_joints >= 0;
-}
-
-MoveFault bad_input() {
-  return {{.code = ErrorCode::kMoveInput}, {}};
+std::optional<MoveFault> fault_in(const Move& move) {
+  if (!(move.tool_speed >= kToolMin)) return bad_input(move.tool_speed, kToolMin);
+  if (!(move.tool_acceleration >= kToolMin)) return bad_input(move.tool_acceleration, kToolMin);
+  if (!(move.joint_share >= kShareMin)) return bad_input(move.joint_share, kShareMin);
+  if (!(move.joint_share <= 1)) return bad_input(move.joint_share, 1);
+  if (!(move.blend_radius >= 0)) return bad_input(move.blend_radius, 0);
+  if (!(move.blend_joints >= 0)) return bad_input(move.blend_joints, 0);
+  return std::nullopt;
 }
 
 /// R turned the shortest way so that its z axis is `z`.
@@ -52,7 +70,7 @@ Rotation turned_to(const Rotation& R, const Vec3& z) {
 std::expected<TaskPoint, MoveFault> MoveWay::resolve(const ToolTarget& target,
                                                      const RobotPlace& from,
                                                      const TaskPoint& last) const {
-  if (!is_valid(target)) return std::unexpected(bad_input());
+  if (const auto fault = fault_in(target)) return std::unexpected(*fault);
   TaskPoint kept = last;
   kept.p_BT = target.X_BT.p;
   const TaskSpace task = space_.task();
@@ -76,7 +94,7 @@ std::expected<TaskPoint, MoveFault> MoveWay::resolve(const ToolTarget& target,
 }
 
 std::optional<MoveFault> MoveWay::make(const Move& move, const RobotPlace& from) {
-  if (!is_valid(move)) return bad_input();
+  if (const auto fault = fault_in(move)) return fault;
   q_from_ = from.q;
   X_from_ = from.X_BT;
   const auto* joints = std::get_if<MoveJ>(&move.way);
@@ -101,7 +119,14 @@ std::optional<MoveFault> MoveWay::make_joints(const JointArray& q, const RobotPl
   q_to_ = {};
   double largest = 0;
   for (std::size_t j = 0; j < space_.size(); ++j) {
-    if (!std::isfinite(q[j])) return bad_input();
+    if (!std::isfinite(q[j])) return bad_input(q[j], kFarTurn);
+    if (std::abs(q[j]) > kFarTurn) {
+      const Joint& joint = space_.joints()[j];
+      const bool leg = joint.kind == JointKind::kPrismatic;
+      return MoveFault{{leg ? ErrorCode::kLegLength : ErrorCode::kJointLimit,
+                        static_cast<std::int8_t>(j), q[j], q[j] < 0 ? joint.lower : joint.upper},
+                       {}};
+    }
     q_to_[j] = q[j];
     largest = std::max(largest, std::abs(q_to_[j] - from.q[j]));
   }
@@ -135,7 +160,7 @@ std::optional<MoveFault> MoveWay::make_tool(const Move& move, const RobotPlace& 
     if (!to) return fault_of(to);
     tool_.make_line(begin, *to);
   } else if (const auto* arc = std::get_if<MoveC>(&move.way)) {
-    if (!is_finite(arc->p_via_BT)) return bad_input();
+    if (const auto x = far_away(arc->p_via_BT)) return bad_input(*x, kFarAway);
     const auto to = resolve(arc->to, from, begin);
     if (!to) return fault_of(to);
     if (const auto error = tool_.make_arc(begin, arc->p_via_BT, *to)) return MoveFault{*error, {}};

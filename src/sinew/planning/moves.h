@@ -54,9 +54,9 @@ struct MoveSpline {
 /// end and join the next one as far behind it; without one the robot comes to a stop there.
 struct Move {
   std::variant<MoveJ, MoveTo, MoveL, MoveC, MoveSpline> way;
-  double tool_speed = std::numeric_limits<double>::infinity();         ///< m/s, > 0
-  double tool_acceleration = std::numeric_limits<double>::infinity();  ///< m/s^2, > 0
-  double joint_share = 1;  ///< of the joints' velocity limits, (0, 1]
+  double tool_speed = std::numeric_limits<double>::infinity();         ///< m/s, >= 1e-6
+  double tool_acceleration = std::numeric_limits<double>::infinity();  ///< m/s^2, >= 1e-6
+  double joint_share = 1;  ///< of the joints' velocity limits, [1e-3, 1]
   /// The tool comes no farther from the corner than this while it rounds it, m; 0: a stop.
   double blend_radius = 0;
   /// The same said of the joints (rad, or m for legs); where both are given both hold.

@@ -13,7 +13,8 @@ struct Load {
   const PlannedPath& path;
   std::span<const motion::AxisLimits> limits;
   double feed;
-  PathLoad worst;
+  double shared_velocity;
+  PathLoad worst{};
   std::size_t section = 0;
 
   void add(std::size_t piece, const PathState& state, double jerk) {
@@ -23,15 +24,18 @@ struct Load {
                              std::clamp(state.s, begin, path.joints.begin(piece + 1)) - begin, at);
     const auto raise = [](double& value, double other) { value = std::max(value, other); };
     const auto& [s, v, a] = state;
+    const double share = std::min(1.0, path.sections[section].joint_share * feed);
+    double speeds = 0;
     for (std::size_t j = 0; j < limits.size(); ++j) {
       const double qd = at.dq[j] * v;
       const double qdd = at.ddq[j] * v * v + at.dq[j] * a;
       const double qddd = at.dddq[j] * v * v * v + 3 * at.ddq[j] * v * a + at.dq[j] * jerk;
-      const double share = std::min(1.0, path.sections[section].joint_share * feed);
+      speeds += std::abs(qd);
       raise(worst.velocity[j], std::abs(qd) / (share * limits[j].velocity));
       raise(worst.acceleration[j], std::abs(qdd) / limits[j].acceleration);
       raise(worst.jerk[j], std::abs(qddd) / limits[j].jerk);
     }
+    raise(worst.shared, speeds / (share * shared_velocity));
     const PathSection& asked = path.sections[section];
     const ToolRate& tool = path.tool[piece];
     raise(worst.tool_speed, tool.speed * v / (asked.tool_speed * feed));
@@ -43,7 +47,7 @@ struct Load {
 }  // namespace
 
 double PathLoad::worst() const {
-  double result = std::max(tool_speed, tool_acceleration);
+  double result = std::max({tool_speed, tool_acceleration, shared});
   for (std::size_t j = 0; j < kMaxJoints; ++j) {
     result = std::max({result, velocity[j], acceleration[j], jerk[j]});
   }
@@ -51,8 +55,9 @@ double PathLoad::worst() const {
 }
 
 PathLoad check(const PlannedPath& path, const TimeLaw& law,
-               std::span<const motion::AxisLimits> limits, double feed, int samples) {
-  Load load{path, limits, feed, {}};
+               std::span<const motion::AxisLimits> limits, double feed, int samples,
+               double shared_velocity) {
+  Load load{path, limits, feed, shared_velocity};
   const auto phases = law.phases();
   const auto section_at = [&](double s) {
     std::size_t i = 0;

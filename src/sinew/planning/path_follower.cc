@@ -7,31 +7,48 @@
 #include "sinew/core/assert.h"
 
 namespace sinew::planning {
+namespace {
+
+double feed_that_counts(double feed) {
+  return feed < PathFollower::kFeedMin ? 0 : std::min(feed, PathFollower::kFeedMax);
+}
+
+}  // namespace
 
 PathFollower::PathFollower(std::size_t cells_max)
     : timing_(cells_max), law_(timing_.phases_max()), next_(timing_.phases_max()) {}
 
 std::optional<Error> PathFollower::start(const PlannedPath& path,
-                                         std::span<const motion::AxisLimits> limits, double feed) {
-  path_ = nullptr;
-  if (const auto error = timing_.prepare(path, limits, kFeedMax, LawUse::kChangeable)) return error;
+                                         std::span<const motion::AxisLimits> limits, double feed,
+                                         double shared_velocity) {
   if (!std::isfinite(feed)) return Error{ErrorCode::kMotionInput, -1, feed, kFeedMax};
+  path_ = nullptr;
+  if (const auto error =
+          timing_.prepare(path, limits, kFeedMax, LawUse::kChangeable, shared_velocity)) {
+    return error;
+  }
   path_ = &path;
   state_ = {};
   law_.clear();
   t_ = 0;
   piece_ = 0;
-  paused_ = stopped_ = false;
-  feed_ = std::clamp(feed, 0.0, kFeedMax);
-  const auto error = replan();
+  paused_ = stopped_ = waits_ = false;
+  feed_ = feed_that_counts(feed);
+  if (feed_ > 0) {
+    if (const auto error = try_plan(false)) {
+      path_ = nullptr;
+      return error;
+    }
+  }
   step(0);
-  return error;
+  return {};
 }
 
 const JointMotion& PathFollower::step(double dt) {
   SINEW_ASSERT(path_ != nullptr && dt >= 0);
   t_ += dt;
   state_ = law_.sample(t_);
+  if (waits_) replan();
   sample_motion(*path_, state_, law_.jerk(t_), piece_, now_);
   return now_;
 }
@@ -40,43 +57,48 @@ PathProgress PathFollower::progress() const {
   return path_ == nullptr ? PathProgress{} : Trajectory::progress_at(*path_, state_.s);
 }
 
-std::optional<Error> PathFollower::replan() {
-  const bool rest = paused_ || stopped_ || !(feed_ > 0);
-  const auto error = rest ? timing_.stop(state_, next_) : timing_.plan(state_, feed_, next_);
+std::optional<Error> PathFollower::try_plan(bool rest) {
+  const auto error = rest ? timing_.stop(law_, t_, next_) : timing_.plan(state_, feed_, next_);
   if (error) return error;
   std::swap(law_, next_);
   t_ = 0;
   return {};
 }
 
+void PathFollower::replan() {
+  const bool rest = paused_ || stopped_ || !(feed_ > 0);
+  const bool brakes = std::exchange(waits_, try_plan(rest).has_value());
+  if (waits_ && !brakes) static_cast<void>(try_plan(true));
+}
+
 std::optional<Error> PathFollower::set_feed(double feed) {
   if (!std::isfinite(feed)) return Error{ErrorCode::kMotionInput, -1, feed, kFeedMax};
-  feed = std::clamp(feed, 0.0, kFeedMax);
+  feed = feed_that_counts(feed);
   const double before = std::exchange(feed_, feed);
-  if (path_ == nullptr || stopped_ || paused_ || feed == before) return {};
-  return replan();
+  if (path_ != nullptr && !stopped_ && !paused_ && feed != before) replan();
+  return {};
 }
 
-std::optional<Error> PathFollower::pause() {
-  if (path_ == nullptr || paused_ || stopped_) return {};
+void PathFollower::pause() {
+  if (path_ == nullptr || paused_ || stopped_) return;
   paused_ = true;
-  return replan();
+  replan();
 }
 
-std::optional<Error> PathFollower::resume() {
-  if (path_ == nullptr || !paused_ || stopped_) return {};
+void PathFollower::resume() {
+  if (path_ == nullptr || !paused_ || stopped_) return;
   paused_ = false;
-  return replan();
+  replan();
 }
 
-std::optional<Error> PathFollower::stop() {
-  if (path_ == nullptr || stopped_) return {};
+void PathFollower::stop() {
+  if (path_ == nullptr || stopped_) return;
   stopped_ = true;
-  return paused_ ? std::optional<Error>{} : replan();
+  if (!paused_ || waits_) replan();
 }
 
 bool PathFollower::at_rest() const {
-  return path_ == nullptr || (state_.v == 0 && state_.a == 0 && t_ >= law_.duration()) ||
+  return path_ == nullptr || (!waits_ && state_.v == 0 && state_.a == 0 && t_ >= law_.duration()) ||
          law_.size() == 0;
 }
 

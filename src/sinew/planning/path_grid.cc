@@ -14,6 +14,7 @@ constexpr double kBendShare = 0.75;  // of an acceleration, for q'' v^2
 constexpr double kTwistShare = 0.4;  // of a jerk, for q''' v^3
 constexpr double kCrossShare = 0.5;  // of what is left of a jerk, for 3 q'' v a
 constexpr double kLittle = 0.1;
+constexpr double kSame = 1e-9;
 constexpr double kSpeedReserve = 1.5;   // how much quicker a refined cell may become
 constexpr std::size_t kSplitsMax = 5;   // halvings of a piece
 constexpr double kSplitGain = 1.25;     // a half that may be so much quicker is worth a cell
@@ -28,6 +29,7 @@ constexpr double kFastestJerk = 1e10;
 /// Upper bounds within one cell, as shares of the limits per v, v^2 (or a), v^3 (or v a, or u).
 struct PathGrid::Bounds {
   JointArray v1, a1, a2, j1, j2, j3;
+  double shared = 0;  ///< of what all joints share, per v
   double tool1 = 0, tool2 = 0;
 };
 
@@ -40,7 +42,9 @@ void PathGrid::bound(const PathCell& cell, double end, Bounds& out) const {
   const double from = path_->joints.begin(i);
   PathPoint d;
   path_->joints.bound_piece(i, cell.begin - from, end - from, d);
+  out.shared = 0;
   for (std::size_t j = 0; j < kMaxJoints; ++j) {
+    out.shared += d.dq[j] * per_shared_;
     out.v1[j] = d.dq[j] * per_velocity_[j];
     out.a1[j] = d.dq[j] * per_acceleration_[j];
     out.a2[j] = d.ddq[j] * per_acceleration_[j];
@@ -61,6 +65,11 @@ void PathGrid::box(const Bounds& bounds, PathCell& cell) const {
   const std::size_t quick = largest(bounds.v1);
   cell.velocity_joint = static_cast<std::int8_t>(quick);
   cell.v_joints = std::min(kFastest, 1 / bounds.v1[quick]);
+  // One joint alone may have the wire's whole speed as its own limit.
+  if (bounds.shared * (1 + kSame) >= bounds.v1[quick]) {
+    cell.velocity_joint = -1;
+    cell.v_joints = std::min(cell.v_joints, 1 / bounds.shared);
+  }
   const PathSection& section = path_->sections[cell.section];
   const double speed = path_->tool[cell.piece].speed;
   cell.v_tool = speed > 0 ? section.tool_speed / speed : kFastest;
@@ -157,13 +166,15 @@ void PathGrid::append(PathCell cell, double end, std::size_t depth, std::size_t 
   cells_.push_back(cell);
 }
 
-bool PathGrid::build(const PlannedPath& path, std::span<const motion::AxisLimits> limits) {
+bool PathGrid::build(const PlannedPath& path, std::span<const motion::AxisLimits> limits,
+                     double shared_velocity) {
   path_ = &path;
   cells_.clear();
   curved_ = false;
   length_ = path.joints.length();
   cell_length_max_ = length_ / kCurvedCellsMin;
   per_velocity_ = per_acceleration_ = per_jerk_ = {};
+  per_shared_ = 1 / shared_velocity;
   for (std::size_t j = 0; j < limits.size(); ++j) {
     per_velocity_[j] = 1 / limits[j].velocity;
     per_acceleration_[j] = 1 / limits[j].acceleration;
@@ -216,10 +227,13 @@ void PathGrid::refine(std::span<const double> speeds) {
 
 void PathGrid::set_feed(double feed) {
   feed_ = feed;
-  for (PathCell& cell : cells_) {
-    cell.v = std::min({cell.v_joints * std::min(1.0, cell.share * feed), cell.v_tool * feed,
-                       cell.v_shape, kFastest});
-  }
+  for (std::size_t i = 0; i < size(); ++i) cells_[i].v = speed_at(i, feed);
+}
+
+double PathGrid::speed_at(std::size_t i, double feed) const {
+  const PathCell& cell = cells_[i];
+  return std::min({cell.v_joints * std::min(1.0, cell.share * feed), cell.v_tool * feed,
+                   cell.v_shape, kFastest});
 }
 
 std::size_t PathGrid::cell_at(double s) const {
@@ -233,11 +247,11 @@ PathLimit PathGrid::speed_limit(std::size_t i) const {
   const PathCell& cell = cells_[i];
   if (cell.v >= cell.v_shape) return cell.shape;
   const double share = cell.share * feed_;
-  if (cell.v >= cell.v_joints) return {LimitKind::kJointVelocity, cell.velocity_joint};
+  const PathLimit joints{cell.velocity_joint < 0 ? LimitKind::kWire : LimitKind::kJointVelocity,
+                         cell.velocity_joint};
+  if (cell.v >= cell.v_joints) return joints;
   if (feed_ < 1) return {LimitKind::kFeed, -1};
-  if (cell.v >= cell.v_joints * share) {
-    return {LimitKind::kJointVelocity, cell.velocity_joint};
-  }
+  if (cell.v >= cell.v_joints * share) return joints;
   return {LimitKind::kToolSpeed, -1};
 }
 

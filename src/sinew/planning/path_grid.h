@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -19,6 +20,7 @@ enum class LimitKind : std::uint8_t {
   kToolSpeed,         ///< asked for
   kToolAcceleration,  ///< asked for
   kFeed,              ///< the tool speed or the joints' share was asked for, and scaled down
+  kWire,              ///< what it carries for all joints together
 };
 
 struct PathLimit {
@@ -31,7 +33,7 @@ struct PathLimit {
 /// any jerk up to +-`u`, together and everywhere, without any joint or the tool beyond its limits.
 struct PathCell {
   double begin = 0;     ///< s
-  double v_joints = 0;  ///< what the joints' velocities allow
+  double v_joints = 0;  ///< what the joints' velocities allow, each and all together
   double v_tool = 0;    ///< what was asked for, at feed 1
   double v_shape = 0;   ///< what the bends of the path allow
   double v = 0;         ///< the least of the three at the present feed
@@ -40,7 +42,7 @@ struct PathCell {
   double share = 1;  ///< of the joints' velocities, asked for
   std::uint32_t piece = 0;
   std::uint32_t section = 0;
-  std::int8_t velocity_joint = -1;
+  std::int8_t velocity_joint = -1;  ///< -1: all together
   std::int8_t jerk_joint = -1;
   PathLimit shape;
   PathLimit acceleration;
@@ -51,20 +53,25 @@ struct PathCell {
 /// Within a cell |q'|, |q''|, |q'''| have rigorous upper bounds d1, d2, d3, and the cell's numbers
 /// satisfy, for each joint with the limits V, A, J:
 ///   d1 v <= V,   d2 v^2 + d1 a <= A,   d3 v^3 + 3 d2 v a + d1 u <= J
-/// and the same of the tool. These are the terms of qd = q' s', qdd = q'' s'^2 + q' s'' and
-/// qddd = q''' s'^3 + 3 q'' s' s'' + q' s''', each with its worst sign. So a motion inside the
-/// cells holds the limits at every instant and not only where somebody looks.
+/// and the same of the tool; the sum of all d1 v is at most what the joints share. These are the
+/// terms of qd = q' s', qdd = q'' s'^2 + q' s'' and qddd = q''' s'^3 + 3 q'' s' s'' + q' s''', each
+/// with its worst sign. So a motion inside the cells holds the limits at every instant and not only
+/// where somebody looks.
 class PathGrid {
  public:
   explicit PathGrid(std::size_t capacity);
 
+  /// @param shared_velocity  the sum of the joints' speeds at most.
   /// @return false: more pieces than cells. The path outlives the grid's use.
-  bool build(const PlannedPath& path, std::span<const motion::AxisLimits> limits);
+  bool build(const PlannedPath& path, std::span<const motion::AxisLimits> limits,
+             double shared_velocity = std::numeric_limits<double>::infinity());
   /// Once it is known how quick each cell is passed (one number a cell): what the speed does not
   /// need is given to acceleration and jerk.
   void refine(std::span<const double> speeds);
   /// Sets every cell's `v`.
   void set_feed(double feed);
+  /// What `v` of cell `i` is at a feed.
+  double speed_at(std::size_t i, double feed) const;
 
   /// Whether some cell is not straight in joint space, so that speed costs acceleration.
   bool curved() const { return curved_; }
@@ -93,6 +100,7 @@ class PathGrid {
   double cell_length_max_ = 0;
   // One over the joints' limits, 0 for lanes without a joint.
   JointArray per_velocity_{}, per_acceleration_{}, per_jerk_{};
+  double per_shared_ = 0;
   std::vector<PathCell> cells_;
 };
 

@@ -19,6 +19,8 @@ constexpr double kBreakAcceleration = 1e-3;
 // Of the speed and braking before: what is left of them at the end of a path is rounding.
 constexpr double kAtRest = 1e-3;
 constexpr double kOnLimit = 1 + 1e-9;
+constexpr double kSlowest = 1e-12;  // of a cell's speed, acceleration and jerk
+constexpr double kNoSpeed = 1e-9;   // of a cell's: below 0 by so much is rounding
 constexpr double kSlides = 0.9;     // of a cell's speed: it is what binds
 constexpr double kInstant = 1e-13;  // s; shorter is rounding
 
@@ -68,10 +70,11 @@ PathTiming::PathTiming(std::size_t cells_max)
 
 std::optional<Error> PathTiming::prepare(const PlannedPath& path,
                                          std::span<const motion::AxisLimits> limits, double feed,
-                                         LawUse use) {
+                                         LawUse use, double shared_velocity) {
   const auto good = [](double x) { return std::isfinite(x) && x > 0; };
   if (limits.size() != path.joints.joints() || path.joints.empty() ||
-      path.tool.size() != path.joints.size() || path.sections.empty() || !good(feed)) {
+      path.tool.size() != path.joints.size() || path.sections.empty() || !good(feed) ||
+      !(shared_velocity > 0)) {
     return bad_input(-1);
   }
   for (std::size_t j = 0; j < limits.size(); ++j) {
@@ -88,20 +91,24 @@ std::optional<Error> PathTiming::prepare(const PlannedPath& path,
     return Error{ErrorCode::kProgramTooLong, -1, static_cast<double>(path.sections.size()),
                  static_cast<double>(kSectionsMax)};
   }
-  if (!grid_.build(path, limits)) {
+  if (!grid_.build(path, limits, shared_velocity)) {
     return Error{ErrorCode::kProgramTooLong, -1, static_cast<double>(path.joints.size()),
                  static_cast<double>(grid_.capacity())};
   }
   for (std::size_t i = 0; i < grid_.size(); ++i) {
     const PathCell& cell = grid_[i];
-    if (!(cell.v_joints > 0 && cell.v_shape > 0 && cell.a > 0 && cell.u > 0)) return bad_input(-1);
+    for (const double x : {cell.v_joints * cell.share, cell.v_tool, cell.v_shape, cell.a, cell.u}) {
+      if (!(x >= kSlowest)) return bad_input(-1, x, kSlowest);
+    }
   }
-  feed_max_ = feed;
+  feed_max_ = feed_given_ = feed_most_ = ceiling_ = feed;
+  quick_until_ = -1;
   grid_.set_feed(feed);
   limit_times_.resize(path.sections.size());
   use_ = use;
   refined_ = false;
-  const bool curve = use == LawUse::kQuickest && grid_.curved() && curve_.prepare(path, limits);
+  const bool curve =
+      use == LawUse::kQuickest && grid_.curved() && curve_.prepare(path, limits, shared_velocity);
   if (!curve) curve_.clear();
   if (use == LawUse::kChangeable) refine();
   return {};
@@ -139,8 +146,7 @@ void PathTiming::refine() {
   if (grid_.feed() != feed_max_) grid_.set_feed(feed_max_);
   draft_.clear();
   begin_law({}, draft_);
-  sweep_back(0);
-  static_cast<void>(go({}, draft_));
+  if (sweep_back(0)) static_cast<void>(go({}, draft_));
   grid_.refine(speeds_);
 }
 
@@ -150,6 +156,26 @@ void PathTiming::begin_law(const PathState& start, TimeLaw& out) {
   speeds_.assign(grid_.size(), 0);
   cell_ = grid_.cell_at(start.s);
   std::fill(limit_times_.begin(), limit_times_.end(), LimitTimes{});
+}
+
+/// How long a stretch takes as the next one of `out`: at steady speed its way tells that, so that
+/// nothing jumps at its end.
+double PathTiming::exact_duration(const Stretch& stretch, const TimeLaw& out) {
+  const auto phases = out.phases();
+  const bool same = !phases.empty() && phases.back().jerk == stretch.jerk;
+  const PathState& begin = same ? phases.back().state : out.end();
+  const double gone = same ? out.duration() - phases.back().t : 0;
+  double duration = stretch.duration;
+  if (stretch.jerk == 0 && begin.a == 0 && begin.v > 0) {
+    duration = (stretch.to.s - begin.s) / begin.v - gone;
+  }
+  const double off = std::abs(duration - stretch.duration);
+  return off <= kBreakAcceleration * (gone + stretch.duration) ? duration : stretch.duration;
+}
+
+/// Puts the end of `out` to a state that it has come to but for rounding.
+void PathTiming::put(const PathState& state, TimeLaw& out) {
+  state.v == 0 && state.a == 0 ? out.end_at_rest(state.s) : out.append(0, 0, state);
 }
 
 void PathTiming::emit(const Stretch& stretch, TimeLaw& out) {
@@ -162,9 +188,13 @@ void PathTiming::emit(const Stretch& stretch, TimeLaw& out) {
   };
   unbroken_ =
       unbroken_ && stretch.to.v >= 0 && same(stretch.from, out.end()) && same(end, stretch.to);
+  if (!out.has_room(1)) {
+    unbroken_ = false;
+    return;
+  }
   // What takes no time but for rounding is no phase.
-  if (!(stretch.duration > kInstant)) return out.append(0, 0, stretch.to);
-  out.append(stretch.jerk, stretch.duration, stretch.to);
+  if (!(stretch.duration > kInstant)) return put(stretch.to, out);
+  out.append(stretch.jerk, exact_duration(stretch, out), stretch.to);
   const double middle = stretch.from.s + (stretch.to.s - stretch.from.s) / 2;
   while (cell_ + 1 < grid_.size() && grid_.begin(cell_ + 1) <= middle) ++cell_;
   speeds_[cell_] = std::max({speeds_[cell_], stretch.from.v, stretch.to.v});
@@ -189,12 +219,25 @@ LimitTimes PathTiming::limit_times() const {
   return all;
 }
 
-void PathTiming::sweep_back(double to) {
+/// For one more step of a sweep, of which there were `steps`: a step comes by a cell, but for a
+/// few.
+bool PathTiming::has_room(const std::vector<Stretch>& stretches, std::size_t cell,
+                          std::size_t steps) const {
+  constexpr std::size_t kStretchesPerStep = 16;
+  return stretches.size() + grid_.size() - cell + kStretchesPerStep <= stretches.capacity() &&
+         steps <= kStretchesPerCell * grid_.size() + kStretchesPerStep;
+}
+
+/// @return false: not in as many steps as there may be
+bool PathTiming::sweep_back(double to) {
   down_.clear();
   const UpSweep sweep(grid_, false);
   const double end = grid_.length() - to;
   SweepState at;
-  while (at.cell < grid_.size() && at.state.s <= end) sweep.step(at, down_);
+  for (std::size_t steps = 0; at.cell < grid_.size() && at.state.s <= end; ++steps) {
+    if (!has_room(down_, at.cell, steps)) return false;
+    sweep.step(at, down_);
+  }
   const double length = grid_.length();
   std::reverse(down_.begin(), down_.end());
   // Borders of cells are the same number in both directions: L - (L - s) is not always s.
@@ -211,6 +254,7 @@ void PathTiming::sweep_back(double to) {
     stretch.from = forwards(back.to);
     stretch.to = forwards(back.from);
   }
+  return !down_.empty();
 }
 
 std::size_t PathTiming::down_stretch(double s) const {
@@ -284,11 +328,14 @@ PathTiming::Meeting PathTiming::meet(SweepState from, double sign, Target target
     return Meeting{true, at_once, down_at(down, own.s, target).v - own.v, own, down};
   };
   if (meets(x)) return meeting_at(x, true);
+  // A leg ends at a border, or where it turns or stops.
+  std::size_t legs = 3 * (grid_.size() + down_.size()) + 8;
   for (; from.cell < grid_.size(); ++from.cell) {
     const double jerk = sign * grid_[from.cell].u;
     const double cell_end = grid_.begin(from.cell + 1);
     braking = std::max(braking, -x.a);
     while (x.s < cell_end) {
+      if (legs-- == 0 || (way != nullptr && way->size() + 1 > way->capacity())) return {};
       const bool down_first = target == Target::kDown && down_[down].to.s <= cell_end;
       const double end = down_first ? down_[down].to.s : cell_end;
       const PathState turned = advanced(x, jerk, -x.a / jerk);
@@ -305,6 +352,12 @@ PathTiming::Meeting PathTiming::meet(SweepState from, double sign, Target target
         return meeting_at(there, false);
       }
       if (way != nullptr) way->push_back(own);
+      const std::size_t next = from.cell + 1;
+      // Too quick for a narrow cell: no way to what lies behind it.
+      if (sign > 0 && own.to.s >= cell_end && next < grid_.size() &&
+          own.to.v > grid_.speed_at(next, ceiling_) * kOnLimit) {
+        return {};
+      }
       if (stops) return meeting_at(own.to, false);
       x = own.to;
       if (down_first && x.s >= end) {
@@ -351,7 +404,7 @@ bool PathTiming::rise(SweepState& at, TimeLaw& out) {
   level_up(at);
   std::size_t checked = 0;
   std::size_t down = down_stretch(at.state.s);
-  while (true) {
+  for (std::size_t steps = 0;; ++steps) {
     for (; checked < up_.size(); ++checked) {
       const PathState& to = up_[checked].to;
       while (down + 1 < down_.size() && down_[down].to.s < to.s) ++down;
@@ -371,7 +424,11 @@ bool PathTiming::rise(SweepState& at, TimeLaw& out) {
       // Only rounding's breadth was left.
       for (const Stretch& stretch : up_) emit(stretch, out);
       at.state = {grid_.length(), 0, 0};
-      out.append(0, 0, at.state);
+      put(at.state, out);
+      return false;
+    }
+    if (!has_room(up_, at.cell, steps)) {
+      unbroken_ = false;
       return false;
     }
     sweep.step(at, up_);
@@ -438,7 +495,7 @@ void PathTiming::follow_down(SweepState& at, TimeLaw& out) {
   // At a jump the stretch that ends there is meant.
   if (i > 0 && down_[i].from.s >= at.state.s) --i;
   PathState from = state_at(down_[i], at.state.s);
-  out.append(0, 0, from);
+  put(from, out);
   while (true) {
     const Stretch& stretch = down_[i];
     const double done = from.s > stretch.from.s ? time_between(stretch, from) : 0;
@@ -446,7 +503,7 @@ void PathTiming::follow_down(SweepState& at, TimeLaw& out) {
     at.state = stretch.to;
     if (i + 1 == down_.size()) {
       at.state = {grid_.length(), 0, 0};
-      out.append(0, 0, at.state);
+      put(at.state, out);
       at.cell = grid_.size();
       return;
     }
@@ -485,7 +542,15 @@ std::optional<Error> PathTiming::go(const PathState& start, TimeLaw& out) {
   return unbroken_ ? std::nullopt : std::optional(not_planned(start));
 }
 
-std::optional<Error> PathTiming::plan(const PathState& start, double feed, TimeLaw& out) {
+/// What is below 0 by rounding's breadth stands.
+PathState PathTiming::begun(PathState start) const {
+  const double v = grid_[grid_.cell_at(start.s)].v;
+  if (start.v < 0 && start.v >= -kNoSpeed * v) start.v = 0;
+  return start;
+}
+
+std::optional<Error> PathTiming::plan(const PathState& from, double feed, TimeLaw& out) {
+  const PathState start = begun(from);
   if (!finite(start) || start.s < 0 || start.s > grid_.length() || start.v < 0 || !(feed > 0) ||
       feed > feed_max_) {
     return bad_input(-1);
@@ -512,166 +577,39 @@ std::optional<Error> PathTiming::plan(const PathState& start, double feed, TimeL
 
 std::optional<Error> PathTiming::plan_sweeps(const PathState& start, double feed, TimeLaw& out) {
   refine();
+  const bool guarded = use_ == LawUse::kChangeable;
+  const double feed_most = std::max(feed, start.v > 0 ? feed_at(start) : 0);
+  ceiling_ = feed_most;
   if (feed != grid_.feed()) grid_.set_feed(feed);
-  sweep_back(start.s);
   begin_law(start, out);
   if (start.s >= grid_.length()) return {};
-  if (!go(start, out)) return {};
+  const auto given_out = [&] {
+    if (!guarded) return true;
+    if (broken_cell(out, feed_most)) return false;
+    give_out(out, feed, feed_most);
+    return true;
+  };
+  if (!sweep_back(start.s)) return not_planned(start);
+  if (!go(start, out) && given_out()) return {};
   // Rarely a moving start lies so that neither way leads on: to rest first, and on from there.
   begin_law(start, out);
-  SweepState at = in_cell(start);
-  const bool rests = descend(at, Target::kRest, out).has_value() && unbroken_;
-  return rests ? go(at.state, out) : std::optional(not_planned(start));
+  if ((start.v != 0 || start.a != 0) && brake(out) && !go(out.end(), out) && given_out()) return {};
+  return not_planned(start);
 }
 
-/// Largest braking from `at` to the end of its cell, or to where it stops.
-std::size_t PathTiming::brake_parts(const SweepState& at, Stretch (&parts)[3]) const {
-  const PathCell& cell = grid_[at.cell];
-  const double end = grid_.begin(at.cell + 1);
-  PathState x = at.state;
-  std::size_t size = 0;
-  const auto add = [&](double jerk, double t) {
-    const double over = time_over(end - x.s, x, jerk);
-    const bool ends = over <= t;
-    t = std::min(t, over);
-    PathState y = advanced(x, jerk, t);
-    if (ends) y.s = end;
-    y.v = std::max(y.v, 0.0);
-    if (t > 0) parts[size++] = {x, y, jerk, t};
-    x = y;
-    return ends || y.v <= 0;
-  };
-  if (x.a > 0) {
-    if (add(-cell.u, x.a / cell.u)) return size;
-    x.a = 0;
-  }
-  if (x.a > -cell.a) {
-    const double to_stop = (x.a + std::sqrt(x.a * x.a + 2 * cell.u * x.v)) / cell.u;
-    const double to_limit = (x.a + cell.a) / cell.u;
-    if (add(-cell.u, std::min(to_stop, to_limit))) return size;
-    if (to_limit <= to_stop) x.a = -cell.a;
-  }
-  add(0, x.a < 0 ? x.v / -x.a : 0);
-  return size;
-}
-
-/// The first cell that would be entered with more braking than it allows if the braking were taken
-/// back from here on with full jerk; size() where there is none.
-std::size_t PathTiming::blocked_at(SweepState at) const {
-  while (at.state.a < 0 && at.state.v > 0) {
-    const double jerk = grid_[at.cell].u;
-    const double end = grid_.begin(at.cell + 1);
-    const double level = -at.state.a / jerk;
-    const double over = time_over(end - at.state.s, at.state, jerk);
-    if (!(over < level) || at.cell + 1 >= grid_.size()) break;
-    at.state = advanced(at.state, jerk, over);
-    at.state.s = end;
-    ++at.cell;
-    if (-at.state.a > grid_[at.cell].a * kOnLimit) return at.cell;
-  }
-  return grid_.size();
-}
-
-/// Brakes as hard as it can until full jerk the other way leads into the target: onto the backward
-/// motion, below it where that jumps, or to rest. @return on the target; none: the path ends before
-std::optional<bool> PathTiming::descend(SweepState& at, Target target, TimeLaw& out) {
-  struct Look {
-    bool lands = false;
-    std::size_t blocked = 0;
-    bool goes_on(std::size_t none) const { return !lands && blocked == none; }
-  };
-  const std::size_t none = grid_.size();
-  const auto look = [&](const SweepState& from) {
-    const Meeting meeting = meet(from, 1, target, nullptr);
-    Look result;
-    // Slower, but on the way up too steeply: not there yet.
-    const double near = target == Target::kDown ? kSameSpeed * from.state.v : 0;
-    result.lands = meeting.found && meeting.gap >= -near &&
-                   !(meeting.at_once && target == Target::kDown && !stays_below(from));
-    result.blocked = result.lands ? none : blocked_at(from);
-    return result;
-  };
-  if (look(at).lands) return land(at, target, out);
-  while (at.cell < grid_.size()) {
-    Stretch parts[3];
-    const std::size_t size = brake_parts(at, parts);
-    std::size_t next = at.cell + 1;
-    for (std::size_t i = 0; i < size; ++i) {
-      const Stretch& part = parts[i];
-      const bool ends = part.to.s >= grid_.begin(at.cell + 1);
-      Look fails = look({at.cell + (ends ? 1 : 0), part.to});
-      if (ends && next < none && -part.to.a > grid_[next].a * kOnLimit) fails = {false, next};
-      if (fails.goes_on(none) && part.to.v > 0) {
-        emit(part, out);
-        at.state = part.to;
-        continue;
-      }
-      double low = 0, high = part.duration;
-      while (high - low > 1e-16 * part.duration) {
-        const double t = low + (high - low) / 2;
-        if (!(t > low && t < high)) break;
-        const Look there = look({at.cell, advanced(part.from, part.jerk, t)});
-        if (there.goes_on(none)) {
-          low = t;
-        } else {
-          high = t, fails = there;
-        }
-      }
-      const bool lands = fails.blocked == none;
-      // The instant after it: there it leads below the target where that jumps.
-      if (lands && target == Target::kDown) low = high;
-      at.state = advanced(part.from, part.jerk, low);
-      emit({part.from, at.state, part.jerk, low}, out);
-      // On the very last way into the end of the path.
-      if (lands && !meet(at, 1, target, nullptr).found) return {};
-      if (lands) return land(at, target, out);
-      // Less braking is allowed from a cell on: there with as much as that.
-      relax_until(at, fails.blocked, out);
-      next = at.cell;
-      break;
-    }
-    at.cell = next;
-  }
-  return {};
-}
-
-void PathTiming::relax_until(SweepState& at, std::size_t cell, TimeLaw& out) {
-  while (at.cell < cell && at.state.a < 0) {
-    const double jerk = grid_[at.cell].u;
-    const double end = grid_.begin(at.cell + 1);
-    const double over = time_over(end - at.state.s, at.state, jerk);
-    if (!std::isfinite(over)) break;
-    PathState to = advanced(at.state, jerk, over);
-    to.s = end;
-    emit({at.state, to, jerk, over}, out);
-    at = {at.cell + 1, to};
-  }
-}
-
-/// Full jerk upwards into the target. @return it is on it and not below
-bool PathTiming::land(SweepState& at, Target target, TimeLaw& out) {
-  way_.clear();
-  const Meeting meeting = meet(at, 1, target, &way_);
-  for (const Stretch& stretch : way_) emit(stretch, out);
-  at = in_cell(meeting.own);
-  const PathState other = down_at(meeting.down, at.state.s, target);
-  const double same = kSameSpeed * grid_[at.cell].a;
-  const bool touches = meeting.gap <= kSameSpeed * at.state.v && at.state.a <= other.a + same;
-  if (target == Target::kRest) at.state = {at.state.s, 0, 0};
-  if (target == Target::kDown && touches) at.state = other;
-  out.append(0, 0, at.state);
-  return touches;
-}
-
-std::optional<Error> PathTiming::stop(const PathState& start, TimeLaw& out) {
+std::optional<Error> PathTiming::stop(const PathState& from, TimeLaw& out) {
+  const PathState start = begun(from);
   if (!finite(start) || start.s < 0 || start.s > grid_.length() || start.v < 0) {
     return bad_input(-1);
   }
   begin_law(start, out);
   if (start.v == 0 && start.a == 0) return {};
   if (use_ == LawUse::kQuickest) return bad_input(-1);
-  SweepState at = in_cell(start);
-  if (descend(at, Target::kRest, out).has_value() && unbroken_) return {};
+  const double feed_most = ceiling_ = feed_at(start);
+  if (brake(out) && !broken_cell(out, feed_most)) {
+    give_out(out, feed_given_, feed_most);
+    return {};
+  }
   // On the last way into the end of the path: there.
   return plan(start, grid_.feed(), out);
 }

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstddef>
+#include <limits>
 #include <optional>
 #include <span>
 #include <vector>
@@ -25,7 +26,7 @@ class LimitTimes {
   PathLimit largest() const;
 
  private:
-  static constexpr std::size_t kKinds = 6;
+  static constexpr std::size_t kKinds = 7;
   static std::size_t index(const PathLimit& limit) {
     return static_cast<std::size_t>(limit.kind) * (kMaxJoints + 1) +
            static_cast<std::size_t>(limit.joint + 1);
@@ -72,9 +73,11 @@ class PathTiming {
   /// @param feed    the largest that plan() will be asked for, > 0: the limits of s leave room for
   ///                the speeds of a motion at that feed and not for more.
   /// @param use     of all laws along this path.
+  /// @param shared_velocity  the sum of the joints' speeds at most, > 0; may be infinite.
   /// @error kMotionInput (index: joint, or -1: the path or the feed), kProgramTooLong.
   std::optional<Error> prepare(const PlannedPath& path, std::span<const motion::AxisLimits> limits,
-                               double feed = 1, LawUse use = LawUse::kQuickest);
+                               double feed = 1, LawUse use = LawUse::kQuickest,
+                               double shared_velocity = std::numeric_limits<double>::infinity());
 
   /// The motion from `start` to rest at the end of the path.
   /// @param feed  (0, that of prepare()]: scales the tool speed and the share of the joints'
@@ -82,7 +85,8 @@ class PathTiming {
   ///              is quicker brakes first.
   /// @error kMotionInput: start or feed is no number or outside its range, or start moves and the
   ///        path was prepared for kQuickest; kMotionInput (limit: the path's length) where it
-  ///        cannot stop before the end of the path (measured, limit: s).
+  ///        cannot stop before the end of the path, or rarely where no law that was found from a
+  ///        moving start holds what its cells allow (measured, limit: s). No law is given out then.
   std::optional<Error> plan(const PathState& start, double feed, TimeLaw& out);
 
   /// plan() from rest at `s` in parts, for a loop that has little time: begin(), then advance()
@@ -98,6 +102,11 @@ class PathTiming {
 
   /// To rest on the path, as soon as the limits allow. Not for kQuickest.
   std::optional<Error> stop(const PathState& start, TimeLaw& out);
+  /// The same of a motion that has followed `at_hand`, which this gave out, for `t` s. Where no
+  /// braking that begins here holds the limits, it begins behind the narrow place that is in the
+  /// way; where the law at hand rests no later than that, or nothing else is found, it is the rest
+  /// of that law. There is always such a law. @param out  another one than `at_hand`.
+  std::optional<Error> stop(const TimeLaw& at_hand, double t, TimeLaw& out);
 
   /// What limited the last plan, for each section of the path and over all.
   std::span<const LimitTimes> section_limit_times() const { return limit_times_; }
@@ -120,12 +129,21 @@ class PathTiming {
   enum class Target : unsigned char { kDown, kRest };
 
   bool write_curve(TimeLaw& out);
+  std::optional<std::size_t> broken_cell(const TimeLaw& law, double feed_most) const;
+  double feed_at(const PathState& start) const;
+  void give_out(const TimeLaw& law, double feed, double feed_most);
+  void follow(const TimeLaw& law, double t, double to, TimeLaw& out);
+  bool brake(TimeLaw& out);
+  PathState begun(PathState start) const;
   std::optional<Error> plan_sweeps(const PathState& start, double feed, TimeLaw& out);
   void refine();
   void begin_law(const PathState& start, TimeLaw& out);
   void emit(const Stretch& stretch, TimeLaw& out);
+  static void put(const PathState& state, TimeLaw& out);
+  static double exact_duration(const Stretch& stretch, const TimeLaw& out);
   PathLimit binding(const Stretch& stretch) const;
-  void sweep_back(double to);
+  bool has_room(const std::vector<Stretch>& stretches, std::size_t cell, std::size_t steps) const;
+  bool sweep_back(double to);
   PathState down_at(std::size_t stretch, double s, Target target) const;
   std::size_t down_stretch(double s) const;
   Meeting meet(SweepState from, double sign, Target target, std::vector<Stretch>* way) const;
@@ -144,6 +162,16 @@ class PathTiming {
   void level_up(SweepState& at);
   bool pass_over(SweepState& at, TimeLaw& out);
   void follow_down(SweepState& at, TimeLaw& out);
+  /// What becomes of a state that brakes, if it takes its braking back now.
+  struct Look {
+    bool lands = false;       ///< on the target or below it
+    std::size_t blocked = 0;  ///< the cell that allows less braking than it then has
+    double slower = 0;  ///< than rest would be, if that is the target; below 0: it still moves
+    bool goes_on(std::size_t none) const { return !lands && blocked == none; }
+  };
+  Look look(const SweepState& from, Target target) const;
+  double goes_on_until(const SweepState& at, const Stretch& part, Target target, Look& fails,
+                       double& after) const;
   std::optional<bool> descend(SweepState& at, Target target, TimeLaw& out);
   std::size_t blocked_at(SweepState at) const;
   void relax_until(SweepState& at, std::size_t cell, TimeLaw& out);
@@ -163,6 +191,12 @@ class PathTiming {
   bool unbroken_ = true;  ///< so far each stretch of the law began where the last one ended
   TimeLaw draft_;
   double feed_max_ = 1;
+  // Of the law that was given out last: it is quicker than its feed allows, though not than
+  // another, up to a place.
+  double feed_given_ = 1;
+  double feed_most_ = 1;
+  double quick_until_ = -1;  ///< s
+  double ceiling_ = 1;       ///< feed of which no speed of the law at hand is beyond
 };
 
 }  // namespace sinew::planning

@@ -20,7 +20,8 @@ constexpr double kCentred = 200;    // of the promise of a step: below it the we
 constexpr double kWeightGrowth = 30;
 constexpr double kFinalWeight = 600;   // a cell: under 1 % of the time is left to the barrier
 constexpr double kMeasureWeight = 60;  // less than at last, when the phases are measured
-constexpr double kCounts = 0.5;        // a load below that is none
+constexpr double kSame = 1e-9;
+constexpr double kCounts = 0.5;  // a load below that is none
 constexpr double kSqueezeSettled = 1.15;
 constexpr double kAfterSqueeze = 0.97;
 constexpr double kStretchMost = 1.003;  // of time at last, or the phases are measured again
@@ -402,12 +403,20 @@ double SpeedCurve::verify(std::size_t k) {
   for (std::size_t p = 0; p < 2; ++p) {
     const Phase& phase = two.phases[p];
     const PathState& end = p == 0 ? two.phases[1].from : two.to;
+    double shared = 0;
     for (std::size_t j = 0; j < joints_; ++j) {
       const Values most = phase_bounds(k, j, bend, phase, end);
       const int joint = static_cast<int>(j);
       raise(std::cbrt(most.dd), LimitKind::kJointJerk, joint);
       raise(std::sqrt(most.d * jerk_per_acceleration_[j]), LimitKind::kJointAcceleration, joint);
       raise(most.b * jerk_per_velocity_[j] / share, LimitKind::kJointVelocity, joint);
+      shared += most.b * jerk_per_shared_[j];
+    }
+    // One joint alone may have the wire's whole speed as its own limit.
+    if (shared / share > worst || (shared > 0 && shared / share > worst * (1 - kSame) &&
+                                   binding.kind == LimitKind::kJointVelocity)) {
+      worst = std::max(worst, shared / share);
+      binding = {LimitKind::kWire, -1};
     }
     const double v = top_speed(phase, end);
     const double a = std::max(std::abs(phase.from.a), std::abs(end.a));
@@ -415,8 +424,8 @@ double SpeedCurve::verify(std::size_t k) {
           LimitKind::kToolAcceleration, -1);
     raise(v / (cell.v_tool * feed_), LimitKind::kToolSpeed, -1);
   }
-  const bool speed =
-      binding.kind == LimitKind::kJointVelocity || binding.kind == LimitKind::kToolSpeed;
+  const bool speed = binding.kind == LimitKind::kJointVelocity ||
+                     binding.kind == LimitKind::kWire || binding.kind == LimitKind::kToolSpeed;
   binding_[k] = speed && feed_ < 1 ? PathLimit{LimitKind::kFeed, -1} : binding;
   return worst;
 }

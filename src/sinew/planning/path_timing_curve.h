@@ -38,7 +38,8 @@ class SpeedCurve {
 
   /// Looks at a path, that outlives this, from the beginning to the end.
   /// @return false: not for this way of planning (too many cells).
-  bool prepare(const PlannedPath& path, std::span<const motion::AxisLimits> limits);
+  bool prepare(const PlannedPath& path, std::span<const motion::AxisLimits> limits,
+               double shared_velocity);
   /// Cells a third as wide, for a path that bends more than they show.
   bool refine();
   void clear() { cells_.clear(); }
@@ -99,7 +100,7 @@ class SpeedCurve {
   struct Cell {
     Place left, right;
     double begin = 0;
-    double v_joints = 0;  ///< by all of the joints' velocity
+    double v_joints = 0;  ///< by all of the joints' velocity, each and together
     double v_tool = 0;    ///< asked for
     double cap = 0;       ///< of b, at the present feed
     double share = 1;
@@ -182,6 +183,8 @@ class SpeedCurve {
   std::size_t joints_ = 0;
   JointArray per_velocity_{}, per_acceleration_{}, per_jerk_{};
   JointArray jerk_per_velocity_{}, jerk_per_acceleration_{};  ///< of the limits
+  JointArray jerk_per_shared_{};                              ///< velocity of all joints together
+  double per_shared_ = 0;
   std::vector<Cell> cells_;
   std::vector<double> borders_, borders_next_;
 

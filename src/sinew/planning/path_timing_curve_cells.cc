@@ -95,9 +95,12 @@ void SpeedCurve::look(Cell& cell, double end) {
   place(cell.begin + (end - cell.begin) / 2, middle);
   cell.bends = cell.left.d3 != middle.d3 || middle.d3 != cell.right.d3;
   path_->joints.bound_piece(cell.piece, cell.begin - from, end - from, at);
-  double most = 0;
-  for (std::size_t j = 0; j < joints_; ++j) most = std::max(most, at.dq[j] * per_velocity_[j]);
-  cell.v_joints = std::min(kFastest, 1 / most);
+  double most = 0, shared = 0;
+  for (std::size_t j = 0; j < joints_; ++j) {
+    most = std::max(most, at.dq[j] * per_velocity_[j]);
+    shared += at.dq[j] * per_shared_;
+  }
+  cell.v_joints = std::min(kFastest, 1 / std::max(most, shared));
   const PathSection& section = path_->sections[cell.section];
   const ToolRate& tool = path_->tool[cell.piece];
   cell.v_tool = tool.speed > 0 ? section.tool_speed / tool.speed : kFastest;
@@ -106,20 +109,23 @@ void SpeedCurve::look(Cell& cell, double end) {
   cell.share = section.joint_share;
 }
 
-bool SpeedCurve::prepare(const PlannedPath& path, std::span<const motion::AxisLimits> limits) {
+bool SpeedCurve::prepare(const PlannedPath& path, std::span<const motion::AxisLimits> limits,
+                         double shared_velocity) {
   path_ = &path;
   length_ = path.joints.length();
   joints_ = limits.size();
   cells_.clear();
   stage_ = Stage::kFailed;
   per_velocity_ = per_acceleration_ = per_jerk_ = {};
-  jerk_per_velocity_ = jerk_per_acceleration_ = {};
+  jerk_per_velocity_ = jerk_per_acceleration_ = jerk_per_shared_ = {};
+  per_shared_ = 1 / shared_velocity;
   for (std::size_t j = 0; j < joints_; ++j) {
     per_velocity_[j] = 1 / limits[j].velocity;
     per_acceleration_[j] = 1 / limits[j].acceleration;
     per_jerk_[j] = 1 / limits[j].jerk;
     jerk_per_velocity_[j] = limits[j].jerk / limits[j].velocity;
     jerk_per_acceleration_[j] = limits[j].jerk / limits[j].acceleration;
+    jerk_per_shared_[j] = limits[j].jerk * per_shared_;
   }
   fineness_ = 1;
   return lay_cells();

@@ -121,15 +121,17 @@ TEST_P(RobotTiming, another_feed_a_pause_or_a_stop_within_a_blend_keeps_the_join
         const auto kind = random.integer(0, 2);
         if (kind == 0) {
           ASSERT_FALSE(follower.set_feed(random.uniform(0.1, 2)).has_value());
+        } else if (kind == 1) {
+          follower.pause();
         } else {
-          ASSERT_FALSE((kind == 1 ? follower.pause() : follower.stop()).has_value());
+          follower.stop();
         }
         follower.step(0);
         ASSERT_NEAR(follower.state().v, before.v, 1e-9 * (1 + before.v));
       }
       if (changed && follower.stopped() && follower.at_rest()) return;
       if (changed && follower.paused() && follower.at_rest()) {
-        ASSERT_FALSE(follower.resume().has_value());
+        follower.resume();
       }
     }
     ASSERT_TRUE(follower.finished());

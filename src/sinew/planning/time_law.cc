@@ -1,6 +1,7 @@
 #include "sinew/planning/time_law.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "sinew/core/assert.h"
 
@@ -34,6 +35,15 @@ void TimeLaw::append(double jerk, double duration, const PathState& end) {
     duration_ += duration;
   }
   end_ = end;
+}
+
+void TimeLaw::end_at_rest(double s) {
+  end_ = {s, 0, 0};
+  if (phases_.empty() || !(phases_.back().jerk > 0)) return;
+  constexpr double kRounding = 1e-3;  // of the phase
+  const LawPhase& last = phases_.back();
+  const double until = last.t - last.state.a / last.jerk;
+  if (std::abs(until - duration_) <= kRounding * (duration_ - last.t)) duration_ = until;
 }
 
 std::size_t TimeLaw::phase_at(double t) const {

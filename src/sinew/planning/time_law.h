@@ -41,6 +41,10 @@ class TimeLaw {
   /// The same, and puts the end to `end`, by rounding's breadth from where it came.
   void append(double jerk, double duration, const PathState& end);
 
+  /// At rest at `s`: a last phase that takes braking back lasts until there is none left, by
+  /// rounding's breadth longer or shorter.
+  void end_at_rest(double s);
+
   /// At t (s), held at both ends: its first state before, its end behind.
   PathState sample(double t) const;
   /// Of the phase that begins where two meet; 0 outside.

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "sinew/planning/motion_limits.h"
+
 namespace sinew::planning {
 namespace {
 
@@ -48,7 +50,9 @@ PoseBT with_approach(const Vec3& p_BT, const Vec3& z, const Rotation& like) {
 }  // namespace
 
 ToolSpace::ToolSpace(const RobotModel& model, std::optional<double> jaw_width)
-    : joints_(model.joints), robot_(robot_of(model, jaw_width)) {
+    : joints_(model.joints),
+      shared_velocity_(planning::shared_velocity(model)),
+      robot_(robot_of(model, jaw_width)) {
   if (const auto* arm = serial()) {
     if (arm->solver() == SerialArm::Solver::kFiveRPitch) task_ = TaskSpace::kPitchRoll;
     if (arm->solver() == SerialArm::Solver::kFiveRRoll) task_ = TaskSpace::kApproach;

@@ -64,6 +64,8 @@ class ToolSpace {
   TaskSpace task() const { return task_; }
   std::size_t size() const { return joints_.size(); }
   std::span<const Joint> joints() const { return joints_; }
+  /// What the speeds of all joints together may be, m/s (rad/s); planning/motion_limits.h.
+  double shared_velocity() const { return shared_velocity_; }
   /// Nothing where the robot is another one.
   const kinematics::Hexapod* hexapod() const;
   const kinematics::SerialArm* serial() const;
@@ -115,6 +117,7 @@ class ToolSpace {
                                       const JointArray& q_near) const;
 
   std::span<const Joint> joints_;
+  double shared_velocity_;
   std::vector<Joint> unlimited_;  ///< a palletizer's joints with limits that no angle breaks
   std::variant<kinematics::SerialArm, PalletizerGeometry, kinematics::Hexapod> robot_;
   TaskSpace task_ = TaskSpace::kPose;

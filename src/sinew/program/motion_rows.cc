@@ -17,9 +17,10 @@ using Way = ToolMoveStep::Way;
 constexpr std::array<std::string_view, 5> kRows{"joint", "move", "line", "arc", "spline"};
 constexpr std::array<std::string_view, 3> kOptions{"speed", "accel", "blend"};
 constexpr double kJointShareMin = 0.01;
-constexpr double kToolMax = 100;      // m/s, m/s^2: beyond what any of these arms can do
-constexpr double kBlendMax = 1;       // m, rad
-constexpr double kToolMin = 1e-6;     // m/s, m/s^2
+constexpr double kToolMax = 100;   // m/s, m/s^2: beyond what any of these arms can do
+constexpr double kToolMin = 1e-6;  // m/s, m/s^2
+constexpr double kBlendMax = 1;    // m
+constexpr double kBlendAngleMax = from_deg(60);
 constexpr double kTurnMax = 4 * kPi;  // rad
 constexpr double kFarAway = 100;      // m
 
@@ -80,7 +81,7 @@ std::optional<bool> MotionRows::option(const Argument& argument, MotionOptions& 
   if (!value) return false;
   how.tool_acceleration = *value;
   if (*value >= kToolMin && *value <= kToolMax) return true;
-  row_.complain(argument.word, "accel is above 0 and at most 100 m/s2");
+  row_.complain(argument.word, "accel is 0.001 mm/s2 to 100 m/s2");
   return false;
 }
 
@@ -92,16 +93,24 @@ bool MotionRows::take_speed(const Argument& argument, MotionOptions& how, Given&
   before = true;
   if (of_tool) {
     const auto value = row_.quantity(argument.word, argument.value, Measure::kSpeed);
-    if (value && (!(*value >= kToolMin && *value <= kToolMax) || again)) {
-      row_.complain(argument.word, "a tool's speed is above 0 and at most 100 m/s, once");
+    if (again) {
+      row_.complain(argument.word, "'speed' of the tool is named twice");
+      return false;
+    }
+    if (value && !(*value >= kToolMin && *value <= kToolMax)) {
+      row_.complain(argument.word, "a tool's speed is 0.001 mm/s to 100 m/s");
       return false;
     }
     how.tool_speed = value.value_or(0);
     return value.has_value();
   }
   const auto share = row_.quantity(argument.word, argument.value, Measure::kShare);
-  if (share && (!(*share >= kJointShareMin && *share <= 1) || again)) {
-    row_.complain(argument.word, "speed is 1% to 100%, once");
+  if (again) {
+    row_.complain(argument.word, "'speed' of the joints is named twice");
+    return false;
+  }
+  if (share && !(*share >= kJointShareMin && *share <= 1)) {
+    row_.complain(argument.word, "speed is 1% to 100%");
     return false;
   }
   how.joint_share = share.value_or(1);
@@ -114,8 +123,9 @@ bool MotionRows::take_blend(const Argument& argument, MotionOptions& how) {
   const auto value =
       row_.quantity(argument.word, argument.value, angle ? Measure::kAngle : Measure::kLength);
   if (!value) return false;
-  if (!(*value > 0 && *value <= kBlendMax)) {
-    row_.complain(argument.word, "blend is above 0 and at most 1 m, or 1 rad");
+  if (!(*value > 0 && *value <= (angle ? kBlendAngleMax : kBlendMax))) {
+    row_.complain(argument.word, std::string("blend is above 0 and at most ") +
+                                     (angle ? "60 deg of the joints" : "1 m of the tool"));
     return false;
   }
   (angle ? how.blend_joints : how.blend_radius) = *value;

@@ -62,8 +62,8 @@ bool can_home(const RobotModel& robot) {
 
 class Planner {
  public:
-  Planner(const RobotModel& robot, const Start& start, const HomingTimes& homing)
-      : robot_(robot), q_(start), homing_(std::accumulate(homing.begin(), homing.end(), 0.0)) {}
+  Planner(const RobotModel& robot, const Start& start, const Homing& homing)
+      : robot_(robot), q_(start), homing_(homing) {}
 
   /// One row in the order in which they come. @param place  of the row in its program
   std::optional<Refusal> take(const Step& step, std::size_t place, int round, int rounds) {
@@ -76,7 +76,7 @@ class Planner {
       return more ? std::nullopt : finish();
     }
     if (auto refusal = finish()) return refusal;
-    Order order{step.line, step.line, round, rounds, HomeOrder{homing_}};
+    Order order{step.line, step.line, round, rounds, HomeOrder{}};
     if (const auto* wait = std::get_if<WaitStep>(&step.what)) {
       plan_.duration += to_seconds(wait->duration);
       order.what = WaitOrder{wait->duration};
@@ -86,10 +86,10 @@ class Planner {
       }
       order.what = ToolOrder{tool->action};
     } else {
-      if (!can_home(robot_)) {
-        return Refusal{step.line, Error{ErrorCode::kNoEndStops}, std::nullopt};
-      }
-      plan_.homing_max += homing_;
+      const auto home = plan_home(step.line);
+      if (!home) return home.error();
+      plan_.homing_max += home->duration_max;
+      order.what = *home;
       q_ = home_joints(robot_);
     }
     return add(std::move(order));
@@ -104,7 +104,13 @@ class Planner {
       if (!motion) return motion.error();
       const auto taken = rows.first(motion->rows);
       Order order{taken.front().line, taken.back().line, first_.round, first_.rounds, {}};
-      order.what = MoveOrder{{taken.begin(), taken.end()}, q_, motion->q_end, motion->duration};
+      order.what = MoveOrder{{taken.begin(), taken.end()},
+                             q_,
+                             motion->q_end,
+                             motion->duration,
+                             motion->stop,
+                             motion->stop_saves,
+                             motion->first_move};
       plan_.duration += motion->duration;
       q_ = motion->q_end;
       if (auto refusal = add(std::move(order))) return refusal;
@@ -123,6 +129,9 @@ class Planner {
     std::size_t rows = 0;
     JointVector q_end;
     double duration = 0;
+    CornerStopReason stop = CornerStopReason::kNone;
+    double stop_saves = 0;
+    bool first_move = false;
   };
   /// The rows of a motion and where it begins: loops come by the same ones again and again.
   struct Key {
@@ -141,12 +150,27 @@ class Planner {
     return std::nullopt;
   }
 
+  std::expected<HomeOrder, Refusal> plan_home(int line) {
+    if (!can_home(robot_)) {
+      return std::unexpected(Refusal{line, Error{ErrorCode::kNoEndStops}, std::nullopt});
+    }
+    HomeOrder home{std::accumulate(homing_.times.begin(), homing_.times.end(), 0.0), nullptr};
+    if (!back_ && homing_.rest) {
+      auto back = home_return(robot_, *homing_.rest, line);
+      if (!back) return std::unexpected(back.error());
+      back_ = std::make_shared<const HomeReturn>(std::move(*back));
+    }
+    home.back = back_;
+    if (back_) home.duration_max += back_->duration;
+    return home;
+  }
+
   std::expected<Planned, Refusal> plan_motion(std::span<const Step> rows,
                                               std::span<const std::size_t> places) {
     if (!plannable(q_, robot_)) {
       const auto q = first_target(rows[0], q_, robot_);
       if (!q) return std::unexpected(q.error());
-      return Planned{1, *q, first_move_duration(robot_)};
+      return Planned{1, *q, first_move_duration(robot_), CornerStopReason::kNone, 0, true};
     }
     Key key{{places.begin(), places.end()}, {q_->begin(), q_->end()}};
     if (const auto known = known_.find(key); known != known_.end()) return known->second;
@@ -158,14 +182,16 @@ class Planner {
     if (!planner_) planner_ = std::make_unique<RowPlanner>(robot_);
     const auto motion = planner_->plan(*q_, rows);
     if (!motion) return std::unexpected(motion.error());
-    const Planned planned{motion->rows, motion->q_end, motion->duration};
+    const Planned planned{motion->rows, motion->q_end,      motion->duration,
+                          motion->stop, motion->stop_saves, false};
     known_.emplace(std::move(key), planned);
     return planned;
   }
 
   const RobotModel& robot_;
   Start q_;
-  double homing_;  ///< s at most, all joints
+  const Homing& homing_;
+  std::shared_ptr<const HomeReturn> back_;  ///< the same for each `home`
   Plan plan_;
   std::unique_ptr<RowPlanner> planner_;
   std::map<Key, Planned> known_;
@@ -222,7 +248,7 @@ std::expected<JointVector, Refusal> first_target(const Step& row, const Start& q
 }
 
 std::expected<Plan, Refusal> make_plan(const Program& program, const RobotModel& robot,
-                                       const Start& start, const HomingTimes& homing) {
+                                       const Start& start, const Homing& homing) {
   Planner planner(robot, start, homing);
   std::vector<Open> open;
   std::size_t turns = 0;  // empty loops turn without an order

@@ -1,11 +1,13 @@
 #pragma once
 
 #include <expected>
+#include <memory>
 #include <optional>
 #include <span>
 #include <variant>
 #include <vector>
 
+#include "sinew/program/home_return.h"
 #include "sinew/program/program_file.h"
 #include "sinew/program/row_planner.h"
 
@@ -22,12 +24,20 @@ struct MoveOrder {
   Start q_start;
   JointVector q;        ///< where it ends
   double duration = 0;  ///< s, predicted, until the driver has told that it is done
+  CornerStopReason stop = CornerStopReason::kNone;  ///< at its end
+  double stop_saves = 0;                            ///< s, of kCostsTime
+  bool first_move = false;  ///< nobody knows where it begins: slow, in one piece
 };
 struct HomeOrder {
-  double duration_max = 0;  ///< s, an upper bound; 0 where nobody knows one
+  double duration_max = 0;  ///< s, an upper bound, the way home included; 0 where nobody knows one
+  /// Behind the search, from where homing is expected to leave the joints; null where nobody knows.
+  std::shared_ptr<const HomeReturn> back;
 };
-/// How long the search for each joint's zero takes at most, s; empty where nobody knows.
-using HomingTimes = FixedVector<double, kMaxJoints>;
+/// What is known of homing before it runs.
+struct Homing {
+  FixedVector<double, kMaxJoints> times;  ///< s, of each joint's search, at most; may be empty
+  Start rest;                             ///< where the joints rest behind it
+};
 struct WaitOrder {
   Duration duration{};
 };
@@ -56,9 +66,9 @@ struct Plan {
 /// top speed, 2 s at least.
 double first_move_duration(const RobotModel& robot);
 
-/// Unrolls a program and plans every move. After `home` the joints are where homing ends: nobody
-/// knows before it ran, so the moves behind it are planned from `home_deg` of the robot's file and
-/// planned again when the machine has told.
+/// Unrolls a program and plans every move. A `home` ends at `home_deg` of the robot's file: where
+/// the search leaves the joints is expected before it ran, and the way home from there planned
+/// again when the machine has told.
 ///
 /// @param homing  of this robot's joints, which are searched one after the other
 ///
@@ -67,7 +77,7 @@ double first_move_duration(const RobotModel& robot);
 ///        nowhere known, or of the tool), kProgramTooLong, and those of RowPlanner::plan; nothing
 ///        of the program may run then.
 std::expected<Plan, Refusal> make_plan(const Program& program, const RobotModel& robot,
-                                       const Start& start, const HomingTimes& homing = {});
+                                       const Start& start, const Homing& homing = {});
 
 /// Whether a motion's start is known and inside all limits. Elsewhere (nobody knows, or a limp arm
 /// hangs beyond a limit) only a joint row goes on, slowly and in one piece.

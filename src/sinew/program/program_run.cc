@@ -163,8 +163,10 @@ void Run::issue_next(Instant now) {
                     .duration = 0,
                     .arrival = 0,
                     .reported = {}};
+  if (!begun_at_) begun_at_ = now;
   pieces_.clear();
   pieces_sent_ = 0;
+  back_.reset();
   if (const auto accepted = issue(order, now); !accepted) fail(accepted.error(), now);
 }
 
@@ -216,17 +218,58 @@ std::expected<void, Refusal> Run::issue_move(Instant now) {
     current_->duration += motion->duration;
   }
   if (pieces_.empty()) return motion_done(now);
+  return send_first(now, first.line);
+}
+
+/// As much of a motion as the driver takes at once.
+std::expected<void, Refusal> Run::send_first(Instant now, int line) {
   const bool streamed = robot_.device.capability.motion == MotionKind::kStream;
   // Whoever cannot take a whole move now says why.
   const bool fed = streamed && plannable(q_, robot_) && !doubt_since_;
   const auto accepted = fed ? feed(now) : send_piece(now);
-  if (!accepted) return std::unexpected(Refusal{first.line, accepted.error(), std::nullopt});
+  if (!accepted) return std::unexpected(Refusal{line, accepted.error(), std::nullopt});
   return {};
 }
 
 /// What was under way is done: what is left of its order follows, or the next one.
 std::expected<void, Refusal> Run::order_done(Instant now) {
   if (std::holds_alternative<MoveOrder>(current_->order->what)) return motion_done(now);
+  if (std::holds_alternative<HomeOrder>(current_->order->what)) return go_home(now);
+  finish_order(now);
+  return {};
+}
+
+/// The search is over, or a leg of the way home behind it.
+std::expected<void, Refusal> Run::go_home(Instant now) {
+  if (back_) {
+    q_ = current_->q;
+    return next_leg(now);
+  }
+  q_ = known_positions();
+  back_.emplace();
+  leg_ = 0;
+  // Who does not know where homing has ended goes on from there with a slow first move.
+  if (plannable(q_, robot_)) {
+    auto back = home_return(robot_, *q_, current_->order->line);
+    if (!back) return std::unexpected(back.error());
+    back_ = std::move(*back);
+  }
+  return next_leg(now);
+}
+
+std::expected<void, Refusal> Run::next_leg(Instant now) {
+  pieces_.clear();
+  pieces_sent_ = 0;
+  while (leg_ < back_->legs.size()) {
+    const RowMotion& leg = back_->legs[leg_++].motion;
+    current_->q = leg.q_end;
+    if (leg.pieces.empty()) {
+      q_ = leg.q_end;
+      continue;
+    }
+    pieces_ = leg.pieces;
+    return send_first(now, current_->order->line);
+  }
   finish_order(now);
   return {};
 }
@@ -266,9 +309,6 @@ void Run::finish_order(Instant now) {
   current_->done = now;
   for (const JointPosition& position : driver_.positions()) {
     current_->reported.push_back(position);
-  }
-  if (std::holds_alternative<HomeOrder>(current_->order->what)) {
-    q_ = known_positions();
   }
   records_.push_back(*current_);
   current_.reset();

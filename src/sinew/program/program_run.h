@@ -31,8 +31,8 @@ struct Notice {
 };
 
 /// Runs a program on any robot through its driver, one order at a time; a motion is handed to the
-/// driver in the pieces that its device takes. It has no clock and no port: `poll` follows each
-/// call of the driver's.
+/// driver in the pieces that its device takes, and a `home` ends with the way to the robot's home.
+/// It has no clock and no port: `poll` follows each call of the driver's.
 ///
 ///   phase     | what happens                    | next
 ///   ----------+---------------------------------+-------------------------------------
@@ -62,7 +62,7 @@ class Run {
   /// does not know better.
   void declare(const JointVector& q) { declared_ = q; }
   /// For the plan's estimate of `home`. Before start().
-  void expect_homing(const HomingTimes& times) { homing_ = times; }
+  void expect_homing(const Homing& homing) { homing_ = homing; }
 
   /// The port is open.
   void start(Instant now);
@@ -79,6 +79,8 @@ class Run {
   /// Also of those that were not kept.
   std::size_t notices_told() const { return notices_told_; }
   Instant opened_at() const { return opened_at_; }
+  /// When the first order was given; nothing before.
+  const std::optional<Instant>& begun_at() const { return begun_at_; }
   /// Share of the predicted duration that is behind the run, 0..1; homing counts with its bound.
   double progress(Instant now) const;
   /// When poll() should be called next even if the driver has nothing to do.
@@ -97,6 +99,9 @@ class Run {
   std::expected<void, Refusal> issue_move(Instant now);
   std::expected<void, Refusal> order_done(Instant now);
   std::expected<void, Refusal> motion_done(Instant now);
+  std::expected<void, Refusal> go_home(Instant now);
+  std::expected<void, Refusal> next_leg(Instant now);
+  std::expected<void, Refusal> send_first(Instant now, int line);
   Expected<void> send_piece(Instant now);
   Expected<void> feed(Instant now);
   void finish_order(Instant now);
@@ -108,9 +113,10 @@ class Run {
   const RobotModel& robot_;
   Driver& driver_;
   Duration opening_limit_;
-  HomingTimes homing_;
+  Homing homing_;
   Phase phase_ = Phase::kOpening;
   Instant opened_at_{};
+  std::optional<Instant> begun_at_;
   Error trouble_;  ///< of an opening, or of a driver in doubt
   std::optional<Instant> doubt_since_;
   std::vector<Notice> notices_;
@@ -126,6 +132,8 @@ class Run {
   int outstanding_ = 0;  ///< commands that the driver accepted and has not ended
   std::unique_ptr<RowPlanner> planner_;
   std::span<const Step> rows_left_;  ///< of the order under way, behind its motion
+  std::optional<HomeReturn> back_;   ///< behind the search of a `home` under way
+  std::size_t leg_ = 0;              ///< of it, the next one
   std::vector<JointMove> pieces_;    ///< of the motion under way
   std::size_t pieces_sent_ = 0;
   std::optional<Instant> wait_end_;

@@ -175,15 +175,30 @@ TEST(ProgramRun, loops_waits_and_tools_come_in_their_order) {
   EXPECT_NEAR(cell.run.plan().duration, 1.5, 1e-12);
 }
 
-TEST(ProgramRun, joints_that_are_not_named_stay_where_homing_really_left_them) {
+TEST(ProgramRun, home_goes_on_to_the_robots_home_from_where_homing_really_left_the_joints) {
   Cell cell("robot-arm-2", "home\njoint J1=10deg\n");
   cell.driver.lose();
   cell.driver.homed_ = 0.25;  // not what the robot's file calls home
   cell.go();
   ASSERT_EQ(cell.run.phase(), Phase::kDone);
+  ASSERT_EQ(cell.driver.taken_.size(), 2U);
+  EXPECT_EQ(cell.driver.taken_[0].q_start[0], 0.25);
+  for (const double q : cell.driver.taken_[0].q) EXPECT_EQ(q, 0);
+  EXPECT_EQ(cell.driver.taken_[1].q[0], from_deg(10));
+  EXPECT_EQ(cell.driver.taken_[1].q[1], 0);
+  EXPECT_EQ(cell.run.records().size(), 2U) << "the way home belongs to its row";
+}
+
+TEST(ProgramRun, stop_on_the_way_home_ends_it) {
+  Cell cell("robot-arm-2", "home\njoint J1=10deg\n");
+  cell.driver.lose();
+  cell.driver.homed_ = 0.25;
+  cell.go(500ms);
   ASSERT_EQ(cell.driver.taken_.size(), 1U);
-  EXPECT_EQ(cell.driver.taken_[0].q[0], from_deg(10));
-  EXPECT_EQ(cell.driver.taken_[0].q[1], 0.25);
+  cell.run.stop(cell.now);
+  cell.go();
+  EXPECT_EQ(cell.run.phase(), Phase::kStopped);
+  EXPECT_EQ(cell.driver.taken_.size(), 1U);
 }
 
 TEST(ProgramRun, homing_that_leaves_no_position_moves_nothing_that_needs_one) {
@@ -357,9 +372,9 @@ TEST(ProgramRun, an_order_waits_for_a_driver_that_is_in_doubt_as_long_as_for_one
 
 TEST(ProgramRun, homing_is_in_the_plan_and_in_the_progress_with_its_bound) {
   Cell cell("robot-arm-2", "wait 10s\nhome\nloop 2\nhome\nend\n");
-  HomingTimes times;
-  for (int i = 1; i <= 6; ++i) times.push_back(10 * i);
-  cell.run.expect_homing(times);
+  Homing homing;
+  for (int i = 1; i <= 6; ++i) homing.times.push_back(10 * i);
+  cell.run.expect_homing(homing);
   cell.run.start(cell.now);
   cell.run.poll(cell.now);
   const Plan& plan = cell.run.plan();

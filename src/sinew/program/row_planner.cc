@@ -9,6 +9,7 @@
 namespace sinew::program {
 namespace {
 
+using kinematics::PoseBT;
 using planning::Asked;
 using planning::JointArray;
 using planning::Move;
@@ -46,15 +47,36 @@ ToolTarget target_of(const ToolGoal& goal, const RobotPlace& from, const ToolSpa
   return target;
 }
 
+bool is_streamed(const RobotModel& robot) {
+  return robot.device.capability.motion == MotionKind::kStream;
+}
+
+/// A host that makes the motion makes it as it likes; of the devices that do, only this one can be
+/// told accelerations.
+bool takes_acceleration(const RobotModel& robot) {
+  return is_streamed(robot) || std::holds_alternative<NoDriver>(robot.device.settings) ||
+         std::holds_alternative<BigRobotArmDevice>(robot.device.settings);
+}
+
+/// Takes a way, or is no device at all and only looked at.
+bool blends(const RobotModel& robot) {
+  return is_streamed(robot) || std::holds_alternative<NoDriver>(robot.device.settings);
+}
+
 Move move_of(const Step& row, const RobotPlace& from, const ToolSpace& space,
-             const DeviceCapability& device) {
+             const RobotModel& robot) {
   const MotionOptions& how = *motion_of(row);
+  const Unheard not_told = unheard(how, robot);
   Move move;
-  move.joint_share = device.takes_speed ? how.joint_share : 1;
-  move.tool_speed = how.tool_speed;
-  move.tool_acceleration = how.tool_acceleration;
-  move.blend_radius = how.blend_radius;
-  move.blend_joints = how.blend_joints;
+  if (!not_told.speed) {
+    move.joint_share = how.joint_share;
+    move.tool_speed = how.tool_speed;
+  }
+  if (!not_told.acceleration) move.tool_acceleration = how.tool_acceleration;
+  if (!not_told.blend) {
+    move.blend_radius = how.blend_radius;
+    move.blend_joints = how.blend_joints;
+  }
   if (const auto* joint = std::get_if<JointStep>(&row.what)) {
     const JointVector q = vector_of(from.q, space.size());
     move.way = planning::MoveJ{array_of(resolved(*joint, q))};
@@ -87,6 +109,13 @@ double time_at(const planning::TimeLaw& law, double s) {
 
 }  // namespace
 
+Unheard unheard(const MotionOptions& how, const RobotModel& robot) {
+  const bool paced = how.joint_share != 1 || std::isfinite(how.tool_speed);
+  return {.speed = paced && !robot.device.capability.takes_speed,
+          .acceleration = std::isfinite(how.tool_acceleration) && !takes_acceleration(robot),
+          .blend = how.blends() && !blends(robot)};
+}
+
 RowPlanner::RowPlanner(const RobotModel& robot)
     : robot_(robot),
       delay_(motion_delay(robot.device)),
@@ -109,9 +138,9 @@ std::expected<RowMotion, Refusal> RowPlanner::plan(const JointVector& q_start,
   if (const auto* last = std::get_if<planning::MoveJ>(&moves_[out.rows - 1].way)) {
     out.q_end = vector_of(last->q, robot_.joints.size());
   }
+  tell_stop(rows, out);
   if (motion_.empty()) return out;
-  const bool streamed = robot_.device.capability.motion == MotionKind::kStream;
-  if (streamed) {
+  if (is_streamed(robot_)) {
     cut_into_segments(out);
   } else {
     cut_into_chords(*start, out);
@@ -125,9 +154,9 @@ std::expected<void, Refusal> RowPlanner::make_moves(const RobotPlace& start,
   moves_.clear();
   RobotPlace at = start;
   for (std::size_t i = 0; i < std::min(rows.size(), kRowsMax); ++i) {
-    const Move& move =
-        moves_.emplace_back(move_of(rows[i], at, planner_.space(), robot_.device.capability));
-    if (!motion_of(rows[i])->blends() || i + 1 == std::min(rows.size(), kRowsMax)) break;
+    const Move& move = moves_.emplace_back(move_of(rows[i], at, planner_.space(), robot_));
+    const bool blended = move.blend_radius > 0 || move.blend_joints > 0;
+    if (!blended || i + 1 == std::min(rows.size(), kRowsMax)) break;
     const auto end = planner_.end_of(at, move);
     if (!end) {
       planning::PathRefusal why = end.error();
@@ -143,10 +172,28 @@ Refusal RowPlanner::refusal(std::span<const Step> rows, const planning::PathRefu
   return {rows[why.place.move].line, why.error, WayRefusal{why, planner_.propose(why, moves_)}};
 }
 
+/// Why it ends where another one of its moves would have gone on.
+void RowPlanner::tell_stop(std::span<const Step> rows, RowMotion& out) {
+  if (out.rows == moves_.size() || out.rows == rows.size()) return;
+  if (motion_.stop) {
+    out.stop = CornerStopReason::kCostsTime;
+    out.stop_saves = motion_.stop->lost;
+    return;
+  }
+  const RobotPlace corner = motion_.stretch.end;
+  const auto next = planner_.end_of(corner, moves_[out.rows]);
+  const bool stays = motion_.empty() || (next && next->q == corner.q);
+  out.stop = stays ? CornerStopReason::kNoWay : CornerStopReason::kNoFit;
+}
+
 /// Equal times, none longer than the device's segment.
 void RowPlanner::cut_into_segments(RowMotion& out) const {
-  const double longest = to_seconds(robot_.device.capability.segment);
   const double duration = motion_.law.duration();
+  if (std::holds_alternative<NoDriver>(robot_.device.settings)) {
+    out.arrival = out.duration = duration;  // of a model only: nobody takes it
+    return;
+  }
+  const double longest = to_seconds(robot_.device.capability.segment);
   const auto count = static_cast<std::size_t>(std::max(1.0, std::ceil(duration / longest)));
   // A motion shorter than one segment is one: no wire says less.
   const double segment = count == 1 ? longest : duration / static_cast<double>(count);
@@ -167,13 +214,53 @@ void RowPlanner::cut_into_segments(RowMotion& out) const {
   out.duration = whole + to_seconds(delay_.report);
 }
 
+/// From rest to rest, and no faster than the tool was asked to be.
+/// @param in_motion  s that the motion without stops takes for this piece
+double RowPlanner::piece_duration(const JointVector& from, const JointVector& to, const Move& move,
+                                  double in_motion) const {
+  double duration = whole_move_duration(from, to, robot_, move.joint_share);
+  if (std::isfinite(move.tool_acceleration)) {
+    // A profile that takes k times as long has a k-th of its speeds, and accelerations of those;
+    // but the device's settings are whole numbers, and its joints go together only nearly.
+    constexpr double kShare = 0.8;
+    const double own = tool_acceleration(from, to, move.joint_share);
+    duration *= std::max(1.0, std::sqrt(own / (kShare * move.tool_acceleration)));
+  }
+  return std::isfinite(move.tool_speed) ? std::max(duration, in_motion) : duration;
+}
+
+/// The greatest one of the tool on a whole move at the joints' own pace, m/s^2.
+double RowPlanner::tool_acceleration(const JointVector& from, const JointVector& to,
+                                     double share) const {
+  constexpr int kLooks = 400;
+  const motion::RestToRest profile = profile_between(from, to, robot_, share);
+  if (!(profile.duration() > 0)) return 0;
+  const double dt = profile.duration() / kLooks;
+  PoseBT X_near = planner_.space().home();
+  motion::AxisStates at{};
+  const auto tool = [&](double t) {
+    profile.sample(t, at);
+    const auto X_BT = planner_.space().forward({at.q.data(), from.size()}, X_near);
+    if (X_BT) X_near = *X_BT;
+    return X_near.p;
+  };
+  double greatest = 0;
+  Vec3 before = tool(0), here = tool(dt);
+  for (int k = 2; k <= kLooks; ++k) {
+    const Vec3 next = tool(k * dt);
+    greatest = std::max(greatest, norm(next - 2 * here + before) / (dt * dt));
+    before = here;
+    here = next;
+  }
+  return greatest;
+}
+
 void RowPlanner::cut_into_chords(const RobotPlace& start, RowMotion& out) const {
   const planning::PlannedPath& path = motion_.path;
   std::vector<double> places{path.joints.length()};
   const bool joints_straight = std::holds_alternative<planning::MoveJ>(moves_[0].way) ||
                                std::holds_alternative<planning::MoveTo>(moves_[0].way);
-  const bool whole = out.rows == 1 && joints_straight;
-  if (!whole) {
+  if (!joints_straight) {
     places = planning::chords(planner_.space(), path, kWayTolerance, kChordMax, start.X_BT);
   }
   JointVector from = vector_of(start.q, robot_.joints.size());
@@ -184,11 +271,7 @@ void RowPlanner::cut_into_chords(const RobotPlace& start, RowMotion& out) const 
     const bool last = s == places.back();
     const JointVector to = last ? out.q_end : vector_of(at.q, robot_.joints.size());
     const double t = time_at(motion_.law, s);
-    const std::size_t move = planning::Trajectory::progress_at(path, s).move;
-    const double own = whole_move_duration(from, to, robot_, moves_[move].joint_share);
-    // From rest to rest, and no faster than the tool was asked to be.
-    const double duration =
-        std::isfinite(moves_[move].tool_speed) ? std::max(own, t - t_from) : own;
+    const double duration = piece_duration(from, to, moves_[0], t - t_from);
     JointMove piece{.q = to, .qd = {}, .duration = from_seconds(duration)};
     piece.qd.resize(to.size());
     out.pieces.push_back(piece);
@@ -224,7 +307,7 @@ double whole_move_duration(const JointVector& from, const JointVector& to, const
 
 motion::RestToRest profile_between(const JointVector& from, const JointVector& to,
                                    const RobotModel& robot, double speed) {
-  auto limits = planning::motion_limits(robot);
+  auto limits = planning::straight_limits(robot, from, to);
   const double share = robot.device.capability.takes_speed ? speed : 1;
   for (motion::AxisLimits& limit : limits) {
     limit = {share * limit.velocity, share * limit.acceleration, share * limit.jerk};

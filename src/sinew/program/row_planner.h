@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <expected>
 #include <span>
 #include <vector>
@@ -23,9 +24,27 @@ struct Refusal {
   std::optional<WayRefusal> way;
 };
 
+/// What a row asks for and its device cannot be told, so that it does not count.
+struct Unheard {
+  bool speed = false;         ///< speed=, of joints or tool: it has one pace of its own
+  bool acceleration = false;  ///< accel=
+  bool blend = false;         ///< blend=: it stops at each corner anyway
+};
+Unheard unheard(const MotionOptions& how, const RobotModel& robot);
+
+/// Why a motion stops at a corner where a blend was asked for.
+enum class CornerStopReason : std::uint8_t {
+  kNone,       ///< none was asked for, or nothing follows
+  kCostsTime,  ///< with it the moves would take longer
+  kNoWay,      ///< one of its two moves goes nowhere
+  kNoFit,      ///< no blend of that size, nor a shorter one, keeps what was asked and the limits
+};
+
 /// A motion and the pieces in which its device takes it.
 struct RowMotion {
-  std::size_t rows = 0;  ///< that it took
+  std::size_t rows = 0;                             ///< that it took
+  CornerStopReason stop = CornerStopReason::kNone;  ///< at its end
+  double stop_saves = 0;                            ///< s, of kCostsTime
   JointVector q_end;
   /// One after another: timed segments of a streaming device, whole moves from rest to rest of
   /// another one. Empty where the robot stands there already.
@@ -34,7 +53,8 @@ struct RowMotion {
   double duration = 0;  ///< s, until the driver has told so
 };
 
-/// Plans the rows of a program that move the robot. Holds the planner's workspace.
+/// Plans the rows of a program that move the robot. A device that takes whole moves stops behind
+/// each of them: rows do not blend there. Holds the planner's workspace.
 class RowPlanner {
  public:
   /// A device that takes whole moves only is led along a tool's way by moves whose straight joints
@@ -59,8 +79,12 @@ class RowPlanner {
   std::expected<void, Refusal> make_moves(const planning::RobotPlace& start,
                                           std::span<const Step> rows);
   Refusal refusal(std::span<const Step> rows, const planning::PathRefusal& why);
+  void tell_stop(std::span<const Step> rows, RowMotion& out);
   void cut_into_segments(RowMotion& out) const;
   void cut_into_chords(const planning::RobotPlace& start, RowMotion& out) const;
+  double piece_duration(const JointVector& from, const JointVector& to, const planning::Move& move,
+                        double in_motion) const;
+  double tool_acceleration(const JointVector& from, const JointVector& to, double share) const;
 
   const RobotModel& robot_;
   MotionDelay delay_;

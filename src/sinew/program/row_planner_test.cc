@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "sinew/core/units.h"
+#include "sinew/driver/bigrobotarm_multipliers.h"
 #include "sinew/program/program_plan.h"
 #include "support/robots.h"
 
@@ -26,8 +27,17 @@ JointVector start_of(const RobotModel& robot) {
   return q;
 }
 
+/// robot-arm-2 with boards that are led along a way.
+RobotModel streaming_arm() {
+  RobotModel robot = test::robot("robot-arm-2");
+  robot.device.capability.motion = MotionKind::kStream;
+  robot.device.capability.segment = std::chrono::milliseconds(20);
+  return robot;
+}
+
 struct Bench {
-  explicit Bench(std::string_view id) : robot(test::robot(id)), planner(robot) {}
+  explicit Bench(std::string_view id) : Bench(test::robot(id)) {}
+  explicit Bench(RobotModel model) : robot(std::move(model)), planner(robot) {}
 
   std::expected<RowMotion, Refusal> plan(std::string_view text) {
     program = *parse(text, "p", robot);
@@ -40,7 +50,7 @@ struct Bench {
   }
   PoseBT start() { return tool({start_of(robot).data(), robot.joints.size()}); }
 
-  const RobotModel& robot;
+  const RobotModel robot;
   RowPlanner planner;
   Program program;
 };
@@ -110,7 +120,7 @@ TEST_P(RowPlannerOf, whoever_takes_whole_moves_is_led_along_the_way_from_stop_to
 }
 
 TEST(RowPlanner, rows_that_blend_are_one_motion_and_the_others_are_not) {
-  Bench bench("robot-arm-2");
+  Bench bench(streaming_arm());
   const auto stops = bench.plan("line y=40mm\nline z=620mm\n");
   ASSERT_TRUE(stops) << describe(stops.error().error);
   EXPECT_EQ(stops->rows, 1U);
@@ -145,7 +155,7 @@ TEST(RowPlanner, what_a_row_does_not_name_stays_as_it_is) {
 }
 
 TEST(RowPlanner, joint_row_behind_a_blended_line_keeps_the_joints_that_the_line_ends_with) {
-  Bench bench("robot-arm-2");
+  Bench bench(streaming_arm());
   const auto line = bench.plan("line y=40mm\n");
   ASSERT_TRUE(line);
   const auto both = bench.plan("line y=40mm blend=10mm\njoint J1=20deg\n");
@@ -167,8 +177,120 @@ TEST(RowPlanner, tool_speed_stretches_the_pieces_of_whole_moves_too) {
   }
 }
 
+TEST(RowPlanner, blend_is_not_heard_where_whole_moves_are_taken_and_costs_nothing) {
+  for (const char* id : {"maxarm", "bigrobotarm", "robot-arm-2"}) {
+    Bench bench(id);
+    const auto stops = bench.plan("joint J1=115deg\njoint J2=100deg\n");
+    const auto blends = bench.plan("joint J1=115deg blend=5deg\njoint J2=100deg\n");
+    if (!stops) continue;  // beyond a limit of this one
+    ASSERT_TRUE(blends) << id;
+    EXPECT_EQ(blends->rows, 1U) << id;
+    ASSERT_EQ(blends->pieces.size(), 1U) << id;
+    EXPECT_EQ(blends->duration, stops->duration) << id;
+    EXPECT_TRUE(unheard(*motion_of(bench.program.steps[0]), bench.robot).blend) << id;
+  }
+}
+
+/// The tool's greatest acceleration on a whole move whose joints go by these trapezoids.
+double trapezoids_acceleration(Bench& bench, const JointVector& from, const JointVector& to,
+                               const BigRobotArmMultipliers& told) {
+  const auto& device = std::get<BigRobotArmDevice>(bench.robot.device.settings);
+  constexpr double kStep = 2e-3;
+  const auto at = [&](double t) {
+    JointVector q = from;
+    for (std::size_t j = 0; j < q.size(); ++j) {
+      const BigRobotArmJoint& joint = device.joints[j];
+      const double unit = joint.steps_per_motor_rev / 100 / std::abs(joint.steps_per_rad);
+      const double way = std::abs(to[j] - from[j]);
+      const double a = told.accelerations[j] * unit;
+      const double v = std::min(told.speeds[j] * unit, std::sqrt(way * a));
+      if (way == 0) continue;
+      const double end = way / v + v / a;
+      const auto ramp = [&](double s) { return s < v / a ? a * s * s / 2 : v * (s - v / a / 2); };
+      const double s = std::clamp(t, 0.0, end);
+      const double gone = s < end / 2 ? ramp(s) : way - ramp(end - s);
+      q[j] += std::copysign(gone, to[j] - from[j]);
+    }
+    return bench.tool({q.data(), q.size()}).p;
+  };
+  double greatest = 0;
+  for (double t = 0; t < 60; t += kStep) {
+    const Vec3 bend = at(t + kStep) - 2 * at(t) + at(t - kStep);
+    greatest = std::max(greatest, norm(bend) / (kStep * kStep));
+  }
+  return greatest;
+}
+
+TEST(RowPlanner, tool_acceleration_is_kept_by_a_device_that_can_be_told_one) {
+  Bench bench("bigrobotarm");
+  const auto& device = std::get<BigRobotArmDevice>(bench.robot.device.settings);
+  for (const double asked : {5.0, 10.0, 20.0, 80.0}) {
+    // Settings of two or three are coarse: the device rounds up.
+    const double coarse = asked < 10 ? 1.25 : 1;
+    char text[80];
+    std::snprintf(text, sizeof text, "line y=40mm accel=%.0fmm/s2", asked);
+    const auto motion = bench.plan(text);
+    ASSERT_TRUE(motion) << describe(motion.error().error);
+    EXPECT_GE(motion->duration, 2 * std::sqrt(0.04 / (asked * 1e-3)));
+    JointVector from = start_of(bench.robot);
+    for (const JointMove& piece : motion->pieces) {
+      bigrobotarm::Words deltas{};
+      BigRobotArmMultipliers base;
+      for (std::size_t j = 0; j < from.size(); ++j) {
+        const BigRobotArmJoint& joint = device.joints[j];
+        const double unit = joint.steps_per_motor_rev / 100 / std::abs(joint.steps_per_rad);
+        deltas[j] = static_cast<std::int32_t>((piece.q[j] - from[j]) * joint.steps_per_rad);
+        base.speeds[j] = static_cast<std::int32_t>(bench.robot.joints[j].velocity_max / unit);
+        base.accelerations[j] =
+            static_cast<std::int32_t>(bench.robot.joints[j].acceleration_max / unit);
+      }
+      const auto told = synchronised_multipliers(device, deltas, base, to_seconds(piece.duration));
+      ASSERT_TRUE(told);
+      const double real = trapezoids_acceleration(bench, from, piece.q, *told);
+      RecordProperty("real_mm_s2", std::to_string(real * 1e3));
+      EXPECT_LE(real, coarse * 1e-3 * asked) << asked;
+      from = piece.q;
+    }
+  }
+}
+
+TEST(RowPlanner, what_a_device_cannot_be_told_does_not_count) {
+  const struct {
+    const char* robot;
+    bool speed, acceleration, blend;
+  } kCases[] = {{"robot-arm-2", true, true, true},
+                {"maxarm", false, true, true},
+                {"bigrobotarm", false, false, true},
+                {"learm", false, false, false},
+                {"hexapod", false, false, false}};
+  for (const auto& c : kCases) {
+    const RobotModel& robot = test::robot(c.robot);
+    const auto program = *parse("line z=1mm speed=80mm/s accel=5mm/s2 blend=1mm", "p", robot);
+    const Unheard told = unheard(*motion_of(program.steps[0]), robot);
+    EXPECT_EQ(told.speed, c.speed) << c.robot;
+    EXPECT_EQ(told.acceleration, c.acceleration) << c.robot;
+    EXPECT_EQ(told.blend, c.blend) << c.robot;
+  }
+  Bench boards("robot-arm-2");
+  const auto plain = boards.plan("line y=40mm");
+  const auto slow = boards.plan("line y=40mm speed=1mm/s accel=1mm/s2");
+  ASSERT_TRUE(plain && slow);
+  EXPECT_EQ(slow->duration, plain->duration);
+}
+
+TEST(RowPlanner, corner_that_stops_says_why) {
+  Bench bench(streaming_arm());
+  const auto nowhere = bench.plan("line y=40mm blend=10mm\nline y=40mm\n");
+  ASSERT_TRUE(nowhere) << describe(nowhere.error().error);
+  EXPECT_EQ(nowhere->rows, 1U);
+  EXPECT_EQ(nowhere->stop, CornerStopReason::kNoWay);
+  const auto none = bench.plan("line y=40mm\nline y=0mm\n");
+  ASSERT_TRUE(none);
+  EXPECT_EQ(none->stop, CornerStopReason::kNone);
+}
+
 TEST(RowPlanner, refusal_names_its_line_and_what_would_work) {
-  Bench bench("robot-arm-2");
+  Bench bench(streaming_arm());
   const auto motion = bench.plan("line y=40mm blend=10mm\n\nline x=3000mm\n");
   ASSERT_FALSE(motion);
   EXPECT_EQ(motion.error().line, 3);
@@ -193,7 +315,7 @@ TEST(RowPlanner, row_that_goes_nowhere_has_no_pieces) {
 }
 
 TEST(RowPlanner, loops_plan_each_motion_once_and_count_them_all) {
-  const RobotModel& robot = test::robot("robot-arm-2");
+  const RobotModel robot = streaming_arm();
   const auto program = *parse(
       "loop 5000\nline y=40mm z=600mm\nline y=-40mm blend=5mm\nline z=620mm\nend\n", "p", robot);
   const auto plan = make_plan(program, robot, start_of(robot));

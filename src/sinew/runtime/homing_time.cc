@@ -42,13 +42,16 @@ double homing_time(const AxisSettings& axis) {
 
 }  // namespace
 
-program::HomingTimes homing_times(const RobotModel& robot) {
-  program::HomingTimes times;
-  if (boards_of(robot).empty()) return times;
+program::Homing homing_of(const RobotModel& robot) {
+  program::Homing homing;
+  if (boards_of(robot).empty()) return homing;
+  homing.rest.emplace();
   for (std::size_t i = 0; i < robot.joints.size(); ++i) {
-    times.push_back(homing_time(axis_settings(robot, i)));
+    const AxisSettings axis = axis_settings(robot, i);
+    homing.times.push_back(homing_time(axis));
+    homing.rest->push_back(axis.homing.clear_angle);
   }
-  return times;
+  return homing;
 }
 
 }  // namespace sinew::runtime

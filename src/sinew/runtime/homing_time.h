@@ -5,12 +5,14 @@
 
 namespace sinew::runtime {
 
-/// How long each axis board may search for its end stop and still find it, s: from the far end of
-/// its way, with a switch that opens only where it would otherwise count as stuck. Real homing is
-/// mostly half of that, since an axis rarely stands at its far end.
+/// What is known of a robot's homing before it runs: how long each axis board may search for its
+/// end stop and still find it, s (from the far end of its way, with a switch that opens only where
+/// it would otherwise count as stuck; real homing is mostly half of that, since an axis rarely
+/// stands at its far end), and where the axes rest behind it.
 ///
-/// Source: the phases of device/homing.h with the settings of device/axis_settings.h.
-/// @return  one per joint; empty for a robot without end stops
-program::HomingTimes homing_times(const RobotModel& robot);
+/// Source: the phases of device/homing.h with the settings of device/axis_settings.h. Boards with
+/// another firmware may rest elsewhere.
+/// @return  empty for a robot without end stops
+program::Homing homing_of(const RobotModel& robot);
 
 }  // namespace sinew::runtime

@@ -31,9 +31,9 @@ RobotModel small_arm(const char* wire) {
 
 TEST(HomingTime, only_axis_boards_have_one) {
   for (const char* robot : {"learm", "maxarm", "bigrobotarm", "hexapod"}) {
-    EXPECT_TRUE(homing_times(test::robot(robot)).empty()) << robot;
+    EXPECT_TRUE(homing_of(test::robot(robot)).times.empty()) << robot;
   }
-  EXPECT_EQ(homing_times(test::robot("robot-arm-2")).size(), 6U);
+  EXPECT_EQ(homing_of(test::robot("robot-arm-2")).times.size(), 6U);
 }
 
 /// The longest search that there is: from the far end, the whole range at 3 deg/s.
@@ -43,7 +43,7 @@ TEST(HomingTime, bound_holds_for_an_axis_that_stands_at_its_far_end) {
   const Instant begin = cell.now;
   ASSERT_TRUE(cell.home());
   const double took = to_seconds(cell.now - begin);
-  const double bound = homing_times(model)[0];
+  const double bound = homing_of(model).times[0];
   RecordProperty("took_s", static_cast<int>(took));
   RecordProperty("bound_s", static_cast<int>(bound));
   EXPECT_LT(took, bound);
@@ -63,7 +63,7 @@ TEST_P(BothBoardWires, every_axis_is_named_while_its_zero_is_searched_for) {
   const auto program = program::parse("home\n", "p", model);
   ASSERT_TRUE(program);
   program::Run run(*program, model, *driver.spi, 5s);
-  run.expect_homing(homing_times(model));
+  run.expect_homing(homing_of(model));
   Instant now{};
   run.start(now);
   std::vector<std::size_t> named;

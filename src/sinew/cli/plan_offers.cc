@@ -1,0 +1,107 @@
+#include "sinew/cli/plan_offers.h"
+
+#include <fmt/format.h>
+
+#include "sinew/cli/kinematics_text.h"
+#include "sinew/cli/table.h"
+#include "sinew/core/units.h"
+
+namespace sinew::cli {
+namespace {
+
+using kinematics::PoseBT;
+
+constexpr int kDigits = 3;
+
+/// Something to type, as a row and behind an option.
+struct Typed {
+  std::string row;
+  std::string option;
+};
+
+Typed joint_move(const planning::JointArray& q, const RobotModel& model) {
+  Typed typed{"joint", "--to joints="};
+  for (std::size_t j = 0; j < model.joints.size(); ++j) {
+    const std::string value = number(shown(q[j], model.joints[j]), kDigits);
+    typed.row += fmt::format(" {}={}{}", model.joints[j].name, value,
+                             is_leg(model.joints[j]) ? "mm" : "deg");
+    typed.option += (j > 0 ? "," : "") + value;
+  }
+  return typed;
+}
+
+/// @param turned  the orientation as well
+Typed line_to(const PoseBT& X_BT, bool turned) {
+  const Vec3 rpy = fixed_xyz(X_BT.R);
+  Typed typed{"line", "--to "};
+  const struct {
+    const char* name;
+    double value;
+    const char* unit;
+  } kParts[] = {{"x", to_mm(X_BT.p.x), "mm"}, {"y", to_mm(X_BT.p.y), "mm"},
+                {"z", to_mm(X_BT.p.z), "mm"}, {"rx", to_deg(rpy.x), "deg"},
+                {"ry", to_deg(rpy.y), "deg"}, {"rz", to_deg(rpy.z), "deg"}};
+  for (const auto& part : kParts) {
+    if (!turned && part.unit[0] == 'd') break;
+    const std::string value = number(part.value, kDigits);
+    typed.row += fmt::format(" {}={}{}", part.name, value, part.unit);
+    typed.option += (&part == kParts ? "" : ",") + value;
+  }
+  return typed;
+}
+
+/// Collects what works.
+class Trial {
+ public:
+  Trial(const program::WayRefusal& way, const RobotModel& model, bool in_program)
+      : way_(way), model_(model), in_program_(in_program), planner_(model) {}
+
+  void offer(const std::string& what, const Typed& typed) {
+    const auto row = program::parse(typed.row, "", model_);
+    if (!row) return;
+    const JointVector from(
+        std::span<const double>(way_.refusal.from.q.data(), model_.joints.size()));
+    if (!planner_.plan(from, row->steps)) return;
+    found_.push_back(what + ": " + (in_program_ ? typed.row : typed.option));
+  }
+  void offer_untried(std::string sentence) { found_.push_back(std::move(sentence)); }
+  std::vector<std::string> found() const { return found_; }
+
+ private:
+  const program::WayRefusal& way_;
+  const RobotModel& model_;
+  bool in_program_;
+  program::RowPlanner planner_;
+  std::vector<std::string> found_;
+};
+
+}  // namespace
+
+std::vector<std::string> offers(const program::WayRefusal& way, const RobotModel& model,
+                                bool in_program) {
+  const planning::MoveProposal& proposal = way.proposal;
+  Trial trial(way, model, in_program);
+  const bool turns = !std::holds_alternative<PalletizerGeometry>(model.geometry);
+  if (proposal.move_j) trial.offer("a joint move", joint_move(*proposal.move_j, model));
+  if (proposal.other_start) {
+    // The planner has tried it, with the row itself.
+    const Typed start = joint_move(*proposal.other_start, model);
+    trial.offer_untried("the same way from another branch, which is reached by " +
+                        (in_program ? start.row : start.option));
+  }
+  if (proposal.tilted) {
+    trial.offer(fmt::format("the same line with the tool tilted by {} deg",
+                            number(to_deg(proposal.tilted->tilt), 1)),
+                line_to(proposal.tilted->X_BT, turns));
+  }
+  if (proposal.nearest) {
+    trial.offer("the nearest orientation that it can have", line_to(proposal.nearest->X_BT, turns));
+  }
+  if (proposal.part) {
+    trial.offer(fmt::format("the first {} mm of the line", number(to_mm(proposal.part->length), 1)),
+                line_to(proposal.part->X_BT, turns));
+  }
+  return trial.found();
+}
+
+}  // namespace sinew::cli
