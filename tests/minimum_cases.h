@@ -27,19 +27,20 @@ struct MinimumCases {
 inline constexpr std::array kMinimumTests = std::to_array<MinimumTests>({
     {"cli_test", 119},
     {"config_test", 75},
+    {"control_test", 39},
     {"core_test", 22},
     {"device_test", 218},
     {"driver_test", 280},
     {"faults_test", 28},
     {"house_test", 34},
-    {"io_test", 43},
+    {"io_test", 50},
     {"kinematics_test", 155},
     {"motion_test", 110},
     {"planning_test", 369},
     {"program_test", 119},
-    {"runtime_test", 32},
+    {"runtime_test", 56},
     {"sequences_test", 15},
-    {"sim_test", 192},
+    {"sim_test", 200},
     {"wire_test", 120},
 });
 

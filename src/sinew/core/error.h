@@ -79,6 +79,17 @@ enum class ErrorCode : std::uint8_t {
   kDeviceRestarted,     ///< what it knew of its position is gone
   kSupplyFlag,          ///< index: joint; its board says that the supply was too low, or away
   kCollision,  ///< index, other: links (model/collision_links.h); measured, limit: m between them
+  kVelocityLimit,      ///< index: joint; measured: asked for over allowed
+  kAccelerationLimit,  ///< likewise
+  kJerkLimit,          ///< likewise
+  kJump,               ///< index: joint; measured: what its way and its speeds differ by, likewise
+  kLeaseHeld,          ///< measured: the client that has it
+  kLeaseLost,          ///< it has ended, or somebody else has it
+  kWrongState,         ///< a command that this state of the machine does not take
+  kClockGap,           ///< measured, limit: s between two cycles
+  kCycleOverrun,       ///< measured, limit: s, twice in a row
+  kStreamEnded,        ///< measured: s since the last command of a stream; limit: its life
+  kNotRecorded,        ///< what the machine would do next could not be recorded
 };
 
 /// How a stop ends, after IEC 60204-1.

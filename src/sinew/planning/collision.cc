@@ -60,6 +60,20 @@ std::variant<kinematics::SerialChain, PalletizerGeometry, kinematics::Hexapod> k
 
 }  // namespace
 
+Error contact_error(const RobotModel& model, const Clearance& nearest) {
+  const double margin = model.collision.margin;
+  const auto& shapes = model.collision.shapes;
+  const auto link = [&](std::uint8_t shape) {
+    return shape == kTableShape ? kTableLink : shapes[shape].link;
+  };
+  return {.code = ErrorCode::kCollision,
+          .index = static_cast<std::int8_t>(link(nearest.first)),
+          // What counts as at the margin may lie a hair beyond it.
+          .measured = std::clamp(nearest.distance, 0.0, margin),
+          .limit = margin,
+          .other = static_cast<std::int16_t>(link(nearest.second))};
+}
+
 CollisionModel::CollisionModel(const RobotModel& model)
     : model_(&model), robot_(kinematics_of(model.geometry)), shapes_(placed_shapes(model)) {
   for (const CollisionShape& shape : shapes_) radii_.push_back(radius_of(shape));

@@ -37,6 +37,9 @@ struct PathContact {
   Clearance nearest;
 };
 
+/// kCollision with the links that these shapes stand on.
+Error contact_error(const RobotModel& model, const Clearance& nearest);
+
 /// Whether a robot hits itself or its table: every two shapes whose links are not joined and that
 /// its file does not excuse, and every moving shape against the table. docs/collision.md.
 ///

@@ -3,25 +3,6 @@
 #include <algorithm>
 
 namespace sinew::planning {
-namespace {
-
-/// The error that two shapes make which are named by their places in the model.
-Error contact_error(const RobotModel& model, const Clearance& nearest) {
-  const double margin = model.collision.margin;
-  const auto& shapes = model.collision.shapes;
-  const auto link = [&](std::uint8_t shape) {
-    return shape == kTableShape ? kTableLink : shapes[shape].link;
-  };
-  return {.code = ErrorCode::kCollision,
-          .index = static_cast<std::int8_t>(link(nearest.first)),
-          // What counts as at the margin may lie a hair beyond it.
-          .measured = std::clamp(nearest.distance, 0.0, margin),
-          .limit = margin,
-          .other = static_cast<std::int16_t>(link(nearest.second))};
-}
-
-}  // namespace
-
 MotionPlanner::MotionPlanner(const RobotModel& model)
     : model_(model),
       space_(model),

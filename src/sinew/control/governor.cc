@@ -1,0 +1,144 @@
+#include "sinew/control/governor.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sinew/core/assert.h"
+
+namespace sinew::control {
+namespace {
+
+constexpr double kDay = 86400;  // s
+/// rad or m; what the coarsest of our wires rounds a place to is commanded as it was planned.
+constexpr double kPlaceTolerance = 1e-9;
+
+Error joint_error(ErrorCode code, std::size_t joint, double measured, double limit) {
+  return {code, static_cast<std::int8_t>(joint), measured, limit};
+}
+
+/// Written so that NaN is beyond every limit.
+bool within(double value, double limit) {
+  return std::abs(value) <= limit * (1 + Governor::kTolerance) + kPlaceTolerance;
+}
+
+std::optional<Error> beyond(ErrorCode code, std::size_t joint, double value, double limit) {
+  if (within(value, limit)) return std::nullopt;
+  return joint_error(code, joint, std::abs(value) / limit, 1);
+}
+
+}  // namespace
+
+Governor::Governor(const RobotModel& model, std::span<const motion::AxisLimits> limits)
+    : model_(model),
+      collision_(model),
+      size_(model.joints.size()),
+      streams_(model.device.capability.motion == MotionKind::kStream) {
+  SINEW_ASSERT(limits.size() == size_);
+  std::ranges::copy(limits, limits_.begin());
+}
+
+void Governor::rest(std::span<const double> q) {
+  SINEW_ASSERT(q.size() == size_);
+  std::ranges::copy(q, q_.begin());
+  qd_.fill(0);
+  acceleration_.fill(0);
+  seconds_ = 0;
+  known_ = true;
+  clearance_ = collision_.distance(q).distance;
+}
+
+std::optional<Error> Governor::look_at_numbers(const JointMove& move) const {
+  const double seconds = to_seconds(move.duration);
+  if (!(seconds > 0) || seconds > kDay) return Error{ErrorCode::kSegmentTime, -1, seconds, kDay};
+  if (move.q.size() != size_)
+    return Error{ErrorCode::kMoveInput, -1, static_cast<double>(move.q.size())};
+  if (!move.qd.empty() && move.qd.size() != size_) {
+    return Error{ErrorCode::kMoveInput, -1, static_cast<double>(move.qd.size())};
+  }
+  for (std::size_t i = 0; i < size_; ++i) {
+    if (!std::isfinite(move.q[i])) return joint_error(ErrorCode::kMoveInput, i, move.q[i], 0);
+    if (!move.qd.empty() && !std::isfinite(move.qd[i])) {
+      return joint_error(ErrorCode::kMoveInput, i, move.qd[i], 0);
+    }
+  }
+  return std::nullopt;
+}
+
+/// Inside its limits, or, where it began outside, no farther out than it is.
+std::optional<Error> Governor::look_at_place(const JointMove& move) const {
+  for (std::size_t i = 0; i < size_; ++i) {
+    const Joint& joint = model_.joints[i];
+    const double lower = known_ ? std::min(joint.lower, q_[i]) : joint.lower;
+    const double upper = known_ ? std::max(joint.upper, q_[i]) : joint.upper;
+    if (move.q[i] < lower - kPlaceTolerance) {
+      return joint_error(ErrorCode::kJointLimit, i, move.q[i], joint.lower);
+    }
+    if (move.q[i] > upper + kPlaceTolerance) {
+      return joint_error(ErrorCode::kJointLimit, i, move.q[i], joint.upper);
+    }
+  }
+  return std::nullopt;
+}
+
+std::optional<Error> Governor::look_at_piece(const JointMove& move, std::size_t joint,
+                                             double seconds) const {
+  using enum ErrorCode;
+  const motion::AxisLimits& limit = limits_[joint];
+  const double way = move.q[joint] - q_[joint];
+  const double qd = move.qd.empty() ? 0 : move.qd[joint];
+  const double change = qd - qd_[joint];
+  if (const auto bad = beyond(kVelocityLimit, joint, qd, limit.velocity)) return bad;
+  if (const auto bad = beyond(kVelocityLimit, joint, way, limit.velocity * seconds)) return bad;
+  const double speed_up = limit.acceleration * seconds;
+  if (const auto bad = beyond(kAccelerationLimit, joint, change, speed_up)) return bad;
+  const double jump = change - acceleration_[joint] * seconds;
+  const double middles = (seconds + seconds_) / 2;
+  if (const auto bad = beyond(kJerkLimit, joint, jump, limit.jerk * middles * seconds)) return bad;
+  const double apart = way - (qd_[joint] + qd) * seconds / 2;
+  return beyond(kJump, joint, apart, limit.jerk * seconds * seconds * seconds / 12);
+}
+
+/// Nearer than the margin only where it already was, and then never nearer still.
+/// @return how near things come there, m
+Expected<double> Governor::look_at_contacts(const JointMove& move) const {
+  const std::span<const double> q(move.q.data(), size_);
+  const planning::Clearance nearest = collision_.distance(q);
+  const double least = collision_.margin() - planning::CollisionModel::kResolution;
+  const double allowed = known_ ? std::min(least, clearance_ - kPlaceTolerance) : least;
+  if (nearest.distance >= allowed) return nearest.distance;
+  return std::unexpected(planning::contact_error(model_, nearest));
+}
+
+Expected<void> Governor::pass(const JointMove& move) {
+  if (const auto bad = look_at_numbers(move)) return std::unexpected(*bad);
+  if (!known_) return std::unexpected(Error{ErrorCode::kPositionUnknown});
+  if (const auto bad = look_at_place(move)) return std::unexpected(*bad);
+  const double seconds = to_seconds(move.duration);
+  for (std::size_t i = 0; streams_ && i < size_; ++i) {
+    if (const auto bad = look_at_piece(move, i, seconds)) return std::unexpected(*bad);
+  }
+  const auto clearance = look_at_contacts(move);
+  if (!clearance) return std::unexpected(clearance.error());
+  take(move, seconds);
+  clearance_ = *clearance;
+  return {};
+}
+
+Expected<void> Governor::pass_blind(const JointMove& move) {
+  if (const auto bad = look_at_numbers(move)) return std::unexpected(*bad);
+  if (const auto bad = look_at_place(move)) return std::unexpected(*bad);
+  if (const auto near = look_at_contacts(move); !near) return std::unexpected(near.error());
+  return {};
+}
+
+void Governor::take(const JointMove& move, double seconds) {
+  for (std::size_t i = 0; i < size_; ++i) {
+    const double qd = move.qd.empty() || !streams_ ? 0 : move.qd[i];
+    acceleration_[i] = streams_ ? (qd - qd_[i]) / seconds : 0;
+    qd_[i] = qd;
+    q_[i] = move.q[i];
+  }
+  seconds_ = streams_ ? seconds : 0;
+}
+
+}  // namespace sinew::control

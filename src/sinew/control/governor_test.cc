@@ -1,0 +1,258 @@
+#include "sinew/control/governor.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "sinew/model/joint_lookup.h"
+#include "support/allocation_guard.h"
+#include "support/property.h"
+#include "support/robots.h"
+
+namespace sinew::control {
+namespace {
+
+using motion::AxisLimits;
+using motion::AxisStates;
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInf = std::numeric_limits<double>::infinity();
+
+/// A robot of the files, that nothing keeps from touching itself where that is not the point.
+RobotModel streaming(const char* id, bool touches) {
+  RobotModel model = test::robot(id);
+  model.device.capability.motion = MotionKind::kStream;
+  if (touches) model.collision.shapes.clear();
+  return model;
+}
+
+std::vector<AxisLimits> limits_of(const RobotModel& model) {
+  std::vector<AxisLimits> limits;
+  for (const Joint& joint : model.joints) {
+    limits.push_back({joint.velocity_max, joint.acceleration_max, joint.jerk_max});
+  }
+  return limits;
+}
+
+JointVector random_place(test::Random& random, const RobotModel& model) {
+  // Legs of any lengths are no platform; near its home they are.
+  const double share = model.joints[0].kind == JointKind::kPrismatic ? 0.02 : 1;
+  JointVector q;
+  for (const Joint& joint : model.joints) {
+    q.push_back(joint.home + share * (random.uniform(joint.lower, joint.upper) - joint.home));
+  }
+  return q;
+}
+
+JointMove piece(const AxisStates& states, std::size_t joints, double seconds) {
+  JointMove move;
+  for (std::size_t i = 0; i < joints; ++i) {
+    move.q.push_back(states.q[i]);
+    move.qd.push_back(states.qd[i]);
+  }
+  move.duration = from_seconds(seconds);
+  return move;
+}
+
+std::span<const double> span_of(const JointVector& q) {
+  return {q.data(), q.size()};
+}
+
+TEST(Governor, no_motion_inside_the_limits_is_ever_refused) {
+  for (const char* id : {"robot-arm-2", "learm", "hexapod", "puma560"}) {
+    const RobotModel model = streaming(id, true);
+    const std::vector<AxisLimits> limits = limits_of(model);
+    Governor governor(model, limits);
+    test::for_random_cases(100, [&](test::Random& random) {
+      const JointVector from = random_place(random, model);
+      const JointVector to = random_place(random, model);
+      const motion::RestToRest way(span_of(from), span_of(to), limits);
+      // Pieces of changing lengths, in whole nanoseconds as time is.
+      governor.rest(span_of(from));
+      Instant now{};
+      const Instant end = Instant{} + from_seconds(way.duration());
+      while (now < end) {
+        const Instant before = now;
+        now = std::min(end, now + from_seconds(random.uniform(0.001, 0.1)));
+        AxisStates states;
+        way.sample(now == end ? way.duration() : to_seconds(now - Instant{}), states);
+        const JointMove move = piece(states, model.joints.size(), to_seconds(now - before));
+        const auto passed = governor.pass(move);
+        ASSERT_TRUE(passed) << id << ": " << describe(passed.error());
+      }
+    });
+  }
+}
+
+/// What a piece may be, from where the machine is: mostly nearly right.
+JointMove hostile_piece(test::Random& random, const RobotModel& model, const Governor& governor) {
+  static constexpr double kBad[] = {kNan, kInf, -kInf, 1e308, -1e308, 0, -1, 5e-324};
+  JointMove move;
+  const double seconds = random.chance(0.9) ? random.uniform(0.001, 0.1) : random.uniform(-1, 100);
+  const double size = std::pow(10, random.uniform(-6, 1));
+  for (std::size_t i = 0; i < model.joints.size(); ++i) {
+    const double jerk = model.joints[i].jerk_max;
+    const double qd = jerk * seconds * seconds / 2 * random.uniform(-size, size);
+    move.q.push_back(governor.q()[i] + qd * seconds / 3);
+    move.qd.push_back(qd);
+  }
+  move.duration = from_seconds(std::clamp(seconds, -1e6, 1e6));
+  const auto any = [&] {
+    return static_cast<std::size_t>(random.integer(0, static_cast<int>(model.joints.size()) - 1));
+  };
+  if (random.chance(0.1)) move.q[any()] = kBad[random.integer(0, 7)];
+  if (random.chance(0.1)) move.qd[any()] = kBad[random.integer(0, 7)];
+  if (random.chance(0.05)) move.q[any()] += random.uniform(-7, 7);
+  if (random.chance(0.05)) move.qd = {};
+  if (random.chance(0.02)) move.q.push_back(0);
+  return move;
+}
+
+/// Means over its pieces are all that a sequence of places and times can tell of its derivatives.
+class Watcher {
+ public:
+  Watcher(const RobotModel& model, const Governor& governor) : model_(model) {
+    for (std::size_t i = 0; i < model.joints.size(); ++i) q_[i] = governor.q()[i];
+  }
+  void see(const JointMove& move) {
+    const double seconds = to_seconds(move.duration);
+    ASSERT_GT(seconds, 0);
+    for (std::size_t i = 0; i < model_.joints.size(); ++i) {
+      const Joint& joint = model_.joints[i];
+      const double q = move.q[i];
+      const double qd = move.qd.empty() ? 0 : move.qd[i];
+      ASSERT_TRUE(q >= joint.lower - 2e-9 && q <= joint.upper + 2e-9) << q;
+      ASSERT_LE(std::abs(qd), joint.velocity_max * 1.00001 + 2e-9);
+      ASSERT_LE(std::abs(q - q_[i]), joint.velocity_max * 1.00001 * seconds + 2e-9);
+      const double a = (qd - qd_[i]) / seconds;
+      ASSERT_LE(std::abs(a), joint.acceleration_max * 1.00001 + 2e-9 / seconds);
+      ASSERT_LE(std::abs(a - a_[i]),
+                joint.jerk_max * (seconds + seconds_) / 2 * 1.00001 + 2e-9 / seconds);
+      q_[i] = q, qd_[i] = qd, a_[i] = a;
+    }
+    seconds_ = seconds;
+  }
+
+ private:
+  const RobotModel& model_;
+  std::array<double, kMaxJoints> q_{}, qd_{}, a_{};
+  double seconds_ = 0;
+};
+
+TEST(Governor, what_passes_is_inside_the_limits_whatever_was_asked_for) {
+  for (const char* id : {"robot-arm-2", "learm", "hexapod"}) {
+    const RobotModel model = streaming(id, true);
+    Governor governor(model, limits_of(model));
+    std::uint64_t passed = 0;
+    test::for_random_cases(340'000, [&](test::Random& random) {
+      governor.rest(span_of(random_place(random, model)));
+      Watcher watcher(model, governor);
+      for (int i = 0; i < 4; ++i) {
+        const std::vector<double> before(governor.q().begin(), governor.q().end());
+        const JointMove move = hostile_piece(random, model, governor);
+        const auto fine = governor.pass(move);
+        if (!fine) {
+          ASSERT_TRUE(std::ranges::equal(governor.q(), before)) << "a refusal changed something";
+          continue;
+        }
+        ++passed;
+        watcher.see(move);
+        if (::testing::Test::HasFatalFailure()) return;
+      }
+    });
+    EXPECT_GT(passed, 100'000U) << id << ": most of what is tried is no test";
+  }
+}
+
+TEST(Governor, every_fault_has_its_own_name) {
+  const RobotModel model = streaming("robot-arm-2", true);
+  const auto limits = limits_of(model);
+  Governor governor(model, limits);
+  const JointVector home = home_joints(model);
+  const auto tried = [&](const JointMove& move) {
+    governor.rest(span_of(home));
+    const auto passed = governor.pass(move);
+    return passed ? ErrorCode{} : passed.error().code;
+  };
+  JointMove still{home, {}, std::chrono::milliseconds(50)};
+  for (std::size_t i = 0; i < home.size(); ++i) still.qd.push_back(0);
+  EXPECT_TRUE(governor.known() || !governor.pass(still)) << "nobody has said where it is";
+  governor.rest(span_of(home));
+  EXPECT_TRUE(governor.pass(still));
+
+  JointMove move = still;
+  move.q[2] = kNan;
+  EXPECT_EQ(tried(move), ErrorCode::kMoveInput);
+  move = still;
+  move.duration = {};
+  EXPECT_EQ(tried(move), ErrorCode::kSegmentTime);
+  move = still;
+  move.qd[1] = 1.01 * limits[1].velocity;
+  EXPECT_EQ(tried(move), ErrorCode::kVelocityLimit);
+  move = still;
+  move.qd[1] = 0.9 * limits[1].velocity;
+  move.duration = std::chrono::milliseconds(1);
+  EXPECT_EQ(tried(move), ErrorCode::kAccelerationLimit);
+  move = still;
+  move.duration = std::chrono::milliseconds(1);
+  move.qd[1] = 0.9 * limits[1].acceleration * 1e-3;
+  EXPECT_EQ(tried(move), ErrorCode::kJerkLimit);
+  move = still;
+  move.q[1] += 0.5 * limits[1].velocity * 0.05;
+  EXPECT_EQ(tried(move), ErrorCode::kJump);
+  move = still;
+  move.duration = std::chrono::seconds(1000);
+  move.q[1] = model.joints[1].upper + 0.01;
+  EXPECT_EQ(tried(move), ErrorCode::kJointLimit);
+  governor.lose();
+  EXPECT_EQ(governor.pass(still).error().code, ErrorCode::kPositionUnknown);
+  EXPECT_TRUE(governor.pass_blind(still));
+}
+
+TEST(Governor, machine_outside_its_limits_may_come_back_and_never_go_farther_out) {
+  RobotModel model = streaming("robot-arm-2", true);
+  model.device.capability.motion = MotionKind::kPointToPoint;
+  Governor governor(model, limits_of(model));
+  JointVector q = home_joints(model);
+  q[0] = model.joints[0].upper + 0.1;
+  governor.rest(span_of(q));
+  JointMove move{q, {}, std::chrono::seconds(1)};
+  move.q[0] += 1e-3;
+  EXPECT_EQ(governor.pass(move).error().code, ErrorCode::kJointLimit);
+  move.q[0] -= 0.05;
+  EXPECT_TRUE(governor.pass(move));
+  move.q[0] += 0.02;
+  EXPECT_EQ(governor.pass(move).error().code, ErrorCode::kJointLimit);
+}
+
+TEST(Governor, robot_does_not_touch_itself_and_may_come_out_where_it_does) {
+  RobotModel model = streaming("robot-arm-2", false);
+  model.device.capability.motion = MotionKind::kPointToPoint;
+  Governor governor(model, limits_of(model));
+  const JointVector home = home_joints(model);
+  governor.rest(span_of(home));
+  JointMove folded{home, {}, std::chrono::seconds(10)};
+  folded.q[2] = model.joints[2].lower;
+  const auto refused = governor.pass(folded);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::kCollision);
+  governor.rest(span_of(folded.q));
+  EXPECT_TRUE(governor.pass({home, {}, std::chrono::seconds(10)}));
+}
+
+TEST(Governor, looks_without_the_heap) {
+  const RobotModel model = streaming("robot-arm-2", false);
+  Governor governor(model, limits_of(model));
+  const JointVector home = home_joints(model);
+  JointMove still{home, {}, std::chrono::milliseconds(50)};
+  const test::AllocationCounter allocations;
+  governor.rest(span_of(home));
+  ASSERT_TRUE(governor.pass(still));
+  still.q[0] = 100;
+  ASSERT_FALSE(governor.pass(still));
+  EXPECT_EQ(allocations.count(), 0U);
+}
+
+}  // namespace
+}  // namespace sinew::control

@@ -1,0 +1,405 @@
+#include "sinew/runtime/journal_files.h"
+
+#include <gtest/gtest.h>
+
+#include "sinew/core/dispatch.h"
+#include "sinew/runtime/journal_test_cell.h"
+
+namespace sinew::runtime {
+namespace {
+
+using test::kEpoch;
+using test::kUnit;
+using enum JournalFinding;
+
+constexpr std::size_t kJoints = 2;
+constexpr std::int64_t kSecond = 1'000'000'000;
+constexpr std::array<const char*, 2> kNames{"positions.0", "positions.1"};
+
+/// A run of so many records, and where the truth may be at its end.
+class Story {
+ public:
+  Story(std::size_t records, JournalKind last, std::uint32_t generation_records = 25) {
+    JournalSettings settings = test::settings_for(kJoints);
+    settings.generation_records = generation_records;
+    go(settings, {}, records, last);
+  }
+
+  JournalRecovery look() { return look(test::recovery_for(kJoints)); }
+  JournalRecovery look(const RecoverySettings& settings) {
+    JournalFiles files(disk, "positions");
+    return recover(files.load()->files(), settings);
+  }
+  /// Another run behind it.
+  void go_on(std::size_t records, JournalKind last) {
+    const JournalEnd end = look().end;
+    disk.kill_process();
+    go(test::settings_for(kJoints), end, records, last);
+  }
+  std::array<std::vector<std::uint8_t>, 2> bytes() const {
+    return {disk.bytes(kNames[0]).value_or(std::vector<std::uint8_t>{}),
+            disk.bytes(kNames[1]).value_or(std::vector<std::uint8_t>{})};
+  }
+  /// Which of the two files is the newer one.
+  std::size_t newer() { return look().end.generation % 2; }
+
+  /// No joint is said to be where it cannot be.
+  void expect_never_wrong(const JournalRecovery& recovery) const {
+    for (std::size_t k = 0; k < kJoints; ++k) {
+      const JointPosition& said = recovery.positions[k];
+      if (said.quality == PositionQuality::kLost) continue;
+      EXPECT_TRUE(covers({said.lower, said.upper}, truth[k]));
+    }
+  }
+
+  sim::MemoryDisk disk;
+  std::array<JointInterval, kJoints> truth;
+
+ private:
+  void tick() {
+    wall_ += kSecond / 10;
+    disk.set_wall(wall_);
+  }
+  JournalTime time() const { return {Instant{Duration{wall_ - kEpoch}}, wall_}; }
+
+  void go(const JournalSettings& settings, const JournalEnd& end, std::size_t records,
+          JournalKind last) {
+    JournalFiles files(disk, "positions");
+    ASSERT_TRUE(files.lock());
+    files.continue_after(end);
+    PositionJournal journal(settings, end);
+    const auto write = [&](const JournalRecord& record) {
+      tick();
+      ASSERT_TRUE(files.write(record));
+      ASSERT_TRUE(files.sync());
+      journal.durable(files.durable_sequence());
+    };
+    std::array<JointPosition, kJoints> at;
+    for (JointPosition& joint : at) joint = {PositionQuality::kCommanded, 0, 0, 0};
+    write(journal.open(at, time()));
+    for (std::size_t k = 2; k <= records; ++k) {
+      const JournalKind kind =
+          k < records ? k % 2 == 0 ? JournalKind::kIntent : JournalKind::kRest : last;
+      const double to = static_cast<double>(k) * 1000 * kUnit;
+      if (kind == JournalKind::kIntent) {
+        std::array<JointInterval, kJoints> next;
+        for (std::size_t j = 0; j < kJoints; ++j) next[j] = {at[j].q, to};
+        write(*journal.reserve({at, next}, time()));
+        truth = next;
+        continue;
+      }
+      for (JointPosition& joint : at) joint = {PositionQuality::kCommanded, to, to, to};
+      if (kind == JournalKind::kClosed) write(*journal.close(at, time()));
+      if (kind == JournalKind::kRest) write(*journal.at_rest(at, time()));
+      truth.fill({to, to});
+    }
+  }
+
+  std::int64_t wall_ = kEpoch;
+};
+
+TEST(JournalFiles, what_was_written_comes_back) {
+  Story at_rest(39, JournalKind::kRest);
+  const JournalRecovery recovery = at_rest.look();
+  EXPECT_EQ(recovery.finding, kEndedAtRest);
+  EXPECT_EQ(recovery.way_out, WayOut::kNothing);
+  EXPECT_EQ(recovery.positions[1].quality, PositionQuality::kCommanded);
+  EXPECT_EQ(recovery.positions[1].q, 39'000 * kUnit);
+  EXPECT_EQ(recovery.end.sequence, 39U);
+  EXPECT_EQ(recovery.end.generation, 2U);
+  EXPECT_EQ(recovery.damaged_slots, 0U);
+
+  Story closed(40, JournalKind::kClosed);
+  EXPECT_EQ(closed.look().finding, kCleanEnd);
+
+  Story in_motion(40, JournalKind::kIntent);
+  const JournalRecovery moving = in_motion.look();
+  EXPECT_EQ(moving.finding, kEndedInMotion);
+  EXPECT_EQ(moving.way_out, WayOut::kVerify);
+  EXPECT_EQ(moving.positions[0].quality, PositionQuality::kUncertain);
+  EXPECT_EQ(moving.positions[0].lower, (39'000 - 2) * kUnit);
+  EXPECT_EQ(moving.positions[0].upper, (40'000 + 64 + 48 + 2) * kUnit);
+}
+
+// The sanitizers take two minutes for all bits, and find in some of them what they find in all.
+#ifdef SINEW_SANITIZED
+constexpr std::size_t kBitStride = 37;
+#else
+constexpr std::size_t kBitStride = 1;
+#endif
+
+TEST(JournalFiles, every_flipped_bit_of_forty_records_is_seen_and_harmless) {
+  std::size_t flips = 0;
+  for (const JournalKind last : {JournalKind::kRest, JournalKind::kIntent}) {
+    Story run(last == JournalKind::kRest ? 39 : 40, last);
+    const JournalRecovery expected = run.look();
+    const auto bytes = run.bytes();
+    JournalFiles files(run.disk, "positions");
+    JournalBytes journal = *files.load();
+    for (std::size_t file = 0; file < 2; ++file) {
+      // The last record of all, whose loss would matter most, in both runs; the rest in one.
+      const std::size_t first = last == JournalKind::kRest && file == expected.end.generation % 2
+                                    ? bytes[file].size() - 2 * kJournalSlotSize
+                                    : 0;
+      for (std::size_t bit = 8 * first; bit < 8 * bytes[file].size(); bit += kBitStride) {
+        std::uint8_t& byte = journal.bytes[file][bit / 8];
+        byte = static_cast<std::uint8_t>(byte ^ 1U << (bit % 8));
+        const JournalRecovery recovery = recover(journal.files(), test::recovery_for(kJoints));
+        byte = static_cast<std::uint8_t>(byte ^ 1U << (bit % 8));
+        ASSERT_EQ(recovery.damaged_slots, 1U) << "bit " << bit;
+        ASSERT_EQ(recovery.finding, expected.finding) << "bit " << bit;
+        for (std::size_t k = 0; k < kJoints; ++k) {
+          ASSERT_EQ(recovery.positions[k].lower, expected.positions[k].lower);
+          ASSERT_EQ(recovery.positions[k].upper, expected.positions[k].upper);
+          ASSERT_EQ(recovery.positions[k].quality, expected.positions[k].quality);
+        }
+        ++flips;
+      }
+    }
+  }
+  EXPECT_GT(flips, 40 * 8 * kJournalSlotSize / kBitStride);
+}
+
+TEST(JournalFiles, spoiled_slots_never_leave_an_exact_position_that_is_wrong) {
+  for (const JournalKind last : {JournalKind::kRest, JournalKind::kIntent}) {
+    Story run(last == JournalKind::kRest ? 39 : 40, last);
+    const std::size_t newer = run.newer();
+    const auto whole = run.bytes()[newer];
+    const std::size_t slots = whole.size() / kJournalSlotSize;
+    for (std::size_t spoiled = 1; spoiled <= slots; ++spoiled) {
+      auto bytes = whole;
+      std::fill(bytes.end() - static_cast<std::ptrdiff_t>(spoiled * kJournalSlotSize), bytes.end(),
+                std::uint8_t{0xFF});
+      run.disk.rot(kNames[newer], bytes);
+      const JournalRecovery recovery = run.look();
+      const bool as_a_crash = spoiled <= PositionJournal::kUnsyncedMax && spoiled < slots;
+      EXPECT_EQ(recovery.finding, as_a_crash        ? kDamagedTail
+                                  : spoiled < slots ? kUnreadable
+                                                    : kOlderCopy);
+      EXPECT_NE(recovery.way_out, WayOut::kNothing);
+      for (const JointPosition& joint : recovery.positions) {
+        EXPECT_LE(joint.quality, PositionQuality::kUncertain);
+        EXPECT_TRUE(as_a_crash || joint.quality == PositionQuality::kLost);
+      }
+    }
+  }
+}
+
+TEST(JournalFiles, spoiled_slot_in_the_middle_does_no_harm) {
+  Story run(39, JournalKind::kRest);
+  for (std::size_t file = 0; file < 2; ++file) {
+    const auto whole = run.bytes()[file];
+    const bool newer = file == run.newer();
+    for (std::size_t at = newer ? kJournalSlotSize : 0; at + kJournalSlotSize < whole.size();
+         at += kJournalSlotSize) {
+      auto bytes = whole;
+      std::fill_n(bytes.begin() + static_cast<std::ptrdiff_t>(at), kJournalSlotSize,
+                  std::uint8_t{0});
+      run.disk.rot(kNames[file], bytes);
+      const JournalRecovery recovery = run.look();
+      EXPECT_EQ(recovery.finding, kEndedAtRest) << "file " << file << " at " << at;
+      EXPECT_EQ(recovery.damaged_slots, 1U);
+      run.expect_never_wrong(recovery);
+    }
+    run.disk.rot(kNames[file], whole);
+  }
+}
+
+TEST(JournalFiles, file_cut_off_anywhere_by_hand_is_seen) {
+  Story run(40, JournalKind::kIntent);
+  const std::size_t newer = run.newer();
+  const auto whole = run.bytes()[newer];
+  run.disk.set_wall(kEpoch + 7200 * kSecond);
+  for (std::size_t size = 0; size < whole.size(); ++size) {
+    run.disk.overwrite(kNames[newer], {whole.begin(), whole.begin() + static_cast<long>(size)});
+    const JournalRecovery recovery = run.look();
+    for (const JointPosition& joint : recovery.positions) {
+      ASSERT_EQ(joint.quality, PositionQuality::kLost) << size;
+    }
+    ASSERT_NE(recovery.way_out, WayOut::kNothing);
+    ASSERT_TRUE(recovery.finding == kCopied || recovery.finding == kOlderCopy ||
+                recovery.finding == kUnreadable)
+        << sentence(recovery.finding);
+  }
+}
+
+TEST(JournalFiles, file_that_ends_early_without_a_trace_is_seen_except_between_two_records) {
+  // A medium that forgets whole records which it called safe, and the change of the file with them,
+  // looks like one on which they were never written: docs/journal.md says so.
+  Story run(40, JournalKind::kIntent);
+  const std::size_t newer = run.newer();
+  const auto whole = run.bytes()[newer];
+  for (std::size_t size = 0; size < whole.size(); ++size) {
+    run.disk.rot(kNames[newer], {whole.begin(), whole.begin() + static_cast<long>(size)});
+    const JournalRecovery recovery = run.look();
+    // One of the two copies is enough.
+    const std::size_t piece = size % kJournalSlotSize;
+    const bool between = size > 0 && (piece == 0 || piece >= kJournalRecordSize);
+    const bool said_exact = std::ranges::any_of(recovery.positions, [](const JointPosition& joint) {
+      return joint.quality == PositionQuality::kCommanded;
+    });
+    ASSERT_TRUE(between || !said_exact) << size;
+    ASSERT_TRUE(!between || said_exact || recovery.finding == kEndedInMotion) << size;
+  }
+}
+
+TEST(JournalFiles, older_copy_of_one_file_contradicts_the_other) {
+  Story run(10, JournalKind::kRest);
+  const auto old = run.bytes();
+  const std::size_t old_newer = run.newer();
+  run.go_on(10, JournalKind::kRest);  // generation 2
+  run.go_on(10, JournalKind::kRest);  // generation 3, in the place of 1
+  ASSERT_EQ(run.look().finding, kEndedAtRest);
+  ASSERT_EQ(run.newer(), old_newer);
+  const auto kept = run.bytes();
+  // Nothing else than its bytes is looked at here: stamps are as if nobody had touched it.
+  run.disk.rot(kNames[old_newer], old[old_newer]);
+  EXPECT_EQ(run.look().finding, kOlderCopy);
+  EXPECT_EQ(run.look().way_out, WayOut::kVerify);
+  EXPECT_EQ(run.look().positions[0].quality, PositionQuality::kLost);
+  // The newer one is missing.
+  ASSERT_TRUE(run.disk.remove(kNames[old_newer]));
+  EXPECT_EQ(run.look().finding, kOlderCopy);
+  // The older one is missing, or comes twice: the newer stands by itself, the other does not.
+  Story again(10, JournalKind::kRest);
+  again.go_on(10, JournalKind::kRest);
+  const std::size_t newer = again.newer();
+  const auto bytes = again.bytes();
+  again.disk.rot(kNames[1 - newer], bytes[newer]);
+  EXPECT_EQ(again.look().finding, kOlderCopy);
+  ASSERT_TRUE(again.disk.remove(kNames[1 - newer]));
+  EXPECT_EQ(again.look().finding, kEndedAtRest);
+}
+
+TEST(JournalFiles, older_copies_of_both_files_are_seen_by_their_stamps_and_else_not) {
+  Story run(10, JournalKind::kRest);
+  run.go_on(10, JournalKind::kRest);
+  const auto old = run.bytes();
+  run.go_on(10, JournalKind::kRest);
+  for (std::size_t k = 0; k < 2; ++k) run.disk.replace(kNames[k], old[k]);
+  EXPECT_EQ(run.look().finding, kCopied);
+  EXPECT_EQ(run.look().positions[0].quality, PositionQuality::kLost);
+  EXPECT_EQ(run.look().last_said[0].q, 10'000 * kUnit);
+
+  Story other(10, JournalKind::kRest);
+  const auto once = other.bytes()[1];
+  other.go_on(10, JournalKind::kRest);
+  other.go_on(10, JournalKind::kRest);
+  ASSERT_TRUE(other.disk.remove(kNames[0]));
+  other.disk.set_wall(kEpoch + 3600 * kSecond);
+  other.disk.overwrite(kNames[1], once);
+  EXPECT_EQ(other.look().finding, kCopied);
+  // A whole disk that is put back brings its stamps along: nobody can tell. docs/journal.md.
+  Story image(10, JournalKind::kRest);
+  image.go_on(10, JournalKind::kRest);
+  sim::MemoryDisk backup = image.disk;
+  image.go_on(20, JournalKind::kRest);
+  image.disk = backup;
+  EXPECT_EQ(image.look().finding, kEndedAtRest);
+}
+
+TEST(JournalFiles, records_that_do_not_follow_one_another_are_no_journal) {
+  Story run(39, JournalKind::kRest);
+  const std::size_t newer = run.newer();
+  const auto whole = run.bytes()[newer];
+  const auto slot = [&](std::size_t k) {
+    return std::span(whole).subspan(k * kJournalSlotSize, kJournalSlotSize);
+  };
+  const std::size_t slots = whole.size() / kJournalSlotSize;
+  // One taken out, two exchanged, one repeated, one of another run put in.
+  for (std::size_t k = 0; k + 1 < slots; ++k) {
+    auto without = whole;
+    const auto at = without.begin() + static_cast<std::ptrdiff_t>(k * kJournalSlotSize);
+    without.erase(at, at + kJournalSlotSize);
+    run.disk.rot(kNames[newer], without);
+    EXPECT_TRUE(run.look().finding == kEdited || (k == 0 && run.look().finding == kEndedAtRest))
+        << k;
+    auto exchanged = whole;
+    std::ranges::copy(slot(k), exchanged.begin() + static_cast<long>((k + 1) * kJournalSlotSize));
+    std::ranges::copy(slot(k + 1), exchanged.begin() + static_cast<long>(k * kJournalSlotSize));
+    run.disk.rot(kNames[newer], exchanged);
+    EXPECT_EQ(run.look().finding, kEdited);
+    auto repeated = whole;
+    repeated.insert(repeated.end(), slot(k).begin(), slot(k).end());
+    run.disk.rot(kNames[newer], repeated);
+    EXPECT_EQ(run.look().finding, kEdited);
+  }
+  Story other(39, JournalKind::kRest, 24);
+  auto mixed = whole;
+  const auto foreign = other.bytes()[other.newer()];
+  std::copy_n(foreign.end() - kJournalSlotSize, kJournalSlotSize, mixed.end() - kJournalSlotSize);
+  run.disk.rot(kNames[newer], mixed);
+  EXPECT_EQ(run.look().finding, kEdited);
+}
+
+TEST(JournalFiles, another_robot_or_model_is_not_this_one) {
+  Story run(9, JournalKind::kClosed);
+  RecoverySettings settings = test::recovery_for(kJoints);
+  settings.owner.model ^= 1;
+  EXPECT_EQ(run.look(settings).finding, kOtherModel);
+  // Its positions may still be good for a look.
+  EXPECT_EQ(run.look(settings).last_said[0].q, 9'000 * kUnit);
+  EXPECT_EQ(run.look(settings).way_out, WayOut::kVerify);
+  settings.owner.robot ^= 1;
+  EXPECT_EQ(run.look(settings).finding, kOtherRobot);
+  EXPECT_EQ(run.look(settings).way_out, WayOut::kRecovery);
+  settings.can_home = true;
+  EXPECT_EQ(run.look(settings).way_out, WayOut::kHome);
+  EXPECT_EQ(run.look(test::recovery_for(3)).finding, kOtherModel);
+  EXPECT_EQ(run.look(test::recovery_for(3)).positions.size(), 3U);
+}
+
+TEST(JournalFiles, power_up_way_makes_intervals_honest) {
+  Story run(9, JournalKind::kClosed);
+  RecoverySettings settings = test::recovery_for(kJoints);
+  settings.power_up_way = {32 * kUnit, std::numeric_limits<double>::infinity()};
+  const JournalRecovery recovery = run.look(settings);
+  EXPECT_TRUE(recovery.power_up_added);
+  EXPECT_EQ(recovery.finding, kCleanEnd);
+  EXPECT_EQ(recovery.positions[0].quality, PositionQuality::kUncertain);
+  EXPECT_EQ(recovery.positions[0].lower, (9'000 - 32) * kUnit);
+  EXPECT_EQ(recovery.positions[0].upper, (9'000 + 32) * kUnit);
+  EXPECT_EQ(recovery.positions[1].quality, PositionQuality::kLost);
+  settings.power_may_have_failed = false;
+  EXPECT_EQ(run.look(settings).positions[0].quality, PositionQuality::kCommanded);
+  EXPECT_FALSE(run.look(settings).power_up_added);
+}
+
+TEST(JournalFiles, measured_joints_are_measured_whatever_the_journal_says) {
+  Story run(40, JournalKind::kIntent);
+  const RecoverySettings settings = test::recovery_for(kJoints);
+  JournalRecovery recovery = run.look(settings);
+  std::array<JointPosition, kJoints> told{JointPosition{PositionQuality::kMeasured, 1, 0.9, 1.1},
+                                          JointPosition{}};
+  take_measured(recovery, told, settings);
+  EXPECT_EQ(recovery.positions[0].quality, PositionQuality::kMeasured);
+  EXPECT_EQ(recovery.positions[1].quality, PositionQuality::kUncertain);
+  EXPECT_EQ(recovery.way_out, WayOut::kVerify);
+  told[1] = told[0];
+  take_measured(recovery, told, settings);
+  EXPECT_EQ(recovery.way_out, WayOut::kNothing);
+}
+
+TEST(JournalFiles, second_writer_is_refused) {
+  sim::MemoryDisk disk;
+  JournalFiles first(disk, "positions");
+  JournalFiles second(disk, "positions");
+  EXPECT_TRUE(first.lock());
+  const auto refused = second.lock();
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, DiskErrorCode::kLocked);
+}
+
+TEST(JournalFiles, no_journal_is_told_and_foreign_bytes_are_none) {
+  sim::MemoryDisk disk;
+  JournalFiles files(disk, "positions");
+  EXPECT_EQ(recover(files.load()->files(), test::recovery_for(1)).finding, kNothing);
+  disk.replace("positions.0", {'x', '=', '1', '\n'});
+  EXPECT_EQ(recover(files.load()->files(), test::recovery_for(1)).finding, kUnreadable);
+  EXPECT_EQ(recover(files.load()->files(), test::recovery_for(1)).way_out, WayOut::kRecovery);
+  disk.replace("positions.0", std::vector<std::uint8_t>(JournalFiles::kFileMax + 1));
+  EXPECT_EQ(files.load().error().code, DiskErrorCode::kTooLarge);
+}
+
+}  // namespace
+}  // namespace sinew::runtime
