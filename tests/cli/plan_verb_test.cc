@@ -287,6 +287,24 @@ TEST(PlanVerb, file_that_is_no_program_is_told_what_it_is) {
   }
 }
 
+TEST(PlanVerb, is_made_for_the_wire_that_is_named) {
+  const auto planned = [](const std::string& wire) {
+    return sinew({"plan", "robot-arm-2", "--wire", wire, "--from-joints", "0,-30,-30,0,30,0",
+                  "--to", "400,150,300", "--to", "400,-150,300", "--blend", "40mm", "--json"});
+  };
+  const Ended whole_moves = planned("registers");
+  const Ended stream = planned("link");
+  ASSERT_EQ(whole_moves.exit, 0) << whole_moves.err;
+  ASSERT_EQ(stream.exit, 0) << stream.err;
+  const double slow = whole_moves.json()["on_wire_s"].get<double>();
+  const double quick = stream.json()["on_wire_s"].get<double>();
+  EXPECT_GT(slow, 2 * quick) << "boards that take whole moves stop between any two of them";
+  EXPECT_NEAR(quick, stream.json()["duration_s"].get<double>(), 0.1);
+  const Ended unknown = planned("nix");
+  EXPECT_EQ(unknown.exit, 2);
+  EXPECT_NE(unknown.err.find("--wire: 'nix' is none of registers, link"), std::string::npos);
+}
+
 TEST(PlanVerb, sample_programs_of_all_robots_can_be_made) {
   namespace fs = std::filesystem;
   int programs = 0;

@@ -165,6 +165,10 @@ void add_plan(CLI::App& app, Call& call) {
   verb->add_option("ROBOT", request.subject, "id or .toml file; or a program NAME.sinew")
       ->required();
   verb->add_option("--robot", request.robot, "of a program: id or .toml file");
+  verb->add_option("--wire", request.wire,
+                   "which of the robot's wires it is planned for; as in its file where left out");
+  verb->add_option("--profile", request.profile,
+                   "which variant of its device; an unknown name lists them");
   verb->add_option("--to", request.to,
                    "x,y,z or x,y,z,rx,ry,rz: a straight line of the tool; joints=a,b,..: a joint "
                    "move; again for each further move")

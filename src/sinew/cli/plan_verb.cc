@@ -19,6 +19,7 @@
 #include "sinew/model/collision_links.h"
 #include "sinew/model/joint_lookup.h"
 #include "sinew/runtime/homing_time.h"
+#include "sinew/runtime/robot_variant.h"
 
 namespace sinew::cli {
 namespace {
@@ -142,6 +143,11 @@ std::expected<Wanted, Outcome> prepare(const PlanRequest& request) {
   const auto file = find_robot(from_file ? *request.robot : request.subject);
   if (!file) return std::unexpected(file.error());
   Wanted wanted{.model = file->model, .from = {}, .program = {}, .file = {}};
+  if (request.profile || request.wire) {
+    auto variant = runtime::variant_of(file->model, request.profile, request.wire);
+    if (!variant) return refused(variant.error());
+    wanted.model = std::move(*variant);
+  }
   wanted.declared = request.from.has_value();
   const RobotModel& model = wanted.model;
   wanted.from = home_joints(model);

@@ -10,8 +10,9 @@ namespace sinew::cli {
 
 /// What the user wrote after `sinew plan`; numbers still as text.
 struct PlanRequest {
-  std::string subject;               ///< a robot, or a program NAME.sinew
-  std::optional<std::string> robot;  ///< of a program
+  std::string subject;                       ///< a robot, or a program NAME.sinew
+  std::optional<std::string> robot;          ///< of a program
+  std::optional<std::string> profile, wire;  ///< of the device it is planned for; as in its file
   /// One a move, in order: "x,y,z" or "x,y,z,rx,ry,rz" for a straight line of the tool,
   /// "joints=a,b,..." for a joint move.
   std::vector<std::string> to;
