@@ -98,37 +98,38 @@ void planned_line_300mm_6r(benchmark::State& state) {
 }
 BENCHMARK(planned_line_300mm_6r);
 
+/// On its way, in a law that can be changed.
+struct UnderWay {
+  explicit UnderWay(double share) {
+    if (timing.prepare(waves.path, waves.limits, 2, planning::LawUse::kChangeable) ||
+        timing.plan({}, 1, law))
+      std::abort();
+    start = law.sample(law.duration() * share);
+  }
+  Waves waves;
+  planning::PathTiming timing{4 * Waves::kPieces};
+  planning::TimeLaw law{timing.phases_max()};
+  planning::TimeLaw next{timing.phases_max()};
+  planning::PathState start;
+};
+
 void path_replan_100_pieces(benchmark::State& state) {
-  const Waves waves;
-  planning::PathTiming timing(4 * Waves::kPieces);
-  planning::TimeLaw law(timing.phases_max());
-  planning::TimeLaw next(timing.phases_max());
-  if (timing.prepare(waves.path, waves.limits, 2, planning::LawUse::kChangeable) ||
-      timing.plan({}, 1, law))
-    std::abort();
-  const planning::PathState start = law.sample(law.duration() / 4);
+  UnderWay motion(0.25);
   double feed = 0.5;
   for (auto _ : state) {
     feed = 1.5 - feed;
-    if (timing.plan(start, feed, next)) state.SkipWithError("");
-    benchmark::DoNotOptimize(next);
+    if (motion.timing.plan(motion.start, feed, motion.next)) state.SkipWithError("");
+    benchmark::DoNotOptimize(motion.next);
   }
 }
 BENCHMARK(path_replan_100_pieces);
 
 /// To rest from the middle of it.
 void path_stop_100_pieces(benchmark::State& state) {
-  const Waves waves;
-  planning::PathTiming timing(4 * Waves::kPieces);
-  planning::TimeLaw law(timing.phases_max());
-  planning::TimeLaw next(timing.phases_max());
-  if (timing.prepare(waves.path, waves.limits, 2, planning::LawUse::kChangeable) ||
-      timing.plan({}, 1, law))
-    std::abort();
-  const planning::PathState start = law.sample(law.duration() / 2);
+  UnderWay motion(0.5);
   for (auto _ : state) {
-    if (timing.stop(start, next)) state.SkipWithError("");
-    benchmark::DoNotOptimize(next);
+    if (motion.timing.stop(motion.start, motion.next)) state.SkipWithError("");
+    benchmark::DoNotOptimize(motion.next);
   }
 }
 BENCHMARK(path_stop_100_pieces);

@@ -60,18 +60,18 @@ std::variant<kinematics::SerialChain, PalletizerGeometry, kinematics::Hexapod> k
 
 }  // namespace
 
+std::uint8_t link_of(const RobotModel& model, std::uint8_t shape) {
+  return shape == kTableShape ? kTableLink : model.collision.shapes[shape].link;
+}
+
 Error contact_error(const RobotModel& model, const Clearance& nearest) {
   const double margin = model.collision.margin;
-  const auto& shapes = model.collision.shapes;
-  const auto link = [&](std::uint8_t shape) {
-    return shape == kTableShape ? kTableLink : shapes[shape].link;
-  };
   return {.code = ErrorCode::kCollision,
-          .index = static_cast<std::int8_t>(link(nearest.first)),
+          .index = static_cast<std::int8_t>(link_of(model, nearest.first)),
           // What counts as at the margin may lie a hair beyond it.
           .measured = std::clamp(nearest.distance, 0.0, margin),
           .limit = margin,
-          .other = static_cast<std::int16_t>(link(nearest.second))};
+          .other = static_cast<std::int16_t>(link_of(model, nearest.second))};
 }
 
 CollisionModel::CollisionModel(const RobotModel& model)

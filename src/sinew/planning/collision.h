@@ -37,6 +37,8 @@ struct PathContact {
   Clearance nearest;
 };
 
+/// The link that a shape of Clearance stands on, as in model/collision_links.h.
+std::uint8_t link_of(const RobotModel& model, std::uint8_t shape);
 /// kCollision with the links that these shapes stand on.
 Error contact_error(const RobotModel& model, const Clearance& nearest);
 

@@ -27,11 +27,8 @@ JointVector degrees(std::initializer_list<double> q_deg) {
 }
 
 std::string words(const RobotModel& model, const Clearance& nearest) {
-  const std::vector<CollisionShape>& shapes = model.collision.shapes;
-  const std::size_t second =
-      nearest.second == kTableShape ? kTableLink : shapes[nearest.second].link;
-  return std::string(link_name(model, shapes[nearest.first].link)) + " - " +
-         std::string(link_name(model, second));
+  return std::string(link_name(model, link_of(model, nearest.first))) + " - " +
+         std::string(link_name(model, link_of(model, nearest.second)));
 }
 
 /// Straight through joint space from pose to pose, at the margin of the robot's file.

@@ -51,9 +51,6 @@ void excuse(LinkPair pair, const RobotModel& robot, std::vector<LinkPair>& near)
 
 Stand stand_at(const RobotModel& robot, const JointVector& q) {
   Stand stand{q, {}, std::nullopt, robot};
-  const auto link_of = [&](std::uint8_t shape) {
-    return shape == planning::kTableShape ? kTableLink : robot.collision.shapes[shape].link;
-  };
   while (true) {
     const Clearance nearest = CollisionModel(stand.lenient).distance({q.data(), q.size()});
     if (nearest.distance >= robot.collision.margin || !std::isfinite(nearest.distance)) {
@@ -61,7 +58,8 @@ Stand stand_at(const RobotModel& robot, const JointVector& q) {
     }
     const std::size_t before = stand.near.size();
     if (!stand.nearest) stand.nearest = nearest;
-    excuse({link_of(nearest.first), link_of(nearest.second)}, robot, stand.near);
+    excuse({planning::link_of(robot, nearest.first), planning::link_of(robot, nearest.second)},
+           robot, stand.near);
     if (stand.near.size() == before) return stand;
     for (std::size_t i = before; i < stand.near.size(); ++i) {
       stand.lenient.collision.ignored.push_back(stand.near[i]);

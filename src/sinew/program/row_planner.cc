@@ -51,16 +51,15 @@ bool is_streamed(const RobotModel& robot) {
   return robot.device.capability.motion == MotionKind::kStream;
 }
 
-/// A host that makes the motion makes it as it likes; of the devices that do, only this one can be
-/// told accelerations.
-bool takes_acceleration(const RobotModel& robot) {
-  return is_streamed(robot) || std::holds_alternative<NoDriver>(robot.device.settings) ||
-         std::holds_alternative<BigRobotArmDevice>(robot.device.settings);
-}
-
 /// Takes a way, or is no device at all and only looked at.
 bool blends(const RobotModel& robot) {
   return is_streamed(robot) || std::holds_alternative<NoDriver>(robot.device.settings);
+}
+
+/// A host that makes the motion makes it as it likes; of the devices that do, only this one can be
+/// told accelerations.
+bool takes_acceleration(const RobotModel& robot) {
+  return blends(robot) || std::holds_alternative<BigRobotArmDevice>(robot.device.settings);
 }
 
 Move move_of(const Step& row, const RobotPlace& from, const ToolSpace& space,
