@@ -53,6 +53,14 @@ const JointMotion& PathFollower::step(double dt) {
   return now_;
 }
 
+bool PathFollower::look_ahead(double dt, JointMotion& out) const {
+  SINEW_ASSERT(path_ != nullptr && dt >= 0);
+  const PathState state = law_.sample(t_ + dt);
+  std::size_t piece = piece_;
+  sample_motion(*path_, state, law_.jerk(t_ + dt), piece, out);
+  return !waits_ && state.v == 0 && state.a == 0 && t_ + dt >= law_.duration();
+}
+
 PathProgress PathFollower::progress() const {
   return path_ == nullptr ? PathProgress{} : Trajectory::progress_at(*path_, state_.s);
 }

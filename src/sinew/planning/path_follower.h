@@ -37,6 +37,8 @@ class PathFollower {
   /// Time goes on by dt (s) >= 0; where the motion is then.
   const JointMotion& step(double dt);
   const JointMotion& now() const { return now_; }
+  /// Where step(dt) would lead, without going there; whether it is at rest there for good.
+  bool look_ahead(double dt, JointMotion& out) const;
   const PathState& state() const { return state_; }
   PathProgress progress() const;
 

@@ -1,0 +1,81 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <variant>
+
+#include "sinew/control/lease.h"
+#include "sinew/control/machine_state.h"
+#include "sinew/control/motion_source.h"
+#include "sinew/control/stop_rules.h"
+#include "sinew/driver/driver.h"
+#include "sinew/planning/jog.h"
+
+namespace sinew::control {
+
+// What a client asks of a machine. All but those marked need the lease.
+
+struct TakeLease {  ///< needs none
+  bool take_over = false;
+};
+struct RenewLease {};
+struct ReturnLease {};
+struct Enable {};
+struct Disable {};      ///< not while anything moves
+struct Acknowledge {};  ///< the latched cause; needs it to be gone
+/// A motion that was planned from where the machine stands. The controller uses it until the
+/// command has ended.
+struct Begin {
+  MotionSource* motion = nullptr;
+  /// A slow first move of a machine that does not know where it is.
+  bool recovers = false;
+};
+struct Home {};
+/// A velocity, from now on; the first one begins a jog, which ends where none follows.
+struct JogAt {
+  planning::JogCommand velocity;
+};
+struct Hold {};  ///< needs none: who may stop may also hold
+struct Resume {};
+struct Stop {};  ///< needs none
+struct SetFeed {
+  double share = 1;
+};
+struct UseTool {
+  ToolAction action;
+};
+/// Where the machine stands, from somebody who has looked.
+struct Declare {
+  FixedVector<JointPosition, kMaxJoints> positions;
+};
+
+struct Command {
+  std::uint32_t id = 0;
+  LeaseToken lease;  ///< of whom asks; its client counts even where no lease is needed
+  std::variant<TakeLease, RenewLease, ReturnLease, Enable, Disable, Acknowledge, Begin, Home, JogAt,
+               Hold, Resume, Stop, SetFeed, UseTool, Declare>
+      what;
+};
+
+/// What became of things. Each command ends with one of kRefused, kDone, kFailed and kStopped.
+struct ControlEvent {
+  enum class Kind : std::uint8_t {
+    kRefused,  ///< the command: error says why; nothing has changed
+    kStarted,  ///< the command: its motion or search is under way
+    kDone,     ///< the command
+    kFailed,   ///< the command: error
+    kStopped,  ///< the command, and why: cause
+    kLease,    ///< given, to whom (lease), or ended (epoch 0)
+    kState,    ///< the machine's state is another one
+    kStop,     ///< it is being brought to rest: cause, and error where there is one
+    kLatched,  ///< a cause of a fault, the first or a later one: error, cause
+    kNotice,   ///< the driver's: error
+  } kind = Kind::kNotice;
+  std::uint32_t command = 0;  ///< 0: of none
+  MachineState state = MachineState::kOff;
+  StopCause cause = StopCause::kClient;
+  Error error;
+  LeaseToken lease;
+};
+
+}  // namespace sinew::control

@@ -1,0 +1,262 @@
+#include <algorithm>
+#include <cmath>
+
+#include "sinew/control/controller.h"
+#include "sinew/planning/path_follower.h"
+
+namespace sinew::control {
+namespace {
+
+/// rad or m: rounding between a plan and the place that it was made for.
+constexpr double kSamePlace = 1e-9;
+
+std::unexpected<Error> refused(ErrorCode code) {
+  return std::unexpected(Error{code});
+}
+
+bool needs_lease(const Command& command) {
+  return !std::holds_alternative<TakeLease>(command.what) &&
+         !std::holds_alternative<Hold>(command.what) && !std::holds_alternative<Stop>(command.what);
+}
+
+template <class... Visitors>
+struct Overloaded : Visitors... {
+  using Visitors::operator()...;
+};
+
+}  // namespace
+
+void Controller::handle(const Command& command, const Inputs& inputs, Instant now) {
+  using Result = Expected<bool>;  // true: done at once
+  const auto at_once = [](const Expected<void>& what) -> Result {
+    if (!what) return std::unexpected(what.error());
+    return true;
+  };
+  const auto begun = [](const Expected<void>& what) -> Result {
+    if (!what) return std::unexpected(what.error());
+    return false;
+  };
+  const auto wrong = [] { return Result(refused(ErrorCode::kWrongState)); };
+  Result result = true;
+  if (needs_lease(command)) result = at_once(lease_.check(command.lease, now));
+  if (result) {
+    result = std::visit(
+        Overloaded{
+            [&](const TakeLease& take) -> Result {
+              const auto token =
+                  take.take_over ? Expected<LeaseToken>(lease_.take_over(command.lease.client, now))
+                                 : lease_.take(command.lease.client, now);
+              if (!token) return std::unexpected(token.error());
+              take_lease(*token, take.take_over, now);
+              return true;
+            },
+            [&](const RenewLease&) { return at_once(lease_.renew(command.lease, now)); },
+            [&](const ReturnLease&) -> Result {
+              lease_.give_back(command.lease);
+              return true;
+            },
+            [&](const Enable&) -> Result {
+              if (state_ != MachineState::kOff) return wrong();
+              if (!inputs.port_open) return refused(ErrorCode::kPortClosed);
+              enable(command.id, now);
+              return false;
+            },
+            [&](const Disable&) -> Result {
+              if (!next_state(state_, Signal::kDisable)) return wrong();
+              end_task(ControlEvent::Kind::kStopped, {}, StopCause::kShutdown);
+              if (enabling_ != 0) tell(ControlEvent::Kind::kStopped, enabling_);
+              enabling_ = 0;
+              driver_.close(now);
+              change(Signal::kDisable);
+              return true;
+            },
+            [&](const Acknowledge&) { return at_once(acknowledge(inputs, now)); },
+            [&](const Begin& motion) { return begun(begin(command, motion, now)); },
+            [&](const Home&) { return begun(home(command, now)); },
+            [&](const JogAt& velocity) -> Result { return jog(command, velocity, now); },
+            [&](const Hold&) -> Result {
+              if (state_ != MachineState::kMoving) return wrong();
+              stop(StopCause::kPause, {}, now);
+              return true;
+            },
+            [&](const Resume&) -> Result {
+              if (state_ != MachineState::kHeld || !task_) return wrong();
+              task_->motion->resume();
+              task_->since = now;
+              change(Signal::kResume);
+              return true;
+            },
+            [&](const Stop&) -> Result {
+              stop(StopCause::kClient, {}, now);
+              return true;
+            },
+            [&](const SetFeed& feed) { return at_once(set_feed(feed.share)); },
+            [&](const UseTool& tool) { return begun(use_tool(command, tool, now)); },
+            [&](const Declare& where) { return at_once(declare(where, now)); },
+        },
+        command.what);
+  }
+  if (!result) {
+    return tell(ControlEvent::Kind::kRefused, command.id, result.error());
+  }
+  tell(*result ? ControlEvent::Kind::kDone : ControlEvent::Kind::kStarted, command.id);
+}
+
+/// Whoever takes over stops the machine first: nobody shall steer what another one has begun.
+void Controller::take_lease(const LeaseToken& token, bool take_over, Instant now) {
+  had_holder_ = true;
+  tell(ControlEvent::Kind::kLease, 0, {}, StopCause::kClient, token);
+  const bool under_way = may_move(state_) || state_ == MachineState::kHeld;
+  if (take_over && under_way) stop(StopCause::kTakeOver, {}, now);
+}
+
+void Controller::enable(std::uint32_t command, Instant now) {
+  enabling_ = command;
+  enabling_since_ = now;
+  enabling_trouble_ = {ErrorCode::kDeviceSilent, -1, 0, to_seconds(settings_.opening_limit)};
+  // What the run before knew; a driver that can ask its device does not need it.
+  const bool anything = std::ranges::any_of(positions_, [](const JointPosition& joint) {
+    return joint.quality != PositionQuality::kLost;
+  });
+  if (!driver_spoke_ && anything) {
+    driver_.declare_positions({positions_.data(), positions_.size()});
+  }
+  driver_.open(now);
+  change(Signal::kEnable);
+}
+
+Expected<void> Controller::at_rest(Instant now) const {
+  if (state_ != MachineState::kReady) return refused(ErrorCode::kWrongState);
+  if (task_ || !standing(now)) return refused(ErrorCode::kBusy);
+  return {};
+}
+
+Expected<void> Controller::begin(const Command& command, const Begin& begin, Instant now) {
+  if (const auto rest = at_rest(now); !rest) return rest;
+  if (begin.motion == nullptr) return refused(ErrorCode::kMoveInput);
+  if (!begin.recovers) {
+    const auto from = reference();
+    if (!from) return std::unexpected(unknown_position());
+    const JointVector& q_start = begin.motion->q_start();
+    for (std::size_t j = 0; j < from->size(); ++j) {
+      if (j < q_start.size() && std::abs((*from)[j] - q_start[j]) <= kSamePlace) continue;
+      return std::unexpected(Error{ErrorCode::kMovedUnasked, static_cast<std::int8_t>(j),
+                                   (*from)[j], j < q_start.size() ? q_start[j] : 0});
+    }
+    if (feed_ != 1) {
+      if (const auto fed = begin.motion->set_feed(feed_); !fed) return fed;
+    }
+  }
+  task_ = Task{command.id, begin.recovers ? TaskKind::kBlindMotion : TaskKind::kMotion,
+               begin.motion, now, false};
+  change(begin.recovers ? Signal::kRecover : Signal::kBegin);
+  return {};
+}
+
+Expected<bool> Controller::jog(const Command& command, const JogAt& velocity, Instant now) {
+  if (!streams_) return refused(ErrorCode::kTaskNotSupported);
+  if (state_ == MachineState::kMoving && task_ && task_->kind == TaskKind::kJog) {
+    if (const auto error = jog_.command(velocity.velocity, now)) return std::unexpected(*error);
+    return true;
+  }
+  if (const auto rest = at_rest(now); !rest) return std::unexpected(rest.error());
+  const auto from = reference();
+  if (!from) return std::unexpected(unknown_position());
+  if (const auto error = jog_.start(*from, now)) return std::unexpected(*error);
+  if (const auto error = jog_.command(velocity.velocity, now)) return std::unexpected(*error);
+  task_ = Task{command.id, TaskKind::kJog, &jog_, now, false};
+  change(Signal::kBegin);
+  return false;
+}
+
+Expected<void> Controller::home(const Command& command, Instant now) {
+  if (const auto rest = at_rest(now); !rest) return rest;
+  task_ = Task{command.id, TaskKind::kHome, nullptr, now, false};
+  change(Signal::kRecover);
+  return {};
+}
+
+Expected<void> Controller::use_tool(const Command& command, const UseTool& tool, Instant now) {
+  if (const auto rest = at_rest(now); !rest) return rest;
+  if (const auto accepted = driver_.tool(tool.action, now); !accepted) return accepted;
+  ++outstanding_;
+  task_ = Task{command.id, TaskKind::kTool, nullptr, now, true};
+  return {};
+}
+
+Expected<void> Controller::set_feed(double share) {
+  const bool fits = std::isfinite(share) && share >= 0 &&
+                    share <= (streams_ ? planning::PathFollower::kFeedMax : 1);
+  if (!fits) {
+    return std::unexpected(
+        Error{ErrorCode::kMoveInput, -1, share, streams_ ? planning::PathFollower::kFeedMax : 1});
+  }
+  if (!streams_ && share != 1 && share != 0 && !robot_.device.capability.takes_speed) {
+    return refused(ErrorCode::kTaskNotSupported);
+  }
+  if (task_ && task_->motion != nullptr && task_->kind == TaskKind::kMotion) {
+    if (auto fed = task_->motion->set_feed(share); !fed) return fed;
+  }
+  feed_ = share;
+  return {};
+}
+
+Expected<void> Controller::declare(const Declare& where, Instant now) {
+  if (const auto rest = at_rest(now); !rest) return rest;
+  if (where.positions.size() != robot_.joints.size()) {
+    return std::unexpected(
+        Error{ErrorCode::kMoveInput, -1, static_cast<double>(where.positions.size())});
+  }
+  for (std::size_t j = 0; j < where.positions.size(); ++j) {
+    const JointPosition& one = where.positions[j];
+    if (one.quality == PositionQuality::kLost) continue;
+    const bool ordered = one.lower <= one.q && one.q <= one.upper;
+    if (!std::isfinite(one.q) || !ordered) {
+      return std::unexpected(
+          Error{ErrorCode::kMoveInput, static_cast<std::int8_t>(j), one.q, one.upper});
+    }
+    const Joint& joint = robot_.joints[j];
+    if (!within_limits(joint, one.q)) {
+      return std::unexpected(Error{ErrorCode::kJointLimit, static_cast<std::int8_t>(j), one.q,
+                                   one.q < joint.lower ? joint.lower : joint.upper});
+    }
+  }
+  driver_.declare_positions({where.positions.data(), where.positions.size()});
+  stand_where_driver_says();
+  if (journal_) offer(journal_->told(JournalKind::kDeclared, driver_.positions(), time(now)));
+  return {};
+}
+
+Expected<void> Controller::acknowledge(const Inputs& inputs, Instant now) {
+  if (state_ != MachineState::kFault || !latched_) return refused(ErrorCode::kWrongState);
+  const auto is_late = [&](StopCause cause) {
+    if (latched_->cause == cause) return true;
+    for (const Latched& later : later_) {
+      if (later.cause == cause) return true;
+    }
+    return false;
+  };
+  // A disk that failed once is not trusted again by this run.
+  if (journal_ && inputs.journal_failed && is_late(StopCause::kNotRecorded)) {
+    return refused(ErrorCode::kNotRecorded);
+  }
+  if (driver_.state() == DriverState::kFault) {
+    if (auto cleared = driver_.clear_fault(now); !cleared) return cleared;
+  }
+  driver_.close(now);
+  latched_.reset();
+  later_.clear();
+  change(Signal::kAcknowledge);
+  return {};
+}
+
+Error Controller::unknown_position() const {
+  const auto all = positions();
+  for (std::size_t j = 0; j < all.size(); ++j) {
+    if (all[j].quality >= PositionQuality::kCommanded) continue;
+    return {ErrorCode::kPositionUnknown, static_cast<std::int8_t>(j)};
+  }
+  return {ErrorCode::kPositionUnknown};
+}
+
+}  // namespace sinew::control

@@ -1,0 +1,126 @@
+#include <algorithm>
+
+#include "sinew/control/controller.h"
+
+namespace sinew::control {
+
+/// As much of the motion under way as its driver takes now.
+void Controller::advance(Instant now) {
+  if (!task_ || task_->kind == TaskKind::kTool) return;
+  const bool braking = state_ == MachineState::kStopping && stopping_ && !stopping_->by_device;
+  if (state_ != MachineState::kMoving && state_ != MachineState::kRecovering && !braking) return;
+  if (task_->kind == TaskKind::kHome) {
+    if (!task_->begun) return begin_homing(now);
+    if (standing(now) && driver_.state() == DriverState::kReady) arrive();
+    return;
+  }
+  while (const JointMove* piece = task_->motion->next(now)) {
+    const bool ready = driver_.state() == DriverState::kReady;
+    const bool asks = driver_.wants_move(now);
+    // Who should take a piece and does not is asked why.
+    if (!asks && !(ready && !task_->begun && now - task_->since > kStartLimit)) break;
+    if (!hand_over(*piece, now)) return;
+  }
+  if (!braking && task_ && task_->motion->finished() && standing(now)) arrive();
+}
+
+void Controller::begin_homing(Instant now) {
+  if (journal_ && !position_given_up_) {
+    const JournalPositions none = [&] {
+      JournalPositions all;
+      all.resize(robot_.joints.size());
+      return all;
+    }();
+    // The search moves joints nobody knows how far.
+    const auto record = journal_->lost({none.data(), none.size()}, JournalCause::kUser, time(now));
+    position_given_up_ = record.has_value();
+    offer(record);
+  }
+  if (journal_ && (!position_given_up_ || !journal_->settled())) return;
+  if (const auto accepted = driver_.home(now); !accepted) {
+    return piece_refused(accepted.error(), now);
+  }
+  task_->begun = true;
+  ++outstanding_;
+  reference_known_ = false;
+  governor_.lose();
+}
+
+/// The motion is at its end, and the driver has said so.
+void Controller::arrive() {
+  const bool found = state_ == MachineState::kRecovering;
+  if (found) {
+    stand_where_driver_says();
+  } else {
+    stand_at_setpoint();
+  }
+  end_task(ControlEvent::Kind::kDone);
+  change(Signal::kArrived);
+}
+
+bool Controller::hand_over(const JointMove& piece, Instant now) {
+  if (!recorded(piece, now)) return false;
+  const bool blind = task_->kind == TaskKind::kBlindMotion;
+  const auto passed = blind ? governor_.pass_blind(piece) : governor_.pass(piece);
+  if (!passed) {
+    piece_refused(passed.error(), now);
+    return false;
+  }
+  if (const auto accepted = driver_.move(piece, now); !accepted) {
+    piece_refused(accepted.error(), now);
+    return false;
+  }
+  ++outstanding_;
+  sent_.sent(piece, state_ == MachineState::kStopping);
+  task_->begun = true;
+  task_->motion->taken();
+  return true;
+}
+
+/// What it would do is safe on disk.
+bool Controller::recorded(const JointMove& piece, Instant now) {
+  if (!journal_) return true;
+  const bool braking = state_ == MachineState::kStopping;
+  const auto next = sent_.with(driver_.positions(), piece, braking);
+  offer(journal_->reserve({driver_.positions(), next, task_->motion->whole()}, time(now)));
+  if (journal_->may_send(next)) {
+    if (waiting_since_) waited_ += now - *waiting_since_;
+    waiting_since_.reset();
+    return true;
+  }
+  if (!waiting_since_) waiting_since_ = now;
+  // A stop on a way that leads where nothing is reserved, and the disk does not come back.
+  if (braking && now - *waiting_since_ > PositionJournal::kOverdue) stop_device(now);
+  return false;
+}
+
+/// Where nothing has moved yet it is the command that is refused, else the machine is stopped.
+void Controller::piece_refused(const Error& error, Instant now) {
+  end_task(ControlEvent::Kind::kFailed, error);
+  stop(StopCause::kRefused, error, now);
+  // It stands elsewhere than was planned: the next plan begins there.
+  if (standing(now)) stand_where_driver_says();
+}
+
+void Controller::offer(const std::optional<JournalRecord>& record) {
+  if (!record) return;
+  out_.records.push_back(*record);
+  if (record->kind != JournalKind::kIntent) recorded_ = record->positions;
+}
+
+void Controller::record_rest(Instant now) {
+  if (!journal_ || closed_ || !driver_spoke_ || may_move(state_)) return;
+  const DriverState driver = driver_.state();
+  const bool looked = driver == DriverState::kReady || driver == DriverState::kFault;
+  if (!looked || !standing(now)) return;
+  offer(journal_->at_rest(driver_.positions(), time(now)));
+}
+
+void Controller::record_end(Instant now) {
+  if (!journal_ || closed_ || may_move(state_) || !standing(now)) return;
+  const auto record = journal_->close({recorded_.data(), recorded_.size()}, time(now));
+  closed_ = record.has_value();
+  offer(record);
+}
+
+}  // namespace sinew::control
