@@ -49,12 +49,19 @@ struct Declare {
   FixedVector<JointPosition, kMaxJoints> positions;
 };
 
+using CommandWhat = std::variant<TakeLease, RenewLease, ReturnLease, Enable, Disable, Acknowledge,
+                                 Begin, Home, JogAt, Hold, Resume, Stop, SetFeed, UseTool, Declare>;
+
 struct Command {
   std::uint32_t id = 0;
   LeaseToken lease;  ///< of whom asks; its client counts even where no lease is needed
-  std::variant<TakeLease, RenewLease, ReturnLease, Enable, Disable, Acknowledge, Begin, Home, JogAt,
-               Hold, Resume, Stop, SetFeed, UseTool, Declare>
-      what;
+  CommandWhat what;
+};
+
+/// A cause of a fault, until somebody has acknowledged it.
+struct Latched {
+  StopCause cause = StopCause::kDevice;
+  Error error;
 };
 
 /// What became of things. Each command ends with one of kRefused, kDone, kFailed and kStopped.

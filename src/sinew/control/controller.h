@@ -52,12 +52,6 @@ struct Outputs {
   FixedVector<JournalRecord, kRecordsMax> records;
 };
 
-/// A cause of a fault, until somebody has acknowledged it.
-struct Latched {
-  StopCause cause = StopCause::kDevice;
-  Error error;
-};
-
 /// The one place that grants motion to one robot: its state, who may move it, what is recorded
 /// before it moves, and how it is brought to rest. Deterministic, no clock, no port: step() is
 /// called each cycle, behind the driver's receive() and poll(), and calls the driver's commands.

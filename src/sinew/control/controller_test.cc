@@ -229,8 +229,8 @@ TEST(Controller, a_fault_is_latched_until_its_cause_is_gone_and_acknowledged) {
   cell.run(50ms);
   cell.port_open = true;
   EXPECT_EQ(cell.controller.latched()->error.code, ErrorCode::kEncodersDisagree);
-  for (const auto& what : {decltype(Command::what)(Begin{&cell.path_to(cell.by(0.1))}),
-                           decltype(Command::what)(Enable{}), decltype(Command::what)(Resume{})}) {
+  for (const auto& what : {CommandWhat(Begin{&cell.path_to(cell.by(0.1))}),
+                           CommandWhat(Enable{}), CommandWhat(Resume{})}) {
     const std::uint32_t refused = cell.give(what);
     EXPECT_EQ(cell.end_of(refused)->error.code, ErrorCode::kWrongState);
   }

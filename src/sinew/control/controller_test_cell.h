@@ -198,7 +198,7 @@ class ControlCell {
     return condition();
   }
 
-  std::uint32_t give(const decltype(Command::what)& what) {
+  std::uint32_t give(const CommandWhat& what) {
     cycle({Command{++last_id, lease, what}});
     return last_id;
   }

@@ -1,14 +1,29 @@
 #include "sinew/io/clock.h"
 
+#include <time.h>
+
 #include <algorithm>
 #include <thread>
 
 namespace sinew::io {
+namespace {
 
-Clock::Clock(double scale) : scale_(scale), start_(std::chrono::steady_clock::now()) {}
+Duration time_of(clockid_t clock) {
+  timespec now{};
+  clock_gettime(clock, &now);
+  return std::chrono::seconds(now.tv_sec) + std::chrono::nanoseconds(now.tv_nsec);
+}
+
+}  // namespace
+
+std::int64_t wall_time_ns() {
+  return time_of(CLOCK_REALTIME).count();
+}
+
+Clock::Clock(double scale) : scale_(scale), start_(time_of(CLOCK_BOOTTIME)) {}
 
 Instant Clock::now() const {
-  const Duration real = std::chrono::steady_clock::now() - start_;
+  const Duration real = time_of(CLOCK_BOOTTIME) - start_;
   if (scale_ == 1) return Instant{real};
   return Instant{from_seconds(to_seconds(real) * scale_)};
 }

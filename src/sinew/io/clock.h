@@ -1,11 +1,17 @@
 #pragma once
 
+#include <cstdint>
+
 #include "sinew/core/instant.h"
 
 namespace sinew::io {
 
-/// The machine's steady clock, optionally run faster or slower: `scale` seconds of the run pass in
-/// one real second. It starts at Instant{} when it is made.
+/// Wall clock, ns since 1970; for records that people read, never for time that passes.
+std::int64_t wall_time_ns();
+
+/// The machine's clock since it was started, which also counts while it sleeps, optionally run
+/// faster or slower: `scale` seconds of the run pass in one real second. It starts at Instant{}
+/// when it is made.
 class Clock {
  public:
   explicit Clock(double scale = 1);
@@ -19,7 +25,7 @@ class Clock {
 
  private:
   double scale_;
-  std::chrono::steady_clock::time_point start_;
+  Duration start_;
 };
 
 }  // namespace sinew::io

@@ -60,6 +60,8 @@ class JournalWriter {
   JournalWriter(const JournalWriter&) = delete;
   JournalWriter& operator=(const JournalWriter&) = delete;
 
+  /// The control side of it.
+  JournalPump& pump() { return pump_; }
   /// @rt
   bool offer(const JournalRecord& record) { return pump_.offer(record); }
   /// @rt

@@ -1,0 +1,69 @@
+#include "sinew/runtime/position_record.h"
+
+#include <fmt/format.h>
+
+#include <cstdlib>
+#include <cstring>
+#include <utility>
+
+#include "sinew/control/machine_identity.h"
+
+namespace sinew::runtime {
+
+std::string sentence(const DiskError& error) {
+  switch (error.code) {
+    case DiskErrorCode::kFull:
+      return "the disk is full";
+    case DiskErrorCode::kDenied:
+      return "it may not be written: no permission, or a disk that can only be read";
+    case DiskErrorCode::kMissing:
+      return "it is not there";
+    case DiskErrorCode::kLocked:
+      return error.number > 0 ? fmt::format("process {} is writing it", error.number)
+                              : std::string("another process is writing it");
+    case DiskErrorCode::kTooLarge:
+      return "it is larger than any journal of this program";
+    case DiskErrorCode::kFailed:
+      break;
+  }
+  return fmt::format("the disk failed: {}", std::strerror(error.number));
+}
+
+PositionRecord::PositionRecord(io::DiskFolder disk, const std::string& name)
+    : disk_(std::move(disk)), files_(disk_, name) {}
+
+io::IoResult<std::unique_ptr<PositionRecord>> PositionRecord::open(const std::string& folder,
+                                                                   const std::string& name,
+                                                                   const RobotModel& robot) {
+  auto disk = io::DiskFolder::open_folder(folder);
+  if (!disk) return std::unexpected(disk.error());
+  std::unique_ptr<PositionRecord> record(new PositionRecord(std::move(*disk), name));
+  const auto cannot = [&](const DiskError& error) {
+    return std::unexpected(io::IoError{fmt::format("{}/{}: the position journal cannot be used: {}",
+                                                   folder, name, sentence(error))});
+  };
+  if (const auto locked = record->files_.lock(); !locked) return cannot(locked.error());
+  const auto bytes = record->files_.load();
+  if (!bytes) return cannot(bytes.error());
+  record->recovery_ = recover(bytes->files(), control::recovery_settings(robot));
+  record->files_.continue_after(record->recovery_.end);
+  record->writer_ = std::make_unique<JournalWriter>(record->files_);
+  return record;
+}
+
+io::IoResult<std::string> positions_folder() {
+  const auto set = [](const char* name) {
+    const char* value = std::getenv(name);
+    return value != nullptr && *value == '/' ? std::string(value) : std::string();
+  };
+  if (const std::string state = set("XDG_STATE_HOME"); !state.empty()) {
+    return state + "/sinew/positions";
+  }
+  if (const std::string home = set("HOME"); !home.empty()) {
+    return home + "/.local/state/sinew/positions";
+  }
+  return std::unexpected(
+      io::IoError{"neither XDG_STATE_HOME nor HOME names a folder, so positions cannot be kept"});
+}
+
+}  // namespace sinew::runtime

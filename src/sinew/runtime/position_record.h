@@ -1,0 +1,45 @@
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "sinew/control/controller.h"
+#include "sinew/control/journal_recovery.h"
+#include "sinew/io/disk_folder.h"
+#include "sinew/runtime/journal_writer.h"
+
+namespace sinew::runtime {
+
+/// One robot's position journal on a real disk: locked, read, and going on to be written in a
+/// thread of its own. docs/journal.md.
+class PositionRecord {
+ public:
+  /// @param folder  made where it is not there. @param name  of the two files; letters, digits, -_.
+  /// @error  a sentence: the folder cannot be had, another process writes this journal, ...
+  static io::IoResult<std::unique_ptr<PositionRecord>> open(const std::string& folder,
+                                                            const std::string& name,
+                                                            const RobotModel& robot);
+
+  /// What the run before left.
+  const JournalRecovery& recovery() const { return recovery_; }
+  control::ControllerStart start() const { return {recovery_.positions, recovery_.end}; }
+  JournalPump& pump() { return writer_->pump(); }
+  const std::string& folder() const { return disk_.path(); }
+
+ private:
+  PositionRecord(io::DiskFolder disk, const std::string& name);
+
+  io::DiskFolder disk_;
+  JournalFiles files_;
+  JournalRecovery recovery_;
+  std::unique_ptr<JournalWriter> writer_;
+};
+
+/// $XDG_STATE_HOME/sinew/positions, or where the home has it.
+/// @error  neither variable is set
+io::IoResult<std::string> positions_folder();
+
+/// For people: what happened to a disk.
+std::string sentence(const DiskError& error);
+
+}  // namespace sinew::runtime
