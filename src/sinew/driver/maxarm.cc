@@ -18,13 +18,15 @@ constexpr std::int32_t kTimeMin = 20;      // ms
 constexpr std::int32_t kTimeMax = 30000;   // ms, the servos' own bound
 constexpr std::int32_t kMargin = 10;       // pulses: overshoot and sag beside the way
 constexpr std::int32_t kRangeMargin = 25;  // pulses: an arm without power leans on its ends
-constexpr Duration kTakenUp = 150ms;       // the MicroPython program looks at its port every 100 ms
+constexpr Duration kLookPeriod = 100ms;    // of the MicroPython program, at its port
+constexpr Duration kLookDoubt = 20ms;      // either side: its loop's own time, and a USB port's
 constexpr double kRounding = 0.5;          // pulses
 constexpr double kCreep = 1;               // pulses between two readings of an arm at rest
 constexpr double kCreepAgain = 4;          // times what it crept between the last two
 constexpr double kSentBeside = 1.5;        // pulses: rounding, and a sturdier frame's neighbour
 constexpr int kZeros = 16;
 constexpr int kSetsMax = 3;
+constexpr int kSuctionFrames = 2;
 constexpr int kStrangersMax = 3;
 constexpr int kSilentTold = 3;
 constexpr int kNeverRests = 4;     ///< times `settle`; an arm that swings so long is not done
@@ -42,6 +44,11 @@ bool plausible(const Angles& angles) {
   return std::ranges::all_of(angles.pulses, [](std::int16_t p) { return p >= -60 && p <= 1060; });
 }
 
+Duration wire_time(const Request& request) {
+  constexpr Duration kByteTime = MaxArmTiming().byte_time;
+  return static_cast<int>(encode_request(request).size()) * kByteTime;
+}
+
 bool sturdy(const Request& request) {
   const FrameBytes frame = encode_request(request);
   return survives_one_fault(frame) && survives_a_look(frame);
@@ -49,9 +56,29 @@ bool sturdy(const Request& request) {
 
 }  // namespace
 
+// docs/wires/maxarm.md, "Timing": answers of 98..275 and 18..424 ms, all equally likely, and 17 ms
+// on the wire; the MicroPython program takes what was sent when it looks at its port.
+MaxArmPace pace_of(MaxArmVariant variant) {
+  const Duration set = wire_time(SetAngle{});
+  if (variant == MaxArmVariant::kArduino) return {set, 290ms, 565ms, 500ms};
+  return {set + kLookDoubt + kLookPeriod, 515ms, 1s, 1s};
+}
+
+Duration maxarm_tool_time(MaxArmVariant variant, const ToolAction& action) {
+  const Duration gap = MaxArmTiming().frame_gap;
+  const Duration one_reading = pace_of(variant).one_reading;
+  if (std::holds_alternative<Suction>(action)) {
+    return kSuctionFrames * (wire_time(SetSuction{}) + gap) + one_reading;
+  }
+  if (const auto* nozzle = std::get_if<NozzleTo>(&action)) {
+    return wire_time(SetPwmServo{}) + gap + nozzle->duration + one_reading;
+  }
+  return {};
+}
+
 MaxArmDriver::MaxArmDriver(const MaxArmDevice& device, std::span<const Joint> joints,
                            const MaxArmTiming& timing)
-    : device_(device), joints_(joints), timing_(timing) {
+    : device_(device), joints_(joints), timing_(timing), pace_(pace_of(device.variant)) {
   SINEW_ASSERT(joints.size() == kServos);
   for (const MaxArmServo& servo : device.servos) SINEW_ASSERT(servo.pulses_per_rad != 0);
 }
@@ -66,6 +93,7 @@ void MaxArmDriver::open(Instant now) {
   silent_ = 0;
   free_at_ = now;
   in_doubt_ = false;
+  answered_at_.reset();
   left_at_.reset();
   doubt(now);
 }
@@ -122,6 +150,7 @@ Expected<void> MaxArmDriver::move(const JointMove& move, Instant now) {
   target_ = *target;
   time_ms_ = static_cast<std::int32_t>(std::ceil(seconds * 1e3 - kSlack));
   sets_ = 0;
+  begun_at_.reset();
   // A question that is out is waited for; else the move can go at once.
   if (phase_ == Phase::kPausing) pause(Duration::zero(), now);
   return {};
@@ -195,7 +224,7 @@ Expected<void> MaxArmDriver::tool(const ToolAction& action, Instant now) {
     constexpr std::array<std::uint8_t, 3> kActions{1, 2, 3};  // on, release, off
     tool_request_ = SetSuction{kActions.at(static_cast<std::size_t>(suction->state))};
     tool_time_ = Duration::zero();
-    tool_frames_ = 2;
+    tool_frames_ = kSuctionFrames;
   } else {
     const double us = std::round(kMiddleUs + kUsPerRad * nozzle->angle);
     if (!(us >= 500 && us <= 2500)) {
@@ -334,6 +363,7 @@ void MaxArmDriver::receive(std::span<const std::uint8_t> bytes, Instant now) {
     skipped_ = decoder_.skipped();
     if (!frame) continue;
     if (!trusted(*frame)) continue;
+    answered_at_ = now - static_cast<int>(kReplyFrame) * timing_.byte_time;
     const auto* angles = std::get_if<Angles>(&frame->reply);
     if (phase_ == Phase::kMarking && angles == nullptr) {
       pause(Duration::zero(), now);
@@ -403,7 +433,8 @@ void MaxArmDriver::take_reading(const Angles& angles, Instant now) {
 /// A reading came, or a pause is over.
 void MaxArmDriver::go_on(Instant now) {
   if (now < free_at_ || !output_.empty()) return pause(timing_.frame_gap, now);
-  if (phase_ == Phase::kPausing && (!rests() || sets_ > 0 || job_ == Job::kNone)) {
+  const bool knows = job_ == Job::kMove && sets_ > 0 ? arrived() : rests() && sets_ == 0;
+  if (phase_ == Phase::kPausing && (!knows || job_ == Job::kNone)) {
     return ask(ReadAngle{}, Phase::kReading, now);
   }
   if (!ready_ && rests()) {
@@ -432,18 +463,19 @@ void MaxArmDriver::go_on_with_move(Instant now) {
     start_ = reading_;
     way_low_ = reading_;
     way_high_ = reading_;
-    return send_set(target_, time_ms_, now);
+    return begin_move(now);
   }
-  if (rests() && near(reading_, target_, timing_.reached)) {
+  if (arrived()) {
     show_measured();
+    if (now < told_at_) return pause(told_at_ - now, now);
     finish(DriverEvent::Kind::kDone);
-    return pause(timing_.idle_period, now);
+    return pause(timing_.idle_first, now);
   }
   show_way();
   const bool stuck = alike_ >= kOtherEndReads;
   if (stuck && sets_ < kSetsMax && near(reading_, start_, 2)) {
     ++health_.retries;
-    return send_set(target_, time_ms_, now);
+    return begin_move(now);
   }
   const Duration late = now - moves_until_;
   if ((stuck && late > timing_.settle) || late > kNeverRests * timing_.settle) {
@@ -454,14 +486,44 @@ void MaxArmDriver::go_on_with_move(Instant now) {
                        angle_of(joint, target_[joint])));
     return pause(timing_.read_period, now);
   }
-  pause(timing_.read_period, now);
+  pause(next_reading(now + timing_.read_period) - now, now);
+}
+
+/// Sends the SET clear of the board's looks, to end when it was said to.
+void MaxArmDriver::begin_move(Instant now) {
+  if (sets_ > 0 || !begun_at_) begun_at_ = now;
+  if (knows_looks()) {
+    const Instant look = look_behind(now - kLookDoubt);
+    const Instant in = now + wire_time(SetAngle{});
+    if (look < in + kLookDoubt) return pause(look + kLookDoubt - now, now);
+  }
+  send_set(target_, time_ms_, *begun_at_ + pace_.begins, now);
+}
+
+bool MaxArmDriver::arrived() const {
+  return sets_ > 0 && rests() && near(reading_, target_, timing_.reached);
+}
+
+/// From `earliest` on, but the line is free when the servos have settled.
+Instant MaxArmDriver::next_reading(Instant earliest) const {
+  if (earliest + pace_.one_reading <= moves_until_) return earliest;
+  return std::max(moves_until_, asked_at_ + timing_.read_period);
+}
+
+bool MaxArmDriver::knows_looks() const {
+  return device_.variant == MaxArmVariant::kMicroPython && answered_at_;
+}
+
+/// The board's next look at its port behind that instant: it sleeps from answer to look to look.
+Instant MaxArmDriver::look_behind(Instant at) const {
+  return *answered_at_ + ((at - *answered_at_) / kLookPeriod + 1) * kLookPeriod;
 }
 
 void MaxArmDriver::go_on_with_stop(Instant now) {
   if (rests()) {
     show_measured();
     finish(DriverEvent::Kind::kStopped);
-    return pause(timing_.idle_period, now);
+    return pause(timing_.idle_first, now);
   }
   show_way();
   // Where it was a moment ago: inside the way that it was sent on. Again if that did not hold it.
@@ -471,7 +533,7 @@ void MaxArmDriver::go_on_with_stop(Instant now) {
     for (std::size_t i = 0; i < kServos; ++i) {
       target_[i] = std::clamp(reading_[i], kPulseMin, kPulseMax);
     }
-    return send_set(target_, timing_.stop_ms, now);
+    return send_set(target_, timing_.stop_ms, now, now);
   }
   if (now - moves_until_ > kNeverRests * timing_.settle) {
     const std::size_t joint = farthest(target_);
@@ -498,13 +560,17 @@ void MaxArmDriver::go_on_with_tool(Instant now) {
     due_ = free_at_;
     return;
   }
-  if (phase_ == Phase::kTooling) return ask(ReadAngle{}, Phase::kReading, now);
+  if (phase_ == Phase::kTooling) {
+    told_at_ = now + pace_.one_reading;
+    return ask(ReadAngle{}, Phase::kReading, now);
+  }
   if (!rests()) return pause(timing_.read_period, now);
+  if (now < told_at_) return pause(told_at_ - now, now);
   // The device answers: it lives, and what it was told has reached it as far as anyone can know.
   show_measured();
   tell_if_moved();
   finish(DriverEvent::Kind::kDone);
-  pause(timing_.idle_period, now);
+  pause(timing_.idle_first, now);
 }
 
 /// At rest, with nothing under way that could have moved it.
@@ -530,11 +596,19 @@ void MaxArmDriver::rest_idle(Instant now) {
     }
     show_way();
   }
-  pause(rests() && ready_ ? timing_.idle_period : timing_.read_period, now);
+  const bool idle = rests() && ready_;
+  pause(asked_at_ + (idle ? pace_.idle : timing_.read_period) - now, now);
 }
 
-void MaxArmDriver::send_set(const Pulses& target, std::int32_t time_ms, Instant now) {
-  const SetAngle set = sturdy_set(target, time_ms);
+/// @param begins  when its ramp is taken to begin, or when the board takes it where that is later
+void MaxArmDriver::send_set(const Pulses& target, std::int32_t time_ms, Instant begins,
+                            Instant now) {
+  const Instant in = now + wire_time(SetAngle{});
+  const Instant taken = knows_looks() ? look_behind(in) : in;
+  const Instant from = std::max(begins, taken);
+  const auto early = std::chrono::duration_cast<std::chrono::milliseconds>(from - taken).count();
+  const auto longer = std::min(static_cast<std::int32_t>(early), kTimeMax - time_ms);
+  const SetAngle set = sturdy_set(target, time_ms + longer);
   for (std::size_t i = 0; i < kServos; ++i) {
     target_[i] = set.pulses[i];
     way_low_[i] = std::min(way_low_[i], target_[i]);
@@ -544,9 +618,10 @@ void MaxArmDriver::send_set(const Pulses& target, std::int32_t time_ms, Instant 
   ++sets_;
   send(set, now);
   alike_ = 0;
-  moves_until_ = free_at_ + std::chrono::milliseconds(set.time_ms) + kTakenUp;
+  moves_until_ = from + std::chrono::milliseconds(time_ms) + MaxArmPace::settles;
+  told_at_ = moves_until_ + pace_.two_readings;
   show_way();
-  pause(Duration::zero(), now);
+  pause(next_reading(free_at_) - now, now);
 }
 
 std::size_t MaxArmDriver::farthest(const Pulses& from) const {

@@ -17,17 +17,36 @@ struct MaxArmTiming {
   /// Behind the question's last bit. The slowest answer measured took 0.54 s.
   Duration reply_timeout = std::chrono::milliseconds(700);
   Duration frame_gap = std::chrono::milliseconds(20);
-  Duration byte_time = std::chrono::microseconds(1042);  ///< 10 bits at 9600 baud
-  Duration read_period = std::chrono::milliseconds(130);
-  Duration idle_period = std::chrono::milliseconds(500);  ///< a resting arm is looked at so often
-  Duration quiet = std::chrono::milliseconds(60);         ///< silence on the line that ends a doubt
-  Duration wake = std::chrono::milliseconds(150);         ///< behind the burst of zeros
+  Duration byte_time = std::chrono::microseconds(1042);   ///< 10 bits at 9600 baud
+  Duration read_period = std::chrono::milliseconds(130);  ///< from question to question, at least
+  /// From a command's end until the resting arm is looked at: then and MaxArmPace::idle later, no
+  /// question is out at the whole halves of a second at which most programs end a wait.
+  Duration idle_first = std::chrono::milliseconds(520);
+  Duration quiet = std::chrono::milliseconds(60);  ///< silence on the line that ends a doubt
+  Duration wake = std::chrono::milliseconds(150);  ///< behind the burst of zeros
   /// Until a silent device is given up: a restarted one sleeps and homes 13.5 s.
   Duration patience = std::chrono::seconds(25);
   Duration settle = std::chrono::milliseconds(2500);  ///< beyond a move's own time
   std::uint16_t stop_ms = 100;
   std::int32_t reached = 6;  ///< pulses beside the target that a servo under load may rest
 };
+
+/// What a board's program makes of time. The answers' times are those measured on it, 99 in 100.
+struct MaxArmPace {
+  Duration begins;        ///< from the order of a move until its servos begin
+  Duration one_reading;   ///< from the question's first bit
+  Duration two_readings;  ///< one behind the other
+  Duration idle;          ///< a resting arm is looked at so often, question to question
+
+  /// From a move's own end, by its order and its duration, until it is told as done.
+  Duration told() const { return begins + settles + two_readings; }
+  /// From the end of the servos' ramps until the arm is looked at.
+  static constexpr Duration settles = std::chrono::milliseconds(50);
+};
+MaxArmPace pace_of(MaxArmVariant variant);
+
+/// How long a tool action of an arm at rest takes until it is told as done; zero for none of its.
+Duration maxarm_tool_time(MaxArmVariant variant, const ToolAction& action);
 
 /// Host side of the MaxArm's wire: point to point with reading back, since no SET is answered.
 ///
@@ -43,6 +62,12 @@ struct MaxArmTiming {
 /// waits. READ_XYZ marks the line: answers keep their order, so whatever READ_ANGLE answers behind
 /// it was measured behind it. A SET is sent again only when readings show the arm at rest where
 /// the move began; its target is absolute, so a copy that was only late changes nothing.
+///
+/// Answers take their time as they like; an undisturbed move or tool action does not. It is told as
+/// done at the instant by which its last reading is there in 99 of 100 cases (MaxArmPace), so that
+/// what follows begins when it was planned to. A MicroPython board takes a SET up to 100 ms later,
+/// when it looks at its port; its answers tell when that is. A SET goes out clear of its looks, and
+/// its ramp ends as if it had begun at the latest of them.
 ///
 /// An arm at rest that is found elsewhere is told (notice kMovedUnasked), each new place once.
 ///
@@ -109,13 +134,18 @@ class MaxArmDriver : public ByteDriver {
   void take_reading(const maxarm::Angles& angles, Instant now);
   void go_on(Instant now);
   void go_on_with_move(Instant now);
+  void begin_move(Instant now);
+  bool arrived() const;
+  Instant next_reading(Instant earliest) const;
+  bool knows_looks() const;
+  Instant look_behind(Instant at) const;
   void go_on_with_stop(Instant now);
   void go_on_with_tool(Instant now);
   void rest_idle(Instant now);
   void tell_if_moved();
   std::optional<Error> moved_from(const JointVector& q) const;
   maxarm::SetAngle sturdy_set(const Pulses& target, std::int32_t time_ms) const;
-  void send_set(const Pulses& target, std::int32_t time_ms, Instant now);
+  void send_set(const Pulses& target, std::int32_t time_ms, Instant begins, Instant now);
   bool rests() const { return alike_ >= 2; }
   std::size_t farthest(const Pulses& from) const;
   bool near(const Pulses& a, const Pulses& b, std::int32_t tolerance) const;
@@ -129,6 +159,7 @@ class MaxArmDriver : public ByteDriver {
   MaxArmDevice device_;
   FixedVector<Joint, kMaxJoints> joints_;
   MaxArmTiming timing_;
+  MaxArmPace pace_;
 
   Phase phase_ = Phase::kClosed;
   Job job_ = Job::kNone;
@@ -156,8 +187,11 @@ class MaxArmDriver : public ByteDriver {
   Pulses start_{};
   Pulses target_{};
   std::int32_t time_ms_ = 0;
-  int sets_ = 0;  ///< SETs sent for this command
-  Instant moves_until_{};
+  int sets_ = 0;                     ///< SETs sent for this command
+  std::optional<Instant> begun_at_;  ///< of a move that waits to go out clear of the board's looks
+  Instant moves_until_{};            ///< the ramps are over, and the servos settled
+  Instant told_at_{};                ///< not before, so that it is when it was said to be
+  std::optional<Instant> answered_at_;  ///< when the board's last answer began to leave it
 
   maxarm::Request tool_request_;
   int tool_frames_ = 0;  ///< still to send

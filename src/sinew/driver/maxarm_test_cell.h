@@ -24,12 +24,13 @@ class MaxArmCell {
     std::uint64_t seed = 1;
     sim::LinkFaultSpec faults{};
     bool opened = true;
+    std::optional<MaxArmVariant> taken_for{};     ///< by the driver; what it is where left out
     Duration warm_up = std::chrono::seconds(20);  ///< powered so long before the port opens
   };
 
   MaxArmCell() : MaxArmCell(Options()) {}
   explicit MaxArmCell(const Options& options)
-      : robot(maxarm_model()),
+      : robot(model(options.taken_for.value_or(options.variant))),
         driver(std::get<MaxArmDevice>(robot.device.settings), robot.joints),
         machine(robot, options.checksum, options.variant, options.seed, Instant{}),
         now(Instant{options.warm_up}),
@@ -99,6 +100,12 @@ class MaxArmCell {
   std::function<bool(std::size_t)> lose;  ///< true: the n-th byte for the device vanishes
 
  private:
+  static RobotModel model(MaxArmVariant variant) {
+    RobotModel robot = maxarm_model();
+    std::get<MaxArmDevice>(robot.device.settings).variant = variant;
+    return robot;
+  }
+
   static constexpr Duration kByteTime = std::chrono::nanoseconds(1'041'667);
 
   /// One byte each way in a byte's time, as the port does it.

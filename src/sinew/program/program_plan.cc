@@ -84,7 +84,10 @@ class Planner {
       if (const auto refusal = tool_refusal(robot_, tool->action)) {
         return Refusal{step.line, *refusal, std::nullopt};
       }
-      order.what = ToolOrder{tool->action};
+      const double duration = to_seconds(tool_time(robot_, tool->action, jaws_));
+      if (const auto* jaws = std::get_if<JawsTo>(&tool->action)) jaws_ = jaws->width;
+      plan_.duration += duration;
+      order.what = ToolOrder{tool->action, duration};
     } else {
       const auto home = plan_home(step.line);
       if (!home) return home.error();
@@ -191,6 +194,7 @@ class Planner {
   const RobotModel& robot_;
   Start q_;
   const Homing& homing_;
+  std::optional<double> jaws_;              ///< m, where the program told them
   std::shared_ptr<const HomeReturn> back_;  ///< the same for each `home`
   Plan plan_;
   std::unique_ptr<RowPlanner> planner_;

@@ -43,6 +43,7 @@ struct WaitOrder {
 };
 struct ToolOrder {
   ToolAction action;
+  double duration = 0;  ///< s, predicted
 };
 
 struct Order {
@@ -58,7 +59,7 @@ inline constexpr std::size_t kOrdersMax = 100'000;
 
 struct Plan {
   std::vector<Order> orders;
-  double duration = 0;    ///< s of motion and waiting, predicted; homing not counted
+  double duration = 0;    ///< s of motion, waiting and tools, predicted; homing not counted
   double homing_max = 0;  ///< s, an upper bound of all homing
 };
 

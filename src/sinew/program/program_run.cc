@@ -181,6 +181,7 @@ std::expected<void, Refusal> Run::issue(const Order& order, Instant now) {
     return {};
   }
   const auto* tool = std::get_if<ToolOrder>(&order.what);
+  if (tool != nullptr) current_->duration = tool->duration;
   if (const auto* home = std::get_if<HomeOrder>(&order.what)) {
     current_->duration = home->duration_max;
   }
@@ -338,6 +339,7 @@ double Run::progress(Instant now) const {
   const auto weight = [](const Order& order) {
     if (const auto* move = std::get_if<MoveOrder>(&order.what)) return move->duration;
     if (const auto* wait = std::get_if<WaitOrder>(&order.what)) return to_seconds(wait->duration);
+    if (const auto* tool = std::get_if<ToolOrder>(&order.what)) return tool->duration;
     if (const auto* home = std::get_if<HomeOrder>(&order.what)) return home->duration_max;
     return 0.0;
   };

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "sinew/core/assert.h"
+#include "sinew/driver/axis_register_times.h"
 #include "sinew/planning/chords.h"
 
 namespace sinew::program {
@@ -93,6 +94,23 @@ Move move_of(const Step& row, const RobotPlace& from, const ToolSpace& space,
     move.way = spline;
   }
   return move;
+}
+
+const AxisRegistersDevice* register_boards(const RobotModel& robot) {
+  return std::get_if<AxisRegistersDevice>(&robot.device.settings);
+}
+
+/// Where each joint is told by itself and then goes at its own pace.
+AxisRegisterTimes::Move times_of(AxisRegisterTimes& times, const JointVector& from,
+                                 const JointVector& to, const RobotModel& robot) {
+  const auto limits = planning::motion_limits(robot);
+  const AxisRegistersDevice& boards = *register_boards(robot);
+  JointVector own;
+  for (std::size_t j = 0; j < from.size(); ++j) {
+    const double way = told_angle(boards, robot, j, to[j]) - told_angle(boards, robot, j, from[j]);
+    own.push_back(way == 0 ? 0 : motion::plan_axis(std::abs(way), limits[j]).duration());
+  }
+  return times.next({own.data(), own.size()});
 }
 
 /// When a law comes to s.
@@ -264,6 +282,8 @@ void RowPlanner::cut_into_chords(const RobotPlace& start, RowMotion& out) const 
   }
   JointVector from = vector_of(start.q, robot_.joints.size());
   double t_from = 0;
+  std::optional<AxisRegisterTimes> times;
+  if (const auto* boards = register_boards(robot_)) times.emplace(*boards);
   for (const double s : places) {
     planning::PathPoint at;
     path.joints.sample(s, at);
@@ -274,8 +294,15 @@ void RowPlanner::cut_into_chords(const RobotPlace& start, RowMotion& out) const 
     JointMove piece{.q = to, .qd = {}, .duration = from_seconds(duration)};
     piece.qd.resize(to.size());
     out.pieces.push_back(piece);
-    out.arrival = out.duration + duration + to_seconds(delay_.arrival);
-    out.duration += duration + to_seconds(delay_.report);
+    double arrival = duration + to_seconds(delay_.arrival);
+    double report = duration + to_seconds(delay_.report);
+    if (times) {
+      const auto move = times_of(*times, from, to, robot_);
+      arrival = move.arrival;
+      report = move.report;
+    }
+    out.arrival = out.duration + arrival;
+    out.duration += report;
     from = to;
     t_from = t;
   }
@@ -291,17 +318,11 @@ JointVector resolved(const JointStep& step, const JointVector& from) {
 
 double whole_move_duration(const JointVector& from, const JointVector& to, const RobotModel& robot,
                            double speed) {
-  const Duration each = motion_delay(robot.device).each;
-  if (each == Duration{}) return profile_between(from, to, robot, speed).duration();
-  const auto limits = planning::motion_limits(robot);
-  double longest = 0;
-  int told = 0;
-  for (std::size_t j = 0; j < from.size(); ++j) {
-    if (to[j] == from[j]) continue;
-    const double own = motion::plan_axis(std::abs(to[j] - from[j]), limits[j]).duration();
-    longest = std::max(longest, told++ * to_seconds(each) + own);
+  if (const auto* boards = register_boards(robot)) {
+    AxisRegisterTimes times(*boards);
+    return times_of(times, from, to, robot).own;
   }
-  return longest;
+  return profile_between(from, to, robot, speed).duration();
 }
 
 motion::RestToRest profile_between(const JointVector& from, const JointVector& to,

@@ -83,6 +83,20 @@ TEST_P(RowPlannerOf, line_ends_where_it_was_sent_and_its_pieces_lie_on_it) {
   }
   EXPECT_EQ(motion->pieces.back().q, motion->q_end);
   EXPECT_NEAR(bench.tool({motion->q_end.data(), motion->q_end.size()}).p.z, from.p.z + step, 1e-6);
+  if (const auto* boards = std::get_if<AxisRegistersDevice>(&bench.robot.device.settings)) {
+    // Frame by frame: each piece is asked for, told, polled and read back.
+    double frames = 0, before = 0;
+    for (const JointMove& piece : motion->pieces) {
+      before = frames;
+      frames += to_seconds(piece.duration) + 3 * 0.082;
+    }
+    EXPECT_GE(motion->duration, frames);
+    EXPECT_LE(motion->duration, frames + 1.2 * static_cast<double>(motion->pieces.size()));
+    EXPECT_GT(motion->arrival, before);
+    EXPECT_LT(motion->arrival, motion->duration - 0.082);
+    EXPECT_TRUE(boards->reports_status);
+    return;
+  }
   const MotionDelay delay = motion_delay(bench.robot.device);
   const bool streamed = bench.robot.device.capability.motion == MotionKind::kStream;
   double sum = streamed ? to_seconds(delay.report) : 0;
