@@ -174,7 +174,7 @@ void AxisController::fail(AxisFault why) {
     reference_ = {encoders_.q(), std::clamp(encoders_.qd(), -most, most), 0};
     cascade_.reset();
   }
-  begin_profile(way_to_rest(reference_));
+  begin_profile(way_to_rest());
 }
 
 void AxisController::freeze() {
@@ -184,6 +184,7 @@ void AxisController::freeze() {
 
 void AxisController::begin_hold() {
   mode_ = Mode::kHold;
+  streamed_ = false;
   reference_ = {encoders_.q(), 0, 0};
   target_ = reference_.q;
   following_for_ = 0;
@@ -204,21 +205,32 @@ bool AxisController::keeps_limits(const OnlineProfile& profile) const {
          range.upper <= std::max(settings_.upper, reference_.q) + kJointLimitTolerance;
 }
 
+/// A stream brakes and speeds up with the tracking jerk. The joint's own needs longer to take such
+/// an acceleration back: an axis that had nearly stopped would turn round and run degrees the other
+/// way before it stands.
+bool AxisController::swings_back() const {
+  if (!streamed_) return false;
+  const auto way = OnlineProfile::stop(reference_, ProfileBounds(settings_.limits));
+  const motion::PositionRange range = way.range();
+  const double back = reference_.qd < 0 ? way.target() - range.lower : range.upper - way.target();
+  return back > motion::SetpointFollower::kBeyond;
+}
+
 OnlineProfile AxisController::way_to(double q, double speed) const {
   motion::AxisLimits limits = settings_.limits;
   limits.velocity = std::min(limits.velocity, speed);
   const auto way = OnlineProfile::to(reference_, q, ProfileBounds(limits));
-  if (keeps_limits(way)) return way;
+  if (keeps_limits(way) && !swings_back()) return way;
   limits.jerk = settings_.tracking_jerk;
   return OnlineProfile::to(reference_, q, ProfileBounds(limits));
 }
 
-OnlineProfile AxisController::way_to_rest(const AxisState& state) const {
+OnlineProfile AxisController::way_to_rest() const {
   motion::AxisLimits limits = settings_.limits;
-  const auto way = OnlineProfile::stop(state, ProfileBounds(limits));
-  if (keeps_limits(way)) return way;
+  const auto way = OnlineProfile::stop(reference_, ProfileBounds(limits));
+  if (keeps_limits(way) && !swings_back()) return way;
   limits.jerk = settings_.tracking_jerk;
-  return OnlineProfile::stop(state, ProfileBounds(limits));
+  return OnlineProfile::stop(reference_, ProfileBounds(limits));
 }
 
 void AxisController::begin_profile(const OnlineProfile& profile) {
@@ -231,6 +243,7 @@ void AxisController::begin_profile(const OnlineProfile& profile) {
 void AxisController::move_reference(double dt) {
   switch (mode_) {
     case Mode::kHold:
+      streamed_ = false;
       break;
     case Mode::kHoming:
       run_homing(dt);
@@ -265,7 +278,7 @@ void AxisController::run_homing(double dt) {
       begin_profile(way_to(wish.q, wish.speed));
       break;
     case Kind::kStop:
-      begin_profile(way_to_rest(reference_));
+      begin_profile(way_to_rest());
       break;
     case Kind::kMark:
       encoders_.mark();
@@ -275,7 +288,7 @@ void AxisController::run_homing(double dt) {
       // is off by half the play at most, whichever flank carries.
       reference_.q +=
           encoders_.name_mark(wish.q, wish.q + settings_.homing.direction * settings_.backlash / 2);
-      begin_profile(way_to_rest(reference_));
+      begin_profile(way_to_rest());
       homed_ = true;
       break;
     case Kind::kDone:
@@ -319,7 +332,7 @@ AxisVerdict AxisController::home() {
   }
   homed_ = false;
   homing_.start();
-  profile_ = way_to_rest(reference_);
+  profile_ = way_to_rest();
   profile_time_ = 0;
   mode_ = Mode::kHoming;
   return AxisVerdict::kAccepted;
@@ -328,7 +341,7 @@ AxisVerdict AxisController::home() {
 void AxisController::cancel_homing() {
   if (mode_ != Mode::kHoming) return;
   homing_.cancel();
-  begin_profile(way_to_rest(reference_));
+  begin_profile(way_to_rest());
 }
 
 AxisVerdict AxisController::move_to(double q) {
@@ -352,6 +365,7 @@ AxisVerdict AxisController::track(double q, double qd) {
   if (!inside || !std::isfinite(qd)) return AxisVerdict::kOutOfLimits;
   if (mode_ != Mode::kTracking) follower_.begin(reference_);
   mode_ = Mode::kTracking;
+  streamed_ = true;
   target_ = q;
   follower_.setpoint(q, qd);
   return AxisVerdict::kAccepted;
@@ -364,7 +378,7 @@ void AxisController::stop(AxisFault why) {
     step_check_.cancel();
     begin_hold();
   }
-  if (mode_ != Mode::kHold) begin_profile(way_to_rest(reference_));
+  if (mode_ != Mode::kHold) begin_profile(way_to_rest());
 }
 
 void AxisController::emergency_stop() {

@@ -94,7 +94,8 @@ class AxisController : public Axis {
   void begin_hold();
   void begin_profile(const motion::OnlineProfile& profile);
   motion::OnlineProfile way_to(double q, double speed) const;
-  motion::OnlineProfile way_to_rest(const motion::AxisState& state) const;
+  motion::OnlineProfile way_to_rest() const;
+  bool swings_back() const;
   bool keeps_limits(const motion::OnlineProfile& profile) const;
   void move_reference(double dt);
   void run_homing(double dt);
@@ -111,6 +112,7 @@ class AxisController : public Axis {
   motion::SetpointFollower follower_;
   motion::OnlineProfile profile_;
   double profile_time_ = 0;
+  bool streamed_ = false;  ///< since it last stood: the tracking jerk may have been used
 
   std::optional<Instant> last_tick_;
   AxisInputs inputs_;

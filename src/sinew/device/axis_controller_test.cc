@@ -295,6 +295,56 @@ TEST(AxisController, stream_that_falls_silent_in_motion_is_a_stop) {
   EXPECT_EQ(cell.status().fault, AxisFault::kNone);
 }
 
+/// Streams a ramp up to `speed` and some time of it, then nothing for so many ticks.
+void break_off_a_stream(AxisCell& cell, double speed, int silent_ticks) {
+  const double ramp = 2 * std::sqrt(speed / cell.controller.settings().limits.jerk);
+  double q = cell.controller.reference().q;
+  for (double t = 0; t < ramp + 0.3; t += 1e-3) {
+    const double share = std::min(t / ramp, 1.0);
+    const double qd = speed * share * share * (3 - 2 * share);
+    q += qd * 1e-3;
+    ASSERT_EQ(cell.controller.track(q, qd), AxisVerdict::kAccepted);
+    cell.tick();
+  }
+  for (int i = 0; i < silent_ticks; ++i) cell.tick();
+}
+
+// A million faults, seed 20261121, case 0: a slow stream broke off, the axis braked, its deadline
+// came 0.1 s after the last setpoint, and the stop ran 3 deg back the way that it had come.
+TEST(AxisController, stop_or_move_after_a_stream_that_broke_off_does_not_turn_round) {
+  const AxisCell homed = homed_cell();
+  enum class Then : std::uint8_t { kDeadline, kManyStops, kMoveOn };
+  const auto run = [&](double speed, int silent_ticks, Then then) {
+    AxisCell cell = homed;
+    break_off_a_stream(cell, speed, silent_ticks);
+    LimitWatch watch(cell, cell.controller.settings().tracking_jerk);
+    double farthest = cell.controller.reference().q;
+    double back = 0;
+    if (then == Then::kDeadline) cell.controller.stop(AxisFault::kLinkSilent);
+    if (then == Then::kMoveOn) (void)cell.controller.move_to(farthest + from_deg(10));
+    for (int i = 0; i < 5'000; ++i) {
+      if (then == Then::kManyStops) cell.controller.stop();
+      cell.tick();
+      watch.look(cell);
+      farthest = std::max(farthest, cell.controller.reference().q);
+      back = std::max(back, farthest - cell.controller.reference().q);
+    }
+    EXPECT_LE(watch.worst, 1e-6);
+    EXPECT_LE(to_deg(back), 0.015);
+    EXPECT_FALSE(cell.status().moving);
+  };
+  for (const double speed : {0.3, 0.7, 1.5, 3.0, 6.0}) {
+    for (const int silent_ticks : {0, 25, 40, 60, 80, 100, 120}) {
+      for (const Then then : {Then::kDeadline, Then::kManyStops, Then::kMoveOn}) {
+        SCOPED_TRACE(::testing::Message() << speed << " deg/s, silent for " << silent_ticks
+                                          << " ms, then " << static_cast<int>(then));
+        run(from_deg(speed), silent_ticks, then);
+        if (HasFailure()) return;
+      }
+    }
+  }
+}
+
 /// Position limits at every tick, whatever is asked and whenever; the plant is left out, so that a
 /// hundred thousand requests can be made: the encoders show where the steps are.
 class Echo {

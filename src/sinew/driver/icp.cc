@@ -15,7 +15,6 @@ using namespace icp;
 namespace {
 
 constexpr std::uint8_t kAllLegs = (1U << kLegs) - 1;
-constexpr std::array<std::size_t, 3> kStrayLegs{0, 1, 3};  ///< 11, 12 and 14 are one bit from 10
 constexpr Duration kSegmentMax = std::chrono::hours(24);
 constexpr Duration kEarlySlack{100'000};  // ns; a clock of a port is some percent off
 constexpr int kMeanOf = 16;               // cycles
@@ -68,9 +67,18 @@ void IcpDriver::begin_opening(Instant now) {
   supply_lost_ = false;
   kill_suspected_ = false;
   heard_ = now;
+  // The device may be inside an exchange, its own or another host's: FF leads out of there, and no
+  // bit of it makes a step, as one of a sync byte would.
+  listen(now);
+}
+
+/// Nothing is said until the line has been silent.
+void IcpDriver::listen(Instant now) {
+  output_.reset();
+  decoder_.expect(ReplyDecoder::Due::kNothing);
   quiet_since_ = now;
-  sync_risky_ = true;
-  send(Sync{}, Phase::kQuiet, now);
+  phase_ = Phase::kQuiet;
+  deadline_ = now + timing_.quiet;
 }
 
 void IcpDriver::close(Instant now) {
@@ -336,14 +344,6 @@ void IcpDriver::on_byte(std::uint8_t byte, Instant now) {
   }
   if (phase_ == Phase::kQuiet) {
     ++health_.unexpected;
-    if (sync_risky_) {
-      // A sync byte has no answer. This one may have been read as 11, 12 or 14.
-      sync_risky_ = false;
-      for (const std::size_t leg : kStrayLegs) {
-        legs_[leg].maybe_strayed(legs_[leg].wire_bit(1) ? -1 : 1);
-        refresh(leg);
-      }
-    }
     if (now - quiet_since_ > timing_.quiet_limit) {
       suspect_silence();
       return give_up({ErrorCode::kUnaskedReply, -1, 1.0 * byte});
@@ -521,7 +521,6 @@ void IcpDriver::finish(Instant now) {
 
 void IcpDriver::doubt(const Error& error, Instant now) {
   const Phase was = phase_;
-  output_.reset();
   if (was == Phase::kStep) {
     const StepMerge::Step step = merge_.next();
     merge_.advance();
@@ -551,13 +550,9 @@ void IcpDriver::doubt(const Error& error, Instant now) {
     return give_up(kill_suspected_ ? Error{ErrorCode::kDeviceKilled} : silence(now));
   }
   ++health_.retries;
-  quiet_since_ = now;
-  sync_risky_ = false;
+  listen(now);
   // Where a selector is due, no bit of a sync byte makes a step of it; elsewhere it could.
-  if (was == Phase::kSelect || was == Phase::kKill) return send(Sync{}, Phase::kQuiet, now);
-  decoder_.expect(ReplyDecoder::Due::kNothing);
-  phase_ = Phase::kQuiet;
-  deadline_ = now + timing_.quiet;
+  if (was == Phase::kSelect || was == Phase::kKill) send(Sync{}, Phase::kQuiet, now);
 }
 
 void IcpDriver::count_failure() {
@@ -628,7 +623,6 @@ void IcpDriver::poll(Instant now) {
 void IcpDriver::on_deadline(Instant now) {
   switch (phase_) {
     case Phase::kQuiet:
-      sync_risky_ = false;
       return begin_exchange(now);
     case Phase::kPause:
       return next(now);

@@ -53,7 +53,7 @@ struct IcpTiming {
 ///
 /// After a doubt no step leaves before a status has come in full: its fixed bits show whether the
 /// answers are still those to the questions. No sync byte is sent where a flipped bit could make a
-/// step of it: FF gets the device out of there as well.
+/// step of it, nor to open with: FF gets the device out of there as well.
 ///
 /// A motion, also one that was stopped, ends with a status of every leg; what that
 /// shows to be undone makes the leg uncertain (IcpLegClaim) and ends in kFault. Where a status
@@ -133,6 +133,7 @@ class IcpDriver final : public ByteDriver {
   Expected<void> accept(const Move& move, Instant now);
   Expected<void> begin_command(Command command, std::uint8_t polls, Instant now);
   void begin_opening(Instant now);
+  void listen(Instant now);
   void begin_exchange(Instant now);
   void begin_move(Instant start);
   void send(const icp::Request& request, Phase phase, Instant now);
@@ -184,7 +185,6 @@ class IcpDriver final : public ByteDriver {
 
   bool opening_ = false;     ///< kReady or kFailed is owed
   bool recovering_ = false;  ///< no step before a status has come
-  bool sync_risky_ = false;  ///< the sync byte may have found an exchange of another host
   bool kill_suspected_ = false;
   bool selector_is_step_ = false;  ///< this firmware checks selectors
   int failures_ = 0;               ///< exchanges in a row that led to nothing

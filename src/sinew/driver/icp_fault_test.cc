@@ -186,20 +186,55 @@ TEST(IcpDriverFaults, one_more_flipped_bit_anywhere_in_the_recovery_is_admitted_
   tally.expect_told_apart();
 }
 
-TEST(IcpDriverFaults, any_flip_of_the_opening_sync_with_a_host_that_died_in_an_exchange) {
+TEST(IcpDriverFaults, opening_inside_an_exchange_moves_nothing_whatever_befalls_its_first_bytes) {
+  // The host that died had said FF, or FF and F0.
+  const std::vector<std::vector<std::uint8_t>> exchanges{{icp::kInit}, {icp::kInit, icp::kRequest}};
+  for (const auto& said : exchanges) {
+    for (std::size_t place = 0; place < 2; ++place) {
+      for (unsigned bit = 0; bit < 8; ++bit) {
+        IcpCell cell;
+        cell.run_for(100ms);
+        cell.driver.declare_positions(IcpCell::at_home());
+        cell.machine.receive(said, cell.now);
+        std::array<std::uint8_t, 4> gone{};
+        cell.machine.take_output(gone);
+        // One flipped bit, and an answer gets lost as well.
+        const auto flip = static_cast<std::uint8_t>(1U << bit);
+        arrange(cell,
+                {{.host = true, .place = place, .flip = flip}, {.host = false, .place = place}});
+        cell.driver.open(cell.now);
+        cell.settle();
+        cell.expect_honest();
+        // With the lost answer of before, that may be three in a row.
+        EXPECT_TRUE(cell.driver.clear_fault(cell.now));
+        cell.settle();
+        EXPECT_EQ(cell.driver.state(), DriverState::kReady) << place << ' ' << bit;
+        EXPECT_FALSE(cell.uncertain()) << place << ' ' << bit;
+        cell.expect_honest();
+      }
+    }
+  }
+}
+
+// A million faults, seed 20261121, case 697: in the fault the device still waited for a command,
+// clear_fault() began with a sync byte, a bit made a step of leg 4 of it, and its ACK got lost.
+TEST(IcpDriverFaults, clearing_a_fault_inside_an_exchange_moves_nothing) {
   for (unsigned bit = 0; bit < 8; ++bit) {
     IcpCell cell;
-    cell.run_for(100ms);
-    cell.driver.declare_positions(IcpCell::at_home());
-    // The other host sent FF and was gone.
-    cell.machine.receive(std::array<std::uint8_t, 1>{icp::kInit}, cell.now);
-    std::array<std::uint8_t, 4> gone{};
-    cell.machine.take_output(gone);
-    arrange(cell, {{.host = true, .place = 0, .flip = static_cast<std::uint8_t>(1U << bit)}});
-    cell.driver.open(cell.now);
+    cell.begin();
+    cell.down.fault = [](std::uint8_t, std::size_t) { return IcpLine::Fate{}; };
+    ASSERT_TRUE(cell.go({1, 0, 0, 0, 0, 0}));
+    cell.settle();
+    ASSERT_EQ(cell.driver.state(), DriverState::kFault);
+    const auto flip = static_cast<std::uint8_t>(1U << bit);
+    cell.up.restart_count();
+    cell.down.restart_count();
+    arrange(cell, {{.host = true, .place = 0, .flip = flip}, {.host = false, .place = 0}});
+    ASSERT_TRUE(cell.driver.clear_fault(cell.now));
     cell.settle();
     EXPECT_EQ(cell.driver.state(), DriverState::kReady) << bit;
     cell.expect_honest();
+    EXPECT_FALSE(cell.uncertain()) << bit;
   }
 }
 

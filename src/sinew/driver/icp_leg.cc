@@ -107,14 +107,6 @@ void IcpLegClaim::maybe_stepped(int direction) {
   grow_hull();
 }
 
-void IcpLegClaim::maybe_strayed(int direction) {
-  (direction > 0 ? above_ : below_) += size_of(direction);
-  last_maybe_ = true;
-  moved_ = true;
-  withdrawn_ = false;
-  grow_hull();
-}
-
 void IcpLegClaim::status_lost() {
   if (!moved_) return;
   (last_direction_ > 0 ? below_ : above_) += size_of(last_direction_);

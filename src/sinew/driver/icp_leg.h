@@ -55,8 +55,6 @@ class IcpLegClaim {
   void stepped(int direction);
   /// Nobody knows whether it was made.
   void maybe_stepped(int direction);
-  /// Nobody knows whether a stray byte moved it by one step.
-  void maybe_strayed(int direction);
   /// A status was asked for, its flags are cleared, and the answer did not come: the last step may
   /// have been lost without a trace.
   void status_lost();
