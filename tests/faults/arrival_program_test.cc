@@ -7,7 +7,8 @@
 #include "faults/fault_cell.h"
 #include "sinew/model/joint_lookup.h"
 #include "sinew/program/program_run.h"
-#include "sinew/runtime/homing_time.h"
+#include "sinew/runtime/control_loop.h"
+#include "sinew/runtime/robot_driver.h"
 #include "sinew/runtime/robot_variant.h"
 #include "support/robots.h"
 
@@ -42,11 +43,13 @@ TEST_P(ProgramTimes, are_as_planned) {
   double planned = 0, least = 1e9, most = 0;
   for (std::uint64_t seed = 1; seed <= sample.seeds; ++seed) {
     FaultCell cell(model, {.profile = sample.profile, .seed = seed}, 20s);
-    program::Run run(*program, model, cell.driver(), runtime::opening_of(model).limit);
+    runtime::ControlLoop loop(model, cell.driver(),
+                              {.opening_limit = runtime::opening_of(model).limit}, {}, nullptr);
+    program::Run run(*program, loop.machine());
     if (sample.at_home) run.declare(home_joints(model));
     run.start(cell.now());
     ASSERT_TRUE(cell.run_to(Instant{} + 1h, 2ms, [&] {
-      run.poll(cell.now());
+      loop.step(cell.now(), [&] { run.poll(cell.now()); });
       return run.finished();
     }));
     ASSERT_EQ(run.phase(), program::Run::Phase::kDone)

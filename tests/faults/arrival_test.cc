@@ -8,6 +8,7 @@
 #include "sinew/core/units.h"
 #include "sinew/model/joint_lookup.h"
 #include "sinew/program/program_run.h"
+#include "sinew/runtime/control_loop.h"
 #include "sinew/runtime/homing_time.h"
 #include "sinew/runtime/robot_variant.h"
 #include "support/robots.h"
@@ -145,7 +146,9 @@ std::vector<Arrival> arrivals_of(const Case& c, const RobotModel& model, std::ui
   EXPECT_TRUE(program) << to_text(program.error().front());
   if (!program) return arrivals;
   FaultCell cell(model, {.profile = c.profile, .seed = seed}, 1s);
-  program::Run run(*program, model, cell.driver(), runtime::opening_of(model).limit);
+  runtime::ControlLoop loop(model, cell.driver(),
+                            {.opening_limit = runtime::opening_of(model).limit}, {}, nullptr);
+  program::Run run(*program, loop.machine());
   run.expect_homing(runtime::homing_of(model));
   if (c.at_home) run.declare(home_joints(model));
   Way way;
@@ -153,7 +156,7 @@ std::vector<Arrival> arrivals_of(const Case& c, const RobotModel& model, std::ui
   std::size_t records = 0;
   run.start(cell.now());
   const bool ended = cell.run_to(Instant{} + 3h, 2ms, [&] {
-    run.poll(cell.now());
+    loop.step(cell.now(), [&] { run.poll(cell.now()); });
     if (run.records().size() > records) {
       const program::Record& record = run.records()[records++];
       const bool watched = under_way == record.order && !way.q.empty();

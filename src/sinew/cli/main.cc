@@ -234,6 +234,9 @@ void add_run(CLI::App& app, Call& call) {
                    "which variant of the device; an unknown name lists them");
   verb->add_option("--standing-at", request.standing_at,
                    "where a machine without sensors stands: home, or a value per joint (deg, mm)");
+  verb->add_option("--journal", request.journal,
+                   "name of its position journal; the robot's id where left out, none for a "
+                   "simulated port");
   verb->add_option("--seed", request.seed, "simulated device only: of all its chance");
   verb->add_option("--record", request.record, "CSV file: t, q, qd of every sample");
   verb->add_option("--plot", request.plot, "SVG file: the same, drawn");

@@ -186,7 +186,7 @@ Json health_json(const DriverHealth& health) {
 
 /// How long the machine may still move, s, though the run is over.
 double goes_on_for(const ProgramReport& report) {
-  const auto until = report.run.driver().goes_on_until();
+  const auto until = report.run.machine().goes_on_until();
   return until ? std::max(0.0, to_seconds(*until - report.now)) : 0;
 }
 
@@ -251,8 +251,8 @@ void SampleRecorder::look(const program::Run& run, Instant now) {
   next_ = now + kSamplePeriod;
   JointSample sample;
   sample.t = to_seconds(now - start_);
-  sample.worst = worst_of(run.driver().positions());
-  for (const JointPosition& position : run.driver().positions()) {
+  sample.worst = worst_of(run.machine().positions());
+  for (const JointPosition& position : run.machine().positions()) {
     const bool known = position.quality != PositionQuality::kLost;
     sample.q.push_back(known ? position.q : std::numeric_limits<double>::quiet_NaN());
   }
@@ -260,7 +260,7 @@ void SampleRecorder::look(const program::Run& run, Instant now) {
 }
 
 Json program_json(const ProgramReport& report) {
-  const auto& [model, run, end, truth, now] = report;
+  const auto& [model, run, driver, end, truth, now] = report;
   Json json{{"result", result_name(report)},
             {"predicted_s", run.plan().duration},
             {"homing_at_most_s", run.plan().homing_max},
@@ -269,7 +269,7 @@ Json program_json(const ProgramReport& report) {
             {"orders_planned", run.plan().orders.size()},
             {"bytes_to_device", end.bytes.to_device},
             {"bytes_to_host", end.bytes.to_host},
-            {"health", health_json(run.driver().health())},
+            {"health", health_json(report.driver.health())},
             {"orders", Json::array()}};
   for (const Record& record : run.records()) {
     Json order{
@@ -288,7 +288,7 @@ Json program_json(const ProgramReport& report) {
     }
     json["orders"].push_back(order);
   }
-  json["positions"] = positions_json(run.driver().positions(), model);
+  json["positions"] = positions_json(run.machine().positions(), model);
   json["goes_on_s"] = goes_on_for(report);
   json["notices"] = notices_json(run, model);
   json["notices_told"] = run.notices_told();
@@ -301,7 +301,7 @@ Json program_json(const ProgramReport& report) {
 }
 
 std::string program_text(const ProgramReport& report) {
-  const auto& [model, run, end, truth, now] = report;
+  const auto& [model, run, driver, end, truth, now] = report;
   const auto records = run.records();
   std::string text;
   if (!records.empty()) {
@@ -328,10 +328,10 @@ std::string program_text(const ProgramReport& report) {
                       end.bytes.to_device, end.bytes.to_host);
   if (run.phase() != program::Run::Phase::kDone) {
     text +=
-        "  as far as is known it is at: " + standing_text(run.driver().positions(), model) + "\n";
+        "  as far as is known it is at: " + standing_text(run.machine().positions(), model) + "\n";
   }
   text += notices_text(run, model);
-  const DriverHealth health = run.driver().health();
+  const DriverHealth health = report.driver.health();
   if (health.retries + health.timeouts + health.unexpected > 0) {
     text +=
         fmt::format("  on the wire: {} retries, {} answers that never came, {} that fit nothing\n",

@@ -33,6 +33,7 @@ class SampleRecorder {
 struct ProgramReport {
   const RobotModel& model;
   const program::Run& run;
+  const Driver& driver;
   const runtime::ProgramEnd& end;
   std::optional<sim::Truth> truth;  ///< of the machine that was simulated for it
   Instant now{};                    ///< when the run was over

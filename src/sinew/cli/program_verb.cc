@@ -14,11 +14,13 @@
 #include "sinew/cli/quantity.h"
 #include "sinew/cli/robot_argument.h"
 #include "sinew/cli/run_outputs.h"
+#include "sinew/control/machine_identity.h"
 #include "sinew/io/file.h"
 #include "sinew/io/interrupt.h"
 #include "sinew/model/joint_lookup.h"
 #include "sinew/program/program_file.h"
 #include "sinew/runtime/homing_time.h"
+#include "sinew/runtime/position_record.h"
 #include "sinew/runtime/robot_link.h"
 #include "sinew/runtime/robot_variant.h"
 
@@ -106,19 +108,42 @@ std::expected<Prepared, Outcome> prepare(const RunRequest& request) {
 /// Why a run did not come to its end, as a sentence; empty where it did.
 std::string why_not_done(const RunRequest& request, const ProgramReport& report,
                          const std::string& port) {
-  const auto& [model, run, end, truth, now] = report;
+  const auto& [model, run, driver, end, truth, now] = report;
   if (end.left_at_once) return "left at once; what was under way goes on, unseen";
   const std::string goes_on = goes_on_text(report);
   if (end.wire_failure) return end.wire_failure->sentence + goes_on;
   if (run.phase() == program::Run::Phase::kStopped) return "stopped" + goes_on;
   if (!run.failure()) return {};
   std::string reason = error_text(run.failure()->error, model);
-  if (const auto more = runtime::suspicion(run.driver()); !more.empty()) reason += "; " + more;
+  if (const auto more = runtime::suspicion(driver); !more.empty()) reason += "; " + more;
   if (run.failure()->line > 0) {
     return fmt::format("{}:{}: {}{}", request.file, run.failure()->line, reason, goes_on);
   }
   return fmt::format("{}: {}{}", port, reason,
-                     silence_hint(model, run.failure()->error, run.driver().health()));
+                     silence_hint(model, run.failure()->error, driver.health()));
+}
+
+/// A real machine has a journal of its positions; a simulated one only where it was given a name,
+/// since most of them begin anew each time.
+std::optional<std::string> journal_name(const RunRequest& request, const RobotModel& model) {
+  if (request.journal) return request.journal;
+  if (!request.port || runtime::may_be_simulated(*request.port)) return std::nullopt;
+  return model.id;
+}
+
+/// What the journal knew when the run began, and what that means where it was not enough.
+void tell_record(const runtime::PositionRecord& record, const ProgramReport& report,
+                 Outcome& outcome) {
+  const JournalRecovery& recovery = record.recovery();
+  const std::string found(sentence(recovery.finding));
+  outcome.json["position_journal"] = {{"found", found},
+                                      {"way_out", std::string(sentence(recovery.way_out))},
+                                      {"damaged_slots", recovery.damaged_slots}};
+  const auto& failure = report.run.failure();
+  if (failure && failure->error.code == ErrorCode::kPositionUnknown) {
+    outcome.complaint += fmt::format("; {}: {}", found, sentence(recovery.way_out));
+    if (recovery.way_out != WayOut::kHome) outcome.complaint += " (--standing-at)";
+  }
 }
 
 /// What is waited for while nobody has answered yet.
@@ -128,18 +153,28 @@ std::string opening_text(const runtime::Opening& opening) {
 }
 
 Outcome drive(const RunRequest& request, const Prepared& prepared, runtime::RobotLink& link,
-              const io::Clock& clock, const runtime::ByteLog& log) {
+              runtime::PositionRecord* record, const io::Clock& clock,
+              const runtime::ByteLog& log) {
   const RobotModel& model = prepared.model;
   const runtime::Opening opening = runtime::opening_of(model);
-  program::Run run(prepared.program, model, link.driver(),
-                   from_seconds(to_seconds(opening.limit) * std::max(1.0, clock.scale())));
+  control::ControllerSettings settings = runtime::session_settings(clock, opening.limit);
+  control::ControllerStart start;
+  if (record != nullptr) {
+    settings.journal = control::journal_settings(model);
+    start = record->start();
+    // Who says where it stands has looked.
+    if (request.standing_at) start.positions.clear();
+  }
+  runtime::ControlLoop loop(model, link.driver(), settings, start,
+                            record != nullptr ? &record->pump() : nullptr);
+  program::Run run(prepared.program, loop.machine());
   run.expect_homing(runtime::homing_of(model));
   if (prepared.standing_at) run.declare(*prepared.standing_at);
   SampleRecorder recorder;
   runtime::ProgramEnd end;
   {
     ProgressLine progress(request.quiet, opening_text(opening));
-    end = runtime::run_program(run, link.driver(), link.line(), clock,
+    end = runtime::run_program(run, loop, link.line(), clock,
                                {.progress =
                                     [&](const program::Run& view, Instant now) {
                                       recorder.look(view, now);
@@ -148,12 +183,13 @@ Outcome drive(const RunRequest& request, const Prepared& prepared, runtime::Robo
                                 .interrupts = [] { return io::interrupts(); }});
   }
   const Instant now = clock.now();
-  const ProgramReport report{model, run, end, link.end(), now};
+  const ProgramReport report{model, run, link.driver(), end, link.end(), now};
   Outcome outcome;
   outcome.json = {{"robot", model.id}, {"port", link.name()}};
   outcome.json.update(program_json(report));
   outcome.text = program_text(report);
   outcome.complaint = why_not_done(request, report, link.name());
+  if (record != nullptr) tell_record(*record, report, outcome);
   if (run.phase() != program::Run::Phase::kDone) {
     outcome.exit = ExitCode::kCouldNot;
     outcome.json["error"] = {{"sentence", outcome.complaint}};
@@ -197,7 +233,15 @@ Outcome run_sinew_program(const RunRequest& request) {
             .c_str(),
         stderr);
   }
-  return drive(request, *prepared, *link, clock, log);
+  std::unique_ptr<runtime::PositionRecord> record;
+  if (const auto name = journal_name(request, model)) {
+    auto folder = runtime::positions_folder();
+    if (!folder) return could_not(folder.error().sentence);
+    auto opened = runtime::PositionRecord::open(*folder, *name, model);
+    if (!opened) return could_not(opened.error().sentence);
+    record = std::move(*opened);
+  }
+  return drive(request, *prepared, *link, record.get(), clock, log);
 }
 
 }  // namespace sinew::cli

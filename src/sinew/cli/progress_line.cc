@@ -106,7 +106,7 @@ void ProgressLine::show(const program::Run& run, const RobotModel& model, Instan
     const auto& record = *run.under_way();
     shown.under_way = order_text(run.records().size(), plan.orders.size(), *record.order);
     if (const auto* home = std::get_if<program::HomeOrder>(&record.order->what)) {
-      const auto joint = run.driver().homing_joint();
+      const auto joint = run.machine().homing_joint();
       shown.under_way += ", " + homing_text(joint ? model.joints[*joint].name : "",
                                             to_seconds(now - record.asked), home->duration_max);
     }

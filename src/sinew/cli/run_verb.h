@@ -15,6 +15,7 @@ struct RunRequest {
   std::optional<std::string> wire;
   std::optional<std::string> profile;
   std::optional<std::string> standing_at;  ///< "home", or one value per joint
+  std::optional<std::string> journal;      ///< name of the robot's position journal
   std::int64_t seed = 1;                   ///< of the simulated machine
   std::optional<std::string> record;
   std::optional<std::string> plot;

@@ -211,6 +211,11 @@ std::string default_socket() {
   return fmt::format("{}/sinew-{}.sock", io::runtime_folder(), io::process_id());
 }
 
+std::string what_befell(const sim::SpiFaults& faults) {
+  return fmt::format("faults: {} transfers lost, {} doubled, {} bits flipped\n", faults.dropped(),
+                     faults.duplicated(), faults.flipped());
+}
+
 Outcome serve_boards(Job& job) {
   const SimRequest& request = job.request;
   auto faulty = sim::SpiFaults::create(*job.machine.spi, job.faults);
@@ -229,6 +234,7 @@ Outcome serve_boards(Job& job) {
     auto port = io::standard_port();
     if (!port) return could_not(port.error().sentence);
     Outcome outcome = finished(job, runtime::serve_simwire(server, *port, *log, stop), *log);
+    if (request.fault) outcome.text += what_befell(**faulty);
     // stdout belongs to the protocol.
     std::fputs(outcome.text.c_str(), stderr);
     outcome.silent = true;
@@ -254,7 +260,9 @@ Outcome serve_boards(Job& job) {
     // A host that goes away is no failure: the next one may come.
     static_cast<void>(runtime::serve_simwire(server, **client, *log, stop_or_turn_away));
   }
-  return finished(job, {}, *log);
+  Outcome outcome = finished(job, {}, *log);
+  if (request.fault) outcome.text += what_befell(**faulty);
+  return outcome;
 }
 
 }  // namespace

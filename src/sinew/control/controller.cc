@@ -13,6 +13,7 @@ Controller::Controller(const RobotModel& robot, Driver& driver, const Controller
       driver_(driver),
       settings_(settings),
       governor_(robot, planning::motion_limits(robot)),
+      lease_(settings.lease_life),
       watch_(settings.cycle, settings.gap),
       sent_(planning::motion_limits(robot)),
       jog_(robot),
@@ -27,6 +28,7 @@ const Outputs& Controller::step(const Inputs& inputs, Instant now) {
   SINEW_ASSERT(inputs.commands.size() <= kCommandsMax);
   out_.events.clear();
   out_.records.clear();
+  notice_.reset();
   wall_ns_ = inputs.wall_ns;
   if (journal_) {
     if (!opened_) offer(journal_->open({positions_.data(), positions_.size()}, time(now)));
@@ -55,6 +57,10 @@ std::span<const JointPosition> Controller::positions() const {
 std::optional<JointVector> Controller::reference() const {
   if (!reference_known_ || !driver_knows()) return std::nullopt;
   return reference_;
+}
+
+Error Controller::silence() const {
+  return {ErrorCode::kDeviceSilent, -1, 0, to_seconds(settings_.opening_limit)};
 }
 
 double Controller::progress() const {
@@ -154,10 +160,19 @@ bool Controller::driver_knows() const {
 }
 
 void Controller::stand_where_driver_says() {
+  const bool had_setpoint = reference_known_;
   reference_known_ = driver_knows();
   if (!reference_known_) return governor_.lose();
-  reference_.clear();
-  for (const JointPosition& joint : driver_.positions()) reference_.push_back(joint.q);
+  // Where it may still stand at its setpoint it does: what a sensor jitters by is no motion.
+  bool at_setpoint = had_setpoint;
+  for (std::size_t j = 0; at_setpoint && j < reference_.size(); ++j) {
+    const JointPosition& joint = driver_.positions()[j];
+    at_setpoint = joint.lower <= reference_[j] && reference_[j] <= joint.upper;
+  }
+  if (!at_setpoint) {
+    reference_.clear();
+    for (const JointPosition& joint : driver_.positions()) reference_.push_back(joint.q);
+  }
   const std::span<const double> q(reference_.data(), reference_.size());
   governor_.rest(q);
   sent_.rest(q);

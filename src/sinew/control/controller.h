@@ -17,10 +17,11 @@ struct ControllerSettings {
   Duration cycle = std::chrono::milliseconds(20);
   /// Nobody was there for so long: a fault.
   Duration gap = std::chrono::milliseconds(500);
+  Duration lease_life = Lease::kLife;
   /// From enabling to the device's first good answer.
   Duration opening_limit = std::chrono::seconds(5);
   /// Without one nothing is recorded: simulated machines that begin anew each time.
-  std::optional<JournalSettings> journal;
+  std::optional<JournalSettings> journal = std::nullopt;
 };
 
 /// What was known when the run began.
@@ -32,7 +33,7 @@ struct ControllerStart {
 
 struct Inputs {
   /// At most Controller::kCommandsMax; the rest next time.
-  std::span<const Command> commands;
+  std::span<const Command> commands = {};
   /// The port to the device is open.
   bool port_open = true;
   /// What the journal's writer says; without meaning where nothing is recorded.
@@ -95,6 +96,9 @@ class Controller {
   std::uint32_t task() const { return task_ ? task_->command : 0; }
   double progress() const;
   planning::JogStatus jog_status() const { return jog_.status(); }
+  /// All records are safe; the last one has been made.
+  bool journal_settled() const { return !journal_ || journal_->settled(); }
+  bool journal_closed() const { return !journal_ || closed_; }
   /// How long the next piece has waited for the journal, in all.
   Duration waited_for_journal() const { return waited_; }
 
@@ -134,6 +138,7 @@ class Controller {
   void stand_where_driver_says();
 
   // controller_watch.cc
+  Error silence() const;
   void watch_time(Instant now);
   void watch_lease(Instant now);
   void watch_journal(const Inputs& inputs, Instant now);
@@ -191,7 +196,8 @@ class Controller {
   std::uint32_t enabling_ = 0;  ///< the command that asked for it
   Instant enabling_since_{};
   Error enabling_trouble_;
-  int outstanding_ = 0;  ///< commands that the driver has taken and not ended
+  std::optional<Error> notice_;  ///< of this step
+  int outstanding_ = 0;          ///< commands that the driver has taken and not ended
   double feed_ = 1;
   bool had_holder_ = false;
 

@@ -113,7 +113,7 @@ void Controller::take_lease(const LeaseToken& token, bool take_over, Instant now
 void Controller::enable(std::uint32_t command, Instant now) {
   enabling_ = command;
   enabling_since_ = now;
-  enabling_trouble_ = {ErrorCode::kDeviceSilent, -1, 0, to_seconds(settings_.opening_limit)};
+  enabling_trouble_ = silence();
   // What the run before knew; a driver that can ask its device does not need it.
   const bool anything = std::ranges::any_of(positions_, [](const JointPosition& joint) {
     return joint.quality != PositionQuality::kLost;

@@ -66,7 +66,8 @@ void Controller::watch_driver(Instant now) {
   if (driver == DriverState::kOpening && !may_move(state_) && state_ != MachineState::kEnabling) {
     end_task(ControlEvent::Kind::kStopped, {}, StopCause::kDevice);
     enabling_since_ = now;
-    enabling_trouble_ = {ErrorCode::kDeviceSilent, -1, 0, to_seconds(settings_.opening_limit)};
+    // What made it doubt was told just before.
+    enabling_trouble_ = notice_.value_or(silence());
     change(Signal::kDoubt);
   }
   if (state_ != MachineState::kEnabling) return;
@@ -120,6 +121,7 @@ void Controller::take(const DriverEvent& event, Instant now) {
       return failed(event.error, now);
     case Kind::kNotice:
       tell(ControlEvent::Kind::kNotice, 0, event.error);
+      notice_ = event.error;
       if (state_ == MachineState::kEnabling) enabling_trouble_ = event.error;
       if (event.error.code == ErrorCode::kSupplyLow && may_move(state_)) {
         stop(StopCause::kSupply, event.error, now);

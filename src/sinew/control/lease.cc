@@ -5,7 +5,7 @@ namespace sinew::control {
 LeaseToken Lease::give(ClientId client, Instant now) {
   token_ = {client, token_.epoch + 1};
   held_ = true;
-  end_ = now + kLife;
+  end_ = now + life_;
   return token_;
 }
 
@@ -15,7 +15,7 @@ Expected<LeaseToken> Lease::take(ClientId client, Instant now) {
   if (has->client != client) {
     return std::unexpected(Error{ErrorCode::kLeaseHeld, -1, 1.0 * has->client});
   }
-  end_ = now + kLife;
+  end_ = now + life_;
   return *has;
 }
 
@@ -25,7 +25,7 @@ LeaseToken Lease::take_over(ClientId client, Instant now) {
 
 Expected<void> Lease::renew(const LeaseToken& token, Instant now) {
   const auto fine = check(token, now);
-  if (fine) end_ = now + kLife;
+  if (fine) end_ = now + life_;
   return fine;
 }
 

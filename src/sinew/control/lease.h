@@ -24,6 +24,9 @@ class Lease {
  public:
   static constexpr Duration kLife = std::chrono::seconds(1);
 
+  /// @param life  of another length where time runs quicker than the clients' (a scaled simulation)
+  explicit Lease(Duration life = kLife) : life_(life) {}
+
   /// @error kLeaseHeld (measured: its holder) while somebody else has it
   Expected<LeaseToken> take(ClientId client, Instant now);
   /// Whoever had it has it no more. What moves has to be stopped first; that is the caller's.
@@ -46,6 +49,7 @@ class Lease {
   LeaseToken token_;
   bool held_ = false;
   Instant end_{};
+  Duration life_;
 };
 
 }  // namespace sinew::control

@@ -19,8 +19,9 @@ PieceMotion::PieceMotion(const JointVector& q_start, std::vector<JointMove> piec
                          const RobotModel& robot)
     : q_start_(q_start),
       pieces_(std::move(pieces)),
-      takes_speed_(robot.device.capability.motion == MotionKind::kPointToPoint &&
-                   robot.device.capability.takes_speed) {
+      streams_(robot.device.capability.motion == MotionKind::kStream),
+      takes_speed_(!streams_ && robot.device.capability.takes_speed) {
+  if (q_start_.empty()) return;
   for (const double q : q_start_) whole_.push_back({q, q});
   JointVector from = q_start_;
   JointVector speed;
@@ -48,7 +49,9 @@ const JointMove* PieceMotion::next(Instant /*now*/) {
   if (finished() || (held_ && between_rests()) || !(feed_ > 0)) return nullptr;
   if (!made_) {
     piece_ = pieces_[next_];
+    // Behind another segment it begins where that one ends.
     if (next_ == 0) piece_.q_start = q_start_;
+    if (next_ > 0 && !streams_) piece_.q_start = pieces_[next_ - 1].q;
     piece_.duration = from_seconds(to_seconds(piece_.duration) / feed_);
     made_ = true;
   }

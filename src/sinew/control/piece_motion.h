@@ -12,7 +12,8 @@ namespace sinew::control {
 /// device streams, only between two that rest.
 class PieceMotion final : public MotionSource {
  public:
-  /// @param pieces  one after the other from q_start, each q of its size
+  /// @param q_start  empty for a first move, which begins nobody knows where
+  /// @param pieces   one after the other from there, a number for each joint
   PieceMotion(const JointVector& q_start, std::vector<JointMove> pieces, const RobotModel& robot);
 
   const JointVector& q_start() const override { return q_start_; }
@@ -32,6 +33,7 @@ class PieceMotion final : public MotionSource {
 
   JointVector q_start_;
   std::vector<JointMove> pieces_;
+  bool streams_;
   bool takes_speed_;
   FixedVector<JointInterval, kMaxJoints> whole_;
   std::size_t next_ = 0;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <deque>
 
+#include "sinew/control/local_machine.h"
 #include "sinew/core/units.h"
 #include "support/robots.h"
 
@@ -24,9 +25,14 @@ class PlainDriver : public Driver {
     }
   }
 
-  void open(Instant /*now*/) override { tell(Kind::kReady); }
-  void close(Instant /*now*/) override { tell(Kind::kFailed, {ErrorCode::kPortClosed}); }
+  void open(Instant /*now*/) override {
+    closed_ = false;
+    if (!in_doubt_) tell(Kind::kReady);
+  }
+  void close(Instant /*now*/) override { closed_ = true; }
+  std::optional<Error> fault() const override { return gave_up_; }
   DriverState state() const override {
+    if (closed_) return DriverState::kClosed;
     if (gave_up_) return DriverState::kFault;
     if (in_doubt_) return DriverState::kOpening;
     return moves_.empty() ? DriverState::kReady : DriverState::kMoving;
@@ -95,7 +101,8 @@ class PlainDriver : public Driver {
   double homed_ = 0;
   bool homes_by_itself_ = true;
   bool homes_nowhere_ = false;
-  bool gave_up_ = false;
+  std::optional<Error> gave_up_;
+  bool closed_ = true;
   bool in_doubt_ = false;
   int tools_ = 0;
 };
@@ -111,14 +118,29 @@ struct Cell {
       : robot(test::robot(id)),
         program(*parse(text, "p", robot)),
         driver(at(robot, 0)),
-        run(program, robot, driver) {}
+        controller(robot, driver, {.gap = 1h, .lease_life = 1h}, {}),
+        machine(controller, 1),
+        run(program, machine) {}
 
+  /// One instant: all that follows from each other in it.
+  void step() {
+    do {
+      const control::Inputs inputs{.commands = machine.commands(now)};
+      machine.take(controller.step(inputs, now));
+      run.poll(now);
+    } while (machine.has_commands());
+  }
+  void start() {
+    run.start(now);
+    step();
+    step();
+  }
   /// Runs until it is over, or for an hour of its own time.
   void go(Duration limit = 1h) {
-    run.start(now);
+    if (run.phase() == Phase::kOpening) run.start(now);
     while (!run.finished() && now < Instant{} + limit) {
       driver.poll(now);
-      run.poll(now);
+      step();
       now += 1ms;
     }
   }
@@ -126,6 +148,8 @@ struct Cell {
   RobotModel robot;
   Program program;
   PlainDriver driver;
+  control::Controller controller;
+  control::LocalMachine machine;
   Run run;
   Instant now{};
 };
@@ -258,7 +282,9 @@ TEST(ProgramRun, stop_ends_a_stream_a_wait_and_an_opening) {
   moving.go(300ms);
   const std::size_t sent = moving.driver.taken_.size();
   moving.run.stop(moving.now);
-  moving.run.poll(moving.now);
+  moving.step();
+  EXPECT_EQ(moving.driver.moves_.size(), 0U) << "in the same cycle";
+  moving.step();
   EXPECT_EQ(moving.run.phase(), Phase::kStopped);
   EXPECT_EQ(moving.driver.taken_.size(), sent);
   Cell waiting("learm", "wait 60s\n");
@@ -266,12 +292,11 @@ TEST(ProgramRun, stop_ends_a_stream_a_wait_and_an_opening) {
   waiting.run.stop(waiting.now);
   EXPECT_EQ(waiting.run.phase(), Phase::kStopped);
   Cell opening("learm", "joint base=80deg\n");
-  opening.run.start(opening.now);
-  opening.driver.events_.clear();
-  opening.run.poll(opening.now);
+  opening.driver.in_doubt_ = true;
+  opening.start();
   ASSERT_EQ(opening.run.phase(), Phase::kOpening);
   opening.run.stop(opening.now);
-  opening.run.poll(opening.now);
+  opening.step();
   EXPECT_EQ(opening.run.phase(), Phase::kStopped);
   EXPECT_TRUE(opening.driver.taken_.empty());
 }
@@ -280,7 +305,7 @@ TEST(ProgramRun, failure_of_the_driver_ends_the_run_with_its_line_and_stops_what
   Cell cell("learm", "wait 0.1s\njoint base=80deg\n");
   cell.go(500ms);
   cell.driver.tell(Kind::kFailed, {ErrorCode::kDeviceSilent});
-  cell.run.poll(cell.now);
+  cell.step();
   ASSERT_EQ(cell.run.phase(), Phase::kFailed);
   EXPECT_EQ(cell.run.failure()->line, 2);
   EXPECT_TRUE(cell.driver.moves_.empty());
@@ -288,50 +313,51 @@ TEST(ProgramRun, failure_of_the_driver_ends_the_run_with_its_line_and_stops_what
 
 TEST(ProgramRun, silent_device_fails_the_opening_after_its_limit) {
   Cell cell("learm", "wait 0.1s\n");
-  cell.run.start(cell.now);
-  cell.driver.events_.clear();
-  cell.run.poll(Instant{} + Run::kOpeningLimit);
+  cell.driver.in_doubt_ = true;
+  cell.go(5s);
   EXPECT_EQ(cell.run.phase(), Phase::kOpening);
-  cell.run.poll(Instant{} + Run::kOpeningLimit + 1ms);
+  cell.go();
+  EXPECT_EQ(cell.now, Instant{} + 5s + 2ms);
   ASSERT_EQ(cell.run.phase(), Phase::kFailed);
   EXPECT_EQ(cell.run.failure()->error.code, ErrorCode::kDeviceSilent);
 }
 
 TEST(ProgramRun, driver_that_gave_up_while_opening_is_not_waited_for) {
   Cell cell("learm", "wait 0.1s\n");
-  cell.run.start(cell.now);
-  cell.driver.events_.clear();
+  cell.driver.in_doubt_ = true;
+  cell.start();
   const Error silent{ErrorCode::kDeviceSilent, -1, 1, 1};
   cell.driver.tell(Kind::kFailed, silent);
-  cell.run.poll(cell.now);
+  cell.step();
   ASSERT_EQ(cell.run.phase(), Phase::kOpening) << "it asks again";
-  cell.driver.gave_up_ = true;
+  cell.driver.gave_up_ = silent;
   cell.driver.tell(Kind::kFailed, silent);
-  cell.run.poll(cell.now + 1ms);
+  cell.step();
   ASSERT_EQ(cell.run.phase(), Phase::kFailed);
   EXPECT_EQ(cell.run.failure()->error, silent);
 }
 
 TEST(ProgramRun, notices_are_kept_with_their_time_and_line_and_all_are_counted) {
   Cell cell("learm", "wait 1s\njoint base=1deg\nwait 1s\n");
-  cell.run.start(cell.now);
-  cell.run.poll(cell.now);
+  cell.start();
   const Error moved{ErrorCode::kMovedUnasked, 1, 2.0, 1.0};
   cell.now += 300ms;
   cell.driver.tell(Kind::kNotice, moved);
-  cell.run.poll(cell.now);
+  cell.step();
   ASSERT_EQ(cell.run.notices().size(), 1U);
   EXPECT_EQ(cell.run.notices()[0].at, cell.now);
   EXPECT_EQ(cell.run.notices()[0].line, 1);
   EXPECT_EQ(cell.run.notices()[0].error, moved);
   EXPECT_EQ(cell.run.phase(), Phase::kRunning) << "nothing is broken by it";
-  for (int i = 0; i < 500; ++i) cell.driver.tell(Kind::kNotice, moved);
-  cell.run.poll(cell.now);
+  for (int i = 0; i < 500; ++i) {
+    cell.driver.tell(Kind::kNotice, moved);
+    cell.step();
+  }
   EXPECT_EQ(cell.run.notices().size(), Run::kNoticesMax);
   EXPECT_EQ(cell.run.notices_told(), 501U);
   cell.run.stop(cell.now);
   cell.driver.tell(Kind::kNotice, moved);
-  cell.run.poll(cell.now);
+  cell.step();
   EXPECT_EQ(cell.run.notices_told(), 502U) << "also what a stop shows";
 }
 
@@ -360,10 +386,10 @@ TEST(ProgramRun, an_order_waits_for_a_driver_that_is_in_doubt_as_long_as_for_one
     const auto run_to = [&](Duration end) {
       for (; cell.now < Instant{} + end && !cell.run.finished(); cell.now += 1ms) {
         cell.driver.poll(cell.now);
-        cell.run.poll(cell.now);
+        cell.step();
       }
     };
-    run_to(1s + Run::kOpeningLimit - 10ms);
+    run_to(1s + 5s - 510ms);
     ASSERT_EQ(cell.run.phase(), Phase::kRunning);
     EXPECT_TRUE(cell.driver.taken_.empty());
     cell.driver.in_doubt_ = !recovers;
@@ -380,8 +406,7 @@ TEST(ProgramRun, homing_is_in_the_plan_and_in_the_progress_with_its_bound) {
   Homing homing;
   for (int i = 1; i <= 6; ++i) homing.times.push_back(10 * i);
   cell.run.expect_homing(homing);
-  cell.run.start(cell.now);
-  cell.run.poll(cell.now);
+  cell.start();
   const Plan& plan = cell.run.plan();
   EXPECT_EQ(plan.duration, 10);
   EXPECT_EQ(plan.homing_max, 3 * 210);
@@ -390,7 +415,7 @@ TEST(ProgramRun, homing_is_in_the_plan_and_in_the_progress_with_its_bound) {
   EXPECT_NEAR(cell.run.progress(cell.now + 10s), 10.0 / 640, 1e-12);
   cell.driver.homes_by_itself_ = false;
   cell.now += 10s;
-  cell.run.poll(cell.now);
+  cell.step();
   EXPECT_NEAR(cell.run.progress(cell.now + 105s), 115.0 / 640, 1e-12);
   EXPECT_NEAR(cell.run.progress(cell.now + 1h), 220.0 / 640, 1e-12) << "no more than its bound";
   cell.driver.homes_by_itself_ = true;

@@ -33,6 +33,12 @@ class ControlLoop {
   void set_port_open(bool open) { port_open_ = open; }
   /// From now on its last record is made as soon as it rests.
   void begin_closing() { closing_ = true; }
+  /// Everything that was to be recorded is safe, or cannot be any more; after begin_closing() the
+  /// last record as well.
+  bool recorded() const {
+    return pump_ == nullptr || pump_->failed() ||
+           (controller_.journal_settled() && (!closing_ || controller_.journal_closed()));
+  }
   /// Wall clock of `now`, ns since 1970; zero where nobody says.
   void set_wall(std::int64_t wall_ns) { wall_ns_ = wall_ns; }
   /// What each step gave, for records and clients.

@@ -7,6 +7,7 @@
 #include "sinew/core/units.h"
 #include "sinew/device/axis_test_cell.h"
 #include "sinew/program/program_run.h"
+#include "sinew/runtime/control_loop.h"
 #include "sinew/runtime/robot_driver.h"
 #include "sinew/runtime/robot_variant.h"
 #include "sinew/sim/stepper_arm.h"
@@ -62,13 +63,14 @@ TEST_P(BothBoardWires, every_axis_is_named_while_its_zero_is_searched_for) {
   const RobotDriver driver = make_driver(model);
   const auto program = program::parse("home\n", "p", model);
   ASSERT_TRUE(program);
-  program::Run run(*program, model, *driver.spi, 5s);
+  ControlLoop loop(model, *driver.spi, {.gap = 1h, .lease_life = 1h}, {}, nullptr);
+  program::Run run(*program, loop.machine());
   run.expect_homing(homing_of(model));
   Instant now{};
   run.start(now);
   std::vector<std::size_t> named;
   while (!run.finished() && now < Instant{} + 20min) {
-    run.poll(now);
+    loop.step(now, [&] { run.poll(now); });
     const auto joint = driver.spi->homing_joint();
     if (joint && (named.empty() || named.back() != *joint)) named.push_back(*joint);
     driver.spi->poll(now);

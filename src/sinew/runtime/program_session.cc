@@ -6,40 +6,65 @@ namespace sinew::runtime {
 namespace {
 
 constexpr Duration kSliceMax = std::chrono::milliseconds(50);
+/// While a motion is streamed the driver is asked this often whether it takes the next segment.
+constexpr Duration kFeedInterval = std::chrono::milliseconds(2);
 /// A stopped driver may still have to say so to its device.
 constexpr Duration kSettleMax = std::chrono::seconds(5);
 
-bool at_rest(const Driver& driver) {
-  return driver.state() != DriverState::kMoving && driver.state() != DriverState::kStopping;
+Duration slice(const program::Run& run, const ControlLoop& loop, const io::Clock& clock) {
+  const Instant now = clock.now();
+  const bool moves = control::may_move(loop.controller().state());
+  Instant due = now + (moves ? kFeedInterval : kSliceMax);
+  if (const auto deadline = run.next_deadline()) due = std::min(due, *deadline);
+  return std::min(kSliceMax, clock.until(due));
 }
 
-Duration slice(const program::Run& run, const io::Clock& clock) {
-  const auto deadline = run.next_deadline(clock.now());
-  return deadline ? std::min(kSliceMax, clock.until(*deadline)) : kSliceMax;
+/// Nothing moves, and nothing waits to be recorded.
+bool settled(const ControlLoop& loop) {
+  const DriverState driver = loop.controller().driver().state();
+  return !control::may_move(loop.controller().state()) && driver != DriverState::kMoving &&
+         driver != DriverState::kStopping && loop.recorded();
 }
 
 }  // namespace
 
-ProgramEnd run_program(program::Run& run, Driver& driver, DriverLine& line, const io::Clock& clock,
-                       const ProgramHooks& hooks) {
+control::ControllerSettings session_settings(const io::Clock& clock, Duration opening) {
+  const double scale = std::max(1.0, clock.scale());
+  const auto stretched = [&](Duration real) { return from_seconds(to_seconds(real) * scale); };
+  using std::chrono::milliseconds;
+  return {.cycle = stretched(3 * kSliceMax),
+          .gap = stretched(milliseconds(1000)),
+          .lease_life = stretched(control::Lease::kLife),
+          .opening_limit = stretched(opening),
+          .journal = std::nullopt};
+}
+
+ProgramEnd run_program(program::Run& run, ControlLoop& loop, DriverLine& line,
+                       const io::Clock& clock, const ProgramHooks& hooks) {
   ProgramEnd end;
   std::optional<Instant> finished_at;
   run.start(clock.now());
   while (true) {
-    run.poll(clock.now());
-    if (hooks.progress) hooks.progress(run, clock.now());
+    const Instant now = clock.now();
+    loop.set_wall(io::wall_time_ns());
+    loop.step(now, [&] { run.poll(now); });
+    // Nobody else is there to say that a motion may go on that was held for want of time.
+    if (run.paused()) run.resume();
+    if (hooks.progress) hooks.progress(run, now);
     const int interrupts = hooks.interrupts ? hooks.interrupts() : 0;
     end.left_at_once = interrupts > 1;
     if (end.left_at_once) break;
-    if (interrupts == 1) run.stop(clock.now());
+    if (interrupts == 1) run.stop(now);
     if (run.finished()) {
-      if (!finished_at) finished_at = clock.now();
-      const bool patience = clock.now() - *finished_at < kSettleMax;
-      if (at_rest(driver) || !patience) break;
+      loop.begin_closing();
+      if (!finished_at) finished_at = now;
+      const bool patience = now - *finished_at < kSettleMax;
+      if (settled(loop) || !patience) break;
     }
-    if (const auto turned = line.turn(slice(run, clock)); !turned) {
+    if (const auto turned = line.turn(slice(run, loop, clock)); !turned) {
       end.wire_failure = turned.error();
-      run.poll(clock.now());
+      loop.set_port_open(false);
+      loop.step(clock.now(), [&] { run.poll(clock.now()); });
       break;
     }
   }
