@@ -109,6 +109,22 @@ void Process::wait_for(const Output& output, const std::string& text) {
   }
 }
 
+std::string Process::line_after(std::size_t position) {
+  const auto limit = Clock::now() + std::chrono::seconds(10);
+  while (out_.text.find('\n', position) == std::string::npos) {
+    if (out_.file >= 0 && pump(limit)) continue;
+    ADD_FAILURE() << "waited for a line, got: " << out_.text << err_.text;
+    return {};
+  }
+  return out_.text.substr(position, out_.text.find('\n', position) - position);
+}
+
+void Process::let_run(std::chrono::milliseconds time) {
+  const auto limit = Clock::now() + time;
+  while ((out_.file >= 0 || err_.file >= 0) && pump(limit)) {
+  }
+}
+
 Ended Process::end() {
   const auto limit = Clock::now() + std::chrono::seconds(60);
   bool late = false;

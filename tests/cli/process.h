@@ -42,6 +42,10 @@ class Process {
   /// Waits until stdout (stderr) holds `text`; a failure after 10 s.
   void wait_for_out(const std::string& text) { wait_for(out_, text); }
   void wait_for_err(const std::string& text) { wait_for(err_, text); }
+  /// The first whole line of stdout behind so many characters of it; a failure after 10 s.
+  std::string line_after(std::size_t position);
+  /// Lets it run for so long, and takes what it says meanwhile.
+  void let_run(std::chrono::milliseconds time);
   /// The end of the process; a failure and its death after 60 s.
   Ended end();
 

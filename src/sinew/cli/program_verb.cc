@@ -106,8 +106,9 @@ std::expected<Prepared, Outcome> prepare(const RunRequest& request) {
 }
 
 /// Why a run did not come to its end, as a sentence; empty where it did.
+/// @param suspicion  of boards that are none, or others than was said
 std::string why_not_done(const RunRequest& request, const ProgramReport& report,
-                         const std::string& port) {
+                         const std::string& port, const std::string& suspicion) {
   const auto& [model, run, driver, end, truth, now] = report;
   if (end.left_at_once) return "left at once; what was under way goes on, unseen";
   const std::string goes_on = goes_on_text(report);
@@ -115,7 +116,7 @@ std::string why_not_done(const RunRequest& request, const ProgramReport& report,
   if (run.phase() == program::Run::Phase::kStopped) return "stopped" + goes_on;
   if (!run.failure()) return {};
   std::string reason = error_text(run.failure()->error, model);
-  if (const auto more = runtime::suspicion(driver); !more.empty()) reason += "; " + more;
+  if (!suspicion.empty()) reason += "; " + suspicion;
   if (run.failure()->line > 0) {
     return fmt::format("{}:{}: {}{}", request.file, run.failure()->line, reason, goes_on);
   }
@@ -162,15 +163,15 @@ Outcome drive(const RunRequest& request, const Prepared& prepared, runtime::Robo
   if (record != nullptr) {
     settings.journal = control::journal_settings(model);
     start = record->start();
-    // Who says where it stands has looked.
-    if (request.standing_at) start.positions.clear();
   }
   runtime::ControlLoop loop(model, link.driver(), settings, start,
                             record != nullptr ? &record->pump() : nullptr);
   program::Run run(prepared.program, loop.machine());
   run.expect_homing(runtime::homing_of(model));
-  if (prepared.standing_at) run.declare(*prepared.standing_at);
+  // Who says where it stands has looked.
+  if (prepared.standing_at) run.declare(*prepared.standing_at, request.standing_at.has_value());
   SampleRecorder recorder;
+  std::string suspicion;
   runtime::ProgramEnd end;
   {
     ProgressLine progress(request.quiet, opening_text(opening));
@@ -178,6 +179,10 @@ Outcome drive(const RunRequest& request, const Prepared& prepared, runtime::Robo
                                {.progress =
                                     [&](const program::Run& view, Instant now) {
                                       recorder.look(view, now);
+                                      // Boards that were stopped for a failure tell less.
+                                      if (!view.finished()) {
+                                        suspicion = runtime::suspicion(link.driver());
+                                      }
                                       progress.show(view, model, now);
                                     },
                                 .interrupts = [] { return io::interrupts(); }});
@@ -188,7 +193,7 @@ Outcome drive(const RunRequest& request, const Prepared& prepared, runtime::Robo
   outcome.json = {{"robot", model.id}, {"port", link.name()}};
   outcome.json.update(program_json(report));
   outcome.text = program_text(report);
-  outcome.complaint = why_not_done(request, report, link.name());
+  outcome.complaint = why_not_done(request, report, link.name(), suspicion);
   if (record != nullptr) tell_record(*record, report, outcome);
   if (run.phase() != program::Run::Phase::kDone) {
     outcome.exit = ExitCode::kCouldNot;

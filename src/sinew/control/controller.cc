@@ -159,15 +159,15 @@ bool Controller::driver_knows() const {
          });
 }
 
-void Controller::stand_where_driver_says() {
-  const bool had_setpoint = reference_known_;
+void Controller::stand_where_driver_says(Setpoint setpoint) {
+  const bool had_setpoint = reference_known_ && setpoint == Setpoint::kKept;
   reference_known_ = driver_knows();
   if (!reference_known_) return governor_.lose();
-  // Where it may still stand at its setpoint it does: what a sensor jitters by is no motion.
   bool at_setpoint = had_setpoint;
   for (std::size_t j = 0; at_setpoint && j < reference_.size(); ++j) {
     const JointPosition& joint = driver_.positions()[j];
-    at_setpoint = joint.lower <= reference_[j] && reference_[j] <= joint.upper;
+    const double sag = joint.quality == PositionQuality::kMeasured ? kSag : 0;
+    at_setpoint = joint.lower - sag <= reference_[j] && reference_[j] <= joint.upper + sag;
   }
   if (!at_setpoint) {
     reference_.clear();
@@ -179,7 +179,7 @@ void Controller::stand_where_driver_says() {
 }
 
 void Controller::stand_at_setpoint() {
-  if (!driver_knows() || !governor_.known()) return stand_where_driver_says();
+  if (!driver_knows() || !governor_.known()) return stand_where_driver_says(Setpoint::kForgotten);
   reference_ = JointVector(governor_.q());
   reference_known_ = true;
   const std::span<const double> q(reference_.data(), reference_.size());
@@ -193,6 +193,10 @@ void Controller::settle(Instant now) {
     const DriverState driver = driver_.state();
     const bool gone = driver == DriverState::kClosed || driver == DriverState::kFault;
     if (gone) outstanding_ = 0;
+    // Whoever asked for the motion need not wait for a machine that goes on by itself.
+    if (stopping_->told && driver_.goes_on_until()) {
+      end_task(ControlEvent::Kind::kStopped, {}, stopping_->cause);
+    }
     if (standing(now) && (stopping_->told || gone)) return rested(now);
     const auto until = driver_.goes_on_until();
     const Instant from = until ? std::max(*until, stopping_->since) : stopping_->since;
@@ -213,7 +217,7 @@ void Controller::rested(Instant /*now*/) {
   const bool resumable =
       task_ && task_->kind == TaskKind::kMotion && !finished && !how.by_device && !latched_;
   if (how.by_device) {
-    stand_where_driver_says();
+    stand_where_driver_says(Setpoint::kForgotten);
   } else {
     stand_at_setpoint();
   }

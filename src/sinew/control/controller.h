@@ -68,6 +68,8 @@ class Controller {
   static constexpr std::size_t kLaterCausesMax = 8;
   /// A stop that nobody carries out in this time is a fault of the device.
   static constexpr Duration kStopLimit = std::chrono::seconds(5);
+  /// rad, of a joint that is measured: a setpoint that is kept is no farther away than this.
+  static constexpr double kSag = 0.05;
   /// A driver that is ready takes the first piece of a motion within this time, or says why not.
   static constexpr Duration kStartLimit = std::chrono::seconds(2);
 
@@ -135,7 +137,10 @@ class Controller {
   bool driver_knows() const;
   /// The next motion begins at the end of the last piece, or where the driver says.
   void stand_at_setpoint();
-  void stand_where_driver_says();
+  /// A servo under load, or one that was turned a little by hand, still is at its setpoint where
+  /// it is kept; how much is too much its driver says when the next motion begins (kMovedUnasked).
+  enum class Setpoint : std::uint8_t { kKept, kForgotten };
+  void stand_where_driver_says(Setpoint setpoint);
 
   // controller_watch.cc
   Error silence() const;
@@ -150,7 +155,28 @@ class Controller {
   void enabled(Instant now);
 
   // controller_commands.cc
+  struct Asked {
+    const Command& command;
+    const Inputs& inputs;
+    Instant now;
+  };
   void handle(const Command& command, const Inputs& inputs, Instant now);
+  /// True: done at once; false: it goes on, and its end is told.
+  Expected<bool> on(const TakeLease& take, const Asked& asked);
+  Expected<bool> on(const RenewLease& renew, const Asked& asked);
+  Expected<bool> on(const ReturnLease& give, const Asked& asked);
+  Expected<bool> on(const Enable& enable, const Asked& asked);
+  Expected<bool> on(const Disable& disable, const Asked& asked);
+  Expected<bool> on(const Acknowledge& acknowledge, const Asked& asked);
+  Expected<bool> on(const Begin& motion, const Asked& asked);
+  Expected<bool> on(const Home& home, const Asked& asked);
+  Expected<bool> on(const JogAt& velocity, const Asked& asked);
+  Expected<bool> on(const Hold& hold, const Asked& asked);
+  Expected<bool> on(const Resume& resume, const Asked& asked);
+  Expected<bool> on(const Stop& stop, const Asked& asked);
+  Expected<bool> on(const SetFeed& feed, const Asked& asked);
+  Expected<bool> on(const UseTool& tool, const Asked& asked);
+  Expected<bool> on(const Declare& where, const Asked& asked);
   void take_lease(const LeaseToken& token, bool take_over, Instant now);
   void enable(std::uint32_t command, Instant now);
   Expected<void> at_rest(Instant now) const;
@@ -205,6 +231,7 @@ class Controller {
   bool driver_spoke_ = false;   ///< it has been ready in this run
   JointVector reference_;
   bool reference_known_ = false;
+  JointVector blind_target_;        ///< of the slow first move under way
   bool opened_ = false;             ///< the journal has its first record
   bool closed_ = false;             ///< .. and its last
   bool position_given_up_ = false;  ///< recorded for a search that has not begun yet

@@ -19,87 +19,110 @@ bool needs_lease(const Command& command) {
          !std::holds_alternative<Hold>(command.what) && !std::holds_alternative<Stop>(command.what);
 }
 
-template <class... Visitors>
-struct Overloaded : Visitors... {
-  using Visitors::operator()...;
-};
+/// What is done at once when it is done at all.
+Expected<bool> at_once(const Expected<void>& what) {
+  if (!what) return std::unexpected(what.error());
+  return true;
+}
+/// What goes on for a while.
+Expected<bool> begun(const Expected<void>& what) {
+  if (!what) return std::unexpected(what.error());
+  return false;
+}
 
 }  // namespace
 
 void Controller::handle(const Command& command, const Inputs& inputs, Instant now) {
-  using Result = Expected<bool>;  // true: done at once
-  const auto at_once = [](const Expected<void>& what) -> Result {
-    if (!what) return std::unexpected(what.error());
-    return true;
-  };
-  const auto begun = [](const Expected<void>& what) -> Result {
-    if (!what) return std::unexpected(what.error());
-    return false;
-  };
-  const auto wrong = [] { return Result(refused(ErrorCode::kWrongState)); };
-  Result result = true;
-  if (needs_lease(command)) result = at_once(lease_.check(command.lease, now));
-  if (result) {
-    result = std::visit(
-        Overloaded{
-            [&](const TakeLease& take) -> Result {
-              const auto token =
-                  take.take_over ? Expected<LeaseToken>(lease_.take_over(command.lease.client, now))
-                                 : lease_.take(command.lease.client, now);
-              if (!token) return std::unexpected(token.error());
-              take_lease(*token, take.take_over, now);
-              return true;
-            },
-            [&](const RenewLease&) { return at_once(lease_.renew(command.lease, now)); },
-            [&](const ReturnLease&) -> Result {
-              lease_.give_back(command.lease);
-              return true;
-            },
-            [&](const Enable&) -> Result {
-              if (state_ != MachineState::kOff) return wrong();
-              if (!inputs.port_open) return refused(ErrorCode::kPortClosed);
-              enable(command.id, now);
-              return false;
-            },
-            [&](const Disable&) -> Result {
-              if (!next_state(state_, Signal::kDisable)) return wrong();
-              end_task(ControlEvent::Kind::kStopped, {}, StopCause::kShutdown);
-              if (enabling_ != 0) tell(ControlEvent::Kind::kStopped, enabling_);
-              enabling_ = 0;
-              driver_.close(now);
-              change(Signal::kDisable);
-              return true;
-            },
-            [&](const Acknowledge&) { return at_once(acknowledge(inputs, now)); },
-            [&](const Begin& motion) { return begun(begin(command, motion, now)); },
-            [&](const Home&) { return begun(home(command, now)); },
-            [&](const JogAt& velocity) -> Result { return jog(command, velocity, now); },
-            [&](const Hold&) -> Result {
-              if (state_ != MachineState::kMoving) return wrong();
-              stop(StopCause::kPause, {}, now);
-              return true;
-            },
-            [&](const Resume&) -> Result {
-              if (state_ != MachineState::kHeld || !task_) return wrong();
-              task_->motion->resume();
-              task_->since = now;
-              change(Signal::kResume);
-              return true;
-            },
-            [&](const Stop&) -> Result {
-              stop(StopCause::kClient, {}, now);
-              return true;
-            },
-            [&](const SetFeed& feed) { return at_once(set_feed(feed.share)); },
-            [&](const UseTool& tool) { return begun(use_tool(command, tool, now)); },
-            [&](const Declare& where) { return at_once(declare(where, now)); },
-        },
-        command.what);
+  Expected<bool> done = true;
+  if (needs_lease(command)) done = at_once(lease_.check(command.lease, now));
+  if (done) {
+    const Asked asked{command, inputs, now};
+    done = std::visit([&](const auto& what) { return on(what, asked); }, command.what);
   }
-  if (!result) {
-    return tell(ControlEvent::Kind::kRefused, command.id, result.error());
-  }
-  tell(*result ? ControlEvent::Kind::kDone : ControlEvent::Kind::kStarted, command.id);
+  if (!done) return tell(ControlEvent::Kind::kRefused, command.id, done.error());
+  tell(*done ? ControlEvent::Kind::kDone : ControlEvent::Kind::kStarted, command.id);
+}
+
+Expected<bool> Controller::on(const TakeLease& take, const Asked& asked) {
+  const ClientId client = asked.command.lease.client;
+  const auto token = take.take_over ? Expected<LeaseToken>(lease_.take_over(client, asked.now))
+                                    : lease_.take(client, asked.now);
+  if (!token) return std::unexpected(token.error());
+  take_lease(*token, take.take_over, asked.now);
+  return true;
+}
+
+Expected<bool> Controller::on(const RenewLease& /*renew*/, const Asked& asked) {
+  return at_once(lease_.renew(asked.command.lease, asked.now));
+}
+
+Expected<bool> Controller::on(const ReturnLease& /*give*/, const Asked& asked) {
+  lease_.give_back(asked.command.lease);
+  return true;
+}
+
+Expected<bool> Controller::on(const Enable& /*enable*/, const Asked& asked) {
+  if (state_ != MachineState::kOff) return refused(ErrorCode::kWrongState);
+  if (!asked.inputs.port_open) return refused(ErrorCode::kPortClosed);
+  enable(asked.command.id, asked.now);
+  return false;
+}
+
+Expected<bool> Controller::on(const Disable& /*disable*/, const Asked& asked) {
+  if (!next_state(state_, Signal::kDisable)) return refused(ErrorCode::kWrongState);
+  end_task(ControlEvent::Kind::kStopped, {}, StopCause::kShutdown);
+  if (enabling_ != 0) tell(ControlEvent::Kind::kStopped, enabling_);
+  enabling_ = 0;
+  driver_.close(asked.now);
+  change(Signal::kDisable);
+  return true;
+}
+
+Expected<bool> Controller::on(const Acknowledge& /*acknowledge*/, const Asked& asked) {
+  return at_once(acknowledge(asked.inputs, asked.now));
+}
+
+Expected<bool> Controller::on(const Begin& motion, const Asked& asked) {
+  return begun(begin(asked.command, motion, asked.now));
+}
+
+Expected<bool> Controller::on(const Home& /*home*/, const Asked& asked) {
+  return begun(home(asked.command, asked.now));
+}
+
+Expected<bool> Controller::on(const JogAt& velocity, const Asked& asked) {
+  return jog(asked.command, velocity, asked.now);
+}
+
+Expected<bool> Controller::on(const Hold& /*hold*/, const Asked& asked) {
+  if (state_ != MachineState::kMoving) return refused(ErrorCode::kWrongState);
+  stop(StopCause::kPause, {}, asked.now);
+  return true;
+}
+
+Expected<bool> Controller::on(const Resume& /*resume*/, const Asked& asked) {
+  if (state_ != MachineState::kHeld || !task_) return refused(ErrorCode::kWrongState);
+  task_->motion->resume();
+  task_->since = asked.now;
+  change(Signal::kResume);
+  return true;
+}
+
+Expected<bool> Controller::on(const Stop& /*stop*/, const Asked& asked) {
+  stop(StopCause::kClient, {}, asked.now);
+  return true;
+}
+
+Expected<bool> Controller::on(const SetFeed& feed, const Asked& /*asked*/) {
+  return at_once(set_feed(feed.share));
+}
+
+Expected<bool> Controller::on(const UseTool& tool, const Asked& asked) {
+  return begun(use_tool(asked.command, tool, asked.now));
+}
+
+Expected<bool> Controller::on(const Declare& where, const Asked& asked) {
+  return at_once(declare(where, asked.now));
 }
 
 /// Whoever takes over stops the machine first: nobody shall steer what another one has begun.
@@ -222,7 +245,7 @@ Expected<void> Controller::declare(const Declare& where, Instant now) {
     }
   }
   driver_.declare_positions({where.positions.data(), where.positions.size()});
-  stand_where_driver_says();
+  stand_where_driver_says(Setpoint::kForgotten);
   if (journal_) offer(journal_->told(JournalKind::kDeclared, driver_.positions(), time(now)));
   return {};
 }

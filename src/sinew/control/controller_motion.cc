@@ -50,7 +50,12 @@ void Controller::begin_homing(Instant now) {
 void Controller::arrive() {
   const bool found = state_ == MachineState::kRecovering;
   if (found) {
-    stand_where_driver_says();
+    // It is where a first move was sent, unless the driver contradicts.
+    if (task_->kind == TaskKind::kBlindMotion && driver_knows()) {
+      reference_ = blind_target_;
+      reference_known_ = true;
+    }
+    stand_where_driver_says(Setpoint::kKept);
   } else {
     stand_at_setpoint();
   }
@@ -66,6 +71,7 @@ bool Controller::hand_over(const JointMove& piece, Instant now) {
     piece_refused(passed.error(), now);
     return false;
   }
+  if (blind) blind_target_ = piece.q;
   if (const auto accepted = driver_.move(piece, now); !accepted) {
     piece_refused(accepted.error(), now);
     return false;
@@ -99,7 +105,7 @@ void Controller::piece_refused(const Error& error, Instant now) {
   end_task(ControlEvent::Kind::kFailed, error);
   stop(StopCause::kRefused, error, now);
   // It stands elsewhere than was planned: the next plan begins there.
-  if (standing(now)) stand_where_driver_says();
+  if (standing(now)) stand_where_driver_says(Setpoint::kForgotten);
 }
 
 void Controller::offer(const std::optional<JournalRecord>& record) {

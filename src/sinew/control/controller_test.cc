@@ -229,8 +229,8 @@ TEST(Controller, a_fault_is_latched_until_its_cause_is_gone_and_acknowledged) {
   cell.run(50ms);
   cell.port_open = true;
   EXPECT_EQ(cell.controller.latched()->error.code, ErrorCode::kEncodersDisagree);
-  for (const auto& what : {CommandWhat(Begin{&cell.path_to(cell.by(0.1))}),
-                           CommandWhat(Enable{}), CommandWhat(Resume{})}) {
+  for (const auto& what : {CommandWhat(Begin{&cell.path_to(cell.by(0.1))}), CommandWhat(Enable{}),
+                           CommandWhat(Resume{})}) {
     const std::uint32_t refused = cell.give(what);
     EXPECT_EQ(cell.end_of(refused)->error.code, ErrorCode::kWrongState);
   }
@@ -556,6 +556,22 @@ void look(const ControlCell& cell, std::size_t pieces_before, MachineState befor
   ASSERT_TRUE((state != kMoving && state != kRecovering) || cell.controller.task() != 0);
 }
 
+/// Left alone and asked nicely, it takes commands again.
+void come_back(ControlCell& cell) {
+  cell.port_open = true;
+  cell.renews = false;
+  cell.run(3s);
+  cell.give(TakeLease{.take_over = true});
+  cell.lease = *cell.controller.lease_holder(cell.now);
+  cell.renews = true;
+  cell.run(6s);
+  if (cell.controller.state() == kFault) cell.give(Acknowledge{});
+  if (cell.controller.state() == kOff) cell.give(Enable{});
+  cell.give(Stop{});
+  ASSERT_TRUE(cell.run_until([&] { return cell.controller.state() == kReady; }, 10s))
+      << name(cell.controller.state());
+}
+
 TEST(Controller, random_commands_and_misfortunes_keep_the_rules) {
   std::set<MachineState> seen;
   sinew::test::for_random_cases(60, [&](sinew::test::Random& random) {
@@ -613,19 +629,7 @@ TEST(Controller, random_commands_and_misfortunes_keep_the_rules) {
       cell.cycle();
       look(cell, pieces, before);
     }
-    // Left alone and asked nicely, it comes back.
-    cell.port_open = true;
-    cell.renews = false;
-    cell.run(3s);
-    cell.give(TakeLease{.take_over = true});
-    cell.lease = *cell.controller.lease_holder(cell.now);
-    cell.renews = true;
-    cell.run(6s);
-    if (cell.controller.state() == kFault) cell.give(Acknowledge{});
-    if (cell.controller.state() == kOff) cell.give(Enable{});
-    cell.give(Stop{});
-    ASSERT_TRUE(cell.run_until([&] { return cell.controller.state() == kReady; }, 10s))
-        << name(cell.controller.state());
+    come_back(cell);
   });
   EXPECT_EQ(seen.size(), kMachineStates);
 }

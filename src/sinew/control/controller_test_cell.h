@@ -115,9 +115,7 @@ class PretendDriver final : public Driver {
     }
   }
   std::optional<Instant> next_deadline() const override { return std::nullopt; }
-  std::optional<DriverEvent> take_event() override {
-    return events_.take_front();
-  }
+  std::optional<DriverEvent> take_event() override { return events_.take_front(); }
 
   void fail(const Error& error) {
     queue_.clear();

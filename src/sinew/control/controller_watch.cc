@@ -83,7 +83,7 @@ void Controller::watch_driver(Instant now) {
 void Controller::enabled(Instant /*now*/) {
   driver_spoke_ = true;
   outstanding_ = 0;
-  stand_where_driver_says();
+  stand_where_driver_says(Setpoint::kKept);
   change(Signal::kEnabled);
   if (enabling_ == 0) return;
   tell(ControlEvent::Kind::kDone, enabling_);

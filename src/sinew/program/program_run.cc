@@ -130,7 +130,7 @@ void Run::opening(Instant now) {
     machine_.give(control::Enable{});
   }
   if (state != MachineState::kReady) return;
-  if (!machine_.reference() && declared_ && !declared_told_) {
+  if (declared_ && !declared_told_ && (has_looked_ || !machine_.reference())) {
     declared_told_ = true;
     control::Declare declare;
     for (const double q : *declared_) {

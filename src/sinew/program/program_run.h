@@ -56,7 +56,12 @@ class Run {
 
   /// Where somebody says the machine stands, for one that cannot know; it counts where the driver
   /// does not know better.
-  void declare(const JointVector& q) { declared_ = q; }
+  /// @param has_looked  it also counts where the driver or the journal says something else; what is
+  ///                    measured stays measured
+  void declare(const JointVector& q, bool has_looked = false) {
+    declared_ = q;
+    has_looked_ = has_looked;
+  }
   /// For the plan's estimate of `home`. Before start().
   void expect_homing(const Homing& homing) { homing_ = homing; }
   /// Ways of streaming devices are made so that they can be paused and slowed down; they take up to
@@ -142,6 +147,7 @@ class Run {
   bool single_step_ = false;
 
   Start declared_;
+  bool has_looked_ = false;
   Start q_;                    ///< where the last order left the joints
   bool blind_ = false;         ///< the motion under way began nobody knows where
   std::uint32_t command_ = 0;  ///< under way

@@ -19,11 +19,15 @@ Duration slice(const program::Run& run, const ControlLoop& loop, const io::Clock
   return std::min(kSliceMax, clock.until(due));
 }
 
-/// Nothing moves, and nothing waits to be recorded.
-bool settled(const ControlLoop& loop) {
-  const DriverState driver = loop.controller().driver().state();
-  return !control::may_move(loop.controller().state()) && driver != DriverState::kMoving &&
-         driver != DriverState::kStopping && loop.recorded();
+/// Nothing moves but what goes on by itself, and nothing waits to be recorded.
+bool settled(const ControlLoop& loop, Instant now) {
+  const Driver& driver = loop.controller().driver();
+  const bool busy =
+      driver.state() == DriverState::kMoving || driver.state() == DriverState::kStopping;
+  if (busy) return false;
+  const auto until = driver.goes_on_until();
+  return (until && *until > now) ||
+         (!control::may_move(loop.controller().state()) && loop.recorded());
 }
 
 }  // namespace
@@ -59,7 +63,7 @@ ProgramEnd run_program(program::Run& run, ControlLoop& loop, DriverLine& line,
       loop.begin_closing();
       if (!finished_at) finished_at = now;
       const bool patience = now - *finished_at < kSettleMax;
-      if (settled(loop) || !patience) break;
+      if (settled(loop, now) || !patience) break;
     }
     if (const auto turned = line.turn(slice(run, loop, clock)); !turned) {
       end.wire_failure = turned.error();

@@ -9,12 +9,16 @@
 namespace sinew::runtime {
 namespace {
 
-IcpQuirks quirks_of(const std::string& profile) {
+IcpQuirks quirks_of(const IcpFirmware& firmware) {
   IcpQuirks quirks;
-  quirks.dialect.knows_wake = profile != "section4";
-  if (profile == "fffe") quirks.minus_one = -2;
-  if (profile == "slow") quirks.processing = std::chrono::milliseconds(5);
-  if (profile == "idle-shutdown") quirks.idle_shutdown = std::chrono::minutes(10);
+  quirks.dialect = {.knows_wake = firmware.knows_wake, .checks_selector = firmware.checks_selector};
+  quirks.bit_one_is_plus = firmware.bit_one_is_plus;
+  if (firmware.minus_one_is_fffe) quirks.minus_one = -2;
+  quirks.silent_without_motor = firmware.silent_without_motor;
+  quirks.ack_without_module = firmware.ack_without_module;
+  quirks.processing = firmware.processing;
+  quirks.boot = firmware.boot;
+  if (firmware.idle_shutdown > Duration::zero()) quirks.idle_shutdown = firmware.idle_shutdown;
   return quirks;
 }
 
@@ -41,9 +45,9 @@ class Maker {
                                                  options_.seed, boot_),
             nullptr};
   }
-  RobotMachine operator()(const IcpDevice& /*device*/) const {
-    return {std::make_unique<sim::IcpMachine>(robot_, quirks_of(options_.profile.value_or("")),
-                                              options_.seed, boot_),
+  RobotMachine operator()(const IcpDevice& device) const {
+    return {std::make_unique<sim::IcpMachine>(robot_, quirks_of(device.firmware), options_.seed,
+                                              boot_),
             nullptr};
   }
   RobotMachine operator()(const AxisRegistersDevice& /*device*/) const {

@@ -58,6 +58,17 @@ void set_profile(RobotModel& robot, LscDevice& device, const std::string& profil
   }
 }
 
+/// What a profile names comes on top of what the robot's file says.
+void set_profile(IcpDevice& device, const std::string& profile) {
+  IcpFirmware& firmware = device.firmware;
+  if (profile == "section4") firmware.knows_wake = false;
+  if (profile == "slow") firmware.processing = std::chrono::milliseconds(5);
+  if (profile == "idle-shutdown") firmware.idle_shutdown = std::chrono::minutes(10);
+  if (profile != "fffe") return;
+  firmware.minus_one_is_fffe = true;
+  device.units_per_down = 2;
+}
+
 void use_axis_link(RobotModel& robot) {
   AxisLinkDevice link;
   link.boards = std::get<AxisRegistersDevice>(robot.device.settings).boards;
@@ -154,9 +165,7 @@ std::expected<RobotModel, std::string> variant_of(const RobotModel& robot,
       // The first firmware's DIAG_STATUS is always 0.
       boards->reports_status = *profile != "as-built";
     }
-    if (auto* icp = std::get_if<IcpDevice>(&settings)) {
-      if (*profile == "fffe") icp->units_per_down = 2;
-    }
+    if (auto* icp = std::get_if<IcpDevice>(&settings)) set_profile(*icp, *profile);
   }
   return variant;
 }
