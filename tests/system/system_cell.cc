@@ -1,0 +1,339 @@
+#include "system/system_cell.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sinew/control/machine_identity.h"
+#include "sinew/control/path_motion.h"
+#include "sinew/control/piece_motion.h"
+#include "sinew/core/units.h"
+#include "sinew/planning/motion_planner.h"
+#include "sinew/program/program_plan.h"
+
+namespace sinew::test {
+namespace {
+
+using namespace std::chrono_literals;
+using control::MachineState;
+
+constexpr std::int64_t kEpoch = 1'800'000'000'000'000'000;
+constexpr Duration kWarmUp = 1s;
+
+control::ControllerSettings settings_of(const RobotModel& robot) {
+  control::ControllerSettings settings;
+  settings.opening_limit = runtime::opening_of(robot).limit;
+  settings.journal = control::journal_settings(robot);
+  return settings;
+}
+
+}  // namespace
+
+Station::Host::Host(const RobotModel& robot, Driver& driver, Disk& disk)
+    : files(disk, "positions") {
+  if (!files.lock()) return;
+  const auto bytes = files.load();
+  if (!bytes) return;
+  recovery = recover(bytes->files(), control::recovery_settings(robot));
+  files.continue_after(recovery.end);
+  pump = std::make_unique<runtime::JournalPump>(files);
+  loop = std::make_unique<runtime::ControlLoop>(
+      robot, driver, settings_of(robot), control::ControllerStart{recovery.positions, recovery.end},
+      pump.get());
+  opened = true;
+}
+
+Station::Station(const RobotModel& robot, const std::optional<std::string>& profile,
+                 std::uint64_t seed, SystemCounts& counts, TraceHash& hash)
+    : robot_(robot),
+      random_(seed),
+      counts_(counts),
+      hash_(hash),
+      cell_(robot, {.profile = profile, .seed = seed}, kWarmUp) {
+  disk_.set_sync_time(1ms, 40ms, seed);
+  begin_life();
+}
+
+/// How far a motor may stand beside what its wire can say of it; rad or m.
+double Station::resolution(std::size_t joint) const {
+  const auto& settings = robot_.device.settings;
+  // A rotor that turns trails its field by up to a full step, 16 microsteps here.
+  if (const auto* legs = std::get_if<IcpDevice>(&settings)) return 17 / legs->units_per_m;
+  if (const auto* arm = std::get_if<BigRobotArmDevice>(&settings)) {
+    const BigRobotArmJoint& own = arm->joints[joint];
+    return 2 * own.steps_per_motor_rev / 200 / std::abs(own.steps_per_rad);
+  }
+  return from_deg(4);  // servos: their dead band, and what they sag by under way
+}
+
+void Station::begin_life() {
+  disk_.set_wall(kEpoch + cell_.now().time_since_epoch().count());
+  host_ = std::make_unique<Host>(robot_, cell_.driver(), disk_);
+  ASSERT_TRUE(host_->opened);
+  // What this life takes over is true already now, before anything is asked of the device.
+  const sim::Truth truth = cell_.machine().truth();
+  for (std::size_t j = 0; j < robot_.joints.size(); ++j) {
+    const JointPosition& said = host_->recovery.positions[j];
+    if (said.quality == PositionQuality::kLost) continue;
+    const double room = resolution(j);
+    EXPECT_GE(truth.joints[j].q, said.lower - room) << where();
+    EXPECT_LE(truth.joints[j].q, said.upper + room) << where();
+  }
+  host_->loop->look = [this](const control::Outputs& outputs, Instant) { say(outputs); };
+  host_->loop->machine().give(control::TakeLease{});
+}
+
+void Station::kill(bool power_too) {
+  ++counts_.kills;
+  if (power_too) ++counts_.power_losses;
+  host_.reset();
+  if (power_too) {
+    disk_.lose_power(random_.bits());
+  } else {
+    disk_.kill_process();
+  }
+  cell_.replace_driver();
+  host_returns_ = cell_.now() + std::chrono::milliseconds(random_.integer(1, 1500));
+}
+
+void Station::slice(Duration time) {
+  if (host_returns_ && cell_.now() >= *host_returns_) {
+    host_returns_.reset();
+    begin_life();
+  }
+  act();
+  const Instant end = cell_.now() + time;
+  EXPECT_TRUE(cell_.run_to(end, 2ms, [this] {
+    look();
+    return false;
+  })) << where();
+  hash_.add(cell_.line().counts().bytes);
+}
+
+void Station::look() {
+  if (!host_) return;
+  write();
+  host_->loop->set_wall(kEpoch + cell_.now().time_since_epoch().count());
+  host_->loop->step(cell_.now(), [this] {
+    while (const auto event = host_->loop->machine().take_event()) {
+      if (event->kind != control::ControlEvent::Kind::kDone) continue;
+      counts_.motions_done += event->command != 0 ? 1 : 0;
+    }
+  });
+  look_at_records();
+  look_at_states();
+}
+
+/// The disk's side: one call at a time, which takes its time.
+void Station::write() {
+  disk_.set_wall(kEpoch + cell_.now().time_since_epoch().count());
+  if (cell_.now() < host_->busy_until) return;
+  host_->pump->publish();
+  if (host_->pump->work()) host_->busy_until = cell_.now() + disk_.take_time();
+}
+
+void Station::say(const control::Outputs& outputs) {
+  for (const control::ControlEvent& event : outputs.events) {
+    hash_.add(static_cast<std::uint64_t>(event.kind) << 32 |
+              static_cast<std::uint64_t>(event.state) << 16 |
+              static_cast<std::uint64_t>(event.error.code));
+    counts_.latched += event.kind == control::ControlEvent::Kind::kLatched ? 1 : 0;
+    if (event.kind != control::ControlEvent::Kind::kLease) continue;
+    if (event.lease.client == host_->stranger.client) host_->stranger = event.lease;
+    if (event.lease.client == 1) host_->asked_for_lease = false;
+  }
+  for (const JournalRecord& record : outputs.records) {
+    ++counts_.records;
+    hash_.add(record.sequence << 8 | static_cast<std::uint64_t>(record.kind));
+    host_->claims.push_back(record);
+  }
+}
+
+/// The truth is in the last record that is safe, and in each one behind it.
+void Station::look_at_records() {
+  const std::uint64_t durable = host_->pump->durable_sequence();
+  auto& claims = host_->claims;
+  while (claims.size() > 1 && claims[1].sequence <= durable) claims.erase(claims.begin());
+  const sim::Truth truth = cell_.machine().truth();
+  for (const JournalRecord& claim : claims) {
+    for (std::size_t j = 0; j < claim.positions.size(); ++j) {
+      const JointPosition& said = claim.positions[j];
+      if (said.quality == PositionQuality::kLost) continue;
+      ++counts_.looks;
+      const double room = resolution(j);
+      if (truth.joints[j].q >= said.lower - room && truth.joints[j].q <= said.upper + room) {
+        continue;
+      }
+      ADD_FAILURE() << where() << ": joint " << j + 1 << " stands at " << truth.joints[j].q
+                    << ", record " << claim.sequence << " of kind " << static_cast<int>(claim.kind)
+                    << " says " << said.lower << " to " << said.upper;
+      return;
+    }
+  }
+}
+
+void Station::look_at_states() {
+  const control::Controller& controller = host_->loop->controller();
+  const MachineState state = controller.state();
+  const DriverState driver = controller.driver().state();
+  const bool moves = driver == DriverState::kMoving;
+  // A tool works at ready.
+  if (moves && !control::may_move(state) && controller.task() == 0) {
+    ADD_FAILURE() << where() << ": its driver moves it in state " << name(state);
+  }
+  if (state == MachineState::kFault && !controller.latched()) {
+    ADD_FAILURE() << where() << ": a fault without a cause";
+  }
+}
+
+void Station::act() {
+  if (!host_) return;
+  if (misfortunes_ && random_.chance(0.02)) misfortune();
+  if (host_ && random_.chance(0.12)) command();
+}
+
+void Station::misfortune() {
+  ++counts_.faults;
+  const auto dice = random_.integer(0, 9);
+  sim::LinkFaultSpec spec;
+  spec.seed = random_.bits();
+  if (dice < 3) {
+    // Bytes that vanish, or come late; from time to time they come as they should again.
+    const double chance = random_.chance(0.4) ? 0 : 0.002;
+    for (sim::ByteFaults& bytes : spec.bytes) {
+      bytes.drop = chance;
+      bytes.delay = chance;
+      bytes.delay_time = std::chrono::milliseconds(random_.integer(1, 60));
+    }
+    cell_.line().set_faults(spec, cell_.now());
+  } else if (dice < 5) {
+    spec.cuts.push_back({0ms, std::chrono::milliseconds(random_.integer(5, 900)), std::nullopt});
+    cell_.line().set_faults(spec, cell_.now());
+  } else if (dice < 6) {
+    disk_.set_sync_time(1ms, std::chrono::milliseconds(random_.integer(20, 400)), random_.bits());
+  } else if (dice < 7) {
+    disk_.fail_from_call(disk_.calls() + 1, {DiskErrorCode::kFull, 0});
+  } else {
+    kill(random_.chance(0.3));
+  }
+}
+
+void Station::command() {
+  control::LocalMachine& machine = host_->loop->machine();
+  ++counts_.commands;
+  const MachineState state = machine.state();
+  const bool holds = machine.lease().epoch != 0;
+  hash_.add(static_cast<std::uint64_t>(state));
+  if (!holds) {
+    if (!host_->asked_for_lease || random_.chance(0.2)) {
+      machine.give(control::TakeLease{.take_over = random_.chance(0.5)});
+      host_->asked_for_lease = true;
+    }
+    return;
+  }
+  if (state == MachineState::kOff) {
+    machine.give(control::Enable{});
+    return;
+  }
+  if (state == MachineState::kFault) {
+    machine.give(control::Acknowledge{});
+    return;
+  }
+  if (state == MachineState::kHeld) {
+    if (random_.chance(0.7)) {
+      machine.give(control::Resume{});
+    } else {
+      machine.give(control::Stop{});
+    }
+    return;
+  }
+  if (state == MachineState::kReady) return ask_to_move();
+  const auto dice = random_.integer(0, 19);
+  if (dice < 2) machine.give(control::Stop{});
+  if (dice == 2) machine.give(control::Hold{});
+  if (dice == 3) machine.give(control::SetFeed{random_.uniform(0.2, 1)});
+  if (dice == 4) {
+    static_cast<void>(host_->loop->post(
+        {9, host_->stranger, control::TakeLease{.take_over = random_.chance(0.3)}}));
+  }
+  if (dice == 5) static_cast<void>(host_->loop->post({9, host_->stranger, control::Stop{}}));
+}
+
+/// Somebody looks, and says where it really stands.
+void Station::declare_truth() {
+  if (cell_.machine().truth().moving) return;
+  control::Declare where;
+  const sim::Truth truth = cell_.machine().truth();
+  for (const sim::JointTruth& joint : truth.joints) {
+    where.positions.push_back({PositionQuality::kCommanded, joint.q, joint.q, joint.q});
+  }
+  host_->loop->machine().give(where);
+}
+
+void Station::ask_to_move() {
+  control::LocalMachine& machine = host_->loop->machine();
+  const auto from = machine.reference();
+  if (!from) {
+    JointVector home;
+    for (const Joint& joint : robot_.joints) home.push_back(joint.home);
+    const bool streams_by_servos = std::holds_alternative<LscDevice>(robot_.device.settings);
+    if (!streams_by_servos) return declare_truth();
+    JointMove move{.q = home, .qd = {}, .duration = 3s};
+    move.qd.resize(home.size());
+    host_->motions.push_back(std::make_unique<control::PieceMotion>(
+        JointVector{}, std::vector<JointMove>(1, move), robot_));
+    machine.give(control::Begin{host_->motions.back().get(), true});
+    return;
+  }
+  const bool legs = robot_.joints[0].kind == JointKind::kPrismatic;
+  JointVector to = *from;
+  for (std::size_t j = 0; j < to.size(); ++j) {
+    const double way = legs ? 3e-5 : 0.25;
+    to[j] = std::clamp(to[j] + random_.uniform(-way, way), robot_.joints[j].lower,
+                       robot_.joints[j].upper);
+  }
+  planning::MotionPlanner planner(robot_);
+  const auto start = planner.place_at({from->data(), from->size()});
+  if (!start) return;
+  planning::JointArray goal{};
+  std::ranges::copy(to, goal.begin());
+  planning::Move move;
+  move.way = planning::MoveJ{goal};
+  planning::PlannedMotion planned = planner.make_motion();
+  if (!planner.plan(*start, std::span(&move, 1), 0, planned) || planned.empty()) return;
+  if (robot_.device.capability.motion == MotionKind::kStream) {
+    auto path = std::make_unique<control::PathMotion>(robot_);
+    if (path->start(planned.path)) return;
+    host_->motions.push_back(std::move(path));
+  } else {
+    JointMove whole{.q = to, .qd = {}, .duration = 0ms};
+    whole.qd.resize(to.size());
+    whole.duration = from_seconds(program::whole_move_duration(*from, to, robot_, 1));
+    host_->motions.push_back(
+        std::make_unique<control::PieceMotion>(*from, std::vector<JointMove>(1, whole), robot_));
+  }
+  machine.give(control::Begin{host_->motions.back().get()});
+}
+
+void Station::heal() {
+  misfortunes_ = false;
+  cell_.line().set_faults({}, cell_.now());
+  disk_.set_sync_time(1ms, 20ms, 1);
+  disk_.fail_from_call(0, {});
+  // A run whose disk has failed does not trust it again: it is started anew.
+  const bool failed = host_ && host_->pump->failed();
+  if (failed) kill(false);
+}
+
+bool Station::ready() const {
+  return host_ && host_->loop->controller().state() == MachineState::kReady &&
+         host_->loop->controller().task() == 0;
+}
+
+std::string Station::where() const {
+  std::string text =
+      robot_.id + " at " + std::to_string(to_seconds(cell_.now().time_since_epoch()));
+  if (host_) text += ", " + std::string(name(host_->loop->controller().state()));
+  return text;
+}
+
+}  // namespace sinew::test
