@@ -4,7 +4,9 @@
 #   SEEDS         runs of all tests with a fresh seed (5)
 #   SINEW_FAULTS  injected into each wire (1000000)
 #   SINEW_SEQUENCES  of plan, jog, override, pause and stop, on all robots together (1000000)
-#   PARTS         which of: format tidy tsan fuzz seeds faults motion (all)
+#   SINEW_KILLS   -9 of real processes, of each of two robots (1000)
+#   SINEW_SEEDS   of the whole system in virtual time (100000)
+#   PARTS         which of: format tidy tsan fuzz seeds faults motion kills system (all)
 # shellcheck source=scripts/lib.sh
 source "$(dirname "${BASH_SOURCE[0]}")/lib.sh"
 
@@ -12,8 +14,11 @@ fuzz_seconds=${FUZZ_SECONDS:-60}
 seeds=${SEEDS:-5}
 faults=${SINEW_FAULTS:-1000000}
 sequences=${SINEW_SEQUENCES:-1000000}
-parts=${PARTS:-format tidy tsan fuzz seeds faults motion}
-unset SINEW_FAULTS SINEW_SEQUENCES # only their own parts ask for so many
+kills=${SINEW_KILLS:-1000}
+system_seeds=${SINEW_SEEDS:-100000}
+parts=${PARTS:-format tidy tsan fuzz seeds faults motion kills system}
+# Only their own parts ask for so many.
+unset SINEW_FAULTS SINEW_SEQUENCES SINEW_KILLS SINEW_SEEDS
 
 run_ctest() {
   local preset=$1 title=$2 log=$3
@@ -103,6 +108,8 @@ side_by_side() {
 
 faults_part() { side_by_side faults faults_test Faults "SINEW_FAULTS=$faults"; }
 motion_part() { side_by_side motion sequences_test '*Sequences' "SINEW_SEQUENCES=$sequences"; }
+kills_part() { side_by_side kills crash_test '*Kills' "SINEW_KILLS=$kills"; }
+system_part() { side_by_side system system_test System "SINEW_SEEDS=$system_seeds"; }
 
 echo "sinew: campaign ($parts)"
 scripts/packages.sh build test campaign

@@ -152,10 +152,12 @@ TEST_P(Kills, leave_a_position_that_is_true_and_a_machine_that_is_ready_soon) {
       exact += one.quality == "commanded" || one.quality == "measured" ? 1 : 0;
       whole &= one.quality == "commanded" || one.quality == "measured";
       if (one.quality == "lost") continue;
-      EXPECT_GE(truth[j], one.lower - machine.resolution)
-          << "life " << life << " of " << length.count() << " ms, joint " << j + 1;
-      EXPECT_LE(truth[j], one.upper + machine.resolution)
-          << "life " << life << " of " << length.count() << " ms, joint " << j + 1;
+      const bool true_said =
+          truth[j] >= one.lower - machine.resolution && truth[j] <= one.upper + machine.resolution;
+      EXPECT_TRUE(true_said) << "life " << life << " of " << length.count()
+                             << " ms, told to be at '" << standing_at << "': joint " << j + 1
+                             << " is " << one.quality << " at " << one.q << " in " << one.lower
+                             << " .. " << one.upper << ", and stands at " << truth[j];
     }
     // Somebody looks and says where it stands, where the journal could not.
     standing_at = whole ? "" : joined(truth, machine.unit);

@@ -66,6 +66,7 @@ AxisRegisterSlave::AxisRegisterSlave(const AxisRegistersDevice& device, std::siz
 }
 
 void AxisRegisterSlave::power_up() {
+  violations_ = {};
   armed_ = false;
   place_ = 0;
   miso_ = 0;
@@ -78,15 +79,28 @@ void AxisRegisterSlave::power_up() {
   state_ = State::kWaitSyn;
 }
 
+std::string_view AxisRegisterSlave::name_of(State state) {
+  constexpr std::string_view kNames[] = {"WAIT_SYN",    "SEND_SYN_ACK",    "WAIT_ACK",
+                                         "WAIT_HEADER", "SEND_VALIDATION", "WAIT_DATA",
+                                         "SEND_COMMIT", "SEND_DATA",       "WAIT_COMMIT"};
+  return kNames[static_cast<std::size_t>(state)];
+}
+
 void AxisRegisterSlave::select(bool selected) {
+  selected_ = selected;
   // The rising edge means nothing: only the next falling one starts the transfer over.
   if (!selected || in_boot_loader_) return;
+  if (armed_ && place_ > 0) ++violations_.broken_transfers;
   armed_ = true;
   place_ = 0;
 }
 
 std::uint8_t AxisRegisterSlave::shift(std::uint8_t mosi) {
-  if (!armed_) return miso_;
+  if (!armed_) {
+    // A board with a software chip select hears what is meant for others, too.
+    if (selected_) ++violations_.surplus_bytes;
+    return miso_;
+  }
   if (sends()) miso_ = to_send_[place_];
   const std::uint8_t sent = miso_;
   received_[place_++] = mosi;
@@ -140,14 +154,18 @@ void AxisRegisterSlave::complete() {
   armed_ = false;
   switch (state_) {
     case State::kWaitSyn:
-      if (received_[0] != kSyn) return;
+      if (received_[0] != kSyn) {
+        ++violations_.stray_bytes;
+        return;
+      }
       if (profile_ == AxisRegisterProfile::kDocument) ready_pin_ = true;
       send(std::array{kSynAck});
       return enter(State::kSendSynAck);
     case State::kSendSynAck:
       return enter(State::kWaitAck);
     case State::kWaitAck:
-      if (received_[0] == kAck) enter(State::kWaitHeader);
+      if (received_[0] == kAck) return enter(State::kWaitHeader);
+      ++violations_.stray_bytes;
       return;
     case State::kWaitHeader:
       return take_header();
@@ -185,6 +203,8 @@ void AxisRegisterSlave::take_header() {
     header_ = read_header(bytes);
     // Accepted is the header, whatever becomes of the data behind it.
     last_frame_id_ = header_.frame_id;
+  } else {
+    ++violations_.refused_headers;
   }
   send(std::array{static_cast<std::uint8_t>(verdict_)});
   enter(State::kSendValidation);
@@ -200,6 +220,7 @@ void AxisRegisterSlave::take_data() {
       act(row.name);
     }
   }
+  if (!data) ++violations_.bad_data;
   send(encode_commit(data ? Verdict::kOk : Verdict::kCrc));
   enter(State::kSendCommit);
 }

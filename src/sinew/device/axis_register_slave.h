@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string_view>
 
 #include "sinew/core/fixed_vector.h"
 #include "sinew/device/axis.h"
@@ -70,10 +71,28 @@ class AxisRegisterSlave {
   /// Level of READY; low (false) is ready.
   bool ready_pin() const { return ready_pin_; }
   State state() const { return state_; }
+  /// As the protocol's document spells it, as "WAIT_SYN".
+  static std::string_view name_of(State state);
   /// What a register holds, as its bytes stand on the wire.
   axis_registers::Data register_value(axis_registers::Register name) const;
   /// Whole registers that were written, which is when the firmware looks at them.
   std::uint32_t changes() const { return changes_; }
+  /// What a host did wrong, since power-up.
+  struct Violations {
+    std::uint64_t broken_transfers = 0;  ///< begun, and begun again before their end
+    std::uint64_t surplus_bytes = 0;     ///< beyond the end of a transfer
+    std::uint64_t stray_bytes = 0;       ///< no SYN where one was due, or no ACK
+    std::uint64_t refused_headers = 0;
+    std::uint64_t bad_data = 0;  ///< CRC
+    std::uint64_t sum() const {
+      return broken_transfers + surplus_bytes + stray_bytes + refused_headers + bad_data;
+    }
+  };
+  const Violations& violations() const { return violations_; }
+  /// Its registers, in the order of their table.
+  std::span<const axis_registers::RegisterRow> registers() const {
+    return {rows_.data(), rows_.size()};
+  }
   /// It left for its boot loader (later boards only) and answers nothing until powered up again.
   bool in_boot_loader() const { return in_boot_loader_; }
 
@@ -107,6 +126,8 @@ class AxisRegisterSlave {
   FixedVector<axis_registers::RegisterRow, kRegisters> rows_;
 
   State state_ = State::kWaitSyn;
+  Violations violations_;
+  bool selected_ = false;
   bool armed_ = false;
   std::size_t place_ = 0;
   std::array<std::uint8_t, kFrameMax> received_{};

@@ -87,6 +87,11 @@ class BigRobotArmFirmware {
   /// Where its counters say that it is at `now`, in the frame it reports.
   std::array<double, bigrobotarm::kJoints> counted_steps(Instant now) const;
   bigrobotarm::Gripper gripper() const { return gripper_; }
+  /// us of the pulse that its gripper's servo gets: 544..2400 for 0..180 deg in whole numbers, as
+  /// the Arduino's Servo library counts, and the one more that was measured. Beyond 180 that stays.
+  int gripper_pulse_us() const {
+    return 545 + (gripper_.position < 180 ? gripper_.position : 180) * (2400 - 544) / 180;
+  }
   std::uint64_t bytes_lost() const { return bytes_lost_; }
 
  private:

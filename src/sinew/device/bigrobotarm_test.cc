@@ -289,5 +289,18 @@ TEST(BigRobotArmFirmware, any_bytes_are_survived_without_an_allocation) {
   });
 }
 
+TEST(BigRobotArm, gripper_gets_the_pulses_that_were_measured) {
+  Bench bench;
+  EXPECT_EQ(bench.firmware.gripper_pulse_us(), 1473) << "at boot, 90";
+  const std::vector<std::array<int, 2>> rows{{40, 957}, {0, 545}, {90, 1473}, {255, 2401}};
+  for (const auto& [position, pulse] : rows) {
+    bench.send(SetGripper{true, static_cast<std::uint8_t>(position)});
+    EXPECT_EQ(bench.firmware.gripper_pulse_us(), pulse) << position;
+  }
+  bench.send(SetGripper{true, 40});
+  bench.send(SetGripper{false, 90});
+  EXPECT_EQ(bench.firmware.gripper_pulse_us(), 957) << "a disabled one takes no position";
+}
+
 }  // namespace
 }  // namespace sinew

@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "sinew/core/assert.h"
+#include "sinew/device/lsc_jog.h"
 
 namespace sinew {
 
@@ -20,7 +21,11 @@ constexpr std::uint16_t kEsp32GripperMax = 1500;  // us; beyond it the jaws woul
 constexpr std::uint16_t kEsp32TimeMin = 20;       // ms
 constexpr std::uint16_t kEsp32TimeMax = 30'000;   // ms
 constexpr std::uint16_t kEsp32HomeTime = 1000;    // ms; assumed
+constexpr std::uint16_t kEsp32JogTime = 1000;     // ms; assumed, as for home
 constexpr int kOffsetMax = 125;
+constexpr double kMotorUnitsPerS = 1560;  // at speed 1000: 0.16 s for 60 deg, servos of that class
+constexpr double kMotorLead = 60;         // units; the shaft is pushed on, never wound up
+constexpr std::int16_t kMotorSpeedMax = 1000;
 constexpr Duration kBeepPause = std::chrono::seconds(1);
 constexpr std::string_view kEsp32BootText = "pwm servo\r\nbegin\r\n";
 
@@ -71,6 +76,7 @@ void LscBoard::power_cycle(Instant now) {
   for (Servo& servo : servos_) {
     const double measured = servo.measured;
     const std::int8_t offset = servo.saved_offset;
+    const BusServoLimits limits = servo.limits;
     servo = {.driven = false,
              .from = kBootUnits,
              .to = kBootUnits,
@@ -78,7 +84,8 @@ void LscBoard::power_cycle(Instant now) {
              .duration = Duration::zero(),
              .measured = measured,
              .offset = offset,
-             .saved_offset = offset};
+             .saved_offset = offset,
+             .limits = limits};
   }
   if (profile_ != LscProfile::kEsp32) return;
   for (const char character : kEsp32BootText) {
@@ -128,6 +135,10 @@ std::size_t LscBoard::take_output(std::span<std::uint8_t> out) {
 
 double LscBoard::at(const Servo& servo) const {
   const Duration gone = now_ - servo.start;
+  if (servo.motor) {
+    const double wanted = servo.from + servo.motor_units_s * to_seconds(gone);
+    return std::clamp(wanted, servo.measured - kMotorLead, servo.measured + kMotorLead);
+  }
   if (gone >= servo.duration) return servo.to;
   return servo.from + (servo.to - servo.from) * to_seconds(gone) / to_seconds(servo.duration);
 }
@@ -147,6 +158,7 @@ void LscBoard::sense_position(std::uint8_t id, double units) {
 
 bool LscBoard::moving() const {
   return std::any_of(servos_.begin(), servos_.end(), [&](const Servo& servo) {
+    if (servo.motor) return servo.driven && servo.motor_units_s != 0;
     return servo.driven && now_ - servo.start < servo.duration;
   });
 }
@@ -164,9 +176,11 @@ void LscBoard::start(const Move& move) {
   for (const ServoValue& target : move.servos) {
     if (target.value == kLeavePosition) continue;
     Servo& it = servo(target.id);
-    const bool from_itself = profile_ == LscProfile::kBus && !it.driven;
-    it.from = from_itself ? it.measured : at(it);
+    if (it.motor) continue;
+    const bool bus = profile_ == LscProfile::kBus;
+    it.from = bus && !it.driven ? it.measured : at(it);
     it.to = target.value;
+    if (bus) it.to = std::clamp<double>(it.to, it.limits.position_min, it.limits.position_max);
     it.start = now_;
     it.duration = std::chrono::milliseconds(move.time_ms);
     it.driven = true;
@@ -246,7 +260,7 @@ bool LscBoard::take_offset(const ServoOffset& offset) {
 
 bool LscBoard::take_bus(const Request& request) {
   if (const auto* unload = std::get_if<Unload>(&request)) {
-    return for_each(unload->ids, [](std::uint8_t, Servo& it) { it.driven = false; });
+    return for_each(unload->ids, [](std::uint8_t, Servo& it) { it.driven = it.motor = false; });
   }
   if (const auto* read = std::get_if<ReadPositions>(&request)) {
     Positions positions;
@@ -272,8 +286,38 @@ bool LscBoard::take_bus(const Request& request) {
     if (std::abs(adjust->offset) > kOffsetMax) return false;
     return take_offset({adjust->id, static_cast<std::int8_t>(adjust->offset)});
   }
-  // Motor mode and the registers of the servos themselves are not part of an arm.
-  return false;
+  if (const auto* mode = std::get_if<SetMode>(&request)) return take_mode(*mode);
+  if (const auto* write = std::get_if<WriteBusInfo>(&request)) return take_info(write->parameters);
+  if (!std::holds_alternative<ReadBusInfo>(request)) return false;
+  say(info());
+  return true;
+}
+
+bool LscBoard::take_mode(const SetMode& mode) {
+  if (!known(mode.id) || mode.mode > 1 || std::abs(mode.speed) > kMotorSpeedMax) return false;
+  Servo& it = servo(mode.id);
+  it.from = it.to = it.measured;
+  it.start = now_;
+  it.duration = Duration::zero();
+  it.driven = true;
+  it.motor = mode.mode == 1;
+  it.motor_units_s = it.motor ? mode.speed * kMotorUnitsPerS / kMotorSpeedMax : 0;
+  return true;
+}
+
+bool LscBoard::take_info(const Parameters& info) {
+  const auto limits = read_limits(info);
+  if (!limits || !known(limits->first)) return false;
+  for (Servo& it : servos_) it.limits = limits->second;
+  return true;
+}
+
+BusInfo LscBoard::info() const {
+  const Servo& it = servos_[0];
+  const double millivolts = std::clamp(supply_volts_ * 1000, 0.0, 65535.0);
+  return {written_info(1, it.limits,
+                       {it.offset, static_cast<std::int16_t>(std::lround(it.measured)),
+                        static_cast<std::uint16_t>(std::lround(millivolts))})};
 }
 
 bool LscBoard::take_esp32(const Request& request) {
@@ -306,11 +350,24 @@ bool LscBoard::take_esp32(const Request& request) {
   } else if (const auto* action = std::get_if<StoreAction>(&request)) {
     if (!groups_.store(action->group, action->index, esp32_clamped(action->move))) return false;
     say(ActionStored{});
+  } else if (const auto* by = std::get_if<Jog>(&request)) {
+    return jog(*by);
   } else {
-    // A jog runs the board's own kinematics, which nobody has; it beeps as for a point out of
-    // reach.
     return std::holds_alternative<Chassis>(request);
   }
+  return true;
+}
+
+bool LscBoard::jog(const Jog& by) {
+  JogPulses at_now{};
+  for (std::size_t i = 0; i < at_now.size(); ++i) at_now[i] = commanded(kJogServos[i]);
+  const auto target = jogged(at_now, by);
+  if (!target) return false;
+  Move move{kEsp32JogTime, {}};
+  for (std::size_t i = 0; i < at_now.size(); ++i) {
+    move.servos.push_back({kJogServos[i], static_cast<std::uint16_t>(std::lround((*target)[i]))});
+  }
+  start(move);
   return true;
 }
 

@@ -8,6 +8,7 @@
 
 #include "sinew/core/fixed_vector.h"
 #include "sinew/core/instant.h"
+#include "sinew/device/bus_servo_limits.h"
 #include "sinew/device/lsc_groups.h"
 #include "sinew/model/device.h"
 #include "sinew/wire/lsc.h"
@@ -22,6 +23,11 @@ namespace sinew {
 ///   kLsc6  | battery, groups             | 500..2500  | refused with beeps  | as sent
 ///   kBus   | battery, groups, positions  | 0..1000    | refused with beeps  | as sent
 ///   kEsp32 | version, offsets, commanded | 500..2500  | clamped             | 20..30000 ms
+///
+/// A bus servo in motor mode (command 26) turns on and on and follows no move until it is a servo
+/// again, goes limp or loses its power. Command 27 writes what a servo keeps in itself into all
+/// that are attached, 28 reads it from the one with the lowest number (assumed: with several
+/// attached nobody has written down who answers).
 ///
 /// A PWM servo gets no pulses before its first move. That one starts at 1500, the board's idea of
 /// it, so the servo first jumps there as fast as it can; a bus servo starts where it is.
@@ -61,6 +67,9 @@ class LscBoard {
   void sense_supply(double volts) { supply_volts_ = volts; }
   void sense_position(std::uint8_t id, double units);
 
+  /// What a bus servo keeps in itself.
+  const BusServoLimits& limits(std::uint8_t id) const { return servo(id).limits; }
+
   bool moving() const;
   std::uint64_t beeps() const { return beeps_; }
   std::uint64_t bytes_lost() const { return bytes_lost_; }
@@ -76,6 +85,9 @@ class LscBoard {
     double measured = 0;
     std::int8_t offset = 0;
     std::int8_t saved_offset = 0;
+    double motor_units_s = 0;  ///< in motor mode: how fast the shaft is to turn
+    bool motor = false;
+    BusServoLimits limits;
   };
 
   Servo& servo(std::uint8_t id) { return servos_[id - 1U]; }
@@ -89,6 +101,10 @@ class LscBoard {
   bool take_offset(const lsc::ServoOffset& offset);
   bool take_group_step(const lsc::GroupStep& step);
   bool take_bus(const lsc::Request& request);
+  bool take_mode(const lsc::SetMode& mode);
+  bool take_info(const lsc::Parameters& info);
+  lsc::BusInfo info() const;
+  bool jog(const lsc::Jog& by);
   bool take_esp32(const lsc::Request& request);
   bool for_each(const lsc::ServoIds& ids, auto&& action);
   void say(const lsc::Reply& reply);

@@ -283,9 +283,6 @@ TEST(LscBoard, esp32_speaks_text_at_boot_and_goes_home_when_told) {
   bench.tell(GoHome{});
   bench.wait(1s);
   EXPECT_EQ(bench.at(6), 1500);
-  const auto beeps = bench.board.beeps();
-  bench.tell(Jog{0, 0, 10});
-  EXPECT_EQ(bench.board.beeps(), beeps + 1);
 }
 
 TEST(LscBoard, low_supply_beeps_once_a_second) {

@@ -403,7 +403,10 @@ void IcpDriver::on_refusal(Instant now) {
   if (stop_asked_) end_stopped(now);
   ++health_.retries;
   count_failure();
-  if (failures_ < device_.tries) return next(now);
+  if (failures_ < device_.tries) {
+    // It may have been the answer to something older: then all that follow would be too.
+    return recovering_ ? listen(now) : next(now);
+  }
   if (phase_ == Phase::kSelect && !selector_is_step_) {
     selector_is_step_ = true;
     failures_ = 0;

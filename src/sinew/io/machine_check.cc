@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <fstream>
 #include <string_view>
 
 namespace sinew::io {
@@ -31,11 +32,12 @@ std::string trouble_with(const std::string& path) {
          ", then log in again";
 }
 
-/// Names below /dev that begin so, sorted.
-std::vector<std::string> device_files(std::initializer_list<std::string_view> prefixes) {
+/// Names in that folder that begin so, sorted.
+std::vector<std::string> device_files(const std::string& folder,
+                                      std::initializer_list<std::string_view> prefixes) {
   std::vector<std::string> paths;
   std::error_code error;
-  for (const auto& entry : fs::directory_iterator("/dev", error)) {
+  for (const auto& entry : fs::directory_iterator(folder, error)) {
     const std::string name = entry.path().filename();
     const bool wanted = std::ranges::any_of(
         prefixes, [&](std::string_view prefix) { return name.starts_with(prefix); });
@@ -45,12 +47,34 @@ std::vector<std::string> device_files(std::initializer_list<std::string_view> pr
   return paths;
 }
 
+/// Whether there is a UART behind a ttyS: the driver of an empty place says type 0.
+bool has_uart(const std::string& path, const DeviceFolders& folders) {
+  const fs::path shown = fs::path(folders.terminals) / fs::path(path).filename() / "type";
+  int type = 0;
+  return static_cast<bool>(std::ifstream(shown) >> type) && type != 0;
+}
+
+std::vector<std::string> serial_ports(const DeviceFolders& folders) {
+  auto ports = device_files(folders.files, {"ttyUSB", "ttyACM", "ttyAMA", "ttyTHS", "ttyS"});
+  std::erase_if(ports, [&](const std::string& path) {
+    return fs::path(path).filename().string().starts_with("ttyS") && !has_uart(path, folders);
+  });
+  return ports;
+}
+
+/// The LeArm's classic board: bus 3 is USB, 0483:5750 is what it calls itself there.
+bool has_learm_hid(const DeviceFolders& folders) {
+  return !device_files(folders.hid, {"0003:0483:5750."}).empty();
+}
+
 /// The adapter's own name, from the links that udev makes.
-std::string serial_name(const std::string& path) {
+std::string serial_name(const std::string& path, const DeviceFolders& folders) {
   std::error_code error;
-  for (const auto& entry : fs::directory_iterator("/dev/serial/by-id", error)) {
+  const fs::path device = fs::canonical(path, error);
+  for (const auto& entry : fs::directory_iterator(folders.files + "/serial/by-id", error)) {
+    // Not fs::equivalent: this library's refuses device files.
     std::error_code ignored;
-    if (fs::equivalent(entry.path(), path, ignored)) return entry.path().filename();
+    if (fs::canonical(entry.path(), ignored) == device) return entry.path().filename();
   }
   return {};
 }
@@ -67,37 +91,44 @@ std::string chip_name(const std::string& path) {
 
 }  // namespace
 
-std::vector<FoundDevice> find_devices() {
+std::vector<FoundDevice> find_devices(const DeviceFolders& folders) {
   using Kind = FoundDevice::Kind;
   std::vector<FoundDevice> found;
-  for (const std::string& path : device_files({"ttyUSB", "ttyACM", "ttyAMA", "ttyTHS"})) {
-    found.push_back({Kind::kSerial, path, serial_name(path), trouble_with(path)});
+  for (const std::string& path : serial_ports(folders)) {
+    found.push_back({Kind::kSerial, path, serial_name(path, folders), trouble_with(path)});
   }
-  for (const std::string& path : device_files({"spidev"})) {
+  for (const std::string& path : device_files(folders.files, {"spidev"})) {
     found.push_back({Kind::kSpi, path, {}, trouble_with(path)});
   }
-  for (const std::string& path : device_files({"gpiochip"})) {
+  for (const std::string& path : device_files(folders.files, {"gpiochip"})) {
     found.push_back({Kind::kGpio, path, chip_name(path), trouble_with(path)});
   }
   return found;
 }
 
-std::vector<std::string> missing_interfaces() {
+std::vector<std::string> missing_interfaces(const DeviceFolders& folders) {
   std::vector<std::string> missing;
   if (::access("/dev/ptmx", R_OK | W_OK) != 0) {
     missing.emplace_back("pseudo-terminals (/dev/ptmx): without them no device can be simulated");
   }
-  if (device_files({"ttyUSB", "ttyACM", "ttyAMA", "ttyTHS"}).empty()) {
+  if (has_learm_hid(folders)) {
     missing.emplace_back(
-        "serial ports: none is there. Plug the robot's USB cable in; if nothing appears, sudo "
-        "dmesg | tail says what the kernel saw");
+        "a serial port of the LeArm: its classic board is plugged in by its own USB socket, which "
+        "is "
+        "HID and no serial port. Connect its TTL pins (TX, RX, GND) by a USB-to-TTL adapter");
   }
-  if (device_files({"spidev"}).empty()) {
+  if (serial_ports(folders).empty()) {
+    missing.emplace_back(
+        "serial ports: none is there. Plug the robot's USB cable in (a classic LeArm board has no "
+        "serial port on its USB: its TTL pins need an adapter); if nothing appears, sudo dmesg | "
+        "tail says what the kernel saw");
+  }
+  if (device_files(folders.files, {"spidev"}).empty()) {
     missing.emplace_back(
         "SPI (/dev/spidev*): needed by robot-arm-2 only. On a Raspberry Pi: dtparam=spi=on in "
         "config.txt, or sudo raspi-config, Interface Options");
   }
-  if (device_files({"gpiochip"}).empty()) {
+  if (device_files(folders.files, {"gpiochip"}).empty()) {
     missing.emplace_back(
         "GPIO lines (/dev/gpiochip*): needed by robot-arm-2 only, for its chip selects");
   }

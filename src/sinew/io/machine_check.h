@@ -14,11 +14,21 @@ struct FoundDevice {
   std::string trouble;  ///< why it cannot be used and what helps; empty where it can
 };
 
+/// Where the kernel shows its devices; other folders in tests.
+struct DeviceFolders {
+  std::string files = "/dev";
+  std::string terminals = "/sys/class/tty";
+  std::string hid = "/sys/bus/hid/devices";
+};
+
 /// What this computer offers to robots. Nothing is opened for writing, no line changes its level,
 /// no byte is sent: serial ports are looked at from outside, since opening one may reset a board.
-std::vector<FoundDevice> find_devices();
+/// Of the ttyS that the kernel keeps ready for UARTs that nobody fitted only those are listed that
+/// have one: their driver says its type, and 0 is none.
+std::vector<FoundDevice> find_devices(const DeviceFolders& folders = {});
 
-/// Interfaces of the kernel that a robot may need and that are missing, with the remedy each.
-std::vector<std::string> missing_interfaces();
+/// Interfaces of the kernel that a robot may need and that are missing, with the remedy each. A
+/// classic LeArm board on USB is named, too: it is a HID device there and no serial port.
+std::vector<std::string> missing_interfaces(const DeviceFolders& folders = {});
 
 }  // namespace sinew::io

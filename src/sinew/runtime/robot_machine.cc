@@ -46,11 +46,14 @@ class Maker {
             nullptr};
   }
   RobotMachine operator()(const IcpDevice& device) const {
-    return {std::make_unique<sim::IcpMachine>(robot_, quirks_of(device.firmware), options_.seed,
-                                              boot_),
-            nullptr};
+    return {
+        std::make_unique<sim::IcpMachine>(robot_, quirks_of(device.firmware), options_.seed, boot_),
+        nullptr};
   }
   RobotMachine operator()(const AxisRegistersDevice& /*device*/) const {
+    if (options_.profile == "as-committed") {
+      return stepper_arm(sim::AxisWire::kRegistersAsCommitted);
+    }
     return stepper_arm(options_.profile == "as-built" ? sim::AxisWire::kRegistersAsBuilt
                                                       : sim::AxisWire::kRegisters);
   }

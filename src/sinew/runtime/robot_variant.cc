@@ -101,7 +101,9 @@ std::span<const AxisBoard> boards_of(const RobotModel& robot) {
 std::vector<std::string> profiles_of(const RobotModel& robot) {
   const auto& settings = robot.device.settings;
   if (std::holds_alternative<BigRobotArmDevice>(settings)) return {"document", "as-built"};
-  if (std::holds_alternative<AxisRegistersDevice>(settings)) return {"document", "as-built"};
+  if (std::holds_alternative<AxisRegistersDevice>(settings)) {
+    return {"document", "as-built", "as-committed"};
+  }
   if (const auto* lsc = std::get_if<LscDevice>(&settings)) {
     constexpr const char* kNames[] = {"lsc6", "bus", "esp32"};
     Names names{kNames[static_cast<int>(lsc->profile)]};
@@ -163,7 +165,7 @@ std::expected<RobotModel, std::string> variant_of(const RobotModel& robot,
     }
     if (auto* boards = std::get_if<AxisRegistersDevice>(&settings)) {
       // The first firmware's DIAG_STATUS is always 0.
-      boards->reports_status = *profile != "as-built";
+      boards->reports_status = *profile == "document";
     }
     if (auto* icp = std::get_if<IcpDevice>(&settings)) set_profile(*icp, *profile);
   }

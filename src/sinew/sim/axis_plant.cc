@@ -72,9 +72,15 @@ void AxisPlant::set_field(double field) {
   (settings_.joint_as5600 ? joint_sensor_ : motor_sensor_).set_field(field);
 }
 
+void AxisPlant::set_coupling(bool holds) {
+  if (coupled_ && !holds) slipping_at_ = joint_shaft();
+  if (!coupled_ && holds) joint_slip_ = slipping_at_ - q_;
+  coupled_ = holds;
+}
+
 void AxisPlant::reboot() {
   steps_ = 0;
-  quadrature_ = Quadrature(q_);
+  quadrature_ = Quadrature(joint_shaft());
 }
 
 double AxisPlant::gear_torque() const {
@@ -156,13 +162,13 @@ void AxisPlant::advance(const AxisOutputs& outputs, double dt) {
 
 void AxisPlant::read_sensors(double dt) {
   motor_sensor_.turn_to(motor_.angle() + motor_mounting_, dt);
-  if (settings_.joint_as5600) joint_sensor_.turn_to(q_ + joint_mounting_, dt);
+  if (settings_.joint_as5600) joint_sensor_.turn_to(joint_shaft() + joint_mounting_, dt);
   read_switch(dt);
 }
 
 void AxisPlant::read_switch(double dt) {
   const double beyond = (q_ - settings_.switch_angle) * settings_.switch_direction;
-  const bool pressed = beyond >= (switch_pressed_ ? -kSwitchTravel : 0);
+  const bool pressed = switch_held_ || beyond >= (switch_pressed_ ? -kSwitchTravel : 0);
   if (pressed != switch_pressed_) bounce_left_ = kBounce;
   switch_pressed_ = pressed;
   switch_level_ = bounce_left_ > 0 ? random_.bits() % 2 == 0 : pressed;
@@ -171,7 +177,8 @@ void AxisPlant::read_switch(double dt) {
 
 AxisInputs AxisPlant::inputs() const {
   AxisInputs inputs;
-  inputs.joint_counts = settings_.joint_as5600 ? joint_sensor_.counts() : quadrature_.counts(q_);
+  inputs.joint_counts =
+      settings_.joint_as5600 ? joint_sensor_.counts() : quadrature_.counts(joint_shaft());
   inputs.joint_encoder_ok = !settings_.joint_as5600 || joint_sensor_.magnet_ok();
   inputs.motor_counts = motor_sensor_.counts();
   inputs.motor_encoder_ok = motor_sensor_.magnet_ok();

@@ -51,6 +51,13 @@ class AxisPlant {
   void unblock();
   /// Field of the magnet on the motor's shaft, or on the joint's where that has one; 1 is right.
   void set_field(double field);
+  /// The coupling (the magnet's seat) between the joint and its encoder. One that slips leaves the
+  /// encoder's shaft where it is; one that holds again takes it along from there.
+  void set_coupling(bool holds);
+  /// deg C around it from now on: a heat gun.
+  void set_ambient(double celsius) { settings_.ambient = celsius; }
+  /// A finger on the end stop's lever, whatever the joint does; false lets it go.
+  void hold_switch(bool held) { switch_held_ = held; }
 
   /// The board starts again: its step count and its quadrature counter stand at 0.
   void reboot();
@@ -99,11 +106,18 @@ class AxisPlant {
   double temperature_;
   std::int64_t steps_ = 0;
 
+  /// rad: the shaft of the joint's encoder.
+  double joint_shaft() const { return coupled_ ? q_ + joint_slip_ : slipping_at_; }
+
   double motor_mounting_;  ///< rad by which the sensors are turned on their shafts
   double joint_mounting_;
   As5600 motor_sensor_;
   As5600 joint_sensor_;
   Quadrature quadrature_;
+  bool coupled_ = true;
+  double joint_slip_ = 0;   ///< rad by which the encoder's shaft has come off the joint
+  double slipping_at_ = 0;  ///< where it stands while nothing takes it along
+  bool switch_held_ = false;
   bool switch_pressed_ = false;
   bool switch_level_ = false;
   double bounce_left_ = 0;  ///< s

@@ -322,5 +322,40 @@ TEST(AxisPlant, same_seed_gives_the_same_run_and_nothing_allocates) {
   EXPECT_EQ(first.plant.inputs().motor_counts, second.plant.inputs().motor_counts);
 }
 
+TEST(AxisPlant, encoder_whose_coupling_slips_stands_still_and_goes_along_again_from_there) {
+  for (const bool as5600 : {false, true}) {
+    AxisPlantSettings settings = shoulder();
+    settings.joint_as5600 = as5600;
+    const double turn_counts = as5600 ? As5600::kTurn : Quadrature::kTurn;
+    Bench bench(settings);
+    bench.power();
+    const auto counts = [&] { return static_cast<double>(bench.plant.inputs().joint_counts); };
+    const double rest = counts();
+    bench.plant.set_coupling(false);
+    bench.turn(from_deg(10), 2);
+    EXPECT_NEAR(counts(), rest, 3) << "of the noise";
+    EXPECT_GT(bench.plant.q(), from_deg(9)) << "the joint goes on";
+    EXPECT_TRUE(bench.plant.inputs().joint_encoder_ok) << "it does not know";
+    bench.plant.set_coupling(true);
+    const double held = bench.plant.q();
+    bench.turn(from_deg(8), 2);
+    bench.wait(0.5);
+    const double moved = (bench.plant.q() - held) / (2 * kPi) * turn_counts;
+    double told = counts() - rest;
+    if (as5600 && told < 0) told += As5600::kTurn;
+    EXPECT_NEAR(told, moved, 4);
+  }
+}
+
+TEST(AxisPlant, finger_on_the_end_stop_closes_it_wherever_the_joint_is) {
+  Bench bench;
+  bench.plant.hold_switch(true);
+  bench.wait(0.01);
+  EXPECT_TRUE(bench.plant.inputs().end_stop);
+  bench.plant.hold_switch(false);
+  bench.wait(0.01);
+  EXPECT_FALSE(bench.plant.inputs().end_stop);
+}
+
 }  // namespace
 }  // namespace sinew::sim

@@ -260,6 +260,7 @@ void BigRobotArmMachine::disturb(const Disturbance& what) {
     case Disturbance::Kind::kLoad:
       if (of_joint) axes_[joint].extra_torque = what.value;
       break;
+    case Disturbance::Kind::kCoupling:
     case Disturbance::Kind::kMagnet:
       break;  // it has none
   }

@@ -19,6 +19,15 @@ bool has_magnets(const RobotModel& robot) {
          std::holds_alternative<MaxArmDevice>(settings);
 }
 
+/// Whether a second encoder, on the joint itself, is coupled to it.
+bool has_joint_encoder(const RobotModel& robot, std::size_t joint) {
+  const auto& settings = robot.device.settings;
+  const bool boards = std::holds_alternative<AxisRegistersDevice>(settings) ||
+                      std::holds_alternative<AxisLinkDevice>(settings);
+  const auto& drives = robot.dynamics.drives;
+  return boards && joint < drives.size() && drives[joint].joint_encoder != JointEncoder::kNone;
+}
+
 std::expected<void, std::string> check_unit(const TimedDisturbance& timed, const Joint& joint,
                                             const std::string& name) {
   if (!timed.unit || *timed.unit == joint.kind) return {};
@@ -37,18 +46,26 @@ std::expected<void, std::string> check_unit(const TimedDisturbance& timed, const
 /// What is undone must have been done, or it says nothing.
 std::expected<void, std::string> check_undoing(const FaultPlan& plan, const TimedDisturbance& timed,
                                                const std::string& name) {
-  const bool unblocks = timed.what.kind == Kind::kUnblock;
-  if (!unblocks && (timed.what.kind != Kind::kMagnet || timed.what.value == 0)) return {};
+  const Kind kind = timed.what.kind;
+  const bool switches = kind == Kind::kMagnet || kind == Kind::kCoupling;
+  const bool undoes = kind == Kind::kUnblock || (switches && timed.what.value != 0);
+  if (!undoes) return {};
   const bool done = std::ranges::any_of(plan.disturbances, [&](const TimedDisturbance& other) {
-    const bool counterpart = unblocks ? other.what.kind == Kind::kBlock
-                                      : other.what.kind == Kind::kMagnet && other.what.value == 0;
+    const bool counterpart = switches ? other.what.kind == kind && other.what.value == 0
+                                      : other.what.kind == Kind::kBlock;
     return counterpart && other.what.joint == timed.what.joint && other.at < timed.at;
   });
   if (done) return {};
-  return std::unexpected(unblocks ? "unblock=" + name + ": nothing blocks " + name +
-                                        " before; it goes with block=" + name + "@20deg@4s"
-                                  : "magnet=" + name +
-                                        ":on: it is on; it goes with magnet=" + name + ":off@4s");
+  if (kind == Kind::kMagnet) {
+    return std::unexpected("magnet=" + name + ":on: it is on; it goes with magnet=" + name +
+                           ":off@4s");
+  }
+  if (kind == Kind::kCoupling) {
+    return std::unexpected("coupling=" + name + ":holds: it holds; it goes with coupling=" + name +
+                           ":slips@4s");
+  }
+  return std::unexpected("unblock=" + name + ": nothing blocks " + name +
+                         " before; it goes with block=" + name + "@20deg@4s");
 }
 
 }  // namespace
@@ -65,6 +82,10 @@ std::expected<void, std::string> check_faults(const FaultPlan& plan, const Robot
     if (timed.what.kind == Kind::kMagnet && !has_magnets(robot)) {
       return std::unexpected("magnet=" + name + ": " + robot.id +
                              " has no magnet that could fall off: no sensor looks at its joints");
+    }
+    if (timed.what.kind == Kind::kCoupling && !has_joint_encoder(robot, joint)) {
+      return std::unexpected("coupling=" + name + ": " + robot.id +
+                             " has no encoder of its own on that joint that could come loose");
     }
     if (auto fine = check_unit(timed, robot.joints[joint], name); !fine) return fine;
     if (auto fine = check_undoing(plan, timed, name); !fine) return fine;

@@ -36,6 +36,17 @@ TEST(FaultCheck, magnets_fall_off_only_where_there_are_some) {
   EXPECT_EQ(refusal("maxarm", "magnet=J3:off@1s"), "");
 }
 
+TEST(FaultCheck, couplings_slip_only_where_a_joint_has_an_encoder_of_its_own) {
+  for (const char* robot : {"learm", "bigrobotarm", "hexapod", "maxarm"}) {
+    EXPECT_EQ(refusal(robot, "coupling=J3:slips@1s"),
+              "coupling=J3: " + std::string(robot) +
+                  " has no encoder of its own on that joint that could come loose");
+  }
+  EXPECT_EQ(refusal("robot-arm-2", "coupling=J3:slips@1s,coupling=J3:holds@2s"), "");
+  EXPECT_EQ(refusal("robot-arm-2", "coupling=J3:holds@2s"),
+            "coupling=J3:holds: it holds; it goes with coupling=J3:slips@4s");
+}
+
 TEST(FaultCheck, joints_that_are_not_there_are_refused) {
   EXPECT_EQ(refusal("maxarm", "unblock=J4@1s"), "the robot has no J4; its joints are J1 to J3");
   EXPECT_EQ(refusal("learm", "load=J6:1Nm@1s"), "the robot has no J6; its joints are J1 to J5");

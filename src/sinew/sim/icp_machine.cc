@@ -208,6 +208,7 @@ void IcpMachine::disturb(const Disturbance& what) {
       if (!one_leg) return;
       it.load = what.value;
       return wake(leg);
+    case Disturbance::Kind::kCoupling:
     case Disturbance::Kind::kMagnet:
       return;  // no sensor anywhere
   }

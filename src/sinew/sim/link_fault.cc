@@ -9,11 +9,37 @@ namespace {
 
 /// Odd, so that the two directions of one seed have nothing in common.
 constexpr std::uint64_t kLaneStride = 0xD1342543DE82EF95ULL;
+constexpr std::uint64_t kTimedStride = 0xA0761D6478BD642FULL;
 
 }  // namespace
 
+TimedByteFaults::TimedByteFaults(const LinkFaultSpec& spec)
+    : random_{SplitMix64(spec.seed ^ kTimedStride),
+              SplitMix64(spec.seed ^ kTimedStride ^ kLaneStride)} {
+  for (const TimedByteFault& fault : spec.timed) entries_.push_back({fault});
+}
+
+std::optional<Duration> TimedByteFaults::strikes(TimedByteFault::Kind kind,
+                                                 std::optional<LinkDirection> direction,
+                                                 Duration since) {
+  std::optional<Duration> struck;
+  for (Entry& entry : entries_) {
+    const TimedByteFault& fault = entry.fault;
+    const bool this_way = !fault.only || !direction || *fault.only == *direction;
+    if (fault.kind != kind || !this_way || entry.spent) continue;
+    // Its draw is made at every moment: what befalls the n-th byte hangs on n alone.
+    SplitMix64& random = random_[direction == LinkDirection::kToHost ? 1 : 0];
+    const bool hit = fault.once || random.uniform(0, 1) < fault.chance;
+    if (!hit || since < fault.at || (fault.until && since >= *fault.until)) continue;
+    entry.spent = fault.once;
+    struck = std::max(struck.value_or(Duration::zero()), fault.delay_time);
+  }
+  return struck;
+}
+
 LinkFaults::LinkFaults(const LinkFaultSpec& spec, Instant start)
     : spec_(spec),
+      timed_(spec),
       start_(start),
       lanes_{Lane(SplitMix64(spec.seed).bits()), Lane(SplitMix64(spec.seed ^ kLaneStride).bits())} {
 }
@@ -38,6 +64,8 @@ void LinkFaults::enqueue(Lane& lane, std::uint8_t byte, Instant arrives) {
 void LinkFaults::push(LinkDirection direction, std::span<const std::uint8_t> bytes, Instant now) {
   Lane& lane = lanes_[static_cast<std::size_t>(direction)];
   const ByteFaults& faults = spec_.bytes[static_cast<std::size_t>(direction)];
+  using Kind = TimedByteFault::Kind;
+  const auto strikes = [&](Kind kind) { return timed_.strikes(kind, direction, now - start_); };
   for (std::uint8_t byte : bytes) {
     // Every byte costs the same draws, whatever befalls it.
     const bool drop = lane.random.uniform(0, 1) < faults.drop;
@@ -50,20 +78,26 @@ void LinkFaults::push(LinkDirection direction, std::span<const std::uint8_t> byt
       ++lane.counts.cut;
       continue;
     }
-    if (drop) {
+    const bool drop_now = strikes(Kind::kDrop).has_value();
+    if (drop || drop_now) {
       ++lane.counts.dropped;
       continue;
     }
-    if (flip) {
+    const bool flip_now = strikes(Kind::kFlip).has_value();
+    if (flip || flip_now) {
       byte = static_cast<std::uint8_t>(byte ^ 1U << bit);
       ++lane.counts.flipped;
     }
-    if (delay) ++lane.counts.delayed;
-    const Instant arrives = now + (delay ? faults.delay_time : Duration::zero());
+    const auto delay_now = strikes(Kind::kDelay);
+    if (delay || delay_now) ++lane.counts.delayed;
+    const Duration late = std::max(delay ? faults.delay_time : Duration::zero(),
+                                   delay_now.value_or(Duration::zero()));
+    const Instant arrives = now + late;
     // What comes behind a late byte is late with it.
     lane.last_arrival = std::max(lane.last_arrival, arrives);
     enqueue(lane, byte, lane.last_arrival);
-    if (!duplicate) continue;
+    const bool duplicate_now = strikes(Kind::kDuplicate).has_value();
+    if (!duplicate && !duplicate_now) continue;
     ++lane.counts.duplicated;
     enqueue(lane, byte, lane.last_arrival);
   }

@@ -37,8 +37,21 @@ struct LinkCut {
   friend bool operator==(const LinkCut&, const LinkCut&) = default;
 };
 
+/// What befalls bytes from one moment on: one of them, or each with a chance.
+struct TimedByteFault {
+  enum class Kind : std::uint8_t { kDrop, kDuplicate, kFlip, kDelay } kind = Kind::kDrop;
+  double chance = 1;
+  Duration at{};                                     ///< since the link began
+  bool once = false;                                 ///< the first byte from then on, no other
+  std::optional<Duration> until = std::nullopt;      ///< nothing: for ever
+  std::optional<LinkDirection> only = std::nullopt;  ///< nothing: both ways
+  Duration delay_time{};                             ///< kDelay
+  friend bool operator==(const TimedByteFault&, const TimedByteFault&) = default;
+};
+
 struct LinkFaultSpec {
-  std::array<ByteFaults, 2> bytes;  ///< by LinkDirection
+  std::array<ByteFaults, 2> bytes;  ///< by LinkDirection; of every moment
+  std::vector<TimedByteFault> timed;
   std::vector<LinkCut> cuts;
   std::uint64_t seed = 1;
   friend bool operator==(const LinkFaultSpec&, const LinkFaultSpec&) = default;
@@ -61,11 +74,15 @@ struct FaultPlan {
 ///
 ///     drop=P duplicate=P flip=P        [:to-host | :to-device]     P: 0..1 per byte
 ///     delay=P:TIME                     [:to-host | :to-device]
+///     flip=P@TIME   flip=P@TIME..TIME  [..]   from then on, or in that span; so with drop,
+///     delay=P:TIME@TIME..TIME          [..]   duplicate and delay
+///     flip@TIME   delay@TIME:TIME      [..]   once: the first byte from that moment on
 ///     cut@TIME                         [:TIME]       both ways; without the second TIME for ever
 ///     half-open@TIME:to-host|to-device [:TIME]       that direction is dead
 ///     seed=N
 ///     supply=12V@TIME  payload=0.5kg@TIME  block=J2@20deg@TIME  unblock=J2@TIME
 ///     magnet=J3:off@TIME  magnet=J3:on@TIME  load=J1:0.5Nm@TIME
+///     coupling=J3:slips@TIME  coupling=J3:holds@TIME
 ///
 /// TIME is a number with ms, s or min; a block's place has deg, rad, mm or m; a load Nm or N.
 /// An error: an item that says again, or replaces, what an earlier one says of the same moment; one
@@ -95,6 +112,28 @@ struct LinkCounts {
   std::uint64_t delayed = 0;
   std::uint64_t cut = 0;  ///< vanished in a cut, or found the link's buffer full
   friend bool operator==(const LinkCounts&, const LinkCounts&) = default;
+};
+
+/// Which of a plan's timed faults befall the byte (or transfer) that comes now. Draws of its own,
+/// so that a plan's other chances fall as they would without it. @rt apart from its construction.
+class TimedByteFaults {
+ public:
+  explicit TimedByteFaults(const LinkFaultSpec& spec);
+
+  /// Whether one of that kind strikes what goes this way.
+  /// @param direction  nothing: it goes both ways at once.
+  /// @param since      since the link began; must not run back.
+  /// @return  the delay of the one that struck, 0 for the other kinds; nothing where none did.
+  std::optional<Duration> strikes(TimedByteFault::Kind kind, std::optional<LinkDirection> direction,
+                                  Duration since);
+
+ private:
+  struct Entry {
+    TimedByteFault fault;
+    bool spent = false;
+  };
+  std::vector<Entry> entries_;
+  std::array<SplitMix64, 2> random_;
 };
 
 /// A byte link with faults, in virtual time. Bytes of one direction keep their order. What befalls
@@ -134,6 +173,7 @@ class LinkFaults {
   static void enqueue(Lane& lane, std::uint8_t byte, Instant arrives);
 
   LinkFaultSpec spec_;
+  TimedByteFaults timed_;
   Instant start_;
   std::array<Lane, 2> lanes_;
 };

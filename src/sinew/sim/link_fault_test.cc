@@ -111,6 +111,67 @@ TEST(LinkFaults, cut_is_dead_both_ways_for_its_time_and_half_open_one_way) {
   EXPECT_EQ(link.counts(kToHost).cut, 3U);
 }
 
+TEST(LinkFaults, a_fault_at_a_moment_befalls_the_first_byte_from_then_on_and_no_other) {
+  const Bytes ten = counting(10);
+  struct Row {
+    const char* text;
+    Bytes at_once;
+  };
+  for (const Row& row :
+       {Row{"drop@3s", {1, 2, 3, 4, 5, 6, 7, 8, 9}},
+        Row{"duplicate@3s", {0, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9}}, Row{"delay@3s:20ms", {}}}) {
+    LinkFaults link(plan_of(row.text).link, Instant{});
+    link.push(kToHost, ten, Instant{} + 2999ms);
+    EXPECT_EQ(all_of(link, kToHost, Instant{} + 2999ms), ten) << row.text;
+    link.push(kToHost, ten, Instant{} + 3500ms);
+    EXPECT_EQ(all_of(link, kToHost, Instant{} + 3500ms), row.at_once) << row.text;
+    (void)all_of(link, kToHost, Instant{} + 4s);
+    for (const auto direction : {kToDevice, kToHost}) {
+      link.push(direction, ten, Instant{} + 5s);
+      EXPECT_EQ(all_of(link, direction, Instant{} + 5s), ten) << row.text << ": once";
+    }
+  }
+  LinkFaults link(plan_of("flip@3s:to-host").link, Instant{});
+  link.push(kToDevice, ten, Instant{} + 4s);
+  EXPECT_EQ(all_of(link, kToDevice, Instant{} + 4s), ten);
+  link.push(kToHost, ten, Instant{} + 4s);
+  const Bytes spoiled = all_of(link, kToHost, Instant{} + 4s);
+  EXPECT_EQ(std::popcount(static_cast<unsigned>(spoiled[0] ^ ten[0])), 1);
+  EXPECT_TRUE(std::equal(spoiled.begin() + 1, spoiled.end(), ten.begin() + 1));
+}
+
+TEST(LinkFaults, a_chance_with_a_span_holds_in_it_alone) {
+  LinkFaults link(plan_of("flip=0.1@3s..5s,drop=0.2@4s:to-host,seed=5").link, Instant{});
+  const Bytes sent = counting(20'000);
+  struct Row {
+    Duration at;
+    double flipped, dropped;  // per byte, to the host
+  };
+  std::array<LinkCounts, 2> before{};
+  for (const Row& row : {Row{2999ms, 0, 0}, Row{3s, 0.1, 0}, Row{4s, 0.08, 0.2}, Row{5s, 0, 0.2}}) {
+    for (const auto direction : {kToDevice, kToHost}) {
+      const bool to_host = direction == kToHost;
+      link.push(direction, sent, Instant{} + row.at);
+      (void)all_of(link, direction, Instant{} + row.at);
+      const LinkCounts& counts = link.counts(direction);
+      LinkCounts& last = before[to_host ? 1 : 0];
+      const double flipped = static_cast<double>(counts.flipped - last.flipped) / 20'000;
+      const double dropped = static_cast<double>(counts.dropped - last.dropped) / 20'000;
+      EXPECT_NEAR(flipped, to_host || row.flipped == 0 ? row.flipped : 0.1, 0.01);
+      EXPECT_NEAR(dropped, to_host ? row.dropped : 0, 0.01);
+      last = counts;
+    }
+  }
+}
+
+TEST(LinkFaults, faults_with_a_moment_leave_the_others_where_they_fall) {
+  const Bytes sent = counting(5000);
+  LinkFaults plain(plan_of("flip=0.01,seed=3").link, Instant{});
+  LinkFaults timed(plan_of("flip=0.01,flip=1@3s..4s,delay@9s:1s,seed=3").link, Instant{});
+  for (LinkFaults* link : {&plain, &timed}) link->push(kToHost, sent, Instant{});
+  EXPECT_EQ(all_of(plain, kToHost, Instant{}), all_of(timed, kToHost, Instant{}));
+}
+
 TEST(LinkFaults, a_full_link_loses_and_says_so) {
   LinkFaults link(plan_of("delay=1:10s").link, Instant{});
   link.push(kToDevice, Bytes(LinkFaults::kCapacity + 5), Instant{});
@@ -183,11 +244,41 @@ TEST(FaultText, all_items_are_read) {
   }
 }
 
+TEST(FaultText, chances_take_moments_and_spans) {
+  const FaultPlan plan = plan_of(
+      "flip@3s,drop@1500ms:to-host,delay@4s:200ms:to-device,flip=0.1@3s,duplicate=0.2@3s..5s:to-"
+      "host"
+      ",delay=0.01:50ms@1min..2min,flip=1e-4");
+  using Fault = TimedByteFault;
+  using Kind = Fault::Kind;
+  const std::vector<Fault> expected{
+      {.kind = Kind::kFlip, .at = 3s, .once = true},
+      {.kind = Kind::kDrop, .at = 1500ms, .once = true, .only = kToHost},
+      {.kind = Kind::kDelay, .at = 4s, .once = true, .only = kToDevice, .delay_time = 200ms},
+      {.kind = Kind::kFlip, .chance = 0.1, .at = 3s},
+      {.kind = Kind::kDuplicate, .chance = 0.2, .at = 3s, .until = 5s, .only = kToHost},
+      {.kind = Kind::kDelay, .chance = 0.01, .at = 60s, .until = 120s, .delay_time = 50ms}};
+  EXPECT_EQ(plan.link.timed, expected);
+  EXPECT_EQ(plan.link.bytes[0].flip, 1e-4) << "of every moment, besides";
+}
+
 TEST(FaultText, every_mistake_earns_a_sentence_that_names_it) {
   const std::vector<std::array<std::string, 2>> mistakes{
       {"dorp=0.1", "did you mean \"drop\"?"},
       {"nonsense", "there are drop, duplicate"},
       {"drop", "needs = behind its name"},
+      {"flip@x", "fault \"flip@x\":"},
+      {"flip@3s:sideways", "\"sideways\" is no direction"},
+      {"flip@3s,flip@3000ms:to-host", "is said twice"},
+      {"flip=0.1@3s..3s", "a span ends after it begins, as 3s..5s"},
+      {"flip=0.1@3s..", "fault \"flip=0.1@3s..\":"},
+      {"flip=0@3s", "a chance of 0 says nothing"},
+      {"flip=0.1:to-host@3s", "a direction stands behind the moment, as flip=0.1@3s..5s:to-host"},
+      {"drop=0.1@1s..2s,drop=0.3@1s", "is said twice"},
+      {"delay@3s", "needs how long, as delay@3s:200ms"},
+      {"delay@3s:0s", "a delay of 0 s says nothing"},
+      {"delay=0.1@3s", "needs how long, as delay=0.01:200ms@3s..5s"},
+      {"drop@3s,seed=4", "says nothing without a chance"},
       {"cut=3s", "needs @ behind its name"},
       {"drop=2", "\"2\" is no chance; it is a number 0..1"},
       {"drop=nan", "is no chance"},
@@ -226,6 +317,7 @@ TEST(FaultText, every_mistake_earns_a_sentence_that_names_it) {
       {"block=J2@1kg@1s", "is no place of a joint; write 20deg or 12mm"},
       {"block=J2@1s", "is no place of a joint"},
       {"magnet=J1@1s", "a magnet is on or off"},
+      {"coupling=J1:off@1s", "a coupling slips or holds"},
       {"unblock=J1:x@1s", "needs a joint and its moment only"},
       {"load=J1:5kg@1s", "fault \"load=J1:5kg@1s\":"},
       {"drop=0.1,,flip=0.1", "one comma too many"},
@@ -283,6 +375,17 @@ TEST(FaultText, what_is_printed_reads_back_as_the_same_plan) {
       }
     }
     for (std::int64_t i = random.integer(0, 3); i > 0; --i) {
+      TimedByteFault fault;
+      fault.kind = static_cast<TimedByteFault::Kind>(random.integer(0, 3));
+      fault.at = std::chrono::milliseconds(4 * random.integer(0, 25'000) + i);
+      fault.once = random.chance(0.5);
+      if (!fault.once) fault.chance = random.uniform(0.001, 1);
+      if (!fault.once && random.chance(0.5)) fault.until = fault.at + 7ms;
+      if (random.chance(0.5)) fault.only = random.chance(0.5) ? kToHost : kToDevice;
+      if (fault.kind == TimedByteFault::Kind::kDelay) fault.delay_time = 3ms;
+      plan.link.timed.push_back(fault);
+    }
+    for (std::int64_t i = random.integer(0, 3); i > 0; --i) {
       // No two at one moment, which would be a mistake.
       LinkCut cut{std::chrono::milliseconds(4 * random.integer(0, 25'000) + i), std::nullopt,
                   std::nullopt};
@@ -291,11 +394,11 @@ TEST(FaultText, what_is_printed_reads_back_as_the_same_plan) {
       plan.link.cuts.push_back(cut);
     }
     for (std::int64_t i = random.integer(0, 4); i > 0; --i) {
-      Disturbance what{.kind = static_cast<Disturbance::Kind>(random.integer(0, 5))};
+      Disturbance what{.kind = static_cast<Disturbance::Kind>(random.integer(0, 6))};
       using Kind = Disturbance::Kind;
       const bool global = what.kind == Kind::kSupply || what.kind == Kind::kPayload;
       if (!global) what.joint = static_cast<std::int8_t>(random.integer(0, 7));
-      if (what.kind == Kind::kMagnet) {
+      if (what.kind == Kind::kMagnet || what.kind == Kind::kCoupling) {
         what.value = random.chance(0.5) ? 1 : 0;
       } else if (what.kind != Kind::kUnblock) {
         what.value = random.uniform(global ? 0 : -3, 12);
@@ -323,10 +426,11 @@ TEST(FaultText, what_is_printed_reads_back_as_the_same_plan) {
 
 TEST(FaultText, any_text_is_read_or_refused_with_a_sentence) {
   static constexpr std::string_view kPieces[] = {
-      "drop", "cut", "half-open", "=",  "@",   ":",     ",",  "J2",  "J", "0.1", "1e999",
+      "drop", "cut", "half-open", "=",  "@",   ":",     ",",  "J2",  "J", "0.1", "1e999", "..",
       "3s",   "ms",  "to-host",   "-1", "off", "block", "kg", "nan", " ", "\n",  "magnet"};
-  static constexpr std::string_view kItems[] = {"drop=0.1", "cut@3s", "block=J2@20deg@4s",
-                                                "delay=0.01:3ms", "half-open@1s:to-host"};
+  static constexpr std::string_view kItems[] = {
+      "drop=0.1", "cut@3s",         "block=J2@20deg@4s", "delay=0.01:3ms", "half-open@1s:to-host",
+      "flip@3s",  "drop=0.1@1s..2s"};
   int accepted = 0;
   test::for_random_cases(20'000, [&](test::Random& random) {
     std::string text;

@@ -21,9 +21,9 @@ constexpr double kPayloadMax = 100;  // kg
 constexpr double kLoadMax = 1000;    // Nm, N
 constexpr double kAngleMax = 100;    // rad
 constexpr double kLengthMax = 10;    // m
-constexpr std::array<std::string_view, 13> kItems{
+constexpr std::array<std::string_view, 14> kItems{
     "drop",   "duplicate", "flip",  "delay",   "cut",    "half-open", "seed",
-    "supply", "payload",   "block", "unblock", "magnet", "load"};
+    "supply", "payload",   "block", "unblock", "magnet", "load",      "coupling"};
 
 std::string quoted(std::string_view text) {
   return "\"" + printable(text) + "\"";
@@ -56,11 +56,15 @@ class ItemReader {
     rest_ = item_.substr(std::min(end + 1, item_.size()));
     if (std::ranges::find(kItems, name_) == kItems.end()) return unknown();
     const char separator = end < item_.size() ? item_[end] : ' ';
+    const bool chance =
+        name_ == "drop" || name_ == "duplicate" || name_ == "flip" || name_ == "delay";
+    if (chance && separator == '@') return read_once();
     const char due = name_ == "cut" || name_ == "half-open" ? '@' : '=';
     if (separator != due) return wrong("needs " + std::string(1, due) + " behind its name");
     if (name_ == "cut") return read_cut();
     if (name_ == "half-open") return read_half_open();
     if (name_ == "seed") return read_seed();
+    if (chance && rest_.find('@') != std::string_view::npos) return read_span();
     if (name_ == "delay") return read_delay();
     if (name_ == "drop") return read_chance(&ByteFaults::drop);
     if (name_ == "duplicate") return read_chance(&ByteFaults::duplicate);
@@ -148,12 +152,76 @@ class ItemReader {
     Duration time{};
     if (auto read = read_probability(take_until(rest_, ':'), chance); !read) return read;
     if (rest_.empty()) return wrong("needs how long, as delay=0.01:200ms");
-    if (auto read = read_time(take_until(rest_, ':'), time); !read) return read;
-    if (time == Duration::zero()) return wrong("a delay of 0 s says nothing; leave it out");
+    if (auto read = read_delay_time(take_until(rest_, ':'), time); !read) return read;
     return for_directions([&](ByteFaults& faults) {
       faults.delay = chance;
       faults.delay_time = time;
     });
+  }
+
+  TimedByteFault::Kind kind_of_chance() const {
+    using Kind = TimedByteFault::Kind;
+    if (name_ == "drop") return Kind::kDrop;
+    if (name_ == "duplicate") return Kind::kDuplicate;
+    return name_ == "flip" ? Kind::kFlip : Kind::kDelay;
+  }
+
+  Checked read_delay_time(std::string_view text, Duration& out) const {
+    if (auto read = read_time(text, out); !read) return read;
+    if (out == Duration::zero()) return wrong("a delay of 0 s says nothing; leave it out");
+    return {};
+  }
+
+  /// Behind the moment of a timed fault stands its direction, if anything; then it is complete.
+  Checked take_timed(TimedByteFault& fault) {
+    fault.kind = kind_of_chance();
+    if (!rest_.empty()) {
+      LinkDirection only{};
+      if (auto read = read_direction(trimmed(rest_), only); !read) return read;
+      fault.only = only;
+    }
+    const std::string key = std::string(name_) + (fault.once ? "!" : "");
+    for (const auto way : {LinkDirection::kToDevice, LinkDirection::kToHost}) {
+      if (fault.only && *fault.only != way) continue;
+      const bool to_host = way == LinkDirection::kToHost;
+      if (auto first = once_at(key + (to_host ? "<" : ">"), fault.at); !first) return first;
+    }
+    plan_.link.timed.push_back(fault);
+    return {};
+  }
+
+  Checked read_once() {
+    TimedByteFault fault;
+    fault.once = true;
+    if (auto read = read_time(take_until(rest_, ':'), fault.at); !read) return read;
+    if (name_ == "delay") {
+      if (rest_.empty()) return wrong("needs how long, as delay@3s:200ms");
+      if (auto read = read_delay_time(take_until(rest_, ':'), fault.delay_time); !read) return read;
+    }
+    return take_timed(fault);
+  }
+
+  Checked read_span() {
+    TimedByteFault fault;
+    std::string_view what = take_until(rest_, '@');
+    if (auto read = read_probability(take_until(what, ':'), fault.chance); !read) return read;
+    if (name_ == "delay") {
+      if (what.empty()) return wrong("needs how long, as delay=0.01:200ms@3s..5s");
+      if (auto read = read_delay_time(trimmed(what), fault.delay_time); !read) return read;
+    } else if (!what.empty()) {
+      return wrong("a direction stands behind the moment, as " + std::string(name_) +
+                   "=0.1@3s..5s:to-host");
+    }
+    const std::string_view span = take_until(rest_, ':');
+    const std::size_t dots = span.find("..");
+    if (auto read = read_time(trimmed(span.substr(0, dots)), fault.at); !read) return read;
+    if (dots != std::string_view::npos) {
+      Duration until{};
+      if (auto read = read_time(trimmed(span.substr(dots + 2)), until); !read) return read;
+      if (until <= fault.at) return wrong("a span ends after it begins, as 3s..5s");
+      fault.until = until;
+    }
+    return take_timed(fault);
   }
 
   /// Two cuts that begin at once, or two blows to the same thing at once: the later one would take
@@ -283,6 +351,12 @@ class ItemReader {
       if (value != "on" && value != "off") return wrong("a magnet is on or off");
       return {};
     }
+    if (name_ == "coupling") {
+      out.kind = Kind::kCoupling;
+      out.value = value == "holds" ? 1 : 0;
+      if (value != "holds" && value != "slips") return wrong("a coupling slips or holds");
+      return {};
+    }
     out.kind = Kind::kUnblock;
     if (!value.empty()) return wrong("needs a joint and its moment only, as unblock=J2@5s");
     return {};
@@ -343,6 +417,21 @@ void print_bytes(const LinkFaultSpec& link, std::vector<std::string>& items) {
   });
 }
 
+std::string text_of(const TimedByteFault& fault) {
+  constexpr std::string_view kNames[] = {"drop", "duplicate", "flip", "delay"};
+  std::string text(kNames[static_cast<std::size_t>(fault.kind)]);
+  const bool delay = fault.kind == TimedByteFault::Kind::kDelay;
+  const std::string late = delay ? ":" + text_of(fault.delay_time) : std::string{};
+  if (fault.once) {
+    text += "@" + text_of(fault.at) + late;
+  } else {
+    text += "=" + exact(fault.chance) + late + "@" + text_of(fault.at);
+    if (fault.until) text += ".." + text_of(*fault.until);
+  }
+  if (fault.only) text += ":" + std::string(text_of(*fault.only));
+  return text;
+}
+
 std::string text_of(const LinkCut& cut) {
   std::string text = (cut.only ? "half-open@" : "cut@") + text_of(cut.at);
   if (cut.only) text += ":" + std::string(text_of(*cut.only));
@@ -367,6 +456,8 @@ std::string text_of(const TimedDisturbance& timed) {
       return "unblock=" + joint + at;
     case Kind::kMagnet:
       return "magnet=" + joint + (timed.what.value != 0 ? ":on" : ":off") + at;
+    case Kind::kCoupling:
+      return "coupling=" + joint + (timed.what.value != 0 ? ":holds" : ":slips") + at;
     case Kind::kLoad:
       break;
   }
@@ -374,9 +465,13 @@ std::string text_of(const TimedDisturbance& timed) {
 }
 
 bool has_chances(const LinkFaultSpec& link) {
-  return std::ranges::any_of(link.bytes, [](const ByteFaults& faults) {
-    return faults.drop > 0 || faults.duplicate > 0 || faults.flip > 0 || faults.delay > 0;
+  // Which bit is flipped is a matter of chance too.
+  const bool timed = std::ranges::any_of(link.timed, [](const TimedByteFault& fault) {
+    return !fault.once || fault.kind == TimedByteFault::Kind::kFlip;
   });
+  return timed || std::ranges::any_of(link.bytes, [](const ByteFaults& faults) {
+           return faults.drop > 0 || faults.duplicate > 0 || faults.flip > 0 || faults.delay > 0;
+         });
 }
 
 }  // namespace
@@ -405,6 +500,7 @@ std::expected<FaultPlan, std::string> parse_faults(std::string_view text, std::s
 std::string to_text(const FaultPlan& plan) {
   std::vector<std::string> items;
   print_bytes(plan.link, items);
+  for (const TimedByteFault& fault : plan.link.timed) items.push_back(text_of(fault));
   for (const LinkCut& cut : plan.link.cuts) items.push_back(text_of(cut));
   for (const TimedDisturbance& timed : plan.disturbances) items.push_back(text_of(timed));
   if (plan.link.seed != LinkFaultSpec{}.seed) {

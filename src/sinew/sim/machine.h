@@ -4,6 +4,8 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
+#include <variant>
 
 #include "sinew/core/fixed_vector.h"
 #include "sinew/core/instant.h"
@@ -38,12 +40,14 @@ struct Truth {
 /// Things that happen to a machine from outside. They change physics, never a value.
 struct Disturbance {
   enum class Kind : std::uint8_t {
-    kSupply,   ///< volts from now on; a dip is two of them
-    kPayload,  ///< kg at the tool
-    kBlock,    ///< joint cannot pass `value` (rad or m) from now on
-    kUnblock,  ///< joint is free again
-    kMagnet,   ///< joint's encoder magnet: 0 falls off, 1 is put back
-    kLoad,     ///< extra torque on the joint, Nm (force on a leg, N)
+    kSupply,    ///< volts from now on; a dip is two of them
+    kPayload,   ///< kg at the tool
+    kBlock,     ///< joint cannot pass `value` (rad or m) from now on
+    kUnblock,   ///< joint is free again
+    kMagnet,    ///< joint's encoder magnet: 0 falls off, 1 is put back
+    kLoad,      ///< extra torque on the joint, Nm (force on a leg, N)
+    kCoupling,  ///< of the joint's encoder: 0 slips, so that the encoder stands still; 1 holds
+                ///< again
   } kind = Kind::kSupply;
   std::int8_t joint = -1;
   double value = 0;
@@ -71,6 +75,13 @@ class ByteMachine : public Machine {
   virtual std::size_t take_output(std::span<std::uint8_t> out) = 0;
 };
 
+/// One thing that a board can be asked for when it is being looked at: a count, a word, or bytes.
+struct Figure {
+  std::string_view name;
+  std::variant<std::uint64_t, std::string_view, FixedVector<std::uint8_t, 16>> value;
+};
+using Figures = FixedVector<Figure, 24>;
+
 /// A machine of several boards on an SPI bus, as its pins see it.
 class SpiMachine : public Machine {
  public:
@@ -83,6 +94,9 @@ class SpiMachine : public Machine {
   /// @param now   of the first clock edge. The time of the transfer passes inside.
   virtual void shift(std::span<const std::uint8_t> mosi, std::span<std::uint8_t> miso,
                      std::uint32_t clock_hz, Instant now) = 0;
+
+  /// What a board (or, without an axis, their bus) says of itself to whoever looks on.
+  virtual Figures figures(std::optional<std::size_t> /*axis*/) const { return {}; }
 
   /// Level of the READY line of an axis.
   virtual bool ready_pin(std::size_t axis) const = 0;

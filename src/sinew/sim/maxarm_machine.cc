@@ -181,6 +181,8 @@ void MaxArmMachine::disturb(const Disturbance& what) {
     case Disturbance::Kind::kUnblock:
       servo.unblock();
       break;
+    case Disturbance::Kind::kCoupling:
+      break;  // its servos have their sensors inside
     case Disturbance::Kind::kMagnet:
       sensor_ok_[joint] = what.value != 0;
       sense();

@@ -36,6 +36,27 @@ void put(Line& line, std::string_view key, std::size_t axis, double value) {
   put(line, {digits, static_cast<std::size_t>(end - digits)});
 }
 
+void put(Line& line, const Figure& figure, std::optional<std::size_t> axis) {
+  put(line, " ");
+  put(line, figure.name);
+  if (axis) {
+    put(line, "_");
+    put(line, std::string_view("12345678").substr(*axis, 1));
+  }
+  put(line, "=");
+  if (const auto* word = std::get_if<std::string_view>(&figure.value)) return put(line, *word);
+  if (const auto* count = std::get_if<std::uint64_t>(&figure.value)) {
+    char digits[24];
+    const auto end = std::to_chars(digits, digits + sizeof digits, *count).ptr;
+    return put(line, {digits, static_cast<std::size_t>(end - digits)});
+  }
+  constexpr std::string_view kHex = "0123456789abcdef";
+  for (const std::uint8_t byte : std::get<FixedVector<std::uint8_t, 16>>(figure.value)) {
+    put(line, kHex.substr(byte >> 4U, 1));
+    put(line, kHex.substr(byte & 15U, 1));
+  }
+}
+
 }  // namespace
 
 SimwireServer::SimwireServer(SpiMachine& machine, std::span<const AxisBoard> boards,
@@ -182,10 +203,14 @@ Report SimwireServer::report(bool dump) const {
   put(report.text, {digits, static_cast<std::size_t>(end - digits)});
   for (std::size_t i = 0; i < truth.joints.size(); ++i) {
     put(report.text, "q_deg_", i, to_deg(truth.joints[i].q));
+    for (const Figure& figure : machine_.figures(i)) put(report.text, figure, i);
     if (!dump) continue;
     put(report.text, "believed_deg_", i, to_deg(truth.joints[i].believed));
     put(report.text, "qd_deg_s_", i, to_deg(truth.joints[i].qd));
-    put(report.text, truth.joints[i].lost_steps ? " lost_steps=1" : " lost_steps=0");
+    put(report.text, {"lost_steps", std::uint64_t{truth.joints[i].lost_steps ? 1U : 0U}}, i);
+  }
+  for (const Figure& figure : machine_.figures(std::nullopt)) {
+    put(report.text, figure, std::nullopt);
   }
   put(report.text, truth.moving ? " moving=1" : " moving=0");
   return report;

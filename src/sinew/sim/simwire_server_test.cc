@@ -142,7 +142,7 @@ TEST(SimwireServer, truth_is_told_on_request) {
   EXPECT_EQ(bench.ask("1 STAT"), "STAT time_s=0.000000 q_deg_1=28.647890 moving=0");
   EXPECT_EQ(bench.ask("1 DUMP"),
             "DUMP time_s=0.000000 q_deg_1=28.647890 believed_deg_1=14.323945 "
-            "qd_deg_s_1=0.000000 lost_steps=0 moving=0");
+            "qd_deg_s_1=0.000000 lost_steps_1=0 moving=0");
 }
 
 TEST(SimwireServer, next_host_finds_the_pins_as_at_power_on) {

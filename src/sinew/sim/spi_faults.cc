@@ -14,18 +14,29 @@ constexpr std::size_t kPiece = 64;  // bytes
 
 std::expected<std::unique_ptr<SpiFaults>, std::string> SpiFaults::create(SpiMachine& machine,
                                                                          const FaultPlan& plan) {
-  for (const ByteFaults& faults : plan.link.bytes) {
-    if (faults.drop > 0 || faults.duplicate > 0 || faults.delay > 0) {
-      return std::unexpected(
-          "drop, duplicate and delay cannot befall SPI, whose bytes are clocked by the host; flip, "
-          "cut and half-open can");
-    }
+  using Kind = TimedByteFault::Kind;
+  const auto& [to_device, to_host] = plan.link.bytes;
+  bool delays = to_device.delay > 0 || to_host.delay > 0;
+  bool one_way = to_device.drop != to_host.drop || to_device.duplicate != to_host.duplicate;
+  for (const TimedByteFault& fault : plan.link.timed) {
+    delays |= fault.kind == Kind::kDelay;
+    one_way |= fault.only && (fault.kind == Kind::kDrop || fault.kind == Kind::kDuplicate);
+  }
+  if (delays) {
+    return std::unexpected(
+        "delay cannot befall SPI: the host clocks each byte itself, so none can come late; drop, "
+        "duplicate, flip, cut and half-open can");
+  }
+  if (one_way) {
+    return std::unexpected(
+        "drop and duplicate have no direction on SPI: a transfer goes both ways at once, and is "
+        "lost or doubled as a whole");
   }
   return std::unique_ptr<SpiFaults>(new SpiFaults(machine, plan));
 }
 
 SpiFaults::SpiFaults(SpiMachine& machine, const FaultPlan& plan)
-    : machine_(machine), plan_(plan), random_(plan.link.seed) {
+    : machine_(machine), plan_(plan), timed_(plan.link), random_(plan.link.seed) {
   stable_sort_by(plan_.disturbances, &TimedDisturbance::at);
 }
 
@@ -42,6 +53,7 @@ void SpiFaults::advance(Instant now) {
 
 void SpiFaults::select(std::uint8_t mask, Instant now) {
   advance(now);
+  selected_ = mask;
   machine_.select(mask, now);
 }
 
@@ -56,14 +68,40 @@ bool SpiFaults::is_cut(LinkDirection direction, Instant now) const {
 std::uint8_t SpiFaults::spoiled(std::uint8_t byte, LinkDirection direction, Instant now) {
   if (is_cut(direction, now)) return 0xFF;
   const double chance = plan_.link.bytes[static_cast<std::size_t>(direction)].flip;
-  if (chance <= 0 || random_.uniform(0, 1) >= chance) return byte;
+  const bool drawn = chance > 0 && random_.uniform(0, 1) < chance;
+  const Duration since = now - start_.value_or(now);
+  const bool struck = timed_.strikes(TimedByteFault::Kind::kFlip, direction, since).has_value();
+  if (!drawn && !struck) return byte;
   ++flipped_;
   return static_cast<std::uint8_t>(byte ^ 1U << (random_.bits() & 7U));
+}
+
+bool SpiFaults::befalls(TimedByteFault::Kind kind, double chance, Instant now) {
+  const bool drawn = chance > 0 && random_.uniform(0, 1) < chance;
+  const Duration since = now - start_.value_or(now);
+  return timed_.strikes(kind, std::nullopt, since).has_value() || drawn;
 }
 
 void SpiFaults::shift(std::span<const std::uint8_t> mosi, std::span<std::uint8_t> miso,
                       std::uint32_t clock_hz, Instant now) {
   advance(now);
+  if (befalls(TimedByteFault::Kind::kDrop, plan_.link.bytes[0].drop, now)) {
+    ++dropped_;
+    std::ranges::fill(miso, 0xFF);
+    return;
+  }
+  if (befalls(TimedByteFault::Kind::kDuplicate, plan_.link.bytes[0].duplicate, now)) {
+    ++duplicated_;
+    transfer(mosi, miso, clock_hz, now);
+    // A transfer of its own for the boards; the host's clock knows of one only.
+    machine_.select(0, now);
+    machine_.select(selected_, now);
+  }
+  transfer(mosi, miso, clock_hz, now);
+}
+
+void SpiFaults::transfer(std::span<const std::uint8_t> mosi, std::span<std::uint8_t> miso,
+                         std::uint32_t clock_hz, Instant now) {
   // In pieces, so that nothing is allocated; a piece begins where the last one ended.
   std::array<std::uint8_t, kPiece> bytes;
   const Duration byte_time{8'000'000'000 / clock_hz};

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <bit>
 #include <vector>
 
@@ -17,7 +18,10 @@ class Echo : public SpiMachine {
   std::optional<Instant> next_event() const override { return std::nullopt; }
   Truth truth() const override { return {}; }
   void disturb(const Disturbance& what) override { blows_.emplace_back(now_, what.value); }
-  void select(std::uint8_t /*mask*/, Instant now) override { now_ = now; }
+  void select(std::uint8_t mask, Instant now) override {
+    now_ = now;
+    selects_.push_back(mask);
+  }
   void shift(std::span<const std::uint8_t> mosi, std::span<std::uint8_t> miso,
              std::uint32_t /*clock_hz*/, Instant now) override {
     now_ = now;
@@ -28,6 +32,7 @@ class Echo : public SpiMachine {
 
   Instant now_{};
   std::vector<std::uint8_t> heard_;
+  std::vector<std::uint8_t> selects_;
   std::vector<std::pair<Instant, double>> blows_;
 };
 
@@ -89,12 +94,59 @@ TEST(SpiFaults, blows_fall_at_their_moments_in_their_order) {
   EXPECT_EQ(boards.blows_[1].second, 24);
 }
 
+TEST(SpiFaults, a_lost_transfer_never_reaches_the_boards_and_the_host_hears_ones) {
+  Echo boards;
+  const auto faults = faulty(boards, "drop@10ms");
+  EXPECT_EQ(through(*faults, 4, Instant{}), std::vector<std::uint8_t>(4, 0x5A));
+  EXPECT_EQ(through(*faults, 4, Instant{} + 10ms), std::vector<std::uint8_t>(4, 0xFF));
+  EXPECT_EQ(boards.heard_.size(), 4U);
+  EXPECT_EQ(through(*faults, 4, Instant{} + 11ms), std::vector<std::uint8_t>(4, 0x5A)) << "once";
+  EXPECT_EQ(faults->dropped(), 1U);
+}
+
+TEST(SpiFaults, a_doubled_transfer_reaches_the_boards_twice_with_its_own_chip_select) {
+  Echo boards;
+  const auto faults = faulty(boards, "duplicate@0s");
+  faults->select(4, Instant{});
+  (void)through(*faults, 100, Instant{});
+  EXPECT_EQ(boards.heard_.size(), 200U);
+  EXPECT_EQ(boards.selects_, (std::vector<std::uint8_t>{4, 0, 4}));
+  (void)through(*faults, 100, Instant{} + 1ms);
+  EXPECT_EQ(boards.heard_.size(), 300U);
+  EXPECT_EQ(faults->duplicated(), 1U);
+}
+
+TEST(SpiFaults, transfers_are_lost_and_doubled_as_often_as_their_chances_say) {
+  Echo boards;
+  const auto faults = faulty(boards, "drop=0.1,duplicate=0.2@0s..5s,seed=9");
+  for (int i = 0; i < 10'000; ++i) (void)through(*faults, 1, Instant{} + 1ms * i);
+  EXPECT_NEAR(static_cast<double>(faults->dropped()), 1000, 120);
+  EXPECT_NEAR(static_cast<double>(faults->duplicated()), 0.9 * 1000, 120) << "5 s of 10 only";
+  EXPECT_EQ(boards.heard_.size(), 10'000 - faults->dropped() + faults->duplicated());
+}
+
+TEST(SpiFaults, a_flip_at_a_moment_turns_one_bit_once) {
+  Echo boards;
+  const auto faults = faulty(boards, "flip@5ms:to-host");
+  EXPECT_EQ(through(*faults, 100, Instant{}), std::vector<std::uint8_t>(100, 0x5A));
+  const auto miso = through(*faults, 100, Instant{} + 6ms);
+  EXPECT_EQ(std::ranges::count(miso, 0x5A), 99);
+  EXPECT_EQ(faults->flipped(), 1U);
+  EXPECT_EQ(std::ranges::count(boards.heard_, 0x5A), 200) << "the way there is clean";
+  EXPECT_EQ(through(*faults, 100, Instant{} + 7ms), std::vector<std::uint8_t>(100, 0x5A));
+}
+
 TEST(SpiFaults, what_cannot_befall_a_clocked_wire_is_refused) {
   Echo boards;
-  for (const char* text : {"drop=0.1", "duplicate=0.1:to-host", "delay=0.1:5ms"}) {
+  for (const char* text : {"delay=0.1:5ms", "delay@3s:5ms", "delay=0.1:5ms@1s..2s"}) {
     const auto faults = SpiFaults::create(boards, *parse_faults(text));
     ASSERT_FALSE(faults) << text;
-    EXPECT_TRUE(faults.error().starts_with("drop, duplicate and delay cannot befall SPI"));
+    EXPECT_TRUE(faults.error().starts_with("delay cannot befall SPI")) << faults.error();
+  }
+  for (const char* text : {"drop=0.1:to-host", "duplicate@3s:to-device"}) {
+    const auto faults = SpiFaults::create(boards, *parse_faults(text));
+    ASSERT_FALSE(faults) << text;
+    EXPECT_TRUE(faults.error().starts_with("drop and duplicate have no direction on SPI"));
   }
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "sinew/core/assert.h"
 #include "sinew/core/split_mix.h"
@@ -13,6 +14,12 @@ constexpr Duration kTick = std::chrono::milliseconds(1);
 constexpr double kEndMargin = from_deg(5);  // ASSUMED: from limit or switch to the mechanical end
 constexpr double kLoadResolution = from_deg(0.1);  // torque changes by 0.2 % of its maximum
 constexpr double kMovingSpeed = 1e-4;              // rad/s
+/// Hz: half of the 8 MHz on which the first firmware leaves its processor.
+constexpr std::uint32_t kAsBuiltClockMax = 4'000'000;
+
+bool is_first_firmware(AxisWire wire) {
+  return wire == AxisWire::kRegistersAsBuilt || wire == AxisWire::kRegistersAsCommitted;
+}
 
 template <class Settings>
 Settings device_settings(const RobotModel& model) {
@@ -45,7 +52,8 @@ class StepperArm::Board : public SpiSlave {
         joint_(joint),
         joint_limits_(model.joints[joint]),
         plant_(axis_plant_settings(model, joint, axis_), q, seed),
-        controller_(axis_) {
+        controller_(axis_),
+        notices_select_(settings.wire != AxisWire::kRegistersAsCommitted) {
     if (settings.wire == AxisWire::kLink) {
       start_node();
       return;
@@ -56,7 +64,8 @@ class StepperArm::Board : public SpiSlave {
   }
 
   void select(bool selected) override {
-    if (slave_) slave_->select(selected);
+    selected_ = selected;
+    if (slave_ && notices_select_) slave_->select(selected);
     if (node_) node_->select(selected);
   }
   std::uint8_t shift(std::uint8_t mosi) override {
@@ -74,6 +83,30 @@ class StepperArm::Board : public SpiSlave {
     if (on && node_) node_->advance(now);
   }
 
+  /// The host selected it, or let it go, at that moment.
+  void note_select(Instant now) {
+    if (selected_ == noted_) return;
+    noted_ = selected_;
+    if (selected_) {
+      selected_at_ = now;
+      clocked_ = false;
+    }
+  }
+  /// The first of some clocks comes at `begin`, the last one is over at `end`.
+  void note_clocks(Instant begin, Instant end, bool too_quick) {
+    if (!selected_ || !slave_ || !on_) return;
+    if (too_quick) ++quick_clocks_;
+    if (!clocked_) {
+      if (begin - selected_at_ < axis_registers::kSelectSetup) ++early_clocks_;
+      if (transferred_ && selected_at_ - *transferred_ < axis_registers::kStepPause) {
+        ++short_pauses_;
+      }
+    }
+    clocked_ = true;
+    transferred_ = end;
+  }
+  Figures figures() const;
+
   bool on() const { return on_; }
   AxisPlant& plant() { return plant_; }
   const AxisPlant& plant() const { return plant_; }
@@ -83,6 +116,11 @@ class StepperArm::Board : public SpiSlave {
   /// What a processor forgets, it forgets here.
   void boot() {
     plant_.reboot();
+    ++starts_;
+    early_clocks_ = 0;
+    short_pauses_ = 0;
+    quick_clocks_ = 0;
+    transferred_.reset();
     controller_ = AxisController(axis_);
     outputs_ = {};
     if (slave_) slave_->power_up();
@@ -101,16 +139,69 @@ class StepperArm::Board : public SpiSlave {
   Joint joint_limits_;
   AxisPlant plant_;
   AxisController controller_;
+  bool notices_select_;
   AxisOutputs outputs_;
   std::optional<AxisRegisterSlave> slave_;
   std::optional<AxisLinkNode> node_;
   std::uint16_t boots_ = 0;
+  std::uint64_t starts_ = 1;
   bool on_ = true;
+  bool selected_ = false;
+  bool noted_ = false;    ///< the last level of `selected_` that came with its moment
+  bool clocked_ = false;  ///< since it was selected
+  Instant selected_at_{};
+  std::optional<Instant> transferred_;  ///< when its last transfer ended
+  std::uint64_t early_clocks_ = 0;
+  std::uint64_t short_pauses_ = 0;
+  std::uint64_t quick_clocks_ = 0;
 };
+
+namespace {
+
+std::string_view name_of(axis_registers::Register name) {
+  constexpr std::string_view kNames[] = {"homing",         "move_angle",     "diag_control",
+                                         "diag_status",    "emergency_stop", "enable_motor",
+                                         "firmware_update"};
+  return kNames[static_cast<std::size_t>(name)];
+}
+
+}  // namespace
+
+Figures StepperArm::Board::figures() const {
+  Figures out;
+  if (node_) {
+    out.push_back({"state", on_ ? (node_->session() != 0 ? "OPEN" : "NO_SESSION") : "OFF"});
+    out.push_back({"violations", node_->bad_frames()});
+    out.push_back({"good_frames", node_->good_frames()});
+    out.push_back({"boots", starts_});
+    return out;
+  }
+  const AxisRegisterSlave::Violations& wrong = slave_->violations();
+  const bool away = slave_->in_boot_loader();
+  const std::string_view state = away ? "BOOT_LOADER" : AxisRegisterSlave::name_of(slave_->state());
+  out.push_back({"state", on_ ? state : "OFF"});
+  out.push_back({"violations", wrong.sum() + early_clocks_ + short_pauses_ + quick_clocks_});
+  out.push_back({"broken_transfers", wrong.broken_transfers});
+  out.push_back({"surplus_bytes", wrong.surplus_bytes});
+  out.push_back({"stray_bytes", wrong.stray_bytes});
+  out.push_back({"refused_headers", wrong.refused_headers});
+  out.push_back({"bad_data", wrong.bad_data});
+  out.push_back({"early_clocks", early_clocks_});
+  out.push_back({"short_pauses", short_pauses_});
+  out.push_back({"quick_clocks", quick_clocks_});
+  out.push_back({"changes", std::uint64_t{slave_->changes()}});
+  out.push_back({"boots", starts_});
+  for (const axis_registers::RegisterRow& row : slave_->registers()) {
+    out.push_back({name_of(row.name), slave_->register_value(row.name)});
+  }
+  return out;
+}
 
 StepperArm::StepperArm(const RobotModel& model, const Settings& settings, Instant boot)
     : load_(std::get<SerialGeometry>(model.geometry), model.dynamics),
       plugged_in_(settings.boards),
+      clock_max_(is_first_firmware(settings.wire) ? kAsBuiltClockMax
+                                                  : std::numeric_limits<std::uint32_t>::max()),
       next_tick_(boot + kTick) {
   SINEW_ASSERT(model.dynamics.drives.size() == model.joints.size());
   SplitMix64 random(settings.seed);
@@ -163,6 +254,7 @@ void StepperArm::advance(Instant now) {
 void StepperArm::select(std::uint8_t mask, Instant now) {
   advance(now);
   bus_.select(mask);
+  for (const std::unique_ptr<Board>& board : boards_) board->note_select(now);
 }
 
 void StepperArm::shift(std::span<const std::uint8_t> mosi, std::span<std::uint8_t> miso,
@@ -170,10 +262,22 @@ void StepperArm::shift(std::span<const std::uint8_t> mosi, std::span<std::uint8_
   SINEW_ASSERT(clock_hz > 0 && mosi.size() == miso.size());
   advance(now);
   for (std::size_t i = 0; i < mosi.size(); ++i) {
-    miso[i] = bus_.shift(mosi[i]);
+    // What a chip makes of clocks that it cannot follow nobody has measured; here it misses them.
+    miso[i] = clock_hz <= clock_max_ ? bus_.shift(mosi[i]) : AxisBus::kIdle;
     const auto bits = static_cast<std::int64_t>(8 * (i + 1));
     advance(now + Duration{bits * 1'000'000'000 / clock_hz});
   }
+  const auto all_bits = static_cast<std::int64_t>(8 * mosi.size());
+  const Instant end = now + Duration{all_bits * 1'000'000'000 / clock_hz};
+  const bool too_quick = clock_hz > clock_max_;
+  for (const std::unique_ptr<Board>& board : boards_) board->note_clocks(now, end, too_quick);
+}
+
+Figures StepperArm::figures(std::optional<std::size_t> axis) const {
+  if (axis) return *axis < boards_.size() ? boards_[*axis]->figures() : Figures{};
+  Figures bus;
+  bus.push_back({"contended_bytes", bus_.contended_bytes()});
+  return bus;
 }
 
 Truth StepperArm::truth() const {
@@ -206,6 +310,7 @@ void StepperArm::disturb(const Disturbance& what) {
     if (what.kind == Kind::kBlock) plant.block(what.value);
     if (what.kind == Kind::kUnblock) plant.unblock();
     if (what.kind == Kind::kMagnet) plant.set_field(what.value);
+    if (what.kind == Kind::kCoupling) plant.set_coupling(what.value != 0);
     if (what.kind == Kind::kLoad) plant.set_extra_load(what.value);
   }
 }

@@ -21,7 +21,10 @@ namespace sinew::sim {
 enum class AxisWire : std::uint8_t {
   kRegisters,         ///< the document's protocol, with an axis behind it
   kRegistersAsBuilt,  ///< what the first firmware does with it: nothing moves
-  kLink,              ///< the axis link
+  /// The first firmware as it stands in its repository: it waits for its chip select on a pin that
+  /// the board uses for MISO, so it answers nothing at all.
+  kRegistersAsCommitted,
+  kLink,  ///< the axis link
 };
 
 /// What an axis of such an arm is built of.
@@ -62,6 +65,11 @@ class StepperArm : public SpiMachine {
   void shift(std::span<const std::uint8_t> mosi, std::span<std::uint8_t> miso,
              std::uint32_t clock_hz, Instant now) override;
   bool ready_pin(std::size_t axis) const override;
+  /// Of a board: `state`, what the host did wrong (`violations`, then each kind; `early_clocks` are
+  /// transfers less than 200 us behind their chip select, `short_pauses` those less than 10 ms
+  /// behind the last one, `quick_clocks` those above 4 MHz to the first firmware), `boots`, and its
+  /// registers by name. Of the bus: `contended_bytes`.
+  Figures figures(std::optional<std::size_t> axis) const override;
 
   AxisBus& bus() { return bus_; }
   const AxisPlant& plant(std::size_t joint) const;
@@ -76,6 +84,7 @@ class StepperArm : public SpiMachine {
 
   ArmLoad load_;
   std::size_t plugged_in_;
+  std::uint32_t clock_max_;  ///< Hz that the boards can follow
   std::vector<std::unique_ptr<Board>> boards_;
   AxisBus bus_;
   Instant next_tick_;

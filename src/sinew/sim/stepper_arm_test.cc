@@ -334,6 +334,42 @@ TEST(StepperArm, as_built_boards_store_what_they_are_told_and_move_nothing) {
   EXPECT_NEAR(arm.truth().joints[0].q, before, 1e-3);
 }
 
+/// SYN, then the answer to it; 98 is right.
+std::uint8_t greeted(StepperArm& arm, std::uint32_t clock_hz, Instant now) {
+  const auto frame = [&](std::uint8_t byte, Instant at) {
+    spi::Transfer transfer{1, {}, std::chrono::microseconds(200), clock_hz};
+    transfer.mosi.push_back(byte);
+    return arm.exchange(transfer, at)[0];
+  };
+  frame(0x97, now);
+  return frame(0xFF, now + milliseconds(20));
+}
+
+TEST(StepperArm, first_firmware_follows_a_clock_of_4_MHz_and_no_quicker_one) {
+  StepperArm arm(model(), {AxisWire::kRegistersAsBuilt, SelectKind::kHard, 1, near_home()},
+                 Instant{});
+  EXPECT_EQ(greeted(arm, 4'000'001, Instant{milliseconds(100)}), 0xFF);
+  const auto quick = [&] {
+    for (const Figure& figure : arm.figures(0)) {
+      if (figure.name == "quick_clocks") return std::get<std::uint64_t>(figure.value);
+    }
+    return std::uint64_t{99};
+  };
+  EXPECT_EQ(quick(), 2U);
+  EXPECT_EQ(greeted(arm, 4'000'000, Instant{milliseconds(200)}), 0x98);
+  EXPECT_EQ(quick(), 2U);
+  StepperArm ours(model(), {AxisWire::kRegisters, SelectKind::kHard, 1, near_home()}, Instant{});
+  EXPECT_EQ(greeted(ours, 18'000'000, Instant{milliseconds(100)}), 0x98);
+}
+
+TEST(StepperArm, first_firmware_as_it_was_committed_never_answers) {
+  StepperArm arm(model(), {AxisWire::kRegistersAsCommitted, SelectKind::kHard, 1, near_home()},
+                 Instant{});
+  for (int i = 1; i < 5; ++i) {
+    EXPECT_EQ(greeted(arm, 500'000, Instant{milliseconds(100 * i)}), 0x00);
+  }
+}
+
 /// The driver of the document's protocol against the whole arm.
 class RegisterCell {
  public:
@@ -480,6 +516,22 @@ TEST(StepperArm, never_allocates) {
   cell.arm_.disturb({Disturbance::Kind::kSupply, -1, 24});
   cell.advance(milliseconds(200));
   EXPECT_EQ(allocations.count(), 0U);
+}
+
+TEST(StepperArm, joint_encoder_whose_coupling_slips_is_found_by_its_board_alone) {
+  Cell cell;
+  ASSERT_TRUE(cell.home());
+  const std::array slips{1, 4};  // quadrature, AS5600
+  for (const int joint : slips) {
+    cell.arm_.disturb({Disturbance::Kind::kCoupling, static_cast<std::int8_t>(joint), 0});
+  }
+  for (std::size_t i = 0; i < kAxes; ++i) cell.send(i, Mode::kMove, cell.lower(i) + from_deg(12));
+  cell.settle(20);
+  for (std::size_t i = 0; i < kAxes; ++i) {
+    const bool spoiled = i == 1 || i == 4;
+    EXPECT_EQ(cell.status(i).fault, spoiled ? AxisFault::kEncodersDisagree : AxisFault::kNone) << i;
+    EXPECT_EQ(cell.status(i).position_ok, !spoiled) << i;
+  }
 }
 
 }  // namespace

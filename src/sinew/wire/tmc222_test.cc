@@ -178,5 +178,32 @@ TEST(Tmc222Wire, no_allocation) {
   EXPECT_EQ(allocations.count(), 0U);
 }
 
+TEST(Tmc222Wire, every_code_of_the_data_sheet_means_what_it_says_there) {
+  const std::map<std::string, std::span<const double, 16>> tables{
+      {"current", kPeakCurrent}, {"velocity", kVelocityMax}, {"acceleration", kAcceleration}};
+  std::map<std::string, int> seen;
+  for (const auto& golden : test::read_goldens("tmc222_codes.txt")) {
+    const auto& table = tables.at(golden.who);
+    EXPECT_EQ(table[std::stoul(golden.bytes)], std::stod(golden.meaning)) << golden.where;
+    seen[golden.who] |= 1 << std::stoi(golden.bytes);
+  }
+  EXPECT_EQ(seen, (std::map<std::string, int>{
+                      {"acceleration", 0xFFFF}, {"current", 0xFFFF}, {"velocity", 0xFFFF}}));
+}
+
+TEST(Tmc222Wire, what_the_hexapods_firmware_writes_at_boot_means_what_the_document_works_out) {
+  const auto command = decode_command(test::from_hex("89 ff ff dd ff 0f 00 ef"));
+  ASSERT_TRUE(command);
+  const Parameters p = std::get<SetMotorParam>(*command).parameters;
+  EXPECT_EQ(kPeakCurrent[p.run_current], 566);
+  EXPECT_EQ(kPeakCurrent[p.hold_current], 566) << "and hold";
+  const double top = kVelocityMax[p.velocity_max];
+  const double low = velocity_min(p);
+  EXPECT_NEAR(low, 456, 0.5);
+  EXPECT_NEAR((top * top - low * low) / (2 * kAcceleration[p.acceleration]), 9.2, 0.05)
+      << "full steps of a ramp";
+  EXPECT_EQ(microsteps(p.step_mode), 16);
+}
+
 }  // namespace
 }  // namespace sinew::tmc222
