@@ -270,6 +270,64 @@ TEST(PlanVerb, robot_without_a_device_has_no_time_on_the_wire) {
   EXPECT_EQ(ended.out.find("on the wire"), std::string::npos) << ended.out;
 }
 
+/// Found by an audit: run drove row 1, and then the wire could not say row 2.
+TEST(PlanVerb, target_that_the_wire_cannot_say_is_refused_by_plan_and_run_before_anything_moves) {
+  const ScratchFolder folder;
+  const struct {
+    const char* robot;
+    const char* rows;
+    const char* says;
+  } kCases[] = {
+      {"bigrobotarm", "joint J1=20deg\njoint J1=48deg\n", "(base at 48 deg)"},
+      {"maxarm", "joint J1=110deg\njoint J1=0deg\n", "(base at 0 deg)"},
+  };
+  for (const auto& c : kCases) {
+    const std::string file = folder.file("p.sinew", c.rows);
+    for (const char* verb : {"plan", "run"}) {
+      const Ended ended = sinew({verb, file, "--robot", c.robot});
+      EXPECT_EQ(ended.exit, 1) << verb << ended.out;
+      for (const char* part : {"p.sinew:2", c.says, "nothing was moved", "can be sent: joint "}) {
+        EXPECT_NE(ended.err.find(part), std::string::npos) << verb << part << ended.err;
+      }
+    }
+  }
+}
+
+TEST(PlanVerb, boards_that_were_just_switched_on_are_noted_to_need_home_first) {
+  const std::string square = SINEW_SOURCE_DIR "/robots/robot-arm-2/square.sinew";
+  const Arguments words{"plan", square, "--robot", "robot-arm-2", "--json"};
+  const Json unknown = sinew(words).json();
+  std::string notes = unknown["notes"].dump();
+  EXPECT_NE(notes.find("does not know where it stands refuses line 3"), std::string::npos) << notes;
+  const Json known = sinew(with(words, {"--from-joints", "0,-30,-30,0,30,0"})).json();
+  EXPECT_EQ(known["notes"].dump().find("where it stands"), std::string::npos) << known["notes"];
+  const ScratchFolder folder;
+  const std::string homed = folder.file("p.sinew", "home\njoint J1=10deg\n");
+  const Ended ended = sinew({"plan", homed, "--robot", "robot-arm-2"});
+  EXPECT_EQ(ended.exit, 0) << ended.err;
+  EXPECT_EQ(ended.out.find("where it stands"), std::string::npos) << ended.out;
+}
+
+TEST(PlanVerb, time_by_the_limits_leaves_the_wire_out) {
+  const Arguments words{"plan", "hexapod", "--to", "0,0,230"};
+  const Json hexapod = sinew(with(words, {"--json"})).json();
+  EXPECT_LT(hexapod["by_limits_s"].get<double>(), 0.5 * hexapod["on_wire_s"].get<double>());
+  EXPECT_EQ(hexapod["stretches"][0]["by_limits_s"], hexapod["by_limits_s"]);
+  const Json arm = sinew({"plan", "maxarm", "--to", "joints=110,90,10", "--json"}).json();
+  EXPECT_EQ(arm["by_limits_s"], arm["duration_s"]) << "a wire that limits nothing";
+}
+
+TEST(PlanVerb, share_of_the_limits_that_a_motion_is_planned_with_is_named) {
+  const Ended link =
+      sinew({"plan", "robot-arm-2", "--wire", "link", "--to", "joints=10,0,0,0,0,0"});
+  EXPECT_NE(link.out.find("planned with 80 % of the limits: the axis' own loop needs the rest"),
+            std::string::npos)
+      << link.out << link.err;
+  const Ended whole = sinew({"plan", "maxarm", "--to", "joints=110,90,10"});
+  EXPECT_EQ(whole.exit, 0) << whole.err;
+  EXPECT_EQ(whole.out.find("planned with"), std::string::npos) << whole.out;
+}
+
 TEST(PlanVerb, file_that_is_no_program_is_told_what_it_is) {
   const std::string robots = SINEW_SOURCE_DIR "/robots/";
   const struct {

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "sinew/cli/kinematics_text.h"
 #include "sinew/cli/table.h"
 #include "sinew/core/units.h"
@@ -82,6 +84,11 @@ std::vector<std::string> offers(const program::WayRefusal& way, const RobotModel
   const planning::MoveProposal& proposal = way.proposal;
   Trial trial(way, model, in_program);
   const bool turns = !std::holds_alternative<PalletizerGeometry>(model.geometry);
+  if (way.unsayable && way.unsayable->nearest) {
+    planning::JointArray q{};
+    std::ranges::copy(*way.unsayable->nearest, q.begin());
+    trial.offer("the nearest place that can be sent", joint_move(q, model));
+  }
   if (proposal.move_j) trial.offer("a joint move", joint_move(*proposal.move_j, model));
   if (proposal.other_start) {
     // The planner has tried it, with the row itself.

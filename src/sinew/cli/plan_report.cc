@@ -109,7 +109,7 @@ std::vector<std::string> cells(const MotionSummary& motion, const MotionPlan& pl
   row.push_back(way_text(motion.length));
   if (has_device(plan.model)) row.push_back(number(motion.on_wire, 3));
   row.insert(row.end(),
-             {number(motion.duration, 3), limit_text(motion.limits.largest(), plan.model),
+             {number(motion.by_limits, 3), limit_text(motion.limits.largest(), plan.model),
               fmt::format("{} %", number(share(motion) * 100, 0))});
   return row;
 }
@@ -122,7 +122,7 @@ std::string total_text(const MotionPlan& plan) {
   const std::string homing =
       plan.homing_max > 0 ? ", and homing: " + at_most_text(plan.homing_max) : "";
   return fmt::format("{} s in all as this device takes it{}; {} s if only the limits counted",
-                     number(plan.on_wire, 3), homing, number(plan.duration, 3));
+                     number(plan.on_wire, 3), homing, number(plan.by_limits, 3));
 }
 
 }  // namespace
@@ -185,10 +185,15 @@ std::string plan_text(const MotionPlan& plan) {
 Json plan_json(const MotionPlan& plan) {
   const RobotModel& model = plan.model;
   const char* unit = is_leg(model.joints[0]) ? "mm" : "deg";
-  Json json{{"robot", model.id},          {"duration_s", plan.duration},
-            {"on_wire_s", plan.on_wire},  {"homing_at_most_s", plan.homing_max},
-            {"notes", plan.notes},        {"tool_way_mm", plan.way * 1e3},
-            {"stretches", Json::array()}, {"samples", Json::array()}};
+  Json json{{"robot", model.id},
+            {"duration_s", plan.duration},
+            {"by_limits_s", plan.by_limits},
+            {"on_wire_s", plan.on_wire},
+            {"homing_at_most_s", plan.homing_max},
+            {"notes", plan.notes},
+            {"tool_way_mm", plan.way * 1e3},
+            {"stretches", Json::array()},
+            {"samples", Json::array()}};
   const std::string word = plan.rows == "moves" ? "move" : "line";
   if (!has_device(model)) json.erase("on_wire_s");
   for (const MotionSummary& motion : plan.motions) {
@@ -206,6 +211,7 @@ Json plan_json(const MotionPlan& plan) {
                                  {"what", motion.what},
                                  {"times", motion.times},
                                  {"duration_s", motion.duration},
+                                 {"by_limits_s", motion.by_limits},
                                  {"on_wire_s", motion.on_wire},
                                  {"pieces", motion.pieces},
                                  {"limited", limit_json(motion, model)},
@@ -242,6 +248,12 @@ Outcome plan_refusal(const RobotModel& model, const std::string& file,
         fmt::format(", at {} mm ({} %)", number(place.at * 1e3, 1), number(place.share * 100, 1));
   }
   complaint += ": " + error_text(refusal.error, model);
+  if (refusal.way && refusal.way->unsayable) {
+    const program::Unsayable& what = *refusal.way->unsayable;
+    const Joint& joint = model.joints[what.joint];
+    complaint += fmt::format(" ({} at {} {})", joint.name, number(shown(what.q, joint), 3),
+                             is_leg(joint) ? "mm" : "deg");
+  }
   if (refusal.way && refusal.way->proposal.at_target) {
     complaint += "; its target: " + error_text(*refusal.way->proposal.at_target, model);
   }

@@ -20,7 +20,8 @@ struct MotionSummary {
   std::size_t times = 1;  ///< that it is made, in loops
   double at_most = 0;     ///< s, of a search; then nothing else is known
   double length = 0;      ///< m of the tool's way, or its like where it hardly moves
-  double duration = 0;    ///< s, as the limits allow
+  double duration = 0;    ///< s, as the limits and the wire's speed allow
+  double by_limits = 0;   ///< s, as the limits alone would allow
   double on_wire = 0;     ///< s, as the device takes it
   std::size_t pieces = 0;
   planning::LimitTimes limits{};
@@ -44,7 +45,8 @@ struct MotionPlan {
   const RobotModel& model;
   std::vector<MotionSummary> motions;
   std::string rows = "moves";        ///< what first and last count: "moves" or "lines"
-  double duration = 0;               ///< s, as the limits allow
+  double duration = 0;               ///< s, of the samples: as the limits and the wire allow
+  double by_limits = 0;              ///< s, as the limits alone would allow
   double on_wire = 0;                ///< s, as the device takes it, the search of homing aside
   double homing_max = 0;             ///< s, of all homing, the way home behind it not counted
   std::vector<std::string> notes{};  ///< of all of it

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <memory>
 #include <tuple>
 
 #include "sinew/cli/kinematics_text.h"
@@ -18,6 +19,7 @@
 #include "sinew/io/file.h"
 #include "sinew/model/collision_links.h"
 #include "sinew/model/joint_lookup.h"
+#include "sinew/planning/motion_limits.h"
 #include "sinew/runtime/homing_time.h"
 #include "sinew/runtime/robot_variant.h"
 
@@ -218,6 +220,29 @@ class Recorder {
   double step_;
 };
 
+/// How long motions would take if their wire carried any speed.
+class TimeByLimits {
+ public:
+  explicit TimeByLimits(const RobotModel& model) : limits_(planning::motion_limits(model)) {
+    if (std::isfinite(planning::shared_velocity(model))) {
+      timing_ = std::make_unique<planning::PathTiming>();
+      law_ = std::make_unique<planning::TimeLaw>(timing_->phases_max());
+    }
+  }
+
+  /// @return  s
+  double duration(const planning::PlannedMotion& motion) {
+    if (!timing_) return motion.law.duration();
+    const bool timed = !timing_->prepare(motion.path, limits_) && !timing_->plan({}, 1, *law_);
+    return timed ? law_->duration() : motion.law.duration();
+  }
+
+ private:
+  std::vector<motion::AxisLimits> limits_;
+  std::unique_ptr<planning::PathTiming> timing_;  ///< null where the wire counts for nothing
+  std::unique_ptr<planning::TimeLaw> law_;
+};
+
 /// Why a motion stops where a blend was asked for; empty where none was.
 std::string stop_text(const program::MoveOrder& move) {
   using Reason = program::CornerStopReason;
@@ -278,11 +303,13 @@ class Follower {
       : wanted_(wanted),
         planner_(wanted.model),
         recorder_(plan, planner_.space(), std::max(kSampleStep, orders.duration / kSamplesMax)),
+        by_limits_(wanted.model),
         plan_(plan) {}
 
   std::expected<void, program::Refusal> follow(const program::Order& order) {
     if (const auto* wait = std::get_if<program::WaitOrder>(&order.what)) {
       recorder_.wait(to_seconds(wait->duration));
+      plan_.by_limits += to_seconds(wait->duration);
     } else if (const auto* home = std::get_if<program::HomeOrder>(&order.what)) {
       search(order, *home);
     } else if (const auto* move = std::get_if<program::MoveOrder>(&order.what)) {
@@ -290,7 +317,7 @@ class Follower {
       if (!pieces) return std::unexpected(pieces.error());
       if (planner_.motion().empty()) return {};
       recorder_.add(planner_.motion());
-      auto summary = summary_of(*pieces, planner_.motion(), wanted_.model);
+      auto summary = summarise(*pieces, planner_.motion());
       if (const std::string why = stop_text(*move); !why.empty()) summary.notes.push_back(why);
       tell(std::move(summary), order, *move->q_start);
     }
@@ -316,11 +343,18 @@ class Follower {
     plan_.on_wire += home.back->duration;
     for (const program::HomeLeg& leg : home.back->legs) {
       recorder_.add(leg.planned);
-      auto summary = summary_of(leg.motion, leg.planned, wanted_.model);
+      auto summary = summarise(leg.motion, leg.planned);
       summary.what = "to home";
       if (leg.slow) summary.notes.push_back("slowly, out of where the model has it overlap");
       tell(std::move(summary), order, leg.motion.q_end);
     }
+  }
+
+  MotionSummary summarise(const program::RowMotion& pieces, const planning::PlannedMotion& motion) {
+    auto summary = summary_of(pieces, motion, wanted_.model);
+    summary.by_limits = by_limits_.duration(motion);
+    plan_.by_limits += summary.by_limits;
+    return summary;
   }
 
   /// Rounds of a loop that are all the same are told once.
@@ -344,33 +378,59 @@ class Follower {
   const Wanted& wanted_;
   program::RowPlanner planner_;
   Recorder recorder_;
+  TimeByLimits by_limits_;
   MotionPlan& plan_;
   std::map<Key, std::size_t> told_;  ///< and where in the plan
 };
 
+std::string refused_from_nowhere(int line, const char* otherwise) {
+  return fmt::format(
+      "planned from its home pose; an arm that does not know where it stands refuses line {} "
+      "unless sinew run --standing-at says it{}",
+      line, otherwise);
+}
+
+/// Boards that have just been switched on take no move before they were homed.
+void tell_unhomed(const program::Plan& orders, MotionPlan& plan) {
+  for (const program::Order& order : orders.orders) {
+    if (std::holds_alternative<program::HomeOrder>(order.what)) return;
+    if (!std::holds_alternative<program::MoveOrder>(order.what)) continue;
+    plan.notes.push_back(refused_from_nowhere(order.line, ", or a row home stands before it"));
+    return;
+  }
+}
+
 /// An open-loop arm does not know where it stands: its first move is another one than if it did.
-void tell_first_move(const Wanted& wanted, const program::Homing& homing, MotionPlan& plan) {
+void tell_first_move(const Wanted& wanted, const program::Plan& known,
+                     const program::Homing& homing, MotionPlan& plan) {
+  if (wanted.declared || wanted.file.empty()) return;
+  if (!runtime::boards_of(plan.model).empty()) return tell_unhomed(known, plan);
   const auto* board = std::get_if<LscDevice>(&plan.model.device.settings);
-  const bool blind = board != nullptr && board->profile == LscProfile::kLsc6;
-  if (!blind || wanted.declared || wanted.file.empty()) return;
+  if (board == nullptr || board->profile != LscProfile::kLsc6) return;
   const auto orders = program::make_plan(wanted.program, plan.model, std::nullopt, homing);
   if (!orders) {
-    plan.notes.push_back(fmt::format(
-        "planned from its home pose; an arm that does not know where it stands refuses line {} "
-        "unless sinew run --standing-at says it",
-        orders.error().line));
+    plan.notes.push_back(refused_from_nowhere(orders.error().line, ""));
     return;
   }
   plan.on_wire = orders->duration;
   for (const program::Order& order : orders->orders) {
     const auto* move = std::get_if<program::MoveOrder>(&order.what);
     if (move == nullptr || !move->first_move) continue;
-    const std::string word = plan.rows == "moves" ? "move" : "line";
-    plan.notes.push_back(fmt::format(
-        "the arm does not know where it stands: {} {} takes {} s, slowly; sinew run --standing-at "
-        "says where it is",
-        word, order.line, number(move->duration, 2)));
+    plan.notes.push_back(
+        fmt::format("the arm does not know where it stands: line {} takes {} s, slowly; sinew run "
+                    "--standing-at says where it is",
+                    order.line, number(move->duration, 2)));
   }
+}
+
+/// What a motion is planned with is less than what the robot's file allows.
+void tell_share(MotionPlan& plan) {
+  const double share = plan.model.device.capability.limits_share;
+  if (share == 1) return;
+  const bool legs = std::holds_alternative<IcpDevice>(plan.model.device.settings);
+  plan.notes.push_back(fmt::format("planned with {} % of the limits: {}", number(share * 100, 1),
+                                   legs ? "rounding to the wire's whole steps needs the rest"
+                                        : "the axis' own loop needs the rest"));
 }
 
 Outcome finish(const MotionPlan& plan, const PlanRequest& request) {
@@ -425,13 +485,14 @@ Outcome plan(const PlanRequest& request) {
   plan.on_wire = orders->duration;
   plan.homing_max = orders->homing_max;
   plan.notes = unheard_notes(*orders, model, "is");
+  tell_share(plan);
   Follower follower(*wanted, *orders, plan);
   for (const program::Order& order : orders->orders) {
     if (const auto done = follower.follow(order); !done) {
       return plan_refusal(model, wanted->file, done.error());
     }
   }
-  tell_first_move(*wanted, homing, plan);
+  tell_first_move(*wanted, *orders, homing, plan);
   if (const auto weighed = weigh(*orders, plan); !weighed) {
     return plan_refusal(model, wanted->file, weighed.error());
   }

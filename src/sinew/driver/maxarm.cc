@@ -12,10 +12,6 @@ using namespace std::chrono_literals;
 
 namespace {
 
-constexpr std::int32_t kPulseMin = 1;
-constexpr std::int32_t kPulseMax = 1000;
-constexpr std::int32_t kTimeMin = 20;      // ms
-constexpr std::int32_t kTimeMax = 30000;   // ms, the servos' own bound
 constexpr std::int32_t kMargin = 10;       // pulses: overshoot and sag beside the way
 constexpr std::int32_t kRangeMargin = 25;  // pulses: an arm without power leans on its ends
 constexpr Duration kLookPeriod = 100ms;    // of the MicroPython program, at its port
@@ -126,7 +122,7 @@ bool MaxArmDriver::wants_move(Instant /*now*/) const {
 Expected<void> MaxArmDriver::move(const JointMove& move, Instant now) {
   if (fault_) return std::unexpected(*fault_);
   if (state() != DriverState::kReady) return std::unexpected(Error{ErrorCode::kBusy});
-  const auto target = pulses_of(move);
+  const auto target = maxarm_pulses(device_, joints_, move.q);
   if (!target) return std::unexpected(target.error());
   for (std::size_t i = 0; i < kServos; ++i) {
     if (positions_[i].quality == PositionQuality::kMeasured) continue;
@@ -134,7 +130,7 @@ Expected<void> MaxArmDriver::move(const JointMove& move, Instant now) {
   }
   if (const auto moved = moved_from(move.q_start)) return std::unexpected(*moved);
   const double seconds = to_seconds(move.duration);
-  double shortest = kTimeMin * 1e-3;
+  double shortest = kMaxArmTimeMin * 1e-3;
   for (std::size_t i = 0; i < kServos; ++i) {
     // A pulse of rounding at either end is not the planner's fault.
     const double pulses = std::max(std::abs((*target)[i] - reading_[i]) - 2, 0);
@@ -142,8 +138,8 @@ Expected<void> MaxArmDriver::move(const JointMove& move, Instant now) {
     shortest = std::max(shortest, way / joints_[i].velocity_max);
   }
   constexpr double kSlack = 1e-6;
-  if (!(seconds >= shortest * (1 - kSlack) && seconds <= kTimeMax * 1e-3)) {
-    const double limit = seconds < shortest ? shortest : kTimeMax * 1e-3;
+  if (!(seconds >= shortest * (1 - kSlack) && seconds <= kMaxArmTimeMax * 1e-3)) {
+    const double limit = seconds < shortest ? shortest : kMaxArmTimeMax * 1e-3;
     return std::unexpected(Error{ErrorCode::kSegmentTime, -1, seconds, limit});
   }
   job_ = Job::kMove;
@@ -166,27 +162,6 @@ std::optional<Error> MaxArmDriver::moved_from(const JointVector& q) const {
     return joint_error(ErrorCode::kMovedUnasked, i, angle_of(i, reading_[i]), q[i]);
   }
   return std::nullopt;
-}
-
-Expected<MaxArmDriver::Pulses> MaxArmDriver::pulses_of(const JointMove& move) const {
-  if (move.q.size() != kServos) return std::unexpected(Error{ErrorCode::kTaskNotSupported});
-  Pulses pulses{};
-  for (std::size_t i = 0; i < kServos; ++i) {
-    const Joint& joint = joints_[i];
-    // Not a number is within nothing.
-    if (!within_limits(joint, move.q[i])) {
-      const double limit = move.q[i] < joint.lower ? joint.lower : joint.upper;
-      return std::unexpected(joint_error(ErrorCode::kJointLimit, i, move.q[i], limit));
-    }
-    const double pulse = device_.servos[i].offset + device_.servos[i].pulses_per_rad * move.q[i];
-    const double whole = std::round(pulse);
-    if (!(whole >= kPulseMin && whole <= kPulseMax)) {
-      return std::unexpected(
-          joint_error(ErrorCode::kPulseRange, i, pulse, whole < kPulseMin ? kPulseMin : kPulseMax));
-    }
-    pulses[i] = static_cast<std::int32_t>(whole);
-  }
-  return pulses;
 }
 
 void MaxArmDriver::stop(Instant now) {
@@ -231,9 +206,9 @@ Expected<void> MaxArmDriver::tool(const ToolAction& action, Instant now) {
       return std::unexpected(Error{ErrorCode::kGripperRange, -1, us, us < 500 ? 500.0 : 2500.0});
     }
     const double ms = std::ceil(to_seconds(nozzle->duration) * 1e3 - 1e-6);
-    if (!(ms >= kTimeMin && ms <= kTimeMax)) {
+    if (!(ms >= kMaxArmTimeMin && ms <= kMaxArmTimeMax)) {
       return std::unexpected(Error{ErrorCode::kSegmentTime, -1, ms * 1e-3,
-                                   (ms < kTimeMin ? kTimeMin : kTimeMax) * 1e-3});
+                                   (ms < kMaxArmTimeMin ? kMaxArmTimeMin : kMaxArmTimeMax) * 1e-3});
     }
     SetPwmServo pwm{static_cast<std::uint16_t>(us), static_cast<std::uint16_t>(ms)};
     for (int i = 0; i < 32 && !sturdy(pwm); ++i) ++pwm.time_ms;
@@ -531,7 +506,7 @@ void MaxArmDriver::go_on_with_stop(Instant now) {
       sets_ > 0 && asked_at_ >= moves_until_ && !near(reading_, target_, timing_.reached);
   if (sets_ == 0 || (goes_on && sets_ < kSetsMax)) {
     for (std::size_t i = 0; i < kServos; ++i) {
-      target_[i] = std::clamp(reading_[i], kPulseMin, kPulseMax);
+      target_[i] = std::clamp(reading_[i], kMaxArmPulseMin, kMaxArmPulseMax);
     }
     return send_set(target_, timing_.stop_ms, now, now);
   }
@@ -607,7 +582,7 @@ void MaxArmDriver::send_set(const Pulses& target, std::int32_t time_ms, Instant 
   const Instant taken = knows_looks() ? look_behind(in) : in;
   const Instant from = std::max(begins, taken);
   const auto early = std::chrono::duration_cast<std::chrono::milliseconds>(from - taken).count();
-  const auto longer = std::min(static_cast<std::int32_t>(early), kTimeMax - time_ms);
+  const auto longer = std::min(static_cast<std::int32_t>(early), kMaxArmTimeMax - time_ms);
   const SetAngle set = sturdy_set(target, time_ms + longer);
   for (std::size_t i = 0; i < kServos; ++i) {
     target_[i] = set.pulses[i];
@@ -643,7 +618,7 @@ SetAngle MaxArmDriver::sturdy_set(const Pulses& target, std::int32_t time_ms) co
       const std::int32_t pulse = target[i] + kBeside[static_cast<std::size_t>(way % 3)];
       const bool moved = pulse != target[i];
       const double angle = angle_of(i, pulse);
-      if (moved && (pulse < kPulseMin || pulse > kPulseMax)) return std::nullopt;
+      if (moved && (pulse < kMaxArmPulseMin || pulse > kMaxArmPulseMax)) return std::nullopt;
       if (moved && !within_limits(joints_[i], angle)) return std::nullopt;
       set.pulses[i] = static_cast<std::uint16_t>(pulse);
     }

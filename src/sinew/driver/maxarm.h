@@ -8,6 +8,7 @@
 
 #include "sinew/core/fixed_vector.h"
 #include "sinew/driver/driver.h"
+#include "sinew/driver/maxarm_pulses.h"
 #include "sinew/model/device.h"
 #include "sinew/wire/maxarm.h"
 
@@ -110,7 +111,7 @@ class MaxArmDriver : public ByteDriver {
   std::optional<maxarm::Checksum> checksum() const;
 
  private:
-  using Pulses = std::array<std::int32_t, maxarm::kServos>;
+  using Pulses = MaxArmPulses;
   enum class Phase : std::uint8_t {
     kClosed,
     kQuiet,    ///< listening to nothing, `due_` after the last byte
@@ -153,7 +154,6 @@ class MaxArmDriver : public ByteDriver {
   void show_way();
   void show_doubt();
   void show(std::size_t joint, PositionQuality quality, double low, double high);
-  Expected<Pulses> pulses_of(const JointMove& move) const;
   double angle_of(std::size_t joint, double pulse) const;
 
   MaxArmDevice device_;

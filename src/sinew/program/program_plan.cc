@@ -248,6 +248,9 @@ std::expected<JointVector, Refusal> first_target(const Step& row, const Start& q
                          target[i] < limits.lower ? limits.lower : limits.upper});
   }
   if (joint == nullptr) return refused(Error{ErrorCode::kPositionUnknown, 0});
+  if (const auto error = WireTarget(robot).refusal({target.data(), target.size()})) {
+    return refused(*error);
+  }
   return target;
 }
 

@@ -85,7 +85,7 @@ std::expected<Plan, Refusal> make_plan(const Program& program, const RobotModel&
 bool plannable(const Start& q, const RobotModel& robot);
 /// Where that one slow piece goes.
 /// @error kPositionUnknown (a joint that the row does not name, or no joint row), kJointLimit,
-///        kLegLength
+///        kLegLength, or those of WireTarget
 std::expected<JointVector, Refusal> first_target(const Step& row, const Start& q,
                                                  const RobotModel& robot);
 

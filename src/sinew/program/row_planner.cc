@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "sinew/core/assert.h"
 #include "sinew/driver/axis_register_times.h"
+#include "sinew/driver/maxarm_pulses.h"
 #include "sinew/planning/chords.h"
 
 namespace sinew::program {
@@ -113,6 +115,16 @@ AxisRegisterTimes::Move times_of(AxisRegisterTimes& times, const JointVector& fr
   return times.next({own.data(), own.size()});
 }
 
+/// The shortest and the longest whole move that a wire can say, s.
+struct Durations {
+  double shortest = 0;
+  double longest = std::numeric_limits<double>::infinity();
+};
+Durations durations(const RobotModel& robot) {
+  if (!std::holds_alternative<MaxArmDevice>(robot.device.settings)) return {};
+  return {kMaxArmTimeMin * 1e-3, kMaxArmTimeMax * 1e-3};
+}
+
 /// When a law comes to s.
 double time_at(const planning::TimeLaw& law, double s) {
   double before = 0, after = law.duration();
@@ -136,6 +148,7 @@ Unheard unheard(const MotionOptions& how, const RobotModel& robot) {
 RowPlanner::RowPlanner(const RobotModel& robot)
     : robot_(robot),
       delay_(motion_delay(robot.device)),
+      wire_(robot),
       planner_(robot),
       motion_(planner_.make_motion()) {}
 
@@ -157,10 +170,23 @@ std::expected<RowMotion, Refusal> RowPlanner::plan(const JointVector& q_start,
   }
   tell_stop(rows, out);
   if (motion_.empty()) return out;
+  if (const auto error = wire_.refusal({out.q_end.data(), out.q_end.size()})) {
+    const double end = motion_.path.joints.length();
+    return std::unexpected(unsayable(rows, *start, end, out.q_end, *error));
+  }
   if (is_streamed(robot_)) {
-    cut_into_segments(out);
+    if (auto cut = cut_into_segments(rows, *start, out); !cut) return std::unexpected(cut.error());
   } else {
-    cut_into_chords(*start, out);
+    const auto places = chord_places(rows, *start);
+    if (!places) return std::unexpected(places.error());
+    cut_into_chords(*start, *places, out);
+    const double longest = durations(robot_).longest;
+    for (std::size_t k = 0; k < out.pieces.size(); ++k) {
+      const double duration = to_seconds(out.pieces[k].duration);
+      if (duration <= longest) continue;
+      const Error error{ErrorCode::kSegmentTime, -1, duration, longest};
+      return std::unexpected(unsayable(rows, *start, (*places)[k], out.pieces[k].q, error));
+    }
   }
   return out;
 }
@@ -203,12 +229,36 @@ void RowPlanner::tell_stop(std::span<const Step> rows, RowMotion& out) {
   out.stop = stays ? CornerStopReason::kNoWay : CornerStopReason::kNoFit;
 }
 
+/// The wire cannot say q, which is at s of the motion at hand.
+Refusal RowPlanner::unsayable(std::span<const Step> rows, const RobotPlace& start, double s,
+                              const JointVector& q, const Error& error) const {
+  const planning::PathProgress at = planning::Trajectory::progress_at(motion_.path, s);
+  double begin = 0;
+  for (const planning::PathSection& section : motion_.path.sections) {
+    if (section.move == at.move) begin = section.begin;
+  }
+  const planning::MovePlace place{at.move, s - begin, at.move_share};
+  Refusal refusal{rows[at.move].line, error,
+                  WayRefusal{{error, place, std::nullopt, start}, {}, std::nullopt}};
+  if (error.index < 0) return refusal;
+  const auto joint = static_cast<std::size_t>(error.index);
+  Unsayable& what = refusal.way->unsayable.emplace(Unsayable{joint, q[joint], std::nullopt});
+  if (s == motion_.path.joints.length()) {
+    what.nearest = wire_.nearest({q.data(), q.size()});
+  } else {
+    refusal.way->proposal.move_j = motion_.stretch.end.q;
+  }
+  return refusal;
+}
+
 /// Equal times, none longer than the device's segment.
-void RowPlanner::cut_into_segments(RowMotion& out) const {
+std::expected<void, Refusal> RowPlanner::cut_into_segments(std::span<const Step> rows,
+                                                           const RobotPlace& start,
+                                                           RowMotion& out) const {
   const double duration = motion_.law.duration();
   if (std::holds_alternative<NoDriver>(robot_.device.settings)) {
     out.arrival = out.duration = duration;  // of a model only: nobody takes it
-    return;
+    return {};
   }
   const double longest = to_seconds(robot_.device.capability.segment);
   const auto count = static_cast<std::size_t>(std::max(1.0, std::ceil(duration / longest)));
@@ -224,11 +274,16 @@ void RowPlanner::cut_into_segments(RowMotion& out) const {
       piece.q.push_back(last ? out.q_end[j] : at.q[j]);
       piece.qd.push_back(last ? 0 : at.qd[j]);
     }
+    if (const auto error = wire_.refusal({piece.q.data(), piece.q.size()})) {
+      const double s = motion_.law.sample(segment * static_cast<double>(k)).s;
+      return std::unexpected(unsayable(rows, start, s, piece.q, *error));
+    }
     out.pieces.push_back(piece);
   }
   const double whole = segment * static_cast<double>(count);
   out.arrival = whole + to_seconds(delay_.arrival);
   out.duration = whole + to_seconds(delay_.report);
+  return {};
 }
 
 /// From rest to rest, and no faster than the tool was asked to be.
@@ -272,25 +327,81 @@ double RowPlanner::tool_acceleration(const JointVector& from, const JointVector&
   return greatest;
 }
 
-void RowPlanner::cut_into_chords(const RobotPlace& start, RowMotion& out) const {
+JointVector RowPlanner::joints_at(double s) const {
+  planning::PathPoint at;
+  motion_.path.joints.sample(s, at);
+  return vector_of(at.q, robot_.joints.size());
+}
+
+/// How far the tool leaves the way on one straight move of the joints, m; as chords() measures.
+double RowPlanner::off_way(double begin, double end, const PoseBT& X_near) const {
+  constexpr int kLooks = 8;
+  const JointVector from = joints_at(begin), to = joints_at(end);
+  double farthest = 0;
+  for (int k = 1; k < kLooks; ++k) {
+    const double share = static_cast<double>(k) / kLooks;
+    const JointVector on = joints_at(begin + share * (end - begin));
+    JointVector beside = from;
+    for (std::size_t j = 0; j < beside.size(); ++j) beside[j] += share * (to[j] - from[j]);
+    const auto X_on = planner_.space().forward({on.data(), on.size()}, X_near);
+    const auto X_beside = planner_.space().forward({beside.data(), beside.size()}, X_near);
+    if (!X_on || !X_beside) return std::numeric_limits<double>::infinity();
+    farthest = std::max({farthest, norm(X_on->p - X_beside->p),
+                         planning::kTurnRadius * angle_between(X_on->R, X_beside->R)});
+  }
+  return farthest;
+}
+
+/// Where the moves end that follow the way. A gap that the wire cannot say is crossed by one move
+/// where that stays near the way; then it may be longer than kChordMax.
+std::expected<std::vector<double>, Refusal> RowPlanner::chord_places(
+    std::span<const Step> rows, const RobotPlace& start) const {
   const planning::PlannedPath& path = motion_.path;
-  std::vector<double> places{path.joints.length()};
+  const double length = path.joints.length();
   const bool joints_straight = std::holds_alternative<planning::MoveJ>(moves_[0].way) ||
                                std::holds_alternative<planning::MoveTo>(moves_[0].way);
-  if (!joints_straight) {
-    places = planning::chords(planner_.space(), path, kWayTolerance, kChordMax, start.X_BT);
+  if (joints_straight) return std::vector<double>{length};
+  const auto refused_at = [&](double s) {
+    const JointVector q = joints_at(s);
+    return wire_.refusal({q.data(), q.size()});
+  };
+  constexpr double kLook = 0.1e-3;  // m
+  double last = 0;
+  std::vector<double> out;
+  for (const double s :
+       planning::chords(planner_.space(), path, kWayTolerance, kChordMax, start.X_BT)) {
+    if (s <= last) continue;  // skipped with a gap
+    const auto error = s == length ? std::nullopt : refused_at(s);
+    if (!error) {
+      out.push_back(last = s);
+      continue;
+    }
+    double before = s, behind = s;
+    while (before > last && refused_at(before)) before = std::max(last, before - kLook);
+    while (behind < length && refused_at(behind)) behind = std::min(length, behind + kLook);
+    if (before > last && off_way(last, behind, start.X_BT) > kWayTolerance) {
+      out.push_back(last = before);
+    }
+    if (off_way(last, behind, start.X_BT) > kWayTolerance) {
+      return std::unexpected(unsayable(rows, start, s, joints_at(s), *error));
+    }
+    out.push_back(last = behind);
   }
+  return out;
+}
+
+void RowPlanner::cut_into_chords(const RobotPlace& start, std::span<const double> places,
+                                 RowMotion& out) const {
   JointVector from = vector_of(start.q, robot_.joints.size());
   double t_from = 0;
   std::optional<AxisRegisterTimes> times;
   if (const auto* boards = register_boards(robot_)) times.emplace(*boards);
   for (const double s : places) {
-    planning::PathPoint at;
-    path.joints.sample(s, at);
     const bool last = s == places.back();
-    const JointVector to = last ? out.q_end : vector_of(at.q, robot_.joints.size());
+    const JointVector to = last ? out.q_end : joints_at(s);
     const double t = time_at(motion_.law, s);
-    const double duration = piece_duration(from, to, moves_[0], t - t_from);
+    const double duration =
+        std::max(piece_duration(from, to, moves_[0], t - t_from), durations(robot_).shortest);
     JointMove piece{.q = to, .qd = {}, .duration = from_seconds(duration)};
     piece.qd.resize(to.size());
     out.pieces.push_back(piece);

@@ -6,15 +6,24 @@
 #include <vector>
 
 #include "sinew/driver/motion_delay.h"
+#include "sinew/driver/wire_target.h"
 #include "sinew/planning/motion_planner.h"
 #include "sinew/program/program_file.h"
 
 namespace sinew::program {
 
+/// A place where a move has to end and that the wire cannot say.
+struct Unsayable {
+  std::size_t joint = 0;
+  double q = 0;                        ///< of that joint, rad
+  std::optional<JointVector> nearest;  ///< that it can say; of an end only
+};
+
 /// Why a way cannot be gone, where, and what would work instead.
 struct WayRefusal {
   planning::PathRefusal refusal;
   planning::MoveProposal proposal;
+  std::optional<Unsayable> unsayable{};
 };
 
 /// Why a program cannot run.
@@ -67,8 +76,10 @@ class RowPlanner {
   /// @param robot  outlives this.
   explicit RowPlanner(const RobotModel& robot);
 
-  /// The motion of rows[0] and of those that blend into each other behind it.
+  /// The motion of rows[0] and of those that blend into each other behind it. The wire can say each
+  /// of its pieces: a chord's end that it cannot is left out, or moved to where it can.
   /// @param rows  all of them motions
+  /// @error  those of MotionPlanner, and those of WireTarget with where the way is then
   std::expected<RowMotion, Refusal> plan(const JointVector& q_start, std::span<const Step> rows);
 
   /// What the last plan() made.
@@ -80,14 +91,24 @@ class RowPlanner {
                                           std::span<const Step> rows);
   Refusal refusal(std::span<const Step> rows, const planning::PathRefusal& why);
   void tell_stop(std::span<const Step> rows, RowMotion& out);
-  void cut_into_segments(RowMotion& out) const;
-  void cut_into_chords(const planning::RobotPlace& start, RowMotion& out) const;
+  std::expected<void, Refusal> cut_into_segments(std::span<const Step> rows,
+                                                 const planning::RobotPlace& start,
+                                                 RowMotion& out) const;
+  void cut_into_chords(const planning::RobotPlace& start, std::span<const double> places,
+                       RowMotion& out) const;
+  std::expected<std::vector<double>, Refusal> chord_places(std::span<const Step> rows,
+                                                           const planning::RobotPlace& start) const;
+  JointVector joints_at(double s) const;
+  double off_way(double begin, double end, const kinematics::PoseBT& X_near) const;
+  Refusal unsayable(std::span<const Step> rows, const planning::RobotPlace& start, double s,
+                    const JointVector& q, const Error& error) const;
   double piece_duration(const JointVector& from, const JointVector& to, const planning::Move& move,
                         double in_motion) const;
   double tool_acceleration(const JointVector& from, const JointVector& to, double share) const;
 
   const RobotModel& robot_;
   MotionDelay delay_;
+  WireTarget wire_;
   planning::MotionPlanner planner_;
   planning::PlannedMotion motion_;
   std::vector<planning::Move> moves_;

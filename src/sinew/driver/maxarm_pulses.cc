@@ -1,0 +1,31 @@
+#include "sinew/driver/maxarm_pulses.h"
+
+#include <cmath>
+
+namespace sinew {
+
+Expected<MaxArmPulses> maxarm_pulses(const MaxArmDevice& device, std::span<const Joint> joints,
+                                     std::span<const double> q) {
+  if (q.size() != maxarm::kServos || joints.size() != maxarm::kServos) {
+    return std::unexpected(Error{ErrorCode::kTaskNotSupported});
+  }
+  MaxArmPulses pulses{};
+  for (std::size_t i = 0; i < maxarm::kServos; ++i) {
+    const auto index = static_cast<std::int8_t>(i);
+    // Not a number is within nothing.
+    if (!within_limits(joints[i], q[i])) {
+      const double limit = q[i] < joints[i].lower ? joints[i].lower : joints[i].upper;
+      return std::unexpected(Error{ErrorCode::kJointLimit, index, q[i], limit});
+    }
+    const double pulse = device.servos[i].offset + device.servos[i].pulses_per_rad * q[i];
+    const double whole = std::round(pulse);
+    if (!(whole >= kMaxArmPulseMin && whole <= kMaxArmPulseMax)) {
+      const double limit = whole < kMaxArmPulseMin ? kMaxArmPulseMin : kMaxArmPulseMax;
+      return std::unexpected(Error{ErrorCode::kPulseRange, index, pulse, limit});
+    }
+    pulses[i] = static_cast<std::int32_t>(whole);
+  }
+  return pulses;
+}
+
+}  // namespace sinew

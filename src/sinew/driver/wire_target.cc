@@ -1,0 +1,102 @@
+#include "sinew/driver/wire_target.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sinew/core/assert.h"
+#include "sinew/core/units.h"
+#include "sinew/driver/axis_register_units.h"
+#include "sinew/driver/bigrobotarm.h"
+#include "sinew/driver/maxarm_pulses.h"
+
+namespace sinew {
+namespace {
+
+/// Further than the 256 steps in which one byte may stay the same.
+constexpr int kUnitsMax = 2000;
+
+std::optional<Error> refusal_of(const BigRobotArmDevice& device, std::span<const double> q) {
+  SINEW_ASSERT(q.size() == kBigRobotArmJoints);
+  BigRobotArmAngles angles{};
+  std::ranges::copy(q, angles.begin());
+  const auto steps = BigRobotArmDriver(device).steps_of(angles);
+  return steps ? std::nullopt : std::optional(steps.error());
+}
+
+std::optional<Error> refusal_of(const AxisRegistersDevice& device, const RobotModel& robot,
+                                std::span<const double> q) {
+  for (std::size_t i = 0; i < q.size(); ++i) {
+    const auto told =
+        axis_registers::tell_angle(device.encoding, device.boards[i].zero, robot.joints[i], q[i]);
+    if (told) continue;
+    Error error = told.error();
+    error.index = static_cast<std::int8_t>(i);
+    return error;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+WireTarget::WireTarget(const RobotModel& robot) : robot_(robot) {
+  const auto* device = std::get_if<LscDevice>(&robot.device.settings);
+  if (device == nullptr) return;
+  const auto* geometry = std::get_if<SerialGeometry>(&robot.geometry);
+  lsc_.emplace(*device, robot.joints, geometry != nullptr ? geometry->gripper : std::nullopt);
+}
+
+std::optional<Error> WireTarget::refusal(std::span<const double> q) const {
+  SINEW_ASSERT(q.size() == robot_.joints.size());
+  const auto& settings = robot_.device.settings;
+  if (const auto* arm = std::get_if<BigRobotArmDevice>(&settings)) return refusal_of(*arm, q);
+  if (const auto* boards = std::get_if<AxisRegistersDevice>(&settings)) {
+    return refusal_of(*boards, robot_, q);
+  }
+  if (const auto* arm = std::get_if<MaxArmDevice>(&settings)) {
+    const auto pulses = maxarm_pulses(*arm, robot_.joints, q);
+    return pulses ? std::nullopt : std::optional(pulses.error());
+  }
+  if (!lsc_) return std::nullopt;
+  for (std::size_t i = 0; i < q.size(); ++i) {
+    const auto units = lsc_->of_joint(i, q[i]);
+    if (!units) return units.error();
+  }
+  return std::nullopt;
+}
+
+/// rad between two places that a joint can be told; 0 where nothing is refused for that.
+double WireTarget::unit(std::size_t joint) const {
+  const auto& settings = robot_.device.settings;
+  if (lsc_) return lsc_->resolution(joint);
+  if (const auto* arm = std::get_if<BigRobotArmDevice>(&settings)) {
+    return 1 / std::abs(arm->joints[joint].steps_per_rad);
+  }
+  if (const auto* arm = std::get_if<MaxArmDevice>(&settings)) {
+    return 1 / std::abs(arm->servos[joint].pulses_per_rad);
+  }
+  return 0;
+}
+
+std::optional<JointVector> WireTarget::nearest(std::span<const double> q) const {
+  JointVector near(q);
+  for (std::size_t fixed = 0; fixed <= near.size(); ++fixed) {
+    const auto error = refusal({near.data(), near.size()});
+    if (!error) return near;
+    if (error->index < 0) return std::nullopt;
+    const auto joint = static_cast<std::size_t>(error->index);
+    const double step = unit(joint);
+    const double from = near[joint];
+    const auto works = [&](double angle) {
+      near[joint] = angle;
+      if (!within_limits(robot_.joints[joint], angle)) return false;
+      const auto left = refusal({near.data(), near.size()});
+      return !left || left->index > error->index;
+    };
+    int k = 1;
+    while (k <= kUnitsMax && !works(from - k * step) && !works(from + k * step)) ++k;
+    if (step == 0 || k > kUnitsMax) return std::nullopt;
+  }
+  return std::nullopt;
+}
+
+}  // namespace sinew

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <optional>
+#include <span>
+
+#include "sinew/core/error.h"
+#include "sinew/driver/lsc_units.h"
+#include "sinew/model/robot_model.h"
+
+namespace sinew {
+
+/// Whether a robot's wire can say a place, asked before anything moves and of the very functions by
+/// which the robot's driver says it: a program is refused as a whole then, not in its middle. A
+/// BigRobotArm is taken to count from the model's zero, as it does when it was switched on there.
+class WireTarget {
+ public:
+  /// @param robot  outlives this.
+  explicit WireTarget(const RobotModel& robot);
+
+  /// Nothing where a move may end at q (rad or m, one a joint), or a streamed way pass it.
+  /// @return kStepRange, kUnsendable (index, steps), kPulseRange (index, pulses), kJointLimit
+  ///         (index: nothing inside the limits is near enough)
+  std::optional<Error> refusal(std::span<const double> q) const;
+
+  /// The place nearest to q that can be said and is inside the limits: joints that can be said
+  /// stay. Nothing where there is none within some thousand steps.
+  std::optional<JointVector> nearest(std::span<const double> q) const;
+
+ private:
+  double unit(std::size_t joint) const;
+
+  const RobotModel& robot_;
+  std::optional<LscUnits> lsc_;
+};
+
+}  // namespace sinew
