@@ -30,16 +30,19 @@ struct WireRules {
   Regain regain = Regain::kMeasured;
   /// Any damaged frame is known as such: no wrong motion and no wrong position, ever.
   bool trusted = true;
+  /// Where not: what is claimed at rest is true all the same, right behind the faults.
+  bool true_at_rest = false;
   /// A damaged order may keep the device away for hours, until somebody cuts its power.
   bool runs_away = false;
   double tolerance = 0;  ///< rad or m: sag, backlash and dead band beyond what is claimed
   double overshoot = 0;  ///< rad or m beyond the way that was asked for
   /// The device knows where it stands, where the host has but an interval: a move is taken.
   bool moves_uncertain = false;
-  bool by_field = false;  ///< the motor's field is what is claimed, not the rotor that trails it
-  Duration recovery{};    ///< from the last fault, or the end of a motion, to ready or a fault
-  Duration rest{};        ///< then, until what is claimed must be true
-  Duration phase{};       ///< longest time with faults
+  bool stores_only = false;  ///< the device answers and moves nothing: the truth is where it stood
+  bool by_field = false;     ///< the motor's field is what is claimed, not the rotor that trails it
+  Duration recovery{};       ///< from the last fault, or the end of a motion, to ready or a fault
+  Duration rest{};           ///< then, until what is claimed must be true
+  Duration phase{};          ///< longest time with faults
   Duration longest_motion{};  ///< that a damaged order may make
   /// Where moves may go, inside the joints' limits; rad or m.
   std::array<double, kMaxJoints> lower = filled(-1e9);
@@ -53,6 +56,9 @@ struct WireRules {
   double excess_max = 1e9;                     ///< rad or m beyond the way, where it may be left
   Duration stray_max = std::chrono::hours(1);  ///< beyond the way, at a stretch
   int episodes = 20;                           ///< with one machine
+  /// Where SINEW_FAULTS asks for a number of faults: so many for one, for about a minute of a
+  /// million.
+  double faults_each = 1;
 
  private:
   static constexpr std::array<double, kMaxJoints> filled(double value) {
@@ -147,6 +153,7 @@ class FaultCase {
   DriverHealth health_;
   std::optional<Error> last_error_;
   std::string complaint_;
+  std::string wrong_claim_;  ///< the last one that was forgiven
   int episode_ = 0;
 
   Instant next_action_{};

@@ -23,7 +23,7 @@ TEST(StopRules, every_cause_has_its_row_and_its_name) {
 TEST(StopRules, what_can_go_on_was_braked_on_its_path) {
   for (std::size_t i = 0; i < kStopCauses; ++i) {
     const StopRule& rule = stop_rule(static_cast<StopCause>(i));
-    if (rule.after == StopAfter::kHeld) EXPECT_EQ(rule.manner, StopManner::kOnPath) << rule.name;
+    EXPECT_TRUE(rule.after != StopAfter::kHeld || rule.manner == StopManner::kOnPath) << rule.name;
   }
 }
 

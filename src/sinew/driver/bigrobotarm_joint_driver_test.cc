@@ -30,6 +30,14 @@ PositionQuality worst(const BigRobotArmCell& cell) {
   return quality;
 }
 
+/// What the device hears while nobody of ours has said it.
+void order(BigRobotArmCell& cell, const bigrobotarm::Request& request) {
+  const auto bytes = bigrobotarm::byte::encode_request(request);
+  cell.machine.receive({bytes.data(), bytes.size()}, cell.now);
+  const std::uint8_t end = bigrobotarm::byte::kTerminator;
+  cell.machine.receive({&end, 1}, cell.now);
+}
+
 class EveryDevice : public ::testing::TestWithParam<std::tuple<BigRobotArmProfile, int>> {
  protected:
   RobotModel robot() const {
@@ -237,20 +245,63 @@ TEST(BigRobotArmJointDriver, motion_and_reset_that_noise_ordered_lose_the_positi
   BigRobotArmCell cell;
   cell.make_ready();
   // Back on its zero by its own counters, and not in truth.
-  const auto order = [&](const bigrobotarm::Request& request) {
-    auto bytes = bigrobotarm::byte::encode_request(request);
-    for (const std::uint8_t byte : bytes) cell.machine.receive({&byte, 1}, cell.now);
-    const std::uint8_t end = bigrobotarm::byte::kTerminator;
-    cell.machine.receive({&end, 1}, cell.now);
-  };
   const std::uint8_t garbage = 0xA5;
   cell.driver.receive({&garbage, 1}, cell.now);
-  order(bigrobotarm::Goto{{3000, -2000, -2600, 800, -1000}});
-  order(bigrobotarm::Reset{});
+  order(cell, bigrobotarm::Goto{{3000, -2000, -2600, 800, -1000}});
+  order(cell, bigrobotarm::Reset{});
   cell.run_until(DriverState::kReady);
   EXPECT_GT(distance(cell, {}), 0.5);
   EXPECT_EQ(worst(cell), PositionQuality::kLost);
   EXPECT_EQ(cell.driver.move(cell.move_to({}), cell.now).error().code, ErrorCode::kPositionUnknown);
+}
+
+/// A rotor pressed against an end stands anywhere between its rests, and goes to one of them when
+/// the arm is told to come back: up to three full steps beside where it was seen to stand.
+TEST(BigRobotArmJointDriver, arm_declared_where_noise_drove_it_into_its_end_is_never_elsewhere) {
+  constexpr std::size_t kWrist = 4;
+  for (int quarter = 0; quarter < 16; ++quarter) {
+    BigRobotArmCell cell;
+    cell.make_ready();
+    const BigRobotArmJoint& wrist = cell.device().joints[kWrist];
+    const double full_step = wrist.steps_per_motor_rev / 200 / std::abs(wrist.steps_per_rad);
+    const double beyond = cell.robot.joints[kWrist].lower - 0.5 - 0.25 * quarter * full_step;
+    const std::uint8_t garbage = 0xA5;
+    cell.driver.receive({&garbage, 1}, cell.now);
+    bigrobotarm::Goto go{};
+    go.positions[kWrist] = static_cast<std::int32_t>(std::lround(beyond * wrist.steps_per_rad));
+    order(cell, go);
+    cell.run_until(DriverState::kReady);
+    ASSERT_TRUE(cell.machine.truth().joints[kWrist].lost_steps);
+    ASSERT_EQ(worst(cell), PositionQuality::kLost);
+    cell.declare();
+    ASSERT_TRUE(cell.driver.move(cell.move_to({0, 0, 0, 0, -1}), cell.now));
+    cell.run_until(DriverState::kReady);
+    EXPECT_EQ(worst(cell), PositionQuality::kCommanded);
+    EXPECT_EQ(cell.liar(), -1) << quarter;
+    // Its motors have turned: what is seen now is where they are.
+    cell.declare();
+    const JointPosition& claim = cell.driver.positions()[kWrist];
+    EXPECT_NEAR(claim.upper - claim.lower, 2 * full_step, 1e-9);
+  }
+}
+
+TEST(BigRobotArmJointDriver, interval_of_a_journal_is_kept_by_the_next_host) {
+  BigRobotArmCell cell;
+  cell.make_ready();
+  ASSERT_TRUE(cell.driver.move(cell.move_to(kThere), cell.now));
+  cell.run_until(DriverState::kReady);
+  const std::vector<JointPosition> known(cell.driver.positions().begin(),
+                                         cell.driver.positions().end());
+  cell.driver = BigRobotArmJointDriver(cell.device(), cell.robot.joints);
+  cell.driver.declare_positions(known);
+  cell.driver.open(cell.now);
+  cell.run_until(DriverState::kReady);
+  for (std::size_t i = 0; i < known.size(); ++i) {
+    const JointPosition& claim = cell.driver.positions()[i];
+    EXPECT_EQ(claim.quality, PositionQuality::kCommanded) << i;
+    EXPECT_LE(claim.lower, known[i].lower + 1e-12) << i;
+    EXPECT_GE(claim.upper, known[i].upper - 1e-12) << i;
+  }
 }
 
 TEST(BigRobotArmJointDriver, garbage_while_it_moves_on_our_order_leaves_the_position_known) {

@@ -13,8 +13,9 @@ using namespace bigrobotarm;
 namespace {
 
 constexpr double kFullStepsPerRev = 200;
-/// Full steps by which a rotor may snap when its power stage starts anew.
+/// Full steps by which a rotor may snap when its power stage starts anew, or its motor has slipped.
 constexpr double kSnap = 2;
+constexpr double kFullStepsPerPole = 4;
 
 }  // namespace
 
@@ -50,7 +51,7 @@ void BigRobotArmPositions::take_declaration(std::span<const JointPosition> posit
   for (std::size_t i = 0; i < kJoints; ++i) {
     const JointPosition& one = positions[i];
     Slack& slack = slack_[i];
-    const double margin = full_step(i) * (fresh_ ? 1 + kSnap : 1);
+    const double margin = full_step(i) * (between_rests_[i] ? 1 + kSnap : 1);
     slack = {.lost = one.quality == PositionQuality::kLost || !std::isfinite(one.q) ||
                      !std::isfinite(one.lower) || !std::isfinite(one.upper),
              .uncertain = one.quality == PositionQuality::kUncertain,
@@ -58,7 +59,6 @@ void BigRobotArmPositions::take_declaration(std::span<const JointPosition> posit
              .upper = margin};
     if (slack.lost) continue;
     offset_[i] += one.q - angle(i, steps_);
-    if (!slack.uncertain) continue;
     slack.lower = std::min(slack.lower, one.lower - one.q);
     slack.upper = std::max(slack.upper, one.upper - one.q);
   }
@@ -71,8 +71,11 @@ void BigRobotArmPositions::go(const Words& target) {
 }
 
 void BigRobotArmPositions::arrive() {
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    if (turned(i, steps_, target_)) between_rests_[i] = false;
+  }
   steps_ = target_;
-  going_ = fresh_ = false;
+  going_ = false;
 }
 
 void BigRobotArmPositions::doubt() {
@@ -110,10 +113,18 @@ void BigRobotArmPositions::judge(const Status& status, bool boot) {
     reach_from_zero(from);
   }
   going_ = doubted_ = reopened_ = false;
-  fresh_ = boot;
+  if (boot) between_rests_.fill(true);
+}
+
+/// So far that a rotor anywhere between two rests has found one.
+bool BigRobotArmPositions::turned(std::size_t joint, const Words& from, const Words& to) const {
+  const double steps = std::abs(1.0 * to[joint] - from[joint]);
+  const BigRobotArmJoint& own = device_.joints[joint];
+  return steps >= own.steps_per_motor_rev / kFullStepsPerRev * kFullStepsPerPole;
 }
 
 void BigRobotArmPositions::lose() {
+  between_rests_.fill(true);
   slack_ = {};
   declared_ = false;
 }

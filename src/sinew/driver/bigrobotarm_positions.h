@@ -29,9 +29,14 @@ namespace sinew {
 ///                                         | where they lie outside the joints' limits (lose())
 ///   sync mode                             | lost: it moves in a frame of its own
 ///
-/// `commanded` means within one full motor step, by which a rotor may trail its field; at a device
-/// that was just reset within three, since a rotor that friction holds between two rests snaps to
-/// one of them, up to two full steps away, when its motor first turns. @rt
+/// `commanded` means within one full motor step, by which a rotor may trail its field. Declared
+/// after a reset or after a loss it means within three, for every joint that has not turned since
+/// by four full steps: a power stage that starts anew, a motor that slipped and a mechanical end
+/// leave the rotor anywhere between two rests, and it goes to one of them when its motor turns.
+/// With a = 2/pi asin((load + friction) / holding torque) full steps, it stands as far as 2 - a
+/// from the pole that it leaves and comes to rest as far as a beyond the next, four on: 2 + 2a from
+/// where it was seen, which is three while load and friction are below 0.7 of the holding torque;
+/// pressed against an end it stands up to 2 from its own pole and ends up to a beside that. @rt
 class BigRobotArmPositions {
  public:
   using Words = bigrobotarm::Words;
@@ -81,6 +86,7 @@ class BigRobotArmPositions {
   double full_step(std::size_t joint) const;
   void take_declaration(std::span<const JointPosition> positions);
   void widen_by_snap();
+  bool turned(std::size_t joint, const Words& from, const Words& to) const;
   void reach_from_zero(const Words& from);
 
   BigRobotArmDevice device_;
@@ -92,7 +98,7 @@ class BigRobotArmPositions {
   bool going_ = false;
   bool doubted_ = false;
   bool reopened_ = false;
-  bool fresh_ = false;  ///< reset, and not moved since
+  std::array<bool, bigrobotarm::kJoints> between_rests_{};  ///< its rotor may be, see above
   std::optional<std::array<JointPosition, bigrobotarm::kJoints>> pending_;
   std::array<Slack, bigrobotarm::kJoints> slack_;
 };

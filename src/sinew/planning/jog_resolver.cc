@@ -21,6 +21,9 @@ constexpr double kWayOutSpeed = 0.3;
 constexpr double kWayOutPush = 0.3;
 /// Singular values from which on nothing has to be slowed down for a singularity yet.
 constexpr double kFar = 0.2;
+/// Share of the joints' acceleration and jerk that braking before a singularity counts on: the
+/// directions themselves turn on the way there, which takes the most of them.
+constexpr double kSingularShare = 0.2;
 /// rad, over which the change of the Jacobian is tried out.
 constexpr double kTry = 1e-5;
 /// Below this a singular value is none: which joints belong to it is rounding.
@@ -86,6 +89,8 @@ bool JogResolver::look(JogFrame frame, const JointArray& q, const TaskArray& tas
 /// Singular values fall as the joints go on along their directions; towards 0 they may only go so
 /// fast that they can still stop there: behind it the tool would come back.
 void JogResolver::look_for_singularities() {
+  const bool turns = space_->tool().task() != TaskSpace::kPoint;
+  const double share = turns ? kSingularShare : kShare;
   for (std::size_t k = 0; k < kTasksMax; ++k) {
     const double value = solver().singular_value(k);
     if (value >= kFar || value <= kFree) continue;
@@ -100,13 +105,13 @@ void JogResolver::look_for_singularities() {
     const double growth = product(change, solver().direction(k)) / kTry;
     motion::AxisLimits along{kInfinity, kInfinity, kInfinity};
     for (std::size_t j = 0; j < joints_.size(); ++j) {
-      const double share = std::abs(d[j]);
-      along.acceleration = std::min(along.acceleration, joints_[j].limits().acceleration / share);
-      along.jerk = std::min(along.jerk, joints_[j].limits().jerk / share);
+      const double part = std::abs(d[j]);
+      along.acceleration = std::min(along.acceleration, joints_[j].limits().acceleration / part);
+      along.jerk = std::min(along.jerk, joints_[j].limits().jerk / part);
     }
     const double way = value / std::max(std::abs(growth), kWayOut);
     const JogJoint path(along, {0, way});
-    const double most = path.approach_speed(0, true, kShare);
+    const double most = path.approach_speed(0, true, share);
     if (growth < 0) solvers_[holds_].limit(k, -kInfinity, most);
     if (growth > 0) solvers_[holds_].limit(k, -most, kInfinity);
   }

@@ -27,6 +27,14 @@ constexpr int kSweepsMax = 12;
 /// Cosine between two joint directions from which on they count as orthogonal: what is left of it
 /// is an error of the velocities of the same part.
 constexpr double kOrthogonal = 1e-9;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+/// Of a task's numbers, those from here on are turns.
+constexpr std::size_t kTurnsFrom = 3;
+/// How readily the tip's way is left out beside a turn: next to not at all, but a direction without
+/// turns has to have a size too.
+constexpr double kTipEase = 1e-3;
+/// Of the task: less than this is not lost.
+constexpr double kNothingLost = 1e-12;
 /// Rotations begin with what the last call ended with; this many calls later their rounding is
 /// taken out.
 constexpr unsigned kCallsFresh = 64;
@@ -63,6 +71,7 @@ void TaskSolver::factor(const TaskJacobian& J, unsigned held) {
       for (double& number : U_[k]) number *= scale;
     }
   }
+  held_ = held != 0;
   for (std::size_t k = 0; k < kTasksMax; ++k) {
     G_[k] = {};
     for (std::size_t j = 0; j < J.joints; ++j) {
@@ -119,11 +128,103 @@ bool TaskSolver::limited(const TaskArray& task) const {
   return false;
 }
 
+/// What of the task is left undone, so that of each direction k `lost` (where it is not 0) is.
+/// @param onward  of the translation, up to what length it is readily left out along itself
+TaskArray TaskSolver::left_out(const TaskArray& lost, const TaskArray& onward) const {
+  // In units in which all numbers are left out alike, orthogonal directions one after the other.
+  const double more = (std::sqrt(kTipEase * kTipEase + product(onward, onward)) - kTipEase) /
+                      std::max(product(onward, onward), kTipEase * kTipEase);
+  const auto scale = [&](TaskArray& some) {
+    const double along = more * product(some, onward);
+    for (std::size_t i = 0; i < kTurnsFrom; ++i) some[i] = kTipEase * some[i] + along * onward[i];
+  };
+  TaskArray out{};
+  std::array<TaskArray, kTasksMax> done;
+  std::size_t count = 0;
+  for (std::size_t k = 0; k < kTasksMax; ++k) {
+    if (lost[k] == 0) continue;
+    TaskArray along = U_[k];
+    scale(along);
+    const double left = lost[k] - product(along, out);
+    for (std::size_t d = 0; d < count; ++d) {
+      const double both = product(along, done[d]);
+      for (std::size_t i = 0; i < kTasksMax; ++i) along[i] -= both * done[d][i];
+    }
+    const double size = std::sqrt(product(along, along));
+    for (std::size_t i = 0; i < kTasksMax; ++i) {
+      along[i] /= size;
+      out[i] += left / size * along[i];
+    }
+    done[count++] = along;
+  }
+  scale(out);
+  return out;
+}
+
+/// In turns; where these would be quicker than all that was asked for, rather along the tip's own
+/// way, which it then goes more slowly; beside a joint at its limit in whatever costs least.
+TaskArray TaskSolver::possible(const TaskArray& task, const TaskArray& lost) const {
+  const double all = product(task, task);
+  const TaskArray turns = left_out(lost, {});
+  TaskArray rest = task;
+  const double turned = product(turns, turns);
+  if (turned <= all) {
+    for (std::size_t i = 0; i < kTasksMax; ++i) rest[i] -= turns[i];
+    return rest;
+  }
+  const auto blend = [&](TaskArray& from, const TaskArray& to) {
+    const double share = std::min(1.0, all / product(to, to));
+    for (std::size_t i = 0; i < kTasksMax; ++i) from[i] += share * (to[i] - from[i]);
+  };
+  TaskArray out{};
+  for (std::size_t k = 0; k < kTasksMax; ++k) {
+    for (std::size_t i = 0; i < kTasksMax; ++i) out[i] += lost[k] * U_[k][i];
+  }
+  if (!held_) {
+    TaskArray onward{};
+    for (std::size_t i = 0; i < kTurnsFrom; ++i) onward[i] = task[i] / std::sqrt(all);
+    blend(out, left_out(lost, onward));
+  }
+  blend(out, turns);
+  for (std::size_t i = 0; i < kTasksMax; ++i) rest[i] -= out[i];
+  return rest;
+}
+
+/// Along each direction, how much of the task the joints do.
+TaskArray TaskSolver::driven(const TaskArray& task) const {
+  TaskArray done{};
+  for (std::size_t k = 0; k < kTasksMax; ++k) {
+    done[k] = std::clamp(speed_along(k, task), lower_[k], upper_[k]) * value_[k];
+  }
+  return done;
+}
+
 JointArray TaskSolver::solve(const TaskArray& task) const {
+  TaskArray done = driven(task);
+  TaskArray lost{};
+  const double floor = kNothingLost * std::sqrt(product(task, task));
+  bool any = false;
+  for (std::size_t k = 0; k < kTasksMax; ++k) {
+    // Without limit and damping nothing can be.
+    if (gain_[k] * value_[k] * value_[k] > 1 - kNothingLost && !(lower_[k] > -kInfinity) &&
+        !(upper_[k] < kInfinity)) {
+      continue;
+    }
+    const double left = product(U_[k], task) - done[k];
+    if (!(std::abs(left) > floor)) continue;
+    lost[k] = left;
+    any = true;
+  }
+  if (any) {
+    const TaskArray others = driven(possible(task, lost));
+    for (std::size_t k = 0; k < kTasksMax; ++k) {
+      if (lost[k] == 0) done[k] = others[k];
+    }
+  }
   JointArray u{};
   for (std::size_t k = 0; k < kTasksMax; ++k) {
     if (!(value_[k] > 0)) continue;
-    const double share = std::clamp(speed_along(k, task), lower_[k], upper_[k]) / value_[k];
+    const double share = done[k] / (value_[k] * value_[k]);
     for (std::size_t j = 0; j < kMaxJoints; ++j) u[j] += share * G_[k][j];
   }
   return u;

@@ -25,6 +25,12 @@ struct TaskJacobian {
 /// sum of (U_k . task) / (s_k^2 + d_k^2) s_k v_k, with a damping d_k that is 0 where the singular
 /// value s_k is at least kNearSingular.
 ///
+/// What a direction does not do has to come out of the task somewhere. Out of its turns (numbers 3
+/// to 5) wherever they can make up for it: the tool's tip goes on as asked. Where they would have
+/// to be larger than the whole task for that, out of the translation (0 to 2) along itself: the tip
+/// goes on more slowly, and not aside. Only where joints are held it also slides aside, as little
+/// as can be.
+///
 /// Source: Hestenes 1958 for the directions, by one-sided Jacobi rotations which begin with those
 /// of the last call; Nakamura and Hanafusa 1986 and Maciejewski and Klein 1988 for the damping,
 /// here only of the directions that need it. @rt
@@ -59,6 +65,9 @@ class TaskSolver {
  private:
   void start_again();
   double speed_along(std::size_t k, const TaskArray& task) const;
+  TaskArray driven(const TaskArray& task) const;
+  TaskArray left_out(const TaskArray& lost, const TaskArray& onward) const;
+  TaskArray possible(const TaskArray& task, const TaskArray& lost) const;
 
   std::array<TaskArray, kTasksMax> U_;
   std::array<JointArray, kTasksMax> G_{};
@@ -66,6 +75,7 @@ class TaskSolver {
   TaskArray gain_{};  ///< 1 / (s^2 + d^2)
   TaskArray lower_{}, upper_{};
   unsigned calls_ = 0;
+  bool held_ = false;  ///< some joint does not take part
 };
 
 }  // namespace sinew::planning
