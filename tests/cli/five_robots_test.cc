@@ -339,7 +339,7 @@ TEST(SimVerb, options_that_make_no_sense_are_refused) {
       {{"sim", "robot-arm-2", "--nss", "none"}, "--nss: 'none' is neither hard nor soft"},
       {{"sim", "robot-arm-2", "--link", "/tmp/x"}, "--link: boards on SPI have no port"},
       {{"sim", "robot-arm-2", "--time-scale", "2"}, "over simwire the time is the host's"},
-      {{"sim", "robot-arm-2", "--fault", "drop=0.1"}, "cannot befall SPI"},
+      {{"sim", "robot-arm-2", "--fault", "delay=0.1:5ms"}, "delay cannot befall SPI"},
       {{"sim", "hexapod", "--fault", "drop=2"}, "--fault: "},
       {{"sim", "hexapod", "--fault", "block=J9@1mm@1s"}, "--fault: "},
       {{"sim", "robot-arm-2", "--fault", "block=J2@20mm@1s"},

@@ -180,9 +180,8 @@ Outcome drive(const RunRequest& request, const Prepared& prepared, runtime::Robo
                                     [&](const program::Run& view, Instant now) {
                                       recorder.look(view, now);
                                       // Boards that were stopped for a failure tell less.
-                                      if (!view.finished()) {
-                                        suspicion = runtime::suspicion(link.driver());
-                                      }
+                                      auto more = runtime::suspicion(link.driver());
+                                      if (more.size() >= suspicion.size()) suspicion = more;
                                       progress.show(view, model, now);
                                     },
                                 .interrupts = [] { return io::interrupts(); }});
