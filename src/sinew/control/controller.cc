@@ -173,15 +173,17 @@ void Controller::stand_where_driver_says(Setpoint setpoint) {
     reference_.clear();
     for (const JointPosition& joint : driver_.positions()) reference_.push_back(joint.q);
   }
-  const std::span<const double> q(reference_.data(), reference_.size());
-  governor_.rest(q);
-  sent_.rest(q);
+  stand_at_reference();
 }
 
 void Controller::stand_at_setpoint() {
   if (!driver_knows() || !governor_.known()) return stand_where_driver_says(Setpoint::kForgotten);
   reference_ = JointVector(governor_.q());
   reference_known_ = true;
+  stand_at_reference();
+}
+
+void Controller::stand_at_reference() {
   const std::span<const double> q(reference_.data(), reference_.size());
   governor_.rest(q);
   sent_.rest(q);
@@ -197,20 +199,20 @@ void Controller::settle(Instant now) {
     if (stopping_->told && driver_.goes_on_until()) {
       end_task(ControlEvent::Kind::kStopped, {}, stopping_->cause);
     }
-    if (standing(now) && (stopping_->told || gone)) return rested(now);
+    if (standing(now) && (stopping_->told || gone)) return rested();
     const auto until = driver_.goes_on_until();
     const Instant from = until ? std::max(*until, stopping_->since) : stopping_->since;
     if (now - from <= kStopLimit) return;
     const double waited = to_seconds(now - from);
     latch(StopCause::kDevice, {ErrorCode::kDeviceSilent, -1, waited, to_seconds(kStopLimit)});
     outstanding_ = 0;
-    return rested(now);
+    return rested();
   }
   const bool braked = !task_ || task_->motion == nullptr || task_->motion->next(now) == nullptr;
-  if (braked && standing(now)) rested(now);
+  if (braked && standing(now)) rested();
 }
 
-void Controller::rested(Instant /*now*/) {
+void Controller::rested() {
   const Stopping how = *stopping_;
   stopping_.reset();
   const bool finished = task_ && task_->motion != nullptr && task_->motion->finished();

@@ -101,8 +101,6 @@ class Controller {
   /// All records are safe; the last one has been made.
   bool journal_settled() const { return !journal_ || journal_->settled(); }
   bool journal_closed() const { return !journal_ || closed_; }
-  /// How long the next piece has waited for the journal, in all.
-  Duration waited_for_journal() const { return waited_; }
 
  private:
   enum class TaskKind : std::uint8_t { kMotion, kBlindMotion, kJog, kHome, kTool };
@@ -132,7 +130,7 @@ class Controller {
   void end_task(ControlEvent::Kind kind, const std::optional<Error>& error = {},
                 StopCause cause = StopCause::kClient);
   void settle(Instant now);
-  void rested(Instant now);
+  void rested();
   bool standing(Instant now) const;
   bool driver_knows() const;
   /// The next motion begins at the end of the last piece, or where the driver says.
@@ -141,6 +139,11 @@ class Controller {
   /// it is kept; how much is too much its driver says when the next motion begins (kMovedUnasked).
   enum class Setpoint : std::uint8_t { kKept, kForgotten };
   void stand_where_driver_says(Setpoint setpoint);
+  void stand_at_reference();
+  /// On a motion that was granted, and not being brought to rest.
+  bool granted() const {
+    return state_ == MachineState::kMoving || state_ == MachineState::kRecovering;
+  }
 
   // controller_watch.cc
   Error silence() const;
@@ -152,7 +155,8 @@ class Controller {
   void take_events(Instant now);
   void take(const DriverEvent& event, Instant now);
   void failed(const Error& error, Instant now);
-  void enabled(Instant now);
+  void enabled();
+  void end_enabling(ControlEvent::Kind kind, const Error& error = {});
 
   // controller_commands.cc
   struct Asked {
@@ -237,7 +241,6 @@ class Controller {
   bool position_given_up_ = false;  ///< recorded for a search that has not begun yet
   JournalPositions recorded_;       ///< as last said at rest
   std::optional<Instant> waiting_since_;
-  Duration waited_{};
   std::int64_t wall_ns_ = 0;
   Outputs out_;
 };

@@ -71,8 +71,7 @@ Expected<bool> Controller::on(const Enable& /*enable*/, const Asked& asked) {
 Expected<bool> Controller::on(const Disable& /*disable*/, const Asked& asked) {
   if (!next_state(state_, Signal::kDisable)) return refused(ErrorCode::kWrongState);
   end_task(ControlEvent::Kind::kStopped, {}, StopCause::kShutdown);
-  if (enabling_ != 0) tell(ControlEvent::Kind::kStopped, enabling_);
-  enabling_ = 0;
+  end_enabling(ControlEvent::Kind::kStopped);
   driver_.close(asked.now);
   change(Signal::kDisable);
   return true;
@@ -252,15 +251,10 @@ Expected<void> Controller::declare(const Declare& where, Instant now) {
 
 Expected<void> Controller::acknowledge(const Inputs& inputs, Instant now) {
   if (state_ != MachineState::kFault || !latched_) return refused(ErrorCode::kWrongState);
-  const auto is_late = [&](StopCause cause) {
-    if (latched_->cause == cause) return true;
-    for (const Latched& later : later_) {
-      if (later.cause == cause) return true;
-    }
-    return false;
-  };
+  const auto of_disk = [](const Latched& one) { return one.cause == StopCause::kNotRecorded; };
   // A disk that failed once is not trusted again by this run.
-  if (journal_ && inputs.journal_failed && is_late(StopCause::kNotRecorded)) {
+  if (journal_ && inputs.journal_failed &&
+      (of_disk(*latched_) || std::ranges::any_of(later_, of_disk))) {
     return refused(ErrorCode::kNotRecorded);
   }
   if (driver_.state() == DriverState::kFault) {

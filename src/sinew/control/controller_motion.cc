@@ -8,7 +8,7 @@ namespace sinew::control {
 void Controller::advance(Instant now) {
   if (!task_ || task_->kind == TaskKind::kTool) return;
   const bool braking = state_ == MachineState::kStopping && stopping_ && !stopping_->by_device;
-  if (state_ != MachineState::kMoving && state_ != MachineState::kRecovering && !braking) return;
+  if (!granted() && !braking) return;
   if (task_->kind == TaskKind::kHome) {
     if (!task_->begun) return begin_homing(now);
     if (standing(now) && driver_.state() == DriverState::kReady) arrive();
@@ -26,11 +26,8 @@ void Controller::advance(Instant now) {
 
 void Controller::begin_homing(Instant now) {
   if (journal_ && !position_given_up_) {
-    const JournalPositions none = [&] {
-      JournalPositions all;
-      all.resize(robot_.joints.size());
-      return all;
-    }();
+    JournalPositions none;
+    none.resize(robot_.joints.size());
     // The search moves joints nobody knows how far.
     const auto record = journal_->lost({none.data(), none.size()}, JournalCause::kUser, time(now));
     position_given_up_ = record.has_value();
@@ -90,7 +87,6 @@ bool Controller::recorded(const JointMove& piece, Instant now) {
   const auto next = sent_.with(driver_.positions(), piece, braking);
   offer(journal_->reserve({driver_.positions(), next, task_->motion->whole()}, time(now)));
   if (journal_->may_send(next)) {
-    if (waiting_since_) waited_ += now - *waiting_since_;
     waiting_since_.reset();
     return true;
   }

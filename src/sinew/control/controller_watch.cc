@@ -25,8 +25,7 @@ void Controller::watch_lease(Instant now) {
   }
   had_holder_ = false;
   tell(ControlEvent::Kind::kLease);
-  const bool moves = state_ == MachineState::kMoving || state_ == MachineState::kRecovering;
-  if (moves) stop(StopCause::kLeaseEnded, Error{ErrorCode::kLeaseLost}, now);
+  if (granted()) stop(StopCause::kLeaseEnded, Error{ErrorCode::kLeaseLost}, now);
 }
 
 void Controller::watch_journal(const Inputs& inputs, Instant now) {
@@ -36,8 +35,7 @@ void Controller::watch_journal(const Inputs& inputs, Instant now) {
   if (failed && !(latched_ && latched_->cause == StopCause::kNotRecorded)) {
     return stop(StopCause::kNotRecorded, error, now);
   }
-  const bool moves = state_ == MachineState::kMoving || state_ == MachineState::kRecovering;
-  if (moves && task_ && task_->begun && journal_->overdue(now)) {
+  if (granted() && task_ && task_->begun && journal_->overdue(now)) {
     stop(StopCause::kRecordLate, error, now);
   }
 }
@@ -57,10 +55,7 @@ void Controller::watch_driver(Instant now) {
                             : driver_.fault().value_or(Error{ErrorCode::kDeviceRefused});
     outstanding_ = 0;
     end_task(ControlEvent::Kind::kFailed, error);
-    if (state_ == MachineState::kEnabling && enabling_ != 0) {
-      tell(ControlEvent::Kind::kFailed, enabling_, error);
-      enabling_ = 0;
-    }
+    end_enabling(ControlEvent::Kind::kFailed, error);
     return stop(StopCause::kDevice, error, now);
   }
   if (driver == DriverState::kOpening && !may_move(state_) && state_ != MachineState::kEnabling) {
@@ -71,22 +66,23 @@ void Controller::watch_driver(Instant now) {
     change(Signal::kDoubt);
   }
   if (state_ != MachineState::kEnabling) return;
-  if (driver == DriverState::kReady) return enabled(now);
+  if (driver == DriverState::kReady) return enabled();
   if (now - enabling_since_ <= settings_.opening_limit) return;
-  if (enabling_ != 0) {
-    tell(ControlEvent::Kind::kFailed, enabling_, enabling_trouble_);
-    enabling_ = 0;
-  }
+  end_enabling(ControlEvent::Kind::kFailed, enabling_trouble_);
   stop(StopCause::kDevice, enabling_trouble_, now);
 }
 
-void Controller::enabled(Instant /*now*/) {
+void Controller::enabled() {
   driver_spoke_ = true;
   outstanding_ = 0;
   stand_where_driver_says(Setpoint::kKept);
   change(Signal::kEnabled);
-  if (enabling_ == 0) return;
-  tell(ControlEvent::Kind::kDone, enabling_);
+  end_enabling(ControlEvent::Kind::kDone);
+}
+
+/// Of the command that asked for it; a doubt enables again without one.
+void Controller::end_enabling(ControlEvent::Kind kind, const Error& error) {
+  if (enabling_ != 0) tell(kind, enabling_, error);
   enabling_ = 0;
 }
 
