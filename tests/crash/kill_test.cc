@@ -8,6 +8,7 @@
 
 #include "cli/process.h"
 #include "sinew/io/scratch_folder_test_support.h"
+#include "support/how_many.h"
 #include "support/property.h"
 
 /// kill -9 at random instants of a running program, a real process on a real disk, while the
@@ -17,15 +18,9 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// Real kills of each robot: SINEW_KILLS where it is set.
+/// Real kills of each robot.
 std::int64_t kills() {
-#ifdef __SANITIZE_ADDRESS__
-  constexpr std::int64_t kKills = 5;
-#else
-  constexpr std::int64_t kKills = 20;
-#endif
-  const char* text = std::getenv("SINEW_KILLS");
-  return text != nullptr ? std::strtoll(text, nullptr, 10) : kKills;
+  return static_cast<std::int64_t>(how_many("SINEW_KILLS", 20, 5));
 }
 
 struct Machine {

@@ -7,6 +7,7 @@
 #include "faults/campaign.h"
 #include "sinew/core/units.h"
 #include "sinew/runtime/robot_variant.h"
+#include "support/how_many.h"
 #include "support/robots.h"
 
 namespace sinew::test {
@@ -16,16 +17,14 @@ using namespace std::chrono_literals;
 
 /// Faults that each wire gets: SINEW_FAULTS where it is set, times what one of this wire is worth.
 std::uint64_t faults_wanted(const WireRules& rules, std::uint64_t usual) {
-  const char* text = std::getenv("SINEW_FAULTS");
-  if (text == nullptr) return usual;
-  return static_cast<std::uint64_t>(std::strtod(text, nullptr) * rules.faults_each);
+  const auto wanted = number_of("SINEW_FAULTS");
+  if (!wanted) return usual;
+  return static_cast<std::uint64_t>(static_cast<double>(*wanted) * rules.faults_each);
 }
 
 /// SINEW_FAULT_CASE: that one only.
 std::optional<std::uint64_t> only_case() {
-  const char* text = std::getenv("SINEW_FAULT_CASE");
-  if (text == nullptr) return {};
-  return std::strtoull(text, nullptr, 0);
+  return number_of("SINEW_FAULT_CASE");
 }
 
 /// How many faults there shall be decides where a case ends.

@@ -1,11 +1,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <iostream>
 #include <optional>
 
 #include "motion/random_sequence.h"
+#include "support/how_many.h"
 
 namespace sinew::planning {
 namespace {
@@ -15,15 +15,12 @@ constexpr std::uint64_t kBatch = 64;
 
 /// Of all robots together: SINEW_SEQUENCES where it is set.
 std::uint64_t sequences_wanted() {
-  const char* text = std::getenv("SINEW_SEQUENCES");
-  return text != nullptr ? std::strtoull(text, nullptr, 0) : 6000;
+  return test::how_many("SINEW_SEQUENCES", 6000);
 }
 
 /// SINEW_SEQUENCE_CASE: that one only.
 std::optional<std::uint64_t> only_case() {
-  const char* text = std::getenv("SINEW_SEQUENCE_CASE");
-  if (text == nullptr) return {};
-  return std::strtoull(text, nullptr, 0);
+  return test::number_of("SINEW_SEQUENCE_CASE");
 }
 
 std::uint64_t mixed(std::uint64_t first, std::uint64_t second) {

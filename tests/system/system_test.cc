@@ -1,10 +1,10 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
-#include <cstdlib>
 #include <iostream>
 
 #include "sinew/runtime/robot_variant.h"
+#include "support/how_many.h"
 #include "support/robots.h"
 #include "system/system_cell.h"
 
@@ -13,15 +13,9 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// Seeds of a run: SINEW_SEEDS where it is set. With sanitizers each takes ten times as long.
+/// Seeds of a run. With sanitizers each takes ten times as long.
 std::uint64_t seeds() {
-#ifdef __SANITIZE_ADDRESS__
-  constexpr std::uint64_t kSeeds = 50;
-#else
-  constexpr std::uint64_t kSeeds = 1000;
-#endif
-  const char* text = std::getenv("SINEW_SEEDS");
-  return text != nullptr ? std::strtoull(text, nullptr, 10) : kSeeds;
+  return how_many("SINEW_SEEDS", 1000, 50);
 }
 
 struct Kind {

@@ -4,10 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 
 #include "sinew/motion/joint_profile.h"
 #include "sinew/motion/state_to_state.h"
+#include "support/how_many.h"
 #include "support/property.h"
 
 namespace sinew::motion::test {
@@ -23,8 +23,7 @@ struct JointProblem {
 
 /// Cases of the large properties: SINEW_MOTION_CASES where it is set.
 inline std::uint64_t cases_wanted(std::uint64_t usual) {
-  const char* text = std::getenv("SINEW_MOTION_CASES");
-  return text != nullptr ? std::strtoull(text, nullptr, 0) : usual;
+  return sinew::test::how_many("SINEW_MOTION_CASES", usual);
 }
 
 inline double spread(Random& random, double decades) {

@@ -1,21 +1,15 @@
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <iostream>
 
 #include "sinew/runtime/journal_test_cell.h"
+#include "support/how_many.h"
 
 namespace sinew::runtime {
 namespace {
 
 using test::Cell;
 using test::Random;
-
-/// SINEW_POWER_LOSSES where it is set: a campaign asks for more.
-std::uint64_t power_losses() {
-  const char* text = std::getenv("SINEW_POWER_LOSSES");
-  return text != nullptr ? std::strtoull(text, nullptr, 0) : 2000;
-}
 
 /// The end of a life, one way or another.
 void crash(Cell& cell, Random& random) {
@@ -30,7 +24,8 @@ TEST(JournalLosses, what_is_recovered_always_contains_the_truth) {
   std::array<std::uint64_t, 12> findings{};
   std::uint64_t sends = 0;
   std::uint64_t records = 0;
-  sinew::test::for_random_cases(power_losses(), [&](Random& random) {
+  const std::uint64_t losses = sinew::test::how_many("SINEW_POWER_LOSSES", 2000);
+  sinew::test::for_random_cases(losses, [&](Random& random) {
     Cell cell(random);
     const std::int64_t lives = random.integer(1, 5);
     for (std::int64_t life = 0; life < lives && !::testing::Test::HasFailure(); ++life) {
@@ -55,10 +50,10 @@ TEST(JournalLosses, what_is_recovered_always_contains_the_truth) {
   const auto times = [&](JournalFinding finding) {
     return findings[static_cast<std::size_t>(finding)];
   };
-  EXPECT_GT(times(JournalFinding::kEndedInMotion), power_losses() / 4);
-  EXPECT_GT(times(JournalFinding::kEndedAtRest), power_losses() / 4);
-  EXPECT_GT(times(JournalFinding::kCleanEnd), power_losses() / 100);
-  EXPECT_GT(sends, 50 * power_losses());
+  EXPECT_GT(times(JournalFinding::kEndedInMotion), losses / 4);
+  EXPECT_GT(times(JournalFinding::kEndedAtRest), losses / 4);
+  EXPECT_GT(times(JournalFinding::kCleanEnd), losses / 100);
+  EXPECT_GT(sends, 50 * losses);
   // Crashes never look like somebody's hand.
   for (const auto finding :
        {JournalFinding::kEdited, JournalFinding::kOlderCopy, JournalFinding::kCopied,
