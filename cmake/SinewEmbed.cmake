@@ -1,12 +1,13 @@
-# sinew_embed_robots(<target> <file>...): the robots' files become part of the library, so that an
-# installed program needs no data directory. Touching a file rebuilds the table.
+# sinew_embed_robots(<target> <cell> <file>...): a cell's and the robots' files become part of the
+# library, so that an installed program needs no data directory. Touching a file rebuilds the table.
 set(SINEW_EMBED_SCRIPT "${CMAKE_CURRENT_LIST_DIR}/embed_robots.cmake")
 
-function(sinew_embed_robots target)
+function(sinew_embed_robots target cell)
   set(output "${CMAKE_CURRENT_BINARY_DIR}/builtin_robots.cc")
   add_custom_command(OUTPUT "${output}"
-    COMMAND "${CMAKE_COMMAND}" "-DOUTPUT=${output}" "-DFILES=${ARGN}" -P "${SINEW_EMBED_SCRIPT}"
-    DEPENDS ${ARGN} "${SINEW_EMBED_SCRIPT}"
+    COMMAND "${CMAKE_COMMAND}" "-DOUTPUT=${output}" "-DCELL=${cell}"
+      "-DFILES=${ARGN}" -P "${SINEW_EMBED_SCRIPT}"
+    DEPENDS ${cell} ${ARGN} "${SINEW_EMBED_SCRIPT}"
     COMMENT "Embedding the robots' files"
     VERBATIM)
   target_sources(${target} PRIVATE "${output}")

@@ -1,5 +1,5 @@
 # Run with -P: writes the robots' FILES, byte for byte, into OUTPUT as the table that
-# sinew/config/builtin_robots.h declares.
+# sinew/config/builtin_robots.h declares, and the CELL that cell_file.h declares.
 set(arrays "")
 set(rows "")
 set(index 0)
@@ -14,13 +14,18 @@ foreach(file IN LISTS FILES)
   math(EXPR index "${index} + 1")
 endforeach()
 
-file(WRITE "${OUTPUT}" "// Written by cmake/embed_robots.cmake; edit robots/*.toml instead.
+file(READ "${CELL}" cell HEX)
+string(REGEX REPLACE "(..)" "'\\\\x\\1'," cell "${cell}")
+
+file(WRITE "${OUTPUT}" "// Written by cmake/embed_robots.cmake; edit robots/*.toml and cells/ instead.
 #include \"sinew/config/builtin_robots.h\"
+#include \"sinew/config/cell_file.h\"
 
 namespace sinew {
 namespace {
 
 ${arrays}
+constexpr char kCell[] = {${cell}'\\0'};
 constexpr BuiltinRobot kRobots[] = {
 ${rows}};
 
@@ -28,6 +33,10 @@ ${rows}};
 
 std::span<const BuiltinRobot> builtin_robots() {
   return kRobots;
+}
+
+std::string_view builtin_cell() {
+  return {kCell, sizeof(kCell) - 1};
 }
 
 }  // namespace sinew

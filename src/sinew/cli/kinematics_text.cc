@@ -7,23 +7,9 @@
 
 #include "sinew/cli/table.h"
 #include "sinew/core/units.h"
-#include "sinew/model/collision_links.h"
+#include "sinew/model/error_sentence.h"
 
 namespace sinew::cli {
-namespace {
-
-std::string subject(const Error& error, const RobotModel& model) {
-  const auto index = static_cast<std::size_t>(error.index);
-  if (error.code == ErrorCode::kCollision && error.index >= 0 && error.other >= 0) {
-    return fmt::format("{} and {}", link_name(model, index),
-                       link_name(model, static_cast<std::size_t>(error.other)));
-  }
-  if (error.index < 0 || index >= model.joints.size()) return {};
-  return model.joints[index].name;
-}
-
-}  // namespace
-
 bool is_leg(const Joint& joint) {
   return joint.kind == JointKind::kPrismatic;
 }
@@ -57,7 +43,7 @@ std::string pose_text(const Vec3& p, const Rotation& R) {
 Json error_json(const Error& error, const RobotModel& model) {
   const ErrorInfo& row = info(error.code);
   Json json{{"code", row.name}, {"sentence", error_text(error, model)}};
-  const std::string name = subject(error, model);
+  const std::string name = subject_of(error, model);
   if (!name.empty()) json[error.other >= 0 ? "links" : "joint"] = name;
   const auto put = [&](const char* unit, double factor) {
     json[fmt::format("measured{}", unit)] = error.measured * factor;
@@ -94,7 +80,7 @@ Json error_json(const Error& error, const RobotModel& model) {
 }
 
 std::string error_text(const Error& error, const RobotModel& model) {
-  return describe(error, subject(error, model));
+  return sentence_of(error, model);
 }
 
 Json joints_json(std::span<const double> q, const RobotModel& model) {

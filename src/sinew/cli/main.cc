@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "sinew/cli/axis_verb.h"
+#include "sinew/cli/cell_verbs.h"
 #include "sinew/cli/device_verb.h"
 #include "sinew/cli/doctor_verb.h"
 #include "sinew/cli/forward_verb.h"
@@ -16,6 +17,7 @@
 #include "sinew/cli/plan_verb.h"
 #include "sinew/cli/robots_verb.h"
 #include "sinew/cli/run_verb.h"
+#include "sinew/cli/serve_verb.h"
 #include "sinew/cli/sim_verb.h"
 #include "sinew/cli/table.h"
 #include "sinew/cli/torque_verb.h"
@@ -40,6 +42,9 @@ struct Call {
   PlanRequest plan;
   JogRequest jog;
   TorqueRequest torque;
+  ServeRequest serve;
+  CellRequest cell;
+  bool in_cell = false;  ///< `run` and `jog`: on a running cell
 };
 
 CLI::App* add_verb(CLI::App& app, Call& call, const std::string& name, const std::string& what,
@@ -185,6 +190,17 @@ void add_plan(CLI::App& app, Call& call) {
   verb->callback([&call] { call.verb = [&call] { return plan(call.plan); }; });
 }
 
+/// Of verbs that work alone where nobody names a running cell.
+void add_cell_options(CLI::App& verb, Call& call) {
+  verb.add_flag("--cell", call.in_cell, "on a robot of the running cell, by its name there");
+  verb.add_option("--socket", call.cell.socket, "the same, and where the cell answers");
+}
+
+bool on_cell(Call& call) {
+  call.cell.json = call.json;
+  return call.in_cell || call.cell.socket.has_value();
+}
+
 void add_jog(CLI::App& app, Call& call) {
   CLI::App* verb = add_verb(app, call, "jog",
                             "what a robot does while a stick is held, simulated; nothing moves",
@@ -202,7 +218,17 @@ void add_jog(CLI::App& app, Call& call) {
   verb->add_flag("--touch", request.contact, "without looking for contact with itself or a table");
   verb->add_option("--plot", request.plot,
                    "SVG file: every joint against its limits, the tool's way");
-  verb->callback([&call] { call.verb = [&call] { return jog(call.jog); }; });
+  add_cell_options(*verb, call);
+  verb->callback([&call] {
+    call.verb = [&call] {
+      if (!on_cell(call)) return jog(call.jog);
+      call.cell.robot = call.jog.robot;
+      call.cell.frame = call.jog.frame;
+      call.cell.velocity = call.jog.velocity;
+      call.cell.time = call.jog.time;
+      return cell_jog(call.cell);
+    };
+  });
 }
 
 void add_axis(CLI::App& app, Call& call) {
@@ -242,10 +268,15 @@ void add_run(CLI::App& app, Call& call) {
   verb->add_option("--plot", request.plot, "SVG file: the same, drawn");
   verb->add_option("--log", request.log, "every byte both ways, with its time");
   verb->add_option("--time-scale", request.time_scale, "simulated device only: faster or slower");
+  add_cell_options(*verb, call);
   verb->callback([&call] {
     call.verb = [&call] {
       call.run.quiet = call.json;
-      return run_program(call.run);
+      if (!on_cell(call)) return run_program(call.run);
+      call.cell.robot = call.run.robot;
+      call.cell.file = call.run.file;
+      call.cell.standing_at = call.run.standing_at;
+      return cell_run(call.cell);
     };
   });
 }
@@ -261,6 +292,74 @@ void add_torque(CLI::App& app, Call& call) {
   verb->add_option("--axis", request.axis,
                    "the joint to look at closely, J1.. or its name; the weakest where left out");
   verb->callback([&call] { call.verb = [&call] { return torque(call.torque); }; });
+}
+
+void add_serve(CLI::App& app, Call& call) {
+  CLI::App* verb = add_verb(app, call, "serve", "runs a cell of robots, which others then steer",
+                            "sinew serve my_cell.toml");
+  verb->add_option("CELL", call.serve.file,
+                   "a cell's .toml file; all five robots simulated where left out");
+  verb->add_option("--socket", call.serve.socket,
+                   "where it answers; the user's own place where left out");
+  verb->callback([&call] {
+    call.verb = [&call] {
+      call.serve.json = call.json;
+      return serve(call.serve);
+    };
+  });
+}
+
+/// A verb that asks something of a running cell.
+CLI::App* add_cell_verb(CLI::App& app, Call& call, const std::string& name, const std::string& what,
+                        const std::string& example, Outcome (*answer)(const CellRequest&)) {
+  CLI::App* verb = add_verb(app, call, name, what, example);
+  verb->add_option("--socket", call.cell.socket,
+                   "where the cell answers; the user's own place where left out");
+  verb->callback([&call, answer] {
+    call.verb = [&call, answer] {
+      call.cell.json = call.json;
+      return answer(call.cell);
+    };
+  });
+  return verb;
+}
+
+void add_cell_verbs(CLI::App& app, Call& call) {
+  CellRequest& request = call.cell;
+  constexpr const char* kRobot = "its name in the cell";
+  constexpr const char* kTakeOver = "from whoever has the lease, which stops the robot first";
+  CLI::App* verb = add_cell_verb(app, call, "status", "how the robots of a running cell are",
+                                 "sinew status", cell_status);
+  verb->add_option("ROBOT", request.robot, "its name in the cell; all where left out");
+  verb = add_cell_verb(app, call, "move", "one row of a program on a robot of a running cell",
+                       "sinew move learm line x=200mm speed=50mm/s", cell_move);
+  verb->add_option("ROBOT", request.robot, kRobot)->required();
+  verb->add_option("ROW", request.row, "as in docs/programs.md")->required();
+  verb->add_flag("--take-over", request.take_over, kTakeOver);
+  verb = add_cell_verb(app, call, "home", "a robot of a running cell finds its zeros",
+                       "sinew home arm", cell_home);
+  verb->add_option("ROBOT", request.robot, kRobot)->required();
+  verb->add_flag("--take-over", request.take_over, kTakeOver);
+  verb = add_cell_verb(app, call, "stop", "brings a robot of a running cell to rest, or all",
+                       "sinew stop", cell_stop);
+  verb->add_option("ROBOT", request.robot, "its name in the cell; all where left out");
+  verb = add_cell_verb(app, call, "pause", "a robot of a running cell rests on its way",
+                       "sinew pause arm", cell_pause);
+  verb->add_option("ROBOT", request.robot, kRobot)->required();
+  verb =
+      add_cell_verb(app, call, "resume", "it goes on from there", "sinew resume arm", cell_resume);
+  verb->add_option("ROBOT", request.robot, kRobot)->required();
+  verb = add_cell_verb(app, call, "recover",
+                       "acknowledges a fault, finds the device, and says where the robot stands",
+                       "sinew recover platform --standing-at home", cell_recover);
+  verb->add_option("ROBOT", request.robot, kRobot)->required();
+  verb->add_option("--standing-at", request.standing_at,
+                   "where it stands, from somebody who has looked: home, or a value a joint");
+  verb->add_flag("--take-over", request.take_over, kTakeOver);
+  verb = add_cell_verb(app, call, "lease", "holds a robot of a running cell until Ctrl-C",
+                       "sinew lease arm", cell_lease);
+  verb->add_option("ROBOT", request.robot, kRobot)->required();
+  verb->add_flag("--take-over", request.take_over, kTakeOver);
 }
 
 /// The first word where a verb is due, if any.
@@ -331,6 +430,8 @@ int run(std::span<char*> arguments) {
   add_jog(app, call);
   add_axis(app, call);
   add_torque(app, call);
+  add_serve(app, call);
+  add_cell_verbs(app, call);
   try {
     // Backwards, as CLI11 wants a vector.
     app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));

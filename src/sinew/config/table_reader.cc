@@ -69,10 +69,10 @@ void TableReader::wrong_type(const TomlNode& node, const std::string& key,
 
 const TomlEntry* TableReader::ask(std::string_view pattern, Dimension dimension, Presence presence,
                                   bool constant) {
-  Asked asked{.pattern = std::string(pattern),
-              .spellings = {},
-              .required = presence == Presence::kRequired,
-              .constant = constant};
+  const bool required = presence == Presence::kRequired && next_ == Presence::kRequired;
+  next_ = Presence::kRequired;
+  Asked asked{
+      .pattern = std::string(pattern), .spellings = {}, .required = required, .constant = constant};
   for (const Unit& unit : dimension) {
     asked.spellings.push_back(with_unit(pattern, unit.name));
     const TomlEntry* entry = find(*table_, asked.spellings.back());

@@ -34,6 +34,14 @@ class TableReader {
   TableReader(const TomlTable& table, Place place, std::string path, Findings& findings)
       : table_(&table), place_(place), path_(std::move(path)), findings_(&findings) {}
 
+  /// What is asked for next may be left out.
+  TableReader& optional() {
+    next_ = Presence::kOptional;
+    return *this;
+  }
+  /// Numbers that whoever wrote the file chose come from nowhere else.
+  void needs_no_source() { source_excused_ = true; }
+
   /// A number with a unit; integers are numbers too. `out` and `range` in SI.
   bool quantity(std::string_view pattern, Dimension dimension, const Range& range, double& out);
   /// Three of them in a list.
@@ -114,7 +122,8 @@ class TableReader {
   Findings* findings_;
   std::vector<Asked> asked_;
   bool ignore_rest_ = false;
-  bool source_excused_ = false;  ///< `source` is missing because its key is misspelt
+  Presence next_ = Presence::kRequired;
+  bool source_excused_ = false;  ///< `source` is missing and that has a reason
 };
 
 /// "`d_mm`, `d_m` or `d_in`"

@@ -202,9 +202,10 @@ void Controller::settle(Instant now) {
     if (standing(now) && (stopping_->told || gone)) return rested();
     const auto until = driver_.goes_on_until();
     const Instant from = until ? std::max(*until, stopping_->since) : stopping_->since;
-    if (now - from <= kStopLimit) return;
+    if (now - from <= settings_.stop_limit) return;
     const double waited = to_seconds(now - from);
-    latch(StopCause::kDevice, {ErrorCode::kDeviceSilent, -1, waited, to_seconds(kStopLimit)});
+    latch(StopCause::kDevice,
+          {ErrorCode::kDeviceSilent, -1, waited, to_seconds(settings_.stop_limit)});
     outstanding_ = 0;
     return rested();
   }

@@ -20,6 +20,10 @@ struct ControllerSettings {
   Duration lease_life = Lease::kLife;
   /// From enabling to the device's first good answer.
   Duration opening_limit = std::chrono::seconds(5);
+  /// A stop that nobody carries out in this time is a fault of the device.
+  Duration stop_limit = std::chrono::seconds(5);
+  /// A driver that is ready takes the first piece of a motion within this time, or says why not.
+  Duration start_limit = std::chrono::seconds(2);
   /// Without one nothing is recorded: simulated machines that begin anew each time.
   std::optional<JournalSettings> journal = std::nullopt;
 };
@@ -66,12 +70,8 @@ class Controller {
  public:
   static constexpr std::size_t kCommandsMax = 8;
   static constexpr std::size_t kLaterCausesMax = 8;
-  /// A stop that nobody carries out in this time is a fault of the device.
-  static constexpr Duration kStopLimit = std::chrono::seconds(5);
   /// rad, of a joint that is measured: a setpoint that is kept is no farther away than this.
   static constexpr double kSag = 0.05;
-  /// A driver that is ready takes the first piece of a motion within this time, or says why not.
-  static constexpr Duration kStartLimit = std::chrono::seconds(2);
 
   /// @param robot, driver  outlive this. The driver is closed.
   Controller(const RobotModel& robot, Driver& driver, const ControllerSettings& settings,

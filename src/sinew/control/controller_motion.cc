@@ -18,7 +18,7 @@ void Controller::advance(Instant now) {
     const bool ready = driver_.state() == DriverState::kReady;
     const bool asks = driver_.wants_move(now);
     // Who should take a piece and does not is asked why.
-    if (!asks && !(ready && !task_->begun && now - task_->since > kStartLimit)) break;
+    if (!asks && !(ready && !task_->begun && now - task_->since > settings_.start_limit)) break;
     if (!hand_over(*piece, now)) return;
   }
   if (!braking && task_ && task_->motion->finished() && standing(now)) arrive();

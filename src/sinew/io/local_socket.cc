@@ -13,6 +13,8 @@
 #include <cstring>
 #include <utility>
 
+#include "sinew/io/file.h"
+
 namespace sinew::io {
 namespace {
 
@@ -56,7 +58,25 @@ LocalListener::~LocalListener() {
   ::unlink(path_.c_str());
 }
 
-IoResult<LocalListener> LocalListener::create(const std::string& path) {
+IoResult<std::string> socket_folder() {
+  // Below /tmp everybody may make folders: there it carries the user's number.
+  std::string path = runtime_folder();
+  path += path == "/tmp" ? "/sinew-" + std::to_string(::getuid()) : "/sinew";
+  if (::mkdir(path.c_str(), 0700) != 0 && errno != EEXIST) {
+    return std::unexpected(system_error(path, errno));
+  }
+  struct stat status{};
+  if (::lstat(path.c_str(), &status) != 0) return std::unexpected(system_error(path, errno));
+  const bool ours =
+      S_ISDIR(status.st_mode) && status.st_uid == ::getuid() && (status.st_mode & 0077) == 0;
+  if (!ours) {
+    return std::unexpected(
+        IoError{path + ": is no folder of this user alone, so no server can be reached there"});
+  }
+  return path;
+}
+
+IoResult<LocalListener> LocalListener::create(const std::string& path, int waiting) {
   const auto address = address_of(path);
   if (!address) return std::unexpected(address.error());
   if (is_socket(path)) {
@@ -68,8 +88,10 @@ IoResult<LocalListener> LocalListener::create(const std::string& path) {
   }
   const int descriptor = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
   if (descriptor < 0) return std::unexpected(system_error(path, errno));
-  if (::bind(descriptor, reinterpret_cast<const sockaddr*>(&*address), sizeof *address) != 0 ||
-      ::listen(descriptor, 1) != 0) {
+  // Before it has a name, so that nobody is quicker.
+  if (::fchmod(descriptor, S_IRUSR | S_IWUSR) != 0 ||
+      ::bind(descriptor, reinterpret_cast<const sockaddr*>(&*address), sizeof *address) != 0 ||
+      ::listen(descriptor, waiting) != 0) {
     const int error = errno;
     ::close(descriptor);
     if (error == EADDRINUSE) {
@@ -80,11 +102,15 @@ IoResult<LocalListener> LocalListener::create(const std::string& path) {
   return LocalListener(path, descriptor);
 }
 
+int LocalListener::accept_descriptor() const {
+  return ::accept4(descriptor_, nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK);
+}
+
 IoResult<std::optional<Port>> LocalListener::accept(Duration timeout) {
   pollfd waiting{descriptor_, POLLIN, 0};
   const auto milliseconds = std::chrono::ceil<std::chrono::milliseconds>(timeout).count();
   if (::poll(&waiting, 1, static_cast<int>(milliseconds)) <= 0) return std::optional<Port>();
-  const int client = ::accept4(descriptor_, nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK);
+  const int client = accept_descriptor();
   if (client < 0) return std::optional<Port>();  // it went away again
   auto port = Port::from_descriptors(client, client, path_);
   if (!port) return std::unexpected(port.error());

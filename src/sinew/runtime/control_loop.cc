@@ -35,8 +35,8 @@ void ControlLoop::step_once(Instant now) {
   const std::size_t room = Controller::kCommandsMax - own.size();
   const std::span posted(posted_.data(), std::min(room, posted_.size()));
   commands_.clear();
-  // Stops go first, whoever sends them.
-  for (const bool stops : {true, false}) {
+  // Stops go last: what somebody asks for in the same cycle comes to nothing.
+  for (const bool stops : {false, true}) {
     for (const auto& part : {own, std::span<const Command>(posted)}) {
       for (const Command& command : part) {
         if (std::holds_alternative<control::Stop>(command.what) == stops) {

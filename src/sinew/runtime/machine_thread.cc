@@ -7,11 +7,22 @@ MachineThread::MachineThread(std::unique_ptr<sim::ByteMachine> machine, io::Port
     : machine_(std::move(machine)),
       port_(std::move(port)),
       path_(port_.path()),
+      truth_(machine_->truth()),
       thread_([this, clock, cable] {
         // A port that fails shows at the other end, where somebody waits.
         static_cast<void>(serve_machine(*machine_, port_, clock, cable, log_,
-                                        {.stop = [this] { return stop_.load(); }, .look = {}}));
+                                        {.stop = [this] { return stop_.load(); },
+                                         .look =
+                                             [this](Instant) {
+                                               const std::scoped_lock lock(mutex_);
+                                               truth_ = machine_->truth();
+                                             }}));
       }) {}
+
+sim::Truth MachineThread::truth() const {
+  const std::scoped_lock lock(mutex_);
+  return truth_;
+}
 
 io::IoResult<std::unique_ptr<MachineThread>> MachineThread::start(
     std::unique_ptr<sim::ByteMachine> machine, const io::Clock& clock,

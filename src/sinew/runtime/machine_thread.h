@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <memory>
+#include <mutex>
 #include <string>
 #include <thread>
 
@@ -21,6 +22,8 @@ class MachineThread {
 
   /// What a host opens.
   const std::string& path() const { return path_; }
+  /// As of some 50 ms ago at most.
+  sim::Truth truth() const;
   /// The machine runs no further; this is where it stands.
   sim::Truth end();
 
@@ -33,6 +36,8 @@ class MachineThread {
   std::string path_;
   ByteLog log_;
   std::atomic<bool> stop_ = false;
+  mutable std::mutex mutex_;
+  sim::Truth truth_;  ///< under the mutex
   std::thread thread_;
 };
 

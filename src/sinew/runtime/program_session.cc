@@ -36,10 +36,13 @@ control::ControllerSettings session_settings(const io::Clock& clock, Duration op
   const double scale = std::max(1.0, clock.scale());
   const auto stretched = [&](Duration real) { return from_seconds(to_seconds(real) * scale); };
   using std::chrono::milliseconds;
+  const control::ControllerSettings usual;
   return {.cycle = stretched(3 * kSliceMax),
           .gap = stretched(milliseconds(1000)),
           .lease_life = stretched(control::Lease::kLife),
           .opening_limit = stretched(opening),
+          .stop_limit = stretched(usual.stop_limit),
+          .start_limit = stretched(usual.start_limit),
           .journal = std::nullopt};
 }
 

@@ -45,6 +45,9 @@ io::IoResult<std::unique_ptr<io::SpiBus>> open_bus(const RobotModel& robot, cons
 
 /// In the order in which they are taken apart, last first.
 struct RobotLink::Parts {
+  const RobotModel& robot;
+  const io::Clock& clock;
+  ByteLog& log;
   std::unique_ptr<MachineThread> thread;    ///< a machine that speaks bytes
   std::unique_ptr<sim::SpiMachine> boards;  ///< a machine of boards on SPI
   std::optional<io::Port> port;
@@ -54,29 +57,63 @@ struct RobotLink::Parts {
   std::string name;
 };
 
+std::unique_ptr<RobotLink::Parts> RobotLink::parts_for(const RobotModel& robot,
+                                                       const io::Clock& clock, ByteLog& log) {
+  // Real delays of this computer do not shrink where the device's time runs faster.
+  return std::unique_ptr<Parts>(
+      new Parts{.robot = robot,
+                .clock = clock,
+                .log = log,
+                .thread = {},
+                .boards = {},
+                .port = {},
+                .bus = {},
+                .driver = make_driver(robot, std::max(1.0, clock.scale())),
+                .line = {},
+                .name = {}});
+}
+
 RobotLink::RobotLink(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
 RobotLink::RobotLink(RobotLink&&) noexcept = default;
 RobotLink::~RobotLink() = default;
 
+io::IoResult<RobotLink> RobotLink::prepare(const RobotModel& robot, const std::string& port,
+                                           const io::Clock& clock, ByteLog& log) {
+  if (const auto why = wrong_port(robot, port)) return std::unexpected(io::IoError{*why});
+  auto parts = parts_for(robot, clock, log);
+  parts->name = port;
+  return RobotLink(std::move(parts));
+}
+
 io::IoResult<RobotLink> RobotLink::open(const RobotModel& robot, const std::string& port,
                                         const io::Clock& clock, ByteLog& log) {
-  if (const auto why = wrong_port(robot, port)) return std::unexpected(io::IoError{*why});
-  auto parts = std::make_unique<Parts>();
-  parts->name = port;
-  // Real delays of this computer do not shrink where the device's time runs faster.
-  parts->driver = make_driver(robot, std::max(1.0, clock.scale()));
-  if (parts->driver.byte) {
-    auto opened = io::Port::open_serial(port, robot.device.baud);
-    if (!opened) return std::unexpected(opened.error());
-    parts->port.emplace(std::move(*opened));
-    parts->line = line_over(*parts->driver.byte, *parts->port, clock, log);
-  } else {
-    auto bus = open_bus(robot, port, clock);
-    if (!bus) return std::unexpected(bus.error());
-    parts->bus = std::move(*bus);
-    parts->line = line_over(*parts->driver.spi, *parts->bus, clock, log);
+  auto link = prepare(robot, port, clock, log);
+  if (!link) return link;
+  if (const auto connected = link->connect(); !connected) {
+    return std::unexpected(connected.error());
   }
-  return RobotLink(std::move(parts));
+  return link;
+}
+
+io::IoResult<void> RobotLink::connect() {
+  Parts& parts = *parts_;
+  if (parts.boards) return {};
+  if (parts.driver.byte) {
+    parts.line.reset();
+    parts.port.reset();  // before it is opened again: it is held exclusively
+    auto opened = io::Port::open_serial(parts.name, parts.robot.device.baud);
+    if (!opened) return std::unexpected(opened.error());
+    parts.port.emplace(std::move(*opened));
+    parts.line = line_over(*parts.driver.byte, *parts.port, parts.clock, parts.log);
+    return {};
+  }
+  parts.line.reset();
+  parts.bus.reset();
+  auto bus = open_bus(parts.robot, parts.name, parts.clock);
+  if (!bus) return std::unexpected(bus.error());
+  parts.bus = std::move(*bus);
+  parts.line = line_over(*parts.driver.spi, *parts.bus, parts.clock, parts.log);
+  return {};
 }
 
 io::IoResult<RobotLink> RobotLink::simulate(const RobotModel& robot, const MachineOptions& options,
@@ -84,10 +121,9 @@ io::IoResult<RobotLink> RobotLink::simulate(const RobotModel& robot, const Machi
   auto machine = make_machine(robot, options, clock.now());
   if (!machine) return std::unexpected(io::IoError{machine.error()});
   if (machine->spi) {
-    auto parts = std::make_unique<Parts>();
+    auto parts = parts_for(robot, clock, log);
     parts->name = "SPI";
     parts->boards = std::move(machine->spi);
-    parts->driver = make_driver(robot, std::max(1.0, clock.scale()));
     parts->bus = bus_of(*parts->boards, clock);
     parts->line = line_over(*parts->driver.spi, *parts->bus, clock, log);
     return RobotLink(std::move(parts));
@@ -112,6 +148,12 @@ const std::string& RobotLink::name() const {
 }
 bool RobotLink::simulated() const {
   return parts_->thread || parts_->boards;
+}
+
+std::optional<sim::Truth> RobotLink::truth() const {
+  if (parts_->thread) return parts_->thread->truth();
+  if (parts_->boards) return parts_->boards->truth();
+  return std::nullopt;
 }
 
 std::optional<sim::Truth> RobotLink::end() {

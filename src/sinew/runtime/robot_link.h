@@ -20,6 +20,11 @@ class RobotLink {
   /// @error  the port cannot be opened; a sentence that says why, and what helps
   static io::IoResult<RobotLink> open(const RobotModel& robot, const std::string& port,
                                       const io::Clock& clock, ByteLog& log);
+  /// The same with its port still closed: connect() opens it.
+  /// @param robot, clock, log  outlive the link
+  /// @error  a port of the wrong kind
+  static io::IoResult<RobotLink> prepare(const RobotModel& robot, const std::string& port,
+                                         const io::Clock& clock, ByteLog& log);
   /// @param clock, log  outlive the link
   static io::IoResult<RobotLink> simulate(const RobotModel& robot, const MachineOptions& options,
                                           const io::Clock& clock, ByteLog& log);
@@ -28,17 +33,25 @@ class RobotLink {
   RobotLink& operator=(RobotLink&&) = delete;
   ~RobotLink();
 
+  /// Opens the port, also again after it was lost. @error  as open()
+  io::IoResult<void> connect();
+
   Driver& driver() const;
+  /// Of a port that is open, or was.
   DriverLine& line() const;
   /// What people know it by: the port's path, "simwire:..", "spidev".
   const std::string& name() const;
   bool simulated() const;
+  /// Where a simulated machine stands, as of some 50 ms ago at most; nothing where it is real.
+  std::optional<sim::Truth> truth() const;
   /// The end of a simulated machine: it runs no further, and this is where it stands.
   std::optional<sim::Truth> end();
 
  private:
   struct Parts;
   explicit RobotLink(std::unique_ptr<Parts> parts);
+  static std::unique_ptr<Parts> parts_for(const RobotModel& robot, const io::Clock& clock,
+                                          ByteLog& log);
   std::unique_ptr<Parts> parts_;
 };
 

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <expected>
+#include <string>
+#include <string_view>
+
+#include "sinew/cli/outcome.h"
+#include "sinew/server/rpc_client.h"
+
+namespace sinew::cli {
+
+/// A running cell as the verbs that talk to it see it.
+class CellConnection {
+ public:
+  /// @error  nobody answers there; says how to start a server
+  static std::expected<CellConnection, Outcome> open(const std::optional<std::string>& socket);
+
+  /// @error  the server's refusal, ready to be printed
+  std::expected<Json, Outcome> call(std::string_view method, const Json& params = Json::object());
+  server::RpcClient& client() { return client_; }
+  const std::string& path() const { return path_; }
+
+ private:
+  CellConnection(server::RpcClient client, std::string path)
+      : client_(std::move(client)), path_(std::move(path)) {}
+
+  server::RpcClient client_;
+  std::string path_;
+};
+
+/// Of a refusal.
+Outcome refused(const server::RpcError& error);
+
+/// The description of a robot of the cell.
+/// @error  there is none of this name
+std::expected<Json, Outcome> robot_of_cell(CellConnection& cell, const std::string& name);
+
+/// "home", or a value a joint (deg, mm of a leg), as rad and m.
+/// @param option  as the user typed it
+std::expected<Json, Outcome> positions_of(CellConnection& cell, const std::string& robot,
+                                          std::string_view option, const std::string& text);
+
+}  // namespace sinew::cli

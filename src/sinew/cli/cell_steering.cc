@@ -1,0 +1,195 @@
+// The verbs by which a person takes a machine of a running cell in hand: jog, recover, lease.
+#include <fmt/format.h>
+
+#include <cstdio>
+
+#include "sinew/cli/cell_connection.h"
+#include "sinew/cli/cell_verbs.h"
+#include "sinew/cli/table.h"
+#include "sinew/core/quantity.h"
+#include "sinew/core/spelling.h"
+#include "sinew/core/units.h"
+#include "sinew/io/clock.h"
+#include "sinew/io/interrupt.h"
+
+namespace sinew::cli {
+namespace {
+
+constexpr Duration kJogInterval = std::chrono::milliseconds(40);
+constexpr double kJogTime = 1;       // s
+constexpr double kJogTimeMax = 600;  // s
+constexpr Duration kRestWait = std::chrono::seconds(10);
+
+/// "20mm/s,0,5deg/s" in m/s and rad/s; each number says what it is.
+std::expected<Json, std::string> velocity_of(const std::string& text) {
+  Json numbers = Json::array();
+  std::size_t at = 0;
+  while (at <= text.size()) {
+    const std::size_t comma = std::min(text.find(',', at), text.size());
+    std::string word = text.substr(at, comma - at);
+    at = comma + 1;
+    if (word.ends_with("/s")) word.resize(word.size() - 2);
+    if (word == "0") {
+      numbers.push_back(0);
+      continue;
+    }
+    auto value = parse_quantity(word, Measure::kLength, UnitRule::kRequired);
+    if (!value) value = parse_quantity(word, Measure::kAngle, UnitRule::kRequired);
+    if (!value) {
+      return std::unexpected("--velocity: '" + printable(word) +
+                             "' is no speed; write 20mm/s or 5deg/s, or 0");
+    }
+    numbers.push_back(*value);
+  }
+  return numbers;
+}
+
+std::expected<double, std::string> time_of(const std::optional<std::string>& text) {
+  if (!text) return kJogTime;
+  const auto time = parse_quantity(*text, Measure::kTime, UnitRule::kOptional);
+  if (!time) return std::unexpected("--time: " + time.error());
+  if (!(*time > 0 && *time <= kJogTimeMax)) {
+    return std::unexpected(fmt::format("--time: has to be above 0 and at most {} s", kJogTimeMax));
+  }
+  return *time;
+}
+
+/// The lease, and a machine that is ready.
+std::expected<void, Outcome> take_in_hand(CellConnection& cell, const CellRequest& request) {
+  const auto taken =
+      cell.call("lease.take", {{"robot", request.robot}, {"take_over", request.take_over}});
+  if (!taken) return std::unexpected(taken.error());
+  const auto status = cell.call("robot.status", {{"robot", request.robot}});
+  if (!status) return std::unexpected(status.error());
+  if ((*status)["state"] != "off") return {};
+  const auto enabled = cell.call("robot.enable", {{"robot", request.robot}});
+  if (!enabled) return std::unexpected(enabled.error());
+  return {};
+}
+
+/// The status behind a motion, once it has come to rest.
+std::expected<Json, Outcome> at_rest(CellConnection& cell, const std::string& robot) {
+  const io::Clock clock;
+  const Instant end = clock.now() + kRestWait;
+  while (true) {
+    auto status = cell.call("robot.status", {{"robot", robot}});
+    if (!status) return status;
+    const std::string state = (*status)["state"];
+    if ((state != "moving" && state != "stopping") || clock.now() > end) return status;
+    clock.pause(kJogInterval);
+  }
+}
+
+std::string place_text(const Json& status) {
+  std::string text;
+  for (const Json& joint : status["joints"]) {
+    const bool leg = joint.contains("position_m");
+    const double q =
+        leg ? 1e3 * joint["position_m"].get<double>() : to_deg(joint.value("position_rad", 0.0));
+    const std::string value = joint["quality"] == "lost" ? "lost" : number(q, 2);
+    text += fmt::format("  {} {}", joint["name"].get<std::string>(), value);
+  }
+  return text;
+}
+
+Outcome status_outcome(const Json& status) {
+  Outcome outcome;
+  outcome.json = status;
+  outcome.text = fmt::format("  {}, position {}:{}\n", status["state"].get<std::string>(),
+                             status["position"].get<std::string>(), place_text(status));
+  return outcome;
+}
+
+}  // namespace
+
+Outcome cell_jog(const CellRequest& request) {
+  const auto velocity = velocity_of(request.velocity);
+  if (!velocity) return bad_input(velocity.error());
+  const auto time = time_of(request.time);
+  if (!time) return bad_input(time.error());
+  auto cell = CellConnection::open(request.socket);
+  if (!cell) return cell.error();
+  io::catch_interrupts();
+  if (const auto taken = take_in_hand(*cell, request); !taken) return taken.error();
+  const io::Clock clock;
+  const Instant end = clock.now() + from_seconds(*time);
+  const Json params{{"robot", request.robot}, {"frame", request.frame}, {"velocity", *velocity}};
+  // Letting go is enough: a command that nobody renews ends by itself.
+  while (clock.now() < end && io::interrupts() == 0) {
+    if (const auto jogs = cell->call("robot.jog", params); !jogs) return jogs.error();
+    clock.pause(kJogInterval);
+  }
+  if (io::interrupts() > 0) {
+    const auto stopped = cell->call("robot.stop", {{"robot", request.robot}});
+    if (!stopped) return stopped.error();
+  }
+  const auto status = at_rest(*cell, request.robot);
+  return status ? status_outcome(*status) : status.error();
+}
+
+Outcome cell_recover(const CellRequest& request) {
+  auto cell = CellConnection::open(request.socket);
+  if (!cell) return cell.error();
+  const Json robot{{"robot", request.robot}};
+  Json declaration = robot;
+  if (request.standing_at) {
+    const auto positions =
+        positions_of(*cell, request.robot, "--standing-at", *request.standing_at);
+    if (!positions) return positions.error();
+    declaration["positions"] = *positions;
+  }
+  const auto before = cell->call("robot.status", robot);
+  if (!before) return before.error();
+  const auto taken =
+      cell->call("lease.take", {{"robot", request.robot}, {"take_over", request.take_over}});
+  if (!taken) return taken.error();
+  if ((*before)["state"] == "fault") {
+    if (const auto done = cell->call("robot.acknowledge", robot); !done) return done.error();
+  }
+  if (const auto ready = take_in_hand(*cell, request); !ready) return ready.error();
+  if (request.standing_at) {
+    if (const auto done = cell->call("robot.declare", declaration); !done) return done.error();
+  }
+  const auto status = at_rest(*cell, request.robot);
+  if (!status) return status.error();
+  Outcome outcome = status_outcome(*status);
+  const std::string position = (*status)["position"];
+  if (position == "lost" || position == "uncertain") {
+    outcome.text += fmt::format(
+        "  to find its position again: sinew home {0} where it has end stops; a first row `joint` "
+        "that names all joints on servos; or look, and sinew recover {0} --standing-at ...\n",
+        request.robot);
+  }
+  return outcome;
+}
+
+/// Holds the lease until Ctrl-C, so that nobody else moves the machine: somebody stands beside it.
+Outcome cell_lease(const CellRequest& request) {
+  auto cell = CellConnection::open(request.socket);
+  if (!cell) return cell.error();
+  io::catch_interrupts();
+  const auto taken =
+      cell->call("lease.take", {{"robot", request.robot}, {"take_over", request.take_over}});
+  if (!taken) return taken.error();
+  if (!request.json) {
+    std::fputs(
+        fmt::format("  {} is yours, and nobody else's to move, until Ctrl-C\n", request.robot)
+            .c_str(),
+        stderr);
+  }
+  const io::Clock clock;
+  while (io::interrupts() == 0) {
+    clock.pause(std::chrono::milliseconds(50));
+    const auto status = cell->call("robot.status", {{"robot", request.robot}});
+    if (!status) return status.error();
+    const Json lease = status->value("lease", Json::object());
+    if (lease.value("epoch", std::uint64_t{0}) != (*taken)["epoch"].get<std::uint64_t>()) {
+      return could_not("somebody else took the lease over");
+    }
+  }
+  Outcome outcome;
+  outcome.json = *taken;
+  return outcome;
+}
+
+}  // namespace sinew::cli

@@ -1,0 +1,232 @@
+#include "sinew/cli/cell_verbs.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "sinew/cli/cell_connection.h"
+#include "sinew/cli/progress_line.h"
+#include "sinew/cli/quantity.h"
+#include "sinew/cli/table.h"
+#include "sinew/core/units.h"
+#include "sinew/io/clock.h"
+#include "sinew/io/file.h"
+#include "sinew/io/interrupt.h"
+#include "sinew/io/standard_streams.h"
+
+namespace sinew::cli {
+namespace {
+
+/// A lease lives for a second behind its holder's last word.
+constexpr Duration kAlive = std::chrono::milliseconds(250);
+constexpr Duration kSlice = std::chrono::milliseconds(50);
+
+double shown(const Json& joint, const char* what) {
+  const std::string metres = std::string(what) + "_m";
+  if (joint.contains(metres)) return to_mm(joint[metres].get<double>());
+  return to_deg(joint.value(std::string(what) + "_rad", 0.0));
+}
+
+/// "30", "~30" where it is not certain, "?" where nobody knows.
+std::string joint_text(const Json& joint) {
+  const std::string quality = joint["quality"];
+  if (quality == "lost") return "?";
+  return (quality == "uncertain" ? "~" : "") + number(shown(joint, "position"), 2);
+}
+
+std::string joints_text(const Json& status) {
+  std::string text;
+  for (const Json& joint : status["joints"]) text += (text.empty() ? "" : " ") + joint_text(joint);
+  return text;
+}
+
+/// What a person should know beside the state.
+std::string remark(const Json& status) {
+  if (status.contains("trouble")) return status["trouble"];
+  if (status.contains("fault")) return status["fault"]["error"]["sentence"];
+  if (status.contains("job") && !status["job"]["over"].get<bool>()) {
+    const Json& job = status["job"];
+    return fmt::format("{} {}, line {}, {:.0f} %", job["title"].get<std::string>(),
+                       job["phase"].get<std::string>(), job["line"].get<int>(),
+                       100 * job["progress"].get<double>());
+  }
+  return status.contains("homing") ? "homing " + status["homing"].get<std::string>() : "";
+}
+
+std::string status_text(const Json& robots) {
+  Table table({"robot", "state", "position", "joints, deg or mm", "lease", ""});
+  for (std::size_t column : {1, 2, 3, 4, 5}) table.left(column);
+  for (const Json& one : robots) {
+    const std::string lease =
+        one.contains("lease") ? fmt::format("client {}", one["lease"]["client"].get<int>()) : "-";
+    table.add({one["robot"], one["connected"].get<bool>() ? one["state"] : Json("no port"),
+               one["position"], joints_text(one), lease, remark(one)});
+  }
+  return table.text();
+}
+
+/// How a job gets on, on stderr: one line that is written over on a terminal.
+class JobLine {
+ public:
+  explicit JobLine(bool quiet) : quiet_(quiet), live_(io::stderr_is_terminal()) {}
+  ~JobLine() {
+    if (dirty_) std::fputs("\r\033[K", stderr);
+  }
+  JobLine(const JobLine&) = delete;
+  JobLine& operator=(const JobLine&) = delete;
+
+  void show(const Json& job) {
+    if (quiet_) return;
+    const std::string text = fmt::format(
+        "{}: {}, order {} of {}, line {}, {:.1f} of {:.1f} s", std::string(job["robot"]),
+        std::string(job["phase"]), job["orders_done"].get<int>(), job["orders"].get<int>(),
+        job["line"].get<int>(), job["elapsed_s"].get<double>(), job["predicted_s"].get<double>());
+    if (live_) {
+      std::fputs(("\r\033[K  " + text).c_str(), stderr);
+      dirty_ = true;
+    } else if (job["phase"] != phase_) {
+      std::fputs(("  " + text + "\n").c_str(), stderr);
+    }
+    phase_ = job["phase"];
+  }
+
+ private:
+  bool quiet_;
+  bool live_;
+  bool dirty_ = false;
+  std::string phase_;
+};
+
+Outcome job_outcome(const Json& job) {
+  Outcome outcome;
+  outcome.json = job;
+  const std::string phase = job["phase"];
+  if (phase == "done") {
+    outcome.text = fmt::format("  done: {} of {} orders, {:.2f} s predicted, {:.2f} s taken\n",
+                               job["orders_done"].get<int>(), job["orders"].get<int>(),
+                               job["predicted_s"].get<double>(), job["elapsed_s"].get<double>());
+    return outcome;
+  }
+  outcome.exit = ExitCode::kCouldNot;
+  if (job.contains("error")) {
+    const int line = job["error"]["line"];
+    const std::string where =
+        line > 0 ? fmt::format("{}:{}: ", std::string(job["title"]), line) : std::string();
+    outcome.complaint = where + std::string(job["error"]["sentence"]);
+  } else {
+    outcome.complaint =
+        "stopped" +
+        (job.contains("stopped_by") ? ": " + std::string(job["stopped_by"]) : std::string());
+  }
+  return outcome;
+}
+
+/// Waits for the end of a job, alive; Ctrl-C stops it.
+Outcome follow(CellConnection& cell, const std::string& robot, std::uint64_t number, bool quiet) {
+  const io::Clock clock;
+  Instant alive = clock.now();
+  int interrupts = 0;
+  JobLine line(quiet);
+  while (true) {
+    const auto message = cell.client().next(kSlice);
+    if (cell.client().broken()) return could_not("the server has gone away; the robot holds");
+    if (message && (*message)["method"] == "job") {
+      const Json& job = (*message)["params"];
+      if (job["job"] == number) {
+        line.show(job);
+        if (job["over"].get<bool>()) return job_outcome(job);
+      }
+    }
+    if (io::interrupts() > interrupts) {
+      interrupts = io::interrupts();
+      if (interrupts > 1) return could_not("left at once; the lease ends with this program");
+      cell.client().send("robot.stop", {{"robot", robot}});
+    }
+    if (clock.now() - alive < kAlive) continue;
+    alive = clock.now();
+    cell.client().send("lease.renew");
+  }
+}
+
+Outcome run_text(const CellRequest& request, const std::string& text, const std::string& name) {
+  auto cell = CellConnection::open(request.socket);
+  if (!cell) return cell.error();
+  Json params{
+      {"robot", request.robot}, {"text", text}, {"name", name}, {"take_over", request.take_over}};
+  if (request.standing_at) {
+    const auto standing = positions_of(*cell, request.robot, "--standing-at", *request.standing_at);
+    if (!standing) return standing.error();
+    params["standing_at"] = *standing;
+  }
+  io::catch_interrupts();
+  if (auto watched = cell->call("watch", {{"rate_hz", 0}, {"robot", request.robot}}); !watched) {
+    return watched.error();
+  }
+  const auto job = cell->call("program.run", params);
+  if (!job) return job.error();
+  return follow(*cell, request.robot, (*job)["job"], request.json);
+}
+
+/// A request that is one call.
+Outcome call_once(const CellRequest& request, const char* method, const std::string& done) {
+  auto cell = CellConnection::open(request.socket);
+  if (!cell) return cell.error();
+  Json params = Json::object();
+  if (!request.robot.empty()) params["robot"] = request.robot;
+  const auto result = cell->call(method, params);
+  if (!result) return result.error();
+  Outcome outcome;
+  outcome.json = *result;
+  outcome.text = "  " + done + "\n";
+  return outcome;
+}
+
+}  // namespace
+
+Outcome cell_status(const CellRequest& request) {
+  auto cell = CellConnection::open(request.socket);
+  if (!cell) return cell.error();
+  const auto status = cell->call("cell.status");
+  if (!status) return status.error();
+  Json robots = (*status)["robots"];
+  if (!request.robot.empty()) {
+    if (auto known = robot_of_cell(*cell, request.robot); !known) return known.error();
+    std::erase_if(robots.get_ref<Json::array_t&>(),
+                  [&](const Json& one) { return one["robot"] != request.robot; });
+  }
+  Outcome outcome;
+  outcome.json = {{"robots", robots}};
+  outcome.text = status_text(robots);
+  return outcome;
+}
+
+Outcome cell_move(const CellRequest& request) {
+  return run_text(request, joined(request.row, " "), "move");
+}
+
+Outcome cell_home(const CellRequest& request) {
+  return run_text(request, "home", "home");
+}
+
+Outcome cell_run(const CellRequest& request) {
+  const auto text = io::read_file(request.file);
+  if (!text) return bad_input(text.error().sentence);
+  return run_text(request, *text, request.file);
+}
+
+Outcome cell_stop(const CellRequest& request) {
+  return call_once(request, "robot.stop",
+                   request.robot.empty() ? "all robots stop" : request.robot + " stops");
+}
+
+Outcome cell_pause(const CellRequest& request) {
+  return call_once(request, "robot.hold", request.robot + " pauses");
+}
+
+Outcome cell_resume(const CellRequest& request) {
+  return call_once(request, "robot.resume", request.robot + " goes on");
+}
+
+}  // namespace sinew::cli

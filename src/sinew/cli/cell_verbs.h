@@ -1,0 +1,36 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sinew/cli/outcome.h"
+
+namespace sinew::cli {
+
+/// What is asked of a running cell.
+struct CellRequest {
+  std::optional<std::string> socket;
+  std::string robot;                       ///< its name in the cell; may be empty for some
+  std::vector<std::string> row;            ///< of `move`: the words of a program's row
+  std::optional<std::string> standing_at;  ///< of `recover`, `run`: home, or a value a joint
+  bool take_over = false;
+  std::string file;                 ///< of `run`
+  std::string frame = "base";       ///< of `jog`
+  std::string velocity;             ///< of `jog`
+  std::optional<std::string> time;  ///< of `jog`
+  bool json = false;
+};
+
+Outcome cell_status(const CellRequest& request);
+Outcome cell_move(const CellRequest& request);
+Outcome cell_home(const CellRequest& request);
+Outcome cell_run(const CellRequest& request);
+Outcome cell_jog(const CellRequest& request);
+Outcome cell_stop(const CellRequest& request);
+Outcome cell_pause(const CellRequest& request);
+Outcome cell_resume(const CellRequest& request);
+Outcome cell_recover(const CellRequest& request);
+Outcome cell_lease(const CellRequest& request);
+
+}  // namespace sinew::cli

@@ -1,0 +1,101 @@
+#include "sinew/cli/serve_verb.h"
+
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <filesystem>
+
+#include "sinew/cli/cell_socket.h"
+#include "sinew/cli/device_argument.h"
+#include "sinew/cli/robot_argument.h"
+#include "sinew/config/cell_file.h"
+#include "sinew/io/file.h"
+#include "sinew/io/interrupt.h"
+#include "sinew/io/standard_streams.h"
+#include "sinew/runtime/position_record.h"
+#include "sinew/runtime/robot_variant.h"
+#include "sinew/runtime/running_cell.h"
+#include "sinew/server/local_server.h"
+
+namespace sinew::cli {
+namespace {
+
+constexpr const char* kBuiltinName = "cells/five.toml";
+
+std::expected<Cell, Outcome> read(const ServeRequest& request) {
+  std::string text(builtin_cell());
+  if (!request.file.empty()) {
+    auto read = io::read_file(request.file);
+    if (!read) return std::unexpected(bad_input(read.error().sentence));
+    text = std::move(*read);
+  }
+  auto cell = read_cell(text, request.file.empty() ? kBuiltinName : request.file);
+  if (!cell) return std::unexpected(complaints_outcome(cell.error()));
+  return std::move(*cell);
+}
+
+/// A robot's own file is looked for beside the cell's.
+std::string beside(const std::string& cell_file, const std::string& robot) {
+  if (!robot.ends_with(".toml")) return robot;
+  return (std::filesystem::path(cell_file).parent_path() / robot).string();
+}
+
+std::expected<std::vector<RobotModel>, Outcome> find_robots(const ServeRequest& request,
+                                                            const Cell& cell) {
+  std::vector<RobotModel> robots;
+  for (const CellRobot& place : cell.robots) {
+    auto file = find_robot(beside(request.file, place.robot));
+    if (!file) return std::unexpected(file.error());
+    if (auto fine = check_has_device(file->model); !fine) return std::unexpected(fine.error());
+    auto variant = runtime::variant_of(file->model, place.profile, place.wire);
+    if (!variant) return std::unexpected(bad_input(place.name + ": " + variant.error()));
+    if (place.port) {
+      if (auto wrong = runtime::wrong_port(*variant, *place.port)) {
+        return std::unexpected(bad_input(place.name + ": " + *wrong));
+      }
+    }
+    robots.push_back(std::move(*variant));
+  }
+  return robots;
+}
+
+std::string greeting(const runtime::RunningCell& cell, const std::string& socket) {
+  std::string text = fmt::format("  {}\n", cell.cell().title);
+  for (std::size_t i = 0; i < cell.size(); ++i) {
+    const runtime::Station& station = cell.station(i);
+    text += fmt::format("    {:<12} {:<16} {}\n", station.name(), station.robot().title,
+                        station.simulated() ? "simulated" : station.port_name());
+  }
+  return text + fmt::format("  answers on {}; Ctrl-C ends it\n", socket);
+}
+
+}  // namespace
+
+Outcome serve(const ServeRequest& request) {
+  auto cell = read(request);
+  if (!cell) return cell.error();
+  auto robots = find_robots(request, *cell);
+  if (!robots) return robots.error();
+  const auto socket = cell_socket(request.socket);
+  if (!socket) return could_not(socket.error().sentence);
+  const auto folder = runtime::positions_folder();
+  if (!folder) return could_not(folder.error().sentence);
+  io::catch_interrupts();
+  auto running = runtime::RunningCell::start(std::move(*cell), std::move(*robots), *folder);
+  if (!running) return could_not(running.error().sentence);
+  server::Api api(**running, SINEW_VERSION);
+  auto listening = server::LocalServer::listen(*socket, api);
+  if (!listening) return could_not(listening.error().sentence);
+  if (request.json) {
+    static_cast<void>(io::write_stdout(Json{{"listening", *socket}}.dump() + "\n"));
+  } else {
+    std::fputs(greeting(**running, *socket).c_str(), stderr);
+  }
+  (*listening)->run([] { return io::interrupts() > 0; });
+  Outcome outcome;
+  outcome.json = {{"ended", "interrupted"}};
+  outcome.json_line = true;
+  return outcome;
+}
+
+}  // namespace sinew::cli

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "sinew/cli/outcome.h"
+
+namespace sinew::cli {
+
+struct ServeRequest {
+  std::string file;                   ///< a cell's; all robots simulated where empty
+  std::optional<std::string> socket;  ///< where it listens; the user's own place where absent
+  bool json = false;
+};
+
+/// `sinew serve`: runs a cell until Ctrl-C, and answers JSON-RPC on a Unix socket.
+Outcome serve(const ServeRequest& request);
+
+}  // namespace sinew::cli

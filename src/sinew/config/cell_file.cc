@@ -1,0 +1,137 @@
+#include "sinew/config/cell_file.h"
+
+#include <algorithm>
+
+#include "sinew/config/table_reader.h"
+
+namespace sinew {
+namespace {
+
+constexpr std::size_t kNameMax = 32;
+constexpr std::size_t kTitleMax = 120;
+constexpr std::size_t kPathMax = 1024;
+constexpr std::size_t kThingsMax = 64;
+constexpr Range kReach = between(-100, 100);  // m
+constexpr Range kTurn = between(-2 * kPi, 2 * kPi);
+
+bool good_name(std::string_view name) {
+  return std::ranges::all_of(
+      name, [](char c) { return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '-'; });
+}
+
+std::optional<std::string> optional_text(TableReader& reader, std::string_view key,
+                                         std::size_t max_bytes) {
+  std::string text;
+  if (!reader.optional().text(key, max_bytes, text)) return std::nullopt;
+  return text;
+}
+
+/// The name of one of several; what it is called in complaints from here on.
+void read_name(TableReader& reader, std::string_view kind, std::vector<std::string>& taken,
+               std::string& out) {
+  if (!reader.text("name", kNameMax, out)) return;
+  if (!good_name(out)) {
+    reader.complain("name", "must be lower-case letters, digits and -");
+  } else if (std::ranges::find(taken, out) != taken.end()) {
+    reader.complain("name", "there is another one of this name");
+  }
+  taken.push_back(out);
+  reader.rename(std::string(kind) + "." + out);
+}
+
+template <class A, class B>
+void read_pose(TableReader& reader, Pose<A, B>& X) {
+  reader.optional().quantity("x_*", kLength, kReach, X.p.x);
+  reader.optional().quantity("y_*", kLength, kReach, X.p.y);
+  reader.optional().quantity("z_*", kLength, kReach, X.p.z);
+  Vec3 rpy;
+  reader.optional().quantity("rx_*", kAngle, kTurn, rpy.x);
+  reader.optional().quantity("ry_*", kAngle, kTurn, rpy.y);
+  reader.optional().quantity("rz_*", kAngle, kTurn, rpy.z);
+  X.R = rotation_from_fixed_xyz(rpy);
+}
+
+CellRobot read_cell_robot(TableReader& reader, std::vector<std::string>& taken) {
+  CellRobot robot;
+  reader.needs_no_source();
+  read_name(reader, "robot", taken, robot.name);
+  reader.text("robot", kPathMax, robot.robot);
+  robot.profile = optional_text(reader, "profile", kNameMax);
+  robot.wire = optional_text(reader, "wire", kNameMax);
+  robot.port = optional_text(reader, "port", kPathMax);
+  robot.journal = optional_text(reader, "journal", kNameMax);
+  reader.optional().integer("seed", 0, INT64_MAX, robot.seed);
+  read_pose(reader, robot.X_WB);
+  reader.finish();
+  return robot;
+}
+
+CellObject read_object(TableReader& reader, std::vector<std::string>& taken) {
+  constexpr Range kEdge = above_zero_to(100);
+  CellObject object;
+  reader.needs_no_source();
+  read_name(reader, "object", taken, object.name);
+  Vec3 edges;
+  reader.quantity("length_*", kLength, kEdge, edges.x);
+  reader.quantity("width_*", kLength, kEdge, edges.y);
+  reader.quantity("height_*", kLength, kEdge, edges.z);
+  object.half = 0.5 * edges;
+  read_pose(reader, object.X_WX);
+  reader.finish();
+  return object;
+}
+
+CellCamera read_camera(TableReader& reader, std::vector<std::string>& taken) {
+  CellCamera camera;
+  read_name(reader, "camera", taken, camera.name);
+  reader.text("device", kPathMax, camera.device);
+  reader.finish();
+  return camera;
+}
+
+void read_root(TableReader& root, Cell& cell) {
+  constexpr Range kScale = between(0.01, 1000);
+  std::vector<std::string> taken;  // names are unique over robots, objects and cameras
+  root.needs_no_source();
+  root.text("title", kTitleMax, cell.title);
+  root.optional().number("time_scale", kScale, cell.time_scale);
+  std::vector<TableReader> robots = root.tables("robot");
+  if (robots.size() > kCellRobotsMax) {
+    root.complain("robot", "a cell has at most " + std::to_string(kCellRobotsMax) + " robots");
+    robots.erase(robots.begin() + kCellRobotsMax, robots.end());
+  }
+  for (TableReader& reader : robots) cell.robots.push_back(read_cell_robot(reader, taken));
+  std::vector<TableReader> objects = root.tables("object", Presence::kOptional);
+  std::vector<TableReader> cameras = root.tables("camera", Presence::kOptional);
+  if (objects.size() + cameras.size() > kThingsMax) {
+    root.complain("a cell has at most " + std::to_string(kThingsMax) + " objects and cameras");
+  } else {
+    for (TableReader& reader : objects) cell.objects.push_back(read_object(reader, taken));
+    for (TableReader& reader : cameras) cell.cameras.push_back(read_camera(reader, taken));
+  }
+  if (root.clean() && cell.time_scale != 1 &&
+      std::ranges::any_of(cell.robots,
+                          [](const CellRobot& robot) { return robot.port.has_value(); })) {
+    root.complain("time_scale", "a robot on a real port keeps real time");
+  }
+  root.finish();
+}
+
+}  // namespace
+
+std::expected<Cell, std::vector<Complaint>> read_cell(std::string_view toml,
+                                                      std::string_view file_name) {
+  std::expected<TomlTable, Complaint> tree = parse_toml(toml);
+  if (!tree) {
+    tree.error().file = file_name;
+    return std::unexpected(std::vector{std::move(tree.error())});
+  }
+  Findings findings{std::string(file_name)};
+  TableReader root(*tree, Place{}, "", findings);
+  Cell cell;
+  read_root(root, cell);
+  if (!findings.clean()) return std::unexpected(findings.take_complaints());
+  return cell;
+}
+
+}  // namespace sinew

@@ -1,0 +1,144 @@
+#include "sinew/config/cell_file.h"
+
+#include <gtest/gtest.h>
+
+#include "sinew/config/builtin_robots.h"
+#include "sinew/core/units.h"
+#include "support/property.h"
+
+namespace sinew {
+namespace {
+
+std::string complaints_of(std::string_view text) {
+  const auto cell = read_cell(text, "cell.toml");
+  if (cell) return "no complaint";
+  std::string all;
+  for (const Complaint& complaint : cell.error()) all += to_text(complaint) + "\n";
+  return all;
+}
+
+constexpr std::string_view kTwo = R"(
+title = "Two"
+[[robot]]
+name = "left"
+robot = "learm"
+profile = "bus"
+port = "/dev/ttyUSB0"
+x_mm = -300
+rz_deg = 90
+[[robot]]
+name = "right"
+robot = "mine.toml"
+seed = 7
+[[object]]
+name = "box"
+length_mm = 100
+width_mm = 200
+height_mm = 50
+z_mm = 25
+[[camera]]
+name = "top"
+device = "/dev/video0"
+)";
+
+TEST(CellFile, says_which_robots_stand_where_and_hang_on_what) {
+  const auto cell = read_cell(kTwo, "cell.toml");
+  ASSERT_TRUE(cell) << complaints_of(kTwo);
+  ASSERT_EQ(cell->robots.size(), 2U);
+  const CellRobot& left = cell->robots[0];
+  EXPECT_EQ(left.name, "left");
+  EXPECT_EQ(left.port, "/dev/ttyUSB0");
+  EXPECT_EQ(left.profile, "bus");
+  EXPECT_DOUBLE_EQ(left.X_WB.p.x, -0.3);
+  EXPECT_NEAR(left.X_WB.R.x.y, 1, 1e-15);
+  const CellRobot& right = cell->robots[1];
+  EXPECT_FALSE(right.port);
+  EXPECT_EQ(right.seed, 7U);
+  ASSERT_EQ(cell->objects.size(), 1U);
+  EXPECT_DOUBLE_EQ(cell->objects[0].half.y, 0.1);
+  EXPECT_DOUBLE_EQ(cell->objects[0].X_WX.p.z, 0.025);
+  ASSERT_EQ(cell->cameras.size(), 1U);
+  EXPECT_EQ(cell->cameras[0].device, "/dev/video0");
+}
+
+TEST(CellFile, the_cell_that_every_build_carries_has_all_robots_with_a_device) {
+  const auto cell = read_cell(builtin_cell(), "cells/five.toml");
+  ASSERT_TRUE(cell) << complaints_of(builtin_cell());
+  EXPECT_EQ(cell->robots.size(), 5U);
+  for (const CellRobot& robot : cell->robots) {
+    EXPECT_FALSE(robot.port) << robot.name;
+    const auto robots = builtin_robots();
+    EXPECT_TRUE(std::ranges::any_of(robots, [&](const BuiltinRobot& one) {
+      return one.id == robot.robot;
+    })) << robot.robot;
+  }
+}
+
+TEST(CellFile, complains_with_line_and_key) {
+  struct Case {
+    std::string_view text;
+    std::string_view says;
+  };
+  constexpr Case kCases[] = {
+      {"title = \"x\"\n", "cell.toml:1:1: robot: missing"},
+      {"title = \"x\"\n[[robot]]\nname = \"A b\"\nrobot = \"learm\"\n",
+       "robot[1].name: must be lower-case letters"},
+      {"title = \"x\"\n[[robot]]\nname = \"a\"\nrobot = \"r\"\n[[robot]]\nname = \"a\"\nrobot = "
+       "\"r\"\n",
+       "there is another one of this name"},
+      {"title = \"x\"\n[[robot]]\nname = \"a\"\nrobot = \"r\"\nprot = \"/dev/x\"\n",
+       "did you mean `port`?"},
+      {"title = \"x\"\n[[robot]]\nname = \"a\"\nrobot = \"r\"\nx = 3\n", "missing unit"},
+      {"title = \"x\"\n[[robot]]\nname = \"a\"\nrobot = \"r\"\nx_mm = nan\n", "must be -100000"},
+      {"title = \"x\"\ntime_scale = 10\n[[robot]]\nname = \"a\"\nrobot = \"r\"\nport = \"p\"\n",
+       "a robot on a real port keeps real time"},
+      {"title = \"x\"\ntime_scale = 0\n[[robot]]\nname = \"a\"\nrobot = \"r\"\n",
+       "time_scale: must be"},
+      {"title = \"x\"\n[[robot]]\nname = \"a\"\nrobot = \"r\"\n[[object]]\nname = \"a\"\n"
+       "length_mm = 1\nwidth_mm = 1\nheight_mm = 1\n",
+       "there is another one of this name"},
+      {"title = \"x\"\n[[robot]]\nname = \"a\"\nrobot = \"r\"\n[[object]]\nname = \"b\"\n"
+       "length_mm = 0\nwidth_mm = 1\nheight_mm = 1\n",
+       "length_mm: must be above 0"},
+      {"title", "cell.toml:"},
+  };
+  for (const Case& one : kCases) {
+    EXPECT_NE(complaints_of(one.text).find(one.says), std::string::npos) << one.says << "\n"
+                                                                         << complaints_of(one.text);
+  }
+}
+
+TEST(CellFile, too_many_robots_are_told) {
+  std::string text = "title = \"x\"\n";
+  for (int k = 0; k < 17; ++k) {
+    text += "[[robot]]\nname = \"r" + std::to_string(k) + "\"\nrobot = \"learm\"\n";
+  }
+  EXPECT_NE(complaints_of(text).find("at most 16 robots"), std::string::npos);
+}
+
+TEST(CellFile, whatever_its_bytes_are_it_is_read_or_complained_about) {
+  test::for_random_cases(2000, [](test::Random& random) {
+    std::string text(kTwo);
+    const std::int64_t edits = random.integer(1, 6);
+    for (std::int64_t k = 0; k < edits; ++k) {
+      const auto at =
+          static_cast<std::size_t>(random.integer(0, static_cast<std::int64_t>(text.size()) - 1));
+      if (random.chance(0.4)) {
+        text.erase(at, static_cast<std::size_t>(random.integer(1, 20)));
+      } else {
+        text[at] = static_cast<char>(random.integer(0, 255));
+      }
+      if (text.empty()) text = " ";
+    }
+    const auto cell = read_cell(text, "cell.toml");
+    if (cell) {
+      EXPECT_FALSE(cell->robots.empty());
+      EXPECT_LE(cell->robots.size(), kCellRobotsMax);
+    } else {
+      EXPECT_FALSE(cell.error().empty());
+    }
+  });
+}
+
+}  // namespace
+}  // namespace sinew

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sinew/core/pose.h"
+
+/// A cell: robots that stand together, and what stands around them. World W is the cell's own
+/// frame, z up.
+namespace sinew {
+
+/// One robot of a cell: which one, where it stands, and what its device hangs on.
+struct CellRobot {
+  std::string name;   ///< unique in the cell: lower-case letters, digits, -
+  std::string robot;  ///< a built-in id, or a .toml file beside the cell's
+  std::optional<std::string> profile;
+  std::optional<std::string> wire;
+  /// A device of this computer; nothing: simulated.
+  std::optional<std::string> port;
+  /// Of its position journal. A robot on a real port has one of its own name where this is empty, a
+  /// simulated one none.
+  std::optional<std::string> journal;
+  std::uint64_t seed = 1;  ///< of the simulated device
+  Pose<frame::World, frame::Base> X_WB;
+};
+
+/// Something solid that does not move.
+struct CellObject {
+  std::string name;
+  Pose<frame::World, frame::Box> X_WX;  ///< its middle, along its edges
+  Vec3 half;                            ///< half of each edge, m, > 0
+};
+
+/// A camera that looks at the cell.
+struct CellCamera {
+  std::string name;
+  std::string device;  ///< as /dev/video0
+};
+
+inline constexpr std::size_t kCellRobotsMax = 16;
+
+struct Cell {
+  std::string title;
+  double time_scale = 1;          ///< of simulated devices; 1 where any robot is real
+  std::vector<CellRobot> robots;  ///< at least one, at most kCellRobotsMax
+  std::vector<CellObject> objects;
+  std::vector<CellCamera> cameras;
+};
+
+}  // namespace sinew

@@ -1,0 +1,148 @@
+#include "sinew/runtime/job.h"
+
+#include <utility>
+
+#include "sinew/runtime/homing_time.h"
+
+namespace sinew::runtime {
+
+using program::Run;
+
+namespace {
+
+constexpr Duration kPatience = std::chrono::milliseconds(20);
+
+int line_of(const Run& run) {
+  if (run.failure()) return run.failure()->line;
+  return run.under_way() ? run.under_way()->order->line : 0;
+}
+
+}  // namespace
+
+JobRunner::~JobRunner() {
+  {
+    const std::scoped_lock lock(mutex_);
+    abandoned_ = true;
+  }
+  if (thread_.joinable()) thread_.join();
+}
+
+Expected<std::uint32_t> JobRunner::start(JobOrder order, control::ClientId client) {
+  if (under_way_.exchange(true)) return std::unexpected(Error{ErrorCode::kBusy});
+  auto made = StationClient::make(station_, client);
+  if (!made) {
+    under_way_ = false;
+    return std::unexpected(made.error());
+  }
+  if (thread_.joinable()) thread_.join();
+  std::uint32_t id = 0;
+  {
+    const std::scoped_lock lock(mutex_);
+    id = view_.id + 1;
+    view_ = {.id = id, .client = client, .title = order.title, .over = false};
+    wish_ = Wish::kNone;
+  }
+  thread_ = std::thread([this, job = std::move(order), machine = std::move(*made)] {
+    run(job, *machine);
+    under_way_ = false;
+  });
+  return id;
+}
+
+void JobRunner::run(const JobOrder& order, StationClient& client) {
+  Run run(order.program, client);
+  run.expect_homing(homing_of(station_.robot()));
+  run.make_changeable();
+  if (order.take_over) run.take_over();
+  if (const auto assumed = station_.assumed_place()) run.declare(*assumed);
+  if (order.standing_at) run.declare(*order.standing_at, true);
+  run.start(clock_.now());
+  bool freed = false;
+  // The controller looks at the motion until its command has ended.
+  while (!run.finished() || client.motion_in_use()) {
+    client.refresh();
+    const Instant now = clock_.now();
+    obey(run, now);
+    run.poll(now);
+    // Nobody is left who could go on with what is held.
+    if (run.finished() && client.state() == control::MachineState::kHeld && !freed) {
+      client.give(control::Stop{});
+      freed = true;
+    }
+    publish(run, now, false);
+    station_.wait_for_cycle(kPatience);
+  }
+  publish(run, clock_.now(), true);
+}
+
+void JobRunner::obey(Run& run, Instant now) {
+  Wish what = Wish::kNone;
+  {
+    const std::scoped_lock lock(mutex_);
+    what = abandoned_ ? Wish::kStop : std::exchange(wish_, Wish::kNone);
+  }
+  switch (what) {
+    case Wish::kNone:
+      break;
+    case Wish::kPause:
+      run.pause();
+      break;
+    case Wish::kResume:
+      run.single_step(false);
+      run.resume();
+      break;
+    case Wish::kStep:
+      run.single_step(true);
+      run.resume();
+      break;
+    case Wish::kStop:
+      run.stop(now);
+      break;
+  }
+}
+
+void JobRunner::publish(const Run& run, Instant now, bool over) {
+  const program::Plan& plan = run.plan();
+  const auto notices = run.notices();
+  const std::scoped_lock lock(mutex_);
+  view_.phase = run.phase();
+  view_.paused = run.paused();
+  view_.over = over;
+  view_.line = line_of(run);
+  view_.orders_done = run.records().size();
+  view_.orders = plan.orders.size();
+  view_.duration = plan.duration;
+  view_.homing_max = plan.homing_max;
+  view_.progress = run.finished() && run.phase() == Run::Phase::kDone ? 1 : run.progress(now);
+  view_.elapsed = run.begun_at() && !over ? to_seconds(now - *run.begun_at()) : view_.elapsed;
+  view_.failure = run.failure();
+  view_.stopped_by = run.stopped_by();
+  view_.notices = run.notices_told();
+  if (!notices.empty()) view_.last_notice = notices.back();
+}
+
+void JobRunner::wish(std::uint32_t id, Wish what) {
+  const std::scoped_lock lock(mutex_);
+  // A stop is not taken back by what is wished behind it.
+  if (view_.id == id && !view_.over && wish_ != Wish::kStop) wish_ = what;
+}
+
+void JobRunner::stop(std::uint32_t id) {
+  wish(id, Wish::kStop);
+}
+void JobRunner::pause(std::uint32_t id) {
+  wish(id, Wish::kPause);
+}
+void JobRunner::resume(std::uint32_t id) {
+  wish(id, Wish::kResume);
+}
+void JobRunner::step(std::uint32_t id) {
+  wish(id, Wish::kStep);
+}
+
+JobView JobRunner::view() const {
+  const std::scoped_lock lock(mutex_);
+  return view_;
+}
+
+}  // namespace sinew::runtime

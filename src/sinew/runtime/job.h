@@ -1,0 +1,85 @@
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+
+#include "sinew/program/program_run.h"
+#include "sinew/runtime/station_client.h"
+
+namespace sinew::runtime {
+
+/// What somebody wants to have run.
+struct JobOrder {
+  std::string title;  ///< as it is shown: the program's name
+  program::Program program;
+  /// Where somebody says that the machine stands, for one that cannot know.
+  std::optional<JointVector> standing_at;
+  bool take_over = false;  ///< the lease, from whoever has it
+};
+
+/// A job as it was a moment ago.
+struct JobView {
+  std::uint32_t id = 0;  ///< 0: there was none yet
+  control::ClientId client = 0;
+  std::string title;
+  program::Run::Phase phase = program::Run::Phase::kOpening;
+  bool paused = false;
+  bool over = true;  ///< nothing of it moves any more
+  int line = 0;      ///< of the order under way, or that failed
+  std::size_t orders_done = 0;
+  std::size_t orders = 0;
+  double duration = 0;    ///< s, predicted; homing not counted
+  double homing_max = 0;  ///< s
+  double progress = 0;
+  double elapsed = 0;  ///< s, since its first order
+  std::optional<program::Refusal> failure = std::nullopt;
+  std::optional<control::StopCause> stopped_by = std::nullopt;
+  std::size_t notices = 0;
+  std::optional<program::Notice> last_notice = std::nullopt;
+};
+
+/// Runs programs on a station, one at a time, each planned in a thread of this: a client of the
+/// station that holds the lease of whoever asked for it, and does not keep it alive.
+class JobRunner {
+ public:
+  /// @param station, clock  outlive this
+  JobRunner(Station& station, const io::Clock& clock) : station_(station), clock_(clock) {}
+  /// Stops what runs. The station has to be alive: it still looks at the motion.
+  ~JobRunner();
+  JobRunner(const JobRunner&) = delete;
+  JobRunner& operator=(const JobRunner&) = delete;
+
+  /// @return its id. @error kBusy: there is one, or no place for another client
+  Expected<std::uint32_t> start(JobOrder order, control::ClientId client);
+  /// Without effect where the job is not the one under way.
+  void stop(std::uint32_t id);
+  void pause(std::uint32_t id);
+  void resume(std::uint32_t id);
+  /// The next order, then a pause.
+  void step(std::uint32_t id);
+
+  /// The job under way, or the last one.
+  JobView view() const;
+
+ private:
+  enum class Wish : std::uint8_t { kNone, kPause, kResume, kStep, kStop };
+
+  void run(const JobOrder& order, StationClient& client);
+  void obey(program::Run& run, Instant now);
+  void publish(const program::Run& run, Instant now, bool over);
+  void wish(std::uint32_t id, Wish what);
+
+  Station& station_;
+  const io::Clock& clock_;
+  std::thread thread_;
+  std::atomic<bool> under_way_ = false;
+  mutable std::mutex mutex_;
+  JobView view_;             ///< under the mutex
+  Wish wish_ = Wish::kNone;  ///< under the mutex
+  bool abandoned_ = false;   ///< under the mutex
+};
+
+}  // namespace sinew::runtime

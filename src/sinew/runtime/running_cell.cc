@@ -1,0 +1,64 @@
+#include "sinew/runtime/running_cell.h"
+
+#include <algorithm>
+#include <thread>
+
+#include "sinew/core/assert.h"
+
+namespace sinew::runtime {
+namespace {
+
+StationOptions options_of(const CellRobot& robot, const std::string& journal_folder) {
+  StationOptions options;
+  options.name = robot.name;
+  options.port = robot.port;
+  options.simulated = {.profile = robot.profile, .seed = robot.seed};
+  options.journal = robot.journal;
+  // What behind a pseudo-terminal begins anew each time has nothing to remember.
+  const bool real = robot.port && !may_be_simulated(*robot.port);
+  if (!options.journal && real) options.journal = robot.name;
+  options.journal_folder = journal_folder;
+  return options;
+}
+
+}  // namespace
+
+io::IoResult<std::unique_ptr<RunningCell>> RunningCell::start(Cell cell,
+                                                              std::vector<RobotModel> robots,
+                                                              const std::string& journal_folder) {
+  SINEW_ASSERT(robots.size() == cell.robots.size());
+  std::unique_ptr<RunningCell> running(new RunningCell(std::move(cell)));
+  for (std::size_t i = 0; i < robots.size(); ++i) {
+    const CellRobot& place = running->cell_.robots[i];
+    auto station =
+        Station::start(std::move(robots[i]), options_of(place, journal_folder), running->clock_);
+    if (!station) {
+      return std::unexpected(io::IoError{place.name + ": " + station.error().sentence});
+    }
+    running->stations_.push_back(std::move(*station));
+    running->jobs_.push_back(
+        std::make_unique<JobRunner>(*running->stations_.back(), running->clock_));
+  }
+  return running;
+}
+
+RunningCell::~RunningCell() {
+  // Each comes to rest in its own time; together they take as long as the slowest.
+  std::vector<std::thread> ends;
+  ends.reserve(stations_.size());
+  for (std::size_t i = 0; i < stations_.size(); ++i) {
+    ends.emplace_back([this, i] {
+      if (i < jobs_.size()) jobs_[i].reset();
+      stations_[i].reset();
+    });
+  }
+  for (std::thread& end : ends) end.join();
+}
+
+std::optional<std::size_t> RunningCell::find(std::string_view name) const {
+  const auto found = std::ranges::find(cell_.robots, name, &CellRobot::name);
+  if (found == cell_.robots.end()) return std::nullopt;
+  return static_cast<std::size_t>(found - cell_.robots.begin());
+}
+
+}  // namespace sinew::runtime

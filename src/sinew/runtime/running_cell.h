@@ -1,0 +1,41 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "sinew/model/cell.h"
+#include "sinew/runtime/job.h"
+#include "sinew/runtime/station.h"
+
+namespace sinew::runtime {
+
+/// A cell that runs: each robot in its thread, with what runs its programs.
+class RunningCell {
+ public:
+  /// @param robots  one for each of the cell's, as variant_of() made them
+  /// @param journal_folder  where positions are kept
+  /// @error  a sentence that names the robot
+  static io::IoResult<std::unique_ptr<RunningCell>> start(Cell cell, std::vector<RobotModel> robots,
+                                                          const std::string& journal_folder);
+  ~RunningCell();
+
+  const Cell& cell() const { return cell_; }
+  const io::Clock& clock() const { return clock_; }
+  std::size_t size() const { return stations_.size(); }
+  Station& station(std::size_t i) const { return *stations_[i]; }
+  JobRunner& jobs(std::size_t i) const { return *jobs_[i]; }
+  /// Where the cell's robot of this name is; nothing where there is none.
+  std::optional<std::size_t> find(std::string_view name) const;
+
+ private:
+  explicit RunningCell(Cell cell) : cell_(std::move(cell)), clock_(cell_.time_scale) {}
+
+  Cell cell_;
+  io::Clock clock_;
+  std::vector<std::unique_ptr<Station>> stations_;
+  std::vector<std::unique_ptr<JobRunner>> jobs_;
+};
+
+}  // namespace sinew::runtime

@@ -1,0 +1,310 @@
+#include "sinew/runtime/station.h"
+
+#include <algorithm>
+
+#include "sinew/control/machine_identity.h"
+#include "sinew/model/joint_lookup.h"
+#include "sinew/runtime/program_session.h"
+
+namespace sinew::runtime {
+namespace {
+
+using control::Command;
+using control::ControlEvent;
+
+/// Of real time: how often the loop goes round where nothing comes from the device.
+constexpr Duration kRestSlice = std::chrono::milliseconds(5);
+/// While a motion is streamed the driver is asked this often whether it takes the next segment.
+constexpr Duration kMovingSlice = std::chrono::milliseconds(2);
+/// The loop's own client, which only stops it at the end; no session has this number.
+constexpr control::ClientId kNobody = ~control::ClientId{0};
+/// Behind it there is something to look at.
+constexpr Duration kFirstCycle = std::chrono::seconds(1);
+constexpr Duration kRetry = std::chrono::seconds(1);
+constexpr Duration kTruthInterval = std::chrono::milliseconds(20);
+/// A machine that does not come to rest is left to itself after so long.
+constexpr Duration kPatience = std::chrono::seconds(6);
+
+constexpr std::uint32_t kSlotBits = 6;
+static_assert(Station::kSlots == 1U << kSlotBits);
+
+control::ControllerSettings settings_for(const RobotModel& robot, const io::Clock& clock,
+                                         bool recorded) {
+  control::ControllerSettings settings = session_settings(clock, opening_of(robot).limit);
+  // A scheduler that lets others go first; nothing else is done in this thread.
+  const double scale = std::max(1.0, clock.scale());
+  settings.cycle = from_seconds(0.05 * scale);
+  settings.gap = from_seconds(0.5 * scale);
+  if (recorded) settings.journal = control::journal_settings(robot);
+  return settings;
+}
+
+/// Whether a command sets something in motion.
+bool moves(const control::CommandWhat& what) {
+  return std::holds_alternative<control::Begin>(what) ||
+         std::holds_alternative<control::Home>(what) ||
+         std::holds_alternative<control::JogAt>(what) ||
+         std::holds_alternative<control::Resume>(what) ||
+         std::holds_alternative<control::UseTool>(what);
+}
+
+/// A simulated device whose motors know nothing of a position begins at the robot's home, as if
+/// somebody had put it there and said so.
+bool begins_at_home(const RobotModel& robot) {
+  return std::holds_alternative<IcpDevice>(robot.device.settings) ||
+         std::holds_alternative<BigRobotArmDevice>(robot.device.settings);
+}
+
+control::ControllerStart start_of(const PositionRecord* record,
+                                  const std::optional<JointVector>& assumed) {
+  if (record != nullptr) return record->start();
+  control::ControllerStart start;
+  if (!assumed) return start;
+  for (const double q : *assumed) {
+    start.positions.push_back({PositionQuality::kCommanded, q, q, q});
+  }
+  return start;
+}
+
+}  // namespace
+
+Station::Station(RobotModel robot, StationOptions options, const io::Clock& clock)
+    : robot_(std::move(robot)), options_(std::move(options)), clock_(clock) {}
+
+io::IoResult<std::unique_ptr<Station>> Station::start(RobotModel robot, StationOptions options,
+                                                      const io::Clock& clock) {
+  std::unique_ptr<Station> station(new Station(std::move(robot), std::move(options), clock));
+  if (const auto prepared = station->prepare(); !prepared) {
+    return std::unexpected(prepared.error());
+  }
+  station->thread_ = std::thread([self = station.get()] { self->run(); });
+  station->wait_for_cycle(kFirstCycle);
+  return station;
+}
+
+io::IoResult<void> Station::prepare() {
+  if (options_.journal) {
+    auto opened = PositionRecord::open(options_.journal_folder, *options_.journal, robot_);
+    if (!opened) return std::unexpected(opened.error());
+    record_ = std::move(*opened);
+  }
+  auto link = options_.port ? RobotLink::prepare(robot_, *options_.port, clock_, log_)
+                            : RobotLink::simulate(robot_, options_.simulated, clock_, log_);
+  if (!link) return std::unexpected(link.error());
+  link_.emplace(std::move(*link));
+  connected_ = !options_.port;
+  return {};
+}
+
+Station::~Station() {
+  {
+    const std::scoped_lock lock(mutex_);
+    stop_ = true;
+  }
+  if (thread_.joinable()) thread_.join();
+}
+
+void Station::run() {
+  ControlLoop loop(robot_, link_->driver(), settings_for(robot_, clock_, record_ != nullptr),
+                   start_of(record_.get(), assumed_place()), record_ ? &record_->pump() : nullptr,
+                   kNobody);
+  loop.look = [this](const control::Outputs& outputs, Instant) { deliver(outputs); };
+  loop.set_port_open(connected_);
+  Instant retry_at = clock_.now();
+  while (true) {
+    take_mail(loop);
+    const Instant now = clock_.now();
+    loop.set_wall(io::wall_time_ns());
+    loop.step(now);
+    publish(loop, now);
+    if (at_end(loop, now)) return;
+    turn(loop, retry_at);
+  }
+}
+
+/// Bytes out and in, or another try to get a port.
+void Station::turn(ControlLoop& loop, Instant& retry_at) {
+  const bool moves = control::may_move(loop.controller().state());
+  io::IoResult<void> went{};
+  if (connected_) {
+    went = link_->line().turn(moves ? kMovingSlice : kRestSlice);
+    if (went) return;
+  } else {
+    clock_.pause(kRestSlice);
+    if (clock_.now() < retry_at) return;
+    went = link_->connect();
+  }
+  retry_at = clock_.now() + from_seconds(to_seconds(kRetry) * clock_.scale());
+  connected_ = went.has_value() && !connected_;
+  loop.set_port_open(connected_);
+  const std::scoped_lock lock(mutex_);
+  trouble_ = went ? std::string() : went.error().sentence;
+}
+
+/// Nothing moves any more and all is recorded, and somebody wants the end.
+bool Station::at_end(const ControlLoop& loop, Instant now) const {
+  if (!closing_since_) return false;
+  const auto patience = from_seconds(to_seconds(kPatience) * std::max(1.0, clock_.scale()));
+  if (now - *closing_since_ > patience) return true;
+  const Driver& driver = loop.controller().driver();
+  const bool busy =
+      driver.state() == DriverState::kMoving || driver.state() == DriverState::kStopping;
+  return !busy && !control::may_move(loop.controller().state()) && loop.recorded();
+}
+
+void Station::take_mail(ControlLoop& loop) {
+  bool stop = false;
+  {
+    const std::scoped_lock lock(mutex_);
+    std::size_t taken = 0;
+    while (taken < mailbox_.size() && loop.post(mailbox_[taken])) ++taken;
+    mailbox_.drop_front(taken);
+    stop = stop_;
+  }
+  if (!stop || closing_since_) return;
+  closing_since_ = clock_.now();
+  loop.machine().give(control::Stop{});
+  loop.begin_closing();
+}
+
+void Station::publish(const ControlLoop& loop, Instant now) {
+  const control::Controller& controller = loop.controller();
+  const Driver& driver = controller.driver();
+  const bool look = now - truth_at_ >= kTruthInterval;
+  std::optional<sim::Truth> truth;
+  if (look) {
+    truth = link_->truth();
+    truth_at_ = now;
+  }
+  const auto positions = controller.positions();
+  const auto later = controller.later_causes();
+  {
+    const std::scoped_lock lock(mutex_);
+    view_.at = now;
+    view_.stops = stops_;
+    view_.state = controller.state();
+    view_.positions = FixedVector<JointPosition, kMaxJoints>(positions);
+    view_.reference = controller.reference();
+    view_.holder = controller.lease_holder(now);
+    view_.latched = controller.latched();
+    view_.later.clear();
+    for (const control::Latched& one : later) view_.later.push_back(one);
+    view_.last_stop = controller.last_stop();
+    view_.feed = controller.feed();
+    view_.task = controller.task();
+    view_.progress = controller.progress();
+    view_.jog = controller.jog_status();
+    view_.goes_on_until = driver.goes_on_until();
+    view_.homing_joint = driver.homing_joint();
+    view_.health = driver.health();
+    if (connected_) view_.bytes = link_->line().count();
+    view_.port_open = connected_;
+    if (look) view_.truth = truth;
+    ++cycles_;
+  }
+  cycled_.notify_all();
+}
+
+void Station::deliver(const control::Outputs& outputs) {
+  if (outputs.events.empty()) return;
+  const std::scoped_lock lock(mutex_);
+  for (const ControlEvent& event : outputs.events) deliver(event);
+}
+
+void Station::deliver(const ControlEvent& event) {
+  const std::size_t slot = event.command & (kSlots - 1);
+  for (std::size_t k = 0; k < kSlots; ++k) {
+    const bool meant = event.command == 0 || k == slot;
+    if (slots_[k] && meant) slots_[k]->push(event);
+  }
+}
+
+void Station::overtaken(const Command& command) {
+  deliver({.kind = ControlEvent::Kind::kStopped,
+           .command = command.id,
+           .state = view_.state,
+           .cause = control::StopCause::kClient,
+           .error = {},
+           .lease = {}});
+}
+
+std::optional<JointVector> Station::assumed_place() const {
+  const bool assumed = link_->simulated() && !record_ && begins_at_home(robot_);
+  return assumed ? std::optional(home_joints(robot_)) : std::nullopt;
+}
+
+StationView Station::view() const {
+  const std::scoped_lock lock(mutex_);
+  return view_;
+}
+
+std::string Station::trouble() const {
+  const std::scoped_lock lock(mutex_);
+  return trouble_;
+}
+
+std::optional<std::uint8_t> Station::take_slot() {
+  auto queue = std::make_unique<EventQueue>();
+  const std::scoped_lock lock(mutex_);
+  const auto free = std::ranges::find_if(slots_, [](const auto& slot) { return !slot; });
+  if (free == slots_.end()) return std::nullopt;
+  *free = std::move(queue);
+  return static_cast<std::uint8_t>(free - slots_.begin());
+}
+
+void Station::leave_slot(std::uint8_t slot) {
+  std::unique_ptr<EventQueue> queue;  // freed outside of the lock
+  const std::scoped_lock lock(mutex_);
+  queue = std::move(slots_[slot]);
+}
+
+std::uint32_t Station::next_id(std::uint8_t slot) {
+  const std::scoped_lock lock(mutex_);
+  // Behind some 67 million commands the numbers begin again; by then the first ones have ended.
+  last_id_ = (last_id_ + 1) & ((1U << (32 - kSlotBits)) - 1);
+  if (last_id_ == 0) last_id_ = 1;
+  return (last_id_ << kSlotBits) | slot;
+}
+
+bool Station::post(const Command& command, std::uint32_t stops_seen) {
+  const std::scoped_lock lock(mutex_);
+  const bool stops = std::holds_alternative<control::Stop>(command.what);
+  if (stops) {
+    ++stops_;
+    std::size_t kept = 0;
+    for (const Command& one : mailbox_) {
+      if (moves(one.what)) {
+        overtaken(one);
+      } else {
+        mailbox_[kept++] = one;
+      }
+    }
+    mailbox_.resize(kept);
+  } else if (moves(command.what) && stops_seen != stops_) {
+    overtaken(command);
+    return true;
+  }
+  const std::size_t room = stops ? kMailboxMax : kMailboxMax - kKeptForStops;
+  if (mailbox_.size() >= room) return false;
+  mailbox_.push_back(command);
+  if (stops) std::rotate(mailbox_.begin(), mailbox_.end() - 1, mailbox_.end());
+  return true;
+}
+
+std::optional<ControlEvent> Station::take_event(std::uint8_t slot) {
+  const std::scoped_lock lock(mutex_);
+  return slots_[slot] ? slots_[slot]->take() : std::nullopt;
+}
+
+std::uint64_t Station::dropped_events(std::uint8_t slot) const {
+  const std::scoped_lock lock(mutex_);
+  return slots_[slot] ? slots_[slot]->dropped() : 0;
+}
+
+void Station::wait_for_cycle(Duration patience) const {
+  std::unique_lock lock(mutex_);
+  const std::uint64_t before = cycles_;
+  cycled_.wait_for(lock, patience, [&] { return cycles_ != before; });
+}
+
+}  // namespace sinew::runtime

@@ -1,0 +1,122 @@
+#pragma once
+
+#include <array>
+#include <condition_variable>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "sinew/io/clock.h"
+#include "sinew/runtime/control_loop.h"
+#include "sinew/runtime/position_record.h"
+#include "sinew/runtime/robot_link.h"
+#include "sinew/runtime/station_view.h"
+
+namespace sinew::runtime {
+
+/// How a robot takes its place in a running cell.
+struct StationOptions {
+  std::string name;                 ///< unique in the cell
+  std::optional<std::string> port;  ///< nothing: a simulated device
+  MachineOptions simulated;
+  std::optional<std::string> journal;  ///< its name; nothing is recorded without one
+  std::string journal_folder;
+};
+
+/// One robot in a thread of its own: its driver on its port, its controller, its journal. Others
+/// hand commands in, and see what the last cycle left. Where the port cannot be opened or is lost,
+/// it is tried again each second, and the trouble is told meanwhile.
+class Station {
+ public:
+  /// Those who listen to events and give commands, at one time.
+  static constexpr std::size_t kSlots = 64;
+  /// Commands that wait for the next cycles.
+  static constexpr std::size_t kMailboxMax = 128;
+  static constexpr std::size_t kKeptForStops = 16;
+
+  /// @param clock  outlives the station
+  /// @error  what will not get better by waiting: a port of the wrong kind, a device that cannot be
+  ///         simulated, a journal that cannot be had
+  static io::IoResult<std::unique_ptr<Station>> start(RobotModel robot, StationOptions options,
+                                                      const io::Clock& clock);
+  /// Brings the machine to rest, records where it stands, and waits for that.
+  ~Station();
+  Station(const Station&) = delete;
+  Station& operator=(const Station&) = delete;
+
+  const std::string& name() const { return options_.name; }
+  const RobotModel& robot() const { return robot_; }
+  const StationOptions& options() const { return options_; }
+  const std::string& port_name() const { return link_->name(); }
+  bool simulated() const { return link_->simulated(); }
+  /// Where a simulated machine that cannot tell stands when it begins, as if somebody had looked.
+  std::optional<JointVector> assumed_place() const;
+  /// What the journal knew when the station was started; null without one.
+  const JournalRecovery* recovery() const { return record_ ? &record_->recovery() : nullptr; }
+
+  /// @name From any thread
+  /// @{
+  StationView view() const;
+  /// Why there is no port now, as a sentence; empty where there is one.
+  std::string trouble() const;
+
+  /// A place among those who give commands; nothing where there is none left.
+  std::optional<std::uint8_t> take_slot();
+  void leave_slot(std::uint8_t slot);
+  /// What the events of a command are known by, > 0: `slot` gets them.
+  std::uint32_t next_id(std::uint8_t slot);
+  /// For the next cycle. A stop goes first, and what would have moved the machine and still waits
+  /// ends with kStopped. So does what somebody gives who does not know of the last stop yet.
+  /// @param stops_seen  StationView::stops as whoever gives it knows them
+  /// @return  false where too many wait
+  bool post(const control::Command& command, std::uint32_t stops_seen);
+  /// What became of this slot's commands, and what concerns all; each once, in order.
+  std::optional<control::ControlEvent> take_event(std::uint8_t slot);
+  /// Events that this slot was too slow for.
+  std::uint64_t dropped_events(std::uint8_t slot) const;
+  /// Returns behind the next cycle, or after `patience`.
+  void wait_for_cycle(Duration patience) const;
+  /// @}
+
+ private:
+  Station(RobotModel robot, StationOptions options, const io::Clock& clock);
+
+  io::IoResult<void> prepare();
+  void run();
+  void turn(ControlLoop& loop, Instant& retry_at);
+  void take_mail(ControlLoop& loop);
+  void publish(const ControlLoop& loop, Instant now);
+  void deliver(const control::Outputs& outputs);
+  /// Under the mutex.
+  void deliver(const control::ControlEvent& event);
+  void overtaken(const control::Command& command);
+  bool at_end(const ControlLoop& loop, Instant now) const;
+
+  RobotModel robot_;
+  StationOptions options_;
+  const io::Clock& clock_;
+  ByteLog log_;
+  std::unique_ptr<PositionRecord> record_;
+  std::optional<RobotLink> link_;
+  bool connected_ = false;  ///< of the control thread
+  Instant truth_at_{};
+  std::optional<Instant> closing_since_;
+
+  mutable std::mutex mutex_;
+  mutable std::condition_variable cycled_;
+  // All below under the mutex.
+  StationView view_;
+  std::string trouble_;
+  std::uint64_t cycles_ = 0;
+  std::uint32_t last_id_ = 0;
+  std::uint32_t stops_ = 0;
+  FixedVector<control::Command, kMailboxMax> mailbox_;
+  std::array<std::unique_ptr<EventQueue>, kSlots> slots_;
+  bool stop_ = false;
+
+  std::thread thread_;
+};
+
+}  // namespace sinew::runtime

@@ -1,0 +1,98 @@
+#include "sinew/runtime/station_client.h"
+
+#include <utility>
+
+namespace sinew::runtime {
+
+using control::Command;
+using control::ControlEvent;
+
+namespace {
+
+bool needs_lease(const control::CommandWhat& what) {
+  return !std::holds_alternative<control::Stop>(what) &&
+         !std::holds_alternative<control::Hold>(what);
+}
+
+bool is_end(ControlEvent::Kind kind) {
+  using Kind = ControlEvent::Kind;
+  return kind == Kind::kRefused || kind == Kind::kDone || kind == Kind::kFailed ||
+         kind == Kind::kStopped;
+}
+
+}  // namespace
+
+StationClient::StationClient(Station& station, control::ClientId client, std::uint8_t slot)
+    : station_(station), slot_(slot), lease_{.client = client} {
+  refresh();
+}
+
+Expected<std::unique_ptr<StationClient>> StationClient::make(Station& station,
+                                                             control::ClientId client) {
+  const auto slot = station.take_slot();
+  if (!slot) return std::unexpected(Error{ErrorCode::kBusy});
+  return std::unique_ptr<StationClient>(new StationClient(station, client, *slot));
+}
+
+StationClient::~StationClient() {
+  station_.leave_slot(slot_);
+}
+
+void StationClient::refresh() {
+  view_ = station_.view();
+  if (taking_ != 0) return;
+  for (Command& command : std::exchange(waiting_, {})) {
+    command.lease = lease_;
+    send(command);
+  }
+}
+
+std::uint32_t StationClient::give(const control::CommandWhat& what) {
+  Command command{station_.next_id(slot_), lease_, what};
+  if (std::holds_alternative<control::TakeLease>(what)) taking_ = command.id;
+  if (std::holds_alternative<control::Begin>(what)) motion_ = command.id;
+  const bool waits = taking_ != 0 && taking_ != command.id && needs_lease(what);
+  if (waits && waiting_.size() < kWaitingMax) {
+    waiting_.push_back(command);
+  } else if (waits) {
+    refused_.push_back({.kind = ControlEvent::Kind::kRefused,
+                        .command = command.id,
+                        .error = {ErrorCode::kBusy},
+                        .lease = {}});
+  } else {
+    send(command);
+  }
+  return command.id;
+}
+
+void StationClient::send(const Command& command) {
+  if (station_.post(command, view_.stops)) return;
+  refused_.push_back({.kind = ControlEvent::Kind::kRefused,
+                      .command = command.id,
+                      .error = {ErrorCode::kBusy},
+                      .lease = {}});
+}
+
+std::optional<ControlEvent> StationClient::take_event() {
+  std::optional<ControlEvent> event;
+  if (!refused_.empty()) {
+    event = refused_.front();
+    refused_.erase(refused_.begin());
+  } else {
+    event = station_.take_event(slot_);
+  }
+  if (event) look_at(*event);
+  return event;
+}
+
+void StationClient::look_at(const ControlEvent& event) {
+  if (event.kind == ControlEvent::Kind::kLease) {
+    const bool ours = event.lease.client == lease_.client;
+    lease_.epoch = ours ? event.lease.epoch : 0;
+  }
+  if (event.command == 0 || !is_end(event.kind)) return;
+  if (event.command == taking_) taking_ = 0;
+  if (event.command == motion_) motion_ = 0;
+}
+
+}  // namespace sinew::runtime

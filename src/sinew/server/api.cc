@@ -1,0 +1,333 @@
+#include "sinew/server/api.h"
+
+#include <algorithm>
+
+#include "sinew/io/clock.h"
+#include "sinew/model/error_sentence.h"
+#include "sinew/server/robot_json.h"
+
+namespace sinew::server {
+namespace {
+
+using control::ControlEvent;
+using runtime::JobView;
+using runtime::StationClient;
+
+constexpr Duration kRenewal = std::chrono::milliseconds(100);
+constexpr Duration kJobInterval = std::chrono::milliseconds(100);
+
+bool is_end(ControlEvent::Kind kind) {
+  using Kind = ControlEvent::Kind;
+  return kind == Kind::kRefused || kind == Kind::kDone || kind == Kind::kFailed ||
+         kind == Kind::kStopped;
+}
+
+std::int64_t wall_ms() {
+  return io::wall_time_ns() / 1'000'000;
+}
+
+/// What of an event concerns everybody; nothing where it does not.
+std::optional<Json> event_json(const std::string& robot, const ControlEvent& event,
+                               const RobotModel& model) {
+  Json json{{"at_ms", wall_ms()}, {"robot", robot}};
+  using Kind = ControlEvent::Kind;
+  switch (event.kind) {
+    case Kind::kState:
+      json["kind"] = "state";
+      json["state"] = control::name(event.state);
+      return json;
+    case Kind::kLease:
+      json["kind"] = "lease";
+      json["client"] = event.lease.epoch != 0 ? Json(event.lease.client) : Json(nullptr);
+      return json;
+    case Kind::kStop:
+      json["kind"] = "stop";
+      json["cause"] = cause_name(event.cause);
+      return json;
+    case Kind::kLatched:
+      json["kind"] = "fault";
+      json["cause"] = cause_name(event.cause);
+      json["error"] = error_json(event.error, model);
+      return json;
+    case Kind::kNotice:
+      json["kind"] = "notice";
+      json["error"] = error_json(event.error, model);
+      return json;
+    default:
+      return std::nullopt;
+  }
+}
+
+}  // namespace
+
+Api::Api(runtime::RunningCell& cell, std::string version)
+    : cell_(cell), version_(std::move(version)) {
+  for (std::size_t i = 0; i < cell_.size(); ++i) {
+    ears_.push_back(cell_.station(i).take_slot());
+    tools_.push_back(std::make_unique<planning::ToolSpace>(cell_.station(i).robot()));
+    X_near_.push_back(tools_.back()->home());
+  }
+  jobs_.resize(cell_.size());
+}
+
+Api::~Api() {
+  while (!sessions_.empty()) close(sessions_.begin()->first);
+  for (std::size_t i = 0; i < ears_.size(); ++i) {
+    if (ears_[i]) cell_.station(i).leave_slot(*ears_[i]);
+  }
+}
+
+std::optional<SessionId> Api::open(Role role) {
+  if (sessions_.size() >= kSessionsMax) return std::nullopt;
+  Session& session = sessions_[++last_session_];
+  session.role = role;
+  session.watch.jobs.resize(cell_.size());
+  return last_session_;
+}
+
+void Api::close(SessionId id) {
+  const auto found = sessions_.find(id);
+  if (found == sessions_.end()) return;
+  take_events(found->second);
+  for (auto& [robot, machine] : found->second.machines) {
+    if (machine->lease().epoch != 0) machine->give(control::ReturnLease{});
+    // A program of somebody who is gone goes nowhere.
+    const JobView job = cell_.jobs(robot).view();
+    if (job.client == id) cell_.jobs(robot).stop(job.id);
+  }
+  sessions_.erase(found);
+}
+
+void Api::receive(SessionId id, std::string_view text, Instant now) {
+  const auto found = sessions_.find(id);
+  if (found == sessions_.end()) return;
+  Session& session = found->second;
+  const auto request = read_request(text);
+  if (!request) return put(session, error_text(request.error().id, request.error().error));
+  renew(session, now);
+  const auto method = check(*request);
+  if (!method) return answer(session, request->id, request->answered, method.error());
+  if ((*method)->moves && session.role == Role::kViewer) {
+    return answer(session, request->id, request->answered,
+                  RpcError{RpcCode::kRefused, "viewers watch and may stop; this moves", nullptr});
+  }
+  Call one{id, session, *request, now, std::nullopt};
+  if (const auto name = request->params.find("robot"); name != request->params.end()) {
+    one.robot = cell_.find(name->get_ref<const std::string&>());
+    if (!one.robot) {
+      std::string names;
+      for (const CellRobot& robot : cell_.cell().robots) {
+        names += (names.empty() ? "" : ", ") + robot.name;
+      }
+      return answer(session, request->id, request->answered,
+                    RpcError{RpcCode::kInvalidParams,
+                             "no robot of this cell has that name; there are " + names, nullptr});
+    }
+  }
+  answer(session, request->id, request->answered, call(**method, one));
+}
+
+void Api::answer(Session& session, const Json& id, bool answered, const Answer& what) {
+  if (const auto* later = std::get_if<Later>(&what)) {
+    for (Pending pending : later->commands) {
+      pending.id = id;
+      pending.answered = answered;
+      session.pending.push_back(std::move(pending));
+    }
+    return;
+  }
+  if (!answered) return;
+  if (const auto* result = std::get_if<Json>(&what)) return put(session, result_text(id, *result));
+  put(session, error_text(id, std::get<RpcError>(what)));
+}
+
+void Api::put(Session& session, std::string text) {
+  if (session.out.size() >= kOutputMax) {
+    session.too_slow = true;
+    return;
+  }
+  session.out.push_back(std::move(text));
+}
+
+std::optional<std::string> Api::take_output(SessionId id) {
+  const auto found = sessions_.find(id);
+  if (found == sessions_.end() || found->second.out.empty()) return std::nullopt;
+  std::string text = std::move(found->second.out.front());
+  found->second.out.pop_front();
+  return text;
+}
+
+bool Api::too_slow(SessionId id) const {
+  const auto found = sessions_.find(id);
+  return found != sessions_.end() && found->second.too_slow;
+}
+
+std::expected<StationClient*, RpcError> Api::machine(Session& session, std::size_t robot) {
+  auto& machine = session.machines[robot];
+  if (machine) return machine.get();
+  SessionId id = 0;
+  for (const auto& [one, other] : sessions_) {
+    if (&other == &session) id = one;
+  }
+  auto made = StationClient::make(cell_.station(robot), id);
+  if (!made) {
+    session.machines.erase(robot);
+    return std::unexpected(RpcError{RpcCode::kBusy, "too many clients steer this robot", nullptr});
+  }
+  machine = std::move(*made);
+  return machine.get();
+}
+
+/// Whoever speaks is alive, and so are its leases.
+void Api::renew(Session& session, Instant now) {
+  if (session.renewed && now - *session.renewed < kRenewal) return;
+  session.renewed = now;
+  for (auto& [robot, machine] : session.machines) {
+    if (machine->lease().epoch != 0) machine->give(control::RenewLease{});
+  }
+}
+
+void Api::poll(Instant now) {
+  log_events();
+  log_jobs();
+  for (auto& [id, session] : sessions_) {
+    take_events(session);
+    tell(session, now);
+  }
+}
+
+void Api::take_events(Session& session) {
+  for (auto& [robot, machine] : session.machines) {
+    machine->refresh();
+    while (const auto event = machine->take_event()) {
+      const auto found =
+          std::ranges::find_if(session.pending, [&, at = robot](const Pending& pending) {
+            return pending.robot == at && pending.command == event->command;
+          });
+      if (event->command == 0 || found == session.pending.end()) continue;
+      const bool answers =
+          is_end(event->kind) || (found->at_start && event->kind == ControlEvent::Kind::kStarted);
+      if (!answers) continue;
+      const Pending pending = *found;
+      session.pending.erase(found);
+      settle(session, pending, *event);
+    }
+  }
+}
+
+void Api::settle(Session& session, const Pending& pending, const ControlEvent& event) {
+  // One answer for all robots of a request.
+  const bool more = std::ranges::any_of(
+      session.pending, [&](const Pending& other) { return other.group == pending.group; });
+  if (more || !pending.answered) return;
+  using Kind = ControlEvent::Kind;
+  if (event.kind == Kind::kRefused) {
+    return put(session,
+               error_text(pending.id, refusal(RpcCode::kRefused, event.error, pending.robot)));
+  }
+  if (event.kind == Kind::kFailed) {
+    return put(session,
+               error_text(pending.id, refusal(RpcCode::kFailed, event.error, pending.robot)));
+  }
+  if (event.kind == Kind::kStopped) {
+    return put(session, error_text(pending.id, {RpcCode::kStopped,
+                                                "stopped: " + std::string(cause_name(event.cause)),
+                                                {{"cause", cause_name(event.cause)}}}));
+  }
+  Json result = Json::object();
+  if (pending.epoch) {
+    result["epoch"] = session.machines.at(pending.robot)->lease().epoch;
+    result["client"] = session.machines.at(pending.robot)->lease().client;
+  }
+  put(session, result_text(pending.id, result));
+}
+
+RpcError Api::refusal(RpcCode code, const Error& error, std::size_t robot) const {
+  const RobotModel& model = cell_.station(robot).robot();
+  return {code, sentence_of(error, model), error_json(error, model)};
+}
+
+void Api::log_events() {
+  for (std::size_t i = 0; i < ears_.size(); ++i) {
+    if (!ears_[i]) continue;
+    runtime::Station& station = cell_.station(i);
+    while (const auto event = station.take_event(*ears_[i])) {
+      if (auto json = event_json(station.name(), *event, station.robot())) {
+        log_.add(std::move(*json));
+      }
+    }
+  }
+}
+
+bool Api::same(const JobView& a, const JobView& b) {
+  return a.id == b.id && a.over == b.over && phase_name(a) == phase_name(b) && a.line == b.line &&
+         a.orders_done == b.orders_done && a.notices == b.notices;
+}
+
+/// The life of each job, a row where its phase changes.
+void Api::log_jobs() {
+  for (std::size_t i = 0; i < jobs_.size(); ++i) {
+    const JobView now = cell_.jobs(i).view();
+    const bool changed = now.id != jobs_[i].id || now.over != jobs_[i].over ||
+                         phase_name(now) != phase_name(jobs_[i]);
+    if (changed && now.id != 0) {
+      Json event = job_json(cell_.station(i).name(), now, cell_.station(i).robot());
+      Json json{{"at_ms", wall_ms()}, {"robot", cell_.station(i).name()}, {"kind", "job"}};
+      for (const char* key : {"job", "title", "phase", "over", "predicted_s", "error"}) {
+        if (event.contains(key)) json[key] = event[key];
+      }
+      log_.add(std::move(json));
+    }
+    jobs_[i] = now;
+  }
+}
+
+Json Api::status(std::size_t robot) {
+  const runtime::Station& station = cell_.station(robot);
+  Json json = status_json(station, station.view(), *tools_[robot], X_near_[robot]);
+  const JobView job = cell_.jobs(robot).view();
+  if (job.id != 0) json["job"] = job_json(station.name(), job, station.robot());
+  return json;
+}
+
+/// What a session watches. Status is made only for whoever reads it; events are not lost before the
+/// log forgets them.
+void Api::tell(Session& session, Instant now) {
+  Watch& watch = session.watch;
+  if (!watch.on || session.out.size() >= kOutputSlow) return;
+  if (log_.last() != watch.event) {
+    for (const Json& event : log_.after(watch.event)) {
+      const bool meant = !watch.robot || event["robot"] == cell_.station(*watch.robot).name();
+      if (meant && session.out.size() < kOutputMax / 2) {
+        put(session, notification_text("event", event));
+      }
+      watch.event = event["number"].get<std::uint64_t>();
+      if (session.out.size() >= kOutputMax / 2) break;
+    }
+  }
+  tell_jobs(session, now);
+  if (watch.interval == Duration{} || now < watch.next) return;
+  watch.next = now + watch.interval;
+  Json robots = Json::array();
+  for (std::size_t i = 0; i < cell_.size(); ++i) {
+    if (!watch.robot || *watch.robot == i) robots.push_back(status(i));
+  }
+  put(session, notification_text("status", {{"robots", robots}}));
+}
+
+void Api::tell_jobs(Session& session, Instant now) {
+  Watch& watch = session.watch;
+  const bool due = now >= watch.job_next;
+  if (due) watch.job_next = now + kJobInterval;
+  for (std::size_t i = 0; i < cell_.size(); ++i) {
+    if (watch.robot && *watch.robot != i) continue;
+    const JobView& job = jobs_[i];
+    const bool progress = due && !job.over;
+    if (job.id == 0 || (same(job, watch.jobs[i]) && !progress)) continue;
+    watch.jobs[i] = job;
+    put(session,
+        notification_text("job", job_json(cell_.station(i).name(), job, cell_.station(i).robot())));
+  }
+}
+
+}  // namespace sinew::server

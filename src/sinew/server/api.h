@@ -1,0 +1,136 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "sinew/planning/tool_space.h"
+#include "sinew/runtime/running_cell.h"
+#include "sinew/server/event_log.h"
+#include "sinew/server/methods.h"
+
+namespace sinew::server {
+
+/// A client for as long as it is connected; also who it is to the controllers. Never 0.
+using SessionId = control::ClientId;
+
+enum class Role : std::uint8_t { kViewer, kOperator };
+
+/// The running cell as clients see it: JSON-RPC texts in, texts out. It has no socket and no
+/// thread: whoever owns it brings what clients say to receive(), calls poll() each few
+/// milliseconds, and carries away what take_output() has. Everything waits for nobody; docs/api.md
+/// has the methods.
+class Api {
+ public:
+  static constexpr std::size_t kSessionsMax = 32;
+  /// Requests of a session that wait for an answer.
+  static constexpr std::size_t kPendingMax = 32;
+  /// Texts that wait for a session that does not read: answers beyond that end it.
+  static constexpr std::size_t kOutputMax = 256;
+  /// Status and job messages are not made for a session that has so many to read.
+  static constexpr std::size_t kOutputSlow = 8;
+
+  /// @param cell  outlives this. @param version  of the program
+  Api(runtime::RunningCell& cell, std::string version);
+  ~Api();
+
+  /// @return  nothing where as many as are served are there
+  std::optional<SessionId> open(Role role);
+  /// Its leases end, and with them what they moved.
+  void close(SessionId session);
+  /// One message, whatever its bytes are.
+  void receive(SessionId session, std::string_view text, Instant now);
+  void poll(Instant now);
+  std::optional<std::string> take_output(SessionId session);
+  /// It has not read what it asked for; whoever owns the connection ends it.
+  bool too_slow(SessionId session) const;
+  std::size_t sessions() const { return sessions_.size(); }
+
+ private:
+  /// A command under way, and who waits to hear of it.
+  struct Pending {
+    Json id;
+    bool answered = true;
+    std::size_t robot = 0;
+    std::uint32_t command = 0;
+    std::uint64_t group = 0;  ///< requests that wait for several robots
+    bool at_start = false;    ///< that it has begun is answer enough
+    bool epoch = false;       ///< the answer is the lease
+  };
+  struct Watch {
+    bool on = false;
+    Duration interval{};  ///< zero: no status
+    std::optional<std::size_t> robot;
+    Instant next{};
+    std::uint64_t event = 0;
+    std::vector<runtime::JobView> jobs;  ///< as last told
+    Instant job_next{};
+  };
+  struct Session {
+    Role role = Role::kViewer;
+    std::map<std::size_t, std::unique_ptr<runtime::StationClient>> machines;
+    std::vector<Pending> pending;
+    std::deque<std::string> out;
+    Watch watch;
+    std::optional<Instant> renewed;
+    bool too_slow = false;
+  };
+  struct Call {
+    SessionId id = 0;
+    Session& session;
+    const RpcRequest& request;
+    Instant now;
+    std::optional<std::size_t> robot;
+  };
+  /// Commands whose end is the answer.
+  struct Later {
+    std::vector<Pending> commands;
+  };
+  using Answer = std::variant<Json, Later, RpcError>;
+
+  // api.cc
+  void put(Session& session, std::string text);
+  void answer(Session& session, const Json& id, bool answered, const Answer& what);
+  Answer call(const Method& method, const Call& call);
+  std::expected<runtime::StationClient*, RpcError> machine(Session& session, std::size_t robot);
+  void renew(Session& session, Instant now);
+  void take_events(Session& session);
+  void settle(Session& session, const Pending& pending, const control::ControlEvent& event);
+  void log_events();
+  void log_jobs();
+  void tell(Session& session, Instant now);
+  void tell_jobs(Session& session, Instant now);
+  RpcError refusal(RpcCode code, const Error& error, std::size_t robot) const;
+  Json status(std::size_t robot);
+  static bool same(const runtime::JobView& a, const runtime::JobView& b);
+
+  // api_methods.cc
+  Answer describe() const;
+  Answer watch(const Call& call);
+  Answer stop(const Call& call);
+  Answer jog(const Call& call);
+  Answer declare(const Call& call);
+  Answer run_program(const Call& call);
+  Answer steer_job(const Method& method, const Call& call);
+  Answer give(const Call& call, const control::CommandWhat& what, bool at_start = false);
+  std::expected<JointVector, RpcError> joints(const Json& numbers, std::size_t robot) const;
+
+  runtime::RunningCell& cell_;
+  std::string version_;
+  SessionId last_session_ = 0;
+  std::uint64_t last_group_ = 0;
+  std::map<SessionId, Session> sessions_;
+  EventLog log_;
+  std::vector<std::optional<std::uint8_t>> ears_;  ///< a slot of each station: what concerns all
+  std::vector<runtime::JobView> jobs_;             ///< as last logged
+  std::vector<std::unique_ptr<planning::ToolSpace>> tools_;
+  std::vector<planning::PoseBT> X_near_;
+};
+
+}  // namespace sinew::server

@@ -1,0 +1,283 @@
+#include <algorithm>
+
+#include "sinew/core/spelling.h"
+#include "sinew/model/joint_lookup.h"
+#include "sinew/program/program_file.h"
+#include "sinew/server/api.h"
+#include "sinew/server/robot_json.h"
+
+namespace sinew::server {
+namespace {
+
+constexpr double kRateMax = 100;  // Hz
+constexpr double kRateUsual = 10;
+constexpr std::size_t kNameMax = 100;
+
+RpcError invalid(std::string message) {
+  return {RpcCode::kInvalidParams, std::move(message), nullptr};
+}
+
+bool flag(const RpcRequest& request, const char* name) {
+  const auto value = request.params.find(name);
+  return value != request.params.end() && value->get<bool>();
+}
+
+double number(const RpcRequest& request, const char* name, double usual) {
+  const auto value = request.params.find(name);
+  return value != request.params.end() ? value->get<double>() : usual;
+}
+
+std::optional<planning::JogFrame> frame_of(std::string_view word) {
+  if (word == "joint") return planning::JogFrame::kJoint;
+  if (word == "base") return planning::JogFrame::kBase;
+  if (word == "tool") return planning::JogFrame::kTool;
+  if (word == "platform") return planning::JogFrame::kPlatform;
+  return std::nullopt;
+}
+
+}  // namespace
+
+Api::Answer Api::call(const Method& method, const Call& call) {
+  switch (method.id) {
+    case MethodId::kCellDescribe:
+      return describe();
+    case MethodId::kCellStatus: {
+      Json robots = Json::array();
+      for (std::size_t i = 0; i < cell_.size(); ++i) robots.push_back(status(i));
+      return Json{{"robots", robots}};
+    }
+    case MethodId::kRobotStatus:
+      return status(*call.robot);
+    case MethodId::kWatch:
+      return watch(call);
+    case MethodId::kEventsList: {
+      const auto after = call.request.params.find("after");
+      return Json{
+          {"events",
+           log_.after(after != call.request.params.end() ? after->get<std::uint64_t>() : 0)}};
+    }
+    case MethodId::kLeaseTake:
+      return give(call, control::TakeLease{.take_over = flag(call.request, "take_over")});
+    case MethodId::kLeaseRenew:
+      return Json::object();
+    case MethodId::kLeaseRelease:
+      return give(call, control::ReturnLease{});
+    case MethodId::kRobotEnable:
+      return give(call, control::Enable{});
+    case MethodId::kRobotDisable:
+      return give(call, control::Disable{});
+    case MethodId::kRobotAcknowledge:
+      return give(call, control::Acknowledge{});
+    case MethodId::kRobotStop:
+      return stop(call);
+    case MethodId::kRobotFeed:
+      return give(call, control::SetFeed{.share = number(call.request, "share", 1)});
+    case MethodId::kRobotJog:
+      return jog(call);
+    case MethodId::kRobotDeclare:
+      return declare(call);
+    case MethodId::kProgramRun:
+      return run_program(call);
+    case MethodId::kRobotHold:
+    case MethodId::kRobotResume:
+    case MethodId::kProgramStep:
+      return steer_job(method, call);
+    case MethodId::kJobStatus: {
+      const runtime::Station& station = cell_.station(*call.robot);
+      return job_json(station.name(), cell_.jobs(*call.robot).view(), station.robot());
+    }
+    case MethodId::kSimulationTruth: {
+      const runtime::Station& station = cell_.station(*call.robot);
+      const auto truth = station.view().truth;
+      if (!truth) {
+        return RpcError{RpcCode::kRefused, "this robot is real: nobody knows more than its status",
+                        nullptr};
+      }
+      return truth_json(*truth, station.robot());
+    }
+  }
+  return RpcError{RpcCode::kMethodNotFound, "there is no method of this name", nullptr};
+}
+
+Api::Answer Api::describe() const {
+  const Cell& cell = cell_.cell();
+  Json robots = Json::array();
+  for (std::size_t i = 0; i < cell_.size(); ++i) {
+    robots.push_back(description_json(cell.robots[i], cell_.station(i)));
+  }
+  Json objects = Json::array();
+  for (const CellObject& object : cell.objects) {
+    objects.push_back({{"name", object.name},
+                       {"x_m", object.X_WX.p.x},
+                       {"y_m", object.X_WX.p.y},
+                       {"z_m", object.X_WX.p.z},
+                       {"quaternion_wxyz", quaternion_wxyz(object.X_WX.R)},
+                       {"length_m", 2 * object.half.x},
+                       {"width_m", 2 * object.half.y},
+                       {"height_m", 2 * object.half.z}});
+  }
+  Json cameras = Json::array();
+  for (const CellCamera& camera : cell.cameras) {
+    cameras.push_back({{"name", camera.name}, {"device", camera.device}});
+  }
+  return Json{{"title", cell.title}, {"version", version_}, {"time_scale", cell.time_scale},
+              {"robots", robots},    {"objects", objects},  {"cameras", cameras}};
+}
+
+Api::Answer Api::watch(const Call& call) {
+  const double rate = number(call.request, "rate_hz", kRateUsual);
+  if (!(rate >= 0 && rate <= kRateMax)) return invalid("rate_hz has to be 0 to 100");
+  Watch& watch = call.session.watch;
+  watch.on = true;
+  watch.interval = rate > 0 ? from_seconds(1 / rate) : Duration{};
+  watch.robot = call.robot;
+  watch.next = call.now;
+  watch.job_next = call.now;
+  watch.event = log_.last();
+  return Json::object();
+}
+
+Api::Answer Api::give(const Call& call, const control::CommandWhat& what, bool at_start) {
+  if (call.session.pending.size() >= kPendingMax) {
+    return RpcError{RpcCode::kBusy, "32 requests of this client wait for an answer already",
+                    nullptr};
+  }
+  const auto client = machine(call.session, *call.robot);
+  if (!client) return client.error();
+  (*client)->refresh();
+  Pending pending;
+  pending.robot = *call.robot;
+  pending.command = (*client)->give(what);
+  pending.group = ++last_group_;
+  pending.at_start = at_start;
+  pending.epoch = std::holds_alternative<control::TakeLease>(what);
+  return Later{{pending}};
+}
+
+/// Programs end first, so that none of them goes on behind the stop.
+Api::Answer Api::stop(const Call& call) {
+  Later later;
+  const std::uint64_t group = ++last_group_;
+  for (std::size_t i = 0; i < cell_.size(); ++i) {
+    if (call.robot && *call.robot != i) continue;
+    cell_.jobs(i).stop(cell_.jobs(i).view().id);
+    const auto client = machine(call.session, i);
+    if (!client) return client.error();
+    Pending pending;
+    pending.robot = i;
+    pending.command = (*client)->give(control::Stop{});
+    pending.group = group;
+    later.commands.push_back(pending);
+  }
+  return later;
+}
+
+Api::Answer Api::jog(const Call& call) {
+  const auto frame = frame_of(call.request.params["frame"].get_ref<const std::string&>());
+  if (!frame) return invalid("frame is joint, base, tool or platform");
+  const RobotModel& model = cell_.station(*call.robot).robot();
+  if (model.device.capability.motion != MotionKind::kStream) {
+    return RpcError{RpcCode::kRefused,
+                    "this robot's device takes whole moves only, and cannot be jogged; "
+                    "move it in small steps",
+                    nullptr};
+  }
+  const double expiry = number(call.request, "expiry_s", to_seconds(planning::kJogExpiry));
+  if (!(expiry > 0 && expiry <= to_seconds(planning::kJogExpiryMax))) {
+    return invalid("expiry_s has to be above 0 and at most 1");
+  }
+  planning::JogCommand command{.frame = *frame, .velocity = {}, .expiry = from_seconds(expiry)};
+  const Json& velocity = call.request.params["velocity"];
+  if (velocity.size() > command.velocity.capacity()) {
+    return invalid("velocity has more numbers than any robot has joints");
+  }
+  for (const Json& one : velocity) command.velocity.push_back(one.get<double>());
+  return give(call, control::JogAt{command}, true);
+}
+
+std::expected<JointVector, RpcError> Api::joints(const Json& numbers, std::size_t robot) const {
+  const RobotModel& model = cell_.station(robot).robot();
+  if (numbers.size() != model.joints.size()) {
+    return std::unexpected(invalid("this robot has " + std::to_string(model.joints.size()) +
+                                   " joints, not " + std::to_string(numbers.size())));
+  }
+  JointVector q;
+  for (const Json& one : numbers) q.push_back(one.get<double>());
+  return q;
+}
+
+Api::Answer Api::declare(const Call& call) {
+  JointVector q = home_joints(cell_.station(*call.robot).robot());
+  if (const auto given = call.request.params.find("positions");
+      given != call.request.params.end()) {
+    const auto read = joints(*given, *call.robot);
+    if (!read) return read.error();
+    q = *read;
+  }
+  control::Declare declare;
+  for (const double one : q) {
+    declare.positions.push_back({PositionQuality::kCommanded, one, one, one});
+  }
+  return give(call, declare);
+}
+
+Api::Answer Api::run_program(const Call& call) {
+  const auto& params = call.request.params;
+  const std::string& text = params["text"].get_ref<const std::string&>();
+  const auto named = params.find("name");
+  const std::string name =
+      named != params.end() ? printable(named->get<std::string>().substr(0, kNameMax)) : "program";
+  const RobotModel& model = cell_.station(*call.robot).robot();
+  auto program = program::parse(text, name, model);
+  if (!program) {
+    Json list = Json::array();
+    for (const Complaint& complaint : program.error()) {
+      list.push_back({{"line", complaint.line},
+                      {"column", complaint.column},
+                      {"sentence", complaint.message}});
+    }
+    return RpcError{
+        RpcCode::kInvalidParams, to_text(program.error().front()), {{"complaints", list}}};
+  }
+  if (program->steps.empty()) return invalid("the program has no row");
+  runtime::JobOrder order{.title = name,
+                          .program = std::move(*program),
+                          .standing_at = std::nullopt,
+                          .take_over = flag(call.request, "take_over")};
+  if (const auto given = params.find("standing_at"); given != params.end()) {
+    const auto read = joints(*given, *call.robot);
+    if (!read) return read.error();
+    order.standing_at = *read;
+  }
+  // The session hears of the lease that the job takes for it, and keeps it alive.
+  if (const auto client = machine(call.session, *call.robot); !client) return client.error();
+  const auto job = cell_.jobs(*call.robot).start(std::move(order), call.id);
+  if (!job) {
+    const runtime::JobView other = cell_.jobs(*call.robot).view();
+    return RpcError{
+        RpcCode::kBusy, "'" + other.title + "' is under way on this robot", {{"job", other.id}}};
+  }
+  return Json{{"job", *job}};
+}
+
+Api::Answer Api::steer_job(const Method& method, const Call& call) {
+  runtime::JobRunner& jobs = cell_.jobs(*call.robot);
+  const runtime::JobView job = jobs.view();
+  if (job.over) {
+    if (method.id == MethodId::kRobotHold) return give(call, control::Hold{});
+    if (method.id == MethodId::kRobotResume) return give(call, control::Resume{});
+    return RpcError{RpcCode::kRefused, "no program is under way on this robot", nullptr};
+  }
+  if (method.id == MethodId::kRobotHold) {
+    jobs.pause(job.id);
+    return Json{{"job", job.id}};
+  }
+  if (method.id == MethodId::kProgramStep) {
+    jobs.step(job.id);
+  } else {
+    jobs.resume(job.id);
+  }
+  return Json{{"job", job.id}};
+}
+
+}  // namespace sinew::server

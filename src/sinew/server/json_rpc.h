@@ -1,0 +1,58 @@
+#pragma once
+
+#include <cstddef>
+#include <expected>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <string_view>
+
+/// JSON-RPC 2.0 messages as texts: https://www.jsonrpc.org/specification. Batches are not taken.
+namespace sinew::server {
+
+using Json = nlohmann::ordered_json;
+
+/// Codes below -32000 are the specification's.
+enum class RpcCode : int {
+  kParseError = -32700,
+  kInvalidRequest = -32600,
+  kMethodNotFound = -32601,
+  kInvalidParams = -32602,
+  kRefused = 1,  ///< understood, and not done: data says why
+  kFailed = 2,   ///< begun, and not finished
+  kStopped = 3,  ///< begun, and ended by a stop
+  kBusy = 4,     ///< too much of it at once
+};
+
+struct RpcError {
+  RpcCode code = RpcCode::kRefused;
+  std::string message;  ///< one sentence for people
+  Json data = nullptr;  ///< for machines; null where there is nothing more
+};
+
+struct RpcRequest {
+  Json id = nullptr;  ///< null: a notification, to which nobody answers
+  bool answered = false;
+  std::string method;
+  Json params = Json::object();
+};
+
+/// What could be read of a message that is none.
+struct BadRequest {
+  Json id = nullptr;
+  RpcError error;
+};
+
+inline constexpr std::size_t kMessageMax = std::size_t{1} << 20;  ///< bytes
+inline constexpr int kDepthMax = 24;                              ///< of nesting
+
+/// Reads one message, whatever its bytes are.
+/// @error  no JSON (also: not UTF-8, too long, too deep), or no request
+std::expected<RpcRequest, BadRequest> read_request(std::string_view text);
+
+/// As texts without a line break.
+std::string result_text(const Json& id, const Json& result);
+std::string error_text(const Json& id, const RpcError& error);
+std::string notification_text(std::string_view method, const Json& params);
+std::string request_text(std::uint64_t id, std::string_view method, const Json& params);
+
+}  // namespace sinew::server

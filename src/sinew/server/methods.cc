@@ -1,0 +1,181 @@
+#include "sinew/server/methods.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "sinew/core/spelling.h"
+
+namespace sinew::server {
+namespace {
+
+constexpr Param kRobotParam{"robot", ParamType::kRobot, true, "its name in the cell"};
+constexpr Param kRobotOnly[] = {kRobotParam};
+constexpr Param kRobotOrAll[] = {
+    {"robot", ParamType::kRobot, false, "its name in the cell; all of them where left out"}};
+constexpr Param kWatchParams[] = {
+    {"rate_hz", ParamType::kNumber, false, "status messages a second, up to 100; 0 for none; 10"},
+    {"robot", ParamType::kRobot, false, "of this one only"}};
+constexpr Param kEventsParams[] = {
+    {"after", ParamType::kWhole, false, "number of the last event that is known already"}};
+constexpr Param kTakeParams[] = {
+    kRobotParam,
+    {"take_over", ParamType::kFlag, false, "from whoever has it, which stops the machine first"}};
+constexpr Param kFeedParams[] = {
+    kRobotParam,
+    {"share", ParamType::kNumber, true, "0 to 2 of the planned pace; up to 1 on whole moves"}};
+constexpr Param kJogParams[] = {
+    kRobotParam,
+    {"frame", ParamType::kText, true, "joint, base, tool or platform"},
+    {"velocity", ParamType::kNumbers, true,
+     "rad/s and m/s: a number a joint, or x, y, z (m/s) "
+     "and the turns (rad/s) that this tool has"},
+    {"expiry_s", ParamType::kNumber, false, "for how long it counts, up to 1 s; 0.15"}};
+constexpr Param kDeclareParams[] = {
+    kRobotParam,
+    {"positions", ParamType::kNumbers, false, "rad or m, one a joint; its home where left out"}};
+constexpr Param kRunParams[] = {
+    kRobotParam,
+    {"text", ParamType::kText, true, "rows as in docs/programs.md"},
+    {"name", ParamType::kText, false, "as complaints and events call it"},
+    {"take_over", ParamType::kFlag, false, "the lease, from whoever has it"},
+    {"standing_at", ParamType::kNumbers, false,
+     "where it stands, from somebody who has looked; "
+     "rad or m, one a joint"}};
+
+constexpr auto kMethods = std::to_array<Method>({
+    {MethodId::kCellDescribe,
+     "cell.describe",
+     false,
+     "the cell and its robots, which never change",
+     {},
+     "title, version, time_scale, robots, objects, cameras"},
+    {MethodId::kCellStatus,
+     "cell.status",
+     false,
+     "how all robots are",
+     {},
+     "robots: a status each"},
+    {MethodId::kRobotStatus, "robot.status", false, "how one robot is", kRobotOnly, "its status"},
+    {MethodId::kWatch, "watch", false,
+     "from now on `status`, `job` and `event` messages; latest wins for whoever reads slowly",
+     kWatchParams, "an empty object"},
+    {MethodId::kEventsList, "events.list", false, "what happened, the last 1000 events at most",
+     kEventsParams, "events"},
+    {MethodId::kLeaseTake, "lease.take", true,
+     "the right to move; ends a second behind its holder's last message", kTakeParams, "epoch"},
+    {MethodId::kLeaseRenew,
+     "lease.renew",
+     true,
+     "nothing but a message, by which all leases of this client live on",
+     {},
+     "an empty object"},
+    {MethodId::kLeaseRelease, "lease.release", true, "gives it back", kRobotOnly,
+     "an empty object"},
+    {MethodId::kRobotEnable, "robot.enable", true, "finds the device; needs the lease", kRobotOnly,
+     "an empty object, when it is ready"},
+    {MethodId::kRobotDisable, "robot.disable", true, "lets go of the device; needs the lease",
+     kRobotOnly, "an empty object"},
+    {MethodId::kRobotAcknowledge, "robot.acknowledge", true,
+     "a fault whose cause is gone; needs the lease", kRobotOnly, "an empty object"},
+    {MethodId::kRobotStop, "robot.stop", false, "to rest; anybody may", kRobotOrAll,
+     "an empty object, when it is told"},
+    {MethodId::kRobotHold, "robot.hold", false,
+     "to rest on its way, or behind what cannot be interrupted, to go on later; anybody may",
+     kRobotOnly, "an empty object"},
+    {MethodId::kRobotResume, "robot.resume", true,
+     "on from there; needs the lease, but for a program, which goes on under that of who runs it",
+     kRobotOnly, "an empty object"},
+    {MethodId::kRobotFeed, "robot.feed", true, "the pace from now on; needs the lease", kFeedParams,
+     "an empty object"},
+    {MethodId::kRobotJog, "robot.jog", true,
+     "a velocity from now on, until it expires; needs the lease", kJogParams, "an empty object"},
+    {MethodId::kRobotDeclare, "robot.declare", true,
+     "where it stands, from somebody who has looked; needs the lease", kDeclareParams,
+     "an empty object"},
+    {MethodId::kProgramRun, "program.run", true,
+     "plans and runs a program; `job` messages tell how it goes", kRunParams, "job: its number"},
+    {MethodId::kProgramStep, "program.step", true, "the program's next order, then a pause",
+     kRobotOnly, "an empty object"},
+    {MethodId::kJobStatus, "job.status", false, "the job under way, or the last one", kRobotOnly,
+     "a job"},
+    {MethodId::kSimulationTruth, "simulation.truth", false,
+     "where a simulated machine really stands, whatever it believes", kRobotOnly, "truth"},
+});
+
+bool fits(ParamType type, const Json& value) {
+  constexpr std::size_t kNumbersMax = 16;
+  const auto finite = [](const Json& number) {
+    return number.is_number() && std::isfinite(number.get<double>());
+  };
+  switch (type) {
+    case ParamType::kRobot:
+    case ParamType::kText:
+      return value.is_string();
+    case ParamType::kNumber:
+      return finite(value);
+    case ParamType::kWhole:
+      return value.is_number_unsigned();
+    case ParamType::kFlag:
+      return value.is_boolean();
+    case ParamType::kNumbers:
+      return value.is_array() && value.size() <= kNumbersMax && std::ranges::all_of(value, finite);
+  }
+  return false;
+}
+
+std::string meant_text(std::string_view word, const std::vector<std::string_view>& known) {
+  const std::string_view meant = nearest_spelling(word, known);
+  return meant.empty() ? std::string() : "; did you mean '" + std::string(meant) + "'?";
+}
+
+std::unexpected<RpcError> invalid(std::string message) {
+  return std::unexpected(RpcError{RpcCode::kInvalidParams, std::move(message), nullptr});
+}
+
+}  // namespace
+
+std::span<const Method> methods() {
+  return kMethods;
+}
+
+std::string_view type_name(ParamType type) {
+  constexpr std::string_view kNames[] = {"a robot's name", "a string",
+                                         "a number",       "a whole number >= 0",
+                                         "true or false",  "a list of numbers"};
+  return kNames[static_cast<std::size_t>(type)];
+}
+
+std::expected<const Method*, RpcError> check(const RpcRequest& request) {
+  const auto found = std::ranges::find(kMethods, std::string_view(request.method), &Method::name);
+  if (found == kMethods.end()) {
+    std::vector<std::string_view> names;
+    for (const Method& method : kMethods) names.push_back(method.name);
+    return std::unexpected(
+        RpcError{RpcCode::kMethodNotFound,
+                 "there is no method of this name" + meant_text(request.method, names), nullptr});
+  }
+  for (const auto& [key, value] : request.params.items()) {
+    const auto param = std::ranges::find(found->params, std::string_view(key), &Param::name);
+    if (param == found->params.end()) {
+      std::vector<std::string_view> names;
+      for (const Param& one : found->params) names.push_back(one.name);
+      return invalid(std::string(found->name) + " takes no '" + key.substr(0, 64) + "'" +
+                     meant_text(key, names));
+    }
+    if (!fits(param->type, value)) {
+      return invalid(std::string(param->name) + " has to be " +
+                     std::string(type_name(param->type)));
+    }
+  }
+  for (const Param& param : found->params) {
+    if (param.required && !request.params.contains(param.name)) {
+      return invalid(std::string(found->name) + " needs '" + std::string(param.name) +
+                     "': " + std::string(param.meaning));
+    }
+  }
+  return &*found;
+}
+
+}  // namespace sinew::server

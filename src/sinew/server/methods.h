@@ -1,0 +1,71 @@
+#pragma once
+
+#include <cstdint>
+#include <expected>
+#include <span>
+#include <string_view>
+
+#include "sinew/server/json_rpc.h"
+
+/// What may be asked of a running cell: one table, from which requests are checked, and against
+/// which docs/api.md is held by a test.
+namespace sinew::server {
+
+enum class ParamType : std::uint8_t {
+  kRobot,    ///< a robot's name in the cell
+  kText,     ///< a string
+  kNumber,   ///< finite
+  kWhole,    ///< an integer, not negative
+  kFlag,     ///< true or false
+  kNumbers,  ///< a list of finite numbers, 16 at most
+};
+
+struct Param {
+  std::string_view name;
+  ParamType type = ParamType::kText;
+  bool required = true;
+  std::string_view meaning;
+};
+
+enum class MethodId : std::uint8_t {
+  kCellDescribe,
+  kCellStatus,
+  kRobotStatus,
+  kWatch,
+  kEventsList,
+  kLeaseTake,
+  kLeaseRenew,
+  kLeaseRelease,
+  kRobotEnable,
+  kRobotDisable,
+  kRobotAcknowledge,
+  kRobotStop,
+  kRobotHold,
+  kRobotResume,
+  kRobotFeed,
+  kRobotJog,
+  kRobotDeclare,
+  kProgramRun,
+  kProgramStep,
+  kJobStatus,
+  kSimulationTruth,
+};
+
+struct Method {
+  MethodId id{};
+  std::string_view name;
+  bool moves = false;  ///< for operators only
+  std::string_view meaning;
+  std::span<const Param> params;
+  std::string_view result;
+};
+
+std::span<const Method> methods();
+
+/// The method that a request asks for, with params that fit it: none that it does not know, all
+/// that it needs, each of its type.
+std::expected<const Method*, RpcError> check(const RpcRequest& request);
+
+std::string_view type_name(ParamType type);
+
+}  // namespace sinew::server

@@ -1,0 +1,201 @@
+#include "sinew/server/robot_json.h"
+
+#include <array>
+
+#include "sinew/driver/quality_name.h"
+#include "sinew/model/error_sentence.h"
+
+namespace sinew::server {
+namespace {
+
+bool is_leg(const Joint& joint) {
+  return joint.kind == JointKind::kPrismatic;
+}
+
+Json pose_json(const Vec3& p, const Rotation& R) {
+  return {{"x_m", p.x}, {"y_m", p.y}, {"z_m", p.z}, {"quaternion_wxyz", quaternion_wxyz(R)}};
+}
+
+Json joints_json(const runtime::StationView& view, const RobotModel& model) {
+  Json joints = Json::array();
+  for (std::size_t j = 0; j < model.joints.size(); ++j) {
+    const Joint& joint = model.joints[j];
+    const JointPosition position = j < view.positions.size() ? view.positions[j] : JointPosition{};
+    Json one{{"name", joint.name}, {"quality", quality_name(position.quality)}};
+    if (position.quality != PositionQuality::kLost) {
+      one[with_unit("position", joint)] = position.q;
+      one[with_unit("lower", joint)] = position.lower;
+      one[with_unit("upper", joint)] = position.upper;
+    }
+    if (view.reference) one[with_unit("commanded", joint)] = (*view.reference)[j];
+    joints.push_back(std::move(one));
+  }
+  return joints;
+}
+
+/// The worst of all joints: nobody knows a machine better than that.
+std::string_view worst_quality(const runtime::StationView& view) {
+  PositionQuality worst = PositionQuality::kMeasured;
+  for (const JointPosition& position : view.positions) worst = std::min(worst, position.quality);
+  return quality_name(view.positions.empty() ? PositionQuality::kLost : worst);
+}
+
+std::optional<JointVector> known_place(const runtime::StationView& view, const RobotModel& model) {
+  JointVector q;
+  for (const JointPosition& position : view.positions) {
+    if (position.quality < PositionQuality::kCommanded) return std::nullopt;
+    q.push_back(position.q);
+  }
+  if (q.size() != model.joints.size()) return std::nullopt;
+  return q;
+}
+
+Json health_json(const runtime::StationView& view) {
+  Json json{{"requests", view.health.requests},     {"retries", view.health.retries},
+            {"repeats", view.health.repeats},       {"timeouts", view.health.timeouts},
+            {"unexpected", view.health.unexpected}, {"bytes_to_device", view.bytes.to_device},
+            {"bytes_to_host", view.bytes.to_host}};
+  if (view.health.supply_volts) json["supply_v"] = *view.health.supply_volts;
+  if (view.health.temperature_c) json["temperature_c"] = *view.health.temperature_c;
+  return json;
+}
+
+Json latched_json(const control::Latched& latched, const RobotModel& model) {
+  return {{"cause", cause_name(latched.cause)}, {"error", error_json(latched.error, model)}};
+}
+
+}  // namespace
+
+std::string with_unit(const char* what, const Joint& joint) {
+  return std::string(what) + (is_leg(joint) ? "_m" : "_rad");
+}
+
+std::string_view cause_name(control::StopCause cause) {
+  return control::stop_rule(cause).name;
+}
+
+Json error_json(const Error& error, const RobotModel& model) {
+  Json json{{"code", info(error.code).name}, {"sentence", sentence_of(error, model)}};
+  const std::string subject = subject_of(error, model);
+  if (!subject.empty()) json[error.other >= 0 ? "links" : "joint"] = subject;
+  return json;
+}
+
+Json description_json(const CellRobot& place, const runtime::Station& station) {
+  const RobotModel& model = station.robot();
+  Json joints = Json::array();
+  for (const Joint& joint : model.joints) {
+    joints.push_back({{"name", joint.name},
+                      {with_unit("lower", joint), joint.lower},
+                      {with_unit("upper", joint), joint.upper},
+                      {with_unit("home", joint), joint.home},
+                      {with_unit("velocity_max", joint) + "_s", joint.velocity_max},
+                      {with_unit("acceleration_max", joint) + "_s2", joint.acceleration_max}});
+  }
+  const DeviceCapability& capability = model.device.capability;
+  const control::StopFacts stop = control::stop_facts(model.device);
+  Json json{{"name", place.name},
+            {"robot", model.id},
+            {"title", model.title},
+            {"port", station.port_name()},
+            {"simulated", station.simulated()},
+            {"pose", pose_json(place.X_WB.p, place.X_WB.R)},
+            {"streams", capability.motion == MotionKind::kStream},
+            {"joints", joints},
+            {"stop",
+             {{"ends_motion", stop.ends_motion},
+              {"standstill", stop.standstill},
+              {"gravity", stop.falls}}}};
+  if (const auto* recovery = station.recovery()) {
+    json["position_journal"] = {{"found", sentence(recovery->finding)},
+                                {"way_out", sentence(recovery->way_out)}};
+  }
+  return json;
+}
+
+Json status_json(const runtime::Station& station, const runtime::StationView& view,
+                 const planning::ToolSpace& tool, planning::PoseBT& X_near) {
+  const RobotModel& model = station.robot();
+  Json json{{"robot", station.name()},
+            {"state", control::name(view.state)},
+            {"position", worst_quality(view)},
+            {"connected", view.port_open},
+            {"joints", joints_json(view, model)},
+            {"feed", view.feed},
+            {"progress", view.progress}};
+  if (const std::string trouble = station.trouble(); !trouble.empty()) json["trouble"] = trouble;
+  if (const auto q = known_place(view, model)) {
+    if (const auto X_BT = tool.forward({q->data(), q->size()}, X_near)) {
+      X_near = *X_BT;
+      json["tool"] = pose_json(X_BT->p, X_BT->R);
+    }
+  }
+  if (view.holder) json["lease"] = {{"client", view.holder->client}, {"epoch", view.holder->epoch}};
+  if (view.homing_joint && *view.homing_joint < model.joints.size()) {
+    json["homing"] = model.joints[*view.homing_joint].name;
+  }
+  if (view.latched) {
+    json["fault"] = latched_json(*view.latched, model);
+    for (const control::Latched& one : view.later) {
+      json["fault"]["later"].push_back(latched_json(one, model));
+    }
+  }
+  if (view.last_stop) json["last_stop"] = cause_name(*view.last_stop);
+  if (view.goes_on_until && *view.goes_on_until > view.at) {
+    json["goes_on_s"] = to_seconds(*view.goes_on_until - view.at);
+  }
+  json["health"] = health_json(view);
+  return json;
+}
+
+std::string_view phase_name(const runtime::JobView& job) {
+  constexpr std::array<std::string_view, 6> kNames{"opening", "running", "stopping",
+                                                   "done",    "stopped", "failed"};
+  if (job.paused && !job.over) return "paused";
+  return kNames[static_cast<std::size_t>(job.phase)];
+}
+
+Json job_json(const std::string& robot, const runtime::JobView& job, const RobotModel& model) {
+  Json json{{"robot", robot},
+            {"job", job.id},
+            {"client", job.client},
+            {"title", job.title},
+            {"phase", phase_name(job)},
+            {"over", job.over},
+            {"line", job.line},
+            {"orders_done", job.orders_done},
+            {"orders", job.orders},
+            {"predicted_s", job.duration},
+            {"homing_at_most_s", job.homing_max},
+            {"elapsed_s", job.elapsed},
+            {"progress", job.progress},
+            {"notices", job.notices}};
+  if (job.failure) {
+    json["error"] = error_json(job.failure->error, model);
+    json["error"]["line"] = job.failure->line;
+  }
+  if (job.stopped_by) json["stopped_by"] = cause_name(*job.stopped_by);
+  if (job.last_notice) json["last_notice"] = error_json(job.last_notice->error, model);
+  return json;
+}
+
+Json truth_json(const sim::Truth& truth, const RobotModel& model) {
+  Json joints = Json::array();
+  for (std::size_t j = 0; j < truth.joints.size() && j < model.joints.size(); ++j) {
+    const sim::JointTruth& one = truth.joints[j];
+    const Joint& joint = model.joints[j];
+    joints.push_back({{"name", joint.name},
+                      {with_unit("position", joint), one.q},
+                      {with_unit("believed", joint), one.believed},
+                      {"stalled", one.stalled},
+                      {"at_end_stop", one.at_end_stop},
+                      {"lost_steps", one.lost_steps}});
+  }
+  return {{"joints", joints},
+          {"supply_v", truth.supply_volts},
+          {"moving", truth.moving},
+          {"tool", truth.tool},
+          {"suction", truth.suction}};
+}
+
+}  // namespace sinew::server

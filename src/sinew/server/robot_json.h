@@ -1,0 +1,35 @@
+#pragma once
+
+#include <string>
+
+#include "sinew/planning/tool_space.h"
+#include "sinew/runtime/running_cell.h"
+#include "sinew/server/json_rpc.h"
+
+/// What the server says of robots: SI and radians, the unit in each number's name.
+namespace sinew::server {
+
+/// "position_rad", or "position_m" of a leg.
+std::string with_unit(const char* what, const Joint& joint);
+
+/// {"code", "sentence", "joint"?}
+Json error_json(const Error& error, const RobotModel& model);
+
+/// What never changes: its joints and limits, where it stands, what it hangs on.
+Json description_json(const CellRobot& place, const runtime::Station& station);
+
+/// How it is now.
+/// @param tool  of the same robot. @param X_near  a hexapod's last pose, and then this one
+Json status_json(const runtime::Station& station, const runtime::StationView& view,
+                 const planning::ToolSpace& tool, planning::PoseBT& X_near);
+
+Json job_json(const std::string& robot, const runtime::JobView& job, const RobotModel& model);
+/// "opening", "running", "paused", "stopping", "done", "stopped", "failed".
+std::string_view phase_name(const runtime::JobView& job);
+
+Json truth_json(const sim::Truth& truth, const RobotModel& model);
+
+/// A cause of a stop, for machines.
+std::string_view cause_name(control::StopCause cause);
+
+}  // namespace sinew::server

@@ -1,0 +1,175 @@
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <csignal>
+
+#include "cli/process.h"
+#include "sinew/io/scratch_folder_test_support.h"
+
+/// `sinew serve` and those who talk to it, each a process of its own.
+namespace sinew::test {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr std::string_view kCell = R"(title = "Two for a test"
+time_scale = 10
+[[robot]]
+name = "left"
+robot = "learm"
+profile = "bus"
+[[robot]]
+name = "big"
+robot = "bigrobotarm"
+)";
+
+const std::string kStand = "joint base=0deg shoulder=20deg elbow=40deg wrist=40deg roll=0deg";
+
+/// A server on a socket of its own.
+class Cell {
+ public:
+  Cell() : serve_({"serve", folder_.file("cell.toml", std::string(kCell)), "--socket", socket()}) {
+    serve_.wait_for_err("answers on");
+  }
+  std::string socket() const { return folder_.at("cell.sock"); }
+  const ScratchFolder& folder() const { return folder_; }
+  Process& process() { return serve_; }
+
+  Arguments on(Arguments arguments) const {
+    arguments.insert(arguments.end(), {"--socket", socket()});
+    return arguments;
+  }
+  Ended ask(const Arguments& arguments) const { return sinew(on(arguments)); }
+  Json status(const std::string& robot) const {
+    return ask({"status", robot, "--json"}).json()["robots"][0];
+  }
+  /// Waits for a state, for 10 s at most.
+  bool comes_to(const std::string& robot, const std::string& state) {
+    for (int k = 0; k < 100; ++k) {
+      if (status(robot)["state"] == state) return true;
+      serve_.let_run(50ms);
+    }
+    return false;
+  }
+
+ private:
+  ScratchFolder folder_;
+  Process serve_;
+};
+
+double base_rad(const Json& status) {
+  return status["joints"][0]["position_rad"];
+}
+
+TEST(Cell, is_steered_from_other_processes) {
+  Cell cell;
+  Ended stands = cell.ask({"move", "left", kStand});
+  EXPECT_EQ(stands.exit, 0) << stands.err;
+  EXPECT_NE(stands.out.find("done: 1 of 1"), std::string::npos) << stands.out;
+  const Ended turned = cell.ask({"move", "left", "joint", "base=30deg"});
+  EXPECT_EQ(turned.exit, 0) << turned.err;
+  EXPECT_NEAR(base_rad(cell.status("left")), 0.52, 0.04);
+  const Ended big = cell.ask({"move", "big", "joint", "base=20deg"});
+  EXPECT_EQ(big.exit, 0) << big.err;
+  const Ended all = cell.ask({"status"});
+  EXPECT_NE(all.out.find("left"), std::string::npos);
+  EXPECT_NE(all.out.find("big"), std::string::npos);
+  const std::string program =
+      cell.folder().file("two.sinew", "joint base=0deg\njoint base=10deg\n");
+  const Ended ran = cell.ask({"run", program, "--robot", "left"});
+  EXPECT_EQ(ran.exit, 0) << ran.err;
+  EXPECT_NE(ran.out.find("2 of 2"), std::string::npos) << ran.out;
+  const Ended jogged = cell.ask(
+      {"jog", "left", "--frame", "joint", "--velocity", "10deg/s,0,0,0,0", "--time", "0.5s"});
+  EXPECT_EQ(jogged.exit, 0) << jogged.err;
+}
+
+TEST(Cell, refuses_what_makes_no_sense_in_a_sentence) {
+  Cell cell;
+  const auto says = [&](const Arguments& arguments, const std::string& what, int exit = 2) {
+    const Ended ended = cell.ask(arguments);
+    EXPECT_EQ(ended.exit, exit) << ended.err;
+    EXPECT_NE(ended.err.find(what), std::string::npos) << ended.err;
+    EXPECT_EQ(ended.out, "");
+  };
+  says({"move", "lfet", "joint", "base=3deg"}, "no robot of this cell");
+  says({"status", "lfet"}, "did you mean 'left'?");
+  says({"move", "left", "jiont", "base=3deg"}, "move:1:1");
+  says({"move", "left", "joint", "base=3"}, "unit");
+  says({"jog", "left", "--velocity", "fast"}, "is no speed");
+  says({"jog", "left", "--velocity", "20mm/s,0,0", "--time", "-1s"}, "--time");
+  says({"jog", "big", "--velocity", "20mm/s,0,0"}, "whole moves", 1);
+  says({"recover", "left", "--standing-at", "1,2"}, "--standing-at");
+  says({"resume", "left"}, "", 1);
+  says({"pause", "nobody"}, "no robot of this cell");
+  says({"run", "/nowhere.sinew", "--robot", "left"}, "/nowhere.sinew");
+}
+
+TEST(Cell, without_a_server_says_how_to_start_one) {
+  const ScratchFolder folder;
+  const Ended ended = sinew({"status", "--socket", folder.at("none.sock")});
+  EXPECT_EQ(ended.exit, 1);
+  EXPECT_NE(ended.err.find("sinew serve starts one"), std::string::npos) << ended.err;
+}
+
+TEST(Cell, one_socket_has_one_server) {
+  Cell cell;
+  const Ended second = sinew({"serve", "--socket", cell.socket()});
+  EXPECT_EQ(second.exit, 1);
+  EXPECT_NE(second.err.find("another program listens there"), std::string::npos) << second.err;
+  EXPECT_EQ(cell.ask({"status"}).exit, 0);
+}
+
+TEST(Cell, whoever_is_killed_leaves_nothing_moving) {
+  Cell cell;
+  ASSERT_EQ(cell.ask({"move", "left", kStand}).exit, 0);
+  {
+    Process mover(cell.on({"move", "left", "joint", "base=90deg", "speed=2%"}));
+    ASSERT_TRUE(cell.comes_to("left", "moving"));
+    mover.signal(SIGKILL);
+    mover.end();
+  }
+  EXPECT_TRUE(cell.comes_to("left", "ready"));
+  EXPECT_LT(base_rad(cell.status("left")), 1.4);
+  EXPECT_EQ(cell.ask({"move", "left", "joint", "base=0deg"}).exit, 0);
+}
+
+TEST(Cell, pauses_goes_on_and_stops_for_anybody) {
+  Cell cell;
+  ASSERT_EQ(cell.ask({"move", "left", kStand}).exit, 0);
+  Process mover(cell.on({"move", "left", "joint", "base=60deg", "speed=2%"}));
+  ASSERT_TRUE(cell.comes_to("left", "moving"));
+  EXPECT_EQ(cell.ask({"pause", "left"}).exit, 0);
+  EXPECT_TRUE(cell.comes_to("left", "held"));
+  EXPECT_EQ(cell.ask({"resume", "left"}).exit, 0);
+  ASSERT_TRUE(cell.comes_to("left", "moving"));
+  EXPECT_EQ(cell.ask({"stop"}).exit, 0);
+  const Ended stopped = mover.end();
+  EXPECT_EQ(stopped.exit, 1);
+  EXPECT_NE(stopped.err.find("stopped"), std::string::npos) << stopped.err;
+}
+
+TEST(Cell, ctrl_c_stops_the_program_of_whoever_presses_it) {
+  Cell cell;
+  ASSERT_EQ(cell.ask({"move", "left", kStand}).exit, 0);
+  Process mover(cell.on({"move", "left", "joint", "base=90deg", "speed=2%"}));
+  ASSERT_TRUE(cell.comes_to("left", "moving"));
+  mover.signal(SIGINT);
+  EXPECT_EQ(mover.end().exit, 1);
+  EXPECT_TRUE(cell.comes_to("left", "ready"));
+}
+
+TEST(Cell, the_server_ends_in_order_while_something_moves) {
+  Cell cell;
+  ASSERT_EQ(cell.ask({"move", "left", kStand}).exit, 0);
+  Process mover(cell.on({"move", "left", "joint", "base=90deg", "speed=2%"}));
+  ASSERT_TRUE(cell.comes_to("left", "moving"));
+  cell.process().signal(SIGINT);
+  EXPECT_EQ(cell.process().end().exit, 0);
+  const Ended left = mover.end();
+  EXPECT_EQ(left.exit, 1);
+  EXPECT_NE(left.err.find("the server has gone away"), std::string::npos) << left.err;
+}
+
+}  // namespace
+}  // namespace sinew::test
