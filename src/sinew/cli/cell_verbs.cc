@@ -150,11 +150,12 @@ Outcome follow(CellConnection& cell, const std::string& robot, std::uint64_t num
   }
 }
 
-Outcome run_text(const CellRequest& request, const std::string& text, const std::string& name) {
+/// Begins a job and waits for its end.
+Outcome run_job(const CellRequest& request, const char* method, Json params) {
   auto cell = CellConnection::open(request.socket);
   if (!cell) return cell.error();
-  Json params{
-      {"robot", request.robot}, {"text", text}, {"name", name}, {"take_over", request.take_over}};
+  params["robot"] = request.robot;
+  params["take_over"] = request.take_over;
   if (request.standing_at) {
     const auto standing = positions_of(*cell, request.robot, "--standing-at", *request.standing_at);
     if (!standing) return standing.error();
@@ -164,9 +165,13 @@ Outcome run_text(const CellRequest& request, const std::string& text, const std:
   if (auto watched = cell->call("watch", {{"rate_hz", 0}, {"robot", request.robot}}); !watched) {
     return watched.error();
   }
-  const auto job = cell->call("program.run", params);
+  const auto job = cell->call(method, params);
   if (!job) return job.error();
   return follow(*cell, request.robot, (*job)["job"], request.json);
+}
+
+Outcome run_text(const CellRequest& request, const std::string& text, const std::string& name) {
+  return run_job(request, "program.run", {{"text", text}, {"name", name}});
 }
 
 /// A request that is one call.
@@ -214,6 +219,12 @@ Outcome cell_run(const CellRequest& request) {
   const auto text = io::read_file(request.file);
   if (!text) return bad_input(text.error().sentence);
   return run_text(request, *text, request.file);
+}
+
+Outcome cell_ride(const CellRequest& request) {
+  Json params{{"duration_s", request.ride_s}, {"seed", request.seed}};
+  if (request.ride_amplitude > 0) params["amplitude"] = request.ride_amplitude;
+  return run_job(request, "robot.bullride", std::move(params));
 }
 
 Outcome cell_stop(const CellRequest& request) {

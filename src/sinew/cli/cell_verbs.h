@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -19,6 +20,9 @@ struct CellRequest {
   std::string frame = "base";       ///< of `jog`
   std::string velocity;             ///< of `jog`
   std::optional<std::string> time;  ///< of `jog`
+  double ride_s = 0;                ///< of a ride
+  double ride_amplitude = 0;        ///< 0: as the wire allows
+  std::int64_t seed = 1;
   bool json = false;
 };
 
@@ -26,6 +30,7 @@ Outcome cell_status(const CellRequest& request);
 Outcome cell_move(const CellRequest& request);
 Outcome cell_home(const CellRequest& request);
 Outcome cell_run(const CellRequest& request);
+Outcome cell_ride(const CellRequest& request);
 Outcome cell_jog(const CellRequest& request);
 Outcome cell_stop(const CellRequest& request);
 Outcome cell_pause(const CellRequest& request);

@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "sinew/cli/axis_verb.h"
+#include "sinew/cli/bullride_verb.h"
 #include "sinew/cli/cell_verbs.h"
 #include "sinew/cli/device_verb.h"
 #include "sinew/cli/doctor_verb.h"
@@ -44,6 +45,7 @@ struct Call {
   TorqueRequest torque;
   ServeRequest serve;
   CellRequest cell;
+  BullrideRequest ride;
   bool in_cell = false;  ///< `run` and `jog`: on a running cell
 };
 
@@ -362,6 +364,40 @@ void add_cell_verbs(CLI::App& app, Call& call) {
   verb->add_flag("--take-over", request.take_over, kTakeOver);
 }
 
+Outcome ride_in_cell(Call& call) {
+  const auto time = ride_time(call.ride.time);
+  if (!time) return time.error();
+  const auto amplitude = ride_amplitude(call.ride.amplitude);
+  if (!amplitude) return amplitude.error();
+  call.cell.robot = call.ride.robot;
+  call.cell.seed = call.ride.seed;
+  call.cell.ride_s = *time;
+  call.cell.ride_amplitude = *amplitude;
+  return cell_ride(call.cell);
+}
+
+void add_bullride(CLI::App& app, Call& call) {
+  CLI::App* verb = add_verb(app, call, "bullride",
+                            "a program of random moves within reach and limits, on stdout",
+                            "sinew bullride learm --time 30s --seed 7 > ride.sinew");
+  BullrideRequest& request = call.ride;
+  verb->add_option("ROBOT", request.robot, "id or .toml file; with --cell its name there")
+      ->required();
+  verb->add_option("--time", request.time, "of the ride, 30s where left out");
+  verb->add_option("--seed", request.seed, "one seed, one ride");
+  verb->add_option("--amplitude", request.amplitude,
+                   "share of the joints' ranges, as in 20%; as the wire allows where left out");
+  verb->add_option("--from-joints", request.from, "where it begins and ends; home where left out");
+  verb->add_option("--wire", request.wire,
+                   "which of the robot's wires; as in its file where left out");
+  verb->add_option("--profile", request.profile,
+                   "which variant of its device; an unknown name lists them");
+  add_cell_options(*verb, call);
+  verb->callback([&call] {
+    call.verb = [&call] { return on_cell(call) ? ride_in_cell(call) : bullride(call.ride); };
+  });
+}
+
 /// The first word where a verb is due, if any.
 std::string_view verb_word(std::span<char*> arguments) {
   for (const std::string_view argument : arguments) {
@@ -432,6 +468,7 @@ int run(std::span<char*> arguments) {
   add_torque(app, call);
   add_serve(app, call);
   add_cell_verbs(app, call);
+  add_bullride(app, call);
   try {
     // Backwards, as CLI11 wants a vector.
     app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));

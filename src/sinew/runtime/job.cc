@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "sinew/model/joint_lookup.h"
 #include "sinew/runtime/homing_time.h"
 
 namespace sinew::runtime {
@@ -11,6 +12,21 @@ using program::Run;
 namespace {
 
 constexpr Duration kPatience = std::chrono::milliseconds(20);
+
+std::expected<program::Program, program::Refusal> ride_of(const program::RideOrder& order,
+                                                          const StationClient& client) {
+  const RobotModel& robot = client.robot();
+  const auto reference = client.reference();
+  const auto ride = program::make_ride(robot, reference.value_or(home_joints(robot)), order);
+  if (!ride) return std::unexpected(ride.error());
+  std::string text = ride->text;
+  // The ride's last row leads back to where it began, and names all joints: it finds a machine
+  // that does not know where it is, too.
+  if (!reference) text.insert(0, text.substr(text.rfind('\n', text.size() - 2) + 1));
+  auto parsed = program::parse(text, "ride", robot);
+  if (parsed) return std::move(*parsed);
+  return std::unexpected(program::Refusal{0, {ErrorCode::kMoveInput}, std::nullopt});
+}
 
 int line_of(const Run& run) {
   if (run.failure()) return run.failure()->line;
@@ -43,14 +59,24 @@ Expected<std::uint32_t> JobRunner::start(JobOrder order, control::ClientId clien
     wish_ = Wish::kNone;
   }
   thread_ = std::thread([this, job = std::move(order), machine = std::move(*made)] {
-    run(job, *machine);
+    work(job, *machine);
     under_way_ = false;
   });
   return id;
 }
 
-void JobRunner::run(const JobOrder& order, StationClient& client) {
-  Run run(order.program, client);
+void JobRunner::work(const JobOrder& order, StationClient& client) {
+  if (!order.ride) return run(order, order.program, client);
+  const auto ride = ride_of(*order.ride, client);
+  if (ride) return run(order, *ride, client);
+  const std::scoped_lock lock(mutex_);
+  view_.failure = ride.error();
+  view_.phase = Run::Phase::kFailed;
+  view_.over = true;
+}
+
+void JobRunner::run(const JobOrder& order, const program::Program& program, StationClient& client) {
+  Run run(program, client);
   run.expect_homing(homing_of(station_.robot()));
   run.make_changeable();
   if (order.take_over) run.take_over();

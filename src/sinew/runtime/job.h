@@ -6,6 +6,7 @@
 #include <string>
 #include <thread>
 
+#include "sinew/program/bullride.h"
 #include "sinew/program/program_run.h"
 #include "sinew/runtime/station_client.h"
 
@@ -15,6 +16,8 @@ namespace sinew::runtime {
 struct JobOrder {
   std::string title;  ///< as it is shown: the program's name
   program::Program program;
+  /// Instead of the program: made where the machine stands, or from its home where nobody knows.
+  std::optional<program::RideOrder> ride;
   /// Where somebody says that the machine stands, for one that cannot know.
   std::optional<JointVector> standing_at;
   bool take_over = false;  ///< the lease, from whoever has it
@@ -67,7 +70,8 @@ class JobRunner {
  private:
   enum class Wish : std::uint8_t { kNone, kPause, kResume, kStep, kStop };
 
-  void run(const JobOrder& order, StationClient& client);
+  void work(const JobOrder& order, StationClient& client);
+  void run(const JobOrder& order, const program::Program& program, StationClient& client);
   void obey(program::Run& run, Instant now);
   void publish(const program::Run& run, Instant now, bool over);
   void wish(std::uint32_t id, Wish what);

@@ -117,6 +117,8 @@ class Api {
   Answer jog(const Call& call);
   Answer declare(const Call& call);
   Answer run_program(const Call& call);
+  Answer ride(const Call& call);
+  Answer start(const Call& call, runtime::JobOrder order);
   Answer steer_job(const Method& method, const Call& call);
   Answer give(const Call& call, const control::CommandWhat& what, bool at_start = false);
   std::expected<JointVector, RpcError> joints(const Json& numbers, std::size_t robot) const;

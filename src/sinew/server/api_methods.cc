@@ -78,6 +78,8 @@ Api::Answer Api::call(const Method& method, const Call& call) {
       return declare(call);
     case MethodId::kProgramRun:
       return run_program(call);
+    case MethodId::kRobotRide:
+      return ride(call);
     case MethodId::kRobotHold:
     case MethodId::kRobotResume:
     case MethodId::kProgramStep:
@@ -242,6 +244,7 @@ Api::Answer Api::run_program(const Call& call) {
   if (program->steps.empty()) return invalid("the program has no row");
   runtime::JobOrder order{.title = name,
                           .program = std::move(*program),
+                          .ride = std::nullopt,
                           .standing_at = std::nullopt,
                           .take_over = flag(call.request, "take_over")};
   if (const auto given = params.find("standing_at"); given != params.end()) {
@@ -249,6 +252,26 @@ Api::Answer Api::run_program(const Call& call) {
     if (!read) return read.error();
     order.standing_at = *read;
   }
+  return start(call, std::move(order));
+}
+
+Api::Answer Api::ride(const Call& call) {
+  const double duration = call.request.params["duration_s"].get<double>();
+  const bool fits = duration >= program::kRideMin && duration <= program::kRideMax;
+  if (!fits) return invalid("duration_s has to be 1 to 3600");
+  const double amplitude = number(call.request, "amplitude", 0);
+  if (!(amplitude >= 0 && amplitude <= 1)) return invalid("amplitude has to be 0 to 1");
+  const auto seed = call.request.params.find("seed");
+  program::RideOrder ride{.duration = duration, .amplitude = amplitude};
+  if (seed != call.request.params.end()) ride.seed = seed->get<std::uint64_t>();
+  return start(call, {.title = "bullride",
+                      .program = {},
+                      .ride = ride,
+                      .standing_at = std::nullopt,
+                      .take_over = flag(call.request, "take_over")});
+}
+
+Api::Answer Api::start(const Call& call, runtime::JobOrder order) {
   // The session hears of the lease that the job takes for it, and keeps it alive.
   if (const auto client = machine(call.session, *call.robot); !client) return client.error();
   const auto job = cell_.jobs(*call.robot).start(std::move(order), call.id);

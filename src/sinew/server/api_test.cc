@@ -183,6 +183,20 @@ TEST(Api, a_program_pauses_and_goes_on) {
   EXPECT_NEAR(truth_deg(client, "left", 0), 60, 1.5);
 }
 
+TEST(Api, a_ride_throws_the_machine_about_and_brings_it_back) {
+  ApiCell cell({place("left", "learm", "bus")});
+  ApiClient client(cell);
+  client.run("left", kStand);
+  const Json begun =
+      client.call("robot.bullride", {{"robot", "left"}, {"duration_s", 20}, {"seed", 3}});
+  ASSERT_TRUE(begun.contains("result")) << begun.dump();
+  const Json job = client.finish("left");
+  EXPECT_EQ(job["phase"], "done") << job.dump();
+  EXPECT_GT(job["orders"], 5);
+  EXPECT_NEAR(truth_deg(client, "left", 0), 0, 1.5);
+  EXPECT_NE(client.sentence("robot.bullride", {{"robot", "left"}, {"duration_s", 0}}), "");
+}
+
 TEST(Api, who_watches_hears_of_states_jobs_and_events) {
   ApiCell cell({place("left", "learm", "bus")});
   ApiClient client(cell);

@@ -44,6 +44,14 @@ constexpr Param kRunParams[] = {
      "where it stands, from somebody who has looked; "
      "rad or m, one a joint"}};
 
+constexpr Param kRideParams[] = {
+    kRobotParam,
+    {"duration_s", ParamType::kNumber, true, "1 to 3600"},
+    {"seed", ParamType::kWhole, false, "one seed, one ride; 1"},
+    {"amplitude", ParamType::kNumber, false,
+     "share of the joints' ranges, up to 1; as the wire allows where left out"},
+    {"take_over", ParamType::kFlag, false, "the lease, from whoever has it"}};
+
 constexpr auto kMethods = std::to_array<Method>({
     {MethodId::kCellDescribe,
      "cell.describe",
@@ -96,6 +104,9 @@ constexpr auto kMethods = std::to_array<Method>({
      "an empty object"},
     {MethodId::kProgramRun, "program.run", true,
      "plans and runs a program; `job` messages tell how it goes", kRunParams, "job: its number"},
+    {MethodId::kRobotRide, "robot.bullride", true,
+     "random poses, all within reach and limits, and back; a job as a program is", kRideParams,
+     "job: its number"},
     {MethodId::kProgramStep, "program.step", true, "the program's next order, then a pause",
      kRobotOnly, "an empty object"},
     {MethodId::kJobStatus, "job.status", false, "the job under way, or the last one", kRobotOnly,

@@ -46,6 +46,7 @@ enum class MethodId : std::uint8_t {
   kRobotJog,
   kRobotDeclare,
   kProgramRun,
+  kRobotRide,
   kProgramStep,
   kJobStatus,
   kSimulationTruth,

@@ -1,0 +1,71 @@
+#include "sinew/cli/bullride_verb.h"
+
+#include <fmt/format.h>
+
+#include "sinew/cli/device_argument.h"
+#include "sinew/cli/kinematics_text.h"
+#include "sinew/cli/plan_report.h"
+#include "sinew/cli/robot_argument.h"
+#include "sinew/cli/targets.h"
+#include "sinew/core/quantity.h"
+#include "sinew/model/joint_lookup.h"
+#include "sinew/program/bullride.h"
+#include "sinew/runtime/robot_variant.h"
+
+namespace sinew::cli {
+
+std::expected<double, Outcome> ride_time(const std::optional<std::string>& text) {
+  const auto time = parse_quantity(text.value_or("30s"), Measure::kTime, UnitRule::kOptional);
+  if (!time) return std::unexpected(bad_input("--time: " + time.error()));
+  if (!(*time >= program::kRideMin && *time <= program::kRideMax)) {
+    return std::unexpected(bad_input("--time: a ride takes 1 s to 1 h"));
+  }
+  return *time;
+}
+
+std::expected<double, Outcome> ride_amplitude(const std::optional<std::string>& text) {
+  if (!text) return 0.0;
+  const auto share = parse_quantity(*text, Measure::kShare, UnitRule::kOptional);
+  if (!share) return std::unexpected(bad_input("--amplitude: " + share.error()));
+  if (!(*share > 0 && *share <= 1)) {
+    return std::unexpected(bad_input("--amplitude: has to be above 0 and at most 100%"));
+  }
+  return *share;
+}
+
+Outcome bullride(const BullrideRequest& request) {
+  const auto file = find_robot(request.robot);
+  if (!file) return file.error();
+  const auto variant = runtime::variant_of(file->model, request.profile, request.wire);
+  if (!variant) return bad_input(variant.error());
+  const RobotModel& model = *variant;
+  if (const auto fine = check_seed(request.seed); !fine) return fine.error();
+  const auto time = ride_time(request.time);
+  if (!time) return time.error();
+  const auto amplitude = ride_amplitude(request.amplitude);
+  if (!amplitude) return amplitude.error();
+  JointVector q = home_joints(model);
+  if (request.from) {
+    const auto given = parse_joints("--from-joints", *request.from, model);
+    if (!given) return bad_input(given.error());
+    q = *given;
+  }
+  const auto ride = program::make_ride(model, q,
+                                       {.duration = *time,
+                                        .seed = static_cast<std::uint64_t>(request.seed),
+                                        .amplitude = *amplitude});
+  if (!ride) return could_not(error_text(ride.error().error, model));
+  Outcome outcome;
+  outcome.json = {{"robot", model.id},
+                  {"seed", request.seed},
+                  {"moves", ride->moves},
+                  {"duration_s", ride->duration},
+                  {"amplitude", ride->amplitude},
+                  {"program", ride->text}};
+  outcome.text = fmt::format(
+      "# {} moves in {:.1f} s with {:.4g} % of the joints' ranges, seed {}, for {}.\n{}",
+      ride->moves, ride->duration, 100 * ride->amplitude, request.seed, model.id, ride->text);
+  return outcome;
+}
+
+}  // namespace sinew::cli

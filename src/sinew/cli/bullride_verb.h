@@ -1,0 +1,29 @@
+#pragma once
+
+#include <cstdint>
+#include <expected>
+#include <optional>
+#include <string>
+
+#include "sinew/cli/outcome.h"
+
+namespace sinew::cli {
+
+struct BullrideRequest {
+  std::string robot;
+  std::optional<std::string> profile;
+  std::optional<std::string> wire;
+  std::optional<std::string> time;  ///< 30s where absent
+  std::int64_t seed = 1;
+  std::optional<std::string> amplitude;  ///< as in 20%; as the wire allows where absent
+  std::optional<std::string> from;       ///< home where absent
+};
+
+/// Of both: what is said, or why not.
+std::expected<double, Outcome> ride_time(const std::optional<std::string>& text);
+std::expected<double, Outcome> ride_amplitude(const std::optional<std::string>& text);
+
+/// `sinew bullride`: a program of random moves on stdout; nothing moves.
+Outcome bullride(const BullrideRequest& request);
+
+}  // namespace sinew::cli
