@@ -3,10 +3,14 @@
 #include <string_view>
 
 #include "sinew/core/assert.h"
-#include "sinew/program/program_plan.h"
+#include "sinew/program/gcode_file.h"
+#include "sinew/program/pose_file.h"
+#include "sinew/program/program_check.h"
+#include "sinew/program/program_format.h"
 
 // A program file for a small arm: whatever is accepted has its loops closed and can be planned, or
-// is refused, in bounded time; whatever is refused has a place and a sentence.
+// is refused, in bounded time; whatever is refused has a place and a sentence. Laid out it is the
+// same once and for all, and what others write is read as a program or refused.
 
 namespace {
 
@@ -33,11 +37,29 @@ const RobotModel& small_arm() {
   return model;
 }
 
+/// Its own layout stays, and takes nothing from what is read.
+void look_at_layout(std::string_view text, bool is_program) {
+  const auto once = program::format(text, "f");
+  if (!once) return;
+  const auto twice = program::format(*once, "f");
+  SINEW_ASSERT(twice && *twice == *once);
+  SINEW_ASSERT(!is_program || program::parse(*once, "f", small_arm()));
+}
+
+void look_at_foreign(std::string_view text) {
+  const auto rows = program::rows_of_gcode(text, "f", small_arm());
+  SINEW_ASSERT(rows || !rows.error().empty());
+  const auto pose = program::read_pose_file(text, "f");
+  SINEW_ASSERT(pose || !pose.error().empty());
+}
+
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string_view text(reinterpret_cast<const char*>(data), size);
   const auto program = program::parse(text, "f", small_arm());
+  look_at_layout(text, program.has_value());
+  look_at_foreign(text);
   if (!program) {
     SINEW_ASSERT(!program.error().empty());
     for (const Complaint& complaint : program.error()) {
@@ -46,6 +68,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     return 0;
   }
   const auto plan = program::make_plan(*program, small_arm(), JointVector{1.5, 1.5, 0.5});
+  const auto checked = program::check(*program, small_arm(), JointVector{1.5, 1.5, 0.5});
+  SINEW_ASSERT(checked.fine() == plan.has_value());
   if (!plan) {
     SINEW_ASSERT(plan.error().line >= 1);
     return 0;

@@ -19,7 +19,7 @@ Arguments with(Arguments words, const Arguments& more) {
 }
 
 TEST(PlanVerb, tool_goes_straight_from_point_to_point_inside_all_limits) {
-  const Ended ended = sinew(kLine);
+  const Ended ended = sinew(with(kLine, {"--wire", "link"}));
   ASSERT_EQ(ended.exit, 0) << ended.err;
   const Json plan = ended.json();
   ASSERT_EQ(plan["stretches"].size(), 2U);
@@ -72,9 +72,13 @@ TEST(PlanVerb, program_is_planned_row_by_row_and_nothing_moves) {
   EXPECT_EQ(plan["stretches"][2]["last_line"], 5);
   EXPECT_EQ(plan["stretches"][2]["times"], 2);
   const Json& last = plan["samples"].back();
-  EXPECT_NEAR(last["tool_mm"][1], -40, 1e-3);
-  EXPECT_NEAR(last["tool_mm"][2], 620, 1e-3);
-  EXPECT_NEAR(last["t_s"], plan["duration_s"], 1e-9);
+  // These boards are told whole degrees, and that is where they go.
+  EXPECT_NEAR(last["tool_mm"][1], -40, 5);
+  EXPECT_NEAR(last["tool_mm"][2], 620, 5);
+  for (const Json& angle : last["joints_deg"]) {
+    EXPECT_NEAR(angle.get<double>(), std::round(angle.get<double>()), 1e-9);
+  }
+  EXPECT_NEAR(last["t_s"], plan["on_wire_s"], 1e-9);
   // The elbow alone moves far here; sinew torque --program tells the same.
   EXPECT_EQ(plan["heaviest_load"]["joint"], "elbow");
   EXPECT_GT(plan["heaviest_load"]["share_of_available"], 0.1);
@@ -125,6 +129,54 @@ TEST(PlanVerb, what_cannot_be_gone_is_refused_with_move_and_place) {
     EXPECT_EQ(ended.exit, 1) << c.words[3] << ended.out;
     EXPECT_NE(ended.err.find(c.says), std::string::npos) << c.words[3] << ": " << ended.err;
   }
+}
+
+TEST(PlanVerb, start_outside_the_limits_comes_in_by_joints_and_a_line_says_so) {
+  const Arguments from{"plan", "robot-arm-2", "--from-joints", "171,10,-40,0,30,0"};
+  const Ended in = sinew(with(from, {"--to", "joints=150,10,-40,0,30,0"}));
+  EXPECT_EQ(in.exit, 0) << in.err;
+  const Ended line = sinew(with(from, {"--to", "300,0,300"}));
+  EXPECT_EQ(line.exit, 1);
+  EXPECT_NE(line.err.find("only joints lead back in"), std::string::npos) << line.err;
+  EXPECT_NE(line.err.find("would work: first back inside its limits: --to joints=169.999,10"),
+            std::string::npos)
+      << line.err;
+}
+
+TEST(PlanVerb, samples_of_a_device_that_takes_whole_moves_stop_as_often_as_it_does) {
+  const Ended ended = sinew({"plan", "maxarm", "--to", "0,-200,100", "--json"});
+  ASSERT_EQ(ended.exit, 0) << ended.err;
+  const Json plan = ended.json();
+  std::size_t stops = 0;
+  bool stood = true;
+  for (const Json& sample : plan["samples"]) {
+    bool stands = true;
+    for (const Json& qd : sample["velocity_deg_s"]) stands = stands && qd.get<double>() == 0;
+    stops += stands && !stood ? 1 : 0;
+    stood = stands;
+  }
+  EXPECT_GT(stops, 2U);
+  EXPECT_EQ(stops, plan["stretches"][0]["pieces"].get<std::size_t>());
+  EXPECT_NEAR(plan["samples"].back()["t_s"], plan["on_wire_s"], 1e-9);
+}
+
+TEST(PlanVerb, what_takes_hours_of_pieces_is_refused_in_a_moment) {
+  const Ended ended = sinew({"plan", "learm", "--from-joints", "0,20,30,40,0", "--to", "226,0,218",
+                             "--speed", "0.001mm/s"});
+  EXPECT_EQ(ended.exit, 1);
+  EXPECT_NE(ended.err.find("100000 pieces): faster, or in several rows"), std::string::npos)
+      << ended.err;
+}
+
+TEST(PlanVerb, turns_are_not_counted_in_millimetres_and_contacts_say_how_deep) {
+  const Ended turn = sinew({"plan", "learm", "--to", "joints=0,0,0,0,95"});
+  EXPECT_NE(turn.err.find("move 1, at 94.7 %: "), std::string::npos) << turn.err;
+  const Ended hit = sinew({"plan", "robot-arm-2", "--to", "joints=0,-60,-110,0,0,0"});
+  EXPECT_NE(hit.err.find("; on the rest of the way they would overlap by "), std::string::npos);
+  EXPECT_NE(hit.err.find(" mm, its target is "), std::string::npos) << hit.err;
+  EXPECT_NE(hit.err.find("would work: as far as the joints can go: --to joints="),
+            std::string::npos)
+      << hit.err;
 }
 
 TEST(PlanVerb, bad_input_is_told_in_a_sentence) {
@@ -368,7 +420,8 @@ TEST(PlanVerb, sample_programs_of_all_robots_can_be_made) {
   int programs = 0;
   for (const auto& entry : fs::recursive_directory_iterator(SINEW_SOURCE_DIR "/robots")) {
     if (entry.path().extension() != ".sinew") continue;
-    const std::string robot = entry.path().parent_path().filename();
+    const fs::path name = fs::relative(entry.path(), SINEW_SOURCE_DIR "/robots");
+    const std::string robot = *name.begin();
     const Ended ended = sinew({"plan", entry.path(), "--robot", robot});
     EXPECT_EQ(ended.exit, 0) << entry.path() << ended.err;
     ++programs;

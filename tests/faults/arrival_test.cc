@@ -160,7 +160,10 @@ std::vector<Arrival> arrivals_of(const Case& c, const RobotModel& model, std::ui
     if (run.records().size() > records) {
       const program::Record& record = run.records()[records++];
       const bool watched = under_way == record.order && !way.q.empty();
-      if (watched && program::plannable(record.q_start, model)) {
+      // A slow first move takes as long as its segment says, and the servo's regulator behind it.
+      const auto* move = std::get_if<program::MoveOrder>(&record.order->what);
+      const bool planned_whole = move != nullptr && !move->first_move;
+      if (watched && planned_whole && program::plannable(record.q_start, model)) {
         const Planned planned = planned_arrival(record, model);
         arrivals.push_back({planned.arrival, way.arrival(planned.near),
                             to_seconds(record.done - record.asked), record.duration,

@@ -72,7 +72,7 @@ std::string fault_of(const Error& error, bool asked_nonsense) {
 std::string fault_of(const PathRefusal& refusal, std::size_t moves, bool asked_nonsense) {
   const std::string fault = fault_of(refusal.error, asked_nonsense);
   if (!fault.empty()) return fault;
-  const auto& [move, at, share] = refusal.place;
+  const auto& [move, at, share, metres] = refusal.place;
   if (move >= moves || !(at >= 0) || !std::isfinite(at) || !(share >= 0 && share <= 1)) {
     return describe(refusal.error) + ", at move " + std::to_string(move) + ", " +
            std::to_string(at) + " m, share " + std::to_string(share);

@@ -10,7 +10,7 @@ void MotionSums::add(const MotionSums& other) {
   for (const auto count :
        {&MotionSums::sequences, &MotionSums::commands, &MotionSums::samples, &MotionSums::plans,
         &MotionSums::blends, &MotionSums::jogs, &MotionSums::takeovers, &MotionSums::stops,
-        &MotionSums::outside, &MotionSums::contact_looks}) {
+        &MotionSums::outside, &MotionSums::ways_in, &MotionSums::contact_looks}) {
     this->*count += other.*count;
   }
   for (std::size_t i = 0; i < refused.size(); ++i) refused[i] += other.refused[i];
@@ -27,7 +27,7 @@ std::string MotionSums::text() const {
   out << sequences << " sequences, " << commands << " commands, " << samples << " samples, "
       << contact_looks << " looked at for contact; " << plans << " plans (" << blends
       << " blends), " << jogs << " jogs (" << takeovers << " out of a motion), " << stops
-      << " stops, " << outside << " starts outside; refused";
+      << " stops, " << outside << " starts outside (" << ways_in << " plans from there); refused";
   for (const ErrorInfo& row : error_table()) {
     const std::uint64_t count = refused[static_cast<std::uint8_t>(row.code)];
     if (count > 0) out << ' ' << row.name << ' ' << count;

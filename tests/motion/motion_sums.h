@@ -19,6 +19,7 @@ struct MotionSums {
   std::uint64_t takeovers = 0;  ///< jogs that began in the middle of a planned motion
   std::uint64_t stops = 0;
   std::uint64_t outside = 0;  ///< starts with a joint outside its limits
+  std::uint64_t ways_in = 0;  ///< plans from there
   std::uint64_t contact_looks = 0;
   std::array<std::uint64_t, 256> refused{};  ///< by code
 

@@ -119,11 +119,28 @@ bool RandomSequence::judge(const JointMotion& now, double dt) {
     digest_ =
         std::rotl(digest_, 7) * 0x9E3779B97F4A7C15ULL ^ std::bit_cast<std::uint64_t>(now.q[j]);
   }
+  if (outside_ && mode_ != Mode::kJog && !judge_way_in(now)) return false;
   const std::string wrong = judge_.judge(now, dt);
   if (!wrong.empty()) return fail(wrong + " (step of " + std::to_string(dt) + " s)");
   ++look_;
   if (look_ % kToolLooks == 0 && mode_ != Mode::kJog && !judge_tool()) return false;
   return look_ % kContactLooks != 0 || judge_contact();
+}
+
+/// A planned motion that began outside the limits never turns back on its way in.
+bool RandomSequence::judge_way_in(const JointMotion& now) {
+  for (std::size_t j = 0; j < judge_.joints(); ++j) {
+    const Joint& joint = bench_.robot.model.joints[j];
+    const double before = judge_.last().q[j];
+    const double upper = std::max(before, joint.upper);
+    const double lower = std::min(before, joint.lower);
+    constexpr double kRounding = 1e-8;  // rad or m
+    if (now.q[j] > upper + kRounding || now.q[j] < lower - kRounding) {
+      return fail("joint " + std::to_string(j + 1) + " goes farther out, from " +
+                  std::to_string(before) + " to " + std::to_string(now.q[j]));
+    }
+  }
+  return true;
 }
 
 /// The slowest that was asked for on the rest of the way, of s. What is quicker when a lower feed
@@ -246,9 +263,8 @@ bool RandomSequence::take_place() {
   for (std::size_t j = 0; j < judge_.joints(); ++j) {
     inside = inside && within_limits(bench_.robot.model.joints[j], place_.q[j]);
   }
-  if (outside_ && !inside) return true;
-  if (!inside) return fail("it stands where no plan may begin");
-  outside_ = false;
+  if (!outside_ && !inside) return fail("it has left its limits");
+  outside_ = !inside;
   const auto X_BT = bench_.robot.space.forward(bench_.joints(place_.q), place_.X_BT);
   if (!X_BT) return fail("it stands where it has no pose: " + describe(X_BT.error()));
   place_.X_BT = *X_BT;

@@ -72,6 +72,7 @@ class RandomSequence {
   bool step_outside();
 
   bool judge(const JointMotion& now, double dt);
+  bool judge_way_in(const JointMotion& now);
   double asked_ahead(double s) const;
   bool judge_tool();
   bool judge_tool_acceleration(double acceleration, const PathSection& section,

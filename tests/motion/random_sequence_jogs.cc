@@ -156,8 +156,8 @@ bool RandomSequence::stop_jog() {
   return take_place();
 }
 
-/// Some joints stand a little outside of their limits, as nobody asked them to; from there no plan
-/// is made, and a jog may come back and go no farther out.
+/// Some joints stand a little outside of their limits, as nobody asked them to; from there a plan
+/// or a jog may come back and go no farther out.
 bool RandomSequence::step_outside() {
   note("outside");
   ++sums_.outside;

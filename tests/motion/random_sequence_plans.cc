@@ -25,10 +25,13 @@ bool RandomSequence::plan() {
     if (!fault.empty()) return fail(fault);
     return motion.law.size() == 0 || fail("a refused plan has left a law to be followed");
   }
-  if (outside_) return fail("a plan that begins outside the limits was made");
+  if (outside_ && !motion.empty() && dealt.moves[0].way.index() > 1) {
+    return fail("a tool's way that begins outside the limits was planned");
+  }
   if (motion.stretch.moves > dealt.nonsense) return fail("a move that is none was planned");
   if (motion.empty()) return true;
   ++sums_.plans;
+  sums_.ways_in += outside_ ? 1 : 0;
   sums_.blends += motion.stretch.moves - 1;
   fresh_ = 1 - fresh_;
   return start(motion);
@@ -144,11 +147,12 @@ bool RandomSequence::override_feed() {
   if (random_.chance(0.15)) feed = hostile_number(random_);
   note(("feed " + std::to_string(feed)).c_str());
   const Snapshot before = snapshot();
+  const bool fine = feed >= 0 && feed <= PathFollower::kFeedMax;
   if (const auto error = follower.set_feed(feed)) {
-    if (std::isfinite(feed)) return fail("a feed was refused: " + describe(*error));
+    if (fine) return fail("a feed was refused: " + describe(*error));
     return refused(*error, true) && unchanged(before);
   }
-  if (!std::isfinite(feed)) return fail("a feed that is no number was taken");
+  if (!fine) return fail("a feed that is none was taken");
   feed_bound_ = std::max(feed_bound_, follower.feed());
   return follow_one(0);
 }

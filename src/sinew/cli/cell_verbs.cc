@@ -7,12 +7,12 @@
 #include <cstdio>
 
 #include "sinew/cli/cell_connection.h"
+#include "sinew/cli/program_folder.h"
 #include "sinew/cli/progress_line.h"
 #include "sinew/cli/quantity.h"
 #include "sinew/cli/table.h"
 #include "sinew/core/units.h"
 #include "sinew/io/clock.h"
-#include "sinew/io/file.h"
 #include "sinew/io/interrupt.h"
 #include "sinew/io/standard_streams.h"
 
@@ -216,9 +216,12 @@ Outcome cell_home(const CellRequest& request) {
 }
 
 Outcome cell_run(const CellRequest& request) {
-  const auto text = io::read_file(request.file);
-  if (!text) return bad_input(text.error().sentence);
-  return run_text(request, *text, request.file);
+  const auto texts = gather_program(request.file);
+  if (!texts) return texts.error();
+  Json params{{"text", texts->text}, {"name", request.file}};
+  if (texts->points) params["points"] = *texts->points;
+  if (!texts->called.empty()) params["called"] = texts->called;
+  return run_job(request, "program.run", std::move(params));
 }
 
 Outcome cell_ride(const CellRequest& request) {

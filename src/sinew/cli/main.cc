@@ -10,6 +10,8 @@
 #include "sinew/cli/axis_verb.h"
 #include "sinew/cli/bullride_verb.h"
 #include "sinew/cli/cell_verbs.h"
+#include "sinew/cli/check_verb.h"
+#include "sinew/cli/convert_verb.h"
 #include "sinew/cli/device_verb.h"
 #include "sinew/cli/doctor_verb.h"
 #include "sinew/cli/forward_verb.h"
@@ -47,6 +49,9 @@ struct Call {
   CellRequest cell;
   BullrideRequest ride;
   bool in_cell = false;  ///< `run` and `jog`: on a running cell
+  CheckRequest check;
+  FormatRequest format;
+  ConvertRequest convert;
 };
 
 CLI::App* add_verb(CLI::App& app, Call& call, const std::string& name, const std::string& what,
@@ -262,6 +267,10 @@ void add_run(CLI::App& app, Call& call) {
                    "which variant of the device; an unknown name lists them");
   verb->add_option("--standing-at", request.standing_at,
                    "where a machine without sensors stands: home, or a value per joint (deg, mm)");
+  verb->add_option("--from-line", request.from_line,
+                   "goes on from this row, planned from where the arm stands then");
+  verb->add_option("--speed", request.speed,
+                   "of all rows, 1% to 100%; through the feed where the device streams");
   verb->add_option("--journal", request.journal,
                    "name of its position journal; the robot's id where left out, none for a "
                    "simulated port");
@@ -398,6 +407,48 @@ void add_bullride(CLI::App& app, Call& call) {
   });
 }
 
+void add_check(CLI::App& app, Call& call) {
+  CLI::App* verb =
+      add_verb(app, call, "check", "everything but the motion: a verdict for each row of a program",
+               "sinew check robots/learm/square.sinew --robot learm");
+  CheckRequest& request = call.check;
+  verb->add_option("FILE", request.file, "the program NAME.sinew")->required();
+  verb->add_option("--robot", request.robot, "id or .toml file")->required();
+  verb->add_option("--from-joints", request.from, "where it starts; home where left out");
+  verb->add_option("--wire", request.wire,
+                   "which of the robot's wires; as in its file where left out");
+  verb->add_option("--profile", request.profile,
+                   "which variant of its device; an unknown name lists them");
+  verb->callback([&call] { call.verb = [&call] { return check_program(call.check); }; });
+}
+
+void add_format(CLI::App& app, Call& call) {
+  CLI::App* verb = add_verb(app, call, "fmt", "lays out programs in their one form, in place",
+                            "sinew fmt --check robots/learm/square.sinew");
+  FormatRequest& request = call.format;
+  verb->add_option("FILE", request.files, "programs NAME.sinew")->required();
+  verb->add_flag("--check", request.only_look,
+                 "only names those that are not laid out; exit 1 where there is one");
+  verb->callback([&call] { call.verb = [&call] { return format_programs(call.format); }; });
+}
+
+void add_convert(CLI::App& app, Call& call) {
+  CLI::App* verb =
+      add_verb(app, call, "convert", "programs and poses from and to the forms that others read",
+               "sinew convert part.gcode part.sinew --robot maxarm");
+  ConvertRequest& request = call.convert;
+  verb->add_option("IN", request.in,
+                   "NAME.sinew, .txt (BigRobotArm), .pos, .cfg (hexapod), .gcode .nc .ngc")
+      ->required();
+  verb->add_option("OUT", request.out, "NAME.sinew, .txt or .pos; on stdout where left out");
+  verb->add_option("--robot", request.robot, "id or .toml file")->required();
+  verb->add_option("--from", request.from, "sinew, sequence, pos, config or gcode");
+  verb->add_option("--to", request.to, "sinew, sequence or pos");
+  verb->add_flag("--decimal-comma", request.comma,
+                 "of a .pos file, for the old program on a PC whose country writes so");
+  verb->callback([&call] { call.verb = [&call] { return convert(call.convert); }; });
+}
+
 /// The first word where a verb is due, if any.
 std::string_view verb_word(std::span<char*> arguments) {
   for (const std::string_view argument : arguments) {
@@ -469,6 +520,9 @@ int run(std::span<char*> arguments) {
   add_serve(app, call);
   add_cell_verbs(app, call);
   add_bullride(app, call);
+  add_check(app, call);
+  add_format(app, call);
+  add_convert(app, call);
   try {
     // Backwards, as CLI11 wants a vector.
     app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));

@@ -89,6 +89,9 @@ std::vector<std::string> offers(const program::WayRefusal& way, const RobotModel
     std::ranges::copy(*way.unsayable->nearest, q.begin());
     trial.offer("the nearest place that can be sent", joint_move(q, model));
   }
+  if (proposal.back_inside) {
+    trial.offer("first back inside its limits", joint_move(*proposal.back_inside, model));
+  }
   if (proposal.move_j) trial.offer("a joint move", joint_move(*proposal.move_j, model));
   if (proposal.other_start) {
     // The planner has tried it, with the row itself.
@@ -97,12 +100,29 @@ std::vector<std::string> offers(const program::WayRefusal& way, const RobotModel
                         (in_program ? start.row : start.option));
   }
   if (proposal.tilted) {
-    trial.offer(fmt::format("the same line with the tool tilted by {} deg",
-                            number(to_deg(proposal.tilted->tilt), 1)),
-                line_to(proposal.tilted->X_BT, turns));
+    const auto& tilted = *proposal.tilted;
+    std::string by = number(to_deg(tilted.tilt), 1) + " deg";
+    if (tilted.swing != 0) by += " and swung by " + number(to_deg(tilted.swing), 1) + " deg";
+    if (tilted.roll != 0) by += " and rolled by " + number(to_deg(tilted.roll), 1) + " deg";
+    if (tilted.q) {
+      trial.offer("the same point by a joint move, the tool tilted by " + by,
+                  joint_move(*tilted.q, model));
+    } else {
+      trial.offer("the same line with the tool tilted by " + by, line_to(tilted.X_BT, turns));
+    }
   }
-  if (proposal.nearest) {
+  if (proposal.nearest_q) {
+    trial.offer("the nearest orientation that it can have, by a joint move",
+                joint_move(*proposal.nearest_q, model));
+  } else if (proposal.nearest) {
     trial.offer("the nearest orientation that it can have", line_to(proposal.nearest->X_BT, turns));
+  }
+  if (proposal.near) {
+    const double left = proposal.near->left;
+    trial.offer(
+        left > 0 ? fmt::format("a joint move that ends {} mm short of it", number(to_mm(left), 1))
+                 : "as far as the joints can go",
+        joint_move(proposal.near->q, model));
   }
   if (proposal.part) {
     trial.offer(fmt::format("the first {} mm of the line", number(to_mm(proposal.part->length), 1)),

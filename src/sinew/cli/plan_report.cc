@@ -9,6 +9,7 @@
 #include "sinew/cli/progress_line.h"
 #include "sinew/cli/table.h"
 #include "sinew/core/units.h"
+#include "sinew/model/collision_links.h"
 
 namespace sinew::cli {
 namespace {
@@ -57,7 +58,8 @@ std::string named_rows(const MotionSummary& motion, const MotionPlan& plan) {
 /// mm with one decimal, or three digits that count.
 std::string way_text(double length) {
   const double mm = to_mm(length);
-  return mm >= 100 ? number(mm, 1) : fmt::format("{:.3g}", mm);
+  constexpr double kNothing = 1e-6;  // what rounding makes of a turn on the spot
+  return mm >= 100 || mm < kNothing ? number(mm, 1) : fmt::format("{:.3g}", mm);
 }
 
 bool has_device(const RobotModel& model) {
@@ -69,12 +71,48 @@ double share(const MotionSummary& motion) {
   return total > 0 ? motion.limits.of(motion.limits.largest()) / total : 0;
 }
 
-/// The singularity is what slows the tool, and not only the nearest one that there is.
-bool is_near(const Error& singularity) {
-  constexpr double kNearSine = 0.2;
-  constexpr double kNearDistance = 0.03;  // m
-  const bool distance = singularity.code == ErrorCode::kShoulderSingular;
-  return singularity.measured < (distance ? kNearDistance : kNearSine);
+/// "at 40 mm (25 %)"; turns and joints' ways have no millimetres.
+std::string place_text(const planning::MovePlace& place) {
+  const std::string share = number(place.share * 100, 1) + " %";
+  if (!place.metres) return "at " + share;
+  return fmt::format("at {} mm ({})", number(to_mm(place.at), 1), share);
+}
+
+std::string refused_text(const Error& error, const RobotModel& model) {
+  if (error.code != ErrorCode::kCollision || error.measured >= 0) return error_text(error, model);
+  return fmt::format("{} and {} overlap by {} mm, and would go on doing so; {} mm are asked for",
+                     link_name(model, static_cast<std::size_t>(error.index)),
+                     link_name(model, static_cast<std::size_t>(error.other)),
+                     number(-to_mm(error.measured), 1), number(to_mm(error.limit), 1));
+}
+
+/// Of a refusal: what more there is to know than its error says.
+std::string more_text(const planning::PathRefusal& refusal, const RobotModel& model) {
+  std::string text;
+  const auto& joints = model.joints;
+  if (refusal.place.at == 0 && refusal.error.index >= 0 &&
+      (refusal.error.code == ErrorCode::kJointLimit ||
+       refusal.error.code == ErrorCode::kLegLength)) {
+    const auto j = static_cast<std::size_t>(refusal.error.index);
+    if (!within_limits(joints[j], refusal.from.q[j])) {
+      text += ", which is where it stands: from there only joints lead back in";
+    }
+  }
+  if (refusal.error.code == ErrorCode::kArcCollinear && refusal.error.measured == 0) {
+    text += "; where an arc would end where it starts, two of them make a circle";
+  }
+  if (!refusal.nearest_behind) return text;
+  const double nearest = to_mm(*refusal.nearest_behind);
+  text += nearest < 0 ? fmt::format("; on the rest of the way they would overlap by {} mm",
+                                    number(-nearest, 1))
+                      : fmt::format("; on the rest of the way they would come within {} mm",
+                                    number(nearest, 1));
+  const planning::MovePlace& place = refusal.place;
+  if (!(place.share > 0)) return text;
+  const double left = 1 - place.share;
+  return text + (place.metres ? fmt::format(", its target is {} mm farther",
+                                            number(to_mm(place.at / place.share * left), 1))
+                              : fmt::format(", {} % of it are left", number(left * 100, 1)));
 }
 
 Json values(const planning::JointArray& array, const RobotModel& model) {
@@ -128,10 +166,16 @@ std::string total_text(const MotionPlan& plan) {
 }  // namespace
 
 std::string slowdown_text(const planning::Slowdown& slowdown, const RobotModel& model) {
-  const std::string place = fmt::format(
-      "at {} mm ({} %) the joints allow no more than {} mm/s", number(slowdown.place.at * 1e3, 1),
-      number(slowdown.place.share * 100, 1), number(slowdown.tool_speed * 1e3, 1));
-  return is_near(slowdown.near) ? place + "; " + error_text(slowdown.near, model) : place;
+  const std::string place =
+      fmt::format("{} {} allows no more than {:.3g} mm/s", place_text(slowdown.place),
+                  limit_text(slowdown.by, model), to_mm(slowdown.tool_speed));
+  const bool singular = planning::slows_down(slowdown.near);
+  if (!slowdown.place.metres) {
+    const std::string slow = fmt::format("{} {} slows the turn down", place_text(slowdown.place),
+                                         limit_text(slowdown.by, model));
+    return singular ? slow + "; " + error_text(slowdown.near, model) : slow;
+  }
+  return singular ? place + "; " + error_text(slowdown.near, model) : place;
 }
 
 std::vector<std::string> unheard_notes(const program::Plan& orders, const RobotModel& model,
@@ -242,12 +286,15 @@ Outcome plan_refusal(const RobotModel& model, const std::string& file,
   std::string complaint = row;
   std::vector<std::string> ways;
   if (refusal.way) {
-    const planning::MovePlace& place = refusal.way->refusal.place;
     ways = offers(*refusal.way, model, !file.empty());
-    complaint +=
-        fmt::format(", at {} mm ({} %)", number(place.at * 1e3, 1), number(place.share * 100, 1));
+    complaint += ", " + place_text(refusal.way->refusal.place);
   }
-  complaint += ": " + error_text(refusal.error, model);
+  complaint += ": " + refused_text(refusal.error, model);
+  if (refusal.way) complaint += more_text(refusal.way->refusal, model);
+  if (refusal.error.code == ErrorCode::kSegmentTime && !refusal.way) {
+    complaint += fmt::format(" ({} pieces): faster, or in several rows, it can be planned",
+                             program::RowPlanner::kPiecesMax);
+  }
   if (refusal.way && refusal.way->unsayable) {
     const program::Unsayable& what = *refusal.way->unsayable;
     const Joint& joint = model.joints[what.joint];
@@ -265,8 +312,10 @@ Outcome plan_refusal(const RobotModel& model, const std::string& file,
   json = error_json(refusal.error, model);
   json[file.empty() ? "move" : "line"] = refusal.line;
   if (refusal.way) {
-    json["at_mm"] = refusal.way->refusal.place.at * 1e3;
-    json["share"] = refusal.way->refusal.place.share;
+    const planning::PathRefusal& why = refusal.way->refusal;
+    if (why.place.metres) json["at_mm"] = to_mm(why.place.at);
+    json["share"] = why.place.share;
+    if (why.nearest_behind) json["nearest_behind_mm"] = to_mm(*why.nearest_behind);
     json["would_work"] = ways;
     if (refusal.way->proposal.at_target) {
       json["at_target"] = error_json(*refusal.way->proposal.at_target, model);

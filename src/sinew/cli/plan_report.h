@@ -19,7 +19,7 @@ struct MotionSummary {
   std::string what{};     ///< beside the number: "home", "to home"; mostly empty
   std::size_t times = 1;  ///< that it is made, in loops
   double at_most = 0;     ///< s, of a search; then nothing else is known
-  double length = 0;      ///< m of the tool's way, or its like where it hardly moves
+  double length = 0;      ///< m of the tool's way, with its blends
   double duration = 0;    ///< s, as the limits and the wire's speed allow
   double by_limits = 0;   ///< s, as the limits alone would allow
   double on_wire = 0;     ///< s, as the device takes it
@@ -45,7 +45,9 @@ struct MotionPlan {
   const RobotModel& model;
   std::vector<MotionSummary> motions;
   std::string rows = "moves";        ///< what first and last count: "moves" or "lines"
-  double duration = 0;               ///< s, of the samples: as the limits and the wire allow
+  double duration = 0;               ///< s, as the limits and the wire allow
+  double sampled = 0;                ///< s, of the samples: where a device takes whole moves, as
+                                     ///< it makes them, else the same
   double by_limits = 0;              ///< s, as the limits alone would allow
   double on_wire = 0;                ///< s, as the device takes it, the search of homing aside
   double homing_max = 0;             ///< s, of all homing, the way home behind it not counted

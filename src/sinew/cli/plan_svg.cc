@@ -53,6 +53,11 @@ std::pair<double, double> limits_of(const Joint& joint, std::size_t row) {
   return {row == 0 ? joint.lower : -upper[row], upper[row]};
 }
 
+/// s
+double end_of(const MotionPlan& plan) {
+  return plan.samples.empty() ? 0 : plan.samples.back().t;
+}
+
 class Drawing {
  public:
   Drawing(const MotionPlan& plan, const std::string& title) : plan_(plan) {
@@ -68,7 +73,7 @@ class Drawing {
         "<text x=\"{2}\" y=\"56\" font-size=\"13\" fill=\"#555\">{4} s, {5} mm of tool way; "
         "shaded: "
         "outside of a joint's limits</text>\n",
-        width_, height, kMargin, svg_escaped(title), number(plan.duration, 2),
+        width_, height, kMargin, svg_escaped(title), number(end_of(plan), 2),
         number(plan.way * 1e3, 0));
   }
 
@@ -210,13 +215,13 @@ class Drawing {
     const char* unit = is_leg(joint) ? "mm" : "deg";
     constexpr std::array<const char*, kRows> kPer{"", "/s", "/s²", "/s³"};
     ticks(box, shown(low, joint), shown(high, joint), false);
-    ticks(box, 0, std::max(plan_.duration, 1e-3), true);
+    ticks(box, 0, std::max(end_of(plan_), 1e-3), true);
     frame(box, fmt::format("{}, {}{}{}", kGrid[row].name, unit, kPer[row],
                            row + 1 == kRows ? "; time in s" : ""));
     std::string path;
     double drawn = -1;
     for (const PlanSample& sample : plan_.samples) {
-      const double x = box.x + box.width * sample.t / std::max(plan_.duration, 1e-3);
+      const double x = box.x + box.width * sample.t / std::max(end_of(plan_), 1e-3);
       const bool last = &sample == &plan_.samples.back();
       if (x < drawn + 0.5 && !last) continue;
       drawn = x;

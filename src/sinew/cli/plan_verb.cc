@@ -11,6 +11,7 @@
 #include "sinew/cli/kinematics_text.h"
 #include "sinew/cli/plan_report.h"
 #include "sinew/cli/plan_svg.h"
+#include "sinew/cli/program_folder.h"
 #include "sinew/cli/robot_argument.h"
 #include "sinew/cli/table.h"
 #include "sinew/cli/targets.h"
@@ -20,6 +21,7 @@
 #include "sinew/model/collision_links.h"
 #include "sinew/model/joint_lookup.h"
 #include "sinew/planning/motion_limits.h"
+#include "sinew/program/whole_moves.h"
 #include "sinew/runtime/homing_time.h"
 #include "sinew/runtime/robot_variant.h"
 
@@ -45,7 +47,12 @@ std::expected<program::Step, std::string> parse_move(const std::string& text, in
   program::ToolMoveStep step;
   step.way = program::ToolMoveStep::Way::kLine;
   step.how = how;
-  const bool point = std::ranges::count(text, ',') == 2;
+  const auto commas = std::ranges::count(text, ',');
+  if (commas != 2 && commas != 5) {
+    return std::unexpected("--to: " + text +
+                           ": x,y,z (mm) are wanted, or x,y,z,rx,ry,rz (mm, deg), or joints=..");
+  }
+  const bool point = commas == 2;
   Vec3 p_BT;
   if (point) {
     const auto p = parse_point("--to", text);
@@ -170,10 +177,8 @@ std::expected<Wanted, Outcome> prepare(const PlanRequest& request) {
     return wanted;
   }
   wanted.file = request.subject;
-  const auto text = io::read_file(wanted.file);
-  if (!text) return refused(text.error().sentence);
-  auto program = program::parse(*text, wanted.file, model);
-  if (!program) return std::unexpected(complaints_outcome(program.error()));
+  auto program = read_program(wanted.file, model);
+  if (!program) return std::unexpected(program.error());
   wanted.program = std::move(*program);
   return wanted;
 }
@@ -184,40 +189,87 @@ class Recorder {
   Recorder(MotionPlan& plan, const planning::ToolSpace& space, double step)
       : plan_(plan), space_(space), X_near_(space.home()), step_(step) {}
 
-  void add(const planning::PlannedMotion& motion) {
-    const planning::Trajectory trajectory = motion.trajectory();
-    const auto count = static_cast<std::size_t>(std::ceil(motion.law.duration() / step_));
-    for (std::size_t k = 0; k <= count; ++k) {
-      const double t = std::min(static_cast<double>(k) * step_, motion.law.duration());
-      PlanSample sample;
-      sample.t = plan_.duration + t;
-      trajectory.sample(t, sample.joints);
-      const auto tool = space_.forward({sample.joints.q.data(), space_.size()}, X_near_);
-      if (tool) X_near_ = *tool;
-      sample.p_BT = X_near_.p;
-      if (!plan_.samples.empty() && k > 0) {
-        plan_.way += norm(X_near_.p - plan_.samples.back().p_BT);
-      }
-      plan_.samples.push_back(sample);
-    }
+  /// A motion along its way, or as a device makes it that takes whole moves.
+  void add(const JointVector& q_start, const program::RowMotion& pieces,
+           const planning::PlannedMotion& motion) {
     plan_.duration += motion.law.duration();
+    const bool whole = plan_.model.device.capability.motion == MotionKind::kPointToPoint;
+    if (whole && !pieces.pieces.empty()) {
+      const double share = motion.path.sections.front().joint_share;
+      add(program::WholeMoves(q_start, pieces, share, plan_.model));
+    } else {
+      add(motion.trajectory());
+    }
+  }
+
+  /// How far from q the tool ends, m.
+  double off(const JointVector& q) const {
+    const auto X_BT = space_.forward({q.data(), q.size()}, X_near_);
+    return X_BT ? norm(X_BT->p - X_near_.p) : 0;
   }
 
   /// The robot stands for a while.
   void wait(double duration) {
     plan_.duration += duration;
+    plan_.sampled += duration;
     if (plan_.samples.empty()) return;
     PlanSample sample = plan_.samples.back();
-    sample.t = plan_.duration;
+    sample.t = plan_.sampled;
     sample.joints.qd = sample.joints.qdd = sample.joints.qddd = {};
     plan_.samples.push_back(sample);
   }
 
  private:
+  template <class Motion>
+  void add(const Motion& motion) {
+    const double duration = motion.duration();
+    const auto count = static_cast<std::size_t>(std::ceil(duration / step_));
+    for (std::size_t k = 0; k <= count; ++k) {
+      const double t = std::min(static_cast<double>(k) * step_, duration);
+      PlanSample sample;
+      sample.t = plan_.sampled + t;
+      motion.sample(t, sample.joints);
+      const auto tool = space_.forward({sample.joints.q.data(), space_.size()}, X_near_);
+      if (tool) X_near_ = *tool;
+      sample.p_BT = X_near_.p;
+      plan_.samples.push_back(sample);
+    }
+    plan_.sampled += duration;
+  }
+
   MotionPlan& plan_;
   const planning::ToolSpace& space_;
   planning::PoseBT X_near_;
   double step_;
+};
+
+/// How far the tool goes on a path.
+class ToolLength {
+ public:
+  explicit ToolLength(const planning::ToolSpace& space) : space_(space), X_near_(space.home()) {}
+
+  /// @return  m
+  double length(const planning::PlannedPath& path) {
+    const double whole = path.joints.length();
+    // Chords: between two of some hundred looks a way is straight, but for arcs of many turns.
+    const auto looks =
+        static_cast<double>(std::clamp<std::size_t>(4 * path.joints.size(), 256, 4096));
+    double sum = 0;
+    planning::PathPoint at;
+    std::optional<Vec3> last;
+    for (double k = 0; k <= looks; ++k) {
+      path.joints.sample(whole * k / looks, at);
+      const auto X_BT = space_.forward({at.q.data(), space_.size()}, X_near_);
+      if (X_BT) X_near_ = *X_BT;
+      if (last) sum += norm(X_near_.p - *last);
+      last = X_near_.p;
+    }
+    return sum;
+  }
+
+ private:
+  const planning::ToolSpace& space_;
+  planning::PoseBT X_near_;
 };
 
 /// How long motions would take if their wire carried any speed.
@@ -265,8 +317,7 @@ std::string stop_text(const program::MoveOrder& move) {
 
 MotionSummary summary_of(const program::RowMotion& pieces, const planning::PlannedMotion& motion,
                          const RobotModel& model) {
-  MotionSummary summary{.length = motion.path.joints.length(),
-                        .duration = motion.law.duration(),
+  MotionSummary summary{.duration = motion.law.duration(),
                         .on_wire = pieces.duration,
                         .pieces = pieces.pieces.size(),
                         .limits = motion.limits};
@@ -304,6 +355,7 @@ class Follower {
         planner_(wanted.model),
         recorder_(plan, planner_.space(), std::max(kSampleStep, orders.duration / kSamplesMax)),
         by_limits_(wanted.model),
+        way_(planner_.space()),
         plan_(plan) {}
 
   std::expected<void, program::Refusal> follow(const program::Order& order) {
@@ -313,10 +365,14 @@ class Follower {
     } else if (const auto* home = std::get_if<program::HomeOrder>(&order.what)) {
       search(order, *home);
     } else if (const auto* move = std::get_if<program::MoveOrder>(&order.what)) {
+      if (move->first_move) {
+        first_move(order, *move);
+        return {};
+      }
       const auto pieces = planner_.plan(*move->q_start, move->rows);
       if (!pieces) return std::unexpected(pieces.error());
       if (planner_.motion().empty()) return {};
-      recorder_.add(planner_.motion());
+      recorder_.add(*move->q_start, *pieces, planner_.motion());
       auto summary = summarise(*pieces, planner_.motion());
       if (const std::string why = stop_text(*move); !why.empty()) summary.notes.push_back(why);
       tell(std::move(summary), order, *move->q_start);
@@ -325,6 +381,18 @@ class Follower {
   }
 
  private:
+  /// One slow piece back, of which the plan knows only how long it takes.
+  void first_move(const program::Order& order, const program::MoveOrder& move) {
+    MotionSummary summary{.at_most = move.duration};
+    summary.notes.push_back(
+        "it begins outside the limits, where the robot has no pose, or hits something on its way "
+        "by "
+        "the model: slowly, in one piece, and nothing on the way is checked");
+    recorder_.wait(move.duration);
+    plan_.by_limits += move.duration;
+    tell(std::move(summary), order, *move.q_start);
+  }
+
   /// The search for the zeros, and the way home behind it.
   void search(const program::Order& order, const program::HomeOrder& home) {
     MotionSummary search{.what = "home", .at_most = home.duration_max};
@@ -341,8 +409,10 @@ class Follower {
     if (!home.back) return;
     plan_.homing_max -= home.back->duration;
     plan_.on_wire += home.back->duration;
+    JointVector q = home.back->q_start;
     for (const program::HomeLeg& leg : home.back->legs) {
-      recorder_.add(leg.planned);
+      recorder_.add(q, leg.motion, leg.planned);
+      q = leg.motion.q_end;
       auto summary = summarise(leg.motion, leg.planned);
       summary.what = "to home";
       if (leg.slow) summary.notes.push_back("slowly, out of where the model has it overlap");
@@ -352,6 +422,13 @@ class Follower {
 
   MotionSummary summarise(const program::RowMotion& pieces, const planning::PlannedMotion& motion) {
     auto summary = summary_of(pieces, motion, wanted_.model);
+    summary.length = way_.length(motion.path);
+    plan_.way += summary.length;
+    constexpr double kRounded = 0.05e-3;  // m
+    if (const double off = recorder_.off(pieces.q_end); off > kRounded) {
+      summary.notes.push_back(fmt::format(
+          "as the wire rounds its places the tool ends {} mm beside it", number(to_mm(off), 1)));
+    }
     summary.by_limits = by_limits_.duration(motion);
     plan_.by_limits += summary.by_limits;
     return summary;
@@ -379,6 +456,7 @@ class Follower {
   program::RowPlanner planner_;
   Recorder recorder_;
   TimeByLimits by_limits_;
+  ToolLength way_;
   MotionPlan& plan_;
   std::map<Key, std::size_t> told_;  ///< and where in the plan
 };
@@ -433,6 +511,18 @@ void tell_share(MotionPlan& plan) {
                                         : "the axis' own loop needs the rest"));
 }
 
+/// Both branches of an `if` are shown, one behind the other; the device takes one of them.
+void tell_branches(const program::Plan& orders, MotionPlan& plan) {
+  const auto branches = [](const program::Order& order) {
+    return std::holds_alternative<program::BranchOrder>(order.what);
+  };
+  if (std::ranges::none_of(orders.orders, branches)) return;
+  plan.notes.push_back(fmt::format(
+      "an if decides when the run comes there: both of its branches are checked and shown, the run "
+      "takes {} to {} s",
+      number(orders.duration_min, 3), number(orders.duration, 3)));
+}
+
 Outcome finish(const MotionPlan& plan, const PlanRequest& request) {
   Outcome outcome;
   outcome.json = plan_json(plan);
@@ -472,19 +562,18 @@ Outcome plan(const PlanRequest& request) {
   const auto wanted = prepare(request);
   if (!wanted) return wanted.error();
   const RobotModel& model = wanted->model;
-  if (!program::plannable(wanted->from, model)) {
-    planning::MotionPlanner planner(model);
-    const auto at = planner.place_at({wanted->from.data(), wanted->from.size()});
-    if (!at) return could_not("--from-joints: " + error_text(at.error(), model));
-  }
   const program::Homing homing = runtime::homing_of(model);
   const auto orders = program::make_plan(wanted->program, model, wanted->from, homing);
-  if (!orders) return plan_refusal(model, wanted->file, orders.error());
+  if (!orders) {
+    const std::string file = file_of(wanted->program, orders.error().file, wanted->file);
+    return plan_refusal(model, file, orders.error());
+  }
   MotionPlan plan{.model = model, .motions = {}, .notes = {}, .samples = {}, .heaviest = {}};
   if (!wanted->file.empty()) plan.rows = "lines";
   plan.on_wire = orders->duration;
   plan.homing_max = orders->homing_max;
   plan.notes = unheard_notes(*orders, model, "is");
+  tell_branches(*orders, plan);
   tell_share(plan);
   Follower follower(*wanted, *orders, plan);
   for (const program::Order& order : orders->orders) {

@@ -12,6 +12,7 @@
 #include "sinew/cli/table.h"
 #include "sinew/cli/truth_text.h"
 #include "sinew/core/units.h"
+#include "sinew/program/conditions.h"
 
 namespace sinew::cli {
 namespace {
@@ -98,10 +99,18 @@ std::string row_name(const MoveOrder& move) {
   return move.rows.size() == 1 ? first : first + ".." + name(move.rows.back());
 }
 
-/// "4", or "4..7".
-std::string lines_text(const program::Order& order) {
-  return order.line == order.last_line ? fmt::format("{}", order.line)
-                                       : fmt::format("{}..{}", order.line, order.last_line);
+/// "4", "4..7"; of a called program "place 4".
+std::string lines_text(const program::Order& order, const program::Run& run) {
+  const std::string first = first_line(order, run);
+  return order.line == order.last_line ? first : fmt::format("{}..{}", first, order.last_line);
+}
+
+std::string wait_text(const program::WaitOrder& wait, const RobotModel& model) {
+  const std::string time = number(to_seconds(wait.duration), 3) + " s";
+  using For = program::WaitStep::For;
+  if (wait.what == For::kTime) return "wait " + time;
+  if (wait.what == For::kSettled) return "wait settled for " + time;
+  return "wait until " + program::condition_text(wait.until, model) + " for " + time;
 }
 
 std::string command_text(const Record& record, const RobotModel& model) {
@@ -110,9 +119,13 @@ std::string command_text(const Record& record, const RobotModel& model) {
     return row_name(*move) + " " + values_text({record.q.data(), record.q.size()}, model);
   }
   if (const auto* wait = std::get_if<program::WaitOrder>(&what)) {
-    return fmt::format("wait {} s", number(to_seconds(wait->duration), 3));
+    return wait_text(*wait, model);
   }
   if (const auto* tool = std::get_if<program::ToolOrder>(&what)) return tool_text(tool->action);
+  if (const auto* branch = std::get_if<program::BranchOrder>(&what)) {
+    return "if " + program::condition_text(branch->condition, model) +
+           (record.holds.value_or(false) ? ": yes" : ": no");
+  }
   return "home";
 }
 
@@ -196,6 +209,9 @@ Json notices_json(const program::Run& run, const RobotModel& model) {
     Json one = error_json(notice.error, model);
     one["t_s"] = to_seconds(notice.at - run.opened_at());
     one["line"] = notice.line;
+    if (notice.file != 0) {
+      one["file"] = run.program().files[static_cast<std::size_t>(notice.file)];
+    }
     list.push_back(one);
   }
   return list;
@@ -235,6 +251,13 @@ std::string notice_text(const program::Notice& notice, const program::Run& run,
                      error_text(notice.error, model));
 }
 
+std::string first_line(const program::Order& order, const program::Run& run) {
+  if (order.file == 0) return fmt::format("{}", order.line);
+  const std::string& path = run.program().files[static_cast<std::size_t>(order.file)];
+  const std::string name = path.substr(path.rfind('/') + 1);
+  return fmt::format("{} {}", name.substr(0, name.rfind(".sinew")), order.line);
+}
+
 std::string goes_on_text(const ProgramReport& report) {
   const double left = goes_on_for(report);
   if (left <= 0) return {};
@@ -263,6 +286,7 @@ Json program_json(const ProgramReport& report) {
   const auto& [model, run, driver, end, truth, now] = report;
   Json json{{"result", result_name(report)},
             {"predicted_s", run.plan().duration},
+            {"predicted_min_s", run.plan().duration_min},
             {"homing_at_most_s", run.plan().homing_max},
             {"ran_s", ran_for(report)},
             {"notes", unheard_notes(run.plan(), model, "was")},
@@ -279,6 +303,10 @@ Json program_json(const ProgramReport& report) {
         {"command", command_text(record, model)},
         {"took_s", took(record)},
         {"positions", positions_json({record.reported.data(), record.reported.size()}, model)}};
+    if (record.order->file != 0) {
+      order["file"] = run.program().files[static_cast<std::size_t>(record.order->file)];
+    }
+    if (record.holds) order["holds"] = *record.holds;
     if (std::holds_alternative<MoveOrder>(record.order->what)) {
       order["commanded"] = joints_json({record.q.data(), record.q.size()}, model);
       order["predicted_s"] = record.duration;
@@ -296,6 +324,9 @@ Json program_json(const ProgramReport& report) {
   if (run.failure()) {
     json["refusal"] = error_json(run.failure()->error, model);
     json["refusal"]["line"] = run.failure()->line;
+    if (run.failure()->file != 0) {
+      json["refusal"]["file"] = run.program().files[static_cast<std::size_t>(run.failure()->file)];
+    }
   }
   return json;
 }
@@ -314,7 +345,7 @@ std::string program_text(const ProgramReport& report) {
     for (std::size_t i = 0; i < records.size(); ++i) {
       const Record& record = records[i];
       const auto error = largest_error(record, model);
-      table.add({fmt::format("{}", i + 1), lines_text(*record.order),
+      table.add({fmt::format("{}", i + 1), lines_text(*record.order, run),
                  fmt::format("{}/{}", record.order->round, record.order->rounds),
                  command_text(record, model), reported_text(record, model),
                  error ? number(*error, 3) : "",

@@ -49,6 +49,9 @@ std::string program_svg(const RobotModel& model, const std::vector<JointSample>&
 std::string notice_text(const program::Notice& notice, const program::Run& run,
                         const RobotModel& model);
 
+/// "4"; of a called program "place 4".
+std::string first_line(const program::Order& order, const program::Run& run);
+
 /// "; the machine goes on ..": where a run ended and its motion did not; else empty.
 std::string goes_on_text(const ProgramReport& report);
 

@@ -9,16 +9,17 @@
 #include "sinew/cli/device_argument.h"
 #include "sinew/cli/kinematics_text.h"
 #include "sinew/cli/plan_report.h"
+#include "sinew/cli/program_folder.h"
 #include "sinew/cli/program_report.h"
 #include "sinew/cli/progress_line.h"
 #include "sinew/cli/quantity.h"
 #include "sinew/cli/robot_argument.h"
 #include "sinew/cli/run_outputs.h"
+#include "sinew/cli/table.h"
 #include "sinew/control/machine_identity.h"
-#include "sinew/io/file.h"
 #include "sinew/io/interrupt.h"
 #include "sinew/model/joint_lookup.h"
-#include "sinew/program/program_file.h"
+#include "sinew/program/program_part.h"
 #include "sinew/runtime/homing_time.h"
 #include "sinew/runtime/position_record.h"
 #include "sinew/runtime/robot_link.h"
@@ -32,6 +33,8 @@ struct Prepared {
   program::Program program;
   std::optional<JointVector> standing_at;
   double homing_max = 0;  ///< s, of all its `home` rows
+  double speed = 1;       ///< of all rows
+  bool streams() const { return model.device.capability.motion == MotionKind::kStream; }
 };
 
 std::expected<std::optional<JointVector>, Outcome> standing_at(const RunRequest& request,
@@ -65,6 +68,43 @@ std::expected<std::optional<JointVector>, Outcome> standing_at(const RunRequest&
   return q;
 }
 
+/// --from-line and --speed.
+std::expected<void, Outcome> take_part(const RunRequest& request, Prepared& prepared) {
+  if (request.from_line) {
+    auto part = program::from_line(prepared.program, *request.from_line);
+    if (!part) return std::unexpected(bad_input("--from-line: " + part.error()));
+    prepared.program = std::move(*part);
+  }
+  if (!request.speed) return {};
+  const auto share = parse_quantity(*request.speed, Measure::kShare, UnitRule::kRequired);
+  if (!share) return std::unexpected(bad_input("--speed: " + share.error()));
+  if (!(*share >= 0.01 && *share <= 1)) {
+    return std::unexpected(bad_input("--speed: is 1% to 100% of what the rows say"));
+  }
+  if (!prepared.model.device.capability.takes_speed) {
+    return std::unexpected(bad_input("--speed: this device has one speed of its own"));
+  }
+  prepared.speed = *share;
+  if (!prepared.streams()) prepared.program = program::slowed(prepared.program, *share);
+  return {};
+}
+
+/// How a run is another one than its file says.
+void tell_part(const RunRequest& request, const Prepared& prepared, Outcome& outcome) {
+  if (request.from_line) {
+    outcome.json["from_line"] = *request.from_line;
+    outcome.text += fmt::format("  note: from line {} on, planned from where the arm stood\n",
+                                *request.from_line);
+  }
+  if (!request.speed) return;
+  const bool feed = prepared.streams();
+  outcome.json["speed"] = {{"share", prepared.speed}, {"through", feed ? "feed" : "plan"}};
+  outcome.text +=
+      fmt::format("  note: at {} % of the speed of all rows, {}\n", number(100 * prepared.speed, 1),
+                  feed ? "through the feed: every motion keeps its way and takes longer"
+                       : "planned so: this device takes whole moves");
+}
+
 /// Everything that can be wrong before a byte leaves.
 std::expected<Prepared, Outcome> prepare(const RunRequest& request) {
   const auto file = find_robot(request.robot);
@@ -72,7 +112,7 @@ std::expected<Prepared, Outcome> prepare(const RunRequest& request) {
   if (const auto fine = check_has_device(file->model); !fine) return std::unexpected(fine.error());
   auto variant = runtime::variant_of(file->model, request.profile, request.wire);
   if (!variant) return std::unexpected(bad_input(variant.error()));
-  Prepared prepared{std::move(*variant), {}, {}, 0};
+  Prepared prepared{std::move(*variant), {}, {}, 0, 1};
   const RobotModel& model = prepared.model;
   if (const auto fine = check_seed(request.seed); !fine) return std::unexpected(fine.error());
   if (const auto fine = check_time_scale(request.time_scale); !fine) {
@@ -82,15 +122,14 @@ std::expected<Prepared, Outcome> prepare(const RunRequest& request) {
     return std::unexpected(bad_input("--time-scale: a real port keeps real time"));
   }
   if (const auto fine = check_outputs(request); !fine) return std::unexpected(fine.error());
-  const auto text = io::read_file(request.file);
-  if (!text) return std::unexpected(bad_input(text.error().sentence));
-  auto parsed = program::parse(*text, request.file, model);
-  if (!parsed) return std::unexpected(complaints_outcome(parsed.error()));
+  auto parsed = read_program(request.file, model);
+  if (!parsed) return std::unexpected(parsed.error());
   prepared.program = std::move(*parsed);
   if (prepared.program.steps.empty()) {
     return std::unexpected(bad_input(request.file + ": has no step; a first line could be: joint " +
                                      model.joints[0].name + "=10deg"));
   }
+  if (const auto fine = take_part(request, prepared); !fine) return std::unexpected(fine.error());
   const auto standing = standing_at(request, model);
   if (!standing) return std::unexpected(standing.error());
   prepared.standing_at = *standing;
@@ -98,10 +137,13 @@ std::expected<Prepared, Outcome> prepare(const RunRequest& request) {
   const auto plan =
       program::make_plan(prepared.program, model, prepared.standing_at.value_or(home_joints(model)),
                          runtime::homing_of(model));
-  if (!plan) {
-    return std::unexpected(plan_refusal(model, request.file, plan.error()));
+  // A run that goes on in the middle begins where only the machine knows.
+  const bool begins_elsewhere = request.from_line && !prepared.standing_at;
+  if (!plan && !begins_elsewhere) {
+    return std::unexpected(plan_refusal(
+        model, file_of(prepared.program, plan.error().file, request.file), plan.error()));
   }
-  prepared.homing_max = plan->homing_max;
+  if (plan) prepared.homing_max = plan->homing_max;
   return prepared;
 }
 
@@ -118,7 +160,8 @@ std::string why_not_done(const RunRequest& request, const ProgramReport& report,
   std::string reason = error_text(run.failure()->error, model);
   if (!suspicion.empty()) reason += "; " + suspicion;
   if (run.failure()->line > 0) {
-    return fmt::format("{}:{}: {}{}", request.file, run.failure()->line, reason, goes_on);
+    const std::string file = file_of(run.program(), run.failure()->file, request.file);
+    return fmt::format("{}:{}: {}{}", file, run.failure()->line, reason, goes_on);
   }
   return fmt::format("{}: {}{}", port, reason,
                      silence_hint(model, run.failure()->error, driver.health()));
@@ -168,6 +211,11 @@ Outcome drive(const RunRequest& request, const Prepared& prepared, runtime::Robo
                             record != nullptr ? &record->pump() : nullptr);
   program::Run run(prepared.program, loop.machine());
   run.expect_homing(runtime::homing_of(model));
+  if (prepared.speed != 1 && prepared.streams()) {
+    run.make_changeable();
+    run.feed(prepared.speed);
+  }
+  run.measure_supply_by([&] { return link.driver().health().supply_volts; });
   // Who says where it stands has looked.
   if (prepared.standing_at) run.declare(*prepared.standing_at, request.standing_at.has_value());
   SampleRecorder recorder;
@@ -192,6 +240,7 @@ Outcome drive(const RunRequest& request, const Prepared& prepared, runtime::Robo
   outcome.json = {{"robot", model.id}, {"port", link.name()}};
   outcome.json.update(program_json(report));
   outcome.text = program_text(report);
+  tell_part(request, prepared, outcome);
   outcome.complaint = why_not_done(request, report, link.name(), suspicion);
   if (record != nullptr) tell_record(*record, report, outcome);
   if (run.phase() != program::Run::Phase::kDone) {

@@ -22,19 +22,22 @@ std::string bar(double share) {
          std::string(static_cast<std::size_t>(kBarWidth - full), '.');
 }
 
+/// @param line  of the order; of a called program with its name
 template <class Order>
-std::string order_text(std::size_t done, std::size_t planned, const Order& order) {
-  return fmt::format("order {} of {}, line {}, round {}/{}", done + 1, planned, order.line,
-                     order.round, order.rounds);
+std::string order_text(std::size_t done, std::size_t planned, const Order& order,
+                       const std::string& line) {
+  return fmt::format("order {} of {}, line {}, round {}/{}", done + 1, planned, line, order.round,
+                     order.rounds);
 }
 
 template <class Record>
-void tell_done(std::size_t place, std::size_t planned, const Record& record) {
-  std::fputs(fmt::format("  {:>3}/{} line {} round {}/{} done after {:.2f} s\n", place + 1, planned,
-                         record.order->line, record.order->round, record.order->rounds,
-                         to_seconds(record.done - record.asked))
-                 .c_str(),
-             stderr);
+void tell_done(std::size_t place, std::size_t planned, const Record& record,
+               const std::string& line) {
+  std::fputs(
+      fmt::format("  {:>3}/{} line {} round {}/{} done after {:.2f} s\n", place + 1, planned, line,
+                  record.order->round, record.order->rounds, to_seconds(record.done - record.asked))
+          .c_str(),
+      stderr);
 }
 
 }  // namespace
@@ -68,7 +71,8 @@ void ProgressLine::show(const runtime::SessionView& view) {
   const auto& plan = run.plan();
   if (quiet_) return;
   for (; !live_ && told_ < run.records().size(); ++told_) {
-    tell_done(told_, plan.orders.size(), run.records()[told_]);
+    const auto& record = run.records()[told_];
+    tell_done(told_, plan.orders.size(), record, fmt::format("{}", record.order->line));
   }
   if (!due(now)) return;
   const double done = run.progress(now);
@@ -79,7 +83,8 @@ void ProgressLine::show(const runtime::SessionView& view) {
              .under_way = {},
              .orders_done = run.records().size()};
   if (const auto record = run.under_way()) {
-    shown.under_way = order_text(run.records().size(), plan.orders.size(), *record->order);
+    shown.under_way = order_text(run.records().size(), plan.orders.size(), *record->order,
+                                 fmt::format("{}", record->order->line));
   }
   show_live(shown, now);
 }
@@ -90,7 +95,8 @@ void ProgressLine::show(const program::Run& run, const RobotModel& model, Instan
   tell_notices(run, model);
   const auto& plan = run.plan();
   for (; !live_ && told_ < run.records().size(); ++told_) {
-    tell_done(told_, plan.orders.size(), run.records()[told_]);
+    const auto& record = run.records()[told_];
+    tell_done(told_, plan.orders.size(), record, first_line(*record.order, run));
   }
   if (!due(now)) return;
   const double share = run.progress(now);
@@ -104,7 +110,8 @@ void ProgressLine::show(const program::Run& run, const RobotModel& model, Instan
              .orders_done = run.records().size()};
   if (run.under_way()) {
     const auto& record = *run.under_way();
-    shown.under_way = order_text(run.records().size(), plan.orders.size(), *record.order);
+    shown.under_way = order_text(run.records().size(), plan.orders.size(), *record.order,
+                                 first_line(*record.order, run));
     if (const auto* home = std::get_if<program::HomeOrder>(&record.order->what)) {
       const auto joint = run.machine().homing_joint();
       shown.under_way += ", " + homing_text(joint ? model.joints[*joint].name : "",

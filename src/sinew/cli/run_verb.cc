@@ -144,6 +144,11 @@ std::expected<Prepared, Outcome> prepare(const RunRequest& request) {
         bad_input("--standing-at: a sequence counts from where the arm stood "
                   "when it was switched on; a program NAME.sinew takes it"));
   }
+  if (request.from_line || request.speed) {
+    return std::unexpected(
+        bad_input("--from-line, --speed: programs NAME.sinew take them; a sequence counts from "
+                  "where the arm stood when it was switched on, and sets its own speeds"));
+  }
   if (const auto fine = check_seed(request.seed); !fine) return std::unexpected(fine.error());
   if (const auto fine = check_time_scale(request.time_scale); !fine) {
     return std::unexpected(fine.error());

@@ -8,6 +8,7 @@
 
 #include "sinew/cli/kinematics_text.h"
 #include "sinew/cli/plan_report.h"
+#include "sinew/cli/program_folder.h"
 #include "sinew/cli/robot_argument.h"
 #include "sinew/cli/table.h"
 #include "sinew/cli/torque_report.h"
@@ -131,13 +132,14 @@ void name_masses(const RobotFile& file, TorqueReport& report) {
 /// The program's loads into the report; what is wrong with it where something is.
 std::optional<Outcome> load_program(const std::string& path, TorqueReport& report) {
   const RobotModel& model = report.model;
-  const auto text = io::read_file(path);
-  if (!text) return bad_input("--program: " + text.error().sentence);
-  const auto parsed = program::parse(*text, path, model);
-  if (!parsed) return complaints_outcome(parsed.error());
+  if (const auto text = io::read_file(path); !text) {
+    return bad_input("--program: " + text.error().sentence);
+  }
+  const auto parsed = read_program(path, model);
+  if (!parsed) return parsed.error();
   const auto plan =
       program::make_plan(*parsed, model, home_joints(model), runtime::homing_of(model));
-  if (!plan) return plan_refusal(model, path, plan.error());
+  if (!plan) return plan_refusal(model, file_of(*parsed, plan.error().file, path), plan.error());
   std::vector<planning::DriveTrain> drives;
   for (std::size_t i = 0; i < model.joints.size(); ++i) drives.push_back(report.study.drive(i));
   const auto loads =

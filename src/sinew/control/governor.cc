@@ -98,15 +98,15 @@ std::optional<Error> Governor::look_at_piece(const JointMove& move, std::size_t 
   return beyond(kJump, joint, apart, limit.jerk * seconds * seconds * seconds / 12);
 }
 
-/// Nearer than the margin only where it already was, and then never nearer still.
-/// @return how near things come there, m
-Expected<double> Governor::look_at_contacts(const JointMove& move) const {
+/// Nearer than the margin only where it began so, and then no nearer than it began.
+std::optional<Error> Governor::look_at_contacts(const JointMove& move) const {
   const std::span<const double> q(move.q.data(), size_);
   const planning::Clearance nearest = collision_.distance(q);
   const double least = collision_.margin() - planning::CollisionModel::kResolution;
-  const double allowed = known_ ? std::min(least, clearance_ - kPlaceTolerance) : least;
-  if (nearest.distance >= allowed) return nearest.distance;
-  return std::unexpected(planning::contact_error(model_, nearest));
+  // What a planner takes for as near as it was, a motion may be.
+  const double begun = clearance_ - planning::CollisionModel::kResolution - kPlaceTolerance;
+  if (nearest.distance >= (known_ ? std::min(least, begun) : least)) return std::nullopt;
+  return planning::contact_error(model_, nearest);
 }
 
 Expected<void> Governor::pass(const JointMove& move) {
@@ -117,17 +117,15 @@ Expected<void> Governor::pass(const JointMove& move) {
   for (std::size_t i = 0; streams_ && i < size_; ++i) {
     if (const auto bad = look_at_piece(move, i, seconds)) return std::unexpected(*bad);
   }
-  const auto clearance = look_at_contacts(move);
-  if (!clearance) return std::unexpected(clearance.error());
+  if (const auto near = look_at_contacts(move)) return std::unexpected(*near);
   take(move, seconds);
-  clearance_ = *clearance;
   return {};
 }
 
 Expected<void> Governor::pass_blind(const JointMove& move) {
   if (const auto bad = look_at_numbers(move)) return std::unexpected(*bad);
   if (const auto bad = look_at_place(move)) return std::unexpected(*bad);
-  if (const auto near = look_at_contacts(move); !near) return std::unexpected(near.error());
+  if (const auto near = look_at_contacts(move)) return std::unexpected(*near);
   return {};
 }
 

@@ -62,7 +62,7 @@ class Governor {
   std::optional<Error> look_at_place(const JointMove& move) const;
   std::optional<Error> look_at_piece(const JointMove& move, std::size_t joint,
                                      double seconds) const;
-  Expected<double> look_at_contacts(const JointMove& move) const;
+  std::optional<Error> look_at_contacts(const JointMove& move) const;
   void take(const JointMove& move, double seconds);
 
   const RobotModel& model_;
@@ -76,7 +76,7 @@ class Governor {
   Array qd_{};
   Array acceleration_{};  ///< mean over the piece before
   double seconds_ = 0;    ///< that it took; 0: the machine rests
-  double clearance_ = 0;  ///< m, at q_
+  double clearance_ = 0;  ///< m, where it rested last
 };
 
 }  // namespace sinew::control

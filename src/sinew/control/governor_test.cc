@@ -2,10 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "sinew/model/joint_lookup.h"
+#include "sinew/planning/motion_planner.h"
 #include "support/allocation_guard.h"
 #include "support/property.h"
 #include "support/robots.h"
@@ -239,6 +241,65 @@ TEST(Governor, robot_does_not_touch_itself_and_may_come_out_where_it_does) {
   EXPECT_EQ(refused.error().code, ErrorCode::kCollision);
   governor.rest(span_of(folded.q));
   EXPECT_TRUE(governor.pass({home, {}, std::chrono::seconds(10)}));
+}
+
+/// What a planner makes from a start that no other motion may come to.
+void expect_passed(const RobotModel& model, const JointVector& from, const JointVector& to) {
+  planning::MotionPlanner planner(model);
+  planning::PlannedMotion motion = planner.make_motion();
+  planning::MoveJ way;
+  std::ranges::copy(to, way.q.begin());
+  const auto start = planner.place_at(span_of(from));
+  ASSERT_TRUE(start);
+  const auto planned = planner.plan(*start, std::vector<planning::Move>{{.way = way}}, 0, motion);
+  ASSERT_TRUE(planned) << describe(planned.error().error);
+  Governor governor(model, limits_of(model));
+  governor.rest(span_of(from));
+  planning::JointMotion at;
+  constexpr double kPiece = 0.02;
+  const double pieces = std::ceil(motion.law.duration() / kPiece);
+  for (double k = 1; k <= pieces; ++k) {
+    motion.trajectory().sample(k * kPiece, at);
+    JointMove piece{.q = {}, .qd = {}, .duration = from_seconds(kPiece)};
+    for (std::size_t j = 0; j < model.joints.size(); ++j) {
+      piece.q.push_back(at.q[j]);
+      piece.qd.push_back(at.qd[j]);
+    }
+    const auto passed = governor.pass(piece);
+    ASSERT_TRUE(passed) << describe(passed.error()) << " at " << k * kPiece << " s";
+  }
+}
+
+TEST(Governor, planned_ways_back_into_the_limits_and_out_of_contact_pass) {
+  const RobotModel model = streaming("robot-arm-2", false);
+  JointVector outside = home_joints(model);
+  outside[0] = model.joints[0].upper + 0.1;
+  JointVector inside = outside;
+  inside[0] = 1;
+  expect_passed(model, outside, inside);
+  JointVector folded = home_joints(model);
+  folded[1] = from_deg(-60);
+  JointVector open = folded;
+  folded[2] = from_deg(-55);
+  open[2] = 0;
+  expect_passed(model, folded, open);
+  // Inside the margin, and again as near on the way, but no nearer.
+  JointVector near = open;
+  const planning::CollisionModel collision(model);
+  while (collision.distance(span_of(near)).distance > 0.7 * collision.margin()) {
+    near[2] -= from_deg(0.1);
+  }
+  ASSERT_GT(collision.distance(span_of(near)).distance, 0);
+  expect_passed(model, near, open);
+  RobotModel whole = model;
+  whole.device.capability.motion = MotionKind::kPointToPoint;
+  Governor governor(whole, limits_of(whole));
+  governor.rest(span_of(near));
+  EXPECT_TRUE(governor.pass({open, {}, std::chrono::seconds(10)}));
+  EXPECT_TRUE(governor.pass({near, {}, std::chrono::seconds(10)}));
+  near[2] -= from_deg(0.5);
+  EXPECT_EQ(governor.pass({near, {}, std::chrono::seconds(10)}).error().code,
+            ErrorCode::kCollision);
 }
 
 TEST(Governor, looks_without_the_heap) {

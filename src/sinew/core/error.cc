@@ -216,6 +216,14 @@ constexpr std::array kTable = std::to_array<ErrorInfo>({
     {kNotRecorded, "not_recorded",
      "where the machine goes could not be recorded (disk full, or broken), so it does not go there",
      kNone, true, kHold, 507},
+    {kNotInTime, "not_in_time", "what this row waits for did not come within {limit}", kTime, true,
+     kNoStop, 409},
+    {kNotMeasured, "not_measured", "this machine does not tell what the row asks for", kNone, true,
+     kNoStop, 409},
+    {kTooManyPlaces, "too_many_places",
+     "behind it the machine may stand at {measured} different places, and {limit} are checked at "
+     "most: end both branches with a row that names all joints",
+     kCount, true, kNoStop, 422},
 });
 
 std::string format_value(double value, Quantity quantity) {

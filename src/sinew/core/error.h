@@ -90,6 +90,9 @@ enum class ErrorCode : std::uint8_t {
   kCycleOverrun,       ///< measured, limit: s, twice in a row
   kStreamEnded,        ///< measured: s since the last command of a stream; limit: its life
   kNotRecorded,        ///< what the machine would do next could not be recorded
+  kNotInTime,          ///< what a row waits for did not come; limit: s
+  kNotMeasured,        ///< what a row asks for is nothing that this machine tells
+  kTooManyPlaces,      ///< measured, limit: places where a row of a program may begin
 };
 
 /// How a stop ends, after IEC 60204-1.

@@ -41,7 +41,8 @@ AxisRegisterTimes::Move AxisRegisterTimes::next(std::span<const double> own) {
     cursor_ = (best + 1) % own.size();
     move.report = t + kEnd;
     if (phases[best] == Phase::kWrite) {
-      arrives[best] = t + kTakenUp + own[best];
+      move.start[best] = t + kTakenUp;
+      arrives[best] = move.start[best] + own[best];
       move.arrival = std::max(move.arrival, arrives[best]);
       phases[best] = idle;
     } else if (phases[best] == Phase::kReadBack) {

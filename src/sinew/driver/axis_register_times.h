@@ -18,6 +18,7 @@ class AxisRegisterTimes {
     double own = 0;      ///< s, from the first board's start until the last one has arrived
     double arrival = 0;  ///< s, from the order until the last board has arrived
     double report = 0;   ///< s, from the order until the driver tells so
+    std::array<double, kMaxJoints> start{};  ///< s, from the order until each board starts
   };
 
   explicit AxisRegisterTimes(const AxisRegistersDevice& device) : device_(device) {}

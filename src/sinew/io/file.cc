@@ -147,6 +147,11 @@ IoResult<void> check_place(const std::string& path) {
   return std::unexpected(system_error(path, path.empty() ? ENOENT : errno));
 }
 
+bool exists(const std::string& path) {
+  struct stat status{};
+  return ::lstat(path.c_str(), &status) == 0 || (errno != ENOENT && errno != ENOTDIR);
+}
+
 bool same_file(const std::string& a, const std::string& b) {
   struct stat status_a{};
   struct stat status_b{};

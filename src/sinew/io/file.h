@@ -23,6 +23,9 @@ IoResult<void> replace_file(const std::string& path, std::string_view text);
 /// end of a long run. @error a folder, no permission, no such folder above it
 IoResult<void> check_place(const std::string& path);
 
+/// Whether anything has this name; also what cannot be read.
+bool exists(const std::string& path);
+
 /// Both names lead to one file or device, through links too; also where it is not there yet.
 bool same_file(const std::string& a, const std::string& b);
 

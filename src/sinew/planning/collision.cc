@@ -69,7 +69,7 @@ Error contact_error(const RobotModel& model, const Clearance& nearest) {
   return {.code = ErrorCode::kCollision,
           .index = static_cast<std::int8_t>(link_of(model, nearest.first)),
           // What counts as at the margin may lie a hair beyond it.
-          .measured = std::clamp(nearest.distance, 0.0, margin),
+          .measured = std::isfinite(nearest.distance) ? std::min(nearest.distance, margin) : 0,
           .limit = margin,
           .other = static_cast<std::int16_t>(link_of(model, nearest.second))};
 }

@@ -77,6 +77,11 @@ class CollisionModel {
                                         double end = std::numeric_limits<double>::infinity(),
                                         const kinematics::PoseBP* X_near = nullptr) const;
 
+  /// The same from a start that overlaps: what is nearer than margin() there may only come apart
+  /// until it is that far, but for twice kResolution, and all else keeps margin().
+  std::optional<PathContact> check_leaving(const JointPath& path,
+                                           const kinematics::PoseBP* X_near = nullptr) const;
+
   /// For how long the joints can go on at qd (rad/s, m/s; straight in joint space) until two
   /// bodies are as near as `margin`, s; at most `horizon`. Bodies that are nearer already count
   /// only while they come nearer still: moving apart is always allowed.
@@ -129,6 +134,11 @@ class CollisionModel {
 
   Clearance measure(const Scene& scene, double margin, const Excused* excused,
                     Budgets& budgets) const;
+  Clearance measure_leaving(const Scene& scene, Budgets& least, Budgets& budgets) const;
+  template <class Measure>
+  std::optional<PathContact> walk(const JointPath& path, double begin, double end,
+                                  const kinematics::PoseBP* X_near, Budgets& budgets,
+                                  const Measure& measure) const;
   double spend(const JointArray& speeds, double way, Budgets& budgets) const;
   bool bound_holds(const kinematics::PoseBP& X_BP) const;
   kinematics::PoseBP start(const kinematics::PoseBP* X_near) const;

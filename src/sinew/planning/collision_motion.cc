@@ -65,9 +65,42 @@ bool CollisionModel::bound_holds(const PoseBP& X_BP) const {
   return hexapod->dexterity(X_BP).condition <= allowed;
 }
 
+/// The same, where each pair may be no nearer than `least`, which grows as they come apart.
+Clearance CollisionModel::measure_leaving(const Scene& scene, Budgets& least,
+                                          Budgets& budgets) const {
+  Clearance worst;
+  for (std::size_t p = 0; p < pairs_.size(); ++p) {
+    double apart = ball_distance(scene, pairs_[p]);
+    if (apart - margin() <= kFar) apart = distance(scene, pairs_[p]);
+    if (apart - least[p] <= kResolution && apart < worst.distance) {
+      worst = {apart, pairs_[p].first, pairs_[p].second};
+    }
+    least[p] = std::max(least[p], std::min(margin(), apart - 2 * kResolution));
+    budgets[p] = apart - least[p];
+  }
+  return worst;
+}
+
 std::optional<PathContact> CollisionModel::check_path(const JointPath& path, double margin,
                                                       double begin, double end,
                                                       const PoseBP* X_near) const {
+  Budgets budgets;
+  return walk(path, begin, end, X_near, budgets,
+              [&](const Scene& scene) { return measure(scene, margin, nullptr, budgets); });
+}
+
+std::optional<PathContact> CollisionModel::check_leaving(const JointPath& path,
+                                                         const PoseBP* X_near) const {
+  Budgets budgets, least;
+  least.fill(-kInfinity);
+  return walk(path, 0, path.length(), X_near, budgets,
+              [&](const Scene& scene) { return measure_leaving(scene, least, budgets); });
+}
+
+template <class Measure>
+std::optional<PathContact> CollisionModel::walk(const JointPath& path, double begin, double end,
+                                                const PoseBP* X_near, Budgets& budgets,
+                                                const Measure& measure) const {
   SINEW_ASSERT(path.joints() == model_->joints.size());
   if (path.empty() || pairs_.empty()) return std::nullopt;
   end = std::min(end, path.length());
@@ -75,14 +108,13 @@ std::optional<PathContact> CollisionModel::check_path(const JointPath& path, dou
   std::size_t piece = path.piece_at(s);
   Scene scene;
   PoseBP X_BP = start(X_near);
-  Budgets budgets;
   PathPoint point;
   const auto look = [&]() -> std::optional<PathContact> {
     path.sample_piece(piece, s - path.begin(piece), point);
     if (!place({point.q.data(), path.joints()}, X_BP, scene) || !bound_holds(X_BP)) {
       return PathContact{s, {-kInfinity}};
     }
-    const Clearance nearest = measure(scene, margin, nullptr, budgets);
+    const Clearance nearest = measure(scene);
     if (nearest.distance < kInfinity) return PathContact{s, nearest};
     return std::nullopt;
   };

@@ -1,6 +1,7 @@
 #include "sinew/planning/motion_planner.h"
 
 #include <algorithm>
+#include <limits>
 
 namespace sinew::planning {
 MotionPlanner::MotionPlanner(const RobotModel& model)
@@ -15,7 +16,7 @@ MotionPlanner::MotionPlanner(const RobotModel& model)
       scratch_law_(timing_.phases_max()) {}
 
 Expected<RobotPlace> MotionPlanner::place_at(std::span<const double> q) {
-  auto place = builder_.place_at(q, X_near_);
+  auto place = builder_.stand_at(q, X_near_);
   if (place) X_near_ = place->X_BT;
   return place;
 }
@@ -57,17 +58,36 @@ std::optional<PathRefusal> MotionPlanner::check_contacts(const RobotPlace& start
   const std::span q(start.q.data(), space_.size());
   const double here = collision_.distance(q, &X_BP).distance;
   // What counts as at the margin is that much nearer than the start, so that it can leave.
-  const double nearest = here - 2 * CollisionModel::kResolution;
-  clearance_min = std::clamp(nearest, 0.0, model_.collision.margin);
-  const auto contact =
-      collision_.check_path(path.joints, clearance_min, 0, path.joints.length(), &X_BP);
+  clearance_min = std::min(here - 2 * CollisionModel::kResolution, collision_.margin());
+  const auto contact = clearance_min < 0 ? collision_.check_leaving(path.joints, &X_BP)
+                                         : collision_.check_path(path.joints, clearance_min, 0,
+                                                                 path.joints.length(), &X_BP);
   if (!contact) return std::nullopt;
   const PathProgress at = Trajectory::progress_at(path, contact->s);
-  const double begin = path.sections[at.move - first].begin;
+  const PathSection& section = path.sections[at.move - first];
+  const double begin = section.begin;
   return PathRefusal{contact_error(model_, contact->nearest),
-                     {at.move, contact->s - begin, at.move_share},
+                     {at.move, contact->s - begin, at.move_share, section.metres},
                      std::nullopt,
-                     start};
+                     start,
+                     nearest_behind(path, contact->s, X_BP)};
+}
+
+/// How near bodies come to each other from s on, m, looked at in some places.
+double MotionPlanner::nearest_behind(const PlannedPath& path, double s,
+                                     kinematics::PoseBP X_BP) const {
+  constexpr int kLooks = 64;
+  double nearest = std::numeric_limits<double>::infinity();
+  for (int k = 0; k <= kLooks; ++k) {
+    PathPoint at;
+    path.joints.sample(s + (path.joints.length() - s) * k / kLooks, at);
+    const std::span<const double> q(at.q.data(), space_.size());
+    const auto X_BT = space_.forward(q, relabel<frame::Base, frame::Tool>(X_BP));
+    if (!X_BT) break;
+    X_BP = relabel<frame::Base, frame::Platform>(*X_BT);
+    nearest = std::min(nearest, collision_.distance(q, &X_BP).distance);
+  }
+  return nearest;
 }
 
 std::expected<RobotPlace, PathRefusal> MotionPlanner::end_of(const RobotPlace& start, Move move) {
@@ -79,31 +99,11 @@ std::expected<RobotPlace, PathRefusal> MotionPlanner::end_of(const RobotPlace& s
 }
 
 MoveProposal MotionPlanner::propose(const PathRefusal& refusal, std::span<const Move> moves) {
-  MoveProposal proposal = planning::propose(builder_, space_, refusal, moves, scratch_);
-  const RobotPlace& from = refusal.from;
-  Move same = moves[refusal.place.move];
-  if (proposal.move_j && !hits_nothing(from, {.way = MoveJ{*proposal.move_j}})) {
-    proposal.move_j.reset();
-  }
-  if (proposal.other_start) {
-    const auto place = builder_.place_at({proposal.other_start->data(), space_.size()}, from.X_BT);
-    if (!place || !hits_nothing(*place, same)) proposal.other_start.reset();
-  }
-  if (proposal.tilted) {
-    const Asked asked = space_.task() == TaskSpace::kApproach ? Asked::kApproach : Asked::kPose;
-    same.way = MoveL{{proposal.tilted->X_BT, asked}};
-    if (!hits_nothing(from, same)) proposal.tilted.reset();
-  }
-  return proposal;
-}
-
-bool MotionPlanner::hits_nothing(const RobotPlace& from, Move move) {
-  move.blend_radius = 0;
-  move.blend_joints = 0;
-  if (!builder_.build(from, std::span(&move, 1), 0, scratch_)) return false;
-  const auto X_BP = relabel<frame::Base, frame::Platform>(from.X_BT);
-  return !collision_.check_path(scratch_.joints, model_.collision.margin, 0,
-                                scratch_.joints.length(), &X_BP);
+  return planning::propose(builder_, space_, refusal, moves, scratch_,
+                           [this](const RobotPlace& from, const PlannedPath& path) {
+                             double clearance = 0;
+                             return !check_contacts(from, 0, path, clearance);
+                           });
 }
 
 }  // namespace sinew::planning

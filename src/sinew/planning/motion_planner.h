@@ -31,7 +31,7 @@ struct PlannedMotion {
   PathStretch stretch;             ///< the moves that it took
   std::optional<CornerStop> stop;  ///< why it ends where another move would have blended in
   double clearance_min = 0;  ///< m that it was held against: the robot's margin, or less at a start
-                             ///< that was nearer
+                             ///< that was nearer, below 0 at one that overlapped
   /// Where nothing moves: the robot stands there already.
   bool empty() const { return path.joints.empty(); }
   Trajectory trajectory() const { return {path, law}; }
@@ -53,12 +53,15 @@ class MotionPlanner {
 
   /// Where the robot stands at q. A hexapod's pose is looked for near the last one that this was
   /// asked for, its home at first.
-  /// @error as MovePathBuilder::place_at
+  /// Its joints may be outside of their limits.
+  /// @error as MovePathBuilder::stand_at
   Expected<RobotPlace> place_at(std::span<const double> q);
 
   /// The motion of moves[first] and of those that blend into each other behind it.
   ///
-  /// A start that is nearer to something than the robot's margin may go on, never nearer.
+  /// A start that is nearer to something than the robot's margin may go on, never nearer; from an
+  /// overlap what overlaps only comes apart. A joint that starts outside of its limits only comes
+  /// in.
   /// A blend with which its two moves take longer than with stops is left out: the motion ends
   /// there. So it takes no longer than its moves one by one would, but for moves that cannot be
   /// made from stop to stop.
@@ -78,6 +81,7 @@ class MotionPlanner {
   std::optional<PathRefusal> check_contacts(const RobotPlace& start, std::size_t first,
                                             const PlannedPath& path, double& clearance_min) const;
 
+  double nearest_behind(const PlannedPath& path, double s, kinematics::PoseBP X_BP) const;
   void leave_out_blends(const RobotPlace& start, std::span<const Move> moves, std::size_t first,
                         PlannedMotion& out);
   double quickest_alone(std::size_t k, const Move& move) const;
@@ -85,8 +89,6 @@ class MotionPlanner {
   double cost(std::size_t from, std::size_t to, std::span<const Move> moves);
   std::optional<CornerStop> costliest(std::span<const Move> moves);
   bool can_stop_at(std::size_t k, std::span<const Move> moves, std::size_t first);
-
-  bool hits_nothing(const RobotPlace& from, Move move);
 
   const RobotModel& model_;
   ToolSpace space_;

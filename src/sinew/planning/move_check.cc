@@ -14,6 +14,9 @@ using Hull = std::array<double, 6>;
 /// Divisions of one piece until what is left of a hull cannot hide anything: 2^-16 of a piece.
 constexpr int kDepthMax = 16;
 
+/// rad or m that a joint on its way in may go back: what fitting a way leaves.
+constexpr double kTurnBack = 1e-9;
+
 /// A hexapod is looked at so often, m of the path.
 constexpr double kLook = 2e-3;
 
@@ -55,19 +58,40 @@ void halve(const Hull& whole, Hull& left, Hull& right) {
   }
 }
 
-/// The first u in [0, 1] at which the polynomial is above `limit`.
-std::optional<double> first_above(const Hull& hull, double limit, int depth = 0) {
-  if (top(hull) <= limit) return std::nullopt;
-  if (hull.front() > limit) return 0.0;
+bool never_rises(const Hull& hull) {
+  for (std::size_t k = 0; k + 1 < hull.size(); ++k) {
+    if (hull[k + 1] > hull[k] + kTurnBack) return false;
+  }
+  return true;
+}
+
+/// The first u in [0, 1] at which the polynomial is above `limit`; where it begins above, at which
+/// it rises before it is below.
+/// @param room  the limit, or how far above it may be at the begin; on return, at the end.
+std::optional<double> first_above(const Hull& hull, double limit, double& room, int depth = 0) {
+  const auto come_in = [&](double q) { room = std::max(limit, std::min(room, q)); };
+  if (top(hull) <= limit) {
+    room = limit;
+    return std::nullopt;
+  }
+  const bool outside = room > limit;
+  const double slack = outside ? kTurnBack : 0;
+  if (hull.front() > room + slack) return 0.0;
+  come_in(hull.front());
+  if (outside && never_rises(hull)) {
+    come_in(hull.back());
+    return std::nullopt;
+  }
   if (depth == kDepthMax) {
-    if (hull.back() > limit) return 1.0;
+    if (hull.back() > room + slack) return 1.0;
+    come_in(hull.back());
     return std::nullopt;
   }
   Hull left;
   Hull right;
   halve(hull, left, right);
-  if (const auto u = first_above(left, limit, depth + 1)) return *u / 2;
-  if (const auto u = first_above(right, limit, depth + 1)) return 0.5 + *u / 2;
+  if (const auto u = first_above(left, limit, room, depth + 1)) return *u / 2;
+  if (const auto u = first_above(right, limit, room, depth + 1)) return 0.5 + *u / 2;
   return std::nullopt;
 }
 
@@ -92,8 +116,25 @@ double farthest(const JointPath& path, PieceRange pieces, std::size_t j, double 
 
 }  // namespace
 
+JointRoom::JointRoom(std::span<const Joint> joints, const JointArray& q) {
+  for (std::size_t j = 0; j < joints.size(); ++j) {
+    lower[j] = std::min(joints[j].lower - kJointLimitTolerance, q[j]);
+    upper[j] = std::max(joints[j].upper + kJointLimitTolerance, q[j]);
+  }
+}
+
 std::optional<PathFault> first_limit_break(const JointPath& path, PieceRange pieces,
                                            std::span<const Joint> joints) {
+  JointRoom inside;
+  for (std::size_t j = 0; j < joints.size(); ++j) {
+    inside.lower[j] = joints[j].lower - kJointLimitTolerance;
+    inside.upper[j] = joints[j].upper + kJointLimitTolerance;
+  }
+  return first_limit_break(path, pieces, joints, inside);
+}
+
+std::optional<PathFault> first_limit_break(const JointPath& path, PieceRange pieces,
+                                           std::span<const Joint> joints, JointRoom room) {
   for (std::size_t i = pieces.first; i < pieces.last; ++i) {
     const PieceEnds ends(path, i);
     std::optional<PathFault> first;
@@ -101,7 +142,11 @@ std::optional<PathFault> first_limit_break(const JointPath& path, PieceRange pie
       const Joint& joint = joints[j];
       for (const double sign : {1.0, -1.0}) {
         const double limit = sign > 0 ? joint.upper : joint.lower;
-        const auto out = first_above(ends.hull(j, sign), sign * limit + kJointLimitTolerance);
+        double& bound = sign > 0 ? room.upper[j] : room.lower[j];
+        double way_out = sign * bound;
+        const auto out =
+            first_above(ends.hull(j, sign), sign * limit + kJointLimitTolerance, way_out);
+        bound = sign * way_out;
         if (!out) continue;
         const double s = path.begin(i) + ends.h * *out;
         if (first && first->s <= s) continue;
@@ -162,7 +207,7 @@ std::optional<PathFault> first_hexapod_refusal(const ToolSpace& space, const Joi
 
 SlowestPlace slowest_place(const JointPath& path, PieceRange pieces, std::span<const Joint> joints,
                            double joint_share, double shared_velocity) {
-  SlowestPlace slowest{path.begin(pieces.first), std::numeric_limits<double>::infinity(), 0};
+  SlowestPlace slowest{path.begin(pieces.first), std::numeric_limits<double>::infinity(), 0, {}};
   for (std::size_t i = pieces.first; i < pieces.last; ++i) {
     const double h = path.begin(i + 1) - path.begin(i);
     for (const double share : {0.0, 0.5, 1.0}) {
@@ -171,15 +216,27 @@ SlowestPlace slowest_place(const JointPath& path, PieceRange pieces, std::span<c
       // Of its square, which needs one root in the end; a joint that stays allows anything.
       double square = std::numeric_limits<double>::infinity();
       double speeds = 0;
+      PathLimit by;
+      const auto holds = [&](double other, LimitKind kind, std::size_t j) {
+        if (!(other < square)) return;
+        square = other;
+        by = {kind, static_cast<std::int8_t>(j)};
+      };
       for (std::size_t j = 0; j < joints.size(); ++j) {
         const double rate = joint_share * joints[j].velocity_max / at.dq[j];
         speeds += std::abs(at.dq[j]);
-        square = std::min({square, rate * rate, joints[j].acceleration_max / std::abs(at.ddq[j])});
+        holds(rate * rate, LimitKind::kJointVelocity, j);
+        holds(joints[j].acceleration_max / std::abs(at.ddq[j]), LimitKind::kJointAcceleration, j);
       }
-      const double rate = std::min(std::sqrt(square), joint_share * shared_velocity / speeds);
+      double rate = std::sqrt(square);
+      if (const double shared = joint_share * shared_velocity / speeds; shared < rate) {
+        rate = shared;
+        by = {LimitKind::kWire, -1};
+      }
       slowest.rate_elsewhere = std::max(slowest.rate_elsewhere, rate);
       if (rate >= slowest.rate) continue;
       slowest.rate = rate;
+      slowest.by = by;
       slowest.s = path.begin(i) + share * h;
     }
   }

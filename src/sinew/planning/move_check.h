@@ -6,6 +6,7 @@
 #include <span>
 
 #include "sinew/planning/joint_path.h"
+#include "sinew/planning/path_grid.h"
 #include "sinew/planning/tool_space.h"
 
 namespace sinew::planning {
@@ -22,9 +23,23 @@ struct PieceRange {
   std::size_t last = 0;
 };
 
+/// How far each joint may go: to its limits, and farther where it stands outside of them.
+struct JointRoom {
+  JointArray lower{};
+  JointArray upper{};
+
+  JointRoom() = default;
+  JointRoom(std::span<const Joint> joints, const JointArray& q);
+};
+
 /// The first place where a joint leaves its limits, inside the polynomials too: their Bernstein
-/// hulls bound them, and only where a hull sticks out it is divided. @rt
+/// hulls bound them, and only where a hull sticks out it is divided. A joint that begins outside
+/// may only come in, and never turns back, until it is inside. @rt
+/// @param room  at the first piece's begin.
 /// @return kJointLimit (kLegLength for a leg) with the joint and the farthest that it would go.
+std::optional<PathFault> first_limit_break(const JointPath& path, PieceRange pieces,
+                                           std::span<const Joint> joints, JointRoom room);
+/// From inside.
 std::optional<PathFault> first_limit_break(const JointPath& path, PieceRange pieces,
                                            std::span<const Joint> joints);
 
@@ -40,6 +55,7 @@ struct SlowestPlace {
   double s = 0;
   double rate = 0;            ///< ds/dt, m/s
   double rate_elsewhere = 0;  ///< the greatest that they allow anywhere on these pieces
+  PathLimit by;               ///< what it is slow by
 };
 
 /// By the joints' velocities, each and all together (times `joint_share`), and what q'' asks of

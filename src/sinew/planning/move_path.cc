@@ -35,6 +35,14 @@ double farthest_joint(const JointArray& a, const JointArray& b) {
 
 }  // namespace
 
+bool slows_down(const Error& singularity) {
+  constexpr double kNearSine = 0.2;
+  constexpr double kNearValue = 0.02;
+  constexpr double kNearDistance = 0.03;  // m
+  if (singularity.code == ErrorCode::kShoulderSingular) return singularity.measured < kNearDistance;
+  return singularity.measured < (singularity.code == ErrorCode::kSingular ? kNearValue : kNearSine);
+}
+
 MovePathBuilder::MovePathBuilder(const ToolSpace& space, const BuildLimits& limits)
     : space_(space),
       limits_(limits),
@@ -48,15 +56,23 @@ MovePathBuilder::MovePathBuilder(const ToolSpace& space, const BuildLimits& limi
 
 Expected<RobotPlace> MovePathBuilder::place_at(std::span<const double> q,
                                                const PoseBT& X_near) const {
+  const auto place = stand_at(q, X_near);
+  if (!place) return place;
+  if (const auto error = limit_broken(place->q)) return std::unexpected(*error);
+  return place;
+}
+
+Expected<RobotPlace> MovePathBuilder::stand_at(std::span<const double> q,
+                                               const PoseBT& X_near) const {
   SINEW_ASSERT(q.size() == space_.size());
   RobotPlace place;
   for (std::size_t j = 0; j < q.size(); ++j) {
     if (!std::isfinite(q[j])) return std::unexpected(Error{.code = ErrorCode::kMoveInput});
+    if (std::abs(q[j]) > kFarTurn) return std::unexpected(limit_error(space_.joints(), j, q[j]));
     place.q[j] = q[j];
   }
-  if (const auto error = limit_broken(place.q)) return std::unexpected(*error);
   const auto X_BT = space_.forward(q, X_near);
-  if (!X_BT) return std::unexpected(X_BT.error());
+  if (!X_BT) return std::unexpected(limit_broken(place.q).value_or(X_BT.error()));
   place.X_BT = *X_BT;
   return place;
 }
@@ -71,7 +87,8 @@ std::expected<PathStretch, PathRefusal> MovePathBuilder::build(const RobotPlace&
   legs_.clear();
   blends_.clear();
   legs_.push_back({.move = first, .from = start, .blend_max = kInfinity});
-  if (const auto at = place_at(joints(start.q), start.X_BT); !at) {
+  legs_.back().room = JointRoom(space_.joints(), start.q);
+  if (const auto at = stand_at(joints(start.q), start.X_BT); !at) {
     return std::unexpected(refusal(legs_.back(), at.error(), 0));
   }
   while (true) {
@@ -100,6 +117,12 @@ MovePathBuilder::Result MovePathBuilder::add(std::span<const Move> moves, Planne
   }
   corner_ = leg.from;
   if (way_.length() == 0) return Outcome::kStop;
+  if (!way_.straight_in_joints()) {
+    // A tool's way says nothing of which joint comes in: only a move of the joints does.
+    if (const auto outside = limit_broken(leg.from.q)) {
+      return std::unexpected(refusal(leg, *outside, 0));
+    }
+  }
   if (const auto refused = find_corner(leg, move)) return std::unexpected(*refused);
   double blend = 0;
   const bool wanted = move.blend_radius > 0 || move.blend_joints > 0;
@@ -121,11 +144,18 @@ MovePathBuilder::Result MovePathBuilder::add(std::span<const Move> moves, Planne
   if (leg.lead > 0 && !join(leg, moves[leg.move - 1], out)) return Outcome::kBack;
   append(leg, move, end, out);
   if (blend == 0) return Outcome::kStop;
+  JointRoom room(space_.joints(), corner_.q);
+  for (std::size_t j = 0; j < space_.size(); ++j) {
+    room.lower[j] = std::max(room.lower[j], leg.room.lower[j]);
+    room.upper[j] = std::min(room.upper[j], leg.room.upper[j]);
+  }
   legs_.push_back({.move = leg.move + 1,
                    .from = corner_,
                    .lead = blend,
                    .blend_max = kInfinity,
-                   .pieces = out.joints.size()});
+                   .pieces = out.joints.size(),
+                   .slowdown = {},
+                   .room = room});
   return Outcome::kGoOn;
 }
 
@@ -145,16 +175,12 @@ void MovePathBuilder::go_back(PlannedPath& out) {
 PathRefusal MovePathBuilder::refusal(const Leg& leg, const Error& error, double s) const {
   const double length = way_.length();
   const double share = length > 0 ? std::clamp(s / length, 0.0, 1.0) : 0;
-  return {error, {leg.move, s, share}, std::nullopt, leg.from};
+  return {error, {leg.move, s, share, way_.counts_metres()}, std::nullopt, leg.from};
 }
 
 std::optional<Error> MovePathBuilder::limit_broken(const JointArray& q) const {
   for (std::size_t j = 0; j < space_.size(); ++j) {
-    const Joint& joint = space_.joints()[j];
-    if (within_limits(joint, q[j])) continue;
-    const bool leg = joint.kind == JointKind::kPrismatic;
-    return Error{leg ? ErrorCode::kLegLength : ErrorCode::kJointLimit, static_cast<std::int8_t>(j),
-                 q[j], q[j] < joint.lower ? joint.lower : joint.upper};
+    if (!within_limits(space_.joints()[j], q[j])) return limit_error(space_.joints(), j, q[j]);
   }
   return std::nullopt;
 }
@@ -233,7 +259,7 @@ std::optional<PathRefusal> MovePathBuilder::find_corner(const Leg& leg, const Mo
   if (const auto fault = spline_.march(way_.tool(), leg.from.q)) return earliest(leg, *fault);
   // Most refusals show here already, before anything is fitted.
   for (const JointArray& q : spline_.points()) {
-    if (limit_broken(q)) return earliest(leg, {*limit_broken(q), length});
+    if (const auto broken = limit_broken(q)) return earliest(leg, {*broken, length});
   }
   const TaskPoint end = way_.tool().at(length);
   corner_.q = spline_.points().back();
@@ -304,11 +330,13 @@ std::optional<PathRefusal> MovePathBuilder::lay(Leg& leg, const Move& move, doub
 std::optional<PathRefusal> MovePathBuilder::check(const Leg& leg) {
   const JointPath& path = laid();
   const PieceRange all{0, path.size()};
-  auto fault = first_limit_break(path, all, space_.joints());
+  auto fault = first_limit_break(path, all, space_.joints(), leg.room);
   if (space_.hexapod() != nullptr) {
     PoseBT X_BT = space_.pose(way_.point_at(leg.lead));
     const auto platform = first_hexapod_refusal(space_, path, all, X_BT);
-    if (platform && (!fault || platform->s < fault->s)) fault = platform;
+    // A leg that is too long is found by both, and only one says by how much it would be.
+    constexpr double kSamePlace = 1e-5;  // m
+    if (platform && (!fault || platform->s < fault->s - kSamePlace)) fault = platform;
   }
   if (!fault) return std::nullopt;
   return refusal(leg, fault->error, leg.lead + fault->s);
@@ -328,9 +356,13 @@ std::optional<PathRefusal> MovePathBuilder::check_speed(Leg& leg, const Move& mo
   const double s = leg.lead + slowest.s;
   const auto X_BT = space_.forward(joints(at.q), space_.pose(way_.point_at(s)));
   const Error near = X_BT ? space_.singularity(joints(at.q), *X_BT) : X_BT.error();
-  if (slowest.rate < creep) return refusal(leg, near, s);
+  if (slowest.rate < creep) {
+    const bool joint = slowest.by.kind == LimitKind::kJointVelocity;
+    if (!joint || slows_down(near)) return refusal(leg, near, s);
+    return refusal(leg, {ErrorCode::kVelocityLimit, slowest.by.joint, creep / slowest.rate, 1}, s);
+  }
   const double tool_rate_there = spline_.rates()[path.piece_at(slowest.s)].speed;
-  leg.slowdown = {refusal(leg, near, s).place, slowest.rate * tool_rate_there, near};
+  leg.slowdown = {refusal(leg, near, s).place, slowest.rate * tool_rate_there, slowest.by, near};
   return std::nullopt;
 }
 
@@ -364,7 +396,8 @@ bool MovePathBuilder::join(const Leg& leg, const Move& before, PlannedPath& out)
            farthest_joint(at.q, leg.from.q) <= tolerance * (1 + 1e-9);
   }
   const PieceRange blend{piece, piece + 1};
-  good = good && !first_limit_break(out.joints, blend, space_.joints());
+  good = good &&
+         !first_limit_break(out.joints, blend, space_.joints(), JointRoom(space_.joints(), from.q));
   if (good && space_.hexapod() != nullptr) {
     PoseBT X_BT = leg.from.X_BT;
     good = !first_hexapod_refusal(space_, out.joints, blend, X_BT);
@@ -383,7 +416,8 @@ void MovePathBuilder::append(const Leg& leg, const Move& move, double end, Plann
                           .move = leg.move,
                           .tool_speed = move.tool_speed,
                           .tool_acceleration = move.tool_acceleration,
-                          .joint_share = move.joint_share});
+                          .joint_share = move.joint_share,
+                          .metres = way_.counts_metres()});
   bool appended = false;
   if (way_.straight_in_joints()) {
     const JointArray from = way_.joints_at(leg.lead);

@@ -14,8 +14,9 @@ namespace sinew::planning {
 /// A place along a program of moves.
 struct MovePlace {
   std::size_t move = 0;  ///< which one, from 0
-  double at = 0;         ///< m along it
+  double at = 0;         ///< m along it, or its like where the tool hardly moves
   double share = 0;      ///< of it, 0..1
+  bool metres = true;    ///< `at` counts the tool's way
 };
 
 /// Why moves cannot be made, and where.
@@ -25,6 +26,9 @@ struct PathRefusal {
   /// Where another orientation would do: the nearest one that the robot can have.
   std::optional<NearestPose> nearest;
   RobotPlace from;  ///< where the robot stands before the refused move
+  /// Of a contact: how near bodies would come to each other anywhere on the rest of the way, m;
+  /// below 0 they overlap.
+  std::optional<double> nearest_behind{};
 };
 
 /// A place near a singularity (or a joint's slow spot) where the joints cannot follow the tool's
@@ -32,8 +36,13 @@ struct PathRefusal {
 struct Slowdown {
   MovePlace place;
   double tool_speed = 0;  ///< m/s, what is left there
+  PathLimit by;           ///< what does not let it go faster: a joint, or the wire
   Error near;             ///< the singularity with its measure; kSingular where none is near
 };
+
+/// Whether a singularity of ToolSpace::singularity() is what slows a tool down, and not only the
+/// nearest one that there is.
+bool slows_down(const Error& singularity);
 
 /// How a corner between two moves was rounded.
 struct Blend {
@@ -71,8 +80,12 @@ class MovePathBuilder {
   /// @param X_near  of a hexapod: its last pose, or home() of its space.
   /// @error kMoveInput, kJointLimit, kLegLength; a hexapod's
   Expected<RobotPlace> place_at(std::span<const double> q, const PoseBT& X_near) const;
+  /// The same where joints may be outside of their limits, though not by more than kFarTurn.
+  Expected<RobotPlace> stand_at(std::span<const double> q, const PoseBT& X_near) const;
 
   /// The path of moves[first] and of those that blend into each other behind it.
+  /// @param start  where a joint is outside of its limits it only comes in, and only a move that is
+  ///               straight in joints begins there.
   /// @param out  its content is replaced; empty where the first move goes nowhere. Its capacities
   ///             are at least the builder's limits.
   std::expected<PathStretch, PathRefusal> build(const RobotPlace& start,
@@ -93,6 +106,7 @@ class MovePathBuilder {
     double blend_max = 0;    ///< m that the blend behind it may take
     std::size_t pieces = 0;  ///< of the path before it and its blend
     Slowdown slowdown{};     ///< where tool_speed > 0
+    JointRoom room{};        ///< at its begin
   };
   enum class Outcome : std::uint8_t { kStop, kGoOn, kBack };
   using Result = std::expected<Outcome, PathRefusal>;

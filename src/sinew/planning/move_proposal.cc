@@ -2,21 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
+#include <vector>
 
 namespace sinew::planning {
 namespace {
-
-/// Where a move ends that can be made; nothing where it cannot.
-std::optional<RobotPlace> end_of(MovePathBuilder& builder, const RobotPlace& from, const Move& move,
-                                 PlannedPath& scratch) {
-  const auto stretch = builder.build(from, std::span(&move, 1), 0, scratch);
-  return stretch ? std::optional(stretch->end) : std::nullopt;
-}
-
-bool works(MovePathBuilder& builder, const RobotPlace& from, const Move& move,
-           PlannedPath& scratch) {
-  return end_of(builder, from, move, scratch).has_value();
-}
 
 /// The same move with another orientation at its end.
 Move turned(Move move, const PoseBT& X_BT) {
@@ -27,23 +17,6 @@ Move turned(Move move, const PoseBT& X_BT) {
   return move;
 }
 
-/// A line that cannot be gone to its end, up to where it can.
-std::optional<MoveProposal::Part> find_part(MovePathBuilder& builder, const ToolSpace& space,
-                                            const PathRefusal& refusal, const Move& move,
-                                            const MoveWay& way, PlannedPath& scratch) {
-  constexpr double kFirst = 1e-3;  // m before the refused place, then twice as far again and again
-  for (double before = kFirst; before < refusal.place.at; before *= 2) {
-    const double length = refusal.place.at - before;
-    const PoseBT X_BT = space.pose(way.point_at(length), refusal.from.X_BT.R);
-    const Asked asked = space.task() == TaskSpace::kPoint ? Asked::kPoint : Asked::kPose;
-    Move shorter = move;
-    shorter.way = MoveL{{X_BT, asked}};
-    const auto end = end_of(builder, refusal.from, shorter, scratch);
-    if (end) return MoveProposal::Part{length, end->X_BT};
-  }
-  return std::nullopt;
-}
-
 /// X with its tool tilted by `tilt` in the vertical plane through the base axis and the tool.
 PoseBT tilted(const PoseBT& X_BT, double tilt) {
   const double yaw = std::atan2(X_BT.p.y, X_BT.p.x);
@@ -51,70 +24,285 @@ PoseBT tilted(const PoseBT& X_BT, double tilt) {
   return {rotation_from_vector(tilt * across) * X_BT.R, X_BT.p};
 }
 
-std::optional<MoveProposal::Tilted> find_tilt(MovePathBuilder& builder, const ToolSpace& space,
-                                              const RobotPlace& from, const PoseBT& X_BT,
-                                              PlannedPath& scratch) {
-  constexpr double kStep = from_deg(5);
-  constexpr int kSteps = 18;
-  const Asked asked = space.task() == TaskSpace::kApproach ? Asked::kApproach : Asked::kPose;
-  for (int i = 1; i <= kSteps; ++i) {
-    for (const double sign : {1.0, -1.0}) {
-      const double tilt = sign * i * kStep;
-      const PoseBT X_tilted = tilted(X_BT, tilt);
-      const Move line{.way = MoveL{{X_tilted, asked}}};
-      if (const auto end = end_of(builder, from, line, scratch)) {
-        return MoveProposal::Tilted{tilt, end->X_BT};
-      }
+/// Away from what was asked for.
+struct Turn {
+  double tilt = 0;  ///< rad, as MoveProposal::Tilted
+  double other = 0;
+};
+
+/// The least first: a tilt, and a roll or a swing.
+std::vector<Turn> turns() {
+  constexpr double kTilt = from_deg(5);
+  constexpr double kOther = from_deg(15);
+  std::vector<Turn> all;
+  for (int i = -18; i <= 18; ++i) {
+    for (int k = -12; k <= 12; ++k) {
+      if (i != 0 || k != 0) all.push_back({i * kTilt, k * kOther});
     }
   }
-  return std::nullopt;
+  std::ranges::sort(all, [](const Turn& a, const Turn& b) {
+    const double left = std::abs(a.tilt) + std::abs(a.other);
+    const double right = std::abs(b.tilt) + std::abs(b.other);
+    // The same as far: in an order of its own, so that each time the same one is found.
+    return std::tuple(left, a.tilt, a.other) < std::tuple(right, b.tilt, b.other);
+  });
+  return all;
+}
+
+class Search {
+ public:
+  Search(MovePathBuilder& builder, const ToolSpace& space, const PathRefusal& refusal, Move move,
+         PlannedPath& scratch, const HitsNothing& hits_nothing)
+      : builder_(builder),
+        space_(space),
+        refusal_(refusal),
+        from_(refusal.from),
+        move_(std::move(move)),
+        scratch_(scratch),
+        hits_nothing_(hits_nothing),
+        way_(space) {
+    move_.blend_radius = 0;
+    move_.blend_joints = 0;
+  }
+
+  MoveProposal run();
+
+ private:
+  std::optional<RobotPlace> end_of(const RobotPlace& from, const Move& move);
+  bool works(const RobotPlace& from, const Move& move) { return end_of(from, move).has_value(); }
+  /// A joint move as quick as the refused one.
+  Move joint_move(const JointArray& q) const {
+    return {.way = MoveJ{q}, .joint_share = move_.joint_share};
+  }
+  bool outside() const;
+  std::optional<JointArray> clamped(JointArray q) const;
+
+  void come_back_inside();
+  void turn_to_nearest();
+  void for_joint_row(const JointArray& q);
+  void join_target(const TaskPoint& end);
+  void find_part();
+  void find_near(const TaskPoint& end);
+  void find_other_start();
+  void find_tilt(const TaskPoint& end);
+  PoseBT turned_by(const TaskPoint& end, const Turn& turn) const;
+
+  MovePathBuilder& builder_;
+  const ToolSpace& space_;
+  const PathRefusal& refusal_;
+  const RobotPlace& from_;
+  Move move_;
+  PlannedPath& scratch_;
+  const HitsNothing& hits_nothing_;
+  MoveWay way_;
+  MoveProposal found_;
+};
+
+/// Where a move ends that can be made; nothing where it cannot.
+std::optional<RobotPlace> Search::end_of(const RobotPlace& from, const Move& move) {
+  const auto stretch = builder_.build(from, std::span(&move, 1), 0, scratch_);
+  if (!stretch) return std::nullopt;
+  const bool clear = !hits_nothing_ || scratch_.joints.empty() || hits_nothing_(from, scratch_);
+  return clear ? std::optional(stretch->end) : std::nullopt;
+}
+
+bool Search::outside() const {
+  for (std::size_t j = 0; j < space_.size(); ++j) {
+    if (!within_limits(space_.joints()[j], from_.q[j])) return true;
+  }
+  return false;
+}
+
+/// Into the limits, and as far inside as a typed number is rounded; nothing where it is inside.
+std::optional<JointArray> Search::clamped(JointArray q) const {
+  constexpr double kInside = 1e-5;  // rad or m
+  bool was_outside = false;
+  for (std::size_t j = 0; j < space_.size(); ++j) {
+    const Joint& joint = space_.joints()[j];
+    if (within_limits(joint, q[j])) continue;
+    was_outside = true;
+    const double room = std::min(kInside, (joint.upper - joint.lower) / 2);
+    q[j] = std::clamp(q[j], joint.lower + room, joint.upper - room);
+  }
+  return was_outside ? std::optional(q) : std::nullopt;
+}
+
+void Search::come_back_inside() {
+  const auto q = clamped(from_.q);
+  if (q && works(from_, joint_move(*q))) found_.back_inside = q;
+}
+
+/// The orientation alone may not be all that is wrong.
+void Search::turn_to_nearest() {
+  const auto& nearest = refusal_.nearest;
+  if (!nearest) return;
+  const bool by_joints = std::holds_alternative<MoveTo>(move_.way);
+  if (!by_joints && works(from_, turned(move_, nearest->X_BT))) {
+    found_.nearest = nearest;
+    return;
+  }
+  const auto end = end_of(from_, {.way = MoveTo{{nearest->X_BT, Asked::kPose}}});
+  if (!end) return;
+  found_.nearest = nearest;
+  found_.nearest_q = end->q;
+}
+
+/// As far as the joints themselves go; the same place of the tool by other joints.
+void Search::for_joint_row(const JointArray& q) {
+  if (const auto inside = clamped(q)) {
+    if (works(from_, joint_move(*inside))) found_.near = {.q = *inside, .left = 0};
+    return;
+  }
+  const auto X_BT = space_.forward({q.data(), space_.size()}, from_.X_BT);
+  if (X_BT && space_.hexapod() == nullptr) join_target(space_.point(*X_BT));
+  double share = refusal_.place.share;
+  constexpr double kFirst = 0.01;
+  for (double before = kFirst; before < share && !found_.near; before *= 2) {
+    JointArray part = from_.q;
+    for (std::size_t j = 0; j < space_.size(); ++j) {
+      part[j] += (share - before) * (q[j] - from_.q[j]);
+    }
+    if (works(from_, joint_move(part))) found_.near = {.q = part, .left = 0};
+  }
+}
+
+/// The first branch that a joint move reaches.
+void Search::join_target(const TaskPoint& end) {
+  for (const JointArray& q : space_.branches(end, from_.q)) {
+    // To where it stands already is no offer.
+    if (!works(from_, joint_move(q)) || scratch_.joints.empty()) continue;
+    found_.move_j = q;
+    return;
+  }
+}
+
+/// A line that cannot be gone to its end, up to where it can.
+void Search::find_part() {
+  constexpr double kFirst = 1e-3;  // m before the refused place, then twice as far again and again
+  for (double before = kFirst; before < refusal_.place.at; before *= 2) {
+    const double length = refusal_.place.at - before;
+    const PoseBT X_BT = space_.pose(way_.point_at(length), from_.X_BT.R);
+    const Asked asked = space_.task() == TaskSpace::kPoint ? Asked::kPoint : Asked::kPose;
+    Move shorter = move_;
+    shorter.way = MoveL{{X_BT, asked}};
+    if (const auto end = end_of(from_, shorter)) {
+      found_.part = {length, end->X_BT};
+      return;
+    }
+  }
+}
+
+/// Along the straight line to the target, from its end on, the first place that joints reach.
+void Search::find_near(const TaskPoint& end) {
+  constexpr int kLooks = 128;
+  ToolWay line(space_.task());
+  line.make_line(space_.point(from_.X_BT), end);
+  const auto reach = [&](double s) -> std::optional<JointArray> {
+    for (const JointArray& q : space_.branches(line.at(s), from_.q)) {
+      if (works(from_, joint_move(q))) return q;
+    }
+    return std::nullopt;
+  };
+  for (int k = kLooks - 1; k > 0 && !found_.near; --k) {
+    double good = line.length() * k / kLooks;
+    auto q = reach(good);
+    if (!q) continue;
+    double bad = line.length() * (k + 1) / kLooks;
+    constexpr double kNearer = 1e-4;  // m
+    while (bad - good > kNearer) {
+      const double middle = (good + bad) / 2;
+      const auto nearer = reach(middle);
+      (nearer ? good : bad) = middle;
+      if (nearer) q = nearer;
+    }
+    const auto X_BT = space_.forward({q->data(), space_.size()}, from_.X_BT);
+    if (X_BT) found_.near = {.q = *q, .left = norm(X_BT->p - end.p_BT)};
+  }
+}
+
+void Search::find_other_start() {
+  constexpr double kSameBranch = 1e-4;
+  for (const JointArray& q : space_.branches(space_.point(from_.X_BT), from_.q)) {
+    double apart = 0;
+    for (std::size_t j = 0; j < kMaxJoints; ++j)
+      apart = std::max(apart, std::abs(q[j] - from_.q[j]));
+    const auto place = builder_.place_at(std::span(q.data(), space_.size()), from_.X_BT);
+    if (apart < kSameBranch || !place || !works(*place, move_)) continue;
+    found_.other_start = q;
+    return;
+  }
+}
+
+/// As little turned as works: where the move asked for a line along one, else by a joint move.
+void Search::find_tilt(const TaskPoint& end) {
+  const Asked asked = space_.task() == TaskSpace::kApproach ? Asked::kApproach : Asked::kPose;
+  for (const bool by_line : {true, false}) {
+    if (by_line && !std::holds_alternative<MoveL>(move_.way)) continue;
+    for (const Turn& turn : turns()) {
+      const ToolTarget target{turned_by(end, turn), asked};
+      // What no branch reaches need not be planned.
+      if (space_.branches(space_.point(target.X_BT), from_.q).empty()) continue;
+      const Move move = by_line ? Move{.way = MoveL{target}} : Move{.way = MoveTo{target}};
+      const auto there = end_of(from_, move);
+      if (!there) continue;
+      const bool rolls = space_.task() == TaskSpace::kPitchRoll;
+      found_.tilted = {turn.tilt, rolls ? turn.other : 0, rolls ? 0 : turn.other, there->X_BT,
+                       std::nullopt};
+      if (!by_line) found_.tilted->q = there->q;
+      return;
+    }
+  }
+}
+
+PoseBT Search::turned_by(const TaskPoint& end, const Turn& turn) const {
+  const PoseBT X_BT = tilted(space_.pose(end, from_.X_BT.R), turn.tilt);
+  if (space_.task() == TaskSpace::kPitchRoll) return {X_BT.R * rotation_z(turn.other), X_BT.p};
+  const double yaw = std::atan2(X_BT.p.y, X_BT.p.x);
+  const Vec3 upright = cross(X_BT.R.z, Vec3{-std::sin(yaw), std::cos(yaw), 0});
+  if (!(norm(upright) > 0)) return X_BT;
+  return {rotation_from_vector(turn.other * normalized(upright)) * X_BT.R, X_BT.p};
+}
+
+MoveProposal Search::run() {
+  if (refusal_.error.code == ErrorCode::kMoveInput) return found_;
+  const bool was_outside = outside();
+  if (was_outside) come_back_inside();
+  if (const auto* joints = std::get_if<MoveJ>(&move_.way)) {
+    for_joint_row(joints->q);
+    return found_;
+  }
+  if (!was_outside) turn_to_nearest();
+  const bool line = std::holds_alternative<MoveL>(move_.way);
+  const bool made = !way_.make(move_, from_) && way_.length() > 0;
+  const bool by_joints = std::holds_alternative<MoveTo>(move_.way);
+  const auto end =
+      made && !by_joints ? std::optional(way_.point_at(way_.length())) : way_.end_of(move_, from_);
+  if (end) {
+    if (!by_joints) {
+      if (const auto q = space_.inverse_near(*end, from_.q); !q) found_.at_target = q.error();
+    }
+    join_target(*end);
+  }
+  if (was_outside) return found_;
+  if (made && line) find_part();
+  const std::optional<TaskPoint> point = end                ? end
+                                         : refusal_.nearest ? std::optional(refusal_.nearest->point)
+                                                            : std::nullopt;
+  if (!point || std::holds_alternative<MoveSpline>(move_.way)) return found_;
+  if (!line && !found_.move_j && !found_.nearest) find_near(*point);
+  if (space_.hexapod() != nullptr) return found_;
+  if (made && !by_joints) find_other_start();
+  const bool five = space_.task() == TaskSpace::kPitchRoll || space_.task() == TaskSpace::kApproach;
+  if (five && !std::holds_alternative<MoveC>(move_.way) && !found_.nearest) find_tilt(*point);
+  return found_;
 }
 
 }  // namespace
 
 MoveProposal propose(MovePathBuilder& builder, const ToolSpace& space, const PathRefusal& refusal,
-                     std::span<const Move> moves, PlannedPath& scratch) {
-  MoveProposal proposal;
-  Move move = moves[refusal.place.move];
-  move.blend_radius = 0;
-  move.blend_joints = 0;
-  // The orientation alone may not be all that is wrong.
-  const auto& nearest = refusal.nearest;
-  if (nearest && works(builder, refusal.from, turned(move, nearest->X_BT), scratch)) {
-    proposal.nearest = nearest;
-  }
-  MoveWay way(space);
-  if (refusal.error.code == ErrorCode::kMoveInput || way.make(move, refusal.from) ||
-      way.straight_in_joints() || way.length() == 0) {
-    return proposal;
-  }
-  const RobotPlace& from = refusal.from;
-  const TaskPoint end = way.point_at(way.length());
-  if (const auto q = space.inverse_near(end, from.q); !q) proposal.at_target = q.error();
-  if (std::holds_alternative<MoveL>(move.way)) {
-    proposal.part = find_part(builder, space, refusal, move, way, scratch);
-  }
-  for (const JointArray& q : space.branches(end, from.q)) {
-    if (!works(builder, from, {.way = MoveJ{q}}, scratch)) continue;
-    proposal.move_j = q;
-    break;
-  }
-  if (space.hexapod() != nullptr) return proposal;
-  constexpr double kSameBranch = 1e-4;
-  for (const JointArray& q : space.branches(space.point(from.X_BT), from.q)) {
-    double apart = 0;
-    for (std::size_t j = 0; j < kMaxJoints; ++j)
-      apart = std::max(apart, std::abs(q[j] - from.q[j]));
-    const auto place = builder.place_at(std::span(q.data(), space.size()), from.X_BT);
-    if (apart < kSameBranch || !place || !works(builder, *place, move, scratch)) continue;
-    proposal.other_start = q;
-    break;
-  }
-  const bool five = space.task() == TaskSpace::kPitchRoll || space.task() == TaskSpace::kApproach;
-  if (five && std::holds_alternative<MoveL>(move.way)) {
-    proposal.tilted = find_tilt(builder, space, from, space.pose(end, from.X_BT.R), scratch);
-  }
-  return proposal;
+                     std::span<const Move> moves, PlannedPath& scratch,
+                     const HitsNothing& hits_nothing) {
+  return Search(builder, space, refusal, moves[refusal.place.move], scratch, hits_nothing).run();
 }
 
 }  // namespace sinew::planning

@@ -256,11 +256,13 @@ TEST(Refusal, names_a_limit_that_is_broken_between_two_good_ends_and_how_far) {
   EXPECT_GT(exact, 0.8 * found);
 }
 
-TEST(Refusal, of_a_start_outside_of_its_limits_says_so) {
+TEST(Refusal, of_a_way_farther_out_from_outside_of_the_limits_says_so) {
   PathRobot robot("robot-arm-2");
   RobotPlace from = robot.place({}, {});
   from.q[3] = from_deg(171);
-  const auto stretch = robot.builder.build(from, std::vector<Move>{joints_to({})}, 0, robot.path);
+  EXPECT_TRUE(robot.builder.build(from, std::vector<Move>{joints_to({})}, 0, robot.path));
+  const std::vector<Move> out{joints_to({0, 0, 0, from_deg(171.1), 0, 0})};
+  const auto stretch = robot.builder.build(from, out, 0, robot.path);
   ASSERT_FALSE(stretch);
   EXPECT_EQ(stretch.error().error.code, ErrorCode::kJointLimit);
   EXPECT_EQ(stretch.error().error.index, 3);
@@ -330,6 +332,7 @@ TEST(Singularity, an_arc_that_just_misses_one_is_refused_or_slowed_and_says_whic
       ++slowed;
       EXPECT_EQ(slowdown.near.code, ErrorCode::kWristSingular) << miss;
       EXPECT_LT(slowdown.tool_speed, 0.05);
+      EXPECT_GE(slowdown.by.joint, 0) << "one joint cannot follow";
       EXPECT_NEAR(slowdown.place.at, middle, 0.1 * whole.length()) << miss;
     }
   }

@@ -13,9 +13,8 @@ constexpr double kJointWay = 0.01;
 /// Pieces in which a joint move's tool way is measured.
 constexpr int kWayParts = 32;
 
-/// No robot is as large as this, m, and no joint turns as far, rad (a leg: m).
+/// No robot is as large as this, m.
 constexpr double kFarAway = 1e3;
-constexpr double kFarTurn = 1e3;
 /// What a sweep over a path can tell from standing.
 constexpr double kToolMin = 1e-6;  // m/s, m/s^2
 constexpr double kShareMin = 1e-3;
@@ -67,6 +66,13 @@ Rotation turned_to(const Rotation& R, const Vec3& z) {
 
 }  // namespace
 
+Error limit_error(std::span<const Joint> joints, std::size_t j, double q) {
+  const Joint& joint = joints[j];
+  const bool leg = joint.kind == JointKind::kPrismatic;
+  return {leg ? ErrorCode::kLegLength : ErrorCode::kJointLimit, static_cast<std::int8_t>(j), q,
+          q < joint.lower ? joint.lower : joint.upper};
+}
+
 std::expected<TaskPoint, MoveFault> MoveWay::resolve(const ToolTarget& target,
                                                      const RobotPlace& from,
                                                      const TaskPoint& last) const {
@@ -93,6 +99,19 @@ std::expected<TaskPoint, MoveFault> MoveWay::resolve(const ToolTarget& target,
   return std::unexpected(MoveFault{point.error().error, point.error()});
 }
 
+std::optional<TaskPoint> MoveWay::end_of(const Move& move, const RobotPlace& from) const {
+  const ToolTarget* target = nullptr;
+  if (const auto* to = std::get_if<MoveTo>(&move.way)) target = &to->to;
+  if (const auto* line = std::get_if<MoveL>(&move.way)) target = &line->to;
+  if (const auto* arc = std::get_if<MoveC>(&move.way)) target = &arc->to;
+  if (const auto* spline = std::get_if<MoveSpline>(&move.way); spline && !spline->through.empty()) {
+    target = &spline->through.back();
+  }
+  if (target == nullptr) return std::nullopt;
+  const auto point = resolve(*target, from, space_.point(from.X_BT));
+  return point ? std::optional(*point) : std::nullopt;
+}
+
 std::optional<MoveFault> MoveWay::make(const Move& move, const RobotPlace& from) {
   if (const auto fault = fault_in(move)) return fault;
   q_from_ = from.q;
@@ -115,18 +134,20 @@ std::optional<MoveFault> MoveWay::make_joints_to(const ToolTarget& target, const
   return make_joints(*q, from);
 }
 
+/// What a pose that cannot be is told as, where a joint beyond its limit is the reason.
+std::optional<Error> MoveWay::limit_broken(const JointArray& q) const {
+  for (std::size_t j = 0; j < space_.size(); ++j) {
+    if (!within_limits(space_.joints()[j], q[j])) return limit_error(space_.joints(), j, q[j]);
+  }
+  return std::nullopt;
+}
+
 std::optional<MoveFault> MoveWay::make_joints(const JointArray& q, const RobotPlace& from) {
   q_to_ = {};
   double largest = 0;
   for (std::size_t j = 0; j < space_.size(); ++j) {
     if (!std::isfinite(q[j])) return bad_input(q[j], kFarTurn);
-    if (std::abs(q[j]) > kFarTurn) {
-      const Joint& joint = space_.joints()[j];
-      const bool leg = joint.kind == JointKind::kPrismatic;
-      return MoveFault{{leg ? ErrorCode::kLegLength : ErrorCode::kJointLimit,
-                        static_cast<std::int8_t>(j), q[j], q[j] < 0 ? joint.lower : joint.upper},
-                       {}};
-    }
+    if (std::abs(q[j]) > kFarTurn) return MoveFault{limit_error(space_.joints(), j, q[j]), {}};
     q_to_[j] = q[j];
     largest = std::max(largest, std::abs(q_to_[j] - from.q[j]));
   }
@@ -137,10 +158,12 @@ std::optional<MoveFault> MoveWay::make_joints(const JointArray& q, const RobotPl
     return std::nullopt;
   }
   double way = 0;
+  double metres = 0;
   for (int k = 1; k <= kWayParts; ++k) {
     const JointArray q_on_way = joints_at(length_ * k / kWayParts);
     const auto X_BT = space_.forward(std::span(q_on_way.data(), space_.size()), X_end_);
-    if (!X_BT) return MoveFault{X_BT.error(), {}};
+    if (!X_BT) return MoveFault{limit_broken(q_to_).value_or(X_BT.error()), {}};
+    metres += norm(X_BT->p - X_end_.p);
     way += std::max(norm(X_BT->p - X_end_.p),
                     kTurnRadius *
                         norm(cross(X_BT->R.x, X_end_.R.x) + cross(X_BT->R.y, X_end_.R.y) +
@@ -149,6 +172,8 @@ std::optional<MoveFault> MoveWay::make_joints(const JointArray& q, const RobotPl
     X_end_ = *X_BT;
   }
   length_ = std::max({way, kJointWay * largest, kNoWay});
+  constexpr double kSame = 0.999;
+  joints_metres_ = metres >= kSame * length_;
   return std::nullopt;
 }
 

@@ -1,7 +1,6 @@
 #include "sinew/planning/path_follower.h"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "sinew/core/assert.h"
@@ -9,8 +8,13 @@
 namespace sinew::planning {
 namespace {
 
+std::optional<Error> feed_error(double feed) {
+  if (feed >= 0 && feed <= PathFollower::kFeedMax) return {};
+  return Error{ErrorCode::kMoveInput, -1, feed, feed < 0 ? 0 : PathFollower::kFeedMax};
+}
+
 double feed_that_counts(double feed) {
-  return feed < PathFollower::kFeedMin ? 0 : std::min(feed, PathFollower::kFeedMax);
+  return feed < PathFollower::kFeedMin ? 0 : feed;
 }
 
 }  // namespace
@@ -21,7 +25,7 @@ PathFollower::PathFollower(std::size_t cells_max)
 std::optional<Error> PathFollower::start(const PlannedPath& path,
                                          std::span<const motion::AxisLimits> limits, double feed,
                                          double shared_velocity) {
-  if (!std::isfinite(feed)) return Error{ErrorCode::kMotionInput, -1, feed, kFeedMax};
+  if (const auto error = feed_error(feed)) return error;
   path_ = nullptr;
   if (const auto error =
           timing_.prepare(path, limits, kFeedMax, LawUse::kChangeable, shared_velocity)) {
@@ -80,7 +84,7 @@ void PathFollower::replan() {
 }
 
 std::optional<Error> PathFollower::set_feed(double feed) {
-  if (!std::isfinite(feed)) return Error{ErrorCode::kMotionInput, -1, feed, kFeedMax};
+  if (const auto error = feed_error(feed)) return error;
   feed = feed_that_counts(feed);
   const double before = std::exchange(feed_, feed);
   if (path_ != nullptr && !stopped_ && !paused_ && feed != before) replan();

@@ -29,7 +29,8 @@ class PathFollower {
   /// From rest at the beginning of the path, which outlives the motion.
   /// @param limits  one per joint. @param feed  0..kFeedMax; 0 waits for another.
   /// @param shared_velocity  as PathTiming::prepare.
-  /// @error as PathTiming::prepare and plan.
+  /// @error kMoveInput: a feed that is no number or outside of that; as PathTiming::prepare and
+  ///        plan.
   std::optional<Error> start(const PlannedPath& path, std::span<const motion::AxisLimits> limits,
                              double feed = 1,
                              double shared_velocity = std::numeric_limits<double>::infinity());
@@ -44,9 +45,9 @@ class PathFollower {
 
   /// Rarely no such plan begins at the state at hand: then it brakes, waits() is true, and each
   /// step tries again, at rest at the latest.
-  /// @param feed  kFeedMin..kFeedMax, clamped; 0 (or less than kFeedMin) is a pause that ends with
-  /// the next feed above 0.
-  /// @error kMotionInput: no number. The motion then goes on as it was.
+  /// @param feed  0..kFeedMax; 0 (or less than kFeedMin) is a pause that ends with the next feed
+  /// above that.
+  /// @error kMoveInput: no number, or outside of that. The motion then goes on as it was.
   std::optional<Error> set_feed(double feed);
   double feed() const { return feed_; }
   /// To rest on the path, as soon as the limits allow; resume() goes on, from wherever it is.

@@ -99,5 +99,27 @@ TEST(PathFollower, a_feed_of_zero_waits_and_a_feed_that_is_no_number_changes_not
   EXPECT_EQ(follower.now().q[0], 1);
 }
 
+TEST(PathFollower, refuses_feeds_below_zero_above_two_and_no_numbers_and_goes_on_as_it_was) {
+  PathFollower follower;
+  PathFollower untouched;
+  const Case line = test_paths::straight({1, -1}, {{1, 2, 20}, {1, 3, 20}}, 1);
+  ASSERT_FALSE(untouched.start(line.path, line.limits).has_value());
+  const double infinity = std::numeric_limits<double>::infinity();
+  for (const double feed : {-1.0, -1e-12, 2 + 1e-9, 3.0, std::nan(""), infinity, -infinity}) {
+    SCOPED_TRACE(feed);
+    auto error = follower.start(line.path, line.limits, feed);
+    ASSERT_TRUE(error.has_value());
+    EXPECT_EQ(error->code, ErrorCode::kMoveInput);
+    ASSERT_FALSE(follower.start(line.path, line.limits).has_value());
+    follower.step(0.5);
+    error = follower.set_feed(feed);
+    ASSERT_TRUE(error.has_value());
+    EXPECT_EQ(error->code, ErrorCode::kMoveInput);
+    EXPECT_EQ(error->limit, feed < 0 ? 0 : PathFollower::kFeedMax);
+    EXPECT_EQ(follower.feed(), 1);
+    EXPECT_NEAR(follower.time_left() + 0.5, untouched.time_left(), 1e-12);
+  }
+}
+
 }  // namespace
 }  // namespace sinew::planning

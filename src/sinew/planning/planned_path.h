@@ -23,6 +23,7 @@ struct PathSection {
   double tool_speed = std::numeric_limits<double>::infinity();         ///< m/s
   double tool_acceleration = std::numeric_limits<double>::infinity();  ///< m/s^2
   double joint_share = 1;  ///< of the joints' velocity limits, (0, 1]
+  bool metres = true;      ///< s counts its tool's way, and not its turn or its joints'
 };
 
 /// A path that the robot can take, checked over its whole length: q(s), what its tool does on the

@@ -81,7 +81,8 @@ void ToolWay::make_line(const TaskPoint& from, const TaskPoint& to) {
   p_from_ = from.p_BT;
   p_to_ = to.p_BT;
   const double angle = set_turn(from, to);
-  length_ = std::max(norm(p_to_ - p_from_), kTurnRadius * angle);
+  metres_ = norm(p_to_ - p_from_);
+  length_ = std::max(metres_, kTurnRadius * angle);
   if (!(length_ >= kNoWay)) length_ = 0;
 }
 
@@ -105,7 +106,8 @@ std::optional<Error> ToolWay::make_arc(const TaskPoint& from, const Vec3& p_via_
   const Vec3 end = to.p_BT - p_centre_;
   sweep_ = std::atan2(dot(end, radius_across_), dot(end, radius_from_));
   if (sweep_ <= 0) sweep_ += 2 * kPi;
-  length_ = std::max(norm(radius_from_) * sweep_, kTurnRadius * turn_between(task_, from, to));
+  metres_ = norm(radius_from_) * sweep_;
+  length_ = std::max(metres_, kTurnRadius * turn_between(task_, from, to));
   return std::nullopt;
 }
 
@@ -116,6 +118,7 @@ void ToolWay::make_spline(std::span<const TaskPoint> through) {
   first_ = through.front().attitude;
   knots_.clear();
   rows_.clear();
+  metres_ = 0;
   const TaskPoint* last = nullptr;
   for (const TaskPoint& point : through) {
     const auto& a = point.attitude;
@@ -124,6 +127,7 @@ void ToolWay::make_spline(std::span<const TaskPoint> through) {
       const double chord =
           std::max(norm(point.p_BT - last->p_BT), kTurnRadius * turn_between(task_, *last, point));
       if (!(chord >= kNoWay)) continue;
+      metres_ += norm(point.p_BT - last->p_BT);
       const Row& before = rows_.back();
       if (task_ == TaskSpace::kPitchRoll) {
         for (std::size_t i = 3; i < 5; ++i) row[i] = wrap_near(row[i], before[i]);

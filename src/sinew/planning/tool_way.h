@@ -30,6 +30,8 @@ class ToolWay {
 
   /// m; 0 where the tool stays.
   double length() const { return length_; }
+  /// s counts the way of the tool's position, at least nearly everywhere.
+  bool counts_metres() const { return metres_ >= 0.999 * length_; }
   /// @param s  [0, length()]
   TaskPoint at(double s) const;
 
@@ -45,6 +47,7 @@ class ToolWay {
   TaskSpace task_;
   Kind kind_ = Kind::kLine;
   double length_ = 0;
+  double metres_ = 0;  ///< that its position moves; of a spline along chords
   Vec3 p_from_;
   Vec3 p_to_;
   // Of the arc: its centre, the radius towards its start, the same a quarter turn on, its sweep.

@@ -111,8 +111,8 @@ struct Node {
   std::vector<HomeLeg> legs;
 };
 
-HomeReturn told(std::vector<HomeLeg> legs, const std::optional<Clearance>& overlap) {
-  HomeReturn back{std::move(legs), 0, overlap};
+HomeReturn told(std::vector<HomeLeg> legs, const Stand& start) {
+  HomeReturn back{std::move(legs), 0, start.nearest, start.q};
   for (const HomeLeg& leg : back.legs) back.duration += leg.motion.duration;
   return back;
 }
@@ -122,7 +122,7 @@ HomeReturn told(std::vector<HomeLeg> legs, const std::optional<Clearance>& overl
 std::expected<HomeReturn, Refusal> home_return(const RobotModel& robot, const JointVector& q,
                                                int line) {
   const JointVector home = home_joints(robot);
-  if (q == home) return HomeReturn{};
+  if (q == home) return HomeReturn{{}, 0, std::nullopt, q};
   const auto start = std::make_shared<const Stand>(stand_at(robot, q));
   std::vector<bool> seen(std::size_t{1} << q.size());
   std::deque<Node> open;
@@ -135,7 +135,7 @@ std::expected<HomeReturn, Refusal> home_return(const RobotModel& robot, const Jo
       if (auto rest = plan_leg(robot, here.q, home, 1, line)) {
         std::vector<HomeLeg> legs = node.legs;
         legs.push_back(std::move(*rest));
-        return told(std::move(legs), start->nearest);
+        return told(std::move(legs), *start);
       }
     }
     for (std::size_t j = 0; j < q.size(); ++j) {
@@ -154,7 +154,7 @@ std::expected<HomeReturn, Refusal> home_return(const RobotModel& robot, const Jo
   }
   // In the words of the straight way, which was tried first or is what anybody would try.
   auto straight = plan_leg(robot, q, home, 1, line);
-  if (straight) return told({std::move(*straight)}, start->nearest);
+  if (straight) return told({std::move(*straight)}, *start);
   return std::unexpected(straight.error());
 }
 

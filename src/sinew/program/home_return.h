@@ -23,6 +23,7 @@ struct HomeReturn {
   double duration = 0;  ///< s, until the driver has told that it is done
   /// What was nearest where homing left the joints, where that is nearer than the robot's margin.
   std::optional<planning::Clearance> overlap;
+  JointVector q_start;  ///< where homing leaves the joints
 };
 
 /// The way home. Bodies that are too near to each other at its beginning may be so for a while:

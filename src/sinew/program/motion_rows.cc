@@ -23,6 +23,11 @@ constexpr double kBlendMax = 1;    // m
 constexpr double kBlendAngleMax = from_deg(60);
 constexpr double kTurnMax = 4 * kPi;  // rad
 constexpr double kFarAway = 100;      // m
+/// What a row adds to a place; the first three are lengths.
+constexpr std::array<std::string_view, 8> kOffsets{"dx",  "dy",  "dz",     "drx",
+                                                   "dry", "drz", "dpitch", "droll"};
+/// A joint's difference: no joint's name has a dot in it.
+constexpr std::string_view kDifference = "d.";
 
 std::string listed(const std::vector<std::string>& names) {
   std::string all;
@@ -32,8 +37,8 @@ std::string listed(const std::vector<std::string>& names) {
 
 }  // namespace
 
-MotionRows::MotionRows(const RobotModel& robot, RowReader& row)
-    : robot_(robot), row_(row), task_(planning::ToolSpace(robot).task()) {
+MotionRows::MotionRows(const RobotModel& robot, RowReader& row, const TaughtPoints* points)
+    : robot_(robot), row_(row), points_(points), space_(robot), task_(space_.task()) {
   for (const Joint& joint : robot.joints) names_.push_back(joint.name);
 }
 
@@ -60,7 +65,12 @@ std::optional<MotionRows::Argument> MotionRows::argument(const Word& word,
 
 void MotionRows::unknown(const Argument& argument, const std::vector<std::string>& names,
                          std::string_view what) {
-  std::vector<std::string_view> known(names.begin(), names.end());
+  std::vector<std::string_view> known;
+  for (const std::string& name : names) {
+    // Who writes rx does not mean dx.
+    const bool difference = std::ranges::find(kOffsets, name) != kOffsets.end();
+    if (!difference || argument.name.starts_with('d')) known.push_back(name);
+  }
   const std::string_view meant = nearest_spelling(argument.name, known);
   row_.complain(argument.word, quoted(argument.name) + " is " + std::string(what) +
                                    (meant.empty() ? "; it has " + listed(names)
@@ -143,6 +153,7 @@ std::optional<Step> MotionRows::joint_row() {
                       (robot_.joints[0].kind == JointKind::kRevolute ? "10deg" : "200mm"));
   }
   Given given;
+  Differences differences;
   for (std::size_t w = 1; w < words.size(); ++w) {
     const auto one = argument(words[w], names_[0] + "=10deg");
     if (!one) {
@@ -150,23 +161,58 @@ std::optional<Step> MotionRows::joint_row() {
       continue;
     }
     const auto taken = option(*one, step.how, given);
-    good = (taken ? *taken : take_joint(*one, step)) && good;
+    good = (taken ? *taken : take_joint(*one, step, differences)) && good;
   }
   if (!good) return std::nullopt;
+  for (std::size_t i = 0; i < names_.size(); ++i) {
+    if (!differences[i]) continue;
+    const auto bit = static_cast<std::uint8_t>(1U << i);
+    if ((step.given & bit) == 0) step.relative = static_cast<std::uint8_t>(step.relative | bit);
+    step.given = static_cast<std::uint8_t>(step.given | bit);
+    step.q[i] += *differences[i];
+  }
   if (step.given != 0) return Step{row_.line(), step};
   row_.complain(words[0], "a joint is missing: options alone move nothing");
   return std::nullopt;
 }
 
-bool MotionRows::take_joint(const Argument& argument, JointStep& step) {
-  const auto joint = joint_named(robot_, argument.name);
+bool MotionRows::take_joint_point(const Argument& argument, JointStep& step) {
+  const TaughtPoint* point = named_point(argument.word, argument.value);
+  if (point == nullptr) return false;
+  const auto* q = std::get_if<JointVector>(&point->place);
+  if (q == nullptr) {
+    row_.complain(argument.word, quoted(point->name) + " is a place of the tool; write move to=" +
+                                     point->name + ", which finds the joints");
+    return false;
+  }
+  if (step.given != 0) {
+    row_.complain(argument.word,
+                  "to= names all joints; beside it a joint takes a difference, as in d." +
+                      names_[0] + "=" + (point->legs ? "1mm" : "5deg"));
+    return false;
+  }
+  step.q = *q;
+  step.given = static_cast<std::uint8_t>((1U << names_.size()) - 1);
+  return true;
+}
+
+bool MotionRows::take_joint(const Argument& argument, JointStep& step, Differences& differences) {
+  if (argument.name == "to") return take_joint_point(argument, step);
+  const bool difference = argument.name.starts_with(kDifference);
+  const auto joint =
+      joint_named(robot_, difference ? argument.name.substr(kDifference.size()) : argument.name);
   if (!joint) {
     std::vector<std::string> known = names_;
     known.insert(known.end(), kOptions.begin(), kOptions.end());
+    if (difference) {
+      for (std::string& name : known) name.insert(0, kDifference);
+      known.resize(names_.size());
+    }
     unknown(argument, known, "no joint of this robot");
     return false;
   }
-  if ((step.given >> *joint & 1) != 0) {
+  const bool again = difference ? differences[*joint].has_value() : (step.given >> *joint & 1) != 0;
+  if (again) {
     row_.complain(argument.word, quoted(argument.name) + " is named twice");
     return false;
   }
@@ -174,6 +220,10 @@ bool MotionRows::take_joint(const Argument& argument, JointStep& step) {
   const auto value =
       row_.quantity(argument.word, argument.value, revolute ? Measure::kAngle : Measure::kLength);
   if (!value) return false;
+  if (difference) {
+    differences[*joint] = *value;
+    return true;
+  }
   step.q[*joint] = *value;
   step.given = static_cast<std::uint8_t>(step.given | 1U << *joint);
   return true;
@@ -184,81 +234,164 @@ std::optional<Step> MotionRows::tool_row(Way way) {
   ToolMoveStep step;
   step.way = way;
   Given given;
-  bool via = false;
+  Collected collected;
   bool good = true;
-  Rotations rotations;
   for (std::size_t w = 1; w < words.size(); ++w) {
     const auto one = argument(words[w], "x=200mm");
     if (!one) {
       good = false;
     } else if (way == Way::kArc && one->name == "via") {
-      if (via) row_.complain(one->word, "'via' is named twice");
-      const auto p = row_.point(one->word, one->value);
-      good = good && p && !via;
-      via = true;
-      step.p_via_BT = p.value_or(Vec3{});
+      good = take_via(*one, step, collected) && good;
     } else {
       const auto taken = option(*one, step.how, given);
-      good = (taken ? *taken : take_goal(*one, step, rotations)) && good;
+      good = (taken ? *taken : take_goal(*one, step, collected)) && good;
     }
   }
-  if (!good || !goal_is_whole(step, rotations, via)) return std::nullopt;
-  if (rotations[0])
-    step.to.R_BT = rotation_from_fixed_xyz({*rotations[0], *rotations[1], *rotations[2]});
+  if (!good || !goal_is_whole(step, collected)) return std::nullopt;
+  return finished(step, collected);
+}
+
+std::optional<Step> MotionRows::finished(ToolMoveStep step, const Collected& collected) {
+  const auto& offset = collected.offset;
+  const bool moved =
+      std::ranges::any_of(offset, [](const auto& value) { return value.has_value(); });
+  if (collected.point != nullptr) {
+    const auto* q = std::get_if<JointVector>(&collected.point->place);
+    if (q != nullptr && !moved && step.way == Way::kJoints) {
+      JointStep joints{.q = *q, .given = 0, .how = step.how};
+      joints.given = static_cast<std::uint8_t>((1U << names_.size()) - 1);
+      return Step{row_.line(), joints};
+    }
+    const auto goal = tool_goal(row_.words()[0], *collected.point);
+    if (!goal) return std::nullopt;
+    step.to = *goal;
+  }
+  if (const Rotations& turn = collected.rotations; turn[0]) {
+    step.to.R_BT = rotation_from_fixed_xyz({*turn[0], *turn[1], *turn[2]});
+  }
+  if (moved) {
+    const auto of = [&](std::size_t which) { return offset[which].value_or(0); };
+    step.to.offset =
+        GoalOffset{{of(0), of(1), of(2)}, {of(3), of(4), of(5)}, of(6), of(7), collected.in_tool};
+  }
   return Step{row_.line(), step};
 }
 
-bool MotionRows::goal_is_whole(const ToolMoveStep& step, const Rotations& rotations, bool via) {
+bool MotionRows::goal_is_whole(const ToolMoveStep& step, const Collected& collected) {
   const Word& row = row_.words()[0];
   const auto named = [](const auto& value) { return value.has_value(); };
-  const bool turned = std::ranges::any_of(rotations, named);
-  if (turned && !std::ranges::all_of(rotations, named)) {
-    row_.complain(row, "rx, ry and rz belong together: an orientation needs all three");
+  const bool turned = std::ranges::any_of(collected.rotations, named);
+  const bool moved = std::ranges::any_of(collected.offset, named);
+  const bool placed =
+      std::ranges::any_of(step.to.p_BT, named) || turned || step.to.pitch || step.to.roll;
+  const auto complain = [&](const std::string& message) {
+    row_.complain(row, message);
     return false;
+  };
+  if (turned && !std::ranges::all_of(collected.rotations, named)) {
+    return complain("rx, ry and rz belong together: an orientation needs all three");
   }
-  if (step.way == Way::kArc && !via) {
-    row_.complain(row, "an arc needs a point on its way; write via=200mm,0mm,180mm");
-    return false;
+  if (step.way == Way::kArc && !collected.via) {
+    return complain("an arc needs a point on its way; write via=200mm,0mm,180mm");
   }
-  if (std::ranges::any_of(step.to.p_BT, named) || turned || step.to.pitch || step.to.roll) {
-    return true;
+  if (collected.point != nullptr && placed) {
+    return complain("to= names the place already; beside it write differences, as in dz=50mm");
   }
-  row_.complain(row, "a target is missing; it has " + listed(goal_names(step.way == Way::kArc)));
-  return false;
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (step.to.p_BT[i] && collected.offset[i] && !collected.in_tool) {
+      const std::string name(kOffsets[i]);
+      return complain(name.substr(1) + " and " + name + " are one number: write their sum");
+    }
+  }
+  if (collected.frame && !moved) {
+    return complain("frame= says along whose axes differences count; it needs one, as in dz=20mm");
+  }
+  if (placed || moved || collected.point != nullptr) return true;
+  return complain("a target is missing; it has " + listed(goal_names(step.way == Way::kArc)));
 }
 
 std::vector<std::string> MotionRows::goal_names(bool arc) const {
   std::vector<std::string> names{"x", "y", "z"};
   if (task_ == TaskSpace::kPitchRoll) names.insert(names.end(), {"pitch", "roll"});
   if (task_ != TaskSpace::kPoint) names.insert(names.end(), {"rx", "ry", "rz"});
+  names.insert(names.end(), {"to", "dx", "dy", "dz"});
+  if (task_ == TaskSpace::kPitchRoll) names.insert(names.end(), {"dpitch", "droll"});
+  if (task_ != TaskSpace::kPoint) names.insert(names.end(), {"drx", "dry", "drz"});
+  names.emplace_back("frame");
   if (arc) names.emplace_back("via");
   names.insert(names.end(), kOptions.begin(), kOptions.end());
   return names;
 }
 
-bool MotionRows::take_goal(const Argument& argument, ToolMoveStep& step, Rotations& rotations) {
-  constexpr std::array<std::string_view, 3> kAxes{"x", "y", "z"};
-  for (std::size_t i = 0; i < kAxes.size(); ++i) {
-    if (argument.name != kAxes[i]) continue;
-    const bool again = step.to.p_BT[i].has_value();
-    const auto value = row_.quantity(argument.word, argument.value, Measure::kLength);
-    step.to.p_BT[i] = value.value_or(0);
-    if (value && (again || !(std::abs(*value) <= kFarAway))) {
-      row_.complain(argument.word, quoted(argument.name) +
-                                       (again ? " is named twice" : " is farther away than 100 m"));
-      return false;
-    }
-    return value.has_value();
+bool MotionRows::take_via(const Argument& argument, ToolMoveStep& step, Collected& collected) {
+  if (collected.via) {
+    row_.complain(argument.word, "'via' is named twice");
+    return false;
   }
+  collected.via = true;
+  const auto p = position(argument.word, argument.value);
+  step.p_via_BT = p.value_or(Vec3{});
+  return p.has_value();
+}
+
+bool MotionRows::take_frame(const Argument& argument, Collected& collected) {
+  if (collected.frame) {
+    row_.complain(argument.word, "'frame' is named twice");
+    return false;
+  }
+  collected.frame = true;
+  collected.in_tool = argument.value == "tool";
+  if (argument.value == "tool" || argument.value == "base") return true;
+  row_.complain(argument.word, quoted(argument.value) + ": a frame is base or tool");
+  return false;
+}
+
+bool MotionRows::take_offset(const Argument& argument, std::size_t which, Collected& collected) {
+  auto& value = collected.offset[which];
+  return which < 3 ? take_length(argument, value) : take_angle(argument, value);
+}
+
+bool MotionRows::take_goal(const Argument& argument, ToolMoveStep& step, Collected& collected) {
   const auto names = goal_names(step.way == Way::kArc);
   if (std::ranges::find(names, argument.name) == names.end()) {
     unknown(argument, names, "nothing that this row takes");
     return false;
   }
+  constexpr std::array<std::string_view, 3> kAxes{"x", "y", "z"};
+  if (const auto axis = std::ranges::find(kAxes, argument.name); axis != kAxes.end()) {
+    return take_length(argument, step.to.p_BT[static_cast<std::size_t>(axis - kAxes.begin())]);
+  }
+  if (const auto one = std::ranges::find(kOffsets, argument.name); one != kOffsets.end()) {
+    return take_offset(argument, static_cast<std::size_t>(one - kOffsets.begin()), collected);
+  }
+  if (argument.name == "frame") return take_frame(argument, collected);
+  if (argument.name == "to") {
+    if (collected.point != nullptr) {
+      row_.complain(argument.word, "'to' is named twice");
+      return false;
+    }
+    collected.point = named_point(argument.word, argument.value);
+    return collected.point != nullptr;
+  }
   if (argument.name == "pitch") return take_angle(argument, step.to.pitch);
   if (argument.name == "roll") return take_angle(argument, step.to.roll);
   // What is left is rx, ry or rz.
-  return take_angle(argument, rotations[argument.name == "rx" ? 0 : argument.name == "ry" ? 1 : 2]);
+  return take_angle(argument, collected.rotations[argument.name == "rx"   ? 0
+                                                  : argument.name == "ry" ? 1
+                                                                          : 2]);
+}
+
+/// @param length  set already where the row named it before
+bool MotionRows::take_length(const Argument& argument, std::optional<double>& length) {
+  const bool again = length.has_value();
+  const auto value = row_.quantity(argument.word, argument.value, Measure::kLength);
+  length = value.value_or(0);
+  if (value && (again || !(std::abs(*value) <= kFarAway))) {
+    row_.complain(argument.word, quoted(argument.name) +
+                                     (again ? " is named twice" : " is farther away than 100 m"));
+    return false;
+  }
+  return value.has_value();
 }
 
 /// @param angle  set already where the row named it before
@@ -282,7 +415,7 @@ std::optional<Step> MotionRows::spline_row() {
   bool good = true;
   for (std::size_t w = 1; w < words.size(); ++w) {
     if (words[w].text.find('=') == std::string_view::npos) {
-      const auto p = row_.point(words[w], words[w].text);
+      const auto p = position(words[w], words[w].text);
       good = good && p;
       through.push_back(p.value_or(Vec3{}));
       continue;

@@ -14,8 +14,8 @@ namespace sinew::program {
 /// The rows of a program that move the robot: joint, move, line, arc, spline.
 class MotionRows {
  public:
-  /// @param robot, row  outlive this.
-  MotionRows(const RobotModel& robot, RowReader& row);
+  /// @param robot, row, points  outlive this; points may be null.
+  MotionRows(const RobotModel& robot, RowReader& row, const TaughtPoints* points);
 
   static bool known(std::string_view name);
   /// The row at hand as a step; nothing where something was complained about.
@@ -37,6 +37,17 @@ class MotionRows {
 
   /// rx, ry, rz as far as they were given.
   using Rotations = std::array<std::optional<double>, 3>;
+  /// What a joint row collects besides its step: a difference a joint.
+  using Differences = std::array<std::optional<double>, kMaxJoints>;
+  /// What a row of the tool collects besides its step.
+  struct Collected {
+    Rotations rotations;
+    const TaughtPoint* point = nullptr;
+    std::array<std::optional<double>, 8> offset;  ///< in the order of kOffsets
+    bool frame = false;                           ///< was named
+    bool in_tool = false;
+    bool via = false;
+  };
 
   std::optional<Step> joint_row();
   std::optional<Step> tool_row(ToolMoveStep::Way way);
@@ -46,16 +57,30 @@ class MotionRows {
   std::optional<bool> option(const Argument& argument, MotionOptions& how, Given& given);
   bool take_speed(const Argument& argument, MotionOptions& how, Given& given);
   bool take_blend(const Argument& argument, MotionOptions& how);
-  bool take_joint(const Argument& argument, JointStep& step);
-  bool take_goal(const Argument& argument, ToolMoveStep& step, Rotations& rotations);
-  bool goal_is_whole(const ToolMoveStep& step, const Rotations& rotations, bool via);
+  bool take_joint(const Argument& argument, JointStep& step, Differences& differences);
+  bool take_joint_point(const Argument& argument, JointStep& step);
+  bool take_goal(const Argument& argument, ToolMoveStep& step, Collected& collected);
+  bool take_via(const Argument& argument, ToolMoveStep& step, Collected& collected);
+  bool take_offset(const Argument& argument, std::size_t which, Collected& collected);
+  bool take_frame(const Argument& argument, Collected& collected);
+  bool goal_is_whole(const ToolMoveStep& step, const Collected& collected);
+  std::optional<Step> finished(ToolMoveStep step, const Collected& collected);
   bool take_angle(const Argument& argument, std::optional<double>& angle);
+  bool take_length(const Argument& argument, std::optional<double>& length);
+  /// The taught point of that name, for this robot; complains where there is none.
+  const TaughtPoint* named_point(const Word& word, std::string_view name);
+  /// Its place for the tool; complains where its joints give none.
+  std::optional<ToolGoal> tool_goal(const Word& word, const TaughtPoint& point);
+  /// "X,Y,Z" or a taught point.
+  std::optional<Vec3> position(const Word& word, std::string_view text);
   void unknown(const Argument& argument, const std::vector<std::string>& names,
                std::string_view what);
   std::vector<std::string> goal_names(bool arc) const;
 
   const RobotModel& robot_;
   RowReader& row_;
+  const TaughtPoints* points_;
+  planning::ToolSpace space_;
   planning::TaskSpace task_;
   std::vector<std::string> names_;
 };

@@ -3,65 +3,109 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <map>
 #include <string>
 
-#include "sinew/core/spelling.h"
 #include "sinew/core/stable_sort.h"
+#include "sinew/program/conditions.h"
 #include "sinew/program/motion_rows.h"
+#include "sinew/program/program_rows.h"
 
 namespace sinew::program {
 namespace {
 
 constexpr std::size_t kNestingMax = 8;
+constexpr std::size_t kCallsMax = 8;  // deep
+constexpr std::size_t kFilesMax = 64;
 constexpr int kRoundsMax = 10'000;
 constexpr double kWaitMax = 3600;  // s
-constexpr std::array<std::string_view, 13> kRows{"joint", "move", "line",    "arc",     "spline",
-                                                 "home",  "jaws", "gripper", "suction", "nozzle",
-                                                 "wait",  "loop", "end"};
+constexpr double kSettledIn = 5;   // s, where a row does not say it
 
+/// What the files of one program share.
+class Reading {
+ public:
+  Reading(const RobotModel& robot, const Surroundings& around, std::string name)
+      : robot_(robot), around_(around), open_{std::move(name)} {}
+
+  /// The rows of one file with all that it calls; places count from its own first row.
+  std::vector<Step> read(std::string_view text, const std::string& file_name);
+  /// Of a program that is called: read once, however often. Null where a sentence says why not.
+  std::expected<const std::vector<Step>*, std::string> called(std::string_view name);
+
+  /// For `more` rows behind `first` ones; also of all that was ever copied, since calls multiply.
+  bool has_room(std::size_t first, std::size_t more) {
+    copied_ += more;
+    return first + more <= kStepsMax && copied_ <= 2 * kStepsMax;
+  }
+
+  const RobotModel& robot() const { return robot_; }
+  const Surroundings& around() const { return around_; }
+  std::vector<Complaint>& complaints() { return complaints_; }
+  std::vector<std::string>& files() { return files_; }
+  std::vector<CallRow>& calls() { return calls_; }
+
+ private:
+  const RobotModel& robot_;
+  const Surroundings& around_;
+  std::vector<std::string> files_;
+  std::vector<CallRow> calls_;
+  std::size_t copied_ = 0;
+  std::vector<std::string> open_;  ///< names of those that are being read, outermost first
+  std::map<std::string, std::vector<Step>, std::less<>> known_;
+  std::vector<Complaint> complaints_;
+};
+
+/// One file.
 class Parser {
  public:
-  Parser(std::string_view file_name, const RobotModel& robot)
-      : row_(file_name), motions_(robot, row_) {}
+  Parser(std::string_view file_name, int file, Reading& reading)
+      : file_(file),
+        reading_(reading),
+        robot_(reading.robot()),
+        row_(file_name),
+        motions_(robot_, row_, reading.around().points) {}
 
   void take_line(int number, std::string_view line) {
     row_.begin(number, line);
     if (row_.words().empty()) return;
     const std::string_view name = word(0).text;
     if (MotionRows::known(name)) {
-      if (auto step = motions_.read()) program_.steps.push_back(std::move(*step));
+      if (auto step = motions_.read()) {
+        step->file = file_;
+        steps_.push_back(std::move(*step));
+      }
       return;
     }
     if (name == "home") return take_home();
     if (name == "wait") return take_wait();
     if (name == "loop") return take_loop();
+    if (name == "if") return take_if();
+    if (name == "else") return take_else();
     if (name == "end") return take_end();
+    if (name == "call") return take_call();
     if (name == "jaws" || name == "gripper" || name == "suction" || name == "nozzle") {
       return take_tool(name);
     }
-    const std::string_view meant = nearest_spelling(name, kRows);
-    std::string all;
-    for (const std::string_view known : kRows) all += (all.empty() ? "" : " ") + std::string(known);
-    row_.complain(word(0), "unknown step " + quoted(name) +
-                               (meant.empty() ? "; steps are " + all
-                                              : "; did you mean " + std::string(meant) + "?"));
+    row_.complain(word(0), unknown_row(name).value_or("unknown step"));
   }
 
   void finish() {
-    for (const std::size_t loop : open_loops_) {
-      row_.complain_in(program_.steps[loop].line, Word{"loop", 1},
-                       "loop without end: write end behind its last step");
+    for (const std::size_t place : open_) {
+      const bool loop = std::holds_alternative<LoopStep>(steps_[place].what);
+      const std::string name = loop ? "loop" : "if";
+      row_.complain_in(steps_[place].line, Word{name, 1},
+                       name + " without end: write end behind its last step");
     }
   }
 
   bool full() const { return row_.full(); }
   std::vector<Complaint>& complaints() { return row_.complaints(); }
-  Program& program() { return program_; }
+  std::vector<Step>& steps() { return steps_; }
 
  private:
   template <class What>
   void add(What what) {
-    program_.steps.push_back({row_.line(), std::move(what)});
+    steps_.push_back({row_.line(), std::move(what), file_});
   }
   const Word& word(std::size_t place) const { return row_.words()[place]; }
 
@@ -69,14 +113,38 @@ class Parser {
     if (row_.takes_words(0, "home, which homes all joints")) add(HomeStep{});
   }
 
+  std::optional<double> waiting_time(const Word& at) {
+    const auto time = row_.quantity(at, at.text, Measure::kTime);
+    if (!time || (*time >= 0 && *time <= kWaitMax)) return time;
+    row_.complain(at, "a wait is 0 s to one hour");
+    return std::nullopt;
+  }
+
   void take_wait() {
-    if (!row_.takes_words(1, "wait 0.5s")) return;
-    const auto time = row_.quantity(word(1), word(1).text, Measure::kTime);
-    if (!time) return;
-    if (*time < 0 || *time > kWaitMax) {
-      return row_.complain(word(1), "a wait is 0 s to one hour");
+    const std::size_t count = row_.words().size();
+    const std::string_view what = count > 1 ? word(1).text : "";
+    if (what != "settled" && what != "until") {
+      if (!row_.takes_words(1, "wait 0.5s")) return;
+      if (const auto time = waiting_time(word(1))) add(WaitStep{from_seconds(*time)});
+      return;
     }
-    add(WaitStep{from_seconds(*time)});
+    const bool bounded = count >= 4 && word(count - 2).text == "for";
+    const auto time = bounded ? waiting_time(word(count - 1)) : std::optional(kSettledIn);
+    if (what == "settled") {
+      if (count != (bounded ? 4U : 2U)) {
+        return row_.complain(word(2), "write wait settled, or wait settled for 5s");
+      }
+      if (time) add(WaitStep{from_seconds(*time), WaitStep::For::kSettled, {}});
+      return;
+    }
+    if (!bounded || count < 5) {
+      return row_.complain(word(1),
+                           "say what for and how long at most, as in wait until z<100mm for 5s");
+    }
+    const auto condition = read_condition(row_, robot_, 2, count - 2);
+    if (time && condition) {
+      add(WaitStep{from_seconds(*time), WaitStep::For::kCondition, *condition});
+    }
   }
 
   void take_loop() {
@@ -88,20 +156,67 @@ class Parser {
         rounds > kRoundsMax) {
       row_.complain(word(1), quoted(text) + ": a loop has 1 to 10000 rounds");
     }
-    if (open_loops_.size() == kNestingMax) {
-      return row_.complain(word(0), "loops are nested at most 8 deep");
+    open_block(LoopStep{rounds, 0});
+  }
+
+  /// Its `end` is awaited also where something was wrong with it.
+  template <class What>
+  void open_block(What what) {
+    if (open_.size() == kNestingMax) {
+      return row_.complain(word(0), "loops and ifs are nested at most 8 deep");
     }
-    open_loops_.push_back(program_.steps.size());
-    add(LoopStep{rounds, 0});
+    open_.push_back(steps_.size());
+    add(std::move(what));
+  }
+
+  void take_if() {
+    const auto condition = read_condition(row_, robot_, 1, row_.words().size());
+    open_block(IfStep{condition.value_or(Condition{}), 0, 0});
+  }
+
+  void take_else() {
+    if (!row_.takes_words(0, "else")) return;
+    auto* branch = open_.empty() ? nullptr : std::get_if<IfStep>(&steps_[open_.back()].what);
+    if (branch == nullptr) return row_.complain(word(0), "else without if");
+    if (branch->otherwise != 0) return row_.complain(word(0), "this if has an else already");
+    branch->otherwise = steps_.size();
+    add(ElseStep{open_.back()});
   }
 
   void take_end() {
     if (!row_.takes_words(0, "end")) return;
-    if (open_loops_.empty()) return row_.complain(word(0), "end without loop");
-    const std::size_t loop = open_loops_.back();
-    open_loops_.pop_back();
-    std::get<LoopStep>(program_.steps[loop].what).end = program_.steps.size();
-    add(EndStep{loop});
+    if (open_.empty()) return row_.complain(word(0), "end without loop or if");
+    const std::size_t begin = open_.back();
+    open_.pop_back();
+    if (auto* loop = std::get_if<LoopStep>(&steps_[begin].what)) {
+      loop->end = steps_.size();
+    } else {
+      auto& branch = std::get<IfStep>(steps_[begin].what);
+      branch.end = steps_.size();
+      if (branch.otherwise == 0) branch.otherwise = branch.end;
+    }
+    add(EndStep{begin});
+  }
+
+  void take_call() {
+    if (!row_.takes_words(1, "call NAME")) return;
+    const auto body = reading_.called(word(1).text);
+    if (!body) return row_.complain(word(1), body.error());
+    const std::size_t first = steps_.size();
+    if (file_ == 0 && !(*body)->empty()) reading_.calls().push_back({row_.line(), first});
+    if (!reading_.has_room(first, (*body)->size())) {
+      return row_.complain(word(0), "with what it calls the program has more than 100000 rows");
+    }
+    for (Step step : **body) {
+      if (auto* loop = std::get_if<LoopStep>(&step.what)) loop->end += first;
+      if (auto* end = std::get_if<EndStep>(&step.what)) end->loop += first;
+      if (auto* other = std::get_if<ElseStep>(&step.what)) other->begin += first;
+      if (auto* branch = std::get_if<IfStep>(&step.what)) {
+        branch->otherwise += first;
+        branch->end += first;
+      }
+      steps_.push_back(std::move(step));
+    }
   }
 
   void take_tool(std::string_view row) {
@@ -144,11 +259,66 @@ class Parser {
     add(ToolStep{NozzleTo{*angle, from_seconds(*time)}});
   }
 
+  int file_;
+  Reading& reading_;
+  const RobotModel& robot_;
   RowReader row_;
   MotionRows motions_;
-  std::vector<std::size_t> open_loops_;
-  Program program_;
+  std::vector<std::size_t> open_;  ///< places of loops and ifs
+  std::vector<Step> steps_;
 };
+
+std::vector<Step> Reading::read(std::string_view text, const std::string& file_name) {
+  files_.push_back(file_name);
+  Parser parser(file_name, static_cast<int>(files_.size()) - 1, *this);
+  for_each_line(text, [&](int number, std::string_view line) {
+    parser.take_line(number, line);
+    return !parser.full();
+  });
+  parser.finish();
+  stable_sort_by(parser.complaints(), [](const Complaint& complaint) {
+    return Place{complaint.line, complaint.column};
+  });
+  for (Complaint& complaint : parser.complaints()) {
+    if (complaints_.size() < RowReader::kComplaintMax) complaints_.push_back(std::move(complaint));
+  }
+  return std::move(parser.steps());
+}
+
+std::expected<const std::vector<Step>*, std::string> Reading::called(std::string_view name) {
+  const auto plain = [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' ||
+           c == '-';
+  };
+  if (!std::ranges::all_of(name, plain) || name.size() > 64) {
+    return std::unexpected(quoted(name) +
+                           ": a program is called by its name alone, letters, digits, - and _; it "
+                           "lies in the same folder");
+  }
+  if (const auto known = known_.find(name); known != known_.end()) return &known->second;
+  if (const auto again = std::ranges::find(open_, name); again != open_.end()) {
+    std::string chain;
+    for (auto one = again; one != open_.end(); ++one) chain += *one + " calls ";
+    return std::unexpected("a program cannot call itself: " + chain + std::string(name));
+  }
+  if (open_.size() > kCallsMax) return std::unexpected("calls are nested at most 8 deep");
+  if (files_.size() == kFilesMax) {
+    return std::unexpected("a program calls at most 63 others");
+  }
+  if (!around_.load) return std::unexpected(quoted(name) + ": nothing can be called from here");
+  const auto file = around_.load(name);
+  if (!file) return std::unexpected(file.error());
+  open_.emplace_back(name);
+  auto steps = read(file->text, file->name);
+  open_.pop_back();
+  return &known_.emplace(name, std::move(steps)).first->second;
+}
+
+/// "NAME" of "folder/NAME.sinew": what a call of the file itself would say.
+std::string called_name(std::string_view file_name) {
+  file_name.remove_prefix(std::min(file_name.find_last_of('/') + 1, file_name.size()));
+  return std::string(file_name.substr(0, file_name.rfind(".sinew")));
+}
 
 }  // namespace
 
@@ -161,25 +331,15 @@ const MotionOptions* motion_of(const Step& step) {
 
 std::expected<Program, std::vector<Complaint>> parse(std::string_view text,
                                                      std::string_view file_name,
-                                                     const RobotModel& robot) {
-  Parser parser(file_name, robot);
-  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
-  if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
-  for (int number = 1; !text.empty() && !parser.full(); ++number) {
-    const std::size_t end = std::min(text.find('\n'), text.size());
-    std::string_view line = text.substr(0, end);
-    if (line.ends_with('\r')) line.remove_suffix(1);
-    parser.take_line(number, line);
-    text.remove_prefix(std::min(end + 1, text.size()));
-  }
-  parser.finish();
-  if (!parser.complaints().empty()) {
-    stable_sort_by(parser.complaints(), [](const Complaint& complaint) {
-      return Place{complaint.line, complaint.column};
-    });
-    return std::unexpected(std::move(parser.complaints()));
-  }
-  return std::move(parser.program());
+                                                     const RobotModel& robot,
+                                                     const Surroundings& around) {
+  Reading reading(robot, around, called_name(file_name));
+  Program program;
+  program.steps = reading.read(text, std::string(file_name));
+  program.files = std::move(reading.files());
+  program.calls = std::move(reading.calls());
+  if (!reading.complaints().empty()) return std::unexpected(std::move(reading.complaints()));
+  return program;
 }
 
 }  // namespace sinew::program

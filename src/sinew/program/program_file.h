@@ -3,9 +3,11 @@
 #include <array>
 #include <cstddef>
 #include <expected>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <variant>
 #include <vector>
@@ -13,20 +15,22 @@
 #include "sinew/core/complaint.h"
 #include "sinew/core/instant.h"
 #include "sinew/driver/driver.h"
-#include "sinew/model/robot_model.h"
+#include "sinew/model/taught_points.h"
 
 /// Programs in Sinew's own format, `NAME.sinew`: one step a row, named arguments with units, for
 /// every robot. docs/programs.md has the grammar.
 ///
 ///   joint base=30deg J2=-20deg speed=50%   | joints that are not named stay where they are
+///   joint d.base=5deg | line dz=-10mm      | from where it is; with frame=tool along its own axes
+///   joint to=NAME | line to=NAME dz=50mm   | a taught point, and beside it
 ///   move x=200mm z=150mm blend=5deg        | the tool goes there, the joints straight
 ///   line y=-50mm speed=80mm/s blend=20mm   | the tool goes there along a straight line
 ///   arc via=200mm,0mm,180mm y=50mm         | along the circle through `via`
 ///   spline 200mm,0mm,150mm 210mm,20mm,150mm accel=500mm/s2
 ///   home                                   | find the zeros, on machines with end stops
 ///   jaws 20mm | gripper 40deg|off | suction on|release|off | nozzle 45deg time=1s
-///   wait 0.5s
-///   loop 3 ... end
+///   wait 0.5s | wait settled | wait until base>20deg for 5s
+///   loop 3 ... end | if z<100mm ... else ... end | call NAME
 namespace sinew::program {
 
 /// How a motion is made: what a row says behind its target.
@@ -45,6 +49,18 @@ struct JointStep {
   JointVector q;           ///< rad or m; one per joint
   std::uint8_t given = 0;  ///< bit i: joint i
   MotionOptions how;
+  std::uint8_t relative = 0;  ///< bit i: q[i] is counted from where joint i is
+};
+
+/// What a row adds to the place that it names, or to where the tool is.
+struct GoalOffset {
+  Vec3 dp;               ///< m
+  Vec3 turn;             ///< rad, about the frame's axes x, then y, then z, which stay
+  double pitch = 0;      ///< rad, of arms with five joints
+  double roll = 0;       ///< rad
+  bool in_tool = false;  ///< dp and turn along the tool's axes as they are there, else the base's
+
+  friend bool operator==(const GoalOffset&, const GoalOffset&) = default;
 };
 
 /// Where a row sends the tool; what it does not name stays as it is.
@@ -53,6 +69,7 @@ struct ToolGoal {
   std::optional<Rotation> R_BT;
   std::optional<double> pitch;  ///< rad, of arms with five joints
   std::optional<double> roll;   ///< rad
+  std::optional<GoalOffset> offset;
 };
 
 /// The tool goes somewhere.
@@ -68,8 +85,28 @@ struct SplineStep {
   MotionOptions how;
 };
 struct HomeStep {};
+
+/// What an `if` or a `wait until` asks: one measured number against one that the row says.
+struct Condition {
+  enum class Subject : std::uint8_t { kJoint, kToolX, kToolY, kToolZ, kSupply };
+  enum class Test : std::uint8_t { kAbove, kBelow };  ///< >= and <= mean the same as > and <
+  Subject subject = Subject::kJoint;
+  Test test = Test::kAbove;
+  std::size_t joint = 0;  ///< of kJoint
+  double value = 0;       ///< rad, m or V
+
+  bool of_position() const { return subject != Subject::kSupply; }
+  bool holds(double measured) const {
+    return test == Test::kAbove ? measured > value : measured < value;
+  }
+  friend bool operator==(const Condition&, const Condition&) = default;
+};
+
 struct WaitStep {
-  Duration duration{};
+  enum class For : std::uint8_t { kTime, kCondition, kSettled };
+  Duration duration{};  ///< of kTime; of the others the longest, behind which the run fails
+  For what = For::kTime;
+  Condition until{};
 };
 struct ToolStep {
   ToolAction action;
@@ -78,27 +115,62 @@ struct LoopStep {
   int rounds = 1;
   std::size_t end = 0;  ///< place of its EndStep
 };
+struct IfStep {
+  Condition condition;
+  std::size_t otherwise = 0;  ///< place of its ElseStep, or of its EndStep where it has none
+  std::size_t end = 0;        ///< place of its EndStep
+};
+struct ElseStep {
+  std::size_t begin = 0;  ///< place of its IfStep
+};
 struct EndStep {
-  std::size_t loop = 0;  ///< place of its LoopStep
+  std::size_t loop = 0;  ///< place of its LoopStep or IfStep
 };
 
 struct Step {
   int line = 0;  ///< of the file, from 1
-  std::variant<JointStep, ToolMoveStep, SplineStep, HomeStep, WaitStep, ToolStep, LoopStep, EndStep>
+  std::variant<JointStep, ToolMoveStep, SplineStep, HomeStep, WaitStep, ToolStep, LoopStep, EndStep,
+               IfStep, ElseStep>
       what;
+  int file = 0;  ///< of Program::files
 };
 
 /// How a row moves the robot; nothing where it does not.
 const MotionOptions* motion_of(const Step& step);
 
-struct Program {
-  std::vector<Step> steps;
+/// A row of the program's own file that calls another program.
+struct CallRow {
+  int line = 0;
+  std::size_t first = 0;  ///< place of the first step that it stands for
 };
+
+struct Program {
+  std::vector<Step> steps;         ///< those of called programs where they are called
+  std::vector<std::string> files;  ///< the program's own name, then of those that it calls
+  std::vector<CallRow> calls{};
+};
+
+/// A called program's text and how complaints shall name it.
+struct CalledFile {
+  std::string name;
+  std::string text;
+};
+
+/// What lies beside a program in its folder.
+struct Surroundings {
+  const TaughtPoints* points = nullptr;  ///< null: no such file
+  /// Reads the program of this name (is_point_name() holds). @error  a sentence
+  std::function<std::expected<CalledFile, std::string>(std::string_view name)> load;
+};
+
+/// Rows of a program with all that it calls; more is a slip or an attack.
+inline constexpr std::size_t kStepsMax = 100'000;
 
 /// Reads a program. All complaints come at once, up to some hundred; nothing else is checked than
 /// what the text alone can tell: names, units, nesting. Limits are the plan's.
 std::expected<Program, std::vector<Complaint>> parse(std::string_view text,
                                                      std::string_view file_name,
-                                                     const RobotModel& robot);
+                                                     const RobotModel& robot,
+                                                     const Surroundings& around = {});
 
 }  // namespace sinew::program

@@ -58,7 +58,7 @@ TEST(ProgramFile, every_fault_is_told_at_its_place_with_its_remedy) {
       {"jont base=1deg", "p.sinew:1:1: unknown step 'jont'; did you mean joint?"},
       {"\n  fly",
        "p.sinew:2:3: unknown step 'fly'; steps are joint move line arc spline home jaws gripper "
-       "suction nozzle wait loop end"},
+       "suction nozzle wait loop if else end call"},
       {"joint", "p.sinew:1:1: a joint is missing; write joint base=10deg"},
       {"joint speed=50%", "p.sinew:1:1: a joint is missing: options alone move nothing"},
       {"joint base=10", "p.sinew:1:7: '10' needs a unit: deg, rad"},
@@ -77,7 +77,7 @@ TEST(ProgramFile, every_fault_is_told_at_its_place_with_its_remedy) {
       {"home base", "p.sinew:1:6: too many words; write home, which homes all joints"},
       {"loop 0\nend", "p.sinew:1:6: '0': a loop has 1 to 10000 rounds"},
       {"loop 2", "p.sinew:1:1: loop without end: write end behind its last step"},
-      {"end", "p.sinew:1:1: end without loop"},
+      {"end", "p.sinew:1:1: end without loop or if"},
       {"suction of", "p.sinew:1:9: 'of': suction is on, release or off"},
       {"nozzle 10deg 1s", "p.sinew:1:14: write how long it takes, as in time=1s"},
       {"nozzle 10deg time=0s", "p.sinew:1:14: time is above 0 and at most 60 s"},
@@ -96,12 +96,14 @@ TEST(ProgramFile, every_fault_of_a_tool_row_is_told_too) {
     const char* complaint;
   } kCases[] = {
       {"line",
-       "p.sinew:1:1: a target is missing; it has x y z pitch roll rx ry rz speed accel blend"},
+       "p.sinew:1:1: a target is missing; it has x y z pitch roll rx ry rz to dx dy dz dpitch "
+       "droll drx dry drz frame speed accel blend"},
       {"line speed=10%",
-       "p.sinew:1:1: a target is missing; it has x y z pitch roll rx ry rz speed accel blend"},
+       "p.sinew:1:1: a target is missing; it has x y z pitch roll rx ry rz to dx dy dz dpitch "
+       "droll drx dry drz frame speed accel blend"},
       {"line X=10mm",
-       "p.sinew:1:6: 'X' is nothing that this row takes; it has x y z pitch roll rx ry rz speed "
-       "accel blend"},
+       "p.sinew:1:6: 'X' is nothing that this row takes; it has x y z pitch roll rx ry rz to dx "
+       "dy dz dpitch droll drx dry drz frame speed accel blend"},
       {"line x=10", "p.sinew:1:6: '10' needs a unit: mm, cm, m, in"},
       {"line x=1mm x=2mm", "p.sinew:1:12: 'x' is named twice"},
       {"line x=200m", "p.sinew:1:6: 'x' is farther away than 100 m"},
@@ -128,8 +130,8 @@ TEST(ProgramFile, every_fault_of_a_tool_row_is_told_too) {
       {"arc via=1mm,2mm,3 x=1mm", "p.sinew:1:5: '3' needs a unit: mm, cm, m, in"},
       {"arc via=1mm,2mm,3mm via=1mm,2mm,3mm x=1mm", "p.sinew:1:21: 'via' is named twice"},
       {"line via=1mm,2mm,3mm",
-       "p.sinew:1:6: 'via' is nothing that this row takes; it has x y z pitch roll rx ry rz speed "
-       "accel blend"},
+       "p.sinew:1:6: 'via' is nothing that this row takes; it has x y z pitch roll rx ry rz to dx "
+       "dy dz dpitch droll drx dry drz frame speed accel blend"},
       {"spline", "p.sinew:1:1: a spline has 1 to 256 points, as in 200mm,0mm,150mm"},
       {"spline 1mm,2mm,3mm x=1mm",
        "p.sinew:1:20: 'x' is nothing that this row takes; it has speed accel blend"},
@@ -182,7 +184,7 @@ TEST(ProgramFile, arms_with_five_joints_take_pitch_and_roll) {
   EXPECT_FALSE(parse("line pitch=90deg", "p", test::robot("puma560")));
   EXPECT_EQ(complaints("line rx=1deg", "maxarm"),
             std::vector<std::string>{"p.sinew:1:6: 'rx' is nothing that this row takes; it has x y "
-                                     "z speed accel blend"});
+                                     "z to dx dy dz frame speed accel blend"});
 }
 
 TEST(ProgramFile, all_faults_come_at_once_and_never_too_many) {

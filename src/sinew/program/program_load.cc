@@ -93,6 +93,12 @@ std::expected<std::vector<JointLoad>, Refusal> load_of(
     std::optional<Error> error;
     if (const auto* move = std::get_if<MoveOrder>(&order.what)) {
       SINEW_ASSERT(move->q_start.has_value());
+      if (move->first_move) {
+        // Nobody knows how it goes.
+        start += move->duration;
+        q = move->q;
+        continue;
+      }
       JointVector at = *move->q_start;
       for (std::span<const Step> rows = move->rows; !rows.empty() && !error;) {
         const auto motion = planner.plan(at, rows);

@@ -18,7 +18,8 @@ namespace sinew::program {
 using Start = std::optional<JointVector>;
 
 /// A motion from rest to rest: one row, or several that blend into each other. Where the machine
-/// turns out to stand somewhere else than planned (after homing), it is planned again.
+/// turns out to stand somewhere else than planned (after homing, behind another branch), it is
+/// planned again. Behind an `if` it may begin at several places; all of them were planned from.
 struct MoveOrder {
   std::vector<Step> rows;
   Start q_start;
@@ -27,6 +28,9 @@ struct MoveOrder {
   CornerStopReason stop = CornerStopReason::kNone;  ///< at its end
   double stop_saves = 0;                            ///< s, of kCostsTime
   bool first_move = false;  ///< nobody knows where it begins: slow, in one piece
+  /// More than one where branches end at different places; then q_start .. stop are of the first
+  /// one, and `duration` of the slowest.
+  std::size_t starts = 1;
 };
 struct HomeOrder {
   double duration_max = 0;  ///< s, an upper bound, the way home included; 0 where nobody knows one
@@ -39,7 +43,18 @@ struct Homing {
   Start rest;                             ///< where the joints rest behind it
 };
 struct WaitOrder {
-  Duration duration{};
+  Duration duration{};  ///< of the other kinds than kTime the longest
+  WaitStep::For what = WaitStep::For::kTime;
+  Condition until{};
+};
+/// Which rows follow is decided when the run comes here.
+struct BranchOrder {
+  Condition condition;
+  std::size_t otherwise = 0;  ///< the order that is next where the condition does not hold
+};
+/// The end of a branch that has another one behind it.
+struct JumpOrder {
+  std::size_t to = 0;  ///< the order that is next
 };
 struct ToolOrder {
   ToolAction action;
@@ -51,16 +66,22 @@ struct Order {
   int last_line = 0;  ///< the same, but where rows blend into each other
   int round = 1;      ///< of its innermost loop
   int rounds = 1;
-  std::variant<MoveOrder, HomeOrder, WaitOrder, ToolOrder> what;
+  std::variant<MoveOrder, HomeOrder, WaitOrder, ToolOrder, BranchOrder, JumpOrder> what;
+  int file = 0;  ///< of Program::files
 };
 
 /// More would be days of motion; a file of this many repeats is a slip or an attack.
 inline constexpr std::size_t kOrdersMax = 100'000;
 
+/// So many places at most from which rows behind `if`s are planned.
+inline constexpr std::size_t kPlacesMax = 64;
+
+/// Both branches of an `if` stand in it, one behind the other; jumps lead only forward.
 struct Plan {
   std::vector<Order> orders;
-  double duration = 0;    ///< s of motion, waiting and tools, predicted; homing not counted
-  double homing_max = 0;  ///< s, an upper bound of all homing
+  double duration = 0;      ///< s of motion, waiting and tools, predicted; homing not counted
+  double homing_max = 0;    ///< s, an upper bound of all homing
+  double duration_min = 0;  ///< s; less than `duration` where branches or waits differ
 };
 
 /// Seconds for a first move from nobody knows where: each joint's whole range at a tenth of its
@@ -71,18 +92,28 @@ double first_move_duration(const RobotModel& robot);
 /// the search leaves the joints is expected before it ran, and the way home from there planned
 /// again when the machine has told.
 ///
+/// Both branches of an `if` are planned, each from where the `if` stands, whether its condition
+/// holds there or not: what will be measured nobody knows yet. What follows is planned from
+/// wherever a branch may end.
+///
 /// @param homing  of this robot's joints, which are searched one after the other
 ///
 /// @error kJointLimit (index), kToolNotFitted, kJawWidth, kToolAngle, kNoEndStops, kPositionUnknown
 /// (a move of some joints, while the others are
-///        nowhere known, or of the tool), kProgramTooLong, and those of RowPlanner::plan; nothing
-///        of the program may run then.
+///        nowhere known, or of the tool; a condition on it), kTooManyPlaces, kProgramTooLong, and
+///        those of RowPlanner::plan; nothing of the program may run then.
 std::expected<Plan, Refusal> make_plan(const Program& program, const RobotModel& robot,
                                        const Start& start, const Homing& homing = {});
 
-/// Whether a motion's start is known and inside all limits. Elsewhere (nobody knows, or a limp arm
-/// hangs beyond a limit) only a joint row goes on, slowly and in one piece.
+/// Whether a motion's start is known, inside of the limits or outside: from there rows that are
+/// straight in joints lead back in. Where nobody knows it, or it has no pose (a platform's legs
+/// that are beyond what they can be together), only a joint row goes on, slowly and in one piece.
 bool plannable(const Start& q, const RobotModel& robot);
+/// Where an arm goes that hangs outside its limits, limp on its table, and whose way by the model
+/// hits something, so that it is refused: it really is there, so a joint row leads out, slowly, in
+/// one piece. Nothing where another refusal, or a start inside the limits, has to stand.
+std::optional<JointVector> slow_way_back(const Step& row, const JointVector& q, const Refusal& why,
+                                         const RobotModel& robot);
 /// Where that one slow piece goes.
 /// @error kPositionUnknown (a joint that the row does not name, or no joint row), kJointLimit,
 ///        kLegLength, or those of WireTarget

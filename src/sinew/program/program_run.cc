@@ -1,14 +1,34 @@
 #include "sinew/program/program_run.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "sinew/control/path_motion.h"
 #include "sinew/control/piece_motion.h"
 #include "sinew/core/assert.h"
+#include "sinew/core/units.h"
 
 namespace sinew::program {
 
 using control::MachineState;
+
+namespace {
+
+/// How long and how nearly the joints stay where they are when they have settled.
+constexpr Duration kStillFor = std::chrono::milliseconds(200);
+constexpr double kStillTurn = from_deg(0.05);   // rad
+constexpr double kStillLength = from_mm(0.02);  // m
+
+/// What an order counts in the progress of a run, s.
+double weight(const Order& order) {
+  if (const auto* move = std::get_if<MoveOrder>(&order.what)) return move->duration;
+  if (const auto* wait = std::get_if<WaitOrder>(&order.what)) return to_seconds(wait->duration);
+  if (const auto* tool = std::get_if<ToolOrder>(&order.what)) return tool->duration;
+  if (const auto* home = std::get_if<HomeOrder>(&order.what)) return home->duration_max;
+  return 0;
+}
+
+}  // namespace
 
 Run::Run(const Program& program, control::Machine& machine)
     : program_(program), machine_(machine), robot_(machine.robot()) {}
@@ -49,15 +69,13 @@ void Run::poll(Instant now) {
     paused_ = !resumes_;
     resumes_ = false;
   }
-  if (wait_end_ && now >= *wait_end_ && !paused_) {
-    wait_end_.reset();
-    finish_order(now);
-  }
+  if (wait_end_) look_at_wait(now);
   while (phase_ == Phase::kRunning && !current_ && !paused_) {
     if (next_ < plan_.orders.size()) {
       // A doubt of the driver's, or somebody's motion that is still coming to rest.
       if (machine_.state() == MachineState::kFault && machine_.latched()) {
-        return fail({plan_.orders[next_].line, machine_.latched()->error, std::nullopt}, now);
+        const Order& next = plan_.orders[next_];
+        return fail({next.line, machine_.latched()->error, std::nullopt, next.file}, now);
       }
       if (machine_.state() != MachineState::kReady) return;
     }
@@ -81,6 +99,46 @@ void Run::take(const Event& event, Instant now) {
   if (event.command != command_ || command_ == 0 || event.kind == Kind::kStarted) return;
   command_ = 0;
   take_end(event, now);
+}
+
+std::expected<void, Refusal> Run::step_back(Instant /*now*/) {
+  const bool between = phase_ == Phase::kRunning && paused_ && !current_ && command_ == 0;
+  if (!between || records_.empty()) {
+    return std::unexpected(Refusal{0, Error{ErrorCode::kWrongState}});
+  }
+  const Order& last = *records_.back().order;
+  const auto refuse = [&](const Error& error) {
+    return std::unexpected(Refusal{last.line, error, std::nullopt, last.file});
+  };
+  if (std::holds_alternative<ToolOrder>(last.what) ||
+      std::holds_alternative<HomeOrder>(last.what)) {
+    return refuse(Error{ErrorCode::kTaskNotSupported});
+  }
+  const Start& begin = records_.back().q_start;
+  const auto place = static_cast<std::size_t>(&last - plan_.orders.data());
+  if (!std::holds_alternative<MoveOrder>(last.what)) {
+    records_.pop_back();
+    next_ = place;
+    return {};
+  }
+  if (!begin || !plannable(begin, robot_) || !plannable(q_, robot_)) {
+    return refuse(Error{ErrorCode::kPositionUnknown, 0});
+  }
+  JointStep back{.q = *begin, .given = 0, .how = {}};
+  back.given = static_cast<std::uint8_t>((1U << begin->size()) - 1);
+  const Step row{last.line, back, last.file};
+  if (!planner_) planner_ = std::make_unique<RowPlanner>(robot_);
+  const auto motion = planner_->plan(*q_, std::span(&row, 1));
+  if (!motion) return std::unexpected(motion.error());
+  const Record record = records_.back();
+  records_.pop_back();
+  next_ = place;
+  if (motion->pieces.empty()) return {};
+  current_ = record;
+  current_->q = motion->q_end;
+  current_->duration = current_->arrival = 0;
+  back_steps_ = true;
+  return send(*motion, last.line);
 }
 
 /// Of the command under way.
@@ -114,7 +172,8 @@ void Run::take_end(const Event& event, Instant now) {
 void Run::take_notice(const Error& error, Instant now) {
   ++notices_told_;
   if (notices_.size() == kNoticesMax) return;
-  notices_.push_back({now, current_ ? current_->order->line : 0, error});
+  notices_.push_back(
+      {now, current_ ? current_->order->line : 0, error, current_ ? current_->order->file : 0});
 }
 
 /// Lease, power, position: whatever is missing is asked for, one after the other.
@@ -161,6 +220,10 @@ void Run::issue_next(Instant now) {
     phase_ = Phase::kDone;
     return;
   }
+  if (const auto* jump = std::get_if<JumpOrder>(&plan_.orders[next_].what)) {
+    next_ = jump->to;
+    return;
+  }
   const Order& order = plan_.orders[next_++];
   current_ = Record{.order = &order,
                     .asked = now,
@@ -169,8 +232,12 @@ void Run::issue_next(Instant now) {
                     .q = {},
                     .duration = 0,
                     .arrival = 0,
-                    .reported = {}};
-  if (!begun_at_) begun_at_ = now;
+                    .reported = {},
+                    .holds = {}};
+  if (!begun_at_) {
+    begun_at_ = now;
+    if (feed_ != 1) machine_.give(control::SetFeed{feed_});
+  }
   back_.reset();
   if (const auto accepted = issue(order, now); !accepted) fail(accepted.error(), now);
 }
@@ -183,8 +250,10 @@ std::expected<void, Refusal> Run::issue(const Order& order, Instant now) {
   if (const auto* wait = std::get_if<WaitOrder>(&order.what)) {
     wait_end_ = now + wait->duration;
     current_->duration = to_seconds(wait->duration);
+    still_.reset();
     return {};
   }
+  if (const auto* branch = std::get_if<BranchOrder>(&order.what)) return issue_branch(*branch, now);
   if (const auto* tool = std::get_if<ToolOrder>(&order.what)) {
     current_->duration = tool->duration;
     command_ = machine_.give(control::UseTool{tool->action});
@@ -198,28 +267,120 @@ std::expected<void, Refusal> Run::issue(const Order& order, Instant now) {
 std::expected<void, Refusal> Run::issue_move(Instant now) {
   SINEW_ASSERT(!rows_left_.empty());
   const Step& first = rows_left_.front();
-  if (!plannable(q_, robot_)) {
-    const auto q = first_target(first, q_, robot_);
-    if (!q) return std::unexpected(q.error());
+  const auto go_slowly = [&](const JointVector& q) {
     const double duration = first_move_duration(robot_);
     rows_left_ = rows_left_.subspan(1);
-    current_->q = *q;
+    current_->q = q;
     current_->arrival = current_->duration + duration;
     current_->duration += duration;
-    send_first_move(*q, duration);
+    send_first_move(q, duration);
+  };
+  if (!plannable(q_, robot_)) {
+    const auto q = first_target(first, q_, robot_);
+    if (!q) {
+      Refusal why = q.error();
+      why.file = first.file;
+      return std::unexpected(why);
+    }
+    go_slowly(*q);
     return {};
   }
   // The arm may stand elsewhere than the plan had it: after homing, or after a first move. Then
   // its corners may not blend as they did, and what was one motion takes several.
   if (!planner_) planner_ = std::make_unique<RowPlanner>(robot_);
   const auto motion = planner_->plan(*q_, rows_left_);
-  if (!motion) return std::unexpected(motion.error());
+  if (!motion) {
+    const auto q = slow_way_back(first, *q_, motion.error(), robot_);
+    if (q) {
+      go_slowly(*q);
+      return {};
+    }
+    Refusal why = motion.error();
+    why.file = rows_left_[why.way ? why.way->refusal.place.move : 0].file;
+    return std::unexpected(why);
+  }
   rows_left_ = rows_left_.subspan(motion->rows);
   current_->q = motion->q_end;
   current_->arrival = current_->duration + motion->arrival;
   current_->duration += motion->duration;
   if (motion->pieces.empty()) return motion_done(now);
   return send(*motion, first.line);
+}
+
+/// Decides which orders follow. What it asks for has to be known.
+std::expected<void, Refusal> Run::issue_branch(const BranchOrder& branch, Instant now) {
+  const auto answer = holds(branch.condition);
+  if (!answer) return std::unexpected(refused(answer.error()));
+  current_->holds = *answer;
+  if (!*answer) next_ = branch.otherwise;
+  finish_order(now);
+  return {};
+}
+
+/// A wait under way that may be over.
+void Run::look_at_wait(Instant now) {
+  const auto& wait = std::get<WaitOrder>(current_->order->what);
+  using For = WaitStep::For;
+  if (paused_) {
+    // Nobody has to hurry meanwhile.
+    if (wait.what != For::kTime) wait_end_ = now + wait.duration;
+    return;
+  }
+  bool over = wait.what == For::kSettled && settled(now);
+  if (wait.what == For::kCondition) {
+    const auto answer = holds(wait.until);
+    if (!answer) return fail(answer.error(), now);
+    over = *answer;
+  }
+  if (!over && now < *wait_end_) return;
+  const bool in_time = over || wait.what == For::kTime;
+  wait_end_.reset();
+  if (in_time) return finish_order(now);
+  fail(Error{ErrorCode::kNotInTime, -1, current_->duration, current_->duration}, now);
+}
+
+std::expected<bool, Error> Run::holds(const Condition& condition) {
+  using Subject = Condition::Subject;
+  if (condition.subject == Subject::kSupply) {
+    const auto supply = supply_ ? supply_() : std::nullopt;
+    if (!supply) return std::unexpected(Error{ErrorCode::kNotMeasured});
+    return condition.holds(*supply);
+  }
+  const auto positions = machine_.positions();
+  JointVector q;
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    const bool asked = condition.subject != Subject::kJoint || condition.joint == i;
+    if (asked && positions[i].quality < PositionQuality::kCommanded) {
+      return std::unexpected(Error{ErrorCode::kPositionUnknown, static_cast<std::int8_t>(i)});
+    }
+    q.push_back(positions[i].q);
+  }
+  if (condition.subject == Subject::kJoint) return condition.holds(q[condition.joint]);
+  if (!planner_) planner_ = std::make_unique<RowPlanner>(robot_);
+  const auto& space = planner_->space();
+  const auto X_BT = space.forward({q.data(), q.size()}, space.home());
+  if (!X_BT) return std::unexpected(X_BT.error());
+  const Vec3& p = X_BT->p;
+  return condition.holds(condition.subject == Subject::kToolX   ? p.x
+                         : condition.subject == Subject::kToolY ? p.y
+                                                                : p.z);
+}
+
+/// No joint has moved for a while by more than what its sensor leaves open.
+bool Run::settled(Instant now) {
+  const auto positions = machine_.positions();
+  bool still = still_.has_value();
+  for (std::size_t i = 0; still && i < positions.size(); ++i) {
+    const bool turns = robot_.joints[i].kind == JointKind::kRevolute;
+    const double open = (positions[i].upper - positions[i].lower) / 2;
+    still = positions[i].quality >= PositionQuality::kCommanded &&
+            std::abs(positions[i].q - (*still_)[i]) <= open + (turns ? kStillTurn : kStillLength);
+  }
+  if (still) return now - still_since_ >= kStillFor;
+  still_since_ = now;
+  still_.emplace();
+  for (const JointPosition& position : positions) still_->push_back(position.q);
+  return false;
 }
 
 /// One slow piece from nobody knows where.
@@ -236,8 +397,8 @@ std::expected<void, Refusal> Run::send(const RowMotion& motion, int line) {
   const bool streams = robot_.device.capability.motion == MotionKind::kStream;
   if (changeable_ && streams && planner_ && !back_) {
     auto path = std::make_unique<control::PathMotion>(robot_);
-    if (const auto error = path->start(planner_->motion().path)) {
-      return std::unexpected(Refusal{line, *error, std::nullopt});
+    if (const auto error = path->start(planner_->motion().path, feed_)) {
+      return std::unexpected(Refusal{line, *error, std::nullopt, current_->order->file});
     }
     current_->duration += path->duration() - planner_->motion().law.duration();
     current_->arrival += path->duration() - planner_->motion().law.duration();
@@ -251,6 +412,13 @@ std::expected<void, Refusal> Run::send(const RowMotion& motion, int line) {
 
 /// What was under way is done: what is left of its order follows, or the next one.
 std::expected<void, Refusal> Run::order_done(Instant now) {
+  if (back_steps_) {
+    back_steps_ = false;
+    q_ = current_->q;
+    current_.reset();
+    paused_ = true;
+    return {};
+  }
   if (std::holds_alternative<MoveOrder>(current_->order->what)) return motion_done(now);
   if (std::holds_alternative<HomeOrder>(current_->order->what)) return go_home(now);
   finish_order(now);
@@ -269,7 +437,11 @@ std::expected<void, Refusal> Run::go_home(Instant now) {
   // Who does not know where homing has ended goes on from there with a slow first move.
   if (plannable(q_, robot_)) {
     auto back = home_return(robot_, *q_, current_->order->line);
-    if (!back) return std::unexpected(back.error());
+    if (!back) {
+      Refusal why = back.error();
+      why.file = current_->order->file;
+      return std::unexpected(why);
+    }
     back_ = std::move(*back);
   }
   return next_leg(now);
@@ -305,8 +477,13 @@ void Run::finish_order(Instant now) {
   paused_ = paused_ || (single_step_ && next_ < plan_.orders.size());
 }
 
+Refusal Run::refused(const Error& error) const {
+  if (!current_) return {0, error, std::nullopt, 0};
+  return {current_->order->line, error, std::nullopt, current_->order->file};
+}
+
 void Run::fail(const Error& error, Instant now) {
-  fail({current_ ? current_->order->line : 0, error, std::nullopt}, now);
+  fail(refused(error), now);
 }
 
 void Run::fail(const Refusal& refusal, Instant /*now*/) {
@@ -319,16 +496,14 @@ void Run::fail(const Refusal& refusal, Instant /*now*/) {
 double Run::progress(Instant now) const {
   double total = 0;
   double done = 0;
-  const auto weight = [](const Order& order) {
-    if (const auto* move = std::get_if<MoveOrder>(&order.what)) return move->duration;
-    if (const auto* wait = std::get_if<WaitOrder>(&order.what)) return to_seconds(wait->duration);
-    if (const auto* tool = std::get_if<ToolOrder>(&order.what)) return tool->duration;
-    if (const auto* home = std::get_if<HomeOrder>(&order.what)) return home->duration_max;
-    return 0.0;
-  };
-  for (const Order& order : plan_.orders) total += weight(order);
-  for (const Record& record : records_) done += weight(*record.order);
-  if (current_) {
+  for (std::size_t place = 0; place < plan_.orders.size(); ++place) {
+    const double seconds = weight(plan_.orders[place]);
+    total += seconds;
+    // Done, or in a branch that was not taken.
+    const bool under_way = current_ && current_->order == &plan_.orders[place];
+    if (place < next_ && !under_way) done += seconds;
+  }
+  if (current_ && !back_steps_) {
     done += std::clamp(to_seconds(now - current_->asked), 0.0, weight(*current_->order));
   }
   return total > 0 ? done / total : 0;

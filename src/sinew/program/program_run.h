@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -21,6 +22,7 @@ struct Record {
   double duration = 0;  ///< s, predicted at the moment it was asked; of `home` the upper bound
   double arrival = 0;   ///< s, of a motion: when its joints are predicted to be there
   FixedVector<JointPosition, kMaxJoints> reported;  ///< when it was done
+  std::optional<bool> holds{};                      ///< of an `if`: whether its condition does
 };
 
 /// What the machine told beside the orders: nothing broke, but somebody should know.
@@ -28,6 +30,7 @@ struct Notice {
   Instant at{};
   int line = 0;  ///< of the order under way; 0: of none
   Error error;
+  int file = 0;  ///< of Program::files
 };
 
 /// Runs a program on a machine, one order at a time, as its client: it takes the lease, enables it
@@ -67,6 +70,13 @@ class Run {
   /// Ways of streaming devices are made so that they can be paused and slowed down; they take up to
   /// an eighth longer. Before start().
   void make_changeable() { changeable_ = true; }
+  /// What conditions on the supply ask, V; without it nobody tells. Before start().
+  void measure_supply_by(std::function<std::optional<double>()> supply) {
+    supply_ = std::move(supply);
+  }
+  /// All motions at this share (0, 1] of their speed: through the feed, where the device streams.
+  /// Of one that takes whole moves see slowed() of program_part.h. Before start().
+  void feed(double share) { feed_ = share; }
   /// Take the lease from whoever has it. Before start().
   void take_over() { take_over_ = true; }
 
@@ -79,6 +89,13 @@ class Run {
   /// Pauses behind each order, as somebody else's hold does (the lease, a late cycle); resume()
   /// then does the next one.
   void single_step(bool on) { single_step_ = on; }
+  /// While paused between two orders: goes back to where the last one began, by a joint move that
+  /// is planned like any other, and is paused there again; resume() then does that order anew.
+  /// What an `if` decided is decided anew too.
+  /// @error  kWrongState (not paused, or something is under way, or nothing lies behind it),
+  ///         kTaskNotSupported (the last order was a tool's action or `home`, which nothing
+  ///         undoes), kPositionUnknown (nobody knows where it began), those of RowPlanner::plan
+  std::expected<void, Refusal> step_back(Instant now);
 
   Phase phase() const { return phase_; }
   bool paused() const { return paused_; }
@@ -87,6 +104,7 @@ class Run {
   std::span<const Record> records() const { return records_; }
   const std::optional<Record>& under_way() const { return current_; }
   const control::Machine& machine() const { return machine_; }
+  const Program& program() const { return program_; }
   std::span<const Notice> notices() const { return notices_; }
   /// Also of those that were not kept.
   std::size_t notices_told() const { return notices_told_; }
@@ -113,6 +131,11 @@ class Run {
   void issue_next(Instant now);
   std::expected<void, Refusal> issue(const Order& order, Instant now);
   std::expected<void, Refusal> issue_move(Instant now);
+  std::expected<void, Refusal> issue_branch(const BranchOrder& branch, Instant now);
+  void look_at_wait(Instant now);
+  std::expected<bool, Error> holds(const Condition& condition);
+  bool settled(Instant now);
+  Refusal refused(const Error& error) const;
   std::expected<void, Refusal> order_done(Instant now);
   std::expected<void, Refusal> motion_done(Instant now);
   std::expected<void, Refusal> go_home(Instant now);
@@ -129,6 +152,7 @@ class Run {
   Homing homing_;
   bool changeable_ = false;
   bool take_over_ = false;
+  double feed_ = 1;
   Phase phase_ = Phase::kOpening;
   Instant opened_at_{};
   std::optional<Instant> begun_at_;
@@ -149,6 +173,7 @@ class Run {
   Start declared_;
   bool has_looked_ = false;
   Start q_;                    ///< where the last order left the joints
+  bool back_steps_ = false;    ///< the motion under way is a step back
   bool blind_ = false;         ///< the motion under way began nobody knows where
   std::uint32_t command_ = 0;  ///< under way
   std::unique_ptr<RowPlanner> planner_;
@@ -157,6 +182,9 @@ class Run {
   std::size_t leg_ = 0;              ///< of it, the next one
   std::unique_ptr<control::MotionSource> motion_;
   std::optional<Instant> wait_end_;
+  std::function<std::optional<double>()> supply_;
+  std::optional<JointVector> still_;  ///< where the joints are while `wait settled` looks at them
+  Instant still_since_{};
 };
 
 }  // namespace sinew::program

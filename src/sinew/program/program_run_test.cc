@@ -7,6 +7,7 @@
 
 #include "sinew/control/local_machine.h"
 #include "sinew/core/units.h"
+#include "sinew/model/joint_lookup.h"
 #include "support/robots.h"
 
 namespace sinew::program {
@@ -258,14 +259,56 @@ TEST(ProgramRun, from_nowhere_all_joints_must_be_named_and_move_slowly_in_one_pi
   EXPECT_GT(all.driver.taken_.size(), 2U) << "the second move is streamed";
 }
 
-TEST(ProgramRun, arm_that_hangs_beyond_a_limit_comes_back_slowly_in_one_piece) {
+TEST(ProgramRun, arm_that_hangs_beyond_a_limit_comes_back_in_as_any_motion_does) {
   Cell cell("learm", "joint J1=0deg J2=20deg J3=0deg J4=0deg J5=0deg\njoint J1=30deg\n");
   cell.driver.positions_[1].q = from_deg(99);
   cell.go();
   ASSERT_EQ(cell.run.phase(), Phase::kDone);
+  const auto& taken = cell.driver.taken_;
+  // Places beyond the limit cannot be said: the first piece leads to the first one that can.
+  EXPECT_GT(taken[0].duration, cell.robot.device.capability.segment);
+  EXPECT_LT(taken[0].duration, 1s);
+  EXPECT_LE(taken[0].q[1], from_deg(90) + kJointLimitTolerance);
+  EXPECT_GT(taken[0].q[1], from_deg(80));
+  for (std::size_t k = 1; k < taken.size(); ++k) {
+    EXPECT_LE(taken[k].duration, cell.robot.device.capability.segment);
+    EXPECT_LE(taken[k].q[1], taken[k - 1].q[1]);
+  }
+  EXPECT_EQ(taken.back().q[0], from_deg(30));
+}
+
+/// Its way in leads through its stand, by the model; but there it lies.
+TEST(ProgramRun, limp_arm_whose_way_in_would_hit_something_comes_back_slowly_in_one_piece) {
+  Cell cell("learm", "joint J1=30deg J2=5deg J3=10deg J4=20deg J5=0deg\njoint J1=0deg\n");
+  const double degrees[] = {12, 100.3, 100.3, -10, -10};
+  for (std::size_t j = 0; j < 5; ++j) cell.driver.positions_[j].q = from_deg(degrees[j]);
+  cell.go();
+  ASSERT_EQ(cell.run.phase(), Phase::kDone);
   EXPECT_GE(cell.driver.taken_[0].duration, 2s);
-  EXPECT_EQ(cell.driver.taken_[0].q[1], from_deg(20));
-  EXPECT_LE(cell.driver.taken_[1].duration, cell.robot.device.capability.segment);
+  EXPECT_EQ(cell.driver.taken_[0].q[1], from_deg(5));
+  // Inside its limits a contact is a refusal, and outside every other refusal is one.
+  const auto rows = parse("joint J1=30deg J2=5deg J3=10deg J4=20deg J5=0deg", "", cell.robot);
+  ASSERT_TRUE(rows);
+  JointVector outside = home_joints(cell.robot);
+  const Refusal contact{1, {ErrorCode::kCollision}, std::nullopt};
+  EXPECT_FALSE(slow_way_back(rows->steps[0], outside, contact, cell.robot));
+  outside[1] = from_deg(100);
+  EXPECT_TRUE(slow_way_back(rows->steps[0], outside, contact, cell.robot));
+  const Refusal other{1, {ErrorCode::kJointLimit}, std::nullopt};
+  EXPECT_FALSE(slow_way_back(rows->steps[0], outside, other, cell.robot));
+}
+
+TEST(ProgramRun, arm_that_hangs_beyond_a_limit_refuses_a_line_with_a_row_that_would_work) {
+  Cell cell("learm", "line z=10mm\n");
+  cell.driver.positions_[1].q = from_deg(99);
+  cell.go();
+  ASSERT_EQ(cell.run.phase(), Phase::kFailed);
+  EXPECT_EQ(cell.run.failure()->error.code, ErrorCode::kJointLimit);
+  EXPECT_NEAR(cell.run.failure()->error.measured, from_deg(99), 1e-12);
+  ASSERT_TRUE(cell.run.failure()->way);
+  ASSERT_TRUE(cell.run.failure()->way->proposal.back_inside);
+  EXPECT_LT((*cell.run.failure()->way->proposal.back_inside)[1], from_deg(90));
+  EXPECT_TRUE(cell.driver.taken_.empty());
 }
 
 TEST(ProgramRun, limit_is_refused_with_its_line_before_anything_moves) {
@@ -476,6 +519,181 @@ TEST(ProgramPlan, endless_programs_are_refused) {
     ASSERT_FALSE(plan) << text;
     EXPECT_EQ(plan.error().error.code, ErrorCode::kProgramTooLong);
   }
+}
+
+TEST(ProgramRun, if_takes_the_branch_that_what_is_measured_says) {
+  constexpr const char* kText =
+      "joint base=30deg\nif base>20deg\n jaws 10mm\nelse\n wait 5s\n wait 6s\nend\njaws 20mm\n";
+  Cell high("learm", kText);
+  high.go();
+  ASSERT_EQ(high.run.phase(), Phase::kDone);
+  EXPECT_EQ(high.driver.tools_, 2);
+  ASSERT_EQ(high.run.records().size(), 4U);
+  EXPECT_EQ(high.run.records()[1].holds, true);
+  EXPECT_LT(high.now - Instant{}, 10s) << "nothing waited";
+  EXPECT_NEAR(high.run.progress(high.now), 1, 1e-9) << "what is not taken counts as done";
+  std::string low = kText;
+  Cell other("learm", low.replace(low.find("30deg"), 5, "10deg"));
+  other.go();
+  ASSERT_EQ(other.run.phase(), Phase::kDone);
+  EXPECT_EQ(other.driver.tools_, 1);
+  EXPECT_EQ(other.run.records()[1].holds, false);
+  EXPECT_GE(other.now - Instant{}, 11s);
+  EXPECT_NEAR(other.run.progress(other.now), 1, 1e-9);
+}
+
+TEST(ProgramRun, rows_behind_an_if_are_planned_from_where_its_branch_has_ended) {
+  Cell cell("learm",
+            "if base>20deg\n joint base=5deg\nelse\n joint base=-15deg\nend\n"
+            "joint d.base=10deg\n");
+  cell.go();
+  ASSERT_EQ(cell.run.phase(), Phase::kDone);
+  EXPECT_EQ(std::get<MoveOrder>(cell.run.plan().orders.back().what).starts, 2U);
+  EXPECT_NEAR(cell.driver.taken_.back().q[0], from_deg(-5), 1e-12);
+  ASSERT_EQ(cell.run.records().size(), 3U);
+  EXPECT_NEAR((*cell.run.records()[2].q_start)[0], from_deg(-15), 1e-12);
+}
+
+TEST(ProgramRun, condition_on_the_tool_is_where_the_measured_joints_have_it) {
+  Cell cell("learm", "if z>10m\n jaws 10mm\nelse\n if z>-10m\n  jaws 5mm\n  jaws 6mm\n end\nend\n");
+  cell.go();
+  ASSERT_EQ(cell.run.phase(), Phase::kDone);
+  EXPECT_EQ(cell.driver.tools_, 2);
+}
+
+TEST(ProgramRun, supply_counts_where_somebody_tells_it) {
+  Cell silent("learm", "if supply>7V\n jaws 10mm\nend\n");
+  silent.go();
+  ASSERT_EQ(silent.run.phase(), Phase::kFailed);
+  EXPECT_EQ(silent.run.failure()->error.code, ErrorCode::kNotMeasured);
+  EXPECT_EQ(silent.run.failure()->line, 1);
+  Cell low("learm", "wait until supply>7V for 3s\njaws 10mm\n");
+  double volts = 6;
+  low.run.measure_supply_by([&] { return std::optional(volts); });
+  low.go(2s);
+  EXPECT_FALSE(low.run.finished());
+  volts = 8;
+  low.go(2100ms);
+  ASSERT_EQ(low.run.phase(), Phase::kDone);
+  EXPECT_EQ(low.driver.tools_, 1);
+}
+
+TEST(ProgramRun, wait_until_ends_the_run_where_its_condition_does_not_come) {
+  Cell cell("learm", "wait until base>20deg for 3s\njaws 10mm\n");
+  cell.go();
+  ASSERT_EQ(cell.run.phase(), Phase::kFailed);
+  EXPECT_EQ(cell.run.failure()->error.code, ErrorCode::kNotInTime);
+  EXPECT_EQ(cell.run.failure()->error.limit, 3);
+  EXPECT_EQ(cell.driver.tools_, 0);
+  Cell paused("learm", "wait until supply>7V for 3s\njaws 10mm\n");
+  paused.run.measure_supply_by([&] { return std::optional(6.0); });
+  paused.go(1s);
+  paused.run.pause();
+  paused.go(60s);
+  EXPECT_FALSE(paused.run.finished()) << "nobody has to hurry while it is paused";
+  paused.run.resume();
+  paused.go(62s);
+  EXPECT_FALSE(paused.run.finished());
+  paused.go(64s);
+  EXPECT_EQ(paused.run.phase(), Phase::kFailed);
+}
+
+TEST(ProgramRun, wait_settled_lasts_until_no_joint_moves_any_more) {
+  Cell cell("learm", "wait settled for 20s\njaws 10mm\n");
+  for (JointPosition& position : cell.driver.positions_) {
+    position.quality = PositionQuality::kMeasured;
+  }
+  cell.run.start(cell.now);
+  for (int i = 0; i < 1000; ++i) {  // it swings for a second
+    cell.driver.positions_[1].q = from_deg(i % 100 < 50 ? 0.5 : -0.5);
+    cell.driver.positions_[1].lower = cell.driver.positions_[1].upper = cell.driver.positions_[1].q;
+    cell.driver.poll(cell.now);
+    cell.step();
+    cell.now += 1ms;
+    ASSERT_EQ(cell.driver.tools_, 0);
+  }
+  cell.go(1140ms);
+  EXPECT_FALSE(cell.run.finished()) << "a fifth of a second of rest is wanted";
+  cell.go(1400ms);
+  EXPECT_EQ(cell.run.phase(), Phase::kDone);
+}
+
+TEST(ProgramRun, step_back_returns_to_where_the_last_order_began_and_does_it_anew) {
+  Cell cell("learm", "joint base=30deg\njoint base=10deg\njoint base=-10deg\n");
+  cell.run.single_step(true);
+  cell.go(30s);
+  cell.run.resume();
+  cell.go(60s);
+  ASSERT_TRUE(cell.run.paused());
+  ASSERT_EQ(cell.run.records().size(), 2U);
+  const std::size_t before = cell.driver.taken_.size();
+  ASSERT_TRUE(cell.run.step_back(cell.now));
+  EXPECT_FALSE(cell.run.step_back(cell.now)) << "one at a time";
+  cell.go(90s);
+  ASSERT_GT(cell.driver.taken_.size(), before);
+  EXPECT_NEAR(cell.driver.taken_.back().q[0], from_deg(30), 1e-12);
+  EXPECT_EQ(cell.run.records().size(), 1U);
+  EXPECT_TRUE(cell.run.paused());
+  ASSERT_TRUE(cell.run.step_back(cell.now));
+  cell.go(120s);
+  EXPECT_NEAR(cell.driver.taken_.back().q[0], 0, 1e-12);
+  ASSERT_FALSE(cell.run.step_back(cell.now)) << "nothing lies behind";
+  cell.run.single_step(false);
+  cell.run.resume();
+  cell.go();
+  ASSERT_EQ(cell.run.phase(), Phase::kDone);
+  EXPECT_EQ(cell.run.records().size(), 3U);
+  EXPECT_NEAR(cell.driver.taken_.back().q[0], from_deg(-10), 1e-12);
+}
+
+TEST(ProgramRun, step_back_undoes_no_tool_and_goes_back_through_waits) {
+  Cell cell("learm", "joint base=30deg\nwait 1s\njaws 10mm\nwait 1s\n");
+  cell.run.single_step(true);
+  EXPECT_FALSE(cell.run.step_back(cell.now)) << "it has not begun";
+  for (int order = 0; order < 3; ++order) {
+    cell.go(cell.now - Instant{} + 30s);
+    if (order < 2) cell.run.resume();
+  }
+  ASSERT_EQ(cell.run.records().size(), 3U);
+  const auto back = cell.run.step_back(cell.now);
+  ASSERT_FALSE(back);
+  EXPECT_EQ(back.error().error.code, ErrorCode::kTaskNotSupported);
+  EXPECT_EQ(back.error().line, 3);
+  Cell waits("learm", "joint base=30deg\nwait 1s\njaws 10mm\n");
+  waits.run.single_step(true);
+  waits.go(30s);
+  waits.run.resume();
+  waits.go(60s);
+  ASSERT_EQ(waits.run.records().size(), 2U);
+  ASSERT_TRUE(waits.run.step_back(waits.now));
+  EXPECT_EQ(waits.run.records().size(), 1U) << "nothing had to move";
+  ASSERT_TRUE(waits.run.step_back(waits.now));
+  waits.go(90s);
+  EXPECT_NEAR(waits.driver.taken_.back().q[0], 0, 1e-12);
+}
+
+TEST(ProgramRun, feed_makes_every_motion_of_a_streaming_device_longer_and_none_another_way) {
+  Cell whole("learm", "joint base=30deg elbow=-20deg\n");
+  whole.run.make_changeable();
+  whole.go();
+  Cell slow("learm", "joint base=30deg elbow=-20deg\n");
+  slow.run.make_changeable();
+  slow.run.feed(0.25);
+  slow.go();
+  ASSERT_EQ(whole.run.phase(), Phase::kDone);
+  ASSERT_EQ(slow.run.phase(), Phase::kDone);
+  const auto took = [](const Cell& cell) {
+    const Record& record = cell.run.records()[0];
+    return to_seconds(record.done - record.asked);
+  };
+  EXPECT_GT(took(slow), 1.3 * took(whole)) << "limits of speed at a quarter, the others whole";
+  EXPECT_LT(took(slow), 4.1 * took(whole));
+  EXPECT_EQ(slow.driver.taken_.back().q[0], whole.driver.taken_.back().q[0]);
+  for (const JointMove& move : slow.driver.taken_) {
+    EXPECT_NEAR(move.q[2], -move.q[0] * 2 / 3, 1e-9) << "straight in joint space";
+  }
+  const double predicted = slow.run.records()[0].duration;
+  EXPECT_NEAR(took(slow), predicted, 0.05 * predicted + 0.1);
 }
 
 }  // namespace

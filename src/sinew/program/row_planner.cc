@@ -8,6 +8,7 @@
 #include "sinew/driver/axis_register_times.h"
 #include "sinew/driver/maxarm_pulses.h"
 #include "sinew/planning/chords.h"
+#include "sinew/program/tool_goal.h"
 
 namespace sinew::program {
 namespace {
@@ -47,7 +48,14 @@ ToolTarget target_of(const ToolGoal& goal, const RobotPlace& from, const ToolSpa
     point.attitude[1] = goal.roll.value_or(point.attitude[1]);
     target = {space.pose(point), Asked::kPose};
   }
-  return target;
+  return with_offset(goal, target, space);
+}
+
+bool is_outside(const RobotPlace& place, const RobotModel& robot) {
+  for (std::size_t j = 0; j < robot.joints.size(); ++j) {
+    if (!within_limits(robot.joints[j], place.q[j])) return true;
+  }
+  return false;
 }
 
 bool is_streamed(const RobotModel& robot) {
@@ -115,10 +123,11 @@ AxisRegisterTimes::Move times_of(AxisRegisterTimes& times, const JointVector& fr
   return times.next({own.data(), own.size()});
 }
 
-/// The shortest and the longest whole move that a wire can say, s.
+constexpr double kDay = 86400;  // s
+/// The shortest and the longest whole move that a wire can say, s; nobody waits longer than a day.
 struct Durations {
   double shortest = 0;
-  double longest = std::numeric_limits<double>::infinity();
+  double longest = kDay;
 };
 Durations durations(const RobotModel& robot) {
   if (!std::holds_alternative<MaxArmDevice>(robot.device.settings)) return {};
@@ -233,11 +242,11 @@ void RowPlanner::tell_stop(std::span<const Step> rows, RowMotion& out) {
 Refusal RowPlanner::unsayable(std::span<const Step> rows, const RobotPlace& start, double s,
                               const JointVector& q, const Error& error) const {
   const planning::PathProgress at = planning::Trajectory::progress_at(motion_.path, s);
-  double begin = 0;
+  planning::PathSection of_move;
   for (const planning::PathSection& section : motion_.path.sections) {
-    if (section.move == at.move) begin = section.begin;
+    if (section.move == at.move) of_move = section;
   }
-  const planning::MovePlace place{at.move, s - begin, at.move_share};
+  const planning::MovePlace place{at.move, s - of_move.begin, at.move_share, of_move.metres};
   Refusal refusal{rows[at.move].line, error,
                   WayRefusal{{error, place, std::nullopt, start}, {}, std::nullopt}};
   if (error.index < 0) return refusal;
@@ -251,7 +260,7 @@ Refusal RowPlanner::unsayable(std::span<const Step> rows, const RobotPlace& star
   return refusal;
 }
 
-/// Equal times, none longer than the device's segment.
+/// Equal times, none longer than the device's segment but the first one from outside the limits.
 std::expected<void, Refusal> RowPlanner::cut_into_segments(std::span<const Step> rows,
                                                            const RobotPlace& start,
                                                            RowMotion& out) const {
@@ -261,24 +270,39 @@ std::expected<void, Refusal> RowPlanner::cut_into_segments(std::span<const Step>
     return {};
   }
   const double longest = to_seconds(robot_.device.capability.segment);
+  const double most = longest * static_cast<double>(kPiecesMax);
+  if (!(duration <= most)) {
+    const Error error{ErrorCode::kSegmentTime, -1, duration, most};
+    return std::unexpected(Refusal{rows[0].line, error, std::nullopt});
+  }
   const auto count = static_cast<std::size_t>(std::max(1.0, std::ceil(duration / longest)));
   // A motion shorter than one segment is one: no wire says less.
   const double segment = count == 1 ? longest : duration / static_cast<double>(count);
   const planning::Trajectory trajectory = motion_.trajectory();
+  const bool outside = is_outside(start, robot_);
   planning::JointMotion at;
+  out.pieces.reserve(count);
+  std::size_t merged = 0;  // into the piece that follows
   for (std::size_t k = 1; k <= count; ++k) {
     const bool last = k == count;
     trajectory.sample(last ? duration : segment * static_cast<double>(k), at);
-    JointMove piece{.q = {}, .qd = {}, .duration = from_seconds(segment)};
+    const double together = segment * static_cast<double>(1 + merged);
+    JointMove piece{.q = {}, .qd = {}, .duration = from_seconds(together)};
     for (std::size_t j = 0; j < robot_.joints.size(); ++j) {
       piece.q.push_back(last ? out.q_end[j] : at.q[j]);
       piece.qd.push_back(last ? 0 : at.qd[j]);
     }
     if (const auto error = wire_.refusal({piece.q.data(), piece.q.size()})) {
+      // Back into the limits, beyond which many a wire says nothing: in one piece.
+      if (outside && out.pieces.empty() && !last) {
+        ++merged;
+        continue;
+      }
       const double s = motion_.law.sample(segment * static_cast<double>(k)).s;
       return std::unexpected(unsayable(rows, start, s, piece.q, *error));
     }
     out.pieces.push_back(piece);
+    merged = 0;
   }
   const double whole = segment * static_cast<double>(count);
   out.arrival = whole + to_seconds(delay_.arrival);
@@ -402,7 +426,8 @@ void RowPlanner::cut_into_chords(const RobotPlace& start, std::span<const double
     const double t = time_at(motion_.law, s);
     const double duration =
         std::max(piece_duration(from, to, moves_[0], t - t_from), durations(robot_).shortest);
-    JointMove piece{.q = to, .qd = {}, .duration = from_seconds(duration)};
+    constexpr double kForever = 1e6;  // s; what is refused must not overflow before
+    JointMove piece{.q = to, .qd = {}, .duration = from_seconds(std::min(duration, kForever))};
     piece.qd.resize(to.size());
     out.pieces.push_back(piece);
     double arrival = duration + to_seconds(delay_.arrival);
@@ -422,7 +447,7 @@ void RowPlanner::cut_into_chords(const RobotPlace& start, std::span<const double
 JointVector resolved(const JointStep& step, const JointVector& from) {
   JointVector q = from;
   for (std::size_t i = 0; i < q.size(); ++i) {
-    if ((step.given >> i & 1) != 0) q[i] = step.q[i];
+    if ((step.given >> i & 1) != 0) q[i] = step.q[i] + ((step.relative >> i & 1) != 0 ? q[i] : 0);
   }
   return q;
 }

@@ -30,7 +30,8 @@ struct WayRefusal {
 struct Refusal {
   int line = 0;
   Error error;
-  std::optional<WayRefusal> way;
+  std::optional<WayRefusal> way{};
+  int file = 0;  ///< of Program::files
 };
 
 /// What a row asks for and its device cannot be told, so that it does not count.
@@ -72,6 +73,9 @@ class RowPlanner {
   static constexpr double kChordMax = 20e-3;  ///< m
   /// So many rows at most blend into one motion; then there is a stop.
   static constexpr std::size_t kRowsMax = 64;
+  /// Pieces of one motion: what a plan holds of it stays below some 50 MB. At 20 ms they last for
+  /// half an hour.
+  static constexpr std::size_t kPiecesMax = 100'000;
 
   /// @param robot  outlives this.
   explicit RowPlanner(const RobotModel& robot);
@@ -79,7 +83,8 @@ class RowPlanner {
   /// The motion of rows[0] and of those that blend into each other behind it. The wire can say each
   /// of its pieces: a chord's end that it cannot is left out, or moved to where it can.
   /// @param rows  all of them motions
-  /// @error  those of MotionPlanner, and those of WireTarget with where the way is then
+  /// @error  those of MotionPlanner, those of WireTarget with where the way is then, and
+  ///         kSegmentTime: it would take longer than a wire can say, or a plan can hold
   std::expected<RowMotion, Refusal> plan(const JointVector& q_start, std::span<const Step> rows);
 
   /// What the last plan() made.

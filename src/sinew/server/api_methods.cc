@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "sinew/config/points_file.h"
 #include "sinew/core/spelling.h"
 #include "sinew/model/joint_lookup.h"
 #include "sinew/program/program_file.h"
@@ -25,6 +26,17 @@ bool flag(const RpcRequest& request, const char* name) {
 double number(const RpcRequest& request, const char* name, double usual) {
   const auto value = request.params.find(name);
   return value != request.params.end() ? value->get<double>() : usual;
+}
+
+RpcError complained(const std::vector<Complaint>& complaints) {
+  Json list = Json::array();
+  for (const Complaint& complaint : complaints) {
+    list.push_back({{"file", complaint.file},
+                    {"line", complaint.line},
+                    {"column", complaint.column},
+                    {"sentence", complaint.message}});
+  }
+  return {RpcCode::kInvalidParams, to_text(complaints.front()), {{"complaints", list}}};
 }
 
 std::optional<planning::JogFrame> frame_of(std::string_view word) {
@@ -230,17 +242,24 @@ Api::Answer Api::run_program(const Call& call) {
   const std::string name =
       named != params.end() ? printable(named->get<std::string>().substr(0, kNameMax)) : "program";
   const RobotModel& model = cell_.station(*call.robot).robot();
-  auto program = program::parse(text, name, model);
-  if (!program) {
-    Json list = Json::array();
-    for (const Complaint& complaint : program.error()) {
-      list.push_back({{"line", complaint.line},
-                      {"column", complaint.column},
-                      {"sentence", complaint.message}});
-    }
-    return RpcError{
-        RpcCode::kInvalidParams, to_text(program.error().front()), {{"complaints", list}}};
+  std::optional<TaughtPoints> points;
+  if (const auto given = params.find("points"); given != params.end()) {
+    auto read = read_points(given->get_ref<const std::string&>(), "points.toml");
+    if (!read) return complained(read.error());
+    points = std::move(*read);
   }
+  program::Surroundings around;
+  around.points = points ? &*points : nullptr;
+  around.load = [&](std::string_view called) -> std::expected<program::CalledFile, std::string> {
+    const auto texts = params.find("called");
+    const std::string key(called);
+    if (texts != params.end() && texts->contains(key)) {
+      return program::CalledFile{key, (*texts)[key].get<std::string>()};
+    }
+    return std::unexpected("the request does not bring the program '" + key + "'");
+  };
+  auto program = program::parse(text, name, model, around);
+  if (!program) return complained(program.error());
   if (program->steps.empty()) return invalid("the program has no row");
   runtime::JobOrder order{.title = name,
                           .program = std::move(*program),

@@ -59,6 +59,25 @@ TEST(Api, a_program_that_cannot_be_run_is_refused_with_row_and_reason) {
   EXPECT_EQ(client.status("left")["state"], "ready");
 }
 
+TEST(Api, a_program_brings_its_points_and_what_it_calls) {
+  ApiCell cell({place("left", "learm", "bus")});
+  ApiClient client(cell);
+  client.run("left", kStand);
+  const std::string points =
+      "[points.there]\nrobot = \"learm\"\njoints_deg = [25, 20, 40, 40, 0]\n";
+  const Json request{{"robot", "left"},
+                     {"text", "call go"},
+                     {"points", points},
+                     {"called", {{"go", "joint to=there"}}}};
+  const Json begun = client.call("program.run", request);
+  ASSERT_TRUE(begun.contains("result")) << begun.dump();
+  EXPECT_EQ(client.finish("left")["phase"], "done");
+  EXPECT_NEAR(truth_deg(client, "left", 0), 25, 1.5);
+  EXPECT_NE(client.sentence("program.run", {{"robot", "left"}, {"text", "call go"}})
+                .find("does not bring the program 'go'"),
+            std::string::npos);
+}
+
 TEST(Api, one_client_moves_and_the_other_is_told_who_does) {
   ApiCell cell({place("left", "learm", "bus")});
   ApiClient first(cell);
@@ -284,6 +303,9 @@ TEST(Api, survives_clients_that_say_anything) {
             break;
           case ParamType::kFlag:
             params[std::string(param.name)] = random.chance(0.5);
+            break;
+          case ParamType::kTexts:
+            params[std::string(param.name)] = {{"grip", "jaws 10mm"}};
             break;
           case ParamType::kNumbers:
             for (std::int64_t n = random.integer(0, 7); n > 0; --n) {

@@ -39,6 +39,8 @@ constexpr Param kRunParams[] = {
     kRobotParam,
     {"text", ParamType::kText, true, "rows as in docs/programs.md"},
     {"name", ParamType::kText, false, "as complaints and events call it"},
+    {"points", ParamType::kText, false, "taught points, a points.toml"},
+    {"called", ParamType::kTexts, false, "the programs that it calls, by name"},
     {"take_over", ParamType::kFlag, false, "the lease, from whoever has it"},
     {"standing_at", ParamType::kNumbers, false,
      "where it stands, from somebody who has looked; "
@@ -117,6 +119,7 @@ constexpr auto kMethods = std::to_array<Method>({
 
 bool fits(ParamType type, const Json& value) {
   constexpr std::size_t kNumbersMax = 16;
+  constexpr std::size_t kTextsMax = 63;
   const auto finite = [](const Json& number) {
     return number.is_number() && std::isfinite(number.get<double>());
   };
@@ -132,6 +135,9 @@ bool fits(ParamType type, const Json& value) {
       return value.is_boolean();
     case ParamType::kNumbers:
       return value.is_array() && value.size() <= kNumbersMax && std::ranges::all_of(value, finite);
+    case ParamType::kTexts:
+      return value.is_object() && value.size() <= kTextsMax &&
+             std::ranges::all_of(value, [](const Json& one) { return one.is_string(); });
   }
   return false;
 }
@@ -152,9 +158,10 @@ std::span<const Method> methods() {
 }
 
 std::string_view type_name(ParamType type) {
-  constexpr std::string_view kNames[] = {"a robot's name", "a string",
-                                         "a number",       "a whole number >= 0",
-                                         "true or false",  "a list of numbers"};
+  constexpr std::string_view kNames[] = {
+      "a robot's name",      "a string",      "a number",
+      "a whole number >= 0", "true or false", "a list of numbers",
+      "an object of strings"};
   return kNames[static_cast<std::size_t>(type)];
 }
 

@@ -18,6 +18,7 @@ enum class ParamType : std::uint8_t {
   kWhole,    ///< an integer, not negative
   kFlag,     ///< true or false
   kNumbers,  ///< a list of finite numbers, 16 at most
+  kTexts,    ///< an object of strings, 63 at most
 };
 
 struct Param {

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <expected>
+#include <map>
+#include <optional>
+#include <string>
+
+#include "sinew/cli/outcome.h"
+#include "sinew/program/program_file.h"
+
+namespace sinew::cli {
+
+/// Reads a program NAME.sinew with what lies in its folder: points.toml, and programs that it
+/// calls. @error  everything that is wrong with the texts, at once
+std::expected<program::Program, Outcome> read_program(const std::string& path,
+                                                      const RobotModel& model);
+
+/// A program's text with what lies in its folder, unread, for whoever reads it elsewhere.
+struct ProgramTexts {
+  std::string text;
+  std::optional<std::string> points;          ///< points.toml
+  std::map<std::string, std::string> called;  ///< by name, those of called programs too
+};
+/// @error  a file cannot be read
+std::expected<ProgramTexts, Outcome> gather_program(const std::string& path);
+
+/// "wave.sinew:12", of the file that a refusal or an order means.
+std::string file_of(const program::Program& program, int file, const std::string& otherwise);
+
+/// The taught points beside a program; none where there is no such file.
+std::expected<std::optional<TaughtPoints>, Outcome> load_points(const std::string& program_path);
+
+}  // namespace sinew::cli

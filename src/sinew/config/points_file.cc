@@ -1,0 +1,308 @@
+#include "sinew/config/points_file.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+
+#include "sinew/config/findings.h"
+#include "sinew/config/toml_tree.h"
+#include "sinew/core/spelling.h"
+#include "sinew/core/units.h"
+
+namespace sinew {
+namespace {
+
+constexpr std::size_t kPointsMax = 10'000;
+constexpr std::size_t kNameMax = 40;   // bytes
+constexpr std::size_t kTextMax = 200;  // bytes
+constexpr double kFarAway = 100e3;     // mm
+constexpr double kTurnMax = 720;       // deg
+
+constexpr std::array<std::string_view, 13> kKeys{
+    "robot",  "joints_deg", "legs_mm", "x_mm",      "y_mm",      "z_mm",    "rx_deg",
+    "ry_deg", "rz_deg",     "source",  "taught_at", "pitch_deg", "roll_deg"};
+
+/// One [points.NAME].
+class PointReader {
+ public:
+  PointReader(const TomlEntry& entry, const TomlTable& table, Findings& findings)
+      : place_(entry.place), path_("points." + entry.key), table_(table), findings_(findings) {}
+
+  std::optional<TaughtPoint> read(std::string name) {
+    TaughtPoint point;
+    point.name = std::move(name);
+    for (const TomlEntry& entry : table_) check_known(entry);
+    text("robot", point.robot);
+    text("source", point.source);
+    text("taught_at", point.taught_at);
+    if (point.robot.empty() && find("robot") == nullptr) {
+      complain(place_, "robot", "is missing: which robot's point is it? as in robot = \"learm\"");
+    }
+    read_place(point);
+    return good_ ? std::optional(std::move(point)) : std::nullopt;
+  }
+
+ private:
+  void complain(Place place, std::string_view key, std::string message) {
+    good_ = false;
+    findings_.complain(place, path_ + (key.empty() ? "" : "." + std::string(key)),
+                       std::move(message));
+  }
+
+  void check_known(const TomlEntry& entry) {
+    if (std::ranges::find(kKeys, entry.key) != kKeys.end()) return;
+    const std::string_view meant = nearest_spelling(entry.key, kKeys);
+    complain(entry.place, printable(entry.key),
+             meant.empty() ? "no point has this key"
+                           : "no point has this key; did you mean " + std::string(meant) + "?");
+  }
+
+  const TomlEntry* find(std::string_view key) const {
+    const auto found = std::ranges::find(table_, key, &TomlEntry::key);
+    return found != table_.end() ? &*found : nullptr;
+  }
+
+  void text(std::string_view key, std::string& out) {
+    const TomlEntry* entry = find(key);
+    if (entry == nullptr) return;
+    const auto* value = std::get_if<std::string>(&entry->node.value);
+    if (value == nullptr) {
+      return complain(entry->node.place, key,
+                      "must be a string, not " + std::string(type_name(entry->node)));
+    }
+    const auto control = [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7F; };
+    if (value->empty() || value->size() > kTextMax || std::ranges::any_of(*value, control)) {
+      return complain(entry->node.place, key, "must be 1 to 200 bytes without control characters");
+    }
+    out = *value;
+  }
+
+  bool real(const TomlNode& node, std::string_view key, double largest, double& out) {
+    if (const auto* whole = std::get_if<std::int64_t>(&node.value)) {
+      out = static_cast<double>(*whole);
+    } else if (const auto* value = std::get_if<double>(&node.value)) {
+      out = *value;
+    } else {
+      complain(node.place, key, "must be a number, not " + std::string(type_name(node)));
+      return false;
+    }
+    if (std::abs(out) <= largest) return true;  // not of NaN
+    complain(node.place, key,
+             "must be -" + number_text(largest) + " to " + number_text(largest) + ", not " +
+                 number_text(out));
+    return false;
+  }
+
+  std::optional<double> number(std::string_view key, double largest) {
+    const TomlEntry* entry = find(key);
+    double value = 0;
+    if (entry == nullptr || !real(entry->node, key, largest, value)) return std::nullopt;
+    return value;
+  }
+
+  void read_place(TaughtPoint& point) {
+    const bool joints = find("joints_deg") != nullptr;
+    const bool legs = find("legs_mm") != nullptr;
+    const auto of_tool = [](const TomlEntry& entry) {
+      return entry.key.size() <= 9 && (entry.key.ends_with("_mm") || entry.key.ends_with("_deg")) &&
+             entry.key != "legs_mm";
+    };
+    const auto first = std::ranges::find_if(table_, of_tool);
+    if (!joints && !legs && first == table_.end()) {
+      return complain(place_, "", "has no place: joints_deg, legs_mm, or x_mm, y_mm and z_mm");
+    }
+    if (joints && legs) return complain(find("legs_mm")->place, "legs_mm", "joints_deg says that");
+    if ((joints || legs) && first != table_.end()) {
+      return complain(first->place, first->key,
+                      std::string(joints ? "joints_deg" : "legs_mm") +
+                          " names the place already: a point is joints or the tool's, not both");
+    }
+    point.legs = legs;
+    if (joints || legs) return read_joints(legs ? "legs_mm" : "joints_deg", point);
+    read_tool(point);
+  }
+
+  void read_joints(std::string_view key, TaughtPoint& point) {
+    const TomlEntry& entry = *find(key);
+    const auto* list = std::get_if<TomlArray>(&entry.node.value);
+    if (list == nullptr || list->empty() || list->size() > kMaxJoints) {
+      return complain(entry.node.place, key,
+                      "must be a list of 1 to " + std::to_string(kMaxJoints) + " numbers");
+    }
+    JointVector q;
+    for (const TomlNode& node : *list) {
+      double value = 0;
+      if (!real(node, key, point.legs ? kFarAway : kTurnMax, value)) return;
+      q.push_back(point.legs ? from_mm(value) : from_deg(value));
+    }
+    point.place = q;
+  }
+
+  /// All of these keys, or none of them.
+  std::optional<std::vector<double>> together(std::span<const std::string_view> keys,
+                                              double largest) {
+    std::vector<double> values;
+    const TomlEntry* given = nullptr;
+    std::string missing;
+    for (const std::string_view key : keys) {
+      const TomlEntry* entry = find(key);
+      if (entry == nullptr) {
+        missing += (missing.empty() ? "" : ", ") + std::string(key);
+        continue;
+      }
+      given = entry;
+      const auto value = number(key, largest);
+      if (value) values.push_back(*value);
+    }
+    if (given != nullptr && !missing.empty()) {
+      complain(given->place, given->key, "needs " + missing + " beside it");
+    }
+    return values.size() == keys.size() ? std::optional(values) : std::nullopt;
+  }
+
+  void read_tool(TaughtPoint& point) {
+    constexpr std::array<std::string_view, 3> kPosition{"x_mm", "y_mm", "z_mm"};
+    constexpr std::array<std::string_view, 3> kTurn{"rx_deg", "ry_deg", "rz_deg"};
+    constexpr std::array<std::string_view, 2> kPitchRoll{"pitch_deg", "roll_deg"};
+    const auto p = together(kPosition, kFarAway);
+    const auto turn = together(kTurn, kTurnMax);
+    const auto attitude = together(kPitchRoll, kTurnMax);
+    if (!p) {
+      if (good_) complain(place_, "", "x_mm, y_mm and z_mm are missing");
+      return;
+    }
+    if (turn && attitude) {
+      return complain(find("pitch_deg")->place, "pitch_deg",
+                      "rx_deg, ry_deg and rz_deg say the orientation already");
+    }
+    ToolPlace place{{from_mm((*p)[0]), from_mm((*p)[1]), from_mm((*p)[2])}, {}, {}, {}};
+    if (turn) {
+      place.R_BT = rotation_from_fixed_xyz(
+          {from_deg((*turn)[0]), from_deg((*turn)[1]), from_deg((*turn)[2])});
+    }
+    if (attitude) {
+      place.pitch = from_deg((*attitude)[0]);
+      place.roll = from_deg((*attitude)[1]);
+    }
+    point.place = place;
+  }
+
+  Place place_;
+  std::string path_;
+  const TomlTable& table_;
+  Findings& findings_;
+  bool good_ = true;
+};
+
+void read_all(const TomlEntry& root, Findings& findings, TaughtPoints& points) {
+  const auto* table = std::get_if<TomlTable>(&root.node.value);
+  if (table == nullptr) {
+    return findings.complain(root.node.place, "points",
+                             "must be a table: write each point below its [points.NAME]");
+  }
+  for (const TomlEntry& entry : *table) {
+    const auto* one = std::get_if<TomlTable>(&entry.node.value);
+    if (one == nullptr) {
+      findings.complain(entry.node.place, "points." + printable(entry.key),
+                        "must be a table: [points." + printable(entry.key) + "]");
+    } else if (!is_point_name(entry.key)) {
+      findings.complain(entry.place, "points." + printable(entry.key),
+                        "a name is a letter and then letters, digits, - and _, 40 at most");
+    } else if (points.size() == kPointsMax) {
+      return findings.complain(entry.place, "points", "has more than 10000 points");
+    } else if (auto point = PointReader(entry, *one, findings).read(entry.key)) {
+      points.push_back(std::move(*point));
+    }
+  }
+}
+
+/// With nine decimals and no more than are needed.
+std::string written(double value) {
+  std::array<char, 64> buffer{};
+  const int size = std::snprintf(buffer.data(), buffer.size(), "%.9f", value + 0.0);
+  std::string text(buffer.data(), static_cast<std::size_t>(size));
+  text.erase(text.find_last_not_of('0') + 1);
+  if (text.back() == '.') text.pop_back();
+  return text == "-0" ? "0" : text;
+}
+
+std::string quoted(const std::string& text) {
+  std::string out = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') out += '\\';
+    out += c;
+  }
+  return out + '"';
+}
+
+void put_tool(const ToolPlace& place, std::string& out) {
+  const auto put = [&](const char* key, double value) {
+    out += std::string(key) + " = " + written(value) + "\n";
+  };
+  put("x_mm", to_mm(place.p_BT.x));
+  put("y_mm", to_mm(place.p_BT.y));
+  put("z_mm", to_mm(place.p_BT.z));
+  if (place.R_BT) {
+    const Vec3 rpy = fixed_xyz(*place.R_BT);
+    put("rx_deg", to_deg(rpy.x));
+    put("ry_deg", to_deg(rpy.y));
+    put("rz_deg", to_deg(rpy.z));
+  }
+  if (place.pitch) put("pitch_deg", to_deg(*place.pitch));
+  if (place.roll) put("roll_deg", to_deg(*place.roll));
+}
+
+}  // namespace
+
+bool is_point_name(std::string_view name) {
+  const auto letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); };
+  const auto inner = [&](char c) {
+    return letter(c) || (c >= '0' && c <= '9') || c == '-' || c == '_';
+  };
+  return !name.empty() && name.size() <= kNameMax && letter(name.front()) &&
+         std::ranges::all_of(name, inner);
+}
+
+std::expected<TaughtPoints, std::vector<Complaint>> read_points(std::string_view toml,
+                                                                std::string_view file_name) {
+  auto tree = parse_toml(toml);
+  if (!tree) {
+    tree.error().file = file_name;
+    return std::unexpected(std::vector{std::move(tree.error())});
+  }
+  Findings findings{std::string(file_name)};
+  TaughtPoints points;
+  for (const TomlEntry& entry : *tree) {
+    if (entry.key == "points") {
+      read_all(entry, findings, points);
+    } else {
+      findings.complain(entry.place, printable(entry.key),
+                        "a file of points has nothing but [points.NAME]");
+    }
+  }
+  if (!findings.clean()) return std::unexpected(findings.take_complaints());
+  return points;
+}
+
+std::string points_text(const TaughtPoints& points) {
+  std::string out;
+  for (const TaughtPoint& point : points) {
+    if (!out.empty()) out += "\n";
+    out += "[points." + point.name + "]\nrobot = " + quoted(point.robot) + "\n";
+    if (const auto* q = std::get_if<JointVector>(&point.place)) {
+      out += point.legs ? "legs_mm = [" : "joints_deg = [";
+      for (std::size_t i = 0; i < q->size(); ++i) {
+        out += (i == 0 ? "" : ", ") + written(point.legs ? to_mm((*q)[i]) : to_deg((*q)[i]));
+      }
+      out += "]\n";
+    } else {
+      put_tool(std::get<ToolPlace>(point.place), out);
+    }
+    if (!point.source.empty()) out += "source = " + quoted(point.source) + "\n";
+    if (!point.taught_at.empty()) out += "taught_at = " + quoted(point.taught_at) + "\n";
+  }
+  return out;
+}
+
+}  // namespace sinew

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <expected>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "sinew/core/complaint.h"
+#include "sinew/model/taught_points.h"
+
+namespace sinew {
+
+/// Reads a file of taught points strictly; docs/programs.md has its form.
+///
+///   [points.above_bin]
+///   robot = "learm"
+///   joints_deg = [20, 20, 40, 40, 0]      | or legs_mm, or x_mm, y_mm, z_mm and, where it counts,
+///   source = "taught by hand"             | rx_deg, ry_deg, rz_deg together, or pitch_deg,
+///   roll_deg
+///
+/// Whether a point suits a robot is for whoever uses it there: a file may serve several.
+/// @param file_name  as complaints shall show it
+/// @return points in the order of the file
+/// @error  all complaints, with line and column
+std::expected<TaughtPoints, std::vector<Complaint>> read_points(std::string_view toml,
+                                                                std::string_view file_name);
+
+/// The one spelling of such a file; read_points() gives the same points back, to 1e-9 mm or deg.
+/// Put it in place with io::replace_file.
+std::string points_text(const TaughtPoints& points);
+
+/// "above_bin": what a point or a program may be called.
+bool is_point_name(std::string_view name);
+
+}  // namespace sinew
