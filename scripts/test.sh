@@ -6,7 +6,7 @@ source "$(dirname "${BASH_SOURCE[0]}")/lib.sh"
 
 # Rooms whose tests are repeated under the sanitizers, with the replayed fuzz corpora. The heavy
 # properties of kinematics are not among them.
-byte_rooms="core wire config device sim driver control program io"
+byte_rooms="core wire config device sim driver control program io runtime server"
 
 passed=0
 failed=0

@@ -18,6 +18,7 @@
 #include "sinew/cli/inverse_verb.h"
 #include "sinew/cli/jog_verb.h"
 #include "sinew/cli/plan_verb.h"
+#include "sinew/cli/record_verb.h"
 #include "sinew/cli/robots_verb.h"
 #include "sinew/cli/run_verb.h"
 #include "sinew/cli/serve_verb.h"
@@ -46,6 +47,7 @@ struct Call {
   JogRequest jog;
   TorqueRequest torque;
   ServeRequest serve;
+  RecordRequest record;
   CellRequest cell;
   BullrideRequest ride;
   bool in_cell = false;  ///< `run` and `jog`: on a running cell
@@ -275,7 +277,8 @@ void add_run(CLI::App& app, Call& call) {
                    "name of its position journal; the robot's id where left out, none for a "
                    "simulated port");
   verb->add_option("--seed", request.seed, "simulated device only: of all its chance");
-  verb->add_option("--record", request.record, "CSV file: t, q, qd of every sample");
+  verb->add_option("--record", request.record,
+                   "NAME.csv: the joints over time; NAME.mcap: everything, for viewers");
   verb->add_option("--plot", request.plot, "SVG file: the same, drawn");
   verb->add_option("--log", request.log, "every byte both ways, with its time");
   verb->add_option("--time-scale", request.time_scale, "simulated device only: faster or slower");
@@ -284,6 +287,9 @@ void add_run(CLI::App& app, Call& call) {
     call.verb = [&call] {
       call.run.quiet = call.json;
       if (!on_cell(call)) return run_program(call.run);
+      if (call.run.record) {
+        return bad_input("--record: a running cell records by itself: sinew serve --record-folder");
+      }
       call.cell.robot = call.run.robot;
       call.cell.file = call.run.file;
       call.cell.standing_at = call.run.standing_at;
@@ -305,6 +311,14 @@ void add_torque(CLI::App& app, Call& call) {
   verb->callback([&call] { call.verb = [&call] { return torque(call.torque); }; });
 }
 
+void add_record(CLI::App& app, Call& call) {
+  CLI::App* verb = add_verb(app, call, "record", "what is in the record of a run",
+                            "sinew record run.mcap --csv run.csv");
+  verb->add_option("FILE", call.record.file, "NAME.mcap")->required();
+  verb->add_option("--csv", call.record.csv, "the same as a table: a row for each sample");
+  verb->callback([&call] { call.verb = [&call] { return show_record(call.record); }; });
+}
+
 void add_serve(CLI::App& app, Call& call) {
   CLI::App* verb = add_verb(app, call, "serve", "runs a cell of robots, which others then steer",
                             "sinew serve my_cell.toml");
@@ -312,6 +326,8 @@ void add_serve(CLI::App& app, Call& call) {
                    "a cell's .toml file; all five robots simulated where left out");
   verb->add_option("--socket", call.serve.socket,
                    "where it answers; the user's own place where left out");
+  verb->add_option("--record-folder", call.serve.record_folder,
+                   "each program that runs leaves a record there (MCAP, for viewers)");
   verb->callback([&call] {
     call.verb = [&call] {
       call.serve.json = call.json;
@@ -518,6 +534,7 @@ int run(std::span<char*> arguments) {
   add_axis(app, call);
   add_torque(app, call);
   add_serve(app, call);
+  add_record(app, call);
   add_cell_verbs(app, call);
   add_bullride(app, call);
   add_check(app, call);

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <cstdio>
+#include <filesystem>
+#include <memory>
 #include <utility>
 #include <vector>
 
@@ -24,6 +26,7 @@
 #include "sinew/runtime/position_record.h"
 #include "sinew/runtime/robot_link.h"
 #include "sinew/runtime/robot_variant.h"
+#include "sinew/runtime/run_recorder.h"
 
 namespace sinew::cli {
 namespace {
@@ -196,9 +199,50 @@ std::string opening_text(const runtime::Opening& opening) {
                      to_seconds(opening.limit));
 }
 
-Outcome drive(const RunRequest& request, const Prepared& prepared, runtime::RobotLink& link,
-              runtime::PositionRecord* record, const io::Clock& clock,
-              const runtime::ByteLog& log) {
+/// What a run goes over, and what it leaves behind.
+struct Equipment {
+  runtime::RobotLink& link;
+  runtime::PositionRecord* record;  ///< null: none
+  runtime::RunRecorder* recorder;   ///< null: none
+  const io::Clock& clock;
+  const runtime::ByteLog& log;
+};
+
+/// The record of a run in MCAP; null where none was asked for.
+std::expected<std::unique_ptr<runtime::RunRecorder>, Outcome> begin_record(
+    const RunRequest& request, const RobotModel& model, const io::Clock& clock) {
+  if (!records_mcap(request)) return nullptr;
+  auto recorder = std::make_unique<runtime::RunRecorder>(
+      model, runtime::RecorderOptions{model.id, "sinew " SINEW_VERSION, ""}, clock.now(),
+      io::wall_time_ns());
+  const std::filesystem::path path(*request.record);
+  const std::string folder = path.has_parent_path() ? path.parent_path().string() : ".";
+  const auto begun = recorder->begin(folder, path.filename().string(), request.file);
+  if (!begun) return std::unexpected(could_not("--record: " + begun.error().sentence));
+  return recorder;
+}
+
+/// @param last  how the run ended: the record's last sample
+void end_record(const RunRequest& request, runtime::RunRecorder* recorder,
+                const runtime::RunSample& last, Outcome& outcome) {
+  if (recorder != nullptr) recorder->offer(last);
+  const auto told = recorder != nullptr ? recorder->end() : std::nullopt;
+  if (!told) return;
+  outcome.json["record"] = {{"file", *request.record}, {"lost", told->lost}};
+  if (!told->trouble.empty()) {
+    outcome.exit = ExitCode::kCouldNot;
+    outcome.complaint +=
+        (outcome.complaint.empty() ? "" : "\n") +
+        fmt::format("--record: {}: {}; the record is not whole", *request.record, told->trouble);
+    return;
+  }
+  outcome.text += "  " + *request.record;
+  if (told->lost > 0) outcome.text += fmt::format(" ({} samples and events lost)", told->lost);
+  outcome.text += "\n";
+}
+
+Outcome drive(const RunRequest& request, const Prepared& prepared, const Equipment& equipment) {
+  const auto& [link, record, recorder, clock, log] = equipment;
   const RobotModel& model = prepared.model;
   const runtime::Opening opening = runtime::opening_of(model);
   control::ControllerSettings settings = runtime::session_settings(clock, opening.limit);
@@ -209,6 +253,11 @@ Outcome drive(const RunRequest& request, const Prepared& prepared, runtime::Robo
   }
   runtime::ControlLoop loop(model, link.driver(), settings, start,
                             record != nullptr ? &record->pump() : nullptr);
+  if (recorder != nullptr) {
+    loop.look = [to = recorder](const control::Outputs& outputs, Instant at) {
+      for (const control::ControlEvent& event : outputs.events) to->offer(event, at);
+    };
+  }
   program::Run run(prepared.program, loop.machine());
   run.expect_homing(runtime::homing_of(model));
   if (prepared.speed != 1 && prepared.streams()) {
@@ -218,21 +267,26 @@ Outcome drive(const RunRequest& request, const Prepared& prepared, runtime::Robo
   run.measure_supply_by([&] { return link.driver().health().supply_volts; });
   // Who says where it stands has looked.
   if (prepared.standing_at) run.declare(*prepared.standing_at, request.standing_at.has_value());
-  SampleRecorder recorder;
+  SampleRecorder samples;
   std::string suspicion;
   runtime::ProgramEnd end;
   {
     ProgressLine progress(request.quiet, opening_text(opening));
-    end = runtime::run_program(run, loop, link.line(), clock,
-                               {.progress =
-                                    [&](const program::Run& view, Instant now) {
-                                      recorder.look(view, now);
-                                      // Boards that were stopped for a failure tell less.
-                                      auto more = runtime::suspicion(link.driver());
-                                      if (more.size() >= suspicion.size()) suspicion = more;
-                                      progress.show(view, model, now);
-                                    },
-                                .interrupts = [] { return io::interrupts(); }});
+    end = runtime::run_program(
+        run, loop, link.line(), clock,
+        {.progress =
+             [&](const program::Run& view, Instant now) {
+               samples.look(view, now);
+               if (equipment.recorder != nullptr && equipment.recorder->due(now)) {
+                 equipment.recorder->offer(runtime::sample_of(
+                     loop.controller(), equipment.link.line().count(), true, now));
+               }
+               // Boards that were stopped for a failure tell less.
+               auto more = runtime::suspicion(equipment.link.driver());
+               if (more.size() >= suspicion.size()) suspicion = more;
+               progress.show(view, model, now);
+             },
+         .interrupts = [] { return io::interrupts(); }});
   }
   const Instant now = clock.now();
   const ProgramReport report{model, run, link.driver(), end, link.end(), now};
@@ -249,9 +303,11 @@ Outcome drive(const RunRequest& request, const Prepared& prepared, runtime::Robo
   }
   write_outputs(
       request,
-      {[&] { return program_csv(model, recorder.samples()); },
-       [&] { return program_svg(model, recorder.samples(), model.title + ": " + request.file); }},
+      {[&] { return program_csv(model, samples.samples()); },
+       [&] { return program_svg(model, samples.samples(), model.title + ": " + request.file); }},
       log, outcome);
+  end_record(request, recorder,
+             runtime::sample_of(loop.controller(), end.bytes, !end.wire_failure, now), outcome);
   return outcome;
 }
 
@@ -294,7 +350,9 @@ Outcome run_sinew_program(const RunRequest& request) {
     if (!opened) return could_not(opened.error().sentence);
     record = std::move(*opened);
   }
-  return drive(request, *prepared, *link, record.get(), clock, log);
+  const auto recorder = begin_record(request, model, clock);
+  if (!recorder) return recorder.error();
+  return drive(request, *prepared, {*link, record.get(), recorder->get(), clock, log});
 }
 
 }  // namespace sinew::cli

@@ -17,6 +17,10 @@ void add_failure(Outcome& outcome, const std::string& sentence) {
 
 }  // namespace
 
+bool records_mcap(const RunRequest& request) {
+  return request.record && request.record->ends_with(".mcap");
+}
+
 std::expected<void, Outcome> check_outputs(const RunRequest& request) {
   // Whoever mistypes a name must not lose the program, the robot's file, or send text to the arm.
   std::vector<std::pair<std::string, std::string>> taken{{"the program", request.file}};
@@ -52,7 +56,7 @@ void write_outputs(const RunRequest& request, const RunTexts& texts, const runti
       outcome.text += "  " + *path + "\n";
     }
   };
-  write("--record", request.record, texts.record);
+  if (!records_mcap(request)) write("--record", request.record, texts.record);
   write("--plot", request.plot, texts.plot);
   if (const auto failure = log.failure()) {
     add_failure(outcome, "--log: " + failure->sentence + "; the log is not whole");

@@ -10,6 +10,9 @@
 
 namespace sinew::cli {
 
+/// The record is one of everything, in MCAP, and written while it runs; else a CSV of the joints.
+bool records_mcap(const RunRequest& request);
+
 /// What a run may not overwrite, and whether its files can be written at all.
 std::expected<void, Outcome> check_outputs(const RunRequest& request);
 

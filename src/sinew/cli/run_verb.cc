@@ -149,6 +149,11 @@ std::expected<Prepared, Outcome> prepare(const RunRequest& request) {
         bad_input("--from-line, --speed: programs NAME.sinew take them; a sequence counts from "
                   "where the arm stood when it was switched on, and sets its own speeds"));
   }
+  if (records_mcap(request)) {
+    return std::unexpected(
+        bad_input("--record: a sequence is recorded as NAME.csv; programs NAME.sinew as "
+                  "NAME.mcap too"));
+  }
   if (const auto fine = check_seed(request.seed); !fine) return std::unexpected(fine.error());
   if (const auto fine = check_time_scale(request.time_scale); !fine) {
     return std::unexpected(fine.error());

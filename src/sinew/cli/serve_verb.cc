@@ -9,6 +9,7 @@
 #include "sinew/cli/device_argument.h"
 #include "sinew/cli/robot_argument.h"
 #include "sinew/config/cell_file.h"
+#include "sinew/io/disk_folder.h"
 #include "sinew/io/file.h"
 #include "sinew/io/interrupt.h"
 #include "sinew/io/standard_streams.h"
@@ -78,10 +79,19 @@ Outcome serve(const ServeRequest& request) {
   if (!robots) return robots.error();
   const auto socket = cell_socket(request.socket);
   if (!socket) return could_not(socket.error().sentence);
+  if (request.record_folder) {
+    // Learned now, not when the first program has run.
+    const auto place = io::DiskFolder::open_folder(*request.record_folder);
+    if (!place) return bad_input("--record-folder: " + place.error().sentence);
+  }
   const auto folder = runtime::positions_folder();
   if (!folder) return could_not(folder.error().sentence);
+  const auto flight = runtime::records_folder();
+  if (!flight) return could_not(flight.error().sentence);
   io::catch_interrupts();
-  auto running = runtime::RunningCell::start(std::move(*cell), std::move(*robots), *folder);
+  auto running = runtime::RunningCell::start(
+      std::move(*cell), std::move(*robots),
+      {.journal = *folder, .flight = *flight, .record = request.record_folder.value_or("")});
   if (!running) return could_not(running.error().sentence);
   server::Api api(**running, SINEW_VERSION);
   auto listening = server::LocalServer::listen(*socket, api);

@@ -10,6 +10,7 @@ namespace sinew::cli {
 struct ServeRequest {
   std::string file;                   ///< a cell's; all robots simulated where empty
   std::optional<std::string> socket;  ///< where it listens; the user's own place where absent
+  std::optional<std::string> record_folder;  ///< each job leaves a record there
   bool json = false;
 };
 

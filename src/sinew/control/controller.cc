@@ -59,6 +59,11 @@ std::optional<JointVector> Controller::reference() const {
   return reference_;
 }
 
+std::optional<JointVector> Controller::commanded() const {
+  if (!governor_.known()) return std::nullopt;
+  return JointVector(governor_.q());
+}
+
 Error Controller::silence() const {
   return {ErrorCode::kDeviceSilent, -1, 0, to_seconds(settings_.opening_limit)};
 }

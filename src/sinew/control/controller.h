@@ -88,6 +88,9 @@ class Controller {
   std::span<const JointPosition> positions() const;
   /// Where the next motion begins: every joint's commanded place; nothing where one is not known.
   std::optional<JointVector> reference() const;
+  /// Where the last piece that the driver took ends: what the machine was told, for records.
+  /// Nothing where it was told nothing, or a joint is not known.
+  std::optional<JointVector> commanded() const;
   std::optional<LeaseToken> lease_holder(Instant now) const { return lease_.holder(now); }
   const std::optional<Latched>& latched() const { return latched_; }
   std::span<const Latched> later_causes() const { return {later_.data(), later_.size()}; }

@@ -82,6 +82,7 @@ void JobRunner::run(const JobOrder& order, const program::Program& program, Stat
   if (order.take_over) run.take_over();
   if (const auto assumed = station_.assumed_place()) run.declare(*assumed);
   if (order.standing_at) run.declare(*order.standing_at, true);
+  station_.begin_record(order.title);
   run.start(clock_.now());
   bool freed = false;
   // The controller looks at the motion until its command has ended.
@@ -98,6 +99,7 @@ void JobRunner::run(const JobOrder& order, const program::Program& program, Stat
     publish(run, now, false);
     station_.wait_for_cycle(kPatience);
   }
+  station_.end_record();
   publish(run, clock_.now(), true);
 }
 

@@ -51,19 +51,31 @@ io::IoResult<std::unique_ptr<PositionRecord>> PositionRecord::open(const std::st
   return record;
 }
 
-io::IoResult<std::string> positions_folder() {
+namespace {
+
+io::IoResult<std::string> state_folder(const char* part) {
   const auto set = [](const char* name) {
     const char* value = std::getenv(name);
     return value != nullptr && *value == '/' ? std::string(value) : std::string();
   };
   if (const std::string state = set("XDG_STATE_HOME"); !state.empty()) {
-    return state + "/sinew/positions";
+    return state + "/sinew/" + part;
   }
   if (const std::string home = set("HOME"); !home.empty()) {
-    return home + "/.local/state/sinew/positions";
+    return home + "/.local/state/sinew/" + part;
   }
-  return std::unexpected(
-      io::IoError{"neither XDG_STATE_HOME nor HOME names a folder, so positions cannot be kept"});
+  return std::unexpected(io::IoError{
+      fmt::format("neither XDG_STATE_HOME nor HOME names a folder, so {} cannot be kept", part)});
+}
+
+}  // namespace
+
+io::IoResult<std::string> positions_folder() {
+  return state_folder("positions");
+}
+
+io::IoResult<std::string> records_folder() {
+  return state_folder("records");
 }
 
 }  // namespace sinew::runtime

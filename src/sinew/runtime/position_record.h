@@ -38,6 +38,8 @@ class PositionRecord {
 /// $XDG_STATE_HOME/sinew/positions, or where the home has it.
 /// @error  neither variable is set
 io::IoResult<std::string> positions_folder();
+/// The same with "records": what machines did before they failed.
+io::IoResult<std::string> records_folder();
 
 /// For people: what happened to a disk.
 std::string sentence(const DiskError& error);

@@ -8,7 +8,7 @@
 namespace sinew::runtime {
 namespace {
 
-StationOptions options_of(const CellRobot& robot, const std::string& journal_folder) {
+StationOptions options_of(const CellRobot& robot, const CellFolders& folders) {
   StationOptions options;
   options.name = robot.name;
   options.port = robot.port;
@@ -17,7 +17,9 @@ StationOptions options_of(const CellRobot& robot, const std::string& journal_fol
   // What behind a pseudo-terminal begins anew each time has nothing to remember.
   const bool real = robot.port && !may_be_simulated(*robot.port);
   if (!options.journal && real) options.journal = robot.name;
-  options.journal_folder = journal_folder;
+  options.journal_folder = folders.journal;
+  options.flight_folder = folders.flight;
+  options.record_folder = folders.record;
   return options;
 }
 
@@ -25,13 +27,13 @@ StationOptions options_of(const CellRobot& robot, const std::string& journal_fol
 
 io::IoResult<std::unique_ptr<RunningCell>> RunningCell::start(Cell cell,
                                                               std::vector<RobotModel> robots,
-                                                              const std::string& journal_folder) {
+                                                              const CellFolders& folders) {
   SINEW_ASSERT(robots.size() == cell.robots.size());
   std::unique_ptr<RunningCell> running(new RunningCell(std::move(cell)));
   for (std::size_t i = 0; i < robots.size(); ++i) {
     const CellRobot& place = running->cell_.robots[i];
     auto station =
-        Station::start(std::move(robots[i]), options_of(place, journal_folder), running->clock_);
+        Station::start(std::move(robots[i]), options_of(place, folders), running->clock_);
     if (!station) {
       return std::unexpected(io::IoError{place.name + ": " + station.error().sentence});
     }

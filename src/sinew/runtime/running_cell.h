@@ -11,14 +11,20 @@
 
 namespace sinew::runtime {
 
+/// Where a cell keeps what it writes down; empty: that is not kept.
+struct CellFolders {
+  std::string journal;  ///< positions of robots with a journal
+  std::string flight;   ///< the last seconds before each fault
+  std::string record;   ///< a record of each job
+};
+
 /// A cell that runs: each robot in its thread, with what runs its programs.
 class RunningCell {
  public:
   /// @param robots  one for each of the cell's, as variant_of() made them
-  /// @param journal_folder  where positions are kept
   /// @error  a sentence that names the robot
   static io::IoResult<std::unique_ptr<RunningCell>> start(Cell cell, std::vector<RobotModel> robots,
-                                                          const std::string& journal_folder);
+                                                          const CellFolders& folders);
   ~RunningCell();
 
   const Cell& cell() const { return cell_; }

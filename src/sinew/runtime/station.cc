@@ -93,6 +93,11 @@ io::IoResult<void> Station::prepare() {
   if (!link) return std::unexpected(link.error());
   link_.emplace(std::move(*link));
   connected_ = !options_.port;
+  if (!options_.flight_folder.empty() || !options_.record_folder.empty()) {
+    recorder_ = std::make_unique<RunRecorder>(
+        robot_, RecorderOptions{options_.name, "sinew", options_.flight_folder}, clock_.now(),
+        io::wall_time_ns());
+  }
   return {};
 }
 
@@ -108,7 +113,7 @@ void Station::run() {
   ControlLoop loop(robot_, link_->driver(), settings_for(robot_, clock_, record_ != nullptr),
                    start_of(record_.get(), assumed_place()), record_ ? &record_->pump() : nullptr,
                    kNobody);
-  loop.look = [this](const control::Outputs& outputs, Instant) { deliver(outputs); };
+  loop.look = [this](const control::Outputs& outputs, Instant now) { deliver(outputs, now); };
   loop.set_port_open(connected_);
   Instant retry_at = clock_.now();
   while (true) {
@@ -176,6 +181,10 @@ void Station::publish(const ControlLoop& loop, Instant now) {
     truth = link_->truth();
     truth_at_ = now;
   }
+  if (recorder_ && recorder_->due(now)) {
+    const ByteCount bytes = connected_ ? link_->line().count() : ByteCount{};
+    recorder_->offer(sample_of(controller, bytes, connected_, now));
+  }
   const auto positions = controller.positions();
   const auto later = controller.later_causes();
   {
@@ -205,8 +214,11 @@ void Station::publish(const ControlLoop& loop, Instant now) {
   cycled_.notify_all();
 }
 
-void Station::deliver(const control::Outputs& outputs) {
+void Station::deliver(const control::Outputs& outputs, Instant now) {
   if (outputs.events.empty()) return;
+  if (recorder_) {
+    for (const ControlEvent& event : outputs.events) recorder_->offer(event, now);
+  }
   const std::scoped_lock lock(mutex_);
   for (const ControlEvent& event : outputs.events) deliver(event);
 }
@@ -305,6 +317,29 @@ void Station::wait_for_cycle(Duration patience) const {
   std::unique_lock lock(mutex_);
   const std::uint64_t before = cycles_;
   cycled_.wait_for(lock, patience, [&] { return cycles_ != before; });
+}
+
+void Station::begin_record(const std::string& program) {
+  if (!recorder_ || options_.record_folder.empty()) return;
+  const std::string name = record_name(options_.name, program, io::wall_time_ns());
+  const auto begun = recorder_->begin(options_.record_folder, name, program);
+  if (begun) return;
+  const std::scoped_lock lock(mutex_);
+  unrecorded_.push_back({options_.record_folder + "/" + name, {}, begun.error().sentence, 0});
+}
+
+void Station::end_record() {
+  if (recorder_) recorder_->end();
+}
+
+std::optional<RecordTold> Station::take_record() {
+  if (!recorder_) return std::nullopt;
+  if (auto told = recorder_->take_told()) return told;
+  const std::scoped_lock lock(mutex_);
+  if (unrecorded_.empty()) return std::nullopt;
+  RecordTold told = std::move(unrecorded_.front());
+  unrecorded_.pop_front();
+  return told;
 }
 
 }  // namespace sinew::runtime

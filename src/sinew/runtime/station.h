@@ -2,6 +2,7 @@
 
 #include <array>
 #include <condition_variable>
+#include <deque>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -12,6 +13,7 @@
 #include "sinew/runtime/control_loop.h"
 #include "sinew/runtime/position_record.h"
 #include "sinew/runtime/robot_link.h"
+#include "sinew/runtime/run_recorder.h"
 #include "sinew/runtime/station_view.h"
 
 namespace sinew::runtime {
@@ -23,6 +25,10 @@ struct StationOptions {
   MachineOptions simulated;
   std::optional<std::string> journal;  ///< its name; nothing is recorded without one
   std::string journal_folder;
+  /// Where the last seconds before each fault are kept; empty: nowhere.
+  std::string flight_folder;
+  /// Where each job leaves a record; empty: nowhere.
+  std::string record_folder;
 };
 
 /// One robot in a thread of its own: its driver on its port, its controller, its journal. Others
@@ -78,6 +84,12 @@ class Station {
   std::uint64_t dropped_events(std::uint8_t slot) const;
   /// Returns behind the next cycle, or after `patience`.
   void wait_for_cycle(Duration patience) const;
+
+  /// A job begins, or ends: its record, where there are such.
+  void begin_record(const std::string& program);
+  void end_record();
+  /// What became of records; each once.
+  std::optional<RecordTold> take_record();
   /// @}
 
  private:
@@ -88,7 +100,7 @@ class Station {
   void turn(ControlLoop& loop, Instant& retry_at);
   void take_mail(ControlLoop& loop);
   void publish(const ControlLoop& loop, Instant now);
-  void deliver(const control::Outputs& outputs);
+  void deliver(const control::Outputs& outputs, Instant now);
   /// Under the mutex.
   void deliver(const control::ControlEvent& event);
   void overtaken(const control::Command& command);
@@ -100,7 +112,8 @@ class Station {
   ByteLog log_;
   std::unique_ptr<PositionRecord> record_;
   std::optional<RobotLink> link_;
-  bool connected_ = false;  ///< of the control thread
+  std::unique_ptr<RunRecorder> recorder_;  ///< null: nothing is recorded
+  bool connected_ = false;                 ///< of the control thread
   Instant truth_at_{};
   std::optional<Instant> closing_since_;
 
@@ -115,6 +128,7 @@ class Station {
   FixedVector<control::Command, kMailboxMax> mailbox_;
   std::array<std::unique_ptr<EventQueue>, kSlots> slots_;
   bool stop_ = false;
+  std::deque<RecordTold> unrecorded_;  ///< files that could not be begun
 
   std::thread thread_;
 };

@@ -58,6 +58,17 @@ std::optional<Json> event_json(const std::string& robot, const ControlEvent& eve
   }
 }
 
+Json record_json(const std::string& robot, const runtime::RecordTold& told) {
+  Json json{{"at_ms", wall_ms()},
+            {"robot", robot},
+            {"kind", "record"},
+            {"path", told.path},
+            {"lost", told.lost}};
+  if (told.fault) json["cause"] = cause_name(*told.fault);
+  if (!told.trouble.empty()) json["trouble"] = told.trouble;
+  return json;
+}
+
 }  // namespace
 
 Api::Api(runtime::RunningCell& cell, std::string version)
@@ -256,6 +267,7 @@ void Api::log_events() {
         log_.add(std::move(*json));
       }
     }
+    while (const auto told = station.take_record()) log_.add(record_json(station.name(), *told));
   }
 }
 

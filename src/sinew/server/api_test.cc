@@ -5,6 +5,8 @@
 #include <cmath>
 
 #include "sinew/core/units.h"
+#include "sinew/io/scratch_folder_test_support.h"
+#include "sinew/runtime/mcap_reader.h"
 #include "sinew/server/api_test_cell.h"
 #include "support/property.h"
 
@@ -244,6 +246,29 @@ TEST(Api, who_watches_hears_of_states_jobs_and_events) {
   const Json events = client.call("events.list")["result"]["events"];
   ASSERT_GT(events.size(), 3U);
   EXPECT_EQ(events[0]["number"], 1);
+}
+
+TEST(Api, each_job_leaves_a_record_and_says_where) {
+  const sinew::test::ScratchFolder folder;
+  ApiCell cell({place("left", "learm", "bus")}, 20,
+               {.journal = "", .flight = "", .record = folder.at("jobs")});
+  ApiClient client(cell);
+  EXPECT_EQ(client.run("left", kStand)["phase"], "done");
+  Json told;
+  EXPECT_TRUE(cell.until([&] {
+    const Json events = client.call("events.list")["result"]["events"];
+    for (const Json& event : events) {
+      if (event["kind"] == "record") told = event;
+    }
+    return !told.is_null();
+  }));
+  EXPECT_EQ(told["robot"], "left");
+  EXPECT_FALSE(told.contains("trouble"));
+  const std::string bytes = sinew::test::text_of(told["path"]);
+  const auto content =
+      runtime::read_mcap({reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()});
+  EXPECT_FALSE(content.trouble);
+  EXPECT_GT(content.messages.size(), 20U);
 }
 
 TEST(Api, a_client_that_does_not_read_is_ended_and_holds_nobody_up) {

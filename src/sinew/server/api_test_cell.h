@@ -18,7 +18,8 @@ namespace sinew::server::test {
 /// fast, with sanitizers half of that.
 class ApiCell {
  public:
-  explicit ApiCell(const std::vector<CellRobot>& robots, double scale = 20) {
+  explicit ApiCell(const std::vector<CellRobot>& robots, double scale = 20,
+                   const runtime::CellFolders& folders = {}) {
 #ifdef __SANITIZE_ADDRESS__
     scale /= 2;
 #endif
@@ -28,7 +29,7 @@ class ApiCell {
       models.push_back(
           *runtime::variant_of(sinew::test::robot(robot.robot), robot.profile, robot.wire));
     }
-    auto running = runtime::RunningCell::start(cell, std::move(models), "");
+    auto running = runtime::RunningCell::start(cell, std::move(models), folders);
     if (!running) {
       ADD_FAILURE() << running.error().sentence;
       return;

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "sinew/cli/outcome.h"
+
+namespace sinew::cli {
+
+struct RecordRequest {
+  std::string file;
+  std::optional<std::string> csv;
+};
+
+/// `sinew record`: what is in a record, and the same as CSV. Of a record that was cut off, as much
+/// as there is; a damaged one is refused.
+Outcome show_record(const RecordRequest& request);
+
+}  // namespace sinew::cli

@@ -1,0 +1,298 @@
+#include "sinew/runtime/run_recorder.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+#include "sinew/runtime/position_record.h"
+
+namespace sinew::runtime {
+namespace {
+
+/// The writer is called for so many samples at once, and for every event.
+constexpr std::uint64_t kBatch = 16;
+constexpr std::size_t kToldMax = 64;
+constexpr const char* kFlightMark = "_fault-";
+
+Instant time_of(const std::variant<RunSample, RunEvent>& entry) {
+  return std::visit([](const auto& one) { return one.at; }, entry);
+}
+
+std::string safe(const std::string& text) {
+  constexpr std::size_t kLongest = 32;  // both, the time and a number stay under Disk::kNameMax
+  std::string result;
+  for (const char c : text.substr(0, kLongest)) {
+    const bool fine = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+                      c == '-' || c == '_';
+    result += fine ? c : '-';
+  }
+  return result;
+}
+
+/// So that the folder never has more than `count` flight records; others are left alone.
+DiskResult<void> keep_newest(Disk& disk, std::size_t count) {
+  const auto names = disk.list();
+  if (!names) return std::unexpected(names.error());
+  std::vector<std::pair<std::int64_t, std::string>> flights;
+  for (const std::string& name : *names) {
+    if (!name.ends_with(".mcap") || !name.contains(kFlightMark)) continue;
+    if (const auto stamp = disk.stamp(name)) flights.emplace_back(stamp->changed_ns, name);
+  }
+  std::ranges::sort(flights);
+  for (std::size_t k = 0; k + count < flights.size(); ++k) {
+    if (auto removed = disk.remove(flights[k].second); !removed) return removed;
+  }
+  return {};
+}
+
+/// A second file of the same millisecond gets another name.
+std::string free_name(Disk& disk, const std::string& name) {
+  const std::string stem = name.substr(0, name.size() - std::string_view(".mcap").size());
+  std::string result = name;
+  for (int k = 2; disk.stamp(result).has_value(); ++k) result = fmt::format("{}-{}.mcap", stem, k);
+  return result;
+}
+
+}  // namespace
+
+std::string record_name(const std::string& robot, const std::string& what, std::int64_t wall_ns) {
+  using namespace std::chrono;
+  const sys_time<nanoseconds> wall{nanoseconds(wall_ns)};
+  const auto day = floor<days>(wall);
+  const year_month_day date{day};
+  const hh_mm_ss time{floor<milliseconds>(wall - day)};
+  return fmt::format("{}_{}_{:04}{:02}{:02}T{:02}{:02}{:02}.{:03}Z.mcap", safe(robot), safe(what),
+                     static_cast<int>(date.year()), static_cast<unsigned>(date.month()),
+                     static_cast<unsigned>(date.day()), time.hours().count(),
+                     time.minutes().count(), time.seconds().count(), time.subseconds().count());
+}
+
+/// One file on its disk.
+class RunRecorder::File {
+ public:
+  static io::IoResult<std::unique_ptr<File>> create(const RobotModel& robot,
+                                                    const std::string& folder,
+                                                    const std::string& name,
+                                                    const RecordTitle& title) {
+    auto disk = io::DiskFolder::open_folder(folder);
+    if (!disk) return std::unexpected(disk.error());
+    auto made = disk->create(name);
+    if (!made) {
+      return std::unexpected(
+          io::IoError{fmt::format("{}/{}: {}", folder, name, sentence(made.error()))});
+    }
+    return std::unique_ptr<File>(
+        new File(std::move(*disk), *made, folder + "/" + name, robot, title));
+  }
+  ~File() { disk_.close(file_); }
+  File(const File&) = delete;
+  File& operator=(const File&) = delete;
+
+  void add(const Entry& entry) {
+    if (trouble_.empty()) {
+      std::visit([&](const auto& one) { encoder_.add(one); }, entry);
+    } else {
+      ++lost_;
+    }
+  }
+  void add_lost(std::uint64_t count, Instant at) { encoder_.add_lost(count, at); }
+  RecordTold finish() {
+    encoder_.finish();
+    if (trouble_.empty()) note(disk_.sync(file_));
+    return {path_, std::nullopt, trouble_, lost_ + encoder_.lost()};
+  }
+  Disk& disk() { return disk_; }
+
+ private:
+  File(io::DiskFolder disk, DiskFile file, std::string path, const RobotModel& robot,
+       const RecordTitle& title)
+      : disk_(std::move(disk)),
+        file_(file),
+        path_(std::move(path)),
+        encoder_(robot, title, [this](std::span<const std::uint8_t> bytes) {
+          if (trouble_.empty()) note(disk_.append(file_, bytes));
+        }) {}
+  void note(const DiskResult<void>& done) {
+    if (!done) trouble_ = sentence(done.error());
+  }
+
+  io::DiskFolder disk_;
+  DiskFile file_;
+  std::string path_;
+  std::string trouble_;
+  std::uint64_t lost_ = 0;
+  RecordEncoder encoder_;
+};
+
+RunRecorder::RunRecorder(const RobotModel& robot, RecorderOptions options, Instant now,
+                         std::int64_t wall_ns)
+    : robot_(robot),
+      options_(std::move(options)),
+      start_(now),
+      wall_ns_(wall_ns),
+      next_(now),
+      ring_(kRing),
+      last_(now),
+      thread_([this] { run(); }) {}
+
+RunRecorder::~RunRecorder() {
+  stop_ = true;
+  calls_.fetch_add(1, std::memory_order_release);
+  calls_.notify_one();
+  thread_.join();
+  if (fault_) write_flight();
+  end();
+}
+
+void RunRecorder::offer(const RunSample& sample) {
+  next_ = std::max(next_ + kPeriod, sample.at);
+  push(sample);
+}
+
+void RunRecorder::offer(const control::ControlEvent& event, Instant now) {
+  push(RunEvent{now, event});
+}
+
+bool RunRecorder::push(const Entry& entry) {
+  const std::uint64_t offered = offered_.load(std::memory_order_relaxed);
+  if (offered - taken_.load(std::memory_order_acquire) >= kRing) {
+    lost_.fetch_add(1, std::memory_order_relaxed);
+    return false;
+  }
+  ring_[offered % kRing] = entry;
+  offered_.store(offered + 1, std::memory_order_release);
+  if (offered % kBatch == 0 || std::holds_alternative<RunEvent>(entry)) {
+    calls_.fetch_add(1, std::memory_order_release);
+    calls_.notify_one();
+  }
+  return true;
+}
+
+void RunRecorder::run() {
+  while (true) {
+    // Both are read first: what was offered before a call is found by the work behind it.
+    const bool stop = stop_;
+    const std::uint32_t calls = calls_.load(std::memory_order_acquire);
+    bool worked = false;
+    {
+      const std::scoped_lock lock(work_);
+      worked = work();
+    }
+    if (worked) continue;
+    if (stop) return;
+    calls_.wait(calls, std::memory_order_acquire);
+  }
+}
+
+bool RunRecorder::work() {
+  const std::uint64_t offered = offered_.load(std::memory_order_acquire);
+  std::uint64_t taken = taken_.load(std::memory_order_relaxed);
+  if (taken == offered) return false;
+  while (taken != offered) {
+    take(ring_[taken % kRing]);
+    taken_.store(++taken, std::memory_order_release);
+  }
+  const std::uint64_t lost = lost_.load(std::memory_order_relaxed);
+  if (file_ && lost != lost_told_) file_->add_lost(lost - lost_told_, last_);
+  lost_told_ = lost;
+  return true;
+}
+
+void RunRecorder::take(const Entry& entry) {
+  last_ = time_of(entry);
+  if (file_) file_->add(entry);
+  if (options_.flight_folder.empty()) return;
+  if (fault_ && last_ - fault_->at > kBehindFault) write_flight();
+  keep(entry);
+  const auto* event = std::get_if<RunEvent>(&entry);
+  const bool fault = event != nullptr && event->event.kind == control::ControlEvent::Kind::kLatched;
+  if (fault && !fault_) fault_ = *event;
+}
+
+void RunRecorder::keep(const Entry& entry) {
+  if (flight_.size() < kFlightMax) {
+    flight_.push_back(entry);
+    return;
+  }
+  flight_[flight_next_] = entry;
+  flight_next_ = (flight_next_ + 1) % kFlightMax;
+}
+
+void RunRecorder::write_flight() {
+  const RunEvent fault = *std::exchange(fault_, std::nullopt);
+  const std::string cause(control::stop_rule(fault.event.cause).name);
+  const std::string what = "fault-" + cause;
+  const std::string& folder = options_.flight_folder;
+  const auto cannot = [&](const std::string& sentence) {
+    tell({folder, fault.event.cause, sentence, flight_.size()});
+  };
+  auto disk = io::DiskFolder::open_folder(folder);
+  if (!disk) return cannot(disk.error().sentence);
+  const std::string name =
+      free_name(*disk, record_name(options_.robot, what, wall_ns_ + (fault.at - start_).count()));
+  auto file = File::create(robot_, folder, name, title("the last 10 s before a fault: " + cause));
+  if (!file) return cannot(file.error().sentence);
+  for (std::size_t k = 0; k < flight_.size(); ++k) {
+    const Entry& entry = flight_[(flight_next_ + k) % flight_.size()];
+    if (time_of(entry) >= fault.at - kBeforeFault) (*file)->add(entry);
+  }
+  RecordTold told = (*file)->finish();
+  told.fault = fault.event.cause;
+  if (const auto kept = keep_newest((*file)->disk(), kFlightFilesMax);
+      !kept && told.trouble.empty()) {
+    told.trouble = "older ones could not be removed: " + sentence(kept.error());
+  }
+  tell(std::move(told));
+}
+
+RecordTitle RunRecorder::title(const std::string& program) const {
+  return {options_.robot, program, options_.library, wall_ns_, start_};
+}
+
+io::IoResult<void> RunRecorder::begin(const std::string& folder, const std::string& name,
+                                      const std::string& program) {
+  end();
+  auto file = File::create(robot_, folder, name, title(program));
+  if (!file) return std::unexpected(file.error());
+  const std::scoped_lock lock(work_);
+  work();
+  file_ = std::move(*file);
+  return {};
+}
+
+std::optional<RecordTold> RunRecorder::end() {
+  std::optional<RecordTold> told;
+  {
+    const std::scoped_lock lock(work_);
+    work();
+    if (!file_) return std::nullopt;
+    told = file_->finish();
+    file_.reset();
+  }
+  tell(*told);
+  return told;
+}
+
+void RunRecorder::settle() {
+  const std::scoped_lock lock(work_);
+  work();
+}
+
+void RunRecorder::tell(RecordTold told) {
+  const std::scoped_lock lock(told_mutex_);
+  // Somebody who never asks has no use for the oldest.
+  if (told_.size() >= kToldMax) told_.pop_front();
+  told_.push_back(std::move(told));
+}
+
+std::optional<RecordTold> RunRecorder::take_told() {
+  const std::scoped_lock lock(told_mutex_);
+  if (told_.empty()) return std::nullopt;
+  RecordTold told = std::move(told_.front());
+  told_.pop_front();
+  return told;
+}
+
+}  // namespace sinew::runtime

@@ -1,0 +1,120 @@
+#pragma once
+
+#include <atomic>
+#include <deque>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <variant>
+#include <vector>
+
+#include "sinew/io/disk_folder.h"
+#include "sinew/runtime/record_encoder.h"
+
+namespace sinew::runtime {
+
+struct RecorderOptions {
+  std::string robot;    ///< as files and channels call it
+  std::string library;  ///< what writes them
+  /// Where the last seconds before each fault are kept; empty: nowhere.
+  std::string flight_folder;
+};
+
+/// A file that was made, or could not be.
+struct RecordTold {
+  std::string path;
+  std::optional<control::StopCause> fault;  ///< of a flight record
+  std::string trouble;                      ///< why it is not whole, for people; empty: it is
+  std::uint64_t lost = 0;                   ///< samples and events that are not in it
+};
+
+/// Writes what happens to one machine, in a thread of its own: to a file from begin() to end(), and
+/// of each fault the ten seconds before it and one behind it. Between it and the control side is a
+/// ring of fixed size; what the disk is too slow for is not in the file, and counted there.
+class RunRecorder {
+ public:
+  static constexpr std::size_t kRing = 1024;
+  static constexpr Duration kPeriod = std::chrono::milliseconds(10);
+  static constexpr Duration kBeforeFault = std::chrono::seconds(10);
+  static constexpr Duration kBehindFault = std::chrono::seconds(1);
+  /// Samples of eleven seconds, and as many events as ever come with them.
+  static constexpr std::size_t kFlightMax = 1600;
+  /// Of all robots together; the oldest go first.
+  static constexpr std::size_t kFlightFilesMax = 50;
+
+  /// @param robot  outlives this. @param now, wall_ns  the same instant on both clocks
+  RunRecorder(const RobotModel& robot, RecorderOptions options, Instant now, std::int64_t wall_ns);
+  /// What was offered is written, and the file ended.
+  ~RunRecorder();
+  RunRecorder(const RunRecorder&) = delete;
+  RunRecorder& operator=(const RunRecorder&) = delete;
+
+  /// @name Control side: one thread, never waits, no heap. @rt
+  /// @{
+  bool due(Instant now) const { return now >= next_; }
+  void offer(const RunSample& sample);
+  void offer(const control::ControlEvent& event, Instant now);
+  /// @}
+
+  /// @name From any other thread
+  /// @{
+  /// From now on into this file, instead of the one before.
+  /// @param program  for people. @error  a sentence: the file cannot be made
+  io::IoResult<void> begin(const std::string& folder, const std::string& name,
+                           const std::string& program);
+  /// The file is whole; nothing where none was begun. It is told by take_told() too.
+  std::optional<RecordTold> end();
+  std::optional<RecordTold> take_told();
+  /// Samples and events that the ring had no room for, ever.
+  std::uint64_t lost() const { return lost_.load(std::memory_order_relaxed); }
+  /// What was offered before is written. For tests.
+  void settle();
+  /// @}
+
+ private:
+  using Entry = std::variant<RunSample, RunEvent>;
+  class File;
+
+  bool push(const Entry& entry);
+  void run();
+  // All below under the work's mutex.
+  bool work();
+  void take(const Entry& entry);
+  void keep(const Entry& entry);
+  void write_flight();
+  void tell(RecordTold told);
+  RecordTitle title(const std::string& program) const;
+
+  const RobotModel& robot_;
+  const RecorderOptions options_;
+  const Instant start_;
+  const std::int64_t wall_ns_;
+
+  Instant next_{};  ///< of the control side
+  std::vector<Entry> ring_;
+  std::atomic<std::uint64_t> offered_ = 0;
+  std::atomic<std::uint64_t> taken_ = 0;
+  std::atomic<std::uint64_t> lost_ = 0;
+  std::atomic<std::uint32_t> calls_ = 0;
+  std::atomic<bool> stop_ = false;
+
+  std::mutex work_;
+  std::unique_ptr<File> file_;
+  std::uint64_t lost_told_ = 0;
+  Instant last_{};
+  std::vector<Entry> flight_;  ///< a ring: the oldest stands at flight_next_ once it is full
+  std::size_t flight_next_ = 0;
+  std::optional<RunEvent> fault_;
+
+  std::mutex told_mutex_;
+  std::deque<RecordTold> told_;
+
+  std::thread thread_;
+};
+
+/// "learm_pick-and-place_20261122T004512.345Z.mcap": only letters, digits, - and _ of the parts.
+std::string record_name(const std::string& robot, const std::string& what, std::int64_t wall_ns);
+
+}  // namespace sinew::runtime
