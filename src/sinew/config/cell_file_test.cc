@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "sinew/config/builtin_robots.h"
 #include "sinew/core/units.h"
 #include "support/property.h"

@@ -1,6 +1,7 @@
 // Motions that begin where the robot may not be: outside of its joints' limits, in an overlap.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "sinew/planning/path_timing_test_paths.h"
 #include "support/allocation_guard.h"
 

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "sinew/core/units.h"
 #include "sinew/model/joint_lookup.h"
 #include "sinew/program/program_plan.h"
