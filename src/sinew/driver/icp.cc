@@ -327,12 +327,19 @@ void IcpDriver::send_command(Instant now) {
 }
 
 void IcpDriver::receive(std::span<const std::uint8_t> bytes, Instant now) {
-  // What was due before these bytes came is late, whoever called first.
-  if (deadline_ && now > *deadline_) poll(now);
+  // What was due before these bytes came is late, whoever called first. But an answer is one as
+  // long as nothing was sent behind its request: who was late may have been this host, which looked
+  // away.
+  if (deadline_ && now > *deadline_ && !awaits_answer()) poll(now);
   for (const std::uint8_t byte : bytes) {
     if (phase_ == Phase::kClosed) return;
     on_byte(byte, now);
   }
+}
+
+bool IcpDriver::awaits_answer() const {
+  return phase_ == Phase::kInit || phase_ == Phase::kStep || phase_ == Phase::kRequest ||
+         phase_ == Phase::kSelect || phase_ == Phase::kWake;
 }
 
 void IcpDriver::on_byte(std::uint8_t byte, Instant now) {

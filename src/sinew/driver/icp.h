@@ -130,6 +130,8 @@ class IcpDriver final : public ByteDriver {
   };
 
   Expected<void> ready() const;
+  /// The device has to say something next.
+  bool awaits_answer() const;
   Expected<void> accept(const Move& move, Instant now);
   Expected<void> begin_command(Command command, std::uint8_t polls, Instant now);
   void begin_opening(Instant now);

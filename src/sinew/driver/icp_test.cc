@@ -302,6 +302,22 @@ TEST(IcpDriver, firmware_that_checks_selectors_is_asked_with_positioning_bytes) 
   EXPECT_EQ(cell.truth(0), 3);
 }
 
+/// A laptop that stutters: the device has answered, and only nobody looked.
+TEST(IcpDriver, host_that_looked_away_takes_the_answers_that_waited_for_it) {
+  IcpCell cell;
+  cell.begin();
+  ASSERT_TRUE(cell.go({300, -200, 100, 30, -1, 7}));
+  for (int k = 0; k < 12; ++k) {
+    cell.run_for(Duration{137'000'000 + k * 1'234'567});
+    cell.look_away(120ms);
+  }
+  cell.settle();
+  EXPECT_EQ(cell.count(Kind::kDone), 1U);
+  EXPECT_EQ(cell.driver.health().timeouts, 0U);
+  EXPECT_FALSE(cell.uncertain());
+  cell.expect_honest();
+}
+
 TEST(IcpDriver, status_is_read_at_rest_only) {
   IcpCell cell;
   cell.begin();

@@ -135,6 +135,17 @@ class IcpCell {
     }
   }
 
+  /// The host is kept from its port: what comes waits there.
+  void look_away(Duration duration) {
+    const Instant end = now + duration;
+    while (now < end) {
+      now += std::chrono::milliseconds(1);
+      machine.advance(now);
+      while (const auto byte = up.take(now)) machine.receive(std::array{*byte}, now);
+      answer();
+    }
+  }
+
   /// Units that the leg's motor really made from home.
   std::int64_t truth(std::size_t leg) const {
     const double q = machine.truth().joints[leg].believed;
@@ -180,10 +191,16 @@ class IcpCell {
     while (const std::size_t size = driver.take_output(piece)) {
       for (std::size_t i = 0; i < size; ++i) up.put(piece[i], now);
     }
+    answer();
+    while (const auto event = driver.take_event()) events.push_back(*event);
+  }
+
+  /// What the machine says goes onto the line.
+  void answer() {
+    std::array<std::uint8_t, 16> piece{};
     while (const std::size_t size = machine.take_output(piece)) {
       for (std::size_t i = 0; i < size; ++i) down.put(piece[i], now);
     }
-    while (const auto event = driver.take_event()) events.push_back(*event);
   }
 };
 

@@ -43,12 +43,16 @@ class ByteLine {
   /// Waits for bytes, or for the driver's next deadline, `wait` at most, and hands both to the
   /// driver.
   io::IoResult<void> receive(Duration wait) {
-    if (const auto deadline = driver_.next_deadline()) {
-      wait = std::min(wait, clock_.until(*deadline));
-    }
-    const auto size = port_.read(buffer_, wait);
+    if (const auto due = driver_.next_deadline()) wait = std::min(wait, clock_.until(*due));
+    auto size = port_.read(buffer_, wait);
     if (!size) return std::unexpected(size.error());
     const Instant now = clock_.now();
+    const auto deadline = driver_.next_deadline();
+    if (*size == 0 && deadline && now >= *deadline) {
+      // This process may have been kept from looking: what came before now was no silence.
+      size = port_.read(buffer_, Duration{});
+      if (!size) return std::unexpected(size.error());
+    }
     if (*size > 0) {
       const std::span bytes(buffer_.data(), *size);
       log_.add(ByteLog::Direction::kToHost, bytes, now);
