@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <csignal>
+#include <cstdlib>
 
 #include "cli/process.h"
 #include "sinew/io/scratch_folder_test_support.h"
@@ -103,6 +104,27 @@ TEST(Cell, refuses_what_makes_no_sense_in_a_sentence) {
   says({"resume", "left"}, "", 1);
   says({"pause", "nobody"}, "no robot of this cell");
   says({"run", "/nowhere.sinew", "--robot", "left"}, "/nowhere.sinew");
+}
+
+TEST(Cell, one_robot_without_its_port_leaves_the_others_working) {
+  const ScratchFolder folder;
+  const std::string file = folder.file("half.toml",
+                                       "title = \"half\"\n[[robot]]\nname = \"gone\"\nrobot = "
+                                       "\"learm\"\nport = \"/dev/nowhere\"\njournal = \"test\"\n"
+                                       "[[robot]]\nname = \"here\"\nrobot = \"maxarm\"\n");
+  setenv("XDG_STATE_HOME", folder.at("state").c_str(), 1);
+  Process serve({"serve", file, "--socket", folder.at("s")});
+  unsetenv("XDG_STATE_HOME");
+  serve.wait_for_err("answers on");
+  const auto ask = [&](Arguments arguments) {
+    arguments.insert(arguments.end(), {"--socket", folder.at("s")});
+    return sinew(arguments);
+  };
+  const Ended gone = ask({"move", "gone", "joint", "base=10deg"});
+  EXPECT_EQ(gone.exit, 1);
+  EXPECT_NE(gone.err.find("gone: /dev/nowhere: no such file"), std::string::npos) << gone.err;
+  EXPECT_EQ(ask({"move", "here", "joint", "base=95deg"}).exit, 0);
+  EXPECT_NE(ask({"status"}).out.find("no port"), std::string::npos);
 }
 
 TEST(Cell, without_a_server_says_how_to_start_one) {

@@ -92,7 +92,9 @@ io::IoResult<void> Station::prepare() {
                             : RobotLink::simulate(robot_, options_.simulated, clock_, log_);
   if (!link) return std::unexpected(link.error());
   link_.emplace(std::move(*link));
-  connected_ = !options_.port;
+  const auto connected = options_.port ? link_->connect() : io::IoResult<void>{};
+  connected_ = connected.has_value();
+  if (!connected) trouble_ = connected.error().sentence;
   if (!options_.flight_folder.empty() || !options_.record_folder.empty()) {
     recorder_ = std::make_unique<RunRecorder>(
         robot_, RecorderOptions{options_.name, "sinew", options_.flight_folder}, clock_.now(),
@@ -115,7 +117,7 @@ void Station::run() {
                    kNobody);
   loop.look = [this](const control::Outputs& outputs, Instant now) { deliver(outputs, now); };
   loop.set_port_open(connected_);
-  Instant retry_at = clock_.now();
+  Instant retry_at = clock_.now() + retry_interval();
   while (true) {
     take_mail(loop);
     const Instant now = clock_.now();
@@ -125,6 +127,10 @@ void Station::run() {
     if (at_end(loop, now)) return;
     turn(loop, retry_at);
   }
+}
+
+Duration Station::retry_interval() const {
+  return from_seconds(to_seconds(kRetry) * clock_.scale());
 }
 
 /// Bytes out and in, or another try to get a port.
@@ -139,7 +145,7 @@ void Station::turn(ControlLoop& loop, Instant& retry_at) {
     if (clock_.now() < retry_at) return;
     went = link_->connect();
   }
-  retry_at = clock_.now() + from_seconds(to_seconds(kRetry) * clock_.scale());
+  retry_at = clock_.now() + retry_interval();
   connected_ = went.has_value() && !connected_;
   loop.set_port_open(connected_);
   const std::scoped_lock lock(mutex_);

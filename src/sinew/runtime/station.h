@@ -98,6 +98,7 @@ class Station {
   io::IoResult<void> prepare();
   void run();
   void turn(ControlLoop& loop, Instant& retry_at);
+  Duration retry_interval() const;
   void take_mail(ControlLoop& loop);
   void publish(const ControlLoop& loop, Instant now);
   void deliver(const control::Outputs& outputs, Instant now);

@@ -119,6 +119,7 @@ class Api {
   Answer run_program(const Call& call);
   Answer ride(const Call& call);
   Answer start(const Call& call, runtime::JobOrder order);
+  std::optional<RpcError> no_port(std::size_t robot) const;
   Answer steer_job(const Method& method, const Call& call);
   Answer give(const Call& call, const control::CommandWhat& what, bool at_start = false);
   std::expected<JointVector, RpcError> joints(const Json& numbers, std::size_t robot) const;

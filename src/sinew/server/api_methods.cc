@@ -75,6 +75,7 @@ Api::Answer Api::call(const Method& method, const Call& call) {
     case MethodId::kLeaseRelease:
       return give(call, control::ReturnLease{});
     case MethodId::kRobotEnable:
+      if (const auto trouble = no_port(*call.robot)) return *trouble;
       return give(call, control::Enable{});
     case MethodId::kRobotDisable:
       return give(call, control::Disable{});
@@ -290,7 +291,15 @@ Api::Answer Api::ride(const Call& call) {
                       .take_over = flag(call.request, "take_over")});
 }
 
+/// Why a robot cannot be reached at all.
+std::optional<RpcError> Api::no_port(std::size_t robot) const {
+  const std::string trouble = cell_.station(robot).trouble();
+  if (trouble.empty()) return std::nullopt;
+  return RpcError{RpcCode::kRefused, cell_.station(robot).name() + ": " + trouble, nullptr};
+}
+
 Api::Answer Api::start(const Call& call, runtime::JobOrder order) {
+  if (const auto trouble = no_port(*call.robot)) return *trouble;
   // The session hears of the lease that the job takes for it, and keeps it alive.
   if (const auto client = machine(call.session, *call.robot); !client) return client.error();
   const auto job = cell_.jobs(*call.robot).start(std::move(order), call.id);
