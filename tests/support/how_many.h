@@ -20,7 +20,7 @@ inline std::uint64_t how_many(const char* variable, std::uint64_t usual) {
 }
 
 /// The same for what takes ten times as long with sanitizers, and does less there.
-inline std::uint64_t how_many(const char* variable, std::uint64_t usual,
+inline std::uint64_t how_many(const char* variable, [[maybe_unused]] std::uint64_t usual,
                               [[maybe_unused]] std::uint64_t with_sanitizers) {
 #ifdef __SANITIZE_ADDRESS__
   return how_many(variable, with_sanitizers);
