@@ -127,6 +127,28 @@ TEST(Cell, one_robot_without_its_port_leaves_the_others_working) {
   EXPECT_NE(ask({"status"}).out.find("no port"), std::string::npos);
 }
 
+TEST(Cell, a_port_that_it_holds_is_refused_to_others_by_its_name) {
+  const ScratchFolder folder;
+  const std::string link = folder.at("arm");
+  Process sim({"sim", "maxarm", "--link", link});
+  sim.wait_for_out("\n");
+  const std::string file =
+      folder.file("one.toml",
+                  "title = \"one\"\n[[robot]]\nname = \"mine\"\nrobot = \"maxarm\"\n"
+                  "port = \"" +
+                      link + "\"\n");
+  const std::string program = folder.file("turn.sinew", "joint base=95deg\n");
+  setenv("XDG_RUNTIME_DIR", folder.at().c_str(), 1);
+  Process serve({"serve", file});
+  serve.wait_for_err("answers on");
+  const Ended refused = sinew({"run", program, "--robot", "maxarm", "--port", link});
+  const Ended ran = sinew({"run", program, "--cell", "--robot", "mine"});
+  unsetenv("XDG_RUNTIME_DIR");
+  EXPECT_EQ(refused.exit, 1);
+  EXPECT_NE(refused.err.find("holds it, as 'mine'"), std::string::npos) << refused.err;
+  EXPECT_EQ(ran.exit, 0) << ran.err;
+}
+
 TEST(Cell, without_a_server_says_how_to_start_one) {
   const ScratchFolder folder;
   const Ended ended = sinew({"status", "--socket", folder.at("none.sock")});

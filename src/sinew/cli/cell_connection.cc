@@ -5,6 +5,7 @@
 #include "sinew/cli/cell_socket.h"
 #include "sinew/cli/quantity.h"
 #include "sinew/core/spelling.h"
+#include "sinew/io/file.h"
 
 namespace sinew::cli {
 
@@ -49,6 +50,20 @@ std::expected<Json, Outcome> robot_of_cell(CellConnection& cell, const std::stri
   return std::unexpected(bad_input(
       fmt::format("the cell has no robot '{}'{}; there are {}", printable(name),
                   meant.empty() ? "" : fmt::format(", did you mean '{}'?", meant), list)));
+}
+
+std::string held_by_cell(const std::string& port) {
+  auto cell = CellConnection::open(std::nullopt);
+  if (!cell) return {};
+  const auto description = cell->call("cell.describe");
+  if (!description) return {};
+  for (const Json& robot : (*description)["robots"]) {
+    const std::string other = robot["port"];
+    if (robot["simulated"].get<bool>() || !io::same_file(other, port)) continue;
+    return fmt::format("; the cell that answers on {} holds it, as '{}': --cell --robot {}",
+                       cell->path(), std::string(robot["name"]), std::string(robot["name"]));
+  }
+  return {};
 }
 
 std::expected<Json, Outcome> positions_of(CellConnection& cell, const std::string& robot,

@@ -35,6 +35,9 @@ Outcome refused(const server::RpcError& error);
 /// @error  there is none of this name
 std::expected<Json, Outcome> robot_of_cell(CellConnection& cell, const std::string& name);
 
+/// Whether this user's running cell has that port open, as the end of a sentence; else empty.
+std::string held_by_cell(const std::string& port);
+
 /// "home", or a value a joint (deg, mm of a leg), as rad and m.
 /// @param option  as the user typed it
 std::expected<Json, Outcome> positions_of(CellConnection& cell, const std::string& robot,

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "sinew/cli/cell_connection.h"
 #include "sinew/cli/device_argument.h"
 #include "sinew/cli/kinematics_text.h"
 #include "sinew/cli/plan_report.h"
@@ -326,7 +327,10 @@ Outcome run_sinew_program(const RunRequest& request) {
                                                  {.profile = request.profile,
                                                   .seed = static_cast<std::uint64_t>(request.seed)},
                                                  clock, log);
-  if (!link) return could_not(link.error().sentence);
+  if (!link) {
+    const std::string holder = request.port ? held_by_cell(*request.port) : std::string();
+    return could_not(link.error().sentence + holder);
+  }
   // Only now: whoever is refused the port must not empty the log of the run that has it.
   if (request.log) {
     auto created = runtime::ByteLog::create(*request.log);
