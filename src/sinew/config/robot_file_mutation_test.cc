@@ -191,7 +191,7 @@ TEST(SpoiledRobotFile, with_any_unit_left_out_it_is_refused_there) {
       break;
     }
   });
-  EXPECT_GT(ran, 200);
+  EXPECT_GT(ran * static_cast<int>(kOneOf), 200);
 }
 
 TEST(SpoiledRobotFile, with_any_number_absurd_it_is_refused_at_the_number) {
@@ -210,7 +210,7 @@ TEST(SpoiledRobotFile, with_any_number_absurd_it_is_refused_at_the_number) {
       }
     }
   });
-  EXPECT_GT(ran, 3000);
+  EXPECT_GT(ran * static_cast<int>(kOneOf), 3000);
 }
 
 TEST(SpoiledRobotFile, with_swapped_limits_it_is_refused_at_the_upper_one) {

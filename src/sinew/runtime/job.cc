@@ -44,23 +44,22 @@ JobRunner::~JobRunner() {
 }
 
 Expected<std::uint32_t> JobRunner::start(JobOrder order, control::ClientId client) {
-  if (under_way_.exchange(true)) return std::unexpected(Error{ErrorCode::kBusy});
   auto made = StationClient::make(station_, client);
-  if (!made) {
-    under_way_ = false;
-    return std::unexpected(made.error());
-  }
-  if (thread_.joinable()) thread_.join();
   std::uint32_t id = 0;
   {
     const std::scoped_lock lock(mutex_);
+    if (!view_.over) return std::unexpected(Error{ErrorCode::kBusy});
+    if (!made) return std::unexpected(made.error());
     id = view_.id + 1;
     view_ = {.id = id, .client = client, .title = order.title, .over = false};
     wish_ = Wish::kNone;
   }
+  if (thread_.joinable()) thread_.join();
   thread_ = std::thread([this, job = std::move(order), machine = std::move(*made)] {
     work(job, *machine);
-    under_way_ = false;
+    // The last that is said: whoever hears it may begin the next one.
+    const std::scoped_lock lock(mutex_);
+    view_.over = true;
   });
   return id;
 }
@@ -72,7 +71,6 @@ void JobRunner::work(const JobOrder& order, StationClient& client) {
   const std::scoped_lock lock(mutex_);
   view_.failure = ride.error();
   view_.phase = Run::Phase::kFailed;
-  view_.over = true;
 }
 
 void JobRunner::run(const JobOrder& order, const program::Program& program, StationClient& client) {
@@ -96,11 +94,11 @@ void JobRunner::run(const JobOrder& order, const program::Program& program, Stat
       client.give(control::Stop{});
       freed = true;
     }
-    publish(run, now, false);
+    publish(run, now);
     station_.wait_for_cycle(kPatience);
   }
   station_.end_record();
-  publish(run, clock_.now(), true);
+  publish(run, clock_.now());
 }
 
 void JobRunner::obey(Run& run, Instant now) {
@@ -129,20 +127,19 @@ void JobRunner::obey(Run& run, Instant now) {
   }
 }
 
-void JobRunner::publish(const Run& run, Instant now, bool over) {
+void JobRunner::publish(const Run& run, Instant now) {
   const program::Plan& plan = run.plan();
   const auto notices = run.notices();
   const std::scoped_lock lock(mutex_);
   view_.phase = run.phase();
   view_.paused = run.paused();
-  view_.over = over;
   view_.line = line_of(run);
   view_.orders_done = run.records().size();
   view_.orders = plan.orders.size();
   view_.duration = plan.duration;
   view_.homing_max = plan.homing_max;
   view_.progress = run.finished() && run.phase() == Run::Phase::kDone ? 1 : run.progress(now);
-  view_.elapsed = run.begun_at() && !over ? to_seconds(now - *run.begun_at()) : view_.elapsed;
+  if (run.begun_at()) view_.elapsed = to_seconds(now - *run.begun_at());
   view_.failure = run.failure();
   view_.stopped_by = run.stopped_by();
   view_.notices = run.notices_told();

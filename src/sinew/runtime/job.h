@@ -1,6 +1,5 @@
 #pragma once
 
-#include <atomic>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -73,13 +72,12 @@ class JobRunner {
   void work(const JobOrder& order, StationClient& client);
   void run(const JobOrder& order, const program::Program& program, StationClient& client);
   void obey(program::Run& run, Instant now);
-  void publish(const program::Run& run, Instant now, bool over);
+  void publish(const program::Run& run, Instant now);
   void wish(std::uint32_t id, Wish what);
 
   Station& station_;
   const io::Clock& clock_;
   std::thread thread_;
-  std::atomic<bool> under_way_ = false;
   mutable std::mutex mutex_;
   JobView view_;             ///< under the mutex
   Wish wish_ = Wish::kNone;  ///< under the mutex
