@@ -30,5 +30,6 @@ Try next:
   $sinew sim maxarm --link /tmp/arm               a device for your own program to talk to
   $sinew run robots/robot-arm-2/first_moves.sinew --robot robot-arm-2 --time-scale 20
   $sinew doctor                                   what this computer offers to robots
+  $sinew serve                                    all five at once; sinew status and sinew move talk to it
   $sinew run robots/bigrobotarm/sequence.txt --robot bigrobotarm --plot run.svg --record run.csv
 EOF
