@@ -54,15 +54,16 @@ std::expected<double, std::string> time_of(const std::optional<std::string>& tex
   return *time;
 }
 
-/// The lease, and a machine that is ready.
-std::expected<void, Outcome> take_in_hand(CellConnection& cell, const CellRequest& request) {
-  const auto taken =
-      cell.call("lease.take", {{"robot", request.robot}, {"take_over", request.take_over}});
-  if (!taken) return std::unexpected(taken.error());
-  const auto status = cell.call("robot.status", {{"robot", request.robot}});
+std::expected<Json, Outcome> take_lease(CellConnection& cell, const CellRequest& request) {
+  return cell.call("lease.take", {{"robot", request.robot}, {"take_over", request.take_over}});
+}
+
+/// A machine that was off is found.
+std::expected<void, Outcome> make_ready(CellConnection& cell, const std::string& robot) {
+  const auto status = cell.call("robot.status", {{"robot", robot}});
   if (!status) return std::unexpected(status.error());
   if ((*status)["state"] != "off") return {};
-  const auto enabled = cell.call("robot.enable", {{"robot", request.robot}});
+  const auto enabled = cell.call("robot.enable", {{"robot", robot}});
   if (!enabled) return std::unexpected(enabled.error());
   return {};
 }
@@ -110,7 +111,8 @@ Outcome cell_jog(const CellRequest& request) {
   auto cell = CellConnection::open(request.socket);
   if (!cell) return cell.error();
   io::catch_interrupts();
-  if (const auto taken = take_in_hand(*cell, request); !taken) return taken.error();
+  if (const auto taken = take_lease(*cell, request); !taken) return taken.error();
+  if (const auto ready = make_ready(*cell, request.robot); !ready) return ready.error();
   const io::Clock clock;
   const Instant end = clock.now() + from_seconds(*time);
   const Json params{{"robot", request.robot}, {"frame", request.frame}, {"velocity", *velocity}};
@@ -140,13 +142,11 @@ Outcome cell_recover(const CellRequest& request) {
   }
   const auto before = cell->call("robot.status", robot);
   if (!before) return before.error();
-  const auto taken =
-      cell->call("lease.take", {{"robot", request.robot}, {"take_over", request.take_over}});
-  if (!taken) return taken.error();
+  if (const auto taken = take_lease(*cell, request); !taken) return taken.error();
   if ((*before)["state"] == "fault") {
     if (const auto done = cell->call("robot.acknowledge", robot); !done) return done.error();
   }
-  if (const auto ready = take_in_hand(*cell, request); !ready) return ready.error();
+  if (const auto ready = make_ready(*cell, request.robot); !ready) return ready.error();
   if (request.standing_at) {
     if (const auto done = cell->call("robot.declare", declaration); !done) return done.error();
   }
@@ -168,8 +168,7 @@ Outcome cell_lease(const CellRequest& request) {
   auto cell = CellConnection::open(request.socket);
   if (!cell) return cell.error();
   io::catch_interrupts();
-  const auto taken =
-      cell->call("lease.take", {{"robot", request.robot}, {"take_over", request.take_over}});
+  const auto taken = take_lease(*cell, request);
   if (!taken) return taken.error();
   if (!request.json) {
     std::fputs(

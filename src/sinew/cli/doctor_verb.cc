@@ -4,9 +4,9 @@
 
 #include "sinew/cli/device_argument.h"
 #include "sinew/cli/kinematics_text.h"
-#include "sinew/cli/program_report.h"
 #include "sinew/cli/robot_argument.h"
 #include "sinew/cli/table.h"
+#include "sinew/driver/quality_name.h"
 #include "sinew/io/interrupt.h"
 #include "sinew/io/machine_check.h"
 #include "sinew/runtime/robot_link.h"

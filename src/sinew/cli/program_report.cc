@@ -12,6 +12,7 @@
 #include "sinew/cli/table.h"
 #include "sinew/cli/truth_text.h"
 #include "sinew/core/units.h"
+#include "sinew/driver/quality_name.h"
 #include "sinew/program/conditions.h"
 
 namespace sinew::cli {
@@ -239,11 +240,6 @@ double ran_for(const ProgramReport& report) {
 
 }  // namespace
 
-const char* quality_name(PositionQuality quality) {
-  constexpr const char* kNames[] = {"lost", "uncertain", "commanded", "measured"};
-  return kNames[static_cast<int>(quality)];
-}
-
 std::string notice_text(const program::Notice& notice, const program::Run& run,
                         const RobotModel& model) {
   const std::string line = notice.line > 0 ? fmt::format(", line {}", notice.line) : "";
@@ -345,12 +341,13 @@ std::string program_text(const ProgramReport& report) {
     for (std::size_t i = 0; i < records.size(); ++i) {
       const Record& record = records[i];
       const auto error = largest_error(record, model);
-      table.add({fmt::format("{}", i + 1), lines_text(*record.order, run),
-                 fmt::format("{}/{}", record.order->round, record.order->rounds),
-                 command_text(record, model), reported_text(record, model),
-                 error ? number(*error, 3) : "",
-                 quality_name(worst_of({record.reported.data(), record.reported.size()})),
-                 predicted_text(record), fmt::format("{:.2f}", took(record))});
+      table.add(
+          {fmt::format("{}", i + 1), lines_text(*record.order, run),
+           fmt::format("{}/{}", record.order->round, record.order->rounds),
+           command_text(record, model), reported_text(record, model),
+           error ? number(*error, 3) : "",
+           std::string(quality_name(worst_of({record.reported.data(), record.reported.size()}))),
+           predicted_text(record), fmt::format("{:.2f}", took(record))});
     }
     text += fmt::format("\n  joints:{}\n\n{}\n", names, table.text());
   }

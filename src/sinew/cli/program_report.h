@@ -55,7 +55,4 @@ std::string first_line(const program::Order& order, const program::Run& run);
 /// "; the machine goes on ..": where a run ended and its motion did not; else empty.
 std::string goes_on_text(const ProgramReport& report);
 
-/// "measured", "commanded", "uncertain", "lost".
-const char* quality_name(PositionQuality quality);
-
 }  // namespace sinew::cli

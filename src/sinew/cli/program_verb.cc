@@ -45,11 +45,8 @@ std::expected<std::optional<JointVector>, Outcome> standing_at(const RunRequest&
                                                                const RobotModel& model) {
   JointVector q = home_joints(model);
   if (!request.standing_at) {
-    // These two begin at their home where they are simulated; the others must find out.
-    const auto& settings = model.device.settings;
-    const bool at_home = std::holds_alternative<IcpDevice>(settings) ||
-                         std::holds_alternative<BigRobotArmDevice>(settings);
-    return !request.port && at_home ? std::optional(q) : std::nullopt;
+    const bool known = !request.port && runtime::begins_at_home(model);
+    return known ? std::optional(q) : std::nullopt;
   }
   if (*request.standing_at == "home") return q;
   const bool legs = model.joints[0].kind == JointKind::kPrismatic;

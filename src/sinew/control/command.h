@@ -58,6 +58,12 @@ struct Command {
   CommandWhat what;
 };
 
+/// What a command asks for needs the lease, if it is not among those marked above.
+inline bool needs_lease(const CommandWhat& what) {
+  return !std::holds_alternative<TakeLease>(what) && !std::holds_alternative<Hold>(what) &&
+         !std::holds_alternative<Stop>(what);
+}
+
 /// A cause of a fault, until somebody has acknowledged it.
 struct Latched {
   StopCause cause = StopCause::kDevice;
@@ -84,5 +90,12 @@ struct ControlEvent {
   Error error;
   LeaseToken lease;
 };
+
+/// Nothing more is told of the command. @rt
+constexpr bool is_end(ControlEvent::Kind kind) {
+  using Kind = ControlEvent::Kind;
+  return kind == Kind::kRefused || kind == Kind::kDone || kind == Kind::kFailed ||
+         kind == Kind::kStopped;
+}
 
 }  // namespace sinew::control

@@ -14,11 +14,6 @@ std::unexpected<Error> refused(ErrorCode code) {
   return std::unexpected(Error{code});
 }
 
-bool needs_lease(const Command& command) {
-  return !std::holds_alternative<TakeLease>(command.what) &&
-         !std::holds_alternative<Hold>(command.what) && !std::holds_alternative<Stop>(command.what);
-}
-
 /// What is done at once when it is done at all.
 Expected<bool> at_once(const Expected<void>& what) {
   if (!what) return std::unexpected(what.error());
@@ -34,7 +29,7 @@ Expected<bool> begun(const Expected<void>& what) {
 
 void Controller::handle(const Command& command, const Inputs& inputs, Instant now) {
   Expected<bool> done = true;
-  if (needs_lease(command)) done = at_once(lease_.check(command.lease, now));
+  if (needs_lease(command.what)) done = at_once(lease_.check(command.lease, now));
   if (done) {
     const Asked asked{command, inputs, now};
     done = std::visit([&](const auto& what) { return on(what, asked); }, command.what);

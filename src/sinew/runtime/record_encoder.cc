@@ -6,6 +6,7 @@
 
 #include "sinew/driver/quality_name.h"
 #include "sinew/model/error_sentence.h"
+#include "sinew/runtime/unit_name.h"
 
 namespace sinew::runtime {
 namespace {
@@ -18,10 +19,6 @@ constexpr Duration kSlowPeriod = std::chrono::milliseconds(100);
 
 std::string text_of(const Json& json) {
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
-}
-
-std::string with_unit(const char* what, const Joint& joint) {
-  return std::string(what) + (joint.kind == JointKind::kPrismatic ? "_m" : "_rad");
 }
 
 Json number() {

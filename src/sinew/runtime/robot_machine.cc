@@ -102,6 +102,11 @@ std::string obstacle(const RobotModel& robot) {
 
 }  // namespace
 
+bool begins_at_home(const RobotModel& robot) {
+  return std::holds_alternative<IcpDevice>(robot.device.settings) ||
+         std::holds_alternative<BigRobotArmDevice>(robot.device.settings);
+}
+
 std::expected<RobotMachine, std::string> make_machine(const RobotModel& robot,
                                                       const MachineOptions& options, Instant boot) {
   if (std::holds_alternative<NoDriver>(robot.device.settings)) return RobotMachine{};

@@ -18,6 +18,10 @@ struct MachineOptions {
   bool soft_select = false;         ///< SPI: boards listen whether selected or not
 };
 
+/// A simulated device whose motors know nothing of a position begins at the robot's home, as if
+/// somebody had put it there and said so; the others must find out.
+bool begins_at_home(const RobotModel& robot);
+
 /// A simulated machine: one of the two is there, none for a robot that is a model only.
 struct RobotMachine {
   std::unique_ptr<sim::ByteMachine> byte;

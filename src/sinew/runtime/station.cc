@@ -48,13 +48,6 @@ bool moves(const control::CommandWhat& what) {
          std::holds_alternative<control::UseTool>(what);
 }
 
-/// A simulated device whose motors know nothing of a position begins at the robot's home, as if
-/// somebody had put it there and said so.
-bool begins_at_home(const RobotModel& robot) {
-  return std::holds_alternative<IcpDevice>(robot.device.settings) ||
-         std::holds_alternative<BigRobotArmDevice>(robot.device.settings);
-}
-
 control::ControllerStart start_of(const PositionRecord* record,
                                   const std::optional<JointVector>& assumed) {
   if (record != nullptr) return record->start();

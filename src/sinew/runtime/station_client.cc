@@ -7,21 +7,6 @@ namespace sinew::runtime {
 using control::Command;
 using control::ControlEvent;
 
-namespace {
-
-bool needs_lease(const control::CommandWhat& what) {
-  return !std::holds_alternative<control::Stop>(what) &&
-         !std::holds_alternative<control::Hold>(what);
-}
-
-bool is_end(ControlEvent::Kind kind) {
-  using Kind = ControlEvent::Kind;
-  return kind == Kind::kRefused || kind == Kind::kDone || kind == Kind::kFailed ||
-         kind == Kind::kStopped;
-}
-
-}  // namespace
-
 StationClient::StationClient(Station& station, control::ClientId client, std::uint8_t slot)
     : station_(station), slot_(slot), lease_{.client = client} {
   refresh();
@@ -51,7 +36,7 @@ std::uint32_t StationClient::give(const control::CommandWhat& what) {
   Command command{station_.next_id(slot_), lease_, what};
   if (std::holds_alternative<control::TakeLease>(what)) taking_ = command.id;
   if (std::holds_alternative<control::Begin>(what)) motion_ = command.id;
-  const bool waits = taking_ != 0 && taking_ != command.id && needs_lease(what);
+  const bool waits = taking_ != 0 && taking_ != command.id && control::needs_lease(what);
   if (waits && waiting_.size() < kWaitingMax) {
     waiting_.push_back(command);
   } else if (waits) {
@@ -90,7 +75,7 @@ void StationClient::look_at(const ControlEvent& event) {
     const bool ours = event.lease.client == lease_.client;
     lease_.epoch = ours ? event.lease.epoch : 0;
   }
-  if (event.command == 0 || !is_end(event.kind)) return;
+  if (event.command == 0 || !control::is_end(event.kind)) return;
   if (event.command == taking_) taking_ = 0;
   if (event.command == motion_) motion_ = 0;
 }

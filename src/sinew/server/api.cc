@@ -16,12 +16,6 @@ using runtime::StationClient;
 constexpr Duration kRenewal = std::chrono::milliseconds(100);
 constexpr Duration kJobInterval = std::chrono::milliseconds(100);
 
-bool is_end(ControlEvent::Kind kind) {
-  using Kind = ControlEvent::Kind;
-  return kind == Kind::kRefused || kind == Kind::kDone || kind == Kind::kFailed ||
-         kind == Kind::kStopped;
-}
-
 std::int64_t wall_ms() {
   return io::wall_time_ns() / 1'000'000;
 }
@@ -91,6 +85,7 @@ Api::~Api() {
 std::optional<SessionId> Api::open(Role role) {
   if (sessions_.size() >= kSessionsMax) return std::nullopt;
   Session& session = sessions_[++last_session_];
+  session.id = last_session_;
   session.role = role;
   session.watch.jobs.resize(cell_.size());
   return last_session_;
@@ -122,7 +117,7 @@ void Api::receive(SessionId id, std::string_view text, Instant now) {
     return answer(session, request->id, request->answered,
                   RpcError{RpcCode::kRefused, "viewers watch and may stop; this moves", nullptr});
   }
-  Call one{id, session, *request, now, std::nullopt};
+  Call one{session, *request, now, std::nullopt};
   if (const auto name = request->params.find("robot"); name != request->params.end()) {
     one.robot = cell_.find(name->get_ref<const std::string&>());
     if (!one.robot) {
@@ -176,11 +171,7 @@ bool Api::too_slow(SessionId id) const {
 std::expected<StationClient*, RpcError> Api::machine(Session& session, std::size_t robot) {
   auto& machine = session.machines[robot];
   if (machine) return machine.get();
-  SessionId id = 0;
-  for (const auto& [one, other] : sessions_) {
-    if (&other == &session) id = one;
-  }
-  auto made = StationClient::make(cell_.station(robot), id);
+  auto made = StationClient::make(cell_.station(robot), session.id);
   if (!made) {
     session.machines.erase(robot);
     return std::unexpected(RpcError{RpcCode::kBusy, "too many clients steer this robot", nullptr});

@@ -73,6 +73,7 @@ class Api {
     Instant job_next{};
   };
   struct Session {
+    SessionId id = 0;
     Role role = Role::kViewer;
     std::map<std::size_t, std::unique_ptr<runtime::StationClient>> machines;
     std::vector<Pending> pending;
@@ -82,7 +83,6 @@ class Api {
     bool too_slow = false;
   };
   struct Call {
-    SessionId id = 0;
     Session& session;
     const RpcRequest& request;
     Instant now;

@@ -302,7 +302,7 @@ Api::Answer Api::start(const Call& call, runtime::JobOrder order) {
   if (const auto trouble = no_port(*call.robot)) return *trouble;
   // The session hears of the lease that the job takes for it, and keeps it alive.
   if (const auto client = machine(call.session, *call.robot); !client) return client.error();
-  const auto job = cell_.jobs(*call.robot).start(std::move(order), call.id);
+  const auto job = cell_.jobs(*call.robot).start(std::move(order), call.session.id);
   if (!job) {
     const runtime::JobView other = cell_.jobs(*call.robot).view();
     return RpcError{

@@ -4,13 +4,12 @@
 
 #include "sinew/driver/quality_name.h"
 #include "sinew/model/error_sentence.h"
+#include "sinew/runtime/unit_name.h"
 
 namespace sinew::server {
 namespace {
 
-bool is_leg(const Joint& joint) {
-  return joint.kind == JointKind::kPrismatic;
-}
+using runtime::with_unit;
 
 Json pose_json(const Vec3& p, const Rotation& R) {
   return {{"x_m", p.x}, {"y_m", p.y}, {"z_m", p.z}, {"quaternion_wxyz", quaternion_wxyz(R)}};
@@ -65,10 +64,6 @@ Json latched_json(const control::Latched& latched, const RobotModel& model) {
 }
 
 }  // namespace
-
-std::string with_unit(const char* what, const Joint& joint) {
-  return std::string(what) + (is_leg(joint) ? "_m" : "_rad");
-}
 
 std::string_view cause_name(control::StopCause cause) {
   return control::stop_rule(cause).name;

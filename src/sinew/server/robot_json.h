@@ -9,9 +9,6 @@
 /// What the server says of robots: SI and radians, the unit in each number's name.
 namespace sinew::server {
 
-/// "position_rad", or "position_m" of a leg.
-std::string with_unit(const char* what, const Joint& joint);
-
 /// {"code", "sentence", "joint"?}
 Json error_json(const Error& error, const RobotModel& model);
 
