@@ -6,7 +6,8 @@
 #   SINEW_SEQUENCES  of plan, jog, override, pause and stop, on all robots together (1000000)
 #   SINEW_KILLS   -9 of real processes, of each of two robots (1000)
 #   SINEW_SEEDS   of the whole system in virtual time (100000)
-#   PARTS         which of: format tidy tsan fuzz seeds faults motion kills system (all)
+#   SINEW_TRACE_SEEDS  compared between g++ and clang (200)
+#   PARTS         which of: format tidy tsan fuzz seeds faults motion kills system trace (all)
 # shellcheck source=scripts/lib.sh
 source "$(dirname "${BASH_SOURCE[0]}")/lib.sh"
 
@@ -16,7 +17,8 @@ faults=${SINEW_FAULTS:-1000000}
 sequences=${SINEW_SEQUENCES:-1000000}
 kills=${SINEW_KILLS:-1000}
 system_seeds=${SINEW_SEEDS:-100000}
-parts=${PARTS:-format tidy tsan fuzz seeds faults motion kills system}
+trace_seeds=${SINEW_TRACE_SEEDS:-200}
+parts=${PARTS:-format tidy tsan fuzz seeds faults motion kills system trace}
 # Only their own parts ask for so many.
 unset SINEW_FAULTS SINEW_SEQUENCES SINEW_KILLS SINEW_SEEDS
 
@@ -109,7 +111,39 @@ side_by_side() {
 faults_part() { side_by_side faults faults_test Faults "SINEW_FAULTS=$faults"; }
 motion_part() { side_by_side motion sequences_test '*Sequences' "SINEW_SEQUENCES=$sequences"; }
 kills_part() { side_by_side kills crash_test '*Kills' "SINEW_KILLS=$kills"; }
-system_part() { side_by_side system system_test System "SINEW_SEEDS=$system_seeds"; }
+
+# A stretch of the seeds for each core; a seed that fails is told with as little as still fails.
+system_part() {
+  configure release -DSINEW_TESTS=ON "$(keep_toggle release SINEW_BENCH libbenchmark-dev)" &&
+    build release || return 1
+  local jobs share k code=0 pids=()
+  jobs=$(jobs_count)
+  share=$(((system_seeds + jobs - 1) / jobs))
+  for ((k = 0; k < jobs; ++k)); do
+    (live=no && step "system, stretch $((k + 1))" "system-$((k + 1))" build/release/tests/sinew-sim \
+      --seeds "$((k * share + 1))..$(((k + 1) * share))") &
+    pids+=($!)
+  done
+  for k in "${pids[@]}"; do wait "$k" || code=1; done
+  return "$code"
+}
+
+# The same seeds are the same runs, to the last byte and event, whoever compiled them.
+trace_part() {
+  local preset
+  configure release -DSINEW_TESTS=ON "$(keep_toggle release SINEW_BENCH libbenchmark-dev)" &&
+    configure clang -DSINEW_TESTS=ON || return 1
+  for preset in release clang; do
+    build "$preset" sinew-sim || return 1
+    step "trace $preset" "trace-$preset" sh -c \
+      "build/$preset/tests/sinew-sim --seeds 1..$trace_seeds --hashes > build/trace-$preset.txt" ||
+      return 1
+  done
+  if ! cmp build/trace-release.txt build/trace-clang.txt; then
+    echo "  g++ and clang do not agree; build/trace-*.txt"
+    return 1
+  fi
+}
 
 echo "sinew: campaign ($parts)"
 scripts/packages.sh build test campaign

@@ -22,6 +22,7 @@ profile = "bus"
 [[robot]]
 name = "big"
 robot = "bigrobotarm"
+x_mm = 3000
 )";
 
 const std::string kStand = "joint base=0deg shoulder=20deg elbow=40deg wrist=40deg roll=0deg";
@@ -85,6 +86,130 @@ TEST(Cell, is_steered_from_other_processes) {
   EXPECT_EQ(jogged.exit, 0) << jogged.err;
 }
 
+/// One runs it, another one leads it through, forth and back.
+TEST(Cell, program_is_stepped_forth_and_back) {
+  Cell cell;
+  EXPECT_EQ(cell.ask({"move", "left", kStand}).exit, 0);
+  const std::string rows =
+      cell.folder().file("three.sinew", "joint base=10deg\njoint base=20deg\njoint base=30deg\n");
+  Process run(cell.on({"run", rows, "--robot", "left", "--single-step"}));
+  run.wait_for_err("paused");
+  EXPECT_NEAR(base_rad(cell.status("left")), 0.17, 0.04);
+  const Ended forth = cell.ask({"step", "left"});
+  EXPECT_EQ(forth.exit, 0) << forth.err;
+  EXPECT_EQ(forth.out, "  paused: 2 of 3 orders done\n");
+  EXPECT_NEAR(base_rad(cell.status("left")), 0.35, 0.04);
+  const Ended back = cell.ask({"step", "left", "--back"});
+  EXPECT_EQ(back.out, "  paused: 1 of 3 orders done\n") << back.err;
+  EXPECT_NEAR(base_rad(cell.status("left")), 0.17, 0.04);
+  EXPECT_EQ(cell.ask({"step", "left", "--back"}).exit, 0);
+  const Ended too_far = cell.ask({"step", "left", "--back"});
+  EXPECT_EQ(too_far.exit, 1);
+  EXPECT_NE(too_far.err.find("cannot go back"), std::string::npos) << too_far.err;
+  EXPECT_EQ(cell.ask({"resume", "left"}).exit, 0);
+  const Ended ended = run.end();
+  EXPECT_EQ(ended.exit, 0) << ended.err;
+  EXPECT_NEAR(base_rad(cell.status("left")), 0.52, 0.04);
+  const Ended none = cell.ask({"step", "left"});
+  EXPECT_EQ(none.exit, 1);
+  EXPECT_NE(none.err.find("no program"), std::string::npos) << none.err;
+}
+
+TEST(Cell, where_an_arm_stands_becomes_a_point_of_a_program) {
+  Cell cell;
+  const std::string points = cell.folder().at("points.toml");
+  const Arguments teach_here{"teach", "left", "here", "--points", points};
+  const Ended lost = cell.ask(teach_here);
+  EXPECT_EQ(lost.exit, 1);
+  EXPECT_NE(lost.err.find("nobody knows"), std::string::npos) << lost.err;
+  EXPECT_EQ(cell.ask({"move", "left", kStand}).exit, 0);
+  const Ended taught = cell.ask(teach_here);
+  EXPECT_EQ(taught.exit, 0) << taught.err;
+  EXPECT_NE(taught.out.find("here taught"), std::string::npos) << taught.out;
+  const double base = base_rad(cell.status("left"));
+  EXPECT_EQ(cell.ask({"move", "left", "joint", "base=50deg"}).exit, 0);
+  const Ended again = cell.ask(teach_here);
+  EXPECT_EQ(again.exit, 2);
+  EXPECT_NE(again.err.find("--replace"), std::string::npos) << again.err;
+  const std::string rows = cell.folder().file("back.sinew", "joint to=here\n");
+  EXPECT_EQ(cell.ask({"run", rows, "--robot", "left"}).exit, 0);
+  EXPECT_NEAR(base_rad(cell.status("left")), base, 0.02);
+  const Ended listed = sinew({"points", points, "--json"});
+  EXPECT_EQ(listed.json()["points"][0]["name"], "here");
+  EXPECT_EQ(listed.json()["points"][0]["robot"], "learm");
+  EXPECT_EQ(cell.ask({"teach", "left", "here", "--points", points, "--replace"}).exit, 0);
+  EXPECT_EQ(cell.ask({"teach", "left", "3d", "--points", points}).exit, 2);
+  EXPECT_EQ(cell.ask({"teach", "lfet", "there", "--points", points}).exit, 2);
+  const std::string wrong = cell.folder().file("wrong.toml", "[points.a]\nrobot = 3\n");
+  EXPECT_EQ(cell.ask({"teach", "left", "b", "--points", wrong}).exit, 2);
+  EXPECT_EQ(text_of(wrong), "[points.a]\nrobot = 3\n");
+}
+
+/// Somebody leads an arm by a jog, somebody looks on, and a program goes the same way.
+TEST(Cell, a_way_that_an_arm_was_led_becomes_a_program) {
+  Cell cell;
+  EXPECT_EQ(cell.ask({"move", "left", kStand}).exit, 0);
+  const std::string way = cell.folder().at("way.sinew");
+  Process teach(cell.on({"teach", "left", "--way", way}));
+  teach.wait_for_err("Ctrl-C ends");
+  const auto jog = [&](const std::string& velocity) {
+    const Ended jogged =
+        cell.ask({"jog", "left", "--frame", "joint", "--velocity", velocity, "--time", "0.2s"});
+    EXPECT_EQ(jogged.exit, 0) << jogged.err;
+  };
+  jog("15deg/s,0,0,0,0");
+  const double turned = base_rad(cell.status("left"));
+  EXPECT_GT(turned, 0.2);
+  jog("0,0,10deg/s,0,0");
+  teach.let_run(200ms);
+  teach.signal(SIGINT);
+  const Ended taught = teach.end();
+  EXPECT_EQ(taught.exit, 0) << taught.err;
+  EXPECT_NE(taught.out.find(" rows, of "), std::string::npos) << taught.out;
+  const Json end = cell.status("left");
+  EXPECT_EQ(cell.ask({"move", "left", kStand}).exit, 0);
+  const Ended ran = cell.ask({"run", way, "--robot", "left"});
+  EXPECT_EQ(ran.exit, 0) << ran.err << text_of(way);
+  const Json again = cell.status("left");
+  for (std::size_t j = 0; j < 5; ++j) {
+    EXPECT_NEAR(again["joints"][j]["position_rad"], end["joints"][j]["position_rad"].get<double>(),
+                0.03);
+  }
+  EXPECT_EQ(cell.ask({"teach", "left", "--way", way}).exit, 2) << "not over what is there";
+  EXPECT_EQ(cell.ask({"teach", "left"}).exit, 2);
+  EXPECT_EQ(cell.ask({"teach", "left", "a", "--way", cell.folder().at("b.sinew")}).exit, 2);
+}
+
+TEST(Cell, run_takes_a_part_of_a_program_and_its_pace) {
+  Cell cell;
+  EXPECT_EQ(cell.ask({"move", "left", kStand}).exit, 0);
+  const std::string rows =
+      cell.folder().file("two.sinew", "joint base=40deg\njoint base=30deg\njoint base=0deg\n");
+  const Ended part = cell.ask({"run", rows, "--robot", "left", "--from-line", "2"});
+  EXPECT_NE(part.out.find("2 of 2"), std::string::npos) << part.out << part.err;
+  const auto taken = [&](const Arguments& more) {
+    Arguments arguments{"run", rows, "--robot", "left", "--json"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return cell.ask(arguments).json()["elapsed_s"].get<double>();
+  };
+  // Accelerations stay as they are; and what one run asks for is over with it.
+  const double slow = taken({"--speed", "5%"});
+  EXPECT_GT(slow, 2 * taken({}));
+  const auto refuses = [&](const Arguments& more, const std::string& what) {
+    Arguments arguments{"run", rows, "--robot", "left"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const Ended ended = cell.ask(arguments);
+    EXPECT_EQ(ended.exit, 2);
+    EXPECT_NE(ended.err.find(what), std::string::npos) << ended.err;
+  };
+  refuses({"--speed", "300%"}, "0.01 to 1");
+  refuses({"--speed", "fast"}, "--speed");
+  refuses({"--from-line", "77"}, "from_line");
+  refuses({"--from-line", "-1"}, "from_line");
+  refuses({"--port", "/dev/ttyUSB0"}, "--port: not in a running cell");
+  refuses({"--plot", "a.svg"}, "--plot: not in a running cell");
+}
+
 TEST(Cell, refuses_what_makes_no_sense_in_a_sentence) {
   Cell cell;
   const auto says = [&](const Arguments& arguments, const std::string& what, int exit = 2) {
@@ -108,10 +233,11 @@ TEST(Cell, refuses_what_makes_no_sense_in_a_sentence) {
 
 TEST(Cell, one_robot_without_its_port_leaves_the_others_working) {
   const ScratchFolder folder;
-  const std::string file = folder.file("half.toml",
-                                       "title = \"half\"\n[[robot]]\nname = \"gone\"\nrobot = "
-                                       "\"learm\"\nport = \"/dev/nowhere\"\njournal = \"test\"\n"
-                                       "[[robot]]\nname = \"here\"\nrobot = \"maxarm\"\n");
+  const std::string file =
+      folder.file("half.toml",
+                  "title = \"half\"\n[[robot]]\nname = \"gone\"\nrobot = "
+                  "\"learm\"\nport = \"/dev/nowhere\"\njournal = \"test\"\n"
+                  "[[robot]]\nname = \"here\"\nrobot = \"maxarm\"\nx_mm = 3000\n");
   setenv("XDG_STATE_HOME", folder.at("state").c_str(), 1);
   Process serve({"serve", file, "--socket", folder.at("s")});
   unsetenv("XDG_STATE_HOME");

@@ -4,6 +4,8 @@
 #include <cstdlib>
 #include <filesystem>
 #include <sstream>
+#include <string>
+#include <vector>
 
 #include "cli/process.h"
 #include "sinew/io/scratch_folder_test_support.h"
@@ -108,6 +110,31 @@ TEST_F(RecordVerb, sequence_is_recorded_as_csv_only) {
                              "--record", folder_.at("a.mcap")});
   EXPECT_EQ(ended.exit, 2);
   EXPECT_NE(ended.err.find("recorded as NAME.csv"), std::string::npos) << ended.err;
+}
+
+/// A machine that has a journal is a real one, and its faults are kept.
+TEST_F(RecordVerb, run_leaves_the_seconds_before_its_fault) {
+  setenv("XDG_STATE_HOME", folder_.at("state").c_str(), 1);
+  const std::string link = folder_.at("arm");
+  Process device({"sim", "bigrobotarm", "--link", link});
+  device.wait_for_err("Ctrl-C ends it");
+  Process run({"run", folder_.file("a.sinew", "joint base=60deg\njoint base=0deg\n"), "--robot",
+               "bigrobotarm", "--port", link, "--journal", "arm", "--standing-at", "home"});
+  run.let_run(std::chrono::milliseconds(700));
+  device.signal(9);
+  device.end();
+  const Ended ended = run.end();
+  unsetenv("XDG_STATE_HOME");
+  EXPECT_EQ(ended.exit, 1) << ended.err;
+  EXPECT_NE(ended.out.find("the seconds before the fault: "), std::string::npos) << ended.out;
+  const std::string folder = folder_.at("state/sinew/records");
+  std::vector<std::string> files;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    files.push_back(entry.path());
+  }
+  ASSERT_EQ(files.size(), 1U);
+  EXPECT_NE(files[0].find("bigrobotarm_fault-device_"), std::string::npos);
+  EXPECT_EQ(sinew({"record", files[0]}).exit, 0);
 }
 
 /// Each job leaves a file, and a device that goes away leaves the seconds before it did.

@@ -48,6 +48,38 @@ class Simulation {
   Process process_;
 };
 
+/// Its counters go on counting, but nobody may believe that they count from where they did.
+TEST_F(RunVerb, sequence_gives_up_what_the_journal_knows) {
+  setenv("XDG_STATE_HOME", folder.at("state").c_str(), 1);
+  const std::string link = folder.at("arm");
+  Simulation simulation(link, "1");
+  const auto run_here = [&](const std::string& file, Arguments more) {
+    more.insert(more.begin(),
+                {"run", file, "--robot", "bigrobotarm", "--port", link, "--journal", "arm"});
+    return sinew(more);
+  };
+  const std::string rows = folder.file("a.sinew", "joint base=2deg\n");
+  EXPECT_EQ(run_here(rows, {"--standing-at", "home"}).exit, 0);
+  EXPECT_EQ(run_here(rows, {}).exit, 0) << "the journal knows";
+  const Ended sequence = run_here(folder.file("b.txt", "G0 B50\n"), {});
+  EXPECT_EQ(sequence.exit, 0) << sequence.err;
+  EXPECT_NE(sequence.out.find("--standing-at"), std::string::npos) << sequence.out;
+  const Ended lost = run_here(rows, {});
+  EXPECT_EQ(lost.exit, 1);
+  EXPECT_NE(lost.err.find("nobody knows"), std::string::npos) << lost.err;
+  EXPECT_EQ(run_here(rows, {"--standing-at", "home"}).exit, 0);
+  unsetenv("XDG_STATE_HOME");
+}
+
+/// A disk that cannot be written gives nothing up, so that nothing may move.
+TEST_F(RunVerb, sequence_waits_for_a_journal_that_cannot_be_written) {
+  setenv("XDG_STATE_HOME", folder.file("no_folder", "").c_str(), 1);
+  const Ended ended = sinew(quick(kTwoMoves, {"--journal", "arm"}));
+  unsetenv("XDG_STATE_HOME");
+  EXPECT_EQ(ended.exit, 1);
+  EXPECT_EQ(ended.out.find("done"), std::string::npos) << ended.out;
+}
+
 TEST_F(RunVerb, document_says_what_was_asked_done_and_sent) {
   for (const std::string wire : {"byte", "text"}) {
     SCOPED_TRACE(wire);

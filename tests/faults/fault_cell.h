@@ -37,6 +37,8 @@ class FaultLine {
   virtual bool flip_pending() const = 0;
   virtual void cancel_flips() = 0;
   virtual LineCounts counts() const = 0;
+  /// No byte is under way.
+  bool quiet() const { return !next_event(); }
 };
 
 std::unique_ptr<FaultLine> byte_line(ByteDriver& driver, sim::ByteMachine& machine,

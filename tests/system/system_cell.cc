@@ -82,17 +82,17 @@ void Station::begin_life() {
   host_->loop->machine().give(control::TakeLease{});
 }
 
-void Station::kill(bool power_too) {
+void Station::kill(bool power_too, Duration away, std::uint64_t seed) {
   ++counts_.kills;
   if (power_too) ++counts_.power_losses;
   host_.reset();
   if (power_too) {
-    disk_.lose_power(random_.bits());
+    disk_.lose_power(seed);
   } else {
     disk_.kill_process();
   }
   cell_.replace_driver();
-  host_returns_ = cell_.now() + std::chrono::milliseconds(random_.integer(1, 1500));
+  host_returns_ = cell_.now() + away;
 }
 
 void Station::slice(Duration time) {
@@ -121,6 +121,7 @@ void Station::look() {
   });
   look_at_records();
   look_at_states();
+  look_at_limits();
 }
 
 /// The disk's side: one call at a time, which takes its time.
@@ -138,6 +139,7 @@ void Station::say(const control::Outputs& outputs) {
               static_cast<std::uint64_t>(event.error.code));
     counts_.latched += event.kind == control::ControlEvent::Kind::kLatched ? 1 : 0;
     if (event.kind != control::ControlEvent::Kind::kLease) continue;
+    look_at_lease(event.lease);
     if (event.lease.client == host_->stranger.client) host_->stranger = event.lease;
     if (event.lease.client == 1) host_->asked_for_lease = false;
   }
@@ -185,36 +187,110 @@ void Station::look_at_states() {
   }
 }
 
+/// Nothing leads a joint beyond its limits; a limp arm may lie beyond one where it is found.
+void Station::look_at_limits() {
+  const sim::Truth truth = cell_.machine().truth();
+  for (std::size_t j = 0; j < robot_.joints.size(); ++j) {
+    const double room = 2 * resolution(j);
+    const double q = truth.joints[j].q;
+    const bool inside = q >= robot_.joints[j].lower - room && q <= robot_.joints[j].upper + room;
+    if (inside) been_inside_ |= 1U << j;
+    if (inside || (been_inside_ >> j & 1) == 0) continue;
+    ADD_FAILURE() << where() << ": joint " << j + 1 << " stands at " << q << ", beyond its limits";
+    return;
+  }
+}
+
+/// Each holder has a higher epoch than the one before, so there is one at a time.
+void Station::look_at_lease(const control::LeaseToken& lease) {
+  if (lease.epoch == 0) return;
+  control::LeaseToken& last = host_->last_lease;
+  EXPECT_GE(lease.epoch, last.epoch) << where() << ": an older lease is given again";
+  if (lease.epoch == last.epoch) {
+    EXPECT_EQ(lease.client, last.client) << where() << ": two have the same lease";
+  }
+  last = lease;
+}
+
 void Station::act() {
   if (!host_) return;
   if (misfortunes_ && random_.chance(0.02)) misfortune();
   if (host_ && random_.chance(0.12)) command();
 }
 
+Station::Blow Station::draw_blow() {
+  const auto milliseconds = [&](std::int64_t lower, std::int64_t upper) {
+    return Duration(std::chrono::milliseconds(random_.integer(lower, upper)));
+  };
+  Blow blow;
+  blow.dice = random_.integer(0, 9);
+  blow.seed = random_.bits();
+  blow.recovers = random_.chance(0.4);
+  blow.delay = milliseconds(1, 60);
+  blow.cut = milliseconds(5, 900);
+  blow.sync_max = milliseconds(20, 400);
+  blow.power_too = random_.chance(0.3);
+  blow.away = milliseconds(1, 1500);
+  return blow;
+}
+
 void Station::misfortune() {
+  const Blow blow = draw_blow();
+  const std::uint64_t number = next_misfortune_++;
+  if (spared_.contains(number)) return;
+  const std::string where_it_was = where();
+  happened_.push_back({number, where_it_was + ": " + strike(blow)});
+}
+
+/// On the BigRobotArm's byte wire a goto with a byte less is another goto, and half a request is
+/// completed by the next host: nothing in its bytes says so. The page of the wire names both, and
+/// its faults are measured by themselves.
+bool Station::guarded() const {
+  return !std::holds_alternative<BigRobotArmDevice>(robot_.device.settings);
+}
+
+/// @return  what it was, for people
+std::string Station::strike(const Blow& blow) {
   ++counts_.faults;
-  const auto dice = random_.integer(0, 9);
   sim::LinkFaultSpec spec;
-  spec.seed = random_.bits();
-  if (dice < 3) {
+  spec.seed = blow.seed;
+  const auto time = [](Duration duration) { return std::to_string(duration / 1ms) + " ms"; };
+  if (blow.dice < 3) {
     // Bytes that vanish, or come late; from time to time they come as they should again.
-    const double chance = random_.chance(0.4) ? 0 : 0.002;
+    const double chance = blow.recovers ? 0 : 0.002;
     for (sim::ByteFaults& bytes : spec.bytes) {
       bytes.drop = chance;
       bytes.delay = chance;
-      bytes.delay_time = std::chrono::milliseconds(random_.integer(1, 60));
+      bytes.delay_time = blow.delay;
     }
+    if (!guarded()) spec.bytes[static_cast<std::size_t>(sim::LinkDirection::kToDevice)].drop = 0;
     cell_.line().set_faults(spec, cell_.now());
-  } else if (dice < 5) {
-    spec.cuts.push_back({0ms, std::chrono::milliseconds(random_.integer(5, 900)), std::nullopt});
-    cell_.line().set_faults(spec, cell_.now());
-  } else if (dice < 6) {
-    disk_.set_sync_time(1ms, std::chrono::milliseconds(random_.integer(20, 400)), random_.bits());
-  } else if (dice < 7) {
-    disk_.fail_from_call(disk_.calls() + 1, {DiskErrorCode::kFull, 0});
-  } else {
-    kill(random_.chance(0.3));
+    return blow.recovers ? "its wire is whole"
+                         : "its wire drops bytes, or keeps them for " + time(blow.delay);
   }
+  if (blow.dice < 5) {
+    const auto both_ways = std::optional<sim::LinkDirection>();
+    spec.cuts.push_back({0ms, blow.cut, guarded() ? both_ways : sim::LinkDirection::kToHost});
+    cell_.line().set_faults(spec, cell_.now());
+    return "its wire is cut for " + time(blow.cut);
+  }
+  if (blow.dice < 6) {
+    disk_.set_sync_time(1ms, blow.sync_max, blow.seed);
+    return "its disk takes up to " + time(blow.sync_max);
+  }
+  if (blow.dice < 7) {
+    disk_.fail_from_call(disk_.calls() + 1, {DiskErrorCode::kFull, 0});
+    return "its disk is full";
+  }
+  if (!guarded()) {
+    cell_.run_to(cell_.now() + 200ms, 1ms, [this] {
+      look();
+      return cell_.line().quiet();
+    });
+  }
+  kill(blow.power_too, blow.away, blow.seed);
+  return (blow.power_too ? "its host loses power for " : "its host is killed, for ") +
+         time(blow.away);
 }
 
 void Station::command() {
@@ -321,7 +397,7 @@ void Station::heal() {
   disk_.fail_from_call(0, {});
   // A run whose disk has failed does not trust it again: it is started anew.
   const bool failed = host_ && host_->pump->failed();
-  if (failed) kill(false);
+  if (failed) kill(false, 1s, 1);
 }
 
 bool Station::ready() const {

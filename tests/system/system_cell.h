@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <deque>
 #include <memory>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -40,6 +41,11 @@ struct SystemCounts {
   std::uint64_t back = 0;  ///< stations that were ready again at the end
 };
 
+struct Misfortune {
+  std::uint64_t number = 0;
+  std::string text;  ///< when, to whom, what
+};
+
 /// One robot: its machine lives on, its host (driver, controller, journal, clients) may die.
 class Station {
  public:
@@ -53,6 +59,14 @@ class Station {
   void heal();
   bool ready() const;
   std::string where() const;
+  /// Misfortunes of these numbers are drawn, and do not happen. @param first  number of this
+  /// station's first one
+  void spare(const std::set<std::uint64_t>& numbers, std::uint64_t first) {
+    spared_ = numbers;
+    next_misfortune_ = first;
+  }
+  /// Those that happened.
+  const std::vector<Misfortune>& misfortunes() const { return happened_; }
   const RobotModel& robot() const { return robot_; }
 
  private:
@@ -69,11 +83,26 @@ class Station {
     Instant busy_until{};
     std::vector<JournalRecord> claims;  ///< the last one that is safe, and those behind it
     control::LeaseToken stranger{.client = 2};
+    control::LeaseToken last_lease;  ///< that was given
     bool asked_for_lease = false;
   };
 
+  /// A misfortune with all its chance drawn: whether it happens changes no other draw.
+  struct Blow {
+    std::int64_t dice = 0;
+    std::uint64_t seed = 0;
+    bool recovers = false;  ///< of a wire: its bytes come as they should again
+    Duration delay{};       ///< of its bytes
+    Duration cut{};
+    Duration sync_max{};     ///< of a slow disk
+    bool power_too = false;  ///< of a host that dies
+    Duration away{};         ///< until it is started again
+  };
+  Blow draw_blow();
+  std::string strike(const Blow& blow);
+
   void begin_life();
-  void kill(bool power_too);
+  void kill(bool power_too, Duration away, std::uint64_t seed);
   void look();
   void write();
   void act();
@@ -83,8 +112,11 @@ class Station {
   void declare_truth();
   void look_at_records();
   void look_at_states();
+  void look_at_limits();
+  void look_at_lease(const control::LeaseToken& lease);
   void say(const control::Outputs& outputs);
   double resolution(std::size_t joint) const;
+  bool guarded() const;
 
   const RobotModel& robot_;
   Random random_;
@@ -94,7 +126,11 @@ class Station {
   sim::MemoryDisk disk_;
   std::unique_ptr<Host> host_;
   std::optional<Instant> host_returns_;
+  std::uint32_t been_inside_ = 0;  ///< joints, as bits
   bool misfortunes_ = true;
+  std::set<std::uint64_t> spared_;
+  std::uint64_t next_misfortune_ = 0;
+  std::vector<Misfortune> happened_;
 };
 
 }  // namespace sinew::test

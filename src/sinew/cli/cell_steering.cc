@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <cstdio>
+#include <utility>
 
 #include "sinew/cli/cell_connection.h"
 #include "sinew/cli/cell_verbs.h"
@@ -76,7 +77,8 @@ std::expected<Json, Outcome> at_rest(CellConnection& cell, const std::string& ro
     auto status = cell.call("robot.status", {{"robot", robot}});
     if (!status) return status;
     const std::string state = (*status)["state"];
-    if ((state != "moving" && state != "stopping") || clock.now() > end) return status;
+    const bool moves = state == "moving" || state == "recovering" || state == "stopping";
+    if (!moves || clock.now() > end) return status;
     clock.pause(kJogInterval);
   }
 }
@@ -129,6 +131,45 @@ Outcome cell_jog(const CellRequest& request) {
   return status ? status_outcome(*status) : status.error();
 }
 
+Outcome cell_nudge(const CellRequest& request) {
+  auto cell = CellConnection::open(request.socket);
+  if (!cell) return cell.error();
+  const auto description = robot_of_cell(*cell, request.robot);
+  if (!description) return description.error();
+  const bool legs = (*description)["joints"][0].contains("home_m");
+  const auto way =
+      parse_quantity(request.way, legs ? Measure::kLength : Measure::kAngle, UnitRule::kRequired);
+  if (!way) return bad_input("WAY: " + way.error());
+  io::catch_interrupts();
+  const io::Clock clock;
+  if (const auto taken = take_lease(*cell, request); !taken) return taken.error();
+  if (const auto ready = make_ready(*cell, request.robot); !ready) return ready.error();
+  const Json params{{"robot", request.robot}, {"joint", request.joint}, {"way", *way}};
+  if (const auto begun = cell->call("robot.nudge", params); !begun) return begun.error();
+  bool stopped = false;
+  while (true) {
+    const auto status = cell->call("robot.status", {{"robot", request.robot}});
+    if (!status) return status.error();
+    const std::string state = (*status)["state"];
+    if (state != "recovering" && state != "stopping") {
+      Outcome outcome = status_outcome(*status);
+      if (status->contains("fault")) {
+        outcome.exit = ExitCode::kCouldNot;
+        outcome.complaint = (*status)["fault"]["error"]["sentence"];
+      } else if (stopped) {
+        outcome.exit = ExitCode::kCouldNot;
+        outcome.complaint = "stopped on the way";
+      }
+      return outcome;
+    }
+    if (io::interrupts() > 0 && !std::exchange(stopped, true)) {
+      const auto told = cell->call("robot.stop", {{"robot", request.robot}});
+      if (!told) return told.error();
+    }
+    clock.pause(kJogInterval);
+  }
+}
+
 Outcome cell_recover(const CellRequest& request) {
   auto cell = CellConnection::open(request.socket);
   if (!cell) return cell.error();
@@ -139,6 +180,10 @@ Outcome cell_recover(const CellRequest& request) {
         positions_of(*cell, request.robot, "--standing-at", *request.standing_at);
     if (!positions) return positions.error();
     declaration["positions"] = *positions;
+  }
+  if (request.moved) {
+    if (!request.standing_at) return bad_input("--moved: goes with --standing-at");
+    declaration["moved"] = *request.moved;
   }
   const auto before = cell->call("robot.status", robot);
   if (!before) return before.error();
@@ -157,7 +202,8 @@ Outcome cell_recover(const CellRequest& request) {
   if (position == "lost" || position == "uncertain") {
     outcome.text += fmt::format(
         "  to find its position again: sinew home {0} where it has end stops; a first row `joint` "
-        "that names all joints on servos; or look, and sinew recover {0} --standing-at ...\n",
+        "that names all joints on servos; else sinew nudge {0} JOINT WAY until it stands where you "
+        "know, and sinew recover {0} --standing-at ...\n",
         request.robot);
   }
   return outcome;

@@ -13,6 +13,7 @@
 #include "sinew/cli/table.h"
 #include "sinew/core/units.h"
 #include "sinew/io/clock.h"
+#include "sinew/io/file.h"
 #include "sinew/io/interrupt.h"
 #include "sinew/io/standard_streams.h"
 
@@ -123,6 +124,19 @@ Outcome job_outcome(const Json& job) {
   return outcome;
 }
 
+Outcome step_outcome(const Json& job) {
+  Outcome outcome;
+  outcome.json = job;
+  if (job.contains("wish_refused")) {
+    outcome.exit = ExitCode::kCouldNot;
+    outcome.complaint = "cannot go back: " + std::string(job["wish_refused"]["sentence"]);
+    return outcome;
+  }
+  outcome.text = fmt::format("  paused: {} of {} orders done\n", job["orders_done"].get<int>(),
+                             job["orders"].get<int>());
+  return outcome;
+}
+
 /// Waits for the end of a job, alive; Ctrl-C stops it.
 Outcome follow(CellConnection& cell, const std::string& robot, std::uint64_t number, bool quiet) {
   const io::Clock clock;
@@ -170,10 +184,6 @@ Outcome run_job(const CellRequest& request, const char* method, Json params) {
   return follow(*cell, request.robot, (*job)["job"], request.json);
 }
 
-Outcome run_text(const CellRequest& request, const std::string& text, const std::string& name) {
-  return run_job(request, "program.run", {{"text", text}, {"name", name}});
-}
-
 /// A request that is one call.
 Outcome call_once(const CellRequest& request, const char* method, const std::string& done) {
   auto cell = CellConnection::open(request.socket);
@@ -208,11 +218,21 @@ Outcome cell_status(const CellRequest& request) {
 }
 
 Outcome cell_move(const CellRequest& request) {
-  return run_text(request, joined(request.row, " "), "move");
+  Json params{{"text", joined(request.row, " ")}, {"name", "move"}};
+  // Where `sinew teach` writes them. A row that names none does not care what is in there.
+  const bool names_points = std::ranges::any_of(request.row, [](const std::string& word) {
+    return word.starts_with("to=") || word.starts_with("via=") || word.starts_with("spline");
+  });
+  if (names_points && io::exists("points.toml")) {
+    const auto points = io::read_file("points.toml");
+    if (!points) return bad_input(points.error().sentence);
+    params["points"] = *points;
+  }
+  return run_job(request, "program.run", std::move(params));
 }
 
 Outcome cell_home(const CellRequest& request) {
-  return run_text(request, "home", "home");
+  return run_job(request, "program.run", {{"text", "home"}, {"name", "home"}});
 }
 
 Outcome cell_run(const CellRequest& request) {
@@ -221,6 +241,13 @@ Outcome cell_run(const CellRequest& request) {
   Json params{{"text", texts->text}, {"name", request.file}};
   if (texts->points) params["points"] = *texts->points;
   if (!texts->called.empty()) params["called"] = texts->called;
+  if (request.single_step) params["single_step"] = true;
+  if (request.from_line) params["from_line"] = *request.from_line;
+  if (request.speed) {
+    const auto share = parse_quantity(*request.speed, Measure::kShare, UnitRule::kRequired);
+    if (!share) return bad_input("--speed: " + share.error());
+    params["speed"] = *share;
+  }
   return run_job(request, "program.run", std::move(params));
 }
 
@@ -241,6 +268,28 @@ Outcome cell_pause(const CellRequest& request) {
 
 Outcome cell_resume(const CellRequest& request) {
   return call_once(request, "robot.resume", request.robot + " goes on");
+}
+
+/// One order of the program that somebody runs there; waits until it is paused again.
+Outcome cell_step(const CellRequest& request) {
+  auto cell = CellConnection::open(request.socket);
+  if (!cell) return cell.error();
+  io::catch_interrupts();
+  const auto stepped =
+      cell->call("program.step", {{"robot", request.robot}, {"back", request.back}});
+  if (!stepped) return stepped.error();
+  const io::Clock clock;
+  while (io::interrupts() == 0) {
+    const auto job = cell->call("job.status", {{"robot", request.robot}});
+    if (!job) return job.error();
+    if ((*job)["job"] != (*stepped)["job"]) return could_not("another program runs there by now");
+    const bool heard =
+        (*job)["wishes"].get<std::uint64_t>() > (*stepped)["wishes"].get<std::uint64_t>();
+    if ((*job)["over"].get<bool>()) return job_outcome(*job);
+    if (heard && (*job)["phase"] == "paused") return step_outcome(*job);
+    clock.pause(kSlice);
+  }
+  return could_not("left; the order goes on, and the program pauses behind it");
 }
 
 }  // namespace sinew::cli

@@ -15,13 +15,20 @@ struct CellRequest {
   std::string robot;                       ///< its name in the cell; may be empty for some
   std::vector<std::string> row;            ///< of `move`: the words of a program's row
   std::optional<std::string> standing_at;  ///< of `recover`, `run`: home, or a value a joint
+  std::optional<std::string> moved;        ///< of `recover`: why what was known does not count
+  std::string joint;                       ///< of `nudge`
+  std::string way;                         ///< of `nudge`
   bool take_over = false;
-  std::string file;                 ///< of `run`
-  std::string frame = "base";       ///< of `jog`
-  std::string velocity;             ///< of `jog`
-  std::optional<std::string> time;  ///< of `jog`
-  double ride_s = 0;                ///< of a ride
-  double ride_amplitude = 0;        ///< 0: as the wire allows
+  std::string file;                  ///< of `run`
+  std::optional<int> from_line;      ///< of `run`
+  std::optional<std::string> speed;  ///< of `run`: "30%"
+  bool single_step = false;          ///< of `run`
+  bool back = false;                 ///< of `step`
+  std::string frame = "base";        ///< of `jog`
+  std::string velocity;              ///< of `jog`
+  std::optional<std::string> time;   ///< of `jog`
+  double ride_s = 0;                 ///< of a ride
+  double ride_amplitude = 0;         ///< 0: as the wire allows
   std::int64_t seed = 1;
   bool json = false;
 };
@@ -35,6 +42,8 @@ Outcome cell_jog(const CellRequest& request);
 Outcome cell_stop(const CellRequest& request);
 Outcome cell_pause(const CellRequest& request);
 Outcome cell_resume(const CellRequest& request);
+Outcome cell_nudge(const CellRequest& request);
+Outcome cell_step(const CellRequest& request);
 Outcome cell_recover(const CellRequest& request);
 Outcome cell_lease(const CellRequest& request);
 

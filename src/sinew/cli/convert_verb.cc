@@ -10,6 +10,7 @@
 #include "sinew/cli/program_folder.h"
 #include "sinew/cli/robot_argument.h"
 #include "sinew/cli/table.h"
+#include "sinew/cli/taught_way.h"
 #include "sinew/core/spelling.h"
 #include "sinew/core/units.h"
 #include "sinew/io/file.h"
@@ -23,26 +24,28 @@
 namespace sinew::cli {
 namespace {
 
-enum class Form : std::uint8_t { kProgram, kSequence, kPose, kConfig, kGcode };
+enum class Form : std::uint8_t { kProgram, kSequence, kPose, kConfig, kGcode, kRecord };
 
 struct Named {
   std::string_view name;
   Form form;
 };
-constexpr std::array<Named, 5> kForms{{{"sinew", Form::kProgram},
+constexpr std::array<Named, 6> kForms{{{"sinew", Form::kProgram},
                                        {"sequence", Form::kSequence},
                                        {"pos", Form::kPose},
                                        {"config", Form::kConfig},
-                                       {"gcode", Form::kGcode}}};
-constexpr std::array<Named, 9> kEndings{{{".sinew", Form::kProgram},
-                                         {".txt", Form::kSequence},
-                                         {".pos", Form::kPose},
-                                         {".cfg", Form::kConfig},
-                                         {".gcode", Form::kGcode},
-                                         {".ngc", Form::kGcode},
-                                         {".nc", Form::kGcode},
-                                         {".tap", Form::kGcode},
-                                         {".g", Form::kGcode}}};
+                                       {"gcode", Form::kGcode},
+                                       {"record", Form::kRecord}}};
+constexpr std::array<Named, 10> kEndings{{{".sinew", Form::kProgram},
+                                          {".txt", Form::kSequence},
+                                          {".pos", Form::kPose},
+                                          {".cfg", Form::kConfig},
+                                          {".gcode", Form::kGcode},
+                                          {".ngc", Form::kGcode},
+                                          {".nc", Form::kGcode},
+                                          {".tap", Form::kGcode},
+                                          {".g", Form::kGcode},
+                                          {".mcap", Form::kRecord}}};
 
 std::expected<Form, Outcome> form_of(const std::optional<std::string>& name,
                                      const std::string& file, const char* option) {
@@ -51,13 +54,13 @@ std::expected<Form, Outcome> form_of(const std::optional<std::string>& name,
       if (one.name == *name) return one.form;
     }
     return std::unexpected(bad_input(std::string(option) + ": '" + printable(*name) +
-                                     "' is none of sinew, sequence, pos, config, gcode"));
+                                     "' is none of sinew, sequence, pos, config, gcode, record"));
   }
   for (const Named& one : kEndings) {
     if (file.ends_with(one.name)) return one.form;
   }
   return std::unexpected(bad_input(file + ": its ending does not say what it is; write " + option +
-                                   " sinew, sequence, pos, config or gcode"));
+                                   " sinew, sequence, pos, config, gcode or record"));
 }
 
 /// A text that was made, or why it was not.
@@ -202,6 +205,11 @@ Outcome tell_config(const ConvertRequest& request, const std::string& text,
 
 Made converted(const ConvertRequest& request, const RobotModel& model, Form from, Form to) {
   if (from == Form::kProgram && to != Form::kProgram) return from_program(request, model, to);
+  if (from == Form::kRecord && to == Form::kProgram) {
+    const auto way = way_of_record(request.in, model);
+    if (!way) return std::unexpected(way.error());
+    return program_of_way(*way, model);
+  }
   const auto text = io::read_file(request.in);
   if (!text) return std::unexpected(bad_input(text.error().sentence));
   if (from == Form::kPose && to != Form::kSequence) return from_pose(request, *text, model, to);
@@ -211,9 +219,10 @@ Made converted(const ConvertRequest& request, const RobotModel& model, Form from
     if (!rows) return complained(rows.error());
     return std::move(*rows);
   }
-  return std::unexpected(bad_input(
-      "convert: from sequence, gcode and pos to sinew, from sinew to sequence and pos, from pos to "
-      "pos; a config is only told"));
+  return std::unexpected(
+      bad_input("convert: from sequence, gcode, pos and record to sinew, from sinew to sequence "
+                "and pos, from pos to "
+                "pos; a config is only told"));
 }
 
 /// A program that was made is one, laid out.

@@ -11,6 +11,7 @@
 #include "sinew/cli/bullride_verb.h"
 #include "sinew/cli/cell_verbs.h"
 #include "sinew/cli/check_verb.h"
+#include "sinew/cli/commission_verb.h"
 #include "sinew/cli/convert_verb.h"
 #include "sinew/cli/device_verb.h"
 #include "sinew/cli/doctor_verb.h"
@@ -24,6 +25,7 @@
 #include "sinew/cli/serve_verb.h"
 #include "sinew/cli/sim_verb.h"
 #include "sinew/cli/table.h"
+#include "sinew/cli/teach_verb.h"
 #include "sinew/cli/torque_verb.h"
 #include "sinew/core/spelling.h"
 #include "sinew/io/standard_streams.h"
@@ -49,6 +51,9 @@ struct Call {
   ServeRequest serve;
   RecordRequest record;
   CellRequest cell;
+  CommissionRequest commission;
+  TeachRequest teach;
+  PointsRequest points;
   BullrideRequest ride;
   bool in_cell = false;  ///< `run` and `jog`: on a running cell
   CheckRequest check;
@@ -210,6 +215,20 @@ bool on_cell(Call& call) {
   return call.in_cell || call.cell.socket.has_value();
 }
 
+/// What a running cell does not hear must not seem to be heard.
+std::expected<void, Outcome> check_heard(const CLI::App& verb,
+                                         std::initializer_list<std::string_view> heard) {
+  for (const CLI::Option* option : verb.get_options()) {
+    const std::string name = option->get_name();
+    const bool known = name == "--cell" || name == "--socket" || name == "--json" ||
+                       std::ranges::find(heard, name) != heard.end();
+    if (known || option->count() == 0) continue;
+    return std::unexpected(
+        bad_input(name + ": not in a running cell, where the cell's file and the robot's say so"));
+  }
+  return {};
+}
+
 void add_jog(CLI::App& app, Call& call) {
   CLI::App* verb = add_verb(app, call, "jog",
                             "what a robot does while a stick is held, simulated; nothing moves",
@@ -228,9 +247,13 @@ void add_jog(CLI::App& app, Call& call) {
   verb->add_option("--plot", request.plot,
                    "SVG file: every joint against its limits, the tool's way");
   add_cell_options(*verb, call);
-  verb->callback([&call] {
-    call.verb = [&call] {
+  verb->callback([&call, verb] {
+    call.verb = [&call, verb] {
       if (!on_cell(call)) return jog(call.jog);
+      if (const auto fine = check_heard(*verb, {"ROBOT", "--frame", "--velocity", "--time"});
+          !fine) {
+        return fine.error();
+      }
       call.cell.robot = call.jog.robot;
       call.cell.frame = call.jog.frame;
       call.cell.velocity = call.jog.velocity;
@@ -269,6 +292,9 @@ void add_run(CLI::App& app, Call& call) {
                    "which variant of the device; an unknown name lists them");
   verb->add_option("--standing-at", request.standing_at,
                    "where a machine without sensors stands: home, or a value per joint (deg, mm)");
+  verb->add_option("--settings", request.settings,
+                   "what commissioning found: its file, or none; on a real port that of the state "
+                   "folder where left out");
   verb->add_option("--from-line", request.from_line,
                    "goes on from this row, planned from where the arm stands then");
   verb->add_option("--speed", request.speed,
@@ -282,14 +308,26 @@ void add_run(CLI::App& app, Call& call) {
   verb->add_option("--plot", request.plot, "SVG file: the same, drawn");
   verb->add_option("--log", request.log, "every byte both ways, with its time");
   verb->add_option("--time-scale", request.time_scale, "simulated device only: faster or slower");
+  verb->add_flag("--single-step", call.cell.single_step,
+                 "in a running cell: a pause behind each order, until sinew step");
   add_cell_options(*verb, call);
-  verb->callback([&call] {
-    call.verb = [&call] {
+  verb->callback([&call, verb] {
+    call.verb = [&call, verb] {
       call.run.quiet = call.json;
-      if (!on_cell(call)) return run_program(call.run);
+      if (!on_cell(call)) {
+        if (!call.cell.single_step) return run_program(call.run);
+        return bad_input("--single-step: in a running cell (--cell), where sinew step goes on");
+      }
       if (call.run.record) {
         return bad_input("--record: a running cell records by itself: sinew serve --record-folder");
       }
+      if (const auto fine = check_heard(*verb, {"FILE", "--robot", "--standing-at", "--from-line",
+                                                "--speed", "--single-step"});
+          !fine) {
+        return fine.error();
+      }
+      call.cell.from_line = call.run.from_line;
+      call.cell.speed = call.run.speed;
       call.cell.robot = call.run.robot;
       call.cell.file = call.run.file;
       call.cell.standing_at = call.run.standing_at;
@@ -376,17 +414,80 @@ void add_cell_verbs(CLI::App& app, Call& call) {
   verb =
       add_cell_verb(app, call, "resume", "it goes on from there", "sinew resume arm", cell_resume);
   verb->add_option("ROBOT", request.robot, kRobot)->required();
+  verb = add_cell_verb(app, call, "step",
+                       "the next order of the program that runs there, then a pause",
+                       "sinew step arm --back", cell_step);
+  verb->add_option("ROBOT", request.robot, kRobot)->required();
+  verb->add_flag("--back", request.back, "back to where the last order began, and a pause there");
   verb = add_cell_verb(app, call, "recover",
                        "acknowledges a fault, finds the device, and says where the robot stands",
                        "sinew recover platform --standing-at home", cell_recover);
   verb->add_option("ROBOT", request.robot, kRobot)->required();
   verb->add_option("--standing-at", request.standing_at,
                    "where it stands, from somebody who has looked: home, or a value a joint");
+  verb->add_option("--moved", request.moved,
+                   "why what was known of its place does not count any more: who moved it");
+  verb->add_flag("--take-over", request.take_over, kTakeOver);
+  verb = add_cell_verb(app, call, "nudge", "one joint a little, slowly, from wherever it is",
+                       "sinew nudge platform leg1 -0.2mm", cell_nudge);
+  verb->add_option("ROBOT", request.robot, kRobot)->required();
+  verb->add_option("JOINT", request.joint, "its name")->required();
+  verb->add_option("WAY", request.way, "as in 0.2mm or -1deg")->required();
   verb->add_flag("--take-over", request.take_over, kTakeOver);
   verb = add_cell_verb(app, call, "lease", "holds a robot of a running cell until Ctrl-C",
                        "sinew lease arm", cell_lease);
   verb->add_option("ROBOT", request.robot, kRobot)->required();
   verb->add_flag("--take-over", request.take_over, kTakeOver);
+}
+
+void add_commission(CLI::App& app, Call& call) {
+  CLI::App* verb = add_verb(app, call, "commission",
+                            "a guided checklist for a robot's first day; also homing and recovery",
+                            "sinew commission hexapod --port /dev/ttyUSB0");
+  CommissionRequest& request = call.commission;
+  verb->add_option("ROBOT", request.robot, "id or .toml file")->required();
+  verb->add_option("--port", request.port, "as of run; a simulated device where left out");
+  verb->add_option("--procedure", request.procedure, "commission, home or recover");
+  verb->add_option("--wire", request.wire,
+                   "which of the robot's wires; as in its file where left out");
+  verb->add_option("--profile", request.profile,
+                   "which variant of its device; an unknown name lists them");
+  verb->add_option("--answers", request.answers, "a file of STEP = ANSWER, instead of typing");
+  verb->add_option("--save", request.save, "where the results go; the state folder where left out");
+  verb->add_flag("--anew", request.anew, "asks again what was answered before");
+  verb->add_option("--journal", request.journal, "name of its position journal, as of run");
+  verb->add_option("--seed", request.seed, "simulated device only: of all its chance");
+  verb->add_option("--time-scale", request.time_scale, "simulated device only: faster or slower");
+  verb->callback([&call] {
+    call.verb = [&call] {
+      call.commission.json = call.json;
+      return commission(call.commission);
+    };
+  });
+}
+
+void add_points(CLI::App& app, Call& call) {
+  CLI::App* verb = add_verb(app, call, "teach",
+                            "where a robot of a running cell stands, or its way, for programs",
+                            "sinew teach learm above_bin");
+  verb->add_option("ROBOT", call.teach.robot, "its name in the cell")->required();
+  verb->add_option("POINT", call.teach.point, "what the place shall be called");
+  verb->add_option("--way", call.teach.way,
+                   "instead: the program NAME.sinew that its way until Ctrl-C becomes");
+  verb->add_option("--points", call.teach.file, "its file; points.toml where left out");
+  verb->add_flag("--replace", call.teach.replace,
+                 "where there is a point, or a program, of that name already");
+  verb->add_option("--socket", call.teach.socket,
+                   "where the cell answers; the user's own place where left out");
+  verb->callback([&call] {
+    call.verb = [&call] {
+      call.teach.quiet = call.json;
+      return teach(call.teach);
+    };
+  });
+  verb = add_verb(app, call, "points", "the taught points of a file", "sinew points points.toml");
+  verb->add_option("FILE", call.points.file, "points.toml where left out");
+  verb->callback([&call] { call.verb = [&call] { return show_points(call.points); }; });
 }
 
 Outcome ride_in_cell(Call& call) {
@@ -418,8 +519,12 @@ void add_bullride(CLI::App& app, Call& call) {
   verb->add_option("--profile", request.profile,
                    "which variant of its device; an unknown name lists them");
   add_cell_options(*verb, call);
-  verb->callback([&call] {
-    call.verb = [&call] { return on_cell(call) ? ride_in_cell(call) : bullride(call.ride); };
+  verb->callback([&call, verb] {
+    call.verb = [&call, verb] {
+      if (!on_cell(call)) return bullride(call.ride);
+      const auto fine = check_heard(*verb, {"ROBOT", "--time", "--seed", "--amplitude"});
+      return fine ? ride_in_cell(call) : fine.error();
+    };
   });
 }
 
@@ -536,6 +641,8 @@ int run(std::span<char*> arguments) {
   add_serve(app, call);
   add_record(app, call);
   add_cell_verbs(app, call);
+  add_commission(app, call);
+  add_points(app, call);
   add_bullride(app, call);
   add_check(app, call);
   add_format(app, call);

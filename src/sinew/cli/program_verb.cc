@@ -3,12 +3,12 @@
 #include <fmt/format.h>
 
 #include <cstdio>
-#include <filesystem>
 #include <memory>
 #include <utility>
 #include <vector>
 
 #include "sinew/cli/cell_connection.h"
+#include "sinew/cli/commission_verb.h"
 #include "sinew/cli/device_argument.h"
 #include "sinew/cli/kinematics_text.h"
 #include "sinew/cli/plan_report.h"
@@ -17,7 +17,9 @@
 #include "sinew/cli/progress_line.h"
 #include "sinew/cli/quantity.h"
 #include "sinew/cli/robot_argument.h"
+#include "sinew/cli/run_journal.h"
 #include "sinew/cli/run_outputs.h"
+#include "sinew/cli/run_record.h"
 #include "sinew/cli/table.h"
 #include "sinew/control/machine_identity.h"
 #include "sinew/io/interrupt.h"
@@ -38,6 +40,7 @@ struct Prepared {
   std::optional<JointVector> standing_at;
   double homing_max = 0;  ///< s, of all its `home` rows
   double speed = 1;       ///< of all rows
+  std::string settings;   ///< the file of what commissioning found; empty where none counts
   bool streams() const { return model.device.capability.motion == MotionKind::kStream; }
 };
 
@@ -92,6 +95,10 @@ std::expected<void, Outcome> take_part(const RunRequest& request, Prepared& prep
 
 /// How a run is another one than its file says.
 void tell_part(const RunRequest& request, const Prepared& prepared, Outcome& outcome) {
+  if (!prepared.settings.empty()) {
+    outcome.json["settings"] = prepared.settings;
+    outcome.text += "  note: with what commissioning found, " + prepared.settings + "\n";
+  }
   if (request.from_line) {
     outcome.json["from_line"] = *request.from_line;
     outcome.text += fmt::format("  note: from line {} on, planned from where the arm stood\n",
@@ -113,7 +120,10 @@ std::expected<Prepared, Outcome> prepare(const RunRequest& request) {
   if (const auto fine = check_has_device(file->model); !fine) return std::unexpected(fine.error());
   auto variant = runtime::variant_of(file->model, request.profile, request.wire);
   if (!variant) return std::unexpected(bad_input(variant.error()));
-  Prepared prepared{std::move(*variant), {}, {}, 0, 1};
+  const bool real = request.port && !runtime::may_be_simulated(*request.port);
+  const auto settings = use_commissioning(*variant, request.settings, real);
+  if (!settings) return std::unexpected(settings.error());
+  Prepared prepared{std::move(*variant), {}, {}, 0, 1, *settings};
   const RobotModel& model = prepared.model;
   if (const auto fine = check_seed(request.seed); !fine) return std::unexpected(fine.error());
   if (const auto fine = check_time_scale(request.time_scale); !fine) {
@@ -168,14 +178,6 @@ std::string why_not_done(const RunRequest& request, const ProgramReport& report,
                      silence_hint(model, run.failure()->error, driver.health()));
 }
 
-/// A real machine has a journal of its positions; a simulated one only where it was given a name,
-/// since most of them begin anew each time.
-std::optional<std::string> journal_name(const RunRequest& request, const RobotModel& model) {
-  if (request.journal) return request.journal;
-  if (!request.port || runtime::may_be_simulated(*request.port)) return std::nullopt;
-  return model.id;
-}
-
 /// What the journal knew when the run began, and what that means where it was not enough.
 void tell_record(const runtime::PositionRecord& record, const ProgramReport& report,
                  Outcome& outcome) {
@@ -206,37 +208,16 @@ struct Equipment {
   const runtime::ByteLog& log;
 };
 
-/// The record of a run in MCAP; null where none was asked for.
-std::expected<std::unique_ptr<runtime::RunRecorder>, Outcome> begin_record(
-    const RunRequest& request, const RobotModel& model, const io::Clock& clock) {
-  if (!records_mcap(request)) return nullptr;
-  auto recorder = std::make_unique<runtime::RunRecorder>(
-      model, runtime::RecorderOptions{model.id, "sinew " SINEW_VERSION, ""}, clock.now(),
-      io::wall_time_ns());
-  const std::filesystem::path path(*request.record);
-  const std::string folder = path.has_parent_path() ? path.parent_path().string() : ".";
-  const auto begun = recorder->begin(folder, path.filename().string(), request.file);
-  if (!begun) return std::unexpected(could_not("--record: " + begun.error().sentence));
-  return recorder;
-}
-
-/// @param last  how the run ended: the record's last sample
-void end_record(const RunRequest& request, runtime::RunRecorder* recorder,
-                const runtime::RunSample& last, Outcome& outcome) {
-  if (recorder != nullptr) recorder->offer(last);
-  const auto told = recorder != nullptr ? recorder->end() : std::nullopt;
-  if (!told) return;
-  outcome.json["record"] = {{"file", *request.record}, {"lost", told->lost}};
-  if (!told->trouble.empty()) {
-    outcome.exit = ExitCode::kCouldNot;
-    outcome.complaint +=
-        (outcome.complaint.empty() ? "" : "\n") +
-        fmt::format("--record: {}: {}; the record is not whole", *request.record, told->trouble);
-    return;
+void set_up(program::Run& run, const RunRequest& request, const Prepared& prepared,
+            const runtime::RobotLink& link) {
+  run.expect_homing(runtime::homing_of(prepared.model));
+  if (prepared.speed != 1 && prepared.streams()) {
+    run.make_changeable();
+    run.feed(prepared.speed);
   }
-  outcome.text += "  " + *request.record;
-  if (told->lost > 0) outcome.text += fmt::format(" ({} samples and events lost)", told->lost);
-  outcome.text += "\n";
+  run.measure_by([&link] { return link.driver().health(); });
+  // Who says where it stands has looked.
+  if (prepared.standing_at) run.declare(*prepared.standing_at, request.standing_at.has_value());
 }
 
 Outcome drive(const RunRequest& request, const Prepared& prepared, const Equipment& equipment) {
@@ -257,14 +238,7 @@ Outcome drive(const RunRequest& request, const Prepared& prepared, const Equipme
     };
   }
   program::Run run(prepared.program, loop.machine());
-  run.expect_homing(runtime::homing_of(model));
-  if (prepared.speed != 1 && prepared.streams()) {
-    run.make_changeable();
-    run.feed(prepared.speed);
-  }
-  run.measure_supply_by([&] { return link.driver().health().supply_volts; });
-  // Who says where it stands has looked.
-  if (prepared.standing_at) run.declare(*prepared.standing_at, request.standing_at.has_value());
+  set_up(run, request, prepared, link);
   SampleRecorder samples;
   std::string suspicion;
   runtime::ProgramEnd end;
@@ -304,8 +278,10 @@ Outcome drive(const RunRequest& request, const Prepared& prepared, const Equipme
       {[&] { return program_csv(model, samples.samples()); },
        [&] { return program_svg(model, samples.samples(), model.title + ": " + request.file); }},
       log, outcome);
-  end_record(request, recorder,
-             runtime::sample_of(loop.controller(), end.bytes, !end.wire_failure, now), outcome);
+  if (recorder != nullptr) {
+    recorder->offer(runtime::sample_of(loop.controller(), end.bytes, !end.wire_failure, now));
+    end_record(request, *recorder, outcome);
+  }
   return outcome;
 }
 
@@ -343,17 +319,11 @@ Outcome run_sinew_program(const RunRequest& request) {
             .c_str(),
         stderr);
   }
-  std::unique_ptr<runtime::PositionRecord> record;
-  if (const auto name = journal_name(request, model)) {
-    auto folder = runtime::positions_folder();
-    if (!folder) return could_not(folder.error().sentence);
-    auto opened = runtime::PositionRecord::open(*folder, *name, model);
-    if (!opened) return could_not(opened.error().sentence);
-    record = std::move(*opened);
-  }
-  const auto recorder = begin_record(request, model, clock);
+  const auto record = open_journal(request, model);
+  if (!record) return record.error();
+  const auto recorder = begin_record(request, model, *record != nullptr, clock);
   if (!recorder) return recorder.error();
-  return drive(request, *prepared, {*link, record.get(), recorder->get(), clock, log});
+  return drive(request, *prepared, {*link, record->get(), recorder->get(), clock, log});
 }
 
 }  // namespace sinew::cli

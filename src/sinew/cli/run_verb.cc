@@ -7,11 +7,13 @@
 #include <utility>
 #include <vector>
 
+#include "sinew/cli/cell_connection.h"
 #include "sinew/cli/device_argument.h"
 #include "sinew/cli/kinematics_text.h"
 #include "sinew/cli/program_verb.h"
 #include "sinew/cli/progress_line.h"
 #include "sinew/cli/robot_argument.h"
+#include "sinew/cli/run_journal.h"
 #include "sinew/cli/run_outputs.h"
 #include "sinew/cli/run_report.h"
 #include "sinew/io/file.h"
@@ -111,6 +113,15 @@ Outcome drive(const Job& job, io::Port& port, const io::Clock& clock, runtime::B
   return outcome;
 }
 
+/// A sequence counts from where the arm was switched on, and may set its zero anywhere.
+void tell_given_up(Outcome& outcome) {
+  outcome.text +=
+      "  note: a sequence leaves the position journal behind: the next program has to be told "
+      "where "
+      "the arm stands (--standing-at)\n";
+  outcome.json["position_journal"] = "given up";
+}
+
 struct Prepared {
   RobotModel model;
   BigRobotArmDevice device;
@@ -203,7 +214,9 @@ Outcome run_program(const RunRequest& request) {
   }
   if (const auto why = runtime::wrong_port(model, path)) return could_not(*why);
   auto port = io::Port::open_serial(path, model.device.baud);
-  if (!port) return could_not(port.error().sentence);
+  if (!port) {
+    return could_not(port.error().sentence + (request.port ? held_by_cell(path) : std::string()));
+  }
   // Only now: whoever is refused the port must not empty the log of the run that has it.
   runtime::ByteLog log;
   if (request.log) {
@@ -218,7 +231,15 @@ Outcome run_program(const RunRequest& request) {
                    .c_str(),
                stderr);
   }
-  return drive({request, model, device, program}, *port, clock, log);
+  const auto record = open_journal(request, model);
+  if (!record) return record.error();
+  if (*record != nullptr) {
+    const auto given_up = (*record)->give_up(model, {clock.now(), io::wall_time_ns()});
+    if (!given_up) return could_not(given_up.error().sentence);
+  }
+  Outcome outcome = drive({request, model, device, program}, *port, clock, log);
+  if (*record != nullptr) tell_given_up(outcome);
+  return outcome;
 }
 
 }  // namespace sinew::cli

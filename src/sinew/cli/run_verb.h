@@ -17,8 +17,11 @@ struct RunRequest {
   std::optional<std::string> standing_at;  ///< "home", or one value per joint
   std::optional<int> from_line;            ///< of a program NAME.sinew, where it goes on
   std::optional<std::string> speed;        ///< of all its rows, "30%"
-  std::optional<std::string> journal;      ///< name of the robot's position journal
-  std::int64_t seed = 1;                   ///< of the simulated machine
+  /// What commissioning found: a file, "none", or that of the state folder where left out, which
+  /// counts on real ports only.
+  std::optional<std::string> settings;
+  std::optional<std::string> journal;  ///< name of the robot's position journal
+  std::int64_t seed = 1;               ///< of the simulated machine
   std::optional<std::string> record;
   std::optional<std::string> plot;
   std::optional<std::string> log;

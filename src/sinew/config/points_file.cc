@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <span>
 
 #include "sinew/config/findings.h"
 #include "sinew/config/toml_tree.h"
@@ -253,7 +254,60 @@ void put_tool(const ToolPlace& place, std::string& out) {
   if (place.roll) put("roll_deg", to_deg(*place.roll));
 }
 
+/// A line without blanks around it and without what stands behind a #.
+std::string_view content_of(std::string_view line) {
+  line = line.substr(0, line.find('#'));
+  const std::size_t first = line.find_first_not_of(" \t\r\n");
+  if (first == std::string_view::npos) return {};
+  return line.substr(first, line.find_last_not_of(" \t\r\n") - first + 1);
+}
+
+/// Lines with their ends.
+std::vector<std::string_view> lines_of(std::string_view text) {
+  std::vector<std::string_view> lines;
+  while (!text.empty()) {
+    const std::size_t end = std::min(text.find('\n'), text.size() - 1) + 1;
+    lines.push_back(text.substr(0, end));
+    text.remove_prefix(end);
+  }
+  return lines;
+}
+
+std::string joined_lines(std::span<const std::string_view> lines) {
+  std::string text;
+  for (const std::string_view line : lines) text += line;
+  return text;
+}
+
 }  // namespace
+
+std::expected<std::string, std::vector<Complaint>> with_point(std::string_view toml,
+                                                              std::string_view file_name,
+                                                              const TaughtPoint& point) {
+  const auto before = read_points(toml, file_name);
+  if (!before) return std::unexpected(before.error());
+  const std::string table = points_text({point});
+  const auto lines = lines_of(toml);
+  if (std::ranges::find(*before, point.name, &TaughtPoint::name) == before->end()) {
+    std::string text(toml);
+    if (!text.empty() && text.back() != '\n') text += "\n";
+    return text + (text.empty() ? "" : "\n") + table;
+  }
+  const std::string header = "[points." + point.name + "]";
+  const auto begin =
+      std::ranges::find_if(lines, [&](auto line) { return content_of(line) == header; });
+  if (begin == lines.end()) {
+    return std::unexpected(
+        std::vector{Complaint{std::string(file_name), 1, 1, "",
+                              "the point '" + point.name + "' is there, but not as a table " +
+                                  header + "; change it by hand"}});
+  }
+  auto end = std::find_if(begin + 1, lines.end(),
+                          [](auto line) { return content_of(line).starts_with('['); });
+  // Remarks above the next table are that one's.
+  while (end != begin + 1 && content_of(*(end - 1)).empty()) --end;
+  return joined_lines({lines.begin(), begin}) + table + joined_lines({end, lines.end()});
+}
 
 bool is_point_name(std::string_view name) {
   const auto letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); };

@@ -29,6 +29,15 @@ std::expected<TaughtPoints, std::vector<Complaint>> read_points(std::string_view
 /// Put it in place with io::replace_file.
 std::string points_text(const TaughtPoints& points);
 
+/// A file's text with this point behind the others, or in the place of the one of its name; what
+/// else stands there, remarks included, stays as it is.
+/// @param file_name  as complaints shall show it
+/// @error  what is wrong with the text, or that the point's table is written in a form which only
+///         its author can change
+std::expected<std::string, std::vector<Complaint>> with_point(std::string_view toml,
+                                                              std::string_view file_name,
+                                                              const TaughtPoint& point);
+
 /// "above_bin": what a point or a program may be called.
 bool is_point_name(std::string_view name);
 

@@ -87,6 +87,42 @@ TEST(PointsFile, every_fault_is_told_at_its_place) {
       << "all at once";
 }
 
+TEST(PointsFile, a_point_is_added_or_replaced_and_the_rest_stays_as_it_was) {
+  const std::string text =
+      "# all of them by Ann\n\n[points.a] # the first\nrobot = \"learm\"\n"
+      "joints_deg = [0, 20, 40, 40, 0]\n\n# not nearer than this\n[points.b]\n"
+      "robot = \"learm\"\nx_mm = 200\ny_mm = 0\nz_mm = 150\n";
+  TaughtPoint point{.name = "a",
+                    .robot = "learm",
+                    .place = JointVector{},
+                    .legs = false,
+                    .source = "taught",
+                    .taught_at = ""};
+  for (int i = 0; i < 5; ++i) std::get<JointVector>(point.place).push_back(from_deg(10.0 * i));
+  const auto replaced = with_point(text, "p.toml", point);
+  ASSERT_TRUE(replaced);
+  EXPECT_EQ(*replaced,
+            "# all of them by Ann\n\n[points.a]\nrobot = \"learm\"\n"
+            "joints_deg = [0, 10, 20, 30, 40]\nsource = \"taught\"\n\n"
+            "# not nearer than this\n[points.b]\n"
+            "robot = \"learm\"\nx_mm = 200\ny_mm = 0\nz_mm = 150\n");
+  point.name = "c";
+  const auto added = with_point(*replaced, "p.toml", point);
+  ASSERT_TRUE(added);
+  EXPECT_TRUE(added->starts_with(*replaced));
+  const auto points = read_points(*added, "p.toml");
+  ASSERT_TRUE(points);
+  ASSERT_EQ(points->size(), 3U);
+  EXPECT_EQ((*points)[2].name, "c");
+  EXPECT_EQ(with_point("", "p.toml", point), points_text({point}));
+  EXPECT_FALSE(with_point("[points.x]\nrobot = 3\n", "p.toml", point)) << "never over a wrong file";
+  point.name = "d";
+  const auto inline_table =
+      with_point("points.d = {robot = \"maxarm\", joints_deg = [0, 0, 0]}\n", "p.toml", point);
+  ASSERT_FALSE(inline_table);
+  EXPECT_NE(inline_table.error()[0].message.find("by hand"), std::string::npos);
+}
+
 TEST(PointsFile, what_is_written_is_read_again) {
   test::for_random_cases(2'000, [](test::Random& random) {
     TaughtPoints points;

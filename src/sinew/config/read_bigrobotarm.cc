@@ -1,6 +1,7 @@
 #include <cmath>
 
 #include "sinew/config/read_devices.h"
+#include "sinew/core/units.h"
 
 namespace sinew {
 
@@ -33,6 +34,9 @@ void read_bigrobotarm(TableReader& reader, RobotModel& model) {
   device.probe_wire = wire.probe;
   reader.integer("multiplier_max", 1, kMaxMultiplier, device.multiplier_max);
   reader.integer("gripper_max", 0, 255, device.gripper_max);
+  constexpr double kNudgeMax = from_deg(5);
+  reader.quantity("nudge_*_max", kAngle, above_zero_to(kNudgeMax),
+                  model.device.capability.nudge_max);
   for_each_joint(reader, model, [&](std::size_t i, TableReader& table) {
     BigRobotArmJoint& joint = device.joints[i];
     read_per_angle(table, "steps_per_*", joint.steps_per_rad);

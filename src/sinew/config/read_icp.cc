@@ -51,6 +51,9 @@ void read_icp(TableReader& reader, RobotModel& model) {
     for (Joint& leg : model.joints) leg.velocity_max = std::min(leg.velocity_max, carried);
   }
   reader.number("units_per_down", between(1, 2), device.units_per_down);
+  constexpr double kNudgeMax = 1e-3;  // m; the driver's own bound
+  reader.quantity("nudge_*_max", kLength, above_zero_to(kNudgeMax),
+                  model.device.capability.nudge_max);
   std::int64_t timeout_ms = 50;
   reader.integer("reply_timeout_ms", 5, 5000, timeout_ms);
   device.reply_timeout = std::chrono::milliseconds(timeout_ms);

@@ -74,5 +74,22 @@ TEST(ReadIcp, its_table_is_as_strict_as_all_others) {
   EXPECT_TRUE(has(complaint("  source = \"s\"\n", ""), "source"));
 }
 
+TEST(ReadIcp, how_far_a_leg_is_moved_blindly_is_bounded) {
+  const auto& platform = std::ranges::find(builtin_robots(), "hexapod", &BuiltinRobot::id)->text;
+  const auto changed = [&](std::string_view to) {
+    constexpr std::string_view kFrom = "nudge_mm_max = 0.5 ";
+    std::string text(platform);
+    const std::size_t at = text.find(kFrom);
+    EXPECT_NE(at, std::string::npos);
+    text.replace(at, kFrom.size(), to);
+    return read_robot(text, "r.toml");
+  };
+  EXPECT_DOUBLE_EQ(changed("nudge_mm_max = 0.5 ")->device.capability.nudge_max, 0.5e-3);
+  for (const char* wrong : {"", "nudge_mm_max = 1.1", "nudge_mm_max = 0", "nudge_mm_max = -0.1",
+                            "nudge_mm_max = nan", "nudge_deg_max = 1"}) {
+    EXPECT_FALSE(changed(wrong)) << wrong;
+  }
+}
+
 }  // namespace
 }  // namespace sinew

@@ -31,6 +31,12 @@ struct Begin {
   bool recovers = false;
 };
 struct Home {};
+/// One joint a little and slowly, from wherever it is: what was known of the position moves along,
+/// what was not known stays so.
+struct Nudge {
+  std::uint8_t joint = 0;
+  double way = 0;  ///< rad or m, at most the device's nudge_max
+};
 /// A velocity, from now on; the first one begins a jog, which ends where none follows.
 struct JogAt {
   planning::JogCommand velocity;
@@ -47,10 +53,13 @@ struct UseTool {
 /// Where the machine stands, from somebody who has looked.
 struct Declare {
   FixedVector<JointPosition, kMaxJoints> positions;
+  /// Somebody moved it by hand: what was known of the position does not count.
+  bool moved = false;
 };
 
-using CommandWhat = std::variant<TakeLease, RenewLease, ReturnLease, Enable, Disable, Acknowledge,
-                                 Begin, Home, JogAt, Hold, Resume, Stop, SetFeed, UseTool, Declare>;
+using CommandWhat =
+    std::variant<TakeLease, RenewLease, ReturnLease, Enable, Disable, Acknowledge, Begin, Home,
+                 Nudge, JogAt, Hold, Resume, Stop, SetFeed, UseTool, Declare>;
 
 struct Command {
   std::uint32_t id = 0;

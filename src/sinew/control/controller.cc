@@ -138,7 +138,9 @@ void Controller::stop(StopCause cause, const std::optional<Error>& error, Instan
   } else {
     stop_device(now);
   }
-  change(rule.after == StopAfter::kHeld ? Signal::kHold : Signal::kStop);
+  // A search or a small step cannot be gone on with: there is nothing to hold.
+  const bool holds = rule.after == StopAfter::kHeld && state_ != MachineState::kRecovering;
+  change(holds ? Signal::kHold : Signal::kStop);
 }
 
 void Controller::stop_device(Instant now) {

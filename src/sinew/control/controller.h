@@ -72,6 +72,8 @@ class Controller {
   static constexpr std::size_t kLaterCausesMax = 8;
   /// rad, of a joint that is measured: a setpoint that is kept is no farther away than this.
   static constexpr double kSag = 0.05;
+  /// Share of a joint's speed with which it is moved while nobody knows where it is.
+  static constexpr double kNudgeShare = 0.1;
 
   /// @param robot, driver  outlive this. The driver is closed.
   Controller(const RobotModel& robot, Driver& driver, const ControllerSettings& settings,
@@ -100,19 +102,26 @@ class Controller {
   /// Of the command under way; 0 where none is.
   std::uint32_t task() const { return task_ ? task_->command : 0; }
   double progress() const;
+  /// What a jog keeps out of, from now on: what is beside the robot in its cell.
+  void surround_jog(std::span<const planning::Surrounding> bodies) { jog_.surround(bodies); }
+  /// A jog is under way.
+  bool jogs() const { return task_ && task_->kind == TaskKind::kJog; }
+  /// Where it was sent last, and how fast.
+  const motion::AxisStates& jog_setpoint() const { return jog_.setpoint(); }
   planning::JogStatus jog_status() const { return jog_.status(); }
   /// All records are safe; the last one has been made.
   bool journal_settled() const { return !journal_ || journal_->settled(); }
   bool journal_closed() const { return !journal_ || closed_; }
 
  private:
-  enum class TaskKind : std::uint8_t { kMotion, kBlindMotion, kJog, kHome, kTool };
+  enum class TaskKind : std::uint8_t { kMotion, kBlindMotion, kJog, kHome, kNudge, kTool };
   struct Task {
     std::uint32_t command = 0;
     TaskKind kind = TaskKind::kMotion;
     MotionSource* motion = nullptr;
     Instant since{};
     bool begun = false;  ///< something was handed to the driver
+    Nudge nudge{};       ///< of kNudge
   };
   /// A stop under way.
   struct Stopping {
@@ -177,6 +186,7 @@ class Controller {
   Expected<bool> on(const Acknowledge& acknowledge, const Asked& asked);
   Expected<bool> on(const Begin& motion, const Asked& asked);
   Expected<bool> on(const Home& home, const Asked& asked);
+  Expected<bool> on(const Nudge& nudge, const Asked& asked);
   Expected<bool> on(const JogAt& velocity, const Asked& asked);
   Expected<bool> on(const Hold& hold, const Asked& asked);
   Expected<bool> on(const Resume& resume, const Asked& asked);
@@ -192,14 +202,17 @@ class Controller {
   /// True where a jog that is under way goes on with it.
   Expected<bool> jog(const Command& command, const JogAt& velocity, Instant now);
   Expected<void> home(const Command& command, Instant now);
+  Expected<void> nudge(const Command& command, const Nudge& nudge, Instant now);
   Expected<void> use_tool(const Command& command, const UseTool& tool, Instant now);
   Expected<void> set_feed(double share);
   Expected<void> declare(const Declare& where, Instant now);
+  std::optional<Error> contradiction(const Declare& where) const;
   Expected<void> acknowledge(const Inputs& inputs, Instant now);
 
   // controller_motion.cc
   void advance(Instant now);
   void begin_homing(Instant now);
+  void begin_nudge(Instant now);
   void arrive();
   bool hand_over(const JointMove& piece, Instant now);
   bool recorded(const JointMove& piece, Instant now);

@@ -84,6 +84,10 @@ Expected<bool> Controller::on(const Home& /*home*/, const Asked& asked) {
   return begun(home(asked.command, asked.now));
 }
 
+Expected<bool> Controller::on(const Nudge& nudge, const Asked& asked) {
+  return begun(this->nudge(asked.command, nudge, asked.now));
+}
+
 Expected<bool> Controller::on(const JogAt& velocity, const Asked& asked) {
   return jog(asked.command, velocity, asked.now);
 }
@@ -193,6 +197,16 @@ Expected<void> Controller::home(const Command& command, Instant now) {
   return {};
 }
 
+Expected<void> Controller::nudge(const Command& command, const Nudge& nudge, Instant now) {
+  if (const auto rest = at_rest(now); !rest) return rest;
+  if (const auto passed = governor_.pass_nudge(nudge.joint, nudge.way, positions()); !passed) {
+    return passed;
+  }
+  task_ = Task{command.id, TaskKind::kNudge, nullptr, now, false, nudge};
+  change(Signal::kRecover);
+  return {};
+}
+
 Expected<void> Controller::use_tool(const Command& command, const UseTool& tool, Instant now) {
   if (const auto rest = at_rest(now); !rest) return rest;
   if (const auto accepted = driver_.tool(tool.action, now); !accepted) return accepted;
@@ -238,10 +252,28 @@ Expected<void> Controller::declare(const Declare& where, Instant now) {
                                    one.q < joint.lower ? joint.lower : joint.upper});
     }
   }
+  if (const auto error = contradiction(where)) return std::unexpected(*error);
   driver_.declare_positions({where.positions.data(), where.positions.size()});
   stand_where_driver_says(Setpoint::kForgotten);
   if (journal_) offer(journal_->told(JournalKind::kDeclared, driver_.positions(), time(now)));
   return {};
+}
+
+/// What a sensor says, or an interval that holds the truth, goes before what somebody saw.
+std::optional<Error> Controller::contradiction(const Declare& where) const {
+  const auto known = positions();
+  for (std::size_t j = 0; !where.moved && j < where.positions.size(); ++j) {
+    const JointPosition& said = where.positions[j];
+    const JointPosition& joint = known[j];
+    const bool measured = joint.quality == PositionQuality::kMeasured;
+    if (said.quality == PositionQuality::kLost) continue;
+    if (!measured && joint.quality != PositionQuality::kUncertain) continue;
+    const double slack = measured ? kSag : kSamePlace;
+    if (said.upper >= joint.lower - slack && said.lower <= joint.upper + slack) continue;
+    return Error{ErrorCode::kDeclaredElsewhere, static_cast<std::int8_t>(j), said.q,
+                 said.q < joint.lower ? joint.lower : joint.upper};
+  }
+  return std::nullopt;
 }
 
 Expected<void> Controller::acknowledge(const Inputs& inputs, Instant now) {

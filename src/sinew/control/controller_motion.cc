@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 
 #include "sinew/control/controller.h"
 
@@ -9,7 +10,8 @@ void Controller::advance(Instant now) {
   if (!task_ || task_->kind == TaskKind::kTool) return;
   const bool braking = state_ == MachineState::kStopping && stopping_ && !stopping_->by_device;
   if (!granted() && !braking) return;
-  if (task_->kind == TaskKind::kHome) {
+  if (task_->kind == TaskKind::kHome || task_->kind == TaskKind::kNudge) {
+    if (!task_->begun && task_->kind == TaskKind::kNudge) return begin_nudge(now);
     if (!task_->begun) return begin_homing(now);
     if (standing(now) && driver_.state() == DriverState::kReady) arrive();
     return;
@@ -35,6 +37,31 @@ void Controller::begin_homing(Instant now) {
   }
   if (journal_ && (!position_given_up_ || !journal_->settled())) return;
   if (const auto accepted = driver_.home(now); !accepted) {
+    return piece_refused(accepted.error(), now);
+  }
+  task_->begun = true;
+  ++outstanding_;
+  reference_known_ = false;
+  governor_.lose();
+}
+
+void Controller::begin_nudge(Instant now) {
+  const Nudge& nudge = task_->nudge;
+  if (journal_) {
+    FixedVector<JointInterval, kMaxJoints> next;
+    for (const JointPosition& joint : driver_.positions()) {
+      next.push_back({joint.lower, joint.upper});
+    }
+    JointInterval& own = next[nudge.joint];
+    own.lower += std::min(0.0, nudge.way);
+    own.upper += std::max(0.0, nudge.way);
+    const std::span<const JointInterval> reach(next.data(), next.size());
+    offer(journal_->reserve({driver_.positions(), reach, reach}, time(now)));
+    if (!journal_->may_send(reach)) return;
+  }
+  const double speed = kNudgeShare * robot_.joints[nudge.joint].velocity_max;
+  const Duration duration = from_seconds(std::abs(nudge.way) / speed);
+  if (const auto accepted = driver_.nudge(nudge.joint, nudge.way, duration, now); !accepted) {
     return piece_refused(accepted.error(), now);
   }
   task_->begun = true;

@@ -71,6 +71,14 @@ class PretendDriver final : public Driver {
     homing_until_ = now + 2s;
     return {};
   }
+  Expected<void> nudge(std::size_t joint, double way, Duration duration, Instant now) override {
+    state_ = DriverState::kMoving;
+    homing_until_ = now + duration;
+    nudges.push_back(way);
+    JointPosition& own = positions_[joint];
+    own.q += way, own.lower += way, own.upper += way;
+    return {};
+  }
   Expected<void> tool(const ToolAction&, Instant now) override {
     state_ = DriverState::kMoving;
     homing_until_ = now + 200ms;
@@ -130,6 +138,7 @@ class PretendDriver final : public Driver {
     ready_at_ = now + opening;
   }
   void lose(std::size_t joint) { positions_[joint] = {}; }
+  void set(std::size_t joint, const JointPosition& position) { positions_[joint] = position; }
 
   Duration opening = 30ms;
   bool silent = false;
@@ -138,6 +147,7 @@ class PretendDriver final : public Driver {
   bool declarable = true;
   std::optional<Error> refusal;
   std::vector<JointMove> pieces;
+  std::vector<double> nudges;
   int stops = 0;
 
  private:

@@ -129,6 +129,33 @@ Expected<void> Governor::pass_blind(const JointMove& move) {
   return {};
 }
 
+Expected<void> Governor::pass_nudge(std::size_t joint, double way,
+                                    std::span<const JointPosition> positions) const {
+  const double most = model_.device.capability.nudge_max;
+  if (!(most > 0)) return std::unexpected(Error{ErrorCode::kTaskNotSupported});
+  if (joint >= size_) {
+    return std::unexpected(Error{ErrorCode::kMoveInput, -1, static_cast<double>(joint)});
+  }
+  if (way == 0 || !within(way, most)) {
+    return std::unexpected(joint_error(ErrorCode::kNudgeRange, joint, way, most));
+  }
+  if (positions[joint].quality == PositionQuality::kLost) return {};
+  const Joint& limits = model_.joints[joint];
+  const double q = positions[joint].q + way;
+  if (way < 0 && q < limits.lower - kPlaceTolerance) {
+    return std::unexpected(joint_error(ErrorCode::kJointLimit, joint, q, limits.lower));
+  }
+  if (way > 0 && q > limits.upper + kPlaceTolerance) {
+    return std::unexpected(joint_error(ErrorCode::kJointLimit, joint, q, limits.upper));
+  }
+  if (!known_) return {};
+  JointMove move;
+  move.q = JointVector(this->q());
+  move.q[joint] += way;
+  if (const auto near = look_at_contacts(move)) return std::unexpected(*near);
+  return {};
+}
+
 void Governor::take(const JointMove& move, double seconds) {
   for (std::size_t i = 0; i < size_; ++i) {
     const double qd = move.qd.empty() || !streams_ ? 0 : move.qd[i];

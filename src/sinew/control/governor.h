@@ -52,6 +52,13 @@ class Governor {
   /// at. @error kMoveInput, kSegmentTime, kJointLimit, kCollision
   Expected<void> pass_blind(const JointMove& move);
 
+  /// One joint a little, from nobody knows where: no farther than the device's nudge_max, and where
+  /// something is known of it, not beyond its limits nor nearer to anything.
+  /// @error kTaskNotSupported (no such device), kMoveInput (there is no such joint), kNudgeRange,
+  ///        kJointLimit, kCollision
+  Expected<void> pass_nudge(std::size_t joint, double way,
+                            std::span<const JointPosition> positions) const;
+
   bool known() const { return known_; }
   std::span<const double> q() const { return {q_.data(), size_}; }
 

@@ -20,6 +20,9 @@ class JogMotion final : public MotionSource {
   /// Counts from the next segment on that is not handed over yet, and so long as it says.
   /// @error as Jog::command; what was commanded before then goes on.
   std::optional<Error> command(const planning::JogCommand& command, Instant now);
+  void surround(std::span<const planning::Surrounding> bodies) { jog_.surround(bodies); }
+  /// Where it was sent last, and how fast.
+  const motion::AxisStates& setpoint() const { return jog_.setpoint(); }
   planning::JogStatus status() const { return jog_.status(); }
 
   const JointVector& q_start() const override { return q_start_; }

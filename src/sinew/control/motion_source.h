@@ -1,9 +1,11 @@
 #pragma once
 
+#include <memory>
 #include <span>
 
 #include "sinew/control/journal_record.h"
 #include "sinew/driver/driver.h"
+#include "sinew/planning/cell_way.h"
 
 namespace sinew::control {
 
@@ -34,6 +36,9 @@ class MotionSource {
 
   /// All that its joints may do until its end; empty where nobody knows.
   virtual std::span<const JointInterval> whole() const { return {}; }
+  /// What its joints do until its end, as its device makes it; null where nobody knows. It may
+  /// refer to this. Allocates.
+  virtual std::unique_ptr<planning::CellWay> way() const { return nullptr; }
   /// Share of it that was handed over, 0..1.
   virtual double progress() const = 0;
   /// s until it is at rest, of what was not handed over yet; nobody's promise.

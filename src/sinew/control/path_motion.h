@@ -31,6 +31,9 @@ class PathMotion final : public MotionSource {
   void resume() override;
   /// 0..2
   Expected<void> set_feed(double share) override;
+  std::unique_ptr<planning::CellWay> way() const override {
+    return std::make_unique<planning::CellWay>(path_.joints);
+  }
   double progress() const override { return follower_.progress().path_share; }
   double time_left() const override { return follower_.time_left(); }
 

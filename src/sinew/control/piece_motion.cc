@@ -20,7 +20,8 @@ PieceMotion::PieceMotion(const JointVector& q_start, std::vector<JointMove> piec
     : q_start_(q_start),
       pieces_(std::move(pieces)),
       streams_(robot.device.capability.motion == MotionKind::kStream),
-      takes_speed_(!streams_ && robot.device.capability.takes_speed) {
+      takes_speed_(!streams_ && robot.device.capability.takes_speed),
+      together_(!std::holds_alternative<AxisRegistersDevice>(robot.device.settings)) {
   if (q_start_.empty()) return;
   for (const double q : q_start_) whole_.push_back({q, q});
   JointVector from = q_start_;
@@ -39,6 +40,34 @@ PieceMotion::PieceMotion(const JointVector& q_start, std::vector<JointMove> piec
     }
     from = piece.q;
   }
+}
+
+std::unique_ptr<planning::CellWay> PieceMotion::way() const {
+  if (q_start_.empty()) return nullptr;
+  const std::size_t size = q_start_.size();
+  planning::JointArray from{}, speed{};
+  std::ranges::copy(q_start_, from.begin());
+  auto apart = std::make_unique<planning::CellWay>();
+  planning::JointPath path(size, pieces_.size());
+  for (const JointMove& piece : pieces_) {
+    planning::JointArray to{}, speed_to{};
+    std::ranges::copy(piece.q, to.begin());
+    if (!piece.qd.empty()) std::ranges::copy(piece.qd, speed_to.begin());
+    const double seconds = to_seconds(piece.duration);
+    if (!together_) {
+      apart->apart_to(from, to);
+    } else if (streams_ && seconds > 0) {
+      const std::array knots{0.0, seconds};
+      const std::array points{from, to};
+      path.append_spline(knots, points, speed, speed_to);
+    } else {
+      path.append_line({from.data(), size}, {to.data(), size}, std::max(seconds, 1e-3));
+    }
+    from = to;
+    speed = speed_to;
+  }
+  if (!together_) return apart;
+  return std::make_unique<planning::CellWay>(std::move(path));
 }
 
 bool PieceMotion::between_rests() const {

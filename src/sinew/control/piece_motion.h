@@ -25,6 +25,7 @@ class PieceMotion final : public MotionSource {
   /// Slower only, and only where the device can be asked for it.
   Expected<void> set_feed(double share) override;
   std::span<const JointInterval> whole() const override { return {whole_.data(), whole_.size()}; }
+  std::unique_ptr<planning::CellWay> way() const override;
   double progress() const override;
   double time_left() const override;
 
@@ -35,6 +36,7 @@ class PieceMotion final : public MotionSource {
   std::vector<JointMove> pieces_;
   bool streams_;
   bool takes_speed_;
+  bool together_;  ///< its joints are told together, and go so
   FixedVector<JointInterval, kMaxJoints> whole_;
   std::size_t next_ = 0;
   bool held_ = false;

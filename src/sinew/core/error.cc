@@ -187,6 +187,14 @@ constexpr std::array kTable = std::to_array<ErrorInfo>({
     {kCollision, "collision",
      "{subject} would come within {measured} of each other, at least {limit} is asked for", kLength,
      true, kNoStop, 422},
+    {kCellContact, "cell_contact",
+     "{subject} would come within {measured} of something else in its cell, at least {limit} is "
+     "asked for",
+     kLength, true, kNoStop, 422},
+    {kCellTaken, "cell_taken",
+     "{subject} would come within {measured} of where another robot of the cell moves, at least "
+     "{limit} is asked for",
+     kLength, true, kNoStop, 409},
     {kVelocityLimit, "velocity_limit", "{subject} would move {measured} times as fast as it may",
      kRatio, true, kHold, 422},
     {kAccelerationLimit, "acceleration_limit",
@@ -224,6 +232,13 @@ constexpr std::array kTable = std::to_array<ErrorInfo>({
      "behind it the machine may stand at {measured} different places, and {limit} are checked at "
      "most: end both branches with a row that names all joints",
      kCount, true, kNoStop, 422},
+    {kNudgeRange, "nudge_range",
+     "one step of {subject} may be {limit} at most and not nothing; {measured} was asked for",
+     kAngle, true, kNoStop, 422},
+    {kDeclaredElsewhere, "declared_elsewhere",
+     "{subject} cannot stand at {measured}: it is known to be no farther than {limit}, {excess} "
+     "off; who moved it has to say so",
+     kAngle, true, kNoStop, 409},
 });
 
 std::string format_value(double value, Quantity quantity) {
@@ -268,8 +283,10 @@ const ErrorInfo& info(ErrorCode code) {
   return kTable[row];
 }
 
-std::string describe(const Error& error, std::string_view subject) {
+std::string describe(const Error& error, std::string_view subject,
+                     std::optional<Quantity> quantity) {
   const ErrorInfo& row = info(error.code);
+  const Quantity unit = quantity.value_or(row.quantity);
   std::string fallback = error.index < 0 ? "the value" : "J" + std::to_string(error.index + 1);
   if (error.other >= 0) {
     fallback = "links " + std::to_string(error.index) + " and " + std::to_string(error.other);
@@ -289,12 +306,12 @@ std::string describe(const Error& error, std::string_view subject) {
       // Of several boards it is one that is meant.
       text += error.index < 0 ? "the device" : "the board of " + std::string(whom);
     } else if (field == "measured") {
-      text += format_value(error.measured, row.quantity);
+      text += format_value(error.measured, unit);
     } else if (field == "limit") {
-      text += format_value(error.limit, row.quantity);
+      text += format_value(error.limit, unit);
     } else {
       SINEW_ASSERT(field == "excess");
-      text += format_value(excess(error), row.quantity);
+      text += format_value(excess(error), unit);
     }
     rest.remove_prefix(close + 1);
   }

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdint>
 #include <expected>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -78,7 +79,9 @@ enum class ErrorCode : std::uint8_t {
   kUnaskedReply,        ///< bytes that answer nothing; measured: the last of them
   kDeviceRestarted,     ///< what it knew of its position is gone
   kSupplyFlag,          ///< index: joint; its board says that the supply was too low, or away
-  kCollision,  ///< index, other: links (model/collision_links.h); measured, limit: m between them
+  kCollision,    ///< index, other: links (model/collision_links.h); measured, limit: m between them
+  kCellContact,  ///< index: link; measured, limit: m to something else in the cell
+  kCellTaken,    ///< likewise; what is there moves, and will be gone
   kVelocityLimit,      ///< index: joint; measured: asked for over allowed
   kAccelerationLimit,  ///< likewise
   kJerkLimit,          ///< likewise
@@ -93,6 +96,8 @@ enum class ErrorCode : std::uint8_t {
   kNotInTime,          ///< what a row waits for did not come; limit: s
   kNotMeasured,        ///< what a row asks for is nothing that this machine tells
   kTooManyPlaces,      ///< measured, limit: places where a row of a program may begin
+  kNudgeRange,         ///< index: joint; measured, limit: rad or m, of one step that nobody plans
+  kDeclaredElsewhere,  ///< index: joint; measured: declared, limit: as far as it can be, rad or m
 };
 
 /// How a stop ends, after IEC 60204-1.
@@ -150,7 +155,9 @@ inline double excess(const Error& error) {
 }
 
 /// One sentence in mm, degrees and seconds: "out of reach by 12 mm".
-/// @param subject  name of the joint or leg that `error.index` means; "J3" style when empty.
-std::string describe(const Error& error, std::string_view subject = {});
+/// @param subject   name of the joint or leg that `error.index` means; "J3" style when empty.
+/// @param quantity  of its numbers, where whoever asks knows better than the table: a leg's place
+std::string describe(const Error& error, std::string_view subject = {},
+                     std::optional<Quantity> quantity = std::nullopt);
 
 }  // namespace sinew

@@ -83,7 +83,8 @@ DriverState AxisLinkDriver::state() const {
 }
 
 DriverHealth AxisLinkDriver::health() const {
-  DriverHealth health{.supply_volts = {}, .temperature_c = {}, .requests = requests_};
+  DriverHealth health;
+  health.requests = requests_;
   for (const Channel& channel : channels_) {
     health.unexpected += channel.failed_frames();
     // Of several axes the worst: the lowest supply, the hottest power stage.

@@ -378,11 +378,33 @@ Expected<void> BigRobotArmJointDriver::move(const JointMove& move, Instant now) 
   if (const auto ready = check_ready(); !ready) return ready;
   if (const auto fine = check_move(move); !fine) return fine;
   std::copy(move.q.begin(), move.q.end(), q_target_.begin());
+  return begin_move(move.duration, now);
+}
+
+Expected<void> BigRobotArmJointDriver::nudge(std::size_t joint, double way, Duration duration,
+                                             Instant now) {
+  SINEW_ASSERT(joint < kJoints);
+  if (const auto ready = check_ready(); !ready) return ready;
+  const double steps = way * device_.joints[joint].steps_per_rad;
+  // Written so that NaN is refused too.
+  if (!(std::abs(steps) >= 0.5 && std::abs(way) <= kNudgeMax)) {
+    return std::unexpected(
+        Error{ErrorCode::kNudgeRange, static_cast<std::int8_t>(joint), way, kNudgeMax});
+  }
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    q_target_[i] = belief_.offset()[i] + belief_.steps()[i] / device_.joints[i].steps_per_rad;
+  }
+  q_target_[joint] += std::round(steps) / device_.joints[joint].steps_per_rad;
+  return begin_move(duration, now);
+}
+
+/// To q_target_.
+Expected<void> BigRobotArmJointDriver::begin_move(Duration at_least, Instant now) {
   const auto target = driver_.steps_of(q_target_);
   if (!target) return std::unexpected(target.error());
   Words deltas = *target;
   for (std::size_t i = 0; i < kJoints; ++i) deltas[i] -= belief_.steps()[i];
-  const auto chosen = multipliers_for(deltas, move.duration);
+  const auto chosen = multipliers_for(deltas, at_least);
   if (!chosen) return std::unexpected(chosen.error());
   const auto asked = ask(Step::kBefore, now);
   if (!asked) return asked;

@@ -4,6 +4,7 @@
 #include <optional>
 #include <span>
 
+#include "sinew/core/units.h"
 #include "sinew/driver/bigrobotarm.h"
 #include "sinew/driver/bigrobotarm_multipliers.h"
 #include "sinew/driver/bigrobotarm_positions.h"
@@ -56,6 +57,8 @@ struct BigRobotArmJointTiming {
 /// All members are @rt.
 class BigRobotArmJointDriver : public ByteDriver {
  public:
+  static constexpr double kNudgeMax = from_deg(5);  ///< rad
+
   /// @param joints  five: limits, and the speeds and accelerations that no move exceeds.
   BigRobotArmJointDriver(const BigRobotArmDevice& device, std::span<const Joint> joints,
                          const BigRobotArmJointTiming& timing = {});
@@ -73,6 +76,8 @@ class BigRobotArmJointDriver : public ByteDriver {
   /// @error kBusy, kPortClosed, the fault's, kPositionUnknown (index), kJointLimit (index, rad),
   ///        kStepRange, kUnsendable (index, steps), kTaskNotSupported (a speed at the end)
   Expected<void> move(const JointMove& move, Instant now) override;
+  /// Counted from where the device stands by its own counters.
+  Expected<void> nudge(std::size_t joint, double way, Duration duration, Instant now) override;
   void stop(Instant now) override;
   Expected<void> clear_fault(Instant now) override;
   /// GripperTo: its servo jumps to the nearest whole degree.
@@ -134,6 +139,7 @@ class BigRobotArmJointDriver : public ByteDriver {
   void go_on_after(Step done, Instant now);
   Expected<void> check_ready() const;
   Expected<void> check_move(const JointMove& move) const;
+  Expected<void> begin_move(Duration at_least, Instant now);
   Expected<BigRobotArmMultipliers> multipliers_for(const Words& deltas, Duration at_least) const;
   Duration duration_of(const Words& deltas) const;
   void end_command(DriverEvent::Kind kind, const Error& error);

@@ -84,8 +84,11 @@ struct DriverEvent {
 
 /// What can be told of a device's well-being.
 struct DriverHealth {
-  std::optional<double> supply_volts;
-  std::optional<double> temperature_c;
+  std::optional<double> supply_volts = {};
+  std::optional<double> temperature_c = {};
+  /// m between the jaws, as measured since they last moved: wider than they were sent, and they
+  /// hold something.
+  std::optional<double> jaws_width = {};
   std::uint64_t requests = 0;    ///< exchanges begun
   std::uint64_t retries = 0;     ///< exchanges begun again, where that cannot move anything twice
   std::uint64_t repeats = 0;     ///< frames said again as planned, where a wire has no checksum
@@ -123,6 +126,17 @@ class Driver {
   ///        what this wire cannot say (kPulseRange, kStepRange, kUnsendable, kSegmentTime). Nothing
   ///        is sent then.
   virtual Expected<void> move(const JointMove& move, Instant now) = 0;
+
+  /// Moves one joint by a little from wherever it is, also while nobody knows where that is; what
+  /// was known of it moves along. kDone follows.
+  /// @param way  rad or m; goes to the nearest whole unit of the device
+  /// @error kTaskNotSupported (this wire moves to places only), kBusy, fault's own, kNudgeRange
+  ///        (less than a unit, or more than the driver's bound), kLegLength
+  virtual Expected<void> nudge(std::size_t joint, double way, Duration duration, Instant now) {
+    static_cast<void>(joint), static_cast<void>(way), static_cast<void>(duration);
+    static_cast<void>(now);
+    return std::unexpected(Error{ErrorCode::kTaskNotSupported});
+  }
 
   /// No further motion, as soon as the wire and the device can; kStopped follows. Always accepted.
   virtual void stop(Instant now) = 0;

@@ -179,6 +179,18 @@ Expected<void> IcpDriver::jog(std::size_t leg, std::int64_t steps, Instant now) 
   return accept(jog, now);
 }
 
+Expected<void> IcpDriver::nudge(std::size_t leg, double way, Duration duration, Instant now) {
+  SINEW_ASSERT(leg < kLegs);
+  const double unit = std::abs(legs_[leg].way_of(way < 0 ? -1 : 1));
+  // Written so that NaN is refused too.
+  if (!(std::abs(way) >= unit / 2 && std::abs(way) <= kJogMax)) {
+    return std::unexpected(leg_error(ErrorCode::kNudgeRange, leg, way, kJogMax));
+  }
+  const auto begun = jog(leg, std::llround(way / unit), now);
+  if (begun) queue_.back().duration = std::min(duration, kSegmentMax);
+  return begun;
+}
+
 Expected<void> IcpDriver::accept(const Move& move, Instant now) {
   if (queue_.full()) return std::unexpected(Error{ErrorCode::kBusy});
   queue_.push_back(move);

@@ -78,6 +78,8 @@ class IcpDriver final : public ByteDriver {
   /// Steps are spread over move.duration where the wire is quicker than that.
   /// @error kLegLength, kPositionUnknown (index), kSegmentTime, kBusy, kPortClosed, fault's own
   Expected<void> move(const JointMove& move, Instant now) override;
+  /// A jog in m; @error kNudgeRange, and those of jog()
+  Expected<void> nudge(std::size_t leg, double way, Duration duration, Instant now) override;
   /// Steps end with the one in flight; kStopped comes when the legs have been read, or
   /// do not answer. What the statuses show then is a kNotice.
   void stop(Instant now) override;

@@ -295,6 +295,7 @@ Expected<void> LscDriver::tool(const ToolAction& action, Instant now) {
   }
   ++health_.requests;
   ++pending_;
+  health_.jaws_width.reset();
   begin(segment, now);
   return {};
 }

@@ -239,6 +239,9 @@ void LscDriver::take_positions(std::span<const ServoValue> servos, Instant now) 
 }
 
 void LscDriver::positions_agreed(const Units& units, Instant now) {
+  if (profile_ == LscProfile::kBus && units_.jaws()) {
+    health_.jaws_width = units_.width_of(units[*units_.jaws()]);
+  }
   if (phase_ == Phase::kReading) return check_arrival(units, now);
   if (phase_ != Phase::kAsking) return;
   bool boot = profile_ == LscProfile::kEsp32;

@@ -226,6 +226,13 @@ TEST(LscDriver, jaws_go_to_their_width_and_stop_at_a_thing_between_them) {
     EXPECT_EQ(cell.count(Kind::kDone), 2U);
     EXPECT_NEAR(cell.machine.truth().tool, 0.024, 1e-4);
     EXPECT_LT(cell.worst(kHere), kSag) << "the arm stays where it was";
+    const auto width = cell.driver.health().jaws_width;
+    EXPECT_EQ(width.has_value(), profile == LscProfile::kBus) << "who can measure says so";
+    if (width) {
+      EXPECT_NEAR(*width, 0.024, 1e-3);
+      ASSERT_TRUE(cell.driver.tool(JawsTo{0.05}, cell.now));
+      EXPECT_FALSE(cell.driver.health().jaws_width) << "not while they move";
+    }
   }
 }
 

@@ -60,6 +60,12 @@ Expected<std::uint16_t> LscUnits::of_width(double width) const {
   return static_cast<std::uint16_t>(std::lround(units));
 }
 
+double LscUnits::width_of(double units) const {
+  SINEW_ASSERT(gripper_.has_value());
+  const LscGripper& jaws = device_.gripper;
+  return gripper_->width_max * (units - jaws.closed) / (jaws.open - jaws.closed);
+}
+
 double LscUnits::q_of(std::size_t joint, double units) const {
   const LscServo& servo = device_.servos[joint];
   return (units - servo.centre - servo.trim) / servo.units_per_rad;

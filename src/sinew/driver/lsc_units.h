@@ -33,6 +33,8 @@ class LscUnits {
   Expected<std::uint16_t> of_width(double width) const;
 
   double q_of(std::size_t joint, double units) const;
+  /// m between the jaws, of a robot that has some.
+  double width_of(double units) const;
   /// Within the joint's limits, a unit more or less.
   bool inside(std::size_t joint, double q) const;
   /// rad that one unit is.

@@ -35,6 +35,9 @@ struct DeviceCapability {
   double shared_velocity = std::numeric_limits<double>::infinity();
   /// kPointToPoint: how quickly a motion is made can be asked for. Else the device has one speed.
   bool takes_speed = true;
+  /// How far one joint may be moved at a time while nobody knows where it is, rad or m; 0: this
+  /// device moves to places only.
+  double nudge_max = 0;
 };
 
 inline constexpr std::size_t kBigRobotArmJoints = 5;

@@ -91,6 +91,29 @@ CollisionModel::CollisionModel(const RobotModel& model)
     pairs_.push_back(
         {static_cast<std::uint8_t>(i), kTableShape, joint_reach(model, shapes_[i], nullptr)});
   }
+  own_shapes_ = shapes_.size();
+  own_pairs_ = pairs_.size();
+  for (const CollisionShape& shape : shapes_) own_reach_.push_back(own_reach(model, shape));
+  shapes_.reserve(own_shapes_ + kSurroundMax);
+  radii_.reserve(own_shapes_ + kSurroundMax);
+  pairs_.reserve(own_pairs_ + own_shapes_ * kSurroundMax);
+}
+
+void CollisionModel::surround(std::span<const Surrounding> bodies) {
+  SINEW_ASSERT(bodies.size() <= kSurroundMax);
+  shapes_.resize(own_shapes_);
+  radii_.resize(own_shapes_);
+  pairs_.resize(own_pairs_);
+  for (const Surrounding& body : bodies) {
+    const auto place = static_cast<std::uint8_t>(shapes_.size());
+    shapes_.push_back(body.shape);
+    radii_.push_back(radius_of(body.shape));
+    for (std::size_t i = 0; i < own_shapes_; ++i) {
+      const std::uint8_t link = model_->collision.shapes[i].link;
+      if (link == 0 || (body.excused >> link & 1U) != 0) continue;
+      pairs_.push_back({static_cast<std::uint8_t>(i), place, own_reach_[i]});
+    }
+  }
 }
 
 PoseBP CollisionModel::start(const PoseBP* X_near) const {
@@ -195,6 +218,21 @@ Clearance CollisionModel::distance(std::span<const double> q, const PoseBP* X_ne
   PoseBP X_BP = start(X_near);
   if (!place(q, X_BP, scene)) return {-std::numeric_limits<double>::infinity()};
   return nearest(scene);
+}
+
+bool CollisionModel::bodies(std::span<const double> q, PoseBP& X_near,
+                            std::span<PlacedShape> out) const {
+  SINEW_ASSERT(out.size() >= own_shapes_);
+  Scene scene;
+  if (!place(q, X_near, scene)) return false;
+  for (std::size_t i = 0; i < own_shapes_; ++i) {
+    if (is_box(shapes_[i])) {
+      out[i] = box(scene, i);
+    } else {
+      out[i] = capsule(scene, i);
+    }
+  }
+  return true;
 }
 
 Clearance CollisionModel::distance(const PoseBP& X_BP) const {

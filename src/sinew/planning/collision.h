@@ -42,6 +42,15 @@ std::uint8_t link_of(const RobotModel& model, std::uint8_t shape);
 /// kCollision with the links that these shapes stand on.
 Error contact_error(const RobotModel& model, const Clearance& nearest);
 
+/// A shape where it is at one place of the joints, in base B.
+using PlacedShape = std::variant<PlacedCapsule, PlacedBox>;
+
+/// Something beside the robot that does not move, in base B.
+struct Surrounding {
+  CollisionShape shape;       ///< on the stand
+  std::uint32_t excused = 0;  ///< links that are not held against it, a bit each
+};
+
 /// Whether a robot hits itself or its table: every two shapes whose links are not joined and that
 /// its file does not excuse, and every moving shape against the table. docs/collision.md.
 ///
@@ -60,6 +69,26 @@ class CollisionModel {
   Clearance distance(std::span<const double> q, const kinematics::PoseBP* X_near = nullptr) const;
   /// The same where a hexapod's pose is known already.
   Clearance distance(const kinematics::PoseBP& X_BP) const;
+
+  std::size_t shapes() const { return own_shapes_; }
+  /// Where all shapes are, in the order of RobotModel::collision.shapes.
+  /// @param X_near  a hexapod's last pose in, its pose out
+  /// @return        false where its legs have no pose
+  bool bodies(std::span<const double> q, kinematics::PoseBP& X_near,
+              std::span<PlacedShape> out) const;
+  /// How far any point of a shape moves in base B at most, a number a joint; of a hexapod one for
+  /// the Euclidean norm of its legs.
+  JointReach reach_of(std::size_t shape) const { return own_reach(*model_, shapes_[shape]); }
+  /// What is beside the robot from now on, at most kSurroundMax: everything that moves is held
+  /// against it, as against the robot's own bodies. Those that name a Clearance's shape then count
+  /// on behind the robot's own.
+  void surround(std::span<const Surrounding> bodies);
+  static constexpr std::size_t kSurroundMax = 32;
+  /// What a shape never leaves.
+  Capsule ball_of(std::size_t shape) const { return reach_ball(*model_, shapes_[shape]); }
+  /// A hexapod's pose to begin with.
+  kinematics::PoseBP start_pose() const { return start(nullptr); }
+  const RobotModel& model() const { return *model_; }
 
   /// Whether every distance is at least `margin`.
   bool clear(std::span<const double> q, double margin) const {
@@ -115,9 +144,10 @@ class CollisionModel {
   };
   struct Scene {
     std::array<kinematics::PoseBL, kMaxJoints + 2> X_BL;  ///< by link
-    std::array<Placed, kCollisionShapesMax> shapes;
+    std::array<Placed, kCollisionShapesMax + kSurroundMax> shapes;
   };
-  static constexpr std::size_t kPairsMax = kCollisionShapesMax * (kCollisionShapesMax + 1) / 2;
+  static constexpr std::size_t kPairsMax =
+      kCollisionShapesMax * (kCollisionShapesMax + 1) / 2 + kCollisionShapesMax * kSurroundMax;
   /// How far (m) each pair may still come nearer.
   using Budgets = std::array<double, kPairsMax>;
   using Excused = std::array<bool, kPairsMax>;
@@ -148,6 +178,9 @@ class CollisionModel {
   std::vector<CollisionShape> shapes_;  ///< the tool's of a chain moved to its last link
   std::vector<double> radii_;           ///< of capsules; 0 for boxes
   std::vector<Pair> pairs_;
+  std::size_t own_shapes_ = 0;
+  std::size_t own_pairs_ = 0;
+  std::vector<JointReach> own_reach_;  ///< of each of the robot's shapes
 };
 
 }  // namespace sinew::planning

@@ -158,4 +158,49 @@ JointReach joint_reach(const RobotModel& model, const CollisionShape& first,
   return reach;
 }
 
+JointReach own_reach(const RobotModel& model, const CollisionShape& shape) {
+  JointReach reach{};
+  if (const auto* serial = std::get_if<SerialGeometry>(&model.geometry)) {
+    for (std::size_t k = 1; k <= shape.link; ++k) {
+      reach[k - 1] = outer_reach(*serial, hull_of(shape), k, shape.link);
+    }
+    return reach;
+  }
+  if (const auto* palletizer = std::get_if<PalletizerGeometry>(&model.geometry)) {
+    return palletizer_own(*palletizer, shape);
+  }
+  reach[0] = hexapod_own(std::get<HexapodGeometry>(model.geometry), shape);
+  return reach;
+}
+
+Capsule reach_ball(const RobotModel& model, const CollisionShape& shape) {
+  const Hull hull = hull_of(shape);
+  Vec3 centre;
+  double radius = farthest_from(hull, {});
+  if (const auto* serial = std::get_if<SerialGeometry>(&model.geometry)) {
+    centre.z = serial->rows[0].d;
+    radius += std::abs(serial->rows[0].a);
+    for (std::size_t m = 2; m <= shape.link; ++m) radius += length(serial->rows[m - 1]);
+  } else if (const auto* palletizer = std::get_if<PalletizerGeometry>(&model.geometry)) {
+    centre.z = palletizer->base_height;
+    radius += std::abs(palletizer->shoulder_offset);
+    if (shape.link > kUpperArm) radius += palletizer->upper_arm;
+    if (shape.link > kForearm) radius += palletizer->forearm + std::abs(palletizer->tool_offset);
+    if (shape.link == kColumn) radius += palletizer->base_height;
+  } else {
+    const auto& hexapod = std::get<HexapodGeometry>(model.geometry);
+    double far = 0, back = 0;
+    for (std::size_t leg = 0; leg < kLegs; ++leg) {
+      far = std::max(far, norm(hexapod.p_BA[leg]) + model.joints[leg].upper);
+      back = std::max(back, norm(hexapod.p_PA[leg]));
+    }
+    if (const auto* leg = std::get_if<LegCapsule>(&shape.form)) {
+      radius = far + leg->radius;
+    } else {
+      radius += far + back;
+    }
+  }
+  return {centre, centre, radius};
+}
+
 }  // namespace sinew::planning

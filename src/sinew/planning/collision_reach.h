@@ -22,4 +22,12 @@ using JointReach = std::array<double, kMaxJoints>;
 JointReach joint_reach(const RobotModel& model, const CollisionShape& first,
                        const CollisionShape* second);
 
+/// By how much (m) any point of a shape moves at most in base B while each joint moves by one rad
+/// or m; counted as JointReach is.
+JointReach own_reach(const RobotModel& model, const CollisionShape& shape);
+
+/// A ball in base B that a shape never leaves, wherever the joints are: a capsule of length zero.
+/// Of a hexapod for legs no longer than their limits.
+Capsule reach_ball(const RobotModel& model, const CollisionShape& shape);
+
 }  // namespace sinew::planning

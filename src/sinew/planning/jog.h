@@ -103,6 +103,12 @@ class Jog {
   std::size_t joints() const { return joints_.size(); }
   const JogSpace& space() const { return space_; }
 
+  /// What is beside the robot from now on, at most CollisionModel::kSurroundMax; kept out like the
+  /// robot's own bodies.
+  void surround(std::span<const Surrounding> bodies) {
+    if (collision_) collision_->surround(bodies);
+  }
+
   /// Where the robot is and how it moves; it then comes to rest until there is a command. A joint
   /// may stand outside of its limits of position.
   /// @param X_near  a hexapod's last pose, its home where absent.

@@ -6,6 +6,7 @@
 #include <map>
 
 #include "sinew/core/units.h"
+#include "sinew/program/conditions.h"
 #include "sinew/program/program_check.h"
 #include "support/property.h"
 #include "support/robots.h"
@@ -142,6 +143,17 @@ TEST(Conditions, are_read_with_or_without_blanks) {
   EXPECT_EQ(wait.until, (Condition{Subject::kToolX, Wanted::kAbove, 0, 1}));
   EXPECT_EQ(std::get<WaitStep>(program->steps[9].what).duration, std::chrono::seconds(5));
   EXPECT_EQ(std::get<WaitStep>(program->steps[10].what).duration, std::chrono::seconds(2));
+}
+
+TEST(Conditions, jaws_are_known_where_there_are_some) {
+  const auto with = parse("if jaws>5mm\nend\n", "p", test::robot("learm"));
+  ASSERT_TRUE(with) << to_text(with.error().front());
+  const Condition condition = std::get<IfStep>(with->steps[0].what).condition;
+  EXPECT_EQ(condition, (Condition{Condition::Subject::kJaws, Condition::Test::kAbove, 0, 0.005}));
+  EXPECT_EQ(condition_text(condition, test::robot("learm")), "jaws > 5 mm");
+  const auto without = parse("if jaws>5mm\nend\n", "p", test::robot("maxarm"));
+  ASSERT_FALSE(without);
+  EXPECT_NE(to_text(without.error().front()).find("nothing that is measured"), std::string::npos);
 }
 
 TEST(Conditions, every_fault_is_told_at_its_place) {

@@ -18,10 +18,20 @@ struct Named {
   std::string_view name;
   Subject subject;
 };
-constexpr std::array<Named, 4> kSubjects{{{"x", Subject::kToolX},
+constexpr std::array<Named, 5> kSubjects{{{"x", Subject::kToolX},
                                           {"y", Subject::kToolY},
                                           {"z", Subject::kToolZ},
-                                          {"supply", Subject::kSupply}}};
+                                          {"supply", Subject::kSupply},
+                                          {"jaws", Subject::kJaws}}};
+
+bool has_jaws(const RobotModel& robot) {
+  const auto* arm = std::get_if<SerialGeometry>(&robot.geometry);
+  return arm != nullptr && arm->gripper.has_value();
+}
+
+bool has(const RobotModel& robot, Subject subject) {
+  return subject != Subject::kJaws || has_jaws(robot);
+}
 
 Measure measure_of(const Condition& condition, const RobotModel& robot) {
   if (condition.subject == Subject::kSupply) return Measure::kVoltage;
@@ -33,7 +43,7 @@ Measure measure_of(const Condition& condition, const RobotModel& robot) {
 /// Whom it is about; J1.. means a joint also where its name is one of the others.
 bool take_subject(std::string_view name, const RobotModel& robot, Condition& condition) {
   for (const Named& one : kSubjects) {
-    if (one.name != name) continue;
+    if (one.name != name || !has(robot, one.subject)) continue;
     condition.subject = one.subject;
     return true;
   }
@@ -46,7 +56,9 @@ std::string unknown_subject(std::string_view name, const RobotModel& robot) {
   std::vector<std::string_view> known;
   std::string all;
   for (const Joint& joint : robot.joints) known.push_back(joint.name);
-  for (const Named& one : kSubjects) known.push_back(one.name);
+  for (const Named& one : kSubjects) {
+    if (has(robot, one.subject)) known.push_back(one.name);
+  }
   for (const std::string_view one : known) all += " " + std::string(one);
   const std::string_view meant = nearest_spelling(name, known);
   return quoted(name) + " is nothing that is measured" +

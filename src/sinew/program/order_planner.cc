@@ -80,6 +80,11 @@ struct Open {
 OrderPlanner::OrderPlanner(const RobotModel& robot, const Start& start, const Homing& homing)
     : robot_(robot), homing_(homing), stands_{Stand{.q = start, .jaws = {}}} {}
 
+void OrderPlanner::show_to(const WayLook& look) {
+  if (!planner_) planner_ = std::make_unique<RowPlanner>(robot_);
+  planner_->show_to(look);
+}
+
 std::optional<Refusal> OrderPlanner::take_all(const Program& program) {
   std::vector<Open> open;
   std::size_t turns = 0;  // empty loops turn without an order

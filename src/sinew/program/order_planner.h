@@ -37,6 +37,9 @@ class OrderPlanner {
   /// @param verdicts  one per step; outlives this
   void judge(std::vector<RowVerdict>& verdicts) { verdicts_ = &verdicts; }
 
+  /// Shown each motion, and may refuse it.
+  void show_to(const WayLook& look);
+
   std::optional<Refusal> take_all(const Program& program);
   Plan& plan() { return plan_; }
 

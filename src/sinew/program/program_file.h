@@ -88,14 +88,14 @@ struct HomeStep {};
 
 /// What an `if` or a `wait until` asks: one measured number against one that the row says.
 struct Condition {
-  enum class Subject : std::uint8_t { kJoint, kToolX, kToolY, kToolZ, kSupply };
+  enum class Subject : std::uint8_t { kJoint, kToolX, kToolY, kToolZ, kSupply, kJaws };
   enum class Test : std::uint8_t { kAbove, kBelow };  ///< >= and <= mean the same as > and <
   Subject subject = Subject::kJoint;
   Test test = Test::kAbove;
   std::size_t joint = 0;  ///< of kJoint
   double value = 0;       ///< rad, m or V
 
-  bool of_position() const { return subject != Subject::kSupply; }
+  bool of_position() const { return subject < Subject::kSupply; }
   bool holds(double measured) const {
     return test == Test::kAbove ? measured > value : measured < value;
   }

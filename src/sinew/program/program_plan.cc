@@ -72,8 +72,10 @@ std::optional<JointVector> slow_way_back(const Step& row, const JointVector& q, 
 }
 
 std::expected<Plan, Refusal> make_plan(const Program& program, const RobotModel& robot,
-                                       const Start& start, const Homing& homing) {
+                                       const Start& start, const Homing& homing,
+                                       const WayLook& look) {
   OrderPlanner planner(robot, start, homing);
+  if (look) planner.show_to(look);
   if (const auto refusal = planner.take_all(program)) return std::unexpected(*refusal);
   return std::move(planner.plan());
 }

@@ -96,6 +96,7 @@ double first_move_duration(const RobotModel& robot);
 /// holds there or not: what will be measured nobody knows yet. What follows is planned from
 /// wherever a branch may end.
 ///
+/// @param look    is shown each motion, and may refuse it
 /// @param homing  of this robot's joints, which are searched one after the other
 ///
 /// @error kJointLimit (index), kToolNotFitted, kJawWidth, kToolAngle, kNoEndStops, kPositionUnknown
@@ -103,7 +104,8 @@ double first_move_duration(const RobotModel& robot);
 ///        nowhere known, or of the tool; a condition on it), kTooManyPlaces, kProgramTooLong, and
 ///        those of RowPlanner::plan; nothing of the program may run then.
 std::expected<Plan, Refusal> make_plan(const Program& program, const RobotModel& robot,
-                                       const Start& start, const Homing& homing = {});
+                                       const Start& start, const Homing& homing = {},
+                                       const WayLook& look = {});
 
 /// Whether a motion's start is known, inside of the limits or outside: from there rows that are
 /// straight in joints lead back in. Where nobody knows it, or it has no pose (a platform's legs

@@ -70,6 +70,8 @@ void Run::poll(Instant now) {
     resumes_ = false;
   }
   if (wait_end_) look_at_wait(now);
+  const bool room = room_since_ && command_ == 0 && current_ && !paused_;
+  if (room && machine_.state() == MachineState::kReady) command_ = machine_.give(*asked_);
   while (phase_ == Phase::kRunning && !current_ && !paused_) {
     if (next_ < plan_.orders.size()) {
       // A doubt of the driver's, or somebody's motion that is still coming to rest.
@@ -96,7 +98,11 @@ void Run::take(const Event& event, Instant now) {
   }
   if (event.kind == Kind::kRefused && phase_ == Phase::kOpening) return fail(event.error, now);
   if (event.kind == Kind::kFailed && phase_ == Phase::kOpening) return fail(event.error, now);
-  if (event.command != command_ || command_ == 0 || event.kind == Kind::kStarted) return;
+  if (event.command != command_ || command_ == 0) return;
+  if (event.kind == Kind::kStarted) {
+    room_since_.reset();
+    return;
+  }
   command_ = 0;
   take_end(event, now);
 }
@@ -153,8 +159,10 @@ void Run::take_end(const Event& event, Instant now) {
     case Kind::kDone:
       if (const auto gone_on = order_done(now); !gone_on) fail(gone_on.error(), now);
       break;
-    case Kind::kFailed:
     case Kind::kRefused:
+      if (waits_for_room(event.error, now)) return;
+      [[fallthrough]];
+    case Kind::kFailed:
       fail(event.error, now);
       break;
     case Kind::kStopped: {
@@ -167,6 +175,22 @@ void Run::take_end(const Event& event, Instant now) {
     default:
       break;
   }
+}
+
+void Run::ask(const control::CommandWhat& what) {
+  asked_ = what;
+  command_ = machine_.give(what);
+}
+
+/// Another robot moves where this motion would go: it is asked for again until that one has gone.
+/// Nobody waits for a robot that rests, so no two ever wait for each other.
+bool Run::waits_for_room(const Error& error, Instant now) {
+  if (error.code != ErrorCode::kCellTaken || !asked_ || !current_) return false;
+  if (!room_since_) {
+    room_since_ = now;
+    take_notice(error, now);
+  }
+  return now - *room_since_ < kRoomPatience;
 }
 
 void Run::take_notice(const Error& error, Instant now) {
@@ -192,6 +216,7 @@ void Run::opening(Instant now) {
   if (declared_ && !declared_told_ && (has_looked_ || !machine_.reference())) {
     declared_told_ = true;
     control::Declare declare;
+    declare.moved = has_looked_;
     for (const double q : *declared_) {
       declare.positions.push_back({PositionQuality::kCommanded, q, q, q});
     }
@@ -204,7 +229,7 @@ void Run::opening(Instant now) {
 /// The machine's own word on where it is: the plan is made for that.
 void Run::begin(Instant /*now*/) {
   q_ = machine_.reference();
-  auto plan = make_plan(program_, robot_, q_, homing_);
+  auto plan = make_plan(program_, robot_, q_, homing_, look_);
   if (!plan) {
     failure_ = plan.error();
     phase_ = Phase::kFailed;
@@ -260,7 +285,7 @@ std::expected<void, Refusal> Run::issue(const Order& order, Instant now) {
     return {};
   }
   current_->duration = std::get<HomeOrder>(order.what).duration_max;
-  command_ = machine_.give(control::Home{});
+  ask(control::Home{});
   return {};
 }
 
@@ -341,10 +366,12 @@ void Run::look_at_wait(Instant now) {
 
 std::expected<bool, Error> Run::holds(const Condition& condition) {
   using Subject = Condition::Subject;
-  if (condition.subject == Subject::kSupply) {
-    const auto supply = supply_ ? supply_() : std::nullopt;
-    if (!supply) return std::unexpected(Error{ErrorCode::kNotMeasured});
-    return condition.holds(*supply);
+  if (!condition.of_position()) {
+    const DriverHealth health = health_ ? health_() : DriverHealth{};
+    const bool supply = condition.subject == Subject::kSupply;
+    const auto measured = supply ? health.supply_volts : health.jaws_width;
+    if (!measured) return std::unexpected(Error{ErrorCode::kNotMeasured});
+    return condition.holds(*measured);
   }
   const auto positions = machine_.positions();
   JointVector q;
@@ -390,7 +417,7 @@ void Run::send_first_move(const JointVector& q, double duration) {
   motion_ = std::make_unique<control::PieceMotion>(q_.value_or(JointVector{}),
                                                    std::vector<JointMove>(1, move), robot_);
   blind_ = true;
-  command_ = machine_.give(control::Begin{.motion = motion_.get(), .recovers = true});
+  ask(control::Begin{.motion = motion_.get(), .recovers = true});
 }
 
 std::expected<void, Refusal> Run::send(const RowMotion& motion, int line) {
@@ -406,7 +433,7 @@ std::expected<void, Refusal> Run::send(const RowMotion& motion, int line) {
   } else {
     motion_ = std::make_unique<control::PieceMotion>(*q_, motion.pieces, robot_);
   }
-  command_ = machine_.give(control::Begin{.motion = motion_.get()});
+  ask(control::Begin{.motion = motion_.get()});
   return {};
 }
 

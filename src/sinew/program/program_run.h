@@ -70,15 +70,20 @@ class Run {
   /// Ways of streaming devices are made so that they can be paused and slowed down; they take up to
   /// an eighth longer. Before start().
   void make_changeable() { changeable_ = true; }
-  /// What conditions on the supply ask, V; without it nobody tells. Before start().
-  void measure_supply_by(std::function<std::optional<double>()> supply) {
-    supply_ = std::move(supply);
-  }
+  /// What conditions on the supply and the jaws ask; without it nobody tells. Before start().
+  void measure_by(std::function<DriverHealth()> health) { health_ = std::move(health); }
   /// All motions at this share (0, 1] of their speed: through the feed, where the device streams.
   /// Of one that takes whole moves see slowed() of program_part.h. Before start().
   void feed(double share) { feed_ = share; }
   /// Take the lease from whoever has it. Before start().
   void take_over() { take_over_ = true; }
+
+  /// In a cell: what says of each planned motion whether something is in its way. Before start().
+  void show_to(WayLook look) { look_ = std::move(look); }
+  /// How long a motion waits for another robot to move out of its way.
+  static constexpr Duration kRoomPatience = std::chrono::seconds(60);
+  /// It does.
+  bool waits_for_room() const { return room_since_.has_value(); }
 
   void start(Instant now);
   void poll(Instant now);
@@ -99,6 +104,8 @@ class Run {
 
   Phase phase() const { return phase_; }
   bool paused() const { return paused_; }
+  /// On the way that step_back() asked for; paused() all along.
+  bool steps_back() const { return back_steps_ && current_.has_value(); }
   bool finished() const { return phase_ >= Phase::kDone; }
   const Plan& plan() const { return plan_; }
   std::span<const Record> records() const { return records_; }
@@ -143,6 +150,8 @@ class Run {
   void send_first_move(const JointVector& q, double duration);
   std::expected<void, Refusal> send(const RowMotion& motion, int line);
   void finish_order(Instant now);
+  void ask(const control::CommandWhat& what);
+  bool waits_for_room(const Error& error, Instant now);
   void fail(const Error& error, Instant now);
   void fail(const Refusal& refusal, Instant now);
 
@@ -181,8 +190,11 @@ class Run {
   std::optional<HomeReturn> back_;   ///< behind the search of a `home` under way
   std::size_t leg_ = 0;              ///< of it, the next one
   std::unique_ptr<control::MotionSource> motion_;
+  WayLook look_;
+  std::optional<control::CommandWhat> asked_;  ///< the motion or search that was asked for last
+  std::optional<Instant> room_since_;          ///< another robot is in its way
   std::optional<Instant> wait_end_;
-  std::function<std::optional<double>()> supply_;
+  std::function<DriverHealth()> health_;
   std::optional<JointVector> still_;  ///< where the joints are while `wait settled` looks at them
   Instant still_since_{};
 };

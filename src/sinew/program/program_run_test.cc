@@ -569,13 +569,29 @@ TEST(ProgramRun, supply_counts_where_somebody_tells_it) {
   EXPECT_EQ(silent.run.failure()->line, 1);
   Cell low("learm", "wait until supply>7V for 3s\njaws 10mm\n");
   double volts = 6;
-  low.run.measure_supply_by([&] { return std::optional(volts); });
+  low.run.measure_by([&] { return DriverHealth{.supply_volts = volts}; });
   low.go(2s);
   EXPECT_FALSE(low.run.finished());
   volts = 8;
   low.go(2100ms);
   ASSERT_EQ(low.run.phase(), Phase::kDone);
   EXPECT_EQ(low.driver.tools_, 1);
+}
+
+TEST(ProgramRun, what_the_jaws_hold_decides) {
+  const char* rows = "jaws 0mm\nif jaws>5mm\n jaws 60mm\n jaws 0mm\nend\n";
+  for (const double held : {0.02, 0.001}) {
+    Cell cell("learm", rows);
+    cell.run.measure_by([&] { return DriverHealth{.jaws_width = held}; });
+    cell.go();
+    ASSERT_EQ(cell.run.phase(), Phase::kDone);
+    EXPECT_EQ(cell.driver.tools_, held > 0.005 ? 3 : 1);
+  }
+  Cell silent("learm", rows);
+  silent.run.measure_by([] { return DriverHealth{.supply_volts = 7.4}; });
+  silent.go();
+  ASSERT_EQ(silent.run.phase(), Phase::kFailed) << "what is not measured never counts as no";
+  EXPECT_EQ(silent.run.failure()->error.code, ErrorCode::kNotMeasured);
 }
 
 TEST(ProgramRun, wait_until_ends_the_run_where_its_condition_does_not_come) {
@@ -586,7 +602,7 @@ TEST(ProgramRun, wait_until_ends_the_run_where_its_condition_does_not_come) {
   EXPECT_EQ(cell.run.failure()->error.limit, 3);
   EXPECT_EQ(cell.driver.tools_, 0);
   Cell paused("learm", "wait until supply>7V for 3s\njaws 10mm\n");
-  paused.run.measure_supply_by([&] { return std::optional(6.0); });
+  paused.run.measure_by([&] { return DriverHealth{.supply_volts = 6.0}; });
   paused.go(1s);
   paused.run.pause();
   paused.go(60s);

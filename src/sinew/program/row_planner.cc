@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "sinew/control/piece_motion.h"
 #include "sinew/core/assert.h"
 #include "sinew/driver/axis_register_times.h"
 #include "sinew/driver/maxarm_pulses.h"
@@ -197,7 +198,15 @@ std::expected<RowMotion, Refusal> RowPlanner::plan(const JointVector& q_start,
       return std::unexpected(unsayable(rows, *start, (*places)[k], out.pieces[k].q, error));
     }
   }
+  if (const auto error = shown(q_start, out)) return std::unexpected(Refusal{rows[0].line, *error});
   return out;
+}
+
+std::optional<Error> RowPlanner::shown(const JointVector& q_start, const RowMotion& motion) const {
+  if (!look_) return std::nullopt;
+  if (is_streamed(robot_)) return look_(planning::CellWay(motion_.path.joints));
+  const auto way = control::PieceMotion(q_start, motion.pieces, robot_).way();
+  return way ? look_(*way) : std::nullopt;
 }
 
 /// The rows that go into one motion; each one's target depends on where the one before it ends.

@@ -2,11 +2,13 @@
 
 #include <cstdint>
 #include <expected>
+#include <functional>
 #include <span>
 #include <vector>
 
 #include "sinew/driver/motion_delay.h"
 #include "sinew/driver/wire_target.h"
+#include "sinew/planning/cell_way.h"
 #include "sinew/planning/motion_planner.h"
 #include "sinew/program/program_file.h"
 
@@ -63,6 +65,9 @@ struct RowMotion {
   double duration = 0;  ///< s, until the driver has told so
 };
 
+/// What somebody says of a motion that was planned: nothing, or why it must not be.
+using WayLook = std::function<std::optional<Error>(const planning::CellWay&)>;
+
 /// Plans the rows of a program that move the robot. A device that takes whole moves stops behind
 /// each of them: rows do not blend there. Holds the planner's workspace.
 class RowPlanner {
@@ -80,6 +85,9 @@ class RowPlanner {
   /// @param robot  outlives this.
   explicit RowPlanner(const RobotModel& robot);
 
+  /// Shown each motion that plan() would give.
+  void show_to(WayLook look) { look_ = std::move(look); }
+
   /// The motion of rows[0] and of those that blend into each other behind it. The wire can say each
   /// of its pieces: a chord's end that it cannot is left out, or moved to where it can.
   /// @param rows  all of them motions
@@ -95,6 +103,7 @@ class RowPlanner {
   std::expected<void, Refusal> make_moves(const planning::RobotPlace& start,
                                           std::span<const Step> rows);
   Refusal refusal(std::span<const Step> rows, const planning::PathRefusal& why);
+  std::optional<Error> shown(const JointVector& q_start, const RowMotion& motion) const;
   void tell_stop(std::span<const Step> rows, RowMotion& out);
   std::expected<void, Refusal> cut_into_segments(std::span<const Step> rows,
                                                  const planning::RobotPlace& start,
@@ -117,6 +126,7 @@ class RowPlanner {
   planning::MotionPlanner planner_;
   planning::PlannedMotion motion_;
   std::vector<planning::Move> moves_;
+  WayLook look_;
 };
 
 /// Where a joint row goes from `from`: joints that it does not name stay.

@@ -56,7 +56,9 @@ Expected<std::uint32_t> JobRunner::start(JobOrder order, control::ClientId clien
   }
   if (thread_.joinable()) thread_.join();
   thread_ = std::thread([this, job = std::move(order), machine = std::move(*made)] {
+    station_.works(true);
     work(job, *machine);
+    station_.works(false);
     // The last that is said: whoever hears it may begin the next one.
     const std::scoped_lock lock(mutex_);
     view_.over = true;
@@ -74,10 +76,19 @@ void JobRunner::work(const JobOrder& order, StationClient& client) {
 }
 
 void JobRunner::run(const JobOrder& order, const program::Program& program, StationClient& client) {
+  wishes_ = 0;
+  wish_refused_.reset();
   Run run(program, client);
   run.expect_homing(homing_of(station_.robot()));
   run.make_changeable();
+  run.measure_by([this] { return station_.view().health; });
   if (order.take_over) run.take_over();
+  run.single_step(order.single_step);
+  run.feed(order.feed);
+  run.show_to([&](const planning::CellWay& way) -> std::optional<Error> {
+    const auto free = station_.look(way);
+    return free ? std::nullopt : std::optional(free.error());
+  });
   if (const auto assumed = station_.assumed_place()) run.declare(*assumed);
   if (order.standing_at) run.declare(*order.standing_at, true);
   station_.begin_record(order.title);
@@ -97,6 +108,8 @@ void JobRunner::run(const JobOrder& order, const program::Program& program, Stat
     publish(run, now);
     station_.wait_for_cycle(kPatience);
   }
+  // The program's own pace ends with it; an operator's override is another thing.
+  if (order.feed != 1) client.give(control::SetFeed{1});
   station_.end_record();
   publish(run, clock_.now());
 }
@@ -107,6 +120,9 @@ void JobRunner::obey(Run& run, Instant now) {
     const std::scoped_lock lock(mutex_);
     what = abandoned_ ? Wish::kStop : std::exchange(wish_, Wish::kNone);
   }
+  if (what == Wish::kNone) return;
+  ++wishes_;
+  wish_refused_.reset();
   switch (what) {
     case Wish::kNone:
       break;
@@ -121,6 +137,10 @@ void JobRunner::obey(Run& run, Instant now) {
       run.single_step(true);
       run.resume();
       break;
+    case Wish::kStepBack:
+      run.single_step(true);
+      if (const auto back = run.step_back(now); !back) wish_refused_ = back.error();
+      break;
     case Wish::kStop:
       run.stop(now);
       break;
@@ -130,9 +150,15 @@ void JobRunner::obey(Run& run, Instant now) {
 void JobRunner::publish(const Run& run, Instant now) {
   const program::Plan& plan = run.plan();
   const auto notices = run.notices();
+  const bool met = run.failure() && (run.failure()->error.code == ErrorCode::kCellContact ||
+                                     run.failure()->error.code == ErrorCode::kCellTaken);
+  const auto in_the_way =
+      met || run.waits_for_room() ? station_.refusal() : std::optional<CellRefusal>();
   const std::scoped_lock lock(mutex_);
   view_.phase = run.phase();
-  view_.paused = run.paused();
+  view_.paused = run.paused() && !run.steps_back();
+  view_.wishes = wishes_;
+  view_.wish_refused = wish_refused_;
   view_.line = line_of(run);
   view_.orders_done = run.records().size();
   view_.orders = plan.orders.size();
@@ -141,6 +167,8 @@ void JobRunner::publish(const Run& run, Instant now) {
   view_.progress = run.finished() && run.phase() == Run::Phase::kDone ? 1 : run.progress(now);
   if (run.begun_at()) view_.elapsed = to_seconds(now - *run.begun_at());
   view_.failure = run.failure();
+  view_.in_the_way = in_the_way;
+  view_.waits_for_room = run.waits_for_room() && !run.finished();
   view_.stopped_by = run.stopped_by();
   view_.notices = run.notices_told();
   if (!notices.empty()) view_.last_notice = notices.back();
@@ -163,6 +191,9 @@ void JobRunner::resume(std::uint32_t id) {
 }
 void JobRunner::step(std::uint32_t id) {
   wish(id, Wish::kStep);
+}
+void JobRunner::step_back(std::uint32_t id) {
+  wish(id, Wish::kStepBack);
 }
 
 JobView JobRunner::view() const {

@@ -19,7 +19,9 @@ struct JobOrder {
   std::optional<program::RideOrder> ride;
   /// Where somebody says that the machine stands, for one that cannot know.
   std::optional<JointVector> standing_at;
-  bool take_over = false;  ///< the lease, from whoever has it
+  bool take_over = false;    ///< the lease, from whoever has it
+  bool single_step = false;  ///< pauses behind each order
+  double feed = 1;           ///< share (0, 1] of all motions' pace, through the feed
 };
 
 /// A job as it was a moment ago.
@@ -38,9 +40,15 @@ struct JobView {
   double progress = 0;
   double elapsed = 0;  ///< s, since its first order
   std::optional<program::Refusal> failure = std::nullopt;
+  /// What in its cell a motion would have met: why it failed, or waits.
+  std::optional<CellRefusal> in_the_way = std::nullopt;
+  bool waits_for_room = false;
   std::optional<control::StopCause> stopped_by = std::nullopt;
   std::size_t notices = 0;
   std::optional<program::Notice> last_notice = std::nullopt;
+  std::size_t wishes = 0;  ///< pause, resume, steps: so many were heard
+  /// Why the last wish was not done; a step back may be impossible.
+  std::optional<program::Refusal> wish_refused = std::nullopt;
 };
 
 /// Runs programs on a station, one at a time, each planned in a thread of this: a client of the
@@ -62,12 +70,14 @@ class JobRunner {
   void resume(std::uint32_t id);
   /// The next order, then a pause.
   void step(std::uint32_t id);
+  /// While paused between two orders: to where the last one began, and a pause there.
+  void step_back(std::uint32_t id);
 
   /// The job under way, or the last one.
   JobView view() const;
 
  private:
-  enum class Wish : std::uint8_t { kNone, kPause, kResume, kStep, kStop };
+  enum class Wish : std::uint8_t { kNone, kPause, kResume, kStep, kStepBack, kStop };
 
   void work(const JobOrder& order, StationClient& client);
   void run(const JobOrder& order, const program::Program& program, StationClient& client);
@@ -82,6 +92,9 @@ class JobRunner {
   JobView view_;             ///< under the mutex
   Wish wish_ = Wish::kNone;  ///< under the mutex
   bool abandoned_ = false;   ///< under the mutex
+  // Of the thread that runs.
+  std::size_t wishes_ = 0;
+  std::optional<program::Refusal> wish_refused_;
 };
 
 }  // namespace sinew::runtime

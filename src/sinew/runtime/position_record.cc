@@ -29,8 +29,18 @@ std::string sentence(const DiskError& error) {
   return fmt::format("the disk failed: {}", std::strerror(error.number));
 }
 
-PositionRecord::PositionRecord(io::DiskFolder disk, const std::string& name)
-    : disk_(std::move(disk)), files_(disk_, name) {}
+namespace {
+
+io::IoError cannot_be_used(const std::string& folder, const std::string& name,
+                           const DiskError& error) {
+  return {
+      fmt::format("{}/{}: the position journal cannot be used: {}", folder, name, sentence(error))};
+}
+
+}  // namespace
+
+PositionRecord::PositionRecord(io::DiskFolder disk, std::string name)
+    : disk_(std::move(disk)), name_(std::move(name)), files_(disk_, name_) {}
 
 io::IoResult<std::unique_ptr<PositionRecord>> PositionRecord::open(const std::string& folder,
                                                                    const std::string& name,
@@ -39,8 +49,7 @@ io::IoResult<std::unique_ptr<PositionRecord>> PositionRecord::open(const std::st
   if (!disk) return std::unexpected(disk.error());
   std::unique_ptr<PositionRecord> record(new PositionRecord(std::move(*disk), name));
   const auto cannot = [&](const DiskError& error) {
-    return std::unexpected(io::IoError{fmt::format("{}/{}: the position journal cannot be used: {}",
-                                                   folder, name, sentence(error))});
+    return std::unexpected(cannot_be_used(folder, name, error));
   };
   if (const auto locked = record->files_.lock(); !locked) return cannot(locked.error());
   const auto bytes = record->files_.load();
@@ -49,6 +58,21 @@ io::IoResult<std::unique_ptr<PositionRecord>> PositionRecord::open(const std::st
   record->files_.continue_after(record->recovery_.end);
   record->writer_ = std::make_unique<JournalWriter>(record->files_);
   return record;
+}
+
+io::IoResult<void> PositionRecord::give_up(const RobotModel& robot, const JournalTime& time) {
+  writer_.reset();
+  PositionJournal journal(control::journal_settings(robot), recovery_.end);
+  const auto opened = journal.open(
+      std::span<const JointPosition>(recovery_.positions.data(), recovery_.positions.size()), time);
+  JournalPositions none;
+  none.resize(robot.joints.size());
+  const auto lost = journal.lost({none.data(), none.size()}, JournalCause::kUser, time);
+  auto written = files_.write(opened);
+  if (written) written = files_.write(*lost);
+  if (written) written = files_.sync();
+  if (written) return {};
+  return std::unexpected(cannot_be_used(disk_.path(), name_, written.error()));
 }
 
 namespace {

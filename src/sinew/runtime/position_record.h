@@ -20,6 +20,11 @@ class PositionRecord {
                                                             const std::string& name,
                                                             const RobotModel& robot);
 
+  /// Before something moves the machine that this journal does not follow: from now on every joint
+  /// is lost, on disk when this returns. Nothing can be recorded behind it.
+  /// @error  a sentence: the disk's
+  io::IoResult<void> give_up(const RobotModel& robot, const JournalTime& time);
+
   /// What the run before left.
   const JournalRecovery& recovery() const { return recovery_; }
   control::ControllerStart start() const { return {recovery_.positions, recovery_.end}; }
@@ -27,9 +32,10 @@ class PositionRecord {
   const std::string& folder() const { return disk_.path(); }
 
  private:
-  PositionRecord(io::DiskFolder disk, const std::string& name);
+  PositionRecord(io::DiskFolder disk, std::string name);
 
   io::DiskFolder disk_;
+  std::string name_;
   JournalFiles files_;
   JournalRecovery recovery_;
   std::unique_ptr<JournalWriter> writer_;

@@ -275,6 +275,12 @@ std::optional<RecordTold> RunRecorder::end() {
   return told;
 }
 
+void RunRecorder::end_flight() {
+  const std::scoped_lock lock(work_);
+  work();
+  if (fault_) write_flight();
+}
+
 void RunRecorder::settle() {
   const std::scoped_lock lock(work_);
   work();

@@ -67,6 +67,8 @@ class RunRecorder {
   /// The file is whole; nothing where none was begun. It is told by take_told() too.
   std::optional<RecordTold> end();
   std::optional<RecordTold> take_told();
+  /// The run is over: what is kept of a fault is written now, however little is behind it.
+  void end_flight();
   /// Samples and events that the ring had no room for, ever.
   std::uint64_t lost() const { return lost_.load(std::memory_order_relaxed); }
   /// What was offered before is written. For tests.

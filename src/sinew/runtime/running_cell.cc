@@ -30,10 +30,13 @@ io::IoResult<std::unique_ptr<RunningCell>> RunningCell::start(Cell cell,
                                                               const CellFolders& folders) {
   SINEW_ASSERT(robots.size() == cell.robots.size());
   std::unique_ptr<RunningCell> running(new RunningCell(std::move(cell)));
+  running->space_ = std::make_unique<CellSpace>(running->cell_, robots);
   for (std::size_t i = 0; i < robots.size(); ++i) {
     const CellRobot& place = running->cell_.robots[i];
-    auto station =
-        Station::start(std::move(robots[i]), options_of(place, folders), running->clock_);
+    StationOptions options = options_of(place, folders);
+    options.space = running->space_.get();
+    options.place = i;
+    auto station = Station::start(std::move(robots[i]), std::move(options), running->clock_);
     if (!station) {
       return std::unexpected(io::IoError{place.name + ": " + station.error().sentence});
     }

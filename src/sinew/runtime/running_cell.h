@@ -27,6 +27,7 @@ class RunningCell {
                                                           const CellFolders& folders);
   ~RunningCell();
 
+  CellSpace& space() const { return *space_; }
   const Cell& cell() const { return cell_; }
   const io::Clock& clock() const { return clock_; }
   std::size_t size() const { return stations_.size(); }
@@ -40,6 +41,7 @@ class RunningCell {
 
   Cell cell_;
   io::Clock clock_;
+  std::unique_ptr<CellSpace> space_;
   std::vector<std::unique_ptr<Station>> stations_;
   std::vector<std::unique_ptr<JobRunner>> jobs_;
 };

@@ -43,6 +43,7 @@ control::ControllerSettings settings_for(const RobotModel& robot, const io::Cloc
 bool moves(const control::CommandWhat& what) {
   return std::holds_alternative<control::Begin>(what) ||
          std::holds_alternative<control::Home>(what) ||
+         std::holds_alternative<control::Nudge>(what) ||
          std::holds_alternative<control::JogAt>(what) ||
          std::holds_alternative<control::Resume>(what) ||
          std::holds_alternative<control::UseTool>(what);
@@ -115,6 +116,7 @@ void Station::run() {
     take_mail(loop);
     const Instant now = clock_.now();
     loop.set_wall(io::wall_time_ns());
+    watch_jog(loop, now);
     loop.step(now);
     publish(loop, now);
     if (at_end(loop, now)) return;
@@ -161,7 +163,13 @@ void Station::take_mail(ControlLoop& loop) {
   {
     const std::scoped_lock lock(mutex_);
     std::size_t taken = 0;
-    while (taken < mailbox_.size() && loop.post(mailbox_[taken])) ++taken;
+    while (taken < mailbox_.size()) {
+      // A jog begins when it is known what is around it, and not before.
+      const bool jog = std::holds_alternative<control::JogAt>(mailbox_[taken].what);
+      if (jog && !loop.controller().jogs() && !look_around(loop, clock_.now())) break;
+      if (!loop.post(mailbox_[taken])) break;
+      ++taken;
+    }
     mailbox_.drop_front(taken);
     stop = stop_;
   }
@@ -210,7 +218,86 @@ void Station::publish(const ControlLoop& loop, Instant now) {
     if (look) view_.truth = truth;
     ++cycles_;
   }
+  if (options_.space != nullptr) options_.space->stands(options_.place, stand(controller, now));
   cycled_.notify_all();
+}
+
+/// Where it stands, for the others of its cell.
+CellStand Station::stand(const control::Controller& controller, Instant now) const {
+  CellStand stand{.joints = {}, .known = true, .sure = true};
+  const auto positions = controller.positions();
+  for (std::size_t j = 0; j < positions.size(); ++j) {
+    const JointPosition& joint = positions[j];
+    stand.known = stand.known && joint.quality != PositionQuality::kLost;
+    stand.sure = stand.sure && joint.quality >= PositionQuality::kCommanded;
+    stand.joints.q[j] = (joint.lower + joint.upper) / 2;
+    stand.joints.half[j] = (joint.upper - joint.lower) / 2;
+  }
+  const control::MachineState state = controller.state();
+  const Driver& driver = controller.driver();
+  const auto until = driver.goes_on_until();
+  // A tool that closes moves no link.
+  const bool tool =
+      state == control::MachineState::kReady && driver.state() == DriverState::kMoving;
+  const bool driven =
+      (driver.state() == DriverState::kMoving && !tool) || driver.state() == DriverState::kStopping;
+  stand.rests = !control::may_move(state) && !driven && !(until && *until > now);
+  stand.ahead = kJogAhead * std::max(1.0, clock_.scale());
+  if (!controller.jogs()) return stand;
+  // Somewhere between where it is and where it was sent.
+  stand.jogs = true;
+  const motion::AxisStates& sent = controller.jog_setpoint();
+  for (std::size_t j = 0; j < positions.size(); ++j) {
+    const double lower = std::min(positions[j].lower, sent.q[j]);
+    const double upper = std::max(positions[j].upper, sent.q[j]);
+    stand.joints.q[j] = (lower + upper) / 2;
+    stand.joints.half[j] = (upper - lower) / 2;
+    stand.speeds[j] = sent.qd[j];
+  }
+  return stand;
+}
+
+/// What a jog has to keep out of now. False where nobody can say so at once.
+bool Station::look_around(ControlLoop& loop, Instant now) {
+  if (options_.space == nullptr) return true;
+  CellStand here = stand(loop.controller(), now);
+  here.jogs = true;
+  here.rests = false;
+  const auto around = options_.space->jogs(options_.place, here);
+  if (!around) return false;
+  loop.controller().surround_jog({around->data(), around->size()});
+  looked_at_ = now;
+  return true;
+}
+
+/// Others began to move meanwhile, or ended. A jog that nobody can look after comes to rest.
+void Station::watch_jog(ControlLoop& loop, Instant now) {
+  if (options_.space == nullptr || !loop.controller().jogs() || look_around(loop, now)) return;
+  const double old = to_seconds(now - looked_at_);
+  if (old > kJogAhead * std::max(1.0, clock_.scale()) / 2) loop.machine().give(control::Stop{});
+}
+
+Expected<void> Station::claim(const Command& command) {
+  if (options_.space == nullptr) return {};
+  const auto* begin = std::get_if<control::Begin>(&command.what);
+  const bool home = std::holds_alternative<control::Home>(command.what);
+  if (!home && (begin == nullptr || begin->motion == nullptr)) return {};
+  const auto way = home ? nullptr : begin->motion->way();
+  return options_.space->ask(options_.place, command.id, way.get(), home || begin->recovers);
+}
+
+std::optional<CellRefusal> Station::refusal() const {
+  if (options_.space == nullptr) return std::nullopt;
+  return options_.space->refusal(options_.place);
+}
+
+void Station::works(bool busy) const {
+  if (options_.space != nullptr) options_.space->works(options_.place, busy);
+}
+
+Expected<void> Station::look(const planning::CellWay& way) const {
+  if (options_.space == nullptr) return {};
+  return options_.space->look(options_.place, way);
 }
 
 void Station::deliver(const control::Outputs& outputs, Instant now) {
@@ -223,6 +310,9 @@ void Station::deliver(const control::Outputs& outputs, Instant now) {
 }
 
 void Station::deliver(const ControlEvent& event) {
+  if (options_.space != nullptr && control::is_end(event.kind)) {
+    options_.space->ended(options_.place, event.command);
+  }
   const std::size_t slot = event.command & (kSlots - 1);
   for (std::size_t k = 0; k < kSlots; ++k) {
     const bool meant = event.command == 0 || k == slot;
@@ -296,7 +386,10 @@ bool Station::post(const Command& command, std::uint32_t stops_seen) {
     return true;
   }
   const std::size_t room = stops ? kMailboxMax : kMailboxMax - kKeptForStops;
-  if (mailbox_.size() >= room) return false;
+  if (mailbox_.size() >= room) {
+    if (options_.space != nullptr) options_.space->ended(options_.place, command.id);
+    return false;
+  }
   mailbox_.push_back(command);
   if (stops) std::rotate(mailbox_.begin(), mailbox_.end() - 1, mailbox_.end());
   return true;

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "sinew/io/clock.h"
+#include "sinew/runtime/cell_space.h"
 #include "sinew/runtime/control_loop.h"
 #include "sinew/runtime/position_record.h"
 #include "sinew/runtime/robot_link.h"
@@ -29,6 +30,9 @@ struct StationOptions {
   std::string flight_folder;
   /// Where each job leaves a record; empty: nowhere.
   std::string record_folder;
+  /// Of the cell, where there is more than this robot; outlives the station. Which one it is there.
+  CellSpace* space = nullptr;
+  std::size_t place = 0;
 };
 
 /// One robot in a thread of its own: its driver on its port, its controller, its journal. Others
@@ -78,6 +82,15 @@ class Station {
   /// @param stops_seen  StationView::stops as whoever gives it knows them
   /// @return  false where too many wait
   bool post(const control::Command& command, std::uint32_t stops_seen);
+  /// The space that a command's motion needs, before it is given; true where it needs none.
+  /// @error as CellSpace::ask
+  Expected<void> claim(const control::Command& command);
+  /// Why the last motion was refused it.
+  std::optional<CellRefusal> refusal() const;
+  /// A program of this robot is under way, or has ended.
+  void works(bool busy) const;
+  /// Whether a motion that is being planned would meet what does not move. @error kCellContact
+  Expected<void> look(const planning::CellWay& way) const;
   /// What became of this slot's commands, and what concerns all; each once, in order.
   std::optional<control::ControlEvent> take_event(std::uint8_t slot);
   /// Events that this slot was too slow for.
@@ -101,6 +114,9 @@ class Station {
   Duration retry_interval() const;
   void take_mail(ControlLoop& loop);
   void publish(const ControlLoop& loop, Instant now);
+  CellStand stand(const control::Controller& controller, Instant now) const;
+  bool look_around(ControlLoop& loop, Instant now);
+  void watch_jog(ControlLoop& loop, Instant now);
   void deliver(const control::Outputs& outputs, Instant now);
   /// Under the mutex.
   void deliver(const control::ControlEvent& event);
@@ -117,6 +133,7 @@ class Station {
   bool connected_ = false;                 ///< of the control thread
   Instant truth_at_{};
   std::optional<Instant> closing_since_;
+  Instant looked_at_{};  ///< around, for a jog
 
   mutable std::mutex mutex_;
   mutable std::condition_variable cycled_;

@@ -51,6 +51,13 @@ std::uint32_t StationClient::give(const control::CommandWhat& what) {
 }
 
 void StationClient::send(const Command& command) {
+  if (const auto room = station_.claim(command); !room) {
+    refused_.push_back({.kind = ControlEvent::Kind::kRefused,
+                        .command = command.id,
+                        .error = room.error(),
+                        .lease = {}});
+    return;
+  }
   if (station_.post(command, view_.stops)) return;
   refused_.push_back({.kind = ControlEvent::Kind::kRefused,
                       .command = command.id,

@@ -264,7 +264,8 @@ void Api::log_events() {
 
 bool Api::same(const JobView& a, const JobView& b) {
   return a.id == b.id && a.over == b.over && phase_name(a) == phase_name(b) && a.line == b.line &&
-         a.orders_done == b.orders_done && a.notices == b.notices;
+         a.orders_done == b.orders_done && a.notices == b.notices &&
+         a.waits_for_room == b.waits_for_room;
 }
 
 /// The life of each job, a row where its phase changes.

@@ -2,8 +2,10 @@
 
 #include "sinew/config/points_file.h"
 #include "sinew/core/spelling.h"
+#include "sinew/io/clock.h"
 #include "sinew/model/joint_lookup.h"
 #include "sinew/program/program_file.h"
+#include "sinew/program/program_part.h"
 #include "sinew/server/api.h"
 #include "sinew/server/robot_json.h"
 
@@ -13,6 +15,7 @@ namespace {
 constexpr double kRateMax = 100;  // Hz
 constexpr double kRateUsual = 10;
 constexpr std::size_t kNameMax = 100;
+constexpr std::size_t kReasonMax = 200;
 
 RpcError invalid(std::string message) {
   return {RpcCode::kInvalidParams, std::move(message), nullptr};
@@ -37,6 +40,28 @@ RpcError complained(const std::vector<Complaint>& complaints) {
                     {"sentence", complaint.message}});
   }
   return {RpcCode::kInvalidParams, to_text(complaints.front()), {{"complaints", list}}};
+}
+
+/// `from_line` and `speed`: which part of the program, and how fast.
+std::optional<RpcError> take_part(const RpcRequest& request, const RobotModel& robot,
+                                  runtime::JobOrder& order) {
+  const DeviceCapability& device = robot.device.capability;
+  if (const auto given = request.params.find("from_line"); given != request.params.end()) {
+    const auto line = std::min<std::uint64_t>(given->get<std::uint64_t>(), 1'000'000'000);
+    auto part = program::from_line(order.program, static_cast<int>(line));
+    if (!part) return invalid("from_line: " + part.error());
+    order.program = std::move(*part);
+  }
+  const double share = number(request, "speed", 1);
+  if (!(share >= 0.01 && share <= 1)) return invalid("speed has to be 0.01 to 1");
+  if (share == 1) return std::nullopt;
+  if (!device.takes_speed) return invalid("speed: this device has one speed of its own");
+  if (device.motion == MotionKind::kStream) {
+    order.feed = share;
+  } else {
+    order.program = program::slowed(order.program, share);
+  }
+  return std::nullopt;
 }
 
 std::optional<planning::JogFrame> frame_of(std::string_view word) {
@@ -87,6 +112,8 @@ Api::Answer Api::call(const Method& method, const Call& call) {
       return give(call, control::SetFeed{.share = number(call.request, "share", 1)});
     case MethodId::kRobotJog:
       return jog(call);
+    case MethodId::kRobotNudge:
+      return nudge(call);
     case MethodId::kRobotDeclare:
       return declare(call);
     case MethodId::kProgramRun:
@@ -233,7 +260,39 @@ Api::Answer Api::declare(const Call& call) {
   for (const double one : q) {
     declare.positions.push_back({PositionQuality::kCommanded, one, one, one});
   }
+  if (const auto moved = call.request.params.find("moved"); moved != call.request.params.end()) {
+    const std::string why = printable(moved->get<std::string>().substr(0, kReasonMax));
+    if (why.find_first_not_of(' ') == std::string::npos) {
+      return invalid("moved needs a reason in words: who moved it, and how");
+    }
+    declare.moved = true;
+    log_.add({{"at_ms", io::wall_time_ns() / 1'000'000},
+              {"robot", cell_.station(*call.robot).name()},
+              {"kind", "moved"},
+              {"client", call.session.id},
+              {"reason", why}});
+  }
   return give(call, declare);
+}
+
+Api::Answer Api::nudge(const Call& call) {
+  const RobotModel& model = cell_.station(*call.robot).robot();
+  const std::string& name = call.request.params["joint"].get_ref<const std::string&>();
+  const auto joint = std::ranges::find(model.joints, name, &Joint::name);
+  if (joint == model.joints.end()) {
+    std::string names;
+    for (const Joint& one : model.joints) names += (names.empty() ? "" : ", ") + one.name;
+    return invalid("this robot has no joint of that name; there are " + names);
+  }
+  if (!(model.device.capability.nudge_max > 0)) {
+    return RpcError{RpcCode::kRefused,
+                    "this robot's device moves to places only, so nothing can be moved by a little "
+                    "from nobody knows where",
+                    nullptr};
+  }
+  const double way = call.request.params["way"].get<double>();
+  return give(call, control::Nudge{static_cast<std::uint8_t>(joint - model.joints.begin()), way},
+              true);
 }
 
 Api::Answer Api::run_program(const Call& call) {
@@ -266,7 +325,10 @@ Api::Answer Api::run_program(const Call& call) {
                           .program = std::move(*program),
                           .ride = std::nullopt,
                           .standing_at = std::nullopt,
-                          .take_over = flag(call.request, "take_over")};
+                          .take_over = flag(call.request, "take_over"),
+                          .single_step = flag(call.request, "single_step"),
+                          .feed = 1};
+  if (const auto trouble = take_part(call.request, model, order)) return *trouble;
   if (const auto given = params.find("standing_at"); given != params.end()) {
     const auto read = joints(*given, *call.robot);
     if (!read) return read.error();
@@ -288,7 +350,9 @@ Api::Answer Api::ride(const Call& call) {
                       .program = {},
                       .ride = ride,
                       .standing_at = std::nullopt,
-                      .take_over = flag(call.request, "take_over")});
+                      .take_over = flag(call.request, "take_over"),
+                      .single_step = false,
+                      .feed = 1});
 }
 
 /// Why a robot cannot be reached at all.
@@ -324,11 +388,11 @@ Api::Answer Api::steer_job(const Method& method, const Call& call) {
     return Json{{"job", job.id}};
   }
   if (method.id == MethodId::kProgramStep) {
-    jobs.step(job.id);
+    flag(call.request, "back") ? jobs.step_back(job.id) : jobs.step(job.id);
   } else {
     jobs.resume(job.id);
   }
-  return Json{{"job", job.id}};
+  return Json{{"job", job.id}, {"wishes", job.wishes}};
 }
 
 }  // namespace sinew::server

@@ -20,11 +20,17 @@ namespace sinew::server::test {
 class ApiCell {
  public:
   explicit ApiCell(const std::vector<CellRobot>& robots, double scale = 20,
-                   const runtime::CellFolders& folders = {}) {
+                   const runtime::CellFolders& folders = {},
+                   const std::vector<CellObject>& objects = {}) {
 #ifdef __SANITIZE_ADDRESS__
     scale /= 2;
 #endif
-    Cell cell{.title = "test", .time_scale = scale, .robots = robots, .objects = {}, .cameras = {}};
+    Cell cell{
+        .title = "test", .time_scale = scale, .robots = robots, .objects = objects, .cameras = {}};
+    // Those that nobody has placed stand beside each other, out of reach.
+    for (std::size_t i = 0; i < robots.size(); ++i) {
+      if (robots[i].X_WB.p == Vec3{}) cell.robots[i].X_WB.p.x = 3 * static_cast<double>(i);
+    }
     std::vector<RobotModel> models;
     for (const CellRobot& robot : robots) {
       models.push_back(

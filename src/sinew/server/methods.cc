@@ -34,7 +34,13 @@ constexpr Param kJogParams[] = {
     {"expiry_s", ParamType::kNumber, false, "for how long it counts, up to 1 s; 0.15"}};
 constexpr Param kDeclareParams[] = {
     kRobotParam,
-    {"positions", ParamType::kNumbers, false, "rad or m, one a joint; its home where left out"}};
+    {"positions", ParamType::kNumbers, false, "rad or m, one a joint; its home where left out"},
+    {"moved", ParamType::kText, false,
+     "why what was known of its place does not count any more, in words: who moved it"}};
+constexpr Param kNudgeParams[] = {
+    kRobotParam,
+    {"joint", ParamType::kText, true, "its name"},
+    {"way", ParamType::kNumber, true, "rad or m, at most the robot's nudge_max"}};
 constexpr Param kRunParams[] = {
     kRobotParam,
     {"text", ParamType::kText, true, "rows as in docs/programs.md"},
@@ -44,7 +50,14 @@ constexpr Param kRunParams[] = {
     {"take_over", ParamType::kFlag, false, "the lease, from whoever has it"},
     {"standing_at", ParamType::kNumbers, false,
      "where it stands, from somebody who has looked; "
-     "rad or m, one a joint"}};
+     "rad or m, one a joint"},
+    {"from_line", ParamType::kWhole, false, "of its own text, where it goes on"},
+    {"speed", ParamType::kNumber, false, "share of all rows' speed, 0.01 to 1"},
+    {"single_step", ParamType::kFlag, false, "a pause behind each order, as program.step makes"}};
+
+constexpr Param kStepParams[] = {
+    kRobotParam,
+    {"back", ParamType::kFlag, false, "where it is paused between two orders: the last one anew"}};
 
 constexpr Param kRideParams[] = {
     kRobotParam,
@@ -101,6 +114,9 @@ constexpr auto kMethods = std::to_array<Method>({
      "an empty object"},
     {MethodId::kRobotJog, "robot.jog", true,
      "a velocity from now on, until it expires; needs the lease", kJogParams, "an empty object"},
+    {MethodId::kRobotNudge, "robot.nudge", true,
+     "one joint a little and slowly, also while nobody knows where it is; needs the lease",
+     kNudgeParams, "an empty object, when it has begun"},
     {MethodId::kRobotDeclare, "robot.declare", true,
      "where it stands, from somebody who has looked; needs the lease", kDeclareParams,
      "an empty object"},
@@ -109,8 +125,9 @@ constexpr auto kMethods = std::to_array<Method>({
     {MethodId::kRobotRide, "robot.bullride", true,
      "random poses, all within reach and limits, and back; a job as a program is", kRideParams,
      "job: its number"},
-    {MethodId::kProgramStep, "program.step", true, "the program's next order, then a pause",
-     kRobotOnly, "an empty object"},
+    {MethodId::kProgramStep, "program.step", true,
+     "the program's next order, then a pause; or back to where the last one began", kStepParams,
+     "job: its number; wishes: how many it had heard before this one"},
     {MethodId::kJobStatus, "job.status", false, "the job under way, or the last one", kRobotOnly,
      "a job"},
     {MethodId::kSimulationTruth, "simulation.truth", false,

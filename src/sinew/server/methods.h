@@ -45,6 +45,7 @@ enum class MethodId : std::uint8_t {
   kRobotResume,
   kRobotFeed,
   kRobotJog,
+  kRobotNudge,
   kRobotDeclare,
   kProgramRun,
   kRobotRide,

@@ -1,6 +1,7 @@
 #include "sinew/server/robot_json.h"
 
 #include <array>
+#include <cmath>
 
 #include "sinew/driver/quality_name.h"
 #include "sinew/model/error_sentence.h"
@@ -56,6 +57,7 @@ Json health_json(const runtime::StationView& view) {
             {"bytes_to_host", view.bytes.to_host}};
   if (view.health.supply_volts) json["supply_v"] = *view.health.supply_volts;
   if (view.health.temperature_c) json["temperature_c"] = *view.health.temperature_c;
+  if (view.health.jaws_width) json["jaws_width_m"] = *view.health.jaws_width;
   return json;
 }
 
@@ -69,10 +71,24 @@ std::string_view cause_name(control::StopCause cause) {
   return control::stop_rule(cause).name;
 }
 
+void put_in_the_way(Json& json, const runtime::CellRefusal& refusal) {
+  json["sentence"] = refusal.sentence();
+  json["link"] = refusal.link;
+  json["other"] = refusal.other;
+  if (!refusal.other_link.empty()) json["other_link"] = refusal.other_link;
+  json["share"] = refusal.share;
+  json["way_m"] = refusal.way;
+  if (std::isfinite(refusal.distance)) json["distance_m"] = refusal.distance;
+  json["margin_m"] = refusal.margin;
+  json["moving"] = refusal.moving;
+}
+
 Json error_json(const Error& error, const RobotModel& model) {
   Json json{{"code", info(error.code).name}, {"sentence", sentence_of(error, model)}};
   const std::string subject = subject_of(error, model);
-  if (!subject.empty()) json[error.other >= 0 ? "links" : "joint"] = subject;
+  const bool in_cell = error.code == ErrorCode::kCellContact || error.code == ErrorCode::kCellTaken;
+  const char* kind = error.other >= 0 ? "links" : in_cell ? "link" : "joint";
+  if (!subject.empty()) json[kind] = subject;
   return json;
 }
 
@@ -101,6 +117,9 @@ Json description_json(const CellRobot& place, const runtime::Station& station) {
              {{"ends_motion", stop.ends_motion},
               {"standstill", stop.standstill},
               {"gravity", stop.falls}}}};
+  if (capability.nudge_max > 0) {
+    json[with_unit("nudge_max", model.joints[0])] = capability.nudge_max;
+  }
   if (const auto* recovery = station.recovery()) {
     json["position_journal"] = {{"found", sentence(recovery->finding)},
                                 {"way_out", sentence(recovery->way_out)}};
@@ -112,6 +131,7 @@ Json status_json(const runtime::Station& station, const runtime::StationView& vi
                  const planning::ToolSpace& tool, planning::PoseBT& X_near) {
   const RobotModel& model = station.robot();
   Json json{{"robot", station.name()},
+            {"at_s", to_seconds(view.at.time_since_epoch())},
             {"state", control::name(view.state)},
             {"position", worst_quality(view)},
             {"connected", view.port_open},
@@ -164,11 +184,16 @@ Json job_json(const std::string& robot, const runtime::JobView& job, const Robot
             {"homing_at_most_s", job.homing_max},
             {"elapsed_s", job.elapsed},
             {"progress", job.progress},
-            {"notices", job.notices}};
-  if (job.failure) {
-    json["error"] = error_json(job.failure->error, model);
-    json["error"]["line"] = job.failure->line;
-  }
+            {"notices", job.notices},
+            {"wishes", job.wishes}};
+  const auto tell = [&](const char* key, const program::Refusal& refusal) {
+    json[key] = error_json(refusal.error, model);
+    json[key]["line"] = refusal.line;
+  };
+  if (job.failure) tell("error", *job.failure);
+  if (job.wish_refused) tell("wish_refused", *job.wish_refused);
+  if (job.failure && job.in_the_way) put_in_the_way(json["error"], *job.in_the_way);
+  if (job.waits_for_room && job.in_the_way) json["waits_for"] = job.in_the_way->other;
   if (job.stopped_by) json["stopped_by"] = cause_name(*job.stopped_by);
   if (job.last_notice) json["last_notice"] = error_json(job.last_notice->error, model);
   return json;

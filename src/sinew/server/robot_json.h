@@ -12,6 +12,9 @@ namespace sinew::server {
 /// {"code", "sentence", "joint"?}
 Json error_json(const Error& error, const RobotModel& model);
 
+/// Instead of its sentence, and beside it: what in the cell is in the way, and where.
+void put_in_the_way(Json& json, const runtime::CellRefusal& refusal);
+
 /// What never changes: its joints and limits, where it stands, what it hangs on.
 Json description_json(const CellRobot& place, const runtime::Station& station);
 

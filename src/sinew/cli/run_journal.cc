@@ -1,0 +1,27 @@
+#include "sinew/cli/run_journal.h"
+
+#include "sinew/runtime/robot_link.h"
+
+namespace sinew::cli {
+namespace {
+
+std::optional<std::string> journal_name(const RunRequest& request, const RobotModel& model) {
+  if (request.journal) return request.journal;
+  if (!request.port || runtime::may_be_simulated(*request.port)) return std::nullopt;
+  return model.id;
+}
+
+}  // namespace
+
+std::expected<std::unique_ptr<runtime::PositionRecord>, Outcome> open_journal(
+    const RunRequest& request, const RobotModel& model) {
+  const auto name = journal_name(request, model);
+  if (!name) return nullptr;
+  const auto folder = runtime::positions_folder();
+  if (!folder) return std::unexpected(could_not(folder.error().sentence));
+  auto opened = runtime::PositionRecord::open(*folder, *name, model);
+  if (!opened) return std::unexpected(could_not(opened.error().sentence));
+  return std::move(*opened);
+}
+
+}  // namespace sinew::cli

@@ -1,0 +1,182 @@
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "sinew/control/controller_test_cell.h"
+#include "sinew/core/units.h"
+
+/// The way back of a machine that does not know where it is: one joint a little at a time, then
+/// somebody says where it stands.
+namespace sinew::control::test {
+namespace {
+
+using Kind = ControlEvent::Kind;
+using enum MachineState;
+
+constexpr const char* kLostArm = "bigrobotarm";
+
+ControllerStart nothing_known() {
+  return {};
+}
+
+Declare standing(const RobotModel& robot, double beside = 0) {
+  Declare where;
+  for (const Joint& joint : robot.joints) {
+    const double q = joint.home + beside;
+    where.positions.push_back({PositionQuality::kCommanded, q, q, q});
+  }
+  return where;
+}
+
+TEST(Recovery, a_lost_joint_goes_a_little_way_slowly_and_stays_lost) {
+  ControlCell cell(kLostArm, true, nothing_known());
+  for (std::size_t j = 0; j < 5; ++j) cell.driver.lose(j);
+  cell.make_ready();
+  cell.run(300ms);
+  const Instant began = cell.now;
+  const std::uint32_t id = cell.give(Nudge{2, from_deg(1)});
+  EXPECT_EQ(cell.controller.state(), kRecovering);
+  ASSERT_TRUE(cell.run_until([&] { return cell.end_of(id).has_value(); }, 5s));
+  EXPECT_EQ(cell.end_of(id)->kind, Kind::kDone);
+  EXPECT_EQ(cell.controller.state(), kReady);
+  ASSERT_EQ(cell.driver.nudges.size(), 1U);
+  EXPECT_EQ(cell.driver.nudges[0], from_deg(1));
+  // A tenth of 0.5 rad/s.
+  EXPECT_GE(to_seconds(cell.now - began), from_deg(1) / 0.05);
+  EXPECT_EQ(cell.controller.positions()[2].quality, PositionQuality::kLost);
+  EXPECT_FALSE(cell.controller.reference());
+}
+
+TEST(Recovery, nothing_moves_before_its_intent_is_on_disk) {
+  ControlCell cell(kLostArm, true);
+  cell.driver.set(1, {PositionQuality::kUncertain, 0.1, 0.05, 0.15});
+  cell.sync = 200ms;
+  cell.make_ready();
+  cell.run(500ms);
+  cell.give(Nudge{1, from_deg(-1)});
+  cell.run(80ms);
+  EXPECT_TRUE(cell.driver.nudges.empty());
+  ASSERT_EQ(cell.records.back().kind, JournalKind::kIntent);
+  // The whole way and all that was not certain before.
+  EXPECT_LE(cell.records.back().positions[1].lower, 0.05 - from_deg(1));
+  EXPECT_GE(cell.records.back().positions[1].upper, 0.15);
+  cell.run(2s);
+  EXPECT_EQ(cell.driver.nudges.size(), 1U);
+  EXPECT_EQ(cell.records.back().kind, JournalKind::kRest);
+  EXPECT_EQ(cell.records.back().positions[1].quality, PositionQuality::kUncertain);
+  EXPECT_DOUBLE_EQ(cell.records.back().positions[1].upper, 0.15 - from_deg(1));
+}
+
+TEST(Recovery, anybody_stops_it_and_a_lost_lease_does_too) {
+  ControlCell cell(kLostArm);
+  cell.driver.lose(0);
+  cell.make_ready();
+  const std::uint32_t id = cell.give(Nudge{0, from_deg(2)});
+  cell.run(100ms);
+  cell.cycle({Command{900, LeaseToken{.client = 99}, Stop{}}});
+  ASSERT_TRUE(cell.run_until([&] { return cell.controller.state() == kReady; }, 1s));
+  EXPECT_EQ(cell.end_of(id)->kind, Kind::kStopped);
+  EXPECT_EQ(cell.driver.stops, 1);
+  cell.renews = false;
+  cell.run(600ms);
+  const std::uint32_t again = cell.give(Nudge{0, from_deg(2)});
+  ASSERT_TRUE(cell.run_until([&] { return cell.end_of(again).has_value(); }, 3s));
+  EXPECT_EQ(cell.end_of(again)->cause, StopCause::kLeaseEnded);
+  EXPECT_EQ(cell.driver.stops, 2);
+}
+
+TEST(Recovery, a_search_that_the_lost_lease_ended_is_stopped_and_not_done) {
+  ControlCell cell(kLostArm);
+  cell.make_ready();
+  const std::uint32_t id = cell.give(Home{});
+  cell.renews = false;
+  ASSERT_TRUE(cell.run_until([&] { return cell.end_of(id).has_value(); }, 3s));
+  EXPECT_EQ(cell.end_of(id)->kind, Kind::kStopped);
+  EXPECT_EQ(cell.end_of(id)->cause, StopCause::kLeaseEnded);
+  ASSERT_TRUE(cell.run_until([&] { return cell.controller.state() == kReady; }, 1s));
+}
+
+TEST(Recovery, what_is_no_small_step_of_one_joint_is_refused_and_nothing_moves) {
+  ControlCell cell(kLostArm);
+  cell.driver.lose(0);
+  cell.make_ready();
+  for (const double way : {0.0, from_deg(2.1), from_deg(-180), std::nan(""),
+                           std::numeric_limits<double>::infinity()}) {
+    const std::uint32_t id = cell.give(Nudge{0, way});
+    ASSERT_TRUE(cell.end_of(id)) << way;
+    EXPECT_EQ(cell.end_of(id)->error.code, ErrorCode::kNudgeRange) << way;
+  }
+  const std::uint32_t nobody = cell.give(Nudge{5, 0.01});
+  EXPECT_EQ(cell.end_of(nobody)->error.code, ErrorCode::kMoveInput);
+  cell.driver.set(1, {PositionQuality::kUncertain, cell.robot.joints[1].upper - 0.001, 0, 2});
+  const std::uint32_t beyond = cell.give(Nudge{1, from_deg(1)});
+  EXPECT_EQ(cell.end_of(beyond)->error.code, ErrorCode::kJointLimit);
+  const std::uint32_t foreign = ++cell.last_id;
+  cell.cycle({Command{foreign, LeaseToken{.client = 99, .epoch = 1}, Nudge{0, 0.01}}});
+  EXPECT_EQ(cell.end_of(foreign)->kind, Kind::kRefused);
+  EXPECT_TRUE(cell.driver.nudges.empty());
+  const std::uint32_t fine = cell.give(Nudge{0, from_deg(1)});
+  const std::uint32_t second = cell.give(Nudge{1, from_deg(-1)});
+  EXPECT_EQ(cell.end_of(second)->error.code, ErrorCode::kWrongState);
+  ASSERT_TRUE(cell.run_until([&] { return cell.end_of(fine).has_value(); }, 5s));
+  EXPECT_EQ(cell.driver.nudges.size(), 1U);
+}
+
+TEST(Recovery, a_device_that_moves_to_places_only_takes_no_small_steps) {
+  ControlCell cell("learm");
+  cell.driver.lose(0);
+  cell.make_ready();
+  const std::uint32_t id = cell.give(Nudge{0, 0.001});
+  EXPECT_EQ(cell.end_of(id)->error.code, ErrorCode::kTaskNotSupported);
+}
+
+TEST(Recovery, a_known_machine_goes_on_from_where_a_small_step_led) {
+  ControlCell cell(kLostArm);
+  cell.make_ready();
+  const double before = (*cell.controller.reference())[0];
+  const std::uint32_t id = cell.give(Nudge{0, from_deg(1)});
+  ASSERT_TRUE(cell.run_until([&] { return cell.end_of(id).has_value(); }, 5s));
+  ASSERT_TRUE(cell.controller.reference());
+  EXPECT_DOUBLE_EQ((*cell.controller.reference())[0], before + from_deg(1));
+  const std::uint32_t move = cell.give(Begin{&cell.whole_move_to(cell.by(0.1))});
+  ASSERT_TRUE(cell.run_until([&] { return cell.end_of(move).has_value(); }));
+  EXPECT_EQ(cell.end_of(move)->kind, Kind::kDone);
+}
+
+TEST(Recovery, what_is_declared_after_it_is_recorded_and_planned_from) {
+  ControlCell cell(kLostArm, true);
+  for (std::size_t j = 0; j < 5; ++j) cell.driver.lose(j);
+  cell.make_ready();
+  cell.run(300ms);
+  const std::uint32_t id = cell.give(standing(cell.robot));
+  EXPECT_EQ(cell.end_of(id)->kind, Kind::kDone);
+  EXPECT_EQ(cell.records.back().kind, JournalKind::kDeclared);
+  EXPECT_TRUE(cell.controller.reference());
+}
+
+TEST(Recovery, a_declaration_against_what_is_measured_or_held_in_an_interval_needs_a_hand) {
+  ControlCell cell(kLostArm, true);
+  cell.make_ready();
+  cell.run(300ms);
+  const double home = cell.robot.joints[3].home;
+  for (const PositionQuality known : {PositionQuality::kMeasured, PositionQuality::kUncertain}) {
+    cell.driver.set(3, {known, home + 0.2, home + 0.19, home + 0.21});
+    const std::uint32_t refused = cell.give(standing(cell.robot));
+    EXPECT_EQ(cell.end_of(refused)->error.code, ErrorCode::kDeclaredElsewhere);
+    EXPECT_EQ(cell.end_of(refused)->error.index, 3);
+    EXPECT_EQ(cell.end_of(refused)->error.limit, home + 0.19);
+    EXPECT_NE(cell.records.back().kind, JournalKind::kDeclared);
+    EXPECT_EQ(cell.driver.positions()[3].q, home + 0.2);
+    const std::uint32_t inside = cell.give(standing(cell.robot, 0.2));
+    EXPECT_EQ(cell.end_of(inside)->kind, Kind::kDone);
+    cell.driver.set(3, {known, home + 0.2, home + 0.19, home + 0.21});
+    Declare moved = standing(cell.robot);
+    moved.moved = true;
+    const std::uint32_t told = cell.give(moved);
+    EXPECT_EQ(cell.end_of(told)->kind, Kind::kDone);
+    EXPECT_EQ(cell.driver.positions()[3].q, home);
+  }
+}
+
+}  // namespace
+}  // namespace sinew::control::test

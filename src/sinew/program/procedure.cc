@@ -1,0 +1,627 @@
+#include "sinew/program/procedure.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <utility>
+
+#include "sinew/control/piece_motion.h"
+#include "sinew/core/assert.h"
+#include "sinew/core/spelling.h"
+#include "sinew/core/units.h"
+#include "sinew/model/error_sentence.h"
+#include "sinew/model/joint_lookup.h"
+#include "sinew/program/program_plan.h"
+
+namespace sinew::program {
+
+using control::MachineState;
+
+namespace {
+
+/// Of a joint's speed, for what somebody stands beside.
+constexpr double kSlowShare = 0.1;
+
+std::string seconds_text(double seconds) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.1f s", seconds);
+  return text;
+}
+
+std::string way_text(double way, const Joint& joint) {
+  char text[32];
+  const bool slides = joint.kind == JointKind::kPrismatic;
+  std::snprintf(text, sizeof text, slides ? "%+.3g mm" : "%+.3g deg",
+                slides ? to_mm(way) : to_deg(way));
+  return text;
+}
+
+std::string list_of(const std::vector<std::string>& words) {
+  std::string list;
+  for (const std::string& word : words) list += (list.empty() ? "" : ", ") + word;
+  return list;
+}
+
+std::string_view trimmed(std::string_view text) {
+  const std::size_t begin = text.find_first_not_of(" \t\r\n");
+  if (begin == std::string_view::npos) return {};
+  return text.substr(begin, text.find_last_not_of(" \t\r\n") - begin + 1);
+}
+
+/// Steps that only ask: their answers hold when the machine is another day's.
+bool only_asks(const ProcedureStep& step) {
+  return std::holds_alternative<TellStep>(step.what) ||
+         std::holds_alternative<ChoiceStep>(step.what) ||
+         std::holds_alternative<NumberStep>(step.what) ||
+         (std::holds_alternative<MotionStep>(step.what) && std::get<MotionStep>(step.what).asks);
+}
+
+}  // namespace
+
+std::string_view name(StepResult::State state) {
+  constexpr std::array<std::string_view, 4> kNames{"open", "done", "skipped", "failed"};
+  return kNames[static_cast<std::size_t>(state)];
+}
+
+std::string_view name(Procedure::Phase phase) {
+  constexpr std::array<std::string_view, 7> kNames{"opening", "asking",    "working", "cancelling",
+                                                   "done",    "cancelled", "failed"};
+  return kNames[static_cast<std::size_t>(phase)];
+}
+
+Procedure::Procedure(ProcedurePlan plan, control::Machine& machine)
+    : plan_(std::move(plan)),
+      machine_(machine),
+      robot_(machine.robot()),
+      results_(plan_.steps.size()) {
+  SINEW_ASSERT(!plan_.steps.empty());
+}
+
+void Procedure::keep(std::string_view step, const StepResult& result) {
+  for (std::size_t k = 0; k < plan_.steps.size(); ++k) {
+    const bool answered =
+        result.state == StepResult::State::kDone || result.state == StepResult::State::kSkipped;
+    if (plan_.steps[k].id == step && only_asks(plan_.steps[k]) && answered) results_[k] = result;
+  }
+}
+
+const StepResult* Procedure::result(std::string_view id) const {
+  for (std::size_t k = 0; k < plan_.steps.size(); ++k) {
+    if (plan_.steps[k].id == id) return &results_[k];
+  }
+  return nullptr;
+}
+
+std::string Procedure::sentence(const Error& error) const {
+  return sentence_of(error, robot_);
+}
+
+void Procedure::start(Instant now) {
+  since_ = now;
+  machine_.give(control::TakeLease{.take_over = take_over_});
+}
+
+void Procedure::fail(std::string trouble) {
+  if (finished()) return;
+  if (command_ != 0) machine_.give(control::Stop{});
+  trouble_ = std::move(trouble);
+  phase_ = phase_ == Phase::kCancelling ? Phase::kCancelled : Phase::kFailed;
+}
+
+void Procedure::cancel(Instant /*now*/) {
+  if (finished() || phase_ == Phase::kCancelling) return;
+  machine_.give(control::Stop{});
+  phase_ = command_ != 0 ? Phase::kCancelling : Phase::kCancelled;
+}
+
+void Procedure::poll(Instant now) {
+  while (const auto event = machine_.take_event()) take(*event, now);
+  if (finished()) return;
+  if (begun_ && machine_.state() == MachineState::kFault) {
+    return fail(machine_.latched() ? sentence(machine_.latched()->error)
+                                   : "the machine is in a fault");
+  }
+  if (phase_ == Phase::kOpening) {
+    opening();
+    if (begun_ && machine_.state() == MachineState::kReady) enter(now);
+  }
+  // A doubt of the driver's, or somebody's motion that comes to rest.
+  if (phase_ == Phase::kWorking && (command_ != 0 || machine_.state() == MachineState::kReady)) {
+    work(now);
+  }
+}
+
+/// Lease and power, one after the other.
+void Procedure::opening() {
+  if (machine_.lease().epoch == 0) return;
+  begun_ = true;
+  if (machine_.state() != MachineState::kOff || enabling_) return;
+  enabling_ = true;
+  machine_.give(control::Enable{});
+}
+
+void Procedure::take(const Event& event, Instant now) {
+  using Kind = Event::Kind;
+  if (finished()) {
+    if (is_end(event.kind) && event.command == command_) command_ = 0;
+    return;
+  }
+  if (event.kind == Kind::kLease && machine_.lease().epoch == 0 && begun_) {
+    command_ = 0;
+    return fail(event.lease.epoch != 0 ? "somebody else took the lease over"
+                                       : "the lease has ended");
+  }
+  const bool ended_badly = event.kind == Kind::kRefused || event.kind == Kind::kFailed;
+  if (phase_ == Phase::kOpening && ended_badly) return fail(sentence(event.error));
+  if (command_ == 0 || event.command != command_ || !is_end(event.kind)) return;
+  command_ = 0;
+  if (phase_ == Phase::kCancelling) {
+    phase_ = Phase::kCancelled;
+    return;
+  }
+  switch (event.kind) {
+    case Kind::kDone:
+      return command_done(now);
+    case Kind::kStopped:
+      return ask_again("stopped on the way");
+    default:
+      return ask_again(sentence(event.error));
+  }
+}
+
+/// The question of the step under way once more: something did not go.
+void Procedure::ask_again(std::string trouble) {
+  const std::string& hint = step().hint;
+  trouble_ = std::move(trouble) + (hint.empty() ? "" : "; " + hint);
+  went_ = comes_back_ = false;
+  left_ = 0;
+  searching_.reset();
+  phase_ = Phase::kAsking;
+}
+
+/// Something has to be said before it begins.
+bool Procedure::asks_first() const {
+  return !std::holds_alternative<CheckStep>(step().what);
+}
+
+/// The step under way, from its beginning; those that are answered or do not apply are passed.
+void Procedure::enter(Instant now) {
+  for (; place_ < plan_.steps.size(); ++place_) {
+    if (results_[place_].state != StepResult::State::kOpen) continue;
+    if (!step().when || step().when(*this)) break;
+    results_[place_].state = StepResult::State::kSkipped;
+    results_[place_].words = "not needed";
+  }
+  went_ = comes_back_ = false;
+  left_ = way_ = adjusted_ = 0;
+  trouble_.clear();
+  since_ = now;
+  if (place_ == plan_.steps.size()) {
+    phase_ = Phase::kDone;
+    return;
+  }
+  phase_ = asks_first() ? Phase::kAsking : Phase::kWorking;
+}
+
+void Procedure::next(Instant now) {
+  ++place_;
+  enter(now);
+}
+
+void Procedure::end_step(StepResult::State state, std::string words, std::optional<double> number) {
+  results_[place_] = {state, given_, std::move(words), number};
+  asked_.push_back(place_);
+  given_.clear();
+}
+
+void Procedure::work(Instant now) {
+  if (std::holds_alternative<SearchStep>(step().what)) return follow_search(now);
+  const auto* check = std::get_if<CheckStep>(&step().what);
+  if (check == nullptr || command_ != 0) return;
+  const auto verdict = check->look(*this);
+  if (!verdict && now - since_ < check->patience) return;
+  if (!verdict) return ask_again("the machine does not tell");
+  if (!verdict->good) {
+    results_[place_].words = verdict->words;
+    return ask_again(verdict->words);
+  }
+  end_step(StepResult::State::kDone, verdict->words, verdict->number);
+  next(now);
+}
+
+// What moves.
+
+std::size_t Procedure::moving_joint() const {
+  if (const auto* motion = std::get_if<MotionStep>(&step().what)) return motion->joint;
+  return std::get<AdjustStep>(step().what).joint;
+}
+
+/// @return  why it does not begin
+std::optional<std::string> Procedure::go(double way) {
+  const std::size_t joint = moving_joint();
+  const double nudge_max = robot_.device.capability.nudge_max;
+  left_ = way;
+  if (const auto from = machine_.reference()) {
+    JointStep row{.q = home_joints(robot_), .given = 0, .how = {}};
+    for (double& q : row.q) q = 0;
+    row.q[joint] = way;
+    row.given = row.relative = static_cast<std::uint8_t>(1U << joint);
+    row.how.joint_share = robot_.device.capability.takes_speed ? kSlowShare : 1;
+    const Step one{0, row};
+    if (!planner_) planner_ = std::make_unique<RowPlanner>(robot_);
+    const auto planned = planner_->plan(*from, std::span(&one, 1));
+    if (!planned) return sentence(planned.error().error);
+    if (planned->pieces.empty()) return "there is no way to go";
+    left_ = 0;
+    motion_ = std::make_unique<control::PieceMotion>(*from, planned->pieces, robot_);
+    command_ = machine_.give(control::Begin{.motion = motion_.get()});
+  } else if (nudge_max > 0) {
+    const double part = std::clamp(way, -nudge_max, nudge_max);
+    left_ = way - part;
+    command_ = machine_.give(control::Nudge{static_cast<std::uint8_t>(joint), part});
+  } else {
+    return "nobody knows where the machine is, and it cannot be moved by a little from there";
+  }
+  phase_ = Phase::kWorking;
+  return std::nullopt;
+}
+
+std::optional<std::string> Procedure::first_move() {
+  const JointVector q = home_joints(robot_);
+  JointMove move{.q = q, .qd = {}, .duration = from_seconds(first_move_duration(robot_))};
+  move.qd.resize(q.size());
+  motion_ = std::make_unique<control::PieceMotion>(machine_.reference().value_or(JointVector{}),
+                                                   std::vector<JointMove>(1, move), robot_);
+  command_ = machine_.give(control::Begin{.motion = motion_.get(), .recovers = true});
+  phase_ = Phase::kWorking;
+  return std::nullopt;
+}
+
+void Procedure::begin_work(Instant now) {
+  trouble_.clear();
+  since_ = now;
+  std::optional<std::string> why;
+  if (const auto* motion = std::get_if<MotionStep>(&step().what)) {
+    way_ = motion->way;
+    const JointPosition& at = machine_.positions()[motion->joint];
+    const Joint& joint = robot_.joints[motion->joint];
+    if (at.quality != PositionQuality::kLost && !within_limits(joint, at.q + way_)) way_ = -way_;
+    why = go(way_);
+  } else if (std::holds_alternative<FirstMoveStep>(step().what)) {
+    why = first_move();
+  } else if (std::holds_alternative<SearchStep>(step().what)) {
+    searched_.fill(0);
+    searching_.reset();
+    command_ = machine_.give(control::Home{});
+    phase_ = Phase::kWorking;
+  } else if (const auto* tool = std::get_if<ToolTryStep>(&step().what)) {
+    command_ = machine_.give(control::UseTool{tool->action});
+    phase_ = Phase::kWorking;
+  }
+  if (why) ask_again(*why);
+}
+
+void Procedure::follow_search(Instant now) {
+  const auto joint = machine_.homing_joint();
+  if (joint == searching_) return;
+  if (searching_ && *searching_ < kMaxJoints) {
+    searched_[*searching_] = to_seconds(now - searching_since_);
+  }
+  searching_ = joint;
+  searching_since_ = now;
+}
+
+void Procedure::end_search(Instant now) {
+  follow_search(now);
+  std::string words;
+  for (std::size_t j = 0; j < robot_.joints.size(); ++j) {
+    if (searched_[j] <= 0) continue;
+    words += (words.empty() ? "" : ", ") + robot_.joints[j].name + " " + seconds_text(searched_[j]);
+  }
+  end_step(StepResult::State::kDone, words.empty() ? "zeros found" : "zeros found: " + words);
+  next(now);
+}
+
+void Procedure::command_done(Instant now) {
+  if (std::holds_alternative<SearchStep>(step().what)) return end_search(now);
+  if (left_ != 0) {
+    if (const auto why = go(left_)) ask_again(*why);
+    return;
+  }
+  if (std::holds_alternative<AdjustStep>(step().what)) {
+    adjusted_ += way_;
+    phase_ = Phase::kAsking;
+    return;
+  }
+  if (const auto* motion = std::get_if<MotionStep>(&step().what)) {
+    went_ = true;
+    if (!motion->asks) {
+      end_step(StepResult::State::kDone, "went " + way_text(way_, robot_.joints[motion->joint]),
+               way_);
+      return next(now);
+    }
+    if (!comes_back_) {
+      phase_ = Phase::kAsking;
+      return;
+    }
+    const bool grew = said_ == "plus";
+    const bool sent_plus = way_ > 0;
+    const double sense = grew == sent_plus ? 1 : -1;
+    const std::string words = sense > 0 ? "turns as the model counts" : "turns against the model";
+    if (said_ == "plus" || said_ == "minus") {
+      end_step(StepResult::State::kDone, words, sense);
+    } else {
+      end_step(StepResult::State::kDone,
+               said_ == "nothing" ? "did not move" : "another joint moved", 0);
+    }
+    return next(now);
+  }
+  if (std::holds_alternative<PlaceStep>(step().what)) {
+    end_step(StepResult::State::kDone, "declared");
+  } else {
+    end_step(StepResult::State::kDone, "done in " + seconds_text(to_seconds(now - since_)));
+  }
+  next(now);
+}
+
+// What people say.
+
+std::string Procedure::question() const {
+  if (phase_ != Phase::kAsking) return {};
+  std::string words = list_of(choices());
+  if (const auto* number = std::get_if<NumberStep>(&step().what)) {
+    words = number->measure == Measure::kLength ? "a length, as in 2.5mm" : "an angle, as in 3deg";
+    if (number->measure == Measure::kShare) words = "a whole number";
+    if (step().optional) words += "; or skip";
+  }
+  if (std::holds_alternative<AdjustStep>(step().what)) {
+    words = "by how much, as in ";
+    words += robot_.joints[moving_joint()].kind == JointKind::kPrismatic ? "-0.3mm" : "-2deg";
+    words += "; or done";
+  }
+  if (std::holds_alternative<PlaceStep>(step().what)) {
+    words += ", or a value for each joint with its unit";
+  }
+  return words;
+}
+
+std::vector<std::string> Procedure::choices() const {
+  std::vector<std::string> words;
+  if (phase_ != Phase::kAsking) return words;
+  if (std::holds_alternative<TellStep>(step().what)) words = {"yes"};
+  if (const auto* choice = std::get_if<ChoiceStep>(&step().what)) words = choice->words;
+  if (const auto* motion = std::get_if<MotionStep>(&step().what)) {
+    words = {"go"};
+    if (went_) words = {motion->plus, motion->minus, "nothing", "other", "again"};
+  }
+  if (std::holds_alternative<CheckStep>(step().what)) words = {"again", "skip"};
+  const bool starts = std::holds_alternative<SearchStep>(step().what) ||
+                      std::holds_alternative<FirstMoveStep>(step().what) ||
+                      std::holds_alternative<ToolTryStep>(step().what);
+  if (starts) words = {"go"};
+  if (const auto* where = std::get_if<PlaceStep>(&step().what)) {
+    for (const PlaceStep::Place& place : where->places) words.push_back(place.name);
+  }
+  if (step().optional && std::ranges::find(words, "skip") == words.end()) words.push_back("skip");
+  return words;
+}
+
+std::string Procedure::progress(Instant now) const {
+  if (phase_ == Phase::kOpening) return "finding the device";
+  if (phase_ == Phase::kCancelling) return "coming to rest";
+  if (phase_ != Phase::kWorking) return {};
+  const std::string time = seconds_text(to_seconds(now - since_));
+  if (const auto* search = std::get_if<SearchStep>(&step().what)) {
+    if (!searching_) return "searching, " + time;
+    const std::size_t j = *searching_;
+    const std::string most =
+        j < search->times.size() ? " of at most " + seconds_text(search->times[j]) : "";
+    return "searching the zero of " + robot_.joints[j].name + " (" + std::to_string(j + 1) +
+           " of " + std::to_string(robot_.joints.size()) + "), " +
+           seconds_text(to_seconds(now - searching_since_)) + most;
+  }
+  if (std::holds_alternative<MotionStep>(step().what) ||
+      std::holds_alternative<AdjustStep>(step().what)) {
+    const Joint& joint = robot_.joints[moving_joint()];
+    return joint.name + (comes_back_ ? " goes back" : " goes " + way_text(way_, joint)) + ", " +
+           time;
+  }
+  return time;
+}
+
+std::expected<void, std::string> Procedure::answer(std::string_view text, Instant now) {
+  if (phase_ != Phase::kAsking) {
+    return std::unexpected(finished() ? "the procedure is over" : "nothing is asked at the moment");
+  }
+  text = trimmed(text);
+  if (machine_.state() != MachineState::kReady) {
+    return std::unexpected(std::string("the machine is ") +
+                           std::string(control::name(machine_.state())) +
+                           "; wait until it is ready");
+  }
+  given_ = printable(std::string(text.substr(0, 200)));
+  if (text == "skip" && (step().optional || std::holds_alternative<CheckStep>(step().what))) {
+    const bool check = std::holds_alternative<CheckStep>(step().what);
+    std::string words = results_[place_].words;
+    end_step(check ? StepResult::State::kFailed : StepResult::State::kSkipped, std::move(words));
+    next(now);
+    return {};
+  }
+  if (const auto* motion = std::get_if<MotionStep>(&step().what)) {
+    return answer_motion(*motion, text, now);
+  }
+  if (std::holds_alternative<AdjustStep>(step().what)) return answer_adjust(text, now);
+  if (const auto* place = std::get_if<PlaceStep>(&step().what)) return answer_place(*place, text);
+  return answer_rest(text, now);
+}
+
+std::expected<void, std::string> Procedure::answer_motion(const MotionStep& step,
+                                                          std::string_view text, Instant now) {
+  if (!went_) {
+    if (text != "go" && !text.empty()) {
+      return std::unexpected("'" + given_ + "': answer go when nobody is in its way");
+    }
+    begin_work(now);
+    return {};
+  }
+  if (text == "again") {
+    went_ = false;
+    // From where it went, so that it moves the other way now.
+    if (const auto why = go(-way_)) {
+      ask_again(*why);
+    } else {
+      way_ = -way_;
+    }
+    return {};
+  }
+  const std::array<std::pair<std::string_view, std::string_view>, 6> words{{{step.plus, "plus"},
+                                                                            {step.minus, "minus"},
+                                                                            {"plus", "plus"},
+                                                                            {"minus", "minus"},
+                                                                            {"nothing", "nothing"},
+                                                                            {"other", "other"}}};
+  const auto said =
+      std::ranges::find(words, text, &std::pair<std::string_view, std::string_view>::first);
+  if (said == words.end()) {
+    return std::unexpected("'" + given_ + "' is none of " + list_of(choices()));
+  }
+  said_ = said->second;
+  comes_back_ = true;
+  if (const auto why = go(-way_)) ask_again(*why);
+  return {};
+}
+
+std::expected<void, std::string> Procedure::answer_adjust(std::string_view text, Instant now) {
+  const Joint& joint = robot_.joints[moving_joint()];
+  if (text == "done") {
+    end_step(StepResult::State::kDone, "went " + way_text(adjusted_, joint) + " in all", adjusted_);
+    next(now);
+    return {};
+  }
+  const bool slides = joint.kind == JointKind::kPrismatic;
+  const auto way =
+      parse_quantity(text, slides ? Measure::kLength : Measure::kAngle, UnitRule::kRequired);
+  if (!way) return std::unexpected(way.error() + "; or done");
+  // Nobody looks at a long way that carefully.
+  const double most = slides ? from_mm(10) : from_deg(20);
+  if (!(std::abs(*way) <= most) || *way == 0) {
+    return std::unexpected("'" + given_ + "': at most " + way_text(most, joint) +
+                           " at a time either way, and not nothing; or done");
+  }
+  trouble_.clear();
+  since_ = now;
+  way_ = *way;
+  if (const auto why = go(way_)) ask_again(*why);
+  return {};
+}
+
+std::expected<void, std::string> Procedure::answer_place(const PlaceStep& step,
+                                                         std::string_view text) {
+  control::Declare declare;
+  constexpr std::string_view kMoved = " moved:";
+  if (const std::size_t moved = text.find(kMoved); moved != std::string_view::npos) {
+    if (trimmed(text.substr(moved + kMoved.size())).empty()) {
+      return std::unexpected("moved: needs a reason in words: who moved it, and how");
+    }
+    declare.moved = true;
+    text = trimmed(text.substr(0, moved));
+  }
+  JointVector q;
+  const auto named = std::ranges::find(step.places, text, &PlaceStep::Place::name);
+  if (named != step.places.end()) q = named->q;
+  const bool legs = robot_.joints[0].kind == JointKind::kPrismatic;
+  std::string_view rest = text;
+  while (named == step.places.end() && q.size() < robot_.joints.size()) {
+    const std::size_t comma = std::min(rest.find(','), rest.size());
+    const auto value =
+        parse_quantity(trimmed(rest.substr(0, comma)), legs ? Measure::kLength : Measure::kAngle,
+                       UnitRule::kRequired);
+    if (!value) return std::unexpected(value.error() + "; the answers are " + question());
+    q.push_back(*value);
+    if (comma == rest.size()) break;
+    rest.remove_prefix(comma + 1);
+    if (q.size() == robot_.joints.size()) {
+      return std::unexpected("more values than the robot has joints");
+    }
+  }
+  if (q.size() != robot_.joints.size()) {
+    return std::unexpected("a value for each of its " + std::to_string(robot_.joints.size()) +
+                           " joints is needed, or one of " + list_of(choices()));
+  }
+  for (const double one : q) {
+    declare.positions.push_back({PositionQuality::kCommanded, one, one, one});
+  }
+  trouble_.clear();
+  command_ = machine_.give(declare);
+  phase_ = Phase::kWorking;
+  return {};
+}
+
+std::expected<void, std::string> Procedure::answer_rest(std::string_view text, Instant now) {
+  const auto refuse = [&](const std::string& what) {
+    return std::unexpected("'" + given_ + "': " + what);
+  };
+  if (std::holds_alternative<TellStep>(step().what)) {
+    if (text != "yes") return refuse("answer yes when it is so, or cancel");
+    end_step(StepResult::State::kDone, "");
+  } else if (const auto* choice = std::get_if<ChoiceStep>(&step().what)) {
+    const auto word = std::ranges::find(choice->words, text);
+    if (word == choice->words.end()) return refuse("is none of " + list_of(choices()));
+    end_step(StepResult::State::kDone, *word,
+             static_cast<double>(std::distance(choice->words.begin(), word)));
+  } else if (const auto* number = std::get_if<NumberStep>(&step().what)) {
+    const bool count = number->measure == Measure::kShare;
+    constexpr std::string_view kDigits = "0123456789";
+    if (count && (text.empty() || text.find_first_not_of(kDigits) != std::string_view::npos)) {
+      return refuse("is no whole number");
+    }
+    const auto value = parse_quantity(count ? std::string(text) + "00%" : std::string(text),
+                                      number->measure, UnitRule::kRequired);
+    if (!value)
+      return std::unexpected(count ? "'" + given_ + "' is no whole number" : value.error());
+    if (!(*value >= number->lower && *value <= number->upper)) {
+      const bool length = number->measure == Measure::kLength;
+      const auto shown = [&](double v) {
+        char out[48];
+        const double in_unit = count ? v : length ? to_mm(v) : to_deg(v);
+        std::snprintf(out, sizeof out, count ? "%.0f" : length ? "%g mm" : "%g deg", in_unit);
+        return std::string(out);
+      };
+      return refuse("has to be " + shown(number->lower) + " to " + shown(number->upper));
+    }
+    end_step(StepResult::State::kDone, given_, *value);
+  } else if (std::holds_alternative<CheckStep>(step().what)) {
+    if (text != "again" && !text.empty()) return refuse("is none of again, skip");
+    trouble_.clear();
+    since_ = now;
+    phase_ = Phase::kWorking;
+    return {};
+  } else {
+    if (text != "go" && !text.empty()) return refuse("answer go when nobody is in its way");
+    begin_work(now);
+    return {};
+  }
+  next(now);
+  return {};
+}
+
+std::expected<void, std::string> Procedure::back(Instant now) {
+  if (phase_ != Phase::kAsking) {
+    return std::unexpected(finished() ? "the procedure is over"
+                                      : "something is under way; cancel ends it");
+  }
+  // What looks by itself would lead here again.
+  std::size_t passed = asked_.size();
+  while (passed > 0 && std::holds_alternative<CheckStep>(plan_.steps[asked_[passed - 1]].what)) {
+    --passed;
+  }
+  if (passed == 0) return std::unexpected("this is the first step");
+  place_ = asked_[passed - 1];
+  asked_.resize(passed - 1);
+  for (std::size_t k = place_; k < results_.size(); ++k) results_[k] = {};
+  enter(now);
+  return {};
+}
+
+}  // namespace sinew::program

@@ -1,0 +1,371 @@
+#include "sinew/program/procedures.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "sinew/core/units.h"
+#include "sinew/model/joint_lookup.h"
+
+namespace sinew::program {
+namespace {
+
+constexpr double kLegStep = from_mm(0.2);
+
+bool has_boards(const RobotModel& robot) {
+  return std::holds_alternative<AxisRegistersDevice>(robot.device.settings) ||
+         std::holds_alternative<AxisLinkDevice>(robot.device.settings);
+}
+
+bool slides(const RobotModel& robot) {
+  return robot.joints[0].kind == JointKind::kPrismatic;
+}
+
+std::vector<PlaceStep::Place> places_of(const RobotModel& robot) {
+  std::vector<PlaceStep::Place> places{{"home", home_joints(robot)}};
+  if (!slides(robot)) return places;
+  JointVector lowered;
+  for (const Joint& joint : robot.joints) lowered.push_back(joint.lower);
+  places.push_back({"lowered", lowered});
+  return places;
+}
+
+/// Told at the end of a homing: what nobody could see.
+Verdict homing_seen(const Procedure& procedure) {
+  const RobotModel& robot = procedure.machine().robot();
+  for (const JointPosition& position : procedure.machine().positions()) {
+    if (position.quality == PositionQuality::kLost) {
+      return {false, "a joint does not know where it is after the search"};
+    }
+  }
+  const bool link = std::holds_alternative<AxisLinkDevice>(robot.device.settings);
+  return {true, std::string("found twice. A switch that was pressed at the start is left first, "
+                            "and one that stays closed, or is not reached, would have failed. ") +
+                    (link ? "This wire names its zero anew with each search, "
+                          : "This wire does not say where a switch closed, ") +
+                    "so how far the two searches lie apart is not measured"};
+}
+
+ProcedureStep search(std::string id, std::string text, const Homing& homing) {
+  return {.id = std::move(id),
+          .text = std::move(text),
+          .what = SearchStep{homing.times},
+          .hint = "a joint that fails has a switch that is stuck, not reached, or not plugged in"};
+}
+
+ProcedurePlan homing_plan(const RobotModel& robot, const Homing& homing) {
+  ProcedurePlan plan{"home", "Homing of " + robot.title, {}};
+  plan.steps.push_back({.id = "clear",
+                        .text = "Nobody and nothing is within the arm's reach, and somebody has a "
+                                "hand on the power switch.",
+                        .what = TellStep{}});
+  plan.steps.push_back(
+      search("search", "Each joint looks for its end stop, one after the other.", homing));
+  plan.steps.push_back(
+      search("again", "Once more, to see that every joint finds it again.", homing));
+  plan.steps.back().optional = true;
+  // A board that does not say where its search ended knows it itself.
+  plan.steps.push_back(
+      {.id = "to_home",
+       .text = "From where the search ended, which this wire does not tell, slowly to its home.",
+       .what = FirstMoveStep{},
+       .hint = {},
+       .optional = false,
+       .when = [](const Procedure& procedure) { return !procedure.machine().reference(); }});
+  plan.steps.push_back(
+      {.id = "seen", .text = "What the two searches show", .what = CheckStep{homing_seen}});
+  return plan;
+}
+
+}  // namespace
+
+std::expected<ProcedurePlan, std::string> homing_procedure(const RobotModel& robot,
+                                                           const Homing& homing) {
+  if (!has_boards(robot)) {
+    return std::unexpected(robot.title + " has no end stops; recover is its way to a position");
+  }
+  return homing_plan(robot, homing);
+}
+
+ProcedurePlan recovery_procedure(const RobotModel& robot, const Homing& homing) {
+  if (has_boards(robot)) {
+    ProcedurePlan plan = homing_plan(robot, homing);
+    plan.id = "recover";
+    plan.title = "Recovery of " + robot.title;
+    std::erase_if(plan.steps, [](const ProcedureStep& step) { return step.id == "again"; });
+    plan.steps.pop_back();
+    return plan;
+  }
+  ProcedurePlan plan{"recover", "Recovery of " + robot.title, {}};
+  if (!(robot.device.capability.nudge_max > 0)) {
+    plan.steps.push_back({.id = "clear",
+                          .text = "The arm is held by hand near its home, and its way is free.",
+                          .what = TellStep{}});
+    plan.steps.push_back({.id = "first_move",
+                          .text = "A slow move to its home; a hand stays near the power switch.",
+                          .what = FirstMoveStep{}});
+    return plan;
+  }
+  for (std::size_t j = 0; j < robot.joints.size(); ++j) {
+    const std::string& name = robot.joints[j].name;
+    plan.steps.push_back({.id = "adjust." + name,
+                          .text = name + " goes by hand to where you know it: by how much, which "
+                                         "way? done where it stands right.",
+                          .what = AdjustStep{j},
+                          .hint = {},
+                          .optional = false,
+                          .when = {}});
+  }
+  plan.steps.push_back({.id = "place",
+                        .text = "Where does it stand now?",
+                        .what = PlaceStep{places_of(robot)},
+                        .hint = "where it was moved by hand, add moved: and who did it"});
+  return plan;
+}
+
+// What the robots' lists have in common.
+
+namespace {
+
+/// Words for the two ways of a joint, as people see them.
+struct Ways {
+  const char* plus;
+  const char* minus;
+};
+
+class Lister {
+ public:
+  Lister(const RobotModel& robot, const DeviceFact& fact) : robot_(robot), fact_(fact) {}
+
+  ProcedureStep& add(std::string id, std::string text,
+                     decltype(ProcedureStep::what) what = TellStep{}, std::string hint = {}) {
+    steps_.push_back({std::move(id), std::move(text), std::move(what), std::move(hint)});
+    return steps_.back();
+  }
+  void directions(double way, const std::vector<Ways>& ways) {
+    for (std::size_t j = 0; j < robot_.joints.size(); ++j) {
+      const std::string& name = robot_.joints[j].name;
+      add("direction." + name,
+          name + " moves by a little and comes back. Which way does it go first?",
+          MotionStep{j, way, ways[std::min(j, ways.size() - 1)].plus,
+                     ways[std::min(j, ways.size() - 1)].minus},
+          "look at its plug, and at the supply");
+    }
+  }
+  /// All joints went; where one did not, what that means.
+  void all_turn(std::string meaning) {
+    add("all_move", "Every motor has moved", CheckStep{[meaning](const Procedure& procedure) {
+          std::string still;
+          for (const Joint& joint : procedure.machine().robot().joints) {
+            const auto* one = procedure.result("direction." + joint.name);
+            const bool moved = one != nullptr && one->number && *one->number != 0;
+            if (!moved) still += (still.empty() ? "" : ", ") + joint.name;
+          }
+          if (still.empty()) return Verdict{true, "all of them"};
+          return Verdict{false, "not moved as asked: " + still + ". " + meaning};
+        }});
+  }
+  void answers(std::string text) {
+    add("answers", std::move(text), CheckStep{[](const Procedure& procedure) {
+          const auto& machine = procedure.machine();
+          const bool ready = machine.state() == control::MachineState::kReady;
+          return Verdict{ready, ready ? "it answers" : "it does not answer"};
+        }});
+  }
+  void supply(double least) {
+    add("supply_seen", "The board's supply", CheckStep{[fact = fact_, least](const Procedure&) {
+          const auto volts = fact ? fact("supply", 0) : std::nullopt;
+          if (!volts) return Verdict{true, "this board does not tell its supply"};
+          const double measured = std::strtod(volts->c_str(), nullptr);
+          return Verdict{measured >= least, *volts + " V", measured};
+        }});
+  }
+  void told(std::string id, std::string text, std::string what) {
+    add(std::move(id), std::move(text),
+        CheckStep{[fact = fact_, what = std::move(what)](const Procedure&) {
+          const auto word = fact ? fact(what, 0) : std::nullopt;
+          return Verdict{true, word.value_or("not told here")};
+        }});
+  }
+  std::vector<ProcedureStep> take() { return std::move(steps_); }
+
+ private:
+  const RobotModel& robot_;
+  const DeviceFact& fact_;
+  std::vector<ProcedureStep> steps_;
+};
+
+void list_hexapod(Lister& list, const RobotModel& robot, const DeviceFact& fact) {
+  list.add("supply",
+           "The motor modules get 12 V (8 to 24 V) from a supply that is strong enough "
+           "for six motors of 0.8 A.");
+  list.add("cables",
+           "With the supply off: motors to their modules, modules to the I2C switch, the "
+           "switch to the controller, the controller to this computer. Never plug a motor "
+           "while it has current.");
+  list.add("power_cycle",
+           "The supply was switched off for some seconds and on again, last of all. "
+           "A controller that was shut down answers only after that.");
+  list.answers("The controller answers");
+  list.directions(kLegStep, {{"longer", "shorter"}});
+  list.all_turn("Where not all motors spin the supply is too weak, or a plug is loose");
+  list.add("minus_one", "What a step down really is, from the target position of a motor module",
+           CheckStep{[fact](const Procedure&) {
+             const auto word = fact ? fact("minus_one", 0) : std::nullopt;
+             if (!word) return Verdict{true, "not told here"};
+             const bool known = *word == "FFFF" || *word == "FFFE";
+             return Verdict{known, "TagPos " + *word + (*word == "FFFE" ? ": two units" : ""),
+                            *word == "FFFE" ? 2.0 : 1.0};
+           }});
+  list.add("go_far", "leg1 goes 2 mm, to be measured: put a calliper beside it first.",
+           MotionStep{0, from_mm(2), "longer", "shorter", false})
+      .optional = true;
+  list.add("went", "How far did leg1 go?", NumberStep{Measure::kLength, from_mm(0.2), from_mm(20)})
+      .when = [](const Procedure& procedure) {
+    const auto* far = procedure.result("go_far");
+    return far != nullptr && far->state == StepResult::State::kDone;
+  };
+  list.add("place", "Where does the platform stand now? lowered: every leg at its shortest.",
+           PlaceStep{places_of(robot)});
+}
+
+void list_servos(Lister& list, const RobotModel& robot) {
+  list.add("supply",
+           "The board gets 6 to 7.4 V from a supply that is strong enough for six "
+           "servos (5 A and more), and its switch is on.");
+  list.answers("The board answers, or is one that cannot be asked");
+  list.supply(6.4);
+  list.told("board", "Which board it is", "board");
+  list.add("clear", "The arm is held by hand near its home, and its way is free.");
+  list.add("first_move", "A slow move to its home; a hand stays near the power switch.",
+           FirstMoveStep{});
+  list.directions(from_deg(8), {{"left", "right"},
+                                {"forward", "backward"},
+                                {"forward", "backward"},
+                                {"forward", "backward"},
+                                {"left", "right"}});
+  for (const Joint& joint : robot.joints) {
+    const auto other = [id = "direction." + joint.name](const Procedure& procedure) {
+      const auto* one = procedure.result(id);
+      return one != nullptr && one->answer == "other";
+    };
+    list.add("id." + joint.name, "Which servo number has " + joint.name + "?",
+             NumberStep{Measure::kShare, 1, 253})
+        .when = other;
+  }
+  list.all_turn("A servo that stays still has another number, a loose plug, or no supply");
+  for (const Joint& joint : robot.joints) {
+    list.add("trim." + joint.name,
+             "By how much must " + joint.name +
+                 " be corrected so that its zero is where the model has it? Plus as it counts.",
+             NumberStep{Measure::kAngle, from_deg(-15), from_deg(15)})
+        .optional = true;
+  }
+}
+
+void list_bigrobotarm(Lister& list, const RobotModel& robot) {
+  list.add("supply",
+           "The arm was put straight up by hand, and then its motors got their supply: "
+           "it counts from where it stood at that moment.");
+  list.answers("The board answers on this wire");
+  list.told("firmware", "Which firmware it has", "wire");
+  list.add("place", "Where does it stand? home is straight up.", PlaceStep{places_of(robot)});
+  list.directions(from_deg(2), {{"left", "right"},
+                                {"forward", "backward"},
+                                {"forward", "backward"},
+                                {"left", "right"},
+                                {"forward", "backward"}});
+  list.all_turn("A motor that only hums has a coil that is not connected, or too little current");
+  list.add("gripper", "The gripper's servo goes to 60 deg.",
+           ToolTryStep{GripperTo{true, from_deg(60)}});
+  list.add("gripper_seen", "What did the gripper do?", ChoiceStep{{"closed", "opened", "nothing"}});
+}
+
+void list_maxarm(Lister& list) {
+  list.add("supply",
+           "The arm has its 7.5 V supply, is switched on, and stands where nothing is in "
+           "its way.");
+  list.answers("The arm answers");
+  list.told("replies", "How its replies are summed", "checksum");
+  list.add("firmware", "Which firmware has it? The MicroPython one moves by itself after power-up.",
+           ChoiceStep{{"arduino", "micropython"}});
+  list.directions(from_deg(6), {{"left", "right"}, {"forward", "backward"}, {"up", "down"}});
+  list.all_turn("A servo that stays still has a loose plug, or is overloaded");
+  list.add("suction", "The pump runs: hold something flat below the nozzle.",
+           ToolTryStep{Suction{Suction::State::kOn}});
+  list.add("suction_seen", "Is it held?", ChoiceStep{{"held", "nothing"}},
+           "the hose, the pump's plug, the nozzle");
+  list.add("suction_off", "The valve opens, and it is let go of.",
+           ToolTryStep{Suction{Suction::State::kRelease}});
+}
+
+void list_boards(Lister& list, const RobotModel& robot, const Homing& homing,
+                 const DeviceFact& fact) {
+  list.add("supply",
+           "The arm is held or hangs safely: it drops without power. The boards have "
+           "their supply, and a hand is on its switch.");
+  list.answers("The boards answer");
+  for (std::size_t j = 0; j < robot.joints.size(); ++j) {
+    list.add("board." + robot.joints[j].name, "The board of " + robot.joints[j].name,
+             CheckStep{[fact, j](const Procedure&) {
+               const auto word = fact ? fact("axis", j) : std::nullopt;
+               if (!word) return Verdict{true, "not told here"};
+               return Verdict{*word == "fine", *word};
+             }},
+             "its cable, its chip select, its supply");
+  }
+  ProcedurePlan found = homing_plan(robot, homing);
+  for (ProcedureStep& step : found.steps) {
+    if (step.id == "again") step.optional = false;
+    list.add(step.id, step.text, step.what, step.hint).when = step.when;
+  }
+  list.directions(from_deg(5), {{"plus", "minus"}});
+  list.all_turn("A motor that only hums has a coil that is not connected, or too little current");
+  list.add(
+      "senses", "Every axis turns as the model counts", CheckStep{[](const Procedure& procedure) {
+        std::string other;
+        for (const Joint& joint : procedure.machine().robot().joints) {
+          const auto* one = procedure.result("direction." + joint.name);
+          if (one == nullptr || !one->number || *one->number >= 0) continue;
+          other += (other.empty() ? "" : ", ") + joint.name;
+        }
+        if (other.empty()) return Verdict{true, "all of them"};
+        return Verdict{false, "against the model: " + other +
+                                  ". A board turns its motor as it is set up itself: change it "
+                                  "there, or at the motor's plug, and home again"};
+      }});
+  list.add("encoders", "The encoders followed", CheckStep{[](const Procedure& procedure) {
+             const auto& device = procedure.machine().robot().device.settings;
+             const bool link = std::holds_alternative<AxisLinkDevice>(device);
+             return Verdict{true, link ? "each motion ended where its encoder was sent; one that "
+                                         "counts the wrong way would have been a fault"
+                                       : "this wire tells what a board was sent, not what its "
+                                         "encoder says"};
+           }});
+}
+
+}  // namespace
+
+std::expected<ProcedurePlan, std::string> commissioning_procedure(const RobotModel& robot,
+                                                                  const Homing& homing,
+                                                                  const DeviceFact& fact) {
+  ProcedurePlan plan{"commission", "Commissioning of " + robot.title, {}};
+  Lister list(robot, fact);
+  const auto& settings = robot.device.settings;
+  if (std::holds_alternative<IcpDevice>(settings)) {
+    list_hexapod(list, robot, fact);
+  } else if (std::holds_alternative<LscDevice>(settings)) {
+    list_servos(list, robot);
+  } else if (std::holds_alternative<BigRobotArmDevice>(settings)) {
+    list_bigrobotarm(list, robot);
+  } else if (std::holds_alternative<MaxArmDevice>(settings)) {
+    list_maxarm(list);
+  } else if (has_boards(robot)) {
+    list_boards(list, robot, homing, fact);
+  } else {
+    return std::unexpected(robot.id + " is a model only: there is nothing to commission");
+  }
+  plan.steps = list.take();
+  return plan;
+}
+
+}  // namespace sinew::program

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <functional>
+#include <map>
+#include <string>
+
+#include "sinew/program/procedure.h"
+#include "sinew/program/program_plan.h"
+
+/// The procedures of the robots: which steps, in which order, with which words.
+namespace sinew::program {
+
+/// What a device tells beside positions, for those who are in one process with its driver.
+/// @return  a word or a number as text; nothing where this device, or this place, does not tell
+using DeviceFact = std::function<std::optional<std::string>(std::string_view what, std::size_t)>;
+
+/// Finds the zeros twice, with the time that each joint's search took, and says what of it this
+/// wire can show.
+/// @error  a sentence: this robot has no end stops
+std::expected<ProcedurePlan, std::string> homing_procedure(const RobotModel& robot,
+                                                           const Homing& homing);
+
+/// The way back to a position that may be planned with: homing where there are end stops, a slow
+/// first move on servos, else joint by joint by hand to a place that somebody knows.
+ProcedurePlan recovery_procedure(const RobotModel& robot, const Homing& homing);
+
+/// The guided checklist for a robot's first day.
+/// @error  a sentence: this robot is a model only
+std::expected<ProcedurePlan, std::string> commissioning_procedure(const RobotModel& robot,
+                                                                  const Homing& homing,
+                                                                  const DeviceFact& fact);
+
+/// What commissioning has found, by name: "joint.leg1.invert" = "yes".
+using FoundSettings = std::map<std::string, std::string>;
+
+/// What a procedure's results say of the device, where that is another than in the robot's file.
+FoundSettings found_settings(const Procedure& procedure);
+
+/// Puts them into the model's device.
+/// @error  a sentence: a name or a value that does not belong to this robot
+std::expected<void, std::string> use_settings(RobotModel& robot, const FoundSettings& settings);
+
+}  // namespace sinew::program

@@ -1,0 +1,104 @@
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "sinew/core/spelling.h"
+#include "sinew/io/disk_folder.h"
+#include "sinew/io/file.h"
+#include "sinew/runtime/position_record.h"
+#include "sinew/runtime/procedure_session.h"
+
+namespace sinew::runtime {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using State = program::StepResult::State;
+
+constexpr int kVersion = 1;
+
+std::optional<State> state_named(const std::string& word) {
+  for (const State state : {State::kOpen, State::kDone, State::kSkipped, State::kFailed}) {
+    if (program::name(state) == word) return state;
+  }
+  return std::nullopt;
+}
+
+bool read_answers(const Json& json, CommissioningFile& file) {
+  for (const auto& [id, one] : json.items()) {
+    if (!one.is_object() || !one.contains("state") || !one["state"].is_string()) return false;
+    const auto state = state_named(one["state"]);
+    if (!state) return false;
+    program::StepResult result{.state = *state, .answer = {}, .words = {}};
+    for (const auto& [key, to] : {std::pair{"answer", &result.answer}, {"words", &result.words}}) {
+      if (!one.contains(key)) continue;
+      if (!one[key].is_string()) return false;
+      *to = printable(one[key].get<std::string>());
+    }
+    if (one.contains("number")) {
+      if (!one["number"].is_number()) return false;
+      result.number = one["number"].get<double>();
+    }
+    file.answers[id] = std::move(result);
+  }
+  return true;
+}
+
+}  // namespace
+
+io::IoResult<std::string> commissioning_path(const std::string& name) {
+  auto positions = positions_folder();
+  if (!positions) return std::unexpected(positions.error());
+  const std::filesystem::path folder = std::filesystem::path(*positions).parent_path();
+  return (folder / "commissioning" / (name + ".json")).string();
+}
+
+std::expected<CommissioningFile, std::string> read_commissioning(const std::string& path,
+                                                                 const RobotModel& robot) {
+  const auto text = io::read_file(path);
+  if (!text) return std::unexpected(text.error().sentence);
+  const Json json = Json::parse(*text, nullptr, false);
+  const auto wrong = [&](const std::string& what) {
+    return std::unexpected(path + ": " + what + "; sinew commission makes a new one");
+  };
+  if (!json.is_object() || json.value("version", Json()) != kVersion) {
+    return wrong("is no settings file of this version");
+  }
+  if (json.value("robot", Json()) != robot.id) return wrong("is another robot's than " + robot.id);
+  CommissioningFile file;
+  file.finished = json.value("finished", Json()) == true;
+  const Json answers = json.value("answers", Json::object());
+  const Json settings = json.value("settings", Json::object());
+  if (!answers.is_object() || !settings.is_object() || !read_answers(answers, file)) {
+    return wrong("its answers or settings cannot be read");
+  }
+  for (const auto& [key, value] : settings.items()) {
+    if (!value.is_string()) return wrong("the setting '" + printable(key) + "' is no text");
+    file.settings[key] = value.get<std::string>();
+  }
+  return file;
+}
+
+io::IoResult<void> write_commissioning(const std::string& path, const RobotModel& robot,
+                                       const CommissioningFile& file) {
+  const std::string folder = std::filesystem::path(path).parent_path().string();
+  if (!folder.empty()) {
+    if (const auto made = io::DiskFolder::open_folder(folder); !made) {
+      return std::unexpected(made.error());
+    }
+  }
+  Json json{{"version", kVersion}, {"robot", robot.id}, {"finished", file.finished}};
+  json["settings"] = Json::object();
+  for (const auto& [key, value] : file.settings) json["settings"][key] = value;
+  json["answers"] = Json::object();
+  for (const auto& [id, result] : file.answers) {
+    Json one{{"state", program::name(result.state)}};
+    if (!result.answer.empty()) one["answer"] = result.answer;
+    if (!result.words.empty()) one["words"] = result.words;
+    if (result.number) one["number"] = *result.number;
+    json["answers"][id] = std::move(one);
+  }
+  return io::replace_file(path, json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+}
+
+}  // namespace sinew::runtime

@@ -1,0 +1,110 @@
+#include "sinew/runtime/procedure_session.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "sinew/driver/axis_link.h"
+#include "sinew/driver/axis_registers.h"
+#include "sinew/driver/bigrobotarm_joint_driver.h"
+#include "sinew/driver/icp.h"
+#include "sinew/driver/maxarm.h"
+#include "sinew/model/error_sentence.h"
+
+namespace sinew::runtime {
+namespace {
+
+constexpr Duration kSliceMax = std::chrono::milliseconds(50);
+constexpr Duration kFeedInterval = std::chrono::milliseconds(2);
+constexpr Duration kSettleMax = std::chrono::seconds(5);
+
+bool settled(const ControlLoop& loop) {
+  const Driver& driver = loop.controller().driver();
+  const bool busy =
+      driver.state() == DriverState::kMoving || driver.state() == DriverState::kStopping;
+  return !busy && !control::may_move(loop.controller().state()) && loop.recorded();
+}
+
+/// What a module's last step down left in its target position.
+std::optional<std::string> minus_one(const IcpDriver& driver) {
+  for (std::size_t leg = 0; leg < kLegs; ++leg) {
+    const auto& status = driver.status(leg);
+    if (!status || status->two.target >= 0) continue;
+    return fmt::format("{:04X}", static_cast<std::uint16_t>(status->two.target));
+  }
+  return std::nullopt;
+}
+
+template <class AxisDriver>
+std::string axis_text(const AxisDriver& driver, std::size_t joint, const RobotModel& robot) {
+  const auto fault = driver.axis_fault(joint);
+  return fault ? sentence_of(*fault, robot) : "fine";
+}
+
+}  // namespace
+
+program::DeviceFact facts_of(const Driver& driver, const RobotModel& robot) {
+  return [&driver, &robot](std::string_view what, std::size_t joint) -> std::optional<std::string> {
+    if (what == "supply") {
+      const auto volts = driver.health().supply_volts;
+      return volts ? std::optional(fmt::format("{:.1f}", *volts)) : std::nullopt;
+    }
+    if (const auto* icp = dynamic_cast<const IcpDriver*>(&driver); icp && what == "minus_one") {
+      return minus_one(*icp);
+    }
+    if (const auto* arm = dynamic_cast<const BigRobotArmJointDriver*>(&driver);
+        arm && what == "wire") {
+      const BigRobotArmFound found = arm->wire();
+      if (found.wire == BigRobotArmWire::kByte) return "byte";
+      return found.dialect == BigRobotArmDialect::k2026 ? "text2026" : "text";
+    }
+    if (const auto* arm = dynamic_cast<const MaxArmDriver*>(&driver); arm && what == "checksum") {
+      const auto sum = arm->checksum();
+      if (!sum) return std::nullopt;
+      return *sum == maxarm::Checksum::kSpec ? "as the document says" : "with the header";
+    }
+    if (what == "axis") {
+      if (const auto* boards = dynamic_cast<const AxisRegistersDriver*>(&driver)) {
+        return axis_text(*boards, joint, robot);
+      }
+      if (const auto* link = dynamic_cast<const AxisLinkDriver*>(&driver)) {
+        return axis_text(*link, joint, robot);
+      }
+    }
+    return std::nullopt;
+  };
+}
+
+ProcedureEnd run_procedure(program::Procedure& procedure, ControlLoop& loop, DriverLine& line,
+                           const io::Clock& clock, const ProcedureHooks& hooks) {
+  ProcedureEnd end;
+  std::optional<Instant> finished_at;
+  procedure.start(clock.now());
+  while (true) {
+    const Instant now = clock.now();
+    loop.set_wall(io::wall_time_ns());
+    loop.step(now, [&] { procedure.poll(now); });
+    if (hooks.turn) hooks.turn(procedure, now);
+    const int interrupts = hooks.interrupts ? hooks.interrupts() : 0;
+    end.left_at_once = interrupts > 1;
+    if (end.left_at_once) break;
+    if (interrupts == 1) procedure.cancel(now);
+    if (procedure.finished()) {
+      loop.begin_closing();
+      if (!finished_at) finished_at = now;
+      const bool given = loop.machine().has_commands() || procedure.motion_in_use();
+      if ((!given && settled(loop)) || now - *finished_at > kSettleMax) break;
+    }
+    const bool moves = control::may_move(loop.controller().state());
+    const Duration wait = clock.until(now + (moves ? kFeedInterval : kSliceMax));
+    if (const auto turned = line.turn(std::min(kSliceMax, wait)); !turned) {
+      end.wire_failure = turned.error();
+      loop.set_port_open(false);
+      loop.step(clock.now(), [&] { procedure.poll(clock.now()); });
+      break;
+    }
+  }
+  return end;
+}
+
+}  // namespace sinew::runtime
