@@ -3,6 +3,8 @@
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
+#include <memory>
+#include <vector>
 
 #include "cli/process.h"
 #include "sinew/io/scratch_folder_test_support.h"
@@ -139,10 +141,55 @@ TEST(Cell, where_an_arm_stands_becomes_a_point_of_a_program) {
   EXPECT_EQ(listed.json()["points"][0]["robot"], "learm");
   EXPECT_EQ(cell.ask({"teach", "left", "here", "--points", points, "--replace"}).exit, 0);
   EXPECT_EQ(cell.ask({"teach", "left", "3d", "--points", points}).exit, 2);
+  const std::string other =
+      cell.folder().file("other.toml", "[points.here]\nrobot = \"maxarm\"\nlegs_mm = [1]\n");
+  const Ended foreign = cell.ask({"teach", "left", "here", "--points", other, "--replace"});
+  EXPECT_EQ(foreign.exit, 2);
+  EXPECT_NE(foreign.err.find("is a point of maxarm"), std::string::npos) << foreign.err;
   EXPECT_EQ(cell.ask({"teach", "lfet", "there", "--points", points}).exit, 2);
   const std::string wrong = cell.folder().file("wrong.toml", "[points.a]\nrobot = 3\n");
   EXPECT_EQ(cell.ask({"teach", "left", "b", "--points", wrong}).exit, 2);
   EXPECT_EQ(text_of(wrong), "[points.a]\nrobot = 3\n");
+}
+
+TEST(Cell, a_way_that_is_looked_at_is_in_its_file_before_the_end) {
+  Cell cell;
+  EXPECT_EQ(cell.ask({"move", "left", kStand}).exit, 0);
+  const std::string way = cell.folder().at("way.sinew");
+  Process teach(cell.on({"teach", "left", "--way", way}));
+  teach.wait_for_err("Ctrl-C ends");
+  EXPECT_EQ(cell.ask({"move", "left", "joint", "base=30deg"}).exit, 0);
+  for (int k = 0; k < 200 && text_of(way).empty(); ++k) teach.let_run(100ms);
+  teach.signal(SIGKILL);
+  teach.end();
+  EXPECT_EQ(sinew({"check", way, "--robot", "learm"}).exit, 0) << text_of(way);
+}
+
+TEST(Cell, a_jog_holds_for_the_time_of_the_robot) {
+  Cell cell;
+  EXPECT_EQ(cell.ask({"move", "left", kStand}).exit, 0);
+  const Ended jogged = cell.ask(
+      {"jog", "left", "--frame", "joint", "--velocity", "10deg/s,0,0,0,0", "--time", "3s"});
+  EXPECT_EQ(jogged.exit, 0) << jogged.err;
+  // 30 deg, and as much as a computer that looks late adds to it.
+  EXPECT_GT(base_rad(cell.status("left")), 0.35);
+}
+
+TEST(Cell, points_taught_at_once_are_all_kept) {
+  Cell cell;
+  EXPECT_EQ(cell.ask({"move", "left", kStand}).exit, 0);
+  const std::string points = cell.folder().at("points.toml");
+  std::vector<std::unique_ptr<Process>> teachers;
+  for (const char* name : {"a", "b", "c", "d", "e", "f"}) {
+    teachers.push_back(
+        std::make_unique<Process>(cell.on({"teach", "left", name, "--points", points})));
+  }
+  for (const auto& teacher : teachers) {
+    const Ended taught = teacher->end();
+    EXPECT_EQ(taught.exit, 0) << taught.err;
+  }
+  const Ended listed = sinew({"points", points, "--json"});
+  EXPECT_EQ(Json::parse(listed.out)["points"].size(), 6U) << text_of(points);
 }
 
 /// Somebody leads an arm by a jog, somebody looks on, and a program goes the same way.
@@ -154,7 +201,7 @@ TEST(Cell, a_way_that_an_arm_was_led_becomes_a_program) {
   teach.wait_for_err("Ctrl-C ends");
   const auto jog = [&](const std::string& velocity) {
     const Ended jogged =
-        cell.ask({"jog", "left", "--frame", "joint", "--velocity", velocity, "--time", "0.2s"});
+        cell.ask({"jog", "left", "--frame", "joint", "--velocity", velocity, "--time", "2s"});
     EXPECT_EQ(jogged.exit, 0) << jogged.err;
   };
   jog("15deg/s,0,0,0,0");
@@ -202,7 +249,7 @@ TEST(Cell, run_takes_a_part_of_a_program_and_its_pace) {
     EXPECT_EQ(ended.exit, 2);
     EXPECT_NE(ended.err.find(what), std::string::npos) << ended.err;
   };
-  refuses({"--speed", "300%"}, "0.01 to 1");
+  refuses({"--speed", "300%"}, "1% to 100%");
   refuses({"--speed", "fast"}, "--speed");
   refuses({"--from-line", "77"}, "from_line");
   refuses({"--from-line", "-1"}, "from_line");

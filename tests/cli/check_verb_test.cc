@@ -146,7 +146,7 @@ TEST(ConvertVerb, gcode_becomes_a_program_that_can_be_checked) {
   EXPECT_EQ(sinew({"check", out, "--robot", "maxarm", "--from-joints", "90,110,30"}).exit, 0);
   EXPECT_EQ(sinew({"fmt", "--check", out}).exit, 0);
   const std::string arc = folder.file("arc.nc", "G2 X1 I1\n");
-  const Ended refused = sinew({"convert", arc, out, "--robot", "maxarm", "--json"});
+  const Ended refused = sinew({"convert", arc, out, "--robot", "maxarm", "--json", "--replace"});
   EXPECT_EQ(refused.exit, 2);
   EXPECT_EQ(refused.json()["error"]["complaints"].size(), 2U);
   EXPECT_TRUE(text_of(out).starts_with("move")) << "nothing is written then";
@@ -194,6 +194,10 @@ TEST(ConvertVerb, sequence_goes_to_rows_and_back_and_what_does_not_is_told) {
   EXPECT_NE(sample.err.find("write S1 before it"), std::string::npos) << sample.err;
   EXPECT_EQ(sinew({"convert", file, rows, "--robot", "learm"}).exit, 2);
   EXPECT_EQ(sinew({"convert", rows, rows, "--robot", "bigrobotarm"}).exit, 2) << "onto itself";
+  const Ended taken = sinew({"convert", file, rows, "--robot", "bigrobotarm"});
+  EXPECT_EQ(taken.exit, 2);
+  EXPECT_NE(taken.err.find("--replace"), std::string::npos) << taken.err;
+  EXPECT_EQ(sinew({"convert", file, rows, "--robot", "bigrobotarm", "--replace"}).exit, 0);
   const Ended kind = sinew({"convert", folder.file("x.dat", "1"), "--robot", "learm"});
   EXPECT_EQ(kind.exit, 2);
   EXPECT_NE(kind.err.find("its ending does not say what it is"), std::string::npos);

@@ -1,6 +1,7 @@
 // The verbs by which a person takes a machine of a running cell in hand: jog, recover, lease.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <utility>
 
@@ -12,6 +13,7 @@
 #include "sinew/core/units.h"
 #include "sinew/io/clock.h"
 #include "sinew/io/interrupt.h"
+#include "sinew/planning/jog.h"
 
 namespace sinew::cli {
 namespace {
@@ -115,13 +117,19 @@ Outcome cell_jog(const CellRequest& request) {
   io::catch_interrupts();
   if (const auto taken = take_lease(*cell, request); !taken) return taken.error();
   if (const auto ready = make_ready(*cell, request.robot); !ready) return ready.error();
+  const auto description = cell->call("cell.describe");
+  if (!description) return description.error();
+  // --time is the robot's; a simulated cell may run faster than this program.
+  const double scale = (*description)["time_scale"];
   const io::Clock clock;
-  const Instant end = clock.now() + from_seconds(*time);
-  const Json params{{"robot", request.robot}, {"frame", request.frame}, {"velocity", *velocity}};
-  // Letting go is enough: a command that nobody renews ends by itself.
-  while (clock.now() < end && io::interrupts() == 0) {
+  const Instant end = clock.now() + from_seconds(*time / scale);
+  Json params{{"robot", request.robot}, {"frame", request.frame}, {"velocity", *velocity}};
+  // Letting go is enough: a command that nobody renews ends by itself, the last one at its end.
+  for (Duration left = end - clock.now(); left > Duration{0} && io::interrupts() == 0;
+       left = end - clock.now()) {
+    params["expiry_s"] = to_seconds(std::min(left, planning::kJogExpiry));
     if (const auto jogs = cell->call("robot.jog", params); !jogs) return jogs.error();
-    clock.pause(kJogInterval);
+    clock.pause(std::min(left, kJogInterval));
   }
   if (io::interrupts() > 0) {
     const auto stopped = cell->call("robot.stop", {{"robot", request.robot}});

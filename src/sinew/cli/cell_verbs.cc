@@ -23,6 +23,9 @@ namespace {
 /// A lease lives for a second behind its holder's last word.
 constexpr Duration kAlive = std::chrono::milliseconds(250);
 constexpr Duration kSlice = std::chrono::milliseconds(50);
+constexpr const char* kGoneAway =
+    "the server has gone away; what streams holds, and a device that takes whole moves ends the "
+    "one that it is at";
 
 double shown(const Json& joint, const char* what) {
   const std::string metres = std::string(what) + "_m";
@@ -145,7 +148,7 @@ Outcome follow(CellConnection& cell, const std::string& robot, std::uint64_t num
   JobLine line(quiet);
   while (true) {
     const auto message = cell.client().next(kSlice);
-    if (cell.client().broken()) return could_not("the server has gone away; the robot holds");
+    if (cell.client().broken()) return could_not(kGoneAway);
     if (message && (*message)["method"] == "job") {
       const Json& job = (*message)["params"];
       if (job["job"] == number) {
@@ -244,8 +247,8 @@ Outcome cell_run(const CellRequest& request) {
   if (request.single_step) params["single_step"] = true;
   if (request.from_line) params["from_line"] = *request.from_line;
   if (request.speed) {
-    const auto share = parse_quantity(*request.speed, Measure::kShare, UnitRule::kRequired);
-    if (!share) return bad_input("--speed: " + share.error());
+    const auto share = speed_share(*request.speed);
+    if (!share) return bad_input(share.error());
     params["speed"] = *share;
   }
   return run_job(request, "program.run", std::move(params));

@@ -208,7 +208,9 @@ Made converted(const ConvertRequest& request, const RobotModel& model, Form from
   if (from == Form::kRecord && to == Form::kProgram) {
     const auto way = way_of_record(request.in, model);
     if (!way) return std::unexpected(way.error());
-    return program_of_way(*way, model);
+    auto taught = program_of_way(*way, model);
+    if (!taught) return std::unexpected(taught.error());
+    return std::move(taught->text);
   }
   const auto text = io::read_file(request.in);
   if (!text) return std::unexpected(bad_input(text.error().sentence));
@@ -256,6 +258,9 @@ Outcome convert(const ConvertRequest& request) {
   }
   if (request.out && io::same_file(request.in, *request.out)) {
     return bad_input(*request.out + ": is the file that is read");
+  }
+  if (request.out && io::is_file(*request.out) && !request.replace) {
+    return bad_input(*request.out + ": is there already; --replace writes it anew");
   }
   auto text = converted(request, model, *from, *to);
   if (text && *to == Form::kProgram) {

@@ -235,14 +235,17 @@ void add_jog(CLI::App& app, Call& call) {
                             "sinew jog robot-arm-2 --from-joints 160,30,-60,0,30,0 "
                             "--velocity=-50mm/s,-50mm/s,0 --time 10s --plot jog.svg");
   JogRequest& request = call.jog;
-  verb->add_option("ROBOT", request.robot, "id or .toml file")->required();
+  verb->add_option("ROBOT", request.robot, "id or .toml file; with --cell its name there")
+      ->required();
   verb->add_option("--frame", request.frame, "joint, base, tool or platform; base where left out");
   verb->add_option("--velocity", request.velocity,
                    "of the tool x,y,z and turns about them, as in 20mm/s,0,0 or "
                    "20mm/s,0,0,0,0,5deg/s; of joints one a joint")
       ->required();
-  verb->add_option("--time", request.time, "how long it is held, 3s where left out");
-  verb->add_option("--from-joints", request.from, "where it starts; home where left out");
+  verb->add_option("--time", request.time,
+                   "how long it is held; 3s where left out, with --cell 1s");
+  verb->add_option("--from-joints", request.from,
+                   "where it starts; home where left out, with --cell where it stands");
   verb->add_flag("--touch", request.contact, "without looking for contact with itself or a table");
   verb->add_option("--plot", request.plot,
                    "SVG file: every joint against its limits, the tool's way");
@@ -559,14 +562,15 @@ void add_convert(CLI::App& app, Call& call) {
                "sinew convert part.gcode part.sinew --robot maxarm");
   ConvertRequest& request = call.convert;
   verb->add_option("IN", request.in,
-                   "NAME.sinew, .txt (BigRobotArm), .pos, .cfg (hexapod), .gcode .nc .ngc")
+                   "NAME.sinew, .txt (BigRobotArm), .pos, .cfg (hexapod), .gcode .nc .ngc, .mcap")
       ->required();
   verb->add_option("OUT", request.out, "NAME.sinew, .txt or .pos; on stdout where left out");
   verb->add_option("--robot", request.robot, "id or .toml file")->required();
-  verb->add_option("--from", request.from, "sinew, sequence, pos, config or gcode");
+  verb->add_option("--from", request.from, "sinew, sequence, pos, config, gcode or record");
   verb->add_option("--to", request.to, "sinew, sequence or pos");
   verb->add_flag("--decimal-comma", request.comma,
                  "of a .pos file, for the old program on a PC whose country writes so");
+  verb->add_flag("--replace", request.replace, "a file OUT that is there already");
   verb->callback([&call] { call.verb = [&call] { return convert(call.convert); }; });
 }
 

@@ -80,11 +80,8 @@ std::expected<void, Outcome> take_part(const RunRequest& request, Prepared& prep
     prepared.program = std::move(*part);
   }
   if (!request.speed) return {};
-  const auto share = parse_quantity(*request.speed, Measure::kShare, UnitRule::kRequired);
-  if (!share) return std::unexpected(bad_input("--speed: " + share.error()));
-  if (!(*share >= 0.01 && *share <= 1)) {
-    return std::unexpected(bad_input("--speed: is 1% to 100% of what the rows say"));
-  }
+  const auto share = speed_share(*request.speed);
+  if (!share) return std::unexpected(bad_input(share.error()));
   if (!prepared.model.device.capability.takes_speed) {
     return std::unexpected(bad_input("--speed: this device has one speed of its own"));
   }

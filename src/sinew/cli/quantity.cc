@@ -37,4 +37,13 @@ std::expected<std::vector<double>, std::string> parse_quantities(
   return values;
 }
 
+std::expected<double, std::string> speed_share(std::string_view text) {
+  const auto share = parse_quantity(text, Measure::kShare, UnitRule::kRequired);
+  if (!share) return std::unexpected("--speed: " + share.error());
+  if (!(*share >= 0.01 && *share <= 1)) {
+    return std::unexpected("--speed: is 1% to 100% of what the rows say");
+  }
+  return *share;
+}
+
 }  // namespace sinew::cli

@@ -17,4 +17,7 @@ std::expected<std::vector<double>, std::string> parse_quantities(
     std::string_view option, std::string_view text, const std::vector<Measure>& dimensions,
     const std::vector<std::string>& names);
 
+/// "50%" of --speed, in 0.01 to 1.
+std::expected<double, std::string> speed_share(std::string_view text);
+
 }  // namespace sinew::cli

@@ -1,5 +1,7 @@
 #include "sinew/cli/run_journal.h"
 
+#include "sinew/config/points_file.h"
+#include "sinew/core/spelling.h"
 #include "sinew/runtime/robot_link.h"
 
 namespace sinew::cli {
@@ -17,6 +19,11 @@ std::expected<std::unique_ptr<runtime::PositionRecord>, Outcome> open_journal(
     const RunRequest& request, const RobotModel& model) {
   const auto name = journal_name(request, model);
   if (!name) return nullptr;
+  if (request.journal && !is_point_name(*name)) {
+    return std::unexpected(bad_input(
+        "--journal: '" + printable(*name) +
+        "' is no name for one; a name is a letter and then letters, digits, - and _, 40 at most"));
+  }
   const auto folder = runtime::positions_folder();
   if (!folder) return std::unexpected(could_not(folder.error().sentence));
   auto opened = runtime::PositionRecord::open(*folder, *name, model);

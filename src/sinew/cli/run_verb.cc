@@ -117,8 +117,7 @@ Outcome drive(const Job& job, io::Port& port, const io::Clock& clock, runtime::B
 void tell_given_up(Outcome& outcome) {
   outcome.text +=
       "  note: a sequence leaves the position journal behind: the next program has to be told "
-      "where "
-      "the arm stands (--standing-at)\n";
+      "where the arm stands (--standing-at)\n";
   outcome.json["position_journal"] = "given up";
 }
 

@@ -4,7 +4,13 @@
 
 #include <cmath>
 
+#include "sinew/cli/kinematics_text.h"
+#include "sinew/cli/table.h"
+#include "sinew/core/units.h"
 #include "sinew/io/file.h"
+#include "sinew/model/joint_lookup.h"
+#include "sinew/program/program_check.h"
+#include "sinew/program/program_file.h"
 #include "sinew/program/program_format.h"
 #include "sinew/runtime/mcap_reader.h"
 
@@ -23,6 +29,27 @@ std::optional<double> known_joint(const Json& joint, const Joint& model) {
   if (*quality != "measured" && *quality != "commanded") return std::nullopt;
   const double q = value->get<double>();
   return std::isfinite(q) ? std::optional(q) : std::nullopt;
+}
+
+std::string outside_note(const program::WayRows& rows, const RobotModel& robot) {
+  const bool legs = robot.joints[0].kind == JointKind::kPrismatic;
+  return fmt::format(
+      "{} of its places lay outside the limits, by {} {} at most, and were moved to them",
+      rows.outside, number(legs ? to_mm(rows.outside_max) : to_deg(rows.outside_max), 2),
+      legs ? "mm" : "deg");
+}
+
+/// A machine may have been led, or left, to where no program goes.
+std::optional<std::string> first_refusal(const std::string& rows, const RobotModel& robot) {
+  const auto program = program::parse(rows, "the way", robot);
+  if (!program) return std::nullopt;
+  const auto checked = program::check(*program, robot, home_joints(robot));
+  for (const program::RowVerdict& row : checked.rows) {
+    if (!row.refusal) continue;
+    return fmt::format("from home, its row {} is refused: {}", row.refusal->line,
+                       error_text(row.refusal->error, robot));
+  }
+  return std::nullopt;
 }
 
 }  // namespace
@@ -72,13 +99,21 @@ std::expected<std::vector<program::WaySample>, Outcome> way_of_record(const std:
       "{}: has no way of {} in it ({} samples without its joints)", file, robot.id, unknown)));
 }
 
-std::expected<std::string, Outcome> program_of_way(std::span<const program::WaySample> way,
-                                                   const RobotModel& robot) {
-  const std::string rows = program::rows_of_way(way, robot);
-  if (rows.empty()) return std::unexpected(could_not("nothing moved, so there is no way to go"));
-  auto text = program::format(rows, "the way");
-  if (!text) return std::unexpected(complaints_outcome(text.error()));
-  return std::move(*text);
+std::expected<TaughtProgram, Outcome> program_of_way(std::span<const program::WaySample> way,
+                                                     const RobotModel& robot) {
+  const program::WayRows rows = program::rows_of_way(way, robot);
+  if (rows.text.empty()) {
+    return std::unexpected(could_not("nothing moved, so there is no way to go"));
+  }
+  TaughtProgram taught;
+  if (rows.outside > 0) taught.notes.push_back(outside_note(rows, robot));
+  if (const auto refused = first_refusal(rows.text, robot)) taught.notes.push_back(*refused);
+  std::string text;
+  for (const std::string& note : taught.notes) text += "# " + note + "\n";
+  auto formatted = program::format(text + rows.text, "the way");
+  if (!formatted) return std::unexpected(complaints_outcome(formatted.error()));
+  taught.text = std::move(*formatted);
+  return taught;
 }
 
 }  // namespace sinew::cli

@@ -20,9 +20,15 @@ std::optional<JointVector> known_joints(const Json& joints, const RobotModel& ro
 std::expected<std::vector<program::WaySample>, Outcome> way_of_record(const std::string& file,
                                                                       const RobotModel& robot);
 
-/// A way as a program's text, laid out.
+/// A way that has become a program.
+struct TaughtProgram {
+  std::string text;  ///< laid out; the notes stand in it as remarks
+  /// What whoever runs it should know: places that had to be moved, a row that is refused.
+  std::vector<std::string> notes{};
+};
+
 /// @error  nothing moved
-std::expected<std::string, Outcome> program_of_way(std::span<const program::WaySample> way,
-                                                   const RobotModel& robot);
+std::expected<TaughtProgram, Outcome> program_of_way(std::span<const program::WaySample> way,
+                                                     const RobotModel& robot);
 
 }  // namespace sinew::cli

@@ -6,12 +6,15 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <utility>
+#include <vector>
 
 #include "sinew/cli/cell_connection.h"
 #include "sinew/cli/robot_argument.h"
 #include "sinew/cli/table.h"
 #include "sinew/cli/taught_way.h"
 #include "sinew/config/points_file.h"
+#include "sinew/core/spelling.h"
 #include "sinew/core/units.h"
 #include "sinew/io/clock.h"
 #include "sinew/io/file.h"
@@ -19,6 +22,8 @@
 
 namespace sinew::cli {
 namespace {
+
+constexpr Duration kTurnPatience = std::chrono::seconds(10);
 
 std::string utc_now() {
   using std::chrono::nanoseconds;
@@ -100,11 +105,15 @@ Outcome teach_point(const TeachRequest& request) {
   if (!is_point_name(request.point)) {
     return bad_input("a point's name has letters, digits, - and _, a letter first, 40 at most");
   }
+  // Two who teach at once would each put back a file without the other's point.
+  const auto turn = io::FolderTurn::take(request.file, kTurnPatience);
+  if (!turn) return could_not(turn.error().sentence);
   const auto text = text_of_file(request.file);
   if (!text) return text.error();
   const auto points = read_points(*text, request.file);
   if (!points) return complaints_outcome(points.error());
-  const bool there = std::ranges::find(*points, request.point, &TaughtPoint::name) != points->end();
+  const auto old = std::ranges::find(*points, request.point, &TaughtPoint::name);
+  const bool there = old != points->end();
   if (there && !request.replace) {
     return bad_input(fmt::format("{}: there is a point '{}' already; --replace teaches it anew",
                                  request.file, request.point));
@@ -113,6 +122,11 @@ Outcome teach_point(const TeachRequest& request) {
   if (!cell) return cell.error();
   const auto description = robot_of_cell(*cell, request.robot);
   if (!description) return description.error();
+  if (there && old->robot != (*description)["robot"]) {
+    return bad_input(fmt::format("{}: '{}' is a point of {}, not of {}; give this one another name",
+                                 request.file, request.point, printable(old->robot),
+                                 (*description)["robot"].get<std::string>()));
+  }
   const auto status = cell->call("robot.status", {{"robot", request.robot}});
   if (!status) return status.error();
   const std::string state = (*status)["state"];
@@ -140,6 +154,7 @@ Outcome teach_point(const TeachRequest& request) {
 /// Not more often than any of the wires tells something new.
 constexpr double kWayRate = 50;           // Hz
 constexpr std::size_t kWayMax = 100'000;  // samples: half an hour
+constexpr Duration kKeepEach = std::chrono::seconds(3);
 
 std::expected<RobotModel, Outcome> model_of(const Json& description) {
   const auto file = find_robot(description["robot"].get<std::string>());
@@ -147,33 +162,59 @@ std::expected<RobotModel, Outcome> model_of(const Json& description) {
   return file->model;
 }
 
-/// Looks at the robot until Ctrl-C. Nothing is sent that moves it, and no lease is needed.
-std::expected<std::vector<program::WaySample>, Outcome> watch_way(const TeachRequest& request,
-                                                                  CellConnection& cell,
-                                                                  const RobotModel& robot) {
-  const Json what{{"rate_hz", kWayRate}, {"robot", request.robot}};
-  if (const auto watched = cell.call("watch", what); !watched) {
-    return std::unexpected(watched.error());
-  }
-  if (!request.quiet) {
-    std::fputs(fmt::format("  looks at {}: lead it (sinew jog {} --cell ..), Ctrl-C ends\n",
-                           request.robot, request.robot)
-                   .c_str(),
-               stderr);
-  }
-  std::vector<program::WaySample> way;
-  while (io::interrupts() == 0 && way.size() < kWayMax) {
-    const auto message = cell.client().next(std::chrono::milliseconds(50));
-    if (cell.client().broken()) {
-      return std::unexpected(could_not("the server has gone away; nothing was written"));
-    }
-    if (!message || (*message)["method"] != "status") continue;
-    const Json& status = (*message)["params"]["robots"][0];
+/// The way so far, as a program in its file.
+class WayFile {
+ public:
+  WayFile(std::string path, RobotModel robot) : path_(std::move(path)), robot_(std::move(robot)) {}
+
+  void add(const Json& status) {
     const double t = status["at_s"];
-    const auto q = known_joints(status["joints"], robot);
-    if (q && (way.empty() || t > way.back().t)) way.push_back({t, *q});
+    const auto q = known_joints(status["joints"], robot_);
+    if (q && (way_.empty() || t > way_.back().t)) way_.push_back({t, *q});
   }
-  return way;
+  bool full() const { return way_.size() >= kWayMax; }
+
+  /// @return how it is told; @error  nothing moved, or the file cannot be written
+  std::expected<Outcome, Outcome> write() const {
+    const auto taught = program_of_way(way_, robot_);
+    if (!taught) return std::unexpected(taught.error());
+    if (const auto written = io::replace_file(path_, taught->text); !written) {
+      return std::unexpected(could_not(written.error().sentence));
+    }
+    const auto rows = std::ranges::count(taught->text, '\n') - std::ssize(taught->notes);
+    const double length = way_.back().t - way_.front().t;
+    Outcome outcome;
+    outcome.json = {{"file", path_},
+                    {"samples", way_.size()},
+                    {"rows", rows},
+                    {"length_s", length},
+                    {"notes", taught->notes}};
+    outcome.text = fmt::format("  {}: {} rows, of {:.1f} s\n", path_, rows, length);
+    for (const std::string& note : taught->notes) outcome.text += "  note: " + note + "\n";
+    return outcome;
+  }
+
+ private:
+  std::string path_;
+  RobotModel robot_;
+  std::vector<program::WaySample> way_;
+};
+
+/// Looks at the robot until Ctrl-C. Nothing is sent that moves it, and no lease is needed. What
+/// was seen is in the file every few seconds: whatever ends this program, little is lost.
+/// @return false where the server has gone away
+bool watch_way(CellConnection& cell, WayFile& file) {
+  const io::Clock clock;
+  Instant kept = clock.now();
+  while (io::interrupts() == 0 && !file.full()) {
+    const auto message = cell.client().next(std::chrono::milliseconds(50));
+    if (cell.client().broken()) return false;
+    if (message && (*message)["method"] == "status") file.add((*message)["params"]["robots"][0]);
+    if (clock.now() - kept < kKeepEach) continue;
+    static_cast<void>(file.write());
+    kept = clock.now();
+  }
+  return true;
 }
 
 Outcome teach_way(const TeachRequest& request) {
@@ -187,21 +228,25 @@ Outcome teach_way(const TeachRequest& request) {
   if (!cell) return cell.error();
   const auto description = robot_of_cell(*cell, request.robot);
   if (!description) return description.error();
-  const auto robot = model_of(*description);
+  auto robot = model_of(*description);
   if (!robot) return robot.error();
   io::catch_interrupts();
-  const auto way = watch_way(request, *cell, *robot);
-  if (!way) return way.error();
-  const auto text = program_of_way(*way, *robot);
-  if (!text) return text.error();
-  if (const auto written = io::replace_file(path, *text); !written) {
-    return could_not(written.error().sentence);
+  const Json what{{"rate_hz", kWayRate}, {"robot", request.robot}};
+  if (const auto watched = cell->call("watch", what); !watched) return watched.error();
+  if (!request.quiet) {
+    std::fputs(fmt::format("  looks at {}: lead it (sinew jog {} --cell ..), Ctrl-C ends\n",
+                           request.robot, request.robot)
+                   .c_str(),
+               stderr);
   }
-  const auto rows = std::ranges::count(*text, '\n');
-  const double length = way->back().t - way->front().t;
-  Outcome outcome;
-  outcome.json = {{"file", path}, {"samples", way->size()}, {"rows", rows}, {"length_s", length}};
-  outcome.text = fmt::format("  {}: {} rows, of {:.1f} s\n", path, rows, length);
+  WayFile file(path, std::move(*robot));
+  const bool served = watch_way(*cell, file);
+  auto written = file.write();
+  Outcome outcome = written ? std::move(*written) : std::move(written.error());
+  if (served) return outcome;
+  outcome.exit = ExitCode::kCouldNot;
+  outcome.complaint = fmt::format("the server has gone away; {}",
+                                  written ? path + " has the way until then" : outcome.complaint);
   return outcome;
 }
 

@@ -232,6 +232,9 @@ constexpr std::array kTable = std::to_array<ErrorInfo>({
      "behind it the machine may stand at {measured} different places, and {limit} are checked at "
      "most: end both branches with a row that names all joints",
      kCount, true, kNoStop, 422},
+    {kNotUndone, "not_undone", "what a tool or a search for zeros did is not undone by going back",
+     kNone, true, kNoStop, 409},
+    {kAtBeginning, "at_beginning", "the program stands where it began", kNone, true, kNoStop, 409},
     {kNudgeRange, "nudge_range",
      "one step of {subject} may be {limit} at most and not nothing; {measured} was asked for",
      kAngle, true, kNoStop, 422},

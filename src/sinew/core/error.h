@@ -96,6 +96,8 @@ enum class ErrorCode : std::uint8_t {
   kNotInTime,          ///< what a row waits for did not come; limit: s
   kNotMeasured,        ///< what a row asks for is nothing that this machine tells
   kTooManyPlaces,      ///< measured, limit: places where a row of a program may begin
+  kNotUndone,          ///< a step back over what a tool or a search for zeros did
+  kAtBeginning,        ///< a step back where none was made
   kNudgeRange,         ///< index: joint; measured, limit: rad or m, of one step that nobody plans
   kDeclaredElsewhere,  ///< index: joint; measured: declared, limit: as far as it can be, rad or m
 };

@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <poll.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -14,8 +15,12 @@
 #include <system_error>
 #include <utility>
 
+#include "sinew/io/clock.h"
+
 namespace sinew::io {
 namespace {
+
+constexpr Duration kTurnLook = std::chrono::milliseconds(5);
 
 struct Descriptor {
   int value = -1;
@@ -53,6 +58,12 @@ IoResult<void> write_in_place(const std::string& path, std::string_view text) {
     return std::unexpected(system_error(path, error));
   }
   return {};
+}
+
+/// "." for a name alone.
+std::string folder_of(const std::string& path) {
+  const std::size_t slash = path.find_last_of('/');
+  return slash == std::string::npos ? "." : path.substr(0, slash + 1);
 }
 
 /// What a symbolic link says; empty where it is none.
@@ -132,6 +143,34 @@ IoResult<void> replace_file(const std::string& path, std::string_view text) {
   return {};
 }
 
+IoResult<FolderTurn> FolderTurn::take(const std::string& path, Duration patience) {
+  const std::string folder = folder_of(path);
+  // Close on exec, or a child would keep the turn.
+  const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (descriptor < 0) return std::unexpected(system_error(path, errno));
+  FolderTurn turn(descriptor);
+  const Clock clock;
+  const Instant end = clock.now() + patience;
+  while (::flock(descriptor, LOCK_EX | LOCK_NB) != 0) {
+    if (errno != EWOULDBLOCK && errno != EINTR) return std::unexpected(system_error(path, errno));
+    if (clock.now() > end) {
+      return std::unexpected(
+          IoError{path + ": another program changes files of that folder, and does not end"});
+    }
+    clock.pause(kTurnLook);
+  }
+  return turn;
+}
+
+FolderTurn::~FolderTurn() {
+  if (folder_ >= 0) ::close(folder_);
+}
+
+bool is_file(const std::string& path) {
+  struct stat status{};
+  return ::stat(path.c_str(), &status) == 0 && S_ISREG(status.st_mode);
+}
+
 IoResult<void> check_place(const std::string& path) {
   struct stat status{};
   if (::stat(path.c_str(), &status) == 0) {
@@ -141,9 +180,7 @@ IoResult<void> check_place(const std::string& path) {
     if (::access(path.c_str(), W_OK) == 0) return {};
     return std::unexpected(system_error(path, errno));
   }
-  const std::size_t slash = path.find_last_of('/');
-  const std::string above = slash == std::string::npos ? "." : path.substr(0, slash + 1);
-  if (!path.empty() && ::access(above.c_str(), W_OK) == 0) return {};
+  if (!path.empty() && ::access(folder_of(path).c_str(), W_OK) == 0) return {};
   return std::unexpected(system_error(path, path.empty() ? ENOENT : errno));
 }
 

@@ -5,7 +5,9 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 
+#include "sinew/core/instant.h"
 #include "sinew/io/io_error.h"
 
 namespace sinew::io {
@@ -23,8 +25,27 @@ IoResult<void> replace_file(const std::string& path, std::string_view text);
 /// end of a long run. @error a folder, no permission, no such folder above it
 IoResult<void> check_place(const std::string& path);
 
+/// One at a time: while it lives nobody else has the turn at the files of that folder, in this
+/// process or another. For what reads a file, changes it and puts it back. It ends with the
+/// process.
+class FolderTurn {
+ public:
+  /// @param path  of a file in the folder; it need not be there
+  /// @error  no such folder, or somebody had the turn for all of `patience`
+  static IoResult<FolderTurn> take(const std::string& path, Duration patience);
+  FolderTurn(FolderTurn&& other) noexcept : folder_(std::exchange(other.folder_, -1)) {}
+  FolderTurn& operator=(FolderTurn&&) = delete;
+  ~FolderTurn();
+
+ private:
+  explicit FolderTurn(int folder) : folder_(folder) {}
+  int folder_;
+};
+
 /// Whether anything has this name; also what cannot be read.
 bool exists(const std::string& path);
+/// A file that would be gone if another were put in its place: no pipe, no device.
+bool is_file(const std::string& path);
 
 /// Both names lead to one file or device, through links too; also where it is not there yet.
 bool same_file(const std::string& a, const std::string& b);

@@ -171,6 +171,22 @@ TEST(CheckPlace, tells_before_the_run_what_would_fail_after_it) {
   EXPECT_EQ(refusal(check_place("")), "'': no such file or directory");
 }
 
+TEST(FolderTurn, is_had_by_one_at_a_time_and_handed_on) {
+  const test::ScratchFolder folder;
+  const std::string path = folder.at("points.toml");
+  auto first = FolderTurn::take(path, std::chrono::milliseconds(0));
+  ASSERT_TRUE(first) << first.error().sentence;
+  const auto second = FolderTurn::take(folder.at("other.toml"), std::chrono::milliseconds(20));
+  ASSERT_FALSE(second);
+  EXPECT_NE(second.error().sentence.find("another program"), std::string::npos)
+      << second.error().sentence;
+  {
+    const FolderTurn ends = std::move(*first);
+  }
+  EXPECT_TRUE(FolderTurn::take(path, std::chrono::milliseconds(0)));
+  EXPECT_FALSE(FolderTurn::take(folder.at("no/such.toml"), std::chrono::milliseconds(0)));
+}
+
 TEST(SameFile, sees_through_links_dots_and_names_that_are_not_there_yet) {
   const test::ScratchFolder folder;
   const std::string a = folder.file("a", "");

@@ -20,7 +20,9 @@ namespace sinew::planning {
 
 /// How long a jog command holds where nobody says otherwise.
 inline constexpr Duration kJogExpiry = std::chrono::milliseconds(150);
-inline constexpr Duration kJogExpiryMax = std::chrono::seconds(1);
+/// Of the run's own time: a simulated cell may run a thousand times as fast as whoever holds the
+/// stick.
+inline constexpr Duration kJogExpiryMax = std::chrono::seconds(1000);
 
 /// A velocity that is wanted from now on, and for how long it counts.
 struct JogCommand {

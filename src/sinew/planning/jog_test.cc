@@ -279,7 +279,7 @@ TEST_P(JogOf, hostile_commands_are_refused_and_change_nothing) {
       command.velocity.resize(size);
       refused(command, ErrorCode::kTaskNotSupported, run.now);
     }
-    for (const Duration expiry : {Duration{0}, Duration{-1}, Duration{1s} + Duration{1},
+    for (const Duration expiry : {Duration{0}, Duration{-1}, kJogExpiryMax + Duration{1},
                                   Duration::max(), Duration::min()}) {
       JogCommand command = good;
       command.expiry = expiry;

@@ -109,16 +109,15 @@ void Run::take(const Event& event, Instant now) {
 
 std::expected<void, Refusal> Run::step_back(Instant /*now*/) {
   const bool between = phase_ == Phase::kRunning && paused_ && !current_ && command_ == 0;
-  if (!between || records_.empty()) {
-    return std::unexpected(Refusal{0, Error{ErrorCode::kWrongState}});
-  }
+  if (!between) return std::unexpected(Refusal{0, Error{ErrorCode::kWrongState}});
+  if (records_.empty()) return std::unexpected(Refusal{0, Error{ErrorCode::kAtBeginning}});
   const Order& last = *records_.back().order;
   const auto refuse = [&](const Error& error) {
     return std::unexpected(Refusal{last.line, error, std::nullopt, last.file});
   };
   if (std::holds_alternative<ToolOrder>(last.what) ||
       std::holds_alternative<HomeOrder>(last.what)) {
-    return refuse(Error{ErrorCode::kTaskNotSupported});
+    return refuse(Error{ErrorCode::kNotUndone});
   }
   const Start& begin = records_.back().q_start;
   const auto place = static_cast<std::size_t>(&last - plan_.orders.data());
@@ -145,6 +144,17 @@ std::expected<void, Refusal> Run::step_back(Instant /*now*/) {
   current_->duration = current_->arrival = 0;
   back_steps_ = true;
   return send(*motion, last.line);
+}
+
+const Order* Run::next_order() const {
+  // From jump to jump at most as often as there are orders: nothing else would end an empty loop.
+  std::size_t place = next_;
+  for (std::size_t k = 0; k < plan_.orders.size() && place < plan_.orders.size(); ++k) {
+    const auto* jump = std::get_if<JumpOrder>(&plan_.orders[place].what);
+    if (jump == nullptr) return &plan_.orders[place];
+    place = jump->to;
+  }
+  return nullptr;
 }
 
 /// Of the command under way.

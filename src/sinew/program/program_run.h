@@ -97,9 +97,9 @@ class Run {
   /// While paused between two orders: goes back to where the last one began, by a joint move that
   /// is planned like any other, and is paused there again; resume() then does that order anew.
   /// What an `if` decided is decided anew too.
-  /// @error  kWrongState (not paused, or something is under way, or nothing lies behind it),
-  ///         kTaskNotSupported (the last order was a tool's action or `home`, which nothing
-  ///         undoes), kPositionUnknown (nobody knows where it began), those of RowPlanner::plan
+  /// @error  kWrongState (not paused, or something is under way), kAtBeginning (nothing lies
+  ///         behind it), kNotUndone (the last order was a tool's action or `home`),
+  ///         kPositionUnknown (nobody knows where it began), those of RowPlanner::plan
   std::expected<void, Refusal> step_back(Instant now);
 
   Phase phase() const { return phase_; }
@@ -108,6 +108,8 @@ class Run {
   bool steps_back() const { return back_steps_ && current_.has_value(); }
   bool finished() const { return phase_ >= Phase::kDone; }
   const Plan& plan() const { return plan_; }
+  /// What comes behind the order under way, as far as is known before its conditions are asked.
+  const Order* next_order() const;
   std::span<const Record> records() const { return records_; }
   const std::optional<Record>& under_way() const { return current_; }
   const control::Machine& machine() const { return machine_; }

@@ -653,7 +653,9 @@ TEST(ProgramRun, step_back_returns_to_where_the_last_order_began_and_does_it_ane
   ASSERT_TRUE(cell.run.step_back(cell.now));
   cell.go(120s);
   EXPECT_NEAR(cell.driver.taken_.back().q[0], 0, 1e-12);
-  ASSERT_FALSE(cell.run.step_back(cell.now)) << "nothing lies behind";
+  const auto begun = cell.run.step_back(cell.now);
+  ASSERT_FALSE(begun);
+  EXPECT_EQ(begun.error().error.code, ErrorCode::kAtBeginning);
   cell.run.single_step(false);
   cell.run.resume();
   cell.go();
@@ -673,7 +675,7 @@ TEST(ProgramRun, step_back_undoes_no_tool_and_goes_back_through_waits) {
   ASSERT_EQ(cell.run.records().size(), 3U);
   const auto back = cell.run.step_back(cell.now);
   ASSERT_FALSE(back);
-  EXPECT_EQ(back.error().error.code, ErrorCode::kTaskNotSupported);
+  EXPECT_EQ(back.error().error.code, ErrorCode::kNotUndone);
   EXPECT_EQ(back.error().line, 3);
   Cell waits("learm", "joint base=30deg\nwait 1s\njaws 10mm\n");
   waits.run.single_step(true);

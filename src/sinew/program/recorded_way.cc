@@ -33,15 +33,15 @@ class RowMaker {
   RowMaker(std::span<const WaySample> way, const RobotModel& robot, const WayOptions& options)
       : way_(way), robot_(robot), options_(options), corner_(way.size(), 0) {}
 
-  std::string rows() {
+  WayRows rows() {
     std::size_t from = stand_end(0);
     double stood = 0;
     while (from + 1 < way_.size()) {
       const std::size_t to = motion_end(from);
-      if (out_.empty()) {
+      if (text().empty()) {
         put(from, kApproachShare, false);
       } else {
-        out_ += "wait " + number_of(stood, 1) + "s\n";
+        text() += "wait " + number_of(stood, 1) + "s\n";
       }
       put_motion(from, to);
       const std::size_t next = stand_end(to);
@@ -52,6 +52,8 @@ class RowMaker {
   }
 
  private:
+  std::string& text() { return out_.text; }
+
   double tolerance(std::size_t joint) const {
     return is_leg(robot_.joints[joint]) ? options_.leg_tolerance : options_.tolerance;
   }
@@ -146,16 +148,24 @@ class RowMaker {
   }
 
   void put(std::size_t k, double share, bool blends) {
-    out_ += "joint";
+    text() += "joint";
     for (std::size_t j = 0; j < robot_.joints.size(); ++j) {
       const Joint& joint = robot_.joints[j];
       const double q = std::clamp(way_[k].q[j], joint.lower, joint.upper);
-      out_ += " " + joint.name + "=" +
-              (is_leg(joint) ? number_of(to_mm(q), 4) + "mm" : number_of(to_deg(q), 3) + "deg");
+      note_outside(way_[k].q[j], joint);
+      text() += " " + joint.name + "=" +
+                (is_leg(joint) ? number_of(to_mm(q), 4) + "mm" : number_of(to_deg(q), 3) + "deg");
     }
-    if (share < 1) out_ += " speed=" + number_of(std::max(1.0, 100 * share), 0) + "%";
-    if (blends) out_ += " blend=" + blend();
-    out_ += "\n";
+    if (share < 1) text() += " speed=" + number_of(std::max(1.0, 100 * share), 0) + "%";
+    if (blends) text() += " blend=" + blend();
+    text() += "\n";
+  }
+
+  void note_outside(double q, const Joint& joint) {
+    const double beyond = std::max(joint.lower - q, q - joint.upper);
+    if (beyond <= 0) return;
+    ++out_.outside;
+    out_.outside_max = std::max(out_.outside_max, beyond);
   }
 
   std::string blend() const {
@@ -168,13 +178,13 @@ class RowMaker {
   const RobotModel& robot_;
   const WayOptions& options_;
   std::vector<char> corner_;
-  std::string out_;
+  WayRows out_;
 };
 
 }  // namespace
 
-std::string rows_of_way(std::span<const WaySample> way, const RobotModel& robot,
-                        const WayOptions& options) {
+WayRows rows_of_way(std::span<const WaySample> way, const RobotModel& robot,
+                    const WayOptions& options) {
   return RowMaker(way, robot, options).rows();
 }
 

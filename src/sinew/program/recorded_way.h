@@ -24,12 +24,18 @@ struct WayOptions {
 inline constexpr double kWayStill = 2e-3;
 inline constexpr double kWayStillLeg = 0.03e-3;
 
+/// A recorded way as a program's rows.
+struct WayRows {
+  std::string text;         ///< rows that name all joints; empty where nothing moved
+  std::size_t outside = 0;  ///< places that were outside the limits, and were moved to them
+  double outside_max = 0;   ///< rad, m of legs: by how much, at the most
+};
+
 /// A recorded way as rows: corners where the way bends by more than the tolerance, `blend` between
 /// them, a speed that takes about as long, and a `wait` where it stood. Places outside the limits,
 /// by what a sensor may show, are moved to them.
 /// @param way  one place a joint; in the order of time. Stands at both ends are left out
-/// @return rows that name all joints; empty where nothing moved
-std::string rows_of_way(std::span<const WaySample> way, const RobotModel& robot,
-                        const WayOptions& options = {});
+WayRows rows_of_way(std::span<const WaySample> way, const RobotModel& robot,
+                    const WayOptions& options = {});
 
 }  // namespace sinew::program

@@ -91,7 +91,7 @@ double nearest(const JointVector& q, std::span<const JointVector> places) {
 TEST(RecordedWay, is_gone_again_within_its_tolerance_and_about_its_time) {
   for_random_cases(40, [](Random& random) {
     const auto way = wandering(random);
-    const std::string rows = rows_of_way(way, learm());
+    const std::string rows = rows_of_way(way, learm()).text;
     const auto program = parse(rows, "way", learm());
     ASSERT_TRUE(program) << rows;
     const auto plan = make_plan(*program, learm(), way.front().q);
@@ -120,9 +120,9 @@ TEST(RecordedWay, an_arm_that_stood_still_has_no_rows_whatever_its_sensors_say) 
     for (double& one : q) one += random.uniform(-0.4, 0.4) * kWayStill;
     way.push_back({0.02 * k, q});
   }
-  EXPECT_EQ(rows_of_way(way, learm()), "");
-  EXPECT_EQ(rows_of_way({}, learm()), "");
-  EXPECT_EQ(rows_of_way(std::span(way).first(1), learm()), "");
+  EXPECT_EQ(rows_of_way(way, learm()).text, "");
+  EXPECT_EQ(rows_of_way({}, learm()).text, "");
+  EXPECT_EQ(rows_of_way(std::span(way).first(1), learm()).text, "");
 }
 
 TEST(RecordedWay, a_place_outside_the_limits_is_moved_to_them) {
@@ -132,7 +132,9 @@ TEST(RecordedWay, a_place_outside_the_limits_is_moved_to_them) {
     q[0] = learm().joints[0].upper + 0.005 - 0.02 * (50 - k);
     way.push_back({0.02 * k, q});
   }
-  const std::string rows = rows_of_way(way, learm());
+  const auto [rows, outside, outside_max] = rows_of_way(way, learm());
+  EXPECT_EQ(outside, 1U) << rows;
+  EXPECT_NEAR(outside_max, 0.005, 1e-12);
   ASSERT_TRUE(parse(rows, "way", learm())) << rows;
   EXPECT_TRUE(make_plan(*parse(rows, "way", learm()), learm(), middle())) << rows;
 }
@@ -145,7 +147,7 @@ TEST(RecordedWay, legs_are_written_as_lengths) {
     for (double& one : q) one += 1e-5 * k;
     way.push_back({10.0 * k, q});
   }
-  const std::string rows = rows_of_way(way, robot);
+  const std::string rows = rows_of_way(way, robot).text;
   EXPECT_NE(rows.find("mm"), std::string::npos) << rows;
   EXPECT_TRUE(parse(rows, "way", robot)) << rows;
 }

@@ -30,7 +30,8 @@ std::expected<program::Program, program::Refusal> ride_of(const program::RideOrd
 
 int line_of(const Run& run) {
   if (run.failure()) return run.failure()->line;
-  return run.under_way() ? run.under_way()->order->line : 0;
+  const program::Order* order = run.under_way() ? run.under_way()->order : run.next_order();
+  return order != nullptr ? order->line : 0;
 }
 
 }  // namespace

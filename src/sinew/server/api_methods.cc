@@ -12,6 +12,8 @@
 namespace sinew::server {
 namespace {
 
+constexpr double kJogExpiryMax = 1;  // s, real time
+
 constexpr double kRateMax = 100;  // Hz
 constexpr double kRateUsual = 10;
 constexpr std::size_t kNameMax = 100;
@@ -225,10 +227,12 @@ Api::Answer Api::jog(const Call& call) {
                     nullptr};
   }
   const double expiry = number(call.request, "expiry_s", to_seconds(planning::kJogExpiry));
-  if (!(expiry > 0 && expiry <= to_seconds(planning::kJogExpiryMax))) {
+  if (!(expiry > 0 && expiry <= kJogExpiryMax)) {
     return invalid("expiry_s has to be above 0 and at most 1");
   }
-  planning::JogCommand command{.frame = *frame, .velocity = {}, .expiry = from_seconds(expiry)};
+  // The hand on the stick lives in real time, however fast the cell's own time runs.
+  const Duration life = from_seconds(expiry * cell_.cell().time_scale);
+  planning::JogCommand command{.frame = *frame, .velocity = {}, .expiry = life};
   const Json& velocity = call.request.params["velocity"];
   if (velocity.size() > command.velocity.capacity()) {
     return invalid("velocity has more numbers than any robot has joints");

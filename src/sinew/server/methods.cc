@@ -31,7 +31,8 @@ constexpr Param kJogParams[] = {
     {"velocity", ParamType::kNumbers, true,
      "rad/s and m/s: a number a joint, or x, y, z (m/s) "
      "and the turns (rad/s) that this tool has"},
-    {"expiry_s", ParamType::kNumber, false, "for how long it counts, up to 1 s; 0.15"}};
+    {"expiry_s", ParamType::kNumber, false,
+     "for how long it counts, up to 1 s; 0.15. Real time, also where the cell runs faster"}};
 constexpr Param kDeclareParams[] = {
     kRobotParam,
     {"positions", ParamType::kNumbers, false, "rad or m, one a joint; its home where left out"},
