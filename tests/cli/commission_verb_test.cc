@@ -2,6 +2,8 @@
 
 #include <chrono>
 #include <csignal>
+#include <cstdlib>
+#include <filesystem>
 
 #include "cli/process.h"
 #include "sinew/io/scratch_folder_test_support.h"
@@ -104,8 +106,89 @@ TEST_F(CommissionVerb, wrong_answers_files_and_robots_are_told_in_a_sentence) {
   const std::string program = folder.file("p.sinew", "joint base=10deg\n");
   fails({"run", program, "--robot", "maxarm", "--settings", other}, 1, "another robot's");
   const std::string wrong = folder.file(
-      "wrong.json", R"({"version":1,"robot":"maxarm","settings":{"joint.base.turn":"7"}})");
+      "wrong.json",
+      R"({"version":1,"robot":"maxarm","finished":true,"settings":{"joint.base.turn":"7"}})");
   fails({"run", program, "--robot", "maxarm", "--settings", wrong}, 1, "no setting of maxarm");
+}
+
+TEST_F(CommissionVerb, a_list_that_is_begun_again_and_broken_off_leaves_the_finished_one_counting) {
+  test::answer(words("bigrobotarm", kBigRobotArm));
+  const std::string program = folder.file("p.sinew", "joint base=2deg\n");
+  std::string half(kBigRobotArm);
+  half.resize(half.find("direction.elbow"));
+  EXPECT_EQ(sinew(words("bigrobotarm", half)).exit, 1);
+  const Json file = Json::parse(text_of(saved()));
+  EXPECT_EQ(file["finished"], true);
+  EXPECT_EQ(file["settings"], Json({{"joint.wrist.turn", "other"}}));
+  EXPECT_EQ(file["under_way"]["direction.base"]["state"], "done");
+  EXPECT_FALSE(file["under_way"].contains("direction.wrist"));
+  const Json run = test::answer({"run", program, "--robot", "bigrobotarm", "--settings", saved(),
+                                 "--time-scale", "10", "--json"});
+  EXPECT_EQ(run["settings"], saved());
+  EXPECT_NE(std::string(run["settings_note"]).find("begun and not finished"), std::string::npos);
+  // The rest of it: what the other half had found counts no more.
+  const Json whole = test::answer(
+      words("bigrobotarm",
+            "* = yes\nplace = home\ndirection.elbow = forward\ndirection.wrist_rotate = left\n"
+            "direction.wrist = forward\ngripper_seen = closed\n"));
+  EXPECT_TRUE(whole["settings"].empty());
+  EXPECT_FALSE(Json::parse(text_of(saved())).contains("under_way"));
+}
+
+TEST_F(CommissionVerb, settings_of_a_list_that_was_never_finished_do_not_count) {
+  const std::string program = folder.file("p.sinew", "joint base=2deg\n");
+  const std::string half = folder.file(
+      "half.json",
+      R"({"version":1,"robot":"maxarm","finished":false,"settings":{"joint.base.turn":"other"}})");
+  const Ended ended = sinew({"run", program, "--robot", "maxarm", "--settings", half});
+  EXPECT_EQ(ended.exit, 1);
+  EXPECT_NE(ended.err.find("was not finished"), std::string::npos) << ended.err;
+}
+
+TEST_F(CommissionVerb, only_its_own_settings_file_is_replaced_and_the_place_is_looked_at_first) {
+  const auto fails = [&](const std::string& save, int exit, const char* what) {
+    const Ended ended = sinew({"commission", "maxarm", "--answers", folder.file("a", kMaxArm),
+                               "--save", save, "--anew", "--time-scale", "10"});
+    EXPECT_EQ(ended.exit, exit) << ended.err;
+    EXPECT_NE(ended.err.find(what), std::string::npos) << ended.err;
+    EXPECT_EQ(ended.err.find("Commissioning of"), std::string::npos) << "nothing has begun";
+  };
+  const std::string notes = folder.file("notes.txt", "my notes\n");
+  fails(notes, 1, "only a settings file of this robot is replaced");
+  EXPECT_EQ(text_of(notes), "my notes\n");
+  const std::string other = folder.file("other.json", R"({"version":1,"robot":"learm"})");
+  fails(other, 1, "another robot's");
+  fails(".", 2, "is a folder; name a file in it, as in ./maxarm.json");
+  fails(notes + "/found.json", 1, "--save: ");
+}
+
+TEST_F(CommissionVerb, a_servo_number_that_another_joint_has_is_refused) {
+  const Ended ended =
+      sinew(words("learm",
+                  "* = yes\ndirection.base = left\ndirection.shoulder = backward\n"
+                  "direction.elbow = forward\ndirection.wrist = other\ndirection.roll = left\n"
+                  "id.wrist = 5\n"));
+  EXPECT_EQ(ended.exit, 1);
+  EXPECT_NE(ended.err.find("id.wrist: '5': is "), std::string::npos) << ended.err;
+}
+
+TEST_F(CommissionVerb, a_sequence_takes_no_settings_and_says_which_it_leaves_out) {
+  test::answer(words("bigrobotarm", kBigRobotArm));
+  const std::string sequence = folder.file("s.txt", "G0 B100\n");
+  const Ended refused = sinew({"run", sequence, "--robot", "bigrobotarm", "--settings", saved()});
+  EXPECT_EQ(refused.exit, 2);
+  EXPECT_NE(refused.err.find("--settings: a sequence"), std::string::npos) << refused.err;
+  // On a real port a program would use it. There is no port here; it is said before that is found.
+  std::filesystem::create_directories(folder.at("state/sinew/commissioning"));
+  std::filesystem::copy(saved(), folder.at("state/sinew/commissioning/bigrobotarm.json"));
+  setenv("XDG_STATE_HOME", folder.at("state").c_str(), 1);
+  const Ended told = sinew({"run", sequence, "--robot", "bigrobotarm", "--port", folder.at("tty")});
+  unsetenv("XDG_STATE_HOME");
+  EXPECT_EQ(told.exit, 1);
+  EXPECT_NE(told.err.find("and not for a sequence: " +
+                          folder.at("state/sinew/commissioning/bigrobotarm.json")),
+            std::string::npos)
+      << told.err;
 }
 
 TEST_F(CommissionVerb, ctrl_c_stops_the_machine_and_keeps_what_was_said) {

@@ -117,7 +117,9 @@ class ByteLine final : public FaultLine {
   void send(LinkDirection direction, std::span<const std::uint8_t> bytes, Instant now) {
     Lane& it = lane(direction);
     for (const std::uint8_t byte : bytes) {
-      it.free = std::max(it.free, now) + byte_time_;
+      const Instant begins = std::max(it.free, now);
+      it.free = begins + byte_time_;
+      if (tap && direction == LinkDirection::kToDevice) tap({&byte, 1}, begins, it.free);
       it.flying.push_back({it.free, it.flip.apply(byte, faults_)});
       ++bytes_;
     }
@@ -206,6 +208,11 @@ class SpiLine final : public FaultLine {
   Instant turn(Instant now) override {
     const auto transfer = driver_.take_transfer(now);
     if (!transfer) return now;
+    const Instant begins = now + transfer->setup;
+    if (tap) {
+      tap({transfer->mosi.data(), transfer->mosi.size()}, begins,
+          begins + spi::wire_time(*transfer));
+    }
     const spi::Bytes miso = faulty_->exchange(*transfer, now);
     bytes_ += 2 * miso.size();
     const Instant end = now + transfer->setup + spi::wire_time(*transfer) + kCall;

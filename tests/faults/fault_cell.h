@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "sinew/runtime/robot_driver.h"
@@ -39,6 +40,10 @@ class FaultLine {
   virtual LineCounts counts() const = 0;
   /// No byte is under way.
   bool quiet() const { return !next_event(); }
+
+  /// What goes to the device, as it is handed to the wire: byte by byte, or an exchange at once;
+  /// when its first clock begins and when its last one ends.
+  std::function<void(std::span<const std::uint8_t>, Instant begins, Instant ends)> tap;
 };
 
 std::unique_ptr<FaultLine> byte_line(ByteDriver& driver, sim::ByteMachine& machine,

@@ -4,11 +4,8 @@
 #include <cmath>
 
 #include "sinew/control/machine_identity.h"
-#include "sinew/control/path_motion.h"
-#include "sinew/control/piece_motion.h"
 #include "sinew/core/units.h"
-#include "sinew/planning/motion_planner.h"
-#include "sinew/program/program_plan.h"
+#include "system/some_motion.h"
 
 namespace sinew::test {
 namespace {
@@ -349,14 +346,9 @@ void Station::ask_to_move() {
   control::LocalMachine& machine = host_->loop->machine();
   const auto from = machine.reference();
   if (!from) {
-    JointVector home;
-    for (const Joint& joint : robot_.joints) home.push_back(joint.home);
     const bool streams_by_servos = std::holds_alternative<LscDevice>(robot_.device.settings);
     if (!streams_by_servos) return declare_truth();
-    JointMove move{.q = home, .qd = {}, .duration = 3s};
-    move.qd.resize(home.size());
-    host_->motions.push_back(std::make_unique<control::PieceMotion>(
-        JointVector{}, std::vector<JointMove>(1, move), robot_));
+    host_->motions.push_back(first_motion(robot_));
     machine.give(control::Begin{host_->motions.back().get(), true});
     return;
   }
@@ -367,26 +359,9 @@ void Station::ask_to_move() {
     to[j] = std::clamp(to[j] + random_.uniform(-way, way), robot_.joints[j].lower,
                        robot_.joints[j].upper);
   }
-  planning::MotionPlanner planner(robot_);
-  const auto start = planner.place_at({from->data(), from->size()});
-  if (!start) return;
-  planning::JointArray goal{};
-  std::ranges::copy(to, goal.begin());
-  planning::Move move;
-  move.way = planning::MoveJ{goal};
-  planning::PlannedMotion planned = planner.make_motion();
-  if (!planner.plan(*start, std::span(&move, 1), 0, planned) || planned.empty()) return;
-  if (robot_.device.capability.motion == MotionKind::kStream) {
-    auto path = std::make_unique<control::PathMotion>(robot_);
-    if (path->start(planned.path)) return;
-    host_->motions.push_back(std::move(path));
-  } else {
-    JointMove whole{.q = to, .qd = {}, .duration = 0ms};
-    whole.qd.resize(to.size());
-    whole.duration = from_seconds(program::whole_move_duration(*from, to, robot_, 1));
-    host_->motions.push_back(
-        std::make_unique<control::PieceMotion>(*from, std::vector<JointMove>(1, whole), robot_));
-  }
+  auto motion = motion_to(robot_, *from, to);
+  if (!motion) return;
+  host_->motions.push_back(std::move(motion));
   machine.give(control::Begin{host_->motions.back().get()});
 }
 

@@ -178,40 +178,43 @@ Outcome cell_nudge(const CellRequest& request) {
   }
 }
 
-Outcome cell_recover(const CellRequest& request) {
-  auto cell = CellConnection::open(request.socket);
-  if (!cell) return cell.error();
+std::expected<Json, Outcome> make_known(CellConnection& cell, const CellRequest& request) {
   const Json robot{{"robot", request.robot}};
   Json declaration = robot;
   if (request.standing_at) {
-    const auto positions =
-        positions_of(*cell, request.robot, "--standing-at", *request.standing_at);
-    if (!positions) return positions.error();
+    const auto positions = positions_of(cell, request.robot, "--standing-at", *request.standing_at);
+    if (!positions) return std::unexpected(positions.error());
     declaration["positions"] = *positions;
   }
   if (request.moved) {
-    if (!request.standing_at) return bad_input("--moved: goes with --standing-at");
+    if (!request.standing_at) {
+      return std::unexpected(bad_input("--moved: goes with --standing-at"));
+    }
     declaration["moved"] = *request.moved;
   }
-  const auto before = cell->call("robot.status", robot);
-  if (!before) return before.error();
-  if (const auto taken = take_lease(*cell, request); !taken) return taken.error();
+  const auto before = cell.call("robot.status", robot);
+  if (!before) return before;
+  if (const auto taken = take_lease(cell, request); !taken) return taken;
   if ((*before)["state"] == "fault") {
-    if (const auto done = cell->call("robot.acknowledge", robot); !done) return done.error();
+    if (const auto done = cell.call("robot.acknowledge", robot); !done) return done;
   }
-  if (const auto ready = make_ready(*cell, request.robot); !ready) return ready.error();
+  if (const auto ready = make_ready(cell, request.robot); !ready) {
+    return std::unexpected(ready.error());
+  }
   if (request.standing_at) {
-    if (const auto done = cell->call("robot.declare", declaration); !done) return done.error();
+    if (const auto done = cell.call("robot.declare", declaration); !done) return done;
   }
-  const auto status = at_rest(*cell, request.robot);
-  if (!status) return status.error();
-  Outcome outcome = status_outcome(*status);
-  const std::string position = (*status)["position"];
+  return at_rest(cell, request.robot);
+}
+
+Outcome recovered(const Json& status, const CellRequest& request) {
+  Outcome outcome = status_outcome(status);
+  const std::string position = status["position"];
   if (position == "lost" || position == "uncertain") {
     outcome.text += fmt::format(
-        "  to find its position again: sinew home {0} where it has end stops; a first row `joint` "
-        "that names all joints on servos; else sinew nudge {0} JOINT WAY until it stands where you "
-        "know, and sinew recover {0} --standing-at ...\n",
+        "  to find its position again: sinew recover {0} in a terminal asks step by step; sinew "
+        "home {0} where it has end stops; a first row `joint` that names all joints on servos; "
+        "sinew recover {0} --standing-at ... where you know it\n",
         request.robot);
   }
   return outcome;

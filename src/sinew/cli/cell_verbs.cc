@@ -56,6 +56,11 @@ std::string remark(const Json& status) {
                        job["phase"].get<std::string>(), job["line"].get<int>(),
                        100 * job["progress"].get<double>());
   }
+  if (status.contains("procedure")) {
+    const Json& procedure = status["procedure"];
+    return fmt::format("{}, step {} of {}", procedure["kind"].get<std::string>(),
+                       procedure["step"].get<int>(), procedure["of"].get<int>());
+  }
   return status.contains("homing") ? "homing " + status["homing"].get<std::string>() : "";
 }
 
@@ -232,10 +237,6 @@ Outcome cell_move(const CellRequest& request) {
     params["points"] = *points;
   }
   return run_job(request, "program.run", std::move(params));
-}
-
-Outcome cell_home(const CellRequest& request) {
-  return run_job(request, "program.run", {{"text", "home"}, {"name", "home"}});
 }
 
 Outcome cell_run(const CellRequest& request) {

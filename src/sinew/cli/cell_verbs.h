@@ -1,10 +1,12 @@
 #pragma once
 
 #include <cstdint>
+#include <expected>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "sinew/cli/cell_connection.h"
 #include "sinew/cli/outcome.h"
 
 namespace sinew::cli {
@@ -18,6 +20,8 @@ struct CellRequest {
   std::optional<std::string> moved;        ///< of `recover`: why what was known does not count
   std::string joint;                       ///< of `nudge`
   std::string way;                         ///< of `nudge`
+  std::optional<std::string> answers;      ///< of a procedure: a file; else somebody types
+  bool anew = false;                       ///< of `commission`
   bool take_over = false;
   std::string file;                  ///< of `run`
   std::optional<int> from_line;      ///< of `run`
@@ -45,6 +49,13 @@ Outcome cell_resume(const CellRequest& request);
 Outcome cell_nudge(const CellRequest& request);
 Outcome cell_step(const CellRequest& request);
 Outcome cell_recover(const CellRequest& request);
+Outcome cell_commission(const CellRequest& request);
 Outcome cell_lease(const CellRequest& request);
+
+/// The beginning of a recovery: lease, an acknowledged fault, a machine that is found, and where it
+/// stands if somebody says so. @return  its status then
+std::expected<Json, Outcome> make_known(CellConnection& cell, const CellRequest& request);
+/// That status, and what helps where its place is still not known.
+Outcome recovered(const Json& status, const CellRequest& request);
 
 }  // namespace sinew::cli

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <utility>
 
@@ -43,7 +44,7 @@ std::expected<program::ProcedurePlan, std::string> plan_for(const CommissionRequ
                                                             const RobotModel& model,
                                                             const program::DeviceFact& fact) {
   const program::Homing homing = runtime::homing_of(model);
-  if (request.procedure == "home") return program::homing_procedure(model, homing);
+  if (request.procedure == "home") return program::homing_procedure(model, homing, fact);
   if (request.procedure == "recover") return program::recovery_procedure(model, homing);
   return program::commissioning_procedure(model, homing, fact);
 }
@@ -51,21 +52,13 @@ std::expected<program::ProcedurePlan, std::string> plan_for(const CommissionRequ
 /// Answers are kept, however it ended; settings count when it has come to its end.
 void keep_results(const Job& job, const program::Procedure& procedure, Outcome& outcome) {
   if (job.file.empty()) return;
-  runtime::CommissioningFile file = job.before;
-  file.finished = procedure.phase() == Phase::kDone;
-  file.answers.clear();
-  for (std::size_t k = 0; k < procedure.results().size(); ++k) {
-    const program::StepResult& result = procedure.results()[k];
-    if (result.state != State::kOpen) file.answers[procedure.plan().steps[k].id] = result;
+  const auto [file, misfit] = runtime::results_of(procedure, job.before);
+  if (!misfit.empty()) {
+    outcome.exit = ExitCode::kCouldNot;
+    outcome.complaint = misfit;
   }
-  if (file.finished) {
-    file.settings = program::found_settings(procedure);
-    RobotModel changed = job.model;
-    if (const auto fits = program::use_settings(changed, file.settings); !fits) {
-      outcome.exit = ExitCode::kCouldNot;
-      outcome.complaint = "what was found does not fit the robot: " + fits.error();
-      return;
-    }
+  const bool done = procedure.phase() == Phase::kDone && misfit.empty();
+  if (done) {
     outcome.json["settings"] = Json::object();
     for (const auto& [key, value] : file.settings) {
       outcome.json["settings"][key] = value;
@@ -80,15 +73,18 @@ void keep_results(const Job& job, const program::Procedure& procedure, Outcome& 
   }
   outcome.json["file"] = job.file;
   outcome.text += "  " + job.file + "\n";
-  if (!file.finished) {
-    outcome.text += "  what was answered is kept there; the same command goes on from it\n";
+  if (done) return;
+  outcome.text += "  what was answered is kept there; the same command goes on from it\n";
+  if (file.finished) {
+    outcome.text += "  until it has come to its end, the settings that were found before count\n";
   }
 }
 
 Outcome told(const Job& job, const program::Procedure& procedure, const ProcedureDialogue& dialogue,
              const runtime::ProcedureEnd& end) {
   Outcome outcome;
-  outcome.text = "\n" + results_text(procedure);
+  const program::ProcedureView view = program::view_of(procedure, {});
+  outcome.text = "\n" + results_text(view);
   if (procedure.phase() != Phase::kDone) {
     outcome.exit = ExitCode::kCouldNot;
     outcome.complaint = procedure.phase() == Phase::kFailed ? procedure.trouble() : "cancelled";
@@ -102,7 +98,7 @@ Outcome told(const Job& job, const program::Procedure& procedure, const Procedur
   outcome.json = {{"robot", job.model.id},
                   {"procedure", procedure.plan().id},
                   {"phase", program::name(procedure.phase())},
-                  {"steps", results_json(procedure)}};
+                  {"steps", results_json(view)}};
   std::string failed;
   for (std::size_t k = 0; k < procedure.results().size(); ++k) {
     if (procedure.results()[k].state != State::kFailed) continue;
@@ -129,7 +125,7 @@ Outcome drive(const Job& job, runtime::RobotLink& link, runtime::PositionRecord*
   auto plan = plan_for(job.request, model, runtime::facts_of(link.driver(), model));
   if (!plan) return could_not(plan.error());
   if (job.script != nullptr) {
-    if (const auto unknown = job.script->unknown(*plan)) return bad_input(*unknown);
+    if (const auto unknown = job.script->unknown(step_ids(*plan))) return bad_input(*unknown);
   }
   if (!job.request.json) {
     std::fputs(
@@ -140,12 +136,19 @@ Outcome drive(const Job& job, runtime::RobotLink& link, runtime::PositionRecord*
         stderr);
   }
   program::Procedure procedure(std::move(*plan), loop.machine());
-  for (const auto& [id, result] : job.before.answers) procedure.keep(id, result);
+  for (const auto& [id, result] : job.before.under_way) procedure.keep(id, result);
   runtime::ProcedureEnd end;
   ProcedureDialogue dialogue(job.request.json, job.script);
   end = runtime::run_procedure(
       procedure, loop, link.line(), clock,
-      {.turn = [&](program::Procedure& one, Instant now) { dialogue.turn(one, now); },
+      {.turn =
+           [&](program::Procedure& one, Instant now) {
+             dialogue.turn(
+                 program::view_of(one, now),
+                 {.answer = [&](const std::string& text) { return one.answer(text, now); },
+                  .back = [&] { return one.back(now); },
+                  .cancel = [&] { one.cancel(now); }});
+           },
        .interrupts = [] { return io::interrupts(); }});
   return told(job, procedure, dialogue, end);
 }
@@ -163,14 +166,26 @@ std::expected<void, Outcome> find_file(Job& job) {
     if (!path) return std::unexpected(could_not(path.error().sentence));
     job.file = std::move(*path);
   }
-  if (!io::exists(job.file)) return {};
-  auto before = runtime::read_commissioning(job.file, job.model);
-  if (!before && !request.anew) {
-    return std::unexpected(could_not(before.error() + " (--anew)"));
+  const std::string option = request.save ? "--save: " : "";
+  if (io::exists(job.file)) {
+    auto before = runtime::read_commissioning(job.file, job.model);
+    if (!before && std::filesystem::is_directory(job.file)) {
+      return std::unexpected(
+          bad_input(option + job.file + " is a folder; name a file in it, as in " +
+                    (std::filesystem::path(job.file) / (job.model.id + ".json")).string()));
+    }
+    if (!before) {
+      return std::unexpected(could_not(option + before.error() +
+                                       "; only a settings file of this robot is replaced: name "
+                                       "another file with --save, or move this one away"));
+    }
+    job.before = std::move(*before);
+    if (request.anew) job.before.under_way.clear();
   }
-  if (!before) return {};
-  job.before = std::move(*before);
-  if (request.anew || job.before.finished) job.before.answers.clear();
+  // Learned now, not when everything has been answered.
+  if (const auto place = runtime::check_commissioning_place(job.file); !place) {
+    return std::unexpected(could_not(option + place.error().sentence));
+  }
   return {};
 }
 
@@ -200,25 +215,55 @@ std::expected<RobotModel, Outcome> model_for(const CommissionRequest& request) {
 
 }  // namespace
 
-std::expected<std::string, Outcome> use_commissioning(RobotModel& robot,
-                                                      const std::optional<std::string>& settings,
-                                                      bool real) {
-  if (settings == "none" || (!settings && !real)) return std::string();
-  std::string path = settings.value_or("");
-  if (!settings) {
-    auto usual = runtime::commissioning_path(robot.id);
-    // Without a state folder nothing was ever kept.
-    if (!usual || !io::exists(*usual)) return std::string();
-    path = std::move(*usual);
-  }
+std::expected<UsedSettings, std::string> use_settings_file(RobotModel& robot,
+                                                           const std::string& path) {
   const auto file = runtime::read_commissioning(path, robot);
-  const std::string option = settings ? "--settings: " : "";
-  const std::string without = settings ? "" : " (--settings none leaves it out)";
-  if (!file) return std::unexpected(could_not(option + file.error() + without));
-  if (const auto used = program::use_settings(robot, file->settings); !used) {
-    return std::unexpected(could_not(option + path + ": " + used.error() + without));
+  if (!file) return std::unexpected(file.error());
+  if (!file->finished) {
+    return std::unexpected(path +
+                           ": its list was not finished, and what it found does not count: "
+                           "sinew commission goes on with it");
   }
-  return file->settings.empty() ? std::string() : path;
+  if (const auto used = program::use_settings(robot, file->settings); !used) {
+    return std::unexpected(path + ": " + used.error());
+  }
+  UsedSettings settings;
+  if (!file->settings.empty()) settings.file = path;
+  if (!file->under_way.empty()) {
+    settings.note =
+        "another commissioning was begun and not finished; what the one before it "
+        "found counts: " +
+        path;
+  }
+  return settings;
+}
+
+std::string usual_settings(const RobotModel& robot) {
+  const auto usual = runtime::commissioning_path(robot.id);
+  // Without a state folder nothing was ever kept.
+  return usual && io::exists(*usual) ? *usual : std::string();
+}
+
+std::expected<UsedSettings, Outcome> use_commissioning(RobotModel& robot,
+                                                       const std::optional<std::string>& settings,
+                                                       bool real) {
+  if (settings == "none" || (!settings && !real)) return UsedSettings{};
+  const std::string path = settings ? *settings : usual_settings(robot);
+  if (path.empty() && !settings) return UsedSettings{};
+  if (!settings) {
+    // Somebody is in the middle of it; that is no reason to run nothing.
+    const auto file = runtime::read_commissioning(path, robot);
+    if (file && !file->finished) {
+      return UsedSettings{{},
+                          "the commissioning of this robot was not finished, and what it found "
+                          "does not count: " +
+                              path};
+    }
+  }
+  auto used = use_settings_file(robot, path);
+  if (used) return std::move(*used);
+  return std::unexpected(could_not(settings ? "--settings: " + used.error()
+                                            : used.error() + " (--settings none leaves it out)"));
 }
 
 Outcome commission(const CommissionRequest& request) {

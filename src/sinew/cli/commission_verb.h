@@ -26,14 +26,26 @@ struct CommissionRequest {
   bool json = false;
 };
 
-/// Puts what commissioning found on top of the robot's file.
+/// What commissioning found, on top of the robot's file.
+struct UsedSettings {
+  std::string file;  ///< that counts; empty where none does
+  std::string note;  ///< a sentence on what does not count; empty where there is nothing to say
+};
+
+/// Where the settings of a robot are looked for where nobody names a file; empty where there are
+/// none.
+std::string usual_settings(const RobotModel& robot);
+
 /// @param settings  a file or "none"; where left out that of the state folder, if it is there
 /// @param real      the robot is a real one; else only a file that was named counts
-/// @return  the file that counts; empty where none does
 /// @error   a file that was named, or is there, cannot be used
-std::expected<std::string, Outcome> use_commissioning(RobotModel& robot,
-                                                      const std::optional<std::string>& settings,
-                                                      bool real);
+std::expected<UsedSettings, Outcome> use_commissioning(RobotModel& robot,
+                                                       const std::optional<std::string>& settings,
+                                                       bool real);
+
+/// The settings of one file. @error  it cannot be used, or its list was never finished; a sentence
+std::expected<UsedSettings, std::string> use_settings_file(RobotModel& robot,
+                                                           const std::string& path);
 
 Outcome commission(const CommissionRequest& request);
 

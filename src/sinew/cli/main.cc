@@ -395,6 +395,7 @@ CLI::App* add_cell_verb(CLI::App& app, Call& call, const std::string& name, cons
 void add_cell_verbs(CLI::App& app, Call& call) {
   CellRequest& request = call.cell;
   constexpr const char* kRobot = "its name in the cell";
+  constexpr const char* kAnswers = "a file of STEP = ANSWER, instead of typing";
   constexpr const char* kTakeOver = "from whoever has the lease, which stops the robot first";
   CLI::App* verb = add_cell_verb(app, call, "status", "how the robots of a running cell are",
                                  "sinew status", cell_status);
@@ -407,6 +408,7 @@ void add_cell_verbs(CLI::App& app, Call& call) {
   verb = add_cell_verb(app, call, "home", "a robot of a running cell finds its zeros",
                        "sinew home arm", cell_home);
   verb->add_option("ROBOT", request.robot, kRobot)->required();
+  verb->add_option("--answers", request.answers, kAnswers);
   verb->add_flag("--take-over", request.take_over, kTakeOver);
   verb = add_cell_verb(app, call, "stop", "brings a robot of a running cell to rest, or all",
                        "sinew stop", cell_stop);
@@ -423,13 +425,14 @@ void add_cell_verbs(CLI::App& app, Call& call) {
   verb->add_option("ROBOT", request.robot, kRobot)->required();
   verb->add_flag("--back", request.back, "back to where the last order began, and a pause there");
   verb = add_cell_verb(app, call, "recover",
-                       "acknowledges a fault, finds the device, and says where the robot stands",
+                       "acknowledges a fault, finds the device, and the way back to a position",
                        "sinew recover platform --standing-at home", cell_recover);
   verb->add_option("ROBOT", request.robot, kRobot)->required();
   verb->add_option("--standing-at", request.standing_at,
                    "where it stands, from somebody who has looked: home, or a value a joint");
   verb->add_option("--moved", request.moved,
                    "why what was known of its place does not count any more: who moved it");
+  verb->add_option("--answers", request.answers, kAnswers);
   verb->add_flag("--take-over", request.take_over, kTakeOver);
   verb = add_cell_verb(app, call, "nudge", "one joint a little, slowly, from wherever it is",
                        "sinew nudge platform leg1 -0.2mm", cell_nudge);
@@ -461,10 +464,17 @@ void add_commission(CLI::App& app, Call& call) {
   verb->add_option("--journal", request.journal, "name of its position journal, as of run");
   verb->add_option("--seed", request.seed, "simulated device only: of all its chance");
   verb->add_option("--time-scale", request.time_scale, "simulated device only: faster or slower");
-  verb->callback([&call] {
-    call.verb = [&call] {
+  add_cell_options(*verb, call);
+  verb->callback([&call, verb] {
+    call.verb = [&call, verb] {
       call.commission.json = call.json;
-      return commission(call.commission);
+      if (!on_cell(call)) return commission(call.commission);
+      const auto heard = check_heard(*verb, {"ROBOT", "--answers", "--anew"});
+      if (!heard) return heard.error();
+      call.cell.robot = call.commission.robot;
+      call.cell.answers = call.commission.answers;
+      call.cell.anew = call.commission.anew;
+      return cell_commission(call.cell);
     };
   });
 }

@@ -16,7 +16,9 @@ namespace sinew::cli {
 namespace {
 
 using program::Procedure;
+using program::ProcedureView;
 using program::StepResult;
+using Asks = ProcedureView::Asks;
 using State = StepResult::State;
 
 constexpr std::size_t kWidth = 72;
@@ -52,9 +54,14 @@ std::string found_text(const StepResult& result) {
   return result.words.empty() ? result.answer : result.words;
 }
 
-bool only_begins(const Procedure& procedure) {
-  const auto choices = procedure.choices();
-  return !choices.empty() && (choices[0] == "go" || choices[0] == "yes");
+bool only_begins(const ProcedureView& procedure) {
+  return procedure.asks == Asks::kGo || procedure.asks == Asks::kYes;
+}
+
+/// "leg1 goes +0.2 mm, 1.2 s, 40 %"
+std::string progress_text(const ProcedureView& procedure) {
+  if (!procedure.share || procedure.progress.empty()) return procedure.progress;
+  return fmt::format("{}, {:.0f} %", procedure.progress, 100 * *procedure.share);
 }
 
 }  // namespace
@@ -62,12 +69,17 @@ bool only_begins(const Procedure& procedure) {
 std::expected<ScriptedAnswers, std::string> ScriptedAnswers::read(const std::string& path) {
   const auto text = io::read_file(path);
   if (!text) return std::unexpected(text.error().sentence);
+  return parse(*text, path);
+}
+
+std::expected<ScriptedAnswers, std::string> ScriptedAnswers::parse(const std::string& text,
+                                                                   const std::string& path) {
   ScriptedAnswers script;
   script.path_ = path;
   int number = 0;
-  for (std::size_t at = 0; at < text->size();) {
-    const std::size_t end = std::min(text->find('\n', at), text->size());
-    const std::string line = trimmed(text->substr(at, end - at));
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t end = std::min(text.find('\n', at), text.size());
+    const std::string line = trimmed(text.substr(at, end - at));
     at = end + 1;
     ++number;
     if (line.empty() || line[0] == '#') continue;
@@ -87,13 +99,10 @@ std::expected<ScriptedAnswers, std::string> ScriptedAnswers::read(const std::str
   return script;
 }
 
-std::optional<std::string> ScriptedAnswers::unknown(const program::ProcedurePlan& plan) const {
+std::optional<std::string> ScriptedAnswers::unknown(const std::vector<std::string>& steps) const {
   for (const auto& [step, answers] : answers_) {
-    const bool known = std::ranges::any_of(
-        plan.steps, [&](const program::ProcedureStep& one) { return one.id == step; });
-    if (known || step == "*") continue;
-    std::vector<std::string_view> names;
-    for (const program::ProcedureStep& one : plan.steps) names.push_back(one.id);
+    if (step == "*" || std::ranges::find(steps, step) != steps.end()) continue;
+    const std::vector<std::string_view> names(steps.begin(), steps.end());
     const std::string_view meant = nearest_spelling(step, names);
     return fmt::format("{}: there is no step '{}'{}", path_, printable(step),
                        meant.empty() ? "" : fmt::format(", did you mean '{}'?", meant));
@@ -101,21 +110,20 @@ std::optional<std::string> ScriptedAnswers::unknown(const program::ProcedurePlan
   return std::nullopt;
 }
 
-std::optional<std::string> ScriptedAnswers::take(const Procedure& procedure) {
-  const auto choices = procedure.choices();
-  auto& answers = answers_[procedure.step().id];
+std::optional<std::string> ScriptedAnswers::take(const ProcedureView& procedure) {
+  auto& answers = answers_[procedure.steps[procedure.place].step];
   // What is said of a motion's way is said behind it.
-  const bool motion = std::holds_alternative<program::MotionStep>(procedure.step().what);
-  const bool begins = !choices.empty() && choices[0] == "go";
+  const bool motion = procedure.joint.has_value();
+  const bool begins = procedure.asks == Asks::kGo;
   if (begins &&
       (answers.empty() || (motion && answers.front() != "go" && answers.front() != "skip"))) {
     // What did not go once would not go a hundred times.
-    if (!procedure.trouble().empty()) return std::nullopt;
+    if (!procedure.trouble.empty()) return std::nullopt;
     if (!answers.empty() || yes_to_all_) return "go";
     return std::nullopt;
   }
   if (answers.empty()) {
-    if (yes_to_all_ && only_begins(procedure)) return choices[0];
+    if (yes_to_all_ && only_begins(procedure)) return procedure.choices[0];
     return std::nullopt;
   }
   std::string answer = answers.front();
@@ -141,23 +149,21 @@ void ProcedureDialogue::say(const std::string& text) {
   std::fputs(shown(text).c_str(), stderr);
 }
 
-void ProcedureDialogue::turn(Procedure& procedure, Instant now) {
-  show(procedure, now);
-  if (procedure.phase() == Procedure::Phase::kAsking) ask(procedure, now);
+void ProcedureDialogue::turn(const ProcedureView& procedure, const ProcedureHands& hands) {
+  show(procedure);
+  if (procedure.phase == Procedure::Phase::kAsking) ask(procedure, hands);
 }
 
 /// Of the steps that have ended since the last look.
-void ProcedureDialogue::show_results(const Procedure& procedure) {
-  told_results_ = std::min(told_results_, procedure.place());
-  for (; told_results_ < procedure.place(); ++told_results_) {
-    const StepResult& result = procedure.results()[told_results_];
-    const program::ProcedureStep& step = procedure.plan().steps[told_results_];
+void ProcedureDialogue::show_results(const ProcedureView& procedure) {
+  told_results_ = std::min(told_results_, procedure.place);
+  for (; told_results_ < procedure.place; ++told_results_) {
+    const auto& [id, text, result] = procedure.steps[told_results_];
     const bool seen = shown_step_ == told_results_;
     if (!seen && result.words == "not needed") continue;
     if (!seen) {
-      say(fmt::format("\n  {:>2}/{:<3} {}\n", told_results_ + 1, procedure.plan().steps.size(),
-                      step.id) +
-          wrapped(step.text, kMargin));
+      say(fmt::format("\n  {:>2}/{:<3} {}\n", told_results_ + 1, procedure.steps.size(), id) +
+          wrapped(text, kMargin));
     }
     const std::string words = found_text(result);
     const std::string state =
@@ -166,30 +172,31 @@ void ProcedureDialogue::show_results(const Procedure& procedure) {
   }
 }
 
-void ProcedureDialogue::show(const Procedure& procedure, Instant now) {
+void ProcedureDialogue::show(const ProcedureView& procedure) {
   if (quiet_) return;
   show_results(procedure);
-  if (procedure.place() == procedure.plan().steps.size()) return;
-  const bool opened = procedure.phase() != Procedure::Phase::kOpening;
-  if (opened && !procedure.finished() && shown_step_ != procedure.place()) {
-    shown_step_ = procedure.place();
+  if (procedure.place == procedure.steps.size()) return;
+  const bool opened = procedure.phase != Procedure::Phase::kOpening;
+  if (opened && !procedure.finished() && shown_step_ != procedure.place) {
+    shown_step_ = procedure.place;
     shown_question_.clear();
     shown_trouble_.clear();
-    say(fmt::format("\n  {:>2}/{:<3} {}\n", procedure.place() + 1, procedure.plan().steps.size(),
-                    procedure.step().id) +
-        wrapped(procedure.step().text, kMargin));
+    const auto& step = procedure.steps[procedure.place];
+    say(fmt::format("\n  {:>2}/{:<3} {}\n", procedure.place + 1, procedure.steps.size(),
+                    step.step) +
+        wrapped(step.text, kMargin));
   }
-  if (procedure.trouble() != shown_trouble_ && !procedure.finished()) {
-    shown_trouble_ = procedure.trouble();
+  if (procedure.trouble != shown_trouble_ && !procedure.finished()) {
+    shown_trouble_ = procedure.trouble;
     if (!shown_trouble_.empty()) say(wrapped("! " + shown_trouble_, kMargin));
     shown_question_.clear();
   }
-  const std::string question = procedure.question();
-  if (!question.empty() && question != shown_question_) {
-    say(std::string(kMargin) + "[" + question + "]" + (script_ != nullptr ? "\n" : " > "));
+  if (!procedure.question.empty() && procedure.question != shown_question_) {
+    say(std::string(kMargin) + "[" + procedure.question + "]" +
+        (script_ != nullptr ? "\n" : " > "));
   }
-  shown_question_ = question;
-  const std::string progress = procedure.progress(now);
+  shown_question_ = procedure.question;
+  const std::string progress = progress_text(procedure);
   if (live_ && !progress.empty() && progress != shown_progress_) {
     std::fputs(("\r\033[K" + std::string(kMargin) + shown(progress)).c_str(), stderr);
     dirty_ = true;
@@ -197,62 +204,66 @@ void ProcedureDialogue::show(const Procedure& procedure, Instant now) {
   shown_progress_ = progress;
 }
 
-void ProcedureDialogue::ask(Procedure& procedure, Instant now) {
+void ProcedureDialogue::ask(const ProcedureView& procedure, const ProcedureHands& hands) {
   if (script_ == nullptr) {
-    if (const auto line = lines_.next()) give(procedure, trimmed(*line), now);
+    if (const auto line = lines_.next()) give(procedure, hands, trimmed(*line));
     return;
   }
-  if (procedure.machine().state() != control::MachineState::kReady) return;
+  if (!procedure.ready || !complaint_.empty()) return;
   const auto answer = script_->take(procedure);
   if (!answer) {
-    const std::string trouble = procedure.trouble().empty() ? "" : " (" + procedure.trouble() + ")";
+    const std::string trouble = procedure.trouble.empty() ? "" : " (" + procedure.trouble + ")";
     complaint_ = fmt::format("{}: no answer for the step '{}'{}: {}", script_->path(),
-                             procedure.step().id, trouble, procedure.question());
-    return procedure.cancel(now);
+                             procedure.steps[procedure.place].step, trouble, procedure.question);
+    return hands.cancel();
   }
   say(std::string(kMargin) + "> " + *answer + "\n");
-  give(procedure, *answer, now);
+  give(procedure, hands, *answer);
 }
 
-void ProcedureDialogue::give(Procedure& procedure, const std::string& text, Instant now) {
+void ProcedureDialogue::give(const ProcedureView& procedure, const ProcedureHands& hands,
+                             const std::string& text) {
   shown_question_.clear();
   shown_trouble_.clear();
-  if (text == "cancel" || text == "quit") return procedure.cancel(now);
-  const std::string step = procedure.step().id;
-  const auto taken = text == "back" ? procedure.back(now) : procedure.answer(text, now);
+  if (text == "cancel" || text == "quit") return hands.cancel();
+  const auto taken = text == "back" ? hands.back() : hands.answer(text);
   if (taken) {
-    if (text == "back") shown_step_.reset(), told_results_ = procedure.place();
+    if (text == "back") shown_step_.reset();
     return;
   }
   say(wrapped("! " + taken.error(), kMargin));
   if (script_ == nullptr) return;
-  complaint_ = fmt::format("{}: {}: {}", script_->path(), step, taken.error());
-  procedure.cancel(now);
+  complaint_ = fmt::format("{}: {}: {}", script_->path(), procedure.steps[procedure.place].step,
+                           taken.error());
+  hands.cancel();
 }
 
-std::string results_text(const Procedure& procedure) {
+std::string results_text(const ProcedureView& procedure) {
   Table table({"step", "", "found"});
   table.left(1).left(2);
-  for (std::size_t k = 0; k < procedure.results().size(); ++k) {
-    const StepResult& result = procedure.results()[k];
+  for (const auto& [id, text, result] : procedure.steps) {
     if (result.words == "not needed") continue;
-    const std::string words = found_text(result);
-    table.add({procedure.plan().steps[k].id, std::string(program::name(result.state)), words});
+    table.add({id, std::string(program::name(result.state)), found_text(result)});
   }
   return table.text();
 }
 
-Json results_json(const Procedure& procedure) {
+Json results_json(const ProcedureView& procedure) {
   Json steps = Json::array();
-  for (std::size_t k = 0; k < procedure.results().size(); ++k) {
-    const StepResult& result = procedure.results()[k];
-    Json one{{"step", procedure.plan().steps[k].id}, {"state", program::name(result.state)}};
+  for (const auto& [id, text, result] : procedure.steps) {
+    Json one{{"step", id}, {"state", program::name(result.state)}};
     if (!result.answer.empty()) one["answer"] = result.answer;
     if (!result.words.empty()) one["words"] = result.words;
     if (result.number) one["number"] = *result.number;
     steps.push_back(std::move(one));
   }
   return steps;
+}
+
+std::vector<std::string> step_ids(const program::ProcedurePlan& plan) {
+  std::vector<std::string> ids;
+  for (const program::ProcedureStep& step : plan.steps) ids.push_back(step.id);
+  return ids;
 }
 
 }  // namespace sinew::cli

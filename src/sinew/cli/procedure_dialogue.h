@@ -2,13 +2,15 @@
 
 #include <deque>
 #include <expected>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "sinew/cli/outcome.h"
 #include "sinew/io/request_lines.h"
-#include "sinew/program/procedure.h"
+#include "sinew/program/procedure_view.h"
 
 namespace sinew::cli {
 
@@ -18,17 +20,27 @@ class ScriptedAnswers {
  public:
   /// @error  what is wrong with the file, with the line
   static std::expected<ScriptedAnswers, std::string> read(const std::string& path);
+  /// From a text. @param name  what complaints call it
+  static std::expected<ScriptedAnswers, std::string> parse(const std::string& text,
+                                                           const std::string& name);
 
   /// Nothing: the file has none for this step.
-  std::optional<std::string> take(const program::Procedure& procedure);
+  std::optional<std::string> take(const program::ProcedureView& procedure);
   const std::string& path() const { return path_; }
   /// A step that no procedure asked about is a mistake that somebody should hear of.
-  std::optional<std::string> unknown(const program::ProcedurePlan& plan) const;
+  std::optional<std::string> unknown(const std::vector<std::string>& steps) const;
 
  private:
   std::string path_;
   std::map<std::string, std::deque<std::string>> answers_;
   bool yes_to_all_ = false;
+};
+
+/// How the procedure that is shown is given answers, in this process or over a cell's API.
+struct ProcedureHands {
+  std::function<std::expected<void, std::string>(const std::string&)> answer;
+  std::function<std::expected<void, std::string>()> back;
+  std::function<void()> cancel;
 };
 
 /// A procedure on a terminal: each step's text and question, what was found, how what moves gets
@@ -40,15 +52,16 @@ class ProcedureDialogue {
   ProcedureDialogue(const ProcedureDialogue&) = delete;
   ProcedureDialogue& operator=(const ProcedureDialogue&) = delete;
 
-  void turn(program::Procedure& procedure, Instant now);
+  void turn(const program::ProcedureView& procedure, const ProcedureHands& hands);
   /// Why a script ended it; empty where none did.
   const std::string& complaint() const { return complaint_; }
 
  private:
-  void show(const program::Procedure& procedure, Instant now);
-  void show_results(const program::Procedure& procedure);
-  void ask(program::Procedure& procedure, Instant now);
-  void give(program::Procedure& procedure, const std::string& text, Instant now);
+  void show(const program::ProcedureView& procedure);
+  void show_results(const program::ProcedureView& procedure);
+  void ask(const program::ProcedureView& procedure, const ProcedureHands& hands);
+  void give(const program::ProcedureView& procedure, const ProcedureHands& hands,
+            const std::string& text);
   void say(const std::string& text);
   void clear_line();
 
@@ -66,7 +79,9 @@ class ProcedureDialogue {
 };
 
 /// Each step with what came of it, for people and for machines.
-std::string results_text(const program::Procedure& procedure);
-Json results_json(const program::Procedure& procedure);
+std::string results_text(const program::ProcedureView& procedure);
+Json results_json(const program::ProcedureView& procedure);
+/// The ids of its steps.
+std::vector<std::string> step_ids(const program::ProcedurePlan& plan);
 
 }  // namespace sinew::cli

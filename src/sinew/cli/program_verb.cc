@@ -40,7 +40,7 @@ struct Prepared {
   std::optional<JointVector> standing_at;
   double homing_max = 0;  ///< s, of all its `home` rows
   double speed = 1;       ///< of all rows
-  std::string settings;   ///< the file of what commissioning found; empty where none counts
+  UsedSettings settings;  ///< what commissioning found
   bool streams() const { return model.device.capability.motion == MotionKind::kStream; }
 };
 
@@ -92,9 +92,14 @@ std::expected<void, Outcome> take_part(const RunRequest& request, Prepared& prep
 
 /// How a run is another one than its file says.
 void tell_part(const RunRequest& request, const Prepared& prepared, Outcome& outcome) {
-  if (!prepared.settings.empty()) {
-    outcome.json["settings"] = prepared.settings;
-    outcome.text += "  note: with what commissioning found, " + prepared.settings + "\n";
+  const auto& [settings, note] = prepared.settings;
+  if (!settings.empty()) {
+    outcome.json["settings"] = settings;
+    outcome.text += "  note: with what commissioning found, " + settings + "\n";
+  }
+  if (!note.empty()) {
+    outcome.json["settings_note"] = note;
+    outcome.text += "  note: " + note + "\n";
   }
   if (request.from_line) {
     outcome.json["from_line"] = *request.from_line;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "sinew/cli/cell_connection.h"
+#include "sinew/cli/commission_verb.h"
 #include "sinew/cli/device_argument.h"
 #include "sinew/cli/kinematics_text.h"
 #include "sinew/cli/program_verb.h"
@@ -121,6 +122,18 @@ void tell_given_up(Outcome& outcome) {
   outcome.json["position_journal"] = "given up";
 }
 
+/// The settings file that a program would run with on this port, and a sequence does not; empty
+/// where there is none.
+std::string settings_left_out(const RunRequest& request, const RobotModel& robot) {
+  const bool real = request.port && !runtime::may_be_simulated(*request.port);
+  if (!real || request.settings) return {};
+  const std::string path = usual_settings(robot);
+  RobotModel changed = robot;
+  if (path.empty()) return {};
+  const auto used = use_settings_file(changed, path);
+  return used ? used->file : std::string();
+}
+
 struct Prepared {
   RobotModel model;
   BigRobotArmDevice device;
@@ -153,6 +166,11 @@ std::expected<Prepared, Outcome> prepare(const RunRequest& request) {
     return std::unexpected(
         bad_input("--standing-at: a sequence counts from where the arm stood "
                   "when it was switched on; a program NAME.sinew takes it"));
+  }
+  if (request.settings && *request.settings != "none") {
+    return std::unexpected(
+        bad_input("--settings: a sequence speaks the device's own steps, and what commissioning "
+                  "found does not change them; programs NAME.sinew take it"));
   }
   if (request.from_line || request.speed) {
     return std::unexpected(
@@ -212,6 +230,14 @@ Outcome run_program(const RunRequest& request) {
     path = simulated->path();
   }
   if (const auto why = runtime::wrong_port(model, path)) return could_not(*why);
+  const std::string left_out = settings_left_out(request, model);
+  if (!left_out.empty() && !request.quiet) {
+    std::fputs(fmt::format("  note: what commissioning found counts for programs NAME.sinew, and "
+                           "not for a sequence: {}\n",
+                           left_out)
+                   .c_str(),
+               stderr);
+  }
   auto port = io::Port::open_serial(path, model.device.baud);
   if (!port) {
     return could_not(port.error().sentence + (request.port ? held_by_cell(path) : std::string()));
@@ -238,6 +264,7 @@ Outcome run_program(const RunRequest& request) {
   }
   Outcome outcome = drive({request, model, device, program}, *port, clock, log);
   if (*record != nullptr) tell_given_up(outcome);
+  if (!left_out.empty()) outcome.json["settings_left_out"] = left_out;
   return outcome;
 }
 

@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "sinew/cli/cell_socket.h"
+#include "sinew/cli/commission_verb.h"
 #include "sinew/cli/device_argument.h"
 #include "sinew/cli/robot_argument.h"
 #include "sinew/config/cell_file.h"
@@ -14,6 +15,7 @@
 #include "sinew/io/interrupt.h"
 #include "sinew/io/standard_streams.h"
 #include "sinew/runtime/position_record.h"
+#include "sinew/runtime/procedure_session.h"
 #include "sinew/runtime/robot_variant.h"
 #include "sinew/runtime/running_cell.h"
 #include "sinew/server/local_server.h"
@@ -35,17 +37,17 @@ std::expected<Cell, Outcome> read(const ServeRequest& request) {
   return std::move(*cell);
 }
 
-/// A robot's own file is looked for beside the cell's.
-std::string beside(const std::string& cell_file, const std::string& robot) {
-  if (!robot.ends_with(".toml")) return robot;
-  return (std::filesystem::path(cell_file).parent_path() / robot).string();
+/// What a cell's file names is looked for beside it.
+std::string beside(const std::string& cell_file, const std::string& file) {
+  return (std::filesystem::path(cell_file).parent_path() / file).string();
 }
 
 std::expected<std::vector<RobotModel>, Outcome> find_robots(const ServeRequest& request,
                                                             const Cell& cell) {
   std::vector<RobotModel> robots;
   for (const CellRobot& place : cell.robots) {
-    auto file = find_robot(beside(request.file, place.robot));
+    const bool own = place.robot.ends_with(".toml");
+    auto file = find_robot(own ? beside(request.file, place.robot) : place.robot);
     if (!file) return std::unexpected(file.error());
     if (auto fine = check_has_device(file->model); !fine) return std::unexpected(fine.error());
     auto variant = runtime::variant_of(file->model, place.profile, place.wire);
@@ -54,6 +56,12 @@ std::expected<std::vector<RobotModel>, Outcome> find_robots(const ServeRequest& 
       if (auto wrong = runtime::wrong_port(*variant, *place.port)) {
         return std::unexpected(bad_input(place.name + ": " + *wrong));
       }
+    }
+    if (place.settings) {
+      const auto used = use_settings_file(*variant, beside(request.file, *place.settings));
+      if (!used) return std::unexpected(bad_input(place.name + ": settings: " + used.error()));
+      if (!used->note.empty())
+        std::fputs(("  " + place.name + ": " + used->note + "\n").c_str(), stderr);
     }
     robots.push_back(std::move(*variant));
   }
@@ -88,10 +96,14 @@ Outcome serve(const ServeRequest& request) {
   if (!folder) return could_not(folder.error().sentence);
   const auto flight = runtime::records_folder();
   if (!flight) return could_not(flight.error().sentence);
+  const auto commissioning = runtime::commissioning_folder();
+  if (!commissioning) return could_not(commissioning.error().sentence);
   io::catch_interrupts();
-  auto running = runtime::RunningCell::start(
-      std::move(*cell), std::move(*robots),
-      {.journal = *folder, .flight = *flight, .record = request.record_folder.value_or("")});
+  auto running = runtime::RunningCell::start(std::move(*cell), std::move(*robots),
+                                             {.journal = *folder,
+                                              .flight = *flight,
+                                              .record = request.record_folder.value_or(""),
+                                              .commissioning = *commissioning});
   if (!running) return could_not(running.error().sentence);
   server::Api api(**running, SINEW_VERSION);
   auto listening = server::LocalServer::listen(*socket, api);

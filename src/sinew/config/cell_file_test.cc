@@ -31,6 +31,7 @@ rz_deg = 90
 [[robot]]
 name = "right"
 robot = "mine.toml"
+settings = "found/right.json"
 seed = 7
 [[object]]
 name = "box"
@@ -56,6 +57,8 @@ TEST(CellFile, says_which_robots_stand_where_and_hang_on_what) {
   const CellRobot& right = cell->robots[1];
   EXPECT_FALSE(right.port);
   EXPECT_EQ(right.seed, 7U);
+  EXPECT_EQ(right.settings, "found/right.json");
+  EXPECT_FALSE(left.settings);
   ASSERT_EQ(cell->objects.size(), 1U);
   EXPECT_DOUBLE_EQ(cell->objects[0].half.y, 0.1);
   EXPECT_DOUBLE_EQ(cell->objects[0].X_WX.p.z, 0.025);

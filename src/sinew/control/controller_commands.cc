@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "sinew/control/controller.h"
+#include "sinew/model/device_resolution.h"
 #include "sinew/planning/path_follower.h"
 
 namespace sinew::control {
@@ -259,16 +260,17 @@ Expected<void> Controller::declare(const Declare& where, Instant now) {
   return {};
 }
 
-/// What a sensor says, or an interval that holds the truth, goes before what somebody saw.
+/// What a sensor says, an interval that holds the truth, and what the device was told and did, go
+/// before what somebody saw.
 std::optional<Error> Controller::contradiction(const Declare& where) const {
   const auto known = positions();
   for (std::size_t j = 0; !where.moved && j < where.positions.size(); ++j) {
     const JointPosition& said = where.positions[j];
     const JointPosition& joint = known[j];
     const bool measured = joint.quality == PositionQuality::kMeasured;
-    if (said.quality == PositionQuality::kLost) continue;
-    if (!measured && joint.quality != PositionQuality::kUncertain) continue;
-    const double slack = measured ? kSag : kSamePlace;
+    if (said.quality == PositionQuality::kLost || joint.quality == PositionQuality::kLost) continue;
+    double slack = measured ? kSag : kSamePlace;
+    if (joint.quality == PositionQuality::kCommanded) slack += device_resolution(robot_, j);
     if (said.upper >= joint.lower - slack && said.lower <= joint.upper + slack) continue;
     return Error{ErrorCode::kDeclaredElsewhere, static_cast<std::int8_t>(j), said.q,
                  said.q < joint.lower ? joint.lower : joint.upper};

@@ -4,6 +4,7 @@
 
 #include "sinew/control/controller_test_cell.h"
 #include "sinew/core/units.h"
+#include "sinew/model/device_resolution.h"
 
 /// The way back of a machine that does not know where it is: one joint a little at a time, then
 /// somebody says where it stands.
@@ -167,7 +168,9 @@ TEST(Recovery, a_declaration_against_what_is_measured_or_held_in_an_interval_nee
     EXPECT_EQ(cell.end_of(refused)->error.limit, home + 0.19);
     EXPECT_NE(cell.records.back().kind, JournalKind::kDeclared);
     EXPECT_EQ(cell.driver.positions()[3].q, home + 0.2);
-    const std::uint32_t inside = cell.give(standing(cell.robot, 0.2));
+    Declare where = standing(cell.robot);
+    where.positions[3] = standing(cell.robot, 0.2).positions[3];
+    const std::uint32_t inside = cell.give(where);
     EXPECT_EQ(cell.end_of(inside)->kind, Kind::kDone);
     cell.driver.set(3, {known, home + 0.2, home + 0.19, home + 0.21});
     Declare moved = standing(cell.robot);
@@ -176,6 +179,32 @@ TEST(Recovery, a_declaration_against_what_is_measured_or_held_in_an_interval_nee
     EXPECT_EQ(cell.end_of(told)->kind, Kind::kDone);
     EXPECT_EQ(cell.driver.positions()[3].q, home);
   }
+}
+
+TEST(Recovery, a_declaration_against_what_the_device_was_told_needs_a_hand_beyond_its_resolution) {
+  ControlCell cell(kLostArm, true);
+  cell.make_ready();
+  cell.run(300ms);
+  const double home = cell.robot.joints[3].home;
+  const double step = device_resolution(cell.robot, 3);
+  cell.driver.set(3, {PositionQuality::kCommanded, home + 0.2, home + 0.2, home + 0.2});
+  const std::uint32_t refused = cell.give(standing(cell.robot));
+  EXPECT_EQ(cell.end_of(refused)->error.code, ErrorCode::kDeclaredElsewhere);
+  EXPECT_EQ(cell.end_of(refused)->error.index, 3);
+  EXPECT_EQ(cell.driver.positions()[3].q, home + 0.2);
+  const double near = home + 0.9 * step;
+  cell.driver.set(3, {PositionQuality::kCommanded, near, near, near});
+  const std::uint32_t same = cell.give(standing(cell.robot));
+  EXPECT_EQ(cell.end_of(same)->kind, Kind::kDone);
+  const double beyond = home + 1.1 * step;
+  cell.driver.set(3, {PositionQuality::kCommanded, beyond, beyond, beyond});
+  const std::uint32_t off = cell.give(standing(cell.robot));
+  EXPECT_EQ(cell.end_of(off)->error.code, ErrorCode::kDeclaredElsewhere);
+  Declare moved = standing(cell.robot);
+  moved.moved = true;
+  const std::uint32_t told = cell.give(moved);
+  EXPECT_EQ(cell.end_of(told)->kind, Kind::kDone);
+  EXPECT_EQ(cell.driver.positions()[3].q, home);
 }
 
 }  // namespace

@@ -382,6 +382,7 @@ TEST(Controller, what_somebody_declares_is_where_the_next_motion_begins) {
     const double q = joint.home + 0.01;
     where.positions.push_back({PositionQuality::kCommanded, q, q, q});
   }
+  where.moved = true;
   const std::uint32_t id = cell.give(where);
   EXPECT_EQ(cell.end_of(id)->kind, Kind::kDone);
   EXPECT_EQ((*cell.controller.reference())[0], cell.robot.joints[0].home + 0.01);

@@ -43,16 +43,15 @@ struct Facts {
             "steppers hold; without power the arm sinks or drops"};
   }
   StopFacts operator()(const AxisRegistersDevice& /*device*/) const {
-    return {true, 1500ms, "0.12 s until told, then the boards brake",
+    return {true, 300ms, "0.12 s until told, then the boards stop at once",
             "steppers hold; without power the arm drops: its gears do not hold it"};
   }
   StopFacts operator()(const AxisLinkDevice& /*device*/) const {
-    return {true, 1500ms, "one frame until told, then the boards brake",
+    return {true, 4100ms, "one frame until told, then the boards brake: up to 4 s at full speed",
             "steppers hold; without power the arm drops: its gears do not hold it"};
   }
-  StopFacts operator()(const LscDevice& device) const {
-    const bool asked = device.profile == LscProfile::kBus;
-    return {true, asked ? 250ms : 300ms, "where the servos are 20 ms later",
+  StopFacts operator()(const LscDevice& /*device*/) const {
+    return {true, 400ms, "where the servos are when the stop frame has arrived, 26 ms",
             "servos hold; without power or pulses the arm drops"};
   }
   StopFacts operator()(const MaxArmDevice& /*device*/) const {

@@ -46,7 +46,10 @@ class LinkTestAxis final : public Axis {
     told_.qd = velocity;
     told_.moving = velocity != 0;
     if (velocity != 0) return;
-    if (told_.homing) told_.homed = told_.position_ok = true;
+    if (told_.homing) {
+      told_.homed = told_.position_ok = true;
+      told_.q += zero_shift;
+    }
     told_.homing = braking_ = false;
     goal_.reset();
   }
@@ -150,6 +153,7 @@ class LinkTestAxis final : public Axis {
 
  public:
   double home_angle;
+  double zero_shift = 0;  ///< by which a search names its zero elsewhere
   double feed_forward = 0;
   bool keep_record = true;
   bool jammed = false;

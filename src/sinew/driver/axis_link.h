@@ -104,6 +104,11 @@ class AxisLinkDriver : public SpiDriver {
 
   /// Why an axis is out. @pre joint < joints
   std::optional<Error> axis_fault(std::size_t joint) const { return channels_[joint].error(); }
+  /// By how much the joint's last search for its zero differs from the one before it, rad; nothing
+  /// where there was none before it in this session. @pre joint < joints
+  std::optional<double> zero_shift(std::size_t joint) const {
+    return channels_[joint].zero_shift();
+  }
   /// From one frame of an axis to its next, as it was last.
   Duration round_time() const { return round_; }
 

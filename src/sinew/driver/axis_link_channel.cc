@@ -29,6 +29,9 @@ constexpr double kSnap = 3.7e-3;
 constexpr double kReadingAge = 0.005;
 
 constexpr int kHelloTries = 8;
+/// From the answer before a zero was named to the one behind it, at most: at the search's slow
+/// speed a change of that goes into the shift.
+constexpr Duration kShiftAge = std::chrono::milliseconds(20);
 
 /// Longest time to rest inside the joint's limits: at full speed a moment from now, and the
 /// acceleration that leads there must end first.
@@ -96,6 +99,8 @@ void Channel::begin(bool clear, Instant now) {
   failures_ = 0;
   session_ = 0;
   state_.reset();
+  has_zero_ = false;
+  zero_shift_.reset();
   // A number that no host before is likely to have greeted with: microseconds of the clock.
   sequence_ = static_cast<std::uint16_t>(sequence_ + 1 + now.time_since_epoch().count() / 1000);
 }
@@ -218,7 +223,24 @@ void Channel::take(const Reply& reply) {
   if (const auto* state = std::get_if<State>(&reply.body)) take_state(*state);
 }
 
+/// A search names its zero while the axis moves slowly: its position jumps by as much as the place
+/// of the switch differs from where the search before it had it.
+void Channel::look_for_zero(const State& state) {
+  if (!state.homed && !state.homing) has_zero_ = false;
+  if (!state_ || !state.homed) return;
+  const bool named = !state_->homed;
+  if (named) zero_shift_.reset();
+  const Duration between = began_ - fresh_at_;
+  if (named && has_zero_ && between <= kShiftAge) {
+    const double speed = (state_->velocity + state.velocity) / (2.0 * kStateVelocityUnits);
+    zero_shift_ =
+        from_units(state.position) - from_units(state_->position) - speed * to_seconds(between);
+  }
+  has_zero_ = state.position_ok;
+}
+
 void Channel::take_state(const State& state) {
+  look_for_zero(state);
   state_ = state;
   fresh_at_ = began_;
   if (step_ == Step::kLook) step_ = Step::kUp;

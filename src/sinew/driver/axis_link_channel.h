@@ -84,11 +84,16 @@ class Channel {
   /// At `now`; measured means: when the last frame began.
   JointPosition position(Instant now) const;
   std::uint64_t failed_frames() const { return failed_frames_; }
+  /// By how much the last search named its zero other than the one before it in this session, rad;
+  /// nothing where there was none before, or where answers were lost around that instant. -+ the
+  /// encoder's counts and what the speed changes from one answer to the next.
+  std::optional<double> zero_shift() const { return zero_shift_; }
 
  private:
   void fail(ErrorCode why, double measured, Instant now);
   void take(const Reply& reply);
   void take_state(const State& state);
+  void look_for_zero(const State& state);
   std::optional<Error> identity_error(const Identity& identity) const;
   Error indexed(ErrorCode code, double measured = 0, double limit = 0) const;
 
@@ -121,6 +126,8 @@ class Channel {
   std::optional<State> state_;
   Health health_;
   double uncertainty_ = 0;
+  bool has_zero_ = false;  ///< in this session; it was homed, and positions count from there
+  std::optional<double> zero_shift_;
 };
 
 /// What an axis says of itself, as an error; nothing where it is well.

@@ -241,6 +241,30 @@ TEST(AxisLinkDriver, homing_takes_the_axes_in_turn_and_ends_measured) {
   }
 }
 
+TEST(AxisLinkDriver, a_search_that_names_its_zero_elsewhere_is_seen_by_as_much) {
+  LinkCell cell(2);
+  cell.driver->open(cell.now);
+  cell.run_for(20ms);
+  const auto home = [&] {
+    cell.events.clear();
+    ASSERT_TRUE(cell.driver->home(cell.now));
+    ASSERT_TRUE(cell.run_to_event(Kind::kDone, 200s));
+  };
+  home();
+  EXPECT_FALSE(cell.driver->zero_shift(0)) << "there was none before";
+  for (auto& axis : cell.axes) axis->home_angle += deg(10);
+  cell.axes[0]->zero_shift = deg(-2);
+  home();
+  ASSERT_TRUE(cell.driver->zero_shift(0));
+  EXPECT_NEAR(*cell.driver->zero_shift(0), deg(-2), deg(0.05));
+  EXPECT_NEAR(cell.driver->zero_shift(1).value_or(99), 0, deg(0.05));
+  // Another session knows nothing of the frame before.
+  cell.driver->close(cell.now);
+  cell.driver->open(cell.now);
+  cell.run_for(20ms);
+  EXPECT_FALSE(cell.driver->zero_shift(0));
+}
+
 TEST(AxisLinkDriver, homing_that_ends_nowhere_or_is_refused_fails_with_its_axis) {
   AxisLinkTiming timing;
   timing.homing_timeout = 2s;

@@ -128,7 +128,8 @@ void LscDriver::enter_fault(const Error& error) {
 
 /// What is left without an end goes on by itself.
 void LscDriver::admit_motion() {
-  if (phase_ == Phase::kRunning && current_.end > now_) goes_on_until_ = current_.end;
+  const bool runs = phase_ == Phase::kRunning || phase_ == Phase::kConfirming;
+  if (runs && current_.end > now_) goes_on_until_ = current_.end;
 }
 
 void LscDriver::lose_positions() {

@@ -65,10 +65,10 @@ struct LscTiming {
 /// 0.06 rad; what was measured with the wire's resolution.
 ///
 /// stop() drops what has not begun to leave and sends the place where the servos will be as their
-/// target, to be reached in 20 ms: they stand 72 ms later at most. During the first move of an
-/// arm on a board that tells nothing, that place is not known; there the move is slowed to the
-/// longest time the wire can say, 65 s (some 3 deg/s), and the position stays lost; goes_on_until()
-/// says so.
+/// target, to be reached in 20 ms: they stand 72 ms later at most. Where they stand before that
+/// frame could arrive it says the segment's end once more. During the first move of an arm on a
+/// board that tells nothing, that place is not known; there the move is slowed to the longest time
+/// the wire can say, 65 s (some 3 deg/s), and the position stays lost; goes_on_until() says so.
 /// Every command that was under way at a stop ends with its own kStopped. @rt
 class LscDriver : public ByteDriver {
  public:

@@ -225,10 +225,18 @@ void LscDriver::send_stop(Instant now) {
   if (next_) return;
   stop_due_ = false;
   current_.rest = true;
-  if (current_.end - arrival <= kTimeMin) return;  // sooner than a frame could end it
+  if (arrival >= current_.end) {
+    // They stand before a frame is through: what says where ends the motion.
+    phase_ = Phase::kConfirming;
+    confirms_left_ = kConfirms;
+    phase_due_ = now;
+    return poll_confirming(now);
+  }
   const bool known = std::all_of(slots_.begin(), slots_.end(),
                                  [](const Slot& slot) { return !slot.held || slot.known; });
   if (!known) {
+    // A first move that is as good as over shall not become one of a minute.
+    if (current_.end - arrival <= kTimeMin) return;
     creeping_ = true;
     phase_ = Phase::kConfirming;
     confirms_left_ = kConfirms + 1;

@@ -29,5 +29,8 @@ IoResult<void> write_stdout(std::string_view text) {
 bool stderr_is_terminal() {
   return isatty(STDERR_FILENO) == 1;
 }
+bool stdin_is_terminal() {
+  return isatty(STDIN_FILENO) == 1;
+}
 
 }  // namespace sinew::io

@@ -16,5 +16,7 @@ IoResult<void> write_stdout(std::string_view text);
 
 /// Somebody is looking: stderr is a terminal.
 bool stderr_is_terminal();
+/// Somebody can type.
+bool stdin_is_terminal();
 
 }  // namespace sinew::io

@@ -17,6 +17,8 @@ struct CellRobot {
   std::string robot;  ///< a built-in id, or a .toml file beside the cell's
   std::optional<std::string> profile;
   std::optional<std::string> wire;
+  /// A file of what commissioning found, beside the cell's; nothing: as the robot's file says.
+  std::optional<std::string> settings;
   /// A device of this computer; nothing: simulated.
   std::optional<std::string> port;
   /// Of its position journal. A robot on a real port has one of its own name where this is empty, a

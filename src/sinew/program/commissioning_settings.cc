@@ -103,6 +103,26 @@ bool use_platform_setting(RobotModel& robot, const std::string& name, const std:
 
 }  // namespace
 
+namespace {
+
+/// Two servos of one number would both go where one of them is sent.
+std::expected<void, std::string> check_servo_ids(const RobotModel& robot) {
+  const auto* device = std::get_if<LscDevice>(&robot.device.settings);
+  for (std::size_t j = 0; device != nullptr && j < device->servos.size(); ++j) {
+    const int id = device->servos[j].id;
+    std::string whose = id == device->gripper.id ? "the gripper" : "";
+    for (std::size_t k = 0; k < j; ++k) {
+      if (device->servos[k].id == id) whose = robot.joints[k].name;
+    }
+    if (whose.empty()) continue;
+    return std::unexpected("servo " + std::to_string(id) + " would be " + robot.joints[j].name +
+                           "'s and " + whose + "'s");
+  }
+  return {};
+}
+
+}  // namespace
+
 FoundSettings found_settings(const Procedure& procedure) {
   FoundSettings found;
   const RobotModel& robot = procedure.machine().robot();
@@ -153,6 +173,7 @@ std::expected<void, std::string> use_settings(RobotModel& robot, const FoundSett
       }
     }
   }
+  if (auto once = check_servo_ids(changed); !once) return once;
   robot = std::move(changed);
   return {};
 }

@@ -12,6 +12,7 @@
 #include "sinew/core/units.h"
 #include "sinew/model/error_sentence.h"
 #include "sinew/model/joint_lookup.h"
+#include "sinew/program/home_return.h"
 #include "sinew/program/program_plan.h"
 
 namespace sinew::program {
@@ -94,6 +95,9 @@ const StepResult* Procedure::result(std::string_view id) const {
 }
 
 std::string Procedure::sentence(const Error& error) const {
+  if (explain_) {
+    if (auto told = explain_(error)) return std::move(*told);
+  }
   return sentence_of(error, robot_);
 }
 
@@ -148,9 +152,10 @@ void Procedure::take(const Event& event, Instant now) {
     return;
   }
   if (event.kind == Kind::kLease && machine_.lease().epoch == 0 && begun_) {
-    command_ = 0;
-    return fail(event.lease.epoch != 0 ? "somebody else took the lease over"
-                                       : "the lease has ended");
+    // Who takes over has stopped it first; a lease that ends only holds a motion.
+    const bool taken = event.lease.epoch != 0;
+    if (taken) command_ = 0;
+    return fail(taken ? "somebody else took the lease over" : "the lease has ended");
   }
   const bool ended_badly = event.kind == Kind::kRefused || event.kind == Kind::kFailed;
   if (phase_ == Phase::kOpening && ended_badly) return fail(sentence(event.error));
@@ -164,7 +169,10 @@ void Procedure::take(const Event& event, Instant now) {
     case Kind::kDone:
       return command_done(now);
     case Kind::kStopped:
-      return ask_again("stopped on the way");
+      return ask_again(event.cause == control::StopCause::kClient
+                           ? "stopped on the way"
+                           : "stopped on the way: " +
+                                 std::string(control::stop_rule(event.cause).name));
     default:
       return ask_again(sentence(event.error));
   }
@@ -176,6 +184,7 @@ void Procedure::ask_again(std::string trouble) {
   trouble_ = std::move(trouble) + (hint.empty() ? "" : "; " + hint);
   went_ = comes_back_ = false;
   left_ = 0;
+  homeward_.clear();
   searching_.reset();
   phase_ = Phase::kAsking;
 }
@@ -195,6 +204,7 @@ void Procedure::enter(Instant now) {
   }
   went_ = comes_back_ = false;
   left_ = way_ = adjusted_ = 0;
+  searching_.reset();
   trouble_.clear();
   since_ = now;
   if (place_ == plan_.steps.size()) {
@@ -278,6 +288,28 @@ std::optional<std::string> Procedure::first_move() {
   return std::nullopt;
 }
 
+std::optional<std::string> Procedure::home_move() {
+  homeward_.clear();
+  const auto from = machine_.reference();
+  if (!from) return "nobody knows where the machine is";
+  auto back = home_return(robot_, *from, 0);
+  if (!back) return sentence(back.error().error);
+  for (HomeLeg& leg : back->legs) {
+    if (!leg.motion.pieces.empty()) homeward_.push_back(std::move(leg.motion.pieces));
+  }
+  if (homeward_.empty()) return "it stands there already; skip";
+  next_leg();
+  return std::nullopt;
+}
+
+void Procedure::next_leg() {
+  motion_ = std::make_unique<control::PieceMotion>(machine_.reference().value_or(JointVector{}),
+                                                   std::move(homeward_.front()), robot_);
+  homeward_.pop_front();
+  command_ = machine_.give(control::Begin{.motion = motion_.get()});
+  phase_ = Phase::kWorking;
+}
+
 void Procedure::begin_work(Instant now) {
   trouble_.clear();
   since_ = now;
@@ -290,6 +322,8 @@ void Procedure::begin_work(Instant now) {
     why = go(way_);
   } else if (std::holds_alternative<FirstMoveStep>(step().what)) {
     why = first_move();
+  } else if (std::holds_alternative<HomeMoveStep>(step().what)) {
+    why = home_move();
   } else if (std::holds_alternative<SearchStep>(step().what)) {
     searched_.fill(0);
     searching_.reset();
@@ -325,6 +359,7 @@ void Procedure::end_search(Instant now) {
 
 void Procedure::command_done(Instant now) {
   if (std::holds_alternative<SearchStep>(step().what)) return end_search(now);
+  if (!homeward_.empty()) return next_leg();
   if (left_ != 0) {
     if (const auto why = go(left_)) ask_again(*why);
     return;
@@ -398,6 +433,7 @@ std::vector<std::string> Procedure::choices() const {
   if (std::holds_alternative<CheckStep>(step().what)) words = {"again", "skip"};
   const bool starts = std::holds_alternative<SearchStep>(step().what) ||
                       std::holds_alternative<FirstMoveStep>(step().what) ||
+                      std::holds_alternative<HomeMoveStep>(step().what) ||
                       std::holds_alternative<ToolTryStep>(step().what);
   if (starts) words = {"go"};
   if (const auto* where = std::get_if<PlaceStep>(&step().what)) {
@@ -405,6 +441,25 @@ std::vector<std::string> Procedure::choices() const {
   }
   if (step().optional && std::ranges::find(words, "skip") == words.end()) words.push_back("skip");
   return words;
+}
+
+std::optional<std::size_t> Procedure::joint() const {
+  if (place_ == plan_.steps.size()) return std::nullopt;
+  if (const auto* motion = std::get_if<MotionStep>(&step().what)) return motion->joint;
+  if (const auto* adjust = std::get_if<AdjustStep>(&step().what)) return adjust->joint;
+  return phase_ == Phase::kWorking ? searching_ : std::nullopt;
+}
+
+double Procedure::working_for(Instant now) const {
+  if (phase_ != Phase::kWorking && phase_ != Phase::kCancelling) return 0;
+  return to_seconds(now - (searching_ ? searching_since_ : since_));
+}
+
+std::optional<double> Procedure::working_at_most() const {
+  if (phase_ != Phase::kWorking || !searching_) return std::nullopt;
+  const auto* search = std::get_if<SearchStep>(&step().what);
+  if (search == nullptr || *searching_ >= search->times.size()) return std::nullopt;
+  return search->times[*searching_];
 }
 
 std::string Procedure::progress(Instant now) const {
@@ -589,6 +644,9 @@ std::expected<void, std::string> Procedure::answer_rest(std::string_view text, I
         return std::string(out);
       };
       return refuse("has to be " + shown(number->lower) + " to " + shown(number->upper));
+    }
+    if (number->refuses) {
+      if (const auto why = number->refuses(*this, *value)) return refuse(*why);
     }
     end_step(StepResult::State::kDone, given_, *value);
   } else if (std::holds_alternative<CheckStep>(step().what)) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <deque>
 #include <expected>
 #include <functional>
 #include <memory>
@@ -57,6 +58,8 @@ struct NumberStep {
   Measure measure = Measure::kLength;
   double lower = 0;  ///< SI
   double upper = 0;
+  /// Why a number within them is none all the same: a sentence; nothing where it may be.
+  std::function<std::optional<std::string>(const Procedure&, double)> refuses{};
 };
 /// Finds the zeros. The longest time of each joint's search, s; may be empty.
 struct SearchStep {
@@ -64,6 +67,8 @@ struct SearchStep {
 };
 /// A slow first move to the robot's home, from nobody knows where.
 struct FirstMoveStep {};
+/// From where it knows that it stands to the robot's home, as a program's `home` row ends.
+struct HomeMoveStep {};
 struct ToolTryStep {
   ToolAction action;
 };
@@ -81,7 +86,7 @@ struct ProcedureStep {
   std::string id;    ///< unique in its procedure, stable: answers are kept by it
   std::string text;  ///< what a person reads
   std::variant<TellStep, CheckStep, MotionStep, AdjustStep, ChoiceStep, NumberStep, SearchStep,
-               FirstMoveStep, ToolTryStep, PlaceStep>
+               FirstMoveStep, HomeMoveStep, ToolTryStep, PlaceStep>
       what;
   std::string hint{};     ///< where it went wrong: what helps
   bool optional = false;  ///< may be answered with: skip
@@ -135,6 +140,11 @@ class Procedure {
   /// start().
   void keep(std::string_view step, const StepResult& result);
   void take_over() { take_over_ = true; }
+  /// A sentence on an error, from somebody who knows more of it than the machine does; nothing
+  /// where that one does not.
+  void explain_by(std::function<std::optional<std::string>(const Error&)> explain) {
+    explain_ = std::move(explain);
+  }
 
   void start(Instant now);
   void poll(Instant now);
@@ -158,6 +168,12 @@ class Procedure {
   std::vector<std::string> choices() const;
   /// What goes on while nobody is asked; the joint that is searched for, and for how long.
   std::string progress(Instant now) const;
+  /// s since what goes on has begun; of a search, that of its joint.
+  double working_for(Instant now) const;
+  /// s that the search of this joint may take; nothing where nobody knows or nothing is searched.
+  std::optional<double> working_at_most() const;
+  /// That the step under way moves or searches; nothing where it is about none.
+  std::optional<std::size_t> joint() const;
   /// Why the question stands still, or why the procedure has failed: a sentence.
   const std::string& trouble() const { return trouble_; }
   /// A motion given to the controller may still be looked at by it.
@@ -180,6 +196,8 @@ class Procedure {
   std::size_t moving_joint() const;
   std::optional<std::string> go(double way);
   std::optional<std::string> first_move();
+  std::optional<std::string> home_move();
+  void next_leg();
   std::expected<void, std::string> answer_motion(const MotionStep& step, std::string_view text,
                                                  Instant now);
   std::expected<void, std::string> answer_adjust(std::string_view text, Instant now);
@@ -200,14 +218,16 @@ class Procedure {
   bool enabling_ = false;
   bool begun_ = false;  ///< the lease has been had
   std::string trouble_;
+  std::function<std::optional<std::string>(const Error&)> explain_;
 
   // Of the step under way.
   Instant since_{};
   std::uint32_t command_ = 0;
   std::unique_ptr<control::MotionSource> motion_;
   std::unique_ptr<RowPlanner> planner_;
-  double way_ = 0;   ///< that the joint was sent
-  double left_ = 0;  ///< of it
+  std::deque<std::vector<JointMove>> homeward_;  ///< what is left of the way home
+  double way_ = 0;                               ///< that the joint was sent
+  double left_ = 0;                              ///< of it
   double adjusted_ = 0;
   bool went_ = false;
   bool comes_back_ = false;

@@ -77,7 +77,7 @@ class FakeDriver final : public Driver {
       return tell(DriverEvent::Kind::kFailed, *failure);
     }
     for (JointPosition& joint : positions_) {
-      if (homes_) joint = {PositionQuality::kCommanded, 0, 0, 0};
+      if (homes_) joint = {PositionQuality::kCommanded, homed_at, homed_at, homed_at};
     }
     homes_ = false;
     tell(DriverEvent::Kind::kDone);
@@ -86,6 +86,7 @@ class FakeDriver final : public Driver {
   std::optional<DriverEvent> take_event() override { return events_.take_front(); }
 
   std::optional<Error> failure;
+  double homed_at = 0;  ///< rad, where a search leaves each joint
   int motions = 0;
   std::vector<std::pair<std::size_t, double>> nudges;
 
@@ -359,6 +360,7 @@ TEST(Procedure, homing_is_for_machines_with_end_stops) {
     EXPECT_FALSE(homing_procedure(test::robot(id), {})) << id;
   }
   Bench bench("robot-arm-2", *homing_procedure(test::robot("robot-arm-2"), {}));
+  bench.driver.homed_at = 0.05;
   bench.begin();
   EXPECT_EQ(bench.say("yes"), "");
   ASSERT_TRUE(bench.procedure.answer("go", bench.now));
@@ -367,8 +369,39 @@ TEST(Procedure, homing_is_for_machines_with_end_stops) {
       << bench.procedure.progress(bench.now);
   bench.until([&] { return bench.procedure.phase() == Phase::kAsking; });
   EXPECT_EQ(bench.say("go"), "");
-  ASSERT_EQ(bench.procedure.phase(), Phase::kDone);
-  EXPECT_NE(bench.procedure.result("seen")->words.find("not measured"), std::string::npos);
+  EXPECT_NE(bench.procedure.result("seen")->words.find("is not measured"), std::string::npos);
+  // From where the search left it to its home, as a program's row does.
+  ASSERT_FALSE(bench.procedure.finished());
+  ASSERT_EQ(bench.procedure.step().id, "home");
+  EXPECT_EQ(bench.say("go"), "");
+  ASSERT_EQ(bench.procedure.phase(), Phase::kDone) << bench.procedure.trouble();
+  EXPECT_EQ(*bench.machine.reference(), home_joints(bench.robot));
+}
+
+TEST(Procedure,
+     how_far_two_searches_lie_apart_is_told_in_steps_and_too_far_is_not_as_it_should_be) {
+  std::string steps = "0.500";
+  const DeviceFact fact = [&](std::string_view what,
+                              std::size_t joint) -> std::optional<std::string> {
+    if (joint != 1) return std::nullopt;
+    if (what == "zero_shift_steps") return steps;
+    return what == "zero_shift_deg" ? std::optional<std::string>("0.003") : std::nullopt;
+  };
+  const auto seen = [&] {
+    Bench bench("robot-arm-2", *homing_procedure(test::robot("robot-arm-2"), {}, fact));
+    bench.begin();
+    for (const char* answer : {"yes", "go", "go"}) EXPECT_EQ(bench.say(answer), "");
+    bench.until([&] { return bench.procedure.phase() == Phase::kAsking; });
+    const bool stands = bench.procedure.step().id == "seen";
+    return stands ? "! " + bench.procedure.trouble() : bench.procedure.result("seen")->words;
+  };
+  const std::string fine = seen();
+  EXPECT_EQ(fine.find("!"), std::string::npos) << fine;
+  EXPECT_NE(fine.find("apart by steps: shoulder 0.500 (0.003 deg)"), std::string::npos) << fine;
+  steps = "-32.500";
+  const std::string far = seen();
+  EXPECT_TRUE(far.starts_with("! ")) << far;
+  EXPECT_NE(far.find("More than 32 steps: shoulder"), std::string::npos) << far;
 }
 
 TEST(Commissioning, a_board_that_turns_against_the_model_is_not_as_it_should_be) {
@@ -409,6 +442,44 @@ TEST(Commissioning, every_robot_has_a_list_whose_steps_have_names_of_their_own) 
     EXPECT_EQ(std::ranges::adjacent_find(names), names.end()) << id;
   }
   EXPECT_FALSE(commissioning_procedure(test::robot("puma560"), {}, {}));
+}
+
+TEST(Commissioning, a_servo_number_that_is_another_ones_is_refused_and_two_may_be_swapped) {
+  Bench bench("learm", *commissioning_procedure(test::robot("learm"), {}, {}));
+  const auto& device = std::get<LscDevice>(bench.robot.device.settings);
+  const auto id = [&](std::size_t j) { return std::to_string(device.servos[j].id); };
+  bench.begin();
+  for (const char* answer : {"yes", "yes", "go", "go", "left", "go", "other", "go", "other", "go",
+                             "forward", "go", "left"}) {
+    ASSERT_EQ(bench.say(answer), "") << answer << " at " << bench.procedure.step().id;
+  }
+  ASSERT_EQ(bench.procedure.step().id, "id.shoulder");
+  EXPECT_EQ(bench.say(id(0)), "'" + id(0) + "': is base's");
+  EXPECT_EQ(bench.say(std::to_string(device.gripper.id)),
+            "'" + std::to_string(device.gripper.id) + "': is the gripper's");
+  // The elbow's is free: that one has another number too.
+  EXPECT_EQ(bench.say(id(2)), "");
+  ASSERT_EQ(bench.procedure.step().id, "id.elbow");
+  EXPECT_EQ(bench.say(id(2)), "'" + id(2) + "': is shoulder's");
+  EXPECT_EQ(bench.say(id(1)), "");
+  const FoundSettings found = found_settings(bench.procedure);
+  RobotModel arm = test::robot("learm");
+  ASSERT_TRUE(use_settings(arm, found));
+  EXPECT_EQ(std::get<LscDevice>(arm.device.settings).servos[1].id, device.servos[2].id);
+}
+
+TEST(Commissioning, settings_that_give_two_joints_one_servo_are_refused) {
+  const RobotModel arm = test::robot("learm");
+  const auto& device = std::get<LscDevice>(arm.device.settings);
+  for (const int taken : {static_cast<int>(device.servos[1].id), int{device.gripper.id}}) {
+    RobotModel robot = arm;
+    const auto used = use_settings(robot, {{"joint.elbow.servo_id", std::to_string(taken)}});
+    ASSERT_FALSE(used) << taken;
+    EXPECT_NE(used.error().find("servo " + std::to_string(taken) + " would be elbow's"),
+              std::string::npos)
+        << used.error();
+    EXPECT_EQ(std::get<LscDevice>(robot.device.settings).servos[2].id, device.servos[2].id);
+  }
 }
 
 TEST(Commissioning, settings_that_were_found_change_the_device_and_nothing_else_is_one) {

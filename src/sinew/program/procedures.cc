@@ -1,6 +1,8 @@
 #include "sinew/program/procedures.h"
 
 #include <algorithm>
+#include <cmath>
+#include <cstdlib>
 #include <utility>
 
 #include "sinew/core/units.h"
@@ -10,6 +12,8 @@ namespace sinew::program {
 namespace {
 
 constexpr double kLegStep = from_mm(0.2);
+constexpr const char* kMovedHint =
+    "where it was moved by hand, add moved: and who did it, as in: home moved: lifted by hand";
 
 bool has_boards(const RobotModel& robot) {
   return std::holds_alternative<AxisRegistersDevice>(robot.device.settings) ||
@@ -29,20 +33,63 @@ std::vector<PlaceStep::Place> places_of(const RobotModel& robot) {
   return places;
 }
 
-/// Told at the end of a homing: what nobody could see.
-Verdict homing_seen(const Procedure& procedure) {
+/// Two searches for one zero that lie farther apart do not find the same switch: two full steps of
+/// the motor, beyond which one may have been lost or the switch has moved.
+constexpr double kShiftMax = 32;  // microsteps
+
+/// How far two searches lie apart, joint by joint; nothing where the wire does not show it.
+std::optional<Verdict> shifts_seen(const RobotModel& robot, const DeviceFact& fact) {
+  std::string words;
+  std::string far;
+  std::string unseen;
+  double most = 0;
+  for (std::size_t j = 0; fact && j < robot.joints.size(); ++j) {
+    const auto steps = fact("zero_shift_steps", j);
+    const auto degrees = fact("zero_shift_deg", j);
+    const std::string& name = robot.joints[j].name;
+    if (!steps || !degrees) {
+      unseen += (unseen.empty() ? "" : ", ") + name;
+      continue;
+    }
+    const double shift = std::abs(std::strtod(steps->c_str(), nullptr));
+    words += (words.empty() ? "" : ", ") + name + " " + *steps + " (" + *degrees + " deg)";
+    if (shift > kShiftMax) far += (far.empty() ? "" : ", ") + name;
+    most = std::max(most, shift);
+  }
+  if (words.empty()) return std::nullopt;
+  words = "apart by steps: " + words;
+  if (!unseen.empty()) words += "; not measured, as an answer came too late: " + unseen;
+  if (far.empty()) return Verdict{true, words, most};
+  return Verdict{false,
+                 words + ". More than " + std::to_string(static_cast<int>(kShiftMax)) +
+                     " steps: " + far + ". Its switch is loose, or the motor loses steps",
+                 most};
+}
+
+/// Told at the end of a homing: what was seen, and what nobody could see.
+Verdict homing_seen(const Procedure& procedure, const DeviceFact& fact) {
   const RobotModel& robot = procedure.machine().robot();
   for (const JointPosition& position : procedure.machine().positions()) {
     if (position.quality == PositionQuality::kLost) {
       return {false, "a joint does not know where it is after the search"};
     }
   }
+  const auto* again = procedure.result("again");
+  const bool twice = again != nullptr && again->state == StepResult::State::kDone;
+  const std::string found =
+      twice ? "found twice" : "found once, so how far two searches lie apart is not known";
+  const std::string switches =
+      ". A switch that was pressed at the start is left first, and one "
+      "that stays closed, or is not reached, would have failed";
+  if (!twice) return {true, found + switches};
+  if (auto shifts = shifts_seen(robot, fact)) {
+    shifts->words = found + ", " + shifts->words + switches;
+    return *shifts;
+  }
   const bool link = std::holds_alternative<AxisLinkDevice>(robot.device.settings);
-  return {true, std::string("found twice. A switch that was pressed at the start is left first, "
-                            "and one that stays closed, or is not reached, would have failed. ") +
-                    (link ? "This wire names its zero anew with each search, "
-                          : "This wire does not say where a switch closed, ") +
-                    "so how far the two searches lie apart is not measured"};
+  return {true, found + switches + ". How far the two searches lie apart is not measured: " +
+                    (link ? "no answer came at the instant that shows it"
+                          : "this wire does not say where a switch closed")};
 }
 
 ProcedureStep search(std::string id, std::string text, const Homing& homing) {
@@ -52,7 +99,7 @@ ProcedureStep search(std::string id, std::string text, const Homing& homing) {
           .hint = "a joint that fails has a switch that is stuck, not reached, or not plugged in"};
 }
 
-ProcedurePlan homing_plan(const RobotModel& robot, const Homing& homing) {
+ProcedurePlan homing_plan(const RobotModel& robot, const Homing& homing, const DeviceFact& fact) {
   ProcedurePlan plan{"home", "Homing of " + robot.title, {}};
   plan.steps.push_back({.id = "clear",
                         .text = "Nobody and nothing is within the arm's reach, and somebody has a "
@@ -71,28 +118,54 @@ ProcedurePlan homing_plan(const RobotModel& robot, const Homing& homing) {
        .hint = {},
        .optional = false,
        .when = [](const Procedure& procedure) { return !procedure.machine().reference(); }});
-  plan.steps.push_back(
-      {.id = "seen", .text = "What the two searches show", .what = CheckStep{homing_seen}});
+  plan.steps.push_back({.id = "seen",
+                        .text = "What the two searches show",
+                        .what = CheckStep{[fact](const Procedure& procedure) {
+                          return homing_seen(procedure, fact);
+                        }},
+                        .hint = "home it once more"});
   return plan;
 }
 
 }  // namespace
 
+namespace {
+
+/// Each joint rests beside its end stop then, a pose that nobody chose.
+void add_way_home(ProcedurePlan& plan) {
+  ProcedureStep step{.id = "home",
+                     .text = "From where the search ended to its home.",
+                     .what = HomeMoveStep{},
+                     .hint = {},
+                     .optional = true,
+                     .when = [](const Procedure& procedure) {
+                       const auto at = procedure.machine().reference();
+                       return at && *at != home_joints(procedure.machine().robot());
+                     }};
+  plan.steps.push_back(std::move(step));
+}
+
+}  // namespace
+
 std::expected<ProcedurePlan, std::string> homing_procedure(const RobotModel& robot,
-                                                           const Homing& homing) {
+                                                           const Homing& homing,
+                                                           const DeviceFact& fact) {
   if (!has_boards(robot)) {
     return std::unexpected(robot.title + " has no end stops; recover is its way to a position");
   }
-  return homing_plan(robot, homing);
+  ProcedurePlan plan = homing_plan(robot, homing, fact);
+  add_way_home(plan);
+  return plan;
 }
 
 ProcedurePlan recovery_procedure(const RobotModel& robot, const Homing& homing) {
   if (has_boards(robot)) {
-    ProcedurePlan plan = homing_plan(robot, homing);
+    ProcedurePlan plan = homing_plan(robot, homing, {});
     plan.id = "recover";
     plan.title = "Recovery of " + robot.title;
     std::erase_if(plan.steps, [](const ProcedureStep& step) { return step.id == "again"; });
     plan.steps.pop_back();
+    add_way_home(plan);
     return plan;
   }
   ProcedurePlan plan{"recover", "Recovery of " + robot.title, {}};
@@ -118,7 +191,7 @@ ProcedurePlan recovery_procedure(const RobotModel& robot, const Homing& homing) 
   plan.steps.push_back({.id = "place",
                         .text = "Where does it stand now?",
                         .what = PlaceStep{places_of(robot)},
-                        .hint = "where it was moved by hand, add moved: and who did it"});
+                        .hint = kMovedHint});
   return plan;
 }
 
@@ -225,7 +298,27 @@ void list_hexapod(Lister& list, const RobotModel& robot, const DeviceFact& fact)
     return far != nullptr && far->state == StepResult::State::kDone;
   };
   list.add("place", "Where does the platform stand now? lowered: every leg at its shortest.",
-           PlaceStep{places_of(robot)});
+           PlaceStep{places_of(robot)}, kMovedHint);
+}
+
+/// Whose servo has this number already. Those that were said to have another one are asked in their
+/// turn.
+std::optional<std::string> who_has(const Procedure& procedure, const std::string& asked,
+                                   double number) {
+  const RobotModel& robot = procedure.machine().robot();
+  const auto& device = std::get<LscDevice>(robot.device.settings);
+  if (number == device.gripper.id) return "is the gripper's";
+  for (std::size_t j = 0; j < robot.joints.size(); ++j) {
+    const std::string& name = robot.joints[j].name;
+    if (name == asked) continue;
+    const auto* direction = procedure.result("direction." + name);
+    const auto* other = procedure.result("id." + name);
+    const bool moved = direction != nullptr && direction->answer == "other";
+    const bool told = moved && other != nullptr && other->number;
+    if (told ? *other->number != number : moved || device.servos[j].id != number) continue;
+    return "is " + name + "'s";
+  }
+  return std::nullopt;
 }
 
 void list_servos(Lister& list, const RobotModel& robot) {
@@ -249,7 +342,10 @@ void list_servos(Lister& list, const RobotModel& robot) {
       return one != nullptr && one->answer == "other";
     };
     list.add("id." + joint.name, "Which servo number has " + joint.name + "?",
-             NumberStep{Measure::kShare, 1, 253})
+             NumberStep{Measure::kShare, 1, 253,
+                        [name = joint.name](const Procedure& procedure, double number) {
+                          return who_has(procedure, name, number);
+                        }})
         .when = other;
   }
   list.all_turn("A servo that stays still has another number, a loose plug, or no supply");
@@ -268,7 +364,8 @@ void list_bigrobotarm(Lister& list, const RobotModel& robot) {
            "it counts from where it stood at that moment.");
   list.answers("The board answers on this wire");
   list.told("firmware", "Which firmware it has", "wire");
-  list.add("place", "Where does it stand? home is straight up.", PlaceStep{places_of(robot)});
+  list.add("place", "Where does it stand? home is straight up.", PlaceStep{places_of(robot)},
+           kMovedHint);
   list.directions(from_deg(2), {{"left", "right"},
                                 {"forward", "backward"},
                                 {"forward", "backward"},
@@ -313,7 +410,7 @@ void list_boards(Lister& list, const RobotModel& robot, const Homing& homing,
              }},
              "its cable, its chip select, its supply");
   }
-  ProcedurePlan found = homing_plan(robot, homing);
+  ProcedurePlan found = homing_plan(robot, homing, fact);
   for (ProcedureStep& step : found.steps) {
     if (step.id == "again") step.optional = false;
     list.add(step.id, step.text, step.what, step.hint).when = step.when;

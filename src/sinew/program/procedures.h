@@ -18,7 +18,8 @@ using DeviceFact = std::function<std::optional<std::string>(std::string_view wha
 /// wire can show.
 /// @error  a sentence: this robot has no end stops
 std::expected<ProcedurePlan, std::string> homing_procedure(const RobotModel& robot,
-                                                           const Homing& homing);
+                                                           const Homing& homing,
+                                                           const DeviceFact& fact = {});
 
 /// The way back to a position that may be planned with: homing where there are end stops, a slow
 /// first move on servos, else joint by joint by hand to a place that somebody knows.

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "sinew/core/units.h"
+#include "sinew/device/axis_settings.h"
 #include "sinew/driver/axis_link.h"
 #include "sinew/driver/axis_registers.h"
 #include "sinew/driver/bigrobotarm_joint_driver.h"
@@ -62,6 +64,14 @@ program::DeviceFact facts_of(const Driver& driver, const RobotModel& robot) {
       const auto sum = arm->checksum();
       if (!sum) return std::nullopt;
       return *sum == maxarm::Checksum::kSpec ? "as the document says" : "with the header";
+    }
+    if (const auto* link = dynamic_cast<const AxisLinkDriver*>(&driver);
+        link && (what == "zero_shift_steps" || what == "zero_shift_deg")) {
+      const auto shift = link->zero_shift(joint);
+      if (!shift) return std::nullopt;
+      const bool steps = what == "zero_shift_steps";
+      return fmt::format(
+          "{:.3f}", steps ? *shift * axis_settings(robot, joint).steps_per_rad() : to_deg(*shift));
     }
     if (what == "axis") {
       if (const auto* boards = dynamic_cast<const AxisRegistersDriver*>(&driver)) {

@@ -28,22 +28,40 @@ ProcedureEnd run_procedure(program::Procedure& procedure, ControlLoop& loop, Dri
                            const io::Clock& clock, const ProcedureHooks& hooks);
 
 /// What a driver can tell of its device beside positions: "supply" (V), "minus_one" (FFFF, FFFE),
-/// "wire", "checksum", "axis" (fine, or why not).
+/// "wire", "checksum", "axis" (fine, or why not), "zero_shift_steps" and "zero_shift_deg" (of two
+/// searches, where the wire shows it).
 program::DeviceFact facts_of(const Driver& driver, const RobotModel& robot);
 
 /// What commissioning left of a robot: answers, to go on with, and settings, to run with. Beside
 /// the robot's file, which nobody changes.
 struct CommissioningFile {
-  std::map<std::string, program::StepResult> answers;  ///< by the step's id
+  using Answers = std::map<std::string, program::StepResult>;  ///< by the step's id
+
+  bool finished = false;  ///< a list has come to its end; only then the settings count
+  Answers answers;        ///< of that one
   program::FoundSettings settings;
-  bool finished = false;
+  /// Of one that was broken off, to go on with; what was finished before stays as it is.
+  Answers under_way;
 };
 
-/// $XDG_STATE_HOME/sinew/commissioning/NAME.json, or where the home has it.
+/// $XDG_STATE_HOME/sinew/commissioning, or where the home has it.
+io::IoResult<std::string> commissioning_folder();
+/// NAME.json there.
 io::IoResult<std::string> commissioning_path(const std::string& name);
-/// @error  unreadable, or of another robot; a sentence
+/// @error  unreadable, no settings file, or of another robot; a sentence
 std::expected<CommissioningFile, std::string> read_commissioning(const std::string& path,
                                                                  const RobotModel& robot);
+/// Whether results may be kept there, before anything moves: it makes the folder.
+/// @error  a folder, no permission
+io::IoResult<void> check_commissioning_place(const std::string& path);
+/// What a procedure leaves in its robot's file: its answers, and what it found once it has come to
+/// its end and that fits the robot.
+struct CommissioningResults {
+  CommissioningFile file;
+  std::string misfit;  ///< why what was found does not fit; a sentence, empty where it does
+};
+/// @param before  what the file had
+CommissioningResults results_of(const program::Procedure& procedure, CommissioningFile before);
 /// @error  the folder or the file cannot be written
 io::IoResult<void> write_commissioning(const std::string& path, const RobotModel& robot,
                                        const CommissioningFile& file);

@@ -23,6 +23,15 @@ StationOptions options_of(const CellRobot& robot, const CellFolders& folders) {
   return options;
 }
 
+/// A simulated device is not the one on the bench.
+ResultsPlace results_place(const CellRobot& robot, const Station& station,
+                           const std::string& folder) {
+  ResultsPlace place{.file = {}, .settings = robot.settings.value_or("")};
+  if (folder.empty()) return place;
+  place.file = folder + "/" + robot.name + (station.simulated() ? ".simulated.json" : ".json");
+  return place;
+}
+
 }  // namespace
 
 io::IoResult<std::unique_ptr<RunningCell>> RunningCell::start(Cell cell,
@@ -41,8 +50,10 @@ io::IoResult<std::unique_ptr<RunningCell>> RunningCell::start(Cell cell,
       return std::unexpected(io::IoError{place.name + ": " + station.error().sentence});
     }
     running->stations_.push_back(std::move(*station));
-    running->jobs_.push_back(
-        std::make_unique<JobRunner>(*running->stations_.back(), running->clock_));
+    Station& started = *running->stations_.back();
+    running->jobs_.push_back(std::make_unique<JobRunner>(started, running->clock_));
+    running->procedures_.push_back(std::make_unique<ProcedureRunner>(
+        started, running->clock_, results_place(place, started, folders.commissioning)));
   }
   return running;
 }
@@ -54,6 +65,7 @@ RunningCell::~RunningCell() {
   for (std::size_t i = 0; i < stations_.size(); ++i) {
     ends.emplace_back([this, i] {
       if (i < jobs_.size()) jobs_[i].reset();
+      if (i < procedures_.size()) procedures_[i].reset();
       stations_[i].reset();
     });
   }

@@ -7,15 +7,17 @@
 
 #include "sinew/model/cell.h"
 #include "sinew/runtime/job.h"
+#include "sinew/runtime/procedure_runner.h"
 #include "sinew/runtime/station.h"
 
 namespace sinew::runtime {
 
 /// Where a cell keeps what it writes down; empty: that is not kept.
 struct CellFolders {
-  std::string journal;  ///< positions of robots with a journal
-  std::string flight;   ///< the last seconds before each fault
-  std::string record;   ///< a record of each job
+  std::string journal;          ///< positions of robots with a journal
+  std::string flight;           ///< the last seconds before each fault
+  std::string record;           ///< a record of each job
+  std::string commissioning{};  ///< what commissioning finds
 };
 
 /// A cell that runs: each robot in its thread, with what runs its programs.
@@ -33,6 +35,8 @@ class RunningCell {
   std::size_t size() const { return stations_.size(); }
   Station& station(std::size_t i) const { return *stations_[i]; }
   JobRunner& jobs(std::size_t i) const { return *jobs_[i]; }
+  /// For one thread only.
+  ProcedureRunner& procedures(std::size_t i) const { return *procedures_[i]; }
   /// Where the cell's robot of this name is; nothing where there is none.
   std::optional<std::size_t> find(std::string_view name) const;
 
@@ -44,6 +48,7 @@ class RunningCell {
   std::unique_ptr<CellSpace> space_;
   std::vector<std::unique_ptr<Station>> stations_;
   std::vector<std::unique_ptr<JobRunner>> jobs_;
+  std::vector<std::unique_ptr<ProcedureRunner>> procedures_;
 };
 
 }  // namespace sinew::runtime

@@ -4,6 +4,7 @@
 
 #include "sinew/control/machine_identity.h"
 #include "sinew/model/joint_lookup.h"
+#include "sinew/runtime/procedure_session.h"
 #include "sinew/runtime/program_session.h"
 
 namespace sinew::runtime {
@@ -192,6 +193,7 @@ void Station::publish(const ControlLoop& loop, Instant now) {
     const ByteCount bytes = connected_ ? link_->line().count() : ByteCount{};
     recorder_->offer(sample_of(controller, bytes, connected_, now));
   }
+  look_for_facts(controller, now);
   const auto positions = controller.positions();
   const auto later = controller.later_causes();
   {
@@ -279,11 +281,77 @@ void Station::watch_jog(ControlLoop& loop, Instant now) {
 
 Expected<void> Station::claim(const Command& command) {
   if (options_.space == nullptr) return {};
-  const auto* begin = std::get_if<control::Begin>(&command.what);
-  const bool home = std::holds_alternative<control::Home>(command.what);
-  if (!home && (begin == nullptr || begin->motion == nullptr)) return {};
-  const auto way = home ? nullptr : begin->motion->way();
-  return options_.space->ask(options_.place, command.id, way.get(), home || begin->recovers);
+  std::unique_ptr<planning::CellWay> way;
+  bool recovers = true;  // somebody stands beside it
+  if (const auto* begin = std::get_if<control::Begin>(&command.what)) {
+    if (begin->motion == nullptr) return {};
+    way = begin->motion->way();
+    recovers = begin->recovers;
+  } else if (const auto* nudge = std::get_if<control::Nudge>(&command.what)) {
+    way = way_of(*nudge);
+  } else if (!std::holds_alternative<control::Home>(command.what)) {
+    return {};
+  }
+  return options_.space->ask(options_.place, command.id, way.get(), recovers);
+}
+
+/// Null: nobody knows from where.
+std::unique_ptr<planning::CellWay> Station::way_of(const control::Nudge& nudge) const {
+  planning::JointArray from{};
+  {
+    const std::scoped_lock lock(mutex_);
+    for (std::size_t j = 0; j < view_.positions.size(); ++j) {
+      if (view_.positions[j].quality < PositionQuality::kCommanded) return nullptr;
+      from[j] = view_.positions[j].q;
+    }
+  }
+  if (nudge.joint >= robot_.joints.size()) return nullptr;
+  planning::JointArray to = from;
+  to[nudge.joint] += nudge.way;
+  auto way = std::make_unique<planning::CellWay>();
+  way->apart_to(from, to);
+  return way;
+}
+
+/// At rest, and from the first cycle on in which the machine is ready: nobody who sees that reads
+/// what was before.
+void Station::look_for_facts(const control::Controller& controller, Instant now) {
+  const bool ready = controller.state() == control::MachineState::kReady;
+  const bool due = ready && (!was_ready_ || now - facts_at_ >= kTruthInterval);
+  was_ready_ = ready;
+  {
+    const std::scoped_lock lock(mutex_);
+    if (!facts_wanted_) {
+      was_ready_ = false;
+      return;
+    }
+  }
+  if (!due) return;
+  facts_at_ = now;
+  const auto tell = facts_of(controller.driver(), robot_);
+  decltype(facts_) facts;
+  for (const char* what : {"supply", "minus_one", "wire", "checksum"}) {
+    if (auto told = tell(what, 0)) facts.emplace(std::pair(what, 0), std::move(*told));
+  }
+  for (std::size_t j = 0; j < robot_.joints.size(); ++j) {
+    for (const char* what : {"axis", "zero_shift_steps", "zero_shift_deg"}) {
+      if (auto told = tell(what, j)) facts.emplace(std::pair(what, j), std::move(*told));
+    }
+  }
+  const std::scoped_lock lock(mutex_);
+  facts_.swap(facts);
+}
+
+void Station::want_facts(bool wanted) {
+  const std::scoped_lock lock(mutex_);
+  facts_wanted_ = wanted;
+  if (!wanted) facts_.clear();
+}
+
+std::optional<std::string> Station::fact(std::string_view what, std::size_t joint) const {
+  const std::scoped_lock lock(mutex_);
+  const auto found = facts_.find(std::pair(std::string(what), joint));
+  return found != facts_.end() ? std::optional(found->second) : std::nullopt;
 }
 
 std::optional<CellRefusal> Station::refusal() const {
@@ -393,6 +461,11 @@ bool Station::post(const Command& command, std::uint32_t stops_seen) {
   mailbox_.push_back(command);
   if (stops) std::rotate(mailbox_.begin(), mailbox_.end() - 1, mailbox_.end());
   return true;
+}
+
+bool Station::stops_seen() const {
+  const std::scoped_lock lock(mutex_);
+  return view_.stops == stops_;
 }
 
 std::optional<ControlEvent> Station::take_event(std::uint8_t slot) {

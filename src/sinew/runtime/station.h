@@ -3,10 +3,13 @@
 #include <array>
 #include <condition_variable>
 #include <deque>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <string>
+#include <string_view>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "sinew/io/clock.h"
@@ -61,6 +64,10 @@ class Station {
   const StationOptions& options() const { return options_; }
   const std::string& port_name() const { return link_->name(); }
   bool simulated() const { return link_->simulated(); }
+  /// What its device tells beside positions while somebody wants to know, as of when it last was
+  /// ready: `what` as in facts_of(). From any thread.
+  void want_facts(bool wanted);
+  std::optional<std::string> fact(std::string_view what, std::size_t joint) const;
   /// Where a simulated machine that cannot tell stands when it begins, as if somebody had looked.
   std::optional<JointVector> assumed_place() const;
   /// What the journal knew when the station was started; null without one.
@@ -82,6 +89,8 @@ class Station {
   /// @param stops_seen  StationView::stops as whoever gives it knows them
   /// @return  false where too many wait
   bool post(const control::Command& command, std::uint32_t stops_seen);
+  /// The view knows of every stop that was asked for: what is given from now on is behind them.
+  bool stops_seen() const;
   /// The space that a command's motion needs, before it is given; true where it needs none.
   /// @error as CellSpace::ask
   Expected<void> claim(const control::Command& command);
@@ -121,6 +130,8 @@ class Station {
   /// Under the mutex.
   void deliver(const control::ControlEvent& event);
   void overtaken(const control::Command& command);
+  void look_for_facts(const control::Controller& controller, Instant now);
+  std::unique_ptr<planning::CellWay> way_of(const control::Nudge& nudge) const;
   bool at_end(const ControlLoop& loop, Instant now) const;
 
   RobotModel robot_;
@@ -134,6 +145,8 @@ class Station {
   Instant truth_at_{};
   std::optional<Instant> closing_since_;
   Instant looked_at_{};  ///< around, for a jog
+  Instant facts_at_{};
+  bool was_ready_ = false;
 
   mutable std::mutex mutex_;
   mutable std::condition_variable cycled_;
@@ -147,6 +160,8 @@ class Station {
   std::array<std::unique_ptr<EventQueue>, kSlots> slots_;
   bool stop_ = false;
   std::deque<RecordTold> unrecorded_;  ///< files that could not be begun
+  bool facts_wanted_ = false;
+  std::map<std::pair<std::string, std::size_t>, std::string, std::less<>> facts_;
 
   std::thread thread_;
 };

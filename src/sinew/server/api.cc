@@ -73,6 +73,7 @@ Api::Api(runtime::RunningCell& cell, std::string version)
     X_near_.push_back(tools_.back()->home());
   }
   jobs_.resize(cell_.size());
+  procedures_.resize(cell_.size());
 }
 
 Api::~Api() {
@@ -88,6 +89,7 @@ std::optional<SessionId> Api::open(Role role) {
   session.id = last_session_;
   session.role = role;
   session.watch.jobs.resize(cell_.size());
+  session.watch.procedures.resize(cell_.size());
   return last_session_;
 }
 
@@ -95,6 +97,7 @@ void Api::close(SessionId id) {
   const auto found = sessions_.find(id);
   if (found == sessions_.end()) return;
   take_events(found->second);
+  end_procedures(id);
   for (auto& [robot, machine] : found->second.machines) {
     if (machine->lease().epoch != 0) machine->give(control::ReturnLease{});
     // A program of somebody who is gone goes nowhere.
@@ -190,6 +193,7 @@ void Api::renew(Session& session, Instant now) {
 }
 
 void Api::poll(Instant now) {
+  poll_procedures();
   log_events();
   log_jobs();
   for (auto& [id, session] : sessions_) {
@@ -246,7 +250,13 @@ void Api::settle(Session& session, const Pending& pending, const ControlEvent& e
 
 RpcError Api::refusal(RpcCode code, const Error& error, std::size_t robot) const {
   const RobotModel& model = cell_.station(robot).robot();
-  return {code, sentence_of(error, model), error_json(error, model)};
+  RpcError refused{code, sentence_of(error, model), error_json(error, model)};
+  const bool met = error.code == ErrorCode::kCellContact || error.code == ErrorCode::kCellTaken;
+  if (const auto in_the_way = met ? cell_.station(robot).refusal() : std::nullopt) {
+    put_in_the_way(refused.data, *in_the_way);
+    refused.message = in_the_way->sentence();
+  }
+  return refused;
 }
 
 void Api::log_events() {
@@ -291,6 +301,14 @@ Json Api::status(std::size_t robot) {
   Json json = status_json(station, station.view(), *tools_[robot], X_near_[robot]);
   const JobView job = cell_.jobs(robot).view();
   if (job.id != 0) json["job"] = job_json(station.name(), job, station.robot());
+  if (const auto& procedures = cell_.procedures(robot); !procedures.over()) {
+    const program::ProcedureView& view = procedures.status().view;
+    json["procedure"] = {{"number", procedures.status().number},
+                         {"kind", view.id},
+                         {"phase", program::name(view.phase)},
+                         {"step", std::min(view.place + 1, view.steps.size())},
+                         {"of", view.steps.size()}};
+  }
   return json;
 }
 
@@ -310,6 +328,7 @@ void Api::tell(Session& session, Instant now) {
     }
   }
   tell_jobs(session, now);
+  tell_procedures(session, now);
   if (watch.interval == Duration{} || now < watch.next) return;
   watch.next = now + watch.interval;
   Json robots = Json::array();

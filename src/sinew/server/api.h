@@ -71,6 +71,8 @@ class Api {
     std::uint64_t event = 0;
     std::vector<runtime::JobView> jobs;  ///< as last told
     Instant job_next{};
+    std::vector<runtime::ProcedureStatus> procedures;  ///< as last told
+    Instant procedure_next{};
   };
   struct Session {
     SessionId id = 0;
@@ -125,14 +127,23 @@ class Api {
   Answer give(const Call& call, const control::CommandWhat& what, bool at_start = false);
   std::expected<JointVector, RpcError> joints(const Json& numbers, std::size_t robot) const;
 
+  // api_procedures.cc
+  Json procedure(std::size_t robot) const;
+  Answer start_procedure(const Call& call);
+  Answer steer_procedure(const Method& method, const Call& call);
+  void end_procedures(SessionId session);
+  void poll_procedures();
+  void tell_procedures(Session& session, Instant now);
+
   runtime::RunningCell& cell_;
   std::string version_;
   SessionId last_session_ = 0;
   std::uint64_t last_group_ = 0;
   std::map<SessionId, Session> sessions_;
   EventLog log_;
-  std::vector<std::optional<std::uint8_t>> ears_;  ///< a slot of each station: what concerns all
-  std::vector<runtime::JobView> jobs_;             ///< as last logged
+  std::vector<std::optional<std::uint8_t>> ears_;     ///< a slot of each station: what concerns all
+  std::vector<runtime::JobView> jobs_;                ///< as last logged
+  std::vector<runtime::ProcedureStatus> procedures_;  ///< the same
   std::vector<std::unique_ptr<planning::ToolSpace>> tools_;
   std::vector<planning::PoseBT> X_near_;
 };

@@ -89,12 +89,8 @@ Api::Answer Api::call(const Method& method, const Call& call) {
       return status(*call.robot);
     case MethodId::kWatch:
       return watch(call);
-    case MethodId::kEventsList: {
-      const auto after = call.request.params.find("after");
-      return Json{
-          {"events",
-           log_.after(after != call.request.params.end() ? after->get<std::uint64_t>() : 0)}};
-    }
+    case MethodId::kEventsList:
+      return Json{{"events", log_.after(call.request.params.value("after", std::uint64_t{0}))}};
     case MethodId::kLeaseTake:
       return give(call, control::TakeLease{.take_over = flag(call.request, "take_over")});
     case MethodId::kLeaseRenew:
@@ -130,14 +126,20 @@ Api::Answer Api::call(const Method& method, const Call& call) {
       const runtime::Station& station = cell_.station(*call.robot);
       return job_json(station.name(), cell_.jobs(*call.robot).view(), station.robot());
     }
+    case MethodId::kProcedureStart:
+      return start_procedure(call);
+    case MethodId::kProcedureAnswer:
+    case MethodId::kProcedureBack:
+    case MethodId::kProcedureCancel:
+      return steer_procedure(method, call);
+    case MethodId::kProcedureStatus:
+      return procedure(*call.robot);
     case MethodId::kSimulationTruth: {
       const runtime::Station& station = cell_.station(*call.robot);
       const auto truth = station.view().truth;
-      if (!truth) {
-        return RpcError{RpcCode::kRefused, "this robot is real: nobody knows more than its status",
-                        nullptr};
-      }
-      return truth_json(*truth, station.robot());
+      if (truth) return truth_json(*truth, station.robot());
+      return RpcError{RpcCode::kRefused, "this robot is real: nobody knows more than its status",
+                      nullptr};
     }
   }
   return RpcError{RpcCode::kMethodNotFound, "there is no method of this name", nullptr};
@@ -177,6 +179,7 @@ Api::Answer Api::watch(const Call& call) {
   watch.robot = call.robot;
   watch.next = call.now;
   watch.job_next = call.now;
+  watch.procedure_next = call.now;
   watch.event = log_.last();
   return Json::object();
 }
@@ -370,6 +373,10 @@ Api::Answer Api::start(const Call& call, runtime::JobOrder order) {
   if (const auto trouble = no_port(*call.robot)) return *trouble;
   // The session hears of the lease that the job takes for it, and keeps it alive.
   if (const auto client = machine(call.session, *call.robot); !client) return client.error();
+  if (const auto& procedures = cell_.procedures(*call.robot); !procedures.over()) {
+    return RpcError{RpcCode::kBusy,
+                    "'" + procedures.status().view.title + "' is under way on this robot", nullptr};
+  }
   const auto job = cell_.jobs(*call.robot).start(std::move(order), call.session.id);
   if (!job) {
     const runtime::JobView other = cell_.jobs(*call.robot).view();

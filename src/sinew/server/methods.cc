@@ -68,6 +68,18 @@ constexpr Param kRideParams[] = {
      "share of the joints' ranges, up to 1; as the wire allows where left out"},
     {"take_over", ParamType::kFlag, false, "the lease, from whoever has it"}};
 
+constexpr Param kProcedureParams[] = {
+    kRobotParam,
+    {"kind", ParamType::kText, true, "home, recover or commission"},
+    {"take_over", ParamType::kFlag, false, "the lease, from whoever has it"},
+    {"anew", ParamType::kFlag, false,
+     "commission: asks again what was answered of a list that was broken off"}};
+
+constexpr Param kAnswerParams[] = {
+    kRobotParam,
+    {"answer", ParamType::kText, true,
+     "as a person writes it: yes, go, a word of its choices, a number with its unit"}};
+
 constexpr auto kMethods = std::to_array<Method>({
     {MethodId::kCellDescribe,
      "cell.describe",
@@ -83,7 +95,8 @@ constexpr auto kMethods = std::to_array<Method>({
      "robots: a status each"},
     {MethodId::kRobotStatus, "robot.status", false, "how one robot is", kRobotOnly, "its status"},
     {MethodId::kWatch, "watch", false,
-     "from now on `status`, `job` and `event` messages; latest wins for whoever reads slowly",
+     "from now on `status`, `job`, `procedure` and `event` messages; latest wins for whoever reads "
+     "slowly",
      kWatchParams, "an empty object"},
     {MethodId::kEventsList, "events.list", false, "what happened, the last 1000 events at most",
      kEventsParams, "events"},
@@ -131,6 +144,21 @@ constexpr auto kMethods = std::to_array<Method>({
      "job: its number; wishes: how many it had heard before this one"},
     {MethodId::kJobStatus, "job.status", false, "the job under way, or the last one", kRobotOnly,
      "a job"},
+    {MethodId::kProcedureStart, "procedure.start", true,
+     "goes step by step through homing, recovery or commissioning with whoever answers, under the "
+     "lease that it takes for this client; `procedure` messages tell how it goes",
+     kProcedureParams, "a procedure"},
+    {MethodId::kProcedureAnswer, "procedure.answer", true,
+     "of its question; where it is refused, nothing moves and the question stands; for whoever "
+     "started it",
+     kAnswerParams, "a procedure"},
+    {MethodId::kProcedureBack, "procedure.back", true,
+     "one step back, while something is asked; for whoever started it", kRobotOnly, "a procedure"},
+    {MethodId::kProcedureCancel, "procedure.cancel", true,
+     "its end: what moves comes to rest, what was answered is kept; for whoever started it",
+     kRobotOnly, "a procedure"},
+    {MethodId::kProcedureStatus, "procedure.status", false,
+     "the procedure under way, or the last one", kRobotOnly, "a procedure"},
     {MethodId::kSimulationTruth, "simulation.truth", false,
      "where a simulated machine really stands, whatever it believes", kRobotOnly, "truth"},
 });

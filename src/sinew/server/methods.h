@@ -51,6 +51,11 @@ enum class MethodId : std::uint8_t {
   kRobotRide,
   kProgramStep,
   kJobStatus,
+  kProcedureStart,
+  kProcedureAnswer,
+  kProcedureBack,
+  kProcedureCancel,
+  kProcedureStatus,
   kSimulationTruth,
 };
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <iostream>
 #include <optional>
 #include <string>
 #include <vector>
@@ -85,6 +86,23 @@ struct ArmCell {
   std::function<void()> watch;
   test::Random* jitter = nullptr;  ///< a host that is not on time
 };
+
+TEST(AxisLinkArm, two_searches_for_a_zero_tell_how_far_they_lie_apart) {
+  ArmCell cell;
+  cell.driver->open(cell.now);
+  ASSERT_TRUE(cell.run_to(Kind::kReady, 1s));
+  ASSERT_TRUE(cell.driver->home(cell.now));
+  ASSERT_TRUE(cell.run_to(Kind::kDone, 300s)) << describe(cell.last.error);
+  for (std::size_t i = 0; i < 6; ++i) EXPECT_FALSE(cell.driver->zero_shift(i)) << "the first";
+  ASSERT_TRUE(cell.driver->home(cell.now));
+  ASSERT_TRUE(cell.run_to(Kind::kDone, 300s)) << describe(cell.last.error);
+  for (std::size_t i = 0; i < 6; ++i) {
+    ASSERT_TRUE(cell.driver->zero_shift(i)) << i;
+    std::cout << "  joint " << i << ": " << to_deg(*cell.driver->zero_shift(i)) << " deg\n";
+    // Nothing has moved the switches: what is left is counts, bounces and the play.
+    EXPECT_NEAR(to_deg(*cell.driver->zero_shift(i)), 0, 0.1) << i;
+  }
+}
 
 TEST(AxisLinkArm, a_board_that_browns_out_in_motion_is_lost_and_the_others_stop) {
   ArmCell cell;
