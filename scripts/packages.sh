@@ -7,8 +7,8 @@ source "$(dirname "${BASH_SOURCE[0]}")/lib.sh"
 packages_of() {
   case $1 in
     build) echo g++ cmake ninja-build libtomlplusplus-dev nlohmann-json3-dev libcli11-dev \
-      libfmt-dev libboost-dev ;;
-    test) echo libgtest-dev liborocos-kdl-dev libeigen3-dev ;;
+      libfmt-dev libboost-dev libssl-dev ;;
+    test) echo libgtest-dev liborocos-kdl-dev libeigen3-dev python3 python3-websockets openssl ;;
     bench) echo libbenchmark-dev liborocos-kdl-dev libeigen3-dev ;;
     campaign) echo clang-19 clang-tidy-19 clang-format-19 libclang-rt-19-dev ;;
     format) echo clang-format-19 ;;

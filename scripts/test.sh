@@ -4,7 +4,7 @@
 # shellcheck source=scripts/lib.sh
 source "$(dirname "${BASH_SOURCE[0]}")/lib.sh"
 
-# Rooms whose tests are repeated under the sanitizers, with the replayed fuzz corpora. The heavy
+# Rooms whose tests are repeated under the sanitizers, with the network door and the replayed fuzz corpora. The heavy
 # properties of kinematics are not among them.
 byte_rooms="core wire config device sim driver control program io runtime server"
 
@@ -57,7 +57,7 @@ run_tests() {
 byte_tests() {
   local room rooms
   rooms=$(for room in $byte_rooms; do echo "${room}_test"; done)
-  { echo "$rooms"; ctest --test-dir build/asan/fuzz -N 2>/dev/null | sed -n 's/^ *Test *#[0-9]*: //p'; } |
+  { echo "$rooms"; echo web_test; ctest --test-dir build/asan/fuzz -N 2>/dev/null | sed -n 's/^ *Test *#[0-9]*: //p'; } |
     sed 's/[.+]/\\&/g' | paste -s -d '|' | sed 's/.*/^(&)$/'
 }
 
@@ -67,7 +67,7 @@ byte_targets() {
   for room in $byte_rooms; do
     if [[ -e src/sinew/$room/CMakeLists.txt ]]; then echo "src/sinew/$room/all"; fi
   done
-  echo fuzz/all
+  printf "%s\n" tests/web/all fuzz/all
 }
 
 release_part() {

@@ -369,6 +369,16 @@ void add_serve(CLI::App& app, Call& call) {
                    "where it answers; the user's own place where left out");
   verb->add_option("--record-folder", call.serve.record_folder,
                    "each program that runs leaves a record there (MCAP, for viewers)");
+  WebDoorRequest& web = call.serve.web;
+  verb->add_option("--listen", web.listen,
+                   "where browsers reach it, HOST:PORT, or none; 127.0.0.1:8700 where left out");
+  verb->add_option("--host", web.hosts, "HOST:PORT by which it may be called besides")
+      ->allow_extra_args(false);
+  verb->add_option("--tls-cert", web.tls_certificate, "certificate chain (PEM), for networks");
+  verb->add_option("--tls-key", web.tls_key, "its private key (PEM)");
+  verb->add_flag("--insecure-network", web.insecure_network,
+                 "may listen beyond this machine without TLS: everybody on the way can read the "
+                 "token, and then move the robots");
   verb->callback([&call] {
     call.verb = [&call] {
       call.serve.json = call.json;

@@ -14,6 +14,7 @@
 #include "sinew/io/file.h"
 #include "sinew/io/interrupt.h"
 #include "sinew/io/standard_streams.h"
+#include "sinew/io/thread_share.h"
 #include "sinew/runtime/position_record.h"
 #include "sinew/runtime/procedure_session.h"
 #include "sinew/runtime/robot_variant.h"
@@ -68,14 +69,15 @@ std::expected<std::vector<RobotModel>, Outcome> find_robots(const ServeRequest& 
   return robots;
 }
 
-std::string greeting(const runtime::RunningCell& cell, const std::string& socket) {
+std::string greeting(const runtime::RunningCell& cell, const std::string& socket,
+                     const std::string& web) {
   std::string text = fmt::format("  {}\n", cell.cell().title);
   for (std::size_t i = 0; i < cell.size(); ++i) {
     const runtime::Station& station = cell.station(i);
     text += fmt::format("    {:<12} {:<16} {}\n", station.name(), station.robot().title,
                         station.simulated() ? "simulated" : station.port_name());
   }
-  return text + fmt::format("  answers on {}; Ctrl-C ends it\n", socket);
+  return text + web + fmt::format("  answers on {}; Ctrl-C ends it\n", socket);
 }
 
 }  // namespace
@@ -106,14 +108,21 @@ Outcome serve(const ServeRequest& request) {
                                               .commissioning = *commissioning});
   if (!running) return could_not(running.error().sentence);
   server::Api api(**running, SINEW_VERSION);
-  auto listening = server::LocalServer::listen(*socket, api);
+  server::ServerLoop loop(api);
+  auto listening = server::LocalServer::listen(*socket, loop);
   if (!listening) return could_not(listening.error().sentence);
+  auto web = open_web_door(request.web, loop);
+  if (!web) return web.error();
   if (request.json) {
-    static_cast<void>(io::write_stdout(Json{{"listening", *socket}}.dump() + "\n"));
+    Json begun{{"listening", *socket}};
+    if (!web->json.is_null()) begun["web"] = web->json;
+    static_cast<void>(io::write_stdout(begun.dump() + "\n"));
   } else {
-    std::fputs(greeting(**running, *socket).c_str(), stderr);
+    std::fputs(greeting(**running, *socket, web->text).c_str(), stderr);
   }
-  (*listening)->run([] { return io::interrupts() > 0; });
+  // Whatever clients want, control threads come first.
+  io::let_others_go_first();
+  loop.run([] { return io::interrupts() > 0; });
   Outcome outcome;
   outcome.json = {{"ended", "interrupted"}};
   outcome.json_line = true;

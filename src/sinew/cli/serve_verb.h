@@ -4,6 +4,7 @@
 #include <string>
 
 #include "sinew/cli/outcome.h"
+#include "sinew/cli/web_door.h"
 
 namespace sinew::cli {
 
@@ -11,10 +12,11 @@ struct ServeRequest {
   std::string file;                   ///< a cell's; all robots simulated where empty
   std::optional<std::string> socket;  ///< where it listens; the user's own place where absent
   std::optional<std::string> record_folder;  ///< each job leaves a record there
+  WebDoorRequest web;
   bool json = false;
 };
 
-/// `sinew serve`: runs a cell until Ctrl-C, and answers JSON-RPC on a Unix socket.
+/// `sinew serve`: runs a cell until Ctrl-C, and answers JSON-RPC on a Unix socket and the network.
 Outcome serve(const ServeRequest& request);
 
 }  // namespace sinew::cli

@@ -102,4 +102,8 @@ io::IoResult<std::string> records_folder() {
   return state_folder("records");
 }
 
+io::IoResult<std::string> web_folder() {
+  return state_folder("web");
+}
+
 }  // namespace sinew::runtime

@@ -46,6 +46,8 @@ class PositionRecord {
 io::IoResult<std::string> positions_folder();
 /// The same with "records": what machines did before they failed.
 io::IoResult<std::string> records_folder();
+/// The same with "web": the tokens of the network door.
+io::IoResult<std::string> web_folder();
 
 /// For people: what happened to a disk.
 std::string sentence(const DiskError& error);

@@ -74,6 +74,7 @@ Api::Api(runtime::RunningCell& cell, std::string version)
   }
   jobs_.resize(cell_.size());
   procedures_.resize(cell_.size());
+  status_texts_.resize(cell_.size() + 1);
 }
 
 Api::~Api() {
@@ -83,11 +84,12 @@ Api::~Api() {
   }
 }
 
-std::optional<SessionId> Api::open(Role role) {
+std::optional<SessionId> Api::open(Role role, Delivery delivery) {
   if (sessions_.size() >= kSessionsMax) return std::nullopt;
   Session& session = sessions_[++last_session_];
   session.id = last_session_;
   session.role = role;
+  session.delivery = delivery;
   session.watch.jobs.resize(cell_.size());
   session.watch.procedures.resize(cell_.size());
   return last_session_;
@@ -196,8 +198,10 @@ void Api::poll(Instant now) {
   poll_procedures();
   log_events();
   log_jobs();
+  for (std::string& text : status_texts_) text.clear();
   for (auto& [id, session] : sessions_) {
     take_events(session);
+    if (session.out.size() < kOutputSlow) tell_objects(session, now);
     tell(session, now);
   }
 }
@@ -331,11 +335,17 @@ void Api::tell(Session& session, Instant now) {
   tell_procedures(session, now);
   if (watch.interval == Duration{} || now < watch.next) return;
   watch.next = now + watch.interval;
+  put(session, status_text(watch.robot));
+}
+
+const std::string& Api::status_text(std::optional<std::size_t> robot) {
+  std::string& text = status_texts_[robot.value_or(cell_.size())];
+  if (!text.empty()) return text;
   Json robots = Json::array();
   for (std::size_t i = 0; i < cell_.size(); ++i) {
-    if (!watch.robot || *watch.robot == i) robots.push_back(status(i));
+    if (!robot || *robot == i) robots.push_back(status(i));
   }
-  put(session, notification_text("status", {{"robots", robots}}));
+  return text = notification_text("status", {{"robots", robots}});
 }
 
 void Api::tell_jobs(Session& session, Instant now) {

@@ -22,13 +22,18 @@ using SessionId = control::ClientId;
 
 enum class Role : std::uint8_t { kViewer, kOperator };
 
+/// What a connection can carry to its client.
+enum class Delivery : std::uint8_t { kMessages, kAnswersOnly };
+
 /// The running cell as clients see it: JSON-RPC texts in, texts out. It has no socket and no
 /// thread: whoever owns it brings what clients say to receive(), calls poll() each few
 /// milliseconds, and carries away what take_output() has. Everything waits for nobody; docs/api.md
 /// has the methods.
 class Api {
  public:
-  static constexpr std::size_t kSessionsMax = 32;
+  static constexpr std::size_t kSessionsMax = 62;
+  /// Each of them may stop each robot, beside the Api itself and a robot's job.
+  static_assert(kSessionsMax + 2 <= runtime::Station::kSlots);
   /// Requests of a session that wait for an answer.
   static constexpr std::size_t kPendingMax = 32;
   /// Texts that wait for a session that does not read: answers beyond that end it.
@@ -41,7 +46,7 @@ class Api {
   ~Api();
 
   /// @return  nothing where as many as are served are there
-  std::optional<SessionId> open(Role role);
+  std::optional<SessionId> open(Role role, Delivery delivery = Delivery::kMessages);
   /// Its leases end, and with them what they moved.
   void close(SessionId session);
   /// One message, whatever its bytes are.
@@ -51,6 +56,7 @@ class Api {
   /// It has not read what it asked for; whoever owns the connection ends it.
   bool too_slow(SessionId session) const;
   std::size_t sessions() const { return sessions_.size(); }
+  const std::string& version() const { return version_; }
 
  private:
   /// A command under way, and who waits to hear of it.
@@ -74,13 +80,20 @@ class Api {
     std::vector<runtime::ProcedureStatus> procedures;  ///< as last told
     Instant procedure_next{};
   };
+  struct Subscription {
+    Duration interval{};  ///< zero: no messages
+    Instant next{};
+    Json known = Json::object();  ///< of each object, as the client knows it
+  };
   struct Session {
     SessionId id = 0;
     Role role = Role::kViewer;
+    Delivery delivery = Delivery::kMessages;
     std::map<std::size_t, std::unique_ptr<runtime::StationClient>> machines;
     std::vector<Pending> pending;
     std::deque<std::string> out;
     Watch watch;
+    Subscription subscription;
     std::optional<Instant> renewed;
     bool too_slow = false;
   };
@@ -110,11 +123,21 @@ class Api {
   void tell_jobs(Session& session, Instant now);
   RpcError refusal(RpcCode code, const Error& error, std::size_t robot) const;
   Json status(std::size_t robot);
+  const std::string& status_text(std::optional<std::size_t> robot);
   static bool same(const runtime::JobView& a, const runtime::JobView& b);
+
+  // api_objects.cc
+  std::vector<std::string> object_names() const;
+  std::optional<Json> object(std::string_view name);
+  std::expected<Json, RpcError> objects(const Json& names);
+  Answer query(const Call& call);
+  Answer subscribe(const Call& call);
+  void tell_objects(Session& session, Instant now);
 
   // api_methods.cc
   Answer describe() const;
   Answer watch(const Call& call);
+  std::expected<Duration, RpcError> message_interval(const Call& call) const;
   Answer stop(const Call& call);
   Answer jog(const Call& call);
   Answer declare(const Call& call);
@@ -146,6 +169,8 @@ class Api {
   std::vector<runtime::ProcedureStatus> procedures_;  ///< the same
   std::vector<std::unique_ptr<planning::ToolSpace>> tools_;
   std::vector<planning::PoseBT> X_near_;
+  /// Status messages of this turn, made once for all who watch: of each robot, and of all.
+  std::vector<std::string> status_texts_;
 };
 
 }  // namespace sinew::server

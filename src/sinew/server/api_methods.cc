@@ -7,6 +7,7 @@
 #include "sinew/program/program_file.h"
 #include "sinew/program/program_part.h"
 #include "sinew/server/api.h"
+#include "sinew/server/open_rpc.h"
 #include "sinew/server/robot_json.h"
 
 namespace sinew::server {
@@ -26,6 +27,11 @@ RpcError invalid(std::string message) {
 bool flag(const RpcRequest& request, const char* name) {
   const auto value = request.params.find(name);
   return value != request.params.end() && value->get<bool>();
+}
+
+std::uint64_t whole(const RpcRequest& request, const char* name, std::uint64_t usual) {
+  const auto value = request.params.find(name);
+  return value != request.params.end() ? value->get<std::uint64_t>() : usual;
 }
 
 double number(const RpcRequest& request, const char* name, double usual) {
@@ -66,6 +72,15 @@ std::optional<RpcError> take_part(const RpcRequest& request, const RobotModel& r
   return std::nullopt;
 }
 
+std::expected<Json, RpcError> truth_of(const runtime::Station& station) {
+  const auto truth = station.view().truth;
+  if (!truth) {
+    return std::unexpected(RpcError{
+        RpcCode::kRefused, "this robot is real: nobody knows more than its status", nullptr});
+  }
+  return truth_json(*truth, station.robot());
+}
+
 std::optional<planning::JogFrame> frame_of(std::string_view word) {
   if (word == "joint") return planning::JogFrame::kJoint;
   if (word == "base") return planning::JogFrame::kBase;
@@ -78,6 +93,8 @@ std::optional<planning::JogFrame> frame_of(std::string_view word) {
 
 Api::Answer Api::call(const Method& method, const Call& call) {
   switch (method.id) {
+    case MethodId::kRpcDiscover:
+      return open_rpc(version_);
     case MethodId::kCellDescribe:
       return describe();
     case MethodId::kCellStatus: {
@@ -90,7 +107,13 @@ Api::Answer Api::call(const Method& method, const Call& call) {
     case MethodId::kWatch:
       return watch(call);
     case MethodId::kEventsList:
-      return Json{{"events", log_.after(call.request.params.value("after", std::uint64_t{0}))}};
+      return Json{{"events", log_.after(whole(call.request, "after", 0))}};
+    case MethodId::kObjectsList:
+      return Json{{"objects", object_names()}};
+    case MethodId::kObjectsQuery:
+      return query(call);
+    case MethodId::kObjectsSubscribe:
+      return subscribe(call);
     case MethodId::kLeaseTake:
       return give(call, control::TakeLease{.take_over = flag(call.request, "take_over")});
     case MethodId::kLeaseRenew:
@@ -135,11 +158,9 @@ Api::Answer Api::call(const Method& method, const Call& call) {
     case MethodId::kProcedureStatus:
       return procedure(*call.robot);
     case MethodId::kSimulationTruth: {
-      const runtime::Station& station = cell_.station(*call.robot);
-      const auto truth = station.view().truth;
-      if (truth) return truth_json(*truth, station.robot());
-      return RpcError{RpcCode::kRefused, "this robot is real: nobody knows more than its status",
-                      nullptr};
+      auto truth = truth_of(cell_.station(*call.robot));
+      if (!truth) return truth.error();
+      return std::move(*truth);
     }
   }
   return RpcError{RpcCode::kMethodNotFound, "there is no method of this name", nullptr};
@@ -170,12 +191,26 @@ Api::Answer Api::describe() const {
               {"robots", robots},    {"objects", objects},  {"cameras", cameras}};
 }
 
-Api::Answer Api::watch(const Call& call) {
+/// Between messages that a client asks for; zero for none.
+std::expected<Duration, RpcError> Api::message_interval(const Call& call) const {
+  if (call.session.delivery == Delivery::kAnswersOnly) {
+    return std::unexpected(RpcError{
+        RpcCode::kRefused,
+        "messages need a connection that stays: the WebSocket, or the Unix socket", nullptr});
+  }
   const double rate = number(call.request, "rate_hz", kRateUsual);
-  if (!(rate >= 0 && rate <= kRateMax)) return invalid("rate_hz has to be 0 to 100");
+  if (!(rate >= 0 && rate <= kRateMax)) {
+    return std::unexpected(invalid("rate_hz has to be 0 to 100"));
+  }
+  return rate > 0 ? from_seconds(1 / rate) : Duration{};
+}
+
+Api::Answer Api::watch(const Call& call) {
+  const auto interval = message_interval(call);
+  if (!interval) return interval.error();
   Watch& watch = call.session.watch;
   watch.on = true;
-  watch.interval = rate > 0 ? from_seconds(1 / rate) : Duration{};
+  watch.interval = *interval;
   watch.robot = call.robot;
   watch.next = call.now;
   watch.job_next = call.now;

@@ -333,6 +333,9 @@ TEST(Api, survives_clients_that_say_anything) {
           case ParamType::kTexts:
             params[std::string(param.name)] = {{"grip", "jaws 10mm"}};
             break;
+          case ParamType::kNames:
+            params[std::string(param.name)] = {"cell", random.chance(0.5) ? "robot/left" : "no"};
+            break;
           case ParamType::kNumbers:
             for (std::int64_t n = random.integer(0, 7); n > 0; --n) {
               params[std::string(param.name)].push_back(random.uniform(-1, 1));

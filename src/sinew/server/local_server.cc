@@ -4,11 +4,8 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/local/stream_protocol.hpp>
 #include <boost/asio/posix/stream_descriptor.hpp>
-#include <boost/asio/steady_timer.hpp>
 #include <boost/asio/write.hpp>
 #include <list>
-
-#include "sinew/io/clock.h"
 
 namespace sinew::server {
 namespace {
@@ -16,14 +13,13 @@ namespace {
 namespace asio = boost::asio;
 using Socket = asio::local::stream_protocol::socket;
 
-constexpr auto kPollInterval = std::chrono::milliseconds(5);
 constexpr std::size_t kReadSize = 64 * 1024;
 
 /// One client. Lives as long as a handler of it is under way.
 class Connection : public std::enable_shared_from_this<Connection> {
  public:
-  Connection(Socket socket, Api& api, SessionId session, const io::Clock& clock)
-      : socket_(std::move(socket)), api_(&api), session_(session), clock_(clock) {}
+  Connection(Socket socket, ServerLoop& loop, SessionId session)
+      : socket_(std::move(socket)), loop_(loop), api_(&loop.api()), session_(session) {}
 
   void read() {
     if (reading_ || !open()) return;
@@ -79,16 +75,16 @@ class Connection : public std::enable_shared_from_this<Connection> {
           continue;
         }
       }
-      if (!line_.empty()) api_->receive(session_, line_, clock_.now());
+      if (!line_.empty()) api_->receive(session_, line_, loop_.now());
       line_.clear();
     }
     write();
   }
 
   Socket socket_;
+  ServerLoop& loop_;
   Api* api_;  ///< null: over
   SessionId session_;
-  const io::Clock& clock_;
   std::array<char, kReadSize> buffer_{};
   std::string line_;
   std::string outgoing_;
@@ -99,45 +95,47 @@ class Connection : public std::enable_shared_from_this<Connection> {
 
 }  // namespace
 
-class LocalServer::Implementation {
+class LocalServer::Implementation
+    : public std::enable_shared_from_this<LocalServer::Implementation> {
  public:
-  Implementation(io::LocalListener listener, Api& api)
-      : listener_(std::move(listener)), api_(api), descriptor_(context_), timer_(context_) {
+  Implementation(io::LocalListener listener, ServerLoop& loop)
+      : listener_(std::move(listener)), loop_(loop), descriptor_(loop.context()) {
     descriptor_.assign(listener_.descriptor());
-  }
-  ~Implementation() {
-    for (const auto& connection : connections_) connection->end();
-    descriptor_.release();  // the listener's own
-    context_.restart();
-    context_.poll();
   }
 
   const std::string& path() const { return listener_.path(); }
 
-  void run(const std::function<bool()>& stop) {
-    stop_ = &stop;
+  void begin() {
+    loop_.each_turn([weak = weak_from_this()] {
+      if (const auto self = weak.lock()) self->turn();
+    });
     accept();
-    tick();
-    context_.run();
+  }
+  void end() {
+    for (const auto& connection : connections_) connection->end();
+    connections_.clear();
+    descriptor_.release();  // the listener's own
+    loop_.drain();
   }
 
  private:
   void accept() {
-    descriptor_.async_wait(asio::posix::stream_descriptor::wait_read, [this](auto error) {
-      if (error) return;
-      let_in();
-      accept();
-    });
+    descriptor_.async_wait(asio::posix::stream_descriptor::wait_read,
+                           [self = shared_from_this()](auto error) {
+                             if (error) return;
+                             self->let_in();
+                             self->accept();
+                           });
   }
 
   void let_in() {
-    Socket socket(context_);
+    Socket socket(loop_.context());
     const int client = listener_.accept_descriptor();
     if (client < 0) return;
     boost::system::error_code failed;
     socket.assign(asio::local::stream_protocol(), client, failed);
     if (failed) return;
-    const auto session = api_.open(Role::kOperator);
+    const auto session = loop_.api().open(Role::kOperator);
     if (!session) {
       const std::string text =
           error_text(nullptr,
@@ -146,51 +144,41 @@ class LocalServer::Implementation {
       asio::write(socket, asio::buffer(text), failed);
       return;
     }
-    connections_.push_back(std::make_shared<Connection>(std::move(socket), api_, *session, clock_));
+    connections_.push_back(std::make_shared<Connection>(std::move(socket), loop_, *session));
     connections_.back()->read();
   }
 
-  void tick() {
-    api_.poll(clock_.now());
+  void turn() {
     for (auto it = connections_.begin(); it != connections_.end();) {
       (*it)->write();
       it = (*it)->open() ? std::next(it) : connections_.erase(it);
     }
-    if ((*stop_)()) return context_.stop();
-    timer_.expires_after(kPollInterval);
-    timer_.async_wait([this](auto error) {
-      if (!error) tick();
-    });
   }
 
   io::LocalListener listener_;
-  Api& api_;
-  io::Clock clock_;
-  asio::io_context context_;
+  ServerLoop& loop_;
   asio::posix::stream_descriptor descriptor_;
-  asio::steady_timer timer_;
   std::list<std::shared_ptr<Connection>> connections_;
-  const std::function<bool()>* stop_ = nullptr;
 };
 
-LocalServer::LocalServer(std::unique_ptr<Implementation> implementation)
+LocalServer::LocalServer(std::shared_ptr<Implementation> implementation)
     : implementation_(std::move(implementation)) {}
-LocalServer::~LocalServer() = default;
+LocalServer::~LocalServer() {
+  implementation_->end();
+}
 
-io::IoResult<std::unique_ptr<LocalServer>> LocalServer::listen(const std::string& path, Api& api) {
+io::IoResult<std::unique_ptr<LocalServer>> LocalServer::listen(const std::string& path,
+                                                               ServerLoop& loop) {
   constexpr int kWaiting = 16;
   auto listener = io::LocalListener::create(path, kWaiting);
   if (!listener) return std::unexpected(listener.error());
-  return std::unique_ptr<LocalServer>(
-      new LocalServer(std::make_unique<Implementation>(std::move(*listener), api)));
+  auto implementation = std::make_shared<Implementation>(std::move(*listener), loop);
+  implementation->begin();
+  return std::unique_ptr<LocalServer>(new LocalServer(std::move(implementation)));
 }
 
 const std::string& LocalServer::path() const {
   return implementation_->path();
-}
-
-void LocalServer::run(const std::function<bool()>& stop) {
-  implementation_->run(stop);
 }
 
 }  // namespace sinew::server

@@ -1,12 +1,11 @@
 #pragma once
 
-#include <functional>
 #include <memory>
 #include <string>
 
 #include "sinew/io/io_error.h"
 #include "sinew/io/local_socket.h"
-#include "sinew/server/api.h"
+#include "sinew/server/server_loop.h"
 
 namespace sinew::server {
 
@@ -17,21 +16,20 @@ class LocalServer {
   /// Requests of a client that are read at once; the others wait in the socket.
   static constexpr std::size_t kLinesAtOnce = 64;
 
-  /// @param api  outlives this
+  /// @param loop  outlives this
   /// @error  the socket cannot be had: another server listens there, no such folder, ..
-  static io::IoResult<std::unique_ptr<LocalServer>> listen(const std::string& path, Api& api);
+  static io::IoResult<std::unique_ptr<LocalServer>> listen(const std::string& path,
+                                                           ServerLoop& loop);
   ~LocalServer();
   LocalServer(const LocalServer&) = delete;
   LocalServer& operator=(const LocalServer&) = delete;
 
   const std::string& path() const;
-  /// Serves in this thread until `stop`, asked each few milliseconds, says so.
-  void run(const std::function<bool()>& stop);
 
  private:
   class Implementation;
-  explicit LocalServer(std::unique_ptr<Implementation> implementation);
-  std::unique_ptr<Implementation> implementation_;
+  explicit LocalServer(std::shared_ptr<Implementation> implementation);
+  std::shared_ptr<Implementation> implementation_;
 };
 
 }  // namespace sinew::server

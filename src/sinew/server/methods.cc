@@ -19,6 +19,11 @@ constexpr Param kWatchParams[] = {
     {"robot", ParamType::kRobot, false, "of this one only"}};
 constexpr Param kEventsParams[] = {
     {"after", ParamType::kWhole, false, "number of the last event that is known already"}};
+constexpr Param kQueryParams[] = {
+    {"objects", ParamType::kNames, false, "of objects.list; all of them where left out"}};
+constexpr Param kSubscribeParams[] = {
+    {"objects", ParamType::kNames, true, "of objects.list; none ends it"},
+    {"rate_hz", ParamType::kNumber, false, "messages a second, up to 100; 0 for none; 10"}};
 constexpr Param kTakeParams[] = {
     kRobotParam,
     {"take_over", ParamType::kFlag, false, "from whoever has it, which stops the machine first"}};
@@ -81,6 +86,12 @@ constexpr Param kAnswerParams[] = {
      "as a person writes it: yes, go, a word of its choices, a number with its unit"}};
 
 constexpr auto kMethods = std::to_array<Method>({
+    {MethodId::kRpcDiscover,
+     "rpc.discover",
+     false,
+     "this table, for programs",
+     {},
+     "an OpenRPC document"},
     {MethodId::kCellDescribe,
      "cell.describe",
      false,
@@ -100,6 +111,18 @@ constexpr auto kMethods = std::to_array<Method>({
      kWatchParams, "an empty object"},
     {MethodId::kEventsList, "events.list", false, "what happened, the last 1000 events at most",
      kEventsParams, "events"},
+    {MethodId::kObjectsList,
+     "objects.list",
+     false,
+     "what can be queried and subscribed to",
+     {},
+     "objects: their names"},
+    {MethodId::kObjectsQuery, "objects.query", false, "how objects are", kQueryParams,
+     "objects: a state each, by name"},
+    {MethodId::kObjectsSubscribe, "objects.subscribe", false,
+     "how objects are, and from now on `objects` messages with the fields that have changed since "
+     "the one before, null for those that are gone; instead of what was subscribed to before",
+     kSubscribeParams, "objects: a state each, by name"},
     {MethodId::kLeaseTake, "lease.take", true,
      "the right to move; ends a second behind its holder's last message", kTakeParams, "epoch"},
     {MethodId::kLeaseRenew,
@@ -164,8 +187,6 @@ constexpr auto kMethods = std::to_array<Method>({
 });
 
 bool fits(ParamType type, const Json& value) {
-  constexpr std::size_t kNumbersMax = 16;
-  constexpr std::size_t kTextsMax = 63;
   const auto finite = [](const Json& number) {
     return number.is_number() && std::isfinite(number.get<double>());
   };
@@ -183,6 +204,9 @@ bool fits(ParamType type, const Json& value) {
       return value.is_array() && value.size() <= kNumbersMax && std::ranges::all_of(value, finite);
     case ParamType::kTexts:
       return value.is_object() && value.size() <= kTextsMax &&
+             std::ranges::all_of(value, [](const Json& one) { return one.is_string(); });
+    case ParamType::kNames:
+      return value.is_array() && value.size() <= kTextsMax &&
              std::ranges::all_of(value, [](const Json& one) { return one.is_string(); });
   }
   return false;
@@ -205,9 +229,9 @@ std::span<const Method> methods() {
 
 std::string_view type_name(ParamType type) {
   constexpr std::string_view kNames[] = {
-      "a robot's name",      "a string",      "a number",
-      "a whole number >= 0", "true or false", "a list of numbers",
-      "an object of strings"};
+      "a robot's name",       "a string",         "a number",
+      "a whole number >= 0",  "true or false",    "a list of numbers",
+      "an object of strings", "a list of strings"};
   return kNames[static_cast<std::size_t>(type)];
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <expected>
 #include <span>
@@ -11,6 +12,9 @@
 /// which docs/api.md is held by a test.
 namespace sinew::server {
 
+inline constexpr std::size_t kNumbersMax = 16;
+inline constexpr std::size_t kTextsMax = 63;
+
 enum class ParamType : std::uint8_t {
   kRobot,    ///< a robot's name in the cell
   kText,     ///< a string
@@ -19,6 +23,7 @@ enum class ParamType : std::uint8_t {
   kFlag,     ///< true or false
   kNumbers,  ///< a list of finite numbers, 16 at most
   kTexts,    ///< an object of strings, 63 at most
+  kNames,    ///< a list of strings, 63 at most
 };
 
 struct Param {
@@ -29,11 +34,15 @@ struct Param {
 };
 
 enum class MethodId : std::uint8_t {
+  kRpcDiscover,
   kCellDescribe,
   kCellStatus,
   kRobotStatus,
   kWatch,
   kEventsList,
+  kObjectsList,
+  kObjectsQuery,
+  kObjectsSubscribe,
   kLeaseTake,
   kLeaseRenew,
   kLeaseRelease,
