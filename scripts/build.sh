@@ -6,6 +6,7 @@ source "$(dirname "${BASH_SOURCE[0]}")/lib.sh"
 
 echo "sinew: build"
 scripts/packages.sh build
+scripts/panel.sh
 configure release "$(keep_toggle release SINEW_TESTS libgtest-dev liborocos-kdl-dev)" \
   "$(keep_toggle release SINEW_BENCH libbenchmark-dev liborocos-kdl-dev)"
 build release sinew

@@ -4,8 +4,8 @@
 # shellcheck source=scripts/lib.sh
 source "$(dirname "${BASH_SOURCE[0]}")/lib.sh"
 
-# Rooms whose tests are repeated under the sanitizers, with the network door and the replayed fuzz corpora. The heavy
-# properties of kinematics are not among them.
+# Rooms whose tests are repeated under the sanitizers, with the network door and the replayed fuzz
+# corpora. The heavy properties of kinematics are not among them.
 byte_rooms="core wire config device sim driver control program io runtime server"
 
 passed=0
@@ -70,6 +70,14 @@ byte_targets() {
   printf "%s\n" tests/web/all fuzz/all
 }
 
+# The panel's types and unit tests; where there is no node it says so and is no test.
+panel_part() {
+  local code=0
+  scripts/panel.sh test || code=$?
+  if ((code != 0)); then failed=$((failed + 1)); fi
+  return "$code"
+}
+
 release_part() {
   if ! configure release -DSINEW_TESTS=ON \
     "$(keep_toggle release SINEW_BENCH libbenchmark-dev)" || ! build release; then
@@ -93,6 +101,8 @@ start=$(milliseconds_now)
 code=0
 echo "sinew: test"
 scripts/packages.sh build test || { echo "0 passed, 1 failed"; exit 1; }
+# Before the build, which puts the panel into the binary where there is one.
+panel_part || code=1
 release_part || code=1
 asan_part || code=1
 printf '  %-34s %10s\n' "in all" "$(pretty_ms $(($(milliseconds_now) - start)))"

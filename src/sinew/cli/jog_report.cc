@@ -6,6 +6,7 @@
 
 #include "sinew/cli/kinematics_text.h"
 #include "sinew/cli/table.h"
+#include "sinew/planning/jog_reason.h"
 
 namespace sinew::cli {
 namespace {
@@ -19,34 +20,6 @@ constexpr std::size_t kStretchesMax = 50;
 bool is_idle(JogReason reason) {
   return reason == JogReason::kNoCommand || reason == JogReason::kStopped ||
          reason == JogReason::kExpired;
-}
-
-std::string_view reason_name(JogReason reason) {
-  switch (reason) {
-    case JogReason::kNone:
-      return "none";
-    case JogReason::kNoCommand:
-      return "no_command";
-    case JogReason::kStopped:
-      return "stopped";
-    case JogReason::kExpired:
-      return "expired";
-    case JogReason::kContact:
-      return "contact";
-    case JogReason::kOverlap:
-      return "overlap";
-    case JogReason::kPoseLimit:
-      return "pose_limit";
-    case JogReason::kJointLimit:
-      return "joint_limit";
-    case JogReason::kSingular:
-      return "singular";
-    case JogReason::kJointSpeed:
-      return "joint_speed";
-    case JogReason::kWire:
-      return "wire";
-  }
-  return "none";
 }
 
 std::string reason_text(const JogStretch& stretch, const JogRecord& record) {
@@ -168,7 +141,7 @@ Json jog_json(const JogRecord& record) {
   for (const JogStretch& stretch : record.stretches) {
     Json row{{"from_s", stretch.begin},
              {"to_s", stretch.end},
-             {"reason", reason_name(stretch.reason)},
+             {"reason", planning::name(stretch.reason)},
              {"share_min", stretch.least},
              {"share_max", stretch.most}};
     if (const int joint = stretch.joint(); joint >= 0) {

@@ -224,17 +224,28 @@ Expected<void> CellSpace::ask(std::size_t place, std::uint32_t command, const Ce
 
 Expected<void> CellSpace::look(std::size_t place, const CellWay& way) {
   const std::scoped_lock lock(mutex_);
-  Robot& robot = *robots_[place];
+  const auto met = meeting(place, way);
+  if (!met) return {};
+  robots_[place]->refusal = met->refusal;
+  return std::unexpected(met->error);
+}
+
+std::optional<CellMeeting> CellSpace::meets(std::size_t place, const CellWay& way) {
+  const std::scoped_lock lock(mutex_);
+  return meeting(place, way);
+}
+
+std::optional<CellMeeting> CellSpace::meeting(std::size_t place, const CellWay& way) {
   std::vector<Filled> others;
   for (std::size_t i = 0; i < robots_.size(); ++i) {
     if (i == place || robots_[i]->busy) continue;
     others.push_back(filled(i));
     if (others.back().moving) others.pop_back();
   }
-  const auto contact = planning::first_contact(robot.bodies, way, obstacles(place, others, true));
-  if (!contact) return {};
-  robot.refusal = refused(place, &way, *contact, others);
-  return std::unexpected(error_of(*contact, false));
+  const auto contact =
+      planning::first_contact(robots_[place]->bodies, way, obstacles(place, others, true));
+  if (!contact) return std::nullopt;
+  return CellMeeting{error_of(*contact, false), refused(place, &way, *contact, others)};
 }
 
 /// What of a claim is near: its bodies, or boxes around several where there are many.

@@ -44,6 +44,12 @@ struct CellRefusal {
   std::string sentence() const;
 };
 
+/// What a motion would come too near to.
+struct CellMeeting {
+  Error error;  ///< kCellContact
+  CellRefusal refusal;
+};
+
 using Surroundings = FixedVector<planning::Surrounding, planning::CollisionModel::kSurroundMax>;
 
 /// Who fills which space of a cell. A motion is begun only where all of it was free of everything
@@ -69,6 +75,8 @@ class CellSpace {
   /// Whether a motion would meet an object or a robot that rests and has nothing to do; nothing is
   /// taken. @error kCellContact
   Expected<void> look(std::size_t robot, const planning::CellWay& way);
+  /// The same, and nobody hears of it: refusal() stays what it is. Nothing: free.
+  std::optional<CellMeeting> meets(std::size_t robot, const planning::CellWay& way);
   /// Of the last motion that was refused.
   std::optional<CellRefusal> refusal(std::size_t robot) const;
   /// A program of this robot is under way: it will not stay where it rests now.
@@ -111,6 +119,8 @@ class CellSpace {
   };
 
   Filled filled(std::size_t robot);
+  /// Under mutex_.
+  std::optional<CellMeeting> meeting(std::size_t robot, const planning::CellWay& way);
   planning::JointBox jog_box(const Robot& robot, const CellStand& stand) const;
   /// Objects only where it is known where the motion goes: who moves a lost robot has to look.
   std::vector<planning::CellObstacle> obstacles(std::size_t robot, std::span<const Filled> others,

@@ -67,6 +67,7 @@ Json record_json(const std::string& robot, const runtime::RecordTold& told) {
 
 Api::Api(runtime::RunningCell& cell, std::string version)
     : cell_(cell), version_(std::move(version)) {
+  previews_ = std::make_unique<PreviewDesk>(cell_);
   for (std::size_t i = 0; i < cell_.size(); ++i) {
     ears_.push_back(cell_.station(i).take_slot());
     tools_.push_back(std::make_unique<planning::ToolSpace>(cell_.station(i).robot()));
@@ -106,6 +107,7 @@ void Api::close(SessionId id) {
     const JobView job = cell_.jobs(robot).view();
     if (job.client == id) cell_.jobs(robot).stop(job.id);
   }
+  previews_->forget(id);
   sessions_.erase(found);
 }
 
@@ -146,6 +148,10 @@ void Api::answer(Session& session, const Json& id, bool answered, const Answer& 
       session.pending.push_back(std::move(pending));
     }
     return;
+  }
+  if (const auto* elsewhere = std::get_if<Elsewhere>(&what)) {
+    if (previews_->ask({session.id, id, answered}, elsewhere->wish)) return;
+    return put(session, error_text(id, {RpcCode::kBusy, "too many previews wait", nullptr}));
   }
   if (!answered) return;
   if (const auto* result = std::get_if<Json>(&what)) return put(session, result_text(id, *result));
@@ -194,8 +200,18 @@ void Api::renew(Session& session, Instant now) {
   }
 }
 
+void Api::take_previews() {
+  while (auto done = previews_->take()) {
+    const auto found = sessions_.find(done->ticket.client);
+    if (found == sessions_.end() || !done->ticket.answered) continue;
+    put(found->second, done->result ? result_text(done->ticket.id, *done->result)
+                                    : error_text(done->ticket.id, done->result.error()));
+  }
+}
+
 void Api::poll(Instant now) {
   poll_procedures();
+  take_previews();
   log_events();
   log_jobs();
   for (std::string& text : status_texts_) text.clear();

@@ -14,6 +14,7 @@
 #include "sinew/runtime/running_cell.h"
 #include "sinew/server/event_log.h"
 #include "sinew/server/methods.h"
+#include "sinew/server/preview.h"
 
 namespace sinew::server {
 
@@ -107,7 +108,11 @@ class Api {
   struct Later {
     std::vector<Pending> commands;
   };
-  using Answer = std::variant<Json, Later, RpcError>;
+  /// A preview under way: PreviewDesk has it, with its id.
+  struct Elsewhere {
+    PreviewWish wish;
+  };
+  using Answer = std::variant<Json, Later, Elsewhere, RpcError>;
 
   // api.cc
   void put(Session& session, std::string text);
@@ -117,12 +122,15 @@ class Api {
   void renew(Session& session, Instant now);
   void take_events(Session& session);
   void settle(Session& session, const Pending& pending, const control::ControlEvent& event);
+  void take_previews();
   void log_events();
   void log_jobs();
   void tell(Session& session, Instant now);
   void tell_jobs(Session& session, Instant now);
   RpcError refusal(RpcCode code, const Error& error, std::size_t robot) const;
   Json status(std::size_t robot);
+  Json cell_status();
+  Json job_status(std::size_t robot) const;
   const std::string& status_text(std::optional<std::size_t> robot);
   static bool same(const runtime::JobView& a, const runtime::JobView& b);
 
@@ -136,6 +144,8 @@ class Api {
 
   // api_methods.cc
   Answer describe() const;
+  Answer truth(const Call& call) const;
+  Answer enable(const Call& call);
   Answer watch(const Call& call);
   std::expected<Duration, RpcError> message_interval(const Call& call) const;
   Answer stop(const Call& call);
@@ -146,6 +156,7 @@ class Api {
   Answer ride(const Call& call);
   Answer start(const Call& call, runtime::JobOrder order);
   std::optional<RpcError> no_port(std::size_t robot) const;
+  Answer preview(const Call& call) const;
   Answer steer_job(const Method& method, const Call& call);
   Answer give(const Call& call, const control::CommandWhat& what, bool at_start = false);
   std::expected<JointVector, RpcError> joints(const Json& numbers, std::size_t robot) const;
@@ -159,6 +170,7 @@ class Api {
   void tell_procedures(Session& session, Instant now);
 
   runtime::RunningCell& cell_;
+  std::unique_ptr<PreviewDesk> previews_;
   std::string version_;
   SessionId last_session_ = 0;
   std::uint64_t last_group_ = 0;

@@ -7,6 +7,7 @@
 #include "sinew/program/program_file.h"
 #include "sinew/program/program_part.h"
 #include "sinew/server/api.h"
+#include "sinew/server/model_json.h"
 #include "sinew/server/open_rpc.h"
 #include "sinew/server/robot_json.h"
 
@@ -72,15 +73,6 @@ std::optional<RpcError> take_part(const RpcRequest& request, const RobotModel& r
   return std::nullopt;
 }
 
-std::expected<Json, RpcError> truth_of(const runtime::Station& station) {
-  const auto truth = station.view().truth;
-  if (!truth) {
-    return std::unexpected(RpcError{
-        RpcCode::kRefused, "this robot is real: nobody knows more than its status", nullptr});
-  }
-  return truth_json(*truth, station.robot());
-}
-
 std::optional<planning::JogFrame> frame_of(std::string_view word) {
   if (word == "joint") return planning::JogFrame::kJoint;
   if (word == "base") return planning::JogFrame::kBase;
@@ -97,11 +89,8 @@ Api::Answer Api::call(const Method& method, const Call& call) {
       return open_rpc(version_);
     case MethodId::kCellDescribe:
       return describe();
-    case MethodId::kCellStatus: {
-      Json robots = Json::array();
-      for (std::size_t i = 0; i < cell_.size(); ++i) robots.push_back(status(i));
-      return Json{{"robots", robots}};
-    }
+    case MethodId::kCellStatus:
+      return cell_status();
     case MethodId::kRobotStatus:
       return status(*call.robot);
     case MethodId::kWatch:
@@ -121,8 +110,7 @@ Api::Answer Api::call(const Method& method, const Call& call) {
     case MethodId::kLeaseRelease:
       return give(call, control::ReturnLease{});
     case MethodId::kRobotEnable:
-      if (const auto trouble = no_port(*call.robot)) return *trouble;
-      return give(call, control::Enable{});
+      return enable(call);
     case MethodId::kRobotDisable:
       return give(call, control::Disable{});
     case MethodId::kRobotAcknowledge:
@@ -145,10 +133,8 @@ Api::Answer Api::call(const Method& method, const Call& call) {
     case MethodId::kRobotResume:
     case MethodId::kProgramStep:
       return steer_job(method, call);
-    case MethodId::kJobStatus: {
-      const runtime::Station& station = cell_.station(*call.robot);
-      return job_json(station.name(), cell_.jobs(*call.robot).view(), station.robot());
-    }
+    case MethodId::kJobStatus:
+      return job_status(*call.robot);
     case MethodId::kProcedureStart:
       return start_procedure(call);
     case MethodId::kProcedureAnswer:
@@ -157,13 +143,38 @@ Api::Answer Api::call(const Method& method, const Call& call) {
       return steer_procedure(method, call);
     case MethodId::kProcedureStatus:
       return procedure(*call.robot);
-    case MethodId::kSimulationTruth: {
-      auto truth = truth_of(cell_.station(*call.robot));
-      if (!truth) return truth.error();
-      return std::move(*truth);
-    }
+    case MethodId::kSimulationTruth:
+      return truth(call);
+    case MethodId::kRobotModel:
+      return model_json(cell_.station(*call.robot).robot());
+    case MethodId::kRobotPreview:
+      return preview(call);
   }
   return RpcError{RpcCode::kMethodNotFound, "there is no method of this name", nullptr};
+}
+
+Json Api::cell_status() {
+  Json robots = Json::array();
+  for (std::size_t i = 0; i < cell_.size(); ++i) robots.push_back(status(i));
+  return Json{{"robots", robots}};
+}
+
+Json Api::job_status(std::size_t robot) const {
+  const runtime::Station& station = cell_.station(robot);
+  return job_json(station.name(), cell_.jobs(robot).view(), station.robot());
+}
+
+Api::Answer Api::enable(const Call& call) {
+  if (const auto trouble = no_port(*call.robot)) return *trouble;
+  return give(call, control::Enable{});
+}
+
+Api::Answer Api::truth(const Call& call) const {
+  const runtime::Station& station = cell_.station(*call.robot);
+  const auto truth = station.view().truth;
+  if (truth) return truth_json(*truth, station.robot());
+  return RpcError{RpcCode::kRefused, "this robot is real: nobody knows more than its status",
+                  nullptr};
 }
 
 Api::Answer Api::describe() const {

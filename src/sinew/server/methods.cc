@@ -85,6 +85,17 @@ constexpr Param kAnswerParams[] = {
     {"answer", ParamType::kText, true,
      "as a person writes it: yes, go, a word of its choices, a number with its unit"}};
 
+constexpr Param kPreviewParams[] = {
+    kRobotParam,
+    {"joints", ParamType::kNumbers, false, "where the joints shall be; rad or m, one a joint"},
+    {"tool", ParamType::kNumbers, false,
+     "where the tool shall be in the base frame: x, y, z (m), which keeps its attitude, or with "
+     "its quaternion behind it (w, x, y, z)"},
+    {"text", ParamType::kText, false, "rows, as program.run takes them"},
+    {"line", ParamType::kFlag, false, "the tool goes there along a straight line"},
+    {"speed", ParamType::kNumber, false, "share of the joints' limits, 0.01 to 1"},
+    {"samples", ParamType::kWhole, false, "of the profile at most, 2 to 1000; 121"}};
+
 constexpr auto kMethods = std::to_array<Method>({
     {MethodId::kRpcDiscover,
      "rpc.discover",
@@ -184,6 +195,13 @@ constexpr auto kMethods = std::to_array<Method>({
      "the procedure under way, or the last one", kRobotOnly, "a procedure"},
     {MethodId::kSimulationTruth, "simulation.truth", false,
      "where a simulated machine really stands, whatever it believes", kRobotOnly, "truth"},
+    {MethodId::kRobotModel, "robot.model", false,
+     "what it is drawn and steered from: its chain, linkage or legs, its bodies, its joints",
+     kRobotOnly, "kind, joints, links, shapes, geometry, jog"},
+    {MethodId::kRobotPreview, "robot.preview", false,
+     "one of joints, tool and text, as it would go from where the robot stands; nothing moves. Of "
+     "previews that wait only a client's latest of each robot is made",
+     kPreviewParams, "text, duration_s, limited, from, to, samples"},
 });
 
 bool fits(ParamType type, const Json& value) {

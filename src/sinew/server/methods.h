@@ -66,6 +66,8 @@ enum class MethodId : std::uint8_t {
   kProcedureCancel,
   kProcedureStatus,
   kSimulationTruth,
+  kRobotModel,
+  kRobotPreview,
 };
 
 struct Method {

@@ -5,6 +5,7 @@
 
 #include "sinew/driver/quality_name.h"
 #include "sinew/model/error_sentence.h"
+#include "sinew/planning/jog_reason.h"
 #include "sinew/runtime/unit_name.h"
 
 namespace sinew::server {
@@ -153,6 +154,12 @@ Json status_json(const runtime::Station& station, const runtime::StationView& vi
     json["fault"] = latched_json(*view.latched, model);
     for (const control::Latched& one : view.later) {
       json["fault"]["later"].push_back(latched_json(one, model));
+    }
+  }
+  if (view.jog.moving) {
+    json["jog"] = {{"reason", planning::name(view.jog.reason)}, {"share", view.jog.share}};
+    if (view.jog.joint >= 0) {
+      json["jog"]["joint"] = model.joints[static_cast<std::size_t>(view.jog.joint)].name;
     }
   }
   if (view.last_stop) json["last_stop"] = cause_name(*view.last_stop);

@@ -1,0 +1,270 @@
+/** The parts of the page tied together: one connection, one cell, one jog, what is chosen. */
+import { batch, computed, effect, signal } from '@preact/signals';
+import { kLanguages, language, preferredLanguage, t, tWord, type Language } from './i18n';
+import { Jog, watchPage, type JogWish } from './logic/jog';
+import { Latest } from './logic/latest';
+import { parseRoute, routeText, tokenOf, type Route } from './logic/router';
+import { ConnectionError, RpcClient, RpcError, type Socket } from './logic/rpc';
+import { installStopKeys } from './logic/stop_keys';
+import { jointLimits, jointsOf, positionOf, Store, type PreviewTarget } from './logic/store';
+import { ghostOf, question, sampleAt, type Target, type Verdict, type Way } from './logic/target';
+import { toolPose } from './logic/kinematics';
+import { fromFlat } from './logic/pose';
+import type { PreviewJson, RefusalData, RobotModel } from './logic/types';
+import type { Theme } from './scene/look';
+import { kViewIds } from './view_ids';
+
+const kKept = 'sinew.';
+const keep = (key: string, value: string) => localStorage.setItem(kKept + key, value);
+const kept = (key: string) => localStorage.getItem(kKept + key);
+
+// --- The token of the start link.
+const token = tokenOf(location.hash);
+if (token) {
+  sessionStorage.setItem(kKept + 'token', token);
+  history.replaceState(null, '', location.pathname);
+}
+
+function connect(): Socket {
+  const scheme = location.protocol === 'https:' ? 'wss' : 'ws';
+  const held = sessionStorage.getItem(kKept + 'token');
+  const protocols = ['sinew.v1', ...(held ? [`bearer.${held}`] : [])];
+  return new WebSocket(`${scheme}://${location.host}/ws`, protocols) as unknown as Socket;
+}
+
+const rpc = new RpcClient({
+  connect,
+  onOpen: () => void store.opened().catch((error) => store.noteError(error)),
+  onClose: () => {
+    jog.stop('lost');
+    store.closed();
+  },
+  onMessage: (method, params) => store.take(method, params),
+});
+export const store = new Store(rpc);
+
+// --- Looks.
+export const theme = signal<Theme>('dark');
+const darkWish = matchMedia('(prefers-color-scheme: dark)');
+const keptTheme = kept('theme');
+theme.value = keptTheme === 'dark' || keptTheme === 'light' ? keptTheme : darkWish.matches ? 'dark' : 'light';
+darkWish.addEventListener('change', () => {
+  if (!kept('theme')) theme.value = darkWish.matches ? 'dark' : 'light';
+});
+export function setTheme(wish: Theme): void {
+  theme.value = wish;
+  keep('theme', wish);
+}
+effect(() => {
+  document.documentElement.dataset['theme'] = theme.value;
+});
+
+language.value = preferredLanguage(kept('language'), navigator.languages);
+export function setLanguage(wish: Language): void {
+  language.value = wish;
+  keep('language', wish);
+}
+export const languages = Object.entries(kLanguages) as [Language, { name: string }][];
+effect(() => {
+  document.documentElement.lang = language.value;
+});
+
+export const stopKeys = signal(kept('stop_keys') !== 'off');
+export function setStopKeys(on: boolean): void {
+  stopKeys.value = on;
+  keep('stop_keys', on ? 'on' : 'off');
+}
+
+// --- Where we are.
+const viewNames: readonly string[] = kViewIds;
+export const route = signal<Route>(parseRoute(location.hash, viewNames));
+addEventListener('hashchange', () => {
+  route.value = parseRoute(location.hash, viewNames);
+});
+export function go(to: Partial<Route>): void {
+  const next = { ...route.value, ...to };
+  if (routeText(next) !== location.hash) location.hash = routeText(next);
+}
+
+/** The robot that everything on the right side is about; the first one where none is named. */
+export const robot = computed<string | null>(() => {
+  const names = store.robots.value.map((one) => one.name);
+  const wish = route.value.robot;
+  return wish && names.includes(wish) ? wish : (names[0] ?? null);
+});
+export const model = computed<RobotModel | null>(() =>
+  robot.value ? (store.models.value[robot.value] ?? null) : null,
+);
+export const status = computed(() => (robot.value ? store.status.value[robot.value] : undefined));
+export const atWork = computed(() => {
+  const now = status.value;
+  return now?.job ? !now.job.over : false;
+});
+/** It would take motions from here, now; control is taken with the first one. */
+export const canMove = computed(() => {
+  const now = status.value;
+  if (!now || !robot.value || store.connection.value !== 'open') return false;
+  return store.lease(robot.value) !== 'other' && (now.state === 'ready' || now.state === 'moving');
+});
+
+// --- Stop.
+export const announced = signal({ text: '', grave: false });
+export function stop(): void {
+  jog.stop('stopped');
+  void store.stopAll().then((told) => {
+    const text = told ? 'stop.done' : 'stop.failed';
+    announced.value = { text: t(text), grave: true };
+  });
+}
+installStopKeys(window, { enabled: () => stopKeys.value, stop });
+
+// --- Jog.
+export const jogging = signal(false);
+export const jog = new Jog({
+  send: (wish, expiry) =>
+    rpc.call('robot.jog', {
+      robot: wish.robot,
+      frame: wish.frame,
+      velocity: wish.velocity,
+      expiry_s: expiry,
+    }),
+  onChange: (moving) => {
+    jogging.value = moving;
+  },
+  onEnd: (why, error) => {
+    if (why === 'released' || why === 'stopped') return;
+    const text = t(`jog.end.${why}`, { text: error?.message ?? '' });
+    store.note(why === 'refused' ? 'refused' : 'lost', text, robot.value ?? undefined);
+  },
+});
+watchPage(jog, window, document);
+
+/** The pace of all motions, while somebody drags it. */
+const pacing = new Latest<{ robot: string; share: number }, void>({
+  intervalMs: 100,
+  ask: ({ robot: name, share }) => store.feed(name, share),
+  onAnswer: () => undefined,
+  onError: () => undefined,
+});
+export const setPace = (name: string, share: number): void => pacing.put({ robot: name, share });
+
+/** Begins once this page has control, if it is still wanted then. */
+export async function holdOnce(source: string, wish: JogWish, wanted: () => boolean): Promise<void> {
+  if (!(await store.control(wish.robot))) return;
+  if (wanted()) jog.hold(source, wish);
+}
+
+// --- Preview.
+export const way = signal<Way>({ line: false, speed: 0.5 });
+export const target = signal<Target | null>(null);
+export const verdict = signal<Verdict>({ kind: 'checking' });
+export const gizmoMode = signal<'translate' | 'rotate'>('translate');
+/** Time in the preview that the ghost shows; nothing: its end. */
+export const scrub = signal<number | null>(null);
+
+const asking = new Latest<{ robot: string; ask: PreviewTarget }, PreviewJson>({
+  intervalMs: 100,
+  ask: ({ robot: name, ask }) => store.preview(name, ask),
+  onAnswer: (_, preview) => {
+    const now = target.value;
+    batch(() => {
+      verdict.value = { kind: 'fine', preview };
+      scrub.value = null;
+      // What was not dragged follows what was.
+      if (now && preview.to.positions && preview.to.tool) {
+        const end = ghostOf(now, verdict.value);
+        target.value =
+          now.by === 'tool' ? { ...now, joints: end.joints } : { ...now, tool: end.platform };
+      }
+    });
+  },
+  onError: (_, error) => {
+    if (error instanceof RpcError) {
+      const data = (error.data ?? null) as RefusalData | null;
+      if (data?.code === 'overtaken') return;
+      verdict.value = { kind: 'refused', sentence: error.message, data };
+    } else if (error instanceof ConnectionError) {
+      verdict.value = { kind: 'lost' };
+    }
+  },
+});
+
+/** Where it stands now, as a target to start from; nothing where nobody knows. */
+export function standing(): Target | null {
+  const name = robot.value;
+  const one = model.value;
+  if (!name || !one) return null;
+  const joints = jointsOf(status.value, positionOf) ?? one.joints.map((joint) => jointLimits(joint).home);
+  const tool = one.kind === 'hexapod' ? status.value?.tool : undefined;
+  return {
+    robot: name,
+    by: 'joints',
+    joints,
+    tool: tool ? fromFlat(tool) : toolPose(one, joints),
+    turned: false,
+  };
+}
+
+export function aim(next: Target): void {
+  const one = model.value;
+  if (!one) return;
+  batch(() => {
+    target.value = next;
+    verdict.value = { kind: 'checking' };
+    scrub.value = null;
+  });
+  asking.put({ robot: next.robot, ask: question(next, way.value, one) });
+}
+export function setWay(next: Way): void {
+  way.value = next;
+  if (target.value) aim(target.value);
+}
+export function forgetTarget(): void {
+  asking.forget();
+  batch(() => {
+    target.value = null;
+    scrub.value = null;
+  });
+}
+export async function move(): Promise<void> {
+  const now = verdict.value;
+  if (!target.value || now.kind !== 'fine') return;
+  const started = await store.run(target.value.robot, now.preview.text, t('view.move'));
+  if (started) forgetTarget();
+}
+// Another robot is another target; a robot that has arrived somewhere has a new start.
+effect(() => {
+  const name = robot.value;
+  if (target.peek() && target.peek()!.robot !== name) forgetTarget();
+  jog.stop('released');
+});
+
+/** What the ghost shows now. */
+export const ghost = computed(() => {
+  const now = target.value;
+  if (!now) return null;
+  const judged = verdict.value;
+  const path = judged.kind === 'fine' ? judged.preview.samples.tool : undefined;
+  const at = scrub.value !== null && judged.kind === 'fine' ? sampleAt(judged.preview, scrub.value) : null;
+  return { robot: now.robot, path, ...ghostOf(now, judged), ...(at ?? {}) };
+});
+
+// --- What a screen reader hears.
+const heard = new Map<string, string>();
+effect(() => {
+  for (const one of Object.values(store.status.value)) {
+    const known = heard.get(one.robot);
+    heard.set(one.robot, one.state);
+    if (known === undefined || known === one.state) continue;
+    announced.value = one.fault
+      ? { text: t('live.fault', { robot: one.robot, text: one.fault.error.sentence }), grave: true }
+      : { text: t('live.state', { robot: one.robot, state: tWord('state', one.state) }), grave: false };
+  }
+});
+
+export function start(): void {
+  rpc.start();
+}
+
+// For tests of the page: nothing that the page itself could not do.
+Object.assign(globalThis, { __sinew: { store, rpc } });

@@ -1,0 +1,117 @@
+import { describe, expect, it } from 'vitest';
+import { ConnectionError, RpcError } from './rpc';
+import { isGrave, Store } from './store';
+import type { EventJson, RobotStatus } from './types';
+
+function rig() {
+  const asked: { method: string; params: Record<string, unknown> }[] = [];
+  const answers: Record<string, unknown> = {
+    'cell.describe': { title: 'c', version: '1', time_scale: 1, robots: [{ name: 'arm' }], objects: [] },
+    'robot.model': { kind: 'serial' },
+    'cell.status': { robots: [] },
+    'events.list': { events: [] },
+    'lease.take': { epoch: 3, client: 7 },
+  };
+  const clock = { now: 0 };
+  const store = new Store(
+    {
+      open: true,
+      call: <Result>(method: string, params: object = {}) => {
+        asked.push({ method, params: params as Record<string, unknown> });
+        const answer = answers[method] ?? {};
+        return answer instanceof Error ? Promise.reject(answer) : Promise.resolve(answer as Result);
+      },
+    },
+    () => clock.now,
+  );
+  return { store, asked, answers, clock, methods: () => asked.map((one) => one.method) };
+}
+
+const status = (over: Partial<RobotStatus> = {}): RobotStatus => ({
+  robot: 'arm',
+  at_s: 0,
+  state: 'ready',
+  position: 'measured',
+  connected: true,
+  joints: [],
+  feed: 1,
+  progress: 0,
+  health: {},
+  ...over,
+});
+
+describe('Store', () => {
+  it('learns the cell when it is connected, and asks for nothing that moves', async () => {
+    const { store, methods } = rig();
+    await store.opened();
+    expect(methods()).toEqual(['cell.describe', 'robot.model', 'cell.status', 'events.list', 'watch']);
+    expect(store.connection.value).toBe('open');
+    store.closed();
+    expect(store.connection.value).toBe('lost');
+  });
+
+  it('keeps the lease alive while it has one, driven by what comes in', async () => {
+    const { store, methods, clock } = rig();
+    await store.control('arm');
+    const renewals = () => methods().filter((one) => one === 'lease.renew').length;
+    store.take('status', { robots: [status({ lease: { client: 7, epoch: 3 } })] });
+    expect(store.lease('arm')).toBe('mine');
+    expect(renewals()).toBe(1);
+    store.take('status', { robots: [status({ lease: { client: 7, epoch: 3 } })] });
+    expect(renewals()).toBe(1);
+    clock.now = 400;
+    store.take('status', { robots: [status({ lease: { client: 7, epoch: 3 } })] });
+    expect(renewals()).toBe(2);
+    clock.now = 800;
+    store.take('status', { robots: [status({ lease: { client: 8, epoch: 4 } })] });
+    expect(store.lease('arm')).toBe('other');
+    expect(renewals()).toBe(2);
+  });
+
+  it('knows nobody as itself behind a lost connection', async () => {
+    const { store } = rig();
+    await store.control('arm');
+    store.closed();
+    store.take('status', { robots: [status({ lease: { client: 7, epoch: 3 } })] });
+    expect(store.lease('arm')).toBe('other');
+  });
+
+  it('stops everything without the lease', async () => {
+    const { store, asked } = rig();
+    await store.stopAll();
+    expect(asked).toEqual([{ method: 'robot.stop', params: {} }]);
+  });
+
+  it('notes a refusal down in the words of the server, and does not go on', async () => {
+    const { store, methods, answers } = rig();
+    answers['lease.take'] = new RpcError(1, 'somebody else has it');
+    expect(await store.enable('arm')).toBe(false);
+    expect(methods()).toEqual(['lease.take']);
+    expect(store.notes.value).toMatchObject([{ kind: 'refused', robot: 'arm', text: 'somebody else has it' }]);
+    answers['lease.take'] = new ConnectionError('closed');
+    await store.run('arm', 'joint J1=1deg', 'move');
+    expect(store.notes.value.at(-1)).toMatchObject({ kind: 'lost' });
+    store.dismiss(store.notes.value[0]!.id);
+    expect(store.notes.value).toHaveLength(1);
+  });
+
+  it('counts what nobody has looked at yet, and takes each event once', () => {
+    const { store } = rig();
+    const event = (number: number, over: Partial<EventJson>): EventJson => ({
+      number,
+      at_ms: 0,
+      robot: 'arm',
+      kind: 'state',
+      ...over,
+    });
+    store.take('event', event(1, {}));
+    store.take('event', event(2, { kind: 'fault' }));
+    store.take('event', event(2, { kind: 'fault' }));
+    expect(store.events.value).toHaveLength(2);
+    expect(store.unseen.value).toBe(1);
+    store.seen.value = 2;
+    expect(store.unseen.value).toBe(0);
+    expect(isGrave(event(3, { kind: 'stop', cause: 'client' }))).toBe(false);
+    expect(isGrave(event(3, { kind: 'job', phase: 'failed' }))).toBe(true);
+  });
+});

@@ -1,0 +1,228 @@
+/**
+ * The cell as the page knows it. Messages of the server come in, signals go out; nothing here
+ * touches the page. What is asked for in words of the domain (`control`, `enable`, `stop`) goes
+ * out from here too, so that every view asks in the same way.
+ */
+import { batch, computed, signal } from '@preact/signals';
+import { ConnectionError, RpcError } from './rpc';
+import type {
+  CellDescription,
+  EventJson,
+  JobJson,
+  PreviewJson,
+  RobotModel,
+  RobotStatus,
+  ToolRow,
+} from './types';
+
+export interface Caller {
+  call<Result = unknown>(method: string, params?: object, timeoutMs?: number): Promise<Result>;
+  readonly open: boolean;
+}
+
+export type Connection = 'connecting' | 'open' | 'lost';
+
+/** Something to tell in passing; it stays in the list of notes. */
+export interface Note {
+  id: number;
+  at: number;
+  kind: 'info' | 'refused' | 'lost';
+  robot?: string;
+  text: string;
+}
+
+const kEventsMax = 500;
+const kNotesMax = 20;
+const kRateHz = 25;
+/** A lease lives for a second; messages of the server drive its renewal, also in a hidden tab. */
+const kRenewMs = 300;
+
+export type Lease = 'mine' | 'other' | 'free';
+
+export class Store {
+  readonly connection = signal<Connection>('connecting');
+  readonly cell = signal<CellDescription | null>(null);
+  readonly models = signal<Record<string, RobotModel>>({});
+  readonly status = signal<Record<string, RobotStatus>>({});
+  readonly events = signal<EventJson[]>([]);
+  /** Number of the last event that somebody has seen in the list. */
+  readonly seen = signal(0);
+  readonly notes = signal<Note[]>([]);
+  /** Who we are to the server; nothing before the first lease. */
+  readonly client = signal<number | null>(null);
+  readonly robots = computed(() => this.cell.value?.robots ?? []);
+  readonly faults = computed(() => Object.values(this.status.value).filter((one) => one.fault));
+  readonly unseen = computed(
+    () => this.events.value.filter((one) => one.number > this.seen.value && isGrave(one)).length,
+  );
+
+  private lastNote = 0;
+  private renewed = -Infinity;
+
+  constructor(
+    private readonly rpc: Caller,
+    private readonly now: () => number = () => performance.now(),
+  ) {}
+
+  /** The connection is there: everything is asked anew, and nothing that moves is. */
+  async opened(): Promise<void> {
+    this.client.value = null;
+    const cell = await this.rpc.call<CellDescription>('cell.describe');
+    const models: Record<string, RobotModel> = {};
+    for (const robot of cell.robots) {
+      models[robot.name] = await this.rpc.call<RobotModel>('robot.model', { robot: robot.name });
+    }
+    const status = await this.rpc.call<{ robots: RobotStatus[] }>('cell.status');
+    const past = await this.rpc.call<{ events: EventJson[] }>('events.list');
+    await this.rpc.call('watch', { rate_hz: kRateHz });
+    batch(() => {
+      this.cell.value = cell;
+      this.models.value = models;
+      this.take('status', status);
+      this.events.value = past.events.slice(-kEventsMax);
+      this.seen.value = past.events.at(-1)?.number ?? 0;
+      this.connection.value = 'open';
+    });
+  }
+
+  closed(): void {
+    this.connection.value = 'lost';
+    this.client.value = null;
+  }
+
+  take(method: string, params: unknown): void {
+    if (method === 'status') {
+      const status = { ...this.status.value };
+      for (const one of (params as { robots: RobotStatus[] }).robots) status[one.robot] = one;
+      this.status.value = status;
+      this.renew();
+    } else if (method === 'event') {
+      const event = params as EventJson;
+      if (event.number <= (this.events.value.at(-1)?.number ?? 0)) return;
+      this.events.value = [...this.events.value, event].slice(-kEventsMax);
+    } else if (method === 'job') {
+      const job = params as JobJson;
+      const status = this.status.value[job.robot];
+      if (status) this.status.value = { ...this.status.value, [job.robot]: { ...status, job } };
+    }
+  }
+
+  lease(robot: string): Lease {
+    const holder = this.status.value[robot]?.lease;
+    if (!holder) return 'free';
+    return holder.client === this.client.value ? 'mine' : 'other';
+  }
+
+  private renew(): void {
+    const now = this.now();
+    if (now - this.renewed < kRenewMs || this.client.value === null) return;
+    const holds = Object.keys(this.status.value).some((robot) => this.lease(robot) === 'mine');
+    if (!holds) return;
+    this.renewed = now;
+    this.rpc.call('lease.renew').catch(() => undefined);
+  }
+
+  note(kind: Note['kind'], text: string, robot?: string): void {
+    const note: Note = { id: ++this.lastNote, at: Date.now(), kind, text, robot };
+    this.notes.value = [...this.notes.value, note].slice(-kNotesMax);
+  }
+  dismiss(id: number): void {
+    this.notes.value = this.notes.value.filter((one) => one.id !== id);
+  }
+
+  /** Asks, and notes down why not. */
+  async ask<Result = unknown>(method: string, params: { robot?: string; [name: string]: unknown }): Promise<Result | null> {
+    try {
+      return await this.rpc.call<Result>(method, params);
+    } catch (error) {
+      this.noteError(error, params.robot);
+      return null;
+    }
+  }
+
+  noteError(error: unknown, robot?: string): void {
+    if (error instanceof RpcError) this.note('refused', error.message, robot);
+    else if (error instanceof ConnectionError) this.note('lost', error.reason, robot);
+    else this.note('refused', String(error), robot);
+  }
+
+  /** Everything, whoever has the lease. */
+  async stopAll(): Promise<boolean> {
+    return (await this.ask('robot.stop', {})) !== null;
+  }
+
+  async control(robot: string, takeOver = false): Promise<boolean> {
+    if (this.lease(robot) === 'mine') return true;
+    const lease = await this.ask<{ client: number }>('lease.take', { robot, take_over: takeOver });
+    if (!lease) return false;
+    this.client.value = lease.client;
+    return true;
+  }
+  async release(robot: string): Promise<void> {
+    await this.ask('lease.release', { robot });
+  }
+
+  async enable(robot: string): Promise<boolean> {
+    if (!(await this.control(robot))) return false;
+    return (await this.ask('robot.enable', { robot })) !== null;
+  }
+  async disable(robot: string): Promise<void> {
+    if (await this.control(robot)) await this.ask('robot.disable', { robot });
+  }
+  async acknowledge(robot: string): Promise<void> {
+    if (await this.control(robot)) await this.ask('robot.acknowledge', { robot });
+  }
+  async feed(robot: string, share: number): Promise<void> {
+    if (await this.control(robot)) await this.ask('robot.feed', { robot, share });
+  }
+
+  /** Rows, as the preview showed them. */
+  async run(robot: string, text: string, name: string): Promise<boolean> {
+    if (!(await this.control(robot))) return false;
+    return (await this.ask('program.run', { robot, text, name })) !== null;
+  }
+
+  preview(robot: string, target: PreviewTarget): Promise<PreviewJson> {
+    return this.rpc.call<PreviewJson>('robot.preview', { robot, ...target });
+  }
+}
+
+export interface PreviewTarget {
+  joints?: number[];
+  tool?: number[] | ToolRow;
+  text?: string;
+  line?: boolean;
+  speed?: number;
+}
+
+/** What somebody should look at, even later. */
+export function isGrave(event: EventJson): boolean {
+  return (
+    event.kind === 'fault' ||
+    event.kind === 'notice' ||
+    (event.kind === 'stop' && event.cause !== 'client') ||
+    (event.kind === 'job' && event.phase === 'failed')
+  );
+}
+
+/** A joint's number, whichever unit it has. */
+export const positionOf = (joint: RobotStatus['joints'][number]): number | undefined =>
+  joint.commanded_rad ?? joint.commanded_m ?? joint.position_rad ?? joint.position_m;
+export const measuredOf = (joint: RobotStatus['joints'][number]): number | undefined =>
+  joint.position_rad ?? joint.position_m ?? joint.commanded_rad ?? joint.commanded_m;
+
+export const jointsOf = (
+  status: RobotStatus | undefined,
+  read: (joint: RobotStatus['joints'][number]) => number | undefined = measuredOf,
+): number[] | null => {
+  const q = status?.joints.map(read);
+  return q && q.every((one) => one !== undefined) ? (q as number[]) : null;
+};
+
+export const jointLimits = (joint: RobotModel['joints'][number]) => ({
+  lower: joint.lower_rad ?? joint.lower_m ?? 0,
+  upper: joint.upper_rad ?? joint.upper_m ?? 0,
+  home: joint.home_rad ?? joint.home_m ?? 0,
+  velocity: joint.velocity_max_rad_s ?? joint.velocity_max_m_s ?? 0,
+  measure: joint.kind === 'prismatic' ? ('length' as const) : ('angle' as const),
+});

@@ -1,0 +1,267 @@
+/** What the server says, as docs/api.md has it: SI and radians, the unit in each name. */
+
+export type Vec3 = [number, number, number];
+/** w, x, y, z. */
+export type Quat = [number, number, number, number];
+
+export interface Pose {
+  p: Vec3;
+  q: Quat;
+}
+
+export interface FlatPoseJson {
+  x_m: number;
+  y_m: number;
+  z_m: number;
+  quaternion_wxyz: Quat;
+}
+
+export interface PoseJson {
+  xyz_m: Vec3;
+  quaternion_wxyz: Quat;
+}
+
+export type Quality = 'measured' | 'commanded' | 'uncertain' | 'lost';
+export type MachineState =
+  | 'off'
+  | 'enabling'
+  | 'ready'
+  | 'moving'
+  | 'stopping'
+  | 'held'
+  | 'fault'
+  | 'recovering';
+
+export interface ErrorJson {
+  code: string;
+  sentence: string;
+  joint?: string;
+  links?: string;
+  link?: string;
+  other?: string;
+  line?: number;
+}
+
+export interface FaultJson {
+  cause: string;
+  error: ErrorJson;
+  later?: FaultJson[];
+}
+
+export interface JointStatus {
+  name: string;
+  quality: Quality;
+  position_rad?: number;
+  position_m?: number;
+  lower_rad?: number;
+  upper_rad?: number;
+  lower_m?: number;
+  upper_m?: number;
+  commanded_rad?: number;
+  commanded_m?: number;
+}
+
+export interface RobotStatus {
+  robot: string;
+  at_s: number;
+  state: MachineState;
+  position: Quality;
+  connected: boolean;
+  joints: JointStatus[];
+  feed: number;
+  progress: number;
+  trouble?: string;
+  tool?: FlatPoseJson;
+  lease?: { client: number; epoch: number };
+  homing?: string;
+  fault?: FaultJson;
+  last_stop?: string;
+  goes_on_s?: number;
+  jog?: { reason: string; share: number; joint?: string };
+  health: Record<string, number>;
+  job?: JobJson;
+}
+
+export type JobPhase =
+  | 'opening'
+  | 'running'
+  | 'paused'
+  | 'stopping'
+  | 'done'
+  | 'stopped'
+  | 'failed';
+
+export interface JobJson {
+  robot: string;
+  job: number;
+  client: number;
+  title: string;
+  phase: JobPhase;
+  over: boolean;
+  line: number;
+  predicted_s: number;
+  elapsed_s: number;
+  progress: number;
+  waits_for?: string;
+  stopped_by?: string;
+  error?: ErrorJson;
+}
+
+export interface CellRobot {
+  name: string;
+  robot: string;
+  title: string;
+  port: string;
+  simulated: boolean;
+  pose: FlatPoseJson;
+  streams: boolean;
+}
+
+export interface CellObject {
+  name: string;
+  x_m: number;
+  y_m: number;
+  z_m: number;
+  quaternion_wxyz: Quat;
+  length_m: number;
+  width_m: number;
+  height_m: number;
+}
+
+export interface CellDescription {
+  title: string;
+  version: string;
+  time_scale: number;
+  robots: CellRobot[];
+  objects: CellObject[];
+}
+
+export interface JointJson {
+  name: string;
+  kind: 'revolute' | 'prismatic';
+  lower_rad?: number;
+  upper_rad?: number;
+  home_rad?: number;
+  velocity_max_rad_s?: number;
+  lower_m?: number;
+  upper_m?: number;
+  home_m?: number;
+  velocity_max_m_s?: number;
+}
+
+export interface DhRow {
+  d_m: number;
+  a_m: number;
+  alpha_rad: number;
+  theta_offset_rad: number;
+}
+
+export interface SerialGeometry {
+  dh: DhRow[];
+  tool: PoseJson;
+  gripper?: { width_max_m: number; reach_open_m: number; reach_closed_m: number };
+}
+
+export interface PalletizerGeometry {
+  base_height_m: number;
+  shoulder_offset_m: number;
+  upper_arm_m: number;
+  forearm_m: number;
+  tool_offset_m: number;
+  base_front_rad: number;
+  radius_min_m: number;
+}
+
+export interface HexapodGeometry {
+  base_anchors_m: Vec3[];
+  platform_anchors_m: Vec3[];
+  platform_radius_m: number;
+  home: PoseJson;
+}
+
+export interface ShapeJson {
+  link: number;
+  form: 'capsule' | 'box' | 'leg';
+  from_m?: Vec3;
+  to_m?: Vec3;
+  radius_m?: number;
+  pose?: PoseJson;
+  half_m?: Vec3;
+}
+
+export type JogFrame = 'joint' | 'base' | 'tool' | 'platform';
+export type TaskSpace = 'pose' | 'pitch_roll' | 'approach' | 'point';
+
+interface ModelBase {
+  robot: string;
+  title: string;
+  task: TaskSpace;
+  joints: JointJson[];
+  links: { name: string; home?: PoseJson }[];
+  shapes: ShapeJson[];
+  margin_m: number;
+  table_height_m?: number;
+  jog: Partial<Record<JogFrame, number>>;
+  takes_speed: boolean;
+}
+
+export type RobotModel = ModelBase &
+  (
+    | { kind: 'serial'; geometry: SerialGeometry }
+    | { kind: 'palletizer'; geometry: PalletizerGeometry }
+    | { kind: 'hexapod'; geometry: HexapodGeometry }
+  );
+
+/** x, y, z, w, x, y, z. */
+export type ToolRow = [number, number, number, number, number, number, number];
+
+export interface PreviewJson {
+  robot: string;
+  text: string;
+  duration_s: number;
+  homing_at_most_s: number;
+  first_move: boolean;
+  limited?: { by: string; share_of_time: number; joint?: string };
+  from?: number[];
+  to: { positions: number[] | null; tool: ToolRow | null };
+  samples: PreviewSamples;
+}
+
+export interface PreviewSamples {
+  t_s: number[];
+  position_rad?: number[][];
+  position_m?: number[][];
+  velocity_rad_s?: number[][];
+  velocity_m_s?: number[][];
+  acceleration_rad_s2?: number[][];
+  acceleration_m_s2?: number[][];
+  jerk_rad_s3?: number[][];
+  jerk_m_s3?: number[][];
+  tool: ToolRow[];
+}
+
+export interface RefusalData extends ErrorJson {
+  share?: number;
+  way_m?: number;
+  would_work?: { what: string; positions: number[]; left_m?: number };
+}
+
+export interface EventJson {
+  number: number;
+  at_ms: number;
+  robot: string;
+  kind: 'state' | 'lease' | 'stop' | 'fault' | 'notice' | 'record' | 'job' | 'moved';
+  state?: MachineState;
+  cause?: string;
+  error?: ErrorJson;
+  client?: number | null;
+  title?: string;
+  phase?: JobPhase;
+  over?: boolean;
+  job?: number;
+  predicted_s?: number;
+  path?: string;
+  lost?: number;
+  trouble?: string;
+  reason?: string;
+}

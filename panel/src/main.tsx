@@ -1,0 +1,84 @@
+import { render, type JSX } from 'preact';
+import './styles/font.css';
+import './styles/panel.css';
+import { announced, go, robot, route, start, store } from './app';
+import { t } from './i18n';
+import { kViewIds, type ViewId } from './view_ids';
+import { kViews } from './views';
+import { Icon } from './views/parts';
+import { RobotRail } from './views/robot_rail';
+import { Stage } from './views/stage';
+import { TopBar } from './views/top_bar';
+
+function Page(): JSX.Element {
+  return (
+    <div class="page">
+      <a class="skip" href="#controls" onClick={skip}>
+        {t('app.skip')}
+      </a>
+      <TopBar />
+      <RobotRail />
+      <main class="work">
+        <Stage />
+        <Pane />
+      </main>
+      {store.connection.value !== 'open' && <Veil />}
+      <div class="sr-only" aria-live="polite">
+        {announced.value.grave ? '' : announced.value.text}
+      </div>
+      <div class="sr-only" aria-live="assertive">
+        {announced.value.grave ? announced.value.text : ''}
+      </div>
+    </div>
+  );
+}
+
+function skip(event: Event): void {
+  event.preventDefault();
+  document.querySelector<HTMLElement>('#controls')?.focus();
+}
+
+function Pane(): JSX.Element {
+  const view = route.value.view as ViewId;
+  const Shown = kViews[view].show;
+  return (
+    <aside class="pane" id="controls" tabIndex={-1} aria-label={t('app.controls')}>
+      <nav class="tabs" aria-label={t('app.controls')}>
+        {kViewIds.map((id) => (
+          <a
+            key={id}
+            href={`#/${robot.value ? `robots/${robot.value}/` : ''}${id}`}
+            aria-current={id === view ? 'page' : undefined}
+            onClick={(event) => {
+              event.preventDefault();
+              go({ view: id });
+            }}
+          >
+            <Icon name={kViews[id].icon} /> {t(`view.${id}`)}
+            {id === 'events' && store.unseen.value + store.faults.value.length > 0 && (
+              <span class="badge">{store.unseen.value + store.faults.value.length}</span>
+            )}
+          </a>
+        ))}
+      </nav>
+      <div class="pane-scroll" key={view}>
+        <Shown />
+      </div>
+    </aside>
+  );
+}
+
+/** Nothing on the page is true while there is no connection; Stop stays where it is. */
+function Veil(): JSX.Element {
+  const first = store.cell.value === null;
+  return (
+    <div class={`veil${first ? ' first' : ''}`} role="status">
+      <span class="spinner" aria-hidden="true" />
+      <p>{t(`connection.${store.connection.value}`)}</p>
+      {first && store.connection.value === 'connecting' && <p class="muted">{t('connection.token')}</p>}
+    </div>
+  );
+}
+
+render(<Page />, document.getElementById('app')!);
+start();

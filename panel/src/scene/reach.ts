@@ -1,0 +1,142 @@
+/**
+ * The outer shell of what a tool can reach: of a chain or linkage the farthest place in each
+ * direction of its plane, by looking at a grid of joints, turned about the base's axis as far as
+ * that turns; of a platform the farthest level place in each direction from its home.
+ */
+import { legLengths, toolPose } from '../logic/kinematics';
+import { fromJson } from '../logic/pose';
+import type { RobotModel, Vec3 } from '../logic/types';
+import { jointLimits } from '../logic/store';
+
+export interface Shell {
+  points: Vec3[];
+  /** Points a row; rows follow each other. */
+  row: number;
+  /** Triangles, by place in `points`. */
+  faces: [number, number, number][];
+}
+
+const kDirections = 72;
+const kTurns = 48;
+
+/** In the plane through the base's axis: distance from it and height, by direction. */
+export function outline(model: RobotModel): { centre: number; rim: [number, number][] } {
+  const steps = model.kind === 'palletizer' ? 40 : 22;
+  const [, second, third] = model.joints;
+  const home = model.joints.map((joint) => jointLimits(joint).home);
+  const found: [number, number][] = [];
+  const range = (joint: RobotModel['joints'][number] | undefined): number[] => {
+    if (!joint) return [0];
+    const { lower, upper } = jointLimits(joint);
+    return Array.from({ length: steps }, (_, i) => lower + ((upper - lower) * i) / (steps - 1));
+  };
+  const bends = model.kind === 'serial' && model.joints.length > 3 ? 8 : 1;
+  const bend = model.joints.length >= 6 ? 4 : 3;
+  for (const a of range(second)) {
+    for (const b of range(third)) {
+      for (let k = 0; k < bends; ++k) {
+        const q = [...home];
+        q[1] = a;
+        q[2] = b;
+        const joint = model.joints[bend];
+        if (bends > 1 && joint) {
+          const { lower, upper } = jointLimits(joint);
+          q[bend] = lower + ((upper - lower) * k) / (bends - 1);
+        }
+        const { p } = toolPose(model, q);
+        found.push([Math.hypot(p[0], p[1]), p[2]]);
+      }
+    }
+  }
+  const heights = found.map((one) => one[1]);
+  const centre = (Math.max(...heights) + Math.min(...heights)) / 2;
+  const far = new Array<number>(kDirections).fill(0);
+  for (const [r, z] of found) {
+    const angle = Math.atan2(z - centre, r);
+    const at = Math.round(((angle + Math.PI / 2) / Math.PI) * (kDirections - 1));
+    far[at] = Math.max(far[at]!, Math.hypot(r, z - centre));
+  }
+  return { centre, rim: smooth(far).map((length, i) => {
+    const angle = -Math.PI / 2 + (Math.PI * i) / (kDirections - 1);
+    return [length * Math.cos(angle), centre + length * Math.sin(angle)];
+  }) };
+}
+
+/** A grid of joints leaves notches where no sample fell: the farthest of the neighbours, evened. */
+function smooth(far: number[]): number[] {
+  const near = (list: number[], i: number, wide: number) =>
+    list.slice(Math.max(0, i - wide), Math.min(list.length, i + wide + 1));
+  const filled = far.map((_, i) => Math.max(...near(far, i, 3)));
+  return filled.map((_, i) => {
+    const around = near(filled, i, 3);
+    return around.reduce((sum, one) => sum + one, 0) / around.length;
+  });
+}
+
+function revolved(model: RobotModel): Shell {
+  const { rim } = outline(model);
+  const first = jointLimits(model.joints[0]!);
+  const home = toolPose(
+    model,
+    model.joints.map((joint) => jointLimits(joint).home),
+  ).p;
+  const zero = Math.atan2(home[1], home[0]);
+  const sign = model.kind === 'palletizer' ? -1 : 1;
+  const span = Math.min(first.upper - first.lower, 2 * Math.PI);
+  const points: Vec3[] = [];
+  const faces: [number, number, number][] = [];
+  for (let k = 0; k <= kTurns; ++k) {
+    const q = first.lower + (span * k) / kTurns;
+    const angle = zero + sign * (q - first.home);
+    for (const [r, z] of rim) points.push([r * Math.cos(angle), r * Math.sin(angle), z]);
+  }
+  for (let k = 0; k < kTurns; ++k) {
+    for (let i = 0; i + 1 < kDirections; ++i) {
+      const a = k * kDirections + i;
+      const b = a + kDirections;
+      faces.push([a, b, a + 1], [b, b + 1, a + 1]);
+    }
+  }
+  return { points, row: kDirections, faces };
+}
+
+function platformShell(model: RobotModel & { kind: 'hexapod' }): Shell {
+  const home = fromJson(model.geometry.home);
+  const fits = (p: Vec3): boolean =>
+    legLengths(model, { p, q: home.q }).every((length, i) => {
+      const { lower, upper } = jointLimits(model.joints[i]!);
+      return length >= lower && length <= upper;
+    });
+  const rows = 24;
+  const turns = 48;
+  const points: Vec3[] = [];
+  const faces: [number, number, number][] = [];
+  for (let i = 0; i <= rows; ++i) {
+    const up = -Math.PI / 2 + (Math.PI * i) / rows;
+    for (let k = 0; k <= turns; ++k) {
+      const about = (2 * Math.PI * k) / turns;
+      const way: Vec3 = [Math.cos(up) * Math.cos(about), Math.cos(up) * Math.sin(about), Math.sin(up)];
+      let least = 0;
+      let most = 0.5;
+      for (let n = 0; n < 14; ++n) {
+        const s = (least + most) / 2;
+        const p: Vec3 = [home.p[0] + way[0] * s, home.p[1] + way[1] * s, home.p[2] + way[2] * s];
+        if (fits(p)) least = s;
+        else most = s;
+      }
+      points.push([home.p[0] + way[0] * least, home.p[1] + way[1] * least, home.p[2] + way[2] * least]);
+    }
+  }
+  for (let i = 0; i < rows; ++i) {
+    for (let k = 0; k < turns; ++k) {
+      const a = i * (turns + 1) + k;
+      const b = a + turns + 1;
+      faces.push([a, b, a + 1], [b, b + 1, a + 1]);
+    }
+  }
+  return { points, row: turns + 1, faces };
+}
+
+export function reachShell(model: RobotModel): Shell {
+  return model.kind === 'hexapod' ? platformShell(model) : revolved(model);
+}

@@ -1,0 +1,13 @@
+/** Every view of the right side; a new one is a row here and a name in view_ids.ts. */
+import type { ComponentType } from 'preact';
+import type { ViewId } from './view_ids';
+import { EventsPane } from './views/events_pane';
+import { JogPane } from './views/jog_pane';
+import { MovePane } from './views/move_pane';
+import type { IconName } from './views/parts';
+
+export const kViews: Record<ViewId, { icon: IconName; show: ComponentType }> = {
+  jog: { icon: 'jog', show: JogPane },
+  move: { icon: 'move', show: MovePane },
+  events: { icon: 'events', show: EventsPane },
+};

@@ -1,0 +1,110 @@
+import type { JSX } from 'preact';
+import { useSignal } from '@preact/signals';
+import { useEffect } from 'preact/hooks';
+import { language, t, tWord } from '../i18n';
+import { store } from '../app';
+import { isGrave } from '../logic/store';
+import type { EventJson, RobotStatus } from '../logic/types';
+import { duration } from '../logic/units';
+import { Icon, Segments } from './parts';
+
+/** What happened, what it means, what it wants. Nothing goes away by itself. */
+export function EventsPane(): JSX.Element {
+  const filter = useSignal<'all' | 'grave'>('all');
+  const events = store.events.value;
+  const last = events.at(-1)?.number ?? 0;
+  // Looked at as long as the list is open.
+  useEffect(() => {
+    store.seen.value = last;
+  }, [last]);
+  const shown = events.filter((one) => filter.value === 'all' || isGrave(one)).reverse();
+  return (
+    <div class="pane-body" data-tour="events">
+      {store.faults.value.length > 0 && (
+        <section aria-label={t('events.faults')}>
+          <h3>{t('events.faults')}</h3>
+          {store.faults.value.map((one) => (
+            <FaultCard key={one.robot} status={one} />
+          ))}
+        </section>
+      )}
+      <Segments
+        hideLabel
+        label={t('events.title')}
+        value={filter.value}
+        options={(['all', 'grave'] as const).map((value) => ({ value, text: t(`events.filter.${value}`) }))}
+        onChange={(value) => (filter.value = value)}
+      />
+      {shown.length === 0 ? (
+        <p class="empty">{t('events.none')}</p>
+      ) : (
+        <ol class="events">
+          {shown.slice(0, 200).map((one) => (
+            <EventRow key={one.number} event={one} />
+          ))}
+        </ol>
+      )}
+    </div>
+  );
+}
+
+function FaultCard({ status }: { status: RobotStatus }): JSX.Element {
+  const fault = status.fault!;
+  return (
+    <article class="callout grave" role="alert">
+      <h4>
+        <Icon name="fault" /> {status.robot}
+      </h4>
+      <p>{fault.error.sentence}</p>
+      <p class="muted">{tWord('cause', fault.cause)}</p>
+      {fault.later?.map((one, i) => (
+        <p key={i} class="muted">
+          {t('events.later', { text: one.error.sentence })}
+        </p>
+      ))}
+      <button
+        type="button"
+        class="primary"
+        title={t('events.acknowledge.help')}
+        onClick={() => void store.acknowledge(status.robot)}
+      >
+        {t('events.acknowledge')}
+      </button>
+    </article>
+  );
+}
+
+function EventRow({ event }: { event: EventJson }): JSX.Element {
+  const time = new Date(event.at_ms).toLocaleTimeString(language.value, { hour12: false });
+  return (
+    <li class={`event kind-${event.kind}${isGrave(event) ? ' grave' : ''}`}>
+      <time dateTime={new Date(event.at_ms).toISOString()}>{time}</time>
+      <strong>{event.robot}</strong>
+      <span>{eventText(event)}</span>
+    </li>
+  );
+}
+
+export function eventText(event: EventJson): string {
+  switch (event.kind) {
+    case 'state':
+      return t('events.state', { state: tWord('state', event.state ?? '') });
+    case 'lease':
+      return t(event.client ? 'events.lease.taken' : 'events.lease.free');
+    case 'stop':
+      return t('events.stop', { cause: tWord('cause', event.cause ?? '') });
+    case 'fault':
+    case 'notice':
+      return event.error?.sentence ?? tWord('cause', event.cause ?? '');
+    case 'job':
+      return tWord('events.job', event.phase ?? '', {
+        title: event.title ?? '',
+        time: duration(event.predicted_s ?? 0),
+        text: event.error?.sentence ?? '',
+      });
+    case 'record':
+      return event.trouble ?? t('events.record', { path: event.path ?? '' });
+    case 'moved':
+      return t('events.moved', { reason: event.reason ?? '' });
+  }
+}

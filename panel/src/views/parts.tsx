@@ -1,0 +1,189 @@
+/** Small parts that several views are made of. */
+import type { ComponentChildren, JSX } from 'preact';
+import { useEffect, useRef, useState } from 'preact/hooks';
+import { parseQuantity, shown, unitOf, type Measure } from '../logic/units';
+
+const kIcons = {
+  stop: 'M8 2h8l6 6v8l-6 6H8l-6-6V8z',
+  jog: 'M12 2v20M2 12h20M12 2l-3 3m3-3 3 3M12 22l-3-3m3 3 3-3M2 12l3-3m-3 3 3 3M22 12l-3-3m3 3-3 3',
+  move: 'M4 19c4 0 4-6 8-6s4-8 8-8M16 3l4 2-2 4',
+  events: 'M5 6h14M5 12h14M5 18h9',
+  fault: 'M12 3 2 20h20L12 3zM12 10v4M12 17v.5',
+  check: 'M4 12l5 5L20 6',
+  play: 'M7 4l13 8-13 8z',
+  pause: 'M7 4v16M17 4v16',
+  sun: 'M12 8a4 4 0 1 0 0 8 4 4 0 0 0 0-8zM12 2v2M12 20v2M2 12h2M20 12h2M5 5l1.5 1.5M17.5 17.5 19 19M5 19l1.5-1.5M17.5 6.5 19 5',
+  moon: 'M20 14.5A8.5 8.5 0 0 1 9.5 4a8.5 8.5 0 1 0 10.5 10.5z',
+  keyboard: 'M3 6h18v12H3zM7 10h.01M11 10h.01M15 10h.01M7 14h10',
+  gamepad: 'M7 8h10a5 5 0 0 1 0 9c-2 0-2-2-5-2s-3 2-5 2a5 5 0 0 1 0-9zM8 11v3M6.5 12.5h3M16 12h.01',
+  close: 'M6 6l12 12M18 6 6 18',
+  home: 'M4 11l8-7 8 7v9h-5v-6H9v6H4z',
+  reset: 'M4 12a8 8 0 1 0 2.5-5.8M4 4v4h4',
+  fit: 'M4 9V4h5M20 9V4h-5M4 15v5h5M20 15v5h-5',
+} as const;
+export type IconName = keyof typeof kIcons;
+
+export function Icon({ name, size = 18 }: { name: IconName; size?: number }): JSX.Element {
+  return (
+    <svg class="icon" width={size} height={size} viewBox="0 0 24 24" aria-hidden="true" focusable="false">
+      <path d={kIcons[name]} />
+    </svg>
+  );
+}
+
+/** One of several: a radio group that looks like one bar. */
+export function Segments<Value extends string>(props: {
+  label: string;
+  value: Value;
+  options: readonly { value: Value; text: string }[];
+  onChange: (value: Value) => void;
+  hideLabel?: boolean;
+}): JSX.Element {
+  const { options, value } = props;
+  const onKey = (event: KeyboardEvent) => {
+    const step = { ArrowRight: 1, ArrowDown: 1, ArrowLeft: -1, ArrowUp: -1 }[event.key];
+    if (!step) return;
+    event.preventDefault();
+    event.stopPropagation();
+    const at = options.findIndex((one) => one.value === value);
+    const next = options[(at + step + options.length) % options.length]!;
+    props.onChange(next.value);
+    const group = event.currentTarget as HTMLElement;
+    (group.querySelectorAll('button')[options.indexOf(next)] as HTMLElement | undefined)?.focus();
+  };
+  return (
+    <div class="field">
+      <span class={props.hideLabel ? 'sr-only' : 'field-label'}>{props.label}</span>
+      <div class="segments" role="radiogroup" aria-label={props.label} onKeyDown={onKey}>
+        {options.map((one) => (
+          <button
+            type="button"
+            role="radio"
+            key={one.value}
+            aria-checked={one.value === value}
+            tabIndex={one.value === value ? 0 : -1}
+            onClick={() => props.onChange(one.value)}
+          >
+            {one.text}
+          </button>
+        ))}
+      </div>
+    </div>
+  );
+}
+
+/** A button that stays pressed. */
+export function Toggle(props: {
+  pressed: boolean;
+  onChange: (pressed: boolean) => void;
+  children: ComponentChildren;
+  title?: string;
+}): JSX.Element {
+  return (
+    <button
+      type="button"
+      class="toggle"
+      aria-pressed={props.pressed}
+      title={props.title}
+      onClick={() => props.onChange(!props.pressed)}
+    >
+      {props.children}
+    </button>
+  );
+}
+
+/** A slider with its value behind it. */
+export function Slider(props: {
+  label: string;
+  value: number;
+  min: number;
+  max: number;
+  step: number;
+  text: string;
+  onInput: (value: number) => void;
+}): JSX.Element {
+  const share = ((props.value - props.min) / (props.max - props.min)) * 100;
+  return (
+    <label class="slider-field">
+      <span class="field-label">{props.label}</span>
+      <input
+        type="range"
+        class="slider"
+        min={props.min}
+        max={props.max}
+        step={props.step}
+        value={props.value}
+        style={{ '--share': `${share}%` } as JSX.CSSProperties}
+        aria-valuetext={props.text}
+        onInput={(event) => props.onInput(Number(event.currentTarget.value))}
+      />
+      <output class="slider-text">{props.text}</output>
+    </label>
+  );
+}
+
+/** A number that people type in any unit. It counts when they leave it or press Enter. */
+export function NumberField(props: {
+  label: string;
+  value: number;
+  measure: Measure;
+  onCommit: (value: number) => void;
+  disabled?: boolean;
+  readOnly?: boolean;
+}): JSX.Element {
+  const [draft, setDraft] = useState<string | null>(null);
+  const [wrong, setWrong] = useState(false);
+  const input = useRef<HTMLInputElement>(null);
+  const text = draft ?? shown(props.value, props.measure);
+  const commit = () => {
+    if (draft === null) return;
+    const value = parseQuantity(draft, props.measure);
+    setWrong(value === null);
+    if (value === null) return;
+    setDraft(null);
+    props.onCommit(value);
+  };
+  return (
+    <span class={`number${wrong ? ' wrong' : ''}`}>
+      <input
+        ref={input}
+        type="text"
+        inputMode="decimal"
+        aria-label={props.label}
+        aria-invalid={wrong}
+        value={text}
+        disabled={props.disabled}
+        readOnly={props.readOnly}
+        onFocus={(event) => event.currentTarget.select()}
+        onInput={(event) => setDraft(event.currentTarget.value)}
+        onBlur={() => {
+          commit();
+          setDraft(null);
+          setWrong(false);
+        }}
+        onKeyDown={(event) => {
+          if (event.key === 'Enter') commit();
+        }}
+      />
+      <span class="unit" aria-hidden="true">
+        {unitOf(props.measure)}
+      </span>
+    </span>
+  );
+}
+
+/** Calls back on every frame while it is shown and `on`. */
+export function useFrames(on: boolean, callback: (seconds: number) => void): void {
+  const latest = useRef(callback);
+  latest.current = callback;
+  useEffect(() => {
+    if (!on) return;
+    let last = performance.now();
+    let frame = requestAnimationFrame(function turn(now) {
+      latest.current((now - last) / 1000);
+      last = now;
+      frame = requestAnimationFrame(turn);
+    });
+    return () => cancelAnimationFrame(frame);
+  }, [on]);
+}

@@ -1,0 +1,164 @@
+import type { JSX } from 'preact';
+import { useSignalEffect } from '@preact/signals';
+import { useEffect, useRef, useState } from 'preact/hooks';
+import { t } from '../i18n';
+import { aim, ghost, gizmoMode, go, model, robot, route, standing, status, store, target, theme } from '../app';
+import { withTool } from '../logic/target';
+import { CellScene, type Preset } from '../scene/scene';
+import { hoveredJoint, layers, look } from '../scene_state';
+import { Icon, Toggle } from './parts';
+import { PlotDock } from './plot_dock';
+
+const kPresets: Preset[] = ['iso', 'front', 'side', 'top', 'oblique'];
+
+/** The cell in 3D with what belongs to it. */
+export function Stage(): JSX.Element {
+  const host = useRef<HTMLDivElement>(null);
+  const labels = useRef<HTMLDivElement>(null);
+  const scene = useRef<CellScene | null>(null);
+  const [fails, setFails] = useState(false);
+
+  useEffect(() => {
+    try {
+      scene.current = new CellScene({
+        host: host.current!,
+        labels: labels.current!,
+        plain: { full: false, plain: true }[localStorage.getItem('sinew.drawing') ?? ''],
+        onPick: (name) => go({ robot: name }),
+        onGizmo: (name, pose) => {
+          const now = target.peek() ?? standing();
+          if (now && now.robot === name) aim(withTool(now, pose));
+        },
+      });
+      Object.assign(window, { sinewScene: scene.current });
+    } catch {
+      setFails(true);
+    }
+    return () => scene.current?.dispose();
+  }, []);
+
+  useSignalEffect(() => {
+    const cell = store.cell.value;
+    const models = store.models.value;
+    if (cell && scene.current) {
+      scene.current.setCell(cell, models, theme.peek());
+      scene.current.select(robot.peek());
+    }
+  });
+  useSignalEffect(() => {
+    for (const one of Object.values(store.status.value)) scene.current?.setStatus(one.robot, one);
+  });
+  useSignalEffect(() => scene.current?.paint(theme.value));
+  const shown = useRef<string | null>(null);
+  useSignalEffect(() => {
+    const name = robot.value;
+    scene.current?.select(name);
+    // The first one is nobody's choice: the page opens with the whole cell.
+    if (name && shown.current && name !== shown.current) scene.current?.focus();
+    shown.current = name;
+  });
+  useSignalEffect(() => scene.current?.setLayers(layers.value));
+  useSignalEffect(() => {
+    const { preset, all } = look.value;
+    if (all) scene.current?.showAll(preset);
+    else scene.current?.show(preset);
+  });
+  useSignalEffect(() => {
+    const now = ghost.value;
+    if (now && route.value.view === 'move') scene.current?.showGhost(now);
+    else scene.current?.hideGhost();
+  });
+  useSignalEffect(() => {
+    const joint = hoveredJoint.value;
+    const now = target.value;
+    // Follows the robot while it is shown.
+    void status.value;
+    scene.current?.showLimits(joint, joint !== null && now ? now.joints[joint] : undefined);
+  });
+  useSignalEffect(() => {
+    const one = model.value;
+    const now = route.value.view === 'move' ? (target.value ?? standing()) : null;
+    const turn = gizmoMode.value === 'rotate' && one?.task === 'pose';
+    scene.current?.showGizmo(
+      now && one
+        ? { robot: now.robot, pose: now.tool, mode: turn ? 'rotate' : 'translate', space: turn ? 'local' : 'world' }
+        : null,
+    );
+  });
+
+  return (
+    <section class="stage" aria-label={t('app.view')}>
+      <div class="canvas" ref={host}>
+        {fails && <p class="empty">{t('scene.none')}</p>}
+        <div class="labels" ref={labels} aria-hidden="true" />
+        <ViewBar />
+        <Notes />
+      </div>
+      {route.value.view === 'move' && <PlotDock />}
+    </section>
+  );
+}
+
+function ViewBar(): JSX.Element {
+  const wish = (preset: Preset) => (look.value = { preset, all: look.value.all });
+  return (
+    <div class="view-bar" role="toolbar" aria-label={t('scene.preset')}>
+      <div class="bar-group">
+        {kPresets.map((preset) => (
+          <button type="button" key={preset} class="chip" onClick={() => wish(preset)}>
+            {t(`scene.${preset}`)}
+          </button>
+        ))}
+        <button
+          type="button"
+          class="chip"
+          title={t('scene.fit')}
+          onClick={() => (look.value = { preset: look.value.preset, all: false })}
+        >
+          <Icon name="fit" size={15} /> {robot.value ?? t('scene.fit')}
+        </button>
+        <button
+          type="button"
+          class="chip"
+          onClick={() => (look.value = { preset: look.value.preset, all: true })}
+        >
+          {t('scene.all')}
+        </button>
+      </div>
+      <div class="bar-group" role="group" aria-label={t('scene.layers')}>
+        {(['trail', 'reach', 'bodies', 'objects'] as const)
+          .filter((one) => one !== 'objects' || (store.cell.value?.objects.length ?? 0) > 0)
+          .map((one) => (
+            <Toggle
+              key={one}
+              pressed={layers.value[one]}
+              onChange={(on) => (layers.value = { ...layers.value, [one]: on })}
+            >
+              {t(`scene.${one}`)}
+            </Toggle>
+          ))}
+      </div>
+    </div>
+  );
+}
+
+/** Refusals and the like, until somebody has read them. */
+function Notes(): JSX.Element {
+  return (
+    <div class="notes" aria-live="polite">
+      {store.notes.value.slice(-3).map((note) => (
+        <div class={`note note-${note.kind}`} key={note.id}>
+          <p>
+            {note.robot && <strong>{note.robot}: </strong>}
+            {note.kind === 'lost' && (note.text === 'closed' || note.text === 'timeout')
+              ? t(`note.lost.${note.text}`)
+              : note.text}
+          </p>
+          <button type="button" class="quiet" aria-label={t('note.dismiss')} onClick={() => store.dismiss(note.id)}>
+            <Icon name="close" size={14} />
+          </button>
+        </div>
+      ))}
+    </div>
+  );
+}

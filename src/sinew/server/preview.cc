@@ -1,0 +1,337 @@
+#include "sinew/server/preview.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "sinew/core/error.h"
+#include "sinew/core/rotation.h"
+#include "sinew/planning/tool_space.h"
+#include "sinew/program/whole_moves.h"
+#include "sinew/runtime/homing_time.h"
+#include "sinew/runtime/unit_name.h"
+#include "sinew/server/robot_json.h"
+
+namespace sinew::server {
+namespace {
+
+using planning::LimitKind;
+using program::MoveOrder;
+
+/// Nobody sees more, and a message stays small.
+double rounded(double value, double step) {
+  const double whole = std::round(value / step) * step;
+  return std::abs(value) < 1e9 ? std::round(whole * 1e9) / 1e9 : value;
+}
+
+Json row_of(const double* values, std::size_t size) {
+  constexpr double kStep = 1e-6;
+  Json row = Json::array();
+  for (std::size_t j = 0; j < size; ++j) row.push_back(rounded(values[j], kStep));
+  return row;
+}
+
+Json tool_row(const planning::PoseBT& X_BT) {
+  const auto wxyz = quaternion_wxyz(X_BT.R);
+  const double all[] = {X_BT.p.x, X_BT.p.y, X_BT.p.z, wxyz[0], wxyz[1], wxyz[2], wxyz[3]};
+  return row_of(all, 7);
+}
+
+std::string_view limit_name(LimitKind kind) {
+  switch (kind) {
+    case LimitKind::kJointVelocity:
+      return "joint_velocity";
+    case LimitKind::kJointAcceleration:
+      return "joint_acceleration";
+    case LimitKind::kJointJerk:
+      return "joint_jerk";
+    case LimitKind::kToolSpeed:
+      return "tool_speed";
+    case LimitKind::kToolAcceleration:
+      return "tool_acceleration";
+    case LimitKind::kWire:
+      return "wire";
+    case LimitKind::kFeed:
+      break;
+  }
+  return "feed";
+}
+
+/// What the joints and the tool do, as a client plots and draws it.
+class Samples {
+ public:
+  Samples(const RobotModel& model, const planning::ToolSpace& space, double step)
+      : model_(model), space_(space), X_near_(space.home()), step_(step) {}
+
+  template <class Motion>
+  void add(const Motion& motion) {
+    const double duration = motion.duration();
+    const double count = std::max(1.0, std::ceil(duration / step_));
+    planning::JointMotion at;
+    for (double k = 0; k <= count; ++k) {
+      const double t = duration * k / count;
+      motion.sample(t, at);
+      put(t_ + t, at);
+    }
+    t_ += duration;
+  }
+  /// The robot stands for a while, or does nobody knows exactly what, and ends at `q`.
+  void pause(double duration, const JointVector& q) {
+    t_ += duration;
+    planning::JointMotion at;
+    std::ranges::copy(q, at.q.begin());
+    put(t_, at);
+  }
+
+  Json json() const {
+    const Joint& joint = model_.joints[0];
+    return {{"t_s", times_},
+            {runtime::with_unit("position", joint), q_},
+            {runtime::with_unit("velocity", joint) + "_s", qd_},
+            {runtime::with_unit("acceleration", joint) + "_s2", qdd_},
+            {runtime::with_unit("jerk", joint) + "_s3", qddd_},
+            {"tool", tool_}};
+  }
+  Json last_tool() const { return tool_.empty() ? Json() : tool_.back(); }
+  Json last_joints() const { return q_.empty() ? Json() : q_.back(); }
+
+ private:
+  void put(double t, const planning::JointMotion& at) {
+    const std::size_t size = model_.joints.size();
+    times_.push_back(rounded(t, 1e-4));
+    q_.push_back(row_of(at.q.data(), size));
+    qd_.push_back(row_of(at.qd.data(), size));
+    qdd_.push_back(row_of(at.qdd.data(), size));
+    qddd_.push_back(row_of(at.qddd.data(), size));
+    if (const auto X_BT = space_.forward({at.q.data(), size}, X_near_)) X_near_ = *X_BT;
+    tool_.push_back(tool_row(X_near_));
+  }
+
+  const RobotModel& model_;
+  const planning::ToolSpace& space_;
+  planning::PoseBT X_near_;
+  double step_;
+  double t_ = 0;
+  Json times_ = Json::array();
+  Json q_ = Json::array(), qd_ = Json::array(), qdd_ = Json::array(), qddd_ = Json::array();
+  Json tool_ = Json::array();
+};
+
+/// Unit of an error's numbers, as part of a name; a hexapod's joint is a leg in metres.
+std::string_view unit_of(const Error& error, const RobotModel& model) {
+  switch (info(error.code).quantity) {
+    case Quantity::kLength:
+      return "_m";
+    case Quantity::kAngle: {
+      const bool leg = error.index >= 0 && model.joints[0].kind == JointKind::kPrismatic;
+      return leg && error.code == ErrorCode::kJointLimit ? "_m" : "_rad";
+    }
+    case Quantity::kTime:
+      return "_s";
+    case Quantity::kVoltage:
+      return "_v";
+    case Quantity::kAngularVelocity:
+      return "_rad_s";
+    case Quantity::kAngularAcceleration:
+      return "_rad_s2";
+    case Quantity::kNone:
+    case Quantity::kRatio:
+    case Quantity::kCount:
+      break;
+  }
+  return "";
+}
+
+/// Joints to which a joint move would lead instead, tried out by the planner; null where none.
+Json would_work(const program::WayRefusal& way, std::size_t size) {
+  const planning::MoveProposal& offers = way.proposal;
+  const auto offer = [&](const char* what, const planning::JointArray& q) {
+    return Json{{"what", what}, {"positions", row_of(q.data(), size)}};
+  };
+  if (offers.back_inside) return offer("back_inside", *offers.back_inside);
+  if (offers.move_j) return offer("joint_move", *offers.move_j);
+  if (offers.nearest_q) return offer("nearest_orientation", *offers.nearest_q);
+  if (offers.tilted && offers.tilted->q) return offer("tilted", *offers.tilted->q);
+  if (offers.near) {
+    Json json = offer("short_of_it", offers.near->q);
+    json["left_m"] = rounded(offers.near->left, 1e-6);
+    return json;
+  }
+  return nullptr;
+}
+
+RpcError refused(const program::Refusal& refusal, const RobotModel& model,
+                 const std::optional<runtime::CellRefusal>& met) {
+  Json data = error_json(refusal.error, model);
+  const std::string unit(unit_of(refusal.error, model));
+  data["measured" + unit] = refusal.error.measured;
+  data["limit" + unit] = refusal.error.limit;
+  data["line"] = refusal.line;
+  if (refusal.way) {
+    const planning::MovePlace& place = refusal.way->refusal.place;
+    data["share"] = place.share;
+    if (place.metres) data["way_m"] = place.at;
+    if (Json other = would_work(*refusal.way, model.joints.size()); !other.is_null()) {
+      data["would_work"] = std::move(other);
+    }
+  }
+  if (met) put_in_the_way(data, *met);
+  return {RpcCode::kRefused, data["sentence"].get<std::string>(), data};
+}
+
+/// Plans the motions once more, one after the other, and takes their samples.
+std::expected<void, program::Refusal> sample(const program::Plan& plan, const RobotModel& model,
+                                             program::RowPlanner& planner, Samples& samples,
+                                             planning::LimitTimes& limits) {
+  JointVector q;
+  for (const program::Order& order : plan.orders) {
+    if (const auto* wait = std::get_if<program::WaitOrder>(&order.what)) {
+      if (!q.empty()) samples.pause(to_seconds(wait->duration), q);
+    } else if (const auto* tool = std::get_if<program::ToolOrder>(&order.what)) {
+      if (!q.empty()) samples.pause(tool->duration, q);
+    }
+    const auto* move = std::get_if<MoveOrder>(&order.what);
+    if (move == nullptr) continue;
+    q = move->q;
+    if (move->first_move || !move->q_start) {
+      samples.pause(move->duration, q);
+      continue;
+    }
+    const auto pieces = planner.plan(*move->q_start, move->rows);
+    if (!pieces) return std::unexpected(pieces.error());
+    const planning::PlannedMotion& motion = planner.motion();
+    if (motion.empty()) continue;
+    limits.add(motion.limits);
+    const bool whole = model.device.capability.motion == MotionKind::kPointToPoint;
+    if (whole && !pieces->pieces.empty()) {
+      const double share = motion.path.sections.front().joint_share;
+      samples.add(program::WholeMoves(*move->q_start, *pieces, share, model));
+    } else {
+      samples.add(motion.trajectory());
+    }
+  }
+  return {};
+}
+
+bool first_move_in(const program::Plan& plan) {
+  return std::ranges::any_of(plan.orders, [](const program::Order& order) {
+    const auto* move = std::get_if<MoveOrder>(&order.what);
+    return move != nullptr && move->first_move;
+  });
+}
+
+}  // namespace
+
+program::Start standing(const runtime::Station& station) {
+  const runtime::StationView view = station.view();
+  if (view.reference) return view.reference;
+  JointVector q;
+  for (const JointPosition& position : view.positions) {
+    if (position.quality < PositionQuality::kCommanded) return station.assumed_place();
+    q.push_back(position.q);
+  }
+  if (q.size() != station.robot().joints.size()) return station.assumed_place();
+  return q;
+}
+
+std::expected<Json, RpcError> preview(const runtime::RunningCell& cell, const PreviewWish& wish) {
+  const runtime::Station& station = cell.station(wish.robot);
+  const RobotModel& model = station.robot();
+  std::optional<runtime::CellRefusal> met;
+  const auto look = [&](const planning::CellWay& way) -> std::optional<Error> {
+    const auto meeting = cell.space().meets(wish.robot, way);
+    if (!meeting) return std::nullopt;
+    met = meeting->refusal;
+    return meeting->error;
+  };
+  const auto plan =
+      program::make_plan(wish.program, model, wish.from, runtime::homing_of(model), look);
+  if (!plan) return std::unexpected(refused(plan.error(), model, met));
+  program::RowPlanner planner(model);
+  const double step = std::max(plan->duration / static_cast<double>(wish.samples - 1), 1e-3);
+  Samples samples(model, planner.space(), step);
+  planning::LimitTimes limits;
+  if (const auto done = sample(*plan, model, planner, samples, limits); !done) {
+    return std::unexpected(refused(done.error(), model, std::nullopt));
+  }
+  Json json{{"robot", station.name()},
+            {"text", wish.text},
+            {"duration_s", rounded(plan->duration, 1e-4)},
+            {"homing_at_most_s", plan->homing_max},
+            {"first_move", first_move_in(*plan)}};
+  if (wish.from) json["from"] = row_of(wish.from->data(), wish.from->size());
+  if (limits.total() > 0) {
+    const planning::PathLimit most = limits.largest();
+    json["limited"] = {{"by", limit_name(most.kind)},
+                       {"share_of_time", rounded(limits.of(most) / limits.total(), 1e-4)}};
+    if (most.joint >= 0) {
+      json["limited"]["joint"] = model.joints[static_cast<std::size_t>(most.joint)].name;
+    }
+  }
+  json["to"] = {{"positions", samples.last_joints()}, {"tool", samples.last_tool()}};
+  json["samples"] = samples.json();
+  return json;
+}
+
+PreviewDesk::PreviewDesk(const runtime::RunningCell& cell)
+    : cell_(cell), thread_([this] { work(); }) {}
+
+PreviewDesk::~PreviewDesk() {
+  {
+    const std::scoped_lock lock(mutex_);
+    ends_ = true;
+  }
+  more_.notify_all();
+  thread_.join();
+}
+
+bool PreviewDesk::ask(Ticket ticket, PreviewWish wish) {
+  {
+    const std::scoped_lock lock(mutex_);
+    const auto older = std::ranges::find_if(waiting_, [&](const Waiting& one) {
+      return one.ticket.client == ticket.client && one.wish.robot == wish.robot;
+    });
+    if (older != waiting_.end()) {
+      done_.push_back({std::move(older->ticket),
+                       std::unexpected(RpcError{RpcCode::kBusy,
+                                                "a newer preview of this robot was asked for "
+                                                "before this one began",
+                                                {{"code", "overtaken"}}})});
+      *older = {std::move(ticket), std::move(wish)};
+      return true;
+    }
+    if (waiting_.size() >= kWaitingMax) return false;
+    waiting_.push_back({std::move(ticket), std::move(wish)});
+  }
+  more_.notify_all();
+  return true;
+}
+
+void PreviewDesk::forget(std::uint32_t client) {
+  const std::scoped_lock lock(mutex_);
+  std::erase_if(waiting_, [&](const Waiting& one) { return one.ticket.client == client; });
+}
+
+std::optional<PreviewDesk::Done> PreviewDesk::take() {
+  const std::scoped_lock lock(mutex_);
+  if (done_.empty()) return std::nullopt;
+  Done first = std::move(done_.front());
+  done_.erase(done_.begin());
+  return first;
+}
+
+void PreviewDesk::work() {
+  std::unique_lock lock(mutex_);
+  while (true) {
+    more_.wait(lock, [this] { return ends_ || !waiting_.empty(); });
+    if (ends_) return;
+    Waiting next = std::move(waiting_.front());
+    waiting_.erase(waiting_.begin());
+    lock.unlock();
+    auto result = preview(cell_, next.wish);
+    lock.lock();
+    done_.push_back({std::move(next.ticket), std::move(result)});
+  }
+}
+
+}  // namespace sinew::server
