@@ -82,7 +82,8 @@ Json example_of(const Json& schema) {
 }
 
 TEST(OpenRpc, describes_what_the_check_lets_through) {
-  for (const Json& method : open_rpc("test")["methods"]) {
+  const Json document = open_rpc("test");
+  for (const Json& method : document["methods"]) {
     RpcRequest request{.id = 1, .answered = true, .method = method["name"], .params = {}};
     request.params = Json::object();
     for (const Json& param : method["params"]) {
