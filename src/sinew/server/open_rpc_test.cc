@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdint>
 #include <set>
 
 #include "sinew/server/methods.h"
@@ -75,7 +76,7 @@ Json example_of(const Json& schema) {
   const std::string type = schema["type"];
   if (type == "string") return "text";
   if (type == "number") return 0.5;
-  if (type == "integer") return schema["minimum"];
+  if (type == "integer") return schema["minimum"].get<std::uint64_t>();  // as a parser has it
   if (type == "boolean") return true;
   if (type == "array") return Json::array({example_of(schema["items"])});
   return {{"key", example_of(schema["additionalProperties"])}};
