@@ -39,13 +39,6 @@ struct Turns {
   std::size_t size = 0;
 };
 
-/// The speed rises or falls all along and has the same sign at both ends: as nearly every piece of
-/// a spline is.
-bool goes_one_way(const JerkPhase& phase, double qd_end) {
-  const AxisState& s = phase.start;
-  return s.qdd * (s.qdd + phase.jerk * phase.duration) >= 0 && s.qd * qd_end > 0;
-}
-
 Turns turns_of(const JerkPhase& phase) {
   Turns turns;
   const AxisState& s = phase.start;
@@ -60,11 +53,12 @@ Turns turns_of(const JerkPhase& phase) {
   return turns;
 }
 
-/// Inside the phase, where the acceleration changes its sign.
-double speed_of_peak(const JerkPhase& phase) {
+double speed_max(const JerkPhase& phase) {
   const auto speed = [&](double t) { return std::abs(advanced(phase.start, phase.jerk, t).qd); };
+  double most = std::max(std::abs(phase.start.qd), speed(phase.duration));
   const double peak = -phase.start.qdd / phase.jerk;
-  return peak > 0 && peak < phase.duration ? speed(peak) : 0;
+  if (peak > 0 && peak < phase.duration) most = std::max(most, speed(peak));
+  return most;
 }
 
 }  // namespace
@@ -95,8 +89,7 @@ struct StepSegments::Stretch {
   std::int8_t direction = 1;
 };
 
-StepSegments::StepSegments(const StepHardware& hardware, double q)
-    : hardware_(hardware), tick_(1 / hardware.ticks_per_second) {
+StepSegments::StepSegments(const StepHardware& hardware, double q) : hardware_(hardware) {
   SINEW_ASSERT(hardware.steps_per_unit != 0 && hardware.ticks_per_second > 0);
   SINEW_ASSERT(std::isfinite(q) && hardware.step_interval_min > 0);
   const double position = q * hardware.steps_per_unit;
@@ -139,18 +132,14 @@ StepSegments::Result StepSegments::add_phase(const JerkPhase& phase, Room& room)
   const double gap = std::abs(start.q - state_.q) * scale;
   if (gap > kGapMax) return std::unexpected(refusal(Reason::kGap, gap, kGapMax));
   const double rate = hardware_.ticks_per_second;
-  const AxisState finish = advanced(start, phase.jerk, phase.duration);
-  const bool one_way = goes_one_way(phase, finish.qd);
-  double speed = std::max(std::abs(start.qd), std::abs(finish.qd));
-  if (!one_way) speed = std::max(speed, speed_of_peak(phase));
   // Ticks are rounded by half of one each, so an interval may lose one.
-  if (speed * scale * (hardware_.step_interval_min + tick_) > 1) {
-    return std::unexpected(
-        refusal(Reason::kTooFast, 1 / (speed * scale) - tick_, hardware_.step_interval_min));
+  const double interval = 1 / (speed_max(phase) * scale) - 1 / rate;
+  if (interval < hardware_.step_interval_min) {
+    return std::unexpected(refusal(Reason::kTooFast, interval, hardware_.step_interval_min));
   }
 
   const double rest = state_.rest;
-  const Turns turns = one_way ? Turns{} : turns_of(phase);
+  const Turns turns = turns_of(phase);
   std::int64_t done = 0;
   for (std::size_t i = 0; i <= turns.size; ++i) {
     const double end = i < turns.size ? turns.at[i] : phase.duration;
@@ -161,22 +150,23 @@ StepSegments::Result StepSegments::add_phase(const JerkPhase& phase, Room& room)
     // At rest the direction stays, so that standing on a middle between two steps is no step.
     const bool forwards =
         middle == 0 ? state_.direction >= 0 : (middle > 0) == (hardware_.steps_per_unit > 0);
-    const Stretch stretch{phase, (static_cast<double>(done) - rest) * tick_, ticks,
+    const Stretch stretch{phase, (static_cast<double>(done) - rest) / rate, ticks,
                           static_cast<std::int8_t>(forwards ? 1 : -1)};
     if (const Result added = add_stretch(stretch, room); !added) return added;
     done += ticks;
   }
   state_.rest = rest + phase.duration * rate - static_cast<double>(done);
-  state_.q = finish.q;
+  state_.q = advanced(start, phase.jerk, phase.duration).q;
   return {};
 }
 
 StepSegments::Result StepSegments::add_stretch(const Stretch& stretch, Room& room) {
   const JerkPhase& phase = stretch.phase;
   const AxisState from = advanced(phase.start, phase.jerk, stretch.start);
+  const double rate = hardware_.ticks_per_second;
   const double scale = stretch.direction * hardware_.steps_per_unit * kPerStep;
   const auto bits = static_cast<int>(std::bit_width(static_cast<std::uint64_t>(stretch.ticks)));
-  const double span = power_of_two(bits) * tick_;  // s
+  const double span = power_of_two(bits) / rate;  // s
   const double c1 = scale * from.qd * span;
   const double c2 = scale * from.qdd / 2 * span * span;
   const double c3 = scale * phase.jerk / 6 * span * span * span;
@@ -185,7 +175,7 @@ StepSegments::Result StepSegments::add_stretch(const Stretch& stretch, Room& roo
     Stretch half = stretch;
     half.ticks = stretch.ticks / 2;
     if (const Result added = add_stretch(half, room); !added) return added;
-    half.start += static_cast<double>(half.ticks) * tick_;
+    half.start += static_cast<double>(half.ticks) / rate;
     half.ticks = stretch.ticks - half.ticks;
     return add_stretch(half, room);
   }
@@ -203,7 +193,7 @@ StepSegments::Result StepSegments::add_stretch(const Stretch& stretch, Room& roo
   const std::uint32_t u_end = segment.u_at(segment.duration);
   const bool stands = segment.c1 == 0 && segment.c2 == 0 && segment.c3 == 0;
   if (!stands) {
-    const double end = stretch.start + static_cast<double>(stretch.ticks) * tick_;
+    const double end = stretch.start + static_cast<double>(stretch.ticks) / rate;
     const double q_end = advanced(phase.start, phase.jerk, end).q;
     const double ahead = q_end * hardware_.steps_per_unit - static_cast<double>(state_.steps);
     const std::int64_t wanted = stretch.direction * (rounded(ahead * kPerStep) - state_.offset);

@@ -115,7 +115,6 @@ class StepSegments {
   StepRefusal refusal(Reason reason, double measured, double limit) const;
 
   StepHardware hardware_;
-  double tick_ = 0;  ///< s
   std::int64_t start_steps_ = 0;
   std::int64_t start_offset_ = 0;
   State state_;
