@@ -10,11 +10,17 @@ byte_rooms="core wire config device sim driver control program io runtime server
 
 passed=0
 failed=0
-# Counts what ctest says at the end of a log; a run that never got there counts as one failure.
+# read_end LOG: `of` and `bad` of its caller, as ctest says them at the end; empty where it never got
+# there.
+read_end() {
+  of=$(sed -n 's/.* tests failed out of \([0-9]*\)$/\1/p' "$logs/$1.log")
+  bad=$(sed -n 's/.* \([0-9]*\) tests failed out of [0-9]*$/\1/p' "$logs/$1.log")
+}
+
+# Counts what a log says; a run that never got to its end counts as one failure.
 count() {
-  local log=$logs/$1.log of bad
-  of=$(sed -n 's/.* tests failed out of \([0-9]*\)$/\1/p' "$log")
-  bad=$(sed -n 's/.* \([0-9]*\) tests failed out of [0-9]*$/\1/p' "$log")
+  local of bad
+  read_end "$1"
   if [[ -z $of || $of == 0 ]]; then
     failed=$((failed + 1))
     return
@@ -31,8 +37,7 @@ try_alone() {
   sed -n 's/^[\t ]*[0-9]* - \(.*\) (\(Failed\|Timeout\)).*/    failed at first: \1/p' "$log"
   step "tests $1, those again" "$again" ctest --test-dir "build/$1" --rerun-failed \
     --output-on-failure --no-tests=error --timeout 900 -j 1 || true
-  of=$(sed -n 's/.* tests failed out of \([0-9]*\)$/\1/p' "$logs/$again.log")
-  bad=$(sed -n 's/.* \([0-9]*\) tests failed out of [0-9]*$/\1/p' "$logs/$again.log")
+  read_end "$again"
   if [[ -z $of ]]; then return 1; fi
   passed=$((passed + of - bad))
   failed=$((failed - of + bad))

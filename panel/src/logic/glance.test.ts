@@ -1,19 +1,9 @@
 import { describe, expect, it } from 'vitest';
 import { en } from '../i18n/en';
 import { whatLimits } from './glance';
+import { ready } from './status.fixture';
 import type { JobJson, RobotStatus } from './types';
 
-const ready: RobotStatus = {
-  robot: 'arm',
-  at_s: 0,
-  state: 'ready',
-  position: 'measured',
-  connected: true,
-  joints: [],
-  feed: 1,
-  progress: 0,
-  health: {},
-};
 const job = (over: Partial<JobJson>): JobJson => ({
   robot: 'arm',
   job: 1,

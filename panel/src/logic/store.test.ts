@@ -1,5 +1,6 @@
 import { describe, expect, it } from 'vitest';
 import { ConnectionError, RpcError } from './rpc';
+import { ready } from './status.fixture';
 import { isGrave, Store } from './store';
 import type { EventJson, RobotStatus } from './types';
 
@@ -27,18 +28,7 @@ function rig() {
   return { store, asked, answers, clock, methods: () => asked.map((one) => one.method) };
 }
 
-const status = (over: Partial<RobotStatus> = {}): RobotStatus => ({
-  robot: 'arm',
-  at_s: 0,
-  state: 'ready',
-  position: 'measured',
-  connected: true,
-  joints: [],
-  feed: 1,
-  progress: 0,
-  health: {},
-  ...over,
-});
+const status = (over: Partial<RobotStatus> = {}): RobotStatus => ({ ...ready, ...over });
 
 describe('Store', () => {
   it('learns the cell when it is connected, and asks for nothing that moves', async () => {
