@@ -1,13 +1,20 @@
 #pragma once
 
+#include <chrono>
 #include <expected>
 #include <string>
 #include <string_view>
 
 #include "sinew/cli/outcome.h"
+#include "sinew/core/instant.h"
 #include "sinew/server/rpc_client.h"
 
 namespace sinew::cli {
+
+/// A lease lives for a second behind its holder's last word: so often whoever follows something
+/// says one, and looks for messages meanwhile.
+inline constexpr Duration kAlive = std::chrono::milliseconds(250);
+inline constexpr Duration kSlice = std::chrono::milliseconds(50);
 
 /// A running cell as the verbs that talk to it see it.
 class CellConnection {

@@ -18,10 +18,6 @@ namespace {
 
 using runtime::ProcedureStatus;
 
-/// A lease lives for a second behind its holder's last word.
-constexpr Duration kAlive = std::chrono::milliseconds(250);
-constexpr Duration kSlice = std::chrono::milliseconds(50);
-
 /// The order itself, where nobody is there to be asked: one search.
 constexpr const char* kHomeOnce = "* = yes\nagain = skip\n";
 

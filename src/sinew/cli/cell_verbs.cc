@@ -20,9 +20,6 @@
 namespace sinew::cli {
 namespace {
 
-/// A lease lives for a second behind its holder's last word.
-constexpr Duration kAlive = std::chrono::milliseconds(250);
-constexpr Duration kSlice = std::chrono::milliseconds(50);
 constexpr const char* kGoneAway =
     "the server has gone away; what streams holds, and a device that takes whole moves ends the "
     "one that it is at";

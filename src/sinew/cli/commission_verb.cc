@@ -11,6 +11,7 @@
 #include "sinew/cli/device_argument.h"
 #include "sinew/cli/procedure_dialogue.h"
 #include "sinew/cli/robot_argument.h"
+#include "sinew/cli/run_journal.h"
 #include "sinew/control/machine_identity.h"
 #include "sinew/core/spelling.h"
 #include "sinew/io/file.h"
@@ -113,15 +114,7 @@ Outcome told(const Job& job, const program::Procedure& procedure, const Procedur
 Outcome drive(const Job& job, runtime::RobotLink& link, runtime::PositionRecord* record,
               const io::Clock& clock) {
   const RobotModel& model = job.model;
-  control::ControllerSettings settings =
-      runtime::session_settings(clock, runtime::opening_of(model).limit);
-  control::ControllerStart start;
-  if (record != nullptr) {
-    settings.journal = control::journal_settings(model);
-    start = record->start();
-  }
-  runtime::ControlLoop loop(model, link.driver(), settings, start,
-                            record != nullptr ? &record->pump() : nullptr);
+  runtime::ControlLoop loop = recorded_loop(model, link.driver(), clock, record);
   auto plan = plan_for(job.request, model, runtime::facts_of(link.driver(), model));
   if (!plan) return could_not(plan.error());
   if (job.script != nullptr) {

@@ -226,14 +226,7 @@ Outcome drive(const RunRequest& request, const Prepared& prepared, const Equipme
   const auto& [link, record, recorder, clock, log] = equipment;
   const RobotModel& model = prepared.model;
   const runtime::Opening opening = runtime::opening_of(model);
-  control::ControllerSettings settings = runtime::session_settings(clock, opening.limit);
-  control::ControllerStart start;
-  if (record != nullptr) {
-    settings.journal = control::journal_settings(model);
-    start = record->start();
-  }
-  runtime::ControlLoop loop(model, link.driver(), settings, start,
-                            record != nullptr ? &record->pump() : nullptr);
+  runtime::ControlLoop loop = recorded_loop(model, link.driver(), clock, record);
   if (recorder != nullptr) {
     loop.look = [to = recorder](const control::Outputs& outputs, Instant at) {
       for (const control::ControlEvent& event : outputs.events) to->offer(event, at);

@@ -1,7 +1,10 @@
 #include "sinew/cli/run_journal.h"
 
 #include "sinew/config/points_file.h"
+#include "sinew/control/machine_identity.h"
 #include "sinew/core/spelling.h"
+#include "sinew/runtime/program_session.h"
+#include "sinew/runtime/robot_driver.h"
 #include "sinew/runtime/robot_link.h"
 
 namespace sinew::cli {
@@ -29,6 +32,14 @@ std::expected<std::unique_ptr<runtime::PositionRecord>, Outcome> open_journal(
   auto opened = runtime::PositionRecord::open(*folder, *name, model);
   if (!opened) return std::unexpected(could_not(opened.error().sentence));
   return std::move(*opened);
+}
+
+runtime::ControlLoop recorded_loop(const RobotModel& robot, Driver& driver, const io::Clock& clock,
+                                   runtime::PositionRecord* record) {
+  auto settings = runtime::session_settings(clock, runtime::opening_of(robot).limit);
+  if (record == nullptr) return {robot, driver, settings, {}, nullptr};
+  settings.journal = control::journal_settings(robot);
+  return {robot, driver, settings, record->start(), &record->pump()};
 }
 
 }  // namespace sinew::cli

@@ -151,10 +151,8 @@ void JobRunner::obey(Run& run, Instant now) {
 void JobRunner::publish(const Run& run, Instant now) {
   const program::Plan& plan = run.plan();
   const auto notices = run.notices();
-  const bool met = run.failure() && (run.failure()->error.code == ErrorCode::kCellContact ||
-                                     run.failure()->error.code == ErrorCode::kCellTaken);
-  const auto in_the_way =
-      met || run.waits_for_room() ? station_.refusal() : std::optional<CellRefusal>();
+  auto in_the_way = run.failure() ? station_.refusal_of(run.failure()->error) : std::nullopt;
+  if (run.waits_for_room()) in_the_way = station_.refusal();
   const std::scoped_lock lock(mutex_);
   view_.phase = run.phase();
   view_.paused = run.paused() && !run.steps_back();

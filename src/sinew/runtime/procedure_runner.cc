@@ -79,8 +79,7 @@ std::expected<void, std::string> ProcedureRunner::start(const ProcedureOrder& or
   for (const auto& [id, result] : before_.under_way) procedure_->keep(id, result);
   if (order.take_over) procedure_->take_over();
   procedure_->explain_by([&station = station_](const Error& error) -> std::optional<std::string> {
-    const bool met = error.code == ErrorCode::kCellContact || error.code == ErrorCode::kCellTaken;
-    const auto in_the_way = met ? station.refusal() : std::nullopt;
+    const auto in_the_way = station.refusal_of(error);
     return in_the_way ? std::optional(in_the_way->sentence()) : std::nullopt;
   });
   const std::uint32_t number = status_.number + 1;

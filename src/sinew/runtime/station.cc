@@ -354,6 +354,11 @@ std::optional<std::string> Station::fact(std::string_view what, std::size_t join
   return found != facts_.end() ? std::optional(found->second) : std::nullopt;
 }
 
+std::optional<CellRefusal> Station::refusal_of(const Error& error) const {
+  const bool met = error.code == ErrorCode::kCellContact || error.code == ErrorCode::kCellTaken;
+  return met ? refusal() : std::nullopt;
+}
+
 std::optional<CellRefusal> Station::refusal() const {
   if (options_.space == nullptr) return std::nullopt;
   return options_.space->refusal(options_.place);

@@ -91,6 +91,8 @@ class Station {
   bool post(const control::Command& command, std::uint32_t stops_seen);
   /// The view knows of every stop that was asked for: what is given from now on is behind them.
   bool stops_seen() const;
+  /// What in its cell this error is about; nothing where it is about something else.
+  std::optional<CellRefusal> refusal_of(const Error& error) const;
   /// The space that a command's motion needs, before it is given; true where it needs none.
   /// @error as CellSpace::ask
   Expected<void> claim(const control::Command& command);

@@ -271,8 +271,7 @@ void Api::settle(Session& session, const Pending& pending, const ControlEvent& e
 RpcError Api::refusal(RpcCode code, const Error& error, std::size_t robot) const {
   const RobotModel& model = cell_.station(robot).robot();
   RpcError refused{code, sentence_of(error, model), error_json(error, model)};
-  const bool met = error.code == ErrorCode::kCellContact || error.code == ErrorCode::kCellTaken;
-  if (const auto in_the_way = met ? cell_.station(robot).refusal() : std::nullopt) {
+  if (const auto in_the_way = cell_.station(robot).refusal_of(error)) {
     put_in_the_way(refused.data, *in_the_way);
     refused.message = in_the_way->sentence();
   }

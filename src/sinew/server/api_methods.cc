@@ -21,10 +21,6 @@ constexpr double kRateUsual = 10;
 constexpr std::size_t kNameMax = 100;
 constexpr std::size_t kReasonMax = 200;
 
-RpcError invalid(std::string message) {
-  return {RpcCode::kInvalidParams, std::move(message), nullptr};
-}
-
 bool flag(const RpcRequest& request, const char* name) {
   const auto value = request.params.find(name);
   return value != request.params.end() && value->get<bool>();

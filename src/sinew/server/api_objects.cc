@@ -28,8 +28,8 @@ std::optional<Json> Api::object(std::string_view name) {
   if (!job && !name.starts_with(kRobotPrefix)) return std::nullopt;
   const auto robot = cell_.find(name.substr(job ? kJobPrefix.size() : kRobotPrefix.size()));
   if (!robot) return std::nullopt;
+  if (job) return job_status(*robot);
   const runtime::Station& station = cell_.station(*robot);
-  if (job) return job_json(station.name(), cell_.jobs(*robot).view(), station.robot());
   return status_json(station, station.view(), *tools_[*robot], X_near_[*robot]);
 }
 
@@ -41,9 +41,7 @@ std::expected<Json, RpcError> Api::objects(const Json& names) {
     if (!state) {
       std::string known;
       for (const std::string& other : object_names()) known += (known.empty() ? "" : ", ") + other;
-      return std::unexpected(RpcError{RpcCode::kInvalidParams,
-                                      "no object of this cell has that name; there are " + known,
-                                      nullptr});
+      return std::unexpected(invalid("no object of this cell has that name; there are " + known));
     }
     all[name] = std::move(*state);
   }

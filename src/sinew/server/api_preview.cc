@@ -9,10 +9,6 @@
 namespace sinew::server {
 namespace {
 
-RpcError invalid(std::string message) {
-  return {RpcCode::kInvalidParams, std::move(message), nullptr};
-}
-
 /// As a row has it: nine digits lose less than a joint's limit forgives.
 std::string typed(double value, const char* unit) {
   std::array<char, 64> text{};

@@ -31,7 +31,7 @@ Json Api::procedure(std::size_t robot) const {
 Api::Answer Api::start_procedure(const Call& call) {
   const std::string kind = call.request.params["kind"].get<std::string>();
   if (kind != "home" && kind != "recover" && kind != "commission") {
-    return RpcError{RpcCode::kInvalidParams, "kind is home, recover or commission", nullptr};
+    return invalid("kind is home, recover or commission");
   }
   if (const auto trouble = no_port(*call.robot)) return *trouble;
   // The session hears of the lease that the procedure takes for it, and keeps it alive.
@@ -70,7 +70,7 @@ Api::Answer Api::steer_procedure(const Method& method, const Call& call) {
   } else {
     const std::string& text = call.request.params["answer"].get_ref<const std::string&>();
     if (text.size() > kAnswerMax) {
-      return RpcError{RpcCode::kInvalidParams, "answer is longer than 1000 bytes", nullptr};
+      return invalid("answer is longer than 1000 bytes");
     }
     done = procedures.answer(text);
   }

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
+#include <utility>
 
 /// JSON-RPC 2.0 messages as texts: https://www.jsonrpc.org/specification. Batches are not taken.
 namespace sinew::server {
@@ -28,6 +29,11 @@ struct RpcError {
   std::string message;  ///< one sentence for people
   Json data = nullptr;  ///< for machines; null where there is nothing more
 };
+
+/// Params that do not fit.
+inline RpcError invalid(std::string message) {
+  return {RpcCode::kInvalidParams, std::move(message), nullptr};
+}
 
 struct RpcRequest {
   Json id = nullptr;  ///< null: a notification, to which nobody answers

@@ -235,8 +235,8 @@ std::string meant_text(std::string_view word, const std::vector<std::string_view
   return meant.empty() ? std::string() : "; did you mean '" + std::string(meant) + "'?";
 }
 
-std::unexpected<RpcError> invalid(std::string message) {
-  return std::unexpected(RpcError{RpcCode::kInvalidParams, std::move(message), nullptr});
+std::unexpected<RpcError> unfit(std::string message) {
+  return std::unexpected(invalid(std::move(message)));
 }
 
 }  // namespace
@@ -267,18 +267,17 @@ std::expected<const Method*, RpcError> check(const RpcRequest& request) {
     if (param == found->params.end()) {
       std::vector<std::string_view> names;
       for (const Param& one : found->params) names.push_back(one.name);
-      return invalid(std::string(found->name) + " takes no '" + key.substr(0, 64) + "'" +
-                     meant_text(key, names));
+      return unfit(std::string(found->name) + " takes no '" + key.substr(0, 64) + "'" +
+                   meant_text(key, names));
     }
     if (!fits(param->type, value)) {
-      return invalid(std::string(param->name) + " has to be " +
-                     std::string(type_name(param->type)));
+      return unfit(std::string(param->name) + " has to be " + std::string(type_name(param->type)));
     }
   }
   for (const Param& param : found->params) {
     if (param.required && !request.params.contains(param.name)) {
-      return invalid(std::string(found->name) + " needs '" + std::string(param.name) +
-                     "': " + std::string(param.meaning));
+      return unfit(std::string(found->name) + " needs '" + std::string(param.name) +
+                   "': " + std::string(param.meaning));
     }
   }
   return &*found;
