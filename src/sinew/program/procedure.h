@@ -160,6 +160,7 @@ class Procedure {
   const control::Machine& machine() const { return machine_; }
   /// Counted from 0; as many as there are steps behind the last.
   std::size_t place() const { return place_; }
+  /// Only while place() is below the number of steps: a procedure that is done stands at none.
   const ProcedureStep& step() const { return plan_.steps[place_]; }
   const std::vector<StepResult>& results() const { return results_; }
   const StepResult* result(std::string_view id) const;
