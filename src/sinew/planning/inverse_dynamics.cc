@@ -8,7 +8,6 @@
 namespace sinew::planning {
 
 using kinematics::ArmDynamics;
-using kinematics::JointMotion;
 
 InverseDynamics::Body InverseDynamics::body_of(const RobotModel& model) {
   const auto& links = model.dynamics.links;
@@ -48,7 +47,8 @@ Expected<kinematics::PoseBP> InverseDynamics::Platform::pose(std::span<const dou
   return solution->X_BP;
 }
 
-Expected<JointVector> InverseDynamics::torque(std::span<const double> q, const JointMotion& motion,
+Expected<JointVector> InverseDynamics::torque(std::span<const double> q,
+                                              const kinematics::JointMotion& motion,
                                               double gravity) const {
   SINEW_ASSERT(q.size() == size_);
   if (const auto* arm = std::get_if<ArmDynamics>(&body_)) return arm->at(q).torque(motion, gravity);
@@ -104,7 +104,7 @@ InverseDynamics::SpeedTorque InverseDynamics::torque_by_speed(
   for (std::size_t k = way ? *way % ways : 0; k < ways; ++k) {
     JointVector turned = qd;
     for (std::size_t j = 0; j < size_; ++j) turned[j] = (k >> j & 1) != 0 ? -qd[j] : qd[j];
-    const JointMotion motion{turned, still};
+    const kinematics::JointMotion motion{turned, still};
     const double torque = placed ? placed->torque(motion, 0)[i]
                                  : std::get<Palletizer>(body_).dynamics.torque(q, motion, 0)[i];
     most = {std::max(most.up, -torque), std::max(most.down, torque)};
