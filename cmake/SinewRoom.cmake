@@ -34,6 +34,12 @@ function(sinew_headers target)
   endif()
 endfunction()
 
+# sinew_batches(<target>): its files are compiled six at a time, each header read once for them, and
+# what templates make of it once. For targets in which no two files give one name to two things.
+function(sinew_batches target)
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 6)
+endfunction()
+
 # The code of tests is compiled more often than it runs.
 add_library(sinew_test_options INTERFACE)
 target_compile_options(sinew_test_options INTERFACE $<$<CONFIG:Release>:-O1>)

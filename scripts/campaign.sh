@@ -7,7 +7,7 @@
 #   SINEW_KILLS   -9 of real processes, of each of two robots (1000)
 #   SINEW_SEEDS   of the whole system in virtual time (100000)
 #   SINEW_TRACE_SEEDS  compared between g++ and clang (200)
-#   PARTS         which of: format tidy tsan fuzz seeds faults motion kills system trace (all)
+#   PARTS         which of: format tidy asan tsan fuzz seeds faults motion kills system trace (all)
 # shellcheck source=scripts/lib.sh
 source "$(dirname "${BASH_SOURCE[0]}")/lib.sh"
 
@@ -18,7 +18,7 @@ sequences=${SINEW_SEQUENCES:-1000000}
 kills=${SINEW_KILLS:-1000}
 system_seeds=${SINEW_SEEDS:-100000}
 trace_seeds=${SINEW_TRACE_SEEDS:-200}
-parts=${PARTS:-format tidy tsan fuzz seeds faults motion kills system trace}
+parts=${PARTS:-format tidy asan tsan fuzz seeds faults motion kills system trace}
 # Only their own parts ask for so many.
 unset SINEW_FAULTS SINEW_SEQUENCES SINEW_KILLS SINEW_SEEDS
 
@@ -36,6 +36,10 @@ format_part() { scripts/format.sh --check; }
 tidy_part() {
   configure tidy -DSINEW_TESTS=ON && build tidy &&
     run_ctest tidy "tests tidy" tests-tidy -R '^must_not_compile'
+}
+
+asan_part() {
+  configure asan -DSINEW_TESTS=ON && build asan && run_ctest asan "tests asan" tests-asan
 }
 
 tsan_part() {

@@ -124,13 +124,11 @@ keep_toggle() {
   fi
 }
 
-# configure PRESET OPTIONS...: ccache is used where somebody installed it.
+# configure PRESET OPTIONS...
 configure() {
-  local preset=$1 launcher
+  local preset=$1
   shift
-  launcher=$(command -v ccache || true)
-  step "configure $preset" "configure-$preset" \
-    cmake --preset "$preset" "-DCMAKE_CXX_COMPILER_LAUNCHER=$launcher" "$@"
+  step "configure $preset" "configure-$preset" cmake --preset "$preset" "$@"
 }
 
 # build PRESET TARGETS...: all targets where none is named.

@@ -13,7 +13,7 @@ namespace {
 constexpr int kCouldNot = 1;
 constexpr int kBadInput = 2;
 
-struct Case {
+struct Refused {
   int exit = 0;
   std::string call;      ///< words; '' is an empty one, F/ the scratch folder
   std::string sentence;  ///< what stderr must contain
@@ -40,7 +40,7 @@ Arguments words_of(const std::string& call, const std::string& folder) {
   return words;
 }
 
-void expect_refused(const Case& wanted, const std::string& folder) {
+void expect_refused(const Refused& wanted, const std::string& folder) {
   SCOPED_TRACE("sinew " + wanted.call);
   const Arguments words = words_of(wanted.call, folder);
   const Ended plain = sinew(words);
@@ -92,8 +92,8 @@ class BadInput : public ::testing::Test {
     mkfifo(folder.at("pipe.toml").c_str(), 0600);
     static_cast<void>(symlink("loop", folder.at("loop").c_str()));
   }
-  void expect_all_refused(const std::vector<Case>& cases) const {
-    for (const Case& wanted : cases) expect_refused(wanted, folder.at());
+  void expect_all_refused(const std::vector<Refused>& cases) const {
+    for (const Refused& wanted : cases) expect_refused(wanted, folder.at());
   }
   ScratchFolder folder;
 };

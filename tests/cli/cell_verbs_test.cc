@@ -15,7 +15,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr std::string_view kCell = R"(title = "Two for a test"
+constexpr std::string_view kTwoRobots = R"(title = "Two for a test"
 time_scale = 10
 [[robot]]
 name = "left"
@@ -32,7 +32,9 @@ const std::string kStand = "joint base=0deg shoulder=20deg elbow=40deg wrist=40d
 /// A server on a socket of its own.
 class Cell {
  public:
-  Cell() : serve_({"serve", folder_.file("cell.toml", std::string(kCell)), "--socket", socket()}) {
+  Cell()
+      : serve_(
+            {"serve", folder_.file("cell.toml", std::string(kTwoRobots)), "--socket", socket()}) {
     serve_.wait_for_err("answers on");
   }
   std::string socket() const { return folder_.at("cell.sock"); }

@@ -13,7 +13,7 @@
 namespace sinew::test {
 namespace {
 
-struct Case {
+struct RobotRun {
   std::string robot;
   std::vector<std::string> options;  ///< of sim and run alike
   std::string time_scale;            ///< of both; of run only where the boards sit on SPI
@@ -24,7 +24,7 @@ struct Case {
   bool link = false;  ///< our own boards on it
 };
 
-class FiveRobots : public ::testing::TestWithParam<Case> {};
+class FiveRobots : public ::testing::TestWithParam<RobotRun> {};
 
 std::string place_of(Process& sim) {
   sim.wait_for_out("\n");
@@ -32,7 +32,7 @@ std::string place_of(Process& sim) {
 }
 
 TEST_P(FiveRobots, end_where_they_were_sent) {
-  const Case& c = GetParam();
+  const RobotRun& c = GetParam();
   const ScratchFolder folder;
   const std::string program = folder.file("p.sinew", c.program);
   const std::string robot = c.on_spi ? small_robot_arm_2(folder, c.link) : c.robot;
@@ -83,47 +83,47 @@ const std::vector<double> kLearmTarget{30, 5, 10, 20, 0};
 INSTANTIATE_TEST_SUITE_P(
     Robots, FiveRobots,
     ::testing::Values(
-        Case{"robot-arm-2",
-             {"--profile", "document"},
-             "40",
-             kRobotArm2,
-             kRobotArm2Target,
-             0.6,
-             true},
-        Case{"robot-arm-2", {}, "2", kRobotArm2, kRobotArm2Target, 0.3, true, true},
-        Case{"learm", {"--profile", "lsc6"}, "1", kLearm, kLearmTarget, 0.6},
-        Case{"learm", {"--profile", "bus"}, "1", kLearm, kLearmTarget, 0.8},
-        Case{"learm", {"--profile", "esp32"}, "1", kLearm, kLearmTarget, 0.6},
-        Case{"bigrobotarm",
-             {"--profile", "document"},
-             "2",
-             "joint base=30deg shoulder=20deg elbow=-25deg\njoint wrist=40deg\ngripper 60deg\n",
-             {30, 20, -25, 0, 40},
-             0.6},
-        Case{"bigrobotarm",
-             {"--profile", "as-built", "--wire", "text2026"},
-             "1",
-             "joint base=30deg shoulder=20deg\n",
-             {30, 20, 0, 0, 0},
-             0.6},
-        Case{"maxarm",
-             {"--profile", "arduino"},
-             "1",
-             "joint base=120deg shoulder=110deg forearm=30deg\njoint base=90deg\nsuction on\n",
-             {90, 110, 30},
-             1.0},
-        Case{"maxarm",
-             {"--profile", "micropython"},
-             "1",
-             "joint base=120deg shoulder=110deg forearm=30deg\n",
-             {120, 110, 30},
-             1.0},
-        Case{"hexapod",
-             {"--profile", "table1"},
-             "1",
-             "joint leg1=268.37mm leg2=268.36mm\njoint leg4=268.355mm\n",
-             {268.37, 268.36, 268.3629, 268.355, 268.3629, 268.3629},
-             0.0005}),
+        RobotRun{"robot-arm-2",
+                 {"--profile", "document"},
+                 "40",
+                 kRobotArm2,
+                 kRobotArm2Target,
+                 0.6,
+                 true},
+        RobotRun{"robot-arm-2", {}, "2", kRobotArm2, kRobotArm2Target, 0.3, true, true},
+        RobotRun{"learm", {"--profile", "lsc6"}, "1", kLearm, kLearmTarget, 0.6},
+        RobotRun{"learm", {"--profile", "bus"}, "1", kLearm, kLearmTarget, 0.8},
+        RobotRun{"learm", {"--profile", "esp32"}, "1", kLearm, kLearmTarget, 0.6},
+        RobotRun{"bigrobotarm",
+                 {"--profile", "document"},
+                 "2",
+                 "joint base=30deg shoulder=20deg elbow=-25deg\njoint wrist=40deg\ngripper 60deg\n",
+                 {30, 20, -25, 0, 40},
+                 0.6},
+        RobotRun{"bigrobotarm",
+                 {"--profile", "as-built", "--wire", "text2026"},
+                 "1",
+                 "joint base=30deg shoulder=20deg\n",
+                 {30, 20, 0, 0, 0},
+                 0.6},
+        RobotRun{"maxarm",
+                 {"--profile", "arduino"},
+                 "1",
+                 "joint base=120deg shoulder=110deg forearm=30deg\njoint base=90deg\nsuction on\n",
+                 {90, 110, 30},
+                 1.0},
+        RobotRun{"maxarm",
+                 {"--profile", "micropython"},
+                 "1",
+                 "joint base=120deg shoulder=110deg forearm=30deg\n",
+                 {120, 110, 30},
+                 1.0},
+        RobotRun{"hexapod",
+                 {"--profile", "table1"},
+                 "1",
+                 "joint leg1=268.37mm leg2=268.36mm\njoint leg4=268.355mm\n",
+                 {268.37, 268.36, 268.3629, 268.355, 268.3629, 268.3629},
+                 0.0005}),
     [](const auto& parameter) {
       std::string name = parameter.param.robot + "_" +
                          (parameter.param.link ? "link" : parameter.param.options.back());

@@ -11,7 +11,7 @@
 namespace sinew::test {
 namespace {
 
-constexpr std::string_view kCell = R"(title = "One for a test"
+constexpr std::string_view kOneRobot = R"(title = "One for a test"
 [[robot]]
 name = "left"
 robot = "learm"
@@ -25,7 +25,8 @@ class ServeWeb : public ::testing::Test {
   void TearDown() override { unsetenv("XDG_STATE_HOME"); }
 
   Arguments serve(const std::string& socket, const Arguments& more) const {
-    Arguments arguments{"serve", folder_.file("cell.toml", kCell), "--socket", folder_.at(socket)};
+    Arguments arguments{"serve", folder_.file("cell.toml", kOneRobot), "--socket",
+                        folder_.at(socket)};
     arguments.insert(arguments.end(), more.begin(), more.end());
     return arguments;
   }

@@ -10,8 +10,6 @@ using test::ApiCell;
 using test::ApiClient;
 using test::place;
 
-const std::string kStand = "joint base=0deg shoulder=20deg elbow=40deg wrist=40deg roll=0deg";
-
 TEST(ApiObjects, are_listed_and_queried_by_name) {
   ApiCell cell({place("left", "learm", "bus")});
   ApiClient client(cell, Role::kViewer);
@@ -33,7 +31,7 @@ TEST(ApiObjects, partial_updates_add_up_to_the_whole) {
   ApiClient client(cell);
   Json known = client.call("objects.subscribe", {{"objects", {"robot/left", "job/left"}},
                                                  {"rate_hz", 100}})["result"]["objects"];
-  client.run("left", kStand);
+  client.run("left", test::kStand);
   EXPECT_EQ(client.run("left", "joint base=30deg")["phase"], "done");
   bool same = false;
   std::size_t partial = 0;
@@ -63,7 +61,7 @@ TEST(ApiObjects, an_empty_list_ends_the_messages) {
   client.call("objects.subscribe", {{"objects", {"robot/left"}}, {"rate_hz", 100}});
   client.call("objects.subscribe", {{"objects", Json::array()}});
   client.messages().clear();
-  client.run("left", kStand);
+  client.run("left", test::kStand);
   for (const Json& message : client.messages()) EXPECT_NE(message["method"], "objects");
 }
 

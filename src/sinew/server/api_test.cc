@@ -18,8 +18,6 @@ using test::ApiCell;
 using test::ApiClient;
 using test::place;
 
-const std::string kStand = "joint base=0deg shoulder=20deg elbow=40deg wrist=40deg roll=0deg";
-
 double truth_deg(ApiClient& client, const std::string& robot, std::size_t joint) {
   const Json truth = client.call("simulation.truth", {{"robot", robot}})["result"];
   return to_deg(truth["joints"][joint]["position_rad"].get<double>());
@@ -42,7 +40,7 @@ TEST(Api, tells_what_is_in_the_cell) {
 TEST(Api, a_program_moves_the_machine_and_not_only_its_picture) {
   ApiCell cell({place("left", "learm", "bus")});
   ApiClient client(cell);
-  EXPECT_EQ(client.run("left", kStand)["phase"], "done");
+  EXPECT_EQ(client.run("left", test::kStand)["phase"], "done");
   EXPECT_EQ(client.run("left", "joint base=30deg")["phase"], "done");
   // Servos sag and have a dead band: the wire's page says what is left open.
   EXPECT_NEAR(truth_deg(client, "left", 0), 30, 1.5);
@@ -55,7 +53,7 @@ TEST(Api, a_program_that_cannot_be_run_is_refused_with_row_and_reason) {
   const Json wrong = client.call("program.run", {{"robot", "left"}, {"text", "jiont base=3deg"}});
   EXPECT_NE(wrong["error"]["message"].get<std::string>().find("program:1:1"), std::string::npos);
   EXPECT_EQ(wrong["error"]["data"]["complaints"][0]["line"], 1);
-  client.run("left", kStand);
+  client.run("left", test::kStand);
   const Json far = client.run("left", "joint base=10deg\nline x=900mm");
   EXPECT_EQ(far["phase"], "failed");
   EXPECT_EQ(far["error"]["line"], 2);
@@ -65,7 +63,7 @@ TEST(Api, a_program_that_cannot_be_run_is_refused_with_row_and_reason) {
 TEST(Api, a_program_brings_its_points_and_what_it_calls) {
   ApiCell cell({place("left", "learm", "bus")});
   ApiClient client(cell);
-  client.run("left", kStand);
+  client.run("left", test::kStand);
   const std::string points =
       "[points.there]\nrobot = \"learm\"\njoints_deg = [25, 20, 40, 40, 0]\n";
   const Json request{{"robot", "left"},
@@ -98,7 +96,7 @@ TEST(Api, taking_over_stops_the_machine_first) {
   ApiCell cell({place("left", "learm", "bus")}, 5);
   ApiClient first(cell);
   ApiClient second(cell);
-  first.run("left", kStand);
+  first.run("left", test::kStand);
   first.call("program.run", {{"robot", "left"}, {"text", "joint base=90deg speed=5%"}});
   ASSERT_TRUE(cell.until([&] { return first.status("left")["state"] == "moving"; }));
   EXPECT_EQ(second.sentence("lease.take", {{"robot", "left"}, {"take_over", true}}), "");
@@ -112,7 +110,7 @@ TEST(Api, anybody_stops_and_the_program_is_over) {
   ApiCell cell({place("left", "learm", "bus"), place("six", "hexapod")}, 5);
   ApiClient owner(cell);
   ApiClient viewer(cell, Role::kViewer);
-  owner.run("left", kStand);
+  owner.run("left", test::kStand);
   owner.call("program.run",
              {{"robot", "left"}, {"text", "joint base=90deg speed=5%\njoint base=0deg speed=5%"}});
   ASSERT_TRUE(cell.until([&] { return owner.status("left")["state"] == "moving"; }));
@@ -128,7 +126,7 @@ TEST(Api, anybody_stops_and_the_program_is_over) {
 TEST(Api, nothing_begins_behind_a_stop) {
   ApiCell cell({place("left", "learm", "bus")});
   ApiClient client(cell);
-  client.run("left", kStand);
+  client.run("left", test::kStand);
   std::string text;
   for (int k = 0; k < 300; ++k) text += "line y=40mm\nline y=-40mm\n";
   for (int round = 0; round < 10; ++round) {
@@ -148,7 +146,7 @@ TEST(Api, who_falls_silent_loses_the_lease_and_the_machine_rests) {
   ApiCell cell({place("left", "learm", "bus")}, 10);
   ApiClient silent(cell);
   ApiClient watcher(cell);
-  silent.run("left", kStand);
+  silent.run("left", test::kStand);
   silent.call("program.run", {{"robot", "left"}, {"text", "joint base=90deg speed=1%"}});
   ASSERT_TRUE(cell.until([&] { return watcher.status("left")["state"] == "moving"; }));
   ASSERT_TRUE(cell.until([&] { return watcher.status("left")["state"] == "ready"; }))
@@ -163,7 +161,7 @@ TEST(Api, who_goes_away_leaves_nothing_moving) {
   ApiClient watcher(cell);
   {
     ApiClient gone(cell);
-    gone.run("left", kStand);
+    gone.run("left", test::kStand);
     gone.call("program.run", {{"robot", "left"}, {"text", "joint base=90deg speed=1%"}});
     ASSERT_TRUE(cell.until([&] { return watcher.status("left")["state"] == "moving"; }));
   }
@@ -174,7 +172,7 @@ TEST(Api, who_goes_away_leaves_nothing_moving) {
 TEST(Api, a_jog_goes_as_long_as_somebody_asks_for_it) {
   ApiCell cell({place("left", "learm", "bus"), place("big", "bigrobotarm")}, 5);
   ApiClient client(cell);
-  client.run("left", kStand);
+  client.run("left", test::kStand);
   const double before = truth_deg(client, "left", 0);
   const Json turn{{"robot", "left"}, {"frame", "joint"}, {"velocity", {0.3, 0, 0, 0, 0}}};
   for (int k = 0; k < 40; ++k) {
@@ -194,7 +192,7 @@ TEST(Api, a_jog_goes_as_long_as_somebody_asks_for_it) {
 TEST(Api, a_program_pauses_and_goes_on) {
   ApiCell cell({place("left", "learm", "bus")}, 5);
   ApiClient client(cell);
-  client.run("left", kStand);
+  client.run("left", test::kStand);
   client.call("program.run", {{"robot", "left"}, {"text", "joint base=60deg speed=10%"}});
   ASSERT_TRUE(cell.until([&] { return client.status("left")["state"] == "moving"; }));
   EXPECT_EQ(client.sentence("robot.hold", {{"robot", "left"}}), "");
@@ -208,7 +206,7 @@ TEST(Api, a_program_pauses_and_goes_on) {
 TEST(Api, a_ride_throws_the_machine_about_and_brings_it_back) {
   ApiCell cell({place("left", "learm", "bus")});
   ApiClient client(cell);
-  client.run("left", kStand);
+  client.run("left", test::kStand);
   const Json begun =
       client.call("robot.bullride", {{"robot", "left"}, {"duration_s", 20}, {"seed", 3}});
   ASSERT_TRUE(begun.contains("result")) << begun.dump();
@@ -223,7 +221,7 @@ TEST(Api, who_watches_hears_of_states_jobs_and_events) {
   ApiCell cell({place("left", "learm", "bus")});
   ApiClient client(cell);
   client.call("watch", {{"rate_hz", 100}});
-  client.run("left", kStand);
+  client.run("left", test::kStand);
   EXPECT_TRUE(cell.until([&] {
     client.take_messages();
     return std::ranges::any_of(client.messages(), [](const Json& message) {
@@ -254,7 +252,7 @@ TEST(Api, each_job_leaves_a_record_and_says_where) {
   ApiCell cell({place("left", "learm", "bus")}, 20,
                {.journal = "", .flight = "", .record = folder.at("jobs")});
   ApiClient client(cell);
-  EXPECT_EQ(client.run("left", kStand)["phase"], "done");
+  EXPECT_EQ(client.run("left", test::kStand)["phase"], "done");
   Json told;
   EXPECT_TRUE(cell.until([&] {
     const Json events = client.call("events.list")["result"]["events"];
@@ -300,7 +298,7 @@ TEST(Api, survives_clients_that_say_anything) {
       "joint base=10deg", "line z=100mm",         "home", "jaws 10mm", "joint leg1=260mm",
       "wait 1ms",         "loop 3\nwait 1ms\nend"};
   // An arm that nobody has moved yet hangs limp, beyond a limit or not.
-  ApiClient(cell).run("left", kStand);
+  ApiClient(cell).run("left", test::kStand);
   sinew::test::for_random_cases(40, [&](sinew::test::Random& random) {
     ApiClient one(cell);
     ApiClient two(cell);

@@ -15,6 +15,10 @@
 
 namespace sinew::server::test {
 
+/// Where the LeArm stands clear of itself and of the table.
+inline const std::string kStand =
+    "joint base=0deg shoulder=20deg elbow=40deg wrist=40deg roll=0deg";
+
 /// A cell of simulated robots and the Api over it, in real threads; time runs `scale` times as
 /// fast, with sanitizers half of that.
 class ApiCell {

@@ -83,7 +83,7 @@ TEST(Methods, params_that_do_not_fit_are_refused_by_name) {
 }
 
 /// One line of a session as an attacker would write it.
-std::string hostile(test::Random& random) {
+std::string hostile(sinew::test::Random& random) {
   std::string text =
       R"({"jsonrpc":"2.0","id":1,"method":"robot.jog","params":{"robot":"a","velocity":[0.1]}})";
   const std::int64_t edits = random.integer(1, 8);
@@ -102,7 +102,7 @@ std::string hostile(test::Random& random) {
 }
 
 TEST(Methods, whatever_comes_is_checked_or_refused_with_a_sentence) {
-  test::for_random_cases(20'000, [](test::Random& random) {
+  sinew::test::for_random_cases(20'000, [](sinew::test::Random& random) {
     const auto request = read_request(hostile(random));
     if (!request) {
       EXPECT_FALSE(request.error().error.message.empty());

@@ -17,8 +17,6 @@ using test::ApiCell;
 using test::ApiClient;
 using test::place;
 
-const std::string kStand = "joint base=0deg shoulder=20deg elbow=40deg wrist=40deg roll=0deg";
-
 std::vector<double> joints_of(ApiClient& client, const std::string& robot) {
   std::vector<double> q;
   const Json status = client.status(robot);
@@ -29,7 +27,7 @@ std::vector<double> joints_of(ApiClient& client, const std::string& robot) {
 TEST(Preview, says_how_long_and_where_and_moves_nothing) {
   ApiCell cell({place("left", "learm", "bus")});
   ApiClient client(cell);
-  ASSERT_EQ(client.run("left", kStand)["phase"], "done");
+  ASSERT_EQ(client.run("left", test::kStand)["phase"], "done");
   const std::vector<double> before = joints_of(client, "left");
   const Json answer =
       client.call("robot.preview",
@@ -59,7 +57,7 @@ TEST(Preview, says_how_long_and_where_and_moves_nothing) {
 TEST(Preview, a_joint_beyond_its_limit_is_named_with_how_much_is_missing) {
   ApiCell cell({place("left", "learm", "bus")});
   ApiClient client(cell);
-  client.run("left", kStand);
+  client.run("left", test::kStand);
   const Json answer =
       client.call("robot.preview", {{"robot", "left"}, {"joints", {0, 0.35, 3.0, 0.7, 0}}});
   ASSERT_TRUE(answer.contains("error")) << answer.dump();
@@ -73,7 +71,7 @@ TEST(Preview, a_joint_beyond_its_limit_is_named_with_how_much_is_missing) {
 TEST(Preview, a_tool_out_of_reach_says_what_would_be_near_it) {
   ApiCell cell({place("left", "learm", "bus")});
   ApiClient client(cell);
-  client.run("left", kStand);
+  client.run("left", test::kStand);
   const Json far = client.call("robot.preview", {{"robot", "left"}, {"tool", {0.9, 0, 0.2}}});
   ASSERT_TRUE(far.contains("error")) << far.dump();
   const Json offer = far["error"]["data"]["would_work"];
@@ -86,7 +84,7 @@ TEST(Preview, a_tool_out_of_reach_says_what_would_be_near_it) {
 TEST(Preview, a_line_goes_straight) {
   ApiCell cell({place("left", "learm", "bus")});
   ApiClient client(cell);
-  client.run("left", kStand);
+  client.run("left", test::kStand);
   const Json tool = client.status("left")["tool"];
   const double x = tool["x_m"].get<double>(), z = tool["z_m"].get<double>();
   const Json answer = client.call(
@@ -110,7 +108,7 @@ TEST(Preview, what_stands_in_the_cell_counts) {
   left.X_WB.p.x = 0.001;  // somebody has placed it
   ApiCell cell({left, place("other", "learm", "bus")}, 20, {}, {box});
   ApiClient client(cell);
-  ASSERT_EQ(client.run("left", kStand)["phase"], "done");
+  ASSERT_EQ(client.run("left", test::kStand)["phase"], "done");
   const Json answer =
       client.call("robot.preview", {{"robot", "left"}, {"joints", {1.5, 0.35, 0.7, 0.7, 0}}});
   ASSERT_TRUE(answer.contains("error")) << answer.dump();
@@ -121,7 +119,7 @@ TEST(Preview, what_stands_in_the_cell_counts) {
 TEST(Preview, of_those_that_wait_only_the_latest_is_made) {
   ApiCell cell({place("left", "learm", "bus")});
   ApiClient client(cell);
-  client.run("left", kStand);
+  client.run("left", test::kStand);
   constexpr int kAsked = 30;
   for (int i = 0; i < kAsked; ++i) {
     client.send("robot.preview", {{"robot", "left"}, {"joints", {0.01 * i, 0.35, 0.7, 0.7, 0}}});
