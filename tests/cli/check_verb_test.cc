@@ -173,6 +173,17 @@ TEST(ConvertVerb, pose_of_the_platform_goes_to_a_row_and_back) {
   ASSERT_EQ(config.exit, 0) << config.err;
   EXPECT_EQ(config.json()["legs"][5]["quality"], "uncertain");
   EXPECT_NEAR(config.json()["pose"]["z_mm"], 251, 1e-6);
+  EXPECT_NE(
+      sinew({"convert", cfg, "--robot", "hexapod", "--journal", "a b"}).err.find("is no name"),
+      std::string::npos);
+  setenv("XDG_STATE_HOME", folder.at("state").c_str(), 1);
+  // Twice: the second time the journal knows something, even if it is little.
+  const std::vector<std::string> taken{"convert", cfg, "--robot", "hexapod", "--journal", "old"};
+  const Ended first = sinew(taken);
+  ASSERT_EQ(first.exit, 0) << first.err;
+  EXPECT_NE(first.out.find("/old begins with that"), std::string::npos) << first.out;
+  EXPECT_NE(sinew(taken).err.find("--replace takes the file's word"), std::string::npos);
+  unsetenv("XDG_STATE_HOME");
   std::string bent = text_of(pos);
   bent.replace(0, bent.find('\n'), "0");
   const Ended other = sinew({"convert", folder.file("bent.pos", bent), "--robot", "hexapod"});

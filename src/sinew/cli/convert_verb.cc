@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <utility>
 
@@ -9,10 +10,12 @@
 #include "sinew/cli/plan_report.h"
 #include "sinew/cli/program_folder.h"
 #include "sinew/cli/robot_argument.h"
+#include "sinew/cli/run_journal.h"
 #include "sinew/cli/table.h"
 #include "sinew/cli/taught_way.h"
 #include "sinew/core/spelling.h"
 #include "sinew/core/units.h"
+#include "sinew/io/clock.h"
 #include "sinew/io/file.h"
 #include "sinew/model/joint_lookup.h"
 #include "sinew/program/gcode_file.h"
@@ -169,6 +172,33 @@ Made from_sequence(const ConvertRequest& request, const std::string& text,
   return std::move(*rows);
 }
 
+/// The journal's next run begins with these positions.
+/// @error  the journal cannot be used, or knows better
+std::expected<std::string, Outcome> taken_over(const std::string& name, const RobotModel& model,
+                                               const std::vector<JointPosition>& legs,
+                                               bool replace) {
+  RunRequest run;
+  run.journal = name;
+  const auto record = open_journal(run, model);
+  if (!record) return std::unexpected(record.error());
+  const auto& known = (*record)->recovery().positions;
+  const bool knows = std::ranges::any_of(
+      known, [](const JointPosition& leg) { return leg.quality != PositionQuality::kLost; });
+  if (knows && !replace) {
+    return std::unexpected(bad_input(fmt::format(
+        "--journal: {}/{} knows where this machine stands; --replace takes the file's word instead",
+        (*record)->folder(), name)));
+  }
+  const JournalTime now{io::Clock().now(), io::wall_time_ns()};
+  if (const auto said = (*record)->import(model, legs, now); !said) {
+    return std::unexpected(could_not(said.error().sentence));
+  }
+  return fmt::format(
+      "\n  the journal {}/{} begins with that: before anything moves, say where the legs are "
+      "(sinew recover, or sinew run --standing-at ..)\n",
+      (*record)->folder(), name);
+}
+
 /// What an old config.cfg says, and that nobody should believe it unseen.
 Outcome tell_config(const ConvertRequest& request, const std::string& text,
                     const RobotModel& model) {
@@ -200,6 +230,12 @@ Outcome tell_config(const ConvertRequest& request, const std::string& text,
   outcome.text += "\n" + table.text() +
                   "\n  uncertain: that file was written only when its program ended, without a "
                   "check; measure the legs before anything moves (sinew run --standing-at ..)\n";
+  if (!request.journal) return outcome;
+  const auto taken =
+      taken_over(*request.journal, model, {legs.begin(), legs.end()}, request.replace);
+  if (!taken) return taken.error();
+  outcome.json["journal"] = *request.journal;
+  outcome.text += *taken;
   return outcome;
 }
 
@@ -249,6 +285,7 @@ Outcome convert(const ConvertRequest& request) {
     const auto text = io::read_file(request.in);
     return text ? tell_config(request, *text, model) : bad_input(text.error().sentence);
   }
+  if (request.journal) return bad_input("--journal: only of a config that is told, without OUT");
   const bool by_name = request.to || request.out;
   const auto to = by_name ? form_of(request.to, request.out.value_or(""), "--to")
                           : std::expected<Form, Outcome>(Form::kProgram);

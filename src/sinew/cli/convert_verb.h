@@ -13,7 +13,8 @@ struct ConvertRequest {
   std::string robot;
   std::optional<std::string> from, to;  ///< a kind; by the file's ending where left out
   bool comma = false;                   ///< decimals of a .pos file
-  bool replace = false;                 ///< a file `out` that is there
+  bool replace = false;                 ///< a file `out` that is there; what a journal knows
+  std::optional<std::string> journal;   ///< takes over what a config says, as uncertain
 };
 
 /// `sinew convert`: programs and poses from and to the forms that others read. What a form cannot

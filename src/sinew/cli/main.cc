@@ -590,7 +590,10 @@ void add_convert(CLI::App& app, Call& call) {
   verb->add_option("--to", request.to, "sinew, sequence or pos");
   verb->add_flag("--decimal-comma", request.comma,
                  "of a .pos file, for the old program on a PC whose country writes so");
-  verb->add_flag("--replace", request.replace, "a file OUT that is there already");
+  verb->add_flag("--replace", request.replace,
+                 "a file OUT that is there already; what the journal NAME knows");
+  verb->add_option("--journal", request.journal,
+                   "of a .cfg: the position journal NAME takes its word over, as uncertain");
   verb->callback([&call] { call.verb = [&call] { return convert(call.convert); }; });
 }
 

@@ -60,7 +60,7 @@ bool has_frame(std::span<const std::uint8_t> bytes) {
 
 bool is_valid(const JournalRecord& record) {
   return record.kind >= JournalKind::kOpened && record.kind <= JournalKind::kClosed &&
-         record.cause <= JournalCause::kRecovery && record.sequence > 0 && record.generation > 0 &&
+         record.cause <= JournalCause::kImported && record.sequence > 0 && record.generation > 0 &&
          !record.positions.empty() &&
          std::ranges::all_of(record.positions,
                              [](const JointPosition& joint) { return is_valid(joint); });

@@ -32,6 +32,7 @@ enum class JournalCause : std::uint8_t {
   kSilence = 2,   ///< nobody knows what it carried out
   kUser = 3,      ///< somebody said so
   kRecovery = 4,  ///< the journal of the run before did not say
+  kImported = 5,  ///< only what another program once wrote down is known
 };
 
 /// Times of a record: the run's own line, and the wall clock's nanoseconds since 1970.

@@ -61,13 +61,25 @@ io::IoResult<std::unique_ptr<PositionRecord>> PositionRecord::open(const std::st
 }
 
 io::IoResult<void> PositionRecord::give_up(const RobotModel& robot, const JournalTime& time) {
+  JournalPositions none;
+  none.resize(robot.joints.size());
+  return only_say(robot, {none.data(), none.size()}, JournalCause::kUser, time);
+}
+
+io::IoResult<void> PositionRecord::import(const RobotModel& robot,
+                                          std::span<const JointPosition> positions,
+                                          const JournalTime& time) {
+  return only_say(robot, positions, JournalCause::kImported, time);
+}
+
+io::IoResult<void> PositionRecord::only_say(const RobotModel& robot,
+                                            std::span<const JointPosition> positions,
+                                            JournalCause cause, const JournalTime& time) {
   writer_.reset();
   PositionJournal journal(control::journal_settings(robot), recovery_.end);
   const auto opened = journal.open(
       std::span<const JointPosition>(recovery_.positions.data(), recovery_.positions.size()), time);
-  JournalPositions none;
-  none.resize(robot.joints.size());
-  const auto lost = journal.lost({none.data(), none.size()}, JournalCause::kUser, time);
+  const auto lost = journal.lost(positions, cause, time);
   auto written = files_.write(opened);
   if (written) written = files_.write(*lost);
   if (written) written = files_.sync();

@@ -25,6 +25,13 @@ class PositionRecord {
   /// @error  a sentence: the disk's
   io::IoResult<void> give_up(const RobotModel& robot, const JournalTime& time);
 
+  /// What another program once wrote down of where this machine stands: intervals that hold the
+  /// truth, which count from the next run on, on disk when this returns. Nothing can be recorded
+  /// behind it.
+  /// @param positions  one a joint, none of them exact. @error  a sentence: the disk's
+  io::IoResult<void> import(const RobotModel& robot, std::span<const JointPosition> positions,
+                            const JournalTime& time);
+
   /// What the run before left.
   const JournalRecovery& recovery() const { return recovery_; }
   control::ControllerStart start() const { return {recovery_.positions, recovery_.end}; }
@@ -33,6 +40,9 @@ class PositionRecord {
 
  private:
   PositionRecord(io::DiskFolder disk, std::string name);
+  /// A run of one word: what was known, and then that of `positions`, because of `cause`.
+  io::IoResult<void> only_say(const RobotModel& robot, std::span<const JointPosition> positions,
+                              JournalCause cause, const JournalTime& time);
 
   io::DiskFolder disk_;
   std::string name_;
