@@ -18,7 +18,7 @@ fi
 
 log=$PWD/$logs/panel.log
 # Everything that the result depends on, so that what is built is not built again.
-print=$(cd panel && find . -path ./node_modules -prune -o -type f -print0 | sort -z |
+print=$(cd panel && find . ../robots -path ./node_modules -prune -o -type f -print0 | sort -z |
   xargs -0 sha256sum | sha256sum | cut -d' ' -f1)
 if [[ -f build/panel/index.html && $(cat build/panel.print 2>/dev/null) == "$print" && ${1-} != test ]]; then
   printf '  %-34s %10s\n' "panel" "up to date"

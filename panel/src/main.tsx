@@ -1,6 +1,8 @@
 import { render, type JSX } from 'preact';
 import './styles/font.css';
 import './styles/panel.css';
+import './styles/programs.css';
+import './styles/help.css';
 import { announced, go, robot, route, start, store } from './app';
 import { t } from './i18n';
 import { kViewIds, type ViewId } from './view_ids';
@@ -9,6 +11,7 @@ import { Icon } from './views/parts';
 import { RobotRail } from './views/robot_rail';
 import { Stage } from './views/stage';
 import { TopBar } from './views/top_bar';
+import { Tour } from './views/tour';
 
 function Page(): JSX.Element {
   return (
@@ -18,10 +21,11 @@ function Page(): JSX.Element {
       </a>
       <TopBar />
       <RobotRail />
-      <main class="work">
+      <main class="work" data-view={route.value.view}>
         <Stage />
         <Pane />
       </main>
+      <Tour />
       {store.connection.value !== 'open' && <Veil />}
       <div class="sr-only" aria-live="polite">
         {announced.value.grave ? '' : announced.value.text}

@@ -2,12 +2,16 @@
 import type { ComponentType } from 'preact';
 import type { ViewId } from './view_ids';
 import { EventsPane } from './views/events_pane';
+import { HelpPane } from './views/help_pane';
 import { JogPane } from './views/jog_pane';
 import { MovePane } from './views/move_pane';
 import type { IconName } from './views/parts';
+import { ProgramsPane } from './views/programs_pane';
 
 export const kViews: Record<ViewId, { icon: IconName; show: ComponentType }> = {
   jog: { icon: 'jog', show: JogPane },
   move: { icon: 'move', show: MovePane },
+  programs: { icon: 'programs', show: ProgramsPane },
   events: { icon: 'events', show: EventsPane },
+  help: { icon: 'help', show: HelpPane },
 };

@@ -1,23 +1,11 @@
 // The page in a browser against a simulated cell, and what the machines really did: through the page
 // goes what a person does, through simulation.truth comes what is held against it.
 //
-//   node --test tests/panel/panel_test.mjs
-//   SINEW        the program, build/release/sinew
-//   CHROMIUM     the browser, /usr/bin/chromium
-//   PANEL_URL    a cell that runs already, instead of one of its own
-//   PANEL_SHOTS  a folder for pictures of each test's end
+//   node --test tests/panel/panel_test.mjs      (bench.mjs says what can be set)
 import assert from 'node:assert/strict';
-import { spawn } from 'node:child_process';
-import { mkdtempSync, rmSync, writeFileSync } from 'node:fs';
-import { createRequire } from 'node:module';
-import { tmpdir } from 'node:os';
-import path from 'node:path';
 import { after, afterEach, before, test } from 'node:test';
+import { apart, bench, rests, status, truth, until } from './bench.mjs';
 
-const root = path.resolve(import.meta.dirname ?? path.dirname(new URL(import.meta.url).pathname), '../..');
-const { chromium } = createRequire(path.join(root, 'panel/package.json'))('playwright-core');
-
-const kPatience = 60_000; // ms, on a machine that does something else as well
 const kCell = `title = "Tests"
 
 [[robot]]
@@ -31,107 +19,14 @@ robot = "hexapod"
 x_mm = 1500
 `;
 
-let folder, server, browser, url;
-
-async function until(what, done, interval = 50) {
-  const end = Date.now() + kPatience;
-  while (Date.now() < end) {
-    const value = await done();
-    if (value) return value;
-    await new Promise((go) => setTimeout(go, interval));
-  }
-  throw new Error(`not in ${kPatience / 1000} s: ${what}`);
-}
-
-/** A cell of its own with a door on a free port. @return  the link that it prints */
-function serve() {
-  folder = mkdtempSync(path.join(tmpdir(), 'sinew-panel-'));
-  const cell = path.join(folder, 'cell.toml');
-  writeFileSync(cell, kCell);
-  const program = process.env.SINEW ?? path.join(root, 'build/release/sinew');
-  const environment = { ...process.env, XDG_STATE_HOME: folder, XDG_RUNTIME_DIR: folder };
-  server = spawn(program, ['serve', cell, '--listen', '127.0.0.1:0'], { env: environment });
-  let said = '';
-  return new Promise((found, fail) => {
-    const read = (text) => {
-      said += text;
-      const link = /http:\/\/\S+#token=\S+/.exec(said);
-      if (link) found(link[0]);
-    };
-    server.stderr.on('data', read);
-    server.stdout.on('data', read);
-    server.on('exit', () => fail(new Error(`sinew serve has ended: ${said}`)));
-  });
-}
-
+let here;
 before(async () => {
-  url = process.env.PANEL_URL ?? (await serve());
-  browser = await chromium.launch({
-    executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium',
-    args: ['--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--no-sandbox'],
-  });
+  here = await bench(kCell);
 });
-
-after(async () => {
-  await browser?.close();
-  server?.kill('SIGINT');
-  if (folder) rmSync(folder, { recursive: true, force: true });
-});
-
-// What a failed test has left open would draw on, and hold up the next one.
-const contexts = new Set();
-afterEach(async () => {
-  for (const context of contexts) await context.close();
-  contexts.clear();
-});
-
-async function open(options = {}) {
-  const context = await browser.newContext({
-    viewport: { width: 1100, height: 720 },
-    locale: 'en-GB',
-    colorScheme: 'dark',
-    ...options,
-  });
-  contexts.add(context);
-  const page = await context.newPage();
-  page.setDefaultTimeout(kPatience);
-  page.errors = [];
-  page.on('pageerror', (error) => page.errors.push(error.message));
-  page.on('console', (message) => {
-    if (message.type() === 'error') page.errors.push(message.text());
-  });
-  await page.goto(url);
-  await page.waitForSelector('.card-name');
-  return page;
-}
-
-async function close(page, name) {
-  const shots = process.env.PANEL_SHOTS;
-  if (shots) await page.screenshot({ path: path.join(shots, `${name}.png`) });
-  assert.deepEqual(page.errors, []);
-}
-
-const status = (page, robot) =>
-  page.evaluate((name) => globalThis.__sinew.store.status.value[name], robot);
-const truth = async (page, robot) => {
-  const told = await page.evaluate(
-    (name) => globalThis.__sinew.rpc.call('simulation.truth', { robot: name }),
-    robot,
-  );
-  return told.joints.map((joint) => joint.position_rad ?? joint.position_m);
-};
-const apart = (a, b) => Math.max(...a.map((one, i) => Math.abs(one - b[i])));
-
-/** Until the machine itself does not move any more. */
-async function rests(page, robot, nearly) {
-  let last = await truth(page, robot);
-  return until(`${robot} at rest`, async () => {
-    const now = await truth(page, robot);
-    const still = apart(now, last) < nearly;
-    last = now;
-    return still && now;
-  }, 300);
-}
+after(() => here?.end());
+afterEach(() => here.clear());
+const open = (options) => here.open(options);
+const close = (page, name) => here.close(page, name);
 
 const view = (page, name) => page.locator('.tabs a', { hasText: name }).click();
 const robot = (page, name) =>

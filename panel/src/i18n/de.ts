@@ -1,3 +1,4 @@
+import { teachDe } from './teach_de';
 import type { Key } from './en';
 
 /** Deutsch. */
@@ -220,4 +221,6 @@ export const de: Record<Key, string> = {
   'note.lost.timeout': 'Keine Antwort zur rechten Zeit; bitte nachsehen, ob es geschah',
   'live.state': '{robot}: {state}',
   'live.fault': '{robot}: Störung. {text}',
+
+  ...teachDe,
 };

@@ -1,3 +1,5 @@
+import { teachEn } from './teach_en';
+
 /** English. One key a text; `{name}` is filled in. Every other language has the same keys. */
 export const en = {
   'app.skip': 'Skip to the controls',
@@ -218,6 +220,8 @@ export const en = {
   'note.lost.timeout': 'No answer came in time; look whether it was done',
   'live.state': '{robot}: {state}',
   'live.fault': '{robot}: fault. {text}',
+
+  ...teachEn,
 } as const;
 
 export type Key = keyof typeof en;

@@ -182,8 +182,8 @@ export class Store {
     return (await this.ask('program.run', { robot, text, name })) !== null;
   }
 
-  preview(robot: string, target: PreviewTarget): Promise<PreviewJson> {
-    return this.rpc.call<PreviewJson>('robot.preview', { robot, ...target });
+  preview(robot: string, target: PreviewTarget, timeoutMs?: number): Promise<PreviewJson> {
+    return this.rpc.call<PreviewJson>('robot.preview', { robot, ...target }, timeoutMs);
   }
 }
 
@@ -193,6 +193,7 @@ export interface PreviewTarget {
   text?: string;
   line?: boolean;
   speed?: number;
+  samples?: number;
 }
 
 /** What somebody should look at, even later. */

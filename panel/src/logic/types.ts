@@ -102,6 +102,8 @@ export interface JobJson {
   predicted_s: number;
   elapsed_s: number;
   progress: number;
+  orders?: number;
+  orders_done?: number;
   waits_for?: string;
   stopped_by?: string;
   error?: ErrorJson;

@@ -6,6 +6,7 @@ import { aim, ghost, gizmoMode, go, model, robot, route, standing, status, store
 import { withTool } from '../logic/target';
 import { CellScene, type Preset } from '../scene/scene';
 import { hoveredJoint, layers, look } from '../scene_state';
+import { ghost as programGhost } from '../teach';
 import { Icon, Toggle } from './parts';
 import { PlotDock } from './plot_dock';
 
@@ -57,6 +58,11 @@ export function Stage(): JSX.Element {
     if (name && shown.current && name !== shown.current) scene.current?.focus();
     shown.current = name;
   });
+  // Programs are about one robot, and leave less room for all of them.
+  const { view } = route.value;
+  useEffect(() => {
+    if (view === 'programs') requestAnimationFrame(() => scene.current?.focus());
+  }, [view]);
   useSignalEffect(() => scene.current?.setLayers(layers.value));
   useSignalEffect(() => {
     const { preset, all } = look.value;
@@ -64,8 +70,9 @@ export function Stage(): JSX.Element {
     else scene.current?.show(preset);
   });
   useSignalEffect(() => {
-    const now = ghost.value;
-    if (now && route.value.view === 'move') scene.current?.showGhost(now);
+    const { view } = route.value;
+    const now = view === 'move' ? ghost.value : view === 'programs' ? programGhost.value : null;
+    if (now) scene.current?.showGhost(now);
     else scene.current?.hideGhost();
   });
   useSignalEffect(() => {

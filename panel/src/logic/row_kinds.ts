@@ -1,0 +1,239 @@
+/**
+ * The steps that there are, and what can be filled in at each: docs/programs.md as data. What a robot
+ * cannot do is not offered; the server has the last word on every row.
+ */
+import { jointRow, readQuantity, written, type Quantity } from './quantities';
+import { readSlot, writeSlot, type Slot } from './rows';
+import { jointLimits } from './store';
+import type { Pose, RobotModel } from './types';
+
+export type FieldKind = Quantity | 'count' | 'point' | 'program' | 'choice' | 'blend' | 'place' | 'text' | 'words';
+
+export interface Field {
+  id: string;
+  slot: Slot;
+  kind: FieldKind;
+  /** What stands before it, where it is no word of this page's languages. */
+  name?: string;
+  choices?: readonly string[];
+  lower?: number;
+  upper?: number;
+  /** Has to have a value. */
+  needed?: boolean;
+  /** Shown only where somebody wants more. */
+  extra?: boolean;
+}
+
+export const kWords = [
+  'joint',
+  'move',
+  'line',
+  'arc',
+  'spline',
+  'home',
+  'jaws',
+  'gripper',
+  'suction',
+  'nozzle',
+  'wait',
+  'loop',
+  'if',
+  'call',
+] as const;
+export type Word = (typeof kWords)[number];
+
+/** Robots whose files have no end stops to home to. */
+const kWithoutHoming = new Set(['learm', 'maxarm', 'hexapod', 'bigrobotarm', 'puma560']);
+
+export function wordsOf(model: RobotModel): Word[] {
+  const has: Partial<Record<Word, boolean>> = {
+    home: !kWithoutHoming.has(model.robot),
+    jaws: model.kind === 'serial' && model.geometry.gripper !== undefined,
+    gripper: model.robot === 'bigrobotarm',
+    suction: model.kind === 'palletizer',
+    nozzle: model.kind === 'palletizer',
+  };
+  return kWords.filter((one) => has[one] ?? true);
+}
+
+const kMoving = new Set(['joint', 'move', 'line', 'arc', 'spline']);
+export const moves = (word: string): boolean => kMoving.has(word);
+
+const share = { id: 'share', slot: { key: 'speed', unit: /%$/ }, kind: 'share', lower: 0.01, upper: 1 } as const;
+const toolSpeed = { id: 'speed', slot: { key: 'speed', unit: /\/s$/ }, kind: 'speed', extra: true } as const;
+const rest: Field[] = [
+  { id: 'accel', slot: { key: 'accel' }, kind: 'accel', extra: true },
+  { id: 'blend', slot: { key: 'blend' }, kind: 'blend', extra: true },
+];
+const keyed = (key: string, kind: FieldKind, more: Partial<Field> = {}): Field => ({
+  id: key,
+  name: key,
+  slot: { key },
+  kind,
+  ...more,
+});
+
+function turnsOf(model: RobotModel, d = ''): Field[] {
+  const names = { pose: ['rx', 'ry', 'rz'], approach: ['rx', 'ry', 'rz'], pitch_roll: ['pitch', 'roll'], point: [] };
+  return names[model.task].map((one) => keyed(d + one, 'angle', { extra: true }));
+}
+
+function placeOf(model: RobotModel): Field[] {
+  const differences = ['dx', 'dy', 'dz'].map((one) => keyed(one, 'length', { extra: true }));
+  return [
+    { id: 'to', slot: { key: 'to' }, kind: 'point' },
+    ...['x', 'y', 'z'].map((one) => keyed(one, 'length')),
+    ...turnsOf(model),
+    ...differences,
+    ...turnsOf(model, 'd'),
+    { id: 'frame', slot: { key: 'frame' }, kind: 'choice', choices: ['base', 'tool'], extra: true },
+  ];
+}
+
+export function fieldsOf(word: string, model: RobotModel): Field[] {
+  const pace: Field[] = model.takes_speed ? [share] : [];
+  switch (word) {
+    case 'joint': {
+      const joints = model.joints.map((joint): Field => {
+        const { lower, upper, measure } = jointLimits(joint);
+        return keyed(joint.name, measure, { lower, upper });
+      });
+      return [{ id: 'to', slot: { key: 'to' }, kind: 'point' }, ...joints, ...pace, ...rest];
+    }
+    case 'move':
+      return [...placeOf(model), ...pace, toolSpeed, ...rest];
+    case 'line':
+      return [...placeOf(model), { ...toolSpeed, extra: false }, ...pace, ...rest];
+    case 'arc':
+      return [
+        { id: 'via', slot: { key: 'via' }, kind: 'place', needed: true },
+        ...placeOf(model),
+        { ...toolSpeed, extra: false },
+        ...pace,
+        ...rest,
+      ];
+    case 'spline':
+      return [{ id: 'points', slot: { at: 1 }, kind: 'words', needed: true }, toolSpeed, ...pace, ...rest];
+    case 'jaws': {
+      const upper = model.kind === 'serial' ? model.geometry.gripper?.width_max_m : undefined;
+      return [{ id: 'width', slot: { at: 1 }, kind: 'length', lower: 0, upper, needed: true }];
+    }
+    case 'gripper':
+      return [{ id: 'angle', slot: { at: 1 }, kind: 'text', needed: true }];
+    case 'suction':
+      return [{ id: 'suction', slot: { at: 1 }, kind: 'choice', choices: ['on', 'release', 'off'], needed: true }];
+    case 'nozzle':
+      return [
+        { id: 'angle', slot: { at: 1 }, kind: 'angle', needed: true },
+        { id: 'time', slot: { key: 'time' }, kind: 'time', needed: true },
+      ];
+    case 'wait':
+      return [{ id: 'wait', slot: { at: 1 }, kind: 'words', needed: true }];
+    case 'loop':
+      return [{ id: 'count', slot: { at: 1 }, kind: 'count', lower: 1, needed: true }];
+    case 'if':
+      return [{ id: 'condition', slot: { at: 1 }, kind: 'text', needed: true }];
+    case 'call':
+      return [{ id: 'program', slot: { at: 1 }, kind: 'program', needed: true }];
+    default:
+      return [];
+  }
+}
+
+/** All words that name neither the step nor a value: of `spline` its places, of `wait` what it waits for. */
+const isPlain = (token: string): boolean => !token.includes('=') || /[<>]/.test(token);
+
+export function readField(tokens: readonly string[], field: Field): string {
+  if (field.kind === 'words') return tokens.slice(1).filter(isPlain).join(' ');
+  return readSlot(tokens, field.slot);
+}
+
+export type Complaint = 'needed' | 'number' | 'low' | 'high' | 'words';
+
+export type Written = { raw: string } | { wrong: Complaint; limit?: number };
+
+/** The row with another value in this field, or why that value is none. */
+export function writeField(raw: string, field: Field, value: string): Written {
+  const wish = value.trim();
+  if (field.kind === 'words') return writeWords(raw, wish);
+  if (wish === '') return field.needed ? { wrong: 'needed' } : { raw: writeSlot(raw, field.slot, '') };
+  const read = readValue(field, wish);
+  return 'wrong' in read ? read : { raw: writeSlot(raw, field.slot, read.text) };
+}
+
+function writeWords(raw: string, wish: string): Written {
+  if (wish === '') return { wrong: 'needed' };
+  if (/#/.test(wish)) return { wrong: 'words' };
+  const code = raw.split('#')[0]!;
+  const tokens = code.trim().split(/[ \t]+/);
+  const others = tokens.slice(1).filter((one) => !isPlain(one));
+  const remark = raw.includes('#') ? `  ${raw.slice(raw.indexOf('#'))}` : '';
+  const indent = /^[ \t]*/.exec(code)![0];
+  return { raw: `${indent}${[tokens[0], ...wish.split(/\s+/), ...others].join(' ')}${remark}` };
+}
+
+function readValue(field: Field, wish: string): { text: string } | { wrong: Complaint; limit?: number } {
+  switch (field.kind) {
+    case 'point':
+    case 'program':
+    case 'choice':
+    case 'words':
+    case 'text':
+      return /[\s#]/.test(wish) ? { wrong: 'words' } : { text: wish };
+    case 'count':
+      if (!/^\d+$/.test(wish)) return { wrong: 'number' };
+      return Number(wish) < (field.lower ?? 0) ? { wrong: 'low', limit: field.lower } : { text: wish };
+    case 'place': {
+      if (/^[A-Za-z][\w-]*$/.test(wish)) return { text: wish };
+      const parts = wish.split(/\s*[,;]\s*|\s+/).map((one) => readQuantity(one, 'length'));
+      if (parts.length !== 3 || parts.some((one) => !one)) return { wrong: 'number' };
+      return { text: parts.map((one) => one!.text).join(',') };
+    }
+    case 'blend': {
+      const read = readQuantity(wish, 'length') ?? readQuantity(wish, 'angle');
+      return read ? { text: read.text } : { wrong: 'number' };
+    }
+    default: {
+      const read = readQuantity(wish, field.kind);
+      if (!read) return { wrong: 'number' };
+      if (field.lower !== undefined && read.value < field.lower - 1e-9) return { wrong: 'low', limit: field.lower };
+      if (field.upper !== undefined && read.value > field.upper + 1e-9) return { wrong: 'high', limit: field.upper };
+      return { text: read.text };
+    }
+  }
+}
+
+/** What a new step says until somebody changes it: the place where the robot is now. */
+export function newRows(word: Word, model: RobotModel, joints: readonly number[], tool: Pose, program?: string): string[] {
+  const at = (axis: 0 | 1 | 2): string => written(tool.p[axis], 'length', model.kind === 'hexapod' ? 3 : 1);
+  const place = `x=${at(0)} y=${at(1)} z=${at(2)}`;
+  switch (word) {
+    case 'joint':
+      return [jointRow(model, joints)];
+    case 'move':
+    case 'line':
+      return [`${word} ${place}`];
+    case 'arc':
+      return [`arc via=${at(0)},${at(1)},${written(tool.p[2] + 0.01, 'length', 1)} ${place}`];
+    case 'spline':
+      return [`spline ${at(0)},${at(1)},${at(2)}`];
+    case 'home':
+      return ['home'];
+    case 'jaws':
+      return ['jaws 20mm'];
+    case 'gripper':
+      return ['gripper 40deg'];
+    case 'suction':
+      return ['suction on'];
+    case 'nozzle':
+      return ['nozzle 0deg time=1s'];
+    case 'wait':
+      return ['wait 1s'];
+    case 'loop':
+      return ['loop 2', 'end'];
+    case 'if':
+      return [`if ${model.joints[0]!.name}>${model.kind === 'hexapod' ? '250mm' : '0deg'}`, 'else', 'end'];
+    case 'call':
+      return [`call ${program ?? 'NAME'}`];
+  }
+}

@@ -1,0 +1,67 @@
+/**
+ * Where programs and points are kept: in this browser, for each kind of robot, since the server keeps none
+ * yet. Whoever wants them elsewhere saves them as files.
+ */
+import type { Point } from './points';
+
+export interface Kept {
+  getItem(key: string): string | null;
+  setItem(key: string, value: string): void;
+}
+
+export interface Shelf {
+  programs: Record<string, string>;
+  points: Point[];
+  /** What is open, saved or not. */
+  draft: { name: string; text: string };
+}
+
+export const kProgramName = /^[A-Za-z][A-Za-z0-9_-]{0,39}$/;
+const kKey = 'sinew.shelf.';
+
+const empty = (): Shelf => ({ programs: {}, points: [], draft: { name: '', text: '' } });
+
+/** What cannot be read is left where it is and not shown: a shelf is never emptied by a look. */
+export function loadShelf(kept: Kept, robot: string): Shelf {
+  try {
+    const read = JSON.parse(kept.getItem(kKey + robot) ?? '{}') as Partial<Shelf>;
+    const shelf = empty();
+    for (const [name, text] of Object.entries(read.programs ?? {})) {
+      if (kProgramName.test(name) && typeof text === 'string') shelf.programs[name] = text;
+    }
+    if (Array.isArray(read.points)) {
+      shelf.points = read.points.filter((one) => typeof one?.name === 'string' && (Array.isArray(one.joints) || !!one.place));
+    }
+    if (typeof read.draft?.text === 'string') shelf.draft = { name: String(read.draft.name ?? ''), text: read.draft.text };
+    return shelf;
+  } catch {
+    return empty();
+  }
+}
+
+/** @return  whether it is kept: a browser may have no room, or refuse. */
+export function keepShelf(kept: Kept, robot: string, shelf: Shelf): boolean {
+  try {
+    kept.setItem(kKey + robot, JSON.stringify(shelf));
+    return true;
+  } catch {
+    return false;
+  }
+}
+
+export type FileKind = 'program' | 'points' | 'foreign' | 'unknown';
+
+/** What a file is by its name; foreign ones `sinew convert` makes programs of. */
+export function fileKind(name: string): FileKind {
+  const end = /\.([^.]+)$/.exec(name.toLowerCase())?.[1] ?? '';
+  if (end === 'sinew') return 'program';
+  if (end === 'toml') return 'points';
+  return ['txt', 'pos', 'gcode', 'nc', 'ngc', 'tap', 'g', 'cfg', 'mcap'].includes(end) ? 'foreign' : 'unknown';
+}
+
+/** A file's name without its folder and ending, as a program's name. */
+export function nameOfFile(file: string): string {
+  const stem = file.replace(/^.*[\\/]/, '').replace(/\.[^.]*$/, '');
+  const name = stem.replace(/[^A-Za-z0-9_-]+/g, '_').replace(/^[^A-Za-z]+/, '').slice(0, 40);
+  return name === '' ? 'program' : name;
+}

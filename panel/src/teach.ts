@@ -1,0 +1,320 @@
+/** Programs and points of the robot that is chosen: what is open, what the server says to it, what runs. */
+import { batch, computed, effect, signal, untracked } from '@preact/signals';
+import { atWork, model, robot, route, status, store, way } from './app';
+import { calledBy, expand, withPoints, type Expanded } from './logic/expand';
+import { Latest } from './logic/latest';
+import { freeName, readPoints, takePoint, writePoints, type NotTaught, type Point } from './logic/points';
+import { ConnectionError, RpcError } from './logic/rpc';
+import { jointRow } from './logic/quantities';
+import { fromRow } from './logic/pose';
+import { keepShelf, loadShelf, type Shelf } from './logic/shelf';
+import { jointLimits } from './logic/store';
+import { sampleAt } from './logic/target';
+import { refusal, rowVerdicts, type ProgramVerdict } from './logic/verdicts';
+import { language, t, type Key } from './i18n';
+import type { PreviewJson, RobotModel } from './logic/types';
+import type { Ghost } from './scene/scene';
+
+const kHistoryMax = 100;
+const kPreviewSamples = 400;
+/** Planning a long program takes its time. */
+const kCheckMs = 120_000;
+
+export type TeachTab = 'points' | 'program' | 'ride';
+export const tab = signal<TeachTab>('program');
+const none: Shelf = { programs: {}, points: [], draft: { name: '', text: '' } };
+export const shelf = signal<Shelf>(none);
+export const kept = signal(true);
+/** Line of the row that is open. */
+export const selected = signal<number | null>(null);
+export const verdict = signal<ProgramVerdict>({ kind: 'none' });
+/** Time in the preview that the ghost shows; nothing: none. */
+export const scrub = signal<number | null>(null);
+/** What was just done, for who cannot see it. */
+export const said = signal('');
+export const history = signal<Shelf['draft'][]>([]);
+
+/** What kind of robot all of this is for: `learm`, whatever its name in the cell. */
+const kind = computed(() => model.value?.robot ?? null);
+function put(next: Partial<Shelf>): void {
+  const now = kind.peek();
+  shelf.value = { ...shelf.peek(), ...next };
+  if (now) kept.value = keepShelf(localStorage, now, shelf.peek());
+}
+
+export const text = computed(() => shelf.value.draft.text);
+export const name = computed(() => shelf.value.draft.name);
+export const changed = computed(() => {
+  const saved = shelf.value.programs[name.value];
+  return saved === undefined ? text.value.trim() !== '' : saved !== text.value;
+});
+
+// --- Examples that come with Sinew.
+const files = import.meta.glob<string>('../../robots/*/**/*.sinew', { query: '?raw', import: 'default', eager: true });
+const pointFiles = import.meta.glob<string>('../../robots/*/**/points.toml', { query: '?raw', import: 'default', eager: true });
+const kExample = /\/robots\/([^/]+)\/(?:.*\/)?([^/]+)\.sinew$/;
+export const examples = computed(() =>
+  Object.keys(files).flatMap((path) => {
+    const match = kExample.exec(path);
+    return match && match[1] === kind.value ? [{ path, name: match[2]! }] : [];
+  }),
+);
+/** With what stands beside it: the programs that it calls, and points, but for those that are here already. */
+export function openExample(path: string): void {
+  const found = files[path];
+  if (found === undefined) return;
+  const folder = path.slice(0, path.lastIndexOf('/') + 1);
+  const beside = Object.fromEntries(
+    Object.entries(files)
+      .filter(([other]) => other.startsWith(folder))
+      .map(([other, content]) => [kExample.exec(other)![2]!, content]),
+  );
+  const { points, programs } = shelf.peek();
+  const near = readPoints(pointFiles[`${folder}points.toml`] ?? '').points.map((one) => one.point);
+  batch(() => {
+    openProgram(kExample.exec(path)![2]!, found);
+    put({
+      points: [...points, ...near.filter((one) => !points.some((other) => other.name === one.name))],
+      programs: { ...calledBy(found, beside), ...programs },
+    });
+  });
+}
+
+// --- Changing the text.
+export function edit(next: string, line?: number | null): void {
+  const before = shelf.peek().draft;
+  if (next === before.text) return;
+  batch(() => {
+    // Letters that are typed one after the other are one change.
+    const typed = line === undefined && history.peek().length > 0 && Date.now() - lastTyped < 1000;
+    lastTyped = line === undefined ? Date.now() : 0;
+    if (!typed) history.value = [...history.peek(), before].slice(-kHistoryMax);
+    put({ draft: { ...shelf.peek().draft, text: next } });
+    if (line !== undefined) selected.value = line;
+  });
+}
+let lastTyped = 0;
+export function undo(): void {
+  const before = history.peek().at(-1);
+  if (before === undefined) return;
+  batch(() => {
+    history.value = history.peek().slice(0, -1);
+    selected.value = null;
+    put({ draft: before });
+  });
+}
+export function openProgram(title: string, next: string): void {
+  batch(() => {
+    history.value = [...history.peek(), shelf.peek().draft].slice(-kHistoryMax);
+    selected.value = null;
+    put({ draft: { name: title, text: next } });
+  });
+}
+export function saveAs(title: string): void {
+  put({ programs: { ...shelf.peek().programs, [title]: text.peek() }, draft: { name: title, text: text.peek() } });
+  say('prog.saved', { name: title });
+}
+export function removeProgram(title: string): void {
+  const programs = { ...shelf.peek().programs };
+  delete programs[title];
+  put({ programs });
+}
+export function say(key: Key, values: Record<string, string | number> = {}): void {
+  said.value = t(key, values);
+}
+
+// --- What the server says to it.
+const asking = new Latest<{ robot: string; expanded: Expanded }, PreviewJson>({
+  intervalMs: 500,
+  ask: ({ robot: one, expanded }) =>
+    store.preview(one, { text: expanded.text, samples: kPreviewSamples }, kCheckMs),
+  onAnswer: (_, preview) => (verdict.value = { kind: 'fine', preview }),
+  onError: ({ expanded }, error) => {
+    if (error instanceof RpcError) {
+      if ((error.data as { code?: string } | undefined)?.code === 'overtaken') return;
+      verdict.value = refusal(error.message, error.data, expanded);
+    } else if (error instanceof ConnectionError) {
+      verdict.value = { kind: 'lost' };
+    }
+  },
+});
+export function check(): void {
+  const one = model.peek();
+  const who = robot.peek();
+  if (!one || !who) return;
+  const { points, programs, draft } = shelf.peek();
+  scrub.value = null;
+  if (draft.text.trim() === '') {
+    asking.forget();
+    verdict.value = { kind: 'none' };
+    return;
+  }
+  const expanded = expand(draft.text, one, points, programs);
+  if (expanded.missing) {
+    const { line, what, name: wanted } = expanded.missing;
+    asking.forget();
+    verdict.value = { kind: 'refused', sentence: t(`prog.missing.${what}`, { name: wanted }), line, data: null };
+  } else if (expanded.open.length > 0) {
+    asking.forget();
+    verdict.value = { kind: 'unsure', lines: expanded.open };
+  } else {
+    verdict.value = { kind: 'checking' };
+    asking.put({ robot: who, expanded });
+  }
+}
+const shown = computed(() => route.value.view === 'programs' && store.connection.value === 'open');
+// Whatever a check depends on: the text, the points, which robot, and where it has come to rest.
+const known = computed(() => status.value?.position ?? null);
+effect(() => {
+  void [text.value, shelf.value.points, shelf.value.programs, robot.value, kind.value, known.value];
+  if (shown.value && tab.value === 'program' && !atWork.value) untracked(check);
+});
+export const verdicts = computed(() => rowVerdicts(text.value, verdict.value));
+
+// --- What runs.
+export const job = computed(() => {
+  const now = status.value?.job;
+  return now && now.title === programTitle() ? now : null;
+});
+export const programTitle = (): string => name.value || 'program';
+export const running = computed(() => (job.value && !job.value.over ? job.value : null));
+export const runningLine = computed(() => (running.value && running.value.line > 0 ? running.value.line : null));
+export const failedLine = computed(() => (job.value?.over && job.value.phase === 'failed' ? (job.value.error?.line ?? null) : null));
+
+export async function run(options: { fromLine?: number; singleStep?: boolean } = {}): Promise<void> {
+  const who = robot.peek();
+  const one = model.peek();
+  if (!who || !one || !(await store.control(who))) return;
+  const { points, programs } = shelf.peek();
+  const toml = writePoints(one.robot, points, measureOf(one));
+  await store.ask('program.run', {
+    robot: who,
+    text: text.peek(),
+    name: programTitle(),
+    ...(toml ? { points: toml } : {}),
+    called: calledBy(text.peek(), programs),
+    ...(options.fromLine ? { from_line: options.fromLine } : {}),
+    ...(options.singleStep ? { single_step: true } : {}),
+  });
+}
+const ask = (method: string, params: object = {}): void => {
+  if (robot.peek()) void store.ask(method, { robot: robot.peek()!, ...params });
+};
+export const pause = (): void => ask('robot.hold');
+export const resume = (): void => ask('robot.resume');
+export const stopJob = (): void => ask('robot.stop');
+/** The next order, then a pause; where nothing runs yet, from the beginning. */
+export function step(back = false): void {
+  if (running.peek()) ask('program.step', back ? { back: true } : {});
+  else if (!back) void run({ singleStep: true });
+}
+export async function ride(order: { seed: number; duration_s: number; amplitude?: number }): Promise<void> {
+  const who = robot.peek();
+  if (who && (await store.control(who))) ask('robot.bullride', order);
+}
+
+// --- Points.
+export const measureOf = (one: RobotModel): 'angle' | 'length' => jointLimits(one.joints[0]!).measure;
+export function take(wish: string): { wrong: NotTaught; joint?: string } | Point | null {
+  const one = model.peek();
+  if (!one) return null;
+  const { points } = shelf.peek();
+  const taken = takePoint(freeName(wish, points.map((point) => point.name)), one, status.peek(), new Date());
+  if ('wrong' in taken) return taken;
+  put({ points: [...points, taken] });
+  say('pts.taken', { name: taken.name });
+  return taken;
+}
+export function retake(old: string): { wrong: NotTaught; joint?: string } | Point | null {
+  const one = model.peek();
+  if (!one) return null;
+  const taken = takePoint(old, one, status.peek(), new Date());
+  if ('wrong' in taken) return taken;
+  put({ points: shelf.peek().points.map((point) => (point.name === old ? taken : point)) });
+  say('pts.taken', { name: old });
+  return taken;
+}
+export function renamePoint(old: string, next: string): void {
+  put({ points: shelf.peek().points.map((point) => (point.name === old ? { ...point, name: next } : point)) });
+}
+export function removePoint(old: string): void {
+  put({ points: shelf.peek().points.filter((point) => point.name !== old) });
+}
+export function addPoints(more: readonly Point[]): void {
+  const names = new Set(more.map((point) => point.name));
+  put({ points: [...shelf.peek().points.filter((point) => !names.has(point.name)), ...more] });
+}
+
+// --- On the way to a point: seen first, moved then.
+export interface Going {
+  point: string;
+  verdict: ProgramVerdict;
+}
+export const going = signal<Going | null>(null);
+const heading = new Latest<{ robot: string; point: string; expanded: Expanded }, PreviewJson>({
+  intervalMs: 100,
+  ask: ({ robot: one, expanded }) => store.preview(one, { text: expanded.text }, kCheckMs),
+  onAnswer: ({ point }, preview) => (going.value = { point, verdict: { kind: 'fine', preview } }),
+  onError: ({ point, expanded }, error) => {
+    if (error instanceof RpcError) going.value = { point, verdict: refusal(error.message, error.data, expanded) };
+    else if (error instanceof ConnectionError) going.value = { point, verdict: { kind: 'lost' } };
+  },
+});
+export function head(point: Point): void {
+  const one = model.peek();
+  const who = robot.peek();
+  if (!one || !who) return;
+  const pace = way.peek().speed < 1 && one.takes_speed ? ` speed=${Math.round(100 * way.peek().speed)}%` : '';
+  const place = point.joints ? { body: jointRow(one, point.joints, 4) } : withPoints(`move to=${point.name}`, one, [point]);
+  if (!('body' in place)) return;
+  going.value = { point: point.name, verdict: { kind: 'checking' } };
+  heading.put({ robot: who, point: point.name, expanded: { text: place.body + pace, lines: [1], missing: null, open: [] } });
+}
+export function stay(): void {
+  heading.forget();
+  going.value = null;
+}
+/** The very rows that were previewed. */
+export async function goThere(): Promise<void> {
+  const now = going.peek();
+  const who = robot.peek();
+  if (!who || now?.verdict.kind !== 'fine') return;
+  if (await store.run(who, now.verdict.preview.text, now.point)) stay();
+}
+effect(() => {
+  void robot.value;
+  stay();
+});
+
+// --- What the 3D view shows of it.
+const preview = computed<PreviewJson | null>(() => {
+  const now = tab.value === 'points' ? going.value?.verdict : tab.value === 'program' ? verdict.value : null;
+  return now?.kind === 'fine' ? now.preview : null;
+});
+export const ghost = computed<Ghost | null>(() => {
+  const now = preview.value;
+  const who = robot.value;
+  if (!now || !who || now.robot !== who || !now.to.positions || !now.to.tool) return null;
+  const path = now.samples.tool;
+  const at = scrub.value !== null && tab.value === 'program' ? sampleAt(now, scrub.value) : null;
+  if (at) return { robot: who, path, refused: false, ...at };
+  return { robot: who, path, refused: false, joints: now.to.positions, platform: fromRow(now.to.tool) };
+});
+
+// Sentences are made when they are said: another language begins with none.
+effect(() => {
+  void language.value;
+  said.value = '';
+});
+
+// Another kind of robot has another shelf.
+effect(() => {
+  const now = kind.value;
+  batch(() => {
+    shelf.value = now ? loadShelf(localStorage, now) : none;
+    selected.value = null;
+    history.value = [];
+    going.value = null;
+    verdict.value = { kind: 'none' };
+  });
+});

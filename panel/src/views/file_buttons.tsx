@@ -1,0 +1,86 @@
+import type { JSX } from 'preact';
+import { useRef, useState } from 'preact/hooks';
+import { t } from '../i18n';
+import { model } from '../app';
+import { readPoints, writePoints } from '../logic/points';
+import { fileKind, nameOfFile } from '../logic/shelf';
+import { addPoints, measureOf, name, openProgram, say, shelf, text } from '../teach';
+import { IconButton } from './points_list';
+
+const kMost = 900_000; // bytes: a message to the server has 1 MiB at most
+
+/** Hands a text to the browser as a file. */
+export function download(file: string, content: string): void {
+  const url = URL.createObjectURL(new Blob([content], { type: 'text/plain;charset=utf-8' }));
+  const link = Object.assign(document.createElement('a'), { href: url, download: file });
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(url), 10_000);
+}
+
+/** Files in and out: programs and points, whichever list is open. */
+export function FileButtons({ kind }: { kind: 'program' | 'points' }): JSX.Element {
+  const input = useRef<HTMLInputElement>(null);
+  const [told, setTold] = useState<string | null>(null);
+  const one = model.value!;
+  const read = async (file: File) => {
+    const what = fileKind(file.name);
+    if (what === 'foreign') {
+      setTold(t('file.foreign', { command: `sinew convert ${file.name} ${nameOfFile(file.name)}.sinew --robot ${one.robot}` }));
+      return;
+    }
+    if (what === 'unknown' || file.size > kMost) {
+      setTold(t(what === 'unknown' ? 'file.unknown' : 'file.large', { file: file.name }));
+      return;
+    }
+    const content = await file.text();
+    setTold(null);
+    if (what === 'program') {
+      openProgram(nameOfFile(file.name), content.replace(/\r\n?/g, '\n'));
+      say('prog.opened', { name: nameOfFile(file.name) });
+      return;
+    }
+    const { points, complaints } = readPoints(content);
+    const ours = points.filter((point) => point.robot === one.robot && (point.point.place || point.point.joints?.length === one.joints.length));
+    if (complaints.length > 0) {
+      const first = complaints[0]!;
+      setTold(t('file.points.wrong', { line: first.line, text: first.text }));
+      return;
+    }
+    addPoints(ours.map((point) => point.point));
+    setTold(t('file.points.read', { count: ours.length, others: points.length - ours.length }));
+  };
+  const save = () => {
+    if (kind === 'program') download(`${name.value || 'program'}.sinew`, text.value);
+    else download('points.toml', writePoints(one.robot, shelf.value.points, measureOf(one)));
+  };
+  return (
+    <>
+      <span class="row tight">
+        <IconButton icon="folder" label={t(`file.import.${kind}`)} onClick={() => input.current?.click()} />
+        <IconButton
+          icon="save"
+          label={t(`file.export.${kind}`)}
+          disabled={kind === 'program' ? text.value.trim() === '' : shelf.value.points.length === 0}
+          onClick={save}
+        />
+        <input
+          ref={input}
+          type="file"
+          hidden
+          aria-label={t(`file.import.${kind}`)}
+          accept=".sinew,.toml,.txt,.pos,.gcode,.nc,.ngc,.tap,.g,.cfg,.mcap"
+          onChange={(event) => {
+            const file = event.currentTarget.files?.[0];
+            if (file) void read(file);
+            event.currentTarget.value = '';
+          }}
+        />
+      </span>
+      {told && (
+        <p class="file-told" role="status">
+          {told}
+        </p>
+      )}
+    </>
+  );
+}

@@ -1,0 +1,138 @@
+import type { JSX } from 'preact';
+import { t, tWord } from '../i18n';
+import { atWork, canMove, robot, setPace, status, store } from '../app';
+import { duration } from '../logic/units';
+import {
+  check,
+  failedLine,
+  job,
+  pause,
+  resume,
+  run,
+  running,
+  scrub,
+  step,
+  stopJob,
+  text,
+  verdict,
+} from '../teach';
+import { Icon, Slider } from './parts';
+import { ProgramVerdictCard } from './program_verdict';
+
+/** What the server says to the program, and what can be done with it now. */
+export function RunBar(): JSX.Element {
+  const now = running.value;
+  const paused = now?.phase === 'paused' || status.value?.state === 'held';
+  const fits = verdict.value.kind === 'fine' || verdict.value.kind === 'unsure';
+  const starts = fits && canMove.value && !atWork.value && text.value.trim() !== '';
+  const mine = store.lease(robot.value ?? '') === 'mine';
+  const feed = status.value?.feed ?? 1;
+  return (
+    <div class="pane-foot run-bar">
+      {now ? <Progress /> : <ProgramVerdictCard verdict={verdict.value} />}
+      {!now && job.value?.over && job.value.phase !== 'done' && (
+        <p class={`last-end${job.value.phase === 'failed' ? ' grave' : ''}`} role="status">
+          {tWord('events.job', job.value.phase, {
+            title: job.value.title,
+            text: job.value.error?.sentence ?? '',
+            time: '',
+          })}
+          {failedLine.value !== null && ` (${t('prog.in_row', { line: failedLine.value })})`}
+        </p>
+      )}
+      <div class="run-keys">
+        {now && paused ? (
+          <button type="button" class="primary big" data-tour="resume" onClick={resume}>
+            <Icon name="play" /> {t('robot.resume')}
+          </button>
+        ) : now ? (
+          <button type="button" class="primary big" data-tour="pause" onClick={pause}>
+            <Icon name="pause" /> {t('prog.pause')}
+          </button>
+        ) : (
+          <button
+            type="button"
+            class="primary big"
+            data-tour="run"
+            disabled={!starts}
+            onClick={() => void run()}
+          >
+            <Icon name="play" /> {t('prog.run')}
+          </button>
+        )}
+        <button type="button" disabled={now?.phase !== 'paused'} title={`${t('prog.step_back')}: ${t('prog.step_back.title')}`} onClick={() => step(true)}>
+          <Icon name="back" size={16} /> <span>{t('prog.step_back')}</span>
+        </button>
+        <button
+          type="button"
+          data-tour="step"
+          disabled={now ? false : !starts}
+          title={`${t('prog.step')}: ${t('prog.step.title')}`}
+          onClick={() => step()}
+        >
+          <Icon name="step" size={16} /> <span>{t('prog.step')}</span>
+        </button>
+        <button type="button" disabled={!atWork.value} title={`${t('prog.stop')}: ${t('prog.stop.title')}`} onClick={stopJob}>
+          <Icon name="stop" size={16} /> <span>{t('prog.stop')}</span>
+        </button>
+        {!now && (
+          <button type="button" title={t('prog.check')} onClick={check} disabled={text.value.trim() === ''}>
+            <Icon name="check" size={16} /> <span>{t('prog.check')}</span>
+          </button>
+        )}
+      </div>
+      <div class="run-sliders">
+        {!now && verdict.value.kind === 'fine' && <Scrub />}
+        {mine && (
+          <Slider
+            label={t('jog.pace')}
+            value={Math.min(1, feed)}
+            min={0.05}
+            max={1}
+            step={0.05}
+            text={`${Math.round(100 * feed)} %`}
+            onInput={(share) => setPace(robot.value!, share)}
+          />
+        )}
+      </div>
+    </div>
+  );
+}
+
+function Progress(): JSX.Element {
+  const now = running.value!;
+  const percent = Math.round(100 * now.progress);
+  return (
+    <div class="progress">
+      <p class="verdict-head">
+        {tWord('prog.phase', now.phase)}
+        {now.line > 0 && <span>{t('prog.in_row', { line: now.line })}</span>}
+        {now.waits_for && <span>{t('limit.waits', { robot: now.waits_for })}</span>}
+        <strong>{duration(Math.max(0, now.predicted_s * (1 - now.progress)))}</strong>
+      </p>
+      <span class="bar" role="progressbar" aria-valuenow={percent} aria-valuemin={0} aria-valuemax={100}>
+        <span style={{ width: `${percent}%` }} />
+      </span>
+    </div>
+  );
+}
+
+/** Where the ghost would be at a time of the program. */
+function Scrub(): JSX.Element | null {
+  if (verdict.value.kind !== 'fine') return null;
+  const times = verdict.value.preview.samples.t_s;
+  const last = times.at(-1) ?? 0;
+  if (last <= 0) return null;
+  const at = scrub.value ?? last;
+  return (
+    <Slider
+      label={t('prog.scrub')}
+      value={at}
+      min={times[0] ?? 0}
+      max={last}
+      step={last / 500}
+      text={`${at.toFixed(1)} s`}
+      onInput={(value) => (scrub.value = value)}
+    />
+  );
+}

@@ -1,0 +1,207 @@
+import type { JSX } from 'preact';
+import { useRef, useState } from 'preact/hooks';
+import { t, tWord } from '../i18n';
+import { model, standing } from '../app';
+import { insertRows, lastOf, moveRow, readRows, rowCount, stepRow, type Row } from '../logic/rows';
+import { newRows, wordsOf, type Word } from '../logic/row_kinds';
+import { edit, failedLine, job, runningLine, say, selected, shelf, text, verdict, verdicts } from '../teach';
+import { Icon, type IconName } from './parts';
+import { RowFields } from './row_fields';
+
+const kIcons: Record<string, IconName> = {
+  joint: 'joint',
+  move: 'move',
+  line: 'line',
+  arc: 'arc',
+  spline: 'spline',
+  home: 'home',
+  jaws: 'grab',
+  gripper: 'grab',
+  suction: 'grab',
+  nozzle: 'reset',
+  wait: 'wait',
+  loop: 'loop',
+  if: 'branch',
+  call: 'call',
+};
+
+/** One row of the text, one step: chosen to be filled in, dragged by its handle or with the arrow keys. */
+export function Timeline(): JSX.Element {
+  const list = useRef<HTMLOListElement>(null);
+  const [drop, setDrop] = useState<{ line: number; before: number } | null>(null);
+  const { rows } = readRows(text.value);
+  const shown = rows.filter((row) => row.word !== '' || row.remark !== '');
+
+  /** The line before which a row would be let go. */
+  const under = (y: number): number => {
+    for (const item of list.current!.querySelectorAll<HTMLElement>('li[data-line]')) {
+      const box = item.querySelector('.step-row')!.getBoundingClientRect();
+      if (y < box.top + box.height / 2) return Number(item.dataset['line']);
+    }
+    return rowCount(text.peek()) + 1;
+  };
+  const grab = (event: PointerEvent, line: number) => {
+    const handle = event.currentTarget as HTMLElement;
+    handle.setPointerCapture(event.pointerId);
+    setDrop({ line, before: line });
+    const move = (now: PointerEvent) => setDrop({ line, before: under(now.clientY) });
+    const end = (now: PointerEvent) => {
+      for (const [kind, listener] of listeners) handle.removeEventListener(kind, listener as EventListener);
+      setDrop(null);
+      if (now.type !== 'pointerup') return;
+      const change = moveRow(text.peek(), line, under(now.clientY));
+      if (change) moved(change);
+    };
+    const listeners = [['pointermove', move], ['pointerup', end], ['pointercancel', end]] as const;
+    for (const [kind, listener] of listeners) handle.addEventListener(kind, listener as EventListener);
+  };
+  const moved = (change: { text: string; line: number }) => {
+    edit(change.text, change.line);
+    say('prog.moved', { line: change.line });
+  };
+  const onKey = (event: KeyboardEvent, line: number) => {
+    const way = ({ ArrowUp: -1, ArrowDown: 1 } as const)[event.key];
+    if (!way) return;
+    event.preventDefault();
+    event.stopPropagation();
+    const change = stepRow(text.peek(), line, way);
+    if (!change) return;
+    moved(change);
+    requestAnimationFrame(() =>
+      list.current?.querySelector<HTMLElement>(`li[data-line="${change.line}"] .grip`)?.focus(),
+    );
+  };
+  return (
+    <section class="timeline" aria-label={t('prog.form.rows')}>
+      <ol class="steps" ref={list} data-dragging={drop ? 'true' : undefined}>
+        {shown.map((row) => (
+          <Step
+            key={row.line}
+            row={row}
+            last={lastOf({ rows, whole: true }, row.line)}
+            drop={drop?.before === row.line && drop.line !== row.line}
+            dragged={drop?.line === row.line}
+            onGrab={grab}
+            onKey={onKey}
+          />
+        ))}
+        <li class={`steps-end${drop && drop.before > (shown.at(-1)?.line ?? 0) ? ' drop' : ''}`} aria-hidden="true" />
+      </ol>
+      {shown.length === 0 && <p class="empty">{t('prog.none')}</p>}
+      <AddStep />
+      <p class="sr-only" id="grip-help">
+        {t('prog.grip.help')}
+      </p>
+    </section>
+  );
+}
+
+function Step(props: {
+  row: Row;
+  last: number;
+  drop: boolean;
+  dragged: boolean;
+  onGrab: (event: PointerEvent, line: number) => void;
+  onKey: (event: KeyboardEvent, line: number) => void;
+}): JSX.Element {
+  const { row } = props;
+  const told = verdicts.value[row.line];
+  const runs = runningLine.value === row.line;
+  const failed = failedLine.value === row.line;
+  const open = selected.value === row.line && row.word !== '';
+  const sentence = verdict.value.kind === 'refused' && told === 'refused' ? verdict.value.sentence : null;
+  const lasting = row.word === 'else' || row.word === 'end';
+  return (
+    <li
+      class={`step${props.drop ? ' drop' : ''}${props.dragged ? ' dragged' : ''}`}
+      data-line={row.line}
+      data-verdict={told}
+      data-running={runs ? 'true' : undefined}
+      data-open={open ? 'true' : undefined}
+      style={{ '--depth': row.depth } as JSX.CSSProperties}
+    >
+      <div class="step-row">
+        {row.word !== 'else' ? (
+          <button
+            type="button"
+            class="quiet grip"
+            aria-label={t('prog.grip', { line: row.line })}
+            aria-describedby="grip-help"
+            onPointerDown={(event) => props.onGrab(event, row.line)}
+            onKeyDown={(event) => props.onKey(event, row.line)}
+          >
+            <Icon name="grip" size={16} />
+          </button>
+        ) : (
+          <span class="grip" />
+        )}
+        {row.word === '' ? (
+          <p class="step-remark">{row.remark}</p>
+        ) : (
+          <button
+            type="button"
+            class="step-face"
+            aria-expanded={open}
+            aria-current={runs ? 'step' : undefined}
+            onClick={() => (selected.value = open ? null : row.line)}
+          >
+            <span class="step-line">{row.line}</span>
+            {!lasting && <Icon name={kIcons[row.word] ?? 'fault'} size={16} />}
+            <span class="step-text">
+              <strong>{row.word}</strong> {row.tokens.slice(1).join(' ')}
+              {row.remark && <span class="step-remark"> {row.remark}</span>}
+            </span>
+            {told && (
+              <span class={`step-verdict ${told}`} title={t(`prog.row.${told}`)}>
+                {told === 'unchecked' ? '·' : <Icon name={told === 'fine' ? 'check' : 'fault'} size={14} />}
+                <span class="sr-only">{t(`prog.row.${told}`)}</span>
+              </span>
+            )}
+            {runs && <span class="sr-only">{t('prog.row.runs')}</span>}
+          </button>
+        )}
+      </div>
+      {(sentence || failed) && <p class="step-why">{failed ? job.value?.error?.sentence : sentence}</p>}
+      {open && <RowFields key={row.line} row={row} last={props.last} />}
+    </li>
+  );
+}
+
+/** A step behind the one that is open, else behind the last one. */
+function AddStep(): JSX.Element {
+  const [open, setOpen] = useState(false);
+  const one = model.value!;
+  const add = (word: Word) => {
+    const here = standing();
+    if (!here) return;
+    const called = Object.keys(shelf.value.programs)[0];
+    const change = insertRows(
+      text.peek(),
+      selected.peek() ?? rowCount(text.peek()),
+      newRows(word, one, here.joints, here.tool, called),
+    );
+    edit(change.text, change.line);
+    setOpen(false);
+    say('prog.added', { word, line: change.line });
+  };
+  return (
+    <div class="add-step">
+      <button type="button" class="add" aria-expanded={open} data-tour="add-step" onClick={() => setOpen(!open)}>
+        <Icon name="plus" /> {selected.value ? t('prog.add.behind', { line: selected.value }) : t('prog.add')}
+      </button>
+      {open && (
+        <div class="add-words" role="group" aria-label={t('prog.add')}>
+          {wordsOf(one).map((word) => (
+            <button type="button" key={word} title={tWord('prog.what', word)} onClick={() => add(word)}>
+              <Icon name={kIcons[word]!} size={16} />
+              <span>
+                {word}
+                <small>{tWord('prog.what', word)}</small>
+              </span>
+            </button>
+          ))}
+        </div>
+      )}
+    </div>
+  );
+}
