@@ -6,12 +6,16 @@ import { HelpPane } from './views/help_pane';
 import { JogPane } from './views/jog_pane';
 import { MovePane } from './views/move_pane';
 import type { IconName } from './views/parts';
+import { PlotsPane } from './views/plots_pane';
 import { ProgramsPane } from './views/programs_pane';
+import { SetupPane } from './views/setup_pane';
 
 export const kViews: Record<ViewId, { icon: IconName; show: ComponentType }> = {
   jog: { icon: 'jog', show: JogPane },
   move: { icon: 'move', show: MovePane },
   programs: { icon: 'programs', show: ProgramsPane },
+  setup: { icon: 'setup', show: SetupPane },
+  plots: { icon: 'plots', show: PlotsPane },
   events: { icon: 'events', show: EventsPane },
   help: { icon: 'help', show: HelpPane },
 };

@@ -34,7 +34,7 @@ describe('Store', () => {
   it('learns the cell when it is connected, and asks for nothing that moves', async () => {
     const { store, methods } = rig();
     await store.opened();
-    expect(methods()).toEqual(['cell.describe', 'robot.model', 'cell.status', 'events.list', 'watch']);
+    expect(methods()).toEqual(['cell.describe', 'robot.model', 'cell.status', 'procedure.status', 'events.list', 'watch']);
     expect(store.connection.value).toBe('open');
     store.closed();
     expect(store.connection.value).toBe('lost');
@@ -56,6 +56,29 @@ describe('Store', () => {
     store.take('status', { robots: [status({ lease: { client: 8, epoch: 4 } })] });
     expect(store.lease('arm')).toBe('other');
     expect(renewals()).toBe(2);
+  });
+
+  it('keeps control alive for a procedure that it has started, and answers none that others have', async () => {
+    const { store, answers, asked } = rig();
+    const procedure = { robot: 'arm', number: 1, client: 9, over: false, phase: 'asking', steps: [], place: 0 };
+    answers['procedure.start'] = procedure;
+    expect(await store.startProcedure('arm', 'recover')).toBeNull();
+    expect(asked.at(-1)!.params).toEqual({ robot: 'arm', kind: 'recover' });
+    expect(store.ownsProcedure('arm')).toBe(true);
+    store.take('status', { robots: [status({ lease: { client: 9, epoch: 3 } })] });
+    expect(asked.at(-1)!.method).toBe('lease.renew');
+    store.take('procedure', { ...procedure, number: 2, client: 12 });
+    expect(store.ownsProcedure('arm')).toBe(false);
+  });
+
+  it('says why an answer was refused where it was asked, and notes nothing', async () => {
+    const { store, answers } = rig();
+    answers['procedure.answer'] = new RpcError(1, "'20': needs a unit");
+    expect(await store.answerProcedure('arm', '20')).toBe("'20': needs a unit");
+    expect(store.notes.value).toHaveLength(0);
+    answers['procedure.answer'] = new ConnectionError('timeout');
+    expect(await store.answerProcedure('arm', '20')).toBe('');
+    expect(store.notes.value.at(-1)).toMatchObject({ kind: 'lost' });
   });
 
   it('knows nobody as itself behind a lost connection', async () => {

@@ -4,6 +4,7 @@
  * out from here too, so that every view asks in the same way.
  */
 import { batch, computed, signal } from '@preact/signals';
+import type { ProcedureJson, ProcedureKind } from './procedure';
 import { ConnectionError, RpcError } from './rpc';
 import type {
   CellDescription,
@@ -44,6 +45,8 @@ export class Store {
   readonly cell = signal<CellDescription | null>(null);
   readonly models = signal<Record<string, RobotModel>>({});
   readonly status = signal<Record<string, RobotStatus>>({});
+  /** The procedure of each robot that is under way, or the last one. */
+  readonly procedures = signal<Record<string, ProcedureJson>>({});
   readonly events = signal<EventJson[]>([]);
   /** Number of the last event that somebody has seen in the list. */
   readonly seen = signal(0);
@@ -68,21 +71,26 @@ export class Store {
   async opened(): Promise<void> {
     this.client.value = null;
     const cell = await this.rpc.call<CellDescription>('cell.describe');
-    const models: Record<string, RobotModel> = {};
-    for (const robot of cell.robots) {
-      models[robot.name] = await this.rpc.call<RobotModel>('robot.model', { robot: robot.name });
-    }
+    const models = await this.ofEach<RobotModel>(cell, 'robot.model');
     const status = await this.rpc.call<{ robots: RobotStatus[] }>('cell.status');
+    const procedures = await this.ofEach<ProcedureJson>(cell, 'procedure.status');
     const past = await this.rpc.call<{ events: EventJson[] }>('events.list');
     await this.rpc.call('watch', { rate_hz: kRateHz });
     batch(() => {
       this.cell.value = cell;
       this.models.value = models;
+      this.procedures.value = procedures;
       this.take('status', status);
       this.events.value = past.events.slice(-kEventsMax);
-      this.seen.value = past.events.at(-1)?.number ?? 0;
+      this.seen.value = Math.max(0, ...past.events.map((one) => one.number));
       this.connection.value = 'open';
     });
+  }
+
+  /** One question a robot, all at once: a slow computer waits once. */
+  private async ofEach<Answer>(cell: CellDescription, method: string): Promise<Record<string, Answer>> {
+    const asked = cell.robots.map(async ({ name }) => [name, await this.rpc.call<Answer>(method, { robot: name })] as const);
+    return Object.fromEntries(await Promise.all(asked));
   }
 
   closed(): void {
@@ -100,6 +108,9 @@ export class Store {
       const event = params as EventJson;
       if (event.number <= (this.events.value.at(-1)?.number ?? 0)) return;
       this.events.value = [...this.events.value, event].slice(-kEventsMax);
+    } else if (method === 'procedure') {
+      const procedure = params as ProcedureJson;
+      this.procedures.value = { ...this.procedures.value, [procedure.robot]: procedure };
     } else if (method === 'job') {
       const job = params as JobJson;
       const status = this.status.value[job.robot];
@@ -180,6 +191,47 @@ export class Store {
   async run(robot: string, text: string, name: string): Promise<boolean> {
     if (!(await this.control(robot))) return false;
     return (await this.ask('program.run', { robot, text, name })) !== null;
+  }
+
+  /** Homing, recovery or commissioning, step by step; it takes control for this page by itself. */
+  async startProcedure(robot: string, kind: ProcedureKind, how: { take_over?: boolean; anew?: boolean } = {}): Promise<string | null> {
+    return this.steer('procedure.start', { robot, kind, ...how });
+  }
+  answerProcedure(robot: string, answer: string): Promise<string | null> {
+    return this.steer('procedure.answer', { robot, answer });
+  }
+  backProcedure(robot: string): Promise<string | null> {
+    return this.steer('procedure.back', { robot });
+  }
+  cancelProcedure(robot: string): Promise<string | null> {
+    return this.steer('procedure.cancel', { robot });
+  }
+  /** @return  why not: a refusal stands beside its question, not among the notes */
+  private async steer(method: string, params: { robot: string; [name: string]: unknown }): Promise<string | null> {
+    try {
+      const told = await this.rpc.call<ProcedureJson>(method, params);
+      batch(() => {
+        // The lease that it has taken is ours, and lives on our messages.
+        if (method === 'procedure.start') this.client.value = told.client;
+        this.take('procedure', told);
+      });
+      return null;
+    } catch (error) {
+      if (error instanceof RpcError) return error.message;
+      this.noteError(error, params.robot);
+      return '';
+    }
+  }
+  ownsProcedure(robot: string): boolean {
+    const one = this.procedures.value[robot];
+    return one !== undefined && !one.over && one.client === this.client.value;
+  }
+
+  /** ms that a question without work takes there and back. */
+  async roundTrip(): Promise<number> {
+    const begin = performance.now();
+    await this.rpc.call('objects.list');
+    return performance.now() - begin;
   }
 
   preview(robot: string, target: PreviewTarget, timeoutMs?: number): Promise<PreviewJson> {

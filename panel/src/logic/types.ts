@@ -117,6 +117,10 @@ export interface CellRobot {
   simulated: boolean;
   pose: FlatPoseJson;
   streams: boolean;
+  stop?: { ends_motion: boolean; standstill: string; gravity: string };
+  nudge_max_m?: number;
+  nudge_max_rad?: number;
+  position_journal?: { found: string; way_out: string };
 }
 
 export interface CellObject {
@@ -252,7 +256,8 @@ export interface EventJson {
   number: number;
   at_ms: number;
   robot: string;
-  kind: 'state' | 'lease' | 'stop' | 'fault' | 'notice' | 'record' | 'job' | 'moved';
+  kind: 'state' | 'lease' | 'stop' | 'fault' | 'notice' | 'record' | 'job' | 'moved' | 'procedure';
+  procedure?: string;
   state?: MachineState;
   cause?: string;
   error?: ErrorJson;

@@ -327,7 +327,7 @@ function stretch(rod: Object3D, a: Vec3, b: Vec3): void {
   rod.scale.y = distance(a, b);
 }
 
-function shapeMesh(shape: ShapeJson, slim: number, material: Material, segments: number): Mesh | null {
+export function shapeMesh(shape: ShapeJson, slim: number, material: Material, segments: number): Mesh | null {
   if (shape.form === 'capsule') {
     const radius = shape.radius_m! * slim;
     const length = distance(shape.from_m!, shape.to_m!);

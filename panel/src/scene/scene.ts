@@ -40,6 +40,7 @@ import { compose, fromFlat } from '../logic/pose';
 import { jointLimits, jointsOf } from '../logic/store';
 import type { CellDescription, Pose, RobotModel, RobotStatus, ToolRow, Vec3 } from '../logic/types';
 import { axisFrame, Body, bodyLook, ghostLook, place } from './body';
+import { JointMark } from './joint_mark';
 import { kPalettes, Materials, type Theme } from './look';
 import { reachShell } from './reach';
 
@@ -149,6 +150,7 @@ export class CellScene {
   private readonly limits = new Group();
   private readonly labels = new Map<string, HTMLElement>();
   private ghost: { body: Body; robot: string; path: Line } | null = null;
+  private mark: { robot: string; of: JointMark } | null = null;
   private selected: string | null = null;
   private layers: Layers = { trail: true, reach: false, bodies: false, objects: true };
   private dirty = true;
@@ -281,6 +283,7 @@ export class CellScene {
     for (const label of this.labels.values()) label.remove();
     this.labels.clear();
     this.stands.clear();
+    this.markJoint(null, 0);
     this.hideGhost();
     for (const robot of cell.robots) {
       const model = models[robot.name];
@@ -341,7 +344,8 @@ export class CellScene {
     if (key === stand.key) return;
     stand.key = key;
     stand.q = q;
-    stand.body.pose(q, platform);
+    const poses = stand.body.pose(q, platform);
+    if (this.mark?.robot === name) this.mark.of.pose(poses);
     if (jaws !== undefined) stand.body.open(jaws);
     if (platform) {
       place(stand.tool, platform);
@@ -437,6 +441,21 @@ export class CellScene {
     place(group, at.pose);
     base.add(group);
     this.limits.add(base);
+  }
+
+  /** The joint that somebody is asked about, or that moves by itself now. */
+  markJoint(robot: string | null, joint: number): void {
+    const stand = robot === null ? undefined : this.stands.get(robot);
+    if (this.mark && this.mark.robot === robot && this.mark.of.joint === joint) return;
+    this.mark?.of.dispose();
+    this.mark = null;
+    this.invalidate();
+    if (!stand || !stand.model.joints[joint]) return;
+    const of = new JointMark(stand.model, joint);
+    const q = stand.q ?? stand.model.joints.map((one) => jointLimits(one).home);
+    of.pose(stand.body.pose(q, stand.q ? platformOf(stand) : undefined));
+    stand.group.add(of.group);
+    this.mark = { robot: stand.name, of };
   }
 
   showGhost(ghost: Ghost): void {

@@ -104,6 +104,11 @@ export function eventText(event: EventJson): string {
       });
     case 'record':
       return event.trouble ?? t('events.record', { path: event.path ?? '' });
+    case 'procedure':
+      return tWord('events.procedure', event.phase ?? '', {
+        title: tWord('procedure', event.procedure ?? ''),
+        text: event.trouble ?? '',
+      });
     case 'moved':
       return t('events.moved', { reason: event.reason ?? '' });
   }

@@ -43,6 +43,11 @@ const kIcons = {
   loop: 'M4 12a7 7 0 0 1 12-5l3 3M19 5v5h-5M20 12a7 7 0 0 1-12 5l-3-3M5 19v-5h5',
   branch: 'M6 4v16M6 14c8 0 10-3 10-8M13 8l3-3 3 3',
   call: 'M5 4h10l4 4v12H5zM9 12h6M9 16h6',
+  setup: 'M10 6h11M10 12h11M10 18h11M3 6l1.5 1.5L7 5M3 12l1.5 1.5L7 11M3 18l1.5 1.5L7 17',
+  plots: 'M3 3v18h18M6 15l4-5 4 3 6-8',
+  later: 'M5 12h14M13 6l6 6-6 6',
+  minus: 'M5 12h14',
+  skip: 'M6 5l8 7-8 7zM18 5v14',
   fit: 'M4 9V4h5M20 9V4h-5M4 15v5h5M20 15v5h-5',
 } as const;
 export type IconName = keyof typeof kIcons;

@@ -1,21 +1,16 @@
 import type { JSX } from 'preact';
 import { useSignal } from '@preact/signals';
-import { useEffect, useRef } from 'preact/hooks';
-import uPlot from 'uplot';
-import 'uplot/dist/uPlot.min.css';
+import { useMemo } from 'preact/hooks';
 import { t } from '../i18n';
-import { model, scrub, target, theme, verdict } from '../app';
+import { model, scrub, target, verdict } from '../app';
+import type { Line } from '../logic/series';
 import type { PreviewJson, RobotModel } from '../logic/types';
 import { toDeg, toMm } from '../logic/units';
+import { Chart, Swatch } from './chart';
 import { Icon, Segments, useFrames } from './parts';
 
 const kQuantities = ['position', 'velocity', 'acceleration', 'jerk'] as const;
 type Quantity = (typeof kQuantities)[number];
-
-/** A hue a joint, of equal weight in both themes; red belongs to Stop. */
-const kHues = [178, 42, 262, 96, 312, 214];
-const lineColor = (i: number, dark: boolean): string =>
-  `hsl(${kHues[i % kHues.length]} ${dark ? '62% 62%' : '70% 36%'})`;
 
 function rowsOf(preview: PreviewJson, quantity: Quantity, legs: boolean): number[][] {
   const { samples } = preview;
@@ -63,8 +58,7 @@ export function PlotDock(): JSX.Element | null {
         <ul class="legend">
           {one.joints.map((joint, i) => (
             <li key={joint.name}>
-              <span style={{ background: lineColor(i, theme.value === 'dark') }} />
-              {joint.name}
+              <Swatch hue={i} /> {joint.name}
             </li>
           ))}
         </ul>
@@ -106,88 +100,17 @@ export function PlotDock(): JSX.Element | null {
 
 function Plot(props: { preview: PreviewJson; model: RobotModel; quantity: Quantity; at: number }): JSX.Element {
   const { preview, model: one, quantity, at } = props;
-  const host = useRef<HTMLDivElement>(null);
-  const plot = useRef<uPlot | null>(null);
-  const now = useRef(at);
-  now.current = at;
-  const dark = theme.value === 'dark';
   const legs = one.kind === 'hexapod';
-
-  useEffect(() => {
-    const box = host.current!;
-    const css = getComputedStyle(document.documentElement);
-    const ink = css.getPropertyValue('--ink-2').trim();
-    const line = css.getPropertyValue('--line').trim();
-    const accent = css.getPropertyValue('--accent').trim();
-    const font = '11px "Inter Variable", system-ui, sans-serif';
-    const axis = { stroke: ink, font, grid: { stroke: line, width: 1 }, ticks: { show: false } };
-    const chart = new uPlot(
-      {
-        width: box.clientWidth,
-        height: box.clientHeight,
-        legend: { show: false },
-        cursor: { show: false },
-        padding: [8, 10, 0, 0],
-        scales: { x: { time: false } },
-        axes: [
-          { ...axis, size: 26, values: (_, ticks) => ticks.map((one) => `${one} s`) },
-          { ...axis, size: 58, values: (_, ticks) => ticks.map((one) => `${one}${unitText(quantity, legs)}`) },
-        ],
-        series: [
-          {},
-          ...one.joints.map((joint, i) => ({
-            label: joint.name,
-            stroke: lineColor(i, dark),
-            width: 1.75,
-            points: { show: false },
-          })),
-        ],
-        hooks: {
-          draw: [
-            (chart) => {
-              const x = chart.valToPos(now.current, 'x', true);
-              const { ctx, bbox } = chart;
-              ctx.save();
-              ctx.strokeStyle = accent;
-              ctx.lineWidth = devicePixelRatio;
-              ctx.beginPath();
-              ctx.moveTo(x, bbox.top);
-              ctx.lineTo(x, bbox.top + bbox.height);
-              ctx.stroke();
-              ctx.restore();
-            },
-          ],
-        },
-      },
-      dataOf(preview, quantity, legs, one.joints.length),
-      box,
-    );
-    plot.current = chart;
-    const watch = new ResizeObserver(() =>
-      chart.setSize({ width: box.clientWidth, height: box.clientHeight }),
-    );
-    watch.observe(box);
-    return () => {
-      watch.disconnect();
-      chart.destroy();
-      plot.current = null;
-    };
-  }, [one, quantity, dark]);
-
-  useEffect(() => {
-    plot.current?.setData(dataOf(preview, quantity, legs, one.joints.length));
-  }, [preview]);
-  useEffect(() => {
-    plot.current?.redraw(false);
-  }, [at]);
-  return <div class="plot" ref={host} aria-hidden="true" />;
-}
-
-function dataOf(preview: PreviewJson, quantity: Quantity, legs: boolean, joints: number): uPlot.AlignedData {
-  const rows = rowsOf(preview, quantity, legs);
-  const shown = legs ? toMm : toDeg;
-  return [
-    preview.samples.t_s,
-    ...Array.from({ length: joints }, (_, j) => rows.map((row) => shown(row[j] ?? 0))),
-  ];
+  const { t_s } = preview.samples;
+  const lines = useMemo((): Line[] => {
+    const rows = rowsOf(preview, quantity, legs);
+    const shown = legs ? toMm : toDeg;
+    return one.joints.map((joint, j) => ({
+      label: joint.name,
+      unit: unitText(quantity, legs),
+      hue: j,
+      values: Float64Array.from(rows, (row) => shown(row[j] ?? 0)),
+    }));
+  }, [preview, quantity, one]);
+  return <Chart t={t_s} lines={lines} low={t_s[0]!} high={t_s.at(-1)!} at={at} />;
 }

@@ -5,10 +5,12 @@ import { t } from '../i18n';
 import { aim, ghost, gizmoMode, go, model, robot, route, standing, status, store, target, theme } from '../app';
 import { withTool } from '../logic/target';
 import { CellScene, type Preset } from '../scene/scene';
-import { hoveredJoint, layers, look } from '../scene_state';
+import { hoveredJoint, layers, look, meantJoint } from '../scene_state';
+import { replayGhost } from '../plots_state';
 import { ghost as programGhost } from '../teach';
 import { Icon, Toggle } from './parts';
 import { PlotDock } from './plot_dock';
+import { PlotsDock } from './plots_dock';
 
 const kPresets: Preset[] = ['iso', 'front', 'side', 'top', 'oblique'];
 
@@ -70,10 +72,19 @@ export function Stage(): JSX.Element {
     else scene.current?.show(preset);
   });
   useSignalEffect(() => {
+    // A robot that is not here yet cannot be shown.
+    void store.cell.value;
     const { view } = route.value;
-    const now = view === 'move' ? ghost.value : view === 'programs' ? programGhost.value : null;
+    const now =
+      view === 'move' ? ghost.value : view === 'programs' ? programGhost.value : replayGhost.value;
     if (now) scene.current?.showGhost(now);
     else scene.current?.hideGhost();
+  });
+  useSignalEffect(() => {
+    // A new cell is drawn anew.
+    void store.cell.value;
+    const meant = route.value.view === 'setup' ? meantJoint.value : null;
+    scene.current?.markJoint(meant?.robot ?? null, meant?.joint ?? 0);
   });
   useSignalEffect(() => {
     const joint = hoveredJoint.value;
@@ -102,6 +113,7 @@ export function Stage(): JSX.Element {
         <Notes />
       </div>
       {route.value.view === 'move' && <PlotDock />}
+      {route.value.view === 'plots' && <PlotsDock />}
     </section>
   );
 }

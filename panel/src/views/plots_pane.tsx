@@ -1,0 +1,251 @@
+import type { JSX } from 'preact';
+import { useRef } from 'preact/hooks';
+import { language, t, tWord } from '../i18n';
+import { store } from '../app';
+import { csvOf, kQuantities, linesOf } from '../logic/series';
+import { lengthOf, type RunRecord } from '../logic/record';
+import { duration } from '../logic/units';
+import {
+  candidates,
+  choosable,
+  choose,
+  loadRecord,
+  mode,
+  picks,
+  playhead,
+  playing,
+  quantities,
+  record,
+  recordName,
+  recordTrouble,
+  save,
+  setQuantity,
+  standsFor,
+  type Choosable,
+} from '../plots_state';
+import { Swatch } from './chart';
+import { Icon, Segments } from './parts';
+
+/** What is plotted: as it comes, or of a record; which quantities, robots and joints. */
+export function PlotsPane(): JSX.Element {
+  return (
+    <div class="pane-body plots" data-tour="plots">
+      <Segments
+        hideLabel
+        label={t('plots.source')}
+        value={mode.value}
+        options={(['live', 'record'] as const).map((value) => ({ value, text: t(`plots.${value}`) }))}
+        onChange={(value) => {
+          playing.value = false;
+          mode.value = value;
+        }}
+      />
+      {mode.value === 'record' && <RecordPart />}
+      {(mode.value === 'live' || record.value) && (
+        <>
+          <fieldset class="checks">
+            <legend>{t('plots.what')}</legend>
+            {kQuantities
+              .filter((one) => mode.value === 'live' || one !== 'latency')
+              .map((one) => (
+                <label key={one} class="check">
+                  <input
+                    type="checkbox"
+                    checked={quantities.value.includes(one)}
+                    onChange={(event) => setQuantity(one, event.currentTarget.checked)}
+                  />
+                  {t(`plots.${one}`)}
+                  <small>{t(`plots.${one}.help`)}</small>
+                </label>
+              ))}
+          </fieldset>
+          {choosable.value.map((one) => (
+            <RobotChecks key={one.name} of={one} />
+          ))}
+        </>
+      )}
+      {mode.value === 'live' && <p class="hint">{t('plots.zoom.help')}</p>}
+    </div>
+  );
+}
+
+function RobotChecks({ of }: { of: Choosable }): JSX.Element {
+  const on = of.joints.filter((joint) => picks.value.some((one) => one.robot === of.name && one.joint === joint.joint));
+  const all = on.length === of.joints.length;
+  const some = useRef<HTMLInputElement>(null);
+  if (some.current) some.current.indeterminate = on.length > 0 && !all;
+  return (
+    <fieldset class="checks checks-robot">
+      <legend>
+        <label class="check">
+          <input
+            ref={some}
+            type="checkbox"
+            checked={all}
+            onChange={() => choose(of.name, of.joints.map((joint) => joint.name), !all)}
+          />
+          {of.name}
+        </label>
+      </legend>
+      <div class="check-joints">
+        {of.joints.map((joint) => (
+          <label key={joint.name} class="check">
+            <input
+              type="checkbox"
+              checked={on.includes(joint)}
+              onChange={(event) => choose(of.name, [joint.name], event.currentTarget.checked)}
+            />
+            <Swatch hue={joint.hue} /> {joint.name}
+          </label>
+        ))}
+      </div>
+    </fieldset>
+  );
+}
+
+function RecordPart(): JSX.Element {
+  const input = useRef<HTMLInputElement>(null);
+  const one = record.value;
+  const take = (files: FileList | null | undefined) => {
+    if (files?.[0]) void loadRecord(files[0]);
+  };
+  return (
+    <section class="records">
+      <div
+        class="record-drop"
+        onDragOver={(event) => event.preventDefault()}
+        onDrop={(event) => {
+          event.preventDefault();
+          take(event.dataTransfer?.files);
+        }}
+      >
+        <input
+          ref={input}
+          type="file"
+          accept=".mcap"
+          class="sr-only"
+          tabIndex={-1}
+          aria-label={t('plots.record.open')}
+          onChange={(event) => {
+            take(event.currentTarget.files);
+            event.currentTarget.value = '';
+          }}
+        />
+        <button type="button" class={one ? '' : 'primary'} onClick={() => input.current?.click()}>
+          <Icon name="folder" size={16} /> {t('plots.record.open')}
+        </button>
+        <p class="hint">{t('plots.record.drop')}</p>
+      </div>
+      {recordTrouble.value && (
+        <p class="setup-refused" role="alert">
+          {recordTrouble.value}
+        </p>
+      )}
+      {one && <RecordFacts of={one} />}
+      <Told />
+    </section>
+  );
+}
+
+function RecordFacts({ of }: { of: RunRecord }): JSX.Element {
+  const here = candidates(of, store.robots.value, store.models.value);
+  return (
+    <>
+      <dl class="facts">
+        <div>
+          <dt>{t('plots.record.file')}</dt>
+          <dd>{recordName.value}</dd>
+        </div>
+        <div>
+          <dt>{t('plots.record.robot')}</dt>
+          <dd>
+            {of.robot}
+            {of.model && of.model !== of.robot && ` (${of.model})`}
+          </dd>
+        </div>
+        {of.program && (
+          <div>
+            <dt>{t('plots.record.program')}</dt>
+            <dd>{of.program}</dd>
+          </div>
+        )}
+        <div>
+          <dt>{t('plots.record.began')}</dt>
+          <dd>{new Date(of.startedMs).toLocaleString(language.value)}</dd>
+        </div>
+        <div>
+          <dt>{t('plots.record.length')}</dt>
+          <dd>{t('plots.record.samples', { time: duration(lengthOf(of)), count: of.frames.length })}</dd>
+        </div>
+      </dl>
+      {!of.whole && <p class="question-trouble">{t('plots.record.cut')}</p>}
+      {of.lost > 0 && <p class="question-trouble">{t('plots.record.lost', { count: of.lost })}</p>}
+      {here.length === 0 ? (
+        <p class="hint">{t('plots.record.nobody')}</p>
+      ) : (
+        <label class="record-on">
+          <span class="field-label">{t('plots.record.on')}</span>
+          <select value={standsFor.value ?? ''} onChange={(event) => (standsFor.value = event.currentTarget.value)}>
+            {here.map((name) => (
+              <option key={name}>{name}</option>
+            ))}
+          </select>
+        </label>
+      )}
+      <button type="button" onClick={() => saveWhole(of)}>
+        <Icon name="save" size={16} /> {t('plots.record.csv')}
+      </button>
+      {of.events.length > 0 && (
+        <details class="record-events">
+          <summary>{t('plots.record.events', { count: of.events.length })}</summary>
+          <ol>
+            {of.events.slice(0, 300).map((event, i) => (
+              <li key={i}>
+                <button type="button" class={`quiet${event.grave ? ' grave' : ''}`} onClick={() => (playhead.value = event.t)}>
+                  <span>{event.t.toFixed(2)} s</span>
+                  <strong>{tWord('plots.event', event.kind)}</strong>
+                  <span>{event.text}</span>
+                </button>
+              </li>
+            ))}
+          </ol>
+        </details>
+      )}
+    </>
+  );
+}
+
+/** All joints and all that a record can tell of them. */
+function saveWhole(of: RunRecord): void {
+  const all = choosable.value.flatMap((one) => one.joints);
+  const charts = (['position', 'velocity', 'acceleration', 'error'] as const).map((quantity) => ({
+    quantity,
+    lines: linesOf(of.frames, all, quantity, { trip: '', late: '' }),
+  }));
+  save(`${recordName.value.replace(/\.mcap$/i, '')}.csv`, csvOf(of.frames.map((one) => one.t), charts));
+}
+
+/** Records that this cell has written: they lie beside the controller. */
+function Told(): JSX.Element {
+  const told = store.events.value.filter((one) => one.kind === 'record' && one.path).reverse();
+  return (
+    <section aria-label={t('plots.told')}>
+      <h3>{t('plots.told')}</h3>
+      {told.length === 0 ? (
+        <p class="hint">{t('plots.told.none')}</p>
+      ) : (
+        <ul class="told">
+          {told.slice(0, 50).map((event) => (
+            <li key={event.number}>
+              <time>{new Date(event.at_ms).toLocaleTimeString(language.value, { hour12: false })}</time>
+              <strong>{event.robot}</strong>
+              {event.cause && <span class="tag">{tWord('cause', event.cause)}</span>}
+              <code>{event.path}</code>
+              {event.trouble && <span class="question-trouble">{event.trouble}</span>}
+            </li>
+          ))}
+        </ul>
+      )}
+    </section>
+  );
+}
