@@ -18,6 +18,7 @@ struct Request {
   std::string seeds = "1..1000";
   double seconds = 0;  ///< 0: until the last seed
   bool hashes = false;
+  bool supplies = false;
   std::uint64_t first = 0;
   std::uint64_t last = 0;
 };
@@ -45,11 +46,11 @@ bool read_seeds(Request& request) {
 }
 
 /// What a seed that fails says: what broke, and how little of it still does.
-void tell(std::uint64_t seed, const SystemRun& run) {
-  std::cout << "seed " << seed << " FAILS: " << run.failures.front() << "\n  shrinks ..."
-            << std::endl;
+void tell(const SystemPlan& plan_that_fails, const SystemRun& run) {
+  std::cout << "seed " << plan_that_fails.seed << " FAILS: " << run.failures.front()
+            << "\n  shrinks ..." << std::endl;
   SystemCounts counts;
-  const SystemPlan plan = shrunk({.seed = seed}, kShrinkTries);
+  const SystemPlan plan = shrunk(plan_that_fails, kShrinkTries);
   const SystemRun less = run_system(plan, counts);
   std::cout << "  to " << describe(plan, less) << "\n";
   if (!less.failures.empty()) std::cout << "  " << less.failures.front() << "\n";
@@ -64,14 +65,15 @@ int run(const Request& request) {
   std::uint64_t failed = 0;
   for (std::uint64_t seed = request.first; seed <= request.last; ++seed) {
     if (request.seconds > 0 && elapsed() > request.seconds) break;
-    const SystemRun one = run_system({.seed = seed}, counts);
+    const SystemPlan plan{.seed = seed, .supplies = request.supplies};
+    const SystemRun one = run_system(plan, counts);
     ++ran;
     if (request.hashes)
       std::printf("%llu %016llx\n", static_cast<unsigned long long>(seed),
                   static_cast<unsigned long long>(one.hash));
     if (one.failures.empty()) continue;
     ++failed;
-    tell(seed, one);
+    tell(plan, one);
   }
   if (!request.hashes) {
     std::cout << ran << " seeds in " << elapsed() << " s: " << counts.commands << " commands, "
@@ -90,6 +92,7 @@ int main(int argc, char** argv) {
   sinew::test::Request request;
   app.add_option("--seeds", request.seeds, "one seed, or A..B")->capture_default_str();
   app.add_option("--seconds", request.seconds, "stops behind the seed that is under way then");
+  app.add_flag("--supplies", request.supplies, "supplies sink as well");
   app.add_flag("--hashes", request.hashes, "each seed with the hash of all that happened");
   CLI11_PARSE(app, argc, argv);
   if (!sinew::test::read_seeds(request)) {

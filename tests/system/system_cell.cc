@@ -5,6 +5,7 @@
 
 #include "sinew/control/machine_identity.h"
 #include "sinew/core/units.h"
+#include "sinew/model/error_sentence.h"
 #include "system/some_motion.h"
 
 namespace sinew::test {
@@ -53,8 +54,10 @@ Station::Station(const RobotModel& robot, const std::optional<std::string>& prof
 /// How far a motor may stand beside what its wire can say of it; rad or m.
 double Station::resolution(std::size_t joint) const {
   const auto& settings = robot_.device.settings;
+  // Until the next look at its modules nobody can know what they did without power.
+  const double unseen = browned_out_ ? control::recovery_settings(robot_).power_up_way[joint] : 0.0;
   // A rotor that turns trails its field by up to a full step, 16 microsteps here.
-  if (const auto* legs = std::get_if<IcpDevice>(&settings)) return 17 / legs->units_per_m;
+  if (const auto* legs = std::get_if<IcpDevice>(&settings)) return unseen + 17 / legs->units_per_m;
   if (const auto* arm = std::get_if<BigRobotArmDevice>(&settings)) {
     const BigRobotArmJoint& own = arm->joints[joint];
     return 2 * own.steps_per_motor_rev / 200 / std::abs(own.steps_per_rad);
@@ -104,6 +107,41 @@ void Station::slice(Duration time) {
     return false;
   })) << where();
   hash_.add(cell_.line().counts().bytes);
+  look_at_supply();
+}
+
+/// What its makers say that the supply is; nothing where a device knows nothing of it.
+std::optional<double> nominal_volts(const RobotModel& robot) {
+  if (std::holds_alternative<IcpDevice>(robot.device.settings)) return 12.0;
+  if (std::holds_alternative<LscDevice>(robot.device.settings)) return 7.4;
+  return std::nullopt;
+}
+
+/// Modules of the hexapod brown out below 8 V; servos sag only, as far as this battery sinks.
+std::string Station::sink_supply(const Blow& blow) {
+  const auto nominal = nominal_volts(robot_);
+  if (!nominal) return "its supply holds";
+  const bool modules = std::holds_alternative<IcpDevice>(robot_.device.settings);
+  const double volts = *nominal * (modules ? blow.volts : 0.8 + 0.2 * blow.volts);
+  ++counts_.sunk_supplies;
+  browned_out_ = browned_out_ || modules;
+  cell_.machine().disturb({sim::Disturbance::Kind::kSupply, -1, volts});
+  supply_returns_ = cell_.now() + blow.cut;
+  return "its supply sinks to " + std::to_string(volts) + " V for " +
+         std::to_string(blow.cut / 1ms) + " ms";
+}
+
+void Station::look_at_supply() {
+  if (supply_returns_ && cell_.now() >= *supply_returns_) {
+    supply_returns_.reset();
+    cell_.machine().disturb({sim::Disturbance::Kind::kSupply, -1, *nominal_volts(robot_)});
+  }
+  // Found out: nothing exact is said any more.
+  if (!browned_out_ || supply_returns_ || !host_ || host_->claims.empty()) return;
+  if (host_->claims.back().kind == JournalKind::kIntent) return;
+  browned_out_ = std::ranges::any_of(
+      host_->claims.back().positions,
+      [](const JointPosition& joint) { return joint.quality >= PositionQuality::kCommanded; });
 }
 
 void Station::look() {
@@ -220,7 +258,7 @@ Station::Blow Station::draw_blow() {
     return Duration(std::chrono::milliseconds(random_.integer(lower, upper)));
   };
   Blow blow;
-  blow.dice = random_.integer(0, 9);
+  blow.dice = random_.integer(0, supplies_sink_ ? 10 : 9);
   blow.seed = random_.bits();
   blow.recovers = random_.chance(0.4);
   blow.delay = milliseconds(1, 60);
@@ -228,6 +266,7 @@ Station::Blow Station::draw_blow() {
   blow.sync_max = milliseconds(20, 400);
   blow.power_too = random_.chance(0.3);
   blow.away = milliseconds(1, 1500);
+  if (supplies_sink_) blow.volts = random_.uniform(0.35, 1);
   return blow;
 }
 
@@ -279,6 +318,7 @@ std::string Station::strike(const Blow& blow) {
     disk_.fail_from_call(disk_.calls() + 1, {DiskErrorCode::kFull, 0});
     return "its disk is full";
   }
+  if (blow.dice == 10) return sink_supply(blow);
   if (!guarded()) {
     cell_.run_to(cell_.now() + 200ms, 1ms, [this] {
       look();
@@ -367,6 +407,7 @@ void Station::ask_to_move() {
 
 void Station::heal() {
   misfortunes_ = false;
+  if (supply_returns_) supply_returns_ = cell_.now();
   cell_.line().set_faults({}, cell_.now());
   disk_.set_sync_time(1ms, 20ms, 1);
   disk_.fail_from_call(0, {});
@@ -383,7 +424,11 @@ bool Station::ready() const {
 std::string Station::where() const {
   std::string text =
       robot_.id + " at " + std::to_string(to_seconds(cell_.now().time_since_epoch()));
-  if (host_) text += ", " + std::string(name(host_->loop->controller().state()));
+  if (!host_) return text;
+  text += ", " + std::string(name(host_->loop->controller().state()));
+  if (const auto& why = host_->loop->controller().latched()) {
+    text += " (" + sentence_of(why->error, robot_) + ")";
+  }
   return text;
 }
 

@@ -35,6 +35,7 @@ struct SystemCounts {
   std::uint64_t faults = 0;  ///< of wires, supplies, disks and hosts
   std::uint64_t kills = 0;
   std::uint64_t power_losses = 0;
+  std::uint64_t sunk_supplies = 0;
   std::uint64_t latched = 0;
   std::uint64_t records = 0;
   std::uint64_t looks = 0;
@@ -59,6 +60,8 @@ class Station {
   void heal();
   bool ready() const;
   std::string where() const;
+  /// Supplies sink as well, from now on.
+  void let_supplies_sink() { supplies_sink_ = true; }
   /// Misfortunes of these numbers are drawn, and do not happen. @param first  number of this
   /// station's first one
   void spare(const std::set<std::uint64_t>& numbers, std::uint64_t first) {
@@ -97,9 +100,12 @@ class Station {
     Duration sync_max{};     ///< of a slow disk
     bool power_too = false;  ///< of a host that dies
     Duration away{};         ///< until it is started again
+    double volts = 0;        ///< of a supply that sinks, as a share of what it should be
   };
   Blow draw_blow();
   std::string strike(const Blow& blow);
+  std::string sink_supply(const Blow& blow);
+  void look_at_supply();
 
   void begin_life();
   void kill(bool power_too, Duration away, std::uint64_t seed);
@@ -127,6 +133,10 @@ class Station {
   std::unique_ptr<Host> host_;
   std::optional<Instant> host_returns_;
   std::uint32_t been_inside_ = 0;  ///< joints, as bits
+  bool supplies_sink_ = false;
+  std::optional<Instant> supply_returns_;
+  /// Its modules may have lost their power, and nobody has found out yet.
+  bool browned_out_ = false;
   bool misfortunes_ = true;
   std::set<std::uint64_t> spared_;
   std::uint64_t next_misfortune_ = 0;

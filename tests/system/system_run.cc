@@ -41,6 +41,7 @@ class Run {
       if ((plan.robots >> k & 1) == 0) continue;
       stations_.push_back(std::make_unique<Station>(robots_[k], profile_of(kKinds[k]),
                                                     stream_of(plan.seed, k), counts, hash_));
+      if (plan.supplies) stations_.back()->let_supplies_sink();
       stations_.back()->spare(plan.spared, k * kMisfortunesMax);
     }
   }

@@ -13,6 +13,7 @@ struct SystemPlan {
   std::uint64_t seed = 0;
   Duration time = std::chrono::seconds(20);
   unsigned robots = 0b111;  ///< one bit each
+  bool supplies = false;    ///< sink as well, from time to time
   /// Misfortunes that are drawn and do not happen, by their numbers; what is left of a failing seed
   /// behind shrinking has fewer.
   std::set<std::uint64_t> spared = {};
