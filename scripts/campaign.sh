@@ -7,7 +7,7 @@
 #   SINEW_KILLS   -9 of real processes, of each of two robots (1000)
 #   SINEW_SEEDS   of the whole system in virtual time (100000)
 #   SINEW_TRACE_SEEDS  compared between g++ and clang (200)
-#   PARTS         which of: format tidy asan tsan fuzz seeds faults motion kills system trace (all)
+#   PARTS         which of: format tidy asan tsan fuzz seeds faults motion kills system trace latency (all)
 # shellcheck source=scripts/lib.sh
 source "$(dirname "${BASH_SOURCE[0]}")/lib.sh"
 
@@ -18,7 +18,7 @@ sequences=${SINEW_SEQUENCES:-1000000}
 kills=${SINEW_KILLS:-1000}
 system_seeds=${SINEW_SEEDS:-100000}
 trace_seeds=${SINEW_TRACE_SEEDS:-200}
-parts=${PARTS:-format tidy asan tsan fuzz seeds faults motion kills system trace}
+parts=${PARTS:-format tidy asan tsan fuzz seeds faults motion kills system trace latency}
 # Only their own parts ask for so many.
 unset SINEW_FAULTS SINEW_SEQUENCES SINEW_KILLS SINEW_SEEDS
 
@@ -114,6 +114,14 @@ side_by_side() {
 
 faults_part() { side_by_side faults faults_test Faults "SINEW_FAULTS=$faults"; }
 motion_part() { side_by_side motion sequences_test '*Sequences' "SINEW_SEQUENCES=$sequences"; }
+# The processor's other work is the matter here, so nothing runs beside it.
+latency_part() {
+  configure release -DSINEW_TESTS=ON "$(keep_toggle release SINEW_BENCH libbenchmark-dev)" &&
+    build release sinew &&
+    step "stops in real time" stop-latency /usr/bin/env python3 tests/latency/stop_latency.py \
+      build/release/sinew 100 && cat "$logs/stop-latency.log"
+}
+
 kills_part() { side_by_side kills crash_test '*Kills' "SINEW_KILLS=$kills"; }
 
 # A stretch of the seeds for each core; a seed that fails is told with as little as still fails.

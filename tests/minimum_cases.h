@@ -28,7 +28,7 @@ inline constexpr std::array kMinimumTests = std::to_array<MinimumTests>({
     {"cli_test", 188}, {"config_test", 89}, {"control_test", 88}, {"core_test", 22},
     {"crash_test", 2}, {"device_test", 229}, {"driver_test", 301}, {"faults_test", 46},
     {"house_test", 34}, {"io_test", 65}, {"kinematics_test", 155}, {"motion_test", 110},
-    {"planning_test", 396}, {"program_test", 221}, {"runtime_test", 90}, {"sequences_test", 15},
+    {"planning_test", 396}, {"program_test", 221}, {"runtime_test", 91}, {"sequences_test", 15},
     {"server_test", 64}, {"sim_test", 219}, {"step_allocations_test", 6},
     {"stop_latency_test", 10}, {"supply_test", 3}, {"system_test", 2}, {"web_test", 10},
     {"wire_test", 122},

@@ -369,6 +369,8 @@ void add_serve(CLI::App& app, Call& call) {
                    "where it answers; the user's own place where left out");
   verb->add_option("--record-folder", call.serve.record_folder,
                    "each program that runs leaves a record there (MCAP, for viewers)");
+  verb->add_flag("--realtime", call.serve.realtime,
+                 "control threads come before everything else on this computer (SCHED_FIFO)");
   WebDoorRequest& web = call.serve.web;
   verb->add_option("--listen", web.listen,
                    "where browsers reach it, HOST:PORT, or none; 127.0.0.1:8700 where left out");

@@ -101,11 +101,18 @@ Outcome serve(const ServeRequest& request) {
   const auto commissioning = runtime::commissioning_folder();
   if (!commissioning) return could_not(commissioning.error().sentence);
   io::catch_interrupts();
+  std::optional<io::RealtimeStart> realtime;
+  if (request.realtime) {
+    auto begun = io::RealtimeStart::begin();
+    if (!begun) return could_not("--realtime: " + begun.error().sentence);
+    realtime.emplace(std::move(*begun));
+  }
   auto running = runtime::RunningCell::start(std::move(*cell), std::move(*robots),
                                              {.journal = *folder,
                                               .flight = *flight,
                                               .record = request.record_folder.value_or(""),
                                               .commissioning = *commissioning});
+  realtime.reset();
   if (!running) return could_not(running.error().sentence);
   server::Api api(**running, SINEW_VERSION);
   server::ServerLoop loop(api);

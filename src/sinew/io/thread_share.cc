@@ -1,6 +1,11 @@
 #include "sinew/io/thread_share.h"
 
+#include <pthread.h>
+#include <sched.h>
+#include <sys/mman.h>
 #include <sys/resource.h>
+
+#include <cerrno>
 
 namespace sinew::io {
 
@@ -8,6 +13,30 @@ void let_others_go_first() {
   // On Linux this is the thread's own. Five steps are about a third of the share.
   constexpr int kNicer = 5;
   static_cast<void>(::setpriority(PRIO_PROCESS, 0, kNicer));
+}
+
+IoResult<RealtimeStart> RealtimeStart::begin() {
+  // Before ordinary programs, behind the kernel's own threads, which run at 50.
+  const sched_param before_others{.sched_priority = 20};
+  if (const int refused = ::pthread_setschedparam(::pthread_self(), SCHED_FIFO, &before_others);
+      refused != 0) {
+    IoError error = system_error("real time", refused);
+    error.sentence += "; root may, and whoever has rtprio and memlock in /etc/security/limits.d";
+    return std::unexpected(error);
+  }
+  RealtimeStart start;
+  if (::mlockall(MCL_CURRENT | MCL_FUTURE) != 0) {
+    IoError error = system_error("real time: memory that stays", errno);
+    error.sentence += "; root may, and whoever has memlock in /etc/security/limits.d";
+    return std::unexpected(error);
+  }
+  return start;
+}
+
+RealtimeStart::~RealtimeStart() {
+  if (!active_) return;
+  const sched_param as_all{};
+  static_cast<void>(::pthread_setschedparam(::pthread_self(), SCHED_OTHER, &as_all));
 }
 
 }  // namespace sinew::io

@@ -1,9 +1,26 @@
 #pragma once
 
+#include "sinew/io/io_error.h"
+
 namespace sinew::io {
 
 /// This thread, and those that it starts, get less of the processor than the others of the process
 /// where there is not enough for all.
 void let_others_go_first();
+
+/// While it lives, this thread, and for good those that it starts meanwhile, come before everything
+/// else on this computer (SCHED_FIFO), and no memory of the process is paged out.
+class RealtimeStart {
+ public:
+  /// @error  the system does not allow it; a sentence with the remedy
+  static IoResult<RealtimeStart> begin();
+  RealtimeStart(RealtimeStart&& other) noexcept : active_(other.active_) { other.active_ = false; }
+  RealtimeStart& operator=(RealtimeStart&&) = delete;
+  ~RealtimeStart();
+
+ private:
+  RealtimeStart() = default;
+  bool active_ = true;
+};
 
 }  // namespace sinew::io

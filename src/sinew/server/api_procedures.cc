@@ -97,7 +97,7 @@ void Api::poll_procedures() {
       Json event{{"at_ms", io::wall_time_ns() / 1'000'000},
                  {"robot", cell_.station(i).name()},
                  {"kind", "procedure"},
-                 {"number", now.number},
+                 {"procedure_number", now.number},
                  {"procedure", now.view.id},
                  {"phase", program::name(now.view.phase)},
                  {"over", now.over}};

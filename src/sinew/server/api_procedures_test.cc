@@ -101,6 +101,15 @@ TEST(ApiProcedures, a_platform_is_recovered_step_by_step_while_others_watch) {
     return ended;
   }));
   EXPECT_TRUE(moved) << "how the motion got on";
+  std::uint64_t last = 0;
+  bool told = false;
+  const Json events = client.call("events.list")["result"]["events"];
+  for (const Json& event : events) {
+    EXPECT_GT(event["number"].get<std::uint64_t>(), last) << event.dump();
+    last = event["number"];
+    told |= event["kind"] == "procedure" && event.contains("procedure_number");
+  }
+  EXPECT_TRUE(told) << events.dump();
 }
 
 TEST(ApiProcedures, what_is_no_procedure_or_no_answer_is_refused_with_a_sentence) {

@@ -16,6 +16,7 @@ class EventLog {
   void add(Json event) {
     Json numbered{{"number", ++last_}};
     numbered.update(event);
+    numbered["number"] = last_;
     events_.push_back(std::move(numbered));
     if (events_.size() > kMax) events_.pop_front();
   }
