@@ -290,6 +290,8 @@ Expected<void> Controller::acknowledge(const Inputs& inputs, Instant now) {
     if (auto cleared = driver_.clear_fault(now); !cleared) return cleared;
   }
   driver_.close(now);
+  // Clearing a fault may open the device, and closing it ends that: told is only what comes later.
+  while (driver_.take_event()) continue;
   latched_.reset();
   later_.clear();
   change(Signal::kAcknowledge);

@@ -241,6 +241,8 @@ TEST(Controller, a_fault_is_latched_until_its_cause_is_gone_and_acknowledged) {
   const std::size_t pieces = cell.driver.pieces.size();
   cell.run(2s);
   EXPECT_EQ(cell.driver.pieces.size(), pieces);
+  EXPECT_EQ(cell.controller.state(), kOff);
+  EXPECT_FALSE(cell.controller.latched()) << "closing the device is no fault of it";
 }
 
 TEST(Controller, a_fault_whose_cause_stays_is_not_acknowledged) {

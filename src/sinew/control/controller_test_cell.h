@@ -34,7 +34,10 @@ class PretendDriver final : public Driver {
   }
   void close(Instant) override {
     if (state_ == DriverState::kClosed) return;
-    if (!queue_.empty()) tell(DriverEvent::Kind::kFailed, {ErrorCode::kPortClosed});
+    const bool opening_ends = state_ == DriverState::kOpening;
+    if (!queue_.empty() || opening_ends) {
+      tell(DriverEvent::Kind::kFailed, {ErrorCode::kPortClosed});
+    }
     queue_.clear();
     state_ = DriverState::kClosed;
   }
@@ -84,10 +87,11 @@ class PretendDriver final : public Driver {
     homing_until_ = now + 200ms;
     return {};
   }
-  Expected<void> clear_fault(Instant) override {
+  /// Finds its device anew, as the hexapod's driver does.
+  Expected<void> clear_fault(Instant now) override {
     if (cause_stays) return std::unexpected(*fault_);
     fault_.reset();
-    state_ = DriverState::kReady;
+    open(now);
     return {};
   }
   void declare_positions(std::span<const JointPosition> positions) override {

@@ -113,7 +113,7 @@ TEST(JournalRecord, bytes_that_no_program_of_ours_writes_are_refused_although_se
   EXPECT_FALSE(with(6, 0));  // joints
   EXPECT_FALSE(with(6, 9));
   EXPECT_FALSE(with(6, 2));      // one fewer than stand there
-  EXPECT_FALSE(with(7, 5));      // cause
+  EXPECT_FALSE(with(7, 6));      // cause
   EXPECT_FALSE(with(20, 0x41));  // no such quality
   EXPECT_FALSE(with(21, 0x13));  // a quality of a joint that is not there
   EXPECT_FALSE(with(80, 1));     // a number of a lost joint
