@@ -73,8 +73,7 @@ fuzz_part() {
 
 seeds_part() {
   local i code=0
-  configure release -DSINEW_TESTS=ON "$(keep_toggle release SINEW_BENCH libbenchmark-dev)" &&
-    build release || return 1
+  configure_release_tests && build release || return 1
   for ((i = 1; i <= seeds; ++i)); do
     SINEW_SEED=$((RANDOM << 30 | RANDOM << 15 | RANDOM))
     export SINEW_SEED
@@ -87,8 +86,7 @@ seeds_part() {
 # side_by_side TITLE PROGRAM SUITE VARIABLE=NUMBER: every test of the suite by itself.
 side_by_side() {
   local title=$1 program=build/release/tests/$2 suite=$3 many=$4
-  configure release -DSINEW_TESTS=ON "$(keep_toggle release SINEW_BENCH libbenchmark-dev)" &&
-    build release || return 1
+  configure_release_tests && build release || return 1
   local names name code=0 running=0
   mapfile -t names < <("$program" --gtest_list_tests "--gtest_filter=$suite.*" |
     awk '/^  / { print $1 }')
@@ -114,20 +112,18 @@ side_by_side() {
 
 faults_part() { side_by_side faults faults_test Faults "SINEW_FAULTS=$faults"; }
 motion_part() { side_by_side motion sequences_test '*Sequences' "SINEW_SEQUENCES=$sequences"; }
+kills_part() { side_by_side kills crash_test '*Kills' "SINEW_KILLS=$kills"; }
+
 # The processor's other work is the matter here, so nothing runs beside it.
 latency_part() {
-  configure release -DSINEW_TESTS=ON "$(keep_toggle release SINEW_BENCH libbenchmark-dev)" &&
-    build release sinew &&
+  configure_release_tests && build release sinew &&
     step "stops in real time" stop-latency /usr/bin/env python3 tests/latency/stop_latency.py \
       build/release/sinew 100 && cat "$logs/stop-latency.log"
 }
 
-kills_part() { side_by_side kills crash_test '*Kills' "SINEW_KILLS=$kills"; }
-
 # A stretch of the seeds for each core; a seed that fails is told with as little as still fails.
 system_part() {
-  configure release -DSINEW_TESTS=ON "$(keep_toggle release SINEW_BENCH libbenchmark-dev)" &&
-    build release || return 1
+  configure_release_tests && build release || return 1
   local jobs share k code=0 pids=()
   jobs=$(jobs_count)
   share=$(((system_seeds + jobs - 1) / jobs))
@@ -143,8 +139,7 @@ system_part() {
 # The same seeds are the same runs, to the last byte and event, whoever compiled them.
 trace_part() {
   local preset
-  configure release -DSINEW_TESTS=ON "$(keep_toggle release SINEW_BENCH libbenchmark-dev)" &&
-    configure clang -DSINEW_TESTS=ON || return 1
+  configure_release_tests && configure clang -DSINEW_TESTS=ON || return 1
   for preset in release clang; do
     build "$preset" sinew-sim || return 1
     step "trace $preset" "trace-$preset" sh -c \

@@ -131,6 +131,11 @@ configure() {
   step "configure $preset" "configure-$preset" cmake --preset "$preset" "$@"
 }
 
+# The release build with its tests; benchmarks stay where they were configured.
+configure_release_tests() {
+  configure release -DSINEW_TESTS=ON "$(keep_toggle release SINEW_BENCH libbenchmark-dev)"
+}
+
 # build PRESET TARGETS...: all targets where none is named.
 build() {
   local preset=$1

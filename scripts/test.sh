@@ -84,8 +84,7 @@ panel_part() {
 }
 
 release_part() {
-  if ! configure release -DSINEW_TESTS=ON \
-    "$(keep_toggle release SINEW_BENCH libbenchmark-dev)" || ! build release; then
+  if ! configure_release_tests || ! build release; then
     failed=$((failed + 1))
     return 1
   fi

@@ -21,14 +21,14 @@ const { chromium } = createRequire(path.join(root, 'panel/package.json'))('playw
 
 export const kPatience = 1000 * Number(process.env.PANEL_PATIENCE_S ?? 60); // ms, on a machine that does something else as well
 
-export async function until(what, done, interval = 50) {
-  const end = Date.now() + kPatience;
+export async function until(what, done, interval = 50, patience = kPatience) {
+  const end = Date.now() + patience;
   while (Date.now() < end) {
     const value = await done();
     if (value) return value;
     await new Promise((go) => setTimeout(go, interval));
   }
-  throw new Error(`not in ${kPatience / 1000} s: ${what}`);
+  throw new Error(`not in ${patience / 1000} s: ${what}`);
 }
 
 const kTypes = { '.html': 'text/html', '.js': 'text/javascript', '.css': 'text/css', '.svg': 'image/svg+xml', '.woff2': 'font/woff2' };
@@ -90,6 +90,7 @@ export async function bench(cellText) {
     });
   };
   let url = process.env.PANEL_URL ?? (await serve());
+  door = new URL(url);
   if (process.env.PANEL_DIST) {
     fronted = await front(path.resolve(process.env.PANEL_DIST), new URL(url));
     url = `http://127.0.0.1:${fronted.address().port}/${new URL(url).hash}`;
@@ -101,7 +102,7 @@ export async function bench(cellText) {
   return {
     url,
     /** A page of its own; what it complains of is kept. */
-    async open(options = {}) {
+    async open(options = {}, address = '') {
       const context = await browser.newContext({
         viewport: { width: 1100, height: 720 },
         locale: 'en-GB',
@@ -117,7 +118,8 @@ export async function bench(cellText) {
         if (message.type() === 'error') page.errors.push(message.text());
       });
       await page.goto(url);
-      await page.waitForSelector('.card-name');
+      await shown(page);
+      if (address) await page.evaluate((to) => void (location.hash = to), address);
       return page;
     },
     async close(page, name) {
@@ -140,22 +142,38 @@ export async function bench(cellText) {
   };
 }
 
-export const status = (page, robot) =>
-  page.evaluate((name) => globalThis.__sinew.store.status.value[name], robot);
-export const truth = async (page, robot) => {
-  const told = await page.evaluate(
-    (name) => globalThis.__sinew.rpc.call('simulation.truth', { robot: name }),
-    robot,
-  );
-  return told.joints.map((joint) => joint.position_rad ?? joint.position_m);
-};
+/** The first pictures cost a computer without a graphics processor more than a lease lasts. */
+export async function shown(page) {
+  await page.waitForSelector('.card-name');
+  await until('drawn', () => page.evaluate(() => globalThis.sinewScene?.frames.length > 3), 200);
+}
+
+let door;
+/** Past the page: what is held against it does not wait for it. */
+export async function ask(method, params) {
+  const answer = await fetch(new URL('/rpc', door), {
+    method: 'POST',
+    headers: { 'Content-Type': 'application/json', Authorization: `Bearer ${door.hash.replace('#token=', '')}` },
+    body: JSON.stringify({ jsonrpc: '2.0', id: 1, method, params }),
+  });
+  const { result, error } = await answer.json();
+  if (error) throw new Error(error.message);
+  return result;
+}
+export const status = (robot) => ask('robot.status', { robot });
+export const truth = async (robot) =>
+  (await ask('simulation.truth', { robot })).joints.map((joint) => joint.position_rad ?? joint.position_m);
 export const apart = (a, b) => Math.max(...a.map((one, i) => Math.abs(one - b[i])));
 
+/** What the page itself knows of a robot. */
+export const seen = (page, robot) =>
+  page.evaluate((name) => globalThis.__sinew.store.status.value[name], robot);
+
 /** Until the machine itself does not move any more. */
-export async function rests(page, robot, nearly) {
-  let last = await truth(page, robot);
+export async function rests(robot, nearly) {
+  let last = await truth(robot);
   return until(`${robot} at rest`, async () => {
-    const now = await truth(page, robot);
+    const now = await truth(robot);
     const still = apart(now, last) < nearly;
     last = now;
     return still && now;

@@ -4,7 +4,7 @@
 //   node --test tests/panel/panel_test.mjs      (bench.mjs says what can be set)
 import assert from 'node:assert/strict';
 import { after, afterEach, before, test } from 'node:test';
-import { apart, bench, rests, status, truth, until } from './bench.mjs';
+import { apart, bench, rests, seen, truth, until } from './bench.mjs';
 
 const kCell = `title = "Tests"
 
@@ -34,8 +34,8 @@ const robot = (page, name) =>
 
 async function enable(page, name) {
   await robot(page, name);
-  if ((await status(page, name)).state === 'off') await page.locator('.callout button.primary').click();
-  await until(`${name} ready`, async () => (await status(page, name)).state === 'ready');
+  if ((await seen(page, name)).state === 'off') await page.locator('.callout button.primary').click();
+  await until(`${name} ready`, async () => (await seen(page, name)).state === 'ready');
 }
 
 /**
@@ -48,13 +48,13 @@ async function stand(page) {
   await until('the way home', async () => {
     await page.getByRole('button', { name: 'Home', exact: true }).click();
     await page.locator('[data-tour=go]:enabled').click();
-    const before = (await status(page, 'left')).job?.job ?? 0;
+    const before = (await seen(page, 'left')).job?.job ?? 0;
     await until('the end of the way home', async () => {
-      const now = await status(page, 'left');
+      const now = await seen(page, 'left');
       const other = (now.job?.job ?? 0) > 0 && now.job.job >= before && now.job.over;
       return other && now.state !== 'moving' && now.state !== 'recovering';
     });
-    return Math.max(...(await truth(page, 'left')).map(Math.abs)) < 0.05;
+    return Math.max(...(await truth('left')).map(Math.abs)) < 0.05;
   });
 }
 
@@ -62,7 +62,7 @@ test('a held button jogs, and letting go stops', async () => {
   const page = await open();
   await stand(page);
   await view(page, 'Jog');
-  const begin = await rests(page, 'left', 1e-3);
+  const begin = await rests('left', 1e-3);
   const button = page.getByRole('button', { name: 'base plus', exact: true });
   const held = () => page.evaluate(() => document.querySelector('.jog-live').dataset.on === 'true');
   await until('moved by 3 deg', async () => {
@@ -72,11 +72,11 @@ test('a held button jogs, and letting go stops', async () => {
       await page.mouse.down();
       await page.waitForTimeout(300);
     }
-    return (await truth(page, 'left'))[0] - begin[0] > 0.05;
+    return (await truth('left'))[0] - begin[0] > 0.05;
   });
   await page.mouse.up();
   assert.equal(await held(), false);
-  const end = await rests(page, 'left', 1e-3);
+  const end = await rests('left', 1e-3);
   assert.ok(end[0] > begin[0] + 0.05 && end[0] < 1.4, `at ${end[0]} rad`);
   assert.ok(apart(end.slice(1), begin.slice(1)) < 0.02, 'only the base has moved');
   await close(page, 'jog');
@@ -85,21 +85,21 @@ test('a held button jogs, and letting go stops', async () => {
 test('what is previewed does not move before Move, and then goes there', async () => {
   const page = await open();
   await stand(page);
-  const begin = await rests(page, 'left', 1e-3);
+  const begin = await rests('left', 1e-3);
   await page.getByLabel('base, target').fill('40deg');
   await page.getByLabel('base, target').press('Enter');
   await page.locator('.verdict.fine').waitFor();
   await page.locator('.dock .plot canvas').waitFor();
-  assert.ok(apart(await rests(page, 'left', 1e-3), begin) < 5e-3);
+  assert.ok(apart(await rests('left', 1e-3), begin) < 5e-3);
   await page.locator('[data-tour=go]:enabled').click();
-  await until('there', async () => Math.abs((await truth(page, 'left'))[0] - (40 * Math.PI) / 180) < 0.03);
+  await until('there', async () => Math.abs((await truth('left'))[0] - (40 * Math.PI) / 180) < 0.03);
   await close(page, 'preview');
 });
 
 test('a target that is refused says why, and cannot be moved to', async () => {
   const page = await open();
   await stand(page);
-  const begin = await rests(page, 'left', 1e-3);
+  const begin = await rests('left', 1e-3);
   for (const [joint, value] of [['base', '50'], ['shoulder', '40'], ['elbow', '35']]) {
     await page.getByLabel(`${joint}, target`).fill(value);
     await page.getByLabel(`${joint}, target`).press('Enter');
@@ -113,7 +113,7 @@ test('a target that is refused says why, and cannot be moved to', async () => {
   assert.ok(await page.locator('[data-tour=go]').isDisabled());
   await page.getByRole('button', { name: 'Show what would work' }).click();
   await page.locator('.verdict.fine').waitFor();
-  assert.ok(apart(await rests(page, 'left', 1e-3), begin) < 5e-3);
+  assert.ok(apart(await rests('left', 1e-3), begin) < 5e-3);
   await close(page, 'refused');
 });
 
@@ -125,13 +125,13 @@ test('Space stops a motion under way, whatever has the focus', async () => {
   await page.getByLabel('base, target').press('Enter');
   await page.locator('.verdict.fine').waitFor();
   await page.locator('[data-tour=go]:enabled').click();
-  const begin = await truth(page, 'left');
-  await until('under way', async () => apart(await truth(page, 'left'), begin) > 0.03);
+  const begin = await truth('left');
+  await until('under way', async () => apart(await truth('left'), begin) > 0.03);
   await page.locator('.top-tools button').first().focus();
   await page.keyboard.press('Space');
-  const end = await rests(page, 'left', 1e-3);
+  const end = await rests('left', 1e-3);
   assert.ok(end[0] < (75 * Math.PI) / 180, `stopped at ${end[0]} rad`);
-  await until('the job has ended', async () => (await status(page, 'left')).job?.phase === 'stopped');
+  await until('the job has ended', async () => (await seen(page, 'left')).job?.phase === 'stopped');
   await close(page, 'stop');
 });
 
@@ -144,10 +144,10 @@ test('another tab, without control, stops what this one moves', async () => {
   await page.getByLabel('base, target').press('Enter');
   await page.locator('.verdict.fine').waitFor();
   await page.locator('[data-tour=go]:enabled').click();
-  const begin = await truth(page, 'left');
-  await until('under way', async () => apart(await truth(page, 'left'), begin) > 0.03);
+  const begin = await truth('left');
+  await until('under way', async () => apart(await truth('left'), begin) > 0.03);
   await other.getByRole('button', { name: 'Stop', exact: true }).click();
-  const end = await rests(page, 'left', 1e-3);
+  const end = await rests('left', 1e-3);
   assert.ok(end[0] < (75 * Math.PI) / 180, `stopped at ${end[0]} rad`);
   await close(other, 'other_tab');
   await close(page, 'stopped_by_other');

@@ -5,7 +5,7 @@
 import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
 import { after, afterEach, before, test } from 'node:test';
-import { apart, bench, rests, status, truth, until } from './bench.mjs';
+import { apart, bench, rests, seen, truth, until } from './bench.mjs';
 
 const kCell = `title = "Tests"
 
@@ -29,7 +29,7 @@ const write = (page, text) => page.getByLabel('Text of the program').fill(text);
 const fine = (page) => page.locator('.run-bar .verdict.fine').waitFor();
 const face = (page, line) => page.locator(`li[data-line="${line}"] .step-face`);
 const over = async (page) => {
-  const { job, state } = await status(page, 'left');
+  const { job, state } = await seen(page, 'left');
   return job && job.over && state !== 'moving' && job;
 };
 
@@ -38,15 +38,15 @@ async function stand(options = {}) {
   const page = await here.open({ viewport: { width: 1440, height: 900 }, ...options });
   await page.locator('[data-tour=skip]').click();
   await page.locator('.tabs a', { hasText: 'Programs' }).click();
-  if ((await status(page, 'left')).state === 'off') await page.locator('.callout button.primary').click();
-  await until('ready', async () => (await status(page, 'left')).state === 'ready');
+  if ((await seen(page, 'left')).state === 'off') await page.locator('.callout button.primary').click();
+  await until('ready', async () => (await seen(page, 'left')).state === 'ready');
   await until('upright', async () => {
     await write(page, 'joint base=0deg shoulder=0deg elbow=0deg wrist=0deg roll=0deg\n');
     await fine(page);
-    const before = (await status(page, 'left')).job?.job ?? 0;
+    const before = (await seen(page, 'left')).job?.job ?? 0;
     await page.locator('[data-tour=run]:enabled').click();
-    await until('it ran', async () => ((await status(page, 'left')).job?.job ?? 0) > before && over(page));
-    return Math.max(...(await truth(page, 'left')).map(Math.abs)) < 0.05;
+    await until('it ran', async () => ((await seen(page, 'left')).job?.job ?? 0) > before && over(page));
+    return Math.max(...(await truth('left')).map(Math.abs)) < 0.05;
   });
   return page;
 }
@@ -61,14 +61,14 @@ test('a point that was taken is where the arm was, and is gone to only behind Mo
   await write(page, 'joint base=30deg shoulder=20deg\n');
   await fine(page);
   await page.locator('[data-tour=run]:enabled').click();
-  await until('there', async () => Math.abs((await truth(page, 'left'))[0] - deg(30)) < 0.03 && over(page));
-  const begin = await rests(page, 'left', 1e-3);
+  await until('there', async () => Math.abs((await truth('left'))[0] - deg(30)) < 0.03 && over(page));
+  const begin = await rests('left', 1e-3);
   await toTab(page, 'Points');
   await page.getByRole('button', { name: 'Go to' }).click();
   await page.locator('.point-way .verdict.fine').waitFor();
-  assert.ok(apart(await rests(page, 'left', 1e-3), begin) < 5e-3, 'a preview moves nothing');
+  assert.ok(apart(await rests('left', 1e-3), begin) < 5e-3, 'a preview moves nothing');
   await page.locator('[data-tour=point-go]:enabled').click();
-  await until('back at the point', async () => Math.max(...(await truth(page, 'left')).map(Math.abs)) < 0.05);
+  await until('back at the point', async () => Math.max(...(await truth('left')).map(Math.abs)) < 0.05);
   // What a file of it says is what sinew run reads.
   const [file] = await Promise.all([
     page.waitForEvent('download'),
@@ -118,7 +118,7 @@ test('a program is changed by its rows and by its text, and both are one', async
 
 test('a row that is refused says so where it stands, and nothing runs', async () => {
   const page = await stand();
-  const begin = await rests(page, 'left', 1e-3);
+  const begin = await rests('left', 1e-3);
   await write(page, 'joint base=10deg\njoint shoulder=40deg elbow=30deg\nline z=900mm\nwait 1s\n');
   await page.locator('li[data-line="3"][data-verdict=refused]').waitFor();
   assert.match(await page.locator('li[data-line="3"] .step-why').innerText(), /out of reach by/);
@@ -129,7 +129,7 @@ test('a row that is refused says so where it stands, and nothing runs', async ()
   await page.locator('.verdict.refused', { hasText: 'There is no point nowhere.' }).waitFor();
   await write(page, 'jump\n');
   await page.locator('.verdict.refused', { hasText: 'unknown step' }).waitFor();
-  assert.ok(apart(await rests(page, 'left', 1e-3), begin) < 5e-3);
+  assert.ok(apart(await rests('left', 1e-3), begin) < 5e-3);
   await here.close(page, 'teach_refused');
 });
 
@@ -138,21 +138,21 @@ test('a program is stepped, paused, and its running row is marked; Space stops i
   await write(page, 'joint base=10deg\njoint base=20deg\njoint base=85deg speed=5%\n');
   await fine(page);
   await page.locator('[data-tour=step]:enabled').click();
-  const paused = () => until('paused', async () => (await status(page, 'left')).job?.phase === 'paused');
+  const paused = () => until('paused', async () => (await seen(page, 'left')).job?.phase === 'paused');
   await paused();
-  const first = await rests(page, 'left', 1e-3);
+  const first = await rests('left', 1e-3);
   assert.ok(Math.abs(first[0] - deg(10)) < 0.03, `one order: ${first[0]} rad`);
   await page.locator('[data-tour=step]').click();
-  await until('the second order', async () => Math.abs((await truth(page, 'left'))[0] - deg(20)) < 0.03);
+  await until('the second order', async () => Math.abs((await truth('left'))[0] - deg(20)) < 0.03);
   await paused();
   await page.locator('[data-tour=resume]').click();
   await page.locator('li[data-line="3"][data-running=true]').waitFor();
-  await until('under way', async () => (await truth(page, 'left'))[0] > deg(23));
+  await until('under way', async () => (await truth('left'))[0] > deg(23));
   await page.locator('.top-tools button').first().focus();
   await page.keyboard.press('Space');
-  const end = await rests(page, 'left', 1e-3);
+  const end = await rests('left', 1e-3);
   assert.ok(end[0] < deg(80), `stopped at ${end[0]} rad`);
-  await until('the job has ended', async () => (await status(page, 'left')).job?.phase === 'stopped');
+  await until('the job has ended', async () => (await seen(page, 'left')).job?.phase === 'stopped');
   await here.close(page, 'teach_steps');
 });
 
@@ -162,8 +162,8 @@ test('a program is run from one of its rows', async () => {
   await fine(page);
   await face(page, 2).click();
   await page.locator('[data-tour=run-from]:enabled').click();
-  await until('there', async () => Math.abs((await truth(page, 'left'))[1] - deg(15)) < 0.03);
-  const end = await rests(page, 'left', 1e-3);
+  await until('there', async () => Math.abs((await truth('left'))[1] - deg(15)) < 0.03);
+  const end = await rests('left', 1e-3);
   assert.ok(Math.abs(end[0]) < 0.03, 'the first row was left out');
   await here.close(page, 'teach_from_line');
 });
@@ -171,12 +171,12 @@ test('a program is run from one of its rows', async () => {
 test('a ride moves, and ends when told', async () => {
   const page = await stand();
   await toTab(page, 'Bull ride');
-  const begin = await truth(page, 'left');
+  const begin = await truth('left');
   await page.locator('[data-tour=ride]:enabled').click();
-  await until('under way', async () => apart(await truth(page, 'left'), begin) > 0.1);
+  await until('under way', async () => apart(await truth('left'), begin) > 0.1);
   await page.getByRole('button', { name: 'End the ride' }).click();
   await until('over', () => over(page));
-  await rests(page, 'left', 1e-3);
+  await rests('left', 1e-3);
   await here.close(page, 'teach_ride');
 });
 

@@ -8,7 +8,7 @@ import { tmpdir } from 'node:os';
 import path from 'node:path';
 import { after, afterEach, before, test } from 'node:test';
 import { gunzipSync } from 'node:zlib';
-import { apart, ask, Bench, call, rests, root, shown, status, truth, until } from './wizard_bench.mjs';
+import { apart, ask, bench, rests, root, shown, status, truth, until } from './bench.mjs';
 
 const kCell = `title = "Tests"
 
@@ -35,17 +35,16 @@ robot = "hexapod"
 x_mm = 1500
 `;
 
-const bench = new Bench();
-let folder;
+let here, folder;
 before(async () => {
   folder = mkdtempSync(path.join(tmpdir(), 'sinew-wizard-'));
-  await bench.start(kCell);
+  here = await bench(kCell);
 });
 after(async () => {
-  await bench.end();
+  await here?.end();
   rmSync(folder, { recursive: true, force: true });
 });
-afterEach(() => bench.closePages());
+afterEach(() => here.clear());
 
 /** What a computer with too much to do does to a second's lease and to a device's patience. */
 const kTooBusy = /lease has ended|did not answer within|port was closed/;
@@ -83,9 +82,9 @@ const asked = (robot, step, choice) =>
   }, 100);
 
 test('commissioning: nothing moves before Go, a reload ends it and keeps the answers, what was found is kept', async () => {
-  const page = await bench.open();
+  const page = await here.open();
   await patiently(page, ['left', 'spare', 'third'], (robot) => commission(page, robot));
-  await bench.close(page, 'commissioning');
+  await here.close(page, 'commissioning');
 });
 
 async function commission(page, robot) {
@@ -150,13 +149,13 @@ async function commission(page, robot) {
 }
 
 test('recovery: a leg goes by the amount that was pressed, and Space stops it with its question', async () => {
-  const page = await bench.open({}, '#/robots/six/setup');
+  const page = await here.open({}, '#/robots/six/setup');
   await patiently(page, Array(5).fill('six'), () => recover(page));
-  await bench.close(page, 'recovery');
+  await here.close(page, 'recovery');
 });
 
 test('who watches a procedure sees its question and answers none', async () => {
-  const page = await bench.open({}, '#/robots/six/setup');
+  const page = await here.open({}, '#/robots/six/setup');
   // Somebody who is no page: what it asks for ends with its connection, at once.
   const watched = page.getByText('you watch');
   await until('seen', async () => {
@@ -166,7 +165,7 @@ test('who watches a procedure sees its question and answers none', async () => {
     await begun;
     return locked;
   });
-  await bench.close(page, 'watched');
+  await here.close(page, 'watched');
 });
 
 async function recover(page) {
@@ -207,7 +206,7 @@ async function recover(page) {
 }
 
 test('plots: what moved is in the picture and in its table', async () => {
-  const page = await bench.open({}, '#/robots/third/plots');
+  const page = await here.open({}, '#/robots/third/plots');
   await page.getByLabel('Velocity').check();
   await page.getByLabel('Tracking error').uncheck();
   // The first row is slow, from nobody knows where; the second one is what is looked at.
@@ -252,11 +251,11 @@ test('plots: what moved is in the picture and in its table', async () => {
   const held = await page.locator('.chart output').first().innerText();
   await page.waitForTimeout(700);
   assert.equal(await page.locator('.chart output').first().innerText(), held);
-  await bench.close(page, 'plots');
+  await here.close(page, 'plots');
 });
 
 test('a record is played in the 3D view, and no machine moves by that', async () => {
-  const page = await bench.open({}, '#/robots/left/plots');
+  const page = await here.open({}, '#/robots/left/plots');
   const before = [await rests('left', 1e-3), await rests('six', 1e-6)];
   await page.getByRole('radio', { name: 'Record' }).click();
   const bytes = gunzipSync(readFileSync(path.join(root, 'panel/src/logic/hexapod.fixture.mcap.gz')));
@@ -281,5 +280,5 @@ test('a record is played in the 3D view, and no machine moves by that', async ()
   await page.getByRole('button', { name: 'Pause the record' }).click();
   assert.ok(apart(await truth('left'), before[0]) < 5e-3);
   assert.ok(apart(await truth('six'), before[1]) < 1e-5);
-  await bench.close(page, 'record');
+  await here.close(page, 'record');
 });

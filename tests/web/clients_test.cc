@@ -12,8 +12,6 @@ namespace {
 using server::Json;
 using server::WebServer;
 
-const std::string kStand = "joint base=0deg shoulder=20deg elbow=40deg wrist=40deg roll=0deg";
-
 /// Until its job is over; the phase it ended in.
 std::string run(WebClient& client, const std::string& text) {
   const Json begun = client.call("program.run", {{"robot", "left"}, {"text", text}});
@@ -52,7 +50,7 @@ TEST(Clients, fifty_hold_and_the_next_one_is_told_why_not) {
   WebCell cell({server::test::place("left", "learm", "bus")});
   WebClient mover(cell.port(), kOperatorToken);
   ASSERT_TRUE(mover.open());
-  EXPECT_EQ(run(mover, kStand), "done");
+  EXPECT_EQ(run(mover, server::test::kStand), "done");
   std::vector<std::unique_ptr<WebClient>> watchers;
   for (std::size_t k = 1; k < WebServer::kSocketsMax; ++k) {
     watchers.push_back(std::make_unique<WebClient>(cell.port(), kViewerToken));

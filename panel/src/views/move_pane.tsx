@@ -23,8 +23,9 @@ import { canTurn, toolNumbers, withJoint, withTool, type Target } from '../logic
 import type { RobotModel, Vec3 } from '../logic/types';
 import { clamp, duration, toMm } from '../logic/units';
 import { hoveredJoint } from '../scene_state';
-import { Icon, NumberField, Segments, Slider } from './parts';
+import { Icon, NumberField, Segments } from './parts';
 import { ReadyFirst } from './ready_first';
+import { WaySpeed } from './way_speed';
 
 /** Seen first, moved then: a target, the ghost that stands there, and what the server says to it. */
 export function MovePane(): JSX.Element {
@@ -54,17 +55,7 @@ export function MovePane(): JSX.Element {
           />
         )}
       </div>
-      {one.takes_speed && (
-        <Slider
-          label={t('move.speed')}
-          value={way.value.speed}
-          min={0.05}
-          max={1}
-          step={0.05}
-          text={`${Math.round(100 * way.value.speed)} %`}
-          onInput={(speed) => setWay({ ...way.value, speed })}
-        />
-      )}
+      <WaySpeed model={one} onInput={(speed) => setWay({ ...way.value, speed })} />
       <div class="pane-foot">
         <VerdictCard model={one} />
         <div class="row">

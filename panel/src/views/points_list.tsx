@@ -8,9 +8,10 @@ import { shown, unitOf } from '../logic/units';
 import { goThere, going, head, removePoint, renamePoint, retake, shelf, stay, take } from '../teach';
 import type { RobotModel } from '../logic/types';
 import { FileButtons } from './file_buttons';
-import { Icon, Slider } from './parts';
+import { Icon } from './parts';
 import { ProgramVerdictCard } from './program_verdict';
 import { Thumbnail } from './thumbnail';
+import { WaySpeed } from './way_speed';
 
 /** Where the arm was when somebody said: here. */
 export function PointsList(): JSX.Element {
@@ -55,14 +56,9 @@ export function PointsList(): JSX.Element {
           {trouble}
         </p>
       )}
-      {one.takes_speed && points.length > 0 && (
-        <Slider
-          label={t('move.speed')}
-          value={way.value.speed}
-          min={0.05}
-          max={1}
-          step={0.05}
-          text={`${Math.round(100 * way.value.speed)} %`}
+      {points.length > 0 && (
+        <WaySpeed
+          model={one}
           onInput={(speed) => {
             way.value = { ...way.value, speed };
             const now = points.find((point) => point.name === going.value?.point);
