@@ -4,7 +4,7 @@
 .PHONY: help run build test bench campaign format clean
 
 help:
-	@echo "make run       install what is missing, build, and move a simulated robot"
+	@echo "make run       install what is missing, build, and open the panel on five simulated robots"
 	@echo "make build     install what is missing, build build/release/sinew"
 	@echo "make test      install what is missing, build and run every test (release, asan/ubsan)"
 	@echo "make bench     measure against the references: table, and build/bench.json"

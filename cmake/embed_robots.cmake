@@ -9,8 +9,16 @@ foreach(file IN LISTS FILES)
   file(READ "${file}" bytes HEX)
   string(REGEX REPLACE "(..)" "'\\\\x\\1'," bytes "${bytes}")
   string(APPEND arrays "constexpr char kText${index}[] = {${bytes}'\\0'};\n")
+  get_filename_component(folder "${file}" DIRECTORY)
+  set(program "")
+  if(EXISTS "${folder}/${id}/demonstration.sinew")
+    file(READ "${folder}/${id}/demonstration.sinew" program HEX)
+    string(REGEX REPLACE "(..)" "'\\\\x\\1'," program "${program}")
+  endif()
+  string(APPEND arrays "constexpr char kShown${index}[] = {${program}'\\0'};\n")
   string(APPEND rows
-    "    {\"${id}\", \"robots/${name}\", {kText${index}, sizeof(kText${index}) - 1}},\n")
+    "    {\"${id}\", \"robots/${name}\", {kText${index}, sizeof(kText${index}) - 1},\n"
+    "     {kShown${index}, sizeof(kShown${index}) - 1}},\n")
   math(EXPR index "${index} + 1")
 endforeach()
 

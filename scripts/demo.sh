@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# The main job on one page: robots drive programs over their own bytes and real pseudo-terminals,
-# against simulated devices with their physics; then the inverse finds the same pose.
+# The main job in a terminal, on one page: robots drive programs over their own bytes against
+# simulated devices with their physics; then the inverse finds the same pose.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <csignal>
+#include <iostream>
 #include <map>
 
 #include "cli/process.h"
@@ -48,16 +49,21 @@ TEST_P(FiveRobots, end_where_they_were_sent) {
   run_words.insert(run_words.end(), c.options.begin(), c.options.end());
   if (c.on_spi) sim_words.insert(sim_words.end(), {"--simwire", "unix:" + folder.at("boards")});
 
-  Process sim(sim_words);
-  const Json first = Json::parse(place_of(sim), nullptr, false);
-  ASSERT_TRUE(first.is_object()) << sim.out();
-  run_words.insert(run_words.end(), {"--port", first["port"].get<std::string>()});
-  const Ended run = sinew(run_words);
+  Ended run, ended;
+  for (int tries = 1; tries == 1 || (run.was_late() && tries <= kTriesWhereLate); ++tries) {
+    if (tries > 1) std::cout << "  too late for each other, again: " << run.err;
+    Process sim(sim_words);
+    const Json first = Json::parse(place_of(sim), nullptr, false);
+    ASSERT_TRUE(first.is_object()) << sim.out();
+    Arguments words = run_words;
+    words.insert(words.end(), {"--port", first["port"].get<std::string>()});
+    run = sinew(words);
+    sim.signal(SIGINT);
+    ended = sim.end();
+    ASSERT_EQ(ended.exit, 0) << ended.err;
+  }
   EXPECT_EQ(run.exit, 0) << run.err << run.out;
   const Json report = run.json();
-  sim.signal(SIGINT);
-  const Ended ended = sim.end();
-  ASSERT_EQ(ended.exit, 0) << ended.err;
 
   const std::string last = ended.out.substr(ended.out.find('\n') + 1);
   const Json truth = Json::parse(last, nullptr, false)["truth"];
@@ -90,7 +96,7 @@ INSTANTIATE_TEST_SUITE_P(
                  kRobotArm2Target,
                  0.6,
                  true},
-        RobotRun{"robot-arm-2", {}, "2", kRobotArm2, kRobotArm2Target, 0.3, true, true},
+        RobotRun{"robot-arm-2", {}, "20", kRobotArm2, kRobotArm2Target, 0.3, true, true},
         RobotRun{"learm", {"--profile", "lsc6"}, "1", kLearm, kLearmTarget, 0.6},
         RobotRun{"learm", {"--profile", "bus"}, "1", kLearm, kLearmTarget, 0.8},
         RobotRun{"learm", {"--profile", "esp32"}, "1", kLearm, kLearmTarget, 0.6},

@@ -43,6 +43,15 @@ Json Ended::json() const {
   return nullptr;
 }
 
+bool Ended::was_late() const {
+  if (exit != 1) return false;
+  const Json report = Json::parse(out, nullptr, false);
+  if (!report.is_object() || !report.contains("refusal")) return false;
+  const std::string code = report["refusal"].value("code", "");
+  return code == "device_silent" || code == "cycle_overrun" || code == "clock_gap" ||
+         code == "stream_ended" || code == "link_silent";
+}
+
 Process::Process(const Arguments& arguments, const Streams& streams) {
   std::vector<std::string> words{SINEW_PROGRAM};
   words.insert(words.end(), arguments.begin(), arguments.end());

@@ -20,7 +20,13 @@ struct Ended {
 
   /// stdout as one JSON document; a failure and null where it is none.
   Json json() const;
+  /// It gave up because something came too late: what a computer that others keep busy does to two
+  /// processes that talk in real time. Then it may be tried again.
+  bool was_late() const;
 };
+
+/// So often, in all, is something tried that was late.
+inline constexpr int kTriesWhereLate = 4;
 
 /// Where the three streams of a process go; a path, "" for this object's own keeping, or "closed".
 struct Streams {

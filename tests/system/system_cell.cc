@@ -101,6 +101,7 @@ void Station::slice(Duration time) {
     begin_life();
   }
   act();
+  if (!misfortunes_) switch_off_and_on();
   const Instant end = cell_.now() + time;
   EXPECT_TRUE(cell_.run_to(end, 2ms, [this] {
     look();
@@ -414,6 +415,18 @@ void Station::heal() {
   // A run whose disk has failed does not trust it again: it is started anew.
   const bool failed = host_ && host_->pump->failed();
   if (failed) kill(false, 1s, 1);
+}
+
+/// What the sentence of a supply that was away asks for, once in a while: the hexapod's firmware
+/// gives its modules their parameters only when it is switched on.
+void Station::switch_off_and_on() {
+  if (!host_ || supply_returns_ || cell_.now() < next_switching_) return;
+  const auto& why = host_->loop->controller().latched();
+  if (!why || why->error.code != ErrorCode::kSupplyFlag) return;
+  cell_.machine().disturb({sim::Disturbance::Kind::kSupply, -1, 0});
+  browned_out_ = true;
+  supply_returns_ = cell_.now() + 1s;
+  next_switching_ = cell_.now() + 20s;
 }
 
 bool Station::ready() const {

@@ -106,6 +106,7 @@ class Station {
   std::string strike(const Blow& blow);
   std::string sink_supply(const Blow& blow);
   void look_at_supply();
+  void switch_off_and_on();
 
   void begin_life();
   void kill(bool power_too, Duration away, std::uint64_t seed);
@@ -137,6 +138,7 @@ class Station {
   std::optional<Instant> supply_returns_;
   /// Its modules may have lost their power, and nobody has found out yet.
   bool browned_out_ = false;
+  Instant next_switching_{};
   bool misfortunes_ = true;
   std::set<std::uint64_t> spared_;
   std::uint64_t next_misfortune_ = 0;

@@ -21,6 +21,10 @@ export const de: Record<Key, string> = {
   'connection.lost': 'Verbindung verloren, neuer Versuch',
   'connection.token': 'Die Steuerung antwortet nicht. Bitte den Link öffnen, den sinew serve ausgibt: er enthält den Schlüssel.',
 
+  'demonstration.runs': 'Die Roboter zeigen, was sie können. Was Sie bewegen, beendet es.',
+  'demonstration.end': 'Beenden',
+  'demonstration.begins': 'die Roboter zeigen, was sie können',
+  'demonstration.over': 'die Vorführung ist zu Ende',
   'stop.button': 'Stopp',
   'stop.title': 'Alle Roboter stoppen (Esc, Leertaste)',
   'stop.done': 'Stopp an alle Roboter gesendet',

@@ -20,6 +20,10 @@ export const en = {
   'connection.lost': 'Connection lost, trying again',
   'connection.token': 'No answer from the controller. Open the link that sinew serve has printed: it carries the token.',
 
+  'demonstration.runs': 'The robots show what they can do. Whatever you move ends it.',
+  'demonstration.end': 'End it',
+  'demonstration.begins': 'the robots show what they can do',
+  'demonstration.over': 'the demonstration has ended',
   'stop.button': 'Stop',
   'stop.title': 'Stop all robots (Esc, Space)',
   'stop.done': 'Stop sent to all robots',

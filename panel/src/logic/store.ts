@@ -47,6 +47,8 @@ export class Store {
   readonly status = signal<Record<string, RobotStatus>>({});
   /** The procedure of each robot that is under way, or the last one. */
   readonly procedures = signal<Record<string, ProcedureJson>>({});
+  /** The robots are shown, until somebody moves one. */
+  readonly demonstration = signal(false);
   readonly events = signal<EventJson[]>([]);
   /** Number of the last event that somebody has seen in the list. */
   readonly seen = signal(0);
@@ -101,8 +103,10 @@ export class Store {
   take(method: string, params: unknown): void {
     if (method === 'status') {
       const status = { ...this.status.value };
-      for (const one of (params as { robots: RobotStatus[] }).robots) status[one.robot] = one;
+      const told = params as { robots: RobotStatus[]; demonstration?: boolean };
+      for (const one of told.robots) status[one.robot] = one;
       this.status.value = status;
+      this.demonstration.value = told.demonstration ?? false;
       this.renew();
     } else if (method === 'event') {
       const event = params as EventJson;

@@ -115,6 +115,8 @@ export interface CellRobot {
   title: string;
   port: string;
   simulated: boolean;
+  /** Of its own time against ours; 1 where it is real. */
+  time_scale: number;
   pose: FlatPoseJson;
   streams: boolean;
   stop?: { ends_motion: boolean; standstill: string; gravity: string };
@@ -256,7 +258,8 @@ export interface EventJson {
   number: number;
   at_ms: number;
   robot: string;
-  kind: 'state' | 'lease' | 'stop' | 'fault' | 'notice' | 'record' | 'job' | 'moved' | 'procedure';
+  kind: 'state' | 'lease' | 'stop' | 'fault' | 'notice' | 'record' | 'job' | 'moved' | 'procedure' | 'demonstration';
+  runs?: boolean;
   procedure?: string;
   state?: MachineState;
   cause?: string;

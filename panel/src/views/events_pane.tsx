@@ -109,6 +109,8 @@ export function eventText(event: EventJson): string {
         title: tWord('procedure', event.procedure ?? ''),
         text: event.trouble ?? '',
       });
+    case 'demonstration':
+      return t(event.runs ? 'demonstration.begins' : 'demonstration.over');
     case 'moved':
       return t('events.moved', { reason: event.reason ?? '' });
   }

@@ -24,10 +24,17 @@ export function TopBar(): JSX.Element {
           <p class="brand-sub">
             <span class={`link link-${connection}`}>{t(`connection.${connection}`)}</span>
             {simulated && <span>{t('app.simulated')}</span>}
-            {cell && cell.time_scale !== 1 && <span>{t('app.scale', { scale: cell.time_scale })}</span>}
           </p>
         </div>
       </div>
+      {store.demonstration.value && (
+        <div class="demonstration" role="status">
+          <span>{t('demonstration.runs')}</span>
+          <button type="button" onClick={() => void store.ask('robot.stop', {})}>
+            {t('demonstration.end')}
+          </button>
+        </div>
+      )}
       <div class="top-tools">
         <button
           type="button"

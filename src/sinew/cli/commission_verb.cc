@@ -272,7 +272,8 @@ Outcome commission(const CommissionRequest& request) {
     job.script = &*script;
   }
   io::catch_interrupts();
-  const io::Clock clock(request.time_scale);
+  const io::Clock clock =
+      runtime::clock_for(simulated(request) ? std::nullopt : request.port, request.time_scale);
   runtime::ByteLog log;
   auto link = simulated(request)
                   ? runtime::RobotLink::simulate(*model,

@@ -229,7 +229,7 @@ Outcome run_device_action(const DeviceRequest& request) {
     return bad_input("--time-scale: a real port keeps real time");
   }
   io::catch_interrupts();
-  const io::Clock clock(request.time_scale);
+  const io::Clock clock = runtime::clock_for(request.port, request.time_scale);
   runtime::ByteLog log;
   auto link = runtime::RobotLink::open(*model, request.port, clock, log);
   if (!link) return could_not(link.error().sentence);

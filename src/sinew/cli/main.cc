@@ -371,6 +371,9 @@ void add_serve(CLI::App& app, Call& call) {
                    "each program that runs leaves a record there (MCAP, for viewers)");
   verb->add_flag("--realtime", call.serve.realtime,
                  "control threads come before everything else on this computer (SCHED_FIFO)");
+  verb->add_flag("--demo", call.serve.demonstrate,
+                 "simulated robots show what they can do, until somebody moves one");
+  verb->add_flag("--demo-once", call.serve.shown_is_over, "the same, and ends when all was shown");
   WebDoorRequest& web = call.serve.web;
   verb->add_option("--listen", web.listen,
                    "where browsers reach it, HOST:PORT, or none; 127.0.0.1:8700 where left out");

@@ -256,7 +256,7 @@ Outcome drive(const RunRequest& request, const Prepared& prepared, const Equipme
          .interrupts = [] { return io::interrupts(); }});
   }
   const Instant now = clock.now();
-  const ProgramReport report{model, run, link.driver(), end, link.end(), now};
+  const ProgramReport report{model, run, link.driver(), end, link.truth(), now};
   Outcome outcome;
   outcome.json = {{"robot", model.id}, {"port", link.name()}};
   outcome.json.update(program_json(report));
@@ -287,7 +287,7 @@ Outcome run_sinew_program(const RunRequest& request) {
   if (!prepared) return prepared.error();
   const RobotModel& model = prepared->model;
   io::catch_interrupts();
-  const io::Clock clock(request.time_scale);
+  const io::Clock clock = runtime::clock_for(request.port, request.time_scale);
   runtime::ByteLog log;
   auto link = request.port
                   ? runtime::RobotLink::open(model, *request.port, clock, log)

@@ -7,6 +7,7 @@
 
 #include "sinew/cli/cell_socket.h"
 #include "sinew/cli/commission_verb.h"
+#include "sinew/cli/demonstration_lines.h"
 #include "sinew/cli/device_argument.h"
 #include "sinew/cli/robot_argument.h"
 #include "sinew/config/cell_file.h"
@@ -80,6 +81,21 @@ std::string greeting(const runtime::RunningCell& cell, const std::string& socket
   return text + web + fmt::format("  answers on {}; Ctrl-C ends it\n", socket);
 }
 
+void serve_until_the_end(const ServeRequest& request, const runtime::RunningCell& cell,
+                         server::ServerLoop& loop) {
+  if (!request.demonstrate && !request.shown_is_over) {
+    return loop.run([] { return io::interrupts() > 0; });
+  }
+  server::Demonstration shown(loop.api(), cell);
+  DemonstrationLines lines(shown);
+  loop.run([&] {
+    shown.poll(loop.now());
+    if (!request.json) lines.show(loop.now());
+    return io::interrupts() > 0 || (request.shown_is_over && (shown.over() || shown.shown()));
+  });
+  shown.end();
+}
+
 }  // namespace
 
 Outcome serve(const ServeRequest& request) {
@@ -129,7 +145,7 @@ Outcome serve(const ServeRequest& request) {
   }
   // Whatever clients want, control threads come first.
   io::let_others_go_first();
-  loop.run([] { return io::interrupts() > 0; });
+  serve_until_the_end(request, **running, loop);
   Outcome outcome;
   outcome.json = {{"ended", "interrupted"}};
   outcome.json_line = true;

@@ -13,6 +13,7 @@ constexpr std::size_t kPathMax = 1024;
 constexpr std::size_t kThingsMax = 64;
 constexpr Range kReach = between(-100, 100);  // m
 constexpr Range kTurn = between(-2 * kPi, 2 * kPi);
+constexpr Range kScale = between(0.01, 1000);
 
 bool good_name(std::string_view name) {
   return std::ranges::all_of(
@@ -62,6 +63,11 @@ CellRobot read_cell_robot(TableReader& reader, std::vector<std::string>& taken) 
   robot.port = optional_text(reader, "port", kPathMax);
   robot.journal = optional_text(reader, "journal", kNameMax);
   reader.optional().integer("seed", 0, INT64_MAX, robot.seed);
+  double scale = 0;
+  if (reader.optional().number("time_scale", kScale, scale)) robot.time_scale = scale;
+  if (robot.port && robot.time_scale.value_or(1) != 1) {
+    reader.complain("time_scale", "a robot on a real port keeps real time");
+  }
   read_pose(reader, robot.X_WB);
   reader.finish();
   return robot;
@@ -91,7 +97,6 @@ CellCamera read_camera(TableReader& reader, std::vector<std::string>& taken) {
 }
 
 void read_root(TableReader& root, Cell& cell) {
-  constexpr Range kScale = between(0.01, 1000);
   std::vector<std::string> taken;  // names are unique over robots, objects and cameras
   root.needs_no_source();
   root.text("title", kTitleMax, cell.title);

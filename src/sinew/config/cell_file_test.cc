@@ -97,6 +97,10 @@ TEST(CellFile, complains_with_line_and_key) {
       {"title = \"x\"\n[[robot]]\nname = \"a\"\nrobot = \"r\"\nx_mm = nan\n", "must be -100000"},
       {"title = \"x\"\ntime_scale = 10\n[[robot]]\nname = \"a\"\nrobot = \"r\"\nport = \"p\"\n",
        "a robot on a real port keeps real time"},
+      {"title = \"x\"\n[[robot]]\nname = \"a\"\nrobot = \"r\"\nport = \"p\"\ntime_scale = 2\n",
+       "time_scale: a robot on a real port keeps real time"},
+      {"title = \"x\"\n[[robot]]\nname = \"a\"\nrobot = \"r\"\ntime_scale = 2000\n",
+       "time_scale: must be"},
       {"title = \"x\"\ntime_scale = 0\n[[robot]]\nname = \"a\"\nrobot = \"r\"\n",
        "time_scale: must be"},
       {"title = \"x\"\n[[robot]]\nname = \"a\"\nrobot = \"r\"\n[[object]]\nname = \"a\"\n"

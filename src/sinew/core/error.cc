@@ -182,7 +182,8 @@ constexpr std::array kTable = std::to_array<ErrorInfo>({
      "the device has restarted and does not know any more where the machine is", kNone, false,
      kHold, 502},
     {kSupplyFlag, "supply_flag",
-     "the board of {subject} says that its supply is, or was, too low: look at the power supply",
+     "the board of {subject} says that its supply is, or was, too low: look at the power supply; "
+     "where this comes again, switch the machine off and on",
      kNone, false, kHold, 503},
     {kCollision, "collision",
      "{subject} would come within {measured} of each other, at least {limit} is asked for", kLength,

@@ -364,7 +364,7 @@ TEST(IcpDriverFaults, module_that_lost_its_power_is_found_at_the_next_rest_and_a
   // The modules have no parameters: only the controller's boot gives them back.
   ASSERT_TRUE(cell.driver.clear_fault(cell.now));
   cell.settle();
-  EXPECT_EQ(cell.driver.fault()->code, ErrorCode::kMotionIgnored);
+  EXPECT_EQ(cell.driver.fault()->code, ErrorCode::kSupplyFlag);
   cell.machine.power_cycle();
   cell.run_for(100ms);
   ASSERT_TRUE(cell.driver.clear_fault(cell.now));

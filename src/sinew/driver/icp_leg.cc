@@ -126,9 +126,12 @@ IcpLegClaim::Verdict IcpLegClaim::judge(const icp::Status& status, Error& error)
   const bool right_module = address_ == 0 || status.one.address == address_;
   const bool at_rest =
       status.one.motion == tmc222::Motion::kAtTarget && status.two.actual == status.two.target;
-  if (!right_module || !at_rest || status.one.parameters != icp::kMotorParameters) {
+  if (status.one.parameters != icp::kMotorParameters) {
+    // Its firmware writes them when it is switched on, and never again.
+    error = {ErrorCode::kSupplyFlag, index_};
     return Verdict::kDoubtful;
   }
+  if (!right_module || !at_rest) return Verdict::kDoubtful;
   const std::int64_t tag = std::abs(std::int64_t{status.two.target});
   // Where the last step is in doubt, either size may stand there, and 0 before the first.
   const bool either = tag == 1 || tag == units_per_down_ || (tag == 0 && tag_ == 0);

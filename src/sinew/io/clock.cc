@@ -22,7 +22,15 @@ std::int64_t wall_time_ns() {
 
 Clock::Clock(double scale) : scale_(scale), start_(time_of(CLOCK_BOOTTIME)) {}
 
+Clock Clock::simulated(double scale) {
+  Clock clock(scale);
+  clock.simulated_ = std::make_shared<Simulated>();
+  clock.simulated_->start = clock.start_;
+  return clock;
+}
+
 Instant Clock::now() const {
+  if (simulated_) return simulated_->now.load();
   const Duration real = time_of(CLOCK_BOOTTIME) - start_;
   if (scale_ == 1) return Instant{real};
   return Instant{from_seconds(to_seconds(real) * scale_)};
@@ -38,7 +46,35 @@ Duration Clock::until(Instant instant) const {
 }
 
 void Clock::pause(Duration real) const {
-  std::this_thread::sleep_for(real);
+  if (!simulated_) return std::this_thread::sleep_for(real);
+  pass_to(now() + stretched(real));
+  keep_pace();
+}
+
+void Clock::pause_until(Instant instant) const {
+  if (!simulated_) return std::this_thread::sleep_for(until(instant));
+  pass_to(instant);
+  keep_pace();
+}
+
+Duration Clock::stretched(Duration real) const {
+  return scale_ == 1 ? real : from_seconds(to_seconds(real) * scale_);
+}
+
+void Clock::pass_to(Instant instant) const {
+  if (instant > now()) simulated_->now.store(instant);
+}
+
+void Clock::keep_pace() const {
+  // A sleep takes longer than it is asked for; so short a one is made up for by the next.
+  constexpr Duration kSleepMin = std::chrono::milliseconds(1);
+  const Duration passed = from_seconds(to_seconds(now().time_since_epoch()) / scale_);
+  const Duration real = time_of(CLOCK_BOOTTIME) - simulated_->start;
+  if (real - passed > kLateMax) {
+    simulated_->start += real - passed;
+  } else if (passed - real >= kSleepMin) {
+    std::this_thread::sleep_for(passed - real);
+  }
 }
 
 }  // namespace sinew::io

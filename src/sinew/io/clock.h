@@ -1,6 +1,9 @@
 #pragma once
 
+#include <atomic>
+#include <chrono>
 #include <cstdint>
+#include <memory>
 
 #include "sinew/core/instant.h"
 
@@ -15,17 +18,42 @@ std::int64_t wall_time_ns();
 class Clock {
  public:
   explicit Clock(double scale = 1);
+  /// Time that passes only as far as its machine has been simulated, and no quicker than `scale`
+  /// times as fast as real time. A computer that is busy elsewhere makes it late, and never makes
+  /// it jump. One thread simulates: it alone pauses on it, and lets time pass.
+  static Clock simulated(double scale = 1);
 
+  bool is_simulated() const { return simulated_ != nullptr; }
   Instant now() const;
   /// Real time until `instant`; zero where it has passed; with a scale a day at most.
   Duration until(Instant instant) const;
   /// Lets this much real time pass, or a little more.
   void pause(Duration real) const;
+  /// The same until `instant`, and not an instant less.
+  void pause_until(Instant instant) const;
+  /// Of this clock, for so much real time.
+  Duration stretched(Duration real) const;
   double scale() const { return scale_; }
 
+  /// @name Of simulated time, for the thread that simulates
+  /// @{
+  /// It is `instant` now, if it was not later already.
+  void pass_to(Instant instant) const;
+  /// Waits until real time has come as far. What is late by more than kLateMax stays late.
+  void keep_pace() const;
+  /// @}
+
+  static constexpr Duration kLateMax = std::chrono::milliseconds(250);  ///< real time
+
  private:
+  struct Simulated {
+    std::atomic<Instant> now{Instant{}};
+    Duration start{};  ///< real, where it would be zero; of the thread that simulates
+  };
+
   double scale_;
   Duration start_;
+  std::shared_ptr<Simulated> simulated_;
 };
 
 }  // namespace sinew::io

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <thread>
+
 namespace sinew::io {
 namespace {
 
@@ -51,6 +53,43 @@ TEST(Clock, far_instants_stay_in_the_future_at_every_scale) {
     const Clock clock(scale);
     EXPECT_GE(clock.until(Instant{from_seconds(9e9)}), 24h) << scale;
   }
+}
+
+TEST(SimulatedClock, passes_only_as_far_as_somebody_lets_it) {
+  const Clock clock = Clock::simulated(100);
+  const auto start = std::chrono::steady_clock::now();
+  while (std::chrono::steady_clock::now() - start < 5ms) {
+  }
+  EXPECT_EQ(clock.now(), Instant{});
+  clock.pass_to(Instant{3s});
+  EXPECT_EQ(clock.now(), Instant{3s});
+  clock.pass_to(Instant{2s});
+  EXPECT_EQ(clock.now(), Instant{3s}) << "it never runs back";
+}
+
+TEST(SimulatedClock, is_never_quicker_than_its_scale_says) {
+  const Clock clock = Clock::simulated(10);
+  const auto start = std::chrono::steady_clock::now();
+  clock.pause(20ms);
+  EXPECT_EQ(clock.now(), Instant{200ms});
+  EXPECT_GE(std::chrono::steady_clock::now() - start, 19ms);
+}
+
+TEST(SimulatedClock, reaches_an_instant_that_is_nearer_than_any_sleep) {
+  const Clock clock = Clock::simulated(40);
+  clock.pass_to(Instant{3s});
+  clock.pause_until(Instant{3s} + Duration{7});
+  EXPECT_EQ(clock.now(), Instant{3s} + Duration{7}) << "ns";
+}
+
+TEST(SimulatedClock, what_a_busy_computer_has_missed_is_not_made_up_for_at_once) {
+  const Clock clock = Clock::simulated();
+  std::this_thread::sleep_for(2 * Clock::kLateMax);
+  clock.keep_pace();
+  const auto start = std::chrono::steady_clock::now();
+  clock.pass_to(Instant{20ms});
+  clock.keep_pace();
+  EXPECT_GE(std::chrono::steady_clock::now() - start, 19ms);
 }
 
 }  // namespace

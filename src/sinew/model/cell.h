@@ -25,6 +25,8 @@ struct CellRobot {
   /// simulated one none.
   std::optional<std::string> journal;
   std::uint64_t seed = 1;  ///< of the simulated device
+  /// Of the simulated device alone, in place of the cell's.
+  std::optional<double> time_scale;
   Pose<frame::World, frame::Base> X_WB;
 };
 

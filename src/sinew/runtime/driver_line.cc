@@ -35,8 +35,9 @@ class SpiLine : public DriverLine {
     driver_.poll(clock_.now());
     const auto transfer = driver_.take_transfer(clock_.now());
     if (!transfer) {
-      const auto deadline = driver_.next_deadline();
-      clock_.pause(deadline ? std::min(wait, clock_.until(*deadline)) : wait);
+      Instant end = clock_.now() + clock_.stretched(wait);
+      if (const auto deadline = driver_.next_deadline()) end = std::min(end, *deadline);
+      clock_.pause_until(end);
       return {};
     }
     miso_.resize(transfer->mosi.size());

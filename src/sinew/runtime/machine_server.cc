@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <array>
-#include <deque>
 
 #include "sinew/core/stable_sort.h"
+#include "sinew/runtime/serial_lane.h"
 
 namespace sinew::runtime {
 namespace {
@@ -12,40 +12,6 @@ namespace {
 using Direction = sim::LinkDirection;
 
 constexpr Duration kSliceMax = std::chrono::milliseconds(50);
-constexpr std::size_t kBacklogMax = 1U << 16U;  // bytes on the wire, each way
-
-/// One direction of a serial line: bytes follow each other at the baud rate.
-class Lane {
- public:
-  explicit Lane(std::uint32_t baud)
-      : byte_time_(baud == 0 ? Duration::zero() : Duration{10'000'000'000 / baud}) {}
-
-  void push(std::span<const std::uint8_t> bytes, Instant now) {
-    for (const std::uint8_t byte : bytes) {
-      if (waiting_.size() >= kBacklogMax) return;
-      last_ = std::max(last_, now) + byte_time_;
-      waiting_.push_back({last_, byte});
-    }
-  }
-  std::optional<Instant> next() const {
-    return waiting_.empty() ? std::nullopt : std::optional(waiting_.front().arrives);
-  }
-  struct Waiting {
-    Instant arrives{};
-    std::uint8_t byte = 0;
-  };
-  std::optional<Waiting> take(Instant now) {
-    if (waiting_.empty() || waiting_.front().arrives > now) return std::nullopt;
-    const Waiting front = waiting_.front();
-    waiting_.pop_front();
-    return front;
-  }
-
- private:
-  Duration byte_time_;
-  Instant last_{};
-  std::deque<Waiting> waiting_;
-};
 
 class Server {
  public:
@@ -150,8 +116,8 @@ class Server {
   io::Port& port_;
   const io::Clock& clock_;
   ByteLog& log_;
-  Lane to_device_;
-  Lane to_host_;
+  SerialLane to_device_;
+  SerialLane to_host_;
   Instant start_;
   Instant last_{};
   sim::LinkFaults faults_;

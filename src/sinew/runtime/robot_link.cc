@@ -4,11 +4,12 @@
 #include <filesystem>
 #include <vector>
 
+#include "sinew/core/assert.h"
 #include "sinew/driver/axis_link.h"
 #include "sinew/driver/axis_registers.h"
 #include "sinew/io/local_socket.h"
-#include "sinew/runtime/machine_thread.h"
 #include "sinew/runtime/robot_variant.h"
+#include "sinew/runtime/simulated_line.h"
 #include "sinew/runtime/simwire_bus.h"
 
 namespace sinew::runtime {
@@ -48,8 +49,8 @@ struct RobotLink::Parts {
   const RobotModel& robot;
   const io::Clock& clock;
   ByteLog& log;
-  std::unique_ptr<MachineThread> thread;    ///< a machine that speaks bytes
-  std::unique_ptr<sim::SpiMachine> boards;  ///< a machine of boards on SPI
+  std::unique_ptr<sim::ByteMachine> device;  ///< a simulated one that speaks bytes
+  std::unique_ptr<sim::SpiMachine> boards;   ///< simulated ones on SPI
   std::optional<io::Port> port;
   std::unique_ptr<io::SpiBus> bus;
   RobotDriver driver;
@@ -60,17 +61,17 @@ struct RobotLink::Parts {
 std::unique_ptr<RobotLink::Parts> RobotLink::parts_for(const RobotModel& robot,
                                                        const io::Clock& clock, ByteLog& log) {
   // Real delays of this computer do not shrink where the device's time runs faster.
-  return std::unique_ptr<Parts>(
-      new Parts{.robot = robot,
-                .clock = clock,
-                .log = log,
-                .thread = {},
-                .boards = {},
-                .port = {},
-                .bus = {},
-                .driver = make_driver(robot, std::max(1.0, clock.scale())),
-                .line = {},
-                .name = {}});
+  const double patience = clock.is_simulated() ? 1 : std::max(1.0, clock.scale());
+  return std::unique_ptr<Parts>(new Parts{.robot = robot,
+                                          .clock = clock,
+                                          .log = log,
+                                          .device = {},
+                                          .boards = {},
+                                          .port = {},
+                                          .bus = {},
+                                          .driver = make_driver(robot, patience),
+                                          .line = {},
+                                          .name = {}});
 }
 
 RobotLink::RobotLink(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
@@ -97,7 +98,7 @@ io::IoResult<RobotLink> RobotLink::open(const RobotModel& robot, const std::stri
 
 io::IoResult<void> RobotLink::connect() {
   Parts& parts = *parts_;
-  if (parts.boards) return {};
+  if (parts.device || parts.boards) return {};
   if (parts.driver.byte) {
     parts.line.reset();
     parts.port.reset();  // before it is opened again: it is held exclusively
@@ -118,23 +119,21 @@ io::IoResult<void> RobotLink::connect() {
 
 io::IoResult<RobotLink> RobotLink::simulate(const RobotModel& robot, const MachineOptions& options,
                                             const io::Clock& clock, ByteLog& log) {
+  SINEW_ASSERT(clock.is_simulated());
   auto machine = make_machine(robot, options, clock.now());
   if (!machine) return std::unexpected(io::IoError{machine.error()});
+  auto parts = parts_for(robot, clock, log);
+  parts->name = "its simulated device";
   if (machine->spi) {
-    auto parts = parts_for(robot, clock, log);
-    parts->name = "SPI";
     parts->boards = std::move(machine->spi);
     parts->bus = bus_of(*parts->boards, clock);
     parts->line = line_over(*parts->driver.spi, *parts->bus, clock, log);
-    return RobotLink(std::move(parts));
+  } else {
+    parts->device = std::move(machine->byte);
+    parts->line =
+        simulated_line(*parts->driver.byte, *parts->device, robot.device.baud, clock, log);
   }
-  auto thread = MachineThread::start(std::move(machine->byte), clock,
-                                     {.baud = robot.device.baud, .faults = {}});
-  if (!thread) return std::unexpected(thread.error());
-  auto link = open(robot, (*thread)->path(), clock, log);
-  if (!link) return link;
-  link->parts_->thread = std::move(*thread);
-  return link;
+  return RobotLink(std::move(parts));
 }
 
 Driver& RobotLink::driver() const {
@@ -147,17 +146,11 @@ const std::string& RobotLink::name() const {
   return parts_->name;
 }
 bool RobotLink::simulated() const {
-  return parts_->thread || parts_->boards;
+  return parts_->device || parts_->boards;
 }
 
 std::optional<sim::Truth> RobotLink::truth() const {
-  if (parts_->thread) return parts_->thread->truth();
-  if (parts_->boards) return parts_->boards->truth();
-  return std::nullopt;
-}
-
-std::optional<sim::Truth> RobotLink::end() {
-  if (parts_->thread) return parts_->thread->end();
+  if (parts_->device) return parts_->device->truth();
   if (parts_->boards) return parts_->boards->truth();
   return std::nullopt;
 }
@@ -173,6 +166,10 @@ std::optional<std::string> wrong_port(const RobotModel& robot, const std::string
   if (!simwire && !port.starts_with(kSimwire) && port != kSpidev) return std::nullopt;
   return port + ": " + robot.id + " hangs on a serial port, not on SPI; its port is a device as " +
          "/dev/ttyUSB0, or the pseudo-terminal that sinew sim " + robot.id + " shows";
+}
+
+io::Clock clock_for(const std::optional<std::string>& port, double scale) {
+  return !port || port->starts_with(kSimwire) ? io::Clock::simulated(scale) : io::Clock(scale);
 }
 
 namespace {

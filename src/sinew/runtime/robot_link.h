@@ -11,8 +11,8 @@
 
 namespace sinew::runtime {
 
-/// A robot's driver on a wire to its device: over a real port, over simwire, or to a machine that
-/// is simulated in this process, behind a pseudo-terminal where it speaks bytes.
+/// A robot's driver on a wire to its device: over a port, over simwire, or in simulated time to a
+/// machine that is simulated in this process.
 class RobotLink {
  public:
   /// @param port  "/dev/ttyUSB0" for robots on a serial port; for those on SPI "spidev",
@@ -25,7 +25,7 @@ class RobotLink {
   /// @error  a port of the wrong kind
   static io::IoResult<RobotLink> prepare(const RobotModel& robot, const std::string& port,
                                          const io::Clock& clock, ByteLog& log);
-  /// @param clock, log  outlive the link
+  /// @param clock  a simulated one; clock and log outlive the link
   static io::IoResult<RobotLink> simulate(const RobotModel& robot, const MachineOptions& options,
                                           const io::Clock& clock, ByteLog& log);
 
@@ -42,10 +42,8 @@ class RobotLink {
   /// What people know it by: the port's path, "simwire:..", "spidev".
   const std::string& name() const;
   bool simulated() const;
-  /// Where a simulated machine stands, as of some 50 ms ago at most; nothing where it is real.
+  /// Where a simulated machine stands; nothing where it is real. In the thread of the line.
   std::optional<sim::Truth> truth() const;
-  /// The end of a simulated machine: it runs no further, and this is where it stands.
-  std::optional<sim::Truth> end();
 
  private:
   struct Parts;
@@ -58,6 +56,10 @@ class RobotLink {
 /// A port of the wrong kind: boards on SPI have no serial port, and the others nothing else. A
 /// sentence that says what this robot's port is; nothing where the name may be right.
 std::optional<std::string> wrong_port(const RobotModel& robot, const std::string& port);
+
+/// The clock of a robot's wire: simulated for a device of this process (no port) and for boards
+/// behind simwire, whose time goes by what their host says; real, or scaled, for all others.
+io::Clock clock_for(const std::optional<std::string>& port, double scale);
 
 /// Boards that are silent while others answer, or that say nothing of themselves where the robot's
 /// file promises that they do: which, and what to try, for people. Empty where all is as it should

@@ -45,15 +45,18 @@ io::IoResult<std::unique_ptr<RunningCell>> RunningCell::start(Cell cell,
     StationOptions options = options_of(place, folders);
     options.space = running->space_.get();
     options.place = i;
-    auto station = Station::start(std::move(robots[i]), std::move(options), running->clock_);
+    running->clocks_.push_back(std::make_unique<io::Clock>(
+        clock_for(place.port, place.time_scale.value_or(running->cell_.time_scale))));
+    const io::Clock& clock = *running->clocks_.back();
+    auto station = Station::start(std::move(robots[i]), std::move(options), clock);
     if (!station) {
       return std::unexpected(io::IoError{place.name + ": " + station.error().sentence});
     }
     running->stations_.push_back(std::move(*station));
     Station& started = *running->stations_.back();
-    running->jobs_.push_back(std::make_unique<JobRunner>(started, running->clock_));
+    running->jobs_.push_back(std::make_unique<JobRunner>(started, clock));
     running->procedures_.push_back(std::make_unique<ProcedureRunner>(
-        started, running->clock_, results_place(place, started, folders.commissioning)));
+        started, clock, results_place(place, started, folders.commissioning)));
   }
   return running;
 }

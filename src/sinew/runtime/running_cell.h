@@ -31,7 +31,6 @@ class RunningCell {
 
   CellSpace& space() const { return *space_; }
   const Cell& cell() const { return cell_; }
-  const io::Clock& clock() const { return clock_; }
   std::size_t size() const { return stations_.size(); }
   Station& station(std::size_t i) const { return *stations_[i]; }
   JobRunner& jobs(std::size_t i) const { return *jobs_[i]; }
@@ -41,10 +40,10 @@ class RunningCell {
   std::optional<std::size_t> find(std::string_view name) const;
 
  private:
-  explicit RunningCell(Cell cell) : cell_(std::move(cell)), clock_(cell_.time_scale) {}
+  explicit RunningCell(Cell cell) : cell_(std::move(cell)) {}
 
   Cell cell_;
-  io::Clock clock_;
+  std::vector<std::unique_ptr<io::Clock>> clocks_;  ///< each robot's
   std::unique_ptr<CellSpace> space_;
   std::vector<std::unique_ptr<Station>> stations_;
   std::vector<std::unique_ptr<JobRunner>> jobs_;

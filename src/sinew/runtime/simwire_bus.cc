@@ -82,7 +82,11 @@ class SimwireBus : public io::SpiBus {
                               std::span<std::uint8_t> miso, Duration setup,
                               std::uint32_t clock_hz) override {
     if (auto low = set_selects(select, false); !low) return low;
-    if (setup > Duration::zero()) clock_.pause(real(setup));
+    if (clock_.is_simulated()) {
+      clock_.pass_to(clock_.now() + setup);
+    } else if (setup > Duration::zero()) {
+      clock_.pause(real(setup));
+    }
     std::ranges::fill(miso, 0xFF);
     io::IoResult<void> result;
     std::vector<std::pair<int, int>> served;
@@ -92,6 +96,10 @@ class SimwireBus : public io::SpiBus {
       if (std::find(served.begin(), served.end(), bus) != served.end()) continue;
       served.push_back(bus);
       result = transfer(boards_[i], mosi, miso, clock_hz);
+      if (!clock_.is_simulated()) continue;
+      const spi::Transfer clocked{select, spi::Bytes(mosi), Duration::zero(), clock_hz};
+      clock_.pass_to(clock_.now() + spi::wire_time(clocked));
+      clock_.keep_pace();
     }
     const auto high = set_selects(select, true);
     return result ? high : result;
@@ -181,7 +189,7 @@ class MachineBus : public io::SpiBus {
     const spi::Bytes received = machine_.exchange(transfer, start);
     machine_time_ = start + setup + spi::wire_time(transfer);
     std::ranges::copy(received, miso.begin());
-    clock_.pause(clock_.until(machine_time_));
+    clock_.pause_until(machine_time_);
     return {};
   }
   io::IoResult<bool> ready(std::size_t board) override { return machine_.ready_pin(board); }

@@ -60,6 +60,7 @@ class Station {
   Station& operator=(const Station&) = delete;
 
   const std::string& name() const { return options_.name; }
+  const io::Clock& clock() const { return clock_; }
   const RobotModel& robot() const { return robot_; }
   const StationOptions& options() const { return options_; }
   const std::string& port_name() const { return link_->name(); }

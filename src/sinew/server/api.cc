@@ -109,6 +109,20 @@ void Api::close(SessionId id) {
   }
   previews_->forget(id);
   sessions_.erase(found);
+  if (yielding_ != id) return;
+  yielding_.reset();
+  log_.add({{"at_ms", wall_ms()}, {"robot", ""}, {"kind", "demonstration"}, {"runs", false}});
+}
+
+void Api::yield(SessionId session) {
+  yielding_ = session;
+  log_.add({{"at_ms", wall_ms()}, {"robot", ""}, {"kind", "demonstration"}, {"runs", true}});
+}
+
+void Api::give_way(const Method& method, SessionId session) {
+  const bool interferes =
+      method.moves || method.id == MethodId::kRobotStop || method.id == MethodId::kRobotHold;
+  if (yielding_ && *yielding_ != session && interferes) close(*yielding_);
 }
 
 void Api::receive(SessionId id, std::string_view text, Instant now) {
@@ -137,6 +151,7 @@ void Api::receive(SessionId id, std::string_view text, Instant now) {
                              "no robot of this cell has that name; there are " + names, nullptr});
     }
   }
+  give_way(**method, id);
   answer(session, request->id, request->answered, call(**method, one));
 }
 
@@ -360,7 +375,9 @@ const std::string& Api::status_text(std::optional<std::size_t> robot) {
   for (std::size_t i = 0; i < cell_.size(); ++i) {
     if (!robot || *robot == i) robots.push_back(status(i));
   }
-  return text = notification_text("status", {{"robots", robots}});
+  Json all{{"robots", robots}};
+  if (yielding_) all["demonstration"] = true;
+  return text = notification_text("status", all);
 }
 
 void Api::tell_jobs(Session& session, Instant now) {

@@ -50,6 +50,10 @@ class Api {
   std::optional<SessionId> open(Role role, Delivery delivery = Delivery::kMessages);
   /// Its leases end, and with them what they moved.
   void close(SessionId session);
+  bool knows(SessionId session) const { return sessions_.contains(session); }
+  /// A session that gives way: it is closed before anything else that moves a robot, or a stop, of
+  /// another one is done. One at a time.
+  void yield(SessionId session);
   /// One message, whatever its bytes are.
   void receive(SessionId session, std::string_view text, Instant now);
   void poll(Instant now);
@@ -118,6 +122,7 @@ class Api {
   void put(Session& session, std::string text);
   void answer(Session& session, const Json& id, bool answered, const Answer& what);
   Answer call(const Method& method, const Call& call);
+  void give_way(const Method& method, SessionId session);
   std::expected<runtime::StationClient*, RpcError> machine(Session& session, std::size_t robot);
   void renew(Session& session, Instant now);
   void take_events(Session& session);
@@ -175,6 +180,7 @@ class Api {
   SessionId last_session_ = 0;
   std::uint64_t last_group_ = 0;
   std::map<SessionId, Session> sessions_;
+  std::optional<SessionId> yielding_;
   EventLog log_;
   std::vector<std::optional<std::uint8_t>> ears_;     ///< a slot of each station: what concerns all
   std::vector<runtime::JobView> jobs_;                ///< as last logged

@@ -152,7 +152,9 @@ Api::Answer Api::call(const Method& method, const Call& call) {
 Json Api::cell_status() {
   Json robots = Json::array();
   for (std::size_t i = 0; i < cell_.size(); ++i) robots.push_back(status(i));
-  return Json{{"robots", robots}};
+  Json all{{"robots", robots}};
+  if (yielding_) all["demonstration"] = true;
+  return all;
 }
 
 Json Api::job_status(std::size_t robot) const {
@@ -275,8 +277,8 @@ Api::Answer Api::jog(const Call& call) {
   if (!(expiry > 0 && expiry <= kJogExpiryMax)) {
     return invalid("expiry_s has to be above 0 and at most 1");
   }
-  // The hand on the stick lives in real time, however fast the cell's own time runs.
-  const Duration life = from_seconds(expiry * cell_.cell().time_scale);
+  // The hand on the stick lives in real time, however fast the robot's own time runs.
+  const Duration life = from_seconds(expiry * cell_.station(*call.robot).clock().scale());
   planning::JogCommand command{.frame = *frame, .velocity = {}, .expiry = life};
   const Json& velocity = call.request.params["velocity"];
   if (velocity.size() > command.velocity.capacity()) {

@@ -58,10 +58,10 @@ class ApiCell {
     api_->poll(clock_.now());
     clock_.pause(std::chrono::milliseconds(2));
   }
-  /// Turns until `done`, for 20 s at most. @return whether it was
+  /// Turns until `done`, for 90 s at most. @return whether it was
   template <class Done>
   bool until(const Done& done) {
-    const Instant end = clock_.now() + std::chrono::seconds(20);
+    const Instant end = clock_.now() + std::chrono::seconds(90);
     while (!done()) {
       if (clock_.now() > end) return false;
       turn();

@@ -111,6 +111,7 @@ Json description_json(const CellRobot& place, const runtime::Station& station) {
             {"title", model.title},
             {"port", station.port_name()},
             {"simulated", station.simulated()},
+            {"time_scale", station.clock().scale()},
             {"pose", pose_json(place.X_WB.p, place.X_WB.R)},
             {"streams", capability.motion == MotionKind::kStream},
             {"joints", joints},

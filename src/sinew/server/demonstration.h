@@ -1,0 +1,61 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sinew/core/instant.h"
+#include "sinew/server/api.h"
+
+namespace sinew::server {
+
+/// What a cell's robots can do, shown by a client of its own: each plays its demonstration program
+/// again and again, or a ride where its file has none. The first thing that anybody else asks of a
+/// robot that moves it, or a stop, ends it: every robot of it comes to rest first (Api::yield).
+class Demonstration {
+ public:
+  /// One robot's part of it.
+  struct Part {
+    std::string robot;
+    double time_scale = 1;
+    bool plays = false;
+    int rounds = 0;         ///< played to their end
+    int failures = 0;       ///< in a row
+    double progress = 0;    ///< of the round under way, [0, 1]
+    double duration = 0;    ///< s of the machine's own time, predicted
+    std::string trouble{};  ///< why the last round failed; empty where it did not
+  };
+  /// A robot that has failed so often in a row is left alone.
+  static constexpr int kFailuresMax = 3;
+
+  /// @param api, cell  outlive this
+  Demonstration(Api& api, const runtime::RunningCell& cell);
+
+  /// Goes on with it; each few milliseconds. @param now  real time, as of Api::poll()
+  void poll(Instant now);
+  /// Ends it as a visitor would.
+  void end();
+
+  /// Somebody moves the robots, and this does not any more.
+  bool over() const { return !session_ || !api_.knows(*session_); }
+  /// Each robot has played a round to its end, or has failed too often.
+  bool shown() const;
+  const std::vector<Part>& parts() const { return parts_; }
+
+ private:
+  void begin_round(std::size_t robot, Instant now);
+  void take_answers();
+  void look_at(std::size_t robot, Instant now);
+
+  Api& api_;
+  const runtime::RunningCell& cell_;
+  std::optional<SessionId> session_;
+  std::vector<Part> parts_;
+  std::vector<Instant> due_;         ///< when each may begin its next round
+  std::vector<std::uint32_t> jobs_;  ///< the last one of each that was looked at
+  std::vector<bool> rides_;          ///< its program does not suit this one
+  Instant next_{};
+};
+
+}  // namespace sinew::server

@@ -1,0 +1,81 @@
+#include "sinew/server/demonstration.h"
+
+#include <gtest/gtest.h>
+
+#include "sinew/config/builtin_robots.h"
+#include "sinew/program/program_file.h"
+#include "sinew/server/api_test_cell.h"
+
+namespace sinew::server {
+namespace {
+
+using test::ApiCell;
+using test::ApiClient;
+
+TEST(Demonstration, every_robot_with_a_device_has_a_program_that_parses) {
+  int programs = 0;
+  for (const BuiltinRobot& builtin : builtin_robots()) {
+    if (builtin.demonstration.empty()) continue;
+    ++programs;
+    const RobotModel& robot = sinew::test::robot(std::string(builtin.id));
+    EXPECT_TRUE(program::parse(std::string(builtin.demonstration), "shown", robot)) << builtin.id;
+  }
+  EXPECT_EQ(programs, 5);
+}
+
+TEST(Demonstration, each_robot_is_shown_and_moves) {
+  ApiCell cell({test::place("a", "learm", "bus"), test::place("m", "maxarm")});
+  Demonstration shown(cell.api(), cell.cell());
+  const auto base = [&] { return cell.cell().station(0).view().truth->joints[0].q; };
+  double least = base(), most = base();
+  EXPECT_TRUE(cell.until([&] {
+    shown.poll(cell.now());
+    least = std::min(least, base());
+    most = std::max(most, base());
+    return shown.shown();
+  }));
+  for (const Demonstration::Part& part : shown.parts()) {
+    EXPECT_GT(part.rounds, 0) << part.robot << ": " << part.trouble;
+  }
+  EXPECT_GT(most - least, 1.0) << "rad of the base, both sides";
+  shown.end();
+  EXPECT_TRUE(shown.over());
+}
+
+TEST(Demonstration, a_visitor_who_takes_a_robot_ends_it_and_has_the_robot) {
+  ApiCell cell({test::place("a", "learm", "bus"), test::place("b", "learm", "bus")}, 2);
+  Demonstration shown(cell.api(), cell.cell());
+  ApiClient visitor(cell);
+  const auto moves = [&](std::size_t i) {
+    return cell.cell().station(i).view().state == control::MachineState::kMoving;
+  };
+  ASSERT_TRUE(cell.until([&] {
+    shown.poll(cell.now());
+    return moves(0) && moves(1);
+  }));
+  EXPECT_TRUE(visitor.call("cell.status")["result"]["demonstration"].get<bool>());
+  EXPECT_FALSE(shown.over()) << "to look is not to move";
+  const Json taken = visitor.call("lease.take", {{"robot", "a"}});
+  EXPECT_TRUE(taken.contains("result")) << taken.dump();
+  EXPECT_TRUE(shown.over());
+  EXPECT_TRUE(cell.until([&] { return !moves(0) && !moves(1); })) << "all come to rest";
+  const Json status = visitor.call("cell.status")["result"];
+  EXPECT_FALSE(status.contains("demonstration"));
+  shown.poll(cell.now());
+  EXPECT_EQ(visitor.run("a", test::kStand)["phase"], "done");
+}
+
+TEST(Demonstration, a_stop_of_a_viewer_ends_it) {
+  ApiCell cell({test::place("a", "learm", "bus")}, 2);
+  Demonstration shown(cell.api(), cell.cell());
+  ApiClient viewer(cell, Role::kViewer);
+  ASSERT_TRUE(cell.until([&] {
+    shown.poll(cell.now());
+    return cell.cell().station(0).view().state == control::MachineState::kMoving;
+  }));
+  viewer.call("robot.stop");
+  EXPECT_TRUE(shown.over());
+}
+
+}  // namespace
+}  // namespace sinew::server
