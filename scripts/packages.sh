@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# packages.sh SET...: installs the Debian packages of the named sets (build, test, bench, campaign, format)
-# that are missing. Asks apt for nothing where nothing is missing.
+# packages.sh SET...: installs the Debian packages of the named sets (build, panel, browser, test, bench,
+# campaign, format) that are missing. Asks apt for nothing where nothing is missing.
 # shellcheck source=scripts/lib.sh
 source "$(dirname "${BASH_SOURCE[0]}")/lib.sh"
 
@@ -8,6 +8,9 @@ packages_of() {
   case $1 in
     build) echo g++ cmake ninja-build libtomlplusplus-dev nlohmann-json3-dev libcli11-dev \
       libfmt-dev libboost-dev libssl-dev ;;
+    # Another node than Debian's will do, and brings an npm that Debian's is at odds with.
+    panel) command -v node >/dev/null && command -v npm >/dev/null || echo nodejs npm ;;
+    browser) command -v chromium >/dev/null || echo chromium ;;
     test) echo libgtest-dev liborocos-kdl-dev libeigen3-dev python3 python3-websockets openssl ;;
     bench) echo libbenchmark-dev liborocos-kdl-dev libeigen3-dev ;;
     campaign) echo clang-19 clang-tidy-19 clang-format-19 libclang-rt-19-dev ;;
@@ -18,10 +21,10 @@ packages_of() {
 
 wanted=()
 for set in "$@"; do
-  read -ra packages < <(packages_of "$set")
+  read -ra packages < <(packages_of "$set") || true # an empty set
   wanted+=("${packages[@]}")
 done
-mapfile -t wanted < <(printf '%s\n' "${wanted[@]}" | sort -u)
+mapfile -t wanted < <(printf '%s\n' "${wanted[@]}" | sed '/^$/d' | sort -u)
 
 # Elsewhere than on Debian the packages have other names; what can be checked are the tools.
 if ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then

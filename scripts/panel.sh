@@ -6,6 +6,7 @@
 source "$(dirname "${BASH_SOURCE[0]}")/lib.sh"
 
 wanted=18
+scripts/packages.sh panel >/dev/null 2>&1 || true # said below, where it has not helped
 if ! command -v node >/dev/null || ! command -v npm >/dev/null; then
   echo "  no panel: node $wanted or newer and npm are not here (apt-get install nodejs npm)"
   exit 0

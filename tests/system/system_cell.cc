@@ -68,6 +68,7 @@ double Station::resolution(std::size_t joint) const {
 void Station::begin_life() {
   disk_.set_wall(kEpoch + cell_.now().time_since_epoch().count());
   host_ = std::make_unique<Host>(robot_, cell_.driver(), disk_);
+  found_out_.reset();
   ASSERT_TRUE(host_->opened);
   // What this life takes over is true already now, before anything is asked of the device.
   const sim::Truth truth = cell_.machine().truth();
@@ -125,7 +126,8 @@ std::string Station::sink_supply(const Blow& blow) {
   const bool modules = std::holds_alternative<IcpDevice>(robot_.device.settings);
   const double volts = *nominal * (modules ? blow.volts : 0.8 + 0.2 * blow.volts);
   ++counts_.sunk_supplies;
-  browned_out_ = browned_out_ || modules;
+  browned_out_ = browned_out_ || (modules && volts < 8);
+  found_out_.reset();
   cell_.machine().disturb({sim::Disturbance::Kind::kSupply, -1, volts});
   supply_returns_ = cell_.now() + blow.cut;
   return "its supply sinks to " + std::to_string(volts) + " V for " +
@@ -137,12 +139,14 @@ void Station::look_at_supply() {
     supply_returns_.reset();
     cell_.machine().disturb({sim::Disturbance::Kind::kSupply, -1, *nominal_volts(robot_)});
   }
-  // Found out: nothing exact is said any more.
   if (!browned_out_ || supply_returns_ || !host_ || host_->claims.empty()) return;
-  if (host_->claims.back().kind == JournalKind::kIntent) return;
-  browned_out_ = std::ranges::any_of(
-      host_->claims.back().positions,
-      [](const JointPosition& joint) { return joint.quality >= PositionQuality::kCommanded; });
+  // Found out by a status of its modules: what is recorded behind that knows of it.
+  const auto& why = host_->loop->controller().latched();
+  const JournalRecord& last = host_->claims.back();
+  if (!found_out_ && why && why->error.code == ErrorCode::kSupplyFlag) found_out_ = last.sequence;
+  if (!found_out_ || last.sequence <= *found_out_ || last.kind == JournalKind::kIntent) return;
+  browned_out_ = false;
+  found_out_.reset();
 }
 
 void Station::look() {
@@ -425,6 +429,7 @@ void Station::switch_off_and_on() {
   if (!why || why->error.code != ErrorCode::kSupplyFlag) return;
   cell_.machine().disturb({sim::Disturbance::Kind::kSupply, -1, 0});
   browned_out_ = true;
+  found_out_.reset();
   supply_returns_ = cell_.now() + 1s;
   next_switching_ = cell_.now() + 20s;
 }

@@ -138,6 +138,7 @@ class Station {
   std::optional<Instant> supply_returns_;
   /// Its modules may have lost their power, and nobody has found out yet.
   bool browned_out_ = false;
+  std::optional<std::uint64_t> found_out_;  ///< the last record by then
   Instant next_switching_{};
   bool misfortunes_ = true;
   std::set<std::uint64_t> spared_;

@@ -62,6 +62,7 @@ TEST(Demonstration, a_visitor_who_takes_a_robot_ends_it_and_has_the_robot) {
   const Json status = visitor.call("cell.status")["result"];
   EXPECT_FALSE(status.contains("demonstration"));
   shown.poll(cell.now());
+  visitor.finish("a");
   EXPECT_EQ(visitor.run("a", test::kStand)["phase"], "done");
 }
 
