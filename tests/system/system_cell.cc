@@ -5,6 +5,7 @@
 
 #include "sinew/control/machine_identity.h"
 #include "sinew/core/units.h"
+#include "sinew/driver/icp_leg.h"
 #include "sinew/model/error_sentence.h"
 #include "system/some_motion.h"
 
@@ -54,10 +55,12 @@ Station::Station(const RobotModel& robot, const std::optional<std::string>& prof
 /// How far a motor may stand beside what its wire can say of it; rad or m.
 double Station::resolution(std::size_t joint) const {
   const auto& settings = robot_.device.settings;
-  // Until the next look at its modules nobody can know what they did without power.
-  const double unseen = browned_out_ ? control::recovery_settings(robot_).power_up_way[joint] : 0.0;
-  // A rotor that turns trails its field by up to a full step, 16 microsteps here.
-  if (const auto* legs = std::get_if<IcpDevice>(&settings)) return unseen + 17 / legs->units_per_m;
+  // A rotor that turns trails its field by up to a full step, 16 microsteps here. Until the next
+  // look at its modules nobody can know what they did without power: all that the driver allows for.
+  if (const auto* legs = std::get_if<IcpDevice>(&settings)) {
+    const double unseen = browned_out_ ? IcpLegClaim::kPowerCutUnits : 0;
+    return (unseen + 17) / legs->units_per_m;
+  }
   if (const auto* arm = std::get_if<BigRobotArmDevice>(&settings)) {
     const BigRobotArmJoint& own = arm->joints[joint];
     return 2 * own.steps_per_motor_rev / 200 / std::abs(own.steps_per_rad);

@@ -81,20 +81,6 @@ bool stays_clear(const planning::JointPath& path, const Stand& end) {
   return false;
 }
 
-/// What the last filter before a driver asks of a way that begins too near to something: it never
-/// comes nearer than it began.
-bool comes_no_nearer(const RobotModel& robot, const planning::JointPath& path, const Stand& from) {
-  if (!from.nearest) return true;
-  const CollisionModel model(robot);
-  const double least = from.nearest->distance - CollisionModel::kResolution / 2;
-  planning::PathPoint at;
-  for (int k = 0; k <= kLooks; ++k) {
-    path.sample(path.length() * k / kLooks, at);
-    if (!model.clear({at.q.data(), from.q.size()}, std::min(least, model.margin()))) return false;
-  }
-  return true;
-}
-
 std::expected<HomeLeg, Refusal> plan_leg(const RobotModel& robot, const JointVector& q_start,
                                          const JointVector& q_end, double share, int line) {
   JointStep step{.q = q_end, .given = 0, .how = {}};
@@ -109,14 +95,12 @@ std::expected<HomeLeg, Refusal> plan_leg(const RobotModel& robot, const JointVec
 }
 
 /// A leg out of what is too near at its begin; nothing where it would not lead out.
-std::optional<HomeLeg> leg_out(const RobotModel& robot, const Stand& from, const Stand& to,
-                               int line) {
+std::optional<HomeLeg> leg_out(const Stand& from, const Stand& to, int line) {
   for (const LinkPair& pair : to.near) {
     if (!holds(from.near, pair)) return std::nullopt;
   }
   auto leg = plan_leg(from.lenient, from.q, to.q, from.near.empty() ? 1 : kSlow, line);
   if (!leg || !stays_clear(leg->planned.path.joints, to)) return std::nullopt;
-  if (!comes_no_nearer(robot, leg->planned.path.joints, from)) return std::nullopt;
   return std::move(*leg);
 }
 
@@ -160,7 +144,7 @@ std::expected<HomeReturn, Refusal> home_return(const RobotModel& robot, const Jo
       JointVector next = here.q;
       next[j] = home[j];
       const auto there = std::make_shared<const Stand>(stand_at(robot, next));
-      auto leg = leg_out(robot, here, *there, line);
+      auto leg = leg_out(here, *there, line);
       if (!leg) continue;
       seen[homed] = true;
       Node more{there, homed, node.legs};

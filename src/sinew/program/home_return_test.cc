@@ -45,18 +45,6 @@ TEST(HomeReturn, arm_whose_homing_ends_in_itself_leaves_joint_by_joint_and_ends_
   for (int k = 0; k <= 100; ++k) EXPECT_GE(nearest(robot, last, k / 100.0), 0.01 - 1e-9) << k;
 }
 
-/// What the last filter before the driver lets pass: control::Governor.
-TEST(HomeReturn, on_no_leg_is_the_arm_nearer_to_itself_than_where_the_leg_began) {
-  const RobotModel& robot = test::robot("robot-arm-2");
-  const auto back = home_return(robot, kRest, 3);
-  ASSERT_TRUE(back) << describe(back.error().error);
-  for (const HomeLeg& leg : back->legs) {
-    const auto& path = leg.planned.path.joints;
-    const double begun = std::min(nearest(robot, path, 0), robot.collision.margin);
-    for (int k = 1; k <= 1000; ++k) ASSERT_GE(nearest(robot, path, k / 1000.0), begun - 1e-4) << k;
-  }
-}
-
 TEST(HomeReturn, stand_and_table_are_never_excused) {
   RobotModel fixed = test::robot("robot-arm-2");
   const auto back = home_return(fixed, kRest, 3);
