@@ -32,7 +32,7 @@ function connect(): Socket {
   return new WebSocket(`${scheme}://${location.host}/ws`, protocols) as unknown as Socket;
 }
 
-const rpc = new RpcClient({
+export const rpc = new RpcClient({
   connect,
   onOpen: () => void store.opened().catch((error) => store.noteError(error)),
   onClose: () => {

@@ -180,8 +180,8 @@ export const replayGhost = computed<Ghost | null>(() => {
   return stand && { robot: name, joints: stand.joints, platform: stand.platform, refused: false, path: toolPath.value };
 });
 
-export function save(name: string, text: string): void {
-  const url = URL.createObjectURL(new Blob([text], { type: 'text/csv;charset=utf-8' }));
+export function save(name: string, text: string | Uint8Array<ArrayBuffer>[], type = 'text/csv;charset=utf-8'): void {
+  const url = URL.createObjectURL(new Blob(typeof text === 'string' ? [text] : text, { type }));
   const link = document.createElement('a');
   link.href = url;
   link.download = name;

@@ -7,12 +7,28 @@ import { freeName, readPoints, takePoint, writePoints, type NotTaught, type Poin
 import { ConnectionError, RpcError } from './logic/rpc';
 import { jointRow } from './logic/quantities';
 import { fromRow } from './logic/pose';
-import { keepShelf, loadShelf, type Shelf } from './logic/shelf';
-import { jointLimits } from './logic/store';
+import type { Draft } from './logic/shelf';
 import { sampleAt } from './logic/target';
 import { refusal, rowVerdicts, type ProgramVerdict } from './logic/verdicts';
 import { language, t, type Key } from './i18n';
-import type { PreviewJson, RobotModel } from './logic/types';
+import {
+  clash,
+  dropPoint,
+  dropProgram,
+  here,
+  keepMine,
+  keepPoints,
+  keepProgram,
+  keeps,
+  kind,
+  measureOf,
+  putDraft,
+  renameKept,
+  revisionOf,
+  shelf,
+  takeTheirs,
+} from './shelf_state';
+import type { PreviewJson } from './logic/types';
 import type { Ghost } from './scene/scene';
 
 const kHistoryMax = 100;
@@ -22,9 +38,7 @@ const kCheckMs = 120_000;
 
 export type TeachTab = 'points' | 'program' | 'ride';
 export const tab = signal<TeachTab>('program');
-const none: Shelf = { programs: {}, points: [], draft: { name: '', text: '' } };
-export const shelf = signal<Shelf>(none);
-export const kept = signal(true);
+export { here, keeps, measureOf, shelf };
 /** Line of the row that is open. */
 export const selected = signal<number | null>(null);
 export const verdict = signal<ProgramVerdict>({ kind: 'none' });
@@ -32,15 +46,7 @@ export const verdict = signal<ProgramVerdict>({ kind: 'none' });
 export const scrub = signal<number | null>(null);
 /** What was just done, for who cannot see it. */
 export const said = signal('');
-export const history = signal<Shelf['draft'][]>([]);
-
-/** What kind of robot all of this is for: `learm`, whatever its name in the cell. */
-const kind = computed(() => model.value?.robot ?? null);
-function put(next: Partial<Shelf>): void {
-  const now = kind.peek();
-  shelf.value = { ...shelf.peek(), ...next };
-  if (now) kept.value = keepShelf(localStorage, now, shelf.peek());
-}
+export const history = signal<Draft[]>([]);
 
 export const text = computed(() => shelf.value.draft.text);
 export const name = computed(() => shelf.value.draft.name);
@@ -73,10 +79,11 @@ export function openExample(path: string): void {
   const near = readPoints(pointFiles[`${folder}points.toml`] ?? '').points.map((one) => one.point);
   batch(() => {
     openProgram(kExample.exec(path)![2]!, found);
-    put({
-      points: [...points, ...near.filter((one) => !points.some((other) => other.name === one.name))],
-      programs: { ...calledBy(found, beside), ...programs },
-    });
+    const more = near.filter((one) => !points.some((other) => other.name === one.name));
+    if (more.length > 0) void keepPoints(more);
+    for (const [other, content] of Object.entries(calledBy(found, beside))) {
+      if (!(other in programs)) void keepProgram(other, content, 0);
+    }
   });
 }
 
@@ -89,7 +96,7 @@ export function edit(next: string, line?: number | null): void {
     const typed = line === undefined && history.peek().length > 0 && Date.now() - lastTyped < 1000;
     lastTyped = line === undefined ? Date.now() : 0;
     if (!typed) history.value = [...history.peek(), before].slice(-kHistoryMax);
-    put({ draft: { ...shelf.peek().draft, text: next } });
+    putDraft({ ...before, text: next });
     if (line !== undefined) selected.value = line;
   });
 }
@@ -100,24 +107,34 @@ export function undo(): void {
   batch(() => {
     history.value = history.peek().slice(0, -1);
     selected.value = null;
-    put({ draft: before });
+    putDraft(before);
   });
 }
-export function openProgram(title: string, next: string): void {
+/** @param revision  of the kept text; nothing: it is not kept */
+export function openProgram(title: string, next: string, revision?: number): void {
   batch(() => {
     history.value = [...history.peek(), shelf.peek().draft].slice(-kHistoryMax);
     selected.value = null;
-    put({ draft: { name: title, text: next } });
+    putDraft({ name: title, text: next, ...(revision ? { revision } : {}) });
   });
 }
-export function saveAs(title: string): void {
-  put({ programs: { ...shelf.peek().programs, [title]: text.peek() }, draft: { name: title, text: text.peek() } });
-  say('prog.saved', { name: title });
+export function openKept(title: string): void {
+  openProgram(title, shelf.peek().programs[title] ?? '', revisionOf(title));
 }
-export function removeProgram(title: string): void {
-  const programs = { ...shelf.peek().programs };
-  delete programs[title];
-  put({ programs });
+/** Under the name that it was opened by it replaces that text, under another one nothing. */
+export async function saveAs(title: string): Promise<void> {
+  const { name: opened, revision } = shelf.peek().draft;
+  const made = opened === title ? (revision ?? 0) : 0;
+  putDraft({ name: title, text: text.peek(), ...(made ? { revision: made } : {}) });
+  if (await keepProgram(title, text.peek(), made)) say('prog.saved', { name: title });
+}
+export async function openTheirs(): Promise<void> {
+  const theirs = await takeTheirs();
+  if (theirs) openProgram(theirs.name, theirs.text, theirs.revision);
+}
+export async function saveMine(): Promise<void> {
+  const title = clash.peek()?.name ?? '';
+  if (await keepMine()) say('prog.saved', { name: title });
 }
 export function say(key: Key, values: Record<string, string | number> = {}): void {
   said.value = t(key, values);
@@ -214,14 +231,13 @@ export async function ride(order: { seed: number; duration_s: number; amplitude?
 }
 
 // --- Points.
-export const measureOf = (one: RobotModel): 'angle' | 'length' => jointLimits(one.joints[0]!).measure;
 export function take(wish: string): { wrong: NotTaught; joint?: string } | Point | null {
   const one = model.peek();
   if (!one) return null;
   const { points } = shelf.peek();
   const taken = takePoint(freeName(wish, points.map((point) => point.name)), one, status.peek(), new Date());
   if ('wrong' in taken) return taken;
-  put({ points: [...points, taken] });
+  void keepPoints([taken]);
   say('pts.taken', { name: taken.name });
   return taken;
 }
@@ -230,20 +246,14 @@ export function retake(old: string): { wrong: NotTaught; joint?: string } | Poin
   if (!one) return null;
   const taken = takePoint(old, one, status.peek(), new Date());
   if ('wrong' in taken) return taken;
-  put({ points: shelf.peek().points.map((point) => (point.name === old ? taken : point)) });
+  void keepPoints([taken]);
   say('pts.taken', { name: old });
   return taken;
 }
-export function renamePoint(old: string, next: string): void {
-  put({ points: shelf.peek().points.map((point) => (point.name === old ? { ...point, name: next } : point)) });
-}
-export function removePoint(old: string): void {
-  put({ points: shelf.peek().points.filter((point) => point.name !== old) });
-}
-export function addPoints(more: readonly Point[]): void {
-  const names = new Set(more.map((point) => point.name));
-  put({ points: [...shelf.peek().points.filter((point) => !names.has(point.name)), ...more] });
-}
+export const renamePoint = (old: string, next: string): void => void renameKept(old, next);
+export const removePoint = (old: string): void => void dropPoint(old);
+export const addPoints = (more: readonly Point[]): void => void (more.length > 0 && keepPoints(more));
+export const removeProgram = (title: string): void => void dropProgram(title);
 
 // --- On the way to a point: seen first, moved then.
 export interface Going {
@@ -309,9 +319,8 @@ effect(() => {
 
 // Another kind of robot has another shelf.
 effect(() => {
-  const now = kind.value;
+  void kind.value;
   batch(() => {
-    shelf.value = now ? loadShelf(localStorage, now) : none;
     selected.value = null;
     history.value = [];
     going.value = null;

@@ -1,6 +1,6 @@
 /**
- * Where programs and points are kept: in this browser, for each kind of robot, since the server keeps none
- * yet. Whoever wants them elsewhere saves them as files.
+ * What this browser keeps of programs and points, for each kind of robot: what is open, and what the
+ * controller does not have (yet). The rest lies with the controller (logic/kept.ts).
  */
 import type { Point } from './points';
 
@@ -9,11 +9,18 @@ export interface Kept {
   setItem(key: string, value: string): void;
 }
 
+export interface Draft {
+  name: string;
+  text: string;
+  /** Of the kept text that it was made from; nothing: of none. */
+  revision?: number;
+}
+
 export interface Shelf {
   programs: Record<string, string>;
   points: Point[];
   /** What is open, saved or not. */
-  draft: { name: string; text: string };
+  draft: Draft;
 }
 
 export const kProgramName = /^[A-Za-z][A-Za-z0-9_-]{0,39}$/;
@@ -32,7 +39,10 @@ export function loadShelf(kept: Kept, robot: string): Shelf {
     if (Array.isArray(read.points)) {
       shelf.points = read.points.filter((one) => typeof one?.name === 'string' && (Array.isArray(one.joints) || !!one.place));
     }
-    if (typeof read.draft?.text === 'string') shelf.draft = { name: String(read.draft.name ?? ''), text: read.draft.text };
+    if (typeof read.draft?.text === 'string') {
+      const { name, text, revision } = read.draft;
+      shelf.draft = { name: String(name ?? ''), text, ...(typeof revision === 'number' ? { revision } : {}) };
+    }
     return shelf;
   } catch {
     return empty();

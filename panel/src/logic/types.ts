@@ -79,6 +79,9 @@ export interface RobotStatus {
   goes_on_s?: number;
   jog?: { reason: string; share: number; joint?: string };
   health: Record<string, number>;
+  /** Goes up whenever something that the controller keeps has changed. */
+  kept?: number;
+  recording?: { record: string; length_s: number; size_bytes: number };
   job?: JobJson;
 }
 
@@ -273,5 +276,6 @@ export interface EventJson {
   path?: string;
   lost?: number;
   trouble?: string;
+  full?: boolean;
   reason?: string;
 }

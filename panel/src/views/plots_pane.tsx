@@ -24,7 +24,9 @@ import {
   type Choosable,
 } from '../plots_state';
 import { Swatch } from './chart';
+import { records } from '../records_state';
 import { Icon, Segments } from './parts';
+import { Recorder, RecordsList } from './records_list';
 
 /** What is plotted: as it comes, or of a record; which quantities, robots and joints. */
 export function PlotsPane(): JSX.Element {
@@ -40,6 +42,7 @@ export function PlotsPane(): JSX.Element {
           mode.value = value;
         }}
       />
+      <Recorder />
       {mode.value === 'record' && <RecordPart />}
       {(mode.value === 'live' || record.value) && (
         <>
@@ -142,6 +145,7 @@ function RecordPart(): JSX.Element {
         </p>
       )}
       {one && <RecordFacts of={one} />}
+      <RecordsList />
       <Told />
     </section>
   );
@@ -225,27 +229,25 @@ function saveWhole(of: RunRecord): void {
   save(`${recordName.value.replace(/\.mcap$/i, '')}.csv`, csvOf(of.frames.map((one) => one.t), charts));
 }
 
-/** Records that this cell has written: they lie beside the controller. */
-function Told(): JSX.Element {
-  const told = store.events.value.filter((one) => one.kind === 'record' && one.path).reverse();
+/** Records that lie somewhere else beside the controller: those of --record-folder. */
+function Told(): JSX.Element | null {
+  const folder = records.value?.folder;
+  const told = store.events.value.filter((one) => one.kind === 'record' && one.path && !(folder && one.path.startsWith(`${folder}/`))).reverse();
+  if (told.length === 0) return null;
   return (
-    <section aria-label={t('plots.told')}>
-      <h3>{t('plots.told')}</h3>
-      {told.length === 0 ? (
-        <p class="hint">{t('plots.told.none')}</p>
-      ) : (
-        <ul class="told">
-          {told.slice(0, 50).map((event) => (
-            <li key={event.number}>
-              <time>{new Date(event.at_ms).toLocaleTimeString(language.value, { hour12: false })}</time>
-              <strong>{event.robot}</strong>
-              {event.cause && <span class="tag">{tWord('cause', event.cause)}</span>}
-              <code>{event.path}</code>
-              {event.trouble && <span class="question-trouble">{event.trouble}</span>}
-            </li>
-          ))}
-        </ul>
-      )}
+    <section aria-label={t('plots.told.else')}>
+      <h3>{t('plots.told.else')}</h3>
+      <ul class="told">
+        {told.slice(0, 50).map((event) => (
+          <li key={event.number}>
+            <time>{new Date(event.at_ms).toLocaleTimeString(language.value, { hour12: false })}</time>
+            <strong>{event.robot}</strong>
+            {event.cause && <span class="tag">{tWord('cause', event.cause)}</span>}
+            <code>{event.path}</code>
+            {event.trouble && <span class="question-trouble">{event.trouble}</span>}
+          </li>
+        ))}
+      </ul>
     </section>
   );
 }

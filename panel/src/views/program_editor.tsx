@@ -2,7 +2,7 @@ import type { JSX } from 'preact';
 import { useState } from 'preact/hooks';
 import { t } from '../i18n';
 import { kProgramName } from '../logic/shelf';
-import { changed, examples, history, name, openExample, openProgram, removeProgram, saveAs, shelf, text, undo } from '../teach';
+import { changed, examples, here, history, name, openExample, openKept, openProgram, removeProgram, saveAs, shelf, text, undo } from '../teach';
 import { FileButtons } from './file_buttons';
 import { IconButton } from './points_list';
 import { Icon, Segments } from './parts';
@@ -39,16 +39,17 @@ function ProgramHead(): JSX.Element {
   const title = wish ?? name.value;
   const fits = kProgramName.test(title);
   const { programs } = shelf.value;
+  const mine = Object.keys(here.value.programs);
   const saved = Object.keys(programs).sort();
   const save = () => {
     if (!fits) return;
-    saveAs(title);
+    void saveAs(title);
     setWish(null);
   };
   const open = (value: string) => {
     const [where, what] = [value.slice(0, 1), value.slice(2)];
     setWish(null);
-    if (where === 'k') openProgram(what, programs[what] ?? '');
+    if (where === 'k') openKept(what);
     else if (where === 'e') openExample(what);
     else if (where === 'n') openProgram('', '');
   };
@@ -72,7 +73,7 @@ function ProgramHead(): JSX.Element {
             <optgroup label={t('prog.kept')}>
               {saved.map((one) => (
                 <option key={one} value={`k:${one}`}>
-                  {one}
+                  {mine.includes(one) ? t('kept.mark', { name: one }) : one}
                 </option>
               ))}
             </optgroup>

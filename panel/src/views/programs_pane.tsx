@@ -1,10 +1,11 @@
 import type { JSX } from 'preact';
 import { t } from '../i18n';
 import { model } from '../app';
-import { kept, said, tab, type TeachTab } from '../teach';
+import { keeps, said, tab, type TeachTab } from '../teach';
 import { Segments } from './parts';
 import { PointsList } from './points_list';
 import { ProgramEditor } from './program_editor';
+import { KeptNotes } from './kept_notes';
 import { ReadyFirst } from './ready_first';
 import { RideForm } from './ride_form';
 
@@ -23,11 +24,12 @@ export function ProgramsPane(): JSX.Element {
         options={kTabs.map((value) => ({ value, text: t(`prog.tab.${value}`) }))}
         onChange={(value) => (tab.value = value)}
       />
-      {!kept.value && (
+      {!keeps.value && (
         <p class="callout grave" role="alert">
           {t('prog.not_kept')}
         </p>
       )}
+      {tab.value !== 'ride' && <KeptNotes />}
       {tab.value === 'points' ? <PointsList /> : tab.value === 'ride' ? <RideForm /> : <ProgramEditor />}
       <p class="sr-only" aria-live="polite">
         {said.value}

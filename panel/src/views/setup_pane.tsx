@@ -7,6 +7,7 @@ import { kProcedures, wasCutOff, type ProcedureJson, type ProcedureKind } from '
 import { look, meantJoint } from '../scene_state';
 import { forgetOwn, isOwn, keepOwn } from './setup_memory';
 import { Icon } from './parts';
+import { SettingsForm } from './settings_form';
 import { SetupFacts } from './setup_facts';
 import { Question } from './setup_question';
 import { ResultCard, StepList } from './setup_steps';
@@ -163,6 +164,7 @@ function Choose({ name, last }: { name: string; last: ProcedureJson | undefined 
         ))}
       </ul>
       {busy && <p class="hint">{t('setup.busy')}</p>}
+      <SettingsForm name={name} />
       {place && <SetupFacts place={place} last={last} />}
     </>
   );

@@ -208,8 +208,8 @@ std::expected<RobotModel, Outcome> model_for(const CommissionRequest& request) {
 
 }  // namespace
 
-std::expected<UsedSettings, std::string> use_settings_file(RobotModel& robot,
-                                                           const std::string& path) {
+std::expected<FileSettings, std::string> read_settings_file(const RobotModel& robot,
+                                                            const std::string& path) {
   const auto file = runtime::read_commissioning(path, robot);
   if (!file) return std::unexpected(file.error());
   if (!file->finished) {
@@ -217,11 +217,7 @@ std::expected<UsedSettings, std::string> use_settings_file(RobotModel& robot,
                            ": its list was not finished, and what it found does not count: "
                            "sinew commission goes on with it");
   }
-  if (const auto used = program::use_settings(robot, file->settings); !used) {
-    return std::unexpected(path + ": " + used.error());
-  }
-  UsedSettings settings;
-  if (!file->settings.empty()) settings.file = path;
+  FileSettings settings{file->settings, {}};
   if (!file->under_way.empty()) {
     settings.note =
         "another commissioning was begun and not finished; what the one before it "
@@ -229,6 +225,16 @@ std::expected<UsedSettings, std::string> use_settings_file(RobotModel& robot,
         path;
   }
   return settings;
+}
+
+std::expected<UsedSettings, std::string> use_settings_file(RobotModel& robot,
+                                                           const std::string& path) {
+  auto read = read_settings_file(robot, path);
+  if (!read) return std::unexpected(read.error());
+  if (const auto used = program::use_settings(robot, read->settings); !used) {
+    return std::unexpected(path + ": " + used.error());
+  }
+  return UsedSettings{read->settings.empty() ? std::string() : path, std::move(read->note)};
 }
 
 std::string usual_settings(const RobotModel& robot) {

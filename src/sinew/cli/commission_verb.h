@@ -7,6 +7,7 @@
 
 #include "sinew/cli/outcome.h"
 #include "sinew/model/robot_model.h"
+#include "sinew/program/procedures.h"
 
 namespace sinew::cli {
 
@@ -43,7 +44,15 @@ std::expected<UsedSettings, Outcome> use_commissioning(RobotModel& robot,
                                                        const std::optional<std::string>& settings,
                                                        bool real);
 
-/// The settings of one file. @error  it cannot be used, or its list was never finished; a sentence
+/// What a file of commissioning found, and a sentence on what of it does not count.
+struct FileSettings {
+  program::FoundSettings settings;
+  std::string note;
+};
+/// @error  it cannot be read, or its list was never finished; a sentence
+std::expected<FileSettings, std::string> read_settings_file(const RobotModel& robot,
+                                                            const std::string& path);
+/// The same, used. @error  it cannot be used, or its list was never finished; a sentence
 std::expected<UsedSettings, std::string> use_settings_file(RobotModel& robot,
                                                            const std::string& path);
 

@@ -49,7 +49,7 @@ std::expected<std::unique_ptr<runtime::RunRecorder>, Outcome> begin_record(
   if (!records_mcap(request)) return recorder;
   const std::filesystem::path path(*request.record);
   const std::string parent = path.has_parent_path() ? path.parent_path().string() : ".";
-  const auto begun = recorder->begin(parent, path.filename().string(), request.file);
+  const auto begun = recorder->begin({parent, path.filename().string(), request.file});
   if (!begun) return std::unexpected(could_not("--record: " + begun.error().sentence));
   return recorder;
 }

@@ -16,9 +16,9 @@
 #include "sinew/io/interrupt.h"
 #include "sinew/io/standard_streams.h"
 #include "sinew/io/thread_share.h"
+#include "sinew/runtime/cell_settings.h"
 #include "sinew/runtime/position_record.h"
 #include "sinew/runtime/procedure_session.h"
-#include "sinew/runtime/robot_variant.h"
 #include "sinew/runtime/running_cell.h"
 #include "sinew/server/local_server.h"
 
@@ -44,30 +44,64 @@ std::string beside(const std::string& cell_file, const std::string& file) {
   return (std::filesystem::path(cell_file).parent_path() / file).string();
 }
 
-std::expected<std::vector<RobotModel>, Outcome> find_robots(const ServeRequest& request,
-                                                            const Cell& cell) {
-  std::vector<RobotModel> robots;
+std::expected<std::vector<runtime::RobotMaking>, Outcome> find_robots(const ServeRequest& request,
+                                                                      const Cell& cell) {
+  std::vector<runtime::RobotMaking> robots;
   for (const CellRobot& place : cell.robots) {
     const bool own = place.robot.ends_with(".toml");
     auto file = find_robot(own ? beside(request.file, place.robot) : place.robot);
     if (!file) return std::unexpected(file.error());
     if (auto fine = check_has_device(file->model); !fine) return std::unexpected(fine.error());
-    auto variant = runtime::variant_of(file->model, place.profile, place.wire);
-    if (!variant) return std::unexpected(bad_input(place.name + ": " + variant.error()));
-    if (place.port) {
-      if (auto wrong = runtime::wrong_port(*variant, *place.port)) {
-        return std::unexpected(bad_input(place.name + ": " + *wrong));
-      }
-    }
+    runtime::RobotMaking making{file->model, place};
     if (place.settings) {
-      const auto used = use_settings_file(*variant, beside(request.file, *place.settings));
-      if (!used) return std::unexpected(bad_input(place.name + ": settings: " + used.error()));
-      if (!used->note.empty())
-        std::fputs(("  " + place.name + ": " + used->note + "\n").c_str(), stderr);
+      const auto read = read_settings_file(file->model, beside(request.file, *place.settings));
+      if (!read) return std::unexpected(bad_input(place.name + ": settings: " + read.error()));
+      if (!read->note.empty()) {
+        std::fputs(("  " + place.name + ": " + read->note + "\n").c_str(), stderr);
+      }
+      making.found = read->settings;
     }
-    robots.push_back(std::move(*variant));
+    robots.push_back(std::move(making));
   }
   return robots;
+}
+
+/// The cell's file, the robots' own, and on top of them what somebody has set in a panel.
+std::expected<runtime::CellSettings, Outcome> find_settings(const ServeRequest& request,
+                                                            const Cell& cell) {
+  auto robots = find_robots(request, cell);
+  if (!robots) return std::unexpected(robots.error());
+  const auto file = runtime::settings_path(request.file);
+  if (!file) return std::unexpected(could_not(file.error().sentence));
+  std::error_code error;
+  const std::string whose = request.file.empty()
+                                ? kBuiltinName
+                                : std::filesystem::weakly_canonical(request.file, error).string();
+  runtime::CellSettings settings(*file, whose, cell.time_scale, std::move(*robots));
+  if (const auto loaded = settings.load(); !loaded) {
+    return std::unexpected(bad_input(loaded.error() + "; mend it, or move it away"));
+  }
+  return settings;
+}
+
+/// Robots as they run; their places in the cell as they then are.
+std::expected<std::vector<RobotModel>, Outcome> make_robots(const runtime::CellSettings& settings,
+                                                            Cell& cell) {
+  std::vector<RobotModel> models;
+  for (std::size_t i = 0; i < cell.robots.size(); ++i) {
+    auto made = settings.make(i);
+    const std::string name = cell.robots[i].name;
+    if (!made) {
+      const std::string where = settings.is_set(i) ? settings.file() + ": " : std::string();
+      return std::unexpected(bad_input(where + name + ": " + made.error().front().sentence));
+    }
+    if (settings.is_set(i)) {
+      std::fputs(("  " + name + ": as set in " + settings.file() + "\n").c_str(), stderr);
+    }
+    cell.robots[i] = std::move(made->place);
+    models.push_back(std::move(made->model));
+  }
+  return models;
 }
 
 std::string greeting(const runtime::RunningCell& cell, const std::string& socket,
@@ -101,7 +135,9 @@ void serve_until_the_end(const ServeRequest& request, const runtime::RunningCell
 Outcome serve(const ServeRequest& request) {
   auto cell = read(request);
   if (!cell) return cell.error();
-  auto robots = find_robots(request, *cell);
+  auto settings = find_settings(request, *cell);
+  if (!settings) return settings.error();
+  auto robots = make_robots(*settings, *cell);
   if (!robots) return robots.error();
   const auto socket = cell_socket(request.socket);
   if (!socket) return could_not(socket.error().sentence);
@@ -116,6 +152,8 @@ Outcome serve(const ServeRequest& request) {
   if (!flight) return could_not(flight.error().sentence);
   const auto commissioning = runtime::commissioning_folder();
   if (!commissioning) return could_not(commissioning.error().sentence);
+  const auto programs = runtime::programs_folder();
+  if (!programs) return could_not(programs.error().sentence);
   io::catch_interrupts();
   std::optional<io::RealtimeStart> realtime;
   if (request.realtime) {
@@ -127,10 +165,11 @@ Outcome serve(const ServeRequest& request) {
                                              {.journal = *folder,
                                               .flight = *flight,
                                               .record = request.record_folder.value_or(""),
-                                              .commissioning = *commissioning});
+                                              .commissioning = *commissioning,
+                                              .programs = *programs});
   realtime.reset();
   if (!running) return could_not(running.error().sentence);
-  server::Api api(**running, SINEW_VERSION);
+  server::Api api(**running, SINEW_VERSION, &*settings);
   server::ServerLoop loop(api);
   auto listening = server::LocalServer::listen(*socket, loop);
   if (!listening) return could_not(listening.error().sentence);

@@ -279,34 +279,98 @@ std::string joined_lines(std::span<const std::string_view> lines) {
   return text;
 }
 
+using Lines = std::vector<std::string_view>;
+using Changed = std::expected<std::string, std::vector<Complaint>>;
+
+std::unexpected<std::vector<Complaint>> cannot(std::string_view file_name, std::string why) {
+  return std::unexpected(std::vector{Complaint{std::string(file_name), 1, 1, "", std::move(why)}});
+}
+
+bool holds(const TaughtPoints& points, std::string_view name) {
+  return std::ranges::find(points, name, &TaughtPoint::name) != points.end();
+}
+
+/// The lines of a point's table; remarks above the next one are that one's.
+struct TableLines {
+  Lines lines;
+  std::size_t begin = 0;
+  std::size_t end = 0;
+
+  std::string before() const { return joined_lines({lines.data(), begin}); }
+  std::string behind() const { return joined_lines({lines.data() + end, lines.size() - end}); }
+};
+
+std::expected<TableLines, std::vector<Complaint>> table_of(std::string_view toml,
+                                                           std::string_view file_name,
+                                                           std::string_view name) {
+  TableLines table{lines_of(toml)};
+  const std::string header = "[points." + std::string(name) + "]";
+  const auto at = [&](std::size_t i) { return content_of(table.lines[i]); };
+  while (table.begin < table.lines.size() && at(table.begin) != header) ++table.begin;
+  if (table.begin == table.lines.size()) {
+    return cannot(file_name, "the point '" + std::string(name) + "' is there, but not as a table " +
+                                 header + "; change it by hand");
+  }
+  table.end = table.begin + 1;
+  while (table.end < table.lines.size() && !at(table.end).starts_with('[')) ++table.end;
+  while (table.end != table.begin + 1 && at(table.end - 1).empty()) --table.end;
+  return table;
+}
+
 }  // namespace
 
-std::expected<std::string, std::vector<Complaint>> with_point(std::string_view toml,
-                                                              std::string_view file_name,
-                                                              const TaughtPoint& point) {
+Changed with_point(std::string_view toml, std::string_view file_name, const TaughtPoint& point) {
   const auto before = read_points(toml, file_name);
   if (!before) return std::unexpected(before.error());
-  const std::string table = points_text({point});
-  const auto lines = lines_of(toml);
-  if (std::ranges::find(*before, point.name, &TaughtPoint::name) == before->end()) {
+  const std::string written_point = points_text({point});
+  if (!holds(*before, point.name)) {
     std::string text(toml);
     if (!text.empty() && text.back() != '\n') text += "\n";
-    return text + (text.empty() ? "" : "\n") + table;
+    return text + (text.empty() ? "" : "\n") + written_point;
   }
-  const std::string header = "[points." + point.name + "]";
-  const auto begin =
-      std::ranges::find_if(lines, [&](auto line) { return content_of(line) == header; });
-  if (begin == lines.end()) {
-    return std::unexpected(
-        std::vector{Complaint{std::string(file_name), 1, 1, "",
-                              "the point '" + point.name + "' is there, but not as a table " +
-                                  header + "; change it by hand"}});
+  const auto table = table_of(toml, file_name, point.name);
+  if (!table) return std::unexpected(table.error());
+  return table->before() + written_point + table->behind();
+}
+
+Changed without_point(std::string_view toml, std::string_view file_name, std::string_view name) {
+  const auto before = read_points(toml, file_name);
+  if (!before) return std::unexpected(before.error());
+  if (!holds(*before, name)) {
+    return cannot(file_name, "there is no point '" + std::string(name) + "'");
   }
-  auto end = std::find_if(begin + 1, lines.end(),
-                          [](auto line) { return content_of(line).starts_with('['); });
-  // Remarks above the next table are that one's.
-  while (end != begin + 1 && content_of(*(end - 1)).empty()) --end;
-  return joined_lines({lines.begin(), begin}) + table + joined_lines({end, lines.end()});
+  auto table = table_of(toml, file_name, name);
+  if (!table) return std::unexpected(table.error());
+  // Its empty line goes with it.
+  const auto empty = [&](std::size_t i) {
+    return table->lines[i].find_first_not_of(" \t\r\n") == std::string_view::npos;
+  };
+  if (table->end < table->lines.size() && empty(table->end)) {
+    ++table->end;
+  } else if (table->end == table->lines.size() && table->begin > 0 && empty(table->begin - 1)) {
+    --table->begin;
+  }
+  return table->before() + table->behind();
+}
+
+Changed with_point_renamed(std::string_view toml, std::string_view file_name, std::string_view name,
+                           std::string_view to) {
+  const auto before = read_points(toml, file_name);
+  if (!before) return std::unexpected(before.error());
+  if (!holds(*before, name)) {
+    return cannot(file_name, "there is no point '" + std::string(name) + "'");
+  }
+  if (holds(*before, to)) {
+    return cannot(file_name, "there is a point '" + std::string(to) + "' already");
+  }
+  const auto table = table_of(toml, file_name, name);
+  if (!table) return std::unexpected(table.error());
+  std::string header(table->lines[table->begin]);
+  const std::string old = "[points." + std::string(name) + "]";
+  header.replace(header.find(old), old.size(), "[points." + std::string(to) + "]");
+  const auto rest =
+      std::span(table->lines).subspan(table->begin + 1, table->end - table->begin - 1);
+  return table->before() + header + joined_lines(rest) + table->behind();
 }
 
 bool is_point_name(std::string_view name) {

@@ -38,6 +38,16 @@ std::expected<std::string, std::vector<Complaint>> with_point(std::string_view t
                                                               std::string_view file_name,
                                                               const TaughtPoint& point);
 
+/// A file's text without this point, or with another name of it. As with_point().
+/// @error  also: it is not there, or another point has the name already
+std::expected<std::string, std::vector<Complaint>> without_point(std::string_view toml,
+                                                                 std::string_view file_name,
+                                                                 std::string_view name);
+std::expected<std::string, std::vector<Complaint>> with_point_renamed(std::string_view toml,
+                                                                      std::string_view file_name,
+                                                                      std::string_view name,
+                                                                      std::string_view to);
+
 /// "above_bin": what a point or a program may be called.
 bool is_point_name(std::string_view name);
 

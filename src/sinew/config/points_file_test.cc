@@ -123,6 +123,25 @@ TEST(PointsFile, a_point_is_added_or_replaced_and_the_rest_stays_as_it_was) {
   EXPECT_NE(inline_table.error()[0].message.find("by hand"), std::string::npos);
 }
 
+TEST(PointsFile, a_point_is_removed_or_renamed_and_the_rest_stays_as_it_was) {
+  const std::string text =
+      "# of the kitchen\n[points.a]\nrobot = \"learm\"\njoints_deg = [1]\n\n# b is low\n"
+      "[points.b]  # really\nrobot = \"learm\"\njoints_deg = [2]\n";
+  EXPECT_EQ(without_point(text, "p", "a"),
+            "# of the kitchen\n# b is low\n[points.b]  # really\nrobot = \"learm\"\n"
+            "joints_deg = [2]\n");
+  EXPECT_EQ(without_point(text, "p", "b"),
+            "# of the kitchen\n[points.a]\nrobot = \"learm\"\njoints_deg = [1]\n\n# b is low\n");
+  EXPECT_EQ(with_point_renamed(text, "p", "b", "c-2"),
+            "# of the kitchen\n[points.a]\nrobot = \"learm\"\njoints_deg = [1]\n\n# b is low\n"
+            "[points.c-2]  # really\nrobot = \"learm\"\njoints_deg = [2]\n");
+  EXPECT_EQ(without_point(text, "p", "c").error()[0].message, "there is no point 'c'");
+  EXPECT_EQ(with_point_renamed(text, "p", "c", "d").error()[0].message, "there is no point 'c'");
+  EXPECT_EQ(with_point_renamed(text, "p", "a", "b").error()[0].message,
+            "there is a point 'b' already");
+  EXPECT_FALSE(without_point("[points", "p", "a"));
+}
+
 TEST(PointsFile, what_is_written_is_read_again) {
   test::for_random_cases(2'000, [](test::Random& random) {
     TaughtPoints points;

@@ -114,6 +114,27 @@ IoResult<std::string> read_file(const std::string& path, std::size_t size_max) {
   }
 }
 
+IoResult<std::string> read_part(const std::string& path, std::uint64_t offset, std::size_t size) {
+  const Descriptor file{::open(path.c_str(), O_RDONLY | O_NOCTTY | O_NONBLOCK | O_CLOEXEC)};
+  if (file.value < 0) return std::unexpected(system_error(path, errno));
+  struct stat status{};
+  if (fstat(file.value, &status) != 0) return std::unexpected(system_error(path, errno));
+  if (!S_ISREG(status.st_mode)) return std::unexpected(IoError{path + ": is no plain file"});
+  if (offset >= static_cast<std::uint64_t>(status.st_size)) return std::string();
+  std::string text(size, '\0');
+  std::size_t got = 0;
+  while (got < size) {
+    const auto at = static_cast<off_t>(offset + got);
+    const ssize_t count = ::pread(file.value, text.data() + got, size - got, at);
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) return std::unexpected(system_error(path, errno));
+    if (count == 0) break;
+    got += static_cast<std::size_t>(count);
+  }
+  text.resize(got);
+  return text;
+}
+
 IoResult<void> replace_file(const std::string& path, std::string_view text) {
   struct stat status{};
   const bool exists = ::stat(path.c_str(), &status) == 0;
@@ -164,6 +185,13 @@ IoResult<FolderTurn> FolderTurn::take(const std::string& path, Duration patience
 
 FolderTurn::~FolderTurn() {
   if (folder_ >= 0) ::close(folder_);
+}
+
+IoResult<std::uint64_t> file_size(const std::string& path) {
+  struct stat status{};
+  if (::stat(path.c_str(), &status) != 0) return std::unexpected(system_error(path, errno));
+  if (!S_ISREG(status.st_mode)) return std::unexpected(IoError{path + ": is no plain file"});
+  return static_cast<std::uint64_t>(status.st_size);
 }
 
 bool is_file(const std::string& path) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <cstdio>
 #include <memory>
 #include <optional>
@@ -15,6 +16,10 @@ namespace sinew::io {
 /// A whole file as text; a pipe is read to its end.
 /// @error not there, no permission, a folder or a device, an empty pipe, over `size_max` bytes
 IoResult<std::string> read_file(const std::string& path, std::size_t size_max = 1U << 20);
+
+/// As much of a file as there is from this byte on, `size` bytes at most; nothing behind its end.
+/// @error  not there, no permission, no plain file
+IoResult<std::string> read_part(const std::string& path, std::uint64_t offset, std::size_t size);
 
 /// Writes the file beside its place, syncs it, and moves it there: whoever reads sees the old or
 /// the new text, never half of one. A link's target is replaced, not the link. What is no file (a
@@ -42,6 +47,8 @@ class FolderTurn {
   int folder_;
 };
 
+/// Bytes of a plain file. @error  as read_part
+IoResult<std::uint64_t> file_size(const std::string& path);
 /// Whether anything has this name; also what cannot be read.
 bool exists(const std::string& path);
 /// A file that would be gone if another were put in its place: no pipe, no device.

@@ -43,6 +43,18 @@ std::string refusal(const Result& result) {
   return result ? "accepted" : result.error().sentence;
 }
 
+TEST(ReadPart, gives_what_there_is_of_it) {
+  const test::ScratchFolder folder;
+  const std::string file = folder.file("a", "0123456789");
+  EXPECT_EQ(read_part(file, 0, 4), "0123");
+  EXPECT_EQ(read_part(file, 8, 4), "89");
+  EXPECT_EQ(read_part(file, 10, 4), "");
+  EXPECT_EQ(read_part(file, ~std::uint64_t{0}, 4), "");
+  EXPECT_EQ(refusal(read_part(folder.at("b"), 0, 4)),
+            folder.at("b") + ": no such file or directory");
+  EXPECT_EQ(refusal(read_part(folder.at(), 0, 4)), folder.at() + ": is no plain file");
+}
+
 TEST(ReadFile, gives_every_byte_back) {
   const test::ScratchFolder folder;
   std::string bytes;

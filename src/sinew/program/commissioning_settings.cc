@@ -64,7 +64,6 @@ struct Setter {
   bool operator()(LscDevice& device) const {
     LscServo& servo = device.servos[joint];
     const auto number = number_of(value);
-    constexpr double kTrimMax = from_deg(15);
     constexpr double kIdMax = 253;
     if (turn()) {
       servo.units_per_rad *= -1;

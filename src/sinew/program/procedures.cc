@@ -353,7 +353,7 @@ void list_servos(Lister& list, const RobotModel& robot) {
     list.add("trim." + joint.name,
              "By how much must " + joint.name +
                  " be corrected so that its zero is where the model has it? Plus as it counts.",
-             NumberStep{Measure::kAngle, from_deg(-15), from_deg(15)})
+             NumberStep{Measure::kAngle, -kTrimMax, kTrimMax})
         .optional = true;
   }
 }

@@ -4,6 +4,7 @@
 #include <map>
 #include <string>
 
+#include "sinew/core/units.h"
 #include "sinew/program/procedure.h"
 #include "sinew/program/program_plan.h"
 
@@ -30,6 +31,9 @@ ProcedurePlan recovery_procedure(const RobotModel& robot, const Homing& homing);
 std::expected<ProcedurePlan, std::string> commissioning_procedure(const RobotModel& robot,
                                                                   const Homing& homing,
                                                                   const DeviceFact& fact);
+
+/// A servo that hangs farther off its middle is on the wrong tooth of its shaft.
+inline constexpr double kTrimMax = from_deg(15);
 
 /// What commissioning has found, by name: "joint.leg1.invert" = "yes".
 using FoundSettings = std::map<std::string, std::string>;

@@ -12,11 +12,12 @@ bool CheckedProgram::fine() const {
 }
 
 CheckedProgram check(const Program& program, const RobotModel& robot, const Start& start,
-                     const Homing& homing) {
+                     const Homing& homing, const WayLook& look) {
   CheckedProgram checked;
   checked.rows.resize(program.steps.size());
   OrderPlanner planner(robot, start, homing);
   planner.judge(checked.rows);
+  if (look) planner.show_to(look);
   checked.broken_off = planner.take_all(program);
   checked.duration_min = planner.plan().duration_min;
   checked.duration_max = planner.plan().duration;

@@ -19,7 +19,8 @@ struct CheckedProgram {
 /// As make_plan(), but a refused row does not end it: the rows behind it are checked from where it
 /// would have left the machine. Where that is not known they are not, up to a row that names all
 /// joints or `home`.
+/// @param look  is shown each motion, and may refuse it
 CheckedProgram check(const Program& program, const RobotModel& robot, const Start& start,
-                     const Homing& homing = {});
+                     const Homing& homing = {}, const WayLook& look = {});
 
 }  // namespace sinew::program

@@ -498,4 +498,44 @@ McapContent read_mcap(std::span<const std::uint8_t> file) {
   return content;
 }
 
+std::optional<double> mcap_length(
+    std::uint64_t file_size,
+    const std::function<std::string(std::uint64_t offset, std::size_t size)>& part) {
+  constexpr std::size_t kFooter = mcap::kRecordHead + 20;
+  constexpr std::size_t kTail = kFooter + mcap::kMagic.size();
+  // The indexes of all chunks that a file may have are less.
+  constexpr std::uint64_t kSummaryMax = std::uint64_t{32} << 20;
+  if (file_size < kTail) return std::nullopt;
+  const auto bytes_of = [](const std::string& text) {
+    return Bytes(reinterpret_cast<const std::uint8_t*>(text.data()), text.size());
+  };
+  const std::string end = part(file_size - kTail, kTail);
+  if (end.size() != kTail || !std::ranges::equal(bytes_of(end).last(8), mcap::kMagic)) {
+    return std::nullopt;
+  }
+  Cursor footer(bytes_of(end));
+  if (footer.number<std::uint8_t>() != static_cast<std::uint8_t>(Opcode::kFooter)) {
+    return std::nullopt;
+  }
+  footer.number<std::uint64_t>();
+  const auto begin = footer.number<std::uint64_t>();
+  if (begin == 0 || begin >= file_size - kTail || file_size - begin > kSummaryMax) {
+    return std::nullopt;
+  }
+  const std::string text = part(begin, static_cast<std::size_t>(file_size - kTail - begin));
+  Cursor summary(bytes_of(text));
+  while (summary.ok() && summary.left() > 0) {
+    const auto opcode = summary.number<std::uint8_t>();
+    Cursor record(summary.take(summary.number<std::uint64_t>()));
+    if (opcode != static_cast<std::uint8_t>(Opcode::kStatistics)) continue;
+    const auto messages = record.number<std::uint64_t>();
+    record.take(2 + 4 + 4 + 4 + 4);  // how many of what else there are
+    const auto first = record.number<std::uint64_t>();
+    const auto last = record.number<std::uint64_t>();
+    if (!record.ok() || messages == 0) return std::nullopt;
+    return seconds_between(first, last);
+  }
+  return std::nullopt;
+}
+
 }  // namespace sinew::runtime

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <optional>
 #include <span>
@@ -55,5 +56,18 @@ struct McapContent {
 /// attachments are refused: Sinew writes none.
 /// @param file  outlives the content
 McapContent read_mcap(std::span<const std::uint8_t> file);
+
+/// s from the first message of a whole file to its last, by the end of the file alone; nothing
+/// where it was cut, or has no message.
+/// @param part  of the file: `size` bytes from `offset` on, or fewer
+std::optional<double> mcap_length(
+    std::uint64_t file_size,
+    const std::function<std::string(std::uint64_t offset, std::size_t size)>& part);
+
+/// s; times of a file are ns without a sign.
+inline double seconds_between(std::uint64_t from, std::uint64_t to) {
+  return to >= from ? static_cast<double>(to - from) * 1e-9
+                    : -static_cast<double>(from - to) * 1e-9;
+}
 
 }  // namespace sinew::runtime

@@ -114,6 +114,14 @@ io::IoResult<std::string> records_folder() {
   return state_folder("records");
 }
 
+io::IoResult<std::string> programs_folder() {
+  return state_folder("programs");
+}
+
+io::IoResult<std::string> settings_folder() {
+  return state_folder("settings");
+}
+
 io::IoResult<std::string> web_folder() {
   return state_folder("web");
 }

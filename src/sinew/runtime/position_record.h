@@ -54,10 +54,15 @@ class PositionRecord {
 /// $XDG_STATE_HOME/sinew/positions, or where the home has it.
 /// @error  neither variable is set
 io::IoResult<std::string> positions_folder();
-/// The same with "records": what machines did before they failed.
+/// The same with "records": what machines did before they failed, and what somebody recorded.
 io::IoResult<std::string> records_folder();
 /// The same with "web": the tokens of the network door.
 io::IoResult<std::string> web_folder();
+
+/// The same with "programs": those of each kind of robot and its points, in a folder of its id.
+io::IoResult<std::string> programs_folder();
+/// The same with "settings": what was set of the robots of each cell, beside its file.
+io::IoResult<std::string> settings_folder();
 
 /// For people: what happened to a disk.
 std::string sentence(const DiskError& error);

@@ -73,18 +73,16 @@ std::string record_name(const std::string& robot, const std::string& what, std::
 class RunRecorder::File {
  public:
   static io::IoResult<std::unique_ptr<File>> create(const RobotModel& robot,
-                                                    const std::string& folder,
-                                                    const std::string& name,
+                                                    const RecordPlace& place,
                                                     const RecordTitle& title) {
-    auto disk = io::DiskFolder::open_folder(folder);
+    auto disk = io::DiskFolder::open_folder(place.folder);
     if (!disk) return std::unexpected(disk.error());
-    auto made = disk->create(name);
+    auto made = disk->create(place.name);
     if (!made) {
       return std::unexpected(
-          io::IoError{fmt::format("{}/{}: {}", folder, name, sentence(made.error()))});
+          io::IoError{fmt::format("{}/{}: {}", place.folder, place.name, sentence(made.error()))});
     }
-    return std::unique_ptr<File>(
-        new File(std::move(*disk), *made, folder + "/" + name, robot, title));
+    return std::unique_ptr<File>(new File(std::move(*disk), *made, place, robot, title));
   }
   ~File() { disk_.close(file_); }
   File(const File&) = delete;
@@ -96,23 +94,34 @@ class RunRecorder::File {
     } else {
       ++lost_;
     }
+    if (!first_) first_ = time_of(entry);
+    last_ = time_of(entry);
+  }
+  /// Nothing more gets into it.
+  bool over() const { return !trouble_.empty() || full(); }
+  bool full() const { return size_ >= size_max_; }
+  RecordUnderWay under_way() const {
+    return {name_, first_ ? to_seconds(last_ - *first_) : 0, size_};
   }
   void add_lost(std::uint64_t count, Instant at) { encoder_.add_lost(count, at); }
   RecordTold finish() {
     encoder_.finish();
     if (trouble_.empty()) note(disk_.sync(file_));
-    return {path_, std::nullopt, trouble_, lost_ + encoder_.lost()};
+    return {disk_.path() + "/" + name_, std::nullopt, trouble_, lost_ + encoder_.lost(), full()};
   }
   Disk& disk() { return disk_; }
 
  private:
-  File(io::DiskFolder disk, DiskFile file, std::string path, const RobotModel& robot,
+  File(io::DiskFolder disk, DiskFile file, const RecordPlace& place, const RobotModel& robot,
        const RecordTitle& title)
       : disk_(std::move(disk)),
         file_(file),
-        path_(std::move(path)),
+        name_(place.name),
+        size_max_(place.size_max),
         encoder_(robot, title, [this](std::span<const std::uint8_t> bytes) {
-          if (trouble_.empty()) note(disk_.append(file_, bytes));
+          if (!trouble_.empty()) return;
+          note(disk_.append(file_, bytes));
+          size_ += bytes.size();
         }) {}
   void note(const DiskResult<void>& done) {
     if (!done) trouble_ = sentence(done.error());
@@ -120,7 +129,11 @@ class RunRecorder::File {
 
   io::DiskFolder disk_;
   DiskFile file_;
-  std::string path_;
+  std::string name_;
+  std::uint64_t size_max_;
+  std::uint64_t size_ = 0;
+  std::optional<Instant> first_;
+  Instant last_{};
   std::string trouble_;
   std::uint64_t lost_ = 0;
   RecordEncoder encoder_;
@@ -143,7 +156,8 @@ RunRecorder::~RunRecorder() {
   calls_.notify_one();
   thread_.join();
   if (fault_) write_flight();
-  end();
+  end(RecordSlot::kJob);
+  end(RecordSlot::kWanted);
 }
 
 void RunRecorder::offer(const RunSample& sample) {
@@ -195,20 +209,36 @@ bool RunRecorder::work() {
     taken_.store(++taken, std::memory_order_release);
   }
   const std::uint64_t lost = lost_.load(std::memory_order_relaxed);
-  if (file_ && lost != lost_told_) file_->add_lost(lost - lost_told_, last_);
+  for (const auto& file : files_) {
+    if (file && lost != lost_told_) file->add_lost(lost - lost_told_, last_);
+  }
   lost_told_ = lost;
+  auto& wanted = files_[static_cast<std::size_t>(RecordSlot::kWanted)];
+  if (wanted && wanted->over()) {
+    tell(wanted->finish());
+    wanted.reset();
+  }
+  show_wanted();
   return true;
 }
 
 void RunRecorder::take(const Entry& entry) {
   last_ = time_of(entry);
-  if (file_) file_->add(entry);
+  for (const auto& file : files_) {
+    if (file) file->add(entry);
+  }
   if (options_.flight_folder.empty()) return;
   if (fault_ && last_ - fault_->at > kBehindFault) write_flight();
   keep(entry);
   const auto* event = std::get_if<RunEvent>(&entry);
   const bool fault = event != nullptr && event->event.kind == control::ControlEvent::Kind::kLatched;
   if (fault && !fault_) fault_ = *event;
+}
+
+void RunRecorder::show_wanted() {
+  const auto& wanted = files_[static_cast<std::size_t>(RecordSlot::kWanted)];
+  const std::scoped_lock lock(told_mutex_);
+  under_way_ = wanted ? std::optional(wanted->under_way()) : std::nullopt;
 }
 
 void RunRecorder::keep(const Entry& entry) {
@@ -226,13 +256,14 @@ void RunRecorder::write_flight() {
   const std::string what = "fault-" + cause;
   const std::string& folder = options_.flight_folder;
   const auto cannot = [&](const std::string& sentence) {
-    tell({folder, fault.event.cause, sentence, flight_.size()});
+    tell({folder, fault.event.cause, sentence, flight_.size(), false});
   };
   auto disk = io::DiskFolder::open_folder(folder);
   if (!disk) return cannot(disk.error().sentence);
   const std::string name =
       free_name(*disk, record_name(options_.robot, what, wall_ns_ + (fault.at - start_).count()));
-  auto file = File::create(robot_, folder, name, title("the last 10 s before a fault: " + cause));
+  const RecordPlace place{folder, name, "the last 10 s before a fault: " + cause};
+  auto file = File::create(robot_, place, title(place.program));
   if (!file) return cannot(file.error().sentence);
   for (std::size_t k = 0; k < flight_.size(); ++k) {
     const Entry& entry = flight_[(flight_next_ + k) % flight_.size()];
@@ -251,28 +282,35 @@ RecordTitle RunRecorder::title(const std::string& program) const {
   return {options_.robot, program, options_.library, wall_ns_, start_};
 }
 
-io::IoResult<void> RunRecorder::begin(const std::string& folder, const std::string& name,
-                                      const std::string& program) {
-  end();
-  auto file = File::create(robot_, folder, name, title(program));
+io::IoResult<void> RunRecorder::begin(const RecordPlace& place, RecordSlot slot) {
+  end(slot);
+  auto file = File::create(robot_, place, title(place.program));
   if (!file) return std::unexpected(file.error());
   const std::scoped_lock lock(work_);
   work();
-  file_ = std::move(*file);
+  files_[static_cast<std::size_t>(slot)] = std::move(*file);
+  show_wanted();
   return {};
 }
 
-std::optional<RecordTold> RunRecorder::end() {
+std::optional<RecordTold> RunRecorder::end(RecordSlot slot) {
   std::optional<RecordTold> told;
   {
     const std::scoped_lock lock(work_);
     work();
-    if (!file_) return std::nullopt;
-    told = file_->finish();
-    file_.reset();
+    auto& file = files_[static_cast<std::size_t>(slot)];
+    if (!file) return std::nullopt;
+    told = file->finish();
+    file.reset();
+    show_wanted();
   }
   tell(*told);
   return told;
+}
+
+std::optional<RecordUnderWay> RunRecorder::under_way() const {
+  const std::scoped_lock lock(told_mutex_);
+  return under_way_;
 }
 
 void RunRecorder::end_flight() {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <deque>
 #include <memory>
@@ -28,11 +29,32 @@ struct RecordTold {
   std::optional<control::StopCause> fault;  ///< of a flight record
   std::string trouble;                      ///< why it is not whole, for people; empty: it is
   std::uint64_t lost = 0;                   ///< samples and events that are not in it
+  bool full = false;                        ///< it has come to the size that it may have
 };
 
-/// Writes what happens to one machine, in a thread of its own: to a file from begin() to end(), and
-/// of each fault the ten seconds before it and one behind it. Between it and the control side is a
-/// ring of fixed size; what the disk is too slow for is not in the file, and counted there.
+/// Whose file it is: a program's own, from its begin to its end, or one that somebody wants
+/// meanwhile.
+enum class RecordSlot : std::uint8_t { kJob, kWanted };
+
+/// What a file is called, and how large it may become. One that has come to that ends by itself.
+struct RecordPlace {
+  std::string folder;
+  std::string name;
+  std::string program;  ///< for people
+  std::uint64_t size_max = ~std::uint64_t{0};
+};
+
+/// A file that somebody wants, and that is being written.
+struct RecordUnderWay {
+  std::string name;
+  double length = 0;       ///< s
+  std::uint64_t size = 0;  ///< bytes that the disk has taken
+};
+
+/// Writes what happens to one machine, in a thread of its own: to files from begin() to end(), one
+/// of each slot, and of each fault the ten seconds before it and one behind it. Between it and the
+/// control side is a ring of fixed size; what the disk is too slow for is not in the file, and
+/// counted there.
 class RunRecorder {
  public:
   static constexpr std::size_t kRing = 1024;
@@ -60,12 +82,13 @@ class RunRecorder {
 
   /// @name From any other thread
   /// @{
-  /// From now on into this file, instead of the one before.
-  /// @param program  for people. @error  a sentence: the file cannot be made
-  io::IoResult<void> begin(const std::string& folder, const std::string& name,
-                           const std::string& program);
+  /// From now on into this file, instead of the one before it in its slot.
+  /// @error  a sentence: the file cannot be made
+  io::IoResult<void> begin(const RecordPlace& place, RecordSlot slot = RecordSlot::kJob);
   /// The file is whole; nothing where none was begun. It is told by take_told() too.
-  std::optional<RecordTold> end();
+  std::optional<RecordTold> end(RecordSlot slot = RecordSlot::kJob);
+  /// The file of RecordSlot::kWanted; nothing while there is none.
+  std::optional<RecordUnderWay> under_way() const;
   std::optional<RecordTold> take_told();
   /// The run is over: what is kept of a fault is written now, however little is behind it.
   void end_flight();
@@ -84,6 +107,7 @@ class RunRecorder {
   // All below under the work's mutex.
   bool work();
   void take(const Entry& entry);
+  void show_wanted();
   void keep(const Entry& entry);
   void write_flight();
   void tell(RecordTold told);
@@ -103,15 +127,16 @@ class RunRecorder {
   std::atomic<bool> stop_ = false;
 
   std::mutex work_;
-  std::unique_ptr<File> file_;
+  std::array<std::unique_ptr<File>, 2> files_;  ///< by slot
   std::uint64_t lost_told_ = 0;
   Instant last_{};
   std::vector<Entry> flight_;  ///< a ring: the oldest stands at flight_next_ once it is full
   std::size_t flight_next_ = 0;
   std::optional<RunEvent> fault_;
 
-  std::mutex told_mutex_;
+  mutable std::mutex told_mutex_;
   std::deque<RecordTold> told_;
+  std::optional<RecordUnderWay> under_way_;
 
   std::thread thread_;
 };

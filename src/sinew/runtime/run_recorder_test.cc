@@ -91,7 +91,7 @@ class Recorder : public testing::Test {
 
 TEST_F(Recorder, writes_what_was_commanded_measured_and_sent) {
   RunRecorder recorder = make();
-  ASSERT_TRUE(recorder.begin(folder_.at(), "run.mcap", "a.sinew"));
+  ASSERT_TRUE(recorder.begin({folder_.at(), "run.mcap", "a.sinew"}));
   for (int k = 0; k < 300; ++k) {
     RunSample sample = sample_at(robot_, at(k * 10ms), 0.001 * k);
     sample.bytes = {static_cast<std::size_t>(7 * k), static_cast<std::size_t>(3 * k)};
@@ -128,7 +128,7 @@ TEST_F(Recorder, writes_what_was_commanded_measured_and_sent) {
 
 TEST_F(Recorder, tells_where_the_tool_was) {
   RunRecorder recorder = make();
-  ASSERT_TRUE(recorder.begin(folder_.at(), "run.mcap", ""));
+  ASSERT_TRUE(recorder.begin({folder_.at(), "run.mcap", ""}));
   const RunSample sample = sample_at(robot_, at(0ms), 0.1);
   recorder.offer(sample);
   const Record record(recorder.end()->path);
@@ -146,7 +146,7 @@ TEST_F(Recorder, tells_where_the_tool_was) {
 TEST_F(Recorder, legs_are_in_metres) {
   robot_ = test::robot("hexapod");
   RunRecorder recorder = make();
-  ASSERT_TRUE(recorder.begin(folder_.at(), "run.mcap", ""));
+  ASSERT_TRUE(recorder.begin({folder_.at(), "run.mcap", ""}));
   recorder.offer(sample_at(robot_, at(0ms), 0));
   const Record record(recorder.end()->path);
   const Json& leg =
@@ -209,7 +209,7 @@ TEST_F(Recorder, keeps_fifty_faults_and_touches_nothing_else) {
 TEST_F(Recorder, nothing_is_lost_silently) {
   test::for_random_cases(3, [&](test::Random& random) {
     RunRecorder recorder = make();
-    ASSERT_TRUE(recorder.begin(folder_.at(), "run.mcap", ""));
+    ASSERT_TRUE(recorder.begin({folder_.at(), "run.mcap", ""}));
     const auto count = static_cast<std::size_t>(random.integer(6000, 9000));
     for (std::size_t k = 0; k < count; ++k) {
       recorder.offer(sample_at(robot_, at(static_cast<std::int64_t>(k) * 10ms), 0));
@@ -243,7 +243,7 @@ TEST_F(Recorder, control_side_takes_no_memory) {
 
 TEST_F(Recorder, full_disk_is_told) {
   RunRecorder recorder = make();
-  ASSERT_TRUE(recorder.begin("/dev", "full", ""));
+  ASSERT_TRUE(recorder.begin({"/dev", "full", ""}));
   offer(recorder, 0s, 5s);
   const auto told = recorder.end();
   ASSERT_TRUE(told);
@@ -251,10 +251,60 @@ TEST_F(Recorder, full_disk_is_told) {
   EXPECT_GT(told->lost, 0U);
 }
 
+TEST_F(Recorder, a_wanted_file_and_that_of_a_job_do_not_know_each_other) {
+  RunRecorder recorder = make();
+  EXPECT_FALSE(recorder.under_way());
+  ASSERT_TRUE(recorder.begin({folder_.at(), "wanted.mcap", ""}, RecordSlot::kWanted));
+  offer(recorder, 0s, 1s);
+  ASSERT_TRUE(recorder.begin({folder_.at(), "job.mcap", ""}));
+  offer(recorder, 1s, 2s);
+  ASSERT_TRUE(recorder.end());
+  offer(recorder, 2s, 3s);
+  recorder.settle();
+  ASSERT_TRUE(recorder.under_way());
+  EXPECT_EQ(recorder.under_way()->name, "wanted.mcap");
+  EXPECT_NEAR(recorder.under_way()->length, 3, 0.05);
+  ASSERT_TRUE(recorder.end(RecordSlot::kWanted));
+  EXPECT_FALSE(recorder.under_way());
+  const auto samples = [&](const char* name) {
+    return Record(folder_.at(name)).messages.at("joint_states").size();
+  };
+  EXPECT_NEAR(static_cast<double>(samples("wanted.mcap")), 300, 5);
+  EXPECT_NEAR(static_cast<double>(samples("job.mcap")), 100, 5);
+}
+
+TEST_F(Recorder, a_wanted_file_that_is_full_ends_whole_by_itself) {
+  constexpr std::uint64_t kMost = 100'000;
+  RunRecorder recorder = make();
+  ASSERT_TRUE(recorder.begin({folder_.at(), "run.mcap", "", kMost}, RecordSlot::kWanted));
+  offer(recorder, 0s, 20s);
+  recorder.settle();
+  EXPECT_FALSE(recorder.under_way());
+  EXPECT_FALSE(recorder.end(RecordSlot::kWanted));
+  const auto told = recorder.take_told();
+  ASSERT_TRUE(told);
+  EXPECT_TRUE(told->full);
+  EXPECT_EQ(told->trouble, "");
+  const Record record(told->path);
+  EXPECT_GT(record.bytes.size(), kMost);
+  EXPECT_LT(record.bytes.size(), kMost + 600'000);
+}
+
+TEST_F(Recorder, a_wanted_file_ends_with_the_disk_and_says_so) {
+  RunRecorder recorder = make();
+  ASSERT_TRUE(recorder.begin({"/dev", "full", ""}, RecordSlot::kWanted));
+  offer(recorder, 0s, 5s);
+  recorder.settle();
+  EXPECT_FALSE(recorder.under_way());
+  const auto told = recorder.take_told();
+  ASSERT_TRUE(told);
+  EXPECT_EQ(told->trouble, "the disk is full");
+}
+
 TEST_F(Recorder, folder_that_cannot_be_had_is_told) {
   const std::string file = folder_.file("file", "");
   RunRecorder recorder = make(file + "/flight");
-  EXPECT_FALSE(recorder.begin(file + "/runs", "run.mcap", ""));
+  EXPECT_FALSE(recorder.begin({file + "/runs", "run.mcap", ""}));
   recorder.offer(fault_event(), at(0s));
   offer(recorder, 0s, 2s);
   const auto told = recorder.take_told();

@@ -23,22 +23,19 @@ StationOptions options_of(const CellRobot& robot, const CellFolders& folders) {
   return options;
 }
 
-/// A simulated device is not the one on the bench.
-ResultsPlace results_place(const CellRobot& robot, const Station& station,
-                           const std::string& folder) {
-  ResultsPlace place{.file = {}, .settings = robot.settings.value_or("")};
-  if (folder.empty()) return place;
-  place.file = folder + "/" + robot.name + (station.simulated() ? ".simulated.json" : ".json");
-  return place;
-}
-
 }  // namespace
+
+std::string results_file(const CellFolders& folders, const Station& station) {
+  if (folders.commissioning.empty()) return {};
+  return folders.commissioning + "/" + station.name() +
+         (station.simulated() ? ".simulated.json" : ".json");
+}
 
 io::IoResult<std::unique_ptr<RunningCell>> RunningCell::start(Cell cell,
                                                               std::vector<RobotModel> robots,
                                                               const CellFolders& folders) {
   SINEW_ASSERT(robots.size() == cell.robots.size());
-  std::unique_ptr<RunningCell> running(new RunningCell(std::move(cell)));
+  std::unique_ptr<RunningCell> running(new RunningCell(std::move(cell), folders));
   running->space_ = std::make_unique<CellSpace>(running->cell_, robots);
   for (std::size_t i = 0; i < robots.size(); ++i) {
     const CellRobot& place = running->cell_.robots[i];
@@ -56,7 +53,7 @@ io::IoResult<std::unique_ptr<RunningCell>> RunningCell::start(Cell cell,
     Station& started = *running->stations_.back();
     running->jobs_.push_back(std::make_unique<JobRunner>(started, clock));
     running->procedures_.push_back(std::make_unique<ProcedureRunner>(
-        started, clock, results_place(place, started, folders.commissioning)));
+        started, clock, ResultsPlace{results_file(folders, started), place.settings.value_or("")}));
   }
   return running;
 }

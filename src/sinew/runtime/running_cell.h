@@ -15,10 +15,15 @@ namespace sinew::runtime {
 /// Where a cell keeps what it writes down; empty: that is not kept.
 struct CellFolders {
   std::string journal;          ///< positions of robots with a journal
-  std::string flight;           ///< the last seconds before each fault
+  std::string flight;           ///< the last seconds before each fault, and what somebody records
   std::string record;           ///< a record of each job
   std::string commissioning{};  ///< what commissioning finds
+  std::string programs{};       ///< programs and points, a folder for each kind of robot
 };
+
+/// Where commissioning leaves what it finds of this robot; empty: nowhere. A simulated device is
+/// not the one on the bench.
+std::string results_file(const CellFolders& folders, const Station& station);
 
 /// A cell that runs: each robot in its thread, with what runs its programs.
 class RunningCell {
@@ -31,6 +36,7 @@ class RunningCell {
 
   CellSpace& space() const { return *space_; }
   const Cell& cell() const { return cell_; }
+  const CellFolders& folders() const { return folders_; }
   std::size_t size() const { return stations_.size(); }
   Station& station(std::size_t i) const { return *stations_[i]; }
   JobRunner& jobs(std::size_t i) const { return *jobs_[i]; }
@@ -40,9 +46,11 @@ class RunningCell {
   std::optional<std::size_t> find(std::string_view name) const;
 
  private:
-  explicit RunningCell(Cell cell) : cell_(std::move(cell)) {}
+  RunningCell(Cell cell, CellFolders folders)
+      : cell_(std::move(cell)), folders_(std::move(folders)) {}
 
   Cell cell_;
+  CellFolders folders_;
   std::vector<std::unique_ptr<io::Clock>> clocks_;  ///< each robot's
   std::unique_ptr<CellSpace> space_;
   std::vector<std::unique_ptr<Station>> stations_;

@@ -492,14 +492,28 @@ void Station::wait_for_cycle(Duration patience) const {
 void Station::begin_record(const std::string& program) {
   if (!recorder_ || options_.record_folder.empty()) return;
   const std::string name = record_name(options_.name, program, io::wall_time_ns());
-  const auto begun = recorder_->begin(options_.record_folder, name, program);
+  const auto begun = recorder_->begin({options_.record_folder, name, program});
   if (begun) return;
   const std::scoped_lock lock(mutex_);
-  unrecorded_.push_back({options_.record_folder + "/" + name, {}, begun.error().sentence, 0});
+  unrecorded_.push_back(
+      {options_.record_folder + "/" + name, {}, begun.error().sentence, 0, false});
 }
 
 void Station::end_record() {
   if (recorder_) recorder_->end();
+}
+
+io::IoResult<void> Station::begin_wanted(const RecordPlace& place) {
+  if (!recorder_) return std::unexpected(io::IoError{"this cell keeps no records"});
+  return recorder_->begin(place, RecordSlot::kWanted);
+}
+
+std::optional<RecordTold> Station::end_wanted() {
+  return recorder_ ? recorder_->end(RecordSlot::kWanted) : std::nullopt;
+}
+
+std::optional<RecordUnderWay> Station::wanted() const {
+  return recorder_ ? recorder_->under_way() : std::nullopt;
 }
 
 std::optional<RecordTold> Station::take_record() {

@@ -113,6 +113,11 @@ class Station {
   /// A job begins, or ends: its record, where there are such.
   void begin_record(const std::string& program);
   void end_record();
+  /// The same of a record that somebody wants, beside that of a job.
+  /// @error  a sentence: the file cannot be made
+  io::IoResult<void> begin_wanted(const RecordPlace& place);
+  std::optional<RecordTold> end_wanted();
+  std::optional<RecordUnderWay> wanted() const;
   /// What became of records; each once.
   std::optional<RecordTold> take_record();
   /// @}

@@ -60,13 +60,14 @@ Json record_json(const std::string& robot, const runtime::RecordTold& told) {
             {"lost", told.lost}};
   if (told.fault) json["cause"] = cause_name(*told.fault);
   if (!told.trouble.empty()) json["trouble"] = told.trouble;
+  if (told.full) json["full"] = true;
   return json;
 }
 
 }  // namespace
 
-Api::Api(runtime::RunningCell& cell, std::string version)
-    : cell_(cell), version_(std::move(version)) {
+Api::Api(runtime::RunningCell& cell, std::string version, runtime::CellSettings* settings)
+    : cell_(cell), keeper_(cell, settings), version_(std::move(version)) {
   previews_ = std::make_unique<PreviewDesk>(cell_);
   for (std::size_t i = 0; i < cell_.size(); ++i) {
     ears_.push_back(cell_.station(i).take_slot());
@@ -120,8 +121,8 @@ void Api::yield(SessionId session) {
 }
 
 void Api::give_way(const Method& method, SessionId session) {
-  const bool interferes =
-      method.moves || method.id == MethodId::kRobotStop || method.id == MethodId::kRobotHold;
+  const bool interferes = (method.moves && !is_about_kept(method.id)) ||
+                          method.id == MethodId::kRobotStop || method.id == MethodId::kRobotHold;
   if (yielding_ && *yielding_ != session && interferes) close(*yielding_);
 }
 
@@ -135,8 +136,9 @@ void Api::receive(SessionId id, std::string_view text, Instant now) {
   const auto method = check(*request);
   if (!method) return answer(session, request->id, request->answered, method.error());
   if ((*method)->moves && session.role == Role::kViewer) {
-    return answer(session, request->id, request->answered,
-                  RpcError{RpcCode::kRefused, "viewers watch and may stop; this moves", nullptr});
+    return answer(
+        session, request->id, request->answered,
+        RpcError{RpcCode::kRefused, "viewers watch and may stop; this is for operators", nullptr});
   }
   Call one{session, *request, now, std::nullopt};
   if (const auto name = request->params.find("robot"); name != request->params.end()) {
@@ -167,6 +169,10 @@ void Api::answer(Session& session, const Json& id, bool answered, const Answer& 
   if (const auto* elsewhere = std::get_if<Elsewhere>(&what)) {
     if (previews_->ask({session.id, id, answered}, elsewhere->wish)) return;
     return put(session, error_text(id, {RpcCode::kBusy, "too many previews wait", nullptr}));
+  }
+  if (const auto* errand = std::get_if<Errand>(&what)) {
+    if (errand->desk.ask({session.id, id, answered}, errand->task)) return;
+    return put(session, error_text(id, {RpcCode::kBusy, "too many requests wait", nullptr}));
   }
   if (!answered) return;
   if (const auto* result = std::get_if<Json>(&what)) return put(session, result_text(id, *result));
@@ -215,18 +221,22 @@ void Api::renew(Session& session, Instant now) {
   }
 }
 
-void Api::take_previews() {
-  while (auto done = previews_->take()) {
-    const auto found = sessions_.find(done->ticket.client);
-    if (found == sessions_.end() || !done->ticket.answered) continue;
-    put(found->second, done->result ? result_text(done->ticket.id, *done->result)
-                                    : error_text(done->ticket.id, done->result.error()));
-  }
+void Api::take_answered() {
+  while (const auto done = previews_->take()) take_answered(*done);
+  while (const auto done = files_.take()) take_answered(*done);
+  while (const auto done = checks_.take()) take_answered(*done);
+}
+
+void Api::take_answered(const Answered& done) {
+  const auto found = sessions_.find(done.ticket.client);
+  if (found == sessions_.end() || !done.ticket.answered) return;
+  put(found->second, done.result ? result_text(done.ticket.id, *done.result)
+                                 : error_text(done.ticket.id, done.result.error()));
 }
 
 void Api::poll(Instant now) {
   poll_procedures();
-  take_previews();
+  take_answered();
   log_events();
   log_jobs();
   for (std::string& text : status_texts_) text.clear();
@@ -333,6 +343,11 @@ void Api::log_jobs() {
 Json Api::status(std::size_t robot) {
   const runtime::Station& station = cell_.station(robot);
   Json json = status_json(station, station.view(), *tools_[robot], X_near_[robot]);
+  json["kept"] = keeper_.changes();
+  if (const auto record = station.wanted()) {
+    json["recording"] = {
+        {"record", record->name}, {"length_s", record->length}, {"size_bytes", record->size}};
+  }
   const JobView job = cell_.jobs(robot).view();
   if (job.id != 0) json["job"] = job_json(station.name(), job, station.robot());
   if (const auto& procedures = cell_.procedures(robot); !procedures.over()) {

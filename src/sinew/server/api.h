@@ -13,6 +13,7 @@
 #include "sinew/planning/tool_space.h"
 #include "sinew/runtime/running_cell.h"
 #include "sinew/server/event_log.h"
+#include "sinew/server/keeper.h"
 #include "sinew/server/methods.h"
 #include "sinew/server/preview.h"
 
@@ -42,8 +43,8 @@ class Api {
   /// Status and job messages are not made for a session that has so many to read.
   static constexpr std::size_t kOutputSlow = 8;
 
-  /// @param cell  outlives this. @param version  of the program
-  Api(runtime::RunningCell& cell, std::string version);
+  /// @param cell, settings  outlive this. @param version  of the program
+  Api(runtime::RunningCell& cell, std::string version, runtime::CellSettings* settings = nullptr);
   ~Api();
 
   /// @return  nothing where as many as are served are there
@@ -116,7 +117,12 @@ class Api {
   struct Elsewhere {
     PreviewWish wish;
   };
-  using Answer = std::variant<Json, Later, Elsewhere, RpcError>;
+  /// Work of a desk, whose end is the answer.
+  struct Errand {
+    TaskDesk& desk;
+    TaskDesk::Task task;
+  };
+  using Answer = std::variant<Json, Later, Elsewhere, Errand, RpcError>;
 
   // api.cc
   void put(Session& session, std::string text);
@@ -127,7 +133,8 @@ class Api {
   void renew(Session& session, Instant now);
   void take_events(Session& session);
   void settle(Session& session, const Pending& pending, const control::ControlEvent& event);
-  void take_previews();
+  void take_answered();
+  void take_answered(const Answered& done);
   void log_events();
   void log_jobs();
   void tell(Session& session, Instant now);
@@ -166,6 +173,12 @@ class Api {
   Answer give(const Call& call, const control::CommandWhat& what, bool at_start = false);
   std::expected<JointVector, RpcError> joints(const Json& numbers, std::size_t robot) const;
 
+  // api_files.cc
+  Answer keep(const Method& method, const Call& call);
+  Answer keep_texts(const Method& method, const Call& call);
+  Answer check_program(const Call& call);
+  Answer keep_settings(const Method& method, const Call& call);
+
   // api_procedures.cc
   Json procedure(std::size_t robot) const;
   Answer start_procedure(const Call& call);
@@ -176,6 +189,9 @@ class Api {
 
   runtime::RunningCell& cell_;
   std::unique_ptr<PreviewDesk> previews_;
+  Keeper keeper_;
+  TaskDesk files_;   ///< the keeper's
+  TaskDesk checks_;  ///< of programs
   std::string version_;
   SessionId last_session_ = 0;
   std::uint64_t last_group_ = 0;

@@ -36,17 +36,6 @@ double number(const RpcRequest& request, const char* name, double usual) {
   return value != request.params.end() ? value->get<double>() : usual;
 }
 
-RpcError complained(const std::vector<Complaint>& complaints) {
-  Json list = Json::array();
-  for (const Complaint& complaint : complaints) {
-    list.push_back({{"file", complaint.file},
-                    {"line", complaint.line},
-                    {"column", complaint.column},
-                    {"sentence", complaint.message}});
-  }
-  return {RpcCode::kInvalidParams, to_text(complaints.front()), {{"complaints", list}}};
-}
-
 /// `from_line` and `speed`: which part of the program, and how fast.
 std::optional<RpcError> take_part(const RpcRequest& request, const RobotModel& robot,
                                   runtime::JobOrder& order) {
@@ -79,6 +68,7 @@ std::optional<planning::JogFrame> frame_of(std::string_view word) {
 
 }  // namespace
 
+/// Those of files are Api::keep()'s.
 Api::Answer Api::call(const Method& method, const Call& call) {
   switch (method.id) {
     case MethodId::kRpcDiscover:
@@ -132,7 +122,6 @@ Api::Answer Api::call(const Method& method, const Call& call) {
     case MethodId::kJobStatus:
       return job_status(*call.robot);
     case MethodId::kProcedureStart:
-      return start_procedure(call);
     case MethodId::kProcedureAnswer:
     case MethodId::kProcedureBack:
     case MethodId::kProcedureCancel:
@@ -145,8 +134,9 @@ Api::Answer Api::call(const Method& method, const Call& call) {
       return model_json(cell_.station(*call.robot).robot());
     case MethodId::kRobotPreview:
       return preview(call);
+    default:
+      return keep(method, call);
   }
-  return RpcError{RpcCode::kMethodNotFound, "there is no method of this name", nullptr};
 }
 
 Json Api::cell_status() {

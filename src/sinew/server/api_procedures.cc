@@ -51,6 +51,7 @@ Api::Answer Api::start_procedure(const Call& call) {
 
 /// Answers, steps back and the end are for whoever began it.
 Api::Answer Api::steer_procedure(const Method& method, const Call& call) {
+  if (method.id == MethodId::kProcedureStart) return start_procedure(call);
   ProcedureRunner& procedures = cell_.procedures(*call.robot);
   if (procedures.over()) {
     return RpcError{RpcCode::kRefused, "no procedure is under way on this robot", nullptr};

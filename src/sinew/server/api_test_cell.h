@@ -25,7 +25,8 @@ class ApiCell {
  public:
   explicit ApiCell(const std::vector<CellRobot>& robots, double scale = 20,
                    const runtime::CellFolders& folders = {},
-                   const std::vector<CellObject>& objects = {}) {
+                   const std::vector<CellObject>& objects = {},
+                   runtime::CellSettings* settings = nullptr) {
 #ifdef __SANITIZE_ADDRESS__
     scale /= 2;
 #endif
@@ -46,7 +47,7 @@ class ApiCell {
       return;
     }
     cell_ = std::move(*running);
-    api_ = std::make_unique<Api>(*cell_, "test");
+    api_ = std::make_unique<Api>(*cell_, "test", settings);
   }
 
   Api& api() { return *api_; }

@@ -6,7 +6,7 @@ namespace sinew::server {
 namespace {
 
 constexpr std::string_view kLineEnd = "\r\n";
-constexpr std::size_t kMethodMax = 16;
+constexpr std::size_t kVerbMax = 16;
 
 std::unexpected<HttpRefusal> refuse(int status, std::string sentence) {
   return std::unexpected(HttpRefusal{status, std::move(sentence), {}});
@@ -62,7 +62,7 @@ std::optional<HttpRefusal> read_request_line(std::string_view line, HttpHead& he
     return HttpRefusal{400, "a request begins with METHOD /PATH HTTP/1.1", {}};
   }
   if (version != "HTTP/1.1") return HttpRefusal{505, "only HTTP/1.1 is spoken here", {}};
-  if (!is_token(method) || method.size() > kMethodMax) {
+  if (!is_token(method) || method.size() > kVerbMax) {
     return HttpRefusal{501, "no method has such a name", {}};
   }
   if (target.size() > kTargetMax) {

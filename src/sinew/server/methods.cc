@@ -96,6 +96,47 @@ constexpr Param kPreviewParams[] = {
     {"speed", ParamType::kNumber, false, "share of the joints' limits, 0.01 to 1"},
     {"samples", ParamType::kWhole, false, "of the profile at most, 2 to 1000; 121"}};
 
+constexpr Param kCheckParams[] = {
+    kRobotParam,
+    {"text", ParamType::kText, true, "rows as in docs/programs.md"},
+    {"points", ParamType::kText, false, "a points.toml; the kept one where left out"},
+    {"called", ParamType::kTexts, false,
+     "the programs that it calls, by name; the kept ones where left out"}};
+constexpr Param kFormatParams[] = {{"text", ParamType::kText, true, "rows, of any robot"}};
+constexpr Param kProgramName{"name", ParamType::kText, true,
+                             "a letter, then letters, digits, - and _, 40 at most"};
+constexpr Param kRevision{"revision", ParamType::kWhole, true,
+                          "of what it was made from, as it was told; 0: nothing is there yet"};
+constexpr Param kProgramParams[] = {kRobotParam, kProgramName};
+constexpr Param kSaveParams[] = {
+    kRobotParam,
+    kProgramName,
+    {"text", ParamType::kText, true, "256 KiB at most; it may have mistakes still"},
+    kRevision};
+constexpr Param kRemoveParams[] = {kRobotParam, kProgramName, kRevision};
+constexpr Param kPointsSaveParams[] = {
+    kRobotParam,
+    {"points", ParamType::kText, true, "as in a points.toml, of this kind of robot"},
+    kRevision};
+constexpr Param kRenameParams[] = {
+    kRobotParam, kProgramName, {"to", ParamType::kText, true, "its new name"}, kRevision};
+constexpr Param kRecordParams[] = {
+    kRobotParam,
+    {"title", ParamType::kText, false, "32 letters of it stand in the file's name; recording"}};
+constexpr Param kRecordName{"record", ParamType::kText, true, "its name in records.list"};
+constexpr Param kRecordOnly[] = {kRecordName};
+constexpr Param kRecordParts[] = {
+    kRecordName, {"offset", ParamType::kWhole, false, "bytes that the client has already; 0"}};
+
+constexpr Param kSettings{"settings", ParamType::kTexts, true,
+                          "by name, as settings.get has them; of the device these alone count"};
+constexpr Param kSettingsParams[] = {kRobotParam, kSettings};
+constexpr Param kSettingsSetParams[] = {
+    kRobotParam,
+    {"settings", ParamType::kTexts, true,
+     "as settings.check takes them; none: its own files count again"},
+    kRevision};
+
 constexpr auto kMethods = std::to_array<Method>({
     {MethodId::kRpcDiscover,
      "rpc.discover",
@@ -202,6 +243,59 @@ constexpr auto kMethods = std::to_array<Method>({
      "one of joints, tool and text, as it would go from where the robot stands; nothing moves. Of "
      "previews that wait only a client's latest of each robot is made",
      kPreviewParams, "text, duration_s, limited, from, to, samples"},
+    {MethodId::kProgramCheck, "program.check", false,
+     "a verdict for each row, from where the robot stands; nothing moves, and what is refused is "
+     "no error",
+     kCheckParams, "fine, duration_min_s, duration_max_s, homing_at_most_s, rows"},
+    {MethodId::kProgramFormat, "program.format", false, "a program in its one layout",
+     kFormatParams, "text"},
+    {MethodId::kProgramsList, "programs.list", false,
+     "the programs that are kept of this kind of robot", kRobotOnly, "folder, programs"},
+    {MethodId::kProgramsLoad, "programs.load", false, "one of them", kProgramParams,
+     "name, text, revision"},
+    {MethodId::kProgramsSave, "programs.save", true,
+     "keeps it, unless somebody else has changed it meanwhile", kSaveParams, "name, revision"},
+    {MethodId::kProgramsRemove, "programs.remove", true,
+     "for good, unless somebody else has changed it meanwhile", kRemoveParams, "an empty object"},
+    {MethodId::kPointsList, "points.list", false, "the points that are kept of this kind of robot",
+     kRobotOnly, "file, revision, points"},
+    {MethodId::kPointsSave, "points.save", true,
+     "each in the place of the one of its name, or behind the others; the rest of the file stays "
+     "as it is",
+     kPointsSaveParams, "as points.list"},
+    {MethodId::kPointsRemove, "points.remove", true, "one of them", kRemoveParams,
+     "as points.list"},
+    {MethodId::kPointsRename, "points.rename", true,
+     "one of them; programs that go there are not changed", kRenameParams, "as points.list"},
+    {MethodId::kRecordStart, "record.start", true,
+     "what this robot does goes into a file from now on, up to 128 MiB", kRecordParams,
+     "record, path"},
+    {MethodId::kRecordStop, "record.stop", true, "the file is whole", kRobotOnly,
+     "record, path, size_bytes, lost"},
+    {MethodId::kRecordsList,
+     "records.list",
+     false,
+     "the records of this cell, those of faults too, the newest first",
+     {},
+     "folder, records"},
+    {MethodId::kRecordsRead, "records.read", false, "256 KiB of one of them, as base64",
+     kRecordParts, "record, offset, data, size_bytes, end"},
+    {MethodId::kRecordsCsv, "records.csv", false,
+     "the same of its samples as a table, as sinew record --csv makes it", kRecordParts,
+     "record, offset, data, size_bytes, end"},
+    {MethodId::kRecordsRemove, "records.remove", true, "one of them, for good", kRecordOnly,
+     "an empty object"},
+    {MethodId::kSettingsGet, "settings.get", false,
+     "what this robot is set to, and what can be set: beside its cell's file, which nobody writes",
+     kRobotOnly,
+     "file, revision, is_set, own, now, running, restart, settable, wires, profiles, found"},
+    {MethodId::kSettingsCheck, "settings.check", false,
+     "whether a cell with these would start, as its file is checked; nothing is kept",
+     kSettingsParams, "fine, complaints, profiles"},
+    {MethodId::kSettingsSet, "settings.set", true,
+     "keeps them for the next start, unless they do not fit or somebody else has changed them "
+     "meanwhile",
+     kSettingsSetParams, "as settings.get"},
 });
 
 bool fits(ParamType type, const Json& value) {

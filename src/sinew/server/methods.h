@@ -68,12 +68,36 @@ enum class MethodId : std::uint8_t {
   kSimulationTruth,
   kRobotModel,
   kRobotPreview,
+  kProgramCheck,
+  kProgramFormat,
+  kProgramsList,
+  kProgramsLoad,
+  kProgramsSave,
+  kProgramsRemove,
+  kPointsList,
+  kPointsSave,
+  kPointsRemove,
+  kPointsRename,
+  kRecordStart,
+  kRecordStop,
+  kRecordsList,
+  kRecordsRead,
+  kRecordsCsv,
+  kRecordsRemove,
+  kSettingsGet,
+  kSettingsCheck,
+  kSettingsSet,
 };
+
+/// About what is kept, the last ones of the table: no robot moves, or stops, by them.
+inline bool is_about_kept(MethodId id) {
+  return id >= MethodId::kProgramCheck && id <= MethodId::kSettingsSet;
+}
 
 struct Method {
   MethodId id{};
   std::string_view name;
-  bool moves = false;  ///< for operators only
+  bool moves = false;  ///< for operators only: it moves something, or changes what is kept
   std::string_view meaning;
   std::span<const Param> params;
   std::string_view result;

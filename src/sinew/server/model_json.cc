@@ -20,7 +20,7 @@ Json vector_json(const Vec3& v) {
   return {v.x, v.y, v.z};
 }
 
-Json pose_json(const Vec3& p, const Rotation& R) {
+Json local_pose_json(const Vec3& p, const Rotation& R) {
   return {{"xyz_m", vector_json(p)}, {"quaternion_wxyz", quaternion_wxyz(R)}};
 }
 
@@ -47,7 +47,7 @@ Json geometry_json(const SerialGeometry& chain) {
                     {"alpha_rad", row.alpha},
                     {"theta_offset_rad", row.theta_offset}});
   }
-  Json json{{"dh", rows}, {"tool", pose_json(chain.X_FT.p, chain.X_FT.R)}};
+  Json json{{"dh", rows}, {"tool", local_pose_json(chain.X_FT.p, chain.X_FT.R)}};
   if (chain.gripper) {
     json["gripper"] = {{"width_max_m", chain.gripper->width_max},
                        {"reach_open_m", chain.gripper->reach_open},
@@ -75,7 +75,7 @@ Json geometry_json(const HexapodGeometry& platform) {
   return {{"base_anchors_m", base},
           {"platform_anchors_m", top},
           {"platform_radius_m", platform.platform_radius},
-          {"home", pose_json(platform.X_BP_home.p, platform.X_BP_home.R)}};
+          {"home", local_pose_json(platform.X_BP_home.p, platform.X_BP_home.R)}};
 }
 
 std::string_view kind_name(const RobotModel& model) {
@@ -110,7 +110,7 @@ Json links_json(const RobotModel& model) {
   const auto poses = home_links(model);
   for (std::size_t i = 0; i < poses.size(); ++i) {
     Json link{{"name", link_name(model, i)}};
-    if (poses[i]) link["home"] = pose_json(poses[i]->p, poses[i]->R);
+    if (poses[i]) link["home"] = local_pose_json(poses[i]->p, poses[i]->R);
     links.push_back(std::move(link));
   }
   return links;
@@ -125,7 +125,7 @@ Json shape_json(const CollisionShape& shape) {
     json["radius_m"] = capsule->radius;
   } else if (const auto* box = std::get_if<CollisionBox>(&shape.form)) {
     json["form"] = "box";
-    json["pose"] = pose_json(box->X_LX.p, box->X_LX.R);
+    json["pose"] = local_pose_json(box->X_LX.p, box->X_LX.R);
     json["half_m"] = vector_json(box->half);
   } else {
     json["form"] = "leg";

@@ -160,25 +160,6 @@ Json would_work(const program::WayRefusal& way, std::size_t size) {
   return nullptr;
 }
 
-RpcError refused(const program::Refusal& refusal, const RobotModel& model,
-                 const std::optional<runtime::CellRefusal>& met) {
-  Json data = error_json(refusal.error, model);
-  const std::string unit(unit_of(refusal.error, model));
-  data["measured" + unit] = refusal.error.measured;
-  data["limit" + unit] = refusal.error.limit;
-  data["line"] = refusal.line;
-  if (refusal.way) {
-    const planning::MovePlace& place = refusal.way->refusal.place;
-    data["share"] = place.share;
-    if (place.metres) data["way_m"] = place.at;
-    if (Json other = would_work(*refusal.way, model.joints.size()); !other.is_null()) {
-      data["would_work"] = std::move(other);
-    }
-  }
-  if (met) put_in_the_way(data, *met);
-  return {RpcCode::kRefused, data["sentence"].get<std::string>(), data};
-}
-
 /// Plans the motions once more, one after the other, and takes their samples.
 std::expected<void, program::Refusal> sample(const program::Plan& plan, const RobotModel& model,
                                              program::RowPlanner& planner, Samples& samples,
@@ -222,6 +203,25 @@ bool first_move_in(const program::Plan& plan) {
 
 }  // namespace
 
+RpcError refused_plan(const program::Refusal& refusal, const RobotModel& model,
+                      const std::optional<runtime::CellRefusal>& met) {
+  Json data = error_json(refusal.error, model);
+  const std::string unit(unit_of(refusal.error, model));
+  data["measured" + unit] = refusal.error.measured;
+  data["limit" + unit] = refusal.error.limit;
+  data["line"] = refusal.line;
+  if (refusal.way) {
+    const planning::MovePlace& place = refusal.way->refusal.place;
+    data["share"] = place.share;
+    if (place.metres) data["way_m"] = place.at;
+    if (Json other = would_work(*refusal.way, model.joints.size()); !other.is_null()) {
+      data["would_work"] = std::move(other);
+    }
+  }
+  if (met) put_in_the_way(data, *met);
+  return {RpcCode::kRefused, data["sentence"].get<std::string>(), data};
+}
+
 program::Start standing(const runtime::Station& station) {
   const runtime::StationView view = station.view();
   if (view.reference) return view.reference;
@@ -246,13 +246,13 @@ std::expected<Json, RpcError> preview(const runtime::RunningCell& cell, const Pr
   };
   const auto plan =
       program::make_plan(wish.program, model, wish.from, runtime::homing_of(model), look);
-  if (!plan) return std::unexpected(refused(plan.error(), model, met));
+  if (!plan) return std::unexpected(refused_plan(plan.error(), model, met));
   program::RowPlanner planner(model);
   const double step = std::max(plan->duration / static_cast<double>(wish.samples - 1), 1e-3);
   Samples samples(model, planner.space(), step);
   planning::LimitTimes limits;
   if (const auto done = sample(*plan, model, planner, samples, limits); !done) {
-    return std::unexpected(refused(done.error(), model, std::nullopt));
+    return std::unexpected(refused_plan(done.error(), model, std::nullopt));
   }
   Json json{{"robot", station.name()},
             {"text", wish.text},
@@ -312,10 +312,10 @@ void PreviewDesk::forget(std::uint32_t client) {
   std::erase_if(waiting_, [&](const Waiting& one) { return one.ticket.client == client; });
 }
 
-std::optional<PreviewDesk::Done> PreviewDesk::take() {
+std::optional<Answered> PreviewDesk::take() {
   const std::scoped_lock lock(mutex_);
   if (done_.empty()) return std::nullopt;
-  Done first = std::move(done_.front());
+  Answered first = std::move(done_.front());
   done_.erase(done_.begin());
   return first;
 }

@@ -14,6 +14,7 @@
 #include "sinew/program/program_plan.h"
 #include "sinew/runtime/running_cell.h"
 #include "sinew/server/json_rpc.h"
+#include "sinew/server/task_desk.h"
 
 /// What a program would do if it ran now: planned, looked at in its cell, timed and sampled, and
 /// nothing moves.
@@ -31,6 +32,11 @@ struct PreviewWish {
 /// @error  kRefused with what `sinew plan` would refuse, kInvalidParams: no row that moves
 std::expected<Json, RpcError> preview(const runtime::RunningCell& cell, const PreviewWish& wish);
 
+/// A plan's refusal with what would work instead, as `data` has it.
+/// @param met  what it meets in its cell
+RpcError refused_plan(const program::Refusal& refusal, const RobotModel& model,
+                      const std::optional<runtime::CellRefusal>& met);
+
 /// Where the next motion of a robot begins: what it was told last, else what is known of it.
 program::Start standing(const runtime::Station& station);
 
@@ -40,16 +46,6 @@ class PreviewDesk {
  public:
   /// So many may wait, of all clients and robots together.
   static constexpr std::size_t kWaitingMax = 64;
-
-  struct Ticket {
-    std::uint32_t client = 0;
-    Json id;
-    bool answered = true;
-  };
-  struct Done {
-    Ticket ticket;
-    std::expected<Json, RpcError> result;
-  };
 
   /// @param cell  outlives this
   explicit PreviewDesk(const runtime::RunningCell& cell);
@@ -62,7 +58,7 @@ class PreviewDesk {
   /// Nobody waits for what this client asked for.
   void forget(std::uint32_t client);
   /// Each once.
-  std::optional<Done> take();
+  std::optional<Answered> take();
 
  private:
   struct Waiting {
@@ -75,7 +71,7 @@ class PreviewDesk {
   std::mutex mutex_;
   std::condition_variable more_;
   std::vector<Waiting> waiting_;  ///< under the mutex, as all below
-  std::vector<Done> done_;
+  std::vector<Answered> done_;
   bool ends_ = false;
   std::thread thread_;
 };

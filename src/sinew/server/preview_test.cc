@@ -174,6 +174,9 @@ TEST(Model, tells_what_robots_are_drawn_from) {
       {place("arm", "robot-arm-2", {}, "link"), place("max", "maxarm"), place("six", "hexapod")});
   ApiClient client(cell);
   const Json arm = client.call("robot.model", {{"robot", "arm"}})["result"];
+  for (const char* key : {"xyz_m", "quaternion_wxyz"}) {
+    EXPECT_TRUE(arm["links"][1]["home"].contains(key)) << arm["links"][1].dump();
+  }
   EXPECT_EQ(arm["kind"], "serial");
   EXPECT_EQ(arm["geometry"]["dh"].size(), 6U);
   EXPECT_EQ(arm["links"].size(), 8U);

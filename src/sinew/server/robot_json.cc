@@ -13,10 +13,6 @@ namespace {
 
 using runtime::with_unit;
 
-Json pose_json(const Vec3& p, const Rotation& R) {
-  return {{"x_m", p.x}, {"y_m", p.y}, {"z_m", p.z}, {"quaternion_wxyz", quaternion_wxyz(R)}};
-}
-
 Json joints_json(const runtime::StationView& view, const RobotModel& model) {
   Json joints = Json::array();
   for (std::size_t j = 0; j < model.joints.size(); ++j) {
@@ -70,6 +66,21 @@ Json latched_json(const control::Latched& latched, const RobotModel& model) {
 
 std::string_view cause_name(control::StopCause cause) {
   return control::stop_rule(cause).name;
+}
+
+Json pose_json(const Vec3& p, const Rotation& R) {
+  return {{"x_m", p.x}, {"y_m", p.y}, {"z_m", p.z}, {"quaternion_wxyz", quaternion_wxyz(R)}};
+}
+
+RpcError complained(const std::vector<Complaint>& complaints) {
+  Json list = Json::array();
+  for (const Complaint& complaint : complaints) {
+    list.push_back({{"file", complaint.file},
+                    {"line", complaint.line},
+                    {"column", complaint.column},
+                    {"sentence", complaint.message}});
+  }
+  return {RpcCode::kInvalidParams, to_text(complaints.front()), {{"complaints", list}}};
 }
 
 void put_in_the_way(Json& json, const runtime::CellRefusal& refusal) {

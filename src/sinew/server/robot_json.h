@@ -12,6 +12,12 @@ namespace sinew::server {
 /// {"code", "sentence", "joint"?}
 Json error_json(const Error& error, const RobotModel& model);
 
+/// {"x_m", "y_m", "z_m", "quaternion_wxyz"}
+Json pose_json(const Vec3& p, const Rotation& R);
+
+/// What is wrong with a text that a client has sent: the first complaint, and all in `complaints`.
+RpcError complained(const std::vector<Complaint>& complaints);
+
 /// Instead of its sentence, and beside it: what in the cell is in the way, and where.
 void put_in_the_way(Json& json, const runtime::CellRefusal& refusal);
 

@@ -1,0 +1,50 @@
+#include "sinew/server/task_desk.h"
+
+#include <utility>
+
+namespace sinew::server {
+
+TaskDesk::TaskDesk() : thread_([this] { work(); }) {}
+
+TaskDesk::~TaskDesk() {
+  {
+    const std::scoped_lock lock(mutex_);
+    ends_ = true;
+  }
+  more_.notify_all();
+  thread_.join();
+}
+
+bool TaskDesk::ask(Ticket ticket, Task task) {
+  {
+    const std::scoped_lock lock(mutex_);
+    if (waiting_.size() >= kWaitingMax) return false;
+    waiting_.emplace_back(std::move(ticket), std::move(task));
+  }
+  more_.notify_all();
+  return true;
+}
+
+std::optional<Answered> TaskDesk::take() {
+  const std::scoped_lock lock(mutex_);
+  if (done_.empty()) return std::nullopt;
+  Answered first = std::move(done_.front());
+  done_.pop_front();
+  return first;
+}
+
+void TaskDesk::work() {
+  std::unique_lock lock(mutex_);
+  while (true) {
+    more_.wait(lock, [this] { return ends_ || !waiting_.empty(); });
+    if (waiting_.empty()) return;
+    auto [ticket, task] = std::move(waiting_.front());
+    waiting_.pop_front();
+    lock.unlock();
+    auto result = task();
+    lock.lock();
+    done_.push_back({std::move(ticket), std::move(result)});
+  }
+}
+
+}  // namespace sinew::server

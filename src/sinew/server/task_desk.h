@@ -1,0 +1,58 @@
+#pragma once
+
+#include <condition_variable>
+#include <cstdint>
+#include <deque>
+#include <expected>
+#include <functional>
+#include <mutex>
+#include <optional>
+#include <thread>
+
+#include "sinew/server/json_rpc.h"
+
+namespace sinew::server {
+
+/// Who waits for an answer that is not there at once.
+struct Ticket {
+  std::uint32_t client = 0;
+  Json id;
+  bool answered = true;
+};
+
+struct Answered {
+  Ticket ticket;
+  std::expected<Json, RpcError> result;
+};
+
+/// What waits for a disk or thinks for seconds, in a thread of its own, one after the other in the
+/// order in which it was asked for: the server's thread waits for nobody. What was asked for is
+/// done, also where its client has gone meanwhile.
+class TaskDesk {
+ public:
+  using Task = std::function<std::expected<Json, RpcError>()>;
+  /// So many may wait, of all clients together.
+  static constexpr std::size_t kWaitingMax = 64;
+
+  TaskDesk();
+  ~TaskDesk();
+  TaskDesk(const TaskDesk&) = delete;
+  TaskDesk& operator=(const TaskDesk&) = delete;
+
+  /// @return false where too many wait
+  bool ask(Ticket ticket, Task task);
+  /// Each once.
+  std::optional<Answered> take();
+
+ private:
+  void work();
+
+  std::mutex mutex_;
+  std::condition_variable more_;
+  std::deque<std::pair<Ticket, Task>> waiting_;  ///< under the mutex, as all below
+  std::deque<Answered> done_;
+  bool ends_ = false;
+  std::thread thread_;
+};
+
+}  // namespace sinew::server

@@ -1,0 +1,221 @@
+// What the controller keeps for its people, in a browser against a simulated cell: records, programs and
+// points that every browser sees, settings beside the cell's file.
+//
+//   node --test tests/panel/files_test.mjs      (bench.mjs says what can be set)
+import assert from 'node:assert/strict';
+import { spawn } from 'node:child_process';
+import { existsSync, readFileSync, writeFileSync } from 'node:fs';
+import path from 'node:path';
+import { after, afterEach, before, test } from 'node:test';
+import { ask, bench, root, seen, shown, truth, until } from './bench.mjs';
+
+const kCell = `title = "Tests"
+
+[[robot]]
+name = "left"
+robot = "learm"
+profile = "bus"
+`;
+
+let here;
+before(async () => {
+  here = await bench(kCell);
+});
+after(() => here?.end());
+afterEach(() => here.clear());
+
+const kLarge = { viewport: { width: 1440, height: 900 } };
+async function open(view, options = {}) {
+  const page = await here.open({ ...kLarge, ...options }, `#/robots/left/${view}`);
+  const skip = page.locator('[data-tour=skip]');
+  if (await skip.count()) await skip.click();
+  return page;
+}
+const textOf = (page) => page.getByLabel('Text of the program').inputValue();
+const write = (page, text) => page.getByLabel('Text of the program').fill(text);
+const pick = (page, name) => page.locator('select.open').selectOption({ label: name });
+const offers = (page, name) =>
+  until(`${name} is offered`, () => page.locator('select.open option').evaluateAll((all, one) => all.some((each) => each.textContent === one), name));
+const save = async (page, name) => {
+  await page.locator('.program-head input[type=text]').fill(name);
+  await page.locator('.program-head .save').click();
+};
+const kept = async (name) => {
+  const { folder } = await ask('programs.list', { robot: 'left' });
+  const file = path.join(folder, `${name}.sinew`);
+  return existsSync(file) ? readFileSync(file, 'utf8') : null;
+};
+
+/** Enabled, and from wherever it is to a place that is known. */
+const drive = (page) =>
+  until('there', async () => {
+    const began = await page.evaluate(async () => {
+      const { store } = globalThis.__sinew;
+      if (store.status.value.left.state === 'off') await store.enable('left');
+      return store.run('left', 'joint base=0deg shoulder=0deg elbow=0deg wrist=0deg roll=0deg\njoint base=20deg\n', 'test');
+    });
+    if (!began) return false;
+    const end = await until('over', async () => {
+      const { job } = await seen(page, 'left');
+      return job?.over && job;
+    });
+    return end.phase === 'done';
+  }, 1000);
+
+test('a move is recorded, listed, downloaded, played and deleted', async () => {
+  const page = await open('plots');
+  await page.getByLabel('Name of the record').fill('my move');
+  await page.getByRole('button', { name: 'Record', exact: true }).click();
+  await page.locator('.recording').waitFor();
+  await drive(page);
+  const base = (await truth('left'))[0];
+  await page.getByRole('button', { name: 'Stop recording' }).click();
+  await page.getByRole('radio', { name: 'Record' }).click();
+  const row = page.locator('.records-list li', { hasText: 'my-move' });
+  await row.waitFor();
+  assert.match(await row.innerText(), /left[\s\S]*my-move[\s\S]* s · \d+(\.\d)? [kM]B/);
+
+  const taken = async (button) => {
+    const [file] = await Promise.all([page.waitForEvent('download'), row.getByRole('button', { name: button, exact: true }).click()]);
+    return { name: file.suggestedFilename(), bytes: readFileSync(await file.path()) };
+  };
+  const { folder, records } = await ask('records.list', {});
+  const mcap = await taken('MCAP');
+  assert.equal(mcap.name, records[0].record);
+  assert.deepEqual(mcap.bytes, readFileSync(path.join(folder, records[0].record)), 'byte for byte');
+  const csv = await taken('CSV');
+  assert.match(csv.name, /\.csv$/);
+  const rows = csv.bytes.toString().trim().split('\n').map((one) => one.split(','));
+  const at = rows[0].indexOf('base_position_rad');
+  assert.ok(at > 0 && rows.length > 100, `${rows.length} rows of ${rows[0]}`);
+  assert.ok(Math.abs(Number(rows.at(-1)[at]) - base) < 0.03, `${rows.at(-1)[at]} and ${base}`);
+
+  const before = await truth('left');
+  await row.getByRole('button', { name: /^Play/ }).click();
+  const time = page.getByLabel('Time in the record');
+  await time.waitFor();
+  // Where it began nobody knew where the arm stood.
+  await time.focus();
+  await page.keyboard.press('End');
+  await until('the ghost', () => page.evaluate(() => globalThis.sinewScene.ghost?.robot === 'left'));
+  await page.keyboard.press('Home');
+  await page.getByRole('button', { name: 'Play the record' }).click();
+  await until('it plays', async () => Number(await time.inputValue()) > 0.3);
+  assert.ok(Math.max(...(await truth('left')).map((one, i) => Math.abs(one - before[i]))) < 5e-3, 'no machine moves by that');
+  await here.close(page, 'files_record');
+
+  await row.getByRole('button', { name: /^Delete/ }).click();
+  await page.getByRole('button', { name: 'Delete for good' }).click();
+  await until('gone', () => !existsSync(path.join(folder, records[0].record)));
+  await row.waitFor({ state: 'detached' });
+});
+
+test('what one browser saves another one sees, and neither overwrites the other unasked', async () => {
+  const one = await open('programs');
+  const other = await open('programs');
+  await write(one, 'wait 1s\n');
+  await save(one, 'wave');
+  await until('on the disk', async () => (await kept('wave')) === 'wait 1s\n');
+  await offers(other, 'wave');
+  await pick(other, 'wave');
+  assert.equal(await textOf(other), 'wait 1s\n');
+
+  // What was only opened follows; what was changed stays, and asks.
+  await write(one, 'wait 2s\n');
+  await save(one, 'wave');
+  await until('it follows', async () => (await textOf(other)) === 'wait 2s\n');
+  await write(other, 'wait 3s\n');
+  await write(one, 'wait 4s\n');
+  await save(one, 'wave');
+  await until('on the disk', async () => (await kept('wave')) === 'wait 4s\n');
+  await save(other, 'wave');
+  await other.getByText('Somebody else has changed wave').waitFor();
+  assert.equal(await kept('wave'), 'wait 4s\n', 'nothing was overwritten');
+  assert.equal(await textOf(other), 'wait 3s\n', 'nothing is lost');
+  await other.getByRole('button', { name: 'Put mine in its place' }).click();
+  await until('asked for', async () => (await kept('wave')) === 'wait 3s\n');
+
+  // Points too.
+  await other.getByRole('radio', { name: 'Points' }).click();
+  await drive(other);
+  await other.getByLabel('Name of the point').fill('here');
+  await other.locator('[data-tour=take]').click();
+  await one.getByRole('radio', { name: 'Points' }).click();
+  await one.locator('.point', { hasText: 'here' }).waitFor();
+  await one.getByRole('button', { name: 'Rename here' }).click();
+  await one.locator('.point .rename').fill('there');
+  await one.keyboard.press('Enter');
+  await other.locator('.point', { hasText: 'there' }).waitFor();
+  const { file } = await ask('points.list', { robot: 'left' });
+  assert.match(readFileSync(file, 'utf8'), /^\[points\.there\]\nrobot = "learm"\njoints_deg = \[/);
+  await here.close(one, 'files_shelf');
+  await here.close(other, 'files_other');
+});
+
+test('what a browser kept by itself is offered to the controller, and nothing there is overwritten', async () => {
+  const page = await open('programs');
+  await ask('programs.save', { robot: 'left', name: 'old', text: 'wait 9s\n', revision: 0 });
+  await page.evaluate(() => {
+    const shelf = { programs: { old: 'wait 5s\n', mine: 'wait 6s\n' }, points: [{ name: 'p9', joints: [0, 0.1, 0.2, 0.3, 0] }], draft: { name: '', text: '' } };
+    localStorage.setItem('sinew.shelf.learm', JSON.stringify(shelf));
+  });
+  await page.reload();
+  await shown(page);
+  await page.getByText('In this browser only: old, mine, p9').waitFor();
+  await page.getByRole('button', { name: 'Hand them over' }).click();
+  await until('there', async () => (await kept('mine')) === 'wait 6s\n' && (await kept('old2')) === 'wait 5s\n');
+  assert.equal(await kept('old'), 'wait 9s\n');
+  await until('the point too', async () => (await ask('points.list', { robot: 'left' })).points.some((one) => one.name === 'p9'));
+  await page.getByText('In this browser only').waitFor({ state: 'detached' });
+  await here.close(page, 'files_handed_over');
+});
+
+test('a bad setting is refused where it stands, a good one lies beside the cell’s file and counts from the next start', async () => {
+  const page = await open('setup');
+  await page.getByText('Settings', { exact: true }).click();
+  const form = page.locator('.settings form');
+  const saves = form.getByRole('button', { name: 'Save', exact: true });
+  await form.getByLabel('base: Trim').fill('20');
+  await form.getByText('a trim is a number from -15 to 15 degrees').waitFor();
+  assert.ok(await saves.isDisabled());
+  await form.getByLabel('base: Trim').fill('2.5');
+  await form.getByLabel('Simulated, no device').uncheck();
+  await form.getByLabel('Port', { exact: true }).fill('/etc/passwd');
+  await form.getByText('a port is').waitFor();
+  assert.ok(await saves.isDisabled());
+  await assert.rejects(
+    ask('settings.set', { robot: 'left', settings: { port: '/etc/passwd' }, revision: 0 }),
+    /nothing was changed/,
+  );
+  await form.getByLabel('Simulated, no device').check();
+  await form.getByLabel('elbow: Turns the other way').check();
+  await until('it may be saved', () => saves.isEnabled());
+  await saves.click();
+  await form.getByText('Saved in').waitFor();
+  await form.getByText('Start it anew for these to count').waitFor();
+  const told = await ask('settings.get', { robot: 'left' });
+  const file = JSON.parse(readFileSync(told.file, 'utf8'));
+  assert.equal(file.robots.left.settings['joint.elbow.turn'], 'other');
+  assert.ok(Math.abs(Number(file.robots.left.settings['joint.base.trim_rad']) - (2.5 * Math.PI) / 180) < 1e-6);
+  assert.equal(readFileSync(file.cell, 'utf8'), kCell, 'the cell’s file is as it was');
+  await here.close(page, 'files_settings');
+
+  // The next start of the same cell runs with them, and one that cannot be says which file it is.
+  const state = path.resolve(path.dirname(told.file), '../..');
+  const start = () =>
+    new Promise((end) => {
+      const environment = { ...process.env, XDG_STATE_HOME: state, XDG_RUNTIME_DIR: state };
+      const program = process.env.SINEW ?? path.join(root, 'build/release/sinew');
+      const again = spawn(program, ['serve', file.cell, '--listen', 'none', '--socket', path.join(state, 'again.sock')], { env: environment });
+      let said = '';
+      again.stderr.on('data', (text) => {
+        said += text;
+        if (said.includes('Ctrl-C ends it')) again.kill('SIGINT');
+      });
+      again.on('exit', () => end(said));
+    });
+  assert.match(await start(), /left: as set in .*cell-[0-9a-f]+\.json/);
+  file.robots.left.settings.profile = 'nonsense';
+  writeFileSync(told.file, JSON.stringify(file));
+  assert.match(await start(), /cell-[0-9a-f]+\.json: left: 'nonsense' is none of/);
+});
