@@ -35,8 +35,8 @@ const calibrate = (page) =>
     return Math.min(...Array.from({ length: 12 }, once));
   });
 
-/** When something was painted, and when the scene with all robots was drawn; ms since the address was opened. */
-async function firsts(page) {
+/** When something was painted and, where it is waited for, the scene with all robots drawn; ms since the address was opened. */
+async function firsts(page, scene) {
   await page.addInitScript(() => {
     const look = () => {
       const robots = document.querySelectorAll('.scene-label').length;
@@ -48,8 +48,9 @@ async function firsts(page) {
     requestAnimationFrame(look);
   });
   await page.goto(here.url);
-  const drawn = await until('drawn', () => page.evaluate(() => globalThis.firstDrawn), 20);
-  const painted = await page.evaluate(() => performance.getEntriesByName('first-contentful-paint')[0]?.startTime);
+  const painted = await until('painted', () =>
+    page.evaluate(() => performance.getEntriesByName('first-contentful-paint')[0]?.startTime), 20);
+  const drawn = scene && (await until('drawn', () => page.evaluate(() => globalThis.firstDrawn), 20));
   return { painted, drawn };
 }
 
@@ -59,20 +60,21 @@ const kPaintMs = 4000;
 
 test('something is seen within a second', async () => {
   const told = { cold: [], warm: [] };
-  for (let i = 0; i < 2; ++i) {
+  // The first round starts the browser's own processes; the last one waits for the robots, too.
+  for (let i = 0; i < 4; ++i) {
     // A context begins with nothing kept.
     const context = await here.browser.newContext({ viewport: { width: 1100, height: 720 } });
     for (const kind of ['cold', 'warm']) {
       const page = await context.newPage();
-      told[kind].push(await firsts(page));
+      const one = await firsts(page, i === 3);
+      if (i > 0) told[kind].push(one);
       await page.close();
     }
     await context.close();
   }
   for (const [kind, all] of Object.entries(told)) {
     const painted = all.map((one) => one.painted);
-    const drawn = all.map((one) => one.drawn);
-    console.log(`# ${kind} cache: painted after ${ms(median(painted))} (${painted.map(ms).join(', ')}), five robots drawn after ${ms(median(drawn))}`);
+    console.log(`# ${kind} cache: painted after ${ms(median(painted))} (${painted.map(ms).join(', ')}), five robots drawn after ${ms(all.at(-1).drawn)}`);
     assert.ok(median(painted) < kPaintMs, `${kind}: ${painted}`);
     if (median(painted) > 1000) console.log(`# ${kind}: more than the second of an idle machine`);
   }
@@ -141,7 +143,7 @@ async function scriptOfFrames(page, seconds) {
 
 // On an idle machine of two cores; another one has as much more as it is slower in the loop above.
 const kScriptMs = 6;
-const kLoopMs = 9;
+const kLoopMs = 50;
 
 test('the script of a frame with five robots that move, and what is drawn', async () => {
   // All that script does for a graphics processor; but the last call of each thing that is drawn goes nowhere,
@@ -172,6 +174,7 @@ test('the script of a frame with five robots that move, and what is drawn', asyn
   assert.ok(busy.length > 20, `${busy.length} frames`);
   assert.ok(triangles > 10_000 && triangles <= 200_000, String(triangles));
   assert.ok(median(busy) < kScriptMs * slower, `median ${median(busy)} ms, at most ${kScriptMs * slower}`);
+  // Twice that for the slowest twentieth: what collects rubbish falls into it.
   assert.ok(quantile(busy, 0.95) < 2 * kScriptMs * slower, `p95 ${quantile(busy, 0.95)} ms`);
   await context.close();
 });
