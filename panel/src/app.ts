@@ -27,14 +27,12 @@ if (token) {
 
 function connect(): Socket {
   const scheme = location.protocol === 'https:' ? 'wss' : 'ws';
-  const held = sessionStorage.getItem(kKept + 'token');
-  const protocols = ['sinew.v1', ...(held ? [`bearer.${held}`] : [])];
-  return new WebSocket(`${scheme}://${location.host}/ws`, protocols) as unknown as Socket;
+  return new WebSocket(`${scheme}://${location.host}/ws`, ['sinew.v1']) as unknown as Socket;
 }
 
 export const rpc = new RpcClient({
   connect,
-  onOpen: () => void store.opened().catch((error) => store.noteError(error)),
+  onOpen: () => void store.opened(sessionStorage.getItem(kKept + 'token') ?? '').catch(() => undefined),
   onClose: () => {
     jog.stop('lost');
     store.closed();
@@ -42,6 +40,7 @@ export const rpc = new RpcClient({
   onMessage: (method, params) => store.take(method, params),
 });
 export const store = new Store(rpc);
+setInterval(() => store.lookAtAge(), 500);
 
 // --- Looks.
 export const theme = signal<Theme>('dark');
@@ -103,19 +102,25 @@ export const atWork = computed(() => {
 /** It would take motions from here, now; control is taken with the first one. */
 export const canMove = computed(() => {
   const now = status.value;
-  if (!now || !robot.value || store.connection.value !== 'open') return false;
+  if (!now || !robot.value || store.connection.value !== 'open' || store.role.value !== 'operator') return false;
   return store.lease(robot.value) !== 'other' && (now.state === 'ready' || now.state === 'moving');
 });
 
 // --- Stop.
 export const announced = signal({ text: '', grave: false });
+/** The last Stop has not reached the controller. */
+export const unheard = signal(false);
 export function stop(): void {
   jog.stop('stopped');
   void store.stopAll().then((told) => {
     const text = told ? 'stop.done' : 'stop.failed';
+    unheard.value = !told;
     announced.value = { text: t(text), grave: true };
   });
 }
+effect(() => {
+  if (store.connection.value === 'open') unheard.value = false;
+});
 installStopKeys(window, { enabled: () => stopKeys.value, stop });
 
 // --- Jog.
@@ -150,8 +155,9 @@ export const setPace = (name: string, share: number): void => pacing.put({ robot
 
 /** Begins once this page has control, if it is still wanted then. */
 export async function holdOnce(source: string, wish: JogWish, wanted: () => boolean): Promise<void> {
+  const before = jog.stops;
   if (!(await store.control(wish.robot))) return;
-  if (wanted()) jog.hold(source, wish);
+  if (wanted() && before === jog.stops) jog.hold(source, wish);
 }
 
 // --- Preview.

@@ -5,9 +5,10 @@ import './styles/programs.css';
 import './styles/help.css';
 import './styles/plots.css';
 import './styles/setup.css';
-import { announced, go, robot, route, start, store } from './app';
+import { announced, go, robot, route, start, store, unheard } from './app';
 import { t } from './i18n';
 import { kViewIds, type ViewId } from './view_ids';
+import { age } from './logic/units';
 import { kViews } from './views';
 import { Icon } from './views/parts';
 import { RobotRail } from './views/robot_rail';
@@ -16,19 +17,20 @@ import { TopBar } from './views/top_bar';
 import { Tour } from './views/tour';
 
 function Page(): JSX.Element {
+  const cut = store.connection.value !== 'open';
   return (
-    <div class="page">
+    <div class="page" data-old={store.age.value !== null}>
       <a class="skip" href="#controls" onClick={skip}>
         {t('app.skip')}
       </a>
       <TopBar />
       <RobotRail />
-      <main class="work" data-view={route.value.view}>
+      <main class="work" data-view={route.value.view} inert={cut}>
         <Stage />
         <Pane />
       </main>
       <Tour />
-      {store.connection.value !== 'open' && <Veil />}
+      {cut && <Veil />}
       <div class="sr-only" aria-live="polite">
         {announced.value.grave ? '' : announced.value.text}
       </div>
@@ -68,6 +70,7 @@ function Pane(): JSX.Element {
         ))}
       </nav>
       <div class="pane-scroll" key={view}>
+        {store.role.value === 'viewer' && <p class="callout watching">{t('role.viewer.help')}</p>}
         <Shown />
       </div>
     </aside>
@@ -77,11 +80,18 @@ function Pane(): JSX.Element {
 /** Nothing on the page is true while there is no connection; Stop stays where it is. */
 function Veil(): JSX.Element {
   const first = store.cell.value === null;
+  const away = store.turnedAway.value;
   return (
-    <div class={`veil${first ? ' first' : ''}`} role="status">
+    <div class={`veil${first ? ' first' : ''}`}>
       <span class="spinner" aria-hidden="true" />
-      <p>{t(`connection.${store.connection.value}`)}</p>
-      {first && store.connection.value === 'connecting' && <p class="muted">{t('connection.token')}</p>}
+      <p role="status">{t(away === null ? `connection.${store.connection.value}` : 'connection.turned_away')}</p>
+      {!first && <p class="muted">{t('connection.old', { age: age(store.age.value ?? 0) })}</p>}
+      {unheard.value && (
+        <p class="veil-grave" role="alert">
+          {t('stop.failed')}. {t('stop.power')}
+        </p>
+      )}
+      {(first || away !== null) && <p class="muted">{away ?? t('connection.token')}</p>}
     </div>
   );
 }

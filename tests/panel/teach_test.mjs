@@ -4,8 +4,8 @@
 //   node --test tests/panel/teach_test.mjs      (bench.mjs says what can be set)
 import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
-import { after, afterEach, before, test } from 'node:test';
-import { apart, bench, rests, seen, truth, until } from './bench.mjs';
+import { after, before, test } from 'node:test';
+import { apart, bench, patiently, rests, seen, truth, until, upright } from './bench.mjs';
 
 const kCell = `title = "Tests"
 
@@ -21,7 +21,6 @@ before(async () => {
   here = await bench(kCell);
 });
 after(() => here?.end());
-afterEach(() => here.clear());
 
 const toTab = (page, name) => page.locator('.programs').getByRole('radio', { name, exact: true }).click();
 const textOf = (page) => page.getByLabel('Text of the program').inputValue();
@@ -34,24 +33,20 @@ const over = async (page) => {
 };
 
 /** The view of programs, without the tour, the robot enabled and upright at its zeros. */
-async function stand(options = {}) {
-  const page = await here.open({ viewport: { width: 1440, height: 900 }, ...options });
-  await page.locator('[data-tour=skip]').click();
+async function stand() {
+  const page = await here.shared({ viewport: { width: 1440, height: 900 } });
+  const skip = page.locator('[data-tour=skip]');
+  if (await skip.isVisible()) await skip.click();
   await page.locator('.tabs a', { hasText: 'Programs' }).click();
-  if ((await seen(page, 'left')).state === 'off') await page.locator('.callout button.primary').click();
-  await until('ready', async () => (await seen(page, 'left')).state === 'ready');
-  await until('upright', async () => {
-    await write(page, 'joint base=0deg shoulder=0deg elbow=0deg wrist=0deg roll=0deg\n');
-    await fine(page);
-    const before = (await seen(page, 'left')).job?.job ?? 0;
-    await page.locator('[data-tour=run]:enabled').click();
-    await until('it ran', async () => ((await seen(page, 'left')).job?.job ?? 0) > before && over(page));
-    return Math.max(...(await truth('left')).map(Math.abs)) < 0.05;
-  });
+  await toTab(page, 'Program');
+  await upright(page, 'left');
   return page;
 }
 
-test('a point that was taken is where the arm was, and is gone to only behind Move', async () => {
+/** What moves is watched over in real time. */
+const moves = (name, go) => test(name, () => patiently(name, go));
+
+moves('a point that was taken is where the arm was, and is gone to only behind Move', async () => {
   const page = await stand();
   await toTab(page, 'Points');
   await page.getByLabel('Name of the point').fill('up');
@@ -133,7 +128,7 @@ test('a row that is refused says so where it stands, and nothing runs', async ()
   await here.close(page, 'teach_refused');
 });
 
-test('a program is stepped, paused, and its running row is marked; Space stops it', async () => {
+moves('a program is stepped, paused, and its running row is marked; Space stops it', async () => {
   const page = await stand();
   await write(page, 'joint base=10deg\njoint base=20deg\njoint base=85deg speed=5%\n');
   await fine(page);
@@ -156,7 +151,7 @@ test('a program is stepped, paused, and its running row is marked; Space stops i
   await here.close(page, 'teach_steps');
 });
 
-test('a program is run from one of its rows', async () => {
+moves('a program is run from one of its rows', async () => {
   const page = await stand();
   await write(page, 'joint base=60deg\njoint shoulder=15deg\n');
   await fine(page);
@@ -168,7 +163,7 @@ test('a program is run from one of its rows', async () => {
   await here.close(page, 'teach_from_line');
 });
 
-test('a ride moves, and ends when told', async () => {
+moves('a ride moves, and ends when told', async () => {
   const page = await stand();
   await toTab(page, 'Bull ride');
   const begin = await truth('left');

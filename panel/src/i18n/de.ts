@@ -20,6 +20,11 @@ export const de: Record<Key, string> = {
   'connection.open': 'Verbunden',
   'connection.lost': 'Verbindung verloren, neuer Versuch',
   'connection.token': 'Die Steuerung antwortet nicht. Bitte den Link öffnen, den sinew serve ausgibt: er enthält den Schlüssel.',
+  'connection.old': 'Zu sehen ist der Stand von vor {age}.',
+  'connection.silent': 'Seit {age} keine Nachricht',
+  'connection.turned_away': 'Die Steuerung nimmt diesen Link nicht an',
+  'role.viewer': 'nur zusehen',
+  'role.viewer.help': 'Dieser Link sieht zu und darf stoppen und anhalten. Zum Fahren braucht es den Link für Bediener.',
 
   'demonstration.runs': 'Die Roboter zeigen, was sie können. Was Sie bewegen, beendet es.',
   'demonstration.end': 'Beenden',
@@ -29,6 +34,7 @@ export const de: Record<Key, string> = {
   'stop.title': 'Alle Roboter stoppen (Esc, Leertaste)',
   'stop.done': 'Stopp an alle Roboter gesendet',
   'stop.failed': 'Die Steuerung hat den Stopp nicht gehört',
+  'stop.power': 'Bewegt sich noch etwas: am Netzschalter abschalten.',
 
   'state.off': 'Aus',
   'state.enabling': 'Sucht sein Gerät',
@@ -80,6 +86,9 @@ export const de: Record<Key, string> = {
   'robot.resume': 'Weiter',
   'robot.ready_first': '{robot} ist aus. Zum Fahren einschalten.',
   'robot.other': 'Jemand anderes bedient {robot}.',
+  'recover.found': 'Die Aufzeichnung sagt: {text}.',
+  'recover.way_out': 'Was hilft: {text}.',
+  'recover.open': 'Zur Einrichtung, dort lässt es sich klären',
   'robot.pick': 'Bitte einen Roboter wählen',
 
   'view.jog': 'Handfahrt',

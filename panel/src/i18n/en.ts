@@ -19,6 +19,11 @@ export const en = {
   'connection.open': 'Connected',
   'connection.lost': 'Connection lost, trying again',
   'connection.token': 'No answer from the controller. Open the link that sinew serve has printed: it carries the token.',
+  'connection.old': 'What you see is how it was {age} ago.',
+  'connection.silent': 'No word for {age}',
+  'connection.turned_away': 'The controller does not take this link',
+  'role.viewer': 'you watch',
+  'role.viewer.help': 'This link watches, and may stop and hold. What moves a robot needs the operator’s link.',
 
   'demonstration.runs': 'The robots show what they can do. Whatever you move ends it.',
   'demonstration.end': 'End it',
@@ -28,6 +33,7 @@ export const en = {
   'stop.title': 'Stop all robots (Esc, Space)',
   'stop.done': 'Stop sent to all robots',
   'stop.failed': 'The controller did not hear Stop',
+  'stop.power': 'Use the power switch where something still moves.',
 
   'state.off': 'Off',
   'state.enabling': 'Finding its device',
@@ -79,6 +85,9 @@ export const en = {
   'robot.resume': 'Go on',
   'robot.ready_first': '{robot} is off. Enable it to move it.',
   'robot.other': 'Somebody else has control of {robot}.',
+  'recover.found': 'What its record says: {text}.',
+  'recover.way_out': 'What helps: {text}.',
+  'recover.open': 'To Setup, where it is sorted out',
   'robot.pick': 'Choose a robot',
 
   'view.jog': 'Jog',

@@ -65,6 +65,13 @@ describe('Jog', () => {
     expect(speeds()).toEqual([[0.1, 0, 0], [0.1, 0.2, 0], [0, 0.2, 0], [0, 0, 0]]);
   });
 
+  it('counts stops while nothing is held too: who waits to begin learns of them', () => {
+    const { jog } = rig();
+    const before = jog.stops;
+    jog.stop('stopped');
+    expect(jog.stops).not.toBe(before);
+  });
+
   it('lets go of one frame when another is held', async () => {
     const { jog, turn, sent } = rig();
     jog.hold('x', wish([0.1, 0, 0]));

@@ -43,6 +43,7 @@ export class Jog {
   private unanswered = 0;
   /** Answers to what was sent before this hold do not count for it. */
   private hold_ = 0;
+  private stops_ = 0;
 
   constructor(private readonly options: JogOptions) {}
 
@@ -51,6 +52,10 @@ export class Jog {
   }
   get sources(): string[] {
     return [...this.held.keys()];
+  }
+  /** How often everything had to let go: who waits to begin has to press anew when it has changed. */
+  get stops(): number {
+    return this.stops_;
   }
 
   /** A button, a key or a stick is held, or has changed its mind. */
@@ -76,6 +81,7 @@ export class Jog {
 
   /** Everything lets go at once. */
   stop(why: JogEnd): void {
+    ++this.stops_;
     if (this.moving) this.end(why);
   }
 

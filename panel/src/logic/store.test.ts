@@ -8,6 +8,7 @@ function rig() {
   const asked: { method: string; params: Record<string, unknown> }[] = [];
   const answers: Record<string, unknown> = {
     'cell.describe': { title: 'c', version: '1', time_scale: 1, robots: [{ name: 'arm' }], objects: [] },
+    'session.open': { role: 'operator' },
     'robot.model': { kind: 'serial' },
     'cell.status': { robots: [] },
     'events.list': { events: [] },
@@ -33,11 +34,51 @@ const status = (over: Partial<RobotStatus> = {}): RobotStatus => ({ ...ready, ..
 describe('Store', () => {
   it('learns the cell when it is connected, and asks for nothing that moves', async () => {
     const { store, methods } = rig();
-    await store.opened();
-    expect(methods()).toEqual(['cell.describe', 'robot.model', 'cell.status', 'procedure.status', 'events.list', 'watch']);
+    await store.opened('secret');
+    expect(methods()).toEqual(['session.open', 'cell.describe', 'robot.model', 'cell.status', 'procedure.status', 'events.list', 'watch']);
     expect(store.connection.value).toBe('open');
     store.closed();
     expect(store.connection.value).toBe('lost');
+  });
+
+  it('knows what its token may do, and why it was turned away', async () => {
+    const { store, answers, asked } = rig();
+    answers['session.open'] = { role: 'viewer' };
+    await store.opened('secret');
+    expect(asked[0]!.params).toEqual({ token: 'secret' });
+    expect(store.role.value).toBe('viewer');
+    answers['session.open'] = new RpcError(1, 'this token is not known');
+    await expect(store.opened('other')).rejects.toThrow();
+    expect(store.turnedAway.value).toBe('this token is not known');
+    answers['session.open'] = { role: 'operator' };
+    await store.opened('secret');
+    expect(store.turnedAway.value).toBeNull();
+  });
+
+  it('says how old what it shows is, where states stay away and where the connection went', async () => {
+    const { store, clock } = rig();
+    await store.opened('secret');
+    clock.now = 1900;
+    store.lookAtAge();
+    expect(store.age.value).toBeNull();
+    clock.now = 3500;
+    store.lookAtAge();
+    expect(store.age.value).toBe(3);
+    store.take('status', { robots: [] });
+    expect(store.age.value).toBeNull();
+    store.closed();
+    expect(store.age.value).toBe(0);
+    clock.now = 8000;
+    store.lookAtAge();
+    expect(store.age.value).toBe(4);
+  });
+
+  it('lets nothing begin behind a stop that came while it took control', async () => {
+    const { store, methods } = rig();
+    const run = store.run('arm', 'joint J1=1deg', 'move');
+    void store.stopAll();
+    expect(await run).toBe(false);
+    expect(methods()).toEqual(['lease.take', 'robot.stop']);
   });
 
   it('keeps the lease alive while it has one, driven by what comes in', async () => {

@@ -22,6 +22,8 @@ export interface Caller {
 }
 
 export type Connection = 'connecting' | 'open' | 'lost';
+/** What the token of this page may do: viewers watch, and may stop. */
+export type Role = 'operator' | 'viewer';
 
 /** Something to tell in passing; it stays in the list of notes. */
 export interface Note {
@@ -37,11 +39,18 @@ const kNotesMax = 20;
 const kRateHz = 25;
 /** A lease lives for a second; messages of the server drive its renewal, also in a hidden tab. */
 const kRenewMs = 300;
+/** States come 25 times a second; after so long without one, what is shown is old. */
+const kSilentMs = 2000;
 
 export type Lease = 'mine' | 'other' | 'free';
 
 export class Store {
   readonly connection = signal<Connection>('connecting');
+  readonly role = signal<Role>('operator');
+  /** Why the controller does not take this page's token. */
+  readonly turnedAway = signal<string | null>(null);
+  /** How old what is shown is, s; nothing while states come. */
+  readonly age = signal<number | null>(null);
   readonly cell = signal<CellDescription | null>(null);
   readonly models = signal<Record<string, RobotModel>>({});
   readonly status = signal<Record<string, RobotStatus>>({});
@@ -63,6 +72,8 @@ export class Store {
 
   private lastNote = 0;
   private renewed = -Infinity;
+  private heard = -Infinity;
+  private stops = 0;
 
   constructor(
     private readonly rpc: Caller,
@@ -70,8 +81,12 @@ export class Store {
   ) {}
 
   /** The connection is there: everything is asked anew, and nothing that moves is. */
-  async opened(): Promise<void> {
+  async opened(token: string): Promise<void> {
     this.client.value = null;
+    const told = await this.rpc.call<{ role: Role }>('session.open', { token }).catch((error: Error) => {
+      if (error instanceof RpcError) this.turnedAway.value = error.message;
+      throw error;
+    });
     const cell = await this.rpc.call<CellDescription>('cell.describe');
     const models = await this.ofEach<RobotModel>(cell, 'robot.model');
     const status = await this.rpc.call<{ robots: RobotStatus[] }>('cell.status');
@@ -79,6 +94,8 @@ export class Store {
     const past = await this.rpc.call<{ events: EventJson[] }>('events.list');
     await this.rpc.call('watch', { rate_hz: kRateHz });
     batch(() => {
+      this.role.value = told.role;
+      this.turnedAway.value = null;
       this.cell.value = cell;
       this.models.value = models;
       this.procedures.value = procedures;
@@ -96,8 +113,16 @@ export class Store {
   }
 
   closed(): void {
-    this.connection.value = 'lost';
+    if (this.cell.value) this.connection.value = 'lost';
     this.client.value = null;
+    this.lookAtAge();
+  }
+
+  /** Asked now and then, since silence does not come by itself. */
+  lookAtAge(): void {
+    const age = this.now() - this.heard;
+    const old = this.cell.value !== null && (this.connection.value !== 'open' || age > kSilentMs);
+    this.age.value = old ? Math.floor(age / 1000) : null;
   }
 
   take(method: string, params: unknown): void {
@@ -107,6 +132,8 @@ export class Store {
       for (const one of told.robots) status[one.robot] = one;
       this.status.value = status;
       this.demonstration.value = told.demonstration ?? false;
+      this.heard = this.now();
+      if (this.age.peek() !== null && this.connection.peek() === 'open') this.age.value = null;
       this.renew();
     } else if (method === 'event') {
       const event = params as EventJson;
@@ -163,15 +190,18 @@ export class Store {
 
   /** Everything, whoever has the lease. */
   async stopAll(): Promise<boolean> {
+    ++this.stops;
     return (await this.ask('robot.stop', {})) !== null;
   }
 
+  /** @return  whether what was wanted with it may go on: not behind a stop that came meanwhile */
   async control(robot: string, takeOver = false): Promise<boolean> {
     if (this.lease(robot) === 'mine') return true;
+    const before = this.stops;
     const lease = await this.ask<{ client: number }>('lease.take', { robot, take_over: takeOver });
     if (!lease) return false;
     this.client.value = lease.client;
-    return true;
+    return before === this.stops;
   }
   async release(robot: string): Promise<void> {
     await this.ask('lease.release', { robot });

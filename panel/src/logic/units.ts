@@ -42,5 +42,8 @@ export function duration(seconds: number): string {
   return `${Math.floor(minutes / 60)} h ${String(minutes % 60).padStart(2, '0')} min`;
 }
 
+/** Of what was a while ago: nobody needs tenths then. */
+export const age = (seconds: number): string => (seconds < 60 ? `${seconds} s` : duration(seconds));
+
 export const clamp = (value: number, low: number, high: number): number =>
   Math.min(high, Math.max(low, value));

@@ -141,6 +141,8 @@ export class CellScene {
   private readonly plain: boolean;
   /** No frame before this, so that drawing never has more than a third of the page's time. */
   private notBefore = 0;
+  /** A frame that a computer without help has not finished yet: script only asks for it. */
+  private asked: { begin: number; done: WebGLSync } | null = null;
   private readonly trailMaterial = new LineBasicMaterial({ transparent: true, opacity: 0.45 });
   private readonly floor = new Group();
   private readonly objects = new Group();
@@ -198,7 +200,8 @@ export class CellScene {
     this.fitToHost();
     const loop = () => {
       this.frame = requestAnimationFrame(loop);
-      if (this.dirty && performance.now() >= this.notBefore) this.draw();
+      if (this.asked) this.lookForEnd();
+      if (this.dirty && !this.asked && performance.now() >= this.notBefore) this.draw();
     };
     this.frame = requestAnimationFrame(loop);
   }
@@ -642,6 +645,22 @@ export class CellScene {
     this.notBefore = begin + (this.plain ? Math.max(200, 6 * cost) : 3 * cost);
     this.frames.push(cost);
     if (this.frames.length > 120) this.frames.shift();
+    if (!this.plain) return;
+    const gl = this.renderer.getContext() as WebGL2RenderingContext;
+    const done = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
+    if (done) this.asked = { begin, done };
+    gl.flush();
+  }
+
+  /** Drawn without help, a frame takes processors from the page and from who controls: a third, no more. */
+  private lookForEnd(): void {
+    const { begin, done } = this.asked!;
+    const gl = this.renderer.getContext() as WebGL2RenderingContext;
+    const took = performance.now() - begin;
+    if (gl.getSyncParameter(done, gl.SYNC_STATUS) !== gl.SIGNALED && took < 2000) return;
+    gl.deleteSync(done);
+    this.asked = null;
+    this.notBefore = Math.max(this.notBefore, begin + 3 * took);
   }
 
   private placeLabels(): void {

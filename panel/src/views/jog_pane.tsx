@@ -173,6 +173,11 @@ function HandButton(props: {
     pressed.current = false;
     jog.release(source);
   };
+  // The button hears of it before the window does.
+  const blur = () => {
+    if (!document.hasFocus()) jog.stop('blur');
+    end();
+  };
   const text = t(sign > 0 ? 'jog.plus' : 'jog.minus', { name: axisText(one) });
   return (
     <button
@@ -190,7 +195,7 @@ function HandButton(props: {
       onPointerUp={end}
       onPointerCancel={end}
       onLostPointerCapture={end}
-      onBlur={end}
+      onBlur={blur}
       onContextMenu={(event) => event.preventDefault()}
       onKeyDown={(event) => {
         if (event.key === 'Enter' && !event.repeat) begin();

@@ -54,7 +54,7 @@ export function PlotsDock(): JSX.Element {
   return (
     <section class={`dock plots-dock plots-${mode.value}`} aria-label={t('view.plots')}>
       <TimeBar />
-      <div class="charts" style={{ '--charts': Math.max(1, shown.length) } as JSX.CSSProperties}>
+      <div class="charts" tabIndex={0} role="group" aria-label={t('view.plots')} style={{ '--charts': Math.max(1, shown.length) } as JSX.CSSProperties}>
         {shown.length === 0 || picks.value.length === 0 ? (
           <p class="empty">{t(mode.value === 'record' && !record.value ? 'plots.none.record' : 'plots.none')}</p>
         ) : (

@@ -1,12 +1,29 @@
 import type { JSX } from 'preact';
 import { t } from '../i18n';
-import { robot, status, store } from '../app';
+import { go, robot, status, store } from '../app';
+
+/** Nobody is sure where it stands: why, and the way out. */
+function Unsure({ name }: { name: string }): JSX.Element | null {
+  const found = store.robots.value.find((one) => one.name === name)?.position_journal;
+  return (
+    <div class="callout">
+      <p>
+        <strong>{t('quality.uncertain')}.</strong> {t('limit.uncertain')}.
+      </p>
+      {found && <p>{t('recover.found', { text: found.found })}</p>}
+      {found && <p>{t('recover.way_out', { text: found.way_out })}</p>}
+      <button type="button" onClick={() => go({ view: 'setup' })}>
+        {t('recover.open')}
+      </button>
+    </div>
+  );
+}
 
 /** The one step that is missing before anything can move, where one is. */
 export function ReadyFirst(): JSX.Element | null {
   const name = robot.value;
   const now = status.value;
-  if (!name || !now) return null;
+  if (!name || !now || store.role.value === 'viewer') return null;
   const other = store.lease(name) === 'other';
   if (now.state === 'fault' && now.fault) {
     return (
@@ -28,6 +45,7 @@ export function ReadyFirst(): JSX.Element | null {
       </div>
     );
   }
+  if (now.position === 'uncertain') return <Unsure name={name} />;
   if (now.state !== 'off') return null;
   return (
     <div class="callout" data-tour="enable">

@@ -7,7 +7,7 @@ import type { CellRobot, RobotStatus } from '../logic/types';
 /** Every robot at a glance; the one that is chosen says more. */
 export function RobotRail(): JSX.Element {
   return (
-    <nav class="rail" aria-label={t('app.robots')} data-tour="robots">
+    <nav class="rail" aria-label={t('app.robots')} data-tour="robots" inert={store.connection.value !== 'open'}>
       {store.robots.value.map((one) => (
         <RobotCard key={one.name} place={one} status={store.status.value[one.name]} />
       ))}
@@ -48,7 +48,7 @@ function RobotCard({ place, status }: { place: CellRobot; status: RobotStatus | 
           </span>
         )}
       </button>
-      {chosen && <CardActions name={place.name} status={status} />}
+      {chosen && store.role.value === 'operator' && <CardActions name={place.name} status={status} />}
     </article>
   );
 }

@@ -78,6 +78,7 @@ function Choose({ name, last }: { name: string; last: ProcedureJson | undefined 
   const lease = store.lease(name);
   const place = store.robots.value.find((one) => one.name === name);
   const busy = now?.job ? !now.job.over : false;
+  const barred = busy || store.role.value === 'viewer';
   const cutOff = wasCutOff(last, false) && isOwn(last!);
   const advised: ProcedureKind | null =
     now && now.state !== 'off' && (now.position === 'lost' || now.position === 'uncertain') ? 'recover' : null;
@@ -124,8 +125,8 @@ function Choose({ name, last }: { name: string; last: ProcedureJson | undefined 
       {last && last.number > 0 && !cutOff && <ResultCard procedure={last} />}
       {place?.position_journal && (
         <div class="callout">
-          <p>{place.position_journal.found}</p>
-          <p>{place.position_journal.way_out}</p>
+          <p>{t('recover.found', { text: place.position_journal.found })}</p>
+          <p>{t('recover.way_out', { text: place.position_journal.way_out })}</p>
         </div>
       )}
       <ul class="setup-kinds">
@@ -147,14 +148,14 @@ function Choose({ name, last }: { name: string; last: ProcedureJson | undefined 
                 <button
                   type="button"
                   class={advised === kind ? 'primary' : ''}
-                  disabled={starting.value || busy}
+                  disabled={starting.value || barred}
                   title={lease === 'other' ? t('lease.take_over.title') : undefined}
                   onClick={() => void start(kind)}
                 >
                   {t(lease === 'other' ? 'setup.start.take_over' : `setup.start.${kind}`)}
                 </button>
                 {kind === 'commission' && (
-                  <button type="button" class="quiet" disabled={starting.value || busy} onClick={() => void start(kind, true)}>
+                  <button type="button" class="quiet" disabled={starting.value || barred} onClick={() => void start(kind, true)}>
                     {t('setup.start.anew')}
                   </button>
                 )}

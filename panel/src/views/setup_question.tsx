@@ -294,7 +294,7 @@ function AmountAnswer({ asks, procedure, say }: AnswerProps): JSX.Element {
       type="button"
       class="amount"
       key={sign + amount}
-      aria-label={t('setup.amount.by', { amount: `${sign === '-' ? '−' : '+'}${amount}` })}
+      aria-label={t('setup.amount.by', { amount: `${sign === '-' ? '−' : '+'}${amount.replace(/[a-z]+$/, ' $&')}` })}
       onClick={() => say(sign === '-' ? `-${amount}` : amount)}
     >
       {sign === '-' ? '−' : '+'}

@@ -1,12 +1,14 @@
 import type { JSX } from 'preact';
 import { language, t } from '../i18n';
 import { languages, setLanguage, setStopKeys, setTheme, stop, stopKeys, store, theme } from '../app';
+import { age } from '../logic/units';
 import { Icon } from './parts';
 
 /** The mark of the house, the cell, what is always at hand, and Stop. */
 export function TopBar(): JSX.Element {
   const cell = store.cell.value;
   const connection = store.connection.value;
+  const silent = connection === 'open' && store.age.value !== null;
   const simulated = cell?.robots.every((one) => one.simulated) ?? false;
   const other = theme.value === 'dark' ? 'light' : 'dark';
   const toTheme = t('app.theme.switch', { theme: t(`app.theme.${other}`) });
@@ -22,7 +24,10 @@ export function TopBar(): JSX.Element {
         <div>
           <h1>{cell?.title ?? 'Sinew'}</h1>
           <p class="brand-sub">
-            <span class={`link link-${connection}`}>{t(`connection.${connection}`)}</span>
+            <span class={`link link-${silent ? 'lost' : connection}`} role="status">
+              {silent ? t('connection.silent', { age: age(store.age.value!) }) : t(`connection.${connection}`)}
+            </span>
+            {store.role.value === 'viewer' && <span>{t('role.viewer')}</span>}
             {simulated && <span>{t('app.simulated')}</span>}
           </p>
         </div>
