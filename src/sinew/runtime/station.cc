@@ -64,7 +64,9 @@ control::ControllerStart start_of(const PositionRecord* record,
 }  // namespace
 
 Station::Station(RobotModel robot, StationOptions options, const io::Clock& clock)
-    : robot_(std::move(robot)), options_(std::move(options)), clock_(clock) {}
+    : robot_(std::move(robot)), options_(std::move(options)), clock_(clock) {
+  log_.keep_in(wire_);
+}
 
 io::IoResult<std::unique_ptr<Station>> Station::start(RobotModel robot, StationOptions options,
                                                       const io::Clock& clock) {
@@ -218,6 +220,7 @@ void Station::publish(const ControlLoop& loop, Instant now) {
     if (connected_) view_.bytes = link_->line().count();
     view_.port_open = connected_;
     if (look) view_.truth = truth;
+    if (look) view_.facts = driver.facts();
     ++cycles_;
   }
   if (options_.space != nullptr) options_.space->stands(options_.place, stand(controller, now));

@@ -12,6 +12,7 @@
 
 #include "sinew/planning/tool_space.h"
 #include "sinew/runtime/running_cell.h"
+#include "sinew/runtime/wire_monitor.h"
 #include "sinew/server/event_log.h"
 #include "sinew/server/methods.h"
 #include "sinew/server/preview.h"
@@ -161,6 +162,10 @@ class Api {
   Answer give(const Call& call, const control::CommandWhat& what, bool at_start = false);
   std::expected<JointVector, RpcError> joints(const Json& numbers, std::size_t robot) const;
 
+  // api_device.cc
+  Json device_status(std::size_t robot) const;
+  Answer read_wire(const Call& call);
+
   // api_procedures.cc
   Json procedure(std::size_t robot) const;
   Answer start_procedure(const Call& call);
@@ -181,6 +186,7 @@ class Api {
   std::vector<runtime::ProcedureStatus> procedures_;  ///< the same
   std::vector<std::unique_ptr<planning::ToolSpace>> tools_;
   std::vector<planning::PoseBT> X_near_;
+  std::vector<std::unique_ptr<runtime::WireMonitor>> monitors_;  ///< of those that are looked at
   /// Status messages of this turn, made once for all who watch: of each robot, and of all.
   std::vector<std::string> status_texts_;
 };

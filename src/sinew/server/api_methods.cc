@@ -145,6 +145,10 @@ Api::Answer Api::call(const Method& method, const Call& call) {
       return model_json(cell_.station(*call.robot).robot());
     case MethodId::kRobotPreview:
       return preview(call);
+    case MethodId::kDeviceStatus:
+      return device_status(*call.robot);
+    case MethodId::kWireRead:
+      return read_wire(call);
   }
   return RpcError{RpcCode::kMethodNotFound, "there is no method of this name", nullptr};
 }
