@@ -6,7 +6,7 @@ namespace sinew::server {
 namespace {
 
 constexpr std::size_t kIdMax = 128;  // bytes of a string that serves as id
-constexpr std::size_t kMethodMax = 64;
+constexpr std::size_t kMethodNameMax = 64;
 
 std::string text_of(const Json& json) {
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
@@ -72,7 +72,7 @@ std::expected<RpcRequest, BadRequest> read_request(std::string_view text) {
   }
   const auto method = json.find("method");
   if (method == json.end() || !method->is_string() ||
-      method->get_ref<const std::string&>().size() > kMethodMax) {
+      method->get_ref<const std::string&>().size() > kMethodNameMax) {
     return bad(request.id, RpcCode::kInvalidRequest, "method has to be the name of one");
   }
   request.method = method->get<std::string>();
