@@ -144,6 +144,7 @@ class Api {
   void tell_objects(Session& session, Instant now);
 
   // api_methods.cc
+  Answer look(const Method& method, const Call& call);
   Answer describe() const;
   Answer truth(const Call& call) const;
   Answer enable(const Call& call);

@@ -129,14 +129,22 @@ Api::Answer Api::call(const Method& method, const Call& call) {
     case MethodId::kRobotResume:
     case MethodId::kProgramStep:
       return steer_job(method, call);
-    case MethodId::kJobStatus:
-      return job_status(*call.robot);
     case MethodId::kProcedureStart:
       return start_procedure(call);
     case MethodId::kProcedureAnswer:
     case MethodId::kProcedureBack:
     case MethodId::kProcedureCancel:
       return steer_procedure(method, call);
+    default:
+      return look(method, call);
+  }
+}
+
+/// What only tells something of one robot.
+Api::Answer Api::look(const Method& method, const Call& call) {
+  switch (method.id) {
+    case MethodId::kJobStatus:
+      return job_status(*call.robot);
     case MethodId::kProcedureStatus:
       return procedure(*call.robot);
     case MethodId::kSimulationTruth:
@@ -149,8 +157,9 @@ Api::Answer Api::call(const Method& method, const Call& call) {
       return device_status(*call.robot);
     case MethodId::kWireRead:
       return read_wire(call);
+    default:
+      return RpcError{RpcCode::kMethodNotFound, "there is no method of this name", nullptr};
   }
-  return RpcError{RpcCode::kMethodNotFound, "there is no method of this name", nullptr};
 }
 
 Json Api::cell_status() {
