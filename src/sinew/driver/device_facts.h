@@ -60,7 +60,7 @@ struct MaxArmFacts {
 struct BigRobotArmFacts {
   BigRobotArmWire wire{};
   BigRobotArmDialect dialect{};
-  LastHeard<bigrobotarm::Status> status;
+  LastHeard<bigrobotarm::Status> status{};
   bool looks_like_boot = false;    ///< it holds what a board holds that was switched on
   bool wants_declaration = false;  ///< no move before somebody says where the arm stands
 };

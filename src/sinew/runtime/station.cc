@@ -196,6 +196,7 @@ void Station::publish(const ControlLoop& loop, Instant now) {
     recorder_->offer(sample_of(controller, bytes, connected_, now));
   }
   look_for_facts(controller, now);
+  const DeviceFacts facts = driver.facts();
   const auto positions = controller.positions();
   const auto later = controller.later_causes();
   {
@@ -220,7 +221,8 @@ void Station::publish(const ControlLoop& loop, Instant now) {
     if (connected_) view_.bytes = link_->line().count();
     view_.port_open = connected_;
     if (look) view_.truth = truth;
-    if (look) view_.facts = driver.facts();
+    // Whoever hears in the next cycle that the device is ready finds what made it so.
+    view_.facts = facts;
     ++cycles_;
   }
   if (options_.space != nullptr) options_.space->stands(options_.place, stand(controller, now));

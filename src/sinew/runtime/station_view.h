@@ -31,7 +31,7 @@ struct StationView {
   ByteCount bytes;
   bool port_open = false;
   std::optional<sim::Truth> truth;  ///< of a simulated machine
-  DeviceFacts facts;                ///< as of some 20 ms ago at most
+  DeviceFacts facts;                ///< what its driver has heard
 };
 
 /// Events that wait for one who listens; those beyond kMax are dropped and counted.

@@ -186,6 +186,7 @@ TEST(ApiDevice, bigrobotarm_tells_its_counters_and_that_it_knows_no_place) {
   ApiClient client(cell);
   make_ready(client, "big");
   const Json device = device_of(client, "big");
+  ASSERT_TRUE(device.contains("status")) << device.dump() << client.status("big").dump();
   EXPECT_EQ(device["status"]["joints"].size(), 5U);
   EXPECT_EQ(device["status"]["sync"], false);
   EXPECT_TRUE(device["spoken"].is_string());
@@ -204,7 +205,7 @@ TEST(ApiDevice, axis_boards_tell_their_registers) {
     EXPECT_FALSE(axis["flags"]["homed"]);
     EXPECT_EQ(axis["registers"][0]["register"], "diag_status");
   }
-  EXPECT_TRUE(warns(device, "not_homed", "J1")) << device["warnings"].dump();
+  EXPECT_TRUE(warns(device, "not_homed", "base")) << device["warnings"].dump();
   EXPECT_FALSE(last_frame(client, "arm", "syn_ack").is_null());
   const Json data = last_frame(client, "arm", "data");
   EXPECT_EQ(data["fields"][0], (Json{"register", "diag_status"}));
