@@ -5,6 +5,7 @@ import './styles/programs.css';
 import './styles/help.css';
 import './styles/plots.css';
 import './styles/setup.css';
+import './styles/device.css';
 import { announced, go, robot, route, start, store, unheard } from './app';
 import { t } from './i18n';
 import { kViewIds, type ViewId } from './view_ids';

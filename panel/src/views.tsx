@@ -1,6 +1,7 @@
 /** Every view of the right side; a new one is a row here and a name in view_ids.ts. */
 import type { ComponentType } from 'preact';
 import type { ViewId } from './view_ids';
+import { DevicePane } from './views/device_pane';
 import { EventsPane } from './views/events_pane';
 import { HelpPane } from './views/help_pane';
 import { JogPane } from './views/jog_pane';
@@ -16,6 +17,7 @@ export const kViews: Record<ViewId, { icon: IconName; show: ComponentType }> = {
   programs: { icon: 'programs', show: ProgramsPane },
   setup: { icon: 'setup', show: SetupPane },
   plots: { icon: 'plots', show: PlotsPane },
+  device: { icon: 'device', show: DevicePane },
   events: { icon: 'events', show: EventsPane },
   help: { icon: 'help', show: HelpPane },
 };

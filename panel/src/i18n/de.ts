@@ -1,3 +1,4 @@
+import { deviceDe } from './device_de';
 import { teachDe } from './teach_de';
 import type { Key } from './en';
 
@@ -507,4 +508,5 @@ export const de: Record<Key, string> = {
   'plots.event.lost': 'verloren',
 
   ...teachDe,
+  ...deviceDe,
 };

@@ -1,3 +1,4 @@
+import { deviceEn } from './device_en';
 import { teachEn } from './teach_en';
 
 /** English. One key a text; `{name}` is filled in. Every other language has the same keys. */
@@ -506,6 +507,7 @@ export const en = {
   'plots.event.lost': 'lost',
 
   ...teachEn,
+  ...deviceEn,
 } as const;
 
 export type Key = keyof typeof en;

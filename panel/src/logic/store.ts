@@ -172,6 +172,11 @@ export class Store {
     this.notes.value = this.notes.value.filter((one) => one.id !== id);
   }
 
+  /** Asks; whoever asks sees to what goes wrong. */
+  call<Result>(method: string, params: object = {}): Promise<Result> {
+    return this.rpc.call<Result>(method, params);
+  }
+
   /** Asks, and notes down why not. */
   async ask<Result = unknown>(method: string, params: { robot?: string; [name: string]: unknown }): Promise<Result | null> {
     try {

@@ -45,6 +45,7 @@ const kIcons = {
   call: 'M5 4h10l4 4v12H5zM9 12h6M9 16h6',
   setup: 'M10 6h11M10 12h11M10 18h11M3 6l1.5 1.5L7 5M3 12l1.5 1.5L7 11M3 18l1.5 1.5L7 17',
   plots: 'M3 3v18h18M6 15l4-5 4 3 6-8',
+  device: 'M7 7h10v10H7zM10 3v4M14 3v4M10 17v4M14 17v4M3 10h4M3 14h4M17 10h4M17 14h4',
   later: 'M5 12h14M13 6l6 6-6 6',
   minus: 'M5 12h14',
   skip: 'M6 5l8 7-8 7zM18 5v14',

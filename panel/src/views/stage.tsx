@@ -8,6 +8,7 @@ import { CellScene, type Preset } from '../scene/scene';
 import { hoveredJoint, layers, look, meantJoint } from '../scene_state';
 import { replayGhost } from '../plots_state';
 import { ghost as programGhost } from '../teach';
+import { WireDock } from './wire_dock';
 import { Icon, Toggle } from './parts';
 import { PlotDock } from './plot_dock';
 import { PlotsDock } from './plots_dock';
@@ -114,6 +115,7 @@ export function Stage(): JSX.Element {
       </div>
       {route.value.view === 'move' && <PlotDock />}
       {route.value.view === 'plots' && <PlotsDock />}
+      {route.value.view === 'device' && <WireDock />}
     </section>
   );
 }

@@ -12,6 +12,7 @@
 #include "sinew/driver/icp.h"
 #include "sinew/io/interrupt.h"
 #include "sinew/runtime/robot_link.h"
+#include "sinew/wire/tmc222_words.h"
 
 namespace sinew::cli {
 namespace {
@@ -88,26 +89,10 @@ class Hexapod {
 
 std::string flags_text(const tmc222::Flags& flags) {
   std::string text;
-  const auto add = [&](bool set, const char* name) {
-    if (set) text += (text.empty() ? "" : ", ") + std::string(name);
-  };
-  add(flags.vdd_reset, "lost its supply");
-  add(flags.step_loss, "step loss");
-  add(flags.electrical_defect, "electrical defect");
-  add(flags.under_voltage, "supply too low");
-  add(flags.thermal_shutdown, "thermal shutdown");
-  add(flags.thermal_warning, "hot");
-  add(flags.over_current_1, "over-current in coil 1");
-  add(flags.over_current_2, "over-current in coil 2");
-  add(flags.charge_pump_failure, "charge pump failure");
+  for (const tmc222::FlagWord& word : tmc222::kFlagWords) {
+    if (flags.*word.flag) text += (text.empty() ? "" : ", ") + std::string(word.text);
+  }
   return text.empty() ? "none" : text;
-}
-
-const char* motion_text(tmc222::Motion motion) {
-  constexpr std::array kNames{"at its target",     "accelerating",      "decelerating",
-                              "at full speed",     "stopped beside it", "accelerating back",
-                              "decelerating back", "at full speed back"};
-  return kNames[static_cast<std::size_t>(motion) % kNames.size()];
 }
 
 Outcome status_outcome(const IcpDriver& icp, const RobotModel& model) {
@@ -123,7 +108,7 @@ Outcome status_outcome(const IcpDriver& icp, const RobotModel& model) {
       bytes += fmt::format("{}{:02X}", bytes.empty() ? "" : " ", byte);
     }
     const std::string flags = flags_text(status->one.flags);
-    const std::string motion = motion_text(status->one.motion);
+    const std::string motion(tmc222::words(status->one.motion).text);
     table.add(
         {model.joints[leg].name, motion, fmt::format("{}", status->two.target), flags, bytes});
     outcome.json["legs"].push_back({{"joint", model.joints[leg].name},

@@ -98,6 +98,13 @@ DriverHealth AxisLinkDriver::health() const {
   return health;
 }
 
+DeviceFacts AxisLinkDriver::facts() const {
+  AxisLinkFacts facts;
+  for (const Channel& channel : channels_) facts.axes.push_back(channel.facts());
+  facts.round = round_;
+  return facts;
+}
+
 Expected<void> AxisLinkDriver::may_begin() const {
   if (activity_ == Activity::kClosed) return std::unexpected(Error{ErrorCode::kPortClosed});
   if (activity_ != Activity::kIdle) return std::unexpected(Error{ErrorCode::kBusy});

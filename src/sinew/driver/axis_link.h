@@ -76,6 +76,7 @@ class AxisLinkDriver : public SpiDriver {
   std::optional<Error> fault() const override { return fault_; }
   std::span<const JointPosition> positions() const override { return positions_; }
   DriverHealth health() const override;
+  DeviceFacts facts() const override;
   bool wants_move(Instant now) const override;
 
   /// @error kPortClosed, the fault, kBusy, kPositionUnknown, kUnsendable (number of joints, a speed

@@ -201,9 +201,21 @@ bool Channel::replied(std::span<const std::uint8_t> miso, Instant now) {
   return true;
 }
 
+AxisLinkFacts::Axis Channel::facts() const {
+  AxisLinkFacts::Axis facts = facts_;
+  facts.up = is_up();
+  facts.fault = error();
+  if (state_) facts.state = {*state_, fresh_at_};
+  if (setpoint_) facts.setpoint = setpoint_->q;
+  facts.zero_shift = zero_shift_;
+  facts.failed_frames = failed_frames_;
+  return facts;
+}
+
 void Channel::take(const Reply& reply) {
   if (const auto* identity = std::get_if<Identity>(&reply.body)) {
     if (step_ != Step::kHello) return;  // the frame before was still a hello
+    facts_.identity = {*identity, began_};
     session_ = reply.session;
     uncertainty_ = identity->uncertainty / kUncertaintyUnits;
     step_ = clear_ ? Step::kRelease : Step::kLook;
@@ -219,7 +231,7 @@ void Channel::take(const Reply& reply) {
       step_ = Step::kLook;
     }
   }
-  if (const auto* health = std::get_if<Health>(&reply.body)) health_ = *health;
+  if (const auto* health = std::get_if<Health>(&reply.body)) facts_.health = {*health, began_};
   if (const auto* state = std::get_if<State>(&reply.body)) take_state(*state);
 }
 

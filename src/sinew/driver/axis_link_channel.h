@@ -69,7 +69,8 @@ class Channel {
 
   /// The last fresh one. Without a value before the first.
   const std::optional<State>& state() const { return state_; }
-  const Health& health() const { return health_; }
+  const Health& health() const { return facts_.health ? facts_.health->what : kNoHealth; }
+  AxisLinkFacts::Axis facts() const;
   /// Sequence of the last frame that is known to be executed.
   std::uint16_t executed() const { return executed_; }
   std::uint16_t sequence() const { return sequence_; }
@@ -124,7 +125,8 @@ class Channel {
   std::uint64_t failed_frames_ = 0;
 
   std::optional<State> state_;
-  Health health_;
+  static constexpr Health kNoHealth{};
+  AxisLinkFacts::Axis facts_;  ///< identity and health
   double uncertainty_ = 0;
   bool has_zero_ = false;  ///< in this session; it was homed, and positions count from there
   std::optional<double> zero_shift_;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -72,6 +73,7 @@ class AxisRegistersDriver : public SpiDriver {
   std::optional<Error> fault() const override { return fault_; }
   std::span<const JointPosition> positions() const override;
   DriverHealth health() const override { return link_.health(); }
+  DeviceFacts facts() const override;
   bool wants_move(Instant now) const override;
 
   /// @error kPortClosed, kBusy, the fault, kJointLimit, kPositionUnknown (a joint is lost),
@@ -147,10 +149,12 @@ class AxisRegistersDriver : public SpiDriver {
     double expected = 0;  ///< s, of its move
     axis_registers::ToldAngle target;
     std::optional<axis_registers::ToldAngle> before;  ///< MOVE_ANGLE, before homing
+    std::array<LastHeard<AxisRegistersFacts::Value>, AxisRegistersFacts::kRegisters> heard;
   };
   struct Asked {
     std::size_t axis = 0;
     Phase phase = Phase::kDone;
+    AxisRegisterRequest request;
   };
 
   // axis_registers.cc: what is to be done
@@ -176,6 +180,7 @@ class AxisRegistersDriver : public SpiDriver {
   void ask(std::size_t i, Instant now);
   AxisRegisterRequest request_for(std::size_t i) const;
   void take(const AxisRegisterOutcome& outcome, Instant now);
+  void note(const Asked& asked, const axis_registers::Data& value, Instant now);
   void take_value(std::size_t i, Phase phase, const axis_registers::Data& value, Instant now);
   void take_homing(std::size_t i, const axis_registers::Data& value, Instant now);
   void take_poll(std::size_t i, const axis_registers::Data& value, Instant now);

@@ -19,8 +19,8 @@ void AxisRegistersDriver::ask(std::size_t i, Instant now) {
     axis.homing = true;
     set_lost(i);
   }
-  asked_ = Asked{i, axis.phase};
-  link_.start(request_for(i), now);
+  asked_ = Asked{i, axis.phase, request_for(i)};
+  link_.start(asked_->request, now);
 }
 
 AxisRegisterRequest AxisRegistersDriver::request_for(std::size_t i) const {
@@ -76,6 +76,7 @@ void AxisRegistersDriver::take(const AxisRegisterOutcome& outcome, Instant now) 
   asked_.reset();
   if (activity_ == Activity::kIdle) watch_at_ = now + timing_.watch;
   if (outcome.error) return axis_fails(asked.axis, *outcome.error, now);
+  note(asked, outcome.value, now);
   if (axes_[asked.axis].phase == asked.phase) {
     return take_value(asked.axis, asked.phase, outcome.value, now);
   }
@@ -90,6 +91,25 @@ void AxisRegistersDriver::take(const AxisRegisterOutcome& outcome, Instant now) 
   } else if (lost) {
     fail_motion({ErrorCode::kPositionUnknown, static_cast<std::int8_t>(asked.axis)}, now);
   }
+}
+
+void AxisRegistersDriver::note(const Asked& asked, const Data& value, Instant now) {
+  const AxisRegisterMap& map = device_.registers;
+  // As kDocumentRegisters has them.
+  const std::array places{map.homing, map.move_angle, map.diag_control, map.diag_status,
+                          map.emergency_stop};
+  static_assert(places.size() == AxisRegistersFacts::kRegisters);
+  const auto place = std::ranges::find(places, asked.request.address);
+  if (place == places.end()) return;
+  const bool written = asked.request.operation == Operation::kWrite;
+  auto& heard = axes_[asked.axis].heard[static_cast<std::size_t>(place - places.begin())];
+  heard = {{written ? asked.request.data : value, written}, now};
+}
+
+DeviceFacts AxisRegistersDriver::facts() const {
+  AxisRegistersFacts facts;
+  for (const Axis& axis : axes_) facts.axes.push_back({axis.answers, axis.fault, axis.heard});
+  return facts;
 }
 
 void AxisRegistersDriver::take_value(std::size_t i, Phase phase, const Data& value, Instant now) {

@@ -62,6 +62,14 @@ DriverHealth BigRobotArmJointDriver::health() const {
   return health;
 }
 
+DeviceFacts BigRobotArmJointDriver::facts() const {
+  return BigRobotArmFacts{.wire = device_.wire,
+                          .dialect = device_.dialect,
+                          .status = heard_,
+                          .looks_like_boot = heard_ && driver_.looks_like_boot(heard_->what),
+                          .wants_declaration = wants_declaration()};
+}
+
 // Opening, closing, and what happens in between.
 
 void BigRobotArmJointDriver::open(Instant now) {
@@ -160,6 +168,7 @@ void BigRobotArmJointDriver::pump(Instant now) {
 }
 
 void BigRobotArmJointDriver::take(const BigRobotArmDriver::StatusRead& read, Instant now) {
+  heard_ = {read.status, now};
   was_deaf_ = was_deaf_ || read.was_deaf;
   if (read.after_doubt) {
     return confirm(read.status, Step::kRecover, now);

@@ -69,6 +69,7 @@ class BigRobotArmJointDriver : public ByteDriver {
   std::optional<Error> fault() const override { return fault_; }
   std::span<const JointPosition> positions() const override { return shown_; }
   DriverHealth health() const override;
+  DeviceFacts facts() const override;
   bool wants_move(Instant) const override { return state_ == DriverState::kReady; }
 
   /// @param move  ends at rest. Joints arrive together, in `duration` or what the joints' limits
@@ -178,6 +179,7 @@ class BigRobotArmJointDriver : public ByteDriver {
   bool gripper_enabled_ = false;
 
   DriverHealth health_;
+  LastHeard<Status> heard_;
   FixedVector<DriverEvent, 16> events_;
 };
 

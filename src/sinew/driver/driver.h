@@ -9,6 +9,7 @@
 #include "sinew/core/error.h"
 #include "sinew/core/fixed_vector.h"
 #include "sinew/core/instant.h"
+#include "sinew/driver/device_facts.h"
 #include "sinew/model/robot_model.h"
 #include "sinew/wire/spi.h"
 
@@ -117,6 +118,8 @@ class Driver {
   /// the wire cannot end, or that nobody was left to end. Nothing where it stands.
   virtual std::optional<Instant> goes_on_until() const { return std::nullopt; }
   virtual DriverHealth health() const = 0;
+  /// What the device has told of itself last, and when, for whoever looks on.
+  virtual DeviceFacts facts() const { return {}; }
 
   /// True where move() would take a piece of motion now. A streaming driver takes the next segment
   /// while the last one is still under way, early enough that there is no gap.

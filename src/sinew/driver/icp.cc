@@ -435,7 +435,7 @@ void IcpDriver::on_refusal(Instant now) {
 }
 
 void IcpDriver::on_status(const Status& status, Instant now) {
-  statuses_[polled_] = status;
+  facts_.legs[polled_].status = {status, now};
   failures_ = 0;
   Error error;
   const IcpLegClaim::Verdict verdict = legs_[polled_].judge(status, error);
@@ -444,6 +444,7 @@ void IcpDriver::on_status(const Status& status, Instant now) {
     return begin_exchange(now);
   }
   rereads_ = 0;
+  if (tmc222::tells_trouble(status.one.flags)) facts_.legs[polled_].troubled = {status, now};
   if (verdict == IcpLegClaim::Verdict::kGood) {
     legs_[polled_].confirm(status);
   } else {

@@ -74,6 +74,7 @@ class IcpDriver final : public ByteDriver {
   std::optional<Error> fault() const override { return fault_; }
   std::span<const JointPosition> positions() const override { return positions_; }
   DriverHealth health() const override { return health_; }
+  DeviceFacts facts() const override { return facts_; }
   bool wants_move(Instant now) const override;
   /// Steps are spread over move.duration where the wire is quicker than that.
   /// @error kLegLength, kPositionUnknown (index), kSegmentTime, kBusy, kPortClosed, fault's own
@@ -104,7 +105,10 @@ class IcpDriver final : public ByteDriver {
   Expected<void> kill(Instant now);
 
   /// The last status of a leg.
-  const std::optional<icp::Status>& status(std::size_t leg) const { return statuses_[leg]; }
+  std::optional<icp::Status> status(std::size_t leg) const {
+    const auto& heard = facts_.legs[leg].status;
+    return heard ? std::optional(heard->what) : std::nullopt;
+  }
   std::int64_t steps_left() const;
   /// Of one step, moving mean.
   Duration cycle_time() const { return cycle_time_; }
@@ -175,7 +179,7 @@ class IcpDriver final : public ByteDriver {
   std::array<double, kLegs> upper_{};
   std::array<IcpLegClaim, kLegs> legs_;
   std::array<JointPosition, kLegs> positions_;
-  std::array<std::optional<icp::Status>, kLegs> statuses_;
+  IcpFacts facts_;
 
   Phase phase_ = Phase::kClosed;
   std::optional<Instant> deadline_;

@@ -82,6 +82,7 @@ class LscDriver : public ByteDriver {
   std::optional<Error> fault() const override { return fault_; }
   std::span<const JointPosition> positions() const override;
   DriverHealth health() const override { return health_; }
+  DeviceFacts facts() const override { return facts_; }
   std::optional<Instant> goes_on_until() const override { return goes_on_until_; }
   bool wants_move(Instant now) const override;
   /// @error beside the contract's: kMovedUnasked on the bus only, kPositionUnknown (measured,
@@ -165,6 +166,7 @@ class LscDriver : public ByteDriver {
   void end_all(DriverEvent::Kind kind, const Error& error = {});
 
   void ask(Question question, Instant now);
+  void note(const lsc::Reply& reply, Instant now);
   void handle(const lsc::Reply& reply, Instant now);
   void take_battery(double volts, Instant now);
   void take_life(Instant now);
@@ -219,6 +221,7 @@ class LscDriver : public ByteDriver {
   int kind_silences_ = 0;  ///< lsc6: of the question that only a bus board answers
 
   DriverHealth health_;
+  LscFacts facts_;
   lsc::FrameDecoder decoder_;
   lsc::Bytes output_;
   bool output_begun_ = false;

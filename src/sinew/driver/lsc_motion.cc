@@ -87,6 +87,7 @@ void LscDriver::send_targets(const Segment& segment, Instant now, Duration time)
     const auto held = static_cast<std::uint16_t>(std::lround(slots_[i].to));
     frame.servos.push_back({units_.id(i), moves ? segment.to[i] : held});
   }
+  facts_.told = {frame, now};
   send(frame, now);
 }
 

@@ -138,7 +138,29 @@ bool LscDriver::text_says_boot(std::uint8_t byte) {
   return true;
 }
 
+/// For whoever looks on, whether it was asked for or not.
+void LscDriver::note(const Reply& reply, Instant now) {
+  if (const auto* battery = std::get_if<Battery>(&reply)) facts_.battery = {*battery, now};
+  if (const auto* version = std::get_if<Version>(&reply)) facts_.version = {*version, now};
+  if (const auto* started = std::get_if<GroupStarted>(&reply)) {
+    facts_.group_started = {*started, now};
+  }
+  if (const auto* finished = std::get_if<GroupFinished>(&reply)) {
+    facts_.group_finished = {*finished, now};
+  }
+  if (const auto* stopped = std::get_if<GroupStopped>(&reply)) {
+    facts_.group_stopped = {*stopped, now};
+  }
+  if (const auto* measured = std::get_if<Positions>(&reply)) {
+    facts_.positions = {measured->servos, now};
+  }
+  if (const auto* commanded = std::get_if<Commanded>(&reply)) {
+    facts_.positions = {ServoValues(commanded->servos), now};
+  }
+}
+
 void LscDriver::handle(const Reply& reply, Instant now) {
+  note(reply, now);
   const auto* started = std::get_if<GroupStarted>(&reply);
   const auto* finished = std::get_if<GroupFinished>(&reply);
   if (started != nullptr || finished != nullptr) {

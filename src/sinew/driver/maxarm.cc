@@ -340,6 +340,11 @@ void MaxArmDriver::receive(std::span<const std::uint8_t> bytes, Instant now) {
     if (!trusted(*frame)) continue;
     answered_at_ = now - static_cast<int>(kReplyFrame) * timing_.byte_time;
     const auto* angles = std::get_if<Angles>(&frame->reply);
+    if (angles != nullptr) {
+      facts_.angles = {*angles, now};
+    } else {
+      facts_.position = {std::get<Position>(frame->reply), now};
+    }
     if (phase_ == Phase::kMarking && angles == nullptr) {
       pause(Duration::zero(), now);
       silent_ = 0;
@@ -381,6 +386,12 @@ bool MaxArmDriver::trusted(const ReplyFrame& frame) {
     strangers_ = 0;
   }
   return false;
+}
+
+DeviceFacts MaxArmDriver::facts() const {
+  MaxArmFacts facts = facts_;
+  facts.checksum = checksum();
+  return facts;
 }
 
 std::optional<Checksum> MaxArmDriver::checksum() const {
@@ -592,6 +603,7 @@ void MaxArmDriver::send_set(const Pulses& target, std::int32_t time_ms, Instant 
   ++health_.requests;
   ++sets_;
   send(set, now);
+  facts_.set = {set, now};
   alike_ = 0;
   moves_until_ = from + std::chrono::milliseconds(time_ms) + MaxArmPace::settles;
   told_at_ = moves_until_ + pace_.two_readings;

@@ -87,6 +87,7 @@ class MaxArmDriver : public ByteDriver {
   std::optional<Error> fault() const override { return fault_; }
   std::span<const JointPosition> positions() const override { return positions_; }
   DriverHealth health() const override { return health_; }
+  DeviceFacts facts() const override;
   bool wants_move(Instant now) const override;
 
   /// @error kBusy, kPositionUnknown, kMovedUnasked, kJointLimit, kPulseRange (1..1000: a servo at 0
@@ -201,6 +202,7 @@ class MaxArmDriver : public ByteDriver {
 
   std::array<JointPosition, maxarm::kServos> positions_{};
   DriverHealth health_;
+  MaxArmFacts facts_;
   FixedVector<std::uint8_t, 64> output_;
   FixedVector<DriverEvent, 16> events_;
 };

@@ -15,7 +15,9 @@ io::IoResult<ByteLog> ByteLog::create(const std::string& path) {
   return log;
 }
 
-void ByteLog::add(Direction direction, std::span<const std::uint8_t> bytes, Instant now) {
+void ByteLog::add(Direction direction, std::span<const std::uint8_t> bytes, Instant now,
+                  std::uint8_t select) {
+  if (ring_ != nullptr) ring_->add(direction, bytes, now, select);
   if (!file_ || bytes.empty()) return;
   std::string line =
       fmt::format("{:12.6f}  {}  ", to_seconds(now.time_since_epoch()),

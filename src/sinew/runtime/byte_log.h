@@ -7,6 +7,7 @@
 
 #include "sinew/core/instant.h"
 #include "sinew/io/file.h"
+#include "sinew/runtime/wire_ring.h"
 
 namespace sinew::runtime {
 
@@ -14,12 +15,16 @@ namespace sinew::runtime {
 /// the same as text where it can be shown. Made without a file it writes nothing.
 class ByteLog {
  public:
-  enum class Direction : std::uint8_t { kToDevice, kToHost };
+  using Direction = WireWay;
 
   ByteLog() = default;
   static io::IoResult<ByteLog> create(const std::string& path);
 
-  void add(Direction direction, std::span<const std::uint8_t> bytes, Instant now);
+  /// From now on also here. @param ring  outlives the log
+  void keep_in(WireRing& ring) { ring_ = &ring; }
+  /// @param select  SPI: bit i is axis i
+  void add(Direction direction, std::span<const std::uint8_t> bytes, Instant now,
+           std::uint8_t select = 0);
   /// Why the log is not whole.
   std::optional<io::IoError> failure() const {
     return file_ ? file_->failure() : std::optional<io::IoError>();
@@ -27,6 +32,7 @@ class ByteLog {
 
  private:
   std::optional<io::LineFile> file_;
+  WireRing* ring_ = nullptr;
 };
 
 }  // namespace sinew::runtime

@@ -43,7 +43,7 @@ class SpiLine : public DriverLine {
     miso_.resize(transfer->mosi.size());
     const std::span mosi(transfer->mosi.begin(), transfer->mosi.size());
     const std::span miso(miso_.begin(), miso_.size());
-    log_.add(ByteLog::Direction::kToDevice, mosi, clock_.now());
+    log_.add(ByteLog::Direction::kToDevice, mosi, clock_.now(), transfer->select);
     auto exchanged =
         bus_.exchange(transfer->select, mosi, miso, transfer->setup, transfer->clock_hz);
     const Instant now = clock_.now();
@@ -51,7 +51,7 @@ class SpiLine : public DriverLine {
       driver_.close(now);
       return exchanged;
     }
-    log_.add(ByteLog::Direction::kToHost, miso, now);
+    log_.add(ByteLog::Direction::kToHost, miso, now, transfer->select);
     count_.to_device += mosi.size();
     count_.to_host += miso.size();
     driver_.exchanged(miso, now);

@@ -64,7 +64,9 @@ control::ControllerStart start_of(const PositionRecord* record,
 }  // namespace
 
 Station::Station(RobotModel robot, StationOptions options, const io::Clock& clock)
-    : robot_(std::move(robot)), options_(std::move(options)), clock_(clock) {}
+    : robot_(std::move(robot)), options_(std::move(options)), clock_(clock) {
+  log_.keep_in(wire_);
+}
 
 io::IoResult<std::unique_ptr<Station>> Station::start(RobotModel robot, StationOptions options,
                                                       const io::Clock& clock) {
@@ -194,6 +196,7 @@ void Station::publish(const ControlLoop& loop, Instant now) {
     recorder_->offer(sample_of(controller, bytes, connected_, now));
   }
   look_for_facts(controller, now);
+  const DeviceFacts facts = driver.facts();
   const auto positions = controller.positions();
   const auto later = controller.later_causes();
   {
@@ -218,6 +221,8 @@ void Station::publish(const ControlLoop& loop, Instant now) {
     if (connected_) view_.bytes = link_->line().count();
     view_.port_open = connected_;
     if (look) view_.truth = truth;
+    // Whoever hears in the next cycle that the device is ready finds what made it so.
+    view_.facts = facts;
     ++cycles_;
   }
   if (options_.space != nullptr) options_.space->stands(options_.place, stand(controller, now));

@@ -69,6 +69,8 @@ class Station {
   /// ready: `what` as in facts_of(). From any thread.
   void want_facts(bool wanted);
   std::optional<std::string> fact(std::string_view what, std::size_t joint) const;
+  /// What passes over its wire; its time is the cell's.
+  const WireRing& wire() const { return wire_; }
   /// Where a simulated machine that cannot tell stands when it begins, as if somebody had looked.
   std::optional<JointVector> assumed_place() const;
   /// What the journal knew when the station was started; null without one.
@@ -145,6 +147,7 @@ class Station {
   RobotModel robot_;
   StationOptions options_;
   const io::Clock& clock_;
+  WireRing wire_;
   ByteLog log_;
   std::unique_ptr<PositionRecord> record_;
   std::optional<RobotLink> link_;

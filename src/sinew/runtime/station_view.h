@@ -31,6 +31,7 @@ struct StationView {
   ByteCount bytes;
   bool port_open = false;
   std::optional<sim::Truth> truth;  ///< of a simulated machine
+  DeviceFacts facts;                ///< what its driver has heard
 };
 
 /// Events that wait for one who listens; those beyond kMax are dropped and counted.

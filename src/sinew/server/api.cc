@@ -76,6 +76,7 @@ Api::Api(runtime::RunningCell& cell, std::string version, runtime::CellSettings*
   }
   jobs_.resize(cell_.size());
   procedures_.resize(cell_.size());
+  monitors_.resize(cell_.size());
   status_texts_.resize(cell_.size() + 1);
 }
 

@@ -12,6 +12,7 @@
 
 #include "sinew/planning/tool_space.h"
 #include "sinew/runtime/running_cell.h"
+#include "sinew/runtime/wire_monitor.h"
 #include "sinew/server/event_log.h"
 #include "sinew/server/keeper.h"
 #include "sinew/server/methods.h"
@@ -155,6 +156,7 @@ class Api {
   void tell_objects(Session& session, Instant now);
 
   // api_methods.cc
+  Answer look(const Method& method, const Call& call);
   Answer describe() const;
   Answer truth(const Call& call) const;
   Answer enable(const Call& call);
@@ -178,6 +180,9 @@ class Api {
   Answer keep_texts(const Method& method, const Call& call);
   Answer check_program(const Call& call);
   Answer keep_settings(const Method& method, const Call& call);
+  // api_device.cc
+  Json device_status(std::size_t robot) const;
+  Answer read_wire(const Call& call);
 
   // api_procedures.cc
   Json procedure(std::size_t robot) const;
@@ -203,6 +208,7 @@ class Api {
   std::vector<runtime::ProcedureStatus> procedures_;  ///< the same
   std::vector<std::unique_ptr<planning::ToolSpace>> tools_;
   std::vector<planning::PoseBT> X_near_;
+  std::vector<std::unique_ptr<runtime::WireMonitor>> monitors_;  ///< of those that are looked at
   /// Status messages of this turn, made once for all who watch: of each robot, and of all.
   std::vector<std::string> status_texts_;
 };

@@ -119,13 +119,21 @@ Api::Answer Api::call(const Method& method, const Call& call) {
     case MethodId::kRobotResume:
     case MethodId::kProgramStep:
       return steer_job(method, call);
-    case MethodId::kJobStatus:
-      return job_status(*call.robot);
     case MethodId::kProcedureStart:
     case MethodId::kProcedureAnswer:
     case MethodId::kProcedureBack:
     case MethodId::kProcedureCancel:
       return steer_procedure(method, call);
+    default:
+      return look(method, call);
+  }
+}
+
+/// What only tells something of one robot.
+Api::Answer Api::look(const Method& method, const Call& call) {
+  switch (method.id) {
+    case MethodId::kJobStatus:
+      return job_status(*call.robot);
     case MethodId::kProcedureStatus:
       return procedure(*call.robot);
     case MethodId::kSimulationTruth:
@@ -134,6 +142,10 @@ Api::Answer Api::call(const Method& method, const Call& call) {
       return model_json(cell_.station(*call.robot).robot());
     case MethodId::kRobotPreview:
       return preview(call);
+    case MethodId::kDeviceStatus:
+      return device_status(*call.robot);
+    case MethodId::kWireRead:
+      return read_wire(call);
     default:
       return keep(method, call);
   }

@@ -96,6 +96,10 @@ constexpr Param kPreviewParams[] = {
     {"speed", ParamType::kNumber, false, "share of the joints' limits, 0.01 to 1"},
     {"samples", ParamType::kWhole, false, "of the profile at most, 2 to 1000; 121"}};
 
+constexpr Param kWireParams[] = {
+    kRobotParam,
+    {"since", ParamType::kWhole, false, "`last` of the answer before; as far back as there is"},
+    {"limit", ParamType::kWhole, false, "frames at most, 1 to 2000; 500"}};
 constexpr Param kCheckParams[] = {
     kRobotParam,
     {"text", ParamType::kText, true, "rows as in docs/programs.md"},
@@ -243,6 +247,13 @@ constexpr auto kMethods = std::to_array<Method>({
      "one of joints, tool and text, as it would go from where the robot stands; nothing moves. Of "
      "previews that wait only a client's latest of each robot is made",
      kPreviewParams, "text, duration_s, limited, from, to, samples"},
+    {MethodId::kDeviceStatus, "device.status", false,
+     "what its device has told of itself last, with the bytes and their age; asks it nothing",
+     kRobotOnly, "wire, warnings, and what this wire tells"},
+    {MethodId::kWireRead, "wire.read", false,
+     "what has passed over its wire, both ways, message by message: of those behind `since` the "
+     "latest `limit`",
+     kWireParams, "frames, last, lost: how many behind `since` are not among them"},
     {MethodId::kProgramCheck, "program.check", false,
      "a verdict for each row, from where the robot stands; nothing moves, and what is refused is "
      "no error",

@@ -68,6 +68,8 @@ enum class MethodId : std::uint8_t {
   kSimulationTruth,
   kRobotModel,
   kRobotPreview,
+  kDeviceStatus,
+  kWireRead,
   kProgramCheck,
   kProgramFormat,
   kProgramsList,

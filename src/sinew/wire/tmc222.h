@@ -99,6 +99,13 @@ struct Flags {
   friend bool operator==(const Flags&, const Flags&) = default;
 };
 
+/// What of them is no wear and no warmth: something went wrong, or will.
+constexpr bool tells_trouble(const Flags& flags) {
+  return flags.vdd_reset || flags.step_loss || flags.electrical_defect || flags.under_voltage ||
+         flags.thermal_shutdown || flags.thermal_warning || flags.over_current_1 ||
+         flags.over_current_2 || flags.charge_pump_failure;
+}
+
 struct Status1 {
   std::uint8_t address = 0x60;  ///< 7 bits, 60..7F
   Parameters parameters{};      ///< without the secure position

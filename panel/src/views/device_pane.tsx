@@ -1,0 +1,447 @@
+import type { ComponentChildren, JSX } from 'preact';
+import { t, tWord } from '../i18n';
+import { model, robot, status, store } from '../app';
+import { device } from '../device_state';
+import { ageText, degrees, servoRows, statusBytes, warned, type AxisJson, type DeviceJson, type GroupJson, type Heard, type LegJson, type ServoJson, type Warned } from '../logic/device';
+import { Icon } from './parts';
+
+/** What the device says of itself: decoded, with its bytes and their age. */
+export function DevicePane(): JSX.Element {
+  const told = device.value;
+  if (!robot.value || !model.value) return <p class="empty">{t('robot.pick')}</p>;
+  if (!told) return <p class="empty">{t('device.asking')}</p>;
+  return (
+    <div class="pane-body device" data-tour="device">
+      <Warnings rows={warned(told.warnings)} />
+      {told.legs && <Legs legs={told.legs} />}
+      {told.wire === 'lsc' && <ServoBoard told={told} />}
+      {told.wire === 'maxarm' && <MaxArm told={told} />}
+      {told.wire === 'bigrobotarm' && <BigRobotArm told={told} />}
+      {told.axes && <Axes told={told} axes={told.axes} />}
+      <Line told={told} />
+      <p class="hint">{tWord('device.about', told.wire)}</p>
+    </div>
+  );
+}
+
+function Warnings({ rows }: { rows: Warned[] }): JSX.Element {
+  const grave = rows.some((one) => one.grave);
+  return (
+    <section class="device-warnings" aria-label={t('device.warnings')} aria-live="polite">
+      {rows.length === 0 ? (
+        <p class="device-fine">
+          <Icon name="check" size={16} /> {t('device.fine')}
+        </p>
+      ) : (
+        rows.map((one) => (
+          <div class={`callout device-warning${one.grave ? ' grave' : ''}`} key={one.name}>
+            <h4>
+              <Icon name={one.grave ? 'fault' : 'help'} size={17} /> {tWord('device.warn', one.name)}
+              {one.joints.length > 0 && <span class="device-where">{one.joints.join(', ')}</span>}
+            </h4>
+            <p>
+              {tWord('device.do', one.name)}
+              {one.age !== undefined && <span class="muted"> {t('device.told_ago', { age: ageText(one.age) })}</span>}
+            </p>
+          </div>
+        ))
+      )}
+      {grave && <span class="sr-only">{t('device.grave')}</span>}
+    </section>
+  );
+}
+
+/** A part of the device: its name, how old what follows is, what follows. */
+function Part(props: { name: string; heard?: Heard; grave?: boolean; state?: string; children?: ComponentChildren }): JSX.Element {
+  const { heard } = props;
+  return (
+    <article class={`device-part${props.grave ? ' grave' : ''}`}>
+      <header>
+        <h4>{props.name}</h4>
+        {props.state && <span class="device-state">{props.state}</span>}
+        <Age heard={heard} />
+      </header>
+      {props.children}
+    </article>
+  );
+}
+
+function Age({ heard }: { heard?: Heard }): JSX.Element | null {
+  if (heard?.age_s === undefined) return <span class="device-age">{t('device.never')}</span>;
+  return (
+    <span class="device-age" title={t('device.age')}>
+      {t('device.ago', { age: ageText(heard.age_s) })}
+    </span>
+  );
+}
+
+/** Bytes as they stand on the wire. */
+function Raw({ bytes }: { bytes?: string }): JSX.Element | null {
+  return bytes ? (
+    <code class="raw" aria-label={t('device.bytes')}>
+      {bytes}
+    </code>
+  ) : null;
+}
+
+function Values({ rows }: { rows: (readonly [string, ComponentChildren] | null | false)[] }): JSX.Element {
+  return (
+    <dl class="device-values">
+      {rows.map(
+        (row) =>
+          row && (
+            <div key={row[0]}>
+              <dt>{row[0]}</dt>
+              <dd>{row[1]}</dd>
+            </div>
+          ),
+      )}
+    </dl>
+  );
+}
+
+// --- Hexapod.
+
+function Legs({ legs }: { legs: LegJson[] }): JSX.Element {
+  return (
+    <section class="device-parts" aria-label={t('device.legs')}>
+      <h3>{t('device.legs')}</h3>
+      {legs.map((leg) => (
+        <Part
+          key={leg.joint}
+          name={leg.joint}
+          heard={leg}
+          grave={(leg.flags?.length ?? 0) > 0}
+          state={leg.motion && tWord('device.motion', leg.motion)}
+        >
+          {leg.bytes && (
+            <>
+              <Values
+                rows={[
+                  [t('device.flags'), leg.flags?.length ? leg.flags.map((one) => tWord('device.warn', one)).join(', ') : t('device.none')],
+                  [t('device.temperature'), tWord('device.temperature', leg.temperature ?? '')],
+                  [t('device.counters'), t('device.counters.text', { actual: leg.actual_units ?? 0, target: leg.target_units ?? 0 })],
+                  [t('device.currents'), t('device.currents.text', { run: leg.run_current_ma ?? 0, hold: leg.hold_current_ma ?? 0 })],
+                ]}
+              />
+              <LegBytes leg={leg} />
+              {leg.last_trouble && leg.last_trouble.bytes !== leg.bytes && (
+                <p class="device-trouble">
+                  {t('device.last_trouble', {
+                    flags: leg.last_trouble.flags.map((one) => tWord('device.warn', one)).join(', '),
+                    age: ageText(leg.last_trouble.age_s ?? 0),
+                  })}
+                  <Raw bytes={leg.last_trouble.bytes} />
+                </p>
+              )}
+            </>
+          )}
+        </Part>
+      ))}
+    </section>
+  );
+}
+
+function LegBytes({ leg }: { leg: LegJson }): JSX.Element {
+  const value = (name: string, of: string | number | boolean): string => {
+    if (of === '') return name === 'flags' ? t('device.none') : '';
+    if (name === 'flags') return String(of).split(' ').map((one) => tWord('device.warn', one)).join(', ');
+    if (typeof of === 'boolean') return t(of ? 'device.yes' : 'device.no');
+    return name === 'motion' || name === 'temperature' ? tWord(`device.${name}`, String(of)) : String(of);
+  };
+  return (
+    <details class="leg-bytes">
+      <summary>
+        <Raw bytes={leg.bytes} />
+      </summary>
+      <ol start={0}>
+        {statusBytes(leg).map((one, i) => (
+          <li key={i}>
+            <code>{one.byte}</code>
+            <span>
+              {one.values.map(([name, of]) => `${tWord('device.byte', name)}${value(name, of) && `: ${value(name, of)}`}`).join('; ')}
+            </span>
+          </li>
+        ))}
+      </ol>
+    </details>
+  );
+}
+
+// --- Servos.
+
+function ServoTable(props: { told?: ServoJson[]; read?: ServoJson[]; unit: string; heads: [string, string] }): JSX.Element {
+  const rows = servoRows(props.told, props.read);
+  const numbered = rows.some((one) => one.servo !== undefined);
+  return (
+    <table class="device-table">
+      <thead>
+        <tr>
+          {numbered && <th scope="col">{t('device.servo')}</th>}
+          <th scope="col">{t('device.joint')}</th>
+          <th scope="col" class="num">{props.heads[0]}</th>
+          <th scope="col" class="num">{props.heads[1]}</th>
+          <th scope="col" class="num">{t('device.angle')}</th>
+        </tr>
+      </thead>
+      <tbody>
+        {rows.map((one) => (
+          <tr key={one.servo ?? one.name} class={one.read === -1 ? 'grave' : ''}>
+            {numbered && <td>{one.servo}</td>}
+            <th scope="row">{one.name || t('device.jaws')}</th>
+            <td class="num">{one.told ?? '–'}</td>
+            <td class="num">{one.read ?? '–'}</td>
+            <td class="num">{degrees(one.position, 1)}</td>
+          </tr>
+        ))}
+      </tbody>
+      <caption>{props.unit}</caption>
+    </table>
+  );
+}
+
+function ServoBoard({ told }: { told: DeviceJson }): JSX.Element {
+  const battery = told.battery;
+  const unit = t(told.unit === 'bus' ? 'device.unit.bus' : 'device.unit.us');
+  return (
+    <>
+      <Part
+        name={t('device.battery')}
+        heard={battery}
+        grave={battery && battery.volts < battery.notice_below_volts}
+        state={battery && `${battery.volts.toFixed(2)} V`}
+      >
+        {battery ? (
+          <>
+            <p class="hint">
+              {t('device.battery.text', { notice: battery.notice_below_volts.toFixed(1), fault: battery.fault_below_volts.toFixed(1) })}
+            </p>
+            <Raw bytes={battery.bytes} />
+          </>
+        ) : (
+          <p class="hint">{t(told.board === 'esp32' ? 'device.battery.untold' : 'device.unasked')}</p>
+        )}
+      </Part>
+      <Part name={t('device.board')} heard={told.version ?? told.positions ?? battery} state={tWord('device.board', told.board ?? '')}>
+        <p class="hint">{tWord('device.board.text', told.board ?? '')}</p>
+        {told.version && (
+          <Values rows={[[t('device.version'), `${told.version.version} (${t('device.version.type', { type: told.version.type })})`]]} />
+        )}
+      </Part>
+      <Part name={t('device.servos')} heard={told.positions ?? told.told}>
+        <ServoTable
+          told={told.told?.servos}
+          read={told.positions?.servos}
+          unit={unit}
+          heads={[t('device.told'), t(told.positions && !told.positions.measured ? 'device.now' : 'device.measured')]}
+        />
+        <Raw bytes={told.told?.bytes} />
+      </Part>
+      <Part name={t('device.groups')} heard={told.group_started ?? told.group_finished ?? told.group_stopped}>
+        <Values
+          rows={[
+            groupRow('device.group.started', told.group_started),
+            groupRow('device.group.finished', told.group_finished),
+            groupRow('device.group.stopped', told.group_stopped),
+          ]}
+        />
+        <p class="hint">{t('device.groups.text')}</p>
+      </Part>
+    </>
+  );
+}
+
+function groupRow(name: 'device.group.started' | 'device.group.finished' | 'device.group.stopped', group?: GroupJson): [string, ComponentChildren] | null {
+  if (!group) return null;
+  const what = group.group === undefined ? '' : t('device.group.which', { group: group.group, times: group.times ?? 0 });
+  return [t(name), `${what} ${t('device.ago', { age: ageText(group.age_s ?? 0) })}`.trim()];
+}
+
+// --- MaxArm.
+
+function MaxArm({ told }: { told: DeviceJson }): JSX.Element {
+  return (
+    <>
+      <Part name={t('device.answers')} heard={told.angles} state={tWord('device.board', told.board ?? '')}>
+        <Values rows={[[t('device.checksum'), told.checksum ? tWord('device.checksum', told.checksum) : t('device.checksum.open')]]} />
+      </Part>
+      <Part name={t('device.read_back')} heard={told.angles}>
+        <ServoTable
+          told={told.told?.servos}
+          read={told.angles?.servos}
+          unit={t('device.unit.pulse')}
+          heads={[t('device.told'), t('device.measured')]}
+        />
+        <Raw bytes={told.angles?.bytes} />
+      </Part>
+      <Part name={t('device.nozzle')} heard={told.position} state={told.position && `${told.position.xyz_mm.join(', ')} mm`}>
+        <p class="hint">{t('device.nozzle.text')}</p>
+        <Raw bytes={told.position?.bytes} />
+      </Part>
+    </>
+  );
+}
+
+// --- BigRobotArm.
+
+function BigRobotArm({ told }: { told: DeviceJson }): JSX.Element {
+  const one = told.status;
+  return (
+    <Part name={t('device.counters.steps')} heard={one} state={tWord('device.spoken', told.spoken ?? '')}>
+      {one && (
+        <>
+          <table class="device-table">
+            <thead>
+              <tr>
+                <th scope="col">{t('device.joint')}</th>
+                <th scope="col" class="num">{t('device.microsteps')}</th>
+                <th scope="col" class="num">{t('device.speed')}</th>
+                <th scope="col" class="num">{t('device.acceleration')}</th>
+              </tr>
+            </thead>
+            <tbody>
+              {one.joints.map((joint) => (
+                <tr key={joint.joint}>
+                  <th scope="row">{joint.joint}</th>
+                  <td class="num">{joint.steps}</td>
+                  <td class="num">{joint.speed_rev_s.toFixed(2)}</td>
+                  <td class="num">{joint.acceleration_rev_s2.toFixed(2)}</td>
+                </tr>
+              ))}
+            </tbody>
+            <caption>{t('device.unit.revs')}</caption>
+          </table>
+          <Values
+            rows={[
+              [t('device.gripper'), one.gripper ? t(one.gripper.enabled ? 'device.gripper.on' : 'device.gripper.off', { deg: one.gripper.servo_deg }) : t('device.gripper.untold')],
+              [t('device.sync'), t(one.sync ? 'device.yes' : 'device.no')],
+            ]}
+          />
+          <Raw bytes={one.bytes} />
+        </>
+      )}
+    </Part>
+  );
+}
+
+// --- Axis boards.
+
+function Axes({ told, axes }: { told: DeviceJson; axes: AxisJson[] }): JSX.Element {
+  return (
+    <section class="device-parts" aria-label={t('device.axes')}>
+      <h3>{t('device.axes')}</h3>
+      {axes.map((axis) => (
+        <Axis key={axis.joint} axis={axis} blank={told.reports_status === false} />
+      ))}
+    </section>
+  );
+}
+
+function Axis({ axis, blank }: { axis: AxisJson; blank: boolean }): JSX.Element {
+  const newest = [axis, axis.health, ...(axis.registers ?? [])]
+    .filter((one) => one?.age_s !== undefined)
+    .sort((a, b) => a!.age_s! - b!.age_s!)[0];
+  const state = axis.fault ? axis.fault.sentence : t(axis.answers ? 'device.axis.answers' : 'device.axis.silent');
+  return (
+    <Part name={axis.joint} heard={newest} grave={!!axis.fault || !axis.answers} state={axis.fault ? undefined : state}>
+      {axis.fault && <p class="device-trouble">{state}</p>}
+      {axis.position_rad !== undefined && (
+        <Values
+          rows={[
+            [t('device.position'), `${degrees(axis.position_rad)} (${axis.position_units})`],
+            [t('device.following'), axis.following_error_rad === undefined ? t('device.following.none') : degrees(axis.following_error_rad, 3)],
+            axis.identity && [t('device.encoder_error'), `± ${degrees(axis.identity.uncertainty_rad, 3)}`],
+            axis.health && [
+              t('device.health'),
+              [
+                axis.health.supply_v !== undefined && `${axis.health.supply_v.toFixed(1)} V`,
+                axis.health.temperature_c !== undefined && `${axis.health.temperature_c.toFixed(0)} °C`,
+              ].filter(Boolean).join(', ') || t('device.unmeasured'),
+            ],
+            axis.zero_shift_rad !== undefined && [t('device.zero_shift'), degrees(axis.zero_shift_rad, 3)],
+            [t('device.failed_frames'), axis.failed_frames ?? 0],
+            axis.identity && [t('device.model_hash'), `${axis.identity.model_hash.toString(16).toUpperCase().padStart(8, '0')}, ${t('device.boots', { count: axis.identity.boot })}`],
+          ].map((row) => row || null) as [string, ComponentChildren][]}
+        />
+      )}
+      {axis.flags && <Flags flags={axis.flags} />}
+      {blank && <p class="hint">{t('device.axis.blank')}</p>}
+      {(axis.registers?.length ?? 0) > 0 && <Registers axis={axis} />}
+    </Part>
+  );
+}
+
+/** Good news where it is quiet: what is bad when it is there, or when it is not. */
+const kBadWhenOn = new Set(['end_stop', 'emergency_stop']);
+const kBadWhenOff = new Set(['motor_ok', 'sensor_ok', 'communication_ok', 'position_ok', 'homed']);
+
+function Flags({ flags }: { flags: Record<string, boolean> }): JSX.Element {
+  return (
+    <ul class="device-flags" aria-label={t('device.flags')}>
+      {Object.entries(flags).map(([name, on]) => {
+        const bad = on ? kBadWhenOn.has(name) : kBadWhenOff.has(name);
+        return (
+          <li key={name} class={bad ? 'bad' : on ? 'on' : 'off'}>
+            <Icon name={bad ? 'fault' : on ? 'check' : 'minus'} size={13} />
+            {tWord('device.flag', name)}
+            <span class="sr-only">: {t(on ? 'device.yes' : 'device.no')}</span>
+          </li>
+        );
+      })}
+    </ul>
+  );
+}
+
+function Registers({ axis }: { axis: AxisJson }): JSX.Element {
+  return (
+    <table class="device-table registers">
+      <thead>
+        <tr>
+          <th scope="col">{t('device.register')}</th>
+          <th scope="col">{t('device.value')}</th>
+          <th scope="col">{t('device.raw')}</th>
+          <th scope="col" class="num">{t('device.age')}</th>
+        </tr>
+      </thead>
+      <tbody>
+        {axis.registers!.map((one) => (
+          <tr key={one.register}>
+            <th scope="row">
+              {one.register.toUpperCase()} <span class="muted">{t(one.written ? 'device.written' : 'device.read')}</span>
+            </th>
+            <td>
+              {one.position_rad !== undefined
+                ? degrees(one.position_rad)
+                : one.fault_number !== undefined
+                  ? t('device.fault_number', { number: one.fault_number })
+                  : (one.value ?? '')}
+            </td>
+            <td>
+              <code>{one.bytes}</code>
+            </td>
+            <td class="num">{ageText(one.age_s ?? 0)}</td>
+          </tr>
+        ))}
+      </tbody>
+    </table>
+  );
+}
+
+/** The line itself, as the driver counts. */
+function Line({ told }: { told: DeviceJson }): JSX.Element {
+  const health = status.value?.health ?? {};
+  const here = store.robots.value.find((one) => one.name === told.robot);
+  const count = (name: string) => (health[name] ?? 0).toLocaleString();
+  return (
+    <Part name={t('device.line')} heard={{ age_s: 0 }} state={here?.simulated ? t('app.simulated') : undefined}>
+      <Values
+        rows={[
+          [t('device.port'), <code>{told.port}</code>],
+          [t('device.exchanges'), count('requests')],
+          [t('device.failures'), t('device.failures.text', { timeouts: count('timeouts'), retries: count('retries'), unexpected: count('unexpected') })],
+          [t('device.traffic'), t('device.traffic.text', { down: count('bytes_to_device'), up: count('bytes_to_host') })],
+        ]}
+      />
+    </Part>
+  );
+}

@@ -1,0 +1,170 @@
+// What a device says of itself, and every byte of its wire, in a browser: held against the simulated
+// machine behind the port, against the log of its own end of the wire, and against the truth.
+//
+//   node --test tests/panel/device_test.mjs      (bench.mjs says what can be set)
+import assert from 'node:assert/strict';
+import { spawn } from 'node:child_process';
+import { mkdtempSync, readFileSync, rmSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import path from 'node:path';
+import { after, afterEach, before, test } from 'node:test';
+import { ask, bench, root, seen, until } from './bench.mjs';
+
+/** `sinew sim`: a machine on a port of its own, which shows its truth when it is asked. */
+function machine(robot, fault, log) {
+  const program = process.env.SINEW ?? path.join(root, 'build/release/sinew');
+  const child = spawn(program, ['sim', robot, '--json', '--fault', fault, '--log', log]);
+  const told = [];
+  let rest = '';
+  child.stdout.on('data', (data) => {
+    const lines = (rest + data).split('\n');
+    rest = lines.pop();
+    told.push(...lines.filter((line) => line.startsWith('{')).map((line) => JSON.parse(line)));
+  });
+  return {
+    port: () => until('the port', () => told[0]?.port),
+    truth: async () => {
+      const before = told.length;
+      child.stdin.write('\n');
+      return (await until('the truth', () => told[before])).truth;
+    },
+    /** Its log is whole then. */
+    end: () => new Promise((ended) => {
+      child.on('exit', ended);
+      child.kill('SIGINT');
+    }),
+  };
+}
+
+let here, six, folder;
+before(async () => {
+  folder = mkdtempSync(path.join(tmpdir(), 'sinew-device-'));
+  six = machine('hexapod', 'supply=7.4V@0s', path.join(folder, 'six.log'));
+  here = await bench(`title = "Devices"
+
+[[robot]]
+name = "six"
+robot = "hexapod"
+port = "${await six.port()}"
+
+[[robot]]
+name = "left"
+robot = "learm"
+profile = "bus"
+x_mm = 1500
+`);
+});
+after(async () => {
+  await here?.end();
+  await six?.end();
+  if (folder) rmSync(folder, { recursive: true, force: true });
+});
+afterEach(() => here.clear());
+
+const at = (name, options = {}) => here.open({ acceptDownloads: true, ...options }, `#/robots/${name}/device`);
+const count = async (page) => Number(/^[\d.,]+/.exec(await page.locator('.wire-foot [role=status]').innerText())[0].replace(/\D/g, ''));
+/** The part of the page with this head. */
+const part = (page, name) => page.locator('.device-part', { has: page.locator('h4', { hasText: new RegExp(`^${name}$`) }) });
+/** The saved file's rows: which way, and the bytes. */
+async function saved(page) {
+  const [download] = await Promise.all([page.waitForEvent('download'), page.getByRole('button', { name: 'Save' }).click()]);
+  const rows = readFileSync(await download.path(), 'utf8').split('\n').filter((row) => row && !row.startsWith('#'));
+  return rows.map((row) => {
+    const [, time, way, hex] = /^\s*([\d.]+) {2}(host -> device|device -> host) {2}\S+ {2}((?:[0-9A-F]{2} ?)+) {2}/.exec(row);
+    return { time: Number(time), way, hex };
+  });
+}
+
+test('a hexapod with a failing supply: flags, twelve bytes and what to do, as the machine has them', async () => {
+  const page = await at('six');
+  await page.getByText('Nothing that the device complains of').waitFor();
+  assert.match(await part(page, 'leg1').innerText(), /not told yet/);
+  await page.evaluate(() => void globalThis.__sinew.store.enable('six'));
+  const warning = page.locator('.device-warning', { hasText: 'Supply too low' });
+  await warning.waitFor();
+  assert.match(await warning.innerText(), /leg1, leg2, leg3, leg4, leg5, leg6/);
+  assert.match(await warning.innerText(), /Look at the supply and its wires/);
+  assert.ok(Math.abs((await six.truth()).supply_v - 7.4) < 1e-6, 'that is how it is');
+  const told = await ask('device.status', { robot: 'six' });
+  for (const leg of told.legs) {
+    const bytes = leg.bytes.split(' ').map((one) => parseInt(one, 16));
+    assert.equal(bytes.length, 12);
+    assert.equal(bytes[4] & 0x10, 0x10, `${leg.joint}: UV2 in ${leg.bytes}`);
+  }
+  const first = part(page, 'leg1');
+  await first.locator('summary').click();
+  assert.equal(await first.locator('.leg-bytes li').count(), 12);
+  assert.match(await first.locator('.leg-bytes li').nth(4).innerText(), /Supply too low/);
+  await here.close(page, 'device_hexapod');
+});
+
+test('every byte that is shown has passed at the machine’s own end, in the same order', async () => {
+  const page = await at('six');
+  await page.evaluate(() => void globalThis.__sinew.store.enable('six'));
+  await until('a status on the wire', async () =>
+    page.evaluate(() => [...document.querySelectorAll('.wire-text')].some((one) => one.textContent.startsWith('status:'))));
+  await page.getByRole('button', { name: 'Pause' }).click();
+  const rows = await saved(page);
+  assert.ok(rows.length > 20, `${rows.length} messages`);
+  const shown = (way) => rows.filter((row) => row.way === way).map((row) => row.hex.trim()).join(' ');
+  const log = () => readFileSync(path.join(folder, 'six.log'), 'utf8').split('\n').filter((row) => row && !row.startsWith('#'));
+  const logged = (way) => log().filter((row) => row.includes(way)).map((row) => /(?:device|host) {2}((?:[0-9a-f]{2} )+)/.exec(row)[1].trim()).join(' ').toUpperCase();
+  for (const way of ['host -> device', 'device -> host']) {
+    assert.ok(shown(way).length > 20);
+    await until(`${way} as the machine has logged it`, () => logged(way).includes(shown(way)));
+  }
+  await here.close(page, 'device_log');
+});
+
+test('a battery, servos read back, and a list that is filtered, paused, chosen from and cleared', async () => {
+  const page = await at('left');
+  assert.match(await page.locator('.wire-list').innerText(), /Nothing has passed yet/);
+  if ((await seen(page, 'left')).state === 'off') await page.evaluate(() => void globalThis.__sinew.store.enable('left'));
+  await until('enabled', async () => (await seen(page, 'left')).state === 'ready');
+  const battery = part(page, 'Battery');
+  await battery.getByText(/\d\.\d\d V/).waitFor();
+  const volts = Number(/([\d.]+) V/.exec(await battery.locator('.device-state').innerText())[1]);
+  assert.ok(Math.abs(volts - (await ask('simulation.truth', { robot: 'left' })).supply_v) < 0.3, `${volts} V`);
+  assert.match(await battery.locator('.raw').innerText(), /^55 55 04 0F( [0-9A-F]{2}){2}$/);
+  assert.match(await part(page, 'Action groups').innerText(), /does not offer it/);
+
+  await page.getByLabel('Words or bytes').fill('55 55 04 0F');
+  await until('answers only', async () => {
+    const texts = await page.locator('.wire-row').allInnerTexts();
+    return texts.length > 0 && texts.every((text) => /battery: V/.test(text) && /from device/.test(text));
+  });
+  await page.getByRole('radio', { name: 'To device' }).click();
+  await page.getByText('Nothing that fits the filter.').waitFor();
+  await page.getByLabel('Words or bytes').fill('battery');
+  await until('questions only', async () =>
+    (await page.locator('.wire-row').allInnerTexts()).some((text) => /battery\?/.test(text)));
+  assert.equal(await page.locator('.wire-row.to-host').count(), 0);
+  await page.getByRole('radio', { name: 'Both ways' }).click();
+
+  await page.getByRole('button', { name: 'Pause' }).click();
+  const still = await count(page);
+  await page.waitForTimeout(2500);
+  assert.equal(await count(page), still, 'paused');
+  await page.locator('.wire-list').focus();
+  await page.keyboard.press('Home');
+  await page.keyboard.press('ArrowDown');
+  const chosen = await page.locator('.wire-row[aria-selected=true]').getAttribute('id');
+  assert.equal(await page.locator('.wire-list').getAttribute('aria-activedescendant'), chosen);
+  await page.locator('.wire-open dl, .wire-open .raw').first().waitFor();
+  await page.getByRole('button', { name: 'Go on' }).click();
+  await until('it goes on', async () => (await count(page)) > still);
+  await page.getByRole('button', { name: 'Clear the list' }).click();
+  assert.ok((await count(page)) < still);
+  assert.equal((await seen(page, 'left')).state, 'ready', 'nothing of it has moved or stopped anything');
+  await here.close(page, 'device_learm');
+});
+
+test('in German no word of the device stays as the wire calls it', async () => {
+  const page = await at('left', { locale: 'de-DE', colorScheme: 'light' });
+  await part(page, 'Batterie').waitFor();
+  await until('Nachrichten', async () => (await page.locator('.wire-row').count()) > 3);
+  const texts = (await page.locator('.wire-text').allInnerTexts()).join('\n');
+  assert.match(texts, /Batterie\?|Stellungen\?|Gruppen anhalten/);
+  assert.doesNotMatch(texts, /battery|positions|stop group|servos? \d+ \d/);
+  await here.close(page, 'device_german');
+});
