@@ -102,6 +102,14 @@ const beyond = (page) =>
     for (const one of document.querySelectorAll('button, a, input, select, textarea')) {
       const box = one.getBoundingClientRect();
       if (!one.checkVisibility({ visibilityProperty: true }) || box.width < 2 || one.closest('.skip, .sr-only')) continue;
+      // .. nor what it stands in: a part of a button is no button.
+      for (let at = one.parentElement; at; at = at.parentElement) {
+        const { overflowX } = getComputedStyle(at);
+        const edge = at.getBoundingClientRect();
+        if (overflowX === 'hidden' && (box.right > edge.right + 1 || box.left < edge.left - 1)) {
+          told.push(`${one.className || one.tagName} "${one.textContent.trim()}" is cut off by ${at.className}`);
+        }
+      }
       if (box.left < -1 || box.right > wide + 1) told.push(`${one.className || one.tagName} "${one.textContent.trim()}" to ${Math.round(box.right)} px`);
     }
     return told;

@@ -17,20 +17,18 @@ async function open(colorScheme, address) {
   const context = await here.browser.newContext({ viewport: { width: 1440, height: 900 }, locale: 'en-GB', colorScheme });
   await context.addInitScript(() => {
     localStorage.setItem('sinew.drawing', 'full');
-    localStorage.setItem('sinew.tour', 'done');
+    localStorage.setItem('sinew.tour', 'seen');
   });
   const page = await context.newPage();
   page.setDefaultTimeout(60_000);
   await page.goto(here.url);
   await page.locator('.scene-label').nth(4).waitFor({ state: 'attached' });
-  const skip = page.locator('.tour [data-tour=skip]');
-  if (await skip.isVisible()) await skip.click();
   await page.evaluate((to) => void (location.hash = to), address);
   return page;
 }
 
 async function take(page, name) {
-  await page.waitForTimeout(1500);
+  await page.waitForTimeout(2500);
   const png = await page.screenshot({ timeout: 60_000 });
   if (process.env.PANEL_SHOTS) writeFileSync(path.join(process.env.PANEL_SHOTS, `${name}.png`), png);
   const paper = await page.context().newPage();

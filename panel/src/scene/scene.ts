@@ -138,6 +138,8 @@ export class CellScene {
   private readonly gizmoTarget = new Object3D();
   private gizmoRobot: string | null = null;
   private readonly materials: Materials;
+  /** This browser draws in software. */
+  private readonly helpless = drawsWithoutHelp();
   private readonly plain: boolean;
   /** No frame before this, so that drawing never has more than a third of the page's time. */
   private notBefore = 0;
@@ -163,7 +165,7 @@ export class CellScene {
 
   constructor(private readonly options: SceneOptions) {
     this.camera.up.set(0, 0, 1);
-    this.plain = options.plain ?? drawsWithoutHelp();
+    this.plain = options.plain ?? this.helpless;
     this.materials = new Materials(this.plain);
     this.renderer = new WebGLRenderer({ antialias: !this.plain, powerPreference: 'high-performance' });
     this.renderer.setPixelRatio(this.plain ? 1 : Math.min(devicePixelRatio, 2));
@@ -645,7 +647,7 @@ export class CellScene {
     this.notBefore = begin + (this.plain ? Math.max(200, 6 * cost) : 3 * cost);
     this.frames.push(cost);
     if (this.frames.length > 120) this.frames.shift();
-    if (!this.plain) return;
+    if (!this.helpless) return;
     const gl = this.renderer.getContext() as WebGL2RenderingContext;
     const done = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
     if (done) this.asked = { begin, done };

@@ -2,8 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <thread>
-
 #include "sinew/runtime/robot_link.h"
 #include "sinew/runtime/robot_variant.h"
 #include "support/robots.h"
@@ -75,7 +73,7 @@ TEST(SimulatedLine, a_computer_that_looks_away_costs_nothing) {
   // Long beyond what the driver waits for an answer, in the device's time and in ours.
   for (int stall = 0; stall < 4; ++stall) {
     ASSERT_TRUE(cell.link->line().turn(2ms));
-    std::this_thread::sleep_for(100ms);
+    io::Clock().pause(100ms);
   }
   EXPECT_TRUE(cell.wait_for(DriverState::kReady, 30s));
   EXPECT_EQ(cell.link->driver().health().timeouts, 0U);
