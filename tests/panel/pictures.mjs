@@ -78,8 +78,13 @@ try {
   await page.getByRole('button', { name: 'Whole cell' }).click();
   await upright(page, 'learm');
   await run(page, 'max', sample('maxarm/stack.sinew'), 'stack');
-  await run(page, 'learm', sample('learm/wave.sinew'), 'wave');
-  await until('waving', async () => (await status('learm')).joints[0].position_rad < -0.35, 20);
+  await until('waving', async () => {
+    const { job, state } = await status('learm');
+    if (job?.title === 'wave' && job.phase === 'running') return job.progress > 0.3;
+    if (state === 'ready') await run(page, 'learm', sample('learm/wave.sinew'), 'wave');
+    else await ready(page, 'learm');
+    return false;
+  }, 50);
   await take(page, 'panel_glance');
 
   // A program, checked while it is written, and its ghost.
