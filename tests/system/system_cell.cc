@@ -56,7 +56,7 @@ Station::Station(const RobotModel& robot, const std::optional<std::string>& prof
 double Station::resolution(std::size_t joint) const {
   const auto& settings = robot_.device.settings;
   // A rotor that turns trails its field by up to a full step, 16 microsteps here. Until the next
-  // look at its modules nobody can know what they did without power: all that the driver allows for.
+  // look at its modules nobody knows what they did without power: all that the driver allows for.
   if (const auto* legs = std::get_if<IcpDevice>(&settings)) {
     const double unseen = browned_out_ ? IcpLegClaim::kPowerCutUnits : 0;
     return (unseen + 17) / legs->units_per_m;

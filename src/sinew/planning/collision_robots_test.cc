@@ -87,7 +87,7 @@ TEST(CollisionOfRobots, sample_programs_hit_nothing) {
       ++programs;
     }
   }
-  EXPECT_EQ(programs, 10);
+  EXPECT_EQ(programs, 15);
 }
 
 TEST(CollisionOfRobots, sequence_of_the_bigrobotarm_hits_nothing) {

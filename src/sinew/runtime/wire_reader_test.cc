@@ -92,7 +92,7 @@ TEST(WireReader, hexapod_bytes_mean_what_their_place_says) {
 
 TEST(WireReader, hexapod_refusals_unasked_bytes_and_bytes_out_of_place_are_told) {
   Ear ear(variant("hexapod").device);
-  ear.down({0x55}).down({icp::kInit}).up({icp::kAck}).down({0x7F}).up({icp::kErrorOnes});
+  ear.down({0x55}).down({icp::kInit}).up({icp::kAck}).down({0x91}).up({icp::kErrorOnes});
   ear.up({0x42});
   EXPECT_EQ(ear.texts(), (Texts{"ignored", "open", "ack", "refused: why parity",
                                 "refused: why ones", "unasked"}));
