@@ -28,7 +28,7 @@ const kLarge = { viewport: { width: 1440, height: 900 } };
 async function open(view, options = {}) {
   const page = await here.open({ ...kLarge, ...options }, `#/robots/left/${view}`);
   const skip = page.locator('[data-tour=skip]');
-  if (await skip.count()) await skip.click();
+  if (await skip.isVisible()) await skip.click();
   return page;
 }
 const textOf = (page) => page.getByLabel('Text of the program').inputValue();
