@@ -7,7 +7,7 @@
 #   SINEW_KILLS   -9 of real processes, of each of two robots (1000)
 #   SINEW_SEEDS   of the whole system in virtual time (100000)
 #   SINEW_TRACE_SEEDS  compared between g++ and clang (200)
-#   PARTS         which of: format tidy asan tsan fuzz seeds faults motion kills system trace latency (all)
+#   PARTS         which of: format tidy asan tsan fuzz seeds faults motion kills system trace latency browser (all)
 # shellcheck source=scripts/lib.sh
 source "$(dirname "${BASH_SOURCE[0]}")/lib.sh"
 
@@ -18,7 +18,7 @@ sequences=${SINEW_SEQUENCES:-1000000}
 kills=${SINEW_KILLS:-1000}
 system_seeds=${SINEW_SEEDS:-100000}
 trace_seeds=${SINEW_TRACE_SEEDS:-200}
-parts=${PARTS:-format tidy asan tsan fuzz seeds faults motion kills system trace latency}
+parts=${PARTS:-format tidy asan tsan fuzz seeds faults motion kills system trace latency browser}
 # Only their own parts ask for so many.
 unset SINEW_FAULTS SINEW_SEQUENCES SINEW_KILLS SINEW_SEEDS
 
@@ -119,6 +119,18 @@ latency_part() {
   configure_release_tests && build release sinew &&
     step "stops in real time" stop-latency /usr/bin/env python3 tests/latency/stop_latency.py \
       build/release/sinew 100 && cat "$logs/stop-latency.log"
+}
+
+# Every test of the panel in a browser, those of make test too.
+browser_part() {
+  local file code=0
+  scripts/packages.sh browser && scripts/panel.sh && configure_release_tests &&
+    build release sinew || return 1
+  for file in tests/panel/*_test.mjs; do
+    step "browser $(basename "$file" _test.mjs)" "browser-$(basename "$file" .mjs)" \
+      node --test "$file" || code=1
+  done
+  return "$code"
 }
 
 # A stretch of the seeds for each core; a seed that fails is told with as little as still fails.
