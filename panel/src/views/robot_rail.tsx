@@ -32,12 +32,10 @@ function RobotCard({ place, status }: { place: CellRobot; status: RobotStatus | 
         <span class="card-head">
           <span class={`dot dot-${status.state}`} aria-hidden="true" />
           <span class="card-name">{place.name}</span>
+          {place.time_scale !== 1 && <span class="card-scale">{t('app.scale', { scale: place.time_scale })}</span>}
           <span class="card-state">{t(`state.${status.state}`)}</span>
         </span>
-        <span class="card-title">
-          {place.title}
-          {place.time_scale !== 1 && <em class="card-scale">{t('app.scale', { scale: place.time_scale })}</em>}
-        </span>
+        <span class="card-title">{place.title}</span>
         <span class={`card-quality quality-${status.position}`}>{t(`quality.${status.position}`)}</span>
         {limit.key !== 'none' && (
           <span class={`card-limit${limit.grave ? ' grave' : ''}`}>{tWord('limit', limit.key, limit.values)}</span>
