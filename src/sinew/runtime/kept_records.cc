@@ -95,8 +95,10 @@ io::IoResult<std::vector<KeptRecord>> KeptRecords::list() {
     records.push_back(std::move(record));
   }
   known_.swap(known);
-  std::ranges::stable_sort(records, std::greater{},
-                           [](const KeptRecord& one) { return one.began_ms.value_or(0); });
+  std::ranges::sort(records, [](const KeptRecord& one, const KeptRecord& other) {
+    const auto begun = one.began_ms.value_or(0), other_begun = other.began_ms.value_or(0);
+    return begun != other_begun ? begun > other_begun : one.name < other.name;
+  });
   return records;
 }
 
