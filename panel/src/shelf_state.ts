@@ -4,7 +4,7 @@
  */
 import { batch, computed, effect, signal, untracked } from '@preact/signals';
 import { model, robot, rpc, status, store } from './app';
-import { changePoints, fetchKept, merged, notKept, onlyHere, saveProgram, type Kept, type PointChange } from './logic/kept';
+import { changePoints, fetchKept, merged, notKept, onlyHere, saveProgram, type Kept, type NotKept, type PointChange } from './logic/kept';
 import { freeName, type Point } from './logic/points';
 import { keepShelf, loadShelf, type Draft, type Shelf } from './logic/shelf';
 import { jointLimits } from './logic/store';
@@ -60,6 +60,9 @@ function without<T>(all: Record<string, T>, name: string): Record<string, T> {
   const { [name]: _, ...rest } = all;
   return rest;
 }
+
+const sentence = (why: NotKept, name: string): string =>
+  why.why === 'refused' ? why.sentence : t(why.why === 'conflict' ? 'kept.changed' : 'kept.lost', { name });
 
 // --- What the controller keeps.
 let asked = 0;
@@ -130,7 +133,7 @@ async function keepNow(who: string, one: string | null, name: string, text: stri
   if ('why' in saved) {
     batch(() => {
       if (saved.why === 'conflict') clash.value = { name, text, revision: saved.revision };
-      else trouble.value = saved.why === 'refused' ? saved.sentence : t('kept.lost');
+      else trouble.value = sentence(saved, name);
     });
     return false;
   }
@@ -156,8 +159,7 @@ export async function dropProgram(name: string): Promise<void> {
   try {
     await rpc.call('programs.remove', { robot: who, name, revision });
   } catch (error) {
-    const why = notKept(error);
-    trouble.value = why.why === 'refused' ? why.sentence : t(why.why === 'conflict' ? 'kept.changed' : 'kept.lost', { name });
+    trouble.value = sentence(notKept(error), name);
     void refresh();
     return;
   }
@@ -206,7 +208,7 @@ async function changeNow(change: PointChange): Promise<boolean> {
   if (kind.peek() !== one.robot) return !('why' in done);
   if ('why' in done) {
     const name = change.kind === 'save' ? (change.points[0]?.name ?? '') : change.name;
-    trouble.value = done.why === 'refused' ? done.sentence : t(done.why === 'conflict' ? 'kept.changed' : 'kept.lost', { name });
+    trouble.value = sentence(done, name);
     if (done.why === 'conflict') void refresh();
     return false;
   }

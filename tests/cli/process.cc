@@ -135,7 +135,7 @@ void Process::let_run(std::chrono::milliseconds time) {
 }
 
 Ended Process::end() {
-  const auto limit = Clock::now() + std::chrono::seconds(60);
+  const auto limit = Clock::now() + std::chrono::seconds(300);
   bool late = false;
   while (!late && (out_.file >= 0 || err_.file >= 0)) late = !pump(limit);
   // Both streams may be elsewhere: only the process itself tells when it has ended.

@@ -52,7 +52,7 @@ class Process {
   std::string line_after(std::size_t position);
   /// Lets it run for so long, and takes what it says meanwhile.
   void let_run(std::chrono::milliseconds time);
-  /// The end of the process; a failure and its death after 60 s.
+  /// The end of the process; a failure and its death after 300 s.
   Ended end();
 
  private:

@@ -47,8 +47,7 @@ Duration Clock::until(Instant instant) const {
 
 void Clock::pause(Duration real) const {
   if (!simulated_) return std::this_thread::sleep_for(real);
-  pass_to(now() + stretched(real));
-  keep_pace();
+  pause_until(now() + stretched(real));
 }
 
 void Clock::pause_until(Instant instant) const {

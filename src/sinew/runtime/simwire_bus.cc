@@ -21,16 +21,21 @@ class LineSource {
   /// A whole line, `kTooLong`, or kMore where none came within `wait`.
   io::IoResult<LineReader::Result> next(Duration wait) {
     while (true) {
-      while (place_ < size_) {
-        const auto result = reader_.push(static_cast<char>(buffer_[place_++]));
-        if (result != LineReader::Result::kMore) return result;
-      }
+      if (const auto result = next_read(); result != LineReader::Result::kMore) return result;
       const auto size = port_.read(buffer_, wait);
       if (!size) return std::unexpected(size.error());
       if (*size == 0) return LineReader::Result::kMore;
       place_ = 0;
       size_ = *size;
     }
+  }
+  /// The same of what has been read already.
+  LineReader::Result next_read() {
+    while (place_ < size_) {
+      const auto result = reader_.push(static_cast<char>(buffer_[place_++]));
+      if (result != LineReader::Result::kMore) return result;
+    }
+    return LineReader::Result::kMore;
   }
   std::string_view line() const { return reader_.line(); }
 
@@ -46,10 +51,9 @@ std::vector<std::uint8_t> bytes_of(std::string_view text) {
   return {text.begin(), text.end()};
 }
 
-io::IoResult<void> write_line(io::Port& port, const Line& line) {
-  std::vector<std::uint8_t> bytes(line.begin(), line.end());
+void append_line(const Line& line, std::vector<std::uint8_t>& bytes) {
+  bytes.insert(bytes.end(), line.begin(), line.end());
   bytes.push_back('\n');
-  return port.write(bytes);
 }
 
 class SimwireBus : public io::SpiBus {
@@ -81,97 +85,122 @@ class SimwireBus : public io::SpiBus {
   io::IoResult<void> exchange(std::uint8_t select, std::span<const std::uint8_t> mosi,
                               std::span<std::uint8_t> miso, Duration setup,
                               std::uint32_t clock_hz) override {
-    if (auto low = set_selects(select, false); !low) return low;
-    if (clock_.is_simulated()) {
-      clock_.pass_to(clock_.now() + setup);
-    } else if (setup > Duration::zero()) {
-      clock_.pause(real(setup));
-    }
     std::ranges::fill(miso, 0xFF);
-    io::IoResult<void> result;
+    post_selects(select, false);
+    if (auto waited = wait(setup); !waited) return waited;
     std::vector<std::pair<int, int>> served;
-    for (std::size_t i = 0; i < boards_.size() && result; ++i) {
+    for (std::size_t i = 0; i < boards_.size(); ++i) {
       const std::pair<int, int> bus{boards_[i].spi_bus, boards_[i].spi_device};
       if ((select >> i & 1) == 0) continue;
       if (std::find(served.begin(), served.end(), bus) != served.end()) continue;
       served.push_back(bus);
-      result = transfer(boards_[i], mosi, miso, clock_hz);
-      if (!clock_.is_simulated()) continue;
+      post(Exchange{settings_of(boards_[i], clock_hz), Bytes(mosi)});
       const spi::Transfer clocked{select, spi::Bytes(mosi), Duration::zero(), clock_hz};
-      clock_.pass_to(clock_.now() + spi::wire_time(clocked));
-      clock_.keep_pace();
+      if (clock_.is_simulated()) clock_.pass_to(clock_.now() + spi::wire_time(clocked));
     }
-    const auto high = set_selects(select, true);
-    return result ? high : result;
+    post_selects(select, true);
+    const auto done = collect();
+    if (clock_.is_simulated()) clock_.keep_pace();
+    if (!done) return done;
+    std::size_t answered = 0;
+    for (const Reply& reply : replies_) {
+      if (std::holds_alternative<Ok>(reply)) continue;
+      const auto* received = std::get_if<Miso>(&reply);
+      if (received == nullptr || received->bytes.size() != miso.size()) return misfit();
+      for (std::size_t i = 0; i < miso.size(); ++i) miso[i] &= received->bytes[i];
+      ++answered;
+    }
+    if (answered != served.size()) return misfit();
+    return {};
   }
 
   io::IoResult<bool> ready(std::size_t board) override {
     const auto reply = ask(GetPin{boards_[board].ready_gpio});
     if (!reply) return std::unexpected(reply.error());
     if (const auto* level = std::get_if<Level>(&*reply)) return level->high;
-    return std::unexpected(io::IoError{port_.path() + ": no level of a pin"});
+    return misfit();
   }
 
  private:
   static BusSettings settings_of(const AxisBoard& board, std::uint32_t clock_hz) {
     return {board.spi_bus, board.spi_device, clock_hz, 0};
   }
-  Duration real(Duration duration) const {
-    return from_seconds(to_seconds(duration) / clock_.scale());
-  }
 
-  io::IoResult<void> set_selects(std::uint8_t select, bool high) {
+  void post_selects(std::uint8_t select, bool high) {
     for (std::size_t i = 0; i < boards_.size(); ++i) {
-      if ((select >> i & 1) == 0) continue;
-      if (auto done = expect_ok(SetPin{boards_[i].select_gpio, high}); !done) return done;
+      if ((select >> i & 1) != 0) post(SetPin{boards_[i].select_gpio, high});
     }
+  }
+
+  /// What has been posted has been done when the wait begins.
+  io::IoResult<void> wait(Duration time) {
+    if (time <= Duration::zero()) return {};
+    if (clock_.is_simulated()) {
+      clock_.pass_to(clock_.now() + time);
+      return {};
+    }
+    if (auto done = collect(); !done) return done;
+    clock_.pause(time);
     return {};
   }
 
-  io::IoResult<void> transfer(const AxisBoard& board, std::span<const std::uint8_t> mosi,
-                              std::span<std::uint8_t> miso, std::uint32_t clock_hz) {
-    Exchange request{settings_of(board, clock_hz), Bytes(mosi)};
-    const auto reply = ask(request);
-    if (!reply) return std::unexpected(reply.error());
-    const auto* received = std::get_if<Miso>(&*reply);
-    if (received == nullptr || received->bytes.size() != miso.size()) {
-      return std::unexpected(io::IoError{port_.path() + ": no answer to a transfer"});
+  /// Goes with the next collect(): a request at a time costs two changes of process each.
+  void post(const Action& action) {
+    const auto stamp = clock_.now().time_since_epoch() / std::chrono::microseconds(1);
+    append_line(encode_request({static_cast<std::uint64_t>(stamp), action}), posted_);
+    ++open_;
+  }
+
+  /// One reply for each that was posted, in replies_. All are read, or a late one would be taken
+  /// for the answer to something else; the first refusal is told.
+  io::IoResult<void> collect() {
+    replies_.clear();
+    io::IoResult<void> result = port_.write(posted_);
+    posted_.clear();
+    if (!result) return result;
+    for (; open_ > 0; --open_) {
+      auto reply = next_reply();
+      if (!reply) return std::unexpected(reply.error());
+      if (const auto* why = std::get_if<Refused>(&*reply); why != nullptr && result) {
+        result = said("refused: " + std::string(view(why->text)));
+      }
+      replies_.push_back(std::move(*reply));
     }
-    for (std::size_t i = 0; i < miso.size(); ++i) miso[i] &= received->bytes[i];
-    return {};
+    return result;
+  }
+
+  io::IoResult<Reply> next_reply() {
+    const auto read = lines_.next(kReplyMax);
+    if (!read) return std::unexpected(read.error());
+    if (*read == LineReader::Result::kMore) return said("no answer; is it simwire?");
+    auto reply = *read == LineReader::Result::kLine ? decode_reply(lines_.line()) : std::nullopt;
+    if (!reply) return said("the answer is not simwire");
+    return std::move(*reply);
   }
 
   io::IoResult<Reply> ask(const Action& action) {
-    const auto stamp = clock_.now().time_since_epoch() / std::chrono::microseconds(1);
-    if (auto sent = write_line(port_, encode_request({static_cast<std::uint64_t>(stamp), action}));
-        !sent) {
-      return std::unexpected(sent.error());
-    }
-    const auto read = lines_.next(kReplyMax);
-    if (!read) return std::unexpected(read.error());
-    const auto reply =
-        *read == LineReader::Result::kLine ? decode_reply(lines_.line()) : std::nullopt;
-    if (!reply) {
-      return std::unexpected(io::IoError{port_.path() + (*read == LineReader::Result::kMore
-                                                             ? ": no answer; is it simwire?"
-                                                             : ": the answer is not simwire")});
-    }
-    if (const auto* why = std::get_if<Refused>(&*reply)) {
-      return std::unexpected(
-          io::IoError{port_.path() + ": refused: " + std::string(view(why->text))});
-    }
-    return *reply;
+    post(action);
+    if (const auto done = collect(); !done) return std::unexpected(done.error());
+    return replies_.front();
   }
 
   io::IoResult<void> expect_ok(const Action& action) {
     const auto reply = ask(action);
     if (!reply) return std::unexpected(reply.error());
     if (std::holds_alternative<Ok>(*reply)) return {};
-    return std::unexpected(io::IoError{port_.path() + ": the answer does not fit"});
+    return misfit();
   }
+
+  std::unexpected<io::IoError> said(const std::string& what) const {
+    return std::unexpected(io::IoError{port_.path() + ": " + what});
+  }
+  std::unexpected<io::IoError> misfit() const { return said("the answer does not fit"); }
 
   io::Port port_;
   LineSource lines_;
+  std::vector<std::uint8_t> posted_;  ///< not written yet
+  std::size_t open_ = 0;              ///< requests that have no reply yet
+  std::vector<Reply> replies_;
   std::vector<AxisBoard> boards_;
   const io::Clock& clock_;
 };
@@ -217,16 +246,21 @@ std::unique_ptr<io::SpiBus> bus_of(sim::SpiMachine& machine, const io::Clock& cl
 io::IoResult<void> serve_simwire(sim::SimwireServer& server, io::Port& port, ByteLog& log,
                                  const std::function<bool()>& stop) {
   LineSource lines(port);
+  std::vector<std::uint8_t> replies;
   while (!stop() && !server.finished()) {
-    const auto read = lines.next(kSlice);
+    auto read = lines.next(kSlice);
     if (!read) return {};
-    if (*read == LineReader::Result::kMore) continue;
-    const Line reply = encode_reply(*read == LineReader::Result::kLine
-                                        ? server.answer(lines.line())
-                                        : Reply{Refused{text_of("the line is too long")}});
-    log.add(ByteLog::Direction::kToDevice, bytes_of(lines.line()), server.now());
-    log.add(ByteLog::Direction::kToHost, bytes_of(view(reply)), server.now());
-    if (auto written = write_line(port, reply); !written) return written;
+    // What came together is answered together.
+    for (; *read != LineReader::Result::kMore && !server.finished(); *read = lines.next_read()) {
+      const Line reply = encode_reply(*read == LineReader::Result::kLine
+                                          ? server.answer(lines.line())
+                                          : Reply{Refused{text_of("the line is too long")}});
+      log.add(ByteLog::Direction::kToDevice, bytes_of(lines.line()), server.now());
+      log.add(ByteLog::Direction::kToHost, bytes_of(view(reply)), server.now());
+      append_line(reply, replies);
+    }
+    if (auto written = port.write(replies); !written) return written;
+    replies.clear();
   }
   return {};
 }

@@ -113,12 +113,19 @@ void Api::close(SessionId id) {
   sessions_.erase(found);
   if (yielding_ != id) return;
   yielding_.reset();
-  log_.add({{"at_ms", wall_ms()}, {"robot", ""}, {"kind", "demonstration"}, {"runs", false}});
+  log_demonstration();
 }
 
 void Api::yield(SessionId session) {
   yielding_ = session;
-  log_.add({{"at_ms", wall_ms()}, {"robot", ""}, {"kind", "demonstration"}, {"runs", true}});
+  log_demonstration();
+}
+
+void Api::log_demonstration() {
+  log_.add({{"at_ms", wall_ms()},
+            {"robot", ""},
+            {"kind", "demonstration"},
+            {"runs", yielding_.has_value()}});
 }
 
 void Api::give_way(const Method& method, SessionId session) {
@@ -387,13 +394,7 @@ void Api::tell(Session& session, Instant now) {
 const std::string& Api::status_text(std::optional<std::size_t> robot) {
   std::string& text = status_texts_[robot.value_or(cell_.size())];
   if (!text.empty()) return text;
-  Json robots = Json::array();
-  for (std::size_t i = 0; i < cell_.size(); ++i) {
-    if (!robot || *robot == i) robots.push_back(status(i));
-  }
-  Json all{{"robots", robots}};
-  if (yielding_) all["demonstration"] = true;
-  return text = notification_text("status", all);
+  return text = notification_text("status", cell_status(robot));
 }
 
 void Api::tell_jobs(Session& session, Instant now) {

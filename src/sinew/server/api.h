@@ -136,13 +136,15 @@ class Api {
   void settle(Session& session, const Pending& pending, const control::ControlEvent& event);
   void take_answered();
   void take_answered(const Answered& done);
+  void log_demonstration();
   void log_events();
   void log_jobs();
   void tell(Session& session, Instant now);
   void tell_jobs(Session& session, Instant now);
   RpcError refusal(RpcCode code, const Error& error, std::size_t robot) const;
   Json status(std::size_t robot);
-  Json cell_status();
+  /// Of one robot, or of all.
+  Json cell_status(std::optional<std::size_t> robot = std::nullopt);
   Json job_status(std::size_t robot) const;
   const std::string& status_text(std::optional<std::size_t> robot);
   static bool same(const runtime::JobView& a, const runtime::JobView& b);
@@ -176,6 +178,7 @@ class Api {
   std::expected<JointVector, RpcError> joints(const Json& numbers, std::size_t robot) const;
 
   // api_files.cc
+  Errand at_files(TaskDesk::Task task);
   Answer keep(const Method& method, const Call& call);
   Answer keep_texts(const Method& method, const Call& call);
   Answer check_program(const Call& call);

@@ -19,11 +19,7 @@ Json Api::device_status(std::size_t robot) const {
 }
 
 Api::Answer Api::read_wire(const Call& call) {
-  const auto whole = [&](const char* name, std::uint64_t usual) {
-    const auto value = call.request.params.find(name);
-    return value != call.request.params.end() ? value->get<std::uint64_t>() : usual;
-  };
-  const std::uint64_t limit = whole("limit", kFramesUsual);
+  const std::uint64_t limit = call.request.whole("limit", kFramesUsual);
   if (limit < 1 || limit > kFramesMax) return invalid("limit has to be 1 to 2000");
   auto& monitor = monitors_[*call.robot];
   const runtime::Station& station = cell_.station(*call.robot);
@@ -31,7 +27,7 @@ Api::Answer Api::read_wire(const Call& call) {
     monitor = std::make_unique<runtime::WireMonitor>(station.wire(), station.robot().device);
   }
   const runtime::StationView view = station.view();
-  const auto read = monitor->read(view.facts, whole("since", 0), limit);
+  const auto read = monitor->read(view.facts, call.request.whole("since", 0), limit);
   Json frames = Json::array();
   for (const auto* frame : read.frames) frames.push_back(frame_json(*frame));
   return Json{{"frames", std::move(frames)},

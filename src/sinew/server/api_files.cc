@@ -14,14 +14,6 @@ namespace {
 
 using program::RowVerdict;
 
-std::string text_of(const RpcRequest& request, const char* name) {
-  return request.params.value(name, std::string());
-}
-
-std::uint64_t number_of(const RpcRequest& request, const char* name) {
-  return request.params.value(name, std::uint64_t{0});
-}
-
 std::map<std::string, std::string> texts_of(const RpcRequest& request, const char* name) {
   std::map<std::string, std::string> texts;
   if (!request.params.contains(name)) return texts;
@@ -171,9 +163,13 @@ Keeper::Result check_text(const runtime::RunningCell& cell, const Keeper& keeper
 
 }  // namespace
 
+Api::Errand Api::at_files(TaskDesk::Task task) {
+  return {files_, std::move(task)};
+}
+
 Api::Answer Api::check_program(const Call& call) {
   CheckWish wish{
-      .robot = *call.robot, .text = text_of(call.request, "text"), .points = {}, .called = {}};
+      .robot = *call.robot, .text = call.request.text("text"), .points = {}, .called = {}};
   const Json& params = call.request.params;
   if (params.contains("points")) wish.points = params["points"].get<std::string>();
   if (params.contains("called")) wish.called = texts_of(call.request, "called");
@@ -182,62 +178,59 @@ Api::Answer Api::check_program(const Call& call) {
 }
 
 Api::Answer Api::keep_texts(const Method& method, const Call& call) {
-  const auto errand = [this](TaskDesk::Task task) { return Errand{files_, std::move(task)}; };
   Keeper& keeper = keeper_;
   const std::size_t robot = *call.robot;
-  const std::string name = text_of(call.request, "name");
-  const std::uint64_t revision = number_of(call.request, "revision");
+  const std::string name = call.request.text("name");
+  const std::uint64_t revision = call.request.whole("revision", 0);
   switch (method.id) {
     case MethodId::kProgramsList:
-      return errand([&keeper, robot] { return keeper.list_programs(robot); });
+      return at_files([&keeper, robot] { return keeper.list_programs(robot); });
     case MethodId::kProgramsLoad:
-      return errand([=, &keeper] { return keeper.load_program(robot, name); });
+      return at_files([=, &keeper] { return keeper.load_program(robot, name); });
     case MethodId::kProgramsSave:
-      return errand([=, &keeper, text = text_of(call.request, "text")] {
+      return at_files([=, &keeper, text = call.request.text("text")] {
         return keeper.save_program(robot, name, text, revision);
       });
     case MethodId::kProgramsRemove:
-      return errand([=, &keeper] { return keeper.remove_program(robot, name, revision); });
+      return at_files([=, &keeper] { return keeper.remove_program(robot, name, revision); });
     case MethodId::kPointsList:
-      return errand([&keeper, robot] { return keeper.list_points(robot); });
+      return at_files([&keeper, robot] { return keeper.list_points(robot); });
     case MethodId::kPointsSave:
-      return errand([=, &keeper, points = text_of(call.request, "points")] {
+      return at_files([=, &keeper, points = call.request.text("points")] {
         return keeper.save_points(robot, points, revision);
       });
     case MethodId::kPointsRemove:
-      return errand([=, &keeper] { return keeper.remove_point(robot, name, revision); });
+      return at_files([=, &keeper] { return keeper.remove_point(robot, name, revision); });
     default:
-      return errand([=, &keeper, to = text_of(call.request, "to")] {
+      return at_files([=, &keeper, to = call.request.text("to")] {
         return keeper.rename_point(robot, name, to, revision);
       });
   }
 }
 
 Api::Answer Api::keep_settings(const Method& method, const Call& call) {
-  const auto errand = [this](TaskDesk::Task task) { return Errand{files_, std::move(task)}; };
   Keeper& keeper = keeper_;
   const std::size_t robot = *call.robot;
   const auto settings = texts_of(call.request, "settings");
-  const std::uint64_t revision = number_of(call.request, "revision");
+  const std::uint64_t revision = call.request.whole("revision", 0);
   if (method.id == MethodId::kSettingsGet) {
-    return errand([&keeper, robot] { return keeper.get_settings(robot); });
+    return at_files([&keeper, robot] { return keeper.get_settings(robot); });
   }
   if (method.id == MethodId::kSettingsCheck) {
-    return errand([=, &keeper] { return keeper.check_settings(robot, settings); });
+    return at_files([=, &keeper] { return keeper.check_settings(robot, settings); });
   }
-  return errand([=, &keeper] { return keeper.set_settings(robot, settings, revision); });
+  return at_files([=, &keeper] { return keeper.set_settings(robot, settings, revision); });
 }
 
 Api::Answer Api::keep(const Method& method, const Call& call) {
-  const auto errand = [this](TaskDesk::Task task) { return Errand{files_, std::move(task)}; };
   Keeper& keeper = keeper_;
-  const std::string record = text_of(call.request, "record");
-  const std::uint64_t offset = number_of(call.request, "offset");
+  const std::string record = call.request.text("record");
+  const std::uint64_t offset = call.request.whole("offset", 0);
   switch (method.id) {
     case MethodId::kProgramCheck:
       return check_program(call);
     case MethodId::kProgramFormat: {
-      auto text = program::format(text_of(call.request, "text"), kOwnName);
+      auto text = program::format(call.request.text("text"), kOwnName);
       if (!text) return complained(text.error());
       return Json{{"text", std::move(*text)}};
     }
@@ -246,19 +239,19 @@ Api::Answer Api::keep(const Method& method, const Call& call) {
     case MethodId::kSettingsSet:
       return keep_settings(method, call);
     case MethodId::kRecordStart:
-      return errand([&keeper, robot = *call.robot, title = text_of(call.request, "title")] {
+      return at_files([&keeper, robot = *call.robot, title = call.request.text("title")] {
         return keeper.start_record(robot, title);
       });
     case MethodId::kRecordStop:
-      return errand([&keeper, robot = *call.robot] { return keeper.stop_record(robot); });
+      return at_files([&keeper, robot = *call.robot] { return keeper.stop_record(robot); });
     case MethodId::kRecordsList:
-      return errand([&keeper] { return keeper.list_records(); });
+      return at_files([&keeper] { return keeper.list_records(); });
     case MethodId::kRecordsRead:
-      return errand([=, &keeper] { return keeper.read_record(record, offset); });
+      return at_files([=, &keeper] { return keeper.read_record(record, offset); });
     case MethodId::kRecordsCsv:
-      return errand([=, &keeper] { return keeper.read_csv(record, offset); });
+      return at_files([=, &keeper] { return keeper.read_csv(record, offset); });
     case MethodId::kRecordsRemove:
-      return errand([=, &keeper] { return keeper.remove_record(record); });
+      return at_files([=, &keeper] { return keeper.remove_record(record); });
     default:
       return keep_texts(method, call);
   }

@@ -21,21 +21,6 @@ constexpr double kRateUsual = 10;
 constexpr std::size_t kNameMax = 100;
 constexpr std::size_t kReasonMax = 200;
 
-bool flag(const RpcRequest& request, const char* name) {
-  const auto value = request.params.find(name);
-  return value != request.params.end() && value->get<bool>();
-}
-
-std::uint64_t whole(const RpcRequest& request, const char* name, std::uint64_t usual) {
-  const auto value = request.params.find(name);
-  return value != request.params.end() ? value->get<std::uint64_t>() : usual;
-}
-
-double number(const RpcRequest& request, const char* name, double usual) {
-  const auto value = request.params.find(name);
-  return value != request.params.end() ? value->get<double>() : usual;
-}
-
 /// `from_line` and `speed`: which part of the program, and how fast.
 std::optional<RpcError> take_part(const RpcRequest& request, const RobotModel& robot,
                                   runtime::JobOrder& order) {
@@ -46,7 +31,7 @@ std::optional<RpcError> take_part(const RpcRequest& request, const RobotModel& r
     if (!part) return invalid("from_line: " + part.error());
     order.program = std::move(*part);
   }
-  const double share = number(request, "speed", 1);
+  const double share = request.number("speed", 1);
   if (!(share >= 0.01 && share <= 1)) return invalid("speed has to be 0.01 to 1");
   if (share == 1) return std::nullopt;
   if (!device.takes_speed) return invalid("speed: this device has one speed of its own");
@@ -82,7 +67,7 @@ Api::Answer Api::call(const Method& method, const Call& call) {
     case MethodId::kWatch:
       return watch(call);
     case MethodId::kEventsList:
-      return Json{{"events", log_.after(whole(call.request, "after", 0))}};
+      return Json{{"events", log_.after(call.request.whole("after", 0))}};
     case MethodId::kObjectsList:
       return Json{{"objects", object_names()}};
     case MethodId::kObjectsQuery:
@@ -90,7 +75,7 @@ Api::Answer Api::call(const Method& method, const Call& call) {
     case MethodId::kObjectsSubscribe:
       return subscribe(call);
     case MethodId::kLeaseTake:
-      return give(call, control::TakeLease{.take_over = flag(call.request, "take_over")});
+      return give(call, control::TakeLease{.take_over = call.request.flag("take_over")});
     case MethodId::kLeaseRenew:
       return Json::object();
     case MethodId::kLeaseRelease:
@@ -104,7 +89,7 @@ Api::Answer Api::call(const Method& method, const Call& call) {
     case MethodId::kRobotStop:
       return stop(call);
     case MethodId::kRobotFeed:
-      return give(call, control::SetFeed{.share = number(call.request, "share", 1)});
+      return give(call, control::SetFeed{.share = call.request.number("share", 1)});
     case MethodId::kRobotJog:
       return jog(call);
     case MethodId::kRobotNudge:
@@ -151,9 +136,11 @@ Api::Answer Api::look(const Method& method, const Call& call) {
   }
 }
 
-Json Api::cell_status() {
+Json Api::cell_status(std::optional<std::size_t> robot) {
   Json robots = Json::array();
-  for (std::size_t i = 0; i < cell_.size(); ++i) robots.push_back(status(i));
+  for (std::size_t i = 0; i < cell_.size(); ++i) {
+    if (!robot || *robot == i) robots.push_back(status(i));
+  }
   Json all{{"robots", robots}};
   if (yielding_) all["demonstration"] = true;
   return all;
@@ -209,7 +196,7 @@ std::expected<Duration, RpcError> Api::message_interval(const Call& call) const 
         RpcCode::kRefused,
         "messages need a connection that stays: the WebSocket, or the Unix socket", nullptr});
   }
-  const double rate = number(call.request, "rate_hz", kRateUsual);
+  const double rate = call.request.number("rate_hz", kRateUsual);
   if (!(rate >= 0 && rate <= kRateMax)) {
     return std::unexpected(invalid("rate_hz has to be 0 to 100"));
   }
@@ -275,7 +262,7 @@ Api::Answer Api::jog(const Call& call) {
                     "move it in small steps",
                     nullptr};
   }
-  const double expiry = number(call.request, "expiry_s", to_seconds(planning::kJogExpiry));
+  const double expiry = call.request.number("expiry_s", to_seconds(planning::kJogExpiry));
   if (!(expiry > 0 && expiry <= kJogExpiryMax)) {
     return invalid("expiry_s has to be above 0 and at most 1");
   }
@@ -378,8 +365,8 @@ Api::Answer Api::run_program(const Call& call) {
                           .program = std::move(*program),
                           .ride = std::nullopt,
                           .standing_at = std::nullopt,
-                          .take_over = flag(call.request, "take_over"),
-                          .single_step = flag(call.request, "single_step"),
+                          .take_over = call.request.flag("take_over"),
+                          .single_step = call.request.flag("single_step"),
                           .feed = 1};
   if (const auto trouble = take_part(call.request, model, order)) return *trouble;
   if (const auto given = params.find("standing_at"); given != params.end()) {
@@ -394,7 +381,7 @@ Api::Answer Api::ride(const Call& call) {
   const double duration = call.request.params["duration_s"].get<double>();
   const bool fits = duration >= program::kRideMin && duration <= program::kRideMax;
   if (!fits) return invalid("duration_s has to be 1 to 3600");
-  const double amplitude = number(call.request, "amplitude", 0);
+  const double amplitude = call.request.number("amplitude", 0);
   if (!(amplitude >= 0 && amplitude <= 1)) return invalid("amplitude has to be 0 to 1");
   const auto seed = call.request.params.find("seed");
   program::RideOrder ride{.duration = duration, .amplitude = amplitude};
@@ -403,7 +390,7 @@ Api::Answer Api::ride(const Call& call) {
                       .program = {},
                       .ride = ride,
                       .standing_at = std::nullopt,
-                      .take_over = flag(call.request, "take_over"),
+                      .take_over = call.request.flag("take_over"),
                       .single_step = false,
                       .feed = 1});
 }
@@ -445,7 +432,7 @@ Api::Answer Api::steer_job(const Method& method, const Call& call) {
     return Json{{"job", job.id}};
   }
   if (method.id == MethodId::kProgramStep) {
-    flag(call.request, "back") ? jobs.step_back(job.id) : jobs.step(job.id);
+    call.request.flag("back") ? jobs.step_back(job.id) : jobs.step(job.id);
   } else {
     jobs.resume(job.id);
   }

@@ -73,7 +73,7 @@ Api::Answer Api::preview(const Call& call) const {
   const int given = static_cast<int>(joints_given != params.end()) +
                     static_cast<int>(tool != params.end()) + static_cast<int>(text != params.end());
   if (given != 1) return invalid("robot.preview needs one of joints, tool and text");
-  const bool line = params.value("line", false);
+  const bool line = call.request.flag("line");
   if (line && tool == params.end()) return invalid("line goes with tool only");
   PreviewWish wish;
   wish.robot = *call.robot;

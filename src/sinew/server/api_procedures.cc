@@ -42,9 +42,10 @@ Api::Answer Api::start_procedure(const Call& call) {
   }
   ProcedureRunner& procedures = cell_.procedures(*call.robot);
   const bool busy = !procedures.over();
-  const auto flag = [&](const char* name) { return call.request.params.value(name, false); };
-  const auto begun = procedures.start(
-      {.kind = kind, .take_over = flag("take_over"), .anew = flag("anew")}, call.session.id);
+  const auto begun = procedures.start({.kind = kind,
+                                       .take_over = call.request.flag("take_over"),
+                                       .anew = call.request.flag("anew")},
+                                      call.session.id);
   if (begun) return procedure(*call.robot);
   return RpcError{busy ? RpcCode::kBusy : RpcCode::kRefused, begun.error(), nullptr};
 }

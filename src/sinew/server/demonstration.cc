@@ -42,11 +42,10 @@ Demonstration::Demonstration(Api& api, const runtime::RunningCell& cell)
     // A demonstration that nobody expects is for machines that are none.
     parts_.push_back({.robot = station.name(),
                       .time_scale = station.clock().scale(),
-                      .plays = station.simulated()});
-    jobs_.push_back(cell.jobs(i).view().id);
-    rides_.push_back(program_of(station.robot().id).empty());
+                      .plays = station.simulated(),
+                      .job = cell.jobs(i).view().id,
+                      .rides = program_of(station.robot().id).empty()});
   }
-  due_.resize(parts_.size());
   if (session_) api_.yield(*session_);
 }
 
@@ -79,41 +78,42 @@ void Demonstration::look_at(std::size_t robot, Instant now) {
     part.duration = job.duration;
     return;
   }
-  if (job.id != jobs_[robot]) {
-    jobs_[robot] = job.id;
+  if (job.id != part.job) {
+    part.job = job.id;
     const bool done = job.phase == program::Run::Phase::kDone;
     part.rounds += done ? 1 : 0;
     part.failures = done ? 0 : part.failures + 1;
     part.progress = done ? 1 : part.progress;
     if (job.failure) part.trouble = sentence_of(job.failure->error, cell_.station(robot).robot());
     if (done) part.trouble.clear();
-    due_[robot] = now + (done ? kPause : kRetry);
+    part.due = now + (done ? kPause : kRetry);
   }
   if (part.failures >= kFailuresMax) part.plays = false;
-  if (part.plays && now >= due_[robot]) begin_round(robot, now);
+  if (part.plays && now >= part.due) begin_round(robot, now);
 }
 
 void Demonstration::begin_round(std::size_t robot, Instant now) {
   const runtime::Station& station = cell_.station(robot);
-  due_[robot] = now + kRetry;
+  Part& part = parts_[robot];
+  part.due = now + kRetry;
   const auto state = station.view().state;
   if (state == control::MachineState::kFault) {
     api_.receive(*session_, request_text(0, "robot.acknowledge", {{"robot", station.name()}}), now);
-    due_[robot] = now + kPause;
+    part.due = now + kPause;
     return;
   }
   Json wish{{"robot", station.name()}};
-  if (rides_[robot]) {
+  if (part.rides) {
     wish["duration_s"] = kRide;
-    wish["seed"] = parts_[robot].rounds + 1;
+    wish["seed"] = part.rounds + 1;
   } else {
     const std::string_view text = program_of(station.robot().id);
     wish["text"] = text;
     wish["name"] = "demonstration";
     const auto line = behind_home(text);
-    if (parts_[robot].rounds > 0 && line) wish["from_line"] = *line;
+    if (part.rounds > 0 && line) wish["from_line"] = *line;
   }
-  const char* method = rides_[robot] ? "robot.bullride" : "program.run";
+  const char* method = part.rides ? "robot.bullride" : "program.run";
   api_.receive(*session_, request_text(static_cast<std::int64_t>(robot) + 1, method, wish), now);
 }
 
@@ -126,11 +126,8 @@ void Demonstration::take_answers() {
     Part& part = parts_[id - 1];
     part.trouble = answer["error"]["message"].get<std::string>();
     // A variant of the robot that its program does not suit.
-    if (!rides_[id - 1]) {
-      rides_[id - 1] = true;
-    } else {
-      ++part.failures;
-    }
+    if (part.rides) ++part.failures;
+    part.rides = true;
   }
 }
 

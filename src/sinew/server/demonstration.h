@@ -25,6 +25,9 @@ class Demonstration {
     double progress = 0;    ///< of the round under way, [0, 1]
     double duration = 0;    ///< s of the machine's own time, predicted
     std::string trouble{};  ///< why the last round failed; empty where it did not
+    Instant due{};          ///< when it may begin its next round
+    std::uint32_t job = 0;  ///< the last one that was looked at
+    bool rides = false;     ///< there is no program that suits it
   };
   /// A robot that has failed so often in a row is left alone.
   static constexpr int kFailuresMax = 3;
@@ -52,9 +55,6 @@ class Demonstration {
   const runtime::RunningCell& cell_;
   std::optional<SessionId> session_;
   std::vector<Part> parts_;
-  std::vector<Instant> due_;         ///< when each may begin its next round
-  std::vector<std::uint32_t> jobs_;  ///< the last one of each that was looked at
-  std::vector<bool> rides_;          ///< its program does not suit this one
   Instant next_{};
 };
 

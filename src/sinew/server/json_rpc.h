@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <expected>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -40,6 +41,16 @@ struct RpcRequest {
   bool answered = false;
   std::string method;
   Json params = Json::object();
+
+  /// @name Params that may be left out, of types that check() has looked at
+  /// @{
+  bool flag(const char* name) const { return params.value(name, false); }
+  std::uint64_t whole(const char* name, std::uint64_t usual) const {
+    return params.value(name, usual);
+  }
+  double number(const char* name, double usual) const { return params.value(name, usual); }
+  std::string text(const char* name) const { return params.value(name, std::string()); }
+  /// @}
 };
 
 /// What could be read of a message that is none.
