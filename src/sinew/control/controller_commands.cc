@@ -102,6 +102,7 @@ Expected<bool> Controller::on(const Hold& /*hold*/, const Asked& asked) {
 Expected<bool> Controller::on(const Resume& /*resume*/, const Asked& asked) {
   if (state_ != MachineState::kHeld || !task_) return refused(ErrorCode::kWrongState);
   task_->motion->resume();
+  governor_.leave(task_->motion->overlaps());
   task_->since = asked.now;
   change(Signal::kResume);
   return true;
@@ -171,6 +172,7 @@ Expected<void> Controller::begin(const Command& command, const Begin& begin, Ins
   }
   task_ = Task{command.id, begin.recovers ? TaskKind::kBlindMotion : TaskKind::kMotion,
                begin.motion, now, false};
+  governor_.leave(begin.motion->overlaps());
   change(begin.recovers ? Signal::kRecover : Signal::kBegin);
   return {};
 }

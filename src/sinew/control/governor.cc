@@ -45,6 +45,25 @@ void Governor::rest(std::span<const double> q) {
   seconds_ = 0;
   known_ = true;
   clearance_ = collision_.distance(q).distance;
+  overlaps_.clear();
+}
+
+void Governor::leave(std::span<const LinkPair> overlaps) {
+  if (!known_ || overlaps.empty()) return;
+  const planning::Clearance nearest = collision_.distance(q());
+  if (nearest.distance >= collision_.margin()) return;
+  const std::uint8_t first = planning::link_of(model_, nearest.first);
+  const std::uint8_t second = planning::link_of(model_, nearest.second);
+  const bool named = std::ranges::any_of(overlaps, [&](const LinkPair& pair) {
+    return (pair.first == first && pair.second == second) ||
+           (pair.first == second && pair.second == first);
+  });
+  if (!named) return;
+  overlaps_.clear();
+  for (const LinkPair& pair : overlaps) {
+    if (!overlaps_.full()) overlaps_.push_back(pair);
+  }
+  clearance_ = collision_.distance_but({overlaps_.data(), overlaps_.size()}, q()).distance;
 }
 
 std::optional<Error> Governor::look_at_numbers(const JointMove& move) const {
@@ -87,8 +106,9 @@ std::optional<Error> Governor::look_at_piece(const JointMove& move, std::size_t 
   const double way = move.q[joint] - q_[joint];
   const double qd = move.qd.empty() ? 0 : move.qd[joint];
   const double change = qd - qd_[joint];
-  if (const auto bad = beyond(kVelocityLimit, joint, qd, limit.velocity)) return bad;
-  if (const auto bad = beyond(kVelocityLimit, joint, way, limit.velocity * seconds)) return bad;
+  const double fastest = limit.velocity * (overlaps_.empty() ? 1 : kLeavingShare);
+  if (const auto bad = beyond(kVelocityLimit, joint, qd, fastest)) return bad;
+  if (const auto bad = beyond(kVelocityLimit, joint, way, fastest * seconds)) return bad;
   const double speed_up = limit.acceleration * seconds;
   if (const auto bad = beyond(kAccelerationLimit, joint, change, speed_up)) return bad;
   const double jump = change - acceleration_[joint] * seconds;
@@ -101,7 +121,8 @@ std::optional<Error> Governor::look_at_piece(const JointMove& move, std::size_t 
 /// Nearer than the margin only where it began so, and then no nearer than it began.
 std::optional<Error> Governor::look_at_contacts(const JointMove& move) const {
   const std::span<const double> q(move.q.data(), size_);
-  const planning::Clearance nearest = collision_.distance(q);
+  const planning::Clearance nearest =
+      collision_.distance_but({overlaps_.data(), overlaps_.size()}, q);
   const double least = collision_.margin() - planning::CollisionModel::kResolution;
   // What a planner takes for as near as it was, a motion may be.
   const double begun = clearance_ - planning::CollisionModel::kResolution - kPlaceTolerance;

@@ -28,9 +28,15 @@ namespace sinew::control {
 /// the last is the error of the trapezoid rule), so no such motion is ever refused. What a device
 /// makes of a whole move by itself is not the governor's: it looks at where that begins and ends.
 ///
+/// A robot may rest where its bodies overlap: homing leaves it there, so its model is what is
+/// wrong, and it must leave. The motion that leads it out names the pairs of links that it finds
+/// too near; these are not looked at until it rests, if where it begins one of them is what is
+/// nearest, and a streaming device then gets no more than kLeavingShare of its velocity.
+///
 /// @rt apart from its construction.
 class Governor {
  public:
+  static constexpr double kLeavingShare = 0.1;
   /// Relative; for rounding, and for the steps in which a device takes its positions.
   static constexpr double kTolerance = 1e-6;
 
@@ -40,6 +46,8 @@ class Governor {
 
   /// The machine rests there; the next piece begins there.
   void rest(std::span<const double> q);
+  /// What passes from now on leads apart what is too near to each other here; until rest().
+  void leave(std::span<const LinkPair> overlaps);
   /// Nobody knows where it is: nothing passes but pass_blind().
   void lose() { known_ = false; }
 
@@ -83,7 +91,8 @@ class Governor {
   Array qd_{};
   Array acceleration_{};  ///< mean over the piece before
   double seconds_ = 0;    ///< that it took; 0: the machine rests
-  double clearance_ = 0;  ///< m, where it rested last
+  double clearance_ = 0;  ///< m, where it rested last, but for overlaps_
+  FixedVector<LinkPair, 64> overlaps_;
 };
 
 }  // namespace sinew::control

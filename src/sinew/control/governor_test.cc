@@ -244,6 +244,39 @@ TEST(Governor, robot_does_not_touch_itself_and_may_come_out_where_it_does) {
   EXPECT_TRUE(governor.pass({home, {}, std::chrono::seconds(10)}));
 }
 
+TEST(Governor, what_leads_out_of_an_overlap_may_deepen_it_slowly_until_it_rests) {
+  const RobotModel model = streaming("robot-arm-2", false);
+  const auto limits = limits_of(model);
+  const planning::CollisionModel bodies(model);
+  JointVector folded = home_joints(model);
+  folded[2] = model.joints[2].lower;
+  JointVector deeper = folded;
+  deeper[2] += 0.1;
+  const planning::Clearance nearest = bodies.distance(span_of(folded));
+  ASSERT_LT(nearest.distance, 0);
+  ASSERT_LT(bodies.distance(span_of(deeper)).distance, nearest.distance - 1e-3);
+  const LinkPair own{planning::link_of(model, nearest.first),
+                     planning::link_of(model, nearest.second)};
+  const LinkPair other{own.first, static_cast<std::uint8_t>(own.second + 1)};
+
+  Governor governor(model, limits);
+  const auto tried = [&](const JointVector& from, const LinkPair& named, const JointMove& move) {
+    governor.rest(span_of(from));
+    governor.leave(std::span(&named, 1));
+    const auto passed = governor.pass(move);
+    return passed ? ErrorCode{} : passed.error().code;
+  };
+  JointMove move{deeper, {}, std::chrono::hours(1)};
+  for (std::size_t j = 0; j < folded.size(); ++j) move.qd.push_back(0);
+  EXPECT_EQ(tried(folded, own, move), ErrorCode{});
+  EXPECT_EQ(tried(folded, other, move), ErrorCode::kCollision);
+  EXPECT_EQ(tried(home_joints(model), own, move), ErrorCode::kCollision) << "into it";
+  governor.rest(span_of(folded));
+  EXPECT_EQ(governor.pass(move).error().code, ErrorCode::kCollision) << "it has rested";
+  move.qd[2] = 1.01 * Governor::kLeavingShare * limits[2].velocity;
+  EXPECT_EQ(tried(folded, own, move), ErrorCode::kVelocityLimit);
+}
+
 /// What a planner makes from a start that no other motion may come to.
 void expect_passed(const RobotModel& model, const JointVector& from, const JointVector& to) {
   planning::MotionPlanner planner(model);

@@ -34,6 +34,8 @@ class MotionSource {
   /// @error kTaskNotSupported, kMoveInput (no number, or out of range)
   virtual Expected<void> set_feed(double share) = 0;
 
+  /// Pairs of links that are too near to each other where it begins, and that it leads apart.
+  virtual std::span<const LinkPair> overlaps() const { return {}; }
   /// All that its joints may do until its end; empty where nobody knows.
   virtual std::span<const JointInterval> whole() const { return {}; }
   /// What its joints do until its end, as its device makes it; null where nobody knows. It may

@@ -16,9 +16,10 @@ bool rests(const JointMove& piece) {
 }  // namespace
 
 PieceMotion::PieceMotion(const JointVector& q_start, std::vector<JointMove> pieces,
-                         const RobotModel& robot)
+                         const RobotModel& robot, std::vector<LinkPair> overlaps)
     : q_start_(q_start),
       pieces_(std::move(pieces)),
+      overlaps_(std::move(overlaps)),
       streams_(robot.device.capability.motion == MotionKind::kStream),
       takes_speed_(!streams_ && robot.device.capability.takes_speed),
       together_(!std::holds_alternative<AxisRegistersDevice>(robot.device.settings)) {

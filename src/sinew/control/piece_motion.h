@@ -14,7 +14,9 @@ class PieceMotion final : public MotionSource {
  public:
   /// @param q_start  empty for a first move, which begins nobody knows where
   /// @param pieces   one after the other from there, a number for each joint
-  PieceMotion(const JointVector& q_start, std::vector<JointMove> pieces, const RobotModel& robot);
+  /// @param overlaps as overlaps() tells them
+  PieceMotion(const JointVector& q_start, std::vector<JointMove> pieces, const RobotModel& robot,
+              std::vector<LinkPair> overlaps = {});
 
   const JointVector& q_start() const override { return q_start_; }
   const JointMove* next(Instant now) override;
@@ -24,6 +26,7 @@ class PieceMotion final : public MotionSource {
   void resume() override { held_ = false; }
   /// Slower only, and only where the device can be asked for it.
   Expected<void> set_feed(double share) override;
+  std::span<const LinkPair> overlaps() const override { return overlaps_; }
   std::span<const JointInterval> whole() const override { return {whole_.data(), whole_.size()}; }
   std::unique_ptr<planning::CellWay> way() const override;
   double progress() const override;
@@ -34,6 +37,7 @@ class PieceMotion final : public MotionSource {
 
   JointVector q_start_;
   std::vector<JointMove> pieces_;
+  std::vector<LinkPair> overlaps_;
   bool streams_;
   bool takes_speed_;
   bool together_;  ///< its joints are told together, and go so

@@ -42,8 +42,8 @@ bool is_box(const CollisionShape& shape) {
   return std::holds_alternative<CollisionBox>(shape.form);
 }
 
-bool excused(const Collision& collision, std::size_t first, std::size_t second) {
-  return std::ranges::any_of(collision.ignored, [&](const LinkPair& pair) {
+bool excused(std::span<const LinkPair> pairs, std::size_t first, std::size_t second) {
+  return std::ranges::any_of(pairs, [&](const LinkPair& pair) {
     return (pair.first == first && pair.second == second) ||
            (pair.first == second && pair.second == first);
   });
@@ -79,7 +79,7 @@ CollisionModel::CollisionModel(const RobotModel& model)
   for (const CollisionShape& shape : shapes_) radii_.push_back(radius_of(shape));
   const std::vector<CollisionShape>& named = model.collision.shapes;
   const auto checked = [&](std::size_t first, std::size_t second) {
-    return !links_joined(model, first, second) && !excused(model.collision, first, second);
+    return !links_joined(model, first, second) && !excused(model.collision.ignored, first, second);
   };
   for (std::size_t i = 0; i < named.size(); ++i) {
     for (std::size_t j = i + 1; j < named.size(); ++j) {
@@ -203,10 +203,12 @@ double CollisionModel::ball_distance(const Scene& scene, const Pair& pair) const
   return norm(first.centre - second.centre) - first.ball - second.ball;
 }
 
-Clearance CollisionModel::nearest(const Scene& scene) const {
+Clearance CollisionModel::nearest(const Scene& scene, std::span<const LinkPair> but) const {
   Clearance nearest;
   for (const Pair& pair : pairs_) {
     if (ball_distance(scene, pair) >= nearest.distance) continue;
+    if (!but.empty() && excused(but, link_of(*model_, pair.first), link_of(*model_, pair.second)))
+      continue;
     const double apart = distance(scene, pair);
     if (apart < nearest.distance) nearest = {apart, pair.first, pair.second};
   }
@@ -218,6 +220,15 @@ Clearance CollisionModel::distance(std::span<const double> q, const PoseBP* X_ne
   PoseBP X_BP = start(X_near);
   if (!place(q, X_BP, scene)) return {-std::numeric_limits<double>::infinity()};
   return nearest(scene);
+}
+
+Clearance CollisionModel::distance_but(std::span<const LinkPair> pairs,
+                                       std::span<const double> q) const {
+  SINEW_ASSERT(shapes_.size() == own_shapes_);
+  Scene scene;
+  PoseBP X_BP = start(nullptr);
+  if (!place(q, X_BP, scene)) return {-std::numeric_limits<double>::infinity()};
+  return nearest(scene, pairs);
 }
 
 bool CollisionModel::bodies(std::span<const double> q, PoseBP& X_near,

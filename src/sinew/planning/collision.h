@@ -67,6 +67,8 @@ class CollisionModel {
   double margin() const { return model_->collision.margin; }
 
   Clearance distance(std::span<const double> q, const kinematics::PoseBP* X_near = nullptr) const;
+  /// The same without these pairs of links; of a robot that is not surrounded.
+  Clearance distance_but(std::span<const LinkPair> pairs, std::span<const double> q) const;
   /// The same where a hexapod's pose is known already.
   Clearance distance(const kinematics::PoseBP& X_BP) const;
 
@@ -160,7 +162,7 @@ class CollisionModel {
   double distance(const Scene& scene, const Pair& pair) const;
   /// A bound of it that costs next to nothing.
   double ball_distance(const Scene& scene, const Pair& pair) const;
-  Clearance nearest(const Scene& scene) const;
+  Clearance nearest(const Scene& scene, std::span<const LinkPair> but = {}) const;
 
   Clearance measure(const Scene& scene, double margin, const Excused* excused,
                     Budgets& budgets) const;

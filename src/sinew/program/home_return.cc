@@ -6,6 +6,7 @@
 #include <memory>
 #include <utility>
 
+#include "sinew/control/governor.h"
 #include "sinew/model/joint_lookup.h"
 
 namespace sinew::program {
@@ -14,7 +15,8 @@ namespace {
 using planning::Clearance;
 using planning::CollisionModel;
 
-constexpr double kSlow = 0.1;  ///< of the joints' limits, out of an overlap
+/// Of the joints' limits, out of an overlap.
+constexpr double kSlow = control::Governor::kLeavingShare;
 /// Places of a leg where it is asked whether it has come clear.
 constexpr int kLooks = 400;
 
@@ -91,7 +93,7 @@ std::expected<HomeLeg, Refusal> plan_leg(const RobotModel& robot, const JointVec
   auto motion = planner.plan(q_start, std::span(&row, 1));
   if (!motion) return std::unexpected(motion.error());
   const bool slow = share < 1 && robot.device.capability.takes_speed;
-  return HomeLeg{std::move(*motion), planner.motion(), slow};
+  return HomeLeg{std::move(*motion), planner.motion(), {}, slow};
 }
 
 /// A leg out of what is too near at its begin; nothing where it would not lead out.
@@ -101,6 +103,7 @@ std::optional<HomeLeg> leg_out(const Stand& from, const Stand& to, int line) {
   }
   auto leg = plan_leg(from.lenient, from.q, to.q, from.near.empty() ? 1 : kSlow, line);
   if (!leg || !stays_clear(leg->planned.path.joints, to)) return std::nullopt;
+  leg->overlaps = from.near;
   return std::move(*leg);
 }
 

@@ -13,7 +13,8 @@ namespace sinew::program {
 struct HomeLeg {
   RowMotion motion;
   planning::PlannedMotion planned;
-  bool slow = false;  ///< out of an overlap, where the device hears of a speed
+  std::vector<LinkPair> overlaps{};  ///< where it begins
+  bool slow = false;                 ///< out of them, where the device hears of a speed
 };
 
 /// What `home` ends with: each joint rests beside its end stop then, all of them at once a pose

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "sinew/control/governor.h"
 #include "sinew/core/units.h"
 #include "support/robots.h"
 
@@ -81,6 +82,30 @@ TEST(HomeReturn, out_of_an_overlap_it_is_slow_where_a_speed_is_heard) {
   EXPECT_TRUE(slow->legs[0].slow);
   EXPECT_FALSE(slow->legs.back().slow);
   EXPECT_GT(slow->legs[0].motion.duration, 3 * quick->legs[0].motion.duration);
+}
+
+TEST(HomeReturn, every_leg_passes_the_last_look_before_a_driver) {
+  RobotModel robot = test::robot("robot-arm-2");
+  robot.device.capability.takes_speed = true;
+  robot.device.capability.motion = MotionKind::kStream;
+  robot.device.capability.segment = std::chrono::milliseconds(50);
+  const auto limits = planning::motion_limits(robot);
+  // Where each of its two wires leaves it.
+  for (const JointVector& rest : {kRest, degrees({-5.4, -94.4, -112.4, -5.4, -5.4, -5.4})}) {
+    const auto back = home_return(robot, rest, 3);
+    ASSERT_TRUE(back) << describe(back.error().error);
+    control::Governor governor(robot, limits);
+    JointVector at = rest;
+    for (const HomeLeg& leg : back->legs) {
+      governor.rest({at.data(), at.size()});
+      governor.leave(leg.overlaps);
+      for (const JointMove& piece : leg.motion.pieces) {
+        const auto passed = governor.pass(piece);
+        ASSERT_TRUE(passed) << describe(passed.error());
+      }
+      at = leg.motion.q_end;
+    }
+  }
 }
 
 TEST(HomeReturn, arm_that_finds_no_way_out_is_refused_with_its_line) {

@@ -295,7 +295,7 @@ std::optional<std::string> Procedure::home_move() {
   auto back = home_return(robot_, *from, 0);
   if (!back) return sentence(back.error().error);
   for (HomeLeg& leg : back->legs) {
-    if (!leg.motion.pieces.empty()) homeward_.push_back(std::move(leg.motion.pieces));
+    if (!leg.motion.pieces.empty()) homeward_.push_back(std::move(leg));
   }
   if (homeward_.empty()) return "it stands there already; skip";
   next_leg();
@@ -303,8 +303,10 @@ std::optional<std::string> Procedure::home_move() {
 }
 
 void Procedure::next_leg() {
+  HomeLeg& leg = homeward_.front();
   motion_ = std::make_unique<control::PieceMotion>(machine_.reference().value_or(JointVector{}),
-                                                   std::move(homeward_.front()), robot_);
+                                                   std::move(leg.motion.pieces), robot_,
+                                                   std::move(leg.overlaps));
   homeward_.pop_front();
   command_ = machine_.give(control::Begin{.motion = motion_.get()});
   phase_ = Phase::kWorking;

@@ -12,7 +12,7 @@
 
 #include "sinew/control/machine.h"
 #include "sinew/core/quantity.h"
-#include "sinew/program/row_planner.h"
+#include "sinew/program/home_return.h"
 
 /// Work that a person and a program do together on a machine: homing, recovery, commissioning. A
 /// procedure is a list of steps; most of them ask something, some move something, some look.
@@ -226,9 +226,9 @@ class Procedure {
   std::uint32_t command_ = 0;
   std::unique_ptr<control::MotionSource> motion_;
   std::unique_ptr<RowPlanner> planner_;
-  std::deque<std::vector<JointMove>> homeward_;  ///< what is left of the way home
-  double way_ = 0;                               ///< that the joint was sent
-  double left_ = 0;                              ///< of it
+  std::deque<HomeLeg> homeward_;  ///< what is left of the way home
+  double way_ = 0;                ///< that the joint was sent
+  double left_ = 0;               ///< of it
   double adjusted_ = 0;
   bool went_ = false;
   bool comes_back_ = false;

@@ -430,7 +430,8 @@ void Run::send_first_move(const JointVector& q, double duration) {
   ask(control::Begin{.motion = motion_.get(), .recovers = true});
 }
 
-std::expected<void, Refusal> Run::send(const RowMotion& motion, int line) {
+std::expected<void, Refusal> Run::send(const RowMotion& motion, int line,
+                                       const std::vector<LinkPair>& overlaps) {
   const bool streams = robot_.device.capability.motion == MotionKind::kStream;
   if (changeable_ && streams && planner_ && !back_) {
     auto path = std::make_unique<control::PathMotion>(robot_);
@@ -441,7 +442,7 @@ std::expected<void, Refusal> Run::send(const RowMotion& motion, int line) {
     current_->arrival += path->duration() - planner_->motion().law.duration();
     motion_ = std::move(path);
   } else {
-    motion_ = std::make_unique<control::PieceMotion>(*q_, motion.pieces, robot_);
+    motion_ = std::make_unique<control::PieceMotion>(*q_, motion.pieces, robot_, overlaps);
   }
   ask(control::Begin{.motion = motion_.get()});
   return {};
@@ -486,10 +487,10 @@ std::expected<void, Refusal> Run::go_home(Instant now) {
 
 std::expected<void, Refusal> Run::next_leg(Instant now) {
   while (leg_ < back_->legs.size()) {
-    const RowMotion& leg = back_->legs[leg_++].motion;
-    current_->q = leg.q_end;
-    if (!leg.pieces.empty()) return send(leg, current_->order->line);
-    q_ = leg.q_end;
+    const HomeLeg& leg = back_->legs[leg_++];
+    current_->q = leg.motion.q_end;
+    if (!leg.motion.pieces.empty()) return send(leg.motion, current_->order->line, leg.overlaps);
+    q_ = leg.motion.q_end;
   }
   finish_order(now);
   return {};

@@ -150,7 +150,8 @@ class Run {
   std::expected<void, Refusal> go_home(Instant now);
   std::expected<void, Refusal> next_leg(Instant now);
   void send_first_move(const JointVector& q, double duration);
-  std::expected<void, Refusal> send(const RowMotion& motion, int line);
+  std::expected<void, Refusal> send(const RowMotion& motion, int line,
+                                    const std::vector<LinkPair>& overlaps = {});
   void finish_order(Instant now);
   void ask(const control::CommandWhat& what);
   bool waits_for_room(const Error& error, Instant now);
