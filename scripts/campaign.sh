@@ -133,15 +133,18 @@ browser_part() {
   return "$code"
 }
 
-# A stretch of the seeds for each core; a seed that fails is told with as little as still fails.
+# A stretch of the seeds for each core, in the last one supplies sink as well; a seed that fails is
+# told with as little as still fails.
 system_part() {
   configure_release_tests && build release || return 1
-  local jobs share k code=0 pids=()
+  local jobs share k code=0 pids=() supplies
   jobs=$(jobs_count)
   share=$(((system_seeds + jobs - 1) / jobs))
   for ((k = 0; k < jobs; ++k)); do
+    supplies=()
+    if ((k == jobs - 1)); then supplies=(--supplies); fi
     (live=no && step "system, stretch $((k + 1))" "system-$((k + 1))" build/release/tests/sinew-sim \
-      --seeds "$((k * share + 1))..$(((k + 1) * share))") &
+      "${supplies[@]}" --seeds "$((k * share + 1))..$(((k + 1) * share))") &
     pids+=($!)
   done
   for k in "${pids[@]}"; do wait "$k" || code=1; done

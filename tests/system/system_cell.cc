@@ -53,12 +53,12 @@ Station::Station(const RobotModel& robot, const std::optional<std::string>& prof
 }
 
 /// How far a motor may stand beside what its wire can say of it; rad or m.
-double Station::resolution(std::size_t joint) const {
+double Station::resolution(std::size_t joint, std::uint64_t record) const {
   const auto& settings = robot_.device.settings;
   // A rotor that turns trails its field by up to a full step, 16 microsteps here. Until the next
   // look at its modules nobody knows what they did without power: all that the driver allows for.
   if (const auto* legs = std::get_if<IcpDevice>(&settings)) {
-    const double unseen = browned_out_ ? IcpLegClaim::kPowerCutUnits : 0;
+    const double unseen = browned_out_ || record <= unknowing_ ? IcpLegClaim::kPowerCutUnits : 0;
     return (unseen + 17) / legs->units_per_m;
   }
   if (const auto* arm = std::get_if<BigRobotArmDevice>(&settings)) {
@@ -78,7 +78,7 @@ void Station::begin_life() {
   for (std::size_t j = 0; j < robot_.joints.size(); ++j) {
     const JointPosition& said = host_->recovery.positions[j];
     if (said.quality == PositionQuality::kLost) continue;
-    const double room = resolution(j);
+    const double room = resolution(j, host_->recovery.end.sequence);
     EXPECT_GE(truth.joints[j].q, said.lower - room) << where();
     EXPECT_LE(truth.joints[j].q, said.upper + room) << where();
   }
@@ -149,6 +149,7 @@ void Station::look_at_supply() {
   if (!found_out_ && why && why->error.code == ErrorCode::kSupplyFlag) found_out_ = last.sequence;
   if (!found_out_ || last.sequence <= *found_out_ || last.kind == JournalKind::kIntent) return;
   browned_out_ = false;
+  unknowing_ = *found_out_;
   found_out_.reset();
 }
 
@@ -204,7 +205,7 @@ void Station::look_at_records() {
       const JointPosition& said = claim.positions[j];
       if (said.quality == PositionQuality::kLost) continue;
       ++counts_.looks;
-      const double room = resolution(j);
+      const double room = resolution(j, claim.sequence);
       if (truth.joints[j].q >= said.lower - room && truth.joints[j].q <= said.upper + room) {
         continue;
       }
@@ -230,14 +231,18 @@ void Station::look_at_states() {
   }
 }
 
-/// Nothing leads a joint beyond its limits; a limp arm may lie beyond one where it is found.
+/// Nothing leads a joint beyond its limits; a limp arm may lie beyond one where it is found, or
+/// fall there before anybody enables it.
 void Station::look_at_limits() {
+  const MachineState state = host_->loop->controller().state();
+  const bool held = state != MachineState::kOff && state != MachineState::kEnabling;
   const sim::Truth truth = cell_.machine().truth();
   for (std::size_t j = 0; j < robot_.joints.size(); ++j) {
-    const double room = 2 * resolution(j);
+    const double room =
+        2 * resolution(j, host_->claims.empty() ? 0 : host_->claims.back().sequence);
     const double q = truth.joints[j].q;
     const bool inside = q >= robot_.joints[j].lower - room && q <= robot_.joints[j].upper + room;
-    if (inside) been_inside_ |= 1U << j;
+    if (inside && held) been_inside_ |= 1U << j;
     if (inside || (been_inside_ >> j & 1) == 0) continue;
     ADD_FAILURE() << where() << ": joint " << j + 1 << " stands at " << q << ", beyond its limits";
     return;

@@ -122,7 +122,7 @@ class Station {
   void look_at_limits();
   void look_at_lease(const control::LeaseToken& lease);
   void say(const control::Outputs& outputs);
-  double resolution(std::size_t joint) const;
+  double resolution(std::size_t joint, std::uint64_t record) const;
   bool guarded() const;
 
   const RobotModel& robot_;
@@ -139,6 +139,7 @@ class Station {
   /// Its modules may have lost their power, and nobody has found out yet.
   bool browned_out_ = false;
   std::optional<std::uint64_t> found_out_;  ///< the last record by then
+  std::uint64_t unknowing_ = 0;             ///< records up to this one say nothing of it
   Instant next_switching_{};
   bool misfortunes_ = true;
   std::set<std::uint64_t> spared_;

@@ -248,7 +248,7 @@ class Controller {
   bool had_holder_ = false;
 
   JournalPositions positions_;  ///< while the driver knows none
-  bool driver_spoke_ = false;   ///< it has been ready in this run
+  bool driver_spoke_ = false;   ///< its positions count: it has been ready, or keeps ours
   JointVector reference_;
   bool reference_known_ = false;
   JointVector blind_target_;        ///< of the slow first move under way

@@ -269,7 +269,11 @@ void IcpDriver::declare_positions(std::span<const JointPosition> positions) {
   SINEW_ASSERT(positions.size() == kLegs);
   if (!queue_.empty() || stopping_) return;
   for (std::size_t i = 0; i < kLegs; ++i) {
-    legs_[i].declare(positions[i]);
+    if (phase_ == Phase::kClosed) {
+      legs_[i].declare(positions[i]);
+    } else {
+      legs_[i].declare_standing(positions[i]);
+    }
     refresh(i);
   }
 }

@@ -390,6 +390,51 @@ TEST(IcpDriverFaults, whole_power_cycle_in_or_after_a_motion_is_found_and_admitt
   }
 }
 
+TEST(IcpDriverFaults, what_is_declared_where_the_current_came_back_holds_the_fall_from_its_hill) {
+  int fell = 0;
+  for (const std::int64_t at : {31, 32, 33, 47, 64}) {
+    IcpCell cell;
+    cell.begin();
+    ASSERT_TRUE(cell.go({at, -at, at, -at, at, -at}));
+    cell.settle();
+    cell.machine.power_cycle();
+    cell.run_for(600ms);
+    (void)cell.driver.wake(cell.now);
+    cell.settle();
+    for (int i = 0; i < 3 && cell.driver.fault(); ++i) {
+      ASSERT_TRUE(cell.driver.clear_fault(cell.now));
+      cell.settle();
+    }
+    ASSERT_EQ(cell.driver.state(), DriverState::kReady);
+    std::array<JointPosition, kLegs> stand;
+    const sim::Truth before = cell.machine.truth();
+    for (std::size_t i = 0; i < kLegs; ++i) {
+      const double q = before.joints[i].q;
+      stand[i] = {PositionQuality::kCommanded, q, q, q};
+    }
+    cell.driver.declare_positions(stand);
+    EXPECT_FALSE(cell.uncertain());
+    ASSERT_TRUE(cell.go({at + 1, -at + 1, at + 1, -at + 1, at + 1, -at + 1}));
+    cell.run_until([&] {
+      expect_rotors_inside(cell);
+      return testing::Test::HasFailure() || cell.driver.state() == DriverState::kReady;
+    });
+    const sim::Truth behind = cell.machine.truth();
+    for (std::size_t i = 0; i < kLegs; ++i) {
+      const double moved = std::abs(behind.joints[i].q - cell.driver.positions()[i].q);
+      fell += moved * test::kIcpUnitsPerM > 16 ? 1 : 0;
+      const JointPosition now{PositionQuality::kCommanded, behind.joints[i].q, behind.joints[i].q,
+                              behind.joints[i].q};
+      stand[i] = now;
+    }
+    cell.driver.declare_positions(stand);
+    const JointPosition& first = cell.driver.positions()[0];
+    EXPECT_NEAR(first.upper - first.lower, 2 / test::kIcpUnitsPerM, 1e-12)
+        << "it has stepped since";
+  }
+  EXPECT_GT(fell, 0) << "no rotor has rested on its hill";
+}
+
 TEST(IcpDriverFaults, under_voltage_blocks_the_weaker_modules_and_is_found) {
   IcpCell cell;
   cell.begin();

@@ -40,6 +40,9 @@ void IcpLegClaim::declare(const JointPosition& position) {
     below_ = units(position.q - position.lower);
     above_ = units(position.upper - position.q);
   }
+  const double open = std::max(position.q - position.lower, position.upper - position.q);
+  const bool wide = known_ && position.quality == PositionQuality::kCommanded && open > 0;
+  slack_ = wide ? std::max<std::int64_t>(0, std::llround(open * units_per_m_) - 1) : 0;
   hull_lower_ = -below_;
   hull_upper_ = above_;
   suspected_ = false;
@@ -47,6 +50,13 @@ void IcpLegClaim::declare(const JointPosition& position) {
   withdrawn_ = false;
   moved_ = false;
   unseen_ = {};
+}
+
+void IcpLegClaim::declare_standing(const JointPosition& position) {
+  // Where it was let go of before, it may be on the hill still.
+  on_hill_ = on_hill_ || suspected_ || withdrawn_;
+  declare(position);
+  if (known_ && on_hill_) slack_ = std::max(slack_, kHillUnits);
 }
 
 std::int64_t IcpLegClaim::lower() const {
@@ -65,9 +75,10 @@ JointPosition IcpLegClaim::position() const {
     return origin_ + static_cast<double>(units) / units_per_m_;
   };
   if (uncertainty() == 0) {
-    return {PositionQuality::kCommanded, at(units_), at(units_ - 1), at(units_ + 1)};
+    const std::int64_t open = slack_ + 1;
+    return {PositionQuality::kCommanded, at(units_), at(units_ - open), at(units_ + open)};
   }
-  return {PositionQuality::kUncertain, at(units_), at(lower()), at(upper())};
+  return {PositionQuality::kUncertain, at(units_), at(lower() - slack_), at(upper() + slack_)};
 }
 
 std::int64_t IcpLegClaim::steps_to(double q) const {
@@ -159,6 +170,7 @@ void IcpLegClaim::round_passed() {
 void IcpLegClaim::confirm(const icp::Status& status) {
   // The hull stays until the round has ended: another leg may still tell of the supply.
   confirmed_ = true;
+  if (moved_) on_hill_ = false;
   if (moved_ && !last_maybe_) unseen_[wire_bit(last_direction_) ? 1 : 0] = 0;
   moved_ = false;
   // From before this program, or from a step that may have been made: it stays until it is lost.
@@ -186,6 +198,7 @@ void IcpLegClaim::withdraw(const icp::Status& status) {
     hull_lower_ = std::min(hull_lower_, hull_lower_ + more);
     hull_upper_ = std::max(hull_upper_, hull_upper_ + more);
   }
+  on_hill_ = true;
   const bool again = tells_of_supply(status.one.flags) || suspected_;
   if (!std::exchange(withdrawn_, true) || again) widen_by_power_cut();
   suspected_ = false;

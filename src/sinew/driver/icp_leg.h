@@ -28,6 +28,11 @@ class IcpLegClaim {
   /// simulated motor made 615 at most, over all moments of both cuts, 2026-11. Only a module that
   /// wakes up can swing, so a third cut counts when the next status or silence tells of it.
   static constexpr std::int64_t kPowerCutUnits = 23 * 64;
+  /// Where the current comes back, the rotor may rest on top of its magnetic hill, held by friction
+  /// alone: a quarter of all motors do, since without current it rests at one of four places of an
+  /// electrical turn. The first step lets it fall two full steps to either side, and swing as far
+  /// again. What is declared before that step is only as good as this.
+  static constexpr std::int64_t kHillUnits = 64;
 
   enum class Verdict : std::uint8_t {
     kGood,
@@ -38,7 +43,10 @@ class IcpLegClaim {
   IcpLegClaim(std::int8_t index, const IcpLeg& leg, double units_per_m,
               std::int64_t units_per_down);
 
+  /// From a record: as good as it says.
   void declare(const JointPosition& position);
+  /// Somebody says where it stands, with the current on.
+  void declare_standing(const JointPosition& position);
   JointPosition position() const;
   bool known() const { return known_; }
   /// Width of the interval, units.
@@ -105,6 +113,8 @@ class IcpLegClaim {
   bool confirmed_ = false;  ///< in the round under way
   bool withdrawn_ = false;  ///< and not moved since: no target position shows another power cut
   bool moved_ = false;
+  bool on_hill_ = true;      ///< no step is known since the current may have come back
+  std::int64_t slack_ = 0;   ///< units that a declared place may be off by, on either side
   std::int64_t tag_ = 0;     ///< |target position| that the module must show; 0: anything
   bool last_maybe_ = false;  ///< a later step may or may not have been made
   int last_direction_ = 1;
