@@ -26,7 +26,9 @@ TEST(Demonstration, every_robot_with_a_device_has_a_program_that_parses) {
 TEST(Demonstration, each_robot_is_shown_and_moves) {
   ApiCell cell({test::place("a", "learm", "bus"), test::place("m", "maxarm")});
   Demonstration shown(cell.api(), cell.cell());
-  const auto base = [&] { return cell.cell().station(0).view().truth->joints[0].q; };
+  const auto truth = [&] { return cell.cell().station(0).view().truth; };
+  ASSERT_TRUE(cell.until([&] { return truth() && !truth()->joints.empty(); }));
+  const auto base = [&] { return truth()->joints[0].q; };
   double least = base(), most = base();
   EXPECT_TRUE(cell.until([&] {
     shown.poll(cell.now());
