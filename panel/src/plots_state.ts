@@ -179,12 +179,3 @@ export const replayGhost = computed<Ghost | null>(() => {
   const stand = standAt(one, playhead.value);
   return stand && { robot: name, joints: stand.joints, platform: stand.platform, refused: false, path: toolPath.value };
 });
-
-export function save(name: string, text: string | Uint8Array<ArrayBuffer>[], type = 'text/csv;charset=utf-8'): void {
-  const url = URL.createObjectURL(new Blob(typeof text === 'string' ? [text] : text, { type }));
-  const link = document.createElement('a');
-  link.href = url;
-  link.download = name;
-  link.click();
-  setTimeout(() => URL.revokeObjectURL(url), 10_000);
-}

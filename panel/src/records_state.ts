@@ -3,7 +3,8 @@ import { batch, computed, effect, signal, untracked } from '@preact/signals';
 import { robot, route, rpc, store } from './app';
 import { fetchRecord, type KeptRecords, type RecordForm } from './logic/records';
 import { notKept } from './logic/kept';
-import { loadRecord, save } from './plots_state';
+import { handOver } from './hand_over';
+import { loadRecord } from './plots_state';
 
 export const records = signal<KeptRecords | null>(null);
 export const recordsTrouble = signal('');
@@ -94,7 +95,7 @@ async function fetched(record: string, form: RecordForm | 'play'): Promise<Uint8
 /** To this computer. */
 export async function download(record: string, form: RecordForm): Promise<void> {
   const parts = await fetched(record, form);
-  if (parts) save(form === 'csv' ? record.replace(/\.mcap$/, '.csv') : record, parts, form === 'csv' ? 'text/csv;charset=utf-8' : 'application/octet-stream');
+  if (parts) handOver(form === 'csv' ? record.replace(/\.mcap$/, '.csv') : record, parts, form === 'csv' ? 'text/csv;charset=utf-8' : 'application/octet-stream');
 }
 /** In the 3D view. */
 export async function play(record: string): Promise<void> {

@@ -105,7 +105,10 @@ void Station::slice(Duration time) {
     begin_life();
   }
   act();
-  if (!misfortunes_) switch_off_and_on();
+  if (!misfortunes_) {
+    start_anew_where_disk_failed();
+    switch_off_and_on();
+  }
   const Instant end = cell_.now() + time;
   EXPECT_TRUE(cell_.run_to(end, 2ms, [this] {
     look();
@@ -424,9 +427,11 @@ void Station::heal() {
   cell_.line().set_faults({}, cell_.now());
   disk_.set_sync_time(1ms, 20ms, 1);
   disk_.fail_from_call(0, {});
-  // A run whose disk has failed does not trust it again: it is started anew.
-  const bool failed = host_ && host_->pump->failed();
-  if (failed) kill(false, 1s, 1);
+}
+
+/// A run whose disk has failed does not trust it again. It may hear of it after the disk is mended.
+void Station::start_anew_where_disk_failed() {
+  if (host_ && host_->pump->failed()) kill(false, 1s, 1);
 }
 
 /// What the sentence of a supply that was away asks for, once in a while: the hexapod's firmware

@@ -106,6 +106,7 @@ class Station {
   std::string strike(const Blow& blow);
   std::string sink_supply(const Blow& blow);
   void look_at_supply();
+  void start_anew_where_disk_failed();
   void switch_off_and_on();
 
   void begin_life();

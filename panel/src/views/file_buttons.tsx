@@ -5,17 +5,10 @@ import { model } from '../app';
 import { readPoints, writePoints } from '../logic/points';
 import { fileKind, nameOfFile } from '../logic/shelf';
 import { addPoints, measureOf, name, openProgram, say, shelf, text } from '../teach';
+import { handOver } from '../hand_over';
 import { IconButton } from './points_list';
 
 const kMost = 900_000; // bytes: a message to the server has 1 MiB at most
-
-/** Hands a text to the browser as a file. */
-export function download(file: string, content: string): void {
-  const url = URL.createObjectURL(new Blob([content], { type: 'text/plain;charset=utf-8' }));
-  const link = Object.assign(document.createElement('a'), { href: url, download: file });
-  link.click();
-  setTimeout(() => URL.revokeObjectURL(url), 10_000);
-}
 
 /** Files in and out: programs and points, whichever list is open. */
 export function FileButtons({ kind }: { kind: 'program' | 'points' }): JSX.Element {
@@ -50,8 +43,8 @@ export function FileButtons({ kind }: { kind: 'program' | 'points' }): JSX.Eleme
     setTold(t('file.points.read', { count: ours.length, others: points.length - ours.length }));
   };
   const save = () => {
-    if (kind === 'program') download(`${name.value || 'program'}.sinew`, text.value);
-    else download('points.toml', writePoints(one.robot, shelf.value.points, measureOf(one)));
+    if (kind === 'program') handOver(`${name.value || 'program'}.sinew`, text.value);
+    else handOver('points.toml', writePoints(one.robot, shelf.value.points, measureOf(one)));
   };
   return (
     <>

@@ -7,6 +7,7 @@ import { fitted, hold, kSpans, shift, zoom } from '../logic/plot_window';
 import { lengthOf } from '../logic/record';
 import { csvOf, kQuantities, linesOf, ofJoints, thinned, type Line, type Quantity } from '../logic/series';
 import { clamp } from '../logic/units';
+import { handOver } from '../hand_over';
 import {
   ends,
   frames,
@@ -21,7 +22,6 @@ import {
   record,
   recordName,
   recordWindow,
-  save,
   shownNow,
   windowNow,
   zeroTime,
@@ -128,7 +128,7 @@ function saveSeen(): void {
   const charts = shownQuantities().map((quantity) => ({ quantity, lines: linesOf(seen, picks.value, quantity, names()) }));
   const base = mode.value === 'record' ? recordName.value.replace(/\.mcap$/i, '') : 'sinew';
   const stamp = new Date().toISOString().slice(0, 19).replaceAll(':', '-');
-  save(`${base}_${stamp}.csv`, csvOf(seen.map((one) => one.t), charts));
+  handOver(`${base}_${stamp}.csv`, csvOf(seen.map((one) => one.t), charts), 'text/csv;charset=utf-8');
 }
 
 /** Seconds before now while it is live, else from the beginning of the record. */

@@ -5,6 +5,7 @@ import { store } from '../app';
 import { csvOf, kQuantities, linesOf } from '../logic/series';
 import { lengthOf, type RunRecord } from '../logic/record';
 import { duration } from '../logic/units';
+import { handOver } from '../hand_over';
 import {
   candidates,
   choosable,
@@ -18,7 +19,6 @@ import {
   record,
   recordName,
   recordTrouble,
-  save,
   setQuantity,
   standsFor,
   type Choosable,
@@ -226,7 +226,7 @@ function saveWhole(of: RunRecord): void {
     quantity,
     lines: linesOf(of.frames, all, quantity, { trip: '', late: '' }),
   }));
-  save(`${recordName.value.replace(/\.mcap$/i, '')}.csv`, csvOf(of.frames.map((one) => one.t), charts));
+  handOver(`${recordName.value.replace(/\.mcap$/i, '')}.csv`, csvOf(of.frames.map((one) => one.t), charts), 'text/csv;charset=utf-8');
 }
 
 /** Records that lie somewhere else beside the controller: those of --record-folder. */

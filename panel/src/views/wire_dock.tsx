@@ -4,7 +4,7 @@ import { t, tWord } from '../i18n';
 import { model, robot } from '../app';
 import { chosen, clear, filter, frames, lost, paused } from '../device_state';
 import { fileText, matches, visible, type WireFrame } from '../logic/wire';
-import { download } from './file_buttons';
+import { handOver } from '../hand_over';
 import { Icon, Segments, Toggle } from './parts';
 
 const kRow = 24; // px, as .wire-row has it
@@ -31,7 +31,7 @@ export function WireDock(): JSX.Element {
   const save = () => {
     const stamp = new Date().toISOString().slice(0, 19);
     const head = `# ${robot.value}, ${stamp}Z, ${t('wire.lost', { count: lost.value })}`;
-    download(`${robot.value}_wire_${stamp.replaceAll(':', '-')}.txt`, fileText(head, shown, sentence));
+    handOver(`${robot.value}_wire_${stamp.replaceAll(':', '-')}.txt`, fileText(head, shown, sentence));
   };
   return (
     <section class="dock wire-dock" aria-label={t('wire.title')}>

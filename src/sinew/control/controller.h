@@ -145,6 +145,7 @@ class Controller {
   void rested();
   bool standing(Instant now) const;
   bool driver_knows() const;
+  bool measures() const { return robot_.device.capability.feedback == PositionFeedback::kMeasured; }
   /// The next motion begins at the end of the last piece, or where the driver says.
   void stand_at_setpoint();
   /// A servo under load, or one that was turned a little by hand, still is at its setpoint where

@@ -145,7 +145,7 @@ void Controller::enable(std::uint32_t command, Instant now) {
     driver_.declare_positions({positions_.data(), positions_.size()});
     // Where nothing measures it keeps them from now on: an opening that fails may have found out
     // that they are no longer true, and the next one would not.
-    driver_spoke_ = robot_.device.capability.feedback != PositionFeedback::kMeasured;
+    driver_spoke_ = !measures();
   }
   driver_.open(now);
   change(Signal::kEnable);

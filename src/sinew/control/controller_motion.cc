@@ -141,12 +141,15 @@ void Controller::record_rest(Instant now) {
   if (!journal_ || closed_ || !driver_spoke_ || may_move(state_)) return;
   const DriverState driver = driver_.state();
   const bool looked = driver == DriverState::kReady || driver == DriverState::kFault;
-  if (!looked || !standing(now)) return;
+  // Where nothing measures, what an opening has found out so far counts: it may be all that ever
+  // tells of it.
+  if ((!looked && measures()) || !standing(now)) return;
   offer(journal_->at_rest(driver_.positions(), time(now)));
 }
 
 void Controller::record_end(Instant now) {
   if (!journal_ || closed_ || may_move(state_) || !standing(now)) return;
+  if (driver_spoke_ && !measures()) recorded_ = JournalPositions(driver_.positions());
   const auto record = journal_->close({recorded_.data(), recorded_.size()}, time(now));
   closed_ = record.has_value();
   offer(record);

@@ -49,8 +49,10 @@ void Governor::rest(std::span<const double> q) {
 }
 
 void Governor::leave(std::span<const LinkPair> overlaps) {
-  if (!known_ || overlaps.empty()) return;
+  if (!known_) return;
   const planning::Clearance nearest = collision_.distance(q());
+  clearance_ = nearest.distance;
+  overlaps_.clear();
   if (nearest.distance >= collision_.margin()) return;
   const std::uint8_t first = planning::link_of(model_, nearest.first);
   const std::uint8_t second = planning::link_of(model_, nearest.second);
@@ -59,7 +61,6 @@ void Governor::leave(std::span<const LinkPair> overlaps) {
            (pair.first == second && pair.second == first);
   });
   if (!named) return;
-  overlaps_.clear();
   for (const LinkPair& pair : overlaps) {
     if (!overlaps_.full()) overlaps_.push_back(pair);
   }

@@ -49,7 +49,10 @@ class Governor {
   /// What passes from now on leads apart what is too near to each other here; until rest().
   void leave(std::span<const LinkPair> overlaps);
   /// Nobody knows where it is: nothing passes but pass_blind().
-  void lose() { known_ = false; }
+  void lose() {
+    known_ = false;
+    overlaps_.clear();
+  }
 
   /// @error kMoveInput (index: no number, or how many joints), kSegmentTime (s; not above 0, or
   ///        beyond a day), kPositionUnknown, kJointLimit (index), kVelocityLimit,

@@ -273,6 +273,10 @@ TEST(Governor, what_leads_out_of_an_overlap_may_deepen_it_slowly_until_it_rests)
   EXPECT_EQ(tried(home_joints(model), own, move), ErrorCode::kCollision) << "into it";
   governor.rest(span_of(folded));
   EXPECT_EQ(governor.pass(move).error().code, ErrorCode::kCollision) << "it has rested";
+  governor.leave(std::span(&own, 1));
+  governor.lose();
+  EXPECT_EQ(governor.pass_blind(move).error().code, ErrorCode::kCollision)
+      << "nor where it is lost";
   move.qd[2] = 1.01 * Governor::kLeavingShare * limits[2].velocity;
   EXPECT_EQ(tried(folded, own, move), ErrorCode::kVelocityLimit);
 }

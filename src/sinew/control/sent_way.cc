@@ -90,7 +90,13 @@ std::span<const JointInterval> SentWay::with(std::span<const JointPosition> now,
   reach_ = way_of(next, braking);
   for (std::size_t j = 0; j < reach_.size(); ++j) {
     for (const Intervals& piece : pieces_) widen(reach_[j], piece[j]);
-    if (now[j].quality != PositionQuality::kLost) widen(reach_[j], {now[j].lower, now[j].upper});
+    if (now[j].quality == PositionQuality::kLost) continue;
+    // What is open about where it stands goes along with it; what is measured is measured anew.
+    if (now[j].quality != PositionQuality::kMeasured) {
+      reach_[j].lower += std::min(0.0, now[j].lower - now[j].q);
+      reach_[j].upper += std::max(0.0, now[j].upper - now[j].q);
+    }
+    widen(reach_[j], {now[j].lower, now[j].upper});
   }
   return {reach_.data(), reach_.size()};
 }

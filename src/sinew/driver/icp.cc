@@ -59,6 +59,7 @@ void IcpDriver::open(Instant now) {
 
 void IcpDriver::begin_opening(Instant now) {
   opening_ = true;
+  read_ = false;
   recovering_ = true;
   polls_ = kAllLegs;
   failures_ = 0;
@@ -307,6 +308,7 @@ void IcpDriver::send(const Request& request, Phase phase, Instant now) {
   using Due = ReplyDecoder::Due;
   output_ = encode_request(request);
   phase_ = phase;
+  read_ = read_ || phase == Phase::kSelect || phase == Phase::kWake;
   asked_ = now;
   earliest_ = now + 2 * timing_.byte_time - kEarlySlack;
   const bool silent = phase == Phase::kQuiet || phase == Phase::kKill;
@@ -604,6 +606,8 @@ void IcpDriver::suspect_supply() {
 
 /// What silences the controller, or one module, may have taken the current from all six.
 void IcpDriver::suspect_silence() {
+  // Who never was heard has lost nothing of what its modules will say when it is.
+  if (opening_ && !read_) return;
   for (std::size_t i = 0; i < kLegs; ++i) {
     legs_[i].suspect_silence();
     refresh(i);

@@ -192,6 +192,7 @@ class IcpDriver final : public ByteDriver {
   std::optional<std::uint8_t> output_;
 
   bool opening_ = false;     ///< kReady or kFailed is owed
+  bool read_ = false;        ///< a status was asked for since then, which clears its flags
   bool recovering_ = false;  ///< no step before a status has come
   bool kill_suspected_ = false;
   bool selector_is_step_ = false;  ///< this firmware checks selectors

@@ -325,6 +325,17 @@ TEST(IcpDriverFaults, unplugged_line_is_told_as_silent_and_found_again) {
   EXPECT_EQ(cell.truth(0), 1);
 }
 
+TEST(IcpDriverFaults, who_never_was_heard_at_opening_has_taken_nothing_away) {
+  IcpCell cell;
+  cell.run_for(100ms);
+  cell.up.fault = [](std::uint8_t, std::size_t) { return IcpLine::Fate{}; };
+  cell.driver.declare_positions(IcpCell::at_home());
+  cell.driver.open(cell.now);
+  cell.settle();
+  ASSERT_EQ(cell.driver.fault()->code, ErrorCode::kDeviceSilent);
+  EXPECT_FALSE(cell.uncertain()) << "its flags will tell";
+}
+
 TEST(IcpDriverFaults, line_that_talks_on_for_ever_is_told) {
   IcpCell cell;
   cell.begin();

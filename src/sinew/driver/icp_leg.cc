@@ -170,7 +170,7 @@ void IcpLegClaim::round_passed() {
 void IcpLegClaim::confirm(const icp::Status& status) {
   // The hull stays until the round has ended: another leg may still tell of the supply.
   confirmed_ = true;
-  if (moved_) on_hill_ = false;
+  if (moved_ && !last_maybe_) on_hill_ = false;
   if (moved_ && !last_maybe_) unseen_[wire_bit(last_direction_) ? 1 : 0] = 0;
   moved_ = false;
   // From before this program, or from a step that may have been made: it stays until it is lost.

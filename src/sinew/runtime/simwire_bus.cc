@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -155,12 +156,14 @@ class SimwireBus : public io::SpiBus {
   /// for the answer to something else; the first refusal is told.
   io::IoResult<void> collect() {
     replies_.clear();
+    // What is still to come would be taken for the answer to something else.
+    if (broken_) return std::unexpected(*broken_);
     io::IoResult<void> result = port_.write(posted_);
     posted_.clear();
-    if (!result) return result;
+    if (!result) return given_up(result.error());
     for (; open_ > 0; --open_) {
       auto reply = next_reply();
-      if (!reply) return std::unexpected(reply.error());
+      if (!reply) return given_up(reply.error());
       if (const auto* why = std::get_if<Refused>(&*reply); why != nullptr && result) {
         result = said("refused: " + std::string(view(why->text)));
       }
@@ -194,6 +197,10 @@ class SimwireBus : public io::SpiBus {
   std::unexpected<io::IoError> said(const std::string& what) const {
     return std::unexpected(io::IoError{port_.path() + ": " + what});
   }
+  std::unexpected<io::IoError> given_up(const io::IoError& error) {
+    broken_ = error;
+    return std::unexpected(error);
+  }
   std::unexpected<io::IoError> misfit() const { return said("the answer does not fit"); }
 
   io::Port port_;
@@ -201,6 +208,7 @@ class SimwireBus : public io::SpiBus {
   std::vector<std::uint8_t> posted_;  ///< not written yet
   std::size_t open_ = 0;              ///< requests that have no reply yet
   std::vector<Reply> replies_;
+  std::optional<io::IoError> broken_;
   std::vector<AxisBoard> boards_;
   const io::Clock& clock_;
 };
