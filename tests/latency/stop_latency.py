@@ -48,6 +48,24 @@ class LscEar:
             del self.bytes[: at + 2 + self.bytes[at + 2]]
 
 
+class IcpEar:
+    """The hexapod: a stop is that no step follows; the legs' statuses are read instead."""
+
+    frame_ms = 4 * 10 / 9.6 + 5  # an exchange at 9600 baud, and what its modules take
+
+    def __init__(self):
+        self.command_is_due = False
+
+    def hear(self, data):
+        told = []
+        for byte in data:
+            if self.command_is_due:
+                told.append(b"status" if byte == 0xF0 else b"step")
+            # A byte behind F0 names a leg and opens nothing.
+            self.command_is_due = byte == 0xFF
+        return told
+
+
 WIRES = {
     f"learm-{profile}": dict(
         robot="learm", options=["--profile", profile], cell=f'profile = "{profile}"', ear=LscEar,
@@ -55,6 +73,9 @@ WIRES = {
         swing=["joint base=60deg speed=20%", "joint base=-60deg speed=20%"])
     for profile in ("bus", "lsc6", "esp32")
 }
+WIRES["hexapod"] = dict(
+    robot="hexapod", options=[], cell="", ear=IcpEar, standing_at=[268.3629e-3] * 6, stand="joint leg1=268.4mm",
+    swing=["joint leg1=268.5mm leg2=268.3mm", "joint leg1=268.3mm leg2=268.5mm"])
 
 
 def not_of_this_computer():
@@ -169,7 +190,7 @@ def measure(program, wire, stops, loaded):
                 robot = cell.robot(facts["robot"])
                 with robot.lease() as lease:
                     lease.enable()
-                robot.run(facts["stand"])
+                robot.run(facts["stand"], **{k: facts[k] for k in ("standing_at",) if k in facts})
                 with robot.lease():
                     if loaded:
                         crowd = [multiprocessing.Process(target=ask, args=(str(place / "s"),),
