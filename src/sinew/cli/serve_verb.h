@@ -13,7 +13,7 @@ struct ServeRequest {
   std::optional<std::string> socket;  ///< where it listens; the user's own place where absent
   std::optional<std::string> record_folder;  ///< each job leaves a record there
   WebDoorRequest web;
-  bool realtime = false;  ///< its control threads before all else on the computer
+  bool realtime = false;       ///< its control threads before all else on the computer
   bool demonstrate = false;    ///< simulated robots show what they can do until somebody moves one
   bool shown_is_over = false;  ///< the end is when each has been shown once
   bool json = false;
