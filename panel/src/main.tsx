@@ -70,7 +70,7 @@ function Pane(): JSX.Element {
           </a>
         ))}
       </nav>
-      <div class="pane-scroll" key={view}>
+      <div class="pane-scroll" key={view} role="region" aria-label={t(`view.${view}`)} tabIndex={0}>
         {store.role.value === 'viewer' && <p class="callout watching">{t('role.viewer.help')}</p>}
         <Shown />
       </div>

@@ -75,8 +75,11 @@ async function refresh(): Promise<void> {
     const told = await fetchKept(rpc, name, controller.peek());
     if (turn === asked && kind.peek() === one) take(told);
   } catch (error) {
+    if (turn !== asked) return;
     const why = notKept(error);
-    if (turn === asked && why.why === 'refused') trouble.value = why.sentence;
+    if (why.why === 'refused') trouble.value = why.sentence;
+    // A busy controller is asked again; where the connection is gone the next one asks.
+    else setTimeout(() => turn === asked && store.connection.peek() === 'open' && void refresh(), 1000);
   }
 }
 

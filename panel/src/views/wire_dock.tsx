@@ -137,7 +137,7 @@ function List({ shown }: { shown: WireFrame[] }): JSX.Element {
       <div
         ref={box}
         class="wire-list"
-        role="listbox"
+        role={shown.length > 0 ? 'listbox' : 'group'}
         tabIndex={0}
         aria-label={t('wire.list')}
         aria-activedescendant={at >= first && at < end ? `wire-${shown[at]!.sequence}` : undefined}
