@@ -49,7 +49,9 @@ bool Ended::was_late() const {
   if (!report.is_object() || !report.contains("refusal")) return false;
   const std::string code = report["refusal"].value("code", "");
   return code == "device_silent" || code == "cycle_overrun" || code == "clock_gap" ||
-         code == "stream_ended" || code == "link_silent";
+         code == "stream_ended" || code == "link_silent" ||
+         // What answered too late is taken for the answer to something else.
+         code == "device_refused";
 }
 
 Process::Process(const Arguments& arguments, const Streams& streams) {
