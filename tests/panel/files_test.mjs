@@ -114,32 +114,36 @@ test('what one browser saves another one sees, and neither overwrites the other 
   const one = await open('programs');
   const other = await open('programs');
   await write(one, 'wait 1s\n');
-  await save(one, 'wave');
-  await until('on the disk', async () => (await kept('wave')) === 'wait 1s\n');
-  await offers(other, 'wave');
-  await pick(other, 'wave');
+  await save(one, 'swing');
+  await until('on the disk', async () => (await kept('swing')) === 'wait 1s\n');
+  await offers(other, 'swing');
+  await pick(other, 'swing');
   assert.equal(await textOf(other), 'wait 1s\n');
 
   // What was only opened follows; what was changed stays, and asks.
   await write(one, 'wait 2s\n');
-  await save(one, 'wave');
+  await save(one, 'swing');
   await until('it follows', async () => (await textOf(other)) === 'wait 2s\n');
   await write(other, 'wait 3s\n');
   await write(one, 'wait 4s\n');
-  await save(one, 'wave');
-  await until('on the disk', async () => (await kept('wave')) === 'wait 4s\n');
-  await save(other, 'wave');
-  await other.getByText('Somebody else has changed wave').waitFor();
-  assert.equal(await kept('wave'), 'wait 4s\n', 'nothing was overwritten');
+  await save(one, 'swing');
+  await until('on the disk', async () => (await kept('swing')) === 'wait 4s\n');
+  await save(other, 'swing');
+  await other.getByText('Somebody else has changed swing').waitFor();
+  assert.equal(await kept('swing'), 'wait 4s\n', 'nothing was overwritten');
   assert.equal(await textOf(other), 'wait 3s\n', 'nothing is lost');
   await other.getByRole('button', { name: 'Put mine in its place' }).click();
-  await until('asked for', async () => (await kept('wave')) === 'wait 3s\n');
+  await until('asked for', async () => (await kept('swing')) === 'wait 3s\n');
 
   // Points too.
   await other.getByRole('radio', { name: 'Points' }).click();
   await drive(other);
-  await other.getByLabel('Name of the point').fill('here');
-  await other.locator('[data-tour=take]').click();
+  await until('taken', async () => {
+    if ((await other.locator('.point', { hasText: 'here' }).count()) > 0) return true;
+    await other.getByLabel('Name of the point').fill('here');
+    await other.locator('[data-tour=take]').click({ timeout: 1000 }).catch(() => undefined);
+    return false;
+  });
   await one.getByRole('radio', { name: 'Points' }).click();
   await one.locator('.point', { hasText: 'here' }).waitFor();
   await one.getByRole('button', { name: 'Rename here' }).click();
