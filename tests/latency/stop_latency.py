@@ -77,7 +77,7 @@ WIRES = {
 # then came to a stand for longer than its host waits.
 WIRES["hexapod"] = dict(
     before_all=False,
-    robot="hexapod", options=[], cell="", ear=IcpEar, standing_at=[268.3629e-3] * 6, stand="joint leg1=268.4mm",
+    robot="hexapod", options=[], cell="", ear=IcpEar, run=dict(standing_at=[268.3629e-3] * 6), stand="joint leg1=268.4mm",
     swing=["joint leg1=268.5mm leg2=268.3mm", "joint leg1=268.3mm leg2=268.5mm"])
 
 
@@ -195,7 +195,7 @@ def measure(program, wire, stops, loaded):
                 robot = cell.robot(facts["robot"])
                 with robot.lease() as lease:
                     lease.enable()
-                robot.run(facts["stand"], **{k: facts[k] for k in ("standing_at",) if k in facts})
+                robot.run(facts["stand"], **facts.get("run", {}))
                 with robot.lease():
                     if loaded:
                         crowd = [multiprocessing.Process(target=ask, args=(str(place / "s"),),

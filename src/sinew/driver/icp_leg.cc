@@ -54,7 +54,7 @@ void IcpLegClaim::declare(const JointPosition& position) {
 
 void IcpLegClaim::declare_standing(const JointPosition& position) {
   // Where it was let go of before, it may be on the hill still.
-  on_hill_ = on_hill_ || suspected_ || withdrawn_;
+  on_hill_ = on_hill_ || suspected_;
   declare(position);
   if (known_ && on_hill_) slack_ = std::max(slack_, kHillUnits);
 }

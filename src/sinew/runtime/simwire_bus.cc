@@ -152,11 +152,10 @@ class SimwireBus : public io::SpiBus {
     ++open_;
   }
 
-  /// One reply for each that was posted, in replies_. All are read, or a late one would be taken
-  /// for the answer to something else; the first refusal is told.
+  /// One reply for each that was posted, in replies_; all are read, and the first refusal is told.
   io::IoResult<void> collect() {
     replies_.clear();
-    // What is still to come would be taken for the answer to something else.
+    // What is still to come would be taken for the answer to something later.
     if (broken_) return std::unexpected(*broken_);
     io::IoResult<void> result = port_.write(posted_);
     posted_.clear();
