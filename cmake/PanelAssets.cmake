@@ -11,7 +11,7 @@ function(sinew_panel_assets target)
       -P "${SINEW_PANEL_SCRIPT}"
     BYPRODUCTS "${source}" COMMENT "" VERBATIM)
   target_sources(${target} PRIVATE "${source}")
-  set_source_files_properties("${source}" PROPERTIES
-    GENERATED TRUE SKIP_UNITY_BUILD_INCLUSION ON)
+  sinew_alone("${source}")
+  set_source_files_properties("${source}" PROPERTIES GENERATED TRUE)
   add_dependencies(${target} ${target}_panel)
 endfunction()

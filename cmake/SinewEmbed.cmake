@@ -12,4 +12,5 @@ function(sinew_embed_robots target cell programs)
     COMMENT "Embedding the robots' files"
     VERBATIM)
   target_sources(${target} PRIVATE "${output}")
+  sinew_alone("${output}")
 endfunction()

@@ -34,10 +34,20 @@ function(sinew_headers target)
   endif()
 endfunction()
 
-# sinew_batches(<target>): its files are compiled six at a time, each header read once for them, and
-# what templates make of it once. For targets in which no two files give one name to two things.
-function(sinew_batches target)
-  set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 6)
+# sinew_batches(<target>...): its files are compiled six at a time, each header read once for them,
+# and what templates make of it once. For targets in which no two files give one name to two things;
+# a target that is not built here is passed over.
+function(sinew_batches)
+  foreach(target IN LISTS ARGN)
+    if(TARGET ${target})
+      set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 6)
+    endif()
+  endforeach()
+endfunction()
+
+# sinew_alone(<file>...): these are compiled by themselves all the same.
+function(sinew_alone)
+  set_source_files_properties(${ARGN} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
 endfunction()
 
 # The code of tests is compiled more often than it runs.
@@ -74,6 +84,13 @@ function(sinew_test name)
       $<TARGET_FILE:${name}> ${ARG_SHARDS} "${results}")
   else()
     add_test(NAME ${name} COMMAND ${name} "--gtest_output=json:${results}.json")
+  endif()
+endfunction()
+
+# sinew_long(<test> <seconds>): begun before shorter ones, so that no core waits for it at the end.
+function(sinew_long test seconds)
+  if(TEST ${test})
+    set_tests_properties(${test} PROPERTIES COST ${seconds})
   endif()
 endfunction()
 

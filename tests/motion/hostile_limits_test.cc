@@ -2,6 +2,7 @@
 
 #include <limits>
 
+#include "sinew/core/units.h"
 #include "sinew/motion/state_to_state.h"
 #include "sinew/motion/synchronised.h"
 #include "sinew/planning/path_timing.h"
@@ -18,7 +19,6 @@ using test::Random;
 
 /// What no limit can be.
 double no_limit(Random& random) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   constexpr std::array kNumbers{std::numeric_limits<double>::quiet_NaN(),
                                 kInfinity,
                                 -kInfinity,

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "sinew/core/units.h"
+
 namespace sinew::planning {
 namespace {
 
@@ -32,7 +34,6 @@ double& coordinate(Vec3& v, std::int64_t which) {
 }  // namespace
 
 double hostile_number(Random& random) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   constexpr std::array kNumbers{std::numeric_limits<double>::quiet_NaN(),
                                 kInfinity,
                                 -kInfinity,

@@ -12,6 +12,7 @@
 #include "sinew/driver/icp.h"
 #include "sinew/io/interrupt.h"
 #include "sinew/runtime/robot_link.h"
+#include "sinew/runtime/session_pace.h"
 #include "sinew/wire/tmc222_words.h"
 
 namespace sinew::cli {
@@ -19,7 +20,6 @@ namespace {
 
 using Kind = DriverEvent::Kind;
 
-constexpr Duration kSlice = std::chrono::milliseconds(50);
 constexpr std::array<std::string_view, 4> kActions{"status", "wake", "kill", "jog"};
 
 /// The driver of one hexapod on its port, one command at a time.
@@ -72,7 +72,7 @@ class Hexapod {
         stopped = true;
         icp_.stop(clock_.now());
       }
-      if (const auto turned = link_.line().turn(kSlice); !turned) {
+      if (const auto turned = link_.line().turn(runtime::kSliceMax); !turned) {
         trouble_ = {ErrorCode::kPortClosed};
         return turned.error().sentence;
       }

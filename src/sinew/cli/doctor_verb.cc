@@ -11,11 +11,10 @@
 #include "sinew/io/machine_check.h"
 #include "sinew/runtime/robot_link.h"
 #include "sinew/runtime/robot_variant.h"
+#include "sinew/runtime/session_pace.h"
 
 namespace sinew::cli {
 namespace {
-
-constexpr Duration kSlice = std::chrono::milliseconds(50);
 
 const char* kind_name(io::FoundDevice::Kind kind) {
   constexpr const char* kNames[] = {"serial port", "SPI bus", "GPIO chip"};
@@ -56,7 +55,7 @@ std::optional<Error> first_answer(runtime::RobotLink& link, const io::Clock& clo
       if (event->kind == DriverEvent::Kind::kFailed) trouble = event->error;
     }
     if (driver.state() == DriverState::kFault) return driver.fault();
-    if (const auto turned = link.line().turn(kSlice); !turned) {
+    if (const auto turned = link.line().turn(runtime::kSliceMax); !turned) {
       wire_failure = turned.error();
       return trouble;
     }

@@ -18,7 +18,7 @@ constexpr double kWidth = 960;
 constexpr double kPanelHeight = 260;
 constexpr double kLeft = 64;
 constexpr double kRight = 150;
-constexpr double kTop = 72;
+constexpr double kPlotTop = 72;
 constexpr double kGap = 48;
 constexpr double kPlotWidth = kWidth - kLeft - kRight;
 
@@ -57,7 +57,7 @@ class Picture {
   }
 
   void add(const Panel& panel, std::size_t index) {
-    const double top = kTop + static_cast<double>(index) * (kPanelHeight + kGap);
+    const double top = kPlotTop + static_cast<double>(index) * (kPanelHeight + kGap);
     const auto [lower, upper] = range_of(panel);
     const PlotScale axis = scale_for(lower, upper, 6);
     const auto y = [&](double value) {
@@ -129,7 +129,7 @@ std::string plot_svg(const std::string& title, const std::vector<double>& t_s,
 }
 
 PictureSize plot_size(std::size_t panels) {
-  return {kWidth, kTop + static_cast<double>(panels) * (kPanelHeight + kGap)};
+  return {kWidth, kPlotTop + static_cast<double>(panels) * (kPanelHeight + kGap)};
 }
 
 std::string tiled_svg(const std::string& title, const std::vector<std::string>& pictures,

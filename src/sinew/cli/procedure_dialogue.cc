@@ -21,7 +21,7 @@ using program::StepResult;
 using Asks = ProcedureView::Asks;
 using State = StepResult::State;
 
-constexpr std::size_t kWidth = 72;
+constexpr std::size_t kTextWidth = 72;
 
 std::string trimmed(const std::string& text) {
   const std::size_t begin = text.find_first_not_of(" \t\r");
@@ -29,7 +29,7 @@ std::string trimmed(const std::string& text) {
   return text.substr(begin, text.find_last_not_of(" \t\r") - begin + 1);
 }
 
-/// In lines of kWidth, each behind the margin.
+/// In lines of kTextWidth, each behind the margin.
 std::string wrapped(const std::string& text, const std::string& margin) {
   std::string out;
   std::string line;
@@ -37,7 +37,7 @@ std::string wrapped(const std::string& text, const std::string& margin) {
   while (at < text.size()) {
     const std::size_t space = std::min(text.find(' ', at), text.size());
     const std::string word = text.substr(at, space - at);
-    if (!line.empty() && line.size() + 1 + word.size() > kWidth) {
+    if (!line.empty() && line.size() + 1 + word.size() > kTextWidth) {
       out += margin + line + "\n";
       line.clear();
     }
@@ -47,7 +47,7 @@ std::string wrapped(const std::string& text, const std::string& margin) {
   return line.empty() ? out : out + margin + line + "\n";
 }
 
-constexpr const char* kMargin = "         ";
+constexpr const char* kIndent = "         ";
 
 std::string found_text(const StepResult& result) {
   if (result.state == State::kSkipped && result.words.empty()) return {};
@@ -163,12 +163,12 @@ void ProcedureDialogue::show_results(const ProcedureView& procedure) {
     if (!seen && result.words == "not needed") continue;
     if (!seen) {
       say(fmt::format("\n  {:>2}/{:<3} {}\n", told_results_ + 1, procedure.steps.size(), id) +
-          wrapped(text, kMargin));
+          wrapped(text, kIndent));
     }
     const std::string words = found_text(result);
     const std::string state =
         result.state == State::kDone ? "ok" : std::string(program::name(result.state));
-    say(wrapped(state + (words.empty() ? "" : ": " + words), kMargin));
+    say(wrapped(state + (words.empty() ? "" : ": " + words), kIndent));
   }
 }
 
@@ -184,21 +184,21 @@ void ProcedureDialogue::show(const ProcedureView& procedure) {
     const auto& step = procedure.steps[procedure.place];
     say(fmt::format("\n  {:>2}/{:<3} {}\n", procedure.place + 1, procedure.steps.size(),
                     step.step) +
-        wrapped(step.text, kMargin));
+        wrapped(step.text, kIndent));
   }
   if (procedure.trouble != shown_trouble_ && !procedure.finished()) {
     shown_trouble_ = procedure.trouble;
-    if (!shown_trouble_.empty()) say(wrapped("! " + shown_trouble_, kMargin));
+    if (!shown_trouble_.empty()) say(wrapped("! " + shown_trouble_, kIndent));
     shown_question_.clear();
   }
   if (!procedure.question.empty() && procedure.question != shown_question_) {
-    say(std::string(kMargin) + "[" + procedure.question + "]" +
+    say(std::string(kIndent) + "[" + procedure.question + "]" +
         (script_ != nullptr ? "\n" : " > "));
   }
   shown_question_ = procedure.question;
   const std::string progress = progress_text(procedure);
   if (live_ && !progress.empty() && progress != shown_progress_) {
-    std::fputs(("\r\033[K" + std::string(kMargin) + shown(progress)).c_str(), stderr);
+    std::fputs(("\r\033[K" + std::string(kIndent) + shown(progress)).c_str(), stderr);
     dirty_ = true;
   }
   shown_progress_ = progress;
@@ -217,7 +217,7 @@ void ProcedureDialogue::ask(const ProcedureView& procedure, const ProcedureHands
                              procedure.steps[procedure.place].step, trouble, procedure.question);
     return hands.cancel();
   }
-  say(std::string(kMargin) + "> " + *answer + "\n");
+  say(std::string(kIndent) + "> " + *answer + "\n");
   give(procedure, hands, *answer);
 }
 
@@ -231,7 +231,7 @@ void ProcedureDialogue::give(const ProcedureView& procedure, const ProcedureHand
     if (text == "back") shown_step_.reset();
     return;
   }
-  say(wrapped("! " + taken.error(), kMargin));
+  say(wrapped("! " + taken.error(), kIndent));
   if (script_ == nullptr) return;
   complaint_ = fmt::format("{}: {}: {}", script_->path(), procedure.steps[procedure.place].step,
                            taken.error());

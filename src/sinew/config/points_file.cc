@@ -15,10 +15,10 @@ namespace sinew {
 namespace {
 
 constexpr std::size_t kPointsMax = 10'000;
-constexpr std::size_t kNameMax = 40;   // bytes
-constexpr std::size_t kTextMax = 200;  // bytes
-constexpr double kFarAway = 100e3;     // mm
-constexpr double kTurnMax = 720;       // deg
+constexpr std::size_t kPointNameMax = 40;  // bytes
+constexpr std::size_t kTextMax = 200;      // bytes
+constexpr double kFarAway = 100e3;         // mm
+constexpr double kTurnMax = 720;           // deg
 
 constexpr std::array<std::string_view, 13> kKeys{
     "robot",  "joints_deg", "legs_mm", "x_mm",      "y_mm",      "z_mm",    "rx_deg",
@@ -164,10 +164,10 @@ class PointReader {
 
   void read_tool(TaughtPoint& point) {
     constexpr std::array<std::string_view, 3> kPosition{"x_mm", "y_mm", "z_mm"};
-    constexpr std::array<std::string_view, 3> kTurn{"rx_deg", "ry_deg", "rz_deg"};
+    constexpr std::array<std::string_view, 3> kTurnKeys{"rx_deg", "ry_deg", "rz_deg"};
     constexpr std::array<std::string_view, 2> kPitchRoll{"pitch_deg", "roll_deg"};
     const auto p = together(kPosition, kFarAway);
-    const auto turn = together(kTurn, kTurnMax);
+    const auto turn = together(kTurnKeys, kTurnMax);
     const auto attitude = together(kPitchRoll, kTurnMax);
     if (!p) {
       if (good_) complain(place_, "", "x_mm, y_mm and z_mm are missing");
@@ -378,7 +378,7 @@ bool is_point_name(std::string_view name) {
   const auto inner = [&](char c) {
     return letter(c) || (c >= '0' && c <= '9') || c == '-' || c == '_';
   };
-  return !name.empty() && name.size() <= kNameMax && letter(name.front()) &&
+  return !name.empty() && name.size() <= kPointNameMax && letter(name.front()) &&
          std::ranges::all_of(name, inner);
 }
 

@@ -44,27 +44,22 @@ void Governor::rest(std::span<const double> q) {
   acceleration_.fill(0);
   seconds_ = 0;
   known_ = true;
-  clearance_ = collision_.distance(q).distance;
   overlaps_.clear();
+  nearest_ = nearest(q);
 }
 
 void Governor::leave(std::span<const LinkPair> overlaps) {
   if (!known_) return;
-  const planning::Clearance nearest = collision_.distance(q());
-  clearance_ = nearest.distance;
-  overlaps_.clear();
-  if (nearest.distance >= collision_.margin()) return;
-  const std::uint8_t first = planning::link_of(model_, nearest.first);
-  const std::uint8_t second = planning::link_of(model_, nearest.second);
-  const bool named = std::ranges::any_of(overlaps, [&](const LinkPair& pair) {
-    return (pair.first == first && pair.second == second) ||
-           (pair.first == second && pair.second == first);
-  });
-  if (!named) return;
+  if (!overlaps_.empty()) rest(q());
+  if (nearest_.distance >= collision_.margin()) return;
+  if (!holds(overlaps, planning::link_of(model_, nearest_.first),
+             planning::link_of(model_, nearest_.second))) {
+    return;
+  }
   for (const LinkPair& pair : overlaps) {
     if (!overlaps_.full()) overlaps_.push_back(pair);
   }
-  clearance_ = collision_.distance_but({overlaps_.data(), overlaps_.size()}, q()).distance;
+  nearest_ = nearest(q());
 }
 
 std::optional<Error> Governor::look_at_numbers(const JointMove& move) const {
@@ -122,13 +117,12 @@ std::optional<Error> Governor::look_at_piece(const JointMove& move, std::size_t 
 /// Nearer than the margin only where it began so, and then no nearer than it began.
 std::optional<Error> Governor::look_at_contacts(const JointMove& move) const {
   const std::span<const double> q(move.q.data(), size_);
-  const planning::Clearance nearest =
-      collision_.distance_but({overlaps_.data(), overlaps_.size()}, q);
+  const planning::Clearance near = nearest(q);
   const double least = collision_.margin() - planning::CollisionModel::kResolution;
   // What a planner takes for as near as it was, a motion may be.
-  const double begun = clearance_ - planning::CollisionModel::kResolution - kPlaceTolerance;
-  if (nearest.distance >= (known_ ? std::min(least, begun) : least)) return std::nullopt;
-  return planning::contact_error(model_, nearest);
+  const double begun = nearest_.distance - planning::CollisionModel::kResolution - kPlaceTolerance;
+  if (near.distance >= (known_ ? std::min(least, begun) : least)) return std::nullopt;
+  return planning::contact_error(model_, near);
 }
 
 Expected<void> Governor::pass(const JointMove& move) {

@@ -81,6 +81,9 @@ class Governor {
   std::optional<Error> look_at_piece(const JointMove& move, std::size_t joint,
                                      double seconds) const;
   std::optional<Error> look_at_contacts(const JointMove& move) const;
+  planning::Clearance nearest(std::span<const double> q) const {
+    return collision_.distance(q, nullptr, {overlaps_.data(), overlaps_.size()});
+  }
   void take(const JointMove& move, double seconds);
 
   const RobotModel& model_;
@@ -94,8 +97,8 @@ class Governor {
   Array qd_{};
   Array acceleration_{};  ///< mean over the piece before
   double seconds_ = 0;    ///< that it took; 0: the machine rests
-  double clearance_ = 0;  ///< m, where it rested last, but for overlaps_
   FixedVector<LinkPair, 64> overlaps_;
+  planning::Clearance nearest_;  ///< where it rested last, but for overlaps_
 };
 
 }  // namespace sinew::control

@@ -1,10 +1,12 @@
 #pragma once
 
+#include <limits>
 #include <numbers>
 
 namespace sinew {
 
 inline constexpr double kPi = std::numbers::pi;
+inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// Inside Sinew everything is SI and radians; these are the only doors from and to people's units.
 constexpr double from_deg(double angle_deg) {

@@ -17,10 +17,6 @@ using Kind = DriverEvent::Kind;
 using test::LinkCell;
 using test::LinkFault;
 
-double deg(double angle) {
-  return from_deg(angle);
-}
-
 void check_always(const LinkCell& cell) {
   cell.expect_truth_inside();
 }
@@ -38,7 +34,7 @@ TEST(AxisLinkFaults, no_flipped_bit_of_any_frame_in_motion_moves_anything_wrong)
     ++bits;
     return fault;
   };
-  ASSERT_TRUE(cell.driver->move(cell.move_to(deg(60), 1s), cell.now));
+  ASSERT_TRUE(cell.driver->move(cell.move_to(from_deg(60), 1s), cell.now));
   ASSERT_TRUE(cell.run_until(
       [&] {
         check_always(cell);
@@ -52,7 +48,7 @@ TEST(AxisLinkFaults, no_flipped_bit_of_any_frame_in_motion_moves_anything_wrong)
   // Each hit costs one answer, whichever way it was hit.
   EXPECT_EQ(cell.driver->health().unexpected, 256U);
   cell.expect_only_sent_targets();
-  EXPECT_NEAR(cell.axes[0]->q(), deg(60), 1e-7);
+  EXPECT_NEAR(cell.axes[0]->q(), from_deg(60), 1e-7);
 }
 
 TEST(AxisLinkFaults, no_flipped_bit_while_opening_or_clearing_does_more_than_cost_a_frame) {
@@ -86,7 +82,7 @@ TEST(AxisLinkFaults, a_stop_to_all_with_any_bit_flipped_still_stops_all) {
     LinkCell cell(3);
     cell.keep_record = false;
     cell.open_at(0);
-    ASSERT_TRUE(cell.driver->move(cell.move_to(deg(60), 1s), cell.now));
+    ASSERT_TRUE(cell.driver->move(cell.move_to(from_deg(60), 1s), cell.now));
     cell.run_for(100ms);
     cell.disturb = [&](const spi::Transfer& transfer) {
       LinkFault fault;
@@ -118,7 +114,7 @@ TEST(AxisLinkFaults, a_cable_unplugged_at_rest_is_a_fault_and_no_endless_wait) {
   cell.disturb = {};
   cell.run_for(1s);
   EXPECT_EQ(cell.driver->state(), DriverState::kFault) << "nobody has acknowledged it";
-  const auto refused = cell.driver->move(cell.move_to(deg(10), 1s), cell.now);
+  const auto refused = cell.driver->move(cell.move_to(from_deg(10), 1s), cell.now);
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, cell.driver->fault()->code);
   cell.events.clear();
@@ -136,10 +132,10 @@ TEST(AxisLinkFaults, frames_that_arrive_twice_or_late_move_nothing_twice) {
     fault.twice = fault.old_request = true;
     return fault;
   };
-  ASSERT_TRUE(cell.driver->move(cell.move_to(deg(60), 1s), cell.now));
+  ASSERT_TRUE(cell.driver->move(cell.move_to(from_deg(60), 1s), cell.now));
   ASSERT_TRUE(cell.run_to_event(Kind::kDone, 2s));
   EXPECT_TRUE(std::ranges::is_sorted(cell.axes[0]->targets)) << "an old target is never taken up";
-  EXPECT_NEAR(cell.axes[0]->q(), deg(60), 1e-7);
+  EXPECT_NEAR(cell.axes[0]->q(), from_deg(60), 1e-7);
   cell.events.clear();
   ASSERT_TRUE(cell.driver->home(cell.now));
   ASSERT_TRUE(cell.run_to_event(Kind::kDone, 60s));
@@ -156,7 +152,7 @@ TEST(AxisLinkFaults, an_old_answer_is_never_taken_for_a_position) {
     fault.old_reply = stale;
     return fault;
   };
-  ASSERT_TRUE(cell.driver->move(cell.move_to(deg(60), 1s), cell.now));
+  ASSERT_TRUE(cell.driver->move(cell.move_to(from_deg(60), 1s), cell.now));
   cell.run_for(500ms);
   stale = true;  // the same answer with its good checksum, for ever
   const double seen = cell.driver->positions()[0].q;
@@ -183,7 +179,7 @@ TEST(AxisLinkFaults, a_cut_frame_changes_nothing_at_any_length) {
     if (++number % 3 == 0) fault.bytes = number / 3 % 16;
     return fault;
   };
-  ASSERT_TRUE(cell.driver->move(cell.move_to(deg(60), 1s), cell.now));
+  ASSERT_TRUE(cell.driver->move(cell.move_to(from_deg(60), 1s), cell.now));
   ASSERT_TRUE(cell.run_to_event(Kind::kDone, 2s));
   cell.expect_only_sent_targets();
 }
@@ -191,7 +187,7 @@ TEST(AxisLinkFaults, a_cut_frame_changes_nothing_at_any_length) {
 TEST(AxisLinkFaults, an_axis_that_restarts_in_motion_is_noticed_and_all_stop) {
   LinkCell cell;
   cell.open_at(0);
-  ASSERT_TRUE(cell.driver->move(cell.move_to(deg(60), 1s), cell.now));
+  ASSERT_TRUE(cell.driver->move(cell.move_to(from_deg(60), 1s), cell.now));
   cell.run_for(300ms);
   cell.reboot(3);
   const double there = cell.axes[3]->q();
@@ -218,7 +214,7 @@ TEST(AxisLinkFaults, an_axis_that_restarts_at_rest_is_a_notice_and_the_others_go
   cell.run_for(20ms);
   EXPECT_EQ(cell.count(Kind::kNotice), 1U);
   EXPECT_EQ(cell.driver->axis_fault(1)->code, ErrorCode::kPositionUnknown);
-  JointMove move = cell.move_to(deg(10), 1s);
+  JointMove move = cell.move_to(from_deg(10), 1s);
   move.q[1] = 0;
   ASSERT_TRUE(cell.driver->move(move, cell.now));
   EXPECT_TRUE(cell.run_to_event(Kind::kDone, 2s));
@@ -227,14 +223,14 @@ TEST(AxisLinkFaults, an_axis_that_restarts_at_rest_is_a_notice_and_the_others_go
 TEST(AxisLinkFaults, another_model_or_version_is_out_before_anything_moves) {
   LinkCell cell(2);
   Joint other = cell.joints[1];
-  other.upper = deg(95);
+  other.upper = from_deg(95);
   cell.nodes[1] = std::make_unique<AxisLinkNode>(*cell.axes[1], axis_link_node_settings(other, 1));
   cell.axes[0]->place(0);
   cell.axes[1]->place(0);
   cell.driver->open(cell.now);
   cell.run_for(20ms);
   EXPECT_EQ(cell.driver->axis_fault(1), (Error{ErrorCode::kModelMismatch, 1}));
-  EXPECT_EQ(cell.driver->move(cell.move_to(deg(1), 1s), cell.now).error().code,
+  EXPECT_EQ(cell.driver->move(cell.move_to(from_deg(1), 1s), cell.now).error().code,
             ErrorCode::kModelMismatch);
   EXPECT_TRUE(cell.axes[1]->targets.empty());
   EXPECT_EQ(cell.nodes[1]->session(), 0);
@@ -263,7 +259,7 @@ TEST(AxisLinkFaults, swapped_boards_are_found_before_anything_moves) {
   cell.run_for(2s);
   EXPECT_EQ(cell.failure()->code, ErrorCode::kDeviceSilent);
   EXPECT_EQ(cell.driver->state(), DriverState::kFault);
-  EXPECT_FALSE(cell.driver->move(cell.move_to(deg(1), 1s), cell.now));
+  EXPECT_FALSE(cell.driver->move(cell.move_to(from_deg(1), 1s), cell.now));
 }
 
 TEST(AxisLinkFaults, nothing_is_homed_where_a_board_is_silent) {
@@ -298,7 +294,7 @@ TEST(AxisLinkFaults, words_of_an_axis_are_told_without_numbers_that_nobody_measu
 TEST(AxisLinkFaults, a_pause_of_the_host_sends_no_setpoint_ahead_and_back) {
   LinkCell cell;
   cell.open_at(0);
-  ASSERT_TRUE(cell.driver->move(cell.move_to(deg(60), 5s, deg(20)), cell.now));
+  ASSERT_TRUE(cell.driver->move(cell.move_to(from_deg(60), 5s, from_deg(20)), cell.now));
   cell.run_for(2s);
   for (int i = 0; i < 10; ++i) {
     cell.now += 40ms;
@@ -318,7 +314,7 @@ TEST(AxisLinkFaults, a_dead_axis_is_out_and_the_rest_stop_and_go_on) {
     fault.lost = dead && transfer.select == 4;
     return fault;
   };
-  ASSERT_TRUE(cell.driver->move(cell.move_to(deg(60), 1s), cell.now));
+  ASSERT_TRUE(cell.driver->move(cell.move_to(from_deg(60), 1s), cell.now));
   cell.run_for(300ms);
   dead = true;
   ASSERT_TRUE(cell.run_to_event(Kind::kFailed, 20ms));
@@ -346,8 +342,8 @@ TEST(AxisLinkFaults, a_dead_axis_is_out_and_the_rest_stop_and_go_on) {
 void make_slow(LinkCell& cell) {
   for (std::size_t i = 0; i < cell.axes.size(); ++i) {
     Joint& joint = cell.joints[i];
-    joint.velocity_max = deg(30);
-    joint.acceleration_max = joint.jerk_max = deg(10);
+    joint.velocity_max = from_deg(30);
+    joint.acceleration_max = joint.jerk_max = from_deg(10);
     cell.axes[i] = std::make_unique<test::LinkTestAxis>(joint);
     cell.nodes[i] = cell.node(i, 1);
   }
@@ -363,7 +359,7 @@ TEST(AxisLinkFaults, a_silent_axis_counts_as_stopped_only_once_it_had_the_time_t
   LinkCell cell(2);
   make_slow(cell);
   cell.open_at(0);
-  ASSERT_TRUE(cell.driver->move(cell.move_to(deg(60), 3200ms), cell.now));
+  ASSERT_TRUE(cell.driver->move(cell.move_to(from_deg(60), 3200ms), cell.now));
   cell.run_for(1600ms);
   bool dead = true;
   cell.disturb = [&](const spi::Transfer&) {
@@ -372,7 +368,7 @@ TEST(AxisLinkFaults, a_silent_axis_counts_as_stopped_only_once_it_had_the_time_t
     return fault;
   };
   // The worst that an axis may do until its deadline: go on at full speed.
-  for (auto& axis : cell.axes) ASSERT_EQ(axis->move_to(deg(85)), AxisVerdict::kAccepted);
+  for (auto& axis : cell.axes) ASSERT_EQ(axis->move_to(from_deg(85)), AxisVerdict::kAccepted);
   cell.driver->stop(cell.now);
   const Instant asked = cell.now;
   std::optional<Duration> stood;
@@ -390,7 +386,7 @@ TEST(AxisLinkFaults, a_silent_axis_counts_as_stopped_only_once_it_had_the_time_t
       10s));
   ASSERT_TRUE(stood) << "kStopped while an axis still brakes";
   EXPECT_GT(*stood, 2900ms) << "the test means a slow axis";
-  EXPECT_GT(cell.axes[0]->q(), deg(70));
+  EXPECT_GT(cell.axes[0]->q(), from_deg(70));
   EXPECT_LT(cell.now - asked, 5200ms) << "deadline, 3 s, and 2 s for the jerk";
   cell.run_for(10ms);
   EXPECT_EQ(cell.driver->positions()[0].quality, PositionQuality::kLost);
@@ -417,7 +413,8 @@ TEST(AxisLinkFaults, an_axis_that_homes_into_a_dead_line_is_waited_for) {
   cell.driver->stop(cell.now);
   ASSERT_TRUE(cell.run_to_event(Kind::kStopped, 10s));
   EXPECT_FALSE(any_moves(cell));
-  EXPECT_GT(cell.axes[0]->q() - cell.axes[0]->home_angle, deg(30)) << "it did not arrive first";
+  EXPECT_GT(cell.axes[0]->q() - cell.axes[0]->home_angle, from_deg(30))
+      << "it did not arrive first";
 }
 
 // A host that was away while an axis homed said that nobody knows any more where the axis is,
@@ -454,7 +451,7 @@ TEST(AxisLinkFaults, a_host_that_dies_leaves_every_axis_stopped_within_the_deadl
     LinkCell cell(6, {}, 4'000'000, deadline);
     cell.open_at(0);
     // A point-to-point axis would go on by itself: take one that is far from its last setpoint.
-    ASSERT_TRUE(cell.driver->move(cell.move_to(deg(60), 1s), cell.now));
+    ASSERT_TRUE(cell.driver->move(cell.move_to(from_deg(60), 1s), cell.now));
     cell.run_for(500ms);
     const Instant dead = cell.now;
     while (cell.now < dead + deadline - 2ms) {
@@ -476,7 +473,7 @@ TEST(AxisLinkFaults, a_host_that_dies_leaves_every_axis_stopped_within_the_deadl
 TEST(AxisLinkFaults, a_new_host_takes_over_a_moving_arm_by_stopping_it) {
   LinkCell cell;
   cell.open_at(0);
-  ASSERT_TRUE(cell.driver->move(cell.move_to(deg(60), 1s), cell.now));
+  ASSERT_TRUE(cell.driver->move(cell.move_to(from_deg(60), 1s), cell.now));
   cell.run_for(500ms);
   cell.driver = std::make_unique<AxisLinkDriver>(cell.device, cell.joints);
   cell.driver->open(cell.now);
@@ -529,7 +526,8 @@ TEST(AxisLinkFaults, whatever_the_line_does_no_axis_moves_wrong_and_every_claim_
     };
     std::size_t accepted = 0;
     for (int round = 0; round < 3; ++round) {
-      const auto ask = cell.driver->move(cell.move_to(deg(random.uniform(-80, 80)), 3s), cell.now);
+      const auto ask =
+          cell.driver->move(cell.move_to(from_deg(random.uniform(-80, 80)), 3s), cell.now);
       accepted += ask ? 1 : 0;
       const auto kicked = from_seconds(random.uniform(0.05, 1.5));
       const bool stop = random.chance(0.3);

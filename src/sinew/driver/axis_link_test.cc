@@ -16,10 +16,6 @@ using namespace std::chrono_literals;
 using Kind = DriverEvent::Kind;
 using test::LinkCell;
 
-double deg(double angle) {
-  return from_deg(angle);
-}
-
 TEST(AxisLinkDriver, open_greets_every_axis_and_then_knows_where_it_is) {
   LinkCell cell;
   EXPECT_EQ(cell.driver->positions()[0].quality, PositionQuality::kLost);
@@ -40,14 +36,14 @@ TEST(AxisLinkDriver, open_greets_every_axis_and_then_knows_where_it_is) {
 TEST(AxisLinkDriver, a_move_follows_the_cubic_and_is_done_when_it_stands_there) {
   LinkCell cell;
   cell.open_at(0);
-  ASSERT_TRUE(cell.driver->move(cell.move_to(deg(30), 1s), cell.now));
+  ASSERT_TRUE(cell.driver->move(cell.move_to(from_deg(30), 1s), cell.now));
   EXPECT_EQ(cell.driver->state(), DriverState::kMoving);
   const Instant start = cell.now;
   double worst = 0;
   ASSERT_TRUE(cell.run_until(
       [&] {
         const double s = to_seconds(cell.now - start);
-        const double expected = deg(30) * s * s * (3 - 2 * s);
+        const double expected = from_deg(30) * s * s * (3 - 2 * s);
         if (s < 1) worst = std::max(worst, std::abs(cell.axes[3]->q() - expected));
         cell.expect_truth_inside();
         return cell.count(Kind::kDone) > 0;
@@ -58,14 +54,14 @@ TEST(AxisLinkDriver, a_move_follows_the_cubic_and_is_done_when_it_stands_there) 
   EXPECT_LT(cell.now - start, 1010ms);
   // Two cycles of 1 ms at 45 deg/s.
   EXPECT_LT(to_deg(worst), 0.1);
-  for (const auto& axis : cell.axes) EXPECT_NEAR(axis->q(), deg(30), 1e-7);
+  for (const auto& axis : cell.axes) EXPECT_NEAR(axis->q(), from_deg(30), 1e-7);
   cell.expect_only_sent_targets();
 }
 
 TEST(AxisLinkDriver, segments_join_without_a_gap_and_each_one_is_done) {
   LinkCell cell;
   cell.open_at(0);
-  const double speed = deg(20);
+  const double speed = from_deg(20);
   ASSERT_TRUE(cell.driver->move(cell.move_to(speed * 0.05, 100ms, speed), cell.now));
   double pace = 0;
   int segments = 1;
@@ -92,7 +88,7 @@ TEST(AxisLinkDriver, segments_join_without_a_gap_and_each_one_is_done) {
 TEST(AxisLinkDriver, a_motion_that_nobody_continues_is_stopped_and_says_so) {
   LinkCell cell;
   cell.open_at(0);
-  ASSERT_TRUE(cell.driver->move(cell.move_to(deg(2), 100ms, deg(20)), cell.now));
+  ASSERT_TRUE(cell.driver->move(cell.move_to(from_deg(2), 100ms, from_deg(20)), cell.now));
   ASSERT_TRUE(cell.run_to_event(Kind::kFailed, 1s));
   EXPECT_EQ(cell.failure()->code, ErrorCode::kSegmentTime);
   EXPECT_EQ(cell.driver->state(), DriverState::kStopping);
@@ -116,18 +112,18 @@ TEST(AxisLinkDriver, what_may_not_be_sent_is_refused_with_its_reason) {
   const auto refusal = [&](const JointMove& move) {
     return homed.driver->move(move, homed.now).error();
   };
-  EXPECT_EQ(refusal(homed.move_to(deg(91), 10s)),
-            (Error{ErrorCode::kJointLimit, 1, deg(91), deg(90)}));
+  EXPECT_EQ(refusal(homed.move_to(from_deg(91), 10s)),
+            (Error{ErrorCode::kJointLimit, 1, from_deg(91), from_deg(90)}));
   EXPECT_EQ(refusal(homed.move_to(std::nan(""), 10s)).code, ErrorCode::kJointLimit);
   EXPECT_EQ(refusal(homed.move_to(0, 1s, std::nan(""))).code, ErrorCode::kUnsendable);
   EXPECT_EQ(refusal(homed.move_to(0, 1s, std::numeric_limits<double>::infinity())).code,
             ErrorCode::kUnsendable);
   EXPECT_EQ(refusal(homed.move_to(0, 0s)).code, ErrorCode::kSegmentTime);
   EXPECT_EQ(refusal(homed.move_to(0, -1s)).code, ErrorCode::kSegmentTime);
-  const Error fast = refusal(homed.move_to(deg(80), 1s));
+  const Error fast = refusal(homed.move_to(from_deg(80), 1s));
   EXPECT_EQ(fast.code, ErrorCode::kSegmentTime);
   EXPECT_NEAR(fast.limit, 1.2, 1e-9) << "a cubic peaks at 1.5 times its mean";
-  EXPECT_EQ(refusal(homed.move_to(deg(89.9), 2s, deg(-60))).code, ErrorCode::kJointLimit)
+  EXPECT_EQ(refusal(homed.move_to(from_deg(89.9), 2s, from_deg(-60))).code, ErrorCode::kJointLimit)
       << "it swings out beyond the limit before it ends inside";
   JointMove short_move;
   short_move.duration = 1s;
@@ -139,13 +135,14 @@ TEST(AxisLinkDriver, what_may_not_be_sent_is_refused_with_its_reason) {
 
 TEST(AxisLinkDriver, a_target_on_the_limit_is_not_rounded_beyond_it) {
   LinkCell cell;
-  cell.open_at(deg(80));
+  cell.open_at(from_deg(80));
   for (const double side : {1.0, -1.0}) {
     JointMove move = cell.move_to(0, 6s);
-    for (std::size_t i = 0; i < 6; ++i) move.q[i] = side * std::min(cell.joints[i].upper, deg(170));
+    for (std::size_t i = 0; i < 6; ++i)
+      move.q[i] = side * std::min(cell.joints[i].upper, from_deg(170));
     ASSERT_TRUE(cell.driver->move(move, cell.now));
     ASSERT_TRUE(cell.run_to_event(Kind::kDone, 10s)) << "the axis would refuse one unit more";
-    EXPECT_NEAR(cell.axes[1]->q(), side * deg(90), 2e-8);
+    EXPECT_NEAR(cell.axes[1]->q(), side * from_deg(90), 2e-8);
     cell.events.clear();
   }
 }
@@ -163,14 +160,14 @@ TEST(AxisLinkDriver, stop_is_in_the_next_frame_to_all_whatever_goes_on) {
     }
     std::size_t pending = 1;
     if (name == "moving" || name == "stopping") {
-      ASSERT_TRUE(cell.driver->move(cell.move_to(deg(20), 1s, deg(20)), cell.now));
-      ASSERT_TRUE(cell.driver->move(cell.move_to(deg(40), 1s, 0), cell.now));
+      ASSERT_TRUE(cell.driver->move(cell.move_to(from_deg(20), 1s, from_deg(20)), cell.now));
+      ASSERT_TRUE(cell.driver->move(cell.move_to(from_deg(40), 1s, 0), cell.now));
       pending = 2;
       cell.run_for(500ms);
     }
     if (name == "settling") {
       cell.axes[0]->jammed = true;
-      ASSERT_TRUE(cell.driver->move(cell.move_to(deg(1), 200ms), cell.now));
+      ASSERT_TRUE(cell.driver->move(cell.move_to(from_deg(1), 200ms), cell.now));
       cell.run_for(300ms);
     }
     if (name == "homing") {
@@ -204,7 +201,7 @@ TEST(AxisLinkDriver, stop_is_in_the_next_frame_to_all_whatever_goes_on) {
 TEST(AxisLinkDriver, six_moving_axes_stand_half_a_second_after_stop) {
   LinkCell cell;
   cell.open_at(0);
-  ASSERT_TRUE(cell.driver->move(cell.move_to(deg(60), 1s), cell.now));
+  ASSERT_TRUE(cell.driver->move(cell.move_to(from_deg(60), 1s), cell.now));
   cell.run_for(500ms);
   cell.driver->stop(cell.now);
   const Instant asked = cell.now;
@@ -252,12 +249,12 @@ TEST(AxisLinkDriver, a_search_that_names_its_zero_elsewhere_is_seen_by_as_much) 
   };
   home();
   EXPECT_FALSE(cell.driver->zero_shift(0)) << "there was none before";
-  for (auto& axis : cell.axes) axis->home_angle += deg(10);
-  cell.axes[0]->zero_shift = deg(-2);
+  for (auto& axis : cell.axes) axis->home_angle += from_deg(10);
+  cell.axes[0]->zero_shift = from_deg(-2);
   home();
   ASSERT_TRUE(cell.driver->zero_shift(0));
-  EXPECT_NEAR(*cell.driver->zero_shift(0), deg(-2), deg(0.05));
-  EXPECT_NEAR(cell.driver->zero_shift(1).value_or(99), 0, deg(0.05));
+  EXPECT_NEAR(*cell.driver->zero_shift(0), from_deg(-2), from_deg(0.05));
+  EXPECT_NEAR(cell.driver->zero_shift(1).value_or(99), 0, from_deg(0.05));
   // Another session knows nothing of the frame before.
   cell.driver->close(cell.now);
   cell.driver->open(cell.now);
@@ -283,7 +280,7 @@ TEST(AxisLinkDriver, homing_that_ends_nowhere_or_is_refused_fails_with_its_axis)
 TEST(AxisLinkDriver, an_axis_fault_in_motion_stops_all_and_clear_fault_brings_it_back) {
   LinkCell cell;
   cell.open_at(0);
-  ASSERT_TRUE(cell.driver->move(cell.move_to(deg(60), 1s), cell.now));
+  ASSERT_TRUE(cell.driver->move(cell.move_to(from_deg(60), 1s), cell.now));
   cell.run_for(300ms);
   cell.axes[2]->stop(AxisFault::kFollowingError);
   ASSERT_TRUE(cell.run_to_event(Kind::kFailed, 5ms));
@@ -314,13 +311,13 @@ TEST(AxisLinkDriver, the_others_stay_commandable_while_one_axis_is_out) {
   EXPECT_EQ(cell.count(Kind::kNotice), 1U);
   EXPECT_EQ(cell.driver->axis_fault(4), (Error{ErrorCode::kOverheated, 4}));
   EXPECT_EQ(cell.driver->state(), DriverState::kReady);
-  EXPECT_EQ(cell.driver->move(cell.move_to(deg(10), 1s), cell.now).error().code,
+  EXPECT_EQ(cell.driver->move(cell.move_to(from_deg(10), 1s), cell.now).error().code,
             ErrorCode::kOverheated);
-  JointMove move = cell.move_to(deg(10), 1s);
+  JointMove move = cell.move_to(from_deg(10), 1s);
   move.q[4] = 0;
   ASSERT_TRUE(cell.driver->move(move, cell.now));
   ASSERT_TRUE(cell.run_to_event(Kind::kDone, 2s));
-  EXPECT_NEAR(cell.axes[5]->q(), deg(10), 1e-7);
+  EXPECT_NEAR(cell.axes[5]->q(), from_deg(10), 1e-7);
   EXPECT_EQ(cell.axes[4]->q(), 0);
   ASSERT_TRUE(cell.driver->clear_fault(cell.now));
   cell.run_for(100ms);
@@ -331,7 +328,7 @@ TEST(AxisLinkDriver, the_others_stay_commandable_while_one_axis_is_out) {
 TEST(AxisLinkDriver, emergency_stop_freezes_latches_and_needs_clear_fault) {
   LinkCell cell;
   cell.open_at(0);
-  ASSERT_TRUE(cell.driver->move(cell.move_to(deg(60), 1s), cell.now));
+  ASSERT_TRUE(cell.driver->move(cell.move_to(from_deg(60), 1s), cell.now));
   cell.run_for(300ms);
   cell.driver->emergency_stop(cell.now);
   cell.step();
@@ -349,7 +346,7 @@ TEST(AxisLinkDriver, a_jammed_axis_is_a_missed_target_and_never_done) {
   LinkCell cell;
   cell.open_at(0);
   cell.axes[3]->jammed = true;
-  ASSERT_TRUE(cell.driver->move(cell.move_to(deg(10), 500ms), cell.now));
+  ASSERT_TRUE(cell.driver->move(cell.move_to(from_deg(10), 500ms), cell.now));
   ASSERT_TRUE(cell.run_to_event(Kind::kFailed, 10s));
   EXPECT_EQ(cell.failure()->code, ErrorCode::kMissedTarget);
   EXPECT_EQ(cell.failure()->index, 3);
@@ -359,7 +356,7 @@ TEST(AxisLinkDriver, a_jammed_axis_is_a_missed_target_and_never_done) {
 TEST(AxisLinkDriver, close_fails_what_is_under_way_and_open_starts_afresh) {
   LinkCell cell;
   cell.open_at(0);
-  ASSERT_TRUE(cell.driver->move(cell.move_to(deg(60), 1s), cell.now));
+  ASSERT_TRUE(cell.driver->move(cell.move_to(from_deg(60), 1s), cell.now));
   cell.run_for(300ms);
   cell.driver->close(cell.now);
   EXPECT_EQ(cell.driver->state(), DriverState::kClosed);
@@ -401,7 +398,7 @@ TEST(AxisLinkDriver, nothing_allocates_once_it_is_built) {
   cell.events.reserve(64);
   for (auto& axis : cell.axes) axis->keep_record = false;
   const test::AllocationCounter counter;
-  ASSERT_TRUE(cell.driver->move(cell.move_to(deg(10), 500ms), cell.now));
+  ASSERT_TRUE(cell.driver->move(cell.move_to(from_deg(10), 500ms), cell.now));
   cell.run_for(1s);
   cell.driver->stop(cell.now);
   cell.run_for(1s);

@@ -22,8 +22,7 @@ using test::RegisterCell;
 using Kind = DriverEvent::Kind;
 using Quality = PositionQuality;
 
-constexpr auto kDocument = AxisRegisterProfile::kDocument;
-constexpr auto kAsBuilt = AxisRegisterProfile::kAsBuilt;
+using enum AxisRegisterProfile;
 
 bool is_header(const spi::Transfer& transfer, Operation operation, std::uint16_t address) {
   return transfer.mosi.size() == axis_registers::kHeaderSize &&

@@ -18,8 +18,7 @@ using test::RegisterCell;
 using Kind = DriverEvent::Kind;
 using Quality = PositionQuality;
 
-constexpr auto kDocument = AxisRegisterProfile::kDocument;
-constexpr auto kAsBuilt = AxisRegisterProfile::kAsBuilt;
+using enum AxisRegisterProfile;
 
 AxisRegistersDevice boards_without_status() {
   AxisRegistersDevice device = test::six_boards();

@@ -14,15 +14,15 @@ namespace {
 using namespace bigrobotarm;
 using namespace std::chrono_literals;
 
-struct Kind {
+struct Line {
   BigRobotArmWire wire;
   BigRobotArmDialect dialect;
   BigRobotArmProfile profile;
 };
 
-const std::vector<Kind>& kinds() {
-  static const std::vector<Kind> all = [] {
-    std::vector<Kind> made;
+const std::vector<Line>& lines() {
+  static const std::vector<Line> all = [] {
+    std::vector<Line> made;
     for (const auto profile : {BigRobotArmProfile::kDocument, BigRobotArmProfile::kAsBuilt}) {
       made.push_back({BigRobotArmWire::kByte, BigRobotArmDialect::k2021, profile});
       made.push_back({BigRobotArmWire::kText, BigRobotArmDialect::k2021, profile});
@@ -35,10 +35,10 @@ const std::vector<Kind>& kinds() {
 
 /// A probe and a firmware, back to back.
 struct Bench {
-  explicit Bench(const Kind& kind)
+  explicit Bench(const Line& line)
       : firmware(std::get<BigRobotArmDevice>(
-                     test::big_robot_arm(kind.wire, kind.dialect).device.settings),
-                 Instant{}, kind.profile) {}
+                     test::big_robot_arm(line.wire, line.dialect).device.settings),
+                 Instant{}, line.profile) {}
 
   void send(const std::string& bytes) {
     firmware.receive({reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()}, now);
@@ -85,10 +85,10 @@ struct Bench {
   std::vector<std::uint8_t> asked;
 };
 
-std::string as_bytes(const Request& request, const Kind& kind) {
-  if (kind.wire == BigRobotArmWire::kText) {
-    const auto line = text::encode_line({request});
-    return std::string(text::view(line)) + '\r';
+std::string as_bytes(const Request& request, const Line& line) {
+  if (line.wire == BigRobotArmWire::kText) {
+    const auto words = text::encode_line({request});
+    return std::string(text::view(words)) + '\r';
   }
   const auto bytes = byte::encode_request(request);
   return std::string(bytes.begin(), bytes.end()) + '\r';
@@ -96,38 +96,38 @@ std::string as_bytes(const Request& request, const Kind& kind) {
 
 /// What may have happened to a device before somebody asks who it is. True: it will answer in the
 /// ordinary way.
-using Past = std::function<void(Bench&, const Kind&)>;
+using Past = std::function<void(Bench&, const Line&)>;
 
 const std::vector<std::pair<std::string, Past>>& pasts() {
   static const std::vector<std::pair<std::string, Past>> all{
-      {"fresh", [](Bench&, const Kind&) {}},
+      {"fresh", [](Bench&, const Line&) {}},
       {"moved",
-       [](Bench& bench, const Kind& kind) {
-         bench.send(as_bytes(Goto{{100, 200, 300, 400, 500}}, kind));
+       [](Bench& bench, const Line& line) {
+         bench.send(as_bytes(Goto{{100, 200, 300, 400, 500}}, line));
          bench.run(20s);
        }},
       {"in motion",
-       [](Bench& bench, const Kind& kind) {
-         bench.send(as_bytes(Goto{{100, 200, 5000, 400, 500}}, kind));
+       [](Bench& bench, const Line& line) {
+         bench.send(as_bytes(Goto{{100, 200, 5000, 400, 500}}, line));
          bench.run(300ms);
        }},
       {"answers unread",
-       [](Bench& bench, const Kind& kind) {
-         bench.send(as_bytes(ReadStatus{}, kind) + as_bytes(SetGripper{true, 40}, kind));
+       [](Bench& bench, const Line& line) {
+         bench.send(as_bytes(ReadStatus{}, line) + as_bytes(SetGripper{true, 40}, line));
        }},
       {"in sync mode",
-       [](Bench& bench, const Kind& kind) {
-         bench.send(as_bytes(SetSync{true}, kind) + as_bytes(Goto{{50, 50, 50, 50, 50}}, kind));
+       [](Bench& bench, const Line& line) {
+         bench.send(as_bytes(SetSync{true}, line) + as_bytes(Goto{{50, 50, 50, 50, 50}}, line));
          bench.run(20s);
        }},
       {"other values",
-       [](Bench& bench, const Kind& kind) {
-         bench.send(as_bytes(SetSpeeds{{1, 2, 3, 4, 5}}, kind) +
-                    as_bytes(SetGripper{false, 200}, kind));
+       [](Bench& bench, const Line& line) {
+         bench.send(as_bytes(SetSpeeds{{1, 2, 3, 4, 5}}, line) +
+                    as_bytes(SetGripper{false, 200}, line));
          bench.run(1s);
        }},
       {"with an unknown command behind it",
-       [](Bench& bench, const Kind&) {
+       [](Bench& bench, const Line&) {
          bench.send("\x7F\x55 nonsense\r");
          bench.run(1s);
        }},
@@ -136,10 +136,10 @@ const std::vector<std::pair<std::string, Past>>& pasts() {
 }
 
 TEST(BigRobotArmProbe, every_device_is_recognised_in_every_state_and_none_moves) {
-  for (const Kind& kind : kinds()) {
+  for (const Line& line : lines()) {
     for (const auto& [name, past] : pasts()) {
-      Bench bench(kind);
-      past(bench, kind);
+      Bench bench(line);
+      past(bench, line);
       (void)bench.drop_answers();
       const bool moving = bench.firmware.moving();
       const Words targets = bench.firmware.targets();
@@ -147,9 +147,9 @@ TEST(BigRobotArmProbe, every_device_is_recognised_in_every_state_and_none_moves)
       bench.probe.open(bench.now);
       bench.run(60s);
       ASSERT_TRUE(bench.probe.found()) << name;
-      EXPECT_EQ(bench.probe.found()->wire, kind.wire) << name;
-      if (kind.wire == BigRobotArmWire::kText) {
-        EXPECT_EQ(bench.probe.found()->dialect, kind.dialect) << name;
+      EXPECT_EQ(bench.probe.found()->wire, line.wire) << name;
+      if (line.wire == BigRobotArmWire::kText) {
+        EXPECT_EQ(bench.probe.found()->dialect, line.dialect) << name;
       }
       EXPECT_EQ(bench.firmware.targets(), targets) << name;
       EXPECT_EQ(bench.steps(), moving ? targets : steps) << name;
@@ -188,17 +188,17 @@ TEST(BigRobotArmProbe, no_damaged_bit_or_byte_of_the_question_moves_anything) {
     doubled.insert(doubled.begin() + static_cast<long>(place), kQuestion[place]);
     damaged.push_back(doubled);
   }
-  for (const Kind& kind : kinds()) {
+  for (const Line& line : lines()) {
     for (const auto& bytes : damaged) {
-      Bench bench(kind);
-      bench.send(as_bytes(Goto{{100, 200, 300, 400, 500}}, kind));
+      Bench bench(line);
+      bench.send(as_bytes(Goto{{100, 200, 300, 400, 500}}, line));
       bench.run(20s);
       const Words steps = bench.steps();
       bench.firmware.receive(bytes, bench.now);
       bench.probe.open(bench.now);
       bench.run(20s);
       ASSERT_TRUE(bench.probe.found());
-      EXPECT_EQ(bench.probe.found()->wire, kind.wire);
+      EXPECT_EQ(bench.probe.found()->wire, line.wire);
       EXPECT_EQ(bench.steps(), steps);
       EXPECT_FALSE(bench.firmware.moving());
     }
@@ -224,16 +224,16 @@ TEST(BigRobotArmProbe, silent_line_is_asked_ever_more_slowly) {
 }
 
 TEST(BigRobotArmProbe, driver_that_is_told_the_wrong_wire_finds_the_right_one) {
-  for (const Kind& kind : kinds()) {
-    RobotModel robot = test::big_robot_arm(kind.wire, kind.dialect);
-    test::BigRobotArmCell cell(robot, kind.profile);
+  for (const Line& line : lines()) {
+    RobotModel robot = test::big_robot_arm(line.wire, line.dialect);
+    test::BigRobotArmCell cell(robot, line.profile);
     auto wrong = std::get<BigRobotArmDevice>(robot.device.settings);
     wrong.wire =
-        kind.wire == BigRobotArmWire::kByte ? BigRobotArmWire::kText : BigRobotArmWire::kByte;
+        line.wire == BigRobotArmWire::kByte ? BigRobotArmWire::kText : BigRobotArmWire::kByte;
     wrong.probe_wire = true;
     cell.driver = BigRobotArmJointDriver(wrong, robot.joints);
     cell.make_ready();
-    EXPECT_EQ(cell.driver.wire().wire, kind.wire);
+    EXPECT_EQ(cell.driver.wire().wire, line.wire);
     ASSERT_TRUE(cell.driver.move(cell.move_to({0.3, 0.1, 0.2, 0.1, 0}), cell.now));
     cell.run_until(DriverState::kReady);
     EXPECT_EQ(cell.count(DriverEvent::Kind::kDone), 1);

@@ -61,6 +61,7 @@ void IcpDriver::begin_opening(Instant now) {
   opening_ = true;
   read_ = false;
   recovering_ = true;
+  leading_out_ = true;
   polls_ = kAllLegs;
   failures_ = 0;
   rereads_ = 0;
@@ -427,6 +428,8 @@ void IcpDriver::on_refusal(Instant now) {
   }
   if (stop_asked_) end_stopped(now);
   ++health_.retries;
+  // Behind a doubt that is what the FF is for, and no failure of its own.
+  if (phase_ == Phase::kInit && std::exchange(leading_out_, false)) return listen(now);
   count_failure();
   if (failures_ < device_.tries) {
     // It may have been the answer to something older: then all that follow would be too.
@@ -568,6 +571,7 @@ void IcpDriver::doubt(const Error& error, Instant now) {
   // step more would hide that.
   polls_ = kAllLegs;
   recovering_ = true;
+  leading_out_ = true;
   if (stop_asked_) {
     phase_ = Phase::kQuiet;
     end_stopped(now);

@@ -191,9 +191,10 @@ class IcpDriver final : public ByteDriver {
   icp::ReplyDecoder decoder_;
   std::optional<std::uint8_t> output_;
 
-  bool opening_ = false;     ///< kReady or kFailed is owed
-  bool read_ = false;        ///< a status was asked for since then, which clears its flags
-  bool recovering_ = false;  ///< no step before a status has come
+  bool opening_ = false;      ///< kReady or kFailed is owed
+  bool read_ = false;         ///< a status was asked for since then, which clears its flags
+  bool recovering_ = false;   ///< no step before a status has come
+  bool leading_out_ = false;  ///< the next FF may be refused: the device may be inside an exchange
   bool kill_suspected_ = false;
   bool selector_is_step_ = false;  ///< this firmware checks selectors
   int failures_ = 0;               ///< exchanges in a row that led to nothing

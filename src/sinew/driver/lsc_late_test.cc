@@ -14,21 +14,12 @@ namespace {
 using namespace test;
 using Kind = DriverEvent::Kind;
 using Quality = PositionQuality;
-using Pose = std::array<double, 5>;
-
-constexpr std::array kProfiles{LscProfile::kLsc6, LscProfile::kBus, LscProfile::kEsp32};
-constexpr Pose kHere{0.2, 0.3, 0.2, 0.1, 0};
-constexpr double kSag = 0.03;  // rad, of a servo at rest against gravity
-
-ErrorCode refusal(const Expected<void>& result) {
-  return result ? ErrorCode{} : result.error().code;
-}
 
 /// A motion's next segment that comes when its time is over and the driver says the last one again.
 LscCell underrun() {
   LscCell cell(LscProfile::kLsc6);
-  cell.start(kHere);
-  Pose at = kHere;
+  cell.start(kLscHere);
+  LscPose at = kLscHere;
   for (int k = 0; k < 4; ++k) {
     at[0] += 0.1;
     while (!cell.driver.wants_move(cell.now)) cell.run_for(1ms);
@@ -60,7 +51,7 @@ TEST(LscDriverLateHost,
     cell.run_for(1s);
     EXPECT_EQ(cell.ends(), 5U);
     EXPECT_EQ(cell.count(Kind::kDone), 5U);
-    EXPECT_LT(cell.worst(cell.planned), kSag);
+    EXPECT_LT(cell.worst(cell.planned), kLscSag);
   }
 }
 
@@ -68,13 +59,13 @@ TEST(LscDriverLateHost, a_command_waits_for_a_question_that_is_leaving_and_a_sto
   for (const std::size_t begun : {0U, 1U}) {
     for (const bool stopped : {false, true}) {
       LscCell cell(LscProfile::kLsc6);
-      cell.start(kHere);
+      cell.start(kLscHere);
       cell.run_for(1s);
       const std::size_t before = cell.to_board.history.size();
       cell.be_late_by(1100ms);
       cell.driver.poll(cell.now);
       cell.take(begun);
-      Pose there = kHere;
+      LscPose there = kLscHere;
       there[0] += 0.1;
       ASSERT_TRUE(cell.driver.move(cell.to(there, 100ms), cell.now));
       EXPECT_FALSE(cell.driver.wants_move(cell.now));
@@ -85,7 +76,7 @@ TEST(LscDriverLateHost, a_command_waits_for_a_question_that_is_leaving_and_a_sto
       cell.run_for(1s);
       EXPECT_EQ(cell.ends(), 1U);
       EXPECT_EQ(cell.count(stopped ? Kind::kStopped : Kind::kDone), 1U);
-      EXPECT_LT(cell.worst(stopped ? kHere : there), kSag);
+      EXPECT_LT(cell.worst(stopped ? kLscHere : there), kLscSag);
     }
   }
 }
@@ -111,7 +102,7 @@ class LateHost {
  private:
   void count(const Expected<void>& taken) { commands_ += taken ? 1 : 0; }
   void move() {
-    Pose at = at_;
+    LscPose at = at_;
     for (double& q : at) q = std::clamp(q + random_.uniform(-0.15, 0.15), -0.8, 0.8);
     const double speed = random_.chance(0.8) ? 1 : 0;
     auto taken = cell_.driver.move(cell_.to(at, 80ms, speed), cell_.now);
@@ -130,7 +121,7 @@ class LateHost {
 
   LscCell& cell_;
   Random& random_;
-  Pose at_ = kHere;
+  LscPose at_ = kLscHere;
   std::size_t commands_ = 0;
   std::size_t idle_stops_ = 0;
 };
@@ -139,8 +130,8 @@ TEST(LscDriverLateHost, it_ends_every_command_once_and_claims_nothing_wrong) {
   std::size_t commands = 0;
   int claims = 0;
   for_random_cases(200, [&](Random& random) {
-    LscCell cell(kProfiles[static_cast<std::size_t>(random.integer(0, 2))], random.bits());
-    cell.start(kHere);
+    LscCell cell(kLscProfiles[static_cast<std::size_t>(random.integer(0, 2))], random.bits());
+    cell.start(kLscHere);
     LateHost host(cell, random);
     for (int i = 0; i < 150; ++i) host.act();
     cell.run_for(10s);
@@ -152,7 +143,7 @@ TEST(LscDriverLateHost, it_ends_every_command_once_and_claims_nothing_wrong) {
       if (joint.quality == Quality::kLost) continue;
       ++claims;
       // What a bus servo measured, it was a moment ago.
-      const double sag = joint.quality == Quality::kMeasured ? kSag : 0;
+      const double sag = joint.quality == Quality::kMeasured ? kLscSag : 0;
       EXPECT_GE(cell.machine.truth().joints[i].q, joint.lower - sag) << i;
       EXPECT_LE(cell.machine.truth().joints[i].q, joint.upper + sag) << i;
     }

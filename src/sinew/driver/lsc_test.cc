@@ -17,19 +17,9 @@ namespace {
 using namespace test;
 using Kind = DriverEvent::Kind;
 using Quality = PositionQuality;
-using Pose = std::array<double, 5>;
 using Fault = LscLine::Fault;
 
-constexpr Pose kHere{0.2, 0.3, 0.2, 0.1, 0};
-constexpr Pose kThere{-0.5, 0.6, 0.5, 0.3, 0.4};
-constexpr std::array kProfiles{LscProfile::kLsc6, LscProfile::kBus, LscProfile::kEsp32};
-
-/// A servo at rest against gravity is off its target by its dead band and its proportional gain.
-constexpr double kSag = 0.03;  // rad
-
-ErrorCode refusal(const Expected<void>& result) {
-  return result ? ErrorCode{} : result.error().code;
-}
+constexpr LscPose kThere{-0.5, 0.6, 0.5, 0.3, 0.4};
 
 TEST(LscDriver, open_stops_groups_waits_for_a_sign_of_life_and_tells_the_quality_honestly) {
   const std::map<LscProfile, std::pair<std::vector<std::uint8_t>, Quality>> expected{
@@ -37,7 +27,7 @@ TEST(LscDriver, open_stops_groups_waits_for_a_sign_of_life_and_tells_the_quality
       {LscProfile::kBus, {{7, 15, 21, 21}, Quality::kMeasured}},
       // Just switched on it says 1500 everywhere, which is no position.
       {LscProfile::kEsp32, {{7, 1, 13, 13}, Quality::kLost}}};
-  for (const LscProfile profile : kProfiles) {
+  for (const LscProfile profile : kLscProfiles) {
     LscCell cell(profile);
     EXPECT_EQ(cell.driver.state(), DriverState::kClosed);
     cell.run_for(2s);  // a limp arm sinks until something holds it
@@ -83,13 +73,13 @@ TEST(LscDriver, the_same_damage_in_two_answers_is_no_position_where_no_servo_can
 
 TEST(LscDriver, an_esp32_that_has_kept_its_power_tells_where_it_was_sent) {
   LscCell cell(LscProfile::kEsp32);
-  cell.start(kHere);
+  cell.start(kLscHere);
   cell.driver.close(cell.now);
   cell.driver.open(cell.now);
   cell.run_for(1s);
   for (std::size_t i = 0; i < 5; ++i) {
     EXPECT_EQ(cell.driver.positions()[i].quality, Quality::kCommanded);
-    EXPECT_NEAR(cell.driver.positions()[i].q, kHere[i], 1e-3);
+    EXPECT_NEAR(cell.driver.positions()[i].q, kLscHere[i], 1e-3);
   }
 }
 
@@ -99,27 +89,27 @@ TEST(LscDriver, a_lost_arm_moves_slowly_or_not_at_all) {
   cell.run_for(800ms);
   const auto sent = cell.to_board.count();
   for (const Duration duration : {80ms, 100ms, 1999ms}) {
-    const auto refused = cell.driver.move(cell.to(kHere, duration), cell.now);
+    const auto refused = cell.driver.move(cell.to(kLscHere, duration), cell.now);
     ASSERT_FALSE(refused);
     EXPECT_EQ(refused.error().code, ErrorCode::kPositionUnknown);
     EXPECT_EQ(refused.error().limit, 2);
   }
-  EXPECT_EQ(refusal(cell.driver.move(cell.to(kHere, 31s), cell.now)), ErrorCode::kSegmentTime);
+  EXPECT_EQ(refusal(cell.driver.move(cell.to(kLscHere, 31s), cell.now)), ErrorCode::kSegmentTime);
   EXPECT_EQ(cell.to_board.count(), sent);
-  ASSERT_TRUE(cell.driver.move(cell.to(kHere, 2s), cell.now));
+  ASSERT_TRUE(cell.driver.move(cell.to(kLscHere, 2s), cell.now));
   cell.run_for(1900ms);
   EXPECT_EQ(cell.driver.positions()[1].quality, Quality::kLost);
   EXPECT_EQ(cell.driver.state(), DriverState::kMoving);
   cell.run_for(300ms);
   EXPECT_EQ(cell.count(Kind::kDone), 1U);
   EXPECT_EQ(cell.driver.positions()[1].quality, Quality::kCommanded);
-  EXPECT_LT(cell.worst(kHere), kSag);
+  EXPECT_LT(cell.worst(kLscHere), kLscSag);
 }
 
 TEST(LscDriver, a_streamed_motion_follows_its_path_and_ends_each_command_once) {
-  for (const LscProfile profile : kProfiles) {
+  for (const LscProfile profile : kLscProfiles) {
     LscCell cell(profile);
-    cell.start(kHere);
+    cell.start(kLscHere);
     const Instant begun = cell.now;
     double lag = 0;
     cell.stream(kThere, 1600ms, [&](int segment) {
@@ -130,19 +120,19 @@ TEST(LscDriver, a_streamed_motion_follows_its_path_and_ends_each_command_once) {
     EXPECT_LT(lag, 0.25) << "rad";
     EXPECT_EQ(cell.count(Kind::kDone), 20U);
     EXPECT_EQ(cell.ends(), cell.commands);
-    EXPECT_LT(cell.worst(kThere), kSag);
+    EXPECT_LT(cell.worst(kThere), kLscSag);
     EXPECT_LT(cell.now - begun, 3s);
     const Quality quality = profile == LscProfile::kBus ? Quality::kMeasured : Quality::kCommanded;
     for (std::size_t i = 0; i < 5; ++i) {
       EXPECT_EQ(cell.driver.positions()[i].quality, quality);
-      EXPECT_NEAR(cell.driver.positions()[i].q, kThere[i], kSag);
+      EXPECT_NEAR(cell.driver.positions()[i].q, kThere[i], kLscSag);
     }
   }
 }
 
 TEST(LscDriver, the_next_segment_arrives_when_the_last_one_ends) {
   LscCell cell(LscProfile::kLsc6);
-  cell.start(kHere);
+  cell.start(kLscHere);
   // The board's interpolation never rests between two segments of an even motion.
   std::vector<double> steps;
   double before = cell.machine.board().commanded(6);
@@ -151,14 +141,14 @@ TEST(LscDriver, the_next_segment_arrives_when_the_last_one_ends) {
     steps.push_back(units - before);
     before = units;
   };
-  double q = kHere[0];
+  double q = kLscHere[0];
   for (int k = 1; k <= 10; ++k) {
     while (!cell.driver.wants_move(cell.now)) {
       cell.run_for(5ms);
       sample();
     }
     q += 0.1;
-    Pose pose = kHere;
+    LscPose pose = kLscHere;
     pose[0] = q;
     ASSERT_TRUE(cell.driver.move(cell.to(pose, 80ms, k < 10 ? 1.25 : 0), cell.now));
   }
@@ -168,9 +158,9 @@ TEST(LscDriver, the_next_segment_arrives_when_the_last_one_ends) {
 
 TEST(LscDriver, what_must_not_be_sent_is_refused_before_a_byte_leaves) {
   LscCell cell(LscProfile::kLsc6);
-  cell.start(kHere);
+  cell.start(kLscHere);
   cell.run_for(950ms);
-  const auto refused = [&](Pose q, Duration duration, ErrorCode code, int joint) {
+  const auto refused = [&](LscPose q, Duration duration, ErrorCode code, int joint) {
     const auto sent = cell.to_board.count();
     const auto result = cell.driver.move(cell.to(q, duration), cell.now);
     ASSERT_FALSE(result);
@@ -179,17 +169,17 @@ TEST(LscDriver, what_must_not_be_sent_is_refused_before_a_byte_leaves) {
     EXPECT_EQ(cell.to_board.count(), sent);
     EXPECT_EQ(cell.driver.state(), DriverState::kReady);
   };
-  Pose far = kHere;
+  LscPose far = kLscHere;
   far[2] = 1.6;
   refused(far, 100ms, ErrorCode::kJointLimit, 2);
   far[2] = std::numeric_limits<double>::quiet_NaN();
   refused(far, 100ms, ErrorCode::kJointLimit, 2);
-  refused(kHere, 101ms, ErrorCode::kSegmentTime, -1);
-  refused(kHere, 5s, ErrorCode::kSegmentTime, -1);
-  refused(kHere, 19ms, ErrorCode::kSegmentTime, -1);
-  refused(kHere, 0ms, ErrorCode::kSegmentTime, -1);
-  refused(kHere, -5s, ErrorCode::kSegmentTime, -1);
-  Pose fast = kHere;
+  refused(kLscHere, 101ms, ErrorCode::kSegmentTime, -1);
+  refused(kLscHere, 5s, ErrorCode::kSegmentTime, -1);
+  refused(kLscHere, 19ms, ErrorCode::kSegmentTime, -1);
+  refused(kLscHere, 0ms, ErrorCode::kSegmentTime, -1);
+  refused(kLscHere, -5s, ErrorCode::kSegmentTime, -1);
+  LscPose fast = kLscHere;
   fast[4] = 0.5;  // 5 rad/s
   refused(fast, 100ms, ErrorCode::kSegmentTime, 4);
   EXPECT_EQ(refusal(cell.driver.tool(JawsTo{-0.001}, cell.now)), ErrorCode::kGripperRange);
@@ -212,9 +202,9 @@ TEST(LscDriver, a_servo_whose_range_is_narrower_than_its_joint_refuses_by_pulse)
 }
 
 TEST(LscDriver, jaws_go_to_their_width_and_stop_at_a_thing_between_them) {
-  for (const LscProfile profile : kProfiles) {
+  for (const LscProfile profile : kLscProfiles) {
     LscCell cell(profile);
-    cell.start(kHere);
+    cell.start(kLscHere);
     ASSERT_TRUE(cell.driver.tool(JawsTo{0.05}, cell.now));
     cell.run_for(4s);
     EXPECT_EQ(cell.count(Kind::kDone), 1U);
@@ -225,7 +215,7 @@ TEST(LscDriver, jaws_go_to_their_width_and_stop_at_a_thing_between_them) {
     cell.run_for(2s);
     EXPECT_EQ(cell.count(Kind::kDone), 2U);
     EXPECT_NEAR(cell.machine.truth().tool, 0.024, 1e-4);
-    EXPECT_LT(cell.worst(kHere), kSag) << "the arm stays where it was";
+    EXPECT_LT(cell.worst(kLscHere), kLscSag) << "the arm stays where it was";
     const auto width = cell.driver.health().jaws_width;
     EXPECT_EQ(width.has_value(), profile == LscProfile::kBus) << "who can measure says so";
     if (width) {
@@ -237,13 +227,13 @@ TEST(LscDriver, jaws_go_to_their_width_and_stop_at_a_thing_between_them) {
 }
 
 TEST(LscDriver, stop_in_a_stream_stands_within_72_ms_and_knows_where) {
-  for (const LscProfile profile : kProfiles) {
+  for (const LscProfile profile : kLscProfiles) {
     Duration slowest{};
     for (int at = 0; at < 16; ++at) {
       LscCell cell(profile);
-      cell.start(kHere);
+      cell.start(kLscHere);
       cell.stream(kThere, 1600ms, [&](int k) { return k < 8; });
-      Pose onwards = cell.planned;
+      LscPose onwards = cell.planned;
       for (double& q : onwards) q += 0.05;
       ASSERT_TRUE(cell.driver.move(cell.to(onwards, 80ms, 1), cell.now));
       ++cell.commands;
@@ -262,7 +252,7 @@ TEST(LscDriver, stop_in_a_stream_stands_within_72_ms_and_knows_where) {
       EXPECT_GE(cell.count(Kind::kStopped), 1U);
       EXPECT_EQ(cell.driver.state(), DriverState::kReady);
       for (std::size_t i = 0; i < 5; ++i) {
-        EXPECT_NEAR(cell.driver.positions()[i].q, cell.machine.truth().joints[i].q, kSag);
+        EXPECT_NEAR(cell.driver.positions()[i].q, cell.machine.truth().joints[i].q, kLscSag);
       }
       const auto sent = cell.to_board.count();
       cell.run_for(300ms);
@@ -288,8 +278,8 @@ TEST(LscDriver, stop_is_answered_in_every_state) {
   EXPECT_TRUE(stopped()) << "asking";
   cell.run_for(500ms);
   EXPECT_TRUE(stopped()) << "ready";
-  cell.start(kHere);
-  ASSERT_TRUE(cell.driver.move(cell.to(kHere, 100ms), cell.now));
+  cell.start(kLscHere);
+  ASSERT_TRUE(cell.driver.move(cell.to(kLscHere, 100ms), cell.now));
   cell.run_for(140ms);
   EXPECT_EQ(cell.driver.state(), DriverState::kMoving);
   EXPECT_TRUE(stopped()) << "confirming";
@@ -334,16 +324,16 @@ TEST(LscDriver, stop_of_a_first_move_on_a_board_that_can_be_asked_stands) {
 }
 
 TEST(LscDriver, a_lost_end_of_a_motion_is_mended_by_its_two_repeats) {
-  for (const LscProfile profile : kProfiles) {
+  for (const LscProfile profile : kLscProfiles) {
     for (const Fault fault : {Fault::kDrop, Fault::kDouble, Fault::kFlip, Fault::kDelay}) {
       for (std::uint64_t byte = 0; byte < 22; ++byte) {
         LscCell cell(profile);
-        cell.start(kHere);
+        cell.start(kLscHere);
         cell.stream(kThere, 1600ms, [&](int k) {
           if (k == 20) cell.to_board.hit(byte, fault, 4);
           return true;
         });
-        EXPECT_LT(cell.worst(kThere), kSag) << byte;
+        EXPECT_LT(cell.worst(kThere), kLscSag) << byte;
         EXPECT_EQ(cell.ends(), cell.commands) << byte;
       }
     }
@@ -351,9 +341,9 @@ TEST(LscDriver, a_lost_end_of_a_motion_is_mended_by_its_two_repeats) {
 }
 
 TEST(LscDriver, silence_ends_commands_with_failure_and_an_answer_brings_it_back_lost) {
-  for (const LscProfile profile : kProfiles) {
+  for (const LscProfile profile : kLscProfiles) {
     LscCell cell(profile);
-    cell.start(kHere);
+    cell.start(kLscHere);
     cell.to_board.cut = cell.to_host.cut = true;
     cell.stream(kThere, 8s);
     EXPECT_EQ(cell.failure(), ErrorCode::kDeviceSilent);
@@ -383,7 +373,7 @@ TEST(LscDriver, the_run_button_makes_the_position_lost_and_its_group_is_stopped)
                            Step{Step::Kind::kAction, 0, 0, 0, action}}) {
     cell.machine.receive(lsc::encode(lsc::Request{step}), cell.now);
   }
-  cell.start(kHere);
+  cell.start(kLscHere);
   cell.machine.board().press_run(true, cell.now);
   cell.run_for(1s);
   EXPECT_FALSE(cell.machine.board().groups().running());
@@ -394,7 +384,7 @@ TEST(LscDriver, the_run_button_makes_the_position_lost_and_its_group_is_stopped)
 
 TEST(LscDriver, a_low_supply_is_told_once_and_an_empty_one_is_a_fault_until_it_is_back) {
   LscCell cell(LscProfile::kLsc6);
-  cell.start(kHere);
+  cell.start(kLscHere);
   cell.machine.disturb({sim::Disturbance::Kind::kSupply, -1, 6.2});
   cell.run_for(5s);
   EXPECT_EQ(cell.count(Kind::kNotice), 1U);
@@ -405,7 +395,7 @@ TEST(LscDriver, a_low_supply_is_told_once_and_an_empty_one_is_a_fault_until_it_i
   EXPECT_EQ(cell.driver.state(), DriverState::kFault);
   EXPECT_EQ(cell.driver.fault()->code, ErrorCode::kSupplyLow);
   EXPECT_EQ(cell.driver.positions()[0].quality, Quality::kLost);
-  EXPECT_EQ(refusal(cell.driver.move(cell.to(kHere, 2s), cell.now)), ErrorCode::kSupplyLow);
+  EXPECT_EQ(refusal(cell.driver.move(cell.to(kLscHere, 2s), cell.now)), ErrorCode::kSupplyLow);
   EXPECT_EQ(refusal(cell.driver.clear_fault(cell.now)), ErrorCode::kSupplyLow);
   cell.machine.disturb({sim::Disturbance::Kind::kSupply, -1, 7.4});
   cell.run_for(2s);
@@ -415,7 +405,7 @@ TEST(LscDriver, a_low_supply_is_told_once_and_an_empty_one_is_a_fault_until_it_i
 
 TEST(LscDriver, a_blocked_bus_joint_is_reported_with_where_it_really_is) {
   LscCell cell(LscProfile::kBus);
-  cell.start(kHere);
+  cell.start(kLscHere);
   cell.machine.disturb({sim::Disturbance::Kind::kBlock, 0, -0.1});
   cell.stream(kThere, 1600ms);
   EXPECT_EQ(cell.failure(), ErrorCode::kMissedTarget);
@@ -431,17 +421,17 @@ TEST(LscDriver, a_limp_bus_arm_that_sank_beyond_its_limits_comes_back_slowly) {
   cell.driver.open(cell.now);
   cell.run_for(1s);
   ASSERT_GT(std::abs(cell.driver.positions()[1].q), kPi / 2 + 0.05);
-  EXPECT_EQ(refusal(cell.driver.move(cell.to(kHere, 100ms), cell.now)), ErrorCode::kSegmentTime);
+  EXPECT_EQ(refusal(cell.driver.move(cell.to(kLscHere, 100ms), cell.now)), ErrorCode::kSegmentTime);
   cell.machine.disturb({sim::Disturbance::Kind::kPayload, -1, 0});
-  ASSERT_TRUE(cell.driver.move(cell.to(kHere, 3s), cell.now));
+  ASSERT_TRUE(cell.driver.move(cell.to(kLscHere, 3s), cell.now));
   cell.run_for(4s);
   EXPECT_EQ(cell.count(Kind::kDone), 1U);
-  EXPECT_LT(cell.worst(kHere), kSag);
+  EXPECT_LT(cell.worst(kLscHere), kLscSag);
 }
 
 TEST(LscDriver, an_esp32_that_restarts_is_noticed_by_its_boot_text) {
   LscCell cell(LscProfile::kEsp32);
-  cell.start(kHere);
+  cell.start(kLscHere);
   cell.machine.disturb({sim::Disturbance::Kind::kSupply, -1, 2});
   cell.run_for(50ms);
   EXPECT_FALSE(cell.machine.powered());
@@ -455,7 +445,7 @@ TEST(LscDriver, an_esp32_that_restarts_is_noticed_by_its_boot_text) {
 TEST(LscDriver, closing_in_motion_leaves_an_interval_that_contains_the_truth) {
   for (int breaks = 2; breaks < 20; ++breaks) {
     LscCell cell(LscProfile::kLsc6);
-    cell.start(kHere);
+    cell.start(kLscHere);
     cell.stream(kThere, 1600ms, [&](int k) { return k < breaks; });
     cell.driver.close(cell.now);
     cell.run_for(500ms);
@@ -467,13 +457,13 @@ TEST(LscDriver, closing_in_motion_leaves_an_interval_that_contains_the_truth) {
       EXPECT_GE(cell.machine.truth().joints[i].q, joint.lower) << i;
       EXPECT_LE(cell.machine.truth().joints[i].q, joint.upper) << i;
     }
-    EXPECT_EQ(refusal(cell.driver.move(cell.to(kHere, 2s), cell.now)), ErrorCode::kPortClosed);
+    EXPECT_EQ(refusal(cell.driver.move(cell.to(kLscHere, 2s), cell.now)), ErrorCode::kPortClosed);
   }
 }
 
 TEST(LscDriver, a_declared_position_is_taken_by_the_board_that_cannot_be_asked) {
   LscCell cell(LscProfile::kLsc6);
-  cell.start(kHere);
+  cell.start(kLscHere);
   const std::vector<JointPosition> known(cell.driver.positions().begin(),
                                          cell.driver.positions().end());
   cell.driver.close(cell.now);
@@ -485,7 +475,7 @@ TEST(LscDriver, a_declared_position_is_taken_by_the_board_that_cannot_be_asked) 
   cell.commands = 0;
   cell.stream(kThere, 1600ms);
   EXPECT_EQ(cell.count(Kind::kDone), 20U);
-  EXPECT_LT(cell.worst(kThere), kSag);
+  EXPECT_LT(cell.worst(kThere), kLscSag);
   cell.driver.close(cell.now);
   cell.driver.open(cell.now);
   cell.run_for(1s);
@@ -495,7 +485,7 @@ TEST(LscDriver, a_declared_position_is_taken_by_the_board_that_cannot_be_asked) 
 /// How far and how long a joint was away from the path that the same motion takes undamaged.
 struct Excursion {
   double farthest = 0;  ///< rad
-  Duration longest{};   ///< in one piece, beyond kSag
+  Duration longest{};   ///< in one piece, beyond kLscSag
 };
 
 TEST(LscDriver, one_flipped_bit_bends_the_path_by_a_bounded_angle_for_a_bounded_time) {
@@ -506,7 +496,7 @@ TEST(LscDriver, one_flipped_bit_bends_the_path_by_a_bounded_angle_for_a_bounded_
     const auto bits = static_cast<std::uint8_t>(1 << random.integer(0, 7));
     LscCell clean(LscProfile::kLsc6);
     LscCell hit(LscProfile::kLsc6);
-    for (LscCell* cell : {&clean, &hit}) cell->start(kHere);
+    for (LscCell* cell : {&clean, &hit}) cell->start(kLscHere);
     std::array<Duration, 5> away{};
     const auto compare = [&](Duration step) {
       const sim::Truth a = clean.machine.truth();
@@ -514,7 +504,7 @@ TEST(LscDriver, one_flipped_bit_bends_the_path_by_a_bounded_angle_for_a_bounded_
       for (std::size_t i = 0; i < 5; ++i) {
         const double off = std::abs(a.joints[i].q - b.joints[i].q);
         worst.farthest = std::max(worst.farthest, off);
-        away[i] = off > kSag ? away[i] + step : Duration{};
+        away[i] = off > kLscSag ? away[i] + step : Duration{};
         worst.longest = std::max(worst.longest, away[i]);
       }
     };
@@ -524,10 +514,10 @@ TEST(LscDriver, one_flipped_bit_bends_the_path_by_a_bounded_angle_for_a_bounded_
         compare(2ms);
       }
       if (k == segment) hit.to_board.hit(byte, Fault::kFlip, bits);
-      Pose at{};
+      LscPose at{};
       const double s = k / 20.0;
       for (std::size_t i = 0; i < 5; ++i) {
-        at[i] = kHere[i] + (kThere[i] - kHere[i]) * s * s * (3 - 2 * s);
+        at[i] = kLscHere[i] + (kThere[i] - kLscHere[i]) * s * s * (3 - 2 * s);
       }
       for (LscCell* cell : {&clean, &hit}) {
         ASSERT_TRUE(cell->driver.move(cell->to(at, 80ms, k < 20 ? 1 : 0), cell->now));
@@ -537,7 +527,7 @@ TEST(LscDriver, one_flipped_bit_bends_the_path_by_a_bounded_angle_for_a_bounded_
       for (LscCell* cell : {&clean, &hit}) cell->run_for(2ms);
       compare(2ms);
     }
-    EXPECT_LT(hit.worst(kThere), kSag) << "the final pose is right";
+    EXPECT_LT(hit.worst(kThere), kLscSag) << "the final pose is right";
     EXPECT_EQ(hit.ends(), 20U);
   });
   std::cout << "  at most " << worst.farthest << " rad off, " << to_seconds(worst.longest) * 1e3
@@ -549,9 +539,9 @@ TEST(LscDriver, one_flipped_bit_bends_the_path_by_a_bounded_angle_for_a_bounded_
 TEST(LscDriver, random_faults_never_make_a_claimed_position_wrong) {
   int claims = 0;
   for_random_cases(150, [&](Random& random) {
-    const LscProfile profile = kProfiles[static_cast<std::size_t>(random.integer(0, 2))];
+    const LscProfile profile = kLscProfiles[static_cast<std::size_t>(random.integer(0, 2))];
     LscCell cell(profile, random.bits());
-    cell.start(kHere);
+    cell.start(kLscHere);
     // At most one fault in four frames: more is a broken cable, which the silence tells.
     for (int k = 0; k < 6; ++k) {
       LscLine& line = random.chance(0.7) ? cell.to_board : cell.to_host;
@@ -559,7 +549,7 @@ TEST(LscDriver, random_faults_never_make_a_claimed_position_wrong) {
                static_cast<Fault>(random.integer(0, 3)),
                static_cast<std::uint8_t>(1 << random.integer(0, 7)));
     }
-    Pose target{};
+    LscPose target{};
     for (double& q : target) q = random.uniform(-0.8, 0.8);
     const int stop_at = static_cast<int>(random.integer(5, 60));
     bool stopped = false;
@@ -575,8 +565,8 @@ TEST(LscDriver, random_faults_never_make_a_claimed_position_wrong) {
       const JointPosition& joint = cell.driver.positions()[i];
       if (joint.quality == Quality::kLost) continue;
       ++claims;
-      EXPECT_GE(truth.joints[i].q, joint.lower - kSag) << "joint " << i;
-      EXPECT_LE(truth.joints[i].q, joint.upper + kSag) << "joint " << i;
+      EXPECT_GE(truth.joints[i].q, joint.lower - kLscSag) << "joint " << i;
+      EXPECT_LE(truth.joints[i].q, joint.upper + kLscSag) << "joint " << i;
     }
   });
   std::cout << "  " << claims << " of 750 joints claimed a place\n";
@@ -594,7 +584,7 @@ TEST(LscDriver, a_damaged_first_move_is_mended_while_it_is_under_way) {
     ASSERT_TRUE(cell.driver.move(cell.to(kThere, 2s), cell.now));
     cell.run_for(3s);
     EXPECT_EQ(cell.ends(), 1U);
-    EXPECT_LT(cell.worst(kThere), kSag);
+    EXPECT_LT(cell.worst(kThere), kLscSag);
   });
 }
 
@@ -602,7 +592,7 @@ TEST(LscDriver, a_damaged_last_repeat_is_mended_behind_the_next_sign_of_life) {
   int wrong = 0;
   for_random_cases(120, [&](Random& random) {
     LscCell cell(LscProfile::kLsc6, random.bits());
-    cell.start(kHere);
+    cell.start(kLscHere);
     cell.stream(kThere, 1600ms, [&](int k) { return k < 20; });
     LscCell clean = cell;
     ASSERT_TRUE(clean.driver.move(clean.to(kThere, 80ms), clean.now));
@@ -618,7 +608,7 @@ TEST(LscDriver, a_damaged_last_repeat_is_mended_behind_the_next_sign_of_life) {
     }
     wrong += worst > 0.1 ? 1 : 0;
     EXPECT_EQ(cell.driver.state(), DriverState::kReady);
-    EXPECT_LT(cell.worst(kThere), kSag);
+    EXPECT_LT(cell.worst(kThere), kLscSag);
   });
   EXPECT_GT(wrong, 2) << "of the flips, those that nothing else mends";
 }
@@ -627,7 +617,7 @@ TEST(LscDriver, a_servo_that_stands_wrong_at_rest_goes_back_slowly) {
   int wrong = 0;
   for_random_cases(120, [&](Random& random) {
     LscCell cell(LscProfile::kLsc6, random.bits());
-    cell.start(kHere);
+    cell.start(kLscHere);
     // In a frame of the end of a motion, or in one at rest: neither way may anything leap.
     cell.stream(kThere, 1600ms);
     cell.run_for(300ms);
@@ -651,13 +641,13 @@ TEST(LscDriver, a_servo_that_stands_wrong_at_rest_goes_back_slowly) {
     }
     wrong += worst > 0.1 ? 1 : 0;
     EXPECT_LT(fastest, worst / 0.9 * 1.5 + 0.1) << "on a way of " << worst;
-    EXPECT_LT(cell.worst(kThere), kSag);
+    EXPECT_LT(cell.worst(kThere), kLscSag);
   });
   EXPECT_GT(wrong, 60) << "the flips reach the servos";
 }
 
 TEST(LscDriver, targets_are_said_again_at_rest_only_while_they_are_known_and_only_where_unread) {
-  for (const LscProfile profile : kProfiles) {
+  for (const LscProfile profile : kLscProfiles) {
     LscCell cell(profile);
     const auto frames = [&](Duration duration) {
       const std::size_t from = cell.to_board.history.size();
@@ -673,9 +663,9 @@ TEST(LscDriver, targets_are_said_again_at_rest_only_while_they_are_known_and_onl
     cell.driver.open(cell.now);
     EXPECT_EQ(frames(5s), 0) << "before the first move";
     cell.events.clear();
-    cell.start(kHere);
+    cell.start(kLscHere);
     EXPECT_NEAR(frames(10s), profile == LscProfile::kLsc6 ? 10 : 0, profile == LscProfile::kLsc6);
-    EXPECT_LT(cell.worst(kHere), kSag);
+    EXPECT_LT(cell.worst(kLscHere), kLscSag);
     cell.to_host.cut = true;
     cell.run_for(5s);
     EXPECT_EQ(frames(5s), 0) << "a board that says nothing";
@@ -691,7 +681,7 @@ TEST(LscDriver, a_claimed_interval_contains_a_servo_that_rests_in_its_dead_band)
     for (const double side : {-1.0, 1.0}) {
       LscCell cell(profile);
       cell.start({});
-      Pose there = kThere;
+      LscPose there = kThere;
       for (double& q : there) q *= side;
       cell.stream(there, 1600ms);
       const sim::Truth truth = cell.machine.truth();
@@ -711,7 +701,7 @@ TEST(LscDriver, a_claimed_interval_contains_a_servo_that_rests_in_its_dead_band)
 
 TEST(LscDriver, an_esp32_that_hears_go_home_in_a_damaged_question_is_called_back) {
   LscCell cell(LscProfile::kEsp32);
-  cell.start(kHere);
+  cell.start(kLscHere);
   const auto before = cell.driver.health().timeouts;
   cell.stream(kThere, 1600ms, [&](int k) {
     // Behind the last segment and its two repeats of 22 bytes: 55 55 02 0D, and 0D becomes 0C.
@@ -727,7 +717,7 @@ TEST(LscDriver, an_esp32_that_hears_go_home_in_a_damaged_question_is_called_back
   }
   EXPECT_GE(questions, 7) << "two at open, two behind the first move, one damaged, two more";
   EXPECT_EQ(cell.count(Kind::kDone), 20U);
-  EXPECT_LT(cell.worst(kThere), kSag);
+  EXPECT_LT(cell.worst(kThere), kLscSag);
 }
 
 TEST(LscDriver, a_port_that_takes_no_bytes_is_a_silent_device) {

@@ -18,6 +18,17 @@ namespace sinew::test {
 
 using namespace std::chrono_literals;
 
+/// Where most tests begin.
+using LscPose = std::array<double, 5>;
+inline constexpr LscPose kLscHere{0.2, 0.3, 0.2, 0.1, 0};
+inline constexpr std::array kLscProfiles{LscProfile::kLsc6, LscProfile::kBus, LscProfile::kEsp32};
+/// A servo at rest against gravity is off its target by its dead band and its proportional gain.
+inline constexpr double kLscSag = 0.03;  // rad
+
+inline ErrorCode refusal(const Expected<void>& result) {
+  return result ? ErrorCode{} : result.error().code;
+}
+
 inline LscDevice lsc_settings(LscProfile profile) {
   const bool bus = profile == LscProfile::kBus;
   LscDevice device;

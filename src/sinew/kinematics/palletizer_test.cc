@@ -15,7 +15,6 @@
 namespace sinew::kinematics {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kNotANumber = std::numeric_limits<double>::quiet_NaN();
 
 const PalletizerGeometry kMaxArm = test::maxarm_geometry();

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <variant>
 #include <vector>
 
@@ -42,6 +44,14 @@ struct LinkPair {
   std::uint8_t first = 0;
   std::uint8_t second = 0;
 };
+
+/// Whether these pairs name these two links, in either order.
+inline bool holds(std::span<const LinkPair> pairs, std::size_t first, std::size_t second) {
+  return std::ranges::any_of(pairs, [&](const LinkPair& pair) {
+    return (pair.first == first && pair.second == second) ||
+           (pair.first == second && pair.second == first);
+  });
+}
 
 inline constexpr std::size_t kCollisionShapesMax = 24;
 

@@ -2,12 +2,12 @@
 
 #include <cmath>
 
+#include "sinew/core/units.h"
 #include "sinew/model/collision_links.h"
 
 namespace sinew::planning {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// Bodies of a sweep that follow each other.
 constexpr std::size_t kGroup = 12;
 /// Intervals of a robot at rest are cut into so many boxes at most.

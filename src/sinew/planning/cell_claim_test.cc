@@ -17,7 +17,6 @@ using test::Random;
 using test::robot;
 using PoseWB = Pose<frame::World, frame::Base>;
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr std::array kTallRobots{"robot-arm-2", "bigrobotarm", "learm", "maxarm", "hexapod"};
 
 PoseWB somewhere(Random& random, double far) {

@@ -2,12 +2,12 @@
 
 #include <cmath>
 
+#include "sinew/core/units.h"
 #include "sinew/planning/cell_claim.h"
 
 namespace sinew::planning {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// Looks at parts of one way. Who needs more goes along something for so long that nobody can tell
 /// in time whether it touches: refused.
 constexpr std::size_t kLooksMax = 50'000;

@@ -42,13 +42,6 @@ bool is_box(const CollisionShape& shape) {
   return std::holds_alternative<CollisionBox>(shape.form);
 }
 
-bool excused(std::span<const LinkPair> pairs, std::size_t first, std::size_t second) {
-  return std::ranges::any_of(pairs, [&](const LinkPair& pair) {
-    return (pair.first == first && pair.second == second) ||
-           (pair.first == second && pair.second == first);
-  });
-}
-
 std::variant<kinematics::SerialChain, PalletizerGeometry, kinematics::Hexapod> kinematics_of(
     const Geometry& geometry) {
   if (const auto* serial = std::get_if<SerialGeometry>(&geometry)) {
@@ -79,7 +72,7 @@ CollisionModel::CollisionModel(const RobotModel& model)
   for (const CollisionShape& shape : shapes_) radii_.push_back(radius_of(shape));
   const std::vector<CollisionShape>& named = model.collision.shapes;
   const auto checked = [&](std::size_t first, std::size_t second) {
-    return !links_joined(model, first, second) && !excused(model.collision.ignored, first, second);
+    return !links_joined(model, first, second) && !holds(model.collision.ignored, first, second);
   };
   for (std::size_t i = 0; i < named.size(); ++i) {
     for (std::size_t j = i + 1; j < named.size(); ++j) {
@@ -207,28 +200,22 @@ Clearance CollisionModel::nearest(const Scene& scene, std::span<const LinkPair> 
   Clearance nearest;
   for (const Pair& pair : pairs_) {
     if (ball_distance(scene, pair) >= nearest.distance) continue;
-    if (!but.empty() && excused(but, link_of(*model_, pair.first), link_of(*model_, pair.second)))
+    if (!but.empty() && holds(but, link_of(*model_, pair.first), link_of(*model_, pair.second))) {
       continue;
+    }
     const double apart = distance(scene, pair);
     if (apart < nearest.distance) nearest = {apart, pair.first, pair.second};
   }
   return nearest;
 }
 
-Clearance CollisionModel::distance(std::span<const double> q, const PoseBP* X_near) const {
+Clearance CollisionModel::distance(std::span<const double> q, const PoseBP* X_near,
+                                   std::span<const LinkPair> but) const {
+  SINEW_ASSERT(but.empty() || shapes_.size() == own_shapes_);
   Scene scene;
   PoseBP X_BP = start(X_near);
   if (!place(q, X_BP, scene)) return {-std::numeric_limits<double>::infinity()};
-  return nearest(scene);
-}
-
-Clearance CollisionModel::distance_but(std::span<const LinkPair> pairs,
-                                       std::span<const double> q) const {
-  SINEW_ASSERT(shapes_.size() == own_shapes_);
-  Scene scene;
-  PoseBP X_BP = start(nullptr);
-  if (!place(q, X_BP, scene)) return {-std::numeric_limits<double>::infinity()};
-  return nearest(scene, pairs);
+  return nearest(scene, but);
 }
 
 bool CollisionModel::bodies(std::span<const double> q, PoseBP& X_near,

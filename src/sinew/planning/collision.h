@@ -66,9 +66,10 @@ class CollisionModel {
   std::size_t pairs() const { return pairs_.size(); }
   double margin() const { return model_->collision.margin; }
 
-  Clearance distance(std::span<const double> q, const kinematics::PoseBP* X_near = nullptr) const;
-  /// The same without these pairs of links; of a robot that is not surrounded.
-  Clearance distance_but(std::span<const LinkPair> pairs, std::span<const double> q) const;
+  /// @param but  pairs of links that are not held against each other; only where nothing surrounds
+  ///             the robot
+  Clearance distance(std::span<const double> q, const kinematics::PoseBP* X_near = nullptr,
+                     std::span<const LinkPair> but = {}) const;
   /// The same where a hexapod's pose is known already.
   Clearance distance(const kinematics::PoseBP& X_BP) const;
 

@@ -4,14 +4,13 @@
 #include <cmath>
 
 #include "sinew/core/assert.h"
+#include "sinew/core/units.h"
 #include "sinew/planning/collision.h"
 
 namespace sinew::planning {
 namespace {
 
 using kinematics::PoseBP;
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// Where even the balls around two bodies are so far beyond the margin their exact distance is not
 /// worth its time, m.

@@ -14,15 +14,8 @@ namespace {
 using test::Random;
 using test::robot;
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
 class CollisionMotions : public testing::TestWithParam<const char*> {};
 
-std::string test_name(const testing::TestParamInfo<const char*>& info) {
-  std::string name = info.param;
-  std::ranges::replace(name, '-', '_');
-  return name;
-}
 INSTANTIATE_TEST_SUITE_P(Robots, CollisionMotions, testing::ValuesIn(kCollisionRobots), test_name);
 
 double distance_at(const CollisionModel& collision, const JointPath& path, double s) {

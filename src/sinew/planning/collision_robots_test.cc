@@ -20,12 +20,6 @@ namespace {
 
 using test::robot;
 
-JointVector degrees(std::initializer_list<double> q_deg) {
-  JointVector q;
-  for (const double angle : q_deg) q.push_back(from_deg(angle));
-  return q;
-}
-
 std::string words(const RobotModel& model, const Clearance& nearest) {
   return std::string(link_name(model, link_of(model, nearest.first))) + " - " +
          std::string(link_name(model, link_of(model, nearest.second)));

@@ -19,14 +19,6 @@ using kinematics::PoseBP;
 using test::Random;
 using test::robot;
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-JointVector degrees(std::initializer_list<double> q_deg) {
-  JointVector q;
-  for (const double angle : q_deg) q.push_back(from_deg(angle));
-  return q;
-}
-
 /// A link in base, row by row, without the model's own way of placing it.
 PoseBL link_pose(const RobotModel& model, const JointVector& q, std::size_t link) {
   PoseBL X_BL;
@@ -70,11 +62,6 @@ double apart(const PlacedForm& first, const PlacedForm& second) {
 
 class CollisionRobots : public testing::TestWithParam<const char*> {};
 
-std::string test_name(const testing::TestParamInfo<const char*>& info) {
-  std::string name = info.param;
-  std::ranges::replace(name, '-', '_');
-  return name;
-}
 INSTANTIATE_TEST_SUITE_P(Robots, CollisionRobots, testing::ValuesIn(kCollisionRobots), test_name);
 
 /// The nearest pair, everything against everything, placed and measured without a shortcut.

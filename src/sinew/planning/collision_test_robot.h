@@ -1,8 +1,13 @@
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <algorithm>
 #include <array>
+#include <initializer_list>
+#include <string>
 
+#include "sinew/core/units.h"
 #include "sinew/planning/collision.h"
 #include "support/property.h"
 #include "support/robots.h"
@@ -11,6 +16,19 @@ namespace sinew::planning {
 
 inline constexpr std::array kCollisionRobots{"robot-arm-2", "bigrobotarm", "learm",
                                              "maxarm",      "puma560",     "hexapod"};
+
+/// For INSTANTIATE_TEST_SUITE_P.
+inline std::string test_name(const testing::TestParamInfo<const char*>& info) {
+  std::string name = info.param;
+  std::ranges::replace(name, '-', '_');
+  return name;
+}
+
+inline JointVector degrees(std::initializer_list<double> q_deg) {
+  JointVector q;
+  for (const double angle : q_deg) q.push_back(from_deg(angle));
+  return q;
+}
 
 inline JointVector home_of(const RobotModel& model) {
   JointVector q;

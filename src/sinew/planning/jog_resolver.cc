@@ -2,14 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
+#include "sinew/core/units.h"
 #include "sinew/motion/velocity_change.h"
 
 namespace sinew::planning {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// A direction is left out where that costs at least this part of what is asked for.
 constexpr double kLostShare = 0.001;

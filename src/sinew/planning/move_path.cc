@@ -3,15 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 
 #include "sinew/core/assert.h"
+#include "sinew/core/units.h"
 #include "sinew/planning/tool_rate.h"
 
 namespace sinew::planning {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// Shorter blends (m) are stops.
 constexpr double kBlendMin = 1e-5;

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <limits>
 #include <vector>
 
 #include "sinew/core/rotation.h"
@@ -17,8 +16,6 @@ namespace sinew::planning {
 namespace {
 
 using test::Random;
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 Vec3 random_vector(Random& random, double size) {
   return {random.uniform(-size, size), random.uniform(-size, size), random.uniform(-size, size)};

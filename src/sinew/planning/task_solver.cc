@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "sinew/core/units.h"
+
 namespace sinew::planning {
 namespace {
 
@@ -27,7 +29,6 @@ constexpr int kSweepsMax = 12;
 /// Cosine between two joint directions from which on they count as orthogonal: what is left of it
 /// is an error of the velocities of the same part.
 constexpr double kOrthogonal = 1e-9;
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// Of a task's numbers, those from here on are turns.
 constexpr std::size_t kTurnsFrom = 3;
 /// How readily the tip's way is left out beside a turn: next to not at all, but a direction without

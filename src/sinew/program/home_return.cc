@@ -28,25 +28,19 @@ struct Stand {
   RobotModel lenient;  ///< the robot with these pairs excused
 };
 
-bool holds(const std::vector<LinkPair>& pairs, const LinkPair& pair) {
-  return std::ranges::any_of(pairs, [&](const LinkPair& other) {
-    return other.first == pair.first && other.second == pair.second;
-  });
-}
-
 /// Two links that are too near, and with them those below the one and those that the other carries:
 /// an arm that is folded into itself cannot unfold without its hand, which passes by the root of
 /// the upper arm. The stand and the table are never meant.
 void excuse(LinkPair pair, const RobotModel& robot, std::vector<LinkPair>& near) {
   if (pair.first > pair.second) std::swap(pair.first, pair.second);
-  if (holds(near, pair)) return;
+  if (holds(near, pair.first, pair.second)) return;
   near.push_back(pair);
   if (pair.first == 0 || pair.second == kTableLink) return;
   for (const CollisionShape& below : robot.collision.shapes) {
     if (below.link == 0 || below.link > pair.first) continue;
     for (const CollisionShape& carried : robot.collision.shapes) {
-      const LinkPair more{below.link, carried.link};
-      if (carried.link >= pair.second && !holds(near, more)) near.push_back(more);
+      if (carried.link < pair.second || holds(near, below.link, carried.link)) continue;
+      near.push_back({below.link, carried.link});
     }
   }
 }
@@ -99,7 +93,7 @@ std::expected<HomeLeg, Refusal> plan_leg(const RobotModel& robot, const JointVec
 /// A leg out of what is too near at its begin; nothing where it would not lead out.
 std::optional<HomeLeg> leg_out(const Stand& from, const Stand& to, int line) {
   for (const LinkPair& pair : to.near) {
-    if (!holds(from.near, pair)) return std::nullopt;
+    if (!holds(from.near, pair.first, pair.second)) return std::nullopt;
   }
   auto leg = plan_leg(from.lenient, from.q, to.q, from.near.empty() ? 1 : kSlow, line);
   if (!leg || !stays_clear(leg->planned.path.joints, to)) return std::nullopt;

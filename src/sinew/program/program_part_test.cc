@@ -22,7 +22,7 @@ Program read(std::string_view text) {
   return program.value_or(Program{});
 }
 
-constexpr const char* kText =
+constexpr const char* kWholeText =
     "wait 1s\n"
     "loop 2\n"
     "  wait 2s\n"
@@ -37,7 +37,7 @@ constexpr const char* kText =
     "wait 5s\n";
 
 std::string refusal(int line) {
-  const auto part = from_line(read(kText), line);
+  const auto part = from_line(read(kWholeText), line);
   return part ? "" : part.error();
 }
 
@@ -49,7 +49,7 @@ double waits(const Program& program) {
 }
 
 TEST(FromLine, what_stands_before_it_is_left_out) {
-  const Program whole = read(kText);
+  const Program whole = read(kWholeText);
   EXPECT_NEAR(waits(whole), 1 + 2 * (2 + 4) + 15 + 5, 1e-9);
   EXPECT_NEAR(waits(*from_line(whole, 1)), waits(whole), 1e-9);
   EXPECT_NEAR(waits(*from_line(whole, 2)), waits(whole) - 1, 1e-9);

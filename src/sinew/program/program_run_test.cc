@@ -522,9 +522,9 @@ TEST(ProgramPlan, endless_programs_are_refused) {
 }
 
 TEST(ProgramRun, if_takes_the_branch_that_what_is_measured_says) {
-  constexpr const char* kText =
+  constexpr const char* kHighText =
       "joint base=30deg\nif base>20deg\n jaws 10mm\nelse\n wait 5s\n wait 6s\nend\njaws 20mm\n";
-  Cell high("learm", kText);
+  Cell high("learm", kHighText);
   high.go();
   ASSERT_EQ(high.run.phase(), Phase::kDone);
   EXPECT_EQ(high.driver.tools_, 2);
@@ -532,7 +532,7 @@ TEST(ProgramRun, if_takes_the_branch_that_what_is_measured_says) {
   EXPECT_EQ(high.run.records()[1].holds, true);
   EXPECT_LT(high.now - Instant{}, 10s) << "nothing waited";
   EXPECT_NEAR(high.run.progress(high.now), 1, 1e-9) << "what is not taken counts as done";
-  std::string low = kText;
+  std::string low = kHighText;
   Cell other("learm", low.replace(low.find("30deg"), 5, "10deg"));
   other.go();
   ASSERT_EQ(other.run.phase(), Phase::kDone);

@@ -21,7 +21,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 using Complaints = std::vector<SettingComplaint>;
 
-constexpr int kVersion = 1;
+constexpr int kSettingsVersion = 1;
 constexpr std::string_view kOfPlace[] = {"port", "profile", "wire"};
 constexpr Duration kTurnPatience = std::chrono::seconds(2);
 
@@ -117,7 +117,7 @@ std::expected<void, std::string> CellSettings::load() {
 std::expected<void, std::string> CellSettings::read(const std::string& text) {
   const Json json = Json::parse(text, nullptr, false);
   const Json robots = json.is_object() ? json.value("robots", Json()) : Json();
-  if (!robots.is_object() || json.value("version", Json()) != kVersion) {
+  if (!robots.is_object() || json.value("version", Json()) != kSettingsVersion) {
     return std::unexpected("is no file of settings of this version");
   }
   if (json.value("cell", Json()) != cell_) {
@@ -264,7 +264,7 @@ ShelfResult<void> CellSettings::save(std::size_t robot, const RobotSettings& set
     for (const auto& [key, value] : found->second) rows[key] = value;
     robots[one.place.name] = {{"robot", one.model.id}, {"settings", std::move(rows)}};
   }
-  const Json json{{"version", kVersion}, {"cell", cell_}, {"robots", std::move(robots)}};
+  const Json json{{"version", kSettingsVersion}, {"cell", cell_}, {"robots", std::move(robots)}};
   const std::string text = json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
   const auto kept = TextShelf(*disk).save(path.filename().string(), text, revision);
   if (!kept) return std::unexpected(kept.error());

@@ -15,7 +15,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 using State = program::StepResult::State;
 
-constexpr int kVersion = 1;
+constexpr int kCommissioningVersion = 1;
 
 std::optional<State> state_named(const std::string& word) {
   for (const State state : {State::kOpen, State::kDone, State::kSkipped, State::kFailed}) {
@@ -77,7 +77,7 @@ std::expected<CommissioningFile, std::string> read_commissioning(const std::stri
   if (!text) return std::unexpected(text.error().sentence);
   const Json json = Json::parse(*text, nullptr, false);
   const auto wrong = [&](const std::string& what) { return std::unexpected(path + ": " + what); };
-  if (!json.is_object() || json.value("version", Json()) != kVersion) {
+  if (!json.is_object() || json.value("version", Json()) != kCommissioningVersion) {
     return wrong("is no settings file of this version");
   }
   if (json.value("robot", Json()) != robot.id) return wrong("is another robot's than " + robot.id);
@@ -135,7 +135,7 @@ CommissioningResults results_of(const program::Procedure& procedure, Commissioni
 io::IoResult<void> write_commissioning(const std::string& path, const RobotModel& robot,
                                        const CommissioningFile& file) {
   if (const auto place = check_commissioning_place(path); !place) return place;
-  Json json{{"version", kVersion}, {"robot", robot.id}, {"finished", file.finished}};
+  Json json{{"version", kCommissioningVersion}, {"robot", robot.id}, {"finished", file.finished}};
   json["settings"] = Json::object();
   for (const auto& [key, value] : file.settings) json["settings"][key] = value;
   json["answers"] = answers_json(file.finished ? file.answers : file.under_way);

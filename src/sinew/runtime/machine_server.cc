@@ -5,13 +5,12 @@
 
 #include "sinew/core/stable_sort.h"
 #include "sinew/runtime/serial_lane.h"
+#include "sinew/runtime/session_pace.h"
 
 namespace sinew::runtime {
 namespace {
 
 using Direction = sim::LinkDirection;
-
-constexpr Duration kSliceMax = std::chrono::milliseconds(50);
 
 class Server {
  public:

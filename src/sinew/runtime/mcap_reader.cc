@@ -12,33 +12,33 @@ namespace sinew::runtime {
 namespace {
 
 using mcap::Opcode;
-using Bytes = std::span<const std::uint8_t>;
+using ByteView = std::span<const std::uint8_t>;
 
 /// Numbers and texts from the front of a record's content; behind its end everything is zero and
 /// `ok` is false.
 class Cursor {
  public:
-  explicit Cursor(Bytes bytes) : rest_(bytes) {}
+  explicit Cursor(ByteView bytes) : rest_(bytes) {}
 
   template <std::unsigned_integral T>
   T number() {
-    const Bytes bytes = take(sizeof(T));
+    const ByteView bytes = take(sizeof(T));
     std::uint64_t value = 0;
     for (std::size_t k = 0; k < bytes.size(); ++k) value |= std::uint64_t{bytes[k]} << (8 * k);
     return static_cast<T>(value);
   }
-  Bytes take(std::uint64_t size) {
+  ByteView take(std::uint64_t size) {
     if (size > rest_.size()) {
       ok_ = false;
       rest_ = {};
       return {};
     }
-    const Bytes taken = rest_.first(static_cast<std::size_t>(size));
+    const ByteView taken = rest_.first(static_cast<std::size_t>(size));
     rest_ = rest_.subspan(static_cast<std::size_t>(size));
     return taken;
   }
   std::string_view view(std::uint64_t size) {
-    const Bytes bytes = take(size);
+    const ByteView bytes = take(size);
     return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
   }
   std::string text() { return std::string(view(number<std::uint32_t>())); }
@@ -58,7 +58,7 @@ class Cursor {
   bool ended() const { return ok_ && rest_.empty(); }
 
  private:
-  Bytes rest_;
+  ByteView rest_;
   bool ok_ = true;
 };
 
@@ -77,13 +77,13 @@ struct SeenChunk {
 
 class Reader {
  public:
-  Reader(Bytes file, McapContent& content) : file_(file), content_(content) {}
+  Reader(ByteView file, McapContent& content) : file_(file), content_(content) {}
   void read();
 
  private:
   struct Record {
     std::uint8_t opcode = 0;
-    Bytes content;
+    ByteView content;
     std::size_t begin = 0;
     std::size_t end = 0;
   };
@@ -99,8 +99,8 @@ class Reader {
   bool schema(const Record& record, bool again);
   bool channel(const Record& record, bool again);
   bool chunk(const Record& record);
-  void cut_chunk(Bytes content);
-  bool messages(Bytes records, std::size_t begin, bool whole);
+  void cut_chunk(ByteView content);
+  bool messages(ByteView records, std::size_t begin, bool whole);
   bool message_index(const Record& record);
   bool no_index_missing(std::size_t at);
   bool metadata(const Record& record);
@@ -112,7 +112,7 @@ class Reader {
   bool summary_offset(const Record& record);
   bool footer(const Record& record);
 
-  Bytes file_;
+  ByteView file_;
   McapContent& content_;
   std::size_t at_ = 0;
   std::vector<SeenChunk> chunks_;
@@ -131,7 +131,7 @@ class Reader {
 };
 
 bool Reader::magic(std::size_t at, const char* where) {
-  const Bytes rest = file_.subspan(at);
+  const ByteView rest = file_.subspan(at);
   const std::size_t size = std::min(rest.size(), mcap::kMagic.size());
   if (!std::ranges::equal(rest.first(size), std::span(mcap::kMagic).first(size))) {
     return wrong(at, fmt::format("the {} of the file is not that of MCAP, version 0", where));
@@ -263,7 +263,7 @@ bool Reader::chunk(const Record& record) {
   const std::string compression = cursor.text();
   const auto size = cursor.number<std::uint64_t>();
   const std::size_t begin = record.end - cursor.left();
-  const Bytes records = cursor.take(size);
+  const ByteView records = cursor.take(size);
   if (cursor.ok() && !compression.empty()) {
     return wrong(record.begin, "a chunk is compressed, which Sinew's files are not");
   }
@@ -290,7 +290,7 @@ bool Reader::chunk(const Record& record) {
 }
 
 /// What is there of a chunk whose end is missing, and with it what its checksum counts.
-void Reader::cut_chunk(Bytes content) {
+void Reader::cut_chunk(ByteView content) {
   Cursor cursor(content);
   cursor.take(3 * sizeof(std::uint64_t) + sizeof(std::uint32_t));
   const std::string compression = cursor.text();
@@ -300,13 +300,13 @@ void Reader::cut_chunk(Bytes content) {
   messages(cursor.take(cursor.left()), begin, false);
 }
 
-bool Reader::messages(Bytes records, std::size_t begin, bool whole) {
+bool Reader::messages(ByteView records, std::size_t begin, bool whole) {
   std::size_t at = 0;
   while (at < records.size()) {
     Cursor cursor(records.subspan(at));
     const auto opcode = cursor.number<std::uint8_t>();
     const auto length = cursor.number<std::uint64_t>();
-    const Bytes bytes = cursor.take(length);
+    const ByteView bytes = cursor.take(length);
     if (!cursor.ok()) return !whole || wrong(begin + at, "a record goes beyond its chunk");
     if (opcode != static_cast<std::uint8_t>(Opcode::kMessage)) {
       return wrong(begin + at, "a chunk holds something else than messages");
@@ -485,7 +485,7 @@ bool Reader::footer(const Record& record) {
                     cursor.number<std::uint64_t>() == offsets_begin_.value_or(0);
   const auto crc = cursor.number<std::uint32_t>();
   if (!same || !cursor.ended()) return wrong(record.begin, "the footer does not fit the file");
-  const Bytes covered = file_.subspan(summary_begin_, record.end - 4 - summary_begin_);
+  const ByteView covered = file_.subspan(summary_begin_, record.end - 4 - summary_begin_);
   return crc == 0 || crc == mcap::crc32(covered) ||
          wrong(record.begin, "the summary is damaged: its checksum is another one");
 }
@@ -507,7 +507,7 @@ std::optional<double> mcap_length(
   constexpr std::uint64_t kSummaryMax = std::uint64_t{32} << 20;
   if (file_size < kTail) return std::nullopt;
   const auto bytes_of = [](const std::string& text) {
-    return Bytes(reinterpret_cast<const std::uint8_t*>(text.data()), text.size());
+    return ByteView(reinterpret_cast<const std::uint8_t*>(text.data()), text.size());
   };
   const std::string end = part(file_size - kTail, kTail);
   if (end.size() != kTail || !std::ranges::equal(bytes_of(end).last(8), mcap::kMagic)) {

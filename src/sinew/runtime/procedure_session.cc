@@ -12,13 +12,10 @@
 #include "sinew/driver/icp.h"
 #include "sinew/driver/maxarm.h"
 #include "sinew/model/error_sentence.h"
+#include "sinew/runtime/session_pace.h"
 
 namespace sinew::runtime {
 namespace {
-
-constexpr Duration kSliceMax = std::chrono::milliseconds(50);
-constexpr Duration kFeedInterval = std::chrono::milliseconds(2);
-constexpr Duration kSettleMax = std::chrono::seconds(5);
 
 bool settled(const ControlLoop& loop) {
   const Driver& driver = loop.controller().driver();

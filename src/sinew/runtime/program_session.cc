@@ -2,14 +2,10 @@
 
 #include <algorithm>
 
+#include "sinew/runtime/session_pace.h"
+
 namespace sinew::runtime {
 namespace {
-
-constexpr Duration kSliceMax = std::chrono::milliseconds(50);
-/// While a motion is streamed the driver is asked this often whether it takes the next segment.
-constexpr Duration kFeedInterval = std::chrono::milliseconds(2);
-/// A stopped driver may still have to say so to its device.
-constexpr Duration kSettleMax = std::chrono::seconds(5);
 
 Duration slice(const program::Run& run, const ControlLoop& loop, const io::Clock& clock) {
   const Instant now = clock.now();

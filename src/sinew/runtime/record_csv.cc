@@ -8,8 +8,6 @@
 namespace sinew::runtime {
 namespace {
 
-using Json = nlohmann::json;
-
 /// The last part of a topic: "/learm/joint_states" is about joint_states.
 std::string_view kind_of(const McapContent& content, const McapMessage& message) {
   const std::string_view topic = content.channels.at(message.channel).topic;
@@ -17,7 +15,7 @@ std::string_view kind_of(const McapContent& content, const McapMessage& message)
 }
 
 /// A value as a cell of the table: texts of a stranger's file must not break its rows.
-std::string cell_text(const Json& value) {
+std::string cell_text(const nlohmann::json& value) {
   if (value.is_number_float()) {
     const double number = value.get<double>();
     return std::isfinite(number) ? fmt::format("{:.9g}", number) : std::string();
@@ -40,7 +38,7 @@ class CsvTable {
       const std::string_view kind = kind_of(content, message);
       const bool shown = kind == "joint_states" || kind == "state" || kind == "wire";
       if (!shown) continue;
-      const Json json = Json::parse(message.data, nullptr, false);
+      const nlohmann::json json = nlohmann::json::parse(message.data, nullptr, false);
       if (!json.is_object()) {
         return std::unexpected(fmt::format("message {} of {} is no JSON object", message.sequence,
                                            content.channels.at(message.channel).topic));
@@ -66,7 +64,7 @@ class CsvTable {
   }
 
  private:
-  static std::string of(const Json& json, const char* key) {
+  static std::string of(const nlohmann::json& json, const char* key) {
     const auto found = json.find(key);
     return found != json.end() ? cell_text(*found) : std::string();
   }
@@ -90,7 +88,7 @@ class CsvTable {
     }
   }
 
-  std::expected<std::string, std::string> joints(const Json& json) {
+  std::expected<std::string, std::string> joints(const nlohmann::json& json) {
     const auto found = json.find("joints");
     if (found == json.end() || !found->is_object()) {
       return std::unexpected("a message of joint_states has no joints");
@@ -106,8 +104,8 @@ class CsvTable {
 
   std::optional<std::uint64_t> begin_;
   std::vector<std::pair<std::string, std::string>> columns_;
-  Json state_ = Json::object();
-  Json wire_ = Json::object();
+  nlohmann::json state_ = nlohmann::json::object();
+  nlohmann::json wire_ = nlohmann::json::object();
 };
 
 }  // namespace

@@ -1,14 +1,9 @@
 #include "sinew/runtime/sequence_session.h"
 
 #include "sinew/runtime/byte_line.h"
+#include "sinew/runtime/session_pace.h"
 
 namespace sinew::runtime {
-namespace {
-
-constexpr Duration kSliceMax = std::chrono::milliseconds(50);
-
-}  // namespace
-
 SessionEnd run_sequence(sequence::Run& run, BigRobotArmDriver& driver, io::Port& port,
                         const io::Clock& clock, ByteLog& log, const SessionHooks& hooks) {
   SessionEnd end;
