@@ -49,6 +49,8 @@ const kept = async (name) => {
 /** Enabled, and from wherever it is to a place that is known. */
 const drive = (page) =>
   until('there', async () => {
+    // The job before this one is over, too.
+    const before = (await seen(page, 'left')).job?.job;
     const began = await page.evaluate(async () => {
       const { store } = globalThis.__sinew;
       if (store.status.value.left.state === 'off') await store.enable('left');
@@ -57,7 +59,7 @@ const drive = (page) =>
     if (!began) return false;
     const end = await until('over', async () => {
       const { job } = await seen(page, 'left');
-      return job?.over && job;
+      return job?.over && job.job !== before && job;
     });
     return end.phase === 'done';
   }, 1000);
@@ -140,6 +142,7 @@ test('what one browser saves another one sees, and neither overwrites the other 
   await drive(other);
   await other.getByLabel('Name of the point').fill('here');
   await other.locator('[data-tour=take]').click();
+  await other.locator('.point', { hasText: 'here' }).waitFor();
   await one.getByRole('radio', { name: 'Points' }).click();
   await one.locator('.point', { hasText: 'here' }).waitFor();
   await one.getByRole('button', { name: 'Rename here' }).click();
@@ -153,8 +156,9 @@ test('what one browser saves another one sees, and neither overwrites the other 
 });
 
 test('what a browser kept by itself is offered to the controller, and nothing there is overwritten', async () => {
-  const page = await open('programs');
+  // Before the page is there, which keeps its own shelf anew when it hears of a change.
   await ask('programs.save', { robot: 'left', name: 'old', text: 'wait 9s\n', revision: 0 });
+  const page = await open('programs');
   await page.evaluate(() => {
     const shelf = { programs: { old: 'wait 5s\n', mine: 'wait 6s\n' }, points: [{ name: 'p9', joints: [0, 0.1, 0.2, 0.3, 0] }], draft: { name: '', text: '' } };
     localStorage.setItem('sinew.shelf.learm', JSON.stringify(shelf));
