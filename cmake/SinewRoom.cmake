@@ -18,6 +18,12 @@ target_compile_options(sinew_options INTERFACE
   $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict;-Wno-array-bounds>
   $<$<CXX_COMPILER_ID:GNU>:-Wno-stringop-overflow;-Wno-stringop-overread>)
 
+# A multiply-add that is fused rounds once and not twice: one seed would not be one run on every
+# processor. x86-64 has none unless it is asked for, as dispatch.h does for its wide versions.
+if(NOT CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
+  target_compile_options(sinew_options INTERFACE -ffp-contract=off)
+endif()
+
 # g++ reads what most files of a target read once for all of them. Not with clang, where an include
 # that is missing is found, and not with ccache, which keeps nothing of such compilations.
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND NOT CMAKE_CXX_COMPILER_LAUNCHER)

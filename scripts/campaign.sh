@@ -5,9 +5,10 @@
 #   SINEW_FAULTS  injected into each wire (1000000)
 #   SINEW_SEQUENCES  of plan, jog, override, pause and stop, on all robots together (1000000)
 #   SINEW_KILLS   -9 of real processes, of each of two robots (1000)
+#   SINEW_POWER_LOSSES  of the position journal (100000)
 #   SINEW_SEEDS   of the whole system in virtual time (100000)
 #   SINEW_TRACE_SEEDS  compared between g++ and clang (200)
-#   PARTS         which of: format tidy asan tsan fuzz seeds faults motion kills system trace latency browser (all)
+#   PARTS         which of: format tidy asan tsan fuzz seeds faults motion losses kills system trace latency flood browser (all)
 # shellcheck source=scripts/lib.sh
 source "$(dirname "${BASH_SOURCE[0]}")/lib.sh"
 
@@ -15,12 +16,13 @@ fuzz_seconds=${FUZZ_SECONDS:-60}
 seeds=${SEEDS:-5}
 faults=${SINEW_FAULTS:-1000000}
 sequences=${SINEW_SEQUENCES:-1000000}
+losses=${SINEW_POWER_LOSSES:-100000}
 kills=${SINEW_KILLS:-1000}
 system_seeds=${SINEW_SEEDS:-100000}
 trace_seeds=${SINEW_TRACE_SEEDS:-200}
-parts=${PARTS:-format tidy asan tsan fuzz seeds faults motion kills system trace latency browser}
+parts=${PARTS:-format tidy asan tsan fuzz seeds faults motion losses kills system trace latency flood browser}
 # Only their own parts ask for so many.
-unset SINEW_FAULTS SINEW_SEQUENCES SINEW_KILLS SINEW_SEEDS
+unset SINEW_FAULTS SINEW_SEQUENCES SINEW_POWER_LOSSES SINEW_KILLS SINEW_SEEDS
 
 run_ctest() {
   local preset=$1 title=$2 log=$3
@@ -112,6 +114,7 @@ side_by_side() {
 
 faults_part() { side_by_side faults faults_test Faults "SINEW_FAULTS=$faults"; }
 motion_part() { side_by_side motion sequences_test '*Sequences' "SINEW_SEQUENCES=$sequences"; }
+losses_part() { side_by_side losses runtime_test JournalLosses "SINEW_POWER_LOSSES=$losses"; }
 kills_part() { side_by_side kills crash_test '*Kills' "SINEW_KILLS=$kills"; }
 
 # The processor's other work is the matter here, so nothing runs beside it.
@@ -119,6 +122,12 @@ latency_part() {
   configure_release_tests && build release sinew &&
     step "stops in real time" stop-latency /usr/bin/env python3 tests/latency/stop_latency.py \
       build/release/sinew 100 && cat "$logs/stop-latency.log"
+}
+
+flood_part() {
+  build release sinew &&
+    step "a flood of clients" flood /usr/bin/python3 tests/web/flood.py build/release/sinew 15 &&
+    cat "$logs/flood.log"
 }
 
 # Every test of the panel in a browser, those of make test too.

@@ -11,7 +11,8 @@ packages_of() {
     # Another node than Debian's will do, and brings an npm that Debian's is at odds with.
     panel) command -v node >/dev/null && command -v npm >/dev/null || echo nodejs npm ;;
     browser) command -v chromium >/dev/null || echo chromium ;;
-    test) echo libgtest-dev liborocos-kdl-dev libeigen3-dev python3 python3-websockets openssl ;;
+    test) echo libgtest-dev liborocos-kdl-dev libeigen3-dev python3 python3-jsonschema \
+      python3-websockets openssl ;;
     bench) echo libbenchmark-dev liborocos-kdl-dev libeigen3-dev ;;
     campaign) echo clang-19 clang-tidy-19 clang-format-19 libclang-rt-19-dev ;;
     format) echo clang-format-19 ;;

@@ -10,6 +10,10 @@ echo "sinew: run"
 sinew=build/release/sinew
 if [[ -t 0 && -t 2 ]]; then
   echo "  Ctrl-C ends it; more to try in the terminal: scripts/demo.sh"
+  if [[ $(uname) == Linux && -z ${DISPLAY:-} && -z ${WAYLAND_DISPLAY:-} ]]; then
+    echo "  no windows here: the panel opens in a browser elsewhere once its port is carried there, as by"
+    echo "  ssh -L 8700:127.0.0.1:8700 THIS-COMPUTER; how the robots fare is told below"
+  fi
   exec "$sinew" serve --demo
 fi
 echo "  no terminal here: the demonstration is played once, then this ends"

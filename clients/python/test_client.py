@@ -3,13 +3,12 @@
 
 import csv
 import json
-import os
 import socket
 import ssl
 import stat
 import subprocess
 import sys
-import tempfile
+import time
 import unittest
 import urllib.error
 import urllib.request
@@ -20,8 +19,8 @@ HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE))
 
 import sinew  # noqa: E402
+from served_cell import ServedCell  # noqa: E402
 
-PROGRAM = ""
 CELL = """title = "Two for a test"
 time_scale = 1
 [[robot]]
@@ -36,28 +35,8 @@ x_mm = 3000
 STAND = "joint base=0deg shoulder=20deg elbow=40deg wrist=40deg roll=0deg"
 
 
-class ClientTest(unittest.TestCase):
-    """One server for all tests: each leaves its robots at rest."""
-
-    @classmethod
-    def setUpClass(cls):
-        cls.folder = tempfile.TemporaryDirectory()
-        folder = Path(cls.folder.name)
-        (folder / "cell.toml").write_text(CELL)
-        os.environ["XDG_STATE_HOME"] = str(folder / "state")
-        os.environ["XDG_RUNTIME_DIR"] = str(folder)
-        cls.socket = str(folder / "cell.sock")
-        cls.server = subprocess.Popen(
-            [PROGRAM, "serve", str(folder / "cell.toml"), "--socket", cls.socket, "--listen",
-             "127.0.0.1:0", "--json"], stdout=subprocess.PIPE, text=True)
-        cls.begun = json.loads(cls.server.stdout.readline())
-        cls.url = cls.begun["web"]["url"]
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.server.terminate()
-        cls.server.communicate(timeout=60)
-        cls.folder.cleanup()
+class ClientTest(ServedCell):
+    CELL = CELL
 
     def test_tls_is_spoken_with_the_files_that_were_given(self):
         folder = Path(self.folder.name)
@@ -68,7 +47,7 @@ class ClientTest(unittest.TestCase):
                         "subjectAltName=DNS:localhost,IP:127.0.0.1"],
                        check=True, capture_output=True)
         server = subprocess.Popen(
-            [PROGRAM, "serve", str(folder / "cell.toml"), "--socket", str(folder / "tls.sock"),
+            [self.PROGRAM, "serve", str(folder / "cell.toml"), "--socket", str(folder / "tls.sock"),
              "--listen", "127.0.0.1:0", "--tls-cert", certificate, "--tls-key", key, "--json"],
             stdout=subprocess.PIPE, text=True)
         try:
@@ -151,6 +130,24 @@ class ClientTest(unittest.TestCase):
             with self.assertRaisesRegex(sinew.Refused, "robot.stop takes no"):
                 cell.call("robot.stop", hard=True)
 
+    def test_recovery_of_an_arm_that_knows_where_it_is_goes_home_all_the_same(self):
+        with sinew.connect(self.socket) as cell:
+            arm = cell.robot("learm")
+            arm.run(STAND)
+            for _ in range(2):  # the second time it stands there already
+                now = cell.call("procedure.start", robot="learm", kind="recover")
+                end = time.monotonic() + 60
+                while not now["over"] and time.monotonic() < end:
+                    if now.get("asks", {}).get("ready"):
+                        self.assertFalse(now.get("trouble"), now)
+                        cell.call("procedure.answer", robot="learm", answer=now["asks"]["kind"])
+                    cell.next_message(0.1)
+                    now = cell.call("procedure.status", robot="learm")
+                self.assertEqual(now["phase"], "done", now)
+            homes = [one["home_rad"] for one in arm.description()["joints"]]
+            for joint, home in zip(arm.truth()["joints"], homes):
+                self.assertAlmostEqual(joint["position_rad"], home, delta=0.05)
+
     def test_objects_tell_what_has_changed(self):
         with sinew.connect(self.url) as cell:
             names = cell.call("objects.list")["objects"]
@@ -193,5 +190,5 @@ class ClientTest(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    PROGRAM = str(Path(sys.argv.pop(1)).resolve())
+    ServedCell.PROGRAM = str(Path(sys.argv.pop(1)).resolve())
     unittest.main(verbosity=2)

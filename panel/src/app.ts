@@ -1,6 +1,7 @@
 /** The parts of the page tied together: one connection, one cell, one jog, what is chosen. */
-import { batch, computed, effect, signal } from '@preact/signals';
-import { kLanguages, language, preferredLanguage, t, tWord, type Language } from './i18n';
+import { batch, computed, effect, signal, untracked } from '@preact/signals';
+import { errorSentence, kLanguages, language, preferredLanguage, refusalSentence, t, tWord, type Language } from './i18n';
+import { Aims } from './logic/aims';
 import { Jog, watchPage, type JogWish } from './logic/jog';
 import { Latest } from './logic/latest';
 import { parseRoute, routeText, tokenOf, type Route } from './logic/router';
@@ -138,7 +139,7 @@ export const jog = new Jog({
   },
   onEnd: (why, error) => {
     if (why === 'released' || why === 'stopped') return;
-    const text = t(`jog.end.${why}`, { text: error?.message ?? '' });
+    const text = t(`jog.end.${why}`, { text: error ? refusalSentence(error) : '' });
     store.note(why === 'refused' ? 'refused' : 'lost', text, robot.value ?? undefined);
   },
 });
@@ -161,13 +162,16 @@ export async function holdOnce(source: string, wish: JogWish, wanted: () => bool
 }
 
 // --- Preview.
-export const way = signal<Way>({ line: false, speed: 0.5 });
+const kWay: Way = { line: false, speed: 0.5 };
+export const way = signal<Way>(kWay);
 export const target = signal<Target | null>(null);
 export const verdict = signal<Verdict>({ kind: 'checking' });
 export const gizmoMode = signal<'translate' | 'rotate'>('translate');
 /** Time in the preview that the ghost shows; nothing: its end. */
 export const scrub = signal<number | null>(null);
 
+/** Nobody looks at the target, so nothing was asked of it yet. */
+const unasked = signal(false);
 const asking = new Latest<{ robot: string; ask: PreviewTarget }, PreviewJson>({
   intervalMs: 100,
   ask: ({ robot: name, ask }) => store.preview(name, ask),
@@ -187,7 +191,11 @@ const asking = new Latest<{ robot: string; ask: PreviewTarget }, PreviewJson>({
   onError: (_, error) => {
     if (error instanceof RpcError) {
       const data = (error.data ?? null) as RefusalData | null;
-      if (data?.code === 'overtaken') return;
+      // By one of another view: this one is asked again where somebody looks at it.
+      if (data?.code === 'overtaken') {
+        unasked.value = true;
+        return;
+      }
       verdict.value = { kind: 'refused', sentence: error.message, data };
     } else if (error instanceof ConnectionError) {
       verdict.value = { kind: 'lost' };
@@ -218,6 +226,7 @@ export function aim(next: Target): void {
     target.value = next;
     verdict.value = { kind: 'checking' };
     scrub.value = null;
+    unasked.value = false;
   });
   asking.put({ robot: next.robot, ask: question(next, way.value, one) });
 }
@@ -238,11 +247,50 @@ export async function move(): Promise<void> {
   const started = await store.run(target.value.robot, now.preview.text, t('view.move'));
   if (started) forgetTarget();
 }
-// Another robot is another target; a robot that has arrived somewhere has a new start.
+effect(() => {
+  void robot.value;
+  jog.stop('released');
+});
+
+// What was prepared for a robot stays there, behind another robot, a reload and a restart.
+const aims = new Aims(localStorage);
+addEventListener('pagehide', () => aims.flush());
+let aimedFor: string | null = null;
 effect(() => {
   const name = robot.value;
-  if (target.peek() && target.peek()!.robot !== name) forgetTarget();
-  jog.stop('released');
+  const one = model.value;
+  if (name && one) untracked(() => prepare(name, one));
+});
+function prepare(name: string, one: RobotModel): void {
+  const now = target.peek();
+  if (name === aimedFor) {
+    // The controller is there again: what it said before was another start.
+    if (now) aimLater(now);
+    return;
+  }
+  aimedFor = name;
+  const before = aims.load(name, one);
+  batch(() => {
+    forgetTarget();
+    way.value = before?.way ?? kWay;
+    if (before?.target) aimLater(before.target);
+  });
+}
+function aimLater(next: Target): void {
+  batch(() => {
+    target.value = next;
+    verdict.value = { kind: 'checking' };
+    scrub.value = null;
+    unasked.value = true;
+  });
+}
+effect(() => {
+  if (unasked.value && target.value && route.value.view === 'move') untracked(() => aim(target.peek()!));
+});
+effect(() => {
+  const now = { target: target.value, way: way.value };
+  const one = model.peek();
+  if (aimedFor && one && aimedFor === robot.peek()) aims.put(aimedFor, one, now);
 });
 
 /** What the ghost shows now. */
@@ -263,7 +311,7 @@ effect(() => {
     heard.set(one.robot, one.state);
     if (known === undefined || known === one.state) continue;
     announced.value = one.fault
-      ? { text: t('live.fault', { robot: one.robot, text: one.fault.error.sentence }), grave: true }
+      ? { text: t('live.fault', { robot: one.robot, text: errorSentence(one.fault.error) }), grave: true }
       : { text: t('live.state', { robot: one.robot, state: tWord('state', one.state) }), grave: false };
   }
 });

@@ -21,7 +21,8 @@ let trip: number | undefined;
 effect(() => {
   const all = Object.values(store.status.value);
   if (all.length === 0) return;
-  if (history.add(frameOf(all, performance.now() / 1e3, trip))) newest.value = history.last;
+  const scales = Object.fromEntries(store.robots.peek().map((one) => [one.name, one.time_scale]));
+  if (history.add(frameOf(all, performance.now() / 1e3, scales, trip))) newest.value = history.last;
 });
 export const watched = computed(() => route.value.view === 'plots');
 

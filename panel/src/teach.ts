@@ -9,7 +9,7 @@ import { jointRow } from './logic/quantities';
 import { fromRow } from './logic/pose';
 import type { Draft } from './logic/shelf';
 import { sampleAt } from './logic/target';
-import { refusal, rowVerdicts, type ProgramVerdict } from './logic/verdicts';
+import { judged, refusal, type ProgramVerdict, type RowVerdict } from './logic/verdicts';
 import { language, t, type Key } from './i18n';
 import {
   clash,
@@ -28,7 +28,7 @@ import {
   shelf,
   takeTheirs,
 } from './shelf_state';
-import type { PreviewJson } from './logic/types';
+import type { CheckJson, PreviewJson, RefusalData, RobotModel } from './logic/types';
 import type { Ghost } from './scene/scene';
 
 const kHistoryMax = 100;
@@ -141,18 +141,38 @@ export function say(key: Key, values: Record<string, string | number> = {}): voi
 }
 
 // --- What the server says to it.
-const asking = new Latest<{ robot: string; expanded: Expanded }, PreviewJson>({
+interface Asked {
+  robot: string;
+  program: { text: string; points: string; called: Record<string, string> };
+  programs: Readonly<Record<string, string>>;
+  expanded: Expanded;
+}
+const asking = new Latest<Asked, CheckJson>({
   intervalMs: 500,
+  ask: ({ robot: one, program }) => store.check(one, program, kCheckMs),
+  onAnswer: (asked, told) => {
+    verdict.value = judged(asked.program.text, told, asked.programs, asked.expanded);
+    // What can be seen of it is another question: a run does not wait for it.
+    if (told.fine && asked.expanded.open.length === 0) previewing.put(asked);
+  },
+  onError: ({ expanded }, error) => {
+    if (error instanceof RpcError) verdict.value = refusal(error.message, error.data, expanded);
+    else if (error instanceof ConnectionError) verdict.value = { kind: 'lost' };
+  },
+});
+const previewing = new Latest<Asked, PreviewJson>({
+  intervalMs: 0,
   ask: ({ robot: one, expanded }) =>
     store.preview(one, { text: expanded.text, samples: kPreviewSamples }, kCheckMs),
-  onAnswer: (_, preview) => (verdict.value = { kind: 'fine', preview }),
-  onError: ({ expanded }, error) => {
-    if (error instanceof RpcError) {
-      if ((error.data as { code?: string } | undefined)?.code === 'overtaken') return;
-      verdict.value = refusal(error.message, error.data, expanded);
-    } else if (error instanceof ConnectionError) {
-      verdict.value = { kind: 'lost' };
-    }
+  onAnswer: (_, preview) => {
+    const now = verdict.peek();
+    if (now.kind === 'fine') verdict.value = { ...now, preview };
+  },
+  onError: (_, error) => {
+    const now = verdict.peek();
+    if (!(error instanceof RpcError) || now.kind !== 'fine') return;
+    const data = (error.data ?? null) as RefusalData | null;
+    if (data?.code !== 'overtaken') verdict.value = { ...now, unseen: { sentence: error.message, data } };
   },
 });
 export function check(): void {
@@ -161,23 +181,23 @@ export function check(): void {
   if (!one || !who) return;
   const { points, programs, draft } = shelf.peek();
   scrub.value = null;
+  previewing.forget();
   if (draft.text.trim() === '') {
     asking.forget();
     verdict.value = { kind: 'none' };
     return;
   }
-  const expanded = expand(draft.text, one, points, programs);
-  if (expanded.missing) {
-    const { line, what, name: wanted } = expanded.missing;
-    asking.forget();
-    verdict.value = { kind: 'refused', sentence: t(`prog.missing.${what}`, { name: wanted }), line, data: null };
-  } else if (expanded.open.length > 0) {
-    asking.forget();
-    verdict.value = { kind: 'unsure', lines: expanded.open };
-  } else {
-    verdict.value = { kind: 'checking' };
-    asking.put({ robot: who, expanded });
-  }
+  verdict.value = { kind: 'checking' };
+  asking.put({ robot: who, programs, expanded: expand(draft.text, one, points, programs), program: wholeProgram(one) });
+}
+/** The text with all that it needs, as it is checked and as it runs. */
+function wholeProgram(one: RobotModel): Asked['program'] {
+  const { points, programs, draft } = shelf.peek();
+  return {
+    text: draft.text,
+    points: writePoints(one.robot, points, measureOf(one)),
+    called: calledBy(draft.text, programs),
+  };
 }
 const shown = computed(() => route.value.view === 'programs' && store.connection.value === 'open');
 // Whatever a check depends on: the text, the points, which robot, and where it has come to rest.
@@ -186,7 +206,11 @@ effect(() => {
   void [text.value, shelf.value.points, shelf.value.programs, robot.value, kind.value, known.value];
   if (shown.value && tab.value === 'program' && !atWork.value) untracked(check);
 });
-export const verdicts = computed(() => rowVerdicts(text.value, verdict.value));
+export const verdicts = computed((): Record<number, RowVerdict> => {
+  const now = verdict.value;
+  const told = now.kind === 'fine' || now.kind === 'refused' ? now.judged : null;
+  return told && told.text === text.value ? told.rows : {};
+});
 
 // --- What runs.
 export const job = computed(() => {
@@ -202,14 +226,12 @@ export async function run(options: { fromLine?: number; singleStep?: boolean } =
   const who = robot.peek();
   const one = model.peek();
   if (!who || !one || !(await store.control(who))) return;
-  const { points, programs } = shelf.peek();
-  const toml = writePoints(one.robot, points, measureOf(one));
+  const { points, ...program } = wholeProgram(one);
   await store.ask('program.run', {
     robot: who,
-    text: text.peek(),
+    ...program,
     name: programTitle(),
-    ...(toml ? { points: toml } : {}),
-    called: calledBy(text.peek(), programs),
+    ...(points ? { points } : {}),
     ...(options.fromLine ? { from_line: options.fromLine } : {}),
     ...(options.singleStep ? { single_step: true } : {}),
   });
@@ -264,7 +286,7 @@ export const going = signal<Going | null>(null);
 const heading = new Latest<{ robot: string; point: string; expanded: Expanded }, PreviewJson>({
   intervalMs: 100,
   ask: ({ robot: one, expanded }) => store.preview(one, { text: expanded.text }, kCheckMs),
-  onAnswer: ({ point }, preview) => (going.value = { point, verdict: { kind: 'fine', preview } }),
+  onAnswer: ({ point }, preview) => (going.value = { point, verdict: { kind: 'fine', judged: null, preview, hidden: [] } }),
   onError: ({ point, expanded }, error) => {
     if (error instanceof RpcError) going.value = { point, verdict: refusal(error.message, error.data, expanded) };
     else if (error instanceof ConnectionError) going.value = { point, verdict: { kind: 'lost' } };
@@ -278,7 +300,7 @@ export function head(point: Point): void {
   const place = point.joints ? { body: jointRow(one, point.joints, 4) } : withPoints(`move to=${point.name}`, one, [point]);
   if (!('body' in place)) return;
   going.value = { point: point.name, verdict: { kind: 'checking' } };
-  heading.put({ robot: who, point: point.name, expanded: { text: place.body + pace, lines: [1], missing: null, open: [] } });
+  heading.put({ robot: who, point: point.name, expanded: { text: place.body + pace, lines: [1], missing: [], open: [] } });
 }
 export function stay(): void {
   heading.forget();
@@ -288,7 +310,7 @@ export function stay(): void {
 export async function goThere(): Promise<void> {
   const now = going.peek();
   const who = robot.peek();
-  if (!who || now?.verdict.kind !== 'fine') return;
+  if (!who || now?.verdict.kind !== 'fine' || !now.verdict.preview) return;
   if (await store.run(who, now.verdict.preview.text, now.point)) stay();
 }
 effect(() => {

@@ -67,6 +67,48 @@ double base_rad(const Json& status) {
   return status["joints"][0]["position_rad"];
 }
 
+TEST(Cell, lease_is_held_until_its_process_ends) {
+  Cell cell;
+  Process holder(cell.on({"lease", "left"}));
+  for (int k = 0; k < 100 && !cell.status("left").contains("lease"); ++k) holder.let_run(50ms);
+  const Ended refused = cell.ask({"move", "left", kStand});
+  EXPECT_EQ(refused.exit, 1) << refused.out;
+  EXPECT_NE(refused.err.find("moves this machine; take over, or wait"), std::string::npos)
+      << refused.err;
+  holder.signal(SIGINT);
+  EXPECT_EQ(holder.end().exit, 0);
+  EXPECT_FALSE(cell.status("left").contains("lease"));
+  const Ended moved = cell.ask({"move", "left", kStand});
+  EXPECT_EQ(moved.exit, 0) << moved.err;
+}
+
+TEST(Cell, nudge_goes_as_far_as_it_says_and_no_farther_than_it_may) {
+  Cell cell;
+  const auto steps = [&] { return cell.ask({"status", "big", "--json"}).json(); };
+  const Ended none = cell.ask({"nudge", "left", "base", "1deg"});
+  EXPECT_EQ(none.exit, 1) << none.out;
+  EXPECT_NE(none.err.find("moves to places only"), std::string::npos) << none.err;
+  const Ended unknown = cell.ask({"nudge", "big", "base", "1"});
+  EXPECT_EQ(unknown.exit, 2) << unknown.err;
+  EXPECT_NE(unknown.err.find("needs a unit"), std::string::npos) << unknown.err;
+  EXPECT_EQ(steps()["robots"][0]["state"], "off") << "nothing has moved";
+}
+
+TEST(Bullride, one_seed_is_one_program_and_a_cell_rides_it) {
+  const Arguments words{"bullride", "learm", "--time", "4s", "--seed", "7"};
+  const Ended one = sinew(words);
+  EXPECT_EQ(one.exit, 0) << one.err;
+  EXPECT_EQ(sinew(words).out, one.out);
+  EXPECT_NE(sinew({"bullride", "learm", "--time", "4s", "--seed", "8"}).out, one.out);
+  const ScratchFolder folder;
+  const Ended checked = sinew({"check", folder.file("ride.sinew", one.out), "--robot", "learm"});
+  EXPECT_EQ(checked.exit, 0) << checked.err;
+  Cell cell;
+  EXPECT_EQ(cell.ask({"move", "left", kStand}).exit, 0);
+  const Ended rode = cell.ask({"bullride", "left", "--cell", "--time", "4s", "--seed", "7"});
+  EXPECT_EQ(rode.exit, 0) << rode.err;
+}
+
 TEST(Cell, is_steered_from_other_processes) {
   Cell cell;
   Ended stands = cell.ask({"move", "left", kStand});

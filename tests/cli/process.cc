@@ -69,6 +69,8 @@ Process::Process(const Arguments& arguments, const Streams& streams) {
   pid_ = fork();
   if (pid_ < 0) throw std::runtime_error("fork");
   if (pid_ == 0) {
+    // What a test does not look for must not go among its user's own files.
+    setenv("XDG_STATE_HOME", SINEW_TEST_STATE, 0);
     redirect(streams.out, out[1], STDOUT_FILENO);
     redirect(streams.err, err[1], STDERR_FILENO);
     execv(argv[0], argv.data());

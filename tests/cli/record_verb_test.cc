@@ -71,6 +71,30 @@ TEST_F(RecordVerb, run_leaves_a_record_that_becomes_a_table) {
   EXPECT_NEAR(std::strtod(cell.c_str(), nullptr), 0.5236, 1e-3) << last;
 }
 
+TEST_F(RecordVerb, every_run_leaves_one_unless_somebody_says_none) {
+  setenv("XDG_STATE_HOME", folder_.at("state").c_str(), 1);
+  const std::vector<std::string> words{"run",          folder_.file("wave.sinew", kProgram),
+                                       "--robot",      "learm",
+                                       "--profile",    "bus",
+                                       "--time-scale", "20",
+                                       "--json"};
+  const Json ran = answer(words);
+  std::vector<std::string> without = words;
+  without.insert(without.end(), {"--record", "none"});
+  const Json unrecorded = answer(without);
+  // Nobody asked for it, so a folder that cannot be had keeps nobody from running.
+  setenv("XDG_STATE_HOME", folder_.file("no_folder", "x").c_str(), 1);
+  const Json homeless = answer(words);
+  unsetenv("XDG_STATE_HOME");
+  const std::string path = ran["record"]["file"];
+  EXPECT_TRUE(path.starts_with(folder_.at("state/sinew/records/learm_run-wave_"))) << path;
+  EXPECT_EQ(answer({"record", path, "--json"})["metadata"]["sinew.run"]["model"], "learm");
+  EXPECT_FALSE(unrecorded.contains("record"));
+  EXPECT_FALSE(homeless.contains("record"));
+  const std::filesystem::directory_iterator all(folder_.at("state/sinew/records"));
+  EXPECT_EQ(std::distance(begin(all), end(all)), 1);
+}
+
 TEST_F(RecordVerb, record_that_was_cut_gives_what_there_is) {
   const std::string whole = text_of(record());
   const std::string cut = folder_.file("cut.mcap", whole.substr(0, whole.size() / 2));
@@ -119,7 +143,8 @@ TEST_F(RecordVerb, run_leaves_the_seconds_before_its_fault) {
   Process device({"sim", "bigrobotarm", "--link", link});
   device.wait_for_err("Ctrl-C ends it");
   Process run({"run", folder_.file("a.sinew", "joint base=60deg\njoint base=0deg\n"), "--robot",
-               "bigrobotarm", "--port", link, "--journal", "arm", "--standing-at", "home"});
+               "bigrobotarm", "--port", link, "--journal", "arm", "--standing-at", "home",
+               "--record", "none"});
   run.let_run(std::chrono::milliseconds(700));
   device.signal(9);
   device.end();

@@ -4,11 +4,17 @@
 #include <array>
 
 #include "sinew/sim/spi_faults.h"
+#include "support/trace_hash.h"
 
 namespace sinew::test {
 namespace {
 
 using sim::LinkDirection;
+
+void add_byte(TraceHash& trace, LinkDirection direction, std::uint8_t byte) {
+  trace.add_byte(static_cast<std::uint8_t>(direction));
+  trace.add_byte(byte);
+}
 
 /// A flip that waits for its byte.
 struct PendingFlip {
@@ -98,7 +104,7 @@ class ByteLine final : public FaultLine {
   LineCounts counts() const override {
     std::uint64_t faults = faults_;
     for (const auto& link : links_) faults += faults_of(*link);
-    return {bytes_, faults};
+    return {bytes_, trace_.value(), faults};
   }
 
  private:
@@ -122,6 +128,7 @@ class ByteLine final : public FaultLine {
       if (tap && direction == LinkDirection::kToDevice) tap({&byte, 1}, begins, it.free);
       it.flying.push_back({it.free, it.flip.apply(byte, faults_)});
       ++bytes_;
+      add_byte(trace_, direction, byte);
     }
   }
 
@@ -166,6 +173,7 @@ class ByteLine final : public FaultLine {
   std::array<Lane, 2> lanes_;
   std::deque<std::unique_ptr<sim::LinkFaults>> links_;
   std::uint64_t bytes_ = 0;
+  TraceHash trace_;
   std::uint64_t faults_ = 0;  ///< of links that are gone, and single flips
 };
 
@@ -215,6 +223,8 @@ class SpiLine final : public FaultLine {
     }
     const spi::Bytes miso = faulty_->exchange(*transfer, now);
     bytes_ += 2 * miso.size();
+    for (const std::uint8_t byte : transfer->mosi) add_byte(trace_, LinkDirection::kToDevice, byte);
+    for (const std::uint8_t byte : miso) add_byte(trace_, LinkDirection::kToHost, byte);
     const Instant end = now + transfer->setup + spi::wire_time(*transfer) + kCall;
     faulty_->advance(end);
     driver_.exchanged({miso.data(), miso.size()}, end);
@@ -244,7 +254,7 @@ class SpiLine final : public FaultLine {
   }
 
   LineCounts counts() const override {
-    return {bytes_, faults_ + bus_.faults + faulty_->flipped()};
+    return {bytes_, trace_.value(), faults_ + bus_.faults + faulty_->flipped()};
   }
 
  private:
@@ -252,6 +262,7 @@ class SpiLine final : public FaultLine {
   FlippingBus bus_;
   std::unique_ptr<sim::SpiFaults> faulty_;
   std::uint64_t bytes_ = 0;
+  TraceHash trace_;
   std::uint64_t faults_ = 0;
 };
 

@@ -17,6 +17,7 @@ namespace sinew::test {
 /// What happened to a line so far.
 struct LineCounts {
   std::uint64_t bytes = 0;   ///< both ways
+  std::uint64_t trace = 0;   ///< FNV-1a of each of them and which way it went, as it was sent
   std::uint64_t faults = 0;  ///< bytes dropped, doubled, flipped, held back; and cuts
 };
 

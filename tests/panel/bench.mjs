@@ -12,7 +12,7 @@
 // late for is tried again and said so (`patiently`); what the page did wrong is wrong at once.
 import assert from 'node:assert/strict';
 import { spawn } from 'node:child_process';
-import { createReadStream, existsSync, mkdtempSync, readFileSync, rmSync, statSync, writeFileSync } from 'node:fs';
+import { createReadStream, existsSync, mkdirSync, mkdtempSync, readFileSync, rmSync, statSync, writeFileSync } from 'node:fs';
 import http from 'node:http';
 import { createRequire } from 'node:module';
 import net from 'node:net';
@@ -74,8 +74,9 @@ const kProgram = process.env.SINEW ?? path.join(root, 'build/release/sinew');
 /**
  * A cell of its own with a door on a free port, and a browser.
  * @param cellText  the cell, or what makes it from the folder that all of it stands in
+ * @param options  more words for `sinew serve`
  */
-export async function bench(cellText) {
+export async function bench(cellText, options = []) {
   const contexts = new Set();
   let kept;
   const folder = mkdtempSync(path.join(tmpdir(), 'sinew-panel-'));
@@ -90,7 +91,7 @@ export async function bench(cellText) {
   let server, fronted;
   const serve = (listen) => {
     const environment = { ...process.env, XDG_STATE_HOME: folder, XDG_RUNTIME_DIR: folder };
-    server = spawn(kProgram, ['serve', cell, '--listen', listen], { env: environment });
+    server = spawn(kProgram, ['serve', cell, '--listen', listen, ...options], { env: environment });
     let said = '';
     return new Promise((found, fail) => {
       const read = (text) => {
@@ -156,6 +157,7 @@ export async function bench(cellText) {
     async close(page, name) {
       page.whole = true;
       const shots = process.env.PANEL_SHOTS;
+      if (shots) mkdirSync(shots, { recursive: true });
       if (shots) await page.screenshot({ path: path.join(shots, `${name}.png`) });
       assert.deepEqual(page.errors, []);
     },
@@ -262,7 +264,7 @@ export async function upright(page, robot) {
 /** The first pictures cost a computer without a graphics processor more than a lease lasts. */
 export async function shown(page) {
   await page.waitForSelector('.card-name');
-  await until('drawn', () => page.evaluate(() => globalThis.sinewScene?.frames.length > 3), 200);
+  await until('drawn', () => page.evaluate(() => globalThis.sinewScene?.frames.length > 0 && !globalThis.sinewScene.dirty), 200);
 }
 
 let door;

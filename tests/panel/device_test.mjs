@@ -36,16 +36,23 @@ function machine(robot, fault, log) {
   };
 }
 
-let here, six, folder;
+let here, six, loose, folder;
 before(async () => {
   folder = mkdtempSync(path.join(tmpdir(), 'sinew-device-'));
   six = machine('hexapod', 'supply=6.8V@0s', path.join(folder, 'six.log'));
+  loose = machine('hexapod', 'lead=J3:loose@0s', path.join(folder, 'loose.log'));
   here = await bench(`title = "Devices"
 
 [[robot]]
 name = "six"
 robot = "hexapod"
 port = "${await six.port()}"
+
+[[robot]]
+name = "loose"
+robot = "hexapod"
+x_mm = 4000
+port = "${await loose.port()}"
 
 [[robot]]
 name = "left"
@@ -57,6 +64,7 @@ x_mm = 1500
 after(async () => {
   await here?.end();
   await six?.end();
+  await loose?.end();
   if (folder) rmSync(folder, { recursive: true, force: true });
 });
 afterEach(() => here.clear());
@@ -97,6 +105,48 @@ test('a hexapod with a failing supply: flags, twelve bytes and what to do, as th
   assert.equal(await first.locator('.leg-bytes li').count(), 12);
   assert.match(await first.locator('.leg-bytes li').nth(4).innerText(), /Supply too low/);
   await here.close(page, 'device_hexapod');
+});
+
+test('step loss of one leg: its flags, what is known of its position, and what the leg really did', async () => {
+  const page = await at('loose');
+  await page.evaluate(() => void globalThis.__sinew.store.enable('loose'));
+  await until('ready', async () => (await seen(page, 'loose')).state === 'ready');
+  await page.evaluate(() => globalThis.__sinew.rpc.call('robot.declare', { robot: 'loose' }));
+  const legs = async () => (await loose.truth()).joints.map((joint) => joint.q_mm);
+  const before = await legs();
+  const row = `joint ${['leg1', 'leg2', 'leg3', 'leg4', 'leg5', 'leg6'].map((leg) => `${leg}=268.2mm`).join(' ')}`;
+  await until('it goes', () => page.evaluate((text) => globalThis.__sinew.store.run('loose', text, 'up'), row));
+  await until('its fault', async () => (await seen(page, 'loose')).state === 'fault');
+  const warning = page.locator('.device-warning', { hasText: 'Step loss' });
+  await warning.waitFor();
+  assert.match(await warning.innerText(), /leg3[\s\S]*find the position anew/);
+  const told = (await ask('device.status', { robot: 'loose' })).legs;
+  const flags = told.map((leg) => (leg.bytes ? parseInt(leg.bytes.split(' ')[4], 16) & 0x60 : 0));
+  assert.equal(flags[2], 0x60, `step loss and defect in ${told[2].bytes}`);
+  assert.ok(flags.every((one, i) => i === 2 || one === 0), JSON.stringify(flags));
+  const joints = (await ask('robot.status', { robot: 'loose' })).joints;
+  assert.equal(joints[2].quality, 'uncertain');
+  const after = await legs();
+  assert.ok(Math.abs(after[2] - before[2]) < 5e-3, 'without current it went nowhere but to its next full step');
+  await here.close(page, 'device_step_loss');
+});
+
+test('a fault says in German what happened, what it means and what to do, and goes only by being acknowledged', async () => {
+  const page = await here.open({ locale: 'de-DE' }, '#/robots/six/events');
+  await page.evaluate(() => void globalThis.__sinew.store.enable('six'));
+  const card = page.locator('article.callout', { hasText: 'six' });
+  await card.getByText('Die Platine von leg').waitFor();
+  assert.match(await card.innerText(), /Versorgung[\s\S]*Schritte verloren[\s\S]*Netzteil/);
+  assert.equal((await seen(page, 'six')).state, 'fault');
+  const row = page.locator('.events .event.grave', { hasText: 'Die Platine von leg' }).first();
+  await row.locator('.remedy').waitFor();
+  await page.waitForTimeout(1500);
+  assert.ok(await card.isVisible(), 'nothing goes away by itself');
+  await card.getByRole('button', { name: 'Quittieren' }).click();
+  await until('acknowledged', async () => (await seen(page, 'six')).state === 'off');
+  await card.waitFor({ state: 'detached' });
+  assert.ok(await row.isVisible(), 'what happened stays in the list');
+  await here.close(page, 'device_fault');
 });
 
 test('every byte that is shown has passed at the machine’s own end, in the same order', async () => {

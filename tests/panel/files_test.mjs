@@ -15,6 +15,11 @@ const kCell = `title = "Tests"
 name = "left"
 robot = "learm"
 profile = "bus"
+
+[[robot]]
+name = "six"
+robot = "hexapod"
+x_mm = 1500
 `;
 
 let here;
@@ -25,8 +30,8 @@ after(() => here?.end());
 afterEach(() => here.clear());
 
 const kLarge = { viewport: { width: 1440, height: 900 } };
-async function open(view, options = {}) {
-  const page = await here.open({ ...kLarge, ...options }, `#/robots/left/${view}`);
+async function open(view, options = {}, robot = 'left') {
+  const page = await here.open({ ...kLarge, ...options }, `#/robots/${robot}/${view}`);
   const skip = page.locator('[data-tour=skip]');
   if (await skip.isVisible()) await skip.click();
   return page;
@@ -82,9 +87,11 @@ test('a move is recorded, listed, downloaded, played and deleted', async () => {
     return { name: file.suggestedFilename(), bytes: readFileSync(await file.path()) };
   };
   const { folder, records } = await ask('records.list', {});
+  const { record } = records.find((one) => one.title === 'my-move');
+  assert.ok(records.some((one) => one.title?.startsWith('run-')), 'the run itself left one, too');
   const mcap = await taken('MCAP');
-  assert.equal(mcap.name, records[0].record);
-  assert.deepEqual(mcap.bytes, readFileSync(path.join(folder, records[0].record)), 'byte for byte');
+  assert.equal(mcap.name, record);
+  assert.deepEqual(mcap.bytes, readFileSync(path.join(folder, record)), 'byte for byte');
   const csv = await taken('CSV');
   assert.match(csv.name, /\.csv$/);
   const rows = csv.bytes.toString().trim().split('\n').map((one) => one.split(','));
@@ -108,7 +115,7 @@ test('a move is recorded, listed, downloaded, played and deleted', async () => {
 
   await row.getByRole('button', { name: /^Delete/ }).click();
   await page.getByRole('button', { name: 'Delete for good' }).click();
-  await until('gone', () => !existsSync(path.join(folder, records[0].record)));
+  await until('gone', () => !existsSync(path.join(folder, record)));
   await row.waitFor({ state: 'detached' });
 });
 
@@ -172,6 +179,30 @@ test('what a browser kept by itself is offered to the controller, and nothing th
   await until('the point too', async () => (await ask('points.list', { robot: 'left' })).points.some((one) => one.name === 'p9'));
   await page.getByText('In this browser only').waitFor({ state: 'detached' });
   await here.close(page, 'files_handed_over');
+});
+
+test('files of other programs are opened as rows, rows are saved as theirs, and what has no row is refused with its line', async () => {
+  const page = await open('programs', {}, 'six');
+  const given = (name, buffer) => page.locator('.programs input[type=file]').setInputFiles({ name, mimeType: 'text/plain', buffer });
+  const row = 'move x=1.5mm y=-2mm z=251mm rx=0.5deg ry=1deg rz=2deg\n';
+  await write(page, row);
+  const [file] = await Promise.all([
+    page.waitForEvent('download'),
+    page.getByRole('button', { name: 'Save the pose as .pos 1,5, with decimal commas for German PCs' }).click(),
+  ]);
+  assert.match(file.suggestedFilename(), /\.pos$/);
+  const pose = readFileSync(await file.path(), 'utf8');
+  assert.match(pose, /^-?\d+,\d+/);
+  // As Windows writes it.
+  await given('stand.pos', Buffer.from(`\ufeff${pose.replaceAll('\n', '\r\n')}`, 'utf16le'));
+  await until('its row', async () => (await textOf(page)).endsWith(row) && (await textOf(page)).startsWith('# heads fit'));
+  await given('arc.nc', Buffer.from('G21 G90\nG2 X1 I1\n'));
+  await page.locator('.file-told', { hasText: 'the file:2:1' }).waitFor();
+  assert.ok((await textOf(page)).endsWith(row), 'nothing is opened then');
+  await write(page, `${row}wait 1s\n`);
+  await page.getByRole('button', { name: 'Save the pose as .pos', exact: true }).click();
+  await page.locator('.file-told', { hasText: 'one row that moves' }).waitFor();
+  await here.close(page, 'files_foreign');
 });
 
 test('a bad setting is refused where it stands, a good one lies beside the cell’s file and counts from the next start', async () => {

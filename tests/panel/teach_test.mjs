@@ -111,10 +111,37 @@ test('a program is changed by its rows and by its text, and both are one', async
   await here.close(page, 'teach_rows');
 });
 
+moves('a program goes to points that were taught, where the arm was when they were', async () => {
+  const page = await stand();
+  const places = {};
+  for (const [name, angle] of [['near', 15], ['far', -25]]) {
+    await toTab(page, 'Program');
+    await write(page, `joint base=${angle}deg shoulder=20deg elbow=30deg\n`);
+    await fine(page);
+    await page.locator('[data-tour=run]:enabled').click();
+    await until(name, async () => Math.abs((await truth('left'))[0] - deg(angle)) < 0.03 && over(page));
+    places[name] = await rests('left', 1e-3);
+    await toTab(page, 'Points');
+    await page.getByLabel('Name of the point').fill(name);
+    await page.locator('[data-tour=take]').click();
+    await page.locator('.point', { hasText: name }).waitFor();
+  }
+  await toTab(page, 'Program');
+  await write(page, 'joint to=near\nwait 1s\njoint to=far speed=50%\nmove to=near\n');
+  await fine(page);
+  const last = (await seen(page, 'left')).job.job;
+  await page.locator('[data-tour=run]:enabled').click();
+  await until('at the first one', async () => apart(await truth('left'), places.near) < 0.03);
+  await until('over', async () => (await over(page))?.job > last);
+  assert.equal((await over(page)).phase, 'done');
+  assert.ok(apart(await rests('left', 1e-3), places.near) < 0.03);
+  await here.close(page, 'teach_points');
+});
+
 test('a row that is refused says so where it stands, and nothing runs', async () => {
   const page = await stand();
   const begin = await rests('left', 1e-3);
-  await write(page, 'joint base=10deg\njoint shoulder=40deg elbow=30deg\nline z=900mm\nwait 1s\n');
+  await write(page, 'joint base=10deg\njoint shoulder=40deg elbow=30deg\nline z=900mm\nline dz=10mm\n');
   await page.locator('li[data-line="3"][data-verdict=refused]').waitFor();
   assert.match(await page.locator('li[data-line="3"] .step-why').innerText(), /out of reach by/);
   assert.equal(await page.locator('li[data-verdict=fine]').count(), 2);

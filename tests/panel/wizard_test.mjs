@@ -85,7 +85,6 @@ async function commission(page, robot) {
   await until('the answers are kept', async () => (await page.locator('.look-done').count()) >= 3);
   assert.ok(apart(await rests(robot, 1e-3), begin) < 5e-3, 'nothing has moved yet');
   await press(page, 'Go');
-  await page.locator('.question-progress').waitFor();
 
   const words = { base: 'Right', shoulder: 'Forward', elbow: 'Forward', wrist: 'Forward', roll: 'Left' };
   for (const [i, [joint, word]] of Object.entries(Object.entries(words))) {
@@ -163,6 +162,7 @@ async function recover(page) {
   assert.ok(apart(there.slice(1), begin.slice(1)) < 1e-5, 'no other leg');
 
   await page.getByRole('button', { name: 'Move by −2 mm', exact: true }).click();
+  await page.locator('.question-progress').waitFor();
   await until('under way', async () => (await truth('six'))[0] < there[0] - 2e-5);
   await page.keyboard.press('Space');
   await page.locator('.question-trouble', { hasText: 'stopped on the way' }).waitFor();

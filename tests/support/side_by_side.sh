@@ -1,18 +1,37 @@
 #!/bin/sh
 # side_by_side.sh PROGRAM SHARDS RESULTS: the tests of one GoogleTest program as so many processes at
-# once, for tests that mostly wait. Leaves RESULTS.1.json, RESULTS.2.json, ...
+# once, for tests that mostly wait. Leaves RESULTS.1.json, RESULTS.2.json, ... A few that fail are
+# tried once more alone, and that is said: devices wait 50 ms for programs that wait for a processor.
 program=$1 shards=$2 results=$3
 shift 3
+alone_max=3
 running=
 shard=0
 while [ "$shard" -lt "$shards" ]; do
-  GTEST_TOTAL_SHARDS=$shards GTEST_SHARD_INDEX=$shard \
-    "$program" --gtest_output="json:$results.$((shard + 1)).json" "$@" &
-  running="$running $!"
   shard=$((shard + 1))
+  GTEST_TOTAL_SHARDS=$shards GTEST_SHARD_INDEX=$((shard - 1)) \
+    "$program" --gtest_output="json:$results.$shard.json" "$@" >"$results.$shard.log" 2>&1 &
+  running="$running $!"
 done
 code=0
+failed=
+shard=0
 for process in $running; do
-  wait "$process" || code=1
+  shard=$((shard + 1))
+  good=0
+  wait "$process" || good=$?
+  cat "$results.$shard.log"
+  if [ "$good" -eq 0 ]; then continue; fi
+  # Its last lines name them; where there are none it died.
+  names=$(sed -n '/tests\{0,1\}, listed below:$/,$s/^\[  FAILED  \] \([^ ,]*\.[^ ,]*\).*$/\1/p' \
+    "$results.$shard.log")
+  if [ -z "$names" ]; then code=1; fi
+  failed="$failed $names"
 done
-exit $code
+rm -f "$results".*.log
+# shellcheck disable=SC2086
+set -- $failed
+if [ $# -eq 0 ]; then exit $code; fi
+if [ "$code" -ne 0 ] || [ $# -gt $alone_max ]; then exit 1; fi
+echo "failed side by side, once more alone: $*"
+exec "$program" --gtest_filter="$(echo "$*" | tr ' ' ':')"

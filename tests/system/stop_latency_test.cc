@@ -104,7 +104,7 @@ void judge(const StopShot& shot, const StopWire& wire, const control::StopFacts&
 
 std::uint64_t shots_of(const RobotModel& robot) {
   // Six axes at 1 kHz take a hundred times as long as a board of servos.
-  const bool boards = !runtime::boards_of(robot).empty();
+  const bool boards = !boards_of(robot.device).empty();
   return how_many("SINEW_STOPS", boards ? 40 : 300, boards ? 3 : 30);
 }
 

@@ -7,6 +7,7 @@
 #include "sinew/core/units.h"
 #include "sinew/driver/icp_leg.h"
 #include "sinew/model/error_sentence.h"
+#include "sinew/sim/icp_machine.h"
 #include "system/some_motion.h"
 
 namespace sinew::test {
@@ -23,6 +24,11 @@ control::ControllerSettings settings_of(const RobotModel& robot) {
   settings.opening_limit = runtime::opening_of(robot).limit;
   settings.journal = control::journal_settings(robot);
   return settings;
+}
+
+/// On its way, and not to rest.
+bool goes(MachineState state) {
+  return state == MachineState::kMoving || state == MachineState::kRecovering;
 }
 
 }  // namespace
@@ -53,13 +59,14 @@ Station::Station(const RobotModel& robot, const std::optional<std::string>& prof
 }
 
 /// How far a motor may stand beside what its wire can say of it; rad or m.
-double Station::resolution(std::size_t joint, std::uint64_t record) const {
+double Station::resolution(std::size_t joint, JournalKind kind) const {
   const auto& settings = robot_.device.settings;
-  // A rotor that turns trails its field by up to a full step, 16 microsteps here. Until the next
-  // look at its modules nobody knows what they did without power: all that the driver allows for.
+  // A rotor that turns trails its field by up to a full step, 16 microsteps here. Until somebody
+  // has looked at its modules nobody knows what they did without power: all that the driver allows
+  // for. Who died while he looked left a record that says so.
   if (const auto* legs = std::get_if<IcpDevice>(&settings)) {
-    const double unseen = browned_out_ || record <= unknowing_ ? IcpLegClaim::kPowerCutUnits : 0;
-    return (unseen + 17) / legs->units_per_m;
+    const bool unseen = browned_out_ || kind == JournalKind::kLook;
+    return ((unseen ? IcpLegClaim::kPowerCutUnits : 0) + 17) / legs->units_per_m;
   }
   if (const auto* arm = std::get_if<BigRobotArmDevice>(&settings)) {
     const BigRobotArmJoint& own = arm->joints[joint];
@@ -71,14 +78,13 @@ double Station::resolution(std::size_t joint, std::uint64_t record) const {
 void Station::begin_life() {
   disk_.set_wall(kEpoch + cell_.now().time_since_epoch().count());
   host_ = std::make_unique<Host>(robot_, cell_.driver(), disk_);
-  found_out_.reset();
   ASSERT_TRUE(host_->opened);
   // What this life takes over is true already now, before anything is asked of the device.
   const sim::Truth truth = cell_.machine().truth();
   for (std::size_t j = 0; j < robot_.joints.size(); ++j) {
     const JointPosition& said = host_->recovery.positions[j];
     if (said.quality == PositionQuality::kLost) continue;
-    const double room = resolution(j, host_->recovery.end.sequence);
+    const double room = resolution(j);
     EXPECT_GE(truth.joints[j].q, said.lower - room) << where();
     EXPECT_LE(truth.joints[j].q, said.upper + room) << where();
   }
@@ -114,7 +120,7 @@ void Station::slice(Duration time) {
     look();
     return false;
   })) << where();
-  hash_.add(cell_.line().counts().bytes);
+  hash_.add(cell_.line().counts().trace);
   look_at_supply();
 }
 
@@ -133,7 +139,6 @@ std::string Station::sink_supply(const Blow& blow) {
   const double volts = *nominal * (modules ? blow.volts : 0.8 + 0.2 * blow.volts);
   ++counts_.sunk_supplies;
   browned_out_ = browned_out_ || (modules && volts < 8);
-  found_out_.reset();
   cell_.machine().disturb({sim::Disturbance::Kind::kSupply, -1, volts});
   supply_returns_ = cell_.now() + blow.cut;
   return "its supply sinks to " + std::to_string(volts) + " V for " +
@@ -145,15 +150,15 @@ void Station::look_at_supply() {
     supply_returns_.reset();
     cell_.machine().disturb({sim::Disturbance::Kind::kSupply, -1, *nominal_volts(robot_)});
   }
-  if (!browned_out_ || supply_returns_ || !host_ || host_->claims.empty()) return;
-  // Found out by a status of its modules: what is recorded behind that knows of it.
-  const auto& why = host_->loop->controller().latched();
-  const JournalRecord& last = host_->claims.back();
-  if (!found_out_ && why && why->error.code == ErrorCode::kSupplyFlag) found_out_ = last.sequence;
-  if (!found_out_ || last.sequence <= *found_out_ || last.kind == JournalKind::kIntent) return;
-  browned_out_ = false;
-  unknowing_ = *found_out_;
-  found_out_.reset();
+  if (!browned_out_ || supply_returns_) return;
+  // Its modules hold flags until somebody has read them: from then on he has to know.
+  auto& hexapod = dynamic_cast<sim::IcpMachine&>(cell_.machine());
+  bool told = true;
+  for (std::size_t leg = 0; leg < kLegs; ++leg) {
+    const tmc222::Flags& flags = hexapod.module(leg).flags();
+    told = told && !flags.vdd_reset && !flags.under_voltage && !flags.charge_pump_failure;
+  }
+  browned_out_ = !told;
 }
 
 void Station::look() {
@@ -169,6 +174,7 @@ void Station::look() {
   look_at_records();
   look_at_states();
   look_at_limits();
+  look_at_disk();
 }
 
 /// The disk's side: one call at a time, which takes its time.
@@ -185,6 +191,8 @@ void Station::say(const control::Outputs& outputs) {
               static_cast<std::uint64_t>(event.state) << 16 |
               static_cast<std::uint64_t>(event.error.code));
     counts_.latched += event.kind == control::ControlEvent::Kind::kLatched ? 1 : 0;
+    const bool state = event.kind == control::ControlEvent::Kind::kState;
+    if (state && goes(event.state)) ++host_->begun;
     if (event.kind != control::ControlEvent::Kind::kLease) continue;
     look_at_lease(event.lease);
     if (event.lease.client == host_->stranger.client) host_->stranger = event.lease;
@@ -208,7 +216,7 @@ void Station::look_at_records() {
       const JointPosition& said = claim.positions[j];
       if (said.quality == PositionQuality::kLost) continue;
       ++counts_.looks;
-      const double room = resolution(j, claim.sequence);
+      const double room = resolution(j, claim.kind);
       if (truth.joints[j].q >= said.lower - room && truth.joints[j].q <= said.upper + room) {
         continue;
       }
@@ -241,14 +249,32 @@ void Station::look_at_limits() {
   const bool held = state != MachineState::kOff && state != MachineState::kEnabling;
   const sim::Truth truth = cell_.machine().truth();
   for (std::size_t j = 0; j < robot_.joints.size(); ++j) {
-    const double room =
-        2 * resolution(j, host_->claims.empty() ? 0 : host_->claims.back().sequence);
+    const double room = 2 * resolution(j);
     const double q = truth.joints[j].q;
     const bool inside = q >= robot_.joints[j].lower - room && q <= robot_.joints[j].upper + room;
     if (inside && held) been_inside_ |= 1U << j;
     if (inside || (been_inside_ >> j & 1) == 0) continue;
     ADD_FAILURE() << where() << ": joint " << j + 1 << " stands at " << q << ", beyond its limits";
     return;
+  }
+}
+
+/// Where a disk takes nothing more: a hold within 100 ms, and no new motion.
+void Station::look_at_disk() {
+  if (!host_->pump->failed()) return;
+  Host& host = *host_;
+  if (!host.disk_failed_at) {
+    host.disk_failed_at = cell_.now();
+    host.begun_by_then = host.begun;
+    ++counts_.disks_failed;
+  }
+  if (goes(host.loop->controller().state()) && cell_.now() > *host.disk_failed_at + 100ms) {
+    ADD_FAILURE() << where() << ": goes on " << to_seconds(cell_.now() - *host.disk_failed_at)
+                  << " s behind its disk's end";
+  }
+  if (host.begun != host.begun_by_then) {
+    ADD_FAILURE() << where() << ": a motion begins whose end cannot be recorded";
+    host.begun_by_then = host.begun;
   }
 }
 
@@ -442,7 +468,6 @@ void Station::switch_off_and_on() {
   if (!why || why->error.code != ErrorCode::kSupplyFlag) return;
   cell_.machine().disturb({sim::Disturbance::Kind::kSupply, -1, 0});
   browned_out_ = true;
-  found_out_.reset();
   supply_returns_ = cell_.now() + 1s;
   next_switching_ = cell_.now() + 20s;
 }

@@ -12,21 +12,9 @@
 #include "sinew/runtime/journal_files.h"
 #include "sinew/sim/memory_disk.h"
 #include "support/property.h"
+#include "support/trace_hash.h"
 
 namespace sinew::test {
-
-/// FNV-1a of everything that happens: what went over the wires, states, events, records. Not of
-/// doubles.
-class TraceHash {
- public:
-  void add(std::uint64_t value) {
-    for (int k = 0; k < 8; ++k) hash_ = (hash_ ^ (value >> 8 * k & 0xFF)) * 0x100000001B3ULL;
-  }
-  std::uint64_t value() const { return hash_; }
-
- private:
-  std::uint64_t hash_ = 0xCBF29CE484222325ULL;
-};
 
 /// How often things happened, of all seeds; a run in which nothing happens proves nothing.
 struct SystemCounts {
@@ -36,6 +24,7 @@ struct SystemCounts {
   std::uint64_t kills = 0;
   std::uint64_t power_losses = 0;
   std::uint64_t sunk_supplies = 0;
+  std::uint64_t disks_failed = 0;
   std::uint64_t latched = 0;
   std::uint64_t records = 0;
   std::uint64_t looks = 0;
@@ -87,6 +76,9 @@ class Station {
     std::vector<JournalRecord> claims;  ///< the last one that is safe, and those behind it
     control::LeaseToken stranger{.client = 2};
     control::LeaseToken last_lease;  ///< that was given
+    std::optional<Instant> disk_failed_at;
+    std::uint64_t begun_by_then = 0;  ///< motions
+    std::uint64_t begun = 0;          ///< motions, as its events tell
     bool asked_for_lease = false;
   };
 
@@ -121,9 +113,10 @@ class Station {
   void look_at_records();
   void look_at_states();
   void look_at_limits();
+  void look_at_disk();
   void look_at_lease(const control::LeaseToken& lease);
   void say(const control::Outputs& outputs);
-  double resolution(std::size_t joint, std::uint64_t record) const;
+  double resolution(std::size_t joint, JournalKind kind = JournalKind::kRest) const;
   bool guarded() const;
 
   const RobotModel& robot_;
@@ -138,9 +131,7 @@ class Station {
   bool supplies_sink_ = false;
   std::optional<Instant> supply_returns_;
   /// Its modules may have lost their power, and nobody has found out yet.
-  bool browned_out_ = false;
-  std::optional<std::uint64_t> found_out_;  ///< the last record by then
-  std::uint64_t unknowing_ = 0;             ///< records up to this one say nothing of it
+  bool browned_out_ = false;  ///< and nobody has read it yet
   Instant next_switching_{};
   bool misfortunes_ = true;
   std::set<std::uint64_t> spared_;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <sstream>
 
+#include "sinew/core/dispatch.h"
 #include "sinew/runtime/robot_variant.h"
 #include "support/robots.h"
 
@@ -49,6 +50,7 @@ class Run {
   void go(SystemCounts& counts) {
     for (Duration t{}; t < plan_.time && fine(); t += kSlice) {
       for (const auto& station : stations_) station->slice(kSlice);
+      look_for_planted();
     }
     for (const auto& station : stations_) station->heal();
     for (const auto& station : stations_) {
@@ -74,6 +76,12 @@ class Run {
   static constexpr std::uint64_t kMisfortunesMax = 1'000'000;  ///< of one robot
 
   bool fine() const { return failures_.size() == 0; }
+  void look_for_planted() const {
+    if (plan_.planted.empty()) return;
+    for (const Misfortune& one : misfortunes()) {
+      if (one.text.contains(plan_.planted)) ADD_FAILURE() << "planted: " << one.text;
+    }
+  }
 
   const SystemPlan& plan_;
   const testing::TestPartResultArray& failures_;
@@ -85,6 +93,7 @@ class Run {
 }  // namespace
 
 SystemRun run_system(const SystemPlan& plan, SystemCounts& counts) {
+  take_portable_versions();
   testing::TestPartResultArray told;
   SystemRun result;
   {

@@ -17,6 +17,8 @@ struct SystemPlan {
   /// Misfortunes that are drawn and do not happen, by their numbers; what is left of a failing seed
   /// behind shrinking has fewer.
   std::set<std::uint64_t> spared = {};
+  /// For tests of the tests: a misfortune whose text has this in it counts as a broken promise.
+  std::string planted = {};
 };
 
 struct SystemRun {

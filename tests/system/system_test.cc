@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <bit>
 #include <chrono>
 #include <iostream>
 
@@ -33,11 +34,13 @@ TEST_P(System, seeds_of_misfortunes_keep_every_promise) {
   std::cout << "  " << ran << " seeds from " << first << " in " << took << " s: " << counts.commands
             << " commands, " << counts.motions_done << " done, " << counts.faults
             << " misfortunes, " << counts.kills << " dead hosts (" << counts.power_losses
-            << " without power), " << counts.latched << " faults latched, " << counts.records
-            << " records, " << counts.looks << " looks at them\n";
+            << " without power), " << counts.disks_failed << " full disks, " << counts.latched
+            << " faults latched, " << counts.records << " records, " << counts.looks
+            << " looks at them\n";
   EXPECT_GE(counts.commands, 20 * ran);
   EXPECT_GE(counts.faults, 5 * ran);
   EXPECT_GT(counts.motions_done, ran);
+  EXPECT_GT(counts.disks_failed, ran / 2);
   RecordProperty("cases", std::to_string(ran));
 }
 
@@ -52,6 +55,24 @@ TEST(SystemRuns, the_same_seed_is_the_same_run_to_the_last_event) {
     EXPECT_EQ(run_system({.seed = seed() + k}, counts).hash, one);
     EXPECT_NE(run_system({.seed = seed() + k + 100}, counts).hash, one);
   }
+}
+
+TEST(SystemRuns, a_seed_that_fails_is_shrunk_to_the_one_thing_that_it_takes) {
+  SystemCounts counts;
+  const SystemPlan whole{.seed = seed(), .planted = "its disk is full"};
+  const SystemRun first = run_system(whole, counts);
+  ASSERT_FALSE(first.failures.empty()) << "a seed in which no disk is ever full";
+  const SystemPlan least = shrunk(whole, 60);
+  const SystemRun run = run_system(least, counts);
+  ASSERT_EQ(run.failures.size(), 1U);
+  EXPECT_EQ(run.misfortunes.size(), 1U) << describe(least, run);
+  EXPECT_TRUE(std::has_single_bit(least.robots)) << describe(least, run);
+  EXPECT_LT(least.time, whole.time);
+  // What is left fails each time, and without it nothing does.
+  EXPECT_EQ(run_system(least, counts).failures, run.failures);
+  SystemPlan without = least;
+  without.spared.insert(run.misfortunes.front().number);
+  EXPECT_TRUE(run_system(without, counts).failures.empty());
 }
 
 }  // namespace

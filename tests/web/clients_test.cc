@@ -23,6 +23,16 @@ std::string run(WebClient& client, const std::string& text) {
   }
 }
 
+/// One message over a connection that stays open.
+Answered post(RawConnection& poster, std::uint16_t port, std::string_view token, const char* method,
+              const Json& params) {
+  const std::string body = server::request_text(1, method, params);
+  poster.send("POST /rpc HTTP/1.1\r\nHost: 127.0.0.1:" + std::to_string(port) +
+              "\r\nContent-Type: application/json\r\nAuthorization: Bearer " + std::string(token) +
+              "\r\nContent-Length: " + std::to_string(body.size()) + "\r\n\r\n" + body);
+  return poster.answer();
+}
+
 double base_truth(WebClient& client) {
   const Json truth = client.call("simulation.truth", {{"robot", "left"}});
   return truth["result"]["joints"][0]["position_rad"];
@@ -123,22 +133,42 @@ TEST(Clients, who_asks_and_does_not_read_is_cut_off) {
   EXPECT_TRUE(other.call("robot.stop").contains("result"));
 }
 
-/// Posts whose connections stay open: the next one finds a place all the same.
-TEST(Clients, who_has_posted_and_lingers_makes_room) {
+/// Posts whose connections stay open: the next one finds a place all the same, and none is closed,
+/// for its client may be sending just then.
+TEST(Clients, who_has_posted_and_lingers_makes_room_and_may_post_again) {
   WebCell cell({server::test::place("left", "learm", "bus")});
-  const std::string body = server::request_text(1, "robot.stop", Json::object());
   std::vector<RawConnection> posters;
-  for (std::size_t k = 0; k < 3 * WebServer::kPostersMax; ++k) {
-    posters.emplace_back(cell.port());
-    posters.back().send("POST /rpc HTTP/1.1\r\nHost: 127.0.0.1:" + std::to_string(cell.port()) +
-                        "\r\nContent-Type: application/json\r\nAuthorization: Bearer " +
-                        kViewerToken + "\r\nContent-Length: " + std::to_string(body.size()) +
-                        "\r\n\r\n" + body);
-    const Answered answer = posters.back().answer();
+  const auto stop = [&](RawConnection& poster) {
+    const Answered answer = post(poster, cell.port(), kViewerToken, "robot.stop", Json::object());
     EXPECT_EQ(answer.status, 200) << answer.body;
     EXPECT_TRUE(answer.body.contains("\"result\"")) << answer.body;
+  };
+  for (std::size_t k = 0; k < 3 * WebServer::kPostersMax; ++k) {
+    posters.emplace_back(cell.port());
+    stop(posters.back());
   }
-  EXPECT_TRUE(posters.front().ends());
+  for (int round = 0; round < 2; ++round) {
+    for (RawConnection& poster : posters) stop(poster);
+  }
+}
+
+/// Whoever moves something keeps his place before others that only ask.
+TEST(Clients, who_holds_a_lease_is_the_last_to_make_room) {
+  WebCell cell({server::test::place("left", "learm", "bus")});
+  const auto took = [&](RawConnection& poster) {
+    return post(poster, cell.port(), kOperatorToken, "lease.take", {{"robot", "left"}}).body;
+  };
+  RawConnection owner(cell.port());
+  EXPECT_TRUE(took(owner).contains("result"));
+  std::vector<RawConnection> watchers;
+  for (std::size_t k = 0; k < 2 * WebServer::kPostersMax; ++k) {
+    watchers.emplace_back(cell.port());
+    const Answered told =
+        post(watchers.back(), cell.port(), kViewerToken, "cell.status", Json::object());
+    EXPECT_TRUE(told.body.contains("result")) << told.body;
+  }
+  RawConnection other(cell.port());
+  EXPECT_TRUE(took(other).contains("error")) << "it is still his";
 }
 
 TEST(Clients, a_lease_ends_with_its_connection) {

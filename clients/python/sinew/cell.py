@@ -28,7 +28,7 @@ class Cell:
         self._last_id = 0
         self._messages: Deque[Dict[str, Any]] = deque(maxlen=1000)
         self._holds: set = set()
-        # Leases and jogs count the cell's time, which a simulated one may let run faster.
+        # Leases count the cell's time, which a simulated one may let run faster.
         self._renewal_s = RENEWAL_S
         self.time_scale = float(self.describe().get("time_scale", 1))
         self._renewal_s = RENEWAL_S / max(1.0, self.time_scale)
@@ -212,16 +212,16 @@ class Lease:
         """This velocity for so long, and then to rest.
 
         frame: joint, base, tool or platform. velocity: rad/s and m/s, as docs/api.md has it.
-        It ends by itself 0.3 s behind the last message, whatever becomes of this program. Where
-        this program was late, and it has ended so, it begins again.
+        It ends by itself 0.3 s behind the last message (real time, however fast the cell's runs),
+        whatever becomes of this program. Where this program was late, and it has ended so, it
+        begins again.
         """
-        expiry_s = min(1.0, JOG_EXPIRY_S * max(1.0, self._robot.cell.time_scale))
         end = time.monotonic() + duration_s
         late = False
         while time.monotonic() < end:
             try:
                 self._robot.cell.call("robot.jog", robot=self._robot.name, frame=frame,
-                                      velocity=list(velocity), expiry_s=expiry_s)
+                                      velocity=list(velocity), expiry_s=JOG_EXPIRY_S)
                 late = False
             except Refused:
                 if late:

@@ -1,4 +1,7 @@
-"""What a cell says, as types. SI and radians; legs of a platform have _m where others have _rad."""
+"""What a cell says, as types. SI and radians; legs of a platform have _m where others have _rad.
+
+The whole of it stands in what `rpc.discover` answers; a test holds these against that.
+"""
 
 from typing import Any, Dict, List, TypedDict
 
@@ -23,37 +26,105 @@ class Joint(TypedDict, total=False):
     commanded_m: float
 
 
+class Error(TypedDict, total=False):
+    """With its numbers besides, `measured` and `limit`, their unit in the name."""
+    code: str
+    sentence: str
+    joint: str
+    link: str
+    links: str
+    line: int
+    share: float
+    way_m: float
+    other: str
+    other_link: str
+    distance_m: float
+    margin_m: float
+    moving: bool
+    would_work: Dict[str, Any]
+
+
+class Limited(TypedDict, total=False):
+    """What holds motions back for longest."""
+    by: str
+    share_of_time: float
+    joint: str
+
+
+class Cycle(TypedDict, total=False):
+    """Of the control loop, over its last hundred cycles."""
+    mean_s: float
+    longest_s: float
+
+
 class Job(TypedDict, total=False):
     robot: str
     job: int
+    client: int
     title: str
-    phase: str  # opening, running, paused, stopping, done, stopped, failed
+    phase: str  # opening, planned, running, paused, stopping, done, stopped, failed
     over: bool
     line: int
     orders_done: int
     orders: int
     predicted_s: float
+    homing_at_most_s: float
     elapsed_s: float
     progress: float
-    error: Dict[str, Any]
+    notices: int
+    wishes: int
+    limited: Limited
+    error: Error
+    wish_refused: Error
+    waits_for: str
     stopped_by: str
+    last_notice: Error
+
+
+class Fault(TypedDict, total=False):
+    cause: str
+    category: int  # 0 to 2, IEC 60204-1
+    error: Error
+    later: List["Fault"]
 
 
 class Status(TypedDict, total=False):
     robot: str
     at_s: float
-    state: str
+    state: str  # off, enabling, ready, moving, stopping, held, fault, recovering
     position: str
     connected: bool
+    kept: int
     trouble: str
     joints: List[Joint]
     tool: Pose
     feed: float
     progress: float
     lease: Dict[str, int]
-    fault: Dict[str, Any]
+    homing: str
+    fault: Fault
+    jog: Dict[str, Any]
+    last_stop: str
+    goes_on_s: float
     health: Dict[str, float]
+    cycle: Cycle
+    recording: Dict[str, Any]
     job: Job
+    procedure: Dict[str, Any]
+
+
+class DescribedJoint(TypedDict, total=False):
+    name: str
+    lower_rad: float
+    upper_rad: float
+    home_rad: float
+    velocity_max_rad_s: float
+    acceleration_max_rad_s2: float
+    lower_m: float
+    upper_m: float
+    home_m: float
+    velocity_max_m_s: float
+    acceleration_max_m_s2: float
 
 
 class RobotDescription(TypedDict, total=False):
@@ -62,9 +133,14 @@ class RobotDescription(TypedDict, total=False):
     title: str
     port: str
     simulated: bool
-    streams: bool
+    time_scale: float
     pose: Pose
-    joints: List[Dict[str, Any]]
+    streams: bool
+    joints: List[DescribedJoint]
+    stop: Dict[str, Any]
+    position_journal: Dict[str, str]
+    nudge_max_rad: float
+    nudge_max_m: float
 
 
 class CellDescription(TypedDict, total=False):
@@ -73,17 +149,23 @@ class CellDescription(TypedDict, total=False):
     time_scale: float
     robots: List[RobotDescription]
     objects: List[Dict[str, Any]]
+    cameras: List[Dict[str, str]]
 
 
 class JointTruth(TypedDict, total=False):
     name: str
     position_rad: float
     position_m: float
+    believed_rad: float
+    believed_m: float
     stalled: bool
+    at_end_stop: bool
+    lost_steps: bool
 
 
 class Truth(TypedDict, total=False):
     joints: List[JointTruth]
+    supply_v: float
     moving: bool
     tool: float
     suction: bool

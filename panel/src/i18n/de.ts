@@ -1,4 +1,5 @@
 import { deviceDe } from './device_de';
+import { remediesDe } from './remedies_de';
 import { teachDe } from './teach_de';
 import type { Key } from './en';
 
@@ -110,11 +111,15 @@ export const de: Record<Key, string> = {
   'jog.speed': 'Geschwindigkeit',
   'jog.pace': 'Tempo aller Fahrten',
   'jog.keyboard': 'Tastatur',
-  'jog.keyboard.help.tool': 'Pfeile: X und Y. Bild auf und ab: Z. Loslassen hält an.',
+  'jog.keyboard.help.tool': 'Pfeile: X und Y. Bild auf und ab: Z. Mit Umschalt drehen sie. Loslassen hält an.',
   'jog.keyboard.help.joint': '1 bis {count} wählen ein Gelenk, Pfeil links und rechts fährt es. Loslassen hält an.',
   'jog.gamepad': 'Gamepad',
   'jog.gamepad.none': 'Kein Gamepad: eine Taste darauf drücken',
-  'jog.gamepad.help': '{name}. Schultertaste halten; linker Stick X und Y, rechter Stick Z und Drehung.',
+  'jog.gamepad.rest': '{name}: L1 halten fährt, R1 halten dreht.',
+  'jog.gamepad.move': 'Linker Stick: {left}. Rechter Stick auf und ab: {right}.',
+  'jog.gamepad.turn': 'Linker Stick: {left}. Rechter Stick seitwärts: {right}.',
+  'jog.gamepad.left': 'Linker Stick: {left}.',
+  'jog.gamepad.joint': 'Kreuz wählt das Gelenk; L1 und linker Stick: {joint}.',
   'jog.minus': '{name} minus',
   'jog.plus': '{name} plus',
   'jog.moves': 'Fährt von Hand',
@@ -207,6 +212,7 @@ export const de: Record<Key, string> = {
   'events.lease.free': 'niemand bedient ihn',
   'events.stop': 'gestoppt: {cause}',
   'events.job.opening': '{title}: öffnet',
+  'events.job.planned': '{title}: geplant, {time} {text}',
   'events.job.running': '{title}: läuft, {time}',
   'events.job.paused': '{title}: Pause',
   'events.job.stopping': '{title}: wird gestoppt',
@@ -231,6 +237,11 @@ export const de: Record<Key, string> = {
   'cause.shutdown': 'die Steuerung endet',
 
   'note.dismiss': 'Schließen',
+  'note.dismiss_all': 'Alle schließen',
+  'list.older': 'Ältere zeigen: {count} weitere',
+  'list.rest': '{count} weitere zeigen',
+  'list.newest': 'Nur die neuesten',
+  'list.gone': '{count} ältere sind nicht mehr aufgehoben.',
   'note.lost.closed': 'Nicht gesendet: keine Verbindung',
   'note.lost.timeout': 'Keine Antwort zur rechten Zeit; bitte nachsehen, ob es geschah',
   'live.state': '{robot}: {state}',
@@ -420,13 +431,13 @@ export const de: Record<Key, string> = {
   'plots.velocity': 'Geschwindigkeit',
   'plots.acceleration': 'Beschleunigung',
   'plots.error': 'Schleppfehler',
-  'plots.cycle': 'Abtastabstand',
+  'plots.cycle': 'Zykluszeit',
   'plots.latency': 'Latenz',
   'plots.position.help': 'wie die Steuerung sie kennt',
   'plots.velocity.help': 'aus den Positionen, geglättet',
   'plots.acceleration.help': 'aus den Positionen, geglättet',
   'plots.error.help': 'Soll minus gemessen; nur wo ein Sensor misst',
-  'plots.cycle.help': 'der Steuerung, zwischen zweien, die ankamen',
+  'plots.cycle.help': 'der Steuerung: die längste der letzten hundert',
   'plots.latency.help': 'Frage und Antwort; wie spät Zustände kommen',
   'plots.trip': 'hin und zurück',
   'plots.late': 'später als der schnellste',
@@ -509,4 +520,5 @@ export const de: Record<Key, string> = {
 
   ...teachDe,
   ...deviceDe,
+  ...remediesDe,
 };

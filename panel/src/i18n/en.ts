@@ -1,4 +1,5 @@
 import { deviceEn } from './device_en';
+import { remediesEn } from './remedies_en';
 import { teachEn } from './teach_en';
 
 /** English. One key a text; `{name}` is filled in. Every other language has the same keys. */
@@ -109,11 +110,15 @@ export const en = {
   'jog.speed': 'Speed',
   'jog.pace': 'Pace of all motions',
   'jog.keyboard': 'Keyboard',
-  'jog.keyboard.help.tool': 'Arrows: X and Y. Page up and down: Z. Let go to stop.',
+  'jog.keyboard.help.tool': 'Arrows: X and Y. Page up and down: Z. With Shift they turn. Let go to stop.',
   'jog.keyboard.help.joint': '1 to {count} choose a joint, left and right arrow move it. Let go to stop.',
   'jog.gamepad': 'Gamepad',
   'jog.gamepad.none': 'No gamepad: press a button on it',
-  'jog.gamepad.help': '{name}. Hold a shoulder button; left stick X and Y, right stick Z and turn.',
+  'jog.gamepad.rest': '{name}: hold L1 to move, R1 to turn.',
+  'jog.gamepad.move': 'Left stick: {left}. Right stick up and down: {right}.',
+  'jog.gamepad.turn': 'Left stick: {left}. Right stick sideways: {right}.',
+  'jog.gamepad.left': 'Left stick: {left}.',
+  'jog.gamepad.joint': 'Cross picks the joint; L1 and left stick: {joint}.',
   'jog.minus': '{name} minus',
   'jog.plus': '{name} plus',
   'jog.moves': 'Moving by hand',
@@ -206,6 +211,7 @@ export const en = {
   'events.lease.free': 'control is free',
   'events.stop': 'stopped: {cause}',
   'events.job.opening': '{title}: opens',
+  'events.job.planned': '{title}: planned, {time} {text}',
   'events.job.running': '{title}: runs, {time}',
   'events.job.paused': '{title}: paused',
   'events.job.stopping': '{title}: is being stopped',
@@ -230,6 +236,11 @@ export const en = {
   'cause.shutdown': 'the controller ends',
 
   'note.dismiss': 'Dismiss',
+  'note.dismiss_all': 'Dismiss all',
+  'list.older': 'Show older: {count} more',
+  'list.rest': 'Show {count} more',
+  'list.newest': 'Only the newest',
+  'list.gone': '{count} older ones are not kept any more.',
   'note.lost.closed': 'Not sent: there is no connection',
   'note.lost.timeout': 'No answer came in time; look whether it was done',
   'live.state': '{robot}: {state}',
@@ -419,13 +430,13 @@ export const en = {
   'plots.velocity': 'Velocity',
   'plots.acceleration': 'Acceleration',
   'plots.error': 'Tracking error',
-  'plots.cycle': 'Sample interval',
+  'plots.cycle': 'Cycle time',
   'plots.latency': 'Latency',
   'plots.position.help': 'as the controller knows it',
   'plots.velocity.help': 'from the positions, smoothed',
   'plots.acceleration.help': 'from the positions, smoothed',
   'plots.error.help': 'commanded less measured; only where a sensor measures',
-  'plots.cycle.help': 'of the controller, between two that came',
+  'plots.cycle.help': 'of the control loop: the longest of its last hundred',
   'plots.latency.help': 'a question and its answer; how late states come',
   'plots.trip': 'round trip',
   'plots.late': 'later than the quickest',
@@ -508,6 +519,7 @@ export const en = {
 
   ...teachEn,
   ...deviceEn,
+  ...remediesEn,
 } as const;
 
 export type Key = keyof typeof en;

@@ -1,4 +1,5 @@
 /** What a robot's device tells of itself, as docs/api.md has it, and as tables that people read. */
+import type { ErrorJson } from './types';
 import { duration, toDeg } from './units';
 
 export interface DeviceWarning {
@@ -55,7 +56,7 @@ export interface RegisterJson extends Heard {
 export interface AxisJson extends Heard {
   joint: string;
   answers: boolean;
-  fault?: { code: string; sentence: string };
+  fault?: ErrorJson;
   flags?: Record<string, boolean>;
   registers?: RegisterJson[];
   position_rad?: number;

@@ -1,9 +1,8 @@
 import { describe, expect, it } from 'vitest';
 import { calledBy, expand, withPoints } from './expand';
-import { refusal, rowVerdicts } from './verdicts';
 import type { Point } from './points';
 import fixture from './models.fixture.json';
-import type { PreviewJson, RobotModel } from './types';
+import type { RobotModel } from './types';
 
 const model = Object.values(fixture as unknown as Record<string, RobotModel>).find((one) => one.robot === 'learm')!;
 const deg = Math.PI / 180;
@@ -43,7 +42,10 @@ describe('a program as one text', () => {
     expect(withPoints('line to=bin frame=tool dz=5mm', model, points)).toEqual({ open: true });
     const told = expand('wait 1s\nline to=bin frame=tool dz=5mm\ncall none\nline to=nowhere', model, points, {});
     expect(told.open).toEqual([2]);
-    expect(told.missing).toEqual({ line: 3, what: 'program', name: 'none' });
+    expect(told.missing).toEqual([
+      { line: 3, what: 'program', name: 'none' },
+      { line: 4, what: 'point', name: 'nowhere' },
+    ]);
   });
 
   it('has what it calls in its place, and knows where each line comes from', () => {
@@ -55,27 +57,5 @@ describe('a program as one text', () => {
     expect(expand('call again', model, [], programs).text).toBe('call again');
     expect(expand('call constructor', model, [], programs).text).toBe('call constructor');
     expect(calledBy('call a\n', { a: 'call b', b: 'call a', c: '' })).toEqual({ a: 'call b', b: 'call a' });
-  });
-});
-
-describe('verdicts', () => {
-  const text = '# it\nwait 1s\ncall grip\njoint base=400deg\nwait 2s\n';
-  const expanded = expand(text, model, [], { grip: 'jaws 20mm\nwait settled' });
-
-  it('stand at the row of the program itself', () => {
-    const refused = refusal('too far', { code: 'joint_limit', sentence: 'too far', line: 5 }, expanded);
-    expect(refused).toMatchObject({ kind: 'refused', line: 4 });
-    expect(rowVerdicts(text, refused)).toEqual({ 2: 'fine', 3: 'fine', 4: 'refused', 5: 'unchecked' });
-  });
-
-  it('of a text that is wrong say that nothing was planned', () => {
-    const wrong = refusal("preview:4:1: unknown step 'jmp'", null, expanded);
-    expect(wrong).toMatchObject({ sentence: "unknown step 'jmp'", line: 3 });
-    expect(rowVerdicts(text, wrong)).toEqual({ 2: 'unchecked', 3: 'refused', 4: 'unchecked', 5: 'unchecked' });
-  });
-
-  it('are all fine where all is', () => {
-    expect(rowVerdicts('wait 1s\n\n# x', { kind: 'fine', preview: {} as PreviewJson })).toEqual({ 1: 'fine' });
-    expect(rowVerdicts('wait 1s', { kind: 'checking' })).toEqual({});
   });
 });

@@ -1,6 +1,6 @@
 /**
  * A program as one text: points as numbers, called programs in their place. `robot.preview` takes rows
- * only, without points and calls; what runs is the program itself with both beside it.
+ * only, without points and calls; what is checked and runs is the program itself with both beside it.
  */
 import { toolPose } from './kinematics';
 import { add, fixedXyz, fromFixedXyz, multiply, rotate } from './pose';
@@ -11,17 +11,26 @@ import { toDeg } from './units';
 import type { Point } from './points';
 import type { Pose, RobotModel, Vec3 } from './types';
 
+export interface Missing {
+  line: number;
+  what: 'point' | 'program';
+  name: string;
+}
+
 export interface Expanded {
   text: string;
   /** Of each of its lines, from 1, the line of the program itself that it comes from. */
   lines: number[];
-  /** Rows of the program itself that name what is not there, the first one. */
-  missing: { line: number; what: 'point' | 'program'; name: string } | null;
+  /** Rows of the program itself that name what is not there; of each row the first. */
+  missing: Missing[];
   /** Rows whose place only a run can tell: what stands in them cannot be asked for beforehand. */
   open: number[];
 }
 
 const kDepthMax = 8;
+
+/** The program that a row calls, if it calls one. */
+export const calledIn = (raw: string): string | undefined => /^call\s+(\S+)$/.exec(splitLine(raw).body)?.[1];
 
 export function expand(
   text: string,
@@ -32,20 +41,23 @@ export function expand(
   const out: string[] = [];
   const lines: number[] = [];
   const open: number[] = [];
-  let missing: Expanded['missing'] = null;
+  const missing: Missing[] = [];
+  const lacks = (one: Missing) => {
+    if (missing.every((other) => other.line !== one.line)) missing.push(one);
+  };
   const put = (part: string, depth: number, own: number | null, inside: readonly string[]) => {
     linesOf(part).forEach((raw, i) => {
       const { body } = splitLine(raw);
       const line = own ?? i + 1;
-      const called = /^call\s+(\S+)$/.exec(body)?.[1];
+      const called = calledIn(raw);
       const theirs = called !== undefined && Object.hasOwn(programs, called) ? programs[called] : undefined;
       if (theirs !== undefined && depth < kDepthMax && !inside.includes(called!)) {
         put(theirs, depth + 1, line, [...inside, called!]);
         return;
       }
-      if (called !== undefined) missing ??= { line, what: 'program', name: called };
+      if (called !== undefined) lacks({ line, what: 'program', name: called });
       const replaced = withPoints(body, model, points);
-      if ('unknown' in replaced) missing ??= { line, what: 'point', name: replaced.unknown };
+      if ('unknown' in replaced) lacks({ line, what: 'point', name: replaced.unknown });
       if ('open' in replaced) open.push(line);
       out.push('body' in replaced ? replaced.body : body);
       lines.push(line);
@@ -60,7 +72,7 @@ export function calledBy(text: string, programs: Readonly<Record<string, string>
   const found: Record<string, string> = {};
   const look = (part: string) => {
     for (const raw of linesOf(part)) {
-      const name = /^call\s+(\S+)$/.exec(splitLine(raw).body)?.[1];
+      const name = calledIn(raw);
       if (!name || name in found || !Object.hasOwn(programs, name)) continue;
       found[name] = programs[name]!;
       look(programs[name]!);

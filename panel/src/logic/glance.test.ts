@@ -1,6 +1,7 @@
 import { describe, expect, it } from 'vitest';
+import { language } from '../i18n';
 import { en } from '../i18n/en';
-import { whatLimits } from './glance';
+import { secondsLeft, whatLimits } from './glance';
 import { ready } from './status.fixture';
 import type { JobJson, RobotStatus } from './types';
 
@@ -18,7 +19,27 @@ const job = (over: Partial<JobJson>): JobJson => ({
   ...over,
 });
 
+describe('the time that is left', () => {
+  it('is real time, also where a robot’s own runs faster', () => {
+    expect(secondsLeft({ predicted_s: 100, progress: 0.4 }, 1)).toBeCloseTo(60);
+    expect(secondsLeft({ predicted_s: 100, progress: 0.4 }, 20)).toBeCloseTo(3);
+    expect(secondsLeft({ predicted_s: 100, progress: 1.1 }, 20)).toBe(0);
+    const running = { ...ready, state: 'moving' as const, job: job({ predicted_s: 2400, progress: 0.5 }) };
+    expect(whatLimits(running, 'mine', 200).values['left']).toBe('6.00 s');
+    expect(whatLimits(running, 'mine').values['left']).toBe('20 min 00 s');
+  });
+});
+
 describe('whatLimits', () => {
+  it('says a fault in the language at hand', () => {
+    const fault = { cause: 'device', error: { code: 'overheated', sentence: 'elbow is too hot; let it cool down', joint: 'elbow' } };
+    const text = () => whatLimits({ ...ready, state: 'fault', fault }, 'mine').values['text'];
+    expect(text()).toBe(fault.error.sentence);
+    language.value = 'de';
+    expect(text()).toBe('elbow ist zu heiß; abkühlen lassen');
+    language.value = 'en';
+  });
+
   const cases: [string, Partial<RobotStatus>, 'mine' | 'other' | 'free'][] = [
     ['none', {}, 'mine'],
     ['trouble', { trouble: 'no such port', state: 'off' }, 'free'],

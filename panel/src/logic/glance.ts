@@ -1,5 +1,6 @@
 /** What holds a robot back now, the most important first: one line for people. */
-import type { RobotStatus } from './types';
+import { errorSentence } from '../i18n';
+import type { JobJson, RobotStatus } from './types';
 import type { Lease } from './store';
 import { duration } from './units';
 
@@ -12,9 +13,16 @@ export interface Limit {
 
 const limit = (key: string, values: Limit['values'] = {}, grave = false): Limit => ({ key, values, grave });
 
-export function whatLimits(status: RobotStatus, lease: Lease): Limit {
+/**
+ * Real seconds until a job has ended. What the server predicts is the robot's own time.
+ * @param timeScale  how much faster that runs than ours
+ */
+export const secondsLeft = (job: Pick<JobJson, 'predicted_s' | 'progress'>, timeScale: number): number =>
+  Math.max(0, job.predicted_s * (1 - job.progress)) / timeScale;
+
+export function whatLimits(status: RobotStatus, lease: Lease, timeScale = 1): Limit {
   if (status.trouble) return limit('trouble', { text: status.trouble }, true);
-  if (status.fault) return limit('fault', { text: status.fault.error.sentence }, true);
+  if (status.fault) return limit('fault', { text: errorSentence(status.fault.error) }, true);
   if (!status.connected) return limit('disconnected');
   if (status.state === 'off') return limit('off');
   if (status.homing) return limit('homing', { joint: status.homing });
@@ -24,7 +32,7 @@ export function whatLimits(status: RobotStatus, lease: Lease): Limit {
     if (job.phase === 'paused') return limit('paused', { title: job.title });
     if (job.phase === 'running') {
       const percent = Math.round(100 * job.progress);
-      const left = duration(Math.max(0, job.predicted_s * (1 - job.progress)));
+      const left = duration(secondsLeft(job, timeScale));
       return limit('program', { title: job.title, percent, left });
     }
   }

@@ -12,17 +12,19 @@ export interface JointFrame {
 }
 
 export interface RobotFrame {
-  /** Its own loop's time, s. */
+  /** Its own loop's time, s: what its motions are planned in, and derived over. */
   at: number;
+  /** How much faster that runs than ours; 1 where nothing is said. */
+  scale?: number;
+  /** s: the longest of its control loop's last cycles. */
+  cycle?: number;
   joints: JointFrame[];
 }
 
 export interface Frame {
-  /** Of the controller, s: the latest of its robots. */
+  /** s, the same for all robots: when it came, by this page's clock that only goes on; in a record the record's own. */
   t: number;
   robots: Record<string, RobotFrame>;
-  /** When it came, s of this page's clock. */
-  arrived?: number;
   /** Of the last question and its answer, ms. */
   roundTrip?: number;
 }
@@ -32,11 +34,22 @@ const kFramesMax = 40_000;
 
 const known = (value: number | undefined): number => value ?? NaN;
 
-export function frameOf(all: readonly RobotStatus[], arrived?: number, roundTrip?: number): Frame {
+/**
+ * @param arrived  s, of a clock that only goes on
+ * @param scales   by robot: each has a clock of its own, which may run faster
+ */
+export function frameOf(
+  all: readonly RobotStatus[],
+  arrived: number,
+  scales: Readonly<Record<string, number>> = {},
+  roundTrip?: number,
+): Frame {
   const robots: Record<string, RobotFrame> = {};
   for (const one of all) {
     robots[one.robot] = {
       at: one.at_s,
+      scale: scales[one.robot] ?? 1,
+      cycle: one.cycle?.longest_s,
       joints: one.joints.map((joint) => ({
         position: joint.quality === 'lost' ? NaN : known(measuredOf(joint)),
         commanded: known(joint.commanded_rad ?? joint.commanded_m),
@@ -44,7 +57,7 @@ export function frameOf(all: readonly RobotStatus[], arrived?: number, roundTrip
       })),
     };
   }
-  return { t: Math.max(...all.map((one) => one.at_s)), robots, arrived, roundTrip };
+  return { t: arrived, robots, roundTrip };
 }
 
 export class History {
@@ -57,13 +70,15 @@ export class History {
     return this.all.at(-1)?.t ?? 0;
   }
 
-  /** @return  it was new; the same status told twice is not */
+  /** @return  it was new: a robot's own time has gone on. The same status told twice is not. */
   add(frame: Frame): boolean {
-    if (!Number.isFinite(frame.t)) return false;
     const last = this.all.at(-1);
+    const robots = Object.entries(frame.robots);
+    if (!Number.isFinite(frame.t) || robots.length === 0) return false;
+    const step = ([name, now]: [string, RobotFrame]) => now.at - (last?.robots[name]?.at ?? -Infinity);
     // Another life of the controller begins to count anew.
-    if (last && frame.t < last.t - 1) this.all = [];
-    else if (last && frame.t <= last.t) return false;
+    if (last && robots.some((one) => step(one) < 0)) this.all = [];
+    else if (last && (frame.t <= last.t || robots.every((one) => !(step(one) > 0)))) return false;
     this.all.push(frame);
     const stale = this.all.findIndex((one) => one.t >= frame.t - kKeptSeconds);
     // In lumps, so that not every frame moves all the others.

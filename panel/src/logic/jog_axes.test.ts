@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import { jogAxes, jogFrames, jogKey, padShares, stepRow, stick } from './jog_axes';
+import { jogAxes, jogFrames, jogKey, stepRow } from './jog_axes';
 import type { RobotModel } from './types';
 
 const arm = {
@@ -43,27 +43,19 @@ describe('steps', () => {
 });
 
 describe('keys', () => {
+  const tool = jogAxes(legs, 'base').concat({ name: 'rz', measure: 'angle', speed: 1 });
   it('are the usual set', () => {
-    expect(jogKey('ArrowUp', 'base', 0)).toEqual({ axis: 1, sign: 1 });
-    expect(jogKey('PageDown', 'tool', 0)).toEqual({ axis: 2, sign: -1 });
-    expect(jogKey('ArrowLeft', 'joint', 3)).toEqual({ axis: 3, sign: -1 });
-    expect(jogKey(' ', 'base', 0)).toBeNull();
+    expect(jogKey('ArrowUp', false, tool, 'base', 0)).toEqual({ axis: 1, sign: 1 });
+    expect(jogKey('PageDown', false, tool, 'tool', 0)).toEqual({ axis: 2, sign: -1 });
+    expect(jogKey('ArrowLeft', false, jogAxes(arm, 'joint'), 'joint', 3)).toEqual({ axis: 3, sign: -1 });
+    expect(jogKey(' ', false, tool, 'base', 0)).toBeNull();
   });
-});
-
-describe('gamepad', () => {
-  const pad = (axes: number[], held: boolean) => ({
-    axes,
-    buttons: [0, 1, 2, 3, 4].map((i) => ({ pressed: held && i === 4 })),
-  });
-  it('does nothing without its dead man, or in the middle', () => {
-    expect(padShares(pad([1, 0, 0, 0], false), 'base', 0, 6)).toBeNull();
-    expect(padShares(pad([0.1, -0.1, 0, 0.15], true), 'base', 0, 6)).toBeNull();
-  });
-  it('goes where the stick points', () => {
-    expect(padShares(pad([1, -1, 0, 0], true), 'base', 0, 6)).toEqual([1, 1, 0, 0, 0, 0]);
-    expect(padShares(pad([-1, 0, 0, 0], true), 'joint', 2, 5)).toEqual([0, 0, -1, 0, 0]);
-    expect(stick(0.58)).toBeGreaterThan(0);
-    expect(stick(0.58)).toBeLessThan(0.5);
+  it('turn with Shift, as far as the tool does', () => {
+    expect(jogKey('ArrowRight', true, tool, 'base', 0)).toEqual({ axis: 3, sign: 1 });
+    expect(jogKey('PageDown', true, tool, 'base', 0)).toEqual({ axis: 5, sign: -1 });
+    const five = jogAxes(arm, 'tool');
+    expect(jogKey('ArrowUp', true, five, 'tool', 0)).toEqual({ axis: 3, sign: 1 });
+    expect(jogKey('ArrowLeft', true, five, 'tool', 0)).toEqual({ axis: 4, sign: -1 });
+    expect(jogKey('PageUp', true, five, 'tool', 0)).toBeNull();
   });
 });

@@ -1,4 +1,4 @@
-/** What can be jogged or stepped in a frame, how fast, and which key or stick does it. */
+/** What can be jogged or stepped in a frame, how fast, and which key does it. */
 import { jointLimits } from './store';
 import type { JogFrame, RobotModel } from './types';
 import { toDeg, toMm, type Measure } from './units';
@@ -67,54 +67,39 @@ export interface KeyWish {
   sign: 1 | -1;
 }
 
+/** Places of a tool's turns in a jog, by where a stick or the keys for X, Y and Z point. */
+export function turnKeys(axes: readonly JogAxis[]): { across?: number; up?: number; about?: number } {
+  const place = (...names: string[]): number | undefined => {
+    const found = axes.findIndex((one) => names.includes(one.name));
+    return found < 0 ? undefined : found;
+  };
+  return { across: place('rx', 'roll'), up: place('ry', 'pitch'), about: place('rz') };
+}
+
 /**
- * The usual set of machine controls: arrows for X and Y, page keys for Z; of joints the arrows
- * move the chosen one.
+ * The usual set of machine controls: arrows for X and Y, page keys for Z, with Shift the turns that
+ * this tool has; of joints the arrows move the chosen one.
  */
-export function jogKey(key: string, frame: JogFrame, joint: number): KeyWish | null {
+export function jogKey(
+  key: string,
+  shift: boolean,
+  axes: readonly JogAxis[],
+  frame: JogFrame,
+  joint: number,
+): KeyWish | null {
   if (frame === 'joint') {
     const sign = { ArrowRight: 1, ArrowLeft: -1, '=': 1, '+': 1, '-': -1 }[key] as 1 | -1 | undefined;
     return sign ? { axis: joint, sign } : null;
   }
-  const wishes: Record<string, KeyWish> = {
-    ArrowRight: { axis: 0, sign: 1 },
-    ArrowLeft: { axis: 0, sign: -1 },
-    ArrowUp: { axis: 1, sign: 1 },
-    ArrowDown: { axis: 1, sign: -1 },
-    PageUp: { axis: 2, sign: 1 },
-    PageDown: { axis: 2, sign: -1 },
+  const { across, up, about } = shift ? turnKeys(axes) : { across: 0, up: 1, about: 2 };
+  const wishes: Record<string, [number | undefined, 1 | -1]> = {
+    ArrowRight: [across, 1],
+    ArrowLeft: [across, -1],
+    ArrowUp: [up, 1],
+    ArrowDown: [up, -1],
+    PageUp: [about, 1],
+    PageDown: [about, -1],
   };
-  return wishes[key] ?? null;
-}
-
-export interface Pad {
-  axes: readonly number[];
-  buttons: readonly { pressed: boolean }[];
-}
-
-const kDead = 0.16;
-
-/** Beyond the dead zone from 0, finer near it. */
-export function stick(value: number): number {
-  const beyond = Math.abs(value) - kDead;
-  if (!(beyond > 0)) return 0;
-  return Math.sign(value) * Math.min(1, beyond / (1 - kDead)) ** 1.6;
-}
-
-/**
- * What a standard gamepad asks for, as shares of full speed; nothing without a shoulder button
- * held (the dead man's switch) or with both sticks in the middle.
- */
-export function padShares(pad: Pad, frame: JogFrame, joint: number, count: number): number[] | null {
-  const held = (pad.buttons[4]?.pressed ?? false) || (pad.buttons[5]?.pressed ?? false);
-  if (!held) return null;
-  const [lx = 0, ly = 0, rx = 0, ry = 0] = pad.axes;
-  const shares = new Array<number>(count).fill(0);
-  if (frame === 'joint') shares[joint] = stick(lx);
-  else {
-    const wished = [stick(lx), stick(-ly), stick(-ry), 0, 0, stick(-rx)];
-    shares.forEach((_, i) => (shares[i] = wished[i] ?? 0));
-    if (count === 5) shares[4] = stick(-rx);
-  }
-  return shares.some((one) => one !== 0) ? shares : null;
+  const [axis, sign] = wishes[key] ?? [];
+  return axis === undefined || !sign ? null : { axis, sign };
 }

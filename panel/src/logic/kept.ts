@@ -2,6 +2,7 @@
  * Programs and points as the controller keeps them. Each has a revision; whoever saves says which one it
  * was made from, so that two browsers do not overwrite each other.
  */
+import { refusalSentence } from '../i18n';
 import { writePoints, type Point } from './points';
 import { fixedXyz } from './pose';
 import { RpcError } from './rpc';
@@ -80,7 +81,7 @@ export function notKept(error: unknown): NotKept {
   if (!(error instanceof RpcError)) return { why: 'lost' };
   const data = (error.data ?? {}) as { code?: string; revision?: number };
   if (data.code === 'conflict') return { why: 'conflict', revision: data.revision ?? 0 };
-  return { why: 'refused', sentence: error.message };
+  return { why: 'refused', sentence: refusalSentence(error) };
 }
 
 export async function saveProgram(

@@ -79,6 +79,16 @@ export function toolPose(model: RobotModel, q: readonly number[], platform?: Pos
   return compose(tool, { p: [0, 0, reach], q: [1, 0, 0, 0] });
 }
 
+/** Shares of a range: where a limit begins to be near, and where the rows by hand say that it is there. */
+const kNearBegin = 0.25;
+const kNearEnd = 0.03;
+
+/** How near the nearer limit is: 0 where it is far, 1 at it. */
+export function nearness(value: number, lower: number, upper: number): number {
+  const room = Math.min(value - lower, upper - value) / (upper - lower);
+  return Math.min(1, Math.max(0, (kNearBegin - room) / (kNearBegin - kNearEnd)));
+}
+
 /** A hexapod's legs with its platform there, m. */
 export function legLengths(model: RobotModel & { kind: 'hexapod' }, platform: Pose): number[] {
   return model.geometry.platform_anchors_m.map((anchor, i) => {

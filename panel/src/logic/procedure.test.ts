@@ -69,6 +69,8 @@ describe('time left', () => {
     const left = timeLeft({ words: '', elapsed_s: 2, share: 0.4 })!;
     expect(left.seconds).toBeCloseTo(3);
     expect(left.atMost).toBe(false);
+    expect(timeLeft({ words: '', elapsed_s: 2, share: 0.4 }, 20)!.seconds).toBeCloseTo(0.15);
+    expect(timeLeft({ words: '', elapsed_s: 30, at_most_s: 120 }, 20)!.seconds).toBeCloseTo(4.5);
     expect(timeLeft({ words: '', elapsed_s: 0.1, share: 0.003 })).toBeNull();
     expect(timeLeft({ words: '', elapsed_s: 4 })).toBeNull();
     expect(timeLeft(undefined)).toBeNull();

@@ -100,19 +100,22 @@ export interface Left {
   share: number;
 }
 
-/** How long what goes on will go on; nothing where nobody can tell yet. */
-export function timeLeft(progress: ProgressJson | undefined): Left | null {
+/**
+ * How long what goes on will go on, in our time; nothing where nobody can tell yet.
+ * @param timeScale  how much faster the robot's own time runs, in which it is told
+ */
+export function timeLeft(progress: ProgressJson | undefined, timeScale = 1): Left | null {
   if (!progress) return null;
   const { elapsed_s: elapsed, at_most_s: atMost, share } = progress;
   if (atMost !== undefined && atMost > 0) {
     return {
-      seconds: Math.max(0, atMost - elapsed),
+      seconds: Math.max(0, atMost - elapsed) / timeScale,
       atMost: true,
       share: Math.min(1, Math.max(0, elapsed / atMost)),
     };
   }
   if (share === undefined || share <= 0.01 || elapsed <= 0) return null;
-  return { seconds: Math.max(0, elapsed / share - elapsed), atMost: false, share: Math.min(1, share) };
+  return { seconds: Math.max(0, elapsed / share - elapsed) / timeScale, atMost: false, share: Math.min(1, share) };
 }
 
 /** Ended by this page's own end (a reload, a lost connection), and not by anybody's wish. */

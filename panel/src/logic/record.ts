@@ -1,4 +1,5 @@
 /** A record of a run (docs/records.md) as rows over time, for plots and for the 3D view. */
+import { errorSentence } from '../i18n';
 import { readMcap } from './mcap';
 import type { Frame, JointFrame } from './history';
 import type { Pose } from './types';
@@ -105,9 +106,14 @@ function takeJoints(record: RunRecord, t: number, joints: Json): void {
   record.frames.push({ t, robots: { [record.robot]: { at: t, joints: rows } } });
 }
 
+function errorText(json: Json): string {
+  const [code, sentence, joint] = [json['code'], json['sentence'], json['joint']].map(textOf);
+  return errorSentence({ code: code || undefined, sentence, joint: joint || undefined });
+}
+
 function takeEvent(record: RunRecord, t: number, json: Json): void {
   const kind = textOf(json['kind']);
-  const error = isObject(json['error']) ? textOf(json['error']['sentence']) : '';
+  const error = isObject(json['error']) ? errorText(json['error']) : '';
   const lost = numberOf(json['lost']);
   const rest = textOf(json['state']) || textOf(json['cause']) || (lost === undefined ? '' : String(lost));
   record.events.push({ t, kind, text: error || rest, grave: kind === 'fault' || kind === 'failed' || kind === 'refused' || kind === 'lost' });

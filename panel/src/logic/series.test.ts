@@ -46,10 +46,13 @@ describe('lines', () => {
   });
   it('tell the time between samples and what the connection adds', () => {
     const frames: Frame[] = [
-      { ...frame(1, 0), arrived: 51, roundTrip: 2 },
-      { ...frame(1.04, 0), arrived: 51.06, roundTrip: 3 },
+      { ...frame(1, 0), t: 51, roundTrip: 2 },
+      { ...frame(1.04, 0), t: 51.06, roundTrip: 3 },
     ];
     expect(linesOf(frames, [pick], 'cycle', names)[0]!.values[1]).toBeCloseTo(40);
+    // A control loop that tells of its cycles is believed: what came is another thing.
+    const told = frames.map((one) => ({ ...one, robots: { ...one.robots, [pick.robot]: { ...one.robots[pick.robot]!, cycle: 0.012 } } }));
+    expect(linesOf(told, [pick], 'cycle', names)[0]!.values[1]).toBeCloseTo(12);
     const [trip, late] = linesOf(frames, [], 'latency', names);
     expect([...trip!.values]).toEqual([2, 3]);
     expect(late!.values[0]).toBeCloseTo(0);
@@ -102,15 +105,17 @@ describe('history', () => {
     health: {},
   });
   it('knows what was told, and nothing of a joint that is lost', () => {
-    expect(frameOf([status(1, 0.5)]).robots['arm']!.joints[0]).toEqual({ position: 0.5, commanded: 1, measured: true });
-    expect(frameOf([status(1)]).robots['arm']!.joints[0]!.position).toBeNaN();
+    expect(frameOf([status(1, 0.5)], 9).robots['arm']!.joints[0]).toEqual({ position: 0.5, commanded: 1, measured: true });
+    expect(frameOf([status(1)], 9).robots['arm']!.joints[0]!.position).toBeNaN();
   });
   it('takes each moment once, and begins anew with a new controller', () => {
     const history = new History();
     expect(history.add(frame(5, 0))).toBe(true);
     expect(history.add(frame(5, 0))).toBe(false);
     expect(history.add(frame(6, 0))).toBe(true);
-    expect(history.add(frame(0.5, 0))).toBe(true);
+    // A job's message changes a status, not when it was.
+    expect(history.add({ ...frame(6, 0), t: 6.5 })).toBe(false);
+    expect(history.add({ ...frame(0.5, 0), t: 7 })).toBe(true);
     expect(history.frames.length).toBe(1);
   });
   it('forgets what is older than it keeps', () => {
@@ -124,5 +129,62 @@ describe('history', () => {
     expect(between(frames, 1.5, 3.5).map((one) => one.t)).toEqual([1, 2, 3, 4]);
     expect(between(frames, -3, 99).length).toBe(6);
     expect(between([], 0, 1)).toEqual([]);
+  });
+});
+
+describe('robots with clocks of their own', () => {
+  const scales = { arm: 1, platform: 200 };
+  const of = (robot: string, at: number, position: number): RobotStatus => ({
+    robot,
+    at_s: at,
+    state: 'moving',
+    position: 'measured',
+    connected: true,
+    joints: [{ name: 'a', quality: 'measured', position_rad: position, commanded_rad: position }],
+    feed: 1,
+    progress: 0,
+    health: {},
+  });
+  // 50 ms apart; the fast one began long ago. Message 20 comes 30 ms late.
+  const history = new History();
+  for (let i = 0; i <= 40; ++i) {
+    const t = 0.05 * i;
+    const arrived = 1000 + t + (i === 20 ? 0.03 : 0);
+    const [arm, platform] = [3 + t, 90_000 + 200 * t];
+    history.add(frameOf([of('arm', arm, 0.1 * arm), of('platform', platform, 0.001 * platform)], arrived, scales));
+  }
+  const { frames } = history;
+  const joint = (robot: string): Pick => ({ robot, joint: 0, name: 'a', measure: 'angle', hue: 0 });
+
+  it('have one time axis: when they came', () => {
+    expect(frames).toHaveLength(41);
+    expect(history.last).toBeCloseTo(1002, 6);
+    // The last second is the last second of both.
+    expect(between(frames, history.last - 1, history.last)).toHaveLength(22);
+  });
+
+  it('have speeds in their own time', () => {
+    const speed = (robot: string) => linesOf(frames, [joint(robot)], 'velocity', names)[0]!.values[30]!;
+    expect(speed('arm')).toBeCloseTo(0.1 * (180 / Math.PI), 3);
+    expect(speed('platform')).toBeCloseTo(0.001 * (180 / Math.PI), 3);
+  });
+
+  it('are late by our time, and their samples are as far apart as we see them', () => {
+    const late = linesOf(frames, [], 'latency', names)[1]!.values;
+    expect(late[10]).toBeCloseTo(0, 3);
+    expect(late[20]).toBeCloseTo(30, 3);
+    for (const line of linesOf(frames, [joint('arm'), joint('platform')], 'cycle', names)) {
+      expect(line.values[5], line.label).toBeCloseTo(50, 3);
+    }
+  });
+
+  it('are new where any of them went on, and begin anew with any of them', () => {
+    const one = new History();
+    const put = (arm: number, platform: number, arrived: number) => one.add(frameOf([of('arm', arm, 0), of('platform', platform, 0)], arrived, scales));
+    expect(put(1, 500, 10)).toBe(true);
+    expect(put(1, 508, 10.04)).toBe(true);
+    expect(put(1, 508, 10.08)).toBe(false);
+    expect(put(0.1, 2, 12)).toBe(true);
+    expect(one.frames).toHaveLength(1);
   });
 });

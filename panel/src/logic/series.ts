@@ -1,5 +1,5 @@
 /** Rows over time made into lines to look at: what is asked for, in the units that people read. */
-import type { Frame, JointFrame } from './history';
+import type { Frame, JointFrame, RobotFrame } from './history';
 import { toDeg, toMm, type Measure } from './units';
 
 export const kQuantities = ['position', 'velocity', 'acceleration', 'error', 'cycle', 'latency'] as const;
@@ -95,25 +95,45 @@ function jointLine(frames: readonly Frame[], pick: Pick, quantity: Quantity): Li
   };
 }
 
-/** ms from one sample of a robot's control loop to the next that came. */
+/** ms: the longest of its control loop's last cycles; where it does not say, between two samples that came. */
 function cycleLine(frames: readonly Frame[], robot: string, hue: number): Line {
-  const values = new Float64Array(frames.length).fill(NaN);
+  const values = Float64Array.from(frames, (frame) => (frame.robots[robot]?.cycle ?? NaN) * 1e3);
+  if (!values.every(Number.isNaN)) return { label: robot, unit: 'ms', hue, values };
   for (let i = 1; i < frames.length; ++i) {
-    const now = frames[i]!.robots[robot]?.at;
-    const before = frames[i - 1]!.robots[robot]?.at;
-    if (now !== undefined && before !== undefined) values[i] = (now - before) * 1e3;
+    const now = frames[i]!.robots[robot];
+    const before = frames[i - 1]!.robots[robot];
+    if (now && before) values[i] = (ourTime(now) - ourTime(before)) * 1e3;
   }
   return { label: robot, unit: 'ms', hue, values };
 }
 
+const ourTime = ({ at, scale }: RobotFrame): number => at / (scale ?? 1);
+
+/**
+ * By how much each message came later than the quickest one, s. Every robot's clock began at another moment, so each
+ * is held against its own quickest; of a message the least late one counts, since the others' loops may be late
+ * themselves.
+ */
+function lateness(frames: readonly Frame[]): Float64Array {
+  const least = new Map<string, number>();
+  const ways = frames.map((frame) =>
+    Object.entries(frame.robots).map(([name, one]) => {
+      const way = frame.t - ourTime(one);
+      least.set(name, Math.min(way, least.get(name) ?? Infinity));
+      return { name, way };
+    }),
+  );
+  return Float64Array.from(ways, (all) =>
+    all.length === 0 ? NaN : Math.min(...all.map(({ name, way }) => way - least.get(name)!)),
+  );
+}
+
 /** The way of a question and its answer, and by how much a message came later than the quickest one. */
 function latencyLines(frames: readonly Frame[], names: { trip: string; late: string }): Line[] {
-  const ways = Float64Array.from(frames, (one) => (one.arrived === undefined ? NaN : one.arrived - one.t));
-  const least = ways.reduce((min, one) => (one < min ? one : min), Infinity);
   const trips = Float64Array.from(frames, (one) => one.roundTrip ?? NaN);
   return [
     { label: names.trip, unit: 'ms', hue: 0, values: trips },
-    { label: names.late, unit: 'ms', hue: 1, values: ways.map((one) => (one - least) * 1e3) },
+    { label: names.late, unit: 'ms', hue: 1, values: lateness(frames).map((one) => one * 1e3) },
   ];
 }
 

@@ -33,7 +33,7 @@ describe('the shelf', () => {
 
   it('knows files by their endings', () => {
     expect(['a.sinew', 'points.toml', 'a.G', 'x.pos', 'x.png', 'x'].map(fileKind)).toEqual([
-      'program', 'points', 'foreign', 'foreign', 'unknown', 'unknown',
+      'program', 'points', 'gcode', 'pos', 'unknown', 'unknown',
     ]);
     expect(nameOfFile('C:\\a b\\3 my wave.sinew')).toBe('my_wave');
     expect(nameOfFile('1.sinew')).toBe('program');

@@ -59,14 +59,30 @@ export function keepShelf(kept: Kept, robot: string, shelf: Shelf): boolean {
   }
 }
 
-export type FileKind = 'program' | 'points' | 'foreign' | 'unknown';
+/** Forms of other programs: the controller makes rows of them, and of rows the first two. */
+export type TextForm = 'sequence' | 'pos' | 'gcode';
+export type FileKind = 'program' | 'points' | 'foreign' | 'unknown' | TextForm;
 
-/** What a file is by its name; foreign ones `sinew convert` makes programs of. */
+const kForms: Record<TextForm, readonly string[]> = {
+  sequence: ['txt'],
+  pos: ['pos'],
+  gcode: ['gcode', 'nc', 'ngc', 'tap', 'g'],
+};
+
+/** What a file is by its name; of foreign ones `sinew convert` knows what to do. */
 export function fileKind(name: string): FileKind {
   const end = /\.([^.]+)$/.exec(name.toLowerCase())?.[1] ?? '';
   if (end === 'sinew') return 'program';
   if (end === 'toml') return 'points';
-  return ['txt', 'pos', 'gcode', 'nc', 'ngc', 'tap', 'g', 'cfg', 'mcap'].includes(end) ? 'foreign' : 'unknown';
+  const form = (Object.keys(kForms) as TextForm[]).find((one) => kForms[one].includes(end));
+  return form ?? (['cfg', 'mcap'].includes(end) ? 'foreign' : 'unknown');
+}
+
+/** A text file's words: UTF-16 where it says so, as old programs on Windows write it. */
+export function decoded(bytes: Uint8Array): string {
+  const [first, second] = bytes;
+  const wide = (first === 0xff && second === 0xfe && 'utf-16le') || (first === 0xfe && second === 0xff && 'utf-16be');
+  return new TextDecoder(wide || 'utf-8').decode(bytes);
 }
 
 /** A file's name without its folder and ending, as a program's name. */

@@ -138,15 +138,49 @@ describe('Store', () => {
 
   it('notes a refusal down in the words of the server, and does not go on', async () => {
     const { store, methods, answers } = rig();
-    answers['lease.take'] = new RpcError(1, 'somebody else has it');
+    answers['lease.take'] = new RpcError(1, 'somebody else has it', { code: 'lease_held' });
     expect(await store.enable('arm')).toBe(false);
     expect(methods()).toEqual(['lease.take']);
-    expect(store.notes.value).toMatchObject([{ kind: 'refused', robot: 'arm', text: 'somebody else has it' }]);
+    expect(store.notes.value).toMatchObject([
+      { kind: 'refused', robot: 'arm', text: 'somebody else has it', data: { code: 'lease_held' } },
+    ]);
     answers['lease.take'] = new ConnectionError('closed');
     await store.run('arm', 'joint J1=1deg', 'move');
     expect(store.notes.value.at(-1)).toMatchObject({ kind: 'lost' });
     store.dismiss(store.notes.value[0]!.id);
     expect(store.notes.value).toHaveLength(1);
+  });
+
+  it('keeps notes until somebody has read them, and counts what it has no room for', () => {
+    const { store } = rig();
+    for (let i = 0; i < 505; ++i) store.note('refused', `note ${i}`);
+    expect(store.notes.value).toHaveLength(500);
+    expect(store.notes.value[0]!.text).toBe('note 5');
+    expect(store.notesGone.value).toBe(5);
+    store.dismissAll();
+    expect(store.notes.value).toHaveLength(0);
+    expect(store.notesGone.value).toBe(0);
+  });
+
+  it('keeps events of a day, also behind a connection that was lost, and says how many are before them', async () => {
+    const { store, answers } = rig();
+    const event = (number: number, at_ms = number): EventJson => ({ number, at_ms, robot: 'arm', kind: 'state' });
+    const all = (from: number, to: number, at_ms?: number) => Array.from({ length: to - from + 1 }, (_, i) => event(from + i, at_ms));
+    answers['events.list'] = { events: all(11, 1010) };
+    await store.opened('secret');
+    expect(store.eventsGone.value).toBe(10);
+    for (const one of all(1011, 1300)) store.take('event', one);
+    answers['events.list'] = { events: all(501, 1500) };
+    await store.opened('secret');
+    expect(store.events.value.map((one) => one.number)).toEqual(all(11, 1500).map((one) => one.number));
+    for (const one of all(1501, 5020)) store.take('event', one);
+    expect(store.events.value).toHaveLength(5000);
+    expect(store.eventsGone.value).toBe(20);
+    // Another life of the controller counts anew.
+    answers['events.list'] = { events: all(1, 3, 99) };
+    await store.opened('secret');
+    expect(store.events.value).toHaveLength(3);
+    expect(store.eventsGone.value).toBe(0);
   });
 
   it('counts what nobody has looked at yet, and takes each event once', () => {

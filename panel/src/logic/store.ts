@@ -4,10 +4,12 @@
  * out from here too, so that every view asks in the same way.
  */
 import { batch, computed, signal } from '@preact/signals';
+import { refusalSentence } from '../i18n';
 import type { ProcedureJson, ProcedureKind } from './procedure';
 import { ConnectionError, RpcError } from './rpc';
 import type {
   CellDescription,
+  CheckJson,
   EventJson,
   JobJson,
   PreviewJson,
@@ -32,10 +34,13 @@ export interface Note {
   kind: 'info' | 'refused' | 'lost';
   robot?: string;
   text: string;
+  /** What a refusal tells beside its words, by which other languages say it. */
+  data?: unknown;
 }
 
-const kEventsMax = 500;
-const kNotesMax = 20;
+/** As much as a page can hold all day; what goes is counted. */
+const kEventsMax = 5000;
+const kNotesMax = 500;
 const kRateHz = 25;
 /** A lease lives for a second; messages of the server drive its renewal, also in a hidden tab. */
 const kRenewMs = 300;
@@ -62,6 +67,10 @@ export class Store {
   /** Number of the last event that somebody has seen in the list. */
   readonly seen = signal(0);
   readonly notes = signal<Note[]>([]);
+  /** Notes that nobody has dismissed and there was no room for. */
+  readonly notesGone = signal(0);
+  /** Events before the first one here. */
+  readonly eventsGone = computed(() => Math.max(0, (this.events.value[0]?.number ?? 1) - 1));
   /** Who we are to the server; nothing before the first lease. */
   readonly client = signal<number | null>(null);
   readonly robots = computed(() => this.cell.value?.robots ?? []);
@@ -100,7 +109,7 @@ export class Store {
       this.models.value = models;
       this.procedures.value = procedures;
       this.take('status', status);
-      this.events.value = past.events.slice(-kEventsMax);
+      this.events.value = joined(this.events.peek(), past.events).slice(-kEventsMax);
       this.seen.value = Math.max(0, ...past.events.map((one) => one.number));
       this.connection.value = 'open';
     });
@@ -149,6 +158,11 @@ export class Store {
     }
   }
 
+  /** How much faster a robot's own time runs than ours. */
+  timeScale(robot: string): number {
+    return this.robots.value.find((one) => one.name === robot)?.time_scale ?? 1;
+  }
+
   lease(robot: string): Lease {
     const holder = this.status.value[robot]?.lease;
     if (!holder) return 'free';
@@ -164,12 +178,18 @@ export class Store {
     this.rpc.call('lease.renew').catch(() => undefined);
   }
 
-  note(kind: Note['kind'], text: string, robot?: string): void {
-    const note: Note = { id: ++this.lastNote, at: Date.now(), kind, text, robot };
-    this.notes.value = [...this.notes.value, note].slice(-kNotesMax);
+  note(kind: Note['kind'], text: string, robot?: string, data?: unknown): void {
+    const note: Note = { id: ++this.lastNote, at: Date.now(), kind, text, robot, data };
+    const all = [...this.notes.value, note];
+    this.notesGone.value += Math.max(0, all.length - kNotesMax);
+    this.notes.value = all.slice(-kNotesMax);
   }
   dismiss(id: number): void {
     this.notes.value = this.notes.value.filter((one) => one.id !== id);
+  }
+  dismissAll(): void {
+    this.notes.value = [];
+    this.notesGone.value = 0;
   }
 
   /** Asks; whoever asks sees to what goes wrong. */
@@ -188,7 +208,7 @@ export class Store {
   }
 
   noteError(error: unknown, robot?: string): void {
-    if (error instanceof RpcError) this.note('refused', error.message, robot);
+    if (error instanceof RpcError) this.note('refused', error.message, robot, error.data);
     else if (error instanceof ConnectionError) this.note('lost', error.reason, robot);
     else this.note('refused', String(error), robot);
   }
@@ -256,7 +276,7 @@ export class Store {
       });
       return null;
     } catch (error) {
-      if (error instanceof RpcError) return error.message;
+      if (error instanceof RpcError) return refusalSentence(error);
       this.noteError(error, params.robot);
       return '';
     }
@@ -273,6 +293,15 @@ export class Store {
     return performance.now() - begin;
   }
 
+  /** A verdict for each row; what it calls is brought along. */
+  check(
+    robot: string,
+    program: { text: string; points: string; called: Record<string, string> },
+    timeoutMs?: number,
+  ): Promise<CheckJson> {
+    return this.rpc.call<CheckJson>('program.check', { robot, ...program }, timeoutMs);
+  }
+
   preview(robot: string, target: PreviewTarget, timeoutMs?: number): Promise<PreviewJson> {
     return this.rpc.call<PreviewJson>('robot.preview', { robot, ...target }, timeoutMs);
   }
@@ -285,6 +314,13 @@ export interface PreviewTarget {
   line?: boolean;
   speed?: number;
   samples?: number;
+}
+
+/** The server tells its last events only; older ones that are here stay, if they are of its same life. */
+function joined(here: readonly EventJson[], told: readonly EventJson[]): EventJson[] {
+  const first = told[0];
+  const same = here.some((one) => one.number === first?.number && one.at_ms === first.at_ms);
+  return first && same ? [...here.filter((one) => one.number < first.number), ...told] : [...told];
 }
 
 /** What somebody should look at, even later. */

@@ -1,6 +1,10 @@
-/** A robot in a pose as lines: from the side, in the plane that it reaches out in, and from above. */
+/**
+ * A robot in a pose as lines: from the side, in the plane that it reaches out in, and from above. Of a
+ * place without joints, which only a server could find, what it reaches and its tool there.
+ */
 import { linkPoses, toolPose } from './kinematics';
-import { compose } from './pose';
+import type { Point } from './points';
+import { compose, fromFixedXyz, fromJson, rotate } from './pose';
 import type { Pose, RobotModel, Vec3 } from './types';
 
 export type Dot = [number, number];
@@ -45,6 +49,72 @@ export function sketch(model: RobotModel, joints: readonly number[], platform: P
     floor,
     topOrigin: [size / 2, size / 2],
   };
+}
+
+export interface PlaceSketch {
+  sideReach: Dot[][];
+  topReach: Dot[];
+  /** The end of its tool, as far as it is known how that is turned. */
+  sideWay: Dot[] | null;
+  topWay: Dot[] | null;
+  sideTool: Dot;
+  topTool: Dot;
+  floor: number;
+  topOrigin: Dot;
+  /** Where it stands. */
+  sideBase: Dot[];
+}
+
+/** @param reach  lines in the plane through its base's axis: distance from it and height */
+export function sketchPlace(model: RobotModel, place: Place, reach: Dot[][], size: number): PlaceSketch {
+  const { x, y, z } = place;
+  const far = Math.hypot(x, y);
+  const radii = reach.flat().map(([r]) => r);
+  const heights = [0, z, ...reach.flat().map(([, up]) => up)];
+  const low = Math.min(...heights);
+  const wide = Math.max(far, ...radii);
+  // The base at the left, as the tool is always ahead of it.
+  const scale = (0.84 * size) / Math.max(1.1 * wide, Math.max(...heights) - low);
+  const floor = 0.94 * size + scale * low;
+  const left = size / 2 - (scale * 0.95 * wide) / 2;
+  const aside = ([r, up]: Dot): Dot => [left + scale * r, floor - scale * up];
+  const small = (0.44 * size) / wide;
+  const above = ([px, py]: Dot): Dot => [size / 2 - small * py, size / 2 - small * px];
+  const out: Dot = far > 0.02 ? [x / far, y / far] : [1, 0];
+  const way = toolWay(model, place, out);
+  const back = 0.22 * wide;
+  const [wx, wy, wz] = way ?? [0, 0, 0];
+  const ring = (r: number): Dot[] =>
+    Array.from({ length: 33 }, (_, i) => above([r * Math.cos((Math.PI * i) / 16), r * Math.sin((Math.PI * i) / 16)]));
+  return {
+    sideReach: reach.map((line) => line.map(aside)),
+    topReach: ring(Math.max(...radii)),
+    sideWay: way && [aside([far - back * (wx * out[0] + wy * out[1]), z - back * wz]), aside([far, z])],
+    topWay: way && [above([x - back * wx, y - back * wy]), above([x, y])],
+    sideTool: aside([far, z]),
+    topTool: above([x, y]),
+    floor,
+    topOrigin: [size / 2, size / 2],
+    sideBase: [aside([-0.05 * wide, 0]), aside([0.05 * wide, 0])],
+  };
+}
+
+type Place = NonNullable<Point['place']>;
+
+/** Where its tool points; a palletizer's points down always. */
+function toolWay(model: RobotModel, { turns }: Place, out: Dot): Vec3 | null {
+  if (model.task === 'point') return [0, 0, -1];
+  const { rx, ry, rz, pitch } = turns;
+  if (pitch !== undefined) return [out[0] * Math.sin(pitch), out[1] * Math.sin(pitch), Math.cos(pitch)];
+  if (rx === undefined && ry === undefined && rz === undefined) return null;
+  return rotate(fromFixedXyz([rx ?? 0, ry ?? 0, rz ?? 0]), [0, 0, 1]);
+}
+
+/** A platform where its place says; turned as it is at home where that says nothing. */
+export function platformAt(model: RobotModel & { kind: 'hexapod' }, { x, y, z, turns }: Place): Pose {
+  const { rx, ry, rz } = turns;
+  const turned = rx !== undefined || ry !== undefined || rz !== undefined;
+  return { p: [x, y, z], q: turned ? fromFixedXyz([rx ?? 0, ry ?? 0, rz ?? 0]) : fromJson(model.geometry.home).q };
 }
 
 function bones(model: RobotModel, joints: readonly number[], platform?: Pose): Vec3[][] {

@@ -32,6 +32,7 @@ export type MachineState =
   | 'fault'
   | 'recovering';
 
+/** Beside these `measured` and `limit`, with their unit in their names (`measured_rad`); null is no number. */
 export interface ErrorJson {
   code: string;
   sentence: string;
@@ -39,7 +40,13 @@ export interface ErrorJson {
   links?: string;
   link?: string;
   other?: string;
+  other_link?: string;
   line?: number;
+  share?: number;
+  way_m?: number;
+  distance_m?: number;
+  margin_m?: number;
+  moving?: boolean;
 }
 
 export interface FaultJson {
@@ -79,14 +86,23 @@ export interface RobotStatus {
   goes_on_s?: number;
   jog?: { reason: string; share: number; joint?: string };
   health: Record<string, number>;
+  cycle?: { mean_s: number; longest_s: number };
   /** Goes up whenever something that the controller keeps has changed. */
   kept?: number;
   recording?: { record: string; length_s: number; size_bytes: number };
   job?: JobJson;
 }
 
+/** What holds motions back for longest. */
+export interface LimitedJson {
+  by: string;
+  share_of_time: number;
+  joint?: string;
+}
+
 export type JobPhase =
   | 'opening'
+  | 'planned'
   | 'running'
   | 'paused'
   | 'stopping'
@@ -107,6 +123,7 @@ export interface JobJson {
   progress: number;
   orders?: number;
   orders_done?: number;
+  limited?: LimitedJson;
   waits_for?: string;
   stopped_by?: string;
   error?: ErrorJson;
@@ -232,7 +249,7 @@ export interface PreviewJson {
   duration_s: number;
   homing_at_most_s: number;
   first_move: boolean;
-  limited?: { by: string; share_of_time: number; joint?: string };
+  limited?: LimitedJson;
   from?: number[];
   to: { positions: number[] | null; tool: ToolRow | null };
   samples: PreviewSamples;
@@ -252,9 +269,36 @@ export interface PreviewSamples {
 }
 
 export interface RefusalData extends ErrorJson {
-  share?: number;
-  way_m?: number;
   would_work?: { what: string; positions: number[]; left_m?: number };
+}
+
+/** Of `program.check`: the rows of the program and of those that it calls, in the order in which they are run. */
+export interface CheckRow {
+  line: number;
+  column: number;
+  /** The called program that it stands in. */
+  file?: string;
+  verdict: 'fine' | 'refused' | 'not_checked';
+  time_min_s?: number;
+  time_max_s?: number;
+  /** It is one motion with the row of this line. */
+  motion_of_line?: number;
+  sentence?: string;
+  /** Of a file of points, dotted. */
+  key?: string;
+  refusal?: RefusalData;
+  round?: number;
+  because?: { line: number; column: number; file?: string };
+}
+
+export interface CheckJson {
+  fine: boolean;
+  /** None of a text that cannot be read. */
+  duration_min_s?: number;
+  duration_max_s?: number;
+  homing_at_most_s?: number;
+  rows: CheckRow[];
+  broken_off?: { sentence: string; refusal?: RefusalData; file?: string };
 }
 
 export interface EventJson {
@@ -273,6 +317,7 @@ export interface EventJson {
   over?: boolean;
   job?: number;
   predicted_s?: number;
+  limited?: LimitedJson;
   path?: string;
   lost?: number;
   trouble?: string;

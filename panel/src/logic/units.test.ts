@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import { duration, parseQuantity, shown } from './units';
+import { timeSpan, duration, parseQuantity, shown } from './units';
 
 describe('parseQuantity', () => {
   it('takes any unit, and the usual one where none is said', () => {
@@ -32,5 +32,15 @@ describe('duration', () => {
     expect(duration(12.34)).toBe('12.3 s');
     expect(duration(125)).toBe('2 min 05 s');
     expect(duration(3840)).toBe('1 h 04 min');
+  });
+});
+
+describe('a time span', () => {
+  it('is one time where it is sure, else from and to', () => {
+    expect(timeSpan(1.4, 1.4)).toBe('1.4 s');
+    expect(timeSpan(0, 2)).toBe('≤ 2.0 s');
+    expect(timeSpan(3, 5.5)).toBe('3.0 s – 5.5 s');
+    expect(timeSpan(125, 125)).toBe('2 min 05 s');
+    expect(timeSpan(0, 0)).toBe('0.0 s');
   });
 });

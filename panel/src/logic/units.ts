@@ -42,6 +42,14 @@ export function duration(seconds: number): string {
   return `${Math.floor(minutes / 60)} h ${String(minutes % 60).padStart(2, '0')} min`;
 }
 
+const brief = (seconds: number): string => (seconds < 60 ? `${seconds.toFixed(1)} s` : duration(seconds));
+
+/** How long something takes: "1.4 s", "≤ 2.0 s" where it may take no time, "3.0 s – 5.5 s". */
+export function timeSpan(least: number, most: number): string {
+  if (most - least < 0.05) return brief(most);
+  return least < 0.05 ? `≤ ${brief(most)}` : `${brief(least)} – ${brief(most)}`;
+}
+
 /** Of what was a while ago: nobody needs tenths then. */
 export const age = (seconds: number): string => (seconds < 60 ? `${seconds} s` : duration(seconds));
 

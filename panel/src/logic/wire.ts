@@ -30,14 +30,17 @@ export interface WireFilter {
 
 const hexOnly = (text: string): string => text.toLowerCase().replace(/0x|[\s,]/g, '');
 
-/** Each word of the filter is in the sentence, or they are bytes that stand one behind the other. */
+export const axesText = (frame: WireFrame, between: string): string => (frame.axes ?? []).map((one) => `J${one}`).join(between);
+
+/** Each word of the filter is an axis or in the sentence, or they are bytes that stand one behind the other. */
 export function matches(frame: WireFrame, filter: WireFilter, sentence: string): boolean {
   if (filter.way !== 'both' && filter.way !== frame.to) return false;
   if (!filter.fill && frame.kind === 'fill') return false;
   const words = filter.words.trim().toLowerCase();
   if (words === '') return true;
   const text = `${sentence} ${frame.text}`.toLowerCase();
-  if (words.split(/\s+/).every((word) => text.includes(word))) return true;
+  const axes = axesText(frame, ' ').toLowerCase().split(' ');
+  if (words.split(/\s+/).every((word) => axes.includes(word) || text.includes(word))) return true;
   const bytes = hexOnly(words);
   if (!/^(?:[0-9a-f]{2})+$/.test(bytes)) return false;
   // Whole bytes only: "05" is not in "50 55".
@@ -61,7 +64,7 @@ export function fileText(head: string, frames: readonly WireFrame[], sentence: (
   const rows = [head, '# seconds  way  axis  bytes (hex)  message'];
   for (const frame of frames) {
     const way = frame.to === 'device' ? 'host -> device' : 'device -> host';
-    const axis = frame.axes ? frame.axes.map((one) => `J${one}`).join('+') : '-';
+    const axis = axesText(frame, '+') || '-';
     rows.push(`${frame.at_s.toFixed(6).padStart(14)}  ${way}  ${axis}  ${frame.hex}  ${sentence(frame)}`);
   }
   return `${rows.join('\n')}\n`;

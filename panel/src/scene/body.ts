@@ -16,8 +16,9 @@ import {
   Vector3,
 } from 'three';
 import { RoundedBoxGeometry } from 'three/examples/jsm/geometries/RoundedBoxGeometry.js';
-import { linkPoses } from '../logic/kinematics';
-import { compose } from '../logic/pose';
+import { linkPoses, nearness } from '../logic/kinematics';
+import { compose, fromColumns } from '../logic/pose';
+import { jointLimits } from '../logic/store';
 import type { Pose, PoseJson, RobotModel, ShapeJson, Vec3 } from '../logic/types';
 import type { Materials } from './look';
 
@@ -45,6 +46,8 @@ export interface BodyLook {
   hub: Material;
   metal: Material;
   accent: Material;
+  /** Of legs whose limits are far, to those that are at one; a ghost shows none. */
+  near?: Material[];
 }
 
 export const bodyLook = (all: Materials): BodyLook => ({
@@ -52,6 +55,7 @@ export const bodyLook = (all: Materials): BodyLook => ({
   hub: all.hub,
   metal: all.metal,
   accent: all.accent,
+  near: all.near,
 });
 export const ghostLook = (material: Material): BodyLook => ({
   shell: material,
@@ -297,10 +301,11 @@ export class Body {
     });
   }
 
-  /** A motor's tube of fixed length, and the spindle that comes out of it. */
+  /** A motor's tube of fixed length, and the spindle that comes out of it; amber as its limits come near. */
   private buildLeg(leg: number, base: Vec3, anchor: Vec3, platform: number): void {
     const { model } = this;
-    const shortest = model.joints[leg]?.lower_m ?? 0.1;
+    const { lower, upper } = jointLimits(model.joints[leg]!);
+    const shortest = lower;
     const tube = new Mesh(new CylinderGeometry(0.011, 0.011, shortest * 0.62, 20), this.look.shell);
     const collar = new Mesh(new CylinderGeometry(0.0125, 0.0125, 0.012, 20), this.look.accent);
     const spindle = this.rod(0.004);
@@ -317,6 +322,11 @@ export class Body {
       between(tube, at(0.06), at(0.06 + reach));
       between(collar, at(0.06 + reach), at(0.06 + reach + 0.001));
       stretch(spindle, at(reach), end);
+      const { near, accent } = this.look;
+      if (!near) return;
+      const step = Math.round(nearness(length, lower, upper) * (near.length - 1));
+      spindle.material = near[step]!;
+      collar.material = step > 0 ? near[step]! : accent;
     });
   }
 }
@@ -349,8 +359,19 @@ export function shapeMesh(shape: ShapeJson, slim: number, material: Material, se
 
 const fromPoseJson = (json: PoseJson): Pose => ({ p: json.xyz_m, q: json.quaternion_wxyz });
 
+/** Frames of a palletizer's joints against its level one: x where the joint's angle is 0, z its axis. */
+const kPalletizerTurns = [fromColumns([0, 1, 0], [0, 0, 1], [1, 0, 0]), fromColumns([0, -1, 0], [0, 0, -1], [1, 0, 0])];
+
 /** Turns of the joint whose limits are shown: a sector in the plane that its axis stands on. */
 export function axisFrame(model: RobotModel, joint: number, poses: Pose[]): { pose: Pose; offset: number } | null {
+  if (model.kind === 'palletizer') {
+    // Its base counts clockwise from above.
+    if (joint === 0) return { pose: { p: [0, 0, 0.02], q: [0, 1, 0, 0] }, offset: Math.PI / 2 - model.geometry.base_front_rad };
+    const turn = kPalletizerTurns[joint - 1];
+    const link = poses[joint + 1];
+    if (!turn || !link) return null;
+    return { pose: compose({ p: link.p, q: poses[1]!.q }, { p: [0, 0, 0], q: turn }), offset: 0 };
+  }
   if (model.kind !== 'serial') return null;
   const row = model.geometry.dh[joint];
   if (!row) return null;

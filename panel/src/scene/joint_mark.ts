@@ -15,9 +15,8 @@ import {
 import { compose } from '../logic/pose';
 import type { Pose, Quat, RobotModel, Vec3 } from '../logic/types';
 import { axisFrame, place, shapeMesh } from './body';
+import { kAmber } from './look';
 
-/** Amber: neither the accent, which is everywhere, nor the red of Stop and faults. */
-const kColor = 0xf0a020;
 const kArc = 1.62 * Math.PI;
 const kStill: Quat = [1, 0, 0, 0];
 /** From z to x: what turns about its own x. */
@@ -26,8 +25,8 @@ const kToX: Quat = [Math.SQRT1_2, 0, Math.SQRT1_2, 0];
 export class JointMark {
   /** In the robot's base frame. */
   readonly group = new Group();
-  private readonly line = new MeshBasicMaterial({ color: kColor, depthTest: false, transparent: true, opacity: 0.95 });
-  private readonly skin = new MeshBasicMaterial({ color: kColor, transparent: true, opacity: 0.42, depthWrite: false });
+  private readonly line = new MeshBasicMaterial({ color: kAmber, depthTest: false, transparent: true, opacity: 0.95 });
+  private readonly skin = new MeshBasicMaterial({ color: kAmber, transparent: true, opacity: 0.42, depthWrite: false });
   private readonly mark = new Group();
   private readonly tint = new Group();
 

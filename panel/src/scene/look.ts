@@ -10,6 +10,10 @@ import {
 
 export type Theme = 'light' | 'dark';
 
+/** Neither the accent, which is everywhere, nor the red of Stop and faults. */
+export const kAmber = 0xf0a020;
+const kNearSteps = 6;
+
 interface Palette {
   background: number;
   floor: number;
@@ -70,6 +74,8 @@ export class Materials {
   readonly plinth = this.lit({ roughness: 0.9, metalness: 0 });
   readonly object = this.lit({ roughness: 0.85, metalness: 0 });
   readonly accent = this.lit({ roughness: 0.5, metalness: 0.1 });
+  /** Of legs, by how near their limits are: from what is free to what is at its end. */
+  readonly near = Array.from({ length: kNearSteps }, () => this.lit({ roughness: 0.4, metalness: 0.2 }));
   readonly ghost = this.lit({
     roughness: 0.7,
     transparent: true,
@@ -106,6 +112,9 @@ export class Materials {
     this.metal.color = new Color(palette.metal);
     this.plinth.color = new Color(palette.plinth);
     this.object.color = new Color(palette.object);
+    this.near.forEach((one, i) => {
+      one.color = new Color(palette.metal).lerp(new Color(kAmber), i / (kNearSteps - 1));
+    });
     for (const one of [this.accent, this.ghost, this.body, this.reach, this.reachLines, this.path, this.limit, this.needle]) {
       one.color = new Color(palette.accent);
     }

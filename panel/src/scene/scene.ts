@@ -19,6 +19,7 @@ import {
   LineSegments,
   Mesh,
   MeshBasicMaterial,
+  MOUSE,
   Object3D,
   PCFShadowMap,
   PerspectiveCamera,
@@ -28,6 +29,7 @@ import {
   Scene,
   ShadowMaterial,
   SphereGeometry,
+  TOUCH,
   Vector2,
   Vector3,
   WebGLRenderer,
@@ -39,9 +41,11 @@ import { linkPoses } from '../logic/kinematics';
 import { compose, fromFlat } from '../logic/pose';
 import { jointLimits, jointsOf } from '../logic/store';
 import type { CellDescription, Pose, RobotModel, RobotStatus, ToolRow, Vec3 } from '../logic/types';
-import { axisFrame, Body, bodyLook, ghostLook, place } from './body';
+import { Body, bodyLook, ghostLook, place } from './body';
 import { JointMark } from './joint_mark';
+import { limitMark } from './limits';
 import { kPalettes, Materials, type Theme } from './look';
+import { oblique, ObliqueCamera } from './oblique';
 import { reachShell } from './reach';
 
 export type Preset = 'iso' | 'front' | 'side' | 'top' | 'oblique';
@@ -69,6 +73,8 @@ interface Stand {
 }
 
 const kTrailPoints = 900;
+/** What nobody sees: m, and parts of a quaternion. */
+const kStill = 1e-6;
 
 /** The last places of a tool, in the world. */
 class Trail {
@@ -131,7 +137,9 @@ export interface SceneOptions {
 
 export class CellScene {
   private readonly scene = new Scene();
-  private readonly camera = new PerspectiveCamera(38, 1, 0.01, 60);
+  private readonly perspective = new PerspectiveCamera(38, 1, 0.01, 60);
+  private readonly drawing = new ObliqueCamera();
+  private camera: PerspectiveCamera | ObliqueCamera = this.perspective;
   private readonly renderer: WebGLRenderer;
   private readonly orbit: OrbitControls;
   private readonly gizmo: TransformControls;
@@ -164,7 +172,7 @@ export class CellScene {
   readonly frames: number[] = [];
 
   constructor(private readonly options: SceneOptions) {
-    this.camera.up.set(0, 0, 1);
+    this.perspective.up.set(0, 0, 1);
     this.plain = options.plain ?? this.helpless;
     this.materials = new Materials(this.plain);
     this.renderer = new WebGLRenderer({ antialias: !this.plain, powerPreference: 'high-performance' });
@@ -185,6 +193,7 @@ export class CellScene {
     this.gizmo.setColors(0xd98a5b, 0x7fb565, 0x5f97d8, 0x35c2b2);
     this.gizmo.addEventListener('dragging-changed', (event) => {
       this.orbit.enabled = !event.value;
+      this.holdSize(event.value === true);
       if (!event.value) this.tellGizmo(true);
     });
     this.gizmo.addEventListener('objectChange', () => this.tellGizmo(false));
@@ -406,7 +415,9 @@ export class CellScene {
         const here = shell.points[k * shell.row + i]!;
         const beside = i + 1 < shell.row ? shell.points[k * shell.row + i + 1] : undefined;
         const behind = shell.points[(k + 1) * shell.row + i];
-        if (k % 6 === 0 && beside) lines.push(...here, ...beside);
+        // Its rim and its hole may meet in the axis only.
+        const meet = beside && Math.hypot(here[0], here[1], beside[0], beside[1]) < 1e-9;
+        if (k % 6 === 0 && beside && !meet) lines.push(...here, ...beside);
         if (i % 6 === 0 && behind) lines.push(...here, ...behind);
       }
     }
@@ -417,34 +428,23 @@ export class CellScene {
     return group;
   }
 
-  /** A joint's range, as a sector about its axis; nothing takes it away. */
+  /** A joint's range; nothing takes it away. */
   showLimits(joint: number | null, value?: number): void {
+    if (joint === null && this.limits.children.length === 0) return;
+    this.limits.traverse((one) => {
+      if (one instanceof Mesh || one instanceof Line) (one.geometry as BufferGeometry).dispose();
+    });
     this.limits.clear();
     this.invalidate();
     const stand = this.selected ? this.stands.get(this.selected) : undefined;
-    if (joint === null || !stand) return;
+    if (joint === null || !stand?.model.joints[joint]) return;
     const q = stand.q ?? stand.model.joints.map((one) => jointLimits(one).home);
-    const at = axisFrame(stand.model, joint, stand.body.pose(q, platformOf(stand)));
-    if (!at) return;
-    const { lower, upper } = jointLimits(stand.model.joints[joint]!);
-    const reach = 0.16 * Math.max(0.6, sizeOf(stand.model));
-    const span = Math.min(upper - lower, 2 * Math.PI);
-    const sector = new Mesh(
-      new RingGeometry(reach * 0.55, reach, 64, 1, lower + at.offset, span),
-      this.materials.limit,
-    );
-    const angle = (value ?? q[joint] ?? 0) + at.offset;
-    const needle = new BufferGeometry().setFromPoints([
-      new Vector3(Math.cos(angle) * reach * 0.45, Math.sin(angle) * reach * 0.45, 0),
-      new Vector3(Math.cos(angle) * reach * 1.12, Math.sin(angle) * reach * 1.12, 0),
-    ]);
-    const group = new Group();
-    group.add(sector, new Line(needle, this.materials.needle));
-    group.renderOrder = 5;
+    const poses = stand.body.pose(q, stand.q ? platformOf(stand) : undefined);
+    const mark = limitMark(stand.model, joint, poses, value ?? q[joint] ?? 0, this.materials);
+    if (!mark) return;
     const base = new Group();
     place(base, stand.base);
-    place(group, at.pose);
-    base.add(group);
+    base.add(mark);
     this.limits.add(base);
   }
 
@@ -497,6 +497,7 @@ export class CellScene {
 
   showGizmo(wish: GizmoWish | null): void {
     const stand = wish ? this.stands.get(wish.robot) : undefined;
+    if (!wish && this.gizmoRobot === null) return;
     if (!wish || !stand) {
       this.gizmo.detach();
       this.gizmoTarget.removeFromParent();
@@ -506,7 +507,12 @@ export class CellScene {
     }
     if (this.gizmoRobot !== wish.robot) stand.group.add(this.gizmoTarget);
     this.gizmoRobot = wish.robot;
+    const { position, quaternion } = this.gizmoTarget;
+    const before = [...position, ...quaternion];
     if (!this.gizmo.dragging) place(this.gizmoTarget, wish.pose);
+    const moved = [...position, ...quaternion].some((one, i) => Math.abs(one - before[i]!) > kStill);
+    const same = this.gizmo.object === this.gizmoTarget && this.gizmo.mode === wish.mode && this.gizmo.space === wish.space;
+    if (same && !moved) return;
     this.gizmo.setMode(wish.mode);
     this.gizmo.setSpace(wish.space);
     if (this.gizmo.object !== this.gizmoTarget) this.gizmo.attach(this.gizmoTarget);
@@ -532,63 +538,83 @@ export class CellScene {
   focus(): void {
     const stand = this.selected ? this.stands.get(this.selected) : undefined;
     const way = this.camera.position.clone().sub(this.orbit.target);
-    if (stand) this.lookFrom(way, [stand], 1.5);
+    if (stand && this.camera === this.drawing) this.lookOblique([stand], 1.5);
+    else if (stand) this.lookFrom(way, [stand], 1.5);
   }
 
   private lookAt(preset: Preset, stand: Stand | undefined): void {
-    const ways: Record<Preset, [number, number, number]> = {
+    const all = stand ? [stand] : [...this.stands.values()];
+    const wider = stand ? 1.5 : 1.08;
+    if (preset === 'oblique') return this.lookOblique(all, wider);
+    const ways: Record<Exclude<Preset, 'oblique'>, [number, number, number]> = {
       iso: [0.62, -0.95, 0.62],
       front: [0, -1, 0.16],
       side: [1, 0, 0.16],
       top: [0, -0.001, 1],
-      oblique: [0.36, -1, 0.42],
     };
-    // A long lens draws nearly parallel, as an oblique drawing does.
-    this.camera.fov = preset === 'oblique' || preset === 'top' ? 12 : 38;
-    const all = stand ? [stand] : [...this.stands.values()];
-    this.lookFrom(new Vector3(...ways[preset]), all, stand ? 1.5 : 1.08);
+    // From above a long lens draws nearly parallel, as a plan does.
+    this.perspective.fov = preset === 'top' ? 12 : 38;
+    this.lookFrom(new Vector3(...ways[preset]), all, wider);
   }
 
-  /** As near as all of them fit. @param wider  room around them */
-  private lookFrom(way: Vector3, all: Stand[], wider: number): void {
+  /** A drawing has one side that it is seen from: what turns other views moves this one. */
+  private lookThrough(camera: PerspectiveCamera | ObliqueCamera): void {
+    const turns = camera === this.perspective;
+    this.camera = camera;
+    this.orbit.object = camera;
+    this.orbit.enableRotate = turns;
+    this.orbit.mouseButtons.LEFT = turns ? MOUSE.ROTATE : MOUSE.PAN;
+    this.orbit.touches.ONE = turns ? TOUCH.ROTATE : TOUCH.PAN;
+    this.gizmo.camera = camera;
+  }
+
+  private lookOblique(all: Stand[], wider: number): void {
     if (all.length === 0) return;
-    const box = new Box3();
-    for (const one of all) {
-      one.group.updateMatrixWorld(true);
-      box.expandByObject(one.body.group);
-      if (all.length === 1) box.union(homeBox(one));
+    const { centre, corners } = roomOf(all);
+    this.lookThrough(this.drawing);
+    const { clientWidth: width, clientHeight: height } = this.options.host;
+    const aspect = width > 0 && height > 0 ? width / height : 1;
+    let tall = 0.1;
+    for (const corner of corners) {
+      const [x, y] = oblique([corner.x, corner.y, corner.z]);
+      tall = Math.max(tall, Math.abs(y), Math.abs(x) / aspect);
     }
-    const centre = box.getCenter(new Vector3());
-    const back = way.clone().normalize();
-    const right = new Vector3(0, 0, 1).cross(back).normalize();
-    const up = back.clone().cross(right);
-    const tall = Math.tan((this.camera.fov * Math.PI) / 360);
-    const wide = tall * this.camera.aspect;
-    let away = 0.3;
-    for (const one of all) {
-      const own = new Box3().setFromObject(one.body.group);
-      // Room for it to stand up, too.
-      if (all.length === 1) own.union(homeBox(one));
-      for (let k = 0; k < 8; ++k) {
-        const corner = new Vector3(
-          k & 1 ? own.max.x : own.min.x,
-          k & 2 ? own.max.y : own.min.y,
-          k & 4 ? own.max.z : own.min.z,
-        ).sub(centre);
-        const across = Math.max(Math.abs(corner.dot(right)) / wide, Math.abs(corner.dot(up)) / tall);
-        away = Math.max(away, corner.dot(back) + across * wider);
-      }
-    }
-    this.camera.position.copy(centre).addScaledVector(back, away);
-    this.camera.near = Math.max(0.01, away / 200);
-    this.camera.far = away + 40;
-    this.camera.updateProjectionMatrix();
+    const away = 12;
+    this.drawing.lookAtCentre(centre, away, tall * wider);
+    this.drawing.fit(aspect);
+    this.aimAt(centre, away);
+  }
+
+  private aimAt(centre: Vector3, away: number): void {
     const fog = this.scene.fog as Fog;
     fog.near = away + 4;
     fog.far = away + 14;
     this.orbit.target.copy(centre);
     this.orbit.update();
     this.invalidate();
+  }
+
+  /** As near as all of them fit. @param wider  room around them */
+  private lookFrom(way: Vector3, all: Stand[], wider: number): void {
+    if (all.length === 0) return;
+    const { centre, corners } = roomOf(all);
+    this.lookThrough(this.perspective);
+    const back = way.clone().normalize();
+    const right = new Vector3(0, 0, 1).cross(back).normalize();
+    const up = back.clone().cross(right);
+    const camera = this.perspective;
+    const tall = Math.tan((camera.fov * Math.PI) / 360);
+    const wide = tall * camera.aspect;
+    let away = 0.3;
+    for (const corner of corners) {
+      const across = Math.max(Math.abs(corner.dot(right)) / wide, Math.abs(corner.dot(up)) / tall);
+      away = Math.max(away, corner.dot(back) + across * wider);
+    }
+    camera.position.copy(centre).addScaledVector(back, away);
+    camera.near = Math.max(0.01, away / 200);
+    camera.far = away + 40;
+    camera.updateProjectionMatrix();
+    this.aimAt(centre, away);
   }
 
   private aimSun(): void {
@@ -629,12 +655,21 @@ export class CellScene {
     });
   }
 
+  /** A view that grew or shrank under a drag would put another place beneath the same pointer. */
+  private holdSize(held: boolean): void {
+    const { domElement: canvas } = this.renderer;
+    const { clientWidth: width, clientHeight: height } = this.options.host;
+    Object.assign(canvas.style, held ? { width: `${width}px`, height: `${height}px` } : { width: '', height: '' });
+    if (!held) this.fitToHost();
+  }
+
   private fitToHost(): void {
     const { clientWidth: width, clientHeight: height } = this.options.host;
-    if (width === 0 || height === 0) return;
+    if (width === 0 || height === 0 || this.gizmo.dragging) return;
     this.renderer.setSize(width, height, false);
-    this.camera.aspect = width / height;
-    this.camera.updateProjectionMatrix();
+    this.perspective.aspect = width / height;
+    this.perspective.updateProjectionMatrix();
+    this.drawing.fit(width / height);
     this.invalidate();
   }
 
@@ -692,6 +727,22 @@ function drawsWithoutHelp(): boolean {
   return /swiftshader|llvmpipe|software|softpipe/i.test(name);
 }
 
+/** The middle of what is looked at, and the corners of each of its boxes, from there. One alone may stand up, too. */
+function roomOf(all: readonly Stand[]): { centre: Vector3; corners: Vector3[] } {
+  const boxes = all.map((one) => {
+    one.group.updateMatrixWorld(true);
+    const box = new Box3().setFromObject(one.body.group);
+    return all.length === 1 ? box.union(homeBox(one)) : box;
+  });
+  const centre = boxes.reduce((whole, box) => whole.union(box), new Box3()).getCenter(new Vector3());
+  const corners = boxes.flatMap(({ min, max }) =>
+    [0, 1, 2, 3, 4, 5, 6, 7].map((k) =>
+      new Vector3(k & 1 ? max.x : min.x, k & 2 ? max.y : min.y, k & 4 ? max.z : min.z).sub(centre),
+    ),
+  );
+  return { centre, corners };
+}
+
 /** Where its links are at home, in the world. */
 function homeBox(stand: Stand): Box3 {
   const box = new Box3();
@@ -717,13 +768,4 @@ function footOf(model: RobotModel): number {
 function footRadius(model: RobotModel): number {
   const box = model.shapes.find((shape) => shape.link === 0 && shape.form === 'box');
   return box ? Math.hypot(box.half_m![0], box.half_m![1]) * 1.05 : 0.1;
-}
-
-/** How long its links are together, m. */
-function sizeOf(model: RobotModel): number {
-  if (model.kind === 'serial') {
-    return model.geometry.dh.reduce((sum, row) => sum + Math.abs(row.a_m) + Math.abs(row.d_m), 0);
-  }
-  if (model.kind === 'palletizer') return model.geometry.upper_arm_m + model.geometry.forearm_m;
-  return 0.4;
 }

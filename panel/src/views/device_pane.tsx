@@ -1,5 +1,5 @@
 import type { ComponentChildren, JSX } from 'preact';
-import { t, tWord } from '../i18n';
+import { errorSentence, t, tWord } from '../i18n';
 import { model, robot, status, store } from '../app';
 import { device } from '../device_state';
 import { ageText, degrees, servoRows, statusBytes, warned, type AxisJson, type DeviceJson, type GroupJson, type Heard, type LegJson, type ServoJson, type Warned } from '../logic/device';
@@ -341,7 +341,7 @@ function Axis({ axis, blank }: { axis: AxisJson; blank: boolean }): JSX.Element 
   const newest = [axis, axis.health, ...(axis.registers ?? [])]
     .filter((one) => one?.age_s !== undefined)
     .sort((a, b) => a!.age_s! - b!.age_s!)[0];
-  const state = axis.fault ? axis.fault.sentence : t(axis.answers ? 'device.axis.answers' : 'device.axis.silent');
+  const state = axis.fault ? errorSentence(axis.fault) : t(axis.answers ? 'device.axis.answers' : 'device.axis.silent');
   return (
     <Part name={axis.joint} heard={newest} grave={!!axis.fault || !axis.answers} state={axis.fault ? undefined : state}>
       {axis.fault && <p class="device-trouble">{state}</p>}

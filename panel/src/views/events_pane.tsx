@@ -1,12 +1,20 @@
 import type { JSX } from 'preact';
 import { useSignal } from '@preact/signals';
 import { useEffect } from 'preact/hooks';
-import { language, t, tWord } from '../i18n';
+import { errorSentence, language, t, tWord } from '../i18n';
 import { store } from '../app';
+import { newestFirst } from '../logic/paging';
 import { isGrave } from '../logic/store';
-import type { EventJson, RobotStatus } from '../logic/types';
+import type { EventJson, LimitedJson, RobotStatus } from '../logic/types';
 import { duration } from '../logic/units';
 import { Icon, Segments } from './parts';
+import { Older } from './older';
+import { RemedyText } from './remedy';
+
+const kPage = 200;
+
+const heldBack = (limited?: LimitedJson): string =>
+  limited ? tWord('move.limited', limited.by, { joint: limited.joint ?? '' }) : '';
 
 /** What happened, what it means, what it wants. Nothing goes away by itself. */
 export function EventsPane(): JSX.Element {
@@ -17,7 +25,9 @@ export function EventsPane(): JSX.Element {
   useEffect(() => {
     store.seen.value = last;
   }, [last]);
-  const shown = events.filter((one) => filter.value === 'all' || isGrave(one)).reverse();
+  const count = useSignal(kPage);
+  const wanted = events.filter((one) => filter.value === 'all' || isGrave(one));
+  const { shown, more } = newestFirst(wanted, count.value);
   return (
     <div class="pane-body" data-tour="events">
       {store.faults.value.length > 0 && (
@@ -39,11 +49,13 @@ export function EventsPane(): JSX.Element {
         <p class="empty">{t('events.none')}</p>
       ) : (
         <ol class="events">
-          {shown.slice(0, 200).map((one) => (
+          {shown.map((one) => (
             <EventRow key={one.number} event={one} />
           ))}
         </ol>
       )}
+      <Older more={more} onClick={() => (count.value += kPage)} />
+      {more === 0 && store.eventsGone.value > 0 && <p class="hint">{t('list.gone', { count: store.eventsGone.value })}</p>}
     </div>
   );
 }
@@ -55,12 +67,14 @@ function FaultCard({ status }: { status: RobotStatus }): JSX.Element {
       <h4>
         <Icon name="fault" /> {status.robot}
       </h4>
-      <p>{fault.error.sentence}</p>
+      <p>{errorSentence(fault.error)}</p>
       <p class="muted">{tWord('cause', fault.cause)}</p>
+      <RemedyText code={fault.error.code} cause={fault.cause} />
       {fault.later?.map((one, i) => (
-        <p key={i} class="muted">
-          {t('events.later', { text: one.error.sentence })}
-        </p>
+        <div key={i}>
+          <p class="muted">{t('events.later', { text: errorSentence(one.error) })}</p>
+          {one.error.code !== fault.error.code && <RemedyText code={one.error.code} cause={one.cause} />}
+        </div>
       ))}
       <button
         type="button"
@@ -81,9 +95,13 @@ function EventRow({ event }: { event: EventJson }): JSX.Element {
       <time dateTime={new Date(event.at_ms).toISOString()}>{time}</time>
       <strong>{event.robot}</strong>
       <span>{eventText(event)}</span>
+      {kRemedied.includes(event.kind) && <RemedyText code={event.error?.code} cause={event.cause} />}
     </li>
   );
 }
+
+/** Of whatever has brought a robot to rest. */
+const kRemedied: readonly EventJson['kind'][] = ['fault', 'stop', 'notice', 'job'];
 
 export function eventText(event: EventJson): string {
   switch (event.kind) {
@@ -95,12 +113,12 @@ export function eventText(event: EventJson): string {
       return t('events.stop', { cause: tWord('cause', event.cause ?? '') });
     case 'fault':
     case 'notice':
-      return event.error?.sentence ?? tWord('cause', event.cause ?? '');
+      return event.error ? errorSentence(event.error) : tWord('cause', event.cause ?? '');
     case 'job':
       return tWord('events.job', event.phase ?? '', {
         title: event.title ?? '',
         time: duration(event.predicted_s ?? 0),
-        text: event.error?.sentence ?? '',
+        text: event.error ? errorSentence(event.error) : heldBack(event.limited),
       });
     case 'record':
       return event.trouble ?? t('events.record', { path: event.path ?? '' });

@@ -1,12 +1,27 @@
 import type { JSX } from 'preact';
 import { useRef, useState } from 'preact/hooks';
-import { t } from '../i18n';
-import { model } from '../app';
+import { refusalSentence, t } from '../i18n';
+import { model, robot, rpc } from '../app';
 import { readPoints, writePoints } from '../logic/points';
-import { fileKind, nameOfFile } from '../logic/shelf';
+import { decoded, fileKind, nameOfFile, type TextForm } from '../logic/shelf';
 import { addPoints, measureOf, name, openProgram, say, shelf, text } from '../teach';
 import { handOver } from '../hand_over';
 import { IconButton } from './points_list';
+
+interface Export {
+  form: Exclude<TextForm, 'gcode'>;
+  comma: boolean;
+  label: 'file.export.sequence' | 'file.export.pos' | 'file.export.pos_comma';
+}
+const kEndings: Record<Export['form'], string> = { sequence: '.txt', pos: '.pos' };
+/** By kind of robot: what other programs of theirs read. */
+const kExports: Record<string, readonly Export[]> = {
+  bigrobotarm: [{ form: 'sequence', comma: false, label: 'file.export.sequence' }],
+  hexapod: [
+    { form: 'pos', comma: false, label: 'file.export.pos' },
+    { form: 'pos', comma: true, label: 'file.export.pos_comma' },
+  ],
+};
 
 const kMost = 900_000; // bytes: a message to the server has 1 MiB at most
 
@@ -25,8 +40,15 @@ export function FileButtons({ kind }: { kind: 'program' | 'points' }): JSX.Eleme
       setTold(t(what === 'unknown' ? 'file.unknown' : 'file.large', { file: file.name }));
       return;
     }
-    const content = await file.text();
+    const content = decoded(new Uint8Array(await file.arrayBuffer()));
     setTold(null);
+    if (what === 'sequence' || what === 'pos' || what === 'gcode') {
+      const rows = await converted('program.import', { text: content, form: what });
+      if (rows === null) return;
+      openProgram(nameOfFile(file.name), rows);
+      say('prog.opened', { name: nameOfFile(file.name) });
+      return;
+    }
     if (what === 'program') {
       openProgram(nameOfFile(file.name), content.replace(/\r\n?/g, '\n'));
       say('prog.opened', { name: nameOfFile(file.name) });
@@ -42,6 +64,20 @@ export function FileButtons({ kind }: { kind: 'program' | 'points' }): JSX.Eleme
     addPoints(ours.map((point) => point.point));
     setTold(t('file.points.read', { count: ours.length, others: points.length - ours.length }));
   };
+  /** By the controller; null: refused, which is told. */
+  const converted = async (method: 'program.import' | 'program.export', params: object): Promise<string | null> => {
+    try {
+      return (await rpc.call<{ text: string }>(method, { robot: robot.value, ...params })).text;
+    } catch (error) {
+      setTold(refusalSentence(error as Error));
+      return null;
+    }
+  };
+  const saveAs = async ({ form, comma }: Export) => {
+    setTold(null);
+    const made = await converted('program.export', { text: text.value, form, decimal_comma: comma });
+    if (made !== null) handOver(`${name.value || 'program'}${kEndings[form]}`, made);
+  };
   const save = () => {
     if (kind === 'program') handOver(`${name.value || 'program'}.sinew`, text.value);
     else handOver('points.toml', writePoints(one.robot, shelf.value.points, measureOf(one)));
@@ -56,6 +92,20 @@ export function FileButtons({ kind }: { kind: 'program' | 'points' }): JSX.Eleme
           disabled={kind === 'program' ? text.value.trim() === '' : shelf.value.points.length === 0}
           onClick={save}
         />
+        {kind === 'program' &&
+          (kExports[one.robot] ?? []).map((way) => (
+            <button
+              type="button"
+              class="quiet"
+              key={way.label}
+              title={t(way.label)}
+              aria-label={t(way.label)}
+              disabled={text.value.trim() === ''}
+              onClick={() => void saveAs(way)}
+            >
+              {way.comma ? `${kEndings[way.form]} 1,5` : kEndings[way.form]}
+            </button>
+          ))}
         <input
           ref={input}
           type="file"

@@ -4,14 +4,15 @@ import { useEffect, useRef } from 'preact/hooks';
 import { t } from '../i18n';
 import { atWork, canMove, holdOnce, jog, jogging, model, robot, setPace, status, store } from '../app';
 import { along } from '../logic/jog';
-import { jogAxes, jogFrames, jogKey, padShares, stepRow, type JogAxis } from '../logic/jog_axes';
+import { PadHold, padMode, padShares, padSticks, padStep, type PadMode } from '../logic/gamepad';
+import { jogAxes, jogFrames, jogKey, stepRow, type JogAxis } from '../logic/jog_axes';
 import { jointLimits, measuredOf } from '../logic/store';
 import { isTextField } from '../logic/stop_keys';
 import type { JogFrame, RobotModel } from '../logic/types';
 import { clamp, shown, toRad, unitOf } from '../logic/units';
 import { hoveredJoint } from '../scene_state';
 import { ReadyFirst } from './ready_first';
-import { Icon, Segments, Slider, Toggle, useFrames } from './parts';
+import { Icon, Segments, Slider, Toggle, useTimer } from './parts';
 
 const kSteps = { length: ['0.1', '1', '10', '50'], angle: ['0.1', '1', '5', '15'] } as const;
 
@@ -295,16 +296,37 @@ function ToolPad({ model: one, hand }: { model: RobotModel; hand: Hand }): JSX.E
   );
 }
 
+/** What the sticks do now. */
+const kPadLookMs = 20;
+
+function padText(axes: JogAxis[], frame: JogFrame, joint: number, mode: PadMode, name: string): string {
+  const text = (axis: number | undefined) => (axis === undefined ? '' : axisText(axes[axis]!));
+  if (frame === 'joint') return t('jog.gamepad.joint', { joint: text(joint) });
+  if (mode === 'rest') return t('jog.gamepad.rest', { name });
+  const { across, up, lift, about } = padSticks(axes, frame, joint, mode);
+  const left = `${text(across)}, ${text(up)}`;
+  if (mode === 'move') return t('jog.gamepad.move', { left, right: text(lift) });
+  return about === undefined ? t('jog.gamepad.left', { left }) : t('jog.gamepad.turn', { left, right: text(about) });
+}
+
 /** Keyboard and gamepad, each only while somebody has switched it on. */
 function Remote({ model: one, hand }: { model: RobotModel; hand: Hand }): JSX.Element {
   const keyboard = useSignal(false);
   const gamepad = useSignal(false);
   const padName = useSignal<string | null>(null);
-  const joint = useSignal(0);
+  const chosen = useSignal(0);
   const axes = jogAxes(one, hand.frame);
-  const padHeld = useRef(false);
-  const latest = useRef({ hand, axes });
-  latest.current = { hand, axes };
+  // Another robot may have fewer.
+  const joint = Math.min(chosen.value, axes.length - 1);
+  const padIs = useSignal<PadMode>('rest');
+  const padHold = useRef(new PadHold());
+  const padStepped = useRef(0);
+  const latest = useRef({ hand, axes, joint });
+  latest.current = { hand, axes, joint };
+  const choose = (i: number) => {
+    chosen.value = i;
+    hoveredJoint.value = i;
+  };
 
   useEffect(() => {
     if (!keyboard.value) return;
@@ -316,27 +338,32 @@ function Remote({ model: one, hand }: { model: RobotModel; hand: Hand }): JSX.El
     };
     const down = (event: KeyboardEvent) => {
       if (taken(event) || !canMove.value || !robot.value) return;
-      const { hand: now, axes: all } = latest.current;
+      const { hand: now, axes: all, joint: at } = latest.current;
       const digit = /^[1-9]$/.test(event.key) ? Number(event.key) - 1 : -1;
       if (now.frame === 'joint' && digit >= 0 && digit < all.length) {
-        joint.value = digit;
-        hoveredJoint.value = digit;
+        choose(digit);
         return;
       }
-      const wish = jogKey(event.key, now.frame, joint.value);
+      const wish = jogKey(event.key, event.shiftKey, all, now.frame, at);
       if (!wish || !all[wish.axis]) return;
       event.preventDefault();
       if (event.repeat) return;
       const speed = wish.sign * now.share * all[wish.axis]!.speed;
-      keys.add(event.key);
+      // By its place on the board: with Shift let go in between, what it writes is another key.
+      keys.add(event.code);
       const velocity = along(all.length, wish.axis, speed);
-      void holdOnce(`key ${event.key}`, { robot: robot.value, frame: now.frame, velocity }, () =>
-        keys.has(event.key),
+      void holdOnce(`key ${event.code}`, { robot: robot.value, frame: now.frame, velocity }, () =>
+        keys.has(event.code),
       );
     };
+    const letGo = (code: string) => {
+      keys.delete(code);
+      jog.release(`key ${code}`);
+    };
     const up = (event: KeyboardEvent) => {
-      keys.delete(event.key);
-      jog.release(`key ${event.key}`);
+      letGo(event.code);
+      // While it is down some systems tell of no other key that is let go.
+      if (event.key === 'Meta') for (const code of [...keys]) letGo(code);
     };
     const away = () => keys.clear();
     window.addEventListener('keydown', down);
@@ -351,19 +378,46 @@ function Remote({ model: one, hand }: { model: RobotModel; hand: Hand }): JSX.El
     };
   }, [keyboard.value]);
 
-  useFrames(gamepad.value, () => {
-    const pad = navigator.getGamepads().find((one) => one?.mapping === 'standard');
+  // By a timer, as velocities are sent: a window that is drawn no more must not hold the last one.
+  useTimer(gamepad.value, kPadLookMs, () => {
+    const pad = navigator.getGamepads().find((one) => one?.connected && one.mapping === 'standard');
     padName.value = pad?.id.replace(/\s*\(.*$/, '') ?? null;
-    const { hand: now, axes: all } = latest.current;
-    const shares = pad ? padShares(pad, now.frame, joint.value, all.length) : null;
-    padHeld.current = shares !== null;
-    if (!shares || !canMove.value || !robot.value) return jog.release('gamepad');
+    padIs.value = pad ? padMode(pad) : 'rest';
+    const hold = padHold.current;
+    // A page without focus hears no keys either, and a Stop could not be pressed on it.
+    if (!pad || !canMove.value || !robot.value || !document.hasFocus()) {
+      hold.lose();
+      return jog.release('gamepad');
+    }
+    const { hand: now, axes: all, joint: at } = latest.current;
+    const shares = padShares(pad, all, now.frame, at);
+    const step = padStep(pad);
+    if (now.frame === 'joint' && !shares && step !== 0 && step !== padStepped.current) {
+      choose((at + step + all.length) % all.length);
+    }
+    padStepped.current = step;
+    const about = `${robot.value} ${now.frame}`;
+    const held = jog.sources.includes('gamepad');
+    const next = hold.look(shares !== null, held, about);
+    if (!shares || next === 'rest') return jog.release('gamepad');
     const velocity = shares.map((share, i) => share * now.share * all[i]!.speed);
     const wish = { robot: robot.value, frame: now.frame, velocity };
-    if (jog.sources.includes('gamepad')) jog.hold('gamepad', wish);
-    else void holdOnce('gamepad', wish, () => padHeld.current);
+    if (next === 'go_on') jog.hold('gamepad', wish);
+    else if (next === 'begin') void holdOnce('gamepad', wish, () => hold.asks(about));
   });
-  useEffect(() => () => jog.release('gamepad'), [gamepad.value]);
+  useEffect(() => {
+    if (!gamepad.value) return;
+    const hold = padHold.current;
+    const end = () => {
+      hold.lose();
+      jog.release('gamepad');
+    };
+    window.addEventListener('gamepaddisconnected', end);
+    return () => {
+      window.removeEventListener('gamepaddisconnected', end);
+      end();
+    };
+  }, [gamepad.value]);
 
   return (
     <div class="remote">
@@ -378,13 +432,13 @@ function Remote({ model: one, hand }: { model: RobotModel; hand: Hand }): JSX.El
       {keyboard.value && (
         <p class="hint">
           {hand.frame === 'joint'
-            ? `${t('jog.keyboard.help.joint', { count: axes.length })} (${axes[joint.value]?.name ?? ''})`
+            ? `${t('jog.keyboard.help.joint', { count: axes.length })} (${axes[joint]?.name ?? ''})`
             : t('jog.keyboard.help.tool')}
         </p>
       )}
       {gamepad.value && (
         <p class="hint">
-          {padName.value ? t('jog.gamepad.help', { name: padName.value }) : t('jog.gamepad.none')}
+          {padName.value ? padText(axes, hand.frame, joint, padIs.value, padName.value) : t('jog.gamepad.none')}
         </p>
       )}
     </div>

@@ -1,5 +1,5 @@
 import type { JSX } from 'preact';
-import { t, tWord } from '../i18n';
+import { refusalSentence, t, tWord } from '../i18n';
 import {
   aim,
   atWork,
@@ -201,7 +201,7 @@ function VerdictCard({ model: one }: { model: RobotModel }): JSX.Element {
           <span>{t('move.at', { percent: Math.round(100 * now.data.share) })}</span>
         )}
       </p>
-      <p>{now.sentence}</p>
+      <p>{refusalSentence({ message: now.sentence, data: now.data })}</p>
       {offer && (
         <>
           <p>{tWord('move.instead', offer.what, { mm: toMm(offer.left_m ?? 0).toFixed(1) })}</p>

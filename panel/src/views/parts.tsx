@@ -202,6 +202,17 @@ export function NumberField(props: {
   );
 }
 
+/** Calls back every `ms` while it is shown and `on`, drawn or not. */
+export function useTimer(on: boolean, ms: number, callback: () => void): void {
+  const latest = useRef(callback);
+  latest.current = callback;
+  useEffect(() => {
+    if (!on) return;
+    const timer = setInterval(() => latest.current(), ms);
+    return () => clearInterval(timer);
+  }, [on, ms]);
+}
+
 /** Calls back on every frame while it is shown and `on`. */
 export function useFrames(on: boolean, callback: (seconds: number) => void): void {
   const latest = useRef(callback);
@@ -210,9 +221,11 @@ export function useFrames(on: boolean, callback: (seconds: number) => void): voi
     if (!on) return;
     let last = performance.now();
     let frame = requestAnimationFrame(function turn(now) {
-      latest.current((now - last) / 1000);
-      last = now;
+      // Before the call, which may throw.
       frame = requestAnimationFrame(turn);
+      const seconds = (now - last) / 1000;
+      last = now;
+      latest.current(seconds);
     });
     return () => cancelAnimationFrame(frame);
   }, [on]);

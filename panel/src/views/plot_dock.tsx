@@ -1,8 +1,8 @@
 import type { JSX } from 'preact';
 import { useSignal } from '@preact/signals';
-import { useMemo } from 'preact/hooks';
+import { useMemo, useRef } from 'preact/hooks';
 import { t } from '../i18n';
-import { model, scrub, target, verdict } from '../app';
+import { model, robot, scrub, target, verdict } from '../app';
 import type { Line } from '../logic/series';
 import type { PreviewJson, RobotModel } from '../logic/types';
 import { toDeg, toMm } from '../logic/units';
@@ -32,7 +32,11 @@ export function PlotDock(): JSX.Element | null {
   const playing = useSignal(false);
   const judged = verdict.value;
   const one = model.value;
-  const preview = target.value && judged.kind === 'fine' ? judged.preview : null;
+  // What is looked at while the next one is made: it would flicker, and the view above it with it.
+  const kept = useRef<PreviewJson | null>(null);
+  if (judged.kind === 'fine') kept.current = judged.preview;
+  const known = kept.current?.robot === robot.value ? kept.current : null;
+  const preview = target.value && (judged.kind === 'fine' || judged.kind === 'checking') ? known : null;
   const end = preview?.samples.t_s.at(-1) ?? 0;
   useFrames(playing.value && preview !== null, (seconds) => {
     const next = (scrub.value ?? 0) + seconds * Math.max(1, end / 8);
@@ -46,7 +50,7 @@ export function PlotDock(): JSX.Element | null {
   if (!preview || !one || preview.samples.t_s.length < 2) return null;
   const at = scrub.value ?? end;
   return (
-    <section class="dock" aria-label={t('plot.title')}>
+    <section class="dock" aria-label={t('plot.title')} aria-busy={judged.kind === 'checking'}>
       <div class="dock-head">
         <Segments
           hideLabel

@@ -1,8 +1,10 @@
 import type { JSX } from 'preact';
+import { useSignal } from '@preact/signals';
 import { useRef } from 'preact/hooks';
 import { language, t, tWord } from '../i18n';
 import { store } from '../app';
 import { csvOf, kQuantities, linesOf } from '../logic/series';
+import { firstOf, newestFirst } from '../logic/paging';
 import { lengthOf, type RunRecord } from '../logic/record';
 import { duration } from '../logic/units';
 import { handOver } from '../hand_over';
@@ -25,8 +27,12 @@ import {
 } from '../plots_state';
 import { Swatch } from './chart';
 import { records } from '../records_state';
+import { Older } from './older';
 import { Icon, Segments } from './parts';
 import { Recorder, RecordsList } from './records_list';
+
+const kEventsPage = 300;
+const kToldPage = 50;
 
 /** What is plotted: as it comes, or of a record; which quantities, robots and joints. */
 export function PlotsPane(): JSX.Element {
@@ -76,6 +82,8 @@ function RobotChecks({ of }: { of: Choosable }): JSX.Element {
   const on = of.joints.filter((joint) => picks.value.some((one) => one.robot === of.name && one.joint === joint.joint));
   const all = on.length === of.joints.length;
   const some = useRef<HTMLInputElement>(null);
+  // Its speeds are in its own time, the picture's axis is in ours.
+  const scale = mode.value === 'live' ? store.timeScale(of.name) : 1;
   if (some.current) some.current.indeterminate = on.length > 0 && !all;
   return (
     <fieldset class="checks checks-robot">
@@ -88,6 +96,7 @@ function RobotChecks({ of }: { of: Choosable }): JSX.Element {
             onChange={() => choose(of.name, of.joints.map((joint) => joint.name), !all)}
           />
           {of.name}
+          {scale !== 1 && <span class="card-scale">{t('app.scale', { scale })}</span>}
         </label>
       </legend>
       <div class="check-joints">
@@ -153,6 +162,8 @@ function RecordPart(): JSX.Element {
 
 function RecordFacts({ of }: { of: RunRecord }): JSX.Element {
   const here = candidates(of, store.robots.value, store.models.value);
+  const count = useSignal(kEventsPage);
+  const events = firstOf(of.events, count.value);
   return (
     <>
       <dl class="facts">
@@ -203,7 +214,7 @@ function RecordFacts({ of }: { of: RunRecord }): JSX.Element {
         <details class="record-events">
           <summary>{t('plots.record.events', { count: of.events.length })}</summary>
           <ol>
-            {of.events.slice(0, 300).map((event, i) => (
+            {events.shown.map((event, i) => (
               <li key={i}>
                 <button type="button" class={`quiet${event.grave ? ' grave' : ''}`} onClick={() => (playhead.value = event.t)}>
                   <span>{event.t.toFixed(2)} s</span>
@@ -213,6 +224,7 @@ function RecordFacts({ of }: { of: RunRecord }): JSX.Element {
               </li>
             ))}
           </ol>
+          <Older forward more={events.more} onClick={() => (count.value += kEventsPage)} />
         </details>
       )}
     </>
@@ -232,13 +244,15 @@ function saveWhole(of: RunRecord): void {
 /** Records that lie somewhere else beside the controller: those of --record-folder. */
 function Told(): JSX.Element | null {
   const folder = records.value?.folder;
-  const told = store.events.value.filter((one) => one.kind === 'record' && one.path && !(folder && one.path.startsWith(`${folder}/`))).reverse();
+  const told = store.events.value.filter((one) => one.kind === 'record' && one.path && !(folder && one.path.startsWith(`${folder}/`)));
+  const count = useSignal(kToldPage);
+  const { shown, more } = newestFirst(told, count.value);
   if (told.length === 0) return null;
   return (
     <section aria-label={t('plots.told.else')}>
       <h3>{t('plots.told.else')}</h3>
       <ul class="told">
-        {told.slice(0, 50).map((event) => (
+        {shown.map((event) => (
           <li key={event.number}>
             <time>{new Date(event.at_ms).toLocaleTimeString(language.value, { hour12: false })}</time>
             <strong>{event.robot}</strong>
@@ -248,6 +262,7 @@ function Told(): JSX.Element | null {
           </li>
         ))}
       </ul>
+      <Older more={more} onClick={() => (count.value += kToldPage)} />
     </section>
   );
 }

@@ -88,8 +88,8 @@ function PointCard(props: { point: Point; model: RobotModel; onRetake: () => voi
   const fits = draft !== null && kPointName.test(draft) && !taken;
   return (
     <li class={`point${now ? ' chosen' : ''}`}>
-      {point.joints ? (
-        <Thumbnail model={one} joints={point.joints} platform={point.platform} />
+      {point.joints || point.place ? (
+        <Thumbnail model={one} joints={point.joints} platform={point.platform} place={point.place} />
       ) : (
         <span class="thumb-none" aria-hidden="true">
           <Icon name="pin" size={28} />

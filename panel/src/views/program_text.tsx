@@ -43,7 +43,7 @@ export function ProgramText(): JSX.Element {
           {lines.map((raw, i) => (
             <div
               key={i}
-              data-verdict={verdicts.value[i + 1]}
+              data-verdict={verdicts.value[i + 1]?.verdict}
               data-running={runningLine.value === i + 1 ? 'true' : undefined}
               data-open={selected.value === i + 1 ? 'true' : undefined}
             >

@@ -1,6 +1,7 @@
 import type { JSX } from 'preact';
-import { t } from '../i18n';
+import { errorSentence, t } from '../i18n';
 import { go, robot, status, store } from '../app';
+import { RemedyText } from './remedy';
 
 /** Nobody is sure where it stands: why, and the way out. */
 function Unsure({ name }: { name: string }): JSX.Element | null {
@@ -28,7 +29,8 @@ export function ReadyFirst(): JSX.Element | null {
   if (now.state === 'fault' && now.fault) {
     return (
       <div class="callout grave" role="alert">
-        <p>{now.fault.error.sentence}</p>
+        <p>{errorSentence(now.fault.error)}</p>
+        <RemedyText code={now.fault.error.code} cause={now.fault.cause} />
         <button type="button" class="primary" onClick={() => void store.acknowledge(name)}>
           {t('events.acknowledge')}
         </button>

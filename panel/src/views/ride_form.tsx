@@ -1,6 +1,6 @@
 import type { JSX } from 'preact';
 import { useSignal } from '@preact/signals';
-import { t, tWord } from '../i18n';
+import { errorSentence, t, tWord } from '../i18n';
 import { atWork, canMove, status } from '../app';
 import { duration } from '../logic/units';
 import { ride, stopJob } from '../teach';
@@ -62,7 +62,7 @@ export function RideForm(): JSX.Element {
             {tWord('events.job', job.phase, {
               title: t('prog.tab.ride'),
               time: duration(job.predicted_s),
-              text: job.error?.sentence ?? '',
+              text: job.error ? errorSentence(job.error) : '',
             })}
           </p>
           <span class="bar">

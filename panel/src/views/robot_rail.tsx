@@ -2,6 +2,7 @@ import type { JSX } from 'preact';
 import { t, tWord } from '../i18n';
 import { go, robot, store } from '../app';
 import { whatLimits } from '../logic/glance';
+import { remedyOf } from '../logic/remedy';
 import type { CellRobot, RobotStatus } from '../logic/types';
 
 /** Every robot at a glance; the one that is chosen says more. */
@@ -19,7 +20,7 @@ function RobotCard({ place, status }: { place: CellRobot; status: RobotStatus | 
   const chosen = robot.value === place.name;
   if (!status) return <div class="card" aria-busy="true" />;
   const lease = store.lease(place.name);
-  const limit = whatLimits(status, lease);
+  const limit = whatLimits(status, lease, place.time_scale);
   const running = status.job && !status.job.over && status.job.phase === 'running';
   return (
     <article class={`card${chosen ? ' chosen' : ''}${status.fault || status.trouble ? ' grave' : ''}`}>
@@ -54,9 +55,15 @@ function RobotCard({ place, status }: { place: CellRobot; status: RobotStatus | 
 function CardActions({ name, status }: { name: string; status: RobotStatus }): JSX.Element {
   const lease = store.lease(name);
   const on = status.state !== 'off';
+  const remedy = status.fault ? remedyOf({ code: status.fault.error.code, cause: status.fault.cause }) : null;
   return (
     <div class="card-actions">
       <span class={`lease lease-${lease}`}>{t(`lease.${lease}`)}</span>
+      {remedy && (
+        <p class="card-remedy">
+          {t('remedy.do')}: {t(remedy.todo)}
+        </p>
+      )}
       <div class="row">
         {lease === 'mine' ? (
           <button type="button" onClick={() => void store.release(name)}>

@@ -1,6 +1,7 @@
 import type { JSX } from 'preact';
-import { t, tWord } from '../i18n';
+import { errorSentence, t, tWord } from '../i18n';
 import { atWork, canMove, robot, setPace, status, store } from '../app';
+import { secondsLeft } from '../logic/glance';
 import { duration } from '../logic/units';
 import {
   check,
@@ -23,7 +24,7 @@ import { ProgramVerdictCard } from './program_verdict';
 export function RunBar(): JSX.Element {
   const now = running.value;
   const paused = now?.phase === 'paused' || status.value?.state === 'held';
-  const fits = verdict.value.kind === 'fine' || verdict.value.kind === 'unsure';
+  const fits = verdict.value.kind === 'fine';
   const starts = fits && canMove.value && !atWork.value && text.value.trim() !== '';
   const mine = store.lease(robot.value ?? '') === 'mine';
   const feed = status.value?.feed ?? 1;
@@ -34,7 +35,7 @@ export function RunBar(): JSX.Element {
         <p class={`last-end${job.value.phase === 'failed' ? ' grave' : ''}`} role="status">
           {tWord('events.job', job.value.phase, {
             title: job.value.title,
-            text: job.value.error?.sentence ?? '',
+            text: job.value.error ? errorSentence(job.value.error) : '',
             time: '',
           })}
           {failedLine.value !== null && ` (${t('prog.in_row', { line: failedLine.value })})`}
@@ -82,7 +83,7 @@ export function RunBar(): JSX.Element {
         )}
       </div>
       <div class="run-sliders">
-        {!now && verdict.value.kind === 'fine' && <Scrub />}
+        {!now && <Scrub />}
         {mine && (
           <Slider
             label={t('jog.pace')}
@@ -108,7 +109,7 @@ function Progress(): JSX.Element {
         {tWord('prog.phase', now.phase)}
         {now.line > 0 && <span>{t('prog.in_row', { line: now.line })}</span>}
         {now.waits_for && <span>{t('limit.waits', { robot: now.waits_for })}</span>}
-        <strong>{duration(Math.max(0, now.predicted_s * (1 - now.progress)))}</strong>
+        <strong>{duration(secondsLeft(now, store.timeScale(now.robot)))}</strong>
       </p>
       <span class="bar" role="progressbar" aria-valuenow={percent} aria-valuemin={0} aria-valuemax={100}>
         <span style={{ width: `${percent}%` }} />
@@ -119,8 +120,9 @@ function Progress(): JSX.Element {
 
 /** Where the ghost would be at a time of the program. */
 function Scrub(): JSX.Element | null {
-  if (verdict.value.kind !== 'fine') return null;
-  const times = verdict.value.preview.samples.t_s;
+  const judged = verdict.value;
+  if (judged.kind !== 'fine' || !judged.preview) return null;
+  const times = judged.preview.samples.t_s;
   const last = times.at(-1) ?? 0;
   if (last <= 0) return null;
   const at = scrub.value ?? last;

@@ -124,7 +124,7 @@ export function Question(props: { name: string; procedure: ProcedureJson; mine: 
 
 function Progress({ procedure }: { procedure: ProcedureJson }): JSX.Element {
   const progress = procedure.progress!;
-  const left = timeLeft(progress);
+  const left = timeLeft(progress, store.timeScale(procedure.robot));
   return (
     <div class="question-progress">
       <span

@@ -1,13 +1,15 @@
 import type { JSX } from 'preact';
 import { useSignalEffect } from '@preact/signals';
 import { useEffect, useRef, useState } from 'preact/hooks';
-import { t } from '../i18n';
+import { refusalSentence, t } from '../i18n';
 import { aim, ghost, gizmoMode, go, model, robot, route, standing, status, store, target, theme } from '../app';
+import { newestFirst } from '../logic/paging';
 import { withTool } from '../logic/target';
 import { CellScene, type Preset } from '../scene/scene';
 import { hoveredJoint, layers, look, meantJoint } from '../scene_state';
 import { replayGhost } from '../plots_state';
 import { ghost as programGhost } from '../teach';
+import { Older } from './older';
 import { WireDock } from './wire_dock';
 import { Icon, Toggle } from './parts';
 import { PlotDock } from './plot_dock';
@@ -91,7 +93,7 @@ export function Stage(): JSX.Element {
     const joint = hoveredJoint.value;
     const now = target.value;
     // Follows the robot while it is shown.
-    void status.value;
+    if (joint !== null) void status.value;
     scene.current?.showLimits(joint, joint !== null && now ? now.joints[joint] : undefined);
   });
   useSignalEffect(() => {
@@ -163,23 +165,48 @@ function ViewBar(): JSX.Element {
   );
 }
 
-/** Refusals and the like, until somebody has read them. */
+const kNotesShown = 3;
+const kNotesPage = 20;
+
+/** Refusals and the like, until somebody has read them: the newest, and the others where they are asked for. */
 function Notes(): JSX.Element {
+  const [count, setCount] = useState(kNotesShown);
+  const all = store.notes.value;
+  const { shown, more } = newestFirst(all, count);
+  useEffect(() => {
+    if (all.length <= kNotesShown) setCount(kNotesShown);
+  }, [all.length <= kNotesShown]);
   return (
-    <div class="notes" aria-live="polite">
-      {store.notes.value.slice(-3).map((note) => (
-        <div class={`note note-${note.kind}`} key={note.id}>
-          <p>
-            {note.robot && <strong>{note.robot}: </strong>}
-            {note.kind === 'lost' && (note.text === 'closed' || note.text === 'timeout')
-              ? t(`note.lost.${note.text}`)
-              : note.text}
-          </p>
-          <button type="button" class="quiet" aria-label={t('note.dismiss')} onClick={() => store.dismiss(note.id)}>
-            <Icon name="close" size={14} />
+    <div class="notes">
+      {all.length > kNotesShown && (
+        <div class="notes-more">
+          <Older more={more} onClick={() => setCount((before) => before + kNotesPage)} />
+          {count > kNotesShown && (
+            <button type="button" class="quiet" onClick={() => setCount(kNotesShown)}>
+              {t('list.newest')}
+            </button>
+          )}
+          <button type="button" class="quiet" onClick={() => store.dismissAll()}>
+            {t('note.dismiss_all')}
           </button>
+          {store.notesGone.value > 0 && <p class="hint">{t('list.gone', { count: store.notesGone.value })}</p>}
         </div>
-      ))}
+      )}
+      <div class="notes-list" aria-live="polite">
+        {shown.reverse().map((note) => (
+          <div class={`note note-${note.kind}`} key={note.id}>
+            <p>
+              {note.robot && <strong>{note.robot}: </strong>}
+              {note.kind === 'lost' && (note.text === 'closed' || note.text === 'timeout')
+                ? t(`note.lost.${note.text}`)
+                : refusalSentence({ message: note.text, data: note.data })}
+            </p>
+            <button type="button" class="quiet" aria-label={t('note.dismiss')} onClick={() => store.dismiss(note.id)}>
+              <Icon name="close" size={14} />
+            </button>
+          </div>
+        ))}
+      </div>
     </div>
   );
 }

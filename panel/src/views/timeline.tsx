@@ -1,11 +1,14 @@
 import type { JSX } from 'preact';
 import { useRef, useState } from 'preact/hooks';
-import { t, tWord } from '../i18n';
+import { errorSentence, t, tWord } from '../i18n';
 import { model, standing } from '../app';
 import { insertRows, lastOf, moveRow, readRows, rowCount, stepRow, type Row } from '../logic/rows';
 import { newRows, wordsOf, type Word } from '../logic/row_kinds';
-import { edit, failedLine, job, runningLine, say, selected, shelf, text, verdict, verdicts } from '../teach';
+import { timeSpan } from '../logic/units';
+import type { RowVerdict } from '../logic/verdicts';
+import { edit, failedLine, job, runningLine, say, selected, shelf, text, verdicts } from '../teach';
 import { Icon, type IconName } from './parts';
+import { whyText } from './program_verdict';
 import { RowFields } from './row_fields';
 
 const kIcons: Record<string, IconName> = {
@@ -109,13 +112,12 @@ function Step(props: {
   const runs = runningLine.value === row.line;
   const failed = failedLine.value === row.line;
   const open = selected.value === row.line && row.word !== '';
-  const sentence = verdict.value.kind === 'refused' && told === 'refused' ? verdict.value.sentence : null;
   const lasting = row.word === 'else' || row.word === 'end';
   return (
     <li
       class={`step${props.drop ? ' drop' : ''}${props.dragged ? ' dragged' : ''}`}
       data-line={row.line}
-      data-verdict={told}
+      data-verdict={told?.verdict}
       data-running={runs ? 'true' : undefined}
       data-open={open ? 'true' : undefined}
       style={{ '--depth': row.depth } as JSX.CSSProperties}
@@ -151,20 +153,48 @@ function Step(props: {
               <strong>{row.word}</strong> {row.tokens.slice(1).join(' ')}
               {row.remark && <span class="step-remark"> {row.remark}</span>}
             </span>
-            {told && (
-              <span class={`step-verdict ${told}`} title={t(`prog.row.${told}`)}>
-                {told === 'unchecked' ? '·' : <Icon name={told === 'fine' ? 'check' : 'fault'} size={14} />}
-                <span class="sr-only">{t(`prog.row.${told}`)}</span>
-              </span>
-            )}
+            {told && <TimeOf told={told} />}
+            {told && <Mark told={told} />}
             {runs && <span class="sr-only">{t('prog.row.runs')}</span>}
           </button>
         )}
       </div>
-      {(sentence || failed) && <p class="step-why">{failed ? job.value?.error?.sentence : sentence}</p>}
+      {failed && job.value?.error ? (
+        <p class="step-why">{errorSentence(job.value.error)}</p>
+      ) : (
+        told && (told.why || typeof told.because === 'object') && (
+          <p class={`step-why ${told.verdict}`}>{told.why ? whyText(told.why) : blindText(told)}</p>
+        )
+      )}
       {open && <RowFields key={row.line} row={row} last={props.last} />}
     </li>
   );
+}
+
+/** Of a motion that begins with this row; one that goes on with another row has no time of its own. */
+function TimeOf({ told }: { told: RowVerdict }): JSX.Element | null {
+  if (told.withLine !== undefined) return <span class="step-time">{t('prog.row.with', { line: told.withLine })}</span>;
+  if (!told.time || told.time.most <= 0) return null;
+  return <span class="step-time">{timeSpan(told.time.least, told.time.most)}</span>;
+}
+
+function Mark({ told }: { told: RowVerdict }): JSX.Element {
+  const { verdict } = told;
+  const text = verdict === 'unchecked' ? blindText(told) : t(`prog.row.${verdict}`);
+  return (
+    <span class={`step-verdict ${verdict}`} title={text}>
+      {verdict === 'unchecked' ? '·' : <Icon name={verdict === 'fine' ? 'check' : 'fault'} size={14} />}
+      <span class="sr-only">{text}</span>
+    </span>
+  );
+}
+
+/** Why nothing is said of a row. */
+function blindText({ because }: RowVerdict): string {
+  if (because === undefined) return t('prog.row.unchecked');
+  if (because === 'text' || because === 'end') return t(`prog.row.because.${because}`);
+  const { line, file } = because;
+  return file ? t('prog.row.because.called', { line, file }) : t('prog.row.because', { line });
 }
 
 /** A step behind the one that is open, else behind the last one. */

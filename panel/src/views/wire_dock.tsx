@@ -3,7 +3,7 @@ import { useEffect, useMemo, useRef, useState } from 'preact/hooks';
 import { t, tWord } from '../i18n';
 import { model, robot } from '../app';
 import { chosen, clear, filter, frames, lost, paused } from '../device_state';
-import { fileText, matches, visible, type WireFrame } from '../logic/wire';
+import { axesText, fileText, matches, visible, type WireFrame } from '../logic/wire';
 import { handOver } from '../hand_over';
 import { Icon, Segments, Toggle } from './parts';
 
@@ -20,7 +20,6 @@ export function sentence(frame: WireFrame): string {
 }
 
 const wayOf = (frame: WireFrame): string => t(frame.to === 'device' ? 'wire.to_device' : 'wire.to_host');
-const axesOf = (frame: WireFrame): string => (frame.axes ?? []).map((one) => `J${one}`).join(' ');
 
 /** Everything that passes on the wire, both ways, as it passes. */
 export function WireDock(): JSX.Element {
@@ -165,7 +164,7 @@ function List({ shown }: { shown: WireFrame[] }): JSX.Element {
               <span class="wire-way">
                 <span aria-hidden="true">{one.to === 'device' ? '→' : '←'}</span> {wayOf(one)}
               </span>
-              {one.axes && <span class="wire-axes">{axesOf(one)}</span>}
+              {one.axes && <span class="wire-axes">{axesText(one, ' ')}</span>}
               <code class="wire-hex">{one.hex}</code>
               <span class="wire-text">{sentence(one)}</span>
             </div>
@@ -178,7 +177,7 @@ function List({ shown }: { shown: WireFrame[] }): JSX.Element {
           <p>
             <strong>{tWord('wire.m', open.name)}</strong>
             <span class="muted">
-              {wayOf(open)} {axesOf(open)}, {open.at_s.toFixed(6)} s, {t('wire.number', { number: open.sequence })}
+              {wayOf(open)} {axesText(open, ' ')}, {open.at_s.toFixed(6)} s, {t('wire.number', { number: open.sequence })}
             </span>
             <button type="button" class="quiet" aria-label={t('wire.close')} onClick={() => (chosen.value = null)}>
               <Icon name="close" size={14} />

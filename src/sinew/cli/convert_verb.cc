@@ -18,11 +18,8 @@
 #include "sinew/io/clock.h"
 #include "sinew/io/file.h"
 #include "sinew/model/joint_lookup.h"
-#include "sinew/program/gcode_file.h"
-#include "sinew/program/pose_file.h"
 #include "sinew/program/program_format.h"
-#include "sinew/program/program_plan.h"
-#include "sinew/program/sequence_convert.h"
+#include "sinew/program/text_forms.h"
 
 namespace sinew::cli {
 namespace {
@@ -69,107 +66,47 @@ std::expected<Form, Outcome> form_of(const std::optional<std::string>& name,
 /// A text that was made, or why it was not.
 using Made = std::expected<std::string, Outcome>;
 
-Made complained(const std::vector<Complaint>& complaints) {
-  return std::unexpected(complaints_outcome(complaints));
+/// Why there is none, as a person asked for it.
+/// @param file  of row 0
+Outcome no_form(const program::NoForm& why, const RobotModel& model, const std::string& file) {
+  if (!why.complaints.empty()) return complaints_outcome(why.complaints);
+  if (why.refusal) return plan_refusal(model, file, *why.refusal);
+  return bad_input(file + ": " + why.sentence);
 }
 
-const HexapodGeometry* platform_of(const RobotModel& model) {
-  return std::get_if<HexapodGeometry>(&model.geometry);
-}
-
-/// The pose that a file's heads mean. @param line  where its numbers begin
-std::expected<program::PlatformFit, Outcome> fitted(const program::PoseFile& pose,
-                                                    const RobotModel& model,
-                                                    const std::string& file, int line) {
-  const auto* geometry = platform_of(model);
-  if (geometry == nullptr) {
-    return std::unexpected(bad_input(file + ": is a platform's file; " + model.id + " is none"));
+std::optional<program::TextForm> other_form(Form form) {
+  switch (form) {
+    case Form::kSequence:
+      return program::TextForm::kSequence;
+    case Form::kPose:
+      return program::TextForm::kPose;
+    case Form::kGcode:
+      return program::TextForm::kGcode;
+    default:
+      return std::nullopt;
   }
-  const auto fit = program::fit_platform(pose.heads, *geometry);
-  if (fit.residual <= program::kPlatformResidualMax) return fit;
-  return std::unexpected(complaints_outcome(
-      {{file, line, 1, "",
-        fmt::format("these heads are no place of {}'s platform: they are up to {} mm off, {} mm "
-                    "is allowed",
-                    model.id, number(to_mm(fit.residual), 3),
-                    number(to_mm(program::kPlatformResidualMax), 1))}}));
 }
 
-std::string row_of(const kinematics::PoseBP& X_BP) {
-  const Vec3 rpy = fixed_xyz(X_BP.R);
-  return fmt::format("move x={}mm y={}mm z={}mm rx={}deg ry={}deg rz={}deg\n",
-                     number(to_mm(X_BP.p.x), 6), number(to_mm(X_BP.p.y), 6),
-                     number(to_mm(X_BP.p.z), 6), number(to_deg(rpy.x), 6), number(to_deg(rpy.y), 6),
-                     number(to_deg(rpy.z), 6));
+program::DecimalMark mark_of(const ConvertRequest& request) {
+  return request.comma ? program::DecimalMark::kComma : program::DecimalMark::kPoint;
 }
 
-std::string triple(const Vec3& v) {
-  return fmt::format("{} {} {}", number(v.x, 6), number(v.y, 6), number(v.z, 6));
-}
-
-/// One row, and what the file says beside it.
-std::string program_of(const program::PoseFile& pose, const program::PlatformFit& fit) {
-  return fmt::format(
-      "# heads fit the platform to {} mm; totals of moves {} mm, of turns {} deg\n{}",
-      number(to_mm(fit.residual), 6), triple(to_mm(1) * pose.translation_total),
-      triple(to_deg(1) * pose.rotation_total), row_of(fit.X_BP));
-}
-
-Made from_program(const ConvertRequest& request, const RobotModel& model, Form to) {
+Made from_program(const ConvertRequest& request, const RobotModel& model, program::TextForm to) {
   const auto program = read_program(request.in, model);
   if (!program) return std::unexpected(program.error());
-  const program::Start home = home_joints(model);
-  const auto plan = program::make_plan(*program, model, home);
-  if (!plan) {
-    const std::string file = file_of(*program, plan.error().file, request.in);
-    return std::unexpected(plan_refusal(model, file, plan.error()));
-  }
-  if (to == Form::kSequence) {
-    if (!std::holds_alternative<BigRobotArmDevice>(model.device.settings)) {
-      return std::unexpected(bad_input("--robot: sequences are the BigRobotArm's"));
-    }
-    const auto sequence = program::sequence_of_rows(*program, model);
-    if (!sequence) return complained(sequence.error());
-    return sequence::to_text(*sequence);
-  }
-  const auto* geometry = platform_of(model);
-  if (geometry == nullptr)
-    return std::unexpected(bad_input("--robot: .pos files are a platform's"));
-  const auto* move =
-      plan->orders.size() == 1 ? std::get_if<program::MoveOrder>(&plan->orders[0].what) : nullptr;
-  if (move == nullptr) {
-    return std::unexpected(bad_input(request.in + ": a .pos file is one pose: it takes a program "
-                                                  "of one row that moves"));
-  }
-  const auto pose = kinematics::Hexapod(*geometry).forward(move->q, geometry->X_BP_home);
-  if (!pose) return std::unexpected(could_not(request.in + ": " + error_text(pose.error(), model)));
-  return program::pose_text(
-      program::pose_file(pose->X_BP, *geometry),
-      request.comma ? program::DecimalMark::kComma : program::DecimalMark::kPoint);
+  auto text = program::text_of(to, *program, model, mark_of(request));
+  if (text) return std::move(*text);
+  const int file = text.error().refusal ? text.error().refusal->file : 0;
+  return std::unexpected(no_form(text.error(), model, file_of(*program, file, request.in)));
 }
 
-Made from_pose(const ConvertRequest& request, const std::string& text, const RobotModel& model,
-               Form to) {
+/// The same pose with the other decimal mark.
+Made pose_again(const ConvertRequest& request, const std::string& text, const RobotModel& model) {
   const auto pose = program::read_pose_file(text, request.in);
-  if (!pose) return complained(pose.error());
-  const auto fit = fitted(*pose, model, request.in, 1);
-  if (!fit) return std::unexpected(fit.error());
-  if (to == Form::kProgram) return program_of(*pose, *fit);
-  return program::pose_text(
-      *pose, request.comma ? program::DecimalMark::kComma : program::DecimalMark::kPoint);
-}
-
-Made from_sequence(const ConvertRequest& request, const std::string& text,
-                   const RobotModel& model) {
-  const auto* device = std::get_if<BigRobotArmDevice>(&model.device.settings);
-  if (device == nullptr) {
-    return std::unexpected(bad_input("--robot: sequences are the BigRobotArm's"));
-  }
-  const auto sequence = sequence::parse(text, request.in, *device);
-  if (!sequence) return complained(sequence.error());
-  auto rows = program::rows_of_sequence(*sequence, request.in, model);
-  if (!rows) return complained(rows.error());
-  return std::move(*rows);
+  if (!pose) return std::unexpected(complaints_outcome(pose.error()));
+  const auto fit = program::platform_of(*pose, model, request.in, 1);
+  if (!fit) return std::unexpected(no_form(fit.error(), model, request.in));
+  return program::pose_text(*pose, mark_of(request));
 }
 
 /// The journal's next run begins with these positions.
@@ -204,8 +141,8 @@ Outcome tell_config(const ConvertRequest& request, const std::string& text,
                     const RobotModel& model) {
   const auto config = program::read_platform_config(text, request.in);
   if (!config) return complaints_outcome(config.error());
-  const auto fit = fitted(config->real, model, request.in, 3);
-  if (!fit) return fit.error();
+  const auto fit = program::platform_of(config->real, model, request.in, 3);
+  if (!fit) return no_form(fit.error(), model, request.in);
   Outcome outcome;
   outcome.json = {{"robot", model.id},
                   {"port", config->port},
@@ -239,38 +176,34 @@ Outcome tell_config(const ConvertRequest& request, const std::string& text,
   return outcome;
 }
 
+Made taught(const ConvertRequest& request, const RobotModel& model) {
+  const auto way = way_of_record(request.in, model);
+  if (!way) return std::unexpected(way.error());
+  auto made = program_of_way(*way, model);
+  if (!made) return std::unexpected(made.error());
+  auto out = program::format(made->text, request.in);
+  if (!out) return std::unexpected(complaints_outcome(out.error()));
+  return std::move(*out);
+}
+
 Made converted(const ConvertRequest& request, const RobotModel& model, Form from, Form to) {
-  if (from == Form::kProgram && to != Form::kProgram) return from_program(request, model, to);
-  if (from == Form::kRecord && to == Form::kProgram) {
-    const auto way = way_of_record(request.in, model);
-    if (!way) return std::unexpected(way.error());
-    auto taught = program_of_way(*way, model);
-    if (!taught) return std::unexpected(taught.error());
-    return std::move(taught->text);
+  const bool to_rows = to == Form::kProgram;
+  if (from == Form::kProgram && (to == Form::kSequence || to == Form::kPose)) {
+    return from_program(request, model, *other_form(to));
   }
+  if (from == Form::kRecord && to_rows) return taught(request, model);
   const auto text = io::read_file(request.in);
   if (!text) return std::unexpected(bad_input(text.error().sentence));
-  if (from == Form::kPose && to != Form::kSequence) return from_pose(request, *text, model, to);
-  if (from == Form::kSequence && to == Form::kProgram) return from_sequence(request, *text, model);
-  if (from == Form::kGcode && to == Form::kProgram) {
-    auto rows = program::rows_of_gcode(*text, request.in, model);
-    if (!rows) return complained(rows.error());
+  if (const auto form = other_form(from); form && to_rows) {
+    auto rows = program::rows_of(*form, *text, request.in, model);
+    if (!rows) return std::unexpected(no_form(rows.error(), model, request.in));
     return std::move(*rows);
   }
+  if (from == Form::kPose && to == Form::kPose) return pose_again(request, *text, model);
   return std::unexpected(
       bad_input("convert: from sequence, gcode, pos and record to sinew, from sinew to sequence "
                 "and pos, from pos to "
                 "pos; a config is only told"));
-}
-
-/// A program that was made is one, laid out.
-Made laid_out(const std::string& text, const RobotModel& model, const std::string& name) {
-  if (const auto program = program::parse(text, name, model); !program) {
-    return complained(program.error());
-  }
-  auto out = program::format(text, name);
-  if (!out) return complained(out.error());
-  return std::move(*out);
 }
 
 }  // namespace
@@ -299,10 +232,7 @@ Outcome convert(const ConvertRequest& request) {
   if (request.out && io::is_file(*request.out) && !request.replace) {
     return bad_input(*request.out + ": is there already; --replace writes it anew");
   }
-  auto text = converted(request, model, *from, *to);
-  if (text && *to == Form::kProgram) {
-    text = laid_out(*text, model, request.out.value_or("the program"));
-  }
+  const auto text = converted(request, model, *from, *to);
   if (!text) return text.error();
   Outcome outcome;
   outcome.json = {{"robot", model.id}, {"in", request.in}};

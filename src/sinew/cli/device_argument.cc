@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <array>
 
-#include "sinew/runtime/robot_variant.h"
-
 namespace sinew::cli {
 
 std::expected<void, Outcome> check_has_device(const RobotModel& model) {
@@ -66,7 +64,7 @@ std::string silence_hint(const RobotModel& model, const Error& trouble,
 }
 
 bool is_on_spi(const RobotModel& model) {
-  return !runtime::boards_of(model).empty();
+  return !boards_of(model.device).empty();
 }
 
 std::expected<void, Outcome> check_seed(std::int64_t seed) {

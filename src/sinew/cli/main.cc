@@ -307,7 +307,8 @@ void add_run(CLI::App& app, Call& call) {
                    "simulated port");
   verb->add_option("--seed", request.seed, "simulated device only: of all its chance");
   verb->add_option("--record", request.record,
-                   "NAME.csv: the joints over time; NAME.mcap: everything, for viewers");
+                   "NAME.csv: the joints over time; NAME.mcap: everything, for viewers, which is "
+                   "else in the state folder (the newest 20 runs); none: nowhere");
   verb->add_option("--plot", request.plot, "SVG file: the same, drawn");
   verb->add_option("--log", request.log, "every byte both ways, with its time");
   verb->add_option("--time-scale", request.time_scale, "simulated device only: faster or slower");
@@ -317,6 +318,10 @@ void add_run(CLI::App& app, Call& call) {
   verb->callback([&call, verb] {
     call.verb = [&call, verb] {
       call.run.quiet = call.json;
+      if (call.run.record == "none") {
+        call.run.record.reset();
+        call.run.recorded = false;
+      }
       if (!on_cell(call)) {
         if (!call.cell.single_step) return run_program(call.run);
         return bad_input("--single-step: in a running cell (--cell), where sinew step goes on");
@@ -368,7 +373,8 @@ void add_serve(CLI::App& app, Call& call) {
   verb->add_option("--socket", call.serve.socket,
                    "where it answers; the user's own place where left out");
   verb->add_option("--record-folder", call.serve.record_folder,
-                   "each program that runs leaves a record there (MCAP, for viewers)");
+                   "each program that runs leaves a record there (MCAP, for viewers), or none; "
+                   "the newest 20 in the state folder where left out");
   verb->add_flag("--realtime", call.serve.realtime,
                  "control threads come before everything else on this computer (SCHED_FIFO)");
   verb->add_flag("--demo", call.serve.demonstrate,

@@ -482,7 +482,7 @@ void tell_unhomed(const program::Plan& orders, MotionPlan& plan) {
 void tell_first_move(const Wanted& wanted, const program::Plan& known,
                      const program::Homing& homing, MotionPlan& plan) {
   if (wanted.declared || wanted.file.empty()) return;
-  if (!runtime::boards_of(plan.model).empty()) return tell_unhomed(known, plan);
+  if (!boards_of(plan.model.device).empty()) return tell_unhomed(known, plan);
   const auto* board = std::get_if<LscDevice>(&plan.model.device.settings);
   if (board == nullptr || board->profile != LscProfile::kLsc6) return;
   const auto orders = program::make_plan(wanted.program, plan.model, std::nullopt, homing);

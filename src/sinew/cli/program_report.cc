@@ -76,8 +76,9 @@ std::string tool_text(const ToolAction& action) {
     return fmt::format("jaws {} mm", number(to_mm(jaws->width), 4));
   }
   if (const auto* gripper = std::get_if<GripperTo>(&action)) {
-    return gripper->enabled ? fmt::format("gripper {} deg", number(to_deg(gripper->angle), 4))
-                            : "gripper off";
+    if (!gripper->enabled) return "gripper off";
+    if (!gripper->angle) return "gripper on";
+    return fmt::format("gripper {} deg", number(to_deg(*gripper->angle), 4));
   }
   if (const auto* suction = std::get_if<Suction>(&action)) {
     constexpr const char* kNames[] = {"on", "release", "off"};

@@ -10,8 +10,8 @@
 
 namespace sinew::cli {
 
-/// The record of a run: into the file that was asked for, and of a real machine's fault the seconds
-/// before it. Null where there is neither.
+/// The record of a run: into the file that was asked for, or else into the state folder; and of a
+/// real machine's fault the seconds before it. Null where there is neither.
 std::expected<std::unique_ptr<runtime::RunRecorder>, Outcome> begin_record(
     const RunRequest& request, const RobotModel& model, bool real, const io::Clock& clock);
 

@@ -23,6 +23,7 @@ struct RunRequest {
   std::optional<std::string> journal;  ///< name of the robot's position journal
   std::int64_t seed = 1;               ///< of the simulated machine
   std::optional<std::string> record;
+  bool recorded = true;  ///< in the state folder, where `record` is no .mcap
   std::optional<std::string> plot;
   std::optional<std::string> log;
   double time_scale = 1;

@@ -141,7 +141,8 @@ Outcome serve(const ServeRequest& request) {
   if (!robots) return robots.error();
   const auto socket = cell_socket(request.socket);
   if (!socket) return could_not(socket.error().sentence);
-  if (request.record_folder) {
+  const bool records_jobs = request.record_folder != "none";
+  if (records_jobs && request.record_folder) {
     // Learned now, not when the first program has run.
     const auto place = io::DiskFolder::open_folder(*request.record_folder);
     if (!place) return bad_input("--record-folder: " + place.error().sentence);
@@ -161,12 +162,14 @@ Outcome serve(const ServeRequest& request) {
     if (!begun) return could_not("--realtime: " + begun.error().sentence);
     realtime.emplace(std::move(*begun));
   }
-  auto running = runtime::RunningCell::start(std::move(*cell), std::move(*robots),
-                                             {.journal = *folder,
-                                              .flight = *flight,
-                                              .record = request.record_folder.value_or(""),
-                                              .commissioning = *commissioning,
-                                              .programs = *programs});
+  auto running = runtime::RunningCell::start(
+      std::move(*cell), std::move(*robots),
+      {.journal = *folder,
+       .flight = *flight,
+       .record = records_jobs ? request.record_folder.value_or("") : std::string(),
+       .records_jobs = records_jobs,
+       .commissioning = *commissioning,
+       .programs = *programs});
   realtime.reset();
   if (!running) return could_not(running.error().sentence);
   server::Api api(**running, SINEW_VERSION, &*settings);

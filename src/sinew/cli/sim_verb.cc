@@ -220,7 +220,7 @@ Outcome serve_boards(Job& job) {
   const SimRequest& request = job.request;
   auto faulty = sim::SpiFaults::create(*job.machine.spi, job.faults);
   if (!faulty) return bad_input("--fault: " + faulty.error());
-  sim::SimwireServer server(**faulty, runtime::boards_of(job.model), "sinew-" + job.model.id);
+  sim::SimwireServer server(**faulty, boards_of(job.model.device), "sinew-" + job.model.id);
   auto log = open_log(request);
   if (!log) return log.error();
   io::catch_interrupts();

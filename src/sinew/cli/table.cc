@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "sinew/core/number_text.h"
+
 namespace sinew::cli {
 
 std::string Table::text() const {
@@ -28,12 +30,7 @@ std::string Table::text() const {
 }
 
 std::string number(double value, int digits) {
-  std::string text = fmt::format("{:.{}f}", value, digits);
-  if (text.find('.') != std::string::npos) {
-    text.erase(text.find_last_not_of('0') + 1);
-    if (text.back() == '.') text.pop_back();
-  }
-  return text == "-0" ? "0" : text;
+  return number_text(value, digits);
 }
 
 }  // namespace sinew::cli

@@ -8,15 +8,19 @@ namespace {
 constexpr std::int64_t kClockMax = 50'000'000;  // Hz, what a Raspberry Pi's header still carries
 constexpr std::int64_t kGpioMax = 53;           // BCM numbers
 
+constexpr Named<std::int8_t> kDirections[] = {{"lower", -1}, {"upper", 1}};
+
 void read_board(TableReader& table, AxisBoard& board) {
   table.integer("spi_bus", 0, 9, board.spi_bus);
   table.integer("spi_device", 0, 9, board.spi_device);
   table.integer("select_gpio", 0, kGpioMax, board.select_gpio);
   table.integer("ready_gpio", 0, kGpioMax, board.ready_gpio);
+  table.optional().integer("homing_place", 1, kMaxJoints, board.homing_place);
+  table.optional().choice("homing_end", kDirections, board.homing_direction);
 }
 
 /// Two boards on one select line would both answer.
-void check_selects(TableReader& reader, const FixedVector<AxisBoard, kMaxJoints>& boards) {
+void check_selects(TableReader& reader, const AxisBoards& boards) {
   for (std::size_t i = 0; i < boards.size(); ++i) {
     for (std::size_t k = 0; k < i; ++k) {
       if (boards[i].select_gpio != boards[k].select_gpio) continue;
@@ -25,6 +29,20 @@ void check_selects(TableReader& reader, const FixedVector<AxisBoard, kMaxJoints>
       return;
     }
   }
+}
+
+/// Each joint has its turn, or none says anything of it.
+void check_homing(TableReader& reader, const AxisBoards& boards) {
+  std::size_t placed = 0;
+  std::uint32_t places = 0;
+  for (const AxisBoard& board : boards) {
+    placed += board.homing_place != 0 ? 1 : 0;
+    places |= 1U << board.homing_place;
+  }
+  const std::uint32_t all = (1U << (boards.size() + 1)) - 2;
+  if (placed == 0 || (placed == boards.size() && places == all)) return;
+  reader.complain("joint", "homing_place of the joints has to be each of 1 to " +
+                               std::to_string(boards.size()) + " once, or to stand nowhere");
 }
 
 void read_map(TableReader& reader, AxisRegisterMap& map) {
@@ -65,6 +83,7 @@ void read_axis_registers(TableReader& reader, RobotModel& model) {
     table.quantity("zero_*", kAngle, between(from_deg(-720), from_deg(720)), device.boards[i].zero);
   });
   if (reader.clean()) check_selects(reader, device.boards);
+  if (reader.clean()) check_homing(reader, device.boards);
 }
 
 void read_axis_link(TableReader& reader, RobotModel& model) {
@@ -77,6 +96,7 @@ void read_axis_link(TableReader& reader, RobotModel& model) {
   for_each_joint(reader, model,
                  [&](std::size_t i, TableReader& table) { read_board(table, device.boards[i]); });
   if (reader.clean()) check_selects(reader, device.boards);
+  if (reader.clean()) check_homing(reader, device.boards);
 }
 
 }  // namespace sinew

@@ -278,6 +278,11 @@ TEST(RobotFile, settings_of_every_wire_are_checked) {
             "device.joint.leg1.i2c_address: must be 96 to 127, not 128");
   EXPECT_EQ(complaint("robot-arm-2", "select_gpio = 6", "select_gpio = 5"),
             "device.joint: boards 1 and 2 share select_gpio 5");
+  EXPECT_EQ(complaint("robot-arm-2", "select_gpio = 6", "select_gpio = 6\nhoming_place = 1"),
+            "device.joint: homing_place of the joints has to be each of 1 to 6 once, or to stand "
+            "nowhere");
+  EXPECT_EQ(complaint("robot-arm-2", "select_gpio = 6", "select_gpio = 6\nhoming_end = \"left\""),
+            "device.joint.shoulder.homing_end: must be `lower` or `upper`, not `left`");
   EXPECT_EQ(
       complaint("robot-arm-2", "\"deg_u32\"  #", "\"deg\"  #"),
       "device.angle_encoding: must be `deg_u32`, `mdeg_i32`, `f32_be` or `f32_le`, not `deg`");

@@ -46,6 +46,7 @@ const Outputs& Controller::step(const Inputs& inputs, Instant now) {
   settle(now);
   record_rest(now);
   if (inputs.closing) record_end(now);
+  if (journal_) driver_.allow_looks(journal_->may_look());
   return out_;
 }
 

@@ -16,6 +16,8 @@ void Controller::advance(Instant now) {
     if (standing(now) && driver_.state() == DriverState::kReady) arrive();
     return;
   }
+  // Its record says that nothing is sent: a piece that comes too late for the last one waits.
+  if (journal_ && driver_.looks()) return;
   while (const JointMove* piece = task_->motion->next(now)) {
     const bool ready = driver_.state() == DriverState::kReady;
     const bool asks = driver_.wants_move(now);
@@ -138,7 +140,12 @@ void Controller::offer(const std::optional<JournalRecord>& record) {
 }
 
 void Controller::record_rest(Instant now) {
-  if (!journal_ || closed_ || !driver_spoke_ || may_move(state_)) return;
+  if (!journal_ || closed_) return;
+  if (driver_.looks()) {
+    const auto known = positions();
+    return offer(journal_->look(known, time(now)));
+  }
+  if (!driver_spoke_ || may_move(state_)) return;
   const DriverState driver = driver_.state();
   const bool looked = driver == DriverState::kReady || driver == DriverState::kFault;
   // Where nothing measures, what an opening has found out so far counts: it may be all that ever
@@ -148,7 +155,8 @@ void Controller::record_rest(Instant now) {
 }
 
 void Controller::record_end(Instant now) {
-  if (!journal_ || closed_ || may_move(state_) || !standing(now)) return;
+  // What it finds out belongs into the last record.
+  if (!journal_ || closed_ || may_move(state_) || !standing(now) || driver_.looks()) return;
   if (driver_spoke_ && !measures()) recorded_ = JournalPositions(driver_.positions());
   const auto record = journal_->close({recorded_.data(), recorded_.size()}, time(now));
   closed_ = record.has_value();

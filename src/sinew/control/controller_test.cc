@@ -224,11 +224,14 @@ TEST(Controller, a_fault_is_latched_until_its_cause_is_gone_and_acknowledged) {
   ASSERT_TRUE(cell.run_until([&] { return cell.controller.state() == kFault; }, 1s));
   ASSERT_TRUE(cell.controller.latched());
   EXPECT_EQ(cell.controller.latched()->error, (Error{ErrorCode::kEncodersDisagree, 2}));
-  // A later cause is listed, and does not take the first one's place.
-  cell.port_open = false;
-  cell.run(50ms);
-  cell.port_open = true;
+  // Later causes are listed, each once, and do not take the first one's place.
+  for (int k = 0; k < 2; ++k) {
+    cell.driver.fail({ErrorCode::kEncoderLost, 2});
+    cell.run(50ms);
+  }
   EXPECT_EQ(cell.controller.latched()->error.code, ErrorCode::kEncodersDisagree);
+  ASSERT_EQ(cell.controller.later_causes().size(), 1U);
+  EXPECT_EQ(cell.controller.later_causes()[0].error.code, ErrorCode::kEncoderLost);
   for (const auto& what : {CommandWhat(Begin{&cell.path_to(cell.by(0.1))}), CommandWhat(Enable{}),
                            CommandWhat(Resume{})}) {
     const std::uint32_t refused = cell.give(what);
@@ -470,6 +473,30 @@ TEST(Controller, a_disk_that_fails_holds_within_100_ms_and_nothing_new_moves) {
   EXPECT_EQ(cell.end_of(id)->cause, StopCause::kNotRecorded);
   const std::uint32_t ack = cell.give(Acknowledge{});
   EXPECT_EQ(cell.end_of(ack)->error.code, ErrorCode::kNotRecorded);
+}
+
+TEST(Controller, a_look_at_a_motions_end_waits_for_its_record_however_slow_and_stops_nothing) {
+  ControlCell cell(kStreaming, true);
+  cell.make_ready();
+  cell.run(300ms);
+  cell.driver.looks_at_ends = true;
+  const std::uint32_t id = cell.give(Begin{&cell.path_to(cell.by(0.3))});
+  const auto sent_whole = [&] {
+    return !cell.driver.pieces.empty() &&
+           std::ranges::all_of(cell.driver.pieces.back().qd, [](double qd) { return qd == 0; });
+  };
+  ASSERT_TRUE(cell.run_until(sent_whole));
+  cell.sync = 400ms;
+  cell.run(300ms);
+  EXPECT_TRUE(cell.driver.looking) << "nothing says yet that it is looked";
+  EXPECT_FALSE(cell.end_of(id));
+  EXPECT_EQ(cell.records.back().kind, JournalKind::kLook);
+  EXPECT_EQ(cell.controller.last_stop(), std::nullopt);
+  ASSERT_TRUE(cell.run_until([&] { return cell.end_of(id).has_value(); }, 1s));
+  EXPECT_EQ(cell.end_of(id)->kind, Kind::kDone);
+  cell.run(50ms);
+  EXPECT_EQ(cell.records.back().kind, JournalKind::kRest);
+  EXPECT_FALSE(cell.driver.looks_allowed);
 }
 
 TEST(Controller, a_disk_that_is_slow_holds_and_the_motion_can_go_on) {

@@ -116,6 +116,10 @@ class PretendDriver final : public Driver {
       tell(DriverEvent::Kind::kDone);
     }
     while (!queue_.empty() && now >= ends_[1]) {
+      const bool end = std::ranges::all_of(queue_[0].qd, [](double qd) { return qd == 0; });
+      looking = looks_at_ends && end;
+      if (looking && !looks_allowed) return;
+      looking = false;
       for (std::size_t j = 0; j < positions_.size(); ++j) {
         const double q = queue_[0].q[j];
         positions_[j] = {PositionQuality::kCommanded, q, q, q};
@@ -141,6 +145,8 @@ class PretendDriver final : public Driver {
     state_ = DriverState::kOpening;
     ready_at_ = now + opening;
   }
+  bool looks() const override { return looking; }
+  void allow_looks(bool allowed) override { looks_allowed = allowed; }
   void lose(std::size_t joint) { positions_[joint] = {}; }
   void set(std::size_t joint, const JointPosition& position) { positions_[joint] = position; }
 
@@ -149,6 +155,9 @@ class PretendDriver final : public Driver {
   bool deaf = false;
   bool cause_stays = false;
   bool declarable = true;
+  bool looks_at_ends = false;  ///< of motions, at a device that forgets by telling
+  bool looking = false;
+  bool looks_allowed = true;
   std::optional<Error> refusal;
   std::vector<JointMove> pieces;
   std::vector<double> nudges;

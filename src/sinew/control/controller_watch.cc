@@ -35,7 +35,8 @@ void Controller::watch_journal(const Inputs& inputs, Instant now) {
   if (failed && !(latched_ && latched_->cause == StopCause::kNotRecorded)) {
     return stop(StopCause::kNotRecorded, error, now);
   }
-  if (granted() && task_ && task_->begun && journal_->overdue(now)) {
+  // A look waits for its record by itself, and moves nothing meanwhile.
+  if (granted() && task_ && task_->begun && !driver_.looks() && journal_->overdue(now)) {
     stop(StopCause::kRecordLate, error, now);
   }
 }

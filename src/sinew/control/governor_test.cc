@@ -143,30 +143,71 @@ class Watcher {
   double seconds_ = 0;
 };
 
-TEST(Governor, what_passes_is_inside_the_limits_whatever_was_asked_for) {
-  for (const char* id : {"robot-arm-2", "learm", "hexapod"}) {
-    const RobotModel model = streaming(id, true);
-    Governor governor(model, limits_of(model));
-    std::uint64_t passed = 0;
-    test::for_random_cases(340'000, [&](test::Random& random) {
-      governor.rest(span_of(random_place(random, model)));
-      Watcher watcher(model, governor);
-      for (int i = 0; i < 4; ++i) {
-        const std::vector<double> before(governor.q().begin(), governor.q().end());
-        const JointMove move = hostile_piece(random, model, governor);
-        const auto fine = governor.pass(move);
-        if (!fine) {
-          ASSERT_TRUE(std::ranges::equal(governor.q(), before)) << "a refusal changed something";
-          continue;
-        }
-        ++passed;
-        watcher.see(move);
-        if (::testing::Test::HasFatalFailure()) return;
+class HostileSequences : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(HostileSequences, what_passes_is_inside_the_limits_whatever_was_asked_for) {
+  const RobotModel model = streaming(GetParam(), true);
+  Governor governor(model, limits_of(model));
+  std::uint64_t passed = 0;
+  test::for_random_cases(340'000, [&](test::Random& random) {
+    governor.rest(span_of(random_place(random, model)));
+    Watcher watcher(model, governor);
+    for (int i = 0; i < 4; ++i) {
+      const std::vector<double> before(governor.q().begin(), governor.q().end());
+      const JointMove move = hostile_piece(random, model, governor);
+      const auto fine = governor.pass(move);
+      if (!fine) {
+        ASSERT_TRUE(std::ranges::equal(governor.q(), before)) << "a refusal changed something";
+        continue;
       }
-    });
-    EXPECT_GT(passed, 100'000U) << id << ": most of what is tried is no test";
+      ++passed;
+      watcher.see(move);
+      if (::testing::Test::HasFatalFailure()) return;
+    }
+  });
+  EXPECT_GT(passed, 100'000U) << "most of what is tried is no test";
+}
+
+/// The same with the robot's bodies: slow pieces are long ones here, so that some lead into itself.
+TEST_P(HostileSequences, what_passes_keeps_its_distance_from_itself) {
+  const RobotModel model = streaming(GetParam(), false);
+  Governor governor(model, limits_of(model));
+  planning::CollisionModel bodies(model);
+  std::uint64_t passed = 0;
+  std::uint64_t refused = 0;
+  test::for_random_cases(20'000, [&](test::Random& random) {
+    const JointVector begin = random_place(random, model);
+    governor.rest(span_of(begin));
+    const double least = std::min(bodies.margin(), bodies.distance(span_of(begin)).distance);
+    for (int i = 0; i < 4; ++i) {
+      JointMove move = hostile_piece(random, model, governor);
+      if (random.chance(0.5)) {
+        // To anywhere, slowly enough.
+        move = {random_place(random, model), {}, std::chrono::seconds(100)};
+        for (std::size_t j = 0; j < model.joints.size(); ++j) move.qd.push_back(0);
+      }
+      const auto fine = governor.pass(move);
+      if (!fine) {
+        refused += fine.error().code == ErrorCode::kCollision ? 1 : 0;
+        continue;
+      }
+      ++passed;
+      const double now = bodies.distance(span_of(move.q)).distance;
+      ASSERT_GE(now, least - 2 * planning::CollisionModel::kResolution - 1e-9);
+    }
+  });
+  EXPECT_GT(passed, 10'000U);
+  if (std::string_view(GetParam()) != "hexapod") {
+    EXPECT_GT(refused, 100U) << "nothing led into itself";
   }
 }
+
+INSTANTIATE_TEST_SUITE_P(Robots, HostileSequences,
+                         ::testing::Values("robot-arm-2", "learm", "hexapod"), [](const auto& one) {
+                           std::string name = one.param;
+                           std::ranges::replace(name, '-', '_');
+                           return name;
+                         });
 
 TEST(Governor, every_fault_has_its_own_name) {
   const RobotModel model = streaming("robot-arm-2", true);

@@ -59,7 +59,7 @@ bool has_frame(std::span<const std::uint8_t> bytes) {
 }  // namespace
 
 bool is_valid(const JournalRecord& record) {
-  return record.kind >= JournalKind::kOpened && record.kind <= JournalKind::kClosed &&
+  return record.kind >= JournalKind::kOpened && record.kind <= JournalKind::kLook &&
          record.cause <= JournalCause::kImported && record.sequence > 0 && record.generation > 0 &&
          !record.positions.empty() &&
          std::ranges::all_of(record.positions,

@@ -23,6 +23,7 @@ enum class JournalKind : std::uint8_t {
   kRest = 6,      ///< it stands; nothing that was sent is still to be carried out
   kLost = 7,      ///< it is no longer known where some joints are; cause says why
   kClosed = 8,    ///< a run ended in order
+  kLook = 9,      ///< the device is asked what it forgets by telling; the answer is in the next one
 };
 
 /// Why a kLost record was written.

@@ -115,6 +115,8 @@ JournalFinding finding_of(JournalKind kind) {
   switch (kind) {
     case JournalKind::kIntent:
       return kEndedInMotion;
+    case JournalKind::kLook:
+      return kEndedInLook;
     case JournalKind::kClosed:
       return kCleanEnd;
     case JournalKind::kOpened:
@@ -131,15 +133,15 @@ JournalFinding finding_of(JournalKind kind) {
 /// What remains of a joint that was said to stand there. Where the last write is spoiled, a joint
 /// that was known is lost: that write may have been the one that let it move. An interval stays,
 /// for a crash spoils only what was not safe yet, and nothing moves by that.
-JointPosition remembered(const JointPosition& said, bool spoiled, double power_up_way) {
-  if (said.quality == PositionQuality::kLost || !std::isfinite(power_up_way)) return {};
+JointPosition remembered(const JointPosition& said, bool spoiled, double way) {
+  if (said.quality == PositionQuality::kLost || !std::isfinite(way)) return {};
   if (spoiled && said.quality != PositionQuality::kUncertain) return {};
   JointPosition joint = said;
-  joint.lower -= power_up_way;
-  joint.upper += power_up_way;
+  joint.lower -= way;
+  joint.upper += way;
   // Nobody measures now what was measured then.
   if (joint.quality == PositionQuality::kMeasured) joint.quality = PositionQuality::kCommanded;
-  if (power_up_way > 0) joint.quality = PositionQuality::kUncertain;
+  if (way > 0) joint.quality = PositionQuality::kUncertain;
   return joint;
 }
 
@@ -170,13 +172,16 @@ void take_positions(JournalRecovery& recovery, const Generation& newest,
   recovery.finding = finding_of(last.kind);
   const bool spoiled = newest.damaged_behind > 0;
   if (spoiled) recovery.finding = kDamagedTail;
+  // What is spoiled behind it may have been one.
+  const bool forgotten = last.kind == JournalKind::kLook || spoiled;
   for (std::size_t k = 0; k < settings.joints; ++k) {
     double way = 0;
     if (settings.power_may_have_failed && !settings.power_up_way.empty()) {
       way = settings.power_up_way[k];
     }
-    recovery.positions[k] = remembered(last.positions[k], spoiled, way);
     recovery.power_up_added |= way > 0;
+    if (forgotten && !settings.forgotten_way.empty()) way += settings.forgotten_way[k];
+    recovery.positions[k] = remembered(last.positions[k], spoiled, way);
   }
 }
 
@@ -185,6 +190,7 @@ void take_positions(JournalRecovery& recovery, const Generation& newest,
 JournalRecovery recover(std::span<const JournalFile, 2> files, const RecoverySettings& settings) {
   SINEW_ASSERT(settings.joints > 0 && settings.joints <= kMaxJoints);
   SINEW_ASSERT(settings.power_up_way.empty() || settings.power_up_way.size() == settings.joints);
+  SINEW_ASSERT(settings.forgotten_way.empty() || settings.forgotten_way.size() == settings.joints);
   JournalRecovery recovery;
   recovery.positions.resize(settings.joints);
   recovery.last_said.resize(settings.joints);
@@ -246,6 +252,9 @@ std::string_view sentence(JournalFinding finding) {
       "the position journal is damaged beyond what a crash leaves",
       "the last write to the position journal did not come through whole",
       "the last run ended while the machine was moving",
+      "the last run ended while it asked the machine whether its supply had held, which forgets "
+      "that "
+      "by telling",
       "the last run ended by itself while the machine was at rest",
       "the last run ended in order",
   });

@@ -23,8 +23,9 @@ enum class JournalFinding : std::uint8_t {
   kUnreadable,     ///< more damage than what a crash leaves
   kDamagedTail,    ///< the last write did not come through whole
   kEndedInMotion,  ///< the last record is an intent
-  kEndedAtRest,    ///< the run died while nothing moved
-  kCleanEnd,       ///< the run ended in order
+  kEndedInLook,  ///< the device had been asked what it forgets by telling, and nobody wrote it down
+  kEndedAtRest,  ///< the run died while nothing moved
+  kCleanEnd,     ///< the run ended in order
 };
 
 /// What gets the user from there to positions that may be planned with.
@@ -46,7 +47,10 @@ struct RecoverySettings {
   std::size_t joints = 0;
   /// What each joint may have moved by when the device lost its power and got it again: two full
   /// steps of an open-loop stepper's motor; infinite for what falls or is pushed by hand.
-  JointVector power_up_way;
+  JointVector power_up_way = {};
+  /// What each joint may have done that only an answer told which the device has forgotten since:
+  /// counts where the last record is a kLook, or was to be written behind it.
+  JointVector forgotten_way = {};
   /// False only where the device itself shows that it kept its power.
   bool power_may_have_failed = true;
   bool can_home = false;

@@ -6,6 +6,8 @@
 #include <string>
 #include <variant>
 
+#include "sinew/driver/icp_leg.h"
+
 namespace sinew::control {
 namespace {
 
@@ -130,6 +132,9 @@ RecoverySettings recovery_settings(const RobotModel& robot) {
   settings.power_may_have_failed = !shown;
   for (std::size_t j = 0; j < robot.joints.size(); ++j) {
     settings.power_up_way.push_back(shown ? 0 : std::numeric_limits<double>::infinity());
+    if (const auto* icp = std::get_if<IcpDevice>(&robot.device.settings)) {
+      settings.forgotten_way.push_back(IcpLegClaim::kPowerCutUnits / icp->units_per_m);
+    }
   }
   settings.can_home = std::holds_alternative<AxisRegistersDevice>(robot.device.settings) ||
                       std::holds_alternative<AxisLinkDevice>(robot.device.settings);

@@ -163,6 +163,27 @@ bool PositionJournal::may_send(std::span<const JointInterval> next) const {
   });
 }
 
+std::optional<JournalRecord> PositionJournal::look(std::span<const JointPosition> positions,
+                                                   const JournalTime& time) {
+  SINEW_ASSERT(open_ && positions.size() == settings_.joints.size());
+  if (claims_.full()) return std::nullopt;
+  const Claim& last = claims_.back();
+  const JournalPositions now = recordable(positions);
+  const bool within = std::ranges::equal(last.positions, now, [](const auto& said, const auto& is) {
+    return is_lost(said) || (!is_lost(is) && covers(interval_of(said), interval_of(is)));
+  });
+  if (within && last.kind == JournalKind::kLook) return std::nullopt;
+  // Where a motion is under way its interval stays: it may go on behind the look.
+  const bool under_way = within && last.kind == JournalKind::kIntent;
+  return hand_out(JournalKind::kLook, JournalCause::kNone, under_way ? last.positions : now, time);
+}
+
+bool PositionJournal::may_look() const {
+  SINEW_ASSERT(open_);
+  return std::ranges::all_of(claims_,
+                             [](const Claim& claim) { return claim.kind == JournalKind::kLook; });
+}
+
 std::optional<JournalRecord> PositionJournal::stand(JournalKind kind, JournalCause cause,
                                                     std::span<const JointPosition> positions,
                                                     const JournalTime& time) {
@@ -175,8 +196,8 @@ std::optional<JournalRecord> PositionJournal::stand(JournalKind kind, JournalCau
 std::optional<JournalRecord> PositionJournal::at_rest(std::span<const JointPosition> positions,
                                                       const JournalTime& time) {
   const Claim& last = claims_.back();
-  if (last.kind != JournalKind::kIntent &&
-      std::ranges::equal(last.positions, recordable(positions), says)) {
+  const bool stands = last.kind != JournalKind::kIntent && last.kind != JournalKind::kLook;
+  if (stands && std::ranges::equal(last.positions, recordable(positions), says)) {
     return std::nullopt;
   }
   return stand(JournalKind::kRest, JournalCause::kNone, positions, time);

@@ -53,14 +53,16 @@ struct JournalMotion {
 /// The one promise that everything rests on: the truth lies in the last record that is safe and in
 /// each one written after it. So whichever of them a crash leaves as the last, it is right.
 ///
-///   what happens                           | record            | motion meanwhile
-///   ---------------------------------------+-------------------+----------------------------------
-///   the run begins                         | kOpened           | none
-///   motion begins, or leaves its block     | kIntent           | where old and new reservation
-///   agree less than `lead` of the block is left  | kIntent           | goes on arrived, stopped |
-///   kRest             | none declared, homed, measured at rest      | kDeclared, ..     | none
-///   position gone                          | kLost             | none with known joints
-///   the run ends                           | kClosed           | none
+///   what happens                         | record        | motion meanwhile
+///   -------------------------------------+---------------+--------------------------------------
+///   the run begins                       | kOpened       | none
+///   motion begins, or leaves its block   | kIntent       | where old and new reservation agree
+///   less than `lead` of the block left   | kIntent       | goes on
+///   a look at a device that forgets      | kLook         | none, and no look before it is safe
+///   arrived, stopped                     | kRest         | none
+///   declared, homed, measured at rest    | kDeclared, .. | none
+///   position gone                        | kLost         | none with known joints
+///   the run ends                         | kClosed       | none
 ///
 /// Each of them is to be synced at once: at a motion's start and stop, and before a reserved block
 /// is used up. Nothing waits for a clock, so nothing is ever older on disk than one sync takes.
@@ -86,6 +88,13 @@ class PositionJournal {
   /// The next may leave: it, and where the machine may be until then, lies in the last safe record
   /// and in all behind it, and one of these is an intent that is safe.
   bool may_send(std::span<const JointInterval> next) const;
+
+  /// The driver is about to ask its device what that forgets by telling (Driver::looks). Each cycle
+  /// until it has: what it has found out so far is recorded. Nothing: as with reserve().
+  std::optional<JournalRecord> look(std::span<const JointPosition> positions,
+                                    const JournalTime& time);
+  /// It may: whichever record a crash leaves as the last says so.
+  bool may_look() const;
 
   /// The machine stands, nothing that was sent is still to be carried out, and the driver has
   /// looked at how it ended (kDone, kStopped). To be asked each cycle at rest: nothing where the

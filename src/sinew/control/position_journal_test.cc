@@ -111,6 +111,51 @@ TEST(PositionJournal, nothing_moves_while_a_rest_waits_for_the_disk) {
   EXPECT_TRUE(cell.journal.may_send(Intervals{{0.1, 0.2}, {0, 0}}));
 }
 
+TEST(PositionJournal, a_look_at_a_forgetful_device_waits_until_its_record_is_safe) {
+  AtRest cell;
+  const Positions now{exact(0), exact(1)};
+  EXPECT_FALSE(cell.journal.may_look());
+  const auto record = cell.journal.look(now, at({}));
+  ASSERT_TRUE(record);
+  EXPECT_EQ(record->kind, JournalKind::kLook);
+  EXPECT_EQ(record->positions[1].q, 1);
+  EXPECT_EQ(record->positions[1].quality, PositionQuality::kCommanded);
+  EXPECT_FALSE(cell.journal.may_look());
+  cell.sync();
+  EXPECT_TRUE(cell.journal.may_look());
+  EXPECT_FALSE(cell.journal.look(now, at({}))) << "said already";
+  // What it finds out counts at once, and no motion begins on it.
+  const Positions wider{exact(0), {PositionQuality::kUncertain, 1, 0.5, 1.5}};
+  const auto more = cell.journal.look(wider, at({}));
+  ASSERT_TRUE(more);
+  EXPECT_EQ(more->positions[1].upper, 1.5);
+  cell.sync();
+  EXPECT_FALSE(cell.journal.may_send(Intervals{{0, 0}, {0.5, 1.5}}));
+  const auto rest = cell.journal.at_rest(wider, at({}));
+  ASSERT_TRUE(rest) << "the look is over, and that is said although nothing else is new";
+  EXPECT_EQ(rest->kind, JournalKind::kRest);
+  EXPECT_FALSE(cell.journal.may_look());
+}
+
+TEST(PositionJournal, a_look_under_way_keeps_the_block_and_motion_goes_on_behind_a_new_intent) {
+  AtRest cell;
+  const Intervals next{{0, 0.1}, {0, 0}};
+  const auto intent = cell.reserve({exact(0), exact(0)}, next);
+  cell.sync();
+  const auto look = cell.journal.look(Positions{exact(0.1), exact(0)}, at({}));
+  ASSERT_TRUE(look);
+  EXPECT_EQ(look->positions[0].upper, intent->positions[0].upper);
+  EXPECT_EQ(look->positions[0].quality, PositionQuality::kUncertain);
+  EXPECT_FALSE(cell.journal.may_send(next));
+  EXPECT_FALSE(cell.journal.may_look()) << "a crash may leave the intent, which says nothing of it";
+  cell.sync();
+  EXPECT_TRUE(cell.journal.may_look());
+  ASSERT_TRUE(cell.reserve({exact(0.1), exact(0)}, {{0.1, 0.2}, {0, 0}}));
+  EXPECT_FALSE(cell.journal.may_look());
+  cell.sync();
+  EXPECT_TRUE(cell.journal.may_send(Intervals{{0.1, 0.2}, {0, 0}}));
+}
+
 TEST(PositionJournal, rest_is_written_once) {
   AtRest cell;
   const Positions rest{exact(0), exact(0)};

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <atomic>
+
 // Kinematics is compiled twice from one source: for every processor of the architecture, and for
 // x86-64 processors with 256-bit vectors and fused multiply-add (made since 2013), which take half
 // the time. Which one runs is decided where it runs, so one binary serves all. Builds with a
@@ -26,10 +28,22 @@
 
 namespace sinew {
 
-/// Whether this processor has the wide vectors and this build code for them. @rt
+namespace detail {
+inline std::atomic<bool> portable_only{false};
+}  // namespace detail
+
+/// From now on the whole process takes the portable versions: what a seed does is then the same to
+/// the last bit on every processor, and from every compiler.
+inline void take_portable_versions() {
+  detail::portable_only.store(true, std::memory_order_relaxed);
+}
+
+/// Whether this processor has the wide vectors, this build code for them, and nobody asked for the
+/// portable versions. @rt
 inline bool has_wide_vectors() {
 #if SINEW_HAS_WIDE_VERSION
-  return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
+  return !detail::portable_only.load(std::memory_order_relaxed) && __builtin_cpu_supports("avx2") &&
+         __builtin_cpu_supports("fma");
 #else
   return false;
 #endif

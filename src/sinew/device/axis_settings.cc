@@ -18,6 +18,12 @@ constexpr double kClearInsideLimit = from_deg(1);
 /// The search may take the whole way between the limits, both ends beyond them, and this.
 constexpr double kSearchMargin = from_deg(10);
 
+/// Towards lower angles where no board says anything.
+double homing_direction(const Device& device, std::size_t joint) {
+  const auto boards = boards_of(device);
+  return joint < boards.size() ? boards[joint].homing_direction : -1;
+}
+
 }  // namespace
 
 double AxisSettings::uncertainty() const {
@@ -57,8 +63,14 @@ AxisSettings axis_settings(const RobotModel& model, std::size_t joint) {
   settings.supervision.stall_angle = 2 * 2 * kPi / settings.full_steps_per_turn;
 
   HomingSettings& homing = settings.homing;
-  homing.end_stop_angle = from.lower - kSwitchBeyondLimit;
-  homing.clear_angle = std::min(from.lower + kClearInsideLimit, from.upper);
+  homing.direction = homing_direction(model.device, joint);
+  if (homing.direction < 0) {
+    homing.end_stop_angle = from.lower - kSwitchBeyondLimit;
+    homing.clear_angle = std::min(from.lower + kClearInsideLimit, from.upper);
+  } else {
+    homing.end_stop_angle = from.upper + kSwitchBeyondLimit;
+    homing.clear_angle = std::max(from.upper - kClearInsideLimit, from.lower);
+  }
   homing.travel_max = from.upper - from.lower + 2 * kSwitchBeyondLimit + kSearchMargin;
   homing.approach_speed = std::min(homing.approach_speed, settings.limits.velocity);
   homing.slow_speed = std::min(homing.slow_speed, settings.limits.velocity);

@@ -37,6 +37,7 @@ AxisLinkDriver::AxisLinkDriver(const AxisLinkDevice& device, std::span<const Joi
     run_out_ = std::max(run_out_, channels_[i].run_out());
   }
   positions_.resize(joints.size());
+  homing_order_ = homing_order(device.boards);
 }
 
 void AxisLinkDriver::open(Instant now) {
@@ -197,12 +198,19 @@ Expected<void> AxisLinkDriver::home(Instant now) {
   }
   ++pending_;
   activity_ = Activity::kHoming;
-  homing_ = 0;
   told_ = {};
   now_ = since_ = now;
-  while (!channels_[homing_].is_up()) ++homing_;
-  channels_[homing_].command(Mode::kHome);
+  home_from(0);
   return {};
+}
+
+/// The first that is up, of those that are still to search; none is left where all have.
+void AxisLinkDriver::home_from(std::size_t place) {
+  homing_place_ = place;
+  for (; homing_place_ < homing_order_.size(); ++homing_place_) {
+    Channel& channel = channels_[homing_order_[homing_place_]];
+    if (channel.is_up()) return channel.command(Mode::kHome);
+  }
 }
 
 Expected<void> AxisLinkDriver::clear_fault(Instant now) {

@@ -89,8 +89,8 @@ class AxisLinkDriver : public SpiDriver {
   /// @error kPortClosed, the fault, kBusy, or the fault of an axis that is out
   Expected<void> home(Instant now) override;
   std::optional<std::size_t> homing_joint() const override {
-    const bool searching = activity_ == Activity::kHoming && homing_ < joints_.size();
-    return searching ? std::optional(homing_) : std::nullopt;
+    const bool searching = activity_ == Activity::kHoming && homing_place_ < joints_.size();
+    return searching ? std::optional<std::size_t>(homing_order_[homing_place_]) : std::nullopt;
   }
   /// Every axis that is out gets a new session, its latch released and its faults cleared; kDone
   /// follows where one axis is fit to move. @error kPortClosed, kBusy
@@ -130,6 +130,7 @@ class AxisLinkDriver : public SpiDriver {
   void step_moving(Instant now);
   void step_settling(Instant now);
   void step_homing(Instant now);
+  void home_from(std::size_t place);
   void step_stopping(Instant now);
   void note_outs();
   std::optional<Error> first_new_out();
@@ -173,7 +174,8 @@ class AxisLinkDriver : public SpiDriver {
   bool settling_ = false;
   std::array<std::uint16_t, kMaxJoints> settle_from_{};  ///< frames beyond say the final setpoint
   // Homing.
-  std::size_t homing_ = 0;
+  FixedVector<std::uint8_t, kMaxJoints> homing_order_;
+  std::size_t homing_place_ = 0;  ///< in the order
   // Stopping.
   bool stop_asked_ = false;
   bool stop_in_opening_ = false;

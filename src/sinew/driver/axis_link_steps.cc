@@ -161,8 +161,9 @@ void AxisLinkDriver::step_settling(Instant now) {
 
 void AxisLinkDriver::step_homing(Instant now) {
   if (const auto out = first_new_out()) return fail(*out, now);
-  const auto index = static_cast<std::int8_t>(homing_);
-  const Channel& channel = channels_[homing_];
+  const std::uint8_t searching = homing_order_[homing_place_];
+  const auto index = static_cast<std::int8_t>(searching);
+  const Channel& channel = channels_[searching];
   if (now - since_ >= timing_.homing_timeout) {
     return fail({ErrorCode::kHomingFailed, index, to_seconds(now - since_),
                  to_seconds(timing_.homing_timeout)},
@@ -175,11 +176,9 @@ void AxisLinkDriver::step_homing(Instant now) {
     error.index = index;
     return fail(error, now);
   }
-  do {
-    ++homing_;
-  } while (homing_ < channels_.size() && !channels_[homing_].is_up());
   since_ = now;
-  if (homing_ < channels_.size()) return channels_[homing_].command(Mode::kHome);
+  home_from(homing_place_ + 1);
+  if (homing_place_ < homing_order_.size()) return;
   activity_ = Activity::kIdle;
   end_commands(Kind::kDone);
 }

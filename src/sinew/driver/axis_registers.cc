@@ -24,12 +24,7 @@ AxisRegistersDriver::AxisRegistersDriver(const AxisRegistersDevice& device,
   SINEW_ASSERT(!joints.empty() && joints.size() == device.boards.size());
   axes_.resize(joints.size());
   positions_.resize(joints.size());
-  if (timing_.homing_order.empty()) {
-    for (std::size_t i = 0; i < joints.size(); ++i) {
-      timing_.homing_order.push_back(static_cast<std::uint8_t>(i));
-    }
-  }
-  for (const std::uint8_t joint : timing_.homing_order) SINEW_ASSERT(joint < joints.size());
+  homing_order_ = homing_order(device.boards);
   for (std::size_t i = 0; i < joints.size(); ++i) {
     std::uint8_t same_bus = 0;
     for (std::size_t k = 0; k < joints.size(); ++k) {
@@ -82,9 +77,8 @@ std::span<const JointPosition> AxisRegistersDriver::positions() const {
 }
 
 std::optional<std::size_t> AxisRegistersDriver::homing_joint() const {
-  const bool searching =
-      activity_ == Activity::kHoming && homing_place_ < timing_.homing_order.size();
-  return searching ? std::optional<std::size_t>(timing_.homing_order[homing_place_]) : std::nullopt;
+  const bool searching = activity_ == Activity::kHoming && homing_place_ < homing_order_.size();
+  return searching ? std::optional<std::size_t>(homing_order_[homing_place_]) : std::nullopt;
 }
 
 bool AxisRegistersDriver::statuses_are_blank() const {
@@ -251,8 +245,8 @@ void AxisRegistersDriver::begin_stopping(Instant now) {
 }
 
 void AxisRegistersDriver::begin_homing_of(std::size_t place) {
-  for (; place < timing_.homing_order.size(); ++place) {
-    Axis& axis = axes_[timing_.homing_order[place]];
+  for (; place < homing_order_.size(); ++place) {
+    Axis& axis = axes_[homing_order_[place]];
     if (!axis.answers) continue;
     axis.phase = axis.latched ? Phase::kRelease : Phase::kBefore;
     break;
@@ -349,7 +343,7 @@ void AxisRegistersDriver::finish(Instant now) {
       return finish_clearing();
     case Activity::kHoming:
       begin_homing_of(homing_place_ + 1);
-      if (homing_place_ < timing_.homing_order.size()) return;
+      if (homing_place_ < homing_order_.size()) return;
       break;
     case Activity::kMoving:
       break;

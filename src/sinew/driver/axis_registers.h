@@ -23,10 +23,9 @@ struct AxisRegistersTiming {
   Duration watch = std::chrono::milliseconds(200);  ///< between two reads at rest
   Duration retry = std::chrono::seconds(2);  ///< between two tries on an axis that does not answer
   double move_factor = 1.5;                  ///< of the expected duration, and
-  Duration move_margin = std::chrono::seconds(2);      ///< this on top, until a move has failed
-  Duration stop_margin = std::chrono::seconds(2);      ///< on top of a joint's slowest deceleration
-  Duration homing_limit = std::chrono::minutes(10);    ///< one axis; two turns at 3 deg/s are 4
-  FixedVector<std::uint8_t, kMaxJoints> homing_order;  ///< joints; empty: the order of the file
+  Duration move_margin = std::chrono::seconds(2);    ///< this on top, until a move has failed
+  Duration stop_margin = std::chrono::seconds(2);    ///< on top of a joint's slowest deceleration
+  Duration homing_limit = std::chrono::minutes(10);  ///< one axis; two turns at 3 deg/s are 4
 };
 
 /// Host side of the register protocol: one board per axis, one target per move, each board makes
@@ -149,7 +148,7 @@ class AxisRegistersDriver : public SpiDriver {
     double expected = 0;  ///< s, of its move
     axis_registers::ToldAngle target;
     std::optional<axis_registers::ToldAngle> before;  ///< MOVE_ANGLE, before homing
-    std::array<LastHeard<AxisRegistersFacts::Value>, AxisRegistersFacts::kRegisters> heard;
+    std::array<LastHeard<AxisRegisterValue>, AxisRegistersFacts::kRegisters> heard;
   };
   struct Asked {
     std::size_t axis = 0;
@@ -208,6 +207,7 @@ class AxisRegistersDriver : public SpiDriver {
   std::optional<Asked> asked_;
   std::size_t cursor_ = 0;  ///< round robin
   Instant watch_at_;
+  FixedVector<std::uint8_t, kMaxJoints> homing_order_;
   std::size_t homing_place_ = 0;   ///< in the order
   std::size_t buses_stopped_ = 0;  ///< broadcasts sent
   bool command_ = false;           ///< a move, home or clear_fault whose end is to be told

@@ -338,7 +338,7 @@ Expected<void> BigRobotArmJointDriver::ask(Step step, Instant now) {
       going_since_ = now;
       break;
     case Step::kGripper:
-      asked = driver_.set_gripper(gripper_enabled_, gripper_, now);
+      asked = driver_.set_gripper(gripper_enabled_, gripper_.value_or(0), now);
       break;
     case Step::kSyncOff:
       asked = driver_.leave_sync(now);
@@ -455,15 +455,26 @@ Duration BigRobotArmJointDriver::duration_of(const Words& deltas) const {
   return from_seconds(longest);
 }
 
+/// Where its servo was told to be last, by this host or, as the byte wire says, by another one.
+std::optional<std::int32_t> BigRobotArmJointDriver::known_gripper() const {
+  if (gripper_) return gripper_;
+  if (heard_ && heard_->what.gripper) return heard_->what.gripper->position;
+  return std::nullopt;
+}
+
 Expected<void> BigRobotArmJointDriver::tool(const ToolAction& action, Instant now) {
   const auto* gripper = std::get_if<GripperTo>(&action);
   if (gripper == nullptr) return std::unexpected(Error{ErrorCode::kToolNotFitted});
   if (const auto ready = check_ready(); !ready) return ready;
-  const double degrees = std::round(to_deg(gripper->angle));
+  const auto known = known_gripper();
+  if (gripper->enabled && !gripper->angle && !known) {
+    return std::unexpected(Error{ErrorCode::kNotMeasured});
+  }
+  const double degrees = gripper->angle ? std::round(to_deg(*gripper->angle)) : known.value_or(0);
   if (!(degrees >= 0 && degrees <= device_.gripper_max)) {
     return std::unexpected(Error{ErrorCode::kGripperRange, -1, degrees, 1.0 * device_.gripper_max});
   }
-  gripper_ = static_cast<std::int32_t>(degrees);
+  if (gripper->angle || known) gripper_ = static_cast<std::int32_t>(degrees);
   gripper_enabled_ = gripper->enabled;
   const auto asked = ask(Step::kGripper, now);
   if (!asked) return asked;

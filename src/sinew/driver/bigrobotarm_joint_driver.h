@@ -81,7 +81,8 @@ class BigRobotArmJointDriver : public ByteDriver {
   Expected<void> nudge(std::size_t joint, double way, Duration duration, Instant now) override;
   void stop(Instant now) override;
   Expected<void> clear_fault(Instant now) override;
-  /// GripperTo: its servo jumps to the nearest whole degree.
+  /// GripperTo: its servo jumps to the nearest whole degree. On without an angle: to where it was
+  /// last; kNotMeasured where nobody knows that.
   /// @error kToolNotFitted, kGripperRange (degrees, gripper_max), kUnsendable, kBusy, kPortClosed
   Expected<void> tool(const ToolAction& action, Instant now) override;
   /// Where the arm stands; without effect while it moves or is in doubt. `uncertain` keeps its
@@ -143,6 +144,7 @@ class BigRobotArmJointDriver : public ByteDriver {
   Expected<void> begin_move(Duration at_least, Instant now);
   Expected<BigRobotArmMultipliers> multipliers_for(const Words& deltas, Duration at_least) const;
   Duration duration_of(const Words& deltas) const;
+  std::optional<std::int32_t> known_gripper() const;
   void end_command(DriverEvent::Kind kind, const Error& error);
   void tell(DriverEvent::Kind kind, const Error& error = {});
   void show(Instant now);
@@ -175,7 +177,7 @@ class BigRobotArmJointDriver : public ByteDriver {
   Words target_{};
   Instant going_since_{};
   Duration expected_{};
-  std::int32_t gripper_ = 0;
+  std::optional<std::int32_t> gripper_;  ///< deg, as it was told to be last
   bool gripper_enabled_ = false;
 
   DriverHealth health_;

@@ -133,12 +133,32 @@ TEST_P(EveryDevice, gripper_jumps_and_its_range_is_kept) {
   cell.run_until(DriverState::kReady);
   EXPECT_EQ(cell.kinds(), (std::vector{Kind::kDone}));
   EXPECT_NEAR(cell.machine.truth().tool, from_deg(40), 1e-9);
+  ASSERT_TRUE(cell.driver.tool(GripperTo{false, {}}, cell.now));
+  cell.run_until(DriverState::kReady);
+  EXPECT_FALSE(cell.machine.firmware().gripper().enabled);
+  ASSERT_TRUE(cell.driver.tool(GripperTo{true, {}}, cell.now));
+  cell.run_until(DriverState::kReady);
+  EXPECT_EQ(cell.machine.firmware().gripper(), (bigrobotarm::Gripper{true, 40}));
   EXPECT_EQ(cell.driver.tool(GripperTo{true, from_deg(181)}, cell.now).error().code,
             ErrorCode::kGripperRange);
   EXPECT_EQ(cell.driver.tool(GripperTo{true, std::nan("")}, cell.now).error().code,
             ErrorCode::kGripperRange);
   EXPECT_EQ(cell.driver.tool(Suction{}, cell.now).error().code, ErrorCode::kToolNotFitted);
   EXPECT_EQ(cell.driver.home(cell.now).error().code, ErrorCode::kTaskNotSupported);
+}
+
+TEST_P(EveryDevice, gripper_that_nobody_has_told_is_switched_on_only_where_it_says_its_place) {
+  BigRobotArmCell cell(robot(), profile());
+  cell.make_ready();
+  const bigrobotarm::Gripper before = cell.machine.firmware().gripper();
+  const auto on = cell.driver.tool(GripperTo{true, {}}, cell.now);
+  if (on) {
+    cell.run_until(DriverState::kReady);
+    EXPECT_EQ(cell.machine.firmware().gripper(), (bigrobotarm::Gripper{true, before.position}));
+  } else {
+    EXPECT_EQ(on.error().code, ErrorCode::kNotMeasured);
+    EXPECT_EQ(cell.machine.firmware().gripper(), before);
+  }
 }
 
 TEST(BigRobotArmJointDriver, nothing_moves_before_somebody_says_where_the_arm_stands) {

@@ -65,18 +65,20 @@ struct BigRobotArmFacts {
   bool wants_declaration = false;  ///< no move before somebody says where the arm stands
 };
 
+/// What a register holds.
+struct AxisRegisterValue {
+  axis_registers::Data data;
+  bool written = false;  ///< by the host, and taken; else it was read
+};
+
 /// The boards of the register wire.
 struct AxisRegistersFacts {
-  struct Value {
-    axis_registers::Data data;
-    bool written = false;  ///< by the host, and taken; else it was read
-  };
   /// By place in axis_registers::kDocumentRegisters.
   static constexpr std::size_t kRegisters = axis_registers::kDocumentRegisters.size();
   struct Axis {
     bool answers = false;
     std::optional<Error> fault;
-    std::array<LastHeard<Value>, kRegisters> registers;
+    std::array<LastHeard<AxisRegisterValue>, kRegisters> registers;
   };
   FixedVector<Axis, kMaxJoints> axes;
 };

@@ -39,7 +39,7 @@ struct JawsTo {
 };
 struct GripperTo {
   bool enabled = true;
-  double angle = 0;  ///< rad of its servo
+  std::optional<double> angle;  ///< rad of its servo; nothing: where it was told to be last
 };
 struct Suction {
   enum class State : std::uint8_t { kOn, kRelease, kOff } state = State::kOff;
@@ -143,6 +143,13 @@ class Driver {
 
   /// No further motion, as soon as the wire and the device can; kStopped follows. Always accepted.
   virtual void stop(Instant now) = 0;
+
+  /// It is about to ask its device, or asks it, what that forgets by telling: whether its supply
+  /// has held. Who dies between the answer and a record of it leaves nobody who knows.
+  virtual bool looks() const { return false; }
+  /// Such a question waits while it may not be asked, in vain for a bounded time (kNotRecorded);
+  /// from the beginning it may.
+  virtual void allow_looks(bool allowed) { static_cast<void>(allowed); }
 
   /// Finds the joints' zeros, where the machine can. @error kTaskNotSupported, kBusy
   virtual Expected<void> home(Instant now) {

@@ -18,6 +18,7 @@ constexpr std::uint8_t kAllLegs = (1U << kLegs) - 1;
 constexpr Duration kSegmentMax = std::chrono::hours(24);
 constexpr Duration kEarlySlack{100'000};  // ns; a clock of a port is some percent off
 constexpr int kMeanOf = 16;               // cycles
+constexpr Duration kHeldFor{1'000'000};   // ns until it is looked again whether it may ask
 
 template <std::size_t... Index>
 std::array<IcpLegClaim, kLegs> make_claims(const IcpDevice& device, std::index_sequence<Index...>) {
@@ -105,6 +106,7 @@ void IcpDriver::close(Instant now) {
   stopping_ = false;
   recovering_ = false;
   polls_ = 0;
+  held_since_.reset();
   supply_lost_ = false;
   fault_.reset();
   output_.reset();
@@ -322,7 +324,26 @@ void IcpDriver::send(const Request& request, Phase phase, Instant now) {
   deadline_ = now + (silent ? timing_.byte_time + timing_.quiet : wire + device_.reply_timeout);
 }
 
+bool IcpDriver::looks() const {
+  const bool open = phase_ != Phase::kClosed && !fault_;
+  return open && (polls_ != 0 || recovering_ || command_ == Command::kWake);
+}
+
+/// A status is due. Its flags are cleared by reading, so who keeps records writes first that they
+/// are read.
+void IcpDriver::hold(Instant now) {
+  if (!held_since_) held_since_ = now;
+  if (now - *held_since_ > timing_.look_limit) {
+    suspect_supply();
+    return give_up({ErrorCode::kNotRecorded});
+  }
+  phase_ = Phase::kHeld;
+  deadline_ = now + kHeldFor;
+}
+
 void IcpDriver::begin_exchange(Instant now) {
+  if (looks() && !looks_allowed_) return hold(now);
+  held_since_.reset();
   if (!recovering_ && now - heard_ >= timing_.idle_limit) kill_suspected_ = true;
   ++health_.requests;
   began_ = now;
@@ -628,6 +649,7 @@ void IcpDriver::give_up(const Error& error) {
   recovering_ = false;
   stopping_ = false;
   polls_ = 0;
+  held_since_.reset();
   poll_error_.reset();
   failures_ = 0;
   rereads_ = 0;
@@ -658,6 +680,7 @@ void IcpDriver::poll(Instant now) {
 void IcpDriver::on_deadline(Instant now) {
   switch (phase_) {
     case Phase::kQuiet:
+    case Phase::kHeld:
       return begin_exchange(now);
     case Phase::kPause:
       return next(now);

@@ -25,6 +25,8 @@ struct IcpTiming {
   /// After a silence of so long the modules are looked at before the next step: a power cut leaves
   /// their target position 0.
   Duration trust = std::chrono::milliseconds(500);
+  /// A status that may not be asked for is given up behind so long.
+  Duration look_limit = std::chrono::seconds(2);
   /// A leg whose interval is wider, in position units, is not moved any more.
   std::int64_t uncertain_units_max = 8;
 };
@@ -46,6 +48,7 @@ struct IcpTiming {
 ///   kWake    | 00, or 11 of a firmware without it  | kInit: the status of all six
 ///   kKill    | nothing                             | kIdle, fault kDeviceKilled
 ///   kPause   | the next step is due                | kInit
+///   kHeld    | a status may be asked for           | kInit
 ///   kQuiet   | silence for `quiet`                 | kInit, then a status before anything else
 ///   kQuiet   | a byte                              | kQuiet, the silence starts again
 ///   any      | a byte too soon, a byte unasked,    | kQuiet; after `tries` in a row kFault
@@ -87,6 +90,8 @@ class IcpDriver final : public ByteDriver {
   Expected<void> clear_fault(Instant now) override;
   /// Only while nothing moves; else it is not heard.
   void declare_positions(std::span<const JointPosition> positions) override;
+  bool looks() const override;
+  void allow_looks(bool allowed) override { looks_allowed_ = allowed; }
   void poll(Instant now) override;
   std::optional<Instant> next_deadline() const override { return deadline_; }
   std::optional<DriverEvent> take_event() override;
@@ -120,6 +125,7 @@ class IcpDriver final : public ByteDriver {
     kClosed,
     kIdle,
     kPause,
+    kHeld,
     kQuiet,
     kInit,
     kStep,
@@ -143,6 +149,7 @@ class IcpDriver final : public ByteDriver {
   void begin_opening(Instant now);
   void listen(Instant now);
   void begin_exchange(Instant now);
+  void hold(Instant now);
   void begin_move(Instant start);
   void send(const icp::Request& request, Phase phase, Instant now);
   void send_command(Instant now);
@@ -201,6 +208,8 @@ class IcpDriver final : public ByteDriver {
   int rereads_ = 0;
   std::uint8_t polls_ = 0;  ///< legs whose status is due, a bit each
   std::size_t polled_ = 0;
+  bool looks_allowed_ = true;
+  std::optional<Instant> held_since_;  ///< a status is due that may not be asked for
   std::optional<Error> poll_error_;
   bool supply_lost_ = false;  ///< a status of this round tells so
   Instant failing_since_{};   ///< the first question of those failures

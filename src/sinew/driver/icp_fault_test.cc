@@ -460,6 +460,70 @@ TEST(IcpDriverFaults, under_voltage_blocks_the_weaker_modules_and_is_found) {
   cell.expect_honest();
 }
 
+/// What a module's own flags tell of while its leg is on its way: the claim is withdrawn to all
+/// that may have happened since its last good status, and the truth is in it.
+TEST(IcpDriverFaults, hot_module_and_broken_coil_are_found_named_and_admitted) {
+  struct Case {
+    const char* name;
+    void (*befall)(Tmc222& module, Instant now);
+    ErrorCode code;
+  };
+  constexpr Case kCases[] = {
+      {"hot", [](Tmc222& module, Instant now) { module.set_temperature(160, now); },
+       ErrorCode::kOverheated},
+      {"coil", [](Tmc222& module, Instant now) { module.set_coil_fault(true, now); },
+       ErrorCode::kMotionIgnored}};
+  for (const Case& one : kCases) {
+    for (int at = 0; at < 400; at += 23) {
+      IcpCell cell;
+      cell.begin();
+      ASSERT_TRUE(cell.go({40, 40, 40, -40, -40, -40}));
+      cell.run_for(std::chrono::milliseconds(at));
+      one.befall(cell.machine.module(2), cell.now);
+      cell.settle();
+      // Where it came behind the last step, the next motion's look finds it.
+      if (cell.driver.state() == DriverState::kReady) {
+        (void)cell.go({0, 0, 0, 0, 0, 0});
+        cell.settle();
+      }
+      ASSERT_EQ(cell.driver.state(), DriverState::kFault) << one.name << " at " << at;
+      EXPECT_EQ(cell.driver.fault()->code, one.code) << one.name << " at " << at;
+      EXPECT_EQ(cell.driver.fault()->index, 2) << one.name << " at " << at;
+      EXPECT_EQ(cell.driver.positions()[2].quality, PositionQuality::kUncertain) << one.name;
+      expect_rotors_inside(cell);
+    }
+  }
+}
+
+/// A module that is stopped hard in the middle of a microstep says step loss; whether the step was
+/// made nobody knows.
+TEST(IcpDriverFaults, step_loss_of_a_module_is_found_named_and_admitted) {
+  int lost = 0;
+  for (int at = 0; at < 40; ++at) {
+    IcpCell cell;
+    cell.begin();
+    ASSERT_TRUE(cell.go({40, 40, 40, -40, -40, -40}));
+    Tmc222& module = cell.machine.module(3);
+    cell.run_for(std::chrono::milliseconds(20 * at));
+    cell.run_until([&] { return module.moving(); }, 100ms);
+    const bool in_a_step = module.moving();
+    const auto hard_stop = tmc222::encode_command(tmc222::HardStop{});
+    ASSERT_TRUE(module.write({hard_stop.data(), hard_stop.size()}, cell.now));
+    cell.settle();
+    if (cell.driver.state() == DriverState::kReady) {
+      (void)cell.go({0, 0, 0, 0, 0, 0});
+      cell.settle();
+    }
+    expect_rotors_inside(cell);
+    if (!in_a_step) continue;
+    ++lost;
+    ASSERT_EQ(cell.driver.state(), DriverState::kFault) << at;
+    EXPECT_EQ(cell.driver.fault()->index, 3) << at;
+    EXPECT_EQ(cell.driver.positions()[3].quality, PositionQuality::kUncertain) << at;
+  }
+  EXPECT_GT(lost, 20);
+}
+
 /// Dips of the supply, each at a moment of its own; the last one may last.
 void dip(IcpCell& cell, test::Random& random) {
   const auto dips = random.integer(1, 2);
@@ -605,6 +669,46 @@ TEST(IcpDriverFaults, supply_loss_that_one_module_shows_withdraws_all_six) {
     EXPECT_EQ(cell.driver.positions()[i].quality, due) << i;
   }
   expect_rotors_inside(cell);
+}
+
+TEST(IcpDriverFaults, status_is_asked_for_only_where_it_may_be_and_not_for_ever) {
+  IcpCell cell;
+  cell.driver.allow_looks(false);
+  cell.run_for(100ms);
+  cell.driver.declare_positions(IcpCell::at_home());
+  cell.driver.open(cell.now);
+  cell.run_for(1s);
+  EXPECT_EQ(cell.driver.state(), DriverState::kOpening);
+  EXPECT_TRUE(cell.driver.looks());
+  EXPECT_EQ(cell.driver.health().requests, 0U);
+  cell.driver.allow_looks(true);
+  cell.settle();
+  ASSERT_EQ(cell.driver.state(), DriverState::kReady);
+  EXPECT_FALSE(cell.driver.looks());
+
+  // A motion's steps need no leave, its statuses do; where that never comes nobody has looked.
+  cell.driver.allow_looks(false);
+  cell.events.clear();
+  ASSERT_TRUE(cell.go({20, 0, 0, -20, 0, 0}));
+  cell.run_for(1s);
+  EXPECT_EQ(cell.driver.steps_left(), 0);
+  EXPECT_TRUE(cell.events.empty());
+  EXPECT_TRUE(cell.driver.looks());
+  cell.settle();
+  ASSERT_EQ(cell.driver.state(), DriverState::kFault);
+  EXPECT_EQ(cell.driver.fault()->code, ErrorCode::kNotRecorded);
+  EXPECT_EQ(cell.count(Kind::kFailed), 1U);
+  EXPECT_TRUE(cell.uncertain());
+  EXPECT_FALSE(cell.driver.looks());
+  cell.expect_honest();
+
+  // Once it may, six good answers settle it.
+  cell.driver.allow_looks(true);
+  ASSERT_TRUE(cell.driver.clear_fault(cell.now));
+  cell.settle();
+  EXPECT_EQ(cell.driver.state(), DriverState::kReady);
+  EXPECT_FALSE(cell.uncertain());
+  cell.expect_honest();
 }
 
 TEST(IcpDriverFaults, silence_after_a_stop_ends_it_once_and_says_why) {

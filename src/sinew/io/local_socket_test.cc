@@ -50,6 +50,9 @@ TEST(LocalSocket, name_in_use_is_refused_and_a_dead_socket_is_replaced) {
   {
     auto first = LocalListener::create(path);
     ASSERT_TRUE(first);
+    using std::filesystem::perms;
+    EXPECT_EQ(std::filesystem::status(path).permissions(), perms::owner_read | perms::owner_write)
+        << "this user's alone";
     const auto second = LocalListener::create(path);
     ASSERT_FALSE(second);
     EXPECT_EQ(second.error().sentence, path + ": another program listens there");

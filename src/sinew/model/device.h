@@ -1,9 +1,12 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <string>
+#include <utility>
 #include <variant>
 
 #include "sinew/core/angle_encoding.h"
@@ -79,10 +82,23 @@ struct AxisRegisterMap {
 struct AxisBoard {
   std::uint8_t spi_bus = 0;
   std::uint8_t spi_device = 0;
-  std::uint8_t select_gpio = 0;  ///< BCM number of the chip select
-  std::uint8_t ready_gpio = 0;   ///< READY, which is shown and never relied on
-  double zero = 0;               ///< rad: the joint angle that kDegU32 calls 0
+  std::uint8_t select_gpio = 0;       ///< BCM number of the chip select
+  std::uint8_t ready_gpio = 0;        ///< READY, which is shown and never relied on
+  double zero = 0;                    ///< rad: the joint angle that kDegU32 calls 0
+  std::uint8_t homing_place = 0;      ///< 1: homes first; 0 of all of them: in the joints' order
+  std::int8_t homing_direction = -1;  ///< in which its search goes: -1 towards lower angles
 };
+
+using AxisBoards = FixedVector<AxisBoard, kMaxJoints>;  ///< one per joint
+
+/// Joints in the order in which they look for their zeros.
+inline FixedVector<std::uint8_t, kMaxJoints> homing_order(const AxisBoards& boards) {
+  FixedVector<std::uint8_t, kMaxJoints> order;
+  for (std::size_t i = 0; i < boards.size(); ++i) order.push_back(static_cast<std::uint8_t>(i));
+  std::ranges::sort(
+      order, {}, [&](std::uint8_t joint) { return std::pair(boards[joint].homing_place, joint); });
+  return order;
+}
 
 struct AxisRegistersDevice {
   AngleEncoding encoding = AngleEncoding::kDegU32;
@@ -92,14 +108,14 @@ struct AxisRegistersDevice {
   /// DIAG_STATUS tells something. Boards with the first firmware always answer 0: a move is done
   /// there when its predicted time is over, and positions are `commanded`.
   bool reports_status = true;
-  FixedVector<AxisBoard, kMaxJoints> boards;  ///< one per joint
+  AxisBoards boards;
 };
 
 /// robot-arm-2 with axis boards that run Sinew's own firmware.
 struct AxisLinkDevice {
   std::uint32_t clock_hz = 4'000'000;
   Duration deadline = std::chrono::milliseconds(100);  ///< silence that stops an axis; 20..500 ms
-  FixedVector<AxisBoard, kMaxJoints> boards;
+  AxisBoards boards;
 };
 
 // learm
@@ -196,5 +212,16 @@ struct Device {
                MaxArmDevice, IcpDevice>
       settings;
 };
+
+/// The boards of a robot that hangs on SPI, one per joint; none of any other. They live in it.
+inline std::span<const AxisBoard> boards_of(const Device& device) {
+  if (const auto* registers = std::get_if<AxisRegistersDevice>(&device.settings)) {
+    return {registers->boards.data(), registers->boards.size()};
+  }
+  if (const auto* link = std::get_if<AxisLinkDevice>(&device.settings)) {
+    return {link->boards.data(), link->boards.size()};
+  }
+  return {};
+}
 
 }  // namespace sinew

@@ -301,10 +301,18 @@ TEST(SequenceRows, what_the_other_form_cannot_say_is_told_with_its_line) {
             "p.sinew:1:1: G0 has no speed=, accel= or blend=");
   EXPECT_EQ(of_rows("loop 2\njoint d.base=1deg\nend"),
             "p.sinew:2:1: a difference goes elsewhere in each round; G0 says places");
+  EXPECT_EQ(of_rows("loop 3\njoint base=10deg\nend"),
+            "p.sinew:2:1: in a loop a row names all joints: the others may stand elsewhere in the "
+            "next round, and a G0 says them all");
+  EXPECT_EQ(of_rows("gripper 90deg\nloop 3\ngripper on\ngripper 30deg\nend"),
+            "p.sinew:3:1: in a loop gripper says its angle: the next round may begin elsewhere");
   EXPECT_EQ(of_rows("loop 200\ngripper off\nend"),
             "p.sinew:1:1: a block of a sequence has 127 rounds at most");
   EXPECT_EQ(of_rows("loop 2\nloop 2\ngripper off\nend\nend"),
             "p.sinew:2:1: blocks of a sequence are not nested");
+  EXPECT_EQ(of_rows("gripper on"),
+            "p.sinew:1:1: G1 says an angle, and no row before this one does");
+  EXPECT_EQ(of_rows("gripper 40deg\ngripper off\ngripper on"), "");
   EXPECT_EQ(of_rows("gripper 40.5deg"), "p.sinew:1:1: G1 takes whole degrees of the gripper");
 }
 

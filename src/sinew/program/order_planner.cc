@@ -45,9 +45,9 @@ std::optional<Error> tool_refusal(const RobotModel& robot, const ToolAction& act
     const auto* device = std::get_if<BigRobotArmDevice>(&settings);
     if (device == nullptr) return Error{ErrorCode::kToolNotFitted};
     const double widest = from_deg(device->gripper_max);
-    const bool fine = gripper->angle >= 0 && gripper->angle <= widest + kTolerance;
-    if (!gripper->enabled || fine) return std::nullopt;
-    return Error{ErrorCode::kToolAngle, -1, gripper->angle, gripper->angle < 0 ? 0 : widest};
+    const double angle = gripper->angle.value_or(0);
+    if (angle >= 0 && angle <= widest + kTolerance) return std::nullopt;
+    return Error{ErrorCode::kToolAngle, -1, angle, angle < 0 ? 0 : widest};
   }
   if (!std::holds_alternative<MaxArmDevice>(settings)) return Error{ErrorCode::kToolNotFitted};
   const auto* nozzle = std::get_if<NozzleTo>(&action);
@@ -209,6 +209,7 @@ std::optional<Refusal> OrderPlanner::finish() {
     const Start q_start = stands_[0].q;
     const auto motion = advance(stands_[0], rows, places);
     if (!motion) return motion.error();
+    plan_.limits.add(motion->limits);
     const Rows taken = rows.first(motion->rows);
     double slowest = motion->duration;
     for (std::size_t i = 1; i < stands_.size(); ++i) {
@@ -296,8 +297,8 @@ std::expected<OrderPlanner::Planned, Refusal> OrderPlanner::plan_motion(const St
     if (const auto q = slow_way_back(rows[0], *stand.q, motion.error(), robot_)) return slow(*q);
     return std::unexpected(motion.error());
   }
-  const Planned planned{motion->rows, motion->q_end,      motion->duration,
-                        motion->stop, motion->stop_saves, false};
+  const Planned planned{motion->rows,       motion->q_end, motion->duration,         motion->stop,
+                        motion->stop_saves, false,         planner_->motion().limits};
   known_.emplace(std::move(key), planned);
   return planned;
 }

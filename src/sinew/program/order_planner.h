@@ -59,6 +59,7 @@ class OrderPlanner {
     CornerStopReason stop = CornerStopReason::kNone;
     double stop_saves = 0;
     bool first_move = false;
+    planning::LimitTimes limits{};
   };
   /// The rows of a motion and where it begins: loops come by the same ones again and again.
   struct Key {

@@ -257,14 +257,11 @@ std::optional<std::string> Procedure::go(double way) {
     for (double& q : row.q) q = 0;
     row.q[joint] = way;
     row.given = row.relative = static_cast<std::uint8_t>(1U << joint);
-    row.how.joint_share = robot_.device.capability.takes_speed ? kSlowShare : 1;
-    const Step one{0, row};
-    if (!planner_) planner_ = std::make_unique<RowPlanner>(robot_);
-    const auto planned = planner_->plan(*from, std::span(&one, 1));
-    if (!planned) return sentence(planned.error().error);
-    if (planned->pieces.empty()) return "there is no way to go";
+    auto pieces = slow_way(*from, row);
+    if (!pieces) return sentence(pieces.error());
+    if (pieces->empty()) return "there is no way to go";
     left_ = 0;
-    motion_ = std::make_unique<control::PieceMotion>(*from, planned->pieces, robot_);
+    motion_ = std::make_unique<control::PieceMotion>(*from, std::move(*pieces), robot_);
     command_ = machine_.give(control::Begin{.motion = motion_.get()});
   } else if (nudge_max > 0) {
     const double part = std::clamp(way, -nudge_max, nudge_max);
@@ -277,7 +274,40 @@ std::optional<std::string> Procedure::go(double way) {
   return std::nullopt;
 }
 
-std::optional<std::string> Procedure::first_move() {
+/// A joint move, slow where the device can be.
+Expected<std::vector<JointMove>> Procedure::slow_way(const JointVector& from, JointStep row) {
+  row.how.joint_share = robot_.device.capability.takes_speed ? kSlowShare : 1;
+  const Step one{0, row};
+  if (!planner_) planner_ = std::make_unique<RowPlanner>(robot_);
+  auto planned = planner_->plan(from, std::span(&one, 1));
+  if (!planned) return std::unexpected(planned.error().error);
+  return std::move(planned->pieces);
+}
+
+std::optional<std::string> Procedure::first_move(Instant now) {
+  const JointVector q = home_joints(robot_);
+  if (const auto from = machine_.reference(); from && plannable(*from, robot_)) {
+    // Somebody knows where it is already: a way as any other, and none where it stands there.
+    JointStep row{.q = q, .given = 0, .how = {}};
+    row.given = static_cast<std::uint8_t>((1U << q.size()) - 1);
+    auto pieces = slow_way(*from, row);
+    // A limp arm may lie against itself: it goes as one whose place nobody knows.
+    if (!pieces && pieces.error().code == ErrorCode::kCollision) return blind_first_move();
+    if (!pieces) return sentence(pieces.error());
+    if (pieces->empty()) {
+      end_step(StepResult::State::kDone, "it stands there already");
+      next(now);
+      return std::nullopt;
+    }
+    motion_ = std::make_unique<control::PieceMotion>(*from, std::move(*pieces), robot_);
+    command_ = machine_.give(control::Begin{.motion = motion_.get()});
+    phase_ = Phase::kWorking;
+    return std::nullopt;
+  }
+  return blind_first_move();
+}
+
+std::optional<std::string> Procedure::blind_first_move() {
   const JointVector q = home_joints(robot_);
   JointMove move{.q = q, .qd = {}, .duration = from_seconds(first_move_duration(robot_))};
   move.qd.resize(q.size());
@@ -323,7 +353,7 @@ void Procedure::begin_work(Instant now) {
     if (at.quality != PositionQuality::kLost && !within_limits(joint, at.q + way_)) way_ = -way_;
     why = go(way_);
   } else if (std::holds_alternative<FirstMoveStep>(step().what)) {
-    why = first_move();
+    why = first_move(now);
   } else if (std::holds_alternative<HomeMoveStep>(step().what)) {
     why = home_move();
   } else if (std::holds_alternative<SearchStep>(step().what)) {

@@ -196,7 +196,9 @@ class Procedure {
   bool asks_first() const;
   std::size_t moving_joint() const;
   std::optional<std::string> go(double way);
-  std::optional<std::string> first_move();
+  Expected<std::vector<JointMove>> slow_way(const JointVector& from, JointStep row);
+  std::optional<std::string> first_move(Instant now);
+  std::optional<std::string> blind_first_move();
   std::optional<std::string> home_move();
   void next_leg();
   std::expected<void, std::string> answer_motion(const MotionStep& step, std::string_view text,

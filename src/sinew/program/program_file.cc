@@ -229,9 +229,9 @@ class Parser {
       return;
     }
     if (row == "suction") return take_suction();
-    if (!row_.takes_words(1, "gripper 40deg or gripper off")) return;
+    if (!row_.takes_words(1, "gripper 40deg, gripper on or gripper off")) return;
     const std::string_view text = word(1).text;
-    if (text == "off") return add(ToolStep{GripperTo{false, 0}});
+    if (text == "off" || text == "on") return add(ToolStep{GripperTo{text == "on", {}}});
     if (const auto angle = row_.quantity(word(1), text, Measure::kAngle)) {
       add(ToolStep{GripperTo{true, *angle}});
     }

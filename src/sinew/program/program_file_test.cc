@@ -31,11 +31,12 @@ TEST(ProgramFile, every_row_is_read) {
       "end\n"
       "gripper 40deg\n"
       "gripper off\n"
+      "gripper on\n"
       "suction release\n"
       "nozzle -45deg time=1.5s",
       "p", test::robot("learm"));
   ASSERT_TRUE(program) << to_text(program.error().front());
-  ASSERT_EQ(program->steps.size(), 10U);
+  ASSERT_EQ(program->steps.size(), 11U);
   const auto& joint = std::get<JointStep>(program->steps[1].what);
   EXPECT_EQ(program->steps[1].line, 3);
   EXPECT_EQ(joint.given, 0b11);
@@ -46,7 +47,10 @@ TEST(ProgramFile, every_row_is_read) {
   EXPECT_EQ(loop.rounds, 3);
   EXPECT_EQ(loop.end, 5U);
   EXPECT_EQ(std::get<EndStep>(program->steps[5].what).loop, 2U);
-  const auto& nozzle = std::get<NozzleTo>(std::get<ToolStep>(program->steps[9].what).action);
+  const auto& on = std::get<GripperTo>(std::get<ToolStep>(program->steps[8].what).action);
+  EXPECT_TRUE(on.enabled);
+  EXPECT_FALSE(on.angle);
+  const auto& nozzle = std::get<NozzleTo>(std::get<ToolStep>(program->steps[10].what).action);
   EXPECT_DOUBLE_EQ(nozzle.angle, from_deg(-45));
   EXPECT_EQ(nozzle.duration, std::chrono::milliseconds(1500));
 }

@@ -82,6 +82,8 @@ struct Plan {
   double duration = 0;      ///< s of motion, waiting and tools, predicted; homing not counted
   double homing_max = 0;    ///< s, an upper bound of all homing
   double duration_min = 0;  ///< s; less than `duration` where branches or waits differ
+  /// What holds its motions back; of each order from the first place where it may begin.
+  planning::LimitTimes limits{};
 };
 
 /// Seconds for a first move from nobody knows where: each joint's whole range at a tenth of its

@@ -481,6 +481,8 @@ TEST(ProgramPlan, tools_and_homing_are_checked_with_everything_else) {
       {"learm", "gripper 10deg", ErrorCode::kToolNotFitted},
       {"learm", "home", ErrorCode::kNoEndStops},
       {"bigrobotarm", "gripper 180deg", std::nullopt},
+      {"bigrobotarm", "gripper on", std::nullopt},
+      {"learm", "gripper on", ErrorCode::kToolNotFitted},
       {"bigrobotarm", "gripper 181deg", ErrorCode::kToolAngle},
       {"bigrobotarm", "jaws 1mm", ErrorCode::kToolNotFitted},
       {"maxarm", "suction on", std::nullopt},

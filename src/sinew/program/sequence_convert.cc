@@ -1,9 +1,10 @@
 #include "sinew/program/sequence_convert.h"
 
 #include <cmath>
-#include <cstdio>
+#include <optional>
 
 #include "sinew/core/assert.h"
+#include "sinew/core/number_text.h"
 #include "sinew/core/units.h"
 #include "sinew/model/joint_lookup.h"
 #include "sinew/program/row_planner.h"
@@ -13,12 +14,7 @@ namespace {
 
 /// A motor's step is some hundredths of a degree: this many decimals give it back.
 std::string degrees(double angle) {
-  char buffer[64];
-  const int size = std::snprintf(buffer, sizeof buffer, "%.6f", to_deg(angle) + 0.0);
-  std::string text(buffer, static_cast<std::size_t>(size));
-  text.erase(text.find_last_not_of('0') + 1);
-  if (text.back() == '.') text.pop_back();
-  return (text == "-0" ? "0" : text) + "deg";
+  return number_text(to_deg(angle), 6) + "deg";
 }
 
 const BigRobotArmDevice& device_of(const RobotModel& robot) {
@@ -143,6 +139,12 @@ class SequenceWriter {
     if (open_ && joint.relative != 0) {
       return complain(step, "a difference goes elsewhere in each round; G0 says places");
     }
+    if (open_ && joint.given != (1U << kBigRobotArmJoints) - 1) {
+      return complain(
+          step,
+          "in a loop a row names all joints: the others may stand elsewhere in the next "
+          "round, and a G0 says them all");
+    }
     q_ = resolved(joint, q_);
     sequence::Move move;
     for (std::size_t i = 0; i < kBigRobotArmJoints; ++i) {
@@ -158,11 +160,20 @@ class SequenceWriter {
   void take_gripper(const Step& step, const ToolStep& tool) {
     const auto* gripper = std::get_if<GripperTo>(&tool.action);
     if (gripper == nullptr) return complain(step, "a sequence has no other tool than gripper");
-    const double angle = to_deg(gripper->angle);
+    // A G1 always says where; the firmware's own first place is 90 degrees, which no row has said.
+    if (gripper->enabled && !gripper->angle && !gripper_deg_) {
+      return complain(step, "G1 says an angle, and no row before this one does");
+    }
+    if (open_ && gripper->enabled && !gripper->angle) {
+      return complain(step, "in a loop gripper says its angle: the next round may begin elsewhere");
+    }
+    const double last = gripper->enabled ? gripper_deg_.value_or(0) : 0;
+    const double angle = gripper->angle ? to_deg(*gripper->angle) : last;
     const double whole = std::round(angle);
     if (!(std::abs(whole) <= kStepsMax) || std::abs(whole - angle) > 1e-9) {
       return complain(step, "G1 takes whole degrees of the gripper");
     }
+    if (gripper->angle) gripper_deg_ = whole;
     add(step, sequence::Gripper{gripper->enabled, static_cast<std::int32_t>(whole)});
   }
 
@@ -184,6 +195,7 @@ class SequenceWriter {
   bool open_ = false;
   sequence::Section block_;
   sequence::Program sequence_;
+  std::optional<double> gripper_deg_;  ///< of the last row that said it
   std::vector<Complaint> complaints_;
 };
 

@@ -5,7 +5,6 @@
 
 #include "sinew/device/axis_settings.h"
 #include "sinew/motion/rest_to_rest.h"
-#include "sinew/runtime/robot_variant.h"
 
 namespace sinew::runtime {
 namespace {
@@ -44,7 +43,7 @@ double homing_time(const AxisSettings& axis) {
 
 program::Homing homing_of(const RobotModel& robot) {
   program::Homing homing;
-  if (boards_of(robot).empty()) return homing;
+  if (boards_of(robot.device).empty()) return homing;
   homing.rest.emplace();
   for (std::size_t i = 0; i < robot.joints.size(); ++i) {
     const AxisSettings axis = axis_settings(robot, i);

@@ -163,6 +163,9 @@ void JobRunner::publish(const Run& run, Instant now) {
   view_.orders = plan.orders.size();
   view_.duration = plan.duration;
   view_.homing_max = plan.homing_max;
+  view_.planned = !plan.orders.empty();
+  view_.begun = run.begun_at().has_value();
+  view_.limits = plan.limits;
   view_.progress = run.finished() && run.phase() == Run::Phase::kDone ? 1 : run.progress(now);
   if (run.begun_at()) view_.elapsed = to_seconds(now - *run.begun_at());
   view_.failure = run.failure();

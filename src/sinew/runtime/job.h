@@ -35,8 +35,11 @@ struct JobView {
   int line = 0;      ///< of the order under way or, between two, the next one; or that failed
   std::size_t orders_done = 0;
   std::size_t orders = 0;
-  double duration = 0;    ///< s, predicted; homing not counted
-  double homing_max = 0;  ///< s
+  double duration = 0;            ///< s, predicted; homing not counted
+  double homing_max = 0;          ///< s
+  bool planned = false;           ///< its duration is known, and that all of it can be carried out
+  bool begun = false;             ///< its first order was sent
+  planning::LimitTimes limits{};  ///< what holds its motions back
   double progress = 0;
   double elapsed = 0;  ///< s, since its first order
   std::optional<program::Refusal> failure = std::nullopt;

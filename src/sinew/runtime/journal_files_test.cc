@@ -91,6 +91,7 @@ class Story {
       for (JointPosition& joint : at) joint = {PositionQuality::kCommanded, to, to, to};
       if (kind == JournalKind::kClosed) write(*journal.close(at, time()));
       if (kind == JournalKind::kRest) write(*journal.at_rest(at, time()));
+      if (kind == JournalKind::kLook) write(*journal.look(at, time()));
       truth.fill({to, to});
     }
   }
@@ -296,6 +297,35 @@ TEST(JournalFiles, older_copies_of_both_files_are_seen_by_their_stamps_and_else_
   image.go_on(20, JournalKind::kRest);
   image.disk = backup;
   EXPECT_EQ(image.look().finding, kEndedAtRest);
+}
+
+TEST(JournalFiles, who_died_while_a_device_told_what_it_forgets_leaves_room_for_it) {
+  RecoverySettings settings = test::recovery_for(kJoints);
+  for (std::size_t k = 0; k < kJoints; ++k) settings.forgotten_way.push_back(0.5);
+  for (const JournalKind last : {JournalKind::kRest, JournalKind::kIntent, JournalKind::kClosed}) {
+    Story run(20, last);
+    EXPECT_EQ(run.look(settings).positions[1].lower, run.look().positions[1].lower);
+    EXPECT_EQ(run.look(settings).positions[1].quality, run.look().positions[1].quality);
+  }
+  Story run(21, JournalKind::kLook);
+  EXPECT_EQ(run.look(settings).finding, kEndedInLook);
+  EXPECT_EQ(run.look(settings).way_out, WayOut::kVerify);
+  EXPECT_FALSE(run.look(settings).power_up_added);
+  const JointPosition joint = run.look(settings).positions[1];
+  EXPECT_EQ(joint.quality, PositionQuality::kUncertain);
+  EXPECT_EQ(joint.q, 21'000 * kUnit);
+  EXPECT_EQ(joint.lower, 21'000 * kUnit - 0.5);
+  EXPECT_EQ(joint.upper, 21'000 * kUnit + 0.5);
+  // Of a device that forgets nothing it says what a rest says.
+  EXPECT_EQ(run.look().way_out, WayOut::kNothing);
+  // A last write that did not come through may have been one.
+  Story torn(20, JournalKind::kIntent);
+  auto bytes = torn.bytes()[torn.newer()];
+  const double lower = torn.look(settings).positions[1].lower;
+  bytes.insert(bytes.end(), kJournalSlotSize, std::uint8_t{0});
+  torn.disk.rot(kNames[torn.newer()], bytes);
+  EXPECT_EQ(torn.look(settings).finding, kDamagedTail);
+  EXPECT_EQ(torn.look(settings).positions[1].lower, lower - 0.5);
 }
 
 TEST(JournalFiles, records_that_do_not_follow_one_another_are_no_journal) {

@@ -9,6 +9,7 @@ namespace sinew::runtime {
 namespace {
 
 using test::Cell;
+using test::FindingCounts;
 using test::Random;
 
 /// The end of a life, one way or another.
@@ -21,7 +22,7 @@ void crash(Cell& cell, Random& random) {
 }
 
 TEST(JournalLosses, what_is_recovered_always_contains_the_truth) {
-  std::array<std::uint64_t, 12> findings{};
+  FindingCounts findings{};
   std::uint64_t sends = 0;
   std::uint64_t records = 0;
   const std::uint64_t losses = sinew::test::how_many("SINEW_POWER_LOSSES", 2000);
@@ -60,6 +61,25 @@ TEST(JournalLosses, what_is_recovered_always_contains_the_truth) {
         JournalFinding::kUnreadable, JournalFinding::kOtherModel, JournalFinding::kOtherRobot}) {
     EXPECT_EQ(times(finding), 0U) << sentence(finding);
   }
+}
+
+/// The same life again and again, its power cut at its first call to the disk, its second, ...
+TEST(JournalLosses, power_that_goes_at_each_call_in_turn_never_leaves_a_lie) {
+  std::uint64_t cuts = 0;
+  for (std::uint64_t life = 0; life < 60; ++life) {
+    for (std::uint64_t call = 1; !::testing::Test::HasFailure(); ++call) {
+      Random random(sinew::test::seed() + life);
+      Cell cell(random);
+      cell.disk.cut_power_at_call(cell.disk.calls() + call);
+      cell.live({.cycles_max = 400});
+      if (!cell.disk.power_is_cut()) break;  // it had no more calls than that
+      cell.lose_power();
+      cell.look();
+      ++cuts;
+    }
+  }
+  std::cout << "  " << cuts << " cuts\n";
+  EXPECT_GT(cuts, 500U);
 }
 
 TEST(JournalLosses, full_disk_at_any_write_starts_no_motion_and_holds_within_100_ms) {

@@ -22,6 +22,10 @@ inline constexpr double kUnit = 0x1p-12;  ///< rad a step; exact in binary, so t
 inline constexpr Duration kCycle = std::chrono::milliseconds(1);
 inline constexpr std::int64_t kEpoch = 1'700'000'000'000'000'000;
 
+/// How often each JournalFinding was met, by its number.
+using FindingCounts =
+    std::array<std::uint64_t, std::size_t{1} + static_cast<std::size_t>(JournalFinding::kCleanEnd)>;
+
 inline JournalSettings settings_for(std::size_t joints) {
   JournalSettings settings;
   settings.owner = {journal_hash("pretend"), journal_hash("model")};
@@ -32,7 +36,7 @@ inline JournalSettings settings_for(std::size_t joints) {
 }
 
 inline RecoverySettings recovery_for(std::size_t joints) {
-  return {.owner = settings_for(joints).owner, .joints = joints, .power_up_way = {}};
+  return {.owner = settings_for(joints).owner, .joints = joints};
 }
 
 /// A joint that really is somewhere, what was sent to it, and what its driver knows.
@@ -188,7 +192,7 @@ class Cell {
   std::uint64_t records = 0;
   std::uint64_t sends_after_failure = 0;
   Duration longest_to_hold{};
-  std::array<std::uint64_t, 12> findings{};
+  FindingCounts findings{};
 
  private:
   JournalTime time() const { return {now_, kEpoch + now_.time_since_epoch().count()}; }

@@ -27,7 +27,7 @@ std::string place_of(const std::string& port) {
 
 io::IoResult<std::unique_ptr<io::SpiBus>> open_bus(const RobotModel& robot, const std::string& port,
                                                    const io::Clock& clock) {
-  const auto boards = boards_of(robot);
+  const auto boards = boards_of(robot.device);
   if (port == kSpidev) {
     std::vector<io::SpiBoard> places;
     for (const AxisBoard& board : boards) {
@@ -158,7 +158,7 @@ std::optional<sim::Truth> RobotLink::truth() const {
 std::optional<std::string> wrong_port(const RobotModel& robot, const std::string& port) {
   const std::string place = place_of(port);
   const bool simwire = place.starts_with(kUnix) || place.starts_with(kTcp);
-  if (!boards_of(robot).empty()) {
+  if (!boards_of(robot.device).empty()) {
     if (simwire || port == kSpidev) return std::nullopt;
     return port + ": this robot hangs on SPI; its port is spidev, simwire:unix:PATH or " +
            "simwire:tcp:HOST:PORT";

@@ -87,17 +87,6 @@ void set_wire(RobotModel& robot, BigRobotArmDevice& device, const std::string& w
 
 }  // namespace
 
-std::span<const AxisBoard> boards_of(const RobotModel& robot) {
-  const auto& settings = robot.device.settings;
-  if (const auto* registers = std::get_if<AxisRegistersDevice>(&settings)) {
-    return {registers->boards.data(), registers->boards.size()};
-  }
-  if (const auto* link = std::get_if<AxisLinkDevice>(&settings)) {
-    return {link->boards.data(), link->boards.size()};
-  }
-  return {};
-}
-
 std::vector<std::string> profiles_of(const RobotModel& robot) {
   const auto& settings = robot.device.settings;
   if (std::holds_alternative<BigRobotArmDevice>(settings)) return {"document", "as-built"};

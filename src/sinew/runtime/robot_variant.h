@@ -10,9 +10,6 @@
 
 namespace sinew::runtime {
 
-/// The boards of a robot that hangs on SPI, which live in its model; none of any other.
-std::span<const AxisBoard> boards_of(const RobotModel& robot);
-
 /// The names of a simulated device's variants (`--profile`), its default first; none where it has
 /// but one.
 std::vector<std::string> profiles_of(const RobotModel& robot);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <filesystem>
 #include <utility>
 
 #include "sinew/runtime/position_record.h"
@@ -15,6 +16,7 @@ namespace {
 constexpr std::uint64_t kBatch = 16;
 constexpr std::size_t kToldMax = 64;
 constexpr const char* kFlightMark = "_fault-";
+constexpr const char* kRunMark = "_run-";
 
 Instant time_of(const std::variant<RunSample, RunEvent>& entry) {
   return std::visit([](const auto& one) { return one.at; }, entry);
@@ -31,18 +33,19 @@ std::string safe(const std::string& text) {
   return result;
 }
 
-/// So that the folder never has more than `count` flight records; others are left alone.
-DiskResult<void> keep_newest(Disk& disk, std::size_t count) {
+/// So that the folder never has more than `count` records with this in their names; others are left
+/// alone.
+DiskResult<void> keep_newest(Disk& disk, std::string_view mark, std::size_t count) {
   const auto names = disk.list();
   if (!names) return std::unexpected(names.error());
-  std::vector<std::pair<std::int64_t, std::string>> flights;
+  std::vector<std::pair<std::int64_t, std::string>> records;
   for (const std::string& name : *names) {
-    if (!name.ends_with(".mcap") || !name.contains(kFlightMark)) continue;
-    if (const auto stamp = disk.stamp(name)) flights.emplace_back(stamp->changed_ns, name);
+    if (!name.ends_with(".mcap") || !name.contains(mark)) continue;
+    if (const auto stamp = disk.stamp(name)) records.emplace_back(stamp->changed_ns, name);
   }
-  std::ranges::sort(flights);
-  for (std::size_t k = 0; k + count < flights.size(); ++k) {
-    if (auto removed = disk.remove(flights[k].second); !removed) return removed;
+  std::ranges::sort(records);
+  for (std::size_t k = 0; k + count < records.size(); ++k) {
+    if (auto removed = disk.remove(records[k].second); !removed) return removed;
   }
   return {};
 }
@@ -271,11 +274,19 @@ void RunRecorder::write_flight() {
   }
   RecordTold told = (*file)->finish();
   told.fault = fault.event.cause;
-  if (const auto kept = keep_newest((*file)->disk(), kFlightFilesMax);
+  if (const auto kept = keep_newest((*file)->disk(), kFlightMark, kFlightFilesMax);
       !kept && told.trouble.empty()) {
     told.trouble = "older ones could not be removed: " + sentence(kept.error());
   }
   tell(std::move(told));
+}
+
+RecordPlace run_place(const std::string& folder, const std::string& robot,
+                      const std::string& program, std::int64_t wall_ns) {
+  // Of a program's path its name says enough.
+  const std::string name = std::filesystem::path(program).stem().string();
+  return {folder, record_name(robot, kRunMark + 1 + name, wall_ns), program,
+          RunRecorder::kRunSizeMax, true};
 }
 
 RecordTitle RunRecorder::title(const std::string& program) const {
@@ -286,6 +297,12 @@ io::IoResult<void> RunRecorder::begin(const RecordPlace& place, RecordSlot slot)
   end(slot);
   auto file = File::create(robot_, place, title(place.program));
   if (!file) return std::unexpected(file.error());
+  if (place.of_every_run) {
+    if (const auto kept = keep_newest((*file)->disk(), kRunMark, kRunFilesMax); !kept) {
+      return std::unexpected(
+          io::IoError{"older records could not be removed: " + sentence(kept.error())});
+    }
+  }
   const std::scoped_lock lock(work_);
   work();
   files_[static_cast<std::size_t>(slot)] = std::move(*file);

@@ -42,7 +42,13 @@ struct RecordPlace {
   std::string name;
   std::string program;  ///< for people
   std::uint64_t size_max = ~std::uint64_t{0};
+  /// One of those that every run leaves; the newest RunRecorder::kRunFilesMax of its folder stay.
+  bool of_every_run = false;
 };
+
+/// Where a run leaves its record that nobody gave a place. @param wall_ns  of its begin
+RecordPlace run_place(const std::string& folder, const std::string& robot,
+                      const std::string& program, std::int64_t wall_ns);
 
 /// A file that somebody wants, and that is being written.
 struct RecordUnderWay {
@@ -65,6 +71,10 @@ class RunRecorder {
   static constexpr std::size_t kFlightMax = 1600;
   /// Of all robots together; the oldest go first.
   static constexpr std::size_t kFlightFilesMax = 50;
+  /// The same of the records that every run leaves, and how large one of them gets: some four
+  /// minutes of a five-joint arm at full rate.
+  static constexpr std::size_t kRunFilesMax = 20;
+  static constexpr std::uint64_t kRunSizeMax = std::uint64_t{32} << 20;
 
   /// @param robot  outlives this. @param now, wall_ns  the same instant on both clocks
   RunRecorder(const RobotModel& robot, RecorderOptions options, Instant now, std::int64_t wall_ns);

@@ -188,6 +188,29 @@ TEST_F(Recorder, fault_at_the_very_end_is_kept_too) {
   EXPECT_EQ(Record(folder_.at(folder_.names()[0])).messages.at("joint_states").size(), 300U);
 }
 
+TEST_F(Recorder, keeps_the_twenty_newest_runs_and_touches_nothing_else) {
+  folder_.file("arm_fault-device_20261122T000000.123Z.mcap", "a fault");
+  folder_.file("my_run.mcap", "mine");
+  {
+    RunRecorder recorder = make();
+    for (int k = 0; k < 23; ++k) {
+      const RecordPlace place =
+          run_place(folder_.at(), "arm", "programs/wave.sinew", kWall + k * 1'000'000'000LL);
+      EXPECT_EQ(place.size_max, RunRecorder::kRunSizeMax);
+      ASSERT_TRUE(recorder.begin(place));
+      offer(recorder, k * 1s, k * 1s + 50ms);
+      recorder.end();
+    }
+  }
+  EXPECT_EQ(folder_.names().size(), 22U);
+  EXPECT_TRUE(std::filesystem::exists(folder_.at("my_run.mcap")));
+  EXPECT_TRUE(std::filesystem::exists(folder_.at("arm_fault-device_20261122T000000.123Z.mcap")));
+  EXPECT_FALSE(std::filesystem::exists(folder_.at("arm_run-wave_20261122T000002.123Z.mcap")));
+  EXPECT_TRUE(std::filesystem::exists(folder_.at("arm_run-wave_20261122T000003.123Z.mcap")));
+  const Record newest(folder_.at("arm_run-wave_20261122T000022.123Z.mcap"));
+  EXPECT_FALSE(newest.messages.at("joint_states").empty());
+}
+
 TEST_F(Recorder, keeps_fifty_faults_and_touches_nothing_else) {
   folder_.file("notes_fault-mine.txt", "mine");
   folder_.file("run.mcap", "mine");

@@ -20,6 +20,7 @@ StationOptions options_of(const CellRobot& robot, const CellFolders& folders) {
   options.journal_folder = folders.journal;
   options.flight_folder = folders.flight;
   options.record_folder = folders.record;
+  options.records_jobs = folders.records_jobs || !folders.record.empty();
   return options;
 }
 

@@ -14,9 +14,10 @@ namespace sinew::runtime {
 
 /// Where a cell keeps what it writes down; empty: that is not kept.
 struct CellFolders {
-  std::string journal;          ///< positions of robots with a journal
-  std::string flight;           ///< the last seconds before each fault, and what somebody records
-  std::string record;           ///< a record of each job
+  std::string journal;  ///< positions of robots with a journal
+  std::string flight;   ///< the last seconds before each fault, and what somebody records
+  std::string record;   ///< a record of each job; empty: the newest of them in `flight`
+  bool records_jobs = false;
   std::string commissioning{};  ///< what commissioning finds
   std::string programs{};       ///< programs and points, a folder for each kind of robot
 };

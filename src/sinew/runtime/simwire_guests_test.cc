@@ -81,7 +81,7 @@ struct Boards {
   Boards()
       : model(test::robot("robot-arm-2")),
         machine(*make_machine(model, {}, Instant{})),
-        server(*machine.spi, boards_of(model), "boards") {}
+        server(*machine.spi, boards_of(model.device), "boards") {}
   RobotModel model;
   RobotMachine machine;
   sim::SimwireServer server;

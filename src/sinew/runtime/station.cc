@@ -185,6 +185,7 @@ void Station::take_mail(ControlLoop& loop) {
 void Station::publish(const ControlLoop& loop, Instant now) {
   const control::Controller& controller = loop.controller();
   const Driver& driver = controller.driver();
+  cycles_timed_.cycle(now);
   const bool look = now - truth_at_ >= kTruthInterval;
   std::optional<sim::Truth> truth;
   if (look) {
@@ -221,6 +222,9 @@ void Station::publish(const ControlLoop& loop, Instant now) {
     if (connected_) view_.bytes = link_->line().count();
     view_.port_open = connected_;
     if (look) view_.truth = truth;
+    const double real = 1 / std::max(1.0, clock_.scale());
+    view_.cycle_mean = real * to_seconds(cycles_timed_.mean);
+    view_.cycle_longest = real * to_seconds(cycles_timed_.longest);
     // Whoever hears in the next cycle that the device is ready finds what made it so.
     view_.facts = facts;
     ++cycles_;
@@ -495,13 +499,16 @@ void Station::wait_for_cycle(Duration patience) const {
 }
 
 void Station::begin_record(const std::string& program) {
-  if (!recorder_ || options_.record_folder.empty()) return;
-  const std::string name = record_name(options_.name, program, io::wall_time_ns());
-  const auto begun = recorder_->begin({options_.record_folder, name, program});
+  if (!recorder_ || !options_.records_jobs) return;
+  const std::int64_t now = io::wall_time_ns();
+  const RecordPlace place =
+      options_.record_folder.empty()
+          ? run_place(options_.flight_folder, options_.name, program, now)
+          : RecordPlace{options_.record_folder, record_name(options_.name, program, now), program};
+  const auto begun = recorder_->begin(place);
   if (begun) return;
   const std::scoped_lock lock(mutex_);
-  unrecorded_.push_back(
-      {options_.record_folder + "/" + name, {}, begun.error().sentence, 0, false});
+  unrecorded_.push_back({place.folder + "/" + place.name, {}, begun.error().sentence, 0, false});
 }
 
 void Station::end_record() {

@@ -15,6 +15,7 @@
 #include "sinew/io/clock.h"
 #include "sinew/runtime/cell_space.h"
 #include "sinew/runtime/control_loop.h"
+#include "sinew/runtime/cycle_times.h"
 #include "sinew/runtime/position_record.h"
 #include "sinew/runtime/robot_link.h"
 #include "sinew/runtime/run_recorder.h"
@@ -31,8 +32,9 @@ struct StationOptions {
   std::string journal_folder;
   /// Where the last seconds before each fault are kept; empty: nowhere.
   std::string flight_folder;
-  /// Where each job leaves a record; empty: nowhere.
+  /// Where each job leaves a record; empty: in flight_folder, where the newest of all stay.
   std::string record_folder;
+  bool records_jobs = false;
   /// Of the cell, where there is more than this robot; outlives the station. Which one it is there.
   CellSpace* space = nullptr;
   std::size_t place = 0;
@@ -165,6 +167,7 @@ class Station {
   StationView view_;
   std::string trouble_;
   std::uint64_t cycles_ = 0;
+  CycleTimes cycles_timed_;
   std::uint32_t last_id_ = 0;
   std::uint32_t stops_ = 0;
   FixedVector<control::Command, kMailboxMax> mailbox_;

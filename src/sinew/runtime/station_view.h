@@ -32,6 +32,8 @@ struct StationView {
   bool port_open = false;
   std::optional<sim::Truth> truth;  ///< of a simulated machine
   DeviceFacts facts;                ///< what its driver has heard
+  double cycle_mean = 0;            ///< s of real time, over the last hundred cycles
+  double cycle_longest = 0;         ///< s, of them
 };
 
 /// Events that wait for one who listens; those beyond kMax are dropped and counted.

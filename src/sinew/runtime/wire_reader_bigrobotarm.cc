@@ -1,3 +1,4 @@
+#include "sinew/core/spelling.h"
 #include "sinew/runtime/wire_reader_parts.h"
 #include "sinew/wire/bigrobotarm_byte.h"
 #include "sinew/wire/bigrobotarm_text.h"
@@ -104,7 +105,8 @@ Told read(const text::ReplyLine& line) {
               return Told{"free_memory", {whole("free_bytes", m.bytes)}};
             },
             [](const text::Echo& m) {
-              return Told{"echo", {word("line", {m.line.data(), m.line.size()})}};
+              // Whatever the device likes to say, to people's terminals and pages.
+              return Told{"echo", {word("line", printable({m.line.data(), m.line.size()}))}};
             },
             [](const text::MovingTo&) { return Told{"motion_started"}; },
             [](const text::PositionLine& m) { return Told{"steps", {list("steps", m.positions)}}; },

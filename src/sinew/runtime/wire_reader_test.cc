@@ -159,7 +159,9 @@ TEST(WireReader, bigrobotarm_byte_and_text_wires) {
   const auto line = text::encode_line({Request{Goto{{10, 20, 30, 40, 50}}}});
   lines.down(both(text_bytes(text::view(line)), {'\r'}));
   lines.up(text_bytes("BigRobotArm::READY\r\nwhatever\r\n"));
-  EXPECT_EQ(lines.texts(), (Texts{"goto: steps 10 20 30 40 50", "ready", "damaged"}));
+  lines.up(text_bytes("Process command: \xe2\x80\xae<b>\x1b[2J\r\n"));
+  EXPECT_EQ(lines.texts(), (Texts{"goto: steps 10 20 30 40 50", "ready", "damaged",
+                                  "echo: line \\xe2\\x80\\xae<b>\\x1b[2J"}));
 }
 
 TEST(WireReader, a_register_transaction_transfer_by_transfer) {

@@ -37,11 +37,11 @@ std::optional<Json> event_json(const std::string& robot, const ControlEvent& eve
     case Kind::kStop:
       json["kind"] = "stop";
       json["cause"] = cause_name(event.cause);
+      if (const auto category = category_number(event.cause)) json["category"] = *category;
       return json;
     case Kind::kLatched:
       json["kind"] = "fault";
-      json["cause"] = cause_name(event.cause);
-      json["error"] = error_json(event.error, model);
+      json.update(latched_json({event.cause, event.error}, model));
       return json;
     case Kind::kNotice:
       json["kind"] = "notice";
@@ -116,6 +116,15 @@ void Api::close(SessionId id) {
   log_demonstration();
 }
 
+bool Api::holds(SessionId id) const {
+  const auto found = sessions_.find(id);
+  if (found == sessions_.end()) return false;
+  return std::ranges::any_of(found->second.machines, [&](const auto& one) {
+    const JobView job = cell_.jobs(one.first).view();
+    return one.second->lease().epoch != 0 || (job.client == id && !job.over);
+  });
+}
+
 void Api::yield(SessionId session) {
   yielding_ = session;
   log_demonstration();
@@ -175,11 +184,11 @@ void Api::answer(Session& session, const Json& id, bool answered, const Answer& 
     return;
   }
   if (const auto* elsewhere = std::get_if<Elsewhere>(&what)) {
-    if (previews_->ask({session.id, id, answered}, elsewhere->wish)) return;
+    if (previews_->ask({session.id, id, answered}, elsewhere->wish) || !answered) return;
     return put(session, error_text(id, {RpcCode::kBusy, "too many previews wait", nullptr}));
   }
   if (const auto* errand = std::get_if<Errand>(&what)) {
-    if (errand->desk.ask({session.id, id, answered}, errand->task)) return;
+    if (errand->desk.ask({session.id, id, answered}, errand->task) || !answered) return;
     return put(session, error_text(id, {RpcCode::kBusy, "too many requests wait", nullptr}));
   }
   if (!answered) return;
@@ -326,7 +335,7 @@ void Api::log_events() {
 
 bool Api::same(const JobView& a, const JobView& b) {
   return a.id == b.id && a.over == b.over && phase_name(a) == phase_name(b) && a.line == b.line &&
-         a.orders_done == b.orders_done && a.notices == b.notices &&
+         a.planned == b.planned && a.orders_done == b.orders_done && a.notices == b.notices &&
          a.waits_for_room == b.waits_for_room;
 }
 
@@ -334,18 +343,30 @@ bool Api::same(const JobView& a, const JobView& b) {
 void Api::log_jobs() {
   for (std::size_t i = 0; i < jobs_.size(); ++i) {
     const JobView now = cell_.jobs(i).view();
-    const bool changed = now.id != jobs_[i].id || now.over != jobs_[i].over ||
-                         phase_name(now) != phase_name(jobs_[i]);
-    if (changed && now.id != 0) {
-      Json event = job_json(cell_.station(i).name(), now, cell_.station(i).robot());
-      Json json{{"at_ms", wall_ms()}, {"robot", cell_.station(i).name()}, {"kind", "job"}};
-      for (const char* key : {"job", "title", "phase", "over", "predicted_s", "error"}) {
-        if (event.contains(key)) json[key] = event[key];
-      }
-      log_.add(std::move(json));
-    }
+    const JobView& before = jobs_[i];
+    // A plan that was begun, or refused, between two looks was made all the same.
+    JobView planned = now;
+    planned.begun = false;
+    planned.phase = program::Run::Phase::kRunning;
+    planned.paused = planned.over = false;
+    planned.failure.reset();
+    const bool new_plan = now.planned && (now.id != before.id || !before.planned);
+    if (new_plan && phase_name(now) != phase_name(planned)) log_job(i, planned);
+    const bool changed =
+        now.id != before.id || now.over != before.over || phase_name(now) != phase_name(before);
+    if (changed && now.id != 0) log_job(i, now);
     jobs_[i] = now;
   }
+}
+
+void Api::log_job(std::size_t robot, const JobView& job) {
+  const runtime::Station& station = cell_.station(robot);
+  const Json told = job_json(station.name(), job, station.robot());
+  Json json{{"at_ms", wall_ms()}, {"robot", station.name()}, {"kind", "job"}};
+  for (const char* key : {"job", "title", "phase", "over", "predicted_s", "limited", "error"}) {
+    if (told.contains(key)) json[key] = told[key];
+  }
+  log_.add(std::move(json));
 }
 
 Json Api::status(std::size_t robot) {

@@ -53,6 +53,8 @@ class Api {
   /// Its leases end, and with them what they moved.
   void close(SessionId session);
   bool knows(SessionId session) const { return sessions_.contains(session); }
+  /// It has the lease of a robot, or a program of its own runs.
+  bool holds(SessionId session) const;
   /// A session that gives way: it is closed before anything else that moves a robot, or a stop, of
   /// another one is done. One at a time.
   void yield(SessionId session);
@@ -139,6 +141,7 @@ class Api {
   void log_demonstration();
   void log_events();
   void log_jobs();
+  void log_job(std::size_t robot, const runtime::JobView& job);
   void tell(Session& session, Instant now);
   void tell_jobs(Session& session, Instant now);
   RpcError refusal(RpcCode code, const Error& error, std::size_t robot) const;
@@ -182,6 +185,8 @@ class Api {
   Answer keep(const Method& method, const Call& call);
   Answer keep_texts(const Method& method, const Call& call);
   Answer check_program(const Call& call);
+  Answer import_program(const Call& call);
+  Answer export_program(const Call& call);
   Answer keep_settings(const Method& method, const Call& call);
   // api_device.cc
   Json device_status(std::size_t robot) const;

@@ -5,6 +5,7 @@
 #include "sinew/program/program_check.h"
 #include "sinew/program/program_format.h"
 #include "sinew/program/program_rows.h"
+#include "sinew/program/text_forms.h"
 #include "sinew/runtime/homing_time.h"
 #include "sinew/server/api.h"
 #include "sinew/server/robot_json.h"
@@ -31,6 +32,13 @@ struct CheckWish {
   std::optional<std::map<std::string, std::string>> called;
 };
 
+CheckWish wish_of(std::size_t robot, const RpcRequest& request) {
+  CheckWish wish{.robot = robot, .text = request.text("text"), .points = {}, .called = {}};
+  if (request.params.contains("points")) wish.points = request.text("points");
+  if (request.params.contains("called")) wish.called = texts_of(request, "called");
+  return wish;
+}
+
 constexpr const char* kOwnName = "program";
 
 Json complaint_rows(const std::vector<Complaint>& complaints) {
@@ -40,6 +48,7 @@ Json complaint_rows(const std::vector<Complaint>& complaints) {
     if (one.file != kOwnName) row["file"] = one.file;
     row["verdict"] = "refused";
     row["sentence"] = one.message;
+    if (!one.key.empty()) row["key"] = one.key;
     rows.push_back(std::move(row));
   }
   return rows;
@@ -132,16 +141,16 @@ class Verdicts {
   std::vector<Met> met_;
 };
 
-Keeper::Result check_text(const runtime::RunningCell& cell, const Keeper& keeper,
-                          const CheckWish& wish) {
-  const auto unreadable = [](const std::vector<Complaint>& complaints) {
-    return Json{{"fine", false}, {"rows", complaint_rows(complaints)}};
-  };
+/// A program with the points and programs around it.
+/// @error  a sentence of a disk, or complaints
+using Unread = std::variant<std::string, std::vector<Complaint>>;
+std::expected<program::Program, Unread> read_program(const runtime::RunningCell& cell,
+                                                     const Keeper& keeper, const CheckWish& wish) {
   const auto kept = wish.points ? std::expected<std::string, std::string>(*wish.points)
                                 : keeper.kept_points(wish.robot);
-  if (!kept) return std::unexpected(RpcError{RpcCode::kRefused, kept.error(), nullptr});
+  if (!kept) return std::unexpected(kept.error());
   const auto points = read_points(*kept, "points.toml");
-  if (!points) return unreadable(points.error());
+  if (!points) return std::unexpected(points.error());
   program::Surroundings around;
   around.points = &*points;
   around.load = [&](std::string_view name) -> std::expected<program::CalledFile, std::string> {
@@ -155,10 +164,53 @@ Keeper::Result check_text(const runtime::RunningCell& cell, const Keeper& keeper
     if (found != wish.called->end()) return program::CalledFile{key, found->second};
     return std::unexpected("the request does not bring the program '" + key + "'");
   };
-  const auto program =
-      program::parse(wish.text, kOwnName, cell.station(wish.robot).robot(), around);
-  if (!program) return unreadable(program.error());
-  return Verdicts(cell, wish, *program).json();
+  auto program = program::parse(wish.text, kOwnName, cell.station(wish.robot).robot(), around);
+  if (!program) return std::unexpected(program.error());
+  return std::move(*program);
+}
+
+RpcError refused(std::string sentence) {
+  return {RpcCode::kRefused, std::move(sentence), nullptr};
+}
+
+Keeper::Result check_text(const runtime::RunningCell& cell, const Keeper& keeper,
+                          const CheckWish& wish) {
+  const auto program = read_program(cell, keeper, wish);
+  if (program) return Verdicts(cell, wish, *program).json();
+  if (const auto* sentence = std::get_if<std::string>(&program.error())) {
+    return std::unexpected(refused(*sentence));
+  }
+  const auto& complaints = std::get<std::vector<Complaint>>(program.error());
+  return Json{{"fine", false}, {"rows", complaint_rows(complaints)}};
+}
+
+std::optional<program::TextForm> form_of(const std::string& name) {
+  if (name == "sequence") return program::TextForm::kSequence;
+  if (name == "pos") return program::TextForm::kPose;
+  if (name == "gcode") return program::TextForm::kGcode;
+  return std::nullopt;
+}
+
+RpcError no_form(const program::NoForm& why, const RobotModel& model) {
+  if (!why.complaints.empty()) return complained(why.complaints);
+  if (why.refusal) return refused_plan(*why.refusal, model, std::nullopt);
+  return refused(why.sentence);
+}
+
+Keeper::Result export_text(const runtime::RunningCell& cell, const Keeper& keeper,
+                           const CheckWish& wish, program::TextForm form,
+                           program::DecimalMark mark) {
+  const auto program = read_program(cell, keeper, wish);
+  const RobotModel& model = cell.station(wish.robot).robot();
+  if (!program) {
+    if (const auto* sentence = std::get_if<std::string>(&program.error())) {
+      return std::unexpected(refused(*sentence));
+    }
+    return std::unexpected(complained(std::get<std::vector<Complaint>>(program.error())));
+  }
+  auto text = program::text_of(form, *program, model, mark);
+  if (!text) return std::unexpected(no_form(text.error(), model));
+  return Json{{"text", std::move(*text)}};
 }
 
 }  // namespace
@@ -168,13 +220,30 @@ Api::Errand Api::at_files(TaskDesk::Task task) {
 }
 
 Api::Answer Api::check_program(const Call& call) {
-  CheckWish wish{
-      .robot = *call.robot, .text = call.request.text("text"), .points = {}, .called = {}};
-  const Json& params = call.request.params;
-  if (params.contains("points")) wish.points = params["points"].get<std::string>();
-  if (params.contains("called")) wish.called = texts_of(call.request, "called");
-  return Errand{checks_,
-                [this, wish = std::move(wish)] { return check_text(cell_, keeper_, wish); }};
+  return Errand{checks_, [this, wish = wish_of(*call.robot, call.request)] {
+                  return check_text(cell_, keeper_, wish);
+                }};
+}
+
+Api::Answer Api::import_program(const Call& call) {
+  const auto form = form_of(call.request.text("form"));
+  if (!form) return invalid("form is sequence, pos or gcode");
+  const RobotModel& model = cell_.station(*call.robot).robot();
+  return Errand{checks_, [=, &model, text = call.request.text("text")]() -> Keeper::Result {
+                  auto rows = program::rows_of(*form, text, "the file", model);
+                  if (!rows) return std::unexpected(no_form(rows.error(), model));
+                  return Json{{"text", std::move(*rows)}};
+                }};
+}
+
+Api::Answer Api::export_program(const Call& call) {
+  const auto form = form_of(call.request.text("form"));
+  if (!form || *form == program::TextForm::kGcode) return invalid("form is sequence or pos");
+  const auto mark = call.request.flag("decimal_comma") ? program::DecimalMark::kComma
+                                                       : program::DecimalMark::kPoint;
+  return Errand{checks_, [=, this, wish = wish_of(*call.robot, call.request)] {
+                  return export_text(cell_, keeper_, wish, *form, mark);
+                }};
 }
 
 Api::Answer Api::keep_texts(const Method& method, const Call& call) {
@@ -234,6 +303,10 @@ Api::Answer Api::keep(const Method& method, const Call& call) {
       if (!text) return complained(text.error());
       return Json{{"text", std::move(*text)}};
     }
+    case MethodId::kProgramImport:
+      return import_program(call);
+    case MethodId::kProgramExport:
+      return export_program(call);
     case MethodId::kSettingsGet:
     case MethodId::kSettingsCheck:
     case MethodId::kSettingsSet:

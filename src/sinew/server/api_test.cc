@@ -247,6 +247,63 @@ TEST(Api, who_watches_hears_of_states_jobs_and_events) {
   EXPECT_EQ(events[0]["number"], 1);
 }
 
+TEST(Api, who_reads_nothing_has_little_to_read_and_then_the_latest) {
+  ApiCell cell({place("left", "learm", "bus")}, 1);
+  ApiClient client(cell);
+  client.call("watch", {{"rate_hz", 100}});
+  const auto count = [&] {
+    client.take_messages();
+    return std::ranges::count(client.messages(), "status",
+                              [](const Json& one) { return one["method"]; });
+  };
+  count();
+  const auto before = count();
+  const Instant begin = cell.now();
+  while (cell.now() - begin < std::chrono::seconds(1)) cell.turn();
+  EXPECT_LE(count() - before, static_cast<std::ptrdiff_t>(Api::kOutputSlow));
+  // Of all that it missed it hears nothing: the next one is of now.
+  for (int turn = 0; turn < 10; ++turn) cell.turn();
+  const auto next = count();
+  EXPECT_GT(next, before);
+  const double told = client.messages().back()["params"]["robots"][0]["at_s"];
+  EXPECT_NEAR(told, client.status("left")["at_s"].get<double>(), 0.2);
+}
+
+TEST(Api, a_jobs_life_has_its_plan_with_what_holds_it_back) {
+  ApiCell cell({place("left", "learm", "bus")});
+  ApiClient client(cell);
+  client.run("left", test::kStand);
+  const Json job = client.run("left", "joint base=40deg\njoint base=0deg");
+  EXPECT_EQ(job["limited"]["joint"], "base") << job.dump();
+  std::vector<std::string> phases;
+  Json planned;
+  const Json told = client.call("events.list")["result"]["events"];
+  for (const Json& event : told) {
+    if (event["kind"] != "job" || event["job"] != job["job"]) continue;
+    phases.push_back(event["phase"]);
+    if (event["phase"] == "planned") planned = event;
+  }
+  ASSERT_FALSE(planned.is_null()) << told.dump();
+  EXPECT_NEAR(planned["predicted_s"].get<double>(), job["predicted_s"].get<double>(), 1e-9);
+  EXPECT_EQ(planned["limited"], job["limited"]);
+  EXPECT_EQ(std::ranges::count(phases, "planned"), 1);
+  EXPECT_LT(std::ranges::find(phases, "planned"), std::ranges::find(phases, "done"));
+  // What cannot be planned never was.
+  client.call("program.run", {{"robot", "left"}, {"text", "joint elbow=130deg"}});
+  EXPECT_EQ(client.finish("left")["phase"], "failed");
+  const Json events = client.call("events.list")["result"]["events"];
+  EXPECT_EQ(events.back()["phase"], "failed") << events.dump();
+  EXPECT_EQ(std::ranges::count(events, "planned",
+                               [](const Json& event) { return event.value("phase", ""); }),
+            2);
+  // Its control loop says how long its cycles take.
+  EXPECT_TRUE(cell.until([&] { return client.status("left").contains("cycle"); }));
+  const Json cycle = client.status("left")["cycle"];
+  EXPECT_GT(cycle["mean_s"], 0);
+  EXPECT_GE(cycle["longest_s"], cycle["mean_s"]);
+  EXPECT_LT(cycle["mean_s"], 0.1);
+}
+
 TEST(Api, each_job_leaves_a_record_and_says_where) {
   const sinew::test::ScratchFolder folder;
   ApiCell cell({place("left", "learm", "bus")}, 20,

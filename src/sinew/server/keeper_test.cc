@@ -236,11 +236,59 @@ TEST_F(KeeperTest, a_check_has_a_verdict_for_each_row_and_looks_at_what_is_kept)
   EXPECT_EQ(unreadable["rows"][1]["line"], 3);
   EXPECT_EQ(check("call nobody\n")["fine"], false);
 
+  const Json points =
+      client.call("program.check", {{"robot", "left"},
+                                    {"text", "joint to=above\n"},
+                                    {"points", "[points.above]\njoints_deg = 7\n"}});
+  ASSERT_TRUE(points["result"].contains("rows")) << points.dump();
+  EXPECT_TRUE(points["result"]["rows"][0]["key"].get<std::string>().starts_with("points.above"))
+      << points.dump();
+
   EXPECT_EQ(client.call("program.format", {{"text", "loop 2\nwait   1s\nend"}})["result"]["text"],
             "loop 2\n  wait 1s\nend\n");
   EXPECT_EQ(
       client.call("program.format", {{"text", "wat"}})["error"]["data"]["complaints"][0]["line"],
       1);
+}
+
+TEST_F(KeeperTest, files_of_other_programs_become_rows_and_rows_their_files) {
+  ApiClient client(cell_);
+  const auto made = [&](const char* method, const Json& params) {
+    const Json answer = client.call(method, params);
+    EXPECT_TRUE(answer.contains("result")) << answer.dump();
+    return answer.value("result", Json::object()).value("text", std::string());
+  };
+  const std::string row = "move x=1.5mm y=-2mm z=251mm rx=0.5deg ry=1deg rz=2deg\n";
+  Json wish{{"robot", "six"}, {"text", row}, {"form", "pos"}, {"decimal_comma", true}};
+  const std::string pos = made("program.export", wish);
+  EXPECT_NE(pos.find(','), std::string::npos);
+  EXPECT_TRUE(
+      made("program.import", {{"robot", "six"}, {"text", pos}, {"form", "pos"}}).ends_with(row));
+  EXPECT_EQ(made("program.import",
+                 {{"robot", "left"}, {"text", "G21 G90\nG1 Z110 F2400\n"}, {"form", "gcode"}}),
+            "line z=110mm speed=40mm/s\n");
+
+  // What has no other form says why, and where.
+  const auto refused = [&](const char* method, const Json& params) {
+    return client.sentence(method, params);
+  };
+  wish["text"] = row + "wait 1s\n";
+  EXPECT_NE(refused("program.export", wish).find("one row that moves"), std::string::npos);
+  wish["text"] = "move x=3m\n";
+  EXPECT_NE(refused("program.export", wish), "");
+  wish["text"] = "call nobody\n";
+  EXPECT_NE(refused("program.export", wish), "");
+  wish["form"] = "gcode";
+  EXPECT_NE(refused("program.export", wish).find("form is"), std::string::npos);
+  EXPECT_NE(refused("program.export", {{"robot", "six"}, {"text", row}, {"form", "sequence"}})
+                .find("BigRobotArm"),
+            std::string::npos);
+  EXPECT_NE(refused("program.import", {{"robot", "left"}, {"text", pos}, {"form", "pos"}})
+                .find("platform's file"),
+            std::string::npos);
+  const Json arc =
+      client.call("program.import", {{"robot", "left"}, {"text", "G2 X1\n"}, {"form", "gcode"}});
+  EXPECT_EQ(arc["error"]["data"]["complaints"][0]["line"], 1);
 }
 
 TEST_F(KeeperTest, a_record_has_what_moved_and_comes_back_byte_for_byte) {

@@ -72,6 +72,8 @@ enum class MethodId : std::uint8_t {
   kWireRead,
   kProgramCheck,
   kProgramFormat,
+  kProgramImport,
+  kProgramExport,
   kProgramsList,
   kProgramsLoad,
   kProgramsSave,
@@ -102,7 +104,8 @@ struct Method {
   bool moves = false;  ///< for operators only: it moves something, or changes what is kept
   std::string_view meaning;
   std::span<const Param> params;
-  std::string_view result;
+  std::string_view result;            ///< in words
+  std::string_view schema = "Empty";  ///< its name in result_schemas()
 };
 
 std::span<const Method> methods();

@@ -1,6 +1,7 @@
 #include "sinew/server/open_rpc.h"
 
 #include "sinew/server/methods.h"
+#include "sinew/server/result_schemas.h"
 
 namespace sinew::server {
 namespace {
@@ -29,6 +30,39 @@ Json schema_of(ParamType type) {
   return true;
 }
 
+struct Failure {
+  const char* name;
+  RpcCode code;
+  const char* message;
+};
+
+/// Any method may answer with any of them.
+constexpr Failure kFailures[] = {
+    {"InvalidRequest", RpcCode::kInvalidRequest, "no request"},
+    {"MethodNotFound", RpcCode::kMethodNotFound, "no method of this name"},
+    {"InvalidParams", RpcCode::kInvalidParams, "params that do not fit; nothing has happened"},
+    {"Refused", RpcCode::kRefused, "understood, and not done; data is a Refusal"},
+    {"Failed", RpcCode::kFailed, "begun, and not finished; data is a Refusal"},
+    {"Stopped", RpcCode::kStopped, "stopped"},
+    {"Busy", RpcCode::kBusy, "too much of it at once"},
+};
+
+Json errors_json() {
+  Json errors = Json::object();
+  for (const Failure& one : kFailures) {
+    errors[one.name] = {{"code", static_cast<int>(one.code)}, {"message", one.message}};
+  }
+  return errors;
+}
+
+Json error_refs() {
+  Json refs = Json::array();
+  for (const Failure& one : kFailures) {
+    refs.push_back({{"$ref", std::string("#/components/errors/") + one.name}});
+  }
+  return refs;
+}
+
 Json method_json(const Method& method) {
   Json params = Json::array();
   for (const Param& param : method.params) {
@@ -38,13 +72,15 @@ Json method_json(const Method& method) {
          {"required", param.required},
          {"schema", schema_of(param.type)}});
   }
-  // What comes back is told in words: each answer is an object, or a value that these name.
   return {{"name", method.name},
           {"summary", method.meaning},
           {"paramStructure", "by-name"},
           {"params", params},
           {"result",
-           {{"name", "result"}, {"summary", method.result}, {"schema", {{"type", "object"}}}}},
+           {{"name", "result"},
+            {"summary", method.result},
+            {"schema", schema_ref(std::string(method.schema))}}},
+          {"errors", error_refs()},
           {"x-role", method.moves ? "operator" : "viewer"}};
 }
 
@@ -60,7 +96,9 @@ Json open_rpc(const std::string& version) {
             {"description",
              "JSON-RPC 2.0 over a WebSocket (/ws), HTTP (POST /rpc) and a Unix socket. Numbers are "
              "SI and radians, as their names say. Methods with x-role operator move machines."}}},
-          {"methods", list}};
+          {"methods", list},
+          {"x-messages", message_schemas()},
+          {"components", {{"schemas", result_schemas()}, {"errors", errors_json()}}}};
 }
 
 std::string open_rpc_text(const std::string& version) {

@@ -71,6 +71,26 @@ TEST(OpenRpc, has_each_method_of_the_table_with_its_params) {
   }
 }
 
+/// Every name behind "$ref", wherever it stands.
+void collect_refs(const Json& json, std::set<std::string>& refs) {
+  if (json.is_object() && json.contains("$ref")) refs.insert(json["$ref"].get<std::string>());
+  if (!json.is_structured()) return;
+  for (const Json& one : json) collect_refs(one, refs);
+}
+
+TEST(OpenRpc, each_reference_leads_somewhere_and_nothing_lies_about) {
+  const Json document = open_rpc("test");
+  std::set<std::string> refs;
+  collect_refs(document, refs);
+  std::set<std::string> there;
+  for (const auto& [kind, parts] : document["components"].items()) {
+    for (const auto& [name, part] : parts.items())
+      there.insert("#/components/" + kind + "/" + name);
+  }
+  there.erase("#/components/schemas/Refusal");  // of which errors tell in words
+  EXPECT_EQ(refs, there);
+}
+
 /// A value that a param's schema describes is one that the check lets through.
 Json example_of(const Json& schema) {
   const std::string type = schema["type"];

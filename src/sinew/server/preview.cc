@@ -15,7 +15,6 @@
 namespace sinew::server {
 namespace {
 
-using planning::LimitKind;
 using program::MoveOrder;
 
 /// Nobody sees more, and a message stays small.
@@ -35,26 +34,6 @@ Json tool_row(const planning::PoseBT& X_BT) {
   const auto wxyz = quaternion_wxyz(X_BT.R);
   const double all[] = {X_BT.p.x, X_BT.p.y, X_BT.p.z, wxyz[0], wxyz[1], wxyz[2], wxyz[3]};
   return row_of(all, 7);
-}
-
-std::string_view limit_name(LimitKind kind) {
-  switch (kind) {
-    case LimitKind::kJointVelocity:
-      return "joint_velocity";
-    case LimitKind::kJointAcceleration:
-      return "joint_acceleration";
-    case LimitKind::kJointJerk:
-      return "joint_jerk";
-    case LimitKind::kToolSpeed:
-      return "tool_speed";
-    case LimitKind::kToolAcceleration:
-      return "tool_acceleration";
-    case LimitKind::kWire:
-      return "wire";
-    case LimitKind::kFeed:
-      break;
-  }
-  return "feed";
 }
 
 /// What the joints and the tool do, as a client plots and draws it.
@@ -117,31 +96,6 @@ class Samples {
   Json tool_ = Json::array();
 };
 
-/// Unit of an error's numbers, as part of a name; a hexapod's joint is a leg in metres.
-std::string_view unit_of(const Error& error, const RobotModel& model) {
-  switch (info(error.code).quantity) {
-    case Quantity::kLength:
-      return "_m";
-    case Quantity::kAngle: {
-      const bool leg = error.index >= 0 && model.joints[0].kind == JointKind::kPrismatic;
-      return leg && error.code == ErrorCode::kJointLimit ? "_m" : "_rad";
-    }
-    case Quantity::kTime:
-      return "_s";
-    case Quantity::kVoltage:
-      return "_v";
-    case Quantity::kAngularVelocity:
-      return "_rad_s";
-    case Quantity::kAngularAcceleration:
-      return "_rad_s2";
-    case Quantity::kNone:
-    case Quantity::kRatio:
-    case Quantity::kCount:
-      break;
-  }
-  return "";
-}
-
 /// Joints to which a joint move would lead instead, tried out by the planner; null where none.
 Json would_work(const program::WayRefusal& way, std::size_t size) {
   const planning::MoveProposal& offers = way.proposal;
@@ -162,8 +116,7 @@ Json would_work(const program::WayRefusal& way, std::size_t size) {
 
 /// Plans the motions once more, one after the other, and takes their samples.
 std::expected<void, program::Refusal> sample(const program::Plan& plan, const RobotModel& model,
-                                             program::RowPlanner& planner, Samples& samples,
-                                             planning::LimitTimes& limits) {
+                                             program::RowPlanner& planner, Samples& samples) {
   JointVector q;
   for (const program::Order& order : plan.orders) {
     if (const auto* wait = std::get_if<program::WaitOrder>(&order.what)) {
@@ -182,7 +135,6 @@ std::expected<void, program::Refusal> sample(const program::Plan& plan, const Ro
     if (!pieces) return std::unexpected(pieces.error());
     const planning::PlannedMotion& motion = planner.motion();
     if (motion.empty()) continue;
-    limits.add(motion.limits);
     const bool whole = model.device.capability.motion == MotionKind::kPointToPoint;
     if (whole && !pieces->pieces.empty()) {
       const double share = motion.path.sections.front().joint_share;
@@ -206,9 +158,6 @@ bool first_move_in(const program::Plan& plan) {
 RpcError refused_plan(const program::Refusal& refusal, const RobotModel& model,
                       const std::optional<runtime::CellRefusal>& met) {
   Json data = error_json(refusal.error, model);
-  const std::string unit(unit_of(refusal.error, model));
-  data["measured" + unit] = refusal.error.measured;
-  data["limit" + unit] = refusal.error.limit;
   data["line"] = refusal.line;
   if (refusal.way) {
     const planning::MovePlace& place = refusal.way->refusal.place;
@@ -250,8 +199,7 @@ std::expected<Json, RpcError> preview(const runtime::RunningCell& cell, const Pr
   program::RowPlanner planner(model);
   const double step = std::max(plan->duration / static_cast<double>(wish.samples - 1), 1e-3);
   Samples samples(model, planner.space(), step);
-  planning::LimitTimes limits;
-  if (const auto done = sample(*plan, model, planner, samples, limits); !done) {
+  if (const auto done = sample(*plan, model, planner, samples); !done) {
     return std::unexpected(refused_plan(done.error(), model, std::nullopt));
   }
   Json json{{"robot", station.name()},
@@ -260,14 +208,7 @@ std::expected<Json, RpcError> preview(const runtime::RunningCell& cell, const Pr
             {"homing_at_most_s", plan->homing_max},
             {"first_move", first_move_in(*plan)}};
   if (wish.from) json["from"] = row_of(wish.from->data(), wish.from->size());
-  if (limits.total() > 0) {
-    const planning::PathLimit most = limits.largest();
-    json["limited"] = {{"by", limit_name(most.kind)},
-                       {"share_of_time", rounded(limits.of(most) / limits.total(), 1e-4)}};
-    if (most.joint >= 0) {
-      json["limited"]["joint"] = model.joints[static_cast<std::size_t>(most.joint)].name;
-    }
-  }
+  put_limited(json, plan->limits, model);
   json["to"] = {{"positions", samples.last_joints()}, {"tool", samples.last_tool()}};
   json["samples"] = samples.json();
   return json;

@@ -11,6 +11,7 @@
 namespace sinew::server {
 namespace {
 
+using planning::LimitKind;
 using runtime::with_unit;
 
 Json joints_json(const runtime::StationView& view, const RobotModel& model) {
@@ -58,14 +59,79 @@ Json health_json(const runtime::StationView& view) {
   return json;
 }
 
-Json latched_json(const control::Latched& latched, const RobotModel& model) {
-  return {{"cause", cause_name(latched.cause)}, {"error", error_json(latched.error, model)}};
+/// Unit of an error's numbers, as part of a name; a hexapod's joint is a leg in metres.
+std::string_view unit_of(const Error& error, const RobotModel& model) {
+  switch (info(error.code).quantity) {
+    case Quantity::kLength:
+      return "_m";
+    case Quantity::kAngle: {
+      const bool leg = error.index >= 0 && model.joints[0].kind == JointKind::kPrismatic;
+      const bool angle_of_leg =
+          error.code == ErrorCode::kCardanAngle || error.code == ErrorCode::kBallAngle;
+      return leg && !angle_of_leg ? "_m" : "_rad";
+    }
+    case Quantity::kTime:
+      return "_s";
+    case Quantity::kVoltage:
+      return "_v";
+    case Quantity::kAngularVelocity:
+      return "_rad_s";
+    case Quantity::kAngularAcceleration:
+      return "_rad_s2";
+    case Quantity::kNone:
+    case Quantity::kRatio:
+    case Quantity::kCount:
+      break;
+  }
+  return "";
+}
+
+std::string_view limit_name(LimitKind kind) {
+  switch (kind) {
+    case LimitKind::kJointVelocity:
+      return "joint_velocity";
+    case LimitKind::kJointAcceleration:
+      return "joint_acceleration";
+    case LimitKind::kJointJerk:
+      return "joint_jerk";
+    case LimitKind::kToolSpeed:
+      return "tool_speed";
+    case LimitKind::kToolAcceleration:
+      return "tool_acceleration";
+    case LimitKind::kWire:
+      return "wire";
+    case LimitKind::kFeed:
+      break;
+  }
+  return "feed";
 }
 
 }  // namespace
 
+Json latched_json(const control::Latched& latched, const RobotModel& model) {
+  Json json{{"cause", cause_name(latched.cause)}, {"error", error_json(latched.error, model)}};
+  if (const auto category = category_number(latched.cause, latched.error)) {
+    json["category"] = *category;
+  }
+  return json;
+}
+
 std::string_view cause_name(control::StopCause cause) {
   return control::stop_rule(cause).name;
+}
+
+std::optional<int> category_number(control::StopCause cause, const std::optional<Error>& reason) {
+  switch (control::stop_category(cause, reason)) {
+    case StopCategory::kPowerOff:
+      return 0;
+    case StopCategory::kStopThenPowerOff:
+      return 1;
+    case StopCategory::kStopAndHold:
+      return 2;
+    case StopCategory::kNone:
+      break;
+  }
+  return std::nullopt;
 }
 
 Json pose_json(const Vec3& p, const Rotation& R) {
@@ -101,6 +167,11 @@ Json error_json(const Error& error, const RobotModel& model) {
   const bool in_cell = error.code == ErrorCode::kCellContact || error.code == ErrorCode::kCellTaken;
   const char* kind = error.other >= 0 ? "links" : in_cell ? "link" : "joint";
   if (!subject.empty()) json[kind] = subject;
+  if (info(error.code).quantity != Quantity::kNone) {
+    const std::string unit(unit_of(error, model));
+    json["measured" + unit] = error.measured;
+    json["limit" + unit] = error.limit;
+  }
   return json;
 }
 
@@ -179,6 +250,9 @@ Json status_json(const runtime::Station& station, const runtime::StationView& vi
     json["goes_on_s"] = to_seconds(*view.goes_on_until - view.at);
   }
   json["health"] = health_json(view);
+  if (view.cycle_longest > 0) {
+    json["cycle"] = {{"mean_s", view.cycle_mean}, {"longest_s", view.cycle_longest}};
+  }
   return json;
 }
 
@@ -186,6 +260,7 @@ std::string_view phase_name(const runtime::JobView& job) {
   constexpr std::array<std::string_view, 6> kNames{"opening", "running", "stopping",
                                                    "done",    "stopped", "failed"};
   if (job.paused && !job.over) return "paused";
+  if (job.planned && !job.begun && job.phase <= program::Run::Phase::kRunning) return "planned";
   return kNames[static_cast<std::size_t>(job.phase)];
 }
 
@@ -209,6 +284,7 @@ Json job_json(const std::string& robot, const runtime::JobView& job, const Robot
     json[key] = error_json(refusal.error, model);
     json[key]["line"] = refusal.line;
   };
+  if (job.planned) put_limited(json, job.limits, model);
   if (job.failure) tell("error", *job.failure);
   if (job.wish_refused) tell("wish_refused", *job.wish_refused);
   if (job.failure && job.in_the_way) put_in_the_way(json["error"], *job.in_the_way);
@@ -216,6 +292,18 @@ Json job_json(const std::string& robot, const runtime::JobView& job, const Robot
   if (job.stopped_by) json["stopped_by"] = cause_name(*job.stopped_by);
   if (job.last_notice) json["last_notice"] = error_json(job.last_notice->error, model);
   return json;
+}
+
+void put_limited(Json& json, const planning::LimitTimes& limits, const RobotModel& model) {
+  if (limits.total() <= 0) return;
+  constexpr double kStep = 1e-4;
+  const planning::PathLimit most = limits.largest();
+  const double share = limits.of(most) / limits.total();
+  json["limited"] = {{"by", limit_name(most.kind)},
+                     {"share_of_time", std::round(share / kStep) * kStep}};
+  if (most.joint >= 0) {
+    json["limited"]["joint"] = model.joints[static_cast<std::size_t>(most.joint)].name;
+  }
 }
 
 Json truth_json(const sim::Truth& truth, const RobotModel& model) {

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <optional>
 #include <string>
+#include <string_view>
 
 #include "sinew/planning/tool_space.h"
 #include "sinew/runtime/running_cell.h"
@@ -9,7 +11,8 @@
 /// What the server says of robots: SI and radians, the unit in each number's name.
 namespace sinew::server {
 
-/// {"code", "sentence", "joint"?}
+/// {"code", "sentence"}; "joint" or "link" or "links" where it is about one; "measured" and "limit"
+/// with their unit in the name where it has such.
 Json error_json(const Error& error, const RobotModel& model);
 
 /// {"x_m", "y_m", "z_m", "quaternion_wxyz"}
@@ -35,7 +38,15 @@ std::string_view phase_name(const runtime::JobView& job);
 
 Json truth_json(const sim::Truth& truth, const RobotModel& model);
 
+/// What held motions back for longest, and for which share of their time, as `limited`; nothing
+/// where nothing moves.
+void put_limited(Json& json, const planning::LimitTimes& limits, const RobotModel& model);
+/// A cause that is latched, with its category and what was wrong.
+Json latched_json(const control::Latched& latched, const RobotModel& model);
 /// A cause of a stop, for machines.
 std::string_view cause_name(control::StopCause cause);
+/// 0 to 2 after IEC 60204-1; nothing where nothing was moving because of it.
+std::optional<int> category_number(control::StopCause cause,
+                                   const std::optional<Error>& reason = {});
 
 }  // namespace sinew::server

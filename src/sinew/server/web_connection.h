@@ -50,6 +50,10 @@ class WebConnection {
   virtual bool stranger() const = 0;
   /// It has posted, got its answer, and keeps its place.
   virtual bool lingers() const { return false; }
+  /// Its session moves something, or may.
+  virtual bool holds() const { return false; }
+  /// What lingers leaves its place to another; it stays open, since its client may be sending.
+  virtual void give_place() {}
 };
 
 /// What connections share.
@@ -142,7 +146,9 @@ class SocketConnection final : public WebConnection,
   }
 
   void read() {
-    if (!open_ || ending_ || accepting_ || reading_ || !pace_.may_read()) return;
+    // Somebody who is refused is not read any more: the refusal may still be on its way out.
+    const bool may_read = open_ && !ending_ && last_reason_ == nullptr && pace_.may_read();
+    if (!may_read || accepting_ || reading_) return;
     reading_ = true;
     socket_.async_read(buffer_, [self = this->shared_from_this()](auto error, std::size_t size) {
       self->reading_ = false;
@@ -284,6 +290,8 @@ class HttpConnection final : public WebConnection,
   bool open() const override { return open_; }
   bool stranger() const override { return !session_; }
   bool lingers() const override { return open_ && session_ && !waiting_ && outgoing_.empty(); }
+  bool holds() const override { return session_ && door_->loop.api().holds(*session_); }
+  void give_place() override { close_session(); }
 
  private:
   auto& lowest() { return beast::get_lowest_layer(stream_); }
@@ -372,7 +380,7 @@ class HttpConnection final : public WebConnection,
     if (session_ && role_ != request_.role) close_session();
     if (!session_) {
       // Somebody who only keeps a place must not keep others from a stop.
-      if (door_->posters >= door_->posters_max) end_who_lingers();
+      if (door_->posters >= door_->posters_max) free_a_place();
       if (door_->posters < door_->posters_max) {
         session_ = door_->loop.api().open(*request_.role, Delivery::kAnswersOnly);
       }
@@ -389,9 +397,13 @@ class HttpConnection final : public WebConnection,
     turn();
   }
 
-  void end_who_lingers() {
-    for (const auto& connection : door_->connections) {
-      if (connection->lingers()) return connection->end();
+  void free_a_place() {
+    // Who holds a lease or runs a program only where all the others do too.
+    for (const bool taking : {false, true}) {
+      for (const auto& connection : door_->connections) {
+        if (!connection->lingers() || (connection->holds() && !taking)) continue;
+        return connection->give_place();
+      }
     }
   }
 

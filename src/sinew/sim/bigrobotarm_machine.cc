@@ -262,6 +262,7 @@ void BigRobotArmMachine::disturb(const Disturbance& what) {
       break;
     case Disturbance::Kind::kCoupling:
     case Disturbance::Kind::kMagnet:
+    case Disturbance::Kind::kLead:
       break;  // it has none
   }
   update_load();

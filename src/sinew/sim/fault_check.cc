@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <string>
 
+#include "sinew/sim/fault_switches.h"
 #include "sinew/sim/link_fault.h"
 
 // Whether a plan of faults can befall a robot.
@@ -47,22 +48,19 @@ std::expected<void, std::string> check_unit(const TimedDisturbance& timed, const
 std::expected<void, std::string> check_undoing(const FaultPlan& plan, const TimedDisturbance& timed,
                                                const std::string& name) {
   const Kind kind = timed.what.kind;
-  const bool switches = kind == Kind::kMagnet || kind == Kind::kCoupling;
-  const bool undoes = kind == Kind::kUnblock || (switches && timed.what.value != 0);
+  const FaultSwitch* part = switch_of(kind);
+  const bool undoes = kind == Kind::kUnblock || (part != nullptr && timed.what.value != 0);
   if (!undoes) return {};
   const bool done = std::ranges::any_of(plan.disturbances, [&](const TimedDisturbance& other) {
-    const bool counterpart = switches ? other.what.kind == kind && other.what.value == 0
-                                      : other.what.kind == Kind::kBlock;
+    const bool counterpart = part != nullptr ? other.what.kind == kind && other.what.value == 0
+                                             : other.what.kind == Kind::kBlock;
     return counterpart && other.what.joint == timed.what.joint && other.at < timed.at;
   });
   if (done) return {};
-  if (kind == Kind::kMagnet) {
-    return std::unexpected("magnet=" + name + ":on: it is on; it goes with magnet=" + name +
-                           ":off@4s");
-  }
-  if (kind == Kind::kCoupling) {
-    return std::unexpected("coupling=" + name + ":holds: it holds; it goes with coupling=" + name +
-                           ":slips@4s");
+  if (part != nullptr) {
+    const std::string item = std::string(part->name) + "=" + name + ":";
+    return std::unexpected(item + std::string(part->good) + ": " + std::string(part->is_good) +
+                           "; it goes with " + item + std::string(part->bad) + "@4s");
   }
   return std::unexpected("unblock=" + name + ": nothing blocks " + name +
                          " before; it goes with block=" + name + "@20deg@4s");
@@ -86,6 +84,11 @@ std::expected<void, std::string> check_faults(const FaultPlan& plan, const Robot
     if (timed.what.kind == Kind::kCoupling && !has_joint_encoder(robot, joint)) {
       return std::unexpected("coupling=" + name + ": " + robot.id +
                              " has no encoder of its own on that joint that could come loose");
+    }
+    if (timed.what.kind == Kind::kLead &&
+        !std::holds_alternative<IcpDevice>(robot.device.settings)) {
+      return std::unexpected("lead=" + name + ": " + robot.id +
+                             " has no module that watches the leads of its motors");
     }
     if (auto fine = check_unit(timed, robot.joints[joint], name); !fine) return fine;
     if (auto fine = check_undoing(plan, timed, name); !fine) return fine;

@@ -43,6 +43,11 @@ TEST(FaultCheck, couplings_slip_only_where_a_joint_has_an_encoder_of_its_own) {
                   " has no encoder of its own on that joint that could come loose");
   }
   EXPECT_EQ(refusal("robot-arm-2", "coupling=J3:slips@1s,coupling=J3:holds@2s"), "");
+  EXPECT_EQ(refusal("robot-arm-2", "lead=J3:loose@1s"),
+            "lead=J3: robot-arm-2 has no module that watches the leads of its motors");
+  EXPECT_EQ(refusal("hexapod", "lead=J3:loose@1s,lead=J3:fast@2s"), "");
+  EXPECT_EQ(refusal("hexapod", "lead=J3:fast@2s"),
+            "lead=J3:fast: it is fast; it goes with lead=J3:loose@4s");
   EXPECT_EQ(refusal("robot-arm-2", "coupling=J3:holds@2s"),
             "coupling=J3:holds: it holds; it goes with coupling=J3:slips@4s");
 }

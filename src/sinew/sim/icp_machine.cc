@@ -120,6 +120,7 @@ void IcpMachine::advance(Instant now) {
 
 void IcpMachine::run_motors(Instant now) {
   for (std::size_t i = 0; i < kLegs; ++i) {
+    if (legs_[i].loose && modules_[i].moving()) modules_[i].set_coil_fault(true, now_);
     const bool powered = modules_[i].powered();
     if (powered != motors_[i].powered()) {
       wake(i);
@@ -208,6 +209,11 @@ void IcpMachine::disturb(const Disturbance& what) {
       if (!one_leg) return;
       it.load = what.value;
       return wake(leg);
+    case Disturbance::Kind::kLead:
+      if (!one_leg) return;
+      it.loose = what.value == 0;
+      if (!it.loose) modules_[leg].set_coil_fault(false, now_);
+      return;
     case Disturbance::Kind::kCoupling:
     case Disturbance::Kind::kMagnet:
       return;  // no sensor anywhere

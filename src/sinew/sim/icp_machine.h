@@ -67,7 +67,8 @@ class IcpMachine final : public ByteMachine {
     double load = 0;         ///< N on this leg alone; positive lengthens it
     std::int64_t field = 0;  ///< of the module, as turned so far
     bool resting = true;
-    Instant time{};  ///< of the motor
+    bool loose = false;  ///< its motor's lead; contact goes with the next motion
+    Instant time{};      ///< of the motor
   };
 
   void wake(std::size_t leg);

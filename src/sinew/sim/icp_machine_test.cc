@@ -55,6 +55,23 @@ TEST(IcpMachine, legs_stand_at_home_and_stay_there) {
   }
 }
 
+TEST(IcpMachine, a_loose_lead_is_noticed_in_the_next_motion_and_the_leg_stays_where_it_was) {
+  Bench bench;
+  bench.steps(3, false, 100);
+  const double before = bench.units(2);
+  bench.machine.disturb({Kind::kLead, 2, 0});
+  bench.run_for(1s);
+  EXPECT_FALSE(bench.machine.module(2).flags().electrical_defect) << "nothing turns";
+  bench.steps(3, false, 100);
+  bench.steps(4, false, 100);
+  const auto flags = bench.machine.module(2).flags();
+  EXPECT_TRUE(flags.electrical_defect && flags.step_loss);
+  EXPECT_FALSE(bench.machine.module(3).flags().step_loss);
+  // Without current the magnets take it to the nearest full step.
+  EXPECT_NEAR(bench.units(2), before, 17);
+  EXPECT_NEAR(bench.units(3), 100, 2);
+}
+
 TEST(IcpMachine, a_turn_of_steps_is_a_lead_of_the_spindle) {
   Bench bench;
   bench.steps(2, false, 3200);

@@ -213,7 +213,8 @@ TEST(FaultText, all_items_are_read) {
   const FaultPlan plan = plan_of(
       " drop=0.001 , flip=1e-4:to-host,delay=0.01:200ms,cut@3s:500ms,half-open@10s:to-host:1s,"
       "cut@1min,seed=7,supply=9V@3s,block=J2@20deg@4s,unblock=J2@5s,payload=0.5kg@1s,"
-      "magnet=J3:off@2s,magnet=J3:on@2500ms,load=J1:-0.5Nm@0s,block=J6@12mm@1s,load=J4:2N@1s");
+      "magnet=J3:off@2s,magnet=J3:on@2500ms,load=J1:-0.5Nm@0s,block=J6@12mm@1s,load=J4:2N@1s,"
+      "lead=J5:loose@3s,lead=J5:fast@4s");
   EXPECT_EQ(plan.link.bytes[0].drop, 0.001);
   EXPECT_EQ(plan.link.bytes[1].drop, 0.001);
   EXPECT_EQ(plan.link.bytes[0].flip, 0);
@@ -234,7 +235,8 @@ TEST(FaultText, all_items_are_read) {
                               {Kind::kUnblock, 1, 0, 5s}, {Kind::kPayload, -1, 0.5, 1s},
                               {Kind::kMagnet, 2, 0, 2s},  {Kind::kMagnet, 2, 1, 2500ms},
                               {Kind::kLoad, 0, -0.5, 0s}, {Kind::kBlock, 5, 0.012, 1s},
-                              {Kind::kLoad, 3, 2, 1s}};
+                              {Kind::kLoad, 3, 2, 1s},    {Kind::kLead, 4, 0, 3s},
+                              {Kind::kLead, 4, 1, 4s}};
   ASSERT_EQ(plan.disturbances.size(), rows.size());
   for (std::size_t i = 0; i < rows.size(); ++i) {
     EXPECT_EQ(plan.disturbances[i].what.kind, rows[i].kind) << i;
@@ -318,6 +320,7 @@ TEST(FaultText, every_mistake_earns_a_sentence_that_names_it) {
       {"block=J2@1s", "is no place of a joint"},
       {"magnet=J1@1s", "a magnet is on or off"},
       {"coupling=J1:off@1s", "a coupling slips or holds"},
+      {"lead=J1:off@1s", "a lead is loose or fast"},
       {"unblock=J1:x@1s", "needs a joint and its moment only"},
       {"load=J1:5kg@1s", "fault \"load=J1:5kg@1s\":"},
       {"drop=0.1,,flip=0.1", "one comma too many"},
@@ -394,11 +397,11 @@ TEST(FaultText, what_is_printed_reads_back_as_the_same_plan) {
       plan.link.cuts.push_back(cut);
     }
     for (std::int64_t i = random.integer(0, 4); i > 0; --i) {
-      Disturbance what{.kind = static_cast<Disturbance::Kind>(random.integer(0, 6))};
+      Disturbance what{.kind = static_cast<Disturbance::Kind>(random.integer(0, 7))};
       using Kind = Disturbance::Kind;
       const bool global = what.kind == Kind::kSupply || what.kind == Kind::kPayload;
       if (!global) what.joint = static_cast<std::int8_t>(random.integer(0, 7));
-      if (what.kind == Kind::kMagnet || what.kind == Kind::kCoupling) {
+      if (what.kind == Kind::kMagnet || what.kind == Kind::kCoupling || what.kind == Kind::kLead) {
         what.value = random.chance(0.5) ? 1 : 0;
       } else if (what.kind != Kind::kUnblock) {
         what.value = random.uniform(global ? 0 : -3, 12);

@@ -5,6 +5,7 @@
 #include "sinew/core/quantity.h"
 #include "sinew/core/spelling.h"
 #include "sinew/core/units.h"
+#include "sinew/sim/fault_switches.h"
 #include "sinew/sim/link_fault.h"
 
 // The text of a fault plan, both ways.
@@ -21,9 +22,9 @@ constexpr double kPayloadMax = 100;  // kg
 constexpr double kLoadMax = 1000;    // Nm, N
 constexpr double kAngleMax = 100;    // rad
 constexpr double kLengthMax = 10;    // m
-constexpr std::array<std::string_view, 14> kItems{
-    "drop",   "duplicate", "flip",  "delay",   "cut",    "half-open", "seed",
-    "supply", "payload",   "block", "unblock", "magnet", "load",      "coupling"};
+constexpr std::array<std::string_view, 15> kItems{
+    "drop",    "duplicate", "flip",    "delay",  "cut",  "half-open", "seed", "supply",
+    "payload", "block",     "unblock", "magnet", "load", "coupling",  "lead"};
 
 std::string quoted(std::string_view text) {
   return "\"" + printable(text) + "\"";
@@ -345,16 +346,11 @@ class ItemReader {
       out.kind = Kind::kLoad;
       return read_load(value, timed);
     }
-    if (name_ == "magnet") {
-      out.kind = Kind::kMagnet;
-      out.value = value == "on" ? 1 : 0;
-      if (value != "on" && value != "off") return wrong("a magnet is on or off");
-      return {};
-    }
-    if (name_ == "coupling") {
-      out.kind = Kind::kCoupling;
-      out.value = value == "holds" ? 1 : 0;
-      if (value != "holds" && value != "slips") return wrong("a coupling slips or holds");
+    const auto* part = std::ranges::find(kFaultSwitches, name_, &FaultSwitch::name);
+    if (part != kFaultSwitches.end()) {
+      out.kind = part->kind;
+      out.value = value == part->good ? 1 : 0;
+      if (value != part->good && value != part->bad) return wrong(std::string(part->either));
       return {};
     }
     out.kind = Kind::kUnblock;
@@ -455,9 +451,12 @@ std::string text_of(const TimedDisturbance& timed) {
     case Kind::kUnblock:
       return "unblock=" + joint + at;
     case Kind::kMagnet:
-      return "magnet=" + joint + (timed.what.value != 0 ? ":on" : ":off") + at;
     case Kind::kCoupling:
-      return "coupling=" + joint + (timed.what.value != 0 ? ":holds" : ":slips") + at;
+    case Kind::kLead: {
+      const FaultSwitch& part = *switch_of(timed.what.kind);
+      const std::string_view state = timed.what.value != 0 ? part.good : part.bad;
+      return std::string(part.name) + "=" + joint + ":" + std::string(state) + at;
+    }
     case Kind::kLoad:
       break;
   }

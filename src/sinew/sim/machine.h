@@ -48,6 +48,8 @@ struct Disturbance {
     kLoad,      ///< extra torque on the joint, Nm (force on a leg, N)
     kCoupling,  ///< of the joint's encoder: 0 slips, so that the encoder stands still; 1 holds
                 ///< again
+    kLead,      ///< of the joint's stepper, to its module: 0 hangs loose, so that its contact goes
+                ///< with the next motion; 1 is fast again
   } kind = Kind::kSupply;
   std::int8_t joint = -1;
   double value = 0;

@@ -182,7 +182,8 @@ void MaxArmMachine::disturb(const Disturbance& what) {
       servo.unblock();
       break;
     case Disturbance::Kind::kCoupling:
-      break;  // its servos have their sensors inside
+    case Disturbance::Kind::kLead:
+      break;  // its servos have their sensors inside, and no stepper is there
     case Disturbance::Kind::kMagnet:
       sensor_ok_[joint] = what.value != 0;
       sense();

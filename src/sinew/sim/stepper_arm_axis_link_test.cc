@@ -21,19 +21,23 @@ namespace {
 using namespace std::chrono_literals;
 using Kind = DriverEvent::Kind;
 
-/// Close above the end stops, so that homing is short.
+/// Close to the end stops, so that homing is short.
 JointVector near_home(const RobotModel& model) {
   JointVector q;
-  for (const Joint& joint : model.joints) q.push_back(joint.lower + from_deg(4));
+  for (std::size_t i = 0; i < model.joints.size(); ++i) {
+    const Joint& joint = model.joints[i];
+    const bool upper = boards_of(model.device)[i].homing_direction > 0;
+    q.push_back(upper ? joint.upper - from_deg(4) : joint.lower + from_deg(4));
+  }
   return q;
 }
 
 struct ArmCell {
-  explicit ArmCell(std::uint64_t seed = 5)
-      : model(test::robot("robot-arm-2")),
+  explicit ArmCell(std::uint64_t seed = 5, const RobotModel& robot = test::robot("robot-arm-2"))
+      : model(robot),
         arm(model, {.wire = sim::AxisWire::kLink, .seed = seed, .start = near_home(model)},
             Instant{}) {
-    for (std::size_t i = 0; i < model.joints.size(); ++i) device.boards.push_back({});
+    device.boards = std::get<AxisRegistersDevice>(model.device.settings).boards;
     driver.emplace(device, model.joints);
   }
 
@@ -222,6 +226,36 @@ TEST(AxisLinkArm, homes_moves_and_stops_the_simulated_arm) {
   }
   EXPECT_LT(to_deg(cell.worst_lie()), 0.5);
   EXPECT_EQ(cell.driver->state(), DriverState::kReady);
+}
+
+/// Some switches at the upper ends, and an order of its own, as the robot's file may say.
+TEST(AxisLinkArm, homes_in_the_order_and_to_the_ends_that_its_file_says) {
+  RobotModel model = test::robot("robot-arm-2");
+  AxisBoards& boards = std::get<AxisRegistersDevice>(model.device.settings).boards;
+  const std::vector<std::size_t> wanted{1, 2, 0, 5, 4, 3};
+  for (std::size_t k = 0; k < wanted.size(); ++k) {
+    boards[wanted[k]].homing_place = static_cast<std::uint8_t>(k + 1);
+  }
+  for (const std::size_t joint : {1, 3, 5}) boards[joint].homing_direction = 1;
+  ArmCell cell(5, model);
+  std::vector<std::size_t> order;
+  cell.watch = [&] {
+    const auto joint = cell.driver->homing_joint();
+    if (joint && (order.empty() || order.back() != *joint)) order.push_back(*joint);
+  };
+  cell.driver->open(cell.now);
+  ASSERT_TRUE(cell.run_to(Kind::kReady, 1s));
+  ASSERT_TRUE(cell.driver->home(cell.now));
+  ASSERT_TRUE(cell.run_to(Kind::kDone, 300s)) << describe(cell.last.error);
+  EXPECT_EQ(order, wanted);
+  EXPECT_LT(to_deg(cell.worst_lie()), 0.5);
+  for (std::size_t i = 0; i < model.joints.size(); ++i) {
+    const double q = cell.arm.truth().joints[i].q;
+    const bool upper = boards[i].homing_direction > 0;
+    EXPECT_NEAR(to_deg(upper ? model.joints[i].upper - q : q - model.joints[i].lower), 0, 5) << i;
+    EXPECT_GE(q, model.joints[i].lower) << i;
+    EXPECT_LE(q, model.joints[i].upper) << i;
+  }
 }
 
 }  // namespace

@@ -1,0 +1,10 @@
+#pragma once
+
+#include <string>
+
+namespace sinew {
+
+/// A number for people: up to `digits` decimals, no trailing zeros, no "-0".
+std::string number_text(double value, int digits);
+
+}  // namespace sinew

@@ -1,0 +1,139 @@
+#include "sinew/program/text_forms.h"
+
+#include "sinew/core/assert.h"
+#include "sinew/core/number_text.h"
+#include "sinew/core/rotation.h"
+#include "sinew/core/units.h"
+#include "sinew/model/joint_lookup.h"
+#include "sinew/program/gcode_file.h"
+#include "sinew/program/program_format.h"
+#include "sinew/program/sequence_convert.h"
+
+namespace sinew::program {
+namespace {
+
+using Made = std::expected<std::string, NoForm>;
+
+std::unexpected<NoForm> none(std::string sentence) {
+  return std::unexpected(NoForm{std::move(sentence), {}, {}});
+}
+std::unexpected<NoForm> none(std::vector<Complaint> complaints) {
+  return std::unexpected(NoForm{{}, std::move(complaints), {}});
+}
+
+const HexapodGeometry* legs_of(const RobotModel& robot) {
+  return std::get_if<HexapodGeometry>(&robot.geometry);
+}
+
+std::string numbers(const Vec3& v) {
+  return number_text(v.x, 6) + " " + number_text(v.y, 6) + " " + number_text(v.z, 6);
+}
+
+/// One row, and what the file says beside it.
+std::string rows_of_pose(const PoseFile& pose, const PlatformFit& fit) {
+  constexpr const char* kWords[] = {" x=", "mm y=", "mm z=", "mm rx=", "deg ry=", "deg rz="};
+  const Vec3 rpy = fixed_xyz(fit.X_BP.R);
+  const double values[] = {to_mm(fit.X_BP.p.x), to_mm(fit.X_BP.p.y), to_mm(fit.X_BP.p.z),
+                           to_deg(rpy.x),       to_deg(rpy.y),       to_deg(rpy.z)};
+  std::string text = "# heads fit the platform to " + number_text(to_mm(fit.residual), 6) +
+                     " mm; totals of moves " + numbers(to_mm(1) * pose.translation_total) +
+                     " mm, of turns " + numbers(to_deg(1) * pose.rotation_total) + " deg\nmove";
+  for (std::size_t i = 0; i < std::size(values); ++i) {
+    text += kWords[i] + number_text(values[i], 6);
+  }
+  return text + "deg\n";
+}
+
+Made of_sequence(std::string_view text, const std::string& file_name, const RobotModel& robot) {
+  const auto* device = std::get_if<BigRobotArmDevice>(&robot.device.settings);
+  if (device == nullptr) return none("sequences are the BigRobotArm's; " + robot.id + " is none");
+  const auto sequence = sequence::parse(text, file_name, *device);
+  if (!sequence) return none(sequence.error());
+  auto rows = rows_of_sequence(*sequence, file_name, robot);
+  if (!rows) return none(rows.error());
+  return std::move(*rows);
+}
+
+Made of_pose(std::string_view text, const std::string& file_name, const RobotModel& robot) {
+  const auto pose = read_pose_file(text, file_name);
+  if (!pose) return none(pose.error());
+  const auto fit = platform_of(*pose, robot, file_name, 1);
+  if (!fit) return std::unexpected(fit.error());
+  return rows_of_pose(*pose, *fit);
+}
+
+Made of_gcode(std::string_view text, const std::string& file_name, const RobotModel& robot) {
+  auto rows = rows_of_gcode(text, file_name, robot);
+  if (!rows) return none(rows.error());
+  return std::move(*rows);
+}
+
+Made other_form(TextForm form, std::string_view text, const std::string& file_name,
+                const RobotModel& robot) {
+  switch (form) {
+    case TextForm::kSequence:
+      return of_sequence(text, file_name, robot);
+    case TextForm::kPose:
+      return of_pose(text, file_name, robot);
+    case TextForm::kGcode:
+      break;
+  }
+  return of_gcode(text, file_name, robot);
+}
+
+Made pose_of(const Plan& plan, const RobotModel& robot, DecimalMark mark) {
+  const auto* geometry = legs_of(robot);
+  if (geometry == nullptr) return none(".pos files are a platform's; " + robot.id + " is none");
+  const auto* move =
+      plan.orders.size() == 1 ? std::get_if<MoveOrder>(&plan.orders[0].what) : nullptr;
+  if (move == nullptr) {
+    return none("a .pos file is one pose: it takes a program of one row that moves");
+  }
+  const auto pose = kinematics::Hexapod(*geometry).forward(move->q, geometry->X_BP_home);
+  if (!pose) {
+    return std::unexpected(
+        NoForm{{}, {}, Refusal{plan.orders[0].line, pose.error(), std::nullopt}});
+  }
+  return pose_text(pose_file(pose->X_BP, *geometry), mark);
+}
+
+}  // namespace
+
+std::expected<PlatformFit, NoForm> platform_of(const PoseFile& pose, const RobotModel& robot,
+                                               const std::string& file_name, int line) {
+  const auto* geometry = legs_of(robot);
+  if (geometry == nullptr) return none("it is a platform's file; " + robot.id + " is none");
+  const auto fit = fit_platform(pose.heads, *geometry);
+  if (fit.residual <= kPlatformResidualMax) return fit;
+  return none(std::vector<Complaint>{
+      {file_name, line, 1, "",
+       "these heads are no place of " + robot.id + "'s platform: they are up to " +
+           number_text(to_mm(fit.residual), 3) + " mm off, " +
+           number_text(to_mm(kPlatformResidualMax), 1) + " mm is allowed"}});
+}
+
+Made rows_of(TextForm form, std::string_view text, const std::string& file_name,
+             const RobotModel& robot) {
+  const auto rows = other_form(form, text, file_name, robot);
+  if (!rows) return rows;
+  // What was made is a program, laid out.
+  if (const auto program = parse(*rows, file_name, robot); !program) return none(program.error());
+  auto out = format(*rows, file_name);
+  if (!out) return none(out.error());
+  return std::move(*out);
+}
+
+Made text_of(TextForm form, const Program& program, const RobotModel& robot, DecimalMark mark) {
+  SINEW_ASSERT(form != TextForm::kGcode);
+  const auto plan = make_plan(program, robot, home_joints(robot));
+  if (!plan) return std::unexpected(NoForm{{}, {}, plan.error()});
+  if (form == TextForm::kPose) return pose_of(*plan, robot, mark);
+  if (!std::holds_alternative<BigRobotArmDevice>(robot.device.settings)) {
+    return none("sequences are the BigRobotArm's; " + robot.id + " is none");
+  }
+  const auto sequence = sequence_of_rows(program, robot);
+  if (!sequence) return none(sequence.error());
+  return sequence::to_text(*sequence);
+}
+
+}  // namespace sinew::program

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cstdint>
+#include <expected>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "sinew/core/complaint.h"
+#include "sinew/program/pose_file.h"
+#include "sinew/program/program_file.h"
+#include "sinew/program/program_plan.h"
+
+namespace sinew::program {
+
+/// What other programs write their motions in.
+enum class TextForm : std::uint8_t {
+  kSequence,  ///< the BigRobotArm's own, .txt
+  kPose,      ///< a platform's pose, .pos
+  kGcode,     ///< plain G-code; it is only read
+};
+
+/// Why a text has no other form: one of these.
+struct NoForm {
+  std::string sentence;
+  std::vector<Complaint> complaints;
+  std::optional<Refusal> refusal;  ///< a row that cannot be carried out
+};
+
+/// The pose that the heads in a platform's file mean.
+/// @param line  where its numbers begin
+std::expected<PlatformFit, NoForm> platform_of(const PoseFile& pose, const RobotModel& robot,
+                                               const std::string& file_name, int line);
+
+/// A text of another form as the rows of a program, laid out; parse() takes them.
+/// @param file_name  as complaints shall show it
+std::expected<std::string, NoForm> rows_of(TextForm form, std::string_view text,
+                                           const std::string& file_name, const RobotModel& robot);
+
+/// A program that can be carried out from home in another form: a sequence, or the pose that its
+/// only row moves to.
+/// @param form  kSequence or kPose
+std::expected<std::string, NoForm> text_of(TextForm form, const Program& program,
+                                           const RobotModel& robot,
+                                           DecimalMark mark = DecimalMark::kPoint);
+
+}  // namespace sinew::program
