@@ -200,6 +200,7 @@ test('plots: what moved is in the picture and in its table', async () => {
     assert.equal(end.phase, 'done', JSON.stringify(end));
   });
   await rests('third', 1e-3);
+  await page.waitForTimeout(600); // of rest, so that the picture ends in it
   await page.getByRole('button', { name: 'Pause', exact: true }).click();
   assert.equal(await page.locator('.chart').count(), 2);
   const [download] = await Promise.all([
@@ -219,7 +220,8 @@ test('plots: what moved is in the picture and in its table', async () => {
   assert.ok(base.at(-1) - Math.min(...base) > 17, 'the way is in it');
   // 40 % of 180 deg/s is not reached on so short a way; it went, and it rests.
   assert.ok(Math.max(...speed) > 15 && Math.max(...speed) < 100, `${Math.max(...speed)} deg/s`);
-  assert.ok(Math.abs(speed.at(-1)) < 3);
+  // The last four have neighbours on one side only: one step of the sensor, 0.24 deg, is 4 deg/s there.
+  assert.ok(Math.abs(speed.at(-5)) < 1.5, `${speed.slice(-9)} deg/s at rest`);
   // The picture stands while it is held.
   const held = await page.locator('.chart output').first().innerText();
   await page.waitForTimeout(700);
