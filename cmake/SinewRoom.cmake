@@ -102,9 +102,9 @@ endfunction()
 
 # sinew_room(<name> LIBRARIES ... [HEADERS ...]): the library of the folder that calls it.
 # TEST_LIBRARIES are linked into its unit tests only. HEADERS are read once for the library and once
-# for its tests, TEST_HEADERS for the tests.
+# for its tests, TEST_HEADERS for the tests. SHARDS as in sinew_test.
 function(sinew_room name)
-  cmake_parse_arguments(ARG "" "" "LIBRARIES;TEST_LIBRARIES;HEADERS;TEST_HEADERS" ${ARGN})
+  cmake_parse_arguments(ARG "" "SHARDS" "LIBRARIES;TEST_LIBRARIES;HEADERS;TEST_HEADERS" ${ARGN})
   file(GLOB sources CONFIGURE_DEPENDS *.cc)
   file(GLOB tests CONFIGURE_DEPENDS *_test.cc)
   if(tests)
@@ -124,6 +124,6 @@ function(sinew_room name)
   if(SINEW_TESTS AND tests)
     sinew_test(${name}_test SOURCES ${tests}
       LIBRARIES sinew_${name} sinew_test_support ${ARG_TEST_LIBRARIES}
-      HEADERS ${ARG_HEADERS} ${ARG_TEST_HEADERS})
+      HEADERS ${ARG_HEADERS} ${ARG_TEST_HEADERS} SHARDS ${ARG_SHARDS})
   endif()
 endfunction()

@@ -25,7 +25,7 @@ struct MinimumCases {
 // fails the full run. The rows of the properties stand in minimum_cases.inc.
 
 inline constexpr std::array kMinimumTests = std::to_array<MinimumTests>({
-    {"cli_test", 192},
+    {"cli_test", 193},
     {"config_test", 90},
     {"control_test", 99},
     {"core_test", 23},
@@ -41,7 +41,7 @@ inline constexpr std::array kMinimumTests = std::to_array<MinimumTests>({
     {"program_test", 225},
     {"runtime_test", 134},
     {"sequences_test", 15},
-    {"server_test", 91},
+    {"server_test", 101},
     {"sim_test", 221},
     {"step_allocations_test", 6},
     {"stop_latency_test", 10},

@@ -12,6 +12,7 @@ import { ghostOf, question, sampleAt, type Target, type Verdict, type Way } from
 import { toolPose } from './logic/kinematics';
 import { fromFlat } from './logic/pose';
 import type { PreviewJson, RefusalData, RobotModel } from './logic/types';
+import { decimalMark, toRad } from './logic/units';
 import type { Theme } from './scene/look';
 import { kViewIds } from './view_ids';
 
@@ -67,6 +68,7 @@ export function setLanguage(wish: Language): void {
 export const languages = Object.entries(kLanguages) as [Language, { name: string }][];
 effect(() => {
   document.documentElement.lang = language.value;
+  decimalMark.value = language.value === 'de' ? ',' : '.';
 });
 
 export const stopKeys = signal(kept('stop_keys') !== 'off');
@@ -100,6 +102,12 @@ export const atWork = computed(() => {
   const now = status.value;
   return now?.job ? !now.job.over : false;
 });
+/** Somebody knows where it stands, and it stands. */
+export const knowsPlace = computed(() => {
+  const now = status.value;
+  if (!now || now.position === 'lost' || now.position === 'uncertain') return false;
+  return now.state !== 'moving' && now.state !== 'stopping' && jointsOf(now, positionOf) !== null;
+});
 /** It would take motions from here, now; control is taken with the first one. */
 export const canMove = computed(() => {
   const now = status.value;
@@ -108,7 +116,10 @@ export const canMove = computed(() => {
 });
 
 // --- Stop.
-export const announced = signal({ text: '', grave: false });
+/** Said at once; the same words again are said again. */
+export const announced = signal({ text: '', count: 0 });
+/** Said when there is time for it. */
+export const murmured = signal('');
 /** The last Stop has not reached the controller. */
 export const unheard = signal(false);
 export function stop(): void {
@@ -116,11 +127,18 @@ export function stop(): void {
   void store.stopAll().then((told) => {
     const text = told ? 'stop.done' : 'stop.failed';
     unheard.value = !told;
-    announced.value = { text: t(text), grave: true };
+    announce([t(text)], []);
   });
 }
 effect(() => {
   if (store.connection.value === 'open') unheard.value = false;
+});
+// Space is Stop: what it would tick elsewhere, Enter does here.
+window.addEventListener('keydown', (event) => {
+  const box = event.target;
+  if (event.key !== 'Enter' || !(box instanceof HTMLInputElement) || box.type !== 'checkbox') return;
+  event.preventDefault();
+  if (!event.repeat) box.click();
 });
 installStopKeys(window, { enabled: () => stopKeys.value, stop });
 
@@ -160,6 +178,27 @@ export async function holdOnce(source: string, wish: JogWish, wanted: () => bool
   if (!(await store.control(wish.robot))) return;
   if (wanted() && before === jog.stops) jog.hold(source, wish);
 }
+
+// --- Where it has come to rest: whatever was previewed begins there.
+export const rested = signal<{ robot: string; joints: number[] } | null>(null);
+/** A limp servo's reading trembles by less: rad, m. */
+const kTrembles = { angle: toRad(0.5), length: 2e-4 };
+effect(() => {
+  const name = robot.value;
+  const one = model.value;
+  const now = status.value;
+  const joints = jointsOf(now, positionOf);
+  if (!name || !one || !now || !joints || now.state === 'moving' || now.state === 'stopping') return;
+  const before = rested.peek();
+  const still =
+    before?.robot === name &&
+    joints.every((q, i) => Math.abs(q - before.joints[i]!) < kTrembles[jointLimits(one.joints[i]!).measure]);
+  if (!still) rested.value = { robot: name, joints };
+});
+effect(() => {
+  void rested.value;
+  untracked(() => target.value && aimLater(target.value));
+});
 
 // --- Preview.
 const kWay: Way = { line: false, speed: 0.5 };
@@ -203,7 +242,7 @@ const asking = new Latest<{ robot: string; ask: PreviewTarget }, PreviewJson>({
   },
 });
 
-/** Where it stands now, as a target to start from; nothing where nobody knows. */
+/** Where it stands now, as a target to start from; at home where nobody knows. */
 export function standing(): Target | null {
   const name = robot.value;
   const one = model.value;
@@ -303,18 +342,34 @@ export const ghost = computed(() => {
   return { robot: now.robot, path, ...ghostOf(now, judged), ...(at ?? {}) };
 });
 
-// --- What a screen reader hears.
+// --- What a screen reader hears: of several changes at once all, faults first.
 const heard = new Map<string, string>();
+const heardJobs = new Map<string, number>();
 effect(() => {
+  const grave: string[] = [];
+  const quiet: string[] = [];
   for (const one of Object.values(store.status.value)) {
     const known = heard.get(one.robot);
     heard.set(one.robot, one.state);
-    if (known === undefined || known === one.state) continue;
-    announced.value = one.fault
-      ? { text: t('live.fault', { robot: one.robot, text: errorSentence(one.fault.error) }), grave: true }
-      : { text: t('live.state', { robot: one.robot, state: tWord('state', one.state) }), grave: false };
+    if (known !== undefined && known !== one.state) {
+      if (one.fault) grave.push(t('live.fault', { robot: one.robot, text: errorSentence(one.fault.error) }));
+      else quiet.push(t('live.state', { robot: one.robot, state: tWord('state', one.state) }));
+    }
+    const over = one.job?.over ? one.job.job : undefined;
+    const before = heardJobs.get(one.robot);
+    if (over !== undefined) heardJobs.set(one.robot, over);
+    if (known === undefined || over === undefined || over === before) continue;
+    const { phase, title, error } = one.job!;
+    const what = tWord('events.job', phase, { title, time: '', text: error ? errorSentence(error) : '' });
+    (phase === 'failed' ? grave : quiet).push(t('live.state', { robot: one.robot, state: what }));
   }
+  untracked(() => announce(grave, quiet));
 });
+function announce(grave: readonly string[], quiet: readonly string[]): void {
+  // What brings no news leaves the other voice alone.
+  if (grave.length > 0) announced.value = { text: grave.join(' '), count: announced.value.count + 1 };
+  if (quiet.length > 0) murmured.value = quiet.join(' ');
+}
 
 export function start(): void {
   rpc.start();

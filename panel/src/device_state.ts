@@ -2,7 +2,8 @@
 import { batch, effect, signal } from '@preact/signals';
 import { robot, route, store } from './app';
 import type { DeviceJson } from './logic/device';
-import { appended, type WireAnswer, type WireFilter, type WireFrame } from './logic/wire';
+import { language, tWord } from './i18n';
+import { appended, matches, type WireAnswer, type WireFilter, type WireFrame } from './logic/wire';
 
 const kStatusMs = 500;
 const kWireMs = 250;
@@ -17,11 +18,33 @@ export const filter = signal<WireFilter>({ way: 'both', words: '', fill: false }
 /** Sequence of the message that is looked at closely. */
 export const chosen = signal<number | null>(null);
 
+/**
+ * Those that the filter lets through. They are kept apart: of a wire with thousands of messages a
+ * second the rare ones that somebody waits for stay.
+ */
+export const matched = signal<WireFrame[]>([]);
+const fitting = (all: readonly WireFrame[]): WireFrame[] => all.filter((one) => matches(one, filter.peek(), sentence(one)));
+effect(() => {
+  void [filter.value, language.value];
+  matched.value = fitting(frames.peek());
+});
+
+/** The message and its values in the language at hand. */
+export function sentence(frame: WireFrame): string {
+  const values = frame.fields.map(([name, value]) => {
+    const shown = typeof value === 'string' ? tWord('wire.value', value) : Number(value.toPrecision(7));
+    return `${tWord('wire.field', name)} ${shown}`;
+  });
+  const name = tWord('wire.m', frame.name);
+  return values.length > 0 ? `${name}: ${values.join(', ')}` : name;
+}
+
 let since = 0;
 
 export function clear(): void {
   batch(() => {
     frames.value = [];
+    matched.value = [];
     lost.value = 0;
     chosen.value = null;
   });
@@ -70,7 +93,10 @@ effect(() => {
       if (told.last < since) clear();
       since = told.last;
       lost.value += told.lost;
-      if (told.frames.length > 0) frames.value = appended(frames.value, told.frames);
+      if (told.frames.length === 0) return;
+      frames.value = appended(frames.value, told.frames);
+      const more = fitting(told.frames);
+      if (more.length > 0) matched.value = appended(matched.value, more);
     });
   });
 });

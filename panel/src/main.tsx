@@ -6,7 +6,7 @@ import './styles/help.css';
 import './styles/plots.css';
 import './styles/setup.css';
 import './styles/device.css';
-import { announced, go, robot, route, start, store, unheard } from './app';
+import { announced, go, murmured, robot, route, start, store, unheard } from './app';
 import { t } from './i18n';
 import { kViewIds, type ViewId } from './view_ids';
 import { age } from './logic/units';
@@ -33,10 +33,10 @@ function Page(): JSX.Element {
       <Tour />
       {cut && <Veil />}
       <div class="sr-only" aria-live="polite">
-        {announced.value.grave ? '' : announced.value.text}
+        {murmured.value}
       </div>
       <div class="sr-only" aria-live="assertive">
-        {announced.value.grave ? announced.value.text : ''}
+        <span key={announced.value.count}>{announced.value.text}</span>
       </div>
     </div>
   );

@@ -1,12 +1,13 @@
 /** Programs and points of the robot that is chosen: what is open, what the server says to it, what runs. */
 import { batch, computed, effect, signal, untracked } from '@preact/signals';
-import { atWork, model, robot, route, status, store, way } from './app';
+import { atWork, model, rested, robot, route, status, store, way } from './app';
 import { calledBy, expand, withPoints, type Expanded } from './logic/expand';
 import { Latest } from './logic/latest';
 import { freeName, readPoints, takePoint, writePoints, type NotTaught, type Point } from './logic/points';
 import { ConnectionError, RpcError } from './logic/rpc';
 import { jointRow } from './logic/quantities';
 import { fromRow } from './logic/pose';
+import { readRows } from './logic/rows';
 import type { Draft } from './logic/shelf';
 import { sampleAt } from './logic/target';
 import { judged, refusal, type ProgramVerdict, type RowVerdict } from './logic/verdicts';
@@ -203,7 +204,7 @@ const shown = computed(() => route.value.view === 'programs' && store.connection
 // Whatever a check depends on: the text, the points, which robot, and where it has come to rest.
 const known = computed(() => status.value?.position ?? null);
 effect(() => {
-  void [text.value, shelf.value.points, shelf.value.programs, robot.value, kind.value, known.value];
+  void [text.value, shelf.value.points, shelf.value.programs, robot.value, kind.value, known.value, rested.value];
   if (shown.value && tab.value === 'program' && !atWork.value) untracked(check);
 });
 export const verdicts = computed((): Record<number, RowVerdict> => {
@@ -213,21 +214,41 @@ export const verdicts = computed((): Record<number, RowVerdict> => {
 });
 
 // --- What runs.
+/** What this page has started last: its rows are marked only in the text that it was. */
+const ran = signal<{ robot: string; job: number; text: string } | null>(null);
+const ours = computed(() => {
+  const now = status.value?.job;
+  return now !== undefined && ran.value?.robot === robot.value && ran.value?.job === now.job ? ran.value : null;
+});
+/** By its name where somebody else has started it. */
 export const job = computed(() => {
   const now = status.value?.job;
-  return now && now.title === programTitle() ? now : null;
+  return now && (ours.value || now.title === programTitle()) ? now : null;
 });
+/** The text was changed since it began. */
+export const outdated = computed(() => ours.value !== null && ours.value.text !== text.value);
 export const programTitle = (): string => name.value || 'program';
 export const running = computed(() => (job.value && !job.value.over ? job.value : null));
-export const runningLine = computed(() => (running.value && running.value.line > 0 ? running.value.line : null));
-export const failedLine = computed(() => (job.value?.over && job.value.phase === 'failed' ? (job.value.error?.line ?? null) : null));
+export const runningLine = computed(() =>
+  running.value && running.value.line > 0 && !outdated.value ? running.value.line : null,
+);
+export const failedLine = computed(() =>
+  job.value?.over && job.value.phase === 'failed' && !outdated.value ? (job.value.error?.line ?? null) : null,
+);
+/** Where it was stopped, and could go on. */
+export const brokenOffLine = computed(() => {
+  const now = job.value;
+  if (!now?.over || now.phase === 'done' || outdated.value || !ours.value) return null;
+  const row = readRows(text.value).rows[now.line - 1];
+  return row && row.depth === 0 && row.word !== 'end' ? now.line : null;
+});
 
 export async function run(options: { fromLine?: number; singleStep?: boolean } = {}): Promise<void> {
   const who = robot.peek();
   const one = model.peek();
   if (!who || !one || !(await store.control(who))) return;
   const { points, ...program } = wholeProgram(one);
-  await store.ask('program.run', {
+  const begun = await store.ask<{ job: number }>('program.run', {
     robot: who,
     ...program,
     name: programTitle(),
@@ -235,6 +256,7 @@ export async function run(options: { fromLine?: number; singleStep?: boolean } =
     ...(options.fromLine ? { from_line: options.fromLine } : {}),
     ...(options.singleStep ? { single_step: true } : {}),
   });
+  if (begun) ran.value = { robot: who, job: begun.job, text: program.text };
 }
 const ask = (method: string, params: object = {}): void => {
   if (robot.peek()) void store.ask(method, { robot: robot.peek()!, ...params });
@@ -316,6 +338,14 @@ export async function goThere(): Promise<void> {
 effect(() => {
   void robot.value;
   stay();
+});
+// The way was seen from where it stood then.
+effect(() => {
+  void rested.value;
+  untracked(() => {
+    const point = shelf.value.points.find((one) => one.name === going.value?.point);
+    if (point && !atWork.value) head(point);
+  });
 });
 
 // --- What the 3D view shows of it.

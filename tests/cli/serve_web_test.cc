@@ -61,6 +61,19 @@ TEST_F(ServeWeb, a_port_that_is_taken_is_fatal_where_it_was_asked_for) {
   EXPECT_NE(err.find(place + ": another program listens there"), std::string::npos) << err;
 }
 
+TEST_F(ServeWeb, the_usual_port_that_is_taken_is_no_end_where_none_was_asked_for) {
+  Process first(serve("first.sock", {"--json"}));
+  const std::string url = begun(first)["web"]["url"];
+  Process second(serve("second.sock", {}));
+  second.wait_for_err("answers on");
+  second.signal(SIGTERM);
+  const Ended ended = second.end();
+  EXPECT_NE(ended.err.find("127.0.0.1:8700: another program listens there"), std::string::npos)
+      << ended.err;
+  EXPECT_NE(ended.err.find("panel: http://127.0.0.1:"), std::string::npos) << ended.err;
+  EXPECT_EQ(ended.err.find("panel: " + url), std::string::npos) << "the first one's";
+}
+
 TEST_F(ServeWeb, without_a_door_the_cell_goes_on) {
   Process none(serve("none.sock", {"--listen", "none", "--json"}));
   EXPECT_FALSE(begun(none).contains("web"));

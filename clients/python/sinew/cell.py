@@ -26,6 +26,7 @@ class Cell:
     def __init__(self, wire) -> None:
         self._wire = wire
         self._last_id = 0
+        self._spoke = 0.0
         self._messages: Deque[Dict[str, Any]] = deque(maxlen=1000)
         self._holds: set = set()
         # Leases count the cell's time, which a simulated one may let run faster.
@@ -47,11 +48,8 @@ class Cell:
         """One request and its answer. Raises Refused, TimeoutError, ConnectionError."""
         number = self._send(method, params)
         end = time.monotonic() + timeout_s
-        spoke = time.monotonic()
         while time.monotonic() < end:
-            if self._holds and time.monotonic() - spoke > self._renewal_s:
-                self._send("lease.renew", {})
-                spoke = time.monotonic()
+            self._renew()
             text = self._wire.receive(min(self._renewal_s, end - time.monotonic()))
             if text is None:
                 continue
@@ -64,8 +62,18 @@ class Cell:
                 return message["result"]
         raise TimeoutError(f"{method}: no answer within {timeout_s} s")
 
+    def _renew(self) -> None:
+        if self._holds:
+            self._speak()
+
+    def _speak(self) -> None:
+        """Leases, and programs that have taken theirs, live while their holder says something."""
+        if time.monotonic() - self._spoke > self._renewal_s:
+            self._send("lease.renew", {})
+
     def _send(self, method: str, params: Dict[str, Any]) -> int:
         self._last_id += 1
+        self._spoke = time.monotonic()
         self._wire.send(encode(self._last_id, method, params))
         return self._last_id
 
@@ -76,7 +84,8 @@ class Cell:
             left = end - time.monotonic()
             if left <= 0:
                 return None
-            text = self._wire.receive(left)
+            self._renew()
+            text = self._wire.receive(min(self._renewal_s, left))
             if text is not None:
                 message = json.loads(text)
                 if "method" in message:
@@ -164,19 +173,20 @@ class Robot:
         """Runs rows, and gives how the robot is meanwhile, `rate_hz` times a second."""
         number = self.cell.call("program.run", robot=self.name, text=program)["job"]
         self.cell.call("watch", rate_hz=rate_hz, robot=self.name)
-        spoke = time.monotonic()
+        begun = False
         try:
             while True:
-                if time.monotonic() - spoke > self.cell._renewal_s:
-                    self.cell._send("lease.renew", {})
-                    spoke = time.monotonic()
+                self.cell._speak()
                 message = self.cell.next_message(self.cell._renewal_s)
                 if message is None or message["method"] != "status":
                     continue
                 status: Status = message["params"]["robots"][0]
                 yield status
                 job = status.get("job", {})
-                if job.get("job") == number and job.get("over"):
+                begun = begun or job.get("job") == number
+                if begun and job.get("job") != number:
+                    raise Refused({"message": f"another program runs on {self.name}"})
+                if begun and job.get("over"):
                     if job["phase"] != "done":
                         raise Refused({"message": job.get("error", {}).get("sentence", "stopped"),
                                        "data": job.get("error")})

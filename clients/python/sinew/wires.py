@@ -5,10 +5,12 @@ import os
 import queue
 import socket
 import threading
+import time
 from pathlib import Path
 from typing import Optional, Tuple
 from urllib.parse import urlsplit
 
+WAITING_MAX = 256  # messages that nobody has read yet; the server keeps back what is beyond
 MESSAGE_MAX = 64 * 1024 * 1024  # bytes; answers of a server that this user trusts
 
 
@@ -54,7 +56,8 @@ class WebWire:
                               "python3-websockets; on this machine sinew.connect() needs nothing"
                               ) from error
         import asyncio
-        self._incoming: "queue.Queue[Optional[str]]" = queue.Queue()
+        self._incoming: "queue.Queue[str]" = queue.Queue(WAITING_MAX)
+        self._ended = threading.Event()
         self._loop = asyncio.new_event_loop()
         self._thread = threading.Thread(target=self._loop.run_forever, daemon=True)
         self._thread.start()
@@ -89,12 +92,15 @@ class WebWire:
         return opened
 
     async def _read(self, opened):
+        import asyncio
         try:
             async for message in opened:
+                while self._incoming.full():
+                    await asyncio.sleep(0.01)
                 self._incoming.put(message)
         except Exception:  # however it ended, it did
             pass
-        self._incoming.put(None)
+        self._ended.set()
 
     def send(self, text: str) -> None:
         import asyncio
@@ -105,14 +111,17 @@ class WebWire:
 
     def receive(self, timeout_s: float) -> Optional[str]:
         """As UnixWire.receive."""
-        try:
-            message = self._incoming.get(timeout=max(timeout_s, 0.001))
-        except queue.Empty:
-            return None
-        if message is None:
-            self._incoming.put(None)
-            raise ConnectionError("the cell has gone away")
-        return message
+        end = time.monotonic() + max(timeout_s, 0.001)
+        while True:
+            ended = self._ended.is_set()  # before the look: what had come by then is there
+            try:
+                left = max(end - time.monotonic(), 0.001)
+                return self._incoming.get(timeout=0 if ended else min(0.1, left))
+            except queue.Empty:
+                if ended:
+                    raise ConnectionError("the cell has gone away") from None
+                if time.monotonic() >= end:
+                    return None
 
     def close(self) -> None:
         import asyncio

@@ -1,6 +1,6 @@
 /** What a robot's device tells of itself, as docs/api.md has it, and as tables that people read. */
 import type { ErrorJson } from './types';
-import { duration, toDeg } from './units';
+import { decimals, duration, toDeg } from './units';
 
 export interface DeviceWarning {
   name: string;
@@ -131,7 +131,7 @@ export function warned(warnings: readonly DeviceWarning[]): Warned[] {
 export const ageText = (seconds: number): string => duration(Math.max(0.1, Math.round(seconds * 10) / 10));
 
 export const degrees = (rad: number | undefined, digits = 2): string =>
-  rad === undefined ? '–' : `${(Math.abs(toDeg(rad)) < 0.5 * 10 ** -digits ? 0 : toDeg(rad)).toFixed(digits).replace('-', '−')}°`;
+  rad === undefined ? '–' : `${decimals(toDeg(rad), digits)}°`;
 
 /** A status of the hexapod byte by byte: what each one holds, by its place. */
 export function statusBytes(leg: LegJson): { byte: string; values: [string, string | number | boolean][] }[] {

@@ -1,5 +1,6 @@
 /** The controller's records: what there is, and their bytes part by part. */
 import type { Caller } from './store';
+import { decimals } from './units';
 
 export interface KeptRecord {
   record: string;
@@ -59,5 +60,5 @@ export async function fetchRecord(
 /** "1.2 MB", "340 kB". */
 export function sizeText(bytes: number): string {
   if (bytes < 1e6) return `${Math.max(1, Math.round(bytes / 1e3))} kB`;
-  return `${(bytes / 1e6).toFixed(bytes < 1e8 ? 1 : 0)} MB`;
+  return `${decimals(bytes / 1e6, bytes < 1e8 ? 1 : 0)} MB`;
 }

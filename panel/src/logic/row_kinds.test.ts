@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import { fieldsOf, kWords, newRows, readField, writeField, wordsOf } from './row_kinds';
+import { fieldsOf, hereRow, kWords, newRows, readField, writeField, wordsOf } from './row_kinds';
 import { toolPose } from './kinematics';
 import { readRows } from './rows';
 import fixture from './models.fixture.json';
@@ -33,6 +33,33 @@ describe('steps', () => {
     expect(ids('learm')).toContain('pitch');
     expect(ids('hexapod')).toContain('rx');
     expect(ids('maxarm')).not.toContain('rx');
+  });
+});
+
+describe('a row taught where the arm is', () => {
+  const at = (raw: string, robot: string, joints: number[]) => hereRow(raw, named(robot), joints, toolPose(named(robot), joints));
+
+  it('goes there, whatever place it said before, and keeps what else it says', () => {
+    const joints = named('learm').joints.map(() => 0.1);
+    const row = at('  line dx=10mm frame=tool dz=-5mm to=bin pitch=90deg speed=80mm/s blend=5mm  # slowly', 'learm', joints);
+    expect(row).toMatch(/^ {2}line x=[-\d.]+mm y=[-\d.]+mm z=[-\d.]+mm speed=80mm\/s blend=5mm {2}# slowly$/);
+    expect(at('arc via=1mm,2mm,3mm x=1mm speed=80mm/s', 'learm', joints)).toMatch(/^arc x=\S+ y=\S+ z=\S+ via=1mm,2mm,3mm speed=80mm\/s$/);
+  });
+
+  it('says how the tool is turned where its rows can', () => {
+    const arm = named('robot-arm-2');
+    const joints = arm.joints.map((_, i) => 0.1 * i);
+    const words = at('move rz=1deg drx=5deg x=1mm', 'robot-arm-2', joints).split(' ');
+    expect(words.map((one) => one.split('=')[0])).toEqual(['move', 'x', 'y', 'z', 'rx', 'ry', 'rz']);
+    expect(words.slice(4)).not.toEqual(['rx=0deg', 'ry=0deg', 'rz=0deg']);
+    expect(newRows('line', arm, joints, toolPose(arm, joints))[0]).toBe(at('line', 'robot-arm-2', joints));
+  });
+
+  it('has all joints by their names, whatever they were called', () => {
+    const arm = named('robot-arm-2');
+    const joints = arm.joints.map(() => 0.1);
+    const row = at(`joint d.${arm.joints[0]!.name}=5deg J2=3deg speed=50%`, 'robot-arm-2', joints);
+    expect(row).toBe(`joint ${arm.joints.map((one) => `${one.name}=5.73deg`).join(' ')} speed=50%`);
   });
 });
 

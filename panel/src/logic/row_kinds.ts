@@ -3,7 +3,8 @@
  * cannot do is not offered; the server has the last word on every row.
  */
 import { jointRow, readQuantity, written, type Quantity } from './quantities';
-import { readSlot, writeSlot, type Slot } from './rows';
+import { fixedXyz } from './pose';
+import { readSlot, splitLine, writeSlot, type Slot } from './rows';
 import { jointLimits } from './store';
 import type { Pose, RobotModel } from './types';
 
@@ -203,10 +204,40 @@ function readValue(field: Field, wish: string): { text: string } | { wrong: Comp
   }
 }
 
+/** The words of a row that say where it goes: names, places, differences, and in which frame. */
+function isPlace(token: string, model: RobotModel): boolean {
+  const key = /^([A-Za-z][\w.]*)=/.exec(token)?.[1];
+  if (key === undefined) return false;
+  const joint = key.replace(/^d\./, '');
+  return (
+    /^(?:to|frame|d?(?:[xyz]|r[xyz]|pitch|roll))$/.test(key) ||
+    /^J\d+$/i.test(joint) ||
+    model.joints.some((one) => one.name === joint)
+  );
+}
+
+/** The row, going to these joints or to where the tool is at them; what it says beside that stays. */
+export function hereRow(raw: string, model: RobotModel, joints: readonly number[], tool: Pose): string {
+  const { indent, body, remark } = splitLine(raw);
+  const [word, ...rest] = body.split(/[ \t]+/) as [string, ...string[]];
+  const place = word === 'joint' ? jointRow(model, joints).split(' ').slice(1) : toolWords(model, tool);
+  const others = rest.filter((token) => !isPlace(token, model));
+  return `${indent}${[word, ...place, ...others].join(' ')}${remark ? `  ${remark}` : ''}`;
+}
+
+/** Where the tool is. The attitude too where this page knows how the robot's rows write it. */
+function toolWords(model: RobotModel, tool: Pose): string[] {
+  const fine = model.kind === 'hexapod';
+  const words = ['x', 'y', 'z'].map((axis, i) => `${axis}=${written(tool.p[i]!, 'length', fine ? 3 : 2)}`);
+  if (model.task !== 'pose') return words;
+  const turns = fixedXyz(tool.q);
+  return [...words, ...['rx', 'ry', 'rz'].map((axis, i) => `${axis}=${written(turns[i]!, 'angle', fine ? 3 : 2)}`)];
+}
+
 /** What a new step says until somebody changes it: the place where the robot is now. */
 export function newRows(word: Word, model: RobotModel, joints: readonly number[], tool: Pose, program?: string): string[] {
   const at = (axis: 0 | 1 | 2): string => written(tool.p[axis], 'length', model.kind === 'hexapod' ? 3 : 1);
-  const place = `x=${at(0)} y=${at(1)} z=${at(2)}`;
+  const place = toolWords(model, tool).join(' ');
   switch (word) {
     case 'joint':
       return [jointRow(model, joints)];

@@ -71,3 +71,9 @@ export function sameSettings(a: Settings, b: Settings): boolean {
 export function withFound(all: Settings, found: Settings): Settings {
   return { ...Object.fromEntries(Object.entries(all).filter(([name]) => kOfPlace.includes(name))), ...found };
 }
+
+/** All that is set, for people. */
+export const settingsText = (settings: Settings): string =>
+  Object.entries(settings)
+    .map(([name, value]) => `${name} ${value}`)
+    .join(', ') || '–';

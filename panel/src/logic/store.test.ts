@@ -183,6 +183,21 @@ describe('Store', () => {
     expect(store.eventsGone.value).toBe(0);
   });
 
+  it('asks for what happens between its list and its watch, and calls nothing seen that came while it was cut off', async () => {
+    const { store, answers, asked } = rig();
+    const fault = (number: number): EventJson => ({ number, at_ms: number, robot: 'arm', kind: 'fault' });
+    answers['events.list'] = { events: [fault(1), fault(2)] };
+    await store.opened('secret');
+    expect(asked.at(-1)).toMatchObject({ method: 'watch', params: { after: 2 } });
+    expect(store.unseen.value).toBe(0);
+    store.closed();
+    answers['events.list'] = { events: [fault(1), fault(2), fault(3)] };
+    await store.opened('secret');
+    expect(store.unseen.value).toBe(1);
+    store.seen.value = 3;
+    expect(store.unseen.value).toBe(0);
+  });
+
   it('counts what nobody has looked at yet, and takes each event once', () => {
     const { store } = rig();
     const event = (number: number, over: Partial<EventJson>): EventJson => ({

@@ -101,7 +101,9 @@ export class Store {
     const status = await this.rpc.call<{ robots: RobotStatus[] }>('cell.status');
     const procedures = await this.ofEach<ProcedureJson>(cell, 'procedure.status');
     const past = await this.rpc.call<{ events: EventJson[] }>('events.list');
-    await this.rpc.call('watch', { rate_hz: kRateHz });
+    // What happens between the list and the watch comes too.
+    const after = past.events.at(-1)?.number ?? 0;
+    await this.rpc.call('watch', { rate_hz: kRateHz, after });
     batch(() => {
       this.role.value = told.role;
       this.turnedAway.value = null;
@@ -110,7 +112,9 @@ export class Store {
       this.procedures.value = procedures;
       this.take('status', status);
       this.events.value = joined(this.events.peek(), past.events).slice(-kEventsMax);
-      this.seen.value = Math.max(0, ...past.events.map((one) => one.number));
+      // What came while this page was cut off is news to it.
+      const first = this.connection.peek() === 'connecting';
+      if (first || this.seen.peek() > after) this.seen.value = after;
       this.connection.value = 'open';
     });
   }

@@ -305,7 +305,8 @@ export interface EventJson {
   number: number;
   at_ms: number;
   robot: string;
-  kind: 'state' | 'lease' | 'stop' | 'fault' | 'notice' | 'record' | 'job' | 'moved' | 'procedure' | 'demonstration';
+  kind: 'state' | 'lease' | 'stop' | 'fault' | 'notice' | 'record' | 'job' | 'moved' | 'procedure' | 'demonstration' | 'begun';
+  version?: string;
   runs?: boolean;
   procedure?: string;
   state?: MachineState;

@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import { timeSpan, duration, parseQuantity, shown } from './units';
+import { decimalMark, timeSpan, duration, parseQuantity, shown } from './units';
 
 describe('parseQuantity', () => {
   it('takes any unit, and the usual one where none is said', () => {
@@ -23,6 +23,17 @@ describe('shown', () => {
     expect(shown(Math.PI / 2, 'angle')).toBe('90.0');
     expect(shown(-0.1234, 'length')).toBe('−123.4');
     expect(shown(-1e-9, 'length')).toBe('0.0');
+  });
+});
+
+describe('numbers in German', () => {
+  it('have a comma, which may be typed as well', () => {
+    decimalMark.value = ',';
+    expect(shown(-0.0123, 'length')).toBe('−12,3');
+    expect(duration(12.34)).toBe('12,3 s');
+    expect(parseQuantity(shown(-0.0123, 'length'), 'length')).toBeCloseTo(-0.0123, 6);
+    decimalMark.value = '.';
+    expect(shown(-0.0123, 'length')).toBe('−12.3');
   });
 });
 

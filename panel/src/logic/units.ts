@@ -1,4 +1,5 @@
 /** People read mm and degrees and may type any unit; inside all is SI and radians. */
+import { signal } from '@preact/signals';
 
 export type Measure = 'length' | 'angle';
 
@@ -24,25 +25,33 @@ export function parseQuantity(text: string, measure: Measure): number | null {
   return factor === undefined || !Number.isFinite(value) ? null : value * factor;
 }
 
+/** As the language at hand writes numbers. */
+export const decimalMark = signal<'.' | ','>('.');
+
+/** So many decimals; a true minus sign, and no minus before nothing. */
+export function decimals(value: number, digits: number): string {
+  const text = value.toFixed(digits);
+  const plain = Number(text) === 0 ? (0).toFixed(digits) : text.replace('-', '−');
+  return plain.replace('.', decimalMark.value);
+}
+
 /** The value as people read it, in mm or degrees, without its unit. */
 export function shown(value: number, measure: Measure, digits = 1): string {
-  const number = measure === 'angle' ? toDeg(value) : toMm(value);
-  const text = number.toFixed(digits);
-  return Number(text) === 0 ? (0).toFixed(digits) : text.replace('-', '−');
+  return decimals(measure === 'angle' ? toDeg(value) : toMm(value), digits);
 }
 
 export const unitOf = (measure: Measure): string => (measure === 'angle' ? '°' : 'mm');
 
 /** "0.4 s", "12.3 s", "2 min 05 s", "1 h 04 min". */
 export function duration(seconds: number): string {
-  if (seconds < 60) return `${seconds.toFixed(seconds < 10 ? 2 : 1)} s`;
+  if (seconds < 60) return `${decimals(seconds, seconds < 10 ? 2 : 1)} s`;
   const whole = Math.round(seconds);
   if (whole < 3600) return `${Math.floor(whole / 60)} min ${String(whole % 60).padStart(2, '0')} s`;
   const minutes = Math.round(seconds / 60);
   return `${Math.floor(minutes / 60)} h ${String(minutes % 60).padStart(2, '0')} min`;
 }
 
-const brief = (seconds: number): string => (seconds < 60 ? `${seconds.toFixed(1)} s` : duration(seconds));
+const brief = (seconds: number): string => (seconds < 60 ? `${decimals(seconds, 1)} s` : duration(seconds));
 
 /** How long something takes: "1.4 s", "≤ 2.0 s" where it may take no time, "3.0 s – 5.5 s". */
 export function timeSpan(least: number, most: number): string {

@@ -3,7 +3,8 @@ import { useEffect, useRef, useState } from 'preact/hooks';
 import uPlot from 'uplot';
 import 'uplot/dist/uPlot.min.css';
 import { theme } from '../app';
-import type { Line } from '../logic/series';
+import type { Line } from '../logic/series';import { decimals } from '../logic/units';
+
 
 /** A hue a joint, of equal weight in both themes; red belongs to Stop. */
 const kHues = [178, 42, 262, 96, 312, 214];
@@ -125,7 +126,7 @@ export function Chart(props: ChartProps): JSX.Element {
             grid: i === 0 ? grid : { show: false },
             values: (_: uPlot, ticks: number[]) => {
               const places = digits(ticks);
-              return ticks.map((one) => `${one.toFixed(places).replace('-', '−')} ${unit}`.replace(' °', '°'));
+              return ticks.map((one) => `${decimals(one, places)} ${unit}`.replace(' °', '°'));
             },
           })),
         ],

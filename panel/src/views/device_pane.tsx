@@ -3,6 +3,7 @@ import { errorSentence, t, tWord } from '../i18n';
 import { model, robot, status, store } from '../app';
 import { device } from '../device_state';
 import { ageText, degrees, servoRows, statusBytes, warned, type AxisJson, type DeviceJson, type GroupJson, type Heard, type LegJson, type ServoJson, type Warned } from '../logic/device';
+import { decimals } from '../logic/units';
 import { Icon } from './parts';
 
 /** What the device says of itself: decoded, with its bytes and their age. */
@@ -209,12 +210,12 @@ function ServoBoard({ told }: { told: DeviceJson }): JSX.Element {
         name={t('device.battery')}
         heard={battery}
         grave={battery && battery.volts < battery.notice_below_volts}
-        state={battery && `${battery.volts.toFixed(2)} V`}
+        state={battery && `${decimals(battery.volts, 2)} V`}
       >
         {battery ? (
           <>
             <p class="hint">
-              {t('device.battery.text', { notice: battery.notice_below_volts.toFixed(1), fault: battery.fault_below_volts.toFixed(1) })}
+              {t('device.battery.text', { notice: decimals(battery.notice_below_volts, 1), fault: decimals(battery.fault_below_volts, 1) })}
             </p>
             <Raw bytes={battery.bytes} />
           </>
@@ -304,8 +305,8 @@ function BigRobotArm({ told }: { told: DeviceJson }): JSX.Element {
                 <tr key={joint.joint}>
                   <th scope="row">{joint.joint}</th>
                   <td class="num">{joint.steps}</td>
-                  <td class="num">{joint.speed_rev_s.toFixed(2)}</td>
-                  <td class="num">{joint.acceleration_rev_s2.toFixed(2)}</td>
+                  <td class="num">{decimals(joint.speed_rev_s, 2)}</td>
+                  <td class="num">{decimals(joint.acceleration_rev_s2, 2)}</td>
                 </tr>
               ))}
             </tbody>
@@ -354,8 +355,8 @@ function Axis({ axis, blank }: { axis: AxisJson; blank: boolean }): JSX.Element 
             axis.health && [
               t('device.health'),
               [
-                axis.health.supply_v !== undefined && `${axis.health.supply_v.toFixed(1)} V`,
-                axis.health.temperature_c !== undefined && `${axis.health.temperature_c.toFixed(0)} °C`,
+                axis.health.supply_v !== undefined && `${decimals(axis.health.supply_v, 1)} V`,
+                axis.health.temperature_c !== undefined && `${decimals(axis.health.temperature_c, 0)} °C`,
               ].filter(Boolean).join(', ') || t('device.unmeasured'),
             ],
             axis.zero_shift_rad !== undefined && [t('device.zero_shift'), degrees(axis.zero_shift_rad, 3)],

@@ -89,10 +89,12 @@ function FaultCard({ status }: { status: RobotStatus }): JSX.Element {
 }
 
 function EventRow({ event }: { event: EventJson }): JSX.Element {
-  const time = new Date(event.at_ms).toLocaleTimeString(language.value, { hour12: false });
+  const at = new Date(event.at_ms);
+  const time = at.toLocaleTimeString(language.value, { hour12: false });
+  const day = at.toDateString() === new Date().toDateString() ? '' : `${at.toLocaleDateString(language.value)} `;
   return (
     <li class={`event kind-${event.kind}${isGrave(event) ? ' grave' : ''}`}>
-      <time dateTime={new Date(event.at_ms).toISOString()}>{time}</time>
+      <time dateTime={at.toISOString()}>{day + time}</time>
       <strong>{event.robot}</strong>
       <span>{eventText(event)}</span>
       {kRemedied.includes(event.kind) && <RemedyText code={event.error?.code} cause={event.cause} />}
@@ -129,6 +131,8 @@ export function eventText(event: EventJson): string {
       });
     case 'demonstration':
       return t(event.runs ? 'demonstration.begins' : 'demonstration.over');
+    case 'begun':
+      return event.trouble ? t('events.not_kept', { text: event.trouble }) : t('events.begun', { version: event.version ?? '' });
     case 'moved':
       return t('events.moved', { reason: event.reason ?? '' });
   }

@@ -105,7 +105,7 @@ export function JogPane(): JSX.Element {
         text={`${Math.round(100 * share.value)} %`}
         onInput={(value) => (share.value = value)}
       />
-      {hand.hold && <Remote model={one} hand={hand} />}
+      <Remote model={one} hand={hand} />
       <Pace />
       <p class="jog-live" role="status" data-on={jogging.value}>
         {jogging.value ? t('jog.moves') : ''}
@@ -158,10 +158,13 @@ function HandButton(props: {
   const source = `button ${hand.frame} ${one.name} ${sign}`;
   const enabled = canMove.value && (hand.hold || !atWork.value);
   const pressed = useRef(false);
+  // What it holds keeps its name, whatever is chosen meanwhile.
+  const held = useRef<string | null>(null);
   const begin = () => {
     const name = robot.value;
     if (!name || !enabled) return;
     pressed.current = true;
+    held.current = source;
     if (hand.hold) {
       const velocity = along(axes.length, axis, sign * hand.share * one.speed);
       void holdOnce(source, { robot: name, frame: hand.frame, velocity }, () => pressed.current);
@@ -172,8 +175,11 @@ function HandButton(props: {
   };
   const end = () => {
     pressed.current = false;
-    jog.release(source);
+    if (held.current !== null) jog.release(held.current);
+    held.current = null;
   };
+  // A button that is gone is let go: no browser tells it so.
+  useEffect(() => end, []);
   // The button hears of it before the window does.
   const blur = () => {
     if (!document.hasFocus()) jog.stop('blur');
@@ -321,8 +327,8 @@ function Remote({ model: one, hand }: { model: RobotModel; hand: Hand }): JSX.El
   const padIs = useSignal<PadMode>('rest');
   const padHold = useRef(new PadHold());
   const padStepped = useRef(0);
-  const latest = useRef({ hand, axes, joint });
-  latest.current = { hand, axes, joint };
+  const latest = useRef({ hand, axes, joint, of: one });
+  latest.current = { hand, axes, joint, of: one };
   const choose = (i: number) => {
     chosen.value = i;
     hoveredJoint.value = i;
@@ -338,7 +344,7 @@ function Remote({ model: one, hand }: { model: RobotModel; hand: Hand }): JSX.El
     };
     const down = (event: KeyboardEvent) => {
       if (taken(event) || !canMove.value || !robot.value) return;
-      const { hand: now, axes: all, joint: at } = latest.current;
+      const { hand: now, axes: all, joint: at, of } = latest.current;
       const digit = /^[1-9]$/.test(event.key) ? Number(event.key) - 1 : -1;
       if (now.frame === 'joint' && digit >= 0 && digit < all.length) {
         choose(digit);
@@ -348,7 +354,13 @@ function Remote({ model: one, hand }: { model: RobotModel; hand: Hand }): JSX.El
       if (!wish || !all[wish.axis]) return;
       event.preventDefault();
       if (event.repeat) return;
-      const speed = wish.sign * now.share * all[wish.axis]!.speed;
+      const axis = all[wish.axis]!;
+      if (!now.hold) {
+        const way = wish.sign * (axis.measure === 'angle' ? now.angle : now.length);
+        if (!atWork.value) void store.run(robot.value, stepRow(of, now.frame, axis, way, now.share), t('view.jog'));
+        return;
+      }
+      const speed = wish.sign * now.share * axis.speed;
       // By its place on the board: with Shift let go in between, what it writes is another key.
       keys.add(event.code);
       const velocity = along(all.length, wish.axis, speed);
@@ -379,7 +391,7 @@ function Remote({ model: one, hand }: { model: RobotModel; hand: Hand }): JSX.El
   }, [keyboard.value]);
 
   // By a timer, as velocities are sent: a window that is drawn no more must not hold the last one.
-  useTimer(gamepad.value, kPadLookMs, () => {
+  useTimer(gamepad.value && hand.hold, kPadLookMs, () => {
     const pad = navigator.getGamepads().find((one) => one?.connected && one.mapping === 'standard');
     padName.value = pad?.id.replace(/\s*\(.*$/, '') ?? null;
     padIs.value = pad ? padMode(pad) : 'rest';
@@ -406,7 +418,7 @@ function Remote({ model: one, hand }: { model: RobotModel; hand: Hand }): JSX.El
     else if (next === 'begin') void holdOnce('gamepad', wish, () => hold.asks(about));
   });
   useEffect(() => {
-    if (!gamepad.value) return;
+    if (!gamepad.value || !hand.hold) return;
     const hold = padHold.current;
     const end = () => {
       hold.lose();
@@ -417,7 +429,9 @@ function Remote({ model: one, hand }: { model: RobotModel; hand: Hand }): JSX.El
       window.removeEventListener('gamepaddisconnected', end);
       end();
     };
-  }, [gamepad.value]);
+  }, [gamepad.value, hand.hold]);
+  // Nothing of the scene is marked any more where nobody jogs.
+  useEffect(() => () => void (hoveredJoint.value = null), []);
 
   return (
     <div class="remote">
@@ -425,18 +439,21 @@ function Remote({ model: one, hand }: { model: RobotModel; hand: Hand }): JSX.El
         <Toggle pressed={keyboard.value} onChange={(on) => (keyboard.value = on)}>
           <Icon name="keyboard" /> {t('jog.keyboard')}
         </Toggle>
-        <Toggle pressed={gamepad.value} onChange={(on) => (gamepad.value = on)}>
-          <Icon name="gamepad" /> {t('jog.gamepad')}
-        </Toggle>
+        {hand.hold && (
+          <Toggle pressed={gamepad.value} onChange={(on) => (gamepad.value = on)}>
+            <Icon name="gamepad" /> {t('jog.gamepad')}
+          </Toggle>
+        )}
       </div>
       {keyboard.value && (
         <p class="hint">
           {hand.frame === 'joint'
             ? `${t('jog.keyboard.help.joint', { count: axes.length })} (${axes[joint]?.name ?? ''})`
             : t('jog.keyboard.help.tool')}
+          {!hand.hold && ` ${t('jog.keyboard.steps')}`}
         </p>
       )}
-      {gamepad.value && (
+      {gamepad.value && hand.hold && (
         <p class="hint">
           {padName.value ? padText(axes, hand.frame, joint, padIs.value, padName.value) : t('jog.gamepad.none')}
         </p>

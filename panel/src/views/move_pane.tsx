@@ -21,7 +21,7 @@ import { fromFixedXyz, fromJson } from '../logic/pose';
 import { jointLimits, jointsOf, measuredOf } from '../logic/store';
 import { canTurn, toolNumbers, withJoint, withTool, type Target } from '../logic/target';
 import type { RobotModel, Vec3 } from '../logic/types';
-import { clamp, duration, toMm } from '../logic/units';
+import { clamp, decimals, duration, toMm } from '../logic/units';
 import { hoveredJoint } from '../scene_state';
 import { Icon, NumberField, Segments } from './parts';
 import { ReadyFirst } from './ready_first';
@@ -204,7 +204,7 @@ function VerdictCard({ model: one }: { model: RobotModel }): JSX.Element {
       <p>{refusalSentence({ message: now.sentence, data: now.data })}</p>
       {offer && (
         <>
-          <p>{tWord('move.instead', offer.what, { mm: toMm(offer.left_m ?? 0).toFixed(1) })}</p>
+          <p>{tWord('move.instead', offer.what, { mm: decimals(toMm(offer.left_m ?? 0), 1) })}</p>
           <button
             type="button"
             onClick={() => {

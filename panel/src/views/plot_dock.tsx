@@ -5,7 +5,7 @@ import { t } from '../i18n';
 import { model, robot, scrub, target, verdict } from '../app';
 import type { Line } from '../logic/series';
 import type { PreviewJson, RobotModel } from '../logic/types';
-import { toDeg, toMm } from '../logic/units';
+import { decimals, toDeg, toMm } from '../logic/units';
 import { Chart, Swatch } from './chart';
 import { Icon, Segments, useFrames } from './parts';
 
@@ -95,7 +95,7 @@ export function PlotDock(): JSX.Element | null {
           }}
         />
         <output>
-          {at.toFixed(2)} / {end.toFixed(2)} s
+          {decimals(at, 2)} / {decimals(end, 2)} s
         </output>
       </div>
     </section>

@@ -6,7 +6,7 @@ import { between } from '../logic/history';
 import { fitted, hold, kSpans, shift, zoom } from '../logic/plot_window';
 import { lengthOf } from '../logic/record';
 import { csvOf, kQuantities, linesOf, ofJoints, thinned, type Line, type Quantity } from '../logic/series';
-import { clamp } from '../logic/units';
+import { clamp, decimals } from '../logic/units';
 import { handOver } from '../hand_over';
 import {
   ends,
@@ -205,10 +205,10 @@ function valueText(line: Line, at: number | null): string {
   const value = line.values[k];
   if (value === undefined || Number.isNaN(value)) return '–';
   const places = Math.abs(value) >= 1000 ? 1 : 2;
-  return `${value.toFixed(places).replace('-', '−')} ${line.unit}`.replace(' °', '°');
+  return `${decimals(value, places)} ${line.unit}`.replace(' °', '°');
 }
 
-const kSpeeds = [0.25, 1, 4] as const;
+const kSpeeds = [0.25, 1, 4, 20, 200] as const;
 
 /** The record's time: what the 3D view shows of it. */
 function Player(): JSX.Element {
@@ -236,7 +236,7 @@ function Player(): JSX.Element {
         type="range"
         class="slider"
         aria-label={t('plots.player.time')}
-        aria-valuetext={`${playhead.value.toFixed(2)} s`}
+        aria-valuetext={`${decimals(playhead.value, 2)} s`}
         min={0}
         max={end}
         step={end / 2000 || 0.001}
@@ -248,7 +248,7 @@ function Player(): JSX.Element {
         }}
       />
       <output>
-        {playhead.value.toFixed(2)} / {end.toFixed(2)} s
+        {decimals(playhead.value, 2)} / {decimals(end, 2)} s
       </output>
       <Segments
         hideLabel

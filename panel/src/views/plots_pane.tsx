@@ -6,7 +6,7 @@ import { store } from '../app';
 import { csvOf, kQuantities, linesOf } from '../logic/series';
 import { firstOf, newestFirst } from '../logic/paging';
 import { lengthOf, type RunRecord } from '../logic/record';
-import { duration } from '../logic/units';
+import { decimals, duration } from '../logic/units';
 import { handOver } from '../hand_over';
 import {
   candidates,
@@ -217,7 +217,7 @@ function RecordFacts({ of }: { of: RunRecord }): JSX.Element {
             {events.shown.map((event, i) => (
               <li key={i}>
                 <button type="button" class={`quiet${event.grave ? ' grave' : ''}`} onClick={() => (playhead.value = event.t)}>
-                  <span>{event.t.toFixed(2)} s</span>
+                  <span>{decimals(event.t, 2)} s</span>
                   <strong>{tWord('plots.event', event.kind)}</strong>
                   <span>{event.text}</span>
                 </button>

@@ -82,6 +82,7 @@ export function PointsList(): JSX.Element {
 function PointCard(props: { point: Point; model: RobotModel; onRetake: () => void }): JSX.Element {
   const { point, model: one } = props;
   const [draft, setDraft] = useState<string | null>(null);
+  const [sure, setSure] = useState<'remove' | 'retake' | null>(null);
   const pose = poseOf(point, one);
   const now = going.value?.point === point.name ? going.value : null;
   const taken = shelf.value.points.some((other) => other !== point && other.name === draft);
@@ -135,10 +136,17 @@ function PointCard(props: { point: Point; model: RobotModel; onRetake: () => voi
         </button>
         <span class="row tight">
           <IconButton icon="pen" label={t('pts.rename', { name: point.name })} onClick={() => setDraft(point.name)} />
-          <IconButton icon="pin" label={t('pts.retake', { name: point.name })} onClick={props.onRetake} />
-          <IconButton icon="trash" label={t('pts.remove', { name: point.name })} onClick={() => removePoint(point.name)} />
+          <IconButton icon="pin" label={t('pts.retake', { name: point.name })} onClick={() => setSure('retake')} />
+          <IconButton icon="trash" label={t('pts.remove', { name: point.name })} onClick={() => setSure('remove')} />
         </span>
       </div>
+      {sure && (
+        <Sure
+          text={t(sure === 'remove' ? 'pts.remove' : 'pts.retake', { name: point.name })}
+          onYes={() => (sure === 'remove' ? removePoint(point.name) : props.onRetake())}
+          onEnd={() => setSure(null)}
+        />
+      )}
       {now && (
         <div class="point-way">
           <ProgramVerdictCard verdict={now.verdict} />
@@ -154,6 +162,28 @@ function PointCard(props: { point: Point; model: RobotModel; onRetake: () => voi
         </div>
       )}
     </li>
+  );
+}
+
+/** What is kept for all is changed for all: asked once more, where it stands. */
+export function Sure(props: { text: string; onYes: () => void; onEnd: () => void }): JSX.Element {
+  return (
+    <div class="row sure">
+      <button
+        type="button"
+        class="grave"
+        ref={(button) => button?.focus()}
+        onClick={() => {
+          props.onYes();
+          props.onEnd();
+        }}
+      >
+        {props.text}
+      </button>
+      <button type="button" class="quiet" onClick={props.onEnd}>
+        {t('sure.no')}
+      </button>
+    </div>
   );
 }
 

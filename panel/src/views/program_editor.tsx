@@ -4,7 +4,7 @@ import { t } from '../i18n';
 import { kProgramName } from '../logic/shelf';
 import { changed, examples, here, history, name, openExample, openKept, openProgram, removeProgram, saveAs, shelf, text, undo } from '../teach';
 import { FileButtons } from './file_buttons';
-import { IconButton } from './points_list';
+import { IconButton, Sure } from './points_list';
 import { Icon, Segments } from './parts';
 import { ProgramText } from './program_text';
 import { RunBar } from './run_bar';
@@ -36,6 +36,7 @@ export function ProgramEditor(): JSX.Element {
 
 function ProgramHead(): JSX.Element {
   const [wish, setWish] = useState<string | null>(null);
+  const [sure, setSure] = useState(false);
   const title = wish ?? name.value;
   const fits = kProgramName.test(title);
   const { programs } = shelf.value;
@@ -117,9 +118,16 @@ function ProgramHead(): JSX.Element {
           icon="trash"
           label={t('prog.remove', { name: name.value })}
           disabled={!(name.value in programs)}
-          onClick={() => removeProgram(name.value)}
+          onClick={() => setSure(true)}
         />
       </span>
+      {sure && (
+        <Sure
+          text={t('prog.remove', { name: name.value })}
+          onYes={() => removeProgram(name.value)}
+          onEnd={() => setSure(false)}
+        />
+      )}
       {text.value !== '' && title !== '' && !fits && <p class="wrong-words">{t('pts.name.rule')}</p>}
     </div>
   );

@@ -3,6 +3,7 @@ import { t, tWord } from '../i18n';
 import { go, robot, store } from '../app';
 import { whatLimits } from '../logic/glance';
 import { remedyOf } from '../logic/remedy';
+import { duration } from '../logic/units';
 import type { CellRobot, RobotStatus } from '../logic/types';
 
 /** Every robot at a glance; the one that is chosen says more. */
@@ -21,6 +22,8 @@ function RobotCard({ place, status }: { place: CellRobot; status: RobotStatus | 
   if (!status) return <div class="card" aria-busy="true" />;
   const lease = store.lease(place.name);
   const limit = whatLimits(status, lease, place.time_scale);
+  // Where some machines are real, each says what it is.
+  const mixed = store.robots.value.some((one) => one.simulated !== place.simulated);
   const running = status.job && !status.job.over && status.job.phase === 'running';
   return (
     <article class={`card${chosen ? ' chosen' : ''}${status.fault || status.trouble ? ' grave' : ''}`}>
@@ -34,12 +37,16 @@ function RobotCard({ place, status }: { place: CellRobot; status: RobotStatus | 
           <span class={`dot dot-${status.state}`} aria-hidden="true" />
           <span class="card-name">{place.name}</span>
           {place.time_scale !== 1 && <span class="card-scale">{t('app.scale', { scale: place.time_scale })}</span>}
+          {mixed && <span class="card-scale">{t(place.simulated ? 'app.simulated' : 'app.real')}</span>}
           <span class="card-state">{t(`state.${status.state}`)}</span>
         </span>
         <span class="card-title">{place.title}</span>
         <span class={`card-quality quality-${status.position}`}>{t(`quality.${status.position}`)}</span>
         {limit.key !== 'none' && (
           <span class={`card-limit${limit.grave ? ' grave' : ''}`}>{tWord('limit', limit.key, limit.values)}</span>
+        )}
+        {running && place.time_scale !== 1 && (
+          <span class="card-real">{t('app.scale.real', { time: duration(status.job!.predicted_s) })}</span>
         )}
         {running && (
           <span class="bar" role="progressbar" aria-valuenow={Math.round(100 * status.job!.progress)} aria-valuemin={0} aria-valuemax={100}>

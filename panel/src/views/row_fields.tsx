@@ -1,12 +1,11 @@
 import type { JSX } from 'preact';
 import { useState } from 'preact/hooks';
 import { t, tWord } from '../i18n';
-import { canMove, model, standing } from '../app';
+import { atWork, canMove, knowsPlace, model, standing } from '../app';
 import { copyRow, linesOf, removeRow, replaceLine, stepRow, type Row } from '../logic/rows';
-import { fieldsOf, readField, writeField, type Complaint, type Field } from '../logic/row_kinds';
+import { fieldsOf, hereRow, readField, writeField, type Complaint, type Field } from '../logic/row_kinds';
 import { written } from '../logic/quantities';
-import { jointLimits } from '../logic/store';
-import { edit, run, running, selected, shelf, text } from '../teach';
+import { edit, run, selected, shelf, text, verdicts } from '../teach';
 import { Icon } from './parts';
 import { IconButton } from './points_list';
 
@@ -38,13 +37,14 @@ export function RowFields({ row, last }: { row: Row; last: number }): JSX.Elemen
       )}
       <div class="row-do">
         {(row.word === 'joint' || row.word === 'move' || row.word === 'line') && (
-          <button type="button" onClick={() => here(row)}>
+          <button type="button" disabled={!knowsPlace.value} onClick={() => here(row)}>
             <Icon name="pin" size={16} /> {t('prog.here')}
           </button>
         )}
         <button
           type="button"
-          disabled={!canMove.value || running.value !== null}
+          disabled={!canMove.value || atWork.value || row.depth > 0 || row.word === 'end' || row.word === 'else' || refusedRow(row)}
+          title={row.depth > 0 ? t('prog.run_from.block') : undefined}
           onClick={() => void run({ fromLine: row.line })}
           data-tour="run-from"
         >
@@ -79,27 +79,16 @@ export function RowFields({ row, last }: { row: Row; last: number }): JSX.Elemen
   );
 }
 
+/** From here on nothing would run. */
+const refusedRow = (row: Row): boolean => verdicts.value[row.line]?.verdict === 'refused';
+
 /** The row goes to where the arm is now: its joints, or its tool's place. */
 function here(row: Row): void {
   const one = model.peek()!;
   const stands = standing();
-  if (!stands) return;
-  let raw = linesOf(text.peek())[row.line - 1]!;
-  const set = (id: string, value: string) => {
-    const field = fieldsOf(row.word, one).find((other) => other.id === id);
-    const next = field && writeField(raw, field, value);
-    if (next && 'raw' in next) raw = next.raw;
-  };
-  set('to', '');
-  if (row.word === 'joint') {
-    one.joints.forEach((joint, i) => {
-      const { measure } = jointLimits(joint);
-      set(joint.name, written(stands.joints[i]!, measure, measure === 'length' ? 3 : 2));
-    });
-  } else {
-    (['x', 'y', 'z'] as const).forEach((axis, i) => set(axis, written(stands.tool.p[i]!, 'length', 2)));
-  }
-  edit(replaceLine(text.peek(), row.line, raw), row.line);
+  if (!stands || !knowsPlace.peek()) return;
+  const raw = linesOf(text.peek())[row.line - 1]!;
+  edit(replaceLine(text.peek(), row.line, hereRow(raw, one, stands.joints, stands.tool)), row.line);
 }
 
 function RowField({ row, field }: { row: Row; field: Field }): JSX.Element {

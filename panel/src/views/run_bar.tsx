@@ -2,11 +2,13 @@ import type { JSX } from 'preact';
 import { errorSentence, t, tWord } from '../i18n';
 import { atWork, canMove, robot, setPace, status, store } from '../app';
 import { secondsLeft } from '../logic/glance';
-import { duration } from '../logic/units';
+import { decimals, duration } from '../logic/units';
 import {
+  brokenOffLine,
   check,
   failedLine,
   job,
+  outdated,
   pause,
   resume,
   run,
@@ -39,8 +41,14 @@ export function RunBar(): JSX.Element {
             time: '',
           })}
           {failedLine.value !== null && ` (${t('prog.in_row', { line: failedLine.value })})`}
+          {brokenOffLine.value !== null && (
+            <button type="button" class="quiet" disabled={!starts} onClick={() => void run({ fromLine: brokenOffLine.value! })}>
+              {t('prog.go_on_from', { line: brokenOffLine.value })}
+            </button>
+          )}
         </p>
       )}
+      {now && outdated.value && <p class="hint">{t('prog.older_runs')}</p>}
       <div class="run-keys">
         {now && paused ? (
           <button type="button" class="primary big" data-tour="resume" onClick={resume}>
@@ -133,7 +141,7 @@ function Scrub(): JSX.Element | null {
       min={times[0] ?? 0}
       max={last}
       step={last / 500}
-      text={`${at.toFixed(1)} s`}
+      text={`${decimals(at, 1)} s`}
       onInput={(value) => (scrub.value = value)}
     />
   );

@@ -8,6 +8,7 @@ import {
   jointsOf,
   kSimulated,
   sameSettings,
+  settingsText,
   trimOf,
   trimText,
   withFound,
@@ -55,17 +56,27 @@ export function SettingsForm({ name }: { name: string }): JSX.Element | null {
     setNote(null);
     asking.current?.put(next);
   };
-  const save = async (settings: Settings) => {
-    if (!told) return;
+  const save = async (settings: Settings, on = told) => {
+    if (!on) return;
     try {
-      const json = await rpc.call<SettingsJson>('settings.set', { robot: name, settings, revision: told.revision });
+      const json = await rpc.call<SettingsJson>('settings.set', { robot: name, settings, revision: on.revision });
       asking.current?.forget();
       take(json);
       setNote({ text: t('set.saved', { file: json.file }), grave: false });
     } catch (error) {
       const why = notKept(error);
-      setNote({ text: why.why === 'refused' ? why.sentence : t(why.why === 'conflict' ? 'set.conflict' : 'set.lost'), grave: true });
+      if (why.why === 'conflict') return overtaken(settings, on);
+      setNote({ text: why.why === 'refused' ? why.sentence : t('set.lost'), grave: true });
     }
+  };
+  /** One file has the settings of all robots. What somebody set of another one is no matter here. */
+  const overtaken = async (settings: Settings, on: SettingsJson): Promise<void> => {
+    const theirs = await rpc.call<SettingsJson>('settings.get', { robot: name }).catch(() => null);
+    if (!theirs) return setNote({ text: t('set.lost'), grave: true });
+    if (sameSettings(theirs.now, on.now) && theirs.revision !== on.revision) return save(settings, theirs);
+    // What was to be saved stays in the form; behind it now stands what they have set.
+    setTold(theirs);
+    setNote({ text: t('set.conflict', { what: settingsText(theirs.now) }), grave: true });
   };
   const wrong = (key: string) => (changed ? verdict?.complaints.find((one) => one.name === key)?.sentence : undefined);
   return (

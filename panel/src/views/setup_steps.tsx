@@ -3,6 +3,7 @@ import { useEffect, useRef } from 'preact/hooks';
 import { useSignal } from '@preact/signals';
 import { t, tWord } from '../i18n';
 import { stepLook, type ProcedureJson, type StepLook } from '../logic/procedure';
+import { decimals } from '../logic/units';
 import { Icon } from './parts';
 import { stepTitle } from './setup_question';
 
@@ -130,6 +131,6 @@ function settingTitle(key: string): string {
   return match ? tWord('setup.setting', match[2]!, { joint: match[1]! }) : tWord('setup.setting', key);
 }
 function settingText(key: string, value: string): string {
-  if (key.endsWith('.trim_rad')) return `${((Number(value) * 180) / Math.PI).toFixed(2)}°`;
+  if (key.endsWith('.trim_rad')) return `${decimals((Number(value) * 180) / Math.PI, 2)}°`;
   return key.endsWith('.turn') && value === 'other' ? t('setup.setting.other') : value;
 }

@@ -1,23 +1,13 @@
 import type { JSX } from 'preact';
-import { useEffect, useMemo, useRef, useState } from 'preact/hooks';
+import { useEffect, useRef, useState } from 'preact/hooks';
 import { t, tWord } from '../i18n';
 import { model, robot } from '../app';
-import { chosen, clear, filter, frames, lost, paused } from '../device_state';
-import { axesText, fileText, matches, visible, type WireFrame } from '../logic/wire';
+import { chosen, clear, filter, frames, lost, matched, paused, sentence } from '../device_state';
+import { axesText, fileText, visible, type WireFrame } from '../logic/wire';
 import { handOver } from '../hand_over';
 import { Icon, Segments, Toggle } from './parts';
 
 const kRow = 24; // px, as .wire-row has it
-
-/** The message and its values in the language at hand. */
-export function sentence(frame: WireFrame): string {
-  const values = frame.fields.map(([name, value]) => {
-    const shown = typeof value === 'string' ? tWord('wire.value', value) : Number(value.toPrecision(7));
-    return `${tWord('wire.field', name)} ${shown}`;
-  });
-  const name = tWord('wire.m', frame.name);
-  return values.length > 0 ? `${name}: ${values.join(', ')}` : name;
-}
 
 const wayOf = (frame: WireFrame): string => t(frame.to === 'device' ? 'wire.to_device' : 'wire.to_host');
 
@@ -25,7 +15,7 @@ const wayOf = (frame: WireFrame): string => t(frame.to === 'device' ? 'wire.to_d
 export function WireDock(): JSX.Element {
   const all = frames.value;
   const now = filter.value;
-  const shown = useMemo(() => all.filter((one) => matches(one, now, sentence(one))), [all, now]);
+  const shown = matched.value;
   const hasFill = (robot.value && model.value?.robot === 'robot-arm-2') || all.some((one) => one.kind === 'fill');
   const save = () => {
     const stamp = new Date().toISOString().slice(0, 19);

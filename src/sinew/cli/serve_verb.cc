@@ -115,19 +115,36 @@ std::string greeting(const runtime::RunningCell& cell, const std::string& socket
   return text + web + fmt::format("  answers on {}; Ctrl-C ends it\n", socket);
 }
 
-void serve_until_the_end(const ServeRequest& request, const runtime::RunningCell& cell,
-                         server::ServerLoop& loop) {
+/// Where its events are kept; empty where there is no place for them.
+std::string event_file(const ServeRequest& request) {
+  return runtime::events_path(request.file).value_or("");
+}
+
+/// @return  the robots that could not show anything, where the demonstration was all that was
+/// wanted
+std::vector<std::string> serve_until_the_end(const ServeRequest& request,
+                                             const runtime::RunningCell& cell,
+                                             server::ServerLoop& loop) {
   if (!request.demonstrate && !request.shown_is_over) {
-    return loop.run([] { return io::interrupts() > 0; });
+    loop.run([] { return io::interrupts() > 0; });
+    return {};
   }
   server::Demonstration shown(loop.api(), cell);
   DemonstrationLines lines(shown);
   loop.run([&] {
     shown.poll(loop.now());
     if (!request.json) lines.show(loop.now());
-    return io::interrupts() > 0 || (request.shown_is_over && (shown.over() || shown.shown()));
+    // A visitor who has taken a robot keeps the cell.
+    return io::interrupts() > 0 || (request.shown_is_over && !shown.over() && shown.shown());
   });
+  std::vector<std::string> idle;
+  for (const auto& part : shown.parts()) {
+    if (request.shown_is_over && io::interrupts() == 0 && part.rounds == 0) {
+      idle.push_back(part.robot);
+    }
+  }
   shown.end();
+  return idle;
 }
 
 }  // namespace
@@ -172,7 +189,9 @@ Outcome serve(const ServeRequest& request) {
        .programs = *programs});
   realtime.reset();
   if (!running) return could_not(running.error().sentence);
-  server::Api api(**running, SINEW_VERSION, &*settings);
+  // Whatever clients want, control threads come first: also before the threads that the Api begins.
+  io::let_others_go_first();
+  server::Api api(**running, SINEW_VERSION, &*settings, event_file(request));
   server::ServerLoop loop(api);
   auto listening = server::LocalServer::listen(*socket, loop);
   if (!listening) return could_not(listening.error().sentence);
@@ -185,9 +204,10 @@ Outcome serve(const ServeRequest& request) {
   } else {
     std::fputs(greeting(**running, *socket, web->text).c_str(), stderr);
   }
-  // Whatever clients want, control threads come first.
-  io::let_others_go_first();
-  serve_until_the_end(request, **running, loop);
+  const auto idle = serve_until_the_end(request, **running, loop);
+  if (!idle.empty()) {
+    return could_not(fmt::format("not shown: {}", fmt::join(idle, ", ")));
+  }
   Outcome outcome;
   outcome.json = {{"ended", "interrupted"}};
   outcome.json_line = true;

@@ -11,6 +11,8 @@
 namespace sinew::cli {
 namespace {
 
+constexpr const char* kFreePort = "127.0.0.1:0";
+
 struct Token {
   std::string file;
   std::string text;
@@ -80,6 +82,15 @@ std::expected<WebDoor, Outcome> open_web_door(const WebDoorRequest& request,
   auto door = open(request, loop);
   if (door) return std::move(*door);
   const bool asked = request.listen || tls || request.insecure_network || !request.hosts.empty();
+  if (!asked) {
+    // Another cell has the usual port, say; a panel elsewhere is better than none.
+    WebDoorRequest anywhere = request;
+    anywhere.listen = kFreePort;
+    if (auto other = open(anywhere, loop)) {
+      other->text = fmt::format("  {}\n", door.error().sentence) + other->text;
+      return std::move(*other);
+    }
+  }
   if (asked) return std::unexpected(could_not("--listen: " + door.error().sentence));
   WebDoor none;
   none.text = fmt::format("  no panel: {}\n", door.error().sentence);

@@ -236,7 +236,15 @@ bool same_file(const std::string& a, const std::string& b) {
 }
 
 IoResult<LineFile> LineFile::create(const std::string& path) {
-  std::FILE* file = std::fopen(path.c_str(), "we");
+  return open(path, "we");
+}
+
+IoResult<LineFile> LineFile::append(const std::string& path) {
+  return open(path, "ae");
+}
+
+IoResult<LineFile> LineFile::open(const std::string& path, const char* mode) {
+  std::FILE* file = std::fopen(path.c_str(), mode);
   if (file == nullptr) return std::unexpected(system_error(path, errno));
   return LineFile(file, path);
 }

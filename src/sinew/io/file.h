@@ -66,6 +66,8 @@ int process_id();
 class LineFile {
  public:
   static IoResult<LineFile> create(const std::string& path);
+  /// Behind what is there.
+  static IoResult<LineFile> append(const std::string& path);
   void add(std::string_view line);
   /// Why a line could not be written (a full disk); those behind it are missing too.
   const std::optional<IoError>& failure() const { return failure_; }
@@ -74,6 +76,7 @@ class LineFile {
   struct Closer {
     void operator()(std::FILE* file) const { std::fclose(file); }
   };
+  static IoResult<LineFile> open(const std::string& path, const char* mode);
   LineFile(std::FILE* file, std::string path) : file_(file), path_(std::move(path)) {}
   std::unique_ptr<std::FILE, Closer> file_;
   std::string path_;

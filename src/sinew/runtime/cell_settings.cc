@@ -273,10 +273,11 @@ ShelfResult<void> CellSettings::save(std::size_t robot, const RobotSettings& set
   return {};
 }
 
-io::IoResult<std::string> settings_path(const std::string& cell_file) {
-  const auto folder = settings_folder();
-  if (!folder) return folder;
-  if (cell_file.empty()) return *folder + "/builtin.json";
+namespace {
+
+/// What a cell's files are called by: one name wherever its own is called from.
+std::string name_of_cell(const std::string& cell_file) {
+  if (cell_file.empty()) return "builtin";
   std::error_code error;
   const auto path = std::filesystem::weakly_canonical(cell_file, error);
   std::string stem = path.stem().string().substr(0, 40);
@@ -287,7 +288,21 @@ io::IoResult<std::string> settings_path(const std::string& cell_file) {
         return !letter && !(c >= '0' && c <= '9') && c != '-' && c != '_';
       },
       '-');
-  return fmt::format("{}/{}-{:013x}.json", *folder, stem, revision_of(path.string()));
+  return fmt::format("{}-{:013x}", stem, revision_of(path.string()));
+}
+
+}  // namespace
+
+io::IoResult<std::string> settings_path(const std::string& cell_file) {
+  const auto folder = settings_folder();
+  if (!folder) return folder;
+  return *folder + "/" + name_of_cell(cell_file) + ".json";
+}
+
+io::IoResult<std::string> events_path(const std::string& cell_file) {
+  const auto folder = events_folder();
+  if (!folder) return folder;
+  return *folder + "/" + name_of_cell(cell_file) + ".jsonl";
 }
 
 }  // namespace sinew::runtime

@@ -122,6 +122,10 @@ io::IoResult<std::string> settings_folder() {
   return state_folder("settings");
 }
 
+io::IoResult<std::string> events_folder() {
+  return state_folder("events");
+}
+
 io::IoResult<std::string> web_folder() {
   return state_folder("web");
 }

@@ -61,6 +61,8 @@ io::IoResult<std::string> web_folder();
 
 /// The same with "programs": those of each kind of robot and its points, in a folder of its id.
 io::IoResult<std::string> programs_folder();
+/// The same with "events": what happened in each cell.
+io::IoResult<std::string> events_folder();
 /// The same with "settings": what was set of the robots of each cell, beside its file.
 io::IoResult<std::string> settings_folder();
 

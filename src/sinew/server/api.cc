@@ -66,7 +66,8 @@ Json record_json(const std::string& robot, const runtime::RecordTold& told) {
 
 }  // namespace
 
-Api::Api(runtime::RunningCell& cell, std::string version, runtime::CellSettings* settings)
+Api::Api(runtime::RunningCell& cell, std::string version, runtime::CellSettings* settings,
+         const std::string& event_file)
     : cell_(cell), keeper_(cell, settings), version_(std::move(version)) {
   previews_ = std::make_unique<PreviewDesk>(cell_);
   for (std::size_t i = 0; i < cell_.size(); ++i) {
@@ -78,6 +79,36 @@ Api::Api(runtime::RunningCell& cell, std::string version, runtime::CellSettings*
   procedures_.resize(cell_.size());
   monitors_.resize(cell_.size());
   status_texts_.resize(cell_.size() + 1);
+  if (!event_file.empty()) begin_events(event_file);
+}
+
+/// Of the lives before this one, and that this one has begun.
+void Api::begin_events(const std::string& file) {
+  auto kept = EventFile::open(file);
+  if (kept) {
+    log_.begin(kept->events);
+    event_kept_ = log_.last();
+    event_file_ = std::make_shared<EventFile>(std::move(kept->file));
+  }
+  log_.add({{"at_ms", wall_ms()}, {"robot", ""}, {"kind", "begun"}, {"version", version_}});
+  if (!kept) {
+    log_.add({{"at_ms", wall_ms()},
+              {"robot", ""},
+              {"kind", "begun"},
+              {"trouble", kept.error().sentence}});
+  }
+}
+
+/// In the thread that waits for disks; where its desk is full, with the next ones.
+void Api::keep_events() {
+  if (!event_file_ || log_.last() == event_kept_) return;
+  std::vector<std::string> lines;
+  for (const Json& event : log_.after(event_kept_)) lines.push_back(event.dump());
+  const bool taken = files_.ask({0, nullptr, false}, [file = event_file_, lines] {
+    file->add(lines);
+    return Json();
+  });
+  if (taken) event_kept_ = log_.last();
 }
 
 Api::~Api() {
@@ -197,10 +228,11 @@ void Api::answer(Session& session, const Json& id, bool answered, const Answer& 
 }
 
 void Api::put(Session& session, std::string text) {
-  if (session.out.size() >= kOutputMax) {
+  if (session.out.size() >= kOutputMax || session.out_bytes > kOutputBytesMax) {
     session.too_slow = true;
     return;
   }
+  session.out_bytes += text.size();
   session.out.push_back(std::move(text));
 }
 
@@ -209,6 +241,7 @@ std::optional<std::string> Api::take_output(SessionId id) {
   if (found == sessions_.end() || found->second.out.empty()) return std::nullopt;
   std::string text = std::move(found->second.out.front());
   found->second.out.pop_front();
+  found->second.out_bytes -= text.size();
   return text;
 }
 
@@ -256,6 +289,7 @@ void Api::poll(Instant now) {
   take_answered();
   log_events();
   log_jobs();
+  keep_events();
   for (std::string& text : status_texts_) text.clear();
   for (auto& [id, session] : sessions_) {
     take_events(session);
@@ -408,7 +442,7 @@ void Api::tell(Session& session, Instant now) {
   tell_jobs(session, now);
   tell_procedures(session, now);
   if (watch.interval == Duration{} || now < watch.next) return;
-  watch.next = now + watch.interval;
+  watch.next = next_due(watch.next, watch.interval, now);
   put(session, status_text(watch.robot));
 }
 

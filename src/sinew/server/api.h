@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <deque>
 #include <map>
@@ -13,6 +14,7 @@
 #include "sinew/planning/tool_space.h"
 #include "sinew/runtime/running_cell.h"
 #include "sinew/runtime/wire_monitor.h"
+#include "sinew/server/event_file.h"
 #include "sinew/server/event_log.h"
 #include "sinew/server/keeper.h"
 #include "sinew/server/methods.h"
@@ -24,6 +26,12 @@ namespace sinew::server {
 using SessionId = control::ClientId;
 
 enum class Role : std::uint8_t { kViewer, kOperator };
+
+/// When the message behind this one is due. A turn that came late does not slow the rate down, and
+/// several that were missed are not made up for.
+inline Instant next_due(Instant due, Duration interval, Instant now) {
+  return std::max(due + interval, now);
+}
 
 /// What a connection can carry to its client.
 enum class Delivery : std::uint8_t { kMessages, kAnswersOnly };
@@ -41,11 +49,15 @@ class Api {
   static constexpr std::size_t kPendingMax = 32;
   /// Texts that wait for a session that does not read: answers beyond that end it.
   static constexpr std::size_t kOutputMax = 256;
+  /// The same in bytes: an answer of records.read has a third of a megabyte.
+  static constexpr std::size_t kOutputBytesMax = std::size_t{8} << 20;
   /// Status and job messages are not made for a session that has so many to read.
   static constexpr std::size_t kOutputSlow = 8;
 
   /// @param cell, settings  outlive this. @param version  of the program
-  Api(runtime::RunningCell& cell, std::string version, runtime::CellSettings* settings = nullptr);
+  /// @param event_file  keeps events beyond this process; empty: none
+  Api(runtime::RunningCell& cell, std::string version, runtime::CellSettings* settings = nullptr,
+      const std::string& event_file = {});
   ~Api();
 
   /// @return  nothing where as many as are served are there
@@ -101,6 +113,7 @@ class Api {
     std::map<std::size_t, std::unique_ptr<runtime::StationClient>> machines;
     std::vector<Pending> pending;
     std::deque<std::string> out;
+    std::size_t out_bytes = 0;  ///< in them
     Watch watch;
     Subscription subscription;
     std::optional<Instant> renewed;
@@ -139,6 +152,8 @@ class Api {
   void take_answered();
   void take_answered(const Answered& done);
   void log_demonstration();
+  void begin_events(const std::string& file);
+  void keep_events();
   void log_events();
   void log_jobs();
   void log_job(std::size_t robot, const runtime::JobView& job);
@@ -211,6 +226,8 @@ class Api {
   std::map<SessionId, Session> sessions_;
   std::optional<SessionId> yielding_;
   EventLog log_;
+  std::shared_ptr<EventFile> event_file_;             ///< of files_' thread; null: none
+  std::uint64_t event_kept_ = 0;                      ///< the last one that was given to it
   std::vector<std::optional<std::uint8_t>> ears_;     ///< a slot of each station: what concerns all
   std::vector<runtime::JobView> jobs_;                ///< as last logged
   std::vector<runtime::ProcedureStatus> procedures_;  ///< the same

@@ -213,7 +213,7 @@ Api::Answer Api::watch(const Call& call) {
   watch.next = call.now;
   watch.job_next = call.now;
   watch.procedure_next = call.now;
-  watch.event = log_.last();
+  watch.event = call.request.whole("after", log_.last());
   return Json::object();
 }
 

@@ -29,8 +29,9 @@ std::optional<Json> Api::object(std::string_view name) {
   const auto robot = cell_.find(name.substr(job ? kJobPrefix.size() : kRobotPrefix.size()));
   if (!robot) return std::nullopt;
   if (job) return job_status(*robot);
-  const runtime::Station& station = cell_.station(*robot);
-  return status_json(station, station.view(), *tools_[*robot], X_near_[*robot]);
+  Json state = status(*robot);
+  state.erase("job");
+  return state;
 }
 
 std::expected<Json, RpcError> Api::objects(const Json& names) {
@@ -70,7 +71,7 @@ void Api::tell_objects(Session& session, Instant now) {
   Subscription& subscription = session.subscription;
   if (subscription.known.empty() || subscription.interval == Duration{}) return;
   if (now < subscription.next) return;
-  subscription.next = now + subscription.interval;
+  subscription.next = next_due(subscription.next, subscription.interval, now);
   Json updates = Json::object();
   for (auto& [name, known] : subscription.known.items()) {
     if (name == "cell") continue;  // never changes

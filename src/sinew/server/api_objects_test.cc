@@ -18,6 +18,11 @@ TEST(ApiObjects, are_listed_and_queried_by_name) {
   const Json one = client.call("objects.query", {{"objects", {"robot/left"}}})["result"]["objects"];
   EXPECT_EQ(one.size(), 1U);
   EXPECT_EQ(one["robot/left"]["position"], "lost");
+  // Each field of its status is there, but the job.
+  const Json status = client.status("left");
+  for (auto field = status.begin(); field != status.end(); ++field) {
+    EXPECT_TRUE(one["robot/left"].contains(field.key())) << field.key();
+  }
   EXPECT_EQ(client.call("objects.query")["result"]["objects"].size(), 3U);
   EXPECT_NE(client.sentence("objects.query", {{"objects", {"robot/lfet"}}}).find("robot/left"),
             std::string::npos);

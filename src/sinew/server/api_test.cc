@@ -339,6 +339,21 @@ TEST(Api, a_client_that_does_not_read_is_ended_and_holds_nobody_up) {
   cell.api().close(greedy);
 }
 
+/// Large answers are bounded by their bytes, long before their number is.
+TEST(Api, a_client_that_does_not_read_large_answers_is_ended_sooner) {
+  ApiCell cell({place("left", "learm", "bus")});
+  const SessionId greedy = *cell.api().open(Role::kViewer);
+  std::size_t asked = 0;
+  while (!cell.api().too_slow(greedy) && asked < 2 * Api::kOutputMax) {
+    cell.api().receive(greedy, request_text(1, "rpc.discover", Json::object()), cell.now());
+    ++asked;
+  }
+  const std::size_t size = cell.api().take_output(greedy)->size();
+  EXPECT_LT(asked, Api::kOutputMax);
+  EXPECT_LE((asked - 2) * size, Api::kOutputBytesMax);
+  EXPECT_GE((asked + 1) * size, Api::kOutputBytesMax);
+}
+
 TEST(Api, serves_so_many_clients_and_no_more) {
   ApiCell cell({place("left", "learm", "bus")});
   std::vector<SessionId> ids;

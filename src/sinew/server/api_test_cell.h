@@ -26,7 +26,7 @@ class ApiCell {
   explicit ApiCell(const std::vector<CellRobot>& robots, double scale = 20,
                    const runtime::CellFolders& folders = {},
                    const std::vector<CellObject>& objects = {},
-                   runtime::CellSettings* settings = nullptr) {
+                   runtime::CellSettings* settings = nullptr, const std::string& event_file = {}) {
 #ifdef __SANITIZE_ADDRESS__
     scale /= 2;
 #endif
@@ -47,7 +47,7 @@ class ApiCell {
       return;
     }
     cell_ = std::move(*running);
-    api_ = std::make_unique<Api>(*cell_, "test", settings);
+    api_ = std::make_unique<Api>(*cell_, "test", settings, event_file);
   }
 
   Api& api() { return *api_; }

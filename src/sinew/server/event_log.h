@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <deque>
+#include <vector>
 
 #include "sinew/server/json_rpc.h"
 
@@ -12,6 +13,10 @@ class EventLog {
  public:
   static constexpr std::size_t kMax = 1000;
 
+  /// Events of an earlier life, oldest first; before the first add().
+  void begin(const std::vector<Json>& events) {
+    for (const Json& event : events) add(event);
+  }
   /// @param event  an object; its number is put in front
   void add(Json event) {
     Json numbered{{"number", ++last_}};

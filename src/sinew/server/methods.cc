@@ -16,7 +16,9 @@ constexpr Param kRobotOrAll[] = {
     {"robot", ParamType::kRobot, false, "its name in the cell; all of them where left out"}};
 constexpr Param kWatchParams[] = {
     {"rate_hz", ParamType::kNumber, false, "status messages a second, up to 100; 0 for none; 10"},
-    {"robot", ParamType::kRobot, false, "of this one only"}};
+    {"robot", ParamType::kRobot, false, "of this one only"},
+    {"after", ParamType::kWhole, false,
+     "events behind this number too; from now on where left out"}};
 constexpr Param kEventsParams[] = {
     {"after", ParamType::kWhole, false, "number of the last event that is known already"}};
 constexpr Param kQueryParams[] = {
@@ -181,8 +183,9 @@ constexpr auto kMethods = std::to_array<Method>({
      "from now on `status`, `job`, `procedure` and `event` messages; latest wins for whoever reads "
      "slowly",
      kWatchParams, "an empty object"},
-    {MethodId::kEventsList, "events.list", false, "what happened, the last 1000 events at most",
-     kEventsParams, "events", "Events"},
+    {MethodId::kEventsList, "events.list", false,
+     "what happened, the last 1000 events at most, also of the cell's lives before", kEventsParams,
+     "events", "Events"},
     {MethodId::kObjectsList,
      "objects.list",
      false,

@@ -254,7 +254,7 @@ void put_jobs(Json& all) {
                    {"at_ms", whole()},
                    {"robot", text()},
                    {"kind", one_of({"state", "lease", "stop", "fault", "notice", "record",
-                                    "demonstration", "job", "procedure", "moved"})}},
+                                    "demonstration", "job", "procedure", "moved", "begun"})}},
                   {{"state", ref("State")},
                    {"client", or_null("integer")},
                    {"category", category()},
@@ -273,7 +273,8 @@ void put_jobs(Json& all) {
                    {"limited", ref("Limited")},
                    {"procedure_number", whole()},
                    {"procedure", text()},
-                   {"reason", text()}}));
+                   {"reason", text()},
+                   {"version", text()}}));
   all["Events"] = object({{"events", list(ref("Event"))}});
 }
 

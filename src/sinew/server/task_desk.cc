@@ -1,5 +1,6 @@
 #include "sinew/server/task_desk.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace sinew::server {
@@ -18,7 +19,10 @@ TaskDesk::~TaskDesk() {
 bool TaskDesk::ask(Ticket ticket, Task task) {
   {
     const std::scoped_lock lock(mutex_);
-    if (waiting_.size() >= kWaitingMax) return false;
+    const auto of_one = std::ranges::count_if(
+        waiting_, [&](const auto& one) { return one.first.client == ticket.client; });
+    const bool greedy = ticket.client != 0 && of_one >= static_cast<std::ptrdiff_t>(kOfOneMax);
+    if (greedy || waiting_.size() >= kWaitingMax) return false;
     waiting_.emplace_back(std::move(ticket), std::move(task));
   }
   more_.notify_all();

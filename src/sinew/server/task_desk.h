@@ -31,15 +31,16 @@ struct Answered {
 class TaskDesk {
  public:
   using Task = std::function<std::expected<Json, RpcError>()>;
-  /// So many may wait, of all clients together.
+  /// So many may wait, of all clients together and of one.
   static constexpr std::size_t kWaitingMax = 64;
+  static constexpr std::size_t kOfOneMax = 16;
 
   TaskDesk();
   ~TaskDesk();
   TaskDesk(const TaskDesk&) = delete;
   TaskDesk& operator=(const TaskDesk&) = delete;
 
-  /// @return false where too many wait
+  /// @return false where too many wait; of client 0, the server itself, no share is kept
   bool ask(Ticket ticket, Task task);
   /// Each once.
   std::optional<Answered> take();

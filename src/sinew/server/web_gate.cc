@@ -87,7 +87,7 @@ std::expected<WebRequest, HttpRefusal> WebGate::decide(std::string_view text,
     return refuse(417, "nothing is expected here; send the body with the head");
   }
   const bool is_socket = head->target == "/ws";
-  if (is_socket || !reads(*head)) {
+  if (is_socket || head->method != "GET") {
     if (auto wrong = check_origin(*head)) return std::unexpected(std::move(*wrong));
   }
   if (is_socket) return socket(std::move(*head), caller, now);
