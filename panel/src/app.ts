@@ -195,10 +195,6 @@ effect(() => {
     joints.every((q, i) => Math.abs(q - before.joints[i]!) < kTrembles[jointLimits(one.joints[i]!).measure]);
   if (!still) rested.value = { robot: name, joints };
 });
-effect(() => {
-  void rested.value;
-  untracked(() => target.value && aimLater(target.value));
-});
 
 // --- Preview.
 const kWay: Way = { line: false, speed: 0.5 };
@@ -323,6 +319,11 @@ function aimLater(next: Target): void {
     unasked.value = true;
   });
 }
+// It would begin elsewhere now.
+effect(() => {
+  void rested.value;
+  untracked(() => target.value && aimLater(target.value));
+});
 effect(() => {
   if (unasked.value && target.value && route.value.view === 'move') untracked(() => aim(target.peek()!));
 });

@@ -422,10 +422,12 @@ const table = (at) => at.locator('tbody tr').evaluateAll((rows) =>
 /** The page asks twice a second: once it has heard the same; at the end it is wrong. */
 const agrees = (what, go) =>
   until(what, () => go().then(() => true, (error) => assert.equal(error.code, 'ERR_ASSERTION', error)), 200, 15_000).catch(go);
-/** Messages come, until Pause; a filter hides them. */
-async function monitor(page, some) {
+/** Messages come, until Pause; a filter hides them.
+ * @param speak  makes a device say something that is silent at rest */
+async function monitor(page, some, speak = () => undefined) {
   const newest = () => page.locator('.wire-row').last().getAttribute('id');
   const first = await newest();
+  await speak();
   await until('messages come', async () => (await newest()) !== first);
   await page.locator('.wire-head').getByRole('button', { name: 'Pause' }).click();
   await page.waitForTimeout(500);
@@ -441,6 +443,7 @@ async function monitor(page, some) {
   await page.getByText('Nothing that fits the filter.').waitFor();
   await page.getByLabel('Words or bytes').fill('');
   await page.locator('.wire-head').getByRole('button', { name: 'Go on' }).click();
+  await speak();
   await until('it goes on', async () => (await newest()) !== last);
 }
 
@@ -464,6 +467,7 @@ test('the device pages of three robots say what device.status says, and their mo
       const text = (await part(page, axis.joint).innerText()).replace(/\s+/g, ' ').replaceAll(' :', ':').replaceAll('−', '-');
       const [, shown] = /Encoder (-?[\d.]+)°/.exec(text) ?? [];
       assert.ok(Math.abs(shown - (axis.position_rad * 180) / Math.PI) < 0.03, `${axis.joint}: ${text}, told ${axis.position_rad}`);
+      assert.match(text, /Following error follows nothing now/);
       const yes = (flag) => (axis.flags[flag] ? 'yes' : 'no');
       const words = [`${axis.health.supply_v.toFixed(1)} V`, `Failed frames ${axis.failed_frames} `];
       for (const one of [...words, `end stop: ${yes('end_stop')}`, `homed: ${yes('homed')}`]) assert.ok(text.includes(one), text);
@@ -495,5 +499,7 @@ test('the device pages of three robots say what device.status says, and their mo
     assert.ok(now.joints[0].steps !== 0 && now.joints[2].steps !== 0 && now.joints[3].steps === 0, JSON.stringify(rows));
     assert.match(await part(page, 'Step counters').innerText(), new RegExp(`servo at ${now.gripper.servo_deg}°`));
   });
+  let base = 10;
+  await monitor(page, 'steps', () => run(page, `joint base=${(base += 5)}deg`, 'big'));
   await here.close(page, 'motion_devices');
 });

@@ -33,6 +33,12 @@ y_mm = -900
 name = "six"
 robot = "hexapod"
 x_mm = 1500
+
+[[robot]]
+name = "arm"
+robot = "robot-arm-2"
+x_mm = -2000
+time_scale = 60
 `;
 
 let here, folder;
@@ -138,7 +144,8 @@ test('who watches a procedure sees its question and answers none', async () => {
   // Somebody who is no page: what it asks for ends with its connection, at once.
   const watched = page.getByText('you watch');
   await until('seen', async () => {
-    const begun = ask('procedure.start', { robot: 'six', kind: 'recover' });
+    // Refused while the one of the turn before is still under way.
+    const begun = ask('procedure.start', { robot: 'six', kind: 'recover' }).catch(() => undefined);
     const seen = await watched.waitFor({ timeout: 900 }).then(() => true, () => false);
     const locked = seen && (await page.locator('fieldset.answers').evaluateAll((all) => all.every((one) => one.disabled)));
     await begun;
@@ -184,6 +191,55 @@ async function recover(page) {
   await page.getByRole('button', { name: 'At its home' }).click();
   await page.getByText('Recovery: done').waitFor();
 }
+
+test('homing: each joint is marked as it looks for its end stop, Space stops the search with its question', async () => {
+  const page = await here.open({}, '#/robots/arm/setup');
+  await patiently('homing', async () => {
+    await ready(page, 'arm');
+    await page.getByRole('button', { name: 'Begin homing' }).click();
+    await asked('arm', 'clear');
+    const rest = await rests('arm', 1e-4);
+    await press(page, 'Yes, it is so');
+    await asked('arm', 'search', 'go');
+    assert.ok(apart(await rests('arm', 1e-4), rest) < 1e-4, 'a question moves nothing');
+    await press(page, 'Go');
+    await page.locator('.question-progress').waitFor();
+    await until('a joint is marked', () => page.evaluate(() => globalThis.sinewScene.mark?.of.joint >= 0));
+    await until('it searches', async () => apart(await truth('arm'), rest) > 0.05);
+    await page.keyboard.press('Space');
+    await page.locator('.question-trouble').waitFor();
+    const stopped = await rests('arm', 1e-4);
+    await page.waitForTimeout(500);
+    assert.ok(apart(await truth('arm'), stopped) < 1e-4, 'nothing goes on by itself');
+    assert.equal((await status('arm')).position, 'lost', 'half a search finds nothing');
+    await asked('arm', 'search', 'go');
+    await press(page, 'Go');
+    await asked('arm', 'again');
+    await press(page, 'Skip');
+    await asked('arm', 'home', 'go');
+    await press(page, 'Go');
+    await page.getByText('Homing: done').waitFor();
+  });
+  const now = await status('arm');
+  assert.notEqual(now.position, 'lost');
+  const stands = await rests('arm', 1e-4);
+  for (const [i, joint] of now.joints.entries()) {
+    assert.ok(Math.abs((joint.position_rad ?? joint.commanded_rad) - stands[i]) < 0.01, `${joint.name} is where it is said to be`);
+  }
+  await here.close(page, 'homing');
+
+  // The same arm's page has what its registers say.
+  const device = await here.open({}, '#/robots/arm/device');
+  const first = device.locator('.device-part', { has: device.locator('h4', { hasText: /^base$/ }) });
+  await first.waitFor();
+  const registers = first.locator('table.registers tbody tr');
+  await until('registers', async () => (await registers.count()) > 1);
+  const rows = await registers.evaluateAll((all) => all.map((row) => [...row.children].map((cell) => cell.textContent)));
+  const told = (await ask('device.status', { robot: 'arm' })).axes[0];
+  assert.deepEqual(rows.map(([name]) => name.split(' ')[0]), told.registers.map((one) => one.register.toUpperCase()));
+  assert.ok(rows.every(([, , raw]) => /^[0-9A-F]{2}( [0-9A-F]{2})*$/i.test(raw)), JSON.stringify(rows));
+  await here.close(device, 'registers');
+});
 
 test('plots: what moved is in the picture and in its table', async () => {
   const page = await here.open({}, '#/robots/third/plots');
