@@ -32,6 +32,9 @@ endif()
 set(sinew_usual_headers <algorithm> <array> <chrono> <cmath> <cstdint> <expected> <functional>
   <limits> <map> <memory> <optional> <span> <string> <string_view> <utility> <variant> <vector>)
 
+# Reading a header for all costs as much as five files or so save by it: a target of few batches is
+# better without.
+
 # sinew_headers(<target> <header>...): the usual ones and these are read once for the whole target.
 # In angle brackets, ours too: CMake takes a name in quotes for a file beside the CMakeLists.txt.
 function(sinew_headers target)

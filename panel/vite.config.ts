@@ -14,5 +14,7 @@ export default defineConfig({
     target: 'es2022',
     chunkSizeWarningLimit: 1000,
   },
+  // The project's own licence stands above this folder.
+  server: { fs: { allow: ['..'] } },
   test: { environment: 'node', include: ['src/**/*.test.ts'] },
 });

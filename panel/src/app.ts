@@ -347,6 +347,8 @@ export const ghost = computed(() => {
 const heard = new Map<string, string>();
 const heardJobs = new Map<string, number>();
 effect(() => {
+  // A controller that was started anew counts its programs anew.
+  if (store.connection.value !== 'open') return heardJobs.clear();
   const grave: string[] = [];
   const quiet: string[] = [];
   for (const one of Object.values(store.status.value)) {
@@ -356,10 +358,11 @@ effect(() => {
       if (one.fault) grave.push(t('live.fault', { robot: one.robot, text: errorSentence(one.fault.error) }));
       else quiet.push(t('live.state', { robot: one.robot, state: tWord('state', one.state) }));
     }
-    const over = one.job?.over ? one.job.job : undefined;
+    // The last one that has ended; 0 while one goes on.
+    const over = one.job?.over ? one.job.job : 0;
     const before = heardJobs.get(one.robot);
-    if (over !== undefined) heardJobs.set(one.robot, over);
-    if (known === undefined || over === undefined || over === before) continue;
+    heardJobs.set(one.robot, over);
+    if (before === undefined || over === 0 || over === before) continue;
     const { phase, title, error } = one.job!;
     const what = tWord('events.job', phase, { title, time: '', text: error ? errorSentence(error) : '' });
     (phase === 'failed' ? grave : quiet).push(t('live.state', { robot: one.robot, state: what }));

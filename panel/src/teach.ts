@@ -243,6 +243,11 @@ export const brokenOffLine = computed(() => {
   return row && row.depth === 0 && row.word !== 'end' ? now.line : null;
 });
 
+// A controller that was started anew counts its programs anew.
+effect(() => {
+  if (store.connection.value !== 'open') ran.value = null;
+});
+
 export async function run(options: { fromLine?: number; singleStep?: boolean } = {}): Promise<void> {
   const who = robot.peek();
   const one = model.peek();
@@ -310,7 +315,10 @@ const heading = new Latest<{ robot: string; point: string; expanded: Expanded },
   ask: ({ robot: one, expanded }) => store.preview(one, { text: expanded.text }, kCheckMs),
   onAnswer: ({ point }, preview) => (going.value = { point, verdict: { kind: 'fine', judged: null, preview, hidden: [] } }),
   onError: ({ point, expanded }, error) => {
-    if (error instanceof RpcError) going.value = { point, verdict: refusal(error.message, error.data, expanded) };
+    // By another page or view of ours: this one is asked again when somebody looks at it.
+    const overtaken = error instanceof RpcError && (error.data as RefusalData | null)?.code === 'overtaken';
+    if (overtaken) stay();
+    else if (error instanceof RpcError) going.value = { point, verdict: refusal(error.message, error.data, expanded) };
     else if (error instanceof ConnectionError) going.value = { point, verdict: { kind: 'lost' } };
   },
 });
@@ -342,9 +350,11 @@ effect(() => {
 // The way was seen from where it stood then.
 effect(() => {
   void rested.value;
+  // Asked where it is looked at: elsewhere other previews would overtake it.
+  if (!shown.value || tab.value !== 'points' || atWork.value) return;
   untracked(() => {
     const point = shelf.value.points.find((one) => one.name === going.value?.point);
-    if (point && !atWork.value) head(point);
+    if (point) head(point);
   });
 });
 

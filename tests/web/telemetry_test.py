@@ -45,14 +45,16 @@ class Telemetry(ServedCell):
             told = [self.watched(cell, 100, SECONDS) for _ in range(3)]
         for rate, share in told:
             print(f"# {rate:.0f} messages a second, {100 * share:.1f} % of a core")
-        self.assertLess(min(share for _, share in told), SHARE_MAX)
-        self.assertGreater(max(rate for rate, _ in told), 60)
+        # Of a hundred messages a second, however many came.
+        self.assertLess(min(share * 100 / rate for rate, share in told), SHARE_MAX)
+        self.assertGreater(max(rate for rate, _ in told), 90)
 
     def test_a_rate_is_the_clients_own_and_has_its_bounds(self):
         with sinew.connect(self.url) as cell:
-            rate, _ = self.watched(cell, 20, 3)
-            self.assertGreater(rate, 14)
-            self.assertLess(rate, 21)
+            for wish in (20, 60):
+                rate = max(self.watched(cell, wish, 3)[0] for _ in range(2))
+                self.assertGreater(rate, 0.9 * wish)
+                self.assertLess(rate, 1.05 * wish)
             for wrong in (101, -1, 1e9):
                 with self.assertRaises(sinew.Refused):
                     cell.call("watch", rate_hz=wrong)

@@ -95,12 +95,21 @@ class WebWire:
         import asyncio
         try:
             async for message in opened:
-                while self._incoming.full():
+                while self._incoming.full() and not self._make_room():
                     await asyncio.sleep(0.01)
                 self._incoming.put(message)
         except Exception:  # however it ended, it did
             pass
         self._ended.set()
+
+    def _make_room(self) -> bool:
+        """Of statuses that nobody has read the newer ones count; all else waits for its reader."""
+        with self._incoming.mutex:
+            for i, text in enumerate(self._incoming.queue):
+                if '"method":"status"' in text[:60]:
+                    del self._incoming.queue[i]
+                    return True
+        return False
 
     def send(self, text: str) -> None:
         import asyncio

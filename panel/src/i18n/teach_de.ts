@@ -200,6 +200,7 @@ export const teachDe: Record<keyof typeof teachEn, string> = {
   'about.what': 'Eine Steuerung für die Roboterarme, die Menschen selbst bauen und kaufen.',
   'about.page': 'In dieser Seite',
   'about.program': 'In der Steuerung',
+  'about.text': 'Wortlaut',
   'about.licence': 'Lizenz',
 
   'tour.title': 'Ein kurzer Rundgang',

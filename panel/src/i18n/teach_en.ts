@@ -198,6 +198,7 @@ export const teachEn = {
   'about.what': 'One controller for the robot arms that people build and buy themselves.',
   'about.page': 'In this page',
   'about.program': 'In the controller',
+  'about.text': 'Its text',
   'about.licence': 'Licence',
 
   'tour.title': 'A short tour',

@@ -148,6 +148,12 @@ function Parts({ title, parts }: { title: Key; parts: readonly Part[] }): JSX.El
             <strong>{one.name}</strong>
             <span class="muted">{one.version}</span>
             <span>{one.licence}</span>
+            {one.text && (
+              <details>
+                <summary>{t('about.text')}</summary>
+                <pre tabIndex={0}>{one.text}</pre>
+              </details>
+            )}
           </li>
         ))}
       </ul>

@@ -1,5 +1,5 @@
 import type { JSX } from 'preact';
-import { useState } from 'preact/hooks';
+import { useEffect, useRef, useState } from 'preact/hooks';
 import { t } from '../i18n';
 import { atWork, canMove, model, way } from '../app';
 import { kPointName, poseOf, type NotTaught, type Point } from '../logic/points';
@@ -167,12 +167,14 @@ function PointCard(props: { point: Point; model: RobotModel; onRetake: () => voi
 
 /** What is kept for all is changed for all: asked once more, where it stands. */
 export function Sure(props: { text: string; onYes: () => void; onEnd: () => void }): JSX.Element {
+  const yes = useRef<HTMLButtonElement>(null);
+  useEffect(() => yes.current?.focus(), []);
   return (
     <div class="row sure">
       <button
         type="button"
         class="grave"
-        ref={(button) => button?.focus()}
+        ref={yes}
         onClick={() => {
           props.onYes();
           props.onEnd();

@@ -36,7 +36,7 @@ export function ProgramEditor(): JSX.Element {
 
 function ProgramHead(): JSX.Element {
   const [wish, setWish] = useState<string | null>(null);
-  const [sure, setSure] = useState(false);
+  const [sure, setSure] = useState<string | null>(null);
   const title = wish ?? name.value;
   const fits = kProgramName.test(title);
   const { programs } = shelf.value;
@@ -118,14 +118,14 @@ function ProgramHead(): JSX.Element {
           icon="trash"
           label={t('prog.remove', { name: name.value })}
           disabled={!(name.value in programs)}
-          onClick={() => setSure(true)}
+          onClick={() => setSure(name.value)}
         />
       </span>
-      {sure && (
+      {sure === name.value && (
         <Sure
           text={t('prog.remove', { name: name.value })}
           onYes={() => removeProgram(name.value)}
-          onEnd={() => setSure(false)}
+          onEnd={() => setSure(null)}
         />
       )}
       {text.value !== '' && title !== '' && !fits && <p class="wrong-words">{t('pts.name.rule')}</p>}

@@ -195,6 +195,21 @@ std::vector<std::string> CellSettings::profiles(std::size_t robot,
   return model ? profiles_of(*model) : std::vector<std::string>();
 }
 
+/// Of a device, which belongs to one robot; boards behind simwire may share it.
+std::optional<std::string> CellSettings::who_has(const std::string& port,
+                                                 std::size_t but_for) const {
+  if (!port.starts_with("/dev/")) return std::nullopt;
+  for (std::size_t i = 0; i < robots_.size(); ++i) {
+    // What the cell's own file says of both is not for us to judge.
+    const bool set = is_set(i) || robots_[but_for].place.port != port;
+    if (i == but_for || !set) continue;
+    const RobotSettings settings = now(i);
+    const auto theirs = settings.find("port");
+    if (theirs != settings.end() && io::same_file(theirs->second, port)) return name(i);
+  }
+  return std::nullopt;
+}
+
 std::expected<MadeRobot, Complaints> CellSettings::make(std::size_t robot) const {
   const auto saved = saved_.find(name(robot));
   if (saved != saved_.end()) return make(robot, saved->second);
@@ -224,6 +239,11 @@ std::expected<MadeRobot, Complaints> CellSettings::make(std::size_t robot,
     complaints.push_back({"port",
                           "a port is 'simulated', a device as /dev/ttyUSB0, spidev, or "
                           "simwire:unix:PATH or simwire:tcp:HOST:PORT"});
+  }
+  if (port) {
+    if (const auto other = who_has(*port, robot)) {
+      complaints.push_back({"port", *other + " has this port already"});
+    }
   }
   auto variant = variant_of(making.model, made.place.profile, made.place.wire);
   if (!variant) {

@@ -77,6 +77,8 @@ class CellSettings {
   const std::string& name(std::size_t robot) const { return robots_[robot].place.name; }
   std::expected<void, std::string> read(const std::string& text);
 
+  std::optional<std::string> who_has(const std::string& port, std::size_t but_for) const;
+
   std::string file_;
   std::string cell_;
   double time_scale_;

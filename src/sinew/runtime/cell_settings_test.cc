@@ -45,6 +45,29 @@ class CellSettingsTest : public testing::Test {
   test::ScratchFolder folder_;
 };
 
+TEST_F(CellSettingsTest, a_device_belongs_to_one_robot_by_whatever_name) {
+  CellSettings settings = make();
+  ASSERT_TRUE(settings.load());
+  ASSERT_TRUE(settings.save(0, {{"port", "/dev/null"}, {"profile", "bus"}}, 0));
+  EXPECT_EQ(wrong(settings, 1, {{"port", "/dev/null"}}), "port: left has this port already\n");
+  EXPECT_EQ(wrong(settings, 1, {{"port", "/dev/./null"}}), "port: left has this port already\n");
+  EXPECT_EQ(wrong(settings, 1, {{"port", "/dev/zero"}}), "fine");
+  EXPECT_EQ(wrong(settings, 0, {{"port", "/dev/null"}, {"profile", "bus"}}), "fine") << "its own";
+  EXPECT_EQ(wrong(settings, 1, {{"port", "simulated"}}), "fine");
+}
+
+TEST_F(CellSettingsTest, going_back_to_the_cells_own_port_takes_it_from_nobody) {
+  RobotMaking left = making("left", "learm");
+  left.place.profile = "bus";
+  left.place.port = "/dev/null";
+  CellSettings settings(folder_.at("settings/cell.json"), "/home/me/cell.toml", 1,
+                        {left, making("six", "hexapod")});
+  ASSERT_TRUE(settings.load());
+  ASSERT_TRUE(settings.save(0, {{"port", "/dev/zero"}, {"profile", "bus"}}, 0));
+  ASSERT_TRUE(settings.save(1, {{"port", "/dev/null"}}, settings.revision()));
+  EXPECT_EQ(wrong(settings, 0, settings.own(0)), "port: six has this port already\n");
+}
+
 TEST_F(CellSettingsTest, where_nothing_is_set_the_cell_is_what_its_file_says) {
   CellSettings settings = make();
   ASSERT_TRUE(settings.load());

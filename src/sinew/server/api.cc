@@ -103,7 +103,7 @@ void Api::begin_events(const std::string& file) {
 void Api::keep_events() {
   if (!event_file_ || log_.last() == event_kept_) return;
   std::vector<std::string> lines;
-  for (const Json& event : log_.after(event_kept_)) lines.push_back(event.dump());
+  for (const Json& event : log_.after(event_kept_)) lines.push_back(text_of(event));
   const bool taken = files_.ask({0, nullptr, false}, [file = event_file_, lines] {
     file->add(lines);
     return Json();

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "sinew/io/disk_folder.h"
 #include "sinew/io/file.h"
 #include "sinew/server/json_rpc.h"
 
@@ -19,7 +20,7 @@ class EventFile {
   struct Opened;
   /// What is there is read; lines that are no events (half of one, behind a pulled plug) are left
   /// out. The folder is made where it is missing.
-  /// @error  a sentence: it cannot be read or written
+  /// @error  a sentence: it cannot be read or written, or another process has it
   static io::IoResult<Opened> open(const std::string& path);
 
   /// Each without its line feed. What a full disk does not take is missing there, no more; it is
@@ -27,8 +28,9 @@ class EventFile {
   void add(const std::vector<std::string>& lines);
 
  private:
-  EventFile(std::string path, io::LineFile file, std::uint64_t size)
-      : path_(std::move(path)), file_(std::move(file)), size_(size) {}
+  EventFile(io::DiskFolder folder, std::string path, io::LineFile file, std::uint64_t size)
+      : folder_(std::move(folder)), path_(std::move(path)), file_(std::move(file)), size_(size) {}
+  io::DiskFolder folder_;  ///< has its lock
   std::string path_;
   io::LineFile file_;
   std::uint64_t size_;

@@ -80,6 +80,53 @@ TEST(EventFile, is_bounded) {
   EXPECT_LT(*io::file_size(path), EventLog::kMax * 100);
 }
 
+/// However many there were before: numbers only grow, or who asks for those behind one misses some.
+TEST(EventFile, numbers_go_on_behind_more_than_are_kept) {
+  EventLog before;
+  std::vector<Json> all;
+  for (int i = 0; i < 2500; ++i) before.add(Json::parse(line(i + 1)));
+  for (const Json& event : before.after(0)) all.push_back(event);
+  ASSERT_EQ(all.size(), EventLog::kMax);
+  EventLog now;
+  now.begin(all);
+  EXPECT_EQ(now.last(), 2500U);
+  now.add(Json::parse(line(1)));
+  EXPECT_EQ(now.after(2500).at(0)["number"], 2501U);
+  EXPECT_EQ(now.after(0).front()["number"], 1502U);
+  // What somebody has written there by hand counts nothing down, nor beyond what can be counted.
+  EventLog odd;
+  std::vector<Json> strange;
+  for (const char* number : {"7", "3", "\"x\"", "1152921504606846976", "-4"}) {
+    strange.push_back(Json::parse(std::string(R"({"number":)") + number + "}"));
+  }
+  odd.begin(strange);
+  EXPECT_EQ(odd.last(), 11U);
+}
+
+TEST(EventFile, belongs_to_one_process) {
+  const ScratchFolder folder;
+  auto first = EventFile::open(folder.at("cell.jsonl"));
+  ASSERT_TRUE(first);
+  const auto second = EventFile::open(folder.at("cell.jsonl"));
+  ASSERT_FALSE(second);
+  EXPECT_NE(second.error().sentence.find("in use by"), std::string::npos)
+      << second.error().sentence;
+  first->file.add({line(1)});
+  EXPECT_NE(io::read_file(folder.at("cell.jsonl"))->find("1001"), std::string::npos);
+}
+
+TEST(EventFile, what_nobody_could_show_is_left_out) {
+  const ScratchFolder folder;
+  const std::string path = folder.at("cell.jsonl");
+  const std::string head = R"({"at_ms":1001,"robot":"left","kind":"state")";
+  const std::string deep = std::string(1'000'000, '[') + std::string(1'000'000, ']');
+  ASSERT_TRUE(io::replace_file(
+      path, head + R"(,"deep":)" + deep + "}\n" + head + R"(,"path":"/\xe4"})" + "\n" +
+                R"({"at_ms":99999999999999999,"robot":"left","kind":"state"})" + "\n" +
+                R"({"at_ms":-1,"robot":"left","kind":"state"})" + "\n" + line(2) + "\n"));
+  EXPECT_EQ(times_in(path), (std::vector{1002}));
+}
+
 TEST(EventFile, a_folder_in_its_place_is_said) {
   const ScratchFolder folder;
   const auto opened = EventFile::open(folder.at("."));

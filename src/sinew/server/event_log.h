@@ -12,10 +12,19 @@ namespace sinew::server {
 class EventLog {
  public:
   static constexpr std::size_t kMax = 1000;
+  /// Numbers that JavaScript can count: more come from a file that was tampered with.
+  static constexpr std::uint64_t kNumberMax = std::uint64_t{1} << 52;
 
-  /// Events of an earlier life, oldest first; before the first add().
+  /// Events of an earlier life, oldest first; before the first add(). Their numbers go on.
   void begin(const std::vector<Json>& events) {
-    for (const Json& event : events) add(event);
+    for (const Json& event : events) {
+      const auto number = event.find("number");
+      const bool goes_on = number != event.end() && number->is_number_unsigned() &&
+                           number->get<std::uint64_t>() > last_ &&
+                           number->get<std::uint64_t>() < kNumberMax;
+      if (goes_on) last_ = number->get<std::uint64_t>() - 1;
+      add(event);
+    }
   }
   /// @param event  an object; its number is put in front
   void add(Json event) {

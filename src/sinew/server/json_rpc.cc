@@ -8,11 +8,21 @@ namespace {
 constexpr std::size_t kIdMax = 128;  // bytes of a string that serves as id
 constexpr std::size_t kMethodNameMax = 64;
 
+std::unexpected<BadRequest> bad(const Json& id, RpcCode code, std::string message) {
+  return std::unexpected(BadRequest{id, {code, std::move(message), nullptr}});
+}
+
+bool fits_id(const Json& id) {
+  if (id.is_null() || id.is_number_integer()) return true;
+  return id.is_string() && id.get_ref<const std::string&>().size() <= kIdMax;
+}
+
+}  // namespace
+
 std::string text_of(const Json& json) {
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
-/// Of brackets outside of strings; the reader itself is not asked for more.
 bool too_deep(std::string_view text) {
   int depth = 0;
   bool in_string = false;
@@ -31,17 +41,6 @@ bool too_deep(std::string_view text) {
   }
   return false;
 }
-
-std::unexpected<BadRequest> bad(const Json& id, RpcCode code, std::string message) {
-  return std::unexpected(BadRequest{id, {code, std::move(message), nullptr}});
-}
-
-bool fits_id(const Json& id) {
-  if (id.is_null() || id.is_number_integer()) return true;
-  return id.is_string() && id.get_ref<const std::string&>().size() <= kIdMax;
-}
-
-}  // namespace
 
 std::expected<RpcRequest, BadRequest> read_request(std::string_view text) {
   if (text.size() > kMessageMax) {

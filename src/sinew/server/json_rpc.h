@@ -66,6 +66,11 @@ inline constexpr int kDepthMax = 24;                              ///< of nestin
 /// @error  no JSON (also: not UTF-8, too long, too deep), or no request
 std::expected<RpcRequest, BadRequest> read_request(std::string_view text);
 
+/// One line; bytes that are no UTF-8 are replaced.
+std::string text_of(const Json& json);
+/// Of brackets outside of strings; the reader itself is not asked for more.
+bool too_deep(std::string_view text);
+
 /// As texts without a line break.
 std::string result_text(const Json& id, const Json& result);
 std::string error_text(const Json& id, const RpcError& error);
