@@ -100,6 +100,25 @@ test('a slider follows a finger, and a step of a program is dragged by its grip'
   await hand.up();
   await until('its row is the first', async () =>
     (await page.getByLabel('Text of the program').inputValue()) === 'joint base=20deg\njoint base=10deg\nwait 1s\n');
+
+  // A longer program than can be seen: held at the edge the list goes on.
+  const rows = Array.from({ length: 40 }, (_, i) => `wait ${i + 1}s`);
+  await page.getByLabel('Text of the program').fill(`${rows.join('\n')}\n`);
+  await until('forty rows', async () => (await grips.count()) === 40);
+  const begin = await middle(grips.nth(39));
+  const top = await page.locator('.steps').evaluate((list) => {
+    for (let at = list; at; at = at.parentElement) {
+      if (at.scrollHeight > at.clientHeight && /auto|scroll/.test(getComputedStyle(at).overflowY)) return at.getBoundingClientRect().top;
+    }
+    return 0;
+  });
+  await hand.down(begin);
+  await hand.move([begin[0], begin[1] - 40]);
+  await hand.move([begin[0], top + 15]);
+  await until('the first row', async () => (await grips.nth(0).boundingBox()).y >= top);
+  await hand.up();
+  await until('the last row is near the top', async () =>
+    (await page.getByLabel('Text of the program').inputValue()).split('\n').slice(0, 4).includes('wait 40s'));
   await here.close(page, 'hands_drag');
 }));
 

@@ -154,6 +154,7 @@ export const teachDe: Record<keyof typeof teachEn, string> = {
   'file.unknown': '{file} ist weder Programm noch Punktdatei.',
   'file.large': '{file} ist zu groß für ein Programm.',
   'file.points.wrong': 'Nicht gelesen. Zeile {line}: {text}',
+  'file.points.replace': '{names} ersetzen, die es hier schon gibt',
   'file.points.read': '{count} Punkte gelesen; {others} anderer Roboter ausgelassen.',
 
   'ride.what': 'Zufällige Stellungen, alle in Reichweite und Grenzen, und zurück zum Anfang. Gleiche Saat, gleicher Ritt.',

@@ -152,6 +152,7 @@ export const teachEn = {
   'file.unknown': '{file} is no program and no points file.',
   'file.large': '{file} is too large for a program.',
   'file.points.wrong': 'Not read. Line {line}: {text}',
+  'file.points.replace': 'Replace {names}, which are here already',
   'file.points.read': '{count} points read; {others} of other robots left out.',
 
   'ride.what': 'Random poses, all within reach and limits, and back to where it began. One seed, one ride.',

@@ -73,6 +73,13 @@ describe('fields', () => {
     expect(readField('wait until z<100mm for 5s'.split(' '), field('wait', 'wait'))).toBe('until z<100mm for 5s');
   });
 
+  it('know a joint by its number too, and by how far it goes', () => {
+    const tokens = readRows('joint J2=-20deg d.base=5deg').rows[0]!.tokens;
+    expect(readField(tokens, field('joint', 'shoulder'))).toBe('-20deg');
+    expect(readField(tokens, field('joint', 'd.base'))).toBe('5deg');
+    expect(writeField('joint J2=-20deg speed=50%', field('joint', 'shoulder'), '10')).toEqual({ raw: 'joint shoulder=10deg speed=50%' });
+  });
+
   it('take the usual unit where none is said, and a comma', () => {
     expect(writeField(raw, field('joint', 'base'), '12,5')).toEqual({ raw: '  joint base=12.5deg speed=50%  # slowly' });
     expect(writeField(raw, field('joint', 'elbow'), '0.5rad')).toEqual({

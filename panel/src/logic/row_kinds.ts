@@ -95,11 +95,12 @@ export function fieldsOf(word: string, model: RobotModel): Field[] {
   const pace: Field[] = model.takes_speed ? [share] : [];
   switch (word) {
     case 'joint': {
-      const joints = model.joints.map((joint): Field => {
+      const joints = model.joints.map((joint, i): Field => {
         const { lower, upper, measure } = jointLimits(joint);
-        return keyed(joint.name, measure, { lower, upper });
+        return keyed(joint.name, measure, { lower, upper, slot: { key: joint.name, also: `J${i + 1}` } });
       });
-      return [{ id: 'to', slot: { key: 'to' }, kind: 'point' }, ...joints, ...pace, ...rest];
+      const ways = model.joints.map((joint) => keyed(`d.${joint.name}`, jointLimits(joint).measure, { extra: true }));
+      return [{ id: 'to', slot: { key: 'to' }, kind: 'point' }, ...joints, ...ways, ...pace, ...rest];
     }
     case 'move':
       return [...placeOf(model), ...pace, toolSpeed, ...rest];

@@ -150,17 +150,21 @@ export type Slot = { at: number } | KeySlot;
 interface KeySlot {
   /** `key=` */
   key: string;
+  /** Another name of the same, as rows by hand may have it. */
+  also?: string;
   /** Where a key may come twice (speed): what its value ends with. */
   unit?: RegExp;
 }
 
-const fits = (slot: KeySlot, token: string): boolean =>
-  token.startsWith(`${slot.key}=`) && (!slot.unit || slot.unit.test(token));
+const fits = (slot: KeySlot, token: string): boolean => {
+  const key = token.slice(0, Math.max(0, token.indexOf('=')));
+  return key !== '' && (key === slot.key || key === slot.also) && (!slot.unit || slot.unit.test(token));
+};
 
 export function readSlot(tokens: readonly string[], slot: Slot): string {
   if ('at' in slot) return tokens[slot.at] ?? '';
   const token = tokens.find((one, i) => i > 0 && fits(slot, one));
-  return token ? token.slice(slot.key.length + 1) : '';
+  return token ? token.slice(token.indexOf('=') + 1) : '';
 }
 
 /** The line with another value there; an empty one takes the word away. */

@@ -2,11 +2,11 @@ import type { JSX } from 'preact';
 import { useRef, useState } from 'preact/hooks';
 import { refusalSentence, t } from '../i18n';
 import { model, robot, rpc } from '../app';
-import { readPoints, writePoints } from '../logic/points';
+import { readPoints, writePoints, type Point } from '../logic/points';
 import { decoded, fileKind, nameOfFile, type TextForm } from '../logic/shelf';
 import { addPoints, measureOf, name, openProgram, say, shelf, text } from '../teach';
 import { handOver } from '../hand_over';
-import { IconButton } from './points_list';
+import { IconButton, Sure } from './points_list';
 
 interface Export {
   form: Exclude<TextForm, 'gcode'>;
@@ -29,6 +29,7 @@ const kMost = 900_000; // bytes: a message to the server has 1 MiB at most
 export function FileButtons({ kind }: { kind: 'program' | 'points' }): JSX.Element {
   const input = useRef<HTMLInputElement>(null);
   const [told, setTold] = useState<string | null>(null);
+  const [replaces, setReplaces] = useState<readonly Point[]>([]);
   const one = model.value!;
   const read = async (file: File) => {
     const what = fileKind(file.name);
@@ -61,7 +62,11 @@ export function FileButtons({ kind }: { kind: 'program' | 'points' }): JSX.Eleme
       setTold(t('file.points.wrong', { line: first.line, text: first.text }));
       return;
     }
-    addPoints(ours.map((point) => point.point));
+    const all = ours.map((point) => point.point);
+    const known = new Set(shelf.peek().points.map((point) => point.name));
+    addPoints(all.filter((point) => !known.has(point.name)));
+    // Others use these too, where they stand now.
+    setReplaces(all.filter((point) => known.has(point.name)));
     setTold(t('file.points.read', { count: ours.length, others: points.length - ours.length }));
   };
   /** By the controller; null: refused, which is told. */
@@ -123,6 +128,13 @@ export function FileButtons({ kind }: { kind: 'program' | 'points' }): JSX.Eleme
         <p class="file-told" role="status">
           {told}
         </p>
+      )}
+      {replaces.length > 0 && (
+        <Sure
+          text={t('file.points.replace', { names: replaces.map((point) => point.name).join(', ') })}
+          onYes={() => addPoints(replaces)}
+          onEnd={() => setReplaces([])}
+        />
       )}
     </>
   );

@@ -28,6 +28,17 @@ const kIcons: Record<string, IconName> = {
   call: 'call',
 };
 
+const kEdge = 36; // px
+const kScroll = 10; // px, each 30 ms
+
+/** What has to be scrolled to see more of it. */
+function scrolled(element: HTMLElement): HTMLElement {
+  for (let at: HTMLElement | null = element; at; at = at.parentElement) {
+    if (at.scrollHeight > at.clientHeight && /auto|scroll/.test(getComputedStyle(at).overflowY)) return at;
+  }
+  return document.documentElement;
+}
+
 /** One row of the text, one step: chosen to be filled in, dragged by its handle or with the arrow keys. */
 export function Timeline(): JSX.Element {
   const list = useRef<HTMLOListElement>(null);
@@ -47,8 +58,23 @@ export function Timeline(): JSX.Element {
     const handle = event.currentTarget as HTMLElement;
     handle.setPointerCapture(event.pointerId);
     setDrop({ line, before: line });
-    const move = (now: PointerEvent) => setDrop({ line, before: under(now.clientY) });
+    let y = event.clientY;
+    const move = (now: PointerEvent) => {
+      y = now.clientY;
+      setDrop({ line, before: under(y) });
+    };
+    // Held at the edge of what is seen, the list goes on.
+    const pane = scrolled(list.current!);
+    const timer = setInterval(() => {
+      if (!handle.isConnected) return clearInterval(timer);
+      const { top, bottom } = pane.getBoundingClientRect();
+      const step = y < top + kEdge ? -kScroll : y > bottom - kEdge ? kScroll : 0;
+      const before = pane.scrollTop;
+      pane.scrollTop += step;
+      if (pane.scrollTop !== before) setDrop({ line, before: under(y) });
+    }, 30);
     const end = (now: PointerEvent) => {
+      clearInterval(timer);
       for (const [kind, listener] of listeners) handle.removeEventListener(kind, listener as EventListener);
       setDrop(null);
       if (now.type !== 'pointerup') return;
