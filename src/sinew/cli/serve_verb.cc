@@ -209,7 +209,7 @@ Outcome serve(const ServeRequest& request) {
     return could_not(fmt::format("not shown: {}", fmt::join(idle, ", ")));
   }
   Outcome outcome;
-  outcome.json = {{"ended", "interrupted"}};
+  outcome.json = {{"ended", io::interrupts() > 0 ? "interrupted" : "shown"}};
   outcome.json_line = true;
   return outcome;
 }
