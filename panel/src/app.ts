@@ -5,9 +5,9 @@ import { Aims } from './logic/aims';
 import { Jog, watchPage, type JogWish } from './logic/jog';
 import { Latest } from './logic/latest';
 import { parseRoute, routeText, tokenOf, type Route } from './logic/router';
-import { ConnectionError, RpcClient, RpcError, type Socket } from './logic/rpc';
+import { ConnectionError, RpcClient, RpcError, wasOvertaken, type Socket } from './logic/rpc';
 import { installStopKeys } from './logic/stop_keys';
-import { jointLimits, jointsOf, positionOf, Store, type PreviewTarget } from './logic/store';
+import { isAtRest, isPlaceKnown, jointLimits, jointsOf, positionOf, Store, type PreviewTarget } from './logic/store';
 import { ghostOf, question, sampleAt, type Target, type Verdict, type Way } from './logic/target';
 import { toolPose } from './logic/kinematics';
 import { fromFlat } from './logic/pose';
@@ -105,8 +105,7 @@ export const atWork = computed(() => {
 /** Somebody knows where it stands, and it stands. */
 export const knowsPlace = computed(() => {
   const now = status.value;
-  if (!now || now.position === 'lost' || now.position === 'uncertain') return false;
-  return now.state !== 'moving' && now.state !== 'stopping' && jointsOf(now, positionOf) !== null;
+  return now !== undefined && isPlaceKnown(now) && isAtRest(now) && jointsOf(now, positionOf) !== null;
 });
 /** It would take motions from here, now; control is taken with the first one. */
 export const canMove = computed(() => {
@@ -188,7 +187,7 @@ effect(() => {
   const one = model.value;
   const now = status.value;
   const joints = jointsOf(now, positionOf);
-  if (!name || !one || !now || !joints || now.state === 'moving' || now.state === 'stopping') return;
+  if (!name || !one || !now || !joints || !isAtRest(now)) return;
   const before = rested.peek();
   const still =
     before?.robot === name &&
@@ -224,14 +223,10 @@ const asking = new Latest<{ robot: string; ask: PreviewTarget }, PreviewJson>({
     });
   },
   onError: (_, error) => {
-    if (error instanceof RpcError) {
-      const data = (error.data ?? null) as RefusalData | null;
-      // By one of another view: this one is asked again where somebody looks at it.
-      if (data?.code === 'overtaken') {
-        unasked.value = true;
-        return;
-      }
-      verdict.value = { kind: 'refused', sentence: error.message, data };
+    // By one of another view: this one is asked again where somebody looks at it.
+    if (wasOvertaken(error)) unasked.value = true;
+    else if (error instanceof RpcError) {
+      verdict.value = { kind: 'refused', sentence: error.message, data: (error.data ?? null) as RefusalData | null };
     } else if (error instanceof ConnectionError) {
       verdict.value = { kind: 'lost' };
     }

@@ -4,7 +4,7 @@ import { atWork, model, rested, robot, route, status, store, way } from './app';
 import { calledBy, expand, withPoints, type Expanded } from './logic/expand';
 import { Latest } from './logic/latest';
 import { freeName, readPoints, takePoint, writePoints, type NotTaught, type Point } from './logic/points';
-import { ConnectionError, RpcError } from './logic/rpc';
+import { ConnectionError, RpcError, wasOvertaken } from './logic/rpc';
 import { jointRow } from './logic/quantities';
 import { fromRow } from './logic/pose';
 import { readRows } from './logic/rows';
@@ -171,9 +171,8 @@ const previewing = new Latest<Asked, PreviewJson>({
   },
   onError: (_, error) => {
     const now = verdict.peek();
-    if (!(error instanceof RpcError) || now.kind !== 'fine') return;
-    const data = (error.data ?? null) as RefusalData | null;
-    if (data?.code !== 'overtaken') verdict.value = { ...now, unseen: { sentence: error.message, data } };
+    if (!(error instanceof RpcError) || now.kind !== 'fine' || wasOvertaken(error)) return;
+    verdict.value = { ...now, unseen: { sentence: error.message, data: (error.data ?? null) as RefusalData | null } };
   },
 });
 export function check(): void {
@@ -316,8 +315,7 @@ const heading = new Latest<{ robot: string; point: string; expanded: Expanded },
   onAnswer: ({ point }, preview) => (going.value = { point, verdict: { kind: 'fine', judged: null, preview, hidden: [] } }),
   onError: ({ point, expanded }, error) => {
     // By another page or view of ours: this one is asked again when somebody looks at it.
-    const overtaken = error instanceof RpcError && (error.data as RefusalData | null)?.code === 'overtaken';
-    if (overtaken) stay();
+    if (wasOvertaken(error)) stay();
     else if (error instanceof RpcError) going.value = { point, verdict: refusal(error.message, error.data, expanded) };
     else if (error instanceof ConnectionError) going.value = { point, verdict: { kind: 'lost' } };
   },

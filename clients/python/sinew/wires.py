@@ -10,7 +10,8 @@ from pathlib import Path
 from typing import Optional, Tuple
 from urllib.parse import urlsplit
 
-WAITING_MAX = 256  # messages that nobody has read yet; the server keeps back what is beyond
+# Messages that nobody has read yet: beyond them old statuses go, all else stays with the server.
+WAITING_MAX = 256
 MESSAGE_MAX = 64 * 1024 * 1024  # bytes; answers of a server that this user trusts
 
 

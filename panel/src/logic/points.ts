@@ -1,7 +1,7 @@
 /** Taught points: what they are, and the points.toml that `sinew run` reads beside a program. */
 import { toolPose } from './kinematics';
 import { fixedXyz } from './pose';
-import { jointLimits } from './store';
+import { isAtRest, isPlaceKnown, jointLimits } from './store';
 import { toDeg, toRad } from './units';
 import type { Pose, RobotModel, RobotStatus } from './types';
 
@@ -120,8 +120,8 @@ export function takePoint(
   status: RobotStatus | undefined,
   at: Date,
 ): Point | { wrong: NotTaught; joint?: string } {
-  if (!status || status.position === 'lost' || status.position === 'uncertain') return { wrong: 'unknown' };
-  if (status.state === 'moving' || status.state === 'stopping' || (status.job && !status.job.over && status.job.phase === 'running')) {
+  if (!status || !isPlaceKnown(status)) return { wrong: 'unknown' };
+  if (!isAtRest(status) || (status.job && !status.job.over && status.job.phase === 'running')) {
     return { wrong: 'moving' };
   }
   const joints = status.joints.map((one) => one.position_rad ?? one.position_m ?? one.commanded_rad ?? one.commanded_m);

@@ -14,6 +14,10 @@ export class RpcError extends Error {
   }
 }
 
+/** Another question of this page came before this one was looked at. */
+export const wasOvertaken = (error: unknown): boolean =>
+  error instanceof RpcError && (error.data as { code?: string } | null | undefined)?.code === 'overtaken';
+
 /** The connection went, or was not there, or no answer came in time. */
 export class ConnectionError extends Error {
   constructor(readonly reason: 'closed' | 'timeout') {

@@ -337,6 +337,10 @@ export function isGrave(event: EventJson): boolean {
   );
 }
 
+/** Its position is one number a joint, not an interval and not nothing. */
+export const isPlaceKnown = ({ position }: RobotStatus): boolean => position !== 'lost' && position !== 'uncertain';
+export const isAtRest = ({ state }: RobotStatus): boolean => state !== 'moving' && state !== 'stopping';
+
 /** A joint's number, whichever unit it has. */
 export const positionOf = (joint: RobotStatus['joints'][number]): number | undefined =>
   joint.commanded_rad ?? joint.commanded_m ?? joint.position_rad ?? joint.position_m;

@@ -143,6 +143,11 @@ function Pace(): JSX.Element | null {
   );
 }
 
+function stepOnce(name: string, model: RobotModel, hand: Hand, axis: JogAxis, sign: 1 | -1): void {
+  const way = sign * (axis.measure === 'angle' ? hand.angle : hand.length);
+  void store.run(name, stepRow(model, hand.frame, axis, way, hand.share), t('view.jog'));
+}
+
 /** Moves as long as it is held; in steps once a press. */
 function HandButton(props: {
   axis: number;
@@ -169,8 +174,7 @@ function HandButton(props: {
       const velocity = along(axes.length, axis, sign * hand.share * one.speed);
       void holdOnce(source, { robot: name, frame: hand.frame, velocity }, () => pressed.current);
     } else {
-      const way = sign * (one.measure === 'angle' ? hand.angle : hand.length);
-      void store.run(name, stepRow(props.model, hand.frame, one, way, hand.share), t('view.jog'));
+      stepOnce(name, props.model, hand, one, sign);
     }
   };
   const end = () => {
@@ -356,8 +360,7 @@ function Remote({ model: one, hand }: { model: RobotModel; hand: Hand }): JSX.El
       if (event.repeat) return;
       const axis = all[wish.axis]!;
       if (!now.hold) {
-        const way = wish.sign * (axis.measure === 'angle' ? now.angle : now.length);
-        if (!atWork.value) void store.run(robot.value, stepRow(of, now.frame, axis, way, now.share), t('view.jog'));
+        if (!atWork.value) stepOnce(robot.value, of, now, axis, wish.sign);
         return;
       }
       const speed = wish.sign * now.share * axis.speed;

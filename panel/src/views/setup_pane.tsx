@@ -1,3 +1,4 @@
+import { isPlaceKnown } from '../logic/store';
 import type { JSX } from 'preact';
 import { useSignal, useSignalEffect } from '@preact/signals';
 import { useEffect } from 'preact/hooks';
@@ -81,7 +82,7 @@ function Choose({ name, last }: { name: string; last: ProcedureJson | undefined 
   const barred = busy || store.role.value === 'viewer';
   const cutOff = wasCutOff(last, false) && isOwn(last!);
   const advised: ProcedureKind | null =
-    now && now.state !== 'off' && (now.position === 'lost' || now.position === 'uncertain') ? 'recover' : null;
+    now && now.state !== 'off' && !isPlaceKnown(now) ? 'recover' : null;
   const start = async (kind: ProcedureKind, anew = false) => {
     starting.value = true;
     refused.value = null;
