@@ -1,18 +1,20 @@
 # The doors of the house. Each is a script in scripts/ that says what it does and how long it took;
 # full logs go to build/logs/. All of them may be repeated: what is done is not done again.
 
-.PHONY: help run build test bench campaign format clean
+.PHONY: help run build test bare bench campaign format clean
 
 help:
 	@echo "make run       install what is missing, build, and open the panel on five simulated robots"
 	@echo "make build     install what is missing, build build/release/sinew"
 	@echo "make test      install what is missing, build and run every test (release, asan/ubsan)"
+	@echo "make bare      make run and make test in a bare Debian 12 (root; SUITE=trixie: Debian 13)"
 	@echo "make bench     measure against the references: table, and build/bench.json"
 	@echo "make campaign  the long checks: format, clang, clang-tidy, tsan, fuzzing, fresh seeds,"
 	@echo "               a million faults on every wire (SINEW_FAULTS=1000000), a million sequences"
 	@echo "               of plan, jog, override, pause and stop (SINEW_SEQUENCES=1000000), power"
-	@echo "               losses (SINEW_POWER_LOSSES=100000), real kill -9 (SINEW_KILLS=1000), the"
-	@echo "               whole system (SINEW_SEEDS=100000), and the same seeds by g++ and by clang"
+	@echo "               losses (SINEW_POWER_LOSSES=100000), real kill -9 (SINEW_KILLS=1000), outages"
+	@echo "               of two processes (SINEW_OUTAGES=3334), the whole system (SINEW_SEEDS=100000), and"
+	@echo "               the same seeds by g++ and by clang"
 	@echo "               FUZZ_SECONDS=60 per target, SEEDS=5 runs; PARTS=\"tsan fuzz\" picks some"
 	@echo "make format    lay out all C++ with clang-format"
 	@echo "make clean     remove build/"
@@ -25,6 +27,9 @@ build:
 
 test:
 	@scripts/test.sh
+
+bare:
+	@scripts/bare.sh
 
 bench:
 	@scripts/bench.sh

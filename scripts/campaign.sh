@@ -5,10 +5,12 @@
 #   SINEW_FAULTS  injected into each wire (1000000)
 #   SINEW_SEQUENCES  of plan, jog, override, pause and stop, on all robots together (1000000)
 #   SINEW_KILLS   -9 of real processes, of each of two robots (1000)
+#   SINEW_OUTAGES of hosts and machines that are killed, cut off, suspended or run full, of each of
+#                 three robots (3334)
 #   SINEW_POWER_LOSSES  of the position journal (100000)
 #   SINEW_SEEDS   of the whole system in virtual time (100000)
 #   SINEW_TRACE_SEEDS  compared between g++ and clang (200)
-#   PARTS         which of: format tidy asan tsan fuzz seeds faults motion losses kills system trace latency flood browser (all)
+#   PARTS         which of: format tidy asan tsan fuzz seeds faults motion losses kills outages system trace latency flood browser (all)
 # shellcheck source=scripts/lib.sh
 source "$(dirname "${BASH_SOURCE[0]}")/lib.sh"
 
@@ -18,11 +20,12 @@ faults=${SINEW_FAULTS:-1000000}
 sequences=${SINEW_SEQUENCES:-1000000}
 losses=${SINEW_POWER_LOSSES:-100000}
 kills=${SINEW_KILLS:-1000}
+outages=${SINEW_OUTAGES:-3334}
 system_seeds=${SINEW_SEEDS:-100000}
 trace_seeds=${SINEW_TRACE_SEEDS:-200}
-parts=${PARTS:-format tidy asan tsan fuzz seeds faults motion losses kills system trace latency flood browser}
+parts=${PARTS:-format tidy asan tsan fuzz seeds faults motion losses kills outages system trace latency flood browser}
 # Only their own parts ask for so many.
-unset SINEW_FAULTS SINEW_SEQUENCES SINEW_POWER_LOSSES SINEW_KILLS SINEW_SEEDS
+unset SINEW_FAULTS SINEW_SEQUENCES SINEW_POWER_LOSSES SINEW_KILLS SINEW_OUTAGES SINEW_SEEDS
 
 run_ctest() {
   local preset=$1 title=$2 log=$3
@@ -116,6 +119,7 @@ faults_part() { side_by_side faults faults_test Faults "SINEW_FAULTS=$faults"; }
 motion_part() { side_by_side motion sequences_test '*Sequences' "SINEW_SEQUENCES=$sequences"; }
 losses_part() { side_by_side losses runtime_test JournalLosses "SINEW_POWER_LOSSES=$losses"; }
 kills_part() { side_by_side kills crash_test '*Kills' "SINEW_KILLS=$kills"; }
+outages_part() { side_by_side outages crash_test '*Outages' "SINEW_OUTAGES=$outages"; }
 
 # The processor's other work is the matter here, so nothing runs beside it.
 latency_part() {

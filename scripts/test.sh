@@ -11,6 +11,7 @@ byte_rooms="core wire config driver program io runtime"
 
 passed=0
 failed=0
+second_try=()  # tests that failed, and passed with the machine to themselves
 # read_end LOG: `of` and `bad` of its caller, as ctest says them at the end; empty where it never got
 # there.
 read_end() {
@@ -30,18 +31,26 @@ count() {
   failed=$((failed + bad))
 }
 
+# failures_of LOG: names of the tests that ctest lists at the end.
+failures_of() {
+  sed -n 's/^[\t ]*[0-9]* - \(.*\) (\(Failed\|Timeout\|SEGFAULT\|Subprocess aborted\)).*/\1/p' "$1"
+}
+
 # try_alone PRESET: what failed, once more with the machine to itself, and said. Some tests run real
 # processes against the clock, and a busy host may be too late for a device that waits 50 ms; what
 # is broken fails again.
 try_alone() {
-  local log=$logs/tests-$1.log again=tests-$1-again of bad
-  sed -n 's/^[\t ]*[0-9]* - \(.*\) (\(Failed\|Timeout\)).*/    failed at first: \1/p' "$log"
+  local log=$logs/tests-$1.log again=tests-$1-again of bad name
+  failures_of "$log" | sed 's/^/    failed at first: /'
   step "tests $1, those again" "$again" ctest --test-dir "build/$1" --rerun-failed \
     --output-on-failure --no-tests=error --timeout 900 -j 1 || true
   read_end "$again"
   if [[ -z $of ]]; then return 1; fi
   passed=$((passed + of - bad))
   failed=$((failed - of + bad))
+  while read -r name; do
+    second_try+=("$name ($1)")
+  done < <(failures_of "$log" | grep -vxF -f <(failures_of "$logs/$again.log"; echo))
   ((bad == 0))
 }
 
@@ -114,5 +123,6 @@ release_part || code=1
 asan_part || code=1
 printf '  %-34s %10s\n' "in all" "$(pretty_ms $(($(milliseconds_now) - start)))"
 if ((failed > 0)); then code=1; fi
+for name in "${second_try[@]}"; do echo "passed on the second try: $name"; done
 echo "$passed passed, $failed failed"
 exit "$code"

@@ -102,6 +102,31 @@ TEST(CellProcedures, what_cannot_be_done_is_told_in_a_sentence) {
   says({"commission", "six", "--cell", "--port", "/dev/ttyUSB0"}, "not in a running cell", 2);
 }
 
+constexpr std::string_view kBig = R"(title = "One that counts"
+time_scale = 20
+[[robot]]
+name = "big"
+robot = "bigrobotarm"
+)";
+
+TEST(CellProcedures, stands_is_held_against_the_boards_count_and_can_zero_it) {
+  const ProcedureCell cell(kBig);
+  ASSERT_EQ(cell.ask({"move", "big", "joint", "base=20deg"}).exit, 0);
+  const Ended elsewhere = cell.ask({"stands", "big", "home"});
+  EXPECT_EQ(elsewhere.exit, 1) << elsewhere.out;
+  EXPECT_NE(elsewhere.err.find("base 19.99"), std::string::npos) << elsewhere.err;
+  EXPECT_NE(elsewhere.err.find("but the device counts"), std::string::npos) << elsewhere.err;
+  const Json said = cell.answer({"stands", "big", "home", "--moved", "turned it back by hand",
+                                 "--zero-counters", "--json"});
+  EXPECT_NEAR(said["joints"][0]["position_rad"].get<double>(), 0, 1e-9);
+  EXPECT_EQ(said["position"], "commanded");
+  // The board counts from there, and says the same in the next question.
+  EXPECT_EQ(cell.ask({"stands", "big", "home"}).exit, 0);
+  ASSERT_EQ(cell.ask({"move", "big", "joint", "base=5deg"}).exit, 0);
+  const Ended status = cell.ask({"status", "big"});
+  EXPECT_NE(status.out.find(" 5"), std::string::npos) << status.out;
+}
+
 TEST(CellProcedures, recover_goes_by_a_script_and_a_declared_place_needs_its_reason) {
   const ProcedureCell cell(kTwo);
   std::string script = "adjust.leg1 = -0.02mm\nadjust.leg1 = done\n";

@@ -68,6 +68,21 @@ TEST_F(CommissionVerb, a_servo_with_another_number_a_trim_and_a_wrong_sense_are_
   EXPECT_EQ(answer["settings"].size(), 3U);
 }
 
+TEST_F(CommissionVerb, a_rehearsal_on_a_simulated_port_leaves_the_real_robots_settings) {
+  setenv("XDG_STATE_HOME", folder.at("state").c_str(), 1);
+  const std::string real = folder.at("state/sinew/commissioning/bigrobotarm.json");
+  Process sim({"sim", "bigrobotarm", "--json"});
+  const std::string port = Json::parse(sim.line_after(0)).at("port").get<std::string>();
+  const Json answer =
+      test::answer({"commission", "bigrobotarm", "--json", "--port", port,
+                    "--answers", folder.file("a.txt", kBigRobotArm)});
+  unsetenv("XDG_STATE_HOME");
+  EXPECT_EQ(answer["phase"], "done");
+  EXPECT_EQ(answer["rehearsal"], true);
+  EXPECT_TRUE(answer["file"].get<std::string>().ends_with("/bigrobotarm.simulated.json"));
+  EXPECT_FALSE(std::filesystem::exists(real));
+}
+
 TEST_F(CommissionVerb, what_was_answered_is_kept_and_gone_on_with) {
   std::string half(kBigRobotArm);
   half.resize(half.find("direction.elbow"));
@@ -172,23 +187,11 @@ TEST_F(CommissionVerb, a_servo_number_that_another_joint_has_is_refused) {
   EXPECT_NE(ended.err.find("id.wrist: '5': is "), std::string::npos) << ended.err;
 }
 
-TEST_F(CommissionVerb, a_sequence_takes_no_settings_and_says_which_it_leaves_out) {
+TEST_F(CommissionVerb, a_sequence_runs_with_the_settings_as_any_program_does) {
   test::answer(words("bigrobotarm", kBigRobotArm));
-  const std::string sequence = folder.file("s.txt", "G0 B100\n");
-  const Ended refused = sinew({"run", sequence, "--robot", "bigrobotarm", "--settings", saved()});
-  EXPECT_EQ(refused.exit, 2);
-  EXPECT_NE(refused.err.find("--settings: a sequence"), std::string::npos) << refused.err;
-  // On a real port a program would use it. There is no port here; it is said before that is found.
-  std::filesystem::create_directories(folder.at("state/sinew/commissioning"));
-  std::filesystem::copy(saved(), folder.at("state/sinew/commissioning/bigrobotarm.json"));
-  setenv("XDG_STATE_HOME", folder.at("state").c_str(), 1);
-  const Ended told = sinew({"run", sequence, "--robot", "bigrobotarm", "--port", folder.at("tty")});
-  unsetenv("XDG_STATE_HOME");
-  EXPECT_EQ(told.exit, 1);
-  EXPECT_NE(told.err.find("and not for a sequence: " +
-                          folder.at("state/sinew/commissioning/bigrobotarm.json")),
-            std::string::npos)
-      << told.err;
+  const Json json = test::answer({"run", folder.file("s.txt", "G0 B100\n"), "--robot",
+                                  "bigrobotarm", "--settings", saved()});
+  EXPECT_EQ(json["settings"], saved());
 }
 
 TEST_F(CommissionVerb, ctrl_c_stops_the_machine_and_keeps_what_was_said) {

@@ -164,8 +164,7 @@ TEST(RunProgram, everything_wrong_is_said_before_a_byte_leaves) {
        1,
        "p.sinew:2: this robot has no such tool; nothing was moved"},
       {"learm", "jaws 61mm", {}, 1, "jaws of 61 mm are asked for; they open from 0 to 60 mm"},
-      {"learm", "home", {}, 1, "this robot has no end stops to find its zeros with"},
-      {"maxarm", "nozzle 91deg time=1s", {}, 1, "the tool would need 91 deg, limit 90 deg"},
+      {"maxarm", "nozzle 181deg time=1s", {}, 1, "the tool would need 181 deg, limit 180 deg"},
       {"learm", "wait 1s", {"--seed", "-1"}, 2, "--seed: -1 is negative"},
       {"puma560", "home", {}, 1, "puma560 has no device: it is a model only"},
       {"hexapod", "wait 1s", {"--standing-at", "1,2"}, 2, "--standing-at: 6 numbers are wanted"},
@@ -255,6 +254,10 @@ TEST(Doctor, first_firmware_is_recognised_where_the_robots_file_says_document) {
       sinew({"run", folder.file("p.sinew", "home\n"), "--robot", "robot-arm-2", "--port", port});
   EXPECT_EQ(run.exit, 1);
   EXPECT_NE(run.err.find(advice), std::string::npos) << run.err;
+  // What ended the run is latched in the boards, and says how it is released.
+  const Ended released =
+      sinew({"device", "robot-arm-2", "release", "--profile", "as-built", "--port", port});
+  EXPECT_EQ(released.exit, 0) << released.err;
   Arguments as_built = doctor;
   as_built.insert(as_built.end(), {"--profile", "as-built"});
   const Ended known = sinew(as_built);

@@ -219,7 +219,7 @@ TEST(InverseVerb, hexapod_answers_with_legs) {
 
 TEST(InverseVerb, refusal_is_json_on_stdout_a_sentence_on_stderr_and_exit_1) {
   const std::vector<std::tuple<Arguments, std::string, std::string>> cases{
-      {{"learm", "--point-mm", "900,0,20"}, "out_of_reach", "out of reach by 550.12 mm"},
+      {{"learm", "--point-mm", "900,0,20"}, "out_of_reach", "out of reach by 550.1 mm"},
       {{"maxarm", "--point-mm", "0,-100,240"}, "joint_limit", "forearm would need -17.0579 deg"},
       {{"maxarm", "--point-mm", "100,100,100"}, "joint_limit", "base would need -15 deg"},
       {{"hexapod", "--pose-mm-deg", "0,0,500,0,0,0"}, "leg_length", "leg1"},

@@ -386,8 +386,8 @@ TEST(PlanVerb, file_that_is_no_program_is_told_what_it_is) {
     Arguments words;
     const char* says;
   } kCases[] = {
-      {{"plan", robots + "bigrobotarm/sequence.txt", "--robot", "bigrobotarm"}, "sinew run "},
-      {{"plan", robots + "bigrobotarm/sequence.txt"}, "sinew run "},
+      {{"plan", robots + "bigrobotarm/sequence.txt"}, "--robot is missing"},
+      {{"plan", robots + "learm/wave.md", "--robot", "learm"}, "is none"},
       {{"plan", robots + "learm.toml", "--robot", "learm"}, "is a robot's file itself"},
   };
   for (const auto& c : kCases) {

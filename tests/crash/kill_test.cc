@@ -6,6 +6,7 @@
 #include <csignal>
 #include <cstdlib>
 #include <iostream>
+#include <optional>
 
 #include "cli/process.h"
 #include "sinew/io/scratch_folder_test_support.h"
@@ -47,19 +48,26 @@ struct Known {
 class KillCell {
  public:
   explicit KillCell(const Machine& machine)
-      : machine_(machine), sim_({"sim", machine.robot, "--json"}) {
+      : machine_(machine) {
     setenv("XDG_STATE_HOME", folder_.at("state").c_str(), 1);
-    const Json first = Json::parse(sim_.line_after(0), nullptr, false);
-    port_ = first.at("port").get<std::string>();
-    told_ = sim_.out().size();
+    switch_on();
     long_program_ = folder_.file("long.sinew", machine.program);
     look_ = folder_.file("look.sinew", "wait 0.01s\n");
   }
 
+  /// A machine that begins anew, at its home; it was off.
+  void switch_on() {
+    sim_.reset();
+    sim_.emplace(Arguments{"sim", machine_.robot, "--json"});
+    const Json first = Json::parse(sim_->line_after(0), nullptr, false);
+    port_ = first.at("port").get<std::string>();
+    told_ = sim_->out().size();
+  }
+
   /// Where the physics of the simulation has the joints.
   std::vector<double> truth() {
-    sim_.signal(SIGUSR1);
-    const std::string line = sim_.line_after(told_);
+    sim_->signal(SIGUSR1);
+    const std::string line = sim_->line_after(told_);
     told_ += line.size() + 1;
     std::vector<double> q;
     const Json told = Json::parse(line, nullptr, false);
@@ -82,6 +90,29 @@ class KillCell {
     run.signal(SIGKILL);
     const Ended ended = run.end();
     EXPECT_EQ(ended.exit, -SIGKILL) << ended.out << ended.err;
+  }
+
+  /// A life that is cut off so long after its machine has begun to move.
+  void move_and_be_killed(std::chrono::milliseconds life, const std::string& standing_at) {
+    const std::vector<double> before = truth();
+    Arguments all = words(long_program_);
+    if (!standing_at.empty()) all.insert(all.end(), {"--standing-at", standing_at});
+    Process run(all);
+    for (int looks = 0; looks < 500 && std::abs(truth()[0] - before[0]) < 0.5; ++looks) {
+      run.let_run(20ms);
+    }
+    run.let_run(life);
+    run.signal(SIGKILL);
+    EXPECT_EQ(run.end().exit, -SIGKILL);
+  }
+
+  /// A run that has to be refused. @return  why
+  std::string refusal(const std::string& program, const std::string& standing_at) {
+    Arguments all = words(folder_.file("refused.sinew", program));
+    if (!standing_at.empty()) all.insert(all.end(), {"--standing-at", standing_at});
+    const Ended ended = sinew(all);
+    EXPECT_NE(ended.exit, 0) << ended.out;
+    return ended.err + ended.out;
   }
 
   /// What the next process says, and how long it took from its start to its end.
@@ -112,7 +143,7 @@ class KillCell {
  private:
   Machine machine_;
   ScratchFolder folder_;
-  Process sim_;
+  std::optional<Process> sim_;
   std::size_t told_ = 0;
   std::string port_;
   std::string long_program_;
@@ -186,6 +217,48 @@ INSTANTIATE_TEST_SUITE_P(
                               "joint base=0deg wrist=0deg\nend\n",
                               0.3}),
     [](const auto& machine) { return machine.param.robot; });
+
+const Machine kWideLoop{"bigrobotarm", "deg",
+                        "loop 1000\njoint base=60deg\njoint base=-60deg\nend\n", 0.3};
+
+/// It counts on while nobody listens, and its speeds are those that we gave it.
+TEST(Killed, in_a_wide_loop_a_board_that_was_never_off_is_known_without_a_word) {
+  KillCell cell(kWideLoop);
+  Random random(seed());
+  std::string standing_at = "home";
+  for (int life = 0; life < 4 && !HasFailure(); ++life) {
+    cell.move_and_be_killed(std::chrono::milliseconds(random.integer(1, 2500)), standing_at);
+    double seconds = 0;
+    const std::vector<Known> known = cell.look(&seconds);
+    const std::vector<double> truth = cell.truth();
+    ASSERT_EQ(known.size(), truth.size());
+    for (std::size_t j = 0; j < known.size(); ++j) {
+      EXPECT_EQ(known[j].quality, "commanded") << life;
+      // Six full steps, 0.22 deg of the base and 0.72 of the wrist's rotation.
+      EXPECT_LT(known[j].upper - known[j].lower, j == 0 ? 1.4 : 4.4);
+      EXPECT_GE(truth[j], known[j].lower - kWideLoop.resolution);
+      EXPECT_LE(truth[j], known[j].upper + kWideLoop.resolution);
+    }
+    // Whoever says otherwise is refused with both numbers.
+    ASSERT_GT(std::abs(truth[0]), 50);
+    const std::string why = cell.refusal("joint base=0deg\n", "home");
+    EXPECT_NE(why.find("but the device counts"), std::string::npos) << why;
+    standing_at.clear();
+  }
+}
+
+TEST(Killed, in_a_motion_a_board_that_was_reset_meanwhile_has_to_be_looked_at) {
+  KillCell cell(kWideLoop);
+  cell.move_and_be_killed(300ms, "home");
+  cell.switch_on();
+  double seconds = 0;
+  const std::vector<Known> known = cell.look(&seconds);
+  ASSERT_FALSE(known.empty());
+  EXPECT_EQ(known[0].quality, "uncertain");
+  EXPECT_GT(known[0].upper - known[0].lower, 50);
+  const std::string why = cell.refusal("joint base=10deg\n", "");
+  EXPECT_NE(why.find("--standing-at"), std::string::npos) << why;
+}
 
 }  // namespace
 }  // namespace sinew::test

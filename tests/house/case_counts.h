@@ -5,6 +5,7 @@
 #include <expected>
 #include <filesystem>
 #include <map>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
@@ -14,13 +15,14 @@
 
 namespace sinew::house {
 
-/// What one GoogleTest program did: tests that ran to their end, and the random cases of those
-/// that are properties.
+/// What one GoogleTest program did: tests that ran to their end, and of those that are properties
+/// the random cases that asserted something.
 struct ProgramResult {
   std::string program;
   std::size_t tests = 0;
   std::size_t skipped = 0;
   std::map<std::string, std::uint64_t> cases;  ///< by Suite.name
+  std::set<std::string> varying;  ///< of these, where other cases were discarded: the seed's chance
 };
 
 /// Reads GoogleTest's JSON report.
@@ -37,7 +39,8 @@ std::vector<std::string> hold_against(std::span<const ProgramResult> results,
                                       std::span<const MinimumTests> minimum_tests,
                                       std::span<const MinimumCases> minimum_cases, Extent extent);
 
-/// The rows of minimum_cases.h that these results would just meet.
+/// The rows of minimum_cases.h that these results would just meet; half as many cases where how
+/// many there are is the seed's chance.
 std::string as_table(std::span<const ProgramResult> results);
 
 /// The results below `folder`, sorted by program; of one that ran in shards NAME.1.json,

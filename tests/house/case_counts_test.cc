@@ -73,9 +73,21 @@ TEST(CaseCounts, a_result_without_a_row_fails_the_full_run_only) {
                         "Crc.finds_it of new_test has no row in tests/minimum_cases.h"}));
 }
 
+TEST(CaseCounts, where_chance_discards_some_half_of_the_others_is_the_minimum) {
+  const auto result = parse_result("wire_test", R"({"testsuites": [
+      {"name": "Crc", "testsuite": [
+      {"name": "a", "status": "RUN", "result": "COMPLETED", "cases": "500", "discarded": "0"},
+      {"name": "b", "status": "RUN", "result": "COMPLETED", "cases": "500",
+       "discarded": "9"}]}]})");
+  ASSERT_TRUE(result.has_value());
+  EXPECT_EQ(as_table(std::array{*result}),
+            "    {\"wire_test\", 2},\n\n    {\"wire_test\", \"Crc.a\", 500},\n"
+            "    {\"wire_test\", \"Crc.b\", 250},\n");
+}
+
 TEST(CaseCounts, are_printed_as_the_rows_of_the_table) {
-  std::vector<ProgramResult> results{{"a_test", 1, 0, {{"A.a", 999}, {"A.b", 1000}}},
-                                     {"b_test", 2, 0, {{"B.c", 12345678}}}};
+  std::vector<ProgramResult> results{{"a_test", 1, 0, {{"A.a", 999}, {"A.b", 1000}}, {}},
+                                     {"b_test", 2, 0, {{"B.c", 12345678}}, {}}};
   EXPECT_EQ(as_table(results),
             "    {\"a_test\", 1},\n    {\"b_test\", 2},\n\n    {\"a_test\", \"A.a\", 999},\n"
             "    {\"a_test\", \"A.b\", 1'000},\n    {\"b_test\", \"B.c\", 12'345'678},\n");

@@ -23,7 +23,11 @@ const ghostOf = (page) => page.evaluate(() => globalThis.sinewScene.ghost?.robot
 async function aim(page, name, joint, value) {
   await view(page, name, 'move');
   await until('its sliders', () => slider(page, joint).isEnabled());
-  await slider(page, joint).fill(String(value));
+  // Not by fill(): the value need not be one of the slider's steps.
+  await slider(page, joint).evaluate((input, to) => {
+    input.value = String(to);
+    input.dispatchEvent(new Event('input', { bubbles: true }));
+  }, value);
   await verdict(page).waitFor();
   return Number(await slider(page, joint).inputValue());
 }

@@ -22,6 +22,14 @@ class Random : public SplitMix64 {
     return lower + static_cast<std::int64_t>(span == 0 ? bits() : bits() % span);
   }
   bool chance(double probability) { return uniform(0, 1) < probability; }
+
+  /// What was drawn is none of the property's business: this case asserts nothing, and does not
+  /// count. `return random.discard();` where a body leaves before its first assertion.
+  void discard() { discarded_ = true; }
+  bool discarded() const { return discarded_; }
+
+ private:
+  bool discarded_ = false;
 };
 
 /// The seed of this process: SINEW_SEED where it is set, else a fixed one, so that a plain test
@@ -31,13 +39,27 @@ inline std::uint64_t seed() {
   return text != nullptr ? std::strtoull(text, nullptr, 0) : 20261121;
 }
 
+/// Of the test that runs now, over all its properties.
+struct CaseCounts {
+  const ::testing::TestInfo* test = nullptr;
+  std::uint64_t asserted = 0;
+  std::uint64_t discarded = 0;
+};
+inline CaseCounts& case_counts() {
+  static CaseCounts counts;
+  const auto* now = ::testing::UnitTest::GetInstance()->current_test_info();
+  if (counts.test != now) counts = {now, 0, 0};
+  return counts;
+}
+
 /// Runs `body(random)` `cases` times, stops at the first case that fails and says how to replay
-/// it, and records the number of cases that ran, which a test of its own holds against the
-/// minimum of minimum_cases.h.
+/// it. Fails where every case was discarded, and records how many were not, which a test of its own
+/// holds against the minimum of minimum_cases.h.
 template <class Body>
 void for_random_cases(std::uint64_t cases, Body&& body) {
   const std::uint64_t first_seed = seed();
   std::uint64_t ran = 0;
+  std::uint64_t discarded = 0;
   for (; ran < cases; ++ran) {
     Random random(first_seed ^ (ran * 0xD1342543DE82EF95ULL));
     body(random);
@@ -46,9 +68,18 @@ void for_random_cases(std::uint64_t cases, Body&& body) {
                     << "; replay with SINEW_SEED=" << first_seed;
       break;
     }
+    discarded += random.discarded() ? 1 : 0;
   }
-  ::testing::Test::RecordProperty("cases", std::to_string(ran));
-  std::cout << "  seed " << first_seed << ", " << ran << " cases\n";
+  if (ran == cases && discarded == cases) {
+    ADD_FAILURE() << "all " << cases << " cases were discarded: nothing was asserted";
+  }
+  CaseCounts& counts = case_counts();
+  counts.asserted += ran - discarded;
+  counts.discarded += discarded;
+  ::testing::Test::RecordProperty("cases", std::to_string(counts.asserted));
+  ::testing::Test::RecordProperty("discarded", std::to_string(counts.discarded));
+  std::cout << "  seed " << first_seed << ", " << ran - discarded << " cases, " << discarded
+            << " more discarded\n";
 }
 
 }  // namespace sinew::test

@@ -42,8 +42,8 @@ Station::Host::Host(const RobotModel& robot, Driver& driver, Disk& disk)
   files.continue_after(recovery.end);
   pump = std::make_unique<runtime::JournalPump>(files);
   loop = std::make_unique<runtime::ControlLoop>(
-      robot, driver, settings_of(robot), control::ControllerStart{recovery.positions, recovery.end},
-      pump.get());
+      robot, driver, settings_of(robot),
+      control::ControllerStart{recovery.positions, recovery.end, recovery.memory}, pump.get());
   opened = true;
 }
 

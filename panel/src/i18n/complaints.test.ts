@@ -31,9 +31,9 @@ const kGivers = ['unknown_row', 'unknown_subject'];
 const kHeld = /\bmessage = ("(?:[^"\\\n]|\\.)*");/g;
 /** Whatever is complained of through a file's own function begins so. */
 const kBegins: Record<string, Record<string, string>> = {
-  'program/gcode_file.cc': { complain: 'quoted(word) + " "' },
-  'program/named_points.cc': { complain: 'quoted(name)' },
-  'program/pose_file.cc': { wrong: 'quoted(word)' },
+  'program/gcode_file.cc': { complain: 'in_quotes(word) + " "' },
+  'program/named_points.cc': { complain: 'in_quotes(name)' },
+  'program/pose_file.cc': { wrong: 'in_quotes(word)' },
   'program/program_part.cc': { 'std::unexpected': '"from_line: "' },
 };
 /** Parts of messages that are words: what a call has as an argument, what a function or a table gives, an expression. */
@@ -60,10 +60,10 @@ const kMeans: Record<string, Record<string, readonly Means[]>> = {
 const kHandedOn = [
   '*why', // unknown_row()
   'body.error()', // Reading::called()
+  'in_quotes(code.word.text) + " " + std::move(message)',
+  'in_quotes(point.name) + why',
+  'in_quotes(word.substr(0, 40)) + why',
   'message',
-  'quoted(code.word.text) + " " + std::move(message)',
-  'quoted(point.name) + why',
-  'quoted(word.substr(0, 40)) + why',
   'std::move(message)',
   'unknown_row(name).value_or("unknown step")',
   'unknown_subject(name, robot)',
@@ -71,10 +71,14 @@ const kHandedOn = [
 ];
 /** Strings that nobody complains with. */
 const kNoMessages = [
+  // Notes beside the rows of a sequence.
+  ' cannot be sent on this wire; ',
+  'without S1 each joint of the arm\'s own firmware arrives in its own time; here the joints ',
+  'arrive together',
+  ' of the robot\'s file)',
   '# heads fit the platform to ',
   ' mm; totals of moves ',
   ' mm, of turns ',
-  '# S1: joints arrive together, as those of a row do\\n',
   'form is sequence, pos or gcode', // of the page itself
   'form is sequence or pos',
 ];
@@ -132,7 +136,7 @@ function said(expression: string, means: Readonly<Record<string, string[]>>): st
   if (wrapped) return said(inside(text, wrapped[0].length), means);
   const list = /^std::vector<Complaint>\{\s*\{/.exec(text);
   if (list) return said(split(inside(text, list[0].length), ',').at(-1)!, means);
-  return [text.startsWith('quoted(') ? "'{..}'" : '{..}'];
+  return [text.startsWith('in_quotes(') ? "'{..}'" : '{..}'];
 }
 
 function returnsOf(text: string, name: string): string[] {

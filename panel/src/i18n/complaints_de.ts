@@ -65,6 +65,8 @@ const motions: Record<string, string> = {
   'blend is above 0 and at most 60 deg of the joints': 'blend ist größer als 0 und höchstens 60 deg der Gelenke',
   'blend is above 0 and at most 1 m of the tool': 'blend ist größer als 0 und höchstens 1 m des Werkzeugs',
   'a joint is missing; write joint {example}': 'Hier fehlt ein Gelenk; richtig ist joint {example}',
+  'a joint is missing; write {example}': 'Hier fehlt ein Gelenk; richtig ist {example}',
+  "a share of the joint's limit is 1% to 100%": 'Der Anteil am Grenzwert der Achse ist 1% bis 100%',
   'a joint is missing: options alone move nothing': 'Hier fehlt ein Gelenk: speed, accel und blend allein bewegen nichts',
   '{word} is a place of the tool; write move to={name}, which finds the joints':
     '{word} ist ein Ort des Werkzeugs; move to={name} findet die Gelenke dazu',
@@ -144,11 +146,6 @@ const sequences: Record<string, string> = {
   'END without BEGIN: remove it, or write BEGIN I1 above': 'END ohne BEGIN: löschen oder darüber BEGIN I1 schreiben',
   'a block holds at most {count} commands: end it above and begin another':
     'Ein Block fasst höchstens {count} Befehle: ihn darüber beenden und einen neuen beginnen',
-  'here the joints do not arrive together, and those of a row always do; write S1 before it if they may':
-    'Hier kommen die Gelenke nicht gemeinsam an, die einer Zeile immer; dürfen sie das, gehört S1 davor',
-  'G92 says that here is zero; no row of a program does': 'G92 erklärt diese Stelle zu null; das kann keine Zeile eines Programms',
-  "M203 and M201 set each joint's speed; a row has one share of the limits for all (speed=50%)":
-    'M203 und M201 stellen das Tempo jedes Gelenks; eine Zeile hat einen Anteil der Grenzen für alle (speed=50%)',
   'no command of a sequence says this row: it has joint, gripper and loop':
     'Diese Zeile kann kein Befehl einer Sequenz sagen: sie hat joint, gripper und loop',
   'a block of the firmware holds 20 commands': 'Ein Block der Firmware fasst 20 Befehle',

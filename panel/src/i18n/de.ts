@@ -223,6 +223,7 @@ export const de: Record<Key, string> = {
   'events.job.stopped': '{title}: gestoppt',
   'events.job.failed': '{title}: gescheitert. {text}',
   'events.record': 'aufgezeichnet nach {path}',
+  'events.declared': 'jemand hat gesagt, wo es steht',
   'events.moved': 'von Hand bewegt: {reason}',
   'events.begun': 'die Steuerung begann neu (Sinew {version})',
   'events.not_kept': 'was geschieht, bleibt nur bis zum Ende der Steuerung: {text}',

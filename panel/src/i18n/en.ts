@@ -222,6 +222,7 @@ export const en = {
   'events.job.stopped': '{title}: stopped',
   'events.job.failed': '{title}: failed. {text}',
   'events.record': 'recorded to {path}',
+  'events.declared': 'somebody said where it stands',
   'events.moved': 'moved by hand: {reason}',
   'events.begun': 'the controller began anew (Sinew {version})',
   'events.not_kept': 'what happens is not kept beyond the end of the controller: {text}',

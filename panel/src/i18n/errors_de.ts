@@ -93,7 +93,10 @@ const codes: Record<string, string> = {
   not_undone: 'Was ein Werkzeug oder eine Suche nach Nullpunkten tat, macht ein Schritt zurück nicht ungeschehen',
   at_beginning: 'Das Programm steht an seinem Anfang',
   nudge_range: 'Ein Schritt von {subject} darf höchstens {limit} groß sein und nicht null; verlangt war {measured}',
+  ride_time: 'Eine Zufallsbewegung dieser Größe und zurück dauert über diese Verbindung {measured}; die Fahrt hat {limit}',
+  stop_latched: '{subject} wird vom Not-Halt gehalten, den dieser Computer in einem früheren Lauf gesetzt hat; quittieren löst ihn, nichts bewegt sich',
   declared_elsewhere: '{subject} kann nicht auf {measured} stehen: bekannt ist, dass es höchstens bei {limit} steht, {excess} daneben; wer es bewegt hat, muss das sagen',
+  counted_elsewhere: '{subject} soll auf {measured} stehen, aber das Gerät zählt {limit}, {excess} auseinander; sagen, wo das Gerät es zählt, oder wer es bewegt hat und wie (moved:)',
 };
 
 /** Was die Steuerung nicht aufhebt oder nicht hergibt; {sentence} ist ihr eigener, englischer Satz. */

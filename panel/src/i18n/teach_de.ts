@@ -111,6 +111,8 @@ export const teachDe: Record<keyof typeof teachEn, string> = {
   'prog.what.loop': 'immer wieder',
   'prog.what.if': 'einer von zwei Wegen',
   'prog.what.call': 'ein anderes Programm',
+  'prog.what.velocity': 'begrenzt die Achsgeschwindigkeiten der folgenden Schritte',
+  'prog.what.acceleration': 'begrenzt die Achsbeschleunigungen der folgenden Schritte',
 
   'prog.field.to': 'zum Punkt',
   'prog.field.via': 'über',

@@ -109,6 +109,8 @@ export const teachEn = {
   'prog.what.loop': 'again and again',
   'prog.what.if': 'one of two ways',
   'prog.what.call': 'another program',
+  'prog.what.velocity': 'limits joint velocities of the following steps',
+  'prog.what.acceleration': 'limits joint accelerations of the following steps',
 
   'prog.field.to': 'to point',
   'prog.field.via': 'via',

@@ -40,19 +40,19 @@ export const kWords = [
   'loop',
   'if',
   'call',
+  'velocity',
+  'acceleration',
 ] as const;
 export type Word = (typeof kWords)[number];
 
-/** Robots whose files have no end stops to home to. */
-const kWithoutHoming = new Set(['learm', 'maxarm', 'hexapod', 'bigrobotarm', 'puma560']);
-
 export function wordsOf(model: RobotModel): Word[] {
   const has: Partial<Record<Word, boolean>> = {
-    home: !kWithoutHoming.has(model.robot),
     jaws: model.kind === 'serial' && model.geometry.gripper !== undefined,
     gripper: model.robot === 'bigrobotarm',
     suction: model.kind === 'palletizer',
     nozzle: model.kind === 'palletizer',
+    velocity: model.takes_speed,
+    acceleration: model.takes_speed,
   };
   return kWords.filter((one) => has[one] ?? true);
 }
@@ -126,7 +126,7 @@ export function fieldsOf(word: string, model: RobotModel): Field[] {
       return [{ id: 'suction', slot: { at: 1 }, kind: 'choice', choices: ['on', 'release', 'off'], needed: true }];
     case 'nozzle':
       return [
-        { id: 'angle', slot: { at: 1 }, kind: 'angle', needed: true },
+        { id: 'angle', slot: { at: 1 }, kind: 'angle', lower: 0, upper: Math.PI, needed: true },
         { id: 'time', slot: { key: 'time' }, kind: 'time', needed: true },
       ];
     case 'wait':
@@ -137,6 +137,15 @@ export function fieldsOf(word: string, model: RobotModel): Field[] {
       return [{ id: 'condition', slot: { at: 1 }, kind: 'text', needed: true }];
     case 'call':
       return [{ id: 'program', slot: { at: 1 }, kind: 'program', needed: true }];
+    case 'velocity':
+    case 'acceleration': {
+      const limit = { kind: 'share', lower: 0.01, upper: 1 } as const;
+      const joints = model.joints.map((joint, i): Field => ({
+        ...keyed(joint.name, 'share', limit),
+        slot: { key: joint.name, also: `J${i + 1}` },
+      }));
+      return [keyed('all', 'share', limit), ...joints];
+    }
     default:
       return [];
   }
@@ -258,7 +267,7 @@ export function newRows(word: Word, model: RobotModel, joints: readonly number[]
     case 'suction':
       return ['suction on'];
     case 'nozzle':
-      return ['nozzle 0deg time=1s'];
+      return ['nozzle 90deg time=1s'];
     case 'wait':
       return ['wait 1s'];
     case 'loop':
@@ -267,5 +276,8 @@ export function newRows(word: Word, model: RobotModel, joints: readonly number[]
       return [`if ${model.joints[0]!.name}>${model.kind === 'hexapod' ? '250mm' : '0deg'}`, 'else', 'end'];
     case 'call':
       return [`call ${program ?? 'NAME'}`];
+    case 'velocity':
+    case 'acceleration':
+      return [`${word} all=50%`];
   }
 }

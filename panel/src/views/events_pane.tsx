@@ -133,6 +133,8 @@ export function eventText(event: EventJson): string {
       return t(event.runs ? 'demonstration.begins' : 'demonstration.over');
     case 'begun':
       return event.trouble ? t('events.not_kept', { text: event.trouble }) : t('events.begun', { version: event.version ?? '' });
+    case 'declared':
+      return t('events.declared');
     case 'moved':
       return t('events.moved', { reason: event.reason ?? '' });
   }

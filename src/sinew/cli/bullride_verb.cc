@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "sinew/cli/device_argument.h"
 #include "sinew/cli/kinematics_text.h"
 #include "sinew/cli/plan_report.h"
@@ -50,11 +52,18 @@ Outcome bullride(const BullrideRequest& request) {
     if (!given) return bad_input(given.error());
     q = *given;
   }
-  const auto ride = program::make_ride(model, q,
-                                       {.duration = *time,
-                                        .seed = static_cast<std::uint64_t>(request.seed),
-                                        .amplitude = *amplitude});
-  if (!ride) return could_not(error_text(ride.error().error, model));
+  const program::RideOrder order{
+      .duration = *time, .seed = static_cast<std::uint64_t>(request.seed), .amplitude = *amplitude};
+  const auto ride = program::make_ride(model, q, order);
+  if (!ride) {
+    const Error& error = ride.error().error;
+    const bool too_long = error.code == ErrorCode::kRideTime;
+    const double fits = too_long ? program::fitting_ride(model, q, order) : 0;
+    return could_not(error_text(error, model) +
+                     (too_long ? fmt::format("; --amplitude {:.2g}% fits, or --time {:.0f}s",
+                                             100 * fits, std::ceil(error.measured))
+                               : std::string()));
+  }
   Outcome outcome;
   outcome.json = {{"robot", model.id},
                   {"seed", request.seed},

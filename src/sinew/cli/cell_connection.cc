@@ -4,7 +4,9 @@
 
 #include "sinew/cli/cell_socket.h"
 #include "sinew/cli/quantity.h"
+#include "sinew/cli/table.h"
 #include "sinew/core/spelling.h"
+#include "sinew/core/units.h"
 #include "sinew/io/file.h"
 
 namespace sinew::cli {
@@ -77,12 +79,25 @@ std::expected<Json, Outcome> positions_of(CellConnection& cell, const std::strin
     const bool leg = joint.contains("home_m");
     measures.push_back(leg ? Measure::kLength : Measure::kAngle);
     names.push_back(joint["name"]);
-    positions.push_back(leg ? joint["home_m"] : joint["home_rad"]);
+    const bool lowered = leg && text == "lowered";
+    positions.push_back(leg ? joint[lowered ? "lower_m" : "home_m"] : joint["home_rad"]);
   }
+  if (text == "lowered" && measures[0] == Measure::kLength) return positions;
   if (text == "home") return positions;
   const auto values = parse_quantities(option, text, measures, names);
   if (!values) return std::unexpected(bad_input(values.error()));
   return Json(*values);
+}
+
+std::string place_of(const Json& joint, const char* lost) {
+  if (joint["quality"] == "lost") return lost;
+  const auto shown = [&](const std::string& what) {
+    const auto metres = joint.find(what + "_m");
+    return metres != joint.end() ? to_mm(metres->get<double>())
+                                 : to_deg(joint[what + "_rad"].get<double>());
+  };
+  if (joint["quality"] != "uncertain") return number(shown("position"), 2);
+  return number(shown("lower"), 2) + ".." + number(shown("upper"), 2);
 }
 
 }  // namespace sinew::cli

@@ -50,4 +50,7 @@ std::string held_by_cell(const std::string& port);
 std::expected<Json, Outcome> positions_of(CellConnection& cell, const std::string& robot,
                                           std::string_view option, const std::string& text);
 
+/// Where a joint of a cell's status stands, deg or mm: "30.00", "29.00..31.00", or `lost`.
+std::string place_of(const Json& joint, const char* lost);
+
 }  // namespace sinew::cli

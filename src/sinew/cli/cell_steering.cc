@@ -88,11 +88,7 @@ std::expected<Json, Outcome> at_rest(CellConnection& cell, const std::string& ro
 std::string place_text(const Json& status) {
   std::string text;
   for (const Json& joint : status["joints"]) {
-    const bool leg = joint.contains("position_m");
-    const double q =
-        leg ? 1e3 * joint["position_m"].get<double>() : to_deg(joint.value("position_rad", 0.0));
-    const std::string value = joint["quality"] == "lost" ? "lost" : number(q, 2);
-    text += fmt::format("  {} {}", joint["name"].get<std::string>(), value);
+    text += fmt::format("  {} {}", joint["name"].get<std::string>(), place_of(joint, "lost"));
   }
   return text;
 }
@@ -192,6 +188,7 @@ std::expected<Json, Outcome> make_known(CellConnection& cell, const CellRequest&
     }
     declaration["moved"] = *request.moved;
   }
+  if (request.zero_counters) declaration["zero_counters"] = true;
   const auto before = cell.call("robot.status", robot);
   if (!before) return before;
   if (const auto taken = take_lease(cell, request); !taken) return taken;
@@ -218,6 +215,20 @@ Outcome recovered(const Json& status, const CellRequest& request) {
         request.robot);
   }
   return outcome;
+}
+
+Outcome cell_stands(const CellRequest& request) {
+  auto cell = CellConnection::open(request.socket);
+  if (!cell) return cell.error();
+  const auto before = cell->call("robot.status", {{"robot", request.robot}});
+  if (!before) return before.error();
+  const std::string was = fmt::format(
+      "  known before, {}:{}\n", (*before)["position"].get<std::string>(), place_text(*before));
+  // Also where what is said is refused: it is what contradicts it.
+  if (!request.json) std::fputs(was.c_str(), stderr);
+  const auto status = make_known(*cell, request);
+  if (!status) return status.error();
+  return recovered(*status, request);
 }
 
 /// Holds the lease until Ctrl-C, so that nobody else moves the machine: somebody stands beside it.

@@ -24,22 +24,11 @@ constexpr const char* kGoneAway =
     "the server has gone away; what streams holds, and a device that takes whole moves ends the "
     "one that it is at";
 
-double shown(const Json& joint, const char* what) {
-  const std::string metres = std::string(what) + "_m";
-  if (joint.contains(metres)) return to_mm(joint[metres].get<double>());
-  return to_deg(joint.value(std::string(what) + "_rad", 0.0));
-}
-
-/// "30", "~30" where it is not certain, "?" where nobody knows.
-std::string joint_text(const Json& joint) {
-  const std::string quality = joint["quality"];
-  if (quality == "lost") return "?";
-  return (quality == "uncertain" ? "~" : "") + number(shown(joint, "position"), 2);
-}
-
 std::string joints_text(const Json& status) {
   std::string text;
-  for (const Json& joint : status["joints"]) text += (text.empty() ? "" : " ") + joint_text(joint);
+  for (const Json& joint : status["joints"]) {
+    text += (text.empty() ? "" : " ") + place_of(joint, "?");
+  }
   return text;
 }
 
@@ -236,8 +225,24 @@ Outcome cell_move(const CellRequest& request) {
   return run_job(request, "program.run", std::move(params));
 }
 
+/// The texts that a cell runs; those of another form as the cell reads them.
+std::expected<ProgramTexts, Outcome> texts_for_cell(const CellRequest& request) {
+  const auto form = program::form_of_file(request.file);
+  if (!form) return gather_program(request.file);
+  const auto text = io::read_file(request.file);
+  if (!text) return std::unexpected(bad_input(text.error().sentence));
+  auto cell = CellConnection::open(request.socket);
+  if (!cell) return std::unexpected(cell.error());
+  constexpr const char* kForms[] = {"sequence", "pos", "gcode"};
+  const auto rows = cell->call(
+      "program.import",
+      {{"robot", request.robot}, {"form", kForms[static_cast<int>(*form)]}, {"text", *text}});
+  if (!rows) return std::unexpected(rows.error());
+  return ProgramTexts{.text = (*rows)["text"].get<std::string>(), .points = {}, .called = {}};
+}
+
 Outcome cell_run(const CellRequest& request) {
-  const auto texts = gather_program(request.file);
+  const auto texts = texts_for_cell(request);
   if (!texts) return texts.error();
   Json params{{"text", texts->text}, {"name", request.file}};
   if (texts->points) params["points"] = *texts->points;

@@ -21,6 +21,7 @@ struct CellRequest {
   std::string joint;                       ///< of `nudge`
   std::string way;                         ///< of `nudge`
   std::optional<std::string> answers;      ///< of a procedure: a file; else somebody types
+  bool zero_counters = false;              ///< of `stands`: the device counts from there
   bool anew = false;                       ///< of `commission`
   bool take_over = false;
   std::string file;                  ///< of `run`
@@ -49,6 +50,8 @@ Outcome cell_resume(const CellRequest& request);
 Outcome cell_nudge(const CellRequest& request);
 Outcome cell_step(const CellRequest& request);
 Outcome cell_recover(const CellRequest& request);
+/// Where a robot stands, from somebody who has looked; says what was known before.
+Outcome cell_stands(const CellRequest& request);
 Outcome cell_commission(const CellRequest& request);
 Outcome cell_lease(const CellRequest& request);
 

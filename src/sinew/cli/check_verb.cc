@@ -178,6 +178,12 @@ Outcome report(const Checked& checked) {
     outcome.json["broken_off"] = refusal.json["refusal"];
     outcome.text += "  " + refusal.complaint + "\n";
   }
+  outcome.json["notes"] = Json::array();
+  for (const program::ProgramNote& one : checked.program.notes) {
+    const std::string sentence = fmt::format("line {}: {}", one.line, one.sentence);
+    outcome.json["notes"].push_back(sentence);
+    outcome.text += "  note: " + sentence + "\n";
+  }
   outcome.text += totals_text(checked);
   if (!checked.result.fine()) outcome.exit = ExitCode::kBadInput;
   return outcome;

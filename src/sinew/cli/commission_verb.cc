@@ -7,20 +7,14 @@
 #include <memory>
 #include <utility>
 
-#include "sinew/cli/cell_connection.h"
 #include "sinew/cli/device_argument.h"
+#include "sinew/cli/local_cell.h"
 #include "sinew/cli/procedure_dialogue.h"
 #include "sinew/cli/robot_argument.h"
-#include "sinew/cli/run_journal.h"
-#include "sinew/control/machine_identity.h"
 #include "sinew/core/spelling.h"
 #include "sinew/io/file.h"
 #include "sinew/io/interrupt.h"
-#include "sinew/runtime/homing_time.h"
-#include "sinew/runtime/position_record.h"
-#include "sinew/runtime/procedure_session.h"
-#include "sinew/runtime/program_session.h"
-#include "sinew/runtime/robot_link.h"
+#include "sinew/runtime/commissioning_file.h"
 #include "sinew/runtime/robot_variant.h"
 
 namespace sinew::cli {
@@ -32,118 +26,122 @@ using State = program::StepResult::State;
 struct Job {
   const CommissionRequest& request;
   const RobotModel& model;
-  std::string file;  ///< of its results; empty where none are kept
-  runtime::CommissioningFile before;
+  std::string file;      ///< of its results; empty where none are kept
+  bool finished_before;  ///< a list before this one has come to its end
   ScriptedAnswers* script = nullptr;
 };
 
-bool simulated(const CommissionRequest& request) {
-  return !request.port || *request.port == "simulated";
+/// The device that is meant; nothing: simulated.
+std::optional<std::string> port_of(const CommissionRequest& request) {
+  return request.port == "simulated" ? std::nullopt : request.port;
 }
 
-std::expected<program::ProcedurePlan, std::string> plan_for(const CommissionRequest& request,
-                                                            const RobotModel& model,
-                                                            const program::DeviceFact& fact) {
-  const program::Homing homing = runtime::homing_of(model);
-  if (request.procedure == "home") return program::homing_procedure(model, homing, fact);
-  if (request.procedure == "recover") return program::recovery_procedure(model, homing);
-  return program::commissioning_procedure(model, homing, fact);
+/// Also a device of `sinew sim`: what is found there says nothing about the real robot.
+bool rehearses(const CommissionRequest& request) {
+  return !is_real(port_of(request));
 }
 
-/// Answers are kept, however it ended; settings count when it has come to its end.
-void keep_results(const Job& job, const program::Procedure& procedure, Outcome& outcome) {
+/// What was kept: answers, however it ended; settings count when it has come to its end.
+void tell_results(const Job& job, const runtime::ProcedureStatus& status, Outcome& outcome) {
   if (job.file.empty()) return;
-  const auto [file, misfit] = runtime::results_of(procedure, job.before);
-  if (!misfit.empty()) {
+  if (!status.note.empty()) {
     outcome.exit = ExitCode::kCouldNot;
-    outcome.complaint = misfit;
+    outcome.complaint += (outcome.complaint.empty() ? "" : "\n") + status.note;
   }
-  const bool done = procedure.phase() == Phase::kDone && misfit.empty();
+  if (status.file.empty()) return;
+  const bool done = status.view.phase == Phase::kDone && status.note.empty();
   if (done) {
     outcome.json["settings"] = Json::object();
-    for (const auto& [key, value] : file.settings) {
+    for (const auto& [key, value] : status.settings) {
       outcome.json["settings"][key] = value;
       outcome.text += fmt::format("  other than in the robot's file: {} = {}\n", key, value);
     }
-    if (file.settings.empty()) outcome.text += "  everything is as the robot's file says\n";
+    if (status.settings.empty()) outcome.text += "  everything is as the robot's file says\n";
   }
-  if (const auto kept = runtime::write_commissioning(job.file, job.model, file); !kept) {
-    outcome.exit = ExitCode::kCouldNot;
-    outcome.complaint += (outcome.complaint.empty() ? "" : "\n") + kept.error().sentence;
-    return;
+  outcome.json["file"] = status.file;
+  outcome.text += "  " + status.file + "\n";
+  const bool rehearsal = rehearses(job.request) && !job.request.save;
+  outcome.json["rehearsal"] = rehearsal;
+  if (rehearsal) {
+    outcome.text += "  a rehearsal on a simulated device; the real robot's settings stay\n";
   }
-  outcome.json["file"] = job.file;
-  outcome.text += "  " + job.file + "\n";
   if (done) return;
   outcome.text += "  what was answered is kept there; the same command goes on from it\n";
-  if (file.finished) {
+  if (job.finished_before) {
     outcome.text += "  until it has come to its end, the settings that were found before count\n";
   }
 }
 
-Outcome told(const Job& job, const program::Procedure& procedure, const ProcedureDialogue& dialogue,
-             const runtime::ProcedureEnd& end) {
+/// @param why  it was broken off, other than by an answer; empty where it was not
+Outcome told(const Job& job, const runtime::ProcedureStatus& status, const std::string& why) {
   Outcome outcome;
-  const program::ProcedureView view = program::view_of(procedure, {});
+  const program::ProcedureView& view = status.view;
   outcome.text = "\n" + results_text(view);
-  if (procedure.phase() != Phase::kDone) {
+  if (view.phase != Phase::kDone) {
     outcome.exit = ExitCode::kCouldNot;
-    outcome.complaint = procedure.phase() == Phase::kFailed ? procedure.trouble() : "cancelled";
-    if (procedure.place() < procedure.plan().steps.size()) {
-      outcome.complaint += fmt::format("; at the step '{}'", procedure.step().id);
+    outcome.complaint = view.phase == Phase::kFailed ? view.trouble : "cancelled";
+    if (view.place < view.steps.size()) {
+      outcome.complaint += fmt::format("; at the step '{}'", view.steps[view.place].step);
     }
-    if (!dialogue.complaint().empty()) outcome.complaint = dialogue.complaint();
-    if (end.wire_failure) outcome.complaint = end.wire_failure->sentence;
-    if (end.left_at_once) outcome.complaint = "left at once; what was under way goes on, unseen";
+    if (!why.empty()) outcome.complaint = why;
   }
   outcome.json = {{"robot", job.model.id},
-                  {"procedure", procedure.plan().id},
-                  {"phase", program::name(procedure.phase())},
+                  {"procedure", view.id},
+                  {"phase", program::name(view.phase)},
                   {"steps", results_json(view)}};
   std::string failed;
-  for (std::size_t k = 0; k < procedure.results().size(); ++k) {
-    if (procedure.results()[k].state != State::kFailed) continue;
-    failed += (failed.empty() ? "" : ", ") + procedure.plan().steps[k].id;
+  for (const auto& step : view.steps) {
+    if (step.result.state != State::kFailed) continue;
+    failed += (failed.empty() ? "" : ", ") + step.step;
   }
   if (!failed.empty()) outcome.text += "  not as it should be: " + failed + "\n";
-  keep_results(job, procedure, outcome);
+  tell_results(job, status, outcome);
   if (!outcome.complaint.empty()) outcome.json["error"] = {{"sentence", outcome.complaint}};
   return outcome;
 }
 
-Outcome drive(const Job& job, runtime::RobotLink& link, runtime::PositionRecord* record,
-              const io::Clock& clock) {
-  const RobotModel& model = job.model;
-  runtime::ControlLoop loop = recorded_loop(model, link.driver(), clock, record);
-  auto plan = plan_for(job.request, model, runtime::facts_of(link.driver(), model));
-  if (!plan) return could_not(plan.error());
+Outcome drive(const Job& job, std::unique_ptr<LocalCell> cell) {
+  runtime::Station& station = cell->station();
+  auto runner = std::make_unique<runtime::ProcedureRunner>(station, station.clock(),
+                                                           runtime::ResultsPlace{job.file, ""});
+  if (const auto begun =
+          runner->start({job.request.procedure, false, job.request.anew}, LocalCell::kClient);
+      !begun) {
+    return could_not(begun.error());
+  }
   if (job.script != nullptr) {
-    if (const auto unknown = job.script->unknown(step_ids(*plan))) return bad_input(*unknown);
+    const auto unknown = job.script->unknown(step_ids(runner->status().view));
+    if (unknown) return bad_input(*unknown);
   }
   if (!job.request.json) {
-    std::fputs(
-        fmt::format("  {}\n  over {} ({}); back goes one step back, cancel or Ctrl-C ends "
-                    "it at any time\n",
-                    plan->title, link.name(), link.simulated() ? "simulated device" : "real port")
-            .c_str(),
-        stderr);
+    std::fputs(fmt::format("  {}\n  over {} ({}); back goes one step back, cancel or Ctrl-C ends "
+                           "it at any time\n",
+                           runner->status().view.title, station.port_name(),
+                           station.simulated() ? "simulated device" : "real port")
+                   .c_str(),
+               stderr);
   }
-  program::Procedure procedure(std::move(*plan), loop.machine());
-  for (const auto& [id, result] : job.before.under_way) procedure.keep(id, result);
-  runtime::ProcedureEnd end;
   ProcedureDialogue dialogue(job.request.json, job.script);
-  end = runtime::run_procedure(
-      procedure, loop, link.line(), clock,
-      {.turn =
-           [&](program::Procedure& one, Instant now) {
-             dialogue.turn(
-                 program::view_of(one, now),
-                 {.answer = [&](const std::string& text) { return one.answer(text, now); },
-                  .back = [&] { return one.back(now); },
-                  .cancel = [&] { one.cancel(now); }});
-           },
-       .interrupts = [] { return io::interrupts(); }});
-  return told(job, procedure, dialogue, end);
+  std::string trouble;
+  while (!runner->over()) {
+    cell->turn();
+    runner->poll();
+    if (trouble.empty()) trouble = station.trouble();
+    dialogue.turn(runner->status().view,
+                  {.answer = [&](const std::string& text) { return runner->answer(text); },
+                   .back = [&] { return runner->back(); },
+                   .cancel = [&] { runner->cancel(); }});
+    const int interrupts = io::interrupts();
+    if (interrupts == 1) runner->cancel();
+    if (interrupts < 2) continue;
+    Outcome outcome =
+        told(job, runner->status(), "left at once; what was under way goes on, unseen");
+    outcome.at_once = true;
+    (void)runner.release();
+    abandon(std::move(cell));
+    return outcome;
+  }
+  return told(job, runner->status(), trouble.empty() ? dialogue.complaint() : trouble);
 }
 
 /// Where the results go, and those of an unfinished time before.
@@ -155,7 +153,7 @@ std::expected<void, Outcome> find_file(Job& job) {
   } else {
     // A simulated device is not the one on the bench.
     auto path =
-        runtime::commissioning_path(job.model.id + (simulated(request) ? ".simulated" : ""));
+        runtime::commissioning_path(job.model.id + (rehearses(request) ? ".simulated" : ""));
     if (!path) return std::unexpected(could_not(path.error().sentence));
     job.file = std::move(*path);
   }
@@ -172,8 +170,7 @@ std::expected<void, Outcome> find_file(Job& job) {
                                        "; only a settings file of this robot is replaced: name "
                                        "another file with --save, or move this one away"));
     }
-    job.before = std::move(*before);
-    if (request.anew) job.before.under_way.clear();
+    job.finished_before = before->finished;
   }
   // Learned now, not when everything has been answered.
   if (const auto place = runtime::check_commissioning_place(job.file); !place) {
@@ -199,8 +196,7 @@ std::expected<RobotModel, Outcome> model_for(const CommissionRequest& request) {
   if (const auto fine = check_time_scale(request.time_scale); !fine) {
     return std::unexpected(fine.error());
   }
-  const bool real = !simulated(request) && !runtime::may_be_simulated(*request.port);
-  if (real && request.time_scale != 1) {
+  if (!rehearses(request) && request.time_scale != 1) {
     return std::unexpected(bad_input("--time-scale: a real port keeps real time"));
   }
   return std::move(*variant);
@@ -268,7 +264,7 @@ std::expected<UsedSettings, Outcome> use_commissioning(RobotModel& robot,
 Outcome commission(const CommissionRequest& request) {
   const auto model = model_for(request);
   if (!model) return model.error();
-  Job job{request, *model, {}, {}, nullptr};
+  Job job{request, *model, {}, false, nullptr};
   if (const auto found = find_file(job); !found) return found.error();
   std::optional<ScriptedAnswers> script;
   if (request.answers) {
@@ -278,30 +274,17 @@ Outcome commission(const CommissionRequest& request) {
     job.script = &*script;
   }
   io::catch_interrupts();
-  const io::Clock clock =
-      runtime::clock_for(simulated(request) ? std::nullopt : request.port, request.time_scale);
-  runtime::ByteLog log;
-  auto link = simulated(request)
-                  ? runtime::RobotLink::simulate(*model,
-                                                 {.profile = request.profile,
-                                                  .seed = static_cast<std::uint64_t>(request.seed)},
-                                                 clock, log)
-                  : runtime::RobotLink::open(*model, *request.port, clock, log);
-  if (!link) {
-    const std::string holder = simulated(request) ? std::string() : held_by_cell(*request.port);
-    return could_not(link.error().sentence + holder);
-  }
-  std::unique_ptr<runtime::PositionRecord> record;
-  const bool real = !simulated(request) && !runtime::may_be_simulated(*request.port);
-  if (request.journal || real) {
-    auto folder = runtime::positions_folder();
-    if (!folder) return could_not(folder.error().sentence);
-    auto opened =
-        runtime::PositionRecord::open(*folder, request.journal.value_or(model->id), *model);
-    if (!opened) return could_not(opened.error().sentence);
-    record = std::move(*opened);
-  }
-  return drive(job, *link, record.get(), clock);
+  auto cell = LocalCell::start(*model,
+                               {.port = port_of(request),
+                                .profile = request.profile,
+                                .journal = request.journal,
+                                .seed = request.seed,
+                                .time_scale = request.time_scale,
+                                .byte_log = {},
+                                .assumes_start = false},
+                               {});
+  if (!cell) return cell.error();
+  return drive(job, std::move(*cell));
 }
 
 }  // namespace sinew::cli

@@ -36,16 +36,20 @@ constexpr std::array<Named, 6> kForms{{{"sinew", Form::kProgram},
                                        {"config", Form::kConfig},
                                        {"gcode", Form::kGcode},
                                        {"record", Form::kRecord}}};
-constexpr std::array<Named, 10> kEndings{{{".sinew", Form::kProgram},
-                                          {".txt", Form::kSequence},
-                                          {".pos", Form::kPose},
-                                          {".cfg", Form::kConfig},
-                                          {".gcode", Form::kGcode},
-                                          {".ngc", Form::kGcode},
-                                          {".nc", Form::kGcode},
-                                          {".tap", Form::kGcode},
-                                          {".g", Form::kGcode},
-                                          {".mcap", Form::kRecord}}};
+constexpr std::array<Named, 3> kEndings{
+    {{".sinew", Form::kProgram}, {".cfg", Form::kConfig}, {".mcap", Form::kRecord}}};
+
+Form form_of(program::TextForm form) {
+  switch (form) {
+    case program::TextForm::kSequence:
+      return Form::kSequence;
+    case program::TextForm::kPose:
+      return Form::kPose;
+    case program::TextForm::kGcode:
+      break;
+  }
+  return Form::kGcode;
+}
 
 std::expected<Form, Outcome> form_of(const std::optional<std::string>& name,
                                      const std::string& file, const char* option) {
@@ -56,6 +60,7 @@ std::expected<Form, Outcome> form_of(const std::optional<std::string>& name,
     return std::unexpected(bad_input(std::string(option) + ": '" + printable(*name) +
                                      "' is none of sinew, sequence, pos, config, gcode, record"));
   }
+  if (const auto form = program::form_of_file(file)) return form_of(*form);
   for (const Named& one : kEndings) {
     if (file.ends_with(one.name)) return one.form;
   }
@@ -65,14 +70,6 @@ std::expected<Form, Outcome> form_of(const std::optional<std::string>& name,
 
 /// A text that was made, or why it was not.
 using Made = std::expected<std::string, Outcome>;
-
-/// Why there is none, as a person asked for it.
-/// @param file  of row 0
-Outcome no_form(const program::NoForm& why, const RobotModel& model, const std::string& file) {
-  if (!why.complaints.empty()) return complaints_outcome(why.complaints);
-  if (why.refusal) return plan_refusal(model, file, *why.refusal);
-  return bad_input(file + ": " + why.sentence);
-}
 
 std::optional<program::TextForm> other_form(Form form) {
   switch (form) {
@@ -114,9 +111,7 @@ Made pose_again(const ConvertRequest& request, const std::string& text, const Ro
 std::expected<std::string, Outcome> taken_over(const std::string& name, const RobotModel& model,
                                                const std::vector<JointPosition>& legs,
                                                bool replace) {
-  RunRequest run;
-  run.journal = name;
-  const auto record = open_journal(run, model);
+  const auto record = open_journal(name, model);
   if (!record) return std::unexpected(record.error());
   const auto& known = (*record)->recovery().positions;
   const bool knows = std::ranges::any_of(
@@ -197,7 +192,7 @@ Made converted(const ConvertRequest& request, const RobotModel& model, Form from
   if (const auto form = other_form(from); form && to_rows) {
     auto rows = program::rows_of(*form, *text, request.in, model);
     if (!rows) return std::unexpected(no_form(rows.error(), model, request.in));
-    return std::move(*rows);
+    return std::move(rows->text);
   }
   if (from == Form::kPose && to == Form::kPose) return pose_again(request, *text, model);
   return std::unexpected(

@@ -33,6 +33,10 @@ std::string lsc_hint(const LscDevice& device, const Error& trouble, const Driver
 std::string silence_hint(const RobotModel& model, const Error& trouble,
                          const DriverHealth& health) {
   using enum ErrorCode;
+  const bool latched = trouble.code == kEmergencyStop || trouble.code == kStopLatched;
+  if (latched && !boards_of(model.device).empty()) {
+    return "; sinew device " + model.id + " release, with the same --port, releases it";
+  }
   constexpr std::array kOfTheLine{kDeviceSilent, kUnexpectedReply, kUnaskedReply, kDeviceRefused,
                                   kDeviceKilled, kOtherBoard,      kChecksum,     kReplyMismatch};
   if (std::ranges::find(kOfTheLine, trouble.code) == kOfTheLine.end()) return {};
@@ -48,8 +52,8 @@ std::string silence_hint(const RobotModel& model, const Error& trouble,
   const std::string common = "; is it switched on, and is this its port?";
   if (std::holds_alternative<IcpDevice>(settings)) {
     return common +
-           " If so, cut its power: its controller shuts down when it was told to, and "
-           "after a long idle time";
+           " Is this computer very busy? If all three are as they should be, cut its power: its "
+           "controller shuts down when it was told to, and after a long idle time";
   }
   if (std::holds_alternative<MaxArmDevice>(settings)) {
     return common +

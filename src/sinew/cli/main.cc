@@ -134,6 +134,8 @@ void add_sim(CLI::App& app, Call& call) {
                    "boards on SPI: hard, or soft for boards that always listen");
   verb->add_option("--fault", request.fault,
                    "bad cables and blows, as in drop=0.001,flip=1e-4,cut@3s:500ms,supply=9V@5s");
+  verb->add_option("--state", request.state,
+                   "file that keeps where the joints are; each start is a power-up from there");
   verb->add_option("--seed", request.seed, "of all chance in the simulation");
   verb->add_option("--time-scale", request.time_scale, "the device's time against real time");
   verb->add_option("--log", request.log, "every byte both ways, with its time");
@@ -163,12 +165,18 @@ void add_device(CLI::App& app, Call& call) {
   CLI::App* verb = add_verb(app, call, "device", "what only one kind of device can be asked for",
                             "sinew device hexapod status --port /dev/ttyUSB0");
   DeviceRequest& request = call.device;
-  verb->add_option("ROBOT", request.robot, "id or .toml file; the hexapod has such commands")
+  verb->add_option("ROBOT", request.robot, "id or .toml file: the hexapod's or robot-arm-2's")
       ->required();
   verb->add_option("ACTION", request.action,
-                   "status, wake, kill (until its power is cut), jog (one leg, wherever it is)")
+                   "hexapod: status, wake, kill (until its power is cut), jog (one leg, wherever "
+                   "it is); robot-arm-2: release (a latched emergency stop, nothing moves)")
       ->required();
-  verb->add_option("--port", request.port, "serial device")->required();
+  verb->add_option("--port", request.port, "serial device, spidev or simwire:unix:PATH")
+      ->required();
+  verb->add_option("--wire", request.wire, "which of the robot's wires; as in its file");
+  verb->add_option("--profile", request.profile, "which variant of the device");
+  verb->add_option("--journal", request.journal, "name of its position journal, as of run");
+  verb->add_option("--settings", request.settings, "what commissioning found, as of run");
   verb->add_option("--leg", request.leg, "jog: 1 to 6");
   verb->add_option("--steps", request.steps, "jog: microsteps, positive to lengthen the leg");
   verb->add_option("--time-scale", request.time_scale, "simulated device only: faster or slower");
@@ -294,7 +302,8 @@ void add_run(CLI::App& app, Call& call) {
   verb->add_option("--profile", request.profile,
                    "which variant of the device; an unknown name lists them");
   verb->add_option("--standing-at", request.standing_at,
-                   "where a machine without sensors stands: home, or a value per joint (deg, mm)");
+                   "where a machine without sensors stands: home, lowered (legs), or a value per "
+                   "joint (deg, mm)");
   verb->add_option("--settings", request.settings,
                    "what commissioning found: its file, or none; on a real port that of the state "
                    "folder where left out");
@@ -454,6 +463,16 @@ void add_cell_verbs(CLI::App& app, Call& call) {
   verb->add_option("--moved", request.moved,
                    "why what was known of its place does not count any more: who moved it");
   verb->add_option("--answers", request.answers, kAnswers);
+  verb->add_flag("--take-over", request.take_over, kTakeOver);
+  verb = add_cell_verb(app, call, "stands",
+                       "where a robot of a running cell stands, from somebody who has looked",
+                       "sinew stands big home --zero-counters", cell_stands);
+  verb->add_option("ROBOT", request.robot, kRobot)->required();
+  verb->add_option("PLACE", request.standing_at, "home, or a value a joint")->required();
+  verb->add_option("--moved", request.moved,
+                   "why what was known of its place does not count any more: who moved it");
+  verb->add_flag("--zero-counters", request.zero_counters,
+                 "the device's own counters read zero there, where it has such a command");
   verb->add_flag("--take-over", request.take_over, kTakeOver);
   verb = add_cell_verb(app, call, "nudge", "one joint a little, slowly, from wherever it is",
                        "sinew nudge platform leg1 -0.2mm", cell_nudge);
@@ -701,7 +720,13 @@ int run(std::span<char*> arguments) {
     return print(outcome, json);
   }
   call.json = call.json || wants_json(arguments);
-  return print(call.verb(), call.json);
+  const Outcome outcome = call.verb();
+  const int code = print(outcome, call.json);
+  if (outcome.at_once) {
+    std::fflush(nullptr);
+    std::_Exit(code);
+  }
+  return code;
 }
 
 }  // namespace

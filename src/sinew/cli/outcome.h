@@ -26,6 +26,7 @@ struct Outcome {
   std::string complaint;       ///< a sentence for stderr, in both cases
   bool silent = false;         ///< nothing on stdout: it belongs to a protocol
   bool json_line = false;      ///< not the first document on stdout: one line, as the others
+  bool at_once = false;        ///< the process ends without waiting for what is under way
 };
 
 /// Prints an outcome for one of both kinds of readers and gives the exit code. Whatever bytes a

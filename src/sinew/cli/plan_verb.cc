@@ -129,16 +129,13 @@ std::string no_program(const PlanRequest& request) {
     return "--robot: a program NAME.sinew takes it; " + name + " is none";
   }
   return name +
-         ": a program is a file NAME.sinew, a robot's a file NAME.toml; a sequence of the "
-         "BigRobotArm (G0 ..) is planned by sinew run " +
-         name +
-         " --robot bigrobotarm, before it "
-         "moves";
+         ": a program is a file NAME.sinew (or .txt, .gcode, .pos), a robot's a file NAME.toml";
 }
 
 std::expected<Wanted, Outcome> prepare(const PlanRequest& request) {
   const auto refused = [](const std::string& why) { return std::unexpected(bad_input(why)); };
-  const bool from_file = request.subject.ends_with(".sinew");
+  const bool from_file =
+      request.subject.ends_with(".sinew") || program::form_of_file(request.subject);
   if (from_file && !request.robot) {
     return refused("--robot is missing: for which robot is " + request.subject + "?");
   }
@@ -573,6 +570,9 @@ Outcome plan(const PlanRequest& request) {
   plan.on_wire = orders->duration;
   plan.homing_max = orders->homing_max;
   plan.notes = unheard_notes(*orders, model, "is");
+  for (const program::ProgramNote& one : wanted->program.notes) {
+    plan.notes.push_back(fmt::format("line {}: {}", one.line, one.sentence));
+  }
   tell_branches(*orders, plan);
   tell_share(plan);
   Follower follower(*wanted, *orders, plan);

@@ -260,9 +260,9 @@ Json results_json(const ProcedureView& procedure) {
   return steps;
 }
 
-std::vector<std::string> step_ids(const program::ProcedurePlan& plan) {
+std::vector<std::string> step_ids(const ProcedureView& procedure) {
   std::vector<std::string> ids;
-  for (const program::ProcedureStep& step : plan.steps) ids.push_back(step.id);
+  for (const auto& found : procedure.steps) ids.push_back(found.step);
   return ids;
 }
 

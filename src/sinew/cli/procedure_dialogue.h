@@ -82,6 +82,6 @@ class ProcedureDialogue {
 std::string results_text(const program::ProcedureView& procedure);
 Json results_json(const program::ProcedureView& procedure);
 /// The ids of its steps.
-std::vector<std::string> step_ids(const program::ProcedurePlan& plan);
+std::vector<std::string> step_ids(const program::ProcedureView& procedure);
 
 }  // namespace sinew::cli

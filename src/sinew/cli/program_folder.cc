@@ -2,6 +2,7 @@
 
 #include <sstream>
 
+#include "sinew/cli/plan_report.h"
 #include "sinew/config/points_file.h"
 #include "sinew/io/file.h"
 
@@ -36,15 +37,18 @@ std::expected<std::optional<TaughtPoints>, Outcome> load_points(const std::strin
   if (!io::exists(path)) return std::nullopt;
   const auto text = io::read_file(path);
   if (!text) return std::unexpected(bad_input(text.error().sentence));
-  auto points = read_points(*text, path);
-  if (!points) return std::unexpected(complaints_outcome(points.error()));
-  return std::move(*points);
+  return usable_points(*text, path);
 }
 
 std::expected<program::Program, Outcome> read_program(const std::string& path,
                                                       const RobotModel& model) {
   const auto text = io::read_file(path);
   if (!text) return std::unexpected(bad_input(text.error().sentence));
+  if (const auto form = program::form_of_text(path, *text, model)) {
+    auto program = program::read_form(*form, *text, path, model);
+    if (!program) return std::unexpected(no_form(program.error(), model, path));
+    return std::move(*program);
+  }
   const auto points = load_points(path);
   if (!points) return std::unexpected(points.error());
   program::Surroundings around;
@@ -58,6 +62,12 @@ std::expected<program::Program, Outcome> read_program(const std::string& path,
   auto program = program::parse(*text, path, model, around);
   if (!program) return std::unexpected(complaints_outcome(program.error()));
   return std::move(*program);
+}
+
+Outcome no_form(const program::NoForm& why, const RobotModel& model, const std::string& file) {
+  if (!why.complaints.empty()) return complaints_outcome(why.complaints);
+  if (why.refusal) return plan_refusal(model, file, *why.refusal);
+  return bad_input(file + ": " + why.sentence);
 }
 
 std::expected<ProgramTexts, Outcome> gather_program(const std::string& path) {

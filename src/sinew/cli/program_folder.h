@@ -6,12 +6,13 @@
 #include <string>
 
 #include "sinew/cli/outcome.h"
-#include "sinew/program/program_file.h"
+#include "sinew/program/text_forms.h"
 
 namespace sinew::cli {
 
-/// Reads a program NAME.sinew with what lies in its folder: points.toml, and programs that it
-/// calls. @error  everything that is wrong with the texts, at once
+/// Reads a program NAME.sinew with what lies in its folder (points.toml, programs that it calls),
+/// or a file of another form (sequence, G-code, .pos), by its ending or first word.
+/// @error  everything that is wrong with the texts, at once
 std::expected<program::Program, Outcome> read_program(const std::string& path,
                                                       const RobotModel& model);
 
@@ -23,6 +24,10 @@ struct ProgramTexts {
 };
 /// @error  a file cannot be read
 std::expected<ProgramTexts, Outcome> gather_program(const std::string& path);
+
+/// Why a text of another form is no program, as a person asked for it.
+/// @param file  of row 0
+Outcome no_form(const program::NoForm& why, const RobotModel& model, const std::string& file);
 
 /// "wave.sinew:12", of the file that a refusal or an order means.
 std::string file_of(const program::Program& program, int file, const std::string& otherwise);

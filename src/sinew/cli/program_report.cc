@@ -13,6 +13,7 @@
 #include "sinew/cli/truth_text.h"
 #include "sinew/core/units.h"
 #include "sinew/driver/quality_name.h"
+#include "sinew/planning/tool_space.h"
 #include "sinew/program/conditions.h"
 
 namespace sinew::cli {
@@ -60,7 +61,8 @@ std::string reported_text(const Record& record, const RobotModel& model) {
   return text;
 }
 
-/// "base 12.30, shoulder -4.00..5.00, elbow lost; deg".
+}  // namespace
+
 std::string standing_text(std::span<const JointPosition> positions, const RobotModel& model) {
   std::string text;
   for (std::size_t i = 0; i < positions.size(); ++i) {
@@ -70,6 +72,8 @@ std::string standing_text(std::span<const JointPosition> positions, const RobotM
   }
   return text + "; " + unit_of(model);
 }
+
+namespace {
 
 std::string tool_text(const ToolAction& action) {
   if (const auto* jaws = std::get_if<JawsTo>(&action)) {
@@ -160,7 +164,7 @@ PositionQuality worst_of(std::span<const JointPosition> positions) {
 }
 
 const char* result_name(const ProgramReport& report) {
-  if (report.end.left_at_once) return "left";
+  if (report.left_at_once) return "left";
   switch (report.run.phase()) {
     case program::Run::Phase::kDone:
       return "done";
@@ -170,6 +174,8 @@ const char* result_name(const ProgramReport& report) {
       return "failed";
   }
 }
+
+}  // namespace
 
 Json positions_json(std::span<const JointPosition> positions, const RobotModel& model) {
   Json list = Json::array();
@@ -186,6 +192,18 @@ Json positions_json(std::span<const JointPosition> positions, const RobotModel& 
     list.push_back(one);
   }
   return list;
+}
+
+namespace {
+
+/// Where the tool is; nothing while a joint's position is not known.
+std::optional<kinematics::PoseBT> tool_of(const program::Run& run, const RobotModel& model) {
+  if (worst_of(run.machine().positions()) < PositionQuality::kCommanded) return std::nullopt;
+  JointVector q;
+  for (const JointPosition& position : run.machine().positions()) q.push_back(position.q);
+  const planning::ToolSpace space(model);
+  const auto X_BT = space.forward({q.data(), q.size()}, space.home());
+  return X_BT ? std::optional(*X_BT) : std::nullopt;
 }
 
 Json health_json(const DriverHealth& health) {
@@ -264,6 +282,11 @@ std::string goes_on_text(const ProgramReport& report) {
       std::ceil(left));
 }
 
+void SampleRecorder::end(const program::Run& run, Instant now) {
+  next_ = now;
+  look(run, now);
+}
+
 void SampleRecorder::look(const program::Run& run, Instant now) {
   if (run.phase() == program::Run::Phase::kOpening) return;
   if (samples_.empty()) start_ = now;
@@ -274,13 +297,16 @@ void SampleRecorder::look(const program::Run& run, Instant now) {
   sample.worst = worst_of(run.machine().positions());
   for (const JointPosition& position : run.machine().positions()) {
     const bool known = position.quality != PositionQuality::kLost;
-    sample.q.push_back(known ? position.q : std::numeric_limits<double>::quiet_NaN());
+    constexpr double kNowhere = std::numeric_limits<double>::quiet_NaN();
+    sample.q.push_back(known ? position.q : kNowhere);
+    sample.within.push_back(known ? JointInterval{position.lower, position.upper}
+                                  : JointInterval{kNowhere, kNowhere});
   }
   samples_.push_back(sample);
 }
 
 Json program_json(const ProgramReport& report) {
-  const auto& [model, run, driver, end, truth, now] = report;
+  const auto& [model, run, health, bytes, left_at_once, truth, now] = report;
   Json json{{"result", result_name(report)},
             {"predicted_s", run.plan().duration},
             {"predicted_min_s", run.plan().duration_min},
@@ -288,9 +314,9 @@ Json program_json(const ProgramReport& report) {
             {"ran_s", ran_for(report)},
             {"notes", unheard_notes(run.plan(), model, "was")},
             {"orders_planned", run.plan().orders.size()},
-            {"bytes_to_device", end.bytes.to_device},
-            {"bytes_to_host", end.bytes.to_host},
-            {"health", health_json(report.driver.health())},
+            {"bytes_to_device", bytes.to_device},
+            {"bytes_to_host", bytes.to_host},
+            {"health", health_json(health)},
             {"orders", Json::array()}};
   for (const Record& record : run.records()) {
     Json order{
@@ -314,6 +340,7 @@ Json program_json(const ProgramReport& report) {
     json["orders"].push_back(order);
   }
   json["positions"] = positions_json(run.machine().positions(), model);
+  if (const auto X_BT = tool_of(run, model)) json["pose"] = pose_json(X_BT->p, X_BT->R);
   json["goes_on_s"] = goes_on_for(report);
   json["notices"] = notices_json(run, model);
   json["notices_told"] = run.notices_told();
@@ -329,7 +356,7 @@ Json program_json(const ProgramReport& report) {
 }
 
 std::string program_text(const ProgramReport& report) {
-  const auto& [model, run, driver, end, truth, now] = report;
+  const auto& [model, run, health, bytes, left_at_once, truth, now] = report;
   const auto records = run.records();
   std::string text;
   if (!records.empty()) {
@@ -354,13 +381,15 @@ std::string program_text(const ProgramReport& report) {
   }
   text += fmt::format("  {}: {} of {} orders, {:.2f} s, {} bytes out, {} in\n", result_name(report),
                       records.size(), run.plan().orders.size(), ran_for(report),
-                      end.bytes.to_device, end.bytes.to_host);
+                      bytes.to_device, bytes.to_host);
   if (run.phase() != program::Run::Phase::kDone) {
     text +=
         "  as far as is known it is at: " + standing_text(run.machine().positions(), model) + "\n";
   }
+  if (const auto X_BT = tool_of(run, model)) {
+    text += "  the tool is at\n" + pose_text(X_BT->p, X_BT->R) + "\n";
+  }
   text += notices_text(run, model);
-  const DriverHealth health = report.driver.health();
   if (health.retries + health.timeouts + health.unexpected > 0) {
     text +=
         fmt::format("  on the wire: {} retries, {} answers that never came, {} that fit nothing\n",
@@ -380,14 +409,24 @@ std::string program_csv(const RobotModel& model, const std::vector<JointSample>&
   std::string csv = "t_s";
   for (const Joint& joint : model.joints)
     csv += "," + joint.name + (is_leg(joint) ? "_mm" : "_deg");
-  csv += ",quality\n";
+  csv += ",quality";
+  for (const Joint& joint : model.joints) {
+    const char* unit = is_leg(joint) ? "mm" : "deg";
+    csv += fmt::format(",{0}_lower_{1},{0}_upper_{1}", joint.name, unit);
+  }
+  csv += "\n";
+  const auto value = [](double q, const Joint& joint) {
+    return std::isfinite(q) ? fmt::format(",{:.6f}", shown(q, joint)) : std::string(",");
+  };
   for (const JointSample& sample : samples) {
     csv += fmt::format("{:.6f}", sample.t);
-    for (std::size_t i = 0; i < sample.q.size(); ++i) {
-      const bool known = std::isfinite(sample.q[i]);
-      csv += known ? fmt::format(",{:.6f}", shown(sample.q[i], model.joints[i])) : ",";
+    for (std::size_t i = 0; i < sample.q.size(); ++i) csv += value(sample.q[i], model.joints[i]);
+    csv += fmt::format(",{}", quality_name(sample.worst));
+    for (std::size_t i = 0; i < sample.within.size(); ++i) {
+      csv += value(sample.within[i].lower, model.joints[i]);
+      csv += value(sample.within[i].upper, model.joints[i]);
     }
-    csv += fmt::format(",{}\n", quality_name(sample.worst));
+    csv += "\n";
   }
   return csv;
 }
@@ -414,7 +453,11 @@ std::string program_svg(const RobotModel& model, const std::vector<JointSample>&
       velocity.curves[i].values.push_back(dt > 0 ? (q - last) / dt : 0);
     }
   }
-  return plot_svg(title, t, {position, velocity});
+  const bool guessed = std::ranges::any_of(samples, [](const JointSample& sample) {
+    return sample.worst == PositionQuality::kUncertain;
+  });
+  constexpr const char* kGuessed = "; uncertain in part: best guesses, intervals in the CSV";
+  return plot_svg(title + (guessed ? kGuessed : ""), t, {position, velocity});
 }
 
 }  // namespace sinew::cli

@@ -5,7 +5,7 @@
 
 #include "sinew/cli/outcome.h"
 #include "sinew/program/program_run.h"
-#include "sinew/runtime/program_session.h"
+#include "sinew/runtime/driver_line.h"
 #include "sinew/sim/machine.h"
 
 namespace sinew::cli {
@@ -14,6 +14,7 @@ namespace sinew::cli {
 struct JointSample {
   double t = 0;                                    ///< s since the first order
   JointVector q;                                   ///< not a number where a joint is lost
+  FixedVector<JointInterval, kMaxJoints> within;   ///< the same
   PositionQuality worst = PositionQuality::kLost;  ///< of all joints
 };
 
@@ -21,6 +22,8 @@ struct JointSample {
 class SampleRecorder {
  public:
   void look(const program::Run& run, Instant now);
+  /// The last sample, however soon behind the one before.
+  void end(const program::Run& run, Instant now);
   const std::vector<JointSample>& samples() const { return samples_; }
 
  private:
@@ -33,8 +36,9 @@ class SampleRecorder {
 struct ProgramReport {
   const RobotModel& model;
   const program::Run& run;
-  const Driver& driver;
-  const runtime::ProgramEnd& end;
+  DriverHealth health;
+  runtime::ByteCount bytes;
+  bool left_at_once = false;
   std::optional<sim::Truth> truth;  ///< of the machine that was simulated for it
   Instant now{};                    ///< when the run was over
 };
@@ -44,6 +48,11 @@ std::string program_text(const ProgramReport& report);
 std::string program_csv(const RobotModel& model, const std::vector<JointSample>& samples);
 std::string program_svg(const RobotModel& model, const std::vector<JointSample>& samples,
                         const std::string& title);
+
+/// "base 12.30, shoulder -4.00..5.00, elbow lost; deg".
+std::string standing_text(std::span<const JointPosition> positions, const RobotModel& model);
+/// One entry a joint: quality, and where it is known q and its bounds.
+Json positions_json(std::span<const JointPosition> positions, const RobotModel& model);
 
 /// "3.20 s, line 4: shoulder is at ...", s since the run began.
 std::string notice_text(const program::Notice& notice, const program::Run& run,

@@ -23,15 +23,13 @@ std::string bar(double share) {
 }
 
 /// @param line  of the order; of a called program with its name
-template <class Order>
-std::string order_text(std::size_t done, std::size_t planned, const Order& order,
+std::string order_text(std::size_t done, std::size_t planned, const program::Order& order,
                        const std::string& line) {
   return fmt::format("order {} of {}, line {}, round {}/{}", done + 1, planned, line, order.round,
                      order.rounds);
 }
 
-template <class Record>
-void tell_done(std::size_t place, std::size_t planned, const Record& record,
+void tell_done(std::size_t place, std::size_t planned, const program::Record& record,
                const std::string& line) {
   std::fputs(
       fmt::format("  {:>3}/{} line {} round {}/{} done after {:.2f} s\n", place + 1, planned, line,
@@ -62,31 +60,12 @@ ProgressLine::ProgressLine(bool quiet, std::string waits_for)
     : quiet_(quiet), waits_for_(std::move(waits_for)), live_(io::stderr_is_terminal()) {}
 
 ProgressLine::~ProgressLine() {
-  if (dirty_) std::fputs("\r\033[K", stderr);
+  end();
 }
 
-void ProgressLine::show(const runtime::SessionView& view) {
-  using Phase = sequence::Run::Phase;
-  const auto& [run, now] = view;
-  const auto& plan = run.plan();
-  if (quiet_) return;
-  for (; !live_ && told_ < run.records().size(); ++told_) {
-    const auto& record = run.records()[told_];
-    tell_done(told_, plan.orders.size(), record, fmt::format("{}", record.order->line));
-  }
-  if (!due(now)) return;
-  const double done = run.progress(now);
-  View shown{.opening = run.phase() == Phase::kOpening,
-             .stopping = run.phase() == Phase::kStopping,
-             .share = plan.duration > 0 ? done / plan.duration : 1,
-             .amount = fmt::format("{:5.1f} of {:.1f} s", done, plan.duration),
-             .under_way = {},
-             .orders_done = run.records().size()};
-  if (const auto record = run.under_way()) {
-    shown.under_way = order_text(run.records().size(), plan.orders.size(), *record->order,
-                                 fmt::format("{}", record->order->line));
-  }
-  show_live(shown, now);
+void ProgressLine::end() {
+  if (dirty_) std::fputs("\r\033[K", stderr);
+  dirty_ = false;
 }
 
 void ProgressLine::show(const program::Run& run, const RobotModel& model, Instant now) {

@@ -4,7 +4,6 @@
 #include <string>
 
 #include "sinew/program/program_run.h"
-#include "sinew/runtime/sequence_session.h"
 
 namespace sinew::cli {
 
@@ -18,11 +17,11 @@ class ProgressLine {
   ProgressLine(const ProgressLine&) = delete;
   ProgressLine& operator=(const ProgressLine&) = delete;
 
-  void show(const runtime::SessionView& view);
   void show(const program::Run& run, const RobotModel& model, Instant now);
+  /// The terminal's line is free again.
+  void end();
 
  private:
-  /// What both kinds of runs have to tell.
   struct View {
     bool opening = false;
     bool stopping = false;

@@ -45,8 +45,7 @@ std::expected<void, Outcome> check_outputs(const RunRequest& request) {
   return check("--plot", request.plot);
 }
 
-void write_outputs(const RunRequest& request, const RunTexts& texts, const runtime::ByteLog& log,
-                   Outcome& outcome) {
+void write_outputs(const RunRequest& request, const RunTexts& texts, Outcome& outcome) {
   const auto write = [&](const char* option, const std::optional<std::string>& path,
                          const std::function<std::string()>& text) {
     if (!path) return;
@@ -58,9 +57,6 @@ void write_outputs(const RunRequest& request, const RunTexts& texts, const runti
   };
   if (!records_mcap(request)) write("--record", request.record, texts.record);
   write("--plot", request.plot, texts.plot);
-  if (const auto failure = log.failure()) {
-    add_failure(outcome, "--log: " + failure->sentence + "; the log is not whole");
-  }
 }
 
 }  // namespace sinew::cli

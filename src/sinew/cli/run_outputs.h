@@ -6,7 +6,6 @@
 
 #include "sinew/cli/outcome.h"
 #include "sinew/cli/run_verb.h"
-#include "sinew/runtime/byte_log.h"
 
 namespace sinew::cli {
 
@@ -22,9 +21,8 @@ struct RunTexts {
   std::function<std::string()> plot;
 };
 
-/// Writes the files that were asked for. What goes wrong, the log included, is added to the
+/// Writes the files that were asked for. What goes wrong is added to the
 /// outcome and hides nothing of what the arm did.
-void write_outputs(const RunRequest& request, const RunTexts& texts, const runtime::ByteLog& log,
-                   Outcome& outcome);
+void write_outputs(const RunRequest& request, const RunTexts& texts, Outcome& outcome);
 
 }  // namespace sinew::cli

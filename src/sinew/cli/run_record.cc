@@ -5,8 +5,10 @@
 #include <cstdio>
 #include <filesystem>
 
+#include "sinew/cli/local_cell.h"
 #include "sinew/cli/run_outputs.h"
 #include "sinew/io/clock.h"
+#include "sinew/io/file.h"
 #include "sinew/runtime/position_record.h"
 
 namespace sinew::cli {
@@ -18,9 +20,13 @@ void add_trouble(Outcome& outcome, const std::string& sentence) {
 }
 
 void tell_run(const RunRequest& request, const runtime::RecordTold& told, Outcome& outcome) {
+  const bool asked = records_mcap(request);
+  if (!told.trouble.empty() && !asked && !io::exists(told.path)) {
+    outcome.text += "  note: no record of this run: " + told.trouble + "\n";
+    return;
+  }
   outcome.json["record"] = {{"file", told.path}, {"lost", told.lost}};
   if (!told.trouble.empty()) {
-    const bool asked = records_mcap(request);
     const std::string what =
         fmt::format("{}: {}; the record is not whole",
                     asked ? "--record: " + *request.record : told.path, told.trouble);
@@ -46,43 +52,37 @@ void tell_fault(const runtime::RecordTold& told, Outcome& outcome) {
 
 }  // namespace
 
-std::expected<std::unique_ptr<runtime::RunRecorder>, Outcome> begin_record(
-    const RunRequest& request, const RobotModel& model, bool real, const io::Clock& clock) {
+std::expected<RecordPlan, Outcome> plan_records(const RunRequest& request,
+                                                const RobotModel& model) {
+  RecordPlan plan;
+  const bool keeps = request.journal || is_real(request.port);
   const bool asked = records_mcap(request);
-  if (!asked && !request.recorded && !real) return nullptr;
-  const auto folder = asked && !real ? std::string() : runtime::records_folder();
-  if (!folder && real) return std::unexpected(could_not(folder.error().sentence));
-  // What nobody asked for keeps nobody from running.
-  const auto unrecorded = [&](const std::string& why) {
-    if (!request.quiet)
-      std::fputs(("  note: no record of this run: " + why + "\n").c_str(), stderr);
-  };
-  if (!folder) {
-    unrecorded(folder.error().sentence);
-    return nullptr;
-  }
-  const std::int64_t wall = io::wall_time_ns();
-  auto recorder = std::make_unique<runtime::RunRecorder>(
-      model,
-      runtime::RecorderOptions{model.id, "sinew " SINEW_VERSION, real ? *folder : std::string()},
-      clock.now(), wall);
+  const auto folder =
+      keeps || request.recorded ? runtime::records_folder() : io::IoResult<std::string>("");
+  if (!folder && keeps) return std::unexpected(could_not(folder.error().sentence));
+  if (keeps) plan.folders.flight = *folder;
+  plan.folders.records_jobs = asked || (request.recorded && folder);
   if (asked) {
     const std::filesystem::path path(*request.record);
     const std::string parent = path.has_parent_path() ? path.parent_path().string() : ".";
-    const auto begun = recorder->begin({parent, path.filename().string(), request.file});
-    if (!begun) return std::unexpected(could_not("--record: " + begun.error().sentence));
-  } else if (request.recorded) {
-    const auto begun = recorder->begin(runtime::run_place(*folder, model.id, request.file, wall));
-    if (!begun) unrecorded(begun.error().sentence);
+    plan.place = {parent, path.filename().string(), request.file};
+  } else if (plan.folders.records_jobs) {
+    plan.place = runtime::run_place(*folder, model.id, request.file, io::wall_time_ns());
+  } else if (request.recorded && !request.quiet) {
+    // A record that was not asked for keeps no program from running.
+    std::fputs(("  note: no record of this run: " + folder.error().sentence + "\n").c_str(),
+               stderr);
   }
-  return recorder;
+  return plan;
 }
 
-void end_record(const RunRequest& request, runtime::RunRecorder& recorder, Outcome& outcome) {
-  recorder.end_flight();
-  recorder.end();
-  while (const auto told = recorder.take_told()) {
+void end_records(const RunRequest& request, runtime::Station& station, Outcome& outcome) {
+  station.end_flight();
+  while (const auto told = station.take_record()) {
     told->fault ? tell_fault(*told, outcome) : tell_run(request, *told, outcome);
+  }
+  if (const auto failure = station.log_failure()) {
+    add_trouble(outcome, "--log: " + failure->sentence + "; the log is not whole");
   }
 }
 

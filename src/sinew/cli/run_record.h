@@ -1,21 +1,26 @@
 #pragma once
 
 #include <expected>
-#include <memory>
+#include <optional>
 
 #include "sinew/cli/outcome.h"
 #include "sinew/cli/run_verb.h"
-#include "sinew/io/clock.h"
-#include "sinew/runtime/run_recorder.h"
+#include "sinew/runtime/running_cell.h"
 
 namespace sinew::cli {
 
-/// The record of a run: into the file that was asked for, or else into the state folder; and of a
-/// real machine's fault the seconds before it. Null where there is neither.
-std::expected<std::unique_ptr<runtime::RunRecorder>, Outcome> begin_record(
-    const RunRequest& request, const RobotModel& model, bool real, const io::Clock& clock);
+/// Where a run leaves its record, and the seconds before a fault.
+struct RecordPlan {
+  runtime::CellFolders folders;
+  std::optional<runtime::RecordPlace> place;  ///< of the run's own record; nothing: none
+};
 
-/// Behind the last sample: ends the files, and tells of them.
-void end_record(const RunRequest& request, runtime::RunRecorder& recorder, Outcome& outcome);
+/// The record of a run: into the file that was asked for, or else into the state folder; and of a
+/// real machine's fault the seconds before it.
+/// @error  there is no state folder for a real machine's
+std::expected<RecordPlan, Outcome> plan_records(const RunRequest& request, const RobotModel& model);
+
+/// Once the run is over: ends the files, and tells of them.
+void end_records(const RunRequest& request, runtime::Station& station, Outcome& outcome);
 
 }  // namespace sinew::cli

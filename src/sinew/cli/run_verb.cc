@@ -2,269 +2,350 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
+#include <atomic>
 #include <cstdio>
+#include <memory>
 #include <utility>
 #include <vector>
 
-#include "sinew/cli/cell_connection.h"
 #include "sinew/cli/commission_verb.h"
 #include "sinew/cli/device_argument.h"
 #include "sinew/cli/kinematics_text.h"
-#include "sinew/cli/program_verb.h"
+#include "sinew/cli/local_cell.h"
+#include "sinew/cli/plan_report.h"
+#include "sinew/cli/program_folder.h"
+#include "sinew/cli/program_report.h"
 #include "sinew/cli/progress_line.h"
+#include "sinew/cli/quantity.h"
 #include "sinew/cli/robot_argument.h"
-#include "sinew/cli/run_journal.h"
 #include "sinew/cli/run_outputs.h"
-#include "sinew/cli/run_report.h"
-#include "sinew/io/file.h"
+#include "sinew/cli/run_record.h"
+#include "sinew/cli/table.h"
 #include "sinew/io/interrupt.h"
-#include "sinew/program/sequence_file.h"
-#include "sinew/runtime/machine_thread.h"
-#include "sinew/runtime/robot_link.h"
-#include "sinew/runtime/robot_machine.h"
+#include "sinew/model/joint_lookup.h"
+#include "sinew/program/program_part.h"
+#include "sinew/runtime/homing_time.h"
 #include "sinew/runtime/robot_variant.h"
-#include "sinew/runtime/sequence_session.h"
 
 namespace sinew::cli {
 namespace {
 
-Outcome plan_refusal(const std::string& file, const sequence::PlanRefusal& refusal,
-                     const RobotModel& model) {
-  Outcome outcome = could_not(fmt::format("{}:{}: {}; nothing was moved", file, refusal.line,
-                                          error_text(refusal.error, model)));
-  outcome.json["refusal"] = error_json(refusal.error, model);
-  outcome.json["refusal"]["line"] = refusal.line;
-  return outcome;
-}
-
-/// Patience in a run of scaled time: real delays of this machine do not shrink.
-Duration stretched(Duration duration, double scale) {
-  return from_seconds(to_seconds(duration) * std::max(1.0, scale));
-}
-
-BigRobotArmTiming timing_for(double scale) {
-  BigRobotArmTiming timing;
-  timing.reply_timeout = stretched(timing.reply_timeout, scale);
-  timing.move_margin = stretched(timing.move_margin, scale);
-  timing.quiet_limit = stretched(timing.quiet_limit, scale);
-  return timing;
-}
-
-struct Job {
-  const RunRequest& request;
-  const RobotModel& model;
-  const BigRobotArmDevice& device;
-  const sequence::Program& program;
-};
-
-/// Why a run did not come to its end, as a sentence; empty where it did.
-std::string why_not_done(const Job& job, const sequence::Run& run, const runtime::SessionEnd& end,
-                         const std::string& port) {
-  if (end.left_at_once) return "left at once; the device finishes the motion under way, unseen";
-  if (end.port_failure) {
-    return end.port_failure->sentence +
-           "; a motion that was under way is finished by the device, unseen";
-  }
-  if (run.phase() == sequence::Run::Phase::kStopped) {
-    return "stopped: no further motion was asked for (the motion under way was finished; "
-           "the device has no stop)";
-  }
-  if (!run.failure()) return {};
-  const std::string reason = error_text(run.failure()->error, job.model);
-  if (run.failure()->line > 0) {
-    return fmt::format("{}:{}: {}", job.request.file, run.failure()->line, reason);
-  }
-  return fmt::format(
-      "{}: {}; is it switched on, is this its port, and does it speak the {} wire (--wire)?", port,
-      reason, job.device.wire == BigRobotArmWire::kByte ? "byte" : "text");
-}
-
-Outcome drive(const Job& job, io::Port& port, const io::Clock& clock, runtime::ByteLog& log) {
-  BigRobotArmDriver driver(job.device, timing_for(clock.scale()));
-  sequence::Run run(job.program, job.model, driver,
-                    stretched(sequence::Run::kOpeningLimit, clock.scale()));
-  runtime::SessionEnd end;
-  {
-    ProgressLine progress(job.request.quiet);
-    const runtime::SessionHooks hooks{
-        .progress = [&](const runtime::SessionView& view) { progress.show(view); },
-        .interrupts = [] { return io::interrupts(); }};
-    end = runtime::run_sequence(run, driver, port, clock, log, hooks);
-  }
-  Outcome outcome;
-  outcome.json = {{"robot", job.model.id}, {"port", port.path()}};
-  outcome.json.update(run_json(job.model, run, end));
-  outcome.text = run_text(job.model, run, end);
-  outcome.complaint = why_not_done(job, run, end, port.path());
-  if (run.phase() != sequence::Run::Phase::kDone) {
-    outcome.exit = ExitCode::kCouldNot;
-    outcome.json["error"] = {{"sentence", outcome.complaint}};
-  }
-  if (run.looked_like_boot() && job.request.port) {
-    outcome.text +=
-        "  note: the device answered as just powered up; it counts from where the arm "
-        "stood then\n";
-  }
-  write_outputs(
-      job.request,
-      {[&] { return run_csv(job.model, run); },
-       [&] { return run_svg(job.model, run, job.model.title + ": " + job.request.file); }},
-      log, outcome);
-  return outcome;
-}
-
-/// A sequence counts from where the arm was switched on, and may set its zero anywhere.
-void tell_given_up(Outcome& outcome) {
-  outcome.text +=
-      "  note: a sequence leaves the position journal behind: the next program has to be told "
-      "where the arm stands (--standing-at)\n";
-  outcome.json["position_journal"] = "given up";
-}
-
-/// The settings file that a program would run with on this port, and a sequence does not; empty
-/// where there is none.
-std::string settings_left_out(const RunRequest& request, const RobotModel& robot) {
-  const bool real = request.port && !runtime::may_be_simulated(*request.port);
-  if (!real || request.settings) return {};
-  const std::string path = usual_settings(robot);
-  RobotModel changed = robot;
-  if (path.empty()) return {};
-  const auto used = use_settings_file(changed, path);
-  return used ? used->file : std::string();
-}
-
 struct Prepared {
   RobotModel model;
-  BigRobotArmDevice device;
-  sequence::Program program;
-  sequence::Plan plan;
+  program::Program program;
+  std::optional<JointVector> standing_at;
+  double homing_max = 0;  ///< s, of all its `home` rows
+  double speed = 1;       ///< of all rows
+  UsedSettings settings;  ///< what commissioning found
+  bool streams() const { return model.device.capability.motion == MotionKind::kStream; }
 };
+
+std::expected<std::optional<JointVector>, Outcome> standing_at(const RunRequest& request,
+                                                               const RobotModel& model) {
+  JointVector q = home_joints(model);
+  if (!request.standing_at) {
+    const bool known = !request.port && runtime::begins_at_home(model);
+    return known ? std::optional(q) : std::nullopt;
+  }
+  if (*request.standing_at == "home") return q;
+  const bool legs = model.joints[0].kind == JointKind::kPrismatic;
+  if (legs && *request.standing_at == "lowered") {
+    for (std::size_t j = 0; j < q.size(); ++j) q[j] = model.joints[j].lower;
+    return q;
+  }
+  const auto values =
+      parse_quantities("--standing-at", *request.standing_at,
+                       std::vector(model.joints.size(), legs ? Measure::kLength : Measure::kAngle),
+                       joint_names(model));
+  if (!values) return std::unexpected(bad_input(values.error()));
+  q.clear();
+  for (std::size_t i = 0; i < values->size(); ++i) {
+    if (!within_limits(model.joints[i], (*values)[i])) {
+      const double limit =
+          (*values)[i] < model.joints[i].lower ? model.joints[i].lower : model.joints[i].upper;
+      const Error error{legs ? ErrorCode::kLegLength : ErrorCode::kJointLimit,
+                        static_cast<std::int8_t>(i), (*values)[i], limit};
+      return std::unexpected(bad_input("--standing-at: " + error_text(error, model)));
+    }
+    q.push_back((*values)[i]);
+  }
+  return q;
+}
+
+/// --from-line and --speed.
+std::expected<void, Outcome> take_part(const RunRequest& request, Prepared& prepared) {
+  if (request.from_line) {
+    auto part = program::from_line(prepared.program, *request.from_line);
+    if (!part) return std::unexpected(bad_input("--from-line: " + part.error()));
+    prepared.program = std::move(*part);
+  }
+  if (!request.speed) return {};
+  const auto share = speed_share(*request.speed);
+  if (!share) return std::unexpected(bad_input(share.error()));
+  if (!prepared.model.device.capability.takes_speed) {
+    return std::unexpected(bad_input("--speed: this device has one speed of its own"));
+  }
+  prepared.speed = *share;
+  if (!prepared.streams()) prepared.program = program::slowed(prepared.program, *share);
+  return {};
+}
+
+/// How a run is another one than its file says.
+void tell_part(const RunRequest& request, const Prepared& prepared, Outcome& outcome) {
+  const auto& [settings, note] = prepared.settings;
+  if (!settings.empty()) {
+    outcome.json["settings"] = settings;
+    outcome.text += "  note: with what commissioning found, " + settings + "\n";
+  }
+  if (!note.empty()) {
+    outcome.json["settings_note"] = note;
+    outcome.text += "  note: " + note + "\n";
+  }
+  for (const program::ProgramNote& one : prepared.program.notes) {
+    const std::string sentence = fmt::format("line {}: {}", one.line, one.sentence);
+    outcome.json["notes"].push_back(sentence);
+    outcome.text += "  note: " + sentence + "\n";
+  }
+  if (request.from_line) {
+    outcome.json["from_line"] = *request.from_line;
+    outcome.text += fmt::format("  note: from line {} on, planned from where the arm stood\n",
+                                *request.from_line);
+  }
+  if (!request.speed) return;
+  const bool feed = prepared.streams();
+  outcome.json["speed"] = {{"share", prepared.speed}, {"through", feed ? "feed" : "plan"}};
+  outcome.text +=
+      fmt::format("  note: at {} % of the speed of all rows, {}\n", number(100 * prepared.speed, 1),
+                  feed ? "through the feed: every motion keeps its way and takes longer"
+                       : "planned so: this device takes whole moves");
+}
 
 /// Everything that can be wrong before a byte leaves.
 std::expected<Prepared, Outcome> prepare(const RunRequest& request) {
   const auto file = find_robot(request.robot);
   if (!file) return std::unexpected(file.error());
-  Prepared prepared{.model = file->model, .device = {}, .program = {}, .plan = {}};
   if (const auto fine = check_has_device(file->model); !fine) return std::unexpected(fine.error());
   auto variant = runtime::variant_of(file->model, request.profile, request.wire);
   if (!variant) return std::unexpected(bad_input(variant.error()));
-  prepared.model = std::move(*variant);
-  const auto* device = std::get_if<BigRobotArmDevice>(&prepared.model.device.settings);
-  if (device == nullptr) {
-    return std::unexpected(bad_input(request.file +
-                                     ": this robot runs programs of the form "
-                                     "NAME.sinew; G0 .. sequences are the BigRobotArm's"));
-  }
-  prepared.device = *device;
-  if (device->probe_wire) {
-    return std::unexpected(
-        bad_input("--wire: a sequence needs byte, text or text2026; programs "
-                  "NAME.sinew can find out by themselves (probe)"));
-  }
-  if (request.standing_at) {
-    return std::unexpected(
-        bad_input("--standing-at: a sequence counts from where the arm stood "
-                  "when it was switched on; a program NAME.sinew takes it"));
-  }
-  if (request.settings && *request.settings != "none") {
-    return std::unexpected(
-        bad_input("--settings: a sequence speaks the device's own steps, and what commissioning "
-                  "found does not change them; programs NAME.sinew take it"));
-  }
-  if (request.from_line || request.speed) {
-    return std::unexpected(
-        bad_input("--from-line, --speed: programs NAME.sinew take them; a sequence counts from "
-                  "where the arm stood when it was switched on, and sets its own speeds"));
-  }
-  if (records_mcap(request)) {
-    return std::unexpected(
-        bad_input("--record: a sequence is recorded as NAME.csv; programs NAME.sinew as "
-                  "NAME.mcap too"));
-  }
+  const auto settings = use_commissioning(*variant, request.settings, is_real(request.port));
+  if (!settings) return std::unexpected(settings.error());
+  Prepared prepared{std::move(*variant), {}, {}, 0, 1, *settings};
+  const RobotModel& model = prepared.model;
   if (const auto fine = check_seed(request.seed); !fine) return std::unexpected(fine.error());
   if (const auto fine = check_time_scale(request.time_scale); !fine) {
     return std::unexpected(fine.error());
   }
-  if (request.port && request.time_scale != 1) {
-    return std::unexpected(
-        bad_input("--time-scale: a real port keeps real time; sinew sim has a scale of its own"));
+  if (request.time_scale != 1 && is_real(request.port)) {
+    return std::unexpected(bad_input("--time-scale: a real port keeps real time"));
   }
   if (const auto fine = check_outputs(request); !fine) return std::unexpected(fine.error());
-  const auto text = io::read_file(request.file);
-  if (!text) return std::unexpected(bad_input(text.error().sentence));
-  auto program = sequence::parse(*text, request.file, *device);
-  if (!program) return std::unexpected(complaints_outcome(program.error()));
-  prepared.program = std::move(*program);
-  // Checked whole before the first byte leaves; once more when the device has told where it is.
-  auto plan = sequence::make_plan(prepared.program, prepared.model, sequence::boot_state(*device));
-  if (!plan) return std::unexpected(plan_refusal(request.file, plan.error(), prepared.model));
-  prepared.plan = std::move(*plan);
-  if (prepared.plan.orders.empty()) {
-    return std::unexpected(bad_input(request.file + ": has nothing to do for the arm; a first line "
-                                                    "could be: G0 B100"));
+  if (const auto fine = check_journal_name(request.journal); !fine) {
+    return std::unexpected(fine.error());
   }
+  auto parsed = read_program(request.file, model);
+  if (!parsed) return std::unexpected(parsed.error());
+  prepared.program = std::move(*parsed);
+  if (prepared.program.steps.empty()) {
+    return std::unexpected(bad_input(request.file + ": has no step; a first line could be: joint " +
+                                     model.joints[0].name + "=10deg"));
+  }
+  if (const auto fine = take_part(request, prepared); !fine) return std::unexpected(fine.error());
+  const auto standing = standing_at(request, model);
+  if (!standing) return std::unexpected(standing.error());
+  prepared.standing_at = *standing;
+  // Checked whole before the first byte leaves; once more when the machine has told where it is.
+  const auto plan =
+      program::make_plan(prepared.program, model, prepared.standing_at.value_or(home_joints(model)),
+                         runtime::homing_of(model));
+  // A run that goes on in the middle begins where only the machine knows.
+  const bool begins_elsewhere = request.from_line && !prepared.standing_at;
+  if (!plan && !begins_elsewhere) {
+    return std::unexpected(plan_refusal(
+        model, file_of(prepared.program, plan.error().file, request.file), plan.error()));
+  }
+  if (plan) prepared.homing_max = plan->homing_max;
   return prepared;
+}
+
+/// Why a run did not come to its end, as a sentence; empty where it did.
+/// @param trouble    of the port, where it was lost
+/// @param suspicion  of boards that are none, or others than was said
+std::string why_not_done(const RunRequest& request, const ProgramReport& report,
+                         const runtime::Station& station, const std::string& trouble) {
+  const auto& [model, run, health, bytes, left_at_once, truth, now] = report;
+  if (left_at_once) return "left at once; what was under way goes on, unseen";
+  const std::string goes_on = goes_on_text(report);
+  if (!trouble.empty()) return trouble + goes_on;
+  if (run.phase() == program::Run::Phase::kStopped) return "stopped" + goes_on;
+  if (!run.failure()) return {};
+  std::string reason = error_text(run.failure()->error, model);
+  const std::string suspicion = station.suspicion();
+  if (!suspicion.empty()) reason += "; " + suspicion;
+  if (run.failure()->line > 0) {
+    const std::string file = file_of(run.program(), run.failure()->file, request.file);
+    return fmt::format("{}:{}: {}{}", file, run.failure()->line, reason, goes_on);
+  }
+  return fmt::format("{}: {}{}", station.port_name(), reason,
+                     silence_hint(model, run.failure()->error, health));
+}
+
+/// What the journal knew when the run began, and what that means where it was not enough.
+void tell_record(const JournalRecovery& recovery, const program::Run& run, Outcome& outcome) {
+  const std::string found(sentence(recovery.finding));
+  outcome.json["position_journal"] = {{"found", found},
+                                      {"way_out", std::string(sentence(recovery.way_out))},
+                                      {"damaged_slots", recovery.damaged_slots}};
+  const auto& failure = run.failure();
+  if (failure && failure->error.code == ErrorCode::kPositionUnknown) {
+    outcome.complaint += fmt::format("; {}: {}", found, sentence(recovery.way_out));
+    if (recovery.way_out != WayOut::kHome) outcome.complaint += " (--standing-at)";
+  }
+}
+
+/// What is waited for while nothing has answered yet.
+std::string opening_text(const runtime::Opening& opening) {
+  return fmt::format("the device{} (at most {:.0f} s)", opening.waits_for,
+                     to_seconds(opening.limit));
+}
+
+/// A run as the thread of its job sees it: its progress, its samples, and at its end the outcome.
+class RunWatch {
+ public:
+  RunWatch(const RunRequest& request, const Prepared& prepared, LocalCell& cell)
+      : request_(request),
+        prepared_(prepared),
+        cell_(cell),
+        progress_(request.quiet, opening_text(runtime::opening_of(prepared.model))) {}
+
+  runtime::JobOrder order() {
+    runtime::JobOrder order;
+    order.title = request_.file;
+    order.program = prepared_.program;
+    if (request_.standing_at) order.standing_at = prepared_.standing_at;
+    // Nobody slows it down under way: the quickest profiles will do.
+    order.changeable = prepared_.streams() && prepared_.speed != 1;
+    if (order.changeable) order.feed = prepared_.speed;
+    order.look = [this](const program::Run& run, Instant now) { look(run, now); };
+    order.ended = [this](const program::Run& run, Instant now) { report(run, now, false); };
+    return order;
+  }
+
+  /// The outcome as it is in a moment, for a process that ends at once.
+  void leave() { leaves_ = true; }
+  bool reported() const { return reported_; }
+  /// Once it is reported.
+  Outcome take() { return std::move(outcome_); }
+
+ private:
+  void look(const program::Run& run, Instant now) {
+    samples_.look(run, now);
+    if (trouble_.empty()) trouble_ = cell_.station().trouble();
+    if (leaves_) return report(run, now, true);
+    progress_.show(run, prepared_.model, now);
+  }
+
+  void report(const program::Run& run, Instant now, bool left) {
+    if (reported_) return;
+    progress_.end();
+    samples_.end(run, now);
+    const runtime::Station& station = cell_.station();
+    const RobotModel& model = prepared_.model;
+    const runtime::StationView view = station.view();
+    const ProgramReport report{model, run, view.health, view.bytes, left, view.truth, now};
+    Outcome& outcome = outcome_;
+    outcome.json = {{"robot", model.id}, {"port", station.port_name()}};
+    outcome.json.update(program_json(report));
+    outcome.text = program_text(report);
+    tell_part(request_, prepared_, outcome);
+    outcome.complaint = why_not_done(request_, report, station, trouble_);
+    if (station.recovery() != nullptr) tell_record(*station.recovery(), run, outcome);
+    if (run.phase() != program::Run::Phase::kDone) {
+      outcome.exit = ExitCode::kCouldNot;
+      outcome.json["error"] = {{"sentence", outcome.complaint}};
+    }
+    write_outputs(request_,
+                  {[&] { return program_csv(model, samples_.samples()); },
+                   [&] {
+                     return program_svg(model, samples_.samples(),
+                                        model.title + ": " + request_.file);
+                   }},
+                  outcome);
+    reported_ = true;
+  }
+
+  const RunRequest& request_;
+  const Prepared& prepared_;
+  LocalCell& cell_;
+  ProgressLine progress_;
+  SampleRecorder samples_;
+  std::string trouble_;  ///< of the port
+  Outcome outcome_;
+  std::atomic<bool> leaves_ = false;
+  std::atomic<bool> reported_ = false;
+};
+
+/// Until the run is over. @return  false: left at once
+bool drive(LocalCell& cell, RunWatch& watch, std::uint32_t job) {
+  bool stopped = false;
+  while (true) {
+    cell.turn();
+    const runtime::JobView view = cell.jobs().view();
+    if (view.over) return true;
+    const int interrupts = io::interrupts();
+    if (interrupts > 1) watch.leave();
+    if (interrupts > 1 && watch.reported()) return false;
+    if (interrupts == 1 && !stopped) {
+      cell.jobs().stop(job);
+      stopped = true;
+    }
+    // This is its only client: what a late cycle holds goes on.
+    if (view.paused) cell.jobs().resume(job);
+  }
 }
 
 }  // namespace
 
 Outcome run_program(const RunRequest& request) {
-  if (request.file.ends_with(".sinew")) return run_sinew_program(request);
   const auto prepared = prepare(request);
   if (!prepared) return prepared.error();
-  const auto& [model, device, program, plan] = *prepared;
+  const RobotModel& model = prepared->model;
   io::catch_interrupts();
-  const io::Clock clock(request.time_scale);
-  std::unique_ptr<runtime::MachineThread> simulated;
-  std::string path = request.port.value_or("");
-  if (!request.port) {
-    auto machine = runtime::make_machine(
-        model, {.profile = request.profile, .seed = static_cast<std::uint64_t>(request.seed)},
-        clock.now());
-    if (!machine) return could_not(machine.error());
-    auto started = runtime::MachineThread::start(std::move(machine->byte), clock,
-                                                 {.baud = model.device.baud, .faults = {}});
-    if (!started) return could_not(started.error().sentence);
-    simulated = std::move(*started);
-    path = simulated->path();
-  }
-  if (const auto why = runtime::wrong_port(model, path)) return could_not(*why);
-  const std::string left_out = settings_left_out(request, model);
-  if (!left_out.empty() && !request.quiet) {
-    std::fputs(fmt::format("  note: what commissioning found counts for programs NAME.sinew, and "
-                           "not for a sequence: {}\n",
-                           left_out)
-                   .c_str(),
-               stderr);
-  }
-  auto port = io::Port::open_serial(path, model.device.baud);
-  if (!port) {
-    return could_not(port.error().sentence + (request.port ? held_by_cell(path) : std::string()));
-  }
-  // Only now: whoever is refused the port must not empty the log of the run that has it.
-  runtime::ByteLog log;
-  if (request.log) {
-    auto created = runtime::ByteLog::create(*request.log);
-    if (!created) return could_not("--log: " + created.error().sentence);
-    log = std::move(*created);
-  }
+  const auto records = plan_records(request, model);
+  if (!records) return records.error();
+  auto started = LocalCell::start(model,
+                                  {.port = request.port,
+                                   .profile = request.profile,
+                                   .journal = request.journal,
+                                   .seed = request.seed,
+                                   .time_scale = request.time_scale,
+                                   .byte_log = request.log.value_or(""),
+                                   .assumes_start = true},
+                                  records->folders);
+  if (!started) return started.error();
+  std::unique_ptr<LocalCell> cell = std::move(*started);
+  runtime::Station& station = cell->station();
   if (!request.quiet) {
-    std::fputs(fmt::format("  {}: {} orders, {:.1f} s of motion, over {} ({})\n", model.title,
-                           plan.orders.size(), plan.duration, path,
-                           simulated ? "simulated device" : "real port")
-                   .c_str(),
-               stderr);
+    std::fputs(
+        fmt::format(
+            "  {}: {} steps, over {} ({}){}\n", model.title, prepared->program.steps.size(),
+            station.port_name(), station.simulated() ? "simulated device" : "real port",
+            prepared->homing_max > 0 ? "; homing takes " + at_most_text(prepared->homing_max) : "")
+            .c_str(),
+        stderr);
   }
-  const auto record = open_journal(request, model);
-  if (!record) return record.error();
-  if (*record != nullptr) {
-    const auto given_up = (*record)->give_up(model, {clock.now(), io::wall_time_ns()});
-    if (!given_up) return could_not(given_up.error().sentence);
+  RunWatch watch(request, *prepared, *cell);
+  runtime::JobOrder order = watch.order();
+  order.record = records->place;
+  const auto job = cell->jobs().start(std::move(order), LocalCell::kClient);
+  if (!job) return could_not(error_text(job.error(), model));
+  if (!drive(*cell, watch, *job)) {
+    abandon(std::move(cell));
+    Outcome outcome = watch.take();
+    outcome.at_once = true;
+    return outcome;
   }
-  Outcome outcome = drive({request, model, device, program}, *port, clock, log);
-  if (*record != nullptr) tell_given_up(outcome);
-  if (!left_out.empty()) outcome.json["settings_left_out"] = left_out;
+  Outcome outcome = watch.take();
+  end_records(request, station, outcome);
   return outcome;
 }
 

@@ -13,6 +13,7 @@
 #include "sinew/io/local_socket.h"
 #include "sinew/io/request_lines.h"
 #include "sinew/io/standard_streams.h"
+#include "sinew/runtime/lasting_file.h"
 #include "sinew/runtime/machine_server.h"
 #include "sinew/runtime/robot_machine.h"
 #include "sinew/runtime/robot_variant.h"
@@ -24,6 +25,8 @@ namespace sinew::cli {
 namespace {
 
 constexpr Duration kAcceptSlice = std::chrono::milliseconds(50);
+/// With --state a process that is killed loses so much motion.
+constexpr Duration kStateSlice = std::chrono::milliseconds(2);
 
 /// Everything that was asked for and found to make sense.
 struct Job {
@@ -31,6 +34,15 @@ struct Job {
   RobotModel model;
   sim::FaultPlan faults;
   runtime::RobotMachine machine;
+  std::optional<runtime::LastingFile> state;
+  std::optional<io::IoError> state_failure;
+
+  /// Keeps what has changed; false where the simulation has to end, since its file is old now.
+  bool keep_state() {
+    if (!state || state_failure) return !state_failure;
+    if (const auto kept = state->keep(machine.get()); !kept) state_failure = kept.error();
+    return !state_failure;
+  }
 };
 
 /// Answers whoever asks how the machine stands, by SIGUSR1 or a line on stdin.
@@ -92,6 +104,52 @@ std::expected<void, Outcome> check_spi_options(const SimRequest& request, bool s
   return {};
 }
 
+/// The robot's file and the log are no place for the state, nor are they one place.
+std::expected<void, Outcome> check_places(const SimRequest& request) {
+  const bool robot_file = request.robot.ends_with(".toml");
+  if (request.log && robot_file && io::same_file(*request.log, request.robot)) {
+    return std::unexpected(
+        bad_input("--log: " + *request.log + " is the robot's file; choose another name"));
+  }
+  if (!request.state) return {};
+  if ((robot_file && io::same_file(*request.state, request.robot)) ||
+      (request.log && io::same_file(*request.state, *request.log))) {
+    return std::unexpected(
+        bad_input("--state: " + *request.state + " has another use here; choose another name"));
+  }
+  return {};
+}
+
+/// The machine as it was left, with its power back, or a new one.
+std::expected<void, Outcome> make_machine(Job& job) {
+  const SimRequest& request = job.request;
+  const auto seed =
+      request.seed ? std::optional(static_cast<std::uint64_t>(*request.seed)) : std::nullopt;
+  if (request.state) {
+    auto state = runtime::LastingFile::open(*request.state, job.model.id, seed);
+    if (!state) return std::unexpected(bad_input("--state: " + state.error()));
+    job.state.emplace(std::move(*state));
+  }
+  const bool again = job.state && job.state->before();
+  const auto axes = static_cast<std::int64_t>(job.model.joints.size());
+  auto machine =
+      runtime::make_machine(job.model,
+                            {.profile = request.profile,
+                             .seed = job.state ? job.state->seed() : seed.value_or(1),
+                             .boards = static_cast<std::size_t>(request.slaves.value_or(axes)),
+                             .soft_select = request.nss == "soft"},
+                            again ? Instant{} - sim::kPowerOffTime : Instant{});
+  if (!machine) return std::unexpected(could_not(machine.error()));
+  job.machine = std::move(*machine);
+  if (again && !sim::power_up_from(*job.state->before(), job.machine.get(), Instant{})) {
+    return std::unexpected(bad_input("--state: " + *request.state + ": not the state of this " +
+                                     job.model.id + "; choose another file"));
+  }
+  if (!job.keep_state())
+    return std::unexpected(could_not("--state: " + job.state_failure->sentence));
+  return {};
+}
+
 std::expected<Job, Outcome> prepare(const SimRequest& request) {
   const auto file = find_robot(request.robot);
   if (!file) return std::unexpected(file.error());
@@ -100,12 +158,13 @@ std::expected<Job, Outcome> prepare(const SimRequest& request) {
   }
   auto variant = runtime::variant_of(file->model, request.profile, request.wire);
   if (!variant) return std::unexpected(bad_input(variant.error()));
-  Job job{request, std::move(*variant), {}, {}};
+  Job job{request, std::move(*variant), {}, {}, {}, {}};
   const bool spi = is_on_spi(job.model);
   if (const auto fine = check_spi_options(request, spi); !fine) {
     return std::unexpected(fine.error());
   }
-  if (const auto fine = check_seed(request.seed); !fine) return std::unexpected(fine.error());
+  if (const auto fine = check_seed(request.seed.value_or(1)); !fine)
+    return std::unexpected(fine.error());
   if (const auto fine = check_time_scale(request.time_scale); !fine) {
     return std::unexpected(fine.error());
   }
@@ -122,20 +181,8 @@ std::expected<Job, Outcome> prepare(const SimRequest& request) {
       return std::unexpected(bad_input("--fault: " + fine.error()));
     }
   }
-  if (request.log && request.robot.ends_with(".toml") &&
-      io::same_file(*request.log, request.robot)) {
-    return std::unexpected(
-        bad_input("--log: " + *request.log + " is the robot's file; choose another name"));
-  }
-  auto machine =
-      runtime::make_machine(job.model,
-                            {.profile = request.profile,
-                             .seed = static_cast<std::uint64_t>(request.seed),
-                             .boards = static_cast<std::size_t>(request.slaves.value_or(axes)),
-                             .soft_select = request.nss == "soft"},
-                            Instant{});
-  if (!machine) return std::unexpected(could_not(machine.error()));
-  job.machine = std::move(*machine);
+  if (const auto fine = check_places(request); !fine) return std::unexpected(fine.error());
+  if (const auto made = make_machine(job); !made) return std::unexpected(made.error());
   return job;
 }
 
@@ -146,11 +193,17 @@ std::expected<runtime::ByteLog, Outcome> open_log(const SimRequest& request) {
   return std::move(*created);
 }
 
-Outcome finished(const Job& job, const io::IoResult<void>& served, const runtime::ByteLog& log) {
+Outcome finished(Job& job, const io::IoResult<void>& served, const runtime::ByteLog& log) {
   Outcome outcome = served ? Outcome{} : could_not(served.error().sentence);
   if (const auto failure = log.failure()) {
     outcome = could_not("--log: " + failure->sentence + "; the log is not whole");
   }
+  if (job.state && !job.state_failure) {
+    if (const auto kept = job.state->finish(job.machine.get()); !kept) {
+      job.state_failure = kept.error();
+    }
+  }
+  if (job.state_failure) outcome = could_not("--state: " + job.state_failure->sentence);
   outcome.json_line = true;
   const sim::Truth truth = job.machine.get().truth();
   outcome.json["truth"] = truth_json(truth, job.model);
@@ -193,7 +246,9 @@ Outcome serve_bytes(Job& job) {
   const io::Clock clock(request.time_scale);
   const auto served = runtime::serve_machine(
       *job.machine.byte, *port, clock, {.baud = job.model.device.baud, .faults = job.faults}, *log,
-      {.stop = [] { return io::interrupts() > 0; }, .look = [&](Instant) { status.look(); }});
+      {.stop = [&] { return !job.keep_state() || io::interrupts() > 0; },
+       .look = [&](Instant) { status.look(); },
+       .slice = job.state ? kStateSlice : kAcceptSlice});
   Outcome outcome =
       finished(job, served ? io::IoResult<void>{} : std::unexpected(served.error()), *log);
   if (served && request.fault) {
@@ -228,7 +283,7 @@ Outcome serve_boards(Job& job) {
   StatusReporter status(job, !stdio);
   const auto stop = [&] {
     status.look();
-    return io::interrupts() > 0;
+    return !job.keep_state() || io::interrupts() > 0;
   };
   if (stdio) {
     auto port = io::standard_port();

@@ -17,8 +17,9 @@ struct SimRequest {
   std::optional<std::string> fault;
   std::optional<std::string> simwire;  ///< "unix:PATH" or "stdio"; boards on SPI only
   std::optional<std::int64_t> slaves;
-  std::optional<std::string> nss;  ///< "hard" or "soft"
-  std::int64_t seed = 1;
+  std::optional<std::string> nss;    ///< "hard" or "soft"
+  std::optional<std::string> state;  ///< file of what the machine keeps without power
+  std::optional<std::int64_t> seed;
   double time_scale = 1;
   bool json = false;
 };

@@ -122,7 +122,7 @@ Outcome teach_point(const TeachRequest& request) {
   if (!cell) return cell.error();
   const auto description = robot_of_cell(*cell, request.robot);
   if (!description) return description.error();
-  if (there && old->robot != (*description)["robot"]) {
+  if (there && old->robot != (*description)["robot"].get<std::string>()) {
     return bad_input(fmt::format("{}: '{}' is a point of {}, not of {}; give this one another name",
                                  request.file, request.point, printable(old->robot),
                                  (*description)["robot"].get<std::string>()));

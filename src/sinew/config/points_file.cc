@@ -196,26 +196,35 @@ class PointReader {
   bool good_ = true;
 };
 
+void read_one(const TomlEntry& entry, Findings& findings, TaughtPoints& points) {
+  const auto* one = std::get_if<TomlTable>(&entry.node.value);
+  if (one == nullptr) {
+    findings.complain(entry.node.place, "points." + printable(entry.key),
+                      "must be a table: [points." + printable(entry.key) + "]");
+  } else if (!is_point_name(entry.key)) {
+    findings.complain(entry.place, "points." + printable(entry.key),
+                      "a name is a letter and then letters, digits, - and _, 40 at most");
+  } else if (points.size() == kPointsMax) {
+    findings.complain(entry.place, "points", "has more than 10000 points");
+  } else if (auto point = PointReader(entry, *one, findings).read(entry.key)) {
+    points.push_back(std::move(*point));
+  }
+}
+
 void read_all(const TomlEntry& root, Findings& findings, TaughtPoints& points) {
   const auto* table = std::get_if<TomlTable>(&root.node.value);
   if (table == nullptr) {
     return findings.complain(root.node.place, "points",
                              "must be a table: write each point below its [points.NAME]");
   }
-  for (const TomlEntry& entry : *table) {
-    const auto* one = std::get_if<TomlTable>(&entry.node.value);
-    if (one == nullptr) {
-      findings.complain(entry.node.place, "points." + printable(entry.key),
-                        "must be a table: [points." + printable(entry.key) + "]");
-    } else if (!is_point_name(entry.key)) {
-      findings.complain(entry.place, "points." + printable(entry.key),
-                        "a name is a letter and then letters, digits, - and _, 40 at most");
-    } else if (points.size() == kPointsMax) {
-      return findings.complain(entry.place, "points", "has more than 10000 points");
-    } else if (auto point = PointReader(entry, *one, findings).read(entry.key)) {
-      points.push_back(std::move(*point));
-    }
-  }
+  for (const TomlEntry& entry : *table) read_one(entry, findings, points);
+}
+
+TaughtPoint unusable(const std::string& name, const Complaint& why) {
+  TaughtPoint point;
+  point.name = name;
+  point.wrong = to_text(why);
+  return point;
 }
 
 /// With nine decimals and no more than are needed.
@@ -228,7 +237,7 @@ std::string written(double value) {
   return text == "-0" ? "0" : text;
 }
 
-std::string quoted(const std::string& text) {
+std::string in_quotes(const std::string& text) {
   std::string out = "\"";
   for (const char c : text) {
     if (c == '"' || c == '\\') out += '\\';
@@ -403,11 +412,30 @@ std::expected<TaughtPoints, std::vector<Complaint>> read_points(std::string_view
   return points;
 }
 
+TaughtPoints usable_points(std::string_view toml, std::string_view file_name) {
+  auto tree = parse_toml(toml);
+  if (!tree) {
+    tree.error().file = file_name;
+    return {unusable("", tree.error())};
+  }
+  TaughtPoints points;
+  const auto root = std::ranges::find(*tree, "points", &TomlEntry::key);
+  if (root == tree->end()) return points;
+  const auto* table = std::get_if<TomlTable>(&root->node.value);
+  for (std::size_t i = 0; table != nullptr && i < table->size(); ++i) {
+    Findings findings{std::string(file_name)};
+    const TomlEntry& entry = (*table)[i];
+    read_one(entry, findings, points);
+    if (!findings.clean()) points.push_back(unusable(entry.key, findings.take_complaints()[0]));
+  }
+  return points;
+}
+
 std::string points_text(const TaughtPoints& points) {
   std::string out;
   for (const TaughtPoint& point : points) {
     if (!out.empty()) out += "\n";
-    out += "[points." + point.name + "]\nrobot = " + quoted(point.robot) + "\n";
+    out += "[points." + point.name + "]\nrobot = " + in_quotes(point.robot) + "\n";
     if (const auto* q = std::get_if<JointVector>(&point.place)) {
       out += point.legs ? "legs_mm = [" : "joints_deg = [";
       for (std::size_t i = 0; i < q->size(); ++i) {
@@ -417,8 +445,8 @@ std::string points_text(const TaughtPoints& points) {
     } else {
       put_tool(std::get<ToolPlace>(point.place), out);
     }
-    if (!point.source.empty()) out += "source = " + quoted(point.source) + "\n";
-    if (!point.taught_at.empty()) out += "taught_at = " + quoted(point.taught_at) + "\n";
+    if (!point.source.empty()) out += "source = " + in_quotes(point.source) + "\n";
+    if (!point.taught_at.empty()) out += "taught_at = " + in_quotes(point.taught_at) + "\n";
   }
   return out;
 }

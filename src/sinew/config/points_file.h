@@ -25,6 +25,11 @@ namespace sinew {
 std::expected<TaughtPoints, std::vector<Complaint>> read_points(std::string_view toml,
                                                                 std::string_view file_name);
 
+/// The same for programs: a point that cannot be read has a name and what is `wrong` with it, so
+/// that it refuses only the rows that use it. Of a file that is no TOML at all there is one such
+/// point, without a name.
+TaughtPoints usable_points(std::string_view toml, std::string_view file_name);
+
 /// The one spelling of such a file; read_points() gives the same points back, to 1e-9 mm or deg.
 /// Put it in place with io::replace_file.
 std::string points_text(const TaughtPoints& points);

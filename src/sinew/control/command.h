@@ -55,6 +55,8 @@ struct Declare {
   FixedVector<JointPosition, kMaxJoints> positions;
   /// Somebody moved it by hand: what was known of the position does not count.
   bool moved = false;
+  /// The device counts 0 there from now on, where it has such a command.
+  bool zeroes_counters = false;
 };
 
 using CommandWhat =

@@ -18,10 +18,13 @@ Controller::Controller(const RobotModel& robot, Driver& driver, const Controller
       sent_(planning::motion_limits(robot)),
       jog_(robot),
       streams_(robot.device.capability.motion == MotionKind::kStream),
+      memory_(start.memory),
       positions_(start.positions) {
   positions_.resize(robot.joints.size());
   recorded_ = positions_;
-  if (settings.journal) journal_.emplace(*settings.journal, start.journal_end);
+  if (!settings.journal) return;
+  journal_.emplace(*settings.journal, start.journal_end);
+  journal_->device_says(memory_.held_by_stop, memory_.counted);
 }
 
 const Outputs& Controller::step(const Inputs& inputs, Instant now) {
@@ -34,6 +37,7 @@ const Outputs& Controller::step(const Inputs& inputs, Instant now) {
     if (!opened_) offer(journal_->open({positions_.data(), positions_.size()}, time(now)));
     opened_ = true;
     journal_->durable(inputs.durable_sequence);
+    if (driver_spoke_) journal_->device_says(driver_.held_by_stop(), driver_.counters_moved());
   }
   watch_time(now);
   take_events(now);

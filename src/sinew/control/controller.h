@@ -33,6 +33,7 @@ struct ControllerStart {
   /// From the journal of the run before, one a joint; empty: nothing.
   JournalPositions positions;
   JournalEnd journal_end;
+  DriverMemory memory;  ///< what else that run left
 };
 
 struct Inputs {
@@ -170,6 +171,7 @@ class Controller {
   void failed(const Error& error, Instant now);
   void enabled();
   void end_enabling(ControlEvent::Kind kind, const Error& error = {});
+  void watch_acknowledging(Instant now);
 
   // controller_commands.cc
   struct Asked {
@@ -208,7 +210,8 @@ class Controller {
   Expected<void> set_feed(double share);
   Expected<void> declare(const Declare& where, Instant now);
   std::optional<Error> contradiction(const Declare& where) const;
-  Expected<void> acknowledge(const Inputs& inputs, Instant now);
+  Expected<bool> acknowledge(const Command& command, const Inputs& inputs, Instant now);
+  void acknowledged(Instant now);
 
   // controller_motion.cc
   void advance(Instant now);
@@ -240,7 +243,10 @@ class Controller {
   std::optional<StopCause> last_stop_;
   std::optional<Task> task_;
   std::optional<Stopping> stopping_;
-  std::uint32_t enabling_ = 0;  ///< the command that asked for it
+  DriverMemory memory_;                         ///< for the driver's first opening
+  std::uint32_t enabling_ = 0;                  ///< the command that asked for it
+  std::optional<std::uint32_t> acknowledging_;  ///< the command; the device is being told
+  Instant acknowledging_since_{};
   Instant enabling_since_{};
   Error enabling_trouble_;
   std::optional<Error> notice_;  ///< of this step

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "sinew/control/controller.h"
+#include "sinew/control/position_evidence.h"
 #include "sinew/model/device_resolution.h"
 #include "sinew/planning/path_follower.h"
 
@@ -74,7 +75,7 @@ Expected<bool> Controller::on(const Disable& /*disable*/, const Asked& asked) {
 }
 
 Expected<bool> Controller::on(const Acknowledge& /*acknowledge*/, const Asked& asked) {
-  return at_once(acknowledge(asked.inputs, asked.now));
+  return acknowledge(asked.command, asked.inputs, asked.now);
 }
 
 Expected<bool> Controller::on(const Begin& motion, const Asked& asked) {
@@ -137,9 +138,10 @@ void Controller::enable(std::uint32_t command, Instant now) {
   enabling_ = command;
   enabling_since_ = now;
   enabling_trouble_ = silence();
+  if (!driver_spoke_) driver_.remember(memory_);
   // What the run before knew; a driver that can ask its device does not need it.
   const bool anything = std::ranges::any_of(positions_, [](const JointPosition& joint) {
-    return joint.quality != PositionQuality::kLost;
+    return joint.quality != PositionQuality::kLost || joint.count_zero;
   });
   if (!driver_spoke_ && anything) {
     driver_.declare_positions({positions_.data(), positions_.size()});
@@ -260,31 +262,44 @@ Expected<void> Controller::declare(const Declare& where, Instant now) {
   }
   if (const auto error = contradiction(where)) return std::unexpected(*error);
   driver_.declare_positions({where.positions.data(), where.positions.size()});
+  if (where.zeroes_counters) {
+    if (const auto accepted = driver_.zero_counters(now); !accepted) return accepted;
+    ++outstanding_;
+  }
   stand_where_driver_says(Setpoint::kForgotten);
   if (journal_) offer(journal_->told(JournalKind::kDeclared, driver_.positions(), time(now)));
   return {};
 }
 
-/// What a sensor says, an interval that holds the truth, and what the device was told and did, go
-/// before what somebody saw.
+/// Held against all that is known of the joint otherwise, whoever has looked.
 std::optional<Error> Controller::contradiction(const Declare& where) const {
   const auto known = positions();
   for (std::size_t j = 0; !where.moved && j < where.positions.size(); ++j) {
     const JointPosition& said = where.positions[j];
+    if (said.quality == PositionQuality::kLost) continue;
+    FixedVector<Evidence, 2> evidence;
+    if (const auto counted = driver_.counted(j)) {
+      evidence.push_back({Evidence::Source::kCounters, *counted, kSamePlace});
+    }
     const JointPosition& joint = known[j];
     const bool measured = joint.quality == PositionQuality::kMeasured;
-    if (said.quality == PositionQuality::kLost || joint.quality == PositionQuality::kLost) continue;
     double slack = measured ? kSag : kSamePlace;
     if (joint.quality == PositionQuality::kCommanded) slack += device_resolution(robot_, j);
-    if (said.upper >= joint.lower - slack && said.lower <= joint.upper + slack) continue;
-    return Error{ErrorCode::kDeclaredElsewhere, static_cast<std::int8_t>(j), said.q,
-                 said.q < joint.lower ? joint.lower : joint.upper};
+    if (joint.quality != PositionQuality::kLost) {
+      evidence.push_back({measured ? Evidence::Source::kSensor : Evidence::Source::kRecord,
+                          {joint.lower, joint.upper},
+                          slack});
+    }
+    const auto agreed = agree(j, {evidence.data(), evidence.size()}, said);
+    if (!agreed) return agreed.error();
   }
   return std::nullopt;
 }
 
-Expected<void> Controller::acknowledge(const Inputs& inputs, Instant now) {
-  if (state_ != MachineState::kFault || !latched_) return refused(ErrorCode::kWrongState);
+/// False: the device is being told, and the end of that is the command's.
+Expected<bool> Controller::acknowledge(const Command& command, const Inputs& inputs, Instant now) {
+  const bool latched = state_ == MachineState::kFault && latched_;
+  if (!latched || acknowledging_) return refused(ErrorCode::kWrongState);
   const auto of_disk = [](const Latched& one) { return one.cause == StopCause::kNotRecorded; };
   // A disk that failed once is not trusted again by this run.
   if (journal_ && inputs.journal_failed &&
@@ -292,15 +307,26 @@ Expected<void> Controller::acknowledge(const Inputs& inputs, Instant now) {
     return refused(ErrorCode::kNotRecorded);
   }
   if (driver_.state() == DriverState::kFault) {
-    if (auto cleared = driver_.clear_fault(now); !cleared) return cleared;
+    if (const auto cleared = driver_.clear_fault(now); !cleared) {
+      return std::unexpected(cleared.error());
+    }
+    if (driver_.clearing()) {
+      acknowledging_ = command.id;
+      acknowledging_since_ = now;
+      return false;
+    }
   }
+  acknowledged(now);
+  return true;
+}
+
+void Controller::acknowledged(Instant now) {
   driver_.close(now);
   // Clearing a fault may open the device, and closing it ends that: told is only what comes later.
   while (driver_.take_event()) continue;
   latched_.reset();
   later_.clear();
   change(Signal::kAcknowledge);
-  return {};
 }
 
 Error Controller::unknown_position() const {

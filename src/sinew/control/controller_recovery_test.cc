@@ -207,5 +207,32 @@ TEST(Recovery, a_declaration_against_what_the_device_was_told_needs_a_hand_beyon
   EXPECT_EQ(cell.driver.positions()[3].q, home);
 }
 
+TEST(Recovery, a_declaration_against_the_devices_count_is_refused_with_both_numbers) {
+  ControlCell cell(kLostArm, true);
+  cell.make_ready();
+  cell.run(300ms);
+  const double home = cell.robot.joints[2].home;
+  cell.driver.lose(2);
+  cell.driver.counts[2] = JointInterval{home - 1.03, home - 1.01};
+  const std::uint32_t refused = cell.give(standing(cell.robot));
+  const Error error = cell.end_of(refused)->error;
+  EXPECT_EQ(error.code, ErrorCode::kCountedElsewhere);
+  EXPECT_EQ(error.index, 2);
+  EXPECT_EQ(error.measured, home);
+  EXPECT_NEAR(error.limit, home - 1.02, 1e-12);
+  EXPECT_FALSE(cell.controller.reference());
+  EXPECT_NE(cell.records.back().kind, JournalKind::kDeclared);
+  // Said where it counts it, or with a hand that moved it, it counts.
+  Declare where = standing(cell.robot);
+  where.positions[2] = {PositionQuality::kCommanded, home - 1.02, home - 1.02, home - 1.02};
+  const std::uint32_t there = cell.give(where);
+  EXPECT_EQ(cell.end_of(there)->kind, Kind::kDone);
+  cell.driver.lose(2);
+  Declare moved = standing(cell.robot);
+  moved.moved = true;
+  const std::uint32_t told = cell.give(moved);
+  EXPECT_EQ(cell.end_of(told)->kind, Kind::kDone);
+}
+
 }  // namespace
 }  // namespace sinew::control::test

@@ -149,6 +149,21 @@ TEST(Controller, a_take_over_stops_first) {
   EXPECT_EQ(cell.controller.lease_holder(cell.now)->client, 9U);
 }
 
+TEST(Controller, a_stop_waits_for_as_long_as_the_device_can_still_move) {
+  for (const bool told : {true, false}) {
+    ControlCell cell("bigrobotarm", true);
+    cell.driver.stop_takes = 21s;
+    cell.driver.tells_how_long = told;
+    cell.make_ready();
+    cell.give(Begin{&cell.whole_move_to(cell.by(1.2), 20s)});
+    cell.run(1s);
+    cell.give(Stop{});
+    cell.run(25s);
+    EXPECT_EQ(cell.controller.state(), told ? MachineState::kReady : MachineState::kFault);
+    EXPECT_EQ(cell.controller.latched().has_value(), !told);
+  }
+}
+
 TEST(Controller, a_jog_goes_on_as_long_as_it_is_asked_for_and_rests_by_itself) {
   ControlCell cell(kStreaming);
   cell.make_ready();
@@ -257,6 +272,31 @@ TEST(Controller, a_fault_whose_cause_stays_is_not_acknowledged) {
   const std::uint32_t id = cell.give(Acknowledge{});
   EXPECT_EQ(cell.end_of(id)->error.code, ErrorCode::kEmergencyStop);
   EXPECT_EQ(cell.controller.state(), kFault);
+}
+
+TEST(Controller, acknowledging_ends_before_the_port_is_closed) {
+  for (const bool fails : {false, true}) {
+    ControlCell cell(kStreaming);
+    cell.make_ready();
+    cell.driver.clearing_takes = 600ms;
+    cell.driver.clearing_fails = fails;
+    cell.driver.fail({ErrorCode::kStopLatched, 0});
+    ASSERT_TRUE(cell.run_until([&] { return cell.controller.state() == kFault; }, 1s));
+    const std::uint32_t id = cell.give(Acknowledge{});
+    EXPECT_FALSE(cell.end_of(id));
+    cell.run(300ms);
+    EXPECT_EQ(cell.controller.state(), kFault);
+    EXPECT_TRUE(cell.driver.clearing()) << "it is still being told";
+    const std::uint32_t again = cell.give(Acknowledge{});
+    EXPECT_EQ(cell.end_of(again)->error.code, ErrorCode::kWrongState);
+    ASSERT_TRUE(cell.run_until([&] { return cell.end_of(id).has_value(); }, 2s));
+    EXPECT_EQ(cell.end_of(id)->kind, fails ? Kind::kFailed : Kind::kDone);
+    EXPECT_EQ(cell.controller.state(), fails ? kFault : kOff);
+    if (fails) continue;
+    const std::uint32_t enabled = cell.give(Enable{});
+    cell.run_until([&] { return cell.end_of(enabled).has_value(); }, 2s);
+    EXPECT_EQ(cell.controller.state(), kReady);
+  }
 }
 
 TEST(Controller, a_device_that_is_silent_at_enabling_is_a_fault_with_its_reason) {
@@ -528,6 +568,26 @@ TEST(Controller, homing_gives_the_position_up_on_disk_before_it_begins) {
   EXPECT_EQ(cell.controller.state(), kReady);
   EXPECT_EQ(cell.records.back().kind, JournalKind::kRest);
   EXPECT_GE(cell.records.back().positions[0].quality, PositionQuality::kCommanded);
+}
+
+TEST(Controller, records_say_that_a_stop_of_its_own_is_latched_and_the_next_run_is_told) {
+  ControlCell cell(kStreaming, true);
+  cell.make_ready();
+  cell.driver.held = true;
+  cell.run(200ms);
+  ASSERT_FALSE(cell.records.empty());
+  EXPECT_EQ(cell.records.back().cause, JournalCause::kHeld);
+  cell.driver.held = false;
+  cell.run(200ms);
+  EXPECT_EQ(cell.records.back().cause, JournalCause::kNone);
+  ControlCell next(kStreaming, true,
+                   {.positions = {},
+                    .journal_end = {},
+                    .memory = {.ended_in_motion = false, .held_by_stop = true, .counted = 5}});
+  next.make_ready();
+  next.cycle();
+  EXPECT_TRUE(next.driver.remembered.held_by_stop);
+  EXPECT_EQ(next.driver.remembered.counted, 5);
 }
 
 TEST(Controller, an_end_in_order_is_the_last_record) {

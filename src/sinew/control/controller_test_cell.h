@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <deque>
 #include <memory>
@@ -39,6 +40,7 @@ class PretendDriver final : public Driver {
       tell(DriverEvent::Kind::kFailed, {ErrorCode::kPortClosed});
     }
     queue_.clear();
+    clears_at_.reset();
     state_ = DriverState::kClosed;
   }
   DriverState state() const override { return state_; }
@@ -67,8 +69,13 @@ class PretendDriver final : public Driver {
     queue_.clear();
     if (state_ == DriverState::kOpening) return;
     state_ = DriverState::kStopping;
-    ready_at_ = now + 30ms;
+    ready_at_ = now + stop_takes;
   }
+  std::optional<Instant> goes_on_until() const override {
+    if (!tells_how_long || state_ != DriverState::kStopping) return std::nullopt;
+    return ready_at_;
+  }
+  std::optional<JointInterval> counted(std::size_t joint) const override { return counts[joint]; }
   Expected<void> home(Instant now) override {
     state_ = DriverState::kMoving;
     homing_until_ = now + 2s;
@@ -90,10 +97,18 @@ class PretendDriver final : public Driver {
   /// Finds its device anew, as the hexapod's driver does.
   Expected<void> clear_fault(Instant now) override {
     if (cause_stays) return std::unexpected(*fault_);
+    if (clearing_takes) {
+      state_ = DriverState::kOpening;
+      clears_at_ = now + *clearing_takes;
+      return {};
+    }
     fault_.reset();
     open(now);
     return {};
   }
+  bool clearing() const override { return clears_at_.has_value(); }
+  bool held_by_stop() const override { return held; }
+  void remember(const DriverMemory& memory) override { remembered = memory; }
   void declare_positions(std::span<const JointPosition> positions) override {
     for (std::size_t j = 0; j < positions.size(); ++j) {
       if (!declarable) continue;
@@ -101,6 +116,14 @@ class PretendDriver final : public Driver {
     }
   }
   void poll(Instant now) override {
+    if (clears_at_ && now >= *clears_at_) {
+      clears_at_.reset();
+      ready_at_ = now;
+      if (!clearing_fails) fault_.reset();
+      state_ = clearing_fails ? DriverState::kFault : DriverState::kReady;
+      tell(clearing_fails ? DriverEvent::Kind::kFailed : DriverEvent::Kind::kDone);
+    }
+    if (clears_at_) return;
     if (state_ == DriverState::kOpening && now >= ready_at_ && !silent) {
       state_ = DriverState::kReady;
       tell(DriverEvent::Kind::kReady);
@@ -151,9 +174,17 @@ class PretendDriver final : public Driver {
   void set(std::size_t joint, const JointPosition& position) { positions_[joint] = position; }
 
   Duration opening = 30ms;
+  Duration stop_takes = 30ms;
+  bool tells_how_long = false;  ///< a stop takes
+  std::array<std::optional<JointInterval>, kMaxJoints> counts{};
   bool silent = false;
   bool deaf = false;
   bool cause_stays = false;
+  /// Its device has to be told for so long, and a port that closes before ends that.
+  std::optional<Duration> clearing_takes;
+  bool clearing_fails = false;
+  bool held = false;
+  DriverMemory remembered;
   bool declarable = true;
   bool looks_at_ends = false;  ///< of motions, at a device that forgets by telling
   bool looking = false;
@@ -174,6 +205,7 @@ class PretendDriver final : public Driver {
   FixedVector<Instant, 5> ends_;
   FixedVector<DriverEvent, 16> events_;
   Instant ready_at_{};
+  std::optional<Instant> clears_at_;
   std::optional<Instant> homing_until_;
 };
 

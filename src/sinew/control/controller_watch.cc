@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <utility>
 
 #include "sinew/control/controller.h"
 
@@ -48,6 +49,7 @@ void Controller::watch_port(const Inputs& inputs, Instant now) {
 
 void Controller::watch_driver(Instant now) {
   const DriverState driver = driver_.state();
+  if (acknowledging_) return watch_acknowledging(now);
   if (state_ == MachineState::kOff || state_ == MachineState::kFault) return;
   if (driver == DriverState::kFault || driver == DriverState::kClosed) {
     if (stopping_ && latched_) return;
@@ -68,9 +70,24 @@ void Controller::watch_driver(Instant now) {
   }
   if (state_ != MachineState::kEnabling) return;
   if (driver == DriverState::kReady) return enabled();
-  if (now - enabling_since_ <= settings_.opening_limit) return;
+  // A device that ends a motion of the run before is waited for.
+  const Instant since =
+      std::max(enabling_since_, driver_.goes_on_until().value_or(enabling_since_));
+  if (now - since <= settings_.opening_limit) return;
   end_enabling(ControlEvent::Kind::kFailed, enabling_trouble_);
   stop(StopCause::kDevice, enabling_trouble_, now);
+}
+
+/// Closed before it is through, the device would keep its latch.
+void Controller::watch_acknowledging(Instant now) {
+  const bool late = now - acknowledging_since_ > 2 * settings_.opening_limit;
+  if (driver_.clearing() && !late) return;
+  const std::uint32_t command = *std::exchange(acknowledging_, std::nullopt);
+  if (driver_.state() == DriverState::kReady) {
+    acknowledged(now);
+    return tell(ControlEvent::Kind::kDone, command);
+  }
+  tell(ControlEvent::Kind::kFailed, command, driver_.fault().value_or(silence()));
 }
 
 void Controller::enabled() {

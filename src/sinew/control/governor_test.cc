@@ -132,6 +132,9 @@ class Watcher {
       ASSERT_LE(std::abs(a), joint.acceleration_max * 1.00001 + 2e-9 / seconds);
       ASSERT_LE(std::abs(a - a_[i]),
                 joint.jerk_max * (seconds + seconds_) / 2 * 1.00001 + 2e-9 / seconds);
+      const double trapezoid = (qd + qd_[i]) * seconds / 2;
+      ASSERT_LE(std::abs(q - q_[i] - trapezoid),
+                joint.jerk_max * std::pow(seconds, 3) / 12 * 1.00001 + 2e-9);
       q_[i] = q, qd_[i] = qd, a_[i] = a;
     }
     seconds_ = seconds;

@@ -11,13 +11,25 @@ namespace sinew {
 namespace {
 
 constexpr std::array<std::uint8_t, 4> kMagic{0x53, 0x4E, 0x4A, 0x4C};
-constexpr std::uint8_t kVersion = 1;
+constexpr std::uint8_t kVersion = 2;
+/// Has no count zeros; else the same.
+constexpr std::uint8_t kVersionBefore = 1;
 constexpr std::size_t kJoints = 56;
 constexpr std::size_t kJointSize = 24;
 constexpr std::size_t kPrevious = 248;
 constexpr std::size_t kChecksum = 252;
-constexpr std::uint32_t kQualityMask = 15;
+constexpr std::size_t kZeroSize = 8;
+/// Of a joint's four bits.
+constexpr std::uint32_t kBitsMask = 15;
+constexpr std::uint32_t kQualityMask = 3;
+constexpr std::uint32_t kZeroBit = 4;
+constexpr std::uint32_t kCountedBit = 8;
 static_assert(kJoints + kMaxJoints * kJointSize == kPrevious);
+
+/// What is left behind the joints has room for all their count zeros.
+constexpr bool has_zeros(std::size_t joints) {
+  return joints * (kJointSize + kZeroSize) <= kMaxJoints * kJointSize;
+}
 
 template <class Word>
 void put(JournalRecordBytes& bytes, std::size_t at, Word value) {
@@ -41,6 +53,7 @@ double get_double(std::span<const std::uint8_t> bytes, std::size_t at) {
 
 bool is_valid(const JointPosition& joint) {
   if (joint.quality > PositionQuality::kMeasured) return false;
+  if (joint.count_zero && !std::isfinite(*joint.count_zero)) return false;
   const std::array numbers{joint.q, joint.lower, joint.upper};
   if (joint.quality == PositionQuality::kLost) {
     // Not even a sign: there is one way to write a lost joint.
@@ -60,8 +73,8 @@ bool has_frame(std::span<const std::uint8_t> bytes) {
 
 bool is_valid(const JournalRecord& record) {
   return record.kind >= JournalKind::kOpened && record.kind <= JournalKind::kLook &&
-         record.cause <= JournalCause::kImported && record.sequence > 0 && record.generation > 0 &&
-         !record.positions.empty() &&
+         record.cause <= JournalCause::kHeld && record.sequence > 0 && record.generation > 0 &&
+         !record.positions.empty() && record.counted >> record.positions.size() == 0 &&
          std::ranges::all_of(record.positions,
                              [](const JointPosition& joint) { return is_valid(joint); });
 }
@@ -84,10 +97,15 @@ JournalRecordBytes encode(const JournalRecord& record, const JournalSeal& seal) 
   std::uint32_t qualities = 0;
   for (std::size_t k = 0; k < record.positions.size(); ++k) {
     const JointPosition& joint = record.positions[k];
-    qualities |= static_cast<std::uint32_t>(joint.quality) << (4 * k);
+    const std::uint32_t counted = (record.counted >> k & 1U) != 0 ? kCountedBit : 0;
+    qualities |= (static_cast<std::uint32_t>(joint.quality) | counted) << (4 * k);
     put(bytes, kJoints + kJointSize * k, std::bit_cast<std::uint64_t>(joint.q));
     put(bytes, kJoints + kJointSize * k + 8, std::bit_cast<std::uint64_t>(joint.lower));
     put(bytes, kJoints + kJointSize * k + 16, std::bit_cast<std::uint64_t>(joint.upper));
+    if (!joint.count_zero || !has_zeros(record.positions.size())) continue;
+    qualities |= kZeroBit << (4 * k);
+    put(bytes, kJoints + kJointSize * record.positions.size() + kZeroSize * k,
+        std::bit_cast<std::uint64_t>(*joint.count_zero));
   }
   put(bytes, 20, qualities);
   put(bytes, kPrevious, seal.previous);
@@ -100,7 +118,9 @@ std::uint32_t checksum_of(const JournalRecordBytes& bytes) {
 }
 
 std::optional<SealedRecord> decode_journal_record(std::span<const std::uint8_t> bytes) {
-  if (!has_frame(bytes) || bytes[4] != kVersion) return std::nullopt;
+  if (!has_frame(bytes) || (bytes[4] != kVersion && bytes[4] != kVersionBefore)) {
+    return std::nullopt;
+  }
   const std::size_t joints = bytes[6];
   if (joints == 0 || joints > kMaxJoints) return std::nullopt;
   SealedRecord sealed;
@@ -113,18 +133,31 @@ std::optional<SealedRecord> decode_journal_record(std::span<const std::uint8_t> 
   record.time.run = Instant{Duration{static_cast<std::int64_t>(get<std::uint64_t>(bytes, 32))}};
   record.time.wall_ns = static_cast<std::int64_t>(get<std::uint64_t>(bytes, 40));
   const auto qualities = get<std::uint32_t>(bytes, 20);
+  // What a record does not use must be zero: there is one spelling of each.
+  std::array<std::uint8_t, kJournalRecordSize> unused{};
+  std::ranges::copy(bytes, unused.begin());
+  bool spelled = joints == kMaxJoints || qualities >> (4 * joints) == 0;
   for (std::size_t k = 0; k < joints; ++k) {
     const std::size_t at = kJoints + kJointSize * k;
-    record.positions.push_back({static_cast<PositionQuality>(qualities >> (4 * k) & kQualityMask),
-                                get_double(bytes, at), get_double(bytes, at + 8),
-                                get_double(bytes, at + 16)});
+    const std::uint32_t bits = qualities >> (4 * k) & kBitsMask;
+    JointPosition joint{static_cast<PositionQuality>(bits & kQualityMask), get_double(bytes, at),
+                        get_double(bytes, at + 8), get_double(bytes, at + 16)};
+    if ((bits & kZeroBit) != 0) {
+      spelled = spelled && bytes[4] == kVersion && has_zeros(joints);
+      const std::size_t zero = kJoints + kJointSize * joints + kZeroSize * k;
+      if (!spelled) return std::nullopt;
+      joint.count_zero = get_double(bytes, zero);
+      std::fill_n(unused.begin() + static_cast<std::ptrdiff_t>(zero), kZeroSize, std::uint8_t{0});
+    }
+    if ((bits & kCountedBit) != 0) {
+      record.counted = static_cast<std::uint8_t>(record.counted | 1U << k);
+    }
+    record.positions.push_back(joint);
   }
   sealed.seal = {get<std::uint64_t>(bytes, 48), get<std::uint32_t>(bytes, kPrevious)};
-  // What a record does not use must be zero: there is one spelling of each.
-  const auto unused =
-      bytes.subspan(kJoints + kJointSize * joints, kJointSize * (kMaxJoints - joints));
-  const bool spelled = std::ranges::all_of(unused, [](std::uint8_t byte) { return byte == 0; }) &&
-                       (joints == kMaxJoints || qualities >> (4 * joints) == 0);
+  const auto rest = std::span(unused).subspan(kJoints + kJointSize * joints,
+                                              kJointSize * (kMaxJoints - joints));
+  spelled = spelled && std::ranges::all_of(rest, [](std::uint8_t byte) { return byte == 0; });
   if (!spelled || !is_valid(record)) return std::nullopt;
   sealed.checksum = get<std::uint32_t>(bytes, kChecksum);
   return sealed;

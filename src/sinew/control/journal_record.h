@@ -26,7 +26,7 @@ enum class JournalKind : std::uint8_t {
   kLook = 9,      ///< the device is asked what it forgets by telling; the answer is in the next one
 };
 
-/// Why a kLost record was written.
+/// Why a kLost record was written; of the others kNone or kHeld.
 enum class JournalCause : std::uint8_t {
   kNone = 0,
   kDevice = 1,    ///< the device told of lost steps, or restarted
@@ -34,6 +34,7 @@ enum class JournalCause : std::uint8_t {
   kUser = 3,      ///< somebody said so
   kRecovery = 4,  ///< the journal of the run before did not say
   kImported = 5,  ///< only what another program once wrote down is known
+  kHeld = 6,      ///< an emergency stop that this host set is latched in the device
 };
 
 /// Times of a record: the run's own line, and the wall clock's nanoseconds since 1970.
@@ -41,18 +42,6 @@ struct JournalTime {
   Instant run{};
   std::int64_t wall_ns = 0;
 };
-
-/// Where the truth may be, ends included; rad, or m of a leg.
-struct JointInterval {
-  double lower = 0;
-  double upper = 0;
-  friend bool operator==(const JointInterval&, const JointInterval&) = default;
-};
-
-/// @rt
-inline bool covers(const JointInterval& outer, const JointInterval& inner) {
-  return outer.lower <= inner.lower && inner.upper <= outer.upper;
-}
 
 using JournalPositions = FixedVector<JointPosition, kMaxJoints>;
 
@@ -71,6 +60,7 @@ struct JournalRecord {
   JournalOwner owner;
   JournalTime time;
   JournalPositions positions;  ///< one a joint; q in [lower, upper], all finite; zeros where lost
+  std::uint8_t counted = 0;    ///< joints, a bit each: DriverMemory::counted
 };
 
 /// What the file adds to a record.
@@ -84,13 +74,15 @@ struct JournalSeal {
 ///   at  | size | what
 ///   ----+------+--------------------------------------------------------------
 ///     0 |  4   | 53 4E 4A 4C, "SNJL"
-///     4 |  1   | version, 1
+///     4 |  1   | version, 2; 1 is read too, it has no count zeros
 ///     5 |  1   | kind
 ///     6 |  1   | joints, 1..8
 ///     7 |  1   | cause
 ///     8 |  8   | sequence
 ///    16 |  4   | generation
-///    20 |  4   | quality of joint k in bits 4k..4k+3: 0 lost, 1 uncertain, 2 commanded, 3 measured
+///    20 |  4   | joint k in bits 4k..4k+3: quality (0 lost, 1 uncertain, 2 commanded, 3 measured),
+///       |      | plus 4 where its count zero is known, plus 8 where its counter in the device
+///       |      | shows whether the power was away
 ///    24 |  4   | robot
 ///    28 |  4   | model
 ///    32 |  8   | run time, ns, signed
@@ -98,6 +90,8 @@ struct JournalSeal {
 ///    48 |  8   | identity of the file
 ///    56 | 192  | joint k at 56 + 24k: q, lower, upper, IEEE 754 binary64; zeros where unused or
 ///    lost
+///       |      | behind the last joint, of up to six: count zero of joint k, binary64; zeros where
+///       |      | not known
 ///   248 |  4   | checksum of the record before
 ///   252 |  4   | CRC-32C of bytes 0..251
 ///

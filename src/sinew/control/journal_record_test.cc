@@ -44,7 +44,7 @@ bool equal(std::span<const std::uint8_t> a, const std::vector<std::uint8_t>& b) 
 
 TEST(JournalRecord, bytes_stand_where_the_table_says) {
   const JournalRecordBytes bytes = encode(sample(), {0x5152535455565758, 0x61626364});
-  EXPECT_TRUE(equal(from(bytes, 0, 8), {0x53, 0x4E, 0x4A, 0x4C, 1, 5, 3, 0}));
+  EXPECT_TRUE(equal(from(bytes, 0, 8), {0x53, 0x4E, 0x4A, 0x4C, 2, 5, 3, 0}));
   EXPECT_TRUE(equal(from(bytes, 8, 8), {8, 7, 6, 5, 4, 3, 2, 1}));
   EXPECT_TRUE(equal(from(bytes, 16, 8), {0x14, 0x13, 0x12, 0x11, 0x01, 0x03, 0, 0}));
   EXPECT_TRUE(equal(from(bytes, 24, 8), {0x24, 0x23, 0x22, 0x21, 0x34, 0x33, 0x32, 0x31}));
@@ -79,6 +79,11 @@ TEST(JournalRecord, any_record_comes_back_as_it_was_and_no_flipped_bit_is_accept
             {static_cast<PositionQuality>(random.integer(1, 3)), q, lower, upper});
       }
     }
+    // Up to six joints have room for what ties their counts to them; lost ones keep it too.
+    const bool room = record.positions.size() <= 6;
+    for (JointPosition& joint : record.positions) {
+      if (random.chance(0.5)) joint.count_zero = random.uniform(-9, 9);
+    }
     const JournalSeal seal{random.bits(), static_cast<std::uint32_t>(random.bits())};
     const JournalRecordBytes bytes = encode(record, seal);
     const auto back = decode_journal_record(bytes);
@@ -87,6 +92,10 @@ TEST(JournalRecord, any_record_comes_back_as_it_was_and_no_flipped_bit_is_accept
     EXPECT_EQ(back->record.sequence, record.sequence);
     EXPECT_EQ(back->record.positions.size(), record.positions.size());
     EXPECT_EQ(back->checksum, checksum_of(bytes));
+    for (std::size_t k = 0; k < record.positions.size(); ++k) {
+      const auto& zero = record.positions[k].count_zero;
+      EXPECT_EQ(back->record.positions[k].count_zero, room ? zero : std::nullopt);
+    }
     for (std::size_t bit = 0; bit < 8 * bytes.size(); ++bit) {
       JournalRecordBytes hit = bytes;
       hit[bit / 8] = static_cast<std::uint8_t>(hit[bit / 8] ^ 1U << (bit % 8));
@@ -108,14 +117,15 @@ TEST(JournalRecord, bytes_that_no_program_of_ours_writes_are_refused_although_se
   EXPECT_TRUE(with(5, 6));
   EXPECT_TRUE(with(5, 9));
   EXPECT_FALSE(with(0, 0));
-  EXPECT_FALSE(with(4, 2));  // version
+  EXPECT_TRUE(with(4, 1));   // the version before, without count zeros
+  EXPECT_FALSE(with(4, 3));  // version
   EXPECT_FALSE(with(5, 0));  // kind
   EXPECT_FALSE(with(5, 10));
   EXPECT_FALSE(with(6, 0));  // joints
   EXPECT_FALSE(with(6, 9));
-  EXPECT_FALSE(with(6, 2));      // one fewer than stand there
-  EXPECT_FALSE(with(7, 6));      // cause
-  EXPECT_FALSE(with(20, 0x41));  // no such quality
+  EXPECT_FALSE(with(6, 2));  // one fewer than stand there
+  EXPECT_TRUE(with(7, 6));
+  EXPECT_FALSE(with(7, 7));  // cause
   EXPECT_FALSE(with(21, 0x13));  // a quality of a joint that is not there
   EXPECT_FALSE(with(80, 1));     // a number of a lost joint
   EXPECT_FALSE(with(87, 0x80));  // -0 is one too
@@ -134,7 +144,7 @@ TEST(JournalRecord, bytes_that_no_program_of_ours_writes_are_refused_although_se
 TEST(JournalRecord, later_versions_are_known_as_such) {
   JournalRecordBytes later = encode(sample(), {});
   EXPECT_FALSE(is_newer_journal_record(later));
-  later[4] = 2;
+  later[4] = 3;
   EXPECT_FALSE(is_newer_journal_record(later));
   EXPECT_TRUE(is_newer_journal_record(sealed(later)));
   EXPECT_FALSE(is_newer_journal_record(std::span(later).first(200)));

@@ -134,7 +134,9 @@ JournalFinding finding_of(JournalKind kind) {
 /// that was known is lost: that write may have been the one that let it move. An interval stays,
 /// for a crash spoils only what was not safe yet, and nothing moves by that.
 JointPosition remembered(const JointPosition& said, bool spoiled, double way) {
-  if (said.quality == PositionQuality::kLost || !std::isfinite(way)) return {};
+  if (said.quality == PositionQuality::kLost || !std::isfinite(way)) {
+    return {.count_zero = said.count_zero};
+  }
   if (spoiled && said.quality != PositionQuality::kUncertain) return {};
   JointPosition joint = said;
   joint.lower -= way;
@@ -171,6 +173,8 @@ void take_positions(JournalRecovery& recovery, const Generation& newest,
   const JournalRecord& last = newest.last->record;
   recovery.finding = finding_of(last.kind);
   const bool spoiled = newest.damaged_behind > 0;
+  recovery.memory = {last.kind == JournalKind::kIntent && !spoiled,
+                     last.cause == JournalCause::kHeld, last.counted};
   if (spoiled) recovery.finding = kDamagedTail;
   // What is spoiled behind it may have been one.
   const bool forgotten = last.kind == JournalKind::kLook || spoiled;

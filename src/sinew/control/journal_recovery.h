@@ -68,6 +68,7 @@ struct JournalRecovery {
   JournalPositions last_said;
   JournalTime last_time;
   bool power_up_added = false;    ///< intervals are wider by power_up_way
+  DriverMemory memory;            ///< what else of the device its last record says
   std::size_t damaged_slots = 0;  ///< in both files, also those that did no harm
   JournalEnd end;                 ///< for the PositionJournal and the files of the next run
 };

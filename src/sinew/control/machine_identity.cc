@@ -81,7 +81,11 @@ struct GeometryWords {
   }
 };
 
+/// The device itself shows at opening whether it kept its power: counts, modules' target positions,
+/// the homed flag of boards that fill their status.
 bool shows_power_loss(const Device& device) {
+  const auto* boards = std::get_if<AxisRegistersDevice>(&device.settings);
+  if (boards != nullptr) return boards->reports_status;
   return std::holds_alternative<IcpDevice>(device.settings) ||
          std::holds_alternative<BigRobotArmDevice>(device.settings);
 }

@@ -20,8 +20,11 @@ bool is_lost(const JointPosition& joint) {
 JointPosition recordable(const JointPosition& joint) {
   const bool finite =
       std::isfinite(joint.lower) && std::isfinite(joint.upper) && std::isfinite(joint.q);
-  if (is_lost(joint) || !finite || !(joint.lower <= joint.upper)) return {};
   JointPosition result = joint;
+  if (joint.count_zero && !std::isfinite(*joint.count_zero)) result.count_zero.reset();
+  if (is_lost(joint) || !finite || !(joint.lower <= joint.upper)) {
+    return {.count_zero = result.count_zero};
+  }
   result.q = std::clamp(joint.q, joint.lower, joint.upper);
   return result;
 }
@@ -34,7 +37,7 @@ JournalPositions recordable(std::span<const JointPosition> positions) {
 
 /// What is recorded says all that is to be said. Sensors are never still: the record has room.
 bool says(const JointPosition& recorded, const JointPosition& now) {
-  if (recorded.quality != now.quality) return false;
+  if (recorded.quality != now.quality || recorded.count_zero != now.count_zero) return false;
   if (now.quality == PositionQuality::kMeasured) {
     return covers(interval_of(recorded), interval_of(now));
   }
@@ -72,8 +75,9 @@ JournalRecord PositionJournal::hand_out(JournalKind kind, JournalCause cause,
   }
   ++records_;
   ++sequence_;
-  claims_.push_back({sequence_, kind, time.run, positions});
-  return {kind, cause, sequence_, generation_, settings_.owner, time, positions};
+  if (cause == JournalCause::kNone && held_) cause = JournalCause::kHeld;
+  claims_.push_back({sequence_, kind, held_, counted_, time.run, positions});
+  return {kind, cause, sequence_, generation_, settings_.owner, time, positions, counted_};
 }
 
 JournalPositions PositionJournal::standing(std::span<const JointPosition> positions) const {
@@ -88,11 +92,12 @@ JournalPositions PositionJournal::standing(std::span<const JointPosition> positi
 
 JointPosition PositionJournal::reserved(std::size_t joint, const JournalMotion& motion) const {
   const JointPosition now = recordable(motion.now[joint]);
-  if (is_lost(now)) return {};
+  if (is_lost(now)) return now;
   const JointInterval& next = motion.next[joint];
   // A joint that only stands keeps what was known of it at rest.
   if (!is_lost(rest_[joint]) && covers(interval_of(now), next) &&
-      covers(interval_of(rest_[joint]), interval_of(now))) {
+      covers(interval_of(rest_[joint]), interval_of(now)) &&
+      rest_[joint].count_zero == now.count_zero) {
     return rest_[joint];
   }
   const JournalJoint& settings = settings_.joints[joint];
@@ -105,7 +110,7 @@ JointPosition PositionJournal::reserved(std::size_t joint, const JournalMotion& 
     block.lower = std::max(block.lower, motion.whole[joint].lower);
     block.upper = std::min(block.upper, motion.whole[joint].upper);
   }
-  JointPosition result{PositionQuality::kUncertain, now.q, 0, 0};
+  JointPosition result{PositionQuality::kUncertain, now.q, 0, 0, now.count_zero};
   result.lower = std::min({block.lower, next.lower, now.lower}) - settings.slack;
   result.upper = std::max({block.upper, next.upper, now.upper}) + settings.slack;
   return result;
@@ -114,6 +119,8 @@ JointPosition PositionJournal::reserved(std::size_t joint, const JournalMotion& 
 bool PositionJournal::runs_out(std::size_t joint, const JournalMotion& motion) const {
   const JointPosition& written = claims_.back().positions[joint];
   const JointPosition& now = motion.now[joint];
+  // Never a tie that no longer holds.
+  if (written.count_zero && written.count_zero != now.count_zero) return true;
   if (is_lost(now)) return !is_lost(written);
   if (is_lost(written)) return true;
   const JointInterval& next = motion.next[joint];
@@ -197,7 +204,8 @@ std::optional<JournalRecord> PositionJournal::at_rest(std::span<const JointPosit
                                                       const JournalTime& time) {
   const Claim& last = claims_.back();
   const bool stands = last.kind != JournalKind::kIntent && last.kind != JournalKind::kLook;
-  if (stands && std::ranges::equal(last.positions, recordable(positions), says)) {
+  if (stands && last.held == held_ && last.counted == counted_ &&
+      std::ranges::equal(last.positions, recordable(positions), says)) {
     return std::nullopt;
   }
   return stand(JournalKind::kRest, JournalCause::kNone, positions, time);

@@ -109,6 +109,11 @@ class PositionJournal {
   /// Some joints are lost; the others are as they are said to be. Nothing: as with told().
   std::optional<JournalRecord> lost(std::span<const JointPosition> positions, JournalCause cause,
                                     const JournalTime& time);
+  /// What each record says besides (DriverMemory); at_rest() writes one where it has changed.
+  void device_says(bool held_by_stop, std::uint8_t counted) {
+    held_ = held_by_stop;
+    counted_ = counted;
+  }
   /// The run ends, at rest. The last record. Nothing: as with told().
   std::optional<JournalRecord> close(std::span<const JointPosition> positions,
                                      const JournalTime& time);
@@ -128,6 +133,8 @@ class PositionJournal {
   struct Claim {
     std::uint64_t sequence = 0;
     JournalKind kind = JournalKind::kOpened;
+    bool held = false;
+    std::uint8_t counted = 0;
     Instant written{};
     JournalPositions positions;
   };
@@ -147,6 +154,8 @@ class PositionJournal {
   std::uint32_t generation_ = 0;
   std::uint32_t records_ = 0;  ///< of this generation
   bool open_ = false;
+  bool held_ = false;
+  std::uint8_t counted_ = 0;
   JournalPositions rest_;  ///< as last said while it stood
   /// Oldest first: the last one that is safe, and those behind it.
   FixedVector<Claim, kUnsyncedMax> claims_;

@@ -239,9 +239,20 @@ constexpr std::array kTable = std::to_array<ErrorInfo>({
     {kNudgeRange, "nudge_range",
      "one step of {subject} may be {limit} at most and not nothing; {measured} was asked for",
      kAngle, true, kNoStop, 422},
+    {kRideTime, "ride_time",
+     "a random move of this size and back takes {measured} on this wire; the ride has {limit}",
+     kTime, true, kNoStop, 422},
+    {kStopLatched, "stop_latched",
+     "{subject} is held by the emergency stop that this computer set in an earlier run; "
+     "acknowledge it to release it, nothing moves",
+     kNone, true, kNoStop, 409},
     {kDeclaredElsewhere, "declared_elsewhere",
      "{subject} cannot stand at {measured}: it is known to be no farther than {limit}, {excess} "
      "off; who moved it has to say so",
+     kAngle, true, kNoStop, 409},
+    {kCountedElsewhere, "counted_elsewhere",
+     "{subject} is said to stand at {measured}, but the device counts {limit}, {excess} apart; say "
+     "where the device counts it, or who moved it and how (--moved, moved:)",
      kAngle, true, kNoStop, 409},
 });
 
@@ -254,8 +265,12 @@ std::string format_value(double value, Quantity quantity) {
     return std::string(text);
   };
   switch (quantity) {
-    case kLength:
-      return print("%.6g mm", to_mm(value));
+    case kLength: {
+      // To 0.1 mm; what is less than that keeps two digits.
+      const double mm = to_mm(value);
+      if (std::abs(mm) < 0.1) return print("%.2g mm", mm);
+      return print("%.6g mm", std::round(mm * 10) / 10);
+    }
     case kAngle:
       return print("%.6g deg", to_deg(value));
     case kTime:

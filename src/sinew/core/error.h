@@ -99,7 +99,10 @@ enum class ErrorCode : std::uint8_t {
   kNotUndone,          ///< a step back over what a tool or a search for zeros did
   kAtBeginning,        ///< a step back where none was made
   kNudgeRange,         ///< index: joint; measured, limit: rad or m, of one step that nobody plans
+  kRideTime,           ///< measured: time of a random move and back; limit: what was given, s
+  kStopLatched,        ///< index: joint; held by a stop that this host set in an earlier run
   kDeclaredElsewhere,  ///< index: joint; measured: declared, limit: as far as it can be, rad or m
+  kCountedElsewhere,   ///< index: joint; measured: said, limit: where the device counts it
 };
 
 /// How a stop ends, after IEC 60204-1.

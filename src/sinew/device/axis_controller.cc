@@ -18,6 +18,8 @@ constexpr double kStateTolerance = 1e-8;  // of a limit
 constexpr double kMovingSpeed = 1e-3;     // rad/s, measured; a count a tick shows as less
 /// Measured beyond a limit by this much, and going on: the joint does not do what it is told.
 constexpr double kLimitSlack = from_deg(0.5);
+/// What encoder and wire leave between where an axis is and where its host says that it is.
+constexpr double kHostSlack = from_deg(0.2);
 /// With the switch closed no way into it may be longer: a stop from homing's slow speed is shorter.
 constexpr double kIntoSwitch = from_deg(0.5);
 /// An end stop that closes within this of its place says nothing about the position.
@@ -344,15 +346,25 @@ void AxisController::cancel_homing() {
   begin_profile(way_to_rest());
 }
 
+/// A target inside the limits; from beyond one of them (sagged, pushed by hand while its motor was
+/// off) also on the way back, and where the axis is, as nearly as its host knows. Nothing for all
+/// others and for a NaN.
+std::optional<double> AxisController::allowed(double q) const {
+  const double lower = std::min(settings_.lower, reference_.q);
+  const double upper = std::max(settings_.upper, reference_.q);
+  const double below = lower < settings_.lower ? kHostSlack : kJointLimitTolerance;
+  const double above = upper > settings_.upper ? kHostSlack : kJointLimitTolerance;
+  if (!(q >= lower - below && q <= upper + above)) return std::nullopt;
+  return lower < settings_.lower || upper > settings_.upper ? std::clamp(q, lower, upper) : q;
+}
+
 AxisVerdict AxisController::move_to(double q) {
   if (const auto no = refusal()) return *no;
   if (busy() || !ready()) return AxisVerdict::kBusy;
   if (!homed_) return AxisVerdict::kNotHomed;
-  // Written so that a NaN is outside.
-  const bool inside =
-      q >= settings_.lower - kJointLimitTolerance && q <= settings_.upper + kJointLimitTolerance;
-  if (!inside) return AxisVerdict::kOutOfLimits;
-  begin_profile(way_to(q, settings_.limits.velocity));
+  const auto target = allowed(q);
+  if (!target) return AxisVerdict::kOutOfLimits;
+  begin_profile(way_to(*target, settings_.limits.velocity));
   return AxisVerdict::kAccepted;
 }
 
@@ -360,14 +372,13 @@ AxisVerdict AxisController::track(double q, double qd) {
   if (const auto no = refusal()) return *no;
   if (busy() || !ready()) return AxisVerdict::kBusy;
   if (!homed_) return AxisVerdict::kNotHomed;
-  const bool inside =
-      q >= settings_.lower - kJointLimitTolerance && q <= settings_.upper + kJointLimitTolerance;
-  if (!inside || !std::isfinite(qd)) return AxisVerdict::kOutOfLimits;
+  const auto target = allowed(q);
+  if (!target || !std::isfinite(qd)) return AxisVerdict::kOutOfLimits;
   if (mode_ != Mode::kTracking) follower_.begin(reference_);
   mode_ = Mode::kTracking;
   streamed_ = true;
-  target_ = q;
-  follower_.setpoint(q, qd);
+  target_ = *target;
+  follower_.setpoint(*target, qd);
   return AxisVerdict::kAccepted;
 }
 

@@ -93,6 +93,7 @@ class AxisController : public Axis {
   bool busy() const { return mode_ == Mode::kHoming || mode_ == Mode::kSelfTest; }
   void begin_hold();
   void begin_profile(const motion::OnlineProfile& profile);
+  std::optional<double> allowed(double q) const;
   motion::OnlineProfile way_to(double q, double speed) const;
   motion::OnlineProfile way_to_rest() const;
   bool swings_back() const;

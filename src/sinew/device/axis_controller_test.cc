@@ -186,6 +186,50 @@ TEST(AxisController, targets_that_are_no_place_in_the_limits_are_refused) {
   EXPECT_EQ(cell.controller.move_to(from_deg(170)), AxisVerdict::kAccepted);
 }
 
+TEST(AxisController, axis_that_was_pushed_beyond_its_limit_goes_inward_only) {
+  AxisSettings settings = test::test_settings();
+  settings.emergency_stop = EmergencyStopAction::kPowerOff;
+  settings.lower = from_deg(-140);
+  settings.upper = from_deg(-130);
+  for (const double push : {-3.0, 3.0}) {
+    AxisCell cell(from_deg(-165), settings);
+    ASSERT_TRUE(cell.home());
+    cell.controller.emergency_stop();
+    cell.tick();
+    cell.plant.set_load(push, 20);  // slowly
+    const double far = from_deg(push < 0 ? -143 : -127);
+    ASSERT_TRUE(cell.run_until([&] { return (cell.plant.q() - far) * push > 0; }, 60));
+    cell.controller.release_emergency_stop();
+    cell.plant.set_load(0, 0.1);
+    cell.run(1);
+    ASSERT_TRUE(cell.status().position_ok);
+    const double here = cell.controller.reference().q;
+    const double inward = push < 0 ? 1 : -1;
+    EXPECT_TRUE(here < settings.lower || here > settings.upper) << to_deg(here);
+    EXPECT_EQ(cell.controller.move_to(here - inward * from_deg(1)), AxisVerdict::kOutOfLimits);
+    EXPECT_EQ(cell.controller.track(here - inward * from_deg(1), 0), AxisVerdict::kOutOfLimits);
+    // To a place that is still outside, by a stream through the limit, and inside as ever.
+    ASSERT_EQ(cell.controller.move_to(here + inward * from_deg(1)), AxisVerdict::kAccepted);
+    ASSERT_TRUE(cell.run_to_rest());
+    EXPECT_NEAR(cell.plant.q(), here + inward * from_deg(1), kTruth);
+    const double begin = cell.controller.reference().q;
+    for (int i = 0; i <= 5000; ++i) {
+      const double share = i / 5000.0;
+      const double q = begin + inward * from_deg(4) * share * share * (3 - 2 * share);
+      const double qd = inward * from_deg(4) * 6 * share * (1 - share) / 5;
+      if (i % 5 == 0) {
+        ASSERT_EQ(cell.controller.track(q, qd), AxisVerdict::kAccepted) << i;
+      }
+      cell.tick();
+    }
+    ASSERT_TRUE(cell.run_to_rest());
+    EXPECT_NEAR(cell.plant.q(), begin + inward * from_deg(4), kTruth);
+    EXPECT_EQ(cell.status().fault, AxisFault::kNone);
+    const double across = push < 0 ? settings.upper + 0.01 : settings.lower - 0.01;
+    EXPECT_EQ(cell.controller.move_to(across), AxisVerdict::kOutOfLimits);
+  }
+}
+
 TEST(AxisController, stop_brakes_inside_the_limits_and_holds) {
   AxisCell cell = homed_cell();
   ASSERT_EQ(cell.controller.move_to(0), AxisVerdict::kAccepted);

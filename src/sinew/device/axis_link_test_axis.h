@@ -130,7 +130,10 @@ class LinkTestAxis final : public Axis {
   AxisVerdict go_checked(double q) {
     if (const auto no = refusal()) return *no;
     if (!told_.homed) return AxisVerdict::kNotHomed;
-    if (!within_limits(joint_, q)) return AxisVerdict::kOutOfLimits;
+    constexpr double kUnit = 1e-8;  // rad
+    const bool back_in = q >= std::min(joint_.lower, told_.q) - kUnit &&
+                         q <= std::max(joint_.upper, told_.q) + kUnit;
+    if (!back_in) return AxisVerdict::kOutOfLimits;
     go(q);
     return AxisVerdict::kAccepted;
   }

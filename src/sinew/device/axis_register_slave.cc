@@ -70,7 +70,9 @@ void AxisRegisterSlave::power_up() {
   armed_ = false;
   place_ = 0;
   miso_ = 0;
-  last_frame_id_ = 0xFFFF;
+  // The first firmware begins with FFFF, so that id is refused; the document refuses an id that was
+  // accepted, and none was.
+  last_frame_id_ = profile_ == AxisRegisterProfile::kAsBuilt ? 0xFFFF : 0;
   values_ = {};
   changes_ = 0;
   in_boot_loader_ = false;

@@ -197,7 +197,9 @@ TEST(AxisRegisterSlave, row_3_a_short_write_sets_the_high_bytes_and_nobody_looks
 TEST(AxisRegisterSlave, row_4_an_id_counts_as_used_once_its_header_is_accepted) {
   for (const auto profile : {kDocument, kAsBuilt}) {
     Board board(profile);
-    EXPECT_EQ(board.header(Operation::kWrite, 4, 1, 0xFFFF), Verdict::kFrameId) << "after power-on";
+    const Verdict first = profile == kDocument ? Verdict::kOk : Verdict::kFrameId;
+    EXPECT_EQ(board.header(Operation::kWrite, 4, 1, 0xFFFF), first) << "after power-on";
+    board.slave.power_up();
     EXPECT_EQ(board.header(Operation::kWrite, 4, 1, 50), Verdict::kOk);
     board.send({1, 0, 0, 0, 0});  // wrong CRC
     EXPECT_EQ(board.send(Bytes(4, kFill)), kCommitCrc);

@@ -203,6 +203,11 @@ TEST(BigRobotArmFirmware, text_echoes_before_the_motion_and_reports_after_it) {
   EXPECT_EQ(bench.text(),
             "BigRobotArm::MOVING-TO\r\nBigRobotArm::POSITION: B5000 S0 E0 WR0 W0\r\n"
             "BigRobotArm::READY\r\n");
+  bench.send("G00 X5\r");
+  bench.run_to_rest();
+  EXPECT_EQ(bench.text(),
+            "Free mem: 5214\r\nProcess command: G00 X5\r\nBigRobotArm::MOVING-TO\r\n"
+            "BigRobotArm::POSITION: B5 S0 E0 WR0 W0\r\nBigRobotArm::READY\r\n");
   bench.send("g0\r");
   EXPECT_EQ(bench.text(),
             "Free mem: 5214\r\nProcess command: g0\r\nBigRobotArm::INVALID-COMMAND\r\n"

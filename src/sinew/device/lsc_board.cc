@@ -67,6 +67,34 @@ Dialect LscBoard::dialect() const {
   return Dialect::kLsc6;
 }
 
+LscBoard::Memory LscBoard::memory() const {
+  Memory memory;
+  for (std::size_t i = 0; i < kServos; ++i) {
+    memory.push_back(static_cast<std::uint8_t>(servos_[i].saved_offset));
+    const Parameters limits =
+        written_info(static_cast<std::uint8_t>(i + 1), servos_[i].limits, BusServoSenses{});
+    for (std::size_t k = 0; k + 1 < kServoBytes; ++k) memory.push_back(limits[k]);
+  }
+  for (const std::uint8_t byte : groups_.memory()) memory.push_back(byte);
+  return memory;
+}
+
+bool LscBoard::set_memory(std::span<const std::uint8_t> bytes) {
+  if (bytes.size() < kServos * kServoBytes) return false;
+  std::array<BusServoLimits, kServos> limits;
+  for (std::size_t i = 0; i < kServos; ++i) {
+    const auto read = read_limits(Parameters(bytes.subspan(i * kServoBytes + 1, kServoBytes - 1)));
+    if (!read) return false;
+    limits[i] = read->second;
+  }
+  if (!groups_.set_memory(bytes.subspan(kServos * kServoBytes))) return false;
+  for (std::size_t i = 0; i < kServos; ++i) {
+    servos_[i].offset = servos_[i].saved_offset = static_cast<std::int8_t>(bytes[i * kServoBytes]);
+    servos_[i].limits = limits[i];
+  }
+  return true;
+}
+
 void LscBoard::power_cycle(Instant now) {
   now_ = std::max(now_, now);
   decoder_.reset();

@@ -70,6 +70,14 @@ class LscBoard {
   /// What a bus servo keeps in itself.
   const BusServoLimits& limits(std::uint8_t id) const { return servo(id).limits; }
 
+  /// What it and its servos keep without power: of each servo saved offset and limits (as command
+  /// 27 writes them), then the groups.
+  static constexpr std::size_t kServoBytes = 1 + 13;
+  using Memory = FixedVector<std::uint8_t, kServos * kServoBytes + LscGroups::kMemoryBytes>;
+  Memory memory() const;
+  /// False, and nothing has changed but groups, where these bytes are no such memory.
+  bool set_memory(std::span<const std::uint8_t> bytes);
+
   bool moving() const;
   std::uint64_t beeps() const { return beeps_; }
   std::uint64_t bytes_lost() const { return bytes_lost_; }

@@ -97,4 +97,81 @@ std::optional<lsc::Move> LscGroups::next() {
   return action;
 }
 
+namespace {
+
+void push_word(LscGroups::Memory& memory, std::uint16_t value) {
+  memory.push_back(static_cast<std::uint8_t>(value & 0xFF));
+  memory.push_back(static_cast<std::uint8_t>(value >> 8));
+}
+
+/// Takes numbers off the front; what is missing reads as 0, and `whole` is false from then on.
+struct MemoryReader {
+  std::span<const std::uint8_t> bytes;
+  bool whole = true;
+
+  std::uint8_t byte() {
+    if (bytes.empty()) {
+      whole = false;
+      return 0;
+    }
+    const std::uint8_t first = bytes.front();
+    bytes = bytes.subspan(1);
+    return first;
+  }
+  std::uint16_t word() {
+    const std::uint8_t low = byte();
+    return static_cast<std::uint16_t>(low | byte() << 8);
+  }
+};
+
+std::optional<lsc::Move> read_action(MemoryReader& reader) {
+  lsc::Move action{.time_ms = reader.word(), .servos = {}};
+  const std::uint8_t servos = reader.byte();
+  if (servos > lsc::kServosMax) return std::nullopt;
+  for (std::uint8_t i = 0; i < servos; ++i) {
+    const std::uint8_t id = reader.byte();
+    action.servos.push_back({id, reader.word()});
+  }
+  return reader.whole ? std::optional(action) : std::nullopt;
+}
+
+}  // namespace
+
+LscGroups::Memory LscGroups::memory() const {
+  Memory memory;
+  memory.push_back(static_cast<std::uint8_t>(groups_.size()));
+  for (const Group& group : groups_) {
+    memory.push_back(group.number);
+    memory.push_back(static_cast<std::uint8_t>(group.actions.size()));
+    for (const lsc::Move& action : group.actions) {
+      push_word(memory, action.time_ms);
+      memory.push_back(static_cast<std::uint8_t>(action.servos.size()));
+      for (const lsc::ServoValue& servo : action.servos) {
+        memory.push_back(servo.id);
+        push_word(memory, servo.value);
+      }
+    }
+  }
+  return memory;
+}
+
+bool LscGroups::set_memory(std::span<const std::uint8_t> bytes) {
+  erase_all();
+  MemoryReader reader{bytes};
+  const std::uint8_t groups = reader.byte();
+  bool fits = true;
+  for (std::uint8_t i = 0; i < groups && fits; ++i) {
+    const std::uint8_t number = reader.byte();
+    const std::uint8_t actions = reader.byte();
+    fits = !has(number);
+    for (std::uint8_t k = 0; k < actions && fits; ++k) {
+      const auto action = read_action(reader);
+      fits = action && store(number, k, *action);
+    }
+  }
+  fits = fits && reader.whole && reader.bytes.empty();
+  if (!fits) erase_all();
+  return fits;
+}
+
 }  // namespace sinew

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 
 #include "sinew/core/fixed_vector.h"
 #include "sinew/core/instant.h"
@@ -42,6 +43,15 @@ class LscGroups {
   bool running() const { return running_; }
   std::uint8_t group() const { return group_; }
   std::uint16_t times() const { return times_; }
+
+  /// What they are in the board's memory: for each group its number and its count of actions, for
+  /// each action time_ms, its count of servos, and of those id and value; words low byte first.
+  static constexpr std::size_t kActionBytes = 3 + 3 * lsc::kServosMax;
+  static constexpr std::size_t kMemoryBytes = 1 + kGroups * (2 + kActions * kActionBytes);
+  using Memory = FixedVector<std::uint8_t, kMemoryBytes>;
+  Memory memory() const;
+  /// False where that is no such memory; all groups are gone then.
+  bool set_memory(std::span<const std::uint8_t> bytes);
 
   /// When the next action (or the end) is due.
   std::optional<Instant> due() const;

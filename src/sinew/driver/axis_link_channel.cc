@@ -11,14 +11,16 @@
 namespace sinew::axis_link {
 namespace {
 
-/// Nearest unit that is not outside the limits: rounding must not make a target on a limit one
-/// beyond it.
+/// Nearest unit: rounding must not make a target on a limit one beyond it. A target beyond one is
+/// on the way back inward and stays as it is.
 std::int32_t inside_units(const Joint& joint, double q) {
   const double nearest = std::round(q * kUnitsPerRad);
   const double lowest = std::ceil(joint.lower * kUnitsPerRad);
   const double highest = std::floor(joint.upper * kUnitsPerRad);
-  const auto units = to_units(std::clamp(nearest, lowest, highest) / kUnitsPerRad);
-  SINEW_ASSERT(units.has_value());  // the constructor looked at the limits
+  const bool inside = within_limits(joint, q);
+  const double whole = inside ? std::clamp(nearest, lowest, highest) : nearest;
+  const auto units = to_units(whole / kUnitsPerRad);
+  SINEW_ASSERT(units.has_value());  // limits and positions were units once
   return *units;
 }
 

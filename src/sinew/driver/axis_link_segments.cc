@@ -41,7 +41,7 @@ double CubicPiece::peak_speed() const {
   return peak;
 }
 
-Expected<void> CubicPiece::check(const Joint& joint) const {
+Expected<void> CubicPiece::check(const Joint& joint, const SendRange& range) const {
   const double peak = peak_speed();
   if (!(peak <= joint.velocity_max * kSpeedTolerance)) {
     return std::unexpected(
@@ -53,7 +53,7 @@ Expected<void> CubicPiece::check(const Joint& joint) const {
     for (const double t : {sum / (3 * c3_), from_.qd / sum}) {
       if (!(t > 0 && t < duration_)) continue;
       const double q = at(t).q;
-      if (q >= joint.lower - kSwing && q <= joint.upper + kSwing) continue;
+      if (q >= range.lower - kSwing && q <= range.upper + kSwing) continue;
       return std::unexpected(
           Error{ErrorCode::kJointLimit, -1, q, q < joint.lower ? joint.lower : joint.upper});
     }
@@ -81,15 +81,16 @@ Expected<void> SegmentQueue::push(const JointMove& move, std::span<const Joint> 
       return std::unexpected(error);
     };
     const double q = move.q[i];
-    // Written so that NaN is refused too.
-    if (!within_limits(joints[i], q)) {
+    const Setpoint from = empty() ? start[i] : back().pieces[i].end();
+    const SendRange range = SendRange(joints[i]).from(from.q);
+    if (!range.holds(q)) {
       const double limit = q < joints[i].lower ? joints[i].lower : joints[i].upper;
       return refuse({ErrorCode::kJointLimit, -1, q, limit});
     }
     if (!std::isfinite(move.qd[i])) return refuse({ErrorCode::kUnsendable, -1, move.qd[i]});
-    const Setpoint from = empty() ? start[i] : back().pieces[i].end();
     const CubicPiece piece(from, {q, move.qd[i]}, duration);
-    if (const auto checked = piece.check(joints[i]); !checked) return refuse(checked.error());
+    const auto checked = piece.check(joints[i], range);
+    if (!checked) return refuse(checked.error());
     segment.ends_at_rest = segment.ends_at_rest && move.qd[i] == 0;
     segment.pieces.push_back(piece);
   }

@@ -8,6 +8,7 @@
 #include "sinew/core/fixed_vector.h"
 #include "sinew/core/instant.h"
 #include "sinew/driver/driver.h"
+#include "sinew/driver/send_range.h"
 #include "sinew/model/robot_model.h"
 
 /// Pieces of a streamed motion, and the setpoints between their ends. All @rt.
@@ -28,9 +29,9 @@ class CubicPiece {
   /// @param t  s from its start, 0..duration.
   Setpoint at(double t) const;
   Setpoint end() const { return to_; }
-  /// Whether it stays inside the joint's limits of position and speed all along.
+  /// Whether it stays in `range` and inside the joint's limit of speed all along.
   /// @error kJointLimit (it swings out between its ends), kSegmentTime (limit: what it would need)
-  Expected<void> check(const Joint& joint) const;
+  Expected<void> check(const Joint& joint, const SendRange& range) const;
 
  private:
   double peak_speed() const;

@@ -33,6 +33,21 @@ TEST(AxisLinkDriver, open_greets_every_axis_and_then_knows_where_it_is) {
   EXPECT_GE(known.upper - known.q, 2 * kPi / 4096);
 }
 
+TEST(AxisLinkDriver, a_joint_beyond_its_limit_goes_inward_and_no_farther_out) {
+  for (const double side : {-1.0, 1.0}) {
+    LinkCell cell;
+    const Joint& joint = cell.joints[1];
+    const double here = side < 0 ? joint.lower - from_deg(3) : joint.upper + from_deg(3);
+    cell.open_at(here);
+    const auto out = cell.driver->move(cell.move_to(here + side * from_deg(0.1), 1s), cell.now);
+    ASSERT_FALSE(out);
+    EXPECT_EQ(out.error().code, ErrorCode::kJointLimit);
+    ASSERT_TRUE(cell.driver->move(cell.move_to(here - side * from_deg(1), 1s), cell.now));
+    ASSERT_TRUE(cell.run_to_event(Kind::kDone, 2s));
+    EXPECT_NEAR(cell.axes[1]->q(), here - side * from_deg(1), 1e-7);
+  }
+}
+
 TEST(AxisLinkDriver, a_move_follows_the_cubic_and_is_done_when_it_stands_there) {
   LinkCell cell;
   cell.open_at(0);

@@ -125,7 +125,9 @@ spi::Bytes AxisRegisterLink::bytes_of(Step step) const {
 }
 
 Duration AxisRegisterLink::pause_behind(Step step) const {
-  if (step == Step::kResync) return timing_.resync_pause;
+  // Behind an error code the board gets its 50 ms, counted from what was sent last.
+  if (step == Step::kResync && bursts_left_ > 1) return timing_.resync_pause;
+  if (step == Step::kResync) return std::max(timing_.resync_pause, timing_.error_pause);
   return step == Step::kValidation ? timing_.validation_pause : timing_.step_pause;
 }
 

@@ -26,20 +26,21 @@ double offset_of(AngleEncoding encoding, double zero) {
 
 }  // namespace
 
-Expected<ToldAngle> tell_angle(AngleEncoding encoding, double zero, const Joint& joint, double q) {
-  const double limit = q < joint.lower ? joint.lower : joint.upper;
+Expected<ToldAngle> tell_angle(AngleEncoding encoding, double zero, const SendRange& range,
+                               double q) {
+  const double limit = q < range.lower ? range.lower : range.upper;
   const Error outside{ErrorCode::kJointLimit, -1, q, limit};
-  if (!within_limits(joint, q)) return std::unexpected(outside);  // NaN too
+  if (!range.holds(q)) return std::unexpected(outside);
   const double offset = offset_of(encoding, zero);
   const double wanted_deg = to_deg(q - offset);
   const double unit_deg = angle_unit_deg(encoding, wanted_deg);
   // The nearest may lie beyond a limit that is no whole unit; then its neighbour inside.
-  const double inward = q > (joint.lower + joint.upper) / 2 ? -unit_deg : unit_deg;
+  const double inward = q > (range.lower + range.upper) / 2 ? -unit_deg : unit_deg;
   for (const double candidate_deg : {wanted_deg, wanted_deg + inward}) {
     const auto bytes = encode_angle(encoding, candidate_deg);
     if (!bytes) continue;
     const auto angle = told(encoding, offset, *bytes);
-    if (angle && within_limits(joint, angle->q)) return *angle;
+    if (angle && range.holds(angle->q)) return *angle;
   }
   return std::unexpected(outside);
 }

@@ -5,6 +5,7 @@
 
 #include "sinew/core/error.h"
 #include "sinew/core/instant.h"
+#include "sinew/driver/send_range.h"
 #include "sinew/model/device.h"
 #include "sinew/model/robot_model.h"
 #include "sinew/wire/axis_registers.h"
@@ -19,10 +20,11 @@ struct ToldAngle {
   double half_unit = 0;  ///< rad: half the distance to the next angle that can be said
 };
 
-/// The angle inside the joint's limits that the wire can say nearest to `q`.
+/// The angle in `range` that the wire can say nearest to `q`.
 /// @param zero  rad: the joint angle that AngleEncoding::kDegU32 calls 0.
 /// @error kJointLimit (also where q is not a number), without an index
-Expected<ToldAngle> tell_angle(AngleEncoding encoding, double zero, const Joint& joint, double q);
+Expected<ToldAngle> tell_angle(AngleEncoding encoding, double zero, const SendRange& range,
+                               double q);
 
 /// What MOVE_ANGLE reads. Nothing: not four bytes, or no number.
 std::optional<ToldAngle> read_angle(AngleEncoding encoding, double zero, const Data& data);

@@ -59,6 +59,7 @@ DriverState AxisRegistersDriver::state() const {
     case Activity::kClosed:
       return DriverState::kClosed;
     case Activity::kOpening:
+    case Activity::kClearing:
       return DriverState::kOpening;
     case Activity::kMoving:
     case Activity::kHoming:
@@ -66,7 +67,6 @@ DriverState AxisRegistersDriver::state() const {
     case Activity::kStopping:
       return DriverState::kStopping;
     case Activity::kIdle:
-    case Activity::kClearing:
       break;
   }
   return fault_ ? DriverState::kFault : DriverState::kReady;
@@ -79,6 +79,28 @@ std::span<const JointPosition> AxisRegistersDriver::positions() const {
 std::optional<std::size_t> AxisRegistersDriver::homing_joint() const {
   const bool searching = activity_ == Activity::kHoming && homing_place_ < homing_order_.size();
   return searching ? std::optional<std::size_t>(homing_order_[homing_place_]) : std::nullopt;
+}
+
+bool AxisRegistersDriver::held_by_stop() const {
+  return memory_.held_by_stop || std::ranges::any_of(axes_, [](const Axis& axis) {
+           return axis.latched || axis.latched_before;
+         });
+}
+
+std::optional<JointInterval> AxisRegistersDriver::counted(std::size_t joint) const {
+  const auto& found = axes_[joint].found;
+  if (!found) return std::nullopt;
+  return JointInterval{found->q - found->half_unit, found->q + found->half_unit};
+}
+
+/// Of the first board that an emergency stop holds which this run did not set.
+std::optional<Error> AxisRegistersDriver::latched_stop() const {
+  for (const Axis& axis : axes_) {
+    if (!axis.fault) continue;
+    const ErrorCode code = axis.fault->code;
+    if (code == ErrorCode::kEmergencyStop || code == ErrorCode::kStopLatched) return axis.fault;
+  }
+  return std::nullopt;
 }
 
 bool AxisRegistersDriver::statuses_are_blank() const {
@@ -98,8 +120,9 @@ std::optional<Error> AxisRegistersDriver::check_ready() const {
 
 Expected<ToldAngle> AxisRegistersDriver::target_for(std::size_t i, double q) const {
   const auto index = static_cast<std::int8_t>(i);
-  auto told = tell_angle(device_.encoding, device_.boards[i].zero, joints_[i], q);
   const JointPosition& position = positions_[i];
+  const SendRange range = SendRange(joints_[i]).from(position);
+  auto told = tell_angle(device_.encoding, device_.boards[i].zero, range, q);
   if (axes_[i].fault) {
     // It takes part by standing still.
     const bool holds =
@@ -205,21 +228,38 @@ void AxisRegistersDriver::declare_positions(std::span<const JointPosition> posit
   }
 }
 
+std::optional<Instant> AxisRegistersDriver::goes_on_until() const {
+  if (activity_ != Activity::kStopping) return goes_on_until_;
+  std::optional<Instant> until;
+  for (const Axis& axis : axes_) {
+    if (axis.phase != Phase::kDone) until = std::max(until.value_or(axis.deadline), axis.deadline);
+  }
+  return until;
+}
+
 void AxisRegistersDriver::begin(Activity activity) {
   activity_ = activity;
   command_ = true;
   cursor_ = 0;
-  for (Axis& axis : axes_) axis.phase = Phase::kDone;
+  for (Axis& axis : axes_) {
+    axis.phase = Phase::kDone;
+    // What follows changes what was found, or where the joint stands.
+    if (activity != Activity::kClearing) axis.found.reset();
+  }
 }
 
 void AxisRegistersDriver::begin_opening(Instant now) {
   activity_ = Activity::kOpening;
   open_again_ = false;
   cursor_ = 0;
+  opened_at_ = now;
+  goes_on_until_.reset();
+  fault_.reset();
   for (Axis& axis : axes_) {
     axis.phase = Phase::kFind;
     axis.answers = false;
     axis.fault.reset();
+    axis.found.reset();
     axis.not_before = now;
   }
 }
@@ -228,6 +268,8 @@ void AxisRegistersDriver::begin_stopping(Instant now) {
   link_.abandon();
   asked_.reset();
   activity_ = Activity::kStopping;
+  goes_on_until_.reset();
+  memory_.ended_in_motion = false;
   cursor_ = 0;
   buses_stopped_ = 0;
   stop_error_.reset();
@@ -235,6 +277,7 @@ void AxisRegistersDriver::begin_stopping(Instant now) {
     Axis& axis = axes_[i];
     const Joint& joint = joints_[i];
     axis.latched = true;
+    axis.found.reset();
     axis.stops_left = timing_.link.tries;
     axis.phase = axis.answers ? Phase::kVerify : Phase::kStop;
     axis.not_before = now;
@@ -360,6 +403,10 @@ void AxisRegistersDriver::finish(Instant now) {
 void AxisRegistersDriver::finish_opening(Instant now) {
   if (std::ranges::any_of(axes_, &Axis::answers)) {
     activity_ = Activity::kIdle;
+    goes_on_until_.reset();
+    memory_ = {};
+    fault_ = latched_stop();
+    if (fault_) return tell(DriverEvent::Kind::kFailed, *fault_);
     return tell(DriverEvent::Kind::kReady);
   }
   const bool all_silent = std::ranges::all_of(axes_, [](const Axis& axis) {

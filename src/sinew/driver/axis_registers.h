@@ -26,6 +26,8 @@ struct AxisRegistersTiming {
   Duration move_margin = std::chrono::seconds(2);    ///< this on top, until a move has failed
   Duration stop_margin = std::chrono::seconds(2);    ///< on top of a joint's slowest deceleration
   Duration homing_limit = std::chrono::minutes(10);  ///< one axis; two turns at 3 deg/s are 4
+  /// Opening waits so long for boards to end the motion that a host before left them with.
+  Duration finish_limit = std::chrono::minutes(1);
 };
 
 /// Host side of the register protocol: one board per axis, one target per move, each board makes
@@ -34,7 +36,8 @@ struct AxisRegistersTiming {
 ///   activity  | what happens                            | next
 ///   ----------+-----------------------------------------+----------------------------------
 ///   kClosed   | open                                    | kOpening
-///   kOpening  | every board was asked, one answered     | kIdle, kReady
+///   kOpening  | every board was asked, one answered,    | kIdle, kReady; with the fault where
+///             | and ended what it was left with         | an emergency stop is latched: kFailed
 ///   kOpening  | none answered                           | kOpening again, kFailed once
 ///   kIdle     | move, home, clear_fault                 | kMoving, kHoming, kClearing
 ///   kMoving   | every board arrived and tells its target| kIdle, kDone
@@ -48,7 +51,9 @@ struct AxisRegistersTiming {
 ///
 /// The wire has one stop, EMERGENCY_STOP, and that is what stop() sends: to all boards at once,
 /// then each is asked, and told again alone where it did not hear. The latch stays until the next
-/// move or home, which take it back first. A latch that this driver did not set is a fault.
+/// move or home, which take it back first. A latch that this driver did not set is a fault of the
+/// whole arm until clear_fault(): kStopLatched where the host's record says that a run before set
+/// it, else kEmergencyStop.
 ///
 /// A board that fails `tries` transactions in a row, or reports a fault, is out: axis_fault() says
 /// why, a silent one is tried again every `retry`. The others go on; move() takes targets that
@@ -58,8 +63,12 @@ struct AxisRegistersTiming {
 /// too little supply until it is homed again: its joint may have fallen to its mechanical end.
 /// kUncertain while moving, after a move that was stopped or failed, and for a board that was homed
 /// by somebody else, always over an interval that holds the truth; kCommanded after a move, at the
-/// angle that the board was really told. A move from an uncertain position is allowed: the board
-/// knows where it stands. All members are @rt.
+/// angle that the board was really told.
+///
+/// Opened with declared positions, a board that is homed has kept its supply since. What was
+/// declared holds where MOVE_ANGLE agrees; an interval of a motion whose host died in it shrinks to
+/// MOVE_ANGLE once the board stands. One of a stop does not: the register reads the target. A move
+/// from an uncertain position is allowed: the board knows where it stands. All members are @rt.
 class AxisRegistersDriver : public SpiDriver {
  public:
   /// @param joints  one per board.
@@ -87,8 +96,16 @@ class AxisRegistersDriver : public SpiDriver {
   /// DIAG_CONTROL 1 and EMERGENCY_STOP 0 on every board. kDone follows where one is fit to move.
   /// @error kPortClosed, kBusy
   Expected<void> clear_fault(Instant now) override;
+  bool clearing() const override { return activity_ == Activity::kClearing; }
   /// At rest only; what the boards say goes before it.
   void declare_positions(std::span<const JointPosition> positions) override;
+  void remember(const DriverMemory& memory) override { memory_ = memory; }
+  bool held_by_stop() const override;
+  /// What MOVE_ANGLE read when the port was opened, of a board that stood, homed, in no stop.
+  std::optional<JointInterval> counted(std::size_t joint) const override;
+  /// While boards that were told to stop have not said that they stand, or go on with what a host
+  /// before asked for.
+  std::optional<Instant> goes_on_until() const override;
 
   void poll(Instant now) override;
   std::optional<Instant> next_deadline() const override;
@@ -135,12 +152,13 @@ class AxisRegistersDriver : public SpiDriver {
   struct Axis {
     std::optional<Error> fault;  ///< why it is out
     bool answers = false;
-    bool blank = false;     ///< its last status was all zero
-    bool latched = false;   ///< by us
-    bool stop_due = false;  ///< it never confirmed a stop
-    bool homing = false;    ///< told to, and not seen to end
-    bool unheld = false;    ///< its current was weak or off since it was homed
-    bool moves = false;     ///< has a target of its own in this move
+    bool blank = false;           ///< its last status was all zero
+    bool latched = false;         ///< by us
+    bool latched_before = false;  ///< by us, in an earlier run
+    bool stop_due = false;        ///< it never confirmed a stop
+    bool homing = false;          ///< told to, and not seen to end
+    bool unheld = false;          ///< its current was weak or off since it was homed
+    bool moves = false;           ///< has a target of its own in this move
     Phase phase = Phase::kDone;
     Instant not_before;
     Instant deadline;
@@ -148,6 +166,7 @@ class AxisRegistersDriver : public SpiDriver {
     double expected = 0;  ///< s, of its move
     axis_registers::ToldAngle target;
     std::optional<axis_registers::ToldAngle> before;  ///< MOVE_ANGLE, before homing
+    std::optional<axis_registers::ToldAngle> found;   ///< MOVE_ANGLE at opening
     std::array<LastHeard<AxisRegisterValue>, AxisRegistersFacts::kRegisters> heard;
   };
   struct Asked {
@@ -186,12 +205,16 @@ class AxisRegistersDriver : public SpiDriver {
   void take_read_back(std::size_t i, const axis_registers::Data& value, Instant now);
   void take_stop_check(std::size_t i, const axis_registers::Data& value, Instant now);
   void take_found(std::size_t i, const axis_registers::Data& value, Instant now);
+  bool finishes(std::size_t i, const axis_registers::Data& value, Instant now);
+  void take_found_angle(std::size_t i, const axis_registers::ToldAngle& read);
   std::optional<axis_registers::Status> take_status(std::size_t i,
                                                     const axis_registers::Data& value);
   void axis_fails(std::size_t i, Error error, Instant now);
   void after_release(std::size_t i);
   void set_everywhere(std::size_t i);
+  bool is_everywhere(std::size_t i) const;
   void set_lost(std::size_t i);
+  std::optional<Error> latched_stop() const;
   void set_at(std::size_t i, const axis_registers::ToldAngle& where);
   void stretch_to_target(std::size_t i);
 
@@ -214,6 +237,9 @@ class AxisRegistersDriver : public SpiDriver {
   bool stop_asked_ = false;
   bool open_again_ = false;  ///< the stop interrupted opening
   bool silence_told_ = false;
+  DriverMemory memory_;
+  Instant opened_at_;
+  std::optional<Instant> goes_on_until_;  ///< boards go on with what a host before asked for
   std::optional<Error> fault_;
   std::optional<Error> stop_error_;
   std::optional<Instant> wake_at_;

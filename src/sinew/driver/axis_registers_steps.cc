@@ -11,6 +11,15 @@ namespace sinew {
 
 using namespace axis_registers;
 
+namespace {
+
+/// Homing may end a little beyond a limit.
+constexpr double kBeyondLimits = from_deg(1);
+/// Within it every board that was seen to move has been asked once more.
+constexpr Duration kAskedAgain = std::chrono::seconds(1);
+
+}  // namespace
+
 void AxisRegistersDriver::ask(std::size_t i, Instant now) {
   Axis& axis = axes_[i];
   // What is claimed of the position must hold from the moment when an order may arrive.
@@ -158,7 +167,7 @@ void AxisRegistersDriver::take_value(std::size_t i, Phase phase, const Data& val
 
 void AxisRegistersDriver::after_release(std::size_t i) {
   Axis& axis = axes_[i];
-  axis.latched = false;
+  axis.latched = axis.latched_before = false;
   axis.stop_due = false;
   if (activity_ == Activity::kHoming) {
     axis.phase = Phase::kBefore;
@@ -177,7 +186,11 @@ std::optional<Status> AxisRegistersDriver::take_status(std::size_t i, const Data
   Axis& axis = axes_[i];
   axis.blank = *status == Status{};
   std::optional<Error> fault = fault_of(status->fault);
-  if (!fault && status->emergency_stop && !axis.latched) fault = Error{ErrorCode::kEmergencyStop};
+  if (status->emergency_stop && !axis.latched) {
+    axis.latched_before = axis.latched_before || memory_.held_by_stop;
+    const ErrorCode who = axis.latched_before ? ErrorCode::kStopLatched : ErrorCode::kEmergencyStop;
+    if (!fault) fault = Error{who};
+  }
   if (!fault && !status->sensor_ok) fault = Error{ErrorCode::kEncoderLost};
   if (!fault && !status->motor_ok) fault = Error{ErrorCode::kSelfTestFailed};
   if (fault && !axis.fault) {
@@ -241,8 +254,7 @@ void AxisRegistersDriver::take_read_back(std::size_t i, const Data& value, Insta
   const double tolerance = same_target_tolerance(*read);
   const auto is_at = [&](double q) { return std::abs(read->q - q) <= tolerance; };
   if (activity_ == Activity::kOpening) {
-    // Somebody else sent it elsewhere since the position was known.
-    if (!is_at(positions_[i].q)) set_everywhere(i);
+    take_found_angle(i, *read);
   } else if (activity_ == Activity::kHoming) {
     axis.homing = axis.unheld = false;
     set_at(i, *read);
@@ -257,6 +269,26 @@ void AxisRegistersDriver::take_read_back(std::size_t i, const Data& value, Insta
     set_at(i, axis.target);
   } else {
     fail_motion({ErrorCode::kMotionIgnored, index}, now);
+  }
+}
+
+/// Of a board that stands, homed and in no stop, when the port is opened.
+void AxisRegistersDriver::take_found_angle(std::size_t i, const ToldAngle& read) {
+  const JointPosition& known = positions_[i];
+  const double tolerance = same_target_tolerance(read);
+  const bool within = known.lower - tolerance <= read.q && read.q <= known.upper + tolerance;
+  const bool anywhere = is_everywhere(i);
+  const bool stopped =
+      known.quality == PositionQuality::kUncertain && !anywhere && !memory_.ended_in_motion;
+  // Behind a stop the register reads where the joint was sent, which is not where it stands.
+  if (stopped) return;
+  axes_[i].found = read;
+  if (anywhere) return;
+  if (!within) {
+    // Somebody else sent it elsewhere since the position was known.
+    set_everywhere(i);
+  } else if (known.quality == PositionQuality::kUncertain) {
+    set_at(i, read);
   }
 }
 
@@ -297,19 +329,39 @@ void AxisRegistersDriver::take_found(std::size_t i, const Data& value, Instant n
   const bool had_fault = axis.fault.has_value();
   if (!device_.reports_status) {
     if (value[0] != kOff && !axis.latched && !had_fault) {
-      axis.fault = Error{ErrorCode::kEmergencyStop, static_cast<std::int8_t>(i)};
+      axis.latched_before = memory_.held_by_stop;
+      axis.fault = Error{axis.latched_before ? ErrorCode::kStopLatched : ErrorCode::kEmergencyStop,
+                         static_cast<std::int8_t>(i)};
     }
   } else if (!take_status(i, value)) {
     return axis_fails(i, {ErrorCode::kUnexpectedReply, -1, 1.0 * value[0]}, now);
   }
   axis.answers = true;
-  const bool known = positions_[i].quality == PositionQuality::kCommanded;
-  if (activity_ == Activity::kOpening && known && device_.reports_status) {
-    axis.phase = Phase::kReadBack;
+  if (activity_ == Activity::kOpening && device_.reports_status) {
+    if (finishes(i, value, now)) return;
+    const bool stands = positions_[i].quality != PositionQuality::kLost && !axis.fault;
+    if (stands) axis.phase = Phase::kReadBack;
   }
   if (activity_ != Activity::kIdle) return;
+  if (!fault_) fault_ = latched_stop();
   if (axis.fault && !had_fault) tell(DriverEvent::Kind::kNotice, *axis.fault);
   if (was_out && !axis.fault && !fault_) tell(DriverEvent::Kind::kReady);
+}
+
+/// A board that goes on with what a host before told it is asked again until it stands: what it
+/// reads as its target is where it is then, and not before.
+bool AxisRegistersDriver::finishes(std::size_t i, const Data& value, Instant now) {
+  const auto status = decode_status(value);
+  const bool under_way = status && status->moving && status->homed && !axes_[i].fault;
+  if (!under_way) return false;
+  if (now - opened_at_ > timing_.finish_limit) {
+    set_everywhere(i);
+    return true;
+  }
+  axes_[i].phase = Phase::kFind;
+  axes_[i].not_before = now + timing_.watch;
+  goes_on_until_ = now + kAskedAgain;
+  return true;
 }
 
 void AxisRegistersDriver::axis_fails(std::size_t i, Error error, Instant now) {
@@ -347,12 +399,17 @@ void AxisRegistersDriver::axis_fails(std::size_t i, Error error, Instant now) {
 }
 
 void AxisRegistersDriver::set_everywhere(std::size_t i) {
-  // Homing may end a little beyond a limit.
-  const double margin = from_deg(1);
   JointPosition& position = positions_[i];
   position.quality = PositionQuality::kUncertain;
-  position.lower = joints_[i].lower - margin;
-  position.upper = joints_[i].upper + margin;
+  position.lower = joints_[i].lower - kBeyondLimits;
+  position.upper = joints_[i].upper + kBeyondLimits;
+}
+
+bool AxisRegistersDriver::is_everywhere(std::size_t i) const {
+  const JointPosition& position = positions_[i];
+  return position.quality == PositionQuality::kUncertain &&
+         position.lower <= joints_[i].lower - kBeyondLimits + kJointLimitTolerance &&
+         position.upper >= joints_[i].upper + kBeyondLimits - kJointLimitTolerance;
 }
 
 void AxisRegistersDriver::set_lost(std::size_t i) {

@@ -199,6 +199,7 @@ TEST(AxisRegistersDriver, one_broadcast_sets_six_of_six_in_81_8_ms) {
     if (transfer.select != 0x3F && broadcasts > 0 && verify == Instant{}) verify = cell.now;
   };
   cell.driver->stop(cell.now);
+  EXPECT_GT(cell.driver->goes_on_until().value_or(asked), asked + 1s);
   cell.run_until(
       [&] {
         const bool all = std::ranges::all_of(
@@ -401,11 +402,11 @@ TEST(AxisRegistersDriver, somebody_elses_emergency_stop_is_a_fault_until_it_is_a
   cell.axes[2].emergency_stop();
   cell.run_for(3s);
   ASSERT_TRUE(cell.saw(Kind::kNotice));
+  cell.events.clear();
   EXPECT_EQ(cell.driver->axis_fault(2), (Error{ErrorCode::kEmergencyStop, 2}));
-  EXPECT_EQ(cell.driver->move(cell.to({0, 0, 9, 0, 0, 0}), cell.now).error().code,
+  EXPECT_EQ(cell.driver->state(), DriverState::kFault) << "of the whole arm";
+  EXPECT_EQ(cell.driver->move(cell.to({9, 0, 0, 0, 0, 0}), cell.now).error().code,
             ErrorCode::kEmergencyStop);
-  ASSERT_TRUE(cell.driver->move(cell.to({9, 0, 0, 0, 0, 0}), cell.now)) << "the others go on";
-  EXPECT_EQ(cell.finish().kind, Kind::kDone);
   EXPECT_TRUE(cell.axes[2].status().emergency_stopped);
   ASSERT_TRUE(cell.driver->clear_fault(cell.now));
   EXPECT_EQ(cell.finish().kind, Kind::kDone);
@@ -476,6 +477,147 @@ TEST(AxisRegistersDriver, closing_ends_a_command_and_leaves_its_interval) {
   cell.expect_honest("after the port went");
   cell.driver->stop(cell.now);
   EXPECT_EQ(cell.finish(1).error.code, ErrorCode::kPortClosed);
+}
+
+// What the next host finds on boards that kept their power, and on those that did not.
+
+/// A host dies and the next one begins with what was recorded.
+void restart(RegisterCell& cell, const DriverMemory& memory) {
+  const auto known = cell.driver->positions();
+  const std::vector<JointPosition> recorded(known.begin(), known.end());
+  cell.new_host();
+  cell.driver->declare_positions(recorded);
+  cell.driver->remember(memory);
+  cell.driver->open(cell.now);
+}
+
+bool opened(RegisterCell& cell) {
+  return cell.run_until(
+      [&] {
+        const DriverState state = cell.driver->state();
+        return state == DriverState::kReady || state == DriverState::kFault;
+      },
+      120);
+}
+
+TEST(AxisRegistersRestart, homed_boards_that_kept_their_power_are_known_again) {
+  RegisterCell cell;
+  cell.start_at();
+  ASSERT_TRUE(cell.driver->move(cell.to({10, 0, -20, 0, 0, 0}), cell.now));
+  EXPECT_EQ(cell.finish().kind, Kind::kDone);
+  restart(cell, {});
+  ASSERT_TRUE(opened(cell));
+  for (std::size_t i = 0; i < 6; ++i) {
+    EXPECT_EQ(cell.driver->positions()[i].quality, Quality::kCommanded) << i;
+    EXPECT_TRUE(cell.driver->counted(i)) << i;
+  }
+  EXPECT_NEAR(cell.driver->counted(2)->lower / 2 + cell.driver->counted(2)->upper / 2,
+              from_deg(-20), 1e-9);
+  cell.expect_honest();
+  cell.axes[1].reboot();
+  restart(cell, {});
+  ASSERT_TRUE(opened(cell));
+  EXPECT_EQ(cell.driver->positions()[1].quality, Quality::kLost) << "its power was away";
+  EXPECT_FALSE(cell.driver->counted(1));
+}
+
+TEST(AxisRegistersRestart, a_host_that_died_in_a_motion_leaves_boards_that_end_it_and_are_known) {
+  RegisterCell cell;
+  cell.start_at();
+  ASSERT_TRUE(cell.driver->move(cell.to({90, 0, -60, 0, 0, 0}), cell.now));
+  cell.run_for(1200ms);
+  ASSERT_TRUE(cell.axes[0].status().moving);
+  restart(cell, {.ended_in_motion = true});
+  ASSERT_TRUE(cell.run_until([&] { return cell.driver->goes_on_until().has_value(); }, 10));
+  EXPECT_EQ(cell.driver->state(), DriverState::kOpening) << "it is waited for";
+  ASSERT_TRUE(opened(cell));
+  EXPECT_EQ(cell.driver->state(), DriverState::kReady);
+  EXPECT_FALSE(cell.driver->goes_on_until());
+  EXPECT_EQ(cell.driver->positions()[0].quality, Quality::kCommanded);
+  EXPECT_NEAR(cell.driver->positions()[0].q, from_deg(90), 1e-9);
+  EXPECT_EQ(cell.driver->positions()[2].quality, Quality::kCommanded);
+  cell.expect_honest();
+}
+
+TEST(AxisRegistersRestart, behind_a_stop_the_register_reads_the_target_and_settles_nothing) {
+  RegisterCell cell;
+  cell.start_at();
+  ASSERT_TRUE(cell.driver->move(cell.to({90, 0, 0, 0, 0, 0}), cell.now));
+  cell.run_for(1s);
+  cell.driver->stop(cell.now);
+  EXPECT_EQ(cell.finish().kind, Kind::kStopped);
+  EXPECT_TRUE(cell.driver->held_by_stop());
+  restart(cell, {.held_by_stop = true});
+  EXPECT_TRUE(cell.driver->held_by_stop()) << "as long as nobody has looked";
+  ASSERT_TRUE(opened(cell));
+  cell.events.clear();
+  ASSERT_TRUE(cell.driver->clear_fault(cell.now));
+  EXPECT_EQ(cell.finish().kind, Kind::kDone);
+  EXPECT_FALSE(cell.driver->held_by_stop());
+  restart(cell, {});
+  ASSERT_TRUE(opened(cell));
+  EXPECT_EQ(cell.driver->positions()[0].quality, Quality::kUncertain);
+  EXPECT_FALSE(cell.driver->counted(0));
+  EXPECT_EQ(cell.driver->positions()[1].quality, Quality::kCommanded) << "it was not moved";
+  cell.expect_honest();
+}
+
+TEST(AxisRegistersRestart, a_latch_that_is_on_record_is_told_as_such_and_released_without_motion) {
+  for (const bool recorded : {true, false}) {
+    RegisterCell cell;
+    cell.start_at(20);
+    cell.driver->stop(cell.now);
+    EXPECT_EQ(cell.finish().kind, Kind::kStopped);
+    restart(cell, {.held_by_stop = recorded});
+    ASSERT_TRUE(opened(cell));
+    EXPECT_EQ(cell.driver->state(), DriverState::kFault);
+    const ErrorCode who = recorded ? ErrorCode::kStopLatched : ErrorCode::kEmergencyStop;
+    EXPECT_EQ(cell.driver->fault(), (Error{who, 0}));
+    EXPECT_EQ(cell.driver->home(cell.now).error().code, who);
+    cell.events.clear();
+    ASSERT_TRUE(cell.driver->clear_fault(cell.now));
+    EXPECT_TRUE(cell.driver->clearing());
+    EXPECT_EQ(cell.driver->state(), DriverState::kOpening);
+    EXPECT_EQ(cell.finish().kind, Kind::kDone);
+    EXPECT_FALSE(cell.driver->clearing());
+    EXPECT_EQ(cell.driver->state(), DriverState::kReady);
+    for (const auto& axis : cell.axes) {
+      EXPECT_FALSE(axis.status().emergency_stopped);
+      EXPECT_EQ(axis.moves + axis.homings, 0);
+      EXPECT_NEAR(axis.q(), from_deg(20), 1e-9);
+    }
+    ASSERT_TRUE(cell.driver->home(cell.now));
+    EXPECT_EQ(cell.finish().kind, Kind::kDone) << "software brings it back";
+  }
+}
+
+TEST(AxisRegistersRestart, what_the_register_reads_contradicts_a_declaration_of_somebody_else) {
+  RegisterCell cell;
+  for (auto& axis : cell.axes) axis.place(from_deg(30));
+  cell.driver->open(cell.now);
+  ASSERT_TRUE(opened(cell));
+  EXPECT_EQ(cell.driver->positions()[3].quality, Quality::kUncertain) << "nobody has recorded it";
+  EXPECT_TRUE(cell.driver->counted(3));
+  EXPECT_NEAR(cell.driver->counted(3)->lower / 2 + cell.driver->counted(3)->upper / 2, from_deg(30),
+              1e-9);
+  cell.driver->stop(cell.now);
+  EXPECT_EQ(cell.finish().kind, Kind::kStopped);
+  EXPECT_FALSE(cell.driver->counted(3)) << "it may have been moving";
+}
+
+TEST(AxisRegistersRestart, a_board_that_never_ends_its_motion_is_not_waited_for_for_ever) {
+  RegisterCell cell;
+  cell.start_at();
+  cell.axes[4].endless = true;
+  ASSERT_TRUE(cell.driver->move(cell.to({0, 0, 0, 0, 40, 0}), cell.now));
+  cell.run_for(1s);
+  restart(cell, {.ended_in_motion = true});
+  const Instant start = cell.now;
+  ASSERT_TRUE(opened(cell));
+  EXPECT_NEAR(to_seconds(cell.now - start), 60, 5);
+  EXPECT_EQ(cell.driver->positions()[4].quality, Quality::kUncertain);
+  EXPECT_EQ(cell.driver->positions()[3].quality, Quality::kCommanded);
+  cell.expect_honest();
 }
 
 TEST(AxisRegistersDriver, commanding_does_not_allocate) {

@@ -16,6 +16,8 @@ namespace {
 constexpr std::int32_t kEchoTolerance = 1;
 /// Limits in a file are rounded; so much above one is still it.
 constexpr double kLimitRounding = 1.001;
+/// A motion takes so many times what its joints can: it may have been a slow one.
+constexpr double kLeftBehind = 4;
 
 std::int32_t multiplier_of(double per_second, const BigRobotArmJoint& joint, std::int32_t most) {
   const double steps = per_second * std::abs(joint.steps_per_rad);
@@ -50,8 +52,7 @@ BigRobotArmJointDriver::BigRobotArmJointDriver(const BigRobotArmDevice& device,
   for (std::size_t i = 0; i < kJoints; ++i) {
     const BigRobotArmJoint& own = device.joints[i];
     SINEW_ASSERT(own.steps_per_motor_rev > 0);
-    limits_[i] = {joints[i].lower, joints[i].upper,
-                  multiplier_of(joints[i].velocity_max, own, device.multiplier_max),
+    limits_[i] = {joints[i], multiplier_of(joints[i].velocity_max, own, device.multiplier_max),
                   multiplier_of(joints[i].acceleration_max, own, device.multiplier_max)};
   }
 }
@@ -77,8 +78,10 @@ void BigRobotArmJointDriver::open(Instant now) {
   state_ = DriverState::kOpening;
   opening_ = true;
   belief_.reopen();
-  limit_ = now + timing_.opening_limit;
-  const double allowed = to_seconds(timing_.opening_limit);
+  const Duration left = left_behind();
+  if (left > Duration::zero()) deaf_until_ = now + left;
+  limit_ = now + timing_.opening_limit + left;
+  const double allowed = to_seconds(timing_.opening_limit + left);
   trouble_ = {ErrorCode::kDeviceSilent, -1, allowed, allowed};
   if (device_.probe_wire) {
     step_ = Step::kProbe;
@@ -102,7 +105,34 @@ void BigRobotArmJointDriver::close(Instant now) {
   step_ = Step::kNone;
   fault_.reset();
   limit_.reset();
+  deaf_until_.reset();
   show(now);
+}
+
+/// How long a motion may still take in which the process before has died.
+Duration BigRobotArmJointDriver::left_behind() const {
+  double longest = 0;
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    const JointPosition& joint = shown_[i];
+    if (joint.quality != PositionQuality::kUncertain) continue;
+    const BigRobotArmJoint& own = device_.joints[i];
+    const double steps = (joint.upper - joint.lower) * std::abs(own.steps_per_rad);
+    longest = std::max(longest,
+                       motion_time(own, steps, limits_[i].speed_max, limits_[i].acceleration_max));
+  }
+  return from_seconds(kLeftBehind * longest);
+}
+
+std::optional<Instant> BigRobotArmJointDriver::goes_on_until() const {
+  if (state_ == DriverState::kOpening && deaf_until_) return deaf_until_;
+  const bool ending = state_ == DriverState::kStopping || state_ == DriverState::kOpening;
+  if (!ending || !belief_.going()) return std::nullopt;
+  const Duration own = from_seconds(to_seconds(expected_) * timing_.wire.move_factor);
+  return going_since_ + own + timing_.wire.move_margin;
+}
+
+std::optional<JointInterval> BigRobotArmJointDriver::counted(std::size_t joint) const {
+  return belief_.counted(joint);
 }
 
 void BigRobotArmJointDriver::poll(Instant now) {
@@ -210,7 +240,8 @@ bool BigRobotArmJointDriver::as_expected(const Status& status) const {
 bool BigRobotArmJointDriver::is_outside(const Words& steps) const {
   for (std::size_t i = 0; i < kJoints; ++i) {
     const double q = belief_.offset()[i] + steps[i] / device_.joints[i].steps_per_rad;
-    if (q < limits_[i].lower || q > limits_[i].upper) return true;
+    const SendRange& range = limits_[i].range;
+    if (q < range.lower || q > range.upper) return true;
   }
   return false;
 }
@@ -236,6 +267,8 @@ void BigRobotArmJointDriver::settle(const Status& status, Instant now) {
   if (wandered || (strayed && is_outside(status.positions))) belief_.lose();
   driver_.set_offset(belief_.offset());
   multipliers_ = {status.speeds, status.accelerations};
+  deaf_until_.reset();
+  if (const auto counted = belief_.take_contradiction()) tell(DriverEvent::Kind::kNotice, *counted);
   if (command_) {
     Error error{ErrorCode::kReplyMismatch};
     if (joint) error.index = static_cast<std::int8_t>(*joint);
@@ -303,6 +336,9 @@ void BigRobotArmJointDriver::go_on_after(Step done, Instant now) {
     case Step::kAfter:
       belief_.arrive();
       break;
+    case Step::kZero:
+      belief_.zero();
+      break;
     default:
       break;
   }
@@ -340,6 +376,9 @@ Expected<void> BigRobotArmJointDriver::ask(Step step, Instant now) {
     case Step::kGripper:
       asked = driver_.set_gripper(gripper_enabled_, gripper_.value_or(0), now);
       break;
+    case Step::kZero:
+      asked = driver_.reset_positions(now);
+      break;
     case Step::kSyncOff:
       asked = driver_.leave_sync(now);
       break;
@@ -368,11 +407,9 @@ Expected<void> BigRobotArmJointDriver::check_move(const JointMove& move) const {
   }
   for (std::size_t i = 0; i < kJoints; ++i) {
     const auto joint = static_cast<std::int8_t>(i);
-    const bool low = move.q[i] < limits_[i].lower;
-    const Limits& limit = limits_[i];
-    // Written so that NaN is refused too.
-    if (!(move.q[i] >= limit.lower - kJointLimitTolerance &&
-          move.q[i] <= limit.upper + kJointLimitTolerance)) {
+    const SendRange& limit = limits_[i].range;
+    if (!limit.from(shown_[i]).holds(move.q[i])) {
+      const bool low = move.q[i] < limit.lower;
       return std::unexpected(
           Error{ErrorCode::kJointLimit, joint, move.q[i], low ? limit.lower : limit.upper});
     }
@@ -520,9 +557,36 @@ void BigRobotArmJointDriver::declare_positions(std::span<const JointPosition> po
   belief_.show(0, shown_);
 }
 
+Expected<void> BigRobotArmJointDriver::zero_counters(Instant now) {
+  if (const auto ready = check_ready(); !ready) return ready;
+  const auto asked = ask(Step::kZero, now);
+  if (!asked) return asked;
+  state_ = DriverState::kMoving;
+  command_ = true;
+  return {};
+}
+
 void BigRobotArmJointDriver::show(Instant now) {
   const double whole = to_seconds(expected_);
-  belief_.show(whole > 0 ? to_seconds(now - going_since_) / whole : 1, shown_);
+  if (!(whole > 0)) return belief_.show(1, shown_);
+  // The joints arrive together: all as far as the one that takes longest by its own ramps.
+  double longest = 0;
+  std::size_t slowest = 0;
+  Words way{};
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    way[i] = target_[i] - belief_.steps()[i];
+    const double time =
+        motion_time(device_.joints[i], way[i], wanted_.speeds[i], wanted_.accelerations[i]);
+    if (time > longest) slowest = i;
+    longest = std::max(longest, time);
+  }
+  // The board may take longer than its ramps: so much slower goes all of it.
+  const double t = to_seconds(now - going_since_) * longest / whole;
+  belief_.show(longest > 0
+                   ? motion_share(device_.joints[slowest], way[slowest], wanted_.speeds[slowest],
+                                  wanted_.accelerations[slowest], t)
+                   : 1,
+               shown_);
 }
 
 void BigRobotArmJointDriver::end_command(DriverEvent::Kind kind, const Error& error) {

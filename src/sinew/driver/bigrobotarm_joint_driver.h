@@ -10,6 +10,7 @@
 #include "sinew/driver/bigrobotarm_positions.h"
 #include "sinew/driver/bigrobotarm_probe.h"
 #include "sinew/driver/driver.h"
+#include "sinew/driver/send_range.h"
 
 namespace sinew {
 
@@ -68,6 +69,9 @@ class BigRobotArmJointDriver : public ByteDriver {
   DriverState state() const override { return state_; }
   std::optional<Error> fault() const override { return fault_; }
   std::span<const JointPosition> positions() const override { return shown_; }
+  /// While its motion cannot be ended, and at the opening behind a process that died in one.
+  std::optional<Instant> goes_on_until() const override;
+  std::optional<JointInterval> counted(std::size_t joint) const override;
   DriverHealth health() const override;
   DeviceFacts facts() const override;
   bool wants_move(Instant) const override { return state_ == DriverState::kReady; }
@@ -88,6 +92,8 @@ class BigRobotArmJointDriver : public ByteDriver {
   /// Where the arm stands; without effect while it moves or is in doubt. `uncertain` keeps its
   /// interval from then on.
   void declare_positions(std::span<const JointPosition> positions) override;
+  /// The document's command 03.
+  Expected<void> zero_counters(Instant now) override;
 
   void poll(Instant now) override;
   std::optional<Instant> next_deadline() const override;
@@ -115,11 +121,11 @@ class BigRobotArmJointDriver : public ByteDriver {
     kGoto,
     kAfter,
     kGripper,
+    kZero,
     kSyncOff,
   };
   struct Limits {
-    double lower = 0;
-    double upper = 0;
+    SendRange range;
     std::int32_t speed_max = 1;  ///< multiplier
     std::int32_t acceleration_max = 1;
   };
@@ -133,6 +139,7 @@ class BigRobotArmJointDriver : public ByteDriver {
   bool as_expected(const Status& status) const;
   bool is_familiar(const Status& status) const;
   bool is_outside(const Words& steps) const;
+  Duration left_behind() const;
   bool may_have_wandered(Instant now) const;
   void settle(const Status& status, Instant now);
   void doubt(const Error& error, Instant now);
@@ -164,6 +171,7 @@ class BigRobotArmJointDriver : public ByteDriver {
   bool command_ = false;  ///< nor has a command
   bool stop_wanted_ = false;
   std::optional<Instant> limit_;  ///< of opening, or of a doubt
+  std::optional<Instant> deaf_until_;  ///< a motion that nobody waits for may be under way
   Error trouble_;                 ///< what is told then
   std::optional<Status> last_read_;
   Step resume_ = Step::kNone;  ///< what a confirmed status answers

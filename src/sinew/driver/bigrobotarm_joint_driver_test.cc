@@ -126,6 +126,134 @@ TEST_P(EveryDevice, stop_lets_the_motion_under_way_end_and_says_so_then) {
   }
 }
 
+TEST_P(EveryDevice, stop_of_a_long_motion_says_until_when_it_goes_on) {
+  BigRobotArmCell cell(robot(), profile());
+  cell.make_ready();
+  EXPECT_FALSE(cell.driver.goes_on_until());
+  ASSERT_TRUE(cell.driver.move(cell.move_to(kThere, 20s), cell.now));
+  cell.run(2s);
+  cell.driver.stop(cell.now);
+  const Instant asked = cell.now;
+  bool told = true;
+  std::optional<Instant> until;
+  cell.run_to(cell.now + 60s, [&] {
+    if (cell.driver.state() != DriverState::kStopping) return true;
+    until = cell.driver.goes_on_until();
+    told = told && until.has_value();
+    return false;
+  });
+  EXPECT_TRUE(told);
+  EXPECT_GT(cell.now - asked, 10s);
+  EXPECT_LE(cell.now, until.value_or(asked));
+  EXPECT_FALSE(cell.driver.goes_on_until());
+}
+
+/// The next host's driver, told what a journal had of the one before.
+void next_host(BigRobotArmCell& cell, std::span<const JointPosition> recorded) {
+  cell.driver = BigRobotArmJointDriver(cell.device(), cell.robot.joints);
+  cell.to_machine.clear();
+  cell.to_host.clear();
+  cell.events.clear();
+  cell.driver.declare_positions(recorded);
+  cell.driver.open(cell.now);
+  cell.run_until(DriverState::kReady);
+}
+
+std::vector<JointPosition> recorded(const BigRobotArmCell& cell) {
+  return {cell.driver.positions().begin(), cell.driver.positions().end()};
+}
+
+TEST_P(EveryDevice, count_settles_where_a_host_left_the_board_that_died_at_any_instant) {
+  for (const auto after : {0us, 300us, 2000us, 20'000us, 400'000us, 1'500'000us, 4'000'000us}) {
+    BigRobotArmCell cell(robot(), profile());
+    cell.make_ready();
+    ASSERT_TRUE(cell.driver.move(cell.move_to({0.1, 0.1, 0, 0, 0.2}), cell.now));
+    cell.run_until(DriverState::kReady);
+    ASSERT_TRUE(cell.driver.move(cell.move_to(kThere), cell.now));
+    cell.run(after);
+    // As an intent has it: somewhere on the way.
+    std::vector<JointPosition> told = recorded(cell);
+    for (std::size_t i = 0; i < told.size(); ++i) {
+      told[i].quality = PositionQuality::kUncertain;
+      told[i].lower = std::min(told[i].lower, kThere[i] - 0.005);
+      told[i].upper = std::max(told[i].upper, kThere[i] + 0.005);
+    }
+    next_host(cell, told);
+    EXPECT_EQ(worst(cell), PositionQuality::kCommanded) << after.count();
+    EXPECT_EQ(cell.liar(), -1) << after.count();
+    for (std::size_t i = 0; i < told.size(); ++i) {
+      const BigRobotArmJoint& own = cell.device().joints[i];
+      const double full_step = own.steps_per_motor_rev / 200 / std::abs(own.steps_per_rad);
+      const JointPosition& joint = cell.driver.positions()[i];
+      EXPECT_LE(joint.upper - joint.lower, 6 * full_step + 1e-9) << after.count() << ", " << i;
+    }
+    ASSERT_TRUE(cell.driver.move(cell.move_to({}), cell.now));
+    cell.run_until(DriverState::kReady);
+    EXPECT_LT(distance(cell, {}), from_deg(0.7));
+  }
+}
+
+TEST_P(EveryDevice, board_that_was_reset_behind_a_dead_host_stays_uncertain) {
+  BigRobotArmCell cell(robot(), profile());
+  cell.make_ready();
+  ASSERT_TRUE(cell.driver.move(cell.move_to(kThere), cell.now));
+  cell.run(300ms);
+  const std::vector<JointPosition> told = recorded(cell);
+  ASSERT_TRUE(told[0].count_zero);
+  cell.machine.port_opened(cell.now);
+  next_host(cell, told);
+  EXPECT_EQ(worst(cell), PositionQuality::kUncertain);
+  EXPECT_EQ(cell.liar(), -1);
+  EXPECT_FALSE(cell.driver.positions()[0].count_zero) << "its count begins anew";
+}
+
+TEST(BigRobotArmJointDriver, count_against_what_is_recorded_loses_the_position_and_says_both) {
+  BigRobotArmCell cell;
+  cell.make_ready();
+  ASSERT_TRUE(cell.driver.move(cell.move_to(kThere), cell.now));
+  cell.run_until(DriverState::kReady);
+  const std::vector<JointPosition> told = recorded(cell);
+  // Another program has it meanwhile.
+  order(cell, bigrobotarm::Goto{{1000, 0, 0, 0, 0}});
+  cell.run(10s);
+  next_host(cell, told);
+  EXPECT_EQ(worst(cell), PositionQuality::kLost);
+  const double counted = 1000 / cell.device().joints[0].steps_per_rad;
+  const auto notice = std::ranges::find(cell.events, Kind::kNotice, &DriverEvent::kind);
+  ASSERT_NE(notice, cell.events.end());
+  EXPECT_EQ(notice->error.code, ErrorCode::kCountedElsewhere);
+  EXPECT_EQ(notice->error.index, 0);
+  EXPECT_NEAR(notice->error.measured, kThere[0], 0.01);
+  EXPECT_NEAR(notice->error.limit, counted, 0.01);
+  // It is evidence for whoever says where it stands, in the process after the next one too.
+  next_host(cell, recorded(cell));
+  const auto evidence = cell.driver.counted(0);
+  ASSERT_TRUE(evidence);
+  EXPECT_LT(evidence->lower, counted);
+  EXPECT_GT(evidence->upper, counted);
+  EXPECT_LT(evidence->upper - evidence->lower, from_deg(1.5));
+}
+
+TEST(BigRobotArmJointDriver, counters_reset_where_it_stands_leave_the_place_and_read_zero) {
+  BigRobotArmCell cell;
+  cell.make_ready();
+  ASSERT_TRUE(cell.driver.move(cell.move_to(kThere), cell.now));
+  cell.run_until(DriverState::kReady);
+  const std::vector<JointPosition> before = recorded(cell);
+  ASSERT_TRUE(cell.driver.zero_counters(cell.now));
+  cell.run_until(DriverState::kReady);
+  EXPECT_EQ(cell.count(Kind::kDone), 2);
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    const JointPosition& joint = cell.driver.positions()[i];
+    EXPECT_EQ(joint.quality, PositionQuality::kCommanded);
+    EXPECT_NEAR(joint.q, before[i].q, 1e-12);
+    EXPECT_NEAR(joint.count_zero.value_or(9), before[i].q, 1e-12);
+  }
+  ASSERT_TRUE(cell.driver.move(cell.move_to({}), cell.now));
+  cell.run_until(DriverState::kReady);
+  EXPECT_LT(distance(cell, {}), from_deg(0.3));
+}
+
 TEST_P(EveryDevice, gripper_jumps_and_its_range_is_kept) {
   BigRobotArmCell cell(robot(), profile());
   cell.make_ready();

@@ -79,6 +79,18 @@ double motion_time(const BigRobotArmJoint& joint, double steps, std::int32_t spe
   return way * a >= v * v ? way / v + v / a : 2 * std::sqrt(way / a);
 }
 
+double motion_share(const BigRobotArmJoint& joint, double steps, std::int32_t speed,
+                    std::int32_t acceleration, double t) {
+  const double whole = motion_time(joint, steps, speed, acceleration);
+  if (t >= whole) return 1;
+  if (t <= 0) return 0;
+  const double a = acceleration * joint.steps_per_motor_rev / 100 / std::abs(steps);  // 1/s^2
+  const double ramp = std::min(whole / 2, 1.0 * speed / acceleration);
+  if (t < ramp) return a * t * t / 2;
+  if (t > whole - ramp) return 1 - a * (whole - t) * (whole - t) / 2;
+  return a * ramp * (t - ramp / 2);
+}
+
 Expected<BigRobotArmMultipliers> synchronised_multipliers(const BigRobotArmDevice& device,
                                                           const Words& deltas,
                                                           const BigRobotArmMultipliers& base,

@@ -16,6 +16,10 @@ struct BigRobotArmMultipliers {
 double motion_time(const BigRobotArmJoint& joint, double steps, std::int32_t speed,
                    std::int32_t acceleration);
 
+/// Share 0..1 of the way that the same trapezoid has gone t seconds after its start. @rt
+double motion_share(const BigRobotArmJoint& joint, double steps, std::int32_t speed,
+                    std::int32_t acceleration, double t);
+
 /// Multipliers with which all joints arrive together, none faster than `base`: what the device's
 /// own sync mode should do, which this host never uses because it counts in a frame of its own.
 /// The slowest joint keeps its base values unless `at_least` asks for more time; a joint that

@@ -16,6 +16,7 @@ constexpr double kFullStepsPerRev = 200;
 /// Full steps by which a rotor may snap when its power stage starts anew, or its motor has slipped.
 constexpr double kSnap = 2;
 constexpr double kFullStepsPerPole = 4;
+constexpr double kRounding = 1e-9;  // rad
 
 }  // namespace
 
@@ -52,6 +53,9 @@ void BigRobotArmPositions::take_declaration(std::span<const JointPosition> posit
     const JointPosition& one = positions[i];
     Slack& slack = slack_[i];
     const double margin = full_step(i) * (between_rests_[i] ? 1 + kSnap : 1);
+    // Who has looked knows no count; a journal does.
+    const bool place = one.quality >= PositionQuality::kCommanded;
+    if (one.count_zero || place || !heard_) ties_[i] = one.count_zero;
     slack = {.lost = one.quality == PositionQuality::kLost || !std::isfinite(one.q) ||
                      !std::isfinite(one.lower) || !std::isfinite(one.upper),
              .uncertain = one.quality == PositionQuality::kUncertain,
@@ -94,7 +98,11 @@ void BigRobotArmPositions::judge(const Status& status, bool boot) {
   } else if (first) {
     if (pending_) {
       take_declaration(*pending_);
-      if (boot) widen_by_snap();
+      if (boot) {
+        widen_by_snap();
+      } else {
+        settle_by_count(*pending_);
+      }
     } else {
       lose();
     }
@@ -108,7 +116,11 @@ void BigRobotArmPositions::judge(const Status& status, bool boot) {
     widen_by_snap();
   } else if (as_left || as_asked) {
   } else if (reopened_) {
+    // Another host had it: its count is evidence, and where the arm stands is not known.
+    std::array<std::optional<double>, kJoints> tied{};
+    for (std::size_t i = 0; i < kJoints; ++i) tied[i] = is_tied(i) ? offset_[i] : ties_[i];
     lose();
+    ties_ = tied;
   } else if (status.positions == Words{}) {
     reach_from_zero(from);
   }
@@ -126,7 +138,63 @@ bool BigRobotArmPositions::turned(std::size_t joint, const Words& from, const Wo
 void BigRobotArmPositions::lose() {
   between_rests_.fill(true);
   slack_ = {};
+  ties_ = {};
   declared_ = false;
+}
+
+/// The board kept its power: what ties its count to the joints still holds, and a place that was
+/// known as an interval is where it counts. What was said and what it counts have to agree; else
+/// somebody else had it, and the count is evidence only.
+void BigRobotArmPositions::settle_by_count(std::span<const JointPosition> said) {
+  const bool all_zero = steps_ == Words{};
+  const auto tied = ties_;
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    if (!tied[i] && slack_[i].lost && !all_zero) ties_[i] = 0;
+    if (!tied[i] || slack_[i].lost) continue;
+    const double here = *tied[i] + steps_[i] / device_.joints[i].steps_per_rad;
+    const double near = (1 + kSnap) * full_step(i);
+    const bool inside = said[i].lower - kRounding <= here && here <= said[i].upper + kRounding;
+    // A damaged request may have reset its counters on the way: they count a place of the motion's
+    // then, and not one at its ends.
+    const bool at_end = std::min({std::abs(here - said[i].lower), std::abs(here - said[i].upper),
+                                  std::abs(here - said[i].q)}) <= near;
+    if (inside && (at_end || !all_zero)) continue;
+    contradiction_ =
+        Error{ErrorCode::kCountedElsewhere, static_cast<std::int8_t>(i), said[i].q, here};
+    lose();
+    ties_ = tied;
+    return;
+  }
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    if (!tied[i] || slack_[i].lost) continue;
+    offset_[i] = *tied[i];
+    const double here = angle(i, steps_);
+    const double left = std::min(here - said[i].lower, said[i].upper - here);
+    const double margin = std::clamp(left, full_step(i), (1 + kSnap) * full_step(i));
+    slack_[i] = {.lost = false, .uncertain = false, .lower = -margin, .upper = margin};
+  }
+}
+
+/// Its place is the count's, whatever moves it meanwhile.
+bool BigRobotArmPositions::is_tied(std::size_t joint) const {
+  return heard_ && declared_ && !slack_[joint].lost && !slack_[joint].uncertain;
+}
+
+std::optional<JointInterval> BigRobotArmPositions::counted(std::size_t joint) const {
+  const std::optional<double> zero = is_tied(joint) ? offset_[joint] : ties_[joint];
+  if (!heard_ || going_ || doubted_ || !zero) return std::nullopt;
+  const double here = *zero + steps_[joint] / device_.joints[joint].steps_per_rad;
+  const double margin = (1 + kSnap) * full_step(joint);
+  return JointInterval{here - margin, here + margin};
+}
+
+void BigRobotArmPositions::zero() {
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    const double way = steps_[i] / device_.joints[i].steps_per_rad;
+    offset_[i] += way;
+    if (ties_[i]) *ties_[i] += way;
+  }
+  steps_ = {};
 }
 
 void BigRobotArmPositions::widen_by_snap() {
@@ -135,6 +203,7 @@ void BigRobotArmPositions::widen_by_snap() {
     slack_[i].lower -= kSnap * full_step(i);
     slack_[i].upper += kSnap * full_step(i);
   }
+  ties_ = {};
   declared_ = false;
 }
 
@@ -146,6 +215,7 @@ void BigRobotArmPositions::reach_from_zero(const Words& from) {
     slack_[i].lower += std::min(0.0, way);
     slack_[i].upper += std::max(0.0, way);
   }
+  ties_ = {};
   declared_ = false;
 }
 
@@ -161,12 +231,15 @@ void BigRobotArmPositions::show(double progress, std::span<JointPosition> positi
   for (std::size_t i = 0; i < kJoints; ++i) {
     JointPosition& shown = positions[i];
     const Slack& slack = slack_[i];
+    // In doubt a damaged request may just have reset the counters.
+    const std::optional<double> zero = is_tied(i) ? offset_[i] : ties_[i];
+    const std::optional<double> count_zero = doubted_ ? std::nullopt : zero;
     if (slack.lost) {
-      shown = {};
+      shown = {.count_zero = count_zero};
       continue;
     }
     const double here = angle(i, steps_);
-    shown = {.quality = PositionQuality::kCommanded, .q = here, .lower = here, .upper = here};
+    shown = {PositionQuality::kCommanded, here, here, here, count_zero};
     const auto reach = [&](double q) {
       shown.lower = std::min(shown.lower, q);
       shown.upper = std::max(shown.upper, q);

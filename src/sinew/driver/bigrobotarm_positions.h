@@ -3,6 +3,7 @@
 #include <array>
 #include <optional>
 #include <span>
+#include <utility>
 
 #include "sinew/driver/bigrobotarm_multipliers.h"
 #include "sinew/driver/driver.h"
@@ -18,6 +19,9 @@ namespace sinew {
 ///   a confirmed status says               | what is believed then
 ///   --------------------------------------+---------------------------------------------------
 ///   the first one, after a declaration    | the declared place, its zero follows
+///   the first one, with count zeros       | where the board counts it: it was never off, since
+///                                         | power-up values would show that. Lost where that
+///                                         | lies outside what was declared
 ///   the first one, nothing declared       | lost
 ///   the steps we left, or were going to   | those
 ///   power-up values, at rest before       | the place we left, uncertain by two full steps more
@@ -65,6 +69,13 @@ class BigRobotArmPositions {
 
   const Words& steps() const { return steps_; }
   const Angles& offset() const { return offset_; }
+  /// Where the board counts it, with what ties its count to the joint. A board that was never tied
+  /// counts from where it was switched on: the document's home. Nothing where its frame is gone.
+  std::optional<JointInterval> counted(std::size_t joint) const;
+  /// The first joint that was declared elsewhere than the board counted it, rad; until taken.
+  std::optional<Error> take_contradiction() { return std::exchange(contradiction_, std::nullopt); }
+  /// The board counts 0 from here on.
+  void zero();
   /// The first joint that no move may start from; nothing: all may.
   std::optional<std::size_t> unknown() const;
   bool declared() const { return declared_; }
@@ -85,6 +96,8 @@ class BigRobotArmPositions {
   double angle(std::size_t joint, const Words& steps) const;
   double full_step(std::size_t joint) const;
   void take_declaration(std::span<const JointPosition> positions);
+  void settle_by_count(std::span<const JointPosition> said);
+  bool is_tied(std::size_t joint) const;
   void widen_by_snap();
   bool turned(std::size_t joint, const Words& from, const Words& to) const;
   void reach_from_zero(const Words& from);
@@ -101,6 +114,9 @@ class BigRobotArmPositions {
   std::array<bool, bigrobotarm::kJoints> between_rests_{};  ///< its rotor may be, see above
   std::optional<std::array<JointPosition, bigrobotarm::kJoints>> pending_;
   std::array<Slack, bigrobotarm::kJoints> slack_;
+  /// Count zeros of joints whose place is not known: evidence, not yet a place.
+  std::array<std::optional<double>, bigrobotarm::kJoints> ties_{};
+  std::optional<Error> contradiction_;
 };
 
 }  // namespace sinew

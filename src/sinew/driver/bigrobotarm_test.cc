@@ -595,6 +595,25 @@ std::array<double, kJoints> arrival_errors(const BigRobotArmDevice& device, cons
   return errors;
 }
 
+TEST(MotionShare, goes_as_the_trapezoid_does) {
+  const BigRobotArmDevice device = arm();
+  const BigRobotArmJoint& joint = device.joints[0];
+  for (const double steps : {40.0, -300.0, 6000.0}) {
+    const double whole = motion_time(joint, steps, 100, 150);
+    const double unit = joint.steps_per_motor_rev / 100;
+    double share = 0, speed = 0;
+    constexpr int kParts = 10'000;
+    for (int k = 0; k < kParts; ++k) {
+      const double t = whole * k / kParts;
+      EXPECT_NEAR(motion_share(joint, steps, 100, 150, t), share, 1e-3) << steps << " at " << t;
+      speed = std::min({150 * unit * t, 100 * unit, 150 * unit * (whole - t)});
+      share += speed * whole / kParts / std::abs(steps);
+    }
+    EXPECT_EQ(motion_share(joint, steps, 100, 150, 0), 0);
+    EXPECT_EQ(motion_share(joint, steps, 100, 150, whole), 1);
+  }
+}
+
 TEST(BigRobotArmMultipliers, ordinary_moves_arrive_within_three_percent) {
   const BigRobotArmDevice device = arm();
   double worst = 0;

@@ -31,7 +31,23 @@ struct JointPosition {
   /// leave open (resolution, dead band, sag). Without meaning while lost.
   double lower = 0;
   double upper = 0;
+  /// What ties the device's own count to the joint: the joint's position where the device counts 0.
+  /// Nothing where the device keeps no count, or the tie is not known for sure. Known also for lost
+  /// joints; the journal keeps it for the next process.
+  std::optional<double> count_zero = std::nullopt;
 };
+
+/// Where the truth may be, ends included; rad, or m of a leg.
+struct JointInterval {
+  double lower = 0;
+  double upper = 0;
+  friend bool operator==(const JointInterval&, const JointInterval&) = default;
+};
+
+/// @rt
+inline bool covers(const JointInterval& outer, const JointInterval& inner) {
+  return outer.lower <= inner.lower && inner.upper <= outer.upper;
+}
 
 /// What the tool is asked to do. A robot without that tool answers kToolNotFitted.
 struct JawsTo {
@@ -45,7 +61,7 @@ struct Suction {
   enum class State : std::uint8_t { kOn, kRelease, kOff } state = State::kOff;
 };
 struct NozzleTo {
-  double angle = 0;  ///< rad, 0 at its centre
+  double angle = 0;  ///< rad, 0 to pi on the servo's own scale; pi/2 is its centre
   Duration duration{};
 };
 using ToolAction = std::variant<JawsTo, GripperTo, Suction, NozzleTo>;
@@ -97,6 +113,16 @@ struct DriverHealth {
   std::uint64_t unexpected = 0;  ///< bytes or answers that fit nothing
 };
 
+/// What the run before left on record beside the positions that are declared before open().
+struct DriverMemory {
+  /// The host died in a motion: a device that finishes motions by itself may stand at its end.
+  bool ended_in_motion = false;
+  /// The host's own stop is latched in the device, unless somebody released it since.
+  bool held_by_stop = false;
+  /// Joints, a bit each, whose counter in the device was away from where a power-up puts it.
+  std::uint8_t counted = 0;
+};
+
 /// Host side of one wire: joint units to device units and back, time-outs, bounded retries that
 /// can never carry out a move twice, resynchronisation. No clock and no port: bytes and Instants
 /// come in, bytes and events go out. Instants never run back. All members are @rt.
@@ -114,9 +140,16 @@ class Driver {
   virtual std::optional<Error> fault() const { return std::nullopt; }
   /// One per joint.
   virtual std::span<const JointPosition> positions() const = 0;
-  /// Until when the machine may go on moving although nothing is under way any more: a motion that
-  /// the wire cannot end, or that nobody was left to end. Nothing where it stands.
+  /// Until when the machine may go on moving although nobody wants it to: a motion that the wire
+  /// cannot end (kStopping), that was under way when the port opened (kOpening), or that nobody was
+  /// left to end. Waits for the device count from there. Nothing where it stands.
   virtual std::optional<Instant> goes_on_until() const { return std::nullopt; }
+  /// Where the device's own counters or registers place a joint, also while it is lost: evidence
+  /// against which a declaration is held. Nothing where they say nothing.
+  virtual std::optional<JointInterval> counted(std::size_t joint) const {
+    static_cast<void>(joint);
+    return std::nullopt;
+  }
   virtual DriverHealth health() const = 0;
   /// What the device has told of itself last, and when, for whoever looks on.
   virtual DeviceFacts facts() const { return {}; }
@@ -168,9 +201,24 @@ class Driver {
     static_cast<void>(action), static_cast<void>(now);
     return std::unexpected(Error{ErrorCode::kToolNotFitted});
   }
+  /// clear_fault() is still under way in the device; kDone or kFailed follows.
+  virtual bool clearing() const { return false; }
   /// What the host knows from elsewhere (a journal, the user's declaration): one per joint.
   virtual void declare_positions(std::span<const JointPosition> positions) {
     static_cast<void>(positions);
+  }
+  /// What the positions that are declared before open() are worth.
+  virtual void remember(const DriverMemory& memory) { static_cast<void>(memory); }
+  /// A stop that this host set, in this run or an earlier one, is latched in the device.
+  virtual bool held_by_stop() const { return false; }
+  /// Joints, a bit each, whose counter in the device is away from where a power-up puts it: the
+  /// next run sees by them whether the power was away.
+  virtual std::uint8_t counters_moved() const { return 0; }
+  /// The device counts 0 where it stands from now on; the positions stay. kDone follows.
+  /// @error kTaskNotSupported (it has no such command), kBusy, fault's own
+  virtual Expected<void> zero_counters(Instant now) {
+    static_cast<void>(now);
+    return std::unexpected(Error{ErrorCode::kTaskNotSupported});
   }
 
   /// Time passes.

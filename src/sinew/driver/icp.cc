@@ -18,7 +18,9 @@ constexpr std::uint8_t kAllLegs = (1U << kLegs) - 1;
 constexpr Duration kSegmentMax = std::chrono::hours(24);
 constexpr Duration kEarlySlack{100'000};  // ns; a clock of a port is some percent off
 constexpr int kMeanOf = 16;               // cycles
-constexpr Duration kHeldFor{1'000'000};   // ns until it is looked again whether it may ask
+/// Of quiet before the last question: a computer or a device that was busy has come back by then.
+constexpr Duration kLastQuiet = std::chrono::seconds(1);
+constexpr Duration kHeldFor{1'000'000};  // ns until it is looked again whether it may ask
 
 template <std::size_t... Index>
 std::array<IcpLegClaim, kLegs> make_claims(const IcpDevice& device, std::index_sequence<Index...>) {
@@ -48,8 +50,7 @@ IcpDriver::IcpDriver(const IcpDevice& device, std::span<const Joint> legs, const
       cycle_time_(4 * timing.byte_time) {
   SINEW_ASSERT(legs.size() == kLegs && device.tries >= 1 && timing.quiet > Duration::zero());
   for (std::size_t i = 0; i < kLegs; ++i) {
-    lower_[i] = legs[i].lower - kJointLimitTolerance;
-    upper_[i] = legs[i].upper + kJointLimitTolerance;
+    ranges_[i] = legs[i];
   }
 }
 
@@ -146,16 +147,19 @@ std::optional<Error> IcpDriver::too_uncertain() const {
   return std::nullopt;
 }
 
+std::optional<Error> IcpDriver::too_far(std::size_t leg, double length) const {
+  const SendRange& range = ranges_[leg];
+  if (range.from(positions_[leg]).holds(length)) return std::nullopt;
+  const double limit = length < range.lower ? range.lower : range.upper;
+  return leg_error(ErrorCode::kLegLength, leg, length, limit);
+}
+
 Expected<void> IcpDriver::move(const JointMove& move, Instant now) {
   if (const auto able = ready(); !able) return able;
   if (const auto error = too_uncertain()) return std::unexpected(*error);
   SINEW_ASSERT(move.q.size() == kLegs);
   for (std::size_t i = 0; i < kLegs; ++i) {
-    // Written so that NaN is refused too.
-    if (!(move.q[i] >= lower_[i] && move.q[i] <= upper_[i])) {
-      const double limit = move.q[i] < lower_[i] ? lower_[i] : upper_[i];
-      return std::unexpected(leg_error(ErrorCode::kLegLength, i, move.q[i], limit));
-    }
+    if (const auto error = too_far(i, move.q[i])) return std::unexpected(*error);
   }
   if (move.duration < Duration::zero() || move.duration > kSegmentMax) {
     return std::unexpected(
@@ -173,10 +177,7 @@ Expected<void> IcpDriver::jog(std::size_t leg, std::int64_t steps, Instant now) 
   }
   if (legs_[leg].known()) {
     const double q = positions_[leg].q + legs_[leg].way_of(steps);
-    if (!(q >= lower_[leg] && q <= upper_[leg])) {
-      const double limit = q < lower_[leg] ? lower_[leg] : upper_[leg];
-      return std::unexpected(leg_error(ErrorCode::kLegLength, leg, q, limit));
-    }
+    if (const auto error = too_far(leg, q)) return std::unexpected(*error);
   }
   Move jog;
   jog.jog[leg] = steps;
@@ -279,6 +280,12 @@ void IcpDriver::declare_positions(std::span<const JointPosition> positions) {
       legs_[i].declare_standing(positions[i]);
     }
     refresh(i);
+  }
+}
+
+void IcpDriver::remember(const DriverMemory& memory) {
+  for (std::size_t i = 0; i < kLegs; ++i) {
+    if ((memory.counted >> i & 1U) != 0) legs_[i].expect_tag();
   }
 }
 
@@ -598,13 +605,16 @@ void IcpDriver::doubt(const Error& error, Instant now) {
     end_stopped(now);
   }
   count_failure();
-  if (failures_ >= device_.tries) {
+  // Before its power is blamed it is asked once more.
+  const bool silent = error.code == ErrorCode::kDeviceSilent && !opening_ && !stopping_;
+  if (failures_ >= device_.tries + (silent ? 1 : 0)) {
     suspect_silence();
     if (error.code != ErrorCode::kDeviceSilent) return give_up(error);
     return give_up(kill_suspected_ ? Error{ErrorCode::kDeviceKilled} : silence(now));
   }
   ++health_.retries;
   listen(now);
+  if (failures_ >= device_.tries) deadline_ = now + kLastQuiet;
   // Where a selector is due, no bit of a sync byte makes a step of it; elsewhere it could.
   if (was == Phase::kSelect || was == Phase::kKill) send(Sync{}, Phase::kQuiet, now);
 }

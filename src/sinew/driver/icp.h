@@ -9,6 +9,7 @@
 #include "sinew/core/fixed_vector.h"
 #include "sinew/driver/driver.h"
 #include "sinew/driver/icp_leg.h"
+#include "sinew/driver/send_range.h"
 #include "sinew/driver/step_merge.h"
 #include "sinew/wire/icp.h"
 
@@ -90,6 +91,8 @@ class IcpDriver final : public ByteDriver {
   Expected<void> clear_fault(Instant now) override;
   /// Only while nothing moves; else it is not heard.
   void declare_positions(std::span<const JointPosition> positions) override;
+  void remember(const DriverMemory& memory) override;
+  std::uint8_t counters_moved() const override { return tagged_legs(); }
   bool looks() const override;
   void allow_looks(bool allowed) override { looks_allowed_ = allowed; }
   void poll(Instant now) override;
@@ -176,14 +179,14 @@ class IcpDriver final : public ByteDriver {
   std::uint8_t legs_to_read() const;
   std::uint8_t tagged_legs() const;
   std::optional<Error> too_uncertain() const;
+  std::optional<Error> too_far(std::size_t leg, double length) const;
   bool running() const { return !queue_.empty() && !finishing_; }
   void refresh(std::size_t leg) { positions_[leg] = legs_[leg].position(); }
   void tell(DriverEvent::Kind kind, const Error& error = {});
 
   IcpDevice device_;
   IcpTiming timing_;
-  std::array<double, kLegs> lower_{};
-  std::array<double, kLegs> upper_{};
+  std::array<SendRange, kLegs> ranges_{};
   std::array<IcpLegClaim, kLegs> legs_;
   std::array<JointPosition, kLegs> positions_;
   IcpFacts facts_;

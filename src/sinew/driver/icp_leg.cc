@@ -144,6 +144,10 @@ IcpLegClaim::Verdict IcpLegClaim::judge(const icp::Status& status, Error& error)
   }
   if (!right_module || !at_rest) return Verdict::kDoubtful;
   const std::int64_t tag = std::abs(std::int64_t{status.two.target});
+  if (forgot(status)) {
+    error = {ErrorCode::kSupplyFlag, index_};
+    return Verdict::kDoubtful;
+  }
   // Where the last step is in doubt, either size may stand there, and 0 before the first.
   const bool either = tag == 1 || tag == units_per_down_ || (tag == 0 && tag_ == 0);
   if (tag == tag_ || (last_maybe_ && either) || (!last_maybe_ && tag_ == 0)) return Verdict::kGood;
@@ -154,9 +158,14 @@ IcpLegClaim::Verdict IcpLegClaim::judge(const icp::Status& status, Error& error)
   return Verdict::kDoubtful;
 }
 
+/// A run before left it with a target position, and the power-up since took that.
+bool IcpLegClaim::forgot(const icp::Status& status) const {
+  return counted_ && tag_ == 0 && status.two.target == 0;
+}
+
 bool IcpLegClaim::shows_supply_loss(const icp::Status& status) const {
   const bool told = tells_of_supply(status.one.flags);
-  const bool forgotten = tag_ != 0 && status.two.target == 0;
+  const bool forgotten = (tag_ != 0 && status.two.target == 0) || forgot(status);
   return told || forgotten || status.one.parameters != icp::kMotorParameters;
 }
 
@@ -175,6 +184,7 @@ void IcpLegClaim::confirm(const icp::Status& status) {
   moved_ = false;
   // From before this program, or from a step that may have been made: it stays until it is lost.
   tag_ = std::abs(std::int64_t{status.two.target});
+  counted_ = false;
   last_maybe_ = false;
 }
 
@@ -206,6 +216,7 @@ void IcpLegClaim::withdraw(const icp::Status& status) {
   moved_ = false;
   // What the module holds now is where the next comparison starts.
   tag_ = 0;
+  counted_ = false;
   last_maybe_ = false;
 }
 

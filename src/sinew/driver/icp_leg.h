@@ -72,7 +72,9 @@ class IcpLegClaim {
   /// @return  the verdict, and in `error` what is wrong.
   Verdict judge(const icp::Status& status, Error& error) const;
   /// Its module holds a target position that only a power cut or a lost step would take away.
-  bool tagged() const { return tag_ != 0; }
+  bool tagged() const { return tag_ != 0 || counted_; }
+  /// A run before left it with one.
+  void expect_tag() { counted_ = true; }
   /// All is well: what was sent was done.
   void confirm(const icp::Status& status);
   /// Anything since the last good status may not have been done.
@@ -89,6 +91,7 @@ class IcpLegClaim {
   void round_passed();
 
  private:
+  bool forgot(const icp::Status& status) const;
   std::int64_t size_of(int direction) const { return wire_bit(direction) ? units_per_down_ : 1; }
   std::int64_t lower() const;
   std::int64_t upper() const;
@@ -116,6 +119,7 @@ class IcpLegClaim {
   bool on_hill_ = true;      ///< no step is known since the current may have come back
   std::int64_t slack_ = 0;   ///< units that a declared place may be off by, on either side
   std::int64_t tag_ = 0;     ///< |target position| that the module must show; 0: anything
+  bool counted_ = false;     ///< |target position| is not 0, unless its power was away
   bool last_maybe_ = false;  ///< a later step may or may not have been made
   int last_direction_ = 1;
   /// Steps by direction bit whose size no status has shown yet.

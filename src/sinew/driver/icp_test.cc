@@ -397,6 +397,58 @@ TEST(IcpDriver, close_ends_the_command_and_open_finds_the_device_again) {
   }
 }
 
+TEST(IcpDriver, device_that_is_busy_for_a_second_is_asked_once_more_before_its_power_is_blamed) {
+  IcpCell cell;
+  cell.begin();
+  const Instant back = cell.now + 900ms;
+  cell.up.fault = [&](std::uint8_t byte, std::size_t) {
+    return cell.now < back ? test::IcpLine::Fate{} : test::IcpLine::Fate{{byte}, {}};
+  };
+  ASSERT_TRUE(cell.go({3, 0, 0, 0, 0, 0}));
+  cell.settle();
+  EXPECT_EQ(cell.driver.state(), DriverState::kReady);
+  EXPECT_FALSE(cell.uncertain());
+  cell.expect_honest();
+  EXPECT_EQ(cell.truth(0), 3);
+}
+
+TEST(IcpDriver, power_cut_between_two_runs_shows_where_the_record_says_what_modules_held) {
+  for (const bool cut : {false, true}) {
+    for (const bool recorded : {false, true}) {
+      IcpCell cell;
+      cell.begin();
+      EXPECT_EQ(cell.driver.counters_moved(), 0) << "no step since the power came";
+      ASSERT_TRUE(cell.go({40, 0, 0, -30, 0, 0}));
+      cell.settle();
+      EXPECT_EQ(cell.driver.counters_moved(), 0b1001);
+      const std::vector<JointPosition> known(cell.driver.positions().begin(),
+                                             cell.driver.positions().end());
+      cell.driver.close(cell.now);
+      if (cut) cell.machine.power_cycle();
+      cell.run_for(1s);
+      cell.driver = IcpDriver(test::icp_device(), cell.robot.joints);
+      cell.driver.declare_positions(known);
+      if (recorded) cell.driver.remember({.counted = 0b1001});
+      cell.driver.open(cell.now);
+      cell.settle();
+      // Without the record the modules of a machine that was switched off look as any others.
+      const bool seen = cut && recorded;
+      EXPECT_EQ(cell.driver.state(), seen ? DriverState::kFault : DriverState::kReady);
+      EXPECT_EQ(cell.uncertain(), seen);
+      if (seen) {
+        EXPECT_EQ(cell.driver.fault()->code, ErrorCode::kSupplyFlag);
+      }
+      for (std::size_t leg = 0; leg < kLegs && (seen || !cut); ++leg) {
+        const JointPosition& claim = cell.driver.positions()[leg];
+        const double q = cell.machine.truth().joints[leg].q;
+        const double trails = 17 / test::kIcpUnitsPerM;
+        EXPECT_TRUE(q >= claim.lower - trails && q <= claim.upper + trails) << leg;
+      }
+      EXPECT_EQ(cell.driver.counters_moved(), cut ? 0 : 0b1001);
+    }
+  }
+}
+
 TEST(IcpDriver, nothing_is_allocated) {
   const IcpDevice device = test::icp_device();
   const RobotModel robot = test::icp_robot(device);

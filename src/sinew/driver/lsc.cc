@@ -184,6 +184,10 @@ bool LscDriver::must_be_slow() const {
   return lost();
 }
 
+SendRange LscDriver::range_of(std::size_t joint) const {
+  return units_.range_from(joint, positions_[joint]);
+}
+
 bool LscDriver::wants_move(Instant now) const {
   if (phase_ == Phase::kIdle) return true;
   if (stopping_ || current_.rest || next_) return false;
@@ -251,7 +255,7 @@ Expected<void> LscDriver::move(const JointMove& move, Instant now) {
   }
   Segment segment;
   for (std::size_t i = 0; i < units_.joints(); ++i) {
-    const auto units = units_.of_joint(i, move.q[i]);
+    const auto units = units_.of_joint(i, move.q[i], range_of(i));
     if (!units) return std::unexpected(units.error());
     segment.to[i] = *units;
     segment.mask |= bit(i);
@@ -259,7 +263,7 @@ Expected<void> LscDriver::move(const JointMove& move, Instant now) {
   if (const auto checked = check_time(segment, move); !checked) return checked;
   segment.duration = move.duration;
   segment.rest = must_be_slow() || std::all_of(move.qd.begin(), move.qd.end(),
-                                               [](double speed) { return speed == 0; });
+                                       [](double speed) { return speed == 0; });
   ++health_.requests;
   ++pending_;
   if (!follows) {

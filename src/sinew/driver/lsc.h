@@ -54,9 +54,10 @@ struct LscTiming {
 ///   any open   | silence thrice, a foreign motion    | kQuiet, positions lost
 ///   any open   | supply < 5 V twice                  | kFault until clear_fault()
 ///
-/// A position that is lost, uncertain or measured outside its limits (a limp arm has sunk) allows
-/// one kind of move: 2 s to 30 s long, so that the arm goes slowly. It is sent again every 100 ms
-/// with the time that is left.
+/// A position that is lost or uncertain allows one kind of move: 2 s to 30 s long, so that the arm
+/// goes slowly. It is sent again every 100 ms with the time that is left. A joint that was measured
+/// beyond a limit (a limp arm has sunk, a hand has pushed it) goes inward at the speed of any other
+/// move.
 ///
 /// At rest an lsc6 hears its targets again behind each sign of life: nothing tells the host that
 /// the last frame of a motion was damaged, so that must not count for longer than a second.
@@ -140,7 +141,9 @@ class LscDriver : public ByteDriver {
 
   bool lost() const;
   bool outside(std::size_t joint) const;
+  /// Somewhere beyond its limits, or lost: it moves slowly, in one piece.
   bool must_be_slow() const;
+  SendRange range_of(std::size_t joint) const;
   Expected<void> may_begin() const;
   Expected<void> check_start(const JointMove& move) const;
   Expected<void> check_time(const Segment& segment, const JointMove& move) const;

@@ -164,5 +164,18 @@ TEST(LscStart, a_bus_arm_that_stands_elsewhere_than_was_planned_refuses_with_num
   EXPECT_TRUE(cell.driver.move(move, cell.now));
 }
 
+/// An arm that lies against itself goes so.
+TEST(LscDriver, from_beyond_its_limits_an_arm_may_go_slowly_in_one_piece) {
+  LscCell cell(LscProfile::kBus);
+  cell.machine.disturb({sim::Disturbance::Kind::kPayload, -1, 0.5});
+  cell.run_for(3s);
+  cell.driver.open(cell.now);
+  cell.run_for(1s);
+  ASSERT_GT(std::abs(cell.driver.positions()[1].q), kPi / 2 + 0.05);
+  // At speed the horn would leave what is reserved for the joint on record.
+  EXPECT_FALSE(cell.driver.move(cell.to(test::kLscHere, 100ms), cell.now));
+  EXPECT_TRUE(cell.driver.move(cell.to(test::kLscHere, 10s), cell.now));
+}
+
 }  // namespace
 }  // namespace sinew

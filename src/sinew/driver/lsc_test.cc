@@ -414,21 +414,6 @@ TEST(LscDriver, a_blocked_bus_joint_is_reported_with_where_it_really_is) {
   EXPECT_EQ(cell.ends(), cell.commands);
 }
 
-TEST(LscDriver, a_limp_bus_arm_that_sank_beyond_its_limits_comes_back_slowly) {
-  LscCell cell(LscProfile::kBus);
-  cell.machine.disturb({sim::Disturbance::Kind::kPayload, -1, 0.5});
-  cell.run_for(3s);
-  cell.driver.open(cell.now);
-  cell.run_for(1s);
-  ASSERT_GT(std::abs(cell.driver.positions()[1].q), kPi / 2 + 0.05);
-  EXPECT_EQ(refusal(cell.driver.move(cell.to(kLscHere, 100ms), cell.now)), ErrorCode::kSegmentTime);
-  cell.machine.disturb({sim::Disturbance::Kind::kPayload, -1, 0});
-  ASSERT_TRUE(cell.driver.move(cell.to(kLscHere, 3s), cell.now));
-  cell.run_for(4s);
-  EXPECT_EQ(cell.count(Kind::kDone), 1U);
-  EXPECT_LT(cell.worst(kLscHere), kLscSag);
-}
-
 TEST(LscDriver, an_esp32_that_restarts_is_noticed_by_its_boot_text) {
   LscCell cell(LscProfile::kEsp32);
   cell.start(kLscHere);

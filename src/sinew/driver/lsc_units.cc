@@ -5,6 +5,13 @@
 #include "sinew/core/assert.h"
 
 namespace sinew {
+namespace {
+
+/// Units that the wire can say: of bus servos 0..1000, else a pulse in us.
+constexpr double kBusMin = 0, kBusMax = 1000;
+constexpr double kPulseMin = 500, kPulseMax = 2500;
+
+}  // namespace
 
 LscUnits::LscUnits(const LscDevice& device, std::span<const Joint> joints,
                    const std::optional<JawGripper>& gripper)
@@ -33,17 +40,23 @@ std::optional<std::size_t> LscUnits::slot_of(std::uint8_t servo_id) const {
   return std::nullopt;
 }
 
-Expected<std::uint16_t> LscUnits::of_joint(std::size_t joint, double q) const {
+Expected<std::uint16_t> LscUnits::of_joint(std::size_t joint, double q,
+                                           const SendRange& range) const {
   const auto index = static_cast<std::int8_t>(joint);
   const Joint& limits = joints_[joint];
-  if (!std::isfinite(q) || !within_limits(limits, q)) {
+  if (!range.holds(q)) {
     const double limit = q < limits.lower ? limits.lower : limits.upper;
     return std::unexpected(Error{ErrorCode::kJointLimit, index, q, limit});
   }
   const LscServo& servo = device_.servos[joint];
   const double units = std::round(servo.centre + servo.trim + servo.units_per_rad * q);
-  if (!(units >= servo.lower && units <= servo.upper)) {
-    const double limit = units < servo.lower ? servo.lower : servo.upper;
+  // What the wire itself can say.
+  const bool bus = device_.profile == LscProfile::kBus;
+  const bool back = !within_limits(limits, q);
+  const double lower = back ? (bus ? kBusMin : kPulseMin) : servo.lower;
+  const double upper = back ? (bus ? kBusMax : kPulseMax) : servo.upper;
+  if (!(units >= lower && units <= upper)) {
+    const double limit = units < lower ? lower : upper;
     return std::unexpected(Error{ErrorCode::kPulseRange, index, units, limit});
   }
   return static_cast<std::uint16_t>(units);

@@ -7,6 +7,7 @@
 
 #include "sinew/core/error.h"
 #include "sinew/core/fixed_vector.h"
+#include "sinew/driver/send_range.h"
 #include "sinew/model/device.h"
 #include "sinew/model/robot_model.h"
 
@@ -26,18 +27,27 @@ class LscUnits {
   std::uint8_t id(std::size_t slot) const;
   std::optional<std::size_t> slot_of(std::uint8_t id) const;
 
-  /// units = centre + trim + units_per_rad q, to the nearest.
+  /// units = centre + trim + units_per_rad q, to the nearest. From beyond a limit every place on
+  /// the way back that the wire has words for.
+  /// @param range  where it may be sent
   /// @error kJointLimit (also not a number), kPulseRange
-  Expected<std::uint16_t> of_joint(std::size_t joint, double q) const;
+  Expected<std::uint16_t> of_joint(std::size_t joint, double q, const SendRange& range) const;
+  Expected<std::uint16_t> of_joint(std::size_t joint, double q) const {
+    return of_joint(joint, q, joints_[joint]);
+  }
   /// @param width  m; @error kToolNotFitted, kGripperRange (also not a number)
   Expected<std::uint16_t> of_width(double width) const;
 
   double q_of(std::size_t joint, double units) const;
   /// m between the jaws, of a robot that has some.
   double width_of(double units) const;
-  /// Within the joint's limits, a unit more or less.
-  bool inside(std::size_t joint, double q) const;
+  /// Where it may be sent from `here`.
+  SendRange range_from(std::size_t joint, const JointPosition& here) const {
+    return SendRange(joints_[joint]).from(here);
+  }
   /// rad that one unit is.
+  /// Inside the joint's limits, as closely as the servo can tell.
+  bool inside(std::size_t joint, double q) const;
   double resolution(std::size_t joint) const;
   /// Units per s that the model allows a joint.
   double speed_max(std::size_t joint) const;

@@ -27,7 +27,8 @@ constexpr int kStrangersMax = 3;
 constexpr int kSilentTold = 3;
 constexpr int kNeverRests = 4;     ///< times `settle`; an arm that swings so long is not done
 constexpr int kOtherEndReads = 3;  ///< equal readings off the target before the move is given up
-constexpr double kMiddleUs = 1500;
+// The document's scale of the nozzle's servo: 0 to 180 deg are 500 to 2500 us.
+constexpr double kZeroUs = 500;
 constexpr double kUsPerRad = 2000 / kPi;
 constexpr std::int16_t kDeadServo = -1;
 
@@ -115,6 +116,12 @@ DriverState MaxArmDriver::state() const {
   return ready_ ? DriverState::kReady : DriverState::kOpening;
 }
 
+std::optional<Instant> MaxArmDriver::goes_on_until() const {
+  if (job_ != Job::kStop) return std::nullopt;
+  const Instant settled = moves_until_ + kNeverRests * timing_.settle;
+  return in_doubt_ ? std::max(settled, doubt_since_ + timing_.patience) : settled;
+}
+
 bool MaxArmDriver::wants_move(Instant /*now*/) const {
   return state() == DriverState::kReady && rests();
 }
@@ -122,7 +129,7 @@ bool MaxArmDriver::wants_move(Instant /*now*/) const {
 Expected<void> MaxArmDriver::move(const JointMove& move, Instant now) {
   if (fault_) return std::unexpected(*fault_);
   if (state() != DriverState::kReady) return std::unexpected(Error{ErrorCode::kBusy});
-  const auto target = maxarm_pulses(device_, joints_, move.q);
+  const auto target = maxarm_pulses(device_, joints_, move.q, positions());
   if (!target) return std::unexpected(target.error());
   for (std::size_t i = 0; i < kServos; ++i) {
     if (positions_[i].quality == PositionQuality::kMeasured) continue;
@@ -201,7 +208,7 @@ Expected<void> MaxArmDriver::tool(const ToolAction& action, Instant now) {
     tool_time_ = Duration::zero();
     tool_frames_ = kSuctionFrames;
   } else {
-    const double us = std::round(kMiddleUs + kUsPerRad * nozzle->angle);
+    const double us = std::round(kZeroUs + kUsPerRad * nozzle->angle);
     if (!(us >= 500 && us <= 2500)) {
       return std::unexpected(Error{ErrorCode::kGripperRange, -1, us, us < 500 ? 500.0 : 2500.0});
     }
@@ -631,7 +638,7 @@ SetAngle MaxArmDriver::sturdy_set(const Pulses& target, std::int32_t time_ms) co
       const bool moved = pulse != target[i];
       const double angle = angle_of(i, pulse);
       if (moved && (pulse < kMaxArmPulseMin || pulse > kMaxArmPulseMax)) return std::nullopt;
-      if (moved && !within_limits(joints_[i], angle)) return std::nullopt;
+      if (moved && !SendRange(joints_[i]).from(positions_[i]).holds(angle)) return std::nullopt;
       set.pulses[i] = static_cast<std::uint16_t>(pulse);
     }
     return set;

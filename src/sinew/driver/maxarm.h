@@ -86,6 +86,8 @@ class MaxArmDriver : public ByteDriver {
   DriverState state() const override;
   std::optional<Error> fault() const override { return fault_; }
   std::span<const JointPosition> positions() const override { return positions_; }
+  /// While a stop has not been heard, or is not carried out yet.
+  std::optional<Instant> goes_on_until() const override;
   DriverHealth health() const override { return health_; }
   DeviceFacts facts() const override;
   bool wants_move(Instant now) const override;

@@ -5,15 +5,17 @@
 namespace sinew {
 
 Expected<MaxArmPulses> maxarm_pulses(const MaxArmDevice& device, std::span<const Joint> joints,
-                                     std::span<const double> q) {
+                                     std::span<const double> q,
+                                     std::span<const JointPosition> here) {
   if (q.size() != maxarm::kServos || joints.size() != maxarm::kServos) {
     return std::unexpected(Error{ErrorCode::kTaskNotSupported});
   }
   MaxArmPulses pulses{};
   for (std::size_t i = 0; i < maxarm::kServos; ++i) {
     const auto index = static_cast<std::int8_t>(i);
-    // Not a number is within nothing.
-    if (!within_limits(joints[i], q[i])) {
+    SendRange range = joints[i];
+    if (!here.empty()) range = range.from(here[i]);
+    if (!range.holds(q[i])) {
       const double limit = q[i] < joints[i].lower ? joints[i].lower : joints[i].upper;
       return std::unexpected(Error{ErrorCode::kJointLimit, index, q[i], limit});
     }

@@ -322,9 +322,12 @@ TEST(MaxArmDriver, stop_holds_the_arm_on_its_way_from_any_moment) {
       cell.driver.stop(cell.now);
       // Twice is once, while it is under way.
       if (cell.driver.state() == DriverState::kStopping) cell.driver.stop(cell.now);
+      const bool stops = cell.driver.state() == DriverState::kStopping;
+      EXPECT_EQ(cell.driver.goes_on_until().has_value(), stops);
       const auto end = cell.run_to_end(10s);
       ASSERT_TRUE(end);
       EXPECT_EQ(end->kind, Kind::kStopped);
+      EXPECT_FALSE(cell.driver.goes_on_until());
       const double stopped = cell.true_pulse(0);
       cell.run_for(3s);
       EXPECT_NEAR(cell.true_pulse(0), stopped, 1) << "nothing moves on";
@@ -396,7 +399,8 @@ TEST(MaxArmDriver, suction_is_sent_twice_and_the_nozzle_once) {
   EXPECT_EQ(cell.run_to_end(5s)->kind, Kind::kDone);
   EXPECT_GE(cell.now - asked, 1s) << "the Arduino program is deaf while the nozzle turns";
   EXPECT_NEAR(cell.machine.truth().tool, from_deg(45), 1e-9);
-  EXPECT_EQ(sent<SetPwmServo>(cell).size(), 1U);
+  ASSERT_EQ(sent<SetPwmServo>(cell).size(), 1U);
+  EXPECT_EQ(sent<SetPwmServo>(cell)[0].pulse_us, 1000) << "the document's scale";
   EXPECT_EQ(cell.machine.firmware().restarts(), 0U);
 }
 
@@ -405,7 +409,8 @@ TEST(MaxArmDriver, tool_refuses_what_would_restart_the_board) {
   const auto refused = [&](const ToolAction& a) { return cell.driver.tool(a, cell.now).error(); };
   EXPECT_EQ(refused(NozzleTo{0, 19ms}).code, ErrorCode::kSegmentTime);
   EXPECT_EQ(refused(NozzleTo{0, 31s}).code, ErrorCode::kSegmentTime);
-  EXPECT_EQ(refused(NozzleTo{from_deg(91), 1s}).code, ErrorCode::kGripperRange);
+  EXPECT_EQ(refused(NozzleTo{from_deg(181), 1s}).code, ErrorCode::kGripperRange);
+  EXPECT_EQ(refused(NozzleTo{from_deg(-1), 1s}).code, ErrorCode::kGripperRange);
   EXPECT_EQ(refused(NozzleTo{std::numeric_limits<double>::quiet_NaN(), 1s}).code,
             ErrorCode::kGripperRange);
   EXPECT_EQ(refused(JawsTo{0.01}).code, ErrorCode::kToolNotFitted);

@@ -24,10 +24,12 @@ std::optional<Error> refusal_of(const BigRobotArmDevice& device, std::span<const
 }
 
 std::optional<Error> refusal_of(const AxisRegistersDevice& device, const RobotModel& robot,
-                                std::span<const double> q) {
+                                std::span<const double> q, std::span<const double> from) {
   for (std::size_t i = 0; i < q.size(); ++i) {
+    SendRange range = robot.joints[i];
+    if (!from.empty()) range = range.from(from[i]);
     const auto told =
-        axis_registers::tell_angle(device.encoding, device.boards[i].zero, robot.joints[i], q[i]);
+        axis_registers::tell_angle(device.encoding, device.boards[i].zero, range, q[i]);
     if (told) continue;
     Error error = told.error();
     error.index = static_cast<std::int8_t>(i);
@@ -45,20 +47,24 @@ WireTarget::WireTarget(const RobotModel& robot) : robot_(robot) {
   lsc_.emplace(*device, robot.joints, geometry != nullptr ? geometry->gripper : std::nullopt);
 }
 
-std::optional<Error> WireTarget::refusal(std::span<const double> q) const {
+std::optional<Error> WireTarget::refusal(std::span<const double> q,
+                                         std::span<const double> from) const {
   SINEW_ASSERT(q.size() == robot_.joints.size());
   const auto& settings = robot_.device.settings;
   if (const auto* arm = std::get_if<BigRobotArmDevice>(&settings)) return refusal_of(*arm, q);
   if (const auto* boards = std::get_if<AxisRegistersDevice>(&settings)) {
-    return refusal_of(*boards, robot_, q);
+    return refusal_of(*boards, robot_, q, from);
   }
   if (const auto* arm = std::get_if<MaxArmDevice>(&settings)) {
-    const auto pulses = maxarm_pulses(*arm, robot_.joints, q);
+    FixedVector<JointPosition, kMaxJoints> here;
+    for (const double at : from) here.push_back({PositionQuality::kMeasured, at, at, at});
+    const auto pulses = maxarm_pulses(*arm, robot_.joints, q, {here.data(), here.size()});
     return pulses ? std::nullopt : std::optional(pulses.error());
   }
   if (!lsc_) return std::nullopt;
   for (std::size_t i = 0; i < q.size(); ++i) {
-    const auto units = lsc_->of_joint(i, q[i]);
+    // A servo board goes back from beyond a limit slowly, in one piece that ends inside.
+    const auto units = lsc_->of_joint(i, q[i], robot_.joints[i]);
     if (!units) return units.error();
   }
   return std::nullopt;

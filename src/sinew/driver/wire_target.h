@@ -18,9 +18,10 @@ class WireTarget {
   explicit WireTarget(const RobotModel& robot);
 
   /// Nothing where a move may end at q (rad or m, one a joint), or a streamed way pass it.
+  /// @param from  where the motion begins; beyond a limit places on the way back can be said too
   /// @return kStepRange, kUnsendable (index, steps), kPulseRange (index, pulses), kJointLimit
   ///         (index: nothing inside the limits is near enough)
-  std::optional<Error> refusal(std::span<const double> q) const;
+  std::optional<Error> refusal(std::span<const double> q, std::span<const double> from = {}) const;
 
   /// The place nearest to q that can be said and is inside the limits: joints that can be said
   /// stay. Nothing where there is none within some thousand steps.

@@ -42,7 +42,8 @@ Duration Clock::until(Instant instant) const {
   if (scale_ == 1) return left;
   // Slowed down, a far instant would leave the count of nanoseconds; nobody waits a day in one go.
   constexpr double kLongest = 86'400;  // s
-  return from_seconds(std::min(to_seconds(left) / scale_, kLongest));
+  // Never rounded to nothing: who waits for so long at a time would not get there.
+  return std::max(Duration{1}, from_seconds(std::min(to_seconds(left) / scale_, kLongest)));
 }
 
 void Clock::pause(Duration real) const {
@@ -72,8 +73,26 @@ void Clock::keep_pace() const {
   if (real - passed > kLateMax) {
     simulated_->start += real - passed;
   } else if (passed - real >= kSleepMin) {
-    std::this_thread::sleep_for(passed - real);
+    std::unique_lock lock(simulated_->mutex);
+    simulated_->woken.wait_for(lock, passed - real, [this] { return simulated_->wake; });
+    simulated_->wake = false;
   }
+}
+
+Duration Clock::ahead() const {
+  if (!simulated_) return Duration::zero();
+  const Duration real = time_of(CLOCK_BOOTTIME) - simulated_->start;
+  const Duration there = from_seconds(to_seconds(real) * scale_);
+  return std::max(Duration::zero(), now().time_since_epoch() - there);
+}
+
+void Clock::wake() const {
+  if (!simulated_) return;
+  {
+    const std::scoped_lock lock(simulated_->mutex);
+    simulated_->wake = true;
+  }
+  simulated_->woken.notify_one();
 }
 
 }  // namespace sinew::io

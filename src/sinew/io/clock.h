@@ -2,8 +2,10 @@
 
 #include <atomic>
 #include <chrono>
+#include <condition_variable>
 #include <cstdint>
 #include <memory>
+#include <mutex>
 
 #include "sinew/core/instant.h"
 
@@ -39,9 +41,15 @@ class Clock {
   /// @{
   /// It is `instant` now, if it was not later already.
   void pass_to(Instant instant) const;
-  /// Waits until real time has come as far. What is late by more than kLateMax stays late.
+  /// Waits until real time has come as far, or for wake(). What is late by more than kLateMax
+  /// stays late.
   void keep_pace() const;
+  /// How far it is ahead of real time, in its own time; zero where it is late, or real.
+  Duration ahead() const;
   /// @}
+  /// The thread that simulates, or will, waits no longer now: it has something to do. From any
+  /// thread; without effect on real time.
+  void wake() const;
 
   static constexpr Duration kLateMax = std::chrono::milliseconds(250);  ///< real time
 
@@ -49,6 +57,9 @@ class Clock {
   struct Simulated {
     std::atomic<Instant> now{Instant{}};
     Duration start{};  ///< real, where it would be zero; of the thread that simulates
+    std::mutex mutex;
+    std::condition_variable woken;
+    bool wake = false;  ///< under the mutex
   };
 
   double scale_;

@@ -80,6 +80,15 @@ TEST(SimulatedClock, reaches_an_instant_that_is_nearer_than_any_sleep) {
   EXPECT_EQ(clock.now(), Instant{3s} + Duration{7}) << "ns";
 }
 
+/// `sinew run --time-scale 50` never came to the end of a wait.
+TEST(SimulatedClock, until_is_zero_only_where_the_instant_has_passed) {
+  const Clock clock = Clock::simulated(50);
+  clock.pass_to(Instant{2s} - Duration{1});
+  EXPECT_GT(clock.until(Instant{2s}), Duration::zero()) << "a nanosecond is left";
+  clock.pass_to(Instant{2s});
+  EXPECT_EQ(clock.until(Instant{2s}), Duration::zero());
+}
+
 TEST(SimulatedClock, what_a_busy_computer_has_missed_is_not_made_up_for_at_once) {
   const Clock clock = Clock::simulated();
   Clock().pause(2 * Clock::kLateMax);

@@ -8,6 +8,9 @@ namespace sinew::io {
 /// where there is not enough for all.
 void let_others_go_first();
 
+/// Memory that this process has freed goes back to the system, where its library keeps it.
+void give_memory_back();
+
 /// While it lives, this thread, and for good those that it starts meanwhile, come before everything
 /// else on this computer (SCHED_FIFO), and no memory of the process is paged out.
 class RealtimeStart {

@@ -101,7 +101,7 @@ TEST_P(SerialInverse, numeric_solver_agrees_with_the_closed_form) {
     const PoseBF X = chain.forward(q);
     const auto answer = inverse_numeric(chain, robot_.model.joints, X, start);
     ++asked;
-    if (!answer) return;
+    if (!answer) return random.discard();
     ++solved;
     const PoseBF X_found = chain.forward(answer->q);
     ASSERT_LE(norm(X_found.p - X.p), kPoseTolerance);
@@ -309,10 +309,10 @@ TEST(FiveRPitch, chosen_pitch_is_the_smallest_tilt_that_the_limits_allow) {
   test::for_random_cases(2'000, [&](test::Random& random) {
     const Vec3 p{random.uniform(0.08, 0.35), random.uniform(-0.15, 0.15), random.uniform(0, 0.2)};
     const auto answer = robot.arm.inverse_nearest_pitch(p, kPi);
-    if (!answer) return;
+    if (!answer) return random.discard();
     ++found;
     const double tilt = std::abs(answer->pitch - kPi);
-    if (tilt < 1e-3) return;
+    if (tilt < 1e-3) return random.discard();
     // A thousandth of a radian nearer to straight down there is no branch inside the limits.
     for (const double side : {-1.0, 1.0}) {
       const auto nearer = robot.arm.inverse_at_pitch(p, kPi + side * (tilt - 1e-3));

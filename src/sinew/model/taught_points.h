@@ -25,6 +25,8 @@ struct TaughtPoint {
   bool legs = false;      ///< the joints are lengths, m
   std::string source;     ///< where it comes from; may be empty
   std::string taught_at;  ///< when; may be empty
+  /// Why it cannot be used; empty where it can. Without a name: why the whole file cannot be read.
+  std::string wrong{};
 };
 using TaughtPoints = std::vector<TaughtPoint>;
 

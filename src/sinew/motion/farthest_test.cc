@@ -182,7 +182,7 @@ TEST(Farthest, is_as_far_as_the_best_of_all_sequences_of_full_jerks) {
     const ProfileBounds bounds = real(limits, kFineness);
     const AxisState from = real(start, kFineness);
     const AxisState to = real(end, kFineness);
-    if (refusal_of_target(to, bounds)) return;
+    if (refusal_of_target(to, bounds)) return random.discard();
     const JointProblem problem{from, to, bounds};
     SCOPED_TRACE(testing::Message() << problem);
     const Farthest farthest(

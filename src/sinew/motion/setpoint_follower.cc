@@ -34,6 +34,7 @@ constexpr double kStateTolerance = 1e-9;  // of a limit
 
 void SetpointFollower::begin(const AxisState& state) {
   line_ = {state.q, 0};
+  room_ = {std::min(range_.lower, state.q), std::max(range_.upper, state.q)};
   goal_ = state;
   pending_ = running_ = false;
   silent_ = true;
@@ -43,7 +44,7 @@ void SetpointFollower::begin(const AxisState& state) {
 }
 
 void SetpointFollower::setpoint(double q, double qd) {
-  next_ = {std::clamp(q, range_.lower, range_.upper),
+  next_ = {std::clamp(q, room_.lower, room_.upper),
            std::clamp(qd, -limits_.velocity, limits_.velocity)};
   pending_ = true;
 }
@@ -116,7 +117,7 @@ double SetpointFollower::wanted_jerk(const AxisState& state, const AxisState& go
   // comes back towards the axis, so it is approached without passing it.
   const ProfileBounds bounds(limits_);
   const double rest =
-      std::clamp(OnlineProfile::stop(goal, bounds).target(), range_.lower, range_.upper);
+      std::clamp(OnlineProfile::stop(goal, bounds).target(), room_.lower, room_.upper);
   return (OnlineProfile::to(state, rest, bounds).at(dt).qdd - state.qdd) / dt;
 }
 

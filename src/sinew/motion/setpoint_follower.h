@@ -31,9 +31,10 @@ class SetpointFollower {
 
   SetpointFollower() = default;
   SetpointFollower(const AxisLimits& limits, const PositionRange& range)
-      : limits_(limits), range_(range) {}
+      : limits_(limits), range_(range), room_(range) {}
 
-  /// The first setpoint will be the next; until it comes the axis comes to rest.
+  /// The first setpoint will be the next; until it comes the axis comes to rest. From beyond the
+  /// position limits setpoints on the way back in are taken too.
   void begin(const AxisState& state);
   /// Taken at the next step(). @param q, qd  finite, q in the range.
   void setpoint(double q, double qd);
@@ -63,6 +64,7 @@ class SetpointFollower {
 
   AxisLimits limits_;
   PositionRange range_;
+  PositionRange room_;  ///< of setpoints: wider where it began outside
   Knot next_;  ///< setpoint that came since the last step()
   bool pending_ = false;
   bool running_ = false;

@@ -63,8 +63,9 @@ TEST(VelocityChange, no_random_jerk_is_quicker) {
       state = advanced(state, full, duration);
       time += duration;
     }
-    if (state.qd < bounds.velocity_lower || state.qd > bounds.velocity_upper) return;
-    if (std::abs(state.qdd) > 1e-12) return;
+    if (state.qd < bounds.velocity_lower || state.qd > bounds.velocity_upper)
+      return random.discard();
+    if (std::abs(state.qdd) > 1e-12) return random.discard();
     const JointProfile profile = VelocityChange(start, state.qd, bounds).profile();
     ASSERT_LE(profile.duration(), time * (1 + 1e-9) + 1e-7);
   });

@@ -109,7 +109,8 @@ TEST(CellClaim, no_contact_with_a_robot_at_rest_is_missed_and_hardly_one_is_made
     const CellClaim claim = claim_of_rest(b.bodies, b.start());
     const CellObstacle obstacle{&claim, margin, 0};
     // Who begins too near leaves: that is another test's.
-    if (nearest_obstacle(a.bodies, a.start().q, {&obstacle, 1}).distance < margin) return;
+    if (nearest_obstacle(a.bodies, a.start().q, {&obstacle, 1}).distance < margin)
+      return random.discard();
     const auto contact = first_contact(a.bodies, CellWay(a.path), {&obstacle, 1});
     JointPath stands(b.path.joints(), 1);
     const JointArray q = b.start().q;
@@ -159,7 +160,7 @@ TEST(CellClaim, of_a_lost_robot_is_never_left_by_any_of_its_bodies) {
     const JointVector q = random_joints(bodies.model(), random);
     std::vector<CellBody> placed(bodies.size());
     kinematics::PoseBP X_near = bodies.start_pose();
-    if (!bodies.place({array_of(q), {}}, X_near, placed)) return;
+    if (!bodies.place({array_of(q), {}}, X_near, placed)) return random.discard();
     for (std::size_t i = 0; i < bodies.size(); ++i) {
       if (bodies.stands(i)) continue;
       const CellBody ball = bodies.whole_reach(i);
@@ -215,7 +216,7 @@ TEST(CellClaim, who_begins_too_near_may_only_go_away) {
     const double margin = 0.06;
     const CellObstacle obstacle{&claim, margin, 0};
     const double before = nearest_obstacle(a.bodies, q, {&obstacle, 1}).distance;
-    if (before >= margin) return;
+    if (before >= margin) return random.discard();
     JointArray to = q;
     for (std::size_t k = 0; k < 6; ++k) to[k] += random.uniform(-0.05, 0.05);
     JointPath path(6, 1);

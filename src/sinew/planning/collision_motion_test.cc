@@ -98,7 +98,8 @@ TEST_P(CollisionMotions, time_that_is_left_is_clear_to_its_end_and_no_longer) {
   test::for_random_cases(600, [&](Random& random) {
     const JointVector q = random_joints(model, random);
     const double margin = random.uniform(0, 0.01);
-    if (collision.distance(q).distance < margin + 2 * CollisionModel::kResolution) return;
+    if (collision.distance(q).distance < margin + 2 * CollisionModel::kResolution)
+      return random.discard();
     JointVector qd, to = q;
     for (const Joint& joint : model.joints)
       qd.push_back(random.uniform(-1, 1) * joint.velocity_max);
@@ -151,7 +152,7 @@ TEST_P(CollisionMotions, moving_apart_is_always_allowed_and_coming_nearer_is_not
     // Where two corners are equally near, both of two opposite directions may bring one nearer.
     for (std::size_t k = 0; k < q.size(); ++k) to[k] += 1e-6 / fastest * qd[k];
     const double change = collision.distance(to).distance - before.distance;
-    if (std::abs(change) < 1e-10) return;
+    if (std::abs(change) < 1e-10) return random.discard();
     (change > 0 ? apart : nearer) += 1;
     ASSERT_EQ(collision.speed_share(q, qd, margin), change > 0 ? 1 : 0);
   });

@@ -79,7 +79,7 @@ TEST_P(JogRelease, joints_rest_together_when_the_slowest_can_and_none_goes_astra
     run.hold(command, random.uniform(0.1, 3.0), 0.004);
     if (testing::Test::HasFatalFailure()) return;
     const Release from(run);
-    if (from.slowest == 0) return;
+    if (from.slowest == 0) return random.discard();
     let_go(run, command, static_cast<How>(random.integer(0, 2)));
     constexpr double kCycle = 1e-3;
     double time = 0;
@@ -123,7 +123,7 @@ TEST_P(JogRelease, tool_is_not_faster_than_along_the_line_of_its_joints) {
     const Release from(run);
     const double main = std::abs(from.states[from.slowest_joint].qd);
     const bool steady = main > 0.1 * run.limits[from.slowest_joint].velocity;
-    if (from.slowest == 0 || !steady) return;
+    if (from.slowest == 0 || !steady) return random.discard();
     JointArray qd{};
     double speeds = 0;
     for (std::size_t j = 0; j < run.joints(); ++j) {

@@ -43,8 +43,9 @@ TEST_P(JogOf, any_commands_at_any_times_keep_all_limits_at_every_step) {
 
 TEST_P(JogOf, comes_back_out_of_wherever_a_jog_got_stuck) {
   JogRun run(GetParam());
+  if (run.is_hexapod()) GTEST_SKIP() << "none of its random jogs gets stuck";
   int stuck = 0;
-  test::for_random_cases(run.is_hexapod() ? 10 : 60, [&](test::Random& random) {
+  test::for_random_cases(60, [&](test::Random& random) {
     run.start(run.random_place(random));
     JogCommand command = run.random_command(random);
     command.frame = random.chance(0.5) ? JogFrame::kBase : JogFrame::kTool;
@@ -60,7 +61,7 @@ TEST_P(JogOf, comes_back_out_of_wherever_a_jog_got_stuck) {
       const JogStatus status = run.jog.status();
       if (t > 5 && status.reason != JogReason::kJointSpeed && std::abs(status.share) < 0.02) break;
     }
-    if (t >= 40) return;
+    if (t >= 40) return random.discard();
     ++stuck;
     for (double& number : command.velocity) number = -number;
     const Vec3 from = run.jog.pose().p;
@@ -90,7 +91,8 @@ TEST_P(JogOf, command_that_nobody_renews_ends_as_quickly_as_the_limits_allow) {
   test::for_random_cases(40, [&](test::Random& random) {
     run.start(run.random_place(random));
     JogCommand command = run.random_command(random);
-    if (std::ranges::all_of(command.velocity, [](double v) { return v == 0; })) return;
+    if (std::ranges::all_of(command.velocity, [](double v) { return v == 0; }))
+      return random.discard();
     run.hold(command, 1, 0.002);
     command.expiry = from_seconds(random.uniform(0.02, 0.3));
     ASSERT_FALSE(run.jog.command(command, run.now));
@@ -150,19 +152,22 @@ TEST_P(JogOf, tool_goes_straight_away_from_boundaries) {
     const Vec3 along = normalized(way);
     const TaskSpace task = run.jog.space().tool().task();
     const bool turns = task != TaskSpace::kPose;
-    if (turns && command.frame == JogFrame::kTool) return;  // its axes turn on the way
+    if (turns && command.frame == JogFrame::kTool)
+      return random.discard();  // its axes turn on the way
     const int pieces = run.limits[0].acceleration < 0.5 ? 150 : 50;
     for (int k = 0; k < pieces; ++k) {
       run.hold(command, 0.02, 0.002, 0.05);
       if (testing::Test::HasFatalFailure()) return;
       const JogStatus status = run.jog.status();
       const bool fast = status.reason == JogReason::kJointSpeed;
-      if (status.reason != JogReason::kNone && status.reason != JogReason::kWire && !fast) return;
-      if (least_singular_value(run) < 2 * TaskSolver::kNearSingular) return;
+      if (status.reason != JogReason::kNone && status.reason != JogReason::kWire && !fast)
+        return random.discard();
+      if (least_singular_value(run) < 2 * TaskSolver::kNearSingular) return random.discard();
     }
     const Vec3 gone = run.jog.pose().p - X_start.p;
     const double far = dot(gone, along);
-    if (far < 0.2 * run.tool_speed() * 0.3) return;  // slow country: a singularity is near
+    if (far < 0.2 * run.tool_speed() * 0.3)
+      return random.discard();  // slow country: a singularity is near
     ++straight;
     const double off = norm(gone - far * along) / far;
     worst = std::max(worst, off);
@@ -216,7 +221,7 @@ TEST_P(JogOf, cycle_rate_hardly_changes_the_way) {
     const auto free = [](const JogStatus& status) {
       return status.reason == JogReason::kNone || status.reason == JogReason::kJointSpeed;
     };
-    if (!free(quick.jog.status()) || !free(slow.jog.status())) return;
+    if (!free(quick.jog.status()) || !free(slow.jog.status())) return random.discard();
     double worst = 0;
     for (std::size_t j = 0; j < quick.joints(); ++j) {
       const double off = std::abs(quick.jog.setpoint().q[j] - slow.jog.setpoint().q[j]);

@@ -51,17 +51,29 @@ std::optional<PathRefusal> MotionPlanner::make(const RobotPlace& start, std::spa
   return std::nullopt;
 }
 
-std::optional<PathRefusal> MotionPlanner::check_contacts(const RobotPlace& start, std::size_t first,
-                                                         const PlannedPath& path,
-                                                         double& clearance_min) const {
+std::optional<PathContact> MotionPlanner::contact_on(const RobotPlace& start,
+                                                     const JointPath& path) const {
+  double clearance_min = 0;
+  return contact_on(start, path, clearance_min);
+}
+
+std::optional<PathContact> MotionPlanner::contact_on(const RobotPlace& start, const JointPath& path,
+                                                     double& clearance_min) const {
   const auto X_BP = relabel<frame::Base, frame::Platform>(start.X_BT);
   const std::span q(start.q.data(), space_.size());
   const double here = collision_.distance(q, &X_BP).distance;
   // What counts as at the margin is that much nearer than the start, so that it can leave.
   clearance_min = std::min(here - 2 * CollisionModel::kResolution, collision_.margin());
-  const auto contact = clearance_min < 0 ? collision_.check_leaving(path.joints, &X_BP)
-                                         : collision_.check_path(path.joints, clearance_min, 0,
-                                                                 path.joints.length(), &X_BP);
+  return clearance_min < 0
+             ? collision_.check_leaving(path, &X_BP)
+             : collision_.check_path(path, clearance_min, 0, path.length(), &X_BP);
+}
+
+std::optional<PathRefusal> MotionPlanner::check_contacts(const RobotPlace& start, std::size_t first,
+                                                         const PlannedPath& path,
+                                                         double& clearance_min) const {
+  const auto X_BP = relabel<frame::Base, frame::Platform>(start.X_BT);
+  const auto contact = contact_on(start, path.joints, clearance_min);
   if (!contact) return std::nullopt;
   const PathProgress at = Trajectory::progress_at(path, contact->s);
   const PathSection& section = path.sections[at.move - first];

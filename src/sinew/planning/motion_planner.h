@@ -69,6 +69,10 @@ class MotionPlanner {
   std::expected<void, PathRefusal> plan(const RobotPlace& start, std::span<const Move> moves,
                                         std::size_t first, PlannedMotion& out);
 
+  /// What is hit on a path that the device makes by itself, from rest to rest; nothing where it is
+  /// clear. A start that is too near to something counts as in plan().
+  std::optional<PathContact> contact_on(const RobotPlace& start, const JointPath& path) const;
+
   /// Where a move ends that comes to a stop there; only its way is checked.
   std::expected<RobotPlace, PathRefusal> end_of(const RobotPlace& start, Move move);
 
@@ -80,6 +84,8 @@ class MotionPlanner {
                                   std::size_t first, PlannedMotion& out);
   std::optional<PathRefusal> check_contacts(const RobotPlace& start, std::size_t first,
                                             const PlannedPath& path, double& clearance_min) const;
+  std::optional<PathContact> contact_on(const RobotPlace& start, const JointPath& path,
+                                        double& clearance_min) const;
 
   double nearest_behind(const PlannedPath& path, double s, kinematics::PoseBP X_BP) const;
   void leave_out_blends(const RobotPlace& start, std::span<const Move> moves, std::size_t first,

@@ -103,7 +103,7 @@ TEST(MotionPlanner, move_to_a_tool_pose_goes_straight_in_joints_to_the_nearest_b
     const RobotPlace from = arm.at(array_of({0, 10, -20, 0, 25, 0}));
     const Move move{.way = MoveTo{{target.X_BT, Asked::kPose}}};
     const auto planned = arm.planner.plan(from, {&move, 1}, 0, arm.motion);
-    if (!planned) return;
+    if (!planned) return random.discard();
     const RobotPlace& end = arm.motion.stretch.end;
     EXPECT_LT(norm(end.X_BT.p - target.X_BT.p), 1e-7);
     EXPECT_LT(angle_between(end.X_BT.R, target.X_BT.R), 1e-7);
@@ -125,9 +125,9 @@ TEST(MotionPlanner, what_it_proposes_instead_hits_nothing) {
     const Vec3 p{random.uniform(0.1, 0.6), random.uniform(-0.4, 0.4), random.uniform(0.1, 0.8)};
     const Move line{.way = MoveL{{{from.X_BT.R, p}, Asked::kPoint}}};
     const auto planned = arm.planner.plan(from, {&line, 1}, 0, arm.motion);
-    if (planned) return;
+    if (planned) return random.discard();
     const MoveProposal proposal = arm.planner.propose(planned.error(), {&line, 1});
-    if (!proposal.move_j) return;
+    if (!proposal.move_j) return random.discard();
     ++proposed;
     const Move move{.way = MoveJ{*proposal.move_j}};
     EXPECT_TRUE(arm.planner.plan(from, {&move, 1}, 0, arm.motion));

@@ -56,7 +56,7 @@ TEST_P(Blending, a_path_through_corners_has_no_jump_and_stays_within_their_radiu
     const double radius = std::pow(10, random.uniform(-3.5, -1.3));
     const Tour tour(robot, random, from, radius);
     const auto stretch = robot.builder.build(from, tour.moves, 0, robot.path);
-    if (!stretch) return;
+    if (!stretch) return random.discard();
     const JointPath& path = robot.path.joints;
     expect_smooth(path);
     ASSERT_EQ(robot.path.tool.size(), path.size());
@@ -102,9 +102,9 @@ TEST_P(Blending, a_radius_too_large_is_cut_to_half_of_the_shorter_neighbour) {
     moves[0].blend_radius = random.chance(0.5) ? 10 : std::numeric_limits<double>::infinity();
     MoveWay first(robot.space);
     MoveWay second(robot.space);
-    if (first.make(moves[0], from) || second.make(moves[1], a)) return;
+    if (first.make(moves[0], from) || second.make(moves[1], a)) return random.discard();
     const auto stretch = robot.builder.build(from, moves, 0, robot.path);
-    if (!stretch || stretch->moves < 2) return;
+    if (!stretch || stretch->moves < 2) return random.discard();
     ++blended;
     EXPECT_LE(robot.builder.blends()[0].way, std::min(first.length(), second.length()) / 2 + 1e-12);
     EXPECT_GE(robot.builder.blends()[0].way,
@@ -152,12 +152,12 @@ TEST_P(Blending, a_tolerance_of_the_joints_holds_as_well) {
       Move stopping = tour.moves[k];
       stopping.blend_joints = 0;
       const auto stretch = robot.builder.build(at, std::vector<Move>{stopping}, 0, alone);
-      if (!stretch) return;
+      if (!stretch) return random.discard();
       at = stretch->end;
       corners.push_back(at.q);
     }
     const auto stretch = robot.builder.build(from, tour.moves, 0, robot.path);
-    if (!stretch) return;
+    if (!stretch) return random.discard();
     for (std::size_t k = 1; k < stretch->moves; ++k) {
       ++blended;
       const Blend& blend = robot.builder.blends()[k - 1];

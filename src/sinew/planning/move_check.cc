@@ -171,9 +171,11 @@ std::optional<PathFault> first_hexapod_refusal(const ToolSpace& space, const Joi
     const auto X_BT = space.forward(std::span<const double>(at.q.data(), space.size()), X_near);
     if (!X_BT) return X_BT.error();
     X_near = *X_BT;
-    const auto wrong = hexapod.check(relabel<frame::Base, frame::Platform>(*X_BT), space.joints());
-    if (wrong.empty()) return std::nullopt;
-    return wrong[0];
+    for (const Error& wrong :
+         hexapod.check(relabel<frame::Base, frame::Platform>(*X_BT), space.joints())) {
+      if (wrong.code != ErrorCode::kLegLength) return wrong;
+    }
+    return std::nullopt;
   };
   const double begin = path.begin(pieces.first);
   const double length = path.begin(pieces.last) - begin;

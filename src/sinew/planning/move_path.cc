@@ -332,9 +332,7 @@ std::optional<PathRefusal> MovePathBuilder::check(const Leg& leg) {
   if (space_.hexapod() != nullptr) {
     PoseBT X_BT = space_.pose(way_.point_at(leg.lead));
     const auto platform = first_hexapod_refusal(space_, path, all, X_BT);
-    // A leg that is too long is found by both, and only one says by how much it would be.
-    constexpr double kSamePlace = 1e-5;  // m
-    if (platform && (!fault || platform->s < fault->s - kSamePlace)) fault = platform;
+    if (platform && (!fault || platform->s < fault->s)) fault = platform;
   }
   if (!fault) return std::nullopt;
   return refusal(leg, fault->error, leg.lead + fault->s);

@@ -74,7 +74,7 @@ TEST_P(MovePath, a_line_is_straight_and_turns_evenly_between_its_knots_too) {
     const RobotPlace to = robot.random_neighbour(random, from, random.chance(0.5) ? 0.3 : 1);
     const std::vector<Move> moves{line_to(to.X_BT)};
     const auto stretch = robot.builder.build(from, moves, 0, robot.path);
-    if (!stretch) return;
+    if (!stretch) return random.discard();
     ++planned;
     const double length = robot.path.joints.length();
     visit_densely(robot, from, [&](double s, const PathPoint&, const PoseBT& X_BT) {
@@ -101,7 +101,7 @@ TEST_P(MovePath, a_line_begins_exactly_where_the_robot_is_and_ends_at_its_target
     const RobotPlace to = robot.random_neighbour(random, from, 0.3);
     const std::vector<Move> moves{line_to(to.X_BT)};
     const auto stretch = robot.builder.build(from, moves, 0, robot.path);
-    if (!stretch) return;
+    if (!stretch) return random.discard();
     PathPoint at;
     robot.path.joints.sample(0, at);
     EXPECT_EQ(at.q, from.q);
@@ -152,7 +152,7 @@ TEST_P(MovePath, no_tool_is_faster_than_its_piece_says) {
     const RobotPlace from = robot.random_place(random);
     const RobotPlace to = robot.random_neighbour(random, from, 0.5);
     const std::vector<Move> moves{random.chance(0.5) ? line_to(to.X_BT) : joints_to(to.q)};
-    if (!robot.builder.build(from, moves, 0, robot.path)) return;
+    if (!robot.builder.build(from, moves, 0, robot.path)) return random.discard();
     const JointPath& path = robot.path.joints;
     ASSERT_EQ(robot.path.tool.size(), path.size());
     const Vec3* last = nullptr;
@@ -179,7 +179,7 @@ TEST_P(MovePath, an_arc_is_round_goes_through_its_via_point_and_turns_evenly) {
     const RobotPlace via = robot.random_neighbour(random, from, 0.2);
     const RobotPlace to = robot.random_neighbour(random, from, 0.3);
     const std::vector<Move> moves{{.way = MoveC{via.X_BT.p, {to.X_BT}}}};
-    if (!robot.builder.build(from, moves, 0, robot.path)) return;
+    if (!robot.builder.build(from, moves, 0, robot.path)) return random.discard();
     ++planned;
     // Centre from the perpendicular bisectors, as a linear system would give it.
     const Vec3 a = via.X_BT.p - from.X_BT.p;
@@ -227,7 +227,7 @@ TEST_P(MovePath, a_spline_goes_through_its_points_in_order_without_a_kink) {
     }
     const std::vector<Move> moves{{.way = spline}};
     const auto stretch = robot.builder.build(from, moves, 0, robot.path);
-    if (!stretch) return;
+    if (!stretch) return random.discard();
     ++planned;
     std::size_t next = 0;
     std::vector<double> nearest(spline.through.size(), 1);
@@ -274,7 +274,7 @@ TEST_P(MovePath, the_tiniest_lines_are_made_as_well) {
                           normalized(Vec3{random.uniform(-1, 1), random.uniform(-1, 1), 1});
     const Move move{.way = MoveL{{X_BT, Asked::kPoint}}};
     const auto stretch = robot.builder.build(from, std::vector<Move>{move}, 0, robot.path);
-    if (!stretch) return;
+    if (!stretch) return random.discard();
     const auto X_end = robot.space.forward(robot.joints(stretch->end.q), X_BT);
     ASSERT_TRUE(X_end);
     EXPECT_LE(norm(X_end->p - X_BT.p), kNoWay);

@@ -49,8 +49,18 @@ std::vector<Turn> turns() {
   return all;
 }
 
+/// The k-th of n directions that are spread evenly: a spiral from pole to pole.
+Vec3 sphere_point(int k, int n) {
+  const double z = 1 - (2 * k + 1) / static_cast<double>(n);
+  const double around = std::sqrt(1 - z * z);
+  const double angle = k * (std::sqrt(5.0) - 1) * kPi;
+  return {around * std::cos(angle), around * std::sin(angle), z};
+}
+
 class Search {
  public:
+  /// Joint moves that are planned at most to find the nearest place.
+  static constexpr int kLooksMax = 400;
   Search(MovePathBuilder& builder, const ToolSpace& space, const PathRefusal& refusal, Move move,
          PlannedPath& scratch, const HitsNothing& hits_nothing)
       : builder_(builder),
@@ -83,6 +93,7 @@ class Search {
   void join_target(const TaskPoint& end);
   void find_part();
   void find_near(const TaskPoint& end);
+  std::optional<JointArray> reach(const TaskPoint& at);
   void find_other_start();
   void find_tilt(const TaskPoint& end);
   PoseBT turned_by(const TaskPoint& end, const Turn& turn) const;
@@ -96,6 +107,7 @@ class Search {
   const HitsNothing& hits_nothing_;
   MoveWay way_;
   MoveProposal found_;
+  int looks_left_ = 0;
 };
 
 /// Where a move ends that can be made; nothing where it cannot.
@@ -192,31 +204,58 @@ void Search::find_part() {
   }
 }
 
-/// Along the straight line to the target, from its end on, the first place that joints reach.
+/// The joints of a free joint move that brings the tool to `at`, where there are any.
+std::optional<JointArray> Search::reach(const TaskPoint& at) {
+  for (const JointArray& q : space_.branches(at, from_.q)) {
+    if (looks_left_ <= 0) return std::nullopt;
+    --looks_left_;
+    if (works(from_, joint_move(q))) return q;
+  }
+  return std::nullopt;
+}
+
+/// The nearest place to the target that a joint move reaches with the tool turned as it was asked:
+/// in shells about the target, then from there towards it and sideways in steps that get smaller.
 void Search::find_near(const TaskPoint& end) {
-  constexpr int kLooks = 128;
-  ToolWay line(space_.task());
-  line.make_line(space_.point(from_.X_BT), end);
-  const auto reach = [&](double s) -> std::optional<JointArray> {
-    for (const JointArray& q : space_.branches(line.at(s), from_.q)) {
-      if (works(from_, joint_move(q))) return q;
-    }
-    return std::nullopt;
+  constexpr double kFirst = 0.05e-3;  // m
+  constexpr double kGrowth = 1.25;
+  constexpr int kDirections = 96;
+  const double farthest = norm(from_.X_BT.p - end.p_BT);
+  TaskPoint best = end;
+  std::optional<JointArray> q;
+  looks_left_ = kLooksMax;
+  const auto look = [&](const Vec3& p, double nearer_than) {
+    const double left = norm(p - end.p_BT);
+    TaskPoint at = end;
+    at.p_BT = p;
+    if (!(left < nearer_than)) return false;
+    const auto there = reach(at);
+    if (!there) return false;
+    q = there;
+    best = at;
+    found_.near = {.q = *q, .left = left};
+    return true;
   };
-  for (int k = kLooks - 1; k > 0 && !found_.near; --k) {
-    double good = line.length() * k / kLooks;
-    auto q = reach(good);
-    if (!q) continue;
-    double bad = line.length() * (k + 1) / kLooks;
-    constexpr double kNearer = 1e-4;  // m
-    while (bad - good > kNearer) {
-      const double middle = (good + bad) / 2;
-      const auto nearer = reach(middle);
-      (nearer ? good : bad) = middle;
-      if (nearer) q = nearer;
+  const Vec3 back = farthest > 0 ? (1 / farthest) * (from_.X_BT.p - end.p_BT) : Vec3{};
+  for (double r = kFirst; r < farthest && !q; r *= kGrowth) {
+    look(end.p_BT + r * back, 2 * r);
+    for (int k = 0; k < kDirections && !q; ++k) {
+      look(end.p_BT + r * sphere_point(k, kDirections), 2 * r);
     }
-    const auto X_BT = space_.forward({q->data(), space_.size()}, from_.X_BT);
-    if (X_BT) found_.near = {.q = *q, .left = norm(X_BT->p - end.p_BT)};
+  }
+  // So turned it may reach only what is near to where it is.
+  for (double left = farthest / 2; left > kFirst && !q; left /= 2) {
+    look(from_.X_BT.p - left * back, farthest);
+  }
+  for (double step = q ? norm(best.p_BT - end.p_BT) / 2 : 0; step > kFirst;) {
+    const double left = norm(best.p_BT - end.p_BT);
+    const Vec3 towards = (1 / left) * (end.p_BT - best.p_BT);
+    bool nearer = look(best.p_BT + std::min(step, left) * towards, left - kFirst / 2);
+    for (int k = 0; k < kDirections / 4 && !nearer; ++k) {
+      const Vec3 aside = best.p_BT + step * sphere_point(k, kDirections / 4);
+      nearer = look(aside, left - kFirst / 2);
+    }
+    if (!nearer) step /= 2;
   }
 }
 
@@ -289,7 +328,7 @@ MoveProposal Search::run() {
                                          : refusal_.nearest ? std::optional(refusal_.nearest->point)
                                                             : std::nullopt;
   if (!point || std::holds_alternative<MoveSpline>(move_.way)) return found_;
-  if (!line && !found_.move_j && !found_.nearest) find_near(*point);
+  if ((!line || found_.at_target) && !found_.move_j && !found_.nearest) find_near(*point);
   if (space_.hexapod() != nullptr) return found_;
   if (made && !by_joints) find_other_start();
   const bool five = space_.task() == TaskSpace::kPitchRoll || space_.task() == TaskSpace::kApproach;

@@ -126,7 +126,7 @@ TEST_P(Refusal, tells_the_place_that_a_dense_look_finds_and_a_path_has_none) {
     if (robot.is_hexapod()) to.X_BT.p = to.X_BT.p + Vec3{0, 0, random.uniform(-0.1, 0.1)};
     const std::vector<Move> moves{line_to(to.X_BT)};
     MoveWay way(robot.space);
-    if (way.make(moves[0], from) || way.length() < 1e-3) return;
+    if (way.make(moves[0], from) || way.length() < 1e-3) return random.discard();
     const BruteForce truth(robot, way.tool(), from.q);
     const auto stretch = robot.builder.build(from, moves, 0, robot.path);
     if (stretch) {
@@ -184,7 +184,7 @@ TEST(Refusal, of_a_hexapod_is_the_first_place_that_its_check_refuses) {
       return robot.space.hexapod()->check(relabel<frame::Base, frame::Platform>(X_BT),
                                           robot.space.joints());
     };
-    if (!check(from.X_BT).empty()) return;
+    if (!check(from.X_BT).empty()) return random.discard();
     PoseBT X_BT = from.X_BT;
     X_BT.p = X_BT.p +
              Vec3{random.uniform(-0.2, 0.2), random.uniform(-0.2, 0.2), random.uniform(-0.1, 0.1)};
@@ -237,7 +237,7 @@ TEST(Refusal, names_a_limit_that_is_broken_between_two_good_ends_and_how_far) {
     const RobotPlace to = robot.random_neighbour(random, from, 0.4);
     const std::vector<Move> moves{line_to(to.X_BT)};
     const auto stretch = robot.builder.build(from, moves, 0, robot.path);
-    if (stretch || stretch.error().error.code != ErrorCode::kJointLimit) return;
+    if (stretch || stretch.error().error.code != ErrorCode::kJointLimit) return random.discard();
     MoveWay way(robot.space);
     ASSERT_FALSE(way.make(moves[0], from));
     const BruteForce truth(robot, way.tool(), from.q);
@@ -365,13 +365,15 @@ TEST(Proposal, what_is_proposed_works) {
   int starts = 0;
   int tilts = 0;
   for (const char* id : kPathRobots) {
+    // Lines between neighbours are never refused there, so nothing is proposed.
+    if (std::string_view(id) == "maxarm" || std::string_view(id) == "hexapod") continue;
     PathRobot robot(id);
     for_random_cases(60, [&](Random& random) {
       const RobotPlace from = robot.random_place(random);
       const RobotPlace to = robot.random_neighbour(random, from, 1);
       const std::vector<Move> moves{line_to(to.X_BT)};
       const auto stretch = robot.builder.build(from, moves, 0, robot.path);
-      if (stretch) return;
+      if (stretch) return random.discard();
       const auto proposal = propose(robot.builder, robot.space, stretch.error(), moves, robot.path);
       if (proposal.move_j) {
         ++moves_j;

@@ -79,7 +79,7 @@ TEST_P(RobotTiming, lines_through_the_inverse_and_their_blends_keep_every_limit_
     const auto blended = time_of(start, moves);
     for (Move& move : moves) move.blend_radius = 0;
     const auto stopping = blended ? time_of(start, moves) : std::nullopt;
-    if (!stopping || !(*stopping > 0)) return;
+    if (!stopping || !(*stopping > 0)) return random.discard();
     const double ratio = *blended / *stopping;
     ratios += ratio, worst = std::max(worst, ratio), ++cases;
     if (ratio > 1) ++slower;
@@ -99,7 +99,8 @@ TEST_P(RobotTiming, another_feed_a_pause_or_a_stop_within_a_blend_keeps_the_join
   for_random_cases(25, [&](Random& random) {
     const RobotPlace start = robot.random_place(random);
     const std::vector<Move> moves = random_moves(random, start);
-    if (!robot.builder.build(start, moves, 0, robot.path) || robot.builder.blends().empty()) return;
+    if (!robot.builder.build(start, moves, 0, robot.path) || robot.builder.blends().empty())
+      return random.discard();
     ASSERT_FALSE(follower.start(robot.path, limits, random.uniform(0.3, 2)).has_value());
     const double dt = follower.time_left() / 2000;
     // Blends lie around the beginning of each section but the first.

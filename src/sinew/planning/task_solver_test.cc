@@ -47,7 +47,7 @@ TEST(TaskSolver, gives_the_least_squares_answer_away_from_singularities) {
   test::for_random_cases(5000, [&](test::Random& random) {
     const int joints = static_cast<int>(random.integer(6, 8));
     const Matrix M = random_matrix(random, joints);
-    if (smallest_value(M) < TaskSolver::kNearSingular) return;
+    if (smallest_value(M) < TaskSolver::kNearSingular) return random.discard();
     const bool holds = joints > 6 && random.chance(0.3);
     const auto held = static_cast<unsigned>(holds ? 1U << random.integer(0, 2) : 0);
     Matrix free = M;
@@ -57,7 +57,7 @@ TEST(TaskSolver, gives_the_least_squares_answer_away_from_singularities) {
     const auto task = random_task(random);
     const Eigen::Map<const Eigen::Matrix<double, 6, 1>> wanted(task.data());
     Eigen::JacobiSVD<Eigen::MatrixXd> svd(free, Eigen::ComputeThinU | Eigen::ComputeThinV);
-    if (svd.singularValues()(5) < TaskSolver::kNearSingular) return;
+    if (svd.singularValues()(5) < TaskSolver::kNearSingular) return random.discard();
     const Eigen::VectorXd expected = svd.solve(wanted);
     solver.factor(jacobian(M), held);
     const JointArray u = solver.solve(task);
@@ -148,7 +148,7 @@ TEST(TaskSolver, limit_holds_one_direction_back_at_the_cost_of_turns) {
   int paid = 0;
   test::for_random_cases(1000, [&](test::Random& random) {
     const Matrix M = random_matrix(random, 6);
-    if (smallest_value(M) < 0.1) return;
+    if (smallest_value(M) < 0.1) return random.discard();
     const TaskJacobian J = jacobian(M);
     const auto task = random_task(random);
     solver.factor(J, 0);

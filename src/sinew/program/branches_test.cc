@@ -370,7 +370,7 @@ TEST(Check, what_a_plan_takes_is_fine_and_what_it_refuses_is_refused_at_the_same
       text += row + "\n";
     }
     const auto program = read(text);
-    if (!program) return;
+    if (!program) return random.discard();
     const RobotModel& robot = test::robot("puma560");
     const auto plan = make_plan(*program, robot, home());
     const auto checked = check(*program, robot, home());

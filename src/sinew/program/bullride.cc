@@ -19,6 +19,8 @@ constexpr double kMovesMin = 6;
 constexpr double kAmplitudeMin = 1e-6;
 /// Tries until a random pose can be reached.
 constexpr int kTriesMax = 40;
+/// Throws in a row that may take longer than what is left of the ride.
+constexpr int kMisfitsMax = 20;
 /// Moves from which the time of one is judged.
 constexpr int kJudged = 6;
 
@@ -56,13 +58,12 @@ class Rider {
       last_refusal_ = motion.error();
       return std::unexpected(motion.error());
     }
-    shortest_ = std::min(shortest_, motion->duration);
     return motion->duration;
   }
   /// Why there is no ride: no pose is free, or the shortest way there and back takes too long.
   Refusal why_none(double duration) const {
-    if (last_refusal_) return *last_refusal_;
-    return {0, {ErrorCode::kSegmentTime, -1, 2 * shortest_, duration}, std::nullopt};
+    if (!std::isfinite(shortest_) && last_refusal_) return *last_refusal_;
+    return {0, {ErrorCode::kRideTime, -1, shortest_, duration}, std::nullopt};
   }
 
   /// A pose so far around the start as `amplitude` says that can be reached from `from`, and from
@@ -81,6 +82,7 @@ class Rider {
       if (!back) continue;
       move.there = *there;
       move.back = *back;
+      shortest_ = std::min(shortest_, *there + *back);
       return move;
     }
     return std::nullopt;
@@ -136,7 +138,7 @@ class Rider {
   JointVector q_start_;
   SplitMix64 random_;
   std::optional<Refusal> last_refusal_;
-  double shortest_ = std::numeric_limits<double>::infinity();  ///< s, of a move that works
+  double shortest_ = std::numeric_limits<double>::infinity();  ///< s, of a move and back
 };
 
 /// The largest amplitude at which moves take as long as they should; times grow with it.
@@ -152,6 +154,12 @@ double fitting_amplitude(Rider& rider, double move_time) {
 }
 
 }  // namespace
+
+double fitting_ride(const RobotModel& robot, const JointVector& q_start, const RideOrder& order) {
+  Rider rider(robot, q_start, order.seed);
+  // A move, and the way back.
+  return fitting_amplitude(rider, order.duration / 2);
+}
 
 std::expected<Ride, Refusal> make_ride(const RobotModel& robot, const JointVector& q_start,
                                        const RideOrder& order) {
@@ -177,8 +185,13 @@ std::expected<Ride, Refusal> make_ride(const RobotModel& robot, const JointVecto
                        : fitting_amplitude(rider, std::min(kMoveTime, order.duration / kMovesMin));
   JointVector q = start;
   double back = 0;
+  int misfits = 0;
   while (const auto move = rider.throw_from(q, ride.amplitude)) {
-    if (ride.duration + move->there + move->back > order.duration) break;
+    if (ride.duration + move->there + move->back > order.duration) {
+      if (++misfits > kMisfitsMax) break;
+      continue;
+    }
+    misfits = 0;
     ride.text += rider.text_of(move->q);
     ride.duration += move->there;
     ++ride.moves;

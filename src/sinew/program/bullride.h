@@ -27,9 +27,13 @@ struct Ride {
   int moves = 0;
 };
 
+/// The largest amplitude, of each joint's range, of which a move and the way back fit into the
+/// ride's time on this robot's wire.
+double fitting_ride(const RobotModel& robot, const JointVector& q_start, const RideOrder& order);
+
 /// @param q_start  where the robot stands, and will stand in the end; inside all limits
-/// @error kMoveInput (a duration or amplitude that is none), or why not even a small move from
-///        there works
+/// @error kMoveInput (a duration or amplitude that is none), kRideTime (moves of this amplitude
+///        take longer than the ride), or why not even a small move from there works
 std::expected<Ride, Refusal> make_ride(const RobotModel& robot, const JointVector& q_start,
                                        const RideOrder& order);
 

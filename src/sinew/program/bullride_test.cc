@@ -69,6 +69,30 @@ TEST_P(Rides, an_amplitude_that_was_asked_for_bounds_every_pose) {
   }
 }
 
+TEST(Hexapod, rides_with_amplitude_and_time_both_chosen_and_says_what_the_wire_could) {
+  const RobotModel robot = test::robot("hexapod");
+  const JointVector q = home_joints(robot);
+  // 0.02 % of 75 mm: 15 um a leg, 240 steps a second for all of them.
+  const auto ride = make_ride(robot, q, {.duration = 10, .seed = 1, .amplitude = 2e-4});
+  ASSERT_TRUE(ride);
+  EXPECT_GE(ride->moves, 2);
+  EXPECT_LE(ride->duration, 10);
+  const RideOrder wide{.duration = 10, .seed = 1, .amplitude = 0.01};
+  const auto none = make_ride(robot, q, wide);
+  ASSERT_FALSE(none);
+  EXPECT_EQ(none.error().error.code, ErrorCode::kRideTime);
+  EXPECT_GT(none.error().error.measured, 10);
+  EXPECT_EQ(none.error().error.limit, 10);
+  RideOrder fitting = wide;
+  fitting.amplitude = fitting_ride(robot, q, wide);
+  EXPECT_GT(fitting.amplitude, 2e-4);
+  EXPECT_LT(fitting.amplitude, 0.01);
+  EXPECT_TRUE(make_ride(robot, q, fitting));
+  RideOrder longer = wide;
+  longer.duration = 4 * none.error().error.measured;
+  EXPECT_TRUE(make_ride(robot, q, longer));
+}
+
 TEST_P(Rides, what_is_no_ride_is_refused) {
   for (const double duration : {0.0, -1.0, 1e9, std::nan("")}) {
     EXPECT_FALSE(make_ride(robot(), start(), {.duration = duration}));

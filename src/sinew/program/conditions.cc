@@ -61,7 +61,7 @@ std::string unknown_subject(std::string_view name, const RobotModel& robot) {
   }
   for (const std::string_view one : known) all += " " + std::string(one);
   const std::string_view meant = nearest_spelling(name, known);
-  return quoted(name) + " is nothing that is measured" +
+  return in_quotes(name) + " is nothing that is measured" +
          (meant.empty() ? "; there are" + all : "; did you mean " + std::string(meant) + "?");
 }
 
@@ -75,7 +75,7 @@ std::optional<Condition> read_condition(RowReader& row, const RobotModel& robot,
   const std::size_t sign = text.find_first_of("<>=!");
   const bool plain = sign != std::string::npos && (text[sign] == '<' || text[sign] == '>');
   if (!plain || sign == 0) {
-    row.complain(at, quoted(text) +
+    row.complain(at, in_quotes(text) +
                          ": a condition is one number that is measured, above or below "
                          "one that the row says, as in " +
                          robot.joints[0].name +
@@ -96,7 +96,7 @@ std::optional<Condition> read_condition(RowReader& row, const RobotModel& robot,
   if (!number) return std::nullopt;
   condition.value = *number;
   if (std::abs(*number) <= kLargest) return condition;
-  row.complain(at, quoted(value) + " is beyond what any machine measures");
+  row.complain(at, in_quotes(value) + " is beyond what any machine measures");
   return std::nullopt;
 }
 

@@ -8,7 +8,7 @@
 #include "sinew/program/pose_file.h"
 #include "sinew/program/program_plan.h"
 #include "sinew/program/sequence_convert.h"
-#include "sinew/program/sequence_plan.h"
+#include "sinew/program/text_forms.h"
 #include "support/property.h"
 #include "support/robots.h"
 
@@ -144,7 +144,7 @@ TEST(PlatformConfig, old_program_says_where_it_stood_and_each_leg_stays_uncertai
 
 std::string rows(std::string_view gcode, std::string_view robot = "maxarm") {
   const auto text = rows_of_gcode(gcode, "p.nc", test::robot(robot));
-  return text ? *text : "refused: " + to_text(text.error().front());
+  return text ? text->text : "refused: " + to_text(text.error().front());
 }
 
 TEST(Gcode, words_become_rows) {
@@ -227,8 +227,10 @@ TEST(Gcode, whatever_is_read_is_a_program) {
       return;
     }
     ++read;
-    const auto program = parse(*out, "p", test::robot("maxarm"));
-    ASSERT_TRUE(program) << to_text(program.error().front()) << "\n" << *out << "\nof\n" << text;
+    const auto program = parse(out->text, "p", test::robot("maxarm"));
+    ASSERT_TRUE(program) << to_text(program.error().front()) << "\n"
+                         << out->text << "\nof\n"
+                         << text;
     programs += program->steps.empty() ? 0 : 1;
   });
   EXPECT_GT(read, 500);
@@ -266,29 +268,63 @@ TEST(SequenceRows, sequence_comes_back_step_by_step) {
     if (open) text += "END\n";
     const auto sequence = sequence::parse(text, "s.txt", device);
     ASSERT_TRUE(sequence) << to_text(sequence.error().front()) << text;
-    const auto out = rows_of_sequence(*sequence, "s.txt", robot);
-    ASSERT_TRUE(out) << to_text(out.error().front());
-    const auto program = parse(*out, "p", robot);
-    ASSERT_TRUE(program) << to_text(program.error().front()) << *out;
+    RobotModel on_text = robot;
+    std::get<BigRobotArmDevice>(on_text.device.settings).wire = BigRobotArmWire::kText;
+    const Rows out = rows_of_sequence(*sequence, on_text);
+    const auto program = parse(out.text, "p", robot);
+    ASSERT_TRUE(program) << to_text(program.error().front()) << out.text;
+    ASSERT_EQ(out.lines.size(),
+              static_cast<std::size_t>(std::ranges::count(out.text, '\n')));
     const auto again = sequence_of_rows(*program, robot);
-    ASSERT_TRUE(again) << to_text(again.error().front()) << *out;
+    ASSERT_TRUE(again) << to_text(again.error().front()) << out.text;
     ASSERT_EQ(sequence::to_text(*again), sequence::to_text(*sequence));
   });
+}
+
+/// The document's own counts: 72.2 steps a degree of the base, 27.8 of the shoulder.
+TEST(SequenceRows, zero_is_where_the_last_reset_was) {
+  const RobotModel& robot = test::robot("bigrobotarm");
+  const auto rows = [&](const char* text) {
+    const auto& device = std::get<BigRobotArmDevice>(robot.device.settings);
+    return rows_of_sequence(*sequence::parse(text, "s.txt", device), robot).text;
+  };
+  EXPECT_EQ(rows("S1\nG0 B6500\nG92\nG0 B-6500\nG28"),
+            "joint base=90deg\njoint base=0deg\n"
+            "joint base=90deg d.shoulder=0deg d.elbow=0deg d.wrist_rotate=0deg d.wrist=0deg\n");
+  // Where it was is not known: differences, and a block's rounds differ.
+  EXPECT_EQ(rows("S1\nG92\nBEGIN I2\nG0 B650\nG0 B0\nG92\nEND"),
+            "joint d.base=9deg\njoint d.base=-9deg\njoint d.base=9deg\njoint d.base=-9deg\n");
+}
+
+TEST(SequenceRows, speeds_are_shares_of_the_joints_limits) {
+  const RobotModel& robot = test::robot("bigrobotarm");
+  const auto& device = std::get<BigRobotArmDevice>(robot.device.settings);
+  const auto rows = rows_of_sequence(
+      *sequence::parse("S1\nM203 B100 S50\nM201 B300\nG0 B650", "s.txt", device), robot);
+  EXPECT_EQ(rows.text.substr(0, rows.text.find('\n')), "velocity base=50.01% shoulder=50%");
+  ASSERT_EQ(rows.notes.size(), 1U);
+  EXPECT_EQ(rows.notes[0].line, 3);
+  EXPECT_EQ(rows.notes[0].sentence,
+            "M201 300 is 132.9 deg/s2 of base; limited to 88.6 deg/s2 "
+            "(acceleration_deg_s2_max of the robot's file)");
+  const auto slow = read_form(TextForm::kSequence, "S1\nM203 B20\nG0 B3250", "s.txt", robot);
+  ASSERT_TRUE(slow);
+  EXPECT_EQ(slow->steps[0].line, 3);
+  const auto plan = make_plan(*slow, robot, home_joints(robot));
+  ASSERT_TRUE(plan);
+  // 45 degrees at 8.86 a second.
+  EXPECT_NEAR(plan->duration, 45 / 8.86, 0.4);
 }
 
 TEST(SequenceRows, what_the_other_form_cannot_say_is_told_with_its_line) {
   const RobotModel& robot = test::robot("bigrobotarm");
   const auto& device = std::get<BigRobotArmDevice>(robot.device.settings);
-  const auto of_sequence = [&](const char* text) {
-    return first_complaint(
-        rows_of_sequence(*sequence::parse(text, "s.txt", device), "s.txt", robot));
+  const auto notes = [&](const char* text) {
+    return rows_of_sequence(*sequence::parse(text, "s.txt", device), robot).notes;
   };
-  EXPECT_EQ(of_sequence("S1\nG0 B100 S0 E0 WR0 W0"), "");
-  EXPECT_TRUE(of_sequence("\nG0 B100 S0 E0 WR0 W0")
-                  .starts_with("s.txt:2:1: here the joints do not arrive together"));
-  EXPECT_TRUE(of_sequence("G92").starts_with("s.txt:1:1: G92 says that here is zero"));
-  EXPECT_TRUE(
-      of_sequence("M203 B100 S100 E100 WR100 W100").starts_with("s.txt:1:1: M203 and M201"));
+  EXPECT_TRUE(notes("S1\nG0 B100 S0 E0 WR0 W0").empty());
+  ASSERT_EQ(notes("\nG0 B100 S0 E0 WR0 W0\nG0 B200").size(), 1U);
+  EXPECT_EQ(notes("\nG0 B100 S0 E0 WR0 W0")[0].line, 2);
   const auto of_rows = [&](const char* text) {
     const auto program = parse(text, "p.sinew", robot);
     EXPECT_TRUE(program) << first_complaint(program);

@@ -45,7 +45,7 @@ class GcodeReader {
     remark_.clear();
     if (!split(line)) return;
     if (codes_.empty()) {
-      if (!remark_.empty()) out_ += "#" + remark_ + "\n";
+      if (!remark_.empty()) add("#" + remark_ + "\n");
       return;
     }
     if (ended_) return complain(codes_[0], "stands behind the end of the program (M2, M30)");
@@ -55,11 +55,11 @@ class GcodeReader {
     } else if (!remark_.empty()) {
       row_text_ = "#" + remark_ + "\n";
     }
-    out_ += row_text_;
+    add(row_text_);
   }
 
   bool full() const { return row_.full(); }
-  std::expected<std::string, std::vector<Complaint>> finish() {
+  std::expected<Rows, std::vector<Complaint>> finish() {
     if (!row_.complaints().empty()) return std::unexpected(std::move(row_.complaints()));
     return std::move(out_);
   }
@@ -67,8 +67,15 @@ class GcodeReader {
  private:
   enum class Motion : std::uint8_t { kNone, kRapid, kLine };
 
+  /// Whole rows.
+  void add(const std::string& rows) {
+    out_.text += rows;
+    out_.lines.resize(out_.lines.size() + static_cast<std::size_t>(std::ranges::count(rows, '\n')),
+                      row_.line());
+  }
+
   void complain(const Code& code, std::string message) {
-    row_.complain(code.word, quoted(code.word.text) + " " + std::move(message));
+    row_.complain(code.word, in_quotes(code.word.text) + " " + std::move(message));
   }
 
   void remark(std::string_view text) {
@@ -126,11 +133,12 @@ class GcodeReader {
     const Word word{line.substr(at, std::max<std::size_t>(1, size)), static_cast<int>(at) + 1};
     if (letter < 'A' || letter > 'Z' || !number) {
       const Word shown{line.substr(at, std::min<std::size_t>(line.size() - at, 20)), word.column};
-      row_.complain(shown, quoted(shown.text) + ": a word is a letter and a number, as in X12.5");
+      row_.complain(shown,
+                    in_quotes(shown.text) + ": a word is a letter and a number, as in X12.5");
       return false;
     }
     if (!(std::abs(value) <= kNumberMax)) {
-      row_.complain(word, quoted(word.text) + " is beyond any machine");
+      row_.complain(word, in_quotes(word.text) + " is beyond any machine");
       return false;
     }
     if (codes_.size() == 64) {
@@ -321,14 +329,14 @@ class GcodeReader {
   bool feed_in_inches_ = false;
   bool ended_ = false;
   std::string row_text_;
-  std::string out_;
+  Rows out_;
 };
 
 }  // namespace
 
-std::expected<std::string, std::vector<Complaint>> rows_of_gcode(std::string_view text,
-                                                                 std::string_view file_name,
-                                                                 const RobotModel& robot) {
+std::expected<Rows, std::vector<Complaint>> rows_of_gcode(std::string_view text,
+                                                          std::string_view file_name,
+                                                          const RobotModel& robot) {
   GcodeReader reader(file_name, robot);
   for_each_line(text, [&](int number, std::string_view line) {
     reader.take_line(number, line);

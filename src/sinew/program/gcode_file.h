@@ -7,6 +7,7 @@
 
 #include "sinew/core/complaint.h"
 #include "sinew/model/robot_model.h"
+#include "sinew/program/program_rows.h"
 
 namespace sinew::program {
 
@@ -15,8 +16,8 @@ namespace sinew::program {
 /// axis that no arm has.
 /// @return the text of a program, laid out; remarks are kept
 /// @error  all complaints with line and column, up to a hundred
-std::expected<std::string, std::vector<Complaint>> rows_of_gcode(std::string_view text,
-                                                                 std::string_view file_name,
-                                                                 const RobotModel& robot);
+std::expected<Rows, std::vector<Complaint>> rows_of_gcode(std::string_view text,
+                                                          std::string_view file_name,
+                                                          const RobotModel& robot);
 
 }  // namespace sinew::program

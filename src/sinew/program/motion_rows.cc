@@ -48,9 +48,54 @@ bool MotionRows::known(std::string_view name) {
 
 std::optional<Step> MotionRows::read() {
   const std::string_view name = row_.words()[0].text;
-  if (name == "joint") return joint_row();
-  if (name == "spline") return spline_row();
-  return tool_row(name == "move" ? Way::kJoints : name == "line" ? Way::kLine : Way::kArc);
+  auto step = name == "joint"    ? joint_row()
+              : name == "spline" ? spline_row()
+                                 : tool_row(name == "move"   ? Way::kJoints
+                                            : name == "line" ? Way::kLine
+                                                             : Way::kArc);
+  if (!step || !limits_) return step;
+  std::visit(
+      [&](auto& what) {
+        if constexpr (requires { what.how; }) what.how.limits = limits_;
+      },
+      step->what);
+  return step;
+}
+
+void MotionRows::take_limits() {
+  const auto& words = row_.words();
+  const bool velocity = words[0].text == "velocity";
+  JointShares shares;
+  if (limits_) shares = *limits_;
+  while (shares.velocity.size() < names_.size()) shares.velocity.push_back(1);
+  while (shares.acceleration.size() < names_.size()) shares.acceleration.push_back(1);
+  JointVector& of = velocity ? shares.velocity : shares.acceleration;
+  const std::string example = std::string(words[0].text) + " " + names_[0] + "=50%";
+  if (words.size() == 1) return row_.complain(words[0], "a joint is missing; write " + example);
+  for (const Word& word : std::span(words).subspan(1)) {
+    const auto one = argument(word, example);
+    if (!one) continue;
+    const bool all = one->name == "all";
+    const auto joint = all ? std::optional<std::size_t>(0) : joint_named(robot_, one->name);
+    if (!joint) {
+      std::vector<std::string> known = names_;
+      known.emplace_back("all");
+      unknown(*one, known, "no joint of this robot");
+      continue;
+    }
+    const auto share = row_.quantity(word, one->value, Measure::kShare);
+    if (share && !(*share >= kJointShareMin && *share <= 1)) {
+      row_.complain(word, "a share of the joint's limit is 1% to 100%");
+    } else if (share && all) {
+      std::ranges::fill(of, *share);
+    } else if (share) {
+      of[*joint] = *share;
+    }
+  }
+  const auto is_whole = [](double share) { return share == 1; };
+  const bool none = std::ranges::all_of(shares.velocity, is_whole) &&
+                    std::ranges::all_of(shares.acceleration, is_whole);
+  limits_ = none ? nullptr : std::make_shared<const JointShares>(std::move(shares));
 }
 
 std::optional<MotionRows::Argument> MotionRows::argument(const Word& word,
@@ -59,7 +104,7 @@ std::optional<MotionRows::Argument> MotionRows::argument(const Word& word,
   if (equals != std::string_view::npos) {
     return Argument{word, word.text.substr(0, equals), word.text.substr(equals + 1)};
   }
-  row_.complain(word, quoted(word.text) + ": write NAME=VALUE, as in " + std::string(example));
+  row_.complain(word, in_quotes(word.text) + ": write NAME=VALUE, as in " + std::string(example));
   return std::nullopt;
 }
 
@@ -72,7 +117,7 @@ void MotionRows::unknown(const Argument& argument, const std::vector<std::string
     if (!difference || argument.name.starts_with('d')) known.push_back(name);
   }
   const std::string_view meant = nearest_spelling(argument.name, known);
-  row_.complain(argument.word, quoted(argument.name) + " is " + std::string(what) +
+  row_.complain(argument.word, in_quotes(argument.name) + " is " + std::string(what) +
                                    (meant.empty() ? "; it has " + listed(names)
                                                   : "; did you mean " + std::string(meant) + "?"));
 }
@@ -82,7 +127,7 @@ std::optional<bool> MotionRows::option(const Argument& argument, MotionOptions& 
   if (argument.name != "accel" && argument.name != "blend") return std::nullopt;
   bool& before = argument.name == "accel" ? given.acceleration : given.blend;
   if (before) {
-    row_.complain(argument.word, quoted(argument.name) + " is named twice");
+    row_.complain(argument.word, in_quotes(argument.name) + " is named twice");
     return false;
   }
   before = true;
@@ -181,8 +226,9 @@ bool MotionRows::take_joint_point(const Argument& argument, JointStep& step) {
   if (point == nullptr) return false;
   const auto* q = std::get_if<JointVector>(&point->place);
   if (q == nullptr) {
-    row_.complain(argument.word, quoted(point->name) + " is a place of the tool; write move to=" +
-                                     point->name + ", which finds the joints");
+    row_.complain(argument.word, in_quotes(point->name) +
+                                     " is a place of the tool; write move to=" + point->name +
+                                     ", which finds the joints");
     return false;
   }
   if (step.given != 0) {
@@ -213,7 +259,7 @@ bool MotionRows::take_joint(const Argument& argument, JointStep& step, Differenc
   }
   const bool again = difference ? differences[*joint].has_value() : (step.given >> *joint & 1) != 0;
   if (again) {
-    row_.complain(argument.word, quoted(argument.name) + " is named twice");
+    row_.complain(argument.word, in_quotes(argument.name) + " is named twice");
     return false;
   }
   const bool revolute = robot_.joints[*joint].kind == JointKind::kRevolute;
@@ -342,7 +388,7 @@ bool MotionRows::take_frame(const Argument& argument, Collected& collected) {
   collected.frame = true;
   collected.in_tool = argument.value == "tool";
   if (argument.value == "tool" || argument.value == "base") return true;
-  row_.complain(argument.word, quoted(argument.value) + ": a frame is base or tool");
+  row_.complain(argument.word, in_quotes(argument.value) + ": a frame is base or tool");
   return false;
 }
 
@@ -387,7 +433,7 @@ bool MotionRows::take_length(const Argument& argument, std::optional<double>& le
   const auto value = row_.quantity(argument.word, argument.value, Measure::kLength);
   length = value.value_or(0);
   if (value && (again || !(std::abs(*value) <= kFarAway))) {
-    row_.complain(argument.word, quoted(argument.name) +
+    row_.complain(argument.word, in_quotes(argument.name) +
                                      (again ? " is named twice" : " is farther away than 100 m"));
     return false;
   }
@@ -397,13 +443,13 @@ bool MotionRows::take_length(const Argument& argument, std::optional<double>& le
 /// @param angle  set already where the row named it before
 bool MotionRows::take_angle(const Argument& argument, std::optional<double>& angle) {
   if (angle) {
-    row_.complain(argument.word, quoted(argument.name) + " is named twice");
+    row_.complain(argument.word, in_quotes(argument.name) + " is named twice");
     return false;
   }
   angle = row_.quantity(argument.word, argument.value, Measure::kAngle);
   if (!angle) return false;
   if (std::abs(*angle) <= kTurnMax) return true;
-  row_.complain(argument.word, quoted(argument.name) + " is two turns at most");
+  row_.complain(argument.word, in_quotes(argument.name) + " is two turns at most");
   return false;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -20,6 +21,8 @@ class MotionRows {
   static bool known(std::string_view name);
   /// The row at hand as a step; nothing where something was complained about.
   std::optional<Step> read();
+  /// A `velocity` or `acceleration` row: the joints' limits of the motions behind it in this file.
+  void take_limits();
 
  private:
   struct Argument {
@@ -83,6 +86,7 @@ class MotionRows {
   planning::ToolSpace space_;
   planning::TaskSpace task_;
   std::vector<std::string> names_;
+  std::shared_ptr<const JointShares> limits_;  ///< null: those of the robot's file
 };
 
 }  // namespace sinew::program

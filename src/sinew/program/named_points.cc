@@ -9,24 +9,28 @@ namespace sinew::program {
 
 const TaughtPoint* MotionRows::named_point(const Word& word, std::string_view name) {
   if (points_ == nullptr) {
-    row_.complain(word, quoted(name) + ": there is no points.toml beside the program");
+    row_.complain(word, in_quotes(name) + ": there is no points.toml beside the program");
     return nullptr;
   }
   std::vector<std::string_view> known;
   for (const TaughtPoint& point : *points_) {
+    if (!point.wrong.empty() && (point.name.empty() || point.name == name)) {
+      row_.complain(word, in_quotes(name) + " cannot be used: " + point.wrong);
+      return nullptr;
+    }
     if (point.name != name) {
       if (point.robot == robot_.id) known.push_back(point.name);
       continue;
     }
     if (point.robot != robot_.id) {
-      row_.complain(word, quoted(name) + " is a point of " + printable(point.robot) + ", not of " +
-                              robot_.id);
+      row_.complain(word, in_quotes(name) + " is a point of " + printable(point.robot) +
+                              ", not of " + robot_.id);
       return nullptr;
     }
     const auto* q = std::get_if<JointVector>(&point.place);
     const bool legs = robot_.joints[0].kind == JointKind::kPrismatic;
     if (q == nullptr || (q->size() == robot_.joints.size() && point.legs == legs)) return &point;
-    row_.complain(word, quoted(name) + " has " + std::to_string(q->size()) +
+    row_.complain(word, in_quotes(name) + " has " + std::to_string(q->size()) +
                             (point.legs ? " legs, " : " joints, ") + robot_.id + " has " +
                             std::to_string(robot_.joints.size()) + (legs ? " legs" : " joints"));
     return nullptr;
@@ -37,7 +41,7 @@ const TaughtPoint* MotionRows::named_point(const Word& word, std::string_view na
     all += " " + std::string(known[i]);
   }
   row_.complain(
-      word, quoted(name) + " is no taught point" +
+      word, in_quotes(name) + " is no taught point" +
                 (!meant.empty()  ? "; did you mean " + std::string(meant) + "?"
                  : known.empty() ? "; there is none of this robot"
                                  : "; there are" + all + (known.size() > 10 ? " and more" : "")));
@@ -46,7 +50,7 @@ const TaughtPoint* MotionRows::named_point(const Word& word, std::string_view na
 
 std::optional<ToolGoal> MotionRows::tool_goal(const Word& word, const TaughtPoint& point) {
   const auto complain = [&](const std::string& why) {
-    row_.complain(word, quoted(point.name) + why);
+    row_.complain(word, in_quotes(point.name) + why);
     return std::nullopt;
   };
   using planning::TaskSpace;

@@ -173,6 +173,26 @@ TEST(RelativeRows, machine_that_does_not_know_where_it_stands_takes_no_differenc
   EXPECT_EQ(plan.error().error.index, 4);
 }
 
+TEST(NamedPoints, a_broken_point_refuses_only_the_rows_that_use_it) {
+  TaughtPoints all = points();
+  all.push_back({.name = "broken", .robot = "", .place = {}, .source = "", .taught_at = ""});
+  all.back().wrong = "points.toml:3:1: y_mm is missing";
+  Surroundings around;
+  around.points = &all;
+  const RobotModel& robot = test::robot("puma560");
+  EXPECT_TRUE(parse("move to=ready", "p.sinew", robot, around));
+  const auto used = parse("move to=ready\nmove to=broken", "p.sinew", robot, around);
+  ASSERT_FALSE(used);
+  ASSERT_EQ(used.error().size(), 1U);
+  EXPECT_EQ(to_text(used.error()[0]),
+            "p.sinew:2:6: 'broken' cannot be used: points.toml:3:1: y_mm is missing");
+  // A file that is no TOML at all.
+  all.assign(1, {.name = "", .robot = "", .place = {}, .source = "", .taught_at = ""});
+  all.back().wrong = "points.toml:1:8: no TOML";
+  EXPECT_TRUE(parse("move x=500mm", "p.sinew", robot, around));
+  EXPECT_FALSE(parse("move to=ready", "p.sinew", robot, around));
+}
+
 TEST(NamedPoints, faults_are_told_with_what_would_be_right) {
   const struct {
     const char* text;

@@ -8,6 +8,7 @@
 
 #include "sinew/core/units.h"
 #include "sinew/model/joint_lookup.h"
+#include "sinew/wire/bigrobotarm_byte.h"
 
 namespace sinew::program {
 namespace {
@@ -30,7 +31,7 @@ Refusal refused(const Step& step, const Error& error) {
 /// What this robot's tool cannot do; nothing where it can.
 std::optional<Error> tool_refusal(const RobotModel& robot, const ToolAction& action) {
   const auto& settings = robot.device.settings;
-  constexpr double kNozzleMax = kPi / 2;  // either way: 500 to 2500 us
+  constexpr double kNozzleMax = kPi;  // 500 to 2500 us
   constexpr double kTolerance = 1e-9;
   if (const auto* jaws = std::get_if<JawsTo>(&action)) {
     const auto* geometry = std::get_if<SerialGeometry>(&robot.geometry);
@@ -46,13 +47,20 @@ std::optional<Error> tool_refusal(const RobotModel& robot, const ToolAction& act
     if (device == nullptr) return Error{ErrorCode::kToolNotFitted};
     const double widest = from_deg(device->gripper_max);
     const double angle = gripper->angle.value_or(0);
-    if (angle >= 0 && angle <= widest + kTolerance) return std::nullopt;
-    return Error{ErrorCode::kToolAngle, -1, angle, angle < 0 ? 0 : widest};
+    if (!(angle >= 0 && angle <= widest + kTolerance)) {
+      return Error{ErrorCode::kToolAngle, -1, angle, angle < 0 ? 0 : widest};
+    }
+    const auto position = static_cast<std::int32_t>(std::lround(to_deg(angle)));
+    const bool cut =
+        device->wire == BigRobotArmWire::kByte && !bigrobotarm::byte::sendable(position);
+    return cut ? std::optional(Error{ErrorCode::kUnsendable, -1, 1.0 * position}) : std::nullopt;
   }
   if (!std::holds_alternative<MaxArmDevice>(settings)) return Error{ErrorCode::kToolNotFitted};
   const auto* nozzle = std::get_if<NozzleTo>(&action);
-  if (nozzle == nullptr || std::abs(nozzle->angle) <= kNozzleMax + kTolerance) return std::nullopt;
-  return Error{ErrorCode::kToolAngle, -1, nozzle->angle, std::copysign(kNozzleMax, nozzle->angle)};
+  if (nozzle == nullptr) return std::nullopt;
+  const double angle = nozzle->angle;
+  if (angle >= -kTolerance && angle <= kNozzleMax + kTolerance) return std::nullopt;
+  return Error{ErrorCode::kToolAngle, -1, angle, angle < 0 ? 0 : kNozzleMax};
 }
 
 /// Only axis boards have end stops, and only those that report can say that they were found.
@@ -67,6 +75,13 @@ bool inside_limits(const JointVector& q, const RobotModel& robot) {
     if (!within_limits(robot.joints[i], q[i])) return false;
   }
   return true;
+}
+
+/// `home` where there are no end stops to search for: all joints to the robot's home.
+Step home_row(const Step& step, const RobotModel& robot) {
+  JointStep row{.q = home_joints(robot), .given = 0, .how = {}};
+  row.given = static_cast<std::uint8_t>((1U << robot.joints.size()) - 1);
+  return {step.line, row, step.file};
 }
 
 /// One loop that is being unrolled.
@@ -123,6 +138,9 @@ std::optional<Refusal> OrderPlanner::take_all(const Program& program) {
 }
 
 std::optional<Refusal> OrderPlanner::take(const Step& step, std::size_t place, Round round) {
+  if (std::holds_alternative<HomeStep>(step.what) && !can_home(robot_)) {
+    return take(home_row(step, robot_), place, round);
+  }
   if (motion_of(step) != nullptr) {
     now_ = round;
     if (rows_.empty()) first_ = round;
@@ -304,9 +322,6 @@ std::expected<OrderPlanner::Planned, Refusal> OrderPlanner::plan_motion(const St
 }
 
 std::expected<HomeOrder, Refusal> OrderPlanner::plan_home(int line) {
-  if (!can_home(robot_)) {
-    return std::unexpected(Refusal{line, Error{ErrorCode::kNoEndStops}, std::nullopt});
-  }
   HomeOrder home{std::accumulate(homing_.times.begin(), homing_.times.end(), 0.0), nullptr};
   if (!back_ && homing_.rest) {
     auto back = home_return(robot_, *homing_.rest, line);

@@ -63,7 +63,7 @@ class NumberReader {
     std::string word(row.substr(first));
     word.erase(word.find_last_not_of(" \t") + 1);
     const auto wrong = [&](std::size_t at, const std::string& why) {
-      complain(line, static_cast<int>(first + at) + 1, quoted(word.substr(0, 40)) + why);
+      complain(line, static_cast<int>(first + at) + 1, in_quotes(word.substr(0, 40)) + why);
       return 0.0;
     };
     const std::size_t mark = word.find_first_of(".,");

@@ -30,6 +30,9 @@ std::string seconds_text(double seconds) {
   return text;
 }
 
+/// A place that is confirmed as its intervals show it.
+constexpr std::string_view kShown = "shown";
+
 std::string way_text(double way, const Joint& joint) {
   char text[32];
   const bool slides = joint.kind == JointKind::kPrismatic;
@@ -204,6 +207,7 @@ void Procedure::enter(Instant now) {
   }
   went_ = comes_back_ = false;
   left_ = way_ = adjusted_ = 0;
+  all_ = false;
   searching_.reset();
   trouble_.clear();
   since_ = now;
@@ -244,19 +248,32 @@ void Procedure::work(Instant now) {
 
 std::size_t Procedure::moving_joint() const {
   if (const auto* motion = std::get_if<MotionStep>(&step().what)) return motion->joint;
-  return std::get<AdjustStep>(step().what).joint;
+  return all_ ? turn_ : std::get<AdjustStep>(step().what).joint;
+}
+
+/// All joints go by one small step each before any goes by a second one: a platform keeps level.
+bool Procedure::nudge_next() {
+  if (!all_ || part_ == 0 || turn_ + 1 >= robot_.joints.size()) return false;
+  ++turn_;
+  command_ = machine_.give(control::Nudge{static_cast<std::uint8_t>(turn_), part_});
+  return true;
 }
 
 /// @return  why it does not begin
 std::optional<std::string> Procedure::go(double way) {
+  turn_ = 0;
   const std::size_t joint = moving_joint();
   const double nudge_max = robot_.device.capability.nudge_max;
   left_ = way;
+  part_ = 0;
   if (const auto from = machine_.reference()) {
     JointStep row{.q = home_joints(robot_), .given = 0, .how = {}};
     for (double& q : row.q) q = 0;
-    row.q[joint] = way;
-    row.given = row.relative = static_cast<std::uint8_t>(1U << joint);
+    for (std::size_t j = 0; j < row.q.size(); ++j) {
+      if (j != joint && !all_) continue;
+      row.q[j] = way;
+      row.given = row.relative = static_cast<std::uint8_t>(row.given | 1U << j);
+    }
     auto pieces = slow_way(*from, row);
     if (!pieces) return sentence(pieces.error());
     if (pieces->empty()) return "there is no way to go";
@@ -264,9 +281,9 @@ std::optional<std::string> Procedure::go(double way) {
     motion_ = std::make_unique<control::PieceMotion>(*from, std::move(*pieces), robot_);
     command_ = machine_.give(control::Begin{.motion = motion_.get()});
   } else if (nudge_max > 0) {
-    const double part = std::clamp(way, -nudge_max, nudge_max);
-    left_ = way - part;
-    command_ = machine_.give(control::Nudge{static_cast<std::uint8_t>(joint), part});
+    part_ = std::clamp(way, -nudge_max, nudge_max);
+    left_ = way - part_;
+    command_ = machine_.give(control::Nudge{static_cast<std::uint8_t>(joint), part_});
   } else {
     return "nobody knows where the machine is, and it cannot be moved by a little from there";
   }
@@ -392,12 +409,14 @@ void Procedure::end_search(Instant now) {
 void Procedure::command_done(Instant now) {
   if (std::holds_alternative<SearchStep>(step().what)) return end_search(now);
   if (!homeward_.empty()) return next_leg();
+  if (nudge_next()) return;
   if (left_ != 0) {
     if (const auto why = go(left_)) ask_again(*why);
     return;
   }
   if (std::holds_alternative<AdjustStep>(step().what)) {
     adjusted_ += way_;
+    all_ = false;
     phase_ = Phase::kAsking;
     return;
   }
@@ -445,7 +464,7 @@ std::string Procedure::question() const {
   if (std::holds_alternative<AdjustStep>(step().what)) {
     words = "by how much, as in ";
     words += robot_.joints[moving_joint()].kind == JointKind::kPrismatic ? "-0.3mm" : "-2deg";
-    words += "; or done";
+    words += ", of all of them with all before it; or done";
   }
   if (std::holds_alternative<PlaceStep>(step().what)) {
     words += ", or a value for each joint with its unit";
@@ -470,6 +489,7 @@ std::vector<std::string> Procedure::choices() const {
   if (starts) words = {"go"};
   if (const auto* where = std::get_if<PlaceStep>(&step().what)) {
     for (const PlaceStep::Place& place : where->places) words.push_back(place.name);
+    if (shows_all()) words.emplace_back(kShown);
   }
   if (step().optional && std::ranges::find(words, "skip") == words.end()) words.push_back("skip");
   return words;
@@ -580,13 +600,16 @@ std::expected<void, std::string> Procedure::answer_motion(const MotionStep& step
 }
 
 std::expected<void, std::string> Procedure::answer_adjust(std::string_view text, Instant now) {
-  const Joint& joint = robot_.joints[moving_joint()];
+  const Joint& joint = robot_.joints[std::get<AdjustStep>(step().what).joint];
   if (text == "done") {
     end_step(StepResult::State::kDone, "went " + way_text(adjusted_, joint) + " in all", adjusted_);
     next(now);
     return {};
   }
   const bool slides = joint.kind == JointKind::kPrismatic;
+  constexpr std::string_view kAll = "all ";
+  const bool all = text.starts_with(kAll);
+  if (all) text = trimmed(text.substr(kAll.size()));
   const auto way =
       parse_quantity(text, slides ? Measure::kLength : Measure::kAngle, UnitRule::kRequired);
   if (!way) return std::unexpected(way.error() + "; or done");
@@ -599,8 +622,16 @@ std::expected<void, std::string> Procedure::answer_adjust(std::string_view text,
   trouble_.clear();
   since_ = now;
   way_ = *way;
+  all_ = all;
   if (const auto why = go(way_)) ask_again(*why);
   return {};
+}
+
+/// Each joint is known, if only within an interval.
+bool Procedure::shows_all() const {
+  return std::ranges::none_of(machine_.positions(), [](const JointPosition& joint) {
+    return joint.quality == PositionQuality::kLost;
+  });
 }
 
 std::expected<void, std::string> Procedure::answer_place(const PlaceStep& step,
@@ -613,6 +644,20 @@ std::expected<void, std::string> Procedure::answer_place(const PlaceStep& step,
     }
     declare.moved = true;
     text = trimmed(text.substr(0, moved));
+  }
+  const auto declares = [&] {
+    trouble_.clear();
+    command_ = machine_.give(declare);
+    phase_ = Phase::kWorking;
+    return std::expected<void, std::string>{};
+  };
+  if (text == kShown && shows_all()) {
+    for (JointPosition joint : machine_.positions()) {
+      joint.quality = PositionQuality::kCommanded;
+      joint.q = (joint.lower + joint.upper) / 2;
+      declare.positions.push_back(joint);
+    }
+    return declares();
   }
   JointVector q;
   const auto named = std::ranges::find(step.places, text, &PlaceStep::Place::name);
@@ -639,10 +684,7 @@ std::expected<void, std::string> Procedure::answer_place(const PlaceStep& step,
   for (const double one : q) {
     declare.positions.push_back({PositionQuality::kCommanded, one, one, one});
   }
-  trouble_.clear();
-  command_ = machine_.give(declare);
-  phase_ = Phase::kWorking;
-  return {};
+  return declares();
 }
 
 std::expected<void, std::string> Procedure::answer_rest(std::string_view text, Instant now) {

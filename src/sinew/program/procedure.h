@@ -46,6 +46,7 @@ struct MotionStep {
   bool asks = true;   ///< else it only goes there
 };
 /// One joint by hand, as often as it takes: an amount with its sign moves it, done ends it.
+/// `all` before the amount moves every joint by it, in turns of one small step each.
 struct AdjustStep {
   std::size_t joint = 0;
 };
@@ -72,8 +73,9 @@ struct HomeMoveStep {};
 struct ToolTryStep {
   ToolAction action;
 };
-/// Where the machine stands, from somebody who looks: one of these names, or a value a joint. Where
-/// something else is known, `NAME moved: REASON`.
+/// Where the machine stands, from somebody who looks: one of these names, a value a joint, or
+/// `shown` where it stands as its intervals say, which stay. Where something else is known,
+/// `NAME moved: REASON`.
 struct PlaceStep {
   struct Place {
     std::string name;
@@ -205,6 +207,8 @@ class Procedure {
                                                  Instant now);
   std::expected<void, std::string> answer_adjust(std::string_view text, Instant now);
   std::expected<void, std::string> answer_place(const PlaceStep& step, std::string_view text);
+  bool shows_all() const;
+  bool nudge_next();
   std::expected<void, std::string> answer_rest(std::string_view text, Instant now);
   void follow_search(Instant now);
   void end_search(Instant now);
@@ -231,6 +235,9 @@ class Procedure {
   std::deque<HomeLeg> homeward_;  ///< what is left of the way home
   double way_ = 0;                ///< that the joint was sent
   double left_ = 0;               ///< of it
+  double part_ = 0;               ///< of it, that each joint goes by in this turn
+  bool all_ = false;              ///< joints go by it
+  std::size_t turn_ = 0;          ///< the joint of this turn, where all of them go
   double adjusted_ = 0;
   bool went_ = false;
   bool comes_back_ = false;

@@ -282,6 +282,44 @@ TEST(Procedure, recovery_moves_each_joint_by_hand_as_often_as_it_takes) {
   EXPECT_EQ((*bench.machine.reference())[5], bench.robot.joints[5].lower);
 }
 
+TEST(Procedure, recovery_moves_all_legs_together_in_turns_of_one_small_step) {
+  Bench bench("hexapod");
+  bench.begin();
+  EXPECT_NE(bench.say("all"), "");
+  EXPECT_NE(bench.say("all 200mm"), "");
+  EXPECT_EQ(bench.say("all -1.2mm"), "");
+  for (int k = 0; k < 18 && bench.procedure.phase() == Phase::kWorking; ++k) {
+    bench.until([&] { return bench.procedure.phase() != Phase::kWorking; });
+  }
+  ASSERT_EQ(bench.driver.nudges.size(), 18U) << bench.procedure.trouble();
+  for (std::size_t k = 0; k < 18; ++k) {
+    EXPECT_EQ(bench.driver.nudges[k].first, k % 6);
+    EXPECT_NEAR(bench.driver.nudges[k].second, k < 12 ? -0.5e-3 : -0.2e-3, 1e-12);
+  }
+  EXPECT_EQ(bench.say("0.1mm"), "") << "of leg1 alone again";
+  EXPECT_EQ(bench.driver.nudges.size(), 19U);
+}
+
+TEST(Procedure, a_place_is_confirmed_as_it_is_shown_and_its_intervals_stay) {
+  Bench bench("hexapod");
+  bench.begin();
+  for (int leg = 0; leg < 6; ++leg) EXPECT_EQ(bench.say("done"), "");
+  EXPECT_NE(bench.say("shown"), "") << "nothing is shown where all is lost";
+  FixedVector<JointPosition, kMaxJoints> within;
+  for (const Joint& joint : bench.robot.joints) {
+    within.push_back(
+        {PositionQuality::kUncertain, joint.home, joint.home - 20e-6, joint.home + 32e-6});
+  }
+  bench.driver.declare_positions({within.data(), within.size()});
+  EXPECT_EQ(bench.say("shown"), "");
+  ASSERT_EQ(bench.procedure.phase(), Phase::kDone) << bench.procedure.trouble();
+  const JointPosition& leg = bench.driver.positions()[3];
+  EXPECT_EQ(leg.quality, PositionQuality::kCommanded);
+  EXPECT_NEAR(leg.q, bench.robot.joints[3].home + 6e-6, 1e-12);
+  EXPECT_NEAR(leg.lower, bench.robot.joints[3].home - 20e-6, 1e-12);
+  EXPECT_NEAR(leg.upper, bench.robot.joints[3].home + 32e-6, 1e-12);
+}
+
 TEST(Procedure, servos_recover_by_a_slow_first_move) {
   Bench bench("learm");
   bench.begin();

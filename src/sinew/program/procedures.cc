@@ -292,7 +292,9 @@ void list_hexapod(Lister& list, const RobotModel& robot, const DeviceFact& fact)
   list.add("go_far", "leg1 goes 2 mm, to be measured: put a calliper beside it first.",
            MotionStep{0, from_mm(2), "longer", "shorter", false})
       .optional = true;
-  list.add("went", "How far did leg1 go?", NumberStep{Measure::kLength, from_mm(0.2), from_mm(20)})
+  // A unit of another scale may be many times as long or short: all that the leg itself can go.
+  const double stroke = robot.joints[0].upper - robot.joints[0].lower;
+  list.add("went", "How far did leg1 go?", NumberStep{Measure::kLength, from_mm(0.01), stroke})
       .when = [](const Procedure& procedure) {
     const auto* far = procedure.result("go_far");
     return far != nullptr && far->state == StepResult::State::kDone;

@@ -83,6 +83,7 @@ class Parser {
     if (name == "else") return take_else();
     if (name == "end") return take_end();
     if (name == "call") return take_call();
+    if (name == "velocity" || name == "acceleration") return motions_.take_limits();
     if (name == "jaws" || name == "gripper" || name == "suction" || name == "nozzle") {
       return take_tool(name);
     }
@@ -154,7 +155,7 @@ class Parser {
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), rounds);
     if (error != std::errc{} || end != text.data() + text.size() || rounds < 1 ||
         rounds > kRoundsMax) {
-      row_.complain(word(1), quoted(text) + ": a loop has 1 to 10000 rounds");
+      row_.complain(word(1), in_quotes(text) + ": a loop has 1 to 10000 rounds");
     }
     open_block(LoopStep{rounds, 0});
   }
@@ -243,7 +244,7 @@ class Parser {
     if (text == "on") return add(ToolStep{Suction{Suction::State::kOn}});
     if (text == "release") return add(ToolStep{Suction{Suction::State::kRelease}});
     if (text == "off") return add(ToolStep{Suction{Suction::State::kOff}});
-    row_.complain(word(1), quoted(text) + ": suction is on, release or off");
+    row_.complain(word(1), in_quotes(text) + ": suction is on, release or off");
   }
 
   void take_nozzle() {
@@ -291,7 +292,7 @@ std::expected<const std::vector<Step>*, std::string> Reading::called(std::string
            c == '-';
   };
   if (!std::ranges::all_of(name, plain) || name.size() > 64) {
-    return std::unexpected(quoted(name) +
+    return std::unexpected(in_quotes(name) +
                            ": a program is called by its name alone, letters, digits, - and _; it "
                            "lies in the same folder");
   }
@@ -305,7 +306,7 @@ std::expected<const std::vector<Step>*, std::string> Reading::called(std::string
   if (files_.size() == kFilesMax) {
     return std::unexpected("a program calls at most 63 others");
   }
-  if (!around_.load) return std::unexpected(quoted(name) + ": nothing can be called from here");
+  if (!around_.load) return std::unexpected(in_quotes(name) + ": nothing can be called from here");
   const auto file = around_.load(name);
   if (!file) return std::unexpected(file.error());
   open_.emplace_back(name);

@@ -30,8 +30,16 @@
 ///   home                                   | find the zeros, on machines with end stops
 ///   jaws 20mm | gripper 40deg|off | suction on|release|off | nozzle 45deg time=1s
 ///   wait 0.5s | wait settled | wait until base>20deg for 5s
+///   velocity base=50% shoulder=20% | acceleration base=50%   | limits of the motions behind it
 ///   loop 3 ... end | if z<100mm ... else ... end | call NAME
 namespace sinew::program {
+
+/// Shares (0, 1] of the joints' limits in the robot's file, one a joint.
+struct JointShares {
+  JointVector velocity;
+  JointVector acceleration;
+  friend bool operator==(const JointShares&, const JointShares&) = default;
+};
 
 /// How a motion is made: what a row says behind its target.
 struct MotionOptions {
@@ -40,6 +48,8 @@ struct MotionOptions {
   double tool_acceleration = std::numeric_limits<double>::infinity();  ///< m/s^2
   double blend_radius = 0;  ///< m; with 0 for both the robot stops at the row's end
   double blend_joints = 0;  ///< rad
+  /// What `velocity` and `acceleration` rows before it say; null: the limits themselves.
+  std::shared_ptr<const JointShares> limits{};
 
   bool blends() const { return blend_radius > 0 || blend_joints > 0; }
 };
@@ -144,10 +154,17 @@ struct CallRow {
   std::size_t first = 0;  ///< place of the first step that it stands for
 };
 
+/// What goes otherwise here than where the program's text comes from.
+struct ProgramNote {
+  int line = 0;
+  std::string sentence;
+};
+
 struct Program {
   std::vector<Step> steps;         ///< those of called programs where they are called
   std::vector<std::string> files;  ///< the program's own name, then of those that it calls
   std::vector<CallRow> calls{};
+  std::vector<ProgramNote> notes{};
 };
 
 /// A called program's text and how complaints shall name it.

@@ -116,7 +116,7 @@ class Layout {
     for (const Word& word : words) {
       const auto control = [](char c) { return static_cast<unsigned char>(c) < 0x20; };
       if (std::ranges::any_of(word.text, control)) {
-        reader_.complain(word, quoted(word.text) + " has a control character in it");
+        reader_.complain(word, in_quotes(word.text) + " has a control character in it");
       }
     }
     const bool closes = name == "end" || name == "else";

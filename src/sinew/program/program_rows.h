@@ -5,16 +5,32 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "sinew/core/spelling.h"
+#include "sinew/program/program_file.h"
 #include "sinew/program/row_reader.h"
 
 namespace sinew::program {
 
 /// The first words of all rows.
-inline constexpr std::array<std::string_view, 16> kRowNames{
+inline constexpr std::array<std::string_view, 18> kRowNames{
     "joint",   "move",   "line", "arc",  "spline", "home", "jaws", "gripper",
-    "suction", "nozzle", "wait", "loop", "if",     "else", "end",  "call"};
+    "suction", "nozzle", "wait", "loop", "if",     "else", "end",  "call",
+    "velocity", "acceleration"};
+
+/// A text of another form as the rows of a program.
+struct Rows {
+  std::string text;
+  std::vector<int> lines;  ///< of the other text, from 1, one a row
+  std::vector<ProgramNote> notes{};
+
+  void add(int line, std::string_view row) {
+    text += row;
+    text += '\n';
+    lines.push_back(line);
+  }
+};
 
 /// What is wrong with a row that begins so; nothing where it is one.
 inline std::optional<std::string> unknown_row(std::string_view name) {
@@ -24,7 +40,7 @@ inline std::optional<std::string> unknown_row(std::string_view name) {
   for (const std::string_view known : kRowNames) {
     all += (all.empty() ? "" : " ") + std::string(known);
   }
-  return "unknown step " + quoted(name) +
+  return "unknown step " + in_quotes(name) +
          (meant.empty() ? "; steps are " + all : "; did you mean " + std::string(meant) + "?");
 }
 

@@ -226,7 +226,6 @@ void Run::opening(Instant now) {
   if (declared_ && !declared_told_ && (has_looked_ || !machine_.reference())) {
     declared_told_ = true;
     control::Declare declare;
-    declare.moved = has_looked_;
     for (const double q : *declared_) {
       declare.positions.push_back({PositionQuality::kCommanded, q, q, q});
     }

@@ -59,8 +59,8 @@ class Run {
 
   /// Where somebody says the machine stands, for one that cannot know; it counts where the driver
   /// does not know better.
-  /// @param has_looked  it also counts where the driver or the journal says something else; what is
-  ///                    measured stays measured
+  /// @param has_looked  it is held against all that is known otherwise, and the run is refused
+  ///                    where they contradict; else it counts only where nothing else is known
   void declare(const JointVector& q, bool has_looked = false) {
     declared_ = q;
     has_looked_ = has_looked;

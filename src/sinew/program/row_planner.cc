@@ -10,6 +10,7 @@
 #include "sinew/driver/maxarm_pulses.h"
 #include "sinew/planning/chords.h"
 #include "sinew/program/tool_goal.h"
+#include "sinew/program/whole_moves.h"
 
 namespace sinew::program {
 namespace {
@@ -146,10 +147,21 @@ double time_at(const planning::TimeLaw& law, double s) {
   return after;
 }
 
+RobotModel with_limits(RobotModel robot, const JointShares& shares) {
+  for (std::size_t j = 0; j < robot.joints.size(); ++j) {
+    Joint& joint = robot.joints[j];
+    joint.velocity_max *= shares.velocity[j];
+    joint.acceleration_max *= shares.acceleration[j];
+    // A ramp keeps its shape.
+    joint.jerk_max *= shares.acceleration[j];
+  }
+  return robot;
+}
+
 }  // namespace
 
 Unheard unheard(const MotionOptions& how, const RobotModel& robot) {
-  const bool paced = how.joint_share != 1 || std::isfinite(how.tool_speed);
+  const bool paced = how.joint_share != 1 || std::isfinite(how.tool_speed) || how.limits;
   return {.speed = paced && !robot.device.capability.takes_speed,
           .acceleration = std::isfinite(how.tool_acceleration) && !takes_acceleration(robot),
           .blend = how.blends() && !blends(robot)};
@@ -162,14 +174,60 @@ RowPlanner::RowPlanner(const RobotModel& robot)
       planner_(robot),
       motion_(planner_.make_motion()) {}
 
+struct RowPlanner::Limited {
+  Limited(const RobotModel& whole, std::shared_ptr<const JointShares> asked)
+      : shares(std::move(asked)), robot(with_limits(whole, *shares)), planner(robot) {}
+
+  std::shared_ptr<const JointShares> shares;
+  RobotModel robot;
+  RowPlanner planner;
+};
+
+RowPlanner::~RowPlanner() = default;
+
+const planning::PlannedMotion& RowPlanner::motion() const {
+  return limited_now_ ? limited_->planner.motion_ : motion_;
+}
+
+void RowPlanner::show_to(WayLook look) {
+  look_ = std::move(look);
+  limited_.reset();
+}
+
+std::expected<RowMotion, Refusal> RowPlanner::plan_limited(const JointVector& q_start,
+                                                           std::span<const Step> rows) {
+  const auto& shares = motion_of(rows[0])->limits;
+  if (!limited_ || !(*limited_->shares == *shares)) {
+    limited_ = std::make_unique<Limited>(robot_, shares);
+    limited_->planner.show_to(look_);
+  }
+  return limited_->planner.plan_rows(q_start, rows);
+}
+
 std::expected<RowMotion, Refusal> RowPlanner::plan(const JointVector& q_start,
                                                    std::span<const Step> rows) {
   SINEW_ASSERT(!rows.empty());
+  const auto& limits = motion_of(rows[0])->limits;
+  // Rows of other limits do not blend with these.
+  const auto others = std::ranges::find_if_not(rows, [&](const Step& row) {
+    const auto& own = motion_of(row)->limits;
+    return own == limits || (own && limits && *own == *limits);
+  });
+  const auto alike = rows.first(static_cast<std::size_t>(others - rows.begin()));
+  limited_now_ = limits != nullptr;
+  return limited_now_ ? plan_limited(q_start, alike) : plan_rows(q_start, alike);
+}
+
+std::expected<RowMotion, Refusal> RowPlanner::plan_rows(const JointVector& q_start,
+                                                        std::span<const Step> rows) {
   const auto start = planner_.place_at({q_start.data(), q_start.size()});
   if (!start) return std::unexpected(Refusal{rows[0].line, start.error(), std::nullopt});
   if (const auto made = make_moves(*start, rows); !made) return std::unexpected(made.error());
-  if (const auto planned = planner_.plan(*start, moves_, 0, motion_); !planned) {
-    return std::unexpected(refusal(rows, planned.error()));
+  for (std::size_t tries = 0;; ++tries) {
+    const auto planned = planner_.plan(*start, moves_, 0, motion_);
+    if (planned) break;
+    Refusal why = refusal(rows, planned.error());
+    if (tries == rows.size() || !come_nearer(*why.way)) return std::unexpected(std::move(why));
   }
   RowMotion out;
   out.rows = motion_.stretch.moves;
@@ -180,23 +238,15 @@ std::expected<RowMotion, Refusal> RowPlanner::plan(const JointVector& q_start,
   }
   tell_stop(rows, out);
   if (motion_.empty()) return out;
-  if (const auto error = wire_.refusal({out.q_end.data(), out.q_end.size()})) {
+  const std::span<const double> from(q_start.data(), q_start.size());
+  if (const auto error = wire_.refusal({out.q_end.data(), out.q_end.size()}, from)) {
     const double end = motion_.path.joints.length();
     return std::unexpected(unsayable(rows, *start, end, out.q_end, *error));
   }
   if (is_streamed(robot_)) {
     if (auto cut = cut_into_segments(rows, *start, out); !cut) return std::unexpected(cut.error());
   } else {
-    const auto places = chord_places(rows, *start);
-    if (!places) return std::unexpected(places.error());
-    cut_into_chords(*start, *places, out);
-    const double longest = durations(robot_).longest;
-    for (std::size_t k = 0; k < out.pieces.size(); ++k) {
-      const double duration = to_seconds(out.pieces[k].duration);
-      if (duration <= longest) continue;
-      const Error error{ErrorCode::kSegmentTime, -1, duration, longest};
-      return std::unexpected(unsayable(rows, *start, (*places)[k], out.pieces[k].q, error));
-    }
+    if (auto cut = cut_into_moves(rows, *start, out); !cut) return std::unexpected(cut.error());
   }
   if (const auto error = shown(q_start, out)) return std::unexpected(Refusal{rows[0].line, *error});
   return out;
@@ -227,6 +277,23 @@ std::expected<void, Refusal> RowPlanner::make_moves(const RobotPlace& start,
     at = *end;
   }
   return {};
+}
+
+/// A target that is no farther away than kReachTolerance becomes the nearest place in reach.
+bool RowPlanner::come_nearer(const WayRefusal& why) {
+  const auto& near = why.proposal.near;
+  Move& move = moves_[why.refusal.place.move];
+  if (!near || near->left > kReachTolerance) return false;
+  if (std::holds_alternative<planning::MoveTo>(move.way)) {
+    move.way = planning::MoveJ{near->q};
+    return true;
+  }
+  auto* line = std::get_if<planning::MoveL>(&move.way);
+  const std::span<const double> q(near->q.data(), robot_.joints.size());
+  const auto X_BT = planner_.space().forward(q, why.refusal.from.X_BT);
+  if (line == nullptr || !X_BT) return false;
+  line->to = {*X_BT, Asked::kPose};
+  return true;
 }
 
 Refusal RowPlanner::refusal(std::span<const Step> rows, const planning::PathRefusal& why) {
@@ -289,6 +356,7 @@ std::expected<void, Refusal> RowPlanner::cut_into_segments(std::span<const Step>
   const double segment = count == 1 ? longest : duration / static_cast<double>(count);
   const planning::Trajectory trajectory = motion_.trajectory();
   const bool outside = is_outside(start, robot_);
+  const std::span<const double> from(start.q.data(), robot_.joints.size());
   planning::JointMotion at;
   out.pieces.reserve(count);
   std::size_t merged = 0;  // into the piece that follows
@@ -301,7 +369,7 @@ std::expected<void, Refusal> RowPlanner::cut_into_segments(std::span<const Step>
       piece.q.push_back(last ? out.q_end[j] : at.q[j]);
       piece.qd.push_back(last ? 0 : at.qd[j]);
     }
-    if (const auto error = wire_.refusal({piece.q.data(), piece.q.size()})) {
+    if (const auto error = wire_.refusal({piece.q.data(), piece.q.size()}, from)) {
       // Back into the limits, beyond which many a wire says nothing: in one piece.
       if (outside && out.pieces.empty() && !last) {
         ++merged;
@@ -396,7 +464,7 @@ std::expected<std::vector<double>, Refusal> RowPlanner::chord_places(
   if (joints_straight) return std::vector<double>{length};
   const auto refused_at = [&](double s) {
     const JointVector q = joints_at(s);
-    return wire_.refusal({q.data(), q.size()});
+    return wire_.refusal({q.data(), q.size()}, {start.q.data(), q.size()});
   };
   constexpr double kLook = 0.1e-3;  // m
   double last = 0;
@@ -421,6 +489,71 @@ std::expected<std::vector<double>, Refusal> RowPlanner::chord_places(
     out.push_back(last = behind);
   }
   return out;
+}
+
+/// Whole moves from stop to stop; register boards' joints do not arrive together, so what they
+/// really pass on each of them has to be clear as well.
+std::expected<void, Refusal> RowPlanner::cut_into_moves(std::span<const Step> rows,
+                                                        const RobotPlace& start, RowMotion& out) {
+  auto places = chord_places(rows, start);
+  if (!places) return std::unexpected(places.error());
+  std::optional<Refusal> contact;
+  for (int halvings = 0; halvings <= kHalvingsMax; ++halvings) {
+    out.pieces.clear();
+    out.arrival = out.duration = 0;
+    cut_into_chords(start, *places, out);
+    contact = driven_contact(rows, start, *places, out);
+    if (!contact) break;
+    std::vector<double> halved;
+    for (const double place : *places) {
+      const double before = halved.empty() ? 0 : halved.back();
+      halved.insert(halved.end(), {(before + place) / 2, place});
+    }
+    *places = std::move(halved);
+  }
+  if (contact) return std::unexpected(std::move(*contact));
+  const double longest = durations(robot_).longest;
+  for (std::size_t k = 0; k < out.pieces.size(); ++k) {
+    const double duration = to_seconds(out.pieces[k].duration);
+    if (duration <= longest) continue;
+    const Error error{ErrorCode::kSegmentTime, -1, duration, longest};
+    return std::unexpected(unsayable(rows, start, (*places)[k], out.pieces[k].q, error));
+  }
+  return {};
+}
+
+/// What register boards hit on their way, each at its own pace from when it was told.
+std::optional<Refusal> RowPlanner::driven_contact(std::span<const Step> rows,
+                                                  const RobotPlace& start,
+                                                  std::span<const double> places,
+                                                  const RowMotion& out) const {
+  if (register_boards(robot_) == nullptr) return std::nullopt;
+  constexpr double kKnots = 0.1;  // s
+  const WholeMoves driven(vector_of(start.q, robot_.joints.size()), out, 1, robot_);
+  const auto count = static_cast<std::size_t>(std::ceil(driven.duration() / kKnots)) + 1;
+  std::vector<double> knots;
+  std::vector<JointArray> points;
+  planning::JointMotion at;
+  for (std::size_t k = 0; k <= count; ++k) {
+    knots.push_back(driven.duration() * static_cast<double>(k) / static_cast<double>(count));
+    driven.sample(knots.back(), at);
+    points.push_back(at.q);
+  }
+  planning::JointPath path(robot_.joints.size(), knots.size());
+  path.append_spline(knots, points, {}, {});
+  const auto contact = planner_.contact_on(start, path);
+  if (!contact) return std::nullopt;
+  // The move under way then.
+  std::size_t move = 0;
+  for (double t = 0; move + 1 < places.size(); ++move) {
+    t += to_seconds(out.pieces[move].duration);
+    if (t > contact->s) break;
+  }
+  const double length = motion_.path.joints.length();
+  const Error error = planning::contact_error(robot_, contact->nearest);
+  const double share = places[move] / length;
+  const planning::MovePlace place{0, places[move], share, motion_.path.sections[0].metres};
+  return Refusal{rows[0].line, error, WayRefusal{{error, place, std::nullopt, start}, {}, {}}};
 }
 
 void RowPlanner::cut_into_chords(const RobotPlace& start, std::span<const double> places,

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <expected>
 #include <functional>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -76,6 +77,11 @@ class RowPlanner {
   /// leave it by no more than this (m; of its turn, rad * kTurnRadius), from stop to stop.
   static constexpr double kWayTolerance = 0.5e-3;
   static constexpr double kChordMax = 20e-3;  ///< m
+  /// Where joints that do not arrive together would hit something, each move is cut in two, so
+  /// often at most: then they stop together more often.
+  static constexpr int kHalvingsMax = 5;
+  /// m; a target that is out of reach by less is the nearest place in reach.
+  static constexpr double kReachTolerance = 0.1e-3;
   /// So many rows at most blend into one motion; then there is a stop.
   static constexpr std::size_t kRowsMax = 64;
   /// Pieces of one motion: what a plan holds of it stays below some 50 MB. At 20 ms they last for
@@ -84,9 +90,12 @@ class RowPlanner {
 
   /// @param robot  outlives this.
   explicit RowPlanner(const RobotModel& robot);
+  ~RowPlanner();
+  RowPlanner(const RowPlanner&) = delete;
+  RowPlanner& operator=(const RowPlanner&) = delete;
 
   /// Shown each motion that plan() would give.
-  void show_to(WayLook look) { look_ = std::move(look); }
+  void show_to(WayLook look);
 
   /// The motion of rows[0] and of those that blend into each other behind it. The wire can say each
   /// of its pieces: a chord's end that it cannot is left out, or moved to where it can.
@@ -96,13 +105,22 @@ class RowPlanner {
   std::expected<RowMotion, Refusal> plan(const JointVector& q_start, std::span<const Step> rows);
 
   /// What the last plan() made.
-  const planning::PlannedMotion& motion() const { return motion_; }
+  const planning::PlannedMotion& motion() const;
   const planning::ToolSpace& space() const { return planner_.space(); }
 
  private:
+  /// Of a robot with lower limits, as `velocity` and `acceleration` rows ask for.
+  struct Limited;
+
+  std::expected<RowMotion, Refusal> plan_limited(const JointVector& q_start,
+                                                 std::span<const Step> rows);
+  /// Of rows with the same limits.
+  std::expected<RowMotion, Refusal> plan_rows(const JointVector& q_start,
+                                              std::span<const Step> rows);
   std::expected<void, Refusal> make_moves(const planning::RobotPlace& start,
                                           std::span<const Step> rows);
   Refusal refusal(std::span<const Step> rows, const planning::PathRefusal& why);
+  bool come_nearer(const WayRefusal& why);
   std::optional<Error> shown(const JointVector& q_start, const RowMotion& motion) const;
   void tell_stop(std::span<const Step> rows, RowMotion& out);
   std::expected<void, Refusal> cut_into_segments(std::span<const Step> rows,
@@ -112,6 +130,11 @@ class RowPlanner {
                        RowMotion& out) const;
   std::expected<std::vector<double>, Refusal> chord_places(std::span<const Step> rows,
                                                            const planning::RobotPlace& start) const;
+  std::expected<void, Refusal> cut_into_moves(std::span<const Step> rows,
+                                              const planning::RobotPlace& start, RowMotion& out);
+  std::optional<Refusal> driven_contact(std::span<const Step> rows,
+                                        const planning::RobotPlace& start,
+                                        std::span<const double> places, const RowMotion& out) const;
   JointVector joints_at(double s) const;
   double off_way(double begin, double end, const kinematics::PoseBT& X_near) const;
   Refusal unsayable(std::span<const Step> rows, const planning::RobotPlace& start, double s,
@@ -127,6 +150,8 @@ class RowPlanner {
   planning::PlannedMotion motion_;
   std::vector<planning::Move> moves_;
   WayLook look_;
+  std::unique_ptr<Limited> limited_;
+  bool limited_now_ = false;  ///< the last plan() was made with it
 };
 
 /// Where a joint row goes from `from`: joints that it does not name stay.

@@ -7,6 +7,7 @@
 #include "sinew/core/units.h"
 #include "sinew/driver/bigrobotarm_multipliers.h"
 #include "sinew/program/program_plan.h"
+#include "support/property.h"
 #include "support/robots.h"
 
 namespace sinew::program {
@@ -317,6 +318,47 @@ TEST(RowPlanner, refusal_names_its_line_and_what_would_work) {
   EXPECT_EQ(through.error().error.code, ErrorCode::kCollision) << describe(through.error().error);
   EXPECT_GE(through.error().error.other, 0);
   EXPECT_GT(through.error().way->refusal.place.at, 0);
+}
+
+/// Held against joints drawn all over the range: none has the tool nearer to its target.
+TEST(RowPlanner, nearest_place_in_reach_is_offered_and_a_tenth_of_a_millimetre_is_no_refusal) {
+  RobotModel free = test::robot("maxarm");
+  free.collision = {};
+  Bench bench(free);
+  int offered = 0;
+  test::for_random_cases(10, [&](test::Random& random) {
+    const Vec3 target{random.uniform(-0.5, 0.5), random.uniform(-0.5, -0.1),
+                      random.uniform(0.05, 0.5)};
+    const auto row = [](const Vec3& p) {
+      return "move x=" + std::to_string(to_mm(p.x)) + "mm y=" + std::to_string(to_mm(p.y)) +
+             "mm z=" + std::to_string(to_mm(p.z)) + "mm";
+    };
+    const auto motion = bench.plan(row(target));
+    if (motion) return random.discard();
+    ASSERT_TRUE(motion.error().way);
+    const auto& near = motion.error().way->proposal.near;
+    ASSERT_TRUE(near) << row(target);
+    ++offered;
+    const planning::ToolSpace& space = bench.planner.space();
+    double nearest = 1;
+    for (int k = 0; k < 20'000; ++k) {
+      JointVector q;
+      for (const Joint& joint : free.joints) q.push_back(random.uniform(joint.lower, joint.upper));
+      const auto X_BT = space.forward({q.data(), q.size()}, space.home());
+      const Vec3 p = X_BT->p;
+      // The linkage itself may not have it.
+      if (norm(p - target) >= nearest || space.branches(space.point(*X_BT), {}).empty()) continue;
+      nearest = norm(p - target);
+    }
+    EXPECT_LT(near->left, nearest + 2e-3) << row(target);
+    const std::span<const double> q(near->q.data(), 3);
+    const auto X_BT = space.forward(q, space.home());
+    EXPECT_NEAR(norm(X_BT->p - target), near->left, 1e-6);
+    // Next to it.
+    const Vec3 out = (1 / near->left) * (target - X_BT->p);
+    EXPECT_TRUE(bench.plan(row(X_BT->p + 0.02e-3 * out))) << row(target);
+  });
+  EXPECT_GT(offered, 3);
 }
 
 TEST(RowPlanner, row_that_goes_nowhere_has_no_pieces) {

@@ -14,7 +14,7 @@ constexpr double kFarAway = 100;
 
 }  // namespace
 
-std::string quoted(std::string_view text) {
+std::string in_quotes(std::string_view text) {
   return "'" + printable(text) + "'";
 }
 
@@ -52,7 +52,7 @@ std::optional<double> RowReader::quantity(const Word& word, std::string_view tex
 
 std::optional<Vec3> RowReader::point(const Word& word, std::string_view text) {
   if (std::ranges::count(text, ',') != 2) {
-    complain(word, quoted(text) + ": a point is X,Y,Z, as in 200mm,0mm,150mm");
+    complain(word, in_quotes(text) + ": a point is X,Y,Z, as in 200mm,0mm,150mm");
     return std::nullopt;
   }
   std::array<double, 3> p{};
@@ -61,7 +61,7 @@ std::optional<Vec3> RowReader::point(const Word& word, std::string_view text) {
     const auto read = quantity(word, text.substr(0, end), Measure::kLength);
     if (!read) return std::nullopt;
     if (std::abs(*read) > kFarAway) {
-      complain(word, quoted(text) + " is farther away than 100 m");
+      complain(word, in_quotes(text) + " is farther away than 100 m");
       return std::nullopt;
     }
     value = *read;

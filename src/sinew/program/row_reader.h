@@ -13,7 +13,7 @@
 namespace sinew::program {
 
 /// A text as a complaint may show it.
-std::string quoted(std::string_view text);
+std::string in_quotes(std::string_view text);
 
 struct Word {
   std::string_view text;

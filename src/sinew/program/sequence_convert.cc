@@ -1,5 +1,7 @@
 #include "sinew/program/sequence_convert.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 
@@ -8,6 +10,7 @@
 #include "sinew/core/units.h"
 #include "sinew/model/joint_lookup.h"
 #include "sinew/program/row_planner.h"
+#include "sinew/wire/bigrobotarm_byte.h"
 
 namespace sinew::program {
 namespace {
@@ -23,68 +26,141 @@ const BigRobotArmDevice& device_of(const RobotModel& robot) {
   return *device;
 }
 
+/// Steps of the motors, and what is known of them while a sequence is read.
 class RowWriter {
  public:
-  RowWriter(std::string_view file_name, const RobotModel& robot)
-      : file_name_(file_name), robot_(robot), device_(device_of(robot)) {}
+  explicit RowWriter(const RobotModel& robot) : robot_(robot), device_(device_of(robot)) {}
 
   void take(const sequence::Section& section) {
-    if (section.block) out_ += "loop " + std::to_string(section.repeats) + "\n";
-    for (const sequence::Step& step : section.steps) take(step, section.block);
-    if (section.block) out_ += "end\n";
+    const bool differs = std::ranges::any_of(section.steps, [](const sequence::Step& step) {
+      return std::holds_alternative<sequence::Reset>(step.command) ||
+             std::holds_alternative<sequence::Speeds>(step.command) ||
+             std::holds_alternative<sequence::Accelerations>(step.command);
+    });
+    const bool unrolled = differs || std::ranges::count(relative_, true) > 0;
+    const int rounds = section.block && unrolled ? section.repeats : 1;
+    indent_ = section.block && !unrolled ? "  " : "";
+    if (section.block && !unrolled) {
+      rows_.add(section.line, "loop " + std::to_string(section.repeats));
+    }
+    for (int round = 0; round < rounds; ++round) {
+      for (const sequence::Step& step : section.steps) {
+        std::visit([&](const auto& command) { take(step.line, command); }, step.command);
+      }
+    }
+    if (!indent_.empty())
+      rows_.add(section.steps.empty() ? section.line : section.steps.back().line, "end");
   }
 
-  std::expected<std::string, std::vector<Complaint>> finish() {
-    if (!complaints_.empty()) return std::unexpected(std::move(complaints_));
-    return std::move(out_);
-  }
+  Rows finish() { return std::move(rows_); }
 
  private:
-  void complain(int line, std::string message) {
-    if (complaints_.size() < sequence::kComplaintMax) {
-      complaints_.push_back({file_name_, line, 1, "", std::move(message)});
+  static constexpr std::size_t kJoints = kBigRobotArmJoints;
+
+  void add(int line, const std::string& row) { rows_.add(line, indent_ + row); }
+  void note(int line, std::string sentence) {
+    for (const ProgramNote& one : rows_.notes) {
+      if (one.line == line && one.sentence == sentence) return;
     }
+    add(line, "# " + sentence);
+    rows_.notes.push_back({line, std::move(sentence)});
   }
 
-  void take(const sequence::Step& step, bool block) {
-    if (block) out_ += "  ";
-    if (const auto* move = std::get_if<sequence::Move>(&step.command)) {
-      if (!together_) {
-        complain(step.line,
-                 "here the joints do not arrive together, and those of a row always do; write S1 "
-                 "before it if they may");
-      }
-      out_ += "joint";
-      for (std::size_t i = 0; i < move->steps.count; ++i) {
-        out_ += " " + robot_.joints[i].name + "=" +
-                degrees(move->steps.words[i] / device_.joints[i].steps_per_rad);
-      }
-      out_ += "\n";
-    } else if (std::holds_alternative<sequence::Home>(step.command)) {
-      out_ += "joint";
-      for (const Joint& joint : robot_.joints) out_ += " " + joint.name + "=0deg";
-      out_ += "\n";
-    } else if (const auto* gripper = std::get_if<sequence::Gripper>(&step.command)) {
-      out_ += gripper->enabled ? "gripper " + std::to_string(gripper->position) + "deg\n"
-                               : "gripper off\n";
-    } else if (const auto* sync = std::get_if<sequence::Synchronise>(&step.command)) {
-      together_ = sync->on;
-      out_ += sync->on ? "# S1: joints arrive together, as those of a row do\n" : "# S0\n";
-    } else if (std::holds_alternative<sequence::Reset>(step.command)) {
-      complain(step.line, "G92 says that here is zero; no row of a program does");
-    } else {
-      complain(step.line,
-               "M203 and M201 set each joint's speed; a row has one share of the limits for all "
-               "(speed=50%)");
+  void go(int line, const sequence::GivenWords& steps) {
+    std::string row = "joint";
+    for (std::size_t i = 0; i < steps.count; ++i) {
+      const std::int32_t to = steps.words[i];
+      const std::int32_t counts =
+          relative_[i] ? to - at_[i].value_or(0) : sendable(line, i, zero_[i] + to);
+      row += (relative_[i] ? " d." : " ") + robot_.joints[i].name + "=" +
+             degrees(counts / device_.joints[i].steps_per_rad);
+      at_[i] = to;
     }
+    add(line, row);
   }
 
-  std::string file_name_;
+  /// Counts that the byte wire would cut go to the step beside them, as the driver does it.
+  std::int32_t sendable(int line, std::size_t joint, std::int32_t counts) {
+    if (device_.wire != BigRobotArmWire::kByte || bigrobotarm::byte::sendable(counts))
+      return counts;
+    for (const std::int32_t near : {counts - 1, counts + 1}) {
+      if (!bigrobotarm::byte::sendable(near)) continue;
+      constexpr const char* kWords[] = {"B", "S", "E", "WR", "W"};
+      note(line, std::string(kWords[joint]) + std::to_string(counts) +
+                     " cannot be sent on this wire; " + std::to_string(near) + " instead");
+      return near;
+    }
+    return counts;  // the plan refuses it
+  }
+
+  void take(int line, const sequence::Move& move) {
+    if (!together_ && !told_) {
+      told_ = true;
+      note(line,
+           "without S1 each joint of the arm's own firmware arrives in its own time; here the "
+           "joints "
+           "arrive together");
+    }
+    go(line, move.steps);
+  }
+  void take(int line, const sequence::Home&) { go(line, {{}, kJoints}); }
+  void take(int, const sequence::Reset&) {
+    for (std::size_t i = 0; i < kJoints; ++i) {
+      if (at_[i]) {
+        zero_[i] += *at_[i];
+      } else {
+        relative_[i] = true;  // where it is, nothing before has said
+      }
+      at_[i] = 0;
+    }
+  }
+  void take(int line, const sequence::Gripper& gripper) {
+    add(line,
+        gripper.enabled ? "gripper " + std::to_string(gripper.position) + "deg" : "gripper off");
+  }
+  void take(int, const sequence::Synchronise& sync) { together_ = sync.on; }
+  void take(int line, const sequence::Speeds& speeds) {
+    limit(line, "velocity", "M203", speeds.multipliers, &Joint::velocity_max);
+  }
+  void take(int line, const sequence::Accelerations& accelerations) {
+    limit(line, "acceleration", "M201", accelerations.multipliers, &Joint::acceleration_max);
+  }
+
+  /// Hundredths of a motor's revolution per s (s^2) as shares of the joints' limits.
+  void limit(int line, const std::string& row, const std::string& command,
+             const sequence::GivenWords& multipliers, double Joint::*limit) {
+    std::string words;
+    for (std::size_t i = 0; i < multipliers.count; ++i) {
+      const BigRobotArmJoint& motor = device_.joints[i];
+      const double asked =
+          multipliers.words[i] * (motor.steps_per_motor_rev / 100) / std::abs(motor.steps_per_rad);
+      const double most = robot_.joints[i].*limit;
+      constexpr double kLeast = 0.01;
+      // Limits in files are rounded to four digits.
+      if (asked > 1.001 * most) {
+        const std::string unit = row == "velocity" ? " deg/s" : " deg/s2";
+        note(line, command + " " + std::to_string(multipliers.words[i]) + " is " +
+                       number_text(to_deg(asked), 1) + unit + " of " + robot_.joints[i].name +
+                       "; limited to " + number_text(to_deg(most), 1) + unit + " (" + row +
+                       (row == "velocity" ? "_deg_s_max" : "_deg_s2_max") +
+                       " of the robot's file)");
+      }
+      const double share = std::clamp(asked / most, kLeast, 1.0);
+      words += " " + robot_.joints[i].name + "=" + number_text(100 * share, 2) + "%";
+    }
+    if (!words.empty()) add(line, row + words);
+  }
+
   const RobotModel& robot_;
   const BigRobotArmDevice& device_;
   bool together_ = false;
-  std::string out_;
-  std::vector<Complaint> complaints_;
+  bool told_ = false;  ///< that joints do not arrive together there
+  std::string indent_;
+  /// Counted from the last G92; nothing: no command has said.
+  std::array<std::optional<std::int32_t>, kJoints> at_{};
+  sequence::Words zero_{};                ///< where the last G92 was, from the model's zero
+  std::array<bool, kJoints> relative_{};  ///< where it was is not known
+  Rows rows_;
 };
 
 class SequenceWriter {
@@ -201,9 +277,8 @@ class SequenceWriter {
 
 }  // namespace
 
-std::expected<std::string, std::vector<Complaint>> rows_of_sequence(
-    const sequence::Program& sequence, std::string_view file_name, const RobotModel& robot) {
-  RowWriter writer(file_name, robot);
+Rows rows_of_sequence(const sequence::Program& sequence, const RobotModel& robot) {
+  RowWriter writer(robot);
   for (const sequence::Section& section : sequence.sections) writer.take(section);
   return writer.finish();
 }

@@ -7,17 +7,18 @@
 
 #include "sinew/core/complaint.h"
 #include "sinew/program/program_file.h"
+#include "sinew/program/program_rows.h"
 #include "sinew/program/sequence_file.h"
 
 namespace sinew::program {
 
-/// A BigRobotArm sequence as rows of a program. Its counts are from where the arm was switched on,
-/// which is taken to be the model's zero.
+/// A BigRobotArm sequence as the rows of a program. Its counts begin at the model's zero, where the
+/// document has the arm switched on; behind a G92 they begin where the arm is then.
+/// Blocks with a G92, M203 or M201 are unrolled, since their rounds differ.
+/// Notes: joints that arrive together here and do not there (without S1); an M203 or M201 beyond
+/// the limits of the robot's file, which is limited to them.
 /// @param robot  whose device is a BigRobotArm
-/// @error  each command that no row says: M203, M201, G92; a G0 whose joints do not arrive together
-///         (before S1, or behind S0): a row's always do
-std::expected<std::string, std::vector<Complaint>> rows_of_sequence(
-    const sequence::Program& sequence, std::string_view file_name, const RobotModel& robot);
+Rows rows_of_sequence(const sequence::Program& sequence, const RobotModel& robot);
 
 /// A program as a sequence, from home: joint rows at full speed, gripper, loops that are not nested
 /// and fit the firmware.

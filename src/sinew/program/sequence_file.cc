@@ -27,7 +27,7 @@ struct Range {
   std::int32_t upper = 0;
 };
 
-std::string quoted(std::string_view text) {
+std::string in_quotes(std::string_view text) {
   return "'" + printable(text) + "'";
 }
 
@@ -99,12 +99,13 @@ class Parser {
     const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
     if (error == std::errc::invalid_argument ||
         (error == std::errc{} && end != digits.data() + digits.size())) {
-      complain(column, quoted(word.text) + ": " + std::string(what) + " is a whole number, as in " +
+      complain(column, in_quotes(word.text) + ": " + std::string(what) +
+                           " is a whole number, as in " +
                            std::string(word.text.substr(0, letters)) + "100");
       return std::nullopt;
     }
     if (error != std::errc{} || value < range.lower || value > range.upper) {
-      complain(column, quoted(word.text) + ": " + std::string(what) + " must be " +
+      complain(column, in_quotes(word.text) + ": " + std::string(what) + " must be " +
                            std::to_string(range.lower) + ".." + std::to_string(range.upper));
       return std::nullopt;
     }
@@ -142,7 +143,7 @@ class Parser {
     if (word.text.substr(0, own) == letters) {
       return take_number(word, letters.size(), range, what);
     }
-    complain(word.column, quoted(word.text) + " stands where " + std::string(letters) +
+    complain(word.column, in_quotes(word.text) + " stands where " + std::string(letters) +
                               " is due: the arm reads by place, " + std::string(kLetterList));
     return std::nullopt;
   }
@@ -165,7 +166,7 @@ class Parser {
     if (name == "G28" || name == "G92" || name == "S0" || name == "S1") {
       if (words.size() > 1) {
         complain(words[1].column,
-                 std::string(name) + " stands alone; remove " + quoted(words[1].text));
+                 std::string(name) + " stands alone; remove " + in_quotes(words[1].text));
         return std::nullopt;
       }
       if (name == "G28") return Home{};
@@ -177,7 +178,7 @@ class Parser {
                "M503 asks for the status, which a program has no use for; remove "
                "the line");
     } else {
-      complain(words[0].column, "unknown command " + quoted(name) + ": " + suggestion(name));
+      complain(words[0].column, "unknown command " + in_quotes(name) + ": " + suggestion(name));
     }
     return std::nullopt;
   }
@@ -213,7 +214,7 @@ class Parser {
 
   void end(const std::vector<Word>& words) {
     if (words.size() > 1) {
-      complain(words[1].column, "END stands alone; remove " + quoted(words[1].text));
+      complain(words[1].column, "END stands alone; remove " + in_quotes(words[1].text));
     }
     if (!open_) {
       complain(words[0].column, "END without BEGIN: remove it, or write BEGIN I1 above");

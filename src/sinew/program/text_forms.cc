@@ -13,6 +13,7 @@ namespace sinew::program {
 namespace {
 
 using Made = std::expected<std::string, NoForm>;
+using MadeRows = std::expected<Rows, NoForm>;
 
 std::unexpected<NoForm> none(std::string sentence) {
   return std::unexpected(NoForm{std::move(sentence), {}, {}});
@@ -44,32 +45,30 @@ std::string rows_of_pose(const PoseFile& pose, const PlatformFit& fit) {
   return text + "deg\n";
 }
 
-Made of_sequence(std::string_view text, const std::string& file_name, const RobotModel& robot) {
+MadeRows of_sequence(std::string_view text, const std::string& file_name, const RobotModel& robot) {
   const auto* device = std::get_if<BigRobotArmDevice>(&robot.device.settings);
   if (device == nullptr) return none("sequences are the BigRobotArm's; " + robot.id + " is none");
   const auto sequence = sequence::parse(text, file_name, *device);
   if (!sequence) return none(sequence.error());
-  auto rows = rows_of_sequence(*sequence, file_name, robot);
-  if (!rows) return none(rows.error());
-  return std::move(*rows);
+  return rows_of_sequence(*sequence, robot);
 }
 
-Made of_pose(std::string_view text, const std::string& file_name, const RobotModel& robot) {
+MadeRows of_pose(std::string_view text, const std::string& file_name, const RobotModel& robot) {
   const auto pose = read_pose_file(text, file_name);
   if (!pose) return none(pose.error());
   const auto fit = platform_of(*pose, robot, file_name, 1);
   if (!fit) return std::unexpected(fit.error());
-  return rows_of_pose(*pose, *fit);
+  return Rows{rows_of_pose(*pose, *fit), {1, 1}};
 }
 
-Made of_gcode(std::string_view text, const std::string& file_name, const RobotModel& robot) {
+MadeRows of_gcode(std::string_view text, const std::string& file_name, const RobotModel& robot) {
   auto rows = rows_of_gcode(text, file_name, robot);
   if (!rows) return none(rows.error());
   return std::move(*rows);
 }
 
-Made other_form(TextForm form, std::string_view text, const std::string& file_name,
-                const RobotModel& robot) {
+MadeRows other_form(TextForm form, std::string_view text, const std::string& file_name,
+                    const RobotModel& robot) {
   switch (form) {
     case TextForm::kSequence:
       return of_sequence(text, file_name, robot);
@@ -112,15 +111,57 @@ std::expected<PlatformFit, NoForm> platform_of(const PoseFile& pose, const Robot
            number_text(to_mm(kPlatformResidualMax), 1) + " mm is allowed"}});
 }
 
-Made rows_of(TextForm form, std::string_view text, const std::string& file_name,
-             const RobotModel& robot) {
-  const auto rows = other_form(form, text, file_name, robot);
+std::optional<TextForm> form_of_file(std::string_view name) {
+  if (name.ends_with(".txt")) return TextForm::kSequence;
+  if (name.ends_with(".pos")) return TextForm::kPose;
+  for (const std::string_view ending : {".gcode", ".ngc", ".nc", ".tap", ".g"}) {
+    if (name.ends_with(ending)) return TextForm::kGcode;
+  }
+  return std::nullopt;
+}
+
+std::optional<TextForm> form_of_text(std::string_view name, std::string_view text,
+                                     const RobotModel& robot) {
+  if (const auto form = form_of_file(name)) return form;
+  if (name.ends_with(".sinew")) return std::nullopt;
+  std::string_view first;
+  for_each_line(text, [&](int, std::string_view line) {
+    const std::size_t begin = line.find_first_not_of(" \t");
+    if (begin == std::string_view::npos || line[begin] == '#') return true;
+    first = line.substr(begin, line.find_first_of(" \t", begin) - begin);
+    return false;
+  });
+  const bool code = first.size() > 1 && std::string_view("GMS").contains(first[0]) &&
+                    first[1] >= '0' && first[1] <= '9';
+  if (!code && first != "BEGIN") return std::nullopt;
+  const bool sequences = std::holds_alternative<BigRobotArmDevice>(robot.device.settings);
+  return sequences ? TextForm::kSequence : TextForm::kGcode;
+}
+
+MadeRows rows_of(TextForm form, std::string_view text, const std::string& file_name,
+                 const RobotModel& robot) {
+  auto rows = other_form(form, text, file_name, robot);
   if (!rows) return rows;
   // What was made is a program, laid out.
-  if (const auto program = parse(*rows, file_name, robot); !program) return none(program.error());
-  auto out = format(*rows, file_name);
+  if (const auto program = parse(rows->text, file_name, robot); !program) {
+    return none(program.error());
+  }
+  auto out = program::format(rows->text, file_name);
   if (!out) return none(out.error());
-  return std::move(*out);
+  rows->text = std::move(*out);
+  return rows;
+}
+
+std::expected<Program, NoForm> read_form(TextForm form, std::string_view text,
+                                         const std::string& file_name, const RobotModel& robot) {
+  const auto rows = other_form(form, text, file_name, robot);
+  if (!rows) return std::unexpected(rows.error());
+  auto program = parse(rows->text, file_name, robot);
+  if (!program) return none(program.error());
+  for (Step& step : program->steps)
+    step.line = rows->lines[static_cast<std::size_t>(step.line - 1)];
+  program->notes = rows->notes;
+  return std::move(*program);
 }
 
 Made text_of(TextForm form, const Program& program, const RobotModel& robot, DecimalMark mark) {

@@ -11,6 +11,7 @@
 #include "sinew/program/pose_file.h"
 #include "sinew/program/program_file.h"
 #include "sinew/program/program_plan.h"
+#include "sinew/program/program_rows.h"
 
 namespace sinew::program {
 
@@ -33,10 +34,21 @@ struct NoForm {
 std::expected<PlatformFit, NoForm> platform_of(const PoseFile& pose, const RobotModel& robot,
                                                const std::string& file_name, int line);
 
+/// What a file's name says that it is, by its ending; nothing: a program's own form, or none.
+std::optional<TextForm> form_of_file(std::string_view name);
+/// The same, and where the name says nothing (a pipe), by its first word: G0, M203, BEGIN are of a
+/// sequence on a BigRobotArm, and G-code elsewhere.
+std::optional<TextForm> form_of_text(std::string_view name, std::string_view text,
+                                     const RobotModel& robot);
+
 /// A text of another form as the rows of a program, laid out; parse() takes them.
 /// @param file_name  as complaints shall show it
-std::expected<std::string, NoForm> rows_of(TextForm form, std::string_view text,
-                                           const std::string& file_name, const RobotModel& robot);
+std::expected<Rows, NoForm> rows_of(TextForm form, std::string_view text,
+                                    const std::string& file_name, const RobotModel& robot);
+
+/// The same as a program whose steps have the lines of the text.
+std::expected<Program, NoForm> read_form(TextForm form, std::string_view text,
+                                         const std::string& file_name, const RobotModel& robot);
 
 /// A program that can be carried out from home in another form: a sequence, or the pose that its
 /// only row moves to.

@@ -9,6 +9,7 @@
 
 #include "sinew/core/units.h"
 #include "sinew/model/joint_lookup.h"
+#include "sinew/planning/collision.h"
 #include "support/robots.h"
 
 namespace sinew::program {
@@ -100,6 +101,36 @@ TEST(WholeMoves, boards_start_one_after_the_other_and_go_at_their_own_pace) {
   EXPECT_GT(start[1], start[0] + 0.05) << "the second one hears of it a frame later";
   EXPECT_GT(end[0], end[1]) << "the longer way takes longer";
   EXPECT_NEAR(std::max(end[0], end[1]), way.motion.arrival, 5e-3);
+}
+
+/// Its joints' straight way is clear; boards that each go at their own pace would come nearer to
+/// the table than the margin.
+TEST(WholeMoves, register_boards_hit_nothing_on_the_way_that_they_really_go) {
+  Way way("robot-arm-2");
+  const std::array<double, 6> from_deg_{0, 16, -11, 0, -73, 0};
+  for (std::size_t j = 0; j < 6; ++j) way.q_start[j] = from_deg(from_deg_[j]);
+  way.plan("joint J1=-1deg J2=-74deg J3=-23deg J4=0deg J5=84deg J6=0deg");
+  EXPECT_GT(way.motion.pieces.size(), 1U);
+  const planning::CollisionModel collision(way.model);
+  const WholeMoves moves(way.q_start, way.motion, 1, way.model);
+  double nearest = 1;
+  for (double t = 0; t < moves.duration(); t += 0.02) {
+    planning::JointMotion at;
+    moves.sample(t, at);
+    nearest = std::min(nearest, collision.distance({at.q.data(), 6}).distance);
+  }
+  EXPECT_GT(nearest, collision.margin() - 1e-3);
+  // In one move it does not stay clear.
+  RowMotion one = way.motion;
+  one.pieces.erase(one.pieces.begin(), one.pieces.end() - 1);
+  const WholeMoves at_once(way.q_start, one, 1, way.model);
+  nearest = 1;
+  for (double t = 0; t < at_once.duration(); t += 0.02) {
+    planning::JointMotion at;
+    at_once.sample(t, at);
+    nearest = std::min(nearest, collision.distance({at.q.data(), 6}).distance);
+  }
+  EXPECT_LT(nearest, collision.margin() - 5e-3);
 }
 
 }  // namespace

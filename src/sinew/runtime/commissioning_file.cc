@@ -1,3 +1,5 @@
+#include "sinew/runtime/commissioning_file.h"
+
 #include <fmt/format.h>
 
 #include <filesystem>
@@ -7,7 +9,6 @@
 #include "sinew/io/disk_folder.h"
 #include "sinew/io/file.h"
 #include "sinew/runtime/position_record.h"
-#include "sinew/runtime/procedure_session.h"
 
 namespace sinew::runtime {
 namespace {

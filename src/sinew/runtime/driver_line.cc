@@ -32,34 +32,48 @@ class SpiLine : public DriverLine {
       : driver_(driver), bus_(bus), clock_(clock), log_(log) {}
 
   io::IoResult<void> turn(Duration wait) override {
-    driver_.poll(clock_.now());
-    const auto transfer = driver_.take_transfer(clock_.now());
-    if (!transfer) {
-      Instant end = clock_.now() + clock_.stretched(wait);
-      if (const auto deadline = driver_.next_deadline()) end = std::min(end, *deadline);
-      clock_.pause_until(end);
-      return {};
-    }
-    miso_.resize(transfer->mosi.size());
-    const std::span mosi(transfer->mosi.begin(), transfer->mosi.size());
-    const std::span miso(miso_.begin(), miso_.size());
-    log_.add(ByteLog::Direction::kToDevice, mosi, clock_.now(), transfer->select);
-    auto exchanged =
-        bus_.exchange(transfer->select, mosi, miso, transfer->setup, transfer->clock_hz);
-    const Instant now = clock_.now();
-    if (!exchanged) {
-      driver_.close(now);
-      return exchanged;
-    }
-    log_.add(ByteLog::Direction::kToHost, miso, now, transfer->select);
-    count_.to_device += mosi.size();
-    count_.to_host += miso.size();
-    driver_.exchanged(miso, now);
+    const Duration own = std::max(Duration::zero(), clock_.stretched(wait) - clock_.ahead());
+    const Instant end = clock_.now() + own;
+    // One exchange, or at rest as many as there are in that time.
+    do {
+      driver_.poll(clock_.now());
+      if (const auto transfer = driver_.take_transfer(clock_.now())) {
+        if (auto exchanged = exchange(*transfer); !exchanged) return exchanged;
+      } else {
+        const auto deadline = driver_.next_deadline();
+        const Instant next = deadline ? std::min(end, *deadline) : end;
+        if (!at_rest() || !clock_.is_simulated()) {
+          clock_.pause_until(next);
+          return {};
+        }
+        clock_.pass_to(next);
+      }
+    } while (at_rest() && clock_.is_simulated() && clock_.now() < end);
+    if (clock_.is_simulated()) clock_.keep_pace();
     return {};
   }
   const ByteCount& count() const override { return count_; }
 
  private:
+  io::IoResult<void> exchange(const spi::Transfer& transfer) {
+    miso_.resize(transfer.mosi.size());
+    const std::span mosi(transfer.mosi.begin(), transfer.mosi.size());
+    const std::span miso(miso_.begin(), miso_.size());
+    log_.add(ByteLog::Direction::kToDevice, mosi, clock_.now(), transfer.select);
+    auto exchanged =
+        bus_.exchange(transfer.select, mosi, miso, transfer.setup, transfer.clock_hz);
+    const Instant now = clock_.now();
+    if (!exchanged) {
+      driver_.close(now);
+      return exchanged;
+    }
+    log_.add(ByteLog::Direction::kToHost, miso, now, transfer.select);
+    count_.to_device += mosi.size();
+    count_.to_host += miso.size();
+    driver_.exchanged(miso, now);
+    return {};
+  }
+
   SpiDriver& driver_;
   io::SpiBus& bus_;
   const io::Clock& clock_;

@@ -22,6 +22,16 @@ class DriverLine {
   virtual io::IoResult<void> turn(Duration wait) = 0;
 
   virtual const ByteCount& count() const = 0;
+
+  /// Nothing moves, and the control loop need not look before `wait` is over, however much time of
+  /// a simulated machine passes meanwhile.
+  void set_at_rest(bool at_rest) { at_rest_ = at_rest; }
+
+ protected:
+  bool at_rest() const { return at_rest_; }
+
+ private:
+  bool at_rest_ = false;
 };
 
 /// @param driver, port, clock, log  outlive the line

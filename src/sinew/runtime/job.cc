@@ -81,7 +81,7 @@ void JobRunner::run(const JobOrder& order, const program::Program& program, Stat
   wish_refused_.reset();
   Run run(program, client);
   run.expect_homing(homing_of(station_.robot()));
-  run.make_changeable();
+  if (order.changeable) run.make_changeable();
   run.measure_by([this] { return station_.view().health; });
   if (order.take_over) run.take_over();
   run.single_step(order.single_step);
@@ -92,7 +92,8 @@ void JobRunner::run(const JobOrder& order, const program::Program& program, Stat
   });
   if (const auto assumed = station_.assumed_place()) run.declare(*assumed);
   if (order.standing_at) run.declare(*order.standing_at, true);
-  station_.begin_record(order.title);
+  station_.set_recorded(order.recorded);
+  if (order.recorded) station_.begin_record(order.title, order.record);
   run.start(clock_.now());
   bool freed = false;
   // The controller looks at the motion until its command has ended.
@@ -107,12 +108,16 @@ void JobRunner::run(const JobOrder& order, const program::Program& program, Stat
       freed = true;
     }
     publish(run, now);
+    if (order.look) order.look(run, now);
     station_.wait_for_cycle(kPatience);
   }
   // The program's own pace ends with it; an operator's override is another thing.
   if (order.feed != 1) client.give(control::SetFeed{1});
   station_.end_record();
-  publish(run, clock_.now());
+  station_.set_recorded(true);
+  const Instant now = clock_.now();
+  publish(run, now);
+  if (order.ended) order.ended(run, now);
 }
 
 void JobRunner::obey(Run& run, Instant now) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -21,7 +22,14 @@ struct JobOrder {
   std::optional<JointVector> standing_at;
   bool take_over = false;    ///< the lease, from whoever has it
   bool single_step = false;  ///< pauses behind each order
+  bool recorded = true;      ///< leaves a record where jobs do, and faults meanwhile too
   double feed = 1;           ///< share (0, 1] of all motions' pace, through the feed
+  /// Motions can be paused and slowed down under way; they take up to an eighth longer.
+  bool changeable = true;
+  std::optional<RecordPlace> record{};  ///< nothing: the station's own
+  /// In the job's thread: after each cycle, and once when nothing of it moves any more.
+  std::function<void(const program::Run&, Instant)> look{};
+  std::function<void(const program::Run&, Instant)> ended{};
 };
 
 /// A job as it was a moment ago.

@@ -5,7 +5,6 @@
 
 #include "sinew/core/stable_sort.h"
 #include "sinew/runtime/serial_lane.h"
-#include "sinew/runtime/session_pace.h"
 
 namespace sinew::runtime {
 namespace {
@@ -15,11 +14,12 @@ using Direction = sim::LinkDirection;
 class Server {
  public:
   Server(sim::ByteMachine& machine, io::Port& port, const io::Clock& clock,
-         const SimulatedCable& cable, ByteLog& log)
+         const SimulatedCable& cable, ByteLog& log, Duration slice)
       : machine_(machine),
         port_(port),
         clock_(clock),
         log_(log),
+        slice_(slice),
         to_device_(cable.baud),
         to_host_(cable.baud),
         start_(clock.now()),
@@ -49,7 +49,7 @@ class Server {
 
  private:
   Duration until_next() const {
-    Duration wait = kSliceMax;
+    Duration wait = slice_;
     for (const auto& next :
          {machine_.next_event(), faults_.next_event(), to_device_.next(), to_host_.next()}) {
       if (next) wait = std::min(wait, clock_.until(*next));
@@ -115,6 +115,7 @@ class Server {
   io::Port& port_;
   const io::Clock& clock_;
   ByteLog& log_;
+  Duration slice_;
   SerialLane to_device_;
   SerialLane to_host_;
   Instant start_;
@@ -132,7 +133,7 @@ io::IoResult<std::array<sim::LinkCounts, 2>> serve_machine(sim::ByteMachine& mac
                                                            io::Port& port, const io::Clock& clock,
                                                            const SimulatedCable& cable,
                                                            ByteLog& log, const ServeHooks& hooks) {
-  Server server(machine, port, clock, cable, log);
+  Server server(machine, port, clock, cable, log, hooks.slice);
   while (!hooks.stop()) {
     if (const auto turned = server.turn(); !turned) return std::unexpected(turned.error());
     if (hooks.look) hooks.look(server.now());

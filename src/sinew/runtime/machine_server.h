@@ -23,6 +23,8 @@ struct ServeHooks {
   std::function<bool()> stop;
   /// Called as often, for whoever wants to look at the machine.
   std::function<void(Instant)> look;
+  /// Longest real time between two looks.
+  Duration slice = std::chrono::milliseconds(50);
 };
 
 /// Runs a machine behind a port in real (or scaled) time until `stop` says so. Hosts may come, go,

@@ -60,9 +60,16 @@ io::IoResult<std::unique_ptr<PositionRecord>> PositionRecord::open(const std::st
   return record;
 }
 
+control::ControllerStart PositionRecord::start() const {
+  return {recovery_.positions, recovery_.end, recovery_.memory};
+}
+
 io::IoResult<void> PositionRecord::give_up(const RobotModel& robot, const JournalTime& time) {
   JournalPositions none;
-  none.resize(robot.joints.size());
+  // A device that counts goes on counting.
+  for (const JointPosition& joint : recovery_.positions) {
+    none.push_back({.count_zero = joint.count_zero});
+  }
   return only_say(robot, {none.data(), none.size()}, JournalCause::kUser, time);
 }
 

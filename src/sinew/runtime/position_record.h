@@ -34,7 +34,7 @@ class PositionRecord {
 
   /// What the run before left.
   const JournalRecovery& recovery() const { return recovery_; }
-  control::ControllerStart start() const { return {recovery_.positions, recovery_.end}; }
+  control::ControllerStart start() const;
   JournalPump& pump() { return writer_->pump(); }
   const std::string& folder() const { return disk_.path(); }
 

@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "sinew/program/procedure_view.h"
-#include "sinew/runtime/procedure_session.h"
+#include "sinew/runtime/commissioning_file.h"
 #include "sinew/runtime/station_client.h"
 
 namespace sinew::runtime {

@@ -11,7 +11,7 @@ namespace sinew::runtime {
 namespace {
 
 /// Picks the driver that belongs to the settings.
-struct Maker {
+struct DriverMaker {
   const RobotModel& robot;
   double patience;
 
@@ -80,7 +80,7 @@ Opening opening_of(const RobotModel& robot) {
 }
 
 RobotDriver make_driver(const RobotModel& robot, double patience) {
-  return std::visit(Maker{robot, patience}, robot.device.settings);
+  return std::visit(DriverMaker{robot, patience}, robot.device.settings);
 }
 
 }  // namespace sinew::runtime

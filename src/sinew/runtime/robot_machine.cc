@@ -23,9 +23,9 @@ IcpQuirks quirks_of(const IcpFirmware& firmware) {
 }
 
 /// Picks the machine that belongs to the settings.
-class Maker {
+class MachineMaker {
  public:
-  Maker(const RobotModel& robot, const MachineOptions& options, Instant boot)
+  MachineMaker(const RobotModel& robot, const MachineOptions& options, Instant boot)
       : robot_(robot), options_(options), boot_(boot) {}
 
   RobotMachine operator()(const NoDriver& /*none*/) const { return {}; }
@@ -111,7 +111,7 @@ std::expected<RobotMachine, std::string> make_machine(const RobotModel& robot,
                                                       const MachineOptions& options, Instant boot) {
   if (std::holds_alternative<NoDriver>(robot.device.settings)) return RobotMachine{};
   if (std::string why = obstacle(robot); !why.empty()) return std::unexpected(std::move(why));
-  return std::visit(Maker{robot, options, boot}, robot.device.settings);
+  return std::visit(MachineMaker{robot, options, boot}, robot.device.settings);
 }
 
 }  // namespace sinew::runtime

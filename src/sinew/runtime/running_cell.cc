@@ -32,9 +32,9 @@ std::string results_file(const CellFolders& folders, const Station& station) {
          (station.simulated() ? ".simulated.json" : ".json");
 }
 
-io::IoResult<std::unique_ptr<RunningCell>> RunningCell::start(Cell cell,
-                                                              std::vector<RobotModel> robots,
-                                                              const CellFolders& folders) {
+io::IoResult<std::unique_ptr<RunningCell>> RunningCell::start(
+    Cell cell, std::vector<RobotModel> robots, const CellFolders& folders,
+    const std::function<void(StationOptions&)>& adjust) {
   SINEW_ASSERT(robots.size() == cell.robots.size());
   std::unique_ptr<RunningCell> running(new RunningCell(std::move(cell), folders));
   running->space_ = std::make_unique<CellSpace>(running->cell_, robots);
@@ -43,6 +43,7 @@ io::IoResult<std::unique_ptr<RunningCell>> RunningCell::start(Cell cell,
     StationOptions options = options_of(place, folders);
     options.space = running->space_.get();
     options.place = i;
+    if (adjust) adjust(options);
     running->clocks_.push_back(std::make_unique<io::Clock>(
         clock_for(place.port, place.time_scale.value_or(running->cell_.time_scale))));
     const io::Clock& clock = *running->clocks_.back();

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -30,9 +31,11 @@ std::string results_file(const CellFolders& folders, const Station& station);
 class RunningCell {
  public:
   /// @param robots  one for each of the cell's, as variant_of() made them
+  /// @param adjust  what a cell's file does not say of its stations
   /// @error  a sentence that names the robot
-  static io::IoResult<std::unique_ptr<RunningCell>> start(Cell cell, std::vector<RobotModel> robots,
-                                                          const CellFolders& folders);
+  static io::IoResult<std::unique_ptr<RunningCell>> start(
+      Cell cell, std::vector<RobotModel> robots, const CellFolders& folders,
+      const std::function<void(StationOptions&)>& adjust = {});
   ~RunningCell();
 
   CellSpace& space() const { return *space_; }

@@ -29,8 +29,10 @@ class SimulatedLine : public DriverLine {
 
   io::IoResult<void> turn(Duration wait) override {
     const Instant begin = clock_.now();
-    const double slices = std::min(clock_.scale(), kSlices);
-    const Instant end = begin + from_seconds(to_seconds(wait) * slices);
+    const double slices = at_rest() ? clock_.scale() : std::min(clock_.scale(), kSlices);
+    const Duration own = from_seconds(to_seconds(wait) * slices);
+    // Who is woken early has come no further than real time allows.
+    const Instant end = begin + std::max(Duration::zero(), own - clock_.ahead());
     Instant last = begin;
     collect(begin);
     for (int busy = 0; busy < kInstantMax; ++busy) {

@@ -225,7 +225,7 @@ class MachineBus : public io::SpiBus {
     const spi::Bytes received = machine_.exchange(transfer, start);
     machine_time_ = start + setup + spi::wire_time(transfer);
     std::ranges::copy(received, miso.begin());
-    clock_.pause_until(machine_time_);
+    clock_.pass_to(machine_time_);
     return {};
   }
   io::IoResult<bool> ready(std::size_t board) override { return machine_.ready_pin(board); }

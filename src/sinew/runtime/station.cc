@@ -4,8 +4,8 @@
 
 #include "sinew/control/machine_identity.h"
 #include "sinew/model/joint_lookup.h"
-#include "sinew/runtime/procedure_session.h"
-#include "sinew/runtime/program_session.h"
+#include "sinew/runtime/commissioning_file.h"
+#include "sinew/runtime/device_statements.h"
 
 namespace sinew::runtime {
 namespace {
@@ -15,6 +15,8 @@ using control::ControlEvent;
 
 /// Of real time: how often the loop goes round where nothing comes from the device.
 constexpr Duration kRestSlice = std::chrono::milliseconds(5);
+/// The same where nothing moves, nobody does anything, and who gives a command wakes the loop.
+constexpr Duration kIdleSlice = std::chrono::milliseconds(20);
 /// While a motion is streamed the driver is asked this often whether it takes the next segment.
 constexpr Duration kMovingSlice = std::chrono::milliseconds(2);
 /// The loop's own client, which only stops it at the end; no session has this number.
@@ -29,13 +31,19 @@ constexpr Duration kPatience = std::chrono::seconds(6);
 constexpr std::uint32_t kSlotBits = 6;
 static_assert(Station::kSlots == 1U << kSlotBits);
 
+/// Where time is scaled, so are the limits that stand for real time of this computer.
 control::ControllerSettings settings_for(const RobotModel& robot, const io::Clock& clock,
                                          bool recorded) {
-  control::ControllerSettings settings = session_settings(clock, opening_of(robot).limit);
-  // A scheduler that lets others go first; nothing else is done in this thread.
   const double scale = std::max(1.0, clock.scale());
+  const auto stretched = [&](Duration real) { return from_seconds(to_seconds(real) * scale); };
+  control::ControllerSettings settings;
+  // A scheduler that lets others go first; nothing else is done in this thread.
   settings.cycle = from_seconds(0.05 * scale);
   settings.gap = from_seconds(0.5 * scale);
+  settings.lease_life = stretched(settings.lease_life);
+  settings.opening_limit = stretched(opening_of(robot).limit);
+  settings.stop_limit = stretched(settings.stop_limit);
+  settings.start_limit = stretched(settings.start_limit);
   if (recorded) settings.journal = control::journal_settings(robot);
   return settings;
 }
@@ -80,11 +88,6 @@ io::IoResult<std::unique_ptr<Station>> Station::start(RobotModel robot, StationO
 }
 
 io::IoResult<void> Station::prepare() {
-  if (options_.journal) {
-    auto opened = PositionRecord::open(options_.journal_folder, *options_.journal, robot_);
-    if (!opened) return std::unexpected(opened.error());
-    record_ = std::move(*opened);
-  }
   auto link = options_.port ? RobotLink::prepare(robot_, *options_.port, clock_, log_)
                             : RobotLink::simulate(robot_, options_.simulated, clock_, log_);
   if (!link) return std::unexpected(link.error());
@@ -92,7 +95,19 @@ io::IoResult<void> Station::prepare() {
   const auto connected = options_.port ? link_->connect() : io::IoResult<void>{};
   connected_ = connected.has_value();
   if (!connected) trouble_ = connected.error().sentence;
-  if (!options_.flight_folder.empty() || !options_.record_folder.empty()) {
+  if (options_.journal) {
+    auto opened = PositionRecord::open(options_.journal_folder, *options_.journal, robot_);
+    if (!opened) return std::unexpected(opened.error());
+    record_ = std::move(*opened);
+  }
+  // Only now: a station that is refused the port must not empty the log of the one that has it.
+  if (connected_ && !options_.byte_log.empty()) {
+    auto created = ByteLog::create(options_.byte_log);
+    if (!created) return std::unexpected(created.error());
+    log_ = std::move(*created);
+    log_.keep_in(wire_);
+  }
+  if (!options_.flight_folder.empty() || options_.records_jobs) {
     recorder_ = std::make_unique<RunRecorder>(
         robot_, RecorderOptions{options_.name, "sinew", options_.flight_folder}, clock_.now(),
         io::wall_time_ns());
@@ -105,6 +120,7 @@ Station::~Station() {
     const std::scoped_lock lock(mutex_);
     stop_ = true;
   }
+  clock_.wake();
   if (thread_.joinable()) thread_.join();
 }
 
@@ -136,7 +152,9 @@ void Station::turn(ControlLoop& loop, Instant& retry_at) {
   const bool moves = control::may_move(loop.controller().state());
   io::IoResult<void> went{};
   if (connected_) {
-    went = link_->line().turn(moves ? kMovingSlice : kRestSlice);
+    const bool idle = at_rest(loop.controller());
+    link_->line().set_at_rest(idle);
+    went = link_->line().turn(moves ? kMovingSlice : idle ? kIdleSlice : kRestSlice);
     if (went) return;
   } else {
     clock_.pause(kRestSlice);
@@ -148,6 +166,24 @@ void Station::turn(ControlLoop& loop, Instant& retry_at) {
   loop.set_port_open(connected_);
   const std::scoped_lock lock(mutex_);
   trouble_ = went ? std::string() : went.error().sentence;
+}
+
+/// Nothing will happen before somebody gives a command. A real device is looked at more often.
+bool Station::at_rest(const control::Controller& controller) const {
+  if (!link_->simulated() || works_ || closing_since_) return false;
+  using control::MachineState;
+  const MachineState state = controller.state();
+  const DriverState driver = controller.driver().state();
+  const bool rests = state == MachineState::kOff || state == MachineState::kReady ||
+                     state == MachineState::kHeld || state == MachineState::kFault;
+  if (!rests || driver == DriverState::kMoving || driver == DriverState::kStopping) return false;
+  const std::scoped_lock lock(mutex_);
+  return !facts_wanted_ && mailbox_.empty();
+}
+
+/// Somebody may want a record of what leaves none by itself.
+bool Station::records() const {
+  return recorder_ && (recorded_ || recorder_->under_way());
 }
 
 /// Nothing moves any more and all is recorded, and somebody wants the end.
@@ -178,7 +214,8 @@ void Station::take_mail(ControlLoop& loop) {
   }
   if (!stop || closing_since_) return;
   closing_since_ = clock_.now();
-  loop.machine().give(control::Stop{});
+  // At rest there is nothing to stop, and some devices latch a stop.
+  if (control::may_move(loop.controller().state())) loop.machine().give(control::Stop{});
   loop.begin_closing();
 }
 
@@ -192,12 +229,14 @@ void Station::publish(const ControlLoop& loop, Instant now) {
     truth = link_->truth();
     truth_at_ = now;
   }
-  if (recorder_ && recorder_->due(now)) {
+  if (recorder_ && recorder_->due(now) && records()) {
     const ByteCount bytes = connected_ ? link_->line().count() : ByteCount{};
     recorder_->offer(sample_of(controller, bytes, connected_, now));
   }
   look_for_facts(controller, now);
   const DeviceFacts facts = driver.facts();
+  // Boards that were stopped for a failure report less.
+  std::string suspicion = runtime::suspicion(driver);
   const auto positions = controller.positions();
   const auto later = controller.later_causes();
   {
@@ -227,6 +266,11 @@ void Station::publish(const ControlLoop& loop, Instant now) {
     view_.cycle_longest = real * to_seconds(cycles_timed_.longest);
     // Whoever hears in the next cycle that the device is ready finds what made it so.
     view_.facts = facts;
+    if (suspicion.size() > suspicion_.size()) suspicion_ = std::move(suspicion);
+    if (const auto failure = log_.failure()) log_failure_ = failure;
+    // Whoever takes an event finds what it left in the view.
+    for (const ControlEvent& event : undelivered_) deliver(event);
+    undelivered_.clear();
     ++cycles_;
   }
   if (options_.space != nullptr) options_.space->stands(options_.place, stand(controller, now));
@@ -352,9 +396,12 @@ void Station::look_for_facts(const control::Controller& controller, Instant now)
 }
 
 void Station::want_facts(bool wanted) {
-  const std::scoped_lock lock(mutex_);
-  facts_wanted_ = wanted;
-  if (!wanted) facts_.clear();
+  {
+    const std::scoped_lock lock(mutex_);
+    facts_wanted_ = wanted;
+    if (!wanted) facts_.clear();
+  }
+  clock_.wake();
 }
 
 std::optional<std::string> Station::fact(std::string_view what, std::size_t joint) const {
@@ -373,7 +420,9 @@ std::optional<CellRefusal> Station::refusal() const {
   return options_.space->refusal(options_.place);
 }
 
-void Station::works(bool busy) const {
+void Station::works(bool busy) {
+  works_ = busy;
+  clock_.wake();
   if (options_.space != nullptr) options_.space->works(options_.place, busy);
 }
 
@@ -384,11 +433,10 @@ Expected<void> Station::look(const planning::CellWay& way) const {
 
 void Station::deliver(const control::Outputs& outputs, Instant now) {
   if (outputs.events.empty()) return;
-  if (recorder_) {
+  if (records()) {
     for (const ControlEvent& event : outputs.events) recorder_->offer(event, now);
   }
-  const std::scoped_lock lock(mutex_);
-  for (const ControlEvent& event : outputs.events) deliver(event);
+  undelivered_.insert(undelivered_.end(), outputs.events.begin(), outputs.events.end());
 }
 
 void Station::deliver(const ControlEvent& event) {
@@ -412,7 +460,9 @@ void Station::overtaken(const Command& command) {
 }
 
 std::optional<JointVector> Station::assumed_place() const {
-  const bool assumed = link_->simulated() && !record_ && begins_at_home(robot_);
+  const std::scoped_lock lock(mutex_);
+  const bool assumed =
+      options_.assumes_start && link_->simulated() && !record_ && begins_at_home(robot_) && !moved_;
   return assumed ? std::optional(home_joints(robot_)) : std::nullopt;
 }
 
@@ -424,6 +474,16 @@ StationView Station::view() const {
 std::string Station::trouble() const {
   const std::scoped_lock lock(mutex_);
   return trouble_;
+}
+
+std::optional<io::IoError> Station::log_failure() const {
+  const std::scoped_lock lock(mutex_);
+  return log_failure_;
+}
+
+std::string Station::suspicion() const {
+  const std::scoped_lock lock(mutex_);
+  return suspicion_;
 }
 
 std::optional<std::uint8_t> Station::take_slot() {
@@ -452,6 +512,7 @@ std::uint32_t Station::next_id(std::uint8_t slot) {
 bool Station::post(const Command& command, std::uint32_t stops_seen) {
   const std::scoped_lock lock(mutex_);
   const bool stops = std::holds_alternative<control::Stop>(command.what);
+  moved_ = moved_ || moves(command.what);
   if (stops) {
     ++stops_;
     std::size_t kept = 0;
@@ -474,6 +535,7 @@ bool Station::post(const Command& command, std::uint32_t stops_seen) {
   }
   mailbox_.push_back(command);
   if (stops) std::rotate(mailbox_.begin(), mailbox_.end() - 1, mailbox_.end());
+  clock_.wake();
   return true;
 }
 
@@ -498,13 +560,17 @@ void Station::wait_for_cycle(Duration patience) const {
   cycled_.wait_for(lock, patience, [&] { return cycles_ != before; });
 }
 
-void Station::begin_record(const std::string& program) {
-  if (!recorder_ || !options_.records_jobs) return;
+RecordPlace Station::job_place(const std::string& program) const {
   const std::int64_t now = io::wall_time_ns();
-  const RecordPlace place =
-      options_.record_folder.empty()
-          ? run_place(options_.flight_folder, options_.name, program, now)
-          : RecordPlace{options_.record_folder, record_name(options_.name, program, now), program};
+  if (options_.record_folder.empty()) {
+    return run_place(options_.flight_folder, options_.name, program, now);
+  }
+  return {options_.record_folder, record_name(options_.name, program, now), program};
+}
+
+void Station::begin_record(const std::string& program, const std::optional<RecordPlace>& wanted) {
+  if (!recorder_ || !options_.records_jobs) return;
+  const RecordPlace place = wanted ? *wanted : job_place(program);
   const auto begun = recorder_->begin(place);
   if (begun) return;
   const std::scoped_lock lock(mutex_);
@@ -513,6 +579,10 @@ void Station::begin_record(const std::string& program) {
 
 void Station::end_record() {
   if (recorder_) recorder_->end();
+}
+
+void Station::end_flight() {
+  if (recorder_) recorder_->end_flight();
 }
 
 io::IoResult<void> Station::begin_wanted(const RecordPlace& place) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <condition_variable>
 #include <deque>
 #include <map>
@@ -35,6 +36,11 @@ struct StationOptions {
   /// Where each job leaves a record; empty: in flight_folder, where the newest of all stay.
   std::string record_folder;
   bool records_jobs = false;
+  /// Every byte of the wire, once the port is open; empty: nowhere.
+  std::string byte_log;
+  /// A simulated machine that cannot tell stands at its start when it begins, as if somebody had
+  /// looked; else nothing is known of it.
+  bool assumes_start = true;
   /// Of the cell, where there is more than this robot; outlives the station. Which one it is there.
   CellSpace* space = nullptr;
   std::size_t place = 0;
@@ -73,7 +79,8 @@ class Station {
   std::optional<std::string> fact(std::string_view what, std::size_t joint) const;
   /// What passes over its wire; its time is the cell's.
   const WireRing& wire() const { return wire_; }
-  /// Where a simulated machine that cannot tell stands when it begins, as if somebody had looked.
+  /// Where a simulated machine that cannot tell stands when it begins, as if somebody had looked;
+  /// nothing once anything was sent that moves it: from then on only looking helps.
   std::optional<JointVector> assumed_place() const;
   /// What the journal knew when the station was started; null without one.
   const JournalRecovery* recovery() const { return record_ ? &record_->recovery() : nullptr; }
@@ -104,7 +111,7 @@ class Station {
   /// Why the last motion was refused it.
   std::optional<CellRefusal> refusal() const;
   /// A program of this robot is under way, or has ended.
-  void works(bool busy) const;
+  void works(bool busy);
   /// Whether a motion that is being planned would meet what does not move. @error kCellContact
   Expected<void> look(const planning::CellWay& way) const;
   /// What became of this slot's commands, and what concerns all; each once, in order.
@@ -114,9 +121,20 @@ class Station {
   /// Returns behind the next cycle, or after `patience`.
   void wait_for_cycle(Duration patience) const;
 
+  /// Why the file of `byte_log` is not whole.
+  std::optional<io::IoError> log_failure() const;
+  /// What seems to be wrong with its boards while they do not answer as they should; as
+  /// suspicion(const Driver&), the most that was found.
+  std::string suspicion() const;
+
+  /// Whether what happens is recorded at all, faults too: what only shows something leaves nothing.
+  void set_recorded(bool recorded) { recorded_ = recorded; }
   /// A job begins, or ends: its record, where there are such.
-  void begin_record(const std::string& program);
+  /// @param place  of the record; nothing: named by program and time, in the station's folder
+  void begin_record(const std::string& program, const std::optional<RecordPlace>& place = {});
   void end_record();
+  /// What is kept of a fault is written now, however little is behind it.
+  void end_flight();
   /// The same of a record that somebody wants, beside that of a job.
   /// @error  a sentence: the file cannot be made
   io::IoResult<void> begin_wanted(const RecordPlace& place);
@@ -132,6 +150,8 @@ class Station {
   io::IoResult<void> prepare();
   void run();
   void turn(ControlLoop& loop, Instant& retry_at);
+  bool at_rest(const control::Controller& controller) const;
+  bool records() const;
   Duration retry_interval() const;
   void take_mail(ControlLoop& loop);
   void publish(const ControlLoop& loop, Instant now);
@@ -145,6 +165,7 @@ class Station {
   void look_for_facts(const control::Controller& controller, Instant now);
   std::unique_ptr<planning::CellWay> way_of(const control::Nudge& nudge) const;
   bool at_end(const ControlLoop& loop, Instant now) const;
+  RecordPlace job_place(const std::string& program) const;
 
   RobotModel robot_;
   StationOptions options_;
@@ -154,11 +175,14 @@ class Station {
   std::unique_ptr<PositionRecord> record_;
   std::optional<RobotLink> link_;
   std::unique_ptr<RunRecorder> recorder_;  ///< null: nothing is recorded
+  std::atomic<bool> recorded_ = true;
+  std::atomic<bool> works_ = false;  ///< a program is under way
   bool connected_ = false;                 ///< of the control thread
   Instant truth_at_{};
   std::optional<Instant> closing_since_;
   Instant looked_at_{};  ///< around, for a jog
   Instant facts_at_{};
+  std::vector<control::ControlEvent> undelivered_;  ///< of this cycle
   bool was_ready_ = false;
 
   mutable std::mutex mutex_;
@@ -166,11 +190,14 @@ class Station {
   // All below under the mutex.
   StationView view_;
   std::string trouble_;
+  std::string suspicion_;
+  std::optional<io::IoError> log_failure_;
   std::uint64_t cycles_ = 0;
   CycleTimes cycles_timed_;
   std::uint32_t last_id_ = 0;
   std::uint32_t stops_ = 0;
   FixedVector<control::Command, kMailboxMax> mailbox_;
+  bool moved_ = false;  ///< something was posted that moves it
   std::array<std::unique_ptr<EventQueue>, kSlots> slots_;
   bool stop_ = false;
   std::deque<RecordTold> unrecorded_;  ///< files that could not be begun

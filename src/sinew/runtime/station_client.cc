@@ -72,6 +72,8 @@ std::optional<ControlEvent> StationClient::take_event() {
     refused_.erase(refused_.begin());
   } else {
     event = station_.take_event(slot_);
+    // It may be newer than the view, and what follows from it must not be planned from an old one.
+    if (event) view_ = station_.view();
   }
   if (event) look_at(*event);
   return event;

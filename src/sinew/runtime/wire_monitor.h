@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <deque>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "sinew/runtime/wire_reader.h"
@@ -18,9 +19,10 @@ class WireMonitor {
   struct Frame {
     std::uint64_t sequence = 0;  ///< from 1 on; what was missed has its numbers too
     WireMessage message;
+    std::string text{};  ///< of whoever shows it; the message may be empty then
   };
   struct Frames {
-    std::vector<const Frame*> frames;  ///< until the next read()
+    std::vector<Frame*> frames;  ///< until the next read()
     std::uint64_t last = 0;            ///< sequence to go on from
     std::uint64_t lost = 0;            ///< behind `since`, and not among them
   };

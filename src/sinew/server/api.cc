@@ -1,6 +1,7 @@
 #include "sinew/server/api.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "sinew/io/clock.h"
 #include "sinew/model/error_sentence.h"
@@ -15,6 +16,37 @@ using runtime::StationClient;
 
 constexpr Duration kRenewal = std::chrono::milliseconds(100);
 constexpr Duration kJobInterval = std::chrono::milliseconds(100);
+/// Who is told something more often than this wants poll() more often, too.
+constexpr Duration kSeldom = std::chrono::milliseconds(60);
+/// A message with a stop or a hold is no longer than this.
+constexpr std::size_t kStopMax = 1024;  // bytes
+
+/// What stops goes past everything that waits.
+bool may_stop(std::string_view text) {
+  return text.size() <= kStopMax && (text.find("robot.stop") != std::string_view::npos ||
+                                     text.find("robot.hold") != std::string_view::npos);
+}
+
+bool stops(MethodId id) {
+  return id == MethodId::kRobotStop || id == MethodId::kRobotHold;
+}
+
+/// What may set a robot in motion.
+bool begins(MethodId id) {
+  switch (id) {
+    case MethodId::kRobotResume:
+    case MethodId::kRobotJog:
+    case MethodId::kRobotNudge:
+    case MethodId::kProgramRun:
+    case MethodId::kRobotRide:
+    case MethodId::kProgramStep:
+    case MethodId::kProcedureStart:
+    case MethodId::kProcedureAnswer:
+      return true;
+    default:
+      return false;
+  }
+}
 
 std::int64_t wall_ms() {
   return io::wall_time_ns() / 1'000'000;
@@ -78,6 +110,7 @@ Api::Api(runtime::RunningCell& cell, std::string version, runtime::CellSettings*
   jobs_.resize(cell_.size());
   procedures_.resize(cell_.size());
   monitors_.resize(cell_.size());
+  stopped_.resize(cell_.size());
   status_texts_.resize(cell_.size() + 1);
   if (!event_file.empty()) begin_events(event_file);
 }
@@ -106,9 +139,11 @@ void Api::keep_events() {
   for (const Json& event : log_.after(event_kept_)) lines.push_back(text_of(event));
   const bool taken = files_.ask({0, nullptr, false}, [file = event_file_, lines] {
     file->add(lines);
-    return Json();
+    return std::string();
   });
-  if (taken) event_kept_ = log_.last();
+  if (!taken) return;
+  ++asked_;
+  event_kept_ = log_.last();
 }
 
 Api::~Api() {
@@ -132,6 +167,7 @@ std::optional<SessionId> Api::open(Role role, Delivery delivery) {
 void Api::close(SessionId id) {
   const auto found = sessions_.find(id);
   if (found == sessions_.end()) return;
+  finish_inbox(found->second);
   take_events(found->second);
   end_procedures(id);
   for (auto& [robot, machine] : found->second.machines) {
@@ -140,7 +176,8 @@ void Api::close(SessionId id) {
     const JobView job = cell_.jobs(robot).view();
     if (job.client == id) cell_.jobs(robot).stop(job.id);
   }
-  previews_->forget(id);
+  asked_ -= previews_->forget(id);
+  out_bytes_ -= found->second.out_bytes;
   sessions_.erase(found);
   if (yielding_ != id) return;
   yielding_.reset();
@@ -169,8 +206,7 @@ void Api::log_demonstration() {
 }
 
 void Api::give_way(const Method& method, SessionId session) {
-  const bool interferes = (method.moves && !is_about_kept(method.id)) ||
-                          method.id == MethodId::kRobotStop || method.id == MethodId::kRobotHold;
+  const bool interferes = (method.moves && !is_about_kept(method.id)) || stops(method.id);
   if (yielding_ && *yielding_ != session && interferes) close(*yielding_);
 }
 
@@ -178,9 +214,91 @@ void Api::receive(SessionId id, std::string_view text, Instant now) {
   const auto found = sessions_.find(id);
   if (found == sessions_.end()) return;
   Session& session = found->second;
-  const auto request = read_request(text);
-  if (!request) return put(session, error_text(request.error().id, request.error().error));
   renew(session, now);
+  const std::uint64_t number = ++messages_;
+  if (may_stop(text) && session.pending.size() < kPendingMax) {
+    const auto request = read_request(text);
+    if (request && (request->method == "robot.stop" || request->method == "robot.hold")) {
+      return handle(session, request, number, now);
+    }
+  }
+  session.inbox.push_back({std::string(text), number});
+  session.inbox_bytes += text.size();
+  ++inbox_;
+}
+
+bool Api::has_room(SessionId id) const {
+  const auto found = sessions_.find(id);
+  return found != sessions_.end() && found->second.inbox.size() < kInboxMax &&
+         found->second.inbox_bytes < kInboxBytesMax;
+}
+
+bool Api::settled(SessionId id) const {
+  const auto found = sessions_.find(id);
+  return found == sessions_.end() || found->second.inbox.empty();
+}
+
+/// What a client wanted to have changed is done, also where it did not wait for the answer.
+void Api::finish_inbox(Session& session) {
+  for (const Message& message : std::exchange(session.inbox, {})) {
+    --inbox_;
+    const auto request = read_request(message.text);
+    if (!request) continue;
+    const auto method = check(*request);
+    if (method && (*method)->moves) handle(session, request, message.number, Instant{});
+  }
+}
+
+/// A jog does not wait for those who only look; they do not wait for ever.
+Api::Session* Api::next_session() {
+  holder_first_ = !holder_first_;
+  Session* first = nullptr;
+  Session* next = nullptr;
+  for (auto& [id, session] : sessions_) {
+    if (session.inbox.empty()) continue;
+    const bool holder = std::ranges::any_of(
+        session.machines, [](const auto& one) { return one.second->lease().epoch != 0; });
+    if (holder && !holder_first_) return &session;
+    if (first == nullptr) first = &session;
+    if (next == nullptr && id > served_) next = &session;
+  }
+  if (next == nullptr) next = first;
+  if (next != nullptr) served_ = next->id;
+  return next;
+}
+
+bool Api::work(Instant now) {
+  if (inbox_ == 0) return false;
+  Session* session = next_session();
+  const Message message = std::move(session->inbox.front());
+  session->inbox.pop_front();
+  session->inbox_bytes -= message.text.size();
+  --inbox_;
+  handle(*session, read_request(message.text), message.number, now);
+  return inbox_ > 0;
+}
+
+bool Api::hurries() const {
+  if (inbox_ > 0 || asked_ > 0) return true;
+  for (std::size_t i = 0; i < cell_.size(); ++i) {
+    if (!cell_.procedures(i).over()) return true;
+  }
+  return std::ranges::any_of(sessions_, [](const auto& one) {
+    const Session& session = one.second;
+    const Duration told = session.watch.interval, updated = session.subscription.interval;
+    return !session.pending.empty() || (told != Duration{} && told < kSeldom) ||
+           (updated != Duration{} && updated < kSeldom);
+  });
+}
+
+/// What was asked for before a stop, and would begin to move its robot behind it.
+bool Api::overtaken(const Method& method, const Call& call, std::uint64_t number) const {
+  return call.robot && begins(method.id) && number < stopped_[*call.robot];
+}
+
+void Api::handle(Session& session, const std::expected<RpcRequest, BadRequest>& request,
+                 std::uint64_t number, Instant now) {
+  if (!request) return put(session, error_text(request.error().id, request.error().error));
   const auto method = check(*request);
   if (!method) return answer(session, request->id, request->answered, method.error());
   if ((*method)->moves && session.role == Role::kViewer) {
@@ -201,7 +319,18 @@ void Api::receive(SessionId id, std::string_view text, Instant now) {
                              "no robot of this cell has that name; there are " + names, nullptr});
     }
   }
-  give_way(**method, id);
+  if (stops((*method)->id)) {
+    for (std::size_t i = 0; i < stopped_.size(); ++i) {
+      if (!one.robot || *one.robot == i) stopped_[i] = number;
+    }
+  }
+  give_way(**method, session.id);
+  if (overtaken(**method, one, number)) {
+    return answer(session, request->id, request->answered,
+                  RpcError{RpcCode::kStopped,
+                           "stopped: a stop or a hold of this robot came behind it",
+                           {{"cause", cause_name(control::StopCause::kClient)}}});
+  }
   answer(session, request->id, request->answered, call(**method, one));
 }
 
@@ -215,11 +344,19 @@ void Api::answer(Session& session, const Json& id, bool answered, const Answer& 
     return;
   }
   if (const auto* elsewhere = std::get_if<Elsewhere>(&what)) {
-    if (previews_->ask({session.id, id, answered}, elsewhere->wish) || !answered) return;
+    if (previews_->ask({session.id, id, answered}, elsewhere->wish)) {
+      ++asked_;
+      return;
+    }
+    if (!answered) return;
     return put(session, error_text(id, {RpcCode::kBusy, "too many previews wait", nullptr}));
   }
   if (const auto* errand = std::get_if<Errand>(&what)) {
-    if (errand->desk.ask({session.id, id, answered}, errand->task) || !answered) return;
+    if (errand->desk.ask({session.id, id, answered}, errand->task)) {
+      ++asked_;
+      return;
+    }
+    if (!answered) return;
     return put(session, error_text(id, {RpcCode::kBusy, "too many requests wait", nullptr}));
   }
   if (!answered) return;
@@ -233,7 +370,18 @@ void Api::put(Session& session, std::string text) {
     return;
   }
   session.out_bytes += text.size();
+  out_bytes_ += text.size();
   session.out.push_back(std::move(text));
+  if (out_bytes_ > kOutputAllMax) cut_off_largest();
+}
+
+void Api::cut_off_largest() {
+  Session& largest = std::ranges::max_element(sessions_, {}, [](const auto& one) {
+                       return one.second.out_bytes;
+                     })->second;
+  largest.too_slow = true;
+  out_bytes_ -= std::exchange(largest.out_bytes, 0);
+  largest.out.clear();
 }
 
 std::optional<std::string> Api::take_output(SessionId id) {
@@ -242,6 +390,7 @@ std::optional<std::string> Api::take_output(SessionId id) {
   std::string text = std::move(found->second.out.front());
   found->second.out.pop_front();
   found->second.out_bytes -= text.size();
+  out_bytes_ -= text.size();
   return text;
 }
 
@@ -275,12 +424,14 @@ void Api::take_answered() {
   while (const auto done = previews_->take()) take_answered(*done);
   while (const auto done = files_.take()) take_answered(*done);
   while (const auto done = checks_.take()) take_answered(*done);
+  while (const auto done = wires_.take()) take_answered(*done);
 }
 
 void Api::take_answered(const Answered& done) {
+  --asked_;
   const auto found = sessions_.find(done.ticket.client);
   if (found == sessions_.end() || !done.ticket.answered) return;
-  put(found->second, done.result ? result_text(done.ticket.id, *done.result)
+  put(found->second, done.result ? result_of_text(done.ticket.id, *done.result)
                                  : error_text(done.ticket.id, done.result.error()));
 }
 
@@ -290,6 +441,7 @@ void Api::poll(Instant now) {
   log_events();
   log_jobs();
   keep_events();
+  forget_wires(now);
   for (std::string& text : status_texts_) text.clear();
   for (auto& [id, session] : sessions_) {
     take_events(session);
@@ -358,7 +510,12 @@ void Api::log_events() {
   for (std::size_t i = 0; i < ears_.size(); ++i) {
     if (!ears_[i]) continue;
     runtime::Station& station = cell_.station(i);
+    // A demonstration goes on for days: that it moves its robots is no news.
+    const bool shows = yielding_ && cell_.jobs(i).view().client == *yielding_;
     while (const auto event = station.take_event(*ears_[i])) {
+      const bool usual = event->kind == ControlEvent::Kind::kState ||
+                         event->kind == ControlEvent::Kind::kLease;
+      if (shows && usual) continue;
       if (auto json = event_json(station.name(), *event, station.robot())) {
         log_.add(std::move(*json));
       }
@@ -378,6 +535,7 @@ void Api::log_jobs() {
   for (std::size_t i = 0; i < jobs_.size(); ++i) {
     const JobView now = cell_.jobs(i).view();
     const JobView& before = jobs_[i];
+    const bool shows = yielding_ && now.client == *yielding_ && !now.failure;
     // A plan that was begun, or refused, between two looks was made all the same.
     JobView planned = now;
     planned.begun = false;
@@ -385,10 +543,10 @@ void Api::log_jobs() {
     planned.paused = planned.over = false;
     planned.failure.reset();
     const bool new_plan = now.planned && (now.id != before.id || !before.planned);
-    if (new_plan && phase_name(now) != phase_name(planned)) log_job(i, planned);
+    if (new_plan && !shows && phase_name(now) != phase_name(planned)) log_job(i, planned);
     const bool changed =
         now.id != before.id || now.over != before.over || phase_name(now) != phase_name(before);
-    if (changed && now.id != 0) log_job(i, now);
+    if (changed && now.id != 0 && !shows) log_job(i, now);
     jobs_[i] = now;
   }
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -51,6 +52,11 @@ class Api {
   static constexpr std::size_t kOutputMax = 256;
   /// The same in bytes: an answer of records.read has a third of a megabyte.
   static constexpr std::size_t kOutputBytesMax = std::size_t{8} << 20;
+  /// Of all sessions together: beyond it the one with the most is ended.
+  static constexpr std::size_t kOutputAllMax = std::size_t{64} << 20;
+  /// Messages that wait for work(), and their bytes; then a client is not read any more.
+  static constexpr std::size_t kInboxMax = 256;
+  static constexpr std::size_t kInboxBytesMax = std::size_t{256} << 10;
   /// Status and job messages are not made for a session that has so many to read.
   static constexpr std::size_t kOutputSlow = 8;
 
@@ -70,8 +76,18 @@ class Api {
   /// A session that gives way: it is closed before anything else that moves a robot, or a stop, of
   /// another one is done. One at a time.
   void yield(SessionId session);
-  /// One message, whatever its bytes are.
+  /// One message, whatever its bytes are. Stop and hold are done at once, all else by work(); what
+  /// came before a stop of its robot and would begin to move it then ends as stopped.
   void receive(SessionId session, std::string_view text, Instant now);
+  /// A session that has too many messages waiting is not read until this is true again.
+  bool has_room(SessionId session) const;
+  /// Nothing of it waits for work().
+  bool settled(SessionId session) const;
+  /// Does the next message that waits: of a session with a lease, then of each in turn.
+  /// @return  whether more wait
+  bool work(Instant now);
+  /// Somebody waits for an answer, or has to hear of something soon: poll() each few milliseconds.
+  bool hurries() const;
   void poll(Instant now);
   std::optional<std::string> take_output(SessionId session);
   /// It has not read what it asked for; whoever owns the connection ends it.
@@ -106,12 +122,18 @@ class Api {
     Instant next{};
     Json known = Json::object();  ///< of each object, as the client knows it
   };
+  struct Message {
+    std::string text;
+    std::uint64_t number = 0;  ///< of all, in the order in which they came
+  };
   struct Session {
     SessionId id = 0;
     Role role = Role::kViewer;
     Delivery delivery = Delivery::kMessages;
     std::map<std::size_t, std::unique_ptr<runtime::StationClient>> machines;
     std::vector<Pending> pending;
+    std::deque<Message> inbox;
+    std::size_t inbox_bytes = 0;  ///< in them
     std::deque<std::string> out;
     std::size_t out_bytes = 0;  ///< in them
     Watch watch;
@@ -144,6 +166,12 @@ class Api {
   void put(Session& session, std::string text);
   void answer(Session& session, const Json& id, bool answered, const Answer& what);
   Answer call(const Method& method, const Call& call);
+  void handle(Session& session, const std::expected<RpcRequest, BadRequest>& request,
+              std::uint64_t number, Instant now);
+  bool overtaken(const Method& method, const Call& call, std::uint64_t number) const;
+  Session* next_session();
+  void finish_inbox(Session& session);
+  void cut_off_largest();
   void give_way(const Method& method, SessionId session);
   std::expected<runtime::StationClient*, RpcError> machine(Session& session, std::size_t robot);
   void renew(Session& session, Instant now);
@@ -196,7 +224,7 @@ class Api {
   std::expected<JointVector, RpcError> joints(const Json& numbers, std::size_t robot) const;
 
   // api_files.cc
-  Errand at_files(TaskDesk::Task task);
+  Errand at_files(std::function<Keeper::Result()> work);
   Answer keep(const Method& method, const Call& call);
   Answer keep_texts(const Method& method, const Call& call);
   Answer check_program(const Call& call);
@@ -206,6 +234,8 @@ class Api {
   // api_device.cc
   Json device_status(std::size_t robot) const;
   Answer read_wire(const Call& call);
+  std::string wire_text(std::size_t robot, std::uint64_t since, std::uint64_t limit);
+  void forget_wires(Instant now);
 
   // api_procedures.cc
   Json procedure(std::size_t robot) const;
@@ -218,8 +248,15 @@ class Api {
   runtime::RunningCell& cell_;
   std::unique_ptr<PreviewDesk> previews_;
   Keeper keeper_;
-  TaskDesk files_;   ///< the keeper's
-  TaskDesk checks_;  ///< of programs
+  TaskDesk files_;             ///< the keeper's
+  TaskDesk checks_;            ///< of programs
+  std::size_t asked_ = 0;      ///< previews and tasks under way
+  std::uint64_t messages_ = 0;  ///< that came, ever
+  std::size_t inbox_ = 0;      ///< messages that wait
+  std::size_t out_bytes_ = 0;  ///< texts that wait, of all sessions
+  std::vector<std::uint64_t> stopped_;  ///< of each robot: the number of its last stop or hold
+  SessionId served_ = 0;       ///< whose message was done last
+  bool holder_first_ = true;   ///< a session with a lease is next
   std::string version_;
   SessionId last_session_ = 0;
   std::uint64_t last_group_ = 0;
@@ -233,9 +270,12 @@ class Api {
   std::vector<runtime::ProcedureStatus> procedures_;  ///< the same
   std::vector<std::unique_ptr<planning::ToolSpace>> tools_;
   std::vector<planning::PoseBT> X_near_;
-  std::vector<std::unique_ptr<runtime::WireMonitor>> monitors_;  ///< of those that are looked at
   /// Status messages of this turn, made once for all who watch: of each robot, and of all.
   std::vector<std::string> status_texts_;
+  /// Of the thread that reads wires: of those that are looked at.
+  std::vector<std::unique_ptr<runtime::WireMonitor>> monitors_;
+  std::optional<Instant> wires_read_;  ///< last
+  TaskDesk wires_{kSessionsMax * TaskDesk::kOfOneMax};
 };
 
 }  // namespace sinew::server

@@ -149,10 +149,9 @@ std::expected<program::Program, Unread> read_program(const runtime::RunningCell&
   const auto kept = wish.points ? std::expected<std::string, std::string>(*wish.points)
                                 : keeper.kept_points(wish.robot);
   if (!kept) return std::unexpected(kept.error());
-  const auto points = read_points(*kept, "points.toml");
-  if (!points) return std::unexpected(points.error());
+  const TaughtPoints points = usable_points(*kept, "points.toml");
   program::Surroundings around;
-  around.points = &*points;
+  around.points = &points;
   around.load = [&](std::string_view name) -> std::expected<program::CalledFile, std::string> {
     const std::string key(name);
     if (!wish.called) {
@@ -215,25 +214,26 @@ Keeper::Result export_text(const runtime::RunningCell& cell, const Keeper& keepe
 
 }  // namespace
 
-Api::Errand Api::at_files(TaskDesk::Task task) {
-  return {files_, std::move(task)};
+Api::Errand Api::at_files(std::function<Keeper::Result()> work) {
+  return {files_, as_task(std::move(work))};
 }
 
 Api::Answer Api::check_program(const Call& call) {
-  return Errand{checks_, [this, wish = wish_of(*call.robot, call.request)] {
+  return Errand{checks_, as_task([this, wish = wish_of(*call.robot, call.request)] {
                   return check_text(cell_, keeper_, wish);
-                }};
+                })};
 }
 
 Api::Answer Api::import_program(const Call& call) {
   const auto form = form_of(call.request.text("form"));
   if (!form) return invalid("form is sequence, pos or gcode");
   const RobotModel& model = cell_.station(*call.robot).robot();
-  return Errand{checks_, [=, &model, text = call.request.text("text")]() -> Keeper::Result {
-                  auto rows = program::rows_of(*form, text, "the file", model);
-                  if (!rows) return std::unexpected(no_form(rows.error(), model));
-                  return Json{{"text", std::move(*rows)}};
-                }};
+  return Errand{
+      checks_, as_task([=, &model, text = call.request.text("text")]() -> Keeper::Result {
+        auto rows = program::rows_of(*form, text, "the file", model);
+        if (!rows) return std::unexpected(no_form(rows.error(), model));
+        return Json{{"text", std::move(rows->text)}};
+      })};
 }
 
 Api::Answer Api::export_program(const Call& call) {
@@ -241,9 +241,9 @@ Api::Answer Api::export_program(const Call& call) {
   if (!form || *form == program::TextForm::kGcode) return invalid("form is sequence or pos");
   const auto mark = call.request.flag("decimal_comma") ? program::DecimalMark::kComma
                                                        : program::DecimalMark::kPoint;
-  return Errand{checks_, [=, this, wish = wish_of(*call.robot, call.request)] {
+  return Errand{checks_, as_task([=, this, wish = wish_of(*call.robot, call.request)] {
                   return export_text(cell_, keeper_, wish, *form, mark);
-                }};
+                })};
 }
 
 Api::Answer Api::keep_texts(const Method& method, const Call& call) {

@@ -312,6 +312,11 @@ Api::Answer Api::declare(const Call& call) {
               {"client", call.session.id},
               {"reason", why}});
   }
+  declare.zeroes_counters = call.request.params.value("zero_counters", false);
+  log_.add({{"at_ms", io::wall_time_ns() / 1'000'000},
+            {"robot", cell_.station(*call.robot).name()},
+            {"kind", "declared"},
+            {"client", call.session.id}});
   return give(call, declare);
 }
 
@@ -344,9 +349,7 @@ Api::Answer Api::run_program(const Call& call) {
   const RobotModel& model = cell_.station(*call.robot).robot();
   std::optional<TaughtPoints> points;
   if (const auto given = params.find("points"); given != params.end()) {
-    auto read = read_points(given->get_ref<const std::string&>(), "points.toml");
-    if (!read) return complained(read.error());
-    points = std::move(*read);
+    points = usable_points(given->get_ref<const std::string&>(), "points.toml");
   }
   program::Surroundings around;
   around.points = points ? &*points : nullptr;
@@ -367,6 +370,7 @@ Api::Answer Api::run_program(const Call& call) {
                           .standing_at = std::nullopt,
                           .take_over = call.request.flag("take_over"),
                           .single_step = call.request.flag("single_step"),
+                          .recorded = true,
                           .feed = 1};
   if (const auto trouble = take_part(call.request, model, order)) return *trouble;
   if (const auto given = params.find("standing_at"); given != params.end()) {
@@ -392,6 +396,7 @@ Api::Answer Api::ride(const Call& call) {
                       .standing_at = std::nullopt,
                       .take_over = call.request.flag("take_over"),
                       .single_step = false,
+                      .recorded = true,
                       .feed = 1});
 }
 
@@ -410,6 +415,7 @@ Api::Answer Api::start(const Call& call, runtime::JobOrder order) {
     return RpcError{RpcCode::kBusy,
                     "'" + procedures.status().view.title + "' is under way on this robot", nullptr};
   }
+  order.recorded = yielding_ != call.session.id;
   const auto job = cell_.jobs(*call.robot).start(std::move(order), call.session.id);
   if (!job) {
     const runtime::JobView other = cell_.jobs(*call.robot).view();

@@ -76,6 +76,7 @@ TEST(ApiObjects, answers_alone_carry_no_messages) {
   for (const char* method : {"watch", "objects.subscribe"}) {
     const Json params = method[0] == 'w' ? Json::object() : Json{{"objects", {"cell"}}};
     cell.api().receive(*session, request_text(1, method, params), cell.now());
+    cell.turn();
     const auto answer = cell.api().take_output(*session);
     ASSERT_TRUE(answer);
     EXPECT_NE(answer->find("a connection that stays"), std::string::npos) << *answer;

@@ -7,7 +7,7 @@
 
 #include "sinew/core/units.h"
 #include "sinew/io/scratch_folder_test_support.h"
-#include "sinew/runtime/procedure_session.h"
+#include "sinew/runtime/commissioning_file.h"
 #include "sinew/server/api_test_cell.h"
 #include "sinew/server/procedure_json.h"
 

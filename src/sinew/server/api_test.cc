@@ -332,6 +332,7 @@ TEST(Api, a_client_that_does_not_read_is_ended_and_holds_nobody_up) {
   const SessionId greedy = *cell.api().open(Role::kOperator);
   for (int k = 0; k < 400; ++k) {
     cell.api().receive(greedy, request_text(1, "cell.status", Json::object()), cell.now());
+    cell.api().work(cell.now());
   }
   EXPECT_TRUE(cell.api().too_slow(greedy));
   ApiClient other(cell);
@@ -346,6 +347,7 @@ TEST(Api, a_client_that_does_not_read_large_answers_is_ended_sooner) {
   std::size_t asked = 0;
   while (!cell.api().too_slow(greedy) && asked < 2 * Api::kOutputMax) {
     cell.api().receive(greedy, request_text(1, "rpc.discover", Json::object()), cell.now());
+    cell.api().work(cell.now());
     ++asked;
   }
   const std::size_t size = cell.api().take_output(greedy)->size();

@@ -56,6 +56,8 @@ class ApiCell {
 
   /// One turn of the server.
   void turn() {
+    while (api_->work(clock_.now())) {
+    }
     api_->poll(clock_.now());
     clock_.pause(std::chrono::milliseconds(2));
   }

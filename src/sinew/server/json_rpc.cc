@@ -89,6 +89,12 @@ std::string result_text(const Json& id, const Json& result) {
   return text_of({{"jsonrpc", "2.0"}, {"id", id}, {"result", result}});
 }
 
+std::string result_of_text(const Json& id, std::string_view result) {
+  std::string text = R"({"jsonrpc":"2.0","id":)" + text_of(id) + R"(,"result":)";
+  text.reserve(text.size() + result.size() + 1);
+  return (text += result) += '}';
+}
+
 std::string error_text(const Json& id, const RpcError& error) {
   Json object{{"code", static_cast<int>(error.code)}, {"message", error.message}};
   if (!error.data.is_null()) object["data"] = error.data;

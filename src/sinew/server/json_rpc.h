@@ -73,6 +73,8 @@ bool too_deep(std::string_view text);
 
 /// As texts without a line break.
 std::string result_text(const Json& id, const Json& result);
+/// @param result  JSON already
+std::string result_of_text(const Json& id, std::string_view result);
 std::string error_text(const Json& id, const RpcError& error);
 std::string notification_text(std::string_view method, const Json& params);
 std::string request_text(std::uint64_t id, std::string_view method, const Json& params);

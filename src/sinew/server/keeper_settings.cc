@@ -2,7 +2,7 @@
 
 #include "sinew/io/file.h"
 #include "sinew/runtime/position_record.h"
-#include "sinew/runtime/procedure_session.h"
+#include "sinew/runtime/commissioning_file.h"
 #include "sinew/server/keeper.h"
 
 namespace sinew::server {

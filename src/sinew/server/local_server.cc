@@ -21,29 +21,39 @@ class Connection : public std::enable_shared_from_this<Connection> {
   Connection(Socket socket, ServerLoop& loop, SessionId session)
       : socket_(std::move(socket)), loop_(loop), api_(&loop.api()), session_(session) {}
 
+  /// What has come is taken; where all of it was, more is read.
   void read() {
     if (reading_ || !open()) return;
+    take();
+    if (!open() || taken_ < filled_) return;
     reading_ = true;
     socket_.async_read_some(asio::buffer(buffer_),
                             [self = shared_from_this()](auto error, std::size_t count) {
                               self->reading_ = false;
                               if (error) return self->end();
-                              self->take(count);
+                              self->taken_ = 0;
+                              self->filled_ = count;
                               self->read();
+                              self->write();
                             });
   }
 
   /// What the session has to say goes out, as fast as the client reads.
   void write() {
     if (writing_ || !open()) return;
-    outgoing_.clear();
+    std::string().swap(outgoing_);  // a large one's room is not kept
     while (outgoing_.size() < kReadSize) {
-      const auto text = api_->take_output(session_);
+      auto text = api_->take_output(session_);
       if (!text) break;
-      outgoing_ += *text + "\n";
+      *text += '\n';
+      if (outgoing_.empty()) {
+        outgoing_ = std::move(*text);
+      } else {
+        outgoing_ += *text;
+      }
     }
     if (outgoing_.empty()) {
-      if (last_ || api_->too_slow(session_)) end();
+      if ((last_ && api_->settled(session_)) || api_->too_slow(session_)) end();
       return;
     }
     writing_ = true;
@@ -65,20 +75,21 @@ class Connection : public std::enable_shared_from_this<Connection> {
   }
 
  private:
-  void take(std::size_t count) {
-    for (std::size_t k = 0; k < count && open() && !last_; ++k) {
-      if (buffer_[k] != '\n') {
+  void take() {
+    while (taken_ < filled_ && open() && !last_ && api_->has_room(session_)) {
+      const char byte = buffer_[taken_++];
+      if (byte != '\n') {
         // Nobody knows where the next message begins.
         last_ = line_.size() > kMessageMax;
         if (!last_) {
-          line_ += buffer_[k];
+          line_ += byte;
           continue;
         }
       }
-      if (!line_.empty()) api_->receive(session_, line_, loop_.now());
+      if (!line_.empty()) loop_.receive(session_, line_);
+      if (line_.capacity() > kReadSize) line_.shrink_to_fit();
       line_.clear();
     }
-    write();
   }
 
   Socket socket_;
@@ -86,6 +97,8 @@ class Connection : public std::enable_shared_from_this<Connection> {
   Api* api_;  ///< null: over
   SessionId session_;
   std::array<char, kReadSize> buffer_{};
+  std::size_t filled_ = 0;  ///< bytes in it
+  std::size_t taken_ = 0;   ///< of them
   std::string line_;
   std::string outgoing_;
   bool reading_ = false;
@@ -150,6 +163,7 @@ class LocalServer::Implementation
 
   void turn() {
     for (auto it = connections_.begin(); it != connections_.end();) {
+      (*it)->read();
       (*it)->write();
       it = (*it)->open() ? std::next(it) : connections_.erase(it);
     }

@@ -44,7 +44,9 @@ constexpr Param kDeclareParams[] = {
     kRobotParam,
     {"positions", ParamType::kNumbers, false, "rad or m, one a joint; its home where left out"},
     {"moved", ParamType::kText, false,
-     "why what was known of its place does not count any more, in words: who moved it"}};
+     "why what was known of its place does not count any more, in words: who moved it"},
+    {"zero_counters", ParamType::kFlag, false,
+     "the device's counters read zero there from now on, where it has such a command"}};
 constexpr Param kNudgeParams[] = {
     kRobotParam,
     {"joint", ParamType::kText, true, "its name"},

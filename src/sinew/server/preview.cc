@@ -248,9 +248,9 @@ bool PreviewDesk::ask(Ticket ticket, PreviewWish wish) {
   return true;
 }
 
-void PreviewDesk::forget(std::uint32_t client) {
+std::size_t PreviewDesk::forget(std::uint32_t client) {
   const std::scoped_lock lock(mutex_);
-  std::erase_if(waiting_, [&](const Waiting& one) { return one.ticket.client == client; });
+  return std::erase_if(waiting_, [&](const Waiting& one) { return one.ticket.client == client; });
 }
 
 std::optional<Answered> PreviewDesk::take() {
@@ -269,7 +269,7 @@ void PreviewDesk::work() {
     Waiting next = std::move(waiting_.front());
     waiting_.erase(waiting_.begin());
     lock.unlock();
-    auto result = preview(cell_, next.wish);
+    auto result = as_task([&] { return preview(cell_, next.wish); })();
     lock.lock();
     done_.push_back({std::move(next.ticket), std::move(result)});
   }

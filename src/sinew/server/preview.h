@@ -55,8 +55,8 @@ class PreviewDesk {
 
   /// @return false where too many wait
   bool ask(Ticket ticket, PreviewWish wish);
-  /// Nobody waits for what this client asked for.
-  void forget(std::uint32_t client);
+  /// Nobody waits for what this client asked for. @return  so many that had not begun
+  std::size_t forget(std::uint32_t client);
   /// Each once.
   std::optional<Answered> take();
 

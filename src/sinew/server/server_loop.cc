@@ -1,15 +1,24 @@
 #include "sinew/server/server_loop.h"
 
+#include <algorithm>
 #include <boost/asio/io_context.hpp>
+#include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <vector>
 
 #include "sinew/io/clock.h"
+#include "sinew/io/thread_share.h"
 
 namespace sinew::server {
 namespace {
 
-constexpr auto kTurn = std::chrono::milliseconds(5);
+/// While somebody waits, and otherwise.
+constexpr auto kTurn = std::chrono::milliseconds(4);
+constexpr auto kIdleTurn = std::chrono::milliseconds(20);
+/// So long messages are done before sockets are looked at again, where a stop may have come.
+constexpr Duration kSlice = std::chrono::milliseconds(1);
+/// Memory of clients that have gone is given back to the system, at most so often.
+constexpr Duration kTrim = std::chrono::seconds(3);
 
 }  // namespace
 
@@ -20,10 +29,48 @@ struct ServerLoop::Implementation {
     api.poll(clock.now());
     for (const auto& turn : turns) turn();
     if ((*stop)()) return context.stop();
-    timer.expires_after(kTurn);
+    trim();
+    hurried = api.hurries();
+    if (hurried) work_soon();
+    wait();
+  }
+  void wait() {
+    timer.expires_after(hurried ? kTurn : kIdleTurn);
     timer.async_wait([this](auto error) {
       if (!error) tick();
     });
+  }
+
+  void receive(SessionId session, std::string_view text) {
+    api.receive(session, text, clock.now());
+    work_soon();
+    if (hurried) return;
+    hurried = true;
+    wait();
+  }
+  void work_soon() {
+    if (working) return;
+    working = true;
+    boost::asio::post(context, [this] { work(); });
+  }
+  void work() {
+    working = false;
+    const Instant end = clock.now() + kSlice;
+    bool more = true;
+    while (more && clock.now() < end) more = api.work(clock.now());
+    for (const auto& turn : turns) turn();
+    if (more) work_soon();
+  }
+
+  void trim() {
+    const bool left = api.sessions() < sessions;
+    if (!left || clock.now() < trim_next) {
+      sessions = std::max(sessions, api.sessions());
+      return;
+    }
+    sessions = api.sessions();
+    trim_next = clock.now() + kTrim;
+    io::give_memory_back();
   }
 
   Api& api;
@@ -31,6 +78,10 @@ struct ServerLoop::Implementation {
   boost::asio::io_context context{1};  // one thread
   boost::asio::steady_timer timer;
   std::vector<std::function<void()>> turns;
+  bool hurried = false;       ///< the next turn comes soon
+  bool working = false;       ///< work() will come
+  std::size_t sessions = 0;   ///< that were there, since memory was given back
+  Instant trim_next{};
   const std::function<bool()>* stop = nullptr;
 };
 
@@ -47,6 +98,10 @@ void ServerLoop::run(const std::function<bool()>& stop) {
 
 Api& ServerLoop::api() {
   return implementation_->api;
+}
+
+void ServerLoop::receive(SessionId session, std::string_view text) {
+  implementation_->receive(session, text);
 }
 
 Instant ServerLoop::now() const {

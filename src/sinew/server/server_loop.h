@@ -28,6 +28,8 @@ class ServerLoop {
   /// @name For doors
   /// @{
   Api& api();
+  /// A message of a session: Api::receive(), and soon what it asks for.
+  void receive(SessionId session, std::string_view text);
   Instant now() const;
   boost::asio::io_context& context();
   /// Called behind each poll of the Api, each few milliseconds: sessions may have something to say.

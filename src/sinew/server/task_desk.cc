@@ -5,7 +5,8 @@
 
 namespace sinew::server {
 
-TaskDesk::TaskDesk() : thread_([this] { work(); }) {}
+TaskDesk::TaskDesk(std::size_t waiting_max)
+    : waiting_max_(waiting_max), thread_([this] { work(); }) {}
 
 TaskDesk::~TaskDesk() {
   {
@@ -22,7 +23,7 @@ bool TaskDesk::ask(Ticket ticket, Task task) {
     const auto of_one = std::ranges::count_if(
         waiting_, [&](const auto& one) { return one.first.client == ticket.client; });
     const bool greedy = ticket.client != 0 && of_one >= static_cast<std::ptrdiff_t>(kOfOneMax);
-    if (greedy || waiting_.size() >= kWaitingMax) return false;
+    if (greedy || waiting_.size() >= waiting_max_) return false;
     waiting_.emplace_back(std::move(ticket), std::move(task));
   }
   more_.notify_all();

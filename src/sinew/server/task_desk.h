@@ -7,7 +7,9 @@
 #include <functional>
 #include <mutex>
 #include <optional>
+#include <string>
 #include <thread>
+#include <utility>
 
 #include "sinew/server/json_rpc.h"
 
@@ -22,7 +24,7 @@ struct Ticket {
 
 struct Answered {
   Ticket ticket;
-  std::expected<Json, RpcError> result;
+  std::expected<std::string, RpcError> result;  ///< JSON
 };
 
 /// What waits for a disk or thinks for seconds, in a thread of its own, one after the other in the
@@ -30,12 +32,13 @@ struct Answered {
 /// done, also where its client has gone meanwhile.
 class TaskDesk {
  public:
-  using Task = std::function<std::expected<Json, RpcError>()>;
+  /// Its result is JSON: whoever writes a large one does so in this thread.
+  using Task = std::function<std::expected<std::string, RpcError>()>;
   /// So many may wait, of all clients together and of one.
   static constexpr std::size_t kWaitingMax = 64;
   static constexpr std::size_t kOfOneMax = 16;
 
-  TaskDesk();
+  explicit TaskDesk(std::size_t waiting_max = kWaitingMax);
   ~TaskDesk();
   TaskDesk(const TaskDesk&) = delete;
   TaskDesk& operator=(const TaskDesk&) = delete;
@@ -48,6 +51,7 @@ class TaskDesk {
  private:
   void work();
 
+  const std::size_t waiting_max_;
   std::mutex mutex_;
   std::condition_variable more_;
   std::deque<std::pair<Ticket, Task>> waiting_;  ///< under the mutex, as all below
@@ -55,5 +59,15 @@ class TaskDesk {
   bool ends_ = false;
   std::thread thread_;
 };
+
+/// What ends with a value, as a task.
+template <class Work>
+TaskDesk::Task as_task(Work work) {
+  return [work = std::move(work)]() mutable -> std::expected<std::string, RpcError> {
+    const std::expected<Json, RpcError> result = work();
+    if (!result) return std::unexpected(result.error());
+    return text_of(*result);
+  };
+}
 
 }  // namespace sinew::server

@@ -14,10 +14,10 @@ TEST(TaskDesk, one_client_leaves_room_for_the_others) {
   ASSERT_TRUE(desk.ask({1, 0, true}, [&] {
     begun.count_down();
     go.wait();
-    return Json("first");
+    return "first";
   }));
   begun.wait();
-  const auto quick = [] { return Json("quick"); };
+  const auto quick = [] { return "quick"; };
   for (std::size_t i = 0; i < TaskDesk::kOfOneMax; ++i) {
     EXPECT_TRUE(desk.ask({1, i, true}, quick)) << i;
   }

@@ -88,6 +88,7 @@ class SocketConnection final : public WebConnection,
       answer.set("Server", "Sinew");
     }));
     socket_.read_message_max(request.role ? kMessageMax : kFirstMessageMax);
+    socket_.auto_fragment(false);  // a large answer is one frame, and not 150 writes
     beast::http::request<beast::http::empty_body> upgrade;
     upgrade.version(11);
     upgrade.method(beast::http::verb::get);
@@ -147,7 +148,9 @@ class SocketConnection final : public WebConnection,
 
   void read() {
     // Somebody who is refused is not read any more: the refusal may still be on its way out.
-    const bool may_read = open_ && !ending_ && last_reason_ == nullptr && pace_.may_read();
+    const bool room = !session_ || door_->loop.api().has_room(*session_);
+    const bool may_read =
+        open_ && !ending_ && last_reason_ == nullptr && pace_.may_read() && room;
     if (!may_read || accepting_ || reading_) return;
     reading_ = true;
     socket_.async_read(buffer_, [self = this->shared_from_this()](auto error, std::size_t size) {
@@ -167,7 +170,7 @@ class SocketConnection final : public WebConnection,
     const std::string_view text(static_cast<const char*>(buffer_.cdata().data()),
                                 buffer_.cdata().size());
     if (session_) {
-      door_->loop.api().receive(*session_, text, door_->loop.now());
+      door_->loop.receive(*session_, text);
     } else {
       take_token(text);
     }
@@ -213,7 +216,7 @@ class SocketConnection final : public WebConnection,
     socket_.async_write(asio::buffer(outgoing_),
                         [self = this->shared_from_this()](auto error, std::size_t) {
                           self->writing_ = false;
-                          self->outgoing_.clear();
+                          std::string().swap(self->outgoing_);  // a large one's room is not kept
                           if (error) return self->end();
                           self->write();
                         });
@@ -390,7 +393,7 @@ class HttpConnection final : public WebConnection,
     }
     lowest().expires_never();
     const bool answered = is_answered(text);
-    door_->loop.api().receive(*session_, text, door_->loop.now());
+    door_->loop.receive(*session_, text);
     if (!answered) return answer({.status = 204}, {});
     waiting_ = true;
     answer_until_ = door_->loop.now() + kAnswerTime;

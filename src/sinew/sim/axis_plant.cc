@@ -78,6 +78,12 @@ void AxisPlant::set_coupling(bool holds) {
   coupled_ = holds;
 }
 
+void AxisPlant::place(double q, double qd, double rotor, double rotor_speed) {
+  q_ = q;
+  qd_ = qd;
+  motor_.place(rotor, rotor_speed);
+}
+
 void AxisPlant::reboot() {
   steps_ = 0;
   quadrature_ = Quadrature(joint_shaft());

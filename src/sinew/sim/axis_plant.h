@@ -59,6 +59,8 @@ class AxisPlant {
   /// A finger on the end stop's lever, whatever the joint does; false lets it go.
   void hold_switch(bool held) { switch_held_ = held; }
 
+  /// Joint and rotor are there and turn so fast; rad and rad/s, the rotor at its own shaft.
+  void place(double q, double qd, double rotor, double rotor_speed);
   /// The board starts again: its step count and its quadrature counter stand at 0.
   void reboot();
   /// Lets `dt` (s) pass, in which the steps are made evenly.
@@ -74,6 +76,7 @@ class AxisPlant {
   bool resting() const { return resting_; }
   bool browned_out() const { return supply_ < settings_.brown_out; }
   double motor_angle() const { return motor_.angle(); }  ///< rad at the motor's shaft
+  double motor_speed() const { return motor_.speed(); }  ///< rad/s there
   /// J in the motion of rotor and joint and in what is wound up, gear and ends; without weight.
   double mechanical_energy() const;
 

@@ -231,6 +231,21 @@ Truth BigRobotArmMachine::truth() const {
   return truth;
 }
 
+LastingState BigRobotArmMachine::lasting_state() const {
+  LastingState state;
+  for (const Axis& axis : axes_) state.bodies.push_back({axis.motor.angle(), axis.motor.speed()});
+  return state;
+}
+
+bool BigRobotArmMachine::restore(const LastingState& state) {
+  if (state.bodies.size() != kJoints || !state.memory.empty()) return false;
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    axes_[i].motor.place(state.bodies[i].angle, state.bodies[i].speed);
+  }
+  update_load();
+  return true;
+}
+
 void BigRobotArmMachine::disturb(const Disturbance& what) {
   const bool was_on = supplied();
   const auto joint = static_cast<std::size_t>(what.joint);

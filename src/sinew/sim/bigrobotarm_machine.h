@@ -39,6 +39,9 @@ class BigRobotArmMachine : public ByteMachine {
   std::optional<Instant> next_event() const override;
   Truth truth() const override;
   void disturb(const Disturbance& what) override;
+  /// Motor shafts; the board has nothing that lasts.
+  LastingState lasting_state() const override;
+  bool restore(const LastingState& state) override;
   void receive(std::span<const std::uint8_t> bytes, Instant now) override;
   std::size_t take_output(std::span<std::uint8_t> out) override;
 

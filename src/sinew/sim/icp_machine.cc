@@ -77,7 +77,7 @@ IcpMachine::IcpMachine(const RobotModel& model, const IcpQuirks& quirks, std::ui
   for (std::size_t i = 0; i < kLegs; ++i) {
     Leg& leg = legs_[i];
     leg.drive = drive_of(model, i);
-    leg.start = model.joints[i].home;
+    leg.start = leg.begin = model.joints[i].home;
     // Bit 0 lengthens a leg that is not inverted, whatever sign the firmware makes of it.
     leg.sense = (device_of(model).legs[i].invert ? -1.0 : 1.0) * (quirks.bit_one_is_plus ? -1 : 1);
     leg.end_lower = model.joints[i].lower - kStopMargin;
@@ -172,8 +172,8 @@ Truth IcpMachine::truth() const {
     joint.q = length(i, motors_[i].angle());
     joint.qd =
         legs_[i].resting ? 0 : legs_[i].sense * motors_[i].speed() / legs_[i].drive.gear_ratio;
-    joint.believed =
-        length(i, static_cast<double>(modules_[i].field()) * 2 * kPi / kMicrostepsPerTurn);
+    const double turned = static_cast<double>(modules_[i].field()) * 2 * kPi / kMicrostepsPerTurn;
+    joint.believed = legs_[i].begin + length(i, turned) - legs_[i].start;
     joint.lost_steps = motors_[i].slipped();
     joint.at_end_stop = joint.q <= legs_[i].lower() || joint.q >= legs_[i].upper();
     truth.joints.push_back(joint);
@@ -182,6 +182,24 @@ Truth IcpMachine::truth() const {
   truth.supply_volts = volts_;
   truth.bytes_lost = controller_.bytes_lost();
   return truth;
+}
+
+LastingState IcpMachine::lasting_state() const {
+  LastingState state;
+  for (const StepperMotor& motor : motors_) {
+    state.bodies.push_back({motor.angle(), motor.speed()});
+  }
+  return state;
+}
+
+bool IcpMachine::restore(const LastingState& state) {
+  if (state.bodies.size() != kLegs || !state.memory.empty()) return false;
+  for (std::size_t i = 0; i < kLegs; ++i) {
+    motors_[i].place(state.bodies[i].angle, state.bodies[i].speed);
+    legs_[i].begin = length(i, state.bodies[i].angle);
+    wake(i);
+  }
+  return true;
 }
 
 void IcpMachine::disturb(const Disturbance& what) {

@@ -39,6 +39,9 @@ class IcpMachine final : public ByteMachine {
   std::optional<Instant> next_event() const override { return controller_.next_event(); }
   Truth truth() const override;
   void disturb(const Disturbance& what) override;
+  /// Motor shafts; the modules' OTP is never written.
+  LastingState lasting_state() const override;
+  bool restore(const LastingState& state) override;
   void receive(std::span<const std::uint8_t> bytes, Instant now) override;
   std::size_t take_output(std::span<std::uint8_t> out) override {
     return controller_.take_output(out);
@@ -58,6 +61,7 @@ class IcpMachine final : public ByteMachine {
 
     StepperDrive drive;
     double start = 0;      ///< m, at angle 0
+    double begin = 0;      ///< m, where the field began to be turned
     double sense = 1;      ///< -1: a positive field shortens it
     double end_lower = 0;  ///< m, mechanical ends
     double end_upper = 0;

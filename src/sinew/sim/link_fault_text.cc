@@ -26,7 +26,7 @@ constexpr std::array<std::string_view, 15> kItems{
     "drop",    "duplicate", "flip",    "delay",  "cut",  "half-open", "seed", "supply",
     "payload", "block",     "unblock", "magnet", "load", "coupling",  "lead"};
 
-std::string quoted(std::string_view text) {
+std::string in_quotes(std::string_view text) {
   return "\"" + printable(text) + "\"";
 }
 
@@ -75,12 +75,12 @@ class ItemReader {
 
  private:
   std::unexpected<std::string> wrong(const std::string& what) const {
-    return std::unexpected("fault " + quoted(item_) + ": " + what);
+    return std::unexpected("fault " + in_quotes(item_) + ": " + what);
   }
 
   Checked unknown() const {
     const std::string_view near = nearest_spelling(name_, kItems);
-    if (!near.empty()) return wrong("did you mean " + quoted(near) + "?");
+    if (!near.empty()) return wrong("did you mean " + in_quotes(near) + "?");
     std::string all;
     for (const std::string_view name : kItems) all += (all.empty() ? "" : ", ") + std::string(name);
     return wrong("there are " + all);
@@ -111,7 +111,7 @@ class ItemReader {
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), out);
     const bool whole = error == std::errc{} && end == text.data() + text.size();
     if (!whole || !(out >= 0 && out <= 1)) {
-      return wrong(quoted(text) + " is no chance; it is a number 0..1 for each byte, as 0.001");
+      return wrong(in_quotes(text) + " is no chance; it is a number 0..1 for each byte, as 0.001");
     }
     if (out == 0) return wrong("a chance of 0 says nothing; leave it out");
     return {};
@@ -119,7 +119,7 @@ class ItemReader {
 
   Checked read_direction(std::string_view text, LinkDirection& out) const {
     if (text != "to-host" && text != "to-device") {
-      return wrong(quoted(text) + " is no direction; there are to-host and to-device");
+      return wrong(in_quotes(text) + " is no direction; there are to-host and to-device");
     }
     out = text == "to-host" ? LinkDirection::kToHost : LinkDirection::kToDevice;
     return {};
@@ -276,7 +276,7 @@ class ItemReader {
     const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), number);
     const bool whole = error == std::errc{} && end == digits.data() + digits.size();
     if (!whole || number < 1 || number > joints_) {
-      return wrong(quoted(text) + " is no joint; they are J1 to J" + std::to_string(joints_));
+      return wrong(in_quotes(text) + " is no joint; they are J1 to J" + std::to_string(joints_));
     }
     joint = static_cast<std::int8_t>(number - 1);
     return {};
@@ -286,7 +286,7 @@ class ItemReader {
     const auto angle = parse_quantity(text, Measure::kAngle, UnitRule::kRequired);
     const auto length = parse_quantity(text, Measure::kLength, UnitRule::kRequired);
     if (!angle && !length) {
-      return wrong(quoted(text) + " is no place of a joint; write 20deg or 12mm");
+      return wrong(in_quotes(text) + " is no place of a joint; write 20deg or 12mm");
     }
     timed.what.value = angle ? *angle : *length;
     timed.unit = angle ? JointKind::kRevolute : JointKind::kPrismatic;

@@ -182,6 +182,24 @@ Truth LscMachine::truth() const {
   return truth;
 }
 
+LastingState LscMachine::lasting_state() const {
+  LastingState state;
+  for (const ServoMotor& servo : servos_) state.bodies.push_back({servo.angle(), servo.speed()});
+  const LscBoard::Memory memory = board_.memory();
+  state.memory.assign(memory.begin(), memory.end());
+  return state;
+}
+
+bool LscMachine::restore(const LastingState& state) {
+  if (state.bodies.size() != servos_.size() || !board_.set_memory(state.memory)) return false;
+  for (std::size_t i = 0; i < servos_.size(); ++i) {
+    servos_[i].place(state.bodies[i].angle, state.bodies[i].speed);
+  }
+  update_load();
+  sense();
+  return true;
+}
+
 void LscMachine::disturb(const Disturbance& what) {
   using Kind = Disturbance::Kind;
   if (what.kind == Kind::kSupply) battery_volts_ = what.value;

@@ -34,6 +34,9 @@ class LscMachine : public ByteMachine {
   std::optional<Instant> next_event() const override;
   Truth truth() const override;
   void disturb(const Disturbance& what) override;
+  /// Horns of the joints' servos and the jaws'; the board's memory.
+  LastingState lasting_state() const override;
+  bool restore(const LastingState& state) override;
   void receive(std::span<const std::uint8_t> bytes, Instant now) override;
   std::size_t take_output(std::span<std::uint8_t> out) override;
 

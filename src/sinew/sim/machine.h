@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 #include <variant>
+#include <vector>
 
 #include "sinew/core/fixed_vector.h"
 #include "sinew/core/instant.h"
@@ -55,7 +56,20 @@ struct Disturbance {
   double value = 0;
 };
 
-/// A device together with the machine under it. @rt apart from its construction.
+/// What outlives a loss of power.
+struct LastingState {
+  struct Body {
+    double angle = 0;  ///< rad
+    double speed = 0;  ///< rad/s
+    friend bool operator==(const Body&, const Body&) = default;
+  };
+  /// Motor shafts, horns and joints, in an order of the machine's own.
+  FixedVector<Body, 2 * kMaxJoints> bodies;
+  std::vector<std::uint8_t> memory;  ///< flash and EEPROM of boards and servos
+  friend bool operator==(const LastingState&, const LastingState&) = default;
+};
+
+/// A device together with the machine under it. @rt apart from its construction and LastingState.
 class Machine {
  public:
   virtual ~Machine() = default;
@@ -66,7 +80,19 @@ class Machine {
   /// At the last advance().
   virtual Truth truth() const = 0;
   virtual void disturb(const Disturbance& what) = 0;
+
+  /// At the last advance().
+  virtual LastingState lasting_state() const { return {}; }
+  /// Puts the mechanics there and fills the boards' memory, as power_up_from() does at the start.
+  /// False where this is not the state of such a machine.
+  virtual bool restore(const LastingState& /*state*/) { return false; }
 };
+
+/// A machine that lost its power in this state and gets it back at `boot`. Its time has come to
+/// `boot - kPowerOffTime` before; without power it sinks meanwhile as far as its weight takes it.
+/// False, and nothing has changed, where this is not the state of such a machine.
+inline constexpr Duration kPowerOffTime = std::chrono::seconds(5);
+bool power_up_from(const LastingState& state, Machine& machine, Instant boot);
 
 /// A machine behind a stream of bytes.
 class ByteMachine : public Machine {

@@ -115,7 +115,7 @@ void MaxArmMachine::step_physics(Instant until) {
     servos_[i].set_supply_ratio(supply_volts_ / kSupplyNominal);
     servos_[i].advance(angle_of(i, targets[i]), driven, gravity(i) + extra_load_[i], dt);
   }
-  nozzle_ = (firmware_.nozzle_us(until) - 1500) / 2000 * kPi;
+  nozzle_ = (firmware_.nozzle_us(until) - 500) / 2000 * kPi;
   now_ = until;
   sense();
 }
@@ -155,6 +155,21 @@ Truth MaxArmMachine::truth() const {
   truth.suction = firmware_.suction() == kPumpOn && powered();
   truth.bytes_lost = firmware_.bytes_lost();
   return truth;
+}
+
+LastingState MaxArmMachine::lasting_state() const {
+  LastingState state;
+  for (const ServoMotor& servo : servos_) state.bodies.push_back({servo.angle(), servo.speed()});
+  return state;
+}
+
+bool MaxArmMachine::restore(const LastingState& state) {
+  if (state.bodies.size() != kJoints || !state.memory.empty()) return false;
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    servos_[i].place(state.bodies[i].angle, state.bodies[i].speed);
+  }
+  sense();
+  return true;
 }
 
 void MaxArmMachine::disturb(const Disturbance& what) {

@@ -141,9 +141,9 @@ TEST(MaxArmMachine, nozzle_turns_in_its_time) {
   Bench bench;
   bench.send(SetPwmServo{2500, 1000});
   bench.run_for(500ms);
-  EXPECT_NEAR(bench.machine.truth().tool, kPi / 4, 1e-9);
+  EXPECT_NEAR(bench.machine.truth().tool, 3 * kPi / 4, 1e-9);
   bench.run_for(1s);
-  EXPECT_NEAR(bench.machine.truth().tool, kPi / 2, 1e-9);
+  EXPECT_NEAR(bench.machine.truth().tool, kPi, 1e-9);
 }
 
 TEST(MaxArmMachine, same_seed_same_run_and_no_allocation) {

@@ -33,6 +33,12 @@ class ServoMotor {
   /// @param load    Nm from outside, positive pushes the angle up
   void advance(double target, bool driven, double load, double dt);
 
+  /// It is there and turns so fast, rad and rad/s.
+  void place(double angle, double speed) {
+    angle_ = angle;
+    speed_ = speed;
+  }
+
   double angle() const { return angle_; }
   double speed() const { return speed_; }
   /// It pushes against an end or a thing in the way.

@@ -148,31 +148,35 @@ void SimwireServer::update_selects() {
   machine_.select(mask, now_);
 }
 
-bool SimwireServer::is_open(std::uint32_t bus, std::uint32_t device) const {
-  return std::ranges::any_of(
-      open_, [&](const BusSettings& one) { return one.bus == bus && one.device == device; });
+SimwireServer::OpenDevice* SimwireServer::find_open(std::uint32_t bus, std::uint32_t device) {
+  auto* const found = std::ranges::find_if(
+      open_, [&](const OpenDevice& one) { return one.bus == bus && one.device == device; });
+  return found == open_.end() ? nullptr : found;
 }
 
 Reply SimwireServer::act(const Open& open) {
-  if (is_open(open.settings.bus, open.settings.device)) return refused("this bus is open already");
+  if (OpenDevice* const again = find_open(open.settings.bus, open.settings.device)) {
+    ++again->users;
+    return Ok{};
+  }
   if (open_.full()) return refused("too many buses are open");
-  open_.push_back(open.settings);
+  open_.push_back({open.settings.bus, open.settings.device, 1});
   return Ok{};
 }
 
 Reply SimwireServer::act(const Close& close) {
-  for (std::size_t i = 0; i < open_.size(); ++i) {
-    if (open_[i].bus != close.bus || open_[i].device != close.device) continue;
-    open_[i] = open_.back();
+  OpenDevice* const device = find_open(close.bus, close.device);
+  if (device == nullptr) return refused("this bus is not open");
+  if (--device->users == 0) {
+    *device = open_.back();
     open_.pop_back();
-    return Ok{};
   }
-  return refused("this bus is not open");
+  return Ok{};
 }
 
 Reply SimwireServer::act(const Exchange& exchange) {
   const BusSettings& settings = exchange.settings;
-  if (!is_open(settings.bus, settings.device)) return refused("this bus is not open");
+  if (find_open(settings.bus, settings.device) == nullptr) return refused("this bus is not open");
   if (settings.clock_hz == 0 || settings.clock_hz > kClockMax) {
     return refused("the clock is 1 Hz to 50 MHz");
   }

@@ -21,7 +21,7 @@ namespace sinew::sim {
 class SimwireServer {
  public:
   static constexpr std::size_t kPins = 64;
-  static constexpr std::size_t kDevices = 8;  ///< buses that a host may have open
+  static constexpr std::size_t kDevices = 8;  ///< that a host may have open at a time
 
   /// @param boards  where each axis is wired; @param name  answered to HELLO
   SimwireServer(SpiMachine& machine, std::span<const AxisBoard> boards, std::string_view name);
@@ -43,6 +43,13 @@ class SimwireServer {
     simwire::Pull pull = simwire::Pull::kOff;
   };
 
+  /// As spidev has it: opened as often as a host likes, and open until each of these is closed.
+  struct OpenDevice {
+    std::uint32_t bus = 0;
+    std::uint32_t device = 0;
+    std::uint32_t users = 0;
+  };
+
   simwire::Reply act(const simwire::Hello& hello);
   simwire::Reply act(const simwire::Direction& direction);
   simwire::Reply act(const simwire::SetPin& set);
@@ -59,14 +66,15 @@ class SimwireServer {
   /// Why not; nothing where the time has passed.
   std::optional<std::string_view> advance_to(std::uint64_t time_us);
   void update_selects();
-  bool is_open(std::uint32_t bus, std::uint32_t device) const;
+  /// Nothing where the host has not opened it.
+  OpenDevice* find_open(std::uint32_t bus, std::uint32_t device);
   simwire::Report report(bool dump) const;
 
   SpiMachine& machine_;
   FixedVector<AxisBoard, kMaxJoints> boards_;
   simwire::Text name_;
   std::array<Pin, kPins> pins_{};
-  FixedVector<simwire::BusSettings, kDevices> open_;
+  FixedVector<OpenDevice, kDevices> open_;
   bool greeted_ = false;
   bool finished_ = false;
   std::optional<std::uint64_t> last_us_;

@@ -126,7 +126,6 @@ TEST(SimwireServer, nothing_is_done_that_is_not_in_order) {
   EXPECT_EQ(bench.ask("4 SET 5 1"), "ERR the pin is no output");
   EXPECT_EQ(bench.ask("5 DIR 64 OUT UP"), "ERR no such pin");
   EXPECT_EQ(bench.ask("6 OPEN 0 0 500000 0"), "OK");
-  EXPECT_EQ(bench.ask("7 OPEN 0 0 500000 0"), "ERR this bus is open already");
   EXPECT_EQ(bench.ask("8 XFER 0 0 0 0 97"), "ERR the clock is 1 Hz to 50 MHz");
   EXPECT_EQ(bench.ask("9 XFER 0 0 500000 3 97"), "MISO 00") << "another mode samples other edges";
   EXPECT_EQ(bench.ask("10 CLOSE 1 0"), "ERR this bus is not open");
@@ -134,6 +133,20 @@ TEST(SimwireServer, nothing_is_done_that_is_not_in_order) {
   EXPECT_TRUE(bench.ask("12 FAULT x").starts_with("ERR faults are given"));
   EXPECT_TRUE(bench.ask("garbage").starts_with("ERR a request begins"));
   EXPECT_EQ(bench.machine.shifted_, 0U);
+}
+
+/// A master with six objects, one for each axis, opens spidev0.0 six times.
+TEST(SimwireServer, a_bus_is_open_until_the_last_of_those_who_opened_it_closes_it) {
+  Bench bench;
+  bench.ask("1 HELLO 1");
+  for (int i = 0; i < 6; ++i) EXPECT_EQ(bench.ask("2 OPEN 0 0 500000 0"), "OK");
+  EXPECT_EQ(bench.ask("2 OPEN 0 1 500000 0"), "OK");
+  for (int i = 0; i < 5; ++i) EXPECT_EQ(bench.ask("3 CLOSE 0 0"), "OK");
+  EXPECT_TRUE(bench.ask("4 XFER 0 0 500000 0 97").starts_with("MISO ")) << "one is left";
+  EXPECT_EQ(bench.ask("5 CLOSE 0 0"), "OK");
+  EXPECT_EQ(bench.ask("6 XFER 0 0 500000 0 97"), "ERR this bus is not open");
+  EXPECT_EQ(bench.ask("7 CLOSE 0 0"), "ERR this bus is not open");
+  EXPECT_TRUE(bench.ask("8 XFER 0 1 500000 0 97").starts_with("MISO ")) << "the other stays";
 }
 
 TEST(SimwireServer, truth_is_told_on_request) {

@@ -23,6 +23,8 @@ class SpiFaults : public SpiMachine {
   std::optional<Instant> next_event() const override { return machine_.next_event(); }
   Truth truth() const override { return machine_.truth(); }
   void disturb(const Disturbance& what) override { machine_.disturb(what); }
+  LastingState lasting_state() const override { return machine_.lasting_state(); }
+  bool restore(const LastingState& state) override { return machine_.restore(state); }
   void select(std::uint8_t mask, Instant now) override;
   void shift(std::span<const std::uint8_t> mosi, std::span<std::uint8_t> miso,
              std::uint32_t clock_hz, Instant now) override;

@@ -107,6 +107,12 @@ class StepperArm::Board : public SpiSlave {
   }
   Figures figures() const;
 
+  /// Of the axis link; a board of the register wire counts none.
+  std::optional<std::uint16_t> boots() const {
+    return node_ ? std::optional(boots_) : std::nullopt;
+  }
+  void set_boots(std::uint16_t boots) { boots_ = boots; }
+
   bool on() const { return on_; }
   AxisPlant& plant() { return plant_; }
   const AxisPlant& plant() const { return plant_; }
@@ -313,6 +319,36 @@ void StepperArm::disturb(const Disturbance& what) {
     if (what.kind == Kind::kCoupling) plant.set_coupling(what.value != 0);
     if (what.kind == Kind::kLoad) plant.set_extra_load(what.value);
   }
+}
+
+LastingState StepperArm::lasting_state() const {
+  LastingState state;
+  for (const std::unique_ptr<Board>& board : boards_) {
+    const AxisPlant& plant = board->plant();
+    state.bodies.push_back({plant.q(), plant.qd()});
+    state.bodies.push_back({plant.motor_angle(), plant.motor_speed()});
+    if (const auto boots = board->boots()) {
+      state.memory.push_back(static_cast<std::uint8_t>(*boots & 0xFF));
+      state.memory.push_back(static_cast<std::uint8_t>(*boots >> 8));
+    }
+  }
+  return state;
+}
+
+/// The same arm may have been driven over the other wire before; then no boots were counted.
+bool StepperArm::restore(const LastingState& state) {
+  const bool counted = state.memory.size() == 2 * boards_.size();
+  if (state.bodies.size() != 2 * boards_.size() || (!counted && !state.memory.empty()))
+    return false;
+  for (std::size_t i = 0; i < boards_.size(); ++i) {
+    const LastingState::Body& joint = state.bodies[2 * i];
+    const LastingState::Body& rotor = state.bodies[2 * i + 1];
+    boards_[i]->plant().place(joint.angle, joint.speed, rotor.angle, rotor.speed);
+    const auto* boots = state.memory.data() + 2 * i;
+    if (counted) boards_[i]->set_boots(static_cast<std::uint16_t>(boots[0] | boots[1] << 8));
+  }
+  load_changed_ = true;
+  return true;
 }
 
 bool StepperArm::ready_pin(std::size_t axis) const {

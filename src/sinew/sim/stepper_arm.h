@@ -61,6 +61,9 @@ class StepperArm : public SpiMachine {
   /// kSupply goes to all boards where no joint is named. kMagnet is the joint's AS5600: on its own
   /// shaft where it has one there, else on the motor's.
   void disturb(const Disturbance& what) override;
+  /// Of each axis joint and motor shaft; of boards on the axis link their count of boots.
+  LastingState lasting_state() const override;
+  bool restore(const LastingState& state) override;
   void select(std::uint8_t mask, Instant now) override;
   void shift(std::span<const std::uint8_t> mosi, std::span<std::uint8_t> miso,
              std::uint32_t clock_hz, Instant now) override;

@@ -42,6 +42,11 @@ void StepperMotor::set_power(bool on) {
   powered_ = on;
 }
 
+void StepperMotor::place(double angle, double speed) {
+  angle_ = field_ = angle;
+  speed_ = speed;
+}
+
 double StepperMotor::available_torque(double field_speed) const {
   if (!powered_) return kDetentShare * holding_torque_;
   return supply_ratio_ * holding_torque_ / std::max(1.0, std::abs(field_speed) / corner_speed_);

@@ -29,6 +29,9 @@ class StepperMotor {
   /// the angle up) and a friction of `coulomb` (Nm) and `viscous` (Nm s/rad).
   void advance(double turn, double load, double coulomb, double viscous, double dt);
 
+  /// The rotor is there and turns so fast, rad and rad/s; its field stands where it does.
+  void place(double angle, double speed);
+
   double angle() const { return angle_; }
   double speed() const { return speed_; }  ///< rad/s
   /// Where the rotor would stand without load, had it never slipped.

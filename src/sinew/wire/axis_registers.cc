@@ -64,8 +64,8 @@ Verdict check_one(Verdict check, const HeaderBytes& bytes, const HeaderRules& ru
       passes = bytes.front() == kStart;
       break;
     case Verdict::kFrameId:
-      passes = header.frame_id != rules.last_frame_id &&
-               (!strict || (header.frame_id >= kFrameIdFirst && header.frame_id <= kFrameIdLast));
+      passes =
+          header.frame_id != rules.last_frame_id && (!strict || header.frame_id >= kFrameIdFirst);
       break;
     case Verdict::kSlaveId:
       passes = header.slave_id == rules.slave_id;

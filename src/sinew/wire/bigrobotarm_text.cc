@@ -76,6 +76,14 @@ GivenWords take_words(std::string_view rest) {
   return given;
 }
 
+/// The firmware reads a letter and the number behind it: G00 is G0, M0503 is M503.
+bool is_command(std::string_view name, std::string_view command) {
+  if (name.empty() || name[0] != command[0]) return false;
+  std::string_view number = name.substr(1);
+  while (number.size() > 1 && number[0] == '0') number.remove_prefix(1);
+  return number == command.substr(1);
+}
+
 SetGripper take_gripper(std::string_view rest) {
   const bool enabled = number_of(next_word(rest), 1) == 1;
   const std::int32_t position = number_of(next_word(rest), 1);
@@ -195,17 +203,16 @@ bool sendable(const Line& line) {
 std::optional<Line> decode_line(std::string_view line) {
   std::string_view rest = line;
   const std::string_view name = next_word(rest);
-  if (name == "G0" || name == "Q0" || name == "M203" || name == "M201") {
-    const GivenWords given = take_words(rest);
-    if (name == "Q0") return Line{QueueGoto{given.words}, given.count};
-    if (name == "G0") return Line{Request{Goto{given.words}}, given.count};
-    if (name == "M203") return Line{Request{SetSpeeds{given.words}}, given.count};
-    return Line{Request{SetAccelerations{given.words}}, given.count};
-  }
-  if (name == "G28") return Line{Request{Home{}}};
-  if (name == "G92") return Line{Request{Reset{}}};
-  if (name == "G1") return Line{Request{take_gripper(rest)}};
-  if (name == "M503") return Line{Request{ReadStatus{}}};
+  const auto is = [&](std::string_view command) { return is_command(name, command); };
+  const GivenWords given = take_words(rest);
+  if (is("Q0")) return Line{QueueGoto{given.words}, given.count};
+  if (is("G0")) return Line{Request{Goto{given.words}}, given.count};
+  if (is("M203")) return Line{Request{SetSpeeds{given.words}}, given.count};
+  if (is("M201")) return Line{Request{SetAccelerations{given.words}}, given.count};
+  if (is("G28")) return Line{Request{Home{}}};
+  if (is("G92")) return Line{Request{Reset{}}};
+  if (is("G1")) return Line{Request{take_gripper(rest)}};
+  if (is("M503")) return Line{Request{ReadStatus{}}};
   if (name == "END") return Line{End{}};
   if (name == "QFLUSH") return Line{QueueFlush{}};
   if (name == "QCLEAR") return Line{QueueClear{}};

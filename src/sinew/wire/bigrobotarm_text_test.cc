@@ -94,13 +94,19 @@ TEST(BigRobotArmText, host_lines_are_read_by_place_and_not_by_letter) {
   EXPECT_EQ(decode_line("G0 B1 S2 E3 W456"), (Line{Request{Goto{{1, 2, 3, 56, 0}}}, 4}));
   EXPECT_EQ(decode_line("  G0   B-7x "), (Line{Request{Goto{{-7, 0, 0, 0, 0}}}, 1}));
   EXPECT_EQ(decode_line("G0"), (Line{Request{Goto{}}, 0}));
+  EXPECT_EQ(decode_line("G00 X5"), (Line{Request{Goto{{5, 0, 0, 0, 0}}}, 1}));
+  EXPECT_EQ(decode_line("G01 E1 P7"), (Line{Request{SetGripper{true, 7}}}));
+  EXPECT_EQ(decode_line("G028"), Line{Request{Home{}}});
+  EXPECT_EQ(decode_line("M0503"), Line{Request{ReadStatus{}}});
+  EXPECT_EQ(decode_line("G"), std::nullopt);
+  EXPECT_EQ(decode_line("G000x"), std::nullopt);
   EXPECT_EQ(decode_line("S 1"), Line{Request{SetSync{false}}});
   EXPECT_EQ(decode_line("Sx1"), Line{Request{SetSync{false}}});
   EXPECT_EQ(decode_line("BEGIN I200"), Line{Begin{-56}});
   EXPECT_EQ(decode_line("G1 E1 P300"), (Line{Request{SetGripper{true, 255}}}));
   EXPECT_EQ(decode_line("G0 B99999999999"), (Line{Request{Goto{{2147483647, 0, 0, 0, 0}}}, 1}));
   EXPECT_EQ(decode_line("G0 B-99999999999"), (Line{Request{Goto{{-2147483647 - 1}}}, 1}));
-  for (const char* unknown : {"", " ", "g0 B1", "G01", "M114", "\nM503", "END1", "begin I2"}) {
+  for (const char* unknown : {"", " ", "g0 B1", "G02", "M114", "\nM503", "END1", "begin I2"}) {
     EXPECT_FALSE(decode_line(unknown)) << unknown;
   }
 }

@@ -1,36 +1,14 @@
 #pragma once
 
-#include <functional>
+#include <expected>
 #include <map>
-#include <optional>
 #include <string>
 
+#include "sinew/io/file.h"
+#include "sinew/model/robot_model.h"
 #include "sinew/program/procedures.h"
-#include "sinew/runtime/control_loop.h"
-#include "sinew/runtime/driver_line.h"
 
 namespace sinew::runtime {
-
-struct ProcedureHooks {
-  /// Called at least every 50 ms: shows how it goes, and gives answers.
-  std::function<void(program::Procedure&, Instant)> turn;
-  /// 0: go on, 1: cancel, 2 and more: leave at once.
-  std::function<int()> interrupts;
-};
-
-struct ProcedureEnd {
-  bool left_at_once = false;
-  std::optional<io::IoError> wire_failure;
-};
-
-/// Drives a procedure in real (or scaled) time until it is over and its machine is at rest.
-ProcedureEnd run_procedure(program::Procedure& procedure, ControlLoop& loop, DriverLine& line,
-                           const io::Clock& clock, const ProcedureHooks& hooks);
-
-/// What a driver can tell of its device beside positions: "supply" (V), "minus_one" (FFFF, FFFE),
-/// "wire", "checksum", "axis" (fine, or why not), "zero_shift_steps" and "zero_shift_deg" (of two
-/// searches, where the wire shows it).
-program::DeviceFact facts_of(const Driver& driver, const RobotModel& robot);
 
 /// What commissioning left of a robot: answers, to go on with, and settings, to run with. Beside
 /// the robot's file, which nobody changes.

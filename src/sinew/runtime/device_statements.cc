@@ -1,8 +1,6 @@
-#include "sinew/runtime/procedure_session.h"
+#include "sinew/runtime/device_statements.h"
 
 #include <fmt/format.h>
-
-#include <algorithm>
 
 #include "sinew/core/units.h"
 #include "sinew/device/axis_settings.h"
@@ -12,17 +10,9 @@
 #include "sinew/driver/icp.h"
 #include "sinew/driver/maxarm.h"
 #include "sinew/model/error_sentence.h"
-#include "sinew/runtime/session_pace.h"
 
 namespace sinew::runtime {
 namespace {
-
-bool settled(const ControlLoop& loop) {
-  const Driver& driver = loop.controller().driver();
-  const bool busy =
-      driver.state() == DriverState::kMoving || driver.state() == DriverState::kStopping;
-  return !busy && !control::may_move(loop.controller().state()) && loop.recorded();
-}
 
 /// What a module's last step down left in its target position.
 std::optional<std::string> minus_one(const IcpDriver& driver) {
@@ -80,38 +70,6 @@ program::DeviceFact facts_of(const Driver& driver, const RobotModel& robot) {
     }
     return std::nullopt;
   };
-}
-
-ProcedureEnd run_procedure(program::Procedure& procedure, ControlLoop& loop, DriverLine& line,
-                           const io::Clock& clock, const ProcedureHooks& hooks) {
-  ProcedureEnd end;
-  std::optional<Instant> finished_at;
-  procedure.start(clock.now());
-  while (true) {
-    const Instant now = clock.now();
-    loop.set_wall(io::wall_time_ns());
-    loop.step(now, [&] { procedure.poll(now); });
-    if (hooks.turn) hooks.turn(procedure, now);
-    const int interrupts = hooks.interrupts ? hooks.interrupts() : 0;
-    end.left_at_once = interrupts > 1;
-    if (end.left_at_once) break;
-    if (interrupts == 1) procedure.cancel(now);
-    if (procedure.finished()) {
-      loop.begin_closing();
-      if (!finished_at) finished_at = now;
-      const bool given = loop.machine().has_commands() || procedure.motion_in_use();
-      if ((!given && settled(loop)) || now - *finished_at > kSettleMax) break;
-    }
-    const bool moves = control::may_move(loop.controller().state());
-    const Duration wait = clock.until(now + (moves ? kFeedInterval : kSliceMax));
-    if (const auto turned = line.turn(std::min(kSliceMax, wait)); !turned) {
-      end.wire_failure = turned.error();
-      loop.set_port_open(false);
-      loop.step(clock.now(), [&] { procedure.poll(clock.now()); });
-      break;
-    }
-  }
-  return end;
 }
 
 }  // namespace sinew::runtime

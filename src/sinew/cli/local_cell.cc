@@ -1,0 +1,117 @@
+#include "sinew/cli/local_cell.h"
+
+#include <utility>
+
+#include "sinew/cli/cell_connection.h"
+#include "sinew/config/points_file.h"
+#include "sinew/core/spelling.h"
+#include "sinew/io/interrupt.h"
+
+namespace sinew::cli {
+namespace {
+
+constexpr Duration kLeaseRenewal = std::chrono::milliseconds(100);  // of a lease that lasts 1 s
+constexpr Duration kTurn = std::chrono::milliseconds(20);
+
+}  // namespace
+
+bool is_real(const std::optional<std::string>& port) {
+  return port && !runtime::may_be_simulated(*port);
+}
+
+std::expected<void, Outcome> check_journal_name(const std::optional<std::string>& name) {
+  if (!name || is_point_name(*name)) return {};
+  return std::unexpected(bad_input(
+      "--journal: '" + printable(*name) +
+      "' is no name for one; a name is a letter and then letters, digits, - and _, 40 at most"));
+}
+
+std::expected<std::unique_ptr<LocalCell>, Outcome> LocalCell::start(const RobotModel& robot,
+                                                                    const LocalRobot& where,
+                                                                    runtime::CellFolders folders) {
+  if (const auto fine = check_journal_name(where.journal); !fine) {
+    return std::unexpected(fine.error());
+  }
+  if (where.journal || is_real(where.port)) {
+    auto positions = runtime::positions_folder();
+    if (!positions) return std::unexpected(could_not(positions.error().sentence));
+    folders.journal = std::move(*positions);
+  }
+  CellRobot place;
+  place.name = robot.id;
+  place.robot = robot.id;
+  place.profile = where.profile;
+  place.port = where.port;
+  place.journal = where.journal;
+  place.seed = static_cast<std::uint64_t>(where.seed);
+  Cell cell{.title = robot.title,
+            .time_scale = where.time_scale,
+            .robots = {std::move(place)},
+            .objects = {},
+            .cameras = {}};
+  std::unique_ptr<LocalCell> local(new LocalCell());
+  auto running = runtime::RunningCell::start(std::move(cell), {robot}, folders,
+                                             [&](runtime::StationOptions& options) {
+                                               options.byte_log = where.byte_log;
+                                               options.assumes_start = where.assumes_start;
+                                             });
+  if (!running) return std::unexpected(could_not(running.error().sentence));
+  local->running_ = std::move(*running);
+  if (const std::string trouble = local->station().trouble(); !trouble.empty()) {
+    return std::unexpected(could_not(trouble + held_by_cell(*where.port)));
+  }
+  auto client = runtime::StationClient::make(local->station(), kClient);
+  if (!client) return std::unexpected(could_not("too many clients control this robot"));
+  local->client_ = std::move(*client);
+  return local;
+}
+
+void LocalCell::turn() {
+  client_->refresh();
+  while (client_->take_event()) {
+  }
+  renew();
+}
+
+control::ControlEvent LocalCell::carry_out(const control::CommandWhat& what) {
+  client_->refresh();
+  const std::uint32_t id = client_->give(what);
+  bool stopped = false;
+  while (true) {
+    renew();
+    client_->refresh();
+    while (const auto event = client_->take_event()) {
+      if (event->command == id && control::is_end(event->kind)) return *event;
+    }
+    if (io::interrupts() > 0 && !stopped) client_->give(control::Stop{});
+    stopped = io::interrupts() > 0;
+  }
+}
+
+std::optional<Error> LocalCell::enable() {
+  for (const control::CommandWhat& what :
+       {control::CommandWhat{control::TakeLease{}}, control::CommandWhat{control::Enable{}}}) {
+    const control::ControlEvent end = carry_out(what);
+    if (end.kind == control::ControlEvent::Kind::kDone) continue;
+    // A fault that is latched says more than that a command is refused in it.
+    const auto latched = client_->latched();
+    return latched ? latched->error : end.error;
+  }
+  return std::nullopt;
+}
+
+void LocalCell::renew() {
+  const Instant now = real_.now();
+  if (client_->lease().epoch != 0 && (!renewed_ || now - *renewed_ >= kLeaseRenewal)) {
+    renewed_ = now;
+    client_->give(control::RenewLease{});
+  }
+  station().wait_for_cycle(kTurn);
+}
+
+void abandon(std::unique_ptr<LocalCell> cell) {
+  // Its end would wait for the machine to come to rest.
+  (void)cell.release();
+}
+
+}  // namespace sinew::cli

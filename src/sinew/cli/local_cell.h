@@ -1,0 +1,69 @@
+#pragma once
+
+#include <expected>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "sinew/cli/outcome.h"
+#include "sinew/runtime/running_cell.h"
+
+namespace sinew::cli {
+
+/// The device that a verb works on, as its options name it.
+struct LocalRobot {
+  std::optional<std::string> port;  ///< nothing: a simulated device
+  std::optional<std::string> profile;
+  std::optional<std::string> journal;  ///< its name; nothing: the robot's id, on a real port only
+  std::int64_t seed = 1;               ///< of the simulated device
+  double time_scale = 1;
+  std::string byte_log;       ///< a file for every byte of the wire; empty: none
+  bool assumes_start = true;  ///< as StationOptions::assumes_start
+};
+
+/// A cell of one robot in this process: the station, controller, collision check and journal of
+/// `sinew serve`, for verbs that work without a running cell. This thread is its one client.
+class LocalCell {
+ public:
+  static constexpr control::ClientId kClient = 1;
+
+  /// @param robot    the variant that is meant
+  /// @param folders  where records go; positions are kept in the state folder
+  /// @error  the port cannot be opened, or is held by a cell that runs; the journal cannot be had
+  static std::expected<std::unique_ptr<LocalCell>, Outcome> start(const RobotModel& robot,
+                                                                  const LocalRobot& where,
+                                                                  runtime::CellFolders folders);
+  LocalCell(const LocalCell&) = delete;
+  LocalCell& operator=(const LocalCell&) = delete;
+
+  runtime::Station& station() const { return running_->station(0); }
+  runtime::JobRunner& jobs() const { return running_->jobs(0); }
+  /// Renews the lease of what runs here, and waits for the next cycle.
+  void turn();
+  /// Gives a command and waits for its end; Ctrl-C stops what is under way.
+  /// @return  the event that ended it
+  control::ControlEvent carry_out(const control::CommandWhat& what);
+  /// Takes control and enables the machine. @return  why it is not ready; nothing where it is
+  std::optional<Error> enable();
+
+ private:
+  LocalCell() = default;
+  void renew();
+
+  std::unique_ptr<runtime::RunningCell> running_;
+  std::unique_ptr<runtime::StationClient> client_;
+  std::optional<Instant> renewed_;  ///< real time
+  io::Clock real_;
+};
+
+/// Leaves a cell as it is, for a process that ends at once: what is under way goes on, unseen.
+void abandon(std::unique_ptr<LocalCell> cell);
+
+/// Whether it is a machine, and not a simulated device on some kind of port.
+bool is_real(const std::optional<std::string>& port);
+
+/// `NAME` as a position journal may be called.
+/// @error  bad input: what a name is
+std::expected<void, Outcome> check_journal_name(const std::optional<std::string>& name);
+
+}  // namespace sinew::cli
