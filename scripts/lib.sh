@@ -88,7 +88,7 @@ explain_failure() {
   # What a GoogleTest or a test in the browser says stands below its name.
   found=$(
     grep -nE '(error:|FAILED|\*\*\*Failed|CMake Error)' "$1" | head -n 12 || true
-    grep -nE -A 12 '(^ *not ok|Failure$)' "$1" | head -n 40 || true
+    grep -nE -A 12 '(^ *not ok|Failure$|AssertionError)' "$1" | head -n 40 || true
   )
   if [[ -n $found ]]; then
     printf '%s\n' "$found" | cut -c 1-300 | sed 's/^/    /'

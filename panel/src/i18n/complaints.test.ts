@@ -73,8 +73,8 @@ const kHandedOn = [
 const kNoMessages = [
   // Notes beside the rows of a sequence.
   ' cannot be sent on this wire; ',
-  'without S1 each joint of the arm\'s own firmware arrives in its own time; here the joints ',
-  'arrive together',
+  "without S1 each joint of the arm's own firmware arrives in its own time; here the ",
+  'joints arrive together',
   ' of the robot\'s file)',
   '# heads fit the platform to ',
   ' mm; totals of moves ',

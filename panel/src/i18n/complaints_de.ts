@@ -88,6 +88,7 @@ const motions: Record<string, string> = {
   '{word} has {count} {joints}, {robot} has {own} {legs}': '{word} hat {count} {joints}, {robot} hat {own} {legs}',
   '{word} is no taught point; there is none of this robot': '{word} ist kein Punkt; dieser Roboter hat noch keinen',
   '{word} is no taught point': '{word} ist kein Punkt',
+  '{word} cannot be used: {reason}': '{word} ist nicht zu gebrauchen: {reason}',
   "{word} has a pitch and a roll, which this robot's tool does not take":
     '{word} hat pitch und roll, die das Werkzeug dieses Roboters nicht hat',
   "{word} has an orientation; this robot's tool turns with its base and takes none":

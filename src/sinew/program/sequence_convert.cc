@@ -98,8 +98,7 @@ class RowWriter {
       told_ = true;
       note(line,
            "without S1 each joint of the arm's own firmware arrives in its own time; here the "
-           "joints "
-           "arrive together");
+           "joints arrive together");
     }
     go(line, move.steps);
   }
