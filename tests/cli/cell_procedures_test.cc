@@ -116,12 +116,13 @@ TEST(CellProcedures, stands_is_held_against_the_boards_count_and_can_zero_it) {
   EXPECT_EQ(elsewhere.exit, 1) << elsewhere.out;
   EXPECT_NE(elsewhere.err.find("base 19.99"), std::string::npos) << elsewhere.err;
   EXPECT_NE(elsewhere.err.find("but the device counts"), std::string::npos) << elsewhere.err;
-  const Json said = cell.answer({"stands", "big", "home", "--moved", "turned it back by hand",
-                                 "--zero-counters", "--json"});
+  const Json said = cell.answer(
+      {"stands", "big", "home", "--moved", "turned it back by hand", "--zero-counters", "--json"});
   EXPECT_NEAR(said["joints"][0]["position_rad"].get<double>(), 0, 1e-9);
   EXPECT_EQ(said["position"], "commanded");
   // The board counts from there, and says the same in the next question.
-  EXPECT_EQ(cell.ask({"stands", "big", "home"}).exit, 0);
+  const Ended home = cell.ask({"stands", "big", "home"});
+  EXPECT_EQ(home.exit, 0) << home.err;
   ASSERT_EQ(cell.ask({"move", "big", "joint", "base=5deg"}).exit, 0);
   const Ended status = cell.ask({"status", "big"});
   EXPECT_NE(status.out.find(" 5"), std::string::npos) << status.out;

@@ -208,9 +208,11 @@ class Controller {
   Expected<void> nudge(const Command& command, const Nudge& nudge, Instant now);
   Expected<void> use_tool(const Command& command, const UseTool& tool, Instant now);
   Expected<void> set_feed(double share);
-  Expected<void> declare(const Declare& where, Instant now);
+  Expected<void> declare(const Declare& where, const Asked& asked);
   std::optional<Error> contradiction(const Declare& where) const;
   Expected<bool> acknowledge(const Command& command, const Inputs& inputs, Instant now);
+  std::optional<Error> clear_device(Instant now);
+  bool device_being_told() const;
   void acknowledged(Instant now);
 
   // controller_motion.cc
@@ -243,10 +245,14 @@ class Controller {
   std::optional<StopCause> last_stop_;
   std::optional<Task> task_;
   std::optional<Stopping> stopping_;
-  DriverMemory memory_;                         ///< for the driver's first opening
-  std::uint32_t enabling_ = 0;                  ///< the command that asked for it
-  std::optional<std::uint32_t> acknowledging_;  ///< the command; the device is being told
-  Instant acknowledging_since_{};
+  DriverMemory memory_;         ///< for the driver's first opening
+  std::uint32_t enabling_ = 0;  ///< the command that asked for it
+  struct Acknowledging {
+    std::uint32_t command;
+    Instant since;
+    bool cleared = false;  ///< the driver was asked to clear its fault
+  };
+  std::optional<Acknowledging> acknowledging_;  ///< while the device is being told
   Instant enabling_since_{};
   Error enabling_trouble_;
   std::optional<Error> notice_;  ///< of this step

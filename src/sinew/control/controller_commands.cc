@@ -123,7 +123,10 @@ Expected<bool> Controller::on(const UseTool& tool, const Asked& asked) {
 }
 
 Expected<bool> Controller::on(const Declare& where, const Asked& asked) {
-  return at_once(declare(where, asked.now));
+  if (const auto declared = declare(where, asked); !declared) {
+    return std::unexpected(declared.error());
+  }
+  return !where.zeroes_counters;
 }
 
 /// Whoever takes over stops the machine first: nobody shall steer what another one has begun.
@@ -240,7 +243,8 @@ Expected<void> Controller::set_feed(double share) {
   return {};
 }
 
-Expected<void> Controller::declare(const Declare& where, Instant now) {
+Expected<void> Controller::declare(const Declare& where, const Asked& asked) {
+  const Instant now = asked.now;
   if (const auto rest = at_rest(now); !rest) return rest;
   if (where.positions.size() != robot_.joints.size()) {
     return std::unexpected(
@@ -265,6 +269,7 @@ Expected<void> Controller::declare(const Declare& where, Instant now) {
   if (where.zeroes_counters) {
     if (const auto accepted = driver_.zero_counters(now); !accepted) return accepted;
     ++outstanding_;
+    task_ = Task{asked.command.id, TaskKind::kTool, nullptr, now, true};
   }
   stand_where_driver_says(Setpoint::kForgotten);
   if (journal_) offer(journal_->told(JournalKind::kDeclared, driver_.positions(), time(now)));
@@ -306,18 +311,27 @@ Expected<bool> Controller::acknowledge(const Command& command, const Inputs& inp
       (of_disk(*latched_) || std::ranges::any_of(later_, of_disk))) {
     return refused(ErrorCode::kNotRecorded);
   }
-  if (driver_.state() == DriverState::kFault) {
-    if (const auto cleared = driver_.clear_fault(now); !cleared) {
-      return std::unexpected(cleared.error());
-    }
-    if (driver_.clearing()) {
-      acknowledging_ = command.id;
-      acknowledging_since_ = now;
-      return false;
-    }
+  acknowledging_ = Acknowledging{.command = command.id, .since = now};
+  if (const auto error = clear_device(now)) {
+    acknowledging_.reset();
+    return std::unexpected(*error);
   }
+  if (device_being_told()) return false;
+  acknowledging_.reset();
   acknowledged(now);
   return true;
+}
+
+/// What a stop still under way latches in the device can be cleared only behind it.
+std::optional<Error> Controller::clear_device(Instant now) {
+  if (acknowledging_->cleared || driver_.state() != DriverState::kFault) return std::nullopt;
+  acknowledging_->cleared = true;
+  const auto cleared = driver_.clear_fault(now);
+  return cleared ? std::nullopt : std::optional(cleared.error());
+}
+
+bool Controller::device_being_told() const {
+  return driver_.clearing() || driver_.state() == DriverState::kStopping;
 }
 
 void Controller::acknowledged(Instant now) {

@@ -299,6 +299,23 @@ TEST(Controller, acknowledging_ends_before_the_port_is_closed) {
   }
 }
 
+TEST(Controller, acknowledging_waits_for_a_stop_that_is_under_way_in_the_device) {
+  ControlCell cell(kStreaming);
+  cell.make_ready();
+  cell.driver.stop_takes = 400ms;
+  cell.driver.stops_in_fault = true;
+  cell.driver.fail({ErrorCode::kEmergencyStop, 0});
+  ASSERT_TRUE(cell.run_until([&] { return cell.controller.state() == kFault; }, 1s));
+  ASSERT_EQ(cell.driver.state(), DriverState::kStopping);
+  const std::uint32_t id = cell.give(Acknowledge{});
+  EXPECT_FALSE(cell.end_of(id));
+  EXPECT_EQ(cell.driver.clears, 0);
+  ASSERT_TRUE(cell.run_until([&] { return cell.end_of(id).has_value(); }, 2s));
+  EXPECT_EQ(cell.end_of(id)->kind, Kind::kDone);
+  EXPECT_EQ(cell.driver.clears, 1) << "what the stop has latched is cleared too";
+  EXPECT_EQ(cell.controller.state(), kOff);
+}
+
 TEST(Controller, a_device_that_is_silent_at_enabling_is_a_fault_with_its_reason) {
   ControlCell cell(kStreaming);
   cell.driver.silent = true;

@@ -65,7 +65,8 @@ class PretendDriver final : public Driver {
   }
   void stop(Instant now) override {
     ++stops;
-    if (state_ == DriverState::kClosed || state_ == DriverState::kFault) return;
+    if (state_ == DriverState::kClosed) return;
+    if (state_ == DriverState::kFault && !stops_in_fault) return;
     queue_.clear();
     if (state_ == DriverState::kOpening) return;
     state_ = DriverState::kStopping;
@@ -96,6 +97,7 @@ class PretendDriver final : public Driver {
   }
   /// Finds its device anew, as the hexapod's driver does.
   Expected<void> clear_fault(Instant now) override {
+    ++clears;
     if (cause_stays) return std::unexpected(*fault_);
     if (clearing_takes) {
       state_ = DriverState::kOpening;
@@ -129,7 +131,7 @@ class PretendDriver final : public Driver {
       tell(DriverEvent::Kind::kReady);
     }
     if (state_ == DriverState::kStopping && now >= ready_at_) {
-      state_ = DriverState::kReady;
+      state_ = fault_ ? DriverState::kFault : DriverState::kReady;
       homing_until_.reset();
       tell(DriverEvent::Kind::kStopped);
     }
@@ -176,6 +178,7 @@ class PretendDriver final : public Driver {
   Duration opening = 30ms;
   Duration stop_takes = 30ms;
   bool tells_how_long = false;  ///< a stop takes
+  bool stops_in_fault = false;  ///< as boards that latch each stop
   std::array<std::optional<JointInterval>, kMaxJoints> counts{};
   bool silent = false;
   bool deaf = false;
@@ -193,6 +196,7 @@ class PretendDriver final : public Driver {
   std::vector<JointMove> pieces;
   std::vector<double> nudges;
   int stops = 0;
+  int clears = 0;
 
  private:
   void tell(DriverEvent::Kind kind, const Error& error = {}) { events_.push_back({kind, error}); }

@@ -80,14 +80,19 @@ void Controller::watch_driver(Instant now) {
 
 /// Closed before it is through, the device would keep its latch.
 void Controller::watch_acknowledging(Instant now) {
-  const bool late = now - acknowledging_since_ > 2 * settings_.opening_limit;
-  if (driver_.clearing() && !late) return;
-  const std::uint32_t command = *std::exchange(acknowledging_, std::nullopt);
-  if (driver_.state() == DriverState::kReady) {
+  const Instant begun =
+      std::max(acknowledging_->since, driver_.goes_on_until().value_or(Instant{}));
+  const bool late = now - begun > 2 * settings_.opening_limit;
+  const auto refused = late ? std::nullopt : clear_device(now);
+  if (!late && !refused && device_being_told()) return;
+  const std::uint32_t command = std::exchange(acknowledging_, std::nullopt)->command;
+  const DriverState driver = driver_.state();
+  const bool taken = driver != DriverState::kFault && driver != DriverState::kClosed;
+  if (taken && !refused && !late) {
     acknowledged(now);
     return tell(ControlEvent::Kind::kDone, command);
   }
-  tell(ControlEvent::Kind::kFailed, command, driver_.fault().value_or(silence()));
+  tell(ControlEvent::Kind::kFailed, command, refused.value_or(driver_.fault().value_or(silence())));
 }
 
 void Controller::enabled() {
