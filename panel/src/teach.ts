@@ -266,7 +266,9 @@ const ask = (method: string, params: object = {}): void => {
   if (robot.peek()) void store.ask(method, { robot: robot.peek()!, ...params });
 };
 export const pause = (): void => ask('robot.hold');
-export const resume = (): void => ask('robot.resume');
+export const resume = (): void => {
+  if (robot.peek()) void store.resume(robot.peek()!);
+};
 export const stopJob = (): void => ask('robot.stop');
 /** The next order, then a pause; where nothing runs yet, from the beginning. */
 export function step(back = false): void {

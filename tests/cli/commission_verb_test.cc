@@ -73,9 +73,8 @@ TEST_F(CommissionVerb, a_rehearsal_on_a_simulated_port_leaves_the_real_robots_se
   const std::string real = folder.at("state/sinew/commissioning/bigrobotarm.json");
   Process sim({"sim", "bigrobotarm", "--json"});
   const std::string port = Json::parse(sim.line_after(0)).at("port").get<std::string>();
-  const Json answer =
-      test::answer({"commission", "bigrobotarm", "--json", "--port", port,
-                    "--answers", folder.file("a.txt", kBigRobotArm)});
+  const Json answer = test::answer({"commission", "bigrobotarm", "--json", "--port", port,
+                                    "--answers", folder.file("a.txt", kBigRobotArm)});
   unsetenv("XDG_STATE_HOME");
   EXPECT_EQ(answer["phase"], "done");
   EXPECT_EQ(answer["rehearsal"], true);
@@ -189,8 +188,8 @@ TEST_F(CommissionVerb, a_servo_number_that_another_joint_has_is_refused) {
 
 TEST_F(CommissionVerb, a_sequence_runs_with_the_settings_as_any_program_does) {
   test::answer(words("bigrobotarm", kBigRobotArm));
-  const Json json = test::answer({"run", folder.file("s.txt", "G0 B100\n"), "--robot",
-                                  "bigrobotarm", "--settings", saved()});
+  const Json json = test::answer(
+      {"run", folder.file("s.txt", "G0 B100\n"), "--robot", "bigrobotarm", "--settings", saved()});
   EXPECT_EQ(json["settings"], saved());
 }
 

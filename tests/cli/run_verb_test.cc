@@ -130,8 +130,8 @@ TEST_F(RunVerb, record_plot_and_log_are_written) {
   std::stringstream csv(text_of(folder.at("r.csv")));
   std::string line;
   std::getline(csv, line);
-  EXPECT_TRUE(line.starts_with(
-      "t_s,base_deg,shoulder_deg,elbow_deg,wrist_rotate_deg,wrist_deg,quality,"))
+  EXPECT_TRUE(
+      line.starts_with("t_s,base_deg,shoulder_deg,elbow_deg,wrist_rotate_deg,wrist_deg,quality,"))
       << line;
   std::size_t rows = 0;
   double last = 0;

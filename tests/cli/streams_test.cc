@@ -32,9 +32,9 @@ TEST(Streams, nothing_for_people_goes_to_the_arm) {
       {"sim", "bigrobotarm", "--link", link, "--time-scale", "100", "--log", folder.at("log")});
   sim.wait_for_out("\n");
   const std::string program = folder.file("p.txt", "G0 B100\nG1 E1 P40\n");
-  const Ended ended = sinew({"run", program, "--robot", "bigrobotarm", "--port", link,
-                             "--standing-at", "home"},
-                            {.out = "closed", .err = "closed"});
+  const Ended ended =
+      sinew({"run", program, "--robot", "bigrobotarm", "--port", link, "--standing-at", "home"},
+            {.out = "closed", .err = "closed"});
   EXPECT_EQ(ended.exit, 1);
   sim.signal(SIGINT);
   sim.end();

@@ -47,8 +47,7 @@ struct Known {
 /// A machine, its journal, and the processes that come and go.
 class KillCell {
  public:
-  explicit KillCell(const Machine& machine)
-      : machine_(machine) {
+  explicit KillCell(const Machine& machine) : machine_(machine) {
     setenv("XDG_STATE_HOME", folder_.at("state").c_str(), 1);
     switch_on();
     long_program_ = folder_.file("long.sinew", machine.program);

@@ -55,7 +55,7 @@ const Plan& plan() {
 
 bool refuses(int file) {
   if (!plan().full || !plan().has_come()) return false;
-  struct stat status {};
+  struct stat status{};
   return ::fstat(file, &status) == 0 && S_ISREG(status.st_mode);
 }
 

@@ -60,10 +60,10 @@ TEST(Properties, discarded_cases_do_not_count_and_nothing_but_them_is_a_failure)
   });
   const test::CaseCounts some = test::case_counts();
   EXPECT_GT(some.discarded, 0U);
-  EXPECT_EQ(some.asserted + some.discarded, 100U);
+  EXPECT_EQ(some.asserted, 100U) << "others take their place";
   EXPECT_NONFATAL_FAILURE(
       test::for_random_cases(10, [](test::Random& random) { random.discard(); }),
-      "all 10 cases were discarded");
+      "all 40 cases were discarded");
   EXPECT_EQ(test::case_counts().asserted, some.asserted);
 }
 

@@ -115,3 +115,38 @@ test('previews and what happened are there again behind kill -9, and nothing mov
   page.errors = page.errors.filter((one) => !one.startsWith('WebSocket connection to'));
   await here.close(page, 'outlives_kill');
 });
+
+test('a program outlives its page: paused by a reload, taken over by the page that resumes it', () => patiently('reload', async () => {
+  const page = await here.open({}, '#/robots/left/programs');
+  await upright(page, 'left');
+  const begun = await page.evaluate(() =>
+    globalThis.__sinew.store.run('left', 'joint base=60deg speed=5%\njoint base=50deg', 'long one'));
+  assert.ok(begun);
+  await until('under way', async () => (await status('left')).state === 'moving');
+  await page.reload();
+  await shown(page);
+  await until('paused', async () => (await status('left')).job?.client_lost === true);
+  const lost = await status('left');
+  assert.equal(lost.job.phase, 'paused');
+  assert.ok(Math.abs((await rests('left', 1e-3))[0]) < Math.PI / 3 - 0.05, 'on its path');
+  await page.locator('.run-bar .progress', { hasText: 'its client is gone' }).waitFor();
+  await page.locator('.run-bar [data-tour=resume]').click();
+  await until('done', async () => (await status('left')).job?.over);
+  assert.equal((await status('left')).job.phase, 'done');
+  assert.ok(Math.abs((await rests('left', 1e-3))[0] - (50 * Math.PI) / 180) < 0.03);
+  await here.close(page, 'outlives_reload');
+}));
+
+test('a second page takes over, finds the program paused and ends it', () => patiently('taken over', async () => {
+  const [first, second] = [await here.open({}, '#/robots/left/programs'), await here.open({}, '#/robots/left/programs')];
+  await upright(first, 'left');
+  await first.evaluate(() => globalThis.__sinew.store.run('left', 'joint base=60deg speed=5%', 'long one'));
+  await until('under way', async () => (await status('left')).state === 'moving');
+  await second.getByRole('button', { name: 'Take over' }).first().click();
+  await until('paused', async () => (await status('left')).state === 'held');
+  await second.locator('.run-bar .progress', { hasText: 'its client is gone' }).waitFor();
+  await second.locator('.run-bar').getByRole('button', { name: 'End it' }).click();
+  await until('over', async () => (await status('left')).job?.over);
+  assert.equal((await status('left')).job.phase, 'stopped');
+  for (const [i, page] of [first, second].entries()) await here.close(page, `outlives_taken_over_${i}`);
+}));

@@ -5,6 +5,7 @@
 program=$1 shards=$2 results=$3
 shift 3
 alone_max=3
+mkdir -p "$(dirname "$results")"
 running=
 shard=0
 while [ "$shard" -lt "$shards" ]; do

@@ -138,7 +138,7 @@ class Host {
 struct Case {
   const char* id;
   std::optional<std::string> profile;
-  bool told;       ///< its host knows from the journal where it is; else the device measures
+  bool told;  ///< its host knows from the journal where it is; else the device measures
   Duration warm_up;
 };
 
@@ -229,32 +229,33 @@ TEST(DrivenPath, register_boards_keep_the_margin_to_the_table) {
   ASSERT_TRUE(host.go(to({0, 16, -11, 0, -73, 0}), robot)) << host.error();
   const planning::CollisionModel collision(solid);
   double nearest = 1;
-  const bool went = host.go(to({-1, -74, -23, 0, 84, 0}), solid, [&] {
-                          JointVector q;
-                          for (const auto& joint : cell.machine().truth().joints) {
-                            q.push_back(joint.q);
-                          }
-                          nearest =
-                              std::min(nearest, collision.distance({q.data(), 6}).distance);
-                        }).has_value();
+  const bool went = host.go(to({-1, -74, -23, 0, 84, 0}), solid,
+                            [&] {
+                              JointVector q;
+                              for (const auto& joint : cell.machine().truth().joints) {
+                                q.push_back(joint.q);
+                              }
+                              nearest =
+                                  std::min(nearest, collision.distance({q.data(), 6}).distance);
+                            })
+                        .has_value();
   EXPECT_TRUE(went) << host.error();
   std::printf("  nearest %.1f mm, margin %.1f mm\n", to_mm(nearest), to_mm(collision.margin()));
   EXPECT_GT(nearest, collision.margin() - 2e-3);
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    Robots, Outside,
-    testing::Values(Case{"bigrobotarm", "document", true, 1s},
-                    Case{"maxarm", "arduino", false, 20s},
-                    Case{"maxarm", "micropython", false, 20s},
-                    Case{"hexapod", std::nullopt, true, 1s},
-                    Case{"robot-arm-2", std::nullopt, false, 1s}),
-    [](const auto& one) {
-      std::string name = one.param.id;
-      if (one.param.profile) name += "_" + *one.param.profile;
-      std::ranges::replace(name, '-', '_');
-      return name;
-    });
+INSTANTIATE_TEST_SUITE_P(Robots, Outside,
+                         testing::Values(Case{"bigrobotarm", "document", true, 1s},
+                                         Case{"maxarm", "arduino", false, 20s},
+                                         Case{"maxarm", "micropython", false, 20s},
+                                         Case{"hexapod", std::nullopt, true, 1s},
+                                         Case{"robot-arm-2", std::nullopt, false, 1s}),
+                         [](const auto& one) {
+                           std::string name = one.param.id;
+                           if (one.param.profile) name += "_" + *one.param.profile;
+                           std::ranges::replace(name, '-', '_');
+                           return name;
+                         });
 
 }  // namespace
 }  // namespace sinew::test

@@ -80,6 +80,7 @@ export const teachDe: Record<keyof typeof teachEn, string> = {
   'prog.check': 'Prüfen',
   'prog.run': 'Start',
   'prog.pause': 'Pause',
+  'prog.client_lost': 'wer es startete, ist weg',
   'prog.step': 'Schritt',
   'prog.step.title': 'Der nächste Befehl, dann Pause',
   'prog.step_back': 'Zurück',

@@ -78,6 +78,7 @@ export const teachEn = {
   'prog.check': 'Check',
   'prog.run': 'Run',
   'prog.pause': 'Pause',
+  'prog.client_lost': 'its client is gone',
   'prog.step': 'Step',
   'prog.step.title': 'The next order, then a pause',
   'prog.step_back': 'Back',

@@ -60,6 +60,8 @@ export interface ProcedureJson {
   place: number;
   step?: { id: string; number: number; of: number; text: string };
   asks?: AsksJson;
+  /** Its client is gone: it waits at its step for the next one. */
+  client_lost?: boolean;
   joint?: string;
   progress?: ProgressJson;
   trouble?: string;

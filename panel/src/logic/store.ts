@@ -256,6 +256,18 @@ export class Store {
     return (await this.ask('program.run', { robot, text, name })) !== null;
   }
 
+  /** The hold of this robot's program is guarded by another client. */
+  guarded(robot: string): boolean {
+    const guard = this.status.value[robot]?.job?.held_by;
+    return guard !== undefined && guard !== this.client.value;
+  }
+  /** Goes on with what is held, under this page's control where the client that ran it is gone. */
+  async resume(robot: string): Promise<void> {
+    const lost = this.status.value[robot]?.job?.client_lost;
+    if (lost && !(await this.control(robot, this.lease(robot) === 'other'))) return;
+    await this.ask('robot.resume', { robot, ...(this.guarded(robot) ? { take_over: true } : {}) });
+  }
+
   /** Homing, recovery or commissioning, step by step; it takes control for this page by itself. */
   async startProcedure(robot: string, kind: ProcedureKind, how: { take_over?: boolean; anew?: boolean } = {}): Promise<string | null> {
     return this.steer('procedure.start', { robot, kind, ...how });

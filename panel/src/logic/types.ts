@@ -125,6 +125,10 @@ export interface JobJson {
   orders_done?: number;
   limited?: LimitedJson;
   waits_for?: string;
+  /** Its client is gone: whoever has control goes on with it. */
+  client_lost?: boolean;
+  /** The client that guards the hold. */
+  held_by?: number;
   stopped_by?: string;
   error?: ErrorJson;
 }

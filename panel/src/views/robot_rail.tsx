@@ -91,8 +91,8 @@ function CardActions({ name, status }: { name: string; status: RobotStatus }): J
           </button>
         )}
         {(status.state === 'held' || status.job?.phase === 'paused') && (
-          <button type="button" class="primary" onClick={() => void store.ask('robot.resume', { robot: name })}>
-            {t('robot.resume')}
+          <button type="button" class="primary" onClick={() => void store.resume(name)}>
+            {t(store.guarded(name) ? 'robot.resume.guarded' : 'robot.resume')}
           </button>
         )}
         {status.state === 'fault' ? (

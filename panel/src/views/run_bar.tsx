@@ -52,7 +52,7 @@ export function RunBar(): JSX.Element {
       <div class="run-keys">
         {now && paused ? (
           <button type="button" class="primary big" data-tour="resume" onClick={resume}>
-            <Icon name="play" /> {t('robot.resume')}
+            <Icon name="play" /> {t(store.guarded(now.robot) ? 'robot.resume.guarded' : 'robot.resume')}
           </button>
         ) : now ? (
           <button type="button" class="primary big" data-tour="pause" onClick={pause}>
@@ -116,6 +116,7 @@ function Progress(): JSX.Element {
       <p class="verdict-head">
         {tWord('prog.phase', now.phase)}
         {now.line > 0 && <span>{t('prog.in_row', { line: now.line })}</span>}
+        {now.client_lost && <span>{t('prog.client_lost')}</span>}
         {now.waits_for && <span>{t('limit.waits', { robot: now.waits_for })}</span>}
         <strong>{duration(secondsLeft(now, store.timeScale(now.robot)))}</strong>
       </p>

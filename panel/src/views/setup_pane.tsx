@@ -37,6 +37,12 @@ export function SetupPane(): JSX.Element {
 
 function UnderWay({ name, procedure }: { name: string; procedure: ProcedureJson }): JSX.Element {
   const mine = store.ownsProcedure(name);
+  const viewer = store.role.value === 'viewer';
+  const goOn = async () => {
+    const why = await store.startProcedure(name, procedure.kind as ProcedureKind, { take_over: store.lease(name) === 'other' });
+    if (why === null) keepOwn(store.procedures.value[name]!);
+    else if (why !== '') store.note('refused', why, name);
+  };
   return (
     <>
       <header class="setup-head">
@@ -58,10 +64,17 @@ function UnderWay({ name, procedure }: { name: string; procedure: ProcedureJson 
       </span>
       {!mine && (
         <div class="callout">
-          <p>{t('setup.other')}</p>
-          <button type="button" onClick={() => void store.control(name, true)}>
-            {t('setup.other.take')}
-          </button>
+          <p>{t(procedure.client_lost ? 'setup.waits' : 'setup.other')}</p>
+          <div class="row">
+            <button type="button" class={procedure.client_lost ? 'primary' : ''} disabled={viewer} onClick={() => void goOn()}>
+              {t(procedure.client_lost ? 'setup.waits.go_on' : 'setup.other.take')}
+            </button>
+            {procedure.client_lost && (
+              <button type="button" disabled={viewer} onClick={() => void store.cancelProcedure(name)}>
+                {t('setup.waits.end')}
+              </button>
+            )}
+          </div>
         </div>
       )}
       <Question name={name} procedure={procedure} mine={mine} />

@@ -132,7 +132,9 @@ Outcome step_outcome(const Json& job) {
 }
 
 /// Waits for the end of a job, alive; Ctrl-C stops it.
-Outcome follow(CellConnection& cell, const std::string& robot, std::uint64_t number, bool quiet) {
+/// @param wishes  so many it has heard when what it says of its client counts
+Outcome follow(CellConnection& cell, const std::string& robot, std::uint64_t number, bool quiet,
+               std::uint64_t wishes = 0) {
   const io::Clock clock;
   Instant alive = clock.now();
   int interrupts = 0;
@@ -145,11 +147,21 @@ Outcome follow(CellConnection& cell, const std::string& robot, std::uint64_t num
       if (job["job"] == number) {
         line.show(job);
         if (job["over"].get<bool>()) return job_outcome(job);
+        const bool heard = job["wishes"].get<std::uint64_t>() >= wishes;
+        if (heard && job.contains("wish_refused")) {
+          return could_not(job["wish_refused"]["sentence"]);
+        }
+        if (heard && job.value("client_lost", false)) {
+          return could_not(
+              fmt::format("control was lost; '{0}' is paused at line {1}: sinew resume "
+                          "{2} goes on with it, sinew stop {2} ends it",
+                          std::string(job["title"]), job["line"].get<int>(), robot));
+        }
       }
     }
     if (io::interrupts() > interrupts) {
       interrupts = io::interrupts();
-      if (interrupts > 1) return could_not("left at once; the lease ends with this program");
+      if (interrupts > 1) return could_not("left at once; the program is paused without control");
       cell.client().send("robot.stop", {{"robot", robot}});
     }
     if (clock.now() - alive < kAlive) continue;
@@ -179,10 +191,10 @@ Outcome run_job(const CellRequest& request, const char* method, Json params) {
 }
 
 /// A request that is one call.
-Outcome call_once(const CellRequest& request, const char* method, const std::string& done) {
+Outcome call_once(const CellRequest& request, const char* method, const std::string& done,
+                  Json params = Json::object()) {
   auto cell = CellConnection::open(request.socket);
   if (!cell) return cell.error();
-  Json params = Json::object();
   if (!request.robot.empty()) params["robot"] = request.robot;
   const auto result = cell->call(method, params);
   if (!result) return result.error();
@@ -269,11 +281,30 @@ Outcome cell_stop(const CellRequest& request) {
 }
 
 Outcome cell_pause(const CellRequest& request) {
-  return call_once(request, "robot.hold", request.robot + " pauses");
+  Json params = Json::object();
+  if (request.guarded) params["guarded"] = true;
+  return call_once(request, "robot.hold", request.robot + " pauses", std::move(params));
 }
 
+/// A program whose client is gone goes on under the lease of this process, until its end.
 Outcome cell_resume(const CellRequest& request) {
-  return call_once(request, "robot.resume", request.robot + " goes on");
+  auto cell = CellConnection::open(request.socket);
+  if (!cell) return cell.error();
+  const Json robot{{"robot", request.robot}};
+  const auto job = cell->call("job.status", robot);
+  if (!job) return job.error();
+  const Json resume{{"robot", request.robot}, {"take_over", request.take_over}};
+  if (!job->value("client_lost", false)) {
+    return call_once(request, "robot.resume", request.robot + " goes on", resume);
+  }
+  io::catch_interrupts();
+  const Json events{{"rate_hz", 0}, {"robot", request.robot}};
+  if (const auto watched = cell->call("watch", events); !watched) return watched.error();
+  if (const auto taken = cell->call("lease.take", resume); !taken) return taken.error();
+  const auto resumed = cell->call("robot.resume", resume);
+  if (!resumed) return resumed.error();
+  return follow(*cell, request.robot, (*job)["job"], request.json,
+                (*resumed)["wishes"].get<std::uint64_t>() + 1);
 }
 
 /// One order of the program that somebody runs there; waits until it is paused again.

@@ -24,6 +24,7 @@ struct CellRequest {
   bool zero_counters = false;              ///< of `stands`: the device counts from there
   bool anew = false;                       ///< of `commission`
   bool take_over = false;
+  bool guarded = false;              ///< of `pause`
   std::string file;                  ///< of `run`
   std::optional<int> from_line;      ///< of `run`
   std::optional<std::string> speed;  ///< of `run`: "30%"

@@ -16,8 +16,8 @@ struct DeviceRequest {
   std::optional<std::string> profile;
   std::optional<std::string> journal;   ///< name of the position journal, as of run
   std::optional<std::string> settings;  ///< what commissioning found, as of run
-  std::optional<std::int64_t> leg;    ///< jog: from 1
-  std::optional<std::int64_t> steps;  ///< jog: positive is longer
+  std::optional<std::int64_t> leg;      ///< jog: from 1
+  std::optional<std::int64_t> steps;    ///< jog: positive is longer
   double time_scale = 1;
 };
 

@@ -10,7 +10,6 @@
 namespace sinew::cli {
 namespace {
 
-constexpr Duration kLeaseRenewal = std::chrono::milliseconds(100);  // of a lease that lasts 1 s
 constexpr Duration kTurn = std::chrono::milliseconds(20);
 
 }  // namespace
@@ -101,11 +100,7 @@ std::optional<Error> LocalCell::enable() {
 }
 
 void LocalCell::renew() {
-  const Instant now = real_.now();
-  if (client_->lease().epoch != 0 && (!renewed_ || now - *renewed_ >= kLeaseRenewal)) {
-    renewed_ = now;
-    client_->give(control::RenewLease{});
-  }
+  client_->keep_lease(real_.now());
   station().wait_for_cycle(kTurn);
 }
 

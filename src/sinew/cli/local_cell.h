@@ -52,7 +52,6 @@ class LocalCell {
 
   std::unique_ptr<runtime::RunningCell> running_;
   std::unique_ptr<runtime::StationClient> client_;
-  std::optional<Instant> renewed_;  ///< real time
   io::Clock real_;
 };
 

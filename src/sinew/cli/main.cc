@@ -443,12 +443,15 @@ void add_cell_verbs(CLI::App& app, Call& call) {
   verb = add_cell_verb(app, call, "stop", "brings a robot of a running cell to rest, or all",
                        "sinew stop", cell_stop);
   verb->add_option("ROBOT", request.robot, "its name in the cell; all where left out");
-  verb = add_cell_verb(app, call, "pause", "a robot of a running cell rests on its way",
+  verb = add_cell_verb(app, call, "pause", "a robot of a running cell rests on its path",
                        "sinew pause arm", cell_pause);
   verb->add_option("ROBOT", request.robot, kRobot)->required();
+  verb->add_flag("--guard", request.guarded, "resumed with --take-over only");
   verb =
       add_cell_verb(app, call, "resume", "it goes on from there", "sinew resume arm", cell_resume);
   verb->add_option("ROBOT", request.robot, kRobot)->required();
+  verb->add_flag("--take-over", request.take_over,
+                 "also where another client guards the hold or has control");
   verb = add_cell_verb(app, call, "step",
                        "the next order of the program that runs there, then a pause",
                        "sinew step arm --back", cell_step);

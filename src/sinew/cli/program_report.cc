@@ -380,8 +380,8 @@ std::string program_text(const ProgramReport& report) {
     text += fmt::format("\n  joints:{}\n\n{}\n", names, table.text());
   }
   text += fmt::format("  {}: {} of {} orders, {:.2f} s, {} bytes out, {} in\n", result_name(report),
-                      records.size(), run.plan().orders.size(), ran_for(report),
-                      bytes.to_device, bytes.to_host);
+                      records.size(), run.plan().orders.size(), ran_for(report), bytes.to_device,
+                      bytes.to_host);
   if (run.phase() != program::Run::Phase::kDone) {
     text +=
         "  as far as is known it is at: " + standing_text(run.machine().positions(), model) + "\n";

@@ -220,6 +220,7 @@ class RunWatch {
   runtime::JobOrder order() {
     runtime::JobOrder order;
     order.title = request_.file;
+    order.on_client_loss = ClientLoss::kContinue;  // this process ends it itself
     order.program = prepared_.program;
     if (request_.standing_at) order.standing_at = prepared_.standing_at;
     // Nobody slows it down under way: the quickest profiles will do.

@@ -17,8 +17,8 @@
 #include "sinew/io/standard_streams.h"
 #include "sinew/io/thread_share.h"
 #include "sinew/runtime/cell_settings.h"
-#include "sinew/runtime/position_record.h"
 #include "sinew/runtime/commissioning_file.h"
+#include "sinew/runtime/position_record.h"
 #include "sinew/runtime/running_cell.h"
 #include "sinew/server/local_server.h"
 

@@ -65,6 +65,12 @@ CellRobot read_cell_robot(TableReader& reader, std::vector<std::string>& taken) 
   reader.optional().integer("seed", 0, INT64_MAX, robot.seed);
   double scale = 0;
   if (reader.optional().number("time_scale", kScale, scale)) robot.time_scale = scale;
+  if (const auto loss = optional_text(reader, "on_client_loss", kNameMax)) {
+    robot.on_client_loss = *loss == "continue" ? ClientLoss::kContinue : ClientLoss::kPause;
+    if (*loss != "continue" && *loss != "pause") {
+      reader.complain("on_client_loss", "has to be \"pause\" or \"continue\"");
+    }
+  }
   if (robot.port && robot.time_scale.value_or(1) != 1) {
     reader.complain("time_scale", "a robot on a real port keeps real time");
   }

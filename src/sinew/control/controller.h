@@ -256,7 +256,10 @@ class Controller {
   Instant enabling_since_{};
   Error enabling_trouble_;
   std::optional<Error> notice_;  ///< of this step
-  int outstanding_ = 0;          ///< commands that the driver has taken and not ended
+  Instant jog_asked_{};
+  /// Told to each jog that is asked for while the hand that asked for the refused one stays down.
+  std::optional<Error> jog_refused_;
+  int outstanding_ = 0;  ///< commands that the driver has taken and not ended
   double feed_ = 1;
   bool had_holder_ = false;
 

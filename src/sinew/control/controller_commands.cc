@@ -187,6 +187,10 @@ Expected<void> Controller::begin(const Command& command, const Begin& begin, Ins
 
 Expected<bool> Controller::jog(const Command& command, const JogAt& velocity, Instant now) {
   if (!streams_) return refused(ErrorCode::kTaskNotSupported);
+  const Instant asked_before = std::exchange(jog_asked_, now);
+  const bool same_hold = now - asked_before <= velocity.velocity.expiry;
+  if (jog_refused_ && same_hold) return std::unexpected(*jog_refused_);
+  jog_refused_.reset();
   if (state_ == MachineState::kMoving && task_ && task_->kind == TaskKind::kJog) {
     if (const auto error = jog_.command(velocity.velocity, now)) return std::unexpected(*error);
     return true;

@@ -127,6 +127,7 @@ bool Controller::recorded(const JointMove& piece, Instant now) {
 
 /// Where nothing has moved yet it is the command that is refused, else the machine is stopped.
 void Controller::piece_refused(const Error& error, Instant now) {
+  if (task_ && task_->kind == TaskKind::kJog) jog_refused_ = error;
   end_task(ControlEvent::Kind::kFailed, error);
   stop(StopCause::kRefused, error, now);
   // It stands elsewhere than was planned: the next plan begins there.

@@ -133,7 +133,7 @@ TEST(Controller, a_silent_holder_loses_the_lease_and_the_motion_is_held) {
   EXPECT_EQ(cell.end_of(resume)->error.code, ErrorCode::kLeaseLost);
 }
 
-TEST(Controller, a_take_over_stops_first) {
+TEST(Controller, a_take_over_brakes_on_the_path_and_the_motion_is_held) {
   ControlCell cell(kStreaming);
   cell.make_ready();
   const std::uint32_t id = cell.give(Begin{&cell.path_to(cell.by(0.5))});
@@ -143,10 +143,16 @@ TEST(Controller, a_take_over_stops_first) {
   EXPECT_EQ(cell.driver.stops, 0);
   cell.renews = false;
   cell.cycle({Command{101, LeaseToken{.client = 9}, TakeLease{.take_over = true}}});
-  EXPECT_EQ(cell.driver.stops, 1);
-  ASSERT_TRUE(cell.run_until([&] { return cell.controller.state() == kReady; }));
-  EXPECT_EQ(cell.end_of(id)->cause, StopCause::kTakeOver);
-  EXPECT_EQ(cell.controller.lease_holder(cell.now)->client, 9U);
+  ASSERT_TRUE(cell.run_until([&] { return cell.controller.state() == kHeld; }, 5s));
+  EXPECT_EQ(cell.controller.last_stop(), StopCause::kTakeOver);
+  EXPECT_FALSE(cell.end_of(id));
+  cell.lease = *cell.controller.lease_holder(cell.now);
+  EXPECT_EQ(cell.lease.client, 9U);
+  // It is the new holder's to go on with.
+  cell.renews = true;
+  EXPECT_EQ(cell.end_of(cell.give(Resume{}))->kind, Kind::kDone);
+  ASSERT_TRUE(cell.run_until([&] { return cell.end_of(id).has_value(); }));
+  EXPECT_EQ(cell.end_of(id)->kind, Kind::kDone);
 }
 
 TEST(Controller, a_stop_waits_for_as_long_as_the_device_can_still_move) {
@@ -272,6 +278,39 @@ TEST(Controller, a_fault_whose_cause_stays_is_not_acknowledged) {
   const std::uint32_t id = cell.give(Acknowledge{});
   EXPECT_EQ(cell.end_of(id)->error.code, ErrorCode::kEmergencyStop);
   EXPECT_EQ(cell.controller.state(), kFault);
+}
+
+TEST(Controller, a_jog_that_is_refused_is_told_once_while_it_is_held) {
+  ControlCell cell(kStreaming);
+  cell.make_ready();
+  cell.driver.refusal = Error{ErrorCode::kDeviceRefused, 0};
+  JogAt jog;
+  jog.velocity.velocity = {0.2, 0, 0, 0, 0};
+  const auto hold = [&] {
+    std::uint32_t last = 0;
+    for (int k = 0; k < 20; ++k) {
+      last = cell.give(jog);
+      cell.run(50ms);
+    }
+    return last;
+  };
+  const auto told = [&] {
+    return std::ranges::count_if(cell.events, [](const ControlEvent& event) {
+      return event.kind == Kind::kStop || event.kind == Kind::kFailed;
+    });
+  };
+  const auto before = told();
+  const std::uint32_t last = hold();
+  const auto once = told() - before;
+  EXPECT_LE(once, 2) << "the jog that failed, and its stop";
+  EXPECT_EQ(cell.end_of(last)->kind, Kind::kRefused);
+  EXPECT_EQ(cell.end_of(last)->error.code, ErrorCode::kDeviceRefused) << "with its cause";
+  // Let go, and pressed again: asked anew.
+  cell.run(500ms);
+  cell.driver.refusal.reset();
+  const std::uint32_t again = cell.give(jog);
+  EXPECT_FALSE(cell.end_of(again));
+  ASSERT_TRUE(cell.run_until([&] { return cell.end_of(again).has_value(); }));
 }
 
 TEST(Controller, acknowledging_ends_before_the_port_is_closed) {

@@ -155,8 +155,8 @@ std::optional<SealedRecord> decode_journal_record(std::span<const std::uint8_t> 
     record.positions.push_back(joint);
   }
   sealed.seal = {get<std::uint64_t>(bytes, 48), get<std::uint32_t>(bytes, kPrevious)};
-  const auto rest = std::span(unused).subspan(kJoints + kJointSize * joints,
-                                              kJointSize * (kMaxJoints - joints));
+  const auto rest =
+      std::span(unused).subspan(kJoints + kJointSize * joints, kJointSize * (kMaxJoints - joints));
   spelled = spelled && std::ranges::all_of(rest, [](std::uint8_t byte) { return byte == 0; });
   if (!spelled || !is_valid(record)) return std::nullopt;
   sealed.checksum = get<std::uint32_t>(bytes, kChecksum);

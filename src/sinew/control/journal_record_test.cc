@@ -125,7 +125,7 @@ TEST(JournalRecord, bytes_that_no_program_of_ours_writes_are_refused_although_se
   EXPECT_FALSE(with(6, 9));
   EXPECT_FALSE(with(6, 2));  // one fewer than stand there
   EXPECT_TRUE(with(7, 6));
-  EXPECT_FALSE(with(7, 7));  // cause
+  EXPECT_FALSE(with(7, 7));      // cause
   EXPECT_FALSE(with(21, 0x13));  // a quality of a joint that is not there
   EXPECT_FALSE(with(80, 1));     // a number of a lost joint
   EXPECT_FALSE(with(87, 0x80));  // -0 is one too

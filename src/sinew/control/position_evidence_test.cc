@@ -25,11 +25,9 @@ TEST(PositionEvidence, narrows_what_is_said_by_everything_that_is_known) {
 TEST(PositionEvidence, names_both_numbers_of_a_contradiction) {
   const std::array counted{Evidence{Source::kRecord, {-1.05, 1.05}, 0},
                            Evidence{Source::kCounters, {-1.03, -1.01}, 0}};
-  EXPECT_EQ(agree(2, counted, at(0)).error(),
-            (Error{ErrorCode::kCountedElsewhere, 2, 0, -1.02}));
+  EXPECT_EQ(agree(2, counted, at(0)).error(), (Error{ErrorCode::kCountedElsewhere, 2, 0, -1.02}));
   const std::array recorded{Evidence{Source::kRecord, {-1, 1}, 0.1}};
-  EXPECT_EQ(agree(1, recorded, at(1.2)).error(),
-            (Error{ErrorCode::kDeclaredElsewhere, 1, 1.2, 1}));
+  EXPECT_EQ(agree(1, recorded, at(1.2)).error(), (Error{ErrorCode::kDeclaredElsewhere, 1, 1.2, 1}));
   EXPECT_TRUE(agree(1, recorded, at(1.1)));
 }
 

@@ -14,7 +14,7 @@ constexpr std::array kRules = std::to_array<StopRule>({
     {StopCause::kClient, StopCategory::kStopAndHold, StopManner::kDevice, StopAfter::kReady,
      "client"},
     {StopCause::kPause, StopCategory::kStopAndHold, StopManner::kOnPath, StopAfter::kHeld, "pause"},
-    {StopCause::kTakeOver, StopCategory::kStopAndHold, StopManner::kDevice, StopAfter::kReady,
+    {StopCause::kTakeOver, StopCategory::kStopAndHold, StopManner::kOnPath, StopAfter::kHeld,
      "take_over"},
     {StopCause::kLeaseEnded, StopCategory::kStopAndHold, StopManner::kOnPath, StopAfter::kHeld,
      "lease_ended"},

@@ -170,9 +170,9 @@ class BigRobotArmJointDriver : public ByteDriver {
   bool opening_ = false;  ///< open() has not been answered by an event
   bool command_ = false;  ///< nor has a command
   bool stop_wanted_ = false;
-  std::optional<Instant> limit_;  ///< of opening, or of a doubt
+  std::optional<Instant> limit_;       ///< of opening, or of a doubt
   std::optional<Instant> deaf_until_;  ///< a motion that nobody waits for may be under way
-  Error trouble_;                 ///< what is told then
+  Error trouble_;                      ///< what is told then
   std::optional<Status> last_read_;
   Step resume_ = Step::kNone;  ///< what a confirmed status answers
   int readings_ = 0;           ///< of it so far

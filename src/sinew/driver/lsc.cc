@@ -263,7 +263,7 @@ Expected<void> LscDriver::move(const JointMove& move, Instant now) {
   if (const auto checked = check_time(segment, move); !checked) return checked;
   segment.duration = move.duration;
   segment.rest = must_be_slow() || std::all_of(move.qd.begin(), move.qd.end(),
-                                       [](double speed) { return speed == 0; });
+                                               [](double speed) { return speed == 0; });
   ++health_.requests;
   ++pending_;
   if (!follows) {

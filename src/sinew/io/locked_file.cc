@@ -17,7 +17,7 @@ IoResult<LockedFile> LockedFile::open(const std::string& path, std::size_t size)
   const int file = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NONBLOCK, 0644);
   if (file < 0) return std::unexpected(system_error(path, errno));
   LockedFile result(path, file);
-  struct stat status {};
+  struct stat status{};
   if (::fstat(file, &status) != 0) return std::unexpected(system_error(path, errno));
   if (!S_ISREG(status.st_mode)) return refuse("not a plain file");
   if (::flock(file, LOCK_EX | LOCK_NB) != 0) {

@@ -12,6 +12,12 @@
 namespace sinew {
 
 /// One robot of a cell: which one, where it stands, and what its device hangs on.
+/// What a program does when the client that runs it is gone.
+enum class ClientLoss : std::uint8_t {
+  kPause,     ///< comes to rest on its path; whoever takes control can resume it
+  kContinue,  ///< runs to its end
+};
+
 struct CellRobot {
   std::string name;   ///< unique in the cell: lower-case letters, digits, -
   std::string robot;  ///< a built-in id, or a .toml file beside the cell's
@@ -27,6 +33,7 @@ struct CellRobot {
   std::uint64_t seed = 1;  ///< of the simulated device
   /// Of the simulated device alone, in place of the cell's.
   std::optional<double> time_scale;
+  ClientLoss on_client_loss = ClientLoss::kPause;
   Pose<frame::World, frame::Base> X_WB;
 };
 

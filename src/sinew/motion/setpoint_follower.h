@@ -65,7 +65,7 @@ class SetpointFollower {
   AxisLimits limits_;
   PositionRange range_;
   PositionRange room_;  ///< of setpoints: wider where it began outside
-  Knot next_;  ///< setpoint that came since the last step()
+  Knot next_;           ///< setpoint that came since the last step()
   bool pending_ = false;
   bool running_ = false;
   bool silent_ = true;

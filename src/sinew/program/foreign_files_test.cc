@@ -273,8 +273,7 @@ TEST(SequenceRows, sequence_comes_back_step_by_step) {
     const Rows out = rows_of_sequence(*sequence, on_text);
     const auto program = parse(out.text, "p", robot);
     ASSERT_TRUE(program) << to_text(program.error().front()) << out.text;
-    ASSERT_EQ(out.lines.size(),
-              static_cast<std::size_t>(std::ranges::count(out.text, '\n')));
+    ASSERT_EQ(out.lines.size(), static_cast<std::size_t>(std::ranges::count(out.text, '\n')));
     const auto again = sequence_of_rows(*program, robot);
     ASSERT_TRUE(again) << to_text(again.error().front()) << out.text;
     ASSERT_EQ(sequence::to_text(*again), sequence::to_text(*sequence));

@@ -154,12 +154,7 @@ void Procedure::take(const Event& event, Instant now) {
     if (is_end(event.kind) && event.command == command_) command_ = 0;
     return;
   }
-  if (event.kind == Kind::kLease && machine_.lease().epoch == 0 && begun_) {
-    // Who takes over has stopped it first; a lease that ends only holds a motion.
-    const bool taken = event.lease.epoch != 0;
-    if (taken) command_ = 0;
-    return fail(taken ? "somebody else took the lease over" : "the lease has ended");
-  }
+  if (event.kind == Kind::kLease && begun_) return take_lease(event);
   const bool ended_badly = event.kind == Kind::kRefused || event.kind == Kind::kFailed;
   if (phase_ == Phase::kOpening && ended_badly) return fail(sentence(event.error));
   if (command_ == 0 || event.command != command_ || !is_end(event.kind)) return;
@@ -172,6 +167,7 @@ void Procedure::take(const Event& event, Instant now) {
     case Kind::kDone:
       return command_done(now);
     case Kind::kStopped:
+      if (left_alone_) return ask_again("control was lost on the way");
       return ask_again(event.cause == control::StopCause::kClient
                            ? "stopped on the way"
                            : "stopped on the way: " +
@@ -179,6 +175,28 @@ void Procedure::take(const Event& event, Instant now) {
     default:
       return ask_again(sentence(event.error));
   }
+}
+
+/// Without the lease nothing goes on: what moved is stopped, and the step is asked for again.
+void Procedure::take_lease(const Event& event) {
+  if (machine_.lease().epoch != 0) {
+    left_alone_ = false;
+    return;
+  }
+  const std::string why = event.lease.epoch != 0 ? "another client has taken control"
+                                                 : "the client that had control is gone";
+  if (phase_ == Phase::kOpening) return fail(why);
+  left_alone_ = true;
+  if (phase_ == Phase::kCancelling) return;
+  if (command_ != 0) {
+    machine_.give(control::Stop{});
+  } else {
+    ask_again(why);
+  }
+}
+
+void Procedure::rejoin(bool take_over) {
+  if (machine_.lease().epoch == 0) machine_.give(control::TakeLease{.take_over = take_over});
 }
 
 /// The question of the step under way once more: something did not go.
@@ -542,6 +560,7 @@ std::expected<void, std::string> Procedure::answer(std::string_view text, Instan
     return std::unexpected(finished() ? "the procedure is over" : "nothing is asked at the moment");
   }
   text = trimmed(text);
+  if (left_alone_) return std::unexpected("control was lost; take it, then answer");
   if (machine_.state() != MachineState::kReady) {
     return std::unexpected(std::string("the machine is ") +
                            std::string(control::name(machine_.state())) +

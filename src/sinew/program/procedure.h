@@ -121,7 +121,10 @@ struct ProcedurePlan {
 ///   kAsking    | back()                             | kAsking: the step before, anew
 ///   any        | cancel()                           | kCancelling, or kCancelled where nothing
 ///   moves kCancelling| the machine rests                  | kCancelled; nothing is given behind it
-///   any        | a fault, the lease is lost         | kFailed
+///   any        | a fault                            | kFailed
+///   kOpening   | the lease is lost                  | kFailed
+///   kAsking, kWorking | the lease is lost           | kAsking at the same step, left() until
+///              |                                    | rejoin() has it again
 ///   last step  | done                               | kDone
 class Procedure {
  public:
@@ -155,6 +158,10 @@ class Procedure {
   /// @error  a sentence
   std::expected<void, std::string> back(Instant now);
   void cancel(Instant now);
+  /// The lease is lost: what moved has been stopped, and the question stands.
+  bool left() const { return left_alone_; }
+  /// Asks for the lease again, where it was left or its machine acts for another client now.
+  void rejoin(bool take_over);
 
   Phase phase() const { return phase_; }
   bool finished() const { return phase_ >= Phase::kDone; }
@@ -186,6 +193,7 @@ class Procedure {
   using Event = control::ControlEvent;
 
   void take(const Event& event, Instant now);
+  void take_lease(const Event& event);
   void opening();
   void enter(Instant now);
   void begin_work(Instant now);
@@ -224,6 +232,7 @@ class Procedure {
   bool take_over_ = false;
   bool enabling_ = false;
   bool begun_ = false;  ///< the lease has been had
+  bool left_alone_ = false;
   std::string trouble_;
   std::function<std::optional<std::string>(const Error&)> explain_;
 

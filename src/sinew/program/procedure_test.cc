@@ -360,7 +360,7 @@ TEST(Procedure, a_fault_of_the_machine_fails_it_with_the_reason) {
       << bench.procedure.trouble();
 }
 
-TEST(Procedure, somebody_elses_stop_leaves_the_question_and_a_take_over_ends_it) {
+TEST(Procedure, another_clients_stop_and_a_take_over_leave_the_question) {
   Bench bench("bigrobotarm", all_kinds());
   bench.begin();
   bench.say("yes");
@@ -375,9 +375,19 @@ TEST(Procedure, somebody_elses_stop_leaves_the_question_and_a_take_over_ends_it)
   stranger(control::Stop{});
   ASSERT_TRUE(bench.until([&] { return bench.procedure.phase() == Phase::kAsking; }, 2s));
   EXPECT_EQ(bench.procedure.trouble(), "stopped on the way");
+  ASSERT_TRUE(bench.procedure.answer("go", bench.now));
+  bench.until([] { return false; }, 100ms);
   stranger(control::TakeLease{.take_over = true});
-  ASSERT_TRUE(bench.until([&] { return bench.procedure.finished(); }, 2s));
-  EXPECT_EQ(bench.procedure.phase(), Phase::kFailed);
+  ASSERT_TRUE(bench.until([&] { return bench.procedure.phase() == Phase::kAsking; }, 2s));
+  EXPECT_TRUE(bench.procedure.left());
+  EXPECT_EQ(bench.procedure.trouble(), "control was lost on the way");
+  EXPECT_EQ(bench.procedure.step().id, "way");
+  ASSERT_TRUE(bench.until([&] { return bench.machine.state() == control::MachineState::kReady; }));
+  EXPECT_EQ(bench.procedure.answer("go", bench.now).error(),
+            "control was lost; take it, then answer");
+  bench.procedure.rejoin(true);
+  ASSERT_TRUE(bench.until([&] { return !bench.procedure.left(); }, 2s));
+  EXPECT_TRUE(bench.procedure.answer("go", bench.now));
 }
 
 TEST(Procedure, what_was_answered_before_is_not_asked_again_and_what_moves_is_done_again) {

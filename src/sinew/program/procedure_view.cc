@@ -42,8 +42,9 @@ ProcedureView view_of(const Procedure& procedure, Instant now) {
   view.at_most = procedure.working_at_most();
   if (view.place == plan.steps.size()) return view;
   view.asks = asks_of(procedure);
-  view.ready =
-      view.asks != Asks::kNothing && procedure.machine().state() == control::MachineState::kReady;
+  view.left = procedure.left() && !procedure.finished();
+  view.ready = view.asks != Asks::kNothing && !view.left &&
+               procedure.machine().state() == control::MachineState::kReady;
   view.question = procedure.question();
   view.choices = procedure.choices();
   if (const auto* number = std::get_if<NumberStep>(&procedure.step().what);

@@ -42,6 +42,7 @@ struct ProcedureView {
 
   Asks asks = Asks::kNothing;
   bool ready = false;  ///< an answer would be taken now
+  bool left = false;   ///< control is lost: it waits for a client that goes on with it
   std::string question;
   std::vector<std::string> choices;
   std::optional<Range> range;

@@ -15,9 +15,8 @@ namespace sinew::program {
 
 /// The first words of all rows.
 inline constexpr std::array<std::string_view, 18> kRowNames{
-    "joint",   "move",   "line", "arc",  "spline", "home", "jaws", "gripper",
-    "suction", "nozzle", "wait", "loop", "if",     "else", "end",  "call",
-    "velocity", "acceleration"};
+    "joint",  "move", "line", "arc", "spline", "home", "jaws", "gripper",  "suction",
+    "nozzle", "wait", "loop", "if",  "else",   "end",  "call", "velocity", "acceleration"};
 
 /// A text of another form as the rows of a program.
 struct Rows {

@@ -56,7 +56,7 @@ void Run::pause() {
 
 void Run::resume() {
   if (!paused_) return;
-  paused_ = false;
+  paused_ = left_ = false;
   resumes_ = command_ != 0;
 }
 
@@ -70,8 +70,11 @@ void Run::poll(Instant now) {
     resumes_ = false;
   }
   if (wait_end_) look_at_wait(now);
-  const bool room = room_since_ && command_ == 0 && current_ && !paused_;
-  if (room && machine_.state() == MachineState::kReady) command_ = machine_.give(*asked_);
+  const bool again = (room_since_ || searches_again_) && command_ == 0 && current_ && !paused_;
+  if (again && machine_.state() == MachineState::kReady) {
+    searches_again_ = false;
+    command_ = machine_.give(*asked_);
+  }
   while (phase_ == Phase::kRunning && !current_ && !paused_) {
     if (next_ < plan_.orders.size()) {
       // A doubt of the driver's, or somebody's motion that is still coming to rest.
@@ -89,13 +92,7 @@ void Run::take(const Event& event, Instant now) {
   using Kind = Event::Kind;
   if (event.kind == Kind::kNotice) return take_notice(event.error, now);
   if (finished()) return;
-  if (event.kind == Kind::kLease && machine_.lease().epoch == 0 && begun_at_) {
-    // Nothing more can be asked for; what moves is stopped or held by whoever took it.
-    stopped_by_ =
-        event.lease.epoch != 0 ? control::StopCause::kTakeOver : control::StopCause::kLeaseEnded;
-    phase_ = Phase::kStopped;
-    return;
-  }
+  if (event.kind == Kind::kLease && machine_.lease().epoch == 0) return leave(now);
   if (event.kind == Kind::kRefused && phase_ == Phase::kOpening) return fail(event.error, now);
   if (event.kind == Kind::kFailed && phase_ == Phase::kOpening) return fail(event.error, now);
   if (event.command != command_ || command_ == 0) return;
@@ -107,9 +104,18 @@ void Run::take(const Event& event, Instant now) {
   take_end(event, now);
 }
 
+/// The controller holds what moves; nothing more can be asked for without a lease.
+void Run::leave(Instant now) {
+  if (phase_ == Phase::kOpening && had_lease_) return fail(Error{ErrorCode::kLeaseLost}, now);
+  if (phase_ != Phase::kRunning) return;
+  left_ = paused_ = true;
+  resumes_ = false;
+}
+
 std::expected<void, Refusal> Run::step_back(Instant /*now*/) {
   const bool between = phase_ == Phase::kRunning && paused_ && !current_ && command_ == 0;
   if (!between) return std::unexpected(Refusal{0, Error{ErrorCode::kWrongState}});
+  left_ = false;
   if (records_.empty()) return std::unexpected(Refusal{0, Error{ErrorCode::kAtBeginning}});
   const Order& last = *records_.back().order;
   const auto refuse = [&](const Error& error) {
@@ -178,6 +184,12 @@ void Run::take_end(const Event& event, Instant now) {
     case Kind::kStopped: {
       const auto& latched = machine_.latched();
       if (latched) return fail(latched->error, now);
+      const bool search =
+          current_ && !back_ && std::holds_alternative<HomeOrder>(current_->order->what);
+      if (left_ && search) {
+        searches_again_ = true;
+        return;
+      }
       stopped_by_ = event.cause;
       phase_ = Phase::kStopped;
       break;
@@ -213,6 +225,7 @@ void Run::take_notice(const Error& error, Instant now) {
 /// Lease, power, position: whatever is missing is asked for, one after the other.
 void Run::opening(Instant now) {
   if (machine_.lease().epoch == 0) return;
+  had_lease_ = true;
   const MachineState state = machine_.state();
   if (state == MachineState::kFault) {
     return fail(machine_.latched() ? machine_.latched()->error : Error{ErrorCode::kWrongState},

@@ -44,6 +44,7 @@ struct Notice {
 ///   kRunning  | an order is done                   | kRunning, kDone after the last
 ///   kRunning  | pause()                            | kRunning, paused() until resume()
 ///   kRunning  | stop()                             | kStopping, kStopped where nothing moves
+///   kRunning  | the lease is lost                  | kRunning, left() until resume() under another
 ///   kRunning  | somebody else stops the machine    | kStopped
 ///   kRunning  | an order fails, or a fault         | kFailed
 ///   kStopping | the machine has come to rest       | kStopped
@@ -104,6 +105,8 @@ class Run {
 
   Phase phase() const { return phase_; }
   bool paused() const { return paused_; }
+  /// The lease is lost: what moved is held, and resume() goes on once the machine has one again.
+  bool left() const { return left_; }
   /// On the way that step_back() asked for; paused() all along.
   bool steps_back() const { return back_steps_ && current_.has_value(); }
   bool finished() const { return phase_ >= Phase::kDone; }
@@ -135,6 +138,7 @@ class Run {
   void take(const Event& event, Instant now);
   void take_notice(const Error& error, Instant now);
   void take_end(const Event& event, Instant now);
+  void leave(Instant now);
   void opening(Instant now);
   void begin(Instant now);
   void issue_next(Instant now);
@@ -180,6 +184,9 @@ class Run {
   std::optional<control::StopCause> stopped_by_;
   bool paused_ = false;
   bool resumes_ = false;  ///< as soon as it is held
+  bool had_lease_ = false;
+  bool left_ = false;
+  bool searches_again_ = false;  ///< a search that the loss of the lease has ended
   bool single_step_ = false;
 
   Start declared_;

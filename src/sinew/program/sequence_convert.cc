@@ -127,7 +127,7 @@ class RowWriter {
 
   /// Hundredths of a motor's revolution per s (s^2) as shares of the joints' limits.
   void limit(int line, const std::string& row, const std::string& command,
-             const sequence::GivenWords& multipliers, double Joint::*limit) {
+             const sequence::GivenWords& multipliers, double Joint::* limit) {
     std::string words;
     for (std::size_t i = 0; i < multipliers.count; ++i) {
       const BigRobotArmJoint& motor = device_.joints[i];

@@ -60,8 +60,7 @@ class SpiLine : public DriverLine {
     const std::span mosi(transfer.mosi.begin(), transfer.mosi.size());
     const std::span miso(miso_.begin(), miso_.size());
     log_.add(ByteLog::Direction::kToDevice, mosi, clock_.now(), transfer.select);
-    auto exchanged =
-        bus_.exchange(transfer.select, mosi, miso, transfer.setup, transfer.clock_hz);
+    auto exchanged = bus_.exchange(transfer.select, mosi, miso, transfer.setup, transfer.clock_hz);
     const Instant now = clock_.now();
     if (!exchanged) {
       driver_.close(now);

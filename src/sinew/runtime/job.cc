@@ -100,7 +100,8 @@ void JobRunner::run(const JobOrder& order, const program::Program& program, Stat
   while (!run.finished() || client.motion_in_use()) {
     client.refresh();
     const Instant now = clock_.now();
-    obey(run, now);
+    if (order.on_client_loss == ClientLoss::kContinue) client.keep_lease(now);
+    obey(run, client, now);
     run.poll(now);
     // Nobody is left who could go on with what is held.
     if (run.finished() && client.state() == control::MachineState::kHeld && !freed) {
@@ -120,11 +121,25 @@ void JobRunner::run(const JobOrder& order, const program::Program& program, Stat
   if (order.ended) order.ended(run, now);
 }
 
-void JobRunner::obey(Run& run, Instant now) {
+/// Under the lease of whoever wants it to, where its own client is gone.
+bool JobRunner::goes_on(Run& run, StationClient& client, control::ClientId under) {
+  if (run.left() && under != 0) {
+    client.act_for(under);
+    const std::scoped_lock lock(mutex_);
+    view_.client = under;
+  }
+  if (client.lease().epoch != 0) return true;
+  wish_refused_ = program::Refusal{0, Error{ErrorCode::kLeaseLost}, std::nullopt};
+  return false;
+}
+
+void JobRunner::obey(Run& run, StationClient& client, Instant now) {
   Wish what = Wish::kNone;
+  control::ClientId wisher = 0;
   {
     const std::scoped_lock lock(mutex_);
     what = abandoned_ ? Wish::kStop : std::exchange(wish_, Wish::kNone);
+    wisher = wisher_;
   }
   if (what == Wish::kNone) return;
   ++wishes_;
@@ -136,14 +151,17 @@ void JobRunner::obey(Run& run, Instant now) {
       run.pause();
       break;
     case Wish::kResume:
+      if (!goes_on(run, client, wisher)) break;
       run.single_step(false);
       run.resume();
       break;
     case Wish::kStep:
+      if (!goes_on(run, client, wisher)) break;
       run.single_step(true);
       run.resume();
       break;
     case Wish::kStepBack:
+      if (!goes_on(run, client, wisher)) break;
       run.single_step(true);
       if (const auto back = run.step_back(now); !back) wish_refused_ = back.error();
       break;
@@ -160,6 +178,7 @@ void JobRunner::publish(const Run& run, Instant now) {
   if (run.waits_for_room()) in_the_way = station_.refusal();
   const std::scoped_lock lock(mutex_);
   view_.phase = run.phase();
+  view_.client_lost = run.left() && !run.finished();
   view_.paused = run.paused() && !run.steps_back();
   view_.wishes = wishes_;
   view_.wish_refused = wish_refused_;
@@ -181,26 +200,30 @@ void JobRunner::publish(const Run& run, Instant now) {
   if (!notices.empty()) view_.last_notice = notices.back();
 }
 
-void JobRunner::wish(std::uint32_t id, Wish what) {
+void JobRunner::wish(std::uint32_t id, Wish what, control::ClientId client) {
   const std::scoped_lock lock(mutex_);
   // A stop is not taken back by what is wished behind it.
-  if (view_.id == id && !view_.over && wish_ != Wish::kStop) wish_ = what;
+  if (view_.id != id || view_.over || wish_ == Wish::kStop) return;
+  wish_ = what;
+  wisher_ = client;
+  const bool guards = what == Wish::kPause && client != 0;
+  if (guards || what != Wish::kPause) view_.guard = guards ? client : 0;
 }
 
 void JobRunner::stop(std::uint32_t id) {
   wish(id, Wish::kStop);
 }
-void JobRunner::pause(std::uint32_t id) {
-  wish(id, Wish::kPause);
+void JobRunner::pause(std::uint32_t id, control::ClientId guard) {
+  wish(id, Wish::kPause, guard);
 }
-void JobRunner::resume(std::uint32_t id) {
-  wish(id, Wish::kResume);
+void JobRunner::resume(std::uint32_t id, control::ClientId client) {
+  wish(id, Wish::kResume, client);
 }
-void JobRunner::step(std::uint32_t id) {
-  wish(id, Wish::kStep);
+void JobRunner::step(std::uint32_t id, control::ClientId client) {
+  wish(id, Wish::kStep, client);
 }
-void JobRunner::step_back(std::uint32_t id) {
-  wish(id, Wish::kStepBack);
+void JobRunner::step_back(std::uint32_t id, control::ClientId client) {
+  wish(id, Wish::kStepBack, client);
 }
 
 JobView JobRunner::view() const {

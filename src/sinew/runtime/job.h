@@ -26,6 +26,7 @@ struct JobOrder {
   double feed = 1;           ///< share (0, 1] of all motions' pace, through the feed
   /// Motions can be paused and slowed down under way; they take up to an eighth longer.
   bool changeable = true;
+  ClientLoss on_client_loss = ClientLoss::kPause;
   std::optional<RecordPlace> record{};  ///< nothing: the station's own
   /// In the job's thread: after each cycle, and once when nothing of it moves any more.
   std::function<void(const program::Run&, Instant)> look{};
@@ -34,8 +35,10 @@ struct JobOrder {
 
 /// A job as it was a moment ago.
 struct JobView {
-  std::uint32_t id = 0;  ///< 0: there was none yet
-  control::ClientId client = 0;
+  std::uint32_t id = 0;          ///< 0: there was none yet
+  control::ClientId client = 0;  ///< under whose lease it runs
+  bool client_lost = false;      ///< and that is gone: it waits for another who resumes it
+  control::ClientId guard = 0;   ///< who alone may resume it; 0: anyone
   std::string title;
   program::Run::Phase phase = program::Run::Phase::kOpening;
   bool paused = false;
@@ -62,8 +65,10 @@ struct JobView {
   std::optional<program::Refusal> wish_refused = std::nullopt;
 };
 
-/// Runs programs on a station, one at a time, each planned in a thread of this: a client of the
-/// station that holds the lease of whoever asked for it, and does not keep it alive.
+/// Runs programs on a station, one at a time, each planned in a thread of this, under the lease of
+/// the client that asked for it. A job outlives its client: where the lease is lost it is held, and
+/// goes on under the lease of whoever resumes it. With ClientLoss::kContinue it keeps its lease
+/// alive itself.
 class JobRunner {
  public:
   /// @param station, clock  outlive this
@@ -77,12 +82,14 @@ class JobRunner {
   Expected<std::uint32_t> start(JobOrder order, control::ClientId client);
   /// Without effect where the job is not the one under way.
   void stop(std::uint32_t id);
-  void pause(std::uint32_t id);
-  void resume(std::uint32_t id);
+  /// @param guard  who alone may resume it, as far as resume() is asked; 0: anyone
+  void pause(std::uint32_t id, control::ClientId guard = 0);
+  /// @param client  under whose lease it goes on where its own client has lost it
+  void resume(std::uint32_t id, control::ClientId client = 0);
   /// The next order, then a pause.
-  void step(std::uint32_t id);
+  void step(std::uint32_t id, control::ClientId client = 0);
   /// While paused between two orders: to where the last one began, and a pause there.
-  void step_back(std::uint32_t id);
+  void step_back(std::uint32_t id, control::ClientId client = 0);
 
   /// The job under way, or the last one.
   JobView view() const;
@@ -92,17 +99,19 @@ class JobRunner {
 
   void work(const JobOrder& order, StationClient& client);
   void run(const JobOrder& order, const program::Program& program, StationClient& client);
-  void obey(program::Run& run, Instant now);
+  void obey(program::Run& run, StationClient& client, Instant now);
+  bool goes_on(program::Run& run, StationClient& client, control::ClientId under);
   void publish(const program::Run& run, Instant now);
-  void wish(std::uint32_t id, Wish what);
+  void wish(std::uint32_t id, Wish what, control::ClientId client = 0);
 
   Station& station_;
   const io::Clock& clock_;
   std::thread thread_;
   mutable std::mutex mutex_;
-  JobView view_;             ///< under the mutex
-  Wish wish_ = Wish::kNone;  ///< under the mutex
-  bool abandoned_ = false;   ///< under the mutex
+  JobView view_;                  ///< under the mutex
+  Wish wish_ = Wish::kNone;       ///< under the mutex
+  control::ClientId wisher_ = 0;  ///< under the mutex
+  bool abandoned_ = false;        ///< under the mutex
   // Of the thread that runs.
   std::size_t wishes_ = 0;
   std::optional<program::Refusal> wish_refused_;

@@ -92,6 +92,15 @@ std::expected<void, std::string> ProcedureRunner::start(const ProcedureOrder& or
   return {};
 }
 
+void ProcedureRunner::go_on(control::ClientId client, bool take_over) {
+  if (!procedure_) return;
+  client_->refresh();
+  client_->act_for(client);
+  status_.client = client;
+  procedure_->rejoin(take_over);
+  publish();
+}
+
 std::expected<void, std::string> ProcedureRunner::taken(std::expected<void, std::string> what) {
   if (what) ++status_.answers;
   publish();

@@ -35,9 +35,9 @@ struct ProcedureStatus {
   std::string note;  ///< why its results were not kept; empty where they were
 };
 
-/// Goes through procedures on a station, one at a time: a client of the station that holds the
-/// lease of whoever asked for it, and does not keep it alive. All from one thread, and nothing
-/// waits but the destructor.
+/// Goes through procedures on a station, one at a time, under the lease of the client that asked
+/// for it, which it does not keep alive. A procedure outlives its client: it waits at its step for
+/// the next one. All from one thread, and nothing waits but the destructor.
 class ProcedureRunner {
  public:
   /// @param station, clock  outlive this
@@ -50,6 +50,9 @@ class ProcedureRunner {
   /// @error  a sentence: one is under way, this robot has no such procedure, its results could not
   ///         be kept, too many clients
   std::expected<void, std::string> start(const ProcedureOrder& order, control::ClientId client);
+  /// Goes on where it is, under the lease that it asks for in the name of this client. Without
+  /// effect where nothing is under way.
+  void go_on(control::ClientId client, bool take_over);
   /// @error  a sentence; nothing moves then, and the question stands
   std::expected<void, std::string> answer(std::string_view text);
   std::expected<void, std::string> back();

@@ -177,7 +177,7 @@ class Station {
   std::unique_ptr<RunRecorder> recorder_;  ///< null: nothing is recorded
   std::atomic<bool> recorded_ = true;
   std::atomic<bool> works_ = false;  ///< a program is under way
-  bool connected_ = false;                 ///< of the control thread
+  bool connected_ = false;           ///< of the control thread
   Instant truth_at_{};
   std::optional<Instant> closing_since_;
   Instant looked_at_{};  ///< around, for a jog

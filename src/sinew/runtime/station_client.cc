@@ -7,6 +7,10 @@ namespace sinew::runtime {
 using control::Command;
 using control::ControlEvent;
 
+namespace {
+constexpr Duration kRenewal = std::chrono::milliseconds(100);  // of a lease that lasts 1 s
+}
+
 StationClient::StationClient(Station& station, control::ClientId client, std::uint8_t slot)
     : station_(station), slot_(slot), lease_{.client = client} {
   refresh();
@@ -30,6 +34,18 @@ void StationClient::refresh() {
     command.lease = lease_;
     send(command);
   }
+}
+
+void StationClient::keep_lease(Instant now) {
+  if (lease_.epoch == 0 || (renewed_ && now - *renewed_ < kRenewal)) return;
+  renewed_ = now;
+  give(control::RenewLease{});
+}
+
+void StationClient::act_for(control::ClientId client) {
+  const auto& holder = view_.holder;
+  lease_ = {.client = client, .epoch = 0};
+  if (holder && holder->client == client) lease_ = *holder;
 }
 
 std::uint32_t StationClient::give(const control::CommandWhat& what) {

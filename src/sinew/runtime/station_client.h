@@ -7,8 +7,8 @@
 
 namespace sinew::runtime {
 
-/// A client of a station in another thread. What it says is as old as the last refresh(). It renews
-/// no lease: whoever it acts for has to be alive for that.
+/// A client of a station in another thread. What it says is as old as the last refresh(). Whoever
+/// it acts for has to be alive for its lease to be renewed: none is without keep_lease().
 class StationClient final : public control::Machine {
  public:
   /// Commands that wait until the lease has come.
@@ -39,6 +39,11 @@ class StationClient final : public control::Machine {
   std::uint32_t give(const control::CommandWhat& what) override;
   std::optional<control::ControlEvent> take_event() override;
 
+  /// Renews the lease, where it has one and a tenth of a second has passed.
+  void keep_lease(Instant now);
+  /// From now on in the name of another client, under its lease where it has one.
+  void act_for(control::ClientId client);
+
   /// A motion that was given to the controller may still be looked at by it.
   bool motion_in_use() const { return motion_ != 0; }
 
@@ -51,6 +56,7 @@ class StationClient final : public control::Machine {
   std::uint8_t slot_;
   control::LeaseToken lease_;
   StationView view_;
+  std::optional<Instant> renewed_;
   std::uint32_t taking_ = 0;  ///< the command that asks for the lease
   std::uint32_t motion_ = 0;  ///< the command that has a motion
   std::vector<control::Command> waiting_;

@@ -23,8 +23,8 @@ class WireMonitor {
   };
   struct Frames {
     std::vector<Frame*> frames;  ///< until the next read()
-    std::uint64_t last = 0;            ///< sequence to go on from
-    std::uint64_t lost = 0;            ///< behind `since`, and not among them
+    std::uint64_t last = 0;      ///< sequence to go on from
+    std::uint64_t lost = 0;      ///< behind `since`, and not among them
   };
 
   /// @param ring, device  outlive the monitor

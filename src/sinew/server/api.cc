@@ -169,12 +169,14 @@ void Api::close(SessionId id) {
   if (found == sessions_.end()) return;
   finish_inbox(found->second);
   take_events(found->second);
-  end_procedures(id);
   for (auto& [robot, machine] : found->second.machines) {
-    if (machine->lease().epoch != 0) machine->give(control::ReturnLease{});
-    // A program of somebody who is gone goes nowhere.
     const JobView job = cell_.jobs(robot).view();
-    if (job.client == id) cell_.jobs(robot).stop(job.id);
+    const bool runs = job.client == id && !job.over;
+    // A program belongs to the controller; a demonstration gives way.
+    if (runs && yielding_ == id) cell_.jobs(robot).stop(job.id);
+    const bool continues =
+        runs && yielding_ != id && on_client_loss(robot) == ClientLoss::kContinue;
+    if (machine->lease().epoch != 0 && !continues) machine->give(control::ReturnLease{});
   }
   asked_ -= previews_->forget(id);
   out_bytes_ -= found->second.out_bytes;
@@ -182,6 +184,10 @@ void Api::close(SessionId id) {
   if (yielding_ != id) return;
   yielding_.reset();
   log_demonstration();
+}
+
+ClientLoss Api::on_client_loss(std::size_t robot) const {
+  return cell_.cell().robots[robot].on_client_loss;
 }
 
 bool Api::holds(SessionId id) const {
@@ -281,7 +287,8 @@ bool Api::work(Instant now) {
 bool Api::hurries() const {
   if (inbox_ > 0 || asked_ > 0) return true;
   for (std::size_t i = 0; i < cell_.size(); ++i) {
-    if (!cell_.procedures(i).over()) return true;
+    const runtime::ProcedureRunner& procedures = cell_.procedures(i);
+    if (!procedures.over() && !procedures.status().view.left) return true;
   }
   return std::ranges::any_of(sessions_, [](const auto& one) {
     const Session& session = one.second;
@@ -513,8 +520,8 @@ void Api::log_events() {
     // A demonstration goes on for days: that it moves its robots is no news.
     const bool shows = yielding_ && cell_.jobs(i).view().client == *yielding_;
     while (const auto event = station.take_event(*ears_[i])) {
-      const bool usual = event->kind == ControlEvent::Kind::kState ||
-                         event->kind == ControlEvent::Kind::kLease;
+      const bool usual =
+          event->kind == ControlEvent::Kind::kState || event->kind == ControlEvent::Kind::kLease;
       if (shows && usual) continue;
       if (auto json = event_json(station.name(), *event, station.robot())) {
         log_.add(std::move(*json));

@@ -218,7 +218,11 @@ class Api {
   Answer ride(const Call& call);
   Answer start(const Call& call, runtime::JobOrder order);
   std::optional<RpcError> no_port(std::size_t robot) const;
+  std::optional<RpcError> held_by_another(const Call& call, bool take_over) const;
+  std::optional<RpcError> job_under_way(std::size_t robot) const;
+  ClientLoss on_client_loss(std::size_t robot) const;
   Answer preview(const Call& call) const;
+  std::optional<RpcError> may_not_resume(const Call& call, const runtime::JobView& job);
   Answer steer_job(const Method& method, const Call& call);
   Answer give(const Call& call, const control::CommandWhat& what, bool at_start = false);
   std::expected<JointVector, RpcError> joints(const Json& numbers, std::size_t robot) const;
@@ -241,22 +245,21 @@ class Api {
   Json procedure(std::size_t robot) const;
   Answer start_procedure(const Call& call);
   Answer steer_procedure(const Method& method, const Call& call);
-  void end_procedures(SessionId session);
   void poll_procedures();
   void tell_procedures(Session& session, Instant now);
 
   runtime::RunningCell& cell_;
   std::unique_ptr<PreviewDesk> previews_;
   Keeper keeper_;
-  TaskDesk files_;             ///< the keeper's
-  TaskDesk checks_;            ///< of programs
-  std::size_t asked_ = 0;      ///< previews and tasks under way
-  std::uint64_t messages_ = 0;  ///< that came, ever
-  std::size_t inbox_ = 0;      ///< messages that wait
-  std::size_t out_bytes_ = 0;  ///< texts that wait, of all sessions
+  TaskDesk files_;                      ///< the keeper's
+  TaskDesk checks_;                     ///< of programs
+  std::size_t asked_ = 0;               ///< previews and tasks under way
+  std::uint64_t messages_ = 0;          ///< that came, ever
+  std::size_t inbox_ = 0;               ///< messages that wait
+  std::size_t out_bytes_ = 0;           ///< texts that wait, of all sessions
   std::vector<std::uint64_t> stopped_;  ///< of each robot: the number of its last stop or hold
-  SessionId served_ = 0;       ///< whose message was done last
-  bool holder_first_ = true;   ///< a session with a lease is next
+  SessionId served_ = 0;                ///< whose message was done last
+  bool holder_first_ = true;            ///< a session with a lease is next
   std::string version_;
   SessionId last_session_ = 0;
   std::uint64_t last_group_ = 0;

@@ -47,9 +47,8 @@ std::string Api::wire_text(std::size_t robot, std::uint64_t since, std::uint64_t
     if (frame != read.frames.front()) text += ',';
     text += frame->text;
   }
-  const Json rest{{"last", read.last},
-                  {"lost", read.lost},
-                  {"at_s", to_seconds(view.at.time_since_epoch())}};
+  const Json rest{
+      {"last", read.last}, {"lost", read.lost}, {"at_s", to_seconds(view.at.time_since_epoch())}};
   text += "]," + text_of(rest).substr(1);
   return text;
 }

@@ -228,12 +228,11 @@ Api::Answer Api::import_program(const Call& call) {
   const auto form = form_of(call.request.text("form"));
   if (!form) return invalid("form is sequence, pos or gcode");
   const RobotModel& model = cell_.station(*call.robot).robot();
-  return Errand{
-      checks_, as_task([=, &model, text = call.request.text("text")]() -> Keeper::Result {
-        auto rows = program::rows_of(*form, text, "the file", model);
-        if (!rows) return std::unexpected(no_form(rows.error(), model));
-        return Json{{"text", std::move(rows->text)}};
-      })};
+  return Errand{checks_, as_task([=, &model, text = call.request.text("text")]() -> Keeper::Result {
+                  auto rows = program::rows_of(*form, text, "the file", model);
+                  if (!rows) return std::unexpected(no_form(rows.error(), model));
+                  return Json{{"text", std::move(rows->text)}};
+                })};
 }
 
 Api::Answer Api::export_program(const Call& call) {

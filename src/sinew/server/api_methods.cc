@@ -274,6 +274,7 @@ Api::Answer Api::jog(const Call& call) {
     return invalid("velocity has more numbers than any robot has joints");
   }
   for (const Json& one : velocity) command.velocity.push_back(one.get<double>());
+  if (const auto job = job_under_way(*call.robot)) return *job;
   return give(call, control::JogAt{command}, true);
 }
 
@@ -335,6 +336,7 @@ Api::Answer Api::nudge(const Call& call) {
                     "from nobody knows where",
                     nullptr};
   }
+  if (const auto job = job_under_way(*call.robot)) return *job;
   const double way = call.request.params["way"].get<double>();
   return give(call, control::Nudge{static_cast<std::uint8_t>(joint - model.joints.begin()), way},
               true);
@@ -413,16 +415,55 @@ Api::Answer Api::start(const Call& call, runtime::JobOrder order) {
   if (const auto client = machine(call.session, *call.robot); !client) return client.error();
   if (const auto& procedures = cell_.procedures(*call.robot); !procedures.over()) {
     return RpcError{RpcCode::kBusy,
-                    "'" + procedures.status().view.title + "' is under way on this robot", nullptr};
+                    "'" + procedures.status().view.title +
+                        "' is under way on this robot: go on with it or cancel it first",
+                    nullptr};
   }
+  if (const auto held = held_by_another(call, order.take_over)) return *held;
   order.recorded = yielding_ != call.session.id;
+  order.on_client_loss = on_client_loss(*call.robot);
   const auto job = cell_.jobs(*call.robot).start(std::move(order), call.session.id);
   if (!job) {
-    const runtime::JobView other = cell_.jobs(*call.robot).view();
-    return RpcError{
-        RpcCode::kBusy, "'" + other.title + "' is under way on this robot", {{"job", other.id}}};
+    const auto other = job_under_way(*call.robot);
+    return other ? *other : refusal(RpcCode::kBusy, job.error(), *call.robot);
   }
   return Json{{"job", *job}};
+}
+
+/// What would fail as soon as it asked for the lease is refused before it occupies the robot.
+std::optional<RpcError> Api::held_by_another(const Call& call, bool take_over) const {
+  const auto holder = cell_.station(*call.robot).view().holder;
+  if (take_over || !holder || holder->client == call.session.id) return std::nullopt;
+  const Error held{ErrorCode::kLeaseHeld, -1, static_cast<double>(holder->client)};
+  return refusal(RpcCode::kRefused, held, *call.robot);
+}
+
+std::optional<RpcError> Api::job_under_way(std::size_t robot) const {
+  const runtime::JobView job = cell_.jobs(robot).view();
+  if (job.over) return std::nullopt;
+  return RpcError{RpcCode::kBusy,
+                  "'" + job.title + "' is " + (job.paused ? "paused" : "under way") +
+                      " on this robot: resume or stop it first",
+                  {{"job", job.id}}};
+}
+
+/// A hold that is guarded, and a program whose client is gone, are not for everyone.
+std::optional<RpcError> Api::may_not_resume(const Call& call, const runtime::JobView& job) {
+  const bool guarded = job.guard != 0 && job.guard != call.session.id;
+  if (guarded && !call.request.flag("take_over")) {
+    return RpcError{RpcCode::kRefused,
+                    "client " + std::to_string(job.guard) + " holds '" + job.title +
+                        "' and only that client resumes it; take the hold over (take_over), or "
+                        "stop it",
+                    {{"code", "hold_guarded"}, {"held_by", job.guard}}};
+  }
+  if (!job.client_lost) return std::nullopt;
+  const auto holder = cell_.station(*call.robot).view().holder;
+  if (holder && holder->client == call.session.id) return std::nullopt;
+  return RpcError{RpcCode::kRefused,
+                  "the client that ran '" + job.title +
+                      "' is gone: take control (lease.take) and resume it, or stop it",
+                  {{"code", "client_lost"}}};
 }
 
 Api::Answer Api::steer_job(const Method& method, const Call& call) {
@@ -434,13 +475,16 @@ Api::Answer Api::steer_job(const Method& method, const Call& call) {
     return RpcError{RpcCode::kRefused, "no program is under way on this robot", nullptr};
   }
   if (method.id == MethodId::kRobotHold) {
-    jobs.pause(job.id);
+    jobs.pause(job.id, call.request.flag("guarded") ? call.session.id : 0);
     return Json{{"job", job.id}};
   }
-  if (method.id == MethodId::kProgramStep) {
-    call.request.flag("back") ? jobs.step_back(job.id) : jobs.step(job.id);
+  if (const auto refused = may_not_resume(call, job)) return *refused;
+  if (method.id == MethodId::kRobotResume) {
+    jobs.resume(job.id, call.session.id);
+  } else if (call.request.flag("back")) {
+    jobs.step_back(job.id, call.session.id);
   } else {
-    jobs.resume(job.id);
+    jobs.step(job.id, call.session.id);
   }
   return Json{{"job", job.id}, {"wishes", job.wishes}};
 }

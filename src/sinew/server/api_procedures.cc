@@ -36,31 +36,36 @@ Api::Answer Api::start_procedure(const Call& call) {
   if (const auto trouble = no_port(*call.robot)) return *trouble;
   // The session hears of the lease that the procedure takes for it, and keeps it alive.
   if (const auto client = machine(call.session, *call.robot); !client) return client.error();
-  if (const runtime::JobView job = cell_.jobs(*call.robot).view(); !job.over) {
-    return RpcError{
-        RpcCode::kBusy, "'" + job.title + "' is under way on this robot", {{"job", job.id}}};
-  }
+  if (const auto job = job_under_way(*call.robot)) return *job;
   ProcedureRunner& procedures = cell_.procedures(*call.robot);
   const bool busy = !procedures.over();
-  const auto begun = procedures.start({.kind = kind,
-                                       .take_over = call.request.flag("take_over"),
-                                       .anew = call.request.flag("anew")},
-                                      call.session.id);
+  const bool take_over = call.request.flag("take_over");
+  if (busy && procedures.status().view.id == kind && (procedures.status().view.left || take_over)) {
+    if (const auto held = held_by_another(call, take_over)) return *held;
+    procedures.go_on(call.session.id, take_over);
+    return procedure(*call.robot);
+  }
+  const auto begun = procedures.start(
+      {.kind = kind, .take_over = take_over, .anew = call.request.flag("anew")}, call.session.id);
   if (begun) return procedure(*call.robot);
   return RpcError{busy ? RpcCode::kBusy : RpcCode::kRefused, begun.error(), nullptr};
 }
 
-/// Answers, steps back and the end are for whoever began it.
+/// Answers and steps back are for the client that goes through it; whoever comes upon one that is
+/// left may end it.
 Api::Answer Api::steer_procedure(const Method& method, const Call& call) {
   if (method.id == MethodId::kProcedureStart) return start_procedure(call);
   ProcedureRunner& procedures = cell_.procedures(*call.robot);
   if (procedures.over()) {
     return RpcError{RpcCode::kRefused, "no procedure is under way on this robot", nullptr};
   }
-  if (procedures.status().client != call.session.id) {
+  const ProcedureStatus& status = procedures.status();
+  const bool ends_left = method.id == MethodId::kProcedureCancel && status.view.left;
+  if (status.client != call.session.id && !ends_left) {
     return RpcError{RpcCode::kRefused,
-                    "client " + std::to_string(procedures.status().client) +
-                        " goes through this procedure; taking the lease over ends it",
+                    "client " + std::to_string(status.client) +
+                        " goes through this procedure; procedure.start with take_over goes on with "
+                        "it here",
                     nullptr};
   }
   std::expected<void, std::string> done;
@@ -78,13 +83,6 @@ Api::Answer Api::steer_procedure(const Method& method, const Call& call) {
   }
   if (!done) return RpcError{RpcCode::kRefused, done.error(), nullptr};
   return procedure(*call.robot);
-}
-
-void Api::end_procedures(SessionId session) {
-  for (std::size_t i = 0; i < cell_.size(); ++i) {
-    ProcedureRunner& procedures = cell_.procedures(i);
-    if (!procedures.over() && procedures.status().client == session) procedures.cancel();
-  }
 }
 
 /// Each goes on, and what began or ended of them is an event.

@@ -132,8 +132,9 @@ TEST(ApiProcedures, what_is_no_procedure_or_no_answer_is_refused_with_a_sentence
   EXPECT_NE(client.sentence("procedure.back", {{"robot", "six"}}).find("first step"),
             std::string::npos);
   ApiClient other(cell);
-  EXPECT_NE(other.sentence("procedure.cancel", {{"robot", "six"}}).find("taking the lease over"),
-            std::string::npos);
+  EXPECT_NE(
+      other.sentence("procedure.cancel", {{"robot", "six"}}).find("procedure.start with take_over"),
+      std::string::npos);
   EXPECT_EQ(recovery.say("done"), "");
   EXPECT_EQ(client.sentence("procedure.back", {{"robot", "six"}}), "");
   EXPECT_EQ(recovery.asked()["step"]["id"], "adjust.leg1");
@@ -156,46 +157,88 @@ TEST(ApiProcedures, anybodys_stop_ends_the_motion_and_leaves_the_question) {
   EXPECT_EQ(state_of(client, "six"), "ready");
 }
 
-TEST(ApiProcedures, whoever_goes_away_or_loses_the_lease_moves_nothing_any_more) {
+Json procedure_of_six(ApiClient& client) {
+  return client.call("procedure.status", {{"robot", "six"}})["result"];
+}
+
+/// Control is lost under way: nothing moves, and the procedure waits at its step.
+void expect_left(ApiCell& cell, ApiClient& watcher) {
+  ASSERT_TRUE(cell.until([&] {
+    const Json now = procedure_of_six(watcher);
+    return now.contains("client_lost") && now["phase"] == "asking";
+  })) << procedure_of_six(watcher).dump();
+  ASSERT_TRUE(cell.until([&] { return state_of(watcher, "six") == "ready"; }));
+  const Json left = procedure_of_six(watcher);
+  EXPECT_FALSE(left["over"].get<bool>());
+  EXPECT_EQ(left["step"]["id"], "adjust.leg2");
+  EXPECT_NE(left["trouble"].get<std::string>().find("control was lost"), std::string::npos)
+      << left.dump();
+  EXPECT_FALSE(left["asks"]["ready"].get<bool>());
+}
+
+/// Through the first step, and under way in the second.
+void begin_second_step(ApiCell& cell, Procedure& recovery, ApiClient& watcher) {
+  EXPECT_EQ(recovery.say("done"), "");
+  EXPECT_EQ(recovery.say("-9mm"), "");
+  ASSERT_TRUE(cell.until([&] { return state_of(watcher, "six") != "ready"; }));
+}
+
+TEST(ApiProcedures, a_client_that_goes_away_leaves_its_step_to_the_next_one) {
   ApiCell cell({place("six", "hexapod")}, 1);
-  ApiClient watcher(cell);
-  const auto over = [&] {
-    return watcher.call("procedure.status", {{"robot", "six"}})["result"]["over"].get<bool>();
-  };
+  ApiClient next(cell);
   {
     ApiClient client(cell);
     Procedure recovery(cell, client, "six", "recover");
-    EXPECT_EQ(recovery.say("-9mm"), "");
-    ASSERT_TRUE(cell.until([&] { return state_of(watcher, "six") != "ready"; }));
+    begin_second_step(cell, recovery, next);
   }
-  ASSERT_TRUE(cell.until(over));
-  ASSERT_TRUE(cell.until([&] { return state_of(watcher, "six") == "ready"; }));
-  EXPECT_EQ(watcher.call("procedure.status", {{"robot", "six"}})["result"]["phase"], "cancelled");
-  ApiClient second(cell);
-  Procedure recovery(cell, second, "six", "recover");
-  EXPECT_EQ(recovery.say("-9mm"), "");
-  EXPECT_EQ(watcher.sentence("lease.take", {{"robot", "six"}, {"take_over", true}}), "");
-  ASSERT_TRUE(cell.until(over));
-  const Json ended = recovery.status();
-  EXPECT_EQ(ended["phase"], "failed");
-  EXPECT_NE(ended["trouble"].get<std::string>().find("took the lease over"), std::string::npos)
-      << ended.dump();
-  ASSERT_TRUE(cell.until([&] { return state_of(watcher, "six") == "ready"; }));
+  expect_left(cell, next);
+  EXPECT_NE(next.sentence("program.run", {{"robot", "six"}, {"text", "joint leg1=240mm"}})
+                .find("go on with it or cancel it first"),
+            std::string::npos);
+  EXPECT_NE(next.sentence("procedure.answer", {{"robot", "six"}, {"answer", "done"}}), "");
+  Procedure again(cell, next, "six", "recover");
+  const Json asked = again.asked();
+  EXPECT_EQ(asked["step"]["id"], "adjust.leg2") << "never at step 1";
+  EXPECT_EQ(asked["client"], next.id());
+  EXPECT_FALSE(asked.contains("client_lost"));
+  EXPECT_EQ(again.say("done"), "");
+  EXPECT_EQ(again.asked()["step"]["id"], "adjust.leg3");
 }
 
-TEST(ApiProcedures, a_client_that_falls_silent_ends_what_it_moves) {
+TEST(ApiProcedures, who_takes_control_over_goes_on_or_ends_it) {
+  ApiCell cell({place("six", "hexapod")}, 1);
+  ApiClient next(cell);
+  ApiClient client(cell);
+  Procedure recovery(cell, client, "six", "recover");
+  begin_second_step(cell, recovery, next);
+  EXPECT_EQ(next.sentence("lease.take", {{"robot", "six"}, {"take_over", true}}), "");
+  expect_left(cell, next);
+  EXPECT_EQ(next.sentence("procedure.cancel", {{"robot", "six"}}), "");
+  EXPECT_EQ(recovery.end()["phase"], "cancelled");
+
+  EXPECT_EQ(next.sentence("lease.release", {{"robot", "six"}}), "");
+  Procedure second(cell, client, "six", "recover");
+  second.asked();
+  EXPECT_NE(next.sentence("procedure.start", {{"robot", "six"}, {"kind", "recover"}}), "")
+      << "its client is there";
+  EXPECT_EQ(next.sentence("procedure.start",
+                          {{"robot", "six"}, {"kind", "recover"}, {"take_over", true}}),
+            "");
+  ASSERT_TRUE(cell.until([&] {
+    const Json now = procedure_of_six(next);
+    return now["client"] == next.id() && now["asks"]["ready"].get<bool>();
+  }));
+  EXPECT_NE(client.sentence("procedure.answer", {{"robot", "six"}, {"answer", "done"}}), "");
+  EXPECT_EQ(next.sentence("procedure.answer", {{"robot", "six"}, {"answer", "done"}}), "");
+}
+
+TEST(ApiProcedures, a_client_that_falls_silent_stops_what_it_moves) {
   ApiCell cell({place("six", "hexapod")}, 1);
   ApiClient watcher(cell);
   ApiClient client(cell);
   Procedure recovery(cell, client, "six", "recover");
-  EXPECT_EQ(recovery.say("-9mm"), "");
-  Json status;
-  ASSERT_TRUE(cell.until([&] {
-    status = watcher.call("procedure.status", {{"robot", "six"}})["result"];
-    return status["over"].get<bool>();
-  }));
-  EXPECT_NE(status["trouble"].get<std::string>().find("the lease has ended"), std::string::npos)
-      << status.dump();
+  begin_second_step(cell, recovery, watcher);
+  expect_left(cell, watcher);
 }
 
 /// An arm that nobody knows the place of, within reach of one that is moved by a little.

@@ -18,11 +18,6 @@ using test::ApiCell;
 using test::ApiClient;
 using test::place;
 
-double truth_deg(ApiClient& client, const std::string& robot, std::size_t joint) {
-  const Json truth = client.call("simulation.truth", {{"robot", robot}})["result"];
-  return to_deg(truth["joints"][joint]["position_rad"].get<double>());
-}
-
 TEST(Api, tells_what_is_in_the_cell) {
   ApiCell cell({place("left", "learm", "bus"), place("six", "hexapod")});
   ApiClient client(cell);
@@ -92,20 +87,6 @@ TEST(Api, one_client_moves_and_the_other_is_told_who_does) {
   EXPECT_EQ(second.sentence("lease.take", {{"robot", "left"}}), "");
 }
 
-TEST(Api, taking_over_stops_the_machine_first) {
-  ApiCell cell({place("left", "learm", "bus")}, 5);
-  ApiClient first(cell);
-  ApiClient second(cell);
-  first.run("left", test::kStand);
-  first.call("program.run", {{"robot", "left"}, {"text", "joint base=90deg speed=5%"}});
-  ASSERT_TRUE(cell.until([&] { return first.status("left")["state"] == "moving"; }));
-  EXPECT_EQ(second.sentence("lease.take", {{"robot", "left"}, {"take_over", true}}), "");
-  const Json job = first.finish("left");
-  EXPECT_EQ(job["phase"], "stopped");
-  EXPECT_TRUE(cell.until([&] { return second.status("left")["state"] == "ready"; }));
-  EXPECT_LT(truth_deg(second, "left", 0), 80);
-}
-
 TEST(Api, anybody_stops_and_the_program_is_over) {
   ApiCell cell({place("left", "learm", "bus"), place("six", "hexapod")}, 5);
   ApiClient owner(cell);
@@ -140,33 +121,6 @@ TEST(Api, nothing_begins_behind_a_stop) {
     EXPECT_EQ(status["state"], "ready") << status.dump();
     EXPECT_NEAR(truth_deg(client, "left", 0), before, 40);
   }
-}
-
-TEST(Api, who_falls_silent_loses_the_lease_and_the_machine_rests) {
-  ApiCell cell({place("left", "learm", "bus")}, 10);
-  ApiClient silent(cell);
-  ApiClient watcher(cell);
-  silent.run("left", test::kStand);
-  silent.call("program.run", {{"robot", "left"}, {"text", "joint base=90deg speed=1%"}});
-  ASSERT_TRUE(cell.until([&] { return watcher.status("left")["state"] == "moving"; }));
-  ASSERT_TRUE(cell.until([&] { return watcher.status("left")["state"] == "ready"; }))
-      << watcher.status("left").dump();
-  EXPECT_FALSE(watcher.status("left").contains("lease"));
-  EXPECT_EQ(watcher.finish("left")["stopped_by"], "lease_ended");
-  EXPECT_LT(truth_deg(watcher, "left", 0), 45);
-}
-
-TEST(Api, who_goes_away_leaves_nothing_moving) {
-  ApiCell cell({place("left", "learm", "bus")}, 10);
-  ApiClient watcher(cell);
-  {
-    ApiClient gone(cell);
-    gone.run("left", test::kStand);
-    gone.call("program.run", {{"robot", "left"}, {"text", "joint base=90deg speed=1%"}});
-    ASSERT_TRUE(cell.until([&] { return watcher.status("left")["state"] == "moving"; }));
-  }
-  ASSERT_TRUE(cell.until([&] { return watcher.status("left")["state"] == "ready"; }));
-  EXPECT_EQ(watcher.finish("left")["phase"], "stopped");
 }
 
 TEST(Api, a_jog_goes_as_long_as_somebody_asks_for_it) {

@@ -151,6 +151,11 @@ class ApiClient {
   std::vector<Json> messages_;
 };
 
+inline double truth_deg(ApiClient& client, const std::string& robot, std::size_t joint) {
+  const Json truth = client.call("simulation.truth", {{"robot", robot}})["result"];
+  return to_deg(truth["joints"][joint]["position_rad"].get<double>());
+}
+
 inline CellRobot place(const std::string& name, const std::string& robot,
                        const std::optional<std::string>& profile = {},
                        const std::optional<std::string>& wire = {}) {

@@ -1,8 +1,8 @@
 #include <algorithm>
 
 #include "sinew/io/file.h"
-#include "sinew/runtime/position_record.h"
 #include "sinew/runtime/commissioning_file.h"
+#include "sinew/runtime/position_record.h"
 #include "sinew/server/keeper.h"
 
 namespace sinew::server {

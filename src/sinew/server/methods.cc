@@ -65,8 +65,15 @@ constexpr Param kRunParams[] = {
     {"speed", ParamType::kNumber, false, "share of all rows' speed, 0.01 to 1"},
     {"single_step", ParamType::kFlag, false, "a pause behind each order, as program.step makes"}};
 
+constexpr Param kHoldParams[] = {
+    kRobotParam,
+    {"guarded", ParamType::kFlag, false, "only this client, or an explicit take_over, resumes it"}};
+constexpr Param kTakeHoldParam = {"take_over", ParamType::kFlag, false,
+                                  "also where another client guards the hold"};
+constexpr Param kResumeParams[] = {kRobotParam, kTakeHoldParam};
 constexpr Param kStepParams[] = {
     kRobotParam,
+    kTakeHoldParam,
     {"back", ParamType::kFlag, false, "where it is paused between two orders: the last one anew"}};
 
 constexpr Param kRideParams[] = {
@@ -221,11 +228,12 @@ constexpr auto kMethods = std::to_array<Method>({
     {MethodId::kRobotStop, "robot.stop", false, "to rest; anybody may", kRobotOrAll,
      "an empty object, when it is told"},
     {MethodId::kRobotHold, "robot.hold", false,
-     "to rest on its way, or behind what cannot be interrupted, to go on later; anybody may",
-     kRobotOnly, "an empty object", "Steered"},
+     "to rest on its path, or behind what cannot be interrupted, to go on later; any client may",
+     kHoldParams, "an empty object", "Steered"},
     {MethodId::kRobotResume, "robot.resume", true,
-     "on from there; needs the lease, but for a program, which goes on under that of who runs it",
-     kRobotOnly, "an empty object", "Steered"},
+     "on from there; needs the lease, but for a program, which goes on under that of the client "
+     "that runs it, and under the caller's where that client is gone",
+     kResumeParams, "an empty object", "Steered"},
     {MethodId::kRobotFeed, "robot.feed", true, "the pace from now on; needs the lease", kFeedParams,
      "an empty object"},
     {MethodId::kRobotJog, "robot.jog", true,

@@ -85,6 +85,7 @@ Json procedure_json(const std::string& robot, const runtime::ProcedureStatus& st
                     {"text", step.text}};
   }
   if (view.asks != ProcedureView::Asks::kNothing) json["asks"] = asks_json(view);
+  if (view.left) json["client_lost"] = true;
   if (view.joint) json["joint"] = *view.joint;
   if (!view.progress.empty()) {
     json["progress"] = {{"words", view.progress}, {"elapsed_s", view.elapsed}};

@@ -289,6 +289,8 @@ Json job_json(const std::string& robot, const runtime::JobView& job, const Robot
   if (job.wish_refused) tell("wish_refused", *job.wish_refused);
   if (job.failure && job.in_the_way) put_in_the_way(json["error"], *job.in_the_way);
   if (job.waits_for_room && job.in_the_way) json["waits_for"] = job.in_the_way->other;
+  if (job.client_lost) json["client_lost"] = true;
+  if (job.guard != 0) json["held_by"] = job.guard;
   if (job.stopped_by) json["stopped_by"] = cause_name(*job.stopped_by);
   if (job.last_notice) json["last_notice"] = error_json(job.last_notice->error, model);
   return json;

@@ -78,9 +78,9 @@ struct ServerLoop::Implementation {
   boost::asio::io_context context{1};  // one thread
   boost::asio::steady_timer timer;
   std::vector<std::function<void()>> turns;
-  bool hurried = false;       ///< the next turn comes soon
-  bool working = false;       ///< work() will come
-  std::size_t sessions = 0;   ///< that were there, since memory was given back
+  bool hurried = false;      ///< the next turn comes soon
+  bool working = false;      ///< work() will come
+  std::size_t sessions = 0;  ///< that were there, since memory was given back
   Instant trim_next{};
   const std::function<bool()>* stop = nullptr;
 };

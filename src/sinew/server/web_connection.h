@@ -149,8 +149,7 @@ class SocketConnection final : public WebConnection,
   void read() {
     // Somebody who is refused is not read any more: the refusal may still be on its way out.
     const bool room = !session_ || door_->loop.api().has_room(*session_);
-    const bool may_read =
-        open_ && !ending_ && last_reason_ == nullptr && pace_.may_read() && room;
+    const bool may_read = open_ && !ending_ && last_reason_ == nullptr && pace_.may_read() && room;
     if (!may_read || accepting_ || reading_) return;
     reading_ = true;
     socket_.async_read(buffer_, [self = this->shared_from_this()](auto error, std::size_t size) {
