@@ -236,7 +236,6 @@ export const de: Record<Key, string> = {
   'cause.lease_ended': 'wer ihn fuhr, ist weg',
   'cause.refused': 'abgelehnt',
   'cause.device': 'das Gerät meldet eine Störung',
-  'cause.supply': 'seine Versorgung',
   'cause.not_recorded': 'seine Lage ließ sich nicht aufzeichnen',
   'cause.record_late': 'die Aufzeichnung seiner Lage kommt zu spät',
   'cause.cycle_overrun': 'die Steuerung war zu langsam',

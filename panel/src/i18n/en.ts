@@ -235,7 +235,6 @@ export const en = {
   'cause.lease_ended': 'the client that moved it is gone',
   'cause.refused': 'refused',
   'cause.device': 'the device reports a fault',
-  'cause.supply': 'its supply',
   'cause.not_recorded': 'its position could not be recorded',
   'cause.record_late': 'the record of its position is late',
   'cause.cycle_overrun': 'the controller was too slow',

@@ -17,8 +17,6 @@ export const remediesDe: Record<keyof typeof remediesEn, string> = {
   'cause.refused.do': 'Nachsehen, was Programm oder Hinweis daneben sagen, und die Zeile oder das Ziel ändern, um das es geht.',
   'cause.device.means': 'Mit dem Gerät stimmt etwas nicht. Bis das geklärt ist, nimmt der Roboter keine Fahrt an.',
   'cause.device.do': 'Tun, was die Störung sagt, sie quittieren und den Roboter einschalten.',
-  'cause.supply.means': 'Die Versorgung sank während der Fahrt. Er wurde zur Ruhe gebracht, bevor Motoren Schritte verlieren.',
-  'cause.supply.do': 'Nach Netzteil, Kabel und Last sehen. Dann quittieren und einschalten.',
   'cause.not_recorded.means': 'Die Datei, in der steht, wo der Roboter ist, lässt sich nicht schreiben. Nach einem Absturz wüsste es niemand.',
   'cause.not_recorded.do': 'Auf dem Datenträger der Steuerung Platz schaffen oder nachsehen, ob er defekt ist. Dann die Steuerung neu starten.',
   'cause.record_late.means': 'Der Datenträger nahm zu langsam an, wohin der Roboter geht. Er ruht auf seinem Weg und kann weiterfahren.',

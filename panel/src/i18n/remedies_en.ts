@@ -18,8 +18,6 @@ export const remediesEn = {
   'cause.refused.do': 'See what the program or the notice beside this says, and change the row or the target that it names.',
   'cause.device.means': 'Something is wrong with the device. The robot takes no motion until that is settled.',
   'cause.device.do': 'Do what the fault says, acknowledge it, then enable the robot.',
-  'cause.supply.means': 'The supply sank while the robot moved. It was brought to rest before motors lose steps.',
-  'cause.supply.do': 'Look at the power supply, its cable and the load. Then acknowledge and enable the robot.',
   'cause.not_recorded.means': 'The file that says where the robot stands cannot be written. After a crash nobody would know it.',
   'cause.not_recorded.do': 'Make room on the controller’s disk, or see whether it is broken. Then start the controller anew.',
   'cause.record_late.means': 'The disk was slow to take where the robot goes. It rests on its way and can go on.',

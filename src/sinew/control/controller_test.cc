@@ -411,15 +411,15 @@ TEST(Controller, a_host_that_was_away_stops_and_latches_and_one_that_is_late_twi
   EXPECT_EQ(cell.controller.latched()->cause, StopCause::kClockGap);
 }
 
-TEST(Controller, a_supply_that_sinks_ends_the_motion_and_latches) {
+TEST(Controller, a_low_supply_is_a_notice_and_the_motion_goes_on) {
   ControlCell cell(kStreaming);
   cell.make_ready();
-  cell.give(Begin{&cell.path_to(cell.by(0.5))});
+  const std::uint32_t id = cell.give(Begin{&cell.path_to(cell.by(0.5))});
   cell.run(200ms);
   cell.driver.notice({ErrorCode::kSupplyLow, -1, 6.1, 6.5});
-  ASSERT_TRUE(cell.run_until([&] { return cell.controller.state() == kFault; }, 3s));
-  EXPECT_EQ(cell.driver.stops, 0);
-  EXPECT_EQ(cell.controller.latched()->cause, StopCause::kSupply);
+  ASSERT_TRUE(cell.run_until([&] { return cell.end_of(id).has_value(); }));
+  EXPECT_EQ(cell.end_of(id)->kind, Kind::kDone);
+  EXPECT_EQ(std::ranges::count(cell.events, Kind::kNotice, &ControlEvent::kind), 1);
 }
 
 TEST(Controller, a_motion_that_was_planned_from_elsewhere_is_refused) {

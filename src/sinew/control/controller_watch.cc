@@ -142,9 +142,6 @@ void Controller::take(const DriverEvent& event, Instant now) {
       tell(ControlEvent::Kind::kNotice, 0, event.error);
       notice_ = event.error;
       if (state_ == MachineState::kEnabling) enabling_trouble_ = event.error;
-      if (event.error.code == ErrorCode::kSupplyLow && may_move(state_)) {
-        stop(StopCause::kSupply, event.error, now);
-      }
       break;
     case Kind::kReady:
       break;

@@ -21,8 +21,6 @@ constexpr std::array kRules = std::to_array<StopRule>({
     {StopCause::kRefused, StopCategory::kStopAndHold, StopManner::kDevice, StopAfter::kReady,
      "refused"},
     {StopCause::kDevice, StopCategory::kNone, StopManner::kDevice, StopAfter::kFault, "device"},
-    {StopCause::kSupply, StopCategory::kStopAndHold, StopManner::kOnPath, StopAfter::kFault,
-     "supply"},
     {StopCause::kNotRecorded, StopCategory::kStopAndHold, StopManner::kOnPath, StopAfter::kFault,
      "not_recorded"},
     {StopCause::kRecordLate, StopCategory::kStopAndHold, StopManner::kOnPath, StopAfter::kHeld,

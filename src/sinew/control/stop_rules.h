@@ -18,14 +18,13 @@ enum class StopCause : std::uint8_t {
   kLeaseEnded,    ///< its holder is silent, or gave it back in the middle
   kRefused,       ///< a piece of the motion was refused: by its maker, the governor or the driver
   kDevice,        ///< the driver says that something is wrong
-  kSupply,        ///< the device's supply sinks
   kNotRecorded,   ///< the position journal cannot be written any more
   kRecordLate,    ///< its disk is slow: the motion would reach the end of what is recorded
   kCycleOverrun,  ///< the host was late twice in a row
   kClockGap,      ///< the host was away: suspended, or starved
   kShutdown,      ///< the program ends, or nobody wants the machine any more
 };
-inline constexpr std::size_t kStopCauses = 12;
+inline constexpr std::size_t kStopCauses = 11;
 
 /// How it is brought to rest. Where a device takes whole moves, or the motion has no path that it
 /// could brake on, both are the device's own stop, at the end of a piece or at once.

@@ -160,7 +160,7 @@ TEST_F(Recorder, keeps_ten_seconds_before_a_fault_and_one_behind_it) {
   recorder.offer(fault_event(), at(25s));
   offer(recorder, 25s, 25500ms);
   // More causes of the same fault do not make more files.
-  recorder.offer(fault_event(StopCause::kSupply), at(25500ms));
+  recorder.offer(fault_event(StopCause::kDevice), at(25500ms));
   recorder.settle();
   EXPECT_FALSE(recorder.take_told());
   offer(recorder, 25500ms, 30s);

@@ -89,8 +89,8 @@ void put_basics(Json& all) {
   all["State"] =
       one_of({"off", "enabling", "ready", "moving", "stopping", "held", "fault", "recovering"});
   all["StopCause"] =
-      one_of({"client", "pause", "take_over", "lease_ended", "refused", "device", "supply",
-              "not_recorded", "record_late", "cycle_overrun", "clock_gap", "shutdown"});
+      one_of({"client", "pause", "take_over", "lease_ended", "refused", "device", "not_recorded",
+              "record_late", "cycle_overrun", "clock_gap", "shutdown"});
   all["Error"] =
       told("Why not. measured and limit have their unit in their names; null is no number.",
            object({{"code", text()}, {"sentence", text()}},
