@@ -190,7 +190,7 @@ Outcome serve(const ServeRequest& request) {
   realtime.reset();
   if (!running) return could_not(running.error().sentence);
   // Whatever clients want, control threads come first: also before the threads that the Api begins.
-  io::let_others_go_first();
+  io::let_others_go_first(io::Share::kServing);
   server::Api api(**running, SINEW_VERSION, &*settings, event_file(request));
   server::ServerLoop loop(api);
   auto listening = server::LocalServer::listen(*socket, loop);

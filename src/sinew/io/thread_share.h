@@ -1,12 +1,18 @@
 #pragma once
 
+#include <cstdint>
+
 #include "sinew/io/io_error.h"
 
 namespace sinew::io {
 
-/// This thread, and those that it starts, get less of the processor than the others of the process
-/// where there is not enough for all.
-void let_others_go_first();
+/// How much less of the processor a thread gets where there is not enough for all.
+enum class Share : std::uint8_t {
+  kServing,   ///< answers clients: a third of what a control thread gets
+  kThinking,  ///< what clients wait for anyway: a tenth of that
+};
+/// Of this thread, and those that it starts from now on.
+void let_others_go_first(Share share);
 
 /// Memory that this process has freed goes back to the system, where its library keeps it.
 void give_memory_back();

@@ -108,6 +108,7 @@ Api::Api(runtime::RunningCell& cell, std::string version, runtime::CellSettings*
     X_near_.push_back(tools_.back()->home());
   }
   jobs_.resize(cell_.size());
+  models_.resize(cell_.size());
   procedures_.resize(cell_.size());
   monitors_.resize(cell_.size());
   stopped_.resize(cell_.size());
@@ -136,7 +137,7 @@ void Api::begin_events(const std::string& file) {
 void Api::keep_events() {
   if (!event_file_ || log_.last() == event_kept_) return;
   std::vector<std::string> lines;
-  for (const Json& event : log_.after(event_kept_)) lines.push_back(text_of(event));
+  for (const auto& event : log_.after(event_kept_)) lines.push_back(event.text);
   const bool taken = files_.ask({0, nullptr, false}, [file = event_file_, lines] {
     file->add(lines);
     return std::string();
@@ -368,6 +369,9 @@ void Api::answer(Session& session, const Json& id, bool answered, const Answer& 
   }
   if (!answered) return;
   if (const auto* result = std::get_if<Json>(&what)) return put(session, result_text(id, *result));
+  if (const auto* text = std::get_if<Text>(&what)) {
+    return put(session, result_of_text(id, text->json));
+  }
   put(session, error_text(id, std::get<RpcError>(what)));
 }
 
@@ -595,12 +599,12 @@ void Api::tell(Session& session, Instant now) {
   Watch& watch = session.watch;
   if (!watch.on || session.out.size() >= kOutputSlow) return;
   if (log_.last() != watch.event) {
-    for (const Json& event : log_.after(watch.event)) {
-      const bool meant = !watch.robot || event["robot"] == cell_.station(*watch.robot).name();
+    for (const auto& event : log_.after(watch.event)) {
+      const bool meant = !watch.robot || event.robot == cell_.station(*watch.robot).name();
       if (meant && session.out.size() < kOutputMax / 2) {
-        put(session, notification_text("event", event));
+        put(session, notification_of_text("event", event.text));
       }
-      watch.event = event["number"].get<std::uint64_t>();
+      watch.event = event.number;
       if (session.out.size() >= kOutputMax / 2) break;
     }
   }

@@ -160,7 +160,11 @@ class Api {
     TaskDesk& desk;
     TaskDesk::Task task;
   };
-  using Answer = std::variant<Json, Later, Elsewhere, Errand, RpcError>;
+  /// A result that is written already.
+  struct Text {
+    std::string json;
+  };
+  using Answer = std::variant<Json, Text, Later, Elsewhere, Errand, RpcError>;
 
   // api.cc
   void put(Session& session, std::string text);
@@ -192,6 +196,7 @@ class Api {
   /// Of one robot, or of all.
   Json cell_status(std::optional<std::size_t> robot = std::nullopt);
   Json job_status(std::size_t robot) const;
+  Text events(std::uint64_t after) const;
   const std::string& status_text(std::optional<std::size_t> robot);
   static bool same(const runtime::JobView& a, const runtime::JobView& b);
 
@@ -261,6 +266,8 @@ class Api {
   SessionId served_ = 0;                ///< whose message was done last
   bool holder_first_ = true;            ///< a session with a lease is next
   std::string version_;
+  std::string open_rpc_;             ///< written when it is asked for first; never changes
+  std::vector<std::string> models_;  ///< of each robot, as open_rpc_
   SessionId last_session_ = 0;
   std::uint64_t last_group_ = 0;
   std::map<SessionId, Session> sessions_;

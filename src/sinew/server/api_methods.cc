@@ -57,7 +57,8 @@ std::optional<planning::JogFrame> frame_of(std::string_view word) {
 Api::Answer Api::call(const Method& method, const Call& call) {
   switch (method.id) {
     case MethodId::kRpcDiscover:
-      return open_rpc(version_);
+      if (open_rpc_.empty()) open_rpc_ = text_of(open_rpc(version_));
+      return Text{open_rpc_};
     case MethodId::kCellDescribe:
       return describe();
     case MethodId::kCellStatus:
@@ -67,7 +68,7 @@ Api::Answer Api::call(const Method& method, const Call& call) {
     case MethodId::kWatch:
       return watch(call);
     case MethodId::kEventsList:
-      return Json{{"events", log_.after(call.request.whole("after", 0))}};
+      return events(call.request.whole("after", 0));
     case MethodId::kObjectsList:
       return Json{{"objects", object_names()}};
     case MethodId::kObjectsQuery:
@@ -124,7 +125,10 @@ Api::Answer Api::look(const Method& method, const Call& call) {
     case MethodId::kSimulationTruth:
       return truth(call);
     case MethodId::kRobotModel:
-      return model_json(cell_.station(*call.robot).robot());
+      if (models_[*call.robot].empty()) {
+        models_[*call.robot] = text_of(model_json(cell_.station(*call.robot).robot()));
+      }
+      return Text{models_[*call.robot]};
     case MethodId::kRobotPreview:
       return preview(call);
     case MethodId::kDeviceStatus:
@@ -134,6 +138,12 @@ Api::Answer Api::look(const Method& method, const Call& call) {
     default:
       return keep(method, call);
   }
+}
+
+Api::Text Api::events(std::uint64_t after) const {
+  std::string list;
+  for (const auto& event : log_.after(after)) list += (list.empty() ? "" : ",") + event.text;
+  return {R"({"events":[)" + list + "]}"};
 }
 
 Json Api::cell_status(std::optional<std::size_t> robot) {

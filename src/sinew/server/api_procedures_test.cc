@@ -162,7 +162,7 @@ Json procedure_of_six(ApiClient& client) {
 }
 
 /// Control is lost under way: nothing moves, and the procedure waits at its step.
-void expect_left(ApiCell& cell, ApiClient& watcher) {
+void expect_step_left(ApiCell& cell, ApiClient& watcher) {
   ASSERT_TRUE(cell.until([&] {
     const Json now = procedure_of_six(watcher);
     return now.contains("client_lost") && now["phase"] == "asking";
@@ -191,7 +191,7 @@ TEST(ApiProcedures, a_client_that_goes_away_leaves_its_step_to_the_next_one) {
     Procedure recovery(cell, client, "six", "recover");
     begin_second_step(cell, recovery, next);
   }
-  expect_left(cell, next);
+  expect_step_left(cell, next);
   EXPECT_NE(next.sentence("program.run", {{"robot", "six"}, {"text", "joint leg1=240mm"}})
                 .find("go on with it or cancel it first"),
             std::string::npos);
@@ -212,7 +212,7 @@ TEST(ApiProcedures, who_takes_control_over_goes_on_or_ends_it) {
   Procedure recovery(cell, client, "six", "recover");
   begin_second_step(cell, recovery, next);
   EXPECT_EQ(next.sentence("lease.take", {{"robot", "six"}, {"take_over", true}}), "");
-  expect_left(cell, next);
+  expect_step_left(cell, next);
   EXPECT_EQ(next.sentence("procedure.cancel", {{"robot", "six"}}), "");
   EXPECT_EQ(recovery.end()["phase"], "cancelled");
 
@@ -238,7 +238,7 @@ TEST(ApiProcedures, a_client_that_falls_silent_stops_what_it_moves) {
   ApiClient client(cell);
   Procedure recovery(cell, client, "six", "recover");
   begin_second_step(cell, recovery, watcher);
-  expect_left(cell, watcher);
+  expect_step_left(cell, watcher);
 }
 
 /// An arm that nobody knows the place of, within reach of one that is moved by a little.

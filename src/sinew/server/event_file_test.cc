@@ -85,14 +85,14 @@ TEST(EventFile, numbers_go_on_behind_more_than_are_kept) {
   EventLog before;
   std::vector<Json> all;
   for (int i = 0; i < 2500; ++i) before.add(Json::parse(line(i + 1)));
-  for (const Json& event : before.after(0)) all.push_back(event);
+  for (const auto& event : before.after(0)) all.push_back(Json::parse(event.text));
   ASSERT_EQ(all.size(), EventLog::kMax);
   EventLog now;
   now.begin(all);
   EXPECT_EQ(now.last(), 2500U);
   now.add(Json::parse(line(1)));
-  EXPECT_EQ(now.after(2500).at(0)["number"], 2501U);
-  EXPECT_EQ(now.after(0).front()["number"], 1502U);
+  EXPECT_EQ(now.after(2500).front().number, 2501U);
+  EXPECT_EQ(now.after(0).front().number, 1502U);
   // What somebody has written there by hand counts nothing down, nor beyond what can be counted.
   EventLog odd;
   std::vector<Json> strange;

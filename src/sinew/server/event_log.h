@@ -1,7 +1,11 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <deque>
+#include <functional>
+#include <ranges>
+#include <string>
 #include <vector>
 
 #include "sinew/server/json_rpc.h"
@@ -11,6 +15,12 @@ namespace sinew::server {
 /// What happened in the cell, for people: the last kMax events, each with a number.
 class EventLog {
  public:
+  struct Event {
+    std::uint64_t number = 0;
+    std::string robot;
+    std::string text;  ///< JSON, written once for all that are told
+  };
+
   static constexpr std::size_t kMax = 1000;
   /// Numbers that JavaScript can count: more come from a file that was tampered with.
   static constexpr std::uint64_t kNumberMax = std::uint64_t{1} << 52;
@@ -31,22 +41,21 @@ class EventLog {
     Json numbered{{"number", ++last_}};
     numbered.update(event);
     numbered["number"] = last_;
-    events_.push_back(std::move(numbered));
+    const auto robot = numbered.find("robot");
+    const bool named = robot != numbered.end() && robot->is_string();
+    events_.push_back({last_, named ? robot->get<std::string>() : "", text_of(numbered)});
     if (events_.size() > kMax) events_.pop_front();
   }
   /// Of the last event; 0 before the first one.
   std::uint64_t last() const { return last_; }
   /// Those behind this number that are still known, oldest first.
-  Json after(std::uint64_t number) const {
-    Json list = Json::array();
-    for (const Json& event : events_) {
-      if (event["number"].get<std::uint64_t>() > number) list.push_back(event);
-    }
-    return list;
+  auto after(std::uint64_t number) const {
+    return std::ranges::subrange(
+        std::ranges::upper_bound(events_, number, std::less{}, &Event::number), events_.end());
   }
 
  private:
-  std::deque<Json> events_;
+  std::deque<Event> events_;
   std::uint64_t last_ = 0;
 };
 

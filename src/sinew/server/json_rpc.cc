@@ -101,6 +101,11 @@ std::string error_text(const Json& id, const RpcError& error) {
   return text_of({{"jsonrpc", "2.0"}, {"id", id}, {"error", object}});
 }
 
+std::string notification_of_text(std::string_view method, std::string_view params) {
+  std::string text = R"({"jsonrpc":"2.0","method":")" + std::string(method) + R"(","params":)";
+  return (text += params) += '}';
+}
+
 std::string notification_text(std::string_view method, const Json& params) {
   return text_of({{"jsonrpc", "2.0"}, {"method", method}, {"params", params}});
 }

@@ -76,6 +76,8 @@ std::string result_text(const Json& id, const Json& result);
 /// @param result  JSON already
 std::string result_of_text(const Json& id, std::string_view result);
 std::string error_text(const Json& id, const RpcError& error);
+/// @param params  JSON already
+std::string notification_of_text(std::string_view method, std::string_view params);
 std::string notification_text(std::string_view method, const Json& params);
 std::string request_text(std::uint64_t id, std::string_view method, const Json& params);
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "sinew/io/thread_share.h"
+
 namespace sinew::server {
 
 TaskDesk::TaskDesk(std::size_t waiting_max)
@@ -39,6 +41,7 @@ std::optional<Answered> TaskDesk::take() {
 }
 
 void TaskDesk::work() {
+  io::let_others_go_first(io::Share::kThinking);
   std::unique_lock lock(mutex_);
   while (true) {
     more_.wait(lock, [this] { return ends_ || !waiting_.empty(); });
