@@ -219,17 +219,19 @@ const ours = computed(() => {
   const now = status.value?.job;
   return now !== undefined && ran.value?.robot === robot.value && ran.value?.job === now.job ? ran.value : null;
 });
-/** By its name where somebody else has started it. */
+/** By its name where another client has started it. */
+const isThis = computed(() => ours.value !== null || status.value?.job?.title === programTitle());
+/** Of another name only while it waits for a client. */
 export const job = computed(() => {
   const now = status.value?.job;
-  return now && (ours.value || now.title === programTitle()) ? now : null;
+  return now && (isThis.value || (now.client_lost && !now.over)) ? now : null;
 });
 /** The text was changed since it began. */
 export const outdated = computed(() => ours.value !== null && ours.value.text !== text.value);
 export const programTitle = (): string => name.value || 'program';
 export const running = computed(() => (job.value && !job.value.over ? job.value : null));
 export const runningLine = computed(() =>
-  running.value && running.value.line > 0 && !outdated.value ? running.value.line : null,
+  running.value && running.value.line > 0 && isThis.value && !outdated.value ? running.value.line : null,
 );
 export const failedLine = computed(() =>
   job.value?.over && job.value.phase === 'failed' && !outdated.value ? (job.value.error?.line ?? null) : null,

@@ -360,3 +360,41 @@ test('a controller that is killed while it jogs: said at once, nothing moves, an
   page.errors = page.errors.filter((one) => !one.startsWith('WebSocket connection to'));
   await here.close(page, 'safety_recovery');
 });
+
+test('Stop stays on the screen at every size, in every view, however far is scrolled', async () => {
+  const rows = Array.from({ length: 60 }, (_, i) => `joint base=${10 + (i % 2)}deg speed=5%`).join('\n');
+  const steady = await here.open({ viewport: { width: 1440, height: 900 } });
+  await upright(steady, 'left');
+  await steady.evaluate((text) => globalThis.__sinew.store.run('left', text, 'sixty rows'), rows);
+  await until('under way', async () => (await status('left')).state === 'moving');
+  await ask('robot.hold', { robot: 'left' });
+  await until('paused', async () => (await status('left')).job.phase === 'paused');
+  await view(steady, 'left', 'programs');
+  await steady.getByLabel('Text of the program').fill(rows);
+  const bad = [];
+  for (const [width, height] of [[1440, 900], [1100, 720], [800, 600], [390, 844]]) {
+    await steady.setViewportSize({ width, height });
+    for (const name of ['jog', 'move', 'programs', 'setup', 'plots', 'device', 'events', 'help']) {
+      await view(steady, 'left', name);
+      await steady.waitForTimeout(60);
+      for (const [x, y] of [[0.1, 0.5], [0.4, 0.5], [0.8, 0.3], [0.8, 0.6], [0.9, 0.9], [0.5, 0.95]]) {
+        await steady.mouse.move(x * width, y * height);
+        for (const turn of [900, 4000]) await steady.mouse.wheel(0, turn);
+      }
+      await steady.waitForTimeout(60);
+      await steady.evaluate(() => window.scrollTo(0, 1e5));
+      const seenThere = await steady.evaluate(() => {
+        const box = document.querySelector('button.stop').getBoundingClientRect();
+        const [x, y] = [(box.left + box.right) / 2, (box.top + box.bottom) / 2];
+        const inside = box.top >= 0 && box.left >= 0 && box.bottom <= innerHeight && box.right <= innerWidth;
+        const above = document.elementFromPoint(x, y);
+        return (inside && above?.closest('button.stop') ? '' : `at ${x}, ${y}, below ${above?.className}`);
+      });
+      if (seenThere) bad.push(`${width}x${height} ${name}: ${seenThere}`);
+    }
+  }
+  assert.deepEqual(bad, []);
+  await steady.locator('button.stop').click();
+  await until('over', async () => (await status('left')).job.over);
+  await here.close(steady, 'stop_stays');
+});

@@ -10,6 +10,7 @@ import {
   job,
   outdated,
   pause,
+  programTitle,
   resume,
   run,
   running,
@@ -114,6 +115,7 @@ function Progress(): JSX.Element {
   return (
     <div class="progress">
       <p class="verdict-head">
+        {now.title !== programTitle() && <span>{now.title}</span>}
         {tWord('prog.phase', now.phase)}
         {now.line > 0 && <span>{t('prog.in_row', { line: now.line })}</span>}
         {now.client_lost && <span>{t('prog.client_lost')}</span>}

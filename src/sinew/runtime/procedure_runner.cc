@@ -87,6 +87,7 @@ std::expected<void, std::string> ProcedureRunner::start(const ProcedureOrder& or
   status_.number = number;
   status_.client = client;
   status_.over = false;
+  kept_ = false;
   procedure_->start(clock_.now());
   publish();
   return {};
@@ -97,6 +98,7 @@ void ProcedureRunner::go_on(control::ClientId client, bool take_over) {
   client_->refresh();
   client_->act_for(client);
   status_.client = client;
+  kept_ = false;
   procedure_->rejoin(take_over);
   publish();
 }
@@ -126,6 +128,7 @@ void ProcedureRunner::poll() {
   client_->refresh();
   procedure_->poll(clock_.now());
   publish();
+  if (procedure_->left() && !kept_) keep_results();
   // The controller looks at the motion until its command has ended.
   if (!procedure_->finished() || client_->motion_in_use()) return;
   // Whoever hears that it is over may begin something, and its own stop must not end that.
@@ -149,10 +152,12 @@ void ProcedureRunner::publish() {
   if (moves && status_.view.joint) status_.view.share = std::clamp(seen.progress, 0.0, 1.0);
 }
 
-/// Settings count when the list has come to its end; answers are kept however it ended.
+/// Settings count when the list has come to its end; answers are kept however it ended, and while it
+/// waits for another client.
 void ProcedureRunner::keep_results() {
+  kept_ = true;
   if (procedure_->plan().id != kCommission || place_.file.empty()) return;
-  const auto [file, misfit] = results_of(*procedure_, std::move(before_));
+  const auto [file, misfit] = results_of(*procedure_, before_);
   status_.note = misfit;
   const bool counts = procedure_->phase() == Procedure::Phase::kDone && misfit.empty();
   if (counts) status_.settings = file.settings;

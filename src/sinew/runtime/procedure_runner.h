@@ -75,6 +75,7 @@ class ProcedureRunner {
   const io::Clock& clock_;
   ResultsPlace place_;
   ProcedureStatus status_;
+  bool kept_ = false;  ///< results, of the procedure as it stands
   CommissioningFile before_;
   std::unique_ptr<StationClient> client_;
   std::unique_ptr<program::Procedure> procedure_;

@@ -331,6 +331,9 @@ TEST(ApiProcedures, commissioning_finds_and_keeps_what_is_other_than_in_the_robo
     EXPECT_EQ(half.asked()["steps"][2]["words"], "byte") << "what only the driver knows";
   }
   ApiClient client(cell);
+  ASSERT_TRUE(cell.until([&] { return runtime::read_commissioning(file, model).has_value(); }))
+      << "kept while it waits for another client";
+  EXPECT_EQ(client.sentence("procedure.cancel", {{"robot", "big"}}), "");
   ASSERT_TRUE(cell.until([&] {
     return client.call("procedure.status", {{"robot", "big"}})["result"]["over"].get<bool>();
   }));
