@@ -160,6 +160,26 @@ TEST(CellProcedures, ctrl_c_ends_a_procedure_and_what_it_moves) {
   EXPECT_EQ(state, "ready");
 }
 
+TEST(CellProcedures, a_killed_client_leaves_its_step_to_the_next_process) {
+  ProcedureCell cell(kArm);
+  {
+    Process homing(
+        cell.on({"home", "arm", "--answers", cell.script("* = yes\nagain = go\nhome = go\n")}));
+    homing.wait_for_err("> go");
+    homing.signal(SIGKILL);
+    homing.end();
+  }
+  Json left;
+  for (int k = 0; k < 200 && !left.contains("client_lost"); ++k) {
+    cell.process().let_run(50ms);
+    left = cell.answer({"status", "arm", "--json"})["robots"][0].value("procedure", Json::object());
+  }
+  ASSERT_TRUE(left.contains("client_lost")) << left.dump();
+  const Json ended = cell.answer({"home", "arm", "--json"});
+  EXPECT_EQ(ended["phase"], "done") << ended.dump();
+  EXPECT_EQ(ended["steps"][0]["answer"], "yes") << "as it was answered before, never at step 1";
+}
+
 TEST(CellProcedures, what_commissioning_finds_in_a_cell_is_kept_and_named_in_its_file) {
   const ProcedureCell cell(kTwo);
   const std::string answers = cell.script(

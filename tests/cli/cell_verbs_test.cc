@@ -381,7 +381,7 @@ TEST(Cell, one_socket_has_one_server) {
   EXPECT_EQ(cell.ask({"status"}).exit, 0);
 }
 
-TEST(Cell, whoever_is_killed_leaves_nothing_moving) {
+TEST(Cell, whoever_is_killed_leaves_nothing_moving_and_another_process_resumes) {
   Cell cell;
   ASSERT_EQ(cell.ask({"move", "left", kStand}).exit, 0);
   {
@@ -390,9 +390,46 @@ TEST(Cell, whoever_is_killed_leaves_nothing_moving) {
     mover.signal(SIGKILL);
     mover.end();
   }
-  EXPECT_TRUE(cell.comes_to("left", "ready"));
+  EXPECT_TRUE(cell.comes_to("left", "held"));
   EXPECT_LT(base_rad(cell.status("left")), 1.4);
+  const Ended refused = cell.ask({"move", "left", "joint", "base=0deg"});
+  EXPECT_EQ(refused.exit, 1);
+  EXPECT_NE(refused.err.find("resume or stop it first"), std::string::npos) << refused.err;
+  const Ended resumed = cell.ask({"resume", "left"});
+  EXPECT_EQ(resumed.exit, 0) << resumed.err;
+  EXPECT_NE(resumed.out.find("done"), std::string::npos) << resumed.out;
+  EXPECT_NEAR(base_rad(cell.status("left")), 1.5708, 0.03);
   EXPECT_EQ(cell.ask({"move", "left", "joint", "base=0deg"}).exit, 0);
+}
+
+TEST(Cell, a_guarded_pause_is_resumed_by_an_explicit_take_over_only) {
+  Cell cell;
+  ASSERT_EQ(cell.ask({"move", "left", kStand}).exit, 0);
+  Process mover(cell.on({"move", "left", "joint", "base=60deg", "speed=5%"}));
+  ASSERT_TRUE(cell.comes_to("left", "moving"));
+  EXPECT_EQ(cell.ask({"pause", "left", "--guard"}).exit, 0);
+  EXPECT_TRUE(cell.comes_to("left", "held"));
+  const Ended refused = cell.ask({"resume", "left"});
+  EXPECT_EQ(refused.exit, 1);
+  EXPECT_NE(refused.err.find("only that client resumes it"), std::string::npos) << refused.err;
+  EXPECT_EQ(cell.ask({"resume", "left", "--take-over"}).exit, 0);
+  const Ended done = mover.end();
+  EXPECT_EQ(done.exit, 0) << done.err;
+}
+
+TEST(Cell, who_is_taken_over_is_told_so_and_the_program_can_be_resumed) {
+  Cell cell;
+  ASSERT_EQ(cell.ask({"move", "left", kStand}).exit, 0);
+  Process mover(cell.on({"move", "left", "joint", "base=60deg", "speed=5%"}));
+  ASSERT_TRUE(cell.comes_to("left", "moving"));
+  Process holder(cell.on({"lease", "left", "--take-over"}));
+  const Ended told = mover.end();
+  EXPECT_EQ(told.exit, 1);
+  EXPECT_NE(told.err.find("sinew resume left goes on with it"), std::string::npos) << told.err;
+  EXPECT_TRUE(cell.comes_to("left", "held"));
+  EXPECT_EQ(cell.ask({"resume", "left"}).exit, 1) << "another process has control";
+  const Ended resumed = cell.ask({"resume", "left", "--take-over"});
+  EXPECT_EQ(resumed.exit, 0) << resumed.err;
 }
 
 TEST(Cell, pauses_goes_on_and_stops_for_anybody) {

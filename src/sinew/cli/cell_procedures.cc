@@ -86,8 +86,12 @@ class Passage {
     const io::Clock clock;
     Instant alive = clock.now();
     int interrupts = 0;
+    const control::ClientId own = status_.client;
+    bool had = false;
     while (true) {
       const program::ProcedureView view = status_.view;
+      had = had || !view.left;
+      if (status_.client != own || (had && view.left)) return taken_away();
       dialogue_.turn(view, hands);
       if (status_.over) return outcome();
       const auto message = cell_.client().next(kSlice);
@@ -95,13 +99,23 @@ class Passage {
       if (message && (*message)["method"] == "procedure") read((*message)["params"]);
       if (io::interrupts() > interrupts) {
         interrupts = io::interrupts();
-        if (interrupts > 1) return could_not("left at once; the lease ends with this program");
+        if (interrupts > 1) return could_not("left at once; the procedure waits at its step");
         hands.cancel();
       }
       if (clock.now() - alive < kAlive) continue;
       alive = clock.now();
       cell_.client().send("lease.renew");
     }
+  }
+
+  Outcome taken_away() const {
+    return could_not(fmt::format(
+        "control was lost; {} waits at the step '{}', and the same command with --take-over goes "
+        "on "
+        "there",
+        status_.view.title,
+        status_.view.place < status_.view.steps.size() ? status_.view.steps[status_.view.place].step
+                                                       : ""));
   }
 
   Outcome outcome() const {

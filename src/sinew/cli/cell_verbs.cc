@@ -32,20 +32,25 @@ std::string joints_text(const Json& status) {
   return text;
 }
 
+/// Of a program or procedure.
+const char* gone(const Json& what) {
+  return what.value("client_lost", false) ? ", its client is gone" : "";
+}
+
 /// What a person should know beside the state.
 std::string remark(const Json& status) {
   if (status.contains("trouble")) return status["trouble"];
   if (status.contains("fault")) return status["fault"]["error"]["sentence"];
   if (status.contains("job") && !status["job"]["over"].get<bool>()) {
     const Json& job = status["job"];
-    return fmt::format("{} {}, line {}, {:.0f} %", job["title"].get<std::string>(),
+    return fmt::format("{} {}, line {}, {:.0f} %{}", job["title"].get<std::string>(),
                        job["phase"].get<std::string>(), job["line"].get<int>(),
-                       100 * job["progress"].get<double>());
+                       100 * job["progress"].get<double>(), gone(job));
   }
   if (status.contains("procedure")) {
     const Json& procedure = status["procedure"];
-    return fmt::format("{}, step {} of {}", procedure["kind"].get<std::string>(),
-                       procedure["step"].get<int>(), procedure["of"].get<int>());
+    return fmt::format("{}, step {} of {}{}", procedure["kind"].get<std::string>(),
+                       procedure["step"].get<int>(), procedure["of"].get<int>(), gone(procedure));
   }
   return status.contains("homing") ? "homing " + status["homing"].get<std::string>() : "";
 }

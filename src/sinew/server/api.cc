@@ -538,7 +538,8 @@ void Api::log_events() {
 bool Api::same(const JobView& a, const JobView& b) {
   return a.id == b.id && a.over == b.over && phase_name(a) == phase_name(b) && a.line == b.line &&
          a.planned == b.planned && a.orders_done == b.orders_done && a.notices == b.notices &&
-         a.waits_for_room == b.waits_for_room;
+         a.waits_for_room == b.waits_for_room && a.client == b.client &&
+         a.client_lost == b.client_lost && a.guard == b.guard;
 }
 
 /// The life of each job, a row where its phase changes.
@@ -589,6 +590,7 @@ Json Api::status(std::size_t robot) {
                          {"phase", program::name(view.phase)},
                          {"step", std::min(view.place + 1, view.steps.size())},
                          {"of", view.steps.size()}};
+    if (view.left) json["procedure"]["client_lost"] = true;
   }
   return json;
 }

@@ -17,9 +17,9 @@ constexpr Duration kProgressInterval = std::chrono::milliseconds(100);
 
 bool same_step(const ProcedureStatus& a, const ProcedureStatus& b) {
   return a.number == b.number && a.over == b.over && a.answers == b.answers &&
-         a.view.phase == b.view.phase && a.view.place == b.view.place &&
-         a.view.trouble == b.view.trouble && a.view.question == b.view.question &&
-         a.view.ready == b.view.ready;
+         a.client == b.client && a.view.left == b.view.left && a.view.phase == b.view.phase &&
+         a.view.place == b.view.place && a.view.trouble == b.view.trouble &&
+         a.view.question == b.view.question && a.view.ready == b.view.ready;
 }
 
 }  // namespace

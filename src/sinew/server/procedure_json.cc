@@ -121,6 +121,7 @@ std::optional<runtime::ProcedureStatus> read_procedure(const Json& json) {
     if (!read_name(json.at("phase"), Procedure::Phase::kFailed, view.phase)) return std::nullopt;
     view.place = json.at("place");
     view.trouble = json.value("trouble", "");
+    view.left = json.value("client_lost", false);
     for (const Json& step : json.at("steps")) view.steps.push_back(read_step(step));
     if (json.contains("asks")) read_asks(json["asks"], view);
     if (json.contains("joint")) view.joint = json["joint"].get<std::string>();

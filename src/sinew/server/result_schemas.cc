@@ -209,7 +209,8 @@ void put_status(Json& all) {
                              {"kind", text()},
                              {"phase", ref("ProcedurePhase")},
                              {"step", whole()},
-                             {"of", whole()}})}});
+                             {"of", whole()}},
+                            {{"client_lost", flag()}})}});
   all["Truth"] = object({{"joints", list(object({{"name", text()},
                                                  {"stalled", flag()},
                                                  {"at_end_stop", flag()},
