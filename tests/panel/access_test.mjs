@@ -79,7 +79,7 @@ for (const [colorScheme, locale] of [['dark', 'en-GB'], ['light', 'de-DE']]) {
     await go(page, 'learm', 'help');
     await press('help', /^(About|Über)/);
     await go(page, 'platform', 'setup');
-    await page.getByRole('button', { name: /^(Begin recovery|Wiederfinden)/ }).click();
+    await page.getByRole('button', { name: /^(Begin recovery|Wiederfinden|Go on here|Hier fortfahren)/ }).click();
     await page.locator('.question').waitFor();
     found.push(...(await look(page, 'question')));
     await page.evaluate(() => globalThis.__sinew.store.note('refused', 'a sentence', 'learm'));

@@ -63,7 +63,7 @@ const asked = (robot, step, choice) =>
     return fits && (!choice || now.asks.choices.includes(choice)) && now;
   }, 100);
 
-test('commissioning: nothing moves before Go, a reload ends it and keeps the answers, what was found is kept', async () => {
+test('commissioning: nothing moves before Go, behind a reload it goes on at its step, what was found is kept', async () => {
   const page = await here.open();
   // What was answered is kept: another one, where it has to be tried again.
   await patiently('commissioning', (attempt) => commission(page, ['left', 'spare', 'third'][attempt - 1]));
@@ -80,13 +80,15 @@ async function commission(page, robot) {
   await asked(robot, 'first_move');
   const begin = await rests(robot, 1e-3);
 
-  // A page that goes away is the end of what it watches over; it says so when it is there again.
+  // It belongs to the controller: the page finds it at its step when it is there again.
   await page.reload();
   await shown(page);
-  await page.getByText('was broken off when this page lost its connection').waitFor();
-  assert.equal((await procedure(robot)).phase, 'cancelled');
+  await page.getByText('It waits at this step').waitFor();
+  const left = await procedure(robot);
+  assert.equal(left.client_lost, true);
+  assert.equal(left.step.id, 'first_move');
   assert.ok(apart(await truth(robot), begin) < 5e-3, 'nothing has moved');
-  await page.getByRole('button', { name: 'Go on', exact: true }).click();
+  await page.getByRole('button', { name: 'Go on here' }).click();
   await asked(robot, 'first_move');
   await until('the answers are kept', async () => (await page.locator('.look-done').count()) >= 3);
   assert.ok(apart(await rests(robot, 1e-3), begin) < 5e-3, 'nothing has moved yet');

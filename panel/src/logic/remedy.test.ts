@@ -14,7 +14,7 @@ describe('what to do', () => {
     expect(latching.length).toBeGreaterThan(30);
     expect(latching).toContain('emergency_stop');
     expect(latching).not.toContain('joint_limit');
-    expect(causes).toHaveLength(12);
+    expect(causes).toHaveLength(11);
   });
 
   for (const [language, { texts }] of Object.entries(kLanguages)) {

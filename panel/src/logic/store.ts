@@ -268,6 +268,22 @@ export class Store {
     await this.ask('robot.resume', { robot, ...(this.guarded(robot) ? { take_over: true } : {}) });
   }
 
+  /** One row, as its own program. @return  why not: a refusal stands beside what was pressed */
+  async runRow(robot: string, text: string, name: string): Promise<string | null> {
+    if (!(await this.control(robot))) return '';
+    return this.attempt(robot, () => this.rpc.call('program.run', { robot, text, name }));
+  }
+  private async attempt(robot: string, call: () => Promise<unknown>): Promise<string | null> {
+    try {
+      await call();
+      return null;
+    } catch (error) {
+      if (error instanceof RpcError) return refusalSentence(error);
+      this.noteError(error, robot);
+      return '';
+    }
+  }
+
   /** Homing, recovery or commissioning, step by step; it takes control for this page by itself. */
   async startProcedure(robot: string, kind: ProcedureKind, how: { take_over?: boolean; anew?: boolean } = {}): Promise<string | null> {
     return this.steer('procedure.start', { robot, kind, ...how });
@@ -282,20 +298,15 @@ export class Store {
     return this.steer('procedure.cancel', { robot });
   }
   /** @return  why not: a refusal stands beside its question, not among the notes */
-  private async steer(method: string, params: { robot: string; [name: string]: unknown }): Promise<string | null> {
-    try {
+  private steer(method: string, params: { robot: string; [name: string]: unknown }): Promise<string | null> {
+    return this.attempt(params.robot, async () => {
       const told = await this.rpc.call<ProcedureJson>(method, params);
       batch(() => {
         // The lease that it has taken is ours, and lives on our messages.
         if (method === 'procedure.start') this.client.value = told.client;
         this.take('procedure', told);
       });
-      return null;
-    } catch (error) {
-      if (error instanceof RpcError) return refusalSentence(error);
-      this.noteError(error, params.robot);
-      return '';
-    }
+    });
   }
   ownsProcedure(robot: string): boolean {
     const one = this.procedures.value[robot];

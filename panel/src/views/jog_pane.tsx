@@ -12,6 +12,7 @@ import type { JogFrame, RobotModel } from '../logic/types';
 import { clamp, shown, toRad, unitOf } from '../logic/units';
 import { hoveredJoint } from '../scene_state';
 import { ReadyFirst } from './ready_first';
+import { ToolKeys } from './tool_keys';
 import { Icon, Segments, Slider, Toggle, useTimer } from './parts';
 
 const kSteps = { length: ['0.1', '1', '10', '50'], angle: ['0.1', '1', '5', '15'] } as const;
@@ -105,6 +106,7 @@ export function JogPane(): JSX.Element {
         text={`${Math.round(100 * share.value)} %`}
         onInput={(value) => (share.value = value)}
       />
+      <ToolKeys model={one} name={name} />
       <Remote model={one} hand={hand} />
       <Pace />
       <p class="jog-live" role="status" data-on={jogging.value}>

@@ -25,6 +25,7 @@ import { clamp, decimals, duration, toMm } from '../logic/units';
 import { hoveredJoint } from '../scene_state';
 import { Icon, NumberField, Segments } from './parts';
 import { ReadyFirst } from './ready_first';
+import { ToolKeys } from './tool_keys';
 import { WaySpeed } from './way_speed';
 
 /** Seen first, moved then: a target, the ghost that stands there, and what the server says to it. */
@@ -55,6 +56,7 @@ export function MovePane(): JSX.Element {
           />
         )}
       </div>
+      <ToolKeys model={one} name={robot.value!} />
       <WaySpeed model={one} onInput={(speed) => setWay({ ...way.value, speed })} />
       <div class="pane-foot">
         <VerdictCard model={one} />
