@@ -170,7 +170,7 @@ TEST(Told, notices_are_in_the_document) {
   const Ended run = sinew({"run", program, "--robot", "maxarm", "--port", arm.port(), "--json"});
   EXPECT_EQ(run.exit, 1) << "no motion starts where it was not planned from";
   const Json json = run.json();
-  EXPECT_EQ(json["refusal"]["code"], "moved_unasked") << json["refusal"].dump();
+  ASSERT_EQ(json["refusal"]["code"], "moved_unasked") << json["refusal"].dump();
   EXPECT_EQ(json["refusal"]["line"], 3);
   EXPECT_EQ(json["refusal"]["joint"], "shoulder");
   EXPECT_NEAR(json["refusal"]["limit_deg"].get<double>(), 120, 1e-9);

@@ -77,6 +77,8 @@ class Job(TypedDict, total=False):
     error: Error
     wish_refused: Error
     waits_for: str
+    client_lost: bool
+    held_by: int
     stopped_by: str
     last_notice: Error
 

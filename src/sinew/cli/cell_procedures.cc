@@ -92,7 +92,7 @@ class Passage {
       const program::ProcedureView view = status_.view;
       had = had || !view.left;
       if (status_.client != own || (had && view.left)) return taken_away();
-      dialogue_.turn(view, hands);
+      if (had) dialogue_.turn(view, hands);
       if (status_.over) return outcome();
       const auto message = cell_.client().next(kSlice);
       if (cell_.client().broken()) return could_not("the server has gone away; the robot stops");

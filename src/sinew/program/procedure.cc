@@ -180,6 +180,7 @@ void Procedure::take(const Event& event, Instant now) {
 /// Without the lease nothing goes on: what moved is stopped, and the step is asked for again.
 void Procedure::take_lease(const Event& event) {
   if (machine_.lease().epoch != 0) {
+    if (left_alone_) trouble_.clear();
     left_alone_ = false;
     return;
   }

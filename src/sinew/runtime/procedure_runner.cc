@@ -152,8 +152,8 @@ void ProcedureRunner::publish() {
   if (moves && status_.view.joint) status_.view.share = std::clamp(seen.progress, 0.0, 1.0);
 }
 
-/// Settings count when the list has come to its end; answers are kept however it ended, and while it
-/// waits for another client.
+/// Settings count when the list has come to its end; answers are kept however it ended, and while
+/// it waits for another client.
 void ProcedureRunner::keep_results() {
   kept_ = true;
   if (procedure_->plan().id != kCommission || place_.file.empty()) return;
