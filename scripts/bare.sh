@@ -21,6 +21,8 @@ if [[ -z ${SINEW_BARE_PLACE-} ]]; then
       >"$logs/bare-debootstrap.log" 2>&1 || cannot "debootstrap cannot be installed"
   fi
   SINEW_BARE_PLACE=$(mktemp -d "${TMPDIR:-/var/tmp}/sinew-bare-XXXXXX")
+  # As any system's root: a user of the tests who is not root must be able to go through it.
+  chmod 755 "$SINEW_BARE_PLACE"
   export SINEW_BARE_PLACE
   trap 'rm -rf --one-file-system "$SINEW_BARE_PLACE"' EXIT
   unshare --mount --propagation private --pid --fork --kill-child --mount-proc \
