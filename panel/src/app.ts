@@ -94,10 +94,14 @@ export const robot = computed<string | null>(() => {
   const wish = route.value.robot;
   return wish && names.includes(wish) ? wish : (names[0] ?? null);
 });
-export const model = computed<RobotModel | null>(() =>
-  robot.value ? (store.models.value[robot.value] ?? null) : null,
-);
 export const status = computed(() => (robot.value ? store.status.value[robot.value] : undefined));
+const jaws = computed(() => status.value?.jaws_m);
+/** With its jaws as they are now. */
+export const model = computed<RobotModel | null>(() => {
+  const one = robot.value ? store.models.value[robot.value] : undefined;
+  if (one?.kind !== 'serial' || !one.geometry.gripper || jaws.value === undefined) return one ?? null;
+  return { ...one, geometry: { ...one.geometry, gripper: { ...one.geometry.gripper, width_m: jaws.value } } };
+});
 export const atWork = computed(() => {
   const now = status.value;
   return now?.job ? !now.job.over : false;

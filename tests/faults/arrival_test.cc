@@ -110,7 +110,7 @@ struct Planned {
 Planned planned_arrival(const program::Record& record, const RobotModel& model) {
   const auto& order = std::get<program::MoveOrder>(record.order->what);
   program::RowPlanner planner(model);
-  const auto motion = planner.plan(*record.q_start, order.rows);
+  const auto motion = planner.plan(*record.q_start, order.tool, order.rows);
   EXPECT_TRUE(motion);
   const auto& pieces = motion->pieces;
   if (model.device.capability.motion == MotionKind::kPointToPoint) {

@@ -123,6 +123,15 @@ std::string broken_form(const LegCapsule& leg) {
   return positive(leg.radius) ? "" : "leg's radius";
 }
 
+std::string broken_form(const JawFinger& finger) {
+  const Vec3& half = finger.half;
+  const bool sized = positive(half.x) && positive(half.y) && positive(half.z);
+  return sized && std::abs(finger.side) == 1 ? "" : "finger";
+}
+std::string broken_form(const HeldBall& /*ball*/) {
+  return "";
+}
+
 std::string broken(const Collision& collision, std::size_t links, bool legs) {
   if (collision.shapes.size() > kCollisionShapesMax) return "number of shapes";
   if (!std::isfinite(collision.margin) || collision.margin < 0) return "margin";

@@ -86,7 +86,7 @@ class Host {
     const program::Step one{1, row, 0};
     program::RowPlanner planner(planned);
     const JointVector from = here();
-    const auto motion = planner.plan(from, std::span(&one, 1));
+    const auto motion = planner.plan(from, {}, std::span(&one, 1));
     error_.reset();
     if (!motion) {
       error_ = motion.error().error;

@@ -100,6 +100,8 @@ class Status(TypedDict, total=False):
     trouble: str
     joints: List[Joint]
     tool: Pose
+    jaws_m: float
+    held_m: float
     feed: float
     progress: float
     lease: Dict[str, int]

@@ -39,6 +39,7 @@ const steps: Record<string, string> = {
   '{word}: suction is on, release or off': '{word}: suction ist on, release oder off',
   'write how long it takes, as in time=1s': 'Hier muss stehen, wie lange es dauert, wie time=1s',
   'time is above 0 and at most 60 s': 'time ist größer als 0 und höchstens 60 s',
+  'the width of what is held is above 0 and at most 500 mm': 'was gehalten wird, ist breiter als 0 und höchstens 500 mm',
   '{word}: a program is called by its name alone, letters, digits, - and _; it lies in the same folder':
     '{word}: ein Programm wird nur mit seinem Namen aufgerufen, Buchstaben, Ziffern, - und _; es liegt im selben Ordner',
   'a program cannot call itself: {chain}': 'Ein Programm kann sich nicht selbst aufrufen: {chain}',

@@ -72,6 +72,8 @@ const codes: Record<string, string> = {
   device_restarted: 'Das Gerät hat neu gestartet und weiß nicht mehr, wo die Maschine steht',
   supply_flag:
     'Die Platine von {subject} meldet, dass ihre Versorgung zu niedrig ist oder war: nach dem Netzteil sehen; kommt es wieder, die Maschine aus- und einschalten',
+  jaws_contact:
+    'beim Schließen gehen die Backenspitzen {limit} weiter vor, zu nah für {subject}: zuerst um so viel zurückgehen, etwa mit line frame=tool dz=-20mm',
   collision: '{subject} kämen sich bis auf {measured} nahe, verlangt sind mindestens {limit}',
   cell_contact: '{subject} käme etwas anderem in der Zelle bis auf {measured} nahe, verlangt sind mindestens {limit}',
   cell_taken: '{subject} käme dem Weg eines anderen Roboters der Zelle bis auf {measured} nahe, verlangt sind mindestens {limit}',

@@ -124,6 +124,7 @@ export const teachDe: Record<keyof typeof teachEn, string> = {
   'prog.field.blend': 'Überschleifen',
   'prog.field.frame': 'Differenzen in',
   'prog.field.width': 'Weite',
+  'prog.field.holds': 'hält, breit',
   'prog.field.angle': 'Winkel',
   'prog.field.time': 'Zeit',
   'prog.field.suction': 'Sauger',

@@ -122,6 +122,7 @@ export const teachEn = {
   'prog.field.blend': 'blend',
   'prog.field.frame': 'differences in',
   'prog.field.width': 'width',
+  'prog.field.holds': 'holds, wide',
   'prog.field.angle': 'angle',
   'prog.field.time': 'time',
   'prog.field.suction': 'suction',

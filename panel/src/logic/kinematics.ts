@@ -72,10 +72,17 @@ export function linkPoses(model: RobotModel, q: readonly number[], platform?: Po
   return [kIdentity, ...legs, platform ?? fromJson(model.geometry.home)];
 }
 
-/** Where the tool is: with a gripper, between the tips of its open jaws. */
+/** From the flange to the tips of a gripper's jaws, m. */
+export function jawReach(gripper: NonNullable<SerialGeometry['gripper']>, width = gripper.width_m): number {
+  const open = (width ?? gripper.width_max_m) / gripper.width_max_m;
+  return gripper.reach_closed_m + open * (gripper.reach_open_m - gripper.reach_closed_m);
+}
+
+/** Where the tool is: with a gripper, between the tips of its jaws. */
 export function toolPose(model: RobotModel, q: readonly number[], platform?: Pose): Pose {
   const tool = linkPoses(model, q, platform).at(-1)!;
-  const reach = model.kind === 'serial' ? (model.geometry.gripper?.reach_open_m ?? 0) : 0;
+  const gripper = model.kind === 'serial' ? model.geometry.gripper : undefined;
+  const reach = gripper ? jawReach(gripper) : 0;
   return compose(tool, { p: [0, 0, reach], q: [1, 0, 0, 0] });
 }
 

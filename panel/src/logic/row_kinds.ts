@@ -118,7 +118,10 @@ export function fieldsOf(word: string, model: RobotModel): Field[] {
       return [{ id: 'points', slot: { at: 1 }, kind: 'words', needed: true }, toolSpeed, ...pace, ...rest];
     case 'jaws': {
       const upper = model.kind === 'serial' ? model.geometry.gripper?.width_max_m : undefined;
-      return [{ id: 'width', slot: { at: 1 }, kind: 'length', lower: 0, upper, needed: true }];
+      return [
+        { id: 'width', slot: { at: 1 }, kind: 'length', lower: 0, upper, needed: true },
+        { id: 'holds', slot: { key: 'holds' }, kind: 'length', lower: 0, upper: 0.5, extra: true },
+      ];
     }
     case 'gripper':
       return [{ id: 'angle', slot: { at: 1 }, kind: 'text', needed: true }];

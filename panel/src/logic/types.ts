@@ -79,6 +79,10 @@ export interface RobotStatus {
   progress: number;
   trouble?: string;
   tool?: FlatPoseJson;
+  /** Between a gripper's jaws, as they were told last or measured. */
+  jaws_m?: number;
+  /** Width of what they hold. */
+  held_m?: number;
   lease?: { client: number; epoch: number };
   homing?: string;
   fault?: FaultJson;
@@ -191,7 +195,8 @@ export interface DhRow {
 export interface SerialGeometry {
   dh: DhRow[];
   tool: PoseJson;
-  gripper?: { width_max_m: number; reach_open_m: number; reach_closed_m: number };
+  /** `width_m` is how wide the jaws are now; open where nobody knows. */
+  gripper?: { width_max_m: number; reach_open_m: number; reach_closed_m: number; width_m?: number };
 }
 
 export interface PalletizerGeometry {
@@ -213,7 +218,7 @@ export interface HexapodGeometry {
 
 export interface ShapeJson {
   link: number;
-  form: 'capsule' | 'box' | 'leg';
+  form: 'capsule' | 'box' | 'leg' | 'finger' | 'held';
   from_m?: Vec3;
   to_m?: Vec3;
   radius_m?: number;

@@ -16,7 +16,7 @@ import {
   Vector3,
 } from 'three';
 import { RoundedBoxGeometry } from 'three/examples/jsm/geometries/RoundedBoxGeometry.js';
-import { linkPoses, nearness } from '../logic/kinematics';
+import { jawReach, linkPoses, nearness } from '../logic/kinematics';
 import { compose, fromColumns } from '../logic/pose';
 import { jointLimits } from '../logic/store';
 import type { Pose, PoseJson, RobotModel, ShapeJson, Vec3 } from '../logic/types';
@@ -99,9 +99,12 @@ export class Body {
 
   /** How far a gripper is open, m. */
   open(width: number): void {
+    const gripper = this.model.kind === 'serial' ? this.model.geometry.gripper : undefined;
+    if (!gripper) return;
     for (const { left, right, thick } of this.fingers) {
       left.position.y = -(width + thick) / 2;
       right.position.y = (width + thick) / 2;
+      left.position.z = right.position.z = jawReach(gripper, width) - gripper.reach_open_m;
     }
   }
 
@@ -160,7 +163,7 @@ export class Body {
     const grips = model.geometry.gripper !== undefined;
     const tool = model.links.length - 1;
     const hand = model.shapes.find((shape) => shape.form === 'box' && shape.link >= tool - 1);
-    this.buildShapes(0.82, (shape) => shape === hand);
+    this.buildShapes(0.82, (shape) => shape === hand || shape.form === 'finger');
     model.geometry.dh.forEach((row, i) => {
       const radius = (this.radiusOf(i + 1) ?? this.radiusOf(i) ?? 0.03) * (i === 0 ? 1.05 : 0.92);
       const long = i === 0 ? radius * 0.5 : radius * 2.06;
@@ -345,7 +348,7 @@ export function shapeMesh(shape: ShapeJson, slim: number, material: Material, se
     between(mesh, shape.from_m!, shape.to_m!);
     return mesh;
   }
-  if (shape.form === 'box') {
+  if (shape.form === 'box' || shape.form === 'finger') {
     const [x, y, z] = shape.half_m!;
     const least = Math.min(x, y, z);
     const geometry =

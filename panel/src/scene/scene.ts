@@ -351,7 +351,7 @@ export class CellScene {
     const q = jointsOf(status);
     if (!q) return;
     const platform = status.tool ? fromFlat(status.tool) : undefined;
-    const jaws = status.health['jaws_width_m'];
+    const jaws = status.jaws_m;
     const key = [...q, ...(platform ? [...platform.p, ...platform.q] : []), jaws ?? 0]
       .map((one) => one.toFixed(5))
       .join();

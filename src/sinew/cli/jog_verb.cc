@@ -204,7 +204,7 @@ Outcome jog(const JogRequest& request) {
   const auto file = find_robot(request.robot);
   if (!file) return file.error();
   const RobotModel& model = file->model;
-  Jog jog(model, {.jaw_width = {}, .avoid_contact = !request.contact});
+  Jog jog(model, {.avoid_contact = !request.contact});
   const auto command = parse_command(request, jog, model);
   if (!command) return bad_input(command.error());
   const auto time = parse_time(request.time);

@@ -63,7 +63,7 @@ class Trial {
     if (!row) return;
     const JointVector from(
         std::span<const double>(way_.refusal.from.q.data(), model_.joints.size()));
-    if (!planner_.plan(from, row->steps)) return;
+    if (!planner_.plan(from, {}, row->steps)) return;
     found_.push_back(what + ": " + (in_program_ ? typed.row : typed.option));
   }
   void offer_untried(std::string sentence) { found_.push_back(std::move(sentence)); }

@@ -366,7 +366,7 @@ class Follower {
         first_move(order, *move);
         return {};
       }
-      const auto pieces = planner_.plan(*move->q_start, move->rows);
+      const auto pieces = planner_.plan(*move->q_start, move->tool, move->rows);
       if (!pieces) return std::unexpected(pieces.error());
       if (planner_.motion().empty()) return {};
       recorder_.add(*move->q_start, *pieces, planner_.motion());

@@ -77,7 +77,9 @@ namespace {
 
 std::string tool_text(const ToolAction& action) {
   if (const auto* jaws = std::get_if<JawsTo>(&action)) {
-    return fmt::format("jaws {} mm", number(to_mm(jaws->width), 4));
+    const std::string held =
+        jaws->held ? fmt::format(", holds {} mm", number(to_mm(*jaws->held), 4)) : "";
+    return fmt::format("jaws {} mm{}", number(to_mm(jaws->width), 4), held);
   }
   if (const auto* gripper = std::get_if<GripperTo>(&action)) {
     if (!gripper->enabled) return "gripper off";
@@ -201,7 +203,7 @@ std::optional<kinematics::PoseBT> tool_of(const program::Run& run, const RobotMo
   if (worst_of(run.machine().positions()) < PositionQuality::kCommanded) return std::nullopt;
   JointVector q;
   for (const JointPosition& position : run.machine().positions()) q.push_back(position.q);
-  const planning::ToolSpace space(model);
+  const planning::ToolSpace space(model, run.machine().tool().jaws);
   const auto X_BT = space.forward({q.data(), q.size()}, space.home());
   return X_BT ? std::optional(*X_BT) : std::nullopt;
 }

@@ -16,7 +16,7 @@ constexpr Range kMargin = between(0, 0.5);      // m
 constexpr Range kAnyAngle = between(-2 * kPi, 2 * kPi);
 constexpr std::size_t kMaxNameBytes = 32;
 
-enum class Form : std::uint8_t { kCapsule, kBox, kLeg };
+enum class Form : std::uint8_t { kCapsule, kBox, kLeg, kFinger, kHeld };
 
 /// A link's name under `key`.
 bool read_link(TableReader& reader, std::string_view key, const RobotModel& model, bool table,
@@ -56,9 +56,25 @@ CollisionBox read_box(TableReader& reader) {
   return box;
 }
 
+JawFinger read_finger(TableReader& reader) {
+  constexpr Named<double> kSides[] = {{"+y", 1}, {"-y", -1}};
+  JawFinger finger;
+  reader.choice("side", kSides, finger.side);
+  reader.vector("half_*", kLength, kThickness, finger.half);
+  return finger;
+}
+
+bool has_jaws(const RobotModel& model) {
+  const auto* serial = std::get_if<SerialGeometry>(&model.geometry);
+  return serial != nullptr && serial->gripper;
+}
+
 void read_shape(TableReader& reader, const RobotModel& model, CollisionShape& shape) {
-  constexpr Named<Form> kForms[] = {
-      {"capsule", Form::kCapsule}, {"box", Form::kBox}, {"leg", Form::kLeg}};
+  constexpr Named<Form> kForms[] = {{"capsule", Form::kCapsule},
+                                    {"box", Form::kBox},
+                                    {"leg", Form::kLeg},
+                                    {"finger", Form::kFinger},
+                                    {"held", Form::kHeld}};
   const bool linked = read_link(reader, "link", model, false, shape.link);
   Form form{};
   if (!reader.choice("form", kForms, form)) {
@@ -76,6 +92,17 @@ void read_shape(TableReader& reader, const RobotModel& model, CollisionShape& sh
     case Form::kLeg:
       reader.quantity("radius_*", kLength, kThickness, shape.form.emplace<LegCapsule>().radius);
       break;
+    case Form::kFinger:
+      shape.form = read_finger(reader);
+      break;
+    case Form::kHeld:
+      shape.form = HeldBall{};
+      break;
+  }
+  const bool of_jaws = form == Form::kFinger || form == Form::kHeld;
+  if (linked && of_jaws && !(has_jaws(model) && link_name(model, shape.link) == kToolName)) {
+    reader.complain("form",
+                    "only the tool of a robot with a [gripper] may have `finger` and `held`");
   }
   if (linked && is_leg(model, shape.link) != (form == Form::kLeg)) {
     reader.complain("form", form == Form::kLeg ? "only the legs of a hexapod may be `leg`"

@@ -132,7 +132,8 @@ TEST(Collision, every_fault_is_told_with_its_remedy) {
        "collision.shape[5].link: must be `stand`, `base`, `shoulder`, `forearm` or `tool`, not "
        "`table`"},
       {"maxarm", "\"capsule\"", "\"capsul\"", "[collision]",
-       "collision.shape[2].form: must be `capsule`, `box` or `leg`, not `capsul`; did you mean "
+       "collision.shape[2].form: must be `capsule`, `box`, `leg`, `finger` or `held`, not "
+       "`capsul`; did you mean "
        "`capsule`?"},
       {"maxarm", "radius_mm = 30", "radius_mm = 0", "[collision]",
        "collision.shape[2].radius_mm: must be above 0 and at most 2000 mm, not 0"},

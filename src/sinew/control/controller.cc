@@ -201,6 +201,13 @@ void Controller::stand_at_reference() {
   sent_.rest(q);
 }
 
+void Controller::fit(const ToolState& tool) {
+  if (tool == tool_) return;
+  tool_ = tool;
+  governor_.fit(tool);
+  jog_.fit(tool);
+}
+
 void Controller::settle(Instant now) {
   if (state_ != MachineState::kStopping || !stopping_) return;
   if (stopping_->by_device) {

@@ -91,6 +91,8 @@ class Controller {
   std::span<const JointPosition> positions() const;
   /// Where the next motion begins: every joint's commanded place; nothing where one is not known.
   std::optional<JointVector> reference() const;
+  /// What the gripper is like: as it was told last, and where the device measures as it was then.
+  const ToolState& tool() const { return tool_; }
   /// Where the last piece that the driver took ends: what the machine was told, for records.
   /// Nothing where it was told nothing, or a joint is not known.
   std::optional<JointVector> commanded() const;
@@ -121,8 +123,9 @@ class Controller {
     TaskKind kind = TaskKind::kMotion;
     MotionSource* motion = nullptr;
     Instant since{};
-    bool begun = false;  ///< something was handed to the driver
-    Nudge nudge{};       ///< of kNudge
+    bool begun = false;            ///< something was handed to the driver
+    Nudge nudge{};                 ///< of kNudge
+    std::optional<JawsTo> jaws{};  ///< of kTool
   };
   /// A stop under way.
   struct Stopping {
@@ -154,6 +157,7 @@ class Controller {
   enum class Setpoint : std::uint8_t { kKept, kForgotten };
   void stand_where_driver_says(Setpoint setpoint);
   void stand_at_reference();
+  void fit(const ToolState& tool);
   /// On a motion that was granted, and not being brought to rest.
   bool granted() const {
     return state_ == MachineState::kMoving || state_ == MachineState::kRecovering;
@@ -237,6 +241,7 @@ class Controller {
   SentWay sent_;
   std::optional<PositionJournal> journal_;
   JogMotion jog_;
+  ToolState tool_;
   bool streams_;
 
   MachineState state_ = MachineState::kOff;

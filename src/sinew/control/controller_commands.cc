@@ -224,9 +224,17 @@ Expected<void> Controller::nudge(const Command& command, const Nudge& nudge, Ins
 
 Expected<void> Controller::use_tool(const Command& command, const UseTool& tool, Instant now) {
   if (const auto rest = at_rest(now); !rest) return rest;
+  const auto* jaws = std::get_if<JawsTo>(&tool.action);
+  if (jaws != nullptr) {
+    if (const auto passed = governor_.pass_jaws(jaws->width); !passed) return passed;
+  }
   if (const auto accepted = driver_.tool(tool.action, now); !accepted) return accepted;
   ++outstanding_;
   task_ = Task{command.id, TaskKind::kTool, nullptr, now, true};
+  if (jaws != nullptr) {
+    task_->jaws = *jaws;
+    fit({});
+  }
   return {};
 }
 

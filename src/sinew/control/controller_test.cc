@@ -499,8 +499,10 @@ TEST(Controller, homing_and_tools_end_as_their_driver_says) {
   EXPECT_EQ(cell.controller.state(), kReady);
   const std::uint32_t busy = cell.give(UseTool{JawsTo{0.02}});
   EXPECT_EQ(cell.end_of(busy)->error.code, ErrorCode::kBusy);
+  EXPECT_EQ(cell.controller.tool(), ToolState{}) << "on their way";
   ASSERT_TRUE(cell.run_until([&] { return cell.end_of(tool).has_value(); }, 1s));
   EXPECT_EQ(cell.end_of(tool)->kind, Kind::kDone);
+  EXPECT_EQ(cell.controller.tool(), (ToolState{0.01, {}}));
   const std::uint32_t home = cell.give(Home{});
   EXPECT_EQ(cell.controller.state(), kRecovering);
   ASSERT_TRUE(cell.run_until([&] { return cell.end_of(home).has_value(); }, 5s));

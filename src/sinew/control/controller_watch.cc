@@ -99,6 +99,8 @@ void Controller::enabled() {
   driver_spoke_ = true;
   outstanding_ = 0;
   stand_where_driver_says(Setpoint::kKept);
+  // Who has lost its joints has lost its jaws.
+  if (!reference_known_) fit({});
   change(Signal::kEnabled);
   end_enabling(ControlEvent::Kind::kDone);
 }
@@ -126,7 +128,11 @@ void Controller::take(const DriverEvent& event, Instant now) {
       outstanding_ = std::max(0, outstanding_ - 1);
       sent_.ended();
       const bool whole = task_ && task_->begun && outstanding_ == 0;
-      if (whole && task_->kind == TaskKind::kTool) end_task(ControlEvent::Kind::kDone);
+      if (!whole || task_->kind != TaskKind::kTool) break;
+      if (const auto& jaws = task_->jaws) {
+        fit({driver_.health().jaws_width.value_or(jaws->width), jaws->held});
+      }
+      end_task(ControlEvent::Kind::kDone);
       break;
     }
     case Kind::kStopped:

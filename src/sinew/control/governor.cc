@@ -48,6 +48,18 @@ void Governor::rest(std::span<const double> q) {
   nearest_ = nearest(q);
 }
 
+void Governor::fit(const ToolState& tool) {
+  tool_ = tool;
+  collision_.fit(tool);
+  if (known_) nearest_ = nearest(q());
+}
+
+Expected<void> Governor::pass_jaws(double to) {
+  if (!known_) return {};
+  if (const auto error = collision_.jaws_contact(q(), tool_, to)) return std::unexpected(*error);
+  return {};
+}
+
 void Governor::leave(std::span<const LinkPair> overlaps) {
   if (!known_) return;
   if (!overlaps_.empty()) rest(q());

@@ -46,6 +46,11 @@ class Governor {
 
   /// The machine rests there; the next piece begins there.
   void rest(std::span<const double> q);
+  /// What the gripper is like from now on.
+  void fit(const ToolState& tool);
+  /// The jaws go to that width (m), from what they were fitted to, where the machine rests.
+  /// @error kJawsContact, kCollision
+  Expected<void> pass_jaws(double to);
   /// What passes from now on leads apart what is too near to each other here; until rest().
   void leave(std::span<const LinkPair> overlaps);
   /// Nobody knows where it is: nothing passes but pass_blind().
@@ -88,6 +93,7 @@ class Governor {
 
   const RobotModel& model_;
   planning::CollisionModel collision_;
+  ToolState tool_;
   std::array<motion::AxisLimits, kMaxJoints> limits_{};
   std::size_t size_;
   bool streams_;

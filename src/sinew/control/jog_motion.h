@@ -14,6 +14,8 @@ class JogMotion final : public MotionSource {
  public:
   /// @param robot  outlives this. Allocates.
   explicit JogMotion(const RobotModel& robot);
+  /// At rest.
+  void fit(const ToolState& tool) { jog_.fit(tool); }
 
   /// At rest there. @error as Jog::start
   std::optional<Error> start(const JointVector& q, Instant now);

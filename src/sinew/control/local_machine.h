@@ -24,6 +24,7 @@ class LocalMachine final : public Machine {
   MachineState state() const override { return controller_.state(); }
   std::span<const JointPosition> positions() const override { return controller_.positions(); }
   std::optional<JointVector> reference() const override { return controller_.reference(); }
+  ToolState tool() const override { return controller_.tool(); }
   const LeaseToken& lease() const override { return lease_; }
   const std::optional<Latched>& latched() const override { return controller_.latched(); }
   std::optional<Instant> goes_on_until() const override {

@@ -5,6 +5,7 @@
 #include <span>
 
 #include "sinew/control/command.h"
+#include "sinew/model/tool_state.h"
 
 namespace sinew::control {
 
@@ -21,6 +22,8 @@ class Machine {
   virtual std::span<const JointPosition> positions() const = 0;
   /// Where a motion that is planned now has to begin; nothing where a joint is not known.
   virtual std::optional<JointVector> reference() const = 0;
+  /// What its gripper is like; nothing where it was not told since the device was opened.
+  virtual ToolState tool() const = 0;
   /// Who is asking for a command has to be the client of this lease; empty before take_lease().
   virtual const LeaseToken& lease() const = 0;
   virtual const std::optional<Latched>& latched() const = 0;

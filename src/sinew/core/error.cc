@@ -188,6 +188,10 @@ constexpr std::array kTable = std::to_array<ErrorInfo>({
     {kCollision, "collision",
      "{subject} would come within {measured} of each other, at least {limit} is asked for", kLength,
      true, kNoStop, 422},
+    {kJawsContact, "jaws_contact",
+     "as they close the jaws' tips go {limit} farther, too near for {subject}: back off by that "
+     "much first, as with line frame=tool dz=-20mm",
+     kLength, true, kNoStop, 422},
     {kCellContact, "cell_contact",
      "{subject} would come within {measured} of something else in its cell, at least {limit} is "
      "asked for",

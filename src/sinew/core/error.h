@@ -80,6 +80,7 @@ enum class ErrorCode : std::uint8_t {
   kDeviceRestarted,     ///< what it knew of its position is gone
   kSupplyFlag,          ///< index: joint; its board says that the supply was too low, or away
   kCollision,    ///< index, other: links (model/collision_links.h); measured, limit: m between them
+  kJawsContact,  ///< index, other: links; measured: m between them; limit: m that the tips go on
   kCellContact,  ///< index: link; measured, limit: m to something else in the cell
   kCellTaken,    ///< likewise; what is there moves, and will be gone
   kVelocityLimit,      ///< index: joint; measured: asked for over allowed

@@ -51,7 +51,8 @@ inline bool covers(const JointInterval& outer, const JointInterval& inner) {
 
 /// What the tool is asked to do. A robot without that tool answers kToolNotFitted.
 struct JawsTo {
-  double width = 0;  ///< m between the jaws
+  double width = 0;                 ///< m between the jaws
+  std::optional<double> held = {};  ///< m: width of what they hold then, where anything
 };
 struct GripperTo {
   bool enabled = true;

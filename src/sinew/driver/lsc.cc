@@ -172,18 +172,6 @@ bool LscDriver::lost() const {
   });
 }
 
-bool LscDriver::outside(std::size_t joint) const {
-  const JointPosition& position = positions_[joint];
-  return position.quality == PositionQuality::kMeasured && !units_.inside(joint, position.q);
-}
-
-bool LscDriver::must_be_slow() const {
-  for (std::size_t i = 0; i < units_.joints(); ++i) {
-    if (outside(i)) return true;
-  }
-  return lost();
-}
-
 SendRange LscDriver::range_of(std::size_t joint) const {
   return units_.range_from(joint, positions_[joint]);
 }
@@ -220,14 +208,12 @@ Expected<void> LscDriver::check_time(const Segment& segment, const JointMove& mo
     const PositionQuality quality = positions_[i].quality;
     const bool known =
         quality == PositionQuality::kCommanded || quality == PositionQuality::kMeasured;
-    if ((known && !outside(i)) || move.duration >= timing_.first_move_min) continue;
-    const ErrorCode code = known ? ErrorCode::kSegmentTime : ErrorCode::kPositionUnknown;
-    return std::unexpected(
-        Error{code, static_cast<std::int8_t>(i), time, to_seconds(timing_.first_move_min)});
+    if (known || move.duration >= timing_.first_move_min) continue;
+    return std::unexpected(Error{ErrorCode::kPositionUnknown, static_cast<std::int8_t>(i), time,
+                                 to_seconds(timing_.first_move_min)});
   }
-  const bool slow = must_be_slow();
   const Duration shortest = std::max(timing_.segment_min, frame_time(segment.mask));
-  const Duration longest = slow ? timing_.first_move_max : timing_.segment_max;
+  const Duration longest = lost() ? timing_.first_move_max : timing_.segment_max;
   if (move.duration < shortest || move.duration > longest) {
     const Duration limit = move.duration < shortest ? shortest : longest;
     return std::unexpected(Error{ErrorCode::kSegmentTime, -1, time, to_seconds(limit)});
@@ -262,8 +248,8 @@ Expected<void> LscDriver::move(const JointMove& move, Instant now) {
   }
   if (const auto checked = check_time(segment, move); !checked) return checked;
   segment.duration = move.duration;
-  segment.rest = must_be_slow() || std::all_of(move.qd.begin(), move.qd.end(),
-                                               [](double speed) { return speed == 0; });
+  segment.rest = lost() || std::all_of(move.qd.begin(), move.qd.end(),
+                                       [](double speed) { return speed == 0; });
   ++health_.requests;
   ++pending_;
   if (!follows) {

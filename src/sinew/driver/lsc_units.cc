@@ -84,11 +84,6 @@ double LscUnits::q_of(std::size_t joint, double units) const {
   return (units - servo.centre - servo.trim) / servo.units_per_rad;
 }
 
-bool LscUnits::inside(std::size_t joint, double q) const {
-  const Joint& limits = joints_[joint];
-  return q >= limits.lower - resolution(joint) && q <= limits.upper + resolution(joint);
-}
-
 double LscUnits::resolution(std::size_t joint) const {
   return 1 / std::abs(device_.servos[joint].units_per_rad);
 }

@@ -46,8 +46,6 @@ class LscUnits {
     return SendRange(joints_[joint]).from(here);
   }
   /// rad that one unit is.
-  /// Inside the joint's limits, as closely as the servo can tell.
-  bool inside(std::size_t joint, double q) const;
   double resolution(std::size_t joint) const;
   /// Units per s that the model allows a joint.
   double speed_max(std::size_t joint) const;

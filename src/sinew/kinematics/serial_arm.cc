@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "sinew/core/trig.h"
+#include "sinew/model/tool_state.h"
 
 namespace sinew::kinematics {
 namespace {
@@ -22,9 +23,7 @@ PoseFT tool_pose(const SerialGeometry& geometry, std::optional<double> jaw_width
   PoseFT X_FT = geometry.X_FT;
   if (!geometry.gripper) return X_FT;
   const JawGripper& jaws = *geometry.gripper;
-  const double open = jaw_width.value_or(jaws.width_max) / jaws.width_max;
-  const double reach = jaws.reach_closed + open * (jaws.reach_open - jaws.reach_closed);
-  X_FT.p = X_FT.p + reach * X_FT.R.z;
+  X_FT.p = X_FT.p + jaw_reach(jaws, jaw_width.value_or(jaws.width_max)) * X_FT.R.z;
   return X_FT;
 }
 

@@ -30,10 +30,22 @@ struct LegCapsule {
   double radius = 0;  ///< m, > 0
 };
 
+/// One finger of a gripper with jaws, in tool T: its end is at the finger tips, its inner face at
+/// half the width between the jaws. Its place follows that width: model/tool_state.h.
+struct JawFinger {
+  Vec3 half;        ///< half of each edge, m, > 0; y across the jaws, z along the approach axis
+  double side = 1;  ///< 1: the one towards +y, -1: the other one
+};
+
+/// What the jaws hold: a ball around the finger tips' middle, as large as somebody says. It may be
+/// turned in any way against the tool.
+struct HeldBall {};
+
 /// A piece of a robot's body. Links are counted as model/collision_links.h says.
 struct CollisionShape {
   std::uint8_t link = 0;
-  std::variant<Capsule, CollisionBox, LegCapsule> form;  ///< LegCapsule on legs, and only there
+  /// LegCapsule on legs, and only there; JawFinger and HeldBall on a gripper's tool only.
+  std::variant<Capsule, CollisionBox, LegCapsule, JawFinger, HeldBall> form;
 };
 
 /// Stands for the table where a link is named.

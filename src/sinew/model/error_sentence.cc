@@ -6,7 +6,9 @@ namespace sinew {
 
 std::string subject_of(const Error& error, const RobotModel& model) {
   const auto index = static_cast<std::size_t>(error.index);
-  if (error.code == ErrorCode::kCollision && error.index >= 0 && error.other >= 0) {
+  const bool of_links =
+      error.code == ErrorCode::kCollision || error.code == ErrorCode::kJawsContact;
+  if (of_links && error.index >= 0 && error.other >= 0) {
     return std::string(link_name(model, index)) + " and " +
            std::string(link_name(model, static_cast<std::size_t>(error.other)));
   }

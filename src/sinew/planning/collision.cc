@@ -12,6 +12,16 @@ namespace {
 using kinematics::PoseBL;
 using kinematics::PoseBP;
 
+const JawGripper* gripper_of(const RobotModel& model) {
+  const auto* serial = std::get_if<SerialGeometry>(&model.geometry);
+  return serial != nullptr && serial->gripper ? &*serial->gripper : nullptr;
+}
+
+bool of_gripper(const CollisionShape& shape) {
+  return std::holds_alternative<JawFinger>(shape.form) ||
+         std::holds_alternative<HeldBall>(shape.form);
+}
+
 /// The shapes as this model places them: those of a chain's tool stand on its last link.
 std::vector<CollisionShape> placed_shapes(const RobotModel& model) {
   std::vector<CollisionShape> shapes = model.collision.shapes;
@@ -28,6 +38,7 @@ std::vector<CollisionShape> placed_shapes(const RobotModel& model) {
     } else if (auto* box = std::get_if<CollisionBox>(&shape.form)) {
       box->X_LX = X_LT * box->X_LX;
     }
+    if (of_gripper(shape)) shape.form = Capsule{};  // fit() makes it
   }
   return shapes;
 }
@@ -69,6 +80,7 @@ Error contact_error(const RobotModel& model, const Clearance& nearest) {
 
 CollisionModel::CollisionModel(const RobotModel& model)
     : model_(&model), robot_(kinematics_of(model.geometry)), shapes_(placed_shapes(model)) {
+  own_shapes_ = shapes_.size();
   for (const CollisionShape& shape : shapes_) radii_.push_back(radius_of(shape));
   const std::vector<CollisionShape>& named = model.collision.shapes;
   const auto checked = [&](std::size_t first, std::size_t second) {
@@ -77,19 +89,81 @@ CollisionModel::CollisionModel(const RobotModel& model)
   for (std::size_t i = 0; i < named.size(); ++i) {
     for (std::size_t j = i + 1; j < named.size(); ++j) {
       if (!checked(named[i].link, named[j].link)) continue;
-      pairs_.push_back({static_cast<std::uint8_t>(i), static_cast<std::uint8_t>(j),
-                        joint_reach(model, shapes_[i], &shapes_[j])});
+      pairs_.push_back({static_cast<std::uint8_t>(i), static_cast<std::uint8_t>(j), {}});
     }
     if (!model.collision.table_height || !checked(named[i].link, kTableLink)) continue;
-    pairs_.push_back(
-        {static_cast<std::uint8_t>(i), kTableShape, joint_reach(model, shapes_[i], nullptr)});
+    pairs_.push_back({static_cast<std::uint8_t>(i), kTableShape, {}});
   }
-  own_shapes_ = shapes_.size();
   own_pairs_ = pairs_.size();
-  for (const CollisionShape& shape : shapes_) own_reach_.push_back(own_reach(model, shape));
   shapes_.reserve(own_shapes_ + kSurroundMax);
   radii_.reserve(own_shapes_ + kSurroundMax);
   pairs_.reserve(own_pairs_ + own_shapes_ * kSurroundMax);
+  fit({});
+  for (Pair& pair : pairs_) pair.reach = pair_reach(pair);
+}
+
+JointReach CollisionModel::pair_reach(const Pair& pair) const {
+  if (pair.second >= own_shapes_ && pair.second != kTableShape) return reach_of(pair.first);
+  const CollisionShape* second = pair.second == kTableShape ? nullptr : &shapes_[pair.second];
+  return joint_reach(*model_, shapes_[pair.first], second);
+}
+
+void CollisionModel::fit_fingers(double least, double most) {
+  const auto& geometry = std::get<SerialGeometry>(model_->geometry);
+  const auto X_LT = relabel<frame::Link, frame::Link>(geometry.X_FT);
+  for (std::size_t i = 0; i < own_shapes_; ++i) {
+    const auto* finger = std::get_if<JawFinger>(&model_->collision.shapes[i].form);
+    if (finger == nullptr) continue;
+    CollisionBox box = finger_box(*finger, *geometry.gripper, least, most);
+    box.X_LX = X_LT * box.X_LX;
+    shapes_[i].form = box;
+  }
+}
+
+void CollisionModel::fit_held(double held, double width) {
+  const auto& geometry = std::get<SerialGeometry>(model_->geometry);
+  const auto X_LT = relabel<frame::Link, frame::Link>(geometry.X_FT);
+  for (std::size_t i = 0; i < own_shapes_; ++i) {
+    if (!std::holds_alternative<HeldBall>(model_->collision.shapes[i].form)) continue;
+    Capsule ball = held_ball(held, *geometry.gripper, width, margin());
+    ball.p_LA = ball.p_LB = X_LT * ball.p_LA;
+    shapes_[i].form = ball;
+    radii_[i] = ball.radius;
+  }
+}
+
+void CollisionModel::fit(const ToolState& tool) {
+  const JawGripper* gripper = gripper_of(*model_);
+  if (gripper == nullptr) return;
+  fit_fingers(tool.jaws.value_or(0), tool.jaws.value_or(gripper->width_max));
+  fit_held(tool.held.value_or(0), tool.jaws.value_or(gripper->width_max));
+  const auto moved = [&](std::uint8_t shape) {
+    return shape < own_shapes_ && of_gripper(model_->collision.shapes[shape]);
+  };
+  for (Pair& pair : pairs_) {
+    if (moved(pair.first) || moved(pair.second)) pair.reach = pair_reach(pair);
+  }
+}
+
+std::optional<Error> CollisionModel::jaws_contact(std::span<const double> q, const ToolState& from,
+                                                  double to) {
+  const JawGripper* gripper = gripper_of(*model_);
+  if (gripper == nullptr) return std::nullopt;
+  fit(from);
+  const double least = std::min(margin(), distance(q).distance) - kResolution;
+  fit_fingers(std::min(from.jaws.value_or(0), to),
+              std::max(from.jaws.value_or(gripper->width_max), to));
+  fit_held(0, to);
+  const Clearance near = distance(q);
+  fit(from);
+  if (near.distance >= least) return std::nullopt;
+  Error error = contact_error(*model_, near);
+  const double farther =
+      jaw_reach(*gripper, to) - jaw_reach(*gripper, from.jaws.value_or(gripper->width_max));
+  if (farther <= 0) return error;
+  error.code = ErrorCode::kJawsContact;
+  error.limit = farther;
+  return error;
 }
 
 void CollisionModel::surround(std::span<const Surrounding> bodies) {
@@ -104,7 +178,8 @@ void CollisionModel::surround(std::span<const Surrounding> bodies) {
     for (std::size_t i = 0; i < own_shapes_; ++i) {
       const std::uint8_t link = model_->collision.shapes[i].link;
       if (link == 0 || (body.excused >> link & 1U) != 0) continue;
-      pairs_.push_back({static_cast<std::uint8_t>(i), place, own_reach_[i]});
+      pairs_.push_back({static_cast<std::uint8_t>(i), place, {}});
+      pairs_.back().reach = pair_reach(pairs_.back());
     }
   }
 }

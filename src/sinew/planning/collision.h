@@ -13,6 +13,7 @@
 #include "sinew/kinematics/palletizer.h"
 #include "sinew/kinematics/serial_chain.h"
 #include "sinew/model/robot_model.h"
+#include "sinew/model/tool_state.h"
 #include "sinew/planning/collision_reach.h"
 #include "sinew/planning/joint_path.h"
 #include "sinew/planning/shape_distance.h"
@@ -62,6 +63,14 @@ class CollisionModel {
  public:
   /// @param model  outlives this.
   explicit CollisionModel(const RobotModel& model);
+
+  /// What a gripper is like from now on, and at first with nothing known of it: then its fingers
+  /// fill all that they can reach.
+  void fit(const ToolState& tool);
+  /// What comes too near at q while the jaws go from one width to another one (m); nothing where
+  /// all keep the margin, or come no nearer than they were. Fitted to `from` behind it.
+  /// @return  kJawsContact where they close, else kCollision (index, other: links)
+  std::optional<Error> jaws_contact(std::span<const double> q, const ToolState& from, double to);
 
   std::size_t pairs() const { return pairs_.size(); }
   double margin() const { return model_->collision.margin; }
@@ -155,6 +164,9 @@ class CollisionModel {
   using Budgets = std::array<double, kPairsMax>;
   using Excused = std::array<bool, kPairsMax>;
 
+  JointReach pair_reach(const Pair& pair) const;
+  void fit_fingers(double least, double most);
+  void fit_held(double held, double width);
   bool place(std::span<const double> q, kinematics::PoseBP& X_near, Scene& scene) const;
   void place_shapes(Scene& scene) const;
   void place_platform(const kinematics::PoseBP& X_BP, Scene& scene) const;
@@ -183,7 +195,6 @@ class CollisionModel {
   std::vector<Pair> pairs_;
   std::size_t own_shapes_ = 0;
   std::size_t own_pairs_ = 0;
-  std::vector<JointReach> own_reach_;  ///< of each of the robot's shapes
 };
 
 }  // namespace sinew::planning

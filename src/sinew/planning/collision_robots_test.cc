@@ -116,7 +116,7 @@ TEST(CollisionOfRobots, arms_that_are_folded_into_themselves_or_their_table_are_
       {"robot-arm-2", {0, -90, -60, 0, 20, 0}, "stand - flange_roll"},
       {"robot-arm-2", {0, -90, -100, 0, 60, 0}, "base - flange_roll"},
       {"robot-arm-2", {0, 0, -110, 0, 0, 0}, "shoulder - forearm_roll"},
-      {"learm", {0, 90, 30, 30, 0}, "roll - table"},
+      {"learm", {0, 90, 30, 30, 0}, "tool - table"},
       {"learm", {0, -50, -90, -90, 0}, "stand - roll"},
       {"bigrobotarm", {0, 90, 90, 0, 0}, "tool - table"},
       {"bigrobotarm", {0, -70, -120, 0, -60}, "stand - tool"},

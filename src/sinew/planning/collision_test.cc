@@ -37,6 +37,30 @@ PoseBL link_pose(const RobotModel& model, const JointVector& q, std::size_t link
   return X_BL;
 }
 
+/// The same robot with plain boxes and balls for its fingers and what they hold, worked out anew:
+/// between jaws of 60 mm and closed ones the tips go from 55 to 85 mm.
+RobotModel with_plain_jaws(const RobotModel& model, const ToolState& tool = {}) {
+  RobotModel plain = model;
+  const auto tip = [](double width) { return 0.085 - width / 2; };
+  const double most = tool.jaws.value_or(0.06), least = tool.jaws.value_or(0);
+  for (CollisionShape& shape : plain.collision.shapes) {
+    if (const auto* finger = std::get_if<JawFinger>(&shape.form)) {
+      const Vec3 half = finger->half;
+      const double inner = least / 2, outer = most / 2 + 2 * half.y;
+      const double begin = tip(most) - 2 * half.z, end = tip(least);
+      CollisionBox box;
+      box.X_LX.p = {0, finger->side * (inner + outer) / 2, (begin + end) / 2};
+      box.half = {half.x, (outer - inner) / 2, (end - begin) / 2};
+      shape.form = box;
+    } else if (std::holds_alternative<HeldBall>(shape.form)) {
+      const double radius = tool.held ? *tool.held / 2 - model.collision.margin - 1e-4 : 1e-4;
+      const Vec3 middle{0, 0, tip(most) - (tool.held ? 0 : radius)};
+      shape.form = Capsule{middle, middle, radius};
+    }
+  }
+  return plain;
+}
+
 using PlacedForm = std::variant<PlacedCapsule, PlacedBox>;
 
 PlacedForm placed(const CollisionShape& shape, const PoseBL& X_BL) {
@@ -65,7 +89,9 @@ class CollisionRobots : public testing::TestWithParam<const char*> {};
 INSTANTIATE_TEST_SUITE_P(Robots, CollisionRobots, testing::ValuesIn(kCollisionRobots), test_name);
 
 /// The nearest pair, everything against everything, placed and measured without a shortcut.
-Clearance nearest_by_words(const RobotModel& model, const JointVector& q) {
+Clearance nearest_by_words(const RobotModel& real, const JointVector& q,
+                           const ToolState& tool = {}) {
+  const RobotModel model = with_plain_jaws(real, tool);
   const std::vector<CollisionShape>& shapes = model.collision.shapes;
   const bool bolted = std::holds_alternative<SerialGeometry>(model.geometry);
   const auto body = [&](std::size_t i) {
@@ -108,6 +134,52 @@ TEST(Collision, distance_is_the_least_of_all_pairs_that_are_not_joined) {
       ASSERT_TRUE(collision.clear(q, wanted.distance - 1e-9));
     }
   });
+}
+
+TEST(Collision, fingers_and_what_they_hold_are_where_the_jaws_are) {
+  const RobotModel& model = robot("learm");
+  CollisionModel collision(model);
+  test::for_random_cases(2000, [&](Random& random) {
+    ToolState tool;
+    if (random.chance(0.8)) tool.jaws = random.uniform(0, 0.06);
+    if (tool.jaws && random.chance(0.5)) tool.held = random.uniform(0.015, 0.2);
+    collision.fit(tool);
+    const JointVector q = random_joints(model, random);
+    const Clearance wanted = nearest_by_words(model, q, tool);
+    ASSERT_NEAR(collision.distance(q).distance, wanted.distance, 1e-12);
+  });
+}
+
+TEST(Collision, jaws_on_their_way_come_no_nearer_than_the_margin_or_than_they_are) {
+  const RobotModel& model = robot("learm");
+  CollisionModel collision(model);
+  int blocked = 0, free = 0;
+  test::for_random_cases(3000, [&](Random& random) {
+    ToolState from;
+    if (random.chance(0.8)) from.jaws = random.uniform(0, 0.06);
+    const double to = random.uniform(0, 0.06);
+    const JointVector q = random_joints(model, random);
+    collision.fit(from);
+    const double at_first = collision.distance(q).distance;
+    double least = at_first;
+    for (int k = 0; k <= 40; ++k) {
+      const double begin = from.jaws.value_or(to);
+      least =
+          std::min(least, nearest_by_words(model, q, {begin + (to - begin) * k / 40, {}}).distance);
+    }
+    const double limit = std::min(model.collision.margin, at_first);
+    const auto error = collision.jaws_contact(q, from, to);
+    ++(error ? blocked : free);
+    if (!error) {
+      ASSERT_GE(least, limit - 2 * CollisionModel::kResolution);
+    } else {
+      ASSERT_LT(error->measured, limit);
+      ASSERT_EQ(error->code == ErrorCode::kJawsContact, to < from.jaws.value_or(0.06));
+    }
+    ASSERT_EQ(collision.distance(q).distance, at_first) << "fitted as before";
+  });
+  EXPECT_GT(blocked, 50);
+  EXPECT_GT(free, 500);
 }
 
 TEST(Collision, legs_of_a_hexapod_run_from_anchor_to_anchor) {
@@ -210,8 +282,12 @@ struct LonePair {
     const auto* serial = std::get_if<SerialGeometry>(&model.geometry);
     if (serial == nullptr || shape.link <= model.joints.size()) return shape;
     shape.link = static_cast<std::uint8_t>(model.joints.size());
-    auto& box = std::get<CollisionBox>(shape.form);
-    box.X_LX = relabel<frame::Link, frame::Link>(serial->X_FT) * box.X_LX;
+    const auto X_LT = relabel<frame::Link, frame::Link>(serial->X_FT);
+    if (auto* box = std::get_if<CollisionBox>(&shape.form)) box->X_LX = X_LT * box->X_LX;
+    if (auto* capsule = std::get_if<Capsule>(&shape.form)) {
+      capsule->p_LA = X_LT * capsule->p_LA;
+      capsule->p_LB = X_LT * capsule->p_LB;
+    }
     return shape;
   }
 
@@ -223,7 +299,7 @@ struct LonePair {
 /// The bound that everything about motions stands on: one pair of shapes at a time, between any two
 /// places, however far apart.
 TEST_P(CollisionRobots, no_distance_changes_by_more_than_the_joints_moves_times_their_reach) {
-  const RobotModel& model = robot(GetParam());
+  const RobotModel model = with_plain_jaws(robot(GetParam()));
   const bool legs = std::holds_alternative<HexapodGeometry>(model.geometry);
   std::vector<std::unique_ptr<LonePair>> pairs;
   for (std::size_t i = 0; i < model.collision.shapes.size(); ++i) {

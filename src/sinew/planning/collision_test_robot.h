@@ -55,6 +55,7 @@ inline RobotModel worn_down(const RobotModel& model, double size) {
   for (CollisionShape& shape : thin.collision.shapes) {
     if (auto* capsule = std::get_if<Capsule>(&shape.form)) less(capsule->radius);
     if (auto* box = std::get_if<CollisionBox>(&shape.form)) less(box->half.z);
+    if (auto* finger = std::get_if<JawFinger>(&shape.form)) less(finger->half.y);
   }
   return thin;
 }

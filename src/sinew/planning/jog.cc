@@ -49,7 +49,7 @@ FixedVector<JogJoint, kMaxJoints> joints_of(const RobotModel& model) {
 }  // namespace
 
 Jog::Jog(const RobotModel& model, const Options& options)
-    : space_(model, options.jaw_width),
+    : space_(model),
       joints_(joints_of(model)),
       shared_velocity_(shared_velocity(model)),
       resolver_(space_, {joints_.data(), joints_.size()}) {

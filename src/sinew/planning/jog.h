@@ -93,7 +93,6 @@ class Jog {
   static constexpr double kSpeedMax = 100;
 
   struct Options {
-    std::optional<double> jaw_width;  ///< m; open where absent
     bool avoid_contact = true;
   };
   /// @param model  outlives this. Its limits count times its device's limits_share.
@@ -109,6 +108,12 @@ class Jog {
   /// robot's own bodies.
   void surround(std::span<const Surrounding> bodies) {
     if (collision_) collision_->surround(bodies);
+  }
+
+  /// What the gripper is like from now on, at rest.
+  void fit(const ToolState& tool) {
+    space_.fit(tool.jaws);
+    if (collision_) collision_->fit(tool);
   }
 
   /// Where the robot is and how it moves; it then comes to rest until there is a command. A joint

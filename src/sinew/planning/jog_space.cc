@@ -20,10 +20,8 @@ double length_of(const RobotModel& model, const ToolSpace& tool) {
 
 }  // namespace
 
-JogSpace::JogSpace(const RobotModel& model, std::optional<double> jaw_width)
-    : model_(&model),
-      tool_(model, jaw_width),
-      palletizer_(std::get_if<PalletizerGeometry>(&model.geometry)) {
+JogSpace::JogSpace(const RobotModel& model)
+    : model_(&model), tool_(model), palletizer_(std::get_if<PalletizerGeometry>(&model.geometry)) {
   linear_ = 1 / length_of(model, tool_);
   angular_ = 0.5;
 }

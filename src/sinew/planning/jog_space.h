@@ -29,7 +29,9 @@ enum class JogFrame : std::uint8_t {
 class JogSpace {
  public:
   /// @param model  outlives this.
-  explicit JogSpace(const RobotModel& model, std::optional<double> jaw_width = {});
+  explicit JogSpace(const RobotModel& model);
+  /// The jaws are so far apart from now on, m; open where absent.
+  void fit(std::optional<double> jaw_width) { tool_ = ToolSpace(*model_, jaw_width); }
 
   const RobotModel& model() const { return *model_; }
   const ToolSpace& tool() const { return tool_; }

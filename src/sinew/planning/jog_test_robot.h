@@ -26,7 +26,7 @@ inline std::string jog_robot_name(const testing::TestParamInfo<const char*>& rob
 /// A robot of the product being jogged, with every limit looked at in every step.
 struct JogRun {
   explicit JogRun(std::string_view id, bool avoid_contact = false)
-      : model(test::robot(id)), jog(model, {.jaw_width = {}, .avoid_contact = avoid_contact}) {
+      : model(test::robot(id)), jog(model, {.avoid_contact = avoid_contact}) {
     for (const Joint& joint : model.joints) {
       const double share = model.device.capability.limits_share;
       limits.push_back(

@@ -15,6 +15,20 @@ MotionPlanner::MotionPlanner(const RobotModel& model)
       scratch_(model.joints.size()),
       scratch_law_(timing_.phases_max()) {}
 
+void MotionPlanner::fit(const ToolState& tool) {
+  if (tool == tool_) return;
+  tool_ = tool;
+  space_ = ToolSpace(model_, tool.jaws);
+  collision_.fit(tool);
+}
+
+Expected<void> MotionPlanner::check_jaws(std::span<const double> q, const ToolState& from,
+                                         double to) {
+  fit(from);
+  if (const auto error = collision_.jaws_contact(q, from, to)) return std::unexpected(*error);
+  return {};
+}
+
 Expected<RobotPlace> MotionPlanner::place_at(std::span<const double> q) {
   auto place = builder_.stand_at(q, X_near_);
   if (place) X_near_ = place->X_BT;

@@ -47,6 +47,10 @@ class MotionPlanner {
   MotionPlanner(const MotionPlanner&) = delete;
   MotionPlanner& operator=(const MotionPlanner&) = delete;
 
+  /// What the gripper is like in all that is planned from now on: where its tips are, and what it
+  /// fills. Open, and anywhere, at first.
+  void fit(const ToolState& tool);
+
   const ToolSpace& space() const { return space_; }
   /// A motion that fits any plan() of this robot.
   PlannedMotion make_motion() const { return PlannedMotion(space_.size(), timing_.phases_max()); }
@@ -72,6 +76,9 @@ class MotionPlanner {
   /// What is hit on a path that the device makes by itself, from rest to rest; nothing where it is
   /// clear. A start that is too near to something counts as in plan().
   std::optional<PathContact> contact_on(const RobotPlace& start, const JointPath& path) const;
+
+  /// As CollisionModel::jaws_contact(). @error kJawsContact, kCollision
+  Expected<void> check_jaws(std::span<const double> q, const ToolState& from, double to);
 
   /// Where a move ends that comes to a stop there; only its way is checked.
   std::expected<RobotPlace, PathRefusal> end_of(const RobotPlace& start, Move move);
@@ -100,6 +107,7 @@ class MotionPlanner {
   ToolSpace space_;
   MovePathBuilder builder_;
   CollisionModel collision_;
+  ToolState tool_;
   PathTiming timing_;
   std::vector<motion::AxisLimits> limits_;
   double shared_velocity_;

@@ -53,7 +53,7 @@ class Rider {
   /// s for a move to `q`, or why there is none.
   std::expected<double, Refusal> time_to(const JointVector& from, const JointVector& q) {
     const Step row = row_to(q);
-    const auto motion = planner_.plan(from, std::span(&row, 1));
+    const auto motion = planner_.plan(from, {}, std::span(&row, 1));
     if (!motion) {
       last_refusal_ = motion.error();
       return std::unexpected(motion.error());

@@ -84,7 +84,7 @@ std::expected<HomeLeg, Refusal> plan_leg(const RobotModel& robot, const JointVec
   step.how.joint_share = share;
   const Step row{line, step};
   RowPlanner planner(robot);
-  auto motion = planner.plan(q_start, std::span(&row, 1));
+  auto motion = planner.plan(q_start, {}, std::span(&row, 1));
   if (!motion) return std::unexpected(motion.error());
   const bool slow = share < 1 && robot.device.capability.takes_speed;
   return HomeLeg{std::move(*motion), planner.motion(), {}, slow};

@@ -92,8 +92,8 @@ struct Open {
 
 }  // namespace
 
-OrderPlanner::OrderPlanner(const RobotModel& robot, const Start& start, const Homing& homing)
-    : robot_(robot), homing_(homing), stands_{Stand{.q = start, .jaws = {}}} {}
+OrderPlanner::OrderPlanner(const RobotModel& robot, const Standing& start, const Homing& homing)
+    : robot_(robot), homing_(homing), stands_{Stand{.q = start.q, .tool = start.tool}} {}
 
 void OrderPlanner::show_to(const WayLook& look) {
   if (!planner_) planner_ = std::make_unique<RowPlanner>(robot_);
@@ -186,8 +186,13 @@ std::optional<Refusal> OrderPlanner::take_tool(const Step& step, std::size_t pla
   const auto* jaws = std::get_if<JawsTo>(&action);
   double least = std::numeric_limits<double>::infinity(), most = 0;
   for (Stand& stand : stands_) {
-    const double duration = to_seconds(tool_time(robot_, action, stand.jaws));
-    if (jaws != nullptr) stand.jaws = jaws->width;
+    const double duration = to_seconds(tool_time(robot_, action, stand.tool.jaws));
+    if (jaws != nullptr) {
+      if (const auto fine = check_jaws(stand, jaws->width); !fine) {
+        return refused(step, fine.error());
+      }
+      stand.tool = {jaws->width, jaws->held};
+    }
     stand.least += duration;
     stand.most += duration;
     least = std::min(least, duration);
@@ -196,6 +201,13 @@ std::optional<Refusal> OrderPlanner::take_tool(const Step& step, std::size_t pla
   order.what = ToolOrder{action, most};
   tell_fine(std::span(&place, 1), least, most);
   return std::nullopt;
+}
+
+/// Closing jaws reach farther: into what lies below them, too.
+Expected<void> OrderPlanner::check_jaws(const Stand& stand, double to) {
+  if (!stand.q) return {};
+  if (!planner_) planner_ = std::make_unique<RowPlanner>(robot_);
+  return planner_->check_jaws(*stand.q, stand.tool, to);
 }
 
 std::optional<Refusal> OrderPlanner::take_home(const Step& step, std::size_t place, Order& order) {
@@ -225,6 +237,7 @@ std::optional<Refusal> OrderPlanner::finish() {
   Places places = places_;
   while (!rows.empty()) {
     const Start q_start = stands_[0].q;
+    const ToolState tool = stands_[0].tool;
     const auto motion = advance(stands_[0], rows, places);
     if (!motion) return motion.error();
     plan_.limits.add(motion->limits);
@@ -246,6 +259,7 @@ std::optional<Refusal> OrderPlanner::finish() {
     order.what = MoveOrder{{taken.begin(), taken.end()},
                            q_start,
                            motion->q_end,
+                           tool,
                            slowest,
                            motion->stop,
                            motion->stop_saves,
@@ -302,7 +316,10 @@ std::expected<OrderPlanner::Planned, Refusal> OrderPlanner::plan_motion(const St
     if (!q) return std::unexpected(q.error());
     return slow(*q);
   }
-  Key key{{places.begin(), places.end()}, {stand.q->begin(), stand.q->end()}};
+  Key key{{places.begin(), places.end()},
+          {stand.q->begin(), stand.q->end()},
+          stand.tool.jaws,
+          stand.tool.held};
   if (const auto known = known_.find(key); known != known_.end()) return known->second;
   if (known_.size() == kMotionsMax) {
     constexpr auto kMax = static_cast<double>(kMotionsMax);
@@ -310,7 +327,7 @@ std::expected<OrderPlanner::Planned, Refusal> OrderPlanner::plan_motion(const St
         Refusal{rows[0].line, {ErrorCode::kProgramTooLong, -1, kMax + 1, kMax}, std::nullopt});
   }
   if (!planner_) planner_ = std::make_unique<RowPlanner>(robot_);
-  const auto motion = planner_->plan(*stand.q, rows);
+  const auto motion = planner_->plan(*stand.q, stand.tool, rows);
   if (!motion) {
     if (const auto q = slow_way_back(rows[0], *stand.q, motion.error(), robot_)) return slow(*q);
     return std::unexpected(motion.error());
@@ -416,7 +433,8 @@ void OrderPlanner::recover(Stand& stand, const Step& row, std::size_t place,
     there.how = {};
     const Step step{row.line, there, row.file};
     if (!planner_) planner_ = std::make_unique<RowPlanner>(robot_);
-    if (const auto motion = planner_->plan(*from, std::span(&step, 1))) stand.q = motion->q_end;
+    if (const auto motion = planner_->plan(*from, stand.tool, std::span(&step, 1)))
+      stand.q = motion->q_end;
   }
   if (!stand.q) stand.lost_by = place;
 }
@@ -455,7 +473,7 @@ void OrderPlanner::tell_fine(Places places, double least, double most) {
 }
 
 bool OrderPlanner::same(const Stand& a, const Stand& b) {
-  if (a.q.has_value() != b.q.has_value() || a.jaws != b.jaws || a.lost_by != b.lost_by)
+  if (a.q.has_value() != b.q.has_value() || !(a.tool == b.tool) || a.lost_by != b.lost_by)
     return false;
   for (std::size_t i = 0; a.q && i < a.q->size(); ++i) {
     if (std::abs((*a.q)[i] - (*b.q)[i]) > kSamePlace) return false;

@@ -30,7 +30,7 @@ struct RowVerdict {
 class OrderPlanner {
  public:
   /// @param robot, homing  outlive this
-  OrderPlanner(const RobotModel& robot, const Start& start, const Homing& homing);
+  OrderPlanner(const RobotModel& robot, const Standing& start, const Homing& homing);
 
   /// Goes on behind a refused row, from where it would have left the machine, as far as that is
   /// known, and writes down what becomes of each row.
@@ -47,7 +47,7 @@ class OrderPlanner {
   /// Where the machine may be, and how it came there.
   struct Stand {
     Start q;
-    std::optional<double> jaws;            ///< m, where the program told them
+    ToolState tool;
     double least = 0, most = 0;            ///< s since the start
     double homing = 0;                     ///< s of them, at most
     std::optional<std::size_t> lost_by{};  ///< place of a refused row, where judging
@@ -65,6 +65,7 @@ class OrderPlanner {
   struct Key {
     std::vector<std::size_t> places;
     std::vector<double> q_start;
+    std::optional<double> jaws, held;
     auto operator<=>(const Key&) const = default;
   };
   struct Round {
@@ -83,6 +84,7 @@ class OrderPlanner {
   std::optional<Refusal> take(const Step& step, std::size_t place, Round round);
   std::optional<Refusal> take_alone(const Step& step, std::size_t place, Order& order);
   std::optional<Refusal> take_tool(const Step& step, std::size_t place, Order& order);
+  Expected<void> check_jaws(const Stand& stand, double to);
   std::optional<Refusal> take_home(const Step& step, std::size_t place, Order& order);
   std::optional<Refusal> finish();
   std::optional<Refusal> begin_branch(const Step& step, const IfStep& branch, std::size_t place);

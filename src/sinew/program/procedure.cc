@@ -315,7 +315,7 @@ Expected<std::vector<JointMove>> Procedure::slow_way(const JointVector& from, Jo
   row.how.joint_share = robot_.device.capability.takes_speed ? kSlowShare : 1;
   const Step one{0, row};
   if (!planner_) planner_ = std::make_unique<RowPlanner>(robot_);
-  auto planned = planner_->plan(from, std::span(&one, 1));
+  auto planned = planner_->plan(from, machine_.tool(), std::span(&one, 1));
   if (!planned) return std::unexpected(planned.error().error);
   return std::move(planned->pieces);
 }

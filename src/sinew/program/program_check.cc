@@ -11,7 +11,7 @@ bool CheckedProgram::fine() const {
   return !broken_off && std::ranges::all_of(rows, good);
 }
 
-CheckedProgram check(const Program& program, const RobotModel& robot, const Start& start,
+CheckedProgram check(const Program& program, const RobotModel& robot, const Standing& start,
                      const Homing& homing, const WayLook& look) {
   CheckedProgram checked;
   checked.rows.resize(program.steps.size());

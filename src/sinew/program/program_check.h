@@ -20,7 +20,7 @@ struct CheckedProgram {
 /// would have left the machine. Where that is not known they are not, up to a row that names all
 /// joints or `home`.
 /// @param look  is shown each motion, and may refuse it
-CheckedProgram check(const Program& program, const RobotModel& robot, const Start& start,
+CheckedProgram check(const Program& program, const RobotModel& robot, const Standing& start,
                      const Homing& homing = {}, const WayLook& look = {});
 
 }  // namespace sinew::program

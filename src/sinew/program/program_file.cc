@@ -222,13 +222,7 @@ class Parser {
 
   void take_tool(std::string_view row) {
     if (row == "nozzle") return take_nozzle();
-    if (row == "jaws") {
-      if (!row_.takes_words(1, "jaws 20mm")) return;
-      if (const auto width = row_.quantity(word(1), word(1).text, Measure::kLength)) {
-        add(ToolStep{JawsTo{*width}});
-      }
-      return;
-    }
+    if (row == "jaws") return take_jaws();
     if (row == "suction") return take_suction();
     if (!row_.takes_words(1, "gripper 40deg, gripper on or gripper off")) return;
     const std::string_view text = word(1).text;
@@ -236,6 +230,22 @@ class Parser {
     if (const auto angle = row_.quantity(word(1), text, Measure::kAngle)) {
       add(ToolStep{GripperTo{true, *angle}});
     }
+  }
+
+  void take_jaws() {
+    constexpr std::string_view kHolds = "holds=";
+    constexpr double kHeldMax = 0.5;  // m
+    const bool holds = row_.words().size() == 3 && word(2).text.starts_with(kHolds);
+    if (!row_.takes_words(holds ? 2 : 1, holds ? "jaws 20mm holds=25mm" : "jaws 20mm")) return;
+    const auto width = row_.quantity(word(1), word(1).text, Measure::kLength);
+    if (!width) return;
+    if (!holds) return add(ToolStep{JawsTo{*width}});
+    const auto held = row_.quantity(word(2), word(2).text.substr(kHolds.size()), Measure::kLength);
+    if (!held) return;
+    if (*held <= 0 || *held > kHeldMax) {
+      return row_.complain(word(2), "the width of what is held is above 0 and at most 500 mm");
+    }
+    add(ToolStep{JawsTo{*width, *held}});
   }
 
   void take_suction() {

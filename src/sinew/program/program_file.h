@@ -28,7 +28,8 @@
 ///   arc via=200mm,0mm,180mm y=50mm         | along the circle through `via`
 ///   spline 200mm,0mm,150mm 210mm,20mm,150mm accel=500mm/s2
 ///   home                                   | find the zeros, on machines with end stops
-///   jaws 20mm | gripper 40deg|off | suction on|release|off | nozzle 45deg time=1s
+///   jaws 20mm | jaws 20mm holds=25mm | gripper 40deg|off
+///   suction on|release|off | nozzle 45deg time=1s
 ///   wait 0.5s | wait settled | wait until base>20deg for 5s
 ///   velocity base=50% shoulder=20% | acceleration base=50%   | limits of the motions behind it
 ///   loop 3 ... end | if z<100mm ... else ... end | call NAME
@@ -70,6 +71,7 @@ struct GoalOffset {
   double roll = 0;       ///< rad
   bool in_tool = false;  ///< dp and turn along the tool's axes as they are there, else the base's
 
+  bool turns() const { return !(turn == Vec3{}) || pitch != 0 || roll != 0; }
   friend bool operator==(const GoalOffset&, const GoalOffset&) = default;
 };
 

@@ -101,7 +101,7 @@ std::expected<std::vector<JointLoad>, Refusal> load_of(
       }
       JointVector at = *move->q_start;
       for (std::span<const Step> rows = move->rows; !rows.empty() && !error;) {
-        const auto motion = planner.plan(at, rows);
+        const auto motion = planner.plan(at, move->tool, rows);
         if (!motion) return std::unexpected(motion.error());
         error = meter.look_along(planner.motion(), order.line, start, period);
         start += planner.motion().law.duration();

@@ -72,7 +72,7 @@ std::optional<JointVector> slow_way_back(const Step& row, const JointVector& q, 
 }
 
 std::expected<Plan, Refusal> make_plan(const Program& program, const RobotModel& robot,
-                                       const Start& start, const Homing& homing,
+                                       const Standing& start, const Homing& homing,
                                        const WayLook& look) {
   OrderPlanner planner(robot, start, homing);
   if (look) planner.show_to(look);

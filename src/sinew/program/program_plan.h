@@ -17,6 +17,17 @@ namespace sinew::program {
 /// moves slowly for a first time.
 using Start = std::optional<JointVector>;
 
+/// What is known of a machine before a program begins.
+struct Standing {
+  Standing() = default;
+  Standing(std::nullopt_t) {}
+  Standing(Start joints, const ToolState& gripper = {}) : q(std::move(joints)), tool(gripper) {}
+  Standing(const JointVector& joints) : q(joints) {}
+
+  Start q;         ///< where its joints are
+  ToolState tool;  ///< of a gripper
+};
+
 /// A motion from rest to rest: one row, or several that blend into each other. Where the machine
 /// turns out to stand somewhere else than planned (after homing, behind another branch), it is
 /// planned again. Behind an `if` it may begin at several places; all of them were planned from.
@@ -24,6 +35,7 @@ struct MoveOrder {
   std::vector<Step> rows;
   Start q_start;
   JointVector q;        ///< where it ends
+  ToolState tool;       ///< what the gripper is like meanwhile
   double duration = 0;  ///< s, predicted, until the driver has told that it is done
   CornerStopReason stop = CornerStopReason::kNone;  ///< at its end
   double stop_saves = 0;                            ///< s, of kCostsTime
@@ -106,7 +118,7 @@ double first_move_duration(const RobotModel& robot);
 ///        nowhere known, or of the tool; a condition on it), kTooManyPlaces, kProgramTooLong, and
 ///        those of RowPlanner::plan; nothing of the program may run then.
 std::expected<Plan, Refusal> make_plan(const Program& program, const RobotModel& robot,
-                                       const Start& start, const Homing& homing = {},
+                                       const Standing& start, const Homing& homing = {},
                                        const WayLook& look = {});
 
 /// Whether a motion's start is known, inside of the limits or outside: from there rows that are

@@ -139,7 +139,7 @@ std::expected<void, Refusal> Run::step_back(Instant /*now*/) {
   back.given = static_cast<std::uint8_t>((1U << begin->size()) - 1);
   const Step row{last.line, back, last.file};
   if (!planner_) planner_ = std::make_unique<RowPlanner>(robot_);
-  const auto motion = planner_->plan(*q_, std::span(&row, 1));
+  const auto motion = planner_->plan(*q_, machine_.tool(), std::span(&row, 1));
   if (!motion) return std::unexpected(motion.error());
   const Record record = records_.back();
   records_.pop_back();
@@ -251,7 +251,7 @@ void Run::opening(Instant now) {
 /// The machine's own word on where it is: the plan is made for that.
 void Run::begin(Instant /*now*/) {
   q_ = machine_.reference();
-  auto plan = make_plan(program_, robot_, q_, homing_, look_);
+  auto plan = make_plan(program_, robot_, {q_, machine_.tool()}, homing_, look_);
   if (!plan) {
     failure_ = plan.error();
     phase_ = Phase::kFailed;
@@ -335,7 +335,7 @@ std::expected<void, Refusal> Run::issue_move(Instant now) {
   // The arm may stand elsewhere than the plan had it: after homing, or after a first move. Then
   // its corners may not blend as they did, and what was one motion takes several.
   if (!planner_) planner_ = std::make_unique<RowPlanner>(robot_);
-  const auto motion = planner_->plan(*q_, rows_left_);
+  const auto motion = planner_->plan(*q_, machine_.tool(), rows_left_);
   if (!motion) {
     const auto q = slow_way_back(first, *q_, motion.error(), robot_);
     if (q) {
@@ -405,8 +405,7 @@ std::expected<bool, Error> Run::holds(const Condition& condition) {
     q.push_back(positions[i].q);
   }
   if (condition.subject == Subject::kJoint) return condition.holds(q[condition.joint]);
-  if (!planner_) planner_ = std::make_unique<RowPlanner>(robot_);
-  const auto& space = planner_->space();
+  const planning::ToolSpace space(robot_, machine_.tool().jaws);
   const auto X_BT = space.forward({q.data(), q.size()}, space.home());
   if (!X_BT) return std::unexpected(X_BT.error());
   const Vec3& p = X_BT->p;

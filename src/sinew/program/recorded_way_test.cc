@@ -68,7 +68,7 @@ std::vector<JointVector> places_of(const Plan& plan) {
   for (const Order& order : plan.orders) {
     const auto* move = std::get_if<MoveOrder>(&order.what);
     if (move == nullptr) continue;
-    if (!planner.plan(*move->q_start, move->rows)) return {};
+    if (!planner.plan(*move->q_start, move->tool, move->rows)) return {};
     const auto& motion = planner.motion();
     planning::JointMotion now;
     for (double t = 0; t < motion.law.duration(); t += 0.01) {

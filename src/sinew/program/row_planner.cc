@@ -108,6 +108,15 @@ Move move_of(const Step& row, const RobotPlace& from, const ToolSpace& space,
   return move;
 }
 
+bool names_orientation(const ToolGoal& goal) {
+  return goal.R_BT || goal.pitch || goal.roll || (goal.offset && goal.offset->turns());
+}
+
+void turn_to(const kinematics::PoseBT& X_BT, Move& move) {
+  if (auto* to = std::get_if<planning::MoveTo>(&move.way)) to->to = {X_BT, Asked::kPose};
+  if (auto* line = std::get_if<planning::MoveL>(&move.way)) line->to = {X_BT, Asked::kPose};
+}
+
 const AxisRegistersDevice* register_boards(const RobotModel& robot) {
   return std::get_if<AxisRegistersDevice>(&robot.device.settings);
 }
@@ -195,16 +204,18 @@ void RowPlanner::show_to(WayLook look) {
 }
 
 std::expected<RowMotion, Refusal> RowPlanner::plan_limited(const JointVector& q_start,
+                                                           const ToolState& tool,
                                                            std::span<const Step> rows) {
   const auto& shares = motion_of(rows[0])->limits;
   if (!limited_ || !(*limited_->shares == *shares)) {
     limited_ = std::make_unique<Limited>(robot_, shares);
     limited_->planner.show_to(look_);
   }
-  return limited_->planner.plan_rows(q_start, rows);
+  return limited_->planner.plan_rows(q_start, tool, rows);
 }
 
 std::expected<RowMotion, Refusal> RowPlanner::plan(const JointVector& q_start,
+                                                   const ToolState& tool,
                                                    std::span<const Step> rows) {
   SINEW_ASSERT(!rows.empty());
   const auto& limits = motion_of(rows[0])->limits;
@@ -215,19 +226,23 @@ std::expected<RowMotion, Refusal> RowPlanner::plan(const JointVector& q_start,
   });
   const auto alike = rows.first(static_cast<std::size_t>(others - rows.begin()));
   limited_now_ = limits != nullptr;
-  return limited_now_ ? plan_limited(q_start, alike) : plan_rows(q_start, alike);
+  return limited_now_ ? plan_limited(q_start, tool, alike) : plan_rows(q_start, tool, alike);
 }
 
 std::expected<RowMotion, Refusal> RowPlanner::plan_rows(const JointVector& q_start,
+                                                        const ToolState& tool,
                                                         std::span<const Step> rows) {
+  planner_.fit(tool);
   const auto start = planner_.place_at({q_start.data(), q_start.size()});
   if (!start) return std::unexpected(Refusal{rows[0].line, start.error(), std::nullopt});
-  if (const auto made = make_moves(*start, rows); !made) return std::unexpected(made.error());
-  for (std::size_t tries = 0;; ++tries) {
-    const auto planned = planner_.plan(*start, moves_, 0, motion_);
-    if (planned) break;
-    Refusal why = refusal(rows, planned.error());
-    if (tries == rows.size() || !come_nearer(*why.way)) return std::unexpected(std::move(why));
+  attitudes_.assign(rows.size(), {});
+  for (std::optional<Refusal> kept;;) {
+    auto made = make_moves(*start, rows);
+    if (made) made = plan_moves(*start, rows);
+    if (made) break;
+    // Of what is in reach with another pitch the obstacle counts.
+    if (!kept || made.error().error.code == ErrorCode::kCollision) kept = made.error();
+    if (!choose_attitude(rows, made.error())) return std::unexpected(std::move(*kept));
   }
   RowMotion out;
   out.rows = motion_.stretch.moves;
@@ -265,7 +280,8 @@ std::expected<void, Refusal> RowPlanner::make_moves(const RobotPlace& start,
   moves_.clear();
   RobotPlace at = start;
   for (std::size_t i = 0; i < std::min(rows.size(), kRowsMax); ++i) {
-    const Move& move = moves_.emplace_back(move_of(rows[i], at, planner_.space(), robot_));
+    Move& move = moves_.emplace_back(move_of(rows[i], at, planner_.space(), robot_));
+    if (attitudes_[i].X_BT) turn_to(*attitudes_[i].X_BT, move);
     const bool blended = move.blend_radius > 0 || move.blend_joints > 0;
     if (!blended || i + 1 == std::min(rows.size(), kRowsMax)) break;
     const auto end = planner_.end_of(at, move);
@@ -277,6 +293,49 @@ std::expected<void, Refusal> RowPlanner::make_moves(const RobotPlace& start,
     at = *end;
   }
   return {};
+}
+
+std::expected<void, Refusal> RowPlanner::plan_moves(const RobotPlace& start,
+                                                    std::span<const Step> rows) {
+  for (std::size_t tries = 0;; ++tries) {
+    const auto planned = planner_.plan(start, moves_, 0, motion_);
+    if (planned) return {};
+    Refusal why = refusal(rows, planned.error());
+    if (tries == rows.size() || !come_nearer(*why.way)) return std::unexpected(std::move(why));
+  }
+}
+
+/// Where a row leaves the orientation open and the one at hand is refused: first the pitch that the
+/// arm's inverse chooses for a point, then the least turn that works.
+/// @return  false where there is no other one to try
+bool RowPlanner::choose_attitude(std::span<const Step> rows, const Refusal& refusal) {
+  if (!refusal.way) return false;
+  const std::size_t k = refusal.way->refusal.place.move;
+  const auto* row = std::get_if<ToolMoveStep>(&rows[k].what);
+  if (row == nullptr || names_orientation(row->to)) return false;
+  const planning::ToolTarget* target = nullptr;
+  if (const auto* to = std::get_if<planning::MoveTo>(&moves_[k].way)) target = &to->to;
+  if (const auto* line = std::get_if<planning::MoveL>(&moves_[k].way)) target = &line->to;
+  if (target == nullptr) return false;
+  Attitude& attitude = attitudes_[k];
+  const ToolSpace& space = planner_.space();
+  const auto* serial = std::get_if<SerialGeometry>(&robot_.geometry);
+  if (attitude.tries++ == 0 && space.task() == planning::TaskSpace::kPitchRoll) {
+    const RobotPlace& from = refusal.way->refusal.from;
+    const auto pitched = space.serial()->inverse_nearest_pitch(
+        target->X_BT.p, serial->pitch_preferred, {from.q.data(), space.size()});
+    if (pitched) {
+      const double roll = space.point(from.X_BT).attitude[1];
+      attitude.X_BT = space.pose({target->X_BT.p, {pitched->pitch, roll}});
+      return true;
+    }
+  }
+  const auto& tilted = refusal.way->proposal.tilted;
+  const bool joints_only = tilted && tilted->q && row->way != ToolMoveStep::Way::kJoints;
+  if (attitude.tries > 2 || !tilted || joints_only) return false;
+  attitude.tries = 3;
+  attitude.X_BT = tilted->X_BT;
+  return true;
 }
 
 /// A target that is no farther away than kReachTolerance becomes the nearest place in reach.

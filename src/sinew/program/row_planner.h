@@ -99,10 +99,17 @@ class RowPlanner {
 
   /// The motion of rows[0] and of those that blend into each other behind it. The wire can say each
   /// of its pieces: a chord's end that it cannot is left out, or moved to where it can.
+  /// @param tool  what the gripper is like meanwhile
   /// @param rows  all of them motions
   /// @error  those of MotionPlanner, those of WireTarget with where the way is then, and
   ///         kSegmentTime: it would take longer than a wire can say, or a plan can hold
-  std::expected<RowMotion, Refusal> plan(const JointVector& q_start, std::span<const Step> rows);
+  std::expected<RowMotion, Refusal> plan(const JointVector& q_start, const ToolState& tool,
+                                         std::span<const Step> rows);
+
+  /// The jaws' way at q, from `from` to a width (m). @error kJawsContact, kCollision
+  Expected<void> check_jaws(const JointVector& q, const ToolState& from, double to) {
+    return planner_.check_jaws({q.data(), q.size()}, from, to);
+  }
 
   /// What the last plan() made.
   const planning::PlannedMotion& motion() const;
@@ -112,15 +119,18 @@ class RowPlanner {
   /// Of a robot with lower limits, as `velocity` and `acceleration` rows ask for.
   struct Limited;
 
-  std::expected<RowMotion, Refusal> plan_limited(const JointVector& q_start,
+  std::expected<RowMotion, Refusal> plan_limited(const JointVector& q_start, const ToolState& tool,
                                                  std::span<const Step> rows);
   /// Of rows with the same limits.
-  std::expected<RowMotion, Refusal> plan_rows(const JointVector& q_start,
+  std::expected<RowMotion, Refusal> plan_rows(const JointVector& q_start, const ToolState& tool,
                                               std::span<const Step> rows);
   std::expected<void, Refusal> make_moves(const planning::RobotPlace& start,
                                           std::span<const Step> rows);
   Refusal refusal(std::span<const Step> rows, const planning::PathRefusal& why);
+  std::expected<void, Refusal> plan_moves(const planning::RobotPlace& start,
+                                          std::span<const Step> rows);
   bool come_nearer(const WayRefusal& why);
+  bool choose_attitude(std::span<const Step> rows, const Refusal& refusal);
   std::optional<Error> shown(const JointVector& q_start, const RowMotion& motion) const;
   void tell_stop(std::span<const Step> rows, RowMotion& out);
   std::expected<void, Refusal> cut_into_segments(std::span<const Step> rows,
@@ -149,6 +159,12 @@ class RowPlanner {
   planning::MotionPlanner planner_;
   planning::PlannedMotion motion_;
   std::vector<planning::Move> moves_;
+  /// Of a row that names no orientation and cannot keep the one at hand.
+  struct Attitude {
+    int tries = 0;
+    std::optional<kinematics::PoseBT> X_BT;
+  };
+  std::vector<Attitude> attitudes_;  ///< one per row of the plan at hand
   WayLook look_;
   std::unique_ptr<Limited> limited_;
   bool limited_now_ = false;  ///< the last plan() was made with it

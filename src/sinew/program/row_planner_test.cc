@@ -42,7 +42,7 @@ struct Bench {
 
   std::expected<RowMotion, Refusal> plan(std::string_view text) {
     program = *parse(text, "p", robot);
-    return planner.plan(start_of(robot), program.steps);
+    return planner.plan(start_of(robot), {}, program.steps);
   }
   PoseBT tool(std::span<const double> q) {
     const auto X_BT = planner.space().forward(q, planner.space().home());
@@ -161,7 +161,7 @@ TEST(RowPlanner, what_a_row_does_not_name_stays_as_it_is) {
   char text[80];
   std::snprintf(text, sizeof text, "move z=%.3fmm", (X_from.p.z + 0.05) * 1e3);
   const auto program = *parse(text, "p", six.robot);
-  const auto moved = six.planner.plan(q, program.steps);
+  const auto moved = six.planner.plan(q, {}, program.steps);
   ASSERT_TRUE(moved) << describe(moved.error().error);
   const auto X_to = six.tool({moved->q_end.data(), 6});
   EXPECT_NEAR(X_to.p.z, X_from.p.z + 0.05, 1e-5);

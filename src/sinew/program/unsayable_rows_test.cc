@@ -87,7 +87,7 @@ TEST(UnsayableRows, move_of_the_maxarm_is_as_long_as_its_wire_can_say_or_refused
   EXPECT_EQ(slow.error().error.limit, 30);
   EXPECT_TRUE(plan(robot, "joint J1=20deg speed=2%\n", home));
   RowPlanner planner(robot);
-  const auto little = planner.plan(home, parse("joint J1=120.001deg", "p", robot)->steps);
+  const auto little = planner.plan(home, {}, parse("joint J1=120.001deg", "p", robot)->steps);
   ASSERT_TRUE(little);
   ASSERT_EQ(little->pieces.size(), 1U);
   EXPECT_EQ(little->pieces[0].duration, std::chrono::milliseconds(20));
@@ -153,7 +153,7 @@ TEST(UnsayableRows, line_through_the_gap_is_cut_where_it_can_be_said_and_stays_o
   int shifted = 0;
   test::for_random_cases(40, [&](test::Random& random) {
     Sweep sweep(random.uniform(15, 40), random.uniform(52, 70));
-    const auto motion = sweep.planner.plan(sweep.start, sweep.rows.steps);
+    const auto motion = sweep.planner.plan(sweep.start, {}, sweep.rows.steps);
     ASSERT_TRUE(motion) << describe(motion.error().error);
     ASSERT_GT(motion->pieces.size(), 2U);
     for (const JointMove& piece : motion->pieces) {
@@ -168,7 +168,7 @@ TEST(UnsayableRows, line_through_the_gap_is_cut_where_it_can_be_said_and_stays_o
 
 TEST(UnsayableRows, line_that_stays_in_the_gap_for_long_is_refused_and_not_left) {
   Sweep sweep(45.5, 50.5, 50);
-  const auto motion = sweep.planner.plan(sweep.start, sweep.rows.steps);
+  const auto motion = sweep.planner.plan(sweep.start, {}, sweep.rows.steps);
   ASSERT_FALSE(motion);
   EXPECT_EQ(motion.error().error.code, ErrorCode::kUnsendable) << describe(motion.error().error);
   ASSERT_TRUE(motion.error().way && motion.error().way->unsayable);

@@ -27,7 +27,7 @@ struct Way {
     const auto rows = parse(text, "", model);
     ASSERT_TRUE(rows);
     RowPlanner planner(model);
-    auto planned = planner.plan(q_start, rows->steps);
+    auto planned = planner.plan(q_start, {}, rows->steps);
     ASSERT_TRUE(planned) << describe(planned.error().error);
     motion = std::move(*planned);
     along_way = planner.motion().law.duration();

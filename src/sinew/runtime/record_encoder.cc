@@ -232,6 +232,10 @@ void RecordEncoder::put_wire(const RunSample& sample) {
 void RecordEncoder::put_tool(const RunSample& sample) {
   const auto q = known_place(sample, robot_);
   if (!q) return;
+  if (jaws_ != sample.tool.jaws) {
+    jaws_ = sample.tool.jaws;
+    tool_ = planning::ToolSpace(robot_, jaws_);
+  }
   const auto X_BT = tool_.forward({q->data(), q->size()}, X_near_);
   if (!X_BT) return;
   X_near_ = *X_BT;

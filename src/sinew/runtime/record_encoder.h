@@ -49,6 +49,7 @@ class RecordEncoder {
   const RobotModel& robot_;
   RecordTitle title_;
   planning::ToolSpace tool_;
+  std::optional<double> jaws_;  ///< m, that it is for
   planning::PoseBT X_near_;
   McapWriter writer_;
   std::uint16_t joints_channel_ = 0;

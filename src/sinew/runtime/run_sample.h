@@ -13,6 +13,7 @@ struct RunSample {
   control::MachineState state = control::MachineState::kOff;
   FixedVector<JointPosition, kMaxJoints> positions;
   std::optional<JointVector> commanded;  ///< control::Controller::commanded()
+  ToolState tool;
   double feed = 1;
   double progress = 0;     ///< of the command under way
   std::uint32_t task = 0;  ///< that command
@@ -36,6 +37,7 @@ inline RunSample sample_of(const control::Controller& controller, const ByteCoun
   sample.state = controller.state();
   sample.positions = FixedVector<JointPosition, kMaxJoints>(controller.positions());
   sample.commanded = controller.commanded();
+  sample.tool = controller.tool();
   sample.feed = controller.feed();
   sample.progress = controller.progress();
   sample.task = controller.task();

@@ -246,6 +246,7 @@ void Station::publish(const ControlLoop& loop, Instant now) {
     view_.state = controller.state();
     view_.positions = FixedVector<JointPosition, kMaxJoints>(positions);
     view_.reference = controller.reference();
+    view_.tool = controller.tool();
     view_.holder = controller.lease_holder(now);
     view_.latched = controller.latched();
     view_.later.clear();

@@ -32,6 +32,7 @@ class StationClient final : public control::Machine {
     return {view_.positions.data(), view_.positions.size()};
   }
   std::optional<JointVector> reference() const override { return view_.reference; }
+  ToolState tool() const override { return view_.tool; }
   const control::LeaseToken& lease() const override { return lease_; }
   const std::optional<control::Latched>& latched() const override { return view_.latched; }
   std::optional<Instant> goes_on_until() const override { return view_.goes_on_until; }

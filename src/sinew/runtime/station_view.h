@@ -17,6 +17,7 @@ struct StationView {
   control::MachineState state = control::MachineState::kOff;
   FixedVector<JointPosition, kMaxJoints> positions;
   std::optional<JointVector> reference;
+  ToolState tool;
   std::optional<control::LeaseToken> holder;
   std::optional<control::Latched> latched;
   FixedVector<control::Latched, control::Controller::kLaterCausesMax> later;

@@ -106,6 +106,7 @@ Api::Api(runtime::RunningCell& cell, std::string version, runtime::CellSettings*
     ears_.push_back(cell_.station(i).take_slot());
     tools_.push_back(std::make_unique<planning::ToolSpace>(cell_.station(i).robot()));
     X_near_.push_back(tools_.back()->home());
+    jaws_.emplace_back();
   }
   jobs_.resize(cell_.size());
   models_.resize(cell_.size());
@@ -575,7 +576,12 @@ void Api::log_job(std::size_t robot, const JobView& job) {
 
 Json Api::status(std::size_t robot) {
   const runtime::Station& station = cell_.station(robot);
-  Json json = status_json(station, station.view(), *tools_[robot], X_near_[robot]);
+  const runtime::StationView view = station.view();
+  if (jaws_[robot] != view.tool.jaws) {
+    jaws_[robot] = view.tool.jaws;
+    *tools_[robot] = planning::ToolSpace(station.robot(), jaws_[robot]);
+  }
+  Json json = status_json(station, view, *tools_[robot], X_near_[robot]);
   json["kept"] = keeper_.changes();
   if (const auto record = station.wanted()) {
     json["recording"] = {
@@ -584,13 +590,13 @@ Json Api::status(std::size_t robot) {
   const JobView job = cell_.jobs(robot).view();
   if (job.id != 0) json["job"] = job_json(station.name(), job, station.robot());
   if (const auto& procedures = cell_.procedures(robot); !procedures.over()) {
-    const program::ProcedureView& view = procedures.status().view;
+    const program::ProcedureView& steps = procedures.status().view;
     json["procedure"] = {{"number", procedures.status().number},
-                         {"kind", view.id},
-                         {"phase", program::name(view.phase)},
-                         {"step", std::min(view.place + 1, view.steps.size())},
-                         {"of", view.steps.size()}};
-    if (view.left) json["procedure"]["client_lost"] = true;
+                         {"kind", steps.id},
+                         {"phase", program::name(steps.phase)},
+                         {"step", std::min(steps.place + 1, steps.steps.size())},
+                         {"of", steps.steps.size()}};
+    if (steps.left) json["procedure"]["client_lost"] = true;
   }
   return json;
 }

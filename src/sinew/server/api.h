@@ -280,6 +280,7 @@ class Api {
   std::vector<runtime::ProcedureStatus> procedures_;  ///< the same
   std::vector<std::unique_ptr<planning::ToolSpace>> tools_;
   std::vector<planning::PoseBT> X_near_;
+  std::vector<std::optional<double>> jaws_;  ///< m, that tools_ are for
   /// Status messages of this turn, made once for all who watch: of each robot, and of all.
   std::vector<std::string> status_texts_;
   /// Of the thread that reads wires: of those that are looked at.

@@ -7,6 +7,7 @@
 #include "sinew/kinematics/serial_chain.h"
 #include "sinew/model/collision_links.h"
 #include "sinew/model/joint_lookup.h"
+#include "sinew/model/tool_state.h"
 #include "sinew/planning/jog_space.h"
 #include "sinew/runtime/unit_name.h"
 
@@ -116,7 +117,8 @@ Json links_json(const RobotModel& model) {
   return links;
 }
 
-Json shape_json(const CollisionShape& shape) {
+/// A gripper's fingers as they are with open jaws.
+Json shape_json(const CollisionShape& shape, const Geometry& geometry) {
   Json json{{"link", shape.link}};
   if (const auto* capsule = std::get_if<Capsule>(&shape.form)) {
     json["form"] = "capsule";
@@ -127,9 +129,17 @@ Json shape_json(const CollisionShape& shape) {
     json["form"] = "box";
     json["pose"] = local_pose_json(box->X_LX.p, box->X_LX.R);
     json["half_m"] = vector_json(box->half);
-  } else {
+  } else if (const auto* finger = std::get_if<JawFinger>(&shape.form)) {
+    const JawGripper& gripper = *std::get<SerialGeometry>(geometry).gripper;
+    const CollisionBox open = finger_box(*finger, gripper, gripper.width_max, gripper.width_max);
+    json["form"] = "finger";
+    json["pose"] = local_pose_json(open.X_LX.p, open.X_LX.R);
+    json["half_m"] = vector_json(open.half);
+  } else if (const auto* leg = std::get_if<LegCapsule>(&shape.form)) {
     json["form"] = "leg";
-    json["radius_m"] = std::get<LegCapsule>(shape.form).radius;
+    json["radius_m"] = leg->radius;
+  } else {
+    json["form"] = "held";
   }
   return json;
 }
@@ -169,7 +179,8 @@ Json jog_json(const RobotModel& model) {
 
 Json model_json(const RobotModel& model) {
   Json shapes = Json::array();
-  for (const CollisionShape& shape : model.collision.shapes) shapes.push_back(shape_json(shape));
+  for (const CollisionShape& shape : model.collision.shapes)
+    shapes.push_back(shape_json(shape, model.geometry));
   Json json{
       {"robot", model.id},
       {"title", model.title},

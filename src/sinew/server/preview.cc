@@ -131,7 +131,7 @@ std::expected<void, program::Refusal> sample(const program::Plan& plan, const Ro
       samples.pause(move->duration, q);
       continue;
     }
-    const auto pieces = planner.plan(*move->q_start, move->rows);
+    const auto pieces = planner.plan(*move->q_start, move->tool, move->rows);
     if (!pieces) return std::unexpected(pieces.error());
     const planning::PlannedMotion& motion = planner.motion();
     if (motion.empty()) continue;
@@ -171,16 +171,16 @@ RpcError refused_plan(const program::Refusal& refusal, const RobotModel& model,
   return {RpcCode::kRefused, data["sentence"].get<std::string>(), data};
 }
 
-program::Start standing(const runtime::Station& station) {
+program::Standing standing(const runtime::Station& station) {
   const runtime::StationView view = station.view();
-  if (view.reference) return view.reference;
+  if (view.reference) return {view.reference, view.tool};
   JointVector q;
   for (const JointPosition& position : view.positions) {
     if (position.quality < PositionQuality::kCommanded) return station.assumed_place();
     q.push_back(position.q);
   }
   if (q.size() != station.robot().joints.size()) return station.assumed_place();
-  return q;
+  return {q, view.tool};
 }
 
 std::expected<Json, RpcError> preview(const runtime::RunningCell& cell, const PreviewWish& wish) {
@@ -207,7 +207,7 @@ std::expected<Json, RpcError> preview(const runtime::RunningCell& cell, const Pr
             {"duration_s", rounded(plan->duration, 1e-4)},
             {"homing_at_most_s", plan->homing_max},
             {"first_move", first_move_in(*plan)}};
-  if (wish.from) json["from"] = row_of(wish.from->data(), wish.from->size());
+  if (const auto& from = wish.from.q) json["from"] = row_of(from->data(), from->size());
   put_limited(json, plan->limits, model);
   json["to"] = {{"positions", samples.last_joints()}, {"tool", samples.last_tool()}};
   json["samples"] = samples.json();

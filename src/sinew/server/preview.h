@@ -24,7 +24,7 @@ struct PreviewWish {
   std::size_t robot = 0;  ///< of the cell
   program::Program program;
   std::string text;           ///< what it was read from
-  program::Start from;        ///< where the robot stands; nothing: nobody knows
+  program::Standing from;     ///< where the robot stands; nothing: nobody knows
   std::size_t samples = 121;  ///< at most, 2 at least
 };
 
@@ -38,7 +38,7 @@ RpcError refused_plan(const program::Refusal& refusal, const RobotModel& model,
                       const std::optional<runtime::CellRefusal>& met);
 
 /// Where the next motion of a robot begins: what it was told last, else what is known of it.
-program::Start standing(const runtime::Station& station);
+program::Standing standing(const runtime::Station& station);
 
 /// Previews in a thread of their own, one after the other. Of those that one client asked for of
 /// one robot only the last one is made; the others are told so.

@@ -197,6 +197,8 @@ void put_status(Json& all) {
        {"kept", whole()},
        {"trouble", text()},
        {"tool", ref("Pose")},
+       {"jaws_m", number()},
+       {"held_m", number()},
        {"lease", object({{"client", whole()}, {"epoch", whole()}})},
        {"homing", text()},
        {"fault", ref("Latched")},
@@ -337,7 +339,7 @@ void put_model(Json& all) {
                   {"platform_anchors_m", list(numbers(3))},
                   {"platform_radius_m", number()},
                   {"home", ref("LocalPose")}}));
-  all["Shape"] = object({{"link", whole()}, {"form", one_of({"capsule", "box", "leg"})}},
+  all["Shape"] = object({{"link", whole()}, {"form", one_of({"capsule", "box", "leg", "finger", "held"})}},
                         {{"from_m", numbers(3)},
                          {"to_m", numbers(3)},
                          {"radius_m", number()},

@@ -223,6 +223,8 @@ Json status_json(const runtime::Station& station, const runtime::StationView& vi
             {"feed", view.feed},
             {"progress", view.progress}};
   if (const std::string trouble = station.trouble(); !trouble.empty()) json["trouble"] = trouble;
+  if (view.tool.jaws) json["jaws_m"] = *view.tool.jaws;
+  if (view.tool.held) json["held_m"] = *view.tool.held;
   if (const auto q = known_place(view, model)) {
     if (const auto X_BT = tool.forward({q->data(), q->size()}, X_near)) {
       X_near = *X_BT;

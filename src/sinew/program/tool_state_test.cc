@@ -1,0 +1,145 @@
+#include "sinew/model/tool_state.h"
+
+#include <gtest/gtest.h>
+
+#include "sinew/core/units.h"
+#include "sinew/kinematics/serial_arm.h"
+#include "sinew/model/joint_lookup.h"
+#include "sinew/program/program_plan.h"
+#include "support/robots.h"
+
+// Programs of a gripper with jaws: where the tips are follows their width, and so does what they
+// may hit.
+
+namespace sinew::program {
+namespace {
+
+constexpr double kOpen = 60e-3, kGrip = 24e-3;  // m
+
+/// A cube of 25 mm on the LeArm's own table, 180 mm before it: fetched and put down elsewhere.
+constexpr std::string_view kFetch =
+    "joint base=0deg shoulder=20deg elbow=60deg wrist=60deg roll=0deg\n"
+    "jaws 60mm\n"
+    "move x=180mm y=0mm z=60mm\n"
+    "line z=30.5mm\n"
+    "jaws 24mm holds=25mm\n"
+    "line z=80mm\n"
+    "move y=100mm\n"
+    "line z=12.5mm\n"
+    "jaws 60mm\n"
+    "line z=80mm\n";
+
+std::expected<Plan, Refusal> planned(std::string_view text, const Standing& start) {
+  const RobotModel& robot = test::robot("learm");
+  return make_plan(*parse(text, "p", robot), robot, start);
+}
+std::expected<Plan, Refusal> planned(std::string_view text) {
+  return planned(text, home_joints(test::robot("learm")));
+}
+
+Vec3 tips(const JointVector& q, double jaws) {
+  const RobotModel& robot = test::robot("learm");
+  const auto& geometry = std::get<SerialGeometry>(robot.geometry);
+  const kinematics::SerialArm arm(geometry, robot.joints, kinematics::tool_pose(geometry, jaws));
+  return arm.forward({q.data(), q.size()}).p;
+}
+
+std::vector<MoveOrder> moves_of(const Plan& plan) {
+  std::vector<MoveOrder> moves;
+  for (const Order& order : plan.orders) {
+    if (const auto* move = std::get_if<MoveOrder>(&order.what)) moves.push_back(*move);
+  }
+  return moves;
+}
+
+TEST(ToolState, a_cube_on_the_table_is_grasped_and_put_down_where_the_rows_say) {
+  const auto plan = planned(kFetch);
+  ASSERT_TRUE(plan) << plan.error().line << info(plan.error().error.code).name;
+  const auto moves = moves_of(*plan);
+  ASSERT_EQ(moves.size(), 7U);
+  const auto expect_tips = [](const MoveOrder& move, double jaws, const Vec3& p_mm) {
+    EXPECT_EQ(move.tool.jaws, jaws);
+    const Vec3 p = tips(move.q, jaws);
+    EXPECT_LT(norm(p - 1e-3 * p_mm), 1e-6) << 1e3 * p.x << " " << 1e3 * p.y << " " << 1e3 * p.z;
+  };
+  EXPECT_EQ(moves[0].tool.jaws, std::nullopt) << "nobody has told them yet";
+  expect_tips(moves[2], kOpen, {180, 0, 30.5});
+  // Closing by 36 mm takes the tips 18 mm farther along an approach that is nearly straight down.
+  EXPECT_NEAR(tips(moves[2].q, kGrip).z, 12.5e-3, 0.5e-3);
+  const Vec3 fetched = tips(moves[2].q, kGrip);
+  expect_tips(moves[3], kGrip, {1e3 * fetched.x, 1e3 * fetched.y, 80});
+  expect_tips(moves[4], kGrip, {1e3 * fetched.x, 100, 80});
+  EXPECT_EQ(moves[4].tool.held, 25e-3);
+  const Vec3 put_down = tips(moves[4].q, kGrip);
+  expect_tips(moves[5], kGrip, {1e3 * put_down.x, 100, 12.5});
+  const Vec3 let_go = tips(moves[5].q, kOpen);
+  expect_tips(moves[6], kOpen, {1e3 * let_go.x, 1e3 * let_go.y, 80});
+  EXPECT_EQ(moves[6].tool.held, std::nullopt);
+}
+
+TEST(ToolState, jaws_that_would_close_into_the_table_are_refused_and_their_remedy_works) {
+  const std::string low =
+      "joint base=0deg shoulder=20deg elbow=60deg wrist=60deg roll=0deg\n"
+      "jaws 60mm\nmove x=180mm y=0mm z=60mm\nline z=12.5mm\n";
+  const auto refused = planned(low + "jaws 24mm\n");
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().line, 5);
+  EXPECT_EQ(refused.error().error.code, ErrorCode::kJawsContact);
+  EXPECT_NEAR(refused.error().error.limit, 18e-3, 1e-9);
+  EXPECT_TRUE(planned(low + "line frame=tool dz=-18mm\njaws 24mm\n"));
+}
+
+TEST(ToolState, what_is_held_keeps_off_the_table_until_it_is_let_go) {
+  const std::string low =
+      "joint base=0deg shoulder=20deg elbow=60deg wrist=60deg roll=0deg\n"
+      "jaws 30mm\nmove x=180mm y=0mm z=120mm\n";
+  EXPECT_TRUE(planned(low + "line z=30mm\n"));
+  EXPECT_TRUE(planned(low + "jaws 24mm holds=25mm\nline z=30mm\n"));
+  const auto refused = planned(low + "jaws 24mm holds=80mm\nline z=30mm\n");
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().error.code, ErrorCode::kCollision);
+  EXPECT_TRUE(planned(low + "jaws 24mm holds=80mm\njaws 30mm\nline z=30mm\n"));
+}
+
+TEST(ToolState, a_plan_begins_with_the_jaws_as_they_are) {
+  const JointVector q{0, from_deg(20), from_deg(60), from_deg(60), 0};
+  for (const double jaws : {0.0, kGrip, kOpen}) {
+    const auto plan = planned("line dz=10mm\n", {Start(q), ToolState{jaws, {}}});
+    ASSERT_TRUE(plan);
+    const JointVector end = moves_of(*plan)[0].q;
+    EXPECT_LT(norm(tips(end, jaws) - tips(q, jaws) - Vec3{0, 0, 10e-3}), 1e-6) << jaws;
+  }
+}
+
+// Rows that name no orientation.
+
+double pitch_of(const JointVector& q) {
+  return q[1] + q[2] + q[3];
+}
+
+TEST(OpenAttitude, the_pitch_at_hand_is_kept_where_it_is_in_reach_and_chosen_where_it_is_not) {
+  const JointVector level{0, from_deg(30), from_deg(30), from_deg(30), 0};
+  const auto kept = planned("move x=280mm z=180mm\n", level);
+  ASSERT_TRUE(kept);
+  EXPECT_NEAR(pitch_of(moves_of(*kept)[0].q), from_deg(90), 1e-6);
+  // From straight up nothing near the table is in reach without a turn.
+  for (const char* row : {"move x=200mm y=0mm z=60mm\n", "move x=150mm y=-60mm z=80mm\n"}) {
+    const auto chosen = planned(row);
+    ASSERT_TRUE(chosen) << row;
+    EXPECT_GT(pitch_of(moves_of(*chosen)[0].q), from_deg(120)) << "as its inverse: down first";
+    EXPECT_FALSE(planned(std::string(row).insert(std::string(row).find('\n'), " pitch=0deg")));
+  }
+}
+
+TEST(OpenAttitude, a_line_turns_as_little_as_it_has_to_and_what_is_out_of_reach_stays_refused) {
+  const JointVector down{0, from_deg(20), from_deg(75), from_deg(75), 0};
+  const auto farther = planned("line x=260mm z=60mm\n", down);
+  ASSERT_TRUE(farther);
+  EXPECT_LT(norm(tips(moves_of(*farther)[0].q, kOpen) - Vec3{0.260, 0, 0.060}), 1e-6);
+  const auto beyond = planned("move x=600mm y=0mm z=60mm\n", down);
+  ASSERT_FALSE(beyond);
+  EXPECT_EQ(beyond.error().error.code, ErrorCode::kOutOfReach);
+}
+
+}  // namespace
+}  // namespace sinew::program
