@@ -16,8 +16,6 @@ constexpr Duration kTimeMin = std::chrono::milliseconds(20);  // the boards' own
 constexpr int kOpeningReadings = 60;  // 2 s: a limp arm sinks until something holds it
 constexpr Duration kBlockedPause = std::chrono::milliseconds(1);
 constexpr double kSpeedSlack = 1.1;  // planners round their times
-/// rad, the most that a servo is off its target at rest: dead band, and sag under the arm's weight.
-constexpr double kServoSlack = 0.06;
 
 std::uint8_t bit(std::size_t slot) {
   return static_cast<std::uint8_t>(1U << slot);

@@ -180,7 +180,7 @@ TEST(LscDriver, from_beyond_its_limits_an_arm_comes_in_at_speed_and_goes_no_fart
   cell.machine.disturb({sim::Disturbance::Kind::kPayload, -1, 0});
   LscPose farther;
   for (std::size_t i = 0; i < 5; ++i) farther[i] = cell.driver.positions()[i].q;
-  farther[1] += std::copysign(0.02, beyond);
+  farther[1] += std::copysign(0.1, beyond);
   EXPECT_EQ(refusal(cell.driver.move(cell.to(farther, 80ms), cell.now)), ErrorCode::kJointLimit);
   double farthest = 0;
   cell.stream(kLscHere, 4s, [&](int) {

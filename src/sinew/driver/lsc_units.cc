@@ -84,6 +84,14 @@ double LscUnits::q_of(std::size_t joint, double units) const {
   return (units - servo.centre - servo.trim) / servo.units_per_rad;
 }
 
+SendRange LscUnits::range_from(std::size_t joint, const JointPosition& here) const {
+  SendRange range = joints_[joint];
+  if (here.quality == PositionQuality::kLost) return range;
+  if (here.q < range.lower) range.lower = here.q - kServoSlack;
+  if (here.q > range.upper) range.upper = here.q + kServoSlack;
+  return range;
+}
+
 double LscUnits::resolution(std::size_t joint) const {
   return 1 / std::abs(device_.servos[joint].units_per_rad);
 }

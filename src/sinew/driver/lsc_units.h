@@ -13,6 +13,9 @@
 
 namespace sinew {
 
+/// rad, the most that a servo is off its target at rest: dead band, and sag under the arm's weight.
+inline constexpr double kServoSlack = 0.06;
+
 /// Joint angles and jaw width in a servo board's units, and back. Servos are counted as slots: the
 /// joints in their order, and behind them the jaws where the robot has any. @rt
 class LscUnits {
@@ -41,10 +44,8 @@ class LscUnits {
   double q_of(std::size_t joint, double units) const;
   /// m between the jaws, of a robot that has some.
   double width_of(double units) const;
-  /// Where it may be sent from `here`.
-  SendRange range_from(std::size_t joint, const JointPosition& here) const {
-    return SendRange(joints_[joint]).from(here);
-  }
+  /// Where it may be sent from `here`: from beyond a limit also to where it was told to be there.
+  SendRange range_from(std::size_t joint, const JointPosition& here) const;
   /// rad that one unit is.
   double resolution(std::size_t joint) const;
   /// Units per s that the model allows a joint.

@@ -63,8 +63,9 @@ std::optional<Error> WireTarget::refusal(std::span<const double> q,
   }
   if (!lsc_) return std::nullopt;
   for (std::size_t i = 0; i < q.size(); ++i) {
-    // A servo board goes back from beyond a limit slowly, in one piece that ends inside.
-    const auto units = lsc_->of_joint(i, q[i], robot_.joints[i]);
+    const double here = from.empty() ? robot_.joints[i].home : from[i];
+    const auto range = lsc_->range_from(i, {PositionQuality::kMeasured, here, here, here});
+    const auto units = lsc_->of_joint(i, q[i], range);
     if (!units) return units.error();
   }
   return std::nullopt;

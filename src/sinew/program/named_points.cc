@@ -67,6 +67,7 @@ std::optional<ToolGoal> MotionRows::tool_goal(const Word& word, const TaughtPoin
   const auto X_BT = space_.forward({q.data(), q.size()}, space_.home());
   if (!X_BT) return complain(": its legs give no place of the platform");
   ToolGoal goal = goal_of({X_BT->p, X_BT->R, {}, {}});
+  goal.of_joints = true;
   if (task_ == TaskSpace::kPoint) goal.R_BT.reset();
   return goal;
 }

@@ -82,6 +82,7 @@ struct ToolGoal {
   std::optional<double> pitch;  ///< rad, of arms with five joints
   std::optional<double> roll;   ///< rad
   std::optional<GoalOffset> offset;
+  bool of_joints = false;  ///< a place taught as joints: where they take the tips of open jaws
 };
 
 /// The tool goes somewhere.

@@ -35,7 +35,9 @@ JointVector vector_of(const JointArray& q, std::size_t size) {
 }
 
 /// A goal in the terms of the planner: what it does not name stays as it is at `from`.
-ToolTarget target_of(const ToolGoal& goal, const RobotPlace& from, const ToolSpace& space) {
+/// @param ahead  m, as RowPlanner::tips_ahead_
+ToolTarget target_of(const ToolGoal& goal, const RobotPlace& from, const ToolSpace& space,
+                     double ahead) {
   ToolTarget target{from.X_BT, Asked::kPoint};
   Vec3& p = target.X_BT.p;
   p = {goal.p_BT[0].value_or(p.x), goal.p_BT[1].value_or(p.y), goal.p_BT[2].value_or(p.z)};
@@ -50,14 +52,9 @@ ToolTarget target_of(const ToolGoal& goal, const RobotPlace& from, const ToolSpa
     point.attitude[1] = goal.roll.value_or(point.attitude[1]);
     target = {space.pose(point), Asked::kPose};
   }
+  // The joints that were taught, whatever the jaws do.
+  if (goal.of_joints && goal.R_BT) p = p + ahead * goal.R_BT->z;
   return with_offset(goal, target, space);
-}
-
-bool is_outside(const RobotPlace& place, const RobotModel& robot) {
-  for (std::size_t j = 0; j < robot.joints.size(); ++j) {
-    if (!within_limits(robot.joints[j], place.q[j])) return true;
-  }
-  return false;
 }
 
 bool is_streamed(const RobotModel& robot) {
@@ -76,7 +73,7 @@ bool takes_acceleration(const RobotModel& robot) {
 }
 
 Move move_of(const Step& row, const RobotPlace& from, const ToolSpace& space,
-             const RobotModel& robot) {
+             const RobotModel& robot, double ahead) {
   const MotionOptions& how = *motion_of(row);
   const Unheard not_told = unheard(how, robot);
   Move move;
@@ -93,7 +90,7 @@ Move move_of(const Step& row, const RobotPlace& from, const ToolSpace& space,
     const JointVector q = vector_of(from.q, space.size());
     move.way = planning::MoveJ{array_of(resolved(*joint, q))};
   } else if (const auto* tool = std::get_if<ToolMoveStep>(&row.what)) {
-    const ToolTarget target = target_of(tool->to, from, space);
+    const ToolTarget target = target_of(tool->to, from, space, ahead);
     using Way = ToolMoveStep::Way;
     if (tool->way == Way::kJoints) move.way = planning::MoveTo{target};
     if (tool->way == Way::kLine) move.way = planning::MoveL{target};
@@ -115,6 +112,12 @@ bool names_orientation(const ToolGoal& goal) {
 void turn_to(const kinematics::PoseBT& X_BT, Move& move) {
   if (auto* to = std::get_if<planning::MoveTo>(&move.way)) to->to = {X_BT, Asked::kPose};
   if (auto* line = std::get_if<planning::MoveL>(&move.way)) line->to = {X_BT, Asked::kPose};
+}
+
+double tips_ahead(const ToolState& tool, const RobotModel& robot) {
+  const auto* serial = std::get_if<SerialGeometry>(&robot.geometry);
+  if (serial == nullptr || !serial->gripper || !tool.jaws) return 0;
+  return jaw_reach(*serial->gripper, *tool.jaws) - serial->gripper->reach_open;
 }
 
 const AxisRegistersDevice* register_boards(const RobotModel& robot) {
@@ -233,6 +236,7 @@ std::expected<RowMotion, Refusal> RowPlanner::plan_rows(const JointVector& q_sta
                                                         const ToolState& tool,
                                                         std::span<const Step> rows) {
   planner_.fit(tool);
+  tips_ahead_ = tips_ahead(tool, robot_);
   const auto start = planner_.place_at({q_start.data(), q_start.size()});
   if (!start) return std::unexpected(Refusal{rows[0].line, start.error(), std::nullopt});
   attitudes_.assign(rows.size(), {});
@@ -280,7 +284,7 @@ std::expected<void, Refusal> RowPlanner::make_moves(const RobotPlace& start,
   moves_.clear();
   RobotPlace at = start;
   for (std::size_t i = 0; i < std::min(rows.size(), kRowsMax); ++i) {
-    Move& move = moves_.emplace_back(move_of(rows[i], at, planner_.space(), robot_));
+    Move& move = moves_.emplace_back(move_of(rows[i], at, planner_.space(), robot_, tips_ahead_));
     if (attitudes_[i].X_BT) turn_to(*attitudes_[i].X_BT, move);
     const bool blended = move.blend_radius > 0 || move.blend_joints > 0;
     if (!blended || i + 1 == std::min(rows.size(), kRowsMax)) break;
@@ -414,31 +418,22 @@ std::expected<void, Refusal> RowPlanner::cut_into_segments(std::span<const Step>
   // A motion shorter than one segment is one: no wire says less.
   const double segment = count == 1 ? longest : duration / static_cast<double>(count);
   const planning::Trajectory trajectory = motion_.trajectory();
-  const bool outside = is_outside(start, robot_);
   const std::span<const double> from(start.q.data(), robot_.joints.size());
   planning::JointMotion at;
   out.pieces.reserve(count);
-  std::size_t merged = 0;  // into the piece that follows
   for (std::size_t k = 1; k <= count; ++k) {
     const bool last = k == count;
     trajectory.sample(last ? duration : segment * static_cast<double>(k), at);
-    const double together = segment * static_cast<double>(1 + merged);
-    JointMove piece{.q = {}, .qd = {}, .duration = from_seconds(together)};
+    JointMove piece{.q = {}, .qd = {}, .duration = from_seconds(segment)};
     for (std::size_t j = 0; j < robot_.joints.size(); ++j) {
       piece.q.push_back(last ? out.q_end[j] : at.q[j]);
       piece.qd.push_back(last ? 0 : at.qd[j]);
     }
     if (const auto error = wire_.refusal({piece.q.data(), piece.q.size()}, from)) {
-      // Back into the limits, beyond which many a wire says nothing: in one piece.
-      if (outside && out.pieces.empty() && !last) {
-        ++merged;
-        continue;
-      }
       const double s = motion_.law.sample(segment * static_cast<double>(k)).s;
       return std::unexpected(unsayable(rows, start, s, piece.q, *error));
     }
     out.pieces.push_back(piece);
-    merged = 0;
   }
   const double whole = segment * static_cast<double>(count);
   out.arrival = whole + to_seconds(delay_.arrival);

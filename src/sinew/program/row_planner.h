@@ -154,6 +154,7 @@ class RowPlanner {
   double tool_acceleration(const JointVector& from, const JointVector& to, double share) const;
 
   const RobotModel& robot_;
+  double tips_ahead_ = 0;  ///< m, of those of open jaws
   MotionDelay delay_;
   WireTarget wire_;
   planning::MotionPlanner planner_;

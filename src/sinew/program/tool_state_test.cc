@@ -111,6 +111,26 @@ TEST(ToolState, a_plan_begins_with_the_jaws_as_they_are) {
   }
 }
 
+TEST(ToolState, a_line_to_taught_joints_ends_at_them_whatever_the_jaws_do) {
+  const RobotModel& robot = test::robot("learm");
+  const JointVector taught{from_deg(10), from_deg(25), from_deg(60), from_deg(60), 0};
+  const TaughtPoints points{
+      {.name = "there", .robot = "learm", .place = taught, .source = "", .taught_at = ""}};
+  const JointVector q{0, from_deg(20), from_deg(60), from_deg(60), 0};
+  for (const double jaws : {0.0, kGrip, kOpen}) {
+    for (const char* row : {"line to=there\n", "move to=there\n"}) {
+      Surroundings around;
+      around.points = &points;
+      const auto program = parse(row, "p", robot, around);
+      ASSERT_TRUE(program);
+      const auto plan = make_plan(*program, robot, {Start(q), ToolState{jaws, {}}});
+      ASSERT_TRUE(plan);
+      const JointVector end = moves_of(*plan)[0].q;
+      for (std::size_t j = 0; j < 5; ++j) EXPECT_NEAR(end[j], taught[j], 1e-6) << row << jaws;
+    }
+  }
+}
+
 // Rows that name no orientation.
 
 double pitch_of(const JointVector& q) {
