@@ -174,6 +174,14 @@ SendRange LscDriver::range_of(std::size_t joint) const {
   return units_.range_from(joint, positions_[joint]);
 }
 
+/// Some joint is beyond its limits; a way that a model takes for blocked is gone slowly then.
+bool LscDriver::outside() const {
+  for (std::size_t i = 0; i < units_.joints(); ++i) {
+    if (!units_.inside(i, positions_[i].q)) return true;
+  }
+  return false;
+}
+
 bool LscDriver::wants_move(Instant now) const {
   if (phase_ == Phase::kIdle) return true;
   if (stopping_ || current_.rest || next_) return false;
@@ -211,7 +219,7 @@ Expected<void> LscDriver::check_time(const Segment& segment, const JointMove& mo
                                  to_seconds(timing_.first_move_min)});
   }
   const Duration shortest = std::max(timing_.segment_min, frame_time(segment.mask));
-  const Duration longest = lost() ? timing_.first_move_max : timing_.segment_max;
+  const Duration longest = lost() || outside() ? timing_.first_move_max : timing_.segment_max;
   if (move.duration < shortest || move.duration > longest) {
     const Duration limit = move.duration < shortest ? shortest : longest;
     return std::unexpected(Error{ErrorCode::kSegmentTime, -1, time, to_seconds(limit)});

@@ -140,6 +140,7 @@ class LscDriver : public ByteDriver {
   };
 
   bool lost() const;
+  bool outside() const;
   SendRange range_of(std::size_t joint) const;
   Expected<void> may_begin() const;
   Expected<void> check_start(const JointMove& move) const;

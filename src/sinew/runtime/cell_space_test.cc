@@ -172,8 +172,8 @@ TEST_F(TwoArms, two_that_are_in_each_others_way_are_both_refused_and_neither_wai
 }
 
 CellObject post() {
-  CellObject post{.name = "post", .X_WX = {}, .half = {0.02, 0.02, 0.1}};
-  post.X_WX.p = {0, 0.25, 0.1};
+  CellObject post{.name = "post", .X_WX = {}, .half = {0.02, 0.02, 0.11}};
+  post.X_WX.p = {0, 0.25, 0.11};
   return post;
 }
 

@@ -339,12 +339,13 @@ void put_model(Json& all) {
                   {"platform_anchors_m", list(numbers(3))},
                   {"platform_radius_m", number()},
                   {"home", ref("LocalPose")}}));
-  all["Shape"] = object({{"link", whole()}, {"form", one_of({"capsule", "box", "leg", "finger", "held"})}},
-                        {{"from_m", numbers(3)},
-                         {"to_m", numbers(3)},
-                         {"radius_m", number()},
-                         {"pose", ref("LocalPose")},
-                         {"half_m", numbers(3)}});
+  all["Shape"] =
+      object({{"link", whole()}, {"form", one_of({"capsule", "box", "leg", "finger", "held"})}},
+             {{"from_m", numbers(3)},
+              {"to_m", numbers(3)},
+              {"radius_m", number()},
+              {"pose", ref("LocalPose")},
+              {"half_m", numbers(3)}});
   all["Model"] = object(
       {{"robot", text()},
        {"title", text()},

@@ -28,7 +28,8 @@ void put_in_the_way(Json& json, const runtime::CellRefusal& refusal);
 Json description_json(const CellRobot& place, const runtime::Station& station);
 
 /// How it is now.
-/// @param tool  of the same robot, with its jaws as they are. @param X_near  a hexapod's last pose, and then this one
+/// @param tool    of the same robot, its jaws as they are
+/// @param X_near  a hexapod's last pose, and then this one
 Json status_json(const runtime::Station& station, const runtime::StationView& view,
                  const planning::ToolSpace& tool, planning::PoseBT& X_near);
 
