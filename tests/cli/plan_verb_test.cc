@@ -264,7 +264,7 @@ TEST(PlanVerb, what_the_device_is_not_told_is_noted) {
   } kCases[] = {
       {"maxarm", "joint base=110deg blend=5deg\njoint shoulder=100deg\n", "stops at each corner"},
       {"maxarm", "joint base=110deg accel=5mm/s2\n", "accel= is not heard"},
-      {"robot-arm-2", "joint J1=10deg speed=10%\n", "speed= is not heard"},
+      {"robot-arm-2", "joint J1=10deg speed=10%\n", "speed= and time= is not heard"},
   };
   for (const auto& c : kCases) {
     const Ended ended = sinew({"plan", folder.file("p.sinew", c.rows), "--robot", c.robot});

@@ -63,6 +63,12 @@ const motions: Record<string, string> = {
   "a tool's speed is 0.001 mm/s to 100 m/s": 'Ein Werkzeug hat 0.001 mm/s bis 100 m/s',
   'speed is 1% to 100%': 'speed ist 1% bis 100%',
   'blend is above 0 and at most 60 deg of the joints': 'blend ist größer als 0 und höchstens 60 deg der Gelenke',
+  'time is above 0 and at most 24 h': 'time ist größer als 0 und höchstens 24 h',
+  'write how long it takes, as in time=2s': 'Hier fehlt, wie lange es dauert, wie time=2s',
+  "this robot's home looks for its end stops, as long as it takes":
+    'home sucht bei diesem Roboter die Endschalter und dauert, so lange es dauert',
+  'time= is of the whole motion, from stop to stop: without speed=, accel=, blend=':
+    'time= gilt für die ganze Bewegung von Halt zu Halt: ohne speed=, accel=, blend=',
   'blend is above 0 and at most 1 m of the tool': 'blend ist größer als 0 und höchstens 1 m des Werkzeugs',
   'a joint is missing; write joint {example}': 'Hier fehlt ein Gelenk; richtig ist joint {example}',
   'a joint is missing; write {example}': 'Hier fehlt ein Gelenk; richtig ist {example}',
@@ -150,7 +156,7 @@ const sequences: Record<string, string> = {
   'no command of a sequence says this row: it has joint, gripper and loop':
     'Diese Zeile kann kein Befehl einer Sequenz sagen: sie hat joint, gripper und loop',
   'a block of the firmware holds 20 commands': 'Ein Block der Firmware fasst 20 Befehle',
-  'G0 has no speed=, accel= or blend=': 'G0 hat kein speed=, accel= oder blend=',
+  'G0 has no speed=, accel=, blend= or time=': 'G0 hat kein speed=, accel=, blend= oder time=',
   'a difference goes elsewhere in each round; G0 says places': 'Eine Differenz führt in jeder Runde anderswohin; G0 nennt Orte',
   'in a loop a row names all joints: the others may stand elsewhere in the next round, and a G0 says them all':
     'In einer Schleife nennt eine Zeile alle Gelenke: Die anderen stehen in der nächsten Runde vielleicht anderswo, und ein G0 nennt alle',

@@ -92,7 +92,7 @@ function placeOf(model: RobotModel): Field[] {
 }
 
 export function fieldsOf(word: string, model: RobotModel): Field[] {
-  const pace: Field[] = model.takes_speed ? [share] : [];
+  const pace: Field[] = model.takes_speed ? [share, { id: 'time', slot: { key: 'time' }, kind: 'time', extra: true }] : [];
   switch (word) {
     case 'joint': {
       const joints = model.joints.map((joint, i): Field => {

@@ -193,8 +193,8 @@ std::vector<std::string> unheard_notes(const program::Plan& orders, const RobotM
   }
   std::vector<std::string> notes;
   if (any.speed) {
-    notes.push_back(
-        fmt::format("these boards have one speed of their own; speed= {} not heard", heard));
+    notes.push_back(fmt::format(
+        "these boards have one speed of their own; speed= and time= {} not heard", heard));
   }
   if (any.acceleration) {
     notes.push_back(fmt::format(
@@ -292,8 +292,9 @@ Outcome plan_refusal(const RobotModel& model, const std::string& file,
   complaint += ": " + refused_text(refusal.error, model);
   if (refusal.way) complaint += more_text(refusal.way->refusal, model);
   if (refusal.error.code == ErrorCode::kSegmentTime && !refusal.way) {
-    complaint += fmt::format(" ({} pieces): faster, or in several rows, it can be planned",
-                             program::RowPlanner::kPiecesMax);
+    complaint += refusal.error.measured < refusal.error.limit
+                     ? fmt::format(": write time={}s, or longer", number(refusal.error.limit, 6))
+                     : ": faster, or in several rows, it can be planned";
   }
   if (refusal.way && refusal.way->unsayable) {
     const program::Unsayable& what = *refusal.way->unsayable;

@@ -11,6 +11,7 @@
 #include "sinew/driver/wire_target.h"
 #include "sinew/planning/cell_way.h"
 #include "sinew/planning/motion_planner.h"
+#include "sinew/planning/path_follower.h"
 #include "sinew/program/program_file.h"
 
 namespace sinew::program {
@@ -39,7 +40,7 @@ struct Refusal {
 
 /// What a row asks for and its device cannot be told, so that it does not count.
 struct Unheard {
-  bool speed = false;         ///< speed=, of joints or tool: it has one pace of its own
+  bool speed = false;         ///< speed=, of joints or tool, and time=: it has one pace of its own
   bool acceleration = false;  ///< accel=
   bool blend = false;         ///< blend=: it stops at each corner anyway
 };
@@ -58,6 +59,7 @@ struct RowMotion {
   std::size_t rows = 0;                             ///< that it took
   CornerStopReason stop = CornerStopReason::kNone;  ///< at its end
   double stop_saves = 0;                            ///< s, of kCostsTime
+  double time = 0;                                  ///< s that was asked for, and it takes
   JointVector q_end;
   /// One after another: timed segments of a streaming device, whole moves from rest to rest of
   /// another one. Empty where the robot stands there already.
@@ -101,11 +103,13 @@ class RowPlanner {
   /// of its pieces: a chord's end that it cannot is left out, or moved to where it can.
   /// @param rows  all of them motions
   /// @error  those of MotionPlanner, those of WireTarget with where the way is then, and
-  ///         kSegmentTime: it would take longer than a wire can say, or a plan can hold
+  ///         kSegmentTime: it would take longer than a wire can say, or a plan can hold, or cannot
+  ///         take as long as its row says (limit: what it can)
   std::expected<RowMotion, Refusal> plan(const JointVector& q_start, std::span<const Step> rows);
 
-  /// What the last plan() made.
+  /// What the last plan() made, and for which robot: with the limits that its rows ask for.
   const planning::PlannedMotion& motion() const;
+  const RobotModel& robot() const;
   const planning::ToolSpace& space() const { return planner_.space(); }
 
  private:
@@ -121,6 +125,8 @@ class RowPlanner {
                                           std::span<const Step> rows);
   Refusal refusal(std::span<const Step> rows, const planning::PathRefusal& why);
   bool come_nearer(const WayRefusal& why);
+  std::optional<Error> take_time(const RowMotion& out);
+  std::optional<Error> slow_down(RowMotion& out) const;
   std::optional<Error> shown(const JointVector& q_start, const RowMotion& motion) const;
   void tell_stop(std::span<const Step> rows, RowMotion& out);
   std::expected<void, Refusal> cut_into_segments(std::span<const Step> rows,
@@ -149,6 +155,7 @@ class RowPlanner {
   planning::MotionPlanner planner_;
   planning::PlannedMotion motion_;
   std::vector<planning::Move> moves_;
+  std::unique_ptr<planning::PathFollower> follower_;  ///< of motions with a time of their own
   WayLook look_;
   std::unique_ptr<Limited> limited_;
   bool limited_now_ = false;  ///< the last plan() was made with it

@@ -209,8 +209,9 @@ class SequenceWriter {
     const MotionOptions plain;
     const bool asks = joint.how.joint_share != plain.joint_share ||
                       joint.how.tool_speed != plain.tool_speed ||
-                      joint.how.tool_acceleration != plain.tool_acceleration || joint.how.blends();
-    if (asks) return complain(step, "G0 has no speed=, accel= or blend=");
+                      joint.how.tool_acceleration != plain.tool_acceleration ||
+                      joint.how.time > 0 || joint.how.blends();
+    if (asks) return complain(step, "G0 has no speed=, accel=, blend= or time=");
     if (open_ && joint.relative != 0) {
       return complain(step, "a difference goes elsewhere in each round; G0 says places");
     }
