@@ -73,6 +73,7 @@ const motions: Record<string, string> = {
   'a joint is missing; write joint {example}': 'Hier fehlt ein Gelenk; richtig ist joint {example}',
   'a joint is missing; write {example}': 'Hier fehlt ein Gelenk; richtig ist {example}',
   "a share of the joint's limit is 1% to 100%": 'Der Anteil am Grenzwert der Achse ist 1% bis 100%',
+  "a share of {name}'s limit is 1% to {count}": 'Der Anteil am Grenzwert von {name} ist 1% bis {count}',
   'a joint is missing: options alone move nothing': 'Hier fehlt ein Gelenk: speed, accel und blend allein bewegen nichts',
   '{word} is a place of the tool; write move to={name}, which finds the joints':
     '{word} ist ein Ort des Werkzeugs; move to={name} findet die Gelenke dazu',

@@ -132,6 +132,8 @@ void add_sim(CLI::App& app, Call& call) {
   verb->add_option("--slaves", request.slaves, "boards on SPI: how many are there");
   verb->add_option("--nss", request.nss,
                    "boards on SPI: hard, or soft for boards that always listen");
+  verb->add_flag("--ready-high", request.ready_high,
+                 "boards on SPI: READY never falls, as on measured boards");
   verb->add_option("--fault", request.fault,
                    "bad cables and blows, as in drop=0.001,flip=1e-4,cut@3s:500ms,supply=9V@5s");
   verb->add_option("--state", request.state,
@@ -527,7 +529,7 @@ void add_points(CLI::App& app, Call& call) {
                             "where a robot of a running cell stands, or its way, for programs",
                             "sinew teach learm above_bin");
   verb->add_option("ROBOT", call.teach.robot, "its name in the cell")->required();
-  verb->add_option("POINT", call.teach.point, "what the place shall be called");
+  verb->add_option("POINT", call.teach.point, "what the place shall be called; of a platform also FILE.pos");
   verb->add_option("--way", call.teach.way,
                    "instead: the program NAME.sinew that its way until Ctrl-C becomes");
   verb->add_option("--points", call.teach.file, "its file; points.toml where left out");

@@ -189,6 +189,7 @@ std::vector<std::string> unheard_notes(const program::Plan& orders, const RobotM
       any.speed = any.speed || one.speed;
       any.acceleration = any.acceleration || one.acceleration;
       any.blend = any.blend || one.blend;
+      any.beyond = any.beyond || one.beyond;
     }
   }
   std::vector<std::string> notes;
@@ -203,6 +204,12 @@ std::vector<std::string> unheard_notes(const program::Plan& orders, const RobotM
   if (any.blend) {
     notes.push_back(
         fmt::format("this device stops at each corner anyway; blend= {} not heard", heard));
+  }
+  if (any.beyond) {
+    notes.emplace_back(
+        "more than 100% of a joint's limit is asked for: its wire takes that, no board has shown "
+        "it. "
+        "A real one makes some 5000 steps a second of all joints, and may take longer than told");
   }
   return notes;
 }

@@ -15,9 +15,9 @@ namespace sinew::program {
 namespace {
 
 constexpr double kNumberMax = 1e6;
-constexpr double kWaitMax = 3600;  // s
-constexpr double kTimeMin = 1e-4;  // s, of a motion
-constexpr double kTimeMax = 86400;
+constexpr double kWaitMax = 3600;        // s
+constexpr double kMotionTimeMin = 1e-4;  // s, of a motion
+constexpr double kMotionTimeMax = 86400;
 
 /// One letter with its number.
 struct Code {
@@ -280,7 +280,7 @@ class GcodeReader {
     if (const Code* inverse = find('F'); motion_ == Motion::kLine && timed_) {
       if (inverse == nullptr) return complain(codes_[0], "needs an F of its own behind G93");
       const double seconds = 60 / inverse->value;
-      if (!(seconds >= kTimeMin && seconds <= kTimeMax)) {
+      if (!(seconds >= kMotionTimeMin && seconds <= kMotionTimeMax)) {
         return complain(*inverse, "is no time behind G93: 60/F seconds are 0.1 ms to 24 h");
       }
       row += " time=" + shortest(seconds) + "s";

@@ -6,6 +6,7 @@
 
 #include "sinew/core/spelling.h"
 #include "sinew/model/joint_lookup.h"
+#include "sinew/model/limit_reach.h"
 #include "sinew/planning/moves.h"
 
 namespace sinew::program {
@@ -94,18 +95,29 @@ void MotionRows::take_limits() {
       continue;
     }
     const auto share = row_.quantity(word, one->value, Measure::kShare);
-    if (share && !(*share >= kJointShareMin && *share <= 1)) {
-      row_.complain(word, "a share of the joint's limit is 1% to 100%");
-    } else if (share && all) {
-      std::ranges::fill(of, *share);
-    } else if (share) {
-      of[*joint] = *share;
+    const std::size_t end = all ? names_.size() : *joint + 1;
+    for (std::size_t j = *joint; share && j < end; ++j) {
+      if (!takes_share(word, j, velocity, *share)) break;
+      of[j] = *share;
     }
   }
   const auto is_whole = [](double share) { return share == 1; };
   const bool none = std::ranges::all_of(shares.velocity, is_whole) &&
                     std::ranges::all_of(shares.acceleration, is_whole);
   limits_ = none ? nullptr : std::make_shared<const JointShares>(std::move(shares));
+}
+
+/// Complains where a joint's limit cannot be asked for so.
+bool MotionRows::takes_share(const Word& word, std::size_t joint, bool velocity, double share) {
+  const LimitReach reach = limit_reach(robot_, joint);
+  // Limits in files are rounded to three digits, and so is what is told.
+  const double most = std::round(100 * (velocity ? reach.velocity : reach.acceleration)) / 100;
+  constexpr double kRounding = 0.005;
+  if (share >= kJointShareMin && share <= most + (most > 1 ? kRounding : 0)) return true;
+  const std::string percent = std::to_string(std::lround(100 * most)) + "%";
+  row_.complain(word, most > 1 ? "a share of " + names_[joint] + "'s limit is 1% to " + percent
+                               : "a share of the joint's limit is 1% to 100%");
+  return false;
 }
 
 std::optional<MotionRows::Argument> MotionRows::argument(const Word& word,

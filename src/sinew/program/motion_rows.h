@@ -63,6 +63,7 @@ class MotionRows {
   std::optional<bool> option(const Argument& argument, MotionOptions& how, Given& given);
   bool take_speed(const Argument& argument, MotionOptions& how, Given& given);
   bool take_blend(const Argument& argument, MotionOptions& how);
+  bool takes_share(const Word& word, std::size_t joint, bool velocity, double share);
   bool take_joint(const Argument& argument, JointStep& step, Differences& differences);
   bool take_joint_point(const Argument& argument, JointStep& step);
   bool take_goal(const Argument& argument, ToolMoveStep& step, Collected& collected);

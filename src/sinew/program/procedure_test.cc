@@ -549,7 +549,24 @@ TEST(Commissioning, settings_that_were_found_change_the_device_and_nothing_else_
   EXPECT_LT(lsc.servos[4].units_per_rad, 0);
   EXPECT_EQ(lsc.servos[2].id, 9);
   EXPECT_DOUBLE_EQ(lsc.servos[0].trim, 0.1 * lsc.servos[0].units_per_rad);
+  // The classic kit opens at 1500 us and closes at 2500, the other one at 500 and 1500.
+  RobotModel kit = test::robot("learm");
+  auto& jaws = std::get<LscDevice>(kit.device.settings).gripper;
+  EXPECT_EQ(jaws_tried(kit), std::get<SerialGeometry>(kit.geometry).gripper->width_max);
+  ASSERT_TRUE(use_settings(kit, {{"gripper.turn", "other"}}));
+  EXPECT_EQ(jaws.open, 500);
+  EXPECT_EQ(jaws.closed, 1500);
+  EXPECT_EQ(jaws_tried(kit), 0);
+  ASSERT_TRUE(use_settings(kit, {{"gripper.turn", "other"}}));
+  EXPECT_EQ(jaws.open, 1500);
+  EXPECT_EQ(jaws.closed, 2500);
+  std::get<LscDevice>(kit.device.settings).profile = LscProfile::kBus;
+  jaws.open = 200, jaws.closed = 700;
+  ASSERT_TRUE(use_settings(kit, {{"gripper.turn", "other"}}));
+  EXPECT_EQ(jaws.open, 700);
+  EXPECT_EQ(jaws.closed, 200);
   const std::vector<std::pair<std::string, std::string>> wrong{{"joint.leg7.turn", "other"},
+                                                               {"gripper.turn", "other"},
                                                                {"joint.leg1.turn", "yes"},
                                                                {"units_per_down", "3"},
                                                                {"way_factor", "0"},

@@ -35,7 +35,8 @@
 ///   loop 3 ... end | if z<100mm ... else ... end | call NAME
 namespace sinew::program {
 
-/// Shares (0, 1] of the joints' limits in the robot's file, one a joint.
+/// Shares of the joints' limits in the robot's file, one a joint: above 0, and up to its
+/// limit_reach().
 struct JointShares {
   JointVector velocity;
   JointVector acceleration;

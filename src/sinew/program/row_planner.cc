@@ -173,7 +173,9 @@ Unheard unheard(const MotionOptions& how, const RobotModel& robot) {
       how.joint_share != 1 || std::isfinite(how.tool_speed) || how.limits || how.time > 0;
   return {.speed = paced && !robot.device.capability.takes_speed,
           .acceleration = std::isfinite(how.tool_acceleration) && !takes_acceleration(robot),
-          .blend = how.blends() && !blends(robot)};
+          .blend = how.blends() && !blends(robot),
+          .beyond = how.limits && (std::ranges::max(how.limits->velocity) > 1 ||
+                                   std::ranges::max(how.limits->acceleration) > 1)};
 }
 
 RowPlanner::RowPlanner(const RobotModel& robot)

@@ -43,6 +43,7 @@ struct Unheard {
   bool speed = false;         ///< speed=, of joints or tool, and time=: it has one pace of its own
   bool acceleration = false;  ///< accel=
   bool blend = false;         ///< blend=: it stops at each corner anyway
+  bool beyond = false;        ///< more than the limits: heard, and not proven on such a device
 };
 Unheard unheard(const MotionOptions& how, const RobotModel& robot);
 
