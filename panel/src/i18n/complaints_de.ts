@@ -196,6 +196,9 @@ const gcode: Record<string, string> = {
   'a line has at most 64 words': 'Eine Zeile hat höchstens 64 Wörter',
   '{word} stands twice in one line': '{word} steht zweimal in einer Zeile',
   '{word} is no word that is read here: {all} are': '{word} wird hier nicht gelesen, nur {all}',
+  '{word} needs an F of its own behind G93': '{word} braucht hinter G93 ein eigenes F',
+  '{word} is no time behind G93: 60/F seconds are 0.1 ms to 24 h':
+    '{word} ist hinter G93 keine Zeit: 60/F Sekunden sind 0.1 ms bis 24 h',
   '{word} belongs to a G4': '{word} gehört zu einem G4',
   '{word} belongs to an M3 in its line': '{word} gehört zu einem M3 in derselben Zeile',
   '{word} takes no X, Y or Z here: write the motion in a line of its own':
@@ -229,7 +232,7 @@ export const complaintsDe: ComplaintWords = {
   },
   parts: {
     example: {
-      ', which homes all joints': ', für alle Gelenke',
+      'home, or home time=5s': 'home oder home time=5s',
       'gripper on or gripper off': 'gripper on oder gripper off',
       'suction release or suction off': 'suction release oder suction off',
     },
