@@ -41,7 +41,7 @@ inline constexpr std::array kMinimumTests = std::to_array<MinimumTests>({
     {"outside_test", 6},
     {"planning_test", 395},
     {"program_test", 196},
-    {"runtime_test", 131},
+    {"runtime_test", 132},
     {"sequences_test", 15},
     {"server_test", 108},
     {"sim_test", 222},

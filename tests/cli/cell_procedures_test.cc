@@ -142,6 +142,8 @@ TEST(CellProcedures, recover_goes_by_a_script_and_a_declared_place_needs_its_rea
   EXPECT_NE(elsewhere.err.find("cannot stand at"), std::string::npos) << elsewhere.err;
   EXPECT_EQ(cell.ask({"recover", "six", "--standing-at", "home", "--moved", "lifted"}).exit, 0);
   EXPECT_EQ(cell.ask({"recover", "six", "--standing-at", "home"}).exit, 0) << "it does stand there";
+  EXPECT_EQ(cell.ask({"bullride", "six", "--cell", "--time", "4s", "--amplitude", "0.005mm"}).exit,
+            0);
   // "Save Position As": the heads are where the pose has them, and the file opens again.
   const std::string pos = cell.folder().at("stands.pos");
   const Ended saved = cell.ask({"teach", "six", pos});

@@ -27,6 +27,7 @@ namespace sinew::cli {
 namespace {
 
 constexpr Duration kTurnPatience = std::chrono::seconds(10);
+constexpr std::string_view kPoseEnding = ".pos";
 
 std::string utc_now() {
   using std::chrono::nanoseconds;
@@ -115,6 +116,10 @@ std::expected<Standing, Outcome> standing_of(const TeachRequest& request) {
   if (!cell) return std::unexpected(cell.error());
   const auto description = robot_of_cell(*cell, request.robot);
   if (!description) return std::unexpected(description.error());
+  if (request.point.ends_with(kPoseEnding) && !(*description)["joints"][0].contains("home_m")) {
+    return std::unexpected(bad_input(request.point + ": a .pos is a platform's; " + request.robot +
+                                     " is none. Give its point a name without an ending"));
+  }
   const auto status = cell->call("robot.status", {{"robot", request.robot}});
   if (!status) return std::unexpected(status.error());
   const std::string state = (*status)["state"];
@@ -142,24 +147,21 @@ Outcome teach_pose(const TeachRequest& request) {
   if (!stands) return stands.error();
   const auto model = model_of(stands->description);
   if (!model) return model.error();
-  const auto* platform = std::get_if<HexapodGeometry>(&model->geometry);
-  if (platform == nullptr) {
-    return bad_input(request.point + ": a .pos is a platform's; " + request.robot +
-                     " is none. Give its point a name without an ending");
-  }
   const auto& q = std::get<JointVector>(stands->point.place);
   const planning::ToolSpace space(*model);
   const auto X_BT = space.forward({q.data(), q.size()}, space.home());
   if (!X_BT) return could_not(error_text(X_BT.error(), *model));
   const auto X_BP = relabel<frame::Base, frame::Platform>(*X_BT);
   const auto text =
-      program::pose_text(program::pose_file(X_BP, *platform), program::DecimalMark::kPoint);
+      program::pose_text(program::pose_file(X_BP, std::get<HexapodGeometry>(model->geometry)),
+                         program::DecimalMark::kPoint);
   if (const auto written = io::replace_file(request.point, text); !written) {
     return could_not(written.error().sentence);
   }
   Outcome outcome;
-  outcome.json = point_json(stands->point);
-  outcome.json["file"] = request.point;
+  outcome.json = {{"file", request.point},
+                  {"robot", stands->point.robot},
+                  {"legs_m", std::vector<double>(q.begin(), q.end())}};
   outcome.text = fmt::format("  {}: {}\n", request.point, place_text(stands->point));
   return outcome;
 }
@@ -306,7 +308,7 @@ Outcome teach(const TeachRequest& request) {
   if (!request.way && request.point.empty()) {
     return bad_input("teach: say what the place shall be called, or --way NAME.sinew");
   }
-  if (request.point.ends_with(".pos")) return teach_pose(request);
+  if (request.point.ends_with(kPoseEnding)) return teach_pose(request);
   return request.way ? teach_way(request) : teach_point(request);
 }
 
