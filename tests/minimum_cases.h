@@ -31,7 +31,7 @@ inline constexpr std::array kMinimumTests = std::to_array<MinimumTests>({
     {"core_test", 23},
     {"crash_test", 7},
     {"device_test", 230},
-    {"documents_test", 29},
+    {"documents_test", 30},
     {"driver_test", 342},
     {"faults_test", 46},
     {"house_test", 38},

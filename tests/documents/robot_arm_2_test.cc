@@ -76,6 +76,45 @@ TEST(RobotArm2Document, one_frame_a_cycle_reaches_the_rates_of_the_documents_tab
   }
 }
 
+TEST(RobotArm2Document, fifty_ms_lie_behind_an_error_code_before_the_next_syn) {
+  using namespace axis_registers;
+  AxisRegisterLink link(test::six_boards(), {});
+  AxisRegisterRequest request;
+  request.select = 1;
+  request.operation = Operation::kWrite;
+  request.address = 4;
+  request.data.push_back(1);
+  request.tries = 2;
+  Instant now{};
+  link.start(request, now);
+  spi::Bytes before;
+  std::optional<Instant> refused;  // when the error code had come
+  std::optional<Instant> again;    // the next SYN
+  Instant last_end{};              // of the transfer before that one
+  while (link.busy() && !again) {
+    now = std::max(now, link.next_deadline().value_or(now));
+    const auto transfer = link.take_transfer(now);
+    ASSERT_TRUE(transfer);
+    if (refused && transfer->mosi == spi::Bytes{kSyn}) again = now;
+    if (!again) last_end = now + transfer->setup + spi::wire_time(*transfer);
+    now += transfer->setup + spi::wire_time(*transfer);
+    spi::Bytes miso;
+    miso.resize(transfer->mosi.size());
+    if (before == spi::Bytes{kSyn}) miso[0] = kSynAck;
+    if (before.size() == kHeaderSize) {
+      miso[0] = static_cast<std::uint8_t>(Verdict::kCrc);
+      refused = now;
+    }
+    before = transfer->mosi;
+    link.exchanged({miso.data(), miso.size()}, now);
+  }
+  ASSERT_TRUE(refused && again);
+  // The document waits 50 ms behind the code. Between the code and the next SYN stand our four
+  // bursts that free a board from any state, so the 50 ms count from the last of them.
+  EXPECT_GE(to_seconds(*again - last_end), 0.050);
+  EXPECT_LT(to_seconds(*again - last_end), 0.051);
+}
+
 TEST(RobotArm2Document, a_joint_turns_in_54400_steps_by_its_gears) {
   const auto& drives = test::robot("robot-arm-2").dynamics.drives;
   for (const auto& drive : drives) {
