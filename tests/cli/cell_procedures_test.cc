@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
@@ -141,6 +142,20 @@ TEST(CellProcedures, recover_goes_by_a_script_and_a_declared_place_needs_its_rea
   EXPECT_NE(elsewhere.err.find("cannot stand at"), std::string::npos) << elsewhere.err;
   EXPECT_EQ(cell.ask({"recover", "six", "--standing-at", "home", "--moved", "lifted"}).exit, 0);
   EXPECT_EQ(cell.ask({"recover", "six", "--standing-at", "home"}).exit, 0) << "it does stand there";
+  EXPECT_EQ(cell.ask({"bullride", "six", "--cell", "--time", "4s", "--amplitude", "0.005mm"}).exit,
+            0);
+  // "Save Position As": the heads are where the pose has them, and the file opens again.
+  const std::string pos = cell.folder().at("stands.pos");
+  const Ended saved = cell.ask({"teach", "six", pos});
+  EXPECT_EQ(saved.exit, 0) << saved.err;
+  const std::string numbers = text_of(pos);
+  EXPECT_EQ(std::ranges::count(numbers, '\n'), 24);
+  EXPECT_NE(cell.ask({"teach", "six", pos}).err.find("--replace"), std::string::npos);
+  const Ended opened = sinew({"convert", pos, cell.folder().at("p.sinew"), "--robot", "hexapod"});
+  EXPECT_EQ(opened.exit, 0) << opened.err;
+  EXPECT_NE(text_of(cell.folder().at("p.sinew")).find("z=250"), std::string::npos);
+  EXPECT_NE(cell.ask({"teach", "max", cell.folder().at("m.pos")}).err.find("platform"),
+            std::string::npos);
 }
 
 TEST(CellProcedures, ctrl_c_ends_a_procedure_and_what_it_moves) {

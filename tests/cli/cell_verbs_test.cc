@@ -109,6 +109,22 @@ TEST(Bullride, one_seed_is_one_program_and_a_cell_rides_it) {
   EXPECT_EQ(rode.exit, 0) << rode.err;
 }
 
+TEST(Bullride, legs_take_a_length_and_a_refusal_says_what_the_wire_could) {
+  const auto ride = [](const char* amplitude, const char* time) {
+    return sinew({"bullride", "hexapod", "--time", time, "--amplitude", amplitude});
+  };
+  EXPECT_NE(ride("0.05mm", "10s").out.find("each leg 0.05mm to a side"), std::string::npos);
+  const Ended much = ride("1mm", "10s");
+  EXPECT_EQ(much.exit, 1);
+  const std::string offer = "--amplitude ";
+  const std::size_t begin = much.err.find(offer) + offer.size();
+  const std::string fits = much.err.substr(begin, much.err.find(" fits") - begin);
+  EXPECT_TRUE(fits.ends_with("mm")) << much.err;
+  EXPECT_EQ(ride(fits.c_str(), "10s").exit, 0) << fits;
+  EXPECT_EQ(ride("80mm", "10s").exit, 2) << "more than half the stroke";
+  EXPECT_EQ(sinew({"bullride", "learm", "--amplitude", "5mm"}).exit, 2) << "its joints turn";
+}
+
 TEST(Cell, is_steered_from_other_processes) {
   Cell cell;
   Ended stands = cell.ask({"move", "left", kStand});

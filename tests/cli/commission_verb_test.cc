@@ -22,6 +22,7 @@ constexpr const char* kMaxArm =
 constexpr const char* kLeArm =
     "* = yes\ndirection.base = left\ndirection.shoulder = backward\ndirection.elbow = forward\n"
     "direction.wrist = other\ndirection.roll = left\nid.wrist = 9\nall_move = skip\n"
+    "jaws_seen = shut\n"
     "trim.base = 2deg\ntrim.shoulder = skip\ntrim.elbow = skip\ntrim.wrist = skip\n"
     "trim.roll = skip\n";
 
@@ -65,7 +66,8 @@ TEST_F(CommissionVerb, a_servo_with_another_number_a_trim_and_a_wrong_sense_are_
   EXPECT_EQ(answer["settings"]["joint.shoulder.turn"], "other");
   EXPECT_EQ(answer["settings"]["joint.wrist.servo_id"], "9");
   EXPECT_EQ(answer["settings"]["joint.base.trim_rad"], "0.034906585");
-  EXPECT_EQ(answer["settings"].size(), 3U);
+  EXPECT_EQ(answer["settings"]["gripper.turn"], "other") << "the kit whose jaws are shut there";
+  EXPECT_EQ(answer["settings"].size(), 4U);
 }
 
 TEST_F(CommissionVerb, a_rehearsal_on_a_simulated_port_leaves_the_real_robots_settings) {

@@ -164,7 +164,7 @@ TEST(PlanVerb, what_takes_hours_of_pieces_is_refused_in_a_moment) {
   const Ended ended = sinew({"plan", "learm", "--from-joints", "0,20,30,40,0", "--to", "226,0,218",
                              "--speed", "0.001mm/s"});
   EXPECT_EQ(ended.exit, 1);
-  EXPECT_NE(ended.err.find("100000 pieces): faster, or in several rows"), std::string::npos)
+  EXPECT_NE(ended.err.find("limit 8e+03 s: faster, or in several rows"), std::string::npos)
       << ended.err;
 }
 
@@ -264,7 +264,7 @@ TEST(PlanVerb, what_the_device_is_not_told_is_noted) {
   } kCases[] = {
       {"maxarm", "joint base=110deg blend=5deg\njoint shoulder=100deg\n", "stops at each corner"},
       {"maxarm", "joint base=110deg accel=5mm/s2\n", "accel= is not heard"},
-      {"robot-arm-2", "joint J1=10deg speed=10%\n", "speed= is not heard"},
+      {"robot-arm-2", "joint J1=10deg speed=10%\n", "speed= and time= is not heard"},
   };
   for (const auto& c : kCases) {
     const Ended ended = sinew({"plan", folder.file("p.sinew", c.rows), "--robot", c.robot});

@@ -64,10 +64,17 @@ const motions: Record<string, string> = {
   "a tool's speed is 0.001 mm/s to 100 m/s": 'Ein Werkzeug hat 0.001 mm/s bis 100 m/s',
   'speed is 1% to 100%': 'speed ist 1% bis 100%',
   'blend is above 0 and at most 60 deg of the joints': 'blend ist größer als 0 und höchstens 60 deg der Gelenke',
+  'time is above 0 and at most 24 h': 'time ist größer als 0 und höchstens 24 h',
+  'write how long it takes, as in time=2s': 'Hier fehlt, wie lange es dauert, wie time=2s',
+  "this robot's home looks for its end stops, as long as it takes":
+    'home sucht bei diesem Roboter die Endschalter und dauert, so lange es dauert',
+  'time= is of the whole motion, from stop to stop: without speed=, accel=, blend=':
+    'time= gilt für die ganze Bewegung von Halt zu Halt: ohne speed=, accel=, blend=',
   'blend is above 0 and at most 1 m of the tool': 'blend ist größer als 0 und höchstens 1 m des Werkzeugs',
   'a joint is missing; write joint {example}': 'Hier fehlt ein Gelenk; richtig ist joint {example}',
   'a joint is missing; write {example}': 'Hier fehlt ein Gelenk; richtig ist {example}',
   "a share of the joint's limit is 1% to 100%": 'Der Anteil am Grenzwert der Achse ist 1% bis 100%',
+  "a share of {name}'s limit is 1% to {count}": 'Der Anteil am Grenzwert von {name} ist 1% bis {count}',
   'a joint is missing: options alone move nothing': 'Hier fehlt ein Gelenk: speed, accel und blend allein bewegen nichts',
   '{word} is a place of the tool; write move to={name}, which finds the joints':
     '{word} ist ein Ort des Werkzeugs; move to={name} findet die Gelenke dazu',
@@ -151,7 +158,7 @@ const sequences: Record<string, string> = {
   'no command of a sequence says this row: it has joint, gripper and loop':
     'Diese Zeile kann kein Befehl einer Sequenz sagen: sie hat joint, gripper und loop',
   'a block of the firmware holds 20 commands': 'Ein Block der Firmware fasst 20 Befehle',
-  'G0 has no speed=, accel= or blend=': 'G0 hat kein speed=, accel= oder blend=',
+  'G0 has no speed=, accel=, blend= or time=': 'G0 hat kein speed=, accel=, blend= oder time=',
   'a difference goes elsewhere in each round; G0 says places': 'Eine Differenz führt in jeder Runde anderswohin; G0 nennt Orte',
   'in a loop a row names all joints: the others may stand elsewhere in the next round, and a G0 says them all':
     'In einer Schleife nennt eine Zeile alle Gelenke: Die anderen stehen in der nächsten Runde vielleicht anderswo, und ein G0 nennt alle',
@@ -190,6 +197,9 @@ const gcode: Record<string, string> = {
   'a line has at most 64 words': 'Eine Zeile hat höchstens 64 Wörter',
   '{word} stands twice in one line': '{word} steht zweimal in einer Zeile',
   '{word} is no word that is read here: {all} are': '{word} wird hier nicht gelesen, nur {all}',
+  '{word} needs an F of its own behind G93': '{word} braucht hinter G93 ein eigenes F',
+  '{word} is no time behind G93: 60/F seconds are 0.1 ms to 24 h':
+    '{word} ist hinter G93 keine Zeit: 60/F Sekunden sind 0.1 ms bis 24 h',
   '{word} belongs to a G4': '{word} gehört zu einem G4',
   '{word} belongs to an M3 in its line': '{word} gehört zu einem M3 in derselben Zeile',
   '{word} takes no X, Y or Z here: write the motion in a line of its own':
@@ -223,7 +233,7 @@ export const complaintsDe: ComplaintWords = {
   },
   parts: {
     example: {
-      ', which homes all joints': ', für alle Gelenke',
+      'home, or home time=5s': 'home oder home time=5s',
       'gripper on or gripper off': 'gripper on oder gripper off',
       'suction release or suction off': 'suction release oder suction off',
     },

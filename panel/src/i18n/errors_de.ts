@@ -37,7 +37,7 @@ const codes: Record<string, string> = {
   port_closed: 'Die Gegenseite hat den Anschluss geschlossen',
   position_unknown: 'Niemand weiß sicher, wo {subject} steht; eine Referenzfahrt hilft, oder eine Angabe, wo es steht',
   not_homed: '{subject} hatte seit dem Einschalten keine Referenzfahrt',
-  segment_time: 'Eine Bewegung von {measured} kann diese Leitung nicht ausdrücken; die Grenze ist {limit}',
+  segment_time: 'Die Bewegung kann nicht {measured} dauern; die Grenze ist {limit}',
   tool_not_fitted: 'Dieser Roboter hat kein solches Werkzeug',
   device_killed: 'Das Gerät wurde abgeschaltet und hört nichts mehr: seinen Strom trennen, dann wieder einschalten',
   version_mismatch: 'Das Gerät spricht Fassung {measured} seiner Leitung, dieses Programm Fassung {limit}',

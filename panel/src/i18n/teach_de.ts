@@ -66,7 +66,7 @@ export const teachDe: Record<keyof typeof teachEn, string> = {
   'prog.row.round': 'in Runde {round}: {text}',
   'prog.row.with': 'mit Zeile {line}',
   'prog.row.runs': 'läuft gerade',
-  'prog.more': 'Mehr: Differenzen, Drehung, Überschleifen',
+  'prog.more': 'Mehr: Differenzen, Drehung, Zeit, Überschleifen',
   'prog.here': 'Wo er jetzt steht',
   'prog.run_from': 'Ab hier starten',
   'prog.run_from.block': 'Ein Lauf beginnt zwischen den Zeilen des ganzen Programms, nicht in einer Schleife oder einem Wenn.',

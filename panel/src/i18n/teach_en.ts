@@ -64,7 +64,7 @@ export const teachEn = {
   'prog.row.round': 'in round {round}: {text}',
   'prog.row.with': 'with row {line}',
   'prog.row.runs': 'runs now',
-  'prog.more': 'More: differences, orientation, blend',
+  'prog.more': 'More: differences, orientation, time, blend',
   'prog.here': 'Where it is now',
   'prog.run_from': 'Run from here',
   'prog.run_from.block': 'Runs begin between the rows of the whole program, not inside a loop or an if.',

@@ -92,7 +92,7 @@ function placeOf(model: RobotModel): Field[] {
 }
 
 export function fieldsOf(word: string, model: RobotModel): Field[] {
-  const pace: Field[] = model.takes_speed ? [share] : [];
+  const pace: Field[] = model.takes_speed ? [share, { id: 'time', slot: { key: 'time' }, kind: 'time', extra: true }] : [];
   switch (word) {
     case 'joint': {
       const joints = model.joints.map((joint, i): Field => {
@@ -142,7 +142,8 @@ export function fieldsOf(word: string, model: RobotModel): Field[] {
       return [{ id: 'program', slot: { at: 1 }, kind: 'program', needed: true }];
     case 'velocity':
     case 'acceleration': {
-      const limit = { kind: 'share', lower: 0.01, upper: 1 } as const;
+      const upper = model.robot === 'bigrobotarm' ? 3 : 1;
+      const limit = { kind: 'share', lower: 0.01, upper } as const;
       const joints = model.joints.map((joint, i): Field => ({
         ...keyed(joint.name, 'share', limit),
         slot: { key: joint.name, also: `J${i + 1}` },

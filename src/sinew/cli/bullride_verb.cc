@@ -25,8 +25,32 @@ std::expected<double, Outcome> ride_time(const std::optional<std::string>& text)
   return *time;
 }
 
-std::expected<double, Outcome> ride_amplitude(const std::optional<std::string>& text) {
+namespace {
+
+/// 0 where joints turn.
+double stroke_of(const RobotModel& model) {
+  const Joint& leg = model.joints[0];
+  return is_leg(leg) ? leg.upper - leg.lower : 0;
+}
+
+/// A share of the joints' ranges, and of legs how far that is to either side.
+std::string amplitude_text(double share, const RobotModel& model) {
+  const std::string text = fmt::format("{:.2g}%", 100 * share);
+  const double stroke = stroke_of(model);
+  return stroke > 0 ? fmt::format("{:.2g}mm", to_mm(share * stroke / 2)) : text;
+}
+
+}  // namespace
+
+std::expected<double, Outcome> ride_amplitude(const std::optional<std::string>& text,
+                                              double stroke) {
   if (!text) return 0.0;
+  if (const auto length = parse_quantity(*text, Measure::kLength, UnitRule::kRequired);
+      length && stroke > 0) {
+    if (*length > 0 && *length <= stroke / 2) return 2 * *length / stroke;
+    return std::unexpected(bad_input(fmt::format("--amplitude: of legs above 0 and at most {} mm",
+                                                 number(to_mm(stroke / 2), 3))));
+  }
   const auto share = parse_quantity(*text, Measure::kShare, UnitRule::kOptional);
   if (!share) return std::unexpected(bad_input("--amplitude: " + share.error()));
   if (!(*share > 0 && *share <= 1)) {
@@ -44,7 +68,7 @@ Outcome bullride(const BullrideRequest& request) {
   if (const auto fine = check_seed(request.seed); !fine) return fine.error();
   const auto time = ride_time(request.time);
   if (!time) return time.error();
-  const auto amplitude = ride_amplitude(request.amplitude);
+  const auto amplitude = ride_amplitude(request.amplitude, stroke_of(model));
   if (!amplitude) return amplitude.error();
   JointVector q = home_joints(model);
   if (request.from) {
@@ -60,8 +84,8 @@ Outcome bullride(const BullrideRequest& request) {
     const bool too_long = error.code == ErrorCode::kRideTime;
     const double fits = too_long ? program::fitting_ride(model, q, order) : 0;
     return could_not(error_text(error, model) +
-                     (too_long ? fmt::format("; --amplitude {:.2g}% fits, or --time {:.0f}s",
-                                             100 * fits, std::ceil(error.measured))
+                     (too_long ? fmt::format("; --amplitude {} fits, or --time {:.0f}s",
+                                             amplitude_text(fits, model), std::ceil(error.measured))
                                : std::string()));
   }
   Outcome outcome;
@@ -72,8 +96,11 @@ Outcome bullride(const BullrideRequest& request) {
                   {"amplitude", ride->amplitude},
                   {"program", ride->text}};
   outcome.text = fmt::format(
-      "# {} moves in {:.1f} s with {:.4g} % of the joints' ranges, seed {}, for {}.\n{}",
-      ride->moves, ride->duration, 100 * ride->amplitude, request.seed, model.id, ride->text);
+      "# {} moves in {:.1f} s with {:.4g} % of the joints' ranges{}, seed {}, for {}.\n{}",
+      ride->moves, ride->duration, 100 * ride->amplitude,
+      stroke_of(model) > 0 ? ": each leg " + amplitude_text(ride->amplitude, model) + " to a side"
+                           : "",
+      request.seed, model.id, ride->text);
   return outcome;
 }
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "sinew/cli/bullride_verb.h"
 #include "sinew/cli/cell_connection.h"
 #include "sinew/cli/program_folder.h"
 #include "sinew/cli/progress_line.h"
@@ -276,7 +277,17 @@ Outcome cell_run(const CellRequest& request) {
 
 Outcome cell_ride(const CellRequest& request) {
   Json params{{"duration_s", request.ride_s}, {"seed", request.seed}};
-  if (request.ride_amplitude > 0) params["amplitude"] = request.ride_amplitude;
+  if (request.ride_amplitude) {
+    auto cell = CellConnection::open(request.socket);
+    if (!cell) return cell.error();
+    const auto description = robot_of_cell(*cell, request.robot);
+    if (!description) return description.error();
+    const Json& joint = (*description)["joints"][0];
+    const double stroke = joint.value("upper_m", 0.0) - joint.value("lower_m", 0.0);
+    const auto amplitude = ride_amplitude(request.ride_amplitude, stroke);
+    if (!amplitude) return amplitude.error();
+    params["amplitude"] = *amplitude;
+  }
   return run_job(request, "robot.bullride", std::move(params));
 }
 

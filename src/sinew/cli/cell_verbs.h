@@ -24,17 +24,17 @@ struct CellRequest {
   bool zero_counters = false;              ///< of `stands`: the device counts from there
   bool anew = false;                       ///< of `commission`
   bool take_over = false;
-  bool guarded = false;              ///< of `pause`
-  std::string file;                  ///< of `run`
-  std::optional<int> from_line;      ///< of `run`
-  std::optional<std::string> speed;  ///< of `run`: "30%"
-  bool single_step = false;          ///< of `run`
-  bool back = false;                 ///< of `step`
-  std::string frame = "base";        ///< of `jog`
-  std::string velocity;              ///< of `jog`
-  std::optional<std::string> time;   ///< of `jog`
-  double ride_s = 0;                 ///< of a ride
-  double ride_amplitude = 0;         ///< 0: as the wire allows
+  bool guarded = false;                       ///< of `pause`
+  std::string file;                           ///< of `run`
+  std::optional<int> from_line;               ///< of `run`
+  std::optional<std::string> speed;           ///< of `run`: "30%"
+  bool single_step = false;                   ///< of `run`
+  bool back = false;                          ///< of `step`
+  std::string frame = "base";                 ///< of `jog`
+  std::string velocity;                       ///< of `jog`
+  std::optional<std::string> time;            ///< of `jog`
+  double ride_s = 0;                          ///< of a ride
+  std::optional<std::string> ride_amplitude;  ///< as the wire allows where absent
   std::int64_t seed = 1;
   bool json = false;
 };

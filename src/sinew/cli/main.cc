@@ -132,6 +132,8 @@ void add_sim(CLI::App& app, Call& call) {
   verb->add_option("--slaves", request.slaves, "boards on SPI: how many are there");
   verb->add_option("--nss", request.nss,
                    "boards on SPI: hard, or soft for boards that always listen");
+  verb->add_flag("--ready-high", request.ready_high,
+                 "boards on SPI: READY never falls, as on measured boards");
   verb->add_option("--fault", request.fault,
                    "bad cables and blows, as in drop=0.001,flip=1e-4,cut@3s:500ms,supply=9V@5s");
   verb->add_option("--state", request.state,
@@ -527,7 +529,8 @@ void add_points(CLI::App& app, Call& call) {
                             "where a robot of a running cell stands, or its way, for programs",
                             "sinew teach learm above_bin");
   verb->add_option("ROBOT", call.teach.robot, "its name in the cell")->required();
-  verb->add_option("POINT", call.teach.point, "what the place shall be called");
+  verb->add_option("POINT", call.teach.point,
+                   "what the place shall be called; of a platform also FILE.pos");
   verb->add_option("--way", call.teach.way,
                    "instead: the program NAME.sinew that its way until Ctrl-C becomes");
   verb->add_option("--points", call.teach.file, "its file; points.toml where left out");
@@ -549,12 +552,10 @@ void add_points(CLI::App& app, Call& call) {
 Outcome ride_in_cell(Call& call) {
   const auto time = ride_time(call.ride.time);
   if (!time) return time.error();
-  const auto amplitude = ride_amplitude(call.ride.amplitude);
-  if (!amplitude) return amplitude.error();
   call.cell.robot = call.ride.robot;
   call.cell.seed = call.ride.seed;
   call.cell.ride_s = *time;
-  call.cell.ride_amplitude = *amplitude;
+  call.cell.ride_amplitude = call.ride.amplitude;
   return cell_ride(call.cell);
 }
 
@@ -567,8 +568,10 @@ void add_bullride(CLI::App& app, Call& call) {
       ->required();
   verb->add_option("--time", request.time, "of the ride, 30s where left out");
   verb->add_option("--seed", request.seed, "one seed, one ride");
-  verb->add_option("--amplitude", request.amplitude,
-                   "share of the joints' ranges, as in 20%; as the wire allows where left out");
+  verb->add_option(
+      "--amplitude", request.amplitude,
+      "share of the joints' ranges, as in 20%, of legs also 0.02mm; as the wire allows where "
+      "left out");
   verb->add_option("--from-joints", request.from, "where it begins and ends; home where left out");
   verb->add_option("--wire", request.wire,
                    "which of the robot's wires; as in its file where left out");

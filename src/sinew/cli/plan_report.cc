@@ -189,12 +189,13 @@ std::vector<std::string> unheard_notes(const program::Plan& orders, const RobotM
       any.speed = any.speed || one.speed;
       any.acceleration = any.acceleration || one.acceleration;
       any.blend = any.blend || one.blend;
+      any.beyond = any.beyond || one.beyond;
     }
   }
   std::vector<std::string> notes;
   if (any.speed) {
-    notes.push_back(
-        fmt::format("these boards have one speed of their own; speed= {} not heard", heard));
+    notes.push_back(fmt::format(
+        "these boards have one speed of their own; speed= and time= {} not heard", heard));
   }
   if (any.acceleration) {
     notes.push_back(fmt::format(
@@ -203,6 +204,12 @@ std::vector<std::string> unheard_notes(const program::Plan& orders, const RobotM
   if (any.blend) {
     notes.push_back(
         fmt::format("this device stops at each corner anyway; blend= {} not heard", heard));
+  }
+  if (any.beyond) {
+    notes.emplace_back(
+        "more than 100% of a joint's limit is asked for: its wire takes that, no board has shown "
+        "it. "
+        "A real one makes some 5000 steps a second of all joints, and may take longer than told");
   }
   return notes;
 }
@@ -292,8 +299,9 @@ Outcome plan_refusal(const RobotModel& model, const std::string& file,
   complaint += ": " + refused_text(refusal.error, model);
   if (refusal.way) complaint += more_text(refusal.way->refusal, model);
   if (refusal.error.code == ErrorCode::kSegmentTime && !refusal.way) {
-    complaint += fmt::format(" ({} pieces): faster, or in several rows, it can be planned",
-                             program::RowPlanner::kPiecesMax);
+    complaint += refusal.error.measured < refusal.error.limit
+                     ? fmt::format(": write time={}s, or longer", number(refusal.error.limit, 6))
+                     : ": faster, or in several rows, it can be planned";
   }
   if (refusal.way && refusal.way->unsayable) {
     const program::Unsayable& what = *refusal.way->unsayable;

@@ -86,6 +86,7 @@ std::expected<void, Outcome> check_spi_options(const SimRequest& request, bool s
   if (auto fine = only_spi("--simwire", request.simwire.has_value()); !fine) return fine;
   if (auto fine = only_spi("--slaves", request.slaves.has_value()); !fine) return fine;
   if (auto fine = only_spi("--nss", request.nss.has_value()); !fine) return fine;
+  if (auto fine = only_spi("--ready-high", request.ready_high); !fine) return fine;
   if (spi && request.link) {
     return std::unexpected(
         bad_input("--link: boards on SPI have no port; use --simwire unix:PATH"));
@@ -137,7 +138,8 @@ std::expected<void, Outcome> make_machine(Job& job) {
                             {.profile = request.profile,
                              .seed = job.state ? job.state->seed() : seed.value_or(1),
                              .boards = static_cast<std::size_t>(request.slaves.value_or(axes)),
-                             .soft_select = request.nss == "soft"},
+                             .soft_select = request.nss == "soft",
+                             .ready_high = request.ready_high},
                             again ? Instant{} - sim::kPowerOffTime : Instant{});
   if (!machine) return std::unexpected(could_not(machine.error()));
   job.machine = std::move(*machine);

@@ -18,6 +18,7 @@ struct SimRequest {
   std::optional<std::string> simwire;  ///< "unix:PATH" or "stdio"; boards on SPI only
   std::optional<std::int64_t> slaves;
   std::optional<std::string> nss;    ///< "hard" or "soft"
+  bool ready_high = false;           ///< READY never falls
   std::optional<std::string> state;  ///< file of what the machine keeps without power
   std::optional<std::int64_t> seed;
   double time_scale = 1;

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "sinew/cli/cell_connection.h"
+#include "sinew/cli/kinematics_text.h"
 #include "sinew/cli/robot_argument.h"
 #include "sinew/cli/table.h"
 #include "sinew/cli/taught_way.h"
@@ -19,11 +20,14 @@
 #include "sinew/io/clock.h"
 #include "sinew/io/file.h"
 #include "sinew/io/interrupt.h"
+#include "sinew/planning/tool_space.h"
+#include "sinew/program/pose_file.h"
 
 namespace sinew::cli {
 namespace {
 
 constexpr Duration kTurnPatience = std::chrono::seconds(10);
+constexpr std::string_view kPoseEnding = ".pos";
 
 std::string utc_now() {
   using std::chrono::nanoseconds;
@@ -101,6 +105,67 @@ std::expected<std::string, Outcome> text_of_file(const std::string& path) {
   return std::move(*text);
 }
 
+struct Standing {
+  Json description;
+  TaughtPoint point;
+};
+
+/// Where the cell's robot stands at rest.
+std::expected<Standing, Outcome> standing_of(const TeachRequest& request) {
+  auto cell = CellConnection::open(request.socket);
+  if (!cell) return std::unexpected(cell.error());
+  const auto description = robot_of_cell(*cell, request.robot);
+  if (!description) return std::unexpected(description.error());
+  if (request.point.ends_with(kPoseEnding) && !(*description)["joints"][0].contains("home_m")) {
+    return std::unexpected(bad_input(request.point + ": a .pos is a platform's; " + request.robot +
+                                     " is none. Give its point a name without an ending"));
+  }
+  const auto status = cell->call("robot.status", {{"robot", request.robot}});
+  if (!status) return std::unexpected(status.error());
+  const std::string state = (*status)["state"];
+  if (state == "moving" || state == "stopping" || state == "recovering") {
+    return std::unexpected(
+        could_not(request.robot + " is moving; a point is taught where it rests"));
+  }
+  auto point = point_here(*status, *description);
+  if (!point) return std::unexpected(point.error());
+  return Standing{*description, std::move(*point)};
+}
+
+std::expected<RobotModel, Outcome> model_of(const Json& description) {
+  const auto file = find_robot(description["robot"].get<std::string>());
+  if (!file) return std::unexpected(file.error());
+  return file->model;
+}
+
+/// "Save Position As": a platform's pose in the form of its own old program.
+Outcome teach_pose(const TeachRequest& request) {
+  if (io::exists(request.point) && !request.replace) {
+    return bad_input(request.point + ": is there already; --replace writes it anew");
+  }
+  const auto stands = standing_of(request);
+  if (!stands) return stands.error();
+  const auto model = model_of(stands->description);
+  if (!model) return model.error();
+  const auto& q = std::get<JointVector>(stands->point.place);
+  const planning::ToolSpace space(*model);
+  const auto X_BT = space.forward({q.data(), q.size()}, space.home());
+  if (!X_BT) return could_not(error_text(X_BT.error(), *model));
+  const auto X_BP = relabel<frame::Base, frame::Platform>(*X_BT);
+  const auto text =
+      program::pose_text(program::pose_file(X_BP, std::get<HexapodGeometry>(model->geometry)),
+                         program::DecimalMark::kPoint);
+  if (const auto written = io::replace_file(request.point, text); !written) {
+    return could_not(written.error().sentence);
+  }
+  Outcome outcome;
+  outcome.json = {{"file", request.point},
+                  {"robot", stands->point.robot},
+                  {"legs_m", std::vector<double>(q.begin(), q.end())}};
+  outcome.text = fmt::format("  {}: {}\n", request.point, place_text(stands->point));
+  return outcome;
+}
+
 Outcome teach_point(const TeachRequest& request) {
   if (!is_point_name(request.point)) {
     return bad_input("a point's name has letters, digits, - and _, a letter first, 40 at most");
@@ -118,23 +183,13 @@ Outcome teach_point(const TeachRequest& request) {
     return bad_input(fmt::format("{}: there is a point '{}' already; --replace teaches it anew",
                                  request.file, request.point));
   }
-  auto cell = CellConnection::open(request.socket);
-  if (!cell) return cell.error();
-  const auto description = robot_of_cell(*cell, request.robot);
-  if (!description) return description.error();
-  if (there && old->robot != (*description)["robot"].get<std::string>()) {
+  auto stands = standing_of(request);
+  if (!stands) return stands.error();
+  TaughtPoint* point = &stands->point;
+  if (there && old->robot != point->robot) {
     return bad_input(fmt::format("{}: '{}' is a point of {}, not of {}; give this one another name",
-                                 request.file, request.point, printable(old->robot),
-                                 (*description)["robot"].get<std::string>()));
+                                 request.file, request.point, printable(old->robot), point->robot));
   }
-  const auto status = cell->call("robot.status", {{"robot", request.robot}});
-  if (!status) return status.error();
-  const std::string state = (*status)["state"];
-  if (state == "moving" || state == "stopping" || state == "recovering") {
-    return could_not(request.robot + " is moving; a point is taught where it rests");
-  }
-  auto point = point_here(*status, *description);
-  if (!point) return point.error();
   point->name = request.point;
   point->source = "taught";
   point->taught_at = utc_now();
@@ -155,12 +210,6 @@ Outcome teach_point(const TeachRequest& request) {
 constexpr double kWayRate = 50;           // Hz
 constexpr std::size_t kWayMax = 100'000;  // samples: half an hour
 constexpr Duration kKeepEach = std::chrono::seconds(3);
-
-std::expected<RobotModel, Outcome> model_of(const Json& description) {
-  const auto file = find_robot(description["robot"].get<std::string>());
-  if (!file) return std::unexpected(file.error());
-  return file->model;
-}
 
 /// The way so far, as a program in its file.
 class WayFile {
@@ -259,6 +308,7 @@ Outcome teach(const TeachRequest& request) {
   if (!request.way && request.point.empty()) {
     return bad_input("teach: say what the place shall be called, or --way NAME.sinew");
   }
+  if (request.point.ends_with(kPoseEnding)) return teach_pose(request);
   return request.way ? teach_way(request) : teach_point(request);
 }
 

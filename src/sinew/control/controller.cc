@@ -12,7 +12,7 @@ Controller::Controller(const RobotModel& robot, Driver& driver, const Controller
     : robot_(robot),
       driver_(driver),
       settings_(settings),
-      governor_(robot, planning::motion_limits(robot)),
+      governor_(robot, planning::farthest_limits(robot)),
       lease_(settings.lease_life),
       watch_(settings.cycle, settings.gap),
       sent_(planning::motion_limits(robot)),

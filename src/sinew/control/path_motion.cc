@@ -23,10 +23,13 @@ PathMotion::PathMotion(const RobotModel& robot)
   SINEW_ASSERT(robot.device.capability.motion == MotionKind::kStream && segment_ > 0);
 }
 
-std::optional<Error> PathMotion::start(const planning::PlannedPath& path, double feed) {
+std::optional<Error> PathMotion::start(const planning::PlannedPath& path, double feed,
+                                       double time) {
   path_ = path;
   begun_ = made_ = false;
-  if (const auto error = follower_.start(path_, limits_, feed, shared_velocity_)) return error;
+  if (const auto error = follower_.start(path_, limits_, feed, shared_velocity_, time)) {
+    return error;
+  }
   duration_ = follower_.time_left();
   const std::size_t size = limits_.size();
   q_start_.clear();

@@ -17,8 +17,8 @@ class PathMotion final : public MotionSource {
 
   /// From rest at the beginning of the path, of which a copy is kept.
   /// @param feed  0..2
-  /// @error as PathFollower::start
-  std::optional<Error> start(const planning::PlannedPath& path, double feed = 1);
+  /// @param time  as PathFollower::start. @error as there
+  std::optional<Error> start(const planning::PlannedPath& path, double feed = 1, double time = 0);
   /// s, as planned at the feed of start().
   double duration() const { return duration_; }
 

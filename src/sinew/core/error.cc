@@ -95,10 +95,8 @@ constexpr std::array kTable = std::to_array<ErrorInfo>({
      409},
     {kNotHomed, "not_homed", "{subject} has not been homed since it was switched on", kNone, false,
      kNoStop, 409},
-    {kSegmentTime, "segment_time",
-     "a motion of {measured} is not what this wire can say; limit "
-     "{limit}",
-     kTime, true, kNoStop, 422},
+    {kSegmentTime, "segment_time", "the motion cannot take {measured}; limit {limit}", kTime, true,
+     kNoStop, 422},
     {kToolNotFitted, "tool_not_fitted", "this robot has no such tool", kNone, true, kNoStop, 422},
     {kDeviceKilled, "device_killed",
      "the device was told to shut down and hears nothing more: cut its power, then switch it on",

@@ -472,6 +472,7 @@ Expected<BigRobotArmMultipliers> BigRobotArmJointDriver::multipliers_for(const W
     base.accelerations[i] = limits_[i].acceleration_max;
     boot[i] = device_.joints[i].multiplier_boot;
   }
+  base = raised(device_, deltas, base, to_seconds(at_least));
   auto chosen = synchronised_multipliers(device_, deltas, base, to_seconds(at_least));
   if (!chosen) return chosen;
   if (!difference(chosen->speeds, boot, kEchoTolerance) &&

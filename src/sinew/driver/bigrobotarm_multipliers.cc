@@ -121,6 +121,23 @@ Expected<BigRobotArmMultipliers> synchronised_multipliers(const BigRobotArmDevic
   return result;
 }
 
+BigRobotArmMultipliers raised(const BigRobotArmDevice& device, const Words& deltas,
+                              BigRobotArmMultipliers base, double time) {
+  const std::int32_t most = device.multiplier_max;
+  for (std::size_t i = 0; time > 0 && i < kJoints; ++i) {
+    std::int32_t& speed = base.speeds[i];
+    std::int32_t& acceleration = base.accelerations[i];
+    const auto late = [&] {
+      return motion_time(device.joints[i], deltas[i], speed, acceleration) > kSlowed * time;
+    };
+    for (; late() && (speed < most || acceleration < most);) {
+      speed = std::min(most, speed + 1);
+      acceleration = std::min(most, acceleration + 1);
+    }
+  }
+  return base;
+}
+
 Expected<void> check_multipliers(const BigRobotArmDevice& device, const Words& multipliers) {
   for (std::size_t i = 0; i < kJoints; ++i) {
     const auto joint = static_cast<std::int8_t>(i);

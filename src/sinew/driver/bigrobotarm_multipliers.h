@@ -39,6 +39,12 @@ Expected<BigRobotArmMultipliers> synchronised_multipliers(const BigRobotArmDevic
                                                           const BigRobotArmMultipliers& base,
                                                           double at_least = 0);
 
+/// `base`, its speed and acceleration raised alike for each joint that goes its way in `time` s no
+/// slower than it was asked to, up to multiplier_max: a program may ask for more than the limits
+/// that `base` stands for. @param time  s; 0: nothing is raised
+BigRobotArmMultipliers raised(const BigRobotArmDevice& device, const bigrobotarm::Words& deltas,
+                              BigRobotArmMultipliers base, double time);
+
 /// Every value in 1..multiplier_max, and none that the device's wire would be cut by.
 /// @error kMultiplierRange, kUnsendable; index: joint
 Expected<void> check_multipliers(const BigRobotArmDevice& device,

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sinew/model/limit_reach.h"
+
 namespace sinew::planning {
 
 std::vector<motion::AxisLimits> motion_limits(const RobotModel& model) {
@@ -11,6 +13,17 @@ std::vector<motion::AxisLimits> motion_limits(const RobotModel& model) {
   for (const Joint& joint : model.joints) {
     limits.push_back(
         {share * joint.velocity_max, share * joint.acceleration_max, share * joint.jerk_max});
+  }
+  return limits;
+}
+
+std::vector<motion::AxisLimits> farthest_limits(const RobotModel& model) {
+  auto limits = motion_limits(model);
+  for (std::size_t j = 0; j < limits.size(); ++j) {
+    const LimitReach reach = limit_reach(model, j);
+    limits[j].velocity *= reach.velocity;
+    limits[j].acceleration *= reach.acceleration;
+    limits[j].jerk *= reach.acceleration;
   }
   return limits;
 }

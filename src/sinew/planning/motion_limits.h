@@ -12,6 +12,9 @@ namespace sinew::planning {
 /// them.
 std::vector<motion::AxisLimits> motion_limits(const RobotModel& model);
 
+/// The same, as far as programs may ask for more (limit_reach()): what no motion is beyond.
+std::vector<motion::AxisLimits> farthest_limits(const RobotModel& model);
+
 /// What the speeds of all joints together may be, m/s (rad/s): infinite but for a device whose wire
 /// all of them share.
 double shared_velocity(const RobotModel& model);

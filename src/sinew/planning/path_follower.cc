@@ -24,7 +24,7 @@ PathFollower::PathFollower(std::size_t cells_max)
 
 std::optional<Error> PathFollower::start(const PlannedPath& path,
                                          std::span<const motion::AxisLimits> limits, double feed,
-                                         double shared_velocity) {
+                                         double shared_velocity, double time) {
   if (const auto error = feed_error(feed)) return error;
   path_ = nullptr;
   if (const auto error =
@@ -37,6 +37,12 @@ std::optional<Error> PathFollower::start(const PlannedPath& path,
   t_ = 0;
   piece_ = 0;
   paused_ = stopped_ = waits_ = false;
+  pace_ = 1;
+  const auto untimely = time > 0 ? find_pace(time) : std::nullopt;
+  if (untimely) {
+    path_ = nullptr;
+    return untimely;
+  }
   feed_ = feed_that_counts(feed);
   if (feed_ > 0) {
     if (const auto error = try_plan(false)) {
@@ -70,11 +76,32 @@ PathProgress PathFollower::progress() const {
 }
 
 std::optional<Error> PathFollower::try_plan(bool rest) {
-  const auto error = rest ? timing_.stop(law_, t_, next_) : timing_.plan(state_, feed_, next_);
+  const auto error = rest ? timing_.stop(law_, t_, next_)
+                          : timing_.plan(state_, std::max(kFeedMin, feed_ * pace_), next_);
   if (error) return error;
   std::swap(law_, next_);
   t_ = 0;
   return {};
+}
+
+/// Speeds are scaled and accelerations stay, so that a pause is as short as ever.
+std::optional<Error> PathFollower::find_pace(double time) {
+  double slow = kFeedMin, quick = 1;
+  for (const double pace : {slow, quick}) {
+    if (const auto error = timing_.plan({}, pace, next_)) return error;
+    const double own = next_.duration();
+    const bool fits = pace == slow ? time <= own : time > own - kTimeTolerance;
+    if (!fits) return Error{ErrorCode::kSegmentTime, -1, time, own};
+  }
+  for (double own = next_.duration(); time - own > kTimeTolerance && quick - slow > 1e-12;) {
+    const double middle = (slow + quick) / 2;
+    if (const auto error = timing_.plan({}, middle, next_)) return error;
+    const bool in_time = next_.duration() <= time;
+    (in_time ? quick : slow) = middle;
+    if (in_time) own = next_.duration();
+  }
+  pace_ = quick;
+  return std::nullopt;
 }
 
 void PathFollower::replan() {

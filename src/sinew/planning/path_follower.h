@@ -22,18 +22,26 @@ namespace sinew::planning {
 class PathFollower {
  public:
   static constexpr double kFeedMax = 2;
-  static constexpr double kFeedMin = 1e-3;  ///< below it counts as 0
+  static constexpr double kFeedMin = 1e-3;        ///< below it counts as 0
+  static constexpr double kTimeTolerance = 1e-4;  ///< s
 
   explicit PathFollower(std::size_t cells_max = PathTiming::kCellsMax);
 
   /// From rest at the beginning of the path, which outlives the motion.
   /// @param limits  one per joint. @param feed  0..kFeedMax; 0 waits for another.
   /// @param shared_velocity  as PathTiming::prepare.
-  /// @error kMoveInput: a feed that is no number or outside of that; as PathTiming::prepare and
-  ///        plan.
+  /// @param time   s that it takes at feed 1, short of it by a thousandth at most; 0: as quick as
+  /// it
+  ///               can.
+  /// @error kMoveInput: a feed that is no number or outside of that; kSegmentTime (limit: what it
+  ///        can take, s); as PathTiming::prepare and plan.
   std::optional<Error> start(const PlannedPath& path, std::span<const motion::AxisLimits> limits,
                              double feed = 1,
-                             double shared_velocity = std::numeric_limits<double>::infinity());
+                             double shared_velocity = std::numeric_limits<double>::infinity(),
+                             double time = 0);
+  /// What it follows, and what limited that.
+  const TimeLaw& law() const { return law_; }
+  LimitTimes limit_times() const { return timing_.limit_times(); }
 
   /// Time goes on by dt (s) >= 0; where the motion is then.
   const JointMotion& step(double dt);
@@ -67,6 +75,7 @@ class PathFollower {
 
  private:
   std::optional<Error> try_plan(bool rest);
+  std::optional<Error> find_pace(double time);
   void replan();
 
   PathTiming timing_;
@@ -77,6 +86,7 @@ class PathFollower {
   JointMotion now_;
   double t_ = 0;
   double feed_ = 1;
+  double pace_ = 1;  ///< a feed of 1 is that share of the quickest
   bool paused_ = false;
   bool stopped_ = false;
   bool waits_ = false;

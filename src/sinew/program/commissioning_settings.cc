@@ -37,6 +37,18 @@ const StepResult* done(const Procedure& procedure, const std::string& id) {
   return is ? one : nullptr;
 }
 
+/// The kit whose jaws go the other way: a bus servo's ends change places, pulses lie on the other
+/// side of where both kits meet.
+bool use_jaws(RobotModel& robot) {
+  auto* device = std::get_if<LscDevice>(&robot.device.settings);
+  if (device == nullptr) return false;
+  std::swap(device->gripper.open, device->gripper.closed);
+  if (device->profile == LscProfile::kBus) return true;
+  device->gripper.open = 2 * kJawsMiddle - device->gripper.open;
+  device->gripper.closed = 2 * kJawsMiddle - device->gripper.closed;
+  return true;
+}
+
 struct Setter {
   const std::string& what;
   const std::string& value;
@@ -140,6 +152,10 @@ FoundSettings found_settings(const Procedure& procedure) {
       found["way_factor"] = number_text(*went->number / std::abs(*sent->number));
     }
   }
+  if (const auto* jaws = procedure.result("jaws_seen")) {
+    const bool open = jaws_tried(robot) > 0;
+    if (jaws->answer == (open ? "shut" : "open")) found["gripper.turn"] = "other";
+  }
   for (const Joint& joint : robot.joints) {
     if (const auto* id = done(procedure, "id." + joint.name)) {
       found["joint." + joint.name + ".servo_id"] = number_text(*id->number);
@@ -164,6 +180,8 @@ std::expected<void, std::string> use_settings(RobotModel& robot, const FoundSett
         const auto joint = joint_named(robot, name.substr(kJoint.size(), dot - kJoint.size()));
         const std::string what = name.substr(dot + 1);
         used = joint && std::visit(Setter{what, value, *joint}, changed.device.settings);
+      } else if (name == "gripper.turn") {
+        used = value == "other" && use_jaws(changed);
       } else {
         used = use_platform_setting(changed, name, value);
       }

@@ -15,7 +15,9 @@ namespace sinew::program {
 namespace {
 
 constexpr double kNumberMax = 1e6;
-constexpr double kWaitMax = 3600;  // s
+constexpr double kWaitMax = 3600;        // s
+constexpr double kMotionTimeMin = 1e-4;  // s, of a motion
+constexpr double kMotionTimeMax = 86400;
 
 /// One letter with its number.
 struct Code {
@@ -200,10 +202,14 @@ class GcodeReader {
   }
 
   void take_g(const Code& code) {
-    constexpr std::array<int, 5> kDefaults{17, 40, 49, 80, 94};
+    constexpr std::array<int, 4> kDefaults{17, 40, 49, 80};
     if (code.whole(0) || code.whole(1)) {
       if (find_second('G', 0, 1, code)) complain(code, "and another motion stand in one line");
       motion_ = code.whole(0) ? Motion::kRapid : Motion::kLine;
+      return;
+    }
+    if (code.whole(93) || code.whole(94)) {
+      timed_ = code.whole(93);
       return;
     }
     if (code.whole(20) || code.whole(21)) {
@@ -229,7 +235,7 @@ class GcodeReader {
         std::ranges::any_of(kDefaults, [&](int one) { return code.whole(one); });
     if (is_default) return;  // what it says holds anyway
     complain(code, code.whole(54) ? "means the zero of a workpiece; here zero is the robot's base"
-                                  : "is not read here: G0 G1 G4 G20 G21 G28 G90 G91 are");
+                                  : "is not read here: G0 G1 G4 G20 G21 G28 G90 G91 G93 G94 are");
   }
 
   /// Another code of the line, before this one, with one of two numbers.
@@ -242,6 +248,7 @@ class GcodeReader {
   void take_feed(const Code& code) {
     if (!(code.value > 0))
       return complain(code, "is no speed: F is above 0, mm or inches a minute");
+    if (timed_) return;  // counts for its own line only
     feed_ = code.value;
     feed_in_inches_ = inches_;
   }
@@ -270,7 +277,14 @@ class GcodeReader {
       row += std::string(" ") + (relative_ ? "d" : "") + static_cast<char>(axis + 32) + "=" +
              shortest(code->value) + unit;
     }
-    if (motion_ == Motion::kLine) {
+    if (const Code* inverse = find('F'); motion_ == Motion::kLine && timed_) {
+      if (inverse == nullptr) return complain(codes_[0], "needs an F of its own behind G93");
+      const double seconds = 60 / inverse->value;
+      if (!(seconds >= kMotionTimeMin && seconds <= kMotionTimeMax)) {
+        return complain(*inverse, "is no time behind G93: 60/F seconds are 0.1 ms to 24 h");
+      }
+      row += " time=" + shortest(seconds) + "s";
+    } else if (motion_ == Motion::kLine) {
       if (!feed_) return complain(codes_[0], "has no speed: a G1 needs an F in or before its line");
       row += " speed=" + shortest(*feed_ / 60) + (feed_in_inches_ ? "in/s" : "mm/s");
     }
@@ -325,6 +339,7 @@ class GcodeReader {
   Motion motion_ = Motion::kNone;
   bool inches_ = false;
   bool relative_ = false;
+  bool timed_ = false;          ///< F is how often a minute its line could be made
   std::optional<double> feed_;  ///< mm or in a minute
   bool feed_in_inches_ = false;
   bool ended_ = false;

@@ -6,6 +6,7 @@
 
 #include "sinew/core/spelling.h"
 #include "sinew/model/joint_lookup.h"
+#include "sinew/model/limit_reach.h"
 #include "sinew/planning/moves.h"
 
 namespace sinew::program {
@@ -15,11 +16,12 @@ using planning::TaskSpace;
 using Way = ToolMoveStep::Way;
 
 constexpr std::array<std::string_view, 5> kRows{"joint", "move", "line", "arc", "spline"};
-constexpr std::array<std::string_view, 3> kOptions{"speed", "accel", "blend"};
+constexpr std::array<std::string_view, 4> kOptions{"speed", "accel", "blend", "time"};
 constexpr double kJointShareMin = 0.01;
-constexpr double kToolMax = 100;   // m/s, m/s^2: beyond what any of these arms can do
-constexpr double kToolMin = 1e-6;  // m/s, m/s^2
-constexpr double kBlendMax = 1;    // m
+constexpr double kToolMax = 100;    // m/s, m/s^2: beyond what any of these arms can do
+constexpr double kToolMin = 1e-6;   // m/s, m/s^2
+constexpr double kBlendMax = 1;     // m
+constexpr double kTimeMax = 86400;  // s
 constexpr double kBlendAngleMax = from_deg(60);
 constexpr double kTurnMax = 4 * kPi;  // rad
 constexpr double kFarAway = 100;      // m
@@ -53,7 +55,16 @@ std::optional<Step> MotionRows::read() {
                                  : tool_row(name == "move"   ? Way::kJoints
                                             : name == "line" ? Way::kLine
                                                              : Way::kArc);
-  if (!step || !limits_) return step;
+  if (!step) return step;
+  const MotionOptions& how = *motion_of(*step);
+  if (how.time > 0 && (how.joint_share != 1 || std::isfinite(how.tool_speed) ||
+                       std::isfinite(how.tool_acceleration) || how.blends())) {
+    row_.complain(
+        row_.words()[0],
+        "time= is of the whole motion, from stop to stop: without speed=, accel=, blend=");
+    return std::nullopt;
+  }
+  if (!limits_) return step;
   std::visit(
       [&](auto& what) {
         if constexpr (requires { what.how; }) what.how.limits = limits_;
@@ -84,18 +95,29 @@ void MotionRows::take_limits() {
       continue;
     }
     const auto share = row_.quantity(word, one->value, Measure::kShare);
-    if (share && !(*share >= kJointShareMin && *share <= 1)) {
-      row_.complain(word, "a share of the joint's limit is 1% to 100%");
-    } else if (share && all) {
-      std::ranges::fill(of, *share);
-    } else if (share) {
-      of[*joint] = *share;
+    const std::size_t end = all ? names_.size() : *joint + 1;
+    for (std::size_t j = *joint; share && j < end; ++j) {
+      if (!takes_share(word, j, velocity, *share)) break;
+      of[j] = *share;
     }
   }
   const auto is_whole = [](double share) { return share == 1; };
   const bool none = std::ranges::all_of(shares.velocity, is_whole) &&
                     std::ranges::all_of(shares.acceleration, is_whole);
   limits_ = none ? nullptr : std::make_shared<const JointShares>(std::move(shares));
+}
+
+/// Complains where a joint's limit cannot be asked for so.
+bool MotionRows::takes_share(const Word& word, std::size_t joint, bool velocity, double share) {
+  const LimitReach reach = limit_reach(robot_, joint);
+  // Limits in files are rounded to three digits, and so is what is told.
+  const double most = std::round(100 * (velocity ? reach.velocity : reach.acceleration)) / 100;
+  constexpr double kRounding = 0.005;
+  if (share >= kJointShareMin && share <= most + (most > 1 ? kRounding : 0)) return true;
+  const std::string percent = std::to_string(std::lround(100 * most)) + "%";
+  row_.complain(word, most > 1 ? "a share of " + names_[joint] + "'s limit is 1% to " + percent
+                               : "a share of the joint's limit is 1% to 100%");
+  return false;
 }
 
 std::optional<MotionRows::Argument> MotionRows::argument(const Word& word,
@@ -124,20 +146,39 @@ void MotionRows::unknown(const Argument& argument, const std::vector<std::string
 
 std::optional<bool> MotionRows::option(const Argument& argument, MotionOptions& how, Given& given) {
   if (argument.name == "speed") return take_speed(argument, how, given);
-  if (argument.name != "accel" && argument.name != "blend") return std::nullopt;
-  bool& before = argument.name == "accel" ? given.acceleration : given.blend;
+  if (std::ranges::find(kOptions, argument.name) == kOptions.end()) return std::nullopt;
+  bool& before = argument.name == "accel"   ? given.acceleration
+                 : argument.name == "blend" ? given.blend
+                                            : given.time;
   if (before) {
     row_.complain(argument.word, in_quotes(argument.name) + " is named twice");
     return false;
   }
   before = true;
   if (argument.name == "blend") return take_blend(argument, how);
+  if (argument.name == "time") {
+    const auto time = motion_time(argument.word);
+    how.time = time.value_or(0);
+    return time.has_value();
+  }
   const auto value = row_.quantity(argument.word, argument.value, Measure::kAcceleration);
   if (!value) return false;
   how.tool_acceleration = *value;
   if (*value >= kToolMin && *value <= kToolMax) return true;
   row_.complain(argument.word, "accel is 0.001 mm/s2 to 100 m/s2");
   return false;
+}
+
+std::optional<double> MotionRows::motion_time(const Word& word) {
+  constexpr std::string_view kName = "time=";
+  if (!word.text.starts_with(kName)) {
+    row_.complain(word, "write how long it takes, as in time=2s");
+    return std::nullopt;
+  }
+  const auto time = row_.quantity(word, word.text.substr(kName.size()), Measure::kTime);
+  if (!time || (*time > 0 && *time <= kTimeMax)) return time;
+  row_.complain(word, "time is above 0 and at most 24 h");
+  return std::nullopt;
 }
 
 /// In percent it is the joints', as a length per second the tool's; a row may have both.

@@ -23,6 +23,8 @@ class MotionRows {
   std::optional<Step> read();
   /// A `velocity` or `acceleration` row: the joints' limits of the motions behind it in this file.
   void take_limits();
+  /// A word `time=2s`, s; complains where it is none.
+  std::optional<double> motion_time(const Word& word);
 
  private:
   struct Argument {
@@ -36,6 +38,7 @@ class MotionRows {
     bool tool_speed = false;
     bool acceleration = false;
     bool blend = false;
+    bool time = false;
   };
 
   /// rx, ry, rz as far as they were given.
@@ -56,10 +59,11 @@ class MotionRows {
   std::optional<Step> tool_row(ToolMoveStep::Way way);
   std::optional<Step> spline_row();
   std::optional<Argument> argument(const Word& word, std::string_view example);
-  /// speed=, accel= and blend=; nothing where it is another one.
+  /// speed=, accel=, blend= and time=; nothing where it is another one.
   std::optional<bool> option(const Argument& argument, MotionOptions& how, Given& given);
   bool take_speed(const Argument& argument, MotionOptions& how, Given& given);
   bool take_blend(const Argument& argument, MotionOptions& how);
+  bool takes_share(const Word& word, std::size_t joint, bool velocity, double share);
   bool take_joint(const Argument& argument, JointStep& step, Differences& differences);
   bool take_joint_point(const Argument& argument, JointStep& step);
   bool take_goal(const Argument& argument, ToolMoveStep& step, Collected& collected);

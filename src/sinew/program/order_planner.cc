@@ -63,13 +63,6 @@ std::optional<Error> tool_refusal(const RobotModel& robot, const ToolAction& act
   return Error{ErrorCode::kToolAngle, -1, angle, angle < 0 ? 0 : kNozzleMax};
 }
 
-/// Only axis boards have end stops, and only those that report can say that they were found.
-bool can_home(const RobotModel& robot) {
-  const auto* registers = std::get_if<AxisRegistersDevice>(&robot.device.settings);
-  if (registers != nullptr) return registers->reports_status;
-  return std::holds_alternative<AxisLinkDevice>(robot.device.settings);
-}
-
 bool inside_limits(const JointVector& q, const RobotModel& robot) {
   for (std::size_t i = 0; i < q.size(); ++i) {
     if (!within_limits(robot.joints[i], q[i])) return false;
@@ -81,6 +74,7 @@ bool inside_limits(const JointVector& q, const RobotModel& robot) {
 Step home_row(const Step& step, const RobotModel& robot) {
   JointStep row{.q = home_joints(robot), .given = 0, .how = {}};
   row.given = static_cast<std::uint8_t>((1U << robot.joints.size()) - 1);
+  row.how.time = std::get<HomeStep>(step.what).time;
   return {step.line, row, step.file};
 }
 
@@ -138,7 +132,7 @@ std::optional<Refusal> OrderPlanner::take_all(const Program& program) {
 }
 
 std::optional<Refusal> OrderPlanner::take(const Step& step, std::size_t place, Round round) {
-  if (std::holds_alternative<HomeStep>(step.what) && !can_home(robot_)) {
+  if (std::holds_alternative<HomeStep>(step.what) && !searches_zeros(robot_)) {
     return take(home_row(step, robot_), place, round);
   }
   if (motion_of(step) != nullptr) {

@@ -15,7 +15,7 @@ namespace sinew::program {
 namespace {
 
 using namespace std::chrono_literals;
-using Phase = Procedure::Phase;
+using ProcedurePhase = Procedure::Phase;
 using State = StepResult::State;
 
 /// Does what it is told in the time it is told; knows where it is or not, and turns its joints the
@@ -122,7 +122,7 @@ struct Bench {
   }
   void begin() {
     procedure.start(now);
-    ASSERT_TRUE(until([&] { return procedure.phase() != Phase::kOpening; }));
+    ASSERT_TRUE(until([&] { return procedure.phase() != ProcedurePhase::kOpening; }));
   }
   template <class Done>
   bool until(Done done, Duration longest = 300s) {
@@ -134,10 +134,11 @@ struct Bench {
   }
   /// Waits for the question, answers, and lets it happen. @return why not, as a sentence
   std::string say(std::string_view text) {
-    EXPECT_TRUE(until([&] { return procedure.phase() == Phase::kAsking || procedure.finished(); }));
+    EXPECT_TRUE(until(
+        [&] { return procedure.phase() == ProcedurePhase::kAsking || procedure.finished(); }));
     const auto taken = procedure.answer(text, now);
     if (!taken) return taken.error();
-    until([&] { return procedure.phase() != Phase::kWorking; });
+    until([&] { return procedure.phase() != ProcedurePhase::kWorking; });
     return {};
   }
 
@@ -176,7 +177,7 @@ TEST(Procedure, goes_through_every_kind_of_step_and_keeps_what_was_found) {
   Bench bench("bigrobotarm", all_kinds());
   bench.begin();
   for (const char* answer : kAnswers) EXPECT_EQ(bench.say(answer), "") << answer;
-  ASSERT_EQ(bench.procedure.phase(), Phase::kDone);
+  ASSERT_EQ(bench.procedure.phase(), ProcedurePhase::kDone);
   for (const StepResult& result : bench.procedure.results()) EXPECT_EQ(result.state, State::kDone);
   EXPECT_EQ(bench.procedure.result("check")->number, 3);
   EXPECT_EQ(bench.procedure.result("way")->number, 1);
@@ -200,7 +201,7 @@ TEST(Procedure, cancelled_at_any_step_nothing_moves_behind_it) {
       Bench bench("bigrobotarm", all_kinds());
       bench.begin();
       for (std::size_t k = 0; k < stop_at && k < kAnswers.size(); ++k) {
-        bench.until([&] { return bench.procedure.phase() == Phase::kAsking; }, 60s);
+        bench.until([&] { return bench.procedure.phase() == ProcedurePhase::kAsking; }, 60s);
         if (k + 1 < stop_at) {
           ASSERT_EQ(bench.say(kAnswers[k]), "");
         } else {
@@ -211,7 +212,7 @@ TEST(Procedure, cancelled_at_any_step_nothing_moves_behind_it) {
       const bool over = bench.procedure.finished();
       bench.procedure.cancel(bench.now);
       ASSERT_TRUE(bench.until([&] { return bench.procedure.finished(); }, 2s));
-      EXPECT_EQ(bench.procedure.phase(), over ? Phase::kDone : Phase::kCancelled);
+      EXPECT_EQ(bench.procedure.phase(), over ? ProcedurePhase::kDone : ProcedurePhase::kCancelled);
       bench.until([] { return false; }, 100ms);
       const int motions = bench.driver.motions;
       bench.until([] { return false; }, 20s);
@@ -243,11 +244,11 @@ TEST(Procedure, a_wrong_answer_is_refused_with_a_sentence_and_nothing_moves) {
       EXPECT_NE(bench.say(other), "") << other;
       EXPECT_EQ(bench.procedure.place(), place);
       EXPECT_EQ(bench.driver.motions, motions);
-      EXPECT_EQ(bench.procedure.phase(), Phase::kAsking);
+      EXPECT_EQ(bench.procedure.phase(), ProcedurePhase::kAsking);
     }
     EXPECT_EQ(bench.say(right), "") << right;
   }
-  EXPECT_EQ(bench.procedure.phase(), Phase::kDone);
+  EXPECT_EQ(bench.procedure.phase(), ProcedurePhase::kDone);
   EXPECT_EQ(bench.procedure.result("way")->number, -1);
   EXPECT_EQ(bench.procedure.result("number")->state, State::kSkipped);
 }
@@ -257,12 +258,12 @@ TEST(Procedure, a_place_outside_the_limits_is_refused_by_the_machine_and_asked_a
   bench.begin();
   for (int j = 0; j < 5; ++j) EXPECT_EQ(bench.say("done"), "");
   EXPECT_EQ(bench.say("0deg,300deg,0deg,0deg,0deg"), "");
-  EXPECT_EQ(bench.procedure.phase(), Phase::kAsking);
+  EXPECT_EQ(bench.procedure.phase(), ProcedurePhase::kAsking);
   EXPECT_NE(bench.procedure.trouble().find("300 deg"), std::string::npos)
       << bench.procedure.trouble();
   EXPECT_FALSE(bench.machine.reference());
   EXPECT_EQ(bench.say("home"), "");
-  EXPECT_EQ(bench.procedure.phase(), Phase::kDone);
+  EXPECT_EQ(bench.procedure.phase(), ProcedurePhase::kDone);
   EXPECT_TRUE(bench.machine.reference());
 }
 
@@ -278,7 +279,7 @@ TEST(Procedure, recovery_moves_each_joint_by_hand_as_often_as_it_takes) {
   ASSERT_EQ(bench.driver.nudges.size(), 4U);
   for (const auto& [leg, way] : bench.driver.nudges) EXPECT_EQ(leg, 0U);
   EXPECT_EQ(bench.say("lowered"), "");
-  ASSERT_EQ(bench.procedure.phase(), Phase::kDone);
+  ASSERT_EQ(bench.procedure.phase(), ProcedurePhase::kDone);
   EXPECT_EQ((*bench.machine.reference())[5], bench.robot.joints[5].lower);
 }
 
@@ -288,8 +289,8 @@ TEST(Procedure, recovery_moves_all_legs_together_in_turns_of_one_small_step) {
   EXPECT_NE(bench.say("all"), "");
   EXPECT_NE(bench.say("all 200mm"), "");
   EXPECT_EQ(bench.say("all -1.2mm"), "");
-  for (int k = 0; k < 18 && bench.procedure.phase() == Phase::kWorking; ++k) {
-    bench.until([&] { return bench.procedure.phase() != Phase::kWorking; });
+  for (int k = 0; k < 18 && bench.procedure.phase() == ProcedurePhase::kWorking; ++k) {
+    bench.until([&] { return bench.procedure.phase() != ProcedurePhase::kWorking; });
   }
   ASSERT_EQ(bench.driver.nudges.size(), 18U) << bench.procedure.trouble();
   for (std::size_t k = 0; k < 18; ++k) {
@@ -312,7 +313,7 @@ TEST(Procedure, a_place_is_confirmed_as_it_is_shown_and_its_intervals_stay) {
   }
   bench.driver.declare_positions({within.data(), within.size()});
   EXPECT_EQ(bench.say("shown"), "");
-  ASSERT_EQ(bench.procedure.phase(), Phase::kDone) << bench.procedure.trouble();
+  ASSERT_EQ(bench.procedure.phase(), ProcedurePhase::kDone) << bench.procedure.trouble();
   const JointPosition& leg = bench.driver.positions()[3];
   EXPECT_EQ(leg.quality, PositionQuality::kCommanded);
   EXPECT_NEAR(leg.q, bench.robot.joints[3].home + 6e-6, 1e-12);
@@ -325,7 +326,7 @@ TEST(Procedure, servos_recover_by_a_slow_first_move) {
   bench.begin();
   EXPECT_EQ(bench.say("yes"), "");
   EXPECT_EQ(bench.say("go"), "");
-  ASSERT_EQ(bench.procedure.phase(), Phase::kDone) << bench.procedure.trouble();
+  ASSERT_EQ(bench.procedure.phase(), ProcedurePhase::kDone) << bench.procedure.trouble();
   EXPECT_EQ(*bench.machine.reference(), home_joints(bench.robot));
 }
 
@@ -355,7 +356,7 @@ TEST(Procedure, a_fault_of_the_machine_fails_it_with_the_reason) {
   bench.driver.failure = Error{ErrorCode::kStalled, 2};
   EXPECT_EQ(bench.say("go"), "");
   ASSERT_TRUE(bench.until([&] { return bench.procedure.finished(); }, 20s));
-  EXPECT_EQ(bench.procedure.phase(), Phase::kFailed);
+  EXPECT_EQ(bench.procedure.phase(), ProcedurePhase::kFailed);
   EXPECT_NE(bench.procedure.trouble().find("elbow"), std::string::npos)
       << bench.procedure.trouble();
 }
@@ -373,12 +374,12 @@ TEST(Procedure, another_clients_stop_and_a_take_over_leave_the_question) {
     bench.procedure.poll(bench.now);
   };
   stranger(control::Stop{});
-  ASSERT_TRUE(bench.until([&] { return bench.procedure.phase() == Phase::kAsking; }, 2s));
+  ASSERT_TRUE(bench.until([&] { return bench.procedure.phase() == ProcedurePhase::kAsking; }, 2s));
   EXPECT_EQ(bench.procedure.trouble(), "stopped on the way");
   ASSERT_TRUE(bench.procedure.answer("go", bench.now));
   bench.until([] { return false; }, 100ms);
   stranger(control::TakeLease{.take_over = true});
-  ASSERT_TRUE(bench.until([&] { return bench.procedure.phase() == Phase::kAsking; }, 2s));
+  ASSERT_TRUE(bench.until([&] { return bench.procedure.phase() == ProcedurePhase::kAsking; }, 2s));
   EXPECT_TRUE(bench.procedure.left());
   EXPECT_EQ(bench.procedure.trouble(), "control was lost on the way");
   EXPECT_EQ(bench.procedure.step().id, "way");
@@ -397,10 +398,10 @@ TEST(Procedure, what_was_answered_before_is_not_asked_again_and_what_moves_is_do
   bench.procedure.keep("search", {State::kDone, "", "", {}});
   bench.procedure.keep("number", {State::kFailed, "", "", {}});
   bench.begin();
-  ASSERT_TRUE(bench.until([&] { return bench.procedure.phase() == Phase::kAsking; }, 2s));
+  ASSERT_TRUE(bench.until([&] { return bench.procedure.phase() == ProcedurePhase::kAsking; }, 2s));
   EXPECT_EQ(bench.procedure.step().id, "way");
   for (const char* answer : {"go", "up", "3mm", "go", "home"}) EXPECT_EQ(bench.say(answer), "");
-  EXPECT_EQ(bench.procedure.phase(), Phase::kDone);
+  EXPECT_EQ(bench.procedure.phase(), ProcedurePhase::kDone);
 }
 
 TEST(Procedure, homing_is_for_machines_with_end_stops) {
@@ -415,14 +416,14 @@ TEST(Procedure, homing_is_for_machines_with_end_stops) {
   bench.until([] { return false; }, 500ms);
   EXPECT_NE(bench.procedure.progress(bench.now).find("zero of base (1 of 6)"), std::string::npos)
       << bench.procedure.progress(bench.now);
-  bench.until([&] { return bench.procedure.phase() == Phase::kAsking; });
+  bench.until([&] { return bench.procedure.phase() == ProcedurePhase::kAsking; });
   EXPECT_EQ(bench.say("go"), "");
   EXPECT_NE(bench.procedure.result("seen")->words.find("is not measured"), std::string::npos);
   // From where the search left it to its home, as a program's row does.
   ASSERT_FALSE(bench.procedure.finished());
   ASSERT_EQ(bench.procedure.step().id, "home");
   EXPECT_EQ(bench.say("go"), "");
-  ASSERT_EQ(bench.procedure.phase(), Phase::kDone) << bench.procedure.trouble();
+  ASSERT_EQ(bench.procedure.phase(), ProcedurePhase::kDone) << bench.procedure.trouble();
   EXPECT_EQ(*bench.machine.reference(), home_joints(bench.robot));
 }
 
@@ -439,7 +440,7 @@ TEST(Procedure,
     Bench bench("robot-arm-2", *homing_procedure(test::robot("robot-arm-2"), {}, fact));
     bench.begin();
     for (const char* answer : {"yes", "go", "go"}) EXPECT_EQ(bench.say(answer), "");
-    bench.until([&] { return bench.procedure.phase() == Phase::kAsking; });
+    bench.until([&] { return bench.procedure.phase() == ProcedurePhase::kAsking; });
     const bool stands = !bench.procedure.finished() && bench.procedure.step().id == "seen";
     return stands ? "! " + bench.procedure.trouble() : bench.procedure.result("seen")->words;
   };
@@ -457,8 +458,8 @@ TEST(Commissioning, a_board_that_turns_against_the_model_is_not_as_it_should_be)
   bench.begin();
   const auto reach = [&](const std::string& id) {
     return bench.until([&] {
-      if (bench.procedure.phase() != Phase::kAsking || bench.procedure.step().id == id) {
-        return bench.procedure.finished() || bench.procedure.phase() == Phase::kAsking;
+      if (bench.procedure.phase() != ProcedurePhase::kAsking || bench.procedure.step().id == id) {
+        return bench.procedure.finished() || bench.procedure.phase() == ProcedurePhase::kAsking;
       }
       const auto& what = bench.procedure.step().what;
       const bool moved = bench.procedure.choices()[0] == "plus";
@@ -472,7 +473,7 @@ TEST(Commissioning, a_board_that_turns_against_the_model_is_not_as_it_should_be)
   ASSERT_EQ(bench.procedure.step().id, "senses") << bench.procedure.trouble();
   EXPECT_NE(bench.procedure.trouble().find("against the model: flange_roll."), std::string::npos);
   EXPECT_EQ(bench.say("skip"), "");
-  ASSERT_EQ(bench.procedure.phase(), Phase::kDone);
+  ASSERT_EQ(bench.procedure.phase(), ProcedurePhase::kDone);
   EXPECT_EQ(bench.procedure.result("senses")->state, State::kFailed);
   EXPECT_TRUE(found_settings(bench.procedure).empty());
 }
@@ -548,7 +549,24 @@ TEST(Commissioning, settings_that_were_found_change_the_device_and_nothing_else_
   EXPECT_LT(lsc.servos[4].units_per_rad, 0);
   EXPECT_EQ(lsc.servos[2].id, 9);
   EXPECT_DOUBLE_EQ(lsc.servos[0].trim, 0.1 * lsc.servos[0].units_per_rad);
+  // The classic kit opens at 1500 us and closes at 2500, the other one at 500 and 1500.
+  RobotModel kit = test::robot("learm");
+  auto& jaws = std::get<LscDevice>(kit.device.settings).gripper;
+  EXPECT_EQ(jaws_tried(kit), std::get<SerialGeometry>(kit.geometry).gripper->width_max);
+  ASSERT_TRUE(use_settings(kit, {{"gripper.turn", "other"}}));
+  EXPECT_EQ(jaws.open, 500);
+  EXPECT_EQ(jaws.closed, 1500);
+  EXPECT_EQ(jaws_tried(kit), 0);
+  ASSERT_TRUE(use_settings(kit, {{"gripper.turn", "other"}}));
+  EXPECT_EQ(jaws.open, 1500);
+  EXPECT_EQ(jaws.closed, 2500);
+  std::get<LscDevice>(kit.device.settings).profile = LscProfile::kBus;
+  jaws.open = 200, jaws.closed = 700;
+  ASSERT_TRUE(use_settings(kit, {{"gripper.turn", "other"}}));
+  EXPECT_EQ(jaws.open, 700);
+  EXPECT_EQ(jaws.closed, 200);
   const std::vector<std::pair<std::string, std::string>> wrong{{"joint.leg7.turn", "other"},
+                                                               {"gripper.turn", "other"},
                                                                {"joint.leg1.turn", "yes"},
                                                                {"units_per_down", "3"},
                                                                {"way_factor", "0"},

@@ -323,6 +323,18 @@ std::optional<std::string> who_has(const Procedure& procedure, const std::string
   return std::nullopt;
 }
 
+}  // namespace
+
+double jaws_tried(const RobotModel& robot) {
+  const auto& device = std::get<LscDevice>(robot.device.settings);
+  const double width = std::get<SerialGeometry>(robot.geometry).gripper->width_max;
+  const bool shut =
+      std::abs(device.gripper.closed - kJawsMiddle) < std::abs(device.gripper.open - kJawsMiddle);
+  return device.profile != LscProfile::kBus && shut ? 0 : width;
+}
+
+namespace {
+
 void list_servos(Lister& list, const RobotModel& robot) {
   list.add("supply",
            "The board gets 6 to 7.4 V from a supply that is strong enough for six "
@@ -351,6 +363,10 @@ void list_servos(Lister& list, const RobotModel& robot) {
         .when = other;
   }
   list.all_turn("A servo that stays still has another number, a loose plug, or no supply");
+  list.add("jaws", "The jaws go to where both kits' servos may be. Keep fingers away.",
+           ToolTryStep{JawsTo{jaws_tried(robot)}});
+  list.add("jaws_seen", "Are the jaws open or shut now?", ChoiceStep{{"open", "shut", "neither"}},
+           "neither: look at the plug of the gripper's servo, and at its horn");
   for (const Joint& joint : robot.joints) {
     list.add("trim." + joint.name,
              "By how much must " + joint.name +

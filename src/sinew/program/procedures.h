@@ -32,6 +32,14 @@ std::expected<ProcedurePlan, std::string> commissioning_procedure(const RobotMod
                                                                   const Homing& homing,
                                                                   const DeviceFact& fact);
 
+/// The width that the jaws are sent to so that a person can say which kit they are of, m: at 1500
+/// us, where one kit's are open and the other's shut and neither servo is driven against its end;
+/// of a bus servo open.
+double jaws_tried(const RobotModel& robot);
+
+/// us, where the ranges of both kits meet: one goes up from there to close, the other to open.
+inline constexpr double kJawsMiddle = 1500;
+
 /// A servo that hangs farther off its middle is on the wrong tooth of its shaft.
 inline constexpr double kTrimMax = from_deg(15);
 

@@ -111,7 +111,13 @@ class Parser {
   const Word& word(std::size_t place) const { return row_.words()[place]; }
 
   void take_home() {
-    if (row_.takes_words(0, "home, which homes all joints")) add(HomeStep{});
+    if (row_.words().size() == 1) return add(HomeStep{});
+    if (!row_.takes_words(1, "home, or home time=5s")) return;
+    if (searches_zeros(robot_)) {
+      return row_.complain(word(1),
+                           "this robot's home looks for its end stops, as long as it takes");
+    }
+    if (const auto time = motions_.motion_time(word(1))) add(HomeStep{*time});
   }
 
   std::optional<double> waiting_time(const Word& at) {
@@ -332,6 +338,12 @@ std::string called_name(std::string_view file_name) {
 }
 
 }  // namespace
+
+bool searches_zeros(const RobotModel& robot) {
+  const auto* registers = std::get_if<AxisRegistersDevice>(&robot.device.settings);
+  if (registers != nullptr) return registers->reports_status;
+  return std::holds_alternative<AxisLinkDevice>(robot.device.settings);
+}
 
 const MotionOptions* motion_of(const Step& step) {
   if (const auto* joint = std::get_if<JointStep>(&step.what)) return &joint->how;

@@ -27,6 +27,7 @@
 ///   line y=-50mm speed=80mm/s blend=20mm   | the tool goes there along a straight line
 ///   arc via=200mm,0mm,180mm y=50mm         | along the circle through `via`
 ///   spline 200mm,0mm,150mm 210mm,20mm,150mm accel=500mm/s2
+///   joint base=30deg time=2s               | the whole motion takes so long, as any row's may
 ///   home                                   | find the zeros, on machines with end stops
 ///   jaws 20mm | jaws 20mm holds=25mm | gripper 40deg|off
 ///   suction on|release|off | nozzle 45deg time=1s
@@ -35,7 +36,8 @@
 ///   loop 3 ... end | if z<100mm ... else ... end | call NAME
 namespace sinew::program {
 
-/// Shares (0, 1] of the joints' limits in the robot's file, one a joint.
+/// Shares of the joints' limits in the robot's file, one a joint: above 0, and up to its
+/// limit_reach().
 struct JointShares {
   JointVector velocity;
   JointVector acceleration;
@@ -49,6 +51,7 @@ struct MotionOptions {
   double tool_acceleration = std::numeric_limits<double>::infinity();  ///< m/s^2
   double blend_radius = 0;  ///< m; with 0 for both the robot stops at the row's end
   double blend_joints = 0;  ///< rad
+  double time = 0;          ///< s, of the whole motion; 0: as quick as the rest allows
   /// What `velocity` and `acceleration` rows before it say; null: the limits themselves.
   std::shared_ptr<const JointShares> limits{};
 
@@ -97,7 +100,9 @@ struct SplineStep {
   std::shared_ptr<const std::vector<Vec3>> through;  ///< m, in base B; at least one
   MotionOptions how;
 };
-struct HomeStep {};
+struct HomeStep {
+  double time = 0;  ///< s, of machines without end stops; 0: as quick as it can
+};
 
 /// What an `if` or a `wait until` asks: one measured number against one that the row says.
 struct Condition {
@@ -147,6 +152,10 @@ struct Step {
       what;
   int file = 0;  ///< of Program::files
 };
+
+/// Whether `home` looks for end stops: only axis boards have them, and only those that report can
+/// say that they were found. On other machines it is a joint move.
+bool searches_zeros(const RobotModel& robot);
 
 /// How a row moves the robot; nothing where it does not.
 const MotionOptions* motion_of(const Step& step);

@@ -72,14 +72,14 @@ TEST(ProgramFile, every_fault_is_told_at_its_place_with_its_remedy) {
       {"joint bse=10deg", "p.sinew:1:7: 'bse' is no joint of this robot; did you mean base?"},
       {"joint J6=10deg",
        "p.sinew:1:7: 'J6' is no joint of this robot; it has base shoulder elbow "
-       "wrist roll speed accel blend"},
+       "wrist roll speed accel blend time"},
       {"joint base=1deg J1=2deg", "p.sinew:1:17: 'J1' is named twice"},
       {"joint base=1deg speed=150%", "p.sinew:1:17: speed is 1% to 100%"},
       {"joint base=nandeg", "p.sinew:1:7: 'nandeg' is not a finite number"},
       {"wait 2h", "p.sinew:1:6: '2h' ends in 'h', which is none of s, ms, min"},
       {"wait -1s", "p.sinew:1:6: a wait is 0 s to one hour"},
       {"wait", "p.sinew:1:1: something is missing; write wait 0.5s"},
-      {"home base", "p.sinew:1:6: too many words; write home, which homes all joints"},
+      {"home base", "p.sinew:1:6: write how long it takes, as in time=2s"},
       {"loop 0\nend", "p.sinew:1:6: '0': a loop has 1 to 10000 rounds"},
       {"loop 2", "p.sinew:1:1: loop without end: write end behind its last step"},
       {"end", "p.sinew:1:1: end without loop or if"},
@@ -102,13 +102,13 @@ TEST(ProgramFile, every_fault_of_a_tool_row_is_told_too) {
   } kCases[] = {
       {"line",
        "p.sinew:1:1: a target is missing; it has x y z pitch roll rx ry rz to dx dy dz dpitch "
-       "droll drx dry drz frame speed accel blend"},
+       "droll drx dry drz frame speed accel blend time"},
       {"line speed=10%",
        "p.sinew:1:1: a target is missing; it has x y z pitch roll rx ry rz to dx dy dz dpitch "
-       "droll drx dry drz frame speed accel blend"},
+       "droll drx dry drz frame speed accel blend time"},
       {"line X=10mm",
        "p.sinew:1:6: 'X' is nothing that this row takes; it has x y z pitch roll rx ry rz to dx "
-       "dy dz dpitch droll drx dry drz frame speed accel blend"},
+       "dy dz dpitch droll drx dry drz frame speed accel blend time"},
       {"line x=10", "p.sinew:1:6: '10' needs a unit: mm, cm, m, in"},
       {"line x=1mm x=2mm", "p.sinew:1:12: 'x' is named twice"},
       {"line x=200m", "p.sinew:1:6: 'x' is farther away than 100 m"},
@@ -136,10 +136,10 @@ TEST(ProgramFile, every_fault_of_a_tool_row_is_told_too) {
       {"arc via=1mm,2mm,3mm via=1mm,2mm,3mm x=1mm", "p.sinew:1:21: 'via' is named twice"},
       {"line via=1mm,2mm,3mm",
        "p.sinew:1:6: 'via' is nothing that this row takes; it has x y z pitch roll rx ry rz to dx "
-       "dy dz dpitch droll drx dry drz frame speed accel blend"},
+       "dy dz dpitch droll drx dry drz frame speed accel blend time"},
       {"spline", "p.sinew:1:1: a spline has 1 to 256 points, as in 200mm,0mm,150mm"},
       {"spline 1mm,2mm,3mm x=1mm",
-       "p.sinew:1:20: 'x' is nothing that this row takes; it has speed accel blend"},
+       "p.sinew:1:20: 'x' is nothing that this row takes; it has speed accel blend time"},
   };
   for (const auto& c : kCases) {
     EXPECT_EQ(complaints(c.text), std::vector<std::string>{c.complaint}) << c.text;
@@ -189,7 +189,7 @@ TEST(ProgramFile, arms_with_five_joints_take_pitch_and_roll) {
   EXPECT_FALSE(parse("line pitch=90deg", "p", test::robot("puma560")));
   EXPECT_EQ(complaints("line rx=1deg", "maxarm"),
             std::vector<std::string>{"p.sinew:1:6: 'rx' is nothing that this row takes; it has x y "
-                                     "z to dx dy dz frame speed accel blend"});
+                                     "z to dx dy dz frame speed accel blend time"});
 }
 
 TEST(ProgramFile, all_faults_come_at_once_and_never_too_many) {

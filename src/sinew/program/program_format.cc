@@ -14,10 +14,10 @@ namespace {
 constexpr std::size_t kAlignMax = 60;
 
 /// In the order in which rows show them; joints, and whatever is unknown, stand before speed.
-constexpr std::array<std::string_view, 20> kBefore{
-    "via", "to", "x",  "y",      "z",     "pitch", "roll", "rx",  "ry",    "rz",
-    "dx",  "dy", "dz", "dpitch", "droll", "drx",   "dry",  "drz", "frame", "time"};
-constexpr std::array<std::string_view, 3> kBehind{"speed", "accel", "blend"};
+constexpr std::array<std::string_view, 19> kBefore{
+    "via", "to", "x",  "y",      "z",     "pitch", "roll", "rx",  "ry",   "rz",
+    "dx",  "dy", "dz", "dpitch", "droll", "drx",   "dry",  "drz", "frame"};
+constexpr std::array<std::string_view, 4> kBehind{"speed", "accel", "blend", "time"};
 
 /// Where a word stands among its row's others.
 std::size_t rank_of(std::string_view row, std::string_view word) {

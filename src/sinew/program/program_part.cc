@@ -74,6 +74,10 @@ Program slowed(const Program& program, double share) {
   for (Step& step : out.steps) {
     MotionOptions* how = options_of(step);
     if (how == nullptr) continue;
+    if (how->time > 0) {
+      how->time /= share;
+      continue;
+    }
     how->joint_share = std::max(kJointShareMin, how->joint_share * share);
     if (std::isfinite(how->tool_speed)) {
       how->tool_speed = std::max(kToolMin, how->tool_speed * share);

@@ -445,8 +445,8 @@ std::expected<void, Refusal> Run::send(const RowMotion& motion, int line,
                                        const std::vector<LinkPair>& overlaps) {
   const bool streams = robot_.device.capability.motion == MotionKind::kStream;
   if (changeable_ && streams && planner_ && !back_) {
-    auto path = std::make_unique<control::PathMotion>(robot_);
-    if (const auto error = path->start(planner_->motion().path, feed_)) {
+    auto path = std::make_unique<control::PathMotion>(planner_->robot());
+    if (const auto error = path->start(planner_->motion().path, feed_, motion.time)) {
       return std::unexpected(Refusal{line, *error, std::nullopt, current_->order->file});
     }
     current_->duration += path->duration() - planner_->motion().law.duration();

@@ -9,6 +9,7 @@
 #include "sinew/driver/axis_register_times.h"
 #include "sinew/driver/maxarm_pulses.h"
 #include "sinew/planning/chords.h"
+#include "sinew/planning/motion_limits.h"
 #include "sinew/program/tool_goal.h"
 #include "sinew/program/whole_moves.h"
 
@@ -148,6 +149,13 @@ Durations durations(const RobotModel& robot) {
   return {kMaxArmTimeMin * 1e-3, kMaxArmTimeMax * 1e-3};
 }
 
+/// A motion that cannot take `asked` s but `limit`: told with three digits that work.
+Error time_error(double asked, double limit) {
+  const double unit = std::pow(10, std::floor(std::log10(limit)) - 2);
+  const double told = asked < limit ? std::ceil(limit / unit) : std::floor(limit / unit);
+  return {ErrorCode::kSegmentTime, -1, asked, told * unit};
+}
+
 /// When a law comes to s.
 double time_at(const planning::TimeLaw& law, double s) {
   double before = 0, after = law.duration();
@@ -173,10 +181,13 @@ RobotModel with_limits(RobotModel robot, const JointShares& shares) {
 }  // namespace
 
 Unheard unheard(const MotionOptions& how, const RobotModel& robot) {
-  const bool paced = how.joint_share != 1 || std::isfinite(how.tool_speed) || how.limits;
+  const bool paced =
+      how.joint_share != 1 || std::isfinite(how.tool_speed) || how.limits || how.time > 0;
   return {.speed = paced && !robot.device.capability.takes_speed,
           .acceleration = std::isfinite(how.tool_acceleration) && !takes_acceleration(robot),
-          .blend = how.blends() && !blends(robot)};
+          .blend = how.blends() && !blends(robot),
+          .beyond = how.limits && (std::ranges::max(how.limits->velocity) > 1 ||
+                                   std::ranges::max(how.limits->acceleration) > 1)};
 }
 
 RowPlanner::RowPlanner(const RobotModel& robot)
@@ -201,6 +212,10 @@ const planning::PlannedMotion& RowPlanner::motion() const {
   return limited_now_ ? limited_->planner.motion_ : motion_;
 }
 
+const RobotModel& RowPlanner::robot() const {
+  return limited_now_ ? limited_->robot : robot_;
+}
+
 void RowPlanner::show_to(WayLook look) {
   look_ = std::move(look);
   limited_.reset();
@@ -222,9 +237,10 @@ std::expected<RowMotion, Refusal> RowPlanner::plan(const JointVector& q_start,
                                                    std::span<const Step> rows) {
   SINEW_ASSERT(!rows.empty());
   const auto& limits = motion_of(rows[0])->limits;
-  // Rows of other limits do not blend with these.
+  // Rows of other limits do not blend with these, nor does one that has a time of its own.
   const auto others = std::ranges::find_if_not(rows, [&](const Step& row) {
     const auto& own = motion_of(row)->limits;
+    if (&row != rows.data() && motion_of(row)->time > 0) return false;
     return own == limits || (own && limits && *own == *limits);
   });
   const auto alike = rows.first(static_cast<std::size_t>(others - rows.begin()));
@@ -257,6 +273,11 @@ std::expected<RowMotion, Refusal> RowPlanner::plan_rows(const JointVector& q_sta
   }
   tell_stop(rows, out);
   if (motion_.empty()) return out;
+  const MotionOptions& how = *motion_of(rows[0]);
+  out.time = unheard(how, robot_).speed ? 0 : how.time;
+  if (out.time > 0) {
+    if (const auto error = take_time(out)) return std::unexpected(Refusal{rows[0].line, *error});
+  }
   const std::span<const double> from(q_start.data(), q_start.size());
   if (const auto error = wire_.refusal({out.q_end.data(), out.q_end.size()}, from)) {
     const double end = motion_.path.joints.length();
@@ -269,6 +290,35 @@ std::expected<RowMotion, Refusal> RowPlanner::plan_rows(const JointVector& q_sta
   }
   if (const auto error = shown(q_start, out)) return std::unexpected(Refusal{rows[0].line, *error});
   return out;
+}
+
+/// Led along a way it is as slow as that: by a law that can be paused, as a running cell's is.
+std::optional<Error> RowPlanner::take_time(const RowMotion& out) {
+  if (!blends(robot_)) return std::nullopt;
+  if (!follower_) follower_ = std::make_unique<planning::PathFollower>();
+  const auto error = follower_->start(motion_.path, planning::motion_limits(robot_), 1,
+                                      planning::shared_velocity(robot_), out.time);
+  if (error && error->code == ErrorCode::kSegmentTime) return time_error(out.time, error->limit);
+  if (error) return error;
+  motion_.law = follower_->law();
+  motion_.limits = follower_->limit_times();
+  return std::nullopt;
+}
+
+/// From stop to stop each move is slowed alike; the last one's report comes behind that time.
+std::optional<Error> RowPlanner::slow_down(RowMotion& out) const {
+  double own = 0;
+  for (const JointMove& piece : out.pieces) own += to_seconds(piece.duration);
+  const double stops = static_cast<double>(out.pieces.size() - 1) * to_seconds(delay_.report);
+  constexpr double kRounding = 1e-6;  // s
+  if (out.time < own + stops - kRounding) return time_error(out.time, own + stops);
+  const double slower = std::max(1.0, (out.time - stops) / own);
+  for (JointMove& piece : out.pieces) {
+    piece.duration = from_seconds(slower * to_seconds(piece.duration));
+  }
+  out.arrival += (slower - 1) * own;
+  out.duration += (slower - 1) * own;
+  return std::nullopt;
 }
 
 std::optional<Error> RowPlanner::shown(const JointVector& q_start, const RowMotion& motion) const {
@@ -566,6 +616,9 @@ std::expected<void, Refusal> RowPlanner::cut_into_moves(std::span<const Step> ro
     *places = std::move(halved);
   }
   if (contact) return std::unexpected(std::move(*contact));
+  if (out.time > 0) {
+    if (const auto error = slow_down(out)) return std::unexpected(Refusal{rows[0].line, *error});
+  }
   const double longest = durations(robot_).longest;
   for (std::size_t k = 0; k < out.pieces.size(); ++k) {
     const double duration = to_seconds(out.pieces[k].duration);

@@ -11,6 +11,7 @@
 #include "sinew/driver/wire_target.h"
 #include "sinew/planning/cell_way.h"
 #include "sinew/planning/motion_planner.h"
+#include "sinew/planning/path_follower.h"
 #include "sinew/program/program_file.h"
 
 namespace sinew::program {
@@ -39,9 +40,10 @@ struct Refusal {
 
 /// What a row asks for and its device cannot be told, so that it does not count.
 struct Unheard {
-  bool speed = false;         ///< speed=, of joints or tool: it has one pace of its own
+  bool speed = false;         ///< speed=, of joints or tool, and time=: it has one pace of its own
   bool acceleration = false;  ///< accel=
   bool blend = false;         ///< blend=: it stops at each corner anyway
+  bool beyond = false;        ///< more than the limits: heard, and not proven on such a device
 };
 Unheard unheard(const MotionOptions& how, const RobotModel& robot);
 
@@ -58,6 +60,7 @@ struct RowMotion {
   std::size_t rows = 0;                             ///< that it took
   CornerStopReason stop = CornerStopReason::kNone;  ///< at its end
   double stop_saves = 0;                            ///< s, of kCostsTime
+  double time = 0;                                  ///< s that was asked for, and it takes
   JointVector q_end;
   /// One after another: timed segments of a streaming device, whole moves from rest to rest of
   /// another one. Empty where the robot stands there already.
@@ -102,7 +105,8 @@ class RowPlanner {
   /// @param tool  what the gripper is like meanwhile
   /// @param rows  all of them motions
   /// @error  those of MotionPlanner, those of WireTarget with where the way is then, and
-  ///         kSegmentTime: it would take longer than a wire can say, or a plan can hold
+  ///         kSegmentTime: it would take longer than a wire can say, or a plan can hold, or cannot
+  ///         take as long as its row says (limit: what it can)
   std::expected<RowMotion, Refusal> plan(const JointVector& q_start, const ToolState& tool,
                                          std::span<const Step> rows);
 
@@ -111,8 +115,9 @@ class RowPlanner {
     return planner_.check_jaws({q.data(), q.size()}, from, to);
   }
 
-  /// What the last plan() made.
+  /// What the last plan() made, and for which robot: with the limits that its rows ask for.
   const planning::PlannedMotion& motion() const;
+  const RobotModel& robot() const;
   const planning::ToolSpace& space() const { return planner_.space(); }
 
  private:
@@ -131,6 +136,8 @@ class RowPlanner {
                                           std::span<const Step> rows);
   bool come_nearer(const WayRefusal& why);
   bool choose_attitude(std::span<const Step> rows, const Refusal& refusal);
+  std::optional<Error> take_time(const RowMotion& out);
+  std::optional<Error> slow_down(RowMotion& out) const;
   std::optional<Error> shown(const JointVector& q_start, const RowMotion& motion) const;
   void tell_stop(std::span<const Step> rows, RowMotion& out);
   std::expected<void, Refusal> cut_into_segments(std::span<const Step> rows,
@@ -165,7 +172,8 @@ class RowPlanner {
     int tries = 0;
     std::optional<kinematics::PoseBT> X_BT;
   };
-  std::vector<Attitude> attitudes_;  ///< one per row of the plan at hand
+  std::vector<Attitude> attitudes_;                   ///< one per row of the plan at hand
+  std::unique_ptr<planning::PathFollower> follower_;  ///< of motions with a time of their own
   WayLook look_;
   std::unique_ptr<Limited> limited_;
   bool limited_now_ = false;  ///< the last plan() was made with it

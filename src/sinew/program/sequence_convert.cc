@@ -9,6 +9,7 @@
 #include "sinew/core/number_text.h"
 #include "sinew/core/units.h"
 #include "sinew/model/joint_lookup.h"
+#include "sinew/model/limit_reach.h"
 #include "sinew/program/row_planner.h"
 #include "sinew/wire/bigrobotarm_byte.h"
 
@@ -134,17 +135,18 @@ class RowWriter {
       const double asked =
           multipliers.words[i] * (motor.steps_per_motor_rev / 100) / std::abs(motor.steps_per_rad);
       const double most = robot_.joints[i].*limit;
+      const LimitReach own = limit_reach(robot_, i);
+      const double reach = row == "velocity" ? own.velocity : own.acceleration;
       constexpr double kLeast = 0.01;
       // Limits in files are rounded to four digits.
       if (asked > 1.001 * most) {
         const std::string unit = row == "velocity" ? " deg/s" : " deg/s2";
         note(line, command + " " + std::to_string(multipliers.words[i]) + " is " +
                        number_text(to_deg(asked), 1) + unit + " of " + robot_.joints[i].name +
-                       "; limited to " + number_text(to_deg(most), 1) + unit + " (" + row +
-                       (row == "velocity" ? "_deg_s_max" : "_deg_s2_max") +
-                       " of the robot's file)");
+                       ", more than the " + number_text(to_deg(most), 1) +
+                       " of the robot's file: no board has shown it");
       }
-      const double share = std::clamp(asked / most, kLeast, 1.0);
+      const double share = std::clamp(asked / most, kLeast, reach);
       words += " " + robot_.joints[i].name + "=" + number_text(100 * share, 2) + "%";
     }
     if (!words.empty()) add(line, row + words);
@@ -209,8 +211,9 @@ class SequenceWriter {
     const MotionOptions plain;
     const bool asks = joint.how.joint_share != plain.joint_share ||
                       joint.how.tool_speed != plain.tool_speed ||
-                      joint.how.tool_acceleration != plain.tool_acceleration || joint.how.blends();
-    if (asks) return complain(step, "G0 has no speed=, accel= or blend=");
+                      joint.how.tool_acceleration != plain.tool_acceleration ||
+                      joint.how.time > 0 || joint.how.blends();
+    if (asks) return complain(step, "G0 has no speed=, accel=, blend= or time=");
     if (open_ && joint.relative != 0) {
       return complain(step, "a difference goes elsewhere in each round; G0 says places");
     }

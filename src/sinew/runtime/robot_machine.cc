@@ -66,6 +66,7 @@ class MachineMaker {
     sim::StepperArm::Settings settings;
     settings.wire = wire;
     settings.select = options_.soft_select ? sim::SelectKind::kSoft : sim::SelectKind::kHard;
+    settings.ready_high = options_.ready_high;
     settings.seed = options_.seed;
     settings.boards = options_.boards;
     return {nullptr, std::make_unique<sim::StepperArm>(robot_, settings, boot_)};

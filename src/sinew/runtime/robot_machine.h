@@ -16,6 +16,7 @@ struct MachineOptions {
   std::uint64_t seed = 1;
   std::size_t boards = kMaxJoints;  ///< SPI: how many of the axis boards are there
   bool soft_select = false;         ///< SPI: boards listen whether selected or not
+  bool ready_high = false;          ///< SPI: READY never falls, as on the boards of the log
 };
 
 /// A simulated device whose motors know nothing of a position begins at the robot's home, as if

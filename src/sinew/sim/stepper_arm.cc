@@ -210,6 +210,7 @@ StepperArm::StepperArm(const RobotModel& model, const Settings& settings, Instan
                                                   : std::numeric_limits<std::uint32_t>::max()),
       next_tick_(boot + kTick) {
   SINEW_ASSERT(model.dynamics.drives.size() == model.joints.size());
+  ready_high_ = settings.ready_high;
   SplitMix64 random(settings.seed);
   const auto bus_of = [&](std::size_t joint) -> std::uint8_t {
     const auto registers = device_settings<AxisRegistersDevice>(model).boards;
@@ -353,7 +354,7 @@ bool StepperArm::restore(const LastingState& state) {
 
 bool StepperArm::ready_pin(std::size_t axis) const {
   SINEW_ASSERT(axis < boards_.size());
-  return boards_[axis]->ready_pin();
+  return ready_high_ || boards_[axis]->ready_pin();
 }
 
 const AxisPlant& StepperArm::plant(std::size_t joint) const {

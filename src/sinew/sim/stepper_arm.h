@@ -47,6 +47,7 @@ class StepperArm : public SpiMachine {
     /// Start pose, rad; random within the limits where it is empty.
     JointVector start;
     std::size_t boards = kMaxJoints;  ///< plugged in, from the first axis on; the rest are silent
+    bool ready_high = false;          ///< READY never falls, whatever a board would have it do
   };
 
   /// @param model  a serial arm with a drive per joint. Where its device does not belong to the
@@ -93,6 +94,7 @@ class StepperArm : public SpiMachine {
   Instant next_tick_;
   JointVector loaded_at_;  ///< configuration of the last load update
   bool load_changed_ = true;
+  bool ready_high_ = false;
 };
 
 }  // namespace sinew::sim
