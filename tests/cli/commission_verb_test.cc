@@ -66,7 +66,7 @@ TEST_F(CommissionVerb, a_servo_with_another_number_a_trim_and_a_wrong_sense_are_
   EXPECT_EQ(answer["settings"]["joint.shoulder.turn"], "other");
   EXPECT_EQ(answer["settings"]["joint.wrist.servo_id"], "9");
   EXPECT_EQ(answer["settings"]["joint.base.trim_rad"], "0.034906585");
-  EXPECT_EQ(answer["settings"]["gripper.turn"], "other") << "the kit whose jaws are shut there";
+  EXPECT_EQ(answer["settings"]["jaws_turn"], "other") << "the kit whose jaws are shut there";
   EXPECT_EQ(answer["settings"].size(), 4U);
 }
 

@@ -108,6 +108,10 @@ async function commission(page, robot) {
     assert.ok(Math.max(...went) < 0.04, 'no other joint');
     await press(page, word);
   }
+  await asked(robot, 'jaws', 'go');
+  await press(page, 'Go');
+  await asked(robot, 'jaws_seen');
+  await press(page, 'They are open');
   await asked(robot, 'trim.base');
   const field = page.locator('.answer-field input');
   await field.fill('20');

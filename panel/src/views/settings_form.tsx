@@ -237,7 +237,15 @@ function JointFields({ told, draft, wrong, put }: Fields): JSX.Element | null {
       {extra.map((one) => (
         <label key={one} class="text-field">
           <span class="field-label">{tWord('set.column', one)}</span>
-          <TextSetting name={one} {...{ told, draft, wrong, put }} />
+          {one.endsWith('turn') ? (
+            <input
+              type="checkbox"
+              checked={draft[one] === 'other'}
+              onChange={(event) => put(withSetting(draft, one, event.currentTarget.checked ? 'other' : null))}
+            />
+          ) : (
+            <TextSetting name={one} {...{ told, draft, wrong, put }} />
+          )}
         </label>
       ))}
     </>

@@ -132,5 +132,5 @@ function settingTitle(key: string): string {
 }
 function settingText(key: string, value: string): string {
   if (key.endsWith('.trim_rad')) return `${decimals((Number(value) * 180) / Math.PI, 2)}°`;
-  return key.endsWith('.turn') && value === 'other' ? t('setup.setting.other') : value;
+  return key.endsWith('turn') && value === 'other' ? t('setup.setting.other') : value;
 }

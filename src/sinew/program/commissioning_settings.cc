@@ -154,7 +154,7 @@ FoundSettings found_settings(const Procedure& procedure) {
   }
   if (const auto* jaws = procedure.result("jaws_seen")) {
     const bool open = jaws_tried(robot) > 0;
-    if (jaws->answer == (open ? "shut" : "open")) found["gripper.turn"] = "other";
+    if (jaws->answer == (open ? "shut" : "open")) found["jaws_turn"] = "other";
   }
   for (const Joint& joint : robot.joints) {
     if (const auto* id = done(procedure, "id." + joint.name)) {
@@ -180,7 +180,7 @@ std::expected<void, std::string> use_settings(RobotModel& robot, const FoundSett
         const auto joint = joint_named(robot, name.substr(kJoint.size(), dot - kJoint.size()));
         const std::string what = name.substr(dot + 1);
         used = joint && std::visit(Setter{what, value, *joint}, changed.device.settings);
-      } else if (name == "gripper.turn") {
+      } else if (name == "jaws_turn") {
         used = value == "other" && use_jaws(changed);
       } else {
         used = use_platform_setting(changed, name, value);

@@ -553,20 +553,20 @@ TEST(Commissioning, settings_that_were_found_change_the_device_and_nothing_else_
   RobotModel kit = test::robot("learm");
   auto& jaws = std::get<LscDevice>(kit.device.settings).gripper;
   EXPECT_EQ(jaws_tried(kit), std::get<SerialGeometry>(kit.geometry).gripper->width_max);
-  ASSERT_TRUE(use_settings(kit, {{"gripper.turn", "other"}}));
+  ASSERT_TRUE(use_settings(kit, {{"jaws_turn", "other"}}));
   EXPECT_EQ(jaws.open, 500);
   EXPECT_EQ(jaws.closed, 1500);
   EXPECT_EQ(jaws_tried(kit), 0);
-  ASSERT_TRUE(use_settings(kit, {{"gripper.turn", "other"}}));
+  ASSERT_TRUE(use_settings(kit, {{"jaws_turn", "other"}}));
   EXPECT_EQ(jaws.open, 1500);
   EXPECT_EQ(jaws.closed, 2500);
   std::get<LscDevice>(kit.device.settings).profile = LscProfile::kBus;
   jaws.open = 200, jaws.closed = 700;
-  ASSERT_TRUE(use_settings(kit, {{"gripper.turn", "other"}}));
+  ASSERT_TRUE(use_settings(kit, {{"jaws_turn", "other"}}));
   EXPECT_EQ(jaws.open, 700);
   EXPECT_EQ(jaws.closed, 200);
   const std::vector<std::pair<std::string, std::string>> wrong{{"joint.leg7.turn", "other"},
-                                                               {"gripper.turn", "other"},
+                                                               {"jaws_turn", "other"},
                                                                {"joint.leg1.turn", "yes"},
                                                                {"units_per_down", "3"},
                                                                {"way_factor", "0"},

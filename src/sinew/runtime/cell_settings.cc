@@ -71,7 +71,7 @@ std::string device_sentence(const std::string& name, const std::string& value,
                        -to_deg(program::kTrimMax), to_deg(program::kTrimMax));
   }
   if (name.ends_with(".servo_id")) return "a servo's number is 1 to 253";
-  if (name.ends_with(".turn")) return "the sense of rotation is 'other', or not set";
+  if (name.ends_with("turn")) return "the sense of rotation is 'other', or not set";
   return "'" + printable(value) + "' is no setting of " + model.id;
 }
 
@@ -177,6 +177,7 @@ std::vector<std::string> CellSettings::settable(std::size_t robot) const {
     try_out(head + "trim_rad", "0");
     try_out(head + "servo_id", "253");
   }
+  try_out("jaws_turn", "other");
   try_out("units_per_down", "1");
   try_out("way_factor", "1");
   return names;
