@@ -248,7 +248,6 @@ INSTANTIATE_TEST_SUITE_P(Robots, Outside,
                          testing::Values(Case{"bigrobotarm", "document", true, 1s},
                                          Case{"maxarm", "arduino", false, 20s},
                                          Case{"maxarm", "micropython", false, 20s},
-                                         Case{"learm", "bus", false, 1s},
                                          Case{"hexapod", std::nullopt, true, 1s},
                                          Case{"robot-arm-2", std::nullopt, false, 1s}),
                          [](const auto& one) {
