@@ -164,8 +164,8 @@ TEST(CellSpaceApi, a_lost_robot_has_its_whole_reach_until_somebody_says_where_it
 }
 
 TEST(CellSpaceApi, an_object_is_kept_out_of_and_a_table_is_stood_on) {
-  CellObject post{.name = "post", .X_WX = {}, .half = {0.03, 0.03, 0.1}};
-  post.X_WX.p = {0.25, 0, 0.1};
+  CellObject post{.name = "post", .X_WX = {}, .half = {0.03, 0.03, 0.12}};
+  post.X_WX.p = {0.25, 0, 0.12};
   CellObject table{.name = "table", .X_WX = {}, .half = {0.6, 0.6, 0.01}};
   table.X_WX.p.z = -0.01;
   ApiCell cell({facing("left", 0, 0)}, 20, {}, {post, table});
