@@ -12,6 +12,7 @@ import { kViewIds, type ViewId } from './view_ids';
 import { age } from './logic/units';
 import { kViews } from './views';
 import { Icon } from './views/parts';
+import { PressedNote } from './views/pressed_note';
 import { RobotRail } from './views/robot_rail';
 import { Stage } from './views/stage';
 import { TopBar } from './views/top_bar';
@@ -31,6 +32,7 @@ function Page(): JSX.Element {
         <Pane />
       </main>
       <Tour />
+      <PressedNote />
       {cut && <Veil />}
       <div class="sr-only" aria-live="polite">
         {murmured.value}

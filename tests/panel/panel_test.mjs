@@ -109,3 +109,37 @@ test('speaks German, keeps its language, and says its states to a screen reader'
   assert.ok(!(await page.url()).includes('token'));
   await close(page, 'german');
 });
+
+test('an action that fails says so beside the button that was pressed, at every size', async () => {
+  const page = await here.open({ viewport: { width: 1440, height: 900 } }, '#/robots/left/move');
+  const button = page.locator('.card.chosen .card-actions button').first();
+  await button.waitFor();
+  await page.evaluate(() => (globalThis.__sinew.rpc.call = () => Promise.reject(new Error('not today'))));
+  const card = page.locator('#pressed-note');
+  const beside = () =>
+    page.evaluate(() => {
+      const a = document.querySelector('[aria-describedby=pressed-note]').getBoundingClientRect();
+      const b = document.querySelector('#pressed-note').getBoundingClientRect();
+      const apart = Math.max(b.top - a.bottom, a.top - b.bottom);
+      const inside = b.left >= 0 && b.top >= 0 && b.right <= innerWidth && b.bottom <= innerHeight;
+      const near = b.left <= a.right && b.right >= a.left;
+      return { apart, inside, near, role: document.querySelector('#pressed-note').getAttribute('role') };
+    });
+  for (const [width, height] of [[1440, 900], [1024, 700], [390, 844]]) {
+    await page.setViewportSize({ width, height });
+    await button.scrollIntoViewIfNeeded();
+    await button.click();
+    await card.filter({ hasText: 'not today' }).waitFor();
+    const { apart, ...found } = await beside();
+    assert.deepEqual(found, { inside: true, near: true, role: 'alert' }, `${width} x ${height}`);
+    assert.ok(apart >= 0 && apart < 12, `${apart} px away`);
+    const shots = process.env.PANEL_SHOTS;
+    if (shots) await page.screenshot({ path: `${shots}/pressed_${width}.png` });
+  }
+  // What is pressed next ends it; the list of all has it then.
+  await page.evaluate(() => delete globalThis.__sinew.rpc.call);
+  await page.locator('.card-face').first().click();
+  await card.waitFor({ state: 'detached' });
+  assert.equal(await page.locator('.notes .note', { hasText: 'not today' }).count(), 3);
+  await close(page, 'pressed');
+});

@@ -1,7 +1,7 @@
 import type { JSX } from 'preact';
 import { useSignalEffect } from '@preact/signals';
 import { useEffect, useRef, useState } from 'preact/hooks';
-import { refusalSentence, t } from '../i18n';
+import { t } from '../i18n';
 import { aim, ghost, gizmoMode, go, model, robot, route, standing, status, store, target, theme } from '../app';
 import { newestFirst } from '../logic/paging';
 import { withTool } from '../logic/target';
@@ -10,6 +10,8 @@ import { hoveredJoint, layers, look, meantJoint } from '../scene_state';
 import { replayGhost } from '../plots_state';
 import { ghost as programGhost } from '../teach';
 import { Older } from './older';
+import { NoteCard } from './note';
+import { pressedNote } from './pressed_note';
 import { WireDock } from './wire_dock';
 import { Icon, Toggle } from './parts';
 import { PlotDock } from './plot_dock';
@@ -171,7 +173,8 @@ const kNotesPage = 20;
 /** Refusals and the like, until somebody has read them: the newest, and the others where they are asked for. */
 function Notes(): JSX.Element {
   const [count, setCount] = useState(kNotesShown);
-  const all = store.notes.value;
+  const beside = pressedNote();
+  const all = store.notes.value.filter((one) => one !== beside);
   const { shown, more } = newestFirst(all, count);
   useEffect(() => {
     if (all.length <= kNotesShown) setCount(kNotesShown);
@@ -194,17 +197,7 @@ function Notes(): JSX.Element {
       )}
       <div class="notes-list" aria-live="polite">
         {shown.reverse().map((note) => (
-          <div class={`note note-${note.kind}`} key={note.id}>
-            <p>
-              {note.robot && <strong>{note.robot}: </strong>}
-              {note.kind === 'lost' && (note.text === 'closed' || note.text === 'timeout')
-                ? t(`note.lost.${note.text}`)
-                : refusalSentence({ message: note.text, data: note.data })}
-            </p>
-            <button type="button" class="quiet" aria-label={t('note.dismiss')} onClick={() => store.dismiss(note.id)}>
-              <Icon name="close" size={14} />
-            </button>
-          </div>
+          <NoteCard note={note} key={note.id} />
         ))}
       </div>
     </div>
