@@ -99,8 +99,8 @@ void Controller::enabled() {
   driver_spoke_ = true;
   outstanding_ = 0;
   stand_where_driver_says(Setpoint::kKept);
-  // Who has lost its joints has lost its jaws, unless they are measured.
-  if (!reference_known_ || !tool_.jaws) fit({driver_.health().jaws_width, {}});
+  // Who has lost its joints has lost its jaws.
+  if (!reference_known_) fit({});
   change(Signal::kEnabled);
   end_enabling(ControlEvent::Kind::kDone);
 }
