@@ -12,7 +12,7 @@ const pressed = signal<{ control: HTMLElement; at: number; lastNote: number } | 
 
 /** The one that is shown beside what was pressed; the list of all leaves it out meanwhile. */
 export function pressedNote() {
-  return pressed.value && answerTo(store.notes.value, pressed.value);
+  return pressed.value?.control.isConnected ? answerTo(store.notes.value, pressed.value) : null;
 }
 
 function press(event: Event): void {
@@ -45,7 +45,15 @@ export function PressedNote(): JSX.Element | null {
   }, []);
   const note = pressedNote();
   const control = pressed.value?.control;
-  const shown = note !== null && control !== undefined && control.isConnected;
+  const shown = note !== null && control !== undefined;
+  useEffect(() => {
+    if (!shown) return;
+    // A view that closes takes its buttons along; then the list has what they were refused with.
+    const look = setInterval(() => {
+      if (!control.isConnected) pressed.value = null;
+    }, 200);
+    return () => clearInterval(look);
+  }, [shown, control]);
   useLayoutEffect(() => {
     if (!shown || !card.current) return;
     control.setAttribute('aria-describedby', kId);
