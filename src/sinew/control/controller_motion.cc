@@ -129,9 +129,15 @@ bool Controller::recorded(const JointMove& piece, Instant now) {
 void Controller::piece_refused(const Error& error, Instant now) {
   if (task_ && task_->kind == TaskKind::kJog) jog_refused_ = error;
   end_task(ControlEvent::Kind::kFailed, error);
-  stop(StopCause::kRefused, error, now);
-  // It stands elsewhere than was planned: the next plan begins there.
-  if (standing(now)) stand_where_driver_says(Setpoint::kForgotten);
+  const bool at_rest = standing(now);
+  // Some devices latch a stop: at rest there is nothing to stop.
+  if (at_rest && state_ != MachineState::kStopping) {
+    change(Signal::kArrived);
+  } else {
+    stop(StopCause::kRefused, error, now);
+  }
+  // It is elsewhere than was planned: the next plan begins there.
+  if (at_rest) stand_where_driver_says(Setpoint::kForgotten);
 }
 
 void Controller::offer(const std::optional<JournalRecord>& record) {
