@@ -6,7 +6,7 @@
 #   SINEW_SEQUENCES  of plan, jog, override, pause and stop, on all robots together (1000000)
 #   SINEW_KILLS   -9 of real processes, of each of two robots (1000)
 #   SINEW_OUTAGES of hosts and machines that are killed, cut off, suspended or run full, of each of
-#                 three robots (3334)
+#                 seven robots and wires (1430)
 #   SINEW_POWER_LOSSES  of the position journal (100000)
 #   SINEW_SEEDS   of the whole system in virtual time (100000)
 #   SINEW_TRACE_SEEDS  compared between g++ and clang (200)
@@ -20,7 +20,7 @@ faults=${SINEW_FAULTS:-1000000}
 sequences=${SINEW_SEQUENCES:-1000000}
 losses=${SINEW_POWER_LOSSES:-100000}
 kills=${SINEW_KILLS:-1000}
-outages=${SINEW_OUTAGES:-3334}
+outages=${SINEW_OUTAGES:-1430}
 system_seeds=${SINEW_SEEDS:-100000}
 trace_seeds=${SINEW_TRACE_SEEDS:-200}
 parts=${PARTS:-format tidy asan tsan fuzz seeds faults motion losses kills outages system trace latency flood browser}

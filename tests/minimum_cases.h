@@ -26,7 +26,7 @@ struct MinimumCases {
 
 inline constexpr std::array kMinimumTests = std::to_array<MinimumTests>({
     {"cli_test", 212},         {"config_test", 91},   {"control_test", 118},
-    {"core_test", 23},         {"crash_test", 7},     {"device_test", 230},
+    {"core_test", 23},         {"crash_test", 11},     {"device_test", 230},
     {"documents_test", 30},    {"driver_test", 342},  {"faults_test", 46},
     {"house_test", 38},        {"io_test", 71},       {"kinematics_test", 155},
     {"motion_test", 110},      {"outside_test", 6},   {"planning_test", 395},

@@ -21,6 +21,7 @@
 #include "sinew/cli/run_outputs.h"
 #include "sinew/cli/run_record.h"
 #include "sinew/cli/table.h"
+#include "sinew/control/stop_rules.h"
 #include "sinew/io/interrupt.h"
 #include "sinew/model/joint_lookup.h"
 #include "sinew/program/program_part.h"
@@ -167,6 +168,12 @@ std::expected<Prepared, Outcome> prepare(const RunRequest& request) {
   return prepared;
 }
 
+/// Behind "stopped", where it was not asked for.
+std::string reason_text(const std::optional<control::StopCause>& cause) {
+  const std::string_view sentence = cause ? control::stop_rule(*cause).sentence : "";
+  return sentence.empty() ? std::string() : fmt::format(": {}", sentence);
+}
+
 /// Why a run did not come to its end, as a sentence; empty where it did.
 /// @param trouble    of the port, where it was lost
 /// @param suspicion  of boards that are none, or others than was said
@@ -176,7 +183,9 @@ std::string why_not_done(const RunRequest& request, const ProgramReport& report,
   if (left_at_once) return "left at once; what was under way goes on, unseen";
   const std::string goes_on = goes_on_text(report);
   if (!trouble.empty()) return trouble + goes_on;
-  if (run.phase() == program::Run::Phase::kStopped) return "stopped" + goes_on;
+  if (run.phase() == program::Run::Phase::kStopped) {
+    return "stopped" + reason_text(run.stopped_by()) + goes_on;
+  }
   if (!run.failure()) return {};
   std::string reason = error_text(run.failure()->error, model);
   const std::string suspicion = station.suspicion();

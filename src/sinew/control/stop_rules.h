@@ -42,7 +42,8 @@ struct StopRule {
   StopCategory category;  ///< kNone: that of the error's own row in the table of errors
   StopManner manner;
   StopAfter after;
-  std::string_view name;  ///< stable, for machines
+  std::string_view name;      ///< stable, for machines
+  std::string_view sentence;  ///< for people; empty where they said it themselves
 };
 
 /// The one table. docs/control.md shows it, and a test holds the two against each other. @rt
