@@ -177,20 +177,39 @@ TEST(CellProcedures, ctrl_c_ends_a_procedure_and_what_it_moves) {
 
 TEST(CellProcedures, a_killed_client_leaves_its_step_to_the_next_process) {
   ProcedureCell cell(kArm);
+  std::string first;
+  const auto procedure = [&] {
+    const Json robot = cell.answer({"status", "arm", "--json"})["robots"][0];
+    return robot.value("procedure", Json::object());
+  };
   {
     Process homing(
         cell.on({"home", "arm", "--answers", cell.script("* = yes\nagain = go\nhome = go\n")}));
     homing.wait_for_err("> go");
+    bool found = false;
+    for (int k = 0; k < 500 && !found; ++k) {
+      homing.let_run(10ms);
+      const std::string joint = procedure().value("joint", "");
+      if (first.empty()) first = joint;
+      found = !joint.empty() && joint != first;
+    }
+    EXPECT_TRUE(found) << first;
     homing.signal(SIGKILL);
     homing.end();
   }
   Json left;
   for (int k = 0; k < 200 && !left.contains("client_lost"); ++k) {
     cell.process().let_run(50ms);
-    left = cell.answer({"status", "arm", "--json"})["robots"][0].value("procedure", Json::object());
+    left = procedure();
   }
   ASSERT_TRUE(left.contains("client_lost")) << left.dump();
-  const Json ended = cell.answer({"home", "arm", "--json"});
+  Process resumed(cell.on({"home", "arm", "--json"}));
+  // What was found before is not searched for again.
+  for (Json now = left; now["step"]["id"] == "search"; now = procedure()) {
+    EXPECT_NE(now.value("joint", ""), first) << now.dump();
+    resumed.let_run(10ms);
+  }
+  const Json ended = resumed.end().json();
   EXPECT_EQ(ended["phase"], "done") << ended.dump();
   EXPECT_EQ(ended["steps"][0]["answer"], "yes") << "as it was answered before, never at step 1";
 }

@@ -53,11 +53,16 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(begin, text.find_last_not_of(" \t\r\n") - begin + 1);
 }
 
-/// Steps that only ask: their answers hold when the machine is another day's.
-bool only_asks(const ProcedureStep& step) {
+/// What answers to this step never move anything.
+bool moves_nothing(const ProcedureStep& step) {
   return std::holds_alternative<TellStep>(step.what) ||
          std::holds_alternative<ChoiceStep>(step.what) ||
-         std::holds_alternative<NumberStep>(step.what) ||
+         std::holds_alternative<NumberStep>(step.what);
+}
+
+/// Steps that only ask: their answers hold when the machine is another day's.
+bool only_asks(const ProcedureStep& step) {
+  return moves_nothing(step) ||
          (std::holds_alternative<MotionStep>(step.what) && std::get<MotionStep>(step.what).asks);
 }
 
@@ -196,6 +201,10 @@ void Procedure::take_lease(const Event& event) {
   }
 }
 
+bool Procedure::waits_for_control() const {
+  return left_alone_ && !finished() && !moves_nothing(step());
+}
+
 void Procedure::rejoin(bool take_over) {
   if (machine_.lease().epoch == 0) machine_.give(control::TakeLease{.take_over = take_over});
 }
@@ -228,6 +237,7 @@ void Procedure::enter(Instant now) {
   left_ = way_ = adjusted_ = 0;
   all_ = false;
   searching_.reset();
+  search_begun_ = false;
   trouble_.clear();
   since_ = now;
   if (place_ == plan_.steps.size()) {
@@ -393,9 +403,9 @@ void Procedure::begin_work(Instant now) {
   } else if (std::holds_alternative<HomeMoveStep>(step().what)) {
     why = home_move();
   } else if (std::holds_alternative<SearchStep>(step().what)) {
-    searched_.fill(0);
+    if (!search_begun_) searched_.fill(0);
     searching_.reset();
-    command_ = machine_.give(control::Home{});
+    command_ = machine_.give(control::Home{.resumes = search_begun_});
     phase_ = Phase::kWorking;
   } else if (const auto* tool = std::get_if<ToolTryStep>(&step().what)) {
     command_ = machine_.give(control::UseTool{tool->action});
@@ -407,6 +417,7 @@ void Procedure::begin_work(Instant now) {
 void Procedure::follow_search(Instant now) {
   const auto joint = machine_.homing_joint();
   if (joint == searching_) return;
+  search_begun_ = true;
   if (searching_ && *searching_ < kMaxJoints) {
     searched_[*searching_] = to_seconds(now - searching_since_);
   }
@@ -561,7 +572,7 @@ std::expected<void, std::string> Procedure::answer(std::string_view text, Instan
     return std::unexpected(finished() ? "the procedure is over" : "nothing is asked at the moment");
   }
   text = trimmed(text);
-  if (left_alone_) return std::unexpected("control was lost; take it, then answer");
+  if (waits_for_control()) return std::unexpected("control was lost; take it, then answer");
   if (machine_.state() != MachineState::kReady) {
     return std::unexpected(std::string("the machine is ") +
                            std::string(control::name(machine_.state())) +
