@@ -130,6 +130,11 @@ void Procedure::cancel(Instant /*now*/) {
 void Procedure::poll(Instant now) {
   while (const auto event = machine_.take_event()) take(*event, now);
   if (finished()) return;
+  // Not before it rests: a stop that comes late would end what the next client begins.
+  if (ends_held_ && command_ != 0 && machine_.state() == MachineState::kHeld) {
+    ends_held_ = false;
+    machine_.give(control::Stop{});
+  }
   if (begun_ && machine_.state() == MachineState::kFault) {
     return fail(machine_.latched() ? sentence(machine_.latched()->error)
                                    : "the machine is in a fault");
@@ -164,6 +169,7 @@ void Procedure::take(const Event& event, Instant now) {
   if (phase_ == Phase::kOpening && ended_badly) return fail(sentence(event.error));
   if (command_ == 0 || event.command != command_ || !is_end(event.kind)) return;
   command_ = 0;
+  ends_held_ = false;
   if (phase_ == Phase::kCancelling) {
     phase_ = Phase::kCancelled;
     return;
@@ -182,7 +188,8 @@ void Procedure::take(const Event& event, Instant now) {
   }
 }
 
-/// Without the lease nothing goes on: what moved is stopped, and the step is asked for again.
+/// Without the lease nothing goes on: the machine brings to rest what moves, and the step is asked
+/// for again.
 void Procedure::take_lease(const Event& event) {
   if (machine_.lease().epoch != 0) {
     if (left_alone_) trouble_.clear();
@@ -194,11 +201,8 @@ void Procedure::take_lease(const Event& event) {
   if (phase_ == Phase::kOpening) return fail(why);
   left_alone_ = true;
   if (phase_ == Phase::kCancelling) return;
-  if (command_ != 0) {
-    machine_.give(control::Stop{});
-  } else {
-    ask_again(why);
-  }
+  ends_held_ = command_ != 0;
+  if (!ends_held_) ask_again(why);
 }
 
 bool Procedure::waits_for_control() const {

@@ -235,6 +235,7 @@ class Procedure {
   bool enabling_ = false;
   bool begun_ = false;  ///< the lease has been had
   bool left_alone_ = false;
+  bool ends_held_ = false;  ///< a motion that the loss of the lease holds on its path
   std::string trouble_;
   std::function<std::optional<std::string>(const Error&)> explain_;
 
