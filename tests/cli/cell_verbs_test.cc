@@ -375,8 +375,14 @@ TEST(Cell, a_port_that_it_holds_is_refused_to_others_by_its_name) {
   Process serve({"serve", file});
   serve.wait_for_err("answers on");
   const Ended refused = sinew({"run", program, "--robot", "maxarm", "--port", link});
+  const Ended asked = sinew({"doctor", "--robot", "maxarm", "--port", link});
   const Ended ran = sinew({"run", program, "--cell", "--robot", "mine"});
+  const Ended shown = sinew({"status", "mine"});
   unsetenv("XDG_RUNTIME_DIR");
+  EXPECT_EQ(asked.exit, 1);
+  EXPECT_NE(asked.err.find("holds it, as 'mine': sinew status mine shows it"), std::string::npos)
+      << asked.err;
+  EXPECT_EQ(shown.exit, 0) << shown.err;
   EXPECT_EQ(refused.exit, 1);
   EXPECT_NE(refused.err.find("holds it, as 'mine'"), std::string::npos) << refused.err;
   EXPECT_EQ(ran.exit, 0) << ran.err;

@@ -160,6 +160,8 @@ void add_doctor(CLI::App& app, Call& call) {
                    "which of the robot's wires; as in its file where left out");
   verb->add_option("--profile", request.profile,
                    "which variant of the device; an unknown name lists them");
+  verb->add_option("--journal", request.journal, "name of its position journal, as of run");
+  verb->add_option("--settings", request.settings, "what commissioning found, as of run");
   verb->callback([&call] { call.verb = [&call] { return examine(call.doctor); }; });
 }
 

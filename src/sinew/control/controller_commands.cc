@@ -82,8 +82,8 @@ Expected<bool> Controller::on(const Begin& motion, const Asked& asked) {
   return begun(begin(asked.command, motion, asked.now));
 }
 
-Expected<bool> Controller::on(const Home& /*home*/, const Asked& asked) {
-  return begun(home(asked.command, asked.now));
+Expected<bool> Controller::on(const Home& home, const Asked& asked) {
+  return begun(this->home(asked.command, home, asked.now));
 }
 
 Expected<bool> Controller::on(const Nudge& nudge, const Asked& asked) {
@@ -127,6 +127,16 @@ Expected<bool> Controller::on(const Declare& where, const Asked& asked) {
     return std::unexpected(declared.error());
   }
   return !where.zeroes_counters;
+}
+
+Expected<bool> Controller::on(const Service& service, const Asked& asked) {
+  if (const auto rest = at_rest(asked.now); !rest) return std::unexpected(rest.error());
+  if (const auto accepted = driver_.service(service.what, asked.now); !accepted) {
+    return std::unexpected(accepted.error());
+  }
+  ++outstanding_;
+  task_ = Task{asked.command.id, TaskKind::kTool, nullptr, asked.now, true};
+  return false;
 }
 
 /// Whoever takes over stops the machine first: nobody shall steer what another one has begun.
@@ -205,9 +215,10 @@ Expected<bool> Controller::jog(const Command& command, const JogAt& velocity, In
   return false;
 }
 
-Expected<void> Controller::home(const Command& command, Instant now) {
+Expected<void> Controller::home(const Command& command, const Home& home, Instant now) {
   if (const auto rest = at_rest(now); !rest) return rest;
-  task_ = Task{command.id, TaskKind::kHome, nullptr, now, false};
+  if (!home.resumes) found_ = 0;
+  task_ = Task{command.id, TaskKind::kHome, nullptr, now, false, {}, home};
   change(Signal::kRecover);
   return {};
 }

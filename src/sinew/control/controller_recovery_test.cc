@@ -97,6 +97,46 @@ TEST(Recovery, a_search_that_the_lost_lease_ended_is_stopped_and_not_done) {
   ASSERT_TRUE(cell.run_until([&] { return cell.controller.state() == kReady; }, 1s));
 }
 
+TEST(Recovery, a_resumed_search_leaves_out_what_was_found_and_is_known_still) {
+  ControlCell cell(kLostArm);
+  cell.make_ready();
+  const auto search = [&](bool resumes, std::initializer_list<std::size_t> joints) {
+    cell.give(Home{.resumes = resumes});
+    for (const std::size_t joint : joints) {
+      cell.driver.searching = joint;
+      cell.run(20ms);
+    }
+    cell.give(Stop{});
+    cell.driver.searching.reset();
+    EXPECT_TRUE(cell.run_until([&] { return cell.controller.state() == kReady; }, 1s));
+    return cell.driver.homed.back();
+  };
+  const auto without = [](unsigned joints) { return static_cast<std::uint8_t>(0xFFU & ~joints); };
+  EXPECT_EQ(search(false, {3, 1, 0}), kAllJoints);
+  EXPECT_EQ(search(true, {0, 2}), without(0b01010)) << "joint 0 was stopped on its way";
+  cell.driver.lose(1);
+  EXPECT_EQ(search(true, {1}), without(0b01001));
+  EXPECT_EQ(search(false, {3}), kAllJoints) << "a search that somebody asks for anew";
+  EXPECT_EQ(search(true, {3, 1, 0, 2, 4}), kAllJoints);
+  EXPECT_EQ(search(true, {4, 4}), without(0b01101)) << "joint 1 is lost still";
+}
+
+TEST(Recovery, a_service_of_the_device_needs_the_lease_and_a_machine_at_rest) {
+  ControlCell cell(kLostArm);
+  cell.make_ready();
+  const std::uint32_t foreign = ++cell.last_id;
+  cell.cycle({Command{foreign, LeaseToken{.client = 99, .epoch = 1}, Service{}}});
+  EXPECT_EQ(cell.end_of(foreign)->kind, Kind::kRefused);
+  const std::uint32_t nudge = cell.give(Nudge{0, from_deg(2)});
+  const std::uint32_t meanwhile = cell.give(Service{});
+  EXPECT_EQ(cell.end_of(meanwhile)->error.code, ErrorCode::kWrongState);
+  ASSERT_TRUE(cell.run_until([&] { return cell.end_of(nudge).has_value(); }, 5s));
+  const std::uint32_t id = cell.give(Service{DeviceService::kShutDown});
+  ASSERT_TRUE(cell.run_until([&] { return cell.end_of(id).has_value(); }, 1s));
+  EXPECT_EQ(cell.end_of(id)->kind, Kind::kDone);
+  EXPECT_EQ(cell.driver.services, std::vector{DeviceService::kShutDown});
+}
+
 TEST(Recovery, what_is_no_small_step_of_one_joint_is_refused_and_nothing_moves) {
   ControlCell cell(kLostArm);
   cell.driver.lose(0);

@@ -190,7 +190,7 @@ void AxisLinkDriver::begin_stop(Mode mode, Instant now) {
   since_ = now;
 }
 
-Expected<void> AxisLinkDriver::home(Instant now) {
+Expected<void> AxisLinkDriver::home(Instant now, std::uint8_t joints) {
   if (const auto may = may_begin(); !may) return may;
   // All of them or none: who asks for home has a program that counts on every joint.
   for (const Channel& channel : channels_) {
@@ -200,6 +200,7 @@ Expected<void> AxisLinkDriver::home(Instant now) {
   activity_ = Activity::kHoming;
   told_ = {};
   now_ = since_ = now;
+  to_home_ = joints;
   home_from(0);
   return {};
 }
@@ -208,8 +209,9 @@ Expected<void> AxisLinkDriver::home(Instant now) {
 void AxisLinkDriver::home_from(std::size_t place) {
   homing_place_ = place;
   for (; homing_place_ < homing_order_.size(); ++homing_place_) {
-    Channel& channel = channels_[homing_order_[homing_place_]];
-    if (channel.is_up()) return channel.command(Mode::kHome);
+    const std::uint8_t joint = homing_order_[homing_place_];
+    const bool wanted = (to_home_ >> joint & 1U) != 0 && channels_[joint].is_up();
+    if (wanted) return channels_[joint].command(Mode::kHome);
   }
 }
 

@@ -87,7 +87,7 @@ class AxisLinkDriver : public SpiDriver {
   void emergency_stop(Instant now);
   /// In the order of the joints, one after the other; nothing moves where an axis is out.
   /// @error kPortClosed, the fault, kBusy, or the fault of an axis that is out
-  Expected<void> home(Instant now) override;
+  Expected<void> home(Instant now, std::uint8_t joints = kAllJoints) override;
   std::optional<std::size_t> homing_joint() const override {
     const bool searching = activity_ == Activity::kHoming && homing_place_ < joints_.size();
     return searching ? std::optional<std::size_t>(homing_order_[homing_place_]) : std::nullopt;
@@ -176,6 +176,7 @@ class AxisLinkDriver : public SpiDriver {
   // Homing.
   FixedVector<std::uint8_t, kMaxJoints> homing_order_;
   std::size_t homing_place_ = 0;  ///< in the order
+  std::uint8_t to_home_ = kAllJoints;
   // Stopping.
   bool stop_asked_ = false;
   bool stop_in_opening_ = false;

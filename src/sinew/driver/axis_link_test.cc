@@ -251,6 +251,10 @@ TEST(AxisLinkDriver, homing_takes_the_axes_in_turn_and_ends_measured) {
     EXPECT_EQ(cell.driver->positions()[i].quality, PositionQuality::kMeasured);
     EXPECT_NEAR(cell.driver->positions()[i].q, cell.joints[i].lower, 1e-7);
   }
+  cell.events.clear();
+  ASSERT_TRUE(cell.driver->home(cell.now, 0b10100));
+  ASSERT_TRUE(cell.run_to_event(Kind::kDone, 200s));
+  for (std::size_t i = 0; i < 6; ++i) EXPECT_EQ(cell.axes[i]->homings, i == 2 || i == 4 ? 2 : 1);
 }
 
 TEST(AxisLinkDriver, a_search_that_names_its_zero_elsewhere_is_seen_by_as_much) {

@@ -186,7 +186,7 @@ void AxisRegistersDriver::stop(Instant now) {
   pump(now);
 }
 
-Expected<void> AxisRegistersDriver::home(Instant now) {
+Expected<void> AxisRegistersDriver::home(Instant now, std::uint8_t joints) {
   if (!device_.reports_status) return std::unexpected(Error{ErrorCode::kTaskNotSupported});
   if (const auto error = check_ready()) return std::unexpected(*error);
   // All of them or none: who asks for home has a program that counts on every joint.
@@ -194,6 +194,7 @@ Expected<void> AxisRegistersDriver::home(Instant now) {
     if (axis.fault) return std::unexpected(*axis.fault);
   }
   begin(Activity::kHoming);
+  to_home_ = joints;
   begin_homing_of(0);
   pump(now);
   return {};
@@ -290,7 +291,7 @@ void AxisRegistersDriver::begin_stopping(Instant now) {
 void AxisRegistersDriver::begin_homing_of(std::size_t place) {
   for (; place < homing_order_.size(); ++place) {
     Axis& axis = axes_[homing_order_[place]];
-    if (!axis.answers) continue;
+    if (!axis.answers || (to_home_ >> homing_order_[place] & 1U) == 0) continue;
     axis.phase = axis.latched ? Phase::kRelease : Phase::kBefore;
     break;
   }

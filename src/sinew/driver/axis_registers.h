@@ -91,7 +91,7 @@ class AxisRegistersDriver : public SpiDriver {
   /// The boards one after the other; nothing moves where one of them is out.
   /// @error kTaskNotSupported (boards without a status: nothing would say whether it happened),
   ///        kPortClosed, kBusy, the fault, or the one of a board that is out
-  Expected<void> home(Instant now) override;
+  Expected<void> home(Instant now, std::uint8_t joints = kAllJoints) override;
   std::optional<std::size_t> homing_joint() const override;
   /// DIAG_CONTROL 1 and EMERGENCY_STOP 0 on every board. kDone follows where one is fit to move.
   /// @error kPortClosed, kBusy
@@ -231,7 +231,8 @@ class AxisRegistersDriver : public SpiDriver {
   std::size_t cursor_ = 0;  ///< round robin
   Instant watch_at_;
   FixedVector<std::uint8_t, kMaxJoints> homing_order_;
-  std::size_t homing_place_ = 0;   ///< in the order
+  std::size_t homing_place_ = 0;  ///< in the order
+  std::uint8_t to_home_ = kAllJoints;
   std::size_t buses_stopped_ = 0;  ///< broadcasts sent
   bool command_ = false;           ///< a move, home or clear_fault whose end is to be told
   bool stop_asked_ = false;

@@ -67,6 +67,11 @@ TEST(AxisRegistersDriver, homing_takes_the_joints_in_turn_and_learns_where_they_
     EXPECT_NEAR(cell.driver->positions()[i].q, cell.joints[i].lower, 1e-12);
   }
   cell.expect_honest();
+  ASSERT_TRUE(cell.driver->home(cell.now, 0b10100));
+  EXPECT_EQ(cell.finish(600).kind, Kind::kDone);
+  for (std::size_t i = 0; i < 6; ++i) {
+    EXPECT_EQ(cell.axes[i].homings, i == 2 || i == 4 ? 2 : 1) << i;
+  }
 }
 
 TEST(AxisRegistersDriver, a_move_goes_to_whole_degrees_and_says_so) {

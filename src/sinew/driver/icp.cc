@@ -298,11 +298,6 @@ Expected<void> IcpDriver::begin_command(Command command, std::uint8_t polls, Ins
   return {};
 }
 
-Expected<void> IcpDriver::read_status(std::size_t leg, Instant now) {
-  SINEW_ASSERT(leg < kLegs);
-  return begin_command(Command::kStatus, bit_of(leg), now);
-}
-
 Expected<void> IcpDriver::wake(Instant now) {
   // C0 clears the flags of all modules: they are read before it.
   return begin_command(Command::kWake, kAllLegs, now);

@@ -318,13 +318,13 @@ TEST(IcpDriver, host_that_looked_away_takes_the_answers_that_waited_for_it) {
   cell.expect_honest();
 }
 
-TEST(IcpDriver, status_is_read_at_rest_only) {
+TEST(IcpDriver, modules_are_read_and_woken_at_rest_only) {
   IcpCell cell;
   cell.begin();
   ASSERT_TRUE(cell.go({3, 0, 0, 0, 0, 0}));
-  EXPECT_EQ(cell.driver.read_status(0, cell.now).error().code, ErrorCode::kBusy);
+  EXPECT_EQ(cell.driver.wake(cell.now).error().code, ErrorCode::kBusy);
   cell.settle();
-  ASSERT_TRUE(cell.driver.read_status(0, cell.now));
+  ASSERT_TRUE(cell.driver.wake(cell.now));
   cell.settle();
   EXPECT_EQ(cell.count(Kind::kDone), 2U);
   EXPECT_EQ(cell.driver.status(0)->two.target, 1);

@@ -53,11 +53,16 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(begin, text.find_last_not_of(" \t\r\n") - begin + 1);
 }
 
-/// Steps that only ask: their answers hold when the machine is another day's.
-bool only_asks(const ProcedureStep& step) {
+/// What answers to this step never move anything.
+bool moves_nothing(const ProcedureStep& step) {
   return std::holds_alternative<TellStep>(step.what) ||
          std::holds_alternative<ChoiceStep>(step.what) ||
-         std::holds_alternative<NumberStep>(step.what) ||
+         std::holds_alternative<NumberStep>(step.what);
+}
+
+/// Steps that only ask: their answers hold when the machine is another day's.
+bool only_asks(const ProcedureStep& step) {
+  return moves_nothing(step) ||
          (std::holds_alternative<MotionStep>(step.what) && std::get<MotionStep>(step.what).asks);
 }
 
@@ -125,6 +130,11 @@ void Procedure::cancel(Instant /*now*/) {
 void Procedure::poll(Instant now) {
   while (const auto event = machine_.take_event()) take(*event, now);
   if (finished()) return;
+  // Not before it rests: a stop that comes late would end what the next client begins.
+  if (ends_held_ && command_ != 0 && machine_.state() == MachineState::kHeld) {
+    ends_held_ = false;
+    machine_.give(control::Stop{});
+  }
   if (begun_ && machine_.state() == MachineState::kFault) {
     return fail(machine_.latched() ? sentence(machine_.latched()->error)
                                    : "the machine is in a fault");
@@ -159,6 +169,7 @@ void Procedure::take(const Event& event, Instant now) {
   if (phase_ == Phase::kOpening && ended_badly) return fail(sentence(event.error));
   if (command_ == 0 || event.command != command_ || !is_end(event.kind)) return;
   command_ = 0;
+  ends_held_ = false;
   if (phase_ == Phase::kCancelling) {
     phase_ = Phase::kCancelled;
     return;
@@ -177,7 +188,8 @@ void Procedure::take(const Event& event, Instant now) {
   }
 }
 
-/// Without the lease nothing goes on: what moved is stopped, and the step is asked for again.
+/// Without the lease nothing goes on: the machine brings to rest what moves, and the step is asked
+/// for again.
 void Procedure::take_lease(const Event& event) {
   if (machine_.lease().epoch != 0) {
     if (left_alone_) trouble_.clear();
@@ -189,11 +201,12 @@ void Procedure::take_lease(const Event& event) {
   if (phase_ == Phase::kOpening) return fail(why);
   left_alone_ = true;
   if (phase_ == Phase::kCancelling) return;
-  if (command_ != 0) {
-    machine_.give(control::Stop{});
-  } else {
-    ask_again(why);
-  }
+  ends_held_ = command_ != 0;
+  if (!ends_held_) ask_again(why);
+}
+
+bool Procedure::waits_for_control() const {
+  return left_alone_ && !finished() && !moves_nothing(step());
 }
 
 void Procedure::rejoin(bool take_over) {
@@ -228,6 +241,7 @@ void Procedure::enter(Instant now) {
   left_ = way_ = adjusted_ = 0;
   all_ = false;
   searching_.reset();
+  search_begun_ = false;
   trouble_.clear();
   since_ = now;
   if (place_ == plan_.steps.size()) {
@@ -393,9 +407,9 @@ void Procedure::begin_work(Instant now) {
   } else if (std::holds_alternative<HomeMoveStep>(step().what)) {
     why = home_move();
   } else if (std::holds_alternative<SearchStep>(step().what)) {
-    searched_.fill(0);
+    if (!search_begun_) searched_.fill(0);
     searching_.reset();
-    command_ = machine_.give(control::Home{});
+    command_ = machine_.give(control::Home{.resumes = search_begun_});
     phase_ = Phase::kWorking;
   } else if (const auto* tool = std::get_if<ToolTryStep>(&step().what)) {
     command_ = machine_.give(control::UseTool{tool->action});
@@ -407,6 +421,7 @@ void Procedure::begin_work(Instant now) {
 void Procedure::follow_search(Instant now) {
   const auto joint = machine_.homing_joint();
   if (joint == searching_) return;
+  search_begun_ = true;
   if (searching_ && *searching_ < kMaxJoints) {
     searched_[*searching_] = to_seconds(now - searching_since_);
   }
@@ -561,7 +576,7 @@ std::expected<void, std::string> Procedure::answer(std::string_view text, Instan
     return std::unexpected(finished() ? "the procedure is over" : "nothing is asked at the moment");
   }
   text = trimmed(text);
-  if (left_alone_) return std::unexpected("control was lost; take it, then answer");
+  if (waits_for_control()) return std::unexpected("control was lost; take it, then answer");
   if (machine_.state() != MachineState::kReady) {
     return std::unexpected(std::string("the machine is ") +
                            std::string(control::name(machine_.state())) +

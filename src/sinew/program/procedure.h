@@ -160,6 +160,8 @@ class Procedure {
   void cancel(Instant now);
   /// The lease is lost: what moved has been stopped, and the question stands.
   bool left() const { return left_alone_; }
+  /// The lease is lost, and an answer to the question would move something.
+  bool waits_for_control() const;
   /// Asks for the lease again, where it was left or its machine acts for another client now.
   void rejoin(bool take_over);
 
@@ -233,6 +235,7 @@ class Procedure {
   bool enabling_ = false;
   bool begun_ = false;  ///< the lease has been had
   bool left_alone_ = false;
+  bool ends_held_ = false;  ///< a motion that the loss of the lease holds on its path
   std::string trouble_;
   std::function<std::optional<std::string>(const Error&)> explain_;
 
@@ -253,6 +256,7 @@ class Procedure {
   std::string said_;  ///< which way it went
   std::string given_;
   std::optional<std::size_t> searching_;
+  bool search_begun_ = false;  ///< of this step: what it has found is not searched for again
   Instant searching_since_{};
   std::array<double, kMaxJoints> searched_{};  ///< s
 };

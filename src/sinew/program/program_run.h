@@ -124,7 +124,10 @@ class Run {
   /// When the first order was given; nothing before.
   const std::optional<Instant>& begun_at() const { return begun_at_; }
   /// Share of the predicted duration that is behind the run, 0..1; homing counts with its bound.
+  /// Time that it is held does not count.
   double progress(Instant now) const;
+  /// s since the first order was given, without the time that it was held.
+  double elapsed(Instant now) const;
   /// When poll() should be called next even if the machine has nothing to do.
   std::optional<Instant> next_deadline() const { return paused_ ? std::nullopt : wait_end_; }
   /// Why the phase is kFailed: the line (0: before the first order) and the reason.
@@ -139,6 +142,7 @@ class Run {
   void take_notice(const Error& error, Instant now);
   void take_end(const Event& event, Instant now);
   void leave(Instant now);
+  void count_held(Instant now);
   void opening(Instant now);
   void begin(Instant now);
   void issue_next(Instant now);
@@ -184,6 +188,9 @@ class Run {
   std::optional<control::StopCause> stopped_by_;
   bool paused_ = false;
   bool resumes_ = false;  ///< as soon as it is held
+  Instant polled_at_{};
+  Duration held_{};           ///< since its first order
+  Duration held_at_asked_{};  ///< .. when the order under way was given
   bool had_lease_ = false;
   bool left_ = false;
   bool searches_again_ = false;  ///< a search that the loss of the lease has ended

@@ -53,9 +53,11 @@ class PlainDriver : public Driver {
     moves_.clear();
     tell(Kind::kStopped);
   }
-  Expected<void> home(Instant /*now*/) override {
+  Expected<void> home(Instant /*now*/, std::uint8_t joints) override {
+    homings_.push_back(joints);
     for (JointPosition& position : positions_) {
       if (!homes_nowhere_) position = {PositionQuality::kMeasured, homed_, homed_, homed_};
+      if (homed_from_) position = {PositionQuality::kUncertain, homed_, *homed_from_, homed_};
     }
     if (homes_by_itself_) tell(Kind::kDone);
     return {};
@@ -100,6 +102,8 @@ class PlainDriver : public Driver {
   std::deque<DriverEvent> events_;
   std::optional<Error> refuse_;
   double homed_ = 0;
+  std::vector<std::uint8_t> homings_;  ///< joints of each search
+  std::optional<double> homed_from_;   ///< somewhere between there and homed_
   bool homes_by_itself_ = true;
   bool homes_nowhere_ = false;
   std::optional<Error> gave_up_;
@@ -216,6 +220,20 @@ TEST(ProgramRun, home_goes_on_to_the_robots_home_from_where_homing_really_left_t
   for (const double q : cell.driver.taken_[0].q) EXPECT_EQ(q, 0);
   EXPECT_EQ(cell.driver.taken_[1].q[0], from_deg(10));
   EXPECT_EQ(cell.driver.taken_[1].q[1], 0);
+  EXPECT_EQ(cell.run.records().size(), 2U) << "the way home belongs to its row";
+}
+
+TEST(ProgramRun, home_goes_slowly_home_where_only_the_device_knows_where_the_search_ended) {
+  Cell cell("robot-arm-2", "home\njoint J1=10deg\n");
+  cell.driver.lose();
+  cell.driver.homed_ = 0.25;
+  cell.driver.homed_from_ = 0;
+  cell.go();
+  ASSERT_EQ(cell.run.phase(), Phase::kDone);
+  ASSERT_EQ(cell.driver.taken_.size(), 2U);
+  for (const double q : cell.driver.taken_[0].q) EXPECT_EQ(q, 0);
+  EXPECT_GE(cell.driver.taken_[0].duration, from_seconds(first_move_duration(cell.robot)));
+  EXPECT_EQ(cell.driver.taken_[1].q[0], from_deg(10));
   EXPECT_EQ(cell.run.records().size(), 2U) << "the way home belongs to its row";
 }
 
@@ -618,6 +636,28 @@ TEST(ProgramRun, wait_until_ends_the_run_where_its_condition_does_not_come) {
   EXPECT_FALSE(paused.run.finished());
   paused.go(64s);
   EXPECT_EQ(paused.run.phase(), Phase::kFailed);
+}
+
+TEST(ProgramRun, progress_and_elapsed_time_stand_while_it_is_held) {
+  Cell cell("learm", "joint base=80deg\nwait 1s\njoint base=0deg\n");
+  cell.run.make_changeable();
+  const auto holds = [&](Instant until) {
+    cell.run.pause();
+    cell.go(until - Instant{});
+    const double progress = cell.run.progress(cell.now);
+    const double elapsed = cell.run.elapsed(cell.now);
+    cell.go(until - Instant{} + 60s);
+    EXPECT_FALSE(cell.run.finished());
+    EXPECT_DOUBLE_EQ(cell.run.progress(cell.now), progress);
+    EXPECT_DOUBLE_EQ(cell.run.elapsed(cell.now), elapsed);
+    cell.run.resume();
+  };
+  cell.go(400ms);
+  EXPECT_EQ(cell.run.records().size(), 0U);
+  holds(Instant{} + 1s);
+  cell.go();
+  ASSERT_EQ(cell.run.phase(), Phase::kDone);
+  EXPECT_LT(cell.run.elapsed(cell.now), cell.run.plan().duration + 3);
 }
 
 TEST(ProgramRun, wait_settled_lasts_until_no_joint_moves_any_more) {

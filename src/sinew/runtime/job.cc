@@ -191,7 +191,7 @@ void JobRunner::publish(const Run& run, Instant now) {
   view_.begun = run.begun_at().has_value();
   view_.limits = plan.limits;
   view_.progress = run.finished() && run.phase() == Run::Phase::kDone ? 1 : run.progress(now);
-  if (run.begun_at()) view_.elapsed = to_seconds(now - *run.begun_at());
+  view_.elapsed = run.elapsed(now);
   view_.failure = run.failure();
   view_.in_the_way = in_the_way;
   view_.waits_for_room = run.waits_for_room() && !run.finished();
@@ -206,8 +206,11 @@ void JobRunner::wish(std::uint32_t id, Wish what, control::ClientId client) {
   if (view_.id != id || view_.over || wish_ == Wish::kStop) return;
   wish_ = what;
   wisher_ = client;
-  const bool guards = what == Wish::kPause && client != 0;
-  if (guards || what != Wish::kPause) view_.guard = guards ? client : 0;
+  if (what != Wish::kPause) {
+    view_.guard = 0;
+  } else if (view_.guard == 0) {
+    view_.guard = client;
+  }
 }
 
 void JobRunner::stop(std::uint32_t id) {

@@ -52,7 +52,7 @@ struct JobView {
   bool begun = false;             ///< its first order was sent
   planning::LimitTimes limits{};  ///< what holds its motions back
   double progress = 0;
-  double elapsed = 0;  ///< s, since its first order
+  double elapsed = 0;  ///< s, since its first order, without the time that it was held
   std::optional<program::Refusal> failure = std::nullopt;
   /// What in its cell a motion would have met: why it failed, or waits.
   std::optional<CellRefusal> in_the_way = std::nullopt;
@@ -82,7 +82,8 @@ class JobRunner {
   Expected<std::uint32_t> start(JobOrder order, control::ClientId client);
   /// Without effect where the job is not the one under way.
   void stop(std::uint32_t id);
-  /// @param guard  who alone may resume it, as far as resume() is asked; 0: anyone
+  /// @param guard  who alone may resume it, as far as resume() is asked; 0: anyone. Another
+  ///               client's guard stays
   void pause(std::uint32_t id, control::ClientId guard = 0);
   /// @param client  under whose lease it goes on where its own client has lost it
   void resume(std::uint32_t id, control::ClientId client = 0);

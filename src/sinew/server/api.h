@@ -229,6 +229,7 @@ class Api {
   Answer preview(const Call& call) const;
   std::optional<RpcError> may_not_resume(const Call& call, const runtime::JobView& job);
   Answer steer_job(const Method& method, const Call& call);
+  Answer steer_motion(const Method& method, const Call& call);
   Answer give(const Call& call, const control::CommandWhat& what, bool at_start = false);
   std::expected<JointVector, RpcError> joints(const Json& numbers, std::size_t robot) const;
 

@@ -51,6 +51,13 @@ std::optional<planning::JogFrame> frame_of(std::string_view word) {
   return std::nullopt;
 }
 
+RpcError guarded(const runtime::JobView& job, const char* way_out) {
+  return {RpcCode::kRefused,
+          "client " + std::to_string(job.guard) + " holds '" + job.title +
+              "' and only that client resumes it" + way_out,
+          {{"code", "hold_guarded"}, {"held_by", job.guard}}};
+}
+
 }  // namespace
 
 /// Those of files are Api::keep()'s.
@@ -444,6 +451,8 @@ Api::Answer Api::start(const Call& call, runtime::JobOrder order) {
 std::optional<RpcError> Api::held_by_another(const Call& call, bool take_over) const {
   const auto holder = cell_.station(*call.robot).view().holder;
   if (take_over || !holder || holder->client == call.session.id) return std::nullopt;
+  // Who has gone has given it back, if only a moment ago.
+  if (!sessions_.contains(holder->client)) return std::nullopt;
   const Error held{ErrorCode::kLeaseHeld, -1, static_cast<double>(holder->client)};
   return refusal(RpcCode::kRefused, held, *call.robot);
 }
@@ -459,13 +468,9 @@ std::optional<RpcError> Api::job_under_way(std::size_t robot) const {
 
 /// A hold that is guarded, and a program whose client is gone, are not for everyone.
 std::optional<RpcError> Api::may_not_resume(const Call& call, const runtime::JobView& job) {
-  const bool guarded = job.guard != 0 && job.guard != call.session.id;
-  if (guarded && !call.request.flag("take_over")) {
-    return RpcError{RpcCode::kRefused,
-                    "client " + std::to_string(job.guard) + " holds '" + job.title +
-                        "' and only that client resumes it; take the hold over (take_over), or "
-                        "stop it",
-                    {{"code", "hold_guarded"}, {"held_by", job.guard}}};
+  const bool by_another = job.guard != 0 && job.guard != call.session.id;
+  if (by_another && !call.request.flag("take_over")) {
+    return guarded(job, "; take the hold over (take_over), or stop it");
   }
   if (!job.client_lost) return std::nullopt;
   const auto holder = cell_.station(*call.robot).view().holder;
@@ -476,17 +481,34 @@ std::optional<RpcError> Api::may_not_resume(const Call& call, const runtime::Job
                   {{"code", "client_lost"}}};
 }
 
+/// Where no program is under way.
+Api::Answer Api::steer_motion(const Method& method, const Call& call) {
+  if (method.id == MethodId::kRobotHold) {
+    auto held = give(call, control::Hold{});
+    if (!call.request.flag("guarded")) return held;
+    return RpcError{RpcCode::kRefused,
+                    "only the hold of a program can be guarded, and no program is under way on "
+                    "this robot: what moves is held, but anyone resumes it",
+                    nullptr};
+  }
+  if (method.id != MethodId::kRobotResume) {
+    return RpcError{RpcCode::kRefused, "no program is under way on this robot", nullptr};
+  }
+  if (cell_.station(*call.robot).view().state != control::MachineState::kHeld) {
+    return RpcError{RpcCode::kRefused, "nothing is paused on this robot", nullptr};
+  }
+  return give(call, control::Resume{});
+}
+
 Api::Answer Api::steer_job(const Method& method, const Call& call) {
   runtime::JobRunner& jobs = cell_.jobs(*call.robot);
   const runtime::JobView job = jobs.view();
-  if (job.over) {
-    if (method.id == MethodId::kRobotHold) return give(call, control::Hold{});
-    if (method.id == MethodId::kRobotResume) return give(call, control::Resume{});
-    return RpcError{RpcCode::kRefused, "no program is under way on this robot", nullptr};
-  }
+  if (job.over) return steer_motion(method, call);
   if (method.id == MethodId::kRobotHold) {
-    jobs.pause(job.id, call.request.flag("guarded") ? call.session.id : 0);
-    return Json{{"job", job.id}};
+    const bool guards = call.request.flag("guarded");
+    jobs.pause(job.id, guards ? call.session.id : 0);
+    if (!guards || job.guard == 0 || job.guard == call.session.id) return Json{{"job", job.id}};
+    return guarded(job, "; it stays held, without a guard of yours");
   }
   if (const auto refused = may_not_resume(call, job)) return *refused;
   if (method.id == MethodId::kRobotResume) {
