@@ -20,6 +20,7 @@ enum class JournalFinding : std::uint8_t {
   kEdited,         ///< its records do not follow one another: edited by hand
   kOlderCopy,      ///< the newer of its two files is missing, or is an older copy
   kCopied,         ///< its file is a copy, or was changed by somebody else after the last record
+  kCut,            ///< its file is shorter than its records say
   kUnreadable,     ///< more damage than what a crash leaves
   kDamagedTail,    ///< the last write did not come through whole
   kEndedInMotion,  ///< the last record is an intent
@@ -54,7 +55,8 @@ struct RecoverySettings {
   /// False only where the device itself shows that it kept its power.
   bool power_may_have_failed = true;
   bool can_home = false;
-  /// By more than so much a file may not have been changed after its last record.
+  /// By more than so much a file may not have been changed after its last record, nor be older
+  /// than its first one.
   Duration stamp_tolerance = std::chrono::seconds(60);
 };
 
