@@ -211,6 +211,7 @@ void take_positions(JournalRecovery& recovery, const Generation& newest,
   recovery.memory = {last.kind == JournalKind::kIntent && !spoiled,
                      last.cause == JournalCause::kHeld, last.counted};
   if (spoiled) recovery.finding = kDamagedTail;
+  if (!spoiled) recovery.last = last;
   // What is spoiled behind it may have been one.
   const bool forgotten = last.kind == JournalKind::kLook || spoiled;
   for (std::size_t k = 0; k < settings.joints; ++k) {

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string_view>
 
@@ -69,10 +70,11 @@ struct JournalRecovery {
   /// where none can be read.
   JournalPositions last_said;
   JournalTime last_time;
-  bool power_up_added = false;    ///< intervals are wider by power_up_way
-  DriverMemory memory;            ///< what else of the device its last record says
-  std::size_t damaged_slots = 0;  ///< in both files, also those that did no harm
-  JournalEnd end;                 ///< for the PositionJournal and the files of the next run
+  bool power_up_added = false;          ///< intervals are wider by power_up_way
+  DriverMemory memory;                  ///< what else of the device its last record says
+  std::size_t damaged_slots = 0;        ///< in both files, also those that did no harm
+  std::optional<JournalRecord> last{};  ///< whole, and what `positions` come from; else nothing
+  JournalEnd end;                       ///< for the PositionJournal and the files of the next run
 };
 
 /// What is known of each joint, from the bytes of both generations. Bounded by their size.
