@@ -33,10 +33,11 @@ std::expected<std::unique_ptr<LocalCell>, Outcome> LocalCell::start(const RobotM
   if (const auto fine = check_journal_name(where.journal); !fine) {
     return std::unexpected(fine.error());
   }
-  if (where.journal || is_real(where.port)) {
+  if (where.journal || where.port) {
     auto positions = runtime::positions_folder();
-    if (!positions) return std::unexpected(could_not(positions.error().sentence));
-    folders.journal = std::move(*positions);
+    const bool needed = where.journal || is_real(where.port);
+    if (!positions && needed) return std::unexpected(could_not(positions.error().sentence));
+    folders.journal = positions.value_or("");
   }
   CellRobot place;
   place.name = robot.id;
@@ -56,7 +57,10 @@ std::expected<std::unique_ptr<LocalCell>, Outcome> LocalCell::start(const RobotM
                                                options.byte_log = where.byte_log;
                                                options.assumes_start = where.assumes_start;
                                              });
-  if (!running) return std::unexpected(could_not(running.error().sentence));
+  if (!running) {
+    return std::unexpected(
+        could_not(running.error().sentence + (where.port ? held_by_cell(*where.port) : "")));
+  }
   local->running_ = std::move(*running);
   if (const std::string trouble = local->station().trouble(); !trouble.empty()) {
     return std::unexpected(could_not(trouble + held_by_cell(*where.port)));

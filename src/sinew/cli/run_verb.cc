@@ -199,8 +199,9 @@ std::string why_not_done(const RunRequest& request, const ProgramReport& report,
 }
 
 /// What the journal knew when the run began, and what that means where it was not enough.
-void tell_record(const JournalRecovery& recovery, const program::Run& run, Outcome& outcome) {
-  const std::string found(sentence(recovery.finding));
+void tell_record(const runtime::Station& station, const program::Run& run, Outcome& outcome) {
+  const JournalRecovery& recovery = *station.recovery();
+  const std::string found = station.journal_found();
   outcome.json["position_journal"] = {{"found", found},
                                       {"way_out", std::string(sentence(recovery.way_out))},
                                       {"damaged_slots", recovery.damaged_slots}};
@@ -268,7 +269,7 @@ class RunWatch {
     outcome.text = program_text(report);
     tell_part(request_, prepared_, outcome);
     outcome.complaint = why_not_done(request_, report, station, trouble_);
-    if (station.recovery() != nullptr) tell_record(*station.recovery(), run, outcome);
+    if (station.recovery() != nullptr) tell_record(station, run, outcome);
     if (run.phase() != program::Run::Phase::kDone) {
       outcome.exit = ExitCode::kCouldNot;
       outcome.json["error"] = {{"sentence", outcome.complaint}};
@@ -342,6 +343,9 @@ Outcome run_program(const RunRequest& request) {
             prepared->homing_max > 0 ? "; homing takes " + at_most_text(prepared->homing_max) : "")
             .c_str(),
         stderr);
+    if (const std::string note = station.journal_note(); !note.empty()) {
+      std::fputs(("  note: " + note + "\n").c_str(), stderr);
+    }
   }
   RunWatch watch(request, *prepared, *cell);
   runtime::JobOrder order = watch.order();

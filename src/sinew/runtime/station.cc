@@ -96,8 +96,10 @@ io::IoResult<void> Station::prepare() {
   connected_ = connected.has_value();
   if (!connected) trouble_ = connected.error().sentence;
   if (options_.journal) {
-    auto opened = PositionRecord::open(options_.journal_folder, *options_.journal, robot_);
-    if (!opened) return std::unexpected(opened.error());
+    auto opened = PositionRecord::open(options_.journal_folder, *options_.journal, robot_,
+                                       options_.port.value_or(""));
+    // Another process that has the port has the journal that follows it.
+    if (!opened) return std::unexpected(connected_ ? opened.error() : connected.error());
     record_ = std::move(*opened);
   }
   // Only now: a station that is refused the port must not empty the log of the one that has it.
@@ -510,7 +512,18 @@ std::uint32_t Station::next_id(std::uint8_t slot) {
   return (last_id_ << kSlotBits) | slot;
 }
 
+/// Before this station moves a machine that some journal follows, and none of its own.
+bool Station::forget_port() {
+  if (record_ || !options_.port || options_.journal_folder.empty()) return true;
+  const std::scoped_lock lock(forgetting_);
+  if (!forgotten_) {
+    forgotten_ = runtime::forget_port(options_.journal_folder, *options_.port, robot_).has_value();
+  }
+  return forgotten_;
+}
+
 bool Station::post(const Command& command, std::uint32_t stops_seen) {
+  if (moves(command.what) && !forget_port()) return false;
   const std::scoped_lock lock(mutex_);
   const bool stops = std::holds_alternative<control::Stop>(command.what);
   moved_ = moved_ || moves(command.what);

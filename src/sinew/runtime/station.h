@@ -84,6 +84,9 @@ class Station {
   std::optional<JointVector> assumed_place() const;
   /// What the journal knew when the station was started; null without one.
   const JournalRecovery* recovery() const { return record_ ? &record_->recovery() : nullptr; }
+  /// For people: PositionRecord::found() and note(); empty without one.
+  std::string journal_found() const { return record_ ? record_->found() : std::string(); }
+  std::string journal_note() const { return record_ ? record_->note() : std::string(); }
 
   /// @name From any thread
   /// @{
@@ -99,7 +102,8 @@ class Station {
   /// For the next cycle. A stop goes first, and what would have moved the machine and still waits
   /// ends with kStopped. So does what somebody gives who does not know of the last stop yet.
   /// @param stops_seen  StationView::stops as whoever gives it knows them
-  /// @return  false where too many wait
+  /// @return  false where too many wait, or where a journal cannot be told of a motion that it does
+  /// not follow
   bool post(const control::Command& command, std::uint32_t stops_seen);
   /// The view knows of every stop that was asked for: what is given from now on is behind them.
   bool stops_seen() const;
@@ -148,6 +152,7 @@ class Station {
   Station(RobotModel robot, StationOptions options, const io::Clock& clock);
 
   io::IoResult<void> prepare();
+  bool forget_port();
   void run();
   void turn(ControlLoop& loop, Instant& retry_at);
   bool at_rest(const control::Controller& controller) const;
@@ -173,6 +178,8 @@ class Station {
   WireRing wire_;
   ByteLog log_;
   std::unique_ptr<PositionRecord> record_;
+  std::mutex forgetting_;
+  bool forgotten_ = false;  ///< under forgetting_
   std::optional<RobotLink> link_;
   std::unique_ptr<RunRecorder> recorder_;  ///< null: nothing is recorded
   std::atomic<bool> recorded_ = true;

@@ -205,7 +205,7 @@ Json description_json(const CellRobot& place, const runtime::Station& station) {
     json[with_unit("nudge_max", model.joints[0])] = capability.nudge_max;
   }
   if (const auto* recovery = station.recovery()) {
-    json["position_journal"] = {{"found", sentence(recovery->finding)},
+    json["position_journal"] = {{"found", station.journal_found()},
                                 {"way_out", sentence(recovery->way_out)}};
   }
   return json;
