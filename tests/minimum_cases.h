@@ -27,9 +27,9 @@ struct MinimumCases {
 inline constexpr std::array kMinimumTests = std::to_array<MinimumTests>({
     {"cli_test", 216},         {"config_test", 91},   {"control_test", 120},
     {"core_test", 23},         {"crash_test", 11},     {"device_test", 230},
-    {"documents_test", 30},    {"driver_test", 342},  {"faults_test", 46},
+    {"documents_test", 30},    {"driver_test", 344},  {"faults_test", 46},
     {"house_test", 38},        {"io_test", 74},       {"kinematics_test", 155},
-    {"motion_test", 110},      {"outside_test", 6},   {"planning_test", 395},
+    {"motion_test", 110},      {"outside_test", 16},   {"planning_test", 395},
     {"program_test", 200},     {"runtime_test", 141}, {"sequences_test", 15},
     {"server_test", 111},      {"sim_test", 224},     {"step_allocations_test", 6},
     {"stop_latency_test", 10}, {"supply_test", 3},    {"system_test", 4},

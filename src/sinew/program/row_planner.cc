@@ -58,13 +58,6 @@ ToolTarget target_of(const ToolGoal& goal, const RobotPlace& from, const ToolSpa
   return with_offset(goal, target, space);
 }
 
-bool is_outside(const RobotPlace& place, const RobotModel& robot) {
-  for (std::size_t j = 0; j < robot.joints.size(); ++j) {
-    if (!within_limits(robot.joints[j], place.q[j])) return true;
-  }
-  return false;
-}
-
 bool is_streamed(const RobotModel& robot) {
   return robot.device.capability.motion == MotionKind::kStream;
 }
@@ -456,7 +449,7 @@ Refusal RowPlanner::unsayable(std::span<const Step> rows, const RobotPlace& star
   return refusal;
 }
 
-/// Equal times, none longer than the device's segment but the first one from outside the limits.
+/// Equal times, none longer than the device's segment.
 std::expected<void, Refusal> RowPlanner::cut_into_segments(std::span<const Step> rows,
                                                            const RobotPlace& start,
                                                            RowMotion& out) const {
@@ -475,31 +468,22 @@ std::expected<void, Refusal> RowPlanner::cut_into_segments(std::span<const Step>
   // A motion shorter than one segment is one: no wire says less.
   const double segment = count == 1 ? longest : duration / static_cast<double>(count);
   const planning::Trajectory trajectory = motion_.trajectory();
-  const bool outside = is_outside(start, robot_);
   const std::span<const double> from(start.q.data(), robot_.joints.size());
   planning::JointMotion at;
   out.pieces.reserve(count);
-  std::size_t merged = 0;  // into the piece that follows
   for (std::size_t k = 1; k <= count; ++k) {
     const bool last = k == count;
     trajectory.sample(last ? duration : segment * static_cast<double>(k), at);
-    const double together = segment * static_cast<double>(1 + merged);
-    JointMove piece{.q = {}, .qd = {}, .duration = from_seconds(together)};
+    JointMove piece{.q = {}, .qd = {}, .duration = from_seconds(segment)};
     for (std::size_t j = 0; j < robot_.joints.size(); ++j) {
       piece.q.push_back(last ? out.q_end[j] : at.q[j]);
       piece.qd.push_back(last ? 0 : at.qd[j]);
     }
     if (const auto error = wire_.refusal({piece.q.data(), piece.q.size()}, from)) {
-      // Back into the limits, beyond which many a wire says nothing: in one piece.
-      if (outside && out.pieces.empty() && !last) {
-        ++merged;
-        continue;
-      }
       const double s = motion_.law.sample(segment * static_cast<double>(k)).s;
       return std::unexpected(unsayable(rows, start, s, piece.q, *error));
     }
     out.pieces.push_back(piece);
-    merged = 0;
   }
   const double whole = segment * static_cast<double>(count);
   out.arrival = whole + to_seconds(delay_.arrival);
