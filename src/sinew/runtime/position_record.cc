@@ -2,11 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <cstring>
 #include <utility>
 
 #include "sinew/control/machine_identity.h"
+#include "sinew/io/clock.h"
 
 namespace sinew::runtime {
 
@@ -61,7 +63,10 @@ io::IoResult<std::unique_ptr<PositionRecord>> PositionRecord::open(const std::st
 }
 
 control::ControllerStart PositionRecord::start() const {
-  return {recovery_.positions, recovery_.end, recovery_.memory};
+  DriverMemory memory = recovery_.memory;
+  const Duration since{io::wall_time_ns() - recovery_.last_time.wall_ns};
+  memory.since = std::max(since, Duration::zero());
+  return {recovery_.positions, recovery_.end, memory};
 }
 
 io::IoResult<void> PositionRecord::give_up(const RobotModel& robot, const JournalTime& time) {
