@@ -36,7 +36,7 @@ const codes: Record<string, string> = {
   program_too_long: 'Das Programm kommt auf {measured} Befehle und mehr, die Grenze ist {limit}',
   port_closed: 'Die Gegenseite hat den Anschluss geschlossen',
   position_unknown: 'Niemand weiß sicher, wo {subject} steht; eine Referenzfahrt hilft, oder eine Angabe, wo es steht',
-  not_homed: '{subject} hatte seit dem Einschalten keine Referenzfahrt',
+  not_homed: '{subject} hat keine Referenz, oder das Gerät weiß es besser als eine Angabe: unter Einrichten die Referenzfahrt starten (Servos: ein Schritt joint, der alle Achsen nennt)',
   segment_time: 'Die Bewegung kann nicht {measured} dauern; die Grenze ist {limit}',
   tool_not_fitted: 'Dieser Roboter hat kein solches Werkzeug',
   device_killed: 'Das Gerät wurde abgeschaltet und hört nichts mehr: seinen Strom trennen, dann wieder einschalten',

@@ -314,7 +314,7 @@ export interface EventJson {
   number: number;
   at_ms: number;
   robot: string;
-  kind: 'state' | 'lease' | 'stop' | 'fault' | 'notice' | 'record' | 'job' | 'moved' | 'declared' | 'procedure' | 'demonstration' | 'begun';
+  kind: 'state' | 'lease' | 'stop' | 'fault' | 'notice' | 'record' | 'job' | 'declared' | 'declaration_refused' | 'procedure' | 'demonstration' | 'begun';
   version?: string;
   runs?: boolean;
   procedure?: string;

@@ -182,11 +182,14 @@ Outcome run_job(const CellRequest& request, const char* method, Json params) {
   if (!cell) return cell.error();
   params["robot"] = request.robot;
   params["take_over"] = request.take_over;
-  if (request.standing_at) {
+  if (request.standing_at == "shown") {
+    params["shown"] = true;
+  } else if (request.standing_at) {
     const auto standing = positions_of(*cell, request.robot, "--standing-at", *request.standing_at);
     if (!standing) return standing.error();
     params["standing_at"] = *standing;
   }
+  if (request.moved) params["moved"] = *request.moved;
   io::catch_interrupts();
   if (auto watched = cell->call("watch", {{"rate_hz", 0}, {"robot", request.robot}}); !watched) {
     return watched.error();

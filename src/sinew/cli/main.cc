@@ -306,8 +306,10 @@ void add_run(CLI::App& app, Call& call) {
   verb->add_option("--profile", request.profile,
                    "which variant of the device; an unknown name lists them");
   verb->add_option("--standing-at", request.standing_at,
-                   "where a machine without sensors stands: home, lowered (legs), or a value per "
-                   "joint (deg, mm)");
+                   "where a machine without sensors stands: home, lowered (legs), shown (as its "
+                   "journal shows it), or a value per joint (deg, mm)");
+  verb->add_option("--moved", request.moved,
+                   "with --standing-at: who moved it; what was known does not count then");
   verb->add_option("--settings", request.settings,
                    "what commissioning found: its file, or none; on a real port that of the state "
                    "folder where left out");
@@ -342,8 +344,8 @@ void add_run(CLI::App& app, Call& call) {
       if (call.run.record) {
         return bad_input("--record: a running cell records by itself: sinew serve --record-folder");
       }
-      if (const auto fine = check_heard(*verb, {"FILE", "--robot", "--standing-at", "--from-line",
-                                                "--speed", "--single-step"});
+      if (const auto fine = check_heard(*verb, {"FILE", "--robot", "--standing-at", "--moved",
+                                                "--from-line", "--speed", "--single-step"});
           !fine) {
         return fine.error();
       }
@@ -352,6 +354,7 @@ void add_run(CLI::App& app, Call& call) {
       call.cell.robot = call.run.robot;
       call.cell.file = call.run.file;
       call.cell.standing_at = call.run.standing_at;
+      call.cell.moved = call.run.moved;
       return cell_run(call.cell);
     };
   });
@@ -466,7 +469,8 @@ void add_cell_verbs(CLI::App& app, Call& call) {
                        "sinew recover platform --standing-at home", cell_recover);
   verb->add_option("ROBOT", request.robot, kRobot)->required();
   verb->add_option("--standing-at", request.standing_at,
-                   "where it stands, from somebody who has looked: home, or a value a joint");
+                   "where it stands, from somebody who has looked: home, lowered (legs), shown, or "
+                   "a value a joint");
   verb->add_option("--moved", request.moved,
                    "why what was known of its place does not count any more: who moved it");
   verb->add_option("--answers", request.answers, kAnswers);
@@ -475,7 +479,9 @@ void add_cell_verbs(CLI::App& app, Call& call) {
                        "where a robot of a running cell stands, from somebody who has looked",
                        "sinew stands big home --zero-counters", cell_stands);
   verb->add_option("ROBOT", request.robot, kRobot)->required();
-  verb->add_option("PLACE", request.standing_at, "home, or a value a joint")->required();
+  verb->add_option("PLACE", request.standing_at,
+                   "home, lowered (legs), shown (as status shows it), or a value a joint")
+      ->required();
   verb->add_option("--moved", request.moved,
                    "why what was known of its place does not count any more: who moved it");
   verb->add_flag("--zero-counters", request.zero_counters,

@@ -21,6 +21,7 @@
 #include "sinew/cli/run_outputs.h"
 #include "sinew/cli/run_record.h"
 #include "sinew/cli/table.h"
+#include "sinew/control/position_evidence.h"
 #include "sinew/control/stop_rules.h"
 #include "sinew/io/interrupt.h"
 #include "sinew/model/joint_lookup.h"
@@ -30,6 +31,9 @@
 
 namespace sinew::cli {
 namespace {
+
+/// As its intervals, or the journal, show it.
+constexpr std::string_view kShown = "shown";
 
 struct Prepared {
   RobotModel model;
@@ -49,6 +53,7 @@ std::expected<std::optional<JointVector>, Outcome> standing_at(const RunRequest&
     return known ? std::optional(q) : std::nullopt;
   }
   if (*request.standing_at == "home") return q;
+  if (*request.standing_at == kShown) return std::nullopt;
   const bool legs = model.joints[0].kind == JointKind::kPrismatic;
   if (legs && *request.standing_at == "lowered") {
     for (std::size_t j = 0; j < q.size(); ++j) q[j] = model.joints[j].lower;
@@ -61,9 +66,10 @@ std::expected<std::optional<JointVector>, Outcome> standing_at(const RunRequest&
   if (!values) return std::unexpected(bad_input(values.error()));
   q.clear();
   for (std::size_t i = 0; i < values->size(); ++i) {
-    if (!within_limits(model.joints[i], (*values)[i])) {
-      const double limit =
-          (*values)[i] < model.joints[i].lower ? model.joints[i].lower : model.joints[i].upper;
+    const Joint& joint = model.joints[i];
+    const double beyond = control::reach_beyond_limits(joint);
+    if ((*values)[i] < joint.lower - beyond || (*values)[i] > joint.upper + beyond) {
+      const double limit = (*values)[i] < joint.lower ? joint.lower : joint.upper;
       const Error error{legs ? ErrorCode::kLegLength : ErrorCode::kJointLimit,
                         static_cast<std::int8_t>(i), (*values)[i], limit};
       return std::unexpected(bad_input("--standing-at: " + error_text(error, model)));
@@ -139,6 +145,9 @@ std::expected<Prepared, Outcome> prepare(const RunRequest& request) {
   if (request.time_scale != 1 && is_real(request.port)) {
     return std::unexpected(bad_input("--time-scale: a real port keeps real time"));
   }
+  if (request.moved && !request.standing_at) {
+    return std::unexpected(bad_input("--moved: goes with --standing-at"));
+  }
   if (const auto fine = check_outputs(request); !fine) return std::unexpected(fine.error());
   if (const auto fine = check_journal_name(request.journal); !fine) {
     return std::unexpected(fine.error());
@@ -158,8 +167,9 @@ std::expected<Prepared, Outcome> prepare(const RunRequest& request) {
   const auto plan =
       program::make_plan(prepared.program, model, prepared.standing_at.value_or(home_joints(model)),
                          runtime::homing_of(model));
-  // A run that goes on in the middle begins where only the machine knows.
-  const bool begins_elsewhere = request.from_line && !prepared.standing_at;
+  // A run that goes on in the middle, or where it is shown, begins where only the machine knows.
+  const bool begins_elsewhere =
+      (request.from_line || request.standing_at == kShown) && !prepared.standing_at;
   if (!plan && !begins_elsewhere) {
     return std::unexpected(plan_refusal(
         model, file_of(prepared.program, plan.error().file, request.file), plan.error()));
@@ -232,7 +242,11 @@ class RunWatch {
     order.title = request_.file;
     order.on_client_loss = ClientLoss::kContinue;  // this process ends it itself
     order.program = prepared_.program;
-    if (request_.standing_at) order.standing_at = prepared_.standing_at;
+    if (request_.standing_at) {
+      order.standing_at = {.q = prepared_.standing_at, .moved = request_.moved.has_value()};
+      const JournalRecovery* recovery = cell_.station().recovery();
+      if (recovery != nullptr) order.standing_at->last_said = recovery->last_said;
+    }
     // Nobody slows it down under way: the quickest profiles will do.
     order.changeable = prepared_.streams() && prepared_.speed != 1;
     if (order.changeable) order.feed = prepared_.speed;

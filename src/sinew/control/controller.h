@@ -216,6 +216,7 @@ class Controller {
   Expected<void> set_feed(double share);
   Expected<void> declare(const Declare& where, const Asked& asked);
   std::optional<Error> contradiction(const Declare& where) const;
+  std::optional<Error> dropped(const Declare& where) const;
   Expected<bool> acknowledge(const Command& command, const Inputs& inputs, Instant now);
   std::optional<Error> clear_device(Instant now);
   bool device_being_told() const;

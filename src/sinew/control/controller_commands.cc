@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "sinew/control/controller.h"
@@ -14,6 +15,16 @@ constexpr double kSamePlace = 1e-9;
 
 std::unexpected<Error> refused(ErrorCode code) {
   return std::unexpected(Error{code});
+}
+
+/// What is known of a joint that is not lost.
+Evidence evidence_of(const RobotModel& robot, std::size_t joint, const JointPosition& known) {
+  const bool measured = known.quality == PositionQuality::kMeasured;
+  double slack = measured ? Controller::kSag : kSamePlace;
+  if (known.quality == PositionQuality::kCommanded) slack += device_resolution(robot, joint);
+  return {measured ? Evidence::Source::kSensor : Evidence::Source::kRecord,
+          {known.lower, known.upper},
+          slack};
 }
 
 /// What is done at once when it is done at all.
@@ -282,13 +293,19 @@ Expected<void> Controller::declare(const Declare& where, const Asked& asked) {
           Error{ErrorCode::kMoveInput, static_cast<std::int8_t>(j), one.q, one.upper});
     }
     const Joint& joint = robot_.joints[j];
-    if (!within_limits(joint, one.q)) {
+    const double beyond = reach_beyond_limits(joint);
+    if (one.q < joint.lower - beyond || one.q > joint.upper + beyond) {
       return std::unexpected(Error{ErrorCode::kJointLimit, static_cast<std::int8_t>(j), one.q,
                                    one.q < joint.lower ? joint.lower : joint.upper});
     }
   }
   if (const auto error = contradiction(where)) return std::unexpected(*error);
+  const JournalPositions before(driver_.positions());
   driver_.declare_positions({where.positions.data(), where.positions.size()});
+  if (const auto error = dropped(where)) {
+    driver_.declare_positions({before.data(), before.size()});
+    return std::unexpected(*error);
+  }
   if (where.zeroes_counters) {
     if (const auto accepted = driver_.zero_counters(now); !accepted) return accepted;
     ++outstanding_;
@@ -309,17 +326,24 @@ std::optional<Error> Controller::contradiction(const Declare& where) const {
     if (const auto counted = driver_.counted(j)) {
       evidence.push_back({Evidence::Source::kCounters, *counted, kSamePlace});
     }
-    const JointPosition& joint = known[j];
-    const bool measured = joint.quality == PositionQuality::kMeasured;
-    double slack = measured ? kSag : kSamePlace;
-    if (joint.quality == PositionQuality::kCommanded) slack += device_resolution(robot_, j);
-    if (joint.quality != PositionQuality::kLost) {
-      evidence.push_back({measured ? Evidence::Source::kSensor : Evidence::Source::kRecord,
-                          {joint.lower, joint.upper},
-                          slack});
+    if (known[j].quality != PositionQuality::kLost) {
+      evidence.push_back(evidence_of(robot_, j, known[j]));
     }
     const auto agreed = agree(j, {evidence.data(), evidence.size()}, said);
     if (!agreed) return agreed.error();
+  }
+  return std::nullopt;
+}
+
+/// The first joint whose statement the driver did not keep: its device knows better.
+std::optional<Error> Controller::dropped(const Declare& where) const {
+  const auto kept = driver_.positions();
+  for (std::size_t j = 0; j < where.positions.size(); ++j) {
+    if (where.positions[j].quality == PositionQuality::kLost) continue;
+    const std::array known{evidence_of(robot_, j, kept[j])};
+    const bool lost = kept[j].quality == PositionQuality::kLost;
+    if (!lost && agree(j, known, where.positions[j])) continue;
+    return Error{ErrorCode::kNotHomed, static_cast<std::int8_t>(j)};
   }
   return std::nullopt;
 }

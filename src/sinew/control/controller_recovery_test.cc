@@ -5,6 +5,7 @@
 #include "sinew/control/controller_test_cell.h"
 #include "sinew/core/units.h"
 #include "sinew/model/device_resolution.h"
+#include "sinew/model/error_sentence.h"
 
 /// The way back of a machine that does not know where it is: one joint a little at a time, then
 /// somebody says where it stands.
@@ -272,6 +273,46 @@ TEST(Recovery, a_declaration_against_the_devices_count_is_refused_with_both_numb
   moved.moved = true;
   const std::uint32_t told = cell.give(moved);
   EXPECT_EQ(cell.end_of(told)->kind, Kind::kDone);
+}
+
+TEST(Recovery, a_statement_that_the_device_does_not_keep_is_refused_and_not_recorded) {
+  ControlCell cell("robot-arm-2", true);
+  for (std::size_t j = 0; j < 6; ++j) cell.driver.lose(j);
+  cell.driver.declarable = false;
+  cell.make_ready();
+  cell.run(300ms);
+  const std::uint32_t id = cell.give(standing(cell.robot));
+  EXPECT_EQ(cell.end_of(id)->kind, Kind::kRefused);
+  EXPECT_EQ(cell.end_of(id)->error, (Error{ErrorCode::kNotHomed, 0}));
+  const std::string told = sentence_of(cell.end_of(id)->error, cell.robot);
+  EXPECT_NE(told.find("sinew commission --procedure home"), std::string::npos) << told;
+  EXPECT_NE(cell.records.back().kind, JournalKind::kDeclared);
+  // Also where a hand has moved it, and its own boards say where it is.
+  for (std::size_t j = 0; j < 6; ++j) {
+    const double q = cell.robot.joints[j].home + 0.2;
+    cell.driver.set(j, {PositionQuality::kMeasured, q, q, q});
+  }
+  Declare moved = standing(cell.robot);
+  moved.moved = true;
+  const std::uint32_t again = cell.give(moved);
+  EXPECT_EQ(cell.end_of(again)->error, (Error{ErrorCode::kNotHomed, 0}));
+}
+
+TEST(Recovery, a_place_a_little_beyond_a_limit_can_be_said) {
+  ControlCell cell(kLostArm, true);
+  for (std::size_t j = 0; j < 5; ++j) cell.driver.lose(j);
+  cell.make_ready();
+  cell.run(300ms);
+  Declare where = standing(cell.robot);
+  const auto said = [&](double beyond) {
+    const double q = cell.robot.joints[1].upper + beyond;
+    where.positions[1] = {PositionQuality::kCommanded, q, q, q};
+    const std::uint32_t id = cell.give(where);
+    return cell.end_of(id)->kind;
+  };
+  EXPECT_EQ(said(from_deg(11)), Kind::kRefused) << "no joint turns so far";
+  EXPECT_EQ(said(from_deg(4)), Kind::kDone);
+  EXPECT_TRUE(cell.controller.reference());
 }
 
 }  // namespace

@@ -8,8 +8,6 @@
 namespace sinew::control {
 namespace {
 
-using namespace std::chrono_literals;
-
 constexpr std::array kRules = std::to_array<StopRule>({
     {StopCause::kClient, StopCategory::kStopAndHold, StopManner::kDevice, StopAfter::kReady,
      "client", ""},
@@ -47,27 +45,27 @@ static_assert(kRules.size() == kStopCauses);
 struct Facts {
   StopFacts operator()(const NoDriver& /*none*/) const { return {}; }
   StopFacts operator()(const BigRobotArmDevice& /*device*/) const {
-    return {false, 0ms, "none: finishes its move",
+    return {false, "none: finishes its move",
             "steppers hold; without power the arm sinks or drops"};
   }
   StopFacts operator()(const AxisRegistersDevice& /*device*/) const {
-    return {true, 300ms, "0.12 s until told, then the boards stop at once",
+    return {true, "0.12 s until told, then the boards stop at once",
             "steppers hold; without power the arm drops: its gears do not hold it"};
   }
   StopFacts operator()(const AxisLinkDevice& /*device*/) const {
-    return {true, 4100ms, "one frame until told, then the boards brake: up to 4 s at full speed",
+    return {true, "one frame until told, then the boards brake: up to 4 s at full speed",
             "steppers hold; without power the arm drops: its gears do not hold it"};
   }
   StopFacts operator()(const LscDevice& /*device*/) const {
-    return {true, 400ms, "where the servos are when the stop frame has arrived, 26 ms",
+    return {true, "where the servos are when the stop frame has arrived, 26 ms",
             "servos hold; without power or pulses the arm drops"};
   }
   StopFacts operator()(const MaxArmDevice& /*device*/) const {
-    return {true, 900ms, "0.13 to 0.6 s until told, then 0.1 s",
+    return {true, "0.13 to 0.6 s until told, then 0.1 s",
             "servos hold; without power the arm drops, and the pump lets go"};
   }
   StopFacts operator()(const IcpDevice& /*device*/) const {
-    return {true, 20ms, "4.2 ms: the microstep under way", "spindles hold, with and without power"};
+    return {true, "4.2 ms: the microstep under way", "spindles hold, with and without power"};
   }
 };
 

@@ -93,8 +93,10 @@ constexpr std::array kTable = std::to_array<ErrorInfo>({
     {kPositionUnknown, "position_unknown",
      "nobody knows for sure where {subject} is; home it, or say where it is", kNone, false, kNoStop,
      409},
-    {kNotHomed, "not_homed", "{subject} has not been homed since it was switched on", kNone, false,
-     kNoStop, 409},
+    {kNotHomed, "not_homed",
+     "{subject} is not homed, or its device knows better than a statement: run a row home, sinew "
+     "home or sinew commission --procedure home (servos: a row joint that names all joints)",
+     kNone, false, kNoStop, 409},
     {kSegmentTime, "segment_time", "the motion cannot take {measured}; limit {limit}", kTime, true,
      kNoStop, 422},
     {kToolNotFitted, "tool_not_fitted", "this robot has no such tool", kNone, true, kNoStop, 422},

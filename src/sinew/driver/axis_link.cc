@@ -83,6 +83,11 @@ DriverState AxisLinkDriver::state() const {
   return fault_ ? DriverState::kFault : DriverState::kReady;
 }
 
+std::optional<Instant> AxisLinkDriver::goes_on_until() const {
+  if (activity_ != Activity::kStopping) return std::nullopt;
+  return since_ + deadline_ + run_out_ + timing_.stop_margin;
+}
+
 DriverHealth AxisLinkDriver::health() const {
   DriverHealth health;
   health.requests = requests_;

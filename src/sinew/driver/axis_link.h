@@ -75,6 +75,8 @@ class AxisLinkDriver : public SpiDriver {
   DriverState state() const override;
   std::optional<Error> fault() const override { return fault_; }
   std::span<const JointPosition> positions() const override { return positions_; }
+  /// Until its boards have braked, or their deadline has stopped them.
+  std::optional<Instant> goes_on_until() const override;
   DriverHealth health() const override;
   DeviceFacts facts() const override;
   bool wants_move(Instant now) const override;

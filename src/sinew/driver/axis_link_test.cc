@@ -250,7 +250,11 @@ TEST(AxisLinkDriver, six_moving_axes_stand_half_a_second_after_stop) {
   cell.step();
   for (const auto& axis : cell.axes) EXPECT_EQ(axis->stops, 1) << "in one frame";
   EXPECT_LT(cell.now - asked, 100us);
+  const auto until = cell.driver->goes_on_until();
+  ASSERT_TRUE(until);
   ASSERT_TRUE(cell.run_to_event(Kind::kStopped, 2s));
+  EXPECT_LE(cell.now, *until);
+  EXPECT_FALSE(cell.driver->goes_on_until());
   // 90 deg/s at 200 deg/s^2 are 450 ms.
   EXPECT_LT(cell.now - asked, 460ms);
   EXPECT_EQ(cell.events.size(), 1U);

@@ -89,7 +89,7 @@ bool AxisRegistersDriver::held_by_stop() const {
 
 std::optional<JointInterval> AxisRegistersDriver::counted(std::size_t joint) const {
   const auto& found = axes_[joint].found;
-  if (!found) return std::nullopt;
+  if (!found || axes_[joint].adrift) return std::nullopt;
   return JointInterval{found->q - found->half_unit, found->q + found->half_unit};
 }
 
@@ -225,6 +225,7 @@ void AxisRegistersDriver::declare_positions(std::span<const JointPosition> posit
     if (declared.quality == PositionQuality::kMeasured) {
       declared.quality = PositionQuality::kCommanded;
     }
+    if (activity_ == Activity::kIdle && !take_statement(i, declared)) continue;
     positions_[i] = declared;
   }
 }
@@ -258,7 +259,7 @@ void AxisRegistersDriver::begin_opening(Instant now) {
   fault_.reset();
   for (Axis& axis : axes_) {
     axis.phase = Phase::kFind;
-    axis.answers = false;
+    axis.answers = axis.knows = axis.adrift = false;
     axis.fault.reset();
     axis.found.reset();
     axis.not_before = now;

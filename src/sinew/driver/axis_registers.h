@@ -67,8 +67,10 @@ struct AxisRegistersTiming {
 ///
 /// Opened with declared positions, a board that is homed has kept its supply since. What was
 /// declared holds where MOVE_ANGLE agrees; an interval of a motion whose host died in it shrinks to
-/// MOVE_ANGLE once the board stands. One of a stop does not: the register reads the target. A move
-/// from an uncertain position is allowed: the board knows where it stands. All members are @rt.
+/// MOVE_ANGLE once the board stands. One of a stop does not: the register reads the target. What a
+/// person declares there keeps how far the register is off (count_zero), until the next move. A
+/// board that is not homed, or counts elsewhere, takes no declaration. A move from an uncertain
+/// position is allowed: the board knows where it stands. All members are @rt.
 class AxisRegistersDriver : public SpiDriver {
  public:
   /// @param joints  one per board.
@@ -97,7 +99,7 @@ class AxisRegistersDriver : public SpiDriver {
   /// @error kPortClosed, kBusy
   Expected<void> clear_fault(Instant now) override;
   bool clearing() const override { return activity_ == Activity::kClearing; }
-  /// At rest only; what the boards say goes before it.
+  /// At rest only; what the boards report goes before it, and positions() shows what was kept.
   void declare_positions(std::span<const JointPosition> positions) override;
   void remember(const DriverMemory& memory) override { memory_ = memory; }
   bool held_by_stop() const override;
@@ -153,6 +155,8 @@ class AxisRegistersDriver : public SpiDriver {
     std::optional<Error> fault;  ///< why it is out
     bool answers = false;
     bool blank = false;           ///< its last status was all zero
+    bool knows = false;           ///< its last status: homed, and its position is fine
+    bool adrift = false;          ///< MOVE_ANGLE reads where it was sent before a stop
     bool latched = false;         ///< by us
     bool latched_before = false;  ///< by us, in an earlier run
     bool stop_due = false;        ///< it never confirmed a stop
@@ -207,6 +211,7 @@ class AxisRegistersDriver : public SpiDriver {
   void take_found(std::size_t i, const axis_registers::Data& value, Instant now);
   bool finishes(std::size_t i, const axis_registers::Data& value, Instant now);
   void take_found_angle(std::size_t i, const axis_registers::ToldAngle& read);
+  bool take_statement(std::size_t i, JointPosition& declared) const;
   std::optional<axis_registers::Status> take_status(std::size_t i,
                                                     const axis_registers::Data& value);
   void axis_fails(std::size_t i, Error error, Instant now);

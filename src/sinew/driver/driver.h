@@ -131,6 +131,8 @@ struct DriverMemory {
   bool held_by_stop = false;
   /// Joints, a bit each, whose counter in the device was away from where a power-up puts it.
   std::uint8_t counted = 0;
+  /// Since the last record of that run, as far as the clock of this computer tells.
+  Duration since{};
 };
 
 /// Host side of one wire: joint units to device units and back, time-outs, bounded retries that

@@ -134,6 +134,10 @@ Expected<void> IcpDriver::ready() const {
   return {};
 }
 
+std::optional<Instant> IcpDriver::goes_on_until() const {
+  return stop_asked_ ? deadline_ : std::nullopt;
+}
+
 bool IcpDriver::wants_move(Instant) const {
   return ready().has_value() && queue_.size() < 2;
 }

@@ -77,6 +77,8 @@ class IcpDriver final : public ByteDriver {
   DriverState state() const override;
   std::optional<Error> fault() const override { return fault_; }
   std::span<const JointPosition> positions() const override { return positions_; }
+  /// The microstep that was on its way when the stop came.
+  std::optional<Instant> goes_on_until() const override;
   DriverHealth health() const override { return health_; }
   DeviceFacts facts() const override { return facts_; }
   bool wants_move(Instant now) const override;

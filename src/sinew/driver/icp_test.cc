@@ -189,7 +189,10 @@ TEST(IcpDriver, stop_takes_effect_with_the_exchange_in_flight_in_every_phase_of_
     const Instant asked = cell.now;
     cell.driver.stop(cell.now);
     EXPECT_EQ(cell.driver.state(), DriverState::kStopping);
+    const Instant goes_on = cell.driver.goes_on_until().value_or(asked);
+    EXPECT_LE(goes_on - asked, 60ms) << "the answer to one step";
     cell.run_for(4'200us);
+    EXPECT_FALSE(cell.driver.goes_on_until());
     const std::int64_t stood = cell.truth(0) - cell.truth(3);
     EXPECT_LE(stood - before, 1);
     EXPECT_EQ(cell.count(Kind::kStopped), 0U) << "nobody has looked yet";

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "sinew/control/piece_motion.h"
+#include "sinew/control/position_evidence.h"
 #include "sinew/core/assert.h"
 #include "sinew/core/spelling.h"
 #include "sinew/core/units.h"
@@ -687,11 +688,9 @@ std::expected<void, std::string> Procedure::answer_place(const PlaceStep& step,
     return std::expected<void, std::string>{};
   };
   if (text == kShown && shows_all()) {
-    for (JointPosition joint : machine_.positions()) {
-      joint.quality = PositionQuality::kCommanded;
-      joint.q = (joint.lower + joint.upper) / 2;
-      declare.positions.push_back(joint);
-    }
+    const auto shown = control::as_shown(robot_, machine_.positions());
+    if (!shown) return std::unexpected(sentence(shown.error()));
+    declare.positions = *shown;
     return declares();
   }
   JointVector q;

@@ -6,6 +6,7 @@
 
 #include "sinew/control/path_motion.h"
 #include "sinew/control/piece_motion.h"
+#include "sinew/control/position_evidence.h"
 #include "sinew/core/assert.h"
 #include "sinew/core/units.h"
 #include "sinew/model/joint_lookup.h"
@@ -246,11 +247,19 @@ void Run::opening(Instant now) {
     machine_.give(control::Enable{});
   }
   if (state != MachineState::kReady) return;
-  if (declared_ && !declared_told_ && (has_looked_ || !machine_.reference())) {
+  if (declared_ && !declared_told_ && (declared_->has_looked || !machine_.reference())) {
     declared_told_ = true;
-    control::Declare declare;
-    for (const double q : *declared_) {
-      declare.positions.push_back({PositionQuality::kCommanded, q, q, q});
+    const auto& last = declared_->last_said;
+    control::Declare declare{.positions = {}, .moved = declared_->moved};
+    if (!declared_->q) {
+      const auto shown =
+          control::as_shown(robot_, machine_.positions(), {last.data(), last.size()});
+      if (!shown) return fail(shown.error(), now);
+      declare.positions = *shown;
+    } else {
+      for (const double q : *declared_->q) {
+        declare.positions.push_back({PositionQuality::kCommanded, q, q, q});
+      }
     }
     command_ = machine_.give(declare);
     return;

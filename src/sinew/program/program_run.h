@@ -33,6 +33,16 @@ struct Notice {
   int file = 0;  ///< of Program::files
 };
 
+/// Where somebody says that the machine stands.
+struct Statement {
+  Start q;  ///< nothing: as it is shown (control::as_shown)
+  /// It is held against all that is known otherwise, and the run is refused where they contradict;
+  /// else it counts only where nothing else is known.
+  bool has_looked = true;
+  bool moved = false;            ///< by hand: what was known does not count
+  JournalPositions last_said{};  ///< shown: of joints that are lost
+};
+
 /// Runs a program on a machine, one order at a time, as its client: it takes the lease, enables it
 /// where it is off, and a `home` ends with the way to the robot's home. It has no clock and no
 /// port: poll() follows each step of the machine's controller.
@@ -58,14 +68,8 @@ class Run {
   /// @param program, machine  outlive the run
   Run(const Program& program, control::Machine& machine);
 
-  /// Where somebody says the machine stands, for one that cannot know; it counts where the driver
-  /// does not know better.
-  /// @param has_looked  it is held against all that is known otherwise, and the run is refused
-  ///                    where they contradict; else it counts only where nothing else is known
-  void declare(const JointVector& q, bool has_looked = false) {
-    declared_ = q;
-    has_looked_ = has_looked;
-  }
+  /// Where somebody says the machine stands. Before start().
+  void declare(const Statement& statement) { declared_ = statement; }
   /// For the plan's estimate of `home`. Before start().
   void expect_homing(const Homing& homing) { homing_ = homing; }
   /// Ways of streaming devices are made so that they can be paused and slowed down; they take up to
@@ -196,8 +200,7 @@ class Run {
   bool searches_again_ = false;  ///< a search that the loss of the lease has ended
   bool single_step_ = false;
 
-  Start declared_;
-  bool has_looked_ = false;
+  std::optional<Statement> declared_;
   Start q_;                    ///< where the last order left the joints
   bool back_steps_ = false;    ///< the motion under way is a step back
   bool blind_ = false;         ///< the motion under way began nobody knows where

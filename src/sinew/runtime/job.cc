@@ -90,8 +90,11 @@ void JobRunner::run(const JobOrder& order, const program::Program& program, Stat
     const auto free = station_.look(way);
     return free ? std::nullopt : std::optional(free.error());
   });
-  if (const auto assumed = station_.assumed_place()) run.declare(*assumed);
-  if (order.standing_at) run.declare(*order.standing_at, true);
+  if (order.standing_at) {
+    run.declare(*order.standing_at);
+  } else if (const auto assumed = station_.assumed_place()) {
+    run.declare({.q = *assumed, .has_looked = false});
+  }
   station_.set_recorded(order.recorded);
   if (order.recorded) station_.begin_record(order.title, order.record);
   run.start(clock_.now());

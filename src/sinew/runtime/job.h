@@ -18,8 +18,7 @@ struct JobOrder {
   program::Program program;
   /// Instead of the program: made where the machine stands, or from its home where nobody knows.
   std::optional<program::RideOrder> ride;
-  /// Where somebody says that the machine stands, for one that cannot know.
-  std::optional<JointVector> standing_at;
+  std::optional<program::Statement> standing_at;
   bool take_over = false;    ///< the lease, from whoever has it
   bool single_step = false;  ///< pauses behind each order
   bool recorded = true;      ///< leaves a record where jobs do, and faults meanwhile too

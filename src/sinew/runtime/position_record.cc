@@ -165,7 +165,10 @@ io::IoResult<void> forget_port(const std::string& folder, const std::string& por
 }
 
 control::ControllerStart PositionRecord::start() const {
-  return {recovery_.positions, recovery_.end, recovery_.memory};
+  DriverMemory memory = recovery_.memory;
+  const Duration since{io::wall_time_ns() - recovery_.last_time.wall_ns};
+  memory.since = std::max(since, Duration::zero());
+  return {recovery_.positions, recovery_.end, memory};
 }
 
 io::IoResult<void> PositionRecord::import(const RobotModel& robot,

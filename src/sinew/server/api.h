@@ -105,6 +105,7 @@ class Api {
     std::uint64_t group = 0;  ///< requests that wait for several robots
     bool at_start = false;    ///< that it has begun is answer enough
     bool epoch = false;       ///< the answer is the lease
+    Json statement{};         ///< a statement of a position: its event, once it has an end
   };
   struct Watch {
     bool on = false;
@@ -181,6 +182,8 @@ class Api {
   void renew(Session& session, Instant now);
   void take_events(Session& session);
   void settle(Session& session, const Pending& pending, const control::ControlEvent& event);
+  void log_statement(const Pending& pending, const control::ControlEvent& event);
+  std::expected<bool, RpcError> moved(const Call& call) const;
   void take_answered();
   void take_answered(const Answered& done);
   void log_demonstration();

@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "sinew/config/points_file.h"
+#include "sinew/control/position_evidence.h"
 #include "sinew/core/spelling.h"
 #include "sinew/io/clock.h"
 #include "sinew/model/joint_lookup.h"
@@ -306,36 +307,57 @@ std::expected<JointVector, RpcError> Api::joints(const Json& numbers, std::size_
   return q;
 }
 
+/// Whether somebody moved the robot, and says who and how.
+std::expected<bool, RpcError> Api::moved(const Call& call) const {
+  const auto moved = call.request.params.find("moved");
+  if (moved == call.request.params.end()) return false;
+  const auto& why = moved->get_ref<const std::string&>();
+  if (why.find_first_not_of(' ') != std::string::npos) return true;
+  return std::unexpected(invalid("moved needs a reason in words: who moved it, and how"));
+}
+
 Api::Answer Api::declare(const Call& call) {
-  JointVector q = home_joints(cell_.station(*call.robot).robot());
-  if (const auto given = call.request.params.find("positions");
-      given != call.request.params.end()) {
-    const auto read = joints(*given, *call.robot);
-    if (!read) return read.error();
-    q = *read;
-  }
-  control::Declare declare;
-  for (const double one : q) {
-    declare.positions.push_back({PositionQuality::kCommanded, one, one, one});
-  }
-  if (const auto moved = call.request.params.find("moved"); moved != call.request.params.end()) {
-    const std::string why = printable(moved->get<std::string>().substr(0, kReasonMax));
-    if (why.find_first_not_of(' ') == std::string::npos) {
-      return invalid("moved needs a reason in words: who moved it, and how");
+  const runtime::Station& station = cell_.station(*call.robot);
+  const auto hand = moved(call);
+  if (!hand) return hand.error();
+  control::Declare declare{.positions = {},
+                           .moved = *hand,
+                           .zeroes_counters = call.request.flag("zero_counters")};
+  const runtime::StationView view = station.view();
+  const auto given = call.request.params.find("positions");
+  if (call.request.flag("shown")) {
+    const auto shown =
+        control::as_shown(station.robot(), {view.positions.data(), view.positions.size()});
+    if (!shown) return refusal(RpcCode::kRefused, shown.error(), *call.robot);
+    declare.positions = *shown;
+  } else {
+    JointVector q = home_joints(station.robot());
+    if (given != call.request.params.end()) {
+      const auto read = joints(*given, *call.robot);
+      if (!read) return read.error();
+      q = *read;
     }
-    declare.moved = true;
-    log_.add({{"at_ms", io::wall_time_ns() / 1'000'000},
-              {"robot", cell_.station(*call.robot).name()},
-              {"kind", "moved"},
-              {"client", call.session.id},
-              {"reason", why}});
+    for (const double one : q) {
+      declare.positions.push_back({PositionQuality::kCommanded, one, one, one});
+    }
   }
-  declare.zeroes_counters = call.request.params.value("zero_counters", false);
-  log_.add({{"at_ms", io::wall_time_ns() / 1'000'000},
-            {"robot", cell_.station(*call.robot).name()},
-            {"kind", "declared"},
-            {"client", call.session.id}});
-  return give(call, declare);
+  Json places = Json::array();
+  for (const JointPosition& joint : declare.positions) places.push_back(joint.q);
+  Answer answer = give(call, declare);
+  if (auto* later = std::get_if<Later>(&answer)) {
+    Json& event = later->commands.front().statement;
+    event = {{"robot", station.name()},
+             {"kind", "declared"},
+             {"client", call.session.id},
+             {"positions", places},
+             {"known", joints_json(view, station.robot())}};
+    if (*hand) {
+      event["reason"] =
+          printable(call.request.params["moved"].get<std::string>().substr(0, kReasonMax));
+    }
+    if (declare.zeroes_counters) event["zero_counters"] = true;
+  }
+  return answer;
 }
 
 Api::Answer Api::nudge(const Call& call) {
@@ -395,8 +417,13 @@ Api::Answer Api::run_program(const Call& call) {
   if (const auto given = params.find("standing_at"); given != params.end()) {
     const auto read = joints(*given, *call.robot);
     if (!read) return read.error();
-    order.standing_at = *read;
+    order.standing_at = program::Statement{.q = *read};
   }
+  if (call.request.flag("shown")) order.standing_at = program::Statement{};
+  const auto hand = moved(call);
+  if (!hand) return hand.error();
+  if (*hand && !order.standing_at) return invalid("moved goes with standing_at or shown");
+  if (*hand) order.standing_at->moved = true;
   return start(call, std::move(order));
 }
 

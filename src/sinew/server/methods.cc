@@ -43,6 +43,9 @@ constexpr Param kJogParams[] = {
 constexpr Param kDeclareParams[] = {
     kRobotParam,
     {"positions", ParamType::kNumbers, false, "rad or m, one a joint; its home where left out"},
+    {"shown", ParamType::kFlag, false,
+     "instead: the middle of its intervals, which stay; refused where they are wider than a person "
+     "sees"},
     {"moved", ParamType::kText, false,
      "why what was known of its place does not count any more, in words: who moved it"},
     {"zero_counters", ParamType::kFlag, false,
@@ -61,6 +64,8 @@ constexpr Param kRunParams[] = {
     {"standing_at", ParamType::kNumbers, false,
      "where it stands, from somebody who has looked; "
      "rad or m, one a joint"},
+    {"shown", ParamType::kFlag, false, "instead: where its intervals show it, as robot.declare"},
+    {"moved", ParamType::kText, false, "who moved it, as robot.declare"},
     {"from_line", ParamType::kWhole, false, "of its own text, where it goes on"},
     {"speed", ParamType::kNumber, false, "share of all rows' speed, 0.01 to 1"},
     {"single_step", ParamType::kFlag, false, "a pause behind each order, as program.step makes"}};

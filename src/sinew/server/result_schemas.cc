@@ -260,7 +260,7 @@ void put_jobs(Json& all) {
            {"at_ms", whole()},
            {"robot", text()},
            {"kind", one_of({"state", "lease", "stop", "fault", "notice", "record", "demonstration",
-                            "job", "procedure", "moved", "declared", "begun"})}},
+                            "job", "procedure", "declared", "declaration_refused", "begun"})}},
           {{"state", ref("State")},
            {"client", or_null("integer")},
            {"category", category()},
@@ -280,6 +280,9 @@ void put_jobs(Json& all) {
            {"procedure_number", whole()},
            {"procedure", text()},
            {"reason", text()},
+           {"positions", list(number())},
+           {"known", list(ref("JointStatus"))},
+           {"zero_counters", flag()},
            {"version", text()}}));
   all["Events"] = object({{"events", list(ref("Event"))}});
 }

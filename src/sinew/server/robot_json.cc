@@ -14,23 +14,6 @@ namespace {
 using planning::LimitKind;
 using runtime::with_unit;
 
-Json joints_json(const runtime::StationView& view, const RobotModel& model) {
-  Json joints = Json::array();
-  for (std::size_t j = 0; j < model.joints.size(); ++j) {
-    const Joint& joint = model.joints[j];
-    const JointPosition position = j < view.positions.size() ? view.positions[j] : JointPosition{};
-    Json one{{"name", joint.name}, {"quality", quality_name(position.quality)}};
-    if (position.quality != PositionQuality::kLost) {
-      one[with_unit("position", joint)] = position.q;
-      one[with_unit("lower", joint)] = position.lower;
-      one[with_unit("upper", joint)] = position.upper;
-    }
-    if (view.reference) one[with_unit("commanded", joint)] = (*view.reference)[j];
-    joints.push_back(std::move(one));
-  }
-  return joints;
-}
-
 /// The worst of all joints: nobody knows a machine better than that.
 std::string_view worst_quality(const runtime::StationView& view) {
   PositionQuality worst = PositionQuality::kMeasured;
@@ -173,6 +156,23 @@ Json error_json(const Error& error, const RobotModel& model) {
     json["limit" + unit] = error.limit;
   }
   return json;
+}
+
+Json joints_json(const runtime::StationView& view, const RobotModel& model) {
+  Json joints = Json::array();
+  for (std::size_t j = 0; j < model.joints.size(); ++j) {
+    const Joint& joint = model.joints[j];
+    const JointPosition position = j < view.positions.size() ? view.positions[j] : JointPosition{};
+    Json one{{"name", joint.name}, {"quality", quality_name(position.quality)}};
+    if (position.quality != PositionQuality::kLost) {
+      one[with_unit("position", joint)] = position.q;
+      one[with_unit("lower", joint)] = position.lower;
+      one[with_unit("upper", joint)] = position.upper;
+    }
+    if (view.reference) one[with_unit("commanded", joint)] = (*view.reference)[j];
+    joints.push_back(std::move(one));
+  }
+  return joints;
 }
 
 Json description_json(const CellRobot& place, const runtime::Station& station) {
