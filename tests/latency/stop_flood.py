@@ -120,18 +120,24 @@ def memory_mb(pid):
 
 
 def ride(cell):
-    """One robot moves, as far as its last ride has ended."""
-    try:
-        cell.call("robot.bullride", robot=MOVING, duration_s=600, take_over=True)
-    except sinew.Refused:
-        pass
+    """Until MOVING moves, 3 s at most: its last ride has to end first."""
+    end = time.monotonic() + 3
+    while time.monotonic() < end:
+        if cell.call("robot.status", robot=MOVING)["state"] == "moving":
+            return True
+        try:
+            cell.call("robot.bullride", robot=MOVING, duration_s=30, take_over=True)
+        except sinew.Refused:
+            pass
+        time.sleep(0.05)
+    return False
 
 
 def asked(cell, method, count):
     took = []
     for k in range(count):
         if ROBOTS[k % 5] == MOVING:
-            moved.append(cell.call("robot.status", robot=MOVING)["state"] == "moving")
+            moved.append(ride(cell))
         begun = time.monotonic()
         try:
             cell.call(method, robot=ROBOTS[k % 5])
@@ -141,7 +147,6 @@ def asked(cell, method, count):
         if ROBOTS[k % 5] == MOVING:
             cell.call("robot.stop", robot=MOVING)  # a ride that is held cannot begin anew
         time.sleep(0.05 + 0.013 * (k % 5))
-        ride(cell)
     return sorted(took)
 
 
@@ -194,8 +199,8 @@ def main():
           f"memory {before:.0f} MB before, {during:.0f} MB during, {behind:.0f} MB behind")
     slow = any(one[len(one) // 2] > MEDIAN_MS or one[-1] > WORST_MS for one in (took, held))
     keeps = behind > before + KEPT_MB
-    if not any(moved):
-        print("nothing moved")
+    if sum(moved) < len(moved) / 2:
+        print(f"{MOVING} stood")
         return 1
     if slow or keeps:
         print("the viewers have delayed a stop" if slow else "memory was not given back")
