@@ -406,6 +406,12 @@ void Run::look_at_wait(Instant now) {
   fail(Error{ErrorCode::kNotInTime, -1, current_->duration, current_->duration}, now);
 }
 
+bool Run::watches() const {
+  if (!next_deadline() || !current_) return false;
+  const auto* wait = std::get_if<WaitOrder>(&current_->order->what);
+  return wait != nullptr && wait->what != WaitStep::For::kTime;
+}
+
 std::expected<bool, Error> Run::holds(const Condition& condition) {
   using Subject = Condition::Subject;
   if (!condition.of_position()) {

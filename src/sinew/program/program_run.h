@@ -134,6 +134,8 @@ class Run {
   double elapsed(Instant now) const;
   /// When poll() should be called next even if the machine has nothing to do.
   std::optional<Instant> next_deadline() const { return paused_ ? std::nullopt : wait_end_; }
+  /// A wait for standstill or for a condition is under way: positions of each cycle count.
+  bool watches() const;
   /// Why the phase is kFailed: the line (0: before the first order) and the reason.
   const std::optional<Refusal>& failure() const { return failure_; }
   /// Why the phase is kStopped; nothing where it was this run's own stop().

@@ -122,8 +122,9 @@ class Station {
   std::optional<control::ControlEvent> take_event(std::uint8_t slot);
   /// Events that this slot was too slow for.
   std::uint64_t dropped_events(std::uint8_t slot) const;
-  /// Returns behind the next cycle, or after `patience`.
-  void wait_for_cycle(Duration patience) const;
+  /// Returns when there is something new to see, at the latest in the first cycle from `at` on or
+  /// after `patience` of real time.
+  void wait_for_cycle(Duration patience, std::optional<Instant> at = {}) const;
 
   /// Why the file of `byte_log` is not whole.
   std::optional<io::IoError> log_failure() const;
@@ -158,7 +159,9 @@ class Station {
   bool at_rest(const control::Controller& controller) const;
   bool records() const;
   Duration retry_interval() const;
-  void take_mail(ControlLoop& loop);
+  bool take_mail(ControlLoop& loop);
+  void note_cycle(const control::Controller& controller, Instant now);
+  bool due(const control::Controller& controller, Instant now) const;
   void publish(const ControlLoop& loop, Instant now);
   CellStand stand(const control::Controller& controller, Instant now) const;
   bool look_around(ControlLoop& loop, Instant now);
@@ -191,6 +194,14 @@ class Station {
   Instant facts_at_{};
   std::vector<control::ControlEvent> undelivered_;  ///< of this cycle
   bool was_ready_ = false;
+  struct Published {
+    Instant at;
+    control::MachineState state;
+    DriverState driver;
+  };
+  std::optional<Published> published_;  ///< of view_, for the control thread
+  static constexpr Instant kNever = Instant::max();
+  mutable std::atomic<Instant> look_at_ = kNever;  ///< set under the mutex
 
   mutable std::mutex mutex_;
   mutable std::condition_variable cycled_;
