@@ -7,6 +7,7 @@
 #include "sinew/control/piece_motion.h"
 #include "sinew/core/assert.h"
 #include "sinew/core/units.h"
+#include "sinew/model/left_out.h"
 
 namespace sinew::program {
 
@@ -419,6 +420,7 @@ bool Run::settled(Instant now) {
   const auto positions = machine_.positions();
   bool still = still_.has_value();
   for (std::size_t i = 0; still && i < positions.size(); ++i) {
+    if (is_left_out(robot_, i)) continue;
     const bool turns = robot_.joints[i].kind == JointKind::kRevolute;
     const double open = (positions[i].upper - positions[i].lower) / 2;
     still = positions[i].quality >= PositionQuality::kCommanded &&
