@@ -54,6 +54,13 @@ describe('an error', () => {
     expect(errorSentence({ ...limit, ...numbers })).toBe('elbow müsste auf 130°, die Grenze ist 90°: 40° zu weit');
   });
 
+  it('of a joint whose board is left out names no homing', () => {
+    language.value = 'de';
+    expect(errorSentence({ code: 'position_unknown', sentence: 'x', joint: 'elbow', left_out: true })).toBe(
+      'elbow ist ausgelassen, seine Position unbekannt; Gelenkbewegungen verwenden, die elbow nicht nennen',
+    );
+  });
+
   it('is English where a value is missing, is no number, or its code is new', () => {
     language.value = 'de';
     expect(errorSentence(limit)).toBe(limit.sentence);

@@ -117,6 +117,7 @@ const kept: Record<string, string> = {
 };
 
 export const errorsDe: ErrorWords = {
+  leftOut: '{subject} ist ausgelassen, seine Position unbekannt; Gelenkbewegungen verwenden, die {subject} nicht nennen',
   and: 'und',
   codes: { ...codes, ...kept },
   device: { one: 'Das Gerät', of: 'Die Platine von {subject}' },

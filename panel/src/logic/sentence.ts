@@ -10,6 +10,8 @@ import { duration, shown, toDeg, toMm, unitOf } from './units';
 export interface ErrorWords {
   /** By code: {subject} {device} {measured} {limit} {excess}, and {sentence}, the server's own. */
   codes: Readonly<Record<string, string>>;
+  /** A joint whose board is left out: {subject}. */
+  leftOut: string;
   /** Whose answer is meant: the device's, or where there are several boards that of one. */
   device: { one: string; of: string };
   /** Between two names. */
@@ -32,7 +34,7 @@ export function sentenceIn(words: ErrorWords | undefined, error: Told): string {
   if (!words || !error.code) return said;
   const inCell = error.code === 'cell_contact' || error.code === 'cell_taken';
   if (inCell && error.other !== undefined) return inCellSentence(words, error) ?? said;
-  const template = words.codes[error.code];
+  const template = error.left_out ? words.leftOut : words.codes[error.code];
   return (template && filled(template, valuesOf(words, error))) ?? said;
 }
 

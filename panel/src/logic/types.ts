@@ -41,6 +41,8 @@ export interface ErrorJson {
   link?: string;
   other?: string;
   other_link?: string;
+  /** The joint's board is left out by choice. */
+  left_out?: boolean;
   line?: number;
   share?: number;
   way_m?: number;

@@ -117,6 +117,9 @@ void add_inverse(CLI::App& app, Call& call) {
   verb->callback([&call] { call.verb = [&call] { return inverse(call.inverse); }; });
 }
 
+constexpr const char* kWithout =
+    "joints whose boards are missing, by name or as J3, comma between; the others can be used";
+
 void add_sim(CLI::App& app, Call& call) {
   CLI::App* verb = add_verb(app, call, "sim", "a robot's device, simulated behind a real port",
                             "sinew sim learm --profile bus --link /tmp/arm");
@@ -200,6 +203,7 @@ void add_plan(CLI::App& app, Call& call) {
                    "which of the robot's wires it is planned for; as in its file where left out");
   verb->add_option("--profile", request.profile,
                    "which variant of its device; an unknown name lists them");
+  verb->add_option("--without", request.without, kWithout)->delimiter(',');
   verb->add_option("--to", request.to,
                    "x,y,z or x,y,z,rx,ry,rz: a straight line of the tool; joints=a,b,..: a joint "
                    "move; again for each further move")
@@ -305,6 +309,7 @@ void add_run(CLI::App& app, Call& call) {
                    "which of the robot's wires; as in its file where left out");
   verb->add_option("--profile", request.profile,
                    "which variant of the device; an unknown name lists them");
+  verb->add_option("--without", request.without, kWithout)->delimiter(',');
   verb->add_option("--standing-at", request.standing_at,
                    "where a machine without sensors stands: home, lowered (legs), shown (as its "
                    "journal shows it), or a value per joint (deg, mm)");
@@ -511,6 +516,7 @@ void add_commission(CLI::App& app, Call& call) {
                    "which of the robot's wires; as in its file where left out");
   verb->add_option("--profile", request.profile,
                    "which variant of its device; an unknown name lists them");
+  verb->add_option("--without", request.without, kWithout)->delimiter(',');
   verb->add_option("--answers", request.answers, "a file of STEP = ANSWER, instead of typing");
   verb->add_option("--save", request.save, "where the results go; the state folder where left out");
   verb->add_flag("--anew", request.anew, "asks again what was answered before");
@@ -607,6 +613,7 @@ void add_check(CLI::App& app, Call& call) {
                    "which of the robot's wires; as in its file where left out");
   verb->add_option("--profile", request.profile,
                    "which variant of its device; an unknown name lists them");
+  verb->add_option("--without", request.without, kWithout)->delimiter(',');
   verb->callback([&call] { call.verb = [&call] { return check_program(call.check); }; });
 }
 

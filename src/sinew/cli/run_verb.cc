@@ -132,7 +132,7 @@ std::expected<Prepared, Outcome> prepare(const RunRequest& request) {
   const auto file = find_robot(request.robot);
   if (!file) return std::unexpected(file.error());
   if (const auto fine = check_has_device(file->model); !fine) return std::unexpected(fine.error());
-  auto variant = runtime::variant_of(file->model, request.profile, request.wire);
+  auto variant = runtime::variant_of(file->model, request.profile, request.wire, request.without);
   if (!variant) return std::unexpected(bad_input(variant.error()));
   const auto settings = use_commissioning(*variant, request.settings, is_real(request.port));
   if (!settings) return std::unexpected(settings.error());

@@ -5,6 +5,7 @@
 #include "sinew/control/controller.h"
 #include "sinew/control/position_evidence.h"
 #include "sinew/model/device_resolution.h"
+#include "sinew/model/left_out.h"
 #include "sinew/planning/path_follower.h"
 
 namespace sinew::control {
@@ -32,6 +33,17 @@ Expected<bool> at_once(const Expected<void>& what) {
   if (!what) return std::unexpected(what.error());
   return true;
 }
+/// The tool cannot be led while nobody knows where a joint is, and that joint not at all.
+std::optional<Error> left_out_jog(const planning::JogCommand& jog, const RobotModel& robot) {
+  for (std::size_t j = 0; j < robot.joints.size(); ++j) {
+    if (!is_left_out(robot, j)) continue;
+    const bool others = jog.frame == planning::JogFrame::kJoint && j < jog.velocity.size();
+    if (others && jog.velocity[j] == 0) continue;
+    return Error{ErrorCode::kPositionUnknown, static_cast<std::int8_t>(j)};
+  }
+  return std::nullopt;
+}
+
 /// What goes on for a while.
 Expected<bool> begun(const Expected<void>& what) {
   if (!what) return std::unexpected(what.error());
@@ -213,12 +225,14 @@ Expected<bool> Controller::jog(const Command& command, const JogAt& velocity, In
   if (jog_refused_ && same_hold) return std::unexpected(*jog_refused_);
   jog_refused_.reset();
   if (state_ == MachineState::kMoving && task_ && task_->kind == TaskKind::kJog) {
+    if (const auto error = left_out_jog(velocity.velocity, robot_)) return std::unexpected(*error);
     if (const auto error = jog_.command(velocity.velocity, now)) return std::unexpected(*error);
     return true;
   }
   if (const auto rest = at_rest(now); !rest) return std::unexpected(rest.error());
   const auto from = reference();
   if (!from) return std::unexpected(unknown_position());
+  if (const auto error = left_out_jog(velocity.velocity, robot_)) return std::unexpected(*error);
   if (const auto error = jog_.start(*from, now)) return std::unexpected(*error);
   if (const auto error = jog_.command(velocity.velocity, now)) return std::unexpected(*error);
   task_ = Task{command.id, TaskKind::kJog, &jog_, now, false};
@@ -393,7 +407,7 @@ void Controller::acknowledged(Instant now) {
 Error Controller::unknown_position() const {
   const auto all = positions();
   for (std::size_t j = 0; j < all.size(); ++j) {
-    if (all[j].quality >= PositionQuality::kCommanded) continue;
+    if (all[j].quality >= PositionQuality::kCommanded || is_left_out(robot_, j)) continue;
     return {ErrorCode::kPositionUnknown, static_cast<std::int8_t>(j)};
   }
   return {ErrorCode::kPositionUnknown};

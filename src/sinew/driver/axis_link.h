@@ -59,6 +59,9 @@ struct AxisLinkTiming {
 /// out: axis_fault() says why, kNotice tells it at rest. The others go on; move() takes targets
 /// that leave an axis that is out where positions() shows it. clear_fault() brings it back.
 ///
+/// An axis that is left out by choice (model/left_out.h) is never selected: its joint stays kLost,
+/// and what a move says of it counts for nothing.
+///
 /// positions(): kMeasured once an axis is homed, as it was when its last frame began: the motor's
 /// encoder, -+ all that the axis says may lie between that and the joint, and the way that it goes
 /// while a reading ages; kUncertain while its answers fail, over all that it can have gone since;
@@ -119,6 +122,7 @@ class AxisLinkDriver : public SpiDriver {
   enum class Activity : std::uint8_t { kClosed, kOpening, kIdle, kMoving, kHoming, kStopping };
   enum class Flight : std::uint8_t { kNone, kToAll, kToOne };
 
+  bool is_out_by_choice(std::size_t i) const { return (left_out_ >> i & 1U) != 0; }
   Expected<void> may_begin() const;
   Expected<void> check_axes(const JointMove& move) const;
   bool next_axis(Instant now);
@@ -143,6 +147,7 @@ class AxisLinkDriver : public SpiDriver {
 
   FixedVector<axis_link::Channel, kMaxJoints> channels_;
   FixedVector<Joint, kMaxJoints> joints_;
+  std::uint8_t left_out_ = 0;  ///< axes, a bit each
   std::uint32_t clock_hz_;
   Duration deadline_;
   AxisLinkTiming timing_;

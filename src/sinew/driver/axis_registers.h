@@ -59,6 +59,9 @@ struct AxisRegistersTiming {
 /// why, a silent one is tried again every `retry`. The others go on; move() takes targets that
 /// leave a board that is out where positions() shows it.
 ///
+/// A board that is left out by choice (model/left_out.h) is never selected: its joint stays kLost,
+/// and what a move says of it counts for nothing.
+///
 /// positions(): kLost before homing, while a board is silent, and from a board that stalled or had
 /// too little supply until it is homed again: its joint may have fallen to its mechanical end.
 /// kUncertain while moving, after a move that was stopped or failed, and for a board that was homed
@@ -181,6 +184,8 @@ class AxisRegistersDriver : public SpiDriver {
 
   // axis_registers.cc: what is to be done
   std::optional<Error> check_ready() const;
+  bool is_out_by_choice(std::size_t i) const;
+  Error why_none_is_fit() const;
   Expected<axis_registers::ToldAngle> target_for(std::size_t i, double q) const;
   bool all_done() const;
   void begin(Activity activity);

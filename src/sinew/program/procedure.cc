@@ -13,6 +13,7 @@
 #include "sinew/core/units.h"
 #include "sinew/model/error_sentence.h"
 #include "sinew/model/joint_lookup.h"
+#include "sinew/model/left_out.h"
 #include "sinew/program/home_return.h"
 #include "sinew/program/program_plan.h"
 
@@ -665,9 +666,11 @@ std::expected<void, std::string> Procedure::answer_adjust(std::string_view text,
 
 /// Each joint is known, if only within an interval.
 bool Procedure::shows_all() const {
-  return std::ranges::none_of(machine_.positions(), [](const JointPosition& joint) {
-    return joint.quality == PositionQuality::kLost;
-  });
+  const auto positions = machine_.positions();
+  for (std::size_t j = 0; j < positions.size(); ++j) {
+    if (positions[j].quality == PositionQuality::kLost && !is_left_out(robot_, j)) return false;
+  }
+  return true;
 }
 
 std::expected<void, std::string> Procedure::answer_place(const PlaceStep& step,

@@ -10,6 +10,7 @@
 #include "sinew/core/assert.h"
 #include "sinew/core/units.h"
 #include "sinew/model/joint_lookup.h"
+#include "sinew/model/left_out.h"
 
 namespace sinew::program {
 
@@ -445,6 +446,7 @@ bool Run::settled(Instant now) {
   const auto positions = machine_.positions();
   bool still = still_.has_value();
   for (std::size_t i = 0; still && i < positions.size(); ++i) {
+    if (is_left_out(robot_, i)) continue;
     const bool turns = robot_.joints[i].kind == JointKind::kRevolute;
     const double open = (positions[i].upper - positions[i].lower) / 2;
     still = positions[i].quality >= PositionQuality::kCommanded &&

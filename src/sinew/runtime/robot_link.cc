@@ -181,7 +181,16 @@ std::string silent_boards(const BoardDriver& driver) {
   }
   if (silent == 0 || silent == joints) return {};
   const std::string many = std::to_string(silent) + " of " + std::to_string(joints) + " boards";
-  return many + (silent == 1 ? " does" : " do") + " not answer: " + names;
+  std::string list = "[";
+  for (std::size_t i = 0; i < joints; ++i) {
+    const auto fault = driver.axis_fault(i);
+    if (!fault || fault->code != ErrorCode::kDeviceSilent) continue;
+    list += (list.size() > 1 ? ", \"J" : "\"J") + std::to_string(i + 1) + "\"";
+  }
+  std::string option = names;
+  std::erase(option, ' ');
+  return many + (silent == 1 ? " does" : " do") + " not answer: " + names +
+         "; to use the others: --without " + option + ", in a cell's file without = " + list + "]";
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 
 #include "sinew/control/machine_identity.h"
 #include "sinew/model/joint_lookup.h"
+#include "sinew/model/left_out.h"
 #include "sinew/runtime/commissioning_file.h"
 #include "sinew/runtime/device_statements.h"
 
@@ -306,6 +307,7 @@ CellStand Station::stand(const control::Controller& controller, Instant now) con
   const auto positions = controller.positions();
   for (std::size_t j = 0; j < positions.size(); ++j) {
     const JointPosition& joint = positions[j];
+    if (is_left_out(robot_, j)) continue;  // its bodies know
     stand.known = stand.known && joint.quality != PositionQuality::kLost;
     stand.sure = stand.sure && joint.quality >= PositionQuality::kCommanded;
     stand.joints.q[j] = (joint.lower + joint.upper) / 2;
@@ -326,6 +328,7 @@ CellStand Station::stand(const control::Controller& controller, Instant now) con
   stand.jogs = true;
   const motion::AxisStates& sent = controller.jog_setpoint();
   for (std::size_t j = 0; j < positions.size(); ++j) {
+    if (is_left_out(robot_, j)) continue;
     const double lower = std::min(positions[j].lower, sent.q[j]);
     const double upper = std::max(positions[j].upper, sent.q[j]);
     stand.joints.q[j] = (lower + upper) / 2;

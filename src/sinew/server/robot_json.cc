@@ -5,6 +5,7 @@
 
 #include "sinew/driver/quality_name.h"
 #include "sinew/model/error_sentence.h"
+#include "sinew/model/left_out.h"
 #include "sinew/planning/jog_reason.h"
 #include "sinew/runtime/unit_name.h"
 
@@ -150,6 +151,9 @@ Json error_json(const Error& error, const RobotModel& model) {
   const bool in_cell = error.code == ErrorCode::kCellContact || error.code == ErrorCode::kCellTaken;
   const char* kind = error.other >= 0 ? "links" : in_cell ? "link" : "joint";
   if (!subject.empty()) json[kind] = subject;
+  const bool left_out = error.code == ErrorCode::kPositionUnknown && error.index >= 0 &&
+                        is_left_out(model, static_cast<std::size_t>(error.index));
+  if (left_out) json["left_out"] = true;
   if (info(error.code).quantity != Quantity::kNone) {
     const std::string unit(unit_of(error, model));
     json["measured" + unit] = error.measured;
