@@ -181,6 +181,11 @@ void Procedure::take(const Event& event, Instant now) {
       return command_done(now);
     case Kind::kStopped:
       if (left_alone_) return ask_again("control was lost on the way");
+      if (event.cause == control::StopCause::kLeaseEnded) {
+        // The next client has control already, and nothing is wrong.
+        ask_again({});
+        return trouble_.clear();
+      }
       return ask_again(event.cause == control::StopCause::kClient
                            ? "stopped on the way"
                            : "stopped on the way: " +
