@@ -47,6 +47,9 @@ export interface ErrorJson {
   distance_m?: number;
   margin_m?: number;
   moving?: boolean;
+  nearest_behind_m?: number;
+  /** Rows that would work instead, each behind its words. */
+  remedies?: string[];
 }
 
 export interface FaultJson {
@@ -135,6 +138,7 @@ export interface JobJson {
   held_by?: number;
   stopped_by?: string;
   error?: ErrorJson;
+  notes?: { line: number; sentence: string }[];
 }
 
 export interface CellRobot {
