@@ -275,7 +275,7 @@ export const de: Record<Key, string> = {
   'events.procedure.done': '{title}: fertig',
   'events.procedure.cancelled': '{title}: abgebrochen',
   'events.procedure.failed': '{title}: gescheitert. {text}',
-  'setup.about.home': 'Nullpunkte von Robotern mit Endschaltern: jedes Gelenk sucht seinen, langsam, eines nach dem anderen.',
+  'setup.about.home': 'Roboter mit Endschaltern: jedes Gelenk sucht seinen Nullpunkt, langsam, eines nach dem anderen. Alle anderen fahren in ihre Grundstellung.',
   'setup.about.recover': 'Zurück zu einer sicheren Position, wenn niemand weiß, wo er steht: kleine Schritte von Hand, eine langsame erste Bewegung oder seine Endschalter.',
   'setup.about.commission': 'Der erste Tag: Versorgung, Kabel, Drehsinn jedes Gelenks, Korrekturen. Was anders ist als in seiner Datei, kommt in eine eigene Datei.',
   'setup.advised': 'jetzt ratsam',

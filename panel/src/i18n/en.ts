@@ -274,7 +274,7 @@ export const en = {
   'events.procedure.done': '{title}: done',
   'events.procedure.cancelled': '{title}: cancelled',
   'events.procedure.failed': '{title}: failed. {text}',
-  'setup.about.home': 'The zeros of robots with end stops: each joint looks for its own, slowly, one after the other.',
+  'setup.about.home': 'Robots with end stops: each joint looks for its zero, slowly, one after the other. All others move to their home pose.',
   'setup.about.recover': 'Back to a sure position where nobody knows where it stands: small steps by hand, a slow first move, or its end stops.',
   'setup.about.commission': 'The first day: supply, cables, which way each joint turns, trims. What is other than in its file is kept in a file of its own.',
   'setup.advised': 'advised now',

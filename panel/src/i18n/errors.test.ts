@@ -87,6 +87,15 @@ describe('an error', () => {
     );
   });
 
+  it('tells an overlap as one, and how far to back off', () => {
+    language.value = 'de';
+    const say = (told: object) => errorSentence({ sentence: 'english', links: 'tool and table', ...told });
+    expect(say({ code: 'collision', measured_m: -0.1718, limit_m: 0.005 })).toBe(
+      'tool und table würden sich um 171.8 mm überschneiden; nötiger Abstand 5 mm',
+    );
+    expect(say({ code: 'jaws_contact', measured_m: 0, limit_m: 0.03 })).toMatch(/30 mm weiter vor.* dz=-30mm$/);
+  });
+
   it('names the board where there are several', () => {
     language.value = 'de';
     const silent = { code: 'device_silent', sentence: 'english', measured_s: 0.2, limit_s: 0.05 };
@@ -128,6 +137,7 @@ describe('what is in the way in a cell', () => {
     );
     expect(say({ code: 'cell_taken', moving: true })).toMatch(/Warten, bis max weg ist/);
     expect(say({ other: 'box', other_link: undefined })).toMatch(/^forearm käme box bis .*\. Einen anderen Weg nehmen\.$/);
+    expect(say({ distance_m: -0.003 })).toMatch(/^forearm würde max \(hand\) um 3 mm überschneiden, bei 40 %/);
     expect(say({ share: 0, distance_m: undefined })).toMatch(/^forearm käme max \(hand\) zu nahe, schon am Anfang;/);
   });
 

@@ -49,6 +49,9 @@ export interface ErrorJson {
   distance_m?: number;
   margin_m?: number;
   moving?: boolean;
+  nearest_behind_m?: number;
+  /** Rows that would work instead, each behind its words. */
+  remedies?: string[];
 }
 
 export interface FaultJson {
@@ -137,6 +140,7 @@ export interface JobJson {
   held_by?: number;
   stopped_by?: string;
   error?: ErrorJson;
+  notes?: { line: number; sentence: string }[];
 }
 
 export interface CellRobot {

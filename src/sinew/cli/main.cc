@@ -447,7 +447,7 @@ void add_cell_verbs(CLI::App& app, Call& call) {
   verb->add_option("ROBOT", request.robot, kRobot)->required();
   verb->add_option("ROW", request.row, "as in docs/programs.md")->required();
   verb->add_flag("--take-over", request.take_over, kTakeOver);
-  verb = add_cell_verb(app, call, "home", "a robot of a running cell finds its zeros",
+  verb = add_cell_verb(app, call, "home", "a robot of a running cell finds its zeros, or goes home",
                        "sinew home arm", cell_home);
   verb->add_option("ROBOT", request.robot, kRobot)->required();
   verb->add_option("--answers", request.answers, kAnswers);

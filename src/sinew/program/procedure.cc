@@ -378,14 +378,32 @@ std::optional<std::string> Procedure::blind_first_move() {
 std::optional<std::string> Procedure::home_move() {
   homeward_.clear();
   const auto from = machine_.reference();
-  if (!from) return "nobody knows where the machine is";
+  if (!from && assumed_) {
+    control::Declare declare;
+    for (const double q : *assumed_) {
+      declare.positions.push_back({PositionQuality::kCommanded, q, q, q});
+    }
+    assumed_.reset();
+    assumes_ = true;
+    command_ = machine_.give(declare);
+    phase_ = Phase::kWorking;
+    return std::nullopt;
+  }
+  if (!from) return "position unknown; sinew recover ROBOT (the procedure recover) finds it";
   auto back = home_return(robot_, *from, 0);
-  if (!back) return sentence(back.error().error);
+  if (!back) {
+    const char* slowly = "; sinew recover ROBOT (the procedure recover) goes there slowly";
+    return sentence(back.error().error) + (robot_.device.capability.nudge_max > 0 ? "" : slowly);
+  }
   for (HomeLeg& leg : back->legs) {
     if (!leg.motion.pieces.empty()) homeward_.push_back(std::move(leg));
   }
-  if (homeward_.empty()) return "it stands there already; skip";
-  next_leg();
+  if (homeward_.empty()) {
+    end_step(StepResult::State::kDone, "the robot is at its home pose");
+    next(since_);
+  } else {
+    next_leg();
+  }
   return std::nullopt;
 }
 
@@ -449,6 +467,7 @@ void Procedure::end_search(Instant now) {
 
 void Procedure::command_done(Instant now) {
   if (std::holds_alternative<SearchStep>(step().what)) return end_search(now);
+  if (std::exchange(assumes_, false)) return begin_work(now);
   if (!homeward_.empty()) return next_leg();
   if (nudge_next()) return;
   if (left_ != 0) {

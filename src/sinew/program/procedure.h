@@ -145,6 +145,8 @@ class Procedure {
   /// start().
   void keep(std::string_view step, const StepResult& result);
   void take_over() { take_over_ = true; }
+  /// Where a way home begins if nobody knows it: of simulated machines.
+  void assume(const JointVector& q) { assumed_ = q; }
   /// A sentence on an error, from somebody who knows more of it than the machine does; nothing
   /// where that one does not.
   void explain_by(std::function<std::optional<std::string>(const Error&)> explain) {
@@ -245,6 +247,8 @@ class Procedure {
   std::unique_ptr<control::MotionSource> motion_;
   std::unique_ptr<RowPlanner> planner_;
   std::deque<HomeLeg> homeward_;  ///< what is left of the way home
+  std::optional<JointVector> assumed_;
+  bool assumes_ = false;  ///< it is being declared
   double way_ = 0;                ///< that the joint was sent
   double left_ = 0;               ///< of it
   double part_ = 0;               ///< of it, that each joint goes by in this turn

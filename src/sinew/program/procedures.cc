@@ -150,14 +150,18 @@ void add_way_home(ProcedurePlan& plan) {
 
 }  // namespace
 
-std::expected<ProcedurePlan, std::string> homing_procedure(const RobotModel& robot,
-                                                           const Homing& homing,
-                                                           const DeviceFact& fact) {
-  if (!has_boards(robot)) {
-    return std::unexpected(robot.title + " has no end stops; recover is its way to a position");
+ProcedurePlan homing_procedure(const RobotModel& robot, const Homing& homing,
+                               const DeviceFact& fact) {
+  if (has_boards(robot)) {
+    ProcedurePlan plan = homing_plan(robot, homing, fact);
+    add_way_home(plan);
+    return plan;
   }
-  ProcedurePlan plan = homing_plan(robot, homing, fact);
-  add_way_home(plan);
+  ProcedurePlan plan{"home", robot.title + " to its home pose", {}};
+  plan.steps.push_back(
+      {.id = "clear", .text = "Nobody is within the arm's reach.", .what = TellStep{}});
+  plan.steps.push_back(
+      {.id = "home", .text = "All joints move to the home pose.", .what = HomeMoveStep{}});
   return plan;
 }
 

@@ -10,6 +10,7 @@
 #include "sinew/driver/maxarm_pulses.h"
 #include "sinew/planning/chords.h"
 #include "sinew/planning/motion_limits.h"
+#include "sinew/program/nearest_pitch.h"
 #include "sinew/program/tool_goal.h"
 #include "sinew/program/whole_moves.h"
 
@@ -244,8 +245,31 @@ std::expected<RowMotion, Refusal> RowPlanner::plan(const JointVector& q_start,
     return own == limits || (own && limits && *own == *limits);
   });
   const auto alike = rows.first(static_cast<std::size_t>(others - rows.begin()));
-  limited_now_ = limits != nullptr;
-  return limited_now_ ? plan_limited(q_start, tool, alike) : plan_rows(q_start, tool, alike);
+  auto planned = plan_alike(q_start, tool, alike);
+  if (planned || !planned.error().way) return planned;
+  WayRefusal& why = *planned.error().way;
+  why.tool = tool;
+  if (planned.error().error.code == ErrorCode::kCollision && !tool.jaws) {
+    why.jaws_first = jaws_first(q_start, alike);
+  }
+  return planned;
+}
+
+std::expected<RowMotion, Refusal> RowPlanner::plan_alike(const JointVector& q_start,
+                                                         const ToolState& tool,
+                                                         std::span<const Step> rows) {
+  limited_now_ = motion_of(rows[0])->limits != nullptr;
+  return limited_now_ ? plan_limited(q_start, tool, rows) : plan_rows(q_start, tool, rows);
+}
+
+std::optional<double> RowPlanner::jaws_first(const JointVector& q_start,
+                                             std::span<const Step> rows) {
+  const auto* serial = std::get_if<SerialGeometry>(&robot_.geometry);
+  if (serial == nullptr || !serial->gripper) return std::nullopt;
+  const double open = serial->gripper->width_max;
+  if (!check_jaws(q_start, {}, open)) return std::nullopt;
+  if (!plan_alike(q_start, {open, std::nullopt}, rows)) return std::nullopt;
+  return open;
 }
 
 std::expected<RowMotion, Refusal> RowPlanner::plan_rows(const JointVector& q_start,
@@ -260,8 +284,7 @@ std::expected<RowMotion, Refusal> RowPlanner::plan_rows(const JointVector& q_sta
     auto made = make_moves(*start, rows);
     if (made) made = plan_moves(*start, rows);
     if (made) break;
-    // Of what is in reach with another pitch the obstacle counts.
-    if (!kept || made.error().error.code == ErrorCode::kCollision) kept = made.error();
+    keep_refusal(made.error(), kept);
     if (!choose_attitude(rows, made.error())) return std::unexpected(std::move(*kept));
   }
   RowMotion out;
@@ -359,8 +382,24 @@ std::expected<void, Refusal> RowPlanner::plan_moves(const RobotPlace& start,
   }
 }
 
+/// Of one row with several orientations: of what is in reach the obstacle counts, of what is in
+/// reach with none the orientation that comes nearest; and the nearest place of all.
+void RowPlanner::keep_refusal(Refusal now, std::optional<Refusal>& kept) const {
+  if (!kept) {
+    kept = std::move(now);
+    return;
+  }
+  const bool nearest = now.way && attitudes_[now.way->refusal.place.move].nearest;
+  if (nearest || now.error.code == ErrorCode::kCollision) std::swap(now, *kept);
+  if (!now.way || !kept->way || now.line != kept->line) return;
+  auto& near = kept->way->proposal.near;
+  const auto& other = now.way->proposal.near;
+  if (other && (!near || other->left < near->left)) near = other;
+}
+
 /// Where a row leaves the orientation open and the one at hand is refused: first the pitch that the
-/// arm's inverse chooses for a point, then the least turn that works.
+/// arm's inverse chooses for a point, then the least turn that works; where no pitch reaches the
+/// point, the one that comes nearest.
 /// @return  false where there is no other one to try
 bool RowPlanner::choose_attitude(std::span<const Step> rows, const Refusal& refusal) {
   if (!refusal.way) return false;
@@ -374,13 +413,25 @@ bool RowPlanner::choose_attitude(std::span<const Step> rows, const Refusal& refu
   Attitude& attitude = attitudes_[k];
   const ToolSpace& space = planner_.space();
   const auto* serial = std::get_if<SerialGeometry>(&robot_.geometry);
-  if (attitude.tries++ == 0 && space.task() == planning::TaskSpace::kPitchRoll) {
+  if (attitude.tries++ == 0 && serial != nullptr && space.task() != planning::TaskSpace::kPose) {
     const RobotPlace& from = refusal.way->refusal.from;
     const auto pitched = space.serial()->inverse_nearest_pitch(
         target->X_BT.p, serial->pitch_preferred, {from.q.data(), space.size()});
-    if (pitched) {
+    if (pitched && space.task() == planning::TaskSpace::kPitchRoll) {
       const double roll = space.point(from.X_BT).attitude[1];
       attitude.X_BT = space.pose({target->X_BT.p, {pitched->pitch, roll}});
+      return true;
+    }
+    const auto& near = refusal.way->proposal.near;
+    if (!pitched && near) {
+      const auto X_BT = space.forward({near->q.data(), space.size()}, from.X_BT);
+      attitude = {3, space.pose({target->X_BT.p, space.point(*X_BT).attitude}, X_BT->R), true};
+      return true;
+    }
+    const auto best = nearest_pitch(*space.serial(), target->X_BT.p);
+    if (!pitched && best && space.task() == planning::TaskSpace::kPitchRoll) {
+      const double roll = space.point(from.X_BT).attitude[1];
+      attitude = {3, space.pose({target->X_BT.p, {*best, roll}}), true};
       return true;
     }
   }

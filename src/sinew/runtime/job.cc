@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "sinew/model/joint_lookup.h"
+#include "sinew/program/row_offers.h"
 #include "sinew/runtime/homing_time.h"
 
 namespace sinew::runtime {
@@ -79,6 +80,10 @@ void JobRunner::work(const JobOrder& order, StationClient& client) {
 void JobRunner::run(const JobOrder& order, const program::Program& program, StationClient& client) {
   wishes_ = 0;
   wish_refused_.reset();
+  {
+    const std::scoped_lock lock(mutex_);
+    view_.notes = program.notes;
+  }
   Run run(program, client);
   run.expect_homing(homing_of(station_.robot()));
   if (order.changeable) run.make_changeable();
@@ -181,7 +186,14 @@ void JobRunner::publish(const Run& run, Instant now) {
   const auto notices = run.notices();
   auto in_the_way = run.failure() ? station_.refusal_of(run.failure()->error) : std::nullopt;
   if (run.waits_for_room()) in_the_way = station_.refusal();
+  std::vector<std::string> remedies;
+  // This thread alone writes it.
+  const bool fails = run.failure() && !view_.failure;
+  if (fails && run.failure()->way) {
+    remedies = program::offers(*run.failure()->way, station_.robot());
+  }
   const std::scoped_lock lock(mutex_);
+  if (fails) view_.remedies = std::move(remedies);
   view_.phase = run.phase();
   view_.client_lost = run.left() && !run.finished();
   view_.paused = run.paused() && !run.steps_back();

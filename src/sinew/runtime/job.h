@@ -53,12 +53,14 @@ struct JobView {
   double progress = 0;
   double elapsed = 0;  ///< s, since its first order, without the time that it was held
   std::optional<program::Refusal> failure = std::nullopt;
+  std::vector<std::string> remedies{};  ///< what would work instead of what failed, as rows
   /// What in its cell a motion would have met: why it failed, or waits.
   std::optional<CellRefusal> in_the_way = std::nullopt;
   bool waits_for_room = false;
   std::optional<control::StopCause> stopped_by = std::nullopt;
   std::size_t notices = 0;
   std::optional<program::Notice> last_notice = std::nullopt;
+  std::vector<program::ProgramNote> notes{};  ///< of its text
   std::size_t wishes = 0;  ///< pause, resume, steps: so many were heard
   /// Why the last wish was not done; a step back may be impossible.
   std::optional<program::Refusal> wish_refused = std::nullopt;

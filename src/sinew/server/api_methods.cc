@@ -402,8 +402,10 @@ Api::Answer Api::run_program(const Call& call) {
     }
     return std::unexpected("the request does not bring the program '" + key + "'");
   };
-  auto program = program::parse(text, name, model, around);
-  if (!program) return complained(program.error());
+  const auto form = asked_form(call.request, model);
+  if (!form) return form.error();
+  auto program = program::read_text(*form, text, name, model, around);
+  if (!program) return no_form(program.error(), model);
   if (program->steps.empty()) return invalid("the program has no row");
   runtime::JobOrder order{.title = name,
                           .program = std::move(*program),

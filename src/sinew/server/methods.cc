@@ -54,9 +54,14 @@ constexpr Param kNudgeParams[] = {
     kRobotParam,
     {"joint", ParamType::kText, true, "its name"},
     {"way", ParamType::kNumber, true, "rad or m, at most the robot's nudge_max"}};
+constexpr Param kFormParam = {
+    "form", ParamType::kText, false,
+    "of the text: sequence (BigRobotArm), pos (platform) or gcode; where left out its first word "
+    "tells"};
 constexpr Param kRunParams[] = {
     kRobotParam,
-    {"text", ParamType::kText, true, "rows as in docs/programs.md"},
+    {"text", ParamType::kText, true, "rows as in docs/programs.md, or another form as it is"},
+    kFormParam,
     {"name", ParamType::kText, false, "as complaints and events call it"},
     {"points", ParamType::kText, false, "taught points, a points.toml"},
     {"called", ParamType::kTexts, false, "the programs that it calls, by name"},
@@ -108,6 +113,7 @@ constexpr Param kPreviewParams[] = {
      "where the tool shall be in the base frame: x, y, z (m), which keeps its attitude, or with "
      "its quaternion behind it (w, x, y, z)"},
     {"text", ParamType::kText, false, "rows, as program.run takes them"},
+    kFormParam,
     {"line", ParamType::kFlag, false, "the tool goes there along a straight line"},
     {"speed", ParamType::kNumber, false, "share of the joints' limits, 0.01 to 1"},
     {"samples", ParamType::kWhole, false, "of the profile at most, 2 to 1000; 121"}};
@@ -118,7 +124,8 @@ constexpr Param kWireParams[] = {
     {"limit", ParamType::kWhole, false, "frames at most, 1 to 2000; 500"}};
 constexpr Param kCheckParams[] = {
     kRobotParam,
-    {"text", ParamType::kText, true, "rows as in docs/programs.md"},
+    {"text", ParamType::kText, true, "rows as in docs/programs.md, or another form as it is"},
+    kFormParam,
     {"points", ParamType::kText, false, "a points.toml; the kept one where left out"},
     {"called", ParamType::kTexts, false,
      "the programs that it calls, by name; the kept ones where left out"}};

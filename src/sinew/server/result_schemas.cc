@@ -106,7 +106,9 @@ void put_basics(Json& all) {
                    {"distance_m", number()},
                    {"margin_m", number()},
                    {"moving", flag()},
-                   {"would_work", ref("WouldWork")}},
+                   {"nearest_behind_m", number()},
+                   {"would_work", ref("WouldWork")},
+                   {"remedies", list(text())}},
                   {{"^(measured|limit)(_m|_rad|_s|_v|_rad_s|_rad_s2)?$", or_null("number")}}));
   all["Complaint"] =
       object({{"sentence", text()}},
@@ -120,6 +122,7 @@ void put_basics(Json& all) {
                                 {"record", text()},
                                 {"revision", whole()}});
   all["Refusal"] = std::move(refusal);
+  all["Note"] = object({{"line", whole()}, {"sentence", text()}});
   all["WouldWork"] = object({{"what", one_of({"back_inside", "joint_move", "nearest_orientation",
                                               "tilted", "short_of_it"})},
                              {"positions", list(number())}},
@@ -250,7 +253,8 @@ void put_jobs(Json& all) {
                        {"client_lost", flag()},
                        {"held_by", whole()},
                        {"stopped_by", ref("StopCause")},
-                       {"last_notice", ref("Error")}});
+                       {"last_notice", ref("Error")},
+                       {"notes", list(ref("Note"))}});
   all["JobNumber"] = object({{"job", whole()}}, {{"wishes", whole()}});
   all["Steered"] = told("Of a program its job; nothing where none runs.",
                         object({}, {{"job", whole()}, {"wishes", whole()}}));
@@ -411,6 +415,7 @@ void put_plans(Json& all) {
              {{"duration_min_s", number()},
               {"duration_max_s", number()},
               {"homing_at_most_s", number()},
+              {"notes", list(ref("Note"))},
               {"broken_off",
                object({{"sentence", text()}, {"refusal", ref("Error")}}, {{"file", text()}})}}));
   all["Text"] = object({{"text", text()}});

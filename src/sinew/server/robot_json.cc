@@ -8,6 +8,7 @@
 #include "sinew/model/left_out.h"
 #include "sinew/planning/jog_reason.h"
 #include "sinew/runtime/unit_name.h"
+#include "sinew/server/preview.h"
 
 namespace sinew::server {
 namespace {
@@ -287,11 +288,14 @@ Json job_json(const std::string& robot, const runtime::JobView& job, const Robot
             {"notices", job.notices},
             {"wishes", job.wishes}};
   const auto tell = [&](const char* key, const program::Refusal& refusal) {
-    json[key] = error_json(refusal.error, model);
-    json[key]["line"] = refusal.line;
+    json[key] = refusal_json(refusal, model);
   };
   if (job.planned) put_limited(json, job.limits, model);
   if (job.failure) tell("error", *job.failure);
+  if (job.failure && !job.remedies.empty()) json["error"]["remedies"] = job.remedies;
+  for (const program::ProgramNote& note : job.notes) {
+    json["notes"].push_back({{"line", note.line}, {"sentence", note.sentence}});
+  }
   if (job.wish_refused) tell("wish_refused", *job.wish_refused);
   if (job.failure && job.in_the_way) put_in_the_way(json["error"], *job.in_the_way);
   if (job.waits_for_room && job.in_the_way) json["waits_for"] = job.in_the_way->other;
