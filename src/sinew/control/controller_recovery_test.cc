@@ -276,8 +276,8 @@ TEST(Recovery, a_declaration_against_the_devices_count_is_refused_with_both_numb
 }
 
 TEST(Recovery, a_statement_that_the_device_does_not_keep_is_refused_and_not_recorded) {
-  ControlCell cell("robot-arm-2", true);
-  for (std::size_t j = 0; j < 6; ++j) cell.driver.lose(j);
+  ControlCell cell(kLostArm, true);
+  for (std::size_t j = 0; j < 5; ++j) cell.driver.lose(j);
   cell.driver.declarable = false;
   cell.make_ready();
   cell.run(300ms);
@@ -288,7 +288,7 @@ TEST(Recovery, a_statement_that_the_device_does_not_keep_is_refused_and_not_reco
   EXPECT_NE(told.find("sinew commission --procedure home"), std::string::npos) << told;
   EXPECT_NE(cell.records.back().kind, JournalKind::kDeclared);
   // Also where a hand has moved it, and its own boards say where it is.
-  for (std::size_t j = 0; j < 6; ++j) {
+  for (std::size_t j = 0; j < 5; ++j) {
     const double q = cell.robot.joints[j].home + 0.2;
     cell.driver.set(j, {PositionQuality::kMeasured, q, q, q});
   }
