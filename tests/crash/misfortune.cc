@@ -75,7 +75,8 @@ int clock_gettime(clockid_t clock, timespec* out) noexcept {
   return result;
 }
 
-/// The kernel's clock has not jumped: who waits until a time that clock_gettime() led to waits less.
+/// The kernel's clock has not jumped: waiting until a time that follows from clock_gettime() is
+/// shorter by that.
 int pthread_cond_clockwait(pthread_cond_t* condition, pthread_mutex_t* mutex, clockid_t clock,
                            const timespec* until) {
   using Wait = int (*)(pthread_cond_t*, pthread_mutex_t*, clockid_t, const timespec*);
