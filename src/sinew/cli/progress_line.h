@@ -31,7 +31,6 @@ class ProgressLine {
     std::size_t orders_done = 0;
   };
   void show_live(const View& view, Instant now);
-  void tell_wait(const program::Run& run, Instant now);
   void tell_notices(const program::Run& run, const RobotModel& model);
   bool due(Instant now) const { return live_ && now >= next_; }
 
@@ -41,7 +40,6 @@ class ProgressLine {
   bool dirty_ = false;
   std::size_t told_ = 0;
   std::size_t notices_told_ = 0;
-  bool wait_told_ = false;
   Instant next_{};
 };
 

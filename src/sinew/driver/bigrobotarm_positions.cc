@@ -96,15 +96,17 @@ void BigRobotArmPositions::judge(const Status& status, bool boot) {
   if (status.sync) {
     lose();
   } else if (first) {
-    // Nothing was said: all lost, and the count is evidence.
-    const auto said =
-        std::exchange(pending_, std::nullopt).value_or(std::array<JointPosition, kJoints>{});
-    take_declaration(said);
-    if (boot) {
-      widen_by_snap();
+    if (pending_) {
+      take_declaration(*pending_);
+      if (boot) {
+        widen_by_snap();
+      } else {
+        settle_by_count(*pending_);
+      }
     } else {
-      settle_by_count(said);
+      lose();
     }
+    pending_.reset();
   } else if (boot && going_) {
     lose();
   } else if (boot) {

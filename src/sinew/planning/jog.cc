@@ -258,8 +258,7 @@ void Jog::share_wire(JointArray& wanted) const {
 
 /// Once it is clear, contacts are kept out as anywhere.
 void Jog::look_at_overlap() {
-  // In some pose of joints that are left out it may overlap anywhere: that excuses nothing.
-  if (!overlaps_ || !collision_ || collision_->poses() > 1) {
+  if (!overlaps_ || !collision_) {
     overlaps_ = false;
     return;
   }

@@ -97,7 +97,6 @@ void put_basics(Json& all) {
                   {{"joint", text()},
                    {"link", text()},
                    {"links", text()},
-                   {"left_out", flag()},
                    {"line", whole()},
                    {"share", number()},
                    {"way_m", number()},
@@ -106,9 +105,7 @@ void put_basics(Json& all) {
                    {"distance_m", number()},
                    {"margin_m", number()},
                    {"moving", flag()},
-                   {"nearest_behind_m", number()},
-                   {"would_work", ref("WouldWork")},
-                   {"remedies", list(text())}},
+                   {"would_work", ref("WouldWork")}},
                   {{"^(measured|limit)(_m|_rad|_s|_v|_rad_s|_rad_s2)?$", or_null("number")}}));
   all["Complaint"] =
       object({{"sentence", text()}},
@@ -122,7 +119,6 @@ void put_basics(Json& all) {
                                 {"record", text()},
                                 {"revision", whole()}});
   all["Refusal"] = std::move(refusal);
-  all["Note"] = object({{"line", whole()}, {"sentence", text()}});
   all["WouldWork"] = object({{"what", one_of({"back_inside", "joint_move", "nearest_orientation",
                                               "tilted", "short_of_it"})},
                              {"positions", list(number())}},
@@ -253,8 +249,7 @@ void put_jobs(Json& all) {
                        {"client_lost", flag()},
                        {"held_by", whole()},
                        {"stopped_by", ref("StopCause")},
-                       {"last_notice", ref("Error")},
-                       {"notes", list(ref("Note"))}});
+                       {"last_notice", ref("Error")}});
   all["JobNumber"] = object({{"job", whole()}}, {{"wishes", whole()}});
   all["Steered"] = told("Of a program its job; nothing where none runs.",
                         object({}, {{"job", whole()}, {"wishes", whole()}}));
@@ -265,7 +260,7 @@ void put_jobs(Json& all) {
            {"at_ms", whole()},
            {"robot", text()},
            {"kind", one_of({"state", "lease", "stop", "fault", "notice", "record", "demonstration",
-                            "job", "procedure", "declared", "declaration_refused", "begun"})}},
+                            "job", "procedure", "moved", "declared", "begun"})}},
           {{"state", ref("State")},
            {"client", or_null("integer")},
            {"category", category()},
@@ -285,9 +280,6 @@ void put_jobs(Json& all) {
            {"procedure_number", whole()},
            {"procedure", text()},
            {"reason", text()},
-           {"positions", list(number())},
-           {"known", list(ref("JointStatus"))},
-           {"zero_counters", flag()},
            {"version", text()}}));
   all["Events"] = object({{"events", list(ref("Event"))}});
 }
@@ -359,8 +351,7 @@ void put_model(Json& all) {
        {"title", text()},
        {"kind", one_of({"serial", "palletizer", "hexapod"})},
        {"task", one_of({"pose", "pitch_roll", "approach", "point"})},
-       {"joints", list(object({{"name", text()}, {"kind", one_of({"revolute", "prismatic"})}},
-                              {{"left_out", flag()}},
+       {"joints", list(object({{"name", text()}, {"kind", one_of({"revolute", "prismatic"})}}, {},
                               {{of_joint("lower|upper|home"), number()},
                                {of_joint("velocity_max", "_s"), number()},
                                {of_joint("acceleration_max", "_s2"), number()},
@@ -415,7 +406,6 @@ void put_plans(Json& all) {
              {{"duration_min_s", number()},
               {"duration_max_s", number()},
               {"homing_at_most_s", number()},
-              {"notes", list(ref("Note"))},
               {"broken_off",
                object({{"sentence", text()}, {"refusal", ref("Error")}}, {{"file", text()}})}}));
   all["Text"] = object({{"text", text()}});
