@@ -13,9 +13,9 @@ help:
 	@echo "               a million faults on every wire (SINEW_FAULTS=1000000), a million sequences"
 	@echo "               of plan, jog, override, pause and stop (SINEW_SEQUENCES=1000000), power"
 	@echo "               losses (SINEW_POWER_LOSSES=100000), real kill -9 (SINEW_KILLS=1000), outages"
-	@echo "               of two processes (SINEW_OUTAGES=3334), the whole system (SINEW_SEEDS=100000), and"
+	@echo "               of two processes (SINEW_OUTAGES=1430), the whole system (SINEW_SEEDS=100000), and"
 	@echo "               the same seeds by g++ and by clang"
-	@echo "               FUZZ_SECONDS=60 per target, SEEDS=5 runs; PARTS=\"tsan fuzz\" picks some"
+	@echo "               FUZZ_SECONDS=60 per target, SEEDS=5 runs, SOAK_MINUTES=30; PARTS=\"tsan fuzz\" picks some"
 	@echo "make format    lay out all C++ with clang-format"
 	@echo "make clean     remove build/"
 

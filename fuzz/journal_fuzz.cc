@@ -29,8 +29,8 @@ void check_record(const JournalRecordBytes& bytes) {
   const auto sealed = decode_journal_record(bytes);
   if (!sealed) return;
   SINEW_ASSERT(is_valid(sealed->record));
-  // The version before is read, and not written any more.
-  SINEW_ASSERT(bytes[4] == 1 || encode(sealed->record, sealed->seal) == bytes);
+  // The versions before are read, and not written any more.
+  SINEW_ASSERT(bytes[4] < 3 || encode(sealed->record, sealed->seal) == bytes);
   SINEW_ASSERT(sealed->checksum == checksum_of(bytes));
   SINEW_ASSERT(!is_newer_journal_record(bytes));
   JournalRecordBytes hit = bytes;

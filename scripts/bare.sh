@@ -61,7 +61,7 @@ for command in "${commands[@]}"; do
   echo "bare $suite: $command"
   start=$(milliseconds_now)
   code=0
-  env -i HOME=/root LANG=C.UTF-8 PATH=/usr/sbin:/usr/bin:/sbin:/bin ${CI:+CI="$CI"} \
+  env -i HOME=/root LANG=C.UTF-8 PATH=/usr/sbin:/usr/bin:/sbin:/bin ${CI:+CI="$CI"} SINEW_STRICT=1 \
     chroot "$place" /bin/bash -c "cd /root/sinew && $command" </dev/null 2>&1 |
     tee "$logs/bare-$suite-${command//[^a-z]/-}.log" || code=$?
   took=$(pretty_ms $(($(milliseconds_now) - start)))

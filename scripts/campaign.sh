@@ -6,11 +6,12 @@
 #   SINEW_SEQUENCES  of plan, jog, override, pause and stop, on all robots together (1000000)
 #   SINEW_KILLS   -9 of real processes, of each of two robots (1000)
 #   SINEW_OUTAGES of hosts and machines that are killed, cut off, suspended or run full, of each of
-#                 three robots (3334)
+#                 seven robots and wires (1430)
 #   SINEW_POWER_LOSSES  of the position journal (100000)
 #   SINEW_SEEDS   of the whole system in virtual time (100000)
 #   SINEW_TRACE_SEEDS  compared between g++ and clang (200)
-#   PARTS         which of: format tidy asan tsan fuzz seeds faults motion losses kills outages system trace latency flood browser (all)
+#   SOAK_MINUTES  of the demonstration, whose memory must not grow (30)
+#   PARTS         which of: format tidy asan tsan fuzz seeds faults motion losses kills outages system trace latency flood soak browser (all)
 # shellcheck source=scripts/lib.sh
 source "$(dirname "${BASH_SOURCE[0]}")/lib.sh"
 
@@ -20,10 +21,11 @@ faults=${SINEW_FAULTS:-1000000}
 sequences=${SINEW_SEQUENCES:-1000000}
 losses=${SINEW_POWER_LOSSES:-100000}
 kills=${SINEW_KILLS:-1000}
-outages=${SINEW_OUTAGES:-3334}
+outages=${SINEW_OUTAGES:-1430}
 system_seeds=${SINEW_SEEDS:-100000}
 trace_seeds=${SINEW_TRACE_SEEDS:-200}
-parts=${PARTS:-format tidy asan tsan fuzz seeds faults motion losses kills outages system trace latency flood browser}
+soak_minutes=${SOAK_MINUTES:-30}
+parts=${PARTS:-format tidy asan tsan fuzz seeds faults motion losses kills outages system trace latency flood soak browser}
 # Only their own parts ask for so many.
 unset SINEW_FAULTS SINEW_SEQUENCES SINEW_POWER_LOSSES SINEW_KILLS SINEW_OUTAGES SINEW_SEEDS
 
@@ -131,7 +133,15 @@ latency_part() {
 flood_part() {
   build release sinew &&
     step "a flood of clients" flood /usr/bin/python3 tests/web/flood.py build/release/sinew 15 &&
-    cat "$logs/flood.log"
+    cat "$logs/flood.log" &&
+    step "stops in a flood of viewers" stop-flood /usr/bin/python3 tests/latency/stop_flood.py \
+      build/release/sinew && cat "$logs/stop-flood.log"
+}
+
+soak_part() {
+  build release sinew &&
+    step "soak, $soak_minutes min" soak /usr/bin/python3 tests/web/load_test.py --soak \
+      build/release/sinew "$soak_minutes" && cat "$logs/soak.log"
 }
 
 # Every test of the panel in a browser, those of make test too.

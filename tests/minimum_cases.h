@@ -25,13 +25,13 @@ struct MinimumCases {
 // fails the full run. The rows of the properties stand in minimum_cases.inc.
 
 inline constexpr std::array kMinimumTests = std::to_array<MinimumTests>({
-    {"cli_test", 212},         {"config_test", 91},   {"control_test", 118},
-    {"core_test", 23},         {"crash_test", 7},     {"device_test", 230},
-    {"documents_test", 30},    {"driver_test", 342},  {"faults_test", 46},
-    {"house_test", 38},        {"io_test", 71},       {"kinematics_test", 155},
-    {"motion_test", 110},      {"outside_test", 6},   {"planning_test", 395},
-    {"program_test", 196},     {"runtime_test", 132}, {"sequences_test", 15},
-    {"server_test", 108},      {"sim_test", 222},     {"step_allocations_test", 6},
+    {"cli_test", 218},         {"config_test", 91},   {"control_test", 120},
+    {"core_test", 25},         {"crash_test", 11},     {"device_test", 230},
+    {"documents_test", 30},    {"driver_test", 344},  {"faults_test", 46},
+    {"house_test", 38},        {"io_test", 75},       {"kinematics_test", 155},
+    {"motion_test", 110},      {"outside_test", 16},   {"planning_test", 395},
+    {"program_test", 205},     {"runtime_test", 143}, {"sequences_test", 15},
+    {"server_test", 114},      {"sim_test", 224},     {"step_allocations_test", 6},
     {"stop_latency_test", 10}, {"supply_test", 3},    {"system_test", 4},
     {"web_test", 11},          {"wire_test", 122},
 });

@@ -1,6 +1,6 @@
 /** Programs and points of the robot that is chosen: what is open, what the server says to it, what runs. */
 import { batch, computed, effect, signal, untracked } from '@preact/signals';
-import { atWork, model, rested, robot, route, status, store, way } from './app';
+import { atWork, model, rested, robot, route, rpc, status, store, way } from './app';
 import { calledBy, expand, withPoints, type Expanded } from './logic/expand';
 import { Latest } from './logic/latest';
 import { freeName, readPoints, takePoint, writePoints, type NotTaught, type Point } from './logic/points';
@@ -8,10 +8,10 @@ import { ConnectionError, RpcError, wasOvertaken } from './logic/rpc';
 import { jointRow } from './logic/quantities';
 import { fromRow } from './logic/pose';
 import { readRows } from './logic/rows';
-import type { Draft } from './logic/shelf';
+import { fileKind, type Draft } from './logic/shelf';
 import { sampleAt } from './logic/target';
 import { judged, refusal, type ProgramVerdict, type RowVerdict } from './logic/verdicts';
-import { language, t, type Key } from './i18n';
+import { language, refusalSentence, t, type Key } from './i18n';
 import {
   clash,
   dropPoint,
@@ -57,9 +57,9 @@ export const changed = computed(() => {
 });
 
 // --- Examples that come with Sinew.
-const files = import.meta.glob<string>('../../robots/*/**/*.sinew', { query: '?raw', import: 'default', eager: true });
+const files = import.meta.glob<string>('../../robots/*/**/*.{sinew,txt,pos,gcode}', { query: '?raw', import: 'default', eager: true });
 const pointFiles = import.meta.glob<string>('../../robots/*/**/points.toml', { query: '?raw', import: 'default', eager: true });
-const kExample = /\/robots\/([^/]+)\/(?:.*\/)?([^/]+)\.sinew$/;
+const kExample = /\/robots\/([^/]+)\/(?:.*\/)?([^/]+)\.(sinew|txt|pos|gcode)$/;
 export const examples = computed(() =>
   Object.keys(files).flatMap((path) => {
     const match = kExample.exec(path);
@@ -70,10 +70,12 @@ export const examples = computed(() =>
 export function openExample(path: string): void {
   const found = files[path];
   if (found === undefined) return;
+  const form = fileKind(path);
+  if (form !== 'program') return void importExample(kExample.exec(path)![2]!, found, form);
   const folder = path.slice(0, path.lastIndexOf('/') + 1);
   const beside = Object.fromEntries(
     Object.entries(files)
-      .filter(([other]) => other.startsWith(folder))
+      .filter(([other]) => other.startsWith(folder) && other.endsWith('.sinew'))
       .map(([other, content]) => [kExample.exec(other)![2]!, content]),
   );
   const { points, programs } = shelf.peek();
@@ -86,6 +88,16 @@ export function openExample(path: string): void {
       if (!(other in programs)) void keepProgram(other, content, 0);
     }
   });
+}
+
+/** Of another form: the controller makes steps of it. */
+async function importExample(title: string, content: string, form: string): Promise<void> {
+  try {
+    openProgram(title, (await rpc.call<{ text: string }>('program.import', { robot: robot.peek(), text: content, form })).text);
+    say('prog.opened', { name: title });
+  } catch (error) {
+    said.value = refusalSentence(error as Error);
+  }
 }
 
 // --- Changing the text.

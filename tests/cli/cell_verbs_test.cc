@@ -3,6 +3,7 @@
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
+#include <filesystem>
 #include <memory>
 #include <vector>
 
@@ -212,6 +213,38 @@ TEST(Cell, where_an_arm_stands_becomes_a_point_of_a_program) {
   EXPECT_EQ(text_of(wrong), "[points.a]\nrobot = 3\n");
 }
 
+TEST(Cell, a_row_in_quotes_finds_the_points_beside_it) {
+  Cell cell;
+  cell.folder().file("points.toml",
+                     "[points.good]\nrobot = \"learm\"\njoints_deg = [10, 20, 40, 40, 0]\n"
+                     "source = \"a test\"\n");
+  const auto before = std::filesystem::current_path();
+  std::filesystem::current_path(cell.folder().at(""));
+  const Ended quoted = cell.ask({"move", "left", "joint to=good"});
+  const Ended words = cell.ask({"move", "left", "joint", "to=good"});
+  std::filesystem::current_path(before);
+  EXPECT_EQ(quoted.exit, 0) << quoted.err;
+  EXPECT_EQ(words.exit, 0) << words.err;
+  EXPECT_NEAR(base_rad(cell.status("left")), 0.17, 0.04);
+}
+
+TEST(Cell, a_sequence_is_run_as_it_is_and_its_refusal_says_where_and_what_would_work) {
+  Cell cell;
+  const auto run = [&](const std::string& file) {
+    return cell.ask({"run", file, "--robot", "big"});
+  };
+  const Ended fine = run(cell.folder().file("fine.txt", "# one\nG0 B100 S200\nG0 B0 S0\n"));
+  EXPECT_EQ(fine.exit, 0) << fine.err;
+  EXPECT_NE(fine.out.find("note: line 2: without S1"), std::string::npos) << fine.out;
+  const Ended down =
+      run(cell.folder().file("down.txt", "# through the table\nG0 B0 S-2500 E-10000 WR0 W0\n"));
+  EXPECT_EQ(down.exit, 1) << down.out;
+  for (const char* part : {"down.txt:2, at ", "on the rest of the way they would overlap by ",
+                           "\n  would work: as far as the joints can go: joint base=0deg "}) {
+    EXPECT_NE(down.err.find(part), std::string::npos) << down.err;
+  }
+}
+
 TEST(Cell, a_way_that_is_looked_at_is_in_its_file_before_the_end) {
   Cell cell;
   EXPECT_EQ(cell.ask({"move", "left", kStand}).exit, 0);
@@ -375,8 +408,14 @@ TEST(Cell, a_port_that_it_holds_is_refused_to_others_by_its_name) {
   Process serve({"serve", file});
   serve.wait_for_err("answers on");
   const Ended refused = sinew({"run", program, "--robot", "maxarm", "--port", link});
+  const Ended asked = sinew({"doctor", "--robot", "maxarm", "--port", link});
   const Ended ran = sinew({"run", program, "--cell", "--robot", "mine"});
+  const Ended shown = sinew({"status", "mine"});
   unsetenv("XDG_RUNTIME_DIR");
+  EXPECT_EQ(asked.exit, 1);
+  EXPECT_NE(asked.err.find("holds it, as 'mine': sinew status mine shows it"), std::string::npos)
+      << asked.err;
+  EXPECT_EQ(shown.exit, 0) << shown.err;
   EXPECT_EQ(refused.exit, 1);
   EXPECT_NE(refused.err.find("holds it, as 'mine'"), std::string::npos) << refused.err;
   EXPECT_EQ(ran.exit, 0) << ran.err;

@@ -46,7 +46,10 @@ Json Ended::json() const {
 bool Ended::was_late() const {
   if (exit != 1) return false;
   const Json report = Json::parse(out, nullptr, false);
-  if (!report.is_object() || !report.contains("refusal")) return false;
+  if (!report.is_object()) return false;
+  const std::string stopped_by = report.value("stopped_by", "");
+  if (stopped_by == "cycle_overrun" || stopped_by == "clock_gap") return true;
+  if (!report.contains("refusal")) return false;
   const std::string code = report["refusal"].value("code", "");
   return code == "device_silent" || code == "cycle_overrun" || code == "clock_gap" ||
          code == "stream_ended" || code == "link_silent" ||

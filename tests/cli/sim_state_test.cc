@@ -144,6 +144,69 @@ TEST(SimState, counters_of_the_big_arm_are_0_where_it_stands) {
   EXPECT_EQ(again.joint(0, "believed_deg"), 0);
 }
 
+/// `sinew run` of one row on the simulation, with a journal of its own.
+Arguments run_of(const ScratchFolder& folder, const Powered& sim, const std::string& row,
+                 const Arguments& more = {}) {
+  Arguments words{"run",    folder.file("row.sinew", row + "\n"), "--robot",   "bigrobotarm",
+                  "--port", sim.port(),                            "--journal", "big"};
+  words.insert(words.end(), more.begin(), more.end());
+  return words;
+}
+
+TEST(SimState, who_says_home_is_held_against_the_count_also_on_a_new_journal) {
+  const ScratchFolder folder;
+  setenv("XDG_STATE_HOME", folder.at("xdg").c_str(), 1);
+  Powered sim("bigrobotarm", folder.at("state"), {"--time-scale", "20"});
+  const Ended first =
+      sinew(run_of(folder, sim, "joint base=40deg shoulder=10deg", {"--standing-at", "home"}));
+  ASSERT_EQ(first.exit, 0) << first.err;
+  setenv("XDG_STATE_HOME", folder.at("another").c_str(), 1);
+  const std::string row = "joint base=45deg";
+  const Ended home = sinew(run_of(folder, sim, row, {"--standing-at", "home"}));
+  EXPECT_EQ(home.exit, 1) << home.out;
+  EXPECT_NE(home.err.find("base is said to stand at 0 deg, but the device counts 40"),
+            std::string::npos)
+      << home.err;
+  std::string script = "* = yes\nplace = home\n";
+  for (const char* joint : {"base", "shoulder", "elbow", "wrist_rotate", "wrist"}) {
+    script += std::string("adjust.") + joint + " = done\n";
+  }
+  const Ended recover = sinew({"commission", "bigrobotarm", "--procedure", "recover", "--port",
+                               sim.port(), "--journal", "big", "--answers",
+                               folder.file("answers", script)});
+  EXPECT_NE(recover.exit, 0);
+  EXPECT_NE(recover.err.find("but the device counts 40"), std::string::npos) << recover.err;
+  const Ended true_place =
+      sinew(run_of(folder, sim, row, {"--standing-at", "40deg,10deg,0deg,0deg,0deg"}));
+  EXPECT_EQ(true_place.exit, 0) << true_place.err;
+  const Ended shown = sinew(run_of(folder, sim, row, {"--standing-at", "shown"}));
+  EXPECT_EQ(shown.exit, 0) << shown.err;
+  // Whoever moved it has to say so.
+  const Ended moved = sinew(run_of(folder, sim, "joint base=1deg",
+                                   {"--standing-at", "home", "--moved", "turned by hand"}));
+  EXPECT_EQ(moved.exit, 0) << moved.err;
+  EXPECT_EQ(sinew(run_of(folder, sim, row, {"--moved", "turned by hand"})).exit, 2);
+}
+
+TEST(SimState, who_dies_in_a_slow_move_of_the_big_arm_is_followed_by_one_that_waits_for_it) {
+  const ScratchFolder folder;
+  setenv("XDG_STATE_HOME", folder.at("xdg").c_str(), 1);
+  Powered sim("bigrobotarm", folder.at("state"));
+  {
+    Process run(run_of(folder, sim, "joint base=80deg speed=5%", {"--standing-at", "home"}));
+    do {
+      run.let_run(20ms);
+    } while (sim.joint(0, "q_deg") < 5);
+    run.signal(SIGKILL);
+    run.end();
+  }
+  const Ended next = sinew(run_of(folder, sim, "joint base=79deg"));
+  EXPECT_EQ(next.exit, 0) << next.err;
+  EXPECT_NE(next.err.find("may still be finishing a move of the run before"), std::string::npos)
+      << next.err;
+  EXPECT_NEAR(sim.joint(0, "q_deg"), 79, 0.6);
+}
+
 TEST(SimState, an_arm_of_servos_stays_where_it_sank) {
   const ScratchFolder folder;
   double sank_to = 0;

@@ -3,6 +3,8 @@
 #include <atomic>
 #include <chrono>
 #include <csignal>
+#include <cstdlib>
+#include <optional>
 #include <thread>
 
 #include "cli/process.h"
@@ -14,6 +16,8 @@
 namespace sinew::test {
 namespace {
 
+using namespace std::chrono_literals;
+
 /// A simulation with a link that is there when this is made.
 class Simulated {
  public:
@@ -22,6 +26,7 @@ class Simulated {
     port_ = process_.out().substr(0, process_.out().find('\n'));
   }
   const std::string& port() const { return port_; }
+  void let_run(std::chrono::milliseconds time) { process_.let_run(time); }
   /// Where the machine really is.
   std::string end() {
     process_.signal(SIGINT);
@@ -124,6 +129,39 @@ TEST(WrongDevice, modules_with_a_low_supply_are_shown_and_the_supply_is_named) {
   ASSERT_EQ(legs.size(), 6U);
   EXPECT_NE(legs[0]["flags"].get<std::string>().find("supply too low"), std::string::npos)
       << legs[0].dump();
+}
+
+/// Runs, dips the supply at rest, lets `look` ask the modules, and runs again.
+/// @return  what the last run said; nothing where this computer was too late
+std::optional<Ended> run_behind(const Arguments& look) {
+  const ScratchFolder folder;
+  setenv("XDG_STATE_HOME", folder.at("xdg").c_str(), 1);
+  const auto began = std::chrono::steady_clock::now();
+  Simulated hexapod({"hexapod", "--fault", "supply=5V@6s,supply=12V@7s"});
+  const auto on = [&](Arguments words, const Arguments& more = {}) {
+    words.insert(words.end(), more.begin(), more.end());
+    words.insert(words.end(), {"--port", hexapod.port(), "--journal", "legs", "--json"});
+    return sinew(words);
+  };
+  const Arguments run{"run", folder.file("p.sinew", "wait 0.1s\n"), "--robot", "hexapod"};
+  const Ended first = on(run, {"--standing-at", "home"});
+  if (first.exit != 0 || std::chrono::steady_clock::now() - began > 5s) return std::nullopt;
+  EXPECT_NE(first.out.find("\"commanded\""), std::string::npos) << first.out;
+  while (std::chrono::steady_clock::now() - began < 8s) hexapod.let_run(100ms);
+  const Ended seen = on(look);
+  EXPECT_EQ(seen.exit, 1);
+  EXPECT_NE(seen.err.find("supply is, or was, too low"), std::string::npos) << seen.err;
+  return on(run);
+}
+
+TEST(WrongDevice, flags_that_status_or_doctor_reads_first_are_known_to_the_next_run) {
+  for (const Arguments& look :
+       {Arguments{"device", "hexapod", "status"}, Arguments{"doctor", "--robot", "hexapod"}}) {
+    std::optional<Ended> run;
+    for (int tries = 0; tries < kTriesWhereLate && !run; ++tries) run = run_behind(look);
+    ASSERT_TRUE(run) << look[0];
+    EXPECT_EQ(run->out.find("\"commanded\""), std::string::npos) << look[0] << ": " << run->out;
+  }
 }
 
 TEST(Told, stopped_first_move_says_how_long_the_arm_goes_on_and_that_nobody_knows_where) {

@@ -4,6 +4,7 @@
 //   jump@800:3600000  clocks are so many ms ahead from then on
 
 #include <dlfcn.h>
+#include <pthread.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
 #include <sys/types.h>
@@ -72,6 +73,17 @@ int clock_gettime(clockid_t clock, timespec* out) noexcept {
   out->tv_sec += ns / kNsPerS;
   out->tv_nsec = ns % kNsPerS;
   return result;
+}
+
+/// The kernel's clock has not jumped: waiting until a time that follows from clock_gettime() is
+/// shorter by that.
+int pthread_cond_clockwait(pthread_cond_t* condition, pthread_mutex_t* mutex, clockid_t clock,
+                           const timespec* until) {
+  using Wait = int (*)(pthread_cond_t*, pthread_mutex_t*, clockid_t, const timespec*);
+  static const auto wait = reinterpret_cast<Wait>(::dlsym(RTLD_NEXT, "pthread_cond_clockwait"));
+  timespec earlier = *until;
+  if (plan().jump_ns != 0 && plan().has_come()) earlier.tv_sec -= plan().jump_ns / kNsPerS;
+  return wait(condition, mutex, clock, &earlier);
 }
 
 ssize_t write(int file, const void* bytes, size_t size) {

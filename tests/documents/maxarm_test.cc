@@ -39,6 +39,7 @@ TEST(MaxArmDocument, tool_rows_send_the_frames_that_it_prints) {
   for (const Row& row :
        {Row{"nozzle 90deg time=1s", "AA 55 05 04 DC 05 E8 03 2A"},
         Row{"nozzle 45deg time=1s", "AA 55 05 04 E8 03 E8 03 20"},
+        Row{"nozzle 45deg", "AA 55 05 04 E8 03 E8 03 20"},
         Row{"nozzle 135deg time=1s", "AA 55 05 04 D0 07 E8 03 34"},
         Row{"suction on", "AA 55 07 01 01 F6"},
         // The document prints F6 for it, a slip: the sum is F5.

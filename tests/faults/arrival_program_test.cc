@@ -46,7 +46,7 @@ TEST_P(ProgramTimes, are_as_planned) {
     runtime::ControlLoop loop(model, cell.driver(),
                               {.opening_limit = runtime::opening_of(model).limit}, {}, nullptr);
     program::Run run(*program, loop.machine());
-    if (sample.at_home) run.declare(home_joints(model));
+    if (sample.at_home) run.declare({.q = home_joints(model), .has_looked = false});
     run.start(cell.now());
     ASSERT_TRUE(cell.run_to(Instant{} + 1h, 2ms, [&] {
       loop.step(cell.now(), [&] { run.poll(cell.now()); });

@@ -150,7 +150,7 @@ std::vector<Arrival> arrivals_of(const Case& c, const RobotModel& model, std::ui
                             {.opening_limit = runtime::opening_of(model).limit}, {}, nullptr);
   program::Run run(*program, loop.machine());
   run.expect_homing(runtime::homing_of(model));
-  if (c.at_home) run.declare(home_joints(model));
+  if (c.at_home) run.declare({.q = home_joints(model), .has_looked = false});
   Way way;
   const program::Order* under_way = nullptr;
   std::size_t records = 0;

@@ -4,7 +4,8 @@
 Runs the built-in cell of five simulated robots until their wires' rings are full, then VIEWERS (60)
 clients: most read the wires (the latest 2000 messages each time), the others ask for all that costs
 the server something. 12 sit on the Unix socket, the others on WebSockets; all in one process that
-reads no JSON. Measures how long a stop and a hold take until they are answered, and the memory of
+reads no JSON. One robot moves: stops and holds end its ride, and it begins anew.
+Measures how long a stop and a hold take until they are answered, and the memory of
 the server before, during and behind. Ends with 1 where the median is above 10 ms, the longest above
 50 ms, or more than 16 MB of memory stay.
 """
@@ -28,6 +29,8 @@ import sinew  # noqa: E402
 
 MEDIAN_MS, WORST_MS, KEPT_MB = 10, 50, 16
 LOCAL = 12  # viewers on the Unix socket
+MOVING = "learm"
+moved = []  # whether it did when its stop or hold was sent
 ROBOTS = ["arm", "learm", "big", "max", "platform"]
 OTHERS = [("cell.status", {}), ("objects.query", {}), ("events.list", {}), ("rpc.discover", {}),
           ("robot.model", {"robot": "arm"}), ("device.status", {"robot": "platform"})]
@@ -116,15 +119,33 @@ def memory_mb(pid):
     return 0
 
 
+def ride(cell):
+    """Until MOVING moves, 3 s at most: its last ride has to end first."""
+    end = time.monotonic() + 3
+    while time.monotonic() < end:
+        if cell.call("robot.status", robot=MOVING)["state"] == "moving":
+            return True
+        try:
+            cell.call("robot.bullride", robot=MOVING, duration_s=30, take_over=True)
+        except sinew.Refused:
+            pass
+        time.sleep(0.05)
+    return False
+
+
 def asked(cell, method, count):
     took = []
     for k in range(count):
+        if ROBOTS[k % 5] == MOVING:
+            moved.append(ride(cell))
         begun = time.monotonic()
         try:
             cell.call(method, robot=ROBOTS[k % 5])
         except sinew.Refused:
             pass  # nothing moves: a hold has nothing to do, and says so
         took.append((time.monotonic() - begun) * 1e3)
+        if ROBOTS[k % 5] == MOVING:
+            cell.call("robot.stop", robot=MOVING)  # a ride that is held cannot begin anew
         time.sleep(0.05 + 0.013 * (k % 5))
     return sorted(took)
 
@@ -173,10 +194,14 @@ def main():
     print(words("in peace: a stop answered in", peace))
     print(words(f"{count} viewers: a stop answered in", took))
     print(words(f"{count} viewers: a hold answered in", held))
+    print(f"{MOVING} moved at {sum(moved)} of {len(moved)} of its stops and holds")
     print(f"{answers} answers ({size >> 20} MB) to viewers, {least} to the one that got the fewest; "
           f"memory {before:.0f} MB before, {during:.0f} MB during, {behind:.0f} MB behind")
     slow = any(one[len(one) // 2] > MEDIAN_MS or one[-1] > WORST_MS for one in (took, held))
     keeps = behind > before + KEPT_MB
+    if sum(moved) < len(moved) / 2:
+        print(f"{MOVING} stood")
+        return 1
     if slow or keeps:
         print("the viewers have delayed a stop" if slow else "memory was not given back")
     return 1 if slow or keeps else 0

@@ -20,6 +20,11 @@ profile = "bus"
 name = "six"
 robot = "hexapod"
 x_mm = 1500
+
+[[robot]]
+name = "big"
+robot = "bigrobotarm"
+x_mm = 4000
 `;
 
 let here;
@@ -253,4 +258,19 @@ test('a bad setting is refused where it stands, a good one lies beside the cellâ
   file.robots.left.settings.profile = 'nonsense';
   writeFileSync(told.file, JSON.stringify(file));
   assert.match(await start(), /cell-[0-9a-f]+\.json: left: 'nonsense' is none of/);
+});
+
+test('the sequence that comes with the BigRobotArm is among the examples and opens as steps', async () => {
+  const page = await open('programs', {}, 'big');
+  await offers(page, 'sequence');
+  await pick(page, 'sequence');
+  const text = readFileSync(path.join(root, 'robots/bigrobotarm/sequence.txt'), 'utf8');
+  const rows = await ask('program.import', { robot: 'big', form: 'sequence', text });
+  await until('it is open', async () => (await textOf(page)) === rows.text);
+  assert.equal(await page.locator('.program-head input[type=text]').inputValue(), 'sequence');
+  await page.locator('li[data-line]').first().waitFor();
+  // The file's own text is checked, too, and its lines are the file's.
+  const check = await ask('program.check', { robot: 'big', text });
+  assert.ok(check.fine, JSON.stringify(check));
+  assert.deepEqual(check.rows.map((row) => row.line).slice(0, 2), [4, 5]);
 });

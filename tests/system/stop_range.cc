@@ -185,8 +185,10 @@ StopShot StopRange::shoot() {
   first_stop_.reset();
   moved_on_ = 0;
   loop_.machine().give(control::Stop{});
+  std::optional<Instant> goes_on;
   EXPECT_TRUE(wait(
       [&] {
+        goes_on = std::max(goes_on, loop_.controller().driver().goes_on_until());
         return loop_.controller().state() == MachineState::kReady &&
                !cell_.machine().truth().moving;
       },
@@ -195,6 +197,7 @@ StopShot StopRange::shoot() {
   wait([] { return false; }, 300ms);
   armed_ = looking_ = false;
   StopShot shot;
+  if (goes_on) shot.goes_on = *goes_on - asked;
   if (first_stop_) {
     shot.first_byte = *first_stop_ - asked;
     shot.behind_wire = std::max(Duration{}, *first_stop_ - taken);

@@ -30,6 +30,8 @@ struct StopShot {
   /// Frames that moved the machine on, begun behind the request was taken.
   int moved_on = 0;
   Duration standstill{};  ///< from the request
+  /// From the request until the driver says that it may go on, the latest that it said.
+  std::optional<Duration> goes_on = {};
   /// By which a joint stands beside where its motion would have led; rad or m, the largest.
   double short_of_target = 0;
 };

@@ -243,7 +243,7 @@ void Station::look_at_states() {
 }
 
 /// Nothing leads a joint beyond its limits; a limp arm may lie beyond one where it is found, or
-/// fall there before anybody enables it.
+/// fall there before anybody enables it. Servos sag by a little more once they hold it.
 void Station::look_at_limits() {
   const MachineState state = host_->loop->controller().state();
   const bool held = state != MachineState::kOff && state != MachineState::kEnabling;
@@ -252,7 +252,7 @@ void Station::look_at_limits() {
     const double room = 2 * resolution(j);
     const double q = truth.joints[j].q;
     const bool inside = q >= robot_.joints[j].lower - room && q <= robot_.joints[j].upper + room;
-    if (inside && held) been_inside_ |= 1U << j;
+    if (within_limits(robot_.joints[j], q) && held) been_inside_ |= 1U << j;
     if (inside || (been_inside_ >> j & 1) == 0) continue;
     ADD_FAILURE() << where() << ": joint " << j + 1 << " stands at " << q << ", beyond its limits";
     return;
@@ -347,8 +347,10 @@ std::string Station::strike(const Blow& blow) {
                          : "its wire drops bytes, or keeps them for " + time(blow.delay);
   }
   if (blow.dice < 5) {
+    // To a servo board as well half a frame is completed by the one behind the cut.
+    const bool whole = guarded() && !std::holds_alternative<LscDevice>(robot_.device.settings);
     const auto both_ways = std::optional<sim::LinkDirection>();
-    spec.cuts.push_back({0ms, blow.cut, guarded() ? both_ways : sim::LinkDirection::kToHost});
+    spec.cuts.push_back({0ms, blow.cut, whole ? both_ways : sim::LinkDirection::kToHost});
     cell_.line().set_faults(spec, cell_.now());
     return "its wire is cut for " + time(blow.cut);
   }

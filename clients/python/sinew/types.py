@@ -41,7 +41,9 @@ class Error(TypedDict, total=False):
     distance_m: float
     margin_m: float
     moving: bool
+    nearest_behind_m: float
     would_work: Dict[str, Any]
+    remedies: List[str]
 
 
 class Limited(TypedDict, total=False):
@@ -81,6 +83,7 @@ class Job(TypedDict, total=False):
     held_by: int
     stopped_by: str
     last_notice: Error
+    notes: List[Dict[str, Any]]
 
 
 class Fault(TypedDict, total=False):

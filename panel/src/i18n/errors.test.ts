@@ -54,6 +54,13 @@ describe('an error', () => {
     expect(errorSentence({ ...limit, ...numbers })).toBe('elbow müsste auf 130°, die Grenze ist 90°: 40° zu weit');
   });
 
+  it('of a joint whose board is left out names no homing', () => {
+    language.value = 'de';
+    expect(errorSentence({ code: 'position_unknown', sentence: 'x', joint: 'elbow', left_out: true })).toBe(
+      'elbow ist ausgelassen, seine Position unbekannt; Gelenkbewegungen verwenden, die elbow nicht nennen',
+    );
+  });
+
   it('is English where a value is missing, is no number, or its code is new', () => {
     language.value = 'de';
     expect(errorSentence(limit)).toBe(limit.sentence);
@@ -78,6 +85,15 @@ describe('an error', () => {
     expect(say({ code: 'collision', links: 'forearm and table', measured_m: 0.002, limit_m: 0.005 })).toBe(
       'forearm und table kämen sich bis auf 2 mm nahe, verlangt sind mindestens 5 mm',
     );
+  });
+
+  it('tells an overlap as one, and how far to back off', () => {
+    language.value = 'de';
+    const say = (told: object) => errorSentence({ sentence: 'english', links: 'tool and table', ...told });
+    expect(say({ code: 'collision', measured_m: -0.1718, limit_m: 0.005 })).toBe(
+      'tool und table würden sich um 171.8 mm überschneiden; nötiger Abstand 5 mm',
+    );
+    expect(say({ code: 'jaws_contact', measured_m: 0, limit_m: 0.03 })).toMatch(/30 mm weiter vor.* dz=-30mm$/);
   });
 
   it('names the board where there are several', () => {
@@ -121,6 +137,7 @@ describe('what is in the way in a cell', () => {
     );
     expect(say({ code: 'cell_taken', moving: true })).toMatch(/Warten, bis max weg ist/);
     expect(say({ other: 'box', other_link: undefined })).toMatch(/^forearm käme box bis .*\. Einen anderen Weg nehmen\.$/);
+    expect(say({ distance_m: -0.003 })).toMatch(/^forearm würde max \(hand\) um 3 mm überschneiden, bei 40 %/);
     expect(say({ share: 0, distance_m: undefined })).toMatch(/^forearm käme max \(hand\) zu nahe, schon am Anfang;/);
   });
 

@@ -36,7 +36,7 @@ const codes: Record<string, string> = {
   program_too_long: 'Das Programm kommt auf {measured} Befehle und mehr, die Grenze ist {limit}',
   port_closed: 'Die Gegenseite hat den Anschluss geschlossen',
   position_unknown: 'Niemand weiß sicher, wo {subject} steht; eine Referenzfahrt hilft, oder eine Angabe, wo es steht',
-  not_homed: '{subject} hatte seit dem Einschalten keine Referenzfahrt',
+  not_homed: '{subject} hat keine Referenz, oder das Gerät weiß es besser als eine Angabe: unter Einrichten die Referenzfahrt starten (Servos: ein Schritt joint, der alle Achsen nennt)',
   segment_time: 'Die Bewegung kann nicht {measured} dauern; die Grenze ist {limit}',
   tool_not_fitted: 'Dieser Roboter hat kein solches Werkzeug',
   device_killed: 'Das Gerät wurde abgeschaltet und hört nichts mehr: seinen Strom trennen, dann wieder einschalten',
@@ -73,7 +73,7 @@ const codes: Record<string, string> = {
   supply_flag:
     'Die Platine von {subject} meldet, dass ihre Versorgung zu niedrig ist oder war: nach dem Netzteil sehen; kommt es wieder, die Maschine aus- und einschalten',
   jaws_contact:
-    'beim Schließen gehen die Backenspitzen {limit} weiter vor, zu nah für {subject}: zuerst um so viel zurückgehen, etwa mit line frame=tool dz=-20mm',
+    'beim Schließen gehen die Backenspitzen {limit} weiter vor, zu nah für {subject}: zuerst um so viel zurückgehen, etwa mit line frame=tool {dz}',
   collision: '{subject} kämen sich bis auf {measured} nahe, verlangt sind mindestens {limit}',
   cell_contact: '{subject} käme etwas anderem in der Zelle bis auf {measured} nahe, verlangt sind mindestens {limit}',
   cell_taken: '{subject} käme dem Weg eines anderen Roboters der Zelle bis auf {measured} nahe, verlangt sind mindestens {limit}',
@@ -101,6 +101,13 @@ const codes: Record<string, string> = {
   counted_elsewhere: '{subject} soll auf {measured} stehen, aber das Gerät zählt {limit}, {excess} auseinander; sagen, wo das Gerät es zählt, oder wer es bewegt hat und wie (moved:)',
 };
 
+/** Dieselben, wo sich Körper überschneiden. */
+const overlaps: Record<string, string> = {
+  collision: '{subject} würden sich um {overlap} überschneiden; nötiger Abstand {limit}',
+  cell_contact: '{subject} würde etwas anderes in der Zelle um {overlap} überschneiden; nötiger Abstand {limit}',
+  cell_taken: '{subject} würde den Weg eines anderen Roboters der Zelle um {overlap} überschneiden; nötiger Abstand {limit}',
+};
+
 /** Was die Steuerung nicht aufhebt oder nicht hergibt; {sentence} ist ihr eigener, englischer Satz. */
 const kept: Record<string, string> = {
   conflict: 'Jemand anderes hat es inzwischen geändert. Nichts wurde überschrieben.',
@@ -117,13 +124,16 @@ const kept: Record<string, string> = {
 };
 
 export const errorsDe: ErrorWords = {
+  leftOut: '{subject} ist ausgelassen, seine Position unbekannt; Gelenkbewegungen verwenden, die {subject} nicht nennen',
   and: 'und',
   codes: { ...codes, ...kept },
+  overlaps,
   device: { one: 'Das Gerät', of: 'Die Platine von {subject}' },
   inCell: {
     askerUnknown:
       'Niemand weiß, wo dieser Roboter steht oder hinfährt, und {other} ist in seiner Reichweite: {other} wegbewegen oder sagen, wo dieser Roboter steht',
     unknown: '{link} käme vielleicht an {whom}, und niemand weiß, wo der andere steht: dort eine Referenzfahrt machen oder sagen, wo er steht',
+    overlap: '{link} würde {whom} um {distance} überschneiden',
     near: '{link} käme {whom} bis auf {distance} nahe',
     tooNear: '{link} käme {whom} zu nahe',
     begins: 'schon am Anfang',

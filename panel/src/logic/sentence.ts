@@ -8,15 +8,19 @@ import { duration, shown, toDeg, toMm, unitOf } from './units';
 
 /** A language's words for errors. `{name}` is filled in. */
 export interface ErrorWords {
-  /** By code: {subject} {device} {measured} {limit} {excess}, and {sentence}, the server's own. */
+  /** By code: {subject} {device} {measured} {limit} {excess} {dz}, and {sentence}, the server's own. */
   codes: Readonly<Record<string, string>>;
+  /** A joint whose board is left out: {subject}. */
+  leftOut: string;
+  /** The same where bodies overlap, by {overlap}. */
+  overlaps: Readonly<Record<string, string>>;
   /** Whose answer is meant: the device's, or where there are several boards that of one. */
   device: { one: string; of: string };
   /** Between two names. */
   and: string;
   /** What stands in a robot's way in its cell: parts of one sentence. */
   inCell: Record<
-    'askerUnknown' | 'unknown' | 'near' | 'tooNear' | 'begins' | 'onTheWay' | 'whole' | 'object' | 'rests' | 'moves',
+    'askerUnknown' | 'unknown' | 'overlap' | 'near' | 'tooNear' | 'begins' | 'onTheWay' | 'whole' | 'object' | 'rests' | 'moves',
     string
   >;
 }
@@ -32,7 +36,8 @@ export function sentenceIn(words: ErrorWords | undefined, error: Told): string {
   if (!words || !error.code) return said;
   const inCell = error.code === 'cell_contact' || error.code === 'cell_taken';
   if (inCell && error.other !== undefined) return inCellSentence(words, error) ?? said;
-  const template = words.codes[error.code];
+  const overlaps = (numberOf(error, 'measured_m') ?? 0) < 0;
+  const template = error.left_out ? words.leftOut : (overlaps && words.overlaps[error.code]) || words.codes[error.code];
   return (template && filled(template, valuesOf(words, error))) ?? said;
 }
 
@@ -59,6 +64,8 @@ function valuesOf(words: ErrorWords, error: Told): Record<string, string | undef
     measured: text(measured),
     limit: text(limit),
     excess: text(excess),
+    overlap: measured !== undefined ? text(-measured) : undefined,
+    dz: limit !== undefined ? `dz=-${Math.ceil(toMm(limit) * 10 - 1e-6) / 10}mm` : undefined,
     sentence: error.sentence,
   };
 }
@@ -108,10 +115,11 @@ function inCellSentence(words: ErrorWords, error: Told): string | undefined {
   if (sentence.includes(kOtherUnknown)) return filled(parts.unknown, { link, whom });
   const mm = (name: string): string | undefined => {
     const value = numberOf(error, name);
-    return value === undefined ? undefined : `${Math.round(toMm(Math.max(0, value)))} mm`;
+    return value === undefined ? undefined : `${Math.round(toMm(Math.abs(value)))} mm`;
   };
   const distance = mm('distance_m');
-  const how = filled(distance === undefined ? parts.tooNear : parts.near, { link, whom, distance });
+  const overlaps = (numberOf(error, 'distance_m') ?? 0) < 0;
+  const how = filled(distance === undefined ? parts.tooNear : overlaps ? parts.overlap : parts.near, { link, whom, distance });
   const where =
     share > 0 ? filled(parts.onTheWay, { percent: String(Math.round(100 * share)), way: mm('way_m') }) : parts.begins;
   const then = filled(!other_link ? parts.object : moving ? parts.moves : parts.rests, { other });

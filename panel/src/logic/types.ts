@@ -41,12 +41,17 @@ export interface ErrorJson {
   link?: string;
   other?: string;
   other_link?: string;
+  /** The joint's board is left out by choice. */
+  left_out?: boolean;
   line?: number;
   share?: number;
   way_m?: number;
   distance_m?: number;
   margin_m?: number;
   moving?: boolean;
+  nearest_behind_m?: number;
+  /** Rows that would work instead, each behind its words. */
+  remedies?: string[];
 }
 
 export interface FaultJson {
@@ -135,6 +140,7 @@ export interface JobJson {
   held_by?: number;
   stopped_by?: string;
   error?: ErrorJson;
+  notes?: { line: number; sentence: string }[];
 }
 
 export interface CellRobot {
@@ -314,7 +320,7 @@ export interface EventJson {
   number: number;
   at_ms: number;
   robot: string;
-  kind: 'state' | 'lease' | 'stop' | 'fault' | 'notice' | 'record' | 'job' | 'moved' | 'declared' | 'procedure' | 'demonstration' | 'begun';
+  kind: 'state' | 'lease' | 'stop' | 'fault' | 'notice' | 'record' | 'job' | 'declared' | 'declaration_refused' | 'procedure' | 'demonstration' | 'begun';
   version?: string;
   runs?: boolean;
   procedure?: string;

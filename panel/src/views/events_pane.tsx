@@ -134,8 +134,8 @@ export function eventText(event: EventJson): string {
     case 'begun':
       return event.trouble ? t('events.not_kept', { text: event.trouble }) : t('events.begun', { version: event.version ?? '' });
     case 'declared':
-      return t('events.declared');
-    case 'moved':
-      return t('events.moved', { reason: event.reason ?? '' });
+      return event.reason ? t('events.moved', { reason: event.reason }) : t('events.declared');
+    case 'declaration_refused':
+      return t('events.declaration_refused', { text: event.trouble ?? '' });
   }
 }

@@ -62,8 +62,10 @@ std::string held_by_cell(const std::string& port) {
   for (const Json& robot : (*description)["robots"]) {
     const std::string other = robot["port"];
     if (robot["simulated"].get<bool>() || !io::same_file(other, port)) continue;
-    return fmt::format("; the cell that answers on {} holds it, as '{}': --cell --robot {}",
-                       cell->path(), std::string(robot["name"]), std::string(robot["name"]));
+    return fmt::format(
+        "; the cell that answers on {0} holds it, as '{1}': sinew status {1} shows it, and sinew "
+        "run moves it with --cell --robot {1}",
+        cell->path(), std::string(robot["name"]));
   }
   return {};
 }

@@ -63,7 +63,7 @@ class Passage {
   }
 
   std::optional<std::string> unknown_step() const {
-    if (script_ == nullptr) return std::nullopt;
+    if (script_ == nullptr || !request_.answers) return std::nullopt;
     std::vector<std::string> steps;
     for (const auto& step : status_.view.steps) steps.push_back(step.step);
     return script_->unknown(steps);

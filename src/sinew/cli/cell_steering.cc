@@ -177,7 +177,9 @@ Outcome cell_nudge(const CellRequest& request) {
 std::expected<Json, Outcome> make_known(CellConnection& cell, const CellRequest& request) {
   const Json robot{{"robot", request.robot}};
   Json declaration = robot;
-  if (request.standing_at) {
+  if (request.standing_at == "shown") {
+    declaration["shown"] = true;
+  } else if (request.standing_at) {
     const auto positions = positions_of(cell, request.robot, "--standing-at", *request.standing_at);
     if (!positions) return std::unexpected(positions.error());
     declaration["positions"] = *positions;

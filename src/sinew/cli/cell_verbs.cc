@@ -3,11 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 
 #include "sinew/cli/bullride_verb.h"
 #include "sinew/cli/cell_connection.h"
+#include "sinew/cli/plan_report.h"
 #include "sinew/cli/program_folder.h"
 #include "sinew/cli/progress_line.h"
 #include "sinew/cli/quantity.h"
@@ -100,22 +102,41 @@ class JobLine {
   std::string phase_;
 };
 
+/// "wave.sinew:3, at 40 mm (25 %): why", and what would work instead.
+std::string refusal_text(const Json& error, const std::string& title) {
+  const int line = error.value("line", 0);
+  std::string text = line > 0 ? fmt::format("{}:{}", title, line) : std::string();
+  const bool metres = error.contains("way_m");
+  const planning::MovePlace place{0, error.value("way_m", 0.0), error.value("share", 0.0), metres};
+  if (line > 0 && error.contains("share")) {
+    // What is told of a contact in the cell says where it is.
+    if (!error.contains("other")) text += ", " + cli::place_text(place);
+  }
+  text += (line > 0 ? ": " : "") + std::string(error["sentence"]);
+  if (error.contains("nearest_behind_m")) text += behind_text(error["nearest_behind_m"], place);
+  for (const Json& row : error.value("remedies", Json::array())) {
+    text += "\n  would work: " + std::string(row);
+  }
+  return text;
+}
+
 Outcome job_outcome(const Json& job) {
   Outcome outcome;
   outcome.json = job;
   const std::string phase = job["phase"];
+  for (const Json& note : job.value("notes", Json::array())) {
+    outcome.text += fmt::format("  note: line {}: {}\n", note["line"].get<int>(),
+                                std::string(note["sentence"]));
+  }
   if (phase == "done") {
-    outcome.text = fmt::format("  done: {} of {} orders, {:.2f} s predicted, {:.2f} s taken\n",
-                               job["orders_done"].get<int>(), job["orders"].get<int>(),
-                               job["predicted_s"].get<double>(), job["elapsed_s"].get<double>());
+    outcome.text += fmt::format("  done: {} of {} orders, {:.2f} s predicted, {:.2f} s taken\n",
+                                job["orders_done"].get<int>(), job["orders"].get<int>(),
+                                job["predicted_s"].get<double>(), job["elapsed_s"].get<double>());
     return outcome;
   }
   outcome.exit = ExitCode::kCouldNot;
   if (job.contains("error")) {
-    const int line = job["error"]["line"];
-    const std::string where =
-        line > 0 ? fmt::format("{}:{}: ", std::string(job["title"]), line) : std::string();
-    outcome.complaint = where + std::string(job["error"]["sentence"]);
+    outcome.complaint = refusal_text(job["error"], job["title"]);
   } else {
     outcome.complaint =
         "stopped" +
@@ -182,11 +203,14 @@ Outcome run_job(const CellRequest& request, const char* method, Json params) {
   if (!cell) return cell.error();
   params["robot"] = request.robot;
   params["take_over"] = request.take_over;
-  if (request.standing_at) {
+  if (request.standing_at == "shown") {
+    params["shown"] = true;
+  } else if (request.standing_at) {
     const auto standing = positions_of(*cell, request.robot, "--standing-at", *request.standing_at);
     if (!standing) return standing.error();
     params["standing_at"] = *standing;
   }
+  if (request.moved) params["moved"] = *request.moved;
   io::catch_interrupts();
   if (auto watched = cell->call("watch", {{"rate_hz", 0}, {"robot", request.robot}}); !watched) {
     return watched.error();
@@ -230,11 +254,11 @@ Outcome cell_status(const CellRequest& request) {
 }
 
 Outcome cell_move(const CellRequest& request) {
-  Json params{{"text", joined(request.row, " ")}, {"name", "move"}};
+  const std::string row = joined(request.row, " ");
+  Json params{{"text", row}, {"name", "move"}};
   // Where `sinew teach` writes them. A row that names none does not care what is in there.
-  const bool names_points = std::ranges::any_of(request.row, [](const std::string& word) {
-    return word.starts_with("to=") || word.starts_with("via=") || word.starts_with("spline");
-  });
+  const bool names_points = std::ranges::any_of(
+      std::array{"to=", "via=", "spline"}, [&](const char* word) { return row.contains(word); });
   if (names_points && io::exists("points.toml")) {
     const auto points = io::read_file("points.toml");
     if (!points) return bad_input(points.error().sentence);
@@ -243,26 +267,11 @@ Outcome cell_move(const CellRequest& request) {
   return run_job(request, "program.run", std::move(params));
 }
 
-/// The texts that a cell runs; those of another form as the cell reads them.
-std::expected<ProgramTexts, Outcome> texts_for_cell(const CellRequest& request) {
-  const auto form = program::form_of_file(request.file);
-  if (!form) return gather_program(request.file);
-  const auto text = io::read_file(request.file);
-  if (!text) return std::unexpected(bad_input(text.error().sentence));
-  auto cell = CellConnection::open(request.socket);
-  if (!cell) return std::unexpected(cell.error());
-  constexpr const char* kForms[] = {"sequence", "pos", "gcode"};
-  const auto rows = cell->call(
-      "program.import",
-      {{"robot", request.robot}, {"form", kForms[static_cast<int>(*form)]}, {"text", *text}});
-  if (!rows) return std::unexpected(rows.error());
-  return ProgramTexts{.text = (*rows)["text"].get<std::string>(), .points = {}, .called = {}};
-}
-
 Outcome cell_run(const CellRequest& request) {
-  const auto texts = texts_for_cell(request);
+  const auto texts = gather_program(request.file);
   if (!texts) return texts.error();
   Json params{{"text", texts->text}, {"name", request.file}};
+  if (texts->form) params["form"] = program::name(*texts->form);
   if (texts->points) params["points"] = *texts->points;
   if (!texts->called.empty()) params["called"] = texts->called;
   if (request.single_step) params["single_step"] = true;

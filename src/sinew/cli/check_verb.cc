@@ -195,8 +195,8 @@ Outcome check_program(const CheckRequest& request) {
   const auto file = find_robot(request.robot);
   if (!file) return file.error();
   RobotModel model = file->model;
-  if (request.profile || request.wire) {
-    auto variant = runtime::variant_of(file->model, request.profile, request.wire);
+  if (request.profile || request.wire || !request.without.empty()) {
+    auto variant = runtime::variant_of(file->model, request.profile, request.wire, request.without);
     if (!variant) return bad_input(variant.error());
     model = std::move(*variant);
   }

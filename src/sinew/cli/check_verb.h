@@ -13,6 +13,7 @@ struct CheckRequest {
   std::string robot;
   std::optional<std::string> from;  ///< joints; home where left out
   std::optional<std::string> profile, wire;
+  std::vector<std::string> without;  ///< joints that are left out
 };
 
 /// `sinew check`: everything but the motion, a verdict for each row.

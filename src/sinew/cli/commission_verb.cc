@@ -190,7 +190,7 @@ std::expected<RobotModel, Outcome> model_for(const CommissionRequest& request) {
   const auto file = find_robot(request.robot);
   if (!file) return std::unexpected(file.error());
   if (const auto fine = check_has_device(file->model); !fine) return std::unexpected(fine.error());
-  auto variant = runtime::variant_of(file->model, request.profile, request.wire);
+  auto variant = runtime::variant_of(file->model, request.profile, request.wire, request.without);
   if (!variant) return std::unexpected(bad_input(variant.error()));
   if (const auto fine = check_seed(request.seed); !fine) return std::unexpected(fine.error());
   if (const auto fine = check_time_scale(request.time_scale); !fine) {

@@ -4,6 +4,7 @@
 #include <expected>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "sinew/cli/outcome.h"
 #include "sinew/model/robot_model.h"
@@ -16,6 +17,7 @@ struct CommissionRequest {
   std::string robot;
   std::optional<std::string> port;  ///< a simulated device where left out, or "simulated"
   std::optional<std::string> wire;
+  std::vector<std::string> without;  ///< joints that are left out
   std::optional<std::string> profile;
   std::string procedure = "commission";
   std::optional<std::string> answers;  ///< a file; else somebody types

@@ -52,8 +52,8 @@ std::string silence_hint(const RobotModel& model, const Error& trouble,
   const std::string common = "; is it switched on, and is this its port?";
   if (std::holds_alternative<IcpDevice>(settings)) {
     return common +
-           " Is this computer very busy? If all three are as they should be, cut its power: its "
-           "controller shuts down when it was told to, and after a long idle time";
+           " Try once more: on a busy computer a reply may come too late. A controller that was "
+           "told to shut down, or was idle for long, replies only after it was switched off and on";
   }
   if (std::holds_alternative<MaxArmDevice>(settings)) {
     return common +

@@ -5,98 +5,28 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <functional>
 #include <span>
 
 #include "sinew/cli/commission_verb.h"
-#include "sinew/cli/device_argument.h"
 #include "sinew/cli/kinematics_text.h"
 #include "sinew/cli/local_cell.h"
 #include "sinew/cli/program_report.h"
 #include "sinew/cli/robot_argument.h"
 #include "sinew/cli/table.h"
 #include "sinew/core/spelling.h"
-#include "sinew/driver/icp.h"
+#include "sinew/driver/device_facts.h"
 #include "sinew/io/interrupt.h"
-#include "sinew/runtime/robot_link.h"
 #include "sinew/runtime/robot_variant.h"
-#include "sinew/runtime/session_pace.h"
+#include "sinew/wire/icp.h"
 #include "sinew/wire/tmc222_words.h"
 
 namespace sinew::cli {
 namespace {
 
-using Kind = DriverEvent::Kind;
-
 constexpr std::array<std::string_view, 4> kHexapodActions{"status", "wake", "kill", "jog"};
 constexpr std::array<std::string_view, 1> kBoardActions{"release"};
 /// Microsteps of one leg in one call; 1 mm.
 constexpr std::int64_t kStepsMax = 4571;
-
-/// The driver of one hexapod on its port, one command at a time.
-class Hexapod {
- public:
-  Hexapod(runtime::RobotLink link, const io::Clock& clock, const RobotModel& model)
-      : link_(std::move(link)),
-        clock_(clock),
-        model_(model),
-        icp_(dynamic_cast<IcpDriver&>(link_.driver())) {}
-
-  /// Until the device has answered. @return why it did not
-  std::optional<std::string> open() {
-    icp_.open(clock_.now());
-    return wait([](Kind kind) { return kind == Kind::kReady; }, runtime::opening_of(model_).limit);
-  }
-
-  /// Gives a command and waits for its end. @return why it failed
-  std::optional<std::string> carry_out(const std::function<Expected<void>(IcpDriver&)>& command) {
-    const auto accepted = command(icp_);
-    if (!accepted) return failed(accepted.error());
-    return wait([](Kind kind) { return kind == Kind::kDone || kind == Kind::kStopped; },
-                std::chrono::minutes(10));
-  }
-
-  Instant now() const { return clock_.now(); }
-  const IcpDriver& icp() const { return icp_; }
-  /// Of the last command that failed.
-  const Error& trouble() const { return trouble_; }
-
- private:
-  std::string failed(const Error& trouble) {
-    trouble_ = trouble;
-    return error_text(trouble, model_);
-  }
-
-  std::optional<std::string> wait(const std::function<bool(Kind)>& is_end, Duration limit) {
-    const Instant end = clock_.now() + limit;
-    bool stopped = false;
-    Error trouble{.code = ErrorCode::kDeviceSilent, .limit = to_seconds(limit)};
-    while (clock_.now() < end) {
-      while (const auto event = icp_.take_event()) {
-        if (is_end(event->kind)) return std::nullopt;
-        if (event->kind != Kind::kFailed) continue;
-        trouble = event->error;
-        if (icp_.state() != DriverState::kOpening) return failed(trouble);
-      }
-      if (icp_.fault()) return failed(*icp_.fault());
-      if (io::interrupts() > 0 && !stopped) {
-        stopped = true;
-        icp_.stop(clock_.now());
-      }
-      if (const auto turned = link_.line().turn(runtime::kSliceMax); !turned) {
-        trouble_ = {ErrorCode::kPortClosed};
-        return turned.error().sentence;
-      }
-    }
-    return failed(trouble);
-  }
-
-  runtime::RobotLink link_;
-  const io::Clock& clock_;
-  const RobotModel& model_;
-  IcpDriver& icp_;
-  Error trouble_;
-};
 
 std::string flags_text(const tmc222::Flags& flags) {
   std::string text;
@@ -106,26 +36,28 @@ std::string flags_text(const tmc222::Flags& flags) {
   return text.empty() ? "none" : text;
 }
 
-Outcome status_outcome(const IcpDriver& icp, const RobotModel& model) {
+Outcome status_outcome(const runtime::Station& station) {
+  const RobotModel& model = station.robot();
+  const auto facts = station.view().facts;
+  const auto& legs = std::get<IcpFacts>(facts).legs;
   Outcome outcome;
   outcome.json["legs"] = Json::array();
   Table table({"leg", "motion", "last step", "flags", "the 12 bytes"});
   table.left(1).left(3).left(4);
   for (std::size_t leg = 0; leg < kLegs; ++leg) {
-    const auto& status = icp.status(leg);
-    if (!status) continue;
+    if (!legs[leg].status) continue;
+    const icp::Status& status = legs[leg].status->what;
     std::string bytes;
-    for (const std::uint8_t byte : icp::encode_status(*status)) {
+    for (const std::uint8_t byte : icp::encode_status(status)) {
       bytes += fmt::format("{}{:02X}", bytes.empty() ? "" : " ", byte);
     }
-    const std::string flags = flags_text(status->one.flags);
-    const std::string motion(tmc222::words(status->one.motion).text);
-    table.add(
-        {model.joints[leg].name, motion, fmt::format("{}", status->two.target), flags, bytes});
+    const std::string flags = flags_text(status.one.flags);
+    const std::string motion(tmc222::words(status.one.motion).text);
+    table.add({model.joints[leg].name, motion, fmt::format("{}", status.two.target), flags, bytes});
     outcome.json["legs"].push_back({{"joint", model.joints[leg].name},
                                     {"motion", motion},
-                                    {"target_units", status->two.target},
-                                    {"actual_units", status->two.actual},
+                                    {"target_units", status.two.target},
+                                    {"actual_units", status.two.actual},
                                     {"flags", flags},
                                     {"bytes", bytes}});
   }
@@ -133,40 +65,28 @@ Outcome status_outcome(const IcpDriver& icp, const RobotModel& model) {
   return outcome;
 }
 
-/// What the modules answered, also where that is why the driver takes no more questions.
-Outcome told_in_doubt(const IcpDriver& icp, const RobotModel& model, const std::string& why) {
-  Outcome outcome = status_outcome(icp, model);
+/// What the modules reported when the port was opened, also where that is why it is not ready:
+/// asked once more, they would have forgotten their flags.
+Outcome status(LocalCell& cell) {
+  const auto why = cell.enable();
+  Outcome outcome = status_outcome(cell.station());
+  if (!why) return outcome;
+  if (outcome.json["legs"].empty()) outcome.text.clear();
   outcome.exit = ExitCode::kCouldNot;
-  outcome.complaint = why;
-  outcome.json["error"] = {{"sentence", why}};
+  outcome.complaint = cell.sentence(*why);
+  outcome.json["error"] = {{"sentence", outcome.complaint}};
   return outcome;
 }
 
-Outcome act(const DeviceRequest& request, Hexapod& hexapod, const RobotModel& model) {
-  const auto fail = [&](const std::string& why) { return could_not(request.port + ": " + why); };
-  if (request.action == "status") {
-    for (std::size_t leg = 0; leg < kLegs; ++leg) {
-      if (const auto why = hexapod.carry_out(
-              [&](IcpDriver& icp) { return icp.read_status(leg, hexapod.now()); })) {
-        return told_in_doubt(hexapod.icp(), model, request.port + ": " + *why);
-      }
-    }
-    return status_outcome(hexapod.icp(), model);
-  }
+Outcome service(const DeviceRequest& request, LocalCell& cell) {
+  if (const auto why = cell.enable()) return could_not(cell.sentence(*why));
+  const bool wakes = request.action == "wake";
+  const control::ControlEvent end =
+      cell.carry_out(control::Service{wakes ? DeviceService::kWake : DeviceService::kShutDown});
+  if (end.kind != control::ControlEvent::Kind::kDone) return could_not(cell.sentence(end.error));
   Outcome outcome;
-  if (request.action == "wake") {
-    if (const auto why =
-            hexapod.carry_out([&](IcpDriver& icp) { return icp.wake(hexapod.now()); })) {
-      return fail(*why);
-    }
-    outcome.text = "all motors are awake\n";
-  } else {
-    if (const auto why =
-            hexapod.carry_out([&](IcpDriver& icp) { return icp.kill(hexapod.now()); })) {
-      return fail(*why);
-    }
-    outcome.text = "the controller is shut down; it hears nothing until its power was cut\n";
-  }
+  outcome.text = wakes ? "all motors are awake\n"
+                       : "the controller is shut down; it hears nothing until its power was cut\n";
   outcome.json["done"] = request.action;
   return outcome;
 }
@@ -179,17 +99,10 @@ void tell_positions(const runtime::Station& station, Outcome& outcome) {
   outcome.json["positions"] = positions_json(positions, station.robot());
 }
 
-Outcome failed(const DeviceRequest& request, const std::string& why) {
-  return could_not(request.port + ": " + why);
-}
-
 /// In steps as large as the robot's file allows.
 Outcome jog_leg(const DeviceRequest& request, LocalCell& cell) {
   const RobotModel& model = cell.station().robot();
-  if (const auto why = cell.enable()) {
-    return failed(
-        request, error_text(*why, model) + silence_hint(model, *why, cell.station().view().health));
-  }
+  if (const auto why = cell.enable()) return could_not(cell.sentence(*why));
   const auto leg = static_cast<std::uint8_t>(*request.leg - 1);
   const auto& device = std::get<IcpDevice>(model.device.settings);
   const double unit = (*request.steps < 0 ? device.units_per_down : 1) / device.units_per_m;
@@ -199,10 +112,10 @@ Outcome jog_leg(const DeviceRequest& request, LocalCell& cell) {
     const std::int64_t part = std::clamp(left, -most, most);
     const control::ControlEvent end =
         cell.carry_out(control::Nudge{leg, static_cast<double>(part) * unit});
-    if (end.kind == control::ControlEvent::Kind::kStopped) return failed(request, "stopped");
-    if (end.kind != control::ControlEvent::Kind::kDone) {
-      return failed(request, error_text(end.error, model));
+    if (end.kind == control::ControlEvent::Kind::kStopped) {
+      return could_not(request.port + ": stopped");
     }
+    if (end.kind != control::ControlEvent::Kind::kDone) return could_not(cell.sentence(end.error));
     left -= part;
   }
   Outcome outcome;
@@ -218,19 +131,13 @@ bool is_latched_stop(ErrorCode code) {
 
 /// The latch of an emergency stop is taken back, and nothing moves.
 Outcome release(const DeviceRequest& request, LocalCell& cell) {
-  const RobotModel& model = cell.station().robot();
   const auto why = cell.enable();
   Outcome outcome;
   outcome.text = "no emergency stop is latched\n";
-  if (why && !is_latched_stop(why->code)) {
-    return failed(
-        request, error_text(*why, model) + silence_hint(model, *why, cell.station().view().health));
-  }
+  if (why && !is_latched_stop(why->code)) return could_not(cell.sentence(*why));
   if (why) {
     const control::ControlEvent end = cell.carry_out(control::Acknowledge{});
-    if (end.kind != control::ControlEvent::Kind::kDone) {
-      return failed(request, error_text(end.error, model));
-    }
+    if (end.kind != control::ControlEvent::Kind::kDone) return could_not(cell.sentence(end.error));
     const bool own = why->code == ErrorCode::kStopLatched;
     outcome.text = own ? "released: an earlier run on this computer had set the latch; nothing has "
                          "moved\n"
@@ -278,7 +185,9 @@ Outcome act_in_cell(const DeviceRequest& request, const RobotModel& model) {
                                 .assumes_start = false},
                                {});
   if (!cell) return cell.error();
-  return request.action == "release" ? release(request, **cell) : jog_leg(request, **cell);
+  if (request.action == "release") return release(request, **cell);
+  if (request.action == "jog") return jog_leg(request, **cell);
+  return request.action == "status" ? status(**cell) : service(request, **cell);
 }
 
 std::expected<void, Outcome> check_options(const DeviceRequest& request) {
@@ -314,19 +223,7 @@ Outcome run_device_action(const DeviceRequest& request) {
   const auto settings = use_commissioning(*model, request.settings, is_real(request.port));
   if (!settings) return settings.error();
   io::catch_interrupts();
-  if (request.action == "jog" || request.action == "release") return act_in_cell(request, *model);
-  const io::Clock clock = runtime::clock_for(request.port, request.time_scale);
-  runtime::ByteLog log;
-  auto link = runtime::RobotLink::open(*model, request.port, clock, log);
-  if (!link) return could_not(link.error().sentence);
-  Hexapod hexapod(std::move(*link), clock, *model);
-  if (const auto why = hexapod.open()) {
-    const std::string sentence = request.port + ": " + *why +
-                                 silence_hint(*model, hexapod.trouble(), hexapod.icp().health());
-    const bool asked = request.action == "status" && hexapod.icp().status(0);
-    return asked ? told_in_doubt(hexapod.icp(), *model, sentence) : could_not(sentence);
-  }
-  return act(request, hexapod, *model);
+  return act_in_cell(request, *model);
 }
 
 }  // namespace sinew::cli

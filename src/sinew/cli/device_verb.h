@@ -24,7 +24,7 @@ struct DeviceRequest {
 /// `sinew device`: what only one kind of device knows, asked for by a person and by nothing else.
 /// The hexapod's controller can be waked and killed, and the twelve status bytes of each motor
 /// read. Its legs can be jogged while their position is unknown, and the boards of robot-arm-2
-/// released from a latched emergency stop: both through the controller, recorded in the journal.
+/// released from a latched emergency stop. All through the controller, recorded in the journal.
 Outcome run_device_action(const DeviceRequest& request);
 
 }  // namespace sinew::cli

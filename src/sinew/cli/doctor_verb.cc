@@ -2,16 +2,15 @@
 
 #include <fmt/format.h>
 
+#include "sinew/cli/commission_verb.h"
 #include "sinew/cli/device_argument.h"
-#include "sinew/cli/kinematics_text.h"
+#include "sinew/cli/local_cell.h"
 #include "sinew/cli/robot_argument.h"
 #include "sinew/cli/table.h"
 #include "sinew/driver/quality_name.h"
 #include "sinew/io/interrupt.h"
 #include "sinew/io/machine_check.h"
-#include "sinew/runtime/robot_link.h"
 #include "sinew/runtime/robot_variant.h"
-#include "sinew/runtime/session_pace.h"
 
 namespace sinew::cli {
 namespace {
@@ -43,34 +42,13 @@ void add_devices(Outcome& outcome) {
   }
 }
 
-/// Opens the driver and lets it ask its harmless questions until it is ready or gives up.
-std::optional<Error> first_answer(runtime::RobotLink& link, const io::Clock& clock, Duration limit,
-                                  std::optional<io::IoError>& wire_failure) {
-  Driver& driver = link.driver();
-  Error trouble{.code = ErrorCode::kDeviceSilent, .limit = to_seconds(limit)};
-  driver.open(clock.now());
-  while (clock.now() < Instant{} + limit && io::interrupts() == 0) {
-    while (const auto event = driver.take_event()) {
-      if (event->kind == DriverEvent::Kind::kReady) return std::nullopt;
-      if (event->kind == DriverEvent::Kind::kFailed) trouble = event->error;
-    }
-    if (driver.state() == DriverState::kFault) return driver.fault();
-    if (const auto turned = link.line().turn(runtime::kSliceMax); !turned) {
-      wire_failure = turned.error();
-      return trouble;
-    }
-  }
-  return trouble;
-}
-
-std::string healthy_text(const RobotModel& model, const Driver& driver) {
+std::string healthy_text(const RobotModel& model, const runtime::StationView& view) {
   std::string text;
-  const auto positions = driver.positions();
-  for (std::size_t i = 0; i < positions.size(); ++i) {
+  for (std::size_t i = 0; i < view.positions.size(); ++i) {
     text += fmt::format("{}{} {}", i == 0 ? "" : ", ", model.joints[i].name,
-                        quality_name(positions[i].quality));
+                        quality_name(view.positions[i].quality));
   }
-  const DriverHealth health = driver.health();
+  const DriverHealth& health = view.health;
   if (health.supply_volts) text += fmt::format("; supply {:.2f} V", *health.supply_volts);
   if (health.temperature_c) text += fmt::format("; {:.0f} deg C", *health.temperature_c);
   return text;
@@ -80,35 +58,35 @@ Outcome ask_robot(const DoctorRequest& request) {
   const auto file = find_robot(*request.robot);
   if (!file) return file.error();
   if (const auto fine = check_has_device(file->model); !fine) return fine.error();
-  const auto model = runtime::variant_of(file->model, request.profile, request.wire);
+  auto model = runtime::variant_of(file->model, request.profile, request.wire);
   if (!model) return bad_input(model.error());
+  const auto settings = use_commissioning(*model, request.settings, is_real(request.port));
+  if (!settings) return settings.error();
   Outcome outcome;
   add_devices(outcome);
   io::catch_interrupts();
-  const io::Clock clock;
-  runtime::ByteLog log;
-  auto link = runtime::RobotLink::open(*model, *request.port, clock, log);
-  if (!link) {
+  const auto refuse = [&](const std::string& why) {
     outcome.exit = ExitCode::kCouldNot;
-    outcome.complaint = link.error().sentence;
-    outcome.json["answer"] = {{"ok", false}, {"sentence", outcome.complaint}};
+    outcome.complaint = why;
+    outcome.json["answer"] = {{"ok", false}, {"sentence", why}};
     return outcome;
-  }
-  std::optional<io::IoError> wire_failure;
-  const auto trouble = first_answer(*link, clock, runtime::opening_of(*model).limit, wire_failure);
-  if (trouble) {
-    outcome.exit = ExitCode::kCouldNot;
-    outcome.complaint =
-        *request.port + ": " +
-        (wire_failure ? wire_failure->sentence
-                      : error_text(*trouble, *model) +
-                            silence_hint(*model, *trouble, link->driver().health()));
-    outcome.json["answer"] = {{"ok", false}, {"sentence", outcome.complaint}};
-    return outcome;
-  }
-  const std::string answer = healthy_text(*model, link->driver());
+  };
+  // As a run: what the device forgets by telling is recorded in the journal of its position.
+  auto cell = LocalCell::start(*model,
+                               {.port = request.port,
+                                .profile = request.profile,
+                                .journal = request.journal,
+                                .seed = 1,
+                                .time_scale = 1,
+                                .byte_log = {},
+                                .assumes_start = false},
+                               {});
+  if (!cell) return refuse(cell.error().complaint);
+  if (const auto trouble = (*cell)->enable()) return refuse((*cell)->sentence(*trouble));
+  const runtime::Station& station = (*cell)->station();
+  const std::string answer = healthy_text(*model, station.view());
   outcome.text += fmt::format("\n  {} answers on {}: {}\n", model->id, *request.port, answer);
-  const std::string suspicion = runtime::suspicion(link->driver());
+  const std::string suspicion = station.suspicion();
   outcome.json["answer"] = {{"ok", suspicion.empty()},
                             {"sentence", suspicion.empty() ? answer : suspicion}};
   if (suspicion.empty()) return outcome;
@@ -123,8 +101,10 @@ Outcome examine(const DoctorRequest& request) {
   if (request.robot.has_value() != request.port.has_value()) {
     return bad_input("--robot and --port belong together: which robot, and where it is plugged in");
   }
-  if (!request.robot && (request.wire || request.profile)) {
-    return bad_input("--wire and --profile belong to a robot: --robot ROBOT --port DEVICE");
+  if (!request.robot && (request.wire || request.profile || request.journal || request.settings)) {
+    return bad_input(
+        "--wire, --profile, --journal and --settings belong to a robot: --robot ROBOT --port "
+        "DEVICE");
   }
   if (request.robot) return ask_robot(request);
   Outcome outcome;

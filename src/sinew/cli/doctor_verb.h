@@ -12,6 +12,8 @@ struct DoctorRequest {
   std::optional<std::string> port;
   std::optional<std::string> wire;
   std::optional<std::string> profile;
+  std::optional<std::string> journal;   ///< name of the position journal, as of run
+  std::optional<std::string> settings;  ///< what commissioning found, as of run
 };
 
 /// `sinew doctor`: ports, rights and kernel interfaces of this computer; with a robot and a port

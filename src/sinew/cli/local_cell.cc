@@ -3,6 +3,8 @@
 #include <utility>
 
 #include "sinew/cli/cell_connection.h"
+#include "sinew/cli/device_argument.h"
+#include "sinew/cli/kinematics_text.h"
 #include "sinew/config/points_file.h"
 #include "sinew/core/spelling.h"
 #include "sinew/io/interrupt.h"
@@ -15,7 +17,7 @@ constexpr Duration kTurn = std::chrono::milliseconds(20);
 }  // namespace
 
 bool is_real(const std::optional<std::string>& port) {
-  return port && !runtime::may_be_simulated(*port);
+  return !runtime::may_be_simulated(port);
 }
 
 std::expected<void, Outcome> check_journal_name(const std::optional<std::string>& name) {
@@ -31,10 +33,11 @@ std::expected<std::unique_ptr<LocalCell>, Outcome> LocalCell::start(const RobotM
   if (const auto fine = check_journal_name(where.journal); !fine) {
     return std::unexpected(fine.error());
   }
-  if (where.journal || is_real(where.port)) {
+  if (where.journal || where.port) {
     auto positions = runtime::positions_folder();
-    if (!positions) return std::unexpected(could_not(positions.error().sentence));
-    folders.journal = std::move(*positions);
+    const bool needed = where.journal || is_real(where.port);
+    if (!positions && needed) return std::unexpected(could_not(positions.error().sentence));
+    folders.journal = positions.value_or("");
   }
   CellRobot place;
   place.name = robot.id;
@@ -54,7 +57,10 @@ std::expected<std::unique_ptr<LocalCell>, Outcome> LocalCell::start(const RobotM
                                                options.byte_log = where.byte_log;
                                                options.assumes_start = where.assumes_start;
                                              });
-  if (!running) return std::unexpected(could_not(running.error().sentence));
+  if (!running) {
+    return std::unexpected(
+        could_not(running.error().sentence + (where.port ? held_by_cell(*where.port) : "")));
+  }
   local->running_ = std::move(*running);
   if (const std::string trouble = local->station().trouble(); !trouble.empty()) {
     return std::unexpected(could_not(trouble + held_by_cell(*where.port)));
@@ -82,7 +88,11 @@ control::ControlEvent LocalCell::carry_out(const control::CommandWhat& what) {
     while (const auto event = client_->take_event()) {
       if (event->command == id && control::is_end(event->kind)) return *event;
     }
-    if (io::interrupts() > 0 && !stopped) client_->give(control::Stop{});
+    if (io::interrupts() > 0 && !stopped) {
+      // Some devices latch a stop, and nothing moves while one is opened.
+      const bool opening = client_->state() == control::MachineState::kEnabling;
+      client_->give(opening ? control::CommandWhat{control::Disable{}} : control::Stop{});
+    }
     stopped = io::interrupts() > 0;
   }
 }
@@ -97,6 +107,15 @@ std::optional<Error> LocalCell::enable() {
     return latched ? latched->error : end.error;
   }
   return std::nullopt;
+}
+
+std::string LocalCell::sentence(const Error& error) const {
+  const RobotModel& model = station().robot();
+  const std::string trouble = station().trouble();
+  return station().port_name() + ": " +
+         (trouble.empty()
+              ? error_text(error, model) + silence_hint(model, error, station().view().health)
+              : trouble);
 }
 
 void LocalCell::renew() {

@@ -45,6 +45,8 @@ class LocalCell {
   control::ControlEvent carry_out(const control::CommandWhat& what);
   /// Takes control and enables the machine. @return  why it is not ready; nothing where it is
   std::optional<Error> enable();
+  /// Why a command of it failed, for people: with its port, and what to check.
+  std::string sentence(const Error& error) const;
 
  private:
   LocalCell() = default;

@@ -117,6 +117,9 @@ void add_inverse(CLI::App& app, Call& call) {
   verb->callback([&call] { call.verb = [&call] { return inverse(call.inverse); }; });
 }
 
+constexpr const char* kWithout =
+    "joints whose boards are missing, by name or as J3, comma between; the others can be used";
+
 void add_sim(CLI::App& app, Call& call) {
   CLI::App* verb = add_verb(app, call, "sim", "a robot's device, simulated behind a real port",
                             "sinew sim learm --profile bus --link /tmp/arm");
@@ -160,6 +163,8 @@ void add_doctor(CLI::App& app, Call& call) {
                    "which of the robot's wires; as in its file where left out");
   verb->add_option("--profile", request.profile,
                    "which variant of the device; an unknown name lists them");
+  verb->add_option("--journal", request.journal, "name of its position journal, as of run");
+  verb->add_option("--settings", request.settings, "what commissioning found, as of run");
   verb->callback([&call] { call.verb = [&call] { return examine(call.doctor); }; });
 }
 
@@ -198,6 +203,7 @@ void add_plan(CLI::App& app, Call& call) {
                    "which of the robot's wires it is planned for; as in its file where left out");
   verb->add_option("--profile", request.profile,
                    "which variant of its device; an unknown name lists them");
+  verb->add_option("--without", request.without, kWithout)->delimiter(',');
   verb->add_option("--to", request.to,
                    "x,y,z or x,y,z,rx,ry,rz: a straight line of the tool; joints=a,b,..: a joint "
                    "move; again for each further move")
@@ -303,9 +309,12 @@ void add_run(CLI::App& app, Call& call) {
                    "which of the robot's wires; as in its file where left out");
   verb->add_option("--profile", request.profile,
                    "which variant of the device; an unknown name lists them");
+  verb->add_option("--without", request.without, kWithout)->delimiter(',');
   verb->add_option("--standing-at", request.standing_at,
-                   "where a machine without sensors stands: home, lowered (legs), or a value per "
-                   "joint (deg, mm)");
+                   "where a machine without sensors stands: home, lowered (legs), shown (as its "
+                   "journal shows it), or a value per joint (deg, mm)");
+  verb->add_option("--moved", request.moved,
+                   "with --standing-at: who moved it; what was known does not count then");
   verb->add_option("--settings", request.settings,
                    "what commissioning found: its file, or none; on a real port that of the state "
                    "folder where left out");
@@ -340,8 +349,8 @@ void add_run(CLI::App& app, Call& call) {
       if (call.run.record) {
         return bad_input("--record: a running cell records by itself: sinew serve --record-folder");
       }
-      if (const auto fine = check_heard(*verb, {"FILE", "--robot", "--standing-at", "--from-line",
-                                                "--speed", "--single-step"});
+      if (const auto fine = check_heard(*verb, {"FILE", "--robot", "--standing-at", "--moved",
+                                                "--from-line", "--speed", "--single-step"});
           !fine) {
         return fine.error();
       }
@@ -350,6 +359,7 @@ void add_run(CLI::App& app, Call& call) {
       call.cell.robot = call.run.robot;
       call.cell.file = call.run.file;
       call.cell.standing_at = call.run.standing_at;
+      call.cell.moved = call.run.moved;
       return cell_run(call.cell);
     };
   });
@@ -437,7 +447,7 @@ void add_cell_verbs(CLI::App& app, Call& call) {
   verb->add_option("ROBOT", request.robot, kRobot)->required();
   verb->add_option("ROW", request.row, "as in docs/programs.md")->required();
   verb->add_flag("--take-over", request.take_over, kTakeOver);
-  verb = add_cell_verb(app, call, "home", "a robot of a running cell finds its zeros",
+  verb = add_cell_verb(app, call, "home", "a robot of a running cell finds its zeros, or goes home",
                        "sinew home arm", cell_home);
   verb->add_option("ROBOT", request.robot, kRobot)->required();
   verb->add_option("--answers", request.answers, kAnswers);
@@ -464,7 +474,8 @@ void add_cell_verbs(CLI::App& app, Call& call) {
                        "sinew recover platform --standing-at home", cell_recover);
   verb->add_option("ROBOT", request.robot, kRobot)->required();
   verb->add_option("--standing-at", request.standing_at,
-                   "where it stands, from somebody who has looked: home, or a value a joint");
+                   "where it stands, from somebody who has looked: home, lowered (legs), shown, or "
+                   "a value a joint");
   verb->add_option("--moved", request.moved,
                    "why what was known of its place does not count any more: who moved it");
   verb->add_option("--answers", request.answers, kAnswers);
@@ -473,7 +484,9 @@ void add_cell_verbs(CLI::App& app, Call& call) {
                        "where a robot of a running cell stands, from somebody who has looked",
                        "sinew stands big home --zero-counters", cell_stands);
   verb->add_option("ROBOT", request.robot, kRobot)->required();
-  verb->add_option("PLACE", request.standing_at, "home, or a value a joint")->required();
+  verb->add_option("PLACE", request.standing_at,
+                   "home, lowered (legs), shown (as status shows it), or a value a joint")
+      ->required();
   verb->add_option("--moved", request.moved,
                    "why what was known of its place does not count any more: who moved it");
   verb->add_flag("--zero-counters", request.zero_counters,
@@ -503,6 +516,7 @@ void add_commission(CLI::App& app, Call& call) {
                    "which of the robot's wires; as in its file where left out");
   verb->add_option("--profile", request.profile,
                    "which variant of its device; an unknown name lists them");
+  verb->add_option("--without", request.without, kWithout)->delimiter(',');
   verb->add_option("--answers", request.answers, "a file of STEP = ANSWER, instead of typing");
   verb->add_option("--save", request.save, "where the results go; the state folder where left out");
   verb->add_flag("--anew", request.anew, "asks again what was answered before");
@@ -599,6 +613,7 @@ void add_check(CLI::App& app, Call& call) {
                    "which of the robot's wires; as in its file where left out");
   verb->add_option("--profile", request.profile,
                    "which variant of its device; an unknown name lists them");
+  verb->add_option("--without", request.without, kWithout)->delimiter(',');
   verb->callback([&call] { call.verb = [&call] { return check_program(call.check); }; });
 }
 

@@ -5,11 +5,11 @@
 #include <algorithm>
 
 #include "sinew/cli/kinematics_text.h"
-#include "sinew/cli/plan_offers.h"
 #include "sinew/cli/progress_line.h"
 #include "sinew/cli/table.h"
 #include "sinew/core/units.h"
 #include "sinew/model/collision_links.h"
+#include "sinew/program/row_offers.h"
 
 namespace sinew::cli {
 namespace {
@@ -71,12 +71,6 @@ double share(const MotionSummary& motion) {
   return total > 0 ? motion.limits.of(motion.limits.largest()) / total : 0;
 }
 
-/// "at 40 mm (25 %)"; turns and joints' ways have no millimetres.
-std::string place_text(const planning::MovePlace& place) {
-  const std::string share = number(place.share * 100, 1) + " %";
-  if (!place.metres) return "at " + share;
-  return fmt::format("at {} mm ({})", number(to_mm(place.at), 1), share);
-}
 
 std::string refused_text(const Error& error, const RobotModel& model) {
   if (error.code != ErrorCode::kCollision || error.measured >= 0) return error_text(error, model);
@@ -101,18 +95,8 @@ std::string more_text(const planning::PathRefusal& refusal, const RobotModel& mo
   if (refusal.error.code == ErrorCode::kArcCollinear && refusal.error.measured == 0) {
     text += "; where an arc would end where it starts, two of them make a circle";
   }
-  if (!refusal.nearest_behind) return text;
-  const double nearest = to_mm(*refusal.nearest_behind);
-  text += nearest < 0 ? fmt::format("; on the rest of the way they would overlap by {} mm",
-                                    number(-nearest, 1))
-                      : fmt::format("; on the rest of the way they would come within {} mm",
-                                    number(nearest, 1));
-  const planning::MovePlace& place = refusal.place;
-  if (!(place.share > 0)) return text;
-  const double left = 1 - place.share;
-  return text + (place.metres ? fmt::format(", its target is {} mm farther",
-                                            number(to_mm(place.at / place.share * left), 1))
-                              : fmt::format(", {} % of it are left", number(left * 100, 1)));
+  if (refusal.nearest_behind) text += behind_text(*refusal.nearest_behind, refusal.place);
+  return text;
 }
 
 Json values(const planning::JointArray& array, const RobotModel& model) {
@@ -164,6 +148,26 @@ std::string total_text(const MotionPlan& plan) {
 }
 
 }  // namespace
+
+std::string place_text(const planning::MovePlace& place) {
+  const std::string share = number(place.share * 100, 1) + " %";
+  if (!place.metres) return "at " + share;
+  return fmt::format("at {} mm ({})", number(to_mm(place.at), 1), share);
+}
+
+std::string behind_text(double nearest, const planning::MovePlace& place) {
+  const std::string text =
+      nearest < 0
+          ? fmt::format("; on the rest of the way they would overlap by {} mm",
+                        number(-to_mm(nearest), 1))
+          : fmt::format("; on the rest of the way they would come within {} mm",
+                        number(to_mm(nearest), 1));
+  if (!(place.share > 0)) return text;
+  const double left = 1 - place.share;
+  return text + (place.metres ? fmt::format(", its target is {} mm farther",
+                                            number(to_mm(place.at / place.share * left), 1))
+                              : fmt::format(", {} % of it are left", number(left * 100, 1)));
+}
 
 std::string slowdown_text(const planning::Slowdown& slowdown, const RobotModel& model) {
   const std::string place =
@@ -293,7 +297,7 @@ Outcome plan_refusal(const RobotModel& model, const std::string& file,
   std::string complaint = row;
   std::vector<std::string> ways;
   if (refusal.way) {
-    ways = offers(*refusal.way, model, !file.empty());
+    ways = program::offers(*refusal.way, model, !file.empty());
     complaint += ", " + place_text(refusal.way->refusal.place);
   }
   complaint += ": " + refused_text(refusal.error, model);

@@ -69,6 +69,11 @@ Json plan_json(const MotionPlan& plan);
 /// "at 40 mm (25 %) the joints allow no more than 12 mm/s", and what is near.
 std::string slowdown_text(const planning::Slowdown& slowdown, const RobotModel& model);
 
+/// "at 40 mm (25 %)"; turns and joints' ways have no millimetres.
+std::string place_text(const planning::MovePlace& place);
+/// How near bodies come behind there, m, and how far it is to the target: "; on the rest ..".
+std::string behind_text(double nearest, const planning::MovePlace& place);
+
 /// Why a way cannot be gone and where, and what would work instead.
 /// @param file  whose line refuses; empty where it is a move of the command line
 Outcome plan_refusal(const RobotModel& model, const std::string& file,

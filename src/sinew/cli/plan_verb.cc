@@ -149,8 +149,8 @@ std::expected<Wanted, Outcome> prepare(const PlanRequest& request) {
   const auto file = find_robot(from_file ? *request.robot : request.subject);
   if (!file) return std::unexpected(file.error());
   Wanted wanted{.model = file->model, .from = {}, .program = {}, .file = {}};
-  if (request.profile || request.wire) {
-    auto variant = runtime::variant_of(file->model, request.profile, request.wire);
+  if (request.profile || request.wire || !request.without.empty()) {
+    auto variant = runtime::variant_of(file->model, request.profile, request.wire, request.without);
     if (!variant) return refused(variant.error());
     wanted.model = std::move(*variant);
   }

@@ -13,6 +13,7 @@ struct PlanRequest {
   std::string subject;                       ///< a robot, or a program NAME.sinew
   std::optional<std::string> robot;          ///< of a program
   std::optional<std::string> profile, wire;  ///< of the device it is planned for; as in its file
+  std::vector<std::string> without;          ///< joints that are left out
   /// One a move, in order: "x,y,z" or "x,y,z,rx,ry,rz" for a straight line of the tool,
   /// "joints=a,b,..." for a joint move.
   std::vector<std::string> to;

@@ -44,11 +44,7 @@ std::expected<program::Program, Outcome> read_program(const std::string& path,
                                                       const RobotModel& model) {
   const auto text = io::read_file(path);
   if (!text) return std::unexpected(bad_input(text.error().sentence));
-  if (const auto form = program::form_of_text(path, *text, model)) {
-    auto program = program::read_form(*form, *text, path, model);
-    if (!program) return std::unexpected(no_form(program.error(), model, path));
-    return std::move(*program);
-  }
+  const auto form = program::form_of_text(path, *text, model);
   const auto points = load_points(path);
   if (!points) return std::unexpected(points.error());
   program::Surroundings around;
@@ -59,8 +55,8 @@ std::expected<program::Program, Outcome> read_program(const std::string& path,
     if (!body) return std::unexpected(body.error().sentence);
     return program::CalledFile{called, std::move(*body)};
   };
-  auto program = program::parse(*text, path, model, around);
-  if (!program) return std::unexpected(complaints_outcome(program.error()));
+  auto program = program::read_text(form, *text, path, model, around);
+  if (!program) return std::unexpected(no_form(program.error(), model, path));
   return std::move(*program);
 }
 
@@ -73,7 +69,9 @@ Outcome no_form(const program::NoForm& why, const RobotModel& model, const std::
 std::expected<ProgramTexts, Outcome> gather_program(const std::string& path) {
   const auto text = io::read_file(path);
   if (!text) return std::unexpected(bad_input(text.error().sentence));
-  ProgramTexts all{.text = *text, .points = std::nullopt, .called = {}};
+  ProgramTexts all{
+      .text = *text, .form = program::form_of_file(path), .points = std::nullopt, .called = {}};
+  if (all.form) return all;
   const std::string points = folder_of(path) + "points.toml";
   if (io::exists(points)) {
     auto read = io::read_file(points);

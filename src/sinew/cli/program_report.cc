@@ -11,6 +11,7 @@
 #include "sinew/cli/plot_svg.h"
 #include "sinew/cli/table.h"
 #include "sinew/cli/truth_text.h"
+#include "sinew/control/stop_rules.h"
 #include "sinew/core/units.h"
 #include "sinew/driver/quality_name.h"
 #include "sinew/planning/tool_space.h"
@@ -347,6 +348,7 @@ Json program_json(const ProgramReport& report) {
   json["notices"] = notices_json(run, model);
   json["notices_told"] = run.notices_told();
   if (truth) json["truth"] = truth_json(*truth, model);
+  if (run.stopped_by()) json["stopped_by"] = control::stop_rule(*run.stopped_by()).name;
   if (run.failure()) {
     json["refusal"] = error_json(run.failure()->error, model);
     json["refusal"]["line"] = run.failure()->line;

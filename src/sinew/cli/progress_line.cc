@@ -71,6 +71,7 @@ void ProgressLine::end() {
 void ProgressLine::show(const program::Run& run, const RobotModel& model, Instant now) {
   using Phase = program::Run::Phase;
   if (quiet_) return;
+  tell_wait(run, now);
   tell_notices(run, model);
   const auto& plan = run.plan();
   for (; !live_ && told_ < run.records().size(); ++told_) {
@@ -98,6 +99,19 @@ void ProgressLine::show(const program::Run& run, const RobotModel& model, Instan
     }
   }
   show_live(shown, now);
+}
+
+/// A device that finishes a move of the run before, and may report nothing meanwhile.
+void ProgressLine::tell_wait(const program::Run& run, Instant now) {
+  constexpr Duration kWorthSaying = std::chrono::seconds(2);
+  const auto until = run.machine().goes_on_until();
+  const bool waits = run.phase() == program::Run::Phase::kOpening && until;
+  if (wait_told_ || !waits || *until - now < kWorthSaying) return;
+  wait_told_ = true;
+  const std::string text = fmt::format(
+      "{}  note: the device may still be finishing a move of the run before, {}\n",
+      dirty_ ? "\r\033[K" : "", at_most_text(to_seconds(*until - now)));
+  std::fputs(text.c_str(), stderr);
 }
 
 /// Each on a line of its own, above the one that is written over.

@@ -31,6 +31,7 @@ class ProgressLine {
     std::size_t orders_done = 0;
   };
   void show_live(const View& view, Instant now);
+  void tell_wait(const program::Run& run, Instant now);
   void tell_notices(const program::Run& run, const RobotModel& model);
   bool due(Instant now) const { return live_ && now >= next_; }
 
@@ -40,6 +41,7 @@ class ProgressLine {
   bool dirty_ = false;
   std::size_t told_ = 0;
   std::size_t notices_told_ = 0;
+  bool wait_told_ = false;
   Instant next_{};
 };
 

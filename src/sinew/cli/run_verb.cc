@@ -21,6 +21,8 @@
 #include "sinew/cli/run_outputs.h"
 #include "sinew/cli/run_record.h"
 #include "sinew/cli/table.h"
+#include "sinew/control/position_evidence.h"
+#include "sinew/control/stop_rules.h"
 #include "sinew/io/interrupt.h"
 #include "sinew/model/joint_lookup.h"
 #include "sinew/program/program_part.h"
@@ -29,6 +31,9 @@
 
 namespace sinew::cli {
 namespace {
+
+/// As its intervals, or the journal, show it.
+constexpr std::string_view kShown = "shown";
 
 struct Prepared {
   RobotModel model;
@@ -48,6 +53,7 @@ std::expected<std::optional<JointVector>, Outcome> standing_at(const RunRequest&
     return known ? std::optional(q) : std::nullopt;
   }
   if (*request.standing_at == "home") return q;
+  if (*request.standing_at == kShown) return std::nullopt;
   const bool legs = model.joints[0].kind == JointKind::kPrismatic;
   if (legs && *request.standing_at == "lowered") {
     for (std::size_t j = 0; j < q.size(); ++j) q[j] = model.joints[j].lower;
@@ -60,9 +66,10 @@ std::expected<std::optional<JointVector>, Outcome> standing_at(const RunRequest&
   if (!values) return std::unexpected(bad_input(values.error()));
   q.clear();
   for (std::size_t i = 0; i < values->size(); ++i) {
-    if (!within_limits(model.joints[i], (*values)[i])) {
-      const double limit =
-          (*values)[i] < model.joints[i].lower ? model.joints[i].lower : model.joints[i].upper;
+    const Joint& joint = model.joints[i];
+    const double beyond = control::reach_beyond_limits(joint);
+    if ((*values)[i] < joint.lower - beyond || (*values)[i] > joint.upper + beyond) {
+      const double limit = (*values)[i] < joint.lower ? joint.lower : joint.upper;
       const Error error{legs ? ErrorCode::kLegLength : ErrorCode::kJointLimit,
                         static_cast<std::int8_t>(i), (*values)[i], limit};
       return std::unexpected(bad_input("--standing-at: " + error_text(error, model)));
@@ -125,7 +132,7 @@ std::expected<Prepared, Outcome> prepare(const RunRequest& request) {
   const auto file = find_robot(request.robot);
   if (!file) return std::unexpected(file.error());
   if (const auto fine = check_has_device(file->model); !fine) return std::unexpected(fine.error());
-  auto variant = runtime::variant_of(file->model, request.profile, request.wire);
+  auto variant = runtime::variant_of(file->model, request.profile, request.wire, request.without);
   if (!variant) return std::unexpected(bad_input(variant.error()));
   const auto settings = use_commissioning(*variant, request.settings, is_real(request.port));
   if (!settings) return std::unexpected(settings.error());
@@ -137,6 +144,9 @@ std::expected<Prepared, Outcome> prepare(const RunRequest& request) {
   }
   if (request.time_scale != 1 && is_real(request.port)) {
     return std::unexpected(bad_input("--time-scale: a real port keeps real time"));
+  }
+  if (request.moved && !request.standing_at) {
+    return std::unexpected(bad_input("--moved: goes with --standing-at"));
   }
   if (const auto fine = check_outputs(request); !fine) return std::unexpected(fine.error());
   if (const auto fine = check_journal_name(request.journal); !fine) {
@@ -157,14 +167,21 @@ std::expected<Prepared, Outcome> prepare(const RunRequest& request) {
   const auto plan =
       program::make_plan(prepared.program, model, prepared.standing_at.value_or(home_joints(model)),
                          runtime::homing_of(model));
-  // A run that goes on in the middle begins where only the machine knows.
-  const bool begins_elsewhere = request.from_line && !prepared.standing_at;
+  // A run that goes on in the middle, or where it is shown, begins where only the machine knows.
+  const bool begins_elsewhere =
+      (request.from_line || request.standing_at == kShown) && !prepared.standing_at;
   if (!plan && !begins_elsewhere) {
     return std::unexpected(plan_refusal(
         model, file_of(prepared.program, plan.error().file, request.file), plan.error()));
   }
   if (plan) prepared.homing_max = plan->homing_max;
   return prepared;
+}
+
+/// Behind "stopped", where it was not asked for.
+std::string reason_text(const std::optional<control::StopCause>& cause) {
+  const std::string_view sentence = cause ? control::stop_rule(*cause).sentence : "";
+  return sentence.empty() ? std::string() : fmt::format(": {}", sentence);
 }
 
 /// Why a run did not come to its end, as a sentence; empty where it did.
@@ -176,7 +193,9 @@ std::string why_not_done(const RunRequest& request, const ProgramReport& report,
   if (left_at_once) return "left at once; what was under way goes on, unseen";
   const std::string goes_on = goes_on_text(report);
   if (!trouble.empty()) return trouble + goes_on;
-  if (run.phase() == program::Run::Phase::kStopped) return "stopped" + goes_on;
+  if (run.phase() == program::Run::Phase::kStopped) {
+    return "stopped" + reason_text(run.stopped_by()) + goes_on;
+  }
   if (!run.failure()) return {};
   std::string reason = error_text(run.failure()->error, model);
   const std::string suspicion = station.suspicion();
@@ -190,8 +209,9 @@ std::string why_not_done(const RunRequest& request, const ProgramReport& report,
 }
 
 /// What the journal knew when the run began, and what that means where it was not enough.
-void tell_record(const JournalRecovery& recovery, const program::Run& run, Outcome& outcome) {
-  const std::string found(sentence(recovery.finding));
+void tell_record(const runtime::Station& station, const program::Run& run, Outcome& outcome) {
+  const JournalRecovery& recovery = *station.recovery();
+  const std::string found = station.journal_found();
   outcome.json["position_journal"] = {{"found", found},
                                       {"way_out", std::string(sentence(recovery.way_out))},
                                       {"damaged_slots", recovery.damaged_slots}};
@@ -222,7 +242,11 @@ class RunWatch {
     order.title = request_.file;
     order.on_client_loss = ClientLoss::kContinue;  // this process ends it itself
     order.program = prepared_.program;
-    if (request_.standing_at) order.standing_at = prepared_.standing_at;
+    if (request_.standing_at) {
+      order.standing_at = {.q = prepared_.standing_at, .moved = request_.moved.has_value()};
+      const JournalRecovery* recovery = cell_.station().recovery();
+      if (recovery != nullptr) order.standing_at->last_said = recovery->last_said;
+    }
     // Nobody slows it down under way: the quickest profiles will do.
     order.changeable = prepared_.streams() && prepared_.speed != 1;
     if (order.changeable) order.feed = prepared_.speed;
@@ -259,7 +283,7 @@ class RunWatch {
     outcome.text = program_text(report);
     tell_part(request_, prepared_, outcome);
     outcome.complaint = why_not_done(request_, report, station, trouble_);
-    if (station.recovery() != nullptr) tell_record(*station.recovery(), run, outcome);
+    if (station.recovery() != nullptr) tell_record(station, run, outcome);
     if (run.phase() != program::Run::Phase::kDone) {
       outcome.exit = ExitCode::kCouldNot;
       outcome.json["error"] = {{"sentence", outcome.complaint}};
@@ -333,6 +357,9 @@ Outcome run_program(const RunRequest& request) {
             prepared->homing_max > 0 ? "; homing takes " + at_most_text(prepared->homing_max) : "")
             .c_str(),
         stderr);
+    if (const std::string note = station.journal_note(); !note.empty()) {
+      std::fputs(("  note: " + note + "\n").c_str(), stderr);
+    }
   }
   RunWatch watch(request, *prepared, *cell);
   runtime::JobOrder order = watch.order();

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "sinew/cli/outcome.h"
 
@@ -13,8 +14,10 @@ struct RunRequest {
   std::string robot;
   std::optional<std::string> port;
   std::optional<std::string> wire;
+  std::vector<std::string> without;  ///< joints that are left out
   std::optional<std::string> profile;
-  std::optional<std::string> standing_at;  ///< "home", or one value per joint
+  std::optional<std::string> standing_at;  ///< "home", "shown", or one value per joint
+  std::optional<std::string> moved;        ///< why what was known of its position does not count
   std::optional<int> from_line;            ///< of a program NAME.sinew, where it goes on
   std::optional<std::string> speed;        ///< of all its rows, "30%"
   /// What commissioning found: a file, "none", or that of the state folder where left out, which

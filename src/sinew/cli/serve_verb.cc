@@ -111,6 +111,9 @@ std::string greeting(const runtime::RunningCell& cell, const std::string& socket
     const runtime::Station& station = cell.station(i);
     text += fmt::format("    {:<12} {:<16} {}\n", station.name(), station.robot().title,
                         station.simulated() ? "simulated" : station.port_name());
+    if (const std::string note = station.journal_note(); !note.empty()) {
+      text += fmt::format("      {}\n", note);
+    }
   }
   return text + web + fmt::format("  answers on {}; Ctrl-C ends it\n", socket);
 }

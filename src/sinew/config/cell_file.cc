@@ -59,6 +59,7 @@ CellRobot read_cell_robot(TableReader& reader, std::vector<std::string>& taken) 
   reader.text("robot", kPathMax, robot.robot);
   robot.profile = optional_text(reader, "profile", kNameMax);
   robot.wire = optional_text(reader, "wire", kNameMax);
+  reader.optional().texts("without", kNameMax, robot.without);
   robot.settings = optional_text(reader, "settings", kPathMax);
   robot.port = optional_text(reader, "port", kPathMax);
   robot.journal = optional_text(reader, "journal", kNameMax);

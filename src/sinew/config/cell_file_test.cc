@@ -117,6 +117,19 @@ TEST(CellFile, complains_with_line_and_key) {
   }
 }
 
+TEST(CellFile, joints_without_a_board_are_a_list_of_names) {
+  const auto with = [](const std::string& without) {
+    return "title = \"x\"\n[[robot]]\nname = \"arm\"\nrobot = \"robot-arm-2\"\nwithout = " +
+           without + "\n";
+  };
+  const auto cell = read_cell(with("[\"J3\", \"flange_roll\"]"), "cell.toml");
+  ASSERT_TRUE(cell);
+  EXPECT_EQ(cell->robots[0].without, (std::vector<std::string>{"J3", "flange_roll"}));
+  for (const char* wrong : {"\"J3\"", "[3]", "[]", "[\" \"]"}) {
+    EXPECT_NE(complaints_of(with(wrong)).find("without"), std::string::npos) << wrong;
+  }
+}
+
 TEST(CellFile, too_many_robots_are_told) {
   std::string text = "title = \"x\"\n";
   for (int k = 0; k < 17; ++k) {

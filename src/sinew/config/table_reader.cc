@@ -217,6 +217,32 @@ bool TableReader::text(std::string_view key, std::size_t max_bytes, std::string&
   return true;
 }
 
+bool TableReader::texts(std::string_view key, std::size_t max_bytes,
+                        std::vector<std::string>& out) {
+  const TomlEntry* entry = ask(key, {&kPlain, 1}, Presence::kRequired, false);
+  if (entry == nullptr) return false;
+  const auto* items = std::get_if<TomlArray>(&entry->node.value);
+  if (items == nullptr) {
+    wrong_type(entry->node, dotted(key), "a list of strings");
+    return false;
+  }
+  std::vector<std::string> texts;
+  for (const TomlNode& item : *items) {
+    const auto* text = std::get_if<std::string>(&item.value);
+    if (text == nullptr) {
+      wrong_type(item, dotted(key), "a list of strings");
+      return false;
+    }
+    if (!blank(*text) && text->size() <= max_bytes) texts.push_back(*text);
+  }
+  if (texts.empty() || texts.size() != items->size()) {
+    complain(key, "must be a list of names, each of 1 to " + std::to_string(max_bytes) + " bytes");
+    return false;
+  }
+  out = std::move(texts);
+  return true;
+}
+
 bool TableReader::one_of(std::string_view key, std::span<const std::string_view> words,
                          std::size_t& index) {
   const TomlEntry* entry = ask(key, {&kPlain, 1}, Presence::kRequired, false);

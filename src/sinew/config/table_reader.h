@@ -59,6 +59,8 @@ class TableReader {
   }
   /// Not blank, no control characters, at most `max_bytes` long.
   bool text(std::string_view key, std::size_t max_bytes, std::string& out);
+  /// A list of such texts, at least one.
+  bool texts(std::string_view key, std::size_t max_bytes, std::vector<std::string>& out);
   template <class T, std::size_t N>
   bool choice(std::string_view key, const Named<T> (&names)[N], T& out) {
     std::array<std::string_view, N> words;

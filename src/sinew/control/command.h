@@ -30,7 +30,12 @@ struct Begin {
   /// A slow first move of a machine that does not know where it is.
   bool recovers = false;
 };
-struct Home {};
+/// Finds the zeros of all joints.
+struct Home {
+  /// Goes on with a search that was stopped: joints that it had found and that are known still are
+  /// not searched again.
+  bool resumes = false;
+};
 /// One joint a little and slowly, from wherever it is: what was known of the position moves along,
 /// what was not known stays so.
 struct Nudge {
@@ -58,10 +63,14 @@ struct Declare {
   /// The device counts 0 there from now on, where it has such a command.
   bool zeroes_counters = false;
 };
+/// At rest.
+struct Service {
+  DeviceService what = DeviceService::kWake;
+};
 
 using CommandWhat =
     std::variant<TakeLease, RenewLease, ReturnLease, Enable, Disable, Acknowledge, Begin, Home,
-                 Nudge, JogAt, Hold, Resume, Stop, SetFeed, UseTool, Declare>;
+                 Nudge, JogAt, Hold, Resume, Stop, SetFeed, UseTool, Declare, Service>;
 
 struct Command {
   std::uint32_t id = 0;

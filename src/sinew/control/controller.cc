@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "sinew/core/assert.h"
+#include "sinew/model/left_out.h"
 #include "sinew/planning/motion_limits.h"
 
 namespace sinew::control {
@@ -165,10 +166,14 @@ bool Controller::standing(Instant now) const {
   return !until || *until <= now;
 }
 
+/// Of a joint that is left out nobody asks.
 bool Controller::driver_knows() const {
-  return driver_spoke_ && std::ranges::all_of(driver_.positions(), [](const JointPosition& joint) {
-           return joint.quality >= PositionQuality::kCommanded;
-         });
+  if (!driver_spoke_) return false;
+  const auto positions = driver_.positions();
+  for (std::size_t j = 0; j < positions.size(); ++j) {
+    if (positions[j].quality < PositionQuality::kCommanded && !is_left_out(robot_, j)) return false;
+  }
+  return true;
 }
 
 void Controller::stand_where_driver_says(Setpoint setpoint) {
@@ -178,12 +183,16 @@ void Controller::stand_where_driver_says(Setpoint setpoint) {
   bool at_setpoint = had_setpoint;
   for (std::size_t j = 0; at_setpoint && j < reference_.size(); ++j) {
     const JointPosition& joint = driver_.positions()[j];
+    if (is_left_out(robot_, j)) continue;
     const double sag = joint.quality == PositionQuality::kMeasured ? kSag : 0;
     at_setpoint = joint.lower - sag <= reference_[j] && reference_[j] <= joint.upper + sag;
   }
   if (!at_setpoint) {
     reference_.clear();
-    for (const JointPosition& joint : driver_.positions()) reference_.push_back(joint.q);
+    for (std::size_t j = 0; j < robot_.joints.size(); ++j) {
+      reference_.push_back(is_left_out(robot_, j) ? assumed_place(robot_.joints[j])
+                                                  : driver_.positions()[j].q);
+    }
   }
   stand_at_reference();
 }

@@ -125,6 +125,7 @@ class Controller {
     Instant since{};
     bool begun = false;            ///< something was handed to the driver
     Nudge nudge{};                 ///< of kNudge
+    Home home{};                   ///< of kHome
     std::optional<JawsTo> jaws{};  ///< of kTool
   };
   /// A stop under way.
@@ -201,6 +202,7 @@ class Controller {
   Expected<bool> on(const SetFeed& feed, const Asked& asked);
   Expected<bool> on(const UseTool& tool, const Asked& asked);
   Expected<bool> on(const Declare& where, const Asked& asked);
+  Expected<bool> on(const Service& service, const Asked& asked);
   void take_lease(const LeaseToken& token, bool take_over, Instant now);
   void enable(std::uint32_t command, Instant now);
   Expected<void> at_rest(Instant now) const;
@@ -208,12 +210,13 @@ class Controller {
   Expected<void> begin(const Command& command, const Begin& begin, Instant now);
   /// True where a jog that is under way goes on with it.
   Expected<bool> jog(const Command& command, const JogAt& velocity, Instant now);
-  Expected<void> home(const Command& command, Instant now);
+  Expected<void> home(const Command& command, const Home& home, Instant now);
   Expected<void> nudge(const Command& command, const Nudge& nudge, Instant now);
   Expected<void> use_tool(const Command& command, const UseTool& tool, Instant now);
   Expected<void> set_feed(double share);
   Expected<void> declare(const Declare& where, const Asked& asked);
   std::optional<Error> contradiction(const Declare& where) const;
+  std::optional<Error> dropped(const Declare& where) const;
   Expected<bool> acknowledge(const Command& command, const Inputs& inputs, Instant now);
   std::optional<Error> clear_device(Instant now);
   bool device_being_told() const;
@@ -222,6 +225,8 @@ class Controller {
   // controller_motion.cc
   void advance(Instant now);
   void begin_homing(Instant now);
+  void follow_homing();
+  std::uint8_t still_found() const;
   void begin_nudge(Instant now);
   void arrive();
   bool hand_over(const JointMove& piece, Instant now);
@@ -276,7 +281,9 @@ class Controller {
   bool opened_ = false;             ///< the journal has its first record
   bool closed_ = false;             ///< .. and its last
   bool position_given_up_ = false;  ///< recorded for a search that has not begun yet
-  JournalPositions recorded_;       ///< as last said at rest
+  std::uint8_t found_ = 0;          ///< joints whose zero the last search has found, a bit each
+  std::optional<std::size_t> searched_;  ///< the one that it looks for
+  JournalPositions recorded_;            ///< as last said at rest
   std::optional<Instant> waiting_since_;
   std::int64_t wall_ns_ = 0;
   Outputs out_;

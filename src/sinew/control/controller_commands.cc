@@ -1,9 +1,11 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "sinew/control/controller.h"
 #include "sinew/control/position_evidence.h"
 #include "sinew/model/device_resolution.h"
+#include "sinew/model/left_out.h"
 #include "sinew/planning/path_follower.h"
 
 namespace sinew::control {
@@ -16,11 +18,32 @@ std::unexpected<Error> refused(ErrorCode code) {
   return std::unexpected(Error{code});
 }
 
+/// What is known of a joint that is not lost.
+Evidence evidence_of(const RobotModel& robot, std::size_t joint, const JointPosition& known) {
+  const bool measured = known.quality == PositionQuality::kMeasured;
+  double slack = measured ? Controller::kSag : kSamePlace;
+  if (known.quality == PositionQuality::kCommanded) slack += device_resolution(robot, joint);
+  return {measured ? Evidence::Source::kSensor : Evidence::Source::kRecord,
+          {known.lower, known.upper},
+          slack};
+}
+
 /// What is done at once when it is done at all.
 Expected<bool> at_once(const Expected<void>& what) {
   if (!what) return std::unexpected(what.error());
   return true;
 }
+/// The tool cannot be led while nobody knows where a joint is, and that joint not at all.
+std::optional<Error> left_out_jog(const planning::JogCommand& jog, const RobotModel& robot) {
+  for (std::size_t j = 0; j < robot.joints.size(); ++j) {
+    if (!is_left_out(robot, j)) continue;
+    const bool others = jog.frame == planning::JogFrame::kJoint && j < jog.velocity.size();
+    if (others && jog.velocity[j] == 0) continue;
+    return Error{ErrorCode::kPositionUnknown, static_cast<std::int8_t>(j)};
+  }
+  return std::nullopt;
+}
+
 /// What goes on for a while.
 Expected<bool> begun(const Expected<void>& what) {
   if (!what) return std::unexpected(what.error());
@@ -82,8 +105,8 @@ Expected<bool> Controller::on(const Begin& motion, const Asked& asked) {
   return begun(begin(asked.command, motion, asked.now));
 }
 
-Expected<bool> Controller::on(const Home& /*home*/, const Asked& asked) {
-  return begun(home(asked.command, asked.now));
+Expected<bool> Controller::on(const Home& home, const Asked& asked) {
+  return begun(this->home(asked.command, home, asked.now));
 }
 
 Expected<bool> Controller::on(const Nudge& nudge, const Asked& asked) {
@@ -127,6 +150,16 @@ Expected<bool> Controller::on(const Declare& where, const Asked& asked) {
     return std::unexpected(declared.error());
   }
   return !where.zeroes_counters;
+}
+
+Expected<bool> Controller::on(const Service& service, const Asked& asked) {
+  if (const auto rest = at_rest(asked.now); !rest) return std::unexpected(rest.error());
+  if (const auto accepted = driver_.service(service.what, asked.now); !accepted) {
+    return std::unexpected(accepted.error());
+  }
+  ++outstanding_;
+  task_ = Task{asked.command.id, TaskKind::kTool, nullptr, asked.now, true};
+  return false;
 }
 
 /// Whoever takes over stops the machine first: nobody shall steer what another one has begun.
@@ -192,12 +225,14 @@ Expected<bool> Controller::jog(const Command& command, const JogAt& velocity, In
   if (jog_refused_ && same_hold) return std::unexpected(*jog_refused_);
   jog_refused_.reset();
   if (state_ == MachineState::kMoving && task_ && task_->kind == TaskKind::kJog) {
+    if (const auto error = left_out_jog(velocity.velocity, robot_)) return std::unexpected(*error);
     if (const auto error = jog_.command(velocity.velocity, now)) return std::unexpected(*error);
     return true;
   }
   if (const auto rest = at_rest(now); !rest) return std::unexpected(rest.error());
   const auto from = reference();
   if (!from) return std::unexpected(unknown_position());
+  if (const auto error = left_out_jog(velocity.velocity, robot_)) return std::unexpected(*error);
   if (const auto error = jog_.start(*from, now)) return std::unexpected(*error);
   if (const auto error = jog_.command(velocity.velocity, now)) return std::unexpected(*error);
   task_ = Task{command.id, TaskKind::kJog, &jog_, now, false};
@@ -205,9 +240,10 @@ Expected<bool> Controller::jog(const Command& command, const JogAt& velocity, In
   return false;
 }
 
-Expected<void> Controller::home(const Command& command, Instant now) {
+Expected<void> Controller::home(const Command& command, const Home& home, Instant now) {
   if (const auto rest = at_rest(now); !rest) return rest;
-  task_ = Task{command.id, TaskKind::kHome, nullptr, now, false};
+  if (!home.resumes) found_ = 0;
+  task_ = Task{command.id, TaskKind::kHome, nullptr, now, false, {}, home};
   change(Signal::kRecover);
   return {};
 }
@@ -271,13 +307,19 @@ Expected<void> Controller::declare(const Declare& where, const Asked& asked) {
           Error{ErrorCode::kMoveInput, static_cast<std::int8_t>(j), one.q, one.upper});
     }
     const Joint& joint = robot_.joints[j];
-    if (!within_limits(joint, one.q)) {
+    const double beyond = reach_beyond_limits(joint);
+    if (one.q < joint.lower - beyond || one.q > joint.upper + beyond) {
       return std::unexpected(Error{ErrorCode::kJointLimit, static_cast<std::int8_t>(j), one.q,
                                    one.q < joint.lower ? joint.lower : joint.upper});
     }
   }
   if (const auto error = contradiction(where)) return std::unexpected(*error);
+  const JournalPositions before(driver_.positions());
   driver_.declare_positions({where.positions.data(), where.positions.size()});
+  if (const auto error = dropped(where)) {
+    driver_.declare_positions({before.data(), before.size()});
+    return std::unexpected(*error);
+  }
   if (where.zeroes_counters) {
     if (const auto accepted = driver_.zero_counters(now); !accepted) return accepted;
     ++outstanding_;
@@ -298,17 +340,24 @@ std::optional<Error> Controller::contradiction(const Declare& where) const {
     if (const auto counted = driver_.counted(j)) {
       evidence.push_back({Evidence::Source::kCounters, *counted, kSamePlace});
     }
-    const JointPosition& joint = known[j];
-    const bool measured = joint.quality == PositionQuality::kMeasured;
-    double slack = measured ? kSag : kSamePlace;
-    if (joint.quality == PositionQuality::kCommanded) slack += device_resolution(robot_, j);
-    if (joint.quality != PositionQuality::kLost) {
-      evidence.push_back({measured ? Evidence::Source::kSensor : Evidence::Source::kRecord,
-                          {joint.lower, joint.upper},
-                          slack});
+    if (known[j].quality != PositionQuality::kLost) {
+      evidence.push_back(evidence_of(robot_, j, known[j]));
     }
     const auto agreed = agree(j, {evidence.data(), evidence.size()}, said);
     if (!agreed) return agreed.error();
+  }
+  return std::nullopt;
+}
+
+/// The first joint whose statement the driver did not keep: its device knows better.
+std::optional<Error> Controller::dropped(const Declare& where) const {
+  const auto kept = driver_.positions();
+  for (std::size_t j = 0; j < where.positions.size(); ++j) {
+    if (where.positions[j].quality == PositionQuality::kLost) continue;
+    const std::array known{evidence_of(robot_, j, kept[j])};
+    const bool lost = kept[j].quality == PositionQuality::kLost;
+    if (!lost && agree(j, known, where.positions[j])) continue;
+    return Error{ErrorCode::kNotHomed, static_cast<std::int8_t>(j)};
   }
   return std::nullopt;
 }
@@ -358,7 +407,7 @@ void Controller::acknowledged(Instant now) {
 Error Controller::unknown_position() const {
   const auto all = positions();
   for (std::size_t j = 0; j < all.size(); ++j) {
-    if (all[j].quality >= PositionQuality::kCommanded) continue;
+    if (all[j].quality >= PositionQuality::kCommanded || is_left_out(robot_, j)) continue;
     return {ErrorCode::kPositionUnknown, static_cast<std::int8_t>(j)};
   }
   return {ErrorCode::kPositionUnknown};

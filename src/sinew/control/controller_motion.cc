@@ -13,6 +13,7 @@ void Controller::advance(Instant now) {
   if (task_->kind == TaskKind::kHome || task_->kind == TaskKind::kNudge) {
     if (!task_->begun && task_->kind == TaskKind::kNudge) return begin_nudge(now);
     if (!task_->begun) return begin_homing(now);
+    if (task_->kind == TaskKind::kHome) follow_homing();
     if (standing(now) && driver_.state() == DriverState::kReady) arrive();
     return;
   }
@@ -29,22 +30,49 @@ void Controller::advance(Instant now) {
 }
 
 void Controller::begin_homing(Instant now) {
+  const std::uint8_t kept = task_->home.resumes ? still_found() : std::uint8_t{0};
   if (journal_ && !position_given_up_) {
-    JournalPositions none;
-    none.resize(robot_.joints.size());
+    JournalPositions left(driver_.positions());
     // The search moves joints nobody knows how far.
-    const auto record = journal_->lost({none.data(), none.size()}, JournalCause::kUser, time(now));
+    for (std::size_t j = 0; j < left.size(); ++j) {
+      if ((kept >> j & 1U) == 0) left[j] = {};
+    }
+    const auto record = journal_->lost({left.data(), left.size()}, JournalCause::kUser, time(now));
     position_given_up_ = record.has_value();
     offer(record);
   }
   if (journal_ && (!position_given_up_ || !journal_->settled())) return;
-  if (const auto accepted = driver_.home(now); !accepted) {
+  const auto joints = static_cast<std::uint8_t>(kAllJoints & ~unsigned{kept});
+  if (const auto accepted = driver_.home(now, joints); !accepted) {
     return piece_refused(accepted.error(), now);
   }
+  found_ = kept;
+  searched_.reset();
   task_->begun = true;
   ++outstanding_;
   reference_known_ = false;
   governor_.lose();
+}
+
+/// Joints are searched for one after the other: the last one is found when the next one's turn
+/// comes.
+void Controller::follow_homing() {
+  const auto joint = driver_.homing_joint();
+  if (joint && searched_ && *joint != *searched_) {
+    found_ = static_cast<std::uint8_t>(found_ | 1U << *searched_);
+  }
+  searched_ = joint;
+}
+
+/// What the last search has found and is known still; nothing where that is all of them.
+std::uint8_t Controller::still_found() const {
+  std::uint8_t found = 0;
+  const auto known = driver_.positions();
+  for (std::size_t j = 0; j < known.size(); ++j) {
+    const bool kept = (found_ >> j & 1U) != 0 && known[j].quality != PositionQuality::kLost;
+    if (kept) found = static_cast<std::uint8_t>(found | 1U << j);
+  }
+  return found + 1U == 1U << known.size() ? std::uint8_t{0} : found;
 }
 
 void Controller::begin_nudge(Instant now) {
@@ -129,9 +157,15 @@ bool Controller::recorded(const JointMove& piece, Instant now) {
 void Controller::piece_refused(const Error& error, Instant now) {
   if (task_ && task_->kind == TaskKind::kJog) jog_refused_ = error;
   end_task(ControlEvent::Kind::kFailed, error);
-  stop(StopCause::kRefused, error, now);
-  // It stands elsewhere than was planned: the next plan begins there.
-  if (standing(now)) stand_where_driver_says(Setpoint::kForgotten);
+  const bool at_rest = standing(now);
+  // Some devices latch a stop: at rest there is nothing to stop.
+  if (at_rest && state_ != MachineState::kStopping) {
+    change(Signal::kArrived);
+  } else {
+    stop(StopCause::kRefused, error, now);
+  }
+  // It is elsewhere than was planned: the next plan begins there.
+  if (at_rest) stand_where_driver_says(Setpoint::kForgotten);
 }
 
 void Controller::offer(const std::optional<JournalRecord>& record) {

@@ -5,6 +5,7 @@
 #include "sinew/control/controller_test_cell.h"
 #include "sinew/core/units.h"
 #include "sinew/model/device_resolution.h"
+#include "sinew/model/error_sentence.h"
 
 /// The way back of a machine that does not know where it is: one joint a little at a time, then
 /// somebody says where it stands.
@@ -95,6 +96,46 @@ TEST(Recovery, a_search_that_the_lost_lease_ended_is_stopped_and_not_done) {
   EXPECT_EQ(cell.end_of(id)->kind, Kind::kStopped);
   EXPECT_EQ(cell.end_of(id)->cause, StopCause::kLeaseEnded);
   ASSERT_TRUE(cell.run_until([&] { return cell.controller.state() == kReady; }, 1s));
+}
+
+TEST(Recovery, a_resumed_search_leaves_out_what_was_found_and_is_known_still) {
+  ControlCell cell(kLostArm);
+  cell.make_ready();
+  const auto search = [&](bool resumes, std::initializer_list<std::size_t> joints) {
+    cell.give(Home{.resumes = resumes});
+    for (const std::size_t joint : joints) {
+      cell.driver.searching = joint;
+      cell.run(20ms);
+    }
+    cell.give(Stop{});
+    cell.driver.searching.reset();
+    EXPECT_TRUE(cell.run_until([&] { return cell.controller.state() == kReady; }, 1s));
+    return cell.driver.homed.back();
+  };
+  const auto without = [](unsigned joints) { return static_cast<std::uint8_t>(0xFFU & ~joints); };
+  EXPECT_EQ(search(false, {3, 1, 0}), kAllJoints);
+  EXPECT_EQ(search(true, {0, 2}), without(0b01010)) << "joint 0 was stopped on its way";
+  cell.driver.lose(1);
+  EXPECT_EQ(search(true, {1}), without(0b01001));
+  EXPECT_EQ(search(false, {3}), kAllJoints) << "a search that somebody asks for anew";
+  EXPECT_EQ(search(true, {3, 1, 0, 2, 4}), kAllJoints);
+  EXPECT_EQ(search(true, {4, 4}), without(0b01101)) << "joint 1 is lost still";
+}
+
+TEST(Recovery, a_service_of_the_device_needs_the_lease_and_a_machine_at_rest) {
+  ControlCell cell(kLostArm);
+  cell.make_ready();
+  const std::uint32_t foreign = ++cell.last_id;
+  cell.cycle({Command{foreign, LeaseToken{.client = 99, .epoch = 1}, Service{}}});
+  EXPECT_EQ(cell.end_of(foreign)->kind, Kind::kRefused);
+  const std::uint32_t nudge = cell.give(Nudge{0, from_deg(2)});
+  const std::uint32_t meanwhile = cell.give(Service{});
+  EXPECT_EQ(cell.end_of(meanwhile)->error.code, ErrorCode::kWrongState);
+  ASSERT_TRUE(cell.run_until([&] { return cell.end_of(nudge).has_value(); }, 5s));
+  const std::uint32_t id = cell.give(Service{DeviceService::kShutDown});
+  ASSERT_TRUE(cell.run_until([&] { return cell.end_of(id).has_value(); }, 1s));
+  EXPECT_EQ(cell.end_of(id)->kind, Kind::kDone);
+  EXPECT_EQ(cell.driver.services, std::vector{DeviceService::kShutDown});
 }
 
 TEST(Recovery, what_is_no_small_step_of_one_joint_is_refused_and_nothing_moves) {
@@ -232,6 +273,46 @@ TEST(Recovery, a_declaration_against_the_devices_count_is_refused_with_both_numb
   moved.moved = true;
   const std::uint32_t told = cell.give(moved);
   EXPECT_EQ(cell.end_of(told)->kind, Kind::kDone);
+}
+
+TEST(Recovery, a_statement_that_the_device_does_not_keep_is_refused_and_not_recorded) {
+  ControlCell cell(kLostArm, true);
+  for (std::size_t j = 0; j < 5; ++j) cell.driver.lose(j);
+  cell.driver.declarable = false;
+  cell.make_ready();
+  cell.run(300ms);
+  const std::uint32_t id = cell.give(standing(cell.robot));
+  EXPECT_EQ(cell.end_of(id)->kind, Kind::kRefused);
+  EXPECT_EQ(cell.end_of(id)->error, (Error{ErrorCode::kNotHomed, 0}));
+  const std::string told = sentence_of(cell.end_of(id)->error, cell.robot);
+  EXPECT_NE(told.find("sinew commission --procedure home"), std::string::npos) << told;
+  EXPECT_NE(cell.records.back().kind, JournalKind::kDeclared);
+  // Also where a hand has moved it, and its own boards say where it is.
+  for (std::size_t j = 0; j < 5; ++j) {
+    const double q = cell.robot.joints[j].home + 0.2;
+    cell.driver.set(j, {PositionQuality::kMeasured, q, q, q});
+  }
+  Declare moved = standing(cell.robot);
+  moved.moved = true;
+  const std::uint32_t again = cell.give(moved);
+  EXPECT_EQ(cell.end_of(again)->error, (Error{ErrorCode::kNotHomed, 0}));
+}
+
+TEST(Recovery, a_place_a_little_beyond_a_limit_can_be_said) {
+  ControlCell cell(kLostArm, true);
+  for (std::size_t j = 0; j < 5; ++j) cell.driver.lose(j);
+  cell.make_ready();
+  cell.run(300ms);
+  Declare where = standing(cell.robot);
+  const auto said = [&](double beyond) {
+    const double q = cell.robot.joints[1].upper + beyond;
+    where.positions[1] = {PositionQuality::kCommanded, q, q, q};
+    const std::uint32_t id = cell.give(where);
+    return cell.end_of(id)->kind;
+  };
+  EXPECT_EQ(said(from_deg(11)), Kind::kRefused) << "no joint turns so far";
+  EXPECT_EQ(said(from_deg(4)), Kind::kDone);
+  EXPECT_TRUE(cell.controller.reference());
 }
 
 }  // namespace

@@ -441,6 +441,8 @@ TEST(Controller, a_piece_outside_the_limits_never_reaches_the_driver) {
   cell.run(100ms);
   EXPECT_EQ(cell.end_of(id)->error.code, ErrorCode::kJointLimit);
   EXPECT_TRUE(cell.driver.pieces.empty());
+  // Nothing moves: a stop would only be latched by boards that do so.
+  EXPECT_EQ(cell.driver.stops, 0);
   ASSERT_TRUE(cell.run_until([&] { return cell.controller.state() == kReady; }, 1s));
 }
 

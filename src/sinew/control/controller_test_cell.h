@@ -77,9 +77,17 @@ class PretendDriver final : public Driver {
     return ready_at_;
   }
   std::optional<JointInterval> counted(std::size_t joint) const override { return counts[joint]; }
-  Expected<void> home(Instant now) override {
+  Expected<void> home(Instant now, std::uint8_t joints) override {
+    homed.push_back(joints);
     state_ = DriverState::kMoving;
     homing_until_ = now + 2s;
+    return {};
+  }
+  std::optional<std::size_t> homing_joint() const override { return searching; }
+  Expected<void> service(DeviceService what, Instant now) override {
+    services.push_back(what);
+    state_ = DriverState::kMoving;
+    homing_until_ = now + 200ms;
     return {};
   }
   Expected<void> nudge(std::size_t joint, double way, Duration duration, Instant now) override {
@@ -195,6 +203,9 @@ class PretendDriver final : public Driver {
   std::optional<Error> refusal;
   std::vector<JointMove> pieces;
   std::vector<double> nudges;
+  std::vector<std::uint8_t> homed;  ///< joints of each search
+  std::optional<std::size_t> searching;
+  std::vector<DeviceService> services;
   int stops = 0;
   int clears = 0;
 

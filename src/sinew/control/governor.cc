@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "sinew/core/assert.h"
+#include "sinew/model/left_out.h"
 
 namespace sinew::control {
 namespace {
@@ -45,13 +46,28 @@ void Governor::rest(std::span<const double> q) {
   seconds_ = 0;
   known_ = true;
   overlaps_.clear();
-  nearest_ = nearest(q);
+  look_around();
+}
+
+void Governor::look_around() {
+  bool any = false;
+  for (std::size_t pose = 0; pose < collision_.poses(); ++pose) {
+    poses_[pose] = nearest(pose, q());
+    any = any || !poses_[pose].surely;
+  }
+  nearest_ = {};
+  for (std::size_t pose = 0; pose < collision_.poses(); ++pose) {
+    planning::Clearance& here = poses_[pose];
+    // Where none is possible, the file's shapes are wrong: then each counts.
+    here.surely = here.surely && any;
+    if (!here.surely && here.distance < nearest_.distance) nearest_ = here;
+  }
 }
 
 void Governor::fit(const ToolState& tool) {
   tool_ = tool;
   collision_.fit(tool);
-  if (known_) nearest_ = nearest(q());
+  if (known_) look_around();
 }
 
 Expected<void> Governor::pass_jaws(double to) {
@@ -71,7 +87,7 @@ void Governor::leave(std::span<const LinkPair> overlaps) {
   for (const LinkPair& pair : overlaps) {
     if (!overlaps_.full()) overlaps_.push_back(pair);
   }
-  nearest_ = nearest(q());
+  look_around();
 }
 
 std::optional<Error> Governor::look_at_numbers(const JointMove& move) const {
@@ -129,18 +145,27 @@ std::optional<Error> Governor::look_at_piece(const JointMove& move, std::size_t 
 /// Nearer than the margin only where it began so, and then no nearer than it began.
 std::optional<Error> Governor::look_at_contacts(const JointMove& move) const {
   const std::span<const double> q(move.q.data(), size_);
-  const planning::Clearance near = nearest(q);
   const double least = collision_.margin() - planning::CollisionModel::kResolution;
-  // What a planner takes for as near as it was, a motion may be.
-  const double begun = nearest_.distance - planning::CollisionModel::kResolution - kPlaceTolerance;
-  if (near.distance >= (known_ ? std::min(least, begun) : least)) return std::nullopt;
-  return planning::contact_error(model_, near);
+  for (std::size_t pose = 0; pose < collision_.poses(); ++pose) {
+    if (known_ && poses_[pose].surely) continue;
+    const planning::Clearance near = nearest(pose, q);
+    // What a planner takes for as near as it was, a motion may be.
+    const double begun =
+        poses_[pose].distance - planning::CollisionModel::kResolution - kPlaceTolerance;
+    if (near.distance >= (known_ ? std::min(least, begun) : least)) continue;
+    return planning::contact_error(model_, near);
+  }
+  return std::nullopt;
 }
 
 Expected<void> Governor::pass(const JointMove& move) {
   if (const auto bad = look_at_numbers(move)) return std::unexpected(*bad);
   if (!known_) return std::unexpected(Error{ErrorCode::kPositionUnknown});
   if (const auto bad = look_at_place(move)) return std::unexpected(*bad);
+  for (std::size_t i = 0; i < size_; ++i) {
+    const bool moves = is_left_out(model_, i) && !(std::abs(move.q[i] - q_[i]) <= kPlaceTolerance);
+    if (moves) return std::unexpected(joint_error(ErrorCode::kPositionUnknown, i, 0, 0));
+  }
   const double seconds = to_seconds(move.duration);
   for (std::size_t i = 0; streams_ && i < size_; ++i) {
     if (const auto bad = look_at_piece(move, i, seconds)) return std::unexpected(*bad);

@@ -60,9 +60,10 @@ class Governor {
   }
 
   /// @error kMoveInput (index: no number, or how many joints), kSegmentTime (s; not above 0, or
-  ///        beyond a day), kPositionUnknown, kJointLimit (index), kVelocityLimit,
-  ///        kAccelerationLimit, kJerkLimit, kJump (index, how many times what is allowed),
-  ///        kCollision (index, other: links). Then nothing changes.
+  ///        beyond a day), kPositionUnknown (also, with its index: it would move a joint that is
+  ///        left out), kJointLimit (index), kVelocityLimit, kAccelerationLimit, kJerkLimit, kJump
+  ///        (index, how many times what is allowed), kCollision (index, other: links). Then nothing
+  ///        changes.
   Expected<void> pass(const JointMove& move);
   /// A slow first move of a machine that cannot say where it is: only where it ends can be looked
   /// at. @error kMoveInput, kSegmentTime, kJointLimit, kCollision
@@ -86,9 +87,10 @@ class Governor {
   std::optional<Error> look_at_piece(const JointMove& move, std::size_t joint,
                                      double seconds) const;
   std::optional<Error> look_at_contacts(const JointMove& move) const;
-  planning::Clearance nearest(std::span<const double> q) const {
-    return collision_.distance(q, nullptr, {overlaps_.data(), overlaps_.size()});
+  planning::Clearance nearest(std::size_t pose, std::span<const double> q) const {
+    return collision_.distance_in(pose, q, nullptr, {overlaps_.data(), overlaps_.size()});
   }
+  void look_around();
   void take(const JointMove& move, double seconds);
 
   const RobotModel& model_;
@@ -105,6 +107,8 @@ class Governor {
   double seconds_ = 0;    ///< that it took; 0: the machine rests
   FixedVector<LinkPair, 64> overlaps_;
   planning::Clearance nearest_;  ///< where it rested last, but for overlaps_
+  /// The same in each pose of the joints that are left out.
+  std::array<planning::Clearance, planning::CollisionModel::kPosesMax> poses_;
 };
 
 }  // namespace sinew::control

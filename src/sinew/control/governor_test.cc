@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "sinew/model/joint_lookup.h"
+#include "sinew/model/left_out.h"
 #include "sinew/planning/motion_planner.h"
 #include "support/allocation_guard.h"
 #include "support/property.h"
@@ -255,6 +256,23 @@ TEST(Governor, every_fault_has_its_own_name) {
   governor.lose();
   EXPECT_EQ(governor.pass(still).error().code, ErrorCode::kPositionUnknown);
   EXPECT_TRUE(governor.pass_blind(still));
+}
+
+TEST(Governor, joint_that_is_left_out_is_never_moved) {
+  RobotModel model = streaming("robot-arm-2", true);
+  std::get<AxisRegistersDevice>(model.device.settings).boards[5].homing_place = kLeftOut;
+  const auto limits = limits_of(model);
+  Governor governor(model, limits);
+  const JointVector home = home_joints(model);
+  governor.rest(span_of(home));
+  JointMove move{home, {}, std::chrono::seconds(10)};
+  for (std::size_t i = 0; i < home.size(); ++i) move.qd.push_back(0);
+  EXPECT_TRUE(governor.pass(move));
+  move.q[5] += 1e-3;
+  const auto passed = governor.pass(move);
+  ASSERT_FALSE(passed);
+  EXPECT_EQ(passed.error().code, ErrorCode::kPositionUnknown);
+  EXPECT_EQ(passed.error().index, 5);
 }
 
 TEST(Governor, machine_outside_its_limits_may_come_back_and_never_go_farther_out) {

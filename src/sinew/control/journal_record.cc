@@ -11,9 +11,9 @@ namespace sinew {
 namespace {
 
 constexpr std::array<std::uint8_t, 4> kMagic{0x53, 0x4E, 0x4A, 0x4C};
-constexpr std::uint8_t kVersion = 2;
+constexpr std::uint8_t kVersion = 3;
 /// Has no count zeros; else the same.
-constexpr std::uint8_t kVersionBefore = 1;
+constexpr std::uint8_t kWithoutZeros = 1;
 constexpr std::size_t kJoints = 56;
 constexpr std::size_t kJointSize = 24;
 constexpr std::size_t kPrevious = 248;
@@ -118,9 +118,7 @@ std::uint32_t checksum_of(const JournalRecordBytes& bytes) {
 }
 
 std::optional<SealedRecord> decode_journal_record(std::span<const std::uint8_t> bytes) {
-  if (!has_frame(bytes) || (bytes[4] != kVersion && bytes[4] != kVersionBefore)) {
-    return std::nullopt;
-  }
+  if (!has_frame(bytes) || bytes[4] == 0 || bytes[4] > kVersion) return std::nullopt;
   const std::size_t joints = bytes[6];
   if (joints == 0 || joints > kMaxJoints) return std::nullopt;
   SealedRecord sealed;
@@ -143,7 +141,7 @@ std::optional<SealedRecord> decode_journal_record(std::span<const std::uint8_t> 
     JointPosition joint{static_cast<PositionQuality>(bits & kQualityMask), get_double(bytes, at),
                         get_double(bytes, at + 8), get_double(bytes, at + 16)};
     if ((bits & kZeroBit) != 0) {
-      spelled = spelled && bytes[4] == kVersion && has_zeros(joints);
+      spelled = spelled && bytes[4] != kWithoutZeros && has_zeros(joints);
       const std::size_t zero = kJoints + kJointSize * joints + kZeroSize * k;
       if (!spelled) return std::nullopt;
       joint.count_zero = get_double(bytes, zero);
@@ -160,11 +158,21 @@ std::optional<SealedRecord> decode_journal_record(std::span<const std::uint8_t> 
   spelled = spelled && std::ranges::all_of(rest, [](std::uint8_t byte) { return byte == 0; });
   if (!spelled || !is_valid(record)) return std::nullopt;
   sealed.checksum = get<std::uint32_t>(bytes, kChecksum);
+  sealed.version = bytes[4];
   return sealed;
 }
 
 bool is_newer_journal_record(std::span<const std::uint8_t> bytes) {
   return has_frame(bytes) && bytes[4] > kVersion;
+}
+
+bool is_empty_journal_slot(std::span<const std::uint8_t> slot) {
+  if (slot.size() != kJournalSlotSize) return false;
+  int turned = 0;
+  for (const std::uint8_t byte : slot) {
+    turned += std::popcount(static_cast<std::uint8_t>(byte ^ kJournalEmpty));
+  }
+  return turned <= 1;
 }
 
 std::uint32_t journal_hash(std::string_view text) {

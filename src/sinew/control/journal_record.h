@@ -74,7 +74,7 @@ struct JournalSeal {
 ///   at  | size | what
 ///   ----+------+--------------------------------------------------------------
 ///     0 |  4   | 53 4E 4A 4C, "SNJL"
-///     4 |  1   | version, 2; 1 is read too, it has no count zeros
+///     4 |  1   | version, 3; 2 is read too, whose file only grew, and 1, which has no count zeros
 ///     5 |  1   | kind
 ///     6 |  1   | joints, 1..8
 ///     7 |  1   | cause
@@ -101,6 +101,15 @@ inline constexpr std::size_t kJournalRecordSize = 256;
 inline constexpr std::size_t kJournalSlotSize = 2 * kJournalRecordSize;
 using JournalRecordBytes = std::array<std::uint8_t, kJournalRecordSize>;
 
+/// A file of version 3 grows by so many empty slots at once, and records are written over them. The
+/// next ones are safe before the last of the old ones is written: so a file's length is known from
+/// its last record, and behind that an empty slot stands always.
+inline constexpr std::size_t kJournalChunkSize = 16 * kJournalSlotSize;
+/// Each byte of an empty slot. No file system and no medium leaves it where something is lost.
+inline constexpr std::uint8_t kJournalEmpty = 0xE5;
+/// An empty slot, of which one bit may have turned over.
+bool is_empty_journal_slot(std::span<const std::uint8_t> slot);
+
 /// @rt; the record must be valid (is_valid).
 JournalRecordBytes encode(const JournalRecord& record, const JournalSeal& seal);
 /// The CRC-32C that stands in the record's last four bytes. @rt
@@ -112,6 +121,7 @@ struct SealedRecord {
   JournalRecord record;
   JournalSeal seal;
   std::uint32_t checksum = 0;
+  std::uint8_t version = 0;
 };
 
 /// Nothing where one bit is not as encode() would have written it. @rt

@@ -44,7 +44,7 @@ bool equal(std::span<const std::uint8_t> a, const std::vector<std::uint8_t>& b) 
 
 TEST(JournalRecord, bytes_stand_where_the_table_says) {
   const JournalRecordBytes bytes = encode(sample(), {0x5152535455565758, 0x61626364});
-  EXPECT_TRUE(equal(from(bytes, 0, 8), {0x53, 0x4E, 0x4A, 0x4C, 2, 5, 3, 0}));
+  EXPECT_TRUE(equal(from(bytes, 0, 8), {0x53, 0x4E, 0x4A, 0x4C, 3, 5, 3, 0}));
   EXPECT_TRUE(equal(from(bytes, 8, 8), {8, 7, 6, 5, 4, 3, 2, 1}));
   EXPECT_TRUE(equal(from(bytes, 16, 8), {0x14, 0x13, 0x12, 0x11, 0x01, 0x03, 0, 0}));
   EXPECT_TRUE(equal(from(bytes, 24, 8), {0x24, 0x23, 0x22, 0x21, 0x34, 0x33, 0x32, 0x31}));
@@ -117,8 +117,10 @@ TEST(JournalRecord, bytes_that_no_program_of_ours_writes_are_refused_although_se
   EXPECT_TRUE(with(5, 6));
   EXPECT_TRUE(with(5, 9));
   EXPECT_FALSE(with(0, 0));
-  EXPECT_TRUE(with(4, 1));   // the version before, without count zeros
-  EXPECT_FALSE(with(4, 3));  // version
+  EXPECT_TRUE(with(4, 1));   // the first version, without count zeros
+  EXPECT_TRUE(with(4, 2));   // the version before
+  EXPECT_FALSE(with(4, 0));  // version
+  EXPECT_FALSE(with(4, 4));
   EXPECT_FALSE(with(5, 0));  // kind
   EXPECT_FALSE(with(5, 10));
   EXPECT_FALSE(with(6, 0));  // joints
@@ -144,7 +146,7 @@ TEST(JournalRecord, bytes_that_no_program_of_ours_writes_are_refused_although_se
 TEST(JournalRecord, later_versions_are_known_as_such) {
   JournalRecordBytes later = encode(sample(), {});
   EXPECT_FALSE(is_newer_journal_record(later));
-  later[4] = 3;
+  later[4] = 4;
   EXPECT_FALSE(is_newer_journal_record(later));
   EXPECT_TRUE(is_newer_journal_record(sealed(later)));
   EXPECT_FALSE(is_newer_journal_record(std::span(later).first(200)));

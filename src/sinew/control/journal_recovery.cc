@@ -18,7 +18,10 @@ struct Generation {
   std::optional<SealedRecord> last;      ///< of its own generation
   std::optional<SealedRecord> succeeds;  ///< the first record of the next one, as its last word
   std::size_t damaged = 0;               ///< slots, or pieces of one
-  std::size_t damaged_behind = 0;        ///< of these behind the last good one
+  std::size_t damaged_behind = 0;        ///< slots behind the last good one that are not empty
+  std::uint64_t next = 0;                ///< as JournalEnd has them
+  std::uint64_t length = 0;
+  bool cut = false;
   bool broken_chain = false;
   bool newer = false;
   bool any_bytes = false;
@@ -35,7 +38,9 @@ std::optional<SealedRecord> read_slot(std::span<const std::uint8_t> slot, Genera
     generation.broken_chain |= decode_journal_record(second).has_value();
     return record;
   }
-  ++generation.damaged;
+  // Of an empty one with a bit turned over too.
+  generation.damaged +=
+      std::ranges::all_of(slot, [](std::uint8_t byte) { return byte == kJournalEmpty; }) ? 0 : 1;
   generation.newer |= is_newer_journal_record(first) || is_newer_journal_record(second);
   return decode_journal_record(second);
 }
@@ -49,22 +54,47 @@ bool follows(const SealedRecord& before, const SealedRecord& next, std::size_t s
   return in_place && steps > 0 && (steps > 1 || next.seal.previous == before.checksum);
 }
 
+std::span<const std::uint8_t> slot_at(std::span<const std::uint8_t> bytes, std::size_t slot) {
+  const std::size_t at = slot * kJournalSlotSize;
+  return bytes.subspan(at, std::min(kJournalSlotSize, bytes.size() - at));
+}
+
+/// What stands behind the last good record, which is in slot `last` of `slots`.
+void read_tail(std::span<const std::uint8_t> bytes, std::size_t last, std::size_t slots,
+               Generation& generation) {
+  constexpr std::size_t kChunk = kJournalChunkSize / kJournalSlotSize;
+  std::size_t used = last + 1;
+  std::size_t length = 0;
+  if (generation.first->version < 3) {
+    used = slots;
+  } else {
+    // Only where the last slot of a chunk is used was the next chunk safe; else it may be anything.
+    do {
+      const std::size_t from = used;
+      length = (from / kChunk + 1) * kChunk;
+      for (std::size_t k = from; k < std::min(length, slots); ++k) {
+        if (!is_empty_journal_slot(slot_at(bytes, k))) used = k + 1;
+      }
+    } while (used == length);
+  }
+  generation.damaged_behind = used - last - 1;
+  generation.next = used * kJournalSlotSize;
+  generation.length = length * kJournalSlotSize;
+  generation.cut = bytes.size() < generation.length;
+}
+
 Generation read_generation(std::span<const std::uint8_t> bytes) {
   Generation generation;
   generation.any_bytes = !bytes.empty();
   std::optional<SealedRecord> before;
-  for (std::size_t at = 0; at < bytes.size(); at += kJournalSlotSize) {
-    const auto slot = bytes.subspan(at, std::min(kJournalSlotSize, bytes.size() - at));
-    const auto sealed = read_slot(slot, generation);
-    if (!sealed) {
-      ++generation.damaged_behind;
-      continue;
-    }
-    const std::size_t slots = generation.damaged_behind + 1;
-    generation.damaged_behind = 0;
+  std::size_t last = 0;
+  const std::size_t slots = (bytes.size() + kJournalSlotSize - 1) / kJournalSlotSize;
+  for (std::size_t k = 0; k < slots; ++k) {
+    const auto sealed = read_slot(slot_at(bytes, k), generation);
+    if (!sealed) continue;
     // Behind a record that names the next generation nothing is written.
     if (generation.succeeds) generation.broken_chain = true;
-    if (before && !follows(*before, *sealed, slots)) generation.broken_chain = true;
+    if (before && !follows(*before, *sealed, k - last)) generation.broken_chain = true;
     if (!generation.first) generation.first = sealed;
     const std::uint32_t own = generation.first->record.generation;
     if (sealed->record.generation == own) {
@@ -75,7 +105,9 @@ Generation read_generation(std::span<const std::uint8_t> bytes) {
       generation.broken_chain = true;
     }
     before = sealed;
+    last = k;
   }
+  if (before) read_tail(bytes, last, slots, generation);
   return generation;
 }
 
@@ -103,11 +135,14 @@ std::optional<JournalFinding> distrust(const Generation& newest, const Generatio
   }
   const std::uint64_t identity = newest.first->seal.file;
   if (identity != 0 && file.stamp.identity != 0 && identity != file.stamp.identity) return kCopied;
+  // Records are written over what stands there: a crash may keep one and not the time of its write.
   const Duration late{file.stamp.changed_ns - last.time.wall_ns};
+  const Duration early{newest.first->record.time.wall_ns - file.stamp.changed_ns};
   if (file.stamp.changed_ns != 0 && last.time.wall_ns != 0 &&
-      (late > settings.stamp_tolerance || late < -settings.stamp_tolerance)) {
+      (late > settings.stamp_tolerance || early > settings.stamp_tolerance)) {
     return kCopied;
   }
+  if (newest.cut) return kCut;
   return std::nullopt;
 }
 
@@ -176,6 +211,7 @@ void take_positions(JournalRecovery& recovery, const Generation& newest,
   recovery.memory = {last.kind == JournalKind::kIntent && !spoiled,
                      last.cause == JournalCause::kHeld, last.counted};
   if (spoiled) recovery.finding = kDamagedTail;
+  if (!spoiled) recovery.last = last;
   // What is spoiled behind it may have been one.
   const bool forgotten = last.kind == JournalKind::kLook || spoiled;
   for (std::size_t k = 0; k < settings.joints; ++k) {
@@ -215,6 +251,8 @@ JournalRecovery recover(std::span<const JournalFile, 2> files, const RecoverySet
 
   const SealedRecord& end = newest.succeeds ? *newest.succeeds : *newest.last;
   recovery.end = {end.record.sequence, end.record.generation, end.checksum};
+  // Of a file that names its successor nothing is known there.
+  if (!newest.succeeds) recovery.end.next = newest.next, recovery.end.length = newest.length;
   recovery.last_time = newest.last->record.time;
   const auto reason = distrust(newest, other, files[at], settings);
   if (reason != kOtherRobot && newest.last->record.positions.size() == settings.joints) {
@@ -253,6 +291,7 @@ std::string_view sentence(JournalFinding finding) {
       "the position journal was edited: its records do not follow one another",
       "the newer file of the position journal is missing, or an older copy was put in its place",
       "the position journal was copied here, or changed by something else than this program",
+      "the position journal is truncated: the end of its newer file is missing",
       "the position journal is damaged beyond what a crash leaves",
       "the last write to the position journal did not come through whole",
       "the last run ended while the machine was moving",

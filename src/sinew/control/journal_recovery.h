@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string_view>
 
@@ -20,6 +21,7 @@ enum class JournalFinding : std::uint8_t {
   kEdited,         ///< its records do not follow one another: edited by hand
   kOlderCopy,      ///< the newer of its two files is missing, or is an older copy
   kCopied,         ///< its file is a copy, or was changed by somebody else after the last record
+  kCut,            ///< its file is shorter than its records say
   kUnreadable,     ///< more damage than what a crash leaves
   kDamagedTail,    ///< the last write did not come through whole
   kEndedInMotion,  ///< the last record is an intent
@@ -54,7 +56,8 @@ struct RecoverySettings {
   /// False only where the device itself shows that it kept its power.
   bool power_may_have_failed = true;
   bool can_home = false;
-  /// By more than so much a file may not have been changed after its last record.
+  /// By more than so much a file may not have been changed after its last record, nor be older
+  /// than its first one.
   Duration stamp_tolerance = std::chrono::seconds(60);
 };
 
@@ -67,10 +70,11 @@ struct JournalRecovery {
   /// where none can be read.
   JournalPositions last_said;
   JournalTime last_time;
-  bool power_up_added = false;    ///< intervals are wider by power_up_way
-  DriverMemory memory;            ///< what else of the device its last record says
-  std::size_t damaged_slots = 0;  ///< in both files, also those that did no harm
-  JournalEnd end;                 ///< for the PositionJournal and the files of the next run
+  bool power_up_added = false;          ///< intervals are wider by power_up_way
+  DriverMemory memory;                  ///< what else of the device its last record says
+  std::size_t damaged_slots = 0;        ///< in both files, also those that did no harm
+  std::optional<JournalRecord> last{};  ///< whole, and what `positions` come from; else nothing
+  JournalEnd end;                       ///< for the PositionJournal and the files of the next run
 };
 
 /// What is known of each joint, from the bytes of both generations. Bounded by their size.

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "sinew/core/units.h"
+
 namespace sinew::control {
 
 Expected<JointInterval> agree(std::size_t joint, std::span<const Evidence> known,
@@ -21,6 +23,32 @@ Expected<JointInterval> agree(std::size_t joint, std::span<const Evidence> known
     where = {std::max(where.lower, lower), std::min(where.upper, upper)};
   }
   return where;
+}
+
+Expected<FixedVector<JointPosition, kMaxJoints>> as_shown(const RobotModel& robot,
+                                                          std::span<const JointPosition> known,
+                                                          std::span<const JointPosition> said) {
+  constexpr double kTurn = from_deg(3);
+  constexpr double kLength = from_mm(1);
+  FixedVector<JointPosition, kMaxJoints> shown;
+  for (std::size_t j = 0; j < known.size(); ++j) {
+    const bool lost = known[j].quality == PositionQuality::kLost;
+    JointPosition joint = lost && j < said.size() ? said[j] : known[j];
+    const double widest = robot.joints[j].kind == JointKind::kPrismatic ? kLength : kTurn;
+    const bool wide = joint.quality == PositionQuality::kUncertain &&
+                      !(joint.upper - joint.lower <= widest);
+    if (joint.quality == PositionQuality::kLost || wide) {
+      return std::unexpected(Error{ErrorCode::kPositionUnknown, static_cast<std::int8_t>(j)});
+    }
+    joint.quality = PositionQuality::kCommanded;
+    joint.q = (joint.lower + joint.upper) / 2;
+    shown.push_back(joint);
+  }
+  return shown;
+}
+
+double reach_beyond_limits(const Joint& joint) {
+  return joint.kind == JointKind::kPrismatic ? from_mm(2) : from_deg(10);
 }
 
 }  // namespace sinew::control

@@ -26,4 +26,16 @@ struct Evidence {
 Expected<JointInterval> agree(std::size_t joint, std::span<const Evidence> known,
                               const JointPosition& said);
 
+/// The middle of what is known of each joint, whose interval stays: a place that is confirmed as it
+/// is shown. A person sees no more than so much, so a wider interval is not confirmed.
+/// @param said  of joints that are lost: what the last record says; may be empty
+/// @error kPositionUnknown (index): lost, or known to 3 deg (1 mm of a leg) only or worse
+Expected<FixedVector<JointPosition, kMaxJoints>> as_shown(const RobotModel& robot,
+                                                          std::span<const JointPosition> known,
+                                                          std::span<const JointPosition> said = {});
+
+/// How far beyond a limit a joint may be said to stand: sagged, or pushed by hand to its end.
+/// rad, or m of a leg.
+double reach_beyond_limits(const Joint& joint);
+
 }  // namespace sinew::control

@@ -3,6 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <vector>
+
+#include "sinew/control/journal_record.h"
+#include "sinew/core/units.h"
+#include "support/robots.h"
 
 namespace sinew::control {
 namespace {
@@ -35,6 +40,27 @@ TEST(PositionEvidence, without_any_what_is_said_counts) {
   const auto agreed = agree(0, {}, at(0.7));
   ASSERT_TRUE(agreed);
   EXPECT_EQ(*agreed, (JointInterval{0.7, 0.7}));
+}
+
+TEST(PositionEvidence, what_is_shown_is_the_middle_of_an_interval_that_a_person_can_see) {
+  const RobotModel robot = sinew::test::robot("bigrobotarm");
+  JournalPositions known(std::vector<JointPosition>(
+      5, {PositionQuality::kUncertain, 0.1, 0.1 - from_deg(1), 0.1 + from_deg(1.5)}));
+  const auto shown = as_shown(robot, {known.data(), known.size()});
+  ASSERT_TRUE(shown);
+  EXPECT_EQ((*shown)[2].quality, PositionQuality::kCommanded);
+  EXPECT_NEAR((*shown)[2].q, 0.1 + from_deg(0.25), 1e-12);
+  EXPECT_EQ((*shown)[2].upper, known[2].upper) << "the interval stays";
+  known[3].upper += from_deg(2);
+  EXPECT_EQ(as_shown(robot, {known.data(), known.size()}).error(),
+            (Error{ErrorCode::kPositionUnknown, 3}));
+  // Of a lost joint what the last record says.
+  const JournalPositions said(std::vector<JointPosition>(5, at(0.3)));
+  known[3] = {};
+  EXPECT_FALSE(as_shown(robot, {known.data(), known.size()}));
+  const auto last = as_shown(robot, {known.data(), known.size()}, {said.data(), said.size()});
+  ASSERT_TRUE(last);
+  EXPECT_EQ((*last)[3].q, 0.3);
 }
 
 }  // namespace

@@ -34,6 +34,8 @@ struct JournalEnd {
   std::uint64_t sequence = 0;
   std::uint32_t generation = 0;  ///< 0: there is none
   std::uint32_t checksum = 0;    ///< of its last record
+  std::uint64_t next = 0;        ///< bytes of its file in front of where the next record goes
+  std::uint64_t length = 0;      ///< bytes that its file has; 0 where it only grows (version 2)
 };
 
 /// What is about to be sent, one entry a joint. Entries of lost joints are not looked at.

@@ -8,56 +8,64 @@
 namespace sinew::control {
 namespace {
 
-using namespace std::chrono_literals;
-
 constexpr std::array kRules = std::to_array<StopRule>({
     {StopCause::kClient, StopCategory::kStopAndHold, StopManner::kDevice, StopAfter::kReady,
-     "client"},
-    {StopCause::kPause, StopCategory::kStopAndHold, StopManner::kOnPath, StopAfter::kHeld, "pause"},
+     "client", ""},
+    {StopCause::kPause, StopCategory::kStopAndHold, StopManner::kOnPath, StopAfter::kHeld, "pause",
+     "paused"},
     {StopCause::kTakeOver, StopCategory::kStopAndHold, StopManner::kOnPath, StopAfter::kHeld,
-     "take_over"},
+     "take_over",
+     "another client took control"},
     {StopCause::kLeaseEnded, StopCategory::kStopAndHold, StopManner::kOnPath, StopAfter::kHeld,
-     "lease_ended"},
+     "lease_ended",
+     "the client that had control is gone"},
     {StopCause::kRefused, StopCategory::kStopAndHold, StopManner::kDevice, StopAfter::kReady,
-     "refused"},
-    {StopCause::kDevice, StopCategory::kNone, StopManner::kDevice, StopAfter::kFault, "device"},
+     "refused",
+     "a part of the motion was refused"},
+    {StopCause::kDevice, StopCategory::kNone, StopManner::kDevice, StopAfter::kFault, "device",
+     "the device reported a fault"},
     {StopCause::kNotRecorded, StopCategory::kStopAndHold, StopManner::kOnPath, StopAfter::kFault,
-     "not_recorded"},
+     "not_recorded",
+     "the position journal cannot be written"},
     {StopCause::kRecordLate, StopCategory::kStopAndHold, StopManner::kOnPath, StopAfter::kHeld,
-     "record_late"},
+     "record_late",
+     "the disk of the position journal is too slow"},
     {StopCause::kCycleOverrun, StopCategory::kStopAndHold, StopManner::kOnPath, StopAfter::kHeld,
-     "cycle_overrun"},
+     "cycle_overrun",
+     "this computer is too busy to control a motion; end other work on it and try again"},
     {StopCause::kClockGap, StopCategory::kStopAndHold, StopManner::kDevice, StopAfter::kFault,
-     "clock_gap"},
+     "clock_gap",
+     "this computer was suspended, or too busy, in the middle of a motion"},
     {StopCause::kShutdown, StopCategory::kStopAndHold, StopManner::kDevice, StopAfter::kReady,
-     "shutdown"},
+     "shutdown",
+     "the controller ends"},
 });
 static_assert(kRules.size() == kStopCauses);
 
 struct Facts {
   StopFacts operator()(const NoDriver& /*none*/) const { return {}; }
   StopFacts operator()(const BigRobotArmDevice& /*device*/) const {
-    return {false, 0ms, "none: finishes its move",
+    return {false, "none: finishes its move",
             "steppers hold; without power the arm sinks or drops"};
   }
   StopFacts operator()(const AxisRegistersDevice& /*device*/) const {
-    return {true, 300ms, "0.12 s until told, then the boards stop at once",
+    return {true, "0.12 s until told, then the boards stop at once",
             "steppers hold; without power the arm drops: its gears do not hold it"};
   }
   StopFacts operator()(const AxisLinkDevice& /*device*/) const {
-    return {true, 4100ms, "one frame until told, then the boards brake: up to 4 s at full speed",
+    return {true, "one frame until told, then the boards brake: up to 4 s at full speed",
             "steppers hold; without power the arm drops: its gears do not hold it"};
   }
   StopFacts operator()(const LscDevice& /*device*/) const {
-    return {true, 400ms, "where the servos are when the stop frame has arrived, 26 ms",
+    return {true, "where the servos are when the stop frame has arrived, 26 ms",
             "servos hold; without power or pulses the arm drops"};
   }
   StopFacts operator()(const MaxArmDevice& /*device*/) const {
-    return {true, 900ms, "0.13 to 0.6 s until told, then 0.1 s",
+    return {true, "0.13 to 0.6 s until told, then 0.1 s",
             "servos hold; without power the arm drops, and the pump lets go"};
   }
   StopFacts operator()(const IcpDevice& /*device*/) const {
-    return {true, 20ms, "4.2 ms: the microstep under way", "spindles hold, with and without power"};
+    return {true, "4.2 ms: the microstep under way", "spindles hold, with and without power"};
   }
 };
 

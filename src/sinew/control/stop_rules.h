@@ -42,7 +42,8 @@ struct StopRule {
   StopCategory category;  ///< kNone: that of the error's own row in the table of errors
   StopManner manner;
   StopAfter after;
-  std::string_view name;  ///< stable, for machines
+  std::string_view name;      ///< stable, for machines
+  std::string_view sentence;  ///< for people; empty where they said it themselves
 };
 
 /// The one table. docs/control.md shows it, and a test holds the two against each other. @rt
@@ -53,12 +54,11 @@ StopCategory stop_category(StopCause cause, const std::optional<Error>& reason);
 /// What a robot's wire and device make of a stop, from the moment at which it is asked for.
 struct StopFacts {
   bool ends_motion = true;      ///< false: the motion under way is finished
-  Duration standstill_max{};    ///< until it stands; zero where ends_motion is false
-  std::string_view standstill;  ///< the same for people
+  std::string_view standstill;  ///< until it stands, for people; Driver::goes_on_until() has each
   std::string_view falls;       ///< what gravity does: held, and without power
 };
 
-/// Measured against the simulated devices; docs/control.md has the table, a test each row.
+/// Measured against the simulated devices; docs/control.md has the table.
 StopFacts stop_facts(const Device& device);
 
 }  // namespace sinew::control

@@ -36,14 +36,14 @@ struct DiskStamp {
   std::uint64_t size = 0;       ///< bytes
 };
 
-/// An open file that grows at its end. It does not close itself: Disk::close() does.
+/// An open file. It does not close itself: Disk::close() does.
 struct DiskFile {
   std::int32_t id = -1;
 };
 
 /// One folder of files, as much as a journal needs of it: the real one is io::DiskFolder, the one
 /// that loses power sim::Disk. Calls may block as long as a disk takes; nothing throws. What was
-/// appended is safe once sync() of the file succeeded, a name once sync_folder() did. After a sync
+/// written is safe once sync() of the file succeeded, a name once sync_folder() did. After a sync
 /// that failed nobody knows which bytes are safe. Used by one thread.
 class Disk {
  public:
@@ -57,7 +57,11 @@ class Disk {
   /// @error kMissing
   virtual DiskResult<DiskFile> open(std::string_view name) = 0;
   virtual void close(DiskFile file) = 0;
-  /// All bytes, or an error and any number of them.
+  /// From byte `at` on, also over what stands there; zeros between the end and `at`. All bytes, or
+  /// an error and any number of them.
+  virtual DiskResult<void> write(DiskFile file, std::uint64_t at,
+                                 std::span<const std::uint8_t> bytes) = 0;
+  /// The same at the end of the file.
   virtual DiskResult<void> append(DiskFile file, std::span<const std::uint8_t> bytes) = 0;
   virtual DiskResult<void> sync(DiskFile file) = 0;
 

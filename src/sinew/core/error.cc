@@ -93,8 +93,10 @@ constexpr std::array kTable = std::to_array<ErrorInfo>({
     {kPositionUnknown, "position_unknown",
      "nobody knows for sure where {subject} is; home it, or say where it is", kNone, false, kNoStop,
      409},
-    {kNotHomed, "not_homed", "{subject} has not been homed since it was switched on", kNone, false,
-     kNoStop, 409},
+    {kNotHomed, "not_homed",
+     "{subject} is not homed, or its device knows better than a statement: run a row home, sinew "
+     "home or sinew commission --procedure home (servos: a row joint that names all joints)",
+     kNone, false, kNoStop, 409},
     {kSegmentTime, "segment_time", "the motion cannot take {measured}; limit {limit}", kTime, true,
      kNoStop, 422},
     {kToolNotFitted, "tool_not_fitted", "this robot has no such tool", kNone, true, kNoStop, 422},
@@ -188,7 +190,7 @@ constexpr std::array kTable = std::to_array<ErrorInfo>({
      true, kNoStop, 422},
     {kJawsContact, "jaws_contact",
      "as they close the jaws' tips go {limit} farther, too near for {subject}: back off by that "
-     "much first, as with line frame=tool dz=-20mm",
+     "much first, as with line frame=tool {dz}",
      kLength, true, kNoStop, 422},
     {kCellContact, "cell_contact",
      "{subject} would come within {measured} of something else in its cell, at least {limit} is "
@@ -258,6 +260,36 @@ constexpr std::array kTable = std::to_array<ErrorInfo>({
      kAngle, true, kNoStop, 409},
 });
 
+/// Of the same codes where bodies are in one another.
+std::string_view overlap_sentence(ErrorCode code) {
+  switch (code) {
+    case kCollision:
+      return "{subject} would overlap by {overlap}; required clearance {limit}";
+    case kCellContact:
+      return "{subject} would overlap something else in its cell by {overlap}; required clearance "
+             "{limit}";
+    case kCellTaken:
+      return "{subject} would overlap the space where another robot of the cell moves by "
+             "{overlap}; required clearance {limit}";
+    default:
+      return {};
+  }
+}
+
+/// Codes whose lengths are the tool's and the bodies', where less than 0.1 mm is nothing.
+bool of_bodies(ErrorCode code) {
+  return code == kOutOfReach || code == kTooClose || code == kJawsContact ||
+         !overlap_sentence(code).empty();
+}
+
+/// A row that backs off by so much, in tenths of a millimetre.
+std::string back_off(double length) {
+  constexpr double kRounding = 1e-6;
+  char text[32];
+  std::snprintf(text, sizeof text, "dz=-%.6gmm", std::ceil(to_mm(length) * 10 - kRounding) / 10);
+  return text;
+}
+
 std::string format_value(double value, Quantity quantity) {
   char text[64];
   const auto print = [&](const char* format, double v) {
@@ -312,8 +344,15 @@ std::string describe(const Error& error, std::string_view subject,
   if (error.other >= 0) {
     fallback = "links " + std::to_string(error.index) + " and " + std::to_string(error.other);
   }
+  const auto value = [&](double v) {
+    constexpr double kNothing = 1e-9, kShown = 0.05e-3;  // m
+    const bool little = std::abs(v) >= kNothing && std::abs(v) < kShown;
+    return little && of_bodies(error.code) ? "less than 0.1 mm" : format_value(v, unit);
+  };
   std::string text;
   std::string_view rest = row.sentence;
+  const std::string_view overlap = overlap_sentence(error.code);
+  if (error.measured < 0 && !overlap.empty()) rest = overlap;
   while (!rest.empty()) {
     const std::size_t open = rest.find('{');
     text += rest.substr(0, open);
@@ -327,12 +366,16 @@ std::string describe(const Error& error, std::string_view subject,
       // Of several boards it is one that is meant.
       text += error.index < 0 ? "the device" : "the board of " + std::string(whom);
     } else if (field == "measured") {
-      text += format_value(error.measured, unit);
+      text += value(error.measured);
     } else if (field == "limit") {
-      text += format_value(error.limit, unit);
+      text += value(error.limit);
+    } else if (field == "overlap") {
+      text += value(-error.measured);
+    } else if (field == "dz") {
+      text += back_off(error.limit);
     } else {
       SINEW_ASSERT(field == "excess");
-      text += format_value(excess(error), unit);
+      text += value(excess(error));
     }
     rest.remove_prefix(close + 1);
   }

@@ -350,8 +350,8 @@ void AxisController::cancel_homing() {
 /// off) also on the way back, and where the axis is, as nearly as its host knows. Nothing for all
 /// others and for a NaN.
 std::optional<double> AxisController::allowed(double q) const {
-  const double lower = std::min(settings_.lower, reference_.q);
-  const double upper = std::max(settings_.upper, reference_.q);
+  const double lower = std::min({settings_.lower, reference_.q, encoders_.q()});
+  const double upper = std::max({settings_.upper, reference_.q, encoders_.q()});
   const double below = lower < settings_.lower ? kHostSlack : kJointLimitTolerance;
   const double above = upper > settings_.upper ? kHostSlack : kJointLimitTolerance;
   if (!(q >= lower - below && q <= upper + above)) return std::nullopt;

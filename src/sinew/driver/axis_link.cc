@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "sinew/core/assert.h"
+#include "sinew/model/left_out.h"
 
 namespace sinew {
 
@@ -35,6 +36,9 @@ AxisLinkDriver::AxisLinkDriver(const AxisLinkDevice& device, std::span<const Joi
     channels_.push_back(
         Channel({static_cast<std::uint8_t>(i), joints[i], deadline_, timing.failures_max}));
     run_out_ = std::max(run_out_, channels_[i].run_out());
+    if (device.boards[i].homing_place == kLeftOut) {
+      left_out_ = static_cast<std::uint8_t>(left_out_ | 1U << i);
+    }
   }
   positions_.resize(joints.size());
   homing_order_ = homing_order(device.boards);
@@ -51,7 +55,9 @@ void AxisLinkDriver::open(Instant now) {
   axis_ = 0;
   known_out_ = {};
   told_ = {};
-  for (Channel& channel : channels_) channel.begin(false, now);
+  for (std::size_t i = 0; i < channels_.size(); ++i) {
+    if (!is_out_by_choice(i)) channels_[i].begin(false, now);
+  }
 }
 
 void AxisLinkDriver::close(Instant now) {
@@ -81,6 +87,11 @@ DriverState AxisLinkDriver::state() const {
       break;
   }
   return fault_ ? DriverState::kFault : DriverState::kReady;
+}
+
+std::optional<Instant> AxisLinkDriver::goes_on_until() const {
+  if (activity_ != Activity::kStopping) return std::nullopt;
+  return since_ + deadline_ + run_out_ + timing_.stop_margin;
 }
 
 DriverHealth AxisLinkDriver::health() const {
@@ -124,6 +135,7 @@ Expected<void> AxisLinkDriver::check_axes(const JointMove& move) const {
     return std::unexpected(Error{ErrorCode::kUnsendable, -1, static_cast<double>(move.q.size())});
   }
   for (std::size_t i = 0; i < channels_.size(); ++i) {
+    if (is_out_by_choice(i)) continue;
     if (const auto out = channels_[i].error()) {
       if (std::abs(move.q[i] - channels_[i].q()) <= kLeftAlone) continue;
       return std::unexpected(*out);
@@ -140,12 +152,12 @@ Expected<void> AxisLinkDriver::move(const JointMove& move, Instant now) {
   if (!goes_on) {
     if (const auto may = may_begin(); !may) return may;
   }
-  if (!any_up()) return std::unexpected(channels_[0].error().value_or(Error{ErrorCode::kBusy}));
+  if (!any_up()) return std::unexpected(why_all_are_out());
   if (const auto checked = check_axes(move); !checked) return checked;
   // Where an axis was sent is smoother to start from than where its encoder's last count is.
   std::array<Setpoint, kMaxJoints> start{};
   for (std::size_t i = 0; i < channels_.size(); ++i) {
-    start[i].q = told_[i].value_or(channels_[i].q());
+    start[i].q = is_out_by_choice(i) ? move.q[i] : told_[i].value_or(channels_[i].q());
   }
   const auto pushed = queue_.push(move, joints_, std::span(start).first(channels_.size()), now);
   if (!pushed) return pushed;
@@ -182,15 +194,16 @@ void AxisLinkDriver::begin_stop(Mode mode, Instant now) {
     stop_in_opening_ = true;
     return;
   }
-  for (Channel& channel : channels_) {
-    channel.follow(std::nullopt);
-    channel.command(*to_all_due_);
+  for (std::size_t i = 0; i < channels_.size(); ++i) {
+    if (is_out_by_choice(i)) continue;
+    channels_[i].follow(std::nullopt);
+    channels_[i].command(*to_all_due_);
   }
   activity_ = Activity::kStopping;
   since_ = now;
 }
 
-Expected<void> AxisLinkDriver::home(Instant now) {
+Expected<void> AxisLinkDriver::home(Instant now, std::uint8_t joints) {
   if (const auto may = may_begin(); !may) return may;
   // All of them or none: who asks for home has a program that counts on every joint.
   for (const Channel& channel : channels_) {
@@ -200,6 +213,7 @@ Expected<void> AxisLinkDriver::home(Instant now) {
   activity_ = Activity::kHoming;
   told_ = {};
   now_ = since_ = now;
+  to_home_ = joints;
   home_from(0);
   return {};
 }
@@ -208,8 +222,9 @@ Expected<void> AxisLinkDriver::home(Instant now) {
 void AxisLinkDriver::home_from(std::size_t place) {
   homing_place_ = place;
   for (; homing_place_ < homing_order_.size(); ++homing_place_) {
-    Channel& channel = channels_[homing_order_[homing_place_]];
-    if (channel.is_up()) return channel.command(Mode::kHome);
+    const std::uint8_t joint = homing_order_[homing_place_];
+    const bool wanted = (to_home_ >> joint & 1U) != 0 && channels_[joint].is_up();
+    if (wanted) return channels_[joint].command(Mode::kHome);
   }
 }
 
@@ -233,7 +248,7 @@ std::optional<spi::Transfer> AxisLinkDriver::take_transfer(Instant now) {
   if (activity_ == Activity::kClosed || flight_ != Flight::kNone) return std::nullopt;
   now_ = now;
   if (to_all_due_) {
-    const auto all = static_cast<std::uint8_t>((1U << channels_.size()) - 1);
+    const auto all = static_cast<std::uint8_t>(((1U << channels_.size()) - 1) & ~left_out_);
     flight_ = Flight::kToAll;
     return transfer_to(all, encode(Request{.to_all = true, .mode = *to_all_due_}));
   }
@@ -261,10 +276,15 @@ bool AxisLinkDriver::next_axis(Instant now) {
     serve_outs_ = now >= outs_due_ || activity_ == Activity::kStopping;
     if (serve_outs_) outs_due_ = now + timing_.retry;
   }
-  while (axis_ < channels_.size() && channels_[axis_].is_out() && !serve_outs_) ++axis_;
+  const auto passed_by = [&](std::size_t i) {
+    return is_out_by_choice(i) || (channels_[i].is_out() && !serve_outs_);
+  };
+  while (axis_ < channels_.size() && passed_by(axis_)) ++axis_;
   if (axis_ < channels_.size()) return true;
   axis_ = 0;
-  const bool all_out = std::ranges::all_of(channels_, &Channel::is_out);
+  const bool all_out = std::ranges::all_of(channels_, [](const Channel& channel) {
+    return channel.is_out() || channel.step() == Channel::Step::kShut;
+  });
   if (all_out) round_due_ = std::max(round_due_, outs_due_);
   return false;
 }
@@ -324,9 +344,11 @@ bool AxisLinkDriver::any_up() const {
 
 /// The first one's reason, and no board's where all are silent alike.
 Error AxisLinkDriver::why_all_are_out() const {
-  Error error = channels_[0].error().value_or(Error{ErrorCode::kDeviceSilent});
+  const auto first =
+      std::ranges::find_if(channels_, [](const Channel& channel) { return channel.is_out(); });
+  Error error = first != channels_.end() ? *first->error() : Error{ErrorCode::kDeviceSilent};
   const bool all_silent = std::ranges::all_of(channels_, [](const Channel& channel) {
-    return channel.error() && channel.error()->code == ErrorCode::kDeviceSilent;
+    return !channel.error() || channel.error()->code == ErrorCode::kDeviceSilent;
   });
   if (all_silent) error.index = -1;
   return error;

@@ -59,6 +59,9 @@ struct AxisLinkTiming {
 /// out: axis_fault() says why, kNotice tells it at rest. The others go on; move() takes targets
 /// that leave an axis that is out where positions() shows it. clear_fault() brings it back.
 ///
+/// An axis that is left out by choice (model/left_out.h) is never selected: its joint stays kLost,
+/// and what a move says of it counts for nothing.
+///
 /// positions(): kMeasured once an axis is homed, as it was when its last frame began: the motor's
 /// encoder, -+ all that the axis says may lie between that and the joint, and the way that it goes
 /// while a reading ages; kUncertain while its answers fail, over all that it can have gone since;
@@ -75,6 +78,8 @@ class AxisLinkDriver : public SpiDriver {
   DriverState state() const override;
   std::optional<Error> fault() const override { return fault_; }
   std::span<const JointPosition> positions() const override { return positions_; }
+  /// Until its boards have braked, or their deadline has stopped them.
+  std::optional<Instant> goes_on_until() const override;
   DriverHealth health() const override;
   DeviceFacts facts() const override;
   bool wants_move(Instant now) const override;
@@ -87,7 +92,7 @@ class AxisLinkDriver : public SpiDriver {
   void emergency_stop(Instant now);
   /// In the order of the joints, one after the other; nothing moves where an axis is out.
   /// @error kPortClosed, the fault, kBusy, or the fault of an axis that is out
-  Expected<void> home(Instant now) override;
+  Expected<void> home(Instant now, std::uint8_t joints = kAllJoints) override;
   std::optional<std::size_t> homing_joint() const override {
     const bool searching = activity_ == Activity::kHoming && homing_place_ < joints_.size();
     return searching ? std::optional<std::size_t>(homing_order_[homing_place_]) : std::nullopt;
@@ -117,6 +122,7 @@ class AxisLinkDriver : public SpiDriver {
   enum class Activity : std::uint8_t { kClosed, kOpening, kIdle, kMoving, kHoming, kStopping };
   enum class Flight : std::uint8_t { kNone, kToAll, kToOne };
 
+  bool is_out_by_choice(std::size_t i) const { return (left_out_ >> i & 1U) != 0; }
   Expected<void> may_begin() const;
   Expected<void> check_axes(const JointMove& move) const;
   bool next_axis(Instant now);
@@ -141,6 +147,7 @@ class AxisLinkDriver : public SpiDriver {
 
   FixedVector<axis_link::Channel, kMaxJoints> channels_;
   FixedVector<Joint, kMaxJoints> joints_;
+  std::uint8_t left_out_ = 0;  ///< axes, a bit each
   std::uint32_t clock_hz_;
   Duration deadline_;
   AxisLinkTiming timing_;
@@ -176,6 +183,7 @@ class AxisLinkDriver : public SpiDriver {
   // Homing.
   FixedVector<std::uint8_t, kMaxJoints> homing_order_;
   std::size_t homing_place_ = 0;  ///< in the order
+  std::uint8_t to_home_ = kAllJoints;
   // Stopping.
   bool stop_asked_ = false;
   bool stop_in_opening_ = false;

@@ -19,10 +19,18 @@ constexpr double kShortest = 1e-4;
 /// s. An hour; longer is a mistake of units.
 constexpr double kLongest = 3600;
 
+/// An encoder's count beyond a limit is on it: an axis that was sent to its limit may read so, and
+/// holds its host to the limit itself.
+double on_limit(const Joint& joint, double q) {
+  const double inside = std::clamp(q, joint.lower, joint.upper);
+  return std::abs(q - inside) <= kSwing ? inside : q;
+}
+
 }  // namespace
 
-CubicPiece::CubicPiece(const Setpoint& from, const Setpoint& to, double duration)
-    : from_(from), to_(to), duration_(duration) {
+CubicPiece::CubicPiece(const Setpoint& from, const Setpoint& to, double duration,
+                       const SendRange& range)
+    : from_(from), to_(to), duration_(duration), range_(range) {
   SINEW_ASSERT(duration > 0);
   const double mean = (to.q - from.q) / duration;
   c2_ = (3 * mean - 2 * from.qd - to.qd) / duration;
@@ -31,7 +39,8 @@ CubicPiece::CubicPiece(const Setpoint& from, const Setpoint& to, double duration
 
 Setpoint CubicPiece::at(double t) const {
   if (t >= duration_) return to_;
-  return {from_.q + t * (from_.qd + t * (c2_ + t * c3_)), from_.qd + t * (2 * c2_ + t * 3 * c3_)};
+  const double q = from_.q + t * (from_.qd + t * (c2_ + t * c3_));
+  return {std::clamp(q, range_.lower, range_.upper), from_.qd + t * (2 * c2_ + t * 3 * c3_)};
 }
 
 double CubicPiece::peak_speed() const {
@@ -41,7 +50,7 @@ double CubicPiece::peak_speed() const {
   return peak;
 }
 
-Expected<void> CubicPiece::check(const Joint& joint, const SendRange& range) const {
+Expected<void> CubicPiece::check(const Joint& joint) const {
   const double peak = peak_speed();
   if (!(peak <= joint.velocity_max * kSpeedTolerance)) {
     return std::unexpected(
@@ -52,8 +61,8 @@ Expected<void> CubicPiece::check(const Joint& joint, const SendRange& range) con
   for (const double sum : {-c2_ - root, -c2_ + root}) {
     for (const double t : {sum / (3 * c3_), from_.qd / sum}) {
       if (!(t > 0 && t < duration_)) continue;
-      const double q = at(t).q;
-      if (q >= range.lower - kSwing && q <= range.upper + kSwing) continue;
+      const double q = from_.q + t * (from_.qd + t * (c2_ + t * c3_));
+      if (q >= range_.lower - kSwing && q <= range_.upper + kSwing) continue;
       return std::unexpected(
           Error{ErrorCode::kJointLimit, -1, q, q < joint.lower ? joint.lower : joint.upper});
     }
@@ -80,16 +89,17 @@ Expected<void> SegmentQueue::push(const JointMove& move, std::span<const Joint> 
       error.index = static_cast<std::int8_t>(i);
       return std::unexpected(error);
     };
-    const double q = move.q[i];
-    const Setpoint from = empty() ? start[i] : back().pieces[i].end();
+    const double q = on_limit(joints[i], move.q[i]);
+    Setpoint from = empty() ? start[i] : back().pieces[i].end();
+    from.q = on_limit(joints[i], from.q);
     const SendRange range = SendRange(joints[i]).from(from.q);
     if (!range.holds(q)) {
       const double limit = q < joints[i].lower ? joints[i].lower : joints[i].upper;
       return refuse({ErrorCode::kJointLimit, -1, q, limit});
     }
     if (!std::isfinite(move.qd[i])) return refuse({ErrorCode::kUnsendable, -1, move.qd[i]});
-    const CubicPiece piece(from, {q, move.qd[i]}, duration);
-    const auto checked = piece.check(joints[i], range);
+    const CubicPiece piece(from, {q, move.qd[i]}, duration, range);
+    const auto checked = piece.check(joints[i]);
     if (!checked) return refuse(checked.error());
     segment.ends_at_rest = segment.ends_at_rest && move.qd[i] == 0;
     segment.pieces.push_back(piece);

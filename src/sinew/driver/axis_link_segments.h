@@ -24,14 +24,15 @@ struct Setpoint {
 class CubicPiece {
  public:
   CubicPiece() = default;
-  CubicPiece(const Setpoint& from, const Setpoint& to, double duration);
+  /// @param range  where the joint may be sent meanwhile
+  CubicPiece(const Setpoint& from, const Setpoint& to, double duration, const SendRange& range);
 
-  /// @param t  s from its start, 0..duration.
+  /// Never outside the range. @param t  s from its start, 0..duration.
   Setpoint at(double t) const;
   Setpoint end() const { return to_; }
-  /// Whether it stays in `range` and inside the joint's limit of speed all along.
+  /// Whether it stays in its range and inside the joint's limit of speed all along.
   /// @error kJointLimit (it swings out between its ends), kSegmentTime (limit: what it would need)
-  Expected<void> check(const Joint& joint, const SendRange& range) const;
+  Expected<void> check(const Joint& joint) const;
 
  private:
   double peak_speed() const;
@@ -39,6 +40,7 @@ class CubicPiece {
   Setpoint from_;
   Setpoint to_;
   double duration_ = 0;
+  SendRange range_;
   double c2_ = 0;
   double c3_ = 0;
 };

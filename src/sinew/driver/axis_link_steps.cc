@@ -47,7 +47,7 @@ void AxisLinkDriver::step_opening(Instant now) {
   const double waited = to_seconds(now - since_);
   bool resolved = true;
   for (Channel& channel : channels_) {
-    if (channel.is_up() || channel.is_out()) continue;
+    if (channel.is_up() || channel.is_out() || channel.step() == Channel::Step::kShut) continue;
     if (now - since_ >= timing_.open_timeout) {
       channel.put_out({ErrorCode::kDeviceSilent, -1, waited, to_seconds(timing_.open_timeout)});
     } else {
@@ -188,7 +188,7 @@ void AxisLinkDriver::step_stopping(Instant now) {
   bool stands = !to_all_due_;
   for (std::size_t i = 0; i < channels_.size(); ++i) {
     const Channel& channel = channels_[i];
-    if (channel.at_rest()) continue;
+    if (is_out_by_choice(i) || channel.at_rest()) continue;
     // Nobody answers: its own deadline has stopped it and it has braked, or it has no power.
     const Duration silence = channel.silence(now);
     const bool stood_before = silence >= channel.run_out() + timing_.stop_margin;

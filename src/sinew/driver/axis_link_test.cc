@@ -162,6 +162,33 @@ TEST(AxisLinkDriver, a_target_on_the_limit_is_not_rounded_beyond_it) {
   }
 }
 
+/// A stream to the limit: its cubics swing out by less than anybody would see.
+TEST(AxisLinkDriver, a_swing_between_two_ends_stays_at_the_limit) {
+  LinkCell cell;
+  const double limit = cell.joints[1].upper;
+  cell.open_at(limit - 0.001);
+  ASSERT_TRUE(cell.driver->move(cell.move_to(limit - 0.0003, 50ms, 0.02), cell.now));
+  ASSERT_TRUE(cell.driver->move(cell.move_to(limit, 50ms), cell.now));
+  ASSERT_TRUE(cell.run_until([&] { return cell.count(Kind::kDone) == 2; }, 1s));
+  EXPECT_EQ(cell.failure(), std::nullopt);
+  EXPECT_NEAR(cell.axes[1]->q(), limit, 2e-8);
+}
+
+/// The encoder reads a count beyond the limit at which the axis stands; the axis refuses that.
+TEST(AxisLinkDriver, a_count_beyond_the_limit_is_the_limit) {
+  LinkCell cell;
+  const double limit = cell.joints[1].upper;
+  cell.open_at(limit + 2e-5);
+  cell.axes[1]->place(limit);
+  JointMove move = cell.move_to(limit - 0.1, 1s);
+  move.q[1] = limit + 2e-5;
+  ASSERT_TRUE(cell.driver->move(move, cell.now));
+  ASSERT_TRUE(cell.run_to_event(Kind::kDone, 2s));
+  EXPECT_EQ(cell.failure(), std::nullopt);
+  ASSERT_TRUE(cell.driver->move(cell.move_to(limit - 0.1, 1s), cell.now));
+  EXPECT_TRUE(cell.run_until([&] { return cell.count(Kind::kDone) == 2; }, 2s));
+}
+
 TEST(AxisLinkDriver, stop_is_in_the_next_frame_to_all_whatever_goes_on) {
   for (const char* when : {"opening", "idle", "moving", "homing", "settling", "stopping"}) {
     SCOPED_TRACE(when);
@@ -223,7 +250,11 @@ TEST(AxisLinkDriver, six_moving_axes_stand_half_a_second_after_stop) {
   cell.step();
   for (const auto& axis : cell.axes) EXPECT_EQ(axis->stops, 1) << "in one frame";
   EXPECT_LT(cell.now - asked, 100us);
+  const auto until = cell.driver->goes_on_until();
+  ASSERT_TRUE(until);
   ASSERT_TRUE(cell.run_to_event(Kind::kStopped, 2s));
+  EXPECT_LE(cell.now, *until);
+  EXPECT_FALSE(cell.driver->goes_on_until());
   // 90 deg/s at 200 deg/s^2 are 450 ms.
   EXPECT_LT(cell.now - asked, 460ms);
   EXPECT_EQ(cell.events.size(), 1U);
@@ -251,6 +282,10 @@ TEST(AxisLinkDriver, homing_takes_the_axes_in_turn_and_ends_measured) {
     EXPECT_EQ(cell.driver->positions()[i].quality, PositionQuality::kMeasured);
     EXPECT_NEAR(cell.driver->positions()[i].q, cell.joints[i].lower, 1e-7);
   }
+  cell.events.clear();
+  ASSERT_TRUE(cell.driver->home(cell.now, 0b10100));
+  ASSERT_TRUE(cell.run_to_event(Kind::kDone, 200s));
+  for (std::size_t i = 0; i < 6; ++i) EXPECT_EQ(cell.axes[i]->homings, i == 2 || i == 4 ? 2 : 1);
 }
 
 TEST(AxisLinkDriver, a_search_that_names_its_zero_elsewhere_is_seen_by_as_much) {

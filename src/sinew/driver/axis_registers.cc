@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "sinew/core/assert.h"
+#include "sinew/model/left_out.h"
 
 namespace sinew {
 
@@ -28,12 +29,17 @@ AxisRegistersDriver::AxisRegistersDriver(const AxisRegistersDevice& device,
   for (std::size_t i = 0; i < joints.size(); ++i) {
     std::uint8_t same_bus = 0;
     for (std::size_t k = 0; k < joints.size(); ++k) {
-      if (device.boards[k].spi_bus == device.boards[i].spi_bus) {
+      if (device.boards[k].spi_bus == device.boards[i].spi_bus && !is_out_by_choice(k)) {
         same_bus = static_cast<std::uint8_t>(same_bus | 1U << k);
       }
     }
+    if (same_bus == 0) continue;
     if (std::ranges::find(buses_, same_bus) == buses_.end()) buses_.push_back(same_bus);
   }
+}
+
+bool AxisRegistersDriver::is_out_by_choice(std::size_t i) const {
+  return is_left_out(std::span<const AxisBoard>(device_.boards.data(), device_.boards.size()), i);
 }
 
 void AxisRegistersDriver::open(Instant now) {
@@ -89,7 +95,7 @@ bool AxisRegistersDriver::held_by_stop() const {
 
 std::optional<JointInterval> AxisRegistersDriver::counted(std::size_t joint) const {
   const auto& found = axes_[joint].found;
-  if (!found) return std::nullopt;
+  if (!found || axes_[joint].adrift) return std::nullopt;
   return JointInterval{found->q - found->half_unit, found->q + found->half_unit};
 }
 
@@ -119,6 +125,7 @@ std::optional<Error> AxisRegistersDriver::check_ready() const {
 }
 
 Expected<ToldAngle> AxisRegistersDriver::target_for(std::size_t i, double q) const {
+  if (is_out_by_choice(i)) return ToldAngle{};
   const auto index = static_cast<std::int8_t>(i);
   const JointPosition& position = positions_[i];
   const SendRange range = SendRange(joints_[i]).from(position);
@@ -155,7 +162,7 @@ Expected<void> AxisRegistersDriver::move(const JointMove& move, Instant now) {
     Axis& axis = axes_[i];
     axis.phase = Phase::kDone;
     axis.moves = false;
-    if (axis.fault) continue;
+    if (axis.fault || is_out_by_choice(i)) continue;
     const JointPosition& from = positions_[i];
     axis.target = targets[i];
     axis.moves = from.quality != PositionQuality::kCommanded || from.q != axis.target.q;
@@ -186,7 +193,7 @@ void AxisRegistersDriver::stop(Instant now) {
   pump(now);
 }
 
-Expected<void> AxisRegistersDriver::home(Instant now) {
+Expected<void> AxisRegistersDriver::home(Instant now, std::uint8_t joints) {
   if (!device_.reports_status) return std::unexpected(Error{ErrorCode::kTaskNotSupported});
   if (const auto error = check_ready()) return std::unexpected(*error);
   // All of them or none: who asks for home has a program that counts on every joint.
@@ -194,6 +201,7 @@ Expected<void> AxisRegistersDriver::home(Instant now) {
     if (axis.fault) return std::unexpected(*axis.fault);
   }
   begin(Activity::kHoming);
+  to_home_ = joints;
   begin_homing_of(0);
   pump(now);
   return {};
@@ -203,9 +211,10 @@ Expected<void> AxisRegistersDriver::clear_fault(Instant now) {
   if (activity_ == Activity::kClosed) return std::unexpected(Error{ErrorCode::kPortClosed});
   if (activity_ != Activity::kIdle) return std::unexpected(Error{ErrorCode::kBusy});
   begin(Activity::kClearing);
-  for (Axis& axis : axes_) {
-    axis.phase = Phase::kClear;
-    axis.not_before = now;
+  for (std::size_t i = 0; i < axes_.size(); ++i) {
+    if (is_out_by_choice(i)) continue;
+    axes_[i].phase = Phase::kClear;
+    axes_[i].not_before = now;
   }
   pump(now);
   return {};
@@ -221,9 +230,11 @@ void AxisRegistersDriver::declare_positions(std::span<const JointPosition> posit
     if (!std::isfinite(declared.q)) declared = {};
     const bool inside = declared.lower <= declared.q && declared.q <= declared.upper;
     if (!inside) declared.lower = declared.upper = declared.q;
+    if (is_out_by_choice(i)) declared = {};
     if (declared.quality == PositionQuality::kMeasured) {
       declared.quality = PositionQuality::kCommanded;
     }
+    if (activity_ == Activity::kIdle && !take_statement(i, declared)) continue;
     positions_[i] = declared;
   }
 }
@@ -255,9 +266,10 @@ void AxisRegistersDriver::begin_opening(Instant now) {
   opened_at_ = now;
   goes_on_until_.reset();
   fault_.reset();
-  for (Axis& axis : axes_) {
-    axis.phase = Phase::kFind;
-    axis.answers = false;
+  for (std::size_t i = 0; i < axes_.size(); ++i) {
+    Axis& axis = axes_[i];
+    axis.phase = is_out_by_choice(i) ? Phase::kDone : Phase::kFind;
+    axis.answers = axis.knows = axis.adrift = false;
     axis.fault.reset();
     axis.found.reset();
     axis.not_before = now;
@@ -274,6 +286,7 @@ void AxisRegistersDriver::begin_stopping(Instant now) {
   buses_stopped_ = 0;
   stop_error_.reset();
   for (std::size_t i = 0; i < axes_.size(); ++i) {
+    if (is_out_by_choice(i)) continue;
     Axis& axis = axes_[i];
     const Joint& joint = joints_[i];
     axis.latched = true;
@@ -290,7 +303,7 @@ void AxisRegistersDriver::begin_stopping(Instant now) {
 void AxisRegistersDriver::begin_homing_of(std::size_t place) {
   for (; place < homing_order_.size(); ++place) {
     Axis& axis = axes_[homing_order_[place]];
-    if (!axis.answers) continue;
+    if (!axis.answers || (to_home_ >> homing_order_[place] & 1U) == 0) continue;
     axis.phase = axis.latched ? Phase::kRelease : Phase::kBefore;
     break;
   }
@@ -358,7 +371,7 @@ std::optional<std::size_t> AxisRegistersDriver::next_idle_axis(Instant now) {
     const std::size_t i = (cursor_ + k) % axes_.size();
     Axis& axis = axes_[i];
     if (axis.answers && !watched) watched = i;
-    if (axis.answers) continue;
+    if (axis.answers || is_out_by_choice(i)) continue;
     if (axis.not_before <= now) {
       if (!axis.stop_due) axis.phase = Phase::kFind;
       if (axis.stop_due && axis.phase != Phase::kVerify) axis.phase = Phase::kStop;
@@ -410,16 +423,24 @@ void AxisRegistersDriver::finish_opening(Instant now) {
     return tell(DriverEvent::Kind::kReady);
   }
   const bool all_silent = std::ranges::all_of(axes_, [](const Axis& axis) {
-    return axis.fault && axis.fault->code == ErrorCode::kDeviceSilent;
+    return !axis.fault || axis.fault->code == ErrorCode::kDeviceSilent;
   });
-  Error error = *axes_[0].fault;
+  Error error = why_none_is_fit();
   if (all_silent) error.index = -1;  // it is no board's own trouble
   if (!silence_told_) tell(DriverEvent::Kind::kFailed, error);
   silence_told_ = true;
-  for (Axis& axis : axes_) {
-    axis.phase = Phase::kFind;
-    axis.not_before = now + timing_.retry;
+  for (std::size_t i = 0; i < axes_.size(); ++i) {
+    if (is_out_by_choice(i)) continue;
+    axes_[i].phase = Phase::kFind;
+    axes_[i].not_before = now + timing_.retry;
   }
+}
+
+/// Of the first board that is asked at all.
+Error AxisRegistersDriver::why_none_is_fit() const {
+  const auto first =
+      std::ranges::find_if(axes_, [](const Axis& axis) { return axis.fault.has_value(); });
+  return first != axes_.end() ? *first->fault : Error{ErrorCode::kDeviceSilent};
 }
 
 void AxisRegistersDriver::finish_stopping(Instant now) {
@@ -441,7 +462,7 @@ void AxisRegistersDriver::finish_clearing() {
     fault_.reset();
     return tell(DriverEvent::Kind::kDone);
   }
-  fault_ = axes_[0].fault;
+  fault_ = why_none_is_fit();
   tell(DriverEvent::Kind::kFailed, *fault_);
 }
 

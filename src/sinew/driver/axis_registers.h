@@ -59,6 +59,9 @@ struct AxisRegistersTiming {
 /// why, a silent one is tried again every `retry`. The others go on; move() takes targets that
 /// leave a board that is out where positions() shows it.
 ///
+/// A board that is left out by choice (model/left_out.h) is never selected: its joint stays kLost,
+/// and what a move says of it counts for nothing.
+///
 /// positions(): kLost before homing, while a board is silent, and from a board that stalled or had
 /// too little supply until it is homed again: its joint may have fallen to its mechanical end.
 /// kUncertain while moving, after a move that was stopped or failed, and for a board that was homed
@@ -67,8 +70,10 @@ struct AxisRegistersTiming {
 ///
 /// Opened with declared positions, a board that is homed has kept its supply since. What was
 /// declared holds where MOVE_ANGLE agrees; an interval of a motion whose host died in it shrinks to
-/// MOVE_ANGLE once the board stands. One of a stop does not: the register reads the target. A move
-/// from an uncertain position is allowed: the board knows where it stands. All members are @rt.
+/// MOVE_ANGLE once the board stands. One of a stop does not: the register reads the target. What a
+/// person declares there keeps how far the register is off (count_zero), until the next move. A
+/// board that is not homed, or counts elsewhere, takes no declaration. A move from an uncertain
+/// position is allowed: the board knows where it stands. All members are @rt.
 class AxisRegistersDriver : public SpiDriver {
  public:
   /// @param joints  one per board.
@@ -91,13 +96,13 @@ class AxisRegistersDriver : public SpiDriver {
   /// The boards one after the other; nothing moves where one of them is out.
   /// @error kTaskNotSupported (boards without a status: nothing would say whether it happened),
   ///        kPortClosed, kBusy, the fault, or the one of a board that is out
-  Expected<void> home(Instant now) override;
+  Expected<void> home(Instant now, std::uint8_t joints = kAllJoints) override;
   std::optional<std::size_t> homing_joint() const override;
   /// DIAG_CONTROL 1 and EMERGENCY_STOP 0 on every board. kDone follows where one is fit to move.
   /// @error kPortClosed, kBusy
   Expected<void> clear_fault(Instant now) override;
   bool clearing() const override { return activity_ == Activity::kClearing; }
-  /// At rest only; what the boards say goes before it.
+  /// At rest only; what the boards report goes before it, and positions() shows what was kept.
   void declare_positions(std::span<const JointPosition> positions) override;
   void remember(const DriverMemory& memory) override { memory_ = memory; }
   bool held_by_stop() const override;
@@ -153,6 +158,8 @@ class AxisRegistersDriver : public SpiDriver {
     std::optional<Error> fault;  ///< why it is out
     bool answers = false;
     bool blank = false;           ///< its last status was all zero
+    bool knows = false;           ///< its last status: homed, and its position is fine
+    bool adrift = false;          ///< MOVE_ANGLE reads where it was sent before a stop
     bool latched = false;         ///< by us
     bool latched_before = false;  ///< by us, in an earlier run
     bool stop_due = false;        ///< it never confirmed a stop
@@ -177,6 +184,8 @@ class AxisRegistersDriver : public SpiDriver {
 
   // axis_registers.cc: what is to be done
   std::optional<Error> check_ready() const;
+  bool is_out_by_choice(std::size_t i) const;
+  Error why_none_is_fit() const;
   Expected<axis_registers::ToldAngle> target_for(std::size_t i, double q) const;
   bool all_done() const;
   void begin(Activity activity);
@@ -207,6 +216,7 @@ class AxisRegistersDriver : public SpiDriver {
   void take_found(std::size_t i, const axis_registers::Data& value, Instant now);
   bool finishes(std::size_t i, const axis_registers::Data& value, Instant now);
   void take_found_angle(std::size_t i, const axis_registers::ToldAngle& read);
+  bool take_statement(std::size_t i, JointPosition& declared) const;
   std::optional<axis_registers::Status> take_status(std::size_t i,
                                                     const axis_registers::Data& value);
   void axis_fails(std::size_t i, Error error, Instant now);
@@ -231,7 +241,8 @@ class AxisRegistersDriver : public SpiDriver {
   std::size_t cursor_ = 0;  ///< round robin
   Instant watch_at_;
   FixedVector<std::uint8_t, kMaxJoints> homing_order_;
-  std::size_t homing_place_ = 0;   ///< in the order
+  std::size_t homing_place_ = 0;  ///< in the order
+  std::uint8_t to_home_ = kAllJoints;
   std::size_t buses_stopped_ = 0;  ///< broadcasts sent
   bool command_ = false;           ///< a move, home or clear_fault whose end is to be told
   bool stop_asked_ = false;

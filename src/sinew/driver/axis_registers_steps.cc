@@ -200,9 +200,9 @@ std::optional<Status> AxisRegistersDriver::take_status(std::size_t i, const Data
   const bool weak = axis.fault && (axis.fault->code == ErrorCode::kSupplyFlag ||
                                    axis.fault->code == ErrorCode::kStalled);
   axis.unheld = axis.unheld || weak;
-  const bool known = status->homed && status->position_ok;
+  axis.knows = status->homed && status->position_ok && !axis.unheld;
   const bool lost = positions_[i].quality == PositionQuality::kLost;
-  if (!known || axis.unheld) {
+  if (!axis.knows) {
     // The board may know; this wire does not tell where, and the limits do not bound a fall.
     set_lost(i);
   } else if (status->moving ? activity_ == Activity::kIdle : lost && !axis.homing) {
@@ -275,21 +275,44 @@ void AxisRegistersDriver::take_read_back(std::size_t i, const Data& value, Insta
 /// Of a board that stands, homed and in no stop, when the port is opened.
 void AxisRegistersDriver::take_found_angle(std::size_t i, const ToldAngle& read) {
   const JointPosition& known = positions_[i];
+  Axis& axis = axes_[i];
+  axis.found = read;
+  if (is_everywhere(i)) return;
+  const bool uncertain = known.quality == PositionQuality::kUncertain;
+  // Behind a stop the register reads where the joint was sent, which is not where it stands; also
+  // where the host died before the next target had replaced that one.
+  const bool sent_since =
+      memory_.ended_in_motion && !memory_.held_by_stop && !known.count_zero.has_value();
+  axis.adrift = known.count_zero.has_value() || (uncertain && !sent_since);
+  if (axis.adrift && uncertain) return;
+  const double here = read.q + known.count_zero.value_or(0);
   const double tolerance = same_target_tolerance(read);
-  const bool within = known.lower - tolerance <= read.q && read.q <= known.upper + tolerance;
-  const bool anywhere = is_everywhere(i);
-  const bool stopped =
-      known.quality == PositionQuality::kUncertain && !anywhere && !memory_.ended_in_motion;
-  // Behind a stop the register reads where the joint was sent, which is not where it stands.
-  if (stopped) return;
-  axes_[i].found = read;
-  if (anywhere) return;
-  if (!within) {
+  if (here < known.lower - tolerance || here > known.upper + tolerance) {
     // Somebody else sent it elsewhere since the position was known.
     set_everywhere(i);
-  } else if (known.quality == PositionQuality::kUncertain) {
+  } else if (uncertain) {
     set_at(i, read);
   }
+}
+
+/// What a person says of a board that was found. @return  false: the board knows better
+bool AxisRegistersDriver::take_statement(std::size_t i, JointPosition& declared) const {
+  const Axis& axis = axes_[i];
+  if (declared.quality == PositionQuality::kLost) return true;
+  if (device_.reports_status && !axis.knows) return false;
+  const double zero = device_.boards[i].zero;
+  const SendRange range = SendRange(joints_[i]).from(declared);
+  const auto told = tell_angle(device_.encoding, zero, range, declared.q);
+  const double half_unit = told ? told->half_unit : 0;
+  declared.lower = std::min(declared.lower, declared.q - half_unit);
+  declared.upper = std::max(declared.upper, declared.q + half_unit);
+  if (!axis.found) return true;
+  if (axis.adrift) {
+    declared.count_zero = declared.q - axis.found->q;
+    return true;
+  }
+  const double tolerance = same_target_tolerance(*axis.found);
+  return declared.lower - tolerance <= axis.found->q && axis.found->q <= declared.upper + tolerance;
 }
 
 void AxisRegistersDriver::take_stop_check(std::size_t i, const Data& value, Instant now) {
@@ -400,6 +423,8 @@ void AxisRegistersDriver::axis_fails(std::size_t i, Error error, Instant now) {
 
 void AxisRegistersDriver::set_everywhere(std::size_t i) {
   JointPosition& position = positions_[i];
+  axes_[i].adrift = false;
+  position.count_zero.reset();
   position.quality = PositionQuality::kUncertain;
   position.lower = joints_[i].lower - kBeyondLimits;
   position.upper = joints_[i].upper + kBeyondLimits;
@@ -427,6 +452,7 @@ void AxisRegistersDriver::stretch_to_target(std::size_t i) {
   JointPosition& position = positions_[i];
   SINEW_ASSERT(position.quality != PositionQuality::kLost);
   position.quality = PositionQuality::kUncertain;
+  position.count_zero.reset();
   position.q = target.q;
   position.lower = std::min(position.lower, target.q - target.half_unit);
   position.upper = std::max(position.upper, target.q + target.half_unit);

@@ -67,6 +67,11 @@ TEST(AxisRegistersDriver, homing_takes_the_joints_in_turn_and_learns_where_they_
     EXPECT_NEAR(cell.driver->positions()[i].q, cell.joints[i].lower, 1e-12);
   }
   cell.expect_honest();
+  ASSERT_TRUE(cell.driver->home(cell.now, 0b10100));
+  EXPECT_EQ(cell.finish(600).kind, Kind::kDone);
+  for (std::size_t i = 0; i < 6; ++i) {
+    EXPECT_EQ(cell.axes[i].homings, i == 2 || i == 4 ? 2 : 1) << i;
+  }
 }
 
 TEST(AxisRegistersDriver, a_move_goes_to_whole_degrees_and_says_so) {
@@ -603,6 +608,76 @@ TEST(AxisRegistersRestart, what_the_register_reads_contradicts_a_declaration_of_
   cell.driver->stop(cell.now);
   EXPECT_EQ(cell.finish().kind, Kind::kStopped);
   EXPECT_FALSE(cell.driver->counted(3)) << "it may have been moving";
+}
+
+std::vector<JointPosition> all_at(double q_deg) {
+  const double q = from_deg(q_deg);
+  return std::vector<JointPosition>(6, {Quality::kCommanded, q, q, q});
+}
+
+TEST(AxisRegistersRestart, what_is_said_behind_a_stop_is_kept_by_the_next_host) {
+  RegisterCell cell;
+  cell.start_at();
+  ASSERT_TRUE(cell.driver->move(cell.to({90, 0, 0, 0, 0, 0}), cell.now));
+  cell.run_for(1500ms);
+  cell.driver->stop(cell.now);
+  EXPECT_EQ(cell.finish().kind, Kind::kStopped);
+  ASSERT_TRUE(cell.driver->clear_fault(cell.now));
+  cell.finish();
+  restart(cell, {});
+  ASSERT_TRUE(opened(cell));
+  const double truth = cell.axes[0].q();
+  std::vector<JointPosition> said = all_at(0);
+  said[0] = {Quality::kCommanded, truth, truth, truth};
+  cell.driver->declare_positions(said);
+  const JointPosition& first = cell.driver->positions()[0];
+  EXPECT_EQ(first.quality, Quality::kCommanded);
+  EXPECT_NEAR(first.upper - first.q, from_deg(0.5), 1e-9) << "as fine as the board's angles";
+  EXPECT_NEAR(first.count_zero.value_or(9), truth - from_deg(90), 1e-9);
+  for (int host = 0; host < 2; ++host) {
+    restart(cell, {});
+    ASSERT_TRUE(opened(cell));
+    EXPECT_EQ(cell.driver->positions()[0].quality, Quality::kCommanded) << host;
+    EXPECT_NEAR(cell.driver->positions()[0].q, truth, 1e-9);
+    EXPECT_FALSE(cell.driver->counted(0)) << "the register is no evidence there";
+    cell.expect_honest();
+  }
+  ASSERT_TRUE(cell.driver->move(cell.to({30, 0, 0, 0, 0, 0}), cell.now));
+  EXPECT_EQ(cell.finish().kind, Kind::kDone);
+  EXPECT_FALSE(cell.driver->positions()[0].count_zero) << "the register is where it stands again";
+  restart(cell, {});
+  ASSERT_TRUE(opened(cell));
+  EXPECT_TRUE(cell.driver->counted(0));
+  cell.expect_honest();
+}
+
+TEST(AxisRegistersRestart, a_host_that_died_before_its_order_left_settles_nothing_behind_a_stop) {
+  RegisterCell cell;
+  cell.start_at();
+  ASSERT_TRUE(cell.driver->move(cell.to({90, 0, 0, 0, 0, 0}), cell.now));
+  cell.run_for(1500ms);
+  cell.driver->stop(cell.now);
+  EXPECT_EQ(cell.finish().kind, Kind::kStopped);
+  ASSERT_TRUE(cell.driver->clear_fault(cell.now));
+  cell.finish();
+  // Its last record: an intent, with the latch that it was about to release.
+  restart(cell, {.ended_in_motion = true, .held_by_stop = true});
+  ASSERT_TRUE(opened(cell));
+  EXPECT_EQ(cell.driver->positions()[0].quality, Quality::kUncertain);
+  cell.expect_honest();
+}
+
+TEST(AxisRegistersRestart, a_board_that_knows_better_takes_no_statement) {
+  RegisterCell cell;
+  for (auto& axis : cell.axes) axis.place(from_deg(30));
+  cell.axes[2].reboot();
+  cell.driver->open(cell.now);
+  ASSERT_TRUE(opened(cell));
+  cell.driver->declare_positions(all_at(30));
+  EXPECT_EQ(cell.driver->positions()[2].quality, Quality::kLost) << "it is not homed";
+  EXPECT_EQ(cell.driver->positions()[3].quality, Quality::kCommanded);
+  cell.driver->declare_positions(all_at(10));
+  EXPECT_NEAR(cell.driver->positions()[3].q, from_deg(30), 1e-9) << "it counts elsewhere";
 }
 
 TEST(AxisRegistersRestart, a_board_that_never_ends_its_motion_is_not_waited_for_for_ever) {

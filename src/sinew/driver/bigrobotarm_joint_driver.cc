@@ -16,7 +16,7 @@ namespace {
 constexpr std::int32_t kEchoTolerance = 1;
 /// Limits in a file are rounded; so much above one is still it.
 constexpr double kLimitRounding = 1.001;
-/// A motion takes so many times what its joints can: it may have been a slow one.
+/// A motion of this process takes so many times what its joints can: it may have been a slow one.
 constexpr double kLeftBehind = 4;
 
 std::int32_t multiplier_of(double per_second, const BigRobotArmJoint& joint, std::int32_t most) {
@@ -109,17 +109,20 @@ void BigRobotArmJointDriver::close(Instant now) {
   show(now);
 }
 
-/// How long a motion may still take in which the process before has died.
+/// How long a motion may still take in which the process before has died: it may have been as slow
+/// as this wire can ask for.
 Duration BigRobotArmJointDriver::left_behind() const {
+  const bool died = memory_.ended_in_motion;
   double longest = 0;
   for (std::size_t i = 0; i < kJoints; ++i) {
     const JointPosition& joint = shown_[i];
     if (joint.quality != PositionQuality::kUncertain) continue;
     const BigRobotArmJoint& own = device_.joints[i];
     const double steps = (joint.upper - joint.lower) * std::abs(own.steps_per_rad);
-    longest = std::max(longest,
-                       motion_time(own, steps, limits_[i].speed_max, limits_[i].acceleration_max));
+    longest = std::max(longest, motion_time(own, steps, died ? 1 : limits_[i].speed_max,
+                                            died ? 1 : limits_[i].acceleration_max));
   }
+  if (died) return std::max(from_seconds(longest) - memory_.since, Duration::zero());
   return from_seconds(kLeftBehind * longest);
 }
 
@@ -268,6 +271,7 @@ void BigRobotArmJointDriver::settle(const Status& status, Instant now) {
   driver_.set_offset(belief_.offset());
   multipliers_ = {status.speeds, status.accelerations};
   deaf_until_.reset();
+  memory_ = {};
   if (const auto counted = belief_.take_contradiction()) tell(DriverEvent::Kind::kNotice, *counted);
   if (command_) {
     Error error{ErrorCode::kReplyMismatch};

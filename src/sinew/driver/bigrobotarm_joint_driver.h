@@ -92,6 +92,7 @@ class BigRobotArmJointDriver : public ByteDriver {
   /// Where the arm stands; without effect while it moves or is in doubt. `uncertain` keeps its
   /// interval from then on.
   void declare_positions(std::span<const JointPosition> positions) override;
+  void remember(const DriverMemory& memory) override { memory_ = memory; }
   /// The document's command 03.
   Expected<void> zero_counters(Instant now) override;
 
@@ -164,6 +165,7 @@ class BigRobotArmJointDriver : public ByteDriver {
   BigRobotArmPositions belief_;
   std::array<JointPosition, bigrobotarm::kJoints> shown_;
 
+  DriverMemory memory_;  ///< until the device has answered
   DriverState state_ = DriverState::kClosed;
   std::optional<Error> fault_;
   Step step_ = Step::kNone;

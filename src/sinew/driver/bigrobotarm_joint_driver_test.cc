@@ -149,8 +149,10 @@ TEST_P(EveryDevice, stop_of_a_long_motion_says_until_when_it_goes_on) {
 }
 
 /// The next host's driver, told what a journal had of the one before.
-void next_host(BigRobotArmCell& cell, std::span<const JointPosition> recorded) {
+void next_host(BigRobotArmCell& cell, std::span<const JointPosition> recorded,
+               const DriverMemory& memory = {}) {
   cell.driver = BigRobotArmJointDriver(cell.device(), cell.robot.joints);
+  cell.driver.remember(memory);
   cell.to_machine.clear();
   cell.to_host.clear();
   cell.events.clear();
@@ -232,6 +234,50 @@ TEST(BigRobotArmJointDriver, count_against_what_is_recorded_loses_the_position_a
   EXPECT_LT(evidence->lower, counted);
   EXPECT_GT(evidence->upper, counted);
   EXPECT_LT(evidence->upper - evidence->lower, from_deg(1.5));
+}
+
+TEST(BigRobotArmJointDriver, without_a_record_the_count_is_evidence_for_whoever_says_home) {
+  BigRobotArmCell cell;
+  cell.make_ready();
+  ASSERT_TRUE(cell.driver.move(cell.move_to(kThere), cell.now));
+  cell.run_until(DriverState::kReady);
+  cell.driver = BigRobotArmJointDriver(cell.device(), cell.robot.joints);
+  cell.driver.open(cell.now);
+  cell.run_until(DriverState::kReady);
+  EXPECT_EQ(worst(cell), PositionQuality::kLost);
+  for (std::size_t i = 0; i < kThere.size(); ++i) {
+    const auto counted = cell.driver.counted(i);
+    ASSERT_TRUE(counted) << i;
+    EXPECT_LT(counted->lower, kThere[i]) << i;
+    EXPECT_GT(counted->upper, kThere[i]) << i;
+  }
+}
+
+TEST(BigRobotArmJointDriver, slow_move_of_a_host_that_died_is_waited_for_to_its_end) {
+  BigRobotArmCell cell;
+  cell.make_ready();
+  ASSERT_TRUE(cell.driver.move(cell.move_to(kThere, 60s), cell.now));
+  cell.run(6s);
+  std::vector<JointPosition> told = recorded(cell);
+  const Instant opened = cell.now;
+  next_host(cell, told, {.ended_in_motion = true, .since = 6s});
+  EXPECT_EQ(cell.driver.state(), DriverState::kReady);
+  EXPECT_EQ(cell.kinds(), std::vector{Kind::kReady}) << "never told as silent";
+  EXPECT_GT(cell.now - opened, 40s);
+  EXPECT_EQ(worst(cell), PositionQuality::kCommanded);
+  EXPECT_EQ(cell.liar(), -1);
+  // How long it may still take is told, and becomes less as time passes between the two.
+  const auto waits = [&](Duration since) {
+    BigRobotArmJointDriver next(cell.device(), cell.robot.joints);
+    next.declare_positions(told);
+    next.remember({.ended_in_motion = true, .since = since});
+    next.open(cell.now);
+    const auto until = next.goes_on_until();
+    return until ? *until - cell.now : Duration{};
+  };
+  EXPECT_GT(waits(6s), 54s);
+  EXPECT_NEAR(to_seconds(waits(6s) - waits(36s)), 30, 1e-6);
+  EXPECT_EQ(waits(std::chrono::hours(10)), Duration{});
 }
 
 TEST(BigRobotArmJointDriver, counters_reset_where_it_stands_leave_the_place_and_read_zero) {

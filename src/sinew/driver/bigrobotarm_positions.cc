@@ -96,17 +96,15 @@ void BigRobotArmPositions::judge(const Status& status, bool boot) {
   if (status.sync) {
     lose();
   } else if (first) {
-    if (pending_) {
-      take_declaration(*pending_);
-      if (boot) {
-        widen_by_snap();
-      } else {
-        settle_by_count(*pending_);
-      }
+    // Nothing was said: all lost, and the count is evidence.
+    const auto said =
+        std::exchange(pending_, std::nullopt).value_or(std::array<JointPosition, kJoints>{});
+    take_declaration(said);
+    if (boot) {
+      widen_by_snap();
     } else {
-      lose();
+      settle_by_count(said);
     }
-    pending_.reset();
   } else if (boot && going_) {
     lose();
   } else if (boot) {

@@ -67,6 +67,15 @@ struct NozzleTo {
 };
 using ToolAction = std::variant<JawsTo, GripperTo, Suction, NozzleTo>;
 
+/// What only one kind of device can be asked for, by a person.
+enum class DeviceService : std::uint8_t {
+  kWake,      ///< its motor modules, from a shutdown of their own
+  kShutDown,  ///< the whole controller, until its power is cut
+};
+
+/// Joints as a bit each.
+inline constexpr std::uint8_t kAllJoints = 0xFF;
+
 /// One piece of motion. For a point-to-point device it is a whole move; for a streaming one it is
 /// the way from the last segment's end to `q`, in `duration`.
 struct JointMove {
@@ -122,6 +131,8 @@ struct DriverMemory {
   bool held_by_stop = false;
   /// Joints, a bit each, whose counter in the device was away from where a power-up puts it.
   std::uint8_t counted = 0;
+  /// Since the last record of that run, as far as the clock of this computer tells.
+  Duration since{};
 };
 
 /// Host side of one wire: joint units to device units and back, time-outs, bounded retries that
@@ -185,9 +196,10 @@ class Driver {
   /// from the beginning it may.
   virtual void allow_looks(bool allowed) { static_cast<void>(allowed); }
 
-  /// Finds the joints' zeros, where the machine can. @error kTaskNotSupported, kBusy
-  virtual Expected<void> home(Instant now) {
-    static_cast<void>(now);
+  /// Finds the zeros of these joints, a bit each, where the machine can.
+  /// @error kTaskNotSupported, kBusy
+  virtual Expected<void> home(Instant now, std::uint8_t joints = kAllJoints) {
+    static_cast<void>(now), static_cast<void>(joints);
     return std::unexpected(Error{ErrorCode::kTaskNotSupported});
   }
   /// The joint whose zero is being searched for; nothing where none is.
@@ -219,6 +231,12 @@ class Driver {
   /// @error kTaskNotSupported (it has no such command), kBusy, fault's own
   virtual Expected<void> zero_counters(Instant now) {
     static_cast<void>(now);
+    return std::unexpected(Error{ErrorCode::kTaskNotSupported});
+  }
+
+  /// kDone follows. @error kTaskNotSupported (this device has no such command), kBusy, fault's own
+  virtual Expected<void> service(DeviceService what, Instant now) {
+    static_cast<void>(what), static_cast<void>(now);
     return std::unexpected(Error{ErrorCode::kTaskNotSupported});
   }
 

@@ -134,6 +134,10 @@ Expected<void> IcpDriver::ready() const {
   return {};
 }
 
+std::optional<Instant> IcpDriver::goes_on_until() const {
+  return stop_asked_ ? deadline_ : std::nullopt;
+}
+
 bool IcpDriver::wants_move(Instant) const {
   return ready().has_value() && queue_.size() < 2;
 }
@@ -296,11 +300,6 @@ Expected<void> IcpDriver::begin_command(Command command, std::uint8_t polls, Ins
   polls_ = polls;
   begin_exchange(now);
   return {};
-}
-
-Expected<void> IcpDriver::read_status(std::size_t leg, Instant now) {
-  SINEW_ASSERT(leg < kLegs);
-  return begin_command(Command::kStatus, bit_of(leg), now);
 }
 
 Expected<void> IcpDriver::wake(Instant now) {

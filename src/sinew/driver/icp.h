@@ -77,6 +77,8 @@ class IcpDriver final : public ByteDriver {
   DriverState state() const override;
   std::optional<Error> fault() const override { return fault_; }
   std::span<const JointPosition> positions() const override { return positions_; }
+  /// The microstep that was on its way when the stop came.
+  std::optional<Instant> goes_on_until() const override;
   DriverHealth health() const override { return health_; }
   DeviceFacts facts() const override { return facts_; }
   bool wants_move(Instant now) const override;
@@ -95,6 +97,9 @@ class IcpDriver final : public ByteDriver {
   std::uint8_t counters_moved() const override { return tagged_legs(); }
   bool looks() const override;
   void allow_looks(bool allowed) override { looks_allowed_ = allowed; }
+  Expected<void> service(DeviceService what, Instant now) override {
+    return what == DeviceService::kWake ? wake(now) : kill(now);
+  }
   void poll(Instant now) override;
   std::optional<Instant> next_deadline() const override { return deadline_; }
   std::optional<DriverEvent> take_event() override;
@@ -104,9 +109,8 @@ class IcpDriver final : public ByteDriver {
   /// Steps of one leg, also while nobody knows where it is; + is longer.
   /// @error kStepRange (beyond kJogMax), and those of move()
   Expected<void> jog(std::size_t leg, std::int64_t steps, Instant now);
-  /// Asks for a status at rest; kDone follows, and status() has it. @error kBusy, fault's own
-  Expected<void> read_status(std::size_t leg, Instant now);
-  /// Reads all motor modules, wakes them, and reads them again. @error kBusy, fault's own
+  /// At rest: reads all motor modules, wakes them, and reads them again; kDone follows.
+  /// @error kBusy, fault's own
   Expected<void> wake(Instant now);
   /// Shuts the controller down until its power is cut: kDone, then fault kDeviceKilled.
   /// @error kBusy, fault's own

@@ -189,7 +189,10 @@ TEST(IcpDriver, stop_takes_effect_with_the_exchange_in_flight_in_every_phase_of_
     const Instant asked = cell.now;
     cell.driver.stop(cell.now);
     EXPECT_EQ(cell.driver.state(), DriverState::kStopping);
+    const Instant goes_on = cell.driver.goes_on_until().value_or(asked);
+    EXPECT_LE(goes_on - asked, 60ms) << "the answer to one step";
     cell.run_for(4'200us);
+    EXPECT_FALSE(cell.driver.goes_on_until());
     const std::int64_t stood = cell.truth(0) - cell.truth(3);
     EXPECT_LE(stood - before, 1);
     EXPECT_EQ(cell.count(Kind::kStopped), 0U) << "nobody has looked yet";
@@ -318,13 +321,13 @@ TEST(IcpDriver, host_that_looked_away_takes_the_answers_that_waited_for_it) {
   cell.expect_honest();
 }
 
-TEST(IcpDriver, status_is_read_at_rest_only) {
+TEST(IcpDriver, modules_are_read_and_woken_at_rest_only) {
   IcpCell cell;
   cell.begin();
   ASSERT_TRUE(cell.go({3, 0, 0, 0, 0, 0}));
-  EXPECT_EQ(cell.driver.read_status(0, cell.now).error().code, ErrorCode::kBusy);
+  EXPECT_EQ(cell.driver.wake(cell.now).error().code, ErrorCode::kBusy);
   cell.settle();
-  ASSERT_TRUE(cell.driver.read_status(0, cell.now));
+  ASSERT_TRUE(cell.driver.wake(cell.now));
   cell.settle();
   EXPECT_EQ(cell.count(Kind::kDone), 2U);
   EXPECT_EQ(cell.driver.status(0)->two.target, 1);

@@ -174,16 +174,12 @@ SendRange LscDriver::range_of(std::size_t joint) const {
   return units_.range_from(joint, positions_[joint]);
 }
 
-bool LscDriver::far_outside(std::size_t joint) const {
-  const JointPosition& position = positions_[joint];
-  return position.quality == PositionQuality::kMeasured && units_.far_outside(joint, position.q);
-}
-
-bool LscDriver::must_be_slow() const {
+/// Some joint is beyond its limits; a way that a model takes for blocked is gone slowly then.
+bool LscDriver::outside() const {
   for (std::size_t i = 0; i < units_.joints(); ++i) {
-    if (far_outside(i)) return true;
+    if (!units_.inside(i, positions_[i].q)) return true;
   }
-  return lost();
+  return false;
 }
 
 bool LscDriver::wants_move(Instant now) const {
@@ -218,13 +214,12 @@ Expected<void> LscDriver::check_time(const Segment& segment, const JointMove& mo
     const PositionQuality quality = positions_[i].quality;
     const bool known =
         quality == PositionQuality::kCommanded || quality == PositionQuality::kMeasured;
-    if ((known && !far_outside(i)) || move.duration >= timing_.first_move_min) continue;
-    const ErrorCode code = known ? ErrorCode::kSegmentTime : ErrorCode::kPositionUnknown;
-    return std::unexpected(
-        Error{code, static_cast<std::int8_t>(i), time, to_seconds(timing_.first_move_min)});
+    if (known || move.duration >= timing_.first_move_min) continue;
+    return std::unexpected(Error{ErrorCode::kPositionUnknown, static_cast<std::int8_t>(i), time,
+                                 to_seconds(timing_.first_move_min)});
   }
   const Duration shortest = std::max(timing_.segment_min, frame_time(segment.mask));
-  const Duration longest = must_be_slow() ? timing_.first_move_max : timing_.segment_max;
+  const Duration longest = lost() || outside() ? timing_.first_move_max : timing_.segment_max;
   if (move.duration < shortest || move.duration > longest) {
     const Duration limit = move.duration < shortest ? shortest : longest;
     return std::unexpected(Error{ErrorCode::kSegmentTime, -1, time, to_seconds(limit)});
@@ -259,8 +254,8 @@ Expected<void> LscDriver::move(const JointMove& move, Instant now) {
   }
   if (const auto checked = check_time(segment, move); !checked) return checked;
   segment.duration = move.duration;
-  segment.rest = must_be_slow() || std::all_of(move.qd.begin(), move.qd.end(),
-                                               [](double speed) { return speed == 0; });
+  segment.rest = lost() || std::all_of(move.qd.begin(), move.qd.end(),
+                                       [](double speed) { return speed == 0; });
   ++health_.requests;
   ++pending_;
   if (!follows) {
@@ -311,7 +306,8 @@ void LscDriver::declare_positions(std::span<const JointPosition> positions) {
     const bool told =
         joint.quality == PositionQuality::kCommanded || joint.quality == PositionQuality::kMeasured;
     if (told) {
-      const auto units = units_.of_joint(i, joint.q);
+      // On record it may stand beyond a limit.
+      const auto units = units_.of_joint(i, joint.q, units_.range_from(i, joint));
       joint = {};
       if (units) {
         joint.quality = PositionQuality::kCommanded;

@@ -140,9 +140,7 @@ class LscDriver : public ByteDriver {
   };
 
   bool lost() const;
-  bool far_outside(std::size_t joint) const;
-  /// Somewhere far beyond its limits, or lost: it moves slowly, in one piece.
-  bool must_be_slow() const;
+  bool outside() const;
   SendRange range_of(std::size_t joint) const;
   Expected<void> may_begin() const;
   Expected<void> check_start(const JointMove& move) const;

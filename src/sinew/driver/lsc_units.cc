@@ -84,9 +84,9 @@ double LscUnits::q_of(std::size_t joint, double units) const {
   return (units - servo.centre - servo.trim) / servo.units_per_rad;
 }
 
-bool LscUnits::far_outside(std::size_t joint, double q) const {
+bool LscUnits::inside(std::size_t joint, double q) const {
   const Joint& limits = joints_[joint];
-  return q < limits.lower - kServoSlack || q > limits.upper + kServoSlack;
+  return q >= limits.lower - resolution(joint) && q <= limits.upper + resolution(joint);
 }
 
 SendRange LscUnits::range_from(std::size_t joint, const JointPosition& here) const {

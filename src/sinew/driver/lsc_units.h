@@ -44,8 +44,8 @@ class LscUnits {
   double q_of(std::size_t joint, double units) const;
   /// m between the jaws, of a robot that has some.
   double width_of(double units) const;
-  /// Farther beyond a limit than a servo under load is off its target: it hangs limp, or is pushed.
-  bool far_outside(std::size_t joint, double q) const;
+  /// Inside the joint's limits, as closely as the servo can tell.
+  bool inside(std::size_t joint, double q) const;
   /// Where it may be sent from `here`: from beyond a limit also to where it was told to be there.
   SendRange range_from(std::size_t joint, const JointPosition& here) const;
   /// rad that one unit is.

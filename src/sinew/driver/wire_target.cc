@@ -63,11 +63,8 @@ std::optional<Error> WireTarget::refusal(std::span<const double> q,
   }
   if (!lsc_) return std::nullopt;
   for (std::size_t i = 0; i < q.size(); ++i) {
-    // From far beyond a limit a servo board goes back slowly, in one piece that ends inside.
-    SendRange range = robot_.joints[i];
-    if (!from.empty() && !lsc_->far_outside(i, from[i])) {
-      range = lsc_->range_from(i, {PositionQuality::kMeasured, from[i], from[i], from[i]});
-    }
+    const double here = from.empty() ? robot_.joints[i].home : from[i];
+    const auto range = lsc_->range_from(i, {PositionQuality::kMeasured, here, here, here});
     const auto units = lsc_->of_joint(i, q[i], range);
     if (!units) return units.error();
   }

@@ -66,8 +66,6 @@ void Clock::pass_to(Instant instant) const {
 }
 
 void Clock::keep_pace() const {
-  // A sleep takes longer than it is asked for; so short a one is made up for by the next.
-  constexpr Duration kSleepMin = std::chrono::milliseconds(1);
   const Duration passed = from_seconds(to_seconds(now().time_since_epoch()) / scale_);
   const Duration real = time_of(CLOCK_BOOTTIME) - simulated_->start;
   if (real - passed > kLateMax) {
@@ -84,6 +82,10 @@ Duration Clock::ahead() const {
   const Duration real = time_of(CLOCK_BOOTTIME) - simulated_->start;
   const Duration there = from_seconds(to_seconds(real) * scale_);
   return std::max(Duration::zero(), now().time_since_epoch() - there);
+}
+
+Instant Clock::end_of_turn(Duration own) const {
+  return ahead() < stretched(kSleepMin) ? now() + own : now();
 }
 
 void Clock::wake() const {

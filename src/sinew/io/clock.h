@@ -46,12 +46,16 @@ class Clock {
   void keep_pace() const;
   /// How far it is ahead of real time, in its own time; zero where it is late, or real.
   Duration ahead() const;
+  /// Where a turn of `own` time ends that begins now: at once where keep_pace() has to sleep first.
+  Instant end_of_turn(Duration own) const;
   /// @}
   /// The thread that simulates, or will, waits no longer now: it has something to do. From any
   /// thread; without effect on real time.
   void wake() const;
 
   static constexpr Duration kLateMax = std::chrono::milliseconds(250);  ///< real time
+  /// Real time. A sleep takes longer than requested; a shorter one is left to the next.
+  static constexpr Duration kSleepMin = std::chrono::milliseconds(1);
 
  private:
   struct Simulated {

@@ -89,6 +89,16 @@ TEST(SimulatedClock, until_is_zero_only_where_the_instant_has_passed) {
   EXPECT_EQ(clock.until(Instant{2s}), Duration::zero());
 }
 
+/// Ahead by less than a sleep, a turn goes its whole way: shorter ones would spin.
+TEST(SimulatedClock, a_turn_is_whole_or_empty) {
+  const Clock clock = Clock::simulated(200);
+  clock.pass_to(Instant{30s});
+  EXPECT_EQ(clock.end_of_turn(20ms), Instant{30s}) << "far ahead";
+  const Clock late = Clock::simulated(200);
+  Clock().pause(2ms);
+  EXPECT_EQ(late.end_of_turn(20ms), Instant{20ms});
+}
+
 TEST(SimulatedClock, what_a_busy_computer_has_missed_is_not_made_up_for_at_once) {
   const Clock clock = Clock::simulated();
   Clock().pause(2 * Clock::kLateMax);

@@ -80,7 +80,7 @@ DiskFolder::~DiskFolder() {
 DiskResult<DiskFile> DiskFolder::open_with(std::string_view name, int flags) const {
   if (!is_name(name)) return refuse_name();
   const int file = ::openat(folder_, std::string(name).c_str(),
-                            flags | O_WRONLY | O_APPEND | O_NOFOLLOW | O_CLOEXEC, kMode);
+                            flags | O_WRONLY | O_NOFOLLOW | O_CLOEXEC, kMode);
   if (file < 0) return refuse(errno);
   return DiskFile{file};
 }
@@ -97,14 +97,22 @@ void DiskFolder::close(DiskFile file) {
   if (file.id >= 0) ::close(file.id);
 }
 
-DiskResult<void> DiskFolder::append(DiskFile file, std::span<const std::uint8_t> bytes) {
+DiskResult<void> DiskFolder::write(DiskFile file, std::uint64_t at,
+                                   std::span<const std::uint8_t> bytes) {
   while (!bytes.empty()) {
-    const ssize_t count = ::write(file.id, bytes.data(), bytes.size());
+    const ssize_t count = ::pwrite(file.id, bytes.data(), bytes.size(), static_cast<off_t>(at));
     if (count < 0 && errno == EINTR) continue;
     if (count < 0) return refuse(errno);
     bytes = bytes.subspan(static_cast<std::size_t>(count));
+    at += static_cast<std::uint64_t>(count);
   }
   return {};
+}
+
+DiskResult<void> DiskFolder::append(DiskFile file, std::span<const std::uint8_t> bytes) {
+  const off_t end = ::lseek(file.id, 0, SEEK_END);
+  if (end < 0) return refuse(errno);
+  return write(file, static_cast<std::uint64_t>(end), bytes);
 }
 
 DiskResult<void> DiskFolder::sync(DiskFile file) {
@@ -142,7 +150,7 @@ DiskResult<std::size_t> DiskFolder::read(std::string_view name, std::span<std::u
 
 DiskResult<DiskStamp> DiskFolder::stamp(std::string_view name) {
   if (!is_name(name)) return refuse_name();
-  struct stat status{};
+  struct stat status {};
   if (::fstatat(folder_, std::string(name).c_str(), &status, AT_SYMLINK_NOFOLLOW) != 0) {
     return refuse(errno);
   }

@@ -7,7 +7,7 @@
 
 namespace sinew::io {
 
-/// A real folder. Files are opened so that they only grow, synced with fdatasync(); the lock is
+/// A real folder. Files are synced with fdatasync(); the lock is
 /// flock(), which the system lets go of when the process dies, on a file that holds the process's
 /// number for people and stays behind without meaning.
 class DiskFolder final : public Disk {
@@ -22,6 +22,8 @@ class DiskFolder final : public Disk {
   DiskResult<DiskFile> create(std::string_view name) override;
   DiskResult<DiskFile> open(std::string_view name) override;
   void close(DiskFile file) override;
+  DiskResult<void> write(DiskFile file, std::uint64_t at,
+                         std::span<const std::uint8_t> bytes) override;
   DiskResult<void> append(DiskFile file, std::span<const std::uint8_t> bytes) override;
   DiskResult<void> sync(DiskFile file) override;
   DiskResult<std::size_t> read(std::string_view name, std::span<std::uint8_t> out) override;

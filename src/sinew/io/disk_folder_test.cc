@@ -45,6 +45,14 @@ TEST(DiskFolder, files_grow_and_are_read_whole) {
   EXPECT_EQ(out, (Bytes{1, 2, 3, 0}));
   Bytes exact(3);
   EXPECT_EQ(disk.read("a", exact), 3U);
+  const DiskFile over = *disk.open("a");
+  EXPECT_TRUE(disk.write(over, 1, Bytes{9}));
+  EXPECT_TRUE(disk.append(over, Bytes{4}));
+  EXPECT_TRUE(disk.write(over, 5, Bytes{6}));
+  disk.close(over);
+  Bytes whole(6);
+  EXPECT_EQ(disk.read("a", whole), 6U);
+  EXPECT_EQ(whole, (Bytes{1, 9, 3, 4, 0, 6}));
   Bytes small(2);
   EXPECT_EQ(code(disk.read("a", small)), DiskErrorCode::kTooLarge);
   const DiskFile anew = *disk.create("a");
@@ -105,6 +113,7 @@ TEST(DiskFolder, full_disk_is_told) {
   DiskFolder disk = folder_at("/dev");
   const DiskFile file = *disk.open("full");
   EXPECT_EQ(code(disk.append(file, Bytes{1})), DiskErrorCode::kFull);
+  EXPECT_EQ(code(disk.write(file, 7, Bytes{1})), DiskErrorCode::kFull);
   disk.close(file);
   EXPECT_EQ(disk_error("a", {DiskErrorCode::kFull, 0}).sentence, "a: no space left on device");
   EXPECT_EQ(disk_error("a", {DiskErrorCode::kLocked, 7}).sentence, "a: in use by process 7");

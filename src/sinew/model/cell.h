@@ -23,6 +23,8 @@ struct CellRobot {
   std::string robot;  ///< a built-in id, or a .toml file beside the cell's
   std::optional<std::string> profile;
   std::optional<std::string> wire;
+  /// Joints whose boards are missing: model/left_out.h.
+  std::vector<std::string> without;
   /// A file of what commissioning found, beside the cell's; nothing: as the robot's file says.
   std::optional<std::string> settings;
   /// A device of this computer; nothing: simulated.

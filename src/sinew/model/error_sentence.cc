@@ -1,6 +1,7 @@
 #include "sinew/model/error_sentence.h"
 
 #include "sinew/model/collision_links.h"
+#include "sinew/model/left_out.h"
 
 namespace sinew {
 
@@ -20,6 +21,11 @@ std::string subject_of(const Error& error, const RobotModel& model) {
 
 std::string sentence_of(const Error& error, const RobotModel& model) {
   const auto index = static_cast<std::size_t>(error.index);
+  if (error.code == ErrorCode::kPositionUnknown && error.index >= 0 && is_left_out(model, index)) {
+    const std::string name = model.joints[index].name;
+    return name + " (J" + std::to_string(index + 1) +
+           ") is left out, its position is unknown; use joint moves that do not name " + name;
+  }
   const bool slides = error.index >= 0 && index < model.joints.size() &&
                       model.joints[index].kind == JointKind::kPrismatic;
   // What is an angle of other joints is a length of this one.

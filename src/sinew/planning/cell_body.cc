@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "sinew/core/assert.h"
+#include "sinew/model/left_out.h"
 
 namespace sinew::planning {
 namespace {
@@ -119,11 +120,20 @@ bool RobotBodies::place(const JointBox& box, kinematics::PoseBP& X_near,
                         std::span<CellBody> out) const {
   SINEW_ASSERT(out.size() >= size());
   std::array<PlacedShape, kCollisionShapesMax> placed;
-  if (!collision_.bodies({box.q.data(), joints()}, X_near, placed)) return false;
+  JointArray q = box.q;
+  // A joint that is left out may be anywhere: no turn moves a point by more than twice its lever.
+  JointArray anywhere{};
+  for (std::size_t k = 0; k < joints(); ++k) {
+    if (!is_left_out(model(), k)) continue;
+    q[k] = assumed_place(model().joints[k]);
+    anywhere[k] =
+        std::min(2.0, std::max(model().joints[k].upper - q[k], q[k] - model().joints[k].lower));
+  }
+  if (!collision_.bodies({q.data(), joints()}, X_near, placed)) return false;
   for (std::size_t i = 0; i < size(); ++i) {
     out[i].form = moved(placed[i], X_WB_);
     out[i].link = link(i);
-    enclose(out[i], swell(i, box.half));
+    enclose(out[i], swell(i, box.half) + swell(i, anywhere));
   }
   return true;
 }

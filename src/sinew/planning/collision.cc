@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "sinew/core/assert.h"
 #include "sinew/model/collision_links.h"
+#include "sinew/model/left_out.h"
 
 namespace sinew::planning {
 namespace {
@@ -81,6 +83,7 @@ Error contact_error(const RobotModel& model, const Clearance& nearest) {
 CollisionModel::CollisionModel(const RobotModel& model)
     : model_(&model), robot_(kinematics_of(model.geometry)), shapes_(placed_shapes(model)) {
   own_shapes_ = shapes_.size();
+  lay_poses();
   for (const CollisionShape& shape : shapes_) radii_.push_back(radius_of(shape));
   const std::vector<CollisionShape>& named = model.collision.shapes;
   const auto checked = [&](std::size_t first, std::size_t second) {
@@ -99,7 +102,46 @@ CollisionModel::CollisionModel(const RobotModel& model)
   radii_.reserve(own_shapes_ + kSurroundMax);
   pairs_.reserve(own_pairs_ + own_shapes_ * kSurroundMax);
   fit({});
-  for (Pair& pair : pairs_) pair.reach = pair_reach(pair);
+  for (Pair& pair : pairs_) set_reach(pair);
+}
+
+/// The range of each joint that is left out in equal parts, each with each; a turn is enough.
+void CollisionModel::lay_poses() {
+  poses_.resize(1);
+  for (std::size_t j = 0; j < model_->joints.size(); ++j) {
+    if (is_left_out(*model_, j)) left_out_.push_back(static_cast<std::uint8_t>(j));
+  }
+  if (left_out_.empty()) return;
+  constexpr double kRounding = 1e-9;
+  const double share = 1.0 / static_cast<double>(left_out_.size());
+  const auto parts =
+      static_cast<std::size_t>(std::pow(static_cast<double>(kPosesMax), share) + kRounding);
+  for (const std::uint8_t j : left_out_) {
+    const Joint& joint = model_->joints[j];
+    const double range = std::min(joint.upper - joint.lower, 2 * kPi);
+    const double half = range / static_cast<double>(2 * parts);
+    pose_half_[j] = half;
+    const std::vector<JointArray> before = std::exchange(poses_, {});
+    for (JointArray pose : before) {
+      for (std::size_t k = 0; k < parts; ++k) {
+        pose[j] = joint.lower + half * static_cast<double>(2 * k + 1);
+        poses_.push_back(pose);
+      }
+    }
+  }
+}
+
+void CollisionModel::set_reach(Pair& pair) const {
+  pair.reach = pair_reach(pair);
+  pair.blur = 0;
+  for (const std::uint8_t j : left_out_) pair.blur += pose_half_[j] * pair.reach[j];
+}
+
+JointArray CollisionModel::posed(std::span<const double> q, std::size_t pose) const {
+  JointArray at{};
+  std::ranges::copy(q, at.begin());
+  for (const std::uint8_t j : left_out_) at[j] = poses_[pose][j];
+  return at;
 }
 
 JointReach CollisionModel::pair_reach(const Pair& pair) const {
@@ -141,7 +183,7 @@ void CollisionModel::fit(const ToolState& tool) {
     return shape < own_shapes_ && of_gripper(model_->collision.shapes[shape]);
   };
   for (Pair& pair : pairs_) {
-    if (moved(pair.first) || moved(pair.second)) pair.reach = pair_reach(pair);
+    if (moved(pair.first) || moved(pair.second)) set_reach(pair);
   }
 }
 
@@ -179,7 +221,7 @@ void CollisionModel::surround(std::span<const Surrounding> bodies) {
       const std::uint8_t link = model_->collision.shapes[i].link;
       if (link == 0 || (body.excused >> link & 1U) != 0) continue;
       pairs_.push_back({static_cast<std::uint8_t>(i), place, {}});
-      pairs_.back().reach = pair_reach(pairs_.back());
+      set_reach(pairs_.back());
     }
   }
 }
@@ -252,23 +294,27 @@ double CollisionModel::distance(const Scene& scene, const Pair& pair) const {
   const bool first_box = is_box(shapes_[i]);
   if (pair.second == kTableShape) {
     const double height = *model_->collision.table_height;
-    return first_box ? distance_above(box(scene, i), height)
-                     : distance_above(capsule(scene, i), height);
+    return (first_box ? distance_above(box(scene, i), height)
+                      : distance_above(capsule(scene, i), height)) -
+           pair.blur;
   }
-  const bool second_box = is_box(shapes_[j]);
-  if (first_box && second_box) return planning::distance(box(scene, i), box(scene, j));
-  if (first_box) return planning::distance(capsule(scene, j), box(scene, i));
-  if (second_box) return planning::distance(capsule(scene, i), box(scene, j));
-  return planning::distance(capsule(scene, i), capsule(scene, j));
+  const auto apart = [&] {
+    const bool second_box = is_box(shapes_[j]);
+    if (first_box && second_box) return planning::distance(box(scene, i), box(scene, j));
+    if (first_box) return planning::distance(capsule(scene, j), box(scene, i));
+    if (second_box) return planning::distance(capsule(scene, i), box(scene, j));
+    return planning::distance(capsule(scene, i), capsule(scene, j));
+  };
+  return apart() - pair.blur;
 }
 
 double CollisionModel::ball_distance(const Scene& scene, const Pair& pair) const {
   const Placed& first = scene.shapes[pair.first];
   if (pair.second == kTableShape) {
-    return first.centre.z - first.ball - *model_->collision.table_height;
+    return first.centre.z - first.ball - *model_->collision.table_height - pair.blur;
   }
   const Placed& second = scene.shapes[pair.second];
-  return norm(first.centre - second.centre) - first.ball - second.ball;
+  return norm(first.centre - second.centre) - first.ball - second.ball - pair.blur;
 }
 
 Clearance CollisionModel::nearest(const Scene& scene, std::span<const LinkPair> but) const {
@@ -279,18 +325,48 @@ Clearance CollisionModel::nearest(const Scene& scene, std::span<const LinkPair> 
       continue;
     }
     const double apart = distance(scene, pair);
-    if (apart < nearest.distance) nearest = {apart, pair.first, pair.second};
+    // Bodies that no joint that is left out moves say nothing of where it is.
+    const bool surely = pair.blur > 0 && apart + 2 * pair.blur < -margin();
+    if (apart < nearest.distance) nearest = {apart, pair.first, pair.second, nearest.surely};
+    nearest.surely = nearest.surely || surely;
   }
   return nearest;
 }
 
 Clearance CollisionModel::distance(std::span<const double> q, const PoseBP* X_near,
                                    std::span<const LinkPair> but) const {
+  if (left_out_.empty()) return distance_in(0, q, X_near, but);
+  Clearance nearest, nearest_of_all;
+  bool any = false;
+  for (std::size_t pose = 0; pose < poses_.size(); ++pose) {
+    const Clearance here = distance_in(pose, q, X_near, but);
+    any = any || !here.surely;
+    if (here.distance < nearest_of_all.distance) nearest_of_all = here;
+    if (!here.surely && here.distance < nearest.distance) nearest = here;
+  }
+  return any ? nearest : nearest_of_all;
+}
+
+Clearance CollisionModel::distance_in(std::size_t pose, std::span<const double> q,
+                                      const PoseBP* X_near, std::span<const LinkPair> but) const {
   SINEW_ASSERT(but.empty() || shapes_.size() == own_shapes_);
   Scene scene;
   PoseBP X_BP = start(X_near);
-  if (!place(q, X_BP, scene)) return {-std::numeric_limits<double>::infinity()};
+  const JointArray at = posed(q, pose);
+  if (!place({at.data(), q.size()}, X_BP, scene)) {
+    return {-std::numeric_limits<double>::infinity()};
+  }
   return nearest(scene, but);
+}
+
+/// Where none is possible, the file's shapes are wrong: then each counts.
+bool CollisionModel::possible(std::size_t pose, std::span<const double> q,
+                              const PoseBP* X_near) const {
+  if (left_out_.empty() || !distance_in(pose, q, X_near).surely) return true;
+  for (std::size_t other = 0; other < poses_.size(); ++other) {
+    if (!distance_in(other, q, X_near).surely) return false;
+  }
+  return true;
 }
 
 bool CollisionModel::bodies(std::span<const double> q, PoseBP& X_near,

@@ -30,6 +30,9 @@ struct Clearance {
   double distance = std::numeric_limits<double>::infinity();
   std::uint8_t first = 0;   ///< place in RobotModel::collision.shapes
   std::uint8_t second = 0;  ///< likewise, or kTableShape
+  /// Of one pose of joints that are left out: two bodies overlap wherever in it those joints are,
+  /// and by more than the margin. So they are elsewhere.
+  bool surely = false;
 };
 
 /// A place of a path where two bodies come too near.
@@ -55,6 +58,10 @@ struct Surrounding {
 /// Whether a robot hits itself or its table: every two shapes whose links are not joined and that
 /// its file does not excuse, and every moving shape against the table. docs/collision.md.
 ///
+/// Joints that are left out (model/left_out.h) may be anywhere: their ranges are looked at in
+/// poses(), and every distance is less by what a body can be away from where it is in its pose. A
+/// pose in which the robot overlaps for sure where a motion begins does not count for that motion.
+///
 /// @param q       one per joint: rad, or a leg's length in m.
 /// @param margin  m, how near things may come; its file's margin() or another one.
 /// @param X_near  a hexapod's last known pose, its home where absent; others do not look at it.
@@ -79,6 +86,13 @@ class CollisionModel {
   ///             the robot
   Clearance distance(std::span<const double> q, const kinematics::PoseBP* X_near = nullptr,
                      std::span<const LinkPair> but = {}) const;
+  /// Poses of the joints that are left out; one where none is.
+  std::size_t poses() const { return poses_.size(); }
+  static constexpr std::size_t kPosesMax = 81;
+  /// The same in one of them. distance() is the nearest of those that are possible.
+  Clearance distance_in(std::size_t pose, std::span<const double> q,
+                        const kinematics::PoseBP* X_near = nullptr,
+                        std::span<const LinkPair> but = {}) const;
   /// The same where a hexapod's pose is known already.
   Clearance distance(const kinematics::PoseBP& X_BP) const;
 
@@ -146,6 +160,7 @@ class CollisionModel {
     std::uint8_t first = 0;
     std::uint8_t second = 0;
     JointReach reach{};
+    double blur = 0;  ///< m, what its pose leaves open
   };
   /// A shape at one q: a capsule's ends, and the ball around it.
   struct Placed {
@@ -165,6 +180,12 @@ class CollisionModel {
   using Excused = std::array<bool, kPairsMax>;
 
   JointReach pair_reach(const Pair& pair) const;
+  void lay_poses();
+  void set_reach(Pair& pair) const;
+  JointArray posed(std::span<const double> q, std::size_t pose) const;
+  /// Whether the robot can be in this pose at q.
+  bool possible(std::size_t pose, std::span<const double> q,
+                const kinematics::PoseBP* X_near) const;
   void fit_fingers(double least, double most);
   void fit_held(double held, double width);
   bool place(std::span<const double> q, kinematics::PoseBP& X_near, Scene& scene) const;
@@ -183,7 +204,14 @@ class CollisionModel {
   template <class Measure>
   std::optional<PathContact> walk(const JointPath& path, double begin, double end,
                                   const kinematics::PoseBP* X_near, Budgets& budgets,
-                                  const Measure& measure) const;
+                                  std::size_t pose, const Measure& measure) const;
+  /// The first contact of all poses that are possible at `begin`.
+  template <class Check>
+  std::optional<PathContact> first_of_poses(const JointPath& path, double begin,
+                                            const kinematics::PoseBP* X_near,
+                                            const Check& check) const;
+  double free_time_in(std::size_t pose, std::span<const double> q, std::span<const double> qd,
+                      double horizon, double margin, const kinematics::PoseBP* X_near) const;
   double spend(const JointArray& speeds, double way, Budgets& budgets) const;
   bool bound_holds(const kinematics::PoseBP& X_BP) const;
   kinematics::PoseBP start(const kinematics::PoseBP* X_near) const;
@@ -195,6 +223,9 @@ class CollisionModel {
   std::vector<Pair> pairs_;
   std::size_t own_shapes_ = 0;
   std::size_t own_pairs_ = 0;
+  FixedVector<std::uint8_t, kMaxJoints> left_out_;  ///< joints
+  JointArray pose_half_{};                          ///< of a pose, rad
+  std::vector<JointArray> poses_;                   ///< middles; only numbers of left_out_ count
 };
 
 }  // namespace sinew::planning

@@ -83,23 +83,46 @@ Clearance CollisionModel::measure_leaving(const Scene& scene, Budgets& least,
 std::optional<PathContact> CollisionModel::check_path(const JointPath& path, double margin,
                                                       double begin, double end,
                                                       const PoseBP* X_near) const {
-  Budgets budgets;
-  return walk(path, begin, end, X_near, budgets,
-              [&](const Scene& scene) { return measure(scene, margin, nullptr, budgets); });
+  return first_of_poses(path, begin, X_near, [&](std::size_t pose, double here) {
+    Budgets budgets;
+    // What one pose is too near to shall not hide what another one comes near to.
+    const double least = left_out_.empty() ? margin : std::min(margin, here - 2 * kResolution);
+    return walk(path, begin, end, X_near, budgets, pose,
+                [&](const Scene& scene) { return measure(scene, least, nullptr, budgets); });
+  });
+}
+
+template <class Check>
+std::optional<PathContact> CollisionModel::first_of_poses(const JointPath& path, double begin,
+                                                          const PoseBP* X_near,
+                                                          const Check& check) const {
+  if (left_out_.empty() || path.empty()) return check(0, kInfinity);
+  PathPoint from;
+  path.sample(std::clamp(begin, 0.0, path.length()), from);
+  const std::span<const double> q(from.q.data(), path.joints());
+  std::optional<PathContact> first;
+  for (std::size_t pose = 0; pose < poses_.size(); ++pose) {
+    if (!possible(pose, q, X_near)) continue;
+    const auto contact = check(pose, distance_in(pose, q, X_near).distance);
+    if (contact && (!first || contact->s < first->s)) first = contact;
+  }
+  return first;
 }
 
 std::optional<PathContact> CollisionModel::check_leaving(const JointPath& path,
                                                          const PoseBP* X_near) const {
-  Budgets budgets, least;
-  least.fill(-kInfinity);
-  return walk(path, 0, path.length(), X_near, budgets,
-              [&](const Scene& scene) { return measure_leaving(scene, least, budgets); });
+  return first_of_poses(path, 0, X_near, [&](std::size_t pose, double /*here*/) {
+    Budgets budgets, least;
+    least.fill(-kInfinity);
+    return walk(path, 0, path.length(), X_near, budgets, pose,
+                [&](const Scene& scene) { return measure_leaving(scene, least, budgets); });
+  });
 }
 
 template <class Measure>
 std::optional<PathContact> CollisionModel::walk(const JointPath& path, double begin, double end,
                                                 const PoseBP* X_near, Budgets& budgets,
-                                                const Measure& measure) const {
+                                                std::size_t pose, const Measure& measure) const {
   SINEW_ASSERT(path.joints() == model_->joints.size());
   if (path.empty() || pairs_.empty()) return std::nullopt;
   end = std::min(end, path.length());
@@ -110,7 +133,8 @@ std::optional<PathContact> CollisionModel::walk(const JointPath& path, double be
   PathPoint point;
   const auto look = [&]() -> std::optional<PathContact> {
     path.sample_piece(piece, s - path.begin(piece), point);
-    if (!place({point.q.data(), path.joints()}, X_BP, scene) || !bound_holds(X_BP)) {
+    const JointArray at = posed({point.q.data(), path.joints()}, pose);
+    if (!place({at.data(), path.joints()}, X_BP, scene) || !bound_holds(X_BP)) {
       return PathContact{s, {-kInfinity}};
     }
     const Clearance nearest = measure(scene);
@@ -135,6 +159,16 @@ std::optional<PathContact> CollisionModel::walk(const JointPath& path, double be
 
 double CollisionModel::free_time(std::span<const double> q, std::span<const double> qd,
                                  double horizon, double margin, const PoseBP* X_near) const {
+  double free = horizon;
+  for (std::size_t pose = 0; pose < poses_.size() && free > 0; ++pose) {
+    if (possible(pose, q, X_near)) free = free_time_in(pose, q, qd, free, margin, X_near);
+  }
+  return free;
+}
+
+double CollisionModel::free_time_in(std::size_t pose, std::span<const double> q,
+                                    std::span<const double> qd, double horizon, double margin,
+                                    const PoseBP* X_near) const {
   SINEW_ASSERT(q.size() == qd.size() && q.size() == model_->joints.size());
   Scene scene;
   PoseBP X_BP = start(X_near);
@@ -147,6 +181,7 @@ double CollisionModel::free_time(std::span<const double> q, std::span<const doub
   if (fastest == 0 || pairs_.empty()) return horizon;
   const auto place_at = [&](double t) {
     for (std::size_t k = 0; k < qd.size(); ++k) at[k] = q[k] + t * qd[k];
+    at = posed({at.data(), q.size()}, pose);
     return place({at.data(), q.size()}, X_BP, scene) && bound_holds(X_BP);
   };
   if (!place_at(0)) return 0;

@@ -258,7 +258,8 @@ void Jog::share_wire(JointArray& wanted) const {
 
 /// Once it is clear, contacts are kept out as anywhere.
 void Jog::look_at_overlap() {
-  if (!overlaps_ || !collision_) {
+  // In some pose of joints that are left out it may overlap anywhere: that excuses nothing.
+  if (!overlaps_ || !collision_ || collision_->poses() > 1) {
     overlaps_ = false;
     return;
   }

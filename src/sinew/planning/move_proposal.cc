@@ -57,10 +57,21 @@ Vec3 sphere_point(int k, int n) {
   return {around * std::cos(angle), around * std::sin(angle), z};
 }
 
+/// The same place, the tool tilted as tilted() says.
+TaskPoint pitched(TaskPoint at, double tilt, const ToolSpace& space) {
+  if (space.task() == TaskSpace::kPitchRoll) {
+    at.attitude[0] += tilt;
+  } else if (tilt != 0) {
+    const TaskPoint turned = space.point(tilted(space.pose(at), tilt));
+    at.attitude = turned.attitude;
+  }
+  return at;
+}
+
 class Search {
  public:
-  /// Joint moves that are planned at most to find the nearest place.
-  static constexpr int kLooksMax = 400;
+  /// Joint moves that are planned at most to find a place near the target, and a nearer one then.
+  static constexpr int kLooksMax = 600;
   Search(MovePathBuilder& builder, const ToolSpace& space, const PathRefusal& refusal, Move move,
          PlannedPath& scratch, const HitsNothing& hits_nothing)
       : builder_(builder),
@@ -92,8 +103,12 @@ class Search {
   void for_joint_row(const JointArray& q);
   void join_target(const TaskPoint& end);
   void find_part();
+  bool any_pitch_will_do() const;
   void find_near(const TaskPoint& end);
-  std::optional<JointArray> reach(const TaskPoint& at);
+  bool look(const Vec3& p, double nearer_than);
+  void find_somewhere_near();
+  void come_nearer();
+  std::optional<JointArray> reach(TaskPoint& at);
   void find_other_start();
   void find_tilt(const TaskPoint& end);
   PoseBT turned_by(const TaskPoint& end, const Turn& turn) const;
@@ -107,7 +122,11 @@ class Search {
   const HitsNothing& hits_nothing_;
   MoveWay way_;
   MoveProposal found_;
+  // Of find_near().
   int looks_left_ = 0;
+  TaskPoint end_, best_;   ///< the target, and what found_.near reaches
+  int pitches_ = 0;        ///< so many are tried to either side of the best one's
+  double pitch_step_ = 0;  ///< rad
 };
 
 /// Where a move ends that can be made; nothing where it cannot.
@@ -204,59 +223,113 @@ void Search::find_part() {
   }
 }
 
-/// The joints of a free joint move that brings the tool to `at`, where there are any.
-std::optional<JointArray> Search::reach(const TaskPoint& at) {
-  for (const JointArray& q : space_.branches(at, from_.q)) {
-    if (looks_left_ <= 0) return std::nullopt;
-    --looks_left_;
-    if (works(from_, joint_move(q))) return q;
+/// The pitch is the planner's choice, and none reaches the target itself.
+bool Search::any_pitch_will_do() const {
+  const auto open = [&](const ToolTarget& to) {
+    const bool five =
+        space_.task() == TaskSpace::kPitchRoll || space_.task() == TaskSpace::kApproach;
+    return five && to.asked == Asked::kPoint &&
+           !space_.serial()->inverse_nearest_pitch(to.X_BT.p, kPi,
+                                                   {from_.q.data(), space_.size()});
+  };
+  if (const auto* to = std::get_if<MoveTo>(&move_.way)) return open(to->to);
+  if (const auto* line = std::get_if<MoveL>(&move_.way)) return open(line->to);
+  return false;
+}
+
+/// The joints of a free joint move that brings the tool to `at`, where there are any; with another
+/// pitch where that may be chosen.
+std::optional<JointArray> Search::reach(TaskPoint& at) {
+  constexpr int kLooksOfPlace = 4;
+  const int least_left = looks_left_ - kLooksOfPlace;
+  for (int k = 0; k <= 2 * pitches_; ++k) {
+    const TaskPoint turned = pitched(at, (k % 2 == 0 ? k / 2 : -(k + 1) / 2) * pitch_step_, space_);
+    for (const JointArray& q : space_.branches(turned, from_.q)) {
+      if (looks_left_ <= 0 || (pitches_ > 0 && looks_left_ <= least_left)) return std::nullopt;
+      --looks_left_;
+      if (!works(from_, joint_move(q))) continue;
+      at = turned;
+      return q;
+    }
   }
   return std::nullopt;
 }
 
-/// The nearest place to the target that a joint move reaches with the tool turned as it was asked:
-/// in shells about the target, then from there towards it and sideways in steps that get smaller.
-void Search::find_near(const TaskPoint& end) {
-  constexpr double kFirst = 0.05e-3;  // m
-  constexpr double kGrowth = 1.25;
-  constexpr int kDirections = 96;
-  const double farthest = norm(from_.X_BT.p - end.p_BT);
-  TaskPoint best = end;
-  std::optional<JointArray> q;
-  looks_left_ = kLooksMax;
-  const auto look = [&](const Vec3& p, double nearer_than) {
-    const double left = norm(p - end.p_BT);
-    TaskPoint at = end;
-    at.p_BT = p;
-    if (!(left < nearer_than)) return false;
-    const auto there = reach(at);
-    if (!there) return false;
-    q = there;
-    best = at;
-    found_.near = {.q = *q, .left = left};
-    return true;
-  };
-  const Vec3 back = farthest > 0 ? (1 / farthest) * (from_.X_BT.p - end.p_BT) : Vec3{};
-  for (double r = kFirst; r < farthest && !q; r *= kGrowth) {
-    look(end.p_BT + r * back, 2 * r);
-    for (int k = 0; k < kDirections && !q; ++k) {
-      look(end.p_BT + r * sphere_point(k, kDirections), 2 * r);
+/// Whether the tool can be at p, which is nearer to the target than so (m).
+bool Search::look(const Vec3& p, double nearer_than) {
+  const double left = norm(p - end_.p_BT);
+  if (!(left < nearer_than)) return false;
+  TaskPoint at = best_;
+  at.p_BT = p;
+  const auto q = reach(at);
+  if (!q) return false;
+  best_ = at;
+  found_.near = {.q = *q, .left = left};
+  return true;
+}
+
+constexpr double kNearStep = 0.01e-3;  // m, to which the nearest place is found
+
+/// In shells about the target, each larger than the one before. Where all of a shell is in reach
+/// and something is hit there, a few of its places are enough.
+void Search::find_somewhere_near() {
+  constexpr int kLooksOfShell = 12;
+  constexpr int kStride = 37;  // so that they lie all around
+  const int directions = pitches_ > 0 ? 26 : 96;
+  const double growth = pitches_ > 0 ? 2 : 1.25;
+  const double farthest = norm(from_.X_BT.p - end_.p_BT);
+  const Vec3 back = farthest > 0 ? (1 / farthest) * (from_.X_BT.p - end_.p_BT) : Vec3{};
+  for (double r = kNearStep; r < farthest && !found_.near; r *= growth) {
+    look(end_.p_BT + r * back, 2 * r);
+    const int least_left = looks_left_ - kLooksOfShell;
+    for (int k = 0; k < directions && !found_.near && looks_left_ > least_left; ++k) {
+      look(end_.p_BT + r * sphere_point(k * kStride % directions, directions), 2 * r);
     }
   }
   // So turned it may reach only what is near to where it is.
-  for (double left = farthest / 2; left > kFirst && !q; left /= 2) {
+  for (double left = farthest / 2; left > kNearStep && !found_.near; left /= 2) {
     look(from_.X_BT.p - left * back, farthest);
   }
-  for (double step = q ? norm(best.p_BT - end.p_BT) / 2 : 0; step > kFirst;) {
-    const double left = norm(best.p_BT - end.p_BT);
-    const Vec3 towards = (1 / left) * (end.p_BT - best.p_BT);
-    bool nearer = look(best.p_BT + std::min(step, left) * towards, left - kFirst / 2);
-    for (int k = 0; k < kDirections / 4 && !nearer; ++k) {
-      const Vec3 aside = best.p_BT + step * sphere_point(k, kDirections / 4);
-      nearer = look(aside, left - kFirst / 2);
+}
+
+/// Towards the target and sideways, in steps that get smaller.
+void Search::come_nearer() {
+  // Others each time: along an edge of what is in reach few lead on.
+  int directions = 48;
+  for (double step = norm(best_.p_BT - end_.p_BT) / 2; step > kNearStep;) {
+    const double left = norm(best_.p_BT - end_.p_BT);
+    const Vec3 towards = (1 / left) * (end_.p_BT - best_.p_BT);
+    const double nearer_than = left - kNearStep / 2;
+    bool nearer = look(best_.p_BT + std::min(step, left) * towards, nearer_than);
+    for (int k = 0; k < directions && !nearer; ++k) {
+      nearer = look(best_.p_BT + step * sphere_point(k, directions), nearer_than);
     }
-    if (!nearer) step /= 2;
+    ++directions;
+    if (nearer) continue;
+    step /= 2;
+    // What a turn costs grows with its square.
+    pitch_step_ = std::sqrt(2 * step / kTurnRadius);
   }
+}
+
+/// The nearest place to the target that a joint move reaches with the tool turned as it was asked,
+/// or, where no pitch was named and none reaches the target, with any.
+void Search::find_near(const TaskPoint& end) {
+  const bool any_pitch = any_pitch_will_do();
+  end_ = best_ = end;
+  if (any_pitch) {
+    pitches_ = 36;
+    pitch_step_ = kPi / pitches_;
+  }
+  looks_left_ = kLooksMax;
+  find_somewhere_near();
+  if (!found_.near) return;
+  if (any_pitch) pitches_ = 1;
+  looks_left_ = kLooksMax;
+  come_nearer();
+  if (!any_pitch || !found_.at_target) return;
+  best_.p_BT = end.p_BT;
+  if (const auto q = space_.inverse_near(best_, from_.q); !q) found_.at_target = q.error();
 }
 
 void Search::find_other_start() {

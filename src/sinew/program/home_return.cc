@@ -8,6 +8,7 @@
 
 #include "sinew/control/governor.h"
 #include "sinew/model/joint_lookup.h"
+#include "sinew/model/left_out.h"
 
 namespace sinew::program {
 namespace {
@@ -152,6 +153,8 @@ std::expected<HomeReturn, Refusal> home_return(const RobotModel& robot, const Jo
   // In the words of the straight way, which was tried first or is what anybody would try.
   auto straight = plan_leg(robot, q, home, 1, line);
   if (straight) return told({std::move(*straight)}, *start);
+  // Of links that may be anywhere hardly a way is clear: the zeros are found all the same.
+  if (first_left_out(robot)) return told({}, *start);
   return std::unexpected(straight.error());
 }
 

@@ -86,6 +86,7 @@ TEST(HomeReturn, out_of_an_overlap_it_is_slow_where_a_speed_is_heard) {
 
 TEST(HomeReturn, every_leg_passes_the_last_look_before_a_driver) {
   RobotModel robot = test::robot("robot-arm-2");
+  robot.device.settings = AxisLinkDevice{};
   robot.device.capability.takes_speed = true;
   robot.device.capability.motion = MotionKind::kStream;
   robot.device.capability.segment = std::chrono::milliseconds(50);

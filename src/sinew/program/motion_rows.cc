@@ -6,6 +6,7 @@
 
 #include "sinew/core/spelling.h"
 #include "sinew/model/joint_lookup.h"
+#include "sinew/model/left_out.h"
 #include "sinew/model/limit_reach.h"
 #include "sinew/planning/moves.h"
 
@@ -279,7 +280,9 @@ bool MotionRows::take_joint_point(const Argument& argument, JointStep& step) {
     return false;
   }
   step.q = *q;
-  step.given = static_cast<std::uint8_t>((1U << names_.size()) - 1);
+  for (std::size_t i = 0; i < names_.size(); ++i) {
+    if (!is_left_out(robot_, i)) step.given = static_cast<std::uint8_t>(step.given | 1U << i);
+  }
   return true;
 }
 

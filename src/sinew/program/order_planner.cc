@@ -8,6 +8,7 @@
 
 #include "sinew/core/units.h"
 #include "sinew/model/joint_lookup.h"
+#include "sinew/model/left_out.h"
 #include "sinew/wire/bigrobotarm_byte.h"
 
 namespace sinew::program {
@@ -78,6 +79,20 @@ Step home_row(const Step& step, const RobotModel& robot) {
   return {step.line, row, step.file};
 }
 
+/// While a joint is left out only rows move that say where each other joint goes.
+std::optional<Error> left_out_refusal(const RobotModel& robot, const Step& step) {
+  for (std::size_t i = 0; i < robot.joints.size(); ++i) {
+    if (!is_left_out(robot, i)) continue;
+    if (const auto* joint = std::get_if<JointStep>(&step.what)) {
+      const bool relative = (joint->relative >> i & 1) != 0;
+      const double stays = relative ? 0 : assumed_place(robot.joints[i]);
+      if ((joint->given >> i & 1) == 0 || joint->q[i] == stays) continue;
+    }
+    return Error{ErrorCode::kPositionUnknown, static_cast<std::int8_t>(i)};
+  }
+  return std::nullopt;
+}
+
 /// One loop that is being unrolled.
 struct Open {
   std::size_t loop = 0;
@@ -136,6 +151,11 @@ std::optional<Refusal> OrderPlanner::take(const Step& step, std::size_t place, R
     return take(home_row(step, robot_), place, round);
   }
   if (motion_of(step) != nullptr) {
+    if (const auto error = left_out_refusal(robot_, step)) {
+      if (auto refusal = finish()) return refusal;
+      now_ = round;
+      return refuse(refused(step, *error), place);
+    }
     now_ = round;
     if (rows_.empty()) first_ = round;
     rows_.push_back(step);
@@ -213,7 +233,7 @@ std::optional<Refusal> OrderPlanner::take_home(const Step& step, std::size_t pla
   }
   for (Stand& stand : stands_) {
     stand.homing += home->duration_max;
-    stand.q = home_joints(robot_);
+    stand.q = home->back && home->back->legs.empty() ? home->back->q_start : home_joints(robot_);
     stand.lost_by.reset();
   }
   std::vector<Stand> stands;

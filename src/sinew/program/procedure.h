@@ -145,6 +145,8 @@ class Procedure {
   /// start().
   void keep(std::string_view step, const StepResult& result);
   void take_over() { take_over_ = true; }
+  /// Where a way home begins if nobody knows it: of simulated machines.
+  void assume(const JointVector& q) { assumed_ = q; }
   /// A sentence on an error, from somebody who knows more of it than the machine does; nothing
   /// where that one does not.
   void explain_by(std::function<std::optional<std::string>(const Error&)> explain) {
@@ -160,6 +162,8 @@ class Procedure {
   void cancel(Instant now);
   /// The lease is lost: what moved has been stopped, and the question stands.
   bool left() const { return left_alone_; }
+  /// The lease is lost, and an answer to the question would move something.
+  bool waits_for_control() const;
   /// Asks for the lease again, where it was left or its machine acts for another client now.
   void rejoin(bool take_over);
 
@@ -233,6 +237,7 @@ class Procedure {
   bool enabling_ = false;
   bool begun_ = false;  ///< the lease has been had
   bool left_alone_ = false;
+  bool ends_held_ = false;  ///< a motion that the loss of the lease holds on its path
   std::string trouble_;
   std::function<std::optional<std::string>(const Error&)> explain_;
 
@@ -242,6 +247,8 @@ class Procedure {
   std::unique_ptr<control::MotionSource> motion_;
   std::unique_ptr<RowPlanner> planner_;
   std::deque<HomeLeg> homeward_;  ///< what is left of the way home
+  std::optional<JointVector> assumed_;
+  bool assumes_ = false;  ///< it is being declared
   double way_ = 0;                ///< that the joint was sent
   double left_ = 0;               ///< of it
   double part_ = 0;               ///< of it, that each joint goes by in this turn
@@ -253,6 +260,7 @@ class Procedure {
   std::string said_;  ///< which way it went
   std::string given_;
   std::optional<std::size_t> searching_;
+  bool search_begun_ = false;  ///< of this step: what it has found is not searched for again
   Instant searching_since_{};
   std::array<double, kMaxJoints> searched_{};  ///< s
 };

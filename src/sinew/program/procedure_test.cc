@@ -52,13 +52,14 @@ class FakeDriver final : public Driver {
     nudges.emplace_back(joint, way);
     return begin(duration, now);
   }
-  Expected<void> home(Instant now) override {
+  Expected<void> home(Instant now, std::uint8_t joints) override {
     ++motions;
     homes_ = true;
+    homed.push_back(joints);
     return begin(2s, now);
   }
   std::optional<std::size_t> homing_joint() const override {
-    return homes_ && until_ ? std::optional<std::size_t>(0) : std::nullopt;
+    return homes_ && until_ ? std::optional(searched) : std::nullopt;
   }
   Expected<void> tool(const ToolAction&, Instant now) override { return begin(1s, now); }
   void stop(Instant) override {
@@ -89,6 +90,12 @@ class FakeDriver final : public Driver {
   double homed_at = 0;  ///< rad, where a search leaves each joint
   int motions = 0;
   std::vector<std::pair<std::size_t, double>> nudges;
+  std::vector<std::uint8_t> homed;  ///< joints of each search
+  std::size_t searched = 0;
+  /// The zero of the joint that it searches for is found.
+  void find_zero() {
+    positions_[searched++] = {PositionQuality::kCommanded, homed_at, homed_at, homed_at};
+  }
 
  private:
   Expected<void> begin(Duration duration, Instant now) {
@@ -361,24 +368,75 @@ TEST(Procedure, a_fault_of_the_machine_fails_it_with_the_reason) {
       << bench.procedure.trouble();
 }
 
+/// What a client that is none of the bench's gives.
+void stranger_gives(Bench& bench, const control::CommandWhat& what) {
+  bench.now += 10ms;
+  const control::Command command{9999, control::LeaseToken{.client = 99}, what};
+  bench.machine.take(bench.controller.step({.commands = {&command, 1}}, bench.now));
+  bench.procedure.poll(bench.now);
+}
+
+void expect_left_and_ready(Bench& bench) {
+  stranger_gives(bench, control::TakeLease{.take_over = true});
+  ASSERT_TRUE(bench.until(
+      [&] {
+        return bench.procedure.left() && bench.procedure.phase() == ProcedurePhase::kAsking &&
+               bench.machine.state() == control::MachineState::kReady;
+      },
+      2s));
+}
+
+TEST(Procedure, a_search_that_lost_its_client_goes_on_with_the_joints_that_it_has_not_found) {
+  ProcedurePlan plan{"home", "home", {}};
+  plan.steps.push_back({.id = "search", .text = "zeros", .what = SearchStep{}});
+  plan.steps.push_back({.id = "again", .text = "once more", .what = SearchStep{}});
+  Bench bench("bigrobotarm", std::move(plan));
+  bench.begin();
+  const auto finds = [&](int joints) {
+    for (int k = 0; k < joints; ++k) {
+      bench.cycle();
+      bench.driver.find_zero();
+    }
+    bench.until([] { return false; }, 50ms);
+  };
+  ASSERT_TRUE(bench.procedure.answer("go", bench.now));
+  bench.until([] { return false; }, 50ms);
+  finds(2);
+  expect_left_and_ready(bench);
+  bench.procedure.rejoin(true);
+  ASSERT_TRUE(bench.until([&] { return !bench.procedure.left(); }, 2s));
+  EXPECT_EQ(bench.say("go"), "");
+  ASSERT_EQ(bench.driver.homed, (std::vector<std::uint8_t>{kAllJoints, 0b11111100}));
+  EXPECT_EQ(bench.procedure.step().id, "again");
+  EXPECT_EQ(bench.say("go"), "");
+  EXPECT_EQ(bench.driver.homed.back(), kAllJoints) << "this one looks for all of them";
+}
+
+TEST(Procedure, a_question_that_moves_nothing_is_answered_without_control) {
+  Bench bench("bigrobotarm", all_kinds());
+  bench.begin();
+  expect_left_and_ready(bench);
+  EXPECT_EQ(bench.procedure.step().id, "tell");
+  EXPECT_TRUE(bench.procedure.answer("yes", bench.now));
+  ASSERT_TRUE(bench.until([&] { return bench.procedure.phase() == ProcedurePhase::kAsking; }, 2s));
+  EXPECT_EQ(bench.procedure.step().id, "way");
+  EXPECT_EQ(bench.procedure.answer("go", bench.now).error(),
+            "control was lost; take it, then answer");
+  EXPECT_EQ(bench.driver.motions, 0);
+}
+
 TEST(Procedure, another_clients_stop_and_a_take_over_leave_the_question) {
   Bench bench("bigrobotarm", all_kinds());
   bench.begin();
   bench.say("yes");
   ASSERT_TRUE(bench.procedure.answer("go", bench.now));
   bench.until([] { return false; }, 100ms);
-  const auto stranger = [&](const control::CommandWhat& what) {
-    bench.now += 10ms;
-    const control::Command command{9999, control::LeaseToken{.client = 99}, what};
-    bench.machine.take(bench.controller.step({.commands = {&command, 1}}, bench.now));
-    bench.procedure.poll(bench.now);
-  };
-  stranger(control::Stop{});
+  stranger_gives(bench, control::Stop{});
   ASSERT_TRUE(bench.until([&] { return bench.procedure.phase() == ProcedurePhase::kAsking; }, 2s));
   EXPECT_EQ(bench.procedure.trouble(), "stopped on the way");
   ASSERT_TRUE(bench.procedure.answer("go", bench.now));
   bench.until([] { return false; }, 100ms);
-  stranger(control::TakeLease{.take_over = true});
+  stranger_gives(bench, control::TakeLease{.take_over = true});
   ASSERT_TRUE(bench.until([&] { return bench.procedure.phase() == ProcedurePhase::kAsking; }, 2s));
   EXPECT_TRUE(bench.procedure.left());
   EXPECT_EQ(bench.procedure.trouble(), "control was lost on the way");
@@ -404,11 +462,55 @@ TEST(Procedure, what_was_answered_before_is_not_asked_again_and_what_moves_is_do
   EXPECT_EQ(bench.procedure.phase(), ProcedurePhase::kDone);
 }
 
-TEST(Procedure, homing_is_for_machines_with_end_stops) {
+TEST(Procedure, robots_without_end_stops_move_to_their_home_pose_where_their_position_is_known) {
   for (const char* id : {"learm", "hexapod", "maxarm", "bigrobotarm"}) {
-    EXPECT_FALSE(homing_procedure(test::robot(id), {})) << id;
+    SCOPED_TRACE(id);
+    Bench bench(id, homing_procedure(test::robot(id), {}));
+    JointVector q = home_joints(bench.robot);
+    q[0] += bench.robot.joints[0].kind == JointKind::kPrismatic ? 0.01 : 0.1;
+    FixedVector<JointPosition, kMaxJoints> known;
+    for (const double one : q) known.push_back({PositionQuality::kCommanded, one, one, one});
+    bench.driver.declare_positions({known.data(), known.size()});
+    bench.begin();
+    EXPECT_EQ(bench.say("yes"), "");
+    EXPECT_EQ(bench.say("go"), "");
+    ASSERT_EQ(bench.procedure.phase(), ProcedurePhase::kDone) << bench.procedure.trouble();
+    EXPECT_EQ(*bench.machine.reference(), home_joints(bench.robot));
+    EXPECT_GT(bench.driver.motions, 0);
+
+    Bench there(id, homing_procedure(test::robot(id), {}));
+    for (std::size_t j = 0; j < q.size(); ++j) {
+      const double home = there.robot.joints[j].home;
+      known[j] = {PositionQuality::kCommanded, home, home, home};
+    }
+    there.driver.declare_positions({known.data(), known.size()});
+    there.begin();
+    EXPECT_EQ(there.say("yes"), "");
+    EXPECT_EQ(there.say("go"), "");
+    EXPECT_EQ(there.procedure.phase(), ProcedurePhase::kDone) << there.procedure.trouble();
+    EXPECT_EQ(there.driver.motions, 0);
+
+    // A simulated machine is assumed at its start until something moves it.
+    Bench assumed(id, homing_procedure(test::robot(id), {}));
+    assumed.procedure.assume(q);
+    assumed.begin();
+    EXPECT_EQ(assumed.say("yes"), "");
+    EXPECT_EQ(assumed.say("go"), "");
+    EXPECT_EQ(assumed.procedure.phase(), ProcedurePhase::kDone) << assumed.procedure.trouble();
+    EXPECT_EQ(*assumed.machine.reference(), home_joints(assumed.robot));
+
+    Bench lost(id, homing_procedure(test::robot(id), {}));
+    lost.begin();
+    EXPECT_EQ(lost.say("yes"), "");
+    EXPECT_EQ(lost.say("go"), "");
+    EXPECT_EQ(lost.procedure.phase(), ProcedurePhase::kAsking);
+    EXPECT_NE(lost.procedure.trouble().find("recover"), std::string::npos);
+    EXPECT_EQ(lost.driver.motions, 0);
   }
-  Bench bench("robot-arm-2", *homing_procedure(test::robot("robot-arm-2"), {}));
+}
+
+TEST(Procedure, homing_of_machines_with_end_stops_searches_them_twice) {
+  Bench bench("robot-arm-2", homing_procedure(test::robot("robot-arm-2"), {}));
   bench.driver.homed_at = 0.05;
   bench.begin();
   EXPECT_EQ(bench.say("yes"), "");
@@ -437,7 +539,7 @@ TEST(Procedure,
     return what == "zero_shift_deg" ? std::optional<std::string>("0.003") : std::nullopt;
   };
   const auto seen = [&] {
-    Bench bench("robot-arm-2", *homing_procedure(test::robot("robot-arm-2"), {}, fact));
+    Bench bench("robot-arm-2", homing_procedure(test::robot("robot-arm-2"), {}, fact));
     bench.begin();
     for (const char* answer : {"yes", "go", "go"}) EXPECT_EQ(bench.say(answer), "");
     bench.until([&] { return bench.procedure.phase() == ProcedurePhase::kAsking; });

@@ -43,7 +43,7 @@ ProcedureView view_of(const Procedure& procedure, Instant now) {
   if (view.place == plan.steps.size()) return view;
   view.asks = asks_of(procedure);
   view.left = procedure.left() && !procedure.finished();
-  view.ready = view.asks != Asks::kNothing && !view.left &&
+  view.ready = view.asks != Asks::kNothing && !procedure.waits_for_control() &&
                procedure.machine().state() == control::MachineState::kReady;
   view.question = procedure.question();
   view.choices = procedure.choices();

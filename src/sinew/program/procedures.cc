@@ -7,6 +7,7 @@
 
 #include "sinew/core/units.h"
 #include "sinew/model/joint_lookup.h"
+#include "sinew/model/left_out.h"
 
 namespace sinew::program {
 namespace {
@@ -44,6 +45,7 @@ std::optional<Verdict> shifts_seen(const RobotModel& robot, const DeviceFact& fa
   std::string unseen;
   double most = 0;
   for (std::size_t j = 0; fact && j < robot.joints.size(); ++j) {
+    if (is_left_out(robot, j)) continue;
     const auto steps = fact("zero_shift_steps", j);
     const auto degrees = fact("zero_shift_deg", j);
     const std::string& name = robot.joints[j].name;
@@ -69,8 +71,9 @@ std::optional<Verdict> shifts_seen(const RobotModel& robot, const DeviceFact& fa
 /// Told at the end of a homing: what was seen, and what nobody could see.
 Verdict homing_seen(const Procedure& procedure, const DeviceFact& fact) {
   const RobotModel& robot = procedure.machine().robot();
-  for (const JointPosition& position : procedure.machine().positions()) {
-    if (position.quality == PositionQuality::kLost) {
+  const auto positions = procedure.machine().positions();
+  for (std::size_t j = 0; j < positions.size(); ++j) {
+    if (positions[j].quality == PositionQuality::kLost && !is_left_out(robot, j)) {
       return {false, "a joint does not know where it is after the search"};
     }
   }
@@ -147,14 +150,18 @@ void add_way_home(ProcedurePlan& plan) {
 
 }  // namespace
 
-std::expected<ProcedurePlan, std::string> homing_procedure(const RobotModel& robot,
-                                                           const Homing& homing,
-                                                           const DeviceFact& fact) {
-  if (!has_boards(robot)) {
-    return std::unexpected(robot.title + " has no end stops; recover is its way to a position");
+ProcedurePlan homing_procedure(const RobotModel& robot, const Homing& homing,
+                               const DeviceFact& fact) {
+  if (has_boards(robot)) {
+    ProcedurePlan plan = homing_plan(robot, homing, fact);
+    add_way_home(plan);
+    return plan;
   }
-  ProcedurePlan plan = homing_plan(robot, homing, fact);
-  add_way_home(plan);
+  ProcedurePlan plan{"home", robot.title + " to its home pose", {}};
+  plan.steps.push_back(
+      {.id = "clear", .text = "Nobody is within the arm's reach.", .what = TellStep{}});
+  plan.steps.push_back(
+      {.id = "home", .text = "All joints move to the home pose.", .what = HomeMoveStep{}});
   return plan;
 }
 

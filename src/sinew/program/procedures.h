@@ -16,11 +16,9 @@ namespace sinew::program {
 using DeviceFact = std::function<std::optional<std::string>(std::string_view what, std::size_t)>;
 
 /// Finds the zeros twice, with the time that each joint's search took, and says what of it this
-/// wire can show.
-/// @error  a sentence: this robot has no end stops
-std::expected<ProcedurePlan, std::string> homing_procedure(const RobotModel& robot,
-                                                           const Homing& homing,
-                                                           const DeviceFact& fact = {});
+/// wire can show. Without end stops: moves to the home pose from a known position.
+ProcedurePlan homing_procedure(const RobotModel& robot, const Homing& homing,
+                               const DeviceFact& fact = {});
 
 /// The way back to a position that may be planned with: homing where there are end stops, a slow
 /// first move on servos, else joint by joint by hand to a place that somebody knows.

@@ -264,8 +264,14 @@ class Parser {
   }
 
   void take_nozzle() {
-    if (!row_.takes_words(2, "nozzle 45deg time=1s")) return;
+    constexpr Duration kUsual = std::chrono::seconds(1);
+    const bool timed = row_.words().size() > 2;
+    if (!row_.takes_words(timed ? 2 : 1, "nozzle 45deg time=1s")) return;
     const auto angle = row_.quantity(word(1), word(1).text, Measure::kAngle);
+    if (!timed) {
+      if (angle) add(ToolStep{NozzleTo{*angle, kUsual}});
+      return;
+    }
     constexpr std::string_view kTime = "time=";
     if (!word(2).text.starts_with(kTime)) {
       return row_.complain(word(2), "write how long it takes, as in time=1s");

@@ -84,6 +84,7 @@ TEST(ProgramFile, every_fault_is_told_at_its_place_with_its_remedy) {
       {"loop 2", "p.sinew:1:1: loop without end: write end behind its last step"},
       {"end", "p.sinew:1:1: end without loop or if"},
       {"suction of", "p.sinew:1:9: 'of': suction is on, release or off"},
+      {"nozzle", "p.sinew:1:1: something is missing; write nozzle 45deg time=1s"},
       {"nozzle 10deg 1s", "p.sinew:1:14: write how long it takes, as in time=1s"},
       {"nozzle 10deg time=0s", "p.sinew:1:14: time is above 0 and at most 60 s"},
   };

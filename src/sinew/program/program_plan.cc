@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sinew/model/left_out.h"
 #include "sinew/program/order_planner.h"
 
 namespace sinew::program {
@@ -44,6 +45,10 @@ std::expected<JointVector, Refusal> first_target(const Step& row, const Start& q
     const auto index = static_cast<std::int8_t>(i);
     const bool given = joint != nullptr && (joint->given >> i & 1) != 0;
     const bool relative = given && (joint->relative >> i & 1) != 0;
+    if (!q && is_left_out(robot, i)) {
+      target.push_back(assumed_place(robot.joints[i]));
+      continue;
+    }
     if ((!given || relative) && !q) return refused(Error{ErrorCode::kPositionUnknown, index});
     target.push_back((given ? joint->q[i] : 0) + (!given || relative ? (*q)[i] : 0));
     const Joint& limits = robot.joints[i];

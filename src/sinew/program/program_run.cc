@@ -2,11 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "sinew/control/path_motion.h"
 #include "sinew/control/piece_motion.h"
+#include "sinew/control/position_evidence.h"
 #include "sinew/core/assert.h"
 #include "sinew/core/units.h"
+#include "sinew/model/joint_lookup.h"
+#include "sinew/model/left_out.h"
 
 namespace sinew::program {
 
@@ -61,6 +65,7 @@ void Run::resume() {
 }
 
 void Run::poll(Instant now) {
+  count_held(now);
   while (const auto event = machine_.take_event()) take(*event, now);
   if (phase_ == Phase::kOpening) opening(now);
   if (phase_ != Phase::kRunning) return;
@@ -72,7 +77,7 @@ void Run::poll(Instant now) {
   if (wait_end_) look_at_wait(now);
   const bool again = (room_since_ || searches_again_) && command_ == 0 && current_ && !paused_;
   if (again && machine_.state() == MachineState::kReady) {
-    searches_again_ = false;
+    if (std::exchange(searches_again_, false)) asked_ = control::Home{.resumes = true};
     command_ = machine_.give(*asked_);
   }
   while (phase_ == Phase::kRunning && !current_ && !paused_) {
@@ -86,6 +91,13 @@ void Run::poll(Instant now) {
     }
     issue_next(now);
   }
+}
+
+/// Time since the last poll in which nothing of it went on.
+void Run::count_held(Instant now) {
+  const bool stands = command_ == 0 || machine_.state() == MachineState::kHeld;
+  if (phase_ == Phase::kRunning && paused_ && stands) held_ += now - polled_at_;
+  polled_at_ = now;
 }
 
 void Run::take(const Event& event, Instant now) {
@@ -236,11 +248,19 @@ void Run::opening(Instant now) {
     machine_.give(control::Enable{});
   }
   if (state != MachineState::kReady) return;
-  if (declared_ && !declared_told_ && (has_looked_ || !machine_.reference())) {
+  if (declared_ && !declared_told_ && (declared_->has_looked || !machine_.reference())) {
     declared_told_ = true;
-    control::Declare declare;
-    for (const double q : *declared_) {
-      declare.positions.push_back({PositionQuality::kCommanded, q, q, q});
+    const auto& last = declared_->last_said;
+    control::Declare declare{.positions = {}, .moved = declared_->moved};
+    if (!declared_->q) {
+      const auto shown =
+          control::as_shown(robot_, machine_.positions(), {last.data(), last.size()});
+      if (!shown) return fail(shown.error(), now);
+      declare.positions = *shown;
+    } else {
+      for (const double q : *declared_->q) {
+        declare.positions.push_back({PositionQuality::kCommanded, q, q, q});
+      }
     }
     command_ = machine_.give(declare);
     return;
@@ -281,6 +301,7 @@ void Run::issue_next(Instant now) {
                     .arrival = 0,
                     .reported = {},
                     .holds = {}};
+  held_at_asked_ = held_;
   if (!begun_at_) {
     begun_at_ = now;
     if (feed_ != 1) machine_.give(control::SetFeed{feed_});
@@ -386,6 +407,12 @@ void Run::look_at_wait(Instant now) {
   fail(Error{ErrorCode::kNotInTime, -1, current_->duration, current_->duration}, now);
 }
 
+bool Run::watches() const {
+  if (!next_deadline() || !current_) return false;
+  const auto* wait = std::get_if<WaitOrder>(&current_->order->what);
+  return wait != nullptr && wait->what != WaitStep::For::kTime;
+}
+
 std::expected<bool, Error> Run::holds(const Condition& condition) {
   using Subject = Condition::Subject;
   if (!condition.of_position()) {
@@ -419,6 +446,7 @@ bool Run::settled(Instant now) {
   const auto positions = machine_.positions();
   bool still = still_.has_value();
   for (std::size_t i = 0; still && i < positions.size(); ++i) {
+    if (is_left_out(robot_, i)) continue;
     const bool turns = robot_.joints[i].kind == JointKind::kRevolute;
     const double open = (positions[i].upper - positions[i].lower) / 2;
     still = positions[i].quality >= PositionQuality::kCommanded &&
@@ -477,22 +505,29 @@ std::expected<void, Refusal> Run::order_done(Instant now) {
 /// The search is over, or a leg of the way home behind it.
 std::expected<void, Refusal> Run::go_home(Instant now) {
   if (back_) {
-    q_ = current_->q;
+    q_ = std::exchange(blind_, false) ? machine_.reference() : current_->q;
     return next_leg(now);
   }
   q_ = machine_.reference();
   back_.emplace();
   leg_ = 0;
-  // Who does not know where homing has ended goes on from there with a slow first move.
-  if (plannable(q_, robot_)) {
-    auto back = home_return(robot_, *q_, current_->order->line);
-    if (!back) {
-      Refusal why = back.error();
-      why.file = current_->order->file;
-      return std::unexpected(why);
-    }
-    back_ = std::move(*back);
+  if (!plannable(q_, robot_)) {
+    const bool lost = std::ranges::any_of(machine_.positions(), [](const JointPosition& joint) {
+      return joint.quality == PositionQuality::kLost;
+    });
+    if (lost || q_) return next_leg(now);
+    // The board knows where the search ended, and does not report it.
+    current_->q = home_joints(robot_);
+    send_first_move(current_->q, first_move_duration(robot_));
+    return {};
   }
+  auto back = home_return(robot_, *q_, current_->order->line);
+  if (!back) {
+    Refusal why = back.error();
+    why.file = current_->order->file;
+    return std::unexpected(why);
+  }
+  back_ = std::move(*back);
   return next_leg(now);
 }
 
@@ -553,9 +588,14 @@ double Run::progress(Instant now) const {
     if (place < next_ && !under_way) done += seconds;
   }
   if (current_ && !back_steps_) {
-    done += std::clamp(to_seconds(now - current_->asked), 0.0, weight(*current_->order));
+    const Duration went = now - current_->asked - (held_ - held_at_asked_);
+    done += std::clamp(to_seconds(went), 0.0, weight(*current_->order));
   }
   return total > 0 ? done / total : 0;
+}
+
+double Run::elapsed(Instant now) const {
+  return begun_at_ ? to_seconds(now - *begun_at_ - held_) : 0;
 }
 
 }  // namespace sinew::program

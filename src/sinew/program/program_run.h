@@ -33,6 +33,16 @@ struct Notice {
   int file = 0;  ///< of Program::files
 };
 
+/// Where somebody says that the machine stands.
+struct Statement {
+  Start q;  ///< nothing: as it is shown (control::as_shown)
+  /// It is held against all that is known otherwise, and the run is refused where they contradict;
+  /// else it counts only where nothing else is known.
+  bool has_looked = true;
+  bool moved = false;            ///< by hand: what was known does not count
+  JournalPositions last_said{};  ///< shown: of joints that are lost
+};
+
 /// Runs a program on a machine, one order at a time, as its client: it takes the lease, enables it
 /// where it is off, and a `home` ends with the way to the robot's home. It has no clock and no
 /// port: poll() follows each step of the machine's controller.
@@ -58,14 +68,8 @@ class Run {
   /// @param program, machine  outlive the run
   Run(const Program& program, control::Machine& machine);
 
-  /// Where somebody says the machine stands, for one that cannot know; it counts where the driver
-  /// does not know better.
-  /// @param has_looked  it is held against all that is known otherwise, and the run is refused
-  ///                    where they contradict; else it counts only where nothing else is known
-  void declare(const JointVector& q, bool has_looked = false) {
-    declared_ = q;
-    has_looked_ = has_looked;
-  }
+  /// Where somebody says the machine stands. Before start().
+  void declare(const Statement& statement) { declared_ = statement; }
   /// For the plan's estimate of `home`. Before start().
   void expect_homing(const Homing& homing) { homing_ = homing; }
   /// Ways of streaming devices are made so that they can be paused and slowed down; they take up to
@@ -124,9 +128,14 @@ class Run {
   /// When the first order was given; nothing before.
   const std::optional<Instant>& begun_at() const { return begun_at_; }
   /// Share of the predicted duration that is behind the run, 0..1; homing counts with its bound.
+  /// Time that it is held does not count.
   double progress(Instant now) const;
+  /// s since the first order was given, without the time that it was held.
+  double elapsed(Instant now) const;
   /// When poll() should be called next even if the machine has nothing to do.
   std::optional<Instant> next_deadline() const { return paused_ ? std::nullopt : wait_end_; }
+  /// A wait for standstill or for a condition is under way: positions of each cycle count.
+  bool watches() const;
   /// Why the phase is kFailed: the line (0: before the first order) and the reason.
   const std::optional<Refusal>& failure() const { return failure_; }
   /// Why the phase is kStopped; nothing where it was this run's own stop().
@@ -139,6 +148,7 @@ class Run {
   void take_notice(const Error& error, Instant now);
   void take_end(const Event& event, Instant now);
   void leave(Instant now);
+  void count_held(Instant now);
   void opening(Instant now);
   void begin(Instant now);
   void issue_next(Instant now);
@@ -184,13 +194,15 @@ class Run {
   std::optional<control::StopCause> stopped_by_;
   bool paused_ = false;
   bool resumes_ = false;  ///< as soon as it is held
+  Instant polled_at_{};
+  Duration held_{};           ///< since its first order
+  Duration held_at_asked_{};  ///< .. when the order under way was given
   bool had_lease_ = false;
   bool left_ = false;
   bool searches_again_ = false;  ///< a search that the loss of the lease has ended
   bool single_step_ = false;
 
-  Start declared_;
-  bool has_looked_ = false;
+  std::optional<Statement> declared_;
   Start q_;                    ///< where the last order left the joints
   bool back_steps_ = false;    ///< the motion under way is a step back
   bool blind_ = false;         ///< the motion under way began nobody knows where

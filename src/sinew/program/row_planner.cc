@@ -10,6 +10,7 @@
 #include "sinew/driver/maxarm_pulses.h"
 #include "sinew/planning/chords.h"
 #include "sinew/planning/motion_limits.h"
+#include "sinew/program/nearest_pitch.h"
 #include "sinew/program/tool_goal.h"
 #include "sinew/program/whole_moves.h"
 
@@ -56,13 +57,6 @@ ToolTarget target_of(const ToolGoal& goal, const RobotPlace& from, const ToolSpa
   // The joints that were taught, whatever the jaws do.
   if (goal.of_joints && goal.R_BT) p = p + ahead * goal.R_BT->z;
   return with_offset(goal, target, space);
-}
-
-bool is_outside(const RobotPlace& place, const RobotModel& robot) {
-  for (std::size_t j = 0; j < robot.joints.size(); ++j) {
-    if (!within_limits(robot.joints[j], place.q[j])) return true;
-  }
-  return false;
 }
 
 bool is_streamed(const RobotModel& robot) {
@@ -251,8 +245,31 @@ std::expected<RowMotion, Refusal> RowPlanner::plan(const JointVector& q_start,
     return own == limits || (own && limits && *own == *limits);
   });
   const auto alike = rows.first(static_cast<std::size_t>(others - rows.begin()));
-  limited_now_ = limits != nullptr;
-  return limited_now_ ? plan_limited(q_start, tool, alike) : plan_rows(q_start, tool, alike);
+  auto planned = plan_alike(q_start, tool, alike);
+  if (planned || !planned.error().way) return planned;
+  WayRefusal& why = *planned.error().way;
+  why.tool = tool;
+  if (planned.error().error.code == ErrorCode::kCollision && !tool.jaws) {
+    why.jaws_first = jaws_first(q_start, alike);
+  }
+  return planned;
+}
+
+std::expected<RowMotion, Refusal> RowPlanner::plan_alike(const JointVector& q_start,
+                                                         const ToolState& tool,
+                                                         std::span<const Step> rows) {
+  limited_now_ = motion_of(rows[0])->limits != nullptr;
+  return limited_now_ ? plan_limited(q_start, tool, rows) : plan_rows(q_start, tool, rows);
+}
+
+std::optional<double> RowPlanner::jaws_first(const JointVector& q_start,
+                                             std::span<const Step> rows) {
+  const auto* serial = std::get_if<SerialGeometry>(&robot_.geometry);
+  if (serial == nullptr || !serial->gripper) return std::nullopt;
+  const double open = serial->gripper->width_max;
+  if (!check_jaws(q_start, {}, open)) return std::nullopt;
+  if (!plan_alike(q_start, {open, std::nullopt}, rows)) return std::nullopt;
+  return open;
 }
 
 std::expected<RowMotion, Refusal> RowPlanner::plan_rows(const JointVector& q_start,
@@ -267,8 +284,7 @@ std::expected<RowMotion, Refusal> RowPlanner::plan_rows(const JointVector& q_sta
     auto made = make_moves(*start, rows);
     if (made) made = plan_moves(*start, rows);
     if (made) break;
-    // Of what is in reach with another pitch the obstacle counts.
-    if (!kept || made.error().error.code == ErrorCode::kCollision) kept = made.error();
+    keep_refusal(made.error(), kept);
     if (!choose_attitude(rows, made.error())) return std::unexpected(std::move(*kept));
   }
   RowMotion out;
@@ -366,8 +382,24 @@ std::expected<void, Refusal> RowPlanner::plan_moves(const RobotPlace& start,
   }
 }
 
+/// Of one row with several orientations: of what is in reach the obstacle counts, of what is in
+/// reach with none the orientation that comes nearest; and the nearest place of all.
+void RowPlanner::keep_refusal(Refusal now, std::optional<Refusal>& kept) const {
+  if (!kept) {
+    kept = std::move(now);
+    return;
+  }
+  const bool nearest = now.way && attitudes_[now.way->refusal.place.move].nearest;
+  if (nearest || now.error.code == ErrorCode::kCollision) std::swap(now, *kept);
+  if (!now.way || !kept->way || now.line != kept->line) return;
+  auto& near = kept->way->proposal.near;
+  const auto& other = now.way->proposal.near;
+  if (other && (!near || other->left < near->left)) near = other;
+}
+
 /// Where a row leaves the orientation open and the one at hand is refused: first the pitch that the
-/// arm's inverse chooses for a point, then the least turn that works.
+/// arm's inverse chooses for a point, then the least turn that works; where no pitch reaches the
+/// point, the one that comes nearest.
 /// @return  false where there is no other one to try
 bool RowPlanner::choose_attitude(std::span<const Step> rows, const Refusal& refusal) {
   if (!refusal.way) return false;
@@ -381,13 +413,25 @@ bool RowPlanner::choose_attitude(std::span<const Step> rows, const Refusal& refu
   Attitude& attitude = attitudes_[k];
   const ToolSpace& space = planner_.space();
   const auto* serial = std::get_if<SerialGeometry>(&robot_.geometry);
-  if (attitude.tries++ == 0 && space.task() == planning::TaskSpace::kPitchRoll) {
+  if (attitude.tries++ == 0 && serial != nullptr && space.task() != planning::TaskSpace::kPose) {
     const RobotPlace& from = refusal.way->refusal.from;
     const auto pitched = space.serial()->inverse_nearest_pitch(
         target->X_BT.p, serial->pitch_preferred, {from.q.data(), space.size()});
-    if (pitched) {
+    if (pitched && space.task() == planning::TaskSpace::kPitchRoll) {
       const double roll = space.point(from.X_BT).attitude[1];
       attitude.X_BT = space.pose({target->X_BT.p, {pitched->pitch, roll}});
+      return true;
+    }
+    const auto& near = refusal.way->proposal.near;
+    if (!pitched && near) {
+      const auto X_BT = space.forward({near->q.data(), space.size()}, from.X_BT);
+      attitude = {3, space.pose({target->X_BT.p, space.point(*X_BT).attitude}, X_BT->R), true};
+      return true;
+    }
+    const auto best = nearest_pitch(*space.serial(), target->X_BT.p);
+    if (!pitched && best && space.task() == planning::TaskSpace::kPitchRoll) {
+      const double roll = space.point(from.X_BT).attitude[1];
+      attitude = {3, space.pose({target->X_BT.p, {*best, roll}}), true};
       return true;
     }
   }
@@ -456,7 +500,7 @@ Refusal RowPlanner::unsayable(std::span<const Step> rows, const RobotPlace& star
   return refusal;
 }
 
-/// Equal times, none longer than the device's segment but the first one from outside the limits.
+/// Equal times, none longer than the device's segment.
 std::expected<void, Refusal> RowPlanner::cut_into_segments(std::span<const Step> rows,
                                                            const RobotPlace& start,
                                                            RowMotion& out) const {
@@ -475,31 +519,22 @@ std::expected<void, Refusal> RowPlanner::cut_into_segments(std::span<const Step>
   // A motion shorter than one segment is one: no wire says less.
   const double segment = count == 1 ? longest : duration / static_cast<double>(count);
   const planning::Trajectory trajectory = motion_.trajectory();
-  const bool outside = is_outside(start, robot_);
   const std::span<const double> from(start.q.data(), robot_.joints.size());
   planning::JointMotion at;
   out.pieces.reserve(count);
-  std::size_t merged = 0;  // into the piece that follows
   for (std::size_t k = 1; k <= count; ++k) {
     const bool last = k == count;
     trajectory.sample(last ? duration : segment * static_cast<double>(k), at);
-    const double together = segment * static_cast<double>(1 + merged);
-    JointMove piece{.q = {}, .qd = {}, .duration = from_seconds(together)};
+    JointMove piece{.q = {}, .qd = {}, .duration = from_seconds(segment)};
     for (std::size_t j = 0; j < robot_.joints.size(); ++j) {
       piece.q.push_back(last ? out.q_end[j] : at.q[j]);
       piece.qd.push_back(last ? 0 : at.qd[j]);
     }
     if (const auto error = wire_.refusal({piece.q.data(), piece.q.size()}, from)) {
-      // Back into the limits, beyond which many a wire says nothing: in one piece.
-      if (outside && out.pieces.empty() && !last) {
-        ++merged;
-        continue;
-      }
       const double s = motion_.law.sample(segment * static_cast<double>(k)).s;
       return std::unexpected(unsayable(rows, start, s, piece.q, *error));
     }
     out.pieces.push_back(piece);
-    merged = 0;
   }
   const double whole = segment * static_cast<double>(count);
   out.arrival = whole + to_seconds(delay_.arrival);

@@ -28,6 +28,8 @@ struct WayRefusal {
   planning::PathRefusal refusal;
   planning::MoveProposal proposal;
   std::optional<Unsayable> unsayable{};
+  ToolState tool{};                     ///< what the gripper was like
+  std::optional<double> jaws_first{};   ///< m; with these the same rows work
 };
 
 /// Why a program cannot run.
@@ -124,6 +126,10 @@ class RowPlanner {
   /// Of a robot with lower limits, as `velocity` and `acceleration` rows ask for.
   struct Limited;
 
+  std::expected<RowMotion, Refusal> plan_alike(const JointVector& q_start, const ToolState& tool,
+                                               std::span<const Step> rows);
+  /// A width (m) with which rows work that are refused while nobody knows the jaws'.
+  std::optional<double> jaws_first(const JointVector& q_start, std::span<const Step> rows);
   std::expected<RowMotion, Refusal> plan_limited(const JointVector& q_start, const ToolState& tool,
                                                  std::span<const Step> rows);
   /// Of rows with the same limits.
@@ -136,6 +142,7 @@ class RowPlanner {
                                           std::span<const Step> rows);
   bool come_nearer(const WayRefusal& why);
   bool choose_attitude(std::span<const Step> rows, const Refusal& refusal);
+  void keep_refusal(Refusal now, std::optional<Refusal>& kept) const;
   std::optional<Error> take_time(const RowMotion& out);
   std::optional<Error> slow_down(RowMotion& out) const;
   std::optional<Error> shown(const JointVector& q_start, const RowMotion& motion) const;
@@ -171,6 +178,7 @@ class RowPlanner {
   struct Attitude {
     int tries = 0;
     std::optional<kinematics::PoseBT> X_BT;
+    bool nearest = false;  ///< none reaches the target; this one comes nearest
   };
   std::vector<Attitude> attitudes_;                   ///< one per row of the plan at hand
   std::unique_ptr<planning::PathFollower> follower_;  ///< of motions with a time of their own

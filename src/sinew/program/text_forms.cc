@@ -1,5 +1,8 @@
 #include "sinew/program/text_forms.h"
 
+#include <algorithm>
+#include <array>
+
 #include "sinew/core/assert.h"
 #include "sinew/core/number_text.h"
 #include "sinew/core/rotation.h"
@@ -98,6 +101,18 @@ Made pose_of(const Plan& plan, const RobotModel& robot, DecimalMark mark) {
 
 }  // namespace
 
+constexpr std::array<std::string_view, 3> kFormNames{"sequence", "pos", "gcode"};
+
+std::string_view name(TextForm form) {
+  return kFormNames[static_cast<std::size_t>(form)];
+}
+
+std::optional<TextForm> text_form(std::string_view name) {
+  const auto found = std::ranges::find(kFormNames, name);
+  if (found == kFormNames.end()) return std::nullopt;
+  return static_cast<TextForm>(found - kFormNames.begin());
+}
+
 std::expected<PlatformFit, NoForm> platform_of(const PoseFile& pose, const RobotModel& robot,
                                                const std::string& file_name, int line) {
   const auto* geometry = legs_of(robot);
@@ -161,6 +176,15 @@ std::expected<Program, NoForm> read_form(TextForm form, std::string_view text,
   for (Step& step : program->steps)
     step.line = rows->lines[static_cast<std::size_t>(step.line - 1)];
   program->notes = rows->notes;
+  return std::move(*program);
+}
+
+std::expected<Program, NoForm> read_text(std::optional<TextForm> form, std::string_view text,
+                                         const std::string& file_name, const RobotModel& robot,
+                                         const Surroundings& around) {
+  if (form) return read_form(*form, text, file_name, robot);
+  auto program = parse(text, file_name, robot, around);
+  if (!program) return none(program.error());
   return std::move(*program);
 }
 

@@ -22,6 +22,10 @@ enum class TextForm : std::uint8_t {
   kGcode,     ///< plain G-code; it is only read
 };
 
+/// "sequence", "pos", "gcode".
+std::string_view name(TextForm form);
+std::optional<TextForm> text_form(std::string_view name);
+
 /// Why a text has no other form: one of these.
 struct NoForm {
   std::string sentence;
@@ -49,6 +53,11 @@ std::expected<Rows, NoForm> rows_of(TextForm form, std::string_view text,
 /// The same as a program whose steps have the lines of the text.
 std::expected<Program, NoForm> read_form(TextForm form, std::string_view text,
                                          const std::string& file_name, const RobotModel& robot);
+
+/// A text of that form, or where there is none a program with what is around it.
+std::expected<Program, NoForm> read_text(std::optional<TextForm> form, std::string_view text,
+                                         const std::string& file_name, const RobotModel& robot,
+                                         const Surroundings& around);
 
 /// A program that can be carried out from home in another form: a sequence, or the pose that its
 /// only row moves to.

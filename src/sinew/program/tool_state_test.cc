@@ -6,6 +6,7 @@
 #include "sinew/kinematics/serial_arm.h"
 #include "sinew/model/joint_lookup.h"
 #include "sinew/program/program_plan.h"
+#include "sinew/program/row_offers.h"
 #include "support/robots.h"
 
 // Programs of a gripper with jaws: where the tips are follows their width, and so does what they
@@ -159,6 +160,85 @@ TEST(OpenAttitude, a_line_turns_as_little_as_it_has_to_and_what_is_out_of_reach_
   const auto beyond = planned("move x=600mm y=0mm z=60mm\n", down);
   ASSERT_FALSE(beyond);
   EXPECT_EQ(beyond.error().error.code, ErrorCode::kOutOfReach);
+}
+
+/// Of all pitches the one that misses the point by least, m.
+double missing_at_best(const std::string& row) {
+  double least = 1;
+  for (int pitch = 0; pitch <= 180; ++pitch) {
+    const auto plan = planned(row + " pitch=" + std::to_string(pitch) + "deg\n");
+    if (plan) return 0;
+    if (plan.error().error.code != ErrorCode::kOutOfReach) continue;
+    least = std::min(least, excess(plan.error().error));
+  }
+  return least;
+}
+
+TEST(OpenAttitude, what_no_pitch_reaches_is_refused_by_what_is_missing_and_the_nearest_is_offered) {
+  for (const std::string row : {"move x=380mm y=0mm z=100mm", "line x=300mm y=-200mm z=250mm"}) {
+    SCOPED_TRACE(row);
+    const double missing = missing_at_best("move" + row.substr(4));
+    ASSERT_GT(missing, 5e-3);
+    const auto refused = planned(row + "\n");
+    ASSERT_FALSE(refused);
+    ASSERT_TRUE(refused.error().way);
+    const planning::MoveProposal& offer = refused.error().way->proposal;
+    const Error& error = offer.at_target ? *offer.at_target : refused.error().error;
+    EXPECT_EQ(error.code, ErrorCode::kOutOfReach);
+    EXPECT_NEAR(excess(error), missing, 0.1e-3);
+    ASSERT_TRUE(offer.near);
+    EXPECT_NEAR(offer.near->left, missing, 0.2e-3);
+    const auto rows = offers(*refused.error().way, test::robot("learm"));
+    ASSERT_FALSE(rows.empty());
+    EXPECT_TRUE(planned(rows[0].substr(rows[0].find(": ") + 2) + "\n")) << rows[0];
+  }
+  // Stretched out it reaches 353 mm.
+  for (const char* row : {"move x=353.05mm z=95mm\n", "move x=353.08mm z=95mm\n"}) {
+    const auto near = planned(row);
+    ASSERT_TRUE(near) << row;
+    EXPECT_LT(norm(tips(moves_of(*near)[0].q, kOpen) - Vec3{0.35305, 0, 0.095}), 0.12e-3);
+  }
+}
+
+TEST(OpenAttitude, over_the_table_a_place_is_offered_that_is_clear_of_it) {
+  const auto refused = planned("move x=200mm y=0mm z=5mm\n");
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().error.code, ErrorCode::kCollision);
+  const auto rows = offers(*refused.error().way, test::robot("learm"));
+  ASSERT_FALSE(rows.empty());
+  for (const std::string& row : rows) {
+    const std::string words = row.substr(row.find(": ") + 2) + "\n";
+    if (words.starts_with("jaws")) {
+      EXPECT_TRUE(planned(words + "move x=200mm y=0mm z=5mm\n")) << row;
+    } else {
+      EXPECT_TRUE(planned(words)) << row;
+    }
+  }
+}
+
+TEST(ToolState, where_open_jaws_make_a_refused_row_work_that_is_said) {
+  const std::string row = "move x=200mm y=0mm z=20mm\n";
+  const auto refused = planned(row);
+  ASSERT_FALSE(refused);
+  ASSERT_TRUE(refused.error().way);
+  EXPECT_EQ(refused.error().way->jaws_first, kOpen);
+  EXPECT_TRUE(planned("jaws 60mm\n" + row));
+  EXPECT_TRUE(offers(*refused.error().way, test::robot("learm"))[0].ends_with(": jaws 60mm"));
+  // Known to be shut: nothing is said of what nobody asked.
+  const auto shut = planned(row, {Start(home_joints(test::robot("learm"))), ToolState{0.0, {}}});
+  EXPECT_TRUE(shut || !shut.error().way->jaws_first);
+}
+
+TEST(ToolState, jaws_that_go_30_mm_on_are_told_a_row_that_works) {
+  const std::string low =
+      "joint base=0deg shoulder=20deg elbow=60deg wrist=60deg roll=0deg\n"
+      "jaws 60mm\nmove x=180mm y=0mm z=60mm\nline z=12.5mm\n";
+  const auto refused = planned(low + "jaws 0mm\n");
+  ASSERT_FALSE(refused);
+  const std::string sentence = describe(refused.error().error);
+  EXPECT_NE(sentence.find(" 30 mm farther"), std::string::npos) << sentence;
+  const std::string remedy = sentence.substr(sentence.find("line frame=tool")) + "\n";
+  EXPECT_TRUE(planned(low + remedy + "jaws 0mm\n")) << remedy;
 }
 
 }  // namespace

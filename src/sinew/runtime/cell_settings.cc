@@ -58,7 +58,7 @@ bool may_be_set_as_port(const std::string& port) {
 }
 
 std::string without_option(std::string sentence) {
-  for (const char* option : {"--profile: ", "--wire: "}) {
+  for (const char* option : {"--profile: ", "--wire: ", "--without: "}) {
     if (sentence.starts_with(option)) sentence.erase(0, std::string_view(option).size());
   }
   return sentence;
@@ -246,9 +246,10 @@ std::expected<MadeRobot, Complaints> CellSettings::make(std::size_t robot,
       complaints.push_back({"port", *other + " has this port already"});
     }
   }
-  auto variant = variant_of(making.model, made.place.profile, made.place.wire);
+  auto variant = variant_of(making.model, made.place.profile, made.place.wire, made.place.without);
   if (!variant) {
-    const std::string name = variant.error().starts_with("--wire") ? "wire" : "profile";
+    std::string name = variant.error().starts_with("--wire") ? "wire" : "profile";
+    if (variant.error().starts_with("--without")) name = "without";
     complaints.push_back({name, without_option(variant.error())});
     return std::unexpected(std::move(complaints));
   }

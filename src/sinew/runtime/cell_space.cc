@@ -59,13 +59,14 @@ std::string CellRefusal::sentence() const {
   const std::string where =
       share > 0 ? fmt::format("{:.0f} % of the way ({:.0f} mm)", 100 * share, to_mm(way))
                 : std::string("the beginning");
-  const std::string how = std::isfinite(distance)
-                              ? fmt::format("within {:.0f} mm", std::max(0.0, to_mm(distance)))
-                              : std::string("too near");
+  const std::string how =
+      !std::isfinite(distance) ? "come too near to " + whom
+      : distance < 0 ? fmt::format("overlap {} by {:.0f} mm", whom, std::ceil(-to_mm(distance)))
+                     : fmt::format("come within {:.0f} mm of {}", to_mm(distance), whom);
   const std::string then = moving ? "wait until it has moved away, or take another way"
                                   : "move it away, or take another way";
-  return fmt::format("{} would come {} of {} at {}, at least {:.0f} mm is asked for: {}", link, how,
-                     whom, where, to_mm(margin), other_link.empty() ? "take another way" : then);
+  return fmt::format("{} would {} at {}, at least {:.0f} mm is asked for: {}", link, how, where,
+                     to_mm(margin), other_link.empty() ? "take another way" : then);
 }
 
 CellSpace::CellSpace(const Cell& cell, std::span<const RobotModel> models) {

@@ -5,6 +5,11 @@
 namespace sinew::runtime {
 namespace {
 
+/// The control loop looks at boards at least so often in their own time, however fast that is.
+constexpr double kSlices = 5;
+/// s of real time between two polls at rest; 5 ms of theirs at most, a quarter of any deadline.
+constexpr double kRestStep = 0.001;
+
 class SerialLine : public DriverLine {
  public:
   SerialLine(ByteDriver& driver, io::Port& port, const io::Clock& clock, ByteLog& log)
@@ -32,9 +37,13 @@ class SpiLine : public DriverLine {
       : driver_(driver), bus_(bus), clock_(clock), log_(log) {}
 
   io::IoResult<void> turn(Duration wait) override {
-    const Duration own = std::max(Duration::zero(), clock_.stretched(wait) - clock_.ahead());
-    const Instant end = clock_.now() + own;
-    // One exchange, or at rest as many as there are in that time.
+    const bool simulated = clock_.is_simulated();
+    const double slices = at_rest() ? clock_.scale() : std::min(clock_.scale(), kSlices);
+    const Duration own = from_seconds(to_seconds(wait) * slices);
+    const Instant end = simulated ? clock_.end_of_turn(own) : clock_.now() + clock_.stretched(wait);
+    const DriverState state = driver_.state();
+    const bool wanted = driver_.wants_move(clock_.now());
+    // One exchange; simulated as many as the controller need not see one by one.
     do {
       driver_.poll(clock_.now());
       if (const auto transfer = driver_.take_transfer(clock_.now())) {
@@ -42,19 +51,29 @@ class SpiLine : public DriverLine {
       } else {
         const auto deadline = driver_.next_deadline();
         const Instant next = deadline ? std::min(end, *deadline) : end;
-        if (!at_rest() || !clock_.is_simulated()) {
+        if (!simulated) {
           clock_.pause_until(next);
           return {};
         }
-        clock_.pass_to(next);
+        const Instant now = clock_.now();
+        clock_.pass_to(std::max(next, std::min(end, now + rest_step())));
+        if (clock_.now() == now) break;
       }
-    } while (at_rest() && clock_.is_simulated() && clock_.now() < end);
-    if (clock_.is_simulated()) clock_.keep_pace();
+    } while (simulated && clock_.now() < end && driver_.state() == state &&
+             driver_.wants_move(clock_.now()) == wanted);
+    if (simulated) clock_.keep_pace();
     return {};
   }
   const ByteCount& count() const override { return count_; }
 
  private:
+  /// Where nothing moves and time runs faster, the boards are polled less often in their time.
+  Duration rest_step() const {
+    const bool rests = at_rest() && driver_.state() == DriverState::kReady;
+    return rests && clock_.scale() > 1 ? from_seconds(kRestStep * std::min(clock_.scale(), kSlices))
+                                       : Duration::zero();
+  }
+
   io::IoResult<void> exchange(const spi::Transfer& transfer) {
     miso_.resize(transfer.mosi.size());
     const std::span mosi(transfer.mosi.begin(), transfer.mosi.size());

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "sinew/device/axis_settings.h"
+#include "sinew/model/left_out.h"
 #include "sinew/motion/rest_to_rest.h"
 
 namespace sinew::runtime {
@@ -46,6 +47,11 @@ program::Homing homing_of(const RobotModel& robot) {
   if (boards_of(robot.device).empty()) return homing;
   homing.rest.emplace();
   for (std::size_t i = 0; i < robot.joints.size(); ++i) {
+    if (is_left_out(robot, i)) {
+      homing.times.push_back(0);
+      homing.rest->push_back(assumed_place(robot.joints[i]));
+      continue;
+    }
     const AxisSettings axis = axis_settings(robot, i);
     homing.times.push_back(homing_time(axis));
     homing.rest->push_back(axis.homing.clear_angle);

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "sinew/model/joint_lookup.h"
+#include "sinew/program/row_offers.h"
 #include "sinew/runtime/homing_time.h"
 
 namespace sinew::runtime {
@@ -79,6 +80,10 @@ void JobRunner::work(const JobOrder& order, StationClient& client) {
 void JobRunner::run(const JobOrder& order, const program::Program& program, StationClient& client) {
   wishes_ = 0;
   wish_refused_.reset();
+  {
+    const std::scoped_lock lock(mutex_);
+    view_.notes = program.notes;
+  }
   Run run(program, client);
   run.expect_homing(homing_of(station_.robot()));
   if (order.changeable) run.make_changeable();
@@ -90,8 +95,11 @@ void JobRunner::run(const JobOrder& order, const program::Program& program, Stat
     const auto free = station_.look(way);
     return free ? std::nullopt : std::optional(free.error());
   });
-  if (const auto assumed = station_.assumed_place()) run.declare(*assumed);
-  if (order.standing_at) run.declare(*order.standing_at, true);
+  if (order.standing_at) {
+    run.declare(*order.standing_at);
+  } else if (const auto assumed = station_.assumed_place()) {
+    run.declare({.q = *assumed, .has_looked = false});
+  }
   station_.set_recorded(order.recorded);
   if (order.recorded) station_.begin_record(order.title, order.record);
   run.start(clock_.now());
@@ -110,7 +118,9 @@ void JobRunner::run(const JobOrder& order, const program::Program& program, Stat
     }
     publish(run, now);
     if (order.look) order.look(run, now);
-    station_.wait_for_cycle(kPatience);
+    // Who samples the run needs each cycle, however fast its time passes.
+    const bool each = order.look || run.watches();
+    station_.wait_for_cycle(kPatience, each ? clock_.now() : run.next_deadline());
   }
   // The program's own pace ends with it; an operator's override is another thing.
   if (order.feed != 1) client.give(control::SetFeed{1});
@@ -176,7 +186,14 @@ void JobRunner::publish(const Run& run, Instant now) {
   const auto notices = run.notices();
   auto in_the_way = run.failure() ? station_.refusal_of(run.failure()->error) : std::nullopt;
   if (run.waits_for_room()) in_the_way = station_.refusal();
+  std::vector<std::string> remedies;
+  // This thread alone writes it.
+  const bool fails = run.failure() && !view_.failure;
+  if (fails && run.failure()->way) {
+    remedies = program::offers(*run.failure()->way, station_.robot());
+  }
   const std::scoped_lock lock(mutex_);
+  if (fails) view_.remedies = std::move(remedies);
   view_.phase = run.phase();
   view_.client_lost = run.left() && !run.finished();
   view_.paused = run.paused() && !run.steps_back();
@@ -191,7 +208,7 @@ void JobRunner::publish(const Run& run, Instant now) {
   view_.begun = run.begun_at().has_value();
   view_.limits = plan.limits;
   view_.progress = run.finished() && run.phase() == Run::Phase::kDone ? 1 : run.progress(now);
-  if (run.begun_at()) view_.elapsed = to_seconds(now - *run.begun_at());
+  view_.elapsed = run.elapsed(now);
   view_.failure = run.failure();
   view_.in_the_way = in_the_way;
   view_.waits_for_room = run.waits_for_room() && !run.finished();
@@ -206,8 +223,11 @@ void JobRunner::wish(std::uint32_t id, Wish what, control::ClientId client) {
   if (view_.id != id || view_.over || wish_ == Wish::kStop) return;
   wish_ = what;
   wisher_ = client;
-  const bool guards = what == Wish::kPause && client != 0;
-  if (guards || what != Wish::kPause) view_.guard = guards ? client : 0;
+  if (what != Wish::kPause) {
+    view_.guard = 0;
+  } else if (view_.guard == 0) {
+    view_.guard = client;
+  }
 }
 
 void JobRunner::stop(std::uint32_t id) {

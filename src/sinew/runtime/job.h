@@ -18,8 +18,7 @@ struct JobOrder {
   program::Program program;
   /// Instead of the program: made where the machine stands, or from its home where nobody knows.
   std::optional<program::RideOrder> ride;
-  /// Where somebody says that the machine stands, for one that cannot know.
-  std::optional<JointVector> standing_at;
+  std::optional<program::Statement> standing_at;
   bool take_over = false;    ///< the lease, from whoever has it
   bool single_step = false;  ///< pauses behind each order
   bool recorded = true;      ///< leaves a record where jobs do, and faults meanwhile too
@@ -52,14 +51,16 @@ struct JobView {
   bool begun = false;             ///< its first order was sent
   planning::LimitTimes limits{};  ///< what holds its motions back
   double progress = 0;
-  double elapsed = 0;  ///< s, since its first order
+  double elapsed = 0;  ///< s, since its first order, without the time that it was held
   std::optional<program::Refusal> failure = std::nullopt;
+  std::vector<std::string> remedies{};  ///< what would work instead of what failed, as rows
   /// What in its cell a motion would have met: why it failed, or waits.
   std::optional<CellRefusal> in_the_way = std::nullopt;
   bool waits_for_room = false;
   std::optional<control::StopCause> stopped_by = std::nullopt;
   std::size_t notices = 0;
   std::optional<program::Notice> last_notice = std::nullopt;
+  std::vector<program::ProgramNote> notes{};  ///< of its text
   std::size_t wishes = 0;  ///< pause, resume, steps: so many were heard
   /// Why the last wish was not done; a step back may be impossible.
   std::optional<program::Refusal> wish_refused = std::nullopt;
@@ -82,7 +83,8 @@ class JobRunner {
   Expected<std::uint32_t> start(JobOrder order, control::ClientId client);
   /// Without effect where the job is not the one under way.
   void stop(std::uint32_t id);
-  /// @param guard  who alone may resume it, as far as resume() is asked; 0: anyone
+  /// @param guard  who alone may resume it, as far as resume() is asked; 0: anyone. Another
+  ///               client's guard stays
   void pause(std::uint32_t id, control::ClientId guard = 0);
   /// @param client  under whose lease it goes on where its own client has lost it
   void resume(std::uint32_t id, control::ClientId client = 0);

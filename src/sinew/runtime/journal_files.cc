@@ -5,6 +5,14 @@
 #include "sinew/core/assert.h"
 
 namespace sinew::runtime {
+namespace {
+
+const std::vector<std::uint8_t>& empty_chunk() {
+  static const std::vector<std::uint8_t> kChunk(kJournalChunkSize, kJournalEmpty);
+  return kChunk;
+}
+
+}  // namespace
 
 DiskResult<JournalBytes> JournalFiles::load() {
   JournalBytes journal;
@@ -33,7 +41,9 @@ JournalFiles::Slot JournalFiles::seal(const JournalRecord& record) {
   Slot slot{};
   std::ranges::copy(bytes, slot.begin());
   std::ranges::copy(bytes, slot.begin() + kJournalRecordSize);
-  end_ = {record.sequence, record.generation, checksum_of(bytes)};
+  end_.sequence = record.sequence;
+  end_.generation = record.generation;
+  end_.checksum = checksum_of(bytes);
   return slot;
 }
 
@@ -45,7 +55,17 @@ DiskResult<void> JournalFiles::write(const JournalRecord& record) {
   if (unsynced_ >= PositionJournal::kUnsyncedMax) {
     if (auto synced = sync(); !synced) return synced;
   }
-  if (auto added = disk_->append(*file_, seal(record)); !added) return fail(added.error());
+  // So early that a sync comes before the last of the slots that there are is written.
+  if (end_.next + (PositionJournal::kUnsyncedMax + 1) * kJournalSlotSize >= end_.length) {
+    if (auto grown = disk_->write(*file_, end_.length, empty_chunk()); !grown) {
+      return fail(grown.error());
+    }
+    end_.length += kJournalChunkSize;
+  }
+  if (auto added = disk_->write(*file_, end_.next, seal(record)); !added) {
+    return fail(added.error());
+  }
+  end_.next += kJournalSlotSize;
   ++unsynced_;
   return {};
 }
@@ -62,8 +82,8 @@ DiskResult<void> JournalFiles::sync() {
 DiskResult<void> JournalFiles::begin_generation(const JournalRecord& record) {
   // The old one ends whole, so that its last word stands where it belongs.
   if (auto synced = sync(); !synced) return synced;
-  const std::uint32_t before = end_.generation;
-  SINEW_ASSERT(record.generation == before + 1);
+  const JournalEnd before = end_;
+  SINEW_ASSERT(record.generation == before.generation + 1);
   if (file_) disk_->close(*file_);
   file_.reset();
   const std::string beside = name_ + ".new";
@@ -74,7 +94,11 @@ DiskResult<void> JournalFiles::begin_generation(const JournalRecord& record) {
   if (!stamp) return fail(stamp.error());
   identity_ = stamp->identity;
   const Slot slot = seal(record);
-  if (auto added = disk_->append(*file_, slot); !added) return fail(added.error());
+  std::vector<std::uint8_t> chunk = empty_chunk();
+  std::ranges::copy(slot, chunk.begin());
+  if (auto added = disk_->write(*file_, 0, chunk); !added) return fail(added.error());
+  end_.next = kJournalSlotSize;
+  end_.length = kJournalChunkSize;
   if (auto synced = disk_->sync(*file_); !synced) return fail(synced.error());
   if (auto moved = disk_->rename(beside, file_of(record.generation)); !moved) {
     return fail(moved.error());
@@ -85,19 +109,19 @@ DiskResult<void> JournalFiles::begin_generation(const JournalRecord& record) {
   return {};
 }
 
-DiskResult<void> JournalFiles::end_generation(std::uint32_t generation, const Slot& slot) {
-  if (generation == 0) return {};
-  const auto old = disk_->open(file_of(generation));
+DiskResult<void> JournalFiles::end_generation(const JournalEnd& end, const Slot& slot) {
+  if (end.generation == 0) return {};
+  const auto old = disk_->open(file_of(end.generation));
   // Somebody removed it; the new one stands by itself.
   if (!old && old.error().code == DiskErrorCode::kMissing) return {};
   if (!old) return fail(old.error());
-  // What a crash left of a slot is filled up: slots are found by their place.
-  const auto stamp = disk_->stamp(file_of(generation));
-  if (!stamp) return fail(stamp.error());
-  std::vector<std::uint8_t> bytes(
-      (kJournalSlotSize - stamp->size % kJournalSlotSize) % kJournalSlotSize, std::uint8_t{0});
-  bytes.insert(bytes.end(), slot.begin(), slot.end());
-  auto done = disk_->append(*old, bytes);
+  DiskResult<void> done;
+  // A crash may have left anything of the chunk behind.
+  if (end.length != 0 && end.next + kJournalSlotSize >= end.length) {
+    done = disk_->write(*old, end.length, empty_chunk());
+    if (done) done = disk_->sync(*old);
+  }
+  if (done) done = disk_->write(*old, end.next, slot);
   if (done) done = disk_->sync(*old);
   disk_->close(*old);
   if (!done) return fail(done.error());

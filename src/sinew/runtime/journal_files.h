@@ -28,7 +28,8 @@ struct JournalBytes {
 /// A new generation is written to NAME.new and synced; that takes the place of the generation
 /// before the last one; the folder is synced. Only then its first record is also added to the last
 /// one, whose final word it is. So there is a whole journal under the two names at every moment,
-/// and a file that goes missing, or comes back as it once was, contradicts the other one.
+/// and a file that goes missing, or comes back as it once was, contradicts the other one. Each file
+/// is longer than its records (kJournalChunkSize), so that one that was cut is too short.
 ///
 /// The first error stays: nothing is written any more, what stands there can still be read.
 class JournalFiles {
@@ -58,7 +59,7 @@ class JournalFiles {
 
   Slot seal(const JournalRecord& record);
   DiskResult<void> begin_generation(const JournalRecord& record);
-  DiskResult<void> end_generation(std::uint32_t generation, const Slot& slot);
+  DiskResult<void> end_generation(const JournalEnd& end, const Slot& slot);
   DiskResult<void> fail(const DiskError& error);
   std::string file_of(std::uint32_t generation) const {
     return name_ + (generation % 2 == 0 ? ".0" : ".1");

@@ -2,8 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <map>
+
 #include "sinew/core/dispatch.h"
 #include "sinew/runtime/journal_test_cell.h"
+#include "sinew/wire/crc32c.h"
 
 namespace sinew::runtime {
 namespace {
@@ -31,10 +34,12 @@ class Story {
     return recover(files.load()->files(), settings);
   }
   /// Another run behind it.
-  void go_on(std::size_t records, JournalKind last) {
+  void go_on(std::size_t records, JournalKind last, std::uint32_t generation_records = 1024) {
     const JournalEnd end = look().end;
     disk.kill_process();
-    go(test::settings_for(kJoints), end, records, last);
+    JournalSettings settings = test::settings_for(kJoints);
+    settings.generation_records = generation_records;
+    go(settings, end, records, last);
   }
   std::array<std::vector<std::uint8_t>, 2> bytes() const {
     return {disk.bytes(kNames[0]).value_or(std::vector<std::uint8_t>{}),
@@ -99,6 +104,47 @@ class Story {
   std::int64_t wall_ = kEpoch;
 };
 
+/// Up to the first empty one.
+std::size_t used_slots(std::span<const std::uint8_t> bytes) {
+  std::size_t used = 0;
+  while (used * kJournalSlotSize < bytes.size() &&
+         !is_empty_journal_slot(bytes.subspan(used * kJournalSlotSize, kJournalSlotSize))) {
+    ++used;
+  }
+  return used;
+}
+
+bool is_seen(const JournalRecovery& recovery) {
+  return recovery.way_out != WayOut::kNothing &&
+         std::ranges::all_of(recovery.positions, [](const JointPosition& joint) {
+           return joint.quality == PositionQuality::kLost;
+         });
+}
+
+/// What the version before wrote: no empty slots, and another number in each record.
+std::array<std::vector<std::uint8_t>, 2> as_version_2(
+    std::array<std::vector<std::uint8_t>, 2> files, std::size_t newer) {
+  std::map<std::uint32_t, std::uint32_t> sums{{0, 0}};
+  const auto put = [](std::span<std::uint8_t> to, std::uint32_t value) {
+    for (std::size_t k = 0; k < 4; ++k) to[k] = static_cast<std::uint8_t>(value >> (8 * k));
+  };
+  for (const std::size_t file : {1 - newer, newer}) {
+    std::vector<std::uint8_t>& bytes = files[file];
+    bytes.resize(used_slots(bytes) * kJournalSlotSize);
+    for (std::size_t at = 0; at < bytes.size(); at += kJournalSlotSize) {
+      const auto record = std::span(bytes).subspan(at, kJournalRecordSize);
+      const SealedRecord sealed = *decode_journal_record(record);
+      record[4] = 2;
+      put(record.subspan(248, 4), sums.at(sealed.seal.previous));
+      const std::uint32_t sum = crc32c(record.first(252));
+      put(record.subspan(252, 4), sum);
+      sums[sealed.checksum] = sum;
+      std::ranges::copy(record, record.data() + kJournalRecordSize);
+    }
+  }
+  return files;
+}
+
 TEST(JournalFiles, what_was_written_comes_back) {
   Story at_rest(39, JournalKind::kRest);
   const JournalRecovery recovery = at_rest.look();
@@ -140,9 +186,12 @@ TEST(JournalFiles, every_flipped_bit_of_forty_records_is_seen_and_harmless) {
     for (std::size_t file = 0; file < 2; ++file) {
       // The last record of all, whose loss would matter most, in both runs; the rest in one.
       const std::size_t first = last == JournalKind::kRest && file == expected.end.generation % 2
-                                    ? bytes[file].size() - 2 * kJournalSlotSize
+                                    ? (used_slots(bytes[file]) - 2) * kJournalSlotSize
                                     : 0;
-      for (std::size_t bit = 8 * first; bit < 8 * bytes[file].size(); bit += kBitStride) {
+      const std::size_t empty = 8 * kJournalSlotSize * used_slots(bytes[file]);
+      // Empty slots are all alike.
+      for (std::size_t bit = 8 * first; bit < 8 * bytes[file].size();
+           bit += bit < empty ? kBitStride : 61 * kBitStride) {
         std::uint8_t& byte = journal.bytes[file][bit / 8];
         byte = static_cast<std::uint8_t>(byte ^ 1U << (bit % 8));
         const JournalRecovery recovery = recover(journal.files(), test::recovery_for(kJoints));
@@ -166,11 +215,13 @@ TEST(JournalFiles, spoiled_slots_never_leave_an_exact_position_that_is_wrong) {
     Story run(last == JournalKind::kRest ? 39 : 40, last);
     const std::size_t newer = run.newer();
     const auto whole = run.bytes()[newer];
-    const std::size_t slots = whole.size() / kJournalSlotSize;
+    const std::size_t slots = used_slots(whole);
     for (std::size_t spoiled = 1; spoiled <= slots; ++spoiled) {
       auto bytes = whole;
-      std::fill(bytes.end() - static_cast<std::ptrdiff_t>(spoiled * kJournalSlotSize), bytes.end(),
-                std::uint8_t{0xFF});
+      // A medium's two ways to say that there is nothing.
+      std::fill_n(bytes.begin() + static_cast<long>((slots - spoiled) * kJournalSlotSize),
+                  spoiled * kJournalSlotSize,
+                  spoiled % 2 == 0 ? std::uint8_t{0xFF} : std::uint8_t{0});
       run.disk.rot(kNames[newer], bytes);
       const JournalRecovery recovery = run.look();
       const bool as_a_crash = spoiled <= PositionJournal::kUnsyncedMax && spoiled < slots;
@@ -191,7 +242,8 @@ TEST(JournalFiles, spoiled_slot_in_the_middle_does_no_harm) {
   for (std::size_t file = 0; file < 2; ++file) {
     const auto whole = run.bytes()[file];
     const bool newer = file == run.newer();
-    for (std::size_t at = newer ? kJournalSlotSize : 0; at + kJournalSlotSize < whole.size();
+    const std::size_t end = used_slots(whole) * kJournalSlotSize;
+    for (std::size_t at = newer ? kJournalSlotSize : 0; at + kJournalSlotSize < end;
          at += kJournalSlotSize) {
       auto bytes = whole;
       std::fill_n(bytes.begin() + static_cast<std::ptrdiff_t>(at), kJournalSlotSize,
@@ -224,23 +276,115 @@ TEST(JournalFiles, file_cut_off_anywhere_by_hand_is_seen) {
   }
 }
 
-TEST(JournalFiles, file_that_ends_early_without_a_trace_is_seen_except_between_two_records) {
-  // A medium that forgets whole records which it called safe, and the change of the file with them,
-  // looks like one on which they were never written: docs/journal.md says so.
+TEST(JournalFiles, file_cut_at_any_byte_is_seen_where_more_than_empty_slots_is_gone) {
   Story run(40, JournalKind::kIntent);
   const std::size_t newer = run.newer();
   const auto whole = run.bytes()[newer];
+  const std::size_t records = used_slots(whole) * kJournalSlotSize;
+  const JournalRecovery expected = run.look();
+  std::size_t believed = 0;
   for (std::size_t size = 0; size < whole.size(); ++size) {
+    // Its stamp is as if nobody had touched it.
     run.disk.rot(kNames[newer], {whole.begin(), whole.begin() + static_cast<long>(size)});
     const JournalRecovery recovery = run.look();
-    // One of the two copies is enough.
-    const std::size_t piece = size % kJournalSlotSize;
-    const bool between = size > 0 && (piece == 0 || piece >= kJournalRecordSize);
-    const bool said_exact = std::ranges::any_of(recovery.positions, [](const JointPosition& joint) {
-      return joint.quality == PositionQuality::kCommanded;
-    });
-    ASSERT_TRUE(between || !said_exact) << size;
-    ASSERT_TRUE(!between || said_exact || recovery.finding == kEndedInMotion) << size;
+    if (size >= records && recovery.finding == kEndedInMotion) {
+      ++believed;
+      ASSERT_EQ(recovery.positions[1].upper, expected.positions[1].upper);
+      continue;
+    }
+    ASSERT_TRUE(is_seen(recovery)) << size << ": " << sentence(recovery.finding);
+    ASSERT_EQ(recovery.finding, size < kJournalRecordSize ? kOlderCopy : kCut) << size;
+    ASSERT_NE(recovery.last_said[0].quality, PositionQuality::kLost);
+  }
+  EXPECT_LE(believed, kJournalChunkSize);
+}
+
+TEST(JournalFiles, file_of_any_length_cut_at_any_border_of_a_slot_is_seen) {
+  std::size_t cuts = 0;
+  for (std::size_t count = 1; count <= 70; ++count) {
+    Story run(count, JournalKind::kRest, 100);
+    run.go_on(count, count % 2 == 0 ? JournalKind::kIntent : JournalKind::kClosed, 100);
+    const std::size_t newer = run.newer();
+    const auto whole = run.bytes()[newer];
+    const std::size_t records = used_slots(whole);
+    ASSERT_EQ(records, count);
+    ASSERT_EQ(whole.size() % kJournalChunkSize, 0U);
+    ASSERT_GT(whole.size(), records * kJournalSlotSize);
+    for (std::size_t slots = 0; slots < records; ++slots, ++cuts) {
+      const auto end = whole.begin() + static_cast<long>(slots * kJournalSlotSize);
+      run.disk.overwrite(kNames[newer], {whole.begin(), end});
+      ASSERT_TRUE(is_seen(run.look())) << slots << " of " << count;
+      // Nor does it help to make it as long as it was.
+      std::vector<std::uint8_t> filled(whole.begin(), end);
+      filled.resize(whole.size());
+      run.disk.overwrite(kNames[newer], filled);
+      const JournalRecovery recovery = run.look();
+      for (const JointPosition& joint : recovery.positions) {
+        ASSERT_LE(joint.quality, PositionQuality::kUncertain) << slots << " of " << count;
+      }
+    }
+    if (count == 1) continue;  // of that file nothing is left to go on from
+    // The run behind a cut is believed again.
+    run.go_on(3, JournalKind::kRest);
+    ASSERT_EQ(run.look().finding, kEndedAtRest) << count;
+  }
+  EXPECT_EQ(cuts, 70U * 71 / 2);
+}
+
+TEST(JournalFiles, last_word_of_a_file_goes_behind_its_last_record_at_any_place) {
+  for (std::size_t count = 1; count <= 40; ++count) {
+    for (const bool torn : {false, true}) {
+      Story run(count, JournalKind::kRest, 100);
+      auto bytes = run.bytes()[run.newer()];
+      // A crash may have left anything of a record, and of a chunk that was being added.
+      const std::size_t used = used_slots(bytes);
+      if (torn) std::fill_n(bytes.begin() + static_cast<long>(used * kJournalSlotSize), 99, 'x');
+      bytes.resize((used + (torn ? 2 : 1) + 15) / 16 * kJournalChunkSize);
+      if (used % 2 == 0) bytes.insert(bytes.end(), 1234, 'y');
+      const std::size_t old = run.newer();
+      run.disk.rot(kNames[old], bytes);
+      ASSERT_EQ(run.look().finding, torn ? kDamagedTail : kEndedAtRest) << count;
+      run.go_on(3, JournalKind::kRest);
+      ASSERT_EQ(run.look().finding, kEndedAtRest) << count;
+      // It is whole again, and contradicts whoever takes the newer one away.
+      ASSERT_TRUE(run.disk.remove(kNames[run.newer()]));
+      ASSERT_EQ(run.look().finding, kOlderCopy) << count;
+    }
+  }
+}
+
+TEST(JournalFiles, crash_that_keeps_a_record_but_not_the_time_of_its_write_is_no_copy) {
+  Story run(20, JournalKind::kIntent);
+  JournalFiles files(run.disk, "positions");
+  JournalBytes journal = *files.load();
+  DiskStamp& stamp = journal.stamps[run.newer()];
+  stamp.changed_ns = kEpoch + kSecond;
+  EXPECT_EQ(recover(journal.files(), test::recovery_for(kJoints)).finding, kEndedInMotion);
+  stamp.changed_ns = kEpoch - 61 * kSecond;
+  EXPECT_EQ(recover(journal.files(), test::recovery_for(kJoints)).finding, kCopied);
+}
+
+TEST(JournalFiles, files_of_the_version_before_are_read_as_ever) {
+  for (const JournalKind last : {JournalKind::kClosed, JournalKind::kIntent}) {
+    Story run(40, last);
+    const JournalRecovery expected = run.look();
+    const std::size_t newer = run.newer();
+    const auto old = as_version_2(run.bytes(), newer);
+    for (std::size_t k = 0; k < 2; ++k) run.disk.rot(kNames[k], old[k]);
+    const JournalRecovery recovery = run.look();
+    EXPECT_EQ(recovery.finding, expected.finding);
+    EXPECT_EQ(recovery.positions[1].upper, expected.positions[1].upper);
+    EXPECT_EQ(recovery.damaged_slots, 0U);
+    auto torn = old[newer];
+    torn.insert(torn.end(), 100, std::uint8_t{0});
+    run.disk.rot(kNames[newer], torn);
+    EXPECT_EQ(run.look().finding, kDamagedTail);
+    run.disk.rot(kNames[newer], old[newer]);
+    run.go_on(3, JournalKind::kRest);
+    EXPECT_EQ(run.look().finding, kEndedAtRest);
+    EXPECT_EQ(run.look().damaged_slots, 0U);
+    ASSERT_TRUE(run.disk.remove(kNames[run.newer()]));
+    EXPECT_EQ(run.look().finding, kOlderCopy);
   }
 }
 
@@ -322,7 +466,8 @@ TEST(JournalFiles, who_died_while_a_device_told_what_it_forgets_leaves_room_for_
   Story torn(20, JournalKind::kIntent);
   auto bytes = torn.bytes()[torn.newer()];
   const double lower = torn.look(settings).positions[1].lower;
-  bytes.insert(bytes.end(), kJournalSlotSize, std::uint8_t{0});
+  std::fill_n(bytes.begin() + static_cast<long>(used_slots(bytes) * kJournalSlotSize),
+              kJournalSlotSize, std::uint8_t{0});
   torn.disk.rot(kNames[torn.newer()], bytes);
   EXPECT_EQ(torn.look(settings).finding, kDamagedTail);
   EXPECT_EQ(torn.look(settings).positions[1].lower, lower - 0.5);
@@ -335,7 +480,7 @@ TEST(JournalFiles, records_that_do_not_follow_one_another_are_no_journal) {
   const auto slot = [&](std::size_t k) {
     return std::span(whole).subspan(k * kJournalSlotSize, kJournalSlotSize);
   };
-  const std::size_t slots = whole.size() / kJournalSlotSize;
+  const std::size_t slots = used_slots(whole);
   // One taken out, two exchanged, one repeated, one of another run put in.
   for (std::size_t k = 0; k + 1 < slots; ++k) {
     auto without = whole;
@@ -350,14 +495,15 @@ TEST(JournalFiles, records_that_do_not_follow_one_another_are_no_journal) {
     run.disk.rot(kNames[newer], exchanged);
     EXPECT_EQ(run.look().finding, kEdited);
     auto repeated = whole;
-    repeated.insert(repeated.end(), slot(k).begin(), slot(k).end());
+    std::ranges::copy(slot(k), repeated.begin() + static_cast<long>(slots * kJournalSlotSize));
     run.disk.rot(kNames[newer], repeated);
     EXPECT_EQ(run.look().finding, kEdited);
   }
   Story other(39, JournalKind::kRest, 24);
   auto mixed = whole;
   const auto foreign = other.bytes()[other.newer()];
-  std::copy_n(foreign.end() - kJournalSlotSize, kJournalSlotSize, mixed.end() - kJournalSlotSize);
+  std::copy_n(foreign.begin() + static_cast<long>((used_slots(foreign) - 1) * kJournalSlotSize),
+              kJournalSlotSize, mixed.begin() + static_cast<long>((slots - 1) * kJournalSlotSize));
   run.disk.rot(kNames[newer], mixed);
   EXPECT_EQ(run.look().finding, kEdited);
 }

@@ -58,7 +58,8 @@ TEST(JournalLosses, what_is_recovered_always_contains_the_truth) {
   // Crashes never look like somebody's hand.
   for (const auto finding :
        {JournalFinding::kEdited, JournalFinding::kOlderCopy, JournalFinding::kCopied,
-        JournalFinding::kUnreadable, JournalFinding::kOtherModel, JournalFinding::kOtherRobot}) {
+        JournalFinding::kCut, JournalFinding::kUnreadable, JournalFinding::kOtherModel,
+        JournalFinding::kOtherRobot}) {
     EXPECT_EQ(times(finding), 0U) << sentence(finding);
   }
 }
@@ -108,6 +109,7 @@ TEST(JournalLosses, full_disk_at_any_write_starts_no_motion_and_holds_within_100
     crash(cell, random);
     const JournalRecovery recovery = cell.look();
     EXPECT_NE(recovery.finding, JournalFinding::kUnreadable);
+    EXPECT_NE(recovery.finding, JournalFinding::kCut);
   });
   std::cout << "  " << failed << " times full; longest until held " << to_seconds(longest)
             << " s\n";

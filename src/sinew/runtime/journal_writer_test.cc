@@ -73,8 +73,9 @@ TEST(JournalPump, error_stays_and_is_told) {
   ASSERT_TRUE(pump.offer(record_at(1)));
   pump.work();
   pump.publish();
-  disk.set_capacity(kJournalSlotSize + 100);
-  ASSERT_TRUE(pump.offer(record_at(2)));
+  disk.set_capacity(kJournalChunkSize + 100);
+  // Until the file has to grow.
+  for (std::uint64_t k = 2; k <= 8; ++k) ASSERT_TRUE(pump.offer(record_at(k)));
   pump.work();
   EXPECT_FALSE(pump.failure());
   pump.publish();
@@ -83,12 +84,12 @@ TEST(JournalPump, error_stays_and_is_told) {
   EXPECT_EQ(pump.durable_sequence(), 1U);
   // Room again is no reason to trust it: what it did meanwhile nobody knows.
   disk.set_capacity(1 << 20);
-  ASSERT_TRUE(pump.offer(record_at(3)));
+  ASSERT_TRUE(pump.offer(record_at(9)));
   pump.work();
   pump.publish();
   EXPECT_TRUE(pump.failed());
   EXPECT_EQ(pump.durable_sequence(), 1U);
-  EXPECT_EQ(disk.bytes("positions.1")->size(), kJournalSlotSize + 100);
+  EXPECT_EQ(disk.bytes("positions.1")->size(), kJournalChunkSize + 100);
 }
 
 TEST(JournalWriter, writes_to_a_real_disk_what_recovery_finds) {

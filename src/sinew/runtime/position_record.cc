@@ -2,11 +2,17 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <cstring>
 #include <utility>
+#include <vector>
 
 #include "sinew/control/machine_identity.h"
+#include "sinew/io/clock.h"
+#include "sinew/io/file.h"
+#include "sinew/io/port_identity.h"
+#include "sinew/runtime/port_claims.h"
 
 namespace sinew::runtime {
 
@@ -44,33 +50,125 @@ PositionRecord::PositionRecord(io::DiskFolder disk, std::string name)
 
 io::IoResult<std::unique_ptr<PositionRecord>> PositionRecord::open(const std::string& folder,
                                                                    const std::string& name,
-                                                                   const RobotModel& robot) {
+                                                                   const RobotModel& robot,
+                                                                   const std::string& port) {
   auto disk = io::DiskFolder::open_folder(folder);
   if (!disk) return std::unexpected(disk.error());
   std::unique_ptr<PositionRecord> record(new PositionRecord(std::move(*disk), name));
-  const auto cannot = [&](const DiskError& error) {
-    return std::unexpected(cannot_be_used(folder, name, error));
-  };
-  if (const auto locked = record->files_.lock(); !locked) return cannot(locked.error());
-  const auto bytes = record->files_.load();
-  if (!bytes) return cannot(bytes.error());
-  record->recovery_ = recover(bytes->files(), control::recovery_settings(robot));
+  if (const auto locked = record->files_.lock(); !locked) {
+    return std::unexpected(cannot_be_used(folder, name, locked.error()));
+  }
+  if (auto done = record->read(robot); !done) return std::unexpected(done.error());
   record->files_.continue_after(record->recovery_.end);
+  if (!port.empty()) {
+    if (auto done = record->take_port(robot, port); !done) return std::unexpected(done.error());
+  }
   record->writer_ = std::make_unique<JournalWriter>(record->files_);
   return record;
 }
 
-control::ControllerStart PositionRecord::start() const {
-  return {recovery_.positions, recovery_.end, recovery_.memory};
+io::IoResult<void> PositionRecord::read(const RobotModel& robot) {
+  const auto bytes = files_.load();
+  if (!bytes) return std::unexpected(cannot_be_used(disk_.path(), name_, bytes.error()));
+  recovery_ = recover(bytes->files(), control::recovery_settings(robot));
+  return {};
 }
 
-io::IoResult<void> PositionRecord::give_up(const RobotModel& robot, const JournalTime& time) {
-  JournalPositions none;
-  // A device that counts goes on counting.
-  for (const JointPosition& joint : recovery_.positions) {
-    none.push_back({.count_zero = joint.count_zero});
+io::IoResult<void> PositionRecord::take_port(const RobotModel& robot, const std::string& port) {
+  PortClaims claims(disk_, io::port_identities(port), robot.id);
+  const std::vector<std::string> owners = claims.owners();
+  const bool ours =
+      std::ranges::all_of(owners, [&](const std::string& owner) { return owner == name_; });
+  io::IoResult<void> done;
+  if (!ours && owners.front().empty()) {
+    note_ = fmt::format(
+        "a run without --journal moved the machine on {} last, so the position journal '{}' does "
+        "not know its position",
+        port, name_);
+    done = lose(robot);
+  } else if (!ours && owners.size() > 1) {
+    note_ = fmt::format(
+        "more than one position journal followed the machine on {} ('{}'), so '{}' does not know "
+        "its position",
+        port, fmt::join(owners, "', '"), name_);
+    done = lose(robot);
+  } else if (!ours) {
+    done = take_over(owners.front(), robot, port);
   }
-  return only_say(robot, {none.data(), none.size()}, JournalCause::kUser, time);
+  if (!done) return done;
+  // Only now: until what was taken over is safe, the other journal is the one that knows.
+  if (const auto claimed = claims.claim(name_); !claimed) {
+    return std::unexpected(cannot_be_used(disk_.path(), name_, claimed.error()));
+  }
+  return {};
+}
+
+io::IoResult<void> PositionRecord::take_over(const std::string& other, const RobotModel& robot,
+                                             const std::string& port) {
+  auto disk = io::DiskFolder::open_folder(disk_.path());
+  if (!disk) return std::unexpected(disk.error());
+  JournalFiles files(*disk, other);
+  const auto locked = files.lock();
+  const auto bytes =
+      locked ? files.load() : DiskResult<JournalBytes>(std::unexpected(locked.error()));
+  if (!bytes) {
+    return std::unexpected(io::IoError{fmt::format(
+        "the position journal '{}' followed the machine on {} last, and '{}' cannot "
+        "continue from it: {}",
+        other, port, name_, cannot_be_used(disk_.path(), other, bytes.error()).sentence)});
+  }
+  const JournalRecovery theirs = recover(bytes->files(), control::recovery_settings(robot));
+  note_ = fmt::format("the position journal '{}' followed the machine on {} last; '{}' ", other,
+                      port, name_);
+  if (theirs.last) {
+    auto done = add(*theirs.last, robot);
+    note_ += fmt::format("continues from it; {}", sentence(recovery_.finding));
+    return done;
+  }
+  note_ += fmt::format("cannot continue from it: {}", sentence(theirs.finding));
+  return lose(robot);
+}
+
+io::IoResult<void> PositionRecord::lose(const RobotModel& robot) {
+  JournalRecord lost;
+  lost.kind = JournalKind::kLost;
+  lost.cause = JournalCause::kRecovery;
+  lost.positions.resize(robot.joints.size());
+  return add(lost, robot);
+}
+
+io::IoResult<void> PositionRecord::add(JournalRecord record, const RobotModel& robot) {
+  record.sequence = recovery_.end.sequence + 1;
+  record.generation = recovery_.end.generation + 1;
+  record.owner = control::journal_owner(robot);
+  record.time.wall_ns = io::wall_time_ns();
+  auto written = files_.write(record);
+  if (written) written = files_.sync();
+  if (!written) return std::unexpected(cannot_be_used(disk_.path(), name_, written.error()));
+  return read(robot);
+}
+
+std::string PositionRecord::found() const {
+  return note_.empty() ? std::string(sentence(recovery_.finding)) : note_;
+}
+
+io::IoResult<void> forget_port(const std::string& folder, const std::string& port,
+                               const RobotModel& robot) {
+  if (!io::exists(folder)) return {};
+  auto disk = io::DiskFolder::open_folder(folder);
+  if (!disk) return std::unexpected(disk.error());
+  PortClaims claims(*disk, io::port_identities(port), robot.id);
+  if (const auto done = claims.release(); !done) {
+    return std::unexpected(io::IoError{folder + ": " + sentence(done.error())});
+  }
+  return {};
+}
+
+control::ControllerStart PositionRecord::start() const {
+  DriverMemory memory = recovery_.memory;
+  const Duration since{io::wall_time_ns() - recovery_.last_time.wall_ns};
+  memory.since = std::max(since, Duration::zero());
+  return {recovery_.positions, recovery_.end, memory};
 }
 
 io::IoResult<void> PositionRecord::import(const RobotModel& robot,

@@ -15,15 +15,14 @@ namespace sinew::runtime {
 class PositionRecord {
  public:
   /// @param folder  made where it is not there. @param name  of the two files; letters, digits, -_.
+  /// @param port  where the machine is; this journal follows it from now on (PortClaims). Where
+  /// another one did so last, its last record is taken over, or all positions are lost. Empty: not
+  /// about a machine that is connected.
   /// @error  a sentence: the folder cannot be had, another process writes this journal, ...
   static io::IoResult<std::unique_ptr<PositionRecord>> open(const std::string& folder,
                                                             const std::string& name,
-                                                            const RobotModel& robot);
-
-  /// Before something moves the machine that this journal does not follow: from now on every joint
-  /// is lost, on disk when this returns. Nothing can be recorded behind it.
-  /// @error  a sentence: the disk's
-  io::IoResult<void> give_up(const RobotModel& robot, const JournalTime& time);
+                                                            const RobotModel& robot,
+                                                            const std::string& port = {});
 
   /// What another program once wrote down of where this machine stands: intervals that hold the
   /// truth, which count from the next run on, on disk when this returns. Nothing can be recorded
@@ -34,12 +33,23 @@ class PositionRecord {
 
   /// What the run before left.
   const JournalRecovery& recovery() const { return recovery_; }
+  /// That another journal, or none, followed the machine last, and what that means; else empty.
+  const std::string& note() const { return note_; }
+  /// For people: what the journal looks like.
+  std::string found() const;
   control::ControllerStart start() const;
   JournalPump& pump() { return writer_->pump(); }
   const std::string& folder() const { return disk_.path(); }
 
  private:
   PositionRecord(io::DiskFolder disk, std::string name);
+  io::IoResult<void> read(const RobotModel& robot);
+  io::IoResult<void> take_port(const RobotModel& robot, const std::string& port);
+  io::IoResult<void> take_over(const std::string& other, const RobotModel& robot,
+                               const std::string& port);
+  io::IoResult<void> lose(const RobotModel& robot);
+  /// As the last one of this journal, on disk when this returns.
+  io::IoResult<void> add(JournalRecord record, const RobotModel& robot);
   /// A run of one word: what was known, and then that of `positions`, because of `cause`.
   io::IoResult<void> only_say(const RobotModel& robot, std::span<const JointPosition> positions,
                               JournalCause cause, const JournalTime& time);
@@ -48,8 +58,14 @@ class PositionRecord {
   std::string name_;
   JournalFiles files_;
   JournalRecovery recovery_;
+  std::string note_;
   std::unique_ptr<JournalWriter> writer_;
 };
+
+/// A run without a journal begins to move the machine on that port: what a journal says of it does
+/// not count any more. @error  a sentence: the disk's
+io::IoResult<void> forget_port(const std::string& folder, const std::string& port,
+                               const RobotModel& robot);
 
 /// $XDG_STATE_HOME/sinew/positions, or where the home has it.
 /// @error  neither variable is set

@@ -2,8 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <variant>
 #include <vector>
 
+#include "sinew/control/machine_identity.h"
 #include "sinew/io/clock.h"
 #include "sinew/io/scratch_folder_test_support.h"
 #include "support/robots.h"
@@ -36,6 +39,91 @@ TEST(PositionRecord, what_another_program_wrote_down_is_an_interval_that_somebod
     EXPECT_GE(found.positions[leg].upper, legs[leg].upper);
     EXPECT_EQ(found.last_said[leg].q, 0.27);
   }
+}
+
+/// Journals of one folder, whose machines hang on ports that are known by their names.
+class OneFolder : public ::testing::Test {
+ protected:
+  /// Opens the journal `name` for `port`, and leaves it with a record of this kind.
+  JournalRecovery live(const std::string& name, const std::string& port, JournalKind kind, double q,
+                       const RobotModel& robot = arm()) {
+    const auto record = PositionRecord::open(folder_.at("p"), name, robot, port);
+    EXPECT_TRUE(record) << record.error().sentence;
+    if (!record) return {};
+    found_ = (*record)->found();
+    const JournalRecovery before = (*record)->recovery();
+    PositionJournal journal(control::journal_settings(robot), before.end);
+    std::vector<JointPosition> at(robot.joints.size(), {PositionQuality::kCommanded, q, q, q});
+    const JournalTime now{Instant{}, io::wall_time_ns()};
+    EXPECT_TRUE((*record)->pump().offer(journal.open(at, now)));
+    if (kind == JournalKind::kIntent) {
+      std::vector<JointInterval> next(at.size(), JointInterval{q, q + 0.1});
+      EXPECT_TRUE((*record)->pump().offer(*journal.reserve({at, next}, now)));
+    }
+    return before;
+  }
+  static const RobotModel& arm() { return sinew::test::robot("bigrobotarm"); }
+
+  sinew::test::ScratchFolder folder_;
+  std::string found_;
+};
+
+TEST_F(OneFolder, another_journal_of_the_machine_is_taken_over_as_it_ends) {
+  live("a", "x", JournalKind::kOpened, 0.5);
+  live("b", "x", JournalKind::kIntent, 0.5);
+  live("a", "x", JournalKind::kOpened, 0.7);
+  EXPECT_NE(found_.find("'b' followed the machine on x last; 'a' continues from it; the last run "
+                        "ended while the machine was moving"),
+            std::string::npos)
+      << found_;
+  const JournalRecovery b = live("b", "x", JournalKind::kOpened, 0);
+  EXPECT_EQ(b.finding, JournalFinding::kEndedAtRest);
+  EXPECT_EQ(b.positions[0].q, 0.7);
+  // The same journal again, and another machine.
+  EXPECT_EQ(live("b", "x", JournalKind::kOpened, 0).positions[0].q, 0);
+  EXPECT_EQ(found_, sentence(JournalFinding::kEndedAtRest));
+  EXPECT_EQ(live("c", "y", JournalKind::kOpened, 0).finding, JournalFinding::kNothing);
+}
+
+TEST_F(OneFolder, what_cannot_be_taken_over_is_lost_and_both_journals_are_named) {
+  live("a", "x", JournalKind::kOpened, 0.5);
+  RobotModel other = arm();
+  std::get<BigRobotArmDevice>(other.device.settings).joints[0].steps_per_rad *= 2;
+  live("b", "x", JournalKind::kOpened, 0.5, other);
+  EXPECT_NE(found_.find("'a' followed the machine on x last; 'b' cannot continue from it: the "
+                        "position journal is of this robot with other zeros"),
+            std::string::npos)
+      << found_;
+  const JournalRecovery a = live("a", "x", JournalKind::kOpened, 0.5);
+  EXPECT_EQ(a.positions[0].quality, PositionQuality::kLost);
+  // Cut short.
+  live("b", "x", JournalKind::kOpened, 0.5);
+  for (const char* file : {"p/b.0", "p/b.1"}) {
+    std::filesystem::resize_file(folder_.at(file), kJournalSlotSize);
+  }
+  EXPECT_EQ(live("a", "x", JournalKind::kOpened, 0.5).positions[0].quality, PositionQuality::kLost);
+  EXPECT_NE(found_.find("truncated"), std::string::npos) << found_;
+}
+
+TEST_F(OneFolder, run_without_a_journal_is_remembered_where_one_follows_the_machine) {
+  ASSERT_TRUE(forget_port(folder_.at("p"), "x", arm()));
+  live("a", "x", JournalKind::kOpened, 0.5);
+  EXPECT_EQ(found_, sentence(JournalFinding::kNothing));
+  ASSERT_TRUE(forget_port(folder_.at("p"), "y", arm()));
+  EXPECT_EQ(live("a", "x", JournalKind::kOpened, 0.5).positions[0].q, 0.5);
+  ASSERT_TRUE(forget_port(folder_.at("p"), "x", arm()));
+  EXPECT_EQ(live("a", "x", JournalKind::kOpened, 0.5).positions[0].quality, PositionQuality::kLost);
+  EXPECT_NE(found_.find("without --journal"), std::string::npos) << found_;
+  EXPECT_EQ(live("a", "x", JournalKind::kOpened, 0.5).positions[0].q, 0.5);
+}
+
+TEST_F(OneFolder, journal_that_somebody_else_writes_is_not_taken_over) {
+  const auto held = PositionRecord::open(folder_.at("p"), "a", arm(), "x");
+  ASSERT_TRUE(held);
+  const auto refused = PositionRecord::open(folder_.at("p"), "b", arm(), "x");
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().sentence.find("'a' followed the machine on x last"), std::string::npos);
+  EXPECT_NE(refused.error().sentence.find("is writing it"), std::string::npos);
 }
 
 }  // namespace

@@ -78,6 +78,7 @@ std::expected<void, std::string> ProcedureRunner::start(const ProcedureOrder& or
   procedure_ = std::make_unique<Procedure>(std::move(*plan), *client_);
   for (const auto& [id, result] : before_.under_way) procedure_->keep(id, result);
   if (order.take_over) procedure_->take_over();
+  if (const auto assumed = station_.assumed_place()) procedure_->assume(*assumed);
   procedure_->explain_by([&station = station_](const Error& error) -> std::optional<std::string> {
     const auto in_the_way = station.refusal_of(error);
     return in_the_way ? std::optional(in_the_way->sentence()) : std::nullopt;

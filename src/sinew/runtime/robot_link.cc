@@ -21,6 +21,10 @@ constexpr std::string_view kSpidev = "spidev";
 constexpr std::string_view kUnix = "unix:";
 constexpr std::string_view kTcp = "tcp:";
 
+bool is_simwire(const std::string& port) {
+  return port.starts_with(kSimwire) || port.starts_with(kUnix) || port.starts_with(kTcp);
+}
+
 std::string place_of(const std::string& port) {
   return port.starts_with(kSimwire) ? port.substr(kSimwire.size()) : port;
 }
@@ -84,16 +88,6 @@ io::IoResult<RobotLink> RobotLink::prepare(const RobotModel& robot, const std::s
   auto parts = parts_for(robot, clock, log);
   parts->name = port;
   return RobotLink(std::move(parts));
-}
-
-io::IoResult<RobotLink> RobotLink::open(const RobotModel& robot, const std::string& port,
-                                        const io::Clock& clock, ByteLog& log) {
-  auto link = prepare(robot, port, clock, log);
-  if (!link) return link;
-  if (const auto connected = link->connect(); !connected) {
-    return std::unexpected(connected.error());
-  }
-  return link;
 }
 
 io::IoResult<void> RobotLink::connect() {
@@ -169,7 +163,7 @@ std::optional<std::string> wrong_port(const RobotModel& robot, const std::string
 }
 
 io::Clock clock_for(const std::optional<std::string>& port, double scale) {
-  return !port || port->starts_with(kSimwire) ? io::Clock::simulated(scale) : io::Clock(scale);
+  return !port || is_simwire(*port) ? io::Clock::simulated(scale) : io::Clock(scale);
 }
 
 namespace {
@@ -187,7 +181,16 @@ std::string silent_boards(const BoardDriver& driver) {
   }
   if (silent == 0 || silent == joints) return {};
   const std::string many = std::to_string(silent) + " of " + std::to_string(joints) + " boards";
-  return many + (silent == 1 ? " does" : " do") + " not answer: " + names;
+  std::string list = "[";
+  for (std::size_t i = 0; i < joints; ++i) {
+    const auto fault = driver.axis_fault(i);
+    if (!fault || fault->code != ErrorCode::kDeviceSilent) continue;
+    list += (list.size() > 1 ? ", \"J" : "\"J") + std::to_string(i + 1) + "\"";
+  }
+  std::string option = names;
+  std::erase(option, ' ');
+  return many + (silent == 1 ? " does" : " do") + " not answer: " + names +
+         "; to use the others: --without " + option + ", in a cell's file without = " + list + "]";
 }
 
 }  // namespace
@@ -202,10 +205,10 @@ std::string suspicion(const Driver& driver) {
          "try --profile as-built";
 }
 
-bool may_be_simulated(const std::string& port) {
-  if (port.starts_with(kSimwire)) return true;
+bool may_be_simulated(const std::optional<std::string>& port) {
+  if (!port || is_simwire(*port)) return true;
   std::error_code error;  // the port may be a link to a pseudo-terminal
-  return std::filesystem::weakly_canonical(port, error).string().starts_with("/dev/pts/");
+  return std::filesystem::weakly_canonical(*port, error).string().starts_with("/dev/pts/");
 }
 
 }  // namespace sinew::runtime

@@ -15,13 +15,10 @@ namespace sinew::runtime {
 /// machine that is simulated in this process.
 class RobotLink {
  public:
+  /// Its port is still closed: connect() opens it.
+  /// @param robot, clock, log  outlive the link
   /// @param port  "/dev/ttyUSB0" for robots on a serial port; for those on SPI "spidev",
   ///              "simwire:unix:PATH" or "simwire:tcp:HOST:PORT".
-  /// @error  the port cannot be opened; a sentence that says why, and what helps
-  static io::IoResult<RobotLink> open(const RobotModel& robot, const std::string& port,
-                                      const io::Clock& clock, ByteLog& log);
-  /// The same with its port still closed: connect() opens it.
-  /// @param robot, clock, log  outlive the link
   /// @error  a port of the wrong kind
   static io::IoResult<RobotLink> prepare(const RobotModel& robot, const std::string& port,
                                          const io::Clock& clock, ByteLog& log);
@@ -33,7 +30,8 @@ class RobotLink {
   RobotLink& operator=(RobotLink&&) = delete;
   ~RobotLink();
 
-  /// Opens the port, also again after it was lost. @error  as open()
+  /// Opens the port, also again after it was lost.
+  /// @error  it cannot be opened; a sentence that says why, and what helps
   io::IoResult<void> connect();
 
   Driver& driver() const;
@@ -66,8 +64,8 @@ io::Clock clock_for(const std::optional<std::string>& port, double scale);
 /// be.
 std::string suspicion(const Driver& driver);
 
-/// Whether a port's name is that of a pseudo-terminal or of simwire, whose other end may keep a
-/// time of its own.
-bool may_be_simulated(const std::string& port);
+/// Whether no real device is meant: no port, a pseudo-terminal, or simwire. The other end of those
+/// may keep a time of its own; what is found out there says nothing of the robot on the bench.
+bool may_be_simulated(const std::optional<std::string>& port);
 
 }  // namespace sinew::runtime

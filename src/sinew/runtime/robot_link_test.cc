@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include "sinew/io/scratch_folder_test_support.h"
 #include "sinew/runtime/robot_variant.h"
+#include "sinew/runtime/running_cell.h"
 #include "support/robots.h"
 
 namespace sinew::runtime {
@@ -53,8 +55,12 @@ TEST(RobotLink, boards_that_are_silent_are_named_on_both_wires) {
   for (const std::optional<std::string>& wire :
        {std::optional<std::string>("link"), std::optional<std::string>()}) {
     for (const auto& [there, sentence] :
-         {std::pair(std::size_t{3}, "3 of 6 boards do not answer: J4, J5, J6"),
-          std::pair(std::size_t{5}, "1 of 6 boards does not answer: J6"),
+         {std::pair(std::size_t{3},
+                    "3 of 6 boards do not answer: J4, J5, J6; to use the others: --without "
+                    "J4,J5,J6, in a cell's file without = [\"J4\", \"J5\", \"J6\"]"),
+          std::pair(std::size_t{5},
+                    "1 of 6 boards does not answer: J6; to use the others: --without J6, in a "
+                    "cell's file without = [\"J6\"]"),
           std::pair(std::size_t{6}, "")}) {
       const RobotModel robot = *variant_of(test::robot("robot-arm-2"), std::nullopt, wire);
       const auto machine = make_machine(robot, {.profile = {}, .boards = there}, Instant{});
@@ -71,7 +77,7 @@ TEST(RobotLink, port_of_the_wrong_kind_is_refused_with_what_would_be_right) {
     for (const std::string port : {"simwire:unix:/tmp/x", "simwire:x", "unix:/tmp/x", "spidev"}) {
       const io::Clock clock;
       ByteLog log;
-      const auto link = RobotLink::open(test::robot(robot), port, clock, log);
+      const auto link = RobotLink::prepare(test::robot(robot), port, clock, log);
       ASSERT_FALSE(link);
       EXPECT_EQ(link.error().sentence,
                 port + ": " + robot + " hangs on a serial port, not on SPI; its port is a device " +
@@ -83,6 +89,28 @@ TEST(RobotLink, port_of_the_wrong_kind_is_refused_with_what_would_be_right) {
   EXPECT_TRUE(wrong_port(test::robot("robot-arm-2"), "/dev/ttyUSB0"));
   EXPECT_FALSE(wrong_port(test::robot("robot-arm-2"), "simwire:unix:/tmp/x"));
   EXPECT_FALSE(wrong_port(test::robot("robot-arm-2"), "tcp:localhost:1"));
+}
+
+TEST(RobotLink, what_is_found_on_a_device_that_may_be_simulated_is_kept_apart) {
+  const test::ScratchFolder folder;
+  for (const char* simulated : {"", "/dev/pts/99", "simwire:unix:/tmp/x", "unix:/tmp/x"}) {
+    const bool none = *simulated == '\0';
+    EXPECT_TRUE(may_be_simulated(none ? std::nullopt : std::optional<std::string>(simulated)));
+  }
+  EXPECT_FALSE(may_be_simulated("/dev/ttyUSB0"));
+  EXPECT_FALSE(may_be_simulated("spidev"));
+  const CellFolders folders{
+      .journal = folder.at("j"), .flight = {}, .record = {}, .commissioning = folder.at("c")};
+  for (const std::string port : {"/dev/pts/nowhere", "/dev/nowhere"}) {
+    Cell cell;
+    cell.robots.emplace_back();
+    cell.robots[0].name = "arm";
+    cell.robots[0].port = port;
+    const auto running = RunningCell::start(cell, {test::robot("learm")}, folders);
+    ASSERT_TRUE(running) << running.error().sentence;
+    EXPECT_EQ(results_file(folders, (*running)->station(0)),
+              folder.at(port == "/dev/nowhere" ? "c/arm.json" : "c/arm.simulated.json"));
+  }
 }
 
 TEST(RobotLink, silence_is_told_as_soon_as_the_wire_allows) {

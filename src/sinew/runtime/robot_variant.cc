@@ -5,6 +5,8 @@
 #include <numbers>
 
 #include "sinew/core/spelling.h"
+#include "sinew/model/joint_lookup.h"
+#include "sinew/model/left_out.h"
 
 namespace sinew::runtime {
 namespace {
@@ -85,6 +87,37 @@ void set_wire(RobotModel& robot, BigRobotArmDevice& device, const std::string& w
   device.dialect = wire == "text2026" ? BigRobotArmDialect::k2026 : BigRobotArmDialect::k2021;
 }
 
+AxisBoards* boards_in(Device& device) {
+  if (auto* registers = std::get_if<AxisRegistersDevice>(&device.settings)) {
+    return &registers->boards;
+  }
+  if (auto* link = std::get_if<AxisLinkDevice>(&device.settings)) return &link->boards;
+  return nullptr;
+}
+
+std::expected<void, std::string> leave_out(RobotModel& robot, std::span<const std::string> names) {
+  AxisBoards* boards = boards_in(robot.device);
+  if (boards == nullptr) {
+    return std::unexpected("--without: " + robot.id +
+                           " has one controller for all joints; no joint can be left out");
+  }
+  for (const std::string& name : names) {
+    const auto joint = joint_named(robot, name);
+    if (!joint) {
+      Names known;
+      for (const Joint& one : robot.joints) known.push_back(one.name);
+      return std::unexpected("--without: '" + printable(name) + "' is no joint of " + robot.id +
+                             "; its joints: " + list_of(known) + ", or J1 to J" +
+                             std::to_string(known.size()));
+    }
+    (*boards)[*joint].homing_place = kLeftOut;
+  }
+  const bool none = std::ranges::all_of(
+      *boards, [](const AxisBoard& board) { return board.homing_place == kLeftOut; });
+  if (none) return std::unexpected("--without: all joints are left out; at least one must stay");
+  return {};
+}
+
 }  // namespace
 
 std::vector<std::string> profiles_of(const RobotModel& robot) {
@@ -129,7 +162,8 @@ std::vector<std::string> wires_of(const RobotModel& robot) {
 
 std::expected<RobotModel, std::string> variant_of(const RobotModel& robot,
                                                   const std::optional<std::string>& profile,
-                                                  const std::optional<std::string>& wire) {
+                                                  const std::optional<std::string>& wire,
+                                                  std::span<const std::string> without) {
   if (const auto fine = check("--wire", wire, wires_of(robot), robot); !fine) {
     return std::unexpected(fine.error());
   }
@@ -157,6 +191,9 @@ std::expected<RobotModel, std::string> variant_of(const RobotModel& robot,
       boards->reports_status = *profile == "document";
     }
     if (auto* icp = std::get_if<IcpDevice>(&settings)) set_profile(*icp, *profile);
+  }
+  if (!without.empty()) {
+    if (const auto fine = leave_out(variant, without); !fine) return std::unexpected(fine.error());
   }
   return variant;
 }

@@ -19,9 +19,12 @@ std::vector<std::string> wires_of(const RobotModel& robot);
 /// Turns the model's device into the variant that somebody asked for: settings that belong to a
 /// profile or wire follow (units of servos, clock, motion kind). What only a simulated device
 /// knows stays in the profile's name.
-/// @error  a sentence: an unknown name, with those that are known
+/// @param without  joints that are left out, by name or number as J3: model/left_out.h
+/// @error  a sentence: an unknown name, with those that are known; or joints that cannot be left
+/// out
 std::expected<RobotModel, std::string> variant_of(const RobotModel& robot,
                                                   const std::optional<std::string>& profile,
-                                                  const std::optional<std::string>& wire);
+                                                  const std::optional<std::string>& wire,
+                                                  std::span<const std::string> without = {});
 
 }  // namespace sinew::runtime

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "sinew/model/left_out.h"
 #include "sinew/runtime/robot_driver.h"
 #include "sinew/runtime/robot_machine.h"
 #include "support/robot_promises.h"
@@ -68,6 +69,30 @@ TEST(RobotVariant, unknown_names_are_told_with_those_that_are_known) {
   EXPECT_EQ(maxarm.error(), "--wire: 'usb' is unknown: maxarm has but one");
   const auto link = variant_of(test::robot("robot-arm-2"), "as-built", "link");
   EXPECT_FALSE(link) << "the first firmware never spoke the link";
+}
+
+TEST(RobotVariant, joints_are_left_out_by_name_or_number_on_both_wires) {
+  const RobotModel arm = test::robot("robot-arm-2");
+  for (const std::optional<std::string>& wire :
+       {std::optional<std::string>("link"), std::optional<std::string>()}) {
+    const std::vector<std::string> names{"J3", "flange_roll"};
+    const auto variant = variant_of(arm, std::nullopt, wire, names);
+    ASSERT_TRUE(variant);
+    for (std::size_t j = 0; j < 6; ++j) {
+      EXPECT_EQ(is_left_out(*variant, j), j == 2 || j == 5);
+      EXPECT_FALSE(is_left_out(arm, j));
+    }
+  }
+  const auto why = [&](const char* robot, const std::vector<std::string>& names) {
+    return variant_of(test::robot(robot), std::nullopt, std::nullopt, names).error();
+  };
+  EXPECT_EQ(why("learm", {"J3"}),
+            "--without: learm has one controller for all joints; no joint can be left out");
+  EXPECT_EQ(why("robot-arm-2", {"J7"}),
+            "--without: 'J7' is no joint of robot-arm-2; its joints: base, shoulder, elbow, "
+            "forearm_roll, wrist_bend, flange_roll, or J1 to J6");
+  EXPECT_EQ(why("robot-arm-2", {"J1", "J2", "J3", "J4", "J5", "J6"}),
+            "--without: all joints are left out; at least one must stay");
 }
 
 TEST(RobotMachine, robot_that_its_device_does_not_fit_is_refused_in_words) {

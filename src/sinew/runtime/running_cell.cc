@@ -15,8 +15,7 @@ StationOptions options_of(const CellRobot& robot, const CellFolders& folders) {
   options.simulated = {.profile = robot.profile, .seed = robot.seed};
   options.journal = robot.journal;
   // What behind a pseudo-terminal begins anew each time has nothing to remember.
-  const bool real = robot.port && !may_be_simulated(*robot.port);
-  if (!options.journal && real) options.journal = robot.name;
+  if (!options.journal && !may_be_simulated(robot.port)) options.journal = robot.name;
   options.journal_folder = folders.journal;
   options.flight_folder = folders.flight;
   options.record_folder = folders.record;
@@ -29,7 +28,7 @@ StationOptions options_of(const CellRobot& robot, const CellFolders& folders) {
 std::string results_file(const CellFolders& folders, const Station& station) {
   if (folders.commissioning.empty()) return {};
   return folders.commissioning + "/" + station.name() +
-         (station.simulated() ? ".simulated.json" : ".json");
+         (may_be_simulated(station.options().port) ? ".simulated.json" : ".json");
 }
 
 io::IoResult<std::unique_ptr<RunningCell>> RunningCell::start(

@@ -30,9 +30,7 @@ class SimulatedLine : public DriverLine {
   io::IoResult<void> turn(Duration wait) override {
     const Instant begin = clock_.now();
     const double slices = at_rest() ? clock_.scale() : std::min(clock_.scale(), kSlices);
-    const Duration own = from_seconds(to_seconds(wait) * slices);
-    // Who is woken early has come no further than real time allows.
-    const Instant end = begin + std::max(Duration::zero(), own - clock_.ahead());
+    const Instant end = clock_.end_of_turn(from_seconds(to_seconds(wait) * slices));
     Instant last = begin;
     collect(begin);
     for (int busy = 0; busy < kInstantMax; ++busy) {

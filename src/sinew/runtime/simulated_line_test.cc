@@ -80,6 +80,39 @@ TEST(SimulatedLine, a_computer_that_looks_away_costs_nothing) {
   EXPECT_EQ(cell.link->driver().health().retries, 0U);
 }
 
+/// The thread of a hexapod at x200 spun through 340,000 empty turns a second.
+TEST(SimulatedLine, no_turn_of_a_fast_machine_is_empty) {
+  LineCell cell("hexapod", std::nullopt, 200);
+  for (int turn = 0; turn < 200; ++turn) {
+    const Instant before = cell.clock.now();
+    ASSERT_TRUE(cell.link->line().turn(2ms));
+    ASSERT_GT(cell.clock.now(), before) << "turn " << turn;
+  }
+}
+
+TEST(SimulatedLine, boards_exchange_many_frames_in_a_turn_and_fewer_at_rest) {
+  LineCell cell("robot-arm-2", "link", 20);
+  ASSERT_TRUE(cell.wait_for(DriverState::kReady, 30s));
+  const auto frames_in = [&](Duration time) {
+    const std::size_t bytes = cell.link->line().count().to_device;
+    int turns = 0;
+    for (const Instant end = cell.clock.now() + time; cell.clock.now() < end; ++turns) {
+      EXPECT_TRUE(cell.link->line().turn(2ms));
+    }
+    return std::pair((cell.link->line().count().to_device - bytes) / 16, turns);
+  };
+  // One cycle of six frames each millisecond.
+  const auto [frames, turns] = frames_in(1s);
+  EXPECT_GE(frames, 5'900U);
+  EXPECT_LE(turns, 150);
+  cell.link->line().set_at_rest(true);
+  const auto [at_rest, turns_at_rest] = frames_in(1s);
+  EXPECT_LE(at_rest, 1'500U);
+  EXPECT_GE(at_rest, 900U) << "none of them reaches its deadline";
+  EXPECT_EQ(cell.link->driver().health().timeouts, 0U);
+  EXPECT_EQ(cell.link->driver().state(), DriverState::kReady);
+}
+
 TEST(SimulatedLine, a_device_of_this_process_and_boards_behind_simwire_have_their_own_time) {
   EXPECT_TRUE(clock_for(std::nullopt, 1).is_simulated());
   EXPECT_TRUE(clock_for("simwire:unix:/tmp/boards", 1).is_simulated());

@@ -4,6 +4,7 @@
 
 #include "sinew/control/machine_identity.h"
 #include "sinew/model/joint_lookup.h"
+#include "sinew/model/left_out.h"
 #include "sinew/runtime/commissioning_file.h"
 #include "sinew/runtime/device_statements.h"
 
@@ -19,6 +20,8 @@ constexpr Duration kRestSlice = std::chrono::milliseconds(5);
 constexpr Duration kIdleSlice = std::chrono::milliseconds(20);
 /// While a motion is streamed the driver is asked this often whether it takes the next segment.
 constexpr Duration kMovingSlice = std::chrono::milliseconds(2);
+/// Of real time: what clients see of a machine that goes on as before is made anew this often.
+constexpr Duration kPublishInterval = std::chrono::milliseconds(2);
 /// The loop's own client, which only stops it at the end; no session has this number.
 constexpr control::ClientId kNobody = ~control::ClientId{0};
 /// Behind it there is something to look at.
@@ -96,8 +99,10 @@ io::IoResult<void> Station::prepare() {
   connected_ = connected.has_value();
   if (!connected) trouble_ = connected.error().sentence;
   if (options_.journal) {
-    auto opened = PositionRecord::open(options_.journal_folder, *options_.journal, robot_);
-    if (!opened) return std::unexpected(opened.error());
+    auto opened = PositionRecord::open(options_.journal_folder, *options_.journal, robot_,
+                                       options_.port.value_or(""));
+    // Another process that has the port has the journal that follows it.
+    if (!opened) return std::unexpected(connected_ ? opened.error() : connected.error());
     record_ = std::move(*opened);
   }
   // Only now: a station that is refused the port must not empty the log of the one that has it.
@@ -132,12 +137,13 @@ void Station::run() {
   loop.set_port_open(connected_);
   Instant retry_at = clock_.now() + retry_interval();
   while (true) {
-    take_mail(loop);
+    const bool mail = take_mail(loop);
     const Instant now = clock_.now();
     loop.set_wall(io::wall_time_ns());
     watch_jog(loop, now);
     loop.step(now);
-    publish(loop, now);
+    note_cycle(loop.controller(), now);
+    if (mail || due(loop.controller(), now)) publish(loop, now);
     if (at_end(loop, now)) return;
     turn(loop, retry_at);
   }
@@ -197,8 +203,10 @@ bool Station::at_end(const ControlLoop& loop, Instant now) const {
   return !busy && !control::may_move(loop.controller().state()) && loop.recorded();
 }
 
-void Station::take_mail(ControlLoop& loop) {
+/// True where there was some.
+bool Station::take_mail(ControlLoop& loop) {
   bool stop = false;
+  bool mail = false;
   {
     const std::scoped_lock lock(mutex_);
     std::size_t taken = 0;
@@ -210,28 +218,42 @@ void Station::take_mail(ControlLoop& loop) {
       ++taken;
     }
     mailbox_.drop_front(taken);
+    mail = taken > 0;
     stop = stop_;
   }
-  if (!stop || closing_since_) return;
+  if (!stop || closing_since_) return mail;
   closing_since_ = clock_.now();
   // At rest there is nothing to stop, and some devices latch a stop.
   if (control::may_move(loop.controller().state())) loop.machine().give(control::Stop{});
   loop.begin_closing();
+  return mail;
+}
+
+void Station::note_cycle(const control::Controller& controller, Instant now) {
+  cycles_timed_.cycle(now);
+  if (!recorder_ || !recorder_->due(now) || !records()) return;
+  const ByteCount bytes = connected_ ? link_->line().count() : ByteCount{};
+  recorder_->offer(sample_of(controller, bytes, connected_, now));
+}
+
+/// Whether there is something to see: an event, another state, a while later, or the time at which
+/// a client wants to look.
+bool Station::due(const control::Controller& controller, Instant now) const {
+  const bool changed = !published_ || published_->state != controller.state() ||
+                       published_->driver != controller.driver().state();
+  return changed || !undelivered_.empty() || now >= look_at_.load() ||
+         now - published_->at >= clock_.stretched(kPublishInterval);
 }
 
 void Station::publish(const ControlLoop& loop, Instant now) {
   const control::Controller& controller = loop.controller();
   const Driver& driver = controller.driver();
-  cycles_timed_.cycle(now);
+  published_ = {now, controller.state(), driver.state()};
   const bool look = now - truth_at_ >= kTruthInterval;
   std::optional<sim::Truth> truth;
   if (look) {
     truth = link_->truth();
     truth_at_ = now;
-  }
-  if (recorder_ && recorder_->due(now) && records()) {
-    const ByteCount bytes = connected_ ? link_->line().count() : ByteCount{};
-    recorder_->offer(sample_of(controller, bytes, connected_, now));
   }
   look_for_facts(controller, now);
   const DeviceFacts facts = driver.facts();
@@ -272,6 +294,7 @@ void Station::publish(const ControlLoop& loop, Instant now) {
     // Whoever takes an event finds what it left in the view.
     for (const ControlEvent& event : undelivered_) deliver(event);
     undelivered_.clear();
+    look_at_ = kNever;
     ++cycles_;
   }
   if (options_.space != nullptr) options_.space->stands(options_.place, stand(controller, now));
@@ -284,6 +307,7 @@ CellStand Station::stand(const control::Controller& controller, Instant now) con
   const auto positions = controller.positions();
   for (std::size_t j = 0; j < positions.size(); ++j) {
     const JointPosition& joint = positions[j];
+    if (is_left_out(robot_, j)) continue;  // its bodies know
     stand.known = stand.known && joint.quality != PositionQuality::kLost;
     stand.sure = stand.sure && joint.quality >= PositionQuality::kCommanded;
     stand.joints.q[j] = (joint.lower + joint.upper) / 2;
@@ -304,6 +328,7 @@ CellStand Station::stand(const control::Controller& controller, Instant now) con
   stand.jogs = true;
   const motion::AxisStates& sent = controller.jog_setpoint();
   for (std::size_t j = 0; j < positions.size(); ++j) {
+    if (is_left_out(robot_, j)) continue;
     const double lower = std::min(positions[j].lower, sent.q[j]);
     const double upper = std::max(positions[j].upper, sent.q[j]);
     stand.joints.q[j] = (lower + upper) / 2;
@@ -510,7 +535,18 @@ std::uint32_t Station::next_id(std::uint8_t slot) {
   return (last_id_ << kSlotBits) | slot;
 }
 
+/// Before this station moves a machine that some journal follows, and none of its own.
+bool Station::forget_port() {
+  if (record_ || !options_.port || options_.journal_folder.empty()) return true;
+  const std::scoped_lock lock(forgetting_);
+  if (!forgotten_) {
+    forgotten_ = runtime::forget_port(options_.journal_folder, *options_.port, robot_).has_value();
+  }
+  return forgotten_;
+}
+
 bool Station::post(const Command& command, std::uint32_t stops_seen) {
+  if (moves(command.what) && !forget_port()) return false;
   const std::scoped_lock lock(mutex_);
   const bool stops = std::holds_alternative<control::Stop>(command.what);
   moved_ = moved_ || moves(command.what);
@@ -555,8 +591,9 @@ std::uint64_t Station::dropped_events(std::uint8_t slot) const {
   return slots_[slot] ? slots_[slot]->dropped() : 0;
 }
 
-void Station::wait_for_cycle(Duration patience) const {
+void Station::wait_for_cycle(Duration patience, std::optional<Instant> at) const {
   std::unique_lock lock(mutex_);
+  if (at && *at < look_at_.load()) look_at_ = *at;
   const std::uint64_t before = cycles_;
   cycled_.wait_for(lock, patience, [&] { return cycles_ != before; });
 }

@@ -84,6 +84,9 @@ class Station {
   std::optional<JointVector> assumed_place() const;
   /// What the journal knew when the station was started; null without one.
   const JournalRecovery* recovery() const { return record_ ? &record_->recovery() : nullptr; }
+  /// For people: PositionRecord::found() and note(); empty without one.
+  std::string journal_found() const { return record_ ? record_->found() : std::string(); }
+  std::string journal_note() const { return record_ ? record_->note() : std::string(); }
 
   /// @name From any thread
   /// @{
@@ -99,7 +102,8 @@ class Station {
   /// For the next cycle. A stop goes first, and what would have moved the machine and still waits
   /// ends with kStopped. So does what somebody gives who does not know of the last stop yet.
   /// @param stops_seen  StationView::stops as whoever gives it knows them
-  /// @return  false where too many wait
+  /// @return  false where too many wait, or where a journal cannot be told of a motion that it does
+  /// not follow
   bool post(const control::Command& command, std::uint32_t stops_seen);
   /// The view knows of every stop that was asked for: what is given from now on is behind them.
   bool stops_seen() const;
@@ -118,8 +122,9 @@ class Station {
   std::optional<control::ControlEvent> take_event(std::uint8_t slot);
   /// Events that this slot was too slow for.
   std::uint64_t dropped_events(std::uint8_t slot) const;
-  /// Returns behind the next cycle, or after `patience`.
-  void wait_for_cycle(Duration patience) const;
+  /// Returns when there is something new to see, at the latest in the first cycle from `at` on or
+  /// after `patience` of real time.
+  void wait_for_cycle(Duration patience, std::optional<Instant> at = {}) const;
 
   /// Why the file of `byte_log` is not whole.
   std::optional<io::IoError> log_failure() const;
@@ -148,12 +153,15 @@ class Station {
   Station(RobotModel robot, StationOptions options, const io::Clock& clock);
 
   io::IoResult<void> prepare();
+  bool forget_port();
   void run();
   void turn(ControlLoop& loop, Instant& retry_at);
   bool at_rest(const control::Controller& controller) const;
   bool records() const;
   Duration retry_interval() const;
-  void take_mail(ControlLoop& loop);
+  bool take_mail(ControlLoop& loop);
+  void note_cycle(const control::Controller& controller, Instant now);
+  bool due(const control::Controller& controller, Instant now) const;
   void publish(const ControlLoop& loop, Instant now);
   CellStand stand(const control::Controller& controller, Instant now) const;
   bool look_around(ControlLoop& loop, Instant now);
@@ -173,6 +181,8 @@ class Station {
   WireRing wire_;
   ByteLog log_;
   std::unique_ptr<PositionRecord> record_;
+  std::mutex forgetting_;
+  bool forgotten_ = false;  ///< under forgetting_
   std::optional<RobotLink> link_;
   std::unique_ptr<RunRecorder> recorder_;  ///< null: nothing is recorded
   std::atomic<bool> recorded_ = true;
@@ -184,6 +194,14 @@ class Station {
   Instant facts_at_{};
   std::vector<control::ControlEvent> undelivered_;  ///< of this cycle
   bool was_ready_ = false;
+  struct Published {
+    Instant at;
+    control::MachineState state;
+    DriverState driver;
+  };
+  std::optional<Published> published_;  ///< of view_, for the control thread
+  static constexpr Instant kNever = Instant::max();
+  mutable std::atomic<Instant> look_at_ = kNever;  ///< set under the mutex
 
   mutable std::mutex mutex_;
   mutable std::condition_variable cycled_;

@@ -481,7 +481,20 @@ void Api::take_events(Session& session) {
   }
 }
 
+/// What was said, what was known before, and what became of it.
+void Api::log_statement(const Pending& pending, const ControlEvent& event) {
+  if (pending.statement.is_null()) return;
+  Json told = pending.statement;
+  told["at_ms"] = io::wall_time_ns() / 1'000'000;
+  if (event.kind == ControlEvent::Kind::kRefused || event.kind == ControlEvent::Kind::kFailed) {
+    told["kind"] = "declaration_refused";
+    told["trouble"] = refusal(RpcCode::kRefused, event.error, pending.robot).message;
+  }
+  log_.add(told);
+}
+
 void Api::settle(Session& session, const Pending& pending, const ControlEvent& event) {
+  log_statement(pending, event);
   // One answer for all robots of a request.
   const bool more = std::ranges::any_of(
       session.pending, [&](const Pending& other) { return other.group == pending.group; });

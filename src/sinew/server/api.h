@@ -105,6 +105,7 @@ class Api {
     std::uint64_t group = 0;  ///< requests that wait for several robots
     bool at_start = false;    ///< that it has begun is answer enough
     bool epoch = false;       ///< the answer is the lease
+    Json statement{};         ///< a statement of a position: its event, once it has an end
   };
   struct Watch {
     bool on = false;
@@ -181,6 +182,8 @@ class Api {
   void renew(Session& session, Instant now);
   void take_events(Session& session);
   void settle(Session& session, const Pending& pending, const control::ControlEvent& event);
+  void log_statement(const Pending& pending, const control::ControlEvent& event);
+  std::expected<bool, RpcError> moved(const Call& call) const;
   void take_answered();
   void take_answered(const Answered& done);
   void log_demonstration();
@@ -229,6 +232,7 @@ class Api {
   Answer preview(const Call& call) const;
   std::optional<RpcError> may_not_resume(const Call& call, const runtime::JobView& job);
   Answer steer_job(const Method& method, const Call& call);
+  Answer steer_motion(const Method& method, const Call& call);
   Answer give(const Call& call, const control::CommandWhat& what, bool at_start = false);
   std::expected<JointVector, RpcError> joints(const Json& numbers, std::size_t robot) const;
 

@@ -142,6 +142,45 @@ TEST(ApiClientLoss, a_guarded_hold_is_released_by_whoever_set_it_or_by_an_explic
   EXPECT_EQ(owner.finish("left")["phase"], "done");
 }
 
+TEST(ApiClientLoss, a_guard_is_not_replaced_by_another_clients_guarded_hold) {
+  ApiCell cell({arm()}, 5);
+  ApiClient owner(cell);
+  ApiClient guard(cell);
+  ApiClient other(cell);
+  begin(cell, owner);
+  const Json hold{{"robot", "left"}, {"guarded", true}};
+  EXPECT_EQ(guard.sentence("robot.hold", hold), "");
+  EXPECT_NE(other.sentence("robot.hold", hold).find("it stays held, without a guard of yours"),
+            std::string::npos);
+  EXPECT_EQ(job_of(owner)["held_by"], guard.id());
+  EXPECT_NE(other.sentence("robot.resume", {{"robot", "left"}}).find("only that client resumes it"),
+            std::string::npos);
+  ASSERT_TRUE(cell.until([&] { return owner.status("left")["state"] == "held"; }));
+  EXPECT_EQ(guard.sentence("robot.resume", {{"robot", "left"}}), "");
+  EXPECT_EQ(owner.finish("left")["phase"], "done");
+}
+
+TEST(ApiClientLoss, without_a_program_no_hold_is_guarded_and_nothing_is_resumed) {
+  ApiCell cell({arm()}, 5);
+  ApiClient client(cell);
+  EXPECT_NE(client.sentence("robot.hold", {{"robot", "left"}, {"guarded", true}})
+                .find("only the hold of a program can be guarded"),
+            std::string::npos);
+  EXPECT_EQ(client.sentence("robot.resume", {{"robot", "left"}}),
+            "nothing is paused on this robot");
+}
+
+TEST(ApiClientLoss, a_procedure_without_the_lease_is_refused_before_it_occupies_the_robot) {
+  ApiCell cell({arm()}, 5);
+  ApiClient owner(cell);
+  ApiClient other(cell);
+  ASSERT_EQ(owner.sentence("lease.take", {{"robot", "left"}}), "");
+  EXPECT_NE(other.sentence("procedure.start", {{"robot", "left"}, {"kind", "commission"}})
+                .find("moves this machine; take over, or wait"),
+            std::string::npos);
+  EXPECT_EQ(owner.run("left", "wait 0.1s")["phase"], "done");
+}
+
 TEST(ApiClientLoss, a_program_without_the_lease_is_refused_before_it_occupies_the_robot) {
   ApiCell cell({arm()}, 5);
   ApiClient owner(cell);

@@ -8,6 +8,7 @@
 #include "sinew/program/text_forms.h"
 #include "sinew/runtime/homing_time.h"
 #include "sinew/server/api.h"
+#include "sinew/server/preview.h"
 #include "sinew/server/robot_json.h"
 
 namespace sinew::server {
@@ -28,12 +29,14 @@ std::map<std::string, std::string> texts_of(const RpcRequest& request, const cha
 struct CheckWish {
   std::size_t robot = 0;
   std::string text;
+  std::optional<program::TextForm> form{};
   std::optional<std::string> points;
   std::optional<std::map<std::string, std::string>> called;
 };
 
 CheckWish wish_of(std::size_t robot, const RpcRequest& request) {
-  CheckWish wish{.robot = robot, .text = request.text("text"), .points = {}, .called = {}};
+  CheckWish wish{
+      .robot = robot, .text = request.text("text"), .form = {}, .points = {}, .called = {}};
   if (request.params.contains("points")) wish.points = request.text("points");
   if (request.params.contains("called")) wish.called = texts_of(request, "called");
   return wish;
@@ -85,6 +88,9 @@ class Verdicts {
               {"duration_max_s", checked.duration_max},
               {"homing_at_most_s", checked.homing_max},
               {"rows", std::move(rows)}};
+    for (const program::ProgramNote& note : program_.notes) {
+      json["notes"].push_back({{"line", note.line}, {"sentence", note.sentence}});
+    }
     if (checked.broken_off) json["broken_off"] = refusal(*checked.broken_off);
     return json;
   }
@@ -142,13 +148,12 @@ class Verdicts {
 };
 
 /// A program with the points and programs around it.
-/// @error  a sentence of a disk, or complaints
-using Unread = std::variant<std::string, std::vector<Complaint>>;
-std::expected<program::Program, Unread> read_program(const runtime::RunningCell& cell,
-                                                     const Keeper& keeper, const CheckWish& wish) {
+std::expected<program::Program, program::NoForm> read_program(const runtime::RunningCell& cell,
+                                                              const Keeper& keeper,
+                                                              const CheckWish& wish) {
   const auto kept = wish.points ? std::expected<std::string, std::string>(*wish.points)
                                 : keeper.kept_points(wish.robot);
-  if (!kept) return std::unexpected(kept.error());
+  if (!kept) return std::unexpected(program::NoForm{kept.error(), {}, {}});
   const TaughtPoints points = usable_points(*kept, "points.toml");
   program::Surroundings around;
   around.points = &points;
@@ -163,37 +168,19 @@ std::expected<program::Program, Unread> read_program(const runtime::RunningCell&
     if (found != wish.called->end()) return program::CalledFile{key, found->second};
     return std::unexpected("the request does not bring the program '" + key + "'");
   };
-  auto program = program::parse(wish.text, kOwnName, cell.station(wish.robot).robot(), around);
-  if (!program) return std::unexpected(program.error());
-  return std::move(*program);
-}
-
-RpcError refused(std::string sentence) {
-  return {RpcCode::kRefused, std::move(sentence), nullptr};
+  return program::read_text(wish.form, wish.text, kOwnName, cell.station(wish.robot).robot(),
+                            around);
 }
 
 Keeper::Result check_text(const runtime::RunningCell& cell, const Keeper& keeper,
                           const CheckWish& wish) {
   const auto program = read_program(cell, keeper, wish);
   if (program) return Verdicts(cell, wish, *program).json();
-  if (const auto* sentence = std::get_if<std::string>(&program.error())) {
-    return std::unexpected(refused(*sentence));
+  const std::vector<Complaint>& complaints = program.error().complaints;
+  if (complaints.empty()) {
+    return std::unexpected(no_form(program.error(), cell.station(wish.robot).robot()));
   }
-  const auto& complaints = std::get<std::vector<Complaint>>(program.error());
   return Json{{"fine", false}, {"rows", complaint_rows(complaints)}};
-}
-
-std::optional<program::TextForm> form_of(const std::string& name) {
-  if (name == "sequence") return program::TextForm::kSequence;
-  if (name == "pos") return program::TextForm::kPose;
-  if (name == "gcode") return program::TextForm::kGcode;
-  return std::nullopt;
-}
-
-RpcError no_form(const program::NoForm& why, const RobotModel& model) {
-  if (!why.complaints.empty()) return complained(why.complaints);
-  if (why.refusal) return refused_plan(*why.refusal, model, std::nullopt);
-  return refused(why.sentence);
 }
 
 Keeper::Result export_text(const runtime::RunningCell& cell, const Keeper& keeper,
@@ -201,12 +188,7 @@ Keeper::Result export_text(const runtime::RunningCell& cell, const Keeper& keepe
                            program::DecimalMark mark) {
   const auto program = read_program(cell, keeper, wish);
   const RobotModel& model = cell.station(wish.robot).robot();
-  if (!program) {
-    if (const auto* sentence = std::get_if<std::string>(&program.error())) {
-      return std::unexpected(refused(*sentence));
-    }
-    return std::unexpected(complained(std::get<std::vector<Complaint>>(program.error())));
-  }
+  if (!program) return std::unexpected(no_form(program.error(), model));
   auto text = program::text_of(form, *program, model, mark);
   if (!text) return std::unexpected(no_form(text.error(), model));
   return Json{{"text", std::move(*text)}};
@@ -219,13 +201,15 @@ Api::Errand Api::at_files(std::function<Keeper::Result()> work) {
 }
 
 Api::Answer Api::check_program(const Call& call) {
-  return Errand{checks_, as_task([this, wish = wish_of(*call.robot, call.request)] {
-                  return check_text(cell_, keeper_, wish);
-                })};
+  const auto form = asked_form(call.request, cell_.station(*call.robot).robot());
+  if (!form) return form.error();
+  CheckWish wish = wish_of(*call.robot, call.request);
+  wish.form = *form;
+  return Errand{checks_, as_task([this, wish] { return check_text(cell_, keeper_, wish); })};
 }
 
 Api::Answer Api::import_program(const Call& call) {
-  const auto form = form_of(call.request.text("form"));
+  const auto form = program::text_form(call.request.text("form"));
   if (!form) return invalid("form is sequence, pos or gcode");
   const RobotModel& model = cell_.station(*call.robot).robot();
   return Errand{checks_, as_task([=, &model, text = call.request.text("text")]() -> Keeper::Result {
@@ -236,7 +220,7 @@ Api::Answer Api::import_program(const Call& call) {
 }
 
 Api::Answer Api::export_program(const Call& call) {
-  const auto form = form_of(call.request.text("form"));
+  const auto form = program::text_form(call.request.text("form"));
   if (!form || *form == program::TextForm::kGcode) return invalid("form is sequence or pos");
   const auto mark = call.request.flag("decimal_comma") ? program::DecimalMark::kComma
                                                        : program::DecimalMark::kPoint;

@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "sinew/config/points_file.h"
+#include "sinew/control/position_evidence.h"
 #include "sinew/core/spelling.h"
 #include "sinew/io/clock.h"
 #include "sinew/model/joint_lookup.h"
@@ -49,6 +50,13 @@ std::optional<planning::JogFrame> frame_of(std::string_view word) {
   if (word == "tool") return planning::JogFrame::kTool;
   if (word == "platform") return planning::JogFrame::kPlatform;
   return std::nullopt;
+}
+
+RpcError guarded(const runtime::JobView& job, const char* way_out) {
+  return {RpcCode::kRefused,
+          "client " + std::to_string(job.guard) + " holds '" + job.title +
+              "' and only that client resumes it" + way_out,
+          {{"code", "hold_guarded"}, {"held_by", job.guard}}};
 }
 
 }  // namespace
@@ -299,36 +307,57 @@ std::expected<JointVector, RpcError> Api::joints(const Json& numbers, std::size_
   return q;
 }
 
+/// Whether somebody moved the robot, and says who and how.
+std::expected<bool, RpcError> Api::moved(const Call& call) const {
+  const auto moved = call.request.params.find("moved");
+  if (moved == call.request.params.end()) return false;
+  const auto& why = moved->get_ref<const std::string&>();
+  if (why.find_first_not_of(' ') != std::string::npos) return true;
+  return std::unexpected(invalid("moved needs a reason in words: who moved it, and how"));
+}
+
 Api::Answer Api::declare(const Call& call) {
-  JointVector q = home_joints(cell_.station(*call.robot).robot());
-  if (const auto given = call.request.params.find("positions");
-      given != call.request.params.end()) {
-    const auto read = joints(*given, *call.robot);
-    if (!read) return read.error();
-    q = *read;
-  }
-  control::Declare declare;
-  for (const double one : q) {
-    declare.positions.push_back({PositionQuality::kCommanded, one, one, one});
-  }
-  if (const auto moved = call.request.params.find("moved"); moved != call.request.params.end()) {
-    const std::string why = printable(moved->get<std::string>().substr(0, kReasonMax));
-    if (why.find_first_not_of(' ') == std::string::npos) {
-      return invalid("moved needs a reason in words: who moved it, and how");
+  const runtime::Station& station = cell_.station(*call.robot);
+  const auto hand = moved(call);
+  if (!hand) return hand.error();
+  control::Declare declare{.positions = {},
+                           .moved = *hand,
+                           .zeroes_counters = call.request.flag("zero_counters")};
+  const runtime::StationView view = station.view();
+  const auto given = call.request.params.find("positions");
+  if (call.request.flag("shown")) {
+    const auto shown =
+        control::as_shown(station.robot(), {view.positions.data(), view.positions.size()});
+    if (!shown) return refusal(RpcCode::kRefused, shown.error(), *call.robot);
+    declare.positions = *shown;
+  } else {
+    JointVector q = home_joints(station.robot());
+    if (given != call.request.params.end()) {
+      const auto read = joints(*given, *call.robot);
+      if (!read) return read.error();
+      q = *read;
     }
-    declare.moved = true;
-    log_.add({{"at_ms", io::wall_time_ns() / 1'000'000},
-              {"robot", cell_.station(*call.robot).name()},
-              {"kind", "moved"},
-              {"client", call.session.id},
-              {"reason", why}});
+    for (const double one : q) {
+      declare.positions.push_back({PositionQuality::kCommanded, one, one, one});
+    }
   }
-  declare.zeroes_counters = call.request.params.value("zero_counters", false);
-  log_.add({{"at_ms", io::wall_time_ns() / 1'000'000},
-            {"robot", cell_.station(*call.robot).name()},
-            {"kind", "declared"},
-            {"client", call.session.id}});
-  return give(call, declare);
+  Json places = Json::array();
+  for (const JointPosition& joint : declare.positions) places.push_back(joint.q);
+  Answer answer = give(call, declare);
+  if (auto* later = std::get_if<Later>(&answer)) {
+    Json& event = later->commands.front().statement;
+    event = {{"robot", station.name()},
+             {"kind", "declared"},
+             {"client", call.session.id},
+             {"positions", places},
+             {"known", joints_json(view, station.robot())}};
+    if (*hand) {
+      event["reason"] =
+          printable(call.request.params["moved"].get<std::string>().substr(0, kReasonMax));
+    }
+    if (declare.zeroes_counters) event["zero_counters"] = true;
+  }
+  return answer;
 }
 
 Api::Answer Api::nudge(const Call& call) {
@@ -373,8 +402,10 @@ Api::Answer Api::run_program(const Call& call) {
     }
     return std::unexpected("the request does not bring the program '" + key + "'");
   };
-  auto program = program::parse(text, name, model, around);
-  if (!program) return complained(program.error());
+  const auto form = asked_form(call.request, model);
+  if (!form) return form.error();
+  auto program = program::read_text(*form, text, name, model, around);
+  if (!program) return no_form(program.error(), model);
   if (program->steps.empty()) return invalid("the program has no row");
   runtime::JobOrder order{.title = name,
                           .program = std::move(*program),
@@ -388,8 +419,13 @@ Api::Answer Api::run_program(const Call& call) {
   if (const auto given = params.find("standing_at"); given != params.end()) {
     const auto read = joints(*given, *call.robot);
     if (!read) return read.error();
-    order.standing_at = *read;
+    order.standing_at = program::Statement{.q = *read};
   }
+  if (call.request.flag("shown")) order.standing_at = program::Statement{};
+  const auto hand = moved(call);
+  if (!hand) return hand.error();
+  if (*hand && !order.standing_at) return invalid("moved goes with standing_at or shown");
+  if (*hand) order.standing_at->moved = true;
   return start(call, std::move(order));
 }
 
@@ -444,6 +480,8 @@ Api::Answer Api::start(const Call& call, runtime::JobOrder order) {
 std::optional<RpcError> Api::held_by_another(const Call& call, bool take_over) const {
   const auto holder = cell_.station(*call.robot).view().holder;
   if (take_over || !holder || holder->client == call.session.id) return std::nullopt;
+  // Who has gone has given it back, if only a moment ago.
+  if (!sessions_.contains(holder->client)) return std::nullopt;
   const Error held{ErrorCode::kLeaseHeld, -1, static_cast<double>(holder->client)};
   return refusal(RpcCode::kRefused, held, *call.robot);
 }
@@ -459,13 +497,9 @@ std::optional<RpcError> Api::job_under_way(std::size_t robot) const {
 
 /// A hold that is guarded, and a program whose client is gone, are not for everyone.
 std::optional<RpcError> Api::may_not_resume(const Call& call, const runtime::JobView& job) {
-  const bool guarded = job.guard != 0 && job.guard != call.session.id;
-  if (guarded && !call.request.flag("take_over")) {
-    return RpcError{RpcCode::kRefused,
-                    "client " + std::to_string(job.guard) + " holds '" + job.title +
-                        "' and only that client resumes it; take the hold over (take_over), or "
-                        "stop it",
-                    {{"code", "hold_guarded"}, {"held_by", job.guard}}};
+  const bool by_another = job.guard != 0 && job.guard != call.session.id;
+  if (by_another && !call.request.flag("take_over")) {
+    return guarded(job, "; take the hold over (take_over), or stop it");
   }
   if (!job.client_lost) return std::nullopt;
   const auto holder = cell_.station(*call.robot).view().holder;
@@ -476,17 +510,34 @@ std::optional<RpcError> Api::may_not_resume(const Call& call, const runtime::Job
                   {{"code", "client_lost"}}};
 }
 
+/// Where no program is under way.
+Api::Answer Api::steer_motion(const Method& method, const Call& call) {
+  if (method.id == MethodId::kRobotHold) {
+    auto held = give(call, control::Hold{});
+    if (!call.request.flag("guarded")) return held;
+    return RpcError{RpcCode::kRefused,
+                    "only the hold of a program can be guarded, and no program is under way on "
+                    "this robot: what moves is held, but anyone resumes it",
+                    nullptr};
+  }
+  if (method.id != MethodId::kRobotResume) {
+    return RpcError{RpcCode::kRefused, "no program is under way on this robot", nullptr};
+  }
+  if (cell_.station(*call.robot).view().state != control::MachineState::kHeld) {
+    return RpcError{RpcCode::kRefused, "nothing is paused on this robot", nullptr};
+  }
+  return give(call, control::Resume{});
+}
+
 Api::Answer Api::steer_job(const Method& method, const Call& call) {
   runtime::JobRunner& jobs = cell_.jobs(*call.robot);
   const runtime::JobView job = jobs.view();
-  if (job.over) {
-    if (method.id == MethodId::kRobotHold) return give(call, control::Hold{});
-    if (method.id == MethodId::kRobotResume) return give(call, control::Resume{});
-    return RpcError{RpcCode::kRefused, "no program is under way on this robot", nullptr};
-  }
+  if (job.over) return steer_motion(method, call);
   if (method.id == MethodId::kRobotHold) {
-    jobs.pause(job.id, call.request.flag("guarded") ? call.session.id : 0);
-    return Json{{"job", job.id}};
+    const bool guards = call.request.flag("guarded");
+    jobs.pause(job.id, guards ? call.session.id : 0);
+    if (!guards || job.guard == 0 || job.guard == call.session.id) return Json{{"job", job.id}};
+    return guarded(job, "; it stays held, without a guard of yours");
   }
   if (const auto refused = may_not_resume(call, job)) return *refused;
   if (method.id == MethodId::kRobotResume) {

@@ -101,8 +101,11 @@ Api::Answer Api::preview(const Call& call) const {
     if (samples < 2 || samples > 1000) return invalid("samples has to be 2 to 1000");
     wish.samples = samples;
   }
-  auto program = program::parse(wish.text, "preview", model);
-  if (!program) return invalid(to_text(program.error().front()));
+  const auto form = asked_form(call.request, model);
+  if (!form) return form.error();
+  auto program = program::read_text(*form, wish.text, "preview", model, {});
+  if (!program && program.error().complaints.empty()) return no_form(program.error(), model);
+  if (!program) return invalid(to_text(program.error().complaints.front()));
   if (program->steps.empty()) return invalid("the program has no row");
   wish.program = std::move(*program);
   wish.from = standing(cell_.station(*call.robot));

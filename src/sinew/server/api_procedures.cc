@@ -45,6 +45,9 @@ Api::Answer Api::start_procedure(const Call& call) {
     procedures.go_on(call.session.id, take_over);
     return procedure(*call.robot);
   }
+  if (!busy) {
+    if (const auto held = held_by_another(call, take_over)) return *held;
+  }
   const auto begun = procedures.start(
       {.kind = kind, .take_over = take_over, .anew = call.request.flag("anew")}, call.session.id);
   if (begun) return procedure(*call.robot);

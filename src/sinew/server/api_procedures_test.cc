@@ -113,13 +113,12 @@ TEST(ApiProcedures, a_platform_is_recovered_step_by_step_while_others_watch) {
 }
 
 TEST(ApiProcedures, what_is_no_procedure_or_no_answer_is_refused_with_a_sentence) {
-  ApiCell cell({place("six", "hexapod"), place("arm", "learm", "bus")}, 1);
+  ApiCell cell({place("six", "hexapod")}, 1);
   ApiClient client(cell);
   const auto start = [&](const char* robot, const char* kind) {
     return client.sentence("procedure.start", {{"robot", robot}, {"kind", kind}});
   };
   EXPECT_NE(start("six", "dance").find("home, recover or commission"), std::string::npos);
-  EXPECT_NE(start("arm", "home").find("has no end stops"), std::string::npos);
   EXPECT_NE(client.sentence("procedure.answer", {{"robot", "six"}, {"answer", "go"}})
                 .find("no procedure is under way"),
             std::string::npos);
@@ -140,6 +139,17 @@ TEST(ApiProcedures, what_is_no_procedure_or_no_answer_is_refused_with_a_sentence
   EXPECT_EQ(recovery.asked()["step"]["id"], "adjust.leg1");
   EXPECT_EQ(client.sentence("procedure.cancel", {{"robot", "six"}}), "");
   EXPECT_EQ(recovery.end()["phase"], "cancelled");
+}
+
+TEST(ApiProcedures, a_robot_without_end_stops_goes_to_its_home_pose) {
+  ApiCell cell({place("big", "bigrobotarm")}, 20);
+  ApiClient client(cell);
+  ASSERT_EQ(client.run("big", "joint base=20deg")["phase"], "done");
+  Procedure home(cell, client, "big", "home");
+  EXPECT_EQ(home.say("yes"), "");
+  EXPECT_EQ(home.say("go"), "");
+  EXPECT_EQ(home.end()["phase"], "done");
+  EXPECT_NEAR(client.status("big")["joints"][0]["position_rad"].get<double>(), 0, 1e-3);
 }
 
 TEST(ApiProcedures, anybodys_stop_ends_the_motion_and_leaves_the_question) {

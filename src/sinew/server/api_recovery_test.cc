@@ -70,13 +70,45 @@ TEST(ApiRecovery, a_place_against_what_is_measured_needs_to_be_told_as_moved_wit
   params["moved"] = "  ";
   EXPECT_NE(client.sentence("robot.declare", params).find("needs a reason"), std::string::npos);
   params["moved"] = "lifted it by hand";
-  EXPECT_EQ(client.sentence("robot.declare", params), "");
+  // Its sensors go before any hand: what would be dropped is not accepted.
+  EXPECT_NE(client.sentence("robot.declare", params).find("knows better than a statement"),
+            std::string::npos);
   bool told = false;
   const Json events = client.call("events.list")["result"]["events"];
   for (const Json& event : events) {
-    told = told || (event["kind"] == "moved" && event["reason"] == "lifted it by hand");
+    told = told ||
+           (event["kind"] == "declaration_refused" && event.value("reason", "") != "" &&
+            event["positions"].size() == 5 && event["trouble"] != "");
   }
   EXPECT_TRUE(told);
+}
+
+TEST(ApiRecovery, a_statement_leaves_an_event_with_its_place_and_what_was_known_and_why) {
+  ApiCell cell({place("six", "hexapod")}, 5);
+  ApiClient client(cell);
+  client.call("lease.take", {{"robot", "six"}});
+  client.call("robot.enable", {{"robot", "six"}});
+  EXPECT_EQ(client.sentence("robot.declare", {{"robot", "six"}}), "");
+  EXPECT_EQ(client.sentence("robot.declare", {{"robot", "six"}, {"shown", true}}), "");
+  Json positions = Json::array();
+  for (const Json& joint : client.status("six")["joints"]) {
+    positions.push_back(joint["position_m"].get<double>() - 1e-3);
+  }
+  EXPECT_EQ(client.sentence("robot.declare", {{"robot", "six"},
+                                              {"positions", positions},
+                                              {"moved", "let down by hand"}}),
+            "");
+  Json last;
+  const Json events = client.call("events.list")["result"]["events"];
+  for (const Json& event : events) {
+    if (event["kind"] == "declared") last = event;
+  }
+  ASSERT_FALSE(last.is_null());
+  EXPECT_EQ(last["positions"], positions);
+  EXPECT_EQ(last["reason"], "let down by hand");
+  EXPECT_TRUE(last["client"].is_number());
+  EXPECT_NEAR(last["known"][0]["position_m"].get<double>(), positions[0].get<double>() + 1e-3,
+              1e-9);
 }
 
 }  // namespace

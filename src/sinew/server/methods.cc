@@ -43,6 +43,9 @@ constexpr Param kJogParams[] = {
 constexpr Param kDeclareParams[] = {
     kRobotParam,
     {"positions", ParamType::kNumbers, false, "rad or m, one a joint; its home where left out"},
+    {"shown", ParamType::kFlag, false,
+     "instead: the middle of its intervals, which stay; refused where they are wider than a person "
+     "sees"},
     {"moved", ParamType::kText, false,
      "why what was known of its place does not count any more, in words: who moved it"},
     {"zero_counters", ParamType::kFlag, false,
@@ -51,9 +54,14 @@ constexpr Param kNudgeParams[] = {
     kRobotParam,
     {"joint", ParamType::kText, true, "its name"},
     {"way", ParamType::kNumber, true, "rad or m, at most the robot's nudge_max"}};
+constexpr Param kFormParam = {
+    "form", ParamType::kText, false,
+    "of the text: sequence (BigRobotArm), pos (platform) or gcode; where left out its first word "
+    "tells"};
 constexpr Param kRunParams[] = {
     kRobotParam,
-    {"text", ParamType::kText, true, "rows as in docs/programs.md"},
+    {"text", ParamType::kText, true, "rows as in docs/programs.md, or another form as it is"},
+    kFormParam,
     {"name", ParamType::kText, false, "as complaints and events call it"},
     {"points", ParamType::kText, false, "taught points, a points.toml"},
     {"called", ParamType::kTexts, false, "the programs that it calls, by name"},
@@ -61,6 +69,8 @@ constexpr Param kRunParams[] = {
     {"standing_at", ParamType::kNumbers, false,
      "where it stands, from somebody who has looked; "
      "rad or m, one a joint"},
+    {"shown", ParamType::kFlag, false, "instead: where its intervals show it, as robot.declare"},
+    {"moved", ParamType::kText, false, "who moved it, as robot.declare"},
     {"from_line", ParamType::kWhole, false, "of its own text, where it goes on"},
     {"speed", ParamType::kNumber, false, "share of all rows' speed, 0.01 to 1"},
     {"single_step", ParamType::kFlag, false, "a pause behind each order, as program.step makes"}};
@@ -103,6 +113,7 @@ constexpr Param kPreviewParams[] = {
      "where the tool shall be in the base frame: x, y, z (m), which keeps its attitude, or with "
      "its quaternion behind it (w, x, y, z)"},
     {"text", ParamType::kText, false, "rows, as program.run takes them"},
+    kFormParam,
     {"line", ParamType::kFlag, false, "the tool goes there along a straight line"},
     {"speed", ParamType::kNumber, false, "share of the joints' limits, 0.01 to 1"},
     {"samples", ParamType::kWhole, false, "of the profile at most, 2 to 1000; 121"}};
@@ -113,7 +124,8 @@ constexpr Param kWireParams[] = {
     {"limit", ParamType::kWhole, false, "frames at most, 1 to 2000; 500"}};
 constexpr Param kCheckParams[] = {
     kRobotParam,
-    {"text", ParamType::kText, true, "rows as in docs/programs.md"},
+    {"text", ParamType::kText, true, "rows as in docs/programs.md, or another form as it is"},
+    kFormParam,
     {"points", ParamType::kText, false, "a points.toml; the kept one where left out"},
     {"called", ParamType::kTexts, false,
      "the programs that it calls, by name; the kept ones where left out"}};

@@ -7,6 +7,7 @@
 #include "sinew/kinematics/serial_chain.h"
 #include "sinew/model/collision_links.h"
 #include "sinew/model/joint_lookup.h"
+#include "sinew/model/left_out.h"
 #include "sinew/model/tool_state.h"
 #include "sinew/planning/jog_space.h"
 #include "sinew/runtime/unit_name.h"
@@ -36,6 +37,7 @@ Json joints_json(const RobotModel& model) {
                       {with_unit("velocity_max", joint) + "_s", joint.velocity_max},
                       {with_unit("acceleration_max", joint) + "_s2", joint.acceleration_max},
                       {with_unit("jerk_max", joint) + "_s3", joint.jerk_max}});
+    if (is_left_out(model, joints.size() - 1)) joints.back()["left_out"] = true;
   }
   return joints;
 }

@@ -7,6 +7,7 @@
 #include "sinew/core/error.h"
 #include "sinew/core/rotation.h"
 #include "sinew/planning/tool_space.h"
+#include "sinew/program/row_offers.h"
 #include "sinew/program/whole_moves.h"
 #include "sinew/runtime/homing_time.h"
 #include "sinew/runtime/unit_name.h"
@@ -155,20 +156,47 @@ bool first_move_in(const program::Plan& plan) {
 
 }  // namespace
 
-RpcError refused_plan(const program::Refusal& refusal, const RobotModel& model,
-                      const std::optional<runtime::CellRefusal>& met) {
+Json refusal_json(const program::Refusal& refusal, const RobotModel& model) {
   Json data = error_json(refusal.error, model);
   data["line"] = refusal.line;
+  if (!refusal.way) return data;
+  const planning::PathRefusal& why = refusal.way->refusal;
+  data["share"] = why.place.share;
+  if (why.place.metres) data["way_m"] = why.place.at;
+  if (why.nearest_behind) data["nearest_behind_m"] = *why.nearest_behind;
+  if (Json other = would_work(*refusal.way, model.joints.size()); !other.is_null()) {
+    data["would_work"] = std::move(other);
+  }
+  return data;
+}
+
+RpcError refused_plan(const program::Refusal& refusal, const RobotModel& model,
+                      const std::optional<runtime::CellRefusal>& met) {
+  Json data = refusal_json(refusal, model);
   if (refusal.way) {
-    const planning::MovePlace& place = refusal.way->refusal.place;
-    data["share"] = place.share;
-    if (place.metres) data["way_m"] = place.at;
-    if (Json other = would_work(*refusal.way, model.joints.size()); !other.is_null()) {
-      data["would_work"] = std::move(other);
-    }
+    if (auto rows = program::offers(*refusal.way, model); !rows.empty()) data["remedies"] = rows;
   }
   if (met) put_in_the_way(data, *met);
   return {RpcCode::kRefused, data["sentence"].get<std::string>(), data};
+}
+
+std::expected<std::optional<program::TextForm>, RpcError> asked_form(const RpcRequest& request,
+                                                                     const RobotModel& model) {
+  const auto given = request.params.find("form");
+  if (given == request.params.end()) {
+    const auto text = request.params.find("text");
+    if (text == request.params.end()) return std::nullopt;
+    return program::form_of_text("", text->get_ref<const std::string&>(), model);
+  }
+  const auto form = program::text_form(given->get_ref<const std::string&>());
+  if (!form) return std::unexpected(invalid("form is sequence, pos or gcode"));
+  return form;
+}
+
+RpcError no_form(const program::NoForm& why, const RobotModel& model) {
+  if (!why.complaints.empty()) return complained(why.complaints);
+  if (why.refusal) return refused_plan(*why.refusal, model, std::nullopt);
+  return {RpcCode::kRefused, why.sentence, nullptr};
 }
 
 program::Standing standing(const runtime::Station& station) {

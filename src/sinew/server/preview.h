@@ -12,6 +12,7 @@
 
 #include "sinew/program/program_file.h"
 #include "sinew/program/program_plan.h"
+#include "sinew/program/text_forms.h"
 #include "sinew/runtime/running_cell.h"
 #include "sinew/server/json_rpc.h"
 #include "sinew/server/task_desk.h"
@@ -32,10 +33,18 @@ struct PreviewWish {
 /// @error  kRefused with what `sinew plan` would refuse, kInvalidParams: no row that moves
 std::expected<Json, RpcError> preview(const runtime::RunningCell& cell, const PreviewWish& wish);
 
-/// A plan's refusal with what would work instead, as `data` has it.
+/// A plan's refusal with its place and joints that would work instead.
+Json refusal_json(const program::Refusal& refusal, const RobotModel& model);
+/// The same with rows that would work, as `data` has it.
 /// @param met  what it meets in its cell
 RpcError refused_plan(const program::Refusal& refusal, const RobotModel& model,
                       const std::optional<runtime::CellRefusal>& met);
+
+/// The form that a request says of its text, or else the text's first word.
+std::expected<std::optional<program::TextForm>, RpcError> asked_form(const RpcRequest& request,
+                                                                     const RobotModel& model);
+/// Why a text is no program.
+RpcError no_form(const program::NoForm& why, const RobotModel& model);
 
 /// Where the next motion of a robot begins: what it was told last, else what is known of it.
 program::Standing standing(const runtime::Station& station);

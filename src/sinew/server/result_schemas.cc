@@ -97,6 +97,7 @@ void put_basics(Json& all) {
                   {{"joint", text()},
                    {"link", text()},
                    {"links", text()},
+                   {"left_out", flag()},
                    {"line", whole()},
                    {"share", number()},
                    {"way_m", number()},
@@ -105,7 +106,9 @@ void put_basics(Json& all) {
                    {"distance_m", number()},
                    {"margin_m", number()},
                    {"moving", flag()},
-                   {"would_work", ref("WouldWork")}},
+                   {"nearest_behind_m", number()},
+                   {"would_work", ref("WouldWork")},
+                   {"remedies", list(text())}},
                   {{"^(measured|limit)(_m|_rad|_s|_v|_rad_s|_rad_s2)?$", or_null("number")}}));
   all["Complaint"] =
       object({{"sentence", text()}},
@@ -119,6 +122,7 @@ void put_basics(Json& all) {
                                 {"record", text()},
                                 {"revision", whole()}});
   all["Refusal"] = std::move(refusal);
+  all["Note"] = object({{"line", whole()}, {"sentence", text()}});
   all["WouldWork"] = object({{"what", one_of({"back_inside", "joint_move", "nearest_orientation",
                                               "tilted", "short_of_it"})},
                              {"positions", list(number())}},
@@ -249,7 +253,8 @@ void put_jobs(Json& all) {
                        {"client_lost", flag()},
                        {"held_by", whole()},
                        {"stopped_by", ref("StopCause")},
-                       {"last_notice", ref("Error")}});
+                       {"last_notice", ref("Error")},
+                       {"notes", list(ref("Note"))}});
   all["JobNumber"] = object({{"job", whole()}}, {{"wishes", whole()}});
   all["Steered"] = told("Of a program its job; nothing where none runs.",
                         object({}, {{"job", whole()}, {"wishes", whole()}}));
@@ -260,7 +265,7 @@ void put_jobs(Json& all) {
            {"at_ms", whole()},
            {"robot", text()},
            {"kind", one_of({"state", "lease", "stop", "fault", "notice", "record", "demonstration",
-                            "job", "procedure", "moved", "declared", "begun"})}},
+                            "job", "procedure", "declared", "declaration_refused", "begun"})}},
           {{"state", ref("State")},
            {"client", or_null("integer")},
            {"category", category()},
@@ -280,6 +285,9 @@ void put_jobs(Json& all) {
            {"procedure_number", whole()},
            {"procedure", text()},
            {"reason", text()},
+           {"positions", list(number())},
+           {"known", list(ref("JointStatus"))},
+           {"zero_counters", flag()},
            {"version", text()}}));
   all["Events"] = object({{"events", list(ref("Event"))}});
 }
@@ -351,7 +359,8 @@ void put_model(Json& all) {
        {"title", text()},
        {"kind", one_of({"serial", "palletizer", "hexapod"})},
        {"task", one_of({"pose", "pitch_roll", "approach", "point"})},
-       {"joints", list(object({{"name", text()}, {"kind", one_of({"revolute", "prismatic"})}}, {},
+       {"joints", list(object({{"name", text()}, {"kind", one_of({"revolute", "prismatic"})}},
+                              {{"left_out", flag()}},
                               {{of_joint("lower|upper|home"), number()},
                                {of_joint("velocity_max", "_s"), number()},
                                {of_joint("acceleration_max", "_s2"), number()},
@@ -406,6 +415,7 @@ void put_plans(Json& all) {
              {{"duration_min_s", number()},
               {"duration_max_s", number()},
               {"homing_at_most_s", number()},
+              {"notes", list(ref("Note"))},
               {"broken_off",
                object({{"sentence", text()}, {"refusal", ref("Error")}}, {{"file", text()}})}}));
   all["Text"] = object({{"text", text()}});

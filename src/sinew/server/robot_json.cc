@@ -5,31 +5,16 @@
 
 #include "sinew/driver/quality_name.h"
 #include "sinew/model/error_sentence.h"
+#include "sinew/model/left_out.h"
 #include "sinew/planning/jog_reason.h"
 #include "sinew/runtime/unit_name.h"
+#include "sinew/server/preview.h"
 
 namespace sinew::server {
 namespace {
 
 using planning::LimitKind;
 using runtime::with_unit;
-
-Json joints_json(const runtime::StationView& view, const RobotModel& model) {
-  Json joints = Json::array();
-  for (std::size_t j = 0; j < model.joints.size(); ++j) {
-    const Joint& joint = model.joints[j];
-    const JointPosition position = j < view.positions.size() ? view.positions[j] : JointPosition{};
-    Json one{{"name", joint.name}, {"quality", quality_name(position.quality)}};
-    if (position.quality != PositionQuality::kLost) {
-      one[with_unit("position", joint)] = position.q;
-      one[with_unit("lower", joint)] = position.lower;
-      one[with_unit("upper", joint)] = position.upper;
-    }
-    if (view.reference) one[with_unit("commanded", joint)] = (*view.reference)[j];
-    joints.push_back(std::move(one));
-  }
-  return joints;
-}
 
 /// The worst of all joints: nobody knows a machine better than that.
 std::string_view worst_quality(const runtime::StationView& view) {
@@ -167,12 +152,32 @@ Json error_json(const Error& error, const RobotModel& model) {
   const bool in_cell = error.code == ErrorCode::kCellContact || error.code == ErrorCode::kCellTaken;
   const char* kind = error.other >= 0 ? "links" : in_cell ? "link" : "joint";
   if (!subject.empty()) json[kind] = subject;
+  const bool left_out = error.code == ErrorCode::kPositionUnknown && error.index >= 0 &&
+                        is_left_out(model, static_cast<std::size_t>(error.index));
+  if (left_out) json["left_out"] = true;
   if (info(error.code).quantity != Quantity::kNone) {
     const std::string unit(unit_of(error, model));
     json["measured" + unit] = error.measured;
     json["limit" + unit] = error.limit;
   }
   return json;
+}
+
+Json joints_json(const runtime::StationView& view, const RobotModel& model) {
+  Json joints = Json::array();
+  for (std::size_t j = 0; j < model.joints.size(); ++j) {
+    const Joint& joint = model.joints[j];
+    const JointPosition position = j < view.positions.size() ? view.positions[j] : JointPosition{};
+    Json one{{"name", joint.name}, {"quality", quality_name(position.quality)}};
+    if (position.quality != PositionQuality::kLost) {
+      one[with_unit("position", joint)] = position.q;
+      one[with_unit("lower", joint)] = position.lower;
+      one[with_unit("upper", joint)] = position.upper;
+    }
+    if (view.reference) one[with_unit("commanded", joint)] = (*view.reference)[j];
+    joints.push_back(std::move(one));
+  }
+  return joints;
 }
 
 Json description_json(const CellRobot& place, const runtime::Station& station) {
@@ -205,7 +210,7 @@ Json description_json(const CellRobot& place, const runtime::Station& station) {
     json[with_unit("nudge_max", model.joints[0])] = capability.nudge_max;
   }
   if (const auto* recovery = station.recovery()) {
-    json["position_journal"] = {{"found", sentence(recovery->finding)},
+    json["position_journal"] = {{"found", station.journal_found()},
                                 {"way_out", sentence(recovery->way_out)}};
   }
   return json;
@@ -283,11 +288,14 @@ Json job_json(const std::string& robot, const runtime::JobView& job, const Robot
             {"notices", job.notices},
             {"wishes", job.wishes}};
   const auto tell = [&](const char* key, const program::Refusal& refusal) {
-    json[key] = error_json(refusal.error, model);
-    json[key]["line"] = refusal.line;
+    json[key] = refusal_json(refusal, model);
   };
   if (job.planned) put_limited(json, job.limits, model);
   if (job.failure) tell("error", *job.failure);
+  if (job.failure && !job.remedies.empty()) json["error"]["remedies"] = job.remedies;
+  for (const program::ProgramNote& note : job.notes) {
+    json["notes"].push_back({{"line", note.line}, {"sentence", note.sentence}});
+  }
   if (job.wish_refused) tell("wish_refused", *job.wish_refused);
   if (job.failure && job.in_the_way) put_in_the_way(json["error"], *job.in_the_way);
   if (job.waits_for_room && job.in_the_way) json["waits_for"] = job.in_the_way->other;

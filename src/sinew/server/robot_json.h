@@ -27,6 +27,8 @@ void put_in_the_way(Json& json, const runtime::CellRefusal& refusal);
 /// What never changes: its joints and limits, where it stands, what it hangs on.
 Json description_json(const CellRobot& place, const runtime::Station& station);
 
+/// Each joint's position with its interval, as far as it is known.
+Json joints_json(const runtime::StationView& view, const RobotModel& model);
 /// How it is now.
 /// @param tool    of the same robot, its jaws as they are
 /// @param X_near  a hexapod's last pose, and then this one

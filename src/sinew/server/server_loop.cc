@@ -19,6 +19,8 @@ constexpr auto kIdleTurn = std::chrono::milliseconds(20);
 constexpr Duration kSlice = std::chrono::milliseconds(1);
 /// Memory of clients that have gone is given back to the system, at most so often.
 constexpr Duration kTrim = std::chrono::seconds(3);
+/// Memory of jobs and previews that have ended.
+constexpr Duration kTrimAlways = std::chrono::minutes(1);
 
 }  // namespace
 
@@ -64,12 +66,13 @@ struct ServerLoop::Implementation {
 
   void trim() {
     const bool left = api.sessions() < sessions;
-    if (!left || clock.now() < trim_next) {
+    const Instant now = clock.now();
+    if (now < trim_next || (!left && now < trim_next + kTrimAlways)) {
       sessions = std::max(sessions, api.sessions());
       return;
     }
     sessions = api.sessions();
-    trim_next = clock.now() + kTrim;
+    trim_next = now + kTrim;
     io::give_memory_back();
   }
 

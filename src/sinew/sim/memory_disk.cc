@@ -25,9 +25,9 @@ MemoryDisk::Inode* MemoryDisk::inode_of(DiskFile file) {
   return found == open_.end() ? nullptr : &inodes_.at(found->second);
 }
 
-std::uint64_t MemoryDisk::add_inode(std::vector<std::uint8_t> bytes) {
+std::uint64_t MemoryDisk::add_inode(const std::vector<std::uint8_t>& bytes) {
   const std::size_t size = bytes.size();
-  inodes_[next_identity_] = {std::move(bytes), size, {}, {next_identity_, wall_ns_, size}};
+  inodes_[next_identity_] = {bytes, bytes, {}, {next_identity_, wall_ns_, size}};
   return next_identity_++;
 }
 
@@ -58,13 +58,27 @@ std::size_t MemoryDisk::used() const {
 }
 
 DiskResult<void> MemoryDisk::append(DiskFile file, std::span<const std::uint8_t> bytes) {
+  const Inode* inode = inode_of(file);
+  return write(file, inode == nullptr ? 0 : inode->bytes.size(), bytes);
+}
+
+DiskResult<void> MemoryDisk::write(DiskFile file, std::uint64_t at,
+                                   std::span<const std::uint8_t> bytes) {
   if (auto begun = begin_call(); !begun) return begun;
   Inode* inode = inode_of(file);
   if (inode == nullptr) return refuse(DiskErrorCode::kFailed, EBADF);
-  const std::size_t room = capacity_ ? *capacity_ - std::min(*capacity_, used()) : bytes.size();
-  const auto fitting = bytes.first(std::min(room, bytes.size()));
-  inode->appends.push_back(inode->bytes.size());
-  inode->bytes.insert(inode->bytes.end(), fitting.begin(), fitting.end());
+  // What stands there already needs no room.
+  std::size_t end = at + bytes.size();
+  if (capacity_) {
+    const std::size_t room = *capacity_ - std::min(*capacity_, used());
+    end = std::min(end, inode->bytes.size() + room);
+  }
+  const auto fitting = bytes.first(end > at ? end - at : 0);
+  if (!fitting.empty()) {
+    if (inode->bytes.size() < end) inode->bytes.resize(end);
+    std::ranges::copy(fitting, inode->bytes.begin() + static_cast<std::ptrdiff_t>(at));
+    inode->writes.push_back({at, end});
+  }
   inode->stamp.changed_ns = wall_ns_;
   if (fitting.size() < bytes.size()) return refuse(DiskErrorCode::kFull);
   if (power_is_cut()) return refuse(DiskErrorCode::kFailed, EIO);
@@ -76,8 +90,8 @@ DiskResult<void> MemoryDisk::sync(DiskFile file) {
   Inode* inode = inode_of(file);
   if (inode == nullptr) return refuse(DiskErrorCode::kFailed, EBADF);
   if (power_is_cut()) return refuse(DiskErrorCode::kFailed, EIO);
-  inode->safe = inode->bytes.size();
-  inode->appends.clear();
+  inode->safe = inode->bytes;
+  inode->writes.clear();
   ++syncs_;
   const auto spread = static_cast<double>((sync_upper_ - sync_lower_).count());
   time_ += sync_lower_ + Duration{static_cast<std::int64_t>(sync_random_.uniform(0, spread))};
@@ -154,52 +168,61 @@ void MemoryDisk::kill_process() {
   time_ = {};
 }
 
-/// Every append since the last sync meets its own fate, in whole bytes.
-void MemoryDisk::spoil(Inode& inode, SplitMix64& random) const {
-  auto& bytes = inode.bytes;
-  std::vector<std::size_t> ends(inode.appends);
-  ends.push_back(bytes.size());
-  for (std::size_t k = 0; k + 1 < ends.size(); ++k) {
-    const std::size_t begin = std::max(ends[k], inode.safe);
-    const std::size_t end = ends[k + 1];
-    if (begin >= end) continue;
+/// Every write since the last sync meets its own fate, in whole bytes.
+void MemoryDisk::spoil(Inode& inode, SplitMix64& random) {
+  const std::vector<std::uint8_t> wanted = std::move(inode.bytes);
+  std::vector<std::uint8_t>& bytes = inode.bytes;
+  bytes = inode.safe;
+  bytes.resize(wanted.size());
+  const auto comes = [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) bytes[i] = wanted[i];
+  };
+  for (const auto& [begin, end] : inode.writes) {
+    if (begin == end) continue;
     const std::size_t cut = begin + random.bits() % (end - begin);
-    const auto garble = [&](std::size_t first) {
-      for (std::size_t i = first; i < end; ++i) bytes[i] = static_cast<std::uint8_t>(random.bits());
-    };
-    switch (random.bits() % 5) {
+    switch (random.bits() % 8) {
       case 0:
-        break;  // it came through
+        comes(begin, end);
+        break;
       case 1:
-        std::fill(bytes.begin() + static_cast<std::ptrdiff_t>(begin),
-                  bytes.begin() + static_cast<std::ptrdiff_t>(end), std::uint8_t{0});
+        for (std::size_t i = begin; i < end; ++i) bytes[i] = 0;
         break;
       case 2:
-        std::fill(bytes.begin() + static_cast<std::ptrdiff_t>(cut),
-                  bytes.begin() + static_cast<std::ptrdiff_t>(end), std::uint8_t{0});
+        comes(begin, cut);
+        for (std::size_t i = cut; i < end; ++i) bytes[i] = 0;
         break;
       case 3:
-        garble(cut);
+        comes(begin, cut);
+        for (std::size_t i = cut; i < end; ++i) bytes[i] = static_cast<std::uint8_t>(random.bits());
+        break;
+      case 4:
+        comes(begin, end);
+        bytes[cut] = static_cast<std::uint8_t>(bytes[cut] ^ 1U << random.bits() % 8);
+        break;
+      case 5:
+        break;  // what stood there before
+      case 6:
+        comes(begin, cut);
         break;
       default:
-        bytes[cut] = static_cast<std::uint8_t>(bytes[cut] ^ 1U << random.bits() % 8);
+        comes(cut, end);
         break;
     }
   }
   // How far the file's length came is another write.
-  const std::size_t unsafe = bytes.size() - inode.safe;
+  const std::size_t unsafe = bytes.size() - inode.safe.size();
   switch (random.bits() % 3) {
     case 0:
       break;
     case 1:
-      bytes.resize(inode.safe + random.bits() % (unsafe + 1));
+      bytes.resize(inode.safe.size() + random.bits() % (unsafe + 1));
       break;
     default:
-      bytes.resize(inode.safe);
+      bytes.resize(inode.safe.size());
       break;
   }
-  inode.safe = bytes.size();
-  inode.appends.clear();
+  inode.safe = bytes;
+  inode.writes.clear();
 }
 
 void MemoryDisk::lose_power(std::uint64_t seed) {
@@ -231,8 +254,8 @@ std::optional<std::vector<std::uint8_t>> MemoryDisk::bytes(const std::string& na
 void MemoryDisk::rot(const std::string& name, std::vector<std::uint8_t> bytes) {
   Inode& inode = inodes_.at(folder_.at(name));
   inode.bytes = std::move(bytes);
-  inode.safe = inode.bytes.size();
-  inode.appends.clear();
+  inode.safe = inode.bytes;
+  inode.writes.clear();
 }
 
 void MemoryDisk::overwrite(const std::string& name, std::vector<std::uint8_t> bytes) {
@@ -241,7 +264,7 @@ void MemoryDisk::overwrite(const std::string& name, std::vector<std::uint8_t> by
 }
 
 void MemoryDisk::replace(const std::string& name, std::vector<std::uint8_t> bytes) {
-  folder_[name] = add_inode(std::move(bytes));
+  folder_[name] = add_inode(bytes);
   safe_folder_ = folder_;
   unsafe_folders_.clear();
 }

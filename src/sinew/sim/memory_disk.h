@@ -14,7 +14,7 @@
 namespace sinew::sim {
 
 /// A folder in memory with a page cache that a power loss goes through: what was synced stays; of
-/// the rest each append is kept, lost, torn at any byte, turned into zeros or garbled, whatever
+/// the rest each write is kept, lost, torn at any byte, turned into zeros or garbled, whatever
 /// becomes of the others; the file ends anywhere behind what is safe; and the names since the last
 /// sync_folder() are as before from some call on. All of it by a seed. Copies share nothing: a run
 /// can be crashed in as many ways as there are copies.
@@ -23,6 +23,8 @@ class MemoryDisk final : public Disk {
   DiskResult<DiskFile> create(std::string_view name) override;
   DiskResult<DiskFile> open(std::string_view name) override;
   void close(DiskFile file) override;
+  DiskResult<void> write(DiskFile file, std::uint64_t at,
+                         std::span<const std::uint8_t> bytes) override;
   DiskResult<void> append(DiskFile file, std::span<const std::uint8_t> bytes) override;
   DiskResult<void> sync(DiskFile file) override;
   DiskResult<std::size_t> read(std::string_view name, std::span<std::uint8_t> out) override;
@@ -38,7 +40,7 @@ class MemoryDisk final : public Disk {
   /// The power goes: as above, and the page cache is lost.
   void lose_power(std::uint64_t seed);
 
-  /// All files together hold no more than so many bytes; an append that goes beyond leaves what
+  /// All files together hold no more than so many bytes; of a write that goes beyond stays what
   /// still has room.
   void set_capacity(std::size_t bytes) { capacity_ = bytes; }
   /// From the n-th call that writes (from 1, of all since the disk was made) on each fails so.
@@ -47,7 +49,7 @@ class MemoryDisk final : public Disk {
   /// it was to do stands in the page cache, and nothing of it is safe.
   void cut_power_at_call(std::uint64_t n) { cut_at_ = n; }
   bool power_is_cut() const { return cut_at_ != 0 && calls_ >= cut_at_; }
-  /// How many calls that write there were: create, append, sync, rename, remove, sync_folder.
+  /// How many calls that write there were: create, write, sync, rename, remove, sync_folder.
   std::uint64_t calls() const { return calls_; }
   /// A sync takes a time between these.
   void set_sync_time(Duration lower, Duration upper, std::uint64_t seed);
@@ -67,10 +69,14 @@ class MemoryDisk final : public Disk {
   void rot(const std::string& name, std::vector<std::uint8_t> bytes);
 
  private:
+  struct Write {
+    std::size_t begin = 0;
+    std::size_t end = 0;
+  };
   struct Inode {
-    std::vector<std::uint8_t> bytes;   ///< as the page cache has them
-    std::size_t safe = 0;              ///< the first so many are on the medium
-    std::vector<std::size_t> appends;  ///< where each append since then begins
+    std::vector<std::uint8_t> bytes;  ///< as the page cache has them
+    std::vector<std::uint8_t> safe;   ///< as the medium has them
+    std::vector<Write> writes;        ///< since then
     DiskStamp stamp;
   };
   using Folder = std::map<std::string, std::uint64_t, std::less<>>;
@@ -79,8 +85,8 @@ class MemoryDisk final : public Disk {
   Inode* inode_of(DiskFile file);
   void folder_changed() { unsafe_folders_.push_back(folder_); }
   std::size_t used() const;
-  void spoil(Inode& inode, SplitMix64& random) const;
-  std::uint64_t add_inode(std::vector<std::uint8_t> bytes);
+  static void spoil(Inode& inode, SplitMix64& random);
+  std::uint64_t add_inode(const std::vector<std::uint8_t>& bytes);
 
   std::map<std::uint64_t, Inode> inodes_;  ///< by identity
   Folder folder_;                          ///< as the page cache has it

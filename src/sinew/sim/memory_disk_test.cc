@@ -68,6 +68,42 @@ TEST(MemoryDisk, spoils_what_was_not_in_every_way) {
   EXPECT_GT(flipped, 0U);
 }
 
+TEST(MemoryDisk, spoils_what_was_written_over_in_every_way_and_nothing_else) {
+  MemoryDisk disk;
+  const DiskFile file = *disk.create("a");
+  ASSERT_TRUE(disk.append(file, block(1, 2048)));
+  ASSERT_TRUE(disk.sync(file));
+  ASSERT_TRUE(disk.sync_folder());
+  ASSERT_TRUE(disk.write(file, 512, block(2)));
+  ASSERT_TRUE(disk.write(file, 1024, block(3)));
+  const std::set<Bytes> seen = losses(disk);
+  EXPECT_TRUE(std::ranges::all_of(seen, [](const Bytes& bytes) {
+    return bytes.size() == 2048 && std::ranges::equal(std::span(bytes).first(512), block(1)) &&
+           std::ranges::equal(std::span(bytes).last(512), block(1));
+  }));
+  EXPECT_TRUE(seen.contains(block(1, 2048)));                             // both lost
+  EXPECT_TRUE(seen.contains(block(1) + block(2) + block(3) + block(1)));  // both kept
+  EXPECT_TRUE(seen.contains(block(1, 1024) + block(3) + block(1)));       // the later one alone
+  EXPECT_TRUE(seen.contains(block(1) + block(0) + block(3) + block(1)));
+  std::size_t torn = 0;
+  for (const Bytes& bytes : seen) {
+    const auto twos = std::ranges::count(bytes, 2);
+    torn += twos > 0 && twos < 512 && std::ranges::count(bytes, 1) == 1536 - twos ? 1 : 0;
+  }
+  EXPECT_GT(torn, 100U);  // old and new, divided at any byte
+}
+
+TEST(MemoryDisk, full_disk_takes_what_is_written_over_other_bytes) {
+  MemoryDisk disk;
+  const DiskFile file = *disk.create("a");
+  ASSERT_TRUE(disk.append(file, block(1)));
+  disk.set_capacity(522);
+  EXPECT_TRUE(disk.write(file, 100, block(2, 412)));
+  EXPECT_EQ(disk.write(file, 500, block(3, 30)).error().code, DiskErrorCode::kFull);
+  EXPECT_EQ(disk.bytes("a"), block(1, 100) + block(2, 400) + block(3, 22));
+  EXPECT_FALSE(disk.write(file, 600, block(4, 1)));
+}
+
 TEST(MemoryDisk, takes_names_back_whose_folder_was_not_synced) {
   MemoryDisk disk;
   DiskFile file = *disk.create("a");

@@ -1,14 +1,12 @@
-#include "sinew/cli/plan_offers.h"
-
-#include <fmt/format.h>
+#include "sinew/program/row_offers.h"
 
 #include <algorithm>
 
-#include "sinew/cli/kinematics_text.h"
-#include "sinew/cli/table.h"
+#include "sinew/core/number_text.h"
+#include "sinew/core/rotation.h"
 #include "sinew/core/units.h"
 
-namespace sinew::cli {
+namespace sinew::program {
 namespace {
 
 using kinematics::PoseBT;
@@ -24,9 +22,9 @@ struct Typed {
 Typed joint_move(const planning::JointArray& q, const RobotModel& model) {
   Typed typed{"joint", "--to joints="};
   for (std::size_t j = 0; j < model.joints.size(); ++j) {
-    const std::string value = number(shown(q[j], model.joints[j]), kDigits);
-    typed.row += fmt::format(" {}={}{}", model.joints[j].name, value,
-                             is_leg(model.joints[j]) ? "mm" : "deg");
+    const bool leg = model.joints[j].kind == JointKind::kPrismatic;
+    const std::string value = number_text(leg ? to_mm(q[j]) : to_deg(q[j]), kDigits);
+    typed.row += " " + model.joints[j].name + "=" + value + (leg ? "mm" : "deg");
     typed.option += (j > 0 ? "," : "") + value;
   }
   return typed;
@@ -45,8 +43,8 @@ Typed line_to(const PoseBT& X_BT, bool turned) {
                 {"ry", to_deg(rpy.y), "deg"}, {"rz", to_deg(rpy.z), "deg"}};
   for (const auto& part : kParts) {
     if (!turned && part.unit[0] == 'd') break;
-    const std::string value = number(part.value, kDigits);
-    typed.row += fmt::format(" {}={}{}", part.name, value, part.unit);
+    const std::string value = number_text(part.value, kDigits);
+    typed.row += std::string(" ") + part.name + "=" + value + part.unit;
     typed.option += (&part == kParts ? "" : ",") + value;
   }
   return typed;
@@ -55,34 +53,38 @@ Typed line_to(const PoseBT& X_BT, bool turned) {
 /// Collects what works.
 class Trial {
  public:
-  Trial(const program::WayRefusal& way, const RobotModel& model, bool in_program)
+  Trial(const WayRefusal& way, const RobotModel& model, bool in_program)
       : way_(way), model_(model), in_program_(in_program), planner_(model) {}
 
   void offer(const std::string& what, const Typed& typed) {
-    const auto row = program::parse(typed.row, "", model_);
+    const auto row = parse(typed.row, "", model_);
     if (!row) return;
     const JointVector from(
         std::span<const double>(way_.refusal.from.q.data(), model_.joints.size()));
-    if (!planner_.plan(from, {}, row->steps)) return;
+    if (!planner_.plan(from, way_.tool, row->steps)) return;
     found_.push_back(what + ": " + (in_program_ ? typed.row : typed.option));
   }
   void offer_untried(std::string sentence) { found_.push_back(std::move(sentence)); }
   std::vector<std::string> found() const { return found_; }
 
  private:
-  const program::WayRefusal& way_;
+  const WayRefusal& way_;
   const RobotModel& model_;
   bool in_program_;
-  program::RowPlanner planner_;
+  RowPlanner planner_;
   std::vector<std::string> found_;
 };
 
 }  // namespace
 
-std::vector<std::string> offers(const program::WayRefusal& way, const RobotModel& model,
+std::vector<std::string> offers(const WayRefusal& way, const RobotModel& model,
                                 bool in_program) {
   const planning::MoveProposal& proposal = way.proposal;
   Trial trial(way, model, in_program);
+  if (way.jaws_first && in_program) {
+    trial.offer_untried("first open the jaws, then the same row: jaws " +
+                        number_text(to_mm(*way.jaws_first), 1) + "mm");
+  }
   const bool turns = !std::holds_alternative<PalletizerGeometry>(model.geometry);
   if (way.unsayable && way.unsayable->nearest) {
     planning::JointArray q{};
@@ -101,9 +103,9 @@ std::vector<std::string> offers(const program::WayRefusal& way, const RobotModel
   }
   if (proposal.tilted) {
     const auto& tilted = *proposal.tilted;
-    std::string by = number(to_deg(tilted.tilt), 1) + " deg";
-    if (tilted.swing != 0) by += " and swung by " + number(to_deg(tilted.swing), 1) + " deg";
-    if (tilted.roll != 0) by += " and rolled by " + number(to_deg(tilted.roll), 1) + " deg";
+    std::string by = number_text(to_deg(tilted.tilt), 1) + " deg";
+    if (tilted.swing != 0) by += " and swung by " + number_text(to_deg(tilted.swing), 1) + " deg";
+    if (tilted.roll != 0) by += " and rolled by " + number_text(to_deg(tilted.roll), 1) + " deg";
     if (tilted.q) {
       trial.offer("the same point by a joint move, the tool tilted by " + by,
                   joint_move(*tilted.q, model));
@@ -120,15 +122,15 @@ std::vector<std::string> offers(const program::WayRefusal& way, const RobotModel
   if (proposal.near) {
     const double left = proposal.near->left;
     trial.offer(
-        left > 0 ? fmt::format("a joint move that ends {} mm short of it", number(to_mm(left), 1))
-                 : "as far as the joints can go",
+        left > 0 ? "a joint move that ends " + number_text(to_mm(left), 1) + " mm short of it"
+                 : std::string("as far as the joints can go"),
         joint_move(proposal.near->q, model));
   }
   if (proposal.part) {
-    trial.offer(fmt::format("the first {} mm of the line", number(to_mm(proposal.part->length), 1)),
+    trial.offer("the first " + number_text(to_mm(proposal.part->length), 1) + " mm of the line",
                 line_to(proposal.part->X_BT, turns));
   }
   return trial.found();
 }
 
-}  // namespace sinew::cli
+}  // namespace sinew::program

@@ -1,0 +1,113 @@
+#!/usr/bin/env python3
+"""What five simulated robots cost, in processor time of the whole process: load_test.py SINEW-PROGRAM.
+
+load_test.py --soak SINEW-PROGRAM [MINUTES]: the memory of a demonstration over MINUTES (30).
+"""
+
+import json
+import os
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "clients/python"))
+
+import sinew  # noqa: E402
+
+SECONDS = 10
+DEMO_MAX, REST_MAX = 0.25, 0.05  # of a core; docs/web.md has what was measured
+GROWTH_MB = 16
+
+
+def processor_s(process):
+    fields = Path(f"/proc/{process}/stat").read_text().rsplit(")", 1)[1].split()
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+
+def memory_mb(process):
+    for line in Path(f"/proc/{process}/status").read_text().splitlines():
+        if line.startswith("VmRSS"):
+            return int(line.split()[1]) / 1024
+    return 0
+
+
+class Demonstration:
+    """The built-in cell, playing."""
+
+    def __init__(self, program):
+        self.folder = tempfile.TemporaryDirectory()
+        self.socket = self.folder.name + "/s"
+        home = dict(os.environ, XDG_STATE_HOME=self.folder.name, XDG_RUNTIME_DIR=self.folder.name)
+        self.server = subprocess.Popen(
+            [program, "serve", "--demo", "--socket", self.socket, "--listen", "127.0.0.1:0", "--json"],
+            stdout=subprocess.PIPE, text=True, env=home)
+        self.server.stdout.readline()
+        time.sleep(10)  # opened, homed where homing is short, and playing
+
+    def end(self):
+        self.server.terminate()
+        self.server.communicate(timeout=60)
+        self.folder.cleanup()
+
+    def share(self):
+        """Of a core, over SECONDS."""
+        began, used = time.monotonic(), processor_s(self.server.pid)
+        time.sleep(SECONDS)
+        return (processor_s(self.server.pid) - used) / (time.monotonic() - began)
+
+
+class Load(unittest.TestCase):
+    PROGRAM = ""
+
+    def test_a_demonstration_and_robots_at_rest_leave_the_processor_to_others(self):
+        demo = Demonstration(self.PROGRAM)
+        self.addCleanup(demo.end)
+        # The middle of three: what moves differs.
+        playing = sorted(demo.share() for _ in range(3))
+        with sinew.connect(demo.socket) as cell:
+            cell.call("robot.stop")
+            time.sleep(3)
+            resting = sorted(demo.share() for _ in range(3))
+            states = [robot["state"] for robot in cell.statuses()]
+        for name, shares in (("demonstration", playing), ("at rest", resting)):
+            print(f"# {name}: " + ", ".join(f"{100 * share:.1f} %" for share in shares))
+        self.assertEqual(len(states), 5)
+        self.assertNotIn("moving", states)
+        self.assertLess(playing[1], DEMO_MAX)
+        self.assertLess(resting[1], REST_MAX)
+        self.assertGreater(playing[1], resting[1], "nothing played")
+
+
+def soak(program, minutes):
+    demo = Demonstration(program)
+    try:
+        # The first fifth fills rings and records; then the most of each further fifth.
+        most = [0.0] * 5
+        begun = time.monotonic()
+        while (passed := (time.monotonic() - begun) / (60 * minutes)) < 1:
+            k = int(5 * passed)
+            most[k] = max(most[k], memory_mb(demo.server.pid))
+            time.sleep(1)
+        used = processor_s(demo.server.pid) / (60 * minutes)
+        alive = demo.server.poll() is None
+    finally:
+        demo.end()
+    print("the most memory in each fifth: " + ", ".join(f"{one:.0f}" for one in most) +
+          f" MB; {100 * used:.1f} % of a core")
+    grown = most[4] - most[1]
+    if grown > GROWTH_MB:
+        print(f"the last fifth took {grown:.0f} MB more than the second (limit {GROWTH_MB})")
+    return 0 if alive and grown <= GROWTH_MB else 1
+
+
+if __name__ == "__main__":
+    if len(sys.argv) > 2 and sys.argv[1] == "--soak":
+        sys.exit(soak(sys.argv[2], float(sys.argv[3]) if len(sys.argv) > 3 else 30))
+    if len(sys.argv) != 2:
+        sys.exit(__doc__)
+    Load.PROGRAM = sys.argv.pop()
+    unittest.main()
