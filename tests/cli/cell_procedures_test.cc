@@ -92,7 +92,7 @@ TEST(CellProcedures, what_cannot_be_done_is_told_in_a_sentence) {
     EXPECT_EQ(ended.exit, exit) << ended.err;
     EXPECT_NE(ended.err.find(what), std::string::npos) << ended.err;
   };
-  says({"home", "six"}, "has no end stops", 1);
+  says({"home", "six"}, "the robot is at its home pose", 0);
   says({"home", "nobody"}, "no robot of this cell", 2);
   says({"recover", "six", "--answers", cell.script("plaec = home\n")}, "did you mean 'place'?", 2);
   says({"recover", "six", "--answers", cell.script("adjust.leg1 = 200mm\n")}, "at most +10 mm", 1);

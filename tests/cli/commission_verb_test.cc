@@ -115,7 +115,7 @@ TEST_F(CommissionVerb, wrong_answers_files_and_robots_are_told_in_a_sentence) {
   fails(words("bigrobotarm", "home\n"), 2, "a.txt:1: 'home' is no answer");
   fails(words("puma560", "* = yes\n"), 1, "puma560");
   fails(words("bigrobotarm", "* = yes\n", {"--procedure", "dance"}), 2, "none of commission");
-  fails(words("learm", "* = yes\n", {"--procedure", "home"}), 1, "has no end stops");
+  fails(words("learm", "* = yes\n", {"--procedure", "home"}), 1, "sinew recover");
   fails({"commission", "maxarm", "--answers", folder.at("nothing.txt")}, 2, "nothing.txt");
   const std::string other = folder.file("other.json", R"({"version":1,"robot":"learm"})");
   fails({"commission", "maxarm", "--save", other}, 1, "another robot's");

@@ -33,6 +33,7 @@ class Error(TypedDict, total=False):
     joint: str
     link: str
     links: str
+    left_out: bool
     line: int
     share: float
     way_m: float
@@ -122,6 +123,7 @@ class Status(TypedDict, total=False):
 
 class DescribedJoint(TypedDict, total=False):
     name: str
+    left_out: bool
     lower_rad: float
     upper_rad: float
     home_rad: float

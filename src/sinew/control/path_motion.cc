@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "sinew/core/assert.h"
 #include "sinew/planning/motion_limits.h"
@@ -15,10 +16,11 @@ SegmentTime segment_time(double left, double longest) {
   return {left / segments, left / segments};
 }
 
-PathMotion::PathMotion(const RobotModel& robot)
+PathMotion::PathMotion(const RobotModel& robot, std::vector<LinkPair> overlaps)
     : limits_(planning::motion_limits(robot)),
       shared_velocity_(planning::shared_velocity(robot)),
       segment_(to_seconds(robot.device.capability.segment)),
+      overlaps_(std::move(overlaps)),
       path_(robot.joints.size(), 0, 0) {
   SINEW_ASSERT(robot.device.capability.motion == MotionKind::kStream && segment_ > 0);
 }

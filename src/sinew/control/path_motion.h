@@ -13,7 +13,8 @@ namespace sinew::control {
 /// way: its feed, a hold, on again. The constructor and start() allocate.
 class PathMotion final : public MotionSource {
  public:
-  explicit PathMotion(const RobotModel& robot);
+  /// @param overlaps  as overlaps() tells them
+  explicit PathMotion(const RobotModel& robot, std::vector<LinkPair> overlaps = {});
 
   /// From rest at the beginning of the path, of which a copy is kept.
   /// @param feed  0..2
@@ -31,6 +32,7 @@ class PathMotion final : public MotionSource {
   void resume() override;
   /// 0..2
   Expected<void> set_feed(double share) override;
+  std::span<const LinkPair> overlaps() const override { return overlaps_; }
   std::unique_ptr<planning::CellWay> way() const override {
     return std::make_unique<planning::CellWay>(path_.joints);
   }
@@ -41,6 +43,7 @@ class PathMotion final : public MotionSource {
   std::vector<motion::AxisLimits> limits_;
   double shared_velocity_;
   double segment_;  ///< s
+  std::vector<LinkPair> overlaps_;
   planning::PlannedPath path_;
   planning::PathFollower follower_;
   JointVector q_start_;

@@ -57,7 +57,9 @@ struct AxisLinkTiming {
 ///
 /// An axis that gives no fresh answer to `failures_max` frames in a row, or tells of a fault, is
 /// out: axis_fault() says why, kNotice tells it at rest. The others go on; move() takes targets
-/// that leave an axis that is out where positions() shows it. clear_fault() brings it back.
+/// that leave an axis that is out where positions() shows it. clear_fault() brings it back. One that
+/// had stopped by itself, since a host before fell silent, comes back with open(), and kNotice says
+/// so.
 ///
 /// An axis that is left out by choice (model/left_out.h) is never selected: its joint stays kLost,
 /// and what a move says of it counts for nothing.
@@ -100,6 +102,7 @@ class AxisLinkDriver : public SpiDriver {
   /// Every axis that is out gets a new session, its latch released and its faults cleared; kDone
   /// follows where one axis is fit to move. @error kPortClosed, kBusy
   Expected<void> clear_fault(Instant now) override;
+  bool clearing() const override { return clearing_; }
 
   void poll(Instant now) override;
   std::optional<Instant> next_deadline() const override;

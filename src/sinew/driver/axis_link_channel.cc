@@ -94,6 +94,7 @@ Channel::Channel(const ChannelSettings& settings)
 void Channel::begin(bool clear, Instant now) {
   step_ = Step::kHello;
   clear_ = clear;
+  had_stopped_ = false;
   error_.reset();
   command_.reset();
   setpoint_.reset();
@@ -257,9 +258,14 @@ void Channel::take_state(const State& state) {
   look_for_zero(state);
   state_ = state;
   fresh_at_ = began_;
-  if (step_ == Step::kLook) step_ = Step::kUp;
-  if (step_ != Step::kUp) return;
-  if (const auto trouble = trouble_of(state)) put_out(*trouble);
+  const auto trouble = trouble_of(state);
+  if (step_ == Step::kLook) {
+    // Its reason is gone with a host that speaks: nobody has to be asked, and nothing moves.
+    const bool stopped = trouble && trouble->code == ErrorCode::kLinkSilent && !had_stopped_;
+    had_stopped_ |= stopped;
+    step_ = stopped ? Step::kClear : Step::kUp;
+  }
+  if (step_ == Step::kUp && trouble) put_out(*trouble);
 }
 
 void Channel::fail(ErrorCode why, double measured, Instant now) {

@@ -30,7 +30,8 @@ struct ChannelSettings {
 ///   kHello   | a hello, again and again     | kRelease or kLook; out: other version or model
 ///   kRelease | release, once               | kClear
 ///   kClear   | clear faults, once           | kLook
-///   kLook    | reads                        | kUp; out where it tells of a fault
+///   kLook    | reads                        | kUp; out where it tells of a fault; kClear, once,
+///            |                              | where it had stopped since its host fell silent
 ///   kUp      | command, setpoint or read    | out: fault, `failures_max` failures in a row
 ///   kOut     | command or read, seldom      | begin(): kHello
 ///
@@ -51,6 +52,8 @@ class Channel {
   bool is_out() const { return step_ == Step::kOut; }
   /// Why it is out.
   std::optional<Error> error() const { return is_out() ? error_ : std::nullopt; }
+  /// When this session opened it stood by a stop of its own: the host before was silent.
+  bool had_stopped() const { return had_stopped_; }
   void put_out(Error error);
 
   /// Carried out exactly once; goes before setpoints, and takes the place of the last one.
@@ -103,6 +106,7 @@ class Channel {
   Duration run_out_;
   Step step_ = Step::kShut;
   bool clear_ = false;
+  bool had_stopped_ = false;
   std::optional<Error> error_;
 
   struct Command {

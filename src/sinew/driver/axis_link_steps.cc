@@ -67,6 +67,10 @@ void AxisLinkDriver::step_opening(Instant now) {
   }
   if (clearing_) --pending_;
   clearing_ = false;
+  for (std::size_t i = 0; i < channels_.size(); ++i) {
+    if (!channels_[i].is_up() || !channels_[i].had_stopped()) continue;
+    tell(Kind::kNotice, {ErrorCode::kLinkSilent, static_cast<std::int8_t>(i)});
+  }
   note_outs();
 }
 

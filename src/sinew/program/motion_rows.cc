@@ -25,7 +25,6 @@ constexpr double kBlendMax = 1;     // m
 constexpr double kTimeMax = 86400;  // s
 constexpr double kBlendAngleMax = from_deg(60);
 constexpr double kTurnMax = 4 * kPi;  // rad
-constexpr double kFarAway = 100;      // m
 /// What a row adds to a place; the first three are lengths.
 constexpr std::array<std::string_view, 8> kOffsets{"dx",  "dy",  "dz",     "drx",
                                                    "dry", "drz", "dpitch", "droll"};

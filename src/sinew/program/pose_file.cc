@@ -14,7 +14,6 @@ namespace sinew::program {
 namespace {
 
 constexpr std::size_t kNumbers = 24;
-constexpr double kFarAway = 100e3;  // mm
 constexpr double kTotalMax = 1e6;   // deg: totals grow with every turn
 
 /// The bytes of a text in UTF-16 whose characters are ASCII; others become '?'.
@@ -109,7 +108,7 @@ PoseFile read_pose(std::span<const std::string_view> rows, int first, NumberRead
   std::array<double, kNumbers> values{};
   for (std::size_t i = 0; i < kNumbers; ++i) {
     const bool turns = i >= kNumbers - 3;
-    values[i] = reader.read(rows[i], first + static_cast<int>(i), turns ? kTotalMax : kFarAway);
+    values[i] = reader.read(rows[i], first + static_cast<int>(i), turns ? kTotalMax : to_mm(kFarAway));
   }
   const auto three = [&](std::size_t i) { return Vec3{values[i], values[i + 1], values[i + 2]}; };
   PoseFile pose;

@@ -12,6 +12,7 @@
 #include "sinew/model/error_sentence.h"
 #include "sinew/model/joint_lookup.h"
 #include "sinew/model/left_out.h"
+#include "sinew/program/holdable_motion.h"
 #include "sinew/program/home_return.h"
 #include "sinew/program/procedure_words.h"
 #include "sinew/program/program_plan.h"
@@ -284,12 +285,11 @@ std::optional<std::string> Procedure::go(double way) {
       row.q[j] = way;
       row.given = row.relative = static_cast<std::uint8_t>(row.given | 1U << j);
     }
-    auto pieces = slow_way(*from, row);
-    if (!pieces) return sentence(pieces.error());
-    if (pieces->empty()) return "there is no way to go";
+    const auto motion = slow_way(*from, row);
+    if (!motion) return sentence(motion.error());
+    if (motion->pieces.empty()) return "there is no way to go";
     left_ = 0;
-    motion_ = std::make_unique<control::PieceMotion>(*from, std::move(*pieces), robot_);
-    command_ = machine_.give(control::Begin{.motion = motion_.get()});
+    return follow(*from, *motion, planner_->motion());
   } else if (nudge_max > 0) {
     part_ = std::clamp(way, -nudge_max, nudge_max);
     left_ = way - part_;
@@ -301,14 +301,26 @@ std::optional<std::string> Procedure::go(double way) {
   return std::nullopt;
 }
 
+/// @return  why it does not begin
+std::optional<std::string> Procedure::follow(const JointVector& from, const RowMotion& motion,
+                                             const planning::PlannedMotion& planned,
+                                             std::vector<LinkPair> overlaps) {
+  auto made = holdable_motion(robot_, from, motion, planned, 1, std::move(overlaps));
+  if (!made) return sentence(made.error());
+  motion_ = std::move(*made);
+  command_ = machine_.give(control::Begin{.motion = motion_.get()});
+  phase_ = Phase::kWorking;
+  return std::nullopt;
+}
+
 /// A joint move, slow where the device can be.
-Expected<std::vector<JointMove>> Procedure::slow_way(const JointVector& from, JointStep row) {
+Expected<RowMotion> Procedure::slow_way(const JointVector& from, JointStep row) {
   row.how.joint_share = robot_.device.capability.takes_speed ? kSlowShare : 1;
   const Step one{0, row};
   if (!planner_) planner_ = std::make_unique<RowPlanner>(robot_);
   auto planned = planner_->plan(from, machine_.tool(), std::span(&one, 1));
   if (!planned) return std::unexpected(planned.error().error);
-  return std::move(planned->pieces);
+  return std::move(*planned);
 }
 
 std::optional<std::string> Procedure::first_move(Instant now) {
@@ -317,19 +329,16 @@ std::optional<std::string> Procedure::first_move(Instant now) {
     // Somebody knows where it is already: a way as any other, and none where it stands there.
     JointStep row{.q = q, .given = 0, .how = {}};
     row.given = static_cast<std::uint8_t>((1U << q.size()) - 1);
-    auto pieces = slow_way(*from, row);
+    const auto motion = slow_way(*from, row);
     // A limp arm may lie against itself: it goes as one whose place nobody knows.
-    if (!pieces && pieces.error().code == ErrorCode::kCollision) return blind_first_move();
-    if (!pieces) return sentence(pieces.error());
-    if (pieces->empty()) {
+    if (!motion && motion.error().code == ErrorCode::kCollision) return blind_first_move();
+    if (!motion) return sentence(motion.error());
+    if (motion->pieces.empty()) {
       end_step(StepResult::State::kDone, "it stands there already");
       next(now);
       return std::nullopt;
     }
-    motion_ = std::make_unique<control::PieceMotion>(*from, std::move(*pieces), robot_);
-    command_ = machine_.give(control::Begin{.motion = motion_.get()});
-    phase_ = Phase::kWorking;
-    return std::nullopt;
+    return follow(*from, *motion, planner_->motion());
   }
   return blind_first_move();
 }
@@ -371,20 +380,17 @@ std::optional<std::string> Procedure::home_move() {
   if (homeward_.empty()) {
     end_step(StepResult::State::kDone, "the robot is at its home pose");
     next(since_);
-  } else {
-    next_leg();
+    return std::nullopt;
   }
-  return std::nullopt;
+  return next_leg();
 }
 
-void Procedure::next_leg() {
-  HomeLeg& leg = homeward_.front();
-  motion_ = std::make_unique<control::PieceMotion>(machine_.reference().value_or(JointVector{}),
-                                                   std::move(leg.motion.pieces), robot_,
-                                                   std::move(leg.overlaps));
+/// @return  why it does not begin
+std::optional<std::string> Procedure::next_leg() {
+  HomeLeg leg = std::move(homeward_.front());
   homeward_.pop_front();
-  command_ = machine_.give(control::Begin{.motion = motion_.get()});
-  phase_ = Phase::kWorking;
+  return follow(machine_.reference().value_or(JointVector{}), leg.motion, leg.planned,
+                std::move(leg.overlaps));
 }
 
 void Procedure::begin_work(Instant now) {
@@ -438,7 +444,10 @@ void Procedure::end_search(Instant now) {
 void Procedure::command_done(Instant now) {
   if (std::holds_alternative<SearchStep>(step().what)) return end_search(now);
   if (std::exchange(assumes_, false)) return begin_work(now);
-  if (!homeward_.empty()) return next_leg();
+  if (!homeward_.empty()) {
+    if (const auto why = next_leg()) ask_again(*why);
+    return;
+  }
   if (nudge_next()) return;
   if (left_ != 0) {
     if (const auto why = go(left_)) ask_again(*why);

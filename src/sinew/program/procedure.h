@@ -210,11 +210,14 @@ class Procedure {
   bool asks_first() const;
   std::size_t moving_joint() const;
   std::optional<std::string> go(double way);
-  Expected<std::vector<JointMove>> slow_way(const JointVector& from, JointStep row);
+  std::optional<std::string> follow(const JointVector& from, const RowMotion& motion,
+                                    const planning::PlannedMotion& planned,
+                                    std::vector<LinkPair> overlaps = {});
+  Expected<RowMotion> slow_way(const JointVector& from, JointStep row);
   std::optional<std::string> first_move(Instant now);
   std::optional<std::string> blind_first_move();
   std::optional<std::string> home_move();
-  void next_leg();
+  std::optional<std::string> next_leg();
   std::expected<void, std::string> answer_motion(const MotionStep& step, std::string_view text,
                                                  Instant now);
   std::expected<void, std::string> answer_adjust(std::string_view text, Instant now);

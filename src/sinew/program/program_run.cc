@@ -4,13 +4,13 @@
 #include <cmath>
 #include <utility>
 
-#include "sinew/control/path_motion.h"
 #include "sinew/control/piece_motion.h"
 #include "sinew/control/position_evidence.h"
 #include "sinew/core/assert.h"
 #include "sinew/core/units.h"
 #include "sinew/model/joint_lookup.h"
 #include "sinew/model/left_out.h"
+#include "sinew/program/holdable_motion.h"
 
 namespace sinew::program {
 
@@ -161,7 +161,7 @@ std::expected<void, Refusal> Run::step_back(Instant /*now*/) {
   current_->q = motion->q_end;
   current_->duration = current_->arrival = 0;
   back_steps_ = true;
-  return send(*motion, last.line);
+  return send(*motion, planner_->motion(), planner_->robot(), last.line);
 }
 
 const Order* Run::next_order() const {
@@ -372,7 +372,7 @@ std::expected<void, Refusal> Run::issue_move(Instant now) {
   current_->arrival = current_->duration + motion->arrival;
   current_->duration += motion->duration;
   if (motion->pieces.empty()) return motion_done(now);
-  return send(*motion, first.line);
+  return send(*motion, planner_->motion(), planner_->robot(), first.line);
 }
 
 /// Decides which orders follow. What it asks for has to be known.
@@ -469,17 +469,21 @@ void Run::send_first_move(const JointVector& q, double duration) {
   ask(control::Begin{.motion = motion_.get(), .recovers = true});
 }
 
-std::expected<void, Refusal> Run::send(const RowMotion& motion, int line,
+std::expected<void, Refusal> Run::send(const RowMotion& motion,
+                                       const planning::PlannedMotion& planned,
+                                       const RobotModel& limits, int line,
                                        const std::vector<LinkPair>& overlaps) {
-  const bool streams = robot_.device.capability.motion == MotionKind::kStream;
-  if (changeable_ && streams && planner_ && !back_) {
-    auto path = std::make_unique<control::PathMotion>(planner_->robot());
-    if (const auto error = path->start(planner_->motion().path, feed_, motion.time)) {
-      return std::unexpected(Refusal{line, *error, std::nullopt, current_->order->file});
+  if (changeable_) {
+    auto made = holdable_motion(limits, *q_, motion, planned, feed_, overlaps);
+    if (!made) {
+      return std::unexpected(Refusal{line, made.error(), std::nullopt, current_->order->file});
     }
-    current_->duration += path->duration() - planner_->motion().law.duration();
-    current_->arrival += path->duration() - planner_->motion().law.duration();
-    motion_ = std::move(path);
+    if (limits.device.capability.motion == MotionKind::kStream) {
+      const double longer = (*made)->time_left() - planned.law.duration();
+      current_->duration += longer;
+      current_->arrival += longer;
+    }
+    motion_ = std::move(*made);
   } else {
     motion_ = std::make_unique<control::PieceMotion>(*q_, motion.pieces, robot_, overlaps);
   }
@@ -535,7 +539,9 @@ std::expected<void, Refusal> Run::next_leg(Instant now) {
   while (leg_ < back_->legs.size()) {
     const HomeLeg& leg = back_->legs[leg_++];
     current_->q = leg.motion.q_end;
-    if (!leg.motion.pieces.empty()) return send(leg.motion, current_->order->line, leg.overlaps);
+    if (!leg.motion.pieces.empty()) {
+      return send(leg.motion, leg.planned, robot_, current_->order->line, leg.overlaps);
+    }
     q_ = leg.motion.q_end;
   }
   finish_order(now);

@@ -7,13 +7,6 @@
 #include "sinew/core/spelling.h"
 
 namespace sinew::program {
-namespace {
-
-/// No arm that this is for reaches so far, m.
-constexpr double kFarAway = 100;
-
-}  // namespace
-
 std::string in_quotes(std::string_view text) {
   return "'" + printable(text) + "'";
 }

@@ -12,6 +12,9 @@
 
 namespace sinew::program {
 
+/// No arm that this is for reaches so far, m.
+inline constexpr double kFarAway = 100;
+
 /// A text as a complaint may show it.
 std::string in_quotes(std::string_view text);
 

@@ -91,7 +91,8 @@ TEST(ApiRecovery, a_statement_leaves_an_event_with_its_place_and_what_was_known_
   EXPECT_EQ(client.sentence("robot.declare", {{"robot", "six"}}), "");
   EXPECT_EQ(client.sentence("robot.declare", {{"robot", "six"}, {"shown", true}}), "");
   Json positions = Json::array();
-  for (const Json& joint : client.status("six")["joints"]) {
+  const Json status = client.status("six");
+  for (const Json& joint : status["joints"]) {
     positions.push_back(joint["position_m"].get<double>() - 1e-3);
   }
   EXPECT_EQ(client.sentence("robot.declare", {{"robot", "six"},
