@@ -108,7 +108,8 @@ PoseFile read_pose(std::span<const std::string_view> rows, int first, NumberRead
   std::array<double, kNumbers> values{};
   for (std::size_t i = 0; i < kNumbers; ++i) {
     const bool turns = i >= kNumbers - 3;
-    values[i] = reader.read(rows[i], first + static_cast<int>(i), turns ? kTotalMax : to_mm(kFarAway));
+    const double most = turns ? kTotalMax : to_mm(kFarAway);
+    values[i] = reader.read(rows[i], first + static_cast<int>(i), most);
   }
   const auto three = [&](std::size_t i) { return Vec3{values[i], values[i + 1], values[i + 2]}; };
   PoseFile pose;
