@@ -57,8 +57,8 @@ struct AxisLinkTiming {
 ///
 /// An axis that gives no fresh answer to `failures_max` frames in a row, or tells of a fault, is
 /// out: axis_fault() says why, kNotice tells it at rest. The others go on; move() takes targets
-/// that leave an axis that is out where positions() shows it. clear_fault() brings it back; open()
-/// does so with one that had stopped by itself since the host before fell silent, and kNotice tells.
+/// that leave an axis that is out where positions() shows it. clear_fault() brings it back; so does
+/// open() with one that had stopped by itself when a host before fell silent, and kNotice tells.
 ///
 /// An axis that is left out by choice (model/left_out.h) is never selected: its joint stays kLost,
 /// and what a move says of it counts for nothing.
