@@ -123,7 +123,6 @@ class Status(TypedDict, total=False):
 
 class DescribedJoint(TypedDict, total=False):
     name: str
-    left_out: bool
     lower_rad: float
     upper_rad: float
     home_rad: float

@@ -293,5 +293,51 @@ TEST(GovernorBounds, clearance_from_itself) {
   EXPECT_EQ(tried(near, begun, false), ErrorCode::kCollision) << "a blind move has no such excuse";
 }
 
+TEST(GovernorBounds, clearance_of_a_nudge) {
+  const RobotModel model = streaming(false);
+  const planning::CollisionModel bodies(model);
+  const std::vector<AxisLimits> limits(model.joints.size(), {kFree, kFree, kFree * kFree});
+  const double resolution = planning::CollisionModel::kResolution;
+  const double least = bodies.margin() - resolution;
+  const JointVector from = folded_to(model, bodies, bodies.margin() + 2 * resolution);
+  std::vector<JointPosition> known;
+  for (const double q : from) known.push_back({PositionQuality::kCommanded, q, q, q});
+  Governor governor(model, limits);
+  governor.rest({from.data(), from.size()});
+  const auto nudged = [&](double clearance, std::span<const JointPosition> positions) {
+    const double way = folded_to(model, bodies, clearance)[2] - from[2];
+    const auto passed = governor.pass_nudge(2, way, positions);
+    return passed ? ErrorCode{} : passed.error().code;
+  };
+  EXPECT_EQ(nudged(least + 0.2 * resolution, known), ErrorCode{});
+  EXPECT_EQ(nudged(least - 0.2 * resolution, known), ErrorCode::kCollision);
+  const std::vector<JointPosition> lost(model.joints.size());
+  EXPECT_EQ(nudged(least - 0.2 * resolution, lost), ErrorCode{}) << "a person looks instead";
+}
+
+TEST(GovernorBounds, jaws_that_would_meet_something) {
+  const RobotModel& model = test::robot("learm");
+  const std::vector<AxisLimits> limits(model.joints.size(), {kFree, kFree, kFree * kFree});
+  Governor governor(model, limits);
+  planning::CollisionModel bodies(model);
+  int refused = 0;
+  test::for_random_cases(kCases, [&](test::Random& random) {
+    JointVector q;
+    for (const Joint& joint : model.joints) q.push_back(random.uniform(joint.lower, joint.upper));
+    const ToolState tool{.jaws = random.uniform(0, 0.06)};
+    const double to = random.uniform(0, 0.06);
+    governor.rest({q.data(), q.size()});
+    governor.fit(tool);
+    const auto passed = governor.pass_jaws(to);
+    const auto meets = bodies.jaws_contact({q.data(), q.size()}, tool, to);
+    ASSERT_EQ(passed.has_value(), !meets.has_value());
+    if (meets) ASSERT_EQ(passed.error(), *meets);
+    refused += meets ? 1 : 0;
+    governor.lose();
+    ASSERT_TRUE(governor.pass_jaws(to)) << "of an arm that may be anywhere nobody knows";
+  });
+  EXPECT_GT(refused, 20);
+}
+
 }  // namespace
 }  // namespace sinew::control

@@ -32,7 +32,6 @@ class MaxArmFirmware {
  public:
   static constexpr std::size_t kRingArduino = 89;  ///< a ring of 90 holds one less
   static constexpr std::size_t kRingMicroPython = 256;
-  static constexpr std::array<double, 3> kHomePulses{500, 500, 500};
 
   /// What a servo's own sensor says, pulses; nothing where the servo does not answer.
   using Readings = std::array<std::optional<std::int16_t>, 3>;

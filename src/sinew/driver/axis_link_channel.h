@@ -58,7 +58,6 @@ class Channel {
 
   /// Carried out exactly once; goes before setpoints, and takes the place of the last one.
   void command(Mode mode);
-  bool command_pending() const { return command_.has_value(); }
   /// What the axis said against the last command that it executed.
   std::optional<Error> command_refusal() const { return command_refusal_; }
   /// What every frame says from now on; nothing: reads.

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 
 #include "sinew/core/assert.h"
+#include "sinew/core/units.h"
 
 namespace sinew {
 
@@ -12,390 +12,605 @@ using namespace bigrobotarm;
 
 namespace {
 
-/// The firmware fills the top byte of a reported position with the sign alone.
-constexpr double kStepMax = (1 << 24) - 1;
-/// It keeps multipliers as floats and cuts them when it echoes.
+/// The firmware cuts what it echoes; a marked value differs by more.
 constexpr std::int32_t kEchoTolerance = 1;
+/// Limits in a file are rounded; so much above one is still it.
+constexpr double kLimitRounding = 1.001;
+/// A motion of this process takes so many times what its joints can: it may have been a slow one.
+constexpr double kLeftBehind = 4;
 
-/// Steps per s that the board's processor manages at most, one joint alone and all together; its
-/// own trapezoid knows nothing of them. Measured on the firmware in a cycle-accurate emulation.
-constexpr double kStepRateAlone = 3430;
-constexpr double kStepRateTogether = 5000;
-/// From the ordinary quiet time up to 8 times it.
-constexpr int kPatienceDoublings = 3;
+std::int32_t multiplier_of(double per_second, const BigRobotArmJoint& joint, std::int32_t most) {
+  const double steps = per_second * std::abs(joint.steps_per_rad);
+  const double multiplier = steps / (joint.steps_per_motor_rev / 100) * kLimitRounding;
+  return static_cast<std::int32_t>(std::clamp(multiplier, 1.0, 1.0 * most));
+}
 
-/// Seconds that the processor needs for the steps of a motion, however fast they are asked for.
-double stepping_time(const Words& from, const Words& to) {
-  double longest = 0;
-  double total = 0;
+/// The first joint in which they differ by more than the tolerance.
+std::optional<std::size_t> difference(const Words& a, const Words& b, std::int32_t tolerance) {
   for (std::size_t i = 0; i < kJoints; ++i) {
-    const double steps = std::abs(1.0 * to[i] - from[i]);
-    longest = std::max(longest, steps);
-    total += steps;
-  }
-  return std::max(longest / kStepRateAlone, total / kStepRateTogether);
-}
-
-Error joint_error(ErrorCode code, std::size_t joint, double measured, double limit) {
-  return {code, static_cast<std::int8_t>(joint), measured, limit};
-}
-
-/// The step for `steps`, or the nearer neighbour where it cannot be sent.
-std::optional<std::int32_t> sendable_step(double steps) {
-  const auto nearest = static_cast<std::int32_t>(std::lround(steps));
-  const std::int32_t side = steps < nearest ? -1 : 1;
-  for (const std::int32_t candidate : {nearest, nearest + side, nearest - side}) {
-    if (byte::sendable(candidate)) return candidate;
+    if (std::abs(std::int64_t{a[i]} - b[i]) > tolerance) return i;
   }
   return std::nullopt;
 }
 
-std::optional<Error> compare(const Words& reported, const Words& sent, std::int32_t tolerance) {
-  for (std::size_t i = 0; i < kJoints; ++i) {
-    if (std::abs(std::int64_t{reported[i]} - sent[i]) > tolerance) {
-      return joint_error(ErrorCode::kReplyMismatch, i, reported[i], sent[i]);
-    }
-  }
-  return std::nullopt;
-}
-
-/// The byte that stands for a reply on the byte wire.
-double head_of(const Reply& reply) {
-  if (std::holds_alternative<Status>(reply)) return 0xCA;
-  if (std::holds_alternative<Invalid>(reply)) return 0xC9;
-  if (const auto* started = std::get_if<MotionStarted>(&reply)) {
-    return static_cast<double>(started->id);
-  }
-  return static_cast<double>(reply.index());  // GotoDone is 1, and so on
-}
-
-double head_due(const Request& request) {
-  if (std::holds_alternative<ReadStatus>(request)) return 0xCA;
-  return static_cast<double>(id_of(request));
+bool same(const BigRobotArmMultipliers& a, const Status& status) {
+  return !difference(a.speeds, status.speeds, kEchoTolerance) &&
+         !difference(a.accelerations, status.accelerations, kEchoTolerance);
 }
 
 }  // namespace
 
 BigRobotArmDriver::BigRobotArmDriver(const BigRobotArmDevice& device,
-                                     const BigRobotArmTiming& timing)
-    : device_(device), timing_(timing) {
-  for (const BigRobotArmJoint& joint : device.joints) SINEW_ASSERT(joint.steps_per_rad != 0);
-  SINEW_ASSERT(timing.quiet > Duration::zero() && timing.reply_timeout > Duration::zero());
+                                               std::span<const Joint> joints,
+                                               const BigRobotArmTiming& timing)
+    : device_(device),
+      timing_(timing),
+      channel_(device, timing.wire),
+      probe_(timing.wire),
+      belief_(device) {
+  SINEW_ASSERT(joints.size() == kJoints);
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    const BigRobotArmJoint& own = device.joints[i];
+    SINEW_ASSERT(own.steps_per_motor_rev > 0);
+    limits_[i] = {joints[i], multiplier_of(joints[i].velocity_max, own, device.multiplier_max),
+                  multiplier_of(joints[i].acceleration_max, own, device.multiplier_max)};
+  }
 }
+
+DriverHealth BigRobotArmDriver::health() const {
+  DriverHealth health = health_;
+  health.unexpected += channel_.unexpected() + probe_.unexpected();
+  return health;
+}
+
+DeviceFacts BigRobotArmDriver::facts() const {
+  return BigRobotArmFacts{.wire = device_.wire,
+                          .dialect = device_.dialect,
+                          .status = heard_,
+                          .looks_like_boot = heard_ && channel_.looks_like_boot(heard_->what),
+                          .wants_declaration = wants_declaration()};
+}
+
+// Opening, closing, and what happens in between.
 
 void BigRobotArmDriver::open(Instant now) {
-  byte_decoder_.reset();
-  text_decoder_.reset();
-  output_.clear();
-  state_ = State::kQuiet;
-  doubt_told_ = false;
-  quiet_since_ = now;
-  deadline_ = now + timing_.quiet;
-}
-
-void BigRobotArmDriver::close() {
-  const bool known = state_ == State::kClosed;
-  state_ = State::kClosed;
-  deadline_.reset();
-  output_.clear();
-  if (!known) tell(Failed{{ErrorCode::kPortClosed}});
-}
-
-Expected<void> BigRobotArmDriver::read_status(Instant now) {
-  return ask(ReadStatus{}, now);
-}
-
-Expected<void> BigRobotArmDriver::move_to(const BigRobotArmAngles& q, Duration expected,
-                                          Instant now) {
-  const auto steps = steps_of(q);
-  if (!steps) return std::unexpected(steps.error());
-  const auto asked = ask(Goto{*steps}, now);
-  if (asked) expected_ = std::max(expected, Duration::zero());
-  return asked;
-}
-
-Expected<void> BigRobotArmDriver::home(Duration expected, Instant now) {
-  // The text wire's G28 would throw the gripper open as well, which nobody asked for.
-  const bool text = device_.wire == BigRobotArmWire::kText;
-  const auto asked = ask(text ? Request{Goto{}} : Request{Home{}}, now);
-  if (asked) expected_ = std::max(expected, Duration::zero());
-  return asked;
-}
-
-Expected<void> BigRobotArmDriver::set_speeds(const Words& multipliers, Instant now) {
-  if (const auto checked = check_multipliers(device_, multipliers); !checked) return checked;
-  return ask(SetSpeeds{multipliers}, now);
-}
-
-Expected<void> BigRobotArmDriver::set_accelerations(const Words& multipliers, Instant now) {
-  if (const auto checked = check_multipliers(device_, multipliers); !checked) return checked;
-  return ask(SetAccelerations{multipliers}, now);
-}
-
-Expected<void> BigRobotArmDriver::set_gripper(bool enabled, std::int32_t position, Instant now) {
-  if (position < 0 || position > std::min(device_.gripper_max, 255)) {
-    return std::unexpected(
-        Error{ErrorCode::kGripperRange, -1, 1.0 * position, 1.0 * device_.gripper_max});
-  }
-  return ask(SetGripper{enabled, static_cast<std::uint8_t>(position)}, now);
-}
-
-Expected<void> BigRobotArmDriver::reset_positions(Instant now) {
-  return ask(Reset{}, now);
-}
-
-Expected<void> BigRobotArmDriver::leave_sync(Instant now) {
-  return ask(SetSync{false}, now);
-}
-
-bool BigRobotArmDriver::withdraw() {
-  if (state_ != State::kAsked || output_.empty() || output_begun_) return false;
-  output_.clear();
-  state_ = State::kIdle;
-  deadline_.reset();
-  return true;
-}
-
-Expected<Words> BigRobotArmDriver::steps_of(const BigRobotArmAngles& q) const {
-  Words words{};
-  for (std::size_t i = 0; i < kJoints; ++i) {
-    const double steps = (q[i] - offset_[i]) * device_.joints[i].steps_per_rad;
-    // Written so that NaN is refused too.
-    if (!(std::abs(steps) <= kStepMax - 1)) {
-      return std::unexpected(joint_error(ErrorCode::kStepRange, i, steps, kStepMax));
-    }
-    words[i] = static_cast<std::int32_t>(std::lround(steps));
-    if (device_.wire == BigRobotArmWire::kText) continue;
-    const auto step = sendable_step(steps);
-    if (!step) return std::unexpected(joint_error(ErrorCode::kUnsendable, i, words[i], 0));
-    words[i] = *step;
-  }
-  return words;
-}
-
-BigRobotArmAngles BigRobotArmDriver::angles_of(const Words& steps) const {
-  BigRobotArmAngles q{};
-  for (std::size_t i = 0; i < kJoints; ++i) {
-    q[i] = offset_[i] + steps[i] / device_.joints[i].steps_per_rad;
-  }
-  return q;
-}
-
-Expected<void> BigRobotArmDriver::ask(const Request& request, Instant now) {
-  if (state_ != State::kIdle) return std::unexpected(Error{ErrorCode::kBusy});
-  const bool fits = device_.wire == BigRobotArmWire::kByte ? byte::sendable(request)
-                                                           : text::sendable(text::Line{request});
-  if (!fits) {
-    const auto* gripper = std::get_if<SetGripper>(&request);
-    return std::unexpected(
-        Error{ErrorCode::kUnsendable, -1, gripper != nullptr ? 1.0 * gripper->position : 0.0});
-  }
-  send(request);
-  state_ = State::kAsked;
-  asked_at_ = now;
-  deadline_ = now + timing_.reply_timeout;
-  return {};
-}
-
-void BigRobotArmDriver::send(const Request& request) {
-  SINEW_ASSERT(output_.empty());
-  asked_ = request;
-  output_begun_ = false;
-  if (device_.wire == BigRobotArmWire::kByte) {
-    for (const std::uint8_t byte : byte::encode_request(request)) output_.push_back(byte);
-    output_.push_back(byte::kTerminator);
+  if (state_ != DriverState::kClosed) close(now);
+  state_ = DriverState::kOpening;
+  opening_ = true;
+  belief_.reopen();
+  const Duration left = left_behind();
+  if (left > Duration::zero()) deaf_until_ = now + left;
+  limit_ = now + timing_.opening_limit + left;
+  const double allowed = to_seconds(timing_.opening_limit + left);
+  trouble_ = {ErrorCode::kDeviceSilent, -1, allowed, allowed};
+  if (device_.probe_wire) {
+    step_ = Step::kProbe;
+    probe_.open(now);
   } else {
-    for (const char character : text::encode_line({request})) {
-      output_.push_back(static_cast<std::uint8_t>(character));
-    }
-    output_.push_back(text::kLineEnd);
+    step_ = Step::kRecover;
+    channel_.open(now);
   }
 }
 
-void BigRobotArmDriver::receive(std::span<const std::uint8_t> bytes, Instant now) {
-  // What was due before these bytes came is late, whoever called first.
-  if (deadline_ && now > *deadline_) poll(now);
-  for (const std::uint8_t byte : bytes) {
-    if (state_ == State::kClosed) return;
-    if (state_ == State::kQuiet) {
-      take_unexpected();
-      deadline_ = now + timing_.quiet;
-      if (now - quiet_since_ > timing_.quiet_limit && !doubt_told_) {
-        doubt({ErrorCode::kUnaskedReply, -1, 1.0 * byte}, now);
-      }
-      continue;
-    }
-    const auto result = decode(byte);
-    if (state_ == State::kIdle || !output_.empty()) {
-      // Nothing was asked, or the question has not even left.
-      take_unexpected();
-      doubt({ErrorCode::kUnaskedReply, -1, 1.0 * byte}, now);
-    } else if (result && !*result) {
-      take_unexpected();
-      doubt({ErrorCode::kUnexpectedReply, -1, 1.0 * result->error().seen,
-             1.0 * result->error().expected},
-            now);
-    } else if (result) {
-      if (const auto error = check(**result)) {
-        take_unexpected();
-        doubt(*error, now);
-      } else {
-        take_reply(**result, now);
-      }
-    }
+void BigRobotArmDriver::close(Instant now) {
+  if (state_ == DriverState::kClosed) return;
+  channel_.close();
+  while (channel_.take_event()) {
   }
+  // A stop has no better end than a port from which nothing can leave any more.
+  if (stop_wanted_ && !command_) tell(DriverEvent::Kind::kStopped);
+  if (command_ || opening_) tell(DriverEvent::Kind::kFailed, {ErrorCode::kPortClosed});
+  command_ = opening_ = stop_wanted_ = false;
+  state_ = DriverState::kClosed;
+  step_ = Step::kNone;
+  fault_.reset();
+  limit_.reset();
+  deaf_until_.reset();
+  show(now);
 }
 
-void BigRobotArmDriver::take_unexpected() {
-  ++unexpected_;
-  noise_ = true;
+/// How long a motion may still take in which the process before has died: it may have been as slow
+/// as this wire can ask for.
+Duration BigRobotArmDriver::left_behind() const {
+  const bool died = memory_.ended_in_motion;
+  double longest = 0;
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    const JointPosition& joint = shown_[i];
+    if (joint.quality != PositionQuality::kUncertain) continue;
+    const BigRobotArmJoint& own = device_.joints[i];
+    const double steps = (joint.upper - joint.lower) * std::abs(own.steps_per_rad);
+    longest = std::max(longest, motion_time(own, steps, died ? 1 : limits_[i].speed_max,
+                                            died ? 1 : limits_[i].acceleration_max));
+  }
+  if (died) return std::max(from_seconds(longest) - memory_.since, Duration::zero());
+  return from_seconds(kLeftBehind * longest);
 }
 
-std::optional<std::expected<Reply, Garbage>> BigRobotArmDriver::decode(std::uint8_t byte) {
-  if (device_.wire == BigRobotArmWire::kByte) return byte_decoder_.push(byte);
-  return text_decoder_.push(static_cast<char>(byte));
+std::optional<Instant> BigRobotArmDriver::goes_on_until() const {
+  if (state_ == DriverState::kOpening && deaf_until_) return deaf_until_;
+  const bool ending = state_ == DriverState::kStopping || state_ == DriverState::kOpening;
+  if (!ending || !belief_.going()) return std::nullopt;
+  const Duration own = from_seconds(to_seconds(expected_) * timing_.wire.move_factor);
+  return going_since_ + own + timing_.wire.move_margin;
 }
 
-std::optional<Error> BigRobotArmDriver::check(const Reply& reply) const {
-  const Error unexpected{ErrorCode::kUnexpectedReply, -1, head_of(reply), head_due(asked_)};
-  if (std::holds_alternative<Invalid>(reply)) return Error{ErrorCode::kDeviceRefused};
-  if (const auto* started = std::get_if<MotionStarted>(&reply)) {
-    const bool due = state_ == State::kAsked && started->id == id_of(asked_);
-    return due ? std::nullopt : std::optional(unexpected);
-  }
-  const auto* go = std::get_if<Goto>(&asked_);
-  const bool motion = go != nullptr || std::holds_alternative<Home>(asked_);
-  if (motion && state_ != State::kMoving) return unexpected;
-  if (const auto* done = std::get_if<GotoDone>(&reply); done != nullptr && go != nullptr) {
-    return compare(done->positions, go->positions, 0);
-  }
-  if (const auto* done = std::get_if<HomeDone>(&reply);
-      done != nullptr && std::holds_alternative<Home>(asked_)) {
-    return compare(done->positions, Words{}, 0);
-  }
-  if (const auto* done = std::get_if<ResetDone>(&reply);
-      done != nullptr && std::holds_alternative<Reset>(asked_)) {
-    return compare(done->positions, Words{}, 0);
-  }
-  const auto* speeds = std::get_if<SetSpeeds>(&asked_);
-  if (const auto* echo = std::get_if<Speeds>(&reply); echo != nullptr && speeds != nullptr) {
-    return compare(echo->speeds, speeds->speeds, kEchoTolerance);
-  }
-  const auto* ramps = std::get_if<SetAccelerations>(&asked_);
-  if (const auto* echo = std::get_if<Accelerations>(&reply); echo != nullptr && ramps != nullptr) {
-    return compare(echo->accelerations, ramps->accelerations, kEchoTolerance);
-  }
-  const auto* grip = std::get_if<SetGripper>(&asked_);
-  if (const auto* echo = std::get_if<Gripper>(&reply); echo != nullptr && grip != nullptr) {
-    // A disabled gripper keeps its old position, whatever was asked.
-    const bool same =
-        echo->enabled == grip->enabled && (!grip->enabled || echo->position == grip->position);
-    if (same) return std::nullopt;
-    return Error{ErrorCode::kReplyMismatch, -1, 1.0 * echo->position, 1.0 * grip->position};
-  }
-  const auto* sync = std::get_if<SetSync>(&asked_);
-  if (const auto* echo = std::get_if<Sync>(&reply); echo != nullptr && sync != nullptr) {
-    if (echo->on == sync->on) return std::nullopt;
-    return Error{ErrorCode::kReplyMismatch, -1, echo->on ? 1.0 : 0.0, sync->on ? 1.0 : 0.0};
-  }
-  const bool status =
-      std::holds_alternative<Status>(reply) && std::holds_alternative<ReadStatus>(asked_);
-  return status ? std::nullopt : std::optional(unexpected);
-}
-
-void BigRobotArmDriver::take_reply(const Reply& reply, Instant now) {
-  if (std::holds_alternative<MotionStarted>(reply)) {
-    state_ = State::kMoving;
-    const auto* go = std::get_if<Goto>(&asked_);
-    const double stepping = stepping_time(positions_, go != nullptr ? go->positions : Words{});
-    const double expected = std::max(to_seconds(expected_), stepping);
-    deadline_ = asked_at_ + from_seconds(expected * timing_.move_factor) + timing_.move_margin;
-    return tell(Started{});
-  }
-  if (const auto* status = std::get_if<Status>(&reply)) return take_status(*status, now);
-  if (const auto* done = std::get_if<GotoDone>(&reply)) positions_ = done->positions;
-  if (std::holds_alternative<HomeDone>(reply)) positions_ = {};
-  if (std::holds_alternative<ResetDone>(reply)) {
-    offset_ = angles_of(positions_);
-    positions_ = {};
-  }
-  state_ = State::kIdle;
-  deadline_.reset();
-  tell(Done{id_of(asked_), angles_of(positions_)});
-}
-
-void BigRobotArmDriver::take_status(const Status& status, Instant now) {
-  const bool after_doubt = state_ == State::kVerify;
-  if (after_doubt && silent_asks_ > 0) {
-    // It may answer an earlier question, with the rest of the answers still to come.
-    silent_asks_ = 0;
-    state_ = State::kQuiet;
-    deadline_ = now + timing_.quiet;
-    return;
-  }
-  positions_ = status.positions;
-  state_ = State::kIdle;
-  deadline_.reset();
-  doubt_told_ = false;
-  tell(StatusRead{angles_of(positions_), status, after_doubt, looks_like_boot(status), deaf_});
-  noise_ = deaf_ = false;
-}
-
-bool BigRobotArmDriver::looks_like_boot(const Status& status) const {
-  Words boot{};
-  for (std::size_t i = 0; i < kJoints; ++i) boot[i] = device_.joints[i].multiplier_boot;
-  return status.positions == Words{} && !compare(status.speeds, boot, kEchoTolerance) &&
-         !compare(status.accelerations, boot, kEchoTolerance) && !status.sync &&
-         status.gripper.value_or(Gripper{true, 90}) == Gripper{true, 90};
+std::optional<JointInterval> BigRobotArmDriver::counted(std::size_t joint) const {
+  return belief_.counted(joint);
 }
 
 void BigRobotArmDriver::poll(Instant now) {
-  if (!deadline_ || now < *deadline_) return;
-  if (state_ == State::kQuiet) {
-    if (!output_.empty()) {
-      deadline_ = now + timing_.quiet;
-      return;
-    }
-    byte_decoder_.reset();
-    text_decoder_.reset();
-    send(ReadStatus{});
-    state_ = State::kVerify;
-    asked_at_ = now;
-    deadline_ = now + timing_.reply_timeout;
-    return;
+  if (state_ == DriverState::kClosed) return;
+  if (step_ == Step::kProbe) {
+    probe_.poll(now);
+  } else {
+    channel_.poll(now);
   }
-  if (state_ == State::kVerify && ++silent_asks_ >= kDeafAsks && noise_) deaf_ = true;
-  doubt({ErrorCode::kDeviceSilent, -1, to_seconds(now - asked_at_),
-         to_seconds(*deadline_ - asked_at_)},
-        now);
+  pump(now);
+  if (limit_ && now >= *limit_) {
+    limit_.reset();
+    const bool failed = opening_ || stop_wanted_;
+    if (step_ == Step::kProbe && probe_.unexpected() > 0) {
+      trouble_ = {ErrorCode::kUnaskedReply, -1, 1.0 * probe_.last_byte()};
+    }
+    tell(failed ? DriverEvent::Kind::kFailed : DriverEvent::Kind::kNotice, trouble_);
+    opening_ = stop_wanted_ = false;
+  }
+  show(now);
 }
 
-void BigRobotArmDriver::doubt(const Error& error, Instant now) {
-  // A request that has not begun to leave is dropped. One that has must go on: the real device
-  // takes a goto that breaks off for a goto to zero.
-  if (!output_begun_) output_.clear();
-  state_ = State::kQuiet;
-  quiet_since_ = now;
-  // Twice as patient after each question without an answer: where a request was cut off before,
-  // every byte of a question fills it up.
-  deadline_ = now + timing_.quiet * (1 << std::min(silent_asks_, kPatienceDoublings));
-  if (!doubt_told_) tell(Failed{error});
-  doubt_told_ = true;
+void BigRobotArmDriver::receive(std::span<const std::uint8_t> bytes, Instant now) {
+  if (state_ == DriverState::kClosed) return;
+  if (step_ == Step::kProbe) {
+    probe_.receive(bytes, now);
+    if (const auto found = probe_.found()) {
+      device_.wire = found->wire;
+      device_.dialect = found->dialect;
+      health_.unexpected += channel_.unexpected();
+      channel_ = BigRobotArmChannel(device_, timing_.wire);
+      channel_.set_offset(belief_.offset());
+      channel_.open(now);
+      step_ = Step::kRecover;
+    }
+  } else {
+    channel_.receive(bytes, now);
+  }
+  pump(now);
+  show(now);
 }
 
 std::size_t BigRobotArmDriver::take_output(std::span<std::uint8_t> out) {
-  const std::size_t count = output_.take_front(out);
-  output_begun_ = output_begun_ || count > 0;
-  return count;
+  return step_ == Step::kProbe ? probe_.take_output(out) : channel_.take_output(out);
 }
 
-std::optional<BigRobotArmDriver::Event> BigRobotArmDriver::take_event() {
-  return events_.take_front();
+std::optional<Instant> BigRobotArmDriver::next_deadline() const {
+  auto next = step_ == Step::kProbe ? probe_.next_deadline() : channel_.next_deadline();
+  if (limit_ && (!next || *limit_ < *next)) next = limit_;
+  return next;
 }
 
-void BigRobotArmDriver::tell(const Event& event) {
+void BigRobotArmDriver::pump(Instant now) {
+  while (const auto event = channel_.take_event()) {
+    if (const auto* read = std::get_if<BigRobotArmChannel::StatusRead>(&*event)) {
+      take(*read, now);
+    } else if (std::holds_alternative<BigRobotArmChannel::Done>(*event)) {
+      take_done(now);
+    } else if (const auto* failed = std::get_if<BigRobotArmChannel::Failed>(&*event)) {
+      doubt(failed->error, now);
+    }
+  }
+}
+
+void BigRobotArmDriver::take(const BigRobotArmChannel::StatusRead& read, Instant now) {
+  heard_ = {read.status, now};
+  was_deaf_ = was_deaf_ || read.was_deaf;
+  if (read.after_doubt) {
+    return confirm(read.status, Step::kRecover, now);
+  }
+  if (step_ == Step::kConfirm) {
+    alike_ = last_read_ == read.status ? alike_ + 1 : 1;
+    last_read_ = read.status;
+    if (alike_ >= (is_familiar(read.status) ? 2 : 3)) return settle(read.status, now);
+    if (++readings_ < kReadingsMax) return go_on(Step::kConfirm, now);
+    // A line like that is no line; start again from quiet.
+    trouble_ = {ErrorCode::kChecksum, -1, 1.0 * readings_};
+    ++health_.unexpected;
+    channel_.open(now);
+    return doubt(trouble_, now);
+  }
+  if (as_expected(read.status)) return go_on_after(step_, now);
+  confirm(read.status, step_, now);
+}
+
+void BigRobotArmDriver::confirm(const std::optional<Status>& first, Step resume, Instant now) {
+  readings_ = alike_ = first ? 1 : 0;
+  last_read_ = first;
+  resume_ = resume;
+  go_on(Step::kConfirm, now);
+}
+
+/// Where we left it, or sent it: one flipped bit twice does not look like that.
+bool BigRobotArmDriver::is_familiar(const Status& status) const {
+  return status.positions == belief_.steps() || (belief_.going() && status.positions == target_);
+}
+
+bool BigRobotArmDriver::as_expected(const Status& status) const {
+  const bool after = step_ == Step::kAfter;
+  return !status.sync && status.positions == (after ? target_ : belief_.steps()) &&
+         same(after ? wanted_ : multipliers_, status);
+}
+
+/// A damaged goto that was sent beyond a joint's limits may have ended at its mechanical end.
+bool BigRobotArmDriver::is_outside(const Words& steps) const {
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    const double q = belief_.offset()[i] + steps[i] / device_.joints[i].steps_per_rad;
+    const SendRange& range = limits_[i].range;
+    if (q < range.lower || q > range.upper) return true;
+  }
+  return false;
+}
+
+/// Longer deaf than our own motion explains: noise has ordered one, and perhaps a reset as well,
+/// so that its counters tell nothing.
+bool BigRobotArmDriver::may_have_wandered(Instant now) const {
+  if (!was_deaf_) return false;
+  const Duration own = from_seconds(to_seconds(expected_) * timing_.wire.move_factor);
+  return !belief_.going() || now > going_since_ + own + timing_.wire.move_margin;
+}
+
+void BigRobotArmDriver::settle(const Status& status, Instant now) {
+  const Step answered = resume_;
+  step_ = answered;
+  last_read_.reset();
+  const bool wandered = may_have_wandered(now);
+  was_deaf_ = false;
+  if (answered != Step::kRecover && as_expected(status)) return go_on_after(answered, now);
+  const auto joint = difference(status.positions, belief_.going() ? target_ : belief_.steps(), 0);
+  const bool strayed = !is_familiar(status);
+  belief_.judge(status, channel_.looks_like_boot(status));
+  if (wandered || (strayed && is_outside(status.positions))) belief_.lose();
+  channel_.set_offset(belief_.offset());
+  multipliers_ = {status.speeds, status.accelerations};
+  deaf_until_.reset();
+  memory_ = {};
+  if (const auto counted = belief_.take_contradiction()) tell(DriverEvent::Kind::kNotice, *counted);
+  if (command_) {
+    Error error{ErrorCode::kReplyMismatch};
+    if (joint) error.index = static_cast<std::int8_t>(*joint);
+    end_command(DriverEvent::Kind::kFailed, error);
+  }
+  step_ = Step::kNone;
+  limit_.reset();
+  state_ = DriverState::kReady;
+  if (status.sync) {
+    state_ = DriverState::kFault;
+    fault_ = Error{ErrorCode::kDeviceSync};
+  }
+  if (status.sync && opening_) {
+    tell(DriverEvent::Kind::kFailed, *fault_);
+  } else {
+    tell(DriverEvent::Kind::kReady);
+  }
+  opening_ = false;
+  if (stop_wanted_) tell(DriverEvent::Kind::kStopped);
+  stop_wanted_ = false;
+}
+
+void BigRobotArmDriver::take_done(Instant now) {
+  if (step_ == Step::kSpeeds) multipliers_.speeds = wanted_.speeds;
+  if (step_ == Step::kRamps) multipliers_.accelerations = wanted_.accelerations;
+  if (step_ == Step::kSyncOff) {
+    return confirm(std::nullopt, Step::kRecover, now);
+  }
+  go_on_after(step_, now);
+}
+
+void BigRobotArmDriver::doubt(const Error& error, Instant now) {
+  health_.timeouts += error.code == ErrorCode::kDeviceSilent ? 1 : 0;
+  if (command_) {
+    end_command(DriverEvent::Kind::kFailed, error);
+  } else if (state_ == DriverState::kReady || state_ == DriverState::kFault) {
+    tell(DriverEvent::Kind::kNotice, error);
+  } else if (error.code != ErrorCode::kDeviceSilent) {
+    trouble_ = error;
+  }
+  if (state_ != DriverState::kOpening) {
+    trouble_ = error;
+    limit_ = now + timing_.opening_limit;
+  }
+  belief_.doubt();
+  state_ = DriverState::kOpening;
+  fault_.reset();
+  step_ = Step::kRecover;
+}
+
+// The dialogue.
+
+void BigRobotArmDriver::go_on_after(Step done, Instant now) {
+  switch (done) {
+    case Step::kBefore:
+      if (multipliers_.speeds != wanted_.speeds) return go_on(Step::kSpeeds, now);
+      [[fallthrough]];
+    case Step::kSpeeds:
+      if (multipliers_.accelerations != wanted_.accelerations) return go_on(Step::kRamps, now);
+      [[fallthrough]];
+    case Step::kRamps:
+      return go_on(Step::kGoto, now);
+    case Step::kGoto:
+      return go_on(Step::kAfter, now);
+    case Step::kAfter:
+      belief_.arrive();
+      break;
+    case Step::kZero:
+      belief_.zero();
+      break;
+    default:
+      break;
+  }
+  step_ = Step::kNone;
+  state_ = DriverState::kReady;
+  const bool stopped = stop_wanted_;
+  stop_wanted_ = false;
+  end_command(stopped ? DriverEvent::Kind::kStopped : DriverEvent::Kind::kDone, {});
+}
+
+void BigRobotArmDriver::go_on(Step step, Instant now) {
+  const bool harmless = step == Step::kConfirm || step == Step::kAfter;
+  if (stop_wanted_ && command_ && !harmless) return go_on_after(Step::kNone, now);
+  if (const auto asked = ask(step, now); !asked) {
+    // Every value was looked at before the first byte left.
+    SINEW_ASSERT(asked.error().code == ErrorCode::kBusy);
+    doubt(asked.error(), now);
+  }
+}
+
+Expected<void> BigRobotArmDriver::ask(Step step, Instant now) {
+  Expected<void> asked;
+  switch (step) {
+    case Step::kSpeeds:
+      asked = channel_.set_speeds(wanted_.speeds, now);
+      break;
+    case Step::kRamps:
+      asked = channel_.set_accelerations(wanted_.accelerations, now);
+      break;
+    case Step::kGoto:
+      asked = channel_.move_to(q_target_, expected_, now);
+      if (asked) belief_.go(target_);
+      going_since_ = now;
+      break;
+    case Step::kGripper:
+      asked = channel_.set_gripper(gripper_enabled_, gripper_.value_or(0), now);
+      break;
+    case Step::kZero:
+      asked = channel_.reset_positions(now);
+      break;
+    case Step::kSyncOff:
+      asked = channel_.leave_sync(now);
+      break;
+    default:
+      asked = channel_.read_status(now);
+      break;
+  }
+  if (!asked) return asked;
+  step_ = step;
+  ++health_.requests;
+  health_.retries += step == Step::kConfirm ? 1 : 0;
+  return {};
+}
+
+Expected<void> BigRobotArmDriver::check_ready() const {
+  if (state_ == DriverState::kReady) return {};
+  if (state_ == DriverState::kFault) return std::unexpected(*fault_);
+  const bool closed = state_ == DriverState::kClosed;
+  return std::unexpected(Error{closed ? ErrorCode::kPortClosed : ErrorCode::kBusy});
+}
+
+Expected<void> BigRobotArmDriver::check_move(const JointMove& move) const {
+  SINEW_ASSERT(move.q.size() == kJoints);
+  if (const auto unknown = belief_.unknown()) {
+    return std::unexpected(Error{ErrorCode::kPositionUnknown, static_cast<std::int8_t>(*unknown)});
+  }
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    const auto joint = static_cast<std::int8_t>(i);
+    const SendRange& limit = limits_[i].range;
+    if (!limit.from(shown_[i]).holds(move.q[i])) {
+      const bool low = move.q[i] < limit.lower;
+      return std::unexpected(
+          Error{ErrorCode::kJointLimit, joint, move.q[i], low ? limit.lower : limit.upper});
+    }
+    if (i < move.qd.size() && !(move.qd[i] == 0)) {
+      return std::unexpected(Error{ErrorCode::kTaskNotSupported, joint});
+    }
+  }
+  return {};
+}
+
+Expected<void> BigRobotArmDriver::move(const JointMove& move, Instant now) {
+  if (const auto ready = check_ready(); !ready) return ready;
+  if (const auto fine = check_move(move); !fine) return fine;
+  std::copy(move.q.begin(), move.q.end(), q_target_.begin());
+  return begin_move(move.duration, now);
+}
+
+Expected<void> BigRobotArmDriver::nudge(std::size_t joint, double way, Duration duration,
+                                             Instant now) {
+  SINEW_ASSERT(joint < kJoints);
+  if (const auto ready = check_ready(); !ready) return ready;
+  const double steps = way * device_.joints[joint].steps_per_rad;
+  // Written so that NaN is refused too.
+  if (!(std::abs(steps) >= 0.5 && std::abs(way) <= kNudgeMax)) {
+    return std::unexpected(
+        Error{ErrorCode::kNudgeRange, static_cast<std::int8_t>(joint), way, kNudgeMax});
+  }
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    q_target_[i] = belief_.offset()[i] + belief_.steps()[i] / device_.joints[i].steps_per_rad;
+  }
+  q_target_[joint] += std::round(steps) / device_.joints[joint].steps_per_rad;
+  return begin_move(duration, now);
+}
+
+/// To q_target_.
+Expected<void> BigRobotArmDriver::begin_move(Duration at_least, Instant now) {
+  const auto target = channel_.steps_of(q_target_);
+  if (!target) return std::unexpected(target.error());
+  Words deltas = *target;
+  for (std::size_t i = 0; i < kJoints; ++i) deltas[i] -= belief_.steps()[i];
+  const auto chosen = multipliers_for(deltas, at_least);
+  if (!chosen) return std::unexpected(chosen.error());
+  const auto asked = ask(Step::kBefore, now);
+  if (!asked) return asked;
+  wanted_ = *chosen;
+  target_ = *target;
+  expected_ = duration_of(deltas);
+  state_ = DriverState::kMoving;
+  command_ = true;
+  return {};
+}
+
+/// Never those of power-up, so that a board that was reset shows it.
+Expected<BigRobotArmMultipliers> BigRobotArmDriver::multipliers_for(const Words& deltas,
+                                                                         Duration at_least) const {
+  BigRobotArmMultipliers base;
+  Words boot{};
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    base.speeds[i] = limits_[i].speed_max;
+    base.accelerations[i] = limits_[i].acceleration_max;
+    boot[i] = device_.joints[i].multiplier_boot;
+  }
+  base = raised(device_, deltas, base, to_seconds(at_least));
+  auto chosen = synchronised_multipliers(device_, deltas, base, to_seconds(at_least));
+  if (!chosen) return chosen;
+  if (!difference(chosen->speeds, boot, kEchoTolerance) &&
+      !difference(chosen->accelerations, boot, kEchoTolerance)) {
+    std::int32_t& marked = chosen->accelerations[0];
+    marked = std::max(1, marked - 1 - 2 * kEchoTolerance);
+    while (marked > 1 && !byte::sendable(marked)) --marked;
+  }
+  return chosen;
+}
+
+Duration BigRobotArmDriver::duration_of(const Words& deltas) const {
+  double longest = 0;
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    longest = std::max(longest, motion_time(device_.joints[i], deltas[i], wanted_.speeds[i],
+                                            wanted_.accelerations[i]));
+  }
+  return from_seconds(longest);
+}
+
+/// Where its servo was told to be last, by this host or, as the byte wire says, by another one.
+std::optional<std::int32_t> BigRobotArmDriver::known_gripper() const {
+  if (gripper_) return gripper_;
+  if (heard_ && heard_->what.gripper) return heard_->what.gripper->position;
+  return std::nullopt;
+}
+
+Expected<void> BigRobotArmDriver::tool(const ToolAction& action, Instant now) {
+  const auto* gripper = std::get_if<GripperTo>(&action);
+  if (gripper == nullptr) return std::unexpected(Error{ErrorCode::kToolNotFitted});
+  if (const auto ready = check_ready(); !ready) return ready;
+  const auto known = known_gripper();
+  if (gripper->enabled && !gripper->angle && !known) {
+    return std::unexpected(Error{ErrorCode::kNotMeasured});
+  }
+  const double degrees = gripper->angle ? std::round(to_deg(*gripper->angle)) : known.value_or(0);
+  if (!(degrees >= 0 && degrees <= device_.gripper_max)) {
+    return std::unexpected(Error{ErrorCode::kGripperRange, -1, degrees, 1.0 * device_.gripper_max});
+  }
+  if (gripper->angle || known) gripper_ = static_cast<std::int32_t>(degrees);
+  gripper_enabled_ = gripper->enabled;
+  const auto asked = ask(Step::kGripper, now);
+  if (!asked) return asked;
+  state_ = DriverState::kMoving;
+  command_ = true;
+  return {};
+}
+
+void BigRobotArmDriver::stop(Instant now) {
+  if (state_ == DriverState::kOpening) {
+    stop_wanted_ = true;
+    if (!limit_) limit_ = now + timing_.opening_limit;
+  } else if (state_ != DriverState::kMoving && state_ != DriverState::kStopping) {
+    tell(DriverEvent::Kind::kStopped);
+  } else {
+    stop_wanted_ = true;
+    state_ = DriverState::kStopping;
+    if (channel_.withdraw()) {
+      belief_.stay();
+      go_on_after(Step::kNone, now);
+    }
+  }
+  show(now);
+}
+
+Expected<void> BigRobotArmDriver::clear_fault(Instant now) {
+  if (state_ == DriverState::kMoving || state_ == DriverState::kStopping) {
+    return std::unexpected(Error{ErrorCode::kBusy});
+  }
+  if (state_ != DriverState::kFault) return {};
+  if (const auto asked = ask(Step::kSyncOff, now); !asked) return asked;
+  fault_.reset();
+  state_ = DriverState::kOpening;
+  limit_ = now + timing_.opening_limit;
+  return {};
+}
+
+void BigRobotArmDriver::declare_positions(std::span<const JointPosition> positions) {
+  const bool moving = state_ == DriverState::kMoving || state_ == DriverState::kStopping;
+  if (moving) return;
+  belief_.declare(positions);
+  channel_.set_offset(belief_.offset());
+  belief_.show(0, shown_);
+}
+
+Expected<void> BigRobotArmDriver::zero_counters(Instant now) {
+  if (const auto ready = check_ready(); !ready) return ready;
+  const auto asked = ask(Step::kZero, now);
+  if (!asked) return asked;
+  state_ = DriverState::kMoving;
+  command_ = true;
+  return {};
+}
+
+void BigRobotArmDriver::show(Instant now) {
+  const double whole = to_seconds(expected_);
+  if (!(whole > 0)) return belief_.show(1, shown_);
+  // The joints arrive together: all as far as the one that takes longest by its own ramps.
+  double longest = 0;
+  std::size_t slowest = 0;
+  Words way{};
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    way[i] = target_[i] - belief_.steps()[i];
+    const double time =
+        motion_time(device_.joints[i], way[i], wanted_.speeds[i], wanted_.accelerations[i]);
+    if (time > longest) slowest = i;
+    longest = std::max(longest, time);
+  }
+  // The board may take longer than its ramps: so much slower goes all of it.
+  const double t = to_seconds(now - going_since_) * longest / whole;
+  belief_.show(longest > 0
+                   ? motion_share(device_.joints[slowest], way[slowest], wanted_.speeds[slowest],
+                                  wanted_.accelerations[slowest], t)
+                   : 1,
+               shown_);
+}
+
+void BigRobotArmDriver::end_command(DriverEvent::Kind kind, const Error& error) {
+  if (command_) tell(kind, error);
+  command_ = false;
+}
+
+void BigRobotArmDriver::tell(DriverEvent::Kind kind, const Error& error) {
+  // Who stops again and again without listening has been told already.
+  if (kind == DriverEvent::Kind::kStopped && !events_.empty() && events_.back().kind == kind) {
+    return;
+  }
+  if (events_.full() && kind == DriverEvent::Kind::kNotice) return;
   SINEW_ASSERT(!events_.full());
-  events_.push_back(event);
+  events_.push_back({kind, error});
+}
+
+std::optional<DriverEvent> BigRobotArmDriver::take_event() {
+  return events_.take_front();
 }
 
 }  // namespace sinew

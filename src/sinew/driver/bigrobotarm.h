@@ -1,181 +1,198 @@
 #pragma once
 
 #include <array>
-#include <cstddef>
-#include <cstdint>
 #include <optional>
 #include <span>
-#include <variant>
 
-#include "sinew/core/error.h"
-#include "sinew/core/fixed_vector.h"
-#include "sinew/core/instant.h"
+#include "sinew/core/units.h"
+#include "sinew/driver/bigrobotarm_channel.h"
 #include "sinew/driver/bigrobotarm_multipliers.h"
-#include "sinew/model/device.h"
-#include "sinew/wire/bigrobotarm_byte.h"
-#include "sinew/wire/bigrobotarm_text.h"
+#include "sinew/driver/bigrobotarm_positions.h"
+#include "sinew/driver/bigrobotarm_probe.h"
+#include "sinew/driver/driver.h"
+#include "sinew/driver/send_range.h"
 
 namespace sinew {
 
-using BigRobotArmAngles = std::array<double, bigrobotarm::kJoints>;  // rad, model's sign
-
 struct BigRobotArmTiming {
-  Duration reply_timeout = std::chrono::milliseconds(500);  ///< also until a motion is taken up
-  Duration quiet = std::chrono::milliseconds(100);          ///< silence that ends a doubt
-  Duration quiet_limit = std::chrono::seconds(5);  ///< a line that talks on for so long is told
-  double move_factor = 1.5;                        ///< of the expected duration, and
-  Duration move_margin = std::chrono::seconds(2);  ///< this on top: the device is slower than
-                                                   ///< its own profile where many joints step
+  BigRobotArmChannelTiming wire;
+  /// Until the device has answered well: a board that was reset by the port that opened hears
+  /// nothing for a second or two, and one in motion until that is over.
+  Duration opening_limit = std::chrono::seconds(8);
 };
 
-/// Host side of the BigRobotArm, for both of its wires: rad to microsteps and back, one command at
-/// a time, every answer checked against what was asked. It has no clock and no port: bytes and
-/// Instants come in, bytes and events go out.
+/// The BigRobotArm behind the common interface. A move is a small dialogue, every step of which is
+/// checked before the next:
 ///
-///   state    | what happens                           | next
-///   ---------+----------------------------------------+----------------------------------
-///   kClosed  | open                                   | kQuiet
-///   kQuiet   | a byte comes                           | kQuiet, the pause starts again
-///   kQuiet   | `quiet` without a byte                 | kVerify, a status is asked for
-///   kVerify  | the status comes                       | kIdle, StatusRead
-///   kVerify  | it comes after unanswered questions    | kQuiet: others may follow
-///   kVerify  | anything else, or nothing              | kQuiet
-///   kIdle    | a command                              | kAsked
-///   kIdle    | a byte nobody asked for                | kQuiet, Failed
-///   kAsked   | the right answer                       | kIdle, Done or StatusRead
-///   kAsked   | a motion is taken up                   | kMoving, Started
-///   kMoving  | the motion's answer                    | kIdle, Done
-///   kAsked,  | garbage, a wrong answer, a wrong value,| kQuiet, Failed
-///   kMoving  | or nothing in time                     |
-///   any      | close                                  | kClosed, Failed
+///   step         | asks                                    | goes on when
+///   -------------+-----------------------------------------+----------------------------------
+///   kBefore      | status                                  | it is as we left it: no reset since
+///   kSpeeds      | speeds with which all arrive together   | echoed
+///   kRamps       | accelerations, the same                 | echoed
+///   kGoto        | the target                              | the target is reported back
+///   kAfter       | status                                  | it holds our speeds: no reset since
 ///
-/// A doubt is told once (Failed) and ends with StatusRead; until then every command is kBusy. The
-/// device has no stop: a motion that it took up ends where it was sent. All members are @rt.
-class BigRobotArmDriver {
+/// A status that differs from what is expected is read again until two readings in a row agree, and
+/// three where it tells of a place where nobody sent the arm. Speeds are never those of power-up,
+/// so that a board that was reset shows it.
+///
+///   state      | what happens                              | next
+///   -----------+-------------------------------------------+------------------------------
+///   kClosed    | open                                      | kOpening: probe, quiet, status twice
+///   kOpening   | equal statuses                            | kReady, or kFault in sync mode
+///   kReady     | move(), tool()                            | kMoving
+///   kMoving    | the last step is through                  | kReady, kDone
+///   kMoving    | stop()                                    | kStopping
+///   kStopping  | the step under way is through             | kReady, kStopped
+///   kMoving,   | a doubt: silence, garbage, a wrong value  | kOpening, kFailed
+///   kStopping  |                                           |
+///   kFault     | clear_fault(): sync mode off              | kOpening
+///   any        | close                                     | kClosed, kFailed where moving
+///
+/// The device has no stop and is deaf in motion: a goto that has begun to leave is finished, and
+/// kStopped follows then. It has no switches either: home() is not supported.
+///
+/// Positions: BigRobotArmPositions. At the beginning, and after everything that may have moved the
+/// device's zero, no move is taken until declare_positions() says where the arm stands, by whoever
+/// knows and has recorded it.
+/// All members are @rt.
+class BigRobotArmDriver : public ByteDriver {
  public:
-  enum class State : std::uint8_t { kClosed, kQuiet, kVerify, kIdle, kAsked, kMoving };
+  static constexpr double kNudgeMax = from_deg(5);  ///< rad
 
-  struct Started {};
-  struct Done {
-    bigrobotarm::RequestId request{};
-    BigRobotArmAngles q{};  ///< rad, the last positions that the device reported: its targets
-  };
-  struct StatusRead {
-    BigRobotArmAngles q{};
-    bigrobotarm::Status status;
-    bool after_doubt = false;  ///< not asked for: the driver opened or recovered
-    /// All values are those of power-up: the board may have been reset, and its zero moved.
-    bool looks_like_boot = false;
-    /// It was silent for kDeafAsks questions and more, after bytes that nobody asked for: it may
-    /// have made a motion that noise had ordered.
-    bool was_deaf = false;
-  };
-  struct Failed {
-    Error error;
-  };
-  using Event = std::variant<Started, Done, StatusRead, Failed>;
+  /// @param joints  five: limits, and the speeds and accelerations that no move exceeds.
+  BigRobotArmDriver(const BigRobotArmDevice& device, std::span<const Joint> joints,
+                         const BigRobotArmTiming& timing = {});
 
-  static constexpr int kDeafAsks = 3;  ///< 2.2 s with the usual timing
+  void open(Instant now) override;
+  void close(Instant now) override;
+  DriverState state() const override { return state_; }
+  std::optional<Error> fault() const override { return fault_; }
+  std::span<const JointPosition> positions() const override { return shown_; }
+  /// While its motion cannot be ended, and at the opening behind a process that died in one.
+  std::optional<Instant> goes_on_until() const override;
+  std::optional<JointInterval> counted(std::size_t joint) const override;
+  DriverHealth health() const override;
+  DeviceFacts facts() const override;
+  bool wants_move(Instant) const override { return state_ == DriverState::kReady; }
 
-  explicit BigRobotArmDriver(const BigRobotArmDevice& device, const BigRobotArmTiming& timing = {});
+  /// @param move  ends at rest. Joints arrive together, in `duration` or what the joints' limits
+  ///              need, whichever is longer.
+  /// @error kBusy, kPortClosed, the fault's, kPositionUnknown (index), kJointLimit (index, rad),
+  ///        kStepRange, kUnsendable (index, steps), kTaskNotSupported (a speed at the end)
+  Expected<void> move(const JointMove& move, Instant now) override;
+  /// Counted from where the device stands by its own counters.
+  Expected<void> nudge(std::size_t joint, double way, Duration duration, Instant now) override;
+  void stop(Instant now) override;
+  Expected<void> clear_fault(Instant now) override;
+  /// GripperTo: its servo jumps to the nearest whole degree. On without an angle: to where it was
+  /// last; kNotMeasured where nobody knows that.
+  /// @error kToolNotFitted, kGripperRange (degrees, gripper_max), kUnsendable, kBusy, kPortClosed
+  Expected<void> tool(const ToolAction& action, Instant now) override;
+  /// Where the arm stands; without effect while it moves or is in doubt. `uncertain` keeps its
+  /// interval from then on.
+  void declare_positions(std::span<const JointPosition> positions) override;
+  void remember(const DriverMemory& memory) override { memory_ = memory; }
+  /// The document's command 03.
+  Expected<void> zero_counters(Instant now) override;
 
-  /// The port is open: waits for quiet, then reads the status.
-  void open(Instant now);
-  /// The port went away.
-  void close();
+  void poll(Instant now) override;
+  std::optional<Instant> next_deadline() const override;
+  std::optional<DriverEvent> take_event() override;
+  void receive(std::span<const std::uint8_t> bytes, Instant now) override;
+  std::size_t take_output(std::span<std::uint8_t> out) override;
 
-  /// Model position of the device's zero, rad: after a reset of the board the host knows better
-  /// than its counters.
-  void set_offset(const BigRobotArmAngles& offset) { offset_ = offset; }
-  const BigRobotArmAngles& offset() const { return offset_; }
-
-  /// The commands. Done (StatusRead for read_status) or Failed follows.
-  /// @error kBusy: a command is under way, or a doubt, or the port is closed. Nothing is sent.
-  Expected<void> read_status(Instant now);
-
-  /// @param q         target, rad; goes to the nearest step, or on the byte wire, where that step
-  ///                  would be cut, to the nearer of its neighbours (Done tells where).
-  /// @param expected  how long the caller predicts the motion to take.
-  /// @error kStepRange (index, steps, the largest that the device reports rightly),
-  ///        kUnsendable (index, steps: neither it nor a neighbour), kBusy
-  Expected<void> move_to(const BigRobotArmAngles& q, Duration expected, Instant now);
-
-  /// To the device's zero. @error kBusy
-  Expected<void> home(Duration expected, Instant now);
-
-  /// @error kMultiplierRange, kUnsendable (index), kBusy
-  Expected<void> set_speeds(const bigrobotarm::Words& multipliers, Instant now);
-  Expected<void> set_accelerations(const bigrobotarm::Words& multipliers, Instant now);
-
-  /// @param position  degrees of the gripper's servo; it jumps there, and only when enabled.
-  /// @error kGripperRange (position, gripper_max), kUnsendable (13 on the byte wire), kBusy
-  Expected<void> set_gripper(bool enabled, std::int32_t position, Instant now);
-
-  /// The device's zero moves to where it stands; the offset moves along, so that q stays.
-  Expected<void> reset_positions(Instant now);
-
-  /// The device's own sync mode off; nothing switches it on. @error kBusy
-  Expected<void> leave_sync(Instant now);
-
-  /// Where move_to() would send the motors. @error kStepRange, kUnsendable, as move_to()
-  Expected<bigrobotarm::Words> steps_of(const BigRobotArmAngles& q) const;
-  /// Where the model is when the device reports `steps`.
-  BigRobotArmAngles angles_of(const bigrobotarm::Words& steps) const;
-  /// The device set up as at power-up: it may have been reset, and its zero moved.
-  bool looks_like_boot(const bigrobotarm::Status& status) const;
-
-  /// Takes a command back that has not begun to leave. @return whether there was one
-  bool withdraw();
-
-  /// Bytes from the port; takes events out after each call (there is room for 16).
-  void receive(std::span<const std::uint8_t> bytes, Instant now);
-  /// Time passes.
-  void poll(Instant now);
-  /// When poll has something to do next.
-  std::optional<Instant> next_deadline() const { return deadline_; }
-
-  std::size_t take_output(std::span<std::uint8_t> out);
-  std::optional<Event> take_event();
-
-  State state() const { return state_; }
-  /// Bytes that nobody asked for, and answers that fit nothing.
-  std::uint64_t unexpected() const { return unexpected_; }
+  /// What the probe found, or what the robot's file says.
+  BigRobotArmFound wire() const { return {device_.wire, device_.dialect}; }
+  /// True where no move is taken before declare_positions().
+  bool wants_declaration() const { return belief_.unknown().has_value(); }
 
  private:
   using Words = bigrobotarm::Words;
+  using Status = bigrobotarm::Status;
 
-  Expected<void> ask(const bigrobotarm::Request& request, Instant now);
-  void send(const bigrobotarm::Request& request);
-  std::optional<std::expected<bigrobotarm::Reply, bigrobotarm::Garbage>> decode(std::uint8_t byte);
-  void take_unexpected();
-  void take_reply(const bigrobotarm::Reply& reply, Instant now);
-  void take_status(const bigrobotarm::Status& status, Instant now);
-  std::optional<Error> check(const bigrobotarm::Reply& reply) const;
+  enum class Step : std::uint8_t {
+    kNone,
+    kProbe,
+    kRecover,  ///< the channel finds the device (again)
+    kConfirm,  ///< a status that nobody expected, once more
+    kBefore,
+    kSpeeds,
+    kRamps,
+    kGoto,
+    kAfter,
+    kGripper,
+    kZero,
+    kSyncOff,
+  };
+  struct Limits {
+    SendRange range;
+    std::int32_t speed_max = 1;  ///< multiplier
+    std::int32_t acceleration_max = 1;
+  };
+  /// Readings of a status; then the line is no line.
+  static constexpr int kReadingsMax = 8;
+
+  void pump(Instant now);
+  void take(const BigRobotArmChannel::StatusRead& read, Instant now);
+  void take_done(Instant now);
+  void confirm(const std::optional<Status>& first, Step resume, Instant now);
+  bool as_expected(const Status& status) const;
+  bool is_familiar(const Status& status) const;
+  bool is_outside(const Words& steps) const;
+  Duration left_behind() const;
+  bool may_have_wandered(Instant now) const;
+  void settle(const Status& status, Instant now);
   void doubt(const Error& error, Instant now);
-  void tell(const Event& event);
+  Expected<void> ask(Step step, Instant now);
+  void go_on(Step step, Instant now);
+  void go_on_after(Step done, Instant now);
+  Expected<void> check_ready() const;
+  Expected<void> check_move(const JointMove& move) const;
+  Expected<void> begin_move(Duration at_least, Instant now);
+  Expected<BigRobotArmMultipliers> multipliers_for(const Words& deltas, Duration at_least) const;
+  Duration duration_of(const Words& deltas) const;
+  std::optional<std::int32_t> known_gripper() const;
+  void end_command(DriverEvent::Kind kind, const Error& error);
+  void tell(DriverEvent::Kind kind, const Error& error = {});
+  void show(Instant now);
 
   BigRobotArmDevice device_;
   BigRobotArmTiming timing_;
-  BigRobotArmAngles offset_{};
+  std::array<Limits, bigrobotarm::kJoints> limits_{};
+  BigRobotArmChannel channel_;
+  BigRobotArmProbe probe_;
+  BigRobotArmPositions belief_;
+  std::array<JointPosition, bigrobotarm::kJoints> shown_;
 
-  State state_ = State::kClosed;
-  bigrobotarm::Request asked_;
-  Instant asked_at_{};
-  Duration expected_{};  ///< of the motion under way
-  std::optional<Instant> deadline_;
-  Instant quiet_since_{};  ///< when the doubt began
-  bool doubt_told_ = false;
-  std::uint64_t unexpected_ = 0;
-  int silent_asks_ = 0;  ///< statuses asked for in a row without an answer
-  bool noise_ = false;   ///< unasked bytes since the last good status
-  bool deaf_ = false;    ///< and then a long silence
-  Words positions_{};    ///< as last reported
+  DriverMemory memory_;  ///< until the device has answered
+  DriverState state_ = DriverState::kClosed;
+  std::optional<Error> fault_;
+  Step step_ = Step::kNone;
+  bool opening_ = false;  ///< open() has not been answered by an event
+  bool command_ = false;  ///< nor has a command
+  bool stop_wanted_ = false;
+  std::optional<Instant> limit_;       ///< of opening, or of a doubt
+  std::optional<Instant> deaf_until_;  ///< a motion that nobody waits for may be under way
+  Error trouble_;                      ///< what is told then
+  std::optional<Status> last_read_;
+  Step resume_ = Step::kNone;  ///< what a confirmed status answers
+  int readings_ = 0;           ///< of it so far
+  int alike_ = 0;              ///< the last ones, in a row
+  bool was_deaf_ = false;      ///< before the first of them
 
-  bigrobotarm::byte::ReplyDecoder byte_decoder_;
-  bigrobotarm::text::ReplyDecoder text_decoder_;
-  FixedVector<std::uint8_t, 128> output_;
-  bool output_begun_ = false;  ///< some of the request has left
-  FixedVector<Event, 16> events_;
+  BigRobotArmMultipliers multipliers_;  ///< the device's, as far as known
+  BigRobotArmMultipliers wanted_;
+  BigRobotArmAngles q_target_{};
+  Words target_{};
+  Instant going_since_{};
+  Duration expected_{};
+  std::optional<std::int32_t> gripper_;  ///< deg, as it was told to be last
+  bool gripper_enabled_ = false;
+
+  DriverHealth health_;
+  LastHeard<Status> heard_;
+  FixedVector<DriverEvent, 16> events_;
 };
 
 }  // namespace sinew

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <iostream>
 
-#include "sinew/driver/bigrobotarm_joint_driver.h"
+#include "sinew/driver/bigrobotarm.h"
 #include "sinew/driver/bigrobotarm_test_cell.h"
 #include "support/property.h"
 

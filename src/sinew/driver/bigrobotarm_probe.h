@@ -6,7 +6,7 @@
 
 #include "sinew/core/fixed_vector.h"
 #include "sinew/core/instant.h"
-#include "sinew/driver/bigrobotarm.h"
+#include "sinew/driver/bigrobotarm_channel.h"
 #include "sinew/model/device.h"
 #include "sinew/wire/bigrobotarm_byte.h"
 #include "sinew/wire/bigrobotarm_text.h"
@@ -29,7 +29,7 @@ struct BigRobotArmFound {
 /// deaf), and believes two equal answers in a row. @rt
 class BigRobotArmProbe {
  public:
-  explicit BigRobotArmProbe(const BigRobotArmTiming& timing = {}) : timing_(timing) {}
+  explicit BigRobotArmProbe(const BigRobotArmChannelTiming& timing = {}) : timing_(timing) {}
 
   /// The port is open.
   void open(Instant now);
@@ -49,7 +49,7 @@ class BigRobotArmProbe {
   std::optional<BigRobotArmFound> take_line(std::string_view raw);
   void wait(Duration pause, Instant now);
 
-  BigRobotArmTiming timing_;
+  BigRobotArmChannelTiming timing_;
   std::optional<Instant> deadline_;
   bool asked_ = false;
   int silent_ = 0;

@@ -231,7 +231,7 @@ TEST(BigRobotArmProbe, driver_that_is_told_the_wrong_wire_finds_the_right_one) {
     wrong.wire =
         line.wire == BigRobotArmWire::kByte ? BigRobotArmWire::kText : BigRobotArmWire::kByte;
     wrong.probe_wire = true;
-    cell.driver = BigRobotArmJointDriver(wrong, robot.joints);
+    cell.driver = BigRobotArmDriver(wrong, robot.joints);
     cell.make_ready();
     EXPECT_EQ(cell.driver.wire().wire, line.wire);
     ASSERT_TRUE(cell.driver.move(cell.move_to({0.3, 0.1, 0.2, 0.1, 0}), cell.now));

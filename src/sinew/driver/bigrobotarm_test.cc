@@ -2,681 +2,595 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
-#include <iostream>
-#include <string_view>
-#include <vector>
 
 #include "sinew/core/units.h"
-#include "sinew/device/bigrobotarm.h"
+#include "sinew/driver/bigrobotarm_test_cell.h"
 #include "support/allocation_guard.h"
-#include "support/property.h"
 
 namespace sinew {
 namespace {
 
-using namespace bigrobotarm;
 using namespace std::chrono_literals;
-using Driver = BigRobotArmDriver;
+using Kind = DriverEvent::Kind;
+using test::BigRobotArmCell;
 
-BigRobotArmDevice arm(BigRobotArmWire wire = BigRobotArmWire::kByte) {
-  BigRobotArmDevice device;
-  constexpr std::array<double, kJoints> kStepsPerQuarter{6500, -2500, -10000, -2000, 3000};
-  constexpr std::array<double, kJoints> kStepsPerRev{3200, 400, 3200, 3200, 3200};
-  for (std::size_t i = 0; i < kJoints; ++i) {
-    device.joints[i].steps_per_rad = kStepsPerQuarter[i] / (kPi / 2);
-    device.joints[i].steps_per_motor_rev = kStepsPerRev[i];
-  }
-  device.joints[0].multiplier_boot = 200;
-  device.wire = wire;
-  return device;
+constexpr std::array<double, 5> kThere{0.5, -0.2, 0.4, 0.3, -0.5};  // rad
+
+double distance(const BigRobotArmCell& cell, const std::array<double, 5>& q) {
+  const sim::Truth truth = cell.machine.truth();
+  double most = 0;
+  for (std::size_t i = 0; i < 5; ++i) most = std::max(most, std::abs(truth.joints[i].q - q[i]));
+  return most;
 }
 
-/// The link between the two ends; tests break it.
-struct Link {
-  bool cut = false;                  ///< nothing arrives at either end
-  int flip_reply_byte = -1;          ///< counts down the bytes of replies; 0 is hit
-  std::vector<std::uint8_t> to_arm;  ///< all that the host sent
+PositionQuality worst(const BigRobotArmCell& cell) {
+  PositionQuality quality = PositionQuality::kMeasured;
+  for (const auto& one : cell.driver.positions()) quality = std::min(quality, one.quality);
+  return quality;
+}
+
+/// What the device hears while nobody of ours has said it.
+void order(BigRobotArmCell& cell, const bigrobotarm::Request& request) {
+  const auto bytes = bigrobotarm::byte::encode_request(request);
+  cell.machine.receive({bytes.data(), bytes.size()}, cell.now);
+  const std::uint8_t end = bigrobotarm::byte::kTerminator;
+  cell.machine.receive({&end, 1}, cell.now);
+}
+
+class EveryDevice : public ::testing::TestWithParam<std::tuple<BigRobotArmProfile, int>> {
+ protected:
+  RobotModel robot() const {
+    const int kind = std::get<1>(GetParam());
+    return test::big_robot_arm(kind == 0 ? BigRobotArmWire::kByte : BigRobotArmWire::kText,
+                               kind == 2 ? BigRobotArmDialect::k2026 : BigRobotArmDialect::k2021);
+  }
+  BigRobotArmProfile profile() const { return std::get<0>(GetParam()); }
 };
+INSTANTIATE_TEST_SUITE_P(BigRobotArm, EveryDevice,
+                         ::testing::Combine(::testing::Values(BigRobotArmProfile::kDocument,
+                                                              BigRobotArmProfile::kAsBuilt),
+                                            ::testing::Values(0, 1, 2)));
 
-/// Driver and firmware back to back in virtual time.
-class Cell {
- public:
-  explicit Cell(const BigRobotArmDevice& device = arm(), bool opened = true)
-      : device_(device), driver(device), firmware(device, Instant{}) {
-    if (!opened) return;
-    driver.open(now);
-    run_for(200ms);
-    EXPECT_EQ(driver.state(), Driver::State::kIdle);
-    events.clear();
-    link.to_arm.clear();
-  }
-
-  BigRobotArmAngles q_of(const Words& steps) const {
-    BigRobotArmAngles q{};
-    for (std::size_t i = 0; i < kJoints; ++i) q[i] = steps[i] / device_.joints[i].steps_per_rad;
-    return q;
-  }
-
-  /// Lets time jump from one event to the next until `duration` is over.
-  void run_for(Duration duration) {
-    const Instant end = now + duration;
-    exchange();
-    for (int round = 0; round < 10'000; ++round) {
-      Instant next = end;
-      if (const auto event = firmware.next_event()) next = std::min(next, *event);
-      if (const auto due = driver.next_deadline()) next = std::min(next, *due);
-      now = std::max(now, next);
-      firmware.advance(now);
-      exchange();
-      driver.poll(now);
-      exchange();
-      if (now == end) return;
-    }
-    FAIL() << "driver and firmware keep each other awake at one instant";
-  }
-
-  template <class Kind>
-  const Kind* last() const {
-    return events.empty() ? nullptr : std::get_if<Kind>(&events.back());
-  }
-  ErrorCode failure() const {
-    for (const auto& event : events) {
-      if (const auto* failed = std::get_if<Driver::Failed>(&event)) return failed->error.code;
-    }
-    ADD_FAILURE() << "nothing failed";
-    return {};
-  }
-
-  BigRobotArmDevice device_;
-  Driver driver;
-  BigRobotArmFirmware firmware;
-  Link link;
-  Instant now{};
-  std::vector<Driver::Event> events;
-  std::vector<Instant> times;
-
- private:
-  void exchange() {
-    std::array<std::uint8_t, 64> piece{};
-    while (const std::size_t count = driver.take_output(piece)) {
-      const std::span bytes(piece.data(), count);
-      link.to_arm.insert(link.to_arm.end(), bytes.begin(), bytes.end());
-      if (!link.cut) firmware.receive(bytes, now);
-    }
-    while (const std::size_t count = firmware.take_output(piece)) {
-      for (std::size_t i = 0; i < count; ++i) {
-        if (link.flip_reply_byte-- == 0) piece[i] ^= 0x20;
-      }
-      if (!link.cut) driver.receive(std::span(piece.data(), count), now);
-    }
-    while (const auto event = driver.take_event()) {
-      events.push_back(*event);
-      times.push_back(now);
+TEST_P(EveryDevice, move_goes_there_and_joints_arrive_together) {
+  BigRobotArmCell cell(robot(), profile());
+  cell.make_ready();
+  ASSERT_TRUE(cell.driver.move(cell.move_to(kThere), cell.now));
+  EXPECT_FALSE(cell.driver.wants_move(cell.now));
+  std::array<double, 5> arrived{};
+  const Instant start = cell.now;
+  while (cell.driver.state() == DriverState::kMoving) {
+    cell.run(20ms);
+    EXPECT_EQ(cell.liar(), -1);
+    const sim::Truth truth = cell.machine.truth();
+    for (std::size_t i = 0; i < 5; ++i) {
+      const bool there = std::abs(truth.joints[i].q - kThere[i]) < 0.02;
+      if (there && arrived[i] == 0) arrived[i] = to_seconds(cell.now - start);
     }
   }
-};
+  EXPECT_EQ(cell.kinds(), (std::vector{Kind::kDone}));
+  EXPECT_LT(distance(cell, kThere), 0.03);
+  EXPECT_EQ(worst(cell), PositionQuality::kCommanded);
+  if (profile() == BigRobotArmProfile::kAsBuilt) return;  // its processor has its own mind
+  for (const double time : arrived) EXPECT_NEAR(time, arrived[2], 0.15 * arrived[2]);
+}
 
-const Words kDocumented{-2400, 600, -5000, 800, -1000};
+TEST_P(EveryDevice, move_takes_no_less_than_it_was_given) {
+  BigRobotArmCell cell(robot(), profile());
+  cell.make_ready();
+  const Instant start = cell.now;
+  ASSERT_TRUE(cell.driver.move(cell.move_to(kThere, 12s), cell.now));
+  cell.run_until(DriverState::kReady);
+  EXPECT_EQ(cell.kinds(), (std::vector{Kind::kDone}));
+  EXPECT_NEAR(to_seconds(cell.now - start), 12, 0.08 * 12);
+}
 
-TEST(BigRobotArmDriver, open_waits_for_quiet_and_reads_the_status_first) {
-  Cell cell(arm(), false);
-  EXPECT_EQ(cell.driver.read_status(cell.now).error().code, ErrorCode::kBusy);
+TEST_P(EveryDevice, port_that_resets_the_board_costs_the_right_to_move_until_declared) {
+  BigRobotArmCell cell(robot(), profile());
+  cell.make_ready();
+  ASSERT_TRUE(cell.driver.move(cell.move_to(kThere), cell.now));
+  cell.run_until(DriverState::kReady);
+  cell.driver.close(cell.now);
+  cell.machine.port_opened(cell.now);
   cell.driver.open(cell.now);
-  cell.run_for(99ms);
-  EXPECT_TRUE(cell.link.to_arm.empty());
-  cell.run_for(1ms);
-  EXPECT_EQ(cell.link.to_arm, (std::vector<std::uint8_t>{8, 0x0D}));
-  const auto* status = cell.last<Driver::StatusRead>();
-  ASSERT_NE(status, nullptr);
-  EXPECT_TRUE(status->after_doubt);
-  EXPECT_TRUE(status->looks_like_boot);
+  cell.run_until(DriverState::kReady);
+  EXPECT_EQ(worst(cell), PositionQuality::kUncertain);
+  EXPECT_EQ(cell.liar(), -1);
+  EXPECT_EQ(cell.driver.move(cell.move_to({}), cell.now).error().code, ErrorCode::kPositionUnknown);
+  // Recorded as it is: moves are taken, and stay as uncertain as the place they began at.
+  const std::vector<JointPosition> known(cell.driver.positions().begin(),
+                                         cell.driver.positions().end());
+  cell.driver.declare_positions(known);
+  ASSERT_TRUE(cell.driver.move(cell.move_to({}), cell.now));
+  cell.run_until(DriverState::kReady);
+  EXPECT_EQ(worst(cell), PositionQuality::kUncertain);
+  EXPECT_EQ(cell.liar(), -1);
+  EXPECT_LT(distance(cell, {}), 0.12);
 }
 
-TEST(BigRobotArmDriver, documented_goto_sends_its_bytes_and_ends_with_its_positions) {
-  for (const auto wire : {BigRobotArmWire::kByte, BigRobotArmWire::kText}) {
-    Cell cell(arm(wire));
-    const Instant start = cell.now;
-    ASSERT_TRUE(cell.driver.move_to(cell.q_of(kDocumented), 2562500us, cell.now));
-    cell.run_for(10s);
-    ASSERT_EQ(cell.events.size(), 2U);
-    EXPECT_TRUE(std::holds_alternative<Driver::Started>(cell.events[0]));
-    const auto* done = cell.last<Driver::Done>();
-    ASSERT_NE(done, nullptr);
-    EXPECT_EQ(cell.times.back() - start, 2562500us);
-    for (std::size_t i = 0; i < kJoints; ++i) {
-      EXPECT_NEAR(done->q[i], cell.q_of(kDocumented)[i], 1e-12);
-      EXPECT_EQ(cell.firmware.rotor_steps(cell.now)[i], kDocumented[i]);
+TEST_P(EveryDevice, stop_lets_the_motion_under_way_end_and_says_so_then) {
+  for (const auto after : {0us, 100us, 1000us, 8000us, 200'000us, 1'000'000us}) {
+    BigRobotArmCell cell(robot(), profile());
+    cell.make_ready();
+    ASSERT_TRUE(cell.driver.move(cell.move_to(kThere), cell.now));
+    cell.run(after);
+    cell.driver.stop(cell.now);
+    cell.run_until(DriverState::kReady);
+    cell.run(1ms);
+    EXPECT_EQ(cell.kinds(), (std::vector{Kind::kStopped})) << after.count();
+    EXPECT_FALSE(cell.machine.firmware().moving());
+    EXPECT_EQ(cell.liar(), -1);
+    ASSERT_TRUE(cell.driver.move(cell.move_to({}), cell.now)) << after.count();
+    cell.run_until(DriverState::kReady);
+    EXPECT_EQ(cell.count(Kind::kDone), 1);
+  }
+}
+
+TEST_P(EveryDevice, stop_of_a_long_motion_says_until_when_it_goes_on) {
+  BigRobotArmCell cell(robot(), profile());
+  cell.make_ready();
+  EXPECT_FALSE(cell.driver.goes_on_until());
+  ASSERT_TRUE(cell.driver.move(cell.move_to(kThere, 20s), cell.now));
+  cell.run(2s);
+  cell.driver.stop(cell.now);
+  const Instant asked = cell.now;
+  bool told = true;
+  std::optional<Instant> until;
+  cell.run_to(cell.now + 60s, [&] {
+    if (cell.driver.state() != DriverState::kStopping) return true;
+    until = cell.driver.goes_on_until();
+    told = told && until.has_value();
+    return false;
+  });
+  EXPECT_TRUE(told);
+  EXPECT_GT(cell.now - asked, 10s);
+  EXPECT_LE(cell.now, until.value_or(asked));
+  EXPECT_FALSE(cell.driver.goes_on_until());
+}
+
+/// The next host's driver, told what a journal had of the one before.
+void next_host(BigRobotArmCell& cell, std::span<const JointPosition> recorded,
+               const DriverMemory& memory = {}) {
+  cell.driver = BigRobotArmDriver(cell.device(), cell.robot.joints);
+  cell.driver.remember(memory);
+  cell.to_machine.clear();
+  cell.to_host.clear();
+  cell.events.clear();
+  cell.driver.declare_positions(recorded);
+  cell.driver.open(cell.now);
+  cell.run_until(DriverState::kReady);
+}
+
+std::vector<JointPosition> recorded(const BigRobotArmCell& cell) {
+  return {cell.driver.positions().begin(), cell.driver.positions().end()};
+}
+
+TEST_P(EveryDevice, count_settles_where_a_host_left_the_board_that_died_at_any_instant) {
+  for (const auto after : {0us, 300us, 2000us, 20'000us, 400'000us, 1'500'000us, 4'000'000us}) {
+    BigRobotArmCell cell(robot(), profile());
+    cell.make_ready();
+    ASSERT_TRUE(cell.driver.move(cell.move_to({0.1, 0.1, 0, 0, 0.2}), cell.now));
+    cell.run_until(DriverState::kReady);
+    ASSERT_TRUE(cell.driver.move(cell.move_to(kThere), cell.now));
+    cell.run(after);
+    // As an intent has it: somewhere on the way.
+    std::vector<JointPosition> told = recorded(cell);
+    for (std::size_t i = 0; i < told.size(); ++i) {
+      told[i].quality = PositionQuality::kUncertain;
+      told[i].lower = std::min(told[i].lower, kThere[i] - 0.005);
+      told[i].upper = std::max(told[i].upper, kThere[i] + 0.005);
     }
-    if (wire == BigRobotArmWire::kText) continue;
-    const auto expected = byte::encode_request(Goto{kDocumented});
-    ASSERT_EQ(cell.link.to_arm.size(), expected.size() + 1);
-    EXPECT_TRUE(std::equal(expected.begin(), expected.end(), cell.link.to_arm.begin()));
-    EXPECT_EQ(cell.link.to_arm.back(), 0x0D);
-  }
-}
-
-TEST(BigRobotArmDriver, documented_sequence_runs_on_either_wire) {
-  for (const auto wire : {BigRobotArmWire::kByte, BigRobotArmWire::kText}) {
-    Cell cell(arm(wire));
-    for (int round = 0; round < 5; ++round) {
-      for (const Words& target : {Words{100, 200, 300, 400, 300}, Words{0, 50, 5000, 1500, 0}}) {
-        ASSERT_TRUE(cell.driver.move_to(cell.q_of(target), 3s, cell.now));
-        cell.run_for(4s);
-        ASSERT_NE(cell.last<Driver::Done>(), nullptr);
-        EXPECT_EQ(cell.firmware.rotor_steps(cell.now)[2], target[2]);
-      }
+    next_host(cell, told);
+    EXPECT_EQ(worst(cell), PositionQuality::kCommanded) << after.count();
+    EXPECT_EQ(cell.liar(), -1) << after.count();
+    for (std::size_t i = 0; i < told.size(); ++i) {
+      const BigRobotArmJoint& own = cell.device().joints[i];
+      const double full_step = own.steps_per_motor_rev / 200 / std::abs(own.steps_per_rad);
+      const JointPosition& joint = cell.driver.positions()[i];
+      EXPECT_LE(joint.upper - joint.lower, 6 * full_step + 1e-9) << after.count() << ", " << i;
     }
-    ASSERT_TRUE(cell.driver.home(3s, cell.now));
-    cell.run_for(4s);
-    EXPECT_NE(cell.last<Driver::Done>(), nullptr);
-    EXPECT_EQ(cell.firmware.rotor_steps(cell.now)[2], 0);
-    EXPECT_EQ(cell.firmware.gripper().position, 90) << "home leaves the gripper alone";
+    ASSERT_TRUE(cell.driver.move(cell.move_to({}), cell.now));
+    cell.run_until(DriverState::kReady);
+    EXPECT_LT(distance(cell, {}), from_deg(0.7));
   }
 }
 
-TEST(BigRobotArmDriver, every_setting_is_sent_and_its_echo_checked) {
-  for (const auto wire : {BigRobotArmWire::kByte, BigRobotArmWire::kText}) {
-    Cell cell(arm(wire));
-    const auto done = [&](Expected<void> asked) {
-      EXPECT_TRUE(asked);
-      cell.run_for(1s);
-      const bool right = cell.last<Driver::Done>() != nullptr;
-      cell.events.clear();
-      return right;
-    };
-    EXPECT_TRUE(done(cell.driver.set_speeds({100, 1, 300, 12, 14}, cell.now)));
-    EXPECT_TRUE(done(cell.driver.set_accelerations({270, 268, 3, 4, 5}, cell.now)));
-    EXPECT_TRUE(done(cell.driver.set_gripper(true, 180, cell.now)));
-    EXPECT_TRUE(done(cell.driver.set_gripper(false, 40, cell.now)));
-    EXPECT_EQ(cell.firmware.gripper(), (Gripper{false, 180}));
-    ASSERT_TRUE(cell.driver.read_status(cell.now));
-    cell.run_for(1s);
-    const auto* read = cell.last<Driver::StatusRead>();
-    ASSERT_NE(read, nullptr);
-    EXPECT_EQ(read->status.speeds, (Words{100, 1, 300, 12, 14}));
-    EXPECT_EQ(read->status.accelerations, (Words{270, 268, 3, 4, 5}));
-    EXPECT_FALSE(read->looks_like_boot);
-    EXPECT_FALSE(read->after_doubt);
+TEST_P(EveryDevice, board_that_was_reset_behind_a_dead_host_stays_uncertain) {
+  BigRobotArmCell cell(robot(), profile());
+  cell.make_ready();
+  ASSERT_TRUE(cell.driver.move(cell.move_to(kThere), cell.now));
+  cell.run(300ms);
+  const std::vector<JointPosition> told = recorded(cell);
+  ASSERT_TRUE(told[0].count_zero);
+  cell.machine.port_opened(cell.now);
+  next_host(cell, told);
+  EXPECT_EQ(worst(cell), PositionQuality::kUncertain);
+  EXPECT_EQ(cell.liar(), -1);
+  EXPECT_FALSE(cell.driver.positions()[0].count_zero) << "its count begins anew";
+}
+
+TEST(BigRobotArmDriver, count_against_what_is_recorded_loses_the_position_and_says_both) {
+  BigRobotArmCell cell;
+  cell.make_ready();
+  ASSERT_TRUE(cell.driver.move(cell.move_to(kThere), cell.now));
+  cell.run_until(DriverState::kReady);
+  const std::vector<JointPosition> told = recorded(cell);
+  // Another program has it meanwhile.
+  order(cell, bigrobotarm::Goto{{1000, 0, 0, 0, 0}});
+  cell.run(10s);
+  next_host(cell, told);
+  EXPECT_EQ(worst(cell), PositionQuality::kLost);
+  const double counted = 1000 / cell.device().joints[0].steps_per_rad;
+  const auto notice = std::ranges::find(cell.events, Kind::kNotice, &DriverEvent::kind);
+  ASSERT_NE(notice, cell.events.end());
+  EXPECT_EQ(notice->error.code, ErrorCode::kCountedElsewhere);
+  EXPECT_EQ(notice->error.index, 0);
+  EXPECT_NEAR(notice->error.measured, kThere[0], 0.01);
+  EXPECT_NEAR(notice->error.limit, counted, 0.01);
+  // It is evidence for whoever says where it stands, in the process after the next one too.
+  next_host(cell, recorded(cell));
+  const auto evidence = cell.driver.counted(0);
+  ASSERT_TRUE(evidence);
+  EXPECT_LT(evidence->lower, counted);
+  EXPECT_GT(evidence->upper, counted);
+  EXPECT_LT(evidence->upper - evidence->lower, from_deg(1.5));
+}
+
+TEST(BigRobotArmDriver, without_a_record_the_count_is_evidence_for_whoever_says_home) {
+  BigRobotArmCell cell;
+  cell.make_ready();
+  ASSERT_TRUE(cell.driver.move(cell.move_to(kThere), cell.now));
+  cell.run_until(DriverState::kReady);
+  cell.driver = BigRobotArmDriver(cell.device(), cell.robot.joints);
+  cell.driver.open(cell.now);
+  cell.run_until(DriverState::kReady);
+  EXPECT_EQ(worst(cell), PositionQuality::kLost);
+  for (std::size_t i = 0; i < kThere.size(); ++i) {
+    const auto counted = cell.driver.counted(i);
+    ASSERT_TRUE(counted) << i;
+    EXPECT_LT(counted->lower, kThere[i]) << i;
+    EXPECT_GT(counted->upper, kThere[i]) << i;
   }
 }
 
-TEST(BigRobotArmDriver, reset_moves_the_device_zero_and_keeps_the_model_position) {
-  Cell cell;
-  ASSERT_TRUE(cell.driver.move_to(cell.q_of(kDocumented), 3s, cell.now));
-  cell.run_for(4s);
-  ASSERT_TRUE(cell.driver.reset_positions(cell.now));
-  cell.run_for(1s);
-  const auto* done = cell.last<Driver::Done>();
-  ASSERT_NE(done, nullptr);
-  EXPECT_NEAR(done->q[2], cell.q_of(kDocumented)[2], 1e-12);
-  ASSERT_TRUE(cell.driver.move_to({}, 3s, cell.now));
-  cell.run_for(4s);
-  ASSERT_NE(cell.last<Driver::Done>(), nullptr);
-  for (const double steps : cell.firmware.rotor_steps(cell.now)) EXPECT_EQ(steps, 0);
+TEST(BigRobotArmDriver, slow_move_of_a_host_that_died_is_waited_for_to_its_end) {
+  BigRobotArmCell cell;
+  cell.make_ready();
+  ASSERT_TRUE(cell.driver.move(cell.move_to(kThere, 60s), cell.now));
+  cell.run(6s);
+  std::vector<JointPosition> told = recorded(cell);
+  const Instant opened = cell.now;
+  next_host(cell, told, {.ended_in_motion = true, .since = 6s});
+  EXPECT_EQ(cell.driver.state(), DriverState::kReady);
+  EXPECT_EQ(cell.kinds(), std::vector{Kind::kReady}) << "never told as silent";
+  EXPECT_GT(cell.now - opened, 40s);
+  EXPECT_EQ(worst(cell), PositionQuality::kCommanded);
+  EXPECT_EQ(cell.liar(), -1);
+  // How long it may still take is told, and becomes less as time passes between the two.
+  const auto waits = [&](Duration since) {
+    BigRobotArmDriver next(cell.device(), cell.robot.joints);
+    next.declare_positions(told);
+    next.remember({.ended_in_motion = true, .since = since});
+    next.open(cell.now);
+    const auto until = next.goes_on_until();
+    return until ? *until - cell.now : Duration{};
+  };
+  EXPECT_GT(waits(6s), 54s);
+  EXPECT_NEAR(to_seconds(waits(6s) - waits(36s)), 30, 1e-6);
+  EXPECT_EQ(waits(std::chrono::hours(10)), Duration{});
 }
 
-TEST(BigRobotArmDriver, unsendable_target_goes_to_its_neighbour_or_is_refused) {
-  for (const auto& [wanted, sent] : std::vector<std::array<double, 2>>{{13, 14},
-                                                                       {12.7, 12},
-                                                                       {13.4, 14},
-                                                                       {269, 270},
-                                                                       {-243, -242},
-                                                                       {3328, 3327},
-                                                                       {3583, 3584}}) {
-    Cell cell;
-    BigRobotArmAngles q{};
-    q[0] = wanted / cell.device_.joints[0].steps_per_rad;
-    // A whole step sits on a tie that rounding decides; both neighbours are right there.
-    ASSERT_TRUE(cell.driver.move_to(q, 3s, cell.now)) << wanted;
-    cell.run_for(10s);
-    const auto* done = cell.last<Driver::Done>();
-    ASSERT_NE(done, nullptr) << wanted;
-    const double steps = std::round(done->q[0] * cell.device_.joints[0].steps_per_rad);
-    EXPECT_TRUE(byte::sendable(static_cast<std::int32_t>(steps)));
-    EXPECT_LE(std::abs(steps - wanted), 1);
-    if (wanted == std::round(wanted) && wanted < 3000) continue;
-    EXPECT_EQ(steps, sent) << wanted;
-    EXPECT_EQ(cell.firmware.rotor_steps(cell.now)[0], steps);
+TEST(BigRobotArmDriver, counters_reset_where_it_stands_leave_the_place_and_read_zero) {
+  BigRobotArmCell cell;
+  cell.make_ready();
+  ASSERT_TRUE(cell.driver.move(cell.move_to(kThere), cell.now));
+  cell.run_until(DriverState::kReady);
+  const std::vector<JointPosition> before = recorded(cell);
+  ASSERT_TRUE(cell.driver.zero_counters(cell.now));
+  cell.run_until(DriverState::kReady);
+  EXPECT_EQ(cell.count(Kind::kDone), 2);
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    const JointPosition& joint = cell.driver.positions()[i];
+    EXPECT_EQ(joint.quality, PositionQuality::kCommanded);
+    EXPECT_NEAR(joint.q, before[i].q, 1e-12);
+    EXPECT_NEAR(joint.count_zero.value_or(9), before[i].q, 1e-12);
   }
-  for (const double wanted : {3329.0, 3400.0, 3582.0}) {
-    Cell cell;
-    BigRobotArmAngles q{};
-    q[4] = wanted / cell.device_.joints[4].steps_per_rad;
-    const auto asked = cell.driver.move_to(q, 3s, cell.now);
-    ASSERT_FALSE(asked);
-    EXPECT_EQ(asked.error(), (Error{ErrorCode::kUnsendable, 4, wanted, 0}));
-    cell.run_for(1s);
-    EXPECT_TRUE(cell.link.to_arm.empty());
-    Cell text(arm(BigRobotArmWire::kText));
-    EXPECT_TRUE(text.driver.move_to(q, 3s, text.now)) << "text has no such gap";
+  ASSERT_TRUE(cell.driver.move(cell.move_to({}), cell.now));
+  cell.run_until(DriverState::kReady);
+  EXPECT_LT(distance(cell, {}), from_deg(0.3));
+}
+
+TEST_P(EveryDevice, gripper_jumps_and_its_range_is_kept) {
+  BigRobotArmCell cell(robot(), profile());
+  cell.make_ready();
+  ASSERT_TRUE(cell.driver.tool(GripperTo{true, from_deg(40)}, cell.now));
+  cell.run_until(DriverState::kReady);
+  EXPECT_EQ(cell.kinds(), (std::vector{Kind::kDone}));
+  EXPECT_NEAR(cell.machine.truth().tool, from_deg(40), 1e-9);
+  ASSERT_TRUE(cell.driver.tool(GripperTo{false, {}}, cell.now));
+  cell.run_until(DriverState::kReady);
+  EXPECT_FALSE(cell.machine.firmware().gripper().enabled);
+  ASSERT_TRUE(cell.driver.tool(GripperTo{true, {}}, cell.now));
+  cell.run_until(DriverState::kReady);
+  EXPECT_EQ(cell.machine.firmware().gripper(), (bigrobotarm::Gripper{true, 40}));
+  EXPECT_EQ(cell.driver.tool(GripperTo{true, from_deg(181)}, cell.now).error().code,
+            ErrorCode::kGripperRange);
+  EXPECT_EQ(cell.driver.tool(GripperTo{true, std::nan("")}, cell.now).error().code,
+            ErrorCode::kGripperRange);
+  EXPECT_EQ(cell.driver.tool(Suction{}, cell.now).error().code, ErrorCode::kToolNotFitted);
+  EXPECT_EQ(cell.driver.home(cell.now).error().code, ErrorCode::kTaskNotSupported);
+}
+
+TEST_P(EveryDevice, gripper_that_nobody_has_told_is_switched_on_only_where_it_says_its_place) {
+  BigRobotArmCell cell(robot(), profile());
+  cell.make_ready();
+  const bigrobotarm::Gripper before = cell.machine.firmware().gripper();
+  const auto on = cell.driver.tool(GripperTo{true, {}}, cell.now);
+  if (on) {
+    cell.run_until(DriverState::kReady);
+    EXPECT_EQ(cell.machine.firmware().gripper(), (bigrobotarm::Gripper{true, before.position}));
+  } else {
+    EXPECT_EQ(on.error().code, ErrorCode::kNotMeasured);
+    EXPECT_EQ(cell.machine.firmware().gripper(), before);
   }
+}
+
+TEST(BigRobotArmDriver, nothing_moves_before_somebody_says_where_the_arm_stands) {
+  BigRobotArmCell cell;
+  EXPECT_EQ(cell.driver.move(cell.move_to(kThere), cell.now).error().code, ErrorCode::kPortClosed);
+  cell.driver.open(cell.now);
+  EXPECT_EQ(cell.driver.move(cell.move_to(kThere), cell.now).error().code, ErrorCode::kBusy);
+  cell.run_until(DriverState::kReady);
+  EXPECT_EQ(cell.kinds(), (std::vector{Kind::kReady}));
+  EXPECT_EQ(worst(cell), PositionQuality::kLost);
+  EXPECT_EQ(cell.driver.move(cell.move_to(kThere), cell.now).error().code,
+            ErrorCode::kPositionUnknown);
+}
+
+TEST(BigRobotArmDriver, journal_told_before_the_port_opens_is_uncertain_after_a_reset) {
+  BigRobotArmCell cell;
+  std::array<JointPosition, 5> upright{};
+  for (auto& one : upright) one = {PositionQuality::kCommanded, 0, 0, 0};
+  cell.driver.declare_positions(upright);
+  cell.driver.open(cell.now);
+  cell.run_until(DriverState::kReady);
+  EXPECT_EQ(worst(cell), PositionQuality::kUncertain);
+  EXPECT_EQ(cell.liar(), -1) << "two full steps are what a power stage may snap by";
 }
 
 TEST(BigRobotArmDriver, values_out_of_range_never_leave) {
-  Cell cell;
-  const auto code = [](const Expected<void>& result) {
-    EXPECT_FALSE(result);
-    return result ? ErrorCode{} : result.error().code;
-  };
-  for (const std::int32_t value : {0, -1, 301, 3000}) {
-    EXPECT_EQ(code(cell.driver.set_speeds({1, 1, value, 1, 1}, cell.now)),
-              ErrorCode::kMultiplierRange);
-    EXPECT_EQ(code(cell.driver.set_accelerations({value, 1, 1, 1, 1}, cell.now)),
-              ErrorCode::kMultiplierRange);
+  BigRobotArmCell cell;
+  cell.make_ready();
+  for (const double bad : {2.0, -2.0, std::nan(""), HUGE_VAL}) {
+    EXPECT_EQ(cell.driver.move(cell.move_to({0, bad, 0, 0, 0}), cell.now).error().code,
+              ErrorCode::kJointLimit);
   }
-  for (const std::int32_t value : {13, 269}) {
-    EXPECT_EQ(code(cell.driver.set_speeds({1, 1, 1, 1, value}, cell.now)), ErrorCode::kUnsendable);
-  }
-  EXPECT_EQ(code(cell.driver.set_gripper(true, 181, cell.now)), ErrorCode::kGripperRange);
-  EXPECT_EQ(code(cell.driver.set_gripper(true, -1, cell.now)), ErrorCode::kGripperRange);
-  EXPECT_EQ(code(cell.driver.set_gripper(true, 13, cell.now)), ErrorCode::kUnsendable);
-  for (const double q : {std::nan(""), 1e12, -50000.0, HUGE_VAL}) {
-    EXPECT_EQ(code(cell.driver.move_to({0, q, 0, 0, 0}, 1s, cell.now)), ErrorCode::kStepRange);
-  }
-  cell.run_for(5s);
-  EXPECT_TRUE(cell.link.to_arm.empty());
-  EXPECT_EQ(cell.driver.state(), Driver::State::kIdle);
+  JointMove rolling = cell.move_to(kThere);
+  rolling.qd[0] = 0.1;
+  EXPECT_EQ(cell.driver.move(rolling, cell.now).error().code, ErrorCode::kTaskNotSupported);
+  const double unsendable =
+      cell.driver.positions()[0].q + 3400 / cell.device().joints[0].steps_per_rad;
+  const auto refused = cell.driver.move(cell.move_to({unsendable, 0, 0, 0, 0}), cell.now);
+  EXPECT_EQ(refused.error(), (Error{ErrorCode::kUnsendable, 0, 3400, 0}));
+  cell.run(1s);
+  EXPECT_TRUE(cell.to_device.empty());
 }
 
-TEST(BigRobotArmDriver, second_command_is_busy_until_the_first_is_done) {
-  Cell cell;
-  ASSERT_TRUE(cell.driver.move_to(cell.q_of(kDocumented), 3s, cell.now));
-  EXPECT_EQ(cell.driver.home(3s, cell.now).error().code, ErrorCode::kBusy);
-  cell.run_for(1s);
-  EXPECT_EQ(cell.driver.state(), Driver::State::kMoving);
-  EXPECT_EQ(cell.driver.read_status(cell.now).error().code, ErrorCode::kBusy);
-  cell.run_for(3s);
-  EXPECT_TRUE(cell.driver.read_status(cell.now));
-}
-
-TEST(BigRobotArmDriver, silent_device_is_told_after_the_reply_timeout) {
-  Cell cell;
-  cell.link.cut = true;
-  const Instant asked = cell.now;
-  ASSERT_TRUE(cell.driver.move_to(cell.q_of(kDocumented), 3s, cell.now));
-  cell.run_for(20s);
-  EXPECT_EQ(cell.failure(), ErrorCode::kDeviceSilent);
-  EXPECT_EQ(cell.events.size(), 1U) << "told once, however often it asks again";
-  EXPECT_EQ(cell.times.back() - asked, 500ms);
-  cell.link.cut = false;
-  cell.run_for(1s);
-  ASSERT_NE(cell.last<Driver::StatusRead>(), nullptr);
-  EXPECT_EQ(cell.driver.state(), Driver::State::kIdle);
-}
-
-TEST(BigRobotArmDriver, motion_that_does_not_end_is_told_after_its_time) {
-  Cell cell;
-  const Instant asked = cell.now;
-  ASSERT_TRUE(cell.driver.move_to(cell.q_of({0, 0, 343, 0, 0}), 200ms, cell.now));
-  cell.run_for(100ms);
-  cell.link.cut = true;
-  cell.run_for(3s);
-  EXPECT_EQ(cell.failure(), ErrorCode::kDeviceSilent);
-  EXPECT_EQ(cell.times.back() - asked, 300ms + 2s);
-}
-
-TEST(BigRobotArmDriver, time_for_a_motion_is_what_the_boards_processor_needs) {
-  // 14000 steps alone at 3430 a second, and five joints sharing 5000 a second.
-  for (const auto& [steps, seconds] :
-       std::vector<std::pair<Words, double>>{{{0, 0, 14000, 0, 0}, 14000 / 3430.0},
-                                             {{6000, 2000, 6000, 2000, 3000}, 19000 / 5000.0}}) {
-    Cell cell;
-    const Instant asked = cell.now;
-    ASSERT_TRUE(cell.driver.move_to(cell.q_of(steps), 1ms, cell.now));
-    cell.run_for(100ms);
-    cell.link.cut = true;
-    cell.run_for(20s);
-    EXPECT_EQ(cell.failure(), ErrorCode::kDeviceSilent);
-    EXPECT_NEAR(to_seconds(cell.times.back() - asked), 1.5 * seconds + 2, 1e-6);
-  }
-}
-
-TEST(BigRobotArmDriver, late_replies_of_a_deaf_device_are_drained_before_the_next_command) {
-  Cell cell;
-  // A quarter of a motor turn a second, which the prediction does not know.
-  ASSERT_TRUE(cell.driver.set_speeds({25, 25, 25, 25, 25}, cell.now));
-  cell.run_for(1s);
-  ASSERT_TRUE(cell.driver.move_to(cell.q_of({0, 0, 14000, 0, 0}), 100ms, cell.now));
-  // 17.75 s for the device, 8.1 s for the driver: it asks again and again into deaf ears.
-  cell.run_for(30s);
-  EXPECT_EQ(cell.failure(), ErrorCode::kDeviceSilent);
-  ASSERT_NE(cell.last<Driver::StatusRead>(), nullptr);
-  EXPECT_NEAR(cell.last<Driver::StatusRead>()->q[2], cell.q_of({0, 0, 14000, 0, 0})[2], 1e-12);
-  ASSERT_TRUE(cell.driver.set_gripper(true, 40, cell.now));
-  cell.run_for(1s);
-  EXPECT_NE(cell.last<Driver::Done>(), nullptr) << "off by one reply";
-}
-
-TEST(BigRobotArmDriver, any_flipped_reply_byte_is_survived) {
-  int doubts = 0;
-  for (int place = 0; place < 28; ++place) {
-    Cell cell;
-    cell.link.flip_reply_byte = place;
-    ASSERT_TRUE(cell.driver.move_to(cell.q_of(kDocumented), 3s, cell.now));
-    cell.run_for(20s);
-    // Every byte of a goto's reply is checked, so no flip passes.
-    EXPECT_TRUE(std::holds_alternative<Driver::Failed>(cell.events[place < 3 ? 0 : 1])) << place;
-    const auto* status = cell.last<Driver::StatusRead>();
-    ASSERT_NE(status, nullptr) << place;
-    EXPECT_EQ(status->status.positions, kDocumented);
-    doubts += status->after_doubt ? 1 : 0;
-    ASSERT_TRUE(cell.driver.home(3s, cell.now));
-    cell.run_for(10s);
-    EXPECT_NE(cell.last<Driver::Done>(), nullptr);
-  }
-  EXPECT_EQ(doubts, 28);
-}
-
-TEST(BigRobotArmDriver, echo_may_be_one_less_but_not_two) {
-  for (const auto& [echo, right] : std::vector<std::pair<int, bool>>{
-           {117, true}, {116, true}, {118, true}, {115, false}, {119, false}}) {
-    Cell cell;
-    cell.link.cut = true;
-    ASSERT_TRUE(cell.driver.set_speeds({100, 117, 100, 100, 100}, cell.now));
-    cell.run_for(1ms);
-    const auto reply = byte::encode_reply(Speeds{{100, echo, 100, 100, 100}});
-    cell.driver.receive(reply, cell.now);
-    cell.run_for(1ms);
-    ASSERT_EQ(cell.events.size(), 1U);
-    EXPECT_EQ(cell.last<Driver::Done>() != nullptr, right) << echo;
-    if (right) continue;
-    ASSERT_NE(cell.last<Driver::Failed>(), nullptr);
-    EXPECT_EQ(cell.last<Driver::Failed>()->error,
-              (Error{ErrorCode::kReplyMismatch, 1, 1.0 * echo, 117}));
-  }
-}
-
-TEST(BigRobotArmDriver, position_echo_must_be_exact) {
-  Cell cell;
-  cell.link.cut = true;
-  ASSERT_TRUE(cell.driver.move_to(cell.q_of(kDocumented), 3s, cell.now));
-  cell.run_for(1ms);
-  Words off = kDocumented;
-  off[3] += 1;
-  for (const Reply& reply : {Reply{MotionStarted{}}, Reply{GotoDone{off}}}) {
-    cell.driver.receive(byte::encode_reply(reply), cell.now);
-  }
-  cell.run_for(1ms);
-  ASSERT_NE(cell.last<Driver::Failed>(), nullptr);
-  EXPECT_EQ(cell.last<Driver::Failed>()->error,
-            (Error{ErrorCode::kReplyMismatch, 3, 1.0 * off[3], 1.0 * kDocumented[3]}));
-}
-
-TEST(BigRobotArmDriver, refusal_and_unasked_bytes_end_in_a_status) {
-  Cell cell;
-  cell.driver.receive(std::array<std::uint8_t, 1>{0xC9}, cell.now);
-  cell.run_for(1s);
-  EXPECT_EQ(cell.failure(), ErrorCode::kUnaskedReply);
-  EXPECT_NE(cell.last<Driver::StatusRead>(), nullptr);
+TEST(BigRobotArmDriver, reset_that_nobody_saw_is_found_before_the_arm_moves) {
+  BigRobotArmCell cell;
+  cell.make_ready();
+  ASSERT_TRUE(cell.driver.move(cell.move_to(kThere), cell.now));
+  cell.run_until(DriverState::kReady);
+  cell.machine.disturb({sim::Disturbance::Kind::kSupply, -1, 3});
+  cell.run(10ms);
+  cell.machine.disturb({sim::Disturbance::Kind::kSupply, -1, 12});
+  cell.run(3s);
   cell.events.clear();
-  cell.link.cut = true;
-  ASSERT_TRUE(cell.driver.read_status(cell.now));
-  cell.run_for(1ms);
-  cell.driver.receive(byte::encode_reply(Invalid{}), cell.now);
-  cell.link.cut = false;
-  cell.run_for(1s);
-  EXPECT_EQ(cell.failure(), ErrorCode::kDeviceRefused);
-  EXPECT_NE(cell.last<Driver::StatusRead>(), nullptr);
+  ASSERT_TRUE(cell.driver.move(cell.move_to({}), cell.now));
+  cell.run_until(DriverState::kReady);
+  EXPECT_EQ(cell.count(Kind::kFailed), 1);
+  EXPECT_EQ(cell.count(Kind::kDone), 0);
+  EXPECT_LT(distance(cell, kThere), 0.06) << "it did not move";
+  EXPECT_EQ(worst(cell), PositionQuality::kUncertain);
+  EXPECT_EQ(cell.liar(), -1);
 }
 
-TEST(BigRobotArmDriver, reply_after_its_deadline_counts_as_silence) {
-  Cell cell;
-  cell.link.cut = true;
-  ASSERT_TRUE(cell.driver.set_gripper(true, 40, cell.now));
-  cell.run_for(1ms);
-  cell.driver.receive(byte::encode_reply(Gripper{true, 40}), cell.now + 1s);
-  const auto event = cell.driver.take_event();
-  ASSERT_TRUE(event && std::holds_alternative<Driver::Failed>(*event));
-  EXPECT_EQ(std::get<Driver::Failed>(*event).error.code, ErrorCode::kDeviceSilent);
-  EXPECT_EQ(cell.driver.state(), Driver::State::kQuiet);
+TEST(BigRobotArmDriver, reset_in_motion_loses_the_position) {
+  BigRobotArmCell cell;
+  cell.make_ready();
+  ASSERT_TRUE(cell.driver.move(cell.move_to(kThere), cell.now));
+  cell.run(1s);
+  cell.machine.disturb({sim::Disturbance::Kind::kSupply, -1, 3});
+  cell.run(10ms);
+  cell.machine.disturb({sim::Disturbance::Kind::kSupply, -1, 12});
+  cell.run_until(DriverState::kReady);
+  EXPECT_EQ(cell.count(Kind::kFailed), 1);
+  EXPECT_EQ(worst(cell), PositionQuality::kLost);
 }
 
-TEST(BigRobotArmDriver, half_a_reply_does_not_spoil_the_status_that_follows) {
-  Cell cell;
-  cell.link.cut = true;
-  ASSERT_TRUE(cell.driver.set_gripper(true, 40, cell.now));
-  cell.run_for(1ms);
-  const auto reply = byte::encode_reply(Gripper{true, 40});
-  cell.driver.receive(std::span<const std::uint8_t>(reply).first(5), cell.now);
-  cell.run_for(500ms);
-  cell.link.cut = false;
-  cell.link.to_arm.clear();
-  cell.run_for(1s);
-  EXPECT_NE(cell.last<Driver::StatusRead>(), nullptr);
-  EXPECT_EQ(cell.link.to_arm.size(), 2U) << "one status is enough";
-}
-
-TEST(BigRobotArmDriver, answer_to_a_question_that_has_not_left_is_no_answer) {
-  Cell cell;
-  ASSERT_TRUE(cell.driver.set_gripper(true, 40, cell.now));
-  cell.driver.receive(byte::encode_reply(Gripper{true, 40}), cell.now);
-  cell.run_for(1s);
-  EXPECT_EQ(cell.failure(), ErrorCode::kUnaskedReply);
-  EXPECT_EQ(cell.firmware.gripper().position, 90) << "what had not begun to leave was dropped";
-}
-
-TEST(BigRobotArmDriver, motion_that_was_never_taken_up_is_not_done) {
-  Cell cell(arm(BigRobotArmWire::kText));
-  cell.link.cut = true;
-  ASSERT_TRUE(cell.driver.move_to({}, 1s, cell.now));
-  cell.run_for(1ms);
-  // The echo is of another command, so that nothing says that a motion began.
-  const std::string_view reply =
-      "Free mem: 1\r\nProcess command: G92\r\nBigRobotArm::MOVING-TO\r\n"
-      "BigRobotArm::POSITION: B0 S0 E0 WR0 W0\r\nBigRobotArm::READY\r\n";
-  cell.driver.receive({reinterpret_cast<const std::uint8_t*>(reply.data()), reply.size()},
-                      cell.now);
-  cell.run_for(1ms);
-  EXPECT_EQ(cell.failure(), ErrorCode::kUnexpectedReply);
-}
-
-TEST(BigRobotArmDriver, line_that_never_falls_silent_is_told) {
-  Cell cell(arm(), false);
+TEST(BigRobotArmDriver, device_in_sync_mode_is_a_fault_until_it_is_cleared) {
+  BigRobotArmCell cell;
+  cell.machine.receive(std::array<std::uint8_t, 3>{7, 1, 13}, cell.now);
   cell.driver.open(cell.now);
-  for (int i = 0; i < 200; ++i) {
-    cell.driver.receive(std::array<std::uint8_t, 1>{0x55}, cell.now);
-    cell.run_for(50ms);
+  cell.run_until(DriverState::kFault);
+  ASSERT_TRUE(cell.driver.fault());
+  EXPECT_EQ(cell.driver.fault()->code, ErrorCode::kDeviceSync);
+  EXPECT_EQ(cell.driver.move(cell.move_to({}), cell.now).error().code, ErrorCode::kDeviceSync);
+  ASSERT_TRUE(cell.driver.clear_fault(cell.now));
+  cell.run_until(DriverState::kReady);
+  cell.declare();
+  EXPECT_TRUE(cell.driver.move(cell.move_to({}), cell.now));
+}
+
+TEST(BigRobotArmDriver, closed_port_fails_the_move_and_the_hull_stays_true) {
+  BigRobotArmCell cell;
+  cell.make_ready();
+  ASSERT_TRUE(cell.driver.move(cell.move_to(kThere), cell.now));
+  cell.run(1s);
+  cell.driver.close(cell.now);
+  cell.run(5s);
+  EXPECT_EQ(cell.kinds(), (std::vector{Kind::kFailed}));
+  EXPECT_EQ(cell.events[0].error.code, ErrorCode::kPortClosed);
+  EXPECT_EQ(worst(cell), PositionQuality::kUncertain);
+  EXPECT_EQ(cell.liar(), -1);
+}
+
+TEST(BigRobotArmDriver, motion_and_reset_that_noise_ordered_lose_the_position) {
+  BigRobotArmCell cell;
+  cell.make_ready();
+  // Back on its zero by its own counters, and not in truth.
+  const std::uint8_t garbage = 0xA5;
+  cell.driver.receive({&garbage, 1}, cell.now);
+  order(cell, bigrobotarm::Goto{{3000, -2000, -2600, 800, -1000}});
+  order(cell, bigrobotarm::Reset{});
+  cell.run_until(DriverState::kReady);
+  EXPECT_GT(distance(cell, {}), 0.5);
+  EXPECT_EQ(worst(cell), PositionQuality::kLost);
+  EXPECT_EQ(cell.driver.move(cell.move_to({}), cell.now).error().code, ErrorCode::kPositionUnknown);
+}
+
+/// A rotor pressed against an end stands anywhere between its rests, and goes to one of them when
+/// the arm is told to come back: up to three full steps beside where it was seen to stand.
+TEST(BigRobotArmDriver, arm_declared_where_noise_drove_it_into_its_end_is_never_elsewhere) {
+  constexpr std::size_t kWrist = 4;
+  for (int quarter = 0; quarter < 16; ++quarter) {
+    BigRobotArmCell cell;
+    cell.make_ready();
+    const BigRobotArmJoint& wrist = cell.device().joints[kWrist];
+    const double full_step = wrist.steps_per_motor_rev / 200 / std::abs(wrist.steps_per_rad);
+    const double beyond = cell.robot.joints[kWrist].lower - 0.5 - 0.25 * quarter * full_step;
+    const std::uint8_t garbage = 0xA5;
+    cell.driver.receive({&garbage, 1}, cell.now);
+    bigrobotarm::Goto go{};
+    go.positions[kWrist] = static_cast<std::int32_t>(std::lround(beyond * wrist.steps_per_rad));
+    order(cell, go);
+    cell.run_until(DriverState::kReady);
+    ASSERT_TRUE(cell.machine.truth().joints[kWrist].lost_steps);
+    ASSERT_EQ(worst(cell), PositionQuality::kLost);
+    cell.declare();
+    ASSERT_TRUE(cell.driver.move(cell.move_to({0, 0, 0, 0, -1}), cell.now));
+    cell.run_until(DriverState::kReady);
+    EXPECT_EQ(worst(cell), PositionQuality::kCommanded);
+    EXPECT_EQ(cell.liar(), -1) << quarter;
+    // Its motors have turned: what is seen now is where they are.
+    cell.declare();
+    const JointPosition& claim = cell.driver.positions()[kWrist];
+    EXPECT_NEAR(claim.upper - claim.lower, 2 * full_step, 1e-9);
   }
-  EXPECT_TRUE(cell.link.to_arm.empty()) << "it must not talk into the noise";
-  EXPECT_EQ(cell.events.size(), 1U);
-  EXPECT_EQ(cell.failure(), ErrorCode::kUnaskedReply);
-  EXPECT_EQ(cell.driver.unexpected(), 200U) << "every byte of it";
 }
 
-TEST(BigRobotArmDriver, begun_request_is_never_cut_short) {
-  Driver driver(arm());
-  std::array<std::uint8_t, 5> out{};
-  Instant now{};
-  driver.open(now);
-  driver.poll(now += 100ms);
-  (void)driver.take_output(out);
-  driver.receive(byte::encode_reply(Status{{}, {}, {}, Gripper{}, false}), now);
-  ASSERT_TRUE(driver.move_to({}, 1s, now));
-  EXPECT_EQ(driver.take_output(out), 5U);
-  driver.poll(now += 1s);  // nothing came back: doubt
-  EXPECT_EQ(driver.state(), Driver::State::kQuiet);
-  std::size_t rest = 0;
-  driver.poll(now += 1s);
-  while (const std::size_t count = driver.take_output(out)) rest += count;
-  EXPECT_EQ(rest, 22U - 5U) << "no status before the goto is out";
-  driver.poll(now += 1s);
-  EXPECT_EQ(driver.take_output(out), 2U);
+TEST(BigRobotArmDriver, interval_of_a_journal_is_kept_by_the_next_host) {
+  BigRobotArmCell cell;
+  cell.make_ready();
+  ASSERT_TRUE(cell.driver.move(cell.move_to(kThere), cell.now));
+  cell.run_until(DriverState::kReady);
+  const std::vector<JointPosition> known(cell.driver.positions().begin(),
+                                         cell.driver.positions().end());
+  cell.driver = BigRobotArmDriver(cell.device(), cell.robot.joints);
+  cell.driver.declare_positions(known);
+  cell.driver.open(cell.now);
+  cell.run_until(DriverState::kReady);
+  for (std::size_t i = 0; i < known.size(); ++i) {
+    const JointPosition& claim = cell.driver.positions()[i];
+    EXPECT_EQ(claim.quality, PositionQuality::kCommanded) << i;
+    EXPECT_LE(claim.lower, known[i].lower + 1e-12) << i;
+    EXPECT_GE(claim.upper, known[i].upper - 1e-12) << i;
+  }
 }
 
-TEST(BigRobotArmDriver, port_that_closes_fails_the_command_under_way) {
-  Cell cell;
-  ASSERT_TRUE(cell.driver.move_to(cell.q_of(kDocumented), 3s, cell.now));
-  cell.run_for(1s);
-  cell.driver.close();
-  cell.run_for(1s);
-  EXPECT_EQ(cell.failure(), ErrorCode::kPortClosed);
-  EXPECT_EQ(cell.driver.read_status(cell.now).error().code, ErrorCode::kBusy);
+TEST(BigRobotArmDriver, garbage_while_it_moves_on_our_order_leaves_the_position_known) {
+  BigRobotArmCell cell;
+  cell.make_ready();
+  ASSERT_TRUE(cell.driver.move(cell.move_to(kThere), cell.now));
+  cell.run(500ms);
+  const std::uint8_t garbage = 0xA5;
+  cell.driver.receive({&garbage, 1}, cell.now);
+  cell.run_until(DriverState::kReady);
+  EXPECT_EQ(cell.count(Kind::kFailed), 1);
+  EXPECT_EQ(worst(cell), PositionQuality::kCommanded);
+  EXPECT_LT(distance(cell, kThere), 0.06);
 }
 
-TEST(BigRobotArmDriver, any_noise_on_the_line_ends_in_a_driver_that_works) {
-  test::for_random_cases(2'000, [](test::Random& random) {
-    const auto wire = random.chance(0.5) ? BigRobotArmWire::kByte : BigRobotArmWire::kText;
-    Cell cell(arm(wire));
-    for (int i = 0; i < 10; ++i) {
-      std::array<std::uint8_t, 30> noise{};
-      for (auto& byte : noise) byte = static_cast<std::uint8_t>(random.bits() & 0xFF);
-      const auto count = static_cast<std::size_t>(random.integer(0, 30));
-      (void)cell.driver.move_to(cell.q_of({0, 0, 100 * i, 0, 0}), 2s, cell.now);
-      cell.driver.receive(std::span(noise).first(count), cell.now);
-      cell.run_for(Duration{random.integer(0, 1'000'000'000)});
-    }
-    cell.run_for(10s);
-    ASSERT_EQ(cell.driver.state(), Driver::State::kIdle);
-    cell.events.clear();
-    ASSERT_TRUE(cell.driver.home(2s, cell.now));
-    cell.run_for(10s);
-    ASSERT_NE(cell.last<Driver::Done>(), nullptr);
-  });
+TEST(BigRobotArmDriver, cable_that_was_out_for_long_leaves_the_position_known) {
+  BigRobotArmCell cell;
+  cell.make_ready();
+  ASSERT_TRUE(cell.driver.move(cell.move_to(kThere), cell.now));
+  cell.run_until(DriverState::kReady);
+  cell.cut = true;
+  EXPECT_TRUE(cell.driver.move(cell.move_to({}), cell.now));
+  cell.run(20s);
+  cell.cut = false;
+  cell.run_until(DriverState::kReady);
+  EXPECT_EQ(worst(cell), PositionQuality::kCommanded);
+  EXPECT_EQ(cell.liar(), -1);
+}
+
+TEST(BigRobotArmDriver, silent_device_fails_to_open_and_a_stop_ends_all_the_same) {
+  BigRobotArmCell cell;
+  cell.cut = true;
+  cell.driver.open(cell.now);
+  cell.run(9s);
+  ASSERT_EQ(cell.kinds(), (std::vector{Kind::kFailed}));
+  EXPECT_EQ(cell.events[0].error.code, ErrorCode::kDeviceSilent);
+  cell.driver.stop(cell.now);
+  cell.run(10s);
+  EXPECT_EQ(cell.events.size(), 2U);
+  cell.cut = false;
+  cell.run_until(DriverState::kReady);
+  EXPECT_EQ(cell.driver.state(), DriverState::kReady);
+}
+
+TEST(BigRobotArmDriver, stop_without_a_listener_overflows_nothing) {
+  BigRobotArmCell cell;
+  cell.make_ready();
+  for (int i = 0; i < 100; ++i) cell.driver.stop(cell.now);
+  EXPECT_EQ(cell.driver.take_event()->kind, Kind::kStopped);
+  EXPECT_FALSE(cell.driver.take_event());
 }
 
 TEST(BigRobotArmDriver, exchange_does_not_allocate) {
-  const BigRobotArmDevice device = arm();
-  Driver driver(device);
-  BigRobotArmFirmware firmware(device, Instant{});
+  const RobotModel robot = test::big_robot_arm();
+  BigRobotArmCell cell(robot);
+  cell.make_ready();
   std::array<std::uint8_t, 128> bytes{};
+  const JointMove move = cell.move_to(kThere);
   int events = 0;
   const test::AllocationCounter allocations;
-  Instant now{};
-  driver.open(now);
-  for (int i = 0; i < 1000; ++i, now += 10ms) {
-    firmware.advance(now);
-    driver.receive(std::span(bytes).first(firmware.take_output(bytes)), now);
-    driver.poll(now);
-    if (i == 20) (void)driver.move_to({0.1, 0.2, 0.3, 0.4, 0.5}, 2s, now);
-    firmware.receive(std::span(bytes).first(driver.take_output(bytes)), now);
-    while (driver.take_event()) ++events;
+  ASSERT_TRUE(cell.driver.move(move, cell.now));
+  for (int i = 0; i < 800; ++i, cell.now += 10ms) {
+    cell.machine.receive(std::span(bytes).first(cell.driver.take_output(bytes)), cell.now);
+    cell.driver.receive(std::span(bytes).first(cell.machine.take_output(bytes)), cell.now);
+    cell.driver.poll(cell.now);
+    while (cell.driver.take_event()) ++events;
   }
   EXPECT_EQ(allocations.count(), 0U);
-  EXPECT_EQ(events, 3);
+  EXPECT_EQ(events, 1);
 }
 
-TEST(BigRobotArmMultipliers, joints_arrive_together_and_none_is_faster_than_asked) {
-  const BigRobotArmDevice device = arm();
-  const BigRobotArmMultipliers base{{200, 100, 100, 100, 100}, {200, 100, 100, 100, 100}};
-  const auto result = synchronised_multipliers(device, kDocumented, base);
-  ASSERT_TRUE(result);
-  for (std::size_t i = 0; i < kJoints; ++i) {
-    EXPECT_NEAR(
-        motion_time(device.joints[i], kDocumented[i], result->speeds[i], result->accelerations[i]),
-        2.5625, 0.03 * 2.5625)
-        << i;
-  }
-  EXPECT_EQ(result->speeds[2], 100);
-}
-
-/// Arrival of every joint beside the slowest one's, as a part of it, and the values' own limits.
-std::array<double, kJoints> arrival_errors(const BigRobotArmDevice& device, const Words& deltas,
-                                           const BigRobotArmMultipliers& base,
-                                           const BigRobotArmMultipliers& chosen) {
-  std::array<double, kJoints> times{};
-  for (std::size_t i = 0; i < kJoints; ++i) {
-    EXPECT_LE(chosen.speeds[i], base.speeds[i]);
-    EXPECT_LE(chosen.accelerations[i], base.accelerations[i]);
-    times[i] = motion_time(device.joints[i], deltas[i], chosen.speeds[i], chosen.accelerations[i]);
-  }
-  EXPECT_TRUE(check_multipliers(device, chosen.speeds));
-  EXPECT_TRUE(check_multipliers(device, chosen.accelerations));
-  double slowest = 0;
-  for (std::size_t i = 0; i < kJoints; ++i) {
-    slowest = std::max(
-        slowest, motion_time(device.joints[i], deltas[i], base.speeds[i], base.accelerations[i]));
-  }
-  std::array<double, kJoints> errors{};
-  for (std::size_t i = 0; i < kJoints; ++i) {
-    if (deltas[i] != 0) errors[i] = std::abs(times[i] - slowest) / slowest;
-  }
-  return errors;
-}
-
-TEST(MotionShare, goes_as_the_trapezoid_does) {
-  const BigRobotArmDevice device = arm();
-  const BigRobotArmJoint& joint = device.joints[0];
-  for (const double steps : {40.0, -300.0, 6000.0}) {
-    const double whole = motion_time(joint, steps, 100, 150);
-    const double unit = joint.steps_per_motor_rev / 100;
-    double share = 0, speed = 0;
-    constexpr int kParts = 10'000;
-    for (int k = 0; k < kParts; ++k) {
-      const double t = whole * k / kParts;
-      EXPECT_NEAR(motion_share(joint, steps, 100, 150, t), share, 1e-3) << steps << " at " << t;
-      speed = std::min({150 * unit * t, 100 * unit, 150 * unit * (whole - t)});
-      share += speed * whole / kParts / std::abs(steps);
-    }
-    EXPECT_EQ(motion_share(joint, steps, 100, 150, 0), 0);
-    EXPECT_EQ(motion_share(joint, steps, 100, 150, whole), 1);
-  }
-}
-
-TEST(BigRobotArmMultipliers, ordinary_moves_arrive_within_three_percent) {
-  const BigRobotArmDevice device = arm();
-  double worst = 0;
-  test::for_random_cases(5'000, [&](test::Random& random) {
-    Words deltas{};
-    BigRobotArmMultipliers base;
-    for (std::size_t i = 0; i < kJoints; ++i) {
-      const double revolutions = random.chance(0.1) ? 0 : random.uniform(0.5, 5);
-      deltas[i] = static_cast<std::int32_t>(revolutions * device.joints[i].steps_per_motor_rev);
-      base.speeds[i] = static_cast<std::int32_t>(random.integer(100, 300));
-      base.accelerations[i] = static_cast<std::int32_t>(random.integer(100, 300));
-      // Values that are stepped over would change the slowest time that errors are counted from.
-      while (!byte::sendable(base.speeds[i])) ++base.speeds[i];
-      while (!byte::sendable(base.accelerations[i])) ++base.accelerations[i];
-    }
-    const auto result = synchronised_multipliers(device, deltas, base);
-    ASSERT_TRUE(result);
-    for (const double error : arrival_errors(device, deltas, base, *result)) {
-      worst = std::max(worst, error);
-    }
-  });
-  EXPECT_LT(worst, 0.03);
-  std::cout << "  worst difference of arrival " << 100 * worst << " %\n";
-}
-
-TEST(BigRobotArmMultipliers, no_other_whole_numbers_would_arrive_much_nearer) {
-  const BigRobotArmDevice device = arm();
-  test::for_random_cases(60, [&](test::Random& random) {
-    Words deltas{};
-    BigRobotArmMultipliers base;
-    for (std::size_t i = 0; i < kJoints; ++i) {
-      deltas[i] = static_cast<std::int32_t>(random.integer(-6000, 6000));
-      base.speeds[i] = static_cast<std::int32_t>(random.integer(1, 12));
-      base.accelerations[i] = static_cast<std::int32_t>(random.integer(1, 12));
-    }
-    const auto result = synchronised_multipliers(device, deltas, base);
-    ASSERT_TRUE(result);
-    const auto errors = arrival_errors(device, deltas, base, *result);
-    for (std::size_t i = 0; i < kJoints; ++i) {
-      double least = errors[i];
-      BigRobotArmMultipliers other = *result;
-      for (std::int32_t speed = 1; speed <= base.speeds[i]; ++speed) {
-        for (std::int32_t ramp = 1; ramp <= base.accelerations[i]; ++ramp) {
-          other.speeds[i] = speed;
-          other.accelerations[i] = ramp;
-          least = std::min(least, arrival_errors(device, deltas, base, other)[i]);
-        }
+TEST(BigRobotArmDriver, garbage_is_counted_byte_by_byte_also_while_it_probes) {
+  for (const bool probes : {false, true}) {
+    RobotModel robot = test::big_robot_arm(BigRobotArmWire::kByte, BigRobotArmDialect::k2021);
+    auto& device = std::get<BigRobotArmDevice>(robot.device.settings);
+    device.probe_wire = probes;
+    BigRobotArmDriver driver(device, robot.joints);
+    Instant now{};
+    driver.open(now);
+    std::array<std::uint8_t, 50> garbage{};
+    std::array<std::uint8_t, 64> out{};
+    std::optional<Error> failure;
+    for (int i = 0; i < 1000; ++i) {
+      now += 20ms;
+      driver.receive(garbage, now);
+      driver.poll(now);
+      (void)driver.take_output(out);
+      while (const auto event = driver.take_event()) {
+        if (event->kind == Kind::kFailed) failure = event->error;
       }
-      // The shape of the profile counts for a hundredth: up to 12 times its even value.
-      EXPECT_LE(errors[i], least + 0.12);
     }
-  });
-}
-
-TEST(BigRobotArmMultipliers, base_values_that_cannot_be_sent_are_stepped_over) {
-  const BigRobotArmDevice device = arm();
-  const auto result =
-      synchronised_multipliers(device, {}, {{13, 269, 300, 1, 14}, {13, 13, 269, 12, 1}});
-  ASSERT_TRUE(result);
-  EXPECT_EQ(result->speeds, (Words{12, 268, 300, 1, 14}));
-  EXPECT_EQ(result->accelerations, (Words{12, 12, 268, 12, 1}));
-  EXPECT_FALSE(synchronised_multipliers(device, {}, {{0, 1, 1, 1, 1}, {1, 1, 1, 1, 1}}));
-  EXPECT_FALSE(synchronised_multipliers(device, {}, {{1, 1, 1, 1, 1}, {1, 1, 1, 1, 301}}));
+    EXPECT_EQ(driver.health().unexpected, 50'000U) << probes;
+    ASSERT_TRUE(failure) << probes;
+    EXPECT_EQ(failure->code, ErrorCode::kUnaskedReply) << probes;
+  }
 }
 
 }  // namespace

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "sinew/driver/bigrobotarm_joint_driver.h"
+#include "sinew/driver/bigrobotarm.h"
 #include "sinew/sim/bigrobotarm_machine.h"
 #include "sinew/sim/bigrobotarm_test_robot.h"
 
@@ -145,7 +145,7 @@ class BigRobotArmCell {
 
   RobotModel robot;
   sim::BigRobotArmMachine machine;
-  BigRobotArmJointDriver driver;
+  BigRobotArmDriver driver;
   Lane to_machine;
   Lane to_host;
   bool cut = false;  ///< nothing arrives at either end

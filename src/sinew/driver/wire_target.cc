@@ -6,7 +6,7 @@
 #include "sinew/core/assert.h"
 #include "sinew/core/units.h"
 #include "sinew/driver/axis_register_units.h"
-#include "sinew/driver/bigrobotarm.h"
+#include "sinew/driver/bigrobotarm_channel.h"
 #include "sinew/driver/maxarm_pulses.h"
 
 namespace sinew {
@@ -19,7 +19,7 @@ std::optional<Error> refusal_of(const BigRobotArmDevice& device, std::span<const
   SINEW_ASSERT(q.size() == kBigRobotArmJoints);
   BigRobotArmAngles angles{};
   std::ranges::copy(q, angles.begin());
-  const auto steps = BigRobotArmDriver(device).steps_of(angles);
+  const auto steps = BigRobotArmChannel(device).steps_of(angles);
   return steps ? std::nullopt : std::optional(steps.error());
 }
 

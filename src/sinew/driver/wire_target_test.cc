@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "sinew/core/units.h"
-#include "sinew/driver/bigrobotarm.h"
+#include "sinew/driver/bigrobotarm_channel.h"
 #include "support/property.h"
 #include "support/robots.h"
 
@@ -92,8 +92,8 @@ TEST(WireTarget, pulses_that_a_servo_board_may_not_send_are_refused) {
 TEST(WireTarget, says_of_random_places_what_the_driver_says_when_it_is_sent_there) {
   const RobotModel robot = test::robot("bigrobotarm");
   const auto& device = std::get<BigRobotArmDevice>(robot.device.settings);
-  BigRobotArmDriver driver(device);
-  driver.open({});
+  BigRobotArmChannel channel(device);
+  channel.open({});
   int refused = 0;
   test::for_random_cases(2000, [&](test::Random& random) {
     JointVector q;
@@ -102,7 +102,7 @@ TEST(WireTarget, says_of_random_places_what_the_driver_says_when_it_is_sent_ther
       q.push_back(random.uniform(robot.joints[j].lower, robot.joints[j].upper));
       angles[j] = q[j];
     }
-    const auto asked = driver.move_to(angles, {}, {});
+    const auto asked = channel.move_to(angles, {}, {});
     ASSERT_FALSE(asked) << "it is still opening";
     const auto error = refusal(robot, q);
     refused += error ? 1 : 0;

@@ -70,8 +70,6 @@ class UpSweep {
   /// One decision: appends the stretches of it and goes on to their end. The caller gives room for
   /// what a cell can need, and stops at the last cell. @rt
   void step(SweepState& at, std::vector<Stretch>& out) const;
-  /// Whether the acceleration of this state, >= 0, can be taken back. @rt
-  bool can_level_off(const SweepState& at) const { return level_off(at).none(); }
 
  private:
   /// What a state that takes its acceleration back runs into.

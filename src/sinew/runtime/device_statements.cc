@@ -6,7 +6,7 @@
 #include "sinew/device/axis_settings.h"
 #include "sinew/driver/axis_link.h"
 #include "sinew/driver/axis_registers.h"
-#include "sinew/driver/bigrobotarm_joint_driver.h"
+#include "sinew/driver/bigrobotarm.h"
 #include "sinew/driver/icp.h"
 #include "sinew/driver/maxarm.h"
 #include "sinew/model/error_sentence.h"
@@ -41,7 +41,7 @@ program::DeviceFact facts_of(const Driver& driver, const RobotModel& robot) {
     if (const auto* icp = dynamic_cast<const IcpDriver*>(&driver); icp && what == "minus_one") {
       return minus_one(*icp);
     }
-    if (const auto* arm = dynamic_cast<const BigRobotArmJointDriver*>(&driver);
+    if (const auto* arm = dynamic_cast<const BigRobotArmDriver*>(&driver);
         arm && what == "wire") {
       const BigRobotArmFound found = arm->wire();
       if (found.wire == BigRobotArmWire::kByte) return "byte";

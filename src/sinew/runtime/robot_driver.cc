@@ -2,7 +2,7 @@
 
 #include "sinew/driver/axis_link.h"
 #include "sinew/driver/axis_registers.h"
-#include "sinew/driver/bigrobotarm_joint_driver.h"
+#include "sinew/driver/bigrobotarm.h"
 #include "sinew/driver/icp.h"
 #include "sinew/driver/lsc.h"
 #include "sinew/driver/maxarm.h"
@@ -22,12 +22,12 @@ struct DriverMaker {
   RobotDriver operator()(const NoDriver& /*none*/) const { return {}; }
 
   RobotDriver operator()(const BigRobotArmDevice& device) const {
-    BigRobotArmJointTiming timing;
+    BigRobotArmTiming timing;
     timing.wire.reply_timeout = stretched(timing.wire.reply_timeout);
     timing.wire.move_margin = stretched(timing.wire.move_margin);
     timing.wire.quiet_limit = stretched(timing.wire.quiet_limit);
     timing.opening_limit = stretched(timing.opening_limit);
-    return {std::make_unique<BigRobotArmJointDriver>(device, robot.joints, timing), nullptr};
+    return {std::make_unique<BigRobotArmDriver>(device, robot.joints, timing), nullptr};
   }
   RobotDriver operator()(const AxisRegistersDevice& device) const {
     return {nullptr, std::make_unique<AxisRegistersDriver>(device, robot.joints)};

@@ -13,9 +13,6 @@ namespace sinew::server {
 /// operator: the socket is this user's alone.
 class LocalServer {
  public:
-  /// Requests of a client that are read at once; the others wait in the socket.
-  static constexpr std::size_t kLinesAtOnce = 64;
-
   /// @param loop  outlives this
   /// @error  the socket cannot be had: another server listens there, no such folder, ..
   static io::IoResult<std::unique_ptr<LocalServer>> listen(const std::string& path,

@@ -33,7 +33,6 @@ class AxisLoop {
 
   double q() const { return plant_.q(); }              ///< the joint itself, rad
   double q_measured() const { return encoders_.q(); }  ///< as the motor's encoder has it
-  double qd_measured() const { return encoders_.qd(); }
   std::int64_t steps() const { return outputs_.steps; }
   double load_torque() const { return load_.torque(joint_); }    ///< Nm, of weight
   double load_inertia() const { return load_.inertia(joint_); }  ///< kg m^2
