@@ -17,8 +17,7 @@ namespace {
 using namespace std::chrono_literals;
 using Kind = DriverEvent::Kind;
 using test::BigRobotArmCell;
-
-constexpr std::array<double, 5> kThere{0.5, -0.2, 0.4, 0.3, -0.5};  // rad
+using test::kThere;
 
 /// Hits one byte, counted from now on.
 test::Lane::Fault once(int place,

@@ -14,8 +14,7 @@ namespace {
 using namespace std::chrono_literals;
 using Kind = DriverEvent::Kind;
 using test::BigRobotArmCell;
-
-constexpr std::array<double, 5> kThere{0.5, -0.2, 0.4, 0.3, -0.5};  // rad
+using test::kThere;
 
 double distance(const BigRobotArmCell& cell, const std::array<double, 5>& q) {
   const sim::Truth truth = cell.machine.truth();

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <deque>
 #include <functional>
 #include <utility>
@@ -52,6 +53,9 @@ class Lane {
   std::deque<Flying> line_;
   Instant free_{};
 };
+
+/// A place to move to, rad.
+inline constexpr std::array<double, 5> kThere{0.5, -0.2, 0.4, 0.3, -0.5};
 
 /// Driver and machine back to back.
 class BigRobotArmCell {
