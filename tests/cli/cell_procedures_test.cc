@@ -204,10 +204,15 @@ TEST(CellProcedures, a_killed_client_leaves_its_step_to_the_next_process) {
   EXPECT_TRUE(found(left, 0) && !found(left, 5)) << left.dump();
   Process resumed(cell.on({"home", "arm", "--json"}));
   // What was found before is not searched for again.
-  for (Json now = left; now.contains("procedure") && now["procedure"]["step"] == 2; now = arm()) {
+  const auto searches = [](const Json& now) {
+    return now.contains("procedure") && now["procedure"]["step"] == 2;
+  };
+  Json now = left;
+  for (int k = 0; k < 3000 && searches(now); ++k, now = arm()) {
     EXPECT_TRUE(found(now, 0)) << now.dump();
     resumed.let_run(10ms);
   }
+  EXPECT_FALSE(searches(now)) << now.dump();
   const Json ended = resumed.end().json();
   EXPECT_EQ(ended["phase"], "done") << ended.dump();
   EXPECT_EQ(ended["steps"][0]["answer"], "yes") << "as it was answered before, never at step 1";

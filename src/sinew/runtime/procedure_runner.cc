@@ -99,6 +99,7 @@ void ProcedureRunner::go_on(control::ClientId client, bool take_over) {
   client_->refresh();
   client_->act_for(client);
   status_.client = client;
+  ++status_.answers;
   kept_ = false;
   procedure_->rejoin(take_over);
   publish();

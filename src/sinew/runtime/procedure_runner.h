@@ -28,7 +28,8 @@ struct ProcedureStatus {
   std::uint32_t number = 0;  ///< 0: there was none yet
   control::ClientId client = 0;
   bool over = true;         ///< nothing of it moves any more
-  std::size_t answers = 0;  ///< answers and steps back that were taken
+  /// Answers, steps back and other clients that were taken: what has fewer was told before.
+  std::size_t answers = 0;
   program::ProcedureView view;
   std::string file;  ///< that its results went to; empty where none did
   program::FoundSettings settings;

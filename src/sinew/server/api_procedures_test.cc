@@ -206,8 +206,10 @@ TEST(ApiProcedures, a_client_that_goes_away_leaves_its_step_to_the_next_one) {
                 .find("go on with it or cancel it first"),
             std::string::npos);
   EXPECT_NE(next.sentence("procedure.answer", {{"robot", "six"}, {"answer", "done"}}), "");
+  const std::size_t answers = procedure_of_six(next)["answers"];
   Procedure again(cell, next, "six", "recover");
   const Json asked = again.asked();
+  EXPECT_EQ(asked["answers"], answers + 1) << "what was told before is older";
   EXPECT_EQ(asked["step"]["id"], "adjust.leg2") << "never at step 1";
   EXPECT_EQ(asked["client"], next.id());
   EXPECT_FALSE(asked.contains("client_lost"));
