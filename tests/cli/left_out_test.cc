@@ -54,6 +54,27 @@ TEST(LeftOut, arm_whose_last_board_is_missing_homes_and_runs_without_it_on_both_
   }
 }
 
+TEST(LeftOut, a_person_says_where_the_others_stand_to_boards_that_tell_nothing) {
+  const ScratchFolder folder;
+  const std::string robot = small_robot_arm_2(folder, false);
+  Process sim({"sim", robot, "--slaves", "5", "--profile", "as-built", "--simwire",
+               "unix:" + folder.at("s"), "--json"});
+  const std::string port = Json::parse(sim.line_after(0), nullptr, false)["port"];
+  const Arguments words{
+      "run",       folder.file("p.sinew", "joint base=2deg\njoint base=0deg\n"),
+      "--robot",   robot,
+      "--port",    port,
+      "--profile", "as-built",
+      "--without", "J6",
+      "--standing-at", "home",
+      "--journal", "k",
+      "--time-scale", "10"};
+  setenv("XDG_STATE_HOME", folder.at("state").c_str(), 1);
+  const Ended told = sinew(words);
+  unsetenv("XDG_STATE_HOME");
+  EXPECT_EQ(told.exit, 0) << told.err << told.out;
+}
+
 TEST(LeftOut, arm_of_a_cell_without_its_elbow_homes_and_moves_and_tells_what_is_unknown) {
   const ScratchFolder folder;
   setenv("XDG_STATE_HOME", folder.at("state").c_str(), 1);

@@ -353,7 +353,8 @@ std::optional<Error> Controller::contradiction(const Declare& where) const {
 std::optional<Error> Controller::dropped(const Declare& where) const {
   const auto kept = driver_.positions();
   for (std::size_t j = 0; j < where.positions.size(); ++j) {
-    if (where.positions[j].quality == PositionQuality::kLost) continue;
+    const bool stated = where.positions[j].quality != PositionQuality::kLost;
+    if (!stated || is_left_out(robot_, j)) continue;
     const std::array known{evidence_of(robot_, j, kept[j])};
     const bool lost = kept[j].quality == PositionQuality::kLost;
     if (!lost && agree(j, known, where.positions[j])) continue;

@@ -137,7 +137,9 @@ std::optional<JournalFinding> distrust(const Generation& newest, const Generatio
   if (identity != 0 && file.stamp.identity != 0 && identity != file.stamp.identity) return kCopied;
   // Records are written over what stands there: a crash may keep one and not the time of its write.
   const Duration late{file.stamp.changed_ns - last.time.wall_ns};
-  const Duration early{newest.first->record.time.wall_ns - file.stamp.changed_ns};
+  // A clock that was set back meanwhile leaves the first record alone behind it.
+  const std::int64_t oldest = std::min(newest.first->record.time.wall_ns, last.time.wall_ns);
+  const Duration early{oldest - file.stamp.changed_ns};
   if (file.stamp.changed_ns != 0 && last.time.wall_ns != 0 &&
       (late > settings.stamp_tolerance || early > settings.stamp_tolerance)) {
     return kCopied;

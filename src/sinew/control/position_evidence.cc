@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "sinew/core/units.h"
+#include "sinew/model/left_out.h"
 
 namespace sinew::control {
 
@@ -32,6 +33,10 @@ Expected<FixedVector<JointPosition, kMaxJoints>> as_shown(const RobotModel& robo
   constexpr double kLength = from_mm(1);
   FixedVector<JointPosition, kMaxJoints> shown;
   for (std::size_t j = 0; j < known.size(); ++j) {
+    if (is_left_out(robot, j)) {
+      shown.push_back({});
+      continue;
+    }
     const bool lost = known[j].quality == PositionQuality::kLost;
     JointPosition joint = lost && j < said.size() ? said[j] : known[j];
     const double widest = robot.joints[j].kind == JointKind::kPrismatic ? kLength : kTurn;

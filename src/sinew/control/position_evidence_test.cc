@@ -7,6 +7,7 @@
 
 #include "sinew/control/journal_record.h"
 #include "sinew/core/units.h"
+#include "sinew/model/left_out.h"
 #include "support/robots.h"
 
 namespace sinew::control {
@@ -61,6 +62,23 @@ TEST(PositionEvidence, what_is_shown_is_the_middle_of_an_interval_that_a_person_
   const auto last = as_shown(robot, {known.data(), known.size()}, {said.data(), said.size()});
   ASSERT_TRUE(last);
   EXPECT_EQ((*last)[3].q, 0.3);
+}
+
+TEST(PositionEvidence, what_is_shown_is_taken_without_a_joint_that_is_left_out) {
+  RobotModel robot = sinew::test::robot("robot-arm-2");
+  std::vector<JointPosition> known(robot.joints.size(),
+                                   {PositionQuality::kUncertain, 0.1, 0.09, 0.11});
+  known[2] = {};
+  const auto refused = as_shown(robot, known, {});
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error(), (Error{ErrorCode::kPositionUnknown, 2}));
+  std::get<AxisRegistersDevice>(robot.device.settings).boards[2].homing_place = kLeftOut;
+  const auto shown = as_shown(robot, known, {});
+  ASSERT_TRUE(shown);
+  for (std::size_t j = 0; j < shown->size(); ++j) {
+    EXPECT_EQ((*shown)[j].quality,
+              j == 2 ? PositionQuality::kLost : PositionQuality::kCommanded);
+  }
 }
 
 }  // namespace

@@ -195,7 +195,7 @@ void Procedure::rejoin(bool take_over) {
 void Procedure::ask_again(std::string trouble) {
   const std::string& hint = step().hint;
   trouble_ = std::move(trouble) + (hint.empty() ? "" : "; " + hint);
-  went_ = comes_back_ = false;
+  went_ = comes_back_ = assumes_ = false;
   left_ = 0;
   homeward_.clear();
   searching_.reset();
@@ -362,7 +362,6 @@ std::optional<std::string> Procedure::home_move() {
     for (const double q : *assumed_) {
       declare.positions.push_back({PositionQuality::kCommanded, q, q, q});
     }
-    assumed_.reset();
     assumes_ = true;
     command_ = machine_.give(declare);
     phase_ = Phase::kWorking;
@@ -372,13 +371,21 @@ std::optional<std::string> Procedure::home_move() {
   auto back = home_return(robot_, *from, 0);
   if (!back) {
     const char* slowly = "; sinew recover ROBOT (the procedure recover) goes there slowly";
-    return sentence(back.error().error) + (robot_.device.capability.nudge_max > 0 ? "" : slowly);
+    // Where a recovery asks for small steps, or searches the zeros, it ends with this same way.
+    const bool helps = robot_.device.capability.nudge_max == 0 && boards_of(robot_.device).empty();
+    return sentence(back.error().error) + (helps ? slowly : "");
   }
   for (HomeLeg& leg : back->legs) {
     if (!leg.motion.pieces.empty()) homeward_.push_back(std::move(leg));
   }
   if (homeward_.empty()) {
-    end_step(StepResult::State::kDone, "the robot is at its home pose");
+    const auto out = first_left_out(robot_);
+    if (out && *from != home_joints(robot_)) {
+      end_step(StepResult::State::kSkipped, "while " + robot_.joints[*out].name +
+                                                " is left out no way home is known to be clear");
+    } else {
+      end_step(StepResult::State::kDone, "the robot is at its home pose");
+    }
     next(since_);
     return std::nullopt;
   }
@@ -443,7 +450,10 @@ void Procedure::end_search(Instant now) {
 
 void Procedure::command_done(Instant now) {
   if (std::holds_alternative<SearchStep>(step().what)) return end_search(now);
-  if (std::exchange(assumes_, false)) return begin_work(now);
+  if (std::exchange(assumes_, false)) {
+    assumed_.reset();
+    return begin_work(now);
+  }
   if (!homeward_.empty()) {
     if (const auto why = next_leg()) ask_again(*why);
     return;

@@ -17,8 +17,7 @@ constexpr const char* kMovedHint =
     "where it was moved by hand, add moved: and who did it, as in: home moved: lifted by hand";
 
 bool has_boards(const RobotModel& robot) {
-  return std::holds_alternative<AxisRegistersDevice>(robot.device.settings) ||
-         std::holds_alternative<AxisLinkDevice>(robot.device.settings);
+  return !boards_of(robot.device).empty();
 }
 
 bool slides(const RobotModel& robot) {

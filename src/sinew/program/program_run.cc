@@ -516,9 +516,11 @@ std::expected<void, Refusal> Run::go_home(Instant now) {
   back_.emplace();
   leg_ = 0;
   if (!plannable(q_, robot_)) {
-    const bool lost = std::ranges::any_of(machine_.positions(), [](const JointPosition& joint) {
-      return joint.quality == PositionQuality::kLost;
-    });
+    const auto positions = machine_.positions();
+    bool lost = false;
+    for (std::size_t j = 0; j < positions.size(); ++j) {
+      lost |= positions[j].quality == PositionQuality::kLost && !is_left_out(robot_, j);
+    }
     if (lost || q_) return next_leg(now);
     // The board knows where the search ended, and does not report it.
     current_->q = home_joints(robot_);

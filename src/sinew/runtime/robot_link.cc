@@ -190,7 +190,8 @@ std::string silent_boards(const BoardDriver& driver) {
   std::string option = names;
   std::erase(option, ' ');
   return many + (silent == 1 ? " does" : " do") + " not answer: " + names +
-         "; to use the others: --without " + option + ", in a cell's file without = " + list + "]";
+         "; to use the others: --without " + option +
+         " of run or commission, in a cell's file without = " + list + "]";
 }
 
 }  // namespace
