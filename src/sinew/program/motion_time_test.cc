@@ -118,7 +118,8 @@ TEST(MotionTime, is_refused_beside_speeds_and_where_it_is_none) {
 }
 
 TEST(MotionTime, stands_at_the_end_of_its_row) {
-  const auto text = format("line  time=2s x=200mm\nhome   time=3s\nnozzle 45deg time=1s\n", "p");
+  const auto text =
+      program::format("line  time=2s x=200mm\nhome   time=3s\nnozzle 45deg time=1s\n", "p");
   ASSERT_TRUE(text);
   EXPECT_EQ(*text, "line x=200mm time=2s\nhome time=3s\nnozzle 45deg time=1s\n");
 }

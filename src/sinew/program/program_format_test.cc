@@ -13,7 +13,7 @@ namespace sinew::program {
 namespace {
 
 std::string laid_out(std::string_view text) {
-  const auto out = format(text, "p.sinew");
+  const auto out = program::format(text, "p.sinew");
   if (out) return *out;
   return "refused: " + to_text(out.error().front());
 }
@@ -214,9 +214,9 @@ TEST(Format, program_stays_the_same_and_its_layout_too) {
   int read = 0;
   test::for_random_cases(4'000, [&](test::Random& random) {
     const std::string text = RandomText(random).program();
-    const auto once = format(text, "p");
+    const auto once = program::format(text, "p");
     ASSERT_TRUE(once) << to_text(once.error().front()) << "\n" << text;
-    const auto twice = format(*once, "p");
+    const auto twice = program::format(*once, "p");
     ASSERT_TRUE(twice);
     ASSERT_EQ(*twice, *once) << text;
     const RobotModel& robot = test::robot("learm");
@@ -255,13 +255,13 @@ TEST(Format, any_bytes_are_laid_out_once_and_for_all_or_refused) {
       text += kParts[random.integer(0, std::ssize(kParts) - 1)];
       if (random.chance(0.02)) text += '\0';
     }
-    const auto once = format(text, "p");
+    const auto once = program::format(text, "p");
     if (!once) {
       ASSERT_FALSE(once.error().empty());
       return;
     }
     ++accepted;
-    const auto twice = format(*once, "p");
+    const auto twice = program::format(*once, "p");
     ASSERT_TRUE(twice) << testing::PrintToString(text);
     ASSERT_EQ(*twice, *once) << testing::PrintToString(text);
   });
