@@ -333,7 +333,7 @@ TEST(GovernorBounds, jaws_that_would_meet_something) {
     ASSERT_EQ(passed ? std::nullopt : std::optional(passed.error()), meets);
     refused += meets ? 1 : 0;
     governor.lose();
-    ASSERT_TRUE(governor.pass_jaws(to)) << "of an arm that may be anywhere nobody knows";
+    ASSERT_TRUE(governor.pass_jaws(to)) << "position unknown";
   });
   EXPECT_GT(refused, 20);
 }

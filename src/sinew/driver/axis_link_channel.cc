@@ -260,7 +260,7 @@ void Channel::take_state(const State& state) {
   fresh_at_ = began_;
   const auto trouble = trouble_of(state);
   if (step_ == Step::kLook) {
-    // Its reason is gone with a host that speaks: nobody has to be asked, and nothing moves.
+    // The silent host was the reason; this host speaks. Clearing the fault moves nothing.
     const bool stopped = trouble && trouble->code == ErrorCode::kLinkSilent && !had_stopped_;
     had_stopped_ |= stopped;
     step_ = stopped ? Step::kClear : Step::kUp;

@@ -290,13 +290,13 @@ std::optional<std::string> Procedure::go(double way) {
     if (motion->pieces.empty()) return "there is no way to go";
     left_ = 0;
     return follow(*from, *motion, planner_->motion());
-  } else if (nudge_max > 0) {
-    part_ = std::clamp(way, -nudge_max, nudge_max);
-    left_ = way - part_;
-    command_ = machine_.give(control::Nudge{static_cast<std::uint8_t>(joint), part_});
-  } else {
+  }
+  if (!(nudge_max > 0)) {
     return "nobody knows where the machine is, and it cannot be moved by a little from there";
   }
+  part_ = std::clamp(way, -nudge_max, nudge_max);
+  left_ = way - part_;
+  command_ = machine_.give(control::Nudge{static_cast<std::uint8_t>(joint), part_});
   phase_ = Phase::kWorking;
   return std::nullopt;
 }
