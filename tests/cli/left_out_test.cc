@@ -54,6 +54,32 @@ TEST(LeftOut, arm_whose_last_board_is_missing_homes_and_runs_without_it_on_both_
   }
 }
 
+TEST(SelfTest, each_board_of_either_wire_tests_itself_and_one_that_is_missing_is_named) {
+  for (const bool link : {false, true}) {
+    const ScratchFolder folder;
+    const std::string robot = small_robot_arm_2(folder, link);
+    Process sim({"sim", robot, "--slaves", "5", "--simwire", "unix:" + folder.at("s"), "--json"});
+    const std::string port = Json::parse(sim.line_after(0), nullptr, false)["port"];
+    const Arguments test{"device",    robot, "test",         "--port", port,
+                         "--without", "J6",  "--time-scale", "10"};
+    const Ended limp = sinew(test);
+    ASSERT_EQ(limp.exit, 0) << limp.err;
+    EXPECT_NE(limp.out.find("base: passed; not homed, so nothing turned"), std::string::npos)
+        << limp.out;
+    EXPECT_NE(limp.out.find("flange_roll: left out"), std::string::npos) << limp.out;
+    const Ended homed = sinew({"run", folder.file("p.sinew", "home\n"), "--robot", robot, "--port",
+                               port, "--without", "J6", "--time-scale", "10"});
+    ASSERT_EQ(homed.exit, 0) << homed.err;
+    const Ended turned = sinew(test);
+    ASSERT_EQ(turned.exit, 0) << turned.err;
+    EXPECT_NE(turned.out.find("wrist_bend: passed; its motor turned a full step and back"),
+              std::string::npos)
+        << turned.out;
+    const Ended doctor = sinew({"doctor", "--robot", robot, "--port", port, "--without", "J6"});
+    EXPECT_EQ(doctor.exit, 0) << doctor.err;
+  }
+}
+
 TEST(LeftOut, a_person_says_where_the_others_stand_to_boards_that_tell_nothing) {
   const ScratchFolder folder;
   const std::string robot = small_robot_arm_2(folder, false);
@@ -61,14 +87,14 @@ TEST(LeftOut, a_person_says_where_the_others_stand_to_boards_that_tell_nothing) 
                "unix:" + folder.at("s"), "--json"});
   const std::string port = Json::parse(sim.line_after(0), nullptr, false)["port"];
   const Arguments words{
-      "run",       folder.file("p.sinew", "joint base=2deg\njoint base=0deg\n"),
-      "--robot",   robot,
-      "--port",    port,
-      "--profile", "as-built",
-      "--without", "J6",
+      "run",           folder.file("p.sinew", "joint base=2deg\njoint base=0deg\n"),
+      "--robot",       robot,
+      "--port",        port,
+      "--profile",     "as-built",
+      "--without",     "J6",
       "--standing-at", "home",
-      "--journal", "k",
-      "--time-scale", "10"};
+      "--journal",     "k",
+      "--time-scale",  "10"};
   setenv("XDG_STATE_HOME", folder.at("state").c_str(), 1);
   const Ended told = sinew(words);
   unsetenv("XDG_STATE_HOME");

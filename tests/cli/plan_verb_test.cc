@@ -114,6 +114,18 @@ TEST(PlanVerb, picture_has_a_box_for_each_joint_and_quantity) {
   EXPECT_NE(svg.find("from above"), std::string::npos);
 }
 
+TEST(PlanVerb, picture_of_a_platform_shows_its_legs_at_both_ends) {
+  const ScratchFolder folder;
+  const std::string file = folder.at("plan.svg");
+  const Ended ended = sinew({"plan", "hexapod", "--to", "10,0,225", "--plot", file});
+  ASSERT_EQ(ended.exit, 0) << ended.err;
+  const std::string svg = text_of(file);
+  EXPECT_NE(svg.find("oblique: x across, z up, y into the page"), std::string::npos);
+  std::size_t rings = 0;
+  for (std::size_t at = 0; (at = svg.find("<polygon ", at)) != std::string::npos; ++at) ++rings;
+  EXPECT_EQ(rings, 3U) << "the base, the platform where it starts, and where it ends";
+}
+
 TEST(PlanVerb, what_cannot_be_gone_is_refused_with_move_and_place) {
   const struct {
     Arguments words;

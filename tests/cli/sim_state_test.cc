@@ -147,8 +147,10 @@ TEST(SimState, counters_of_the_big_arm_are_0_where_it_stands) {
 /// `sinew run` of one row on the simulation, with a journal of its own.
 Arguments run_of(const ScratchFolder& folder, const Powered& sim, const std::string& row,
                  const Arguments& more = {}) {
-  Arguments words{"run",    folder.file("row.sinew", row + "\n"), "--robot",   "bigrobotarm",
-                  "--port", sim.port(),                            "--journal", "big"};
+  Arguments words{"run",       folder.file("row.sinew", row + "\n"),
+                  "--robot",   "bigrobotarm",
+                  "--port",    sim.port(),
+                  "--journal", "big"};
   words.insert(words.end(), more.begin(), more.end());
   return words;
 }
@@ -171,9 +173,9 @@ TEST(SimState, who_says_home_is_held_against_the_count_also_on_a_new_journal) {
   for (const char* joint : {"base", "shoulder", "elbow", "wrist_rotate", "wrist"}) {
     script += std::string("adjust.") + joint + " = done\n";
   }
-  const Ended recover = sinew({"commission", "bigrobotarm", "--procedure", "recover", "--port",
-                               sim.port(), "--journal", "big", "--answers",
-                               folder.file("answers", script)});
+  const Ended recover =
+      sinew({"commission", "bigrobotarm", "--procedure", "recover", "--port", sim.port(),
+             "--journal", "big", "--answers", folder.file("answers", script)});
   EXPECT_NE(recover.exit, 0);
   EXPECT_NE(recover.err.find("but the device counts 40"), std::string::npos) << recover.err;
   const Ended true_place =

@@ -176,8 +176,12 @@ class OutageCell {
   }
   /// Runs that were tried again, since this computer was too busy for them.
   int late() const { return late_; }
-  Ended look() { return run([&] { return words(look_); }); }
-  Ended refused() { return run([&] { return words(refused_); }); }
+  Ended look() {
+    return run([&] { return words(look_); });
+  }
+  Ended refused() {
+    return run([&] { return words(refused_); });
+  }
   /// As a person does who reads what is said: the program again, then what the refusal names.
   /// @param says  a person says each time where it is
   Ended mend(bool says) {
@@ -232,8 +236,7 @@ std::vector<Known> known_of(const Ended& ended, const std::string& unit) {
 void set_misfortune(End end, std::int64_t at_ms) {
   if (end != End::kClockJump && end != End::kDiskFull) return;
   const std::string when = std::to_string(at_ms);
-  const std::string what =
-      end == End::kDiskFull ? "full@" + when : "jump@" + when + ":3600000";
+  const std::string what = end == End::kDiskFull ? "full@" + when : "jump@" + when + ":3600000";
   setenv("LD_PRELOAD", SINEW_MISFORTUNE_LIBRARY, 1);
   setenv("SINEW_MISFORTUNE", what.c_str(), 1);
 }
@@ -325,8 +328,8 @@ std::vector<Row> rows_of(const Arm& arm, Random& random) {
     }
   }
   for (std::size_t k = rows.size() - 1; k > 0; --k) {
-    std::swap(rows[k], rows[static_cast<std::size_t>(
-                          random.integer(0, static_cast<std::int64_t>(k)))]);
+    std::swap(rows[k],
+              rows[static_cast<std::size_t>(random.integer(0, static_cast<std::int64_t>(k)))]);
   }
   return rows;
 }
@@ -371,8 +374,8 @@ TEST_P(Outages, leave_no_position_that_is_wrong_and_no_machine_that_is_stuck) {
   }
   std::cout << "  " << count << " ends; joints";
   for (const auto& [quality, times] : qualities) std::cout << " " << quality << " " << times;
-  std::cout << "; " << still << " had not moved, " << cell.late() << " tried again; seed "
-            << seed() << "\n";
+  std::cout << "; " << still << " had not moved, " << cell.late() << " tried again; seed " << seed()
+            << "\n";
   EXPECT_LE(still, 1 + count / 4);
   RecordProperty("cases", std::to_string(count));
 }
@@ -380,36 +383,65 @@ TEST_P(Outages, leave_no_position_that_is_wrong_and_no_machine_that_is_stuck) {
 constexpr const char* kArm2Motion =
     "loop 1000\njoint J1=5deg J5=-5deg speed=20%\njoint J1=0deg J5=0deg speed=20%\nend\n";
 constexpr const char* kArm2Mend = "joint J1=0deg J2=0deg J3=0deg J4=0deg J5=0deg J6=0deg\n";
-constexpr const char* kArm2Home =
-    "home\njoint J1=0deg J2=0deg J3=0deg J4=0deg J5=0deg J6=0deg\n";
+constexpr const char* kArm2Home = "home\njoint J1=0deg J2=0deg J3=0deg J4=0deg J5=0deg J6=0deg\n";
 constexpr const char* kLearmMotion =
     "joint base=0deg shoulder=0deg elbow=0deg wrist=0deg roll=0deg\n"
     "loop 1000\njoint base=20deg wrist=-20deg speed=20%\njoint base=0deg wrist=0deg "
     "speed=20%\nend\n";
+constexpr const char* kHexapodMotion =
+    "loop 1000\njoint leg1=268.40mm leg4=268.45mm leg5=268.30mm\n"
+    "joint leg1=268.36mm leg4=268.36mm leg5=268.36mm\nend\n";
+constexpr const char* kBigRobotArmMotion =
+    "loop 1000\njoint base=4deg wrist=-3deg\njoint base=0deg wrist=0deg\nend\n";
 constexpr const char* kLearmMend =
     "joint base=0deg shoulder=0deg elbow=0deg wrist=0deg roll=0deg\n";
 
-INSTANTIATE_TEST_SUITE_P(
-    Robots, Outages,
-    ::testing::Values(
-        Arm{"hexapod", "hexapod", {}, false, "mm",
-            "loop 1000\njoint leg1=268.40mm leg4=268.45mm leg5=268.30mm\n"
-            "joint leg1=268.36mm leg4=268.36mm leg5=268.36mm\nend\n",
-            "wait 0.01s\n", "", true, 1e-4, 100ms},
-        Arm{"bigrobotarm", "bigrobotarm", {}, false, "deg",
-            "loop 1000\njoint base=4deg wrist=-3deg\njoint base=0deg wrist=0deg\nend\n",
-            "joint base=0deg wrist=0deg\n", "", true, 0.3, 1600ms},
-        Arm{"learm", "learm", {}, false, "deg", kLearmMotion, kLearmMend, "", false, 1, 20ms},
-        Arm{"learm_bus", "learm", {"--profile", "bus"}, false, "deg", kLearmMotion, kLearmMend,
-            "", false, 1, 20ms},
-        Arm{"maxarm", "maxarm", {}, false, "deg",
-            "loop 1000\njoint base=110deg forearm=30deg\njoint base=90deg\nend\n",
-            "joint base=90deg\n", "", false, 0.5, 20ms},
-        Arm{"robot_arm_2_registers", "robot-arm-2", {}, true, "deg",
-            kArm2Motion, kArm2Mend, kArm2Home, false, 0.5, 20ms},
-        Arm{"robot_arm_2_link", "robot-arm-2", {}, true, "deg", kArm2Motion,
-            kArm2Mend, kArm2Home, false, 0.5, 20ms}),
-    [](const auto& arm) { return std::string(arm.param.name); });
+const Arm kHexapod{"hexapod",      "hexapod", {},   false, "mm", kHexapodMotion,
+                   "wait 0.01s\n", "",        true, 1e-4,  100ms};
+const Arm kBigrobotarm{"bigrobotarm",
+                       "bigrobotarm",
+                       {},
+                       false,
+                       "deg",
+                       kBigRobotArmMotion,
+                       "joint base=0deg wrist=0deg\n",
+                       "",
+                       true,
+                       0.3,
+                       1600ms};
+const Arm kLearm{"learm", "learm", {}, false, "deg", kLearmMotion, kLearmMend, "", false, 1, 20ms};
+const Arm kLearmBus{
+    "learm_bus", "learm", {"--profile", "bus"}, false, "deg", kLearmMotion, kLearmMend, "", false,
+    1,           20ms};
+const Arm kMaxarm{"maxarm",
+                  "maxarm",
+                  {},
+                  false,
+                  "deg",
+                  "loop 1000\njoint base=110deg forearm=30deg\njoint base=90deg\nend\n",
+                  "joint base=90deg\n",
+                  "",
+                  false,
+                  0.5,
+                  20ms};
+const Arm kRobotArm2Registers{"robot_arm_2_registers",
+                              "robot-arm-2",
+                              {},
+                              true,
+                              "deg",
+                              kArm2Motion,
+                              kArm2Mend,
+                              kArm2Home,
+                              false,
+                              0.5,
+                              20ms};
+const Arm kRobotArm2Link{"robot_arm_2_link", "robot-arm-2", {},    true, "deg", kArm2Motion,
+                         kArm2Mend,          kArm2Home,     false, 0.5,  20ms};
+
+INSTANTIATE_TEST_SUITE_P(Robots, Outages,
+                         ::testing::Values(kHexapod, kBigrobotarm, kLearm, kLearmBus, kMaxarm,
+                                           kRobotArm2Registers, kRobotArm2Link),
+                         [](const auto& arm) { return std::string(arm.param.name); });
 
 }  // namespace
 }  // namespace sinew::test

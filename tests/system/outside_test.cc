@@ -114,8 +114,8 @@ class Host {
   }
   /// `commission --procedure recover`, its questions answered. @return  why not, as a sentence
   std::string recover() {
-    program::Procedure procedure(
-        program::recovery_procedure(robot_, runtime::homing_of(robot_)), machine());
+    program::Procedure procedure(program::recovery_procedure(robot_, runtime::homing_of(robot_)),
+                                 machine());
     procedure.start(cell_.now());
     std::optional<std::size_t> answered;
     const Instant end = cell_.now() + 5min;
@@ -350,9 +350,8 @@ TEST_P(Limp, every_joint_of_a_learm_comes_in_from_the_ends_of_its_servo) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Learm, Limp, testing::Bool(), [](const auto& one) {
-  return one.param ? "sagged" : "pushed_by_hand";
-});
+INSTANTIATE_TEST_SUITE_P(Learm, Limp, testing::Bool(),
+                         [](const auto& one) { return one.param ? "sagged" : "pushed_by_hand"; });
 
 /// Each wire that can be jogged: to a limit, where what is measured may lie a count beyond it.
 class Jogged : public testing::TestWithParam<Case> {};
@@ -360,8 +359,7 @@ class Jogged : public testing::TestWithParam<Case> {};
 TEST_P(Jogged, to_each_limit_every_joint_goes_on_and_comes_back) {
   Scene scene;
   scene.robot = model_of(GetParam());
-  scene.cell.emplace(scene.robot,
-                     runtime::MachineOptions{.profile = GetParam().profile, .seed = 5},
+  scene.cell.emplace(scene.robot, runtime::MachineOptions{.profile = GetParam().profile, .seed = 5},
                      GetParam().warm_up);
   scene.host.emplace(*scene.cell, scene.robot, GetParam().told);
   Host& host = *scene.host;
@@ -379,8 +377,8 @@ TEST_P(Jogged, to_each_limit_every_joint_goes_on_and_comes_back) {
     for (const double out : {-1.0, 1.0}) {
       SCOPED_TRACE(limits.name + (out < 0 ? " down" : " up"));
       const double limit = out < 0 ? limits.lower : limits.upper;
-      const double ramps = fast / limits.acceleration_max +
-                           2 * limits.acceleration_max / limits.jerk_max;  // s
+      const double ramps =
+          fast / limits.acceleration_max + 2 * limits.acceleration_max / limits.jerk_max;  // s
       const double seconds = std::abs(limit - host.here()[joint]) / fast + ramps;
       host.jog(joint, out * fast, static_cast<int>(10 * seconds) + 10);
       EXPECT_EQ(host.error(), "nothing") << "jog to the limit";
@@ -433,18 +431,18 @@ TEST(DrivenPath, register_boards_keep_the_margin_to_the_table) {
   EXPECT_GT(nearest, collision.margin() - 2e-3);
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    Robots, Outside,
-    testing::Values(Case{"bigrobotarm", "document", "byte", true, 1s},
-                    Case{"bigrobotarm", "document", "text", true, 1s},
-                    Case{"maxarm", "arduino", std::nullopt, false, 20s},
-                    Case{"maxarm", "micropython", std::nullopt, false, 20s},
-                    Case{"learm", "lsc6", std::nullopt, true, 1s, true},
-                    Case{"learm", "bus", std::nullopt, false, 1s},
-                    Case{"learm", "esp32", std::nullopt, false, 3s, true},
-                    Case{"hexapod", std::nullopt, std::nullopt, true, 1s},
-                    Case{"robot-arm-2", std::nullopt, std::nullopt, false, 1s}),
-    name_of);
+INSTANTIATE_TEST_SUITE_P(Robots, Outside,
+                         testing::Values(Case{"bigrobotarm", "document", "byte", true, 1s},
+                                         Case{"bigrobotarm", "document", "text", true, 1s},
+                                         Case{"maxarm", "arduino", std::nullopt, false, 20s},
+                                         Case{"maxarm", "micropython", std::nullopt, false, 20s},
+                                         Case{"learm", "lsc6", std::nullopt, true, 1s, true},
+                                         Case{"learm", "bus", std::nullopt, false, 1s},
+                                         Case{"learm", "esp32", std::nullopt, false, 3s, true},
+                                         Case{"hexapod", std::nullopt, std::nullopt, true, 1s},
+                                         Case{"robot-arm-2", std::nullopt, std::nullopt, false,
+                                              1s}),
+                         name_of);
 
 INSTANTIATE_TEST_SUITE_P(Robots, Jogged,
                          testing::Values(Case{"learm", "lsc6", std::nullopt, false, 1s},

@@ -99,6 +99,8 @@ const codes: Record<string, string> = {
   stop_latched: '{subject} wird vom Not-Halt gehalten, den dieser Computer in einem früheren Lauf gesetzt hat; quittieren löst ihn, nichts bewegt sich',
   declared_elsewhere: '{subject} kann nicht auf {measured} stehen: bekannt ist, dass es höchstens bei {limit} steht, {excess} daneben; wer es bewegt hat, muss das sagen',
   counted_elsewhere: '{subject} soll auf {measured} stehen, aber das Gerät zählt {limit}, {excess} auseinander; sagen, wo das Gerät es zählt, oder wer es bewegt hat und wie (moved:)',
+  no_such_service: 'Dafür hat dieses Gerät keinen Befehl',
+  no_way_home: 'Die Nullpunkte sind gefunden, und die Gelenke bleiben neben ihren Endschaltern: kein Weg zur Grundstellung ist frei von einem ausgelassenen Gelenk, das überall sein kann',
 };
 
 /** Dieselben, wo sich Körper überschneiden. */

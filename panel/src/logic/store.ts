@@ -246,6 +246,11 @@ export class Store {
   async acknowledge(robot: string): Promise<void> {
     if (await this.control(robot)) await this.ask('robot.acknowledge', { robot });
   }
+  /** @return  whether all boards have passed */
+  async selfTest(robot: string): Promise<boolean> {
+    if (!(await this.control(robot))) return false;
+    return (await this.ask('robot.self_test', { robot })) !== null;
+  }
   async feed(robot: string, share: number): Promise<void> {
     if (await this.control(robot)) await this.ask('robot.feed', { robot, share });
   }

@@ -1,4 +1,5 @@
 import type { ComponentChildren, JSX } from 'preact';
+import { useState } from 'preact/hooks';
 import { errorSentence, t, tWord } from '../i18n';
 import { model, robot, status, store } from '../app';
 import { device } from '../device_state';
@@ -331,10 +332,31 @@ function Axes({ told, axes }: { told: DeviceJson; axes: AxisJson[] }): JSX.Eleme
   return (
     <section class="device-parts" aria-label={t('device.axes')}>
       <h3>{t('device.axes')}</h3>
+      {told.reports_status !== false && <SelfTest key={robot.value} name={robot.value!} />}
       {axes.map((axis) => (
         <Axis key={axis.joint} axis={axis} blank={told.reports_status === false} />
       ))}
     </section>
+  );
+}
+
+/** What it found wrong stands beside the button, and at the board. */
+function SelfTest({ name }: { name: string }): JSX.Element {
+  const [state, setState] = useState<'idle' | 'busy' | 'passed'>('idle');
+  const test = async () => {
+    setState('busy');
+    setState((await store.selfTest(name)) ? 'passed' : 'idle');
+  };
+  return (
+    <p class="device-test">
+      <button type="button" disabled={state === 'busy'} title={t('device.test.help')} onClick={() => void test()}>
+        {t('device.test')}
+      </button>
+      <span class="muted" aria-live="polite">
+        {state === 'passed' && t('device.test.passed')}
+        {state === 'busy' && t('device.test.busy')}
+      </span>
+    </p>
   );
 }
 

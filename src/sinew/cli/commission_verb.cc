@@ -2,20 +2,18 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <utility>
 
-#include "sinew/cli/device_argument.h"
-#include "sinew/cli/local_cell.h"
 #include "sinew/cli/procedure_dialogue.h"
-#include "sinew/cli/robot_argument.h"
 #include "sinew/core/spelling.h"
 #include "sinew/io/file.h"
 #include "sinew/io/interrupt.h"
 #include "sinew/runtime/commissioning_file.h"
-#include "sinew/runtime/robot_variant.h"
 
 namespace sinew::cli {
 namespace {
@@ -31,14 +29,9 @@ struct Job {
   ScriptedAnswers* script = nullptr;
 };
 
-/// The device that is meant; nothing: simulated.
-std::optional<std::string> port_of(const CommissionRequest& request) {
-  return request.port == "simulated" ? std::nullopt : request.port;
-}
-
 /// Also a device of `sinew sim`: what is found there says nothing about the real robot.
 bool rehearses(const CommissionRequest& request) {
-  return !is_real(port_of(request));
+  return !is_real(request.robot.port);
 }
 
 /// What was kept: answers, however it ended; settings count when it has come to its end.
@@ -179,92 +172,28 @@ std::expected<void, Outcome> find_file(Job& job) {
   return {};
 }
 
-std::expected<RobotModel, Outcome> model_for(const CommissionRequest& request) {
-  constexpr std::string_view kProcedures[] = {"commission", "home", "recover"};
-  bool known = false;
-  for (const std::string_view one : kProcedures) known = known || one == request.procedure;
-  if (!known) {
-    return std::unexpected(bad_input("--procedure: '" + printable(request.procedure) +
-                                     "' is none of commission, home, recover"));
-  }
-  const auto file = find_robot(request.robot);
-  if (!file) return std::unexpected(file.error());
-  if (const auto fine = check_has_device(file->model); !fine) return std::unexpected(fine.error());
-  auto variant = runtime::variant_of(file->model, request.profile, request.wire, request.without);
-  if (!variant) return std::unexpected(bad_input(variant.error()));
-  if (const auto fine = check_seed(request.seed); !fine) return std::unexpected(fine.error());
-  if (const auto fine = check_time_scale(request.time_scale); !fine) {
-    return std::unexpected(fine.error());
-  }
-  if (!rehearses(request) && request.time_scale != 1) {
-    return std::unexpected(bad_input("--time-scale: a real port keeps real time"));
-  }
-  return std::move(*variant);
+std::expected<void, Outcome> check_procedure(const CommissionRequest& request) {
+  constexpr std::array<std::string_view, 3> kProcedures{"commission", "home", "recover"};
+  if (std::ranges::find(kProcedures, request.procedure) != kProcedures.end()) return {};
+  return std::unexpected(bad_input("--procedure: '" + printable(request.procedure) +
+                                   "' is none of commission, home, recover"));
 }
 
 }  // namespace
 
-std::expected<FileSettings, std::string> read_settings_file(const RobotModel& robot,
-                                                            const std::string& path) {
-  const auto file = runtime::read_commissioning(path, robot);
-  if (!file) return std::unexpected(file.error());
-  if (!file->finished) {
-    return std::unexpected(path +
-                           ": its list was not finished, and what it found does not count: "
-                           "sinew commission goes on with it");
-  }
-  FileSettings settings{file->settings, {}};
-  if (!file->under_way.empty()) {
-    settings.note =
-        "another commissioning was begun and not finished; what the one before it "
-        "found counts: " +
-        path;
-  }
-  return settings;
-}
-
-std::expected<UsedSettings, std::string> use_settings_file(RobotModel& robot,
-                                                           const std::string& path) {
-  auto read = read_settings_file(robot, path);
-  if (!read) return std::unexpected(read.error());
-  if (const auto used = program::use_settings(robot, read->settings); !used) {
-    return std::unexpected(path + ": " + used.error());
-  }
-  return UsedSettings{read->settings.empty() ? std::string() : path, std::move(read->note)};
-}
-
-std::string usual_settings(const RobotModel& robot) {
-  const auto usual = runtime::commissioning_path(robot.id);
-  // Without a state folder nothing was ever kept.
-  return usual && io::exists(*usual) ? *usual : std::string();
-}
-
-std::expected<UsedSettings, Outcome> use_commissioning(RobotModel& robot,
-                                                       const std::optional<std::string>& settings,
-                                                       bool real) {
-  if (settings == "none" || (!settings && !real)) return UsedSettings{};
-  const std::string path = settings ? *settings : usual_settings(robot);
-  if (path.empty() && !settings) return UsedSettings{};
-  if (!settings) {
-    // Somebody is in the middle of it; that is no reason to run nothing.
-    const auto file = runtime::read_commissioning(path, robot);
-    if (file && !file->finished) {
-      return UsedSettings{{},
-                          "the commissioning of this robot was not finished, and what it found "
-                          "does not count: " +
-                              path};
+Outcome commission(CommissionRequest request) {
+  if (request.robot.port == "simulated") request.robot.port.reset();
+  if (const auto fine = check_procedure(request); !fine) return fine.error();
+  if (request.procedure == "commission") {
+    if (request.robot.settings) {
+      return bad_input(
+          "--settings: goes with --procedure home or recover; commissioning finds them");
     }
+    request.robot.settings = "none";
   }
-  auto used = use_settings_file(robot, path);
-  if (used) return std::move(*used);
-  return std::unexpected(could_not(settings ? "--settings: " + used.error()
-                                            : used.error() + " (--settings none leaves it out)"));
-}
-
-Outcome commission(const CommissionRequest& request) {
-  const auto model = model_for(request);
-  if (!model) return model.error();
-  Job job{request, *model, {}, false, nullptr};
+  const auto chosen = choose_robot(request.robot);
+  if (!chosen) return chosen.error();
+  Job job{request, chosen->model, {}, false, nullptr};
   if (const auto found = find_file(job); !found) return found.error();
   std::optional<ScriptedAnswers> script;
   if (request.answers) {
@@ -274,15 +203,7 @@ Outcome commission(const CommissionRequest& request) {
     job.script = &*script;
   }
   io::catch_interrupts();
-  auto cell = LocalCell::start(*model,
-                               {.port = port_of(request),
-                                .profile = request.profile,
-                                .journal = request.journal,
-                                .seed = request.seed,
-                                .time_scale = request.time_scale,
-                                .byte_log = {},
-                                .assumes_start = false},
-                               {});
+  auto cell = LocalCell::start(chosen->model, request.robot);
   if (!cell) return cell.error();
   return drive(job, std::move(*cell));
 }

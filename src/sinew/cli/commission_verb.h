@@ -1,63 +1,22 @@
 #pragma once
 
-#include <cstdint>
-#include <expected>
 #include <optional>
 #include <string>
-#include <vector>
 
-#include "sinew/cli/outcome.h"
-#include "sinew/model/robot_model.h"
-#include "sinew/program/procedures.h"
+#include "sinew/cli/local_cell.h"
 
 namespace sinew::cli {
 
 /// A procedure on a robot that nobody else steers: commissioning, homing, recovery.
 struct CommissionRequest {
-  std::string robot;
-  std::optional<std::string> port;  ///< a simulated device where left out, or "simulated"
-  std::optional<std::string> wire;
-  std::vector<std::string> without;  ///< joints that are left out
-  std::optional<std::string> profile;
+  RobotOptions robot;
   std::string procedure = "commission";
   std::optional<std::string> answers;  ///< a file; else somebody types
   std::optional<std::string> save;     ///< where its results go; the state folder where left out
-  std::optional<std::string> journal;
-  bool anew = false;  ///< without what was answered before
-  std::int64_t seed = 1;
-  double time_scale = 1;
+  bool anew = false;                   ///< without what was answered before
   bool json = false;
 };
 
-/// What commissioning found, on top of the robot's file.
-struct UsedSettings {
-  std::string file;  ///< that counts; empty where none does
-  std::string note;  ///< a sentence on what does not count; empty where there is nothing to say
-};
-
-/// Where the settings of a robot are looked for where nobody names a file; empty where there are
-/// none.
-std::string usual_settings(const RobotModel& robot);
-
-/// @param settings  a file or "none"; where left out that of the state folder, if it is there
-/// @param real      the robot is a real one; else only a file that was named counts
-/// @error   a file that was named, or is there, cannot be used
-std::expected<UsedSettings, Outcome> use_commissioning(RobotModel& robot,
-                                                       const std::optional<std::string>& settings,
-                                                       bool real);
-
-/// What a file of commissioning found, and a sentence on what of it does not count.
-struct FileSettings {
-  program::FoundSettings settings;
-  std::string note;
-};
-/// @error  it cannot be read, or its list was never finished; a sentence
-std::expected<FileSettings, std::string> read_settings_file(const RobotModel& robot,
-                                                            const std::string& path);
-/// The same, used. @error  it cannot be used, or its list was never finished; a sentence
-std::expected<UsedSettings, std::string> use_settings_file(RobotModel& robot,
-                                                           const std::string& path);
-
-Outcome commission(const CommissionRequest& request);
+Outcome commission(CommissionRequest request);
 
 }  // namespace sinew::cli

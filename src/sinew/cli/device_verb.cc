@@ -7,16 +7,13 @@
 #include <cmath>
 #include <span>
 
-#include "sinew/cli/commission_verb.h"
 #include "sinew/cli/kinematics_text.h"
-#include "sinew/cli/local_cell.h"
 #include "sinew/cli/program_report.h"
-#include "sinew/cli/robot_argument.h"
 #include "sinew/cli/table.h"
 #include "sinew/core/spelling.h"
 #include "sinew/driver/device_facts.h"
 #include "sinew/io/interrupt.h"
-#include "sinew/runtime/robot_variant.h"
+#include "sinew/model/left_out.h"
 #include "sinew/wire/icp.h"
 #include "sinew/wire/tmc222_words.h"
 
@@ -24,7 +21,7 @@ namespace sinew::cli {
 namespace {
 
 constexpr std::array<std::string_view, 4> kHexapodActions{"status", "wake", "kill", "jog"};
-constexpr std::array<std::string_view, 1> kBoardActions{"release"};
+constexpr std::array<std::string_view, 2> kBoardActions{"release", "test"};
 /// Microsteps of one leg in one call; 1 mm.
 constexpr std::int64_t kStepsMax = 4571;
 
@@ -113,7 +110,7 @@ Outcome jog_leg(const DeviceRequest& request, LocalCell& cell) {
     const control::ControlEvent end =
         cell.carry_out(control::Nudge{leg, static_cast<double>(part) * unit});
     if (end.kind == control::ControlEvent::Kind::kStopped) {
-      return could_not(request.port + ": stopped");
+      return could_not(*request.robot.port + ": stopped");
     }
     if (end.kind != control::ControlEvent::Kind::kDone) return could_not(cell.sentence(end.error));
     left -= part;
@@ -121,6 +118,33 @@ Outcome jog_leg(const DeviceRequest& request, LocalCell& cell) {
   Outcome outcome;
   outcome.text = fmt::format("{}: {} microsteps\n", model.joints[leg].name, *request.steps);
   outcome.json["done"] = request.action;
+  tell_positions(cell.station(), outcome);
+  return outcome;
+}
+
+/// Each board of itself; the first that fails is the complaint.
+Outcome self_test(LocalCell& cell) {
+  if (const auto why = cell.enable()) return could_not(cell.sentence(*why));
+  const RobotModel& model = cell.station().robot();
+  const control::ControlEvent end = cell.carry_out(control::Service{DeviceService::kSelfTest});
+  if (end.kind != control::ControlEvent::Kind::kDone) {
+    const bool none = end.error.code == ErrorCode::kNoSuchService;
+    return could_not(cell.sentence(end.error) +
+                     (none ? "; boards of the profile as-built tell nothing of themselves" : ""));
+  }
+  Outcome outcome;
+  outcome.json = {{"done", "test"}, {"boards", Json::array()}};
+  const runtime::StationView view = cell.station().view();
+  for (std::size_t j = 0; j < model.joints.size(); ++j) {
+    const bool asked = !is_left_out(model, j);
+    const bool turned = asked && view.positions[j].quality != PositionQuality::kLost;
+    const char* what = turned  ? "passed; its motor turned a full step and back"
+                       : asked ? "passed; not homed, so nothing turned"
+                               : "left out";
+    outcome.text += fmt::format("  {}: {}\n", model.joints[j].name, what);
+    outcome.json["boards"].push_back(
+        {{"joint", model.joints[j].name}, {"tested", asked}, {"turned", turned}});
+  }
   tell_positions(cell.station(), outcome);
   return outcome;
 }
@@ -150,44 +174,22 @@ Outcome release(const DeviceRequest& request, LocalCell& cell) {
   return outcome;
 }
 
-std::expected<RobotModel, Outcome> robot_called(const DeviceRequest& request) {
-  const auto file = find_robot(request.robot);
-  if (!file) return std::unexpected(file.error());
-  auto model = runtime::variant_of(file->model, request.profile, request.wire);
-  if (!model) return std::unexpected(bad_input(model.error()));
-  const bool hexapod = std::holds_alternative<IcpDevice>(model->device.settings);
-  if (!hexapod && boards_of(model->device).empty()) {
+/// Whether this robot's device has such a command.
+std::expected<void, Outcome> check_action(const DeviceRequest& request, const RobotModel& model) {
+  const bool hexapod = std::holds_alternative<IcpDevice>(model.device.settings);
+  if (!hexapod && boards_of(model.device).empty()) {
     return std::unexpected(
-        could_not(model->id +
+        could_not(model.id +
                   ": only the hexapod's controller and the boards of robot-arm-2 have commands of "
                   "their own; sinew doctor --robot " +
-                  model->id + " --port DEVICE queries the others"));
+                  model.id + " --port DEVICE queries the others"));
   }
   const auto known = hexapod ? std::span<const std::string_view>(kHexapodActions)
                              : std::span<const std::string_view>(kBoardActions);
-  if (std::ranges::find(known, request.action) == known.end()) {
-    std::string all;
-    for (const std::string_view one : known) all += (all.empty() ? "" : ", ") + std::string(one);
-    return std::unexpected(bad_input("'" + printable(request.action) + "' is none of " + all));
-  }
-  return std::move(*model);
-}
-
-/// Through a cell of its own: controller, journal and settings as of any other motion.
-Outcome act_in_cell(const DeviceRequest& request, const RobotModel& model) {
-  auto cell = LocalCell::start(model,
-                               {.port = request.port,
-                                .profile = request.profile,
-                                .journal = request.journal,
-                                .seed = 1,
-                                .time_scale = request.time_scale,
-                                .byte_log = {},
-                                .assumes_start = false},
-                               {});
-  if (!cell) return cell.error();
-  if (request.action == "release") return release(request, **cell);
-  if (request.action == "jog") return jog_leg(request, **cell);
-  return request.action == "status" ? status(**cell) : service(request, **cell);
+  if (std::ranges::find(known, request.action) != known.end()) return {};
+  std::string all;
+  for (const std::string_view one : known) all += (all.empty() ? "" : ", ") + std::string(one);
+  return std::unexpected(bad_input("'" + printable(request.action) + "' is none of " + all));
 }
 
 std::expected<void, Outcome> check_options(const DeviceRequest& request) {
@@ -213,17 +215,18 @@ std::expected<void, Outcome> check_options(const DeviceRequest& request) {
 }  // namespace
 
 Outcome run_device_action(const DeviceRequest& request) {
-  auto model = robot_called(request);
-  if (!model) return model.error();
+  const auto chosen = choose_robot(request.robot);
+  if (!chosen) return chosen.error();
+  if (const auto fine = check_action(request, chosen->model); !fine) return fine.error();
   if (const auto fine = check_options(request); !fine) return fine.error();
-  if (const auto fine = check_time_scale(request.time_scale); !fine) return fine.error();
-  if (request.time_scale != 1 && is_real(request.port)) {
-    return bad_input("--time-scale: a real port keeps real time");
-  }
-  const auto settings = use_commissioning(*model, request.settings, is_real(request.port));
-  if (!settings) return settings.error();
   io::catch_interrupts();
-  return act_in_cell(request, *model);
+  // Through a cell of its own: controller, journal and settings as of any other motion.
+  auto cell = LocalCell::start(chosen->model, request.robot);
+  if (!cell) return cell.error();
+  if (request.action == "release") return release(request, **cell);
+  if (request.action == "test") return self_test(**cell);
+  if (request.action == "jog") return jog_leg(request, **cell);
+  return request.action == "status" ? status(**cell) : service(request, **cell);
 }
 
 }  // namespace sinew::cli

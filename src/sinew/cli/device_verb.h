@@ -4,21 +4,15 @@
 #include <optional>
 #include <string>
 
-#include "sinew/cli/outcome.h"
+#include "sinew/cli/local_cell.h"
 
 namespace sinew::cli {
 
 struct DeviceRequest {
-  std::string robot;
-  std::string action;  ///< hexapod: status, wake, kill, jog; robot-arm-2: release
-  std::string port;
-  std::optional<std::string> wire;
-  std::optional<std::string> profile;
-  std::optional<std::string> journal;   ///< name of the position journal, as of run
-  std::optional<std::string> settings;  ///< what commissioning found, as of run
-  std::optional<std::int64_t> leg;      ///< jog: from 1
-  std::optional<std::int64_t> steps;    ///< jog: positive is longer
-  double time_scale = 1;
+  RobotOptions robot;  ///< with a port
+  std::string action;  ///< hexapod: status, wake, kill, jog; robot-arm-2: release, test
+  std::optional<std::int64_t> leg;    ///< jog: from 1
+  std::optional<std::int64_t> steps;  ///< jog: positive is longer
 };
 
 /// `sinew device`: what only one kind of device knows, asked for by a person and by nothing else.

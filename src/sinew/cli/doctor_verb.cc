@@ -2,15 +2,10 @@
 
 #include <fmt/format.h>
 
-#include "sinew/cli/commission_verb.h"
-#include "sinew/cli/device_argument.h"
-#include "sinew/cli/local_cell.h"
-#include "sinew/cli/robot_argument.h"
 #include "sinew/cli/table.h"
 #include "sinew/driver/quality_name.h"
 #include "sinew/io/interrupt.h"
 #include "sinew/io/machine_check.h"
-#include "sinew/runtime/robot_variant.h"
 
 namespace sinew::cli {
 namespace {
@@ -55,13 +50,10 @@ std::string healthy_text(const RobotModel& model, const runtime::StationView& vi
 }
 
 Outcome ask_robot(const DoctorRequest& request) {
-  const auto file = find_robot(*request.robot);
-  if (!file) return file.error();
-  if (const auto fine = check_has_device(file->model); !fine) return fine.error();
-  auto model = runtime::variant_of(file->model, request.profile, request.wire);
-  if (!model) return bad_input(model.error());
-  const auto settings = use_commissioning(*model, request.settings, is_real(request.port));
-  if (!settings) return settings.error();
+  const auto chosen = choose_robot(request.robot);
+  if (!chosen) return chosen.error();
+  const RobotModel& model = chosen->model;
+  const std::string& port = *request.robot.port;
   Outcome outcome;
   add_devices(outcome);
   io::catch_interrupts();
@@ -72,41 +64,35 @@ Outcome ask_robot(const DoctorRequest& request) {
     return outcome;
   };
   // As a run: what the device forgets by telling is recorded in the journal of its position.
-  auto cell = LocalCell::start(*model,
-                               {.port = request.port,
-                                .profile = request.profile,
-                                .journal = request.journal,
-                                .seed = 1,
-                                .time_scale = 1,
-                                .byte_log = {},
-                                .assumes_start = false},
-                               {});
+  auto cell = LocalCell::start(model, request.robot);
   if (!cell) return refuse(cell.error().complaint);
   if (const auto trouble = (*cell)->enable()) return refuse((*cell)->sentence(*trouble));
   const runtime::Station& station = (*cell)->station();
-  const std::string answer = healthy_text(*model, station.view());
-  outcome.text += fmt::format("\n  {} answers on {}: {}\n", model->id, *request.port, answer);
+  const std::string answer = healthy_text(model, station.view());
+  outcome.text += fmt::format("\n  {} answers on {}: {}\n", model.id, port, answer);
   const std::string suspicion = station.suspicion();
   outcome.json["answer"] = {{"ok", suspicion.empty()},
                             {"sentence", suspicion.empty() ? answer : suspicion}};
   if (suspicion.empty()) return outcome;
   outcome.exit = ExitCode::kCouldNot;
-  outcome.complaint = *request.port + ": " + suspicion;
+  outcome.complaint = port + ": " + suspicion;
   return outcome;
 }
 
 }  // namespace
 
 Outcome examine(const DoctorRequest& request) {
-  if (request.robot.has_value() != request.port.has_value()) {
+  const RobotOptions& robot = request.robot;
+  if (robot.name.empty() != !robot.port) {
     return bad_input("--robot and --port belong together: which robot, and where it is plugged in");
   }
-  if (!request.robot && (request.wire || request.profile || request.journal || request.settings)) {
+  const bool more = robot.wire || robot.profile || robot.journal || robot.settings;
+  if (!robot.port && (more || !robot.without.empty())) {
     return bad_input(
-        "--wire, --profile, --journal and --settings belong to a robot: --robot ROBOT --port "
-        "DEVICE");
+        "--wire, --profile, --without, --journal and --settings belong to a robot: --robot ROBOT "
+        "--port DEVICE");
   }
-  if (request.robot) return ask_robot(request);
+  if (robot.port) return ask_robot(request);
   Outcome outcome;
   add_devices(outcome);
   outcome.text +=

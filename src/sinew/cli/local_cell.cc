@@ -5,9 +5,11 @@
 #include "sinew/cli/cell_connection.h"
 #include "sinew/cli/device_argument.h"
 #include "sinew/cli/kinematics_text.h"
+#include "sinew/cli/robot_argument.h"
 #include "sinew/config/points_file.h"
 #include "sinew/core/spelling.h"
 #include "sinew/io/interrupt.h"
+#include "sinew/runtime/robot_variant.h"
 
 namespace sinew::cli {
 namespace {
@@ -27,17 +29,36 @@ std::expected<void, Outcome> check_journal_name(const std::optional<std::string>
       "' is no name for one; a name is a letter and then letters, digits, - and _, 40 at most"));
 }
 
-std::expected<std::unique_ptr<LocalCell>, Outcome> LocalCell::start(const RobotModel& robot,
-                                                                    const LocalRobot& where,
-                                                                    runtime::CellFolders folders) {
-  if (const auto fine = check_journal_name(where.journal); !fine) {
+std::expected<ChosenRobot, Outcome> choose_robot(const RobotOptions& options) {
+  const auto file = find_robot(options.name);
+  if (!file) return std::unexpected(file.error());
+  if (const auto fine = check_has_device(file->model); !fine) return std::unexpected(fine.error());
+  auto variant = runtime::variant_of(file->model, options.profile, options.wire, options.without);
+  if (!variant) return std::unexpected(bad_input(variant.error()));
+  const bool real = is_real(options.port);
+  if (const auto fine = check_seed(options.seed); !fine) return std::unexpected(fine.error());
+  if (const auto fine = check_time_scale(options.time_scale); !fine) {
     return std::unexpected(fine.error());
   }
+  if (options.time_scale != 1 && real) {
+    return std::unexpected(bad_input("--time-scale: a real port keeps real time"));
+  }
+  if (const auto fine = check_journal_name(options.journal); !fine) {
+    return std::unexpected(fine.error());
+  }
+  auto settings = use_commissioning(*variant, options.settings, real);
+  if (!settings) return std::unexpected(settings.error());
+  return ChosenRobot{std::move(*variant), std::move(*settings)};
+}
+
+std::expected<std::unique_ptr<LocalCell>, Outcome> LocalCell::start(const RobotModel& robot,
+                                                                    const RobotOptions& where,
+                                                                    LocalCellOptions options) {
   if (where.journal || where.port) {
     auto positions = runtime::positions_folder();
     const bool needed = where.journal || is_real(where.port);
     if (!positions && needed) return std::unexpected(could_not(positions.error().sentence));
-    folders.journal = positions.value_or("");
+    options.folders.journal = positions.value_or("");
   }
   CellRobot place;
   place.name = robot.id;
@@ -52,10 +73,10 @@ std::expected<std::unique_ptr<LocalCell>, Outcome> LocalCell::start(const RobotM
             .objects = {},
             .cameras = {}};
   std::unique_ptr<LocalCell> local(new LocalCell());
-  auto running = runtime::RunningCell::start(std::move(cell), {robot}, folders,
-                                             [&](runtime::StationOptions& options) {
-                                               options.byte_log = where.byte_log;
-                                               options.assumes_start = where.assumes_start;
+  auto running = runtime::RunningCell::start(std::move(cell), {robot}, options.folders,
+                                             [&](runtime::StationOptions& station) {
+                                               station.byte_log = options.byte_log;
+                                               station.assumes_start = options.assumes_start;
                                              });
   if (!running) {
     return std::unexpected(

@@ -4,21 +4,46 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "sinew/cli/outcome.h"
+#include "sinew/cli/used_settings.h"
 #include "sinew/runtime/running_cell.h"
 
 namespace sinew::cli {
 
-/// The device that a verb works on, as its options name it.
-struct LocalRobot {
+/// The robot that a verb works on, and its device, as its options name them.
+struct RobotOptions {
+  std::string name;                 ///< id or .toml file
   std::optional<std::string> port;  ///< nothing: a simulated device
+  std::optional<std::string> wire;
   std::optional<std::string> profile;
+  std::vector<std::string> without;  ///< joints that are left out
+  /// What commissioning found: a file, "none", or that of the state folder where left out, which
+  /// counts on real ports only.
+  std::optional<std::string> settings;
   std::optional<std::string> journal;  ///< its name; nothing: the robot's id, on a real port only
   std::int64_t seed = 1;               ///< of the simulated device
   double time_scale = 1;
-  std::string byte_log;       ///< a file for every byte of the wire; empty: none
-  bool assumes_start = true;  ///< as StationOptions::assumes_start
+};
+
+/// The variant that is meant, with what commissioning found.
+struct ChosenRobot {
+  RobotModel model;
+  UsedSettings settings;
+};
+/// @error  ready to be printed: no such robot, or its options do not fit it
+std::expected<ChosenRobot, Outcome> choose_robot(const RobotOptions& options);
+
+/// `NAME` as a position journal may be called.
+/// @error  bad input: what a name is
+std::expected<void, Outcome> check_journal_name(const std::optional<std::string>& name);
+
+/// How a verb wants its cell.
+struct LocalCellOptions {
+  runtime::CellFolders folders{};  ///< where records go; positions are kept in the state folder
+  std::string byte_log{};          ///< a file for every byte of the wire; empty: none
+  bool assumes_start = false;      ///< as StationOptions::assumes_start
 };
 
 /// A cell of one robot in this process: the station, controller, collision check and journal of
@@ -27,12 +52,11 @@ class LocalCell {
  public:
   static constexpr control::ClientId kClient = 1;
 
-  /// @param robot    the variant that is meant
-  /// @param folders  where records go; positions are kept in the state folder
+  /// @param robot  as chosen by `where`
   /// @error  the port cannot be opened, or is held by a cell that runs; the journal cannot be had
   static std::expected<std::unique_ptr<LocalCell>, Outcome> start(const RobotModel& robot,
-                                                                  const LocalRobot& where,
-                                                                  runtime::CellFolders folders);
+                                                                  const RobotOptions& where,
+                                                                  LocalCellOptions options = {});
   LocalCell(const LocalCell&) = delete;
   LocalCell& operator=(const LocalCell&) = delete;
 
@@ -62,9 +86,5 @@ void abandon(std::unique_ptr<LocalCell> cell);
 
 /// Whether it is a machine, and not a simulated device on some kind of port.
 bool is_real(const std::optional<std::string>& port);
-
-/// `NAME` as a position journal may be called.
-/// @error  bad input: what a name is
-std::expected<void, Outcome> check_journal_name(const std::optional<std::string>& name);
 
 }  // namespace sinew::cli

@@ -117,8 +117,38 @@ void add_inverse(CLI::App& app, Call& call) {
   verb->callback([&call] { call.verb = [&call] { return inverse(call.inverse); }; });
 }
 
-constexpr const char* kWithout =
-    "joints whose boards are missing, by name or as J3, comma between; the others can be used";
+/// @param options  has wire, profile and without
+template <class Options>
+void add_variant(CLI::App& verb, Options& options) {
+  verb.add_option("--wire", options.wire,
+                  "which of the robot's wires; as in its file where left out");
+  verb.add_option("--profile", options.profile,
+                  "which variant of its device; an unknown name lists them");
+  verb.add_option("--without", options.without,
+                  "joints whose boards are missing, by name or as J3, comma between; the others "
+                  "can be used")
+      ->delimiter(',');
+}
+
+void add_journal(CLI::App& verb, RobotOptions& robot) {
+  verb.add_option("--journal", robot.journal,
+                  "name of its position journal; the robot's id where left out, none for a "
+                  "simulated port");
+}
+
+void add_settings(CLI::App& verb, RobotOptions& robot) {
+  verb.add_option("--settings", robot.settings,
+                  "what commissioning found: its file, or none; on a real port that of the state "
+                  "folder where left out");
+}
+
+void add_time_scale(CLI::App& verb, RobotOptions& robot) {
+  verb.add_option("--time-scale", robot.time_scale, "simulated device only: faster or slower");
+}
+
+void add_seed(CLI::App& verb, RobotOptions& robot) {
+  verb.add_option("--seed", robot.seed, "simulated device only: of all its chance");
+}
 
 void add_sim(CLI::App& app, Call& call) {
   CLI::App* verb = add_verb(app, call, "sim", "a robot's device, simulated behind a real port",
@@ -155,16 +185,13 @@ void add_sim(CLI::App& app, Call& call) {
 void add_doctor(CLI::App& app, Call& call) {
   CLI::App* verb = add_verb(app, call, "doctor", "what this computer offers, and what answers",
                             "sinew doctor --robot learm --port /dev/ttyUSB0");
-  DoctorRequest& request = call.doctor;
-  verb->add_option("--robot", request.robot, "id or .toml file");
-  verb->add_option("--port", request.port,
+  RobotOptions& robot = call.doctor.robot;
+  verb->add_option("--robot", robot.name, "id or .toml file");
+  verb->add_option("--port", robot.port,
                    "serial device, spidev or simwire:unix:PATH; asked questions that move nothing");
-  verb->add_option("--wire", request.wire,
-                   "which of the robot's wires; as in its file where left out");
-  verb->add_option("--profile", request.profile,
-                   "which variant of the device; an unknown name lists them");
-  verb->add_option("--journal", request.journal, "name of its position journal, as of run");
-  verb->add_option("--settings", request.settings, "what commissioning found, as of run");
+  add_variant(*verb, robot);
+  add_journal(*verb, robot);
+  add_settings(*verb, robot);
   verb->callback([&call] { call.verb = [&call] { return examine(call.doctor); }; });
 }
 
@@ -172,21 +199,22 @@ void add_device(CLI::App& app, Call& call) {
   CLI::App* verb = add_verb(app, call, "device", "what only one kind of device can be asked for",
                             "sinew device hexapod status --port /dev/ttyUSB0");
   DeviceRequest& request = call.device;
-  verb->add_option("ROBOT", request.robot, "id or .toml file: the hexapod's or robot-arm-2's")
+  verb->add_option("ROBOT", request.robot.name, "id or .toml file: the hexapod's or robot-arm-2's")
       ->required();
-  verb->add_option("ACTION", request.action,
-                   "hexapod: status, wake, kill (until its power is cut), jog (one leg, wherever "
-                   "it is); robot-arm-2: release (a latched emergency stop, nothing moves)")
+  verb->add_option(
+          "ACTION", request.action,
+          "hexapod: status, wake, kill (until its power is cut), jog (one leg, wherever "
+          "it is); robot-arm-2: release (a latched emergency stop, nothing moves), test (each "
+          "board of itself; a homed motor turns a full step and back)")
       ->required();
-  verb->add_option("--port", request.port, "serial device, spidev or simwire:unix:PATH")
+  verb->add_option("--port", request.robot.port, "serial device, spidev or simwire:unix:PATH")
       ->required();
-  verb->add_option("--wire", request.wire, "which of the robot's wires; as in its file");
-  verb->add_option("--profile", request.profile, "which variant of the device");
-  verb->add_option("--journal", request.journal, "name of its position journal, as of run");
-  verb->add_option("--settings", request.settings, "what commissioning found, as of run");
+  add_variant(*verb, request.robot);
+  add_journal(*verb, request.robot);
+  add_settings(*verb, request.robot);
   verb->add_option("--leg", request.leg, "jog: 1 to 6");
   verb->add_option("--steps", request.steps, "jog: microsteps, positive to lengthen the leg");
-  verb->add_option("--time-scale", request.time_scale, "simulated device only: faster or slower");
+  add_time_scale(*verb, request.robot);
   verb->callback([&call] { call.verb = [&call] { return run_device_action(call.device); }; });
 }
 
@@ -199,11 +227,7 @@ void add_plan(CLI::App& app, Call& call) {
   verb->add_option("ROBOT", request.subject, "id or .toml file; or a program NAME.sinew")
       ->required();
   verb->add_option("--robot", request.robot, "of a program: id or .toml file");
-  verb->add_option("--wire", request.wire,
-                   "which of the robot's wires it is planned for; as in its file where left out");
-  verb->add_option("--profile", request.profile,
-                   "which variant of its device; an unknown name lists them");
-  verb->add_option("--without", request.without, kWithout)->delimiter(',');
+  add_variant(*verb, request);
   verb->add_option("--to", request.to,
                    "x,y,z or x,y,z,rx,ry,rz: a straight line of the tool; joints=a,b,..: a joint "
                    "move; again for each further move")
@@ -302,36 +326,29 @@ void add_run(CLI::App& app, Call& call) {
                             "sinew run robots/bigrobotarm/sequence.txt --robot bigrobotarm");
   RunRequest& request = call.run;
   verb->add_option("FILE", request.file, "the program")->required();
-  verb->add_option("--robot", request.robot, "id or .toml file")->required();
-  verb->add_option("--port", request.port,
+  RobotOptions& robot = request.robot;
+  verb->add_option("--robot", robot.name, "id or .toml file")->required();
+  verb->add_option("--port", robot.port,
                    "serial device, spidev or simwire:unix:PATH; a simulated device where left out");
-  verb->add_option("--wire", request.wire,
-                   "which of the robot's wires; as in its file where left out");
-  verb->add_option("--profile", request.profile,
-                   "which variant of the device; an unknown name lists them");
-  verb->add_option("--without", request.without, kWithout)->delimiter(',');
+  add_variant(*verb, robot);
   verb->add_option("--standing-at", request.standing_at,
                    "where a machine without sensors stands: home, lowered (legs), shown (as its "
                    "journal shows it), or a value per joint (deg, mm)");
   verb->add_option("--moved", request.moved,
                    "with --standing-at: who moved it; what was known does not count then");
-  verb->add_option("--settings", request.settings,
-                   "what commissioning found: its file, or none; on a real port that of the state "
-                   "folder where left out");
+  add_settings(*verb, robot);
   verb->add_option("--from-line", request.from_line,
                    "goes on from this row, planned from where the arm stands then");
   verb->add_option("--speed", request.speed,
                    "of all rows, 1% to 100%; through the feed where the device streams");
-  verb->add_option("--journal", request.journal,
-                   "name of its position journal; the robot's id where left out, none for a "
-                   "simulated port");
-  verb->add_option("--seed", request.seed, "simulated device only: of all its chance");
+  add_journal(*verb, robot);
+  add_seed(*verb, robot);
   verb->add_option("--record", request.record,
                    "NAME.csv: the joints over time; NAME.mcap: everything, for viewers, which is "
                    "else in the state folder (the newest 20 runs); none: nowhere");
   verb->add_option("--plot", request.plot, "SVG file: the same, drawn");
   verb->add_option("--log", request.log, "every byte both ways, with its time");
-  verb->add_option("--time-scale", request.time_scale, "simulated device only: faster or slower");
+  add_time_scale(*verb, robot);
   verb->add_flag("--single-step", call.cell.single_step,
                  "in a running cell: a pause behind each order, until sinew step");
   add_cell_options(*verb, call);
@@ -356,7 +373,7 @@ void add_run(CLI::App& app, Call& call) {
       }
       call.cell.from_line = call.run.from_line;
       call.cell.speed = call.run.speed;
-      call.cell.robot = call.run.robot;
+      call.cell.robot = call.run.robot.name;
       call.cell.file = call.run.file;
       call.cell.standing_at = call.run.standing_at;
       call.cell.moved = call.run.moved;
@@ -396,6 +413,9 @@ void add_serve(CLI::App& app, Call& call) {
   verb->add_option("--record-folder", call.serve.record_folder,
                    "each program that runs leaves a record there (MCAP, for viewers), or none; "
                    "the newest 20 in the state folder where left out");
+  verb->add_option("--program-folder", call.serve.program_folder,
+                   "where programs and points are kept, in a folder for each robot's id; the state "
+                   "folder where left out");
   verb->add_flag("--realtime", call.serve.realtime,
                  "control threads come before everything else on this computer (SCHED_FIFO)");
   verb->add_flag("--demo", call.serve.demonstrate,
@@ -509,20 +529,18 @@ void add_commission(CLI::App& app, Call& call) {
                             "a guided checklist for a robot's first day; also homing and recovery",
                             "sinew commission hexapod --port /dev/ttyUSB0");
   CommissionRequest& request = call.commission;
-  verb->add_option("ROBOT", request.robot, "id or .toml file")->required();
-  verb->add_option("--port", request.port, "as of run; a simulated device where left out");
+  RobotOptions& robot = request.robot;
+  verb->add_option("ROBOT", robot.name, "id or .toml file")->required();
+  verb->add_option("--port", robot.port, "as of run; a simulated device where left out");
   verb->add_option("--procedure", request.procedure, "commission, home or recover");
-  verb->add_option("--wire", request.wire,
-                   "which of the robot's wires; as in its file where left out");
-  verb->add_option("--profile", request.profile,
-                   "which variant of its device; an unknown name lists them");
-  verb->add_option("--without", request.without, kWithout)->delimiter(',');
+  add_variant(*verb, robot);
   verb->add_option("--answers", request.answers, "a file of STEP = ANSWER, instead of typing");
   verb->add_option("--save", request.save, "where the results go; the state folder where left out");
   verb->add_flag("--anew", request.anew, "asks again what was answered before");
-  verb->add_option("--journal", request.journal, "name of its position journal, as of run");
-  verb->add_option("--seed", request.seed, "simulated device only: of all its chance");
-  verb->add_option("--time-scale", request.time_scale, "simulated device only: faster or slower");
+  add_journal(*verb, robot);
+  add_settings(*verb, robot);
+  add_seed(*verb, robot);
+  add_time_scale(*verb, robot);
   add_cell_options(*verb, call);
   verb->callback([&call, verb] {
     call.verb = [&call, verb] {
@@ -530,7 +548,7 @@ void add_commission(CLI::App& app, Call& call) {
       if (!on_cell(call)) return commission(call.commission);
       const auto heard = check_heard(*verb, {"ROBOT", "--answers", "--anew"});
       if (!heard) return heard.error();
-      call.cell.robot = call.commission.robot;
+      call.cell.robot = call.commission.robot.name;
       call.cell.answers = call.commission.answers;
       call.cell.anew = call.commission.anew;
       return cell_commission(call.cell);
@@ -609,11 +627,7 @@ void add_check(CLI::App& app, Call& call) {
   verb->add_option("FILE", request.file, "the program NAME.sinew")->required();
   verb->add_option("--robot", request.robot, "id or .toml file")->required();
   verb->add_option("--from-joints", request.from, "where it starts; home where left out");
-  verb->add_option("--wire", request.wire,
-                   "which of the robot's wires; as in its file where left out");
-  verb->add_option("--profile", request.profile,
-                   "which variant of its device; an unknown name lists them");
-  verb->add_option("--without", request.without, kWithout)->delimiter(',');
+  add_variant(*verb, request);
   verb->callback([&call] { call.verb = [&call] { return check_program(call.check); }; });
 }
 

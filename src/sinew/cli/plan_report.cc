@@ -71,7 +71,6 @@ double share(const MotionSummary& motion) {
   return total > 0 ? motion.limits.of(motion.limits.largest()) / total : 0;
 }
 
-
 std::string refused_text(const Error& error, const RobotModel& model) {
   if (error.code != ErrorCode::kCollision || error.measured >= 0) return error_text(error, model);
   return fmt::format("{} and {} overlap by {} mm, and would go on doing so; {} mm are asked for",
@@ -157,11 +156,10 @@ std::string place_text(const planning::MovePlace& place) {
 
 std::string behind_text(double nearest, const planning::MovePlace& place) {
   const std::string text =
-      nearest < 0
-          ? fmt::format("; on the rest of the way they would overlap by {} mm",
-                        number(-to_mm(nearest), 1))
-          : fmt::format("; on the rest of the way they would come within {} mm",
-                        number(to_mm(nearest), 1));
+      nearest < 0 ? fmt::format("; on the rest of the way they would overlap by {} mm",
+                                number(-to_mm(nearest), 1))
+                  : fmt::format("; on the rest of the way they would come within {} mm",
+                                number(to_mm(nearest), 1));
   if (!(place.share > 0)) return text;
   const double left = 1 - place.share;
   return text + (place.metres ? fmt::format(", its target is {} mm farther",

@@ -6,11 +6,15 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
+#include <ranges>
 #include <utility>
+#include <vector>
 
 #include "sinew/cli/kinematics_text.h"
 #include "sinew/cli/svg_parts.h"
 #include "sinew/cli/table.h"
+#include "sinew/kinematics/hexapod.h"
 #include "sinew/model/joint_lookup.h"
 #include "sinew/planning/tool_space.h"
 
@@ -90,8 +94,7 @@ class Drawing {
 
   /// The tool's way, one axis against another at one scale for all views.
   void view(std::size_t index, const std::string& name, double Vec3::* across, double Vec3::* up) {
-    const Box box{kMargin + static_cast<double>(index) * (kView + 60), kTop + kRows * kRow + 34,
-                  kView, kView};
+    const Box box = view_box(index);
     const auto middle = [&](double Vec3::* axis) {
       const auto [low, high] = range(axis);
       return (low + high) / 2;
@@ -118,13 +121,86 @@ class Drawing {
         path);
     dot(x(plan_.samples.front().p_BT), y(plan_.samples.front().p_BT), kStart);
     dot(x(plan_.samples.back().p_BT), y(plan_.samples.back().p_BT), kEnd);
-    legend(box.x + box.width - 84, box.y - 11, kStart, "start");
-    legend(box.x + box.width - 32, box.y - 11, kEnd, "end");
+    both_ends(box);
+  }
+
+  /// Base, legs and platform at both ends of the path, obliquely: y goes into the page, at half its
+  /// length.
+  void platform(std::size_t index, const HexapodGeometry& geometry) {
+    struct Stand {
+      const char* colour;
+      std::array<Vec3, kLegs> anchors;
+    };
+    const kinematics::Hexapod hexapod(geometry);
+    std::vector<Stand> stands;
+    auto X_BP = geometry.X_BP_home;
+    for (const PlanSample& sample : plan_.samples) {
+      JointVector legs;
+      for (std::size_t leg = 0; leg < kLegs; ++leg) legs.push_back(sample.joints.q[leg]);
+      const auto there = hexapod.forward(legs, X_BP);
+      if (!there) return;
+      X_BP = there->X_BP;
+      const bool last = &sample == &plan_.samples.back();
+      if (!last && &sample != &plan_.samples.front()) continue;
+      Stand stand{last ? kEnd : kStart, {}};
+      for (std::size_t leg = 0; leg < kLegs; ++leg) {
+        stand.anchors[leg] = X_BP * geometry.p_PA[leg];
+      }
+      stands.push_back(stand);
+    }
+    constexpr double kDepth = 0.5 * std::numbers::sqrt2 / 2;
+    const auto across = [&](const Vec3& p) { return p.x + kDepth * p.y; };
+    const auto up = [&](const Vec3& p) { return p.z + kDepth * p.y; };
+    std::vector<Vec3> all(geometry.p_BA.begin(), geometry.p_BA.end());
+    for (const Stand& stand : stands) {
+      all.insert(all.end(), stand.anchors.begin(), stand.anchors.end());
+    }
+    const auto [left, right] = std::ranges::minmax(all | std::views::transform(across));
+    const auto [low, high] = std::ranges::minmax(all | std::views::transform(up));
+    const Box box = view_box(index);
+    const double pixels = box.width / (1.15 * std::max(right - left, high - low));
+    const auto point = [&](const Vec3& p) {
+      return fmt::format("{:.1f},{:.1f} ",
+                         box.x + box.width / 2 + (across(p) - (left + right) / 2) * pixels,
+                         box.y + box.height / 2 - (up(p) - (low + high) / 2) * pixels);
+    };
+    const auto ring = [&](const std::array<Vec3, kLegs>& anchors, const char* colour) {
+      std::string points;
+      for (const Vec3& anchor : anchors) points += point(anchor);
+      svg_ += fmt::format(
+          "<polygon points=\"{}\" fill=\"{}\" fill-opacity=\"0.12\" stroke=\"{}\" "
+          "stroke-width=\"2\" stroke-linejoin=\"round\"/>\n",
+          points, colour, colour);
+    };
+    frame(box, "oblique: x across, z up, y into the page");
+    ring(geometry.p_BA, "#777");
+    for (const Stand& stand : stands) {
+      std::string legs;
+      for (std::size_t leg = 0; leg < kLegs; ++leg) {
+        legs += "M" + point(geometry.p_BA[leg]) + "L" + point(stand.anchors[leg]);
+      }
+      svg_ += fmt::format(
+          "<path d=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"1.4\" "
+          "stroke-opacity=\"0.7\"/>\n",
+          legs, stand.colour);
+      ring(stand.anchors, stand.colour);
+    }
+    both_ends(box);
   }
 
   std::string finish() { return std::move(svg_) + "</svg>\n"; }
 
  private:
+  static Box view_box(std::size_t index) {
+    return {kMargin + static_cast<double>(index) * (kView + 60), kTop + kRows * kRow + 34, kView,
+            kView};
+  }
+
+  void both_ends(const Box& box) {
+    legend(box.x + box.width - 84, box.y - 11, kStart, "start");
+    legend(box.x + box.width - 32, box.y - 11, kEnd, "end");
+  }
+
   std::pair<double, double> range(double Vec3::* axis) const {
     double low = std::numeric_limits<double>::infinity();
     double high = -low;
@@ -259,6 +335,9 @@ std::string plan_svg(const MotionPlan& plan, const std::string& title) {
   drawing.view(0, seen_from(plan.model, true) + "x across, z up", &Vec3::x, &Vec3::z);
   drawing.view(1, seen_from(plan.model, false) + "y across, z up", &Vec3::y, &Vec3::z);
   drawing.view(2, "from above: x across, y up", &Vec3::x, &Vec3::y);
+  if (const auto* platform = std::get_if<HexapodGeometry>(&plan.model.geometry)) {
+    drawing.platform(3, *platform);
+  }
   return drawing.finish();
 }
 

@@ -402,6 +402,9 @@ class Follower {
                              overlap_text(*home.back->overlap, wanted_.model) +
                              ", and it cannot be told whether they meet on the way");
     }
+    if (home.back && home.back->q_end != home_joints(wanted_.model)) {
+      search.notes.push_back(error_text({ErrorCode::kNoWayHome}, wanted_.model));
+    }
     tell(std::move(search), order, {});
     if (!home.back) return;
     plan_.homing_max -= home.back->duration;

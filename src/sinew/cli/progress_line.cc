@@ -108,9 +108,9 @@ void ProgressLine::tell_wait(const program::Run& run, Instant now) {
   const bool waits = run.phase() == program::Run::Phase::kOpening && until;
   if (wait_told_ || !waits || *until - now < kWorthSaying) return;
   wait_told_ = true;
-  const std::string text = fmt::format(
-      "{}  note: the device may still be finishing a move of the run before, {}\n",
-      dirty_ ? "\r\033[K" : "", at_most_text(to_seconds(*until - now)));
+  const std::string text =
+      fmt::format("{}  note: the device may still be finishing a move of the run before, {}\n",
+                  dirty_ ? "\r\033[K" : "", at_most_text(to_seconds(*until - now)));
   std::fputs(text.c_str(), stderr);
 }
 

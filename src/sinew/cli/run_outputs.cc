@@ -24,8 +24,9 @@ bool records_mcap(const RunRequest& request) {
 std::expected<void, Outcome> check_outputs(const RunRequest& request) {
   // Whoever mistypes a name must not lose the program, the robot's file, or send text to the arm.
   std::vector<std::pair<std::string, std::string>> taken{{"the program", request.file}};
-  if (request.robot.ends_with(".toml")) taken.emplace_back("the robot's file", request.robot);
-  if (request.port) taken.emplace_back("the port", *request.port);
+  if (request.robot.name.ends_with(".toml"))
+    taken.emplace_back("the robot's file", request.robot.name);
+  if (request.robot.port) taken.emplace_back("the port", *request.robot.port);
   const auto check = [&](const std::string& option,
                          const std::optional<std::string>& path) -> std::expected<void, Outcome> {
     if (!path) return {};

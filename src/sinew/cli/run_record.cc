@@ -55,7 +55,7 @@ void tell_fault(const runtime::RecordTold& told, Outcome& outcome) {
 std::expected<RecordPlan, Outcome> plan_records(const RunRequest& request,
                                                 const RobotModel& model) {
   RecordPlan plan;
-  const bool keeps = request.journal || is_real(request.port);
+  const bool keeps = request.robot.journal || is_real(request.robot.port);
   const bool asked = records_mcap(request);
   const auto folder =
       keeps || request.recorded ? runtime::records_folder() : io::IoResult<std::string>("");

@@ -8,16 +8,13 @@
 #include <utility>
 #include <vector>
 
-#include "sinew/cli/commission_verb.h"
 #include "sinew/cli/device_argument.h"
 #include "sinew/cli/kinematics_text.h"
-#include "sinew/cli/local_cell.h"
 #include "sinew/cli/plan_report.h"
 #include "sinew/cli/program_folder.h"
 #include "sinew/cli/program_report.h"
 #include "sinew/cli/progress_line.h"
 #include "sinew/cli/quantity.h"
-#include "sinew/cli/robot_argument.h"
 #include "sinew/cli/run_outputs.h"
 #include "sinew/cli/run_record.h"
 #include "sinew/cli/table.h"
@@ -27,7 +24,6 @@
 #include "sinew/model/joint_lookup.h"
 #include "sinew/program/program_part.h"
 #include "sinew/runtime/homing_time.h"
-#include "sinew/runtime/robot_variant.h"
 
 namespace sinew::cli {
 namespace {
@@ -49,7 +45,7 @@ std::expected<std::optional<JointVector>, Outcome> standing_at(const RunRequest&
                                                                const RobotModel& model) {
   JointVector q = home_joints(model);
   if (!request.standing_at) {
-    const bool known = !request.port && runtime::begins_at_home(model);
+    const bool known = !request.robot.port && runtime::begins_at_home(model);
     return known ? std::optional(q) : std::nullopt;
   }
   if (*request.standing_at == "home") return q;
@@ -129,29 +125,14 @@ void tell_part(const RunRequest& request, const Prepared& prepared, Outcome& out
 
 /// Everything that can be wrong before a byte leaves.
 std::expected<Prepared, Outcome> prepare(const RunRequest& request) {
-  const auto file = find_robot(request.robot);
-  if (!file) return std::unexpected(file.error());
-  if (const auto fine = check_has_device(file->model); !fine) return std::unexpected(fine.error());
-  auto variant = runtime::variant_of(file->model, request.profile, request.wire, request.without);
-  if (!variant) return std::unexpected(bad_input(variant.error()));
-  const auto settings = use_commissioning(*variant, request.settings, is_real(request.port));
-  if (!settings) return std::unexpected(settings.error());
-  Prepared prepared{std::move(*variant), {}, {}, 0, 1, *settings};
+  auto chosen = choose_robot(request.robot);
+  if (!chosen) return std::unexpected(chosen.error());
+  Prepared prepared{std::move(chosen->model), {}, {}, 0, 1, std::move(chosen->settings)};
   const RobotModel& model = prepared.model;
-  if (const auto fine = check_seed(request.seed); !fine) return std::unexpected(fine.error());
-  if (const auto fine = check_time_scale(request.time_scale); !fine) {
-    return std::unexpected(fine.error());
-  }
-  if (request.time_scale != 1 && is_real(request.port)) {
-    return std::unexpected(bad_input("--time-scale: a real port keeps real time"));
-  }
   if (request.moved && !request.standing_at) {
     return std::unexpected(bad_input("--moved: goes with --standing-at"));
   }
   if (const auto fine = check_outputs(request); !fine) return std::unexpected(fine.error());
-  if (const auto fine = check_journal_name(request.journal); !fine) {
-    return std::unexpected(fine.error());
-  }
   auto parsed = read_program(request.file, model);
   if (!parsed) return std::unexpected(parsed.error());
   prepared.program = std::move(*parsed);
@@ -337,15 +318,9 @@ Outcome run_program(const RunRequest& request) {
   io::catch_interrupts();
   const auto records = plan_records(request, model);
   if (!records) return records.error();
-  auto started = LocalCell::start(model,
-                                  {.port = request.port,
-                                   .profile = request.profile,
-                                   .journal = request.journal,
-                                   .seed = request.seed,
-                                   .time_scale = request.time_scale,
-                                   .byte_log = request.log.value_or(""),
-                                   .assumes_start = true},
-                                  records->folders);
+  auto started = LocalCell::start(
+      model, request.robot,
+      {.folders = records->folders, .byte_log = request.log.value_or(""), .assumes_start = true});
   if (!started) return started.error();
   std::unique_ptr<LocalCell> cell = std::move(*started);
   runtime::Station& station = cell->station();

@@ -6,10 +6,10 @@
 #include <filesystem>
 
 #include "sinew/cli/cell_socket.h"
-#include "sinew/cli/commission_verb.h"
 #include "sinew/cli/demonstration_lines.h"
 #include "sinew/cli/device_argument.h"
 #include "sinew/cli/robot_argument.h"
+#include "sinew/cli/used_settings.h"
 #include "sinew/config/cell_file.h"
 #include "sinew/io/disk_folder.h"
 #include "sinew/io/file.h"
@@ -173,8 +173,13 @@ Outcome serve(const ServeRequest& request) {
   if (!flight) return could_not(flight.error().sentence);
   const auto commissioning = runtime::commissioning_folder();
   if (!commissioning) return could_not(commissioning.error().sentence);
-  const auto programs = runtime::programs_folder();
+  const auto programs = request.program_folder ? io::IoResult<std::string>(*request.program_folder)
+                                               : runtime::programs_folder();
   if (!programs) return could_not(programs.error().sentence);
+  if (request.program_folder) {
+    const auto place = io::DiskFolder::open_folder(*programs);
+    if (!place) return bad_input("--program-folder: " + place.error().sentence);
+  }
   io::catch_interrupts();
   std::optional<io::RealtimeStart> realtime;
   if (request.realtime) {

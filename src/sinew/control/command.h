@@ -63,7 +63,7 @@ struct Declare {
   /// The device counts 0 there from now on, where it has such a command.
   bool zeroes_counters = false;
 };
-/// At rest.
+/// At rest. A self-test that fails is a fault of the machine.
 struct Service {
   DeviceService what = DeviceService::kWake;
 };

@@ -40,8 +40,8 @@ Expected<FixedVector<JointPosition, kMaxJoints>> as_shown(const RobotModel& robo
     const bool lost = known[j].quality == PositionQuality::kLost;
     JointPosition joint = lost && j < said.size() ? said[j] : known[j];
     const double widest = robot.joints[j].kind == JointKind::kPrismatic ? kLength : kTurn;
-    const bool wide = joint.quality == PositionQuality::kUncertain &&
-                      !(joint.upper - joint.lower <= widest);
+    const bool wide =
+        joint.quality == PositionQuality::kUncertain && !(joint.upper - joint.lower <= widest);
     if (joint.quality == PositionQuality::kLost || wide) {
       return std::unexpected(Error{ErrorCode::kPositionUnknown, static_cast<std::int8_t>(j)});
     }

@@ -76,8 +76,7 @@ TEST(PositionEvidence, what_is_shown_is_taken_without_a_joint_that_is_left_out) 
   const auto shown = as_shown(robot, known, {});
   ASSERT_TRUE(shown);
   for (std::size_t j = 0; j < shown->size(); ++j) {
-    EXPECT_EQ((*shown)[j].quality,
-              j == 2 ? PositionQuality::kLost : PositionQuality::kCommanded);
+    EXPECT_EQ((*shown)[j].quality, j == 2 ? PositionQuality::kLost : PositionQuality::kCommanded);
   }
 }
 

@@ -258,6 +258,12 @@ constexpr std::array kTable = std::to_array<ErrorInfo>({
      "{subject} is said to stand at {measured}, but the device counts {limit}, {excess} apart; say "
      "where the device counts it, or who moved it and how (--moved, moved:)",
      kAngle, true, kNoStop, 409},
+    {kNoSuchService, "no_such_service", "this device has no command for that", kNone, true, kNoStop,
+     422},
+    {kNoWayHome, "no_way_home",
+     "the zeros are found, and the joints stay beside their end stops: no way home is clear of a "
+     "joint that is left out, which may be anywhere",
+     kNone, true, kNoStop, 409},
 });
 
 /// Of the same codes where bodies are in one another.

@@ -104,6 +104,8 @@ enum class ErrorCode : std::uint8_t {
   kStopLatched,        ///< index: joint; held by a stop that this host set in an earlier run
   kDeclaredElsewhere,  ///< index: joint; measured: declared, limit: as far as it can be, rad or m
   kCountedElsewhere,   ///< index: joint; measured: said, limit: where the device counts it
+  kNoSuchService,      ///< the device has no command for what a person asks of it
+  kNoWayHome,          ///< behind a search for zeros: no way home is clear of what was left out
 };
 
 /// How a stop ends, after IEC 60204-1.

@@ -100,7 +100,10 @@ class LinkTestAxis final : public Axis {
     ++clears;
     if (!fault_stays) told_.fault = AxisFault::kNone;
   }
-  void self_test() override { ++self_tests; }
+  void self_test() override {
+    ++self_tests;
+    if (test_fails) told_.fault = AxisFault::kSelfTest;
+  }
 
   /// Its supply was gone for a moment.
   void reboot() {
@@ -161,6 +164,7 @@ class LinkTestAxis final : public Axis {
   bool keep_record = true;
   bool jammed = false;
   bool fault_stays = false;
+  bool test_fails = false;
   int homings = 0, cancels = 0, stops = 0, emergency_stops = 0, releases = 0, clears = 0,
       self_tests = 0;
 };

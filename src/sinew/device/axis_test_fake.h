@@ -76,7 +76,10 @@ class FakeAxis final : public Axis {
     ++clears;
     if (!fault_stays) told_.fault = AxisFault::kNone;
   }
-  void self_test() override { ++self_tests; }
+  void self_test() override {
+    ++self_tests;
+    if (test_fails) told_.fault = AxisFault::kSelfTest;
+  }
 
   /// Its supply was gone for a moment.
   void reboot() {
@@ -104,6 +107,7 @@ class FakeAxis final : public Axis {
   bool endless = false;         ///< never says that it arrived
   bool deaf_to_stop = false;
   bool fault_stays = false;
+  bool test_fails = false;
   int moves = 0, homings = 0, cancels = 0, stops = 0, releases = 0, clears = 0, self_tests = 0;
 };
 

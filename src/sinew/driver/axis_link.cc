@@ -80,6 +80,7 @@ DriverState AxisLinkDriver::state() const {
       return DriverState::kOpening;
     case Activity::kMoving:
     case Activity::kHoming:
+    case Activity::kTesting:
       return DriverState::kMoving;
     case Activity::kStopping:
       return DriverState::kStopping;
@@ -209,22 +210,35 @@ Expected<void> AxisLinkDriver::home(Instant now, std::uint8_t joints) {
   for (const Channel& channel : channels_) {
     if (const auto out = channel.error()) return std::unexpected(*out);
   }
-  ++pending_;
-  activity_ = Activity::kHoming;
-  told_ = {};
-  now_ = since_ = now;
-  to_home_ = joints;
-  home_from(0);
+  begin_turns(Activity::kHoming, joints, now);
   return {};
 }
 
-/// The first that is up, of those that are still to search; none is left where all have.
-void AxisLinkDriver::home_from(std::size_t place) {
+Expected<void> AxisLinkDriver::service(DeviceService what, Instant now) {
+  if (what != DeviceService::kSelfTest) return std::unexpected(Error{ErrorCode::kNoSuchService});
+  if (const auto may = may_begin(); !may) return may;
+  if (!any_up()) return std::unexpected(why_all_are_out());
+  begin_turns(Activity::kTesting, kAllJoints, now);
+  return {};
+}
+
+void AxisLinkDriver::begin_turns(Activity activity, std::uint8_t joints, Instant now) {
+  ++pending_;
+  activity_ = activity;
+  told_ = {};
+  now_ = since_ = now;
+  takes_turn_ = joints;
+  take_turn(0);
+}
+
+/// The first that is up, of those whose turn is to come; none is left where all had it.
+void AxisLinkDriver::take_turn(std::size_t place) {
   homing_place_ = place;
   for (; homing_place_ < homing_order_.size(); ++homing_place_) {
     const std::uint8_t joint = homing_order_[homing_place_];
-    const bool wanted = (to_home_ >> joint & 1U) != 0 && channels_[joint].is_up();
-    if (wanted) return channels_[joint].command(Mode::kHome);
+    const bool wanted = (takes_turn_ >> joint & 1U) != 0 && channels_[joint].is_up();
+    if (!wanted) continue;
+    return channels_[joint].command(activity_ == Activity::kHoming ? Mode::kHome : Mode::kSelfTest);
   }
 }
 

@@ -25,6 +25,7 @@ struct AxisLinkTiming {
   Duration settle_timeout = std::chrono::seconds(5);
   double settle_tolerance = from_deg(0.5);                  ///< rad, of the measured position then
   Duration homing_timeout = std::chrono::minutes(10);       ///< one axis; it has its own besides
+  Duration test_timeout = std::chrono::seconds(5);          ///< one axis
   Duration stop_margin = std::chrono::seconds(1);           ///< beyond the time that braking needs
   Duration health_period = std::chrono::milliseconds(500);  ///< at rest only
 };
@@ -43,9 +44,12 @@ struct AxisLinkTiming {
 ///   kMoving   | the last one ended at rest, all settled| kIdle, kDone
 ///   kMoving   | the last one did not end at rest       | kStopping, kFailed (kSegmentTime)
 ///   kMoving,  | an axis is out, refuses, or does not   | kStopping with the fault, kFailed
-///   kHoming   | arrive                                 |
+///   kHoming,  | arrive                                 |
+///   kTesting  |                                        |
 ///   kIdle     | home                                   | kHoming
 ///   kHoming   | each axis in turn is homed             | kIdle, kDone
+///   kIdle     | service(kSelfTest)                     | kTesting
+///   kTesting  | each axis in turn stands behind its own| kIdle, kDone
 ///   any       | stop                                   | kStopping
 ///   kStopping | every axis that answers stands, others | kIdle, kStopped
 ///             | had their deadline and time to brake   |
@@ -98,6 +102,9 @@ class AxisLinkDriver : public SpiDriver {
     const bool searching = activity_ == Activity::kHoming && homing_place_ < joints_.size();
     return searching ? std::optional<std::size_t>(homing_order_[homing_place_]) : std::nullopt;
   }
+  /// kSelfTest: the axes that are up, one after the other in the order of homing.
+  /// @error kNoSuchService, kPortClosed, the fault, kBusy
+  Expected<void> service(DeviceService what, Instant now) override;
   /// Every axis that is out gets a new session, its latch released and its faults cleared; kDone
   /// follows where one axis is fit to move. @error kPortClosed, kBusy
   Expected<void> clear_fault(Instant now) override;
@@ -121,7 +128,15 @@ class AxisLinkDriver : public SpiDriver {
   Duration round_time() const { return round_; }
 
  private:
-  enum class Activity : std::uint8_t { kClosed, kOpening, kIdle, kMoving, kHoming, kStopping };
+  enum class Activity : std::uint8_t {
+    kClosed,
+    kOpening,
+    kIdle,
+    kMoving,
+    kHoming,
+    kTesting,
+    kStopping
+  };
   enum class Flight : std::uint8_t { kNone, kToAll, kToOne };
 
   bool is_out_by_choice(std::size_t i) const { return (left_out_ >> i & 1U) != 0; }
@@ -137,8 +152,9 @@ class AxisLinkDriver : public SpiDriver {
   void step_idle(Instant now);
   void step_moving(Instant now);
   void step_settling(Instant now);
-  void step_homing(Instant now);
-  void home_from(std::size_t place);
+  void begin_turns(Activity activity, std::uint8_t joints, Instant now);
+  void take_turn(std::size_t place);
+  void step_turns(Instant now);
   void step_stopping(Instant now);
   void note_outs();
   std::optional<Error> first_new_out();
@@ -182,10 +198,10 @@ class AxisLinkDriver : public SpiDriver {
   std::array<std::optional<double>, kMaxJoints> told_;  ///< where an axis was sent last, at rest
   bool settling_ = false;
   std::array<std::uint16_t, kMaxJoints> settle_from_{};  ///< frames beyond say the final setpoint
-  // Homing.
+  // Homing and self-tests: one axis after the other.
   FixedVector<std::uint8_t, kMaxJoints> homing_order_;
   std::size_t homing_place_ = 0;  ///< in the order
-  std::uint8_t to_home_ = kAllJoints;
+  std::uint8_t takes_turn_ = kAllJoints;
   // Stopping.
   bool stop_asked_ = false;
   bool stop_in_opening_ = false;

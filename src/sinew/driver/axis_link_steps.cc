@@ -34,7 +34,8 @@ void AxisLinkDriver::step(Instant now) {
       step_moving(now);
       break;
     case Activity::kHoming:
-      step_homing(now);
+    case Activity::kTesting:
+      step_turns(now);
       break;
     case Activity::kStopping:
       step_stopping(now);
@@ -163,25 +164,27 @@ void AxisLinkDriver::step_settling(Instant now) {
   end_commands(Kind::kDone);
 }
 
-void AxisLinkDriver::step_homing(Instant now) {
+void AxisLinkDriver::step_turns(Instant now) {
   if (const auto out = first_new_out()) return fail(*out, now);
-  const std::uint8_t searching = homing_order_[homing_place_];
-  const auto index = static_cast<std::int8_t>(searching);
-  const Channel& channel = channels_[searching];
-  if (now - since_ >= timing_.homing_timeout) {
-    return fail({ErrorCode::kHomingFailed, index, to_seconds(now - since_),
-                 to_seconds(timing_.homing_timeout)},
-                now);
+  const bool homes = activity_ == Activity::kHoming;
+  const ErrorCode failed = homes ? ErrorCode::kHomingFailed : ErrorCode::kSelfTestFailed;
+  const Duration limit = homes ? timing_.homing_timeout : timing_.test_timeout;
+  const std::uint8_t joint = homing_order_[homing_place_];
+  const auto index = static_cast<std::int8_t>(joint);
+  const Channel& channel = channels_[joint];
+  if (now - since_ >= limit) {
+    return fail({failed, index, to_seconds(now - since_), to_seconds(limit)}, now);
   }
   if (!channel.at_rest()) return;
   const State& state = *channel.state();
-  if (channel.command_refusal() || !state.homed || !state.position_ok) {
-    Error error = channel.command_refusal().value_or(Error{ErrorCode::kHomingFailed});
+  const bool found = !homes || (state.homed && state.position_ok);
+  if (channel.command_refusal() || !found) {
+    Error error = channel.command_refusal().value_or(Error{failed});
     error.index = index;
     return fail(error, now);
   }
   since_ = now;
-  home_from(homing_place_ + 1);
+  take_turn(homing_place_ + 1);
   if (homing_place_ < homing_order_.size()) return;
   activity_ = Activity::kIdle;
   end_commands(Kind::kDone);

@@ -327,6 +327,22 @@ TEST(AxisLinkDriver, homing_that_ends_nowhere_or_is_refused_fails_with_its_axis)
   EXPECT_EQ(cell.axes[2]->homings, 0);
 }
 
+TEST(AxisLinkDriver, self_test_goes_from_axis_to_axis_and_ends_with_the_one_that_fails) {
+  LinkCell cell(3);
+  cell.open_at(0);
+  EXPECT_EQ(cell.driver->service(DeviceService::kWake, cell.now).error().code,
+            ErrorCode::kNoSuchService);
+  ASSERT_TRUE(cell.driver->service(DeviceService::kSelfTest, cell.now));
+  ASSERT_TRUE(cell.run_to_event(Kind::kDone, 1s));
+  for (const auto& axis : cell.axes) EXPECT_EQ(axis->self_tests, 1);
+  cell.axes[1]->test_fails = true;
+  ASSERT_TRUE(cell.driver->service(DeviceService::kSelfTest, cell.now));
+  ASSERT_TRUE(cell.run_to_event(Kind::kFailed, 1s));
+  EXPECT_EQ(cell.failure(), (Error{ErrorCode::kSelfTestFailed, 1}));
+  EXPECT_EQ(cell.axes[0]->self_tests, 2);
+  EXPECT_EQ(cell.axes[2]->self_tests, 1);
+}
+
 TEST(AxisLinkDriver, an_axis_fault_in_motion_stops_all_and_clear_fault_brings_it_back) {
   LinkCell cell;
   cell.open_at(0);

@@ -69,6 +69,7 @@ DriverState AxisRegistersDriver::state() const {
       return DriverState::kOpening;
     case Activity::kMoving:
     case Activity::kHoming:
+    case Activity::kTesting:
       return DriverState::kMoving;
     case Activity::kStopping:
       return DriverState::kStopping;
@@ -215,6 +216,21 @@ Expected<void> AxisRegistersDriver::clear_fault(Instant now) {
     if (is_out_by_choice(i)) continue;
     axes_[i].phase = Phase::kClear;
     axes_[i].not_before = now;
+  }
+  pump(now);
+  return {};
+}
+
+Expected<void> AxisRegistersDriver::service(DeviceService what, Instant now) {
+  const bool tests = what == DeviceService::kSelfTest && device_.reports_status;
+  if (!tests) return std::unexpected(Error{ErrorCode::kNoSuchService});
+  if (const auto error = check_ready()) return std::unexpected(*error);
+  begin(Activity::kTesting);
+  for (std::size_t i = 0; i < axes_.size(); ++i) {
+    Axis& axis = axes_[i];
+    if (!axis.answers || axis.fault || is_out_by_choice(i)) continue;
+    axis.phase = axis.latched ? Phase::kRelease : Phase::kTest;
+    axis.not_before = now;
   }
   pump(now);
   return {};
@@ -397,6 +413,8 @@ void AxisRegistersDriver::finish(Instant now) {
       return finish_stopping(now);
     case Activity::kClearing:
       return finish_clearing();
+    case Activity::kTesting:
+      return finish_testing(now);
     case Activity::kHoming:
       begin_homing_of(homing_place_ + 1);
       if (homing_place_ < homing_order_.size()) return;
@@ -464,6 +482,16 @@ void AxisRegistersDriver::finish_clearing() {
   }
   fault_ = why_none_is_fit();
   tell(DriverEvent::Kind::kFailed, *fault_);
+}
+
+void AxisRegistersDriver::finish_testing(Instant now) {
+  activity_ = Activity::kIdle;
+  watch_at_ = now + timing_.watch;
+  command_ = false;
+  for (const Axis& axis : axes_) {
+    if (axis.fault) return tell(DriverEvent::Kind::kFailed, *axis.fault);
+  }
+  tell(DriverEvent::Kind::kDone);
 }
 
 void AxisRegistersDriver::fail_motion(Error error, Instant now) {

@@ -26,6 +26,7 @@ struct AxisRegistersTiming {
   Duration move_margin = std::chrono::seconds(2);    ///< this on top, until a move has failed
   Duration stop_margin = std::chrono::seconds(2);    ///< on top of a joint's slowest deceleration
   Duration homing_limit = std::chrono::minutes(10);  ///< one axis; two turns at 3 deg/s are 4
+  Duration test_limit = std::chrono::seconds(5);     ///< a full step and back take a second
   /// Opening waits so long for boards to end the motion that a host before left them with.
   Duration finish_limit = std::chrono::minutes(1);
 };
@@ -43,6 +44,8 @@ struct AxisRegistersTiming {
 ///   kMoving   | every board arrived and tells its target| kIdle, kDone
 ///   kHoming   | each board in turn is homed             | kIdle, kDone
 ///   kClearing | every board was told                    | kIdle, kDone or kFailed
+///   kIdle     | service(kSelfTest)                      | kTesting
+///   kTesting  | every board stands behind its test      | kIdle, kDone or kFailed
 ///   kMoving,  | a board fails, silent or faulted        | kStopping, kFailed, then kIdle with
 ///   kHoming   |                                         | the fault latched
 ///   any       | stop                                    | kStopping
@@ -102,6 +105,9 @@ class AxisRegistersDriver : public SpiDriver {
   /// @error kPortClosed, kBusy
   Expected<void> clear_fault(Instant now) override;
   bool clearing() const override { return activity_ == Activity::kClearing; }
+  /// kSelfTest: DIAG_CONTROL 2, on all boards that are there at once.
+  /// @error kNoSuchService (also boards without a status), kPortClosed, kBusy, the fault
+  Expected<void> service(DeviceService what, Instant now) override;
   /// At rest only; what the boards report goes before it, and positions() shows what was kept.
   void declare_positions(std::span<const JointPosition> positions) override;
   void remember(const DriverMemory& memory) override { memory_ = memory; }
@@ -135,6 +141,7 @@ class AxisRegistersDriver : public SpiDriver {
     kHoming,
     kStopping,
     kClearing,
+    kTesting,
   };
 
   /// What an axis has to be asked next. Those before kPoll go first, on all axes.
@@ -146,6 +153,7 @@ class AxisRegistersDriver : public SpiDriver {
     kBefore,      ///< MOVE_ANGLE as it is before homing
     kHome,        ///< HOMING 1
     kWrite,       ///< MOVE_ANGLE
+    kTest,        ///< DIAG_CONTROL 2
     kPollHoming,  ///< HOMING, until it is 0
     kPoll,        ///< DIAG_STATUS, until it stands
     kReadBack,    ///< MOVE_ANGLE, which must be the target
@@ -196,6 +204,7 @@ class AxisRegistersDriver : public SpiDriver {
   void finish_opening(Instant now);
   void finish_stopping(Instant now);
   void finish_clearing();
+  void finish_testing(Instant now);
   void pump(Instant now);
   bool broadcast_stop(Instant now);
   std::optional<std::size_t> next_axis(Instant now);
@@ -211,6 +220,7 @@ class AxisRegistersDriver : public SpiDriver {
   void take_value(std::size_t i, Phase phase, const axis_registers::Data& value, Instant now);
   void take_homing(std::size_t i, const axis_registers::Data& value, Instant now);
   void take_poll(std::size_t i, const axis_registers::Data& value, Instant now);
+  void take_test(std::size_t i, const axis_registers::Status& status, Instant now);
   void take_read_back(std::size_t i, const axis_registers::Data& value, Instant now);
   void take_stop_check(std::size_t i, const axis_registers::Data& value, Instant now);
   void take_found(std::size_t i, const axis_registers::Data& value, Instant now);

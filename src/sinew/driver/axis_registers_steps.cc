@@ -63,6 +63,8 @@ AxisRegisterRequest AxisRegistersDriver::request_for(std::size_t i) const {
       return write(map.homing, {kOn});
     case Phase::kWrite:
       return write(map.move_angle, Data(axis.target.bytes));
+    case Phase::kTest:
+      return write(map.diag_control, {kRunSelfTest});
     case Phase::kPollHoming:
       return read(map.homing, 1);
     case Phase::kBefore:
@@ -150,6 +152,10 @@ void AxisRegistersDriver::take_value(std::size_t i, Phase phase, const Data& val
       axis.deadline = now + from_seconds(axis.expected * timing_.move_factor) + timing_.move_margin;
       if (!device_.reports_status) axis.not_before = now + from_seconds(axis.expected);
       return;
+    case Phase::kTest:
+      axis.phase = Phase::kPoll;
+      axis.deadline = now + timing_.test_limit;
+      return;
     case Phase::kPollHoming:
       return take_homing(i, value, now);
     case Phase::kPoll:
@@ -173,6 +179,8 @@ void AxisRegistersDriver::after_release(std::size_t i) {
     axis.phase = Phase::kBefore;
   } else if (activity_ == Activity::kMoving) {
     axis.phase = Phase::kWrite;
+  } else if (activity_ == Activity::kTesting) {
+    axis.phase = Phase::kTest;
   } else {
     // Acknowledged: what the status says next counts.
     axis.fault.reset();
@@ -228,6 +236,7 @@ void AxisRegistersDriver::take_poll(std::size_t i, const Data& value, Instant no
   const auto index = static_cast<std::int8_t>(i);
   const auto status = take_status(i, value);
   if (!status) return axis_fails(i, {ErrorCode::kUnexpectedReply, index, 1.0 * value[0]}, now);
+  if (activity_ == Activity::kTesting) return take_test(i, *status, now);
   if (axis.fault) return fail_motion(*axis.fault, now);
   if (axis.moves && status->emergency_stop) {
     return fail_motion({ErrorCode::kEmergencyStop, index}, now);
@@ -242,6 +251,16 @@ void AxisRegistersDriver::take_poll(std::size_t i, const Data& value, Instant no
         {axis.homing ? ErrorCode::kHomingFailed : ErrorCode::kPositionUnknown, index}, now);
   }
   axis.phase = axis.moves || axis.homing ? Phase::kReadBack : Phase::kDone;
+}
+
+/// The others go on with theirs, whatever this board found.
+void AxisRegistersDriver::take_test(std::size_t i, const Status& status, Instant now) {
+  Axis& axis = axes_[i];
+  const bool late = status.moving && now > axis.deadline;
+  if (late && !axis.fault) {
+    axis.fault = Error{ErrorCode::kSelfTestFailed, static_cast<std::int8_t>(i)};
+  }
+  if (!status.moving || axis.fault) axis.phase = Phase::kDone;
 }
 
 void AxisRegistersDriver::take_read_back(std::size_t i, const Data& value, Instant now) {
@@ -415,6 +434,7 @@ void AxisRegistersDriver::axis_fails(std::size_t i, Error error, Instant now) {
       if (!answered) return;
       break;
     case Activity::kClearing:
+    case Activity::kTesting:
     case Activity::kClosed:
       return;
   }

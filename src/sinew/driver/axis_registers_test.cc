@@ -298,6 +298,40 @@ TEST(AxisRegistersDriver, predicted_times_are_those_of_the_documents_profile) {
       << "cruises before it has its acceleration";
 }
 
+TEST(AxisRegistersDriver, self_test_asks_every_board_and_tells_of_one_that_fails) {
+  RegisterCell cell;
+  cell.start_at(20);
+  ASSERT_TRUE(cell.driver->service(DeviceService::kSelfTest, cell.now));
+  EXPECT_EQ(cell.driver->state(), DriverState::kMoving);
+  EXPECT_EQ(cell.driver->service(DeviceService::kSelfTest, cell.now).error().code,
+            ErrorCode::kBusy);
+  EXPECT_EQ(cell.finish().kind, Kind::kDone);
+  for (const auto& axis : cell.axes) EXPECT_EQ(axis.self_tests, 1);
+  cell.expect_honest();
+  EXPECT_EQ(cell.driver->positions()[0].quality, PositionQuality::kCommanded);
+  // The others test themselves all the same, and a board whose time is over has failed.
+  cell.axes[1].told().moving = true;
+  cell.axes[1].endless = true;
+  cell.axes[4].test_fails = true;
+  ASSERT_TRUE(cell.driver->service(DeviceService::kSelfTest, cell.now));
+  const DriverEvent end = cell.finish();
+  EXPECT_EQ(end.kind, Kind::kFailed);
+  EXPECT_EQ(end.error, (Error{ErrorCode::kSelfTestFailed, 1}));
+  EXPECT_EQ(cell.driver->axis_fault(4)->code, ErrorCode::kSelfTestFailed);
+  for (const auto& axis : cell.axes) EXPECT_EQ(axis.self_tests, 2);
+  EXPECT_FALSE(cell.driver->axis_fault(0));
+}
+
+TEST(AxisRegistersDriver, boards_that_tell_nothing_of_themselves_are_asked_for_no_self_test) {
+  AxisRegistersDevice boards = test::six_boards();
+  boards.reports_status = false;
+  RegisterCell cell(AxisRegisterProfile::kAsBuilt, boards);
+  cell.start_at();
+  for (const DeviceService what : {DeviceService::kSelfTest, DeviceService::kWake}) {
+    EXPECT_EQ(cell.driver->service(what, cell.now).error().code, ErrorCode::kNoSuchService);
+  }
+}
+
 TEST(AxisRegistersDriver, every_fault_of_an_axis_has_its_word) {
   const std::vector<std::pair<AxisFault, ErrorCode>> kWords{
       {AxisFault::kFollowingError, ErrorCode::kFollowingError},

@@ -40,9 +40,8 @@ bool same(const BigRobotArmMultipliers& a, const Status& status) {
 
 }  // namespace
 
-BigRobotArmDriver::BigRobotArmDriver(const BigRobotArmDevice& device,
-                                               std::span<const Joint> joints,
-                                               const BigRobotArmTiming& timing)
+BigRobotArmDriver::BigRobotArmDriver(const BigRobotArmDevice& device, std::span<const Joint> joints,
+                                     const BigRobotArmTiming& timing)
     : device_(device),
       timing_(timing),
       channel_(device, timing.wire),
@@ -432,7 +431,7 @@ Expected<void> BigRobotArmDriver::move(const JointMove& move, Instant now) {
 }
 
 Expected<void> BigRobotArmDriver::nudge(std::size_t joint, double way, Duration duration,
-                                             Instant now) {
+                                        Instant now) {
   SINEW_ASSERT(joint < kJoints);
   if (const auto ready = check_ready(); !ready) return ready;
   const double steps = way * device_.joints[joint].steps_per_rad;
@@ -468,7 +467,7 @@ Expected<void> BigRobotArmDriver::begin_move(Duration at_least, Instant now) {
 
 /// Never those of power-up, so that a board that was reset shows it.
 Expected<BigRobotArmMultipliers> BigRobotArmDriver::multipliers_for(const Words& deltas,
-                                                                         Duration at_least) const {
+                                                                    Duration at_least) const {
   BigRobotArmMultipliers base;
   Words boot{};
   for (std::size_t i = 0; i < kJoints; ++i) {

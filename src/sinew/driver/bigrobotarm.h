@@ -62,7 +62,7 @@ class BigRobotArmDriver : public ByteDriver {
 
   /// @param joints  five: limits, and the speeds and accelerations that no move exceeds.
   BigRobotArmDriver(const BigRobotArmDevice& device, std::span<const Joint> joints,
-                         const BigRobotArmTiming& timing = {});
+                    const BigRobotArmTiming& timing = {});
 
   void open(Instant now) override;
   void close(Instant now) override;

@@ -77,7 +77,7 @@ double head_due(const Request& request) {
 }  // namespace
 
 BigRobotArmChannel::BigRobotArmChannel(const BigRobotArmDevice& device,
-                                     const BigRobotArmChannelTiming& timing)
+                                       const BigRobotArmChannelTiming& timing)
     : device_(device), timing_(timing) {
   for (const BigRobotArmJoint& joint : device.joints) SINEW_ASSERT(joint.steps_per_rad != 0);
   SINEW_ASSERT(timing.quiet > Duration::zero() && timing.reply_timeout > Duration::zero());
@@ -106,7 +106,7 @@ Expected<void> BigRobotArmChannel::read_status(Instant now) {
 }
 
 Expected<void> BigRobotArmChannel::move_to(const BigRobotArmAngles& q, Duration expected,
-                                          Instant now) {
+                                           Instant now) {
   const auto steps = steps_of(q);
   if (!steps) return std::unexpected(steps.error());
   const auto asked = ask(Goto{*steps}, now);

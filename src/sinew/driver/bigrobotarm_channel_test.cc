@@ -466,7 +466,7 @@ TEST(BigRobotArmChannel, motion_that_was_never_taken_up_is_not_done) {
       "Free mem: 1\r\nProcess command: G92\r\nBigRobotArm::MOVING-TO\r\n"
       "BigRobotArm::POSITION: B0 S0 E0 WR0 W0\r\nBigRobotArm::READY\r\n";
   cell.channel.receive({reinterpret_cast<const std::uint8_t*>(reply.data()), reply.size()},
-                      cell.now);
+                       cell.now);
   cell.run_for(1ms);
   EXPECT_EQ(cell.failure(), ErrorCode::kUnexpectedReply);
 }

@@ -71,6 +71,7 @@ using ToolAction = std::variant<JawsTo, GripperTo, Suction, NozzleTo>;
 enum class DeviceService : std::uint8_t {
   kWake,      ///< its motor modules, from a shutdown of their own
   kShutDown,  ///< the whole controller, until its power is cut
+  kSelfTest,  ///< each board of itself; where it is homed its motor turns a full step and back
 };
 
 /// Joints as a bit each.
@@ -228,16 +229,17 @@ class Driver {
   /// next run sees by them whether the power was away.
   virtual std::uint8_t counters_moved() const { return 0; }
   /// The device counts 0 where it stands from now on; the positions stay. kDone follows.
-  /// @error kTaskNotSupported (it has no such command), kBusy, fault's own
+  /// @error kNoSuchService, kBusy, fault's own
   virtual Expected<void> zero_counters(Instant now) {
     static_cast<void>(now);
-    return std::unexpected(Error{ErrorCode::kTaskNotSupported});
+    return std::unexpected(Error{ErrorCode::kNoSuchService});
   }
 
-  /// kDone follows. @error kTaskNotSupported (this device has no such command), kBusy, fault's own
+  /// kDone follows, or kFailed with what a self-test found.
+  /// @error kNoSuchService, kBusy, fault's own
   virtual Expected<void> service(DeviceService what, Instant now) {
     static_cast<void>(what), static_cast<void>(now);
-    return std::unexpected(Error{ErrorCode::kTaskNotSupported});
+    return std::unexpected(Error{ErrorCode::kNoSuchService});
   }
 
   /// Time passes.

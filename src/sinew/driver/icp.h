@@ -98,7 +98,9 @@ class IcpDriver final : public ByteDriver {
   bool looks() const override;
   void allow_looks(bool allowed) override { looks_allowed_ = allowed; }
   Expected<void> service(DeviceService what, Instant now) override {
-    return what == DeviceService::kWake ? wake(now) : kill(now);
+    if (what == DeviceService::kWake) return wake(now);
+    if (what == DeviceService::kShutDown) return kill(now);
+    return std::unexpected(Error{ErrorCode::kNoSuchService});
   }
   void poll(Instant now) override;
   std::optional<Instant> next_deadline() const override { return deadline_; }

@@ -150,7 +150,7 @@ DiskResult<std::size_t> DiskFolder::read(std::string_view name, std::span<std::u
 
 DiskResult<DiskStamp> DiskFolder::stamp(std::string_view name) {
   if (!is_name(name)) return refuse_name();
-  struct stat status {};
+  struct stat status{};
   if (::fstatat(folder_, std::string(name).c_str(), &status, AT_SYMLINK_NOFOLLOW) != 0) {
     return refuse(errno);
   }

@@ -14,7 +14,7 @@ std::vector<std::string> port_identities(const std::string& port, const DeviceFo
   const fs::path device = fs::canonical(port, error);
   if (error) return {port};
   std::vector<std::string> names;
-  struct stat status {};
+  struct stat status{};
   if (device.string().starts_with("/dev/pts/") && ::stat(device.c_str(), &status) == 0) {
     const fs::path given = fs::absolute(port, error).lexically_normal();
     if (given != device) names.push_back(given);

@@ -229,8 +229,7 @@ bool Search::any_pitch_will_do() const {
     const bool five =
         space_.task() == TaskSpace::kPitchRoll || space_.task() == TaskSpace::kApproach;
     return five && to.asked == Asked::kPoint &&
-           !space_.serial()->inverse_nearest_pitch(to.X_BT.p, kPi,
-                                                   {from_.q.data(), space_.size()});
+           !space_.serial()->inverse_nearest_pitch(to.X_BT.p, kPi, {from_.q.data(), space_.size()});
   };
   if (const auto* to = std::get_if<MoveTo>(&move_.way)) return open(to->to);
   if (const auto* line = std::get_if<MoveL>(&move_.way)) return open(line->to);

@@ -109,8 +109,8 @@ struct Node {
   std::vector<HomeLeg> legs;
 };
 
-HomeReturn told(std::vector<HomeLeg> legs, const Stand& start) {
-  HomeReturn back{std::move(legs), 0, start.nearest, start.q};
+HomeReturn told(std::vector<HomeLeg> legs, const Stand& start, const JointVector& q_end) {
+  HomeReturn back{std::move(legs), 0, start.nearest, start.q, q_end};
   for (const HomeLeg& leg : back.legs) back.duration += leg.motion.duration;
   return back;
 }
@@ -120,7 +120,7 @@ HomeReturn told(std::vector<HomeLeg> legs, const Stand& start) {
 std::expected<HomeReturn, Refusal> home_return(const RobotModel& robot, const JointVector& q,
                                                int line) {
   const JointVector home = home_joints(robot);
-  if (q == home) return HomeReturn{{}, 0, std::nullopt, q};
+  if (q == home) return HomeReturn{{}, 0, std::nullopt, q, q};
   const auto start = std::make_shared<const Stand>(stand_at(robot, q));
   std::vector<bool> seen(std::size_t{1} << q.size());
   std::deque<Node> open;
@@ -133,7 +133,7 @@ std::expected<HomeReturn, Refusal> home_return(const RobotModel& robot, const Jo
       if (auto rest = plan_leg(robot, here.q, home, 1, line)) {
         std::vector<HomeLeg> legs = node.legs;
         legs.push_back(std::move(*rest));
-        return told(std::move(legs), *start);
+        return told(std::move(legs), *start, home);
       }
     }
     for (std::size_t j = 0; j < q.size(); ++j) {
@@ -152,9 +152,9 @@ std::expected<HomeReturn, Refusal> home_return(const RobotModel& robot, const Jo
   }
   // In the words of the straight way, which was tried first or is what anybody would try.
   auto straight = plan_leg(robot, q, home, 1, line);
-  if (straight) return told({std::move(*straight)}, *start);
+  if (straight) return told({std::move(*straight)}, *start, home);
   // Of links that may be anywhere hardly a way is clear: the zeros are found all the same.
-  if (first_left_out(robot)) return told({}, *start);
+  if (first_left_out(robot)) return told({}, *start, q);
   return std::unexpected(straight.error());
 }
 

@@ -25,6 +25,8 @@ struct HomeReturn {
   /// What was nearest where homing left the joints, where that is nearer than the robot's margin.
   std::optional<planning::Clearance> overlap;
   JointVector q_start;  ///< where homing leaves the joints
+  /// The robot's home; q_start where a joint is left out and no way is clear of it.
+  JointVector q_end;
 };
 
 /// The way home. Bodies that are too near to each other at its beginning may be so for a while:

@@ -4,6 +4,7 @@
 
 #include "sinew/control/governor.h"
 #include "sinew/core/units.h"
+#include "sinew/model/left_out.h"
 #include "support/robots.h"
 
 namespace sinew::program {
@@ -68,6 +69,18 @@ TEST(HomeReturn, from_a_clear_pose_all_joints_go_at_once_and_at_home_none) {
   const auto there = home_return(robot, degrees({0, 0, 0, 0, 0, 0}), 3);
   ASSERT_TRUE(there);
   EXPECT_TRUE(there->legs.empty());
+  EXPECT_EQ(there->q_end, home_joints(robot));
+}
+
+TEST(HomeReturn, where_no_way_is_clear_of_a_joint_that_is_left_out_the_others_stay) {
+  RobotModel robot = test::robot("robot-arm-2");
+  std::get<AxisRegistersDevice>(robot.device.settings).boards[2].homing_place = kLeftOut;
+  JointVector rest = kRest;
+  rest[2] = assumed_place(robot.joints[2]);
+  const auto stays = home_return(robot, rest, 3);
+  ASSERT_TRUE(stays) << describe(stays.error().error);
+  EXPECT_TRUE(stays->legs.empty());
+  EXPECT_EQ(stays->q_end, rest);
 }
 
 TEST(HomeReturn, out_of_an_overlap_it_is_slow_where_a_speed_is_heard) {

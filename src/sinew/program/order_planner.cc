@@ -233,7 +233,7 @@ std::optional<Refusal> OrderPlanner::take_home(const Step& step, std::size_t pla
   }
   for (Stand& stand : stands_) {
     stand.homing += home->duration_max;
-    stand.q = home->back && home->back->legs.empty() ? home->back->q_start : home_joints(robot_);
+    stand.q = home->back ? home->back->q_end : home_joints(robot_);
     stand.lost_by.reset();
   }
   std::vector<Stand> stands;

@@ -14,7 +14,7 @@ namespace sinew::program {
 namespace {
 
 constexpr std::size_t kNumbers = 24;
-constexpr double kTotalMax = 1e6;   // deg: totals grow with every turn
+constexpr double kTotalMax = 1e6;  // deg: totals grow with every turn
 
 /// The bytes of a text in UTF-16 whose characters are ASCII; others become '?'.
 std::string from_utf16(std::string_view text, bool big_end) {

@@ -252,11 +252,11 @@ class Procedure {
   std::deque<HomeLeg> homeward_;  ///< what is left of the way home
   std::optional<JointVector> assumed_;
   bool assumes_ = false;  ///< it is being declared
-  double way_ = 0;                ///< that the joint was sent
-  double left_ = 0;               ///< of it
-  double part_ = 0;               ///< of it, that each joint goes by in this turn
-  bool all_ = false;              ///< joints go by it
-  std::size_t turn_ = 0;          ///< the joint of this turn, where all of them go
+  double way_ = 0;        ///< that the joint was sent
+  double left_ = 0;       ///< of it
+  double part_ = 0;       ///< of it, that each joint goes by in this turn
+  bool all_ = false;      ///< joints go by it
+  std::size_t turn_ = 0;  ///< the joint of this turn, where all of them go
   double adjusted_ = 0;
   bool went_ = false;
   bool comes_back_ = false;

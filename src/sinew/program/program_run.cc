@@ -534,6 +534,7 @@ std::expected<void, Refusal> Run::go_home(Instant now) {
     return std::unexpected(why);
   }
   back_ = std::move(*back);
+  if (back_->q_end != home_joints(robot_)) take_notice({ErrorCode::kNoWayHome}, now);
   return next_leg(now);
 }
 

@@ -164,8 +164,7 @@ class Run {
   std::expected<void, Refusal> go_home(Instant now);
   std::expected<void, Refusal> next_leg(Instant now);
   void send_first_move(const JointVector& q, double duration);
-  std::expected<void, Refusal> send(const RowMotion& motion,
-                                    const planning::PlannedMotion& planned,
+  std::expected<void, Refusal> send(const RowMotion& motion, const planning::PlannedMotion& planned,
                                     const RobotModel& limits, int line,
                                     const std::vector<LinkPair>& overlaps = {});
   void finish_order(Instant now);

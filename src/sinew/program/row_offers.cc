@@ -77,8 +77,7 @@ class Trial {
 
 }  // namespace
 
-std::vector<std::string> offers(const WayRefusal& way, const RobotModel& model,
-                                bool in_program) {
+std::vector<std::string> offers(const WayRefusal& way, const RobotModel& model, bool in_program) {
   const planning::MoveProposal& proposal = way.proposal;
   Trial trial(way, model, in_program);
   if (way.jaws_first && in_program) {
@@ -121,10 +120,10 @@ std::vector<std::string> offers(const WayRefusal& way, const RobotModel& model,
   }
   if (proposal.near) {
     const double left = proposal.near->left;
-    trial.offer(
-        left > 0 ? "a joint move that ends " + number_text(to_mm(left), 1) + " mm short of it"
-                 : std::string("as far as the joints can go"),
-        joint_move(proposal.near->q, model));
+    trial.offer(left > 0
+                    ? "a joint move that ends " + number_text(to_mm(left), 1) + " mm short of it"
+                    : std::string("as far as the joints can go"),
+                joint_move(proposal.near->q, model));
   }
   if (proposal.part) {
     trial.offer("the first " + number_text(to_mm(proposal.part->length), 1) + " mm of the line",

@@ -28,8 +28,8 @@ struct WayRefusal {
   planning::PathRefusal refusal;
   planning::MoveProposal proposal;
   std::optional<Unsayable> unsayable{};
-  ToolState tool{};                     ///< what the gripper was like
-  std::optional<double> jaws_first{};   ///< m; with these the same rows work
+  ToolState tool{};                    ///< what the gripper was like
+  std::optional<double> jaws_first{};  ///< m; with these the same rows work
 };
 
 /// Why a program cannot run.

@@ -41,8 +41,7 @@ program::DeviceFact facts_of(const Driver& driver, const RobotModel& robot) {
     if (const auto* icp = dynamic_cast<const IcpDriver*>(&driver); icp && what == "minus_one") {
       return minus_one(*icp);
     }
-    if (const auto* arm = dynamic_cast<const BigRobotArmDriver*>(&driver);
-        arm && what == "wire") {
+    if (const auto* arm = dynamic_cast<const BigRobotArmDriver*>(&driver); arm && what == "wire") {
       const BigRobotArmFound found = arm->wire();
       if (found.wire == BigRobotArmWire::kByte) return "byte";
       return found.dialect == BigRobotArmDialect::k2026 ? "text2026" : "text";

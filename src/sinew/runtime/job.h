@@ -61,7 +61,7 @@ struct JobView {
   std::size_t notices = 0;
   std::optional<program::Notice> last_notice = std::nullopt;
   std::vector<program::ProgramNote> notes{};  ///< of its text
-  std::size_t wishes = 0;  ///< pause, resume, steps: so many were heard
+  std::size_t wishes = 0;                     ///< pause, resume, steps: so many were heard
   /// Why the last wish was not done; a step back may be impossible.
   std::optional<program::Refusal> wish_refused = std::nullopt;
 };

@@ -103,6 +103,27 @@ io::IoResult<void> PositionRecord::take_port(const RobotModel& robot, const std:
   return {};
 }
 
+io::IoResult<void> PositionRecord::follow_port(const RobotModel& robot,
+                                               const std::string& port) const {
+  auto disk = io::DiskFolder::open_folder(disk_.path());  // its own: the writer's is in its thread
+  if (!disk) return std::unexpected(disk.error());
+  PortClaims claims(*disk, io::port_identities(port), robot.id);
+  for (const std::string& owner : claims.owners()) {
+    if (owner == name_) continue;
+    return std::unexpected(io::IoError{fmt::format(
+        "{}: {} the machine that is there now, and '{}' does not know where it stands; end this "
+        "program and start it again",
+        port,
+        owner.empty() ? "a run without --journal moved"
+                      : "the position journal '" + owner + "' followed",
+        name_)});
+  }
+  if (const auto claimed = claims.claim(name_); !claimed) {
+    return std::unexpected(cannot_be_used(disk->path(), name_, claimed.error()));
+  }
+  return {};
+}
+
 io::IoResult<void> PositionRecord::take_over(const std::string& other, const RobotModel& robot,
                                              const std::string& port) {
   auto disk = io::DiskFolder::open_folder(disk_.path());
@@ -122,6 +143,7 @@ io::IoResult<void> PositionRecord::take_over(const std::string& other, const Rob
                       port, name_);
   if (theirs.last) {
     auto done = add(*theirs.last, robot);
+    recovery_.last_time = theirs.last_time;  // the machine was left then, not now
     note_ += fmt::format("continues from it; {}", sentence(recovery_.finding));
     return done;
   }

@@ -24,6 +24,12 @@ class PositionRecord {
                                                             const RobotModel& robot,
                                                             const std::string& port = {});
 
+  /// The machine was plugged in, or again, while this journal is written: under the names that its
+  /// port has now it follows the machine too. From any thread.
+  /// @error  a sentence: another journal, or none, followed that machine last, so this one knows
+  /// nothing of it before it is read again; the disk's
+  io::IoResult<void> follow_port(const RobotModel& robot, const std::string& port) const;
+
   /// What another program once wrote down of where this machine stands: intervals that hold the
   /// truth, which count from the next run on, on disk when this returns. Nothing can be recorded
   /// behind it.

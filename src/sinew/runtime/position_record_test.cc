@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <filesystem>
 #include <variant>
 #include <vector>
@@ -85,6 +86,14 @@ TEST_F(OneFolder, another_journal_of_the_machine_is_taken_over_as_it_ends) {
   EXPECT_EQ(live("c", "y", JournalKind::kOpened, 0).finding, JournalFinding::kNothing);
 }
 
+TEST_F(OneFolder, what_is_taken_over_is_as_old_as_it_was) {
+  live("a", "x", JournalKind::kIntent, 0.5);
+  io::Clock().pause(std::chrono::milliseconds(50));
+  const auto b = PositionRecord::open(folder_.at("p"), "b", arm(), "x");
+  ASSERT_TRUE(b);
+  EXPECT_GE((*b)->start().memory.since, std::chrono::milliseconds(50));
+}
+
 TEST_F(OneFolder, what_cannot_be_taken_over_is_lost_and_both_journals_are_named) {
   live("a", "x", JournalKind::kOpened, 0.5);
   RobotModel other = arm();
@@ -115,6 +124,30 @@ TEST_F(OneFolder, run_without_a_journal_is_remembered_where_one_follows_the_mach
   EXPECT_EQ(live("a", "x", JournalKind::kOpened, 0.5).positions[0].quality, PositionQuality::kLost);
   EXPECT_NE(found_.find("without --journal"), std::string::npos) << found_;
   EXPECT_EQ(live("a", "x", JournalKind::kOpened, 0.5).positions[0].q, 0.5);
+}
+
+TEST_F(OneFolder, machine_that_is_plugged_in_later_is_known_where_this_journal_followed_it) {
+  live("b", "x", JournalKind::kOpened, 0.5);
+  {
+    const auto a = PositionRecord::open(folder_.at("p"), "a", arm(), "y");
+    ASSERT_TRUE(a);
+    EXPECT_TRUE((*a)->follow_port(arm(), "y"));
+    EXPECT_TRUE((*a)->follow_port(arm(), "z"));
+    const auto theirs = (*a)->follow_port(arm(), "x");
+    ASSERT_FALSE(theirs);
+    EXPECT_EQ(theirs.error().sentence,
+              "x: the position journal 'b' followed the machine that is there now, and 'a' does "
+              "not know where it stands; end this program and start it again");
+    ASSERT_TRUE(forget_port(folder_.at("p"), "z", arm()));
+    const auto nobodys = (*a)->follow_port(arm(), "z");
+    ASSERT_FALSE(nobodys);
+    EXPECT_NE(nobodys.error().sentence.find("a run without --journal moved the machine"),
+              std::string::npos)
+        << nobodys.error().sentence;
+    EXPECT_TRUE((*a)->follow_port(arm(), "v"));
+  }
+  live("b", "v", JournalKind::kOpened, 0.5);
+  EXPECT_NE(found_.find("'a' followed the machine on v last"), std::string::npos) << found_;
 }
 
 TEST_F(OneFolder, journal_that_somebody_else_writes_is_not_taken_over) {

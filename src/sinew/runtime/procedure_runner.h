@@ -27,7 +27,7 @@ struct ResultsPlace {
 struct ProcedureStatus {
   std::uint32_t number = 0;  ///< 0: there was none yet
   control::ClientId client = 0;
-  bool over = true;         ///< nothing of it moves any more
+  bool over = true;  ///< nothing of it moves any more
   /// Answers, steps back and other clients that were taken: what has fewer was told before.
   std::size_t answers = 0;
   program::ProcedureView view;

@@ -93,22 +93,26 @@ io::IoResult<RobotLink> RobotLink::prepare(const RobotModel& robot, const std::s
 io::IoResult<void> RobotLink::connect() {
   Parts& parts = *parts_;
   if (parts.device || parts.boards) return {};
+  disconnect();  // before it is opened again: it is held exclusively
   if (parts.driver.byte) {
-    parts.line.reset();
-    parts.port.reset();  // before it is opened again: it is held exclusively
     auto opened = io::Port::open_serial(parts.name, parts.robot.device.baud);
     if (!opened) return std::unexpected(opened.error());
     parts.port.emplace(std::move(*opened));
     parts.line = line_over(*parts.driver.byte, *parts.port, parts.clock, parts.log);
     return {};
   }
-  parts.line.reset();
-  parts.bus.reset();
   auto bus = open_bus(parts.robot, parts.name, parts.clock);
   if (!bus) return std::unexpected(bus.error());
   parts.bus = std::move(*bus);
   parts.line = line_over(*parts.driver.spi, *parts.bus, parts.clock, parts.log);
   return {};
+}
+
+void RobotLink::disconnect() {
+  if (simulated()) return;
+  parts_->line.reset();
+  parts_->port.reset();
+  parts_->bus.reset();
 }
 
 io::IoResult<RobotLink> RobotLink::simulate(const RobotModel& robot, const MachineOptions& options,
@@ -191,7 +195,7 @@ std::string silent_boards(const BoardDriver& driver) {
   std::erase(option, ' ');
   return many + (silent == 1 ? " does" : " do") + " not answer: " + names +
          "; to use the others: --without " + option +
-         " of run or commission, in a cell's file without = " + list + "]";
+         " of run, commission, doctor or device, in a cell's file without = " + list + "]";
 }
 
 }  // namespace

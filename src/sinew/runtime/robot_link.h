@@ -33,6 +33,8 @@ class RobotLink {
   /// Opens the port, also again after it was lost.
   /// @error  it cannot be opened; a sentence that says why, and what helps
   io::IoResult<void> connect();
+  /// Lets go of the port: others may have it.
+  void disconnect();
 
   Driver& driver() const;
   /// Of a port that is open, or was.

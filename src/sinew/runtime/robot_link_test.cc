@@ -57,11 +57,11 @@ TEST(RobotLink, boards_that_are_silent_are_named_on_both_wires) {
     for (const auto& [there, sentence] :
          {std::pair(std::size_t{3},
                     "3 of 6 boards do not answer: J4, J5, J6; to use the others: --without "
-                    "J4,J5,J6 of run or commission, in a cell's file without = [\"J4\", \"J5\", "
-                    "\"J6\"]"),
+                    "J4,J5,J6 of run, commission, doctor or device, in a cell's file without = "
+                    "[\"J4\", \"J5\", \"J6\"]"),
           std::pair(std::size_t{5},
-                    "1 of 6 boards does not answer: J6; to use the others: --without J6 of run "
-                    "or commission, in a cell's file without = [\"J6\"]"),
+                    "1 of 6 boards does not answer: J6; to use the others: --without J6 of run, "
+                    "commission, doctor or device, in a cell's file without = [\"J6\"]"),
           std::pair(std::size_t{6}, "")}) {
       const RobotModel robot = *variant_of(test::robot("robot-arm-2"), std::nullopt, wire);
       const auto machine = make_machine(robot, {.profile = {}, .boards = there}, Instant{});

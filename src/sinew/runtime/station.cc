@@ -153,6 +153,20 @@ Duration Station::retry_interval() const {
   return from_seconds(to_seconds(kRetry) * clock_.scale());
 }
 
+/// What is plugged in now has names of its own, and may be another machine than before.
+io::IoResult<void> Station::connect() {
+  auto connected = link_->connect();
+  if (!connected || !options_.port) return connected;
+  if (record_) {
+    auto followed = record_->follow_port(robot_, *options_.port);
+    if (!followed) link_->disconnect();
+    return followed;
+  }
+  const std::scoped_lock lock(forgetting_);
+  forgotten_ = false;
+  return {};
+}
+
 /// Bytes out and in, or another try to get a port.
 void Station::turn(ControlLoop& loop, Instant& retry_at) {
   const bool moves = control::may_move(loop.controller().state());
@@ -165,7 +179,7 @@ void Station::turn(ControlLoop& loop, Instant& retry_at) {
   } else {
     clock_.pause(kRestSlice);
     if (clock_.now() < retry_at) return;
-    went = link_->connect();
+    went = connect();
   }
   retry_at = clock_.now() + retry_interval();
   connected_ = went.has_value() && !connected_;
@@ -536,17 +550,23 @@ std::uint32_t Station::next_id(std::uint8_t slot) {
 }
 
 /// Before this station moves a machine that some journal follows, and none of its own.
-bool Station::forget_port() {
-  if (record_ || !options_.port || options_.journal_folder.empty()) return true;
+Expected<void> Station::forget_port() {
+  if (record_ || !options_.port || options_.journal_folder.empty()) return {};
   const std::scoped_lock lock(forgetting_);
   if (!forgotten_) {
     forgotten_ = runtime::forget_port(options_.journal_folder, *options_.port, robot_).has_value();
   }
-  return forgotten_;
+  if (forgotten_) return {};
+  return std::unexpected(Error{ErrorCode::kNotRecorded});
 }
 
-bool Station::post(const Command& command, std::uint32_t stops_seen) {
-  if (moves(command.what) && !forget_port()) return false;
+Expected<void> Station::post(const Command& command, std::uint32_t stops_seen) {
+  if (moves(command.what)) {
+    if (const auto forgotten = forget_port(); !forgotten) {
+      if (options_.space != nullptr) options_.space->ended(options_.place, command.id);
+      return forgotten;
+    }
+  }
   const std::scoped_lock lock(mutex_);
   const bool stops = std::holds_alternative<control::Stop>(command.what);
   moved_ = moved_ || moves(command.what);
@@ -563,17 +583,17 @@ bool Station::post(const Command& command, std::uint32_t stops_seen) {
     mailbox_.resize(kept);
   } else if (moves(command.what) && stops_seen != stops_) {
     overtaken(command);
-    return true;
+    return {};
   }
   const std::size_t room = stops ? kMailboxMax : kMailboxMax - kKeptForStops;
   if (mailbox_.size() >= room) {
     if (options_.space != nullptr) options_.space->ended(options_.place, command.id);
-    return false;
+    return std::unexpected(Error{ErrorCode::kBusy});
   }
   mailbox_.push_back(command);
   if (stops) std::rotate(mailbox_.begin(), mailbox_.end() - 1, mailbox_.end());
   clock_.wake();
-  return true;
+  return {};
 }
 
 bool Station::stops_seen() const {

@@ -102,9 +102,9 @@ class Station {
   /// For the next cycle. A stop goes first, and what would have moved the machine and still waits
   /// ends with kStopped. So does what somebody gives who does not know of the last stop yet.
   /// @param stops_seen  StationView::stops as whoever gives it knows them
-  /// @return  false where too many wait, or where a journal cannot be told of a motion that it does
+  /// @error kBusy: too many wait; kNotRecorded: a journal cannot be told of a motion that it does
   /// not follow
-  bool post(const control::Command& command, std::uint32_t stops_seen);
+  Expected<void> post(const control::Command& command, std::uint32_t stops_seen);
   /// The view knows of every stop that was asked for: what is given from now on is behind them.
   bool stops_seen() const;
   /// What in its cell this error is about; nothing where it is about something else.
@@ -153,7 +153,8 @@ class Station {
   Station(RobotModel robot, StationOptions options, const io::Clock& clock);
 
   io::IoResult<void> prepare();
-  bool forget_port();
+  Expected<void> forget_port();
+  io::IoResult<void> connect();
   void run();
   void turn(ControlLoop& loop, Instant& retry_at);
   bool at_rest(const control::Controller& controller) const;

@@ -67,17 +67,12 @@ std::uint32_t StationClient::give(const control::CommandWhat& what) {
 }
 
 void StationClient::send(const Command& command) {
-  if (const auto room = station_.claim(command); !room) {
-    refused_.push_back({.kind = ControlEvent::Kind::kRefused,
-                        .command = command.id,
-                        .error = room.error(),
-                        .lease = {}});
-    return;
-  }
-  if (station_.post(command, view_.stops)) return;
+  auto given = station_.claim(command);
+  if (given) given = station_.post(command, view_.stops);
+  if (given) return;
   refused_.push_back({.kind = ControlEvent::Kind::kRefused,
                       .command = command.id,
-                      .error = {ErrorCode::kBusy},
+                      .error = given.error(),
                       .lease = {}});
 }
 

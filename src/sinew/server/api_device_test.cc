@@ -43,6 +43,17 @@ Json last_frame(ApiClient& client, const std::string& robot, const std::string& 
   return last;
 }
 
+TEST(ApiDevice, boards_that_can_test_themselves_do_and_others_say_that_they_cannot) {
+  ApiCell cell({place("arm", "robot-arm-2"), place("small", "learm")});
+  ApiClient client(cell);
+  EXPECT_NE(client.sentence("robot.self_test", {{"robot", "arm"}}), "") << "without the lease";
+  make_ready(client, "arm");
+  EXPECT_EQ(client.sentence("robot.self_test", {{"robot", "arm"}}), "");
+  make_ready(client, "small");
+  EXPECT_EQ(client.sentence("robot.self_test", {{"robot", "small"}}),
+            "this device has no command for that");
+}
+
 TEST(ApiDevice, looking_on_needs_no_lease_and_sends_nothing) {
   ApiCell cell({place("six", "hexapod")});
   ApiClient viewer(cell, Role::kViewer);

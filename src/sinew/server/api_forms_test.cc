@@ -41,8 +41,7 @@ TEST(ApiForms, a_sequence_is_checked_previewed_and_run_as_it_is_with_its_own_lin
     EXPECT_EQ(job["notes"], check["notes"]);
   }
   for (const char* method : {"program.check", "program.run", "robot.preview"}) {
-    EXPECT_NE(client
-                  .sentence(method, {{"robot", "big"}, {"text", kSequence}, {"form", "dance"}})
+    EXPECT_NE(client.sentence(method, {{"robot", "big"}, {"text", kSequence}, {"form", "dance"}})
                   .find("form is sequence, pos or gcode"),
               std::string::npos);
     // What is wrong with it has the line of the text.

@@ -95,6 +95,8 @@ Api::Answer Api::call(const Method& method, const Call& call) {
       return give(call, control::Disable{});
     case MethodId::kRobotAcknowledge:
       return give(call, control::Acknowledge{});
+    case MethodId::kRobotSelfTest:
+      return give(call, control::Service{DeviceService::kSelfTest});
     case MethodId::kRobotStop:
       return stop(call);
     case MethodId::kRobotFeed:
@@ -320,9 +322,8 @@ Api::Answer Api::declare(const Call& call) {
   const runtime::Station& station = cell_.station(*call.robot);
   const auto hand = moved(call);
   if (!hand) return hand.error();
-  control::Declare declare{.positions = {},
-                           .moved = *hand,
-                           .zeroes_counters = call.request.flag("zero_counters")};
+  control::Declare declare{
+      .positions = {}, .moved = *hand, .zeroes_counters = call.request.flag("zero_counters")};
   const runtime::StationView view = station.view();
   const auto given = call.request.params.find("positions");
   if (call.request.flag("shown")) {

@@ -76,9 +76,8 @@ TEST(ApiRecovery, a_place_against_what_is_measured_needs_to_be_told_as_moved_wit
   bool told = false;
   const Json events = client.call("events.list")["result"]["events"];
   for (const Json& event : events) {
-    told = told ||
-           (event["kind"] == "declaration_refused" && event.value("reason", "") != "" &&
-            event["positions"].size() == 5 && event["trouble"] != "");
+    told = told || (event["kind"] == "declaration_refused" && event.value("reason", "") != "" &&
+                    event["positions"].size() == 5 && event["trouble"] != "");
   }
   EXPECT_TRUE(told);
 }
@@ -95,10 +94,10 @@ TEST(ApiRecovery, a_statement_leaves_an_event_with_its_place_and_what_was_known_
   for (const Json& joint : status["joints"]) {
     positions.push_back(joint["position_m"].get<double>() - 1e-3);
   }
-  EXPECT_EQ(client.sentence("robot.declare", {{"robot", "six"},
-                                              {"positions", positions},
-                                              {"moved", "let down by hand"}}),
-            "");
+  EXPECT_EQ(
+      client.sentence("robot.declare",
+                      {{"robot", "six"}, {"positions", positions}, {"moved", "let down by hand"}}),
+      "");
   Json last;
   const Json events = client.call("events.list")["result"]["events"];
   for (const Json& event : events) {

@@ -237,6 +237,11 @@ constexpr auto kMethods = std::to_array<Method>({
      kRobotOnly, "an empty object"},
     {MethodId::kRobotAcknowledge, "robot.acknowledge", true,
      "a fault whose cause is gone; needs the lease", kRobotOnly, "an empty object"},
+    {MethodId::kRobotSelfTest, "robot.self_test", true,
+     "each board tests itself, where it has such a command; a homed one turns its motor a full "
+     "step "
+     "and back; needs the lease",
+     kRobotOnly, "an empty object, when all have passed"},
     {MethodId::kRobotStop, "robot.stop", false, "to rest; anybody may", kRobotOrAll,
      "an empty object, when it is told"},
     {MethodId::kRobotHold, "robot.hold", false,

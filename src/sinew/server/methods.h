@@ -49,6 +49,7 @@ enum class MethodId : std::uint8_t {
   kRobotEnable,
   kRobotDisable,
   kRobotAcknowledge,
+  kRobotSelfTest,
   kRobotStop,
   kRobotHold,
   kRobotResume,
