@@ -19,7 +19,9 @@ sys.path.insert(0, str(ROOT / "clients/python"))
 import sinew  # noqa: E402
 
 SECONDS = 10
-DEMO_MAX, REST_MAX = 0.25, 0.05  # of a core; docs/web.md has what was measured
+# Of a core; docs/web.md has what was measured. Processors differ: the same program took 16 % on one
+# and 34 % on another.
+DEMO_MAX, REST_MAX = 0.5, 0.1
 GROWTH_MB = 16
 
 

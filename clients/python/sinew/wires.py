@@ -81,14 +81,19 @@ class WebWire:
             opened = await websockets.connect(
                 url, subprotocols=["sinew.v1", "bearer." + token], compression=None,
                 max_size=MESSAGE_MAX, max_queue=256, open_timeout=20, **secured)
-        except websockets.exceptions.InvalidStatusCode as error:
+        except websockets.exceptions.InvalidHandshake as error:
+            # Where the status stands depends on the library's version: 10 (Debian 12), 15 (13).
+            status = getattr(error, "status_code", None) or getattr(
+                getattr(error, "response", None), "status_code", None)
+            if status is None:
+                raise
             raise ConnectionError({
                 401: "the token is not the one of this server",
                 403: "the server does not serve this origin",
                 421: "the server is not called so",
                 429: "too many wrong tokens came from here; wait a minute",
                 503: "the server has as many clients as it serves"}.get(
-                    error.status_code, f"the server answered {error.status_code}")) from error
+                    status, f"the server answered {status}")) from error
         self._reader = asyncio.ensure_future(self._read(opened))
         return opened
 

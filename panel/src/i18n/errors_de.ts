@@ -100,7 +100,7 @@ const codes: Record<string, string> = {
   declared_elsewhere: '{subject} kann nicht auf {measured} stehen: bekannt ist, dass es höchstens bei {limit} steht, {excess} daneben; wer es bewegt hat, muss das sagen',
   counted_elsewhere: '{subject} soll auf {measured} stehen, aber das Gerät zählt {limit}, {excess} auseinander; sagen, wo das Gerät es zählt, oder wer es bewegt hat und wie (moved:)',
   no_such_service: 'Dafür hat dieses Gerät keinen Befehl',
-  no_way_home: 'Die Nullpunkte sind gefunden, und die Gelenke bleiben neben ihren Endschaltern: kein Weg zur Grundstellung ist frei von einem ausgelassenen Gelenk, das überall sein kann',
+  no_way_home: 'Um ein ausgelassenes Gelenk herum fand sich kein Weg zur Grundstellung; nach der Suche bleiben die Gelenke neben ihren Endschaltern',
 };
 
 /** Dieselben, wo sich Körper überschneiden. */

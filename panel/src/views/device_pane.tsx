@@ -1,5 +1,5 @@
 import type { ComponentChildren, JSX } from 'preact';
-import { useState } from 'preact/hooks';
+import { useEffect, useState } from 'preact/hooks';
 import { errorSentence, t, tWord } from '../i18n';
 import { model, robot, status, store } from '../app';
 import { device } from '../device_state';
@@ -332,7 +332,7 @@ function Axes({ told, axes }: { told: DeviceJson; axes: AxisJson[] }): JSX.Eleme
   return (
     <section class="device-parts" aria-label={t('device.axes')}>
       <h3>{t('device.axes')}</h3>
-      {told.reports_status !== false && <SelfTest key={robot.value} name={robot.value!} />}
+      {told.reports_status !== false && <SelfTest key={robot.value} name={robot.value!} axes={axes} />}
       {axes.map((axis) => (
         <Axis key={axis.joint} axis={axis} blank={told.reports_status === false} />
       ))}
@@ -340,16 +340,21 @@ function Axes({ told, axes }: { told: DeviceJson; axes: AxisJson[] }): JSX.Eleme
   );
 }
 
-/** What it found wrong stands beside the button, and at the board. */
-function SelfTest({ name }: { name: string }): JSX.Element {
+/** What it found wrong stands at the board; the refusal that says so beside the button. */
+function SelfTest({ name, axes }: { name: string; axes: AxisJson[] }): JSX.Element {
   const [state, setState] = useState<'idle' | 'busy' | 'passed'>('idle');
   const test = async () => {
     setState('busy');
     setState((await store.selfTest(name)) ? 'passed' : 'idle');
   };
+  const ready = status.value?.state === 'ready';
+  const well = ready && axes.every((axis) => axis.answers && !axis.fault);
+  useEffect(() => {
+    if (!well) setState((now) => (now === 'passed' ? 'idle' : now));
+  }, [well]);
   return (
     <p class="device-test">
-      <button type="button" disabled={state === 'busy'} title={t('device.test.help')} onClick={() => void test()}>
+      <button type="button" disabled={state === 'busy' || !ready} title={t('device.test.help')} onClick={() => void test()}>
         {t('device.test')}
       </button>
       <span class="muted" aria-live="polite">

@@ -205,7 +205,9 @@ Outcome commission(CommissionRequest request) {
   io::catch_interrupts();
   auto cell = LocalCell::start(chosen->model, request.robot);
   if (!cell) return cell.error();
-  return drive(job, std::move(*cell));
+  Outcome outcome = drive(job, std::move(*cell));
+  if (request.procedure != "commission") tell_settings(chosen->settings, outcome);
+  return outcome;
 }
 
 }  // namespace sinew::cli

@@ -75,12 +75,18 @@ Outcome status(LocalCell& cell) {
   return outcome;
 }
 
+/// What a command that did not come to its end ends with.
+Outcome not_done(const LocalCell& cell, const control::ControlEvent& end) {
+  if (end.kind != control::ControlEvent::Kind::kStopped) return could_not(cell.sentence(end.error));
+  return could_not(cell.station().port_name() + ": stopped");
+}
+
 Outcome service(const DeviceRequest& request, LocalCell& cell) {
   if (const auto why = cell.enable()) return could_not(cell.sentence(*why));
   const bool wakes = request.action == "wake";
   const control::ControlEvent end =
       cell.carry_out(control::Service{wakes ? DeviceService::kWake : DeviceService::kShutDown});
-  if (end.kind != control::ControlEvent::Kind::kDone) return could_not(cell.sentence(end.error));
+  if (end.kind != control::ControlEvent::Kind::kDone) return not_done(cell, end);
   Outcome outcome;
   outcome.text = wakes ? "all motors are awake\n"
                        : "the controller is shut down; it hears nothing until its power was cut\n";
@@ -109,10 +115,7 @@ Outcome jog_leg(const DeviceRequest& request, LocalCell& cell) {
     const std::int64_t part = std::clamp(left, -most, most);
     const control::ControlEvent end =
         cell.carry_out(control::Nudge{leg, static_cast<double>(part) * unit});
-    if (end.kind == control::ControlEvent::Kind::kStopped) {
-      return could_not(*request.robot.port + ": stopped");
-    }
-    if (end.kind != control::ControlEvent::Kind::kDone) return could_not(cell.sentence(end.error));
+    if (end.kind != control::ControlEvent::Kind::kDone) return not_done(cell, end);
     left -= part;
   }
   Outcome outcome;
@@ -126,20 +129,20 @@ Outcome jog_leg(const DeviceRequest& request, LocalCell& cell) {
 Outcome self_test(LocalCell& cell) {
   if (const auto why = cell.enable()) return could_not(cell.sentence(*why));
   const RobotModel& model = cell.station().robot();
+  const runtime::StationView before = cell.station().view();
   const control::ControlEvent end = cell.carry_out(control::Service{DeviceService::kSelfTest});
-  if (end.kind != control::ControlEvent::Kind::kDone) {
-    const bool none = end.error.code == ErrorCode::kNoSuchService;
+  if (end.error.code == ErrorCode::kNoSuchService) {
     return could_not(cell.sentence(end.error) +
-                     (none ? "; boards of the profile as-built tell nothing of themselves" : ""));
+                     "; boards of the profile as-built tell nothing of themselves");
   }
+  if (end.kind != control::ControlEvent::Kind::kDone) return not_done(cell, end);
   Outcome outcome;
   outcome.json = {{"done", "test"}, {"boards", Json::array()}};
-  const runtime::StationView view = cell.station().view();
   for (std::size_t j = 0; j < model.joints.size(); ++j) {
     const bool asked = !is_left_out(model, j);
-    const bool turned = asked && view.positions[j].quality != PositionQuality::kLost;
+    const bool turned = asked && before.positions[j].quality != PositionQuality::kLost;
     const char* what = turned  ? "passed; its motor turned a full step and back"
-                       : asked ? "passed; not homed, so nothing turned"
+                       : asked ? "passed; a motor turns only where its joint is known"
                                : "left out";
     outcome.text += fmt::format("  {}: {}\n", model.joints[j].name, what);
     outcome.json["boards"].push_back(
@@ -161,7 +164,7 @@ Outcome release(const DeviceRequest& request, LocalCell& cell) {
   if (why && !is_latched_stop(why->code)) return could_not(cell.sentence(*why));
   if (why) {
     const control::ControlEvent end = cell.carry_out(control::Acknowledge{});
-    if (end.kind != control::ControlEvent::Kind::kDone) return could_not(cell.sentence(end.error));
+    if (end.kind != control::ControlEvent::Kind::kDone) return not_done(cell, end);
     const bool own = why->code == ErrorCode::kStopLatched;
     outcome.text = own ? "released: an earlier run on this computer had set the latch; nothing has "
                          "moved\n"
@@ -223,10 +226,18 @@ Outcome run_device_action(const DeviceRequest& request) {
   // Through a cell of its own: controller, journal and settings as of any other motion.
   auto cell = LocalCell::start(chosen->model, request.robot);
   if (!cell) return cell.error();
-  if (request.action == "release") return release(request, **cell);
-  if (request.action == "test") return self_test(**cell);
-  if (request.action == "jog") return jog_leg(request, **cell);
-  return request.action == "status" ? status(**cell) : service(request, **cell);
+  Outcome outcome;
+  if (request.action == "release") {
+    outcome = release(request, **cell);
+  } else if (request.action == "test") {
+    outcome = self_test(**cell);
+  } else if (request.action == "jog") {
+    outcome = jog_leg(request, **cell);
+  } else {
+    outcome = request.action == "status" ? status(**cell) : service(request, **cell);
+  }
+  tell_settings(chosen->settings, outcome);
+  return outcome;
 }
 
 }  // namespace sinew::cli

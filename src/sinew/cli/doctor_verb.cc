@@ -70,6 +70,7 @@ Outcome ask_robot(const DoctorRequest& request) {
   const runtime::Station& station = (*cell)->station();
   const std::string answer = healthy_text(model, station.view());
   outcome.text += fmt::format("\n  {} answers on {}: {}\n", model.id, port, answer);
+  tell_settings(chosen->settings, outcome);
   const std::string suspicion = station.suspicion();
   outcome.json["answer"] = {{"ok", suspicion.empty()},
                             {"sentence", suspicion.empty() ? answer : suspicion}};

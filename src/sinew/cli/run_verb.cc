@@ -95,15 +95,7 @@ std::expected<void, Outcome> take_part(const RunRequest& request, Prepared& prep
 
 /// How a run is another one than its file says.
 void tell_part(const RunRequest& request, const Prepared& prepared, Outcome& outcome) {
-  const auto& [settings, note] = prepared.settings;
-  if (!settings.empty()) {
-    outcome.json["settings"] = settings;
-    outcome.text += "  note: with what commissioning found, " + settings + "\n";
-  }
-  if (!note.empty()) {
-    outcome.json["settings_note"] = note;
-    outcome.text += "  note: " + note + "\n";
-  }
+  tell_settings(prepared.settings, outcome);
   for (const program::ProgramNote& one : prepared.program.notes) {
     const std::string sentence = fmt::format("line {}: {}", one.line, one.sentence);
     outcome.json["notes"].push_back(sentence);

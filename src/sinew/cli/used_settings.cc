@@ -18,6 +18,17 @@ std::string usual_settings(const RobotModel& robot) {
 
 }  // namespace
 
+void tell_settings(const UsedSettings& settings, Outcome& outcome) {
+  if (!settings.file.empty()) {
+    outcome.json["settings"] = settings.file;
+    outcome.text += "  note: with what commissioning found, " + settings.file + "\n";
+  }
+  if (!settings.note.empty()) {
+    outcome.json["settings_note"] = settings.note;
+    outcome.text += "  note: " + settings.note + "\n";
+  }
+}
+
 std::expected<FileSettings, std::string> read_settings_file(const RobotModel& robot,
                                                             const std::string& path) {
   const auto file = runtime::read_commissioning(path, robot);

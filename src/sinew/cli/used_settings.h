@@ -23,6 +23,9 @@ std::expected<UsedSettings, Outcome> use_commissioning(RobotModel& robot,
                                                        const std::optional<std::string>& settings,
                                                        bool real);
 
+/// Says which file counts, and what does not.
+void tell_settings(const UsedSettings& settings, Outcome& outcome);
+
 /// What a file of commissioning found, and a sentence on what of it does not count.
 struct FileSettings {
   program::FoundSettings settings;

@@ -93,6 +93,10 @@ Expected<bool> Controller::on(const Disable& /*disable*/, const Asked& asked) {
   end_task(ControlEvent::Kind::kStopped, {}, StopCause::kShutdown);
   end_enabling(ControlEvent::Kind::kStopped);
   driver_.close(asked.now);
+  // What its end ended has been told; a port that was closed on purpose is no failure.
+  while (driver_.take_event()) {
+  }
+  outstanding_ = 0;
   change(Signal::kDisable);
   return true;
 }

@@ -261,8 +261,8 @@ constexpr std::array kTable = std::to_array<ErrorInfo>({
     {kNoSuchService, "no_such_service", "this device has no command for that", kNone, true, kNoStop,
      422},
     {kNoWayHome, "no_way_home",
-     "the zeros are found, and the joints stay beside their end stops: no way home is clear of a "
-     "joint that is left out, which may be anywhere",
+     "no way home was found around a joint that is left out, so the joints stay beside their end "
+     "stops behind the search",
      kNone, true, kNoStop, 409},
 });
 

@@ -102,8 +102,8 @@ class AxisLinkDriver : public SpiDriver {
     const bool searching = activity_ == Activity::kHoming && homing_place_ < joints_.size();
     return searching ? std::optional<std::size_t>(homing_order_[homing_place_]) : std::nullopt;
   }
-  /// kSelfTest: the axes that are up, one after the other in the order of homing.
-  /// @error kNoSuchService, kPortClosed, the fault, kBusy
+  /// kSelfTest: the axes one after the other, in the order of homing; nothing moves where one is
+  /// out. @error kNoSuchService, kPortClosed, the fault, kBusy, or the fault of an axis that is out
   Expected<void> service(DeviceService what, Instant now) override;
   /// Every axis that is out gets a new session, its latch released and its faults cleared; kDone
   /// follows where one axis is fit to move. @error kPortClosed, kBusy

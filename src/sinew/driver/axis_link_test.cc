@@ -343,6 +343,16 @@ TEST(AxisLinkDriver, self_test_goes_from_axis_to_axis_and_ends_with_the_one_that
   EXPECT_EQ(cell.axes[2]->self_tests, 1);
 }
 
+TEST(AxisLinkDriver, self_test_is_refused_where_an_axis_is_out) {
+  LinkCell cell(3);
+  cell.open_at(0);
+  cell.axes[1]->stop(AxisFault::kTooHot);
+  cell.run_for(20ms);
+  EXPECT_EQ(cell.driver->service(DeviceService::kSelfTest, cell.now).error(),
+            (Error{ErrorCode::kOverheated, 1}));
+  EXPECT_EQ(cell.axes[0]->self_tests, 0);
+}
+
 TEST(AxisLinkDriver, an_axis_fault_in_motion_stops_all_and_clear_fault_brings_it_back) {
   LinkCell cell;
   cell.open_at(0);

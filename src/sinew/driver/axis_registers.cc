@@ -183,9 +183,8 @@ Expected<void> AxisRegistersDriver::move(const JointMove& move, Instant now) {
 }
 
 void AxisRegistersDriver::stop(Instant now) {
-  if (activity_ == Activity::kClosed) {
-    return tell(DriverEvent::Kind::kFailed, {ErrorCode::kPortClosed});
-  }
+  // Nothing leaves any more, which is as good as a stop gets.
+  if (activity_ == Activity::kClosed) return tell(DriverEvent::Kind::kStopped);
   stop_asked_ = true;
   if (activity_ == Activity::kStopping) return;
   open_again_ = activity_ == Activity::kOpening;
@@ -225,10 +224,15 @@ Expected<void> AxisRegistersDriver::service(DeviceService what, Instant now) {
   const bool tests = what == DeviceService::kSelfTest && device_.reports_status;
   if (!tests) return std::unexpected(Error{ErrorCode::kNoSuchService});
   if (const auto error = check_ready()) return std::unexpected(*error);
+  // Its end speaks for all of them, so all of them are there.
+  for (const Axis& axis : axes_) {
+    if (axis.fault) return std::unexpected(*axis.fault);
+  }
   begin(Activity::kTesting);
   for (std::size_t i = 0; i < axes_.size(); ++i) {
+    if (is_out_by_choice(i)) continue;
     Axis& axis = axes_[i];
-    if (!axis.answers || axis.fault || is_out_by_choice(i)) continue;
+    axis.was_known = axis.knows;
     axis.phase = axis.latched ? Phase::kRelease : Phase::kTest;
     axis.not_before = now;
   }
@@ -271,7 +275,8 @@ void AxisRegistersDriver::begin(Activity activity) {
   for (Axis& axis : axes_) {
     axis.phase = Phase::kDone;
     // What follows changes what was found, or where the joint stands.
-    if (activity != Activity::kClearing) axis.found.reset();
+    const bool stays = activity == Activity::kClearing || activity == Activity::kTesting;
+    if (!stays) axis.found.reset();
   }
 }
 
@@ -488,10 +493,11 @@ void AxisRegistersDriver::finish_testing(Instant now) {
   activity_ = Activity::kIdle;
   watch_at_ = now + timing_.watch;
   command_ = false;
-  for (const Axis& axis : axes_) {
-    if (axis.fault) return tell(DriverEvent::Kind::kFailed, *axis.fault);
-  }
-  tell(DriverEvent::Kind::kDone);
+  const auto failed =
+      std::ranges::find_if(axes_, [](const Axis& axis) { return axis.fault.has_value(); });
+  if (failed == axes_.end()) return tell(DriverEvent::Kind::kDone);
+  fault_ = failed->fault;
+  tell(DriverEvent::Kind::kFailed, *fault_);
 }
 
 void AxisRegistersDriver::fail_motion(Error error, Instant now) {

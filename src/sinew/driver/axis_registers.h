@@ -105,8 +105,10 @@ class AxisRegistersDriver : public SpiDriver {
   /// @error kPortClosed, kBusy
   Expected<void> clear_fault(Instant now) override;
   bool clearing() const override { return activity_ == Activity::kClearing; }
-  /// kSelfTest: DIAG_CONTROL 2, on all boards that are there at once.
-  /// @error kNoSuchService (also boards without a status), kPortClosed, kBusy, the fault
+  /// kSelfTest: DIAG_CONTROL 2 on all boards at once; what fails is the fault of the whole arm.
+  /// Nothing moves where one of them is out.
+  /// @error kNoSuchService (also boards without a status), kPortClosed, kBusy, the fault, or the
+  ///        one of a board that is out
   Expected<void> service(DeviceService what, Instant now) override;
   /// At rest only; what the boards report goes before it, and positions() shows what was kept.
   void declare_positions(std::span<const JointPosition> positions) override;
@@ -174,6 +176,7 @@ class AxisRegistersDriver : public SpiDriver {
     bool homing = false;          ///< told to, and not seen to end
     bool unheld = false;          ///< its current was weak or off since it was homed
     bool moves = false;           ///< has a target of its own in this move
+    bool was_known = false;       ///< `knows`, when its test began
     Phase phase = Phase::kDone;
     Instant not_before;
     Instant deadline;

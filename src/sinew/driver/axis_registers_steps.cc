@@ -260,6 +260,10 @@ void AxisRegistersDriver::take_test(std::size_t i, const Status& status, Instant
   if (late && !axis.fault) {
     axis.fault = Error{ErrorCode::kSelfTestFailed, static_cast<std::int8_t>(i)};
   }
+  // Its power was away in between, and its test with it.
+  if (axis.was_known && !axis.knows && !axis.fault) {
+    axis.fault = Error{ErrorCode::kPositionUnknown, static_cast<std::int8_t>(i)};
+  }
   if (!status.moving || axis.fault) axis.phase = Phase::kDone;
 }
 

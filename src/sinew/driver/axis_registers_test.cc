@@ -309,6 +309,7 @@ TEST(AxisRegistersDriver, self_test_asks_every_board_and_tells_of_one_that_fails
   for (const auto& axis : cell.axes) EXPECT_EQ(axis.self_tests, 1);
   cell.expect_honest();
   EXPECT_EQ(cell.driver->positions()[0].quality, PositionQuality::kCommanded);
+  EXPECT_TRUE(cell.driver->counted(0)) << "what was read at the opening still counts";
   // The others test themselves all the same, and a board whose time is over has failed.
   cell.axes[1].told().moving = true;
   cell.axes[1].endless = true;
@@ -320,6 +321,27 @@ TEST(AxisRegistersDriver, self_test_asks_every_board_and_tells_of_one_that_fails
   EXPECT_EQ(cell.driver->axis_fault(4)->code, ErrorCode::kSelfTestFailed);
   for (const auto& axis : cell.axes) EXPECT_EQ(axis.self_tests, 2);
   EXPECT_FALSE(cell.driver->axis_fault(0));
+  // Held until somebody acknowledges it.
+  EXPECT_EQ(cell.driver->state(), DriverState::kFault);
+  cell.axes[1].told().moving = cell.axes[1].endless = false;
+  cell.axes[4].test_fails = false;
+  ASSERT_TRUE(cell.driver->clear_fault(cell.now));
+  EXPECT_EQ(cell.finish().kind, Kind::kDone);
+  ASSERT_TRUE(cell.driver->service(DeviceService::kSelfTest, cell.now));
+  EXPECT_EQ(cell.finish().kind, Kind::kDone);
+}
+
+TEST(AxisRegistersDriver, self_test_tells_of_a_board_whose_power_was_away) {
+  RegisterCell cell;
+  cell.start_at(20);
+  cell.axes[2].told().moving = true;
+  cell.axes[2].endless = true;
+  ASSERT_TRUE(cell.driver->service(DeviceService::kSelfTest, cell.now));
+  cell.run_for(1s);
+  cell.axes[2].reboot();
+  const DriverEvent end = cell.finish();
+  EXPECT_EQ(end.kind, Kind::kFailed);
+  EXPECT_EQ(end.error, (Error{ErrorCode::kPositionUnknown, 2}));
 }
 
 TEST(AxisRegistersDriver, boards_that_tell_nothing_of_themselves_are_asked_for_no_self_test) {
@@ -515,7 +537,8 @@ TEST(AxisRegistersDriver, closing_ends_a_command_and_leaves_its_interval) {
   cell.run_for(5s);
   cell.expect_honest("after the port went");
   cell.driver->stop(cell.now);
-  EXPECT_EQ(cell.finish(1).error.code, ErrorCode::kPortClosed);
+  cell.run_for(1ms);
+  EXPECT_EQ(cell.ends().back().kind, Kind::kStopped);
 }
 
 // What the next host finds on boards that kept their power, and on those that did not.

@@ -49,7 +49,29 @@ DiskResult<void> PortClaims::write(const std::string& name, std::string_view jou
   return done ? disk_.sync_folder() : done;
 }
 
+/// Of other machines of this kind.
+DiskResult<void> PortClaims::let_go_of_others(std::string_view journal) {
+  const auto files = disk_.list();
+  if (!files) return std::unexpected(files.error());
+  const std::string begin = std::string(journal) + "\n" + robot_ + "\n";
+  for (const std::string& file : *files) {
+    if (!file.starts_with("port-") || !file.ends_with(".claim")) continue;
+    std::array<std::uint8_t, 4096> bytes{};
+    const auto size = disk_.read(file, bytes);
+    if (!size) continue;
+    const std::string text(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(*size));
+    if (!text.starts_with(begin) || !text.ends_with('\n')) continue;
+    const std::string name = text.substr(begin.size(), text.size() - begin.size() - 1);
+    if (auto written = write(name, ""); !written) return written;
+  }
+  return {};
+}
+
 DiskResult<void> PortClaims::claim(std::string_view journal) {
+  const std::vector<std::string> before = owners();
+  if (std::ranges::find(before, journal) == before.end()) {
+    if (auto done = let_go_of_others(journal); !done) return done;
+  }
   for (const std::string& name : names_) {
     const auto owner = owner_of(name);
     if (!owner.empty() && owner.front() == journal) continue;

@@ -20,7 +20,8 @@ class PortClaims {
   /// The journals on record for any of the names, each once, sorted; "" stands for a run without a
   /// journal that moved the machine, and for a file that cannot be read.
   std::vector<std::string> owners();
-  /// On disk when this returns.
+  /// On disk when this returns. Where none of the names was this journal's it follows another
+  /// machine from now on, and says nothing any more of those that it followed before.
   DiskResult<void> claim(std::string_view journal);
   /// A run without a journal begins to move the machine. Where no journal is on record nothing is
   /// written. On disk when this returns.
@@ -31,6 +32,7 @@ class PortClaims {
   /// Nothing where no journal is on record.
   std::vector<std::string> owner_of(const std::string& name);
   DiskResult<void> write(const std::string& name, std::string_view journal);
+  DiskResult<void> let_go_of_others(std::string_view journal);
 
   Disk& disk_;
   std::vector<std::string> names_;

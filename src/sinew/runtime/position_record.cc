@@ -82,8 +82,9 @@ io::IoResult<void> PositionRecord::take_port(const RobotModel& robot, const std:
   io::IoResult<void> done;
   if (!ours && owners.front().empty()) {
     note_ = fmt::format(
-        "a run without --journal moved the machine on {} last, so the position journal '{}' does "
-        "not know its position",
+        "a run without --journal moved the machine on {} last, or its position journal has "
+        "followed "
+        "another machine since, so '{}' does not know its position",
         port, name_);
     done = lose(robot);
   } else if (!ours && owners.size() > 1) {
@@ -110,13 +111,15 @@ io::IoResult<void> PositionRecord::follow_port(const RobotModel& robot,
   PortClaims claims(*disk, io::port_identities(port), robot.id);
   for (const std::string& owner : claims.owners()) {
     if (owner == name_) continue;
-    return std::unexpected(io::IoError{fmt::format(
-        "{}: {} the machine that is there now, and '{}' does not know where it stands; end this "
-        "program and start it again",
-        port,
-        owner.empty() ? "a run without --journal moved"
-                      : "the position journal '" + owner + "' followed",
-        name_)});
+    const std::string who =
+        owner.empty()
+            ? "a run without --journal moved the machine that is there now, or its "
+              "position journal has followed another one since"
+            : "the position journal '" + owner + "' followed the machine that is there now";
+    return std::unexpected(
+        io::IoError{fmt::format("{}: {}, and '{}' does not know where it stands; end this program "
+                                "and start it again",
+                                port, who, name_)});
   }
   if (const auto claimed = claims.claim(name_); !claimed) {
     return std::unexpected(cannot_be_used(disk->path(), name_, claimed.error()));

@@ -133,6 +133,11 @@ TEST_F(OneFolder, machine_that_is_plugged_in_later_is_known_where_this_journal_f
     ASSERT_TRUE(a);
     EXPECT_TRUE((*a)->follow_port(arm(), "y"));
     EXPECT_TRUE((*a)->follow_port(arm(), "z"));
+    // Another machine than before; where the one on y was left it no longer knows.
+    const auto left = (*a)->follow_port(arm(), "y");
+    ASSERT_FALSE(left);
+    EXPECT_NE(left.error().sentence.find("has followed another one since"), std::string::npos)
+        << left.error().sentence;
     const auto theirs = (*a)->follow_port(arm(), "x");
     ASSERT_FALSE(theirs);
     EXPECT_EQ(theirs.error().sentence,

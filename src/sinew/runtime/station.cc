@@ -58,7 +58,8 @@ bool moves(const control::CommandWhat& what) {
          std::holds_alternative<control::Nudge>(what) ||
          std::holds_alternative<control::JogAt>(what) ||
          std::holds_alternative<control::Resume>(what) ||
-         std::holds_alternative<control::UseTool>(what);
+         std::holds_alternative<control::UseTool>(what) ||
+         std::holds_alternative<control::Service>(what);
 }
 
 control::ControllerStart start_of(const PositionRecord* record,
@@ -100,7 +101,7 @@ io::IoResult<void> Station::prepare() {
   if (!connected) trouble_ = connected.error().sentence;
   if (options_.journal) {
     auto opened = PositionRecord::open(options_.journal_folder, *options_.journal, robot_,
-                                       options_.port.value_or(""));
+                                       connected_ ? options_.port.value_or("") : "");
     // Another process that has the port has the journal that follows it.
     if (!opened) return std::unexpected(connected_ ? opened.error() : connected.error());
     record_ = std::move(*opened);
