@@ -7,7 +7,7 @@ source "$(dirname "${BASH_SOURCE[0]}")/lib.sh"
 packages_of() {
   case $1 in
     build) echo g++ cmake ninja-build libtomlplusplus-dev nlohmann-json3-dev libcli11-dev \
-      libfmt-dev libboost-dev libssl-dev ;;
+      libfmt-dev libboost-dev libssl-dev libpng-dev libturbojpeg0-dev ;;
     # Another node than Debian's will do, and brings an npm that Debian's is at odds with.
     panel) command -v node >/dev/null && command -v npm >/dev/null || echo nodejs npm ;;
     browser) command -v chromium >/dev/null || echo chromium ;;

@@ -8,7 +8,7 @@ source "$(dirname "${BASH_SOURCE[0]}")/lib.sh"
 # Rooms that read what others have written (bytes of devices, files, journals): their tests are
 # repeated under the sanitizers, with the network door and the replayed fuzz corpora. Every other
 # test under them: make campaign PARTS=asan.
-byte_rooms="core wire config driver program io runtime"
+byte_rooms="core wire config driver program io runtime vision"
 
 passed=0
 failed=0

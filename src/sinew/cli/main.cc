@@ -13,6 +13,7 @@
 #include "sinew/cli/check_verb.h"
 #include "sinew/cli/commission_verb.h"
 #include "sinew/cli/convert_verb.h"
+#include "sinew/cli/detect_verb.h"
 #include "sinew/cli/device_verb.h"
 #include "sinew/cli/doctor_verb.h"
 #include "sinew/cli/forward_verb.h"
@@ -59,6 +60,7 @@ struct Call {
   CheckRequest check;
   FormatRequest format;
   ConvertRequest convert;
+  DetectRequest detect;
 };
 
 CLI::App* add_verb(CLI::App& app, Call& call, const std::string& name, const std::string& what,
@@ -641,6 +643,13 @@ void add_format(CLI::App& app, Call& call) {
   verb->callback([&call] { call.verb = [&call] { return format_programs(call.format); }; });
 }
 
+void add_detect(CLI::App& app, Call& call) {
+  CLI::App* verb = add_verb(app, call, "detect", "the coloured cubes in pictures of a table",
+                            "sinew detect table.jpg --debug seen.png");
+  declare_options(*verb, call.detect);
+  verb->callback([&call] { call.verb = [&call] { return detect(call.detect); }; });
+}
+
 void add_convert(CLI::App& app, Call& call) {
   CLI::App* verb =
       add_verb(app, call, "convert", "programs and poses from and to the forms that others read",
@@ -739,6 +748,7 @@ int run(std::span<char*> arguments) {
   add_check(app, call);
   add_format(app, call);
   add_convert(app, call);
+  add_detect(app, call);
   try {
     // Backwards, as CLI11 wants a vector.
     app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));

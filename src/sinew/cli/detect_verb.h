@@ -1,0 +1,26 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sinew/cli/outcome.h"
+
+namespace CLI {
+class App;
+}
+
+namespace sinew::cli {
+
+struct DetectRequest {
+  std::vector<std::string> images;   ///< JPEG or PNG files
+  std::vector<std::string> colors;   ///< these only; all of them where empty
+  std::optional<std::string> debug;  ///< PNG file: what was seen, and what was refused
+};
+
+void declare_options(CLI::App& verb, DetectRequest& request);
+
+/// `sinew detect`: the coloured cubes in pictures of a table from above.
+Outcome detect(const DetectRequest& request);
+
+}  // namespace sinew::cli
