@@ -24,7 +24,8 @@ class ServedCell(unittest.TestCase):
         cls.socket = str(folder / "cell.sock")
         cls.server = subprocess.Popen(
             [cls.PROGRAM, "serve", str(folder / "cell.toml"), "--socket", cls.socket, "--listen",
-             "127.0.0.1:0", "--program-folder", str(folder / "kept"), "--json"], stdout=subprocess.PIPE, text=True)
+             "127.0.0.1:0", "--program-folder", str(folder / "kept"), "--json"],
+            stdout=subprocess.PIPE, text=True)
         cls.begun = json.loads(cls.server.stdout.readline())
         cls.url = cls.begun["web"]["url"]
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""How well `sinew detect` finds the cubes in photos that somebody has marked.
+"""How well `sinew detect` finds the cubes in photos whose cubes are marked.
 
 score.py SINEW [FOLDER]: FOLDER, or SINEW_PHOTOS, has the photos and a groundtruth.json:
 {"images": [{"file", "match_tol_px", "roi": [x0, y0, x1, y1] or null,

@@ -22,16 +22,22 @@ using vision::Pixel;
 
 constexpr std::size_t kFileMax = std::size_t{256} << 20U;  // a PNG of all pixels that are read
 
+/// "red, orange, .."
+std::string all_colors() {
+  std::string all;
+  for (std::size_t i = 0; i < vision::kColorNames; ++i) {
+    all += (i == 0 ? "" : ", ") + std::string(name(static_cast<vision::ColorName>(i)));
+  }
+  return all;
+}
+
 std::expected<vision::DetectionSettings, Outcome> settings_of(const DetectRequest& request) {
   vision::DetectionSettings settings;
   for (const std::string& text : request.colors) {
     const auto color = vision::color_named(text);
     if (!color) {
-      std::string all;
-      for (std::size_t i = 0; i < vision::kColorNames; ++i) {
-        all += (i == 0 ? "" : ", ") + std::string(name(static_cast<vision::ColorName>(i)));
-      }
-      return std::unexpected(bad_input("--colors: '" + printable(text) + "' is none of " + all));
+      return std::unexpected(
+          bad_input("--colors: '" + printable(text) + "' is none of " + all_colors()));
     }
     settings.colors.push_back(*color);
   }
@@ -106,9 +112,7 @@ std::string detection_text(const std::string& path, const Picture& picture,
 
 void declare_options(CLI::App& verb, DetectRequest& request) {
   verb.add_option("IMAGE", request.images, "JPEG or PNG files: a table from above")->required();
-  verb.add_option("--colors", request.colors,
-                  "these only, comma between: red, orange, yellow, green, blue, purple, pink, "
-                  "black, wood")
+  verb.add_option("--colors", request.colors, "these only, comma between: " + all_colors())
       ->delimiter(',');
   verb.add_option("--debug", request.debug,
                   "PNG file: what was seen in green, what was refused in magenta, with numbers");

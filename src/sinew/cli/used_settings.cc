@@ -8,8 +8,7 @@
 namespace sinew::cli {
 namespace {
 
-/// Where the settings of a robot are looked for where nobody names a file; empty where there are
-/// none.
+/// The usual settings file of a robot; empty if there is none.
 std::string usual_settings(const RobotModel& robot) {
   const auto usual = runtime::commissioning_path(robot.id);
   // Without a state folder nothing was ever kept.
@@ -65,7 +64,7 @@ std::expected<UsedSettings, Outcome> use_commissioning(RobotModel& robot,
   const std::string path = settings ? *settings : usual_settings(robot);
   if (path.empty() && !settings) return UsedSettings{};
   if (!settings) {
-    // Somebody is in the middle of it; that is no reason to run nothing.
+    // A commissioning in progress does not keep other programs from running.
     const auto file = runtime::read_commissioning(path, robot);
     if (file && !file->finished) {
       return UsedSettings{{},

@@ -28,6 +28,13 @@ Evidence evidence_of(const RobotModel& robot, std::size_t joint, const JointPosi
           slack};
 }
 
+/// Whatever it reports of that is dropped: the command it ends has its end already, and a port that
+/// was closed on purpose is no failure.
+void close_on_purpose(Driver& driver, Instant now) {
+  driver.close(now);
+  while (driver.take_event()) continue;
+}
+
 /// What is done at once when it is done at all.
 Expected<bool> at_once(const Expected<void>& what) {
   if (!what) return std::unexpected(what.error());
@@ -92,10 +99,7 @@ Expected<bool> Controller::on(const Disable& /*disable*/, const Asked& asked) {
   if (!next_state(state_, Signal::kDisable)) return refused(ErrorCode::kWrongState);
   end_task(ControlEvent::Kind::kStopped, {}, StopCause::kShutdown);
   end_enabling(ControlEvent::Kind::kStopped);
-  driver_.close(asked.now);
-  // What its end ended has been told; a port that was closed on purpose is no failure.
-  while (driver_.take_event()) {
-  }
+  close_on_purpose(driver_, asked.now);
   outstanding_ = 0;
   change(Signal::kDisable);
   return true;
@@ -401,9 +405,7 @@ bool Controller::device_being_told() const {
 }
 
 void Controller::acknowledged(Instant now) {
-  driver_.close(now);
-  // Clearing a fault may open the device, and closing it ends that: told is only what comes later.
-  while (driver_.take_event()) continue;
+  close_on_purpose(driver_, now);
   latched_.reset();
   later_.clear();
   change(Signal::kAcknowledge);

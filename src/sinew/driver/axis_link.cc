@@ -20,6 +20,14 @@ constexpr int kRoundsOfAhead = 8;
 /// rad. A target nearer than this to where an axis stands leaves that axis alone.
 constexpr double kLeftAlone = 1.6e-3;  // an AS5600's count
 
+/// Why the first axis that is out is out.
+std::optional<Error> first_out(std::span<const Channel> channels) {
+  for (const Channel& channel : channels) {
+    if (const auto out = channel.error()) return out;
+  }
+  return std::nullopt;
+}
+
 Error with_index(Error error, std::size_t joint) {
   error.index = static_cast<std::int8_t>(joint);
   return error;
@@ -207,9 +215,7 @@ void AxisLinkDriver::begin_stop(Mode mode, Instant now) {
 Expected<void> AxisLinkDriver::home(Instant now, std::uint8_t joints) {
   if (const auto may = may_begin(); !may) return may;
   // All of them or none: who asks for home has a program that counts on every joint.
-  for (const Channel& channel : channels_) {
-    if (const auto out = channel.error()) return std::unexpected(*out);
-  }
+  if (const auto out = first_out(channels_)) return std::unexpected(*out);
   begin_turns(Activity::kHoming, joints, now);
   return {};
 }
@@ -217,10 +223,8 @@ Expected<void> AxisLinkDriver::home(Instant now, std::uint8_t joints) {
 Expected<void> AxisLinkDriver::service(DeviceService what, Instant now) {
   if (what != DeviceService::kSelfTest) return std::unexpected(Error{ErrorCode::kNoSuchService});
   if (const auto may = may_begin(); !may) return may;
-  // Its end speaks for all of them, so all of them are there.
-  for (const Channel& channel : channels_) {
-    if (const auto out = channel.error()) return std::unexpected(*out);
-  }
+  // The result covers all of them.
+  if (const auto out = first_out(channels_)) return std::unexpected(*out);
   begin_turns(Activity::kTesting, kAllJoints, now);
   return {};
 }

@@ -16,6 +16,14 @@ namespace {
 /// Events that are told whatever happens; notices give way to them.
 constexpr std::size_t kRoomForEnds = 16;
 
+/// Of the first board that is out.
+template <class Axes>
+std::optional<Error> first_fault(const Axes& axes) {
+  const auto out =
+      std::ranges::find_if(axes, [](const auto& axis) { return axis.fault.has_value(); });
+  return out != axes.end() ? out->fault : std::nullopt;
+}
+
 }  // namespace
 
 AxisRegistersDriver::AxisRegistersDriver(const AxisRegistersDevice& device,
@@ -197,9 +205,7 @@ Expected<void> AxisRegistersDriver::home(Instant now, std::uint8_t joints) {
   if (!device_.reports_status) return std::unexpected(Error{ErrorCode::kTaskNotSupported});
   if (const auto error = check_ready()) return std::unexpected(*error);
   // All of them or none: who asks for home has a program that counts on every joint.
-  for (const Axis& axis : axes_) {
-    if (axis.fault) return std::unexpected(*axis.fault);
-  }
+  if (const auto out = first_fault(axes_)) return std::unexpected(*out);
   begin(Activity::kHoming);
   to_home_ = joints;
   begin_homing_of(0);
@@ -224,10 +230,8 @@ Expected<void> AxisRegistersDriver::service(DeviceService what, Instant now) {
   const bool tests = what == DeviceService::kSelfTest && device_.reports_status;
   if (!tests) return std::unexpected(Error{ErrorCode::kNoSuchService});
   if (const auto error = check_ready()) return std::unexpected(*error);
-  // Its end speaks for all of them, so all of them are there.
-  for (const Axis& axis : axes_) {
-    if (axis.fault) return std::unexpected(*axis.fault);
-  }
+  // The result covers all of them.
+  if (const auto out = first_fault(axes_)) return std::unexpected(*out);
   begin(Activity::kTesting);
   for (std::size_t i = 0; i < axes_.size(); ++i) {
     if (is_out_by_choice(i)) continue;
@@ -461,9 +465,7 @@ void AxisRegistersDriver::finish_opening(Instant now) {
 
 /// Of the first board that is asked at all.
 Error AxisRegistersDriver::why_none_is_fit() const {
-  const auto first =
-      std::ranges::find_if(axes_, [](const Axis& axis) { return axis.fault.has_value(); });
-  return first != axes_.end() ? *first->fault : Error{ErrorCode::kDeviceSilent};
+  return first_fault(axes_).value_or(Error{ErrorCode::kDeviceSilent});
 }
 
 void AxisRegistersDriver::finish_stopping(Instant now) {
@@ -493,10 +495,8 @@ void AxisRegistersDriver::finish_testing(Instant now) {
   activity_ = Activity::kIdle;
   watch_at_ = now + timing_.watch;
   command_ = false;
-  const auto failed =
-      std::ranges::find_if(axes_, [](const Axis& axis) { return axis.fault.has_value(); });
-  if (failed == axes_.end()) return tell(DriverEvent::Kind::kDone);
-  fault_ = failed->fault;
+  fault_ = first_fault(axes_);
+  if (!fault_) return tell(DriverEvent::Kind::kDone);
   tell(DriverEvent::Kind::kFailed, *fault_);
 }
 

@@ -321,7 +321,7 @@ TEST(AxisRegistersDriver, self_test_asks_every_board_and_tells_of_one_that_fails
   EXPECT_EQ(cell.driver->axis_fault(4)->code, ErrorCode::kSelfTestFailed);
   for (const auto& axis : cell.axes) EXPECT_EQ(axis.self_tests, 2);
   EXPECT_FALSE(cell.driver->axis_fault(0));
-  // Held until somebody acknowledges it.
+  // Held until it is acknowledged.
   EXPECT_EQ(cell.driver->state(), DriverState::kFault);
   cell.axes[1].told().moving = cell.axes[1].endless = false;
   cell.axes[4].test_fails = false;

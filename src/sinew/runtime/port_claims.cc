@@ -9,6 +9,16 @@
 #include "sinew/control/journal_record.h"
 
 namespace sinew::runtime {
+namespace {
+
+DiskResult<std::string> text_of(Disk& disk, const std::string& file) {
+  std::array<std::uint8_t, 4096> bytes{};
+  const auto size = disk.read(file, bytes);
+  if (!size) return std::unexpected(size.error());
+  return std::string(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(*size));
+}
+
+}  // namespace
 
 std::string PortClaims::file_of(const std::string& name) const {
   return fmt::format("port-{:08x}{:08x}.claim", journal_hash(name),
@@ -16,13 +26,11 @@ std::string PortClaims::file_of(const std::string& name) const {
 }
 
 std::vector<std::string> PortClaims::owner_of(const std::string& name) {
-  std::array<std::uint8_t, 4096> bytes{};
-  const auto size = disk_.read(file_of(name), bytes);
-  if (!size && size.error().code == DiskErrorCode::kMissing) return {};
-  if (!size) return {""};
-  const std::string text(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(*size));
+  const auto text = text_of(disk_, file_of(name));
+  if (!text && text.error().code == DiskErrorCode::kMissing) return {};
+  if (!text) return {""};
   const std::string behind = "\n" + robot_ + "\n" + name + "\n";
-  return {text.ends_with(behind) ? text.substr(0, text.size() - behind.size()) : ""};
+  return {text->ends_with(behind) ? text->substr(0, text->size() - behind.size()) : ""};
 }
 
 std::vector<std::string> PortClaims::owners() {
@@ -56,12 +64,9 @@ DiskResult<void> PortClaims::let_go_of_others(std::string_view journal) {
   const std::string begin = std::string(journal) + "\n" + robot_ + "\n";
   for (const std::string& file : *files) {
     if (!file.starts_with("port-") || !file.ends_with(".claim")) continue;
-    std::array<std::uint8_t, 4096> bytes{};
-    const auto size = disk_.read(file, bytes);
-    if (!size) continue;
-    const std::string text(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(*size));
-    if (!text.starts_with(begin) || !text.ends_with('\n')) continue;
-    const std::string name = text.substr(begin.size(), text.size() - begin.size() - 1);
+    const auto text = text_of(disk_, file);
+    if (!text || !text->starts_with(begin) || !text->ends_with('\n')) continue;
+    const std::string name = text->substr(begin.size(), text->size() - begin.size() - 1);
     if (auto written = write(name, ""); !written) return written;
   }
   return {};

@@ -33,7 +33,7 @@ class RobotLink {
   /// Opens the port, also again after it was lost.
   /// @error  it cannot be opened; a sentence that says why, and what helps
   io::IoResult<void> connect();
-  /// Lets go of the port: others may have it.
+  /// Closes the port; other processes can open it then.
   void disconnect();
 
   Driver& driver() const;

@@ -201,7 +201,7 @@ struct Judged {
 /// 0 where it is no square of one colour; what speaks for it is multiplied.
 double score_of(const Candidate& candidate, const Look& look) {
   constexpr double kEdge = 4;     // a px: as sharp as any
-  constexpr double kApart = 12;   // of colours that nobody takes for each other
+  constexpr double kApart = 12;   // of colours that are clearly different
   constexpr double kSpread = 16;  // of a side that shines
   const double skewed = skew(candidate.quad) / from_deg(60);
   const double square = (kRatioMax - side_ratio(candidate.quad)) / (kRatioMax - 1);
@@ -244,9 +244,14 @@ double common_size(const std::vector<Judged>& all) {
   return best;
 }
 
+/// From the picture that is searched to the one that was given.
+Quad enlarged(Quad quad, double scale) {
+  for (Pixel& corner : quad) corner = scale * corner;
+  return quad;
+}
+
 SeenCube cube_of(const Judged& one, ColorName color, double scale) {
-  Quad top = scaled(one.quad, 1);
-  for (Pixel& corner : top) corner = scale * corner;
+  const Quad top = enlarged(one.quad, scale);
   return {color,          top,
           middle_of(top), std::sqrt(area_of(top)),
           yaw(top),       std::clamp(one.score / 0.6, 0.0, 1.0)};
@@ -274,9 +279,7 @@ Detection detect_cubes(const Picture& picture, const DetectionSettings& settings
 
   Detection detection;
   const auto refuse = [&](const Judged& one, std::string why) {
-    Quad outline = one.quad;
-    for (Pixel& corner : outline) corner = scale * corner;
-    detection.refused.push_back({outline, std::move(why)});
+    detection.refused.push_back({enlarged(one.quad, scale), std::move(why)});
   };
   std::vector<Judged> squares;
   for (Judged& one : judged) {

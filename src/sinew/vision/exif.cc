@@ -5,10 +5,10 @@
 #include <string_view>
 #include <utility>
 
+#include "sinew/vision/byte_text.h"
+
 namespace sinew::vision {
 namespace {
-
-using Bytes = std::span<const std::uint8_t>;
 
 /// Big-endian or little-endian, of 2 or 4 bytes; 0 beyond the end.
 std::uint32_t number_at(Bytes bytes, std::size_t at, std::size_t size, bool little) {
@@ -18,12 +18,6 @@ std::uint32_t number_at(Bytes bytes, std::size_t at, std::size_t size, bool litt
     value = value << 8U | bytes[at + (little ? size - 1 - i : i)];
   }
   return value;
-}
-
-bool begins_with(Bytes bytes, std::string_view text) {
-  return bytes.size() >= text.size() &&
-         std::equal(text.begin(), text.end(), bytes.begin(),
-                    [](char a, std::uint8_t b) { return static_cast<std::uint8_t>(a) == b; });
 }
 
 constexpr std::string_view kExif{"Exif\0\0", 6};
@@ -44,7 +38,7 @@ Bytes jpeg_exif(Bytes file) {
     const std::size_t size = number_at(file, at + 2, 2, false);
     if (size < 2 || file.size() - at - 2 < size) return {};
     const Bytes body = file.subspan(at + 4, size - 2);
-    if (marker == kApp1 && begins_with(body, kExif)) return body.subspan(kExif.size());
+    if (marker == kApp1 && has_at(body, 0, kExif)) return body.subspan(kExif.size());
     at += 2 + size;
   }
   return {};
@@ -56,7 +50,7 @@ Bytes png_exif(Bytes file) {
   for (std::size_t at = kSignature; at + kAround <= file.size();) {
     const std::size_t size = number_at(file, at, 4, false);
     if (file.size() - at - kAround < size) return {};
-    if (begins_with(file.subspan(at + 4), "eXIf")) return file.subspan(at + 8, size);
+    if (has_at(file, at + 4, "eXIf")) return file.subspan(at + 8, size);
     at += kAround + size;
   }
   return {};
@@ -65,8 +59,8 @@ Bytes png_exif(Bytes file) {
 }  // namespace
 
 int exif_orientation(Bytes tiff) {
-  const bool little = begins_with(tiff, "II");
-  if (!little && !begins_with(tiff, "MM")) return 1;
+  const bool little = has_at(tiff, 0, "II");
+  if (!little && !has_at(tiff, 0, "MM")) return 1;
   const std::size_t directory = number_at(tiff, 4, 4, little);
   const std::size_t entries = number_at(tiff, directory, 2, little);
   constexpr std::size_t kEntry = 12;
@@ -83,7 +77,7 @@ int exif_orientation(Bytes tiff) {
 
 int orientation_of_file(Bytes file) {
   constexpr std::string_view kJpeg{"\xFF\xD8", 2};
-  return exif_orientation(begins_with(file, kJpeg) ? jpeg_exif(file) : png_exif(file));
+  return exif_orientation(has_at(file, 0, kJpeg) ? jpeg_exif(file) : png_exif(file));
 }
 
 Picture upright(Picture picture, int orientation) {

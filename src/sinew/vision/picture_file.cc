@@ -10,19 +10,13 @@
 #include <string_view>
 
 #include "sinew/core/assert.h"
+#include "sinew/vision/byte_text.h"
 #include "sinew/vision/exif.h"
 
 namespace sinew::vision {
 namespace {
 
-using Bytes = std::span<const std::uint8_t>;
 using Decoded = std::expected<Picture, std::string>;
-
-bool has_at(Bytes bytes, std::size_t at, std::string_view text) {
-  return bytes.size() >= at + text.size() &&
-         std::equal(text.begin(), text.end(), bytes.begin() + static_cast<std::ptrdiff_t>(at),
-                    [](char a, std::uint8_t b) { return static_cast<std::uint8_t>(a) == b; });
-}
 
 std::optional<std::string> size_trouble(std::int64_t width, std::int64_t height) {
   if (width < 1 || height < 1) return "a picture without pixels";

@@ -15,7 +15,7 @@ namespace {
 
 using Bytes = std::vector<std::uint8_t>;
 
-/// Four plain quarters, so that a turned picture is told from an upright one.
+/// Four plain quarters, so that a turned picture differs from an upright one.
 Picture quarters(int width, int height) {
   Picture picture = black_picture(width, height);
   for (int y = 0; y < height; ++y) {
