@@ -7,13 +7,14 @@ source "$(dirname "${BASH_SOURCE[0]}")/lib.sh"
 packages_of() {
   case $1 in
     build) echo g++ cmake ninja-build libtomlplusplus-dev nlohmann-json3-dev libcli11-dev \
-      libfmt-dev libboost-dev libssl-dev libpng-dev libturbojpeg0-dev ;;
+      libfmt-dev libboost-dev libssl-dev libpng-dev libturbojpeg0-dev libapriltag-dev \
+      libeigen3-dev ;;
     # Another node than Debian's will do, and brings an npm that Debian's is at odds with.
     panel) command -v node >/dev/null && command -v npm >/dev/null || echo nodejs npm ;;
     browser) command -v chromium >/dev/null || echo chromium ;;
-    test) echo libgtest-dev liborocos-kdl-dev libeigen3-dev python3 python3-jsonschema \
+    test) echo libgtest-dev liborocos-kdl-dev python3 python3-jsonschema \
       python3-websockets openssl ;;
-    bench) echo libbenchmark-dev liborocos-kdl-dev libeigen3-dev ;;
+    bench) echo libbenchmark-dev liborocos-kdl-dev ;;
     campaign) echo clang-19 clang-tidy-19 clang-format-19 libclang-rt-19-dev ;;
     format) echo clang-format-19 ;;
     *) die "packages.sh: no set of packages is called $1" ;;

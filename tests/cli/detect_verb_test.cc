@@ -1,23 +1,31 @@
 #include <gtest/gtest.h>
 
 #include "cli/process.h"
+#include "sinew/config/camera_file.h"
+#include "sinew/core/units.h"
 #include "sinew/io/scratch_folder_test_support.h"
+#include "sinew/render/table_scene.h"
 #include "sinew/vision/picture_file.h"
+#include "sinew/vision/tag_board.h"
 
 namespace sinew::test {
 namespace {
 
-/// A white table with a red square of 60 px in the middle.
-vision::Picture table() {
-  vision::Picture picture = vision::black_picture(320, 240);
-  for (int y = 0; y < picture.height; ++y) {
-    for (int x = 0; x < picture.width; ++x) {
-      const bool red = x >= 130 && x < 190 && y >= 90 && y < 150;
-      picture.at(x, y)[0] = red ? 190 : 215;
-      picture.at(x, y)[1] = picture.at(x, y)[2] = red ? 30 : 212;
-    }
+constexpr double kEdge = 0.025;  // m
+const auto kX_WC = render::looking_at({0.02, -0.05, 0.3}, {0, 0, 0});
+
+/// A white table with a red cube in its middle, on what `levels` below it are.
+vision::Picture table(int levels = 0) {
+  render::Scene scene;
+  scene.solids.push_back({render::Ground{}, {}, {.color = render::from_srgb(0xD7D4CD)}});
+  for (int i = 0; i <= levels; ++i) {
+    scene.solids.push_back({render::box({kEdge / 2, kEdge / 2, kEdge / 2}, 0.03 * kEdge),
+                            {rotation_z(0.3), {0, 0, (i + 0.5) * kEdge}},
+                            {.color = render::from_srgb(i == levels ? 0xBE1E23 : 0x234BA5)}});
   }
-  return picture;
+  scene.lamps.push_back({{0.4, 0.3, 0.9}, 0.1, {0.7F, 0.7F, 0.7F}});
+  const auto view = render::view_of(scene, vision::pinhole(320, 240, from_deg(50)), kX_WC, 1);
+  return render::taken(view, {.exposure = render::exposure_for(view, 0.35)}, 1);
 }
 
 std::string png_file(const ScratchFolder& folder, const std::string& name,
@@ -36,10 +44,13 @@ TEST(DetectVerb, tells_where_the_cubes_are_and_shows_them) {
   ASSERT_EQ(json["cubes"].size(), 1U) << json.dump();
   const Json& cube = json["cubes"][0];
   EXPECT_EQ(cube["color"], "red");
-  EXPECT_NEAR(cube["center_px"][0].get<double>(), 160, 1);
-  EXPECT_NEAR(cube["center_px"][1].get<double>(), 120, 1);
-  EXPECT_NEAR(cube["size_px"].get<double>(), 60, 2);
+  const auto center =
+      vision::pinhole(320, 240, from_deg(50)).project(kX_WC.inverse() * Vec3{0, 0, kEdge});
+  EXPECT_NEAR(cube["center_px"][0].get<double>(), center->x, 1.5);
+  EXPECT_NEAR(cube["center_px"][1].get<double>(), center->y, 1.5);
+  EXPECT_NEAR(cube["size_px"].get<double>(), 31, 2);
   EXPECT_EQ(cube["top_px"].size(), 4U);
+  EXPECT_FALSE(cube.contains("center_mm"));
 
   const std::string seen = folder.at("seen.png");
   const Ended shown = sinew({"detect", image, "--debug", seen});
@@ -50,7 +61,41 @@ TEST(DetectVerb, tells_where_the_cubes_are_and_shows_them) {
       vision::decode_picture({reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()});
   ASSERT_TRUE(picture) << picture.error();
   EXPECT_EQ(picture->width, 320);
-  EXPECT_EQ(picture->at(160, 120)[1], 255) << "a cross in its middle";
+  const auto* cross = picture->at(static_cast<int>(cube["center_px"][0].get<double>()),
+                                  static_cast<int>(cube["center_px"][1].get<double>()));
+  EXPECT_EQ(cross[1], 255) << "a cross in its middle";
+}
+
+TEST(DetectVerb, with_a_camera_it_says_millimetres_and_the_level_in_a_tower) {
+  const ScratchFolder folder;
+  const std::string camera =
+      folder.file("camera.toml",
+                  camera_text({"test", vision::pinhole(320, 240, from_deg(50)), kX_WC, 0.2, 1e-3}));
+  for (const int levels : {0, 2}) {
+    const std::string image = png_file(folder, "table.png", table(levels));
+    const Json json = answer(
+        {"detect", image, "--camera", camera, "--cube-mm", "25", "--colors", "red", "--json"});
+    ASSERT_EQ(json["cubes"].size(), 1U) << json.dump();
+    const Json& cube = json["cubes"][0];
+    EXPECT_NEAR(cube["center_mm"][0].get<double>(), 0, 2);
+    EXPECT_NEAR(cube["center_mm"][1].get<double>(), 0, 2);
+    EXPECT_EQ(cube["center_mm"][2].get<double>(), 25 * (levels + 1));
+    EXPECT_NEAR(cube["yaw_table_deg"].get<double>(), to_deg(0.3), 5);
+    EXPECT_EQ(cube["level"], levels + 1);
+  }
+  const std::string image = png_file(folder, "table.png", table());
+  const Json other = answer({"detect", image, "--camera", camera, "--cube-mm", "40", "--json"});
+  EXPECT_TRUE(other["cubes"].empty());
+  EXPECT_NE(other["refused"].dump().find("that of a cube 40 mm"), std::string::npos);
+
+  EXPECT_EQ(sinew({"detect", image, "--camera", camera}).exit, 2);
+  EXPECT_EQ(sinew({"detect", image, "--cube-mm", "25"}).exit, 2);
+  EXPECT_EQ(sinew({"detect", image, "--camera", camera, "--cube-mm", "nan"}).exit, 2);
+  EXPECT_EQ(sinew({"detect", image, "--camera", image, "--cube-mm", "25"}).exit, 2);
+  const std::string small = png_file(folder, "small.png", vision::shrunk(table(), 160));
+  const Ended refused = sinew({"detect", small, "--camera", camera, "--cube-mm", "25"});
+  EXPECT_EQ(refused.exit, 1);
+  EXPECT_NE(refused.err.find("is 160 x 120 px"), std::string::npos) << refused.err;
 }
 
 TEST(DetectVerb, several_images_are_answered_one_by_one) {
@@ -78,6 +123,40 @@ TEST(DetectVerb, wishes_that_make_no_sense_are_refused) {
   const Json blue = answer({"detect", image, "--colors", "blue", "--json"});
   EXPECT_TRUE(blue["cubes"].empty());
   EXPECT_EQ(blue["refused"][0]["why"], "it is red, which was not asked for");
+}
+
+TEST(CameraVerb, boards_are_printed_and_tags_found) {
+  const ScratchFolder folder;
+  const Ended svg = sinew({"camera", "board"});
+  EXPECT_EQ(svg.exit, 0) << svg.err;
+  EXPECT_EQ(svg.out.substr(0, 4), "<svg");
+  EXPECT_EQ(sinew({"camera", "board", "--form", "pdf"}).out.substr(0, 5), "%PDF-");
+  EXPECT_NE(sinew({"camera", "sheet", "--paper", "a3"}).out, svg.out);
+  const std::string board =
+      png_file(folder, "board.png", picture_of(*vision::calibration_board("a4"), 3000));
+  const Json tags = answer({"camera", "tags", board, "--json"});
+  EXPECT_GE(tags["tags"].size(), 30U);
+  EXPECT_EQ(tags["tags"][3]["id"], 3);
+
+  const std::string camera = folder.at("camera.toml");
+  const std::vector<std::vector<std::string>> wrong{
+      {"camera", "board", "--paper", "a0"},
+      {"camera", "board", "--form", "docx"},
+      {"camera", "board", board},
+      {"camera", "tags"},
+      {"camera", "dance"},
+      {"camera", "calibrate", board},
+      {"camera", "calibrate", board, "--table", board, "--out", camera, "--name", "a\"b"}};
+  for (const auto& arguments : wrong) EXPECT_EQ(sinew(arguments).exit, 2) << arguments.back();
+  const Ended alone = sinew({"camera", "calibrate", board, "--table", board, "--out", camera});
+  EXPECT_EQ(alone.exit, 1);
+  EXPECT_NE(alone.err.find("shows no tag of the sheet"), std::string::npos) << alone.err;
+  const std::string sheet =
+      png_file(folder, "sheet.png", picture_of(*vision::table_sheet("a4"), 3000));
+  const Ended few = sinew({"camera", "calibrate", board, "--table", sheet, "--out", camera});
+  EXPECT_EQ(few.exit, 1);
+  EXPECT_NE(few.err.find("Too few views: 1, at least 5 needed"), std::string::npos) << few.err;
+  EXPECT_TRUE(text_of(camera).empty()) << "nothing is written";
 }
 
 }  // namespace

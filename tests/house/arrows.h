@@ -23,9 +23,11 @@ inline constexpr std::array kArrows = std::to_array<FolderArrows>({
     {"mcu", ""},
     {"model", ""},
     {"io", ""},
-    {"config", "model"},
+    {"config", "model vision"},
     {"kinematics", "model"},
     {"vision", "model"},
+    {"render", "vision"},
+    {"calibration", "vision kinematics"},
     {"wire", "mcu"},
     {"motion", "mcu"},
     {"device", "wire motion kinematics"},
@@ -55,7 +57,7 @@ inline constexpr std::array kGuardedHeaders = std::to_array<GuardedHeaders>({
 /// Folders that move the machine or speak its bytes: they never see a clock, file, socket or
 /// thread, so that one seed replays one whole run.
 inline constexpr std::string_view kPureFolders =
-    "mcu control driver device sim wire motion planning kinematics vision";
+    "mcu control driver device sim wire motion planning kinematics vision render calibration";
 
 inline constexpr std::string_view kNotInPureFolders =
     "thread mutex shared_mutex condition_variable future semaphore latch barrier stop_token "

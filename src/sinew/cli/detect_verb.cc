@@ -5,13 +5,16 @@
 #include <CLI/CLI.hpp>
 #include <cmath>
 
+#include "sinew/cli/picture_argument.h"
 #include "sinew/cli/table.h"
+#include "sinew/config/camera_file.h"
 #include "sinew/core/spelling.h"
 #include "sinew/core/units.h"
 #include "sinew/io/file.h"
 #include "sinew/vision/cube_detection.h"
 #include "sinew/vision/detection_picture.h"
 #include "sinew/vision/picture_file.h"
+#include "sinew/vision/table_camera.h"
 
 namespace sinew::cli {
 namespace {
@@ -19,8 +22,6 @@ namespace {
 using vision::Detection;
 using vision::Picture;
 using vision::Pixel;
-
-constexpr std::size_t kFileMax = std::size_t{256} << 20U;  // a PNG of all pixels that are read
 
 /// "red, orange, .."
 std::string all_colors() {
@@ -44,18 +45,32 @@ std::expected<vision::DetectionSettings, Outcome> settings_of(const DetectReques
   return settings;
 }
 
-std::expected<Picture, std::string> read_picture(const std::string& path) {
-  const auto file = io::read_file(path, kFileMax);
-  if (!file) return std::unexpected(file.error().sentence);
-  auto picture =
-      vision::decode_picture({reinterpret_cast<const std::uint8_t*>(file->data()), file->size()});
-  if (!picture) return std::unexpected(path + ": " + picture.error());
-  return picture;
+double rounded(double value, double parts) {
+  return std::round(parts * value) / parts;
 }
 
-/// px, to a tenth.
-Json pixel_json(Pixel p) {
-  return {std::round(10 * p.x) / 10, std::round(10 * p.y) / 10};
+/// A calibrated camera where one is named; with the size of the cubes.
+std::expected<std::optional<vision::TableCamera>, Outcome> camera_of(const DetectRequest& request) {
+  constexpr double kSmallest = 1;
+  constexpr double kLargest = 500;  // mm
+  if (request.camera && !request.cube_mm) {
+    return std::unexpected(
+        bad_input("--camera: the size of the cubes is missing, as in --cube-mm 25"));
+  }
+  if (!request.camera && request.cube_mm) {
+    return std::unexpected(
+        bad_input("--cube-mm: millimetres need a camera whose pose is known: --camera FILE"));
+  }
+  if (!request.camera) return std::nullopt;
+  if (!(*request.cube_mm >= kSmallest && *request.cube_mm <= kLargest)) {
+    return std::unexpected(bad_input(fmt::format("--cube-mm: {:g} mm is not {:g} to {:g} mm",
+                                                 *request.cube_mm, kSmallest, kLargest)));
+  }
+  const auto text = io::read_file(*request.camera, std::size_t{1} << 20U);
+  if (!text) return std::unexpected(could_not("--camera: " + text.error().sentence));
+  auto camera = read_camera(*text, *request.camera);
+  if (!camera) return std::unexpected(complaints_outcome(camera.error()));
+  return std::optional(std::move(*camera));
 }
 
 Json detection_json(const std::string& path, const Picture& picture, const Detection& detection) {
@@ -67,12 +82,20 @@ Json detection_json(const std::string& path, const Picture& picture, const Detec
   for (const vision::SeenCube& cube : detection.cubes) {
     Json corners = Json::array();
     for (const Pixel& corner : cube.top) corners.push_back(pixel_json(corner));
-    json["cubes"].push_back({{"color", name(cube.color)},
-                             {"center_px", pixel_json(cube.center)},
-                             {"yaw_deg", std::round(10 * to_deg(cube.yaw)) / 10},
-                             {"size_px", std::round(10 * cube.size) / 10},
-                             {"confidence", std::round(100 * cube.confidence) / 100},
-                             {"top_px", corners}});
+    Json one{{"color", name(cube.color)},
+             {"center_px", pixel_json(cube.center)},
+             {"yaw_deg", rounded(to_deg(cube.yaw), 10)},
+             {"size_px", rounded(cube.size, 10)},
+             {"confidence", rounded(cube.confidence, 100)},
+             {"top_px", corners}};
+    if (const auto& at = cube.position) {
+      one["center_mm"] = {rounded(to_mm(at->top_W.x), 100), rounded(to_mm(at->top_W.y), 100),
+                          rounded(to_mm(at->top_W.z), 100)};
+      one["yaw_table_deg"] = rounded(to_deg(at->yaw), 10);
+      one["edge_mm"] = rounded(to_mm(at->edge), 100);
+      one["level"] = at->level;
+    }
+    json["cubes"].push_back(std::move(one));
   }
   for (const vision::RefusedShape& shape : detection.refused) {
     json["refused"].push_back(
@@ -92,12 +115,25 @@ std::string detection_text(const std::string& path, const Picture& picture,
                   detection.cubes.size(), detection.cubes.size() == 1 ? "cube" : "cubes");
   std::size_t number = 0;
   if (!detection.cubes.empty()) {
-    Table table({"#", "color", "middle, px", "edge, px", "yaw, deg", "confidence"});
+    std::vector<std::string> head{"#", "color", "middle, px", "edge, px", "yaw, deg", "confidence"};
+    const bool placed = detection.cubes.front().position.has_value();
+    if (placed) head.insert(head.end(), {"top, mm", "on the table, deg", "level"});
+    Table table(head);
     table.left(1);
     for (const vision::SeenCube& cube : detection.cubes) {
-      table.add({fmt::format("{}", ++number), std::string(name(cube.color)),
-                 place_text(cube.center), fmt::format("{:.0f}", cube.size),
-                 fmt::format("{:.0f}", to_deg(cube.yaw)), fmt::format("{:.2f}", cube.confidence)});
+      std::vector<std::string> row{fmt::format("{}", ++number),
+                                   std::string(name(cube.color)),
+                                   place_text(cube.center),
+                                   fmt::format("{:.0f}", cube.size),
+                                   fmt::format("{:.0f}", to_deg(cube.yaw)),
+                                   fmt::format("{:.2f}", cube.confidence)};
+      if (const auto& at = cube.position) {
+        row.push_back(fmt::format("{:.1f}, {:.1f}, {:.1f}", to_mm(at->top_W.x), to_mm(at->top_W.y),
+                                  to_mm(at->top_W.z)));
+        row.push_back(fmt::format("{:.0f}", to_deg(at->yaw)));
+        row.push_back(fmt::format("{}", at->level));
+      }
+      table.add(row);
     }
     text += table.text();
   }
@@ -116,6 +152,11 @@ void declare_options(CLI::App& verb, DetectRequest& request) {
       ->delimiter(',');
   verb.add_option("--debug", request.debug,
                   "PNG file: what was seen in green, what was refused in magenta, with numbers");
+  verb.add_option("--camera", request.camera,
+                  "file of a calibrated camera: positions on the table, mm")
+      ->option_text("FILE");
+  verb.add_option("--cube-mm", request.cube_mm, "edge of the cubes, with --camera")
+      ->option_text("MM");
 }
 
 Outcome detect(const DetectRequest& request) {
@@ -127,17 +168,30 @@ Outcome detect(const DetectRequest& request) {
   if (request.debug && io::same_file(*request.debug, request.images[0])) {
     return bad_input("--debug: " + *request.debug + " is the image itself; choose another name");
   }
+  const auto camera = camera_of(request);
+  if (!camera) return camera.error();
   Outcome outcome;
   Json images = Json::array();
+  const auto fail = [&](const std::string& path, const std::string& sentence) {
+    outcome.exit = ExitCode::kCouldNot;
+    outcome.complaint += (outcome.complaint.empty() ? "" : "\n") + sentence;
+    images.push_back({{"image", path}, {"error", {{"sentence", sentence}}}});
+  };
   for (const std::string& path : request.images) {
     const auto picture = read_picture(path);
     if (!picture) {
-      outcome.exit = ExitCode::kCouldNot;
-      outcome.complaint += (outcome.complaint.empty() ? "" : "\n") + picture.error();
-      images.push_back({{"image", path}, {"error", {{"sentence", picture.error()}}}});
+      fail(path, picture.error());
       continue;
     }
-    const Detection detection = vision::detect_cubes(*picture, *settings);
+    if (const auto& at = *camera;
+        at && (at->model.width != picture->width || at->model.height != picture->height)) {
+      fail(path,
+           fmt::format("{}: is {} x {} px; {} was calibrated with {} x {} px", path, picture->width,
+                       picture->height, *request.camera, at->model.width, at->model.height));
+      continue;
+    }
+    Detection detection = vision::detect_cubes(*picture, *settings);
+    if (*camera) vision::place_on_table(detection, **camera, from_mm(*request.cube_mm));
     images.push_back(detection_json(path, *picture, detection));
     outcome.text += detection_text(path, *picture, detection);
     if (!request.debug) continue;

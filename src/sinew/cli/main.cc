@@ -9,6 +9,7 @@
 
 #include "sinew/cli/axis_verb.h"
 #include "sinew/cli/bullride_verb.h"
+#include "sinew/cli/camera_verb.h"
 #include "sinew/cli/cell_verbs.h"
 #include "sinew/cli/check_verb.h"
 #include "sinew/cli/commission_verb.h"
@@ -61,6 +62,7 @@ struct Call {
   FormatRequest format;
   ConvertRequest convert;
   DetectRequest detect;
+  CameraRequest camera;
 };
 
 CLI::App* add_verb(CLI::App& app, Call& call, const std::string& name, const std::string& what,
@@ -643,11 +645,11 @@ void add_format(CLI::App& app, Call& call) {
   verb->callback([&call] { call.verb = [&call] { return format_programs(call.format); }; });
 }
 
-void add_detect(CLI::App& app, Call& call) {
-  CLI::App* verb = add_verb(app, call, "detect", "the coloured cubes in pictures of a table",
-                            "sinew detect table.jpg --debug seen.png");
-  declare_options(*verb, call.detect);
-  verb->callback([&call] { call.verb = [&call] { return detect(call.detect); }; });
+/// A verb that declares its own options.
+template <class Request>
+void add_own(CLI::App* verb, Call& call, Request& request, Outcome (*act)(const Request&)) {
+  declare_options(*verb, request);
+  verb->callback([&call, &request, act] { call.verb = [&request, act] { return act(request); }; });
 }
 
 void add_convert(CLI::App& app, Call& call) {
@@ -748,7 +750,12 @@ int run(std::span<char*> arguments) {
   add_check(app, call);
   add_format(app, call);
   add_convert(app, call);
-  add_detect(app, call);
+  add_own(add_verb(app, call, "detect", "the coloured cubes in pictures of a table",
+                   "sinew detect table.jpg --debug seen.png"),
+          call, call.detect, detect);
+  add_own(add_verb(app, call, "camera", "boards to print, and the tags that a camera sees",
+                   "sinew camera board --paper a4 > board.svg"),
+          call, call.camera, camera);
   try {
     // Backwards, as CLI11 wants a vector.
     app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));

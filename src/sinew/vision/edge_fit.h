@@ -7,7 +7,16 @@ namespace sinew::vision {
 
 /// Four corners, moved to where straight lines along the strongest changes of colour near each side
 /// meet. As it was where a side has too few of them, or a corner would move far.
-/// @param quad  clockwise, right to about 4 px
-Quad fitted_to_edges(const LabPicture& picture, const Quad& quad);
+/// @param quad  clockwise
+/// @param reach  px to either side of where an edge is looked for
+Quad fitted_to_edges(const LabPicture& picture, const Quad& quad, double reach);
+
+/// A square under perspective, turned about its middle until the picture has edges along all its
+/// sides; as it is where no turn is clearly better.
+Quad turned_to_edges(const LabPicture& picture, const Quad& quad);
+
+/// How many corners of a quad look like what is inside of it, not like what is outside: 4 of a
+/// square, 0 or 1 of a disc.
+int corners_filled(const LabPicture& picture, const Quad& quad);
 
 }  // namespace sinew::vision

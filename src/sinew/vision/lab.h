@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <vector>
 
@@ -16,11 +15,6 @@ struct Lab {
 };
 /// How far two colours are apart (CIE76).
 float distance(const Lab& one, const Lab& other);
-/// How far a colour is from grey.
-float chroma(const Lab& colour);
-/// From red over yellow and green to blue, 0 to 2 pi. rad
-float hue(const Lab& colour);
-
 /// One number a pixel.
 struct Plane {
   int width = 0;
@@ -43,15 +37,6 @@ struct LabPicture {
   Lab at(int x, int y) const { return {L.at(x, y), a.at(x, y), b.at(x, y)}; }
 };
 
-/// The gains of red, green and blue by which what is grey in the picture becomes grey: the mean of
-/// its pale pixels, since tables, boards and walls are pale more often than not. 0.6 to 1.6; 1
-/// where hardly anything is pale.
-std::array<float, 3> white_balance(const Picture& picture);
-
-/// @param gains  of linear red, green and blue
-LabPicture to_lab(const Picture& picture, const std::array<float, 3>& gains);
-
-/// Each value is the mean of its neighbourhood, with weights of a bell of about `sigma` 0.9 px.
-Plane smoothed(const Plane& plane);
+LabPicture to_lab(const Picture& picture);
 
 }  // namespace sinew::vision

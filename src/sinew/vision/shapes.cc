@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 namespace sinew::vision {
@@ -14,47 +13,12 @@ std::size_t behind(std::size_t i, std::size_t size) {
 
 }  // namespace
 
-std::vector<Pixel> convex_hull(std::span<const Pixel> points) {
-  // Andrew's two chains: along the top, and back along the bottom.
-  std::vector<Pixel> hull;
-  const auto add = [&](Pixel point, std::size_t least) {
-    while (hull.size() > least &&
-           cross(hull.back() - hull[hull.size() - 2], point - hull.back()) <= 0) {
-      hull.pop_back();
-    }
-    hull.push_back(point);
-  };
-  for (const Pixel point : points) add(point, 1);
-  const std::size_t half = hull.size();
-  for (std::size_t i = points.size(); i-- > 0;) add(points[i], half);
-  if (hull.size() > 1) hull.pop_back();
-  return hull;
-}
-
 double area_of(std::span<const Pixel> corners) {
   double twice = 0;
   for (std::size_t i = 0; i < corners.size(); ++i) {
     twice += cross(corners[i], corners[behind(i, corners.size())]);
   }
   return std::abs(twice) / 2;
-}
-
-std::optional<Quad> four_corners(std::vector<Pixel> hull) {
-  while (hull.size() > 4) {
-    std::size_t cheapest = 0;
-    double least = std::numeric_limits<double>::infinity();
-    for (std::size_t i = 0; i < hull.size(); ++i) {
-      const Pixel before = hull[i == 0 ? hull.size() - 1 : i - 1];
-      const Pixel next = hull[behind(i, hull.size())];
-      const double loss = std::abs(cross(hull[i] - before, next - before));
-      if (loss >= least) continue;
-      least = loss;
-      cheapest = i;
-    }
-    hull.erase(hull.begin() + static_cast<std::ptrdiff_t>(cheapest));
-  }
-  if (hull.size() < 4) return std::nullopt;
-  return Quad{hull[0], hull[1], hull[2], hull[3]};
 }
 
 bool is_inside(std::span<const Pixel> corners, Pixel point) {
@@ -83,36 +47,6 @@ double common_area(std::span<const Pixel> one, std::span<const Pixel> other) {
     left = std::move(kept);
   }
   return area_of(left);
-}
-
-Quad scaled(const Quad& quad, double factor) {
-  const Pixel middle = middle_of(quad);
-  Quad out;
-  std::ranges::transform(quad, out.begin(),
-                         [&](Pixel p) { return middle + factor * (p - middle); });
-  return out;
-}
-
-double side_ratio(const Quad& quad) {
-  double shortest = std::numeric_limits<double>::infinity();
-  double longest = 0;
-  for (std::size_t i = 0; i < 4; ++i) {
-    const double side = length(quad[behind(i, 4)] - quad[i]);
-    shortest = std::min(shortest, side);
-    longest = std::max(longest, side);
-  }
-  return longest / shortest;
-}
-
-double skew(const Quad& quad) {
-  double most = 0;
-  for (std::size_t i = 0; i < 4; ++i) {
-    const Pixel in = quad[i] - quad[(i + 3) % 4];
-    const Pixel out = quad[behind(i, 4)] - quad[i];
-    most = std::max(
-        most, std::abs(std::atan2(std::abs(cross(in, out)), dot(in, out)) - std::numbers::pi / 2));
-  }
-  return most;
 }
 
 double yaw(const Quad& quad) {

@@ -20,40 +20,6 @@ Quad square(Pixel middle, double edge, double turn) {
   return quad;
 }
 
-TEST(Shapes, hull_of_random_points_holds_all_of_them_and_has_no_corner_inside) {
-  test::for_random_cases(200, [](test::Random& random) {
-    std::vector<Pixel> points;
-    for (int i = 0; i < 40; ++i) points.push_back({random.uniform(0, 9), random.uniform(0, 9)});
-    std::ranges::sort(points, [](Pixel a, Pixel b) { return a.y != b.y ? a.y < b.y : a.x < b.x; });
-    const auto hull = convex_hull(points);
-    ASSERT_GE(hull.size(), 3U);
-    for (const Pixel point : points) {
-      for (std::size_t i = 0; i < hull.size(); ++i) {
-        EXPECT_GE(cross(hull[(i + 1) % hull.size()] - hull[i], point - hull[i]), -1e-9);
-      }
-    }
-    for (std::size_t i = 0; i < hull.size(); ++i) {
-      const Pixel next = hull[(i + 1) % hull.size()];
-      EXPECT_GT(cross(next - hull[i], hull[(i + 2) % hull.size()] - next), 0);
-    }
-  });
-}
-
-TEST(Shapes, four_corners_of_a_square_with_cut_corners_are_nearly_its_own) {
-  const Quad whole = square({50, 40}, 30, 0.3);
-  std::vector<Pixel> cut;
-  for (std::size_t i = 0; i < 4; ++i) {
-    const Pixel side = whole[(i + 1) % 4] - whole[i];
-    cut.push_back(whole[i] + 0.04 * side);
-    cut.push_back(whole[i] + 0.96 * side);
-  }
-  const auto quad = four_corners(cut);
-  ASSERT_TRUE(quad);
-  EXPECT_GT(area_of(*quad), 0.9 * area_of(whole));
-  EXPECT_LT(side_ratio(*quad), 1.1);
-  EXPECT_FALSE(four_corners({{0, 0}, {1, 0}, {0, 1}}));
-}
-
 TEST(Shapes, yaw_of_a_square_is_the_same_after_each_quarter_turn) {
   test::for_random_cases(200, [](test::Random& random) {
     const double turn = random.uniform(0, 2 * kPi);
@@ -79,13 +45,6 @@ TEST(Shapes, what_two_squares_share_is_counted_by_points) {
     }
     EXPECT_NEAR(common_area(one, other), counted, 2);
   });
-}
-
-TEST(Shapes, skew_and_side_ratio_tell_what_is_no_square) {
-  EXPECT_NEAR(skew(square({0, 0}, 10, 1)), 0, 1e-9);
-  EXPECT_NEAR(skew({{{0, 0}, {10, 0}, {15, 5 * std::sqrt(3.0)}, {5, 5 * std::sqrt(3.0)}}}),
-              from_deg(30), 1e-9);
-  EXPECT_NEAR(side_ratio({{{0, 0}, {20, 0}, {20, 10}, {0, 10}}}), 2, 1e-9);
 }
 
 }  // namespace

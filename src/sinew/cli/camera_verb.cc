@@ -1,0 +1,215 @@
+#include "sinew/cli/camera_verb.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+
+#include "sinew/calibration/table_calibration.h"
+#include "sinew/cli/picture_argument.h"
+#include "sinew/cli/table.h"
+#include "sinew/config/camera_file.h"
+#include "sinew/core/spelling.h"
+#include "sinew/core/units.h"
+#include "sinew/io/file.h"
+#include "sinew/vision/tag_board.h"
+#include "sinew/vision/tags.h"
+
+namespace sinew::cli {
+namespace {
+
+Outcome print_board(const CameraRequest& request) {
+  const auto board = request.action == "sheet" ? vision::table_sheet(request.paper)
+                                               : vision::calibration_board(request.paper);
+  if (!board) {
+    return bad_input("--paper: '" + printable(request.paper) + "' is none of a4, a3, letter");
+  }
+  if (request.form != "svg" && request.form != "pdf") {
+    return bad_input("--form: '" + printable(request.form) + "' is neither svg nor pdf");
+  }
+  if (!request.images.empty()) {
+    return bad_input("camera " + request.action + " takes no images; " +
+                     printable(request.images[0]) + " is one. Redirect its output: sinew camera " +
+                     request.action + " > " + request.action + "." + request.form);
+  }
+  Outcome outcome;
+  outcome.text = request.form == "svg" ? svg_of(*board) : pdf_of(*board);
+  outcome.json = {{"paper", board->paper},
+                  {"family", name(board->family)},
+                  {"first", board->first},
+                  {"columns", board->columns},
+                  {"rows", board->rows},
+                  {"tag_mm", 1e3 * board->tag},
+                  {"pitch_mm", 1e3 * board->pitch},
+                  {request.form, outcome.text}};
+  return outcome;
+}
+
+Outcome find_tags(const CameraRequest& request) {
+  if (request.images.empty()) {
+    return bad_input("camera tags: an image is missing; sinew camera tags table.jpg");
+  }
+  vision::TagFinder finder({vision::TagFamily::k36h11, vision::TagFamily::kStandard41h12});
+  Outcome outcome;
+  Json images = Json::array();
+  for (const std::string& path : request.images) {
+    const auto picture = read_picture(path);
+    if (!picture) {
+      outcome.exit = ExitCode::kCouldNot;
+      outcome.complaint += (outcome.complaint.empty() ? "" : "\n") + picture.error();
+      images.push_back({{"image", path}, {"error", {{"sentence", picture.error()}}}});
+      continue;
+    }
+    const auto tags = finder.find(*picture);
+    outcome.text += fmt::format("  {}: {} x {} px, {} {}\n", path, picture->width, picture->height,
+                                tags.size(), tags.size() == 1 ? "tag" : "tags");
+    Table table({"family", "tag", "center, px", "side, px", "margin"});
+    table.left(0);
+    Json list = Json::array();
+    for (const vision::SeenTag& tag : tags) {
+      const vision::Pixel center = middle_of(tag.corners);
+      table.add({std::string(name(tag.family)), fmt::format("{}", tag.id),
+                 fmt::format("{:.1f}, {:.1f}", center.x, center.y),
+                 fmt::format("{:.1f}", length(tag.corners[1] - tag.corners[0])),
+                 fmt::format("{:.0f}", tag.margin)});
+      Json corners = Json::array();
+      for (const vision::Pixel& corner : tag.corners) corners.push_back(pixel_json(corner));
+      list.push_back({{"family", name(tag.family)},
+                      {"id", tag.id},
+                      {"corners_px", corners},
+                      {"margin", tag.margin}});
+    }
+    if (!tags.empty()) outcome.text += table.text();
+    images.push_back(
+        {{"image", path}, {"width", picture->width}, {"height", picture->height}, {"tags", list}});
+  }
+  outcome.json = images.size() == 1 ? std::move(images[0]) : Json{{"images", std::move(images)}};
+  return outcome;
+}
+
+using calibration::BoardView;
+
+std::expected<BoardView, std::string> board_view(const std::string& path,
+                                                 const vision::TagBoard& board,
+                                                 vision::TagFinder& finder) {
+  const auto picture = read_picture(path);
+  if (!picture) return std::unexpected(picture.error());
+  BoardView view{picture->width, picture->height, corners_in(board, finder.find(*picture))};
+  if (view.seen.pixels.empty()) {
+    return std::unexpected(fmt::format(
+        "{}: shows no tag of the {}; print it with sinew camera {}, or name its --paper", path,
+        board.first == 0 ? "board" : "sheet", board.first == 0 ? "board" : "sheet"));
+  }
+  return view;
+}
+
+std::string calibration_text(const calibration::TableCalibration& result) {
+  const auto& [camera, intrinsics, coverage, table] = result;
+  const vision::CameraModel& model = camera.model;
+  const auto& sigma = intrinsics.sigma;
+  std::string text =
+      fmt::format("  {} x {} px, {} views, {} points left out\n", model.width, model.height,
+                  intrinsics.X_CB.size(), intrinsics.wrong_points.size());
+  text +=
+      fmt::format("  focal length  {:.1f}, {:.1f} px (+- {:.1f})\n", model.fx, model.fy, sigma[0]);
+  text += fmt::format("  center        {:.1f}, {:.1f} px (+- {:.1f})\n", model.center.x,
+                      model.center.y, sigma[2]);
+  text += fmt::format("  lens          k1 {:.4f}, k2 {:.4f}, p1 {:.5f}, p2 {:.5f}, k3 {:.4f}\n",
+                      model.lens[0], model.lens[1], model.lens[2], model.lens[3], model.lens[4]);
+  text += fmt::format("  reprojection  {:.2f} px rms, {:.2f} px at 95 %\n", intrinsics.rms,
+                      intrinsics.error_95);
+  const Vec3 p = camera.X_WC.p;
+  text +=
+      fmt::format("  over the table at {:.1f}, {:.1f}, {:.1f} mm from the middle of the sheet\n",
+                  to_mm(p.x), to_mm(p.y), to_mm(p.z));
+  text += fmt::format("  error at the table: {:.2f} mm (95 %, of views held back)\n",
+                      to_mm(camera.accuracy));
+  if (table.ambiguous()) {
+    text +=
+        "  warning: two poses explain the image of the table. Look at it more from above, or "
+        "from nearer.\n";
+  }
+  if (const auto advice = what_to_add(coverage)) text += "  better: " + *advice + "\n";
+  return text;
+}
+
+Outcome calibrate(const CameraRequest& request) {
+  const auto board = vision::calibration_board(request.paper);
+  if (!board) {
+    return bad_input("--paper: '" + printable(request.paper) + "' is none of a4, a3, letter");
+  }
+  if (!request.table || !request.out) {
+    return bad_input(
+        "camera calibrate needs images of the board, and --table IMAGE of the sheet that lies on "
+        "the table, and --out FILE: sinew camera calibrate board*.jpg --table table.jpg --out "
+        "camera.toml");
+  }
+  if (request.name.empty() || request.name.size() > 40 || request.name != printable(request.name) ||
+      request.name.find_first_of("\"\\") != std::string::npos) {
+    return bad_input("--name: must be 1 to 40 letters, digits, blanks or signs, without \" and \\");
+  }
+  const auto sheet = vision::table_sheet(request.paper);
+  vision::TagFinder finder({board->family});
+  std::vector<BoardView> views;
+  for (const std::string& path : request.images) {
+    auto view = board_view(path, *board, finder);
+    if (!view) return could_not(view.error());
+    views.push_back(std::move(*view));
+  }
+  const auto table = board_view(*request.table, *sheet, finder);
+  if (!table) return could_not(table.error());
+  auto result = calibration::table_calibration(views, *table);
+  if (!result) {
+    const auto index = static_cast<std::size_t>(std::max(0, result.error().index));
+    std::string where;
+    if (result.error().index >= 0) {
+      where = (index < views.size() ? request.images[index] : *request.table) + ": ";
+    }
+    return could_not(where + sentence(result.error()));
+  }
+  result->camera.name = request.name;
+  const auto written = io::replace_file(*request.out, camera_text(result->camera));
+  if (!written) return could_not("--out: " + written.error().sentence);
+  Outcome outcome;
+  outcome.text = calibration_text(*result) + "  " + *request.out + "\n";
+  const vision::CameraModel& model = result->camera.model;
+  outcome.json = {{"camera", request.name},
+                  {"file", *request.out},
+                  {"width", model.width},
+                  {"height", model.height},
+                  {"fx_px", model.fx},
+                  {"fy_px", model.fy},
+                  {"center_px", {model.center.x, model.center.y}},
+                  {"lens", model.lens},
+                  {"views", views.size()},
+                  {"reprojection_px", result->intrinsics.rms},
+                  {"table_error_mm", to_mm(result->camera.accuracy)}};
+  if (const auto advice = what_to_add(result->coverage)) outcome.json["advice"] = *advice;
+  return outcome;
+}
+
+}  // namespace
+
+void declare_options(CLI::App& verb, CameraRequest& request) {
+  verb.add_option(
+          "ACTION", request.action,
+          "board: a calibration board to print; sheet: four tags that mark the table; tags: "
+          "the tags in images; calibrate: lens and pose of a camera")
+      ->required();
+  verb.add_option("IMAGE", request.images,
+                  "tags: any; calibrate: the board at 5 or more angles; JPEG or PNG files");
+  verb.add_option("--paper", request.paper, "of board and sheet: a4 (default), a3 or letter");
+  verb.add_option("--form", request.form, "board, sheet: svg (default) or pdf, on stdout");
+  verb.add_option("--table", request.table, "calibrate: image of the sheet on the table");
+  verb.add_option("--out", request.out, "calibrate: file of the camera (TOML)");
+  verb.add_option("--name", request.name, "calibrate: of the camera (default \"camera\")");
+}
+
+Outcome camera(const CameraRequest& request) {
+  if (request.action == "board" || request.action == "sheet") return print_board(request);
+  if (request.action == "tags") return find_tags(request);
+  if (request.action == "calibrate") return calibrate(request);
+  return bad_input("camera " + printable(request.action) +
+                   ": the actions are board, sheet, tags and calibrate");
+}
+
+}  // namespace sinew::cli

@@ -1,0 +1,104 @@
+#include "sinew/config/camera_file.h"
+
+#include <array>
+#include <cmath>
+#include <cstdio>
+
+#include "sinew/config/table_reader.h"
+
+namespace sinew {
+namespace {
+
+constexpr int kFormat = 1;
+constexpr int kSideMax = 65'536;           // px
+constexpr Range kFocal = between(1, 1e6);  // px
+constexpr Range kInPicture = between(-1e5, 1e5);
+constexpr Range kLens = between(-10, 10);
+constexpr Range kReach = between(-100, 100);  // m
+constexpr Range kTurn = between(-2 * kPi, 2 * kPi);
+constexpr std::array<std::string_view, 5> kLensKeys{"k1", "k2", "p1", "p2", "k3"};
+
+vision::TableCamera read_root(TableReader& root) {
+  vision::TableCamera camera;
+  root.needs_no_source();
+  int format = 0;
+  if (root.integer("format", 1, 1'000'000, format) && format != kFormat) {
+    root.complain("format", "is " + std::to_string(format) +
+                                ": written by another version; "
+                                "calibrate again: sinew camera calibrate");
+  }
+  root.text("name", 40, camera.name);
+  root.integer("width", 1, kSideMax, camera.model.width);
+  root.integer("height", 1, kSideMax, camera.model.height);
+  if (auto lens = root.table("lens")) {
+    lens->needs_no_source();
+    lens->number("fx", kFocal, camera.model.fx);
+    lens->number("fy", kFocal, camera.model.fy);
+    lens->number("cx", kInPicture, camera.model.center.x);
+    lens->number("cy", kInPicture, camera.model.center.y);
+    for (std::size_t i = 0; i < kLensKeys.size(); ++i) {
+      lens->number(kLensKeys[i], kLens, camera.model.lens[i]);
+    }
+    lens->finish();
+  }
+  if (auto pose = root.table("pose")) {
+    pose->needs_no_source();
+    Vec3 rpy;
+    pose->vector("position_*", kLength, kReach, camera.X_WC.p);
+    pose->vector("rotation_*", kAngle, kTurn, rpy);
+    camera.X_WC.R = rotation_from_fixed_xyz(rpy);
+    pose->finish();
+  }
+  if (auto accuracy = root.table("accuracy")) {
+    accuracy->needs_no_source();
+    accuracy->number("reprojection_px", between(0, 1e4), camera.reprojection);
+    accuracy->quantity("table_*", kLength, between(0, 10), camera.accuracy);
+    accuracy->finish();
+  }
+  root.finish();
+  return camera;
+}
+
+}  // namespace
+
+std::expected<vision::TableCamera, std::vector<Complaint>> read_camera(std::string_view toml,
+                                                                       std::string_view file_name) {
+  auto tree = parse_toml(toml);
+  if (!tree) {
+    tree.error().file = file_name;
+    return std::unexpected(std::vector{std::move(tree.error())});
+  }
+  Findings findings{std::string(file_name)};
+  TableReader root(*tree, Place{}, "", findings);
+  const vision::TableCamera camera = read_root(root);
+  if (!findings.clean()) return std::unexpected(findings.take_complaints());
+  return camera;
+}
+
+std::string camera_text(const vision::TableCamera& camera) {
+  std::string text;
+  const auto add = [&](const char* form, auto... values) {
+    std::array<char, 200> line{};
+    std::snprintf(line.data(), line.size(), form, values...);
+    text += line.data();
+  };
+  const vision::CameraModel& model = camera.model;
+  const Vec3 p = 1e3 * camera.X_WC.p;
+  const Vec3 rpy = (180 / kPi) * fixed_xyz(camera.X_WC.R);
+  text += "format = " + std::to_string(kFormat) + "\nname = \"" + camera.name + "\"\n";
+  add("width = %d\nheight = %d\n\n[lens]  # px, and Brown's coefficients\n", model.width,
+      model.height);
+  add("fx = %.9f\nfy = %.9f\ncx = %.9f\ncy = %.9f\n", model.fx, model.fy, model.center.x,
+      model.center.y);
+  for (std::size_t i = 0; i < kLensKeys.size(); ++i) {
+    add("%s = %.12g\n", kLensKeys[i].data(), model.lens[i]);
+  }
+  add("\n[pose]  # of the camera over the table\nposition_mm = [%.9f, %.9f, %.9f]\n", p.x, p.y,
+      p.z);
+  add("rotation_deg = [%.9f, %.9f, %.9f]\n", rpy.x, rpy.y, rpy.z);
+  add("\n[accuracy]\nreprojection_px = %.4g\ntable_mm = %.4g  # 95 %%\n", camera.reprojection,
+      1e3 * camera.accuracy);
+  return text;
+}
+
+}  // namespace sinew

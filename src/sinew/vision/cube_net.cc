@@ -1,0 +1,165 @@
+#include "sinew/vision/cube_net.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <span>
+
+#include "sinew/core/assert.h"
+#include "sinew/vision/net_layers.h"
+
+// The weights are part of the program: an installed one needs no data directory.
+asm(".section .rodata\n"
+    "sinew_cube_net_begin:\n"
+    ".incbin \"" SINEW_CUBE_NET
+    "\"\n"
+    "sinew_cube_net_end:\n"
+    ".text\n");
+extern "C" {
+extern const std::uint8_t sinew_cube_net_begin[];
+extern const std::uint8_t sinew_cube_net_end[];
+}
+
+namespace sinew::vision {
+namespace {
+
+constexpr int kCell = 4;          ///< px, of a cell of what the network says
+constexpr int kStep = 32;         ///< px, of which its pictures are multiples
+constexpr double kEdge = 32;      ///< px, an edge whose logarithm it calls 0
+constexpr float kMiddle = 0.45F;  ///< of a picture's values
+constexpr int kColors = kColorNames + 1;
+/// Where its results stand; tools/cube_net/train.py says what they are.
+constexpr int kShape = 3;
+constexpr int kColor = 8;
+constexpr int kOther = kColor + kColors;
+constexpr int kKind = kOther + 1;
+constexpr std::array<std::string_view, 5> kWhy{
+    "it is longer than wide", "it is round", "it has not four sides",
+    "it is much larger than a cube", "it is flat: printed, or a piece of paper"};
+constexpr int kResults = kKind + static_cast<int>(kWhy.size());
+
+/// A picture up to a multiple of what the network halves; the last row and column are repeated.
+Maps maps_of(const Picture& picture) {
+  const auto whole = [](int size) { return (size + kStep - 1) / kStep * kStep; };
+  Maps maps(3, whole(picture.height), whole(picture.width));
+  for (int c = 0; c < 3; ++c) {
+    for (int y = 0; y < maps.height; ++y) {
+      const std::uint8_t* from = picture.at(0, std::min(y, picture.height - 1)) + c;
+      float* to = maps.row(c, y);
+      for (int x = 0; x < maps.width; ++x) {
+        to[x] = static_cast<float>(from[3 * std::min(x, picture.width - 1)]) / 255 - kMiddle;
+      }
+    }
+  }
+  return maps;
+}
+
+/// Filters of each channel, a mix of them, and what came in.
+void block(Maps& maps, Weights& weights) {
+  const Maps inner = filtered(maps, weights);
+  add_clipped(mixed(inner, maps.channels, Clip::kNone, weights), maps);
+}
+void blocks(Maps& maps, int count, Weights& weights) {
+  for (int i = 0; i < count; ++i) block(maps, weights);
+}
+
+/// The network: four levels down, three up. A row of train.py's CubeNet each.
+Maps results_of(const Picture& picture) {
+  struct Level {
+    int channels;
+    int blocks_down;
+    int blocks_up;
+  };
+  constexpr std::array<Level, 4> kLevels{{{24, 1, 1}, {40, 3, 2}, {64, 4, 2}, {96, 4, 0}}};
+  constexpr int kStem = 12;
+  constexpr int kLast = 32;
+  Weights weights({sinew_cube_net_begin, sinew_cube_net_end});
+  Maps maps = halved(maps_of(picture), kStem, weights);
+  std::vector<Maps> levels;
+  for (const Level& level : kLevels) {
+    maps = halved(maps, level.channels, weights);
+    blocks(maps, level.blocks_down, weights);
+    levels.push_back(maps);
+  }
+  for (std::size_t i = kLevels.size() - 1; i-- > 0;) {
+    add_doubled(mixed(maps, kLevels[i].channels, Clip::kZero, weights), levels[i]);
+    maps = std::move(levels[i]);
+    blocks(maps, kLevels[i].blocks_up, weights);
+  }
+  maps = mixed(maps, kLast, Clip::kZero, weights);
+  block(maps, weights);
+  maps = mixed(maps, kResults, Clip::kNone, weights);
+  SINEW_ASSERT(weights.is_empty());
+  return maps;
+}
+
+/// 0 to 1 where no neighbour has more; else 0.
+double peak(const Maps& maps, int channel, int x, int y) {
+  const float here = maps.at(channel, x, y);
+  for (int v = std::max(0, y - 1); v <= std::min(maps.height - 1, y + 1); ++v) {
+    for (int u = std::max(0, x - 1); u <= std::min(maps.width - 1, x + 1); ++u) {
+      if (maps.at(channel, u, v) > here) return 0;
+    }
+  }
+  return 1 / (1 + std::exp(-static_cast<double>(here)));
+}
+
+int largest(const Maps& maps, int from, int count, int x, int y) {
+  int best = 0;
+  for (int i = 1; i < count; ++i) {
+    if (maps.at(from + i, x, y) > maps.at(from + best, x, y)) best = i;
+  }
+  return best;
+}
+
+/// The quad of a cell: a square of its edge and turn, stretched by the root of a matrix that has
+/// the determinant 1 and the two numbers of its shape.
+Quad quad_of(const Maps& maps, int x, int y) {
+  const auto value = [&](int channel) { return static_cast<double>(maps.at(channel, x, y)); };
+  const Pixel middle{kCell * (x + 0.5 + value(1)), kCell * (y + 0.5 + value(2))};
+  const double edge = kEdge * std::exp(std::clamp(value(kShape), -2.0, 2.5));
+  Pixel shape{value(kShape + 1), value(kShape + 2)};
+  constexpr double kFlattest = 0.95;
+  if (length(shape) > kFlattest) shape = kFlattest / length(shape) * shape;
+  const double turn = std::atan2(value(kShape + 4), value(kShape + 3)) / 4;
+  // The root of [[1 + a, b], [b, 1 - a]] / sqrt(1 - a^2 - b^2).
+  const double norm = std::sqrt(1 - dot(shape, shape));
+  const double xx = (1 + shape.x) / norm;
+  const double yy = (1 - shape.x) / norm;
+  const double xy = shape.y / norm;
+  const double root = std::sqrt(xx + yy + 2);
+  Quad quad;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const double angle = turn + std::numbers::pi * (0.25 + 0.5 * static_cast<double>(i));
+    const Pixel p = edge / std::numbers::sqrt2 * Pixel{std::cos(angle), std::sin(angle)};
+    quad[i] = middle + 1 / root * Pixel{(xx + 1) * p.x + xy * p.y, xy * p.x + (yy + 1) * p.y};
+  }
+  return quad;
+}
+
+}  // namespace
+
+Likely likely_things(const Picture& picture, double least) {
+  const Maps maps = results_of(picture);
+  Likely found;
+  for (int y = 0; y < maps.height; ++y) {
+    for (int x = 0; x < maps.width; ++x) {
+      if (const double sure = peak(maps, 0, x, y); sure > least) {
+        const int color = largest(maps, kColor, kColors, x, y);
+        found.tops.push_back({quad_of(maps, x, y), sure,
+                              color < static_cast<int>(kColorNames)
+                                  ? std::optional(static_cast<ColorName>(color))
+                                  : std::nullopt});
+      }
+      if (const double sure = peak(maps, kOther, x, y); sure > least) {
+        const int kind = largest(maps, kKind, static_cast<int>(kWhy.size()), x, y);
+        found.others.push_back({Pixel{kCell * (x + 0.5), kCell * (y + 0.5)}, sure,
+                                kWhy[static_cast<std::size_t>(kind)]});
+      }
+    }
+  }
+  return found;
+}
+
+}  // namespace sinew::vision

@@ -1,0 +1,85 @@
+#include "sinew/vision/table_camera.h"
+
+#include <cmath>
+
+#include "sinew/core/number_text.h"
+#include "sinew/core/units.h"
+
+namespace sinew::vision {
+namespace {
+
+/// The square that the corners of a top make on the plane z = height.
+std::optional<CubePosition> square_at(const TableCamera& camera, const Quad& top, double height) {
+  std::array<Vec3, 4> corners;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const auto p_W = on_plane(camera, top[i], height);
+    if (!p_W) return std::nullopt;
+    corners[i] = *p_W;
+  }
+  CubePosition square;
+  double twice = 0;
+  Pixel turn;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const Vec3& from = corners[i];
+    const Vec3& to = corners[(i + 1) % 4];
+    square.top_W = square.top_W + 0.25 * from;
+    twice += from.x * to.y - from.y * to.x;
+    // Four times the angle: sides that are a quarter turn apart say the same.
+    const double angle = 4 * std::atan2(to.y - from.y, to.x - from.x);
+    turn =
+        turn + std::hypot(to.x - from.x, to.y - from.y) * Pixel{std::cos(angle), std::sin(angle)};
+  }
+  square.edge = std::sqrt(std::abs(twice) / 2);
+  const double angle = std::atan2(turn.y, turn.x) / 4;
+  square.yaw = angle < 0 ? angle + kPi / 2 : angle;
+  return square;
+}
+
+}  // namespace
+
+std::optional<Vec3> on_plane(const TableCamera& camera, Pixel p, double height) {
+  const Vec3 toward = camera.X_WC.R * camera.model.direction(p);
+  const double fall = height - camera.X_WC.p.z;
+  constexpr double kFlattest = 1e-3;
+  if (std::abs(toward.z) < kFlattest || fall / toward.z <= 0) return std::nullopt;
+  return camera.X_WC.p + fall / toward.z * toward;
+}
+
+std::optional<CubePosition> cube_position(const TableCamera& camera, const SeenCube& cube,
+                                          double edge) {
+  constexpr int kLevels = 6;
+  constexpr double kOffMost = 0.25;
+  std::optional<CubePosition> best;
+  double least = kOffMost;
+  for (int level = 1; level <= kLevels; ++level) {
+    auto square = square_at(camera, cube.top, level * edge);
+    if (!square) break;
+    square->level = level;
+    // A higher level has to be better by what a pixel more or less makes of the size.
+    const double doubt = level == 1 ? 0 : 1.5 / std::max(cube.size, 1.0);
+    const double off = std::abs(square->edge / edge - 1) + doubt;
+    if (off >= least) continue;
+    least = off;
+    best = square;
+  }
+  return best;
+}
+
+void place_on_table(Detection& detection, const TableCamera& camera, double edge) {
+  std::vector<SeenCube> kept;
+  for (SeenCube& cube : detection.cubes) {
+    cube.position = cube_position(camera, cube, edge);
+    if (cube.position) {
+      kept.push_back(std::move(cube));
+      continue;
+    }
+    const auto square = square_at(camera, cube.top, edge);
+    detection.refused.push_back(
+        {cube.top, square ? "its top measures " + number_text(to_mm(square->edge), 0) +
+                                " mm, that of a cube " + number_text(to_mm(edge), 0) + " mm"
+                          : "it is above the horizon of the table"});
+  }
+  detection.cubes = std::move(kept);
+}
+
+}  // namespace sinew::vision

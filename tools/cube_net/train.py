@@ -1,0 +1,318 @@
+#!/usr/bin/env python3
+"""Trains the network that finds the tops of cubes (src/sinew/vision/cube_net.weights) from nothing.
+
+train.py PICTURES OUT.weights [--minutes 60] [--begin WEIGHTS.pt]: PICTURES is what cube_pictures
+wrote. Saves OUT.weights and OUT.weights.pt every few minutes. Needs python3-torch, python3-numpy and
+python3-opencv. docs/vision.md says what the outputs mean.
+"""
+
+import argparse
+import collections
+import glob
+import math
+import os
+import time
+
+import cv2
+import numpy as np
+import torch
+import torch.nn.functional as F
+from torch import nn
+
+STRIDE = 4
+COLORS = 10  # nine names, and white or grey
+OTHERS = 5  # kinds of things that are no cubes
+SIDE = 256  # px, of what is trained on
+SEEN = 0.6  # share of a top that must be seen
+UNSURE = 0.25  # between: neither right nor wrong
+
+
+def conv(inside, outside, stride=1):
+    return nn.Sequential(nn.Conv2d(inside, outside, 3, stride, 1, bias=False),
+                         nn.BatchNorm2d(outside), nn.ReLU(inplace=True))
+
+
+def point(inside, outside):
+    return nn.Sequential(nn.Conv2d(inside, outside, 1, bias=False), nn.BatchNorm2d(outside),
+                         nn.ReLU(inplace=True))
+
+
+class Block(nn.Module):
+    """A 3 x 3 filter for each channel, then a mix of them, beside what came in."""
+
+    def __init__(self, size):
+        super().__init__()
+        self.body = nn.Sequential(nn.Conv2d(size, size, 3, 1, 1, groups=size, bias=False),
+                                  nn.BatchNorm2d(size), nn.ReLU(inplace=True),
+                                  nn.Conv2d(size, size, 1, bias=False), nn.BatchNorm2d(size))
+
+    def forward(self, x):
+        return F.relu(x + self.body(x))
+
+
+class CubeNet(nn.Module):
+    """Picture (RGB, 0 to 1) -> 24 numbers for each 4 x 4 px.
+
+    0: a top's middle is here (logit); 1, 2: where, from the cell's middle (cells); 3 to 7: affine();
+    8 to 17: color (logits); 18: something else has its middle here; 19 to 23: which kind (logits).
+    """
+
+    def __init__(self):
+        super().__init__()
+        sizes = [24, 40, 64, 96]
+        self.stem = conv(3, 12, 2)
+        self.down = nn.ModuleList()
+        before = 12
+        for size, blocks in zip(sizes, [1, 3, 4, 4]):
+            self.down.append(nn.Sequential(conv(before, size, 2),
+                                           *[Block(size) for _ in range(blocks)]))
+            before = size
+        self.up = nn.ModuleList(point(sizes[i + 1], sizes[i]) for i in range(3))
+        self.mix = nn.ModuleList([nn.Sequential(Block(24), point(24, 32), Block(32)),
+                                  nn.Sequential(Block(40), Block(40)),
+                                  nn.Sequential(Block(64), Block(64))])
+        self.head = nn.Conv2d(32, 9 + COLORS + OTHERS, 1)
+        nn.init.constant_(self.head.bias, 0)
+        with torch.no_grad():
+            self.head.bias[0] = self.head.bias[8 + COLORS] = -4
+
+    def forward(self, x):
+        x = self.stem(x - 0.45)
+        levels = []
+        for down in self.down:
+            x = down(x)
+            levels.append(x)
+        for i in (2, 1, 0):
+            x = levels[i] + F.interpolate(self.up[i](x), scale_factor=2, mode="nearest")
+            x = self.mix[i](x)
+        return self.head(x)
+
+
+def load(folder):
+    marks = collections.defaultdict(list)
+    for name in glob.glob(f"{folder}/*.txt"):
+        with open(name, encoding="utf-8") as lines:
+            for line in lines:
+                part = line.split()
+                if len(part) != 11:  # still being written
+                    continue
+                marks[int(part[0])].append([float(v) for v in part[1:]])
+    pictures = []
+    for name in glob.glob(f"{folder}/*.png"):
+        number = int(os.path.basename(name)[:-4])
+        picture = cv2.imread(name)[:, :, ::-1]
+        pictures.append((np.ascontiguousarray(picture), np.array(marks[number], np.float32)))
+    return pictures
+
+
+def affine(quad):
+    """(log edge, two of the shape, two of the turn): the square behind a nearly affine quad."""
+    u = ((quad[1] - quad[0]) + (quad[2] - quad[3])) / 2
+    v = ((quad[3] - quad[0]) + (quad[2] - quad[1])) / 2
+    m = np.stack([u, v], 1)
+    s = m @ m.T
+    edge = math.sqrt(max(1e-6, abs(np.linalg.det(m))))
+    values, vectors = np.linalg.eigh(s)
+    root = vectors @ np.diag(1 / np.sqrt(np.maximum(values, 1e-9))) @ vectors.T
+    turn = root @ m
+    phi = math.atan2(turn[1, 0], turn[0, 0])
+    trace = s[0, 0] + s[1, 1]
+    return [math.log(edge / 32), (s[0, 0] - s[1, 1]) / trace, 2 * s[0, 1] / trace,
+            math.cos(4 * phi), math.sin(4 * phi)]
+
+
+def sample(rng, pictures):
+    picture, marks = pictures[rng.integers(len(pictures))]
+    height, width = picture.shape[:2]
+    quads = marks[:, 2:].reshape(-1, 4, 2).copy() if len(marks) else np.zeros((0, 4, 2))
+    # Scale, turn, mirror, and a part of it.
+    scale = math.exp(rng.uniform(math.log(0.75), math.log(1.3)))
+    turn = rng.choice([0, 90, 180, 270]) + (rng.uniform(-20, 20) if rng.random() < 0.5 else 0)
+    m = cv2.getRotationMatrix2D((width / 2, height / 2), turn, scale)
+    if rng.random() < 0.5:
+        m = m @ np.array([[-1, 0, width], [0, 1, 0], [0, 0, 1]], float)
+    room_x = max(0, width * scale - SIDE) / 2 + 20
+    room_y = max(0, height * scale - SIDE) / 2 + 20
+    m[0, 2] += SIDE / 2 - width / 2 + rng.uniform(-room_x, room_x)
+    m[1, 2] += SIDE / 2 - height / 2 + rng.uniform(-room_y, room_y)
+    flags = cv2.INTER_AREA if scale < 1 else cv2.INTER_LINEAR
+    out = cv2.warpAffine(picture, m, (SIDE, SIDE), flags=flags, borderMode=cv2.BORDER_REFLECT_101)
+    # What the border mirrors is no picture: it is cut off below by the mask.
+    inside = cv2.warpAffine(np.full((height, width), 255, np.uint8), m, (SIDE, SIDE))
+    quads = quads @ m[:, :2].T + m[:, 2]
+    # cv2 counts from the middle of the first pixel, the marks from its corner.
+    quads = quads + (m[:, :2] @ np.array([-0.5, -0.5]) + 0.5)
+    value = out.astype(np.float32) / 255
+    if rng.random() < 0.7:
+        value = value ** math.exp(rng.uniform(-0.35, 0.35)) * rng.uniform(0.85, 1.15)
+        value = value * rng.uniform(0.92, 1.08, 3).astype(np.float32)
+    if rng.random() < 0.25:
+        small = rng.uniform(0.5, 0.9)
+        value = cv2.resize(cv2.resize(value, None, fx=small, fy=small,
+                                      interpolation=cv2.INTER_AREA), (SIDE, SIDE))
+    if rng.random() < 0.2:
+        value = value + 0.5 * (value - cv2.GaussianBlur(value, (0, 0), 1.2))  # sharpened
+    value = np.clip(value, 0, 1)
+    if rng.random() < 0.5:
+        _, data = cv2.imencode(".jpg", (value[:, :, ::-1] * 255).astype(np.uint8),
+                               [cv2.IMWRITE_JPEG_QUALITY, int(rng.uniform(25, 95))])
+        value = cv2.imdecode(data, 1)[:, :, ::-1].astype(np.float32) / 255
+    return np.ascontiguousarray(value.transpose(2, 0, 1)), targets(quads, marks, inside)
+
+
+def targets(quads, marks, inside):
+    """Per cell: heat of tops and of others, its weight, then 2 offsets and 5 of affine(); color and
+    kind, or -1.
+    """
+    cells = SIDE // STRIDE
+    heat = np.zeros((2, cells, cells), np.float32)
+    weight = (cv2.resize(inside, (cells, cells), interpolation=cv2.INTER_AREA) > 200)
+    weight = weight.astype(np.float32)
+    about = np.zeros((7, cells, cells), np.float32)
+    kinds = np.full((2, cells, cells), -1, np.int64)
+    ys, xs = np.mgrid[0:cells, 0:cells].astype(np.float32) + 0.5
+    for quad, mark in sorted(zip(quads, marks), key=lambda pair: pair[1][1]):
+        middle = quad.mean(0) / STRIDE
+        if not (0 <= middle[0] < cells and 0 <= middle[1] < cells) or mark[1] < 0.05:
+            continue
+        form = affine(quad)
+        edge = 32 * math.exp(form[0]) / STRIDE
+        d2 = (xs - middle[0]) ** 2 + (ys - middle[1]) ** 2
+        if mark[1] < SEEN or edge * STRIDE < 8:
+            if mark[1] > UNSURE:
+                weight[d2 < (0.5 * edge) ** 2] = 0
+            continue
+        x, y = int(middle[0]), int(middle[1])
+        other = int(mark[0] >= COLORS)
+        sigma = min(8, max(0.55, 0.11 * edge))
+        bell = np.exp(-d2 / (2 * sigma * sigma))
+        bell[y, x] = 1
+        heat[other] = np.maximum(heat[other], bell)
+        near = max(0, min(2, int(0.2 * edge)))
+        for v in range(max(0, y - near), min(cells, y + near + 1)):
+            for u in range(max(0, x - near), min(cells, x + near + 1)):
+                kinds[other, v, u] = int(mark[0]) - other * COLORS
+                if not other:
+                    about[0:2, v, u] = middle - (u + 0.5, v + 0.5)
+                    about[2:, v, u] = form
+    return heat, weight, about, kinds
+
+
+def loss_of_heat(out, heat, weight):
+    p = torch.sigmoid(out).clamp(1e-5, 1 - 1e-5)
+    is_top = (heat > 0.999).float()
+    right = is_top * (1 - p) ** 2 * torch.log(p)
+    wrong = (1 - is_top) * (1 - heat) ** 4 * p ** 2 * torch.log(1 - p)
+    return -((right + wrong) * weight).sum() / (is_top * weight).sum().clamp(min=1)
+
+
+def loss_of_kind(out, kinds):
+    at = kinds >= 0
+    if not at.any():
+        return out.sum() * 0
+    return F.cross_entropy(out.permute(0, 2, 3, 1)[at], kinds[at], label_smoothing=0.02)
+
+
+def loss_of(out, heat, weight, about, kinds):
+    at = kinds[:, 0] >= 0
+    off = (out[:, 1:8] - about).abs()
+    off = (off * torch.tensor([1, 1, 2, 2, 2, 1, 1.0]).view(1, 7, 1, 1)).sum(1)
+    other = 8 + COLORS
+    return (loss_of_heat(out[:, 0], heat[:, 0], weight),
+            off[at].sum() / at.sum().clamp(min=1),
+            loss_of_kind(out[:, 8:other], kinds[:, 0]),
+            0.2 * loss_of_heat(out[:, other], heat[:, 1], weight)
+            + 0.2 * loss_of_kind(out[:, other + 1:], kinds[:, 1]))
+
+
+def folded(layer, norm=None):
+    """A layer's weights and offsets, with what follows it taken in; half floats."""
+    weight = layer.weight.detach()
+    offset = layer.bias.detach() if layer.bias is not None else torch.zeros(len(weight))
+    if norm is not None:
+        factor = norm.weight.detach() / torch.sqrt(norm.running_var + norm.eps)
+        weight = weight * factor.view(-1, 1, 1, 1)
+        offset = (offset - norm.running_mean) * factor + norm.bias.detach()
+    return [weight.numpy().astype("<f2").tobytes(), offset.numpy().astype("<f2").tobytes()]
+
+
+def export(net, path):
+    """All weights in the order in which src/sinew/vision/cube_net.cc takes them."""
+    parts = []
+
+    def put(module):
+        for first, second in zip([*module, None], [*module, None][1:]):
+            if isinstance(first, nn.Conv2d):
+                parts.extend(folded(first, second))
+            elif isinstance(first, Block):
+                put(first.body)
+            elif isinstance(first, nn.Sequential):
+                put(first)
+
+    put(net.stem)
+    for down in net.down:
+        put(down)
+    for i in (2, 1, 0):
+        put(net.up[i])
+        put(net.mix[i])
+    parts.extend(folded(net.head))
+    with open(path, "wb") as file:
+        file.write(b"".join(parts))
+    torch.save(net.state_dict(), path + ".pt")
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("pictures")
+    parser.add_argument("out")
+    parser.add_argument("--minutes", type=float, default=60)
+    parser.add_argument("--begin")
+    parser.add_argument("--threads", type=int, default=os.cpu_count())
+    parser.add_argument("--rate", type=float, default=3e-3)
+    args = parser.parse_args()
+    torch.manual_seed(1)
+    torch.set_num_threads(args.threads)
+    rng = np.random.default_rng(1)
+    pictures = load(args.pictures)
+    print(len(pictures), "pictures", flush=True)
+    net = CubeNet().to(memory_format=torch.channels_last)
+    print(sum(p.numel() for p in net.parameters()), "weights", flush=True)
+    if args.begin:
+        net.load_state_dict(torch.load(args.begin))
+    optimizer = torch.optim.AdamW(net.parameters(), lr=args.rate, weight_decay=1e-4)
+    begin = saved = time.time()
+    batch = 16
+    means = np.zeros(4)
+    step = 0
+    while True:
+        spent = (time.time() - begin) / 60 / args.minutes
+        if spent >= 1:
+            break
+        # Up within the first percents, then down to nothing along half a cosine.
+        rate = args.rate * min(1, spent / 0.03 + 0.02) * 0.5 * (1 + math.cos(math.pi * spent))
+        for group in optimizer.param_groups:
+            group["lr"] = rate
+        samples = [sample(rng, pictures) for _ in range(batch)]
+        x = torch.from_numpy(np.stack([s[0] for s in samples]))
+        x = x.to(memory_format=torch.channels_last)
+        heat, weight, about, kinds = (torch.from_numpy(np.stack([s[1][i] for s in samples]))
+                                      for i in range(4))
+        losses = loss_of(net(x), heat, weight, about, kinds)
+        optimizer.zero_grad()
+        sum(losses).backward()
+        nn.utils.clip_grad_norm_(net.parameters(), 10)
+        optimizer.step()
+        step += 1
+        means = 0.98 * means + 0.02 * np.array([float(v.detach()) for v in losses])
+        if step % 50 == 0:
+            shown = means / (1 - 0.98 ** step)
+            print(f"{(time.time() - begin) / 60:.1f} min, step {step}: heat {shown[0]:.3f}, "
+                  f"shape {shown[1]:.3f}, color {shown[2]:.3f}, others {shown[3]:.3f}", flush=True)
+        if time.time() - saved > 180:
+            export(net, args.out)
+            saved = time.time()
+    export(net, args.out)
+
+
+if __name__ == "__main__":
+    main()
