@@ -155,13 +155,18 @@ MountFit best_fit(const MountProblem& problem, std::span<const PoseCB> X_CB) {
   for (const HandEyeView& view : problem.views) {
     X_MN.push_back(between_mounts(problem.settings.mounting, view.X_BF));
   }
+  MountProblem exact_joints = problem;
+  exact_joints.joints = 0;
   MountFit best{{}, {}, false, kInfinity, {}};
   double least = kInfinity;
   constexpr double kGood = 1;  // px; with all points kept, no other start can do better
   constexpr double kCut = 20;  // px; beyond it, wrong is wrong
   for (const MountStart& start : mount_starts(X_MN, X_CB)) {
-    MountFit fit =
-        robust_fit(problem, {start.X_MC, start.X_NB, Eigen::VectorXd::Zero(problem.joints)});
+    MountFit fit = robust_fit(exact_joints, {start.X_MC, start.X_NB, {}});
+    if (problem.joints > 0) {
+      fit.state.offsets = Eigen::VectorXd::Zero(problem.joints);
+      fit = robust_fit(problem, std::move(fit.state));
+    }
     if (!fit.converged) continue;
     // Over all points: those of a single view may be all that shows one of the directions.
     double sum = 0;

@@ -204,8 +204,17 @@ Intrinsics result_of(const CameraFit& fit, const CameraProblem& problem) {
   out.camera = fit.state.camera;
   out.X_CB = fit.state.X_CB;
   out.pixel_sigma = sigma_of(fit, problem.free_parameters());
-  NormalEquations sum(problem.size(), fit.weights);
-  problem.add_to(sum, fit.state);
+  CameraProblem all = problem;
+  all.mask.fill(true);
+  NormalEquations sum(all.size(), fit.weights);
+  all.add_to(sum, fit.state);
+  constexpr std::array<double, 5> kOrdinaryLens{0.3, 0.2, 1e-3, 1e-3, 0.05};
+  for (std::size_t i = 0; i < kOrdinaryLens.size(); ++i) {
+    if (problem.mask[4 + i]) continue;
+    const Eigen::VectorXd axis =
+        Eigen::VectorXd::Unit(all.size(), 4 + static_cast<Eigen::Index>(i));
+    sum.add_prior(0, out.pixel_sigma / kOrdinaryLens[i] * axis);
+  }
   out.covariance = out.pixel_sigma * out.pixel_sigma *
                    sum.inverse().topLeftCorner<kCameraParameters, kCameraParameters>();
   out.sigma = out.covariance.diagonal().cwiseMax(0).cwiseSqrt();

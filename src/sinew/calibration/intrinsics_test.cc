@@ -71,9 +71,7 @@ TEST(Intrinsics, lens_coefficients_that_the_data_does_not_show_are_0) {
     const auto found = intrinsics(good_views(straight, 8, 0.3, random));
     ASSERT_TRUE(found) << sentence(found.error());
     held += static_cast<int>(std::count(found->camera.lens.begin(), found->camera.lens.end(), 0.0));
-    for (std::size_t i = 0; i < 5; ++i) {
-      EXPECT_EQ(found->camera.lens[i] == 0, found->sigma[static_cast<Eigen::Index>(i) + 4] == 0);
-    }
+    EXPECT_GT(found->sigma.minCoeff(), 0) << "of a coefficient that is held at 0 too";
   });
   EXPECT_GE(held, 5 * kCases - 4);
   test::Random random(2);

