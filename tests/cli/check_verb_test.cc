@@ -56,9 +56,10 @@ TEST(CheckVerb, says_what_would_work_instead_of_a_refused_line) {
 }
 
 TEST(CheckVerb, sample_programs_are_all_fine_and_laid_out) {
-  for (const char* sample : {"bigrobotarm/line", "bigrobotarm/wave", "hexapod/nod", "hexapod/tilt",
-                             "learm/square", "learm/wave", "maxarm/pick", "maxarm/stack",
-                             "robot-arm-2/first_moves", "robot-arm-2/square"}) {
+  for (const char* sample :
+       {"bigrobotarm/line", "bigrobotarm/wave", "hexapod/nod", "hexapod/tilt",
+        "learm/pick_and_place", "learm/square", "learm/wave", "maxarm/pick",
+        "maxarm/pick_and_place", "maxarm/stack", "robot-arm-2/first_moves", "robot-arm-2/square"}) {
     const std::string name = sample;
     const std::string file = SINEW_SOURCE_DIR "/robots/" + name + ".sinew";
     const Ended checked = sinew({"check", file, "--robot", name.substr(0, name.find('/'))});

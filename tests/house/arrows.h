@@ -33,9 +33,10 @@ inline constexpr std::array kArrows = std::to_array<FolderArrows>({
     {"device", "wire motion kinematics"},
     {"driver", "wire model"},
     {"planning", "motion kinematics model"},
+    {"grasping", "model"},
     {"sim", "device kinematics model"},
     {"control", "driver planning"},
-    {"program", "control"},
+    {"program", "control vision grasping"},
     {"runtime", "io sim program control driver vision config"},
     {"server", "runtime"},
     {"cli", "*"},
@@ -57,7 +58,8 @@ inline constexpr std::array kGuardedHeaders = std::to_array<GuardedHeaders>({
 /// Folders that move the machine or speak its bytes: they never see a clock, file, socket or
 /// thread, so that one seed replays one whole run.
 inline constexpr std::string_view kPureFolders =
-    "mcu control driver device sim wire motion planning kinematics vision render calibration";
+    "mcu control driver device sim wire motion planning kinematics vision render calibration "
+    "grasping";
 
 inline constexpr std::string_view kNotInPureFolders =
     "thread mutex shared_mutex condition_variable future semaphore latch barrier stop_token "

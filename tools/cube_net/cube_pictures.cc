@@ -55,6 +55,7 @@ int main(int argc, char** argv) {
       }
       std::fprintf(list, "\n");
     }
+    std::fflush(list);
   }
   std::fclose(list);
 }

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """Trains the network that finds the tops of cubes (src/sinew/vision/cube_net.weights) from nothing.
 
-train.py PICTURES OUT.weights [--minutes 60] [--begin WEIGHTS.pt]: PICTURES is what cube_pictures
-wrote. Saves OUT.weights and OUT.weights.pt every few minutes. Needs python3-torch, python3-numpy and
-python3-opencv. docs/vision.md says what the outputs mean.
+train.py PICTURES OUT.weights [--minutes 60] [--begin BEFORE.weights]: PICTURES is what cube_pictures
+wrote, or still writes. Saves OUT.weights every few minutes; a later run may go on from there. Needs
+python3-torch, python3-numpy and python3-opencv. docs/vision.md says what the outputs mean.
 """
 
 import argparse
@@ -88,7 +88,8 @@ class CubeNet(nn.Module):
         return self.head(x)
 
 
-def load(folder):
+def load(folder, known=()):
+    """Number -> picture and its marks, of all that are not known yet."""
     marks = collections.defaultdict(list)
     for name in glob.glob(f"{folder}/*.txt"):
         with open(name, encoding="utf-8") as lines:
@@ -97,11 +98,14 @@ def load(folder):
                 if len(part) != 11:  # still being written
                     continue
                 marks[int(part[0])].append([float(v) for v in part[1:]])
-    pictures = []
+    pictures = {}
     for name in glob.glob(f"{folder}/*.png"):
         number = int(os.path.basename(name)[:-4])
-        picture = cv2.imread(name)[:, :, ::-1]
-        pictures.append((np.ascontiguousarray(picture), np.array(marks[number], np.float32)))
+        picture = cv2.imread(name) if number in marks and number not in known else None
+        if picture is None:  # still being written, too
+            continue
+        pictures[number] = (np.ascontiguousarray(picture[:, :, ::-1]),
+                            np.array(marks[number], np.float32))
     return pictures
 
 
@@ -236,29 +240,74 @@ def folded(layer, norm=None):
     return [weight.numpy().astype("<f2").tobytes(), offset.numpy().astype("<f2").tobytes()]
 
 
-def export(net, path):
-    """All weights in the order in which src/sinew/vision/cube_net.cc takes them."""
-    parts = []
-
-    def put(module):
+def layers_of(net):
+    """Every convolution and the norm that follows it (or None), in the order in which
+    src/sinew/vision/cube_net.cc takes their weights.
+    """
+    def pairs(module):
         for first, second in zip([*module, None], [*module, None][1:]):
             if isinstance(first, nn.Conv2d):
-                parts.extend(folded(first, second))
+                yield first, second
             elif isinstance(first, Block):
-                put(first.body)
+                yield from pairs(first.body)
             elif isinstance(first, nn.Sequential):
-                put(first)
+                yield from pairs(first)
 
-    put(net.stem)
+    yield from pairs(net.stem)
     for down in net.down:
-        put(down)
+        yield from pairs(down)
     for i in (2, 1, 0):
-        put(net.up[i])
-        put(net.mix[i])
-    parts.extend(folded(net.head))
+        yield from pairs(net.up[i])
+        yield from pairs(net.mix[i])
+    yield net.head, None
+
+
+def export(net, path):
+    parts = []
+    for layer, norm in layers_of(net):
+        parts.extend(folded(layer, norm))
     with open(path, "wb") as file:
         file.write(b"".join(parts))
-    torch.save(net.state_dict(), path + ".pt")
+
+
+def begin_from(net, path, pictures):
+    """The weights of export(). A norm learns from `pictures` what passes it, and gives that back
+    unchanged, so that training goes on where it was.
+    """
+    numbers = torch.from_numpy(np.fromfile(path, "<f2").astype(np.float32))
+    at = 0
+
+    def take(shape):
+        nonlocal at
+        count = math.prod(shape)
+        at += count
+        return numbers[at - count:at].reshape(shape)
+
+    hooks = []
+    for layer, norm in layers_of(net):
+        layer.weight.data.copy_(take(layer.weight.shape))
+        offset = take((len(layer.weight),))
+        if norm is None:
+            layer.bias.data.copy_(offset)
+            continue
+
+        def measure(norm, inputs, offset=offset):
+            mean = inputs[0].mean((0, 2, 3))
+            variance = inputs[0].var((0, 2, 3))
+            norm.running_mean.copy_(mean)
+            norm.running_var.copy_(variance)
+            norm.weight.data.copy_(torch.sqrt(variance + norm.eps))
+            norm.bias.data.copy_(offset + mean)
+
+        hooks.append(norm.register_forward_pre_hook(measure))
+    if at != len(numbers):
+        raise SystemExit(f"{path} holds {len(numbers)} weights, not {at}")
+    net.eval()
+    with torch.no_grad():
+        net(pictures)
+    net.train()
+    for hook in hooks:
+        hook.remove()
 
 
 def main():
@@ -273,12 +322,14 @@ def main():
     torch.manual_seed(1)
     torch.set_num_threads(args.threads)
     rng = np.random.default_rng(1)
-    pictures = load(args.pictures)
+    found = load(args.pictures)
+    pictures = list(found.values())
     print(len(pictures), "pictures", flush=True)
     net = CubeNet().to(memory_format=torch.channels_last)
     print(sum(p.numel() for p in net.parameters()), "weights", flush=True)
     if args.begin:
-        net.load_state_dict(torch.load(args.begin))
+        begin_from(net, args.begin,
+                   torch.from_numpy(np.stack([sample(rng, pictures)[0] for _ in range(64)])))
     optimizer = torch.optim.AdamW(net.parameters(), lr=args.rate, weight_decay=1e-4)
     begin = saved = time.time()
     batch = 16
@@ -306,10 +357,12 @@ def main():
         means = 0.98 * means + 0.02 * np.array([float(v.detach()) for v in losses])
         if step % 50 == 0:
             shown = means / (1 - 0.98 ** step)
-            print(f"{(time.time() - begin) / 60:.1f} min, step {step}: heat {shown[0]:.3f}, "
+            print(f"{(time.time() - begin) / 60:.1f} min, step {step}, {len(pictures)}: heat {shown[0]:.3f}, "
                   f"shape {shown[1]:.3f}, color {shown[2]:.3f}, others {shown[3]:.3f}", flush=True)
         if time.time() - saved > 180:
             export(net, args.out)
+            found.update(load(args.pictures, found))
+            pictures = list(found.values())
             saved = time.time()
     export(net, args.out)
 

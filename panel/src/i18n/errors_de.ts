@@ -101,6 +101,21 @@ const codes: Record<string, string> = {
   counted_elsewhere: '{subject} soll auf {measured} stehen, aber das Gerät zählt {limit}, {excess} auseinander; sagen, wo das Gerät es zählt, oder wer es bewegt hat und wie (moved:)',
   no_such_service: 'Dafür hat dieses Gerät keinen Befehl',
   no_way_home: 'Um ein ausgelassenes Gelenk herum fand sich kein Weg zur Grundstellung; nach der Suche bleiben die Gelenke neben ihren Endschaltern',
+  no_camera:
+    'Diese Zeile sieht hin, und es ist keine kalibrierte Kamera bekannt: eine in der Datei der Zelle nennen ([[camera]], docs/vision.md)',
+  camera_lost: 'Die Kamera liefert seit {measured} kein Bild: Kabel ansehen und neu starten',
+  camera_blind: 'Auf dem Kamerabild ist nichts zu unterscheiden: Die Kamera ist verdeckt, oder es fehlt Licht',
+  camera_frozen: 'Die Kamera liefert immer wieder dasselbe Bild',
+  camera_moved:
+    'Die Kamera sieht die Marken {measured} neben ihrem Ort (erlaubt sind {limit}): neu kalibrieren',
+  camera_changed:
+    'Die Bilder der Kamera haben eine andere Größe ({measured} Pixel) als bei der Kalibrierung ({limit} Pixel): zurückstellen oder neu kalibrieren',
+  nothing_seen: 'Ein solcher Würfel ist nicht zu sehen',
+  cube_covered: 'Auf ihm steht ein anderer Würfel: diesen zuerst greifen',
+  cube_crowded: 'Seine Nachbarn lassen {measured} für einen Finger, der {limit} braucht',
+  cube_too_wide: 'Er ist {measured} breit, und die Backen öffnen {limit}',
+  not_held: 'Nach {measured} Griffen ist nichts gegriffen',
+  nothing_held: 'Es ist nichts gegriffen: zuerst etwas greifen',
 };
 
 /** Dieselben, wo sich Körper überschneiden. */

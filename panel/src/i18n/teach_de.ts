@@ -112,6 +112,10 @@ export const teachDe: Record<keyof typeof teachEn, string> = {
   'prog.what.loop': 'immer wieder',
   'prog.what.if': 'einer von zwei Wegen',
   'prog.what.call': 'ein anderes Programm',
+  'prog.what.look': 'sieht ein neues Kamerabild an',
+  'prog.what.pick': 'greift einen Würfel, den die Kamera sieht, und kehrt zurück',
+  'prog.what.place': 'legt ab, was gegriffen ist, und kehrt zurück',
+  'prog.what.repeat': 'solange ein Würfel zu sehen ist',
   'prog.what.velocity': 'begrenzt die Achsgeschwindigkeiten der folgenden Schritte',
   'prog.what.acceleration': 'begrenzt die Achsbeschleunigungen der folgenden Schritte',
 
@@ -132,6 +136,7 @@ export const teachDe: Record<keyof typeof teachEn, string> = {
   'prog.field.count': 'Mal',
   'prog.field.condition': 'Bedingung, wie base>20deg',
   'prog.field.program': 'Programm',
+  'prog.field.color': 'Farbe',
 
   'pts.name': 'Name des Punktes',
   'pts.name.rule': 'Ein Buchstabe, dann Buchstaben, Ziffern, - und _; höchstens 40.',

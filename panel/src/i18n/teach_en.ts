@@ -110,6 +110,10 @@ export const teachEn = {
   'prog.what.loop': 'again and again',
   'prog.what.if': 'one of two ways',
   'prog.what.call': 'another program',
+  'prog.what.look': 'looks at a new picture',
+  'prog.what.pick': 'takes a cube that the camera sees, and returns',
+  'prog.what.place': 'lets go of what is held, and returns',
+  'prog.what.repeat': 'as long as a cube is seen',
   'prog.what.velocity': 'limits joint velocities of the following steps',
   'prog.what.acceleration': 'limits joint accelerations of the following steps',
 
@@ -130,6 +134,7 @@ export const teachEn = {
   'prog.field.count': 'times',
   'prog.field.condition': 'condition, as base>20deg',
   'prog.field.program': 'program',
+  'prog.field.color': 'color',
 
   'pts.name': 'Name of the point',
   'pts.name.rule': 'A letter, then letters, digits, - and _; 40 at most.',

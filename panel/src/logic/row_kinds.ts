@@ -40,17 +40,29 @@ export const kWords = [
   'loop',
   'if',
   'call',
+  'look',
+  'pick',
+  'place',
+  'repeat',
   'velocity',
   'acceleration',
 ] as const;
 export type Word = (typeof kWords)[number];
 
+/** Colors of cubes, as src/sinew/vision/color_names.cc has them. */
+const kColors = ['red', 'orange', 'yellow', 'green', 'blue', 'purple', 'pink', 'black', 'wood'] as const;
+
 export function wordsOf(model: RobotModel): Word[] {
+  const picks = model.kind === 'palletizer' || (model.kind === 'serial' && model.geometry.gripper !== undefined);
   const has: Partial<Record<Word, boolean>> = {
     jaws: model.kind === 'serial' && model.geometry.gripper !== undefined,
     gripper: model.robot === 'bigrobotarm',
     suction: model.kind === 'palletizer',
     nozzle: model.kind === 'palletizer',
+    look: picks,
+    pick: picks,
+    place: picks,
+    repeat: picks,
     velocity: model.takes_speed,
     acceleration: model.takes_speed,
   };
@@ -140,6 +152,11 @@ export function fieldsOf(word: string, model: RobotModel): Field[] {
       return [{ id: 'condition', slot: { at: 1 }, kind: 'text', needed: true }];
     case 'call':
       return [{ id: 'program', slot: { at: 1 }, kind: 'program', needed: true }];
+    case 'pick':
+    case 'repeat':
+      return [{ id: 'color', slot: { key: 'color' }, kind: 'choice', choices: kColors }];
+    case 'place':
+      return placeOf(model);
     case 'velocity':
     case 'acceleration': {
       const upper = model.robot === 'bigrobotarm' ? 3 : 1;
@@ -280,6 +297,13 @@ export function newRows(word: Word, model: RobotModel, joints: readonly number[]
       return [`if ${model.joints[0]!.name}>${model.kind === 'hexapod' ? '250mm' : '0deg'}`, 'else', 'end'];
     case 'call':
       return [`call ${program ?? 'NAME'}`];
+    case 'look':
+    case 'pick':
+      return [word];
+    case 'place':
+      return [`place ${place}`];
+    case 'repeat':
+      return ['repeat while seen', 'end'];
     case 'velocity':
     case 'acceleration':
       return [`${word} all=50%`];

@@ -42,7 +42,7 @@ export function readRows(text: string): Rows {
     const tokens = body === '' ? [] : body.split(/[ \t]+/);
     const word = tokens[0] ?? '';
     const row: Row = { line: i + 1, depth: open.length, word, tokens, remark };
-    if (word === 'loop' || word === 'if') {
+    if (word === 'loop' || word === 'if' || word === 'repeat') {
       row.end = row.line;
       open.push(row);
     } else if (word === 'else' || word === 'end') {

@@ -25,6 +25,10 @@ const kIcons: Record<string, IconName> = {
   wait: 'wait',
   loop: 'loop',
   if: 'branch',
+  repeat: 'loop',
+  look: 'eye',
+  pick: 'grab',
+  place: 'pin',
   call: 'call',
 };
 

@@ -159,7 +159,8 @@ Outcome step_outcome(const Json& job) {
 }
 
 /// Waits for the end of a job, alive; Ctrl-C stops it.
-/// @param wishes  so many it has heard when what it says of its client counts
+/// @param wishes  so many it has heard when what it says of its client counts, this process's own
+///                wish the last of them; 0: it had none
 Outcome follow(CellConnection& cell, const std::string& robot, std::uint64_t number, bool quiet,
                std::uint64_t wishes = 0) {
   const io::Clock clock;
@@ -174,8 +175,10 @@ Outcome follow(CellConnection& cell, const std::string& robot, std::uint64_t num
       if (job["job"] == number) {
         line.show(job);
         if (job["over"].get<bool>()) return job_outcome(job);
-        const bool heard = job["wishes"].get<std::uint64_t>() >= wishes;
-        if (heard && job.contains("wish_refused")) {
+        const auto told = job["wishes"].get<std::uint64_t>();
+        const bool heard = told >= wishes;
+        // What another client wished in vain is that one's concern.
+        if (told == wishes && job.contains("wish_refused")) {
           return could_not(job["wish_refused"]["sentence"]);
         }
         if (heard && job.value("client_lost", false)) {

@@ -361,6 +361,10 @@ class Follower {
       plan_.by_limits += to_seconds(wait->duration);
     } else if (const auto* home = std::get_if<program::HomeOrder>(&order.what)) {
       search(order, *home);
+    } else if (const auto* pick = std::get_if<program::PickOrder>(&order.what)) {
+      handle(order, "pick", pick->duration);
+    } else if (const auto* place = std::get_if<program::PlaceOrder>(&order.what)) {
+      handle(order, "place", place->duration);
     } else if (const auto* move = std::get_if<program::MoveOrder>(&order.what)) {
       if (move->first_move) {
         first_move(order, *move);
@@ -388,6 +392,13 @@ class Follower {
     recorder_.wait(move.duration);
     plan_.by_limits += move.duration;
     tell(std::move(summary), order, *move.q_start);
+  }
+
+  /// What a camera decides; it ends where it begins.
+  void handle(const program::Order& order, const char* what, double duration) {
+    recorder_.wait(duration);
+    plan_.by_limits += duration;
+    tell({.what = what, .at_most = duration}, order, {});
   }
 
   /// The search for the zeros, and the way home behind it.

@@ -16,6 +16,7 @@
 #include "sinew/driver/quality_name.h"
 #include "sinew/planning/tool_space.h"
 #include "sinew/program/conditions.h"
+#include "sinew/vision/color_names.h"
 
 namespace sinew::cli {
 namespace {
@@ -122,6 +123,14 @@ std::string wait_text(const program::WaitOrder& wait, const RobotModel& model) {
   return "wait until " + program::condition_text(wait.until, model) + " for " + time;
 }
 
+std::string pick_text(const Record& record) {
+  if (!record.cube) return "pick";
+  const Vec3& p = record.cube->p_BO;
+  return fmt::format("pick {} cube at {}, {} mm",
+                     vision::name(static_cast<vision::ColorName>(record.cube->color)),
+                     number(to_mm(p.x), 0), number(to_mm(p.y), 0));
+}
+
 std::string command_text(const Record& record, const RobotModel& model) {
   const auto& what = record.order->what;
   if (const auto* move = std::get_if<MoveOrder>(&what)) {
@@ -135,6 +144,9 @@ std::string command_text(const Record& record, const RobotModel& model) {
     return "if " + program::condition_text(branch->condition, model) +
            (record.holds.value_or(false) ? ": yes" : ": no");
   }
+  if (std::holds_alternative<program::LookOrder>(what)) return "look";
+  if (std::holds_alternative<program::PlaceOrder>(what)) return "place";
+  if (std::holds_alternative<program::PickOrder>(what)) return pick_text(record);
   return "home";
 }
 

@@ -96,9 +96,21 @@ CellObject read_object(TableReader& reader, std::vector<std::string>& taken) {
 }
 
 CellCamera read_camera(TableReader& reader, std::vector<std::string>& taken) {
+  constexpr Range kCube = between(0.005, 0.5);  // m
   CellCamera camera;
   read_name(reader, "camera", taken, camera.name);
+  reader.needs_no_source();
   reader.text("device", kPathMax, camera.device);
+  camera.calibration = optional_text(reader, "calibration", kPathMax);
+  reader.optional().quantity("cube_*", kLength, kCube, camera.cube);
+  const bool image = camera.device.ends_with(".jpg") || camera.device.ends_with(".jpeg") ||
+                     camera.device.ends_with(".png");
+  if (camera.calibration && !image) {
+    reader.complain("device",
+                    "with a calibration: an image that another program keeps writing, as ffmpeg -i "
+                    "/dev/video0 -update 1 table.jpg does");
+  }
+  read_pose(reader, camera.X_WT);
   reader.finish();
   return camera;
 }

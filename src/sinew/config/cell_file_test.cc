@@ -66,6 +66,33 @@ TEST(CellFile, says_which_robots_stand_where_and_hang_on_what) {
   EXPECT_EQ(cell->cameras[0].device, "/dev/video0");
 }
 
+TEST(CellFile, a_calibrated_camera_says_where_its_table_is) {
+  const std::string_view camera = R"(
+title = "one"
+[[robot]]
+name = "arm"
+robot = "learm"
+[[camera]]
+name = "top"
+device = "table.jpg"
+calibration = "camera.toml"
+cube_mm = 30
+x_mm = 180
+rz_deg = 90
+)";
+  const auto cell = read_cell(camera, "cell.toml");
+  ASSERT_TRUE(cell) << complaints_of(camera);
+  const CellCamera& top = cell->cameras[0];
+  EXPECT_EQ(top.calibration, "camera.toml");
+  EXPECT_DOUBLE_EQ(top.cube, 0.03);
+  EXPECT_DOUBLE_EQ(top.X_WT.p.x, 0.18);
+  EXPECT_NEAR((top.X_WT.R * Vec3{1, 0, 0}).y, 1, 1e-12);
+  std::string live(camera);
+  live.replace(live.find("table.jpg"), 9, "/dev/video0");
+  EXPECT_NE(complaints_of(live).find("another program keeps writing"), std::string::npos)
+      << complaints_of(live);
+}
+
 TEST(CellFile, the_cell_that_every_build_carries_has_all_robots_with_a_device) {
   const auto cell = read_cell(builtin_cell(), "cells/five.toml");
   ASSERT_TRUE(cell) << complaints_of(builtin_cell());

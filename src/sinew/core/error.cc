@@ -264,6 +264,37 @@ constexpr std::array kTable = std::to_array<ErrorInfo>({
      "no way home was found around a joint that is left out, so the joints stay beside their end "
      "stops behind the search",
      kNone, true, kNoStop, 409},
+    {kNoCamera, "no_camera",
+     "this row looks, and no calibrated camera is known: name one in the cell's file ([[camera]], "
+     "docs/vision.md)",
+     kNone, true, kNoStop, 409},
+    {kCameraLost, "camera_lost",
+     "the camera has given no picture for {measured}: look at its cable and start again", kTime,
+     true, kHold, 503},
+    {kCameraBlind, "camera_blind",
+     "the camera shows nothing that can be told apart: it is covered, or there is no light", kNone,
+     true, kHold, 409},
+    {kCameraFrozen, "camera_frozen", "the camera gives the same picture again and again", kNone,
+     true, kHold, 503},
+    {kCameraMoved, "camera_moved",
+     "the camera sees the tags {measured} from where they were ({limit} are allowed): calibrate it "
+     "anew",
+     kLength, true, kHold, 409},
+    {kCameraChanged, "camera_changed",
+     "the camera's pictures have another size ({measured} px) than when it was calibrated ({limit} "
+     "px): set it back, or calibrate it anew",
+     kCount, true, kHold, 409},
+    {kNothingSeen, "nothing_seen", "no such cube is seen", kNone, true, kNoStop, 409},
+    {kCubeCovered, "cube_covered", "another cube stands on it: pick that one first", kNone, true,
+     kNoStop, 409},
+    {kCubeCrowded, "cube_crowded",
+     "its neighbours leave {measured} for a finger, which takes {limit}", kLength, true, kNoStop,
+     409},
+    {kCubeTooWide, "cube_too_wide", "it is {measured} wide, and the jaws open {limit}", kLength,
+     true, kNoStop, 422},
+    {kNotHeld, "not_held", "nothing is held after {measured} grasps", kCount, true, kNoStop, 409},
+    {kNothingHeld, "nothing_held", "nothing is held: pick something first", kNone, true, kNoStop,
+     409},
 });
 
 /// Of the same codes where bodies are in one another.

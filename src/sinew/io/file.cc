@@ -257,30 +257,39 @@ void LineFile::add(std::string_view line) {
 }
 
 IoResult<ScopedLink> ScopedLink::create(const std::string& target, const std::string& path) {
+  const std::string lock_path = path + ".lock";
+  const IoError in_use{path + ": is a link that is in use; remove it or choose another name"};
   struct stat status{};
-  if (lstat(path.c_str(), &status) == 0) {
-    if (!S_ISLNK(status.st_mode)) {
-      return std::unexpected(IoError{path + ": exists and is not a link; choose another name"});
-    }
-    // A link to our own target dangled too until we came: pseudo-terminals get old names again.
-    if (link_target(path) != target && ::access(path.c_str(), F_OK) == 0) {
-      return std::unexpected(IoError{path + ": is a link that is in use; remove it or choose "
-                                            "another name"});
-    }
-    ::unlink(path.c_str());
+  const bool is_there = lstat(path.c_str(), &status) == 0;
+  if (is_there && !S_ISLNK(status.st_mode)) {
+    return std::unexpected(IoError{path + ": exists and is not a link; choose another name"});
   }
+  // A link to our own target dangled too until we came: pseudo-terminals get old names again.
+  const bool leads_elsewhere =
+      is_there && link_target(path) != target && ::access(path.c_str(), F_OK) == 0;
+  const bool has_lock = ::access(lock_path.c_str(), F_OK) == 0;
+  if (leads_elsewhere && !has_lock) return std::unexpected(in_use);
+  auto lock = LockedFile::open(lock_path, 1);
+  if (!lock) return std::unexpected(leads_elsewhere ? in_use : lock.error());
+  if (is_there) ::unlink(path.c_str());
   if (::symlink(target.c_str(), path.c_str()) != 0) {
-    return std::unexpected(system_error(path, errno));
+    const IoError error = system_error(path, errno);
+    ::unlink(lock_path.c_str());
+    return std::unexpected(error);
   }
-  return ScopedLink(target, path);
+  return ScopedLink(target, path, std::move(*lock));
 }
 
 ScopedLink::ScopedLink(ScopedLink&& other) noexcept
-    : target_(std::move(other.target_)), path_(std::exchange(other.path_, {})) {}
+    : target_(std::move(other.target_)),
+      path_(std::exchange(other.path_, {})),
+      lock_(std::move(other.lock_)) {}
 
 ScopedLink::~ScopedLink() {
+  if (path_.empty()) return;
   // Somebody else's link by now: leave it.
-  if (!path_.empty() && link_target(path_) == target_) ::unlink(path_.c_str());
+  if (link_target(path_) == target_) ::unlink(path_.c_str());
+  ::unlink(lock_.path().c_str());
 }
 
 std::string runtime_folder() {

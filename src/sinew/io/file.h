@@ -10,6 +10,7 @@
 
 #include "sinew/core/instant.h"
 #include "sinew/io/io_error.h"
+#include "sinew/io/locked_file.h"
 
 namespace sinew::io {
 
@@ -83,21 +84,23 @@ class LineFile {
   std::optional<IoError> failure_;
 };
 
-/// A symbolic link that lives as long as this object.
+/// A symbolic link that lives as long as this object, with PATH.lock beside it: the link of a run
+/// that was killed may point at a port that another program has by now, and only the lock tells.
 class ScopedLink {
  public:
-  /// Replaces a link that stands there and dangles (a run before this one may have been killed) or
-  /// says the same already, but nothing else.
+  /// Replaces a link that stands there and dangles, says the same already or was left by a run that
+  /// was killed, but nothing else.
   static IoResult<ScopedLink> create(const std::string& target, const std::string& path);
   ScopedLink(ScopedLink&&) noexcept;
   ScopedLink& operator=(ScopedLink&&) = delete;
   ~ScopedLink();
 
  private:
-  ScopedLink(std::string target, std::string path)
-      : target_(std::move(target)), path_(std::move(path)) {}
+  ScopedLink(std::string target, std::string path, LockedFile lock)
+      : target_(std::move(target)), path_(std::move(path)), lock_(std::move(lock)) {}
   std::string target_;
   std::string path_;
+  LockedFile lock_;
 };
 
 }  // namespace sinew::io

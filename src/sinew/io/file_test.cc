@@ -272,7 +272,23 @@ TEST(ScopedLink, replaces_a_dangling_link_and_nothing_else) {
             used + ": is a link that is in use; remove it or choose another name");
   EXPECT_EQ(std::filesystem::read_symlink(used), "/dev/zero");
   EXPECT_EQ(refusal(ScopedLink::create("/dev/null", folder.at("no/link"))),
-            folder.at("no/link") + ": no such file or directory");
+            folder.at("no/link.lock") + ": no such file or directory");
+}
+
+/// The port that a killed run's link points at may be another program's by now.
+TEST(ScopedLink, replaces_what_a_killed_run_left_and_no_running_one) {
+  const test::ScratchFolder folder;
+  const std::string path = folder.at("link");
+  folder.file("link.lock", "x");
+  ASSERT_EQ(symlink("/dev/zero", path.c_str()), 0);
+  {
+    const auto link = ScopedLink::create("/dev/null", path);
+    ASSERT_TRUE(link);
+    EXPECT_EQ(std::filesystem::read_symlink(path), "/dev/null");
+    EXPECT_EQ(refusal(ScopedLink::create("/dev/full", path)),
+              path + ": is a link that is in use; remove it or choose another name");
+  }
+  EXPECT_EQ(folder.names(), Names{});
 }
 
 TEST(ScopedLink, removes_only_its_own) {

@@ -7,6 +7,10 @@
 
 #include "sinew/core/pose.h"
 
+namespace sinew::frame {
+struct Table;  ///< of the sheet with tags that a camera was calibrated on
+}
+
 /// A cell: robots that stand together, and what stands around them. World W is the cell's own
 /// frame, z up.
 namespace sinew {
@@ -49,7 +53,15 @@ struct CellObject {
 /// A camera that looks at the cell.
 struct CellCamera {
   std::string name;
-  std::string device;  ///< as /dev/video0
+  /// As /dev/video0; with a calibration an image that another program keeps writing, beside the
+  /// cell's file or by its whole path.
+  std::string device;
+  /// What `sinew camera calibrate` has written, beside the cell's file; without it nothing is known
+  /// of where things are.
+  std::optional<std::string> calibration;
+  double cube = 0.025;  ///< m, edge of the cubes on its table
+  /// Of the table that it was calibrated on: middle of the sheet with the tags.
+  Pose<frame::World, frame::Table> X_WT;
 };
 
 inline constexpr std::size_t kCellRobotsMax = 16;

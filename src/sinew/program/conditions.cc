@@ -65,10 +65,27 @@ std::string unknown_subject(std::string_view name, const RobotModel& robot) {
          (meant.empty() ? "; there are" + all : "; did you mean " + std::string(meant) + "?");
 }
 
+/// "seen", "seen color=red": the words behind `first`.
+std::optional<Condition> read_seen(RowReader& row, std::size_t first, std::size_t last) {
+  constexpr std::string_view kColor = "color=";
+  Condition condition{.subject = Subject::kSeen};
+  if (last == first + 1) return condition;
+  const Word& at = row.words()[first + 1];
+  if (last > first + 2 || !at.text.starts_with(kColor)) {
+    row.complain(at, "write seen, or seen color=red");
+    return std::nullopt;
+  }
+  condition.color = read_color(row, at, at.text.substr(kColor.size()));
+  return condition.color ? std::optional(condition) : std::nullopt;
+}
+
 }  // namespace
 
 std::optional<Condition> read_condition(RowReader& row, const RobotModel& robot, std::size_t first,
                                         std::size_t last) {
+  if (first < row.words().size() && row.words()[first].text == "seen") {
+    return read_seen(row, first, last);
+  }
   std::string text;
   for (std::size_t w = first; w < last; ++w) text += row.words()[w].text;
   const Word& at = row.words()[first < row.words().size() ? first : 0];
@@ -100,7 +117,23 @@ std::optional<Condition> read_condition(RowReader& row, const RobotModel& robot,
   return std::nullopt;
 }
 
+std::optional<vision::ColorName> read_color(RowReader& row, const Word& word,
+                                            std::string_view name) {
+  const auto color = vision::color_named(name);
+  if (color) return color;
+  std::string all;
+  for (std::size_t i = 0; i < vision::kColorNames; ++i) {
+    all += (i == 0 ? "" : ", ") + std::string(vision::name(static_cast<vision::ColorName>(i)));
+  }
+  row.complain(word, in_quotes(name) + " is no color of a cube; there are " + all);
+  return std::nullopt;
+}
+
 std::string condition_text(const Condition& condition, const RobotModel& robot) {
+  if (condition.subject == Subject::kSeen) {
+    return "seen" +
+           (condition.color ? " color=" + std::string(vision::name(*condition.color)) : "");
+  }
   std::string name;
   for (const Named& one : kSubjects) {
     if (one.subject == condition.subject) name = one.name;

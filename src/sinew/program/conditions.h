@@ -9,12 +9,16 @@
 
 namespace sinew::program {
 
-/// "base>20deg", "z<100mm", "supply>11V": the words from `first` to `last` (not included) of the
-/// row at hand, with or without blanks between them. Complains where it is none.
+/// "base>20deg", "z<100mm", "supply>11V", "seen color=red": the words from `first` to `last` (not
+/// included) of the row at hand, with or without blanks between them. Complains where it is none.
 std::optional<Condition> read_condition(RowReader& row, const RobotModel& robot, std::size_t first,
                                         std::size_t last);
 
-/// "base > 20 deg".
+/// "red" of `color=red`, which is `word`. Complains where it is none.
+std::optional<vision::ColorName> read_color(RowReader& row, const Word& word,
+                                            std::string_view name);
+
+/// "base > 20 deg", "seen color=red".
 std::string condition_text(const Condition& condition, const RobotModel& robot);
 
 }  // namespace sinew::program

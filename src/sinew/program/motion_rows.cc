@@ -44,6 +44,17 @@ MotionRows::MotionRows(const RobotModel& robot, RowReader& row, const TaughtPoin
   for (const Joint& joint : robot.joints) names_.push_back(joint.name);
 }
 
+std::optional<std::variant<JointStep, ToolMoveStep>> MotionRows::read_place() {
+  auto step = tool_row(Way::kJoints);
+  if (!step) return std::nullopt;
+  if (motion_of(*step)->blends()) {
+    row_.complain(row_.words()[0], "place stops where it lets go: without blend=");
+    return std::nullopt;
+  }
+  if (auto* joints = std::get_if<JointStep>(&step->what)) return std::move(*joints);
+  return std::get<ToolMoveStep>(std::move(step->what));
+}
+
 bool MotionRows::known(std::string_view name) {
   return std::ranges::find(kRows, name) != kRows.end();
 }
@@ -126,6 +137,7 @@ std::optional<MotionRows::Argument> MotionRows::argument(const Word& word,
   if (equals != std::string_view::npos) {
     return Argument{word, word.text.substr(0, equals), word.text.substr(equals + 1)};
   }
+  if (row_.words()[0].text == "place") return Argument{word, "to", word.text};
   row_.complain(word, in_quotes(word.text) + ": write NAME=VALUE, as in " + std::string(example));
   return std::nullopt;
 }

@@ -21,6 +21,8 @@ class MotionRows {
   static bool known(std::string_view name);
   /// The row at hand as a step; nothing where something was complained about.
   std::optional<Step> read();
+  /// A `place` row's target, as that of `move`; a word alone is the name of a taught point.
+  std::optional<std::variant<JointStep, ToolMoveStep>> read_place();
   /// A `velocity` or `acceleration` row: the joints' limits of the motions behind it in this file.
   void take_limits();
   /// A word `time=2s`, s; complains where it is none.

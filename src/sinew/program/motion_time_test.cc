@@ -3,6 +3,7 @@
 #include <numeric>
 
 #include "sinew/control/path_motion.h"
+#include "sinew/model/joint_lookup.h"
 #include "sinew/program/program_format.h"
 #include "sinew/program/row_planner.h"
 #include "support/robots.h"

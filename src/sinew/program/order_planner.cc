@@ -9,6 +9,7 @@
 #include "sinew/core/units.h"
 #include "sinew/model/joint_lookup.h"
 #include "sinew/model/left_out.h"
+#include "sinew/program/cube_rows.h"
 #include "sinew/wire/bigrobotarm_byte.h"
 
 namespace sinew::program {
@@ -93,6 +94,11 @@ std::optional<Error> left_out_refusal(const RobotModel& robot, const Step& step)
   return std::nullopt;
 }
 
+/// s, about: a picture, and what is on it.
+constexpr double kLookTime = 0.5;
+/// s, about: there, down, closing, up, back.
+constexpr double kPickTime = 10;
+
 /// One loop that is being unrolled.
 struct Open {
   std::size_t loop = 0;
@@ -114,8 +120,13 @@ std::optional<Refusal> OrderPlanner::take_all(const Program& program) {
   std::size_t turns = 0;  // empty loops turn without an order
   for (std::size_t place = 0; place < program.steps.size(); ++place) {
     const Step& step = program.steps[place];
-    if (std::holds_alternative<LoopStep>(step.what)) {
+    if (const auto* loop = std::get_if<LoopStep>(&step.what)) {
       open.push_back({place, 1});
+      if (!loop->goes_on) continue;
+      rounds_.emplace_back();
+      if (auto refusal = begin_round(step, *loop->goes_on, place, {1, loop->rounds})) {
+        return refusal;
+      }
       continue;
     }
     const auto* end = std::get_if<EndStep>(&step.what);
@@ -125,8 +136,14 @@ std::optional<Refusal> OrderPlanner::take_all(const Program& program) {
       if (open.back().round < loop.rounds) {
         ++open.back().round;
         place = open.back().loop;
+        if (!loop.goes_on) continue;
+        const Round round{open.back().round, loop.rounds};
+        auto refusal = begin_round(program.steps[place], *loop.goes_on, place, round);
+        if (refusal) return refusal;
       } else {
         open.pop_back();
+        if (!loop.goes_on) continue;
+        if (auto refusal = end_rounds(step)) return refusal;
       }
       continue;
     }
@@ -179,19 +196,93 @@ std::optional<Refusal> OrderPlanner::take(const Step& step, std::size_t place, R
 std::optional<Refusal> OrderPlanner::take_alone(const Step& step, std::size_t place, Order& order) {
   if (std::holds_alternative<HomeStep>(step.what)) return take_home(step, place, order);
   if (std::holds_alternative<ToolStep>(step.what)) return take_tool(step, place, order);
+  if (std::holds_alternative<LookStep>(step.what)) {
+    order.what = LookOrder{kLookTime};
+    pass_time(kLookTime, kLookTime);
+    tell_fine(std::span(&place, 1), kLookTime, kLookTime);
+    return std::nullopt;
+  }
+  if (std::holds_alternative<PickCubeStep>(step.what)) return take_pick(step, place, order);
+  if (std::holds_alternative<PlaceCubeStep>(step.what)) return take_place(step, place, order);
   const auto& wait = std::get<WaitStep>(step.what);
   if (wait.what == WaitStep::For::kCondition) {
     if (auto refusal = condition_refusal(wait.until, step)) return refusal;
   }
   const double most = to_seconds(wait.duration);
   const double least = wait.what == WaitStep::For::kTime ? most : 0;
+  pass_time(least, most);
+  order.what = WaitOrder{wait.duration, wait.what, wait.until};
+  tell_fine(std::span(&place, 1), least, most);
+  return std::nullopt;
+}
+
+void OrderPlanner::pass_time(double least, double most) {
   for (Stand& stand : stands_) {
     stand.least += least;
     stand.most += most;
   }
-  order.what = WaitOrder{wait.duration, wait.what, wait.until};
-  tell_fine(std::span(&place, 1), least, most);
+}
+
+/// What will be seen nobody knows yet: a usual cube in the jaws is planned with behind it.
+std::optional<Refusal> OrderPlanner::take_pick(const Step& step, std::size_t place, Order& order) {
+  if (!can_pick(robot_)) return refused(step, {ErrorCode::kToolNotFitted});
+  for (Stand& stand : stands_) {
+    if (!stand.q && !stand.lost_by) return refused(step, {ErrorCode::kPositionUnknown, 0});
+    if (picks_with_jaws(robot_)) stand.tool = {kUsualCube, kUsualCube};
+  }
+  pass_time(kLookTime, kPickTime);
+  order.what = PickOrder{std::get<PickCubeStep>(step.what), kPickTime};
+  tell_fine(std::span(&place, 1), kLookTime, kPickTime);
   return std::nullopt;
+}
+
+std::optional<Refusal> OrderPlanner::take_place(const Step& step, std::size_t place, Order& order) {
+  if (!can_pick(robot_)) return refused(step, {ErrorCode::kToolNotFitted});
+  if (!planner_) planner_ = std::make_unique<RowPlanner>(robot_);
+  double least = std::numeric_limits<double>::infinity(), most = 0;
+  for (Stand& stand : stands_) {
+    if (stand.lost_by) continue;
+    if (!stand.q) return refused(step, {ErrorCode::kPositionUnknown, 0});
+    const auto rows = rows_to_place(*planner_, {*stand.q, stand.tool}, step);
+    if (!rows) return rows.error();
+    stand.tool = rows->tool;
+    stand.least += rows->duration;
+    stand.most += rows->duration;
+    least = std::min(least, rows->duration);
+    most = std::max(most, rows->duration);
+  }
+  order.what = PlaceOrder{std::get<PlaceCubeStep>(step.what), most};
+  tell_fine(std::span(&place, 1), std::min(least, most), most);
+  return std::nullopt;
+}
+
+std::optional<Refusal> OrderPlanner::begin_round(const Step& step, const Condition& goes_on,
+                                                 std::size_t place, Round round) {
+  if (auto refusal = finish()) return refusal;
+  now_ = round;
+  if (const auto refusal = condition_refusal(goes_on, step)) {
+    if (auto told = refuse(*refusal, place)) return told;
+  }
+  rounds_.back().branches.push_back(plan_.orders.size());
+  merge(rounds_.back().ends, stands_);
+  return add({step.line, step.line, round.round, round.rounds, BranchOrder{goes_on, 0}, step.file});
+}
+
+std::optional<Refusal> OrderPlanner::end_rounds(const Step& step) {
+  if (auto refusal = finish()) return refusal;
+  const OpenRounds rounds = std::move(rounds_.back());
+  rounds_.pop_back();
+  for (const std::size_t branch : rounds.branches) {
+    std::get<BranchOrder>(plan_.orders[branch].what).otherwise = plan_.orders.size();
+  }
+  merge(stands_, rounds.ends);
+  return check_places(step);
+}
+
+std::optional<Refusal> OrderPlanner::check_places(const Step& step) const {
+  if (stands_.size() <= kPlacesMax) return std::nullopt;
+  return refused(step, {ErrorCode::kTooManyPlaces, -1, static_cast<double>(stands_.size()),
+                        static_cast<double>(kPlacesMax)});
 }
 
 std::optional<Refusal> OrderPlanner::take_tool(const Step& step, std::size_t place, Order& order) {
@@ -396,9 +487,7 @@ std::optional<Refusal> OrderPlanner::end_branch(const Step& step) {
     std::get<BranchOrder>(plan_.orders[open.branch].what).otherwise = plan_.orders.size();
     merge(stands_, open.before);
   }
-  if (stands_.size() <= kPlacesMax) return std::nullopt;
-  return refused(step, {ErrorCode::kTooManyPlaces, -1, static_cast<double>(stands_.size()),
-                        static_cast<double>(kPlacesMax)});
+  return check_places(step);
 }
 
 /// What a condition asks for and is not known by then.

@@ -78,6 +78,11 @@ class OrderPlanner {
     std::optional<std::size_t> jump{};  ///< order, behind the first branch
     std::vector<Stand> then_ends{};
   };
+  /// A loop whose rounds are asked for.
+  struct OpenRounds {
+    std::vector<std::size_t> branches{};  ///< orders, one a round
+    std::vector<Stand> ends{};            ///< where it may be left
+  };
   using Rows = std::span<const Step>;
   using Places = std::span<const std::size_t>;
 
@@ -87,6 +92,13 @@ class OrderPlanner {
   Expected<void> check_jaws(const Stand& stand, double to);
   std::optional<Refusal> take_home(const Step& step, std::size_t place, Order& order);
   std::optional<Refusal> finish();
+  std::optional<Refusal> take_pick(const Step& step, std::size_t place, Order& order);
+  std::optional<Refusal> take_place(const Step& step, std::size_t place, Order& order);
+  void pass_time(double least, double most);
+  std::optional<Refusal> begin_round(const Step& step, const Condition& goes_on, std::size_t place,
+                                     Round round);
+  std::optional<Refusal> end_rounds(const Step& step);
+  std::optional<Refusal> check_places(const Step& step) const;
   std::optional<Refusal> begin_branch(const Step& step, const IfStep& branch, std::size_t place);
   std::optional<Refusal> other_branch(const Step& step);
   std::optional<Refusal> end_branch(const Step& step);
@@ -109,6 +121,7 @@ class OrderPlanner {
   std::shared_ptr<const HomeReturn> back_;  ///< the same for each `home`
   Plan plan_;
   std::vector<OpenIf> open_;
+  std::vector<OpenRounds> rounds_;
   std::unique_ptr<RowPlanner> planner_;
   std::map<Key, Planned> known_;
   std::vector<Step> rows_;  ///< that wait for the next one to blend with

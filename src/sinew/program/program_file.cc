@@ -84,6 +84,13 @@ class Parser {
     if (name == "end") return take_end();
     if (name == "call") return take_call();
     if (name == "velocity" || name == "acceleration") return motions_.take_limits();
+    if (name == "look") {
+      if (row_.takes_words(0, "look")) add(LookStep{});
+      return;
+    }
+    if (name == "pick") return take_pick();
+    if (name == "place") return take_place();
+    if (name == "repeat") return take_repeat();
     if (name == "jaws" || name == "gripper" || name == "suction" || name == "nozzle") {
       return take_tool(name);
     }
@@ -92,8 +99,8 @@ class Parser {
 
   void finish() {
     for (const std::size_t place : open_) {
-      const bool loop = std::holds_alternative<LoopStep>(steps_[place].what);
-      const std::string name = loop ? "loop" : "if";
+      const auto* loop = std::get_if<LoopStep>(&steps_[place].what);
+      const std::string name = loop == nullptr ? "if" : loop->goes_on ? "repeat" : "loop";
       row_.complain_in(steps_[place].line, Word{name, 1},
                        name + " without end: write end behind its last step");
     }
@@ -149,6 +156,9 @@ class Parser {
                            "say what for and how long at most, as in wait until z<100mm for 5s");
     }
     const auto condition = read_condition(row_, robot_, 2, count - 2);
+    if (condition && condition->subject == Condition::Subject::kSeen) {
+      return row_.complain(word(2), "a wait does not look; write if seen, or repeat while seen");
+    }
     if (time && condition) {
       add(WaitStep{from_seconds(*time), WaitStep::For::kCondition, *condition});
     }
@@ -179,6 +189,37 @@ class Parser {
   void take_if() {
     const auto condition = read_condition(row_, robot_, 1, row_.words().size());
     open_block(IfStep{condition.value_or(Condition{}), 0, 0});
+  }
+
+  void take_pick() {
+    constexpr std::string_view kColor = "color=";
+    if (row_.words().size() == 1) return add(PickCubeStep{});
+    if (!row_.takes_words(1, "pick, or pick color=red")) return;
+    if (word(1).text == "any") return add(PickCubeStep{});
+    if (!word(1).text.starts_with(kColor)) {
+      return row_.complain(word(1), in_quotes(word(1).text) + ": write pick, or pick color=red");
+    }
+    const auto color = read_color(row_, word(1), word(1).text.substr(kColor.size()));
+    if (color) add(PickCubeStep{*color});
+  }
+
+  void take_place() {
+    if (row_.words().size() == 1) {
+      return row_.complain(word(0),
+                           "say where: place NAME (a taught point), or place x=200mm "
+                           "y=0mm z=30mm");
+    }
+    if (auto there = motions_.read_place()) add(PlaceCubeStep{std::move(*there)});
+  }
+
+  void take_repeat() {
+    std::optional<Condition> condition;
+    if (row_.words().size() < 3 || word(1).text != "while" || word(2).text != "seen") {
+      row_.complain(word(0), "write repeat while seen, or repeat while seen color=red");
+    } else {
+      condition = read_condition(row_, robot_, 2, row_.words().size());
+    }
+    open_block(LoopStep{kSeenRoundsMax, 0, condition.value_or(Condition{})});
   }
 
   void take_else() {

@@ -16,6 +16,7 @@
 #include "sinew/core/instant.h"
 #include "sinew/driver/driver.h"
 #include "sinew/model/taught_points.h"
+#include "sinew/vision/color_names.h"
 
 /// Programs in Sinew's own format, `NAME.sinew`: one step a row, named arguments with units, for
 /// every robot. docs/programs.md has the grammar.
@@ -34,6 +35,9 @@
 ///   wait 0.5s | wait settled | wait until base>20deg for 5s
 ///   velocity base=50% shoulder=20% | acceleration base=50%   | limits of the motions behind it
 ///   loop 3 ... end | if z<100mm ... else ... end | call NAME
+///   look | pick | pick color=red           | cubes that a camera sees; back where the row began
+///   place NAME | place x=200mm z=30mm      | lets go there from above; back where the row began
+///   if seen color=blue ... end | repeat while seen ... end
 namespace sinew::program {
 
 /// Shares of the joints' limits in the robot's file, one a joint: above 0, and up to its
@@ -106,12 +110,13 @@ struct HomeStep {
 
 /// What an `if` or a `wait until` asks: one measured number against one that the row says.
 struct Condition {
-  enum class Subject : std::uint8_t { kJoint, kToolX, kToolY, kToolZ, kSupply, kJaws };
+  enum class Subject : std::uint8_t { kJoint, kToolX, kToolY, kToolZ, kSupply, kJaws, kSeen };
   enum class Test : std::uint8_t { kAbove, kBelow };  ///< >= and <= mean the same as > and <
   Subject subject = Subject::kJoint;
   Test test = Test::kAbove;
-  std::size_t joint = 0;  ///< of kJoint
-  double value = 0;       ///< rad, m or V
+  std::size_t joint = 0;                     ///< of kJoint
+  double value = 0;                          ///< rad, m or V
+  std::optional<vision::ColorName> color{};  ///< of kSeen: a cube that can be picked; any without
 
   bool of_position() const { return subject < Subject::kSupply; }
   bool holds(double measured) const {
@@ -129,9 +134,13 @@ struct WaitStep {
 struct ToolStep {
   ToolAction action;
 };
+/// So many rounds at most has a `repeat while seen`.
+inline constexpr int kSeenRoundsMax = 40;
+
 struct LoopStep {
   int rounds = 1;
-  std::size_t end = 0;  ///< place of its EndStep
+  std::size_t end = 0;                 ///< place of its EndStep
+  std::optional<Condition> goes_on{};  ///< asked before each round
 };
 struct IfStep {
   Condition condition;
@@ -145,10 +154,22 @@ struct EndStep {
   std::size_t loop = 0;  ///< place of its LoopStep or IfStep
 };
 
+/// A new picture is looked at.
+struct LookStep {};
+/// A cube that is seen and that the tool can take, and back to where the row began.
+struct PickCubeStep {
+  std::optional<vision::ColorName> color;  ///< any without
+  MotionOptions how{};
+};
+/// What is held is let go there, from above, and back to where the row began.
+struct PlaceCubeStep {
+  std::variant<JointStep, ToolMoveStep> there;  ///< where the tool is then
+};
+
 struct Step {
   int line = 0;  ///< of the file, from 1
   std::variant<JointStep, ToolMoveStep, SplineStep, HomeStep, WaitStep, ToolStep, LoopStep, EndStep,
-               IfStep, ElseStep>
+               IfStep, ElseStep, LookStep, PickCubeStep, PlaceCubeStep>
       what;
   int file = 0;  ///< of Program::files
 };

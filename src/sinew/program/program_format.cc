@@ -125,7 +125,9 @@ class Layout {
     }
     if (name == "end" && !open_.empty()) open_.pop_back();
     const std::size_t depth = open_.size() - (name == "else" && !open_.empty() ? 1 : 0);
-    if (name == "loop" || name == "if") open_.push_back({reader_.line(), std::string(name)});
+    if (name == "loop" || name == "if" || name == "repeat") {
+      open_.push_back({reader_.line(), std::string(name)});
+    }
     std::string out(2 * depth, ' ');
     out += name;
     for (const std::string& word : arguments()) out += " " + word;
@@ -137,12 +139,13 @@ class Layout {
     const std::string_view name = words[0].text;
     std::vector<std::string> out;
     for (const Word& word : std::span(words).subspan(1)) out.emplace_back(word.text);
-    if (name == "if") join(out, 0, out.size());
+    const bool looks = !out.empty() && out[0] == "seen";
+    if (name == "if" && !looks) join(out, 0, out.size());
     if (name == "wait" && out.size() >= 4 && out[0] == "until" && out[out.size() - 2] == "for") {
       join(out, 1, out.size() - 2);
     }
-    constexpr std::array<std::string_view, 6> kSorted{"joint", "move",   "line",
-                                                      "arc",   "spline", "nozzle"};
+    constexpr std::array<std::string_view, 7> kSorted{"joint",  "move",   "line", "arc",
+                                                      "spline", "nozzle", "place"};
     if (std::ranges::find(kSorted, name) == kSorted.end()) return out;
     std::vector<std::pair<std::size_t, std::size_t>> order;
     for (std::size_t i = 0; i < out.size(); ++i) order.emplace_back(rank_of(name, out[i]), i);

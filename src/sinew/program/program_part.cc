@@ -33,6 +33,10 @@ const Step* around(const Program& program, std::size_t place) {
 }
 
 MotionOptions* options_of(Step& step) {
+  if (auto* pick = std::get_if<PickCubeStep>(&step.what)) return &pick->how;
+  if (auto* place = std::get_if<PlaceCubeStep>(&step.what)) {
+    return std::visit([](auto& there) { return &there.how; }, place->there);
+  }
   if (auto* joint = std::get_if<JointStep>(&step.what)) return &joint->how;
   if (auto* tool = std::get_if<ToolMoveStep>(&step.what)) return &tool->how;
   auto* spline = std::get_if<SplineStep>(&step.what);

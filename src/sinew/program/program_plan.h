@@ -73,12 +73,28 @@ struct ToolOrder {
   double duration = 0;  ///< s, predicted
 };
 
+struct LookOrder {
+  double duration = 0;  ///< s, about
+};
+/// Which cube, and how, is decided when the run comes here; it ends where it begins.
+struct PickOrder {
+  PickCubeStep row;
+  double duration = 0;  ///< s, about
+};
+/// It ends where it begins.
+struct PlaceOrder {
+  PlaceCubeStep row;
+  double duration = 0;  ///< s, predicted
+};
+
 struct Order {
   int line = 0;
   int last_line = 0;  ///< the same, but where rows blend into each other
   int round = 1;      ///< of its innermost loop
   int rounds = 1;
-  std::variant<MoveOrder, HomeOrder, WaitOrder, ToolOrder, BranchOrder, JumpOrder> what;
+  std::variant<MoveOrder, HomeOrder, WaitOrder, ToolOrder, BranchOrder, JumpOrder, LookOrder,
+               PickOrder, PlaceOrder>
+      what;
   int file = 0;  ///< of Program::files
 };
 

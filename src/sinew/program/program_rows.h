@@ -14,9 +14,10 @@
 namespace sinew::program {
 
 /// The first words of all rows.
-inline constexpr std::array<std::string_view, 18> kRowNames{
-    "joint",  "move", "line", "arc", "spline", "home", "jaws", "gripper",  "suction",
-    "nozzle", "wait", "loop", "if",  "else",   "end",  "call", "velocity", "acceleration"};
+inline constexpr std::array<std::string_view, 22> kRowNames{
+    "joint",    "move",         "line", "arc",  "spline", "home",  "jaws", "gripper",
+    "suction",  "nozzle",       "wait", "loop", "if",     "else",  "end",  "call",
+    "velocity", "acceleration", "look", "pick", "place",  "repeat"};
 
 /// A text of another form as the rows of a program.
 struct Rows {

@@ -10,6 +10,7 @@
 #include "sinew/core/units.h"
 #include "sinew/model/joint_lookup.h"
 #include "sinew/model/left_out.h"
+#include "sinew/program/cube_rows.h"
 #include "sinew/program/holdable_motion.h"
 
 namespace sinew::program {
@@ -29,6 +30,9 @@ double weight(const Order& order) {
   if (const auto* wait = std::get_if<WaitOrder>(&order.what)) return to_seconds(wait->duration);
   if (const auto* tool = std::get_if<ToolOrder>(&order.what)) return tool->duration;
   if (const auto* home = std::get_if<HomeOrder>(&order.what)) return home->duration_max;
+  if (const auto* pick = std::get_if<PickOrder>(&order.what)) return pick->duration;
+  if (const auto* place = std::get_if<PlaceOrder>(&order.what)) return place->duration;
+  if (const auto* look = std::get_if<LookOrder>(&order.what)) return look->duration;
   return 0;
 }
 
@@ -54,7 +58,8 @@ void Run::stop(Instant /*now*/) {
 void Run::pause() {
   if (phase_ != Phase::kRunning || paused_) return;
   paused_ = true;
-  const bool moves = current_ && std::holds_alternative<MoveOrder>(current_->order->what);
+  const bool moves = current_ && (std::holds_alternative<MoveOrder>(current_->order->what) ||
+                                  (handles() && task_moves_));
   if (moves && command_ != 0) machine_.give(control::Hold{});
 }
 
@@ -75,6 +80,12 @@ void Run::poll(Instant now) {
     resumes_ = false;
   }
   if (wait_end_) look_at_wait(now);
+  if (looks_ && !paused_) take_sight(now);
+  while (phase_ == Phase::kRunning && task_waits_ && !paused_ && command_ == 0 &&
+         machine_.state() == MachineState::kReady) {
+    task_waits_ = false;
+    if (const auto gone_on = next_task(now); !gone_on) fail(gone_on.error(), now);
+  }
   const bool again = (room_since_ || searches_again_) && command_ == 0 && current_ && !paused_;
   if (again && machine_.state() == MachineState::kReady) {
     if (std::exchange(searches_again_, false)) asked_ = control::Home{.resumes = true};
@@ -134,7 +145,9 @@ std::expected<void, Refusal> Run::step_back(Instant /*now*/) {
     return std::unexpected(Refusal{last.line, error, std::nullopt, last.file});
   };
   if (std::holds_alternative<ToolOrder>(last.what) ||
-      std::holds_alternative<HomeOrder>(last.what)) {
+      std::holds_alternative<HomeOrder>(last.what) ||
+      std::holds_alternative<PickOrder>(last.what) ||
+      std::holds_alternative<PlaceOrder>(last.what)) {
     return refuse(Error{ErrorCode::kNotUndone});
   }
   const Start& begin = records_.back().q_start;
@@ -307,6 +320,8 @@ void Run::issue_next(Instant now) {
     if (feed_ != 1) machine_.give(control::SetFeed{feed_});
   }
   back_.reset();
+  grasps_ = 0;
+  if (std::holds_alternative<LookOrder>(order.what)) sighting_.reset();
   if (const auto accepted = issue(order, now); !accepted) fail(accepted.error(), now);
 }
 
@@ -322,6 +337,14 @@ std::expected<void, Refusal> Run::issue(const Order& order, Instant now) {
     return {};
   }
   if (const auto* branch = std::get_if<BranchOrder>(&order.what)) return issue_branch(*branch, now);
+  if (std::holds_alternative<LookOrder>(order.what)) {
+    const auto seen = sees();
+    if (!seen) return std::unexpected(seen.error());
+    if (*seen) finish_order(now);
+    return {};
+  }
+  if (const auto* pick = std::get_if<PickOrder>(&order.what)) return issue_pick(*pick, now);
+  if (std::holds_alternative<PlaceOrder>(order.what)) return issue_place(now);
   if (const auto* tool = std::get_if<ToolOrder>(&order.what)) {
     current_->duration = tool->duration;
     command_ = machine_.give(control::UseTool{tool->action});
@@ -377,12 +400,134 @@ std::expected<void, Refusal> Run::issue_move(Instant now) {
 
 /// Decides which orders follow. What it asks for has to be known.
 std::expected<void, Refusal> Run::issue_branch(const BranchOrder& branch, Instant now) {
+  if (branch.condition.subject == Condition::Subject::kSeen) {
+    const auto looked = sees();
+    if (!looked) return std::unexpected(looked.error());
+    if (!*looked) return {};
+    const auto answer = is_seen(branch.condition, now);
+    if (!answer) return std::unexpected(answer.error());
+    current_->holds = *answer;
+    if (!*answer) next_ = branch.otherwise;
+    finish_order(now);
+    return {};
+  }
   const auto answer = holds(branch.condition);
   if (!answer) return std::unexpected(refused(answer.error()));
   current_->holds = *answer;
   if (!*answer) next_ = branch.otherwise;
   finish_order(now);
   return {};
+}
+
+/// Whether there is a picture of the table as it is; else one is asked for, and the order under way
+/// is given again once it is there.
+std::expected<bool, Refusal> Run::sees() {
+  if (eyes_ == nullptr) return std::unexpected(refused({ErrorCode::kNoCamera}));
+  if (sighting_) return true;
+  eyes_->look();
+  looks_ = true;
+  return false;
+}
+
+void Run::take_sight(Instant now) {
+  auto seen = eyes_->seen();
+  if (!seen) return;
+  looks_ = false;
+  if (!*seen) return fail(seen->error(), now);
+  sighting_ = std::move(**seen);
+  if (const auto gone_on = issue(*current_->order, now); !gone_on) fail(gone_on.error(), now);
+}
+
+/// A cube that can be picked: those that cannot are told once they are all that is left.
+std::expected<bool, Refusal> Run::is_seen(const Condition& condition, Instant now) {
+  if (!q_) return std::unexpected(refused({ErrorCode::kPositionUnknown, 0}));
+  if (!planner_) planner_ = std::make_unique<RowPlanner>(robot_);
+  const Step row{current_->order->line, PickCubeStep{condition.color}, current_->order->file};
+  const auto rows = rows_to_pick(*planner_, {*q_, machine_.tool()}, row, *sighting_);
+  if (rows) return true;
+  if (rows.error().error.code != ErrorCode::kNothingSeen) take_notice(rows.error().error, now);
+  return false;
+}
+
+/// The order under way is made of several steps that only now are known.
+bool Run::handles() const {
+  return current_ && (std::holds_alternative<PickOrder>(current_->order->what) ||
+                      std::holds_alternative<PlaceOrder>(current_->order->what));
+}
+
+std::expected<void, Refusal> Run::issue_pick(const PickOrder& pick, Instant now) {
+  const auto looked = sees();
+  if (!looked) return std::unexpected(looked.error());
+  if (!*looked) return {};
+  if (std::exchange(verifies_, false)) {
+    return is_held(!still_there(*sighting_, *taken_), now);
+  }
+  if (!q_) return std::unexpected(refused({ErrorCode::kPositionUnknown, 0}));
+  if (!planner_) planner_ = std::make_unique<RowPlanner>(robot_);
+  const Step row{current_->order->line, pick.row, current_->order->file};
+  auto rows = rows_to_pick(*planner_, {*q_, machine_.tool()}, row, *sighting_, grasps_);
+  if (!rows) return std::unexpected(rows.error());
+  ++grasps_;
+  taken_ = rows->cube;
+  tasks_ = std::move(rows->steps);
+  task_ = 0;
+  task_waits_ = true;
+  return {};
+}
+
+std::expected<void, Refusal> Run::issue_place(Instant /*now*/) {
+  if (!carries_ && !machine_.tool().held) {
+    return std::unexpected(refused({ErrorCode::kNothingHeld}));
+  }
+  if (!q_) return std::unexpected(refused({ErrorCode::kPositionUnknown, 0}));
+  if (!planner_) planner_ = std::make_unique<RowPlanner>(robot_);
+  const Step row{current_->order->line, std::get<PlaceOrder>(current_->order->what).row,
+                 current_->order->file};
+  auto rows = rows_to_place(*planner_, {*q_, machine_.tool()}, row);
+  if (!rows) return std::unexpected(rows.error());
+  tasks_ = std::move(rows->steps);
+  task_ = 0;
+  task_waits_ = true;
+  return {};
+}
+
+std::expected<void, Refusal> Run::next_task(Instant now) {
+  if (task_ == tasks_.size()) return tasks_done(now);
+  const Step& task = tasks_[task_++];
+  task_moves_ = motion_of(task) != nullptr;
+  if (!task_moves_) {
+    command_ = machine_.give(control::UseTool{std::get<ToolStep>(task.what).action});
+    return {};
+  }
+  rows_left_ = std::span(&task, 1);
+  return issue_move(now);
+}
+
+/// Jaws that can be asked tell whether they hold something; else the next picture does.
+std::expected<void, Refusal> Run::tasks_done(Instant now) {
+  sighting_.reset();
+  if (std::holds_alternative<PlaceOrder>(current_->order->what)) {
+    carries_ = false;
+    finish_order(now);
+    return {};
+  }
+  const auto width = health_ ? health_().jaws_width : std::nullopt;
+  if (width) return is_held(may_hold(*taken_, *width), now);
+  verifies_ = true;
+  return issue_pick(std::get<PickOrder>(current_->order->what), now);
+}
+
+std::expected<void, Refusal> Run::is_held(bool held, Instant now) {
+  if (held) {
+    carries_ = true;
+    current_->cube = taken_;
+    finish_order(now);
+    return {};
+  }
+  if (grasps_ == kGraspsMax) {
+    return std::unexpected(refused({ErrorCode::kNotHeld, -1, 1.0 * grasps_}));
+  }
+  return issue_pick(std::get<PickOrder>(current_->order->what), now);
 }
 
 /// A wait under way that may be over.
@@ -500,7 +645,13 @@ std::expected<void, Refusal> Run::order_done(Instant now) {
     paused_ = true;
     return {};
   }
-  if (std::holds_alternative<MoveOrder>(current_->order->what)) return motion_done(now);
+  if (handles() && !task_moves_) {
+    task_waits_ = true;
+    return {};
+  }
+  if (handles() || std::holds_alternative<MoveOrder>(current_->order->what)) {
+    return motion_done(now);
+  }
   if (std::holds_alternative<HomeOrder>(current_->order->what)) return go_home(now);
   finish_order(now);
   return {};
@@ -555,6 +706,10 @@ std::expected<void, Refusal> Run::motion_done(Instant now) {
   q_ = blind_ ? machine_.reference() : current_->q;
   blind_ = false;
   if (!rows_left_.empty()) return issue_move(now);
+  if (handles()) {
+    task_waits_ = true;
+    return {};
+  }
   finish_order(now);
   return {};
 }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "sinew/control/machine.h"
+#include "sinew/program/eyes.h"
 #include "sinew/program/program_plan.h"
 
 namespace sinew::program {
@@ -23,6 +24,7 @@ struct Record {
   double arrival = 0;   ///< s, of a motion: when its joints are predicted to be there
   FixedVector<JointPosition, kMaxJoints> reported;  ///< when it was done
   std::optional<bool> holds{};                      ///< of an `if`: whether its condition does
+  std::optional<grasping::Cube> cube{};             ///< of a `pick`: what it took
 };
 
 /// What the machine told beside the orders: nothing broke, but somebody should know.
@@ -77,6 +79,10 @@ class Run {
   void make_changeable() { changeable_ = true; }
   /// What conditions on the supply and the jaws ask; without it nobody tells. Before start().
   void measure_by(std::function<DriverHealth()> health) { health_ = std::move(health); }
+  /// What rows that look do it with; outlives the run. Without it they are refused. Before start().
+  void see_by(Eyes& eyes) { eyes_ = &eyes; }
+  /// So often a cube is grasped that is not held then; each time it is looked for anew.
+  static constexpr int kGraspsMax = 3;
   /// All motions at this share (0, 1] of their speed: through the feed, where the device streams.
   /// Of one that takes whole moves see slowed() of program_part.h. Before start().
   void feed(double share) { feed_ = share; }
@@ -155,6 +161,15 @@ class Run {
   std::expected<void, Refusal> issue(const Order& order, Instant now);
   std::expected<void, Refusal> issue_move(Instant now);
   std::expected<void, Refusal> issue_branch(const BranchOrder& branch, Instant now);
+  std::expected<bool, Refusal> sees();
+  void take_sight(Instant now);
+  bool handles() const;
+  std::expected<void, Refusal> issue_pick(const PickOrder& pick, Instant now);
+  std::expected<void, Refusal> issue_place(Instant now);
+  std::expected<void, Refusal> next_task(Instant now);
+  std::expected<void, Refusal> tasks_done(Instant now);
+  std::expected<void, Refusal> is_held(bool held, Instant now);
+  std::expected<bool, Refusal> is_seen(const Condition& condition, Instant now);
   void look_at_wait(Instant now);
   std::expected<bool, Error> holds(const Condition& condition);
   bool settled(Instant now);
@@ -217,6 +232,19 @@ class Run {
   std::optional<control::CommandWhat> asked_;  ///< the motion or search that was asked for last
   std::optional<Instant> room_since_;          ///< another robot is in its way
   std::optional<Instant> wait_end_;
+  Eyes* eyes_ = nullptr;
+  bool looks_ = false;                ///< a picture is looked at for the order under way
+  std::optional<Sighting> sighting_;  ///< as long as nothing was moved on the table
+  /// Of a `pick` or `place` under way: what it is made of, the next one, and whether that may
+  /// begin.
+  std::vector<Step> tasks_;
+  std::size_t task_ = 0;
+  bool task_waits_ = false;
+  bool task_moves_ = false;
+  bool verifies_ = false;  ///< a picture has to show whether the cube is still there
+  int grasps_ = 0;
+  std::optional<grasping::Cube> taken_;
+  bool carries_ = false;  ///< what a `pick` has taken
   std::function<DriverHealth()> health_;
   std::optional<JointVector> still_;  ///< where the joints are while `wait settled` looks at them
   Instant still_since_{};

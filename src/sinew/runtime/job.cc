@@ -88,6 +88,7 @@ void JobRunner::run(const JobOrder& order, const program::Program& program, Stat
   run.expect_homing(homing_of(station_.robot()));
   if (order.changeable) run.make_changeable();
   run.measure_by([this] { return station_.view().health; });
+  if (eyes_ != nullptr) run.see_by(*eyes_);
   if (order.take_over) run.take_over();
   run.single_step(order.single_step);
   run.feed(order.feed);

@@ -76,6 +76,8 @@ class JobRunner {
   JobRunner(Station& station, const io::Clock& clock) : station_(station), clock_(clock) {}
   /// Stops what runs. The station has to be alive: it still looks at the motion.
   ~JobRunner();
+  /// What programs look with; outlives this. Before the first job.
+  void see_by(program::Eyes& eyes) { eyes_ = &eyes; }
   JobRunner(const JobRunner&) = delete;
   JobRunner& operator=(const JobRunner&) = delete;
 
@@ -108,6 +110,7 @@ class JobRunner {
 
   Station& station_;
   const io::Clock& clock_;
+  program::Eyes* eyes_ = nullptr;
   std::thread thread_;
   mutable std::mutex mutex_;
   JobView view_;                  ///< under the mutex

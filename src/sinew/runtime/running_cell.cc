@@ -73,6 +73,11 @@ RunningCell::~RunningCell() {
   for (std::thread& end : ends) end.join();
 }
 
+void RunningCell::see_by(std::size_t robot, std::unique_ptr<program::Eyes> eyes) {
+  jobs_[robot]->see_by(*eyes);
+  eyes_.push_back(std::move(eyes));
+}
+
 std::optional<std::size_t> RunningCell::find(std::string_view name) const {
   const auto found = std::ranges::find(cell_.robots, name, &CellRobot::name);
   if (found == cell_.robots.end()) return std::nullopt;

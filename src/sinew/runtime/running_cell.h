@@ -48,6 +48,8 @@ class RunningCell {
   ProcedureRunner& procedures(std::size_t i) const { return *procedures_[i]; }
   /// Where the cell's robot of this name is; nothing where there is none.
   std::optional<std::size_t> find(std::string_view name) const;
+  /// What programs of this robot look with. Before its first job.
+  void see_by(std::size_t robot, std::unique_ptr<program::Eyes> eyes);
 
  private:
   RunningCell(Cell cell, CellFolders folders)
@@ -58,6 +60,7 @@ class RunningCell {
   std::vector<std::unique_ptr<io::Clock>> clocks_;  ///< each robot's
   std::unique_ptr<CellSpace> space_;
   std::vector<std::unique_ptr<Station>> stations_;
+  std::vector<std::unique_ptr<program::Eyes>> eyes_;  ///< of the jobs, which end first
   std::vector<std::unique_ptr<JobRunner>> jobs_;
   std::vector<std::unique_ptr<ProcedureRunner>> procedures_;
 };

@@ -1,0 +1,15 @@
+#pragma once
+
+#include "sinew/core/vec3.h"
+
+namespace sinew::grasping {
+
+/// An upright cube, where a camera has seen it.
+struct Cube {
+  Vec3 p_BO;        ///< m, the middle of its body in base B
+  double yaw = 0;   ///< rad, of its edges about z, mod pi / 2
+  double edge = 0;  ///< m
+  int color = -1;   ///< whatever whoever made it counts colors by
+};
+
+}  // namespace sinew::grasping

@@ -1,0 +1,208 @@
+#include "sinew/grasping/grasps.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+#include <optional>
+
+#include "sinew/core/assert.h"
+#include "sinew/core/units.h"
+#include "sinew/model/tool_state.h"
+
+namespace sinew::grasping {
+namespace {
+
+constexpr double kMargin = 2e-3;     // m, between fingers and what they must not touch
+constexpr double kEnter = 3e-3;      // m, beside the cube on each side, as it may lie off so far
+constexpr double kSqueeze = 4e-3;    // m
+constexpr double kGripLow = 7e-3;    // m above what it stands on; the table has a margin of its own
+constexpr double kGripShare = 0.4;   // of the edge, above what it stands on
+constexpr double kHand = 25e-3;      // m, from the tips of closed jaws up to the hand
+constexpr double kHandHalf = 42e-3;  // m, of the hand along the jaws
+constexpr double kCupRadius = 12e-3;  // m
+constexpr double kHold = 5e-3;        // m, that closed tips reach below a cube's top
+constexpr double kSkewMax = 0.35;     // sine of the angle between the jaws and the table
+constexpr double kTiltStep = from_deg(5);
+constexpr double kTiltMax = from_deg(50);
+
+/// An upright rectangle seen from above.
+struct Plan {
+  Vec3 middle;  ///< z does not count
+  double turn = 0;
+  double half_u = 0, half_v = 0;  ///< m, along the turned x and y
+};
+
+bool apart_along(const Plan& a, const Plan& b, double angle) {
+  const double c = std::cos(angle), s = std::sin(angle);
+  const auto reach = [&](const Plan& plan) {
+    const double turn = plan.turn - angle;
+    return std::abs(std::cos(turn)) * plan.half_u + std::abs(std::sin(turn)) * plan.half_v;
+  };
+  const Vec3 between = b.middle - a.middle;
+  return std::abs(c * between.x + s * between.y) >= reach(a) + reach(b);
+}
+
+bool overlap(const Plan& a, const Plan& b) {
+  for (const double angle : {a.turn, a.turn + kPi / 2, b.turn, b.turn + kPi / 2}) {
+    if (apart_along(a, b, angle)) return false;
+  }
+  return true;
+}
+
+Plan plan_of(const Cube& cube, double swell) {
+  return {cube.p_BO, cube.yaw, cube.edge / 2 + swell, cube.edge / 2 + swell};
+}
+
+double top(const Cube& cube) {
+  return cube.p_BO.z + cube.edge / 2;
+}
+
+/// Which other cube stands on this one.
+std::optional<std::size_t> stands_on(std::span<const Cube> cubes, std::size_t which) {
+  const Cube& cube = cubes[which];
+  for (std::size_t i = 0; i < cubes.size(); ++i) {
+    const bool above = i != which && cubes[i].p_BO.z > cube.p_BO.z + cube.edge / 2;
+    if (above && overlap(plan_of(cube, 0), plan_of(cubes[i], -kMargin))) return i;
+  }
+  return std::nullopt;
+}
+
+struct Fingers {
+  double thick = 0;  ///< m, across the jaws
+  double half_wide = 0;
+};
+Fingers fingers_of(const RobotModel& robot) {
+  Fingers fingers{12e-3, 7e-3};
+  for (const CollisionShape& shape : robot.collision.shapes) {
+    if (const auto* finger = std::get_if<JawFinger>(&shape.form)) {
+      fingers = {2 * finger->half.y, finger->half.x};
+    }
+  }
+  return fingers;
+}
+
+/// How far a finger may stand from the cube's face on this side, its thickness included, up to
+/// `most`; 0 where a neighbour touches.
+/// @param lean  m, that the fingers come over to either side up to a cube's top, as they are tilted
+double room_beside(std::span<const Cube> cubes, std::size_t which, double angle,
+                   const Fingers& fingers, double tips, double lean, double most) {
+  constexpr double kStep = 0.5e-3;  // m
+  const Cube& cube = cubes[which];
+  const Vec3 u{std::cos(angle), std::sin(angle), 0};
+  const auto meets = [&](double begin, double end, double half, double above) {
+    const Plan swept{cube.p_BO + (begin + end) / 2 * u, angle, (end - begin) / 2, half};
+    for (std::size_t i = 0; i < cubes.size(); ++i) {
+      if (i == which || top(cubes[i]) < above - kMargin) continue;
+      if (overlap(swept, plan_of(cubes[i], kMargin))) return true;
+    }
+    return false;
+  };
+  if (meets(0, kHandHalf, fingers.half_wide, tips + kHand)) return 0;
+  double room = 0;
+  const double half = fingers.half_wide + lean;
+  while (room < most && !meets(cube.edge / 2, cube.edge / 2 + room + kStep + lean, half, tips)) {
+    room += kStep;
+  }
+  return std::min(room, most);
+}
+
+/// The roll that turns the jaws' direction, seen from above, to `angle` from the plane's.
+double roll_for(double angle, double pitch) {
+  double roll = std::atan2(-std::cos(angle) / std::cos(pitch), std::sin(angle));
+  if (roll > kPi / 2) roll -= kPi;
+  if (roll <= -kPi / 2) roll += kPi;
+  return roll;
+}
+
+}  // namespace
+
+Expected<std::vector<JawGrasp>> jaw_grasps(const RobotModel& robot, std::span<const Cube> cubes,
+                                           std::size_t which) {
+  const auto* arm = std::get_if<SerialGeometry>(&robot.geometry);
+  SINEW_ASSERT(arm != nullptr && arm->gripper && which < cubes.size());
+  const JawGripper& gripper = *arm->gripper;
+  const Cube& cube = cubes[which];
+  const Fingers fingers = fingers_of(robot);
+  if (const auto upper = stands_on(cubes, which)) {
+    return std::unexpected(Error{ErrorCode::kCubeCovered, static_cast<std::int8_t>(*upper)});
+  }
+  if (cube.edge + 2 * kEnter > gripper.width_max) {
+    return std::unexpected(
+        Error{ErrorCode::kCubeTooWide, -1, cube.edge, gripper.width_max - 2 * kEnter});
+  }
+  const double grip =
+      std::min(cube.edge / 2, std::max(kGripLow, kGripShare * cube.edge)) - cube.edge / 2;
+  const double widest = (gripper.width_max - cube.edge) / 2 + fingers.thick;
+  const double needed = fingers.thick + kEnter;
+  const double yaw = std::atan2(cube.p_BO.y, cube.p_BO.x);
+  std::vector<JawGrasp> grasps;
+  double most = 0;
+  for (const double along : {cube.yaw, cube.yaw + kPi / 2}) {
+    const double tips = cube.p_BO.z + grip;
+    for (int step = 0; step * kTiltStep <= kTiltMax + 1e-9; ++step) {
+      const double tilt = step * kTiltStep;
+      const double lean = std::tan(tilt) * (cube.edge / 2 - grip);
+      const double room =
+          std::min(room_beside(cubes, which, along, fingers, tips, lean, widest),
+                   room_beside(cubes, which, along + kPi, fingers, tips, lean, widest));
+      most = std::max(most, room);
+      if (room < needed) break;  // more tilt takes more
+      JawGrasp grasp;
+      grasp.pitch = kPi - tilt;
+      grasp.roll = roll_for(along - yaw, grasp.pitch);
+      grasp.open = cube.edge + 2 * (room - fingers.thick);
+      grasp.close = std::max(0.0, cube.edge - kSqueeze);
+      grasp.room = room - fingers.thick;
+      // What the lower one of two tilted fingers is lower than the middle of the tips.
+      const double skew = std::abs(std::sin(grasp.pitch) * std::sin(grasp.roll));
+      const auto lower = [&](double width) {
+        return fingers.half_wide * std::sin(tilt) + skew * (width / 2 + fingers.thick);
+      };
+      const double ahead = jaw_reach(gripper, grasp.close) - jaw_reach(gripper, grasp.open);
+      const Vec3 p_closed{cube.p_BO.x, cube.p_BO.y, cube.p_BO.z + grip + lower(grasp.close)};
+      const double floor = cube.p_BO.z - cube.edge / 2;
+      const double lowest = p_closed.z + ahead * std::cos(tilt) - lower(grasp.open);
+      const bool is_held = p_closed.z < cube.p_BO.z + cube.edge / 2 - kHold;
+      if (skew > kSkewMax || lowest < floor + kGripLow - kMargin || !is_held) continue;
+      const Vec3 approach{std::sin(grasp.pitch) * std::cos(yaw),
+                          std::sin(grasp.pitch) * std::sin(yaw), std::cos(grasp.pitch)};
+      grasp.p_BT = p_closed - ahead * approach;
+      grasps.push_back(grasp);
+    }
+  }
+  if (grasps.empty()) return std::unexpected(Error{ErrorCode::kCubeCrowded, -1, most, needed});
+  std::ranges::stable_sort(grasps, [](const JawGrasp& a, const JawGrasp& b) {
+    return a.pitch != b.pitch ? a.pitch > b.pitch : a.room > b.room;
+  });
+  return grasps;
+}
+
+Expected<Vec3> cup_grasp(std::span<const Cube> cubes, std::size_t which) {
+  const Cube& cube = cubes[which];
+  if (const auto upper = stands_on(cubes, which)) {
+    return std::unexpected(Error{ErrorCode::kCubeCovered, static_cast<std::int8_t>(*upper)});
+  }
+  const Plan cup{cube.p_BO, 0, kCupRadius, kCupRadius};
+  for (std::size_t i = 0; i < cubes.size(); ++i) {
+    const bool taller = i != which && top(cubes[i]) > top(cube) + kMargin;
+    if (!taller || !overlap(cup, plan_of(cubes[i], kMargin))) continue;
+    const Vec3 between = cubes[i].p_BO - cube.p_BO;
+    const double room = std::hypot(between.x, between.y) - cubes[i].edge / 2;
+    return std::unexpected(
+        Error{ErrorCode::kCubeCrowded, -1, std::max(0.0, room), kCupRadius + kMargin});
+  }
+  return cube.p_BO + Vec3{0, 0, cube.edge / 2};
+}
+
+std::vector<std::size_t> order_of(std::span<const Cube> cubes) {
+  std::vector<std::size_t> order(cubes.size());
+  std::iota(order.begin(), order.end(), 0U);
+  const auto key = [&](std::size_t i) {
+    return std::pair(stands_on(cubes, i).has_value(), std::hypot(cubes[i].p_BO.x, cubes[i].p_BO.y));
+  };
+  std::ranges::stable_sort(order, {}, key);
+  return order;
+}
+
+}  // namespace sinew::grasping

@@ -1,0 +1,255 @@
+#include "sinew/program/cube_rows.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "sinew/core/assert.h"
+#include "sinew/core/units.h"
+#include "sinew/grasping/grasps.h"
+
+namespace sinew::program {
+namespace {
+
+/// m, from where the tool goes straight down; the lower one where the higher one is out of reach.
+constexpr std::array kAbove{40e-3, 20e-3};
+constexpr double kLetGo = 15e-3;     // m, that jaws open more than what they hold
+constexpr double kSqueeze = 4e-3;    // m, that jaws are sent to less than what they hold
+constexpr double kStillThere = 0.6;  // of an edge, from where a cube was taken
+
+const JawGripper* jaws_of(const RobotModel& robot) {
+  const auto* arm = std::get_if<SerialGeometry>(&robot.geometry);
+  return arm != nullptr && arm->gripper ? &*arm->gripper : nullptr;
+}
+
+/// A place of the tool; of arms with five joints with its pitch and roll, else it turns with the
+/// base.
+struct Spot {
+  Vec3 p_BT;                      ///< m
+  std::optional<double> pitch{};  ///< rad
+  std::optional<double> roll{};   ///< rad
+};
+
+/// Rows one behind the other, each planned from where the one before it ends.
+class Sequence {
+ public:
+  Sequence(RowPlanner& planner, const Standing& standing, const Step& row)
+      : planner_(planner), row_(row), begin_(*standing.q), q_(begin_) {
+    rows_.tool = standing.tool;
+  }
+
+  const Step& row() const { return row_; }
+  const ToolState& tool() const { return rows_.tool; }
+
+  template <class What>
+  std::optional<Refusal> go(What what) {
+    const Step step{row_.line, std::move(what), row_.file};
+    const auto motion = planner_.plan(q_, rows_.tool, std::span(&step, 1));
+    if (!motion) {
+      Refusal refusal = motion.error();
+      refusal.file = row_.file;
+      return refusal;
+    }
+    q_ = motion->q_end;
+    rows_.duration += motion->duration;
+    rows_.steps.push_back(step);
+    return std::nullopt;
+  }
+
+  /// The tool goes there, the joints straight or the tool, `above` (m) it.
+  std::optional<Refusal> go_to(const Spot& spot, ToolMoveStep::Way way, double above,
+                               const MotionOptions& how) {
+    ToolMoveStep move{.way = way, .to = {}, .p_via_BT = {}, .how = how};
+    move.to.p_BT = {spot.p_BT.x, spot.p_BT.y, spot.p_BT.z + above};
+    move.to.pitch = spot.pitch;
+    move.to.roll = spot.roll;
+    return go(move);
+  }
+  /// Straight up, as the tool is turned.
+  std::optional<Refusal> rise(double height, const MotionOptions& how) {
+    return go_to(spot(), ToolMoveStep::Way::kLine, height, how);
+  }
+  /// Where the tool is.
+  Spot spot() const {
+    const planning::ToolSpace space(planner_.robot(), rows_.tool.jaws);
+    const auto X_BT = space.forward({q_.data(), q_.size()}, space.home());
+    SINEW_ASSERT(X_BT);  // a motion ends there
+    Spot spot{.p_BT = X_BT->p};
+    if (space.task() == planning::TaskSpace::kPitchRoll) {
+      const auto attitude = space.point(*X_BT).attitude;
+      spot.pitch = attitude[0];
+      spot.roll = attitude[1];
+    }
+    return spot;
+  }
+
+  std::optional<Refusal> use(const ToolAction& action) {
+    if (const auto* jaws = std::get_if<JawsTo>(&action)) {
+      const auto fine = planner_.check_jaws(q_, rows_.tool, jaws->width);
+      if (!fine) return Refusal{row_.line, fine.error(), std::nullopt, row_.file};
+      rows_.duration += to_seconds(tool_time(planner_.robot(), action, rows_.tool.jaws));
+      rows_.tool = {jaws->width, jaws->held};
+    } else {
+      rows_.duration += to_seconds(tool_time(planner_.robot(), action, std::nullopt));
+    }
+    rows_.steps.push_back({row_.line, ToolStep{action}, row_.file});
+    return std::nullopt;
+  }
+
+  /// To where the row began.
+  std::optional<Refusal> back(const MotionOptions& how) {
+    JointStep joints{.q = begin_, .given = 0, .how = how};
+    joints.given = static_cast<std::uint8_t>((1U << begin_.size()) - 1);
+    return go(joints);
+  }
+  CubeRows take() { return std::move(rows_); }
+
+ private:
+  RowPlanner& planner_;
+  const Step& row_;
+  JointVector begin_, q_;
+  CubeRows rows_;
+};
+
+/// What is out of reach by less is told before what is so by more, and anything else before both.
+bool is_nearer(const Refusal& one, const Refusal& other) {
+  const bool far = one.error.code == ErrorCode::kOutOfReach;
+  const bool other_far = other.error.code == ErrorCode::kOutOfReach;
+  return other_far && (!far || excess(one.error) < excess(other.error));
+}
+
+ToolAction letting_go(const RobotModel& robot, const ToolState& tool) {
+  const JawGripper* gripper = jaws_of(robot);
+  if (gripper == nullptr) return Suction{Suction::State::kRelease};
+  const double held = tool.held.value_or(tool.jaws.value_or(kUsualCube));
+  return JawsTo{std::min(gripper->width_max, held + kLetGo)};
+}
+
+/// Over the spot, straight down, `action`, straight up, and back.
+std::expected<CubeRows, Refusal> from_above(Sequence sequence, const Spot& spot,
+                                            const ToolAction& action, const MotionOptions& how) {
+  std::optional<Refusal> refusal;
+  for (const double above : kAbove) {
+    Sequence rows = sequence;
+    refusal = rows.go_to(spot, ToolMoveStep::Way::kJoints, above, how);
+    if (!refusal) refusal = rows.go_to(spot, ToolMoveStep::Way::kLine, 0, how);
+    if (!refusal) refusal = rows.use(action);
+    if (!refusal) refusal = rows.rise(above, how);
+    if (!refusal) refusal = rows.back(how);
+    if (!refusal) return rows.take();
+  }
+  return std::unexpected(*refusal);
+}
+
+std::expected<CubeRows, Refusal> picked_by_jaws(const Sequence& sequence, const RobotModel& robot,
+                                                const Sighting& seen, std::size_t which, int skip) {
+  const Step& row = sequence.row();
+  const auto grasps = grasping::jaw_grasps(robot, seen.cubes, which);
+  if (!grasps) {
+    return std::unexpected(Refusal{row.line, grasps.error(), std::nullopt, row.file});
+  }
+  const MotionOptions& how = std::get<PickCubeStep>(row.what).how;
+  std::optional<Refusal> nearest;
+  std::optional<CubeRows> left_out;  // better than nothing where no other can be had
+  for (const grasping::JawGrasp& grasp : *grasps) {
+    Sequence opened = sequence;
+    if (auto refusal = opened.use(JawsTo{grasp.open})) return std::unexpected(*refusal);
+    auto rows = from_above(std::move(opened), {grasp.p_BT, grasp.pitch, grasp.roll},
+                           JawsTo{grasp.close, seen.cubes[which].edge}, how);
+    if (rows && skip-- <= 0) return rows;
+    if (rows) left_out = std::move(*rows);
+    if (!rows && (!nearest || is_nearer(rows.error(), *nearest))) nearest = rows.error();
+  }
+  if (left_out) return *left_out;
+  return std::unexpected(*nearest);
+}
+
+std::expected<CubeRows, Refusal> picked_by_cup(Sequence sequence, const Sighting& seen,
+                                               std::size_t which) {
+  const Step& row = sequence.row();
+  const auto lip = grasping::cup_grasp(seen.cubes, which);
+  if (!lip) return std::unexpected(Refusal{row.line, lip.error(), std::nullopt, row.file});
+  const MotionOptions& how = std::get<PickCubeStep>(row.what).how;
+  return from_above(std::move(sequence), {.p_BT = *lip}, Suction{Suction::State::kOn}, how);
+}
+
+/// The place as the tool is turned there, and as it would be turned above it: an arm that chooses
+/// its own pitch may find one for each that does not work for the other.
+std::vector<Spot> spots_of(const Sequence& there, const Sequence& begin,
+                           const PlaceCubeStep& place) {
+  std::vector<Spot> spots{there.spot()};
+  const auto* move = std::get_if<ToolMoveStep>(&place.there);
+  if (move == nullptr) return spots;
+  for (const double above : kAbove) {
+    Sequence up = begin;
+    ToolMoveStep higher = *move;
+    if (!higher.to.p_BT[2]) break;
+    *higher.to.p_BT[2] += above;
+    if (up.go(higher)) continue;
+    spots.push_back(up.spot());
+    spots.back().p_BT = spots.front().p_BT;
+  }
+  return spots;
+}
+
+}  // namespace
+
+bool picks_with_jaws(const RobotModel& robot) {
+  return jaws_of(robot) != nullptr && std::holds_alternative<LscDevice>(robot.device.settings);
+}
+
+bool can_pick(const RobotModel& robot) {
+  return picks_with_jaws(robot) || std::holds_alternative<MaxArmDevice>(robot.device.settings);
+}
+
+std::expected<CubeRows, Refusal> rows_to_place(RowPlanner& planner, const Standing& standing,
+                                               const Step& row) {
+  const auto& place = std::get<PlaceCubeStep>(row.what);
+  const ToolAction opening = letting_go(planner.robot(), standing.tool);
+  Sequence there(planner, standing, row);
+  auto refusal = std::visit([&](const auto& to) { return there.go(to); }, place.there);
+  if (refusal) return std::unexpected(*refusal);
+  const auto how = std::visit([](const auto& to) { return to.how; }, place.there);
+  for (const Spot& spot : spots_of(there, {planner, standing, row}, place)) {
+    auto rows = from_above({planner, standing, row}, spot, opening, how);
+    if (rows) return rows;
+  }
+  // Where there is no room above it: as `move` goes there.
+  refusal = there.use(opening);
+  if (!refusal) refusal = there.back(how);
+  if (refusal) return std::unexpected(*refusal);
+  return there.take();
+}
+
+std::expected<CubeRows, Refusal> rows_to_pick(RowPlanner& planner, const Standing& standing,
+                                              const Step& row, const Sighting& seen, int skip) {
+  const auto& pick = std::get<PickCubeStep>(row.what);
+  std::optional<Refusal> first;
+  for (const std::size_t which : grasping::order_of(seen.cubes)) {
+    const grasping::Cube& cube = seen.cubes[which];
+    if (pick.color && cube.color != static_cast<int>(*pick.color)) continue;
+    auto rows = picks_with_jaws(planner.robot())
+                    ? picked_by_jaws({planner, standing, row}, planner.robot(), seen, which, skip)
+                    : picked_by_cup({planner, standing, row}, seen, which);
+    if (rows) {
+      rows->cube = cube;
+      return rows;
+    }
+    if (!first) first = rows.error();
+    skip = 0;
+  }
+  return std::unexpected(
+      first.value_or(Refusal{row.line, {ErrorCode::kNothingSeen}, std::nullopt, row.file}));
+}
+
+bool still_there(const Sighting& seen, const grasping::Cube& taken) {
+  return std::ranges::any_of(seen.cubes, [&](const grasping::Cube& cube) {
+    return norm(cube.p_BO - taken.p_BO) < kStillThere * taken.edge;
+  });
+}
+
+bool may_hold(const grasping::Cube& cube, double jaws) {
+  return jaws > cube.edge - kSqueeze / 2 - 1e-3;
+}
+
+}  // namespace sinew::program

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <expected>
+#include <vector>
+
+#include "sinew/program/eyes.h"
+#include "sinew/program/program_plan.h"
+#include "sinew/program/row_planner.h"
+
+/// What `pick` and `place` are made of: rows as a program could say them, chosen and planned where
+/// the machine stands. Both end where they begin.
+namespace sinew::program {
+
+/// m; the edge of a cube that nobody has seen yet.
+inline constexpr double kUsualCube = 25e-3;
+
+bool picks_with_jaws(const RobotModel& robot);
+/// Whether its tool can take a cube: jaws, or suction.
+bool can_pick(const RobotModel& robot);
+
+struct CubeRows {
+  std::vector<Step> steps;  ///< motions, each from stop to stop, and actions of the tool
+  ToolState tool;           ///< behind them
+  double duration = 0;      ///< s, predicted
+  grasping::Cube cube{};    ///< that they take
+};
+
+/// Takes a cube that is seen: there from above, straight down, closed, up, and back. The first one
+/// in order and the best grasp of it that can be planned.
+/// @param standing  with known joints
+/// @param row       a PickCubeStep
+/// @param skip      so many grasps of that cube are left out: they held nothing
+/// @error kNothingSeen; else why the first cube in order cannot be had: kOutOfReach, kCubeCovered,
+///        kCubeCrowded, kCubeTooWide, kJointLimit, those of RowPlanner
+std::expected<CubeRows, Refusal> rows_to_pick(RowPlanner& planner, const Standing& standing,
+                                              const Step& row, const Sighting& seen, int skip = 0);
+
+/// Lets go where the row says: there from above, straight down, open, up, and back. Where there is
+/// no room above it goes there as `move` does.
+/// @param standing  with known joints
+/// @param row       a PlaceCubeStep
+/// @error those of RowPlanner
+std::expected<CubeRows, Refusal> rows_to_place(RowPlanner& planner, const Standing& standing,
+                                               const Step& row);
+
+/// Whether a picture still shows a cube where one was taken.
+bool still_there(const Sighting& seen, const grasping::Cube& taken);
+/// Whether jaws that measure this width (m) hold the cube: closed on nothing they come nearer.
+bool may_hold(const grasping::Cube& cube, double jaws);
+
+}  // namespace sinew::program

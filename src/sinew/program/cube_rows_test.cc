@@ -1,0 +1,184 @@
+#include "sinew/program/cube_rows.h"
+
+#include <gtest/gtest.h>
+
+#include <deque>
+#include <string>
+
+#include "sinew/core/units.h"
+#include "sinew/planning/tool_space.h"
+#include "sinew/program/conditions.h"
+#include "sinew/program/program_format.h"
+#include "support/robots.h"
+
+/// Rows that look, pick and place: what is read of them, and what they are made of.
+namespace sinew::program {
+namespace {
+
+std::expected<Program, std::vector<Complaint>> read_cubes(std::string_view text,
+                                                          std::string_view robot = "learm") {
+  static const TaughtPoints points{
+      {.name = "basket",
+       .robot = "learm",
+       .place = JointVector{from_deg(60), from_deg(25), from_deg(60), from_deg(55), 0},
+       .source = "here",
+       .taught_at = ""}};
+  return parse(text, "p.sinew", test::robot(robot), {.points = &points, .load = {}});
+}
+
+std::string first_complaint(std::string_view text) {
+  const auto program = read_cubes(text);
+  return program ? "none" : to_text(program.error().front());
+}
+
+Standing ready() {
+  return {JointVector{from_deg(-40), from_deg(20), from_deg(40), from_deg(40), 0},
+          {.jaws = 0.06, .held = {}}};
+}
+
+kinematics::PoseBT tool_at(const RobotModel& robot, const JointVector& q, double jaws) {
+  const planning::ToolSpace space(robot, jaws);
+  return *space.forward({q.data(), q.size()}, space.home());
+}
+
+TEST(CubeRows, are_read_with_their_colors_and_places) {
+  const auto program = read_cubes(
+      "look\npick\npick any\npick color=red\nplace basket\nplace to=basket speed=50%\n"
+      "place x=200mm y=0mm z=40mm\nif seen\nend\nif seen color=blue\nend\n"
+      "repeat while seen color=green\n wait 1s\nend\n");
+  ASSERT_TRUE(program) << to_text(program.error().front());
+  const auto& steps = program->steps;
+  EXPECT_TRUE(std::holds_alternative<LookStep>(steps[0].what));
+  EXPECT_FALSE(std::get<PickCubeStep>(steps[1].what).color);
+  EXPECT_FALSE(std::get<PickCubeStep>(steps[2].what).color);
+  EXPECT_EQ(std::get<PickCubeStep>(steps[3].what).color, vision::ColorName::kRed);
+  const auto& basket = std::get<PlaceCubeStep>(steps[4].what);
+  EXPECT_EQ(std::get<JointStep>(basket.there).q[0], from_deg(60));
+  const auto& slow = std::get<PlaceCubeStep>(steps[5].what);
+  EXPECT_EQ(std::get<JointStep>(slow.there).how.joint_share, 0.5);
+  const auto& there = std::get<PlaceCubeStep>(steps[6].what);
+  EXPECT_EQ(std::get<ToolMoveStep>(there.there).to.p_BT[2], 0.04);
+  EXPECT_EQ(condition_text(std::get<IfStep>(steps[7].what).condition, test::robot("learm")),
+            "seen");
+  EXPECT_EQ(condition_text(std::get<IfStep>(steps[9].what).condition, test::robot("learm")),
+            "seen color=blue");
+  const auto& loop = std::get<LoopStep>(steps[11].what);
+  ASSERT_TRUE(loop.goes_on);
+  EXPECT_EQ(loop.goes_on->color, vision::ColorName::kGreen);
+  EXPECT_EQ(loop.rounds, kSeenRoundsMax);
+  EXPECT_EQ(loop.end, 13U);
+}
+
+TEST(CubeRows, what_is_wrong_with_a_row_is_said_with_what_would_be_right) {
+  const std::pair<const char*, const char*> wrong[] = {
+      {"look here", "p.sinew:1:6: too many words; write look"},
+      {"pick red", "p.sinew:1:6: 'red': write pick, or pick color=red"},
+      {"pick color=read",
+       "p.sinew:1:6: 'read' is no color of a cube; there are red, orange, yellow, green, blue, "
+       "purple, pink, black, wood"},
+      {"place",
+       "p.sinew:1:1: say where: place NAME (a taught point), or place x=200mm y=0mm z=30mm"},
+      {"place baskte", ""},
+      {"place basket blend=10mm", "p.sinew:1:1: place stops where it lets go: without blend="},
+      {"if seen red\nend", "p.sinew:1:9: write seen, or seen color=red"},
+      {"wait until seen for 3s",
+       "p.sinew:1:12: a wait does not look; write if seen, or repeat while seen"},
+      {"repeat 3\nend", "p.sinew:1:1: write repeat while seen, or repeat while seen color=red"},
+      {"repeat while seen", "p.sinew:1:1: repeat without end: write end behind its last step"},
+      {"repeat while seen\nelse\nend", "p.sinew:2:1: else without if"},
+  };
+  for (const auto& [text, complaint] : wrong) {
+    const std::string told = first_complaint(text);
+    EXPECT_NE(told, "none") << text;
+    if (*complaint != '\0') {
+      EXPECT_EQ(told, complaint);
+    }
+  }
+}
+
+TEST(CubeRows, are_laid_out_like_all_others) {
+  const auto laid_out =
+      format("repeat while seen color=red\nif seen color=blue\npick color=blue\nend\nend", "p");
+  ASSERT_TRUE(laid_out);
+  EXPECT_EQ(*laid_out,
+            "repeat while seen color=red\n  if seen color=blue\n    pick color=blue\n  end\nend\n");
+}
+
+TEST(CubeRows, place_lets_go_there_from_above_and_ends_where_it_began) {
+  const RobotModel robot = test::robot("learm");
+  RowPlanner planner(robot);
+  for (const char* text : {"place basket", "place x=150mm y=60mm z=60mm"}) {
+    const auto program = read_cubes(text);
+    ASSERT_TRUE(program);
+    Standing standing = ready();
+    standing.tool = {.jaws = 0.021, .held = 0.025};
+    const auto rows = rows_to_place(planner, standing, program->steps[0]);
+    ASSERT_TRUE(rows) << text << ": " << describe(rows.error().error);
+    EXPECT_EQ(rows->tool.held, std::nullopt);
+    EXPECT_GE(*rows->tool.jaws, 0.025 + 0.01);
+    EXPECT_GT(rows->duration, 1);
+    // The rows, one by one, as a run carries them out.
+    JointVector q = *standing.q;
+    ToolState tool = standing.tool;
+    int let_go = 0;
+    double highest = -1;
+    for (const Step& step : rows->steps) {
+      if (const auto* action = std::get_if<ToolStep>(&step.what)) {
+        const double z = tool_at(robot, q, *tool.jaws).p.z;
+        EXPECT_LT(z, highest - 0.019) << "it came from above";
+        ++let_go;
+        const auto& jaws = std::get<JawsTo>(action->action);
+        tool = {jaws.width, jaws.held};
+        continue;
+      }
+      const auto motion = planner.plan(q, tool, std::span(&step, 1));
+      ASSERT_TRUE(motion) << describe(motion.error().error);
+      q = motion->q_end;
+      highest = std::max(highest, tool_at(robot, q, *tool.jaws).p.z);
+    }
+    EXPECT_EQ(let_go, 1);
+    for (std::size_t i = 0; i < q.size(); ++i) EXPECT_NEAR(q[i], (*standing.q)[i], 1e-9);
+  }
+}
+
+TEST(CubeRows, a_place_out_of_reach_is_refused_in_the_plan) {
+  const auto program = read_cubes("place x=900mm y=0mm z=40mm");
+  ASSERT_TRUE(program);
+  const auto plan = make_plan(*program, test::robot("learm"), ready());
+  ASSERT_FALSE(plan);
+  EXPECT_EQ(plan.error().line, 1);
+  EXPECT_EQ(plan.error().error.code, ErrorCode::kOutOfReach);
+}
+
+TEST(CubeRows, robots_without_jaws_or_suction_refuse_them) {
+  for (const char* text : {"pick", "place J1=0deg"}) {
+    const auto program =
+        parse(text == std::string("pick") ? "pick" : "place x=300mm", "p", test::robot("puma560"));
+    ASSERT_TRUE(program);
+    const auto plan = make_plan(*program, test::robot("puma560"),
+                                JointVector{0, from_deg(20), from_deg(-70), 0, from_deg(60), 0});
+    ASSERT_FALSE(plan);
+    EXPECT_EQ(plan.error().error.code, ErrorCode::kToolNotFitted);
+  }
+}
+
+TEST(CubeRows, rounds_that_are_asked_for_end_behind_their_loop) {
+  const auto program =
+      read_cubes("repeat while seen\n pick\n place basket\nend\njoint base=0deg\n");
+  ASSERT_TRUE(program);
+  const auto plan = make_plan(*program, test::robot("learm"), ready());
+  ASSERT_TRUE(plan) << describe(plan.error().error);
+  ASSERT_EQ(plan->orders.size(), 3 * kSeenRoundsMax + 1U);
+  for (std::size_t place = 0; place + 1 < plan->orders.size(); place += 3) {
+    const auto& branch = std::get<BranchOrder>(plan->orders[place].what);
+    EXPECT_EQ(branch.otherwise, plan->orders.size() - 1);
+    EXPECT_EQ(plan->orders[place].round, static_cast<int>(place) / 3 + 1);
+    EXPECT_TRUE(std::holds_alternative<PickOrder>(plan->orders[place + 1].what));
+    EXPECT_TRUE(std::holds_alternative<PlaceOrder>(plan->orders[place + 2].what));
+  }
+  EXPECT_LT(plan->duration_min, 3);
+  EXPECT_GT(plan->duration, 40 * 10);
+}
+
+}  // namespace
+}  // namespace sinew::program

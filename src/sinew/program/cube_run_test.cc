@@ -1,0 +1,240 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "sinew/core/units.h"
+#include "sinew/planning/tool_space.h"
+#include "sinew/program/plain_cell_test_support.h"
+
+/// Runs of programs that look, pick and place.
+namespace sinew::program {
+namespace {
+
+constexpr double kEdge = 25e-3;
+
+grasping::Cube cube_at(double x, double y, vision::ColorName color) {
+  return {{x, y, kEdge / 2}, 0.3, kEdge, static_cast<int>(color)};
+}
+
+/// A table in front of a LeArm with a driver that does as told. What closed jaws are around, and
+/// only that, is held; what they let go is gone from the table.
+class Table : public Eyes {
+ public:
+  explicit Table(PlainCell& cell) : cell_(cell) {
+    cell_.run.see_by(*this);
+    cell_.run.measure_by([this] { return DriverHealth{.jaws_width = jaws()}; });
+  }
+
+  void look() override {
+    ++looks;
+    asked_ = true;
+  }
+  std::optional<Expected<Sighting>> seen() override {
+    if (!asked_ || wait-- > 0) return std::nullopt;
+    asked_ = false;
+    if (fault) return std::unexpected(*fault);
+    return Sighting{cubes, 0};
+  }
+
+  /// After each instant of the run: what the jaws did to the cubes.
+  void follow() {
+    const auto* to = std::get_if<JawsTo>(&cell_.driver.tool_);
+    if (cell_.driver.tools_ == tools_ || to == nullptr) return;
+    tools_ = cell_.driver.tools_;
+    if (to->width > kEdge) {
+      if (held_) ++let_go;
+      held_ = false;
+      return;
+    }
+    ++grasps;
+    if (grasps <= slips) return;
+    JointVector q;
+    for (const JointPosition& position : cell_.driver.positions_) q.push_back(position.q);
+    const planning::ToolSpace space(cell_.robot, to->width);
+    const Vec3 tips = space.forward({q.data(), q.size()}, space.home())->p;
+    for (std::size_t i = 0; i < cubes.size(); ++i) {
+      const Vec3 d = tips - cubes[i].p_BO;
+      if (std::hypot(d.x, d.y) > 2e-3 || std::abs(d.z) > kEdge / 2) continue;
+      taken.push_back(static_cast<vision::ColorName>(cubes[i].color));
+      cubes.erase(cubes.begin() + static_cast<std::ptrdiff_t>(i));
+      held_ = true;
+      return;
+    }
+  }
+  void go(Duration limit = 1h) {
+    if (cell_.run.phase() == Phase::kOpening) cell_.run.start(cell_.now);
+    while (!cell_.run.finished() && cell_.now < Instant{} + limit) {
+      cell_.driver.poll(cell_.now);
+      cell_.step();
+      follow();
+      cell_.now += 1ms;
+    }
+  }
+
+  std::vector<grasping::Cube> cubes;
+  std::vector<vision::ColorName> taken;
+  std::optional<Error> fault;
+  int looks = 0, grasps = 0, let_go = 0, wait = 0;
+  int slips = 0;  ///< so many grasps hold nothing
+
+ private:
+  std::optional<double> jaws() const {
+    if (held_) return kEdge;
+    const auto* to = std::get_if<JawsTo>(&cell_.driver.tool_);
+    return to != nullptr ? std::optional(to->width) : std::nullopt;
+  }
+
+  PlainCell& cell_;
+  int tools_ = 0;
+  bool held_ = false;
+  bool asked_ = false;
+};
+
+constexpr const char* kReady = "joint base=-50deg shoulder=20deg elbow=40deg wrist=40deg\n";
+using vision::ColorName;
+
+TEST(CubeRun, all_cubes_in_reach_are_put_away_the_nearest_first) {
+  PlainCell cell("learm", std::string(kReady) +
+                              "repeat while seen\n pick\n place x=60mm y=180mm z=80mm\nend\n");
+  Table table(cell);
+  table.cubes = {cube_at(0.20, 0.02, ColorName::kRed), cube_at(0.14, -0.02, ColorName::kBlue),
+                 cube_at(0.17, 0.06, ColorName::kGreen)};
+  table.wait = 5;
+  table.go();
+  ASSERT_EQ(cell.run.phase(), Phase::kDone)
+      << (cell.run.failure() ? describe(cell.run.failure()->error) : "");
+  EXPECT_EQ(table.taken,
+            (std::vector<ColorName>{ColorName::kBlue, ColorName::kGreen, ColorName::kRed}));
+  EXPECT_EQ(table.let_go, 3);
+  EXPECT_EQ(table.grasps, 3);
+  EXPECT_EQ(table.looks, 4) << "once a round, and once more to see that there is none left";
+  const auto& picked = cell.run.records()[2];
+  ASSERT_TRUE(picked.cube);
+  EXPECT_EQ(picked.cube->color, static_cast<int>(ColorName::kBlue));
+  const JointVector ready{from_deg(-50), from_deg(20), from_deg(40), from_deg(40), 0};
+  for (std::size_t i = 0; i < ready.size(); ++i) {
+    EXPECT_NEAR(cell.driver.positions_[i].q, ready[i], 1e-9);
+  }
+}
+
+TEST(CubeRun, colors_decide) {
+  PlainCell cell("learm", std::string(kReady) +
+                              "if seen color=yellow\n pick color=yellow\nelse\n pick color=green\n"
+                              "end\nplace x=60mm y=180mm z=80mm\n");
+  Table table(cell);
+  table.cubes = {cube_at(0.14, 0, ColorName::kRed), cube_at(0.20, 0.02, ColorName::kGreen)};
+  table.go();
+  ASSERT_EQ(cell.run.phase(), Phase::kDone);
+  EXPECT_EQ(table.taken, std::vector<ColorName>{ColorName::kGreen});
+  EXPECT_EQ(table.cubes.size(), 1U);
+}
+
+TEST(CubeRun, what_slips_is_looked_for_anew_and_grasped_three_times_at_most) {
+  for (const int slips : {2, 3}) {
+    PlainCell cell("learm", std::string(kReady) + "pick\n");
+    Table table(cell);
+    table.cubes = {cube_at(0.17, 0, ColorName::kRed)};
+    table.slips = slips;
+    table.go();
+    EXPECT_EQ(table.grasps, 3);
+    EXPECT_EQ(table.looks, 3);
+    if (slips == 2) {
+      EXPECT_EQ(cell.run.phase(), Phase::kDone);
+      continue;
+    }
+    ASSERT_EQ(cell.run.phase(), Phase::kFailed);
+    EXPECT_EQ(cell.run.failure()->error.code, ErrorCode::kNotHeld);
+    EXPECT_EQ(cell.run.failure()->error.measured, 3);
+    EXPECT_EQ(cell.run.failure()->line, 2);
+  }
+}
+
+TEST(CubeRun, a_board_that_does_not_measure_leaves_it_to_the_next_picture) {
+  for (const int slips : {0, 3}) {
+    PlainCell cell("learm", std::string(kReady) + "pick\n");
+    Table table(cell);
+    cell.run.measure_by([] { return DriverHealth{}; });
+    table.cubes = {cube_at(0.17, 0, ColorName::kRed)};
+    table.slips = slips;
+    table.go();
+    EXPECT_EQ(table.looks, slips == 0 ? 2 : 4);
+    EXPECT_EQ(cell.run.phase(), slips == 0 ? Phase::kDone : Phase::kFailed);
+  }
+}
+
+TEST(CubeRun, what_cannot_be_had_is_said_and_nothing_moves) {
+  struct Case {
+    std::vector<grasping::Cube> cubes;
+    ErrorCode why;
+  };
+  const auto red = ColorName::kRed;
+  grasping::Cube upper = cube_at(0.17, 0, red);
+  upper.p_BO.z += kEdge;
+  upper.p_BO.x += 0.3;  // out of reach, and its lower one is under it
+  grasping::Cube lower = cube_at(0.47, 0, red);
+  for (const Case& one :
+       {Case{{}, ErrorCode::kNothingSeen}, Case{{cube_at(0.45, 0, red)}, ErrorCode::kOutOfReach},
+        Case{{lower, upper}, ErrorCode::kOutOfReach}}) {
+    PlainCell cell("learm", "pick color=red\n");
+    Table table(cell);
+    table.cubes = one.cubes;
+    table.go();
+    ASSERT_EQ(cell.run.phase(), Phase::kFailed);
+    EXPECT_EQ(cell.run.failure()->error.code, one.why) << describe(cell.run.failure()->error);
+    EXPECT_EQ(cell.driver.tools_, 0);
+    EXPECT_TRUE(cell.driver.taken_.empty());
+  }
+}
+
+TEST(CubeRun, without_a_camera_or_with_a_faulty_one_nothing_moves) {
+  PlainCell blind("learm", "pick\n");
+  blind.go();
+  ASSERT_EQ(blind.run.phase(), Phase::kFailed);
+  EXPECT_EQ(blind.run.failure()->error.code, ErrorCode::kNoCamera);
+  PlainCell cell("learm", "repeat while seen\n pick\nend\n");
+  Table table(cell);
+  table.fault = Error{ErrorCode::kCameraLost, -1, 5};
+  table.go();
+  ASSERT_EQ(cell.run.phase(), Phase::kFailed);
+  EXPECT_EQ(cell.run.failure()->error.code, ErrorCode::kCameraLost);
+  EXPECT_TRUE(cell.driver.taken_.empty());
+  PlainCell empty("learm", "place x=60mm y=180mm z=80mm\n");
+  Table nothing(empty);
+  nothing.go();
+  ASSERT_EQ(empty.run.phase(), Phase::kFailed);
+  EXPECT_EQ(empty.run.failure()->error.code, ErrorCode::kNothingHeld);
+}
+
+TEST(CubeRun, a_pause_holds_a_pick_wherever_it_is_and_a_stop_ends_it) {
+  int paused = 0;
+  for (Duration at = 700ms; at < 12s; at += 350ms) {
+    PlainCell cell("learm", std::string(kReady) + "pick\n");
+    cell.run.make_changeable();
+    Table table(cell);
+    table.cubes = {cube_at(0.17, 0, ColorName::kRed)};
+    table.go(at);
+    if (cell.run.finished()) break;
+    cell.run.pause();
+    table.go(at + 30s);
+    ASSERT_FALSE(cell.run.finished()) << to_seconds(at);
+    const auto moves = cell.driver.taken_.size();
+    table.go(at + 60s);
+    EXPECT_EQ(cell.driver.taken_.size(), moves) << "it stands";
+    cell.run.resume();
+    table.go(at + 120s);
+    EXPECT_EQ(cell.run.phase(), Phase::kDone) << to_seconds(at);
+    EXPECT_EQ(table.taken.size(), 1U);
+    ++paused;
+    PlainCell stopped("learm", std::string(kReady) + "pick\n");
+    Table other(stopped);
+    other.cubes = {cube_at(0.17, 0, ColorName::kRed)};
+    other.go(at);
+    stopped.run.stop(stopped.now);
+    other.go(at + 10s);
+    EXPECT_EQ(stopped.run.phase(), Phase::kStopped) << to_seconds(at);
+  }
+  EXPECT_GT(paused, 5);
+}
+
+}  // namespace
+}  // namespace sinew::program

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "sinew/core/error.h"
+#include "sinew/grasping/cube.h"
+
+namespace sinew::program {
+
+/// What one picture shows of the table in front of a robot.
+struct Sighting {
+  std::vector<grasping::Cube> cubes;  ///< in base B; `color` is a vision::ColorName
+  double table_z = 0;                 ///< m, of the table in B
+};
+
+/// A calibrated camera, for the rows that look. Looking takes its time, so it is asked for and
+/// fetched; nobody waits.
+class Eyes {
+ public:
+  virtual ~Eyes() = default;
+  /// Asks for a picture that is taken from now on. One that was asked for before is forgotten.
+  virtual void look() = 0;
+  /// What it shows, once; nothing while it is still looked at.
+  /// @error kCameraLost, kCameraBlind, kCameraFrozen, kCameraMoved
+  virtual std::optional<Expected<Sighting>> seen() = 0;
+};
+
+}  // namespace sinew::program

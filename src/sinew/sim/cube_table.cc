@@ -1,0 +1,69 @@
+#include "sinew/sim/cube_table.h"
+
+#include <algorithm>
+
+#include "sinew/core/assert.h"
+
+namespace sinew::sim {
+namespace {
+
+/// Jaws at full speed close by 1 mm meanwhile.
+constexpr Duration kSlice = std::chrono::milliseconds(4);
+
+}  // namespace
+
+CubeTable::CubeTable(std::unique_ptr<ByteMachine> machine, const RobotModel& model,
+                     const Pose<frame::World, frame::Base>& X_WB, CubeWorld& world,
+                     std::size_t which, Instant boot)
+    : machine_(std::move(machine)),
+      model_(model),
+      X_WB_(X_WB),
+      world_(world),
+      which_(which),
+      now_(boot) {
+  SINEW_ASSERT(machine_ != nullptr);
+  move_hand();
+}
+
+void CubeTable::advance(Instant now) {
+  SINEW_ASSERT(now >= now_);
+  while (now_ < now) {
+    now_ = std::min(now, now_ + kSlice);
+    machine_->advance(now_);
+    move_hand();
+  }
+}
+
+void CubeTable::move_hand() {
+  const auto hand = hand_of(model_, machine_->truth(), X_WB_);
+  if (!hand) return;
+  world_.advance(now_, *hand, which_);
+  feel();
+}
+
+void CubeTable::feel() {
+  using Kind = Disturbance::Kind;
+  const auto blocked = world_.blocked_width(which_);
+  if (blocked != blocked_) {
+    const auto jaws = static_cast<std::int8_t>(model_.joints.size());
+    machine_->disturb({Kind::kUnblock, jaws, 0});
+    if (blocked) machine_->disturb({Kind::kBlock, jaws, *blocked});
+    blocked_ = blocked;
+  }
+  const double payload = world_.held_mass(which_);
+  if (payload != payload_) machine_->disturb({Kind::kPayload, -1, payload});
+  payload_ = payload;
+}
+
+bool CubeTable::restore(const LastingState& state) {
+  if (!machine_->restore(state)) return false;
+  move_hand();
+  return true;
+}
+
+void CubeTable::receive(std::span<const std::uint8_t> bytes, Instant now) {
+  advance(now);
+  machine_->receive(bytes, now);
+}
+
+}  // namespace sinew::sim

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <memory>
+
+#include "sinew/sim/cube_world.h"
+
+namespace sinew::sim {
+
+/// A machine whose hand works on a world of cubes: it feels what is between its jaws and what hangs
+/// on it, and the cubes go where it takes them.
+///
+/// Jaws are stopped by a Disturbance kBlock on the number behind the last joint, what is held is a
+/// kPayload. A robot without a hand that sim::hand_of() knows is passed through unchanged. Other
+/// disturbances, bytes and the lasting state go to the machine as they are.
+class CubeTable : public ByteMachine {
+ public:
+  /// @param machine  of `model`, at the time `boot`
+  /// @param X_WB     its base in the world
+  /// @param world    outlives this one; one thread at a time
+  /// @param which    number of its hand in the world
+  CubeTable(std::unique_ptr<ByteMachine> machine, const RobotModel& model,
+            const Pose<frame::World, frame::Base>& X_WB, CubeWorld& world, std::size_t which,
+            Instant boot);
+
+  void advance(Instant now) override;
+  std::optional<Instant> next_event() const override { return machine_->next_event(); }
+  Truth truth() const override { return machine_->truth(); }
+  void disturb(const Disturbance& what) override { machine_->disturb(what); }
+  LastingState lasting_state() const override { return machine_->lasting_state(); }
+  bool restore(const LastingState& state) override;
+  void receive(std::span<const std::uint8_t> bytes, Instant now) override;
+  std::size_t take_output(std::span<std::uint8_t> out) override {
+    return machine_->take_output(out);
+  }
+
+  const CubeWorld& world() const { return world_; }
+
+ private:
+  void move_hand();
+  void feel();
+
+  std::unique_ptr<ByteMachine> machine_;
+  RobotModel model_;
+  Pose<frame::World, frame::Base> X_WB_;
+  CubeWorld& world_;
+  std::size_t which_;
+  Instant now_;
+  std::optional<double> blocked_;  ///< m, as the machine knows it
+  double payload_ = 0;             ///< kg, as the machine knows it
+};
+
+}  // namespace sinew::sim
