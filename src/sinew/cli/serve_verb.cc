@@ -163,8 +163,7 @@ Outcome serve(const ServeRequest& request) {
   const auto socket = cell_socket(request.socket);
   if (!socket) return could_not(socket.error().sentence);
   const bool records_jobs = request.record_folder != "none";
-  if (records_jobs && request.record_folder) {
-    // Learned now, not when the first program has run.
+  if (records_jobs && request.record_folder) {  // learned now, not when a program has run
     const auto place = io::DiskFolder::open_folder(*request.record_folder);
     if (!place) return bad_input("--record-folder: " + place.error().sentence);
   }

@@ -63,7 +63,8 @@ TEST(ProgramFile, every_fault_is_told_at_its_place_with_its_remedy) {
       {"jont base=1deg", "p.sinew:1:1: unknown step 'jont'; did you mean joint?"},
       {"\n  fly",
        "p.sinew:2:3: unknown step 'fly'; steps are joint move line arc spline home jaws gripper "
-       "suction nozzle wait loop if else end call velocity acceleration"},
+       "suction nozzle wait loop if else end call velocity acceleration look pick place "
+       "repeat"},
       {"joint", "p.sinew:1:1: a joint is missing; write joint base=10deg"},
       {"joint speed=50%", "p.sinew:1:1: a joint is missing: options alone move nothing"},
       {"joint base=10", "p.sinew:1:7: '10' needs a unit: deg, rad"},

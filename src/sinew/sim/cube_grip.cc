@@ -87,14 +87,18 @@ void CubeWorld::touch(Hand& hand, std::size_t which, std::size_t cube) {
       return;
     }
   }
-  int touching = 0;
+  const double soft = jaws != nullptr ? 0 : softness(*hand.truth);
+  int resting = 0;
+  int pushing = 0;
   for (const Block& block : blocks_of(*hand.truth)) {
-    if (drive(block, cube, contact, jaws != nullptr ? 0 : softness(*hand.truth))) ++touching;
+    const Touch met = drive(block, cube, contact, soft);
+    if (met == Touch::kRests) ++resting;
+    if (met == Touch::kPushes) ++pushing;
   }
-  if (touching == 0) contact = Contact::kNone;
+  if (resting == 0) contact = Contact::kNone;
   if (jaws == nullptr) {
     suck(hand, which, cube);
-  } else if (touching == 2 && contact == Contact::kNone) {
+  } else if (pushing == 2) {
     slip_out(hand, cube, fit);
   }
 }
@@ -177,7 +181,7 @@ void CubeWorld::carry(Hand& hand, std::size_t cube) {
     if (!is_free(i) || hand.contacts[i] == Contact::kBetween) continue;
     if (cubes_[i].on == cube) moved_ = true;
     const bool near = norm(cubes_[i].X_WO.p - block.X_WX.p) < cubes_[i].edge + cubes_[cube].edge;
-    if (!near || !drive(block, i, hand.of_held[i], softness(*hand.truth))) {
+    if (!near || drive(block, i, hand.of_held[i], softness(*hand.truth)) != Touch::kRests) {
       hand.of_held[i] = Contact::kNone;
     }
   }

@@ -84,28 +84,29 @@ bool CubeWorld::part_cubes() {
   return false;
 }
 
-bool CubeWorld::drive(const Block& block, std::size_t cube, Contact& contact, double soft) {
+CubeWorld::Touch CubeWorld::drive(const Block& block, std::size_t cube, Contact& contact,
+                                  double soft) {
   const HeightRange mine = heights_of(block_of(cube));
   const HeightRange its = heights_of(block);
-  if (its.low >= mine.high || its.high <= mine.low) return false;
+  if (its.low >= mine.high || its.high <= mine.low) return Touch::kNone;
   const auto out = step_out(slab_of(block, mine), square_of(cube));
-  if (!out || length(*out) < kSame) return false;
+  if (!out || length(*out) < kSame) return Touch::kNone;
   const double aside = length(*out);
   const double from_above = mine.high - std::max(its.low, mine.low);
   const double from_below = its.high - mine.low;
   if (its.low < mine.low && from_below < std::min(aside, kGives)) {
     moved_ = true;  // it lifts the cube
-    return true;
+    return Touch::kRests;
   }
   if (from_above >= std::min(aside, soft + kGives) || its.high < mine.high) {
     push(cube, *out);
-    return true;
+    return Touch::kPushes;
   }
   if (from_above > soft + kCrashTold && contact != Contact::kAbove) {
     contact = Contact::kAbove;
     note(CubeEvent::Kind::kCrash, cube, from_above);
   }
-  return true;
+  return Touch::kRests;
 }
 
 double CubeWorld::depth_in_fixtures(const Block& block) const {

@@ -57,6 +57,7 @@ void CubeTable::feel() {
 
 bool CubeTable::restore(const LastingState& state) {
   if (!machine_->restore(state)) return false;
+  world_.lift_hand(which_);
   move_hand();
   return true;
 }

@@ -128,6 +128,20 @@ void CubeWorld::advance(Instant now, const HandTruth& truth, std::size_t which) 
   now_ = std::max(now_, now);
 }
 
+void CubeWorld::lift_hand(std::size_t which) {
+  if (which >= hands_.size()) return;
+  Hand& hand = hands_[which];
+  hand.velocity = {};
+  for (std::size_t i = 0; i < cubes_.size(); ++i) {
+    if (is_held(i, which)) release(hand, i);
+    hand.contacts[i] = Contact::kNone;
+    hand.of_held[i] = Contact::kNone;
+  }
+  hand.truth.reset();
+  hand.presses = false;
+  calm();
+}
+
 void CubeWorld::step(Hand& hand, std::size_t which) {
   for (std::size_t i = 0; i < cubes_.size(); ++i) {
     if (is_held(i, which)) carry(hand, i);

@@ -67,9 +67,9 @@ std::array<Block, 5> blocks_of(const Basket& basket);
 struct CubeWorldSettings {
   std::uint64_t seed = 1;
   double density = 600;  ///< kg/m^3; wood
-  PlanPoint table_middle;
+  PlanPoint table_middle = {};
   PlanPoint table_half{1, 1};  ///< m; cubes beyond it fall off
-  std::optional<Basket> basket;
+  std::optional<Basket> basket = {};
 };
 
 /// Cubes on a table (z = 0 of W), as hands move them.
@@ -89,7 +89,7 @@ class CubeWorld {
   struct NewCube {
     double edge = 0.025;  ///< m, > 0
     int color = 0;
-    PlanPoint at;
+    PlanPoint at = {};
     double yaw = 0;     ///< rad
     double bottom = 0;  ///< m, z of W, from where it is set down
   };
@@ -106,6 +106,9 @@ class CubeWorld {
   /// @param which  number of the hand, below kHandsMax; each has one kind of grip
   /// @pre time of one hand never runs back
   void advance(Instant now, const HandTruth& hand, std::size_t which = 0);
+
+  /// The hand is somewhere else without having moved there; what it held is released.
+  void lift_hand(std::size_t which);
 
   std::span<const CubeState> cubes() const { return cubes_; }
   std::span<const CubeEvent> events() const { return events_; }
@@ -183,8 +186,9 @@ class CubeWorld {
   void move(std::size_t cube, PlanPoint step);
   void keep_out_of_walls(std::size_t cube);
   bool part_cubes();
-  /// What a block that a hand moves does to a cube. Whether they touch.
-  bool drive(const Block& block, std::size_t cube, Contact& contact, double soft);
+  enum class Touch : std::uint8_t { kNone, kRests, kPushes };
+  /// What a block that a hand moves does to a cube.
+  Touch drive(const Block& block, std::size_t cube, Contact& contact, double soft);
   double depth_in_fixtures(const Block& block) const;
   void press(Hand& hand, std::size_t which, double soft);
 
