@@ -26,6 +26,16 @@ const steps: Record<string, string> = {
   '{word} is nothing that is measured': '{word} wird nicht gemessen',
   '{word} is beyond what any machine measures': '{word} ist mehr, als irgendeine Maschine misst',
   'a wait is 0 s to one hour': 'Gewartet wird 0 s bis eine Stunde',
+  'write seen, or seen color=red': 'Richtig ist seen oder seen color=red',
+  '{word} is no color of a cube; there are {list}': '{word} ist keine Würfelfarbe; es gibt {list}',
+  'place stops where it lets go: without blend=': 'place hält an, wo es loslässt: ohne blend=',
+  'a wait does not look; write if seen, or repeat while seen':
+    'Ein wait sieht nicht hin; richtig ist if seen oder repeat while seen',
+  '{word}: write pick, or pick color=red': '{word}: richtig ist pick oder pick color=red',
+  'say where: place NAME (a taught point), or place x=200mm y=0mm z=30mm':
+    'Der Ort fehlt: place NAME (ein Punkt) oder place x=200mm y=0mm z=30mm',
+  'write repeat while seen, or repeat while seen color=red':
+    'Richtig ist repeat while seen oder repeat while seen color=red',
   'write wait settled, or wait settled for 5s': 'Richtig ist wait settled oder wait settled for 5s',
   'say what for and how long at most, as in wait until z<100mm for 5s':
     'Worauf und wie lange höchstens muss dastehen, wie in wait until z<100mm for 5s',

@@ -76,12 +76,14 @@ TEST(CollisionOfRobots, sample_programs_hit_nothing) {
           poses.push_back(move->q);
         }
       }
-      EXPECT_GT(poses.size(), 2U) << name;
+      // Where a camera decides the rest is planned when it is seen.
+      const std::size_t least = name == "pick_and_place.sinew" ? 1 : 3;
+      EXPECT_GE(poses.size(), least) << name;
       expect_clear(model, poses, std::string(id) + "/" + name);
       ++programs;
     }
   }
-  EXPECT_EQ(programs, 15);
+  EXPECT_EQ(programs, 17);
 }
 
 TEST(CollisionOfRobots, sequence_of_the_bigrobotarm_hits_nothing) {

@@ -194,7 +194,7 @@ class Parser {
   void take_pick() {
     constexpr std::string_view kColor = "color=";
     if (row_.words().size() == 1) return add(PickCubeStep{});
-    if (!row_.takes_words(1, "pick, or pick color=red")) return;
+    if (!row_.takes_words(1, "pick color=red")) return;
     if (word(1).text == "any") return add(PickCubeStep{});
     if (!word(1).text.starts_with(kColor)) {
       return row_.complain(word(1), in_quotes(word(1).text) + ": write pick, or pick color=red");
