@@ -8,6 +8,7 @@
 
 #include "sinew/core/assert.h"
 #include "sinew/core/units.h"
+#include "sinew/model/collision_links.h"
 #include "sinew/model/tool_state.h"
 
 namespace sinew::grasping {
@@ -193,6 +194,18 @@ Expected<Vec3> cup_grasp(std::span<const Cube> cubes, std::size_t which) {
         Error{ErrorCode::kCubeCrowded, -1, std::max(0.0, room), kCupRadius + kMargin});
   }
   return cube.p_BO + Vec3{0, 0, cube.edge / 2};
+}
+
+double cup_length(const RobotModel& robot) {
+  double lowest = 0;
+  for (const CollisionShape& shape : robot.collision.shapes) {
+    if (shape.link != link_count(robot) - 1) continue;
+    if (const auto* capsule = std::get_if<Capsule>(&shape.form)) {
+      lowest =
+          std::min({lowest, capsule->p_LA.z - capsule->radius, capsule->p_LB.z - capsule->radius});
+    }
+  }
+  return -lowest;
 }
 
 std::vector<std::size_t> order_of(std::span<const Cube> cubes) {

@@ -164,13 +164,14 @@ std::expected<CubeRows, Refusal> picked_by_jaws(const Sequence& sequence, const 
   return std::unexpected(*nearest);
 }
 
-std::expected<CubeRows, Refusal> picked_by_cup(Sequence sequence, const Sighting& seen,
-                                               std::size_t which) {
+std::expected<CubeRows, Refusal> picked_by_cup(Sequence sequence, const RobotModel& robot,
+                                               const Sighting& seen, std::size_t which) {
   const Step& row = sequence.row();
   const auto lip = grasping::cup_grasp(seen.cubes, which);
   if (!lip) return std::unexpected(Refusal{row.line, lip.error(), std::nullopt, row.file});
   const MotionOptions& how = std::get<PickCubeStep>(row.what).how;
-  return from_above(std::move(sequence), {.p_BT = *lip}, Suction{Suction::State::kOn}, how);
+  return from_above(std::move(sequence), {.p_BT = *lip + Vec3{0, 0, grasping::cup_length(robot)}},
+                    Suction{Suction::State::kOn}, how);
 }
 
 /// The place as the tool is turned there, and as it would be turned above it: an arm that chooses
@@ -230,7 +231,7 @@ std::expected<CubeRows, Refusal> rows_to_pick(RowPlanner& planner, const Standin
     if (pick.color && cube.color != static_cast<int>(*pick.color)) continue;
     auto rows = picks_with_jaws(planner.robot())
                     ? picked_by_jaws({planner, standing, row}, planner.robot(), seen, which, skip)
-                    : picked_by_cup({planner, standing, row}, seen, which);
+                    : picked_by_cup({planner, standing, row}, planner.robot(), seen, which);
     if (rows) {
       rows->cube = cube;
       return rows;

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "sinew/core/units.h"
+#include "sinew/model/joint_lookup.h"
 #include "sinew/planning/tool_space.h"
 #include "sinew/program/conditions.h"
 #include "sinew/program/program_format.h"
@@ -139,6 +140,28 @@ TEST(CubeRows, place_lets_go_there_from_above_and_ends_where_it_began) {
     EXPECT_EQ(let_go, 1);
     for (std::size_t i = 0; i < q.size(); ++i) EXPECT_NEAR(q[i], (*standing.q)[i], 1e-9);
   }
+}
+
+TEST(CubeRows, the_lip_of_a_cup_goes_to_the_top_and_not_the_tool_point) {
+  const RobotModel robot = test::robot("maxarm");
+  RowPlanner planner(robot);
+  const auto program = read_cubes("pick", "maxarm");
+  ASSERT_TRUE(program);
+  const Standing standing{home_joints(robot), {}};
+  const grasping::Cube cube{{0.03, -0.21, 0.0125}, 0.2, 0.025, 0};
+  const auto rows = rows_to_pick(planner, standing, program->steps[0], {{cube}, 0});
+  ASSERT_TRUE(rows) << describe(rows.error().error);
+  JointVector q = *standing.q;
+  double lowest = 1;
+  for (const Step& step : rows->steps) {
+    if (motion_of(step) == nullptr) continue;
+    const auto motion = planner.plan(q, {}, std::span(&step, 1));
+    ASSERT_TRUE(motion) << describe(motion.error().error);
+    q = motion->q_end;
+    lowest = std::min(lowest, tool_at(robot, q, 0).p.z);
+  }
+  // Its file: a capsule that ends 30 mm below the tool point, of 10 mm radius.
+  EXPECT_NEAR(lowest, 0.025 + 0.04, 1e-4);
 }
 
 TEST(CubeRows, a_place_out_of_reach_is_refused_in_the_plan) {
