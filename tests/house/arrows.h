@@ -26,7 +26,7 @@ inline constexpr std::array kArrows = std::to_array<FolderArrows>({
     {"config", "model vision"},
     {"kinematics", "model"},
     {"vision", "model"},
-    {"render", "vision"},
+    {"render", "vision kinematics"},
     {"calibration", "vision kinematics"},
     {"wire", "mcu"},
     {"motion", "mcu"},

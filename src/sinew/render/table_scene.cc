@@ -7,7 +7,9 @@
 #include <span>
 
 #include "sinew/core/units.h"
+#include "sinew/render/paint.h"
 #include "sinew/render/prints.h"
+#include "sinew/render/solids.h"
 #include "sinew/vision/shapes.h"
 
 namespace sinew::render {
@@ -15,24 +17,6 @@ namespace {
 
 using vision::ColorName;
 using vision::Pixel;
-
-/// sRGB of things that people call by these names.
-constexpr std::array kRed{0xC8202AU, 0xB01820U, 0xD83030U, 0xA01C24U, 0xE8342CU, 0xD8384CU};
-constexpr std::array kOrange{0xF07820U, 0xE86818U, 0xFF8C2AU, 0xD87020U, 0xF58A3CU};
-constexpr std::array kYellow{0xF0C818U, 0xE8D020U, 0xFFD83AU, 0xD8B818U, 0xF4E060U, 0xE8E050U};
-constexpr std::array kGreen{0x2A8A3CU, 0x1C7030U, 0x3FAE4EU, 0x60B840U,
-                            0x108060U, 0xA0E098U, 0x184828U, 0x90C840U};
-constexpr std::array kBlue{0x1C50A8U, 0x2060C0U, 0x1A3A80U, 0x3080D0U,
-                           0x4AA0E0U, 0x1C2460U, 0x2890B8U};
-constexpr std::array kPurple{0x602890U, 0x7840A0U, 0x502070U, 0x8858B8U, 0x9878C8U};
-constexpr std::array kPink{0xF070A8U, 0xE85898U, 0xF8A0C0U, 0xE04080U, 0xE890B0U};
-constexpr std::array kBlack{0x101012U, 0x1C1C20U, 0x262628U, 0x18181CU};
-constexpr std::array kWood{0xD8B888U, 0xC8A070U, 0xE0C8A0U, 0xB89060U};
-constexpr std::array kPale{0xF0F0ECU, 0xD8D8D8U, 0xA0A0A0U, 0x787878U, 0xE8E4D8U};
-constexpr std::array kTables{0xE8E8E4U, 0xD0CEC8U, 0xB0AEA8U, 0x888884U, 0x505052U, 0x242426U,
-                             0xC8A880U, 0xA87848U, 0x704828U, 0xE0D0B0U, 0x1C6848U, 0x20704CU,
-                             0x284878U, 0x801C20U, 0xD8B030U, 0x305030U, 0x8090A0U, 0xF4F4F4U};
-constexpr std::array kSkins{0xE8B898U, 0xD09870U, 0xA86C48U, 0x704428U, 0xF0C8B0U};
 
 /// m, the edge of a common cube.
 constexpr double kEdge = 0.03;
@@ -63,22 +47,9 @@ class Maker {
   double uniform(double low, double high) { return random_.uniform(low, high); }
   int whole(int low, int high) { return static_cast<int>(random_.uniform(low, high + 1)); }
   bool chance(double share) { return random_.uniform(0, 1) < share; }
-  Rgb one_of(std::span<const unsigned> swatches) {
-    const Rgb c = from_srgb(
-        swatches[static_cast<std::size_t>(whole(0, static_cast<int>(swatches.size()) - 1))]);
-    const auto some = [&](float v) { return v * static_cast<float>(uniform(0.88, 1.12)); };
-    return static_cast<float>(uniform(0.75, 1.15)) * Rgb{some(c.r), some(c.g), some(c.b)};
-  }
-  Rgb any_color() {
-    const std::array<std::span<const unsigned>, 11> all{
-        kRed, kOrange, kYellow, kGreen, kBlue, kPink, kPurple, kBlack, kPale, kWood, kTables};
-    return one_of(all[static_cast<std::size_t>(whole(0, 10))]);
-  }
-  Material plastic(Rgb color) {
-    Material made{
-        color, static_cast<float>(uniform(0, 0.07)), static_cast<float>(uniform(0.12, 0.6)), {}};
-    return made;
-  }
+  Rgb one_of(std::span<const unsigned> swatches) { return near_one_of(random_, swatches); }
+  Rgb any_color() { return render::any_color(random_); }
+  Material plastic(Rgb color) { return render::plastic(random_, color); }
   std::size_t add(std::variant<Polyhedron, Cylinder, Ball, Ground> form, const X& X_WS,
                   Material material) {
     out_.scene.solids.push_back({std::move(form), X_WS, std::move(material)});
@@ -87,9 +58,6 @@ class Maker {
   void add_other(OtherKind kind, std::variant<Polyhedron, Cylinder, Ball, Ground> form,
                  const X& X_WS, Material material) {
     out_.others.push_back({kind, add(std::move(form), X_WS, std::move(material)), {}, 0});
-  }
-  static X upright(double x, double y, double z, double turn) {
-    return {rotation_z(turn), {x, y, z}};
   }
   /// A place on the table that the camera shows.
   Vec3 somewhere(double height, double margin = 0.04) {
@@ -143,12 +111,8 @@ class Maker {
     out_.scene.below = static_cast<float>(uniform(0.02, 0.3)) * any_color();
   }
 
-  void print_on(Material& material, PrintPicture picture, double size, bool single = false) {
-    material.print = {std::move(picture), size, size, single};
-  }
-
   void lay_table() {
-    Material table = plastic(one_of(kTables));
+    Material table = plastic(one_of(table_swatches()));
     table.gloss = static_cast<float>(uniform(0, 0.08));
     const double size = uniform(0.5, 3) * reach_;
     switch (whole(0, 9)) {
@@ -177,7 +141,7 @@ class Maker {
       return;
     }
     // Its edge is in view: the floor lies below.
-    Material floor = plastic(one_of(kTables));
+    Material floor = plastic(one_of(table_swatches()));
     print_on(floor, clouds(random_, 0.5), 1);
     add(Ground{}, {Rotation{}, {0, 0, -uniform(0.1, 0.9)}}, floor);
     const Vec3 half{uniform(0.5, 1.5) * reach_, uniform(0.5, 1.5) * reach_, 0.01};
@@ -187,7 +151,7 @@ class Maker {
   }
 
   void lay_board() {
-    Material board = plastic(one_of(kTables));
+    Material board = plastic(one_of(table_swatches()));
     const double half = uniform(0.3, 0.9) * reach_;
     const double high = uniform(0.0003, 0.004);
     switch (whole(0, 6)) {
@@ -255,52 +219,13 @@ class Maker {
   }
 
   std::pair<Material, PlacedCube> block() {
-    struct Kind {
-      ColorName name;
-      std::span<const unsigned> swatches;
-    };
-    const std::array<Kind, 9> kinds{{{ColorName::kRed, kRed},
-                                     {ColorName::kOrange, kOrange},
-                                     {ColorName::kYellow, kYellow},
-                                     {ColorName::kGreen, kGreen},
-                                     {ColorName::kBlue, kBlue},
-                                     {ColorName::kPurple, kPurple},
-                                     {ColorName::kPink, kPink},
-                                     {ColorName::kBlack, kBlack},
-                                     {ColorName::kWood, kWood}}};
     PlacedCube cube;
-    Material material;
-    if (chance(0.05)) {
-      cube.is_pale = true;
-      material = plastic(one_of(kPale));
-    } else {
-      const Kind& kind = kinds[static_cast<std::size_t>(whole(0, 8))];
-      cube.color = kind.name;
-      material = plastic(one_of(kind.swatches));
-      if (kind.name == ColorName::kWood) print_on(material, grain(random_, 0.35), 0.04);
+    cube.is_pale = chance(0.05);
+    if (!cube.is_pale) {
+      cube.color = static_cast<ColorName>(whole(0, static_cast<int>(vision::kColorNames) - 1));
     }
-    if (cube.color != ColorName::kWood || cube.is_pale) {
-      switch (style_) {
-        case 1:
-          print_on(material, layers(random_, uniform(0.1, 0.4)), 0.01);
-          break;
-        case 2:
-          print_on(material, grain(random_, uniform(0.1, 0.4)), 0.04);
-          break;
-        case 3:
-          print_on(material, clouds(random_, uniform(0.1, 0.35)), 0.05);
-          break;
-        case 4:
-          print_on(material, framed(uniform(0.03, 0.08)), edge_);
-          break;
-        case 5:
-          print_on(material, screw(random_, uniform(0.1, 0.35)), edge_);
-          break;
-        default:
-          break;
-      }
-    }
-    return {material, cube};
+    const auto color = cube.is_pale ? std::nullopt : std::optional(cube.color);
+    return {painted_block(random_, color, static_cast<BlockStyle>(style_), edge_), cube};
   }
 
   /// A block whose bottom is at `at`. How high it is, m.
@@ -450,24 +375,17 @@ class Maker {
   }
 
   void rod(const Vec3& from, const Vec3& to, double radius, const Material& material) {
-    const Vec3 along = to - from;
-    const Vec3 z = normalized(along);
-    const Vec3 x =
-        normalized(std::abs(z.z) < 0.9 ? cross(Vec3{0, 0, 1}, z) : cross(Vec3{1, 0, 0}, z));
-    const X X_WS{{x, cross(z, x), z}, 0.5 * (from + to)};
     if (material.print.picture && radius > 0.4 * kEdge) {
-      add(box({radius, radius, norm(along) / 2}, 0.1 * radius), X_WS, material);
+      add(box({radius, radius, norm(to - from) / 2}, 0.1 * radius), along(from, to), material);
       return;
     }
-    add(Cylinder{radius, norm(along) / 2}, X_WS, material);
-    add(Ball{radius}, {Rotation{}, from}, material);
-    add(Ball{radius}, {Rotation{}, to}, material);
+    add_rod(out_.scene, from, to, radius, material);
   }
 
   /// An arm of a robot, or one of a person, from outside of the picture to above the table.
   void reach_in(bool robot) {
     const double aside = uniform(0, 2 * kPi);
-    Material skin = plastic(robot ? any_color() : one_of(kSkins));
+    Material skin = plastic(robot ? any_color() : one_of(skin_swatches()));
     Material other = plastic(any_color());
     if (robot && chance(0.6))
       print_on(skin, chance(0.5) ? writing(random_) : clouds(random_, 0.2), 0.06);

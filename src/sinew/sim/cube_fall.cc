@@ -172,10 +172,14 @@ void CubeWorld::fall(std::size_t cube) {
 }
 
 bool CubeWorld::settle(std::size_t cube) {
+  if (bodies_[cube].wedged == cubes_[cube].X_WO.p) return false;
+  const double low = bottom(cube);
+  if (low == 0) {  // nothing that carries a cube is lower than the table
+    set_place(cube, {});
+    return false;
+  }
   const std::vector<Support> supports = supports_of(cube);
   const double top = supports.empty() ? 0 : supports.front().top;
-  const double low = bottom(cube);
-  if (bodies_[cube].wedged == cubes_[cube].X_WO.p) return false;
   if (low < top + kUnsupported && rests(cube, supports)) {
     place(cube, middle(cube), yaw(cube), top);
     set_place(cube, supports);

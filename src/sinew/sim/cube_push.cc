@@ -15,6 +15,10 @@ constexpr double kCrashTold = 1e-3;
 constexpr double kHeldSinks = 2e-3;
 constexpr Duration kStill = std::chrono::milliseconds(500);
 
+bool are_far(const Block& a, const Block& b) {
+  return norm(a.X_WX.p - b.X_WX.p) > norm(a.half) + norm(b.half);
+}
+
 bool share_heights(HeightRange a, HeightRange b, double least) {
   return std::min(a.high, b.high) - std::max(a.low, b.low) > least;
 }
@@ -86,6 +90,7 @@ bool CubeWorld::part_cubes() {
 
 CubeWorld::Touch CubeWorld::drive(const Block& block, std::size_t cube, Contact& contact,
                                   double soft) {
+  if (are_far(block, block_of(cube))) return Touch::kNone;
   const HeightRange mine = heights_of(block_of(cube));
   const HeightRange its = heights_of(block);
   if (its.low >= mine.high || its.high <= mine.low) return Touch::kNone;
@@ -113,6 +118,7 @@ double CubeWorld::depth_in_fixtures(const Block& block) const {
   const HeightRange its = heights_of(block);
   double deepest = -its.low;  // in the table
   for (std::size_t k = 0; k < fixtures_.size(); ++k) {
+    if (are_far(block, fixtures_[k])) continue;
     const HeightRange wall = heights_of(fixtures_[k]);
     const double in = std::min(its.high, wall.high) - its.low;
     if (in <= deepest) continue;

@@ -146,6 +146,27 @@ TEST(CubeTable, what_is_held_weighs_on_the_joints) {
   EXPECT_GT(shoulder[1], shoulder[0] + 0.005) << "the arm sags forward";
 }
 
+TEST(CubeTable, an_arm_that_is_put_somewhere_else_sweeps_nothing_and_holds_nothing) {
+  LearmCell cell;
+  const LastingState upright = cell.table->lasting_state();
+  const Vec3 p_W = cell.X_WB * kAt;
+  cell.world.add({.edge = kCube, .at = {p_W.x, p_W.y}, .yaw = std::atan2(0.02, 0.15)});
+  cell.jaws(0.05);
+  cell.reach(kAbove);
+  cell.reach(kAt);
+  cell.jaws(0.005);
+  ASSERT_TRUE(cell.world.is_held(0));
+  EXPECT_FALSE(cell.table->restore({}));
+  EXPECT_TRUE(cell.world.is_held(0)) << "a state that is none changes nothing";
+  ASSERT_TRUE(cell.table->restore(upright));
+  EXPECT_FALSE(cell.world.is_held(0));
+  EXPECT_EQ(cell.world.held_mass(), 0);
+  const CubeState& cube = cell.world.cubes()[0];
+  EXPECT_EQ(cube.where, CubePlace::kTable);
+  EXPECT_LT(std::hypot(cube.X_WO.p.x - p_W.x, cube.X_WO.p.y - p_W.y), 0.005);
+  EXPECT_EQ(cell.count(EventKind::kPushed), 0);
+}
+
 /// A MaxArm over a table, sent to heights of its cup.
 struct MaxarmCell {
   MaxarmCell() : world({}) {

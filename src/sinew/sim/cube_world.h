@@ -78,7 +78,8 @@ struct CubeWorldSettings {
 /// is friction enough that nothing slides by itself, none between cubes that stand on each other:
 /// a cube whose support is drawn away stays where it is until its middle is no longer supported.
 /// Free cubes are always flat. A hand is never stopped; blocked_width() says where jaws have to be.
-/// The same seed and the same hands give the same world, however finely time is cut.
+/// The same seed and the same calls give the same world; how finely a motion is cut into calls
+/// changes it by less than a micrometre until chance comes in.
 ///
 /// Not modelled: cubes that are squeezed between obstacles may overlap; palms and arms touch
 /// nothing. Not for several threads at once.

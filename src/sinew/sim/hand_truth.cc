@@ -30,7 +30,7 @@ JointVector joints_of(const Truth& truth) {
 
 }  // namespace
 
-std::vector<Block> blocks_of(const HandTruth& hand) {
+FixedVector<Block, 2> blocks_of(const HandTruth& hand) {
   const auto block = [&](const Vec3& p_TX, const Vec3& half) {
     return Block{{hand.X_WT.R, hand.X_WT * p_TX}, half};
   };

@@ -3,8 +3,8 @@
 #include <array>
 #include <optional>
 #include <variant>
-#include <vector>
 
+#include "sinew/core/fixed_vector.h"
 #include "sinew/model/robot_model.h"
 #include "sinew/sim/machine.h"
 #include "sinew/sim/plan_shape.h"
@@ -40,7 +40,7 @@ struct HandTruth {
 };
 
 /// What a hand fills: both fingers, the one at +y first, or the cup.
-std::vector<Block> blocks_of(const HandTruth& hand);
+FixedVector<Block, 2> blocks_of(const HandTruth& hand);
 
 /// m that a hand can be pressed onto something without harm: a cup's bellows give.
 double softness(const HandTruth& hand);

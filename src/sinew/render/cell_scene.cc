@@ -1,0 +1,240 @@
+#include "sinew/render/cell_scene.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "sinew/core/units.h"
+#include "sinew/render/paint.h"
+#include "sinew/render/solids.h"
+#include "sinew/render/table_scene.h"
+
+namespace sinew::render {
+namespace {
+
+constexpr std::array kWoodTops{0xC8A880U, 0xA87848U, 0xB89060U, 0xE0D0B0U};
+constexpr std::array kPaperTops{0xF4F4F0U, 0xE8E8E4U, 0xD0CEC8U};
+constexpr std::array kMatTops{0x305030U, 0x505052U, 0x284878U, 0x404044U};
+constexpr std::array kPlastics{0x303236U, 0xD8D8D8U, 0x606468U, 0x18181CU};
+constexpr std::array kClutterColors{0x303236U, 0xD8D8D8U, 0x8090A0U, 0x704828U, 0xE0D0B0U};
+constexpr double kPaperHalf = 5e-5;     // m
+constexpr double kPrintScale = 4000;    // px/m
+constexpr double kExposureMean = 0.25;  // of white, what automatic exposures aim for
+
+class CellMaker {
+ public:
+  explicit CellMaker(const CellView& view) : view_(view), random_(view.seed) {}
+
+  Scene make() {
+    lay_table();
+    // Each part has random numbers of its own: a cube more or less leaves all others as they are.
+    restart(1);
+    const auto style = static_cast<BlockStyle>(whole(0, 3));
+    for (std::size_t i = 0; i < view_.cubes.size(); ++i) {
+      restart(100 + i);
+      place_cube(view_.cubes[i], style);
+    }
+    restart(2);
+    if (view_.basket) place_basket(*view_.basket);
+    restart(3);
+    for (const ViewedRobot& robot : view_.robots) place_robot(robot);
+    for (const ViewedSheet& sheet : view_.sheets) lay_sheet(sheet);
+    restart(4);
+    if (view_.hand) reach_in(*view_.hand);
+    restart(5);
+    hang_lamps();
+    restart(6);
+    for (int i = 0; i < view_.clutter; ++i) place_clutter();
+    return std::move(scene_);
+  }
+
+ private:
+  struct Taken {
+    Vec3 at;
+    double radius = 0;
+  };
+
+  void restart(std::uint64_t part) {
+    random_ = SplitMix64(view_.seed * 0x9E3779B97F4A7C15ULL + part);
+  }
+  double uniform(double low, double high) { return random_.uniform(low, high); }
+  int whole(int low, int high) { return static_cast<int>(uniform(low, high + 1)); }
+  void add(std::variant<Polyhedron, Cylinder, Ball, Ground> form,
+           const Pose<frame::World, frame::Solid>& X_WS, const Material& material) {
+    scene_.solids.push_back({std::move(form), X_WS, material});
+  }
+
+  void lay_table() {
+    TableTop top = view_.top;
+    if (top == TableTop::kBySeed) top = static_cast<TableTop>(whole(1, 3));
+    Material table;
+    if (top == TableTop::kWood) {
+      table = plastic(random_, near_one_of(random_, kWoodTops));
+      print_on(table, grain(random_, uniform(0.2, 0.5)), uniform(0.2, 0.5));
+    } else if (top == TableTop::kPaper) {
+      table = plastic(random_, near_one_of(random_, kPaperTops));
+      table.gloss *= 0.3F;
+      print_on(table, clouds(random_, uniform(0.03, 0.1)), uniform(0.2, 0.5));
+    } else {
+      table = plastic(random_, near_one_of(random_, kMatTops));
+      table.gloss *= 0.5F;
+      print_on(table, grid(random_, whole(8, 16), uniform(-0.3, 0.3)), uniform(0.2, 0.4));
+    }
+    add(Ground{}, {rotation_z(uniform(0, kPi)), {}}, table);
+  }
+
+  void place_cube(const ViewedCube& cube, BlockStyle style) {
+    const double half = cube.edge / 2;
+    add(box({half, half, half}, 0.04 * cube.edge), cube.X_WS,
+        painted_block(random_, cube.color, style, cube.edge));
+    taken_.push_back({cube.X_WS.p, cube.edge});
+  }
+
+  void place_basket(const ViewedBasket& basket) {
+    const Material material = plastic(random_, from_srgb(basket.srgb));
+    const double t = basket.wall / 2;
+    const double x = basket.half_x;
+    const double y = basket.half_y;
+    const double h = basket.height / 2;
+    const auto wall = [&](const Vec3& p, const Vec3& half) {
+      add(box(half), {basket.X_WS.R, basket.X_WS * p}, material);
+    };
+    wall({0, 0, t}, {x, y, t});
+    wall({x + t, 0, h}, {t, y + 2 * t, h});
+    wall({-x - t, 0, h}, {t, y + 2 * t, h});
+    wall({0, y + t, h}, {x, t, h});
+    wall({0, -y - t, h}, {x, t, h});
+    taken_.push_back({basket.X_WS.p, std::hypot(x, y)});
+  }
+
+  void place_robot(const ViewedRobot& robot) {
+    const Material first = plastic(random_, near_one_of(random_, kPlastics));
+    const Material second = plastic(random_, near_one_of(random_, kPlastics));
+    add_robot(scene_, robot, first, second, plastic(random_, from_srgb(0x202022U)));
+    constexpr double kStand = 0.12;  // m
+    taken_.push_back({robot.X_WB.p, kStand});
+  }
+
+  void lay_sheet(const ViewedSheet& sheet) {
+    Material paper;
+    paper.color = from_srgb(0xFFFFFFU);
+    paper.gloss = 0.01F;
+    const PrintPicture print = sheet.print ? sheet.print : print_of(sheet.board);
+    paper.print = {print, print->width / kPrintScale, print->height / kPrintScale, true};
+    const auto X_WS = relabel<frame::World, frame::Solid>(sheet.X_WP);
+    add(box({sheet.board.width / 2, sheet.board.height / 2, kPaperHalf}),
+        {X_WS.R, X_WS * Vec3{0, 0, -kPaperHalf + paper_lift()}}, paper);
+    taken_.push_back({X_WS.p, std::hypot(sheet.board.width, sheet.board.height) / 2});
+  }
+  /// A printed side at the table's height would not be seen: all of it lies this much higher.
+  static constexpr double paper_lift() { return 2 * kPaperHalf + 1e-5; }
+
+  void reach_in(const ViewedHand& hand) {
+    const Material skin = plastic(random_, near_one_of(random_, skin_swatches()));
+    const Material sleeve = plastic(random_, any_color(random_));
+    const Vec3 out{std::cos(hand.from), std::sin(hand.from), 0};
+    const Vec3 across{-out.y, out.x, 0};
+    const Vec3 knuckles = hand.p_W + 0.06 * out + Vec3{0, 0, 0.035};
+    const Vec3 wrist = knuckles + 0.09 * out + Vec3{0, 0, 0.02};
+    const Vec3 elbow = wrist + 0.3 * out + Vec3{0, 0, uniform(0.04, 0.12)};
+    for (int i = 0; i < 4; ++i) {
+      const double aside = (i - 1.5) * 0.019;
+      const Vec3 tip = hand.p_W + aside * across + Vec3{0, 0, 0.008} - uniform(0, 0.012) * out;
+      add_rod(scene_, knuckles + aside * across, tip, 0.008, skin);
+      add_rod(scene_, wrist, knuckles + aside * across, 0.013, skin);
+    }
+    const Vec3 thumb = knuckles + 0.05 * out - 0.03 * across;
+    add_rod(scene_, thumb, thumb - 0.05 * out - 0.02 * across - Vec3{0, 0, 0.02}, 0.01, skin);
+    add_rod(scene_, wrist, wrist + 0.06 * out, 0.026, skin);
+    add_rod(scene_, wrist + 0.06 * out, elbow, 0.04, sleeve);
+    taken_.push_back({hand.p_W, 0.08});
+  }
+
+  void hang_lamps() {
+    const int count = std::max(1, view_.lamps);
+    const auto bright = static_cast<float>(view_.brightness);
+    for (int i = 0; i < count; ++i) {
+      const double turn = uniform(0, 2 * kPi);
+      const double aside = uniform(0.2, 0.8);
+      const double high = uniform(0.9, 1.5);
+      const auto power = static_cast<float>(0.8 / count * (aside * aside + high * high)) * bright;
+      const auto warm = static_cast<float>(uniform(-0.1, 0.1));
+      scene_.lamps.push_back(
+          {view_.middle_W + Vec3{aside * std::cos(turn), aside * std::sin(turn), high},
+           uniform(0.03, 0.12), power * Rgb{1 + warm, 1, 1 - warm}});
+    }
+    scene_.above = 0.35F * bright * Rgb{1, 1, 1};
+    scene_.below = 0.1F * bright * Rgb{1, 1, 1};
+  }
+
+  bool is_free(const Vec3& at, double radius) const {
+    return std::ranges::none_of(taken_, [&](const Taken& other) {
+      return std::hypot(at.x - other.at.x, at.y - other.at.y) < radius + other.radius;
+    });
+  }
+
+  void place_clutter() {
+    constexpr int kTries = 30;
+    const double size = uniform(0.012, 0.03);
+    const int kind = whole(0, 4);
+    const double turn = uniform(0, kPi);
+    const Material material = plastic(random_, near_one_of(random_, kClutterColors));
+    const double radius = kind == 0 ? 0.08 : 1.5 * size;
+    Vec3 at;
+    bool free = false;
+    for (int tries = 0; tries < kTries && !free; ++tries) {
+      at = view_.middle_W +
+           Vec3{uniform(-view_.reach, view_.reach), uniform(-view_.reach, view_.reach), 0};
+      free = is_free(at, radius);
+    }
+    if (!free) return;
+    taken_.push_back({at, radius});
+    const auto X = [&](double z) { return upright(at.x, at.y, z, turn); };
+    switch (kind) {
+      case 0: {  // a pen
+        const Vec3 half = 0.07 * Vec3{std::cos(turn), std::sin(turn), 0};
+        const Vec3 axis = at + Vec3{0, 0, 0.004};
+        add_rod(scene_, axis - half, axis + half, 0.004, material);
+        break;
+      }
+      case 1:
+        add(Cylinder{size, 0.4 * size}, X(0.4 * size), material);
+        break;
+      case 2:
+        add(box({1.4 * size, 0.5 * size, 0.3 * size}, 0.001), X(0.3 * size), material);
+        break;
+      case 3:
+        add(prism(6, 0.6 * size, 0.3 * size, 0.001), X(0.3 * size), material);
+        break;
+      default:
+        add(Ball{0.7 * size}, X(0.7 * size), material);
+    }
+  }
+
+  const CellView& view_;
+  SplitMix64 random_;
+  Scene scene_;
+  std::vector<Taken> taken_;
+};
+
+}  // namespace
+
+PrintPicture print_of(const vision::TagBoard& board) {
+  return std::make_shared<const vision::Picture>(vision::picture_of(board, kPrintScale));
+}
+
+Scene cell_scene(const CellView& view) {
+  return CellMaker(view).make();
+}
+
+vision::Picture picture_of(const CellView& view, const vision::CameraModel& camera,
+                           const Pose<frame::World, frame::Camera>& X_WC, Sensor sensor,
+                           std::uint64_t seed) {
+  const Scene scene = cell_scene(view);
+  const View seen = view_of(scene, camera, X_WC, seed);
+  sensor.exposure *= exposure_for(seen, kExposureMean);
+  return taken(seen, sensor, seed);
+}
+
+}  // namespace sinew::render
