@@ -106,8 +106,6 @@ const codes: Record<string, string> = {
   camera_lost: 'Die Kamera liefert seit {measured} kein Bild: Kabel ansehen und neu starten',
   camera_blind: 'Auf dem Kamerabild ist nichts zu unterscheiden: Die Kamera ist verdeckt, oder es fehlt Licht',
   camera_frozen: 'Die Kamera liefert immer wieder dasselbe Bild',
-  camera_moved:
-    'Die Kamera sieht die Marken {measured} neben ihrem Ort (erlaubt sind {limit}): neu kalibrieren',
   camera_changed:
     'Die Bilder der Kamera haben eine andere Größe ({measured} Pixel) als bei der Kalibrierung ({limit} Pixel): zurückstellen oder neu kalibrieren',
   nothing_seen: 'Ein solcher Würfel ist nicht zu sehen',

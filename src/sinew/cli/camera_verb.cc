@@ -5,12 +5,13 @@
 #include <CLI/CLI.hpp>
 
 #include "sinew/calibration/table_calibration.h"
-#include "sinew/cli/picture_argument.h"
+#include "sinew/cli/pixel_json.h"
 #include "sinew/cli/table.h"
 #include "sinew/config/camera_file.h"
 #include "sinew/core/spelling.h"
 #include "sinew/core/units.h"
 #include "sinew/io/file.h"
+#include "sinew/runtime/read_picture.h"
 #include "sinew/vision/tag_board.h"
 #include "sinew/vision/tags.h"
 
@@ -52,7 +53,7 @@ Outcome find_tags(const CameraRequest& request) {
   Outcome outcome;
   Json images = Json::array();
   for (const std::string& path : request.images) {
-    const auto picture = read_picture(path);
+    const auto picture = runtime::read_picture(path);
     if (!picture) {
       outcome.exit = ExitCode::kCouldNot;
       outcome.complaint += (outcome.complaint.empty() ? "" : "\n") + picture.error();
@@ -91,7 +92,7 @@ using calibration::BoardView;
 std::expected<BoardView, std::string> board_view(const std::string& path,
                                                  const vision::TagBoard& board,
                                                  vision::TagFinder& finder) {
-  const auto picture = read_picture(path);
+  const auto picture = runtime::read_picture(path);
   if (!picture) return std::unexpected(picture.error());
   BoardView view{picture->width, picture->height, corners_in(board, finder.find(*picture))};
   if (view.seen.pixels.empty()) {

@@ -10,20 +10,23 @@
 
 namespace sinew::cli {
 
+std::string beside(const std::string& cell_file, const std::string& file) {
+  return (std::filesystem::path(cell_file).parent_path() / file).string();
+}
+
 std::expected<void, Outcome> open_eyes(runtime::RunningCell& cell, const std::string& file) {
   const auto& cameras = cell.cell().cameras;
   const auto camera = std::ranges::find_if(
       cameras, [](const CellCamera& one) { return one.calibration.has_value(); });
   if (camera == cameras.end()) return {};
-  const std::filesystem::path folder = std::filesystem::path(file).parent_path();
-  const std::string path = (folder / *camera->calibration).string();
+  const std::string path = beside(file, *camera->calibration);
   const auto text = io::read_file(path, std::size_t{1} << 20U);
   if (!text) {
     return std::unexpected(bad_input(camera->name + ": calibration: " + text.error().sentence));
   }
   const auto read = read_camera(*text, path);
   if (!read) return std::unexpected(complaints_outcome(read.error()));
-  const std::string image = (folder / camera->device).string();
+  const std::string image = beside(file, camera->device);
   for (std::size_t i = 0; i < cell.size(); ++i) {
     const auto X_BT = cell.cell().robots[i].X_WB.inverse() * camera->X_WT;
     // The calibration's world is its table.

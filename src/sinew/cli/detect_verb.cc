@@ -5,12 +5,13 @@
 #include <CLI/CLI.hpp>
 #include <cmath>
 
-#include "sinew/cli/picture_argument.h"
+#include "sinew/cli/pixel_json.h"
 #include "sinew/cli/table.h"
 #include "sinew/config/camera_file.h"
 #include "sinew/core/spelling.h"
 #include "sinew/core/units.h"
 #include "sinew/io/file.h"
+#include "sinew/runtime/read_picture.h"
 #include "sinew/vision/cube_detection.h"
 #include "sinew/vision/detection_picture.h"
 #include "sinew/vision/picture_file.h"
@@ -178,7 +179,7 @@ Outcome detect(const DetectRequest& request) {
     images.push_back({{"image", path}, {"error", {{"sentence", sentence}}}});
   };
   for (const std::string& path : request.images) {
-    const auto picture = read_picture(path);
+    const auto picture = runtime::read_picture(path);
     if (!picture) {
       fail(path, picture.error());
       continue;

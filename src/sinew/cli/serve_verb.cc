@@ -40,11 +40,6 @@ std::expected<Cell, Outcome> read(const ServeRequest& request) {
   return std::move(*cell);
 }
 
-/// What a cell's file names is looked for beside it.
-std::string beside(const std::string& cell_file, const std::string& file) {
-  return (std::filesystem::path(cell_file).parent_path() / file).string();
-}
-
 std::expected<std::vector<runtime::RobotMaking>, Outcome> find_robots(const ServeRequest& request,
                                                                       const Cell& cell) {
   std::vector<runtime::RobotMaking> robots;

@@ -276,10 +276,6 @@ constexpr std::array kTable = std::to_array<ErrorInfo>({
      true, kNoStop, 409},
     {kCameraFrozen, "camera_frozen", "the camera gives the same picture again and again", kNone,
      true, kNoStop, 503},
-    {kCameraMoved, "camera_moved",
-     "the camera sees the tags {measured} from where they were ({limit} are allowed): calibrate it "
-     "anew",
-     kLength, true, kNoStop, 409},
     {kCameraChanged, "camera_changed",
      "the camera's pictures have another size ({measured} px) than when it was calibrated ({limit} "
      "px): set it back, or calibrate it anew",

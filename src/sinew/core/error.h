@@ -106,18 +106,17 @@ enum class ErrorCode : std::uint8_t {
   kCountedElsewhere,   ///< index: joint; measured: said, limit: where the device counts it
   kNoSuchService,      ///< the device has no command for what a person asks of it
   kNoWayHome,          ///< behind a search for zeros: no way home is clear of what was left out
-  kNoCamera,           ///< a program looks, and nobody said which camera
+  kNoCamera,           ///< a program looks, and no camera is configured
   kCameraLost,         ///< measured: s without a picture
   kCameraBlind,        ///< the picture shows nothing: black, covered, over-exposed
   kCameraFrozen,       ///< the same picture again and again
-  kCameraMoved,        ///< measured, limit: m, of the tags from where they were
   kCameraChanged,      ///< measured: width of its pictures; limit: when it was calibrated, px
   kNothingSeen,        ///< no such cube on the table
   kCubeCovered,        ///< another cube stands on it
   kCubeCrowded,        ///< measured: room beside a cube; limit: what a finger takes, m
   kCubeTooWide,        ///< measured: the cube; limit: how far the jaws open, m
   kNotHeld,            ///< measured: so many grasps, and nothing was held
-  kNothingHeld,        ///< a row lets go of what was never picked
+  kNothingHeld,        ///< a row releases what was never picked
 };
 
 /// How a stop ends, after IEC 60204-1.

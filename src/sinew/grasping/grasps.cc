@@ -1,14 +1,13 @@
 #include "sinew/grasping/grasps.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numeric>
 #include <optional>
 
 #include "sinew/core/assert.h"
 #include "sinew/core/units.h"
-#include "sinew/model/collision_links.h"
+#include "sinew/model/tool_body.h"
 #include "sinew/model/tool_state.h"
 
 namespace sinew::grasping {
@@ -74,13 +73,8 @@ struct Fingers {
   double half_wide = 0;
 };
 Fingers fingers_of(const RobotModel& robot) {
-  Fingers fingers{12e-3, 7e-3};
-  for (const CollisionShape& shape : robot.collision.shapes) {
-    if (const auto* finger = std::get_if<JawFinger>(&shape.form)) {
-      fingers = {2 * finger->half.y, finger->half.x};
-    }
-  }
-  return fingers;
+  const Vec3 half = finger_half(robot);
+  return {2 * half.y, half.x};
 }
 
 /// How far a finger may stand from the cube's face on this side, its thickness included, up to
@@ -194,18 +188,6 @@ Expected<Vec3> cup_grasp(std::span<const Cube> cubes, std::size_t which) {
         Error{ErrorCode::kCubeCrowded, -1, std::max(0.0, room), kCupRadius + kMargin});
   }
   return cube.p_BO + Vec3{0, 0, cube.edge / 2};
-}
-
-double cup_length(const RobotModel& robot) {
-  double lowest = 0;
-  for (const CollisionShape& shape : robot.collision.shapes) {
-    if (shape.link != link_count(robot) - 1) continue;
-    if (const auto* capsule = std::get_if<Capsule>(&shape.form)) {
-      lowest =
-          std::min({lowest, capsule->p_LA.z - capsule->radius, capsule->p_LB.z - capsule->radius});
-    }
-  }
-  return -lowest;
 }
 
 std::vector<std::size_t> order_of(std::span<const Cube> cubes) {

@@ -35,10 +35,6 @@ Expected<std::vector<JawGrasp>> jaw_grasps(const RobotModel& robot, std::span<co
 /// @error kCubeCovered, kCubeCrowded
 Expected<Vec3> cup_grasp(std::span<const Cube> cubes, std::size_t which);
 
-/// How far the lip of a robot's suction cup hangs below its tool point, m: the lowest end of what
-/// its file says that the tool fills.
-double cup_length(const RobotModel& robot);
-
 /// The cubes in the order in which they are taken: those that none stands on, the nearest to the
 /// base first; then the others.
 std::vector<std::size_t> order_of(std::span<const Cube> cubes);

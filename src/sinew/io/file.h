@@ -88,7 +88,7 @@ class LineFile {
 /// that was killed may point at a port that another program has by now, and only the lock tells.
 class ScopedLink {
  public:
-  /// Replaces a link that stands there and dangles, says the same already or was left by a run that
+  /// Replaces an existing link that dangles, says the same already or was left by a run that
   /// was killed, but nothing else.
   static IoResult<ScopedLink> create(const std::string& target, const std::string& path);
   ScopedLink(ScopedLink&&) noexcept;

@@ -67,15 +67,14 @@ std::string unknown_subject(std::string_view name, const RobotModel& robot) {
 
 /// "seen", "seen color=red": the words behind `first`.
 std::optional<Condition> read_seen(RowReader& row, std::size_t first, std::size_t last) {
-  constexpr std::string_view kColor = "color=";
   Condition condition{.subject = Subject::kSeen};
   if (last == first + 1) return condition;
   const Word& at = row.words()[first + 1];
-  if (last > first + 2 || !at.text.starts_with(kColor)) {
+  if (last > first + 2 || !at.text.starts_with(kColorKey)) {
     row.complain(at, "write seen, or seen color=red");
     return std::nullopt;
   }
-  condition.color = read_color(row, at, at.text.substr(kColor.size()));
+  condition.color = read_color(row, at);
   return condition.color ? std::optional(condition) : std::nullopt;
 }
 
@@ -117,8 +116,8 @@ std::optional<Condition> read_condition(RowReader& row, const RobotModel& robot,
   return std::nullopt;
 }
 
-std::optional<vision::ColorName> read_color(RowReader& row, const Word& word,
-                                            std::string_view name) {
+std::optional<vision::ColorName> read_color(RowReader& row, const Word& word) {
+  const std::string_view name = word.text.substr(kColorKey.size());
   const auto color = vision::color_named(name);
   if (color) return color;
   std::string all;

@@ -14,9 +14,10 @@ namespace sinew::program {
 std::optional<Condition> read_condition(RowReader& row, const RobotModel& robot, std::size_t first,
                                         std::size_t last);
 
-/// "red" of `color=red`, which is `word`. Complains where it is none.
-std::optional<vision::ColorName> read_color(RowReader& row, const Word& word,
-                                            std::string_view name);
+/// How a word begins that names a color.
+inline constexpr std::string_view kColorKey = "color=";
+/// The color of a word that begins so. Complains where it is none.
+std::optional<vision::ColorName> read_color(RowReader& row, const Word& word);
 
 /// "base > 20 deg", "seen color=red".
 std::string condition_text(const Condition& condition, const RobotModel& robot);

@@ -7,6 +7,7 @@
 #include "sinew/core/assert.h"
 #include "sinew/core/units.h"
 #include "sinew/grasping/grasps.h"
+#include "sinew/model/tool_body.h"
 
 namespace sinew::program {
 namespace {
@@ -111,7 +112,8 @@ class Sequence {
   CubeRows rows_;
 };
 
-/// What is out of reach by less is told before what is so by more, and anything else before both.
+/// What is out of reach by less is reported before what is so by more, and anything else before
+/// both.
 bool is_nearer(const Refusal& one, const Refusal& other) {
   const bool far = one.error.code == ErrorCode::kOutOfReach;
   const bool other_far = other.error.code == ErrorCode::kOutOfReach;
@@ -170,7 +172,7 @@ std::expected<CubeRows, Refusal> picked_by_cup(Sequence sequence, const RobotMod
   const auto lip = grasping::cup_grasp(seen.cubes, which);
   if (!lip) return std::unexpected(Refusal{row.line, lip.error(), std::nullopt, row.file});
   const MotionOptions& how = std::get<PickCubeStep>(row.what).how;
-  return from_above(std::move(sequence), {.p_BT = *lip + Vec3{0, 0, grasping::cup_length(robot)}},
+  return from_above(std::move(sequence), {.p_BT = *lip + Vec3{0, 0, cup_reach(robot)}},
                     Suction{Suction::State::kOn}, how);
 }
 

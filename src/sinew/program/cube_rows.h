@@ -11,7 +11,7 @@
 /// the machine stands. Both end where they begin.
 namespace sinew::program {
 
-/// m; the edge of a cube that nobody has seen yet.
+/// m; the edge of a cube before one was seen.
 inline constexpr double kUsualCube = 25e-3;
 
 bool picks_with_jaws(const RobotModel& robot);
@@ -35,7 +35,7 @@ struct CubeRows {
 std::expected<CubeRows, Refusal> rows_to_pick(RowPlanner& planner, const Standing& standing,
                                               const Step& row, const Sighting& seen, int skip = 0);
 
-/// Lets go where the row says: there from above, straight down, open, up, and back. Where there is
+/// Releases where the row says: there from above, straight down, open, up, and back. Where there is
 /// no room above it goes there as `move` does.
 /// @param standing  with known joints
 /// @param row       a PlaceCubeStep

@@ -15,14 +15,14 @@ struct Sighting {
 };
 
 /// A calibrated camera, for the rows that look. Looking takes its time, so it is asked for and
-/// fetched; nobody waits.
+/// fetched without waiting.
 class Eyes {
  public:
   virtual ~Eyes() = default;
   /// Asks for a picture that is taken from now on. One that was asked for before is forgotten.
   virtual void look() = 0;
   /// What it shows, once; nothing while it is still looked at.
-  /// @error kCameraLost, kCameraBlind, kCameraFrozen, kCameraMoved
+  /// @error kCameraLost, kCameraBlind, kCameraFrozen, kCameraChanged
   virtual std::optional<Expected<Sighting>> seen() = 0;
 };
 

@@ -110,9 +110,14 @@ struct Open {
 OrderPlanner::OrderPlanner(const RobotModel& robot, const Standing& start, const Homing& homing)
     : robot_(robot), homing_(homing), stands_{Stand{.q = start.q, .tool = start.tool}} {}
 
-void OrderPlanner::show_to(const WayLook& look) {
+/// Made when it is needed first: it holds workspace.
+RowPlanner& OrderPlanner::planner() {
   if (!planner_) planner_ = std::make_unique<RowPlanner>(robot_);
-  planner_->show_to(look);
+  return *planner_;
+}
+
+void OrderPlanner::show_to(const WayLook& look) {
+  planner().show_to(look);
 }
 
 std::optional<Refusal> OrderPlanner::take_all(const Program& program) {
@@ -223,7 +228,7 @@ void OrderPlanner::pass_time(double least, double most) {
   }
 }
 
-/// What will be seen nobody knows yet: a usual cube in the jaws is planned with behind it.
+/// What will be seen is unknown: a usual cube in the jaws is planned with behind it.
 std::optional<Refusal> OrderPlanner::take_pick(const Step& step, std::size_t place, Order& order) {
   if (!can_pick(robot_)) return refused(step, {ErrorCode::kToolNotFitted});
   for (Stand& stand : stands_) {
@@ -238,12 +243,11 @@ std::optional<Refusal> OrderPlanner::take_pick(const Step& step, std::size_t pla
 
 std::optional<Refusal> OrderPlanner::take_place(const Step& step, std::size_t place, Order& order) {
   if (!can_pick(robot_)) return refused(step, {ErrorCode::kToolNotFitted});
-  if (!planner_) planner_ = std::make_unique<RowPlanner>(robot_);
   double least = std::numeric_limits<double>::infinity(), most = 0;
   for (Stand& stand : stands_) {
     if (stand.lost_by) continue;
     if (!stand.q) return refused(step, {ErrorCode::kPositionUnknown, 0});
-    const auto rows = rows_to_place(*planner_, {*stand.q, stand.tool}, step);
+    const auto rows = rows_to_place(planner(), {*stand.q, stand.tool}, step);
     if (!rows) return rows.error();
     stand.tool = rows->tool;
     stand.least += rows->duration;
@@ -311,8 +315,7 @@ std::optional<Refusal> OrderPlanner::take_tool(const Step& step, std::size_t pla
 /// Closing jaws reach farther: into what lies below them, too.
 Expected<void> OrderPlanner::check_jaws(const Stand& stand, double to) {
   if (!stand.q) return {};
-  if (!planner_) planner_ = std::make_unique<RowPlanner>(robot_);
-  return planner_->check_jaws(*stand.q, stand.tool, to);
+  return planner().check_jaws(*stand.q, stand.tool, to);
 }
 
 std::optional<Refusal> OrderPlanner::take_home(const Step& step, std::size_t place, Order& order) {
@@ -431,14 +434,13 @@ std::expected<OrderPlanner::Planned, Refusal> OrderPlanner::plan_motion(const St
     return std::unexpected(
         Refusal{rows[0].line, {ErrorCode::kProgramTooLong, -1, kMax + 1, kMax}, std::nullopt});
   }
-  if (!planner_) planner_ = std::make_unique<RowPlanner>(robot_);
-  const auto motion = planner_->plan(*stand.q, stand.tool, rows);
+  const auto motion = planner().plan(*stand.q, stand.tool, rows);
   if (!motion) {
     if (const auto q = slow_way_back(rows[0], *stand.q, motion.error(), robot_)) return slow(*q);
     return std::unexpected(motion.error());
   }
   const Planned planned{motion->rows,       motion->q_end, motion->duration,         motion->stop,
-                        motion->stop_saves, false,         planner_->motion().limits};
+                        motion->stop_saves, false,         planner().motion().limits};
   known_.emplace(std::move(key), planned);
   return planned;
 }
@@ -535,8 +537,7 @@ void OrderPlanner::recover(Stand& stand, const Step& row, std::size_t place,
     there.way = ToolMoveStep::Way::kJoints;
     there.how = {};
     const Step step{row.line, there, row.file};
-    if (!planner_) planner_ = std::make_unique<RowPlanner>(robot_);
-    if (const auto motion = planner_->plan(*from, stand.tool, std::span(&step, 1)))
+    if (const auto motion = planner().plan(*from, stand.tool, std::span(&step, 1)))
       stand.q = motion->q_end;
   }
   if (!stand.q) stand.lost_by = place;

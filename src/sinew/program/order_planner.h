@@ -86,6 +86,7 @@ class OrderPlanner {
   using Rows = std::span<const Step>;
   using Places = std::span<const std::size_t>;
 
+  RowPlanner& planner();
   std::optional<Refusal> take(const Step& step, std::size_t place, Round round);
   std::optional<Refusal> take_alone(const Step& step, std::size_t place, Order& order);
   std::optional<Refusal> take_tool(const Step& step, std::size_t place, Order& order);

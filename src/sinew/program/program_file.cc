@@ -192,14 +192,13 @@ class Parser {
   }
 
   void take_pick() {
-    constexpr std::string_view kColor = "color=";
     if (row_.words().size() == 1) return add(PickCubeStep{});
     if (!row_.takes_words(1, "pick color=red")) return;
     if (word(1).text == "any") return add(PickCubeStep{});
-    if (!word(1).text.starts_with(kColor)) {
+    if (!word(1).text.starts_with(kColorKey)) {
       return row_.complain(word(1), in_quotes(word(1).text) + ": write pick, or pick color=red");
     }
-    const auto color = read_color(row_, word(1), word(1).text.substr(kColor.size()));
+    const auto color = read_color(row_, word(1));
     if (color) add(PickCubeStep{*color});
   }
 

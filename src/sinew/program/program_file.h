@@ -36,7 +36,7 @@
 ///   velocity base=50% shoulder=20% | acceleration base=50%   | limits of the motions behind it
 ///   loop 3 ... end | if z<100mm ... else ... end | call NAME
 ///   look | pick | pick color=red           | cubes that a camera sees; back where the row began
-///   place NAME | place x=200mm z=30mm      | lets go there from above; back where the row began
+///   place NAME | place x=200mm z=30mm      | releases there from above; back where the row began
 ///   if seen color=blue ... end | repeat while seen ... end
 namespace sinew::program {
 

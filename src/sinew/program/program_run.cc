@@ -10,7 +10,6 @@
 #include "sinew/core/units.h"
 #include "sinew/model/joint_lookup.h"
 #include "sinew/model/left_out.h"
-#include "sinew/program/cube_rows.h"
 #include "sinew/program/holdable_motion.h"
 
 namespace sinew::program {
@@ -40,6 +39,12 @@ double weight(const Order& order) {
 
 Run::Run(const Program& program, control::Machine& machine)
     : program_(program), machine_(machine), robot_(machine.robot()) {}
+
+/// Made when it is needed first: it holds workspace.
+RowPlanner& Run::planner() {
+  if (!planner_) planner_ = std::make_unique<RowPlanner>(robot_);
+  return *planner_;
+}
 
 void Run::start(Instant now) {
   opened_at_ = now;
@@ -163,8 +168,7 @@ std::expected<void, Refusal> Run::step_back(Instant /*now*/) {
   JointStep back{.q = *begin, .given = 0, .how = {}};
   back.given = static_cast<std::uint8_t>((1U << begin->size()) - 1);
   const Step row{last.line, back, last.file};
-  if (!planner_) planner_ = std::make_unique<RowPlanner>(robot_);
-  const auto motion = planner_->plan(*q_, machine_.tool(), std::span(&row, 1));
+  const auto motion = planner().plan(*q_, machine_.tool(), std::span(&row, 1));
   if (!motion) return std::unexpected(motion.error());
   const Record record = records_.back();
   records_.pop_back();
@@ -174,7 +178,7 @@ std::expected<void, Refusal> Run::step_back(Instant /*now*/) {
   current_->q = motion->q_end;
   current_->duration = current_->arrival = 0;
   back_steps_ = true;
-  return send(*motion, planner_->motion(), planner_->robot(), last.line);
+  return send(*motion, planner().motion(), planner().robot(), last.line);
 }
 
 const Order* Run::next_order() const {
@@ -344,7 +348,7 @@ std::expected<void, Refusal> Run::issue(const Order& order, Instant now) {
     return {};
   }
   if (const auto* pick = std::get_if<PickOrder>(&order.what)) return issue_pick(*pick, now);
-  if (std::holds_alternative<PlaceOrder>(order.what)) return issue_place(now);
+  if (const auto* place = std::get_if<PlaceOrder>(&order.what)) return issue_place(*place);
   if (const auto* tool = std::get_if<ToolOrder>(&order.what)) {
     current_->duration = tool->duration;
     command_ = machine_.give(control::UseTool{tool->action});
@@ -378,8 +382,7 @@ std::expected<void, Refusal> Run::issue_move(Instant now) {
   }
   // The arm may stand elsewhere than the plan had it: after homing, or after a first move. Then
   // its corners may not blend as they did, and what was one motion takes several.
-  if (!planner_) planner_ = std::make_unique<RowPlanner>(robot_);
-  const auto motion = planner_->plan(*q_, machine_.tool(), rows_left_);
+  const auto motion = planner().plan(*q_, machine_.tool(), rows_left_);
   if (!motion) {
     const auto q = slow_way_back(first, *q_, motion.error(), robot_);
     if (q) {
@@ -395,23 +398,18 @@ std::expected<void, Refusal> Run::issue_move(Instant now) {
   current_->arrival = current_->duration + motion->arrival;
   current_->duration += motion->duration;
   if (motion->pieces.empty()) return motion_done(now);
-  return send(*motion, planner_->motion(), planner_->robot(), first.line);
+  return send(*motion, planner().motion(), planner().robot(), first.line);
 }
 
 /// Decides which orders follow. What it asks for has to be known.
 std::expected<void, Refusal> Run::issue_branch(const BranchOrder& branch, Instant now) {
-  if (branch.condition.subject == Condition::Subject::kSeen) {
+  const bool looks = branch.condition.subject == Condition::Subject::kSeen;
+  if (looks) {
     const auto looked = sees();
     if (!looked) return std::unexpected(looked.error());
     if (!*looked) return {};
-    const auto answer = is_seen(branch.condition, now);
-    if (!answer) return std::unexpected(answer.error());
-    current_->holds = *answer;
-    if (!*answer) next_ = branch.otherwise;
-    finish_order(now);
-    return {};
   }
-  const auto answer = holds(branch.condition);
+  const auto answer = looks ? is_seen(branch.condition, now) : holds(branch.condition);
   if (!answer) return std::unexpected(refused(answer.error()));
   current_->holds = *answer;
   if (!*answer) next_ = branch.otherwise;
@@ -439,11 +437,11 @@ void Run::take_sight(Instant now) {
 }
 
 /// A cube that can be picked: those that cannot are told once they are all that is left.
-std::expected<bool, Refusal> Run::is_seen(const Condition& condition, Instant now) {
-  if (!q_) return std::unexpected(refused({ErrorCode::kPositionUnknown, 0}));
-  if (!planner_) planner_ = std::make_unique<RowPlanner>(robot_);
+Expected<bool> Run::is_seen(const Condition& condition, Instant now) {
+  const auto from = standing();
+  if (!from) return std::unexpected(from.error().error);
   const Step row{current_->order->line, PickCubeStep{condition.color}, current_->order->file};
-  const auto rows = rows_to_pick(*planner_, {*q_, machine_.tool()}, row, *sighting_);
+  const auto rows = rows_to_pick(planner(), *from, row, *sighting_);
   if (rows) return true;
   if (rows.error().error.code != ErrorCode::kNothingSeen) take_notice(rows.error().error, now);
   return false;
@@ -455,6 +453,11 @@ bool Run::handles() const {
                       std::holds_alternative<PlaceOrder>(current_->order->what));
 }
 
+std::expected<Standing, Refusal> Run::standing() const {
+  if (!q_) return std::unexpected(refused({ErrorCode::kPositionUnknown, 0}));
+  return Standing(*q_, machine_.tool());
+}
+
 std::expected<void, Refusal> Run::issue_pick(const PickOrder& pick, Instant now) {
   const auto looked = sees();
   if (!looked) return std::unexpected(looked.error());
@@ -462,28 +465,28 @@ std::expected<void, Refusal> Run::issue_pick(const PickOrder& pick, Instant now)
   if (std::exchange(verifies_, false)) {
     return is_held(!still_there(*sighting_, *taken_), now);
   }
-  if (!q_) return std::unexpected(refused({ErrorCode::kPositionUnknown, 0}));
-  if (!planner_) planner_ = std::make_unique<RowPlanner>(robot_);
+  const auto from = standing();
+  if (!from) return std::unexpected(from.error());
   const Step row{current_->order->line, pick.row, current_->order->file};
-  auto rows = rows_to_pick(*planner_, {*q_, machine_.tool()}, row, *sighting_, grasps_);
-  if (!rows) return std::unexpected(rows.error());
-  ++grasps_;
-  taken_ = rows->cube;
-  tasks_ = std::move(rows->steps);
-  task_ = 0;
-  task_waits_ = true;
-  return {};
+  auto rows = rows_to_pick(planner(), *from, row, *sighting_, grasps_);
+  if (rows) {
+    ++grasps_;
+    taken_ = rows->cube;
+  }
+  return begin_tasks(std::move(rows));
 }
 
-std::expected<void, Refusal> Run::issue_place(Instant /*now*/) {
+std::expected<void, Refusal> Run::issue_place(const PlaceOrder& place) {
   if (!carries_ && !machine_.tool().held) {
     return std::unexpected(refused({ErrorCode::kNothingHeld}));
   }
-  if (!q_) return std::unexpected(refused({ErrorCode::kPositionUnknown, 0}));
-  if (!planner_) planner_ = std::make_unique<RowPlanner>(robot_);
-  const Step row{current_->order->line, std::get<PlaceOrder>(current_->order->what).row,
-                 current_->order->file};
-  auto rows = rows_to_place(*planner_, {*q_, machine_.tool()}, row);
+  const auto from = standing();
+  if (!from) return std::unexpected(from.error());
+  const Step row{current_->order->line, place.row, current_->order->file};
+  return begin_tasks(rows_to_place(planner(), *from, row));
+}
+
+std::expected<void, Refusal> Run::begin_tasks(std::expected<CubeRows, Refusal> rows) {
   if (!rows) return std::unexpected(rows.error());
   tasks_ = std::move(rows->steps);
   task_ = 0;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "sinew/control/machine.h"
+#include "sinew/program/cube_rows.h"
 #include "sinew/program/eyes.h"
 #include "sinew/program/program_plan.h"
 
@@ -161,15 +162,18 @@ class Run {
   std::expected<void, Refusal> issue(const Order& order, Instant now);
   std::expected<void, Refusal> issue_move(Instant now);
   std::expected<void, Refusal> issue_branch(const BranchOrder& branch, Instant now);
+  RowPlanner& planner();
   std::expected<bool, Refusal> sees();
   void take_sight(Instant now);
   bool handles() const;
   std::expected<void, Refusal> issue_pick(const PickOrder& pick, Instant now);
-  std::expected<void, Refusal> issue_place(Instant now);
+  std::expected<void, Refusal> issue_place(const PlaceOrder& place);
+  std::expected<Standing, Refusal> standing() const;
+  std::expected<void, Refusal> begin_tasks(std::expected<CubeRows, Refusal> rows);
   std::expected<void, Refusal> next_task(Instant now);
   std::expected<void, Refusal> tasks_done(Instant now);
   std::expected<void, Refusal> is_held(bool held, Instant now);
-  std::expected<bool, Refusal> is_seen(const Condition& condition, Instant now);
+  Expected<bool> is_seen(const Condition& condition, Instant now);
   void look_at_wait(Instant now);
   std::expected<bool, Error> holds(const Condition& condition);
   bool settled(Instant now);

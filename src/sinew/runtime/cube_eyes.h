@@ -16,7 +16,7 @@
 namespace sinew::runtime {
 
 /// Cubes on a robot's table by a calibrated camera. A thread of its own takes pictures and looks at
-/// them; nobody who controls a machine waits for it.
+/// them; no control thread waits for it.
 class CubeEyes : public program::Eyes {
  public:
   struct Place {

@@ -7,8 +7,8 @@
 #include <optional>
 #include <utility>
 
-#include "sinew/io/file.h"
-#include "sinew/vision/picture_file.h"
+#include "sinew/io/clock.h"
+#include "sinew/runtime/read_picture.h"
 
 namespace sinew::runtime {
 namespace {
@@ -19,21 +19,15 @@ constexpr std::size_t kBytesMax = std::size_t{64} << 20U;
 /// Whether it is as good as one colour: black, covered, or all white. Noise of a covered lens stays
 /// below, any table with something on it far above.
 bool is_blind(const vision::Picture& picture) {
-  constexpr int kCells = 16;
+  constexpr int kParts = 16;
   constexpr int kApart = 12;  // of 255, between the darkest and the brightest part
+  const vision::Picture parts = vision::shrunk(picture, kParts);
   int darkest = 255, brightest = 0;
-  for (int v = 0; v < kCells; ++v) {
-    for (int u = 0; u < kCells; ++u) {
-      long sum = 0, count = 0;
-      for (int y = v * picture.height / kCells; y < (v + 1) * picture.height / kCells; y += 2) {
-        for (int x = u * picture.width / kCells; x < (u + 1) * picture.width / kCells; x += 2) {
-          sum += picture.at(x, y)[1];
-          ++count;
-        }
-      }
-      if (count == 0) continue;
-      darkest = std::min(darkest, static_cast<int>(sum / count));
-      brightest = std::max(brightest, static_cast<int>(sum / count));
+  for (int y = 0; y < parts.height; ++y) {
+    for (int x = 0; x < parts.width; ++x) {
+      const int green = parts.at(x, y)[1];
+      darkest = std::min(darkest, green);
+      brightest = std::max(brightest, green);
     }
   }
   return brightest - darkest < kApart;
@@ -45,10 +39,7 @@ std::optional<vision::Picture> newer_than(const std::string& path,
   std::error_code error;
   const auto written = std::filesystem::last_write_time(path, error);
   if (error || written <= from) return std::nullopt;
-  const auto text = io::read_file(path, kBytesMax);
-  if (!text) return std::nullopt;
-  auto picture =
-      vision::decode_picture({reinterpret_cast<const std::uint8_t*>(text->data()), text->size()});
+  auto picture = read_picture(path, kBytesMax);
   return picture ? std::optional(std::move(*picture)) : std::nullopt;
 }
 
@@ -59,6 +50,7 @@ CubeEyes::Source written_pictures(std::string path) {
   return
       [path = std::move(path), last](const std::stop_token& ending) -> Expected<vision::Picture> {
         const auto begun = std::filesystem::file_time_type::clock::now();
+        const io::Clock clock;
         while (!ending.stop_requested()) {
           auto picture = newer_than(path, begun + kPictureDelay);
           if (picture) {
@@ -67,12 +59,10 @@ CubeEyes::Source written_pictures(std::string path) {
             *last = *picture;
             return std::move(*picture);
           }
-          const auto waited = std::filesystem::file_time_type::clock::now() - begun;
-          if (waited > kPicturePatience) break;
-          std::this_thread::sleep_for(kBetween);
+          if (clock.now() - Instant{} > kPicturePatience) break;
+          clock.pause(kBetween);
         }
-        return std::unexpected(Error{ErrorCode::kCameraLost, -1,
-                                     std::chrono::duration<double>(kPicturePatience).count()});
+        return std::unexpected(Error{ErrorCode::kCameraLost, -1, to_seconds(kPicturePatience)});
       };
 }
 

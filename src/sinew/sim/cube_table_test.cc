@@ -7,6 +7,7 @@
 #include "sinew/core/units.h"
 #include "sinew/kinematics/palletizer.h"
 #include "sinew/kinematics/serial_arm.h"
+#include "sinew/model/tool_body.h"
 #include "sinew/sim/lsc_machine.h"
 #include "sinew/sim/maxarm_machine.h"
 #include "support/robots.h"

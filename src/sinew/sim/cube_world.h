@@ -100,7 +100,7 @@ class CubeWorld {
   /// @param middle  @param half  of the area for its middle, m  @param gap  m to other cubes
   std::optional<std::size_t> add_somewhere(double edge, int color, PlanPoint middle, PlanPoint half,
                                            double gap);
-  /// Somebody takes it off the table.
+  /// Takes it off the table.
   void take_away(std::size_t cube);
 
   /// A hand has moved evenly from where it was to this pose, and time has passed.

@@ -7,20 +7,12 @@
 #include "sinew/core/units.h"
 #include "sinew/kinematics/palletizer.h"
 #include "sinew/kinematics/serial_arm.h"
-#include "sinew/model/collision_links.h"
+#include "sinew/model/tool_body.h"
 
 namespace sinew::sim {
 namespace {
 
-constexpr Vec3 kFingerHalf{0.007, 0.006, 0.03};  // m, where a robot's file has no fingers
-constexpr double kCupRadius = 0.008;             // m, assumed for the MaxArm
-
-Vec3 finger_half(const RobotModel& model) {
-  for (const CollisionShape& shape : model.collision.shapes) {
-    if (const auto* finger = std::get_if<JawFinger>(&shape.form)) return finger->half;
-  }
-  return kFingerHalf;
-}
+constexpr double kCupRadius = 0.008;  // m, assumed for the MaxArm
 
 JointVector joints_of(const Truth& truth) {
   JointVector q;
@@ -61,19 +53,6 @@ HandTruth between(const HandTruth& from, const HandTruth& to, double share) {
     jaws->width = before + share * (jaws->width - before);
   }
   return hand;
-}
-
-double cup_reach(const RobotModel& model) {
-  double lowest = 0;
-  for (const CollisionShape& shape : model.collision.shapes) {
-    if (shape.link != link_count(model) - 1) continue;
-    if (const auto* capsule = std::get_if<Capsule>(&shape.form)) {
-      lowest = std::min(lowest, std::min(capsule->p_LA.z, capsule->p_LB.z) - capsule->radius);
-    } else if (const auto* box = std::get_if<CollisionBox>(&shape.form)) {
-      lowest = std::min(lowest, heights_of({{box->X_LX.R, box->X_LX.p}, box->half}).low);
-    }
-  }
-  return -lowest;
 }
 
 std::optional<HandTruth> hand_of(const RobotModel& model, const Truth& truth,

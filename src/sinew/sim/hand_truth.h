@@ -49,10 +49,6 @@ double softness(const HandTruth& hand);
 /// @pre both have the same kind of grip
 HandTruth between(const HandTruth& from, const HandTruth& to, double share);
 
-/// Where a robot's suction cup ends: m below its tool point, along -z of T. The lowest point of
-/// the tool's collision shapes; 0 where it has none.
-double cup_reach(const RobotModel& model);
-
 /// The hand of a robot: a serial arm with jaws, or a palletizer with a suction cup. Nothing for
 /// others. @pre `truth` is of that robot's machine
 /// @param X_WB  its base in the world
