@@ -54,7 +54,17 @@ width_mm = 100
 height_mm = 200
 [[camera]]
 name = "above"
-device = "/dev/video0"
+device = "simulated"
+x_mm = 170
+[[cube]]
+color = "red"
+x_mm = 170
+[basket]
+name = "tray"
+length_mm = 100
+width_mm = 100
+height_mm = 40
+y_mm = 200
 """
 STAND = "joint base=0deg shoulder=20deg elbow=40deg wrist=40deg roll=0deg"
 # Need a fault, or boards that test themselves, to answer; the answer is that of the other commands.
@@ -113,6 +123,12 @@ class ResultsTest(ServedCell):
         cell.call("objects.query")
         cell.call("objects.subscribe", objects=names, rate_hz=20)
         cell.call("watch", rate_hz=20)
+        self.refused(cell.call, "camera.look", camera="nobody")
+        self.refused(cell.call, "camera.look", longest_px=5)
+        end = time.monotonic() + 60
+        while not (shot := cell.call("camera.look"))["number"] and time.monotonic() < end:
+            time.sleep(0.1)
+        self.assertEqual(base64.b64decode(shot["picture"])[:2], b"\xff\xd8")
         self.refused(cell.call, "no.such")
         self.refused(cell.call, "robot.status", robot="nobody")
         self.refused(cell.call, "robot.status", robot=3)

@@ -1,6 +1,7 @@
 /** Every view of the right side; a new one is a row here and a name in view_ids.ts. */
 import type { ComponentType } from 'preact';
 import type { ViewId } from './view_ids';
+import { CameraPane } from './views/camera_pane';
 import { DevicePane } from './views/device_pane';
 import { EventsPane } from './views/events_pane';
 import { HelpPane } from './views/help_pane';
@@ -15,6 +16,7 @@ export const kViews: Record<ViewId, { icon: IconName; show: ComponentType }> = {
   jog: { icon: 'jog', show: JogPane },
   move: { icon: 'move', show: MovePane },
   programs: { icon: 'programs', show: ProgramsPane },
+  camera: { icon: 'eye', show: CameraPane },
   setup: { icon: 'setup', show: SetupPane },
   plots: { icon: 'plots', show: PlotsPane },
   device: { icon: 'device', show: DevicePane },

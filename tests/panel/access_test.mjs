@@ -10,7 +10,7 @@ import { bench, ready, root, seen, until } from './bench.mjs';
 
 const axe = readFileSync(path.join(root, 'panel/node_modules/axe-core/axe.min.js'), 'utf8');
 const kRobots = ['arm', 'learm', 'big', 'max', 'platform'];
-const kViews = ['jog', 'move', 'programs', 'setup', 'plots', 'device', 'events', 'help'];
+const kViews = ['jog', 'move', 'programs', 'camera', 'setup', 'plots', 'device', 'events', 'help'];
 
 let here;
 before(async () => {

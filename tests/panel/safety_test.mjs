@@ -374,7 +374,7 @@ test('Stop stays on the screen at every size, in every view, however far is scro
   const bad = [];
   for (const [width, height] of [[1440, 900], [1100, 720], [800, 600], [390, 844]]) {
     await steady.setViewportSize({ width, height });
-    for (const name of ['jog', 'move', 'programs', 'setup', 'plots', 'device', 'events', 'help']) {
+    for (const name of ['jog', 'move', 'programs', 'camera', 'setup', 'plots', 'device', 'events', 'help']) {
       await view(steady, 'left', name);
       await steady.waitForTimeout(60);
       for (const [x, y] of [[0.1, 0.5], [0.4, 0.5], [0.8, 0.3], [0.8, 0.6], [0.9, 0.9], [0.5, 0.95]]) {

@@ -157,7 +157,8 @@ class CellDescription(TypedDict, total=False):
     time_scale: float
     robots: List[RobotDescription]
     objects: List[Dict[str, Any]]
-    cameras: List[Dict[str, str]]
+    cameras: List[Dict[str, Any]]
+    basket: Dict[str, Any]
 
 
 class JointTruth(TypedDict, total=False):

@@ -31,7 +31,7 @@ const steps: Record<string, string> = {
   'place stops where it lets go: without blend=': 'place hält an, wo es loslässt: ohne blend=',
   'a wait does not look; write if seen, or repeat while seen':
     'Ein wait sieht nicht hin; richtig ist if seen oder repeat while seen',
-  '{word}: write pick, or pick color=red': '{word}: richtig ist pick oder pick color=red',
+  '{word}: write pick, pick color=red, or pick at=180mm,0mm,25mm': '{word}: richtig ist pick, pick color=red oder pick at=180mm,0mm,25mm',
   'say where: place NAME (a taught point), or place x=200mm y=0mm z=30mm':
     'Der Ort fehlt: place NAME (ein Punkt) oder place x=200mm y=0mm z=30mm',
   'write repeat while seen, or repeat while seen color=red':

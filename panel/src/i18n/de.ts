@@ -1,3 +1,4 @@
+import { cameraDe } from './camera_de';
 import { deviceDe } from './device_de';
 import { remediesDe } from './remedies_de';
 import { teachDe } from './teach_de';
@@ -549,5 +550,6 @@ export const de: Record<Key, string> = {
 
   ...teachDe,
   ...deviceDe,
+  ...cameraDe,
   ...remediesDe,
 };

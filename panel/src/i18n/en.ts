@@ -1,3 +1,4 @@
+import { cameraEn } from './camera_en';
 import { deviceEn } from './device_en';
 import { remediesEn } from './remedies_en';
 import { teachEn } from './teach_en';
@@ -548,6 +549,7 @@ export const en = {
 
   ...teachEn,
   ...deviceEn,
+  ...cameraEn,
   ...remediesEn,
 } as const;
 

@@ -105,6 +105,9 @@ const codes: Record<string, string> = {
     'Diese Zeile sieht hin, und es ist keine kalibrierte Kamera bekannt: eine in der Datei der Zelle nennen ([[camera]], docs/vision.md)',
   camera_lost: 'Die Kamera liefert seit {measured} kein Bild: Kabel ansehen und neu starten',
   camera_blind: 'Auf dem Kamerabild ist nichts zu unterscheiden: Die Kamera ist verdeckt, oder es fehlt Licht',
+  camera_moved:
+    'Die Kamera wurde bewegt: die Marken auf ihrem Tisch scheinen {measured} von ihrem Ort zu liegen, erlaubt sind {limit}. Zurückstellen oder neu kalibrieren',
+  camera_tags_hidden: 'Keine der Marken auf dem Tisch der Kamera ist zu sehen: freilegen oder neu kalibrieren',
   camera_frozen: 'Die Kamera liefert immer wieder dasselbe Bild',
   camera_changed:
     'Die Bilder der Kamera haben eine andere Größe ({measured} Pixel) als bei der Kalibrierung ({limit} Pixel): zurückstellen oder neu kalibrieren',

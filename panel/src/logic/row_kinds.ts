@@ -154,7 +154,10 @@ export function fieldsOf(word: string, model: RobotModel): Field[] {
       return [{ id: 'program', slot: { at: 1 }, kind: 'program', needed: true }];
     case 'pick':
     case 'repeat':
-      return [{ id: 'color', slot: { key: 'color' }, kind: 'choice', choices: kColors }];
+      return [
+        { id: 'color', slot: { key: 'color' }, kind: 'choice', choices: kColors },
+        ...(word === 'pick' ? [{ id: 'at', slot: { key: 'at' }, kind: 'place' } as const] : []),
+      ];
     case 'place':
       return placeOf(model);
     case 'velocity':

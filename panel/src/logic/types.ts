@@ -170,12 +170,51 @@ export interface CellObject {
   height_m: number;
 }
 
+export interface CellCamera {
+  name: string;
+  device: string;
+  /** Of a calibrated one. */
+  lens?: { pose: FlatPoseJson; width_px: number; height_px: number; fx_px: number; fy_px: number; accuracy_m: number };
+}
+/** A box without a lid; its place is the middle of its floor. */
+export interface BasketJson extends FlatPoseJson {
+  name: string;
+  length_m: number;
+  width_m: number;
+  height_m: number;
+}
+export interface SeenCubeJson {
+  color: string;
+  confidence: number;
+  top_px: [number, number][];
+  /** The middle of its top in the cell, where the camera is calibrated. */
+  x_m?: number;
+  y_m?: number;
+  z_m?: number;
+  yaw_rad?: number;
+  edge_m?: number;
+  in_basket?: boolean;
+}
+/** What camera.look tells; number 0: there is no picture yet. */
+export interface CameraShot {
+  camera: string;
+  number: number;
+  width_px?: number;
+  height_px?: number;
+  fault?: ErrorJson;
+  /** A JPEG as base64. */
+  picture?: string;
+  cubes?: SeenCubeJson[];
+  refused?: { why: string; outline_px: [number, number][] }[];
+}
 export interface CellDescription {
   title: string;
   version: string;
   time_scale: number;
   robots: CellRobot[];
   objects: CellObject[];
+  cameras: CellCamera[];
+  basket?: BasketJson;
 }
 
 export interface JointJson {

@@ -40,7 +40,8 @@ import { RoundedBoxGeometry } from 'three/examples/jsm/geometries/RoundedBoxGeom
 import { linkPoses } from '../logic/kinematics';
 import { compose, fromFlat } from '../logic/pose';
 import { jointLimits, jointsOf } from '../logic/store';
-import type { CellDescription, Pose, RobotModel, RobotStatus, ToolRow, Vec3 } from '../logic/types';
+import { basketOf, cubeOf, frustumOf } from './table_top';
+import type { CellDescription, Pose, RobotModel, RobotStatus, SeenCubeJson, ToolRow, Vec3 } from '../logic/types';
 import { Body, bodyLook, ghostLook, place } from './body';
 import { JointMark } from './joint_mark';
 import { limitMark } from './limits';
@@ -156,6 +157,7 @@ export class CellScene {
   private readonly trailMaterial = new LineBasicMaterial({ transparent: true, opacity: 0.45 });
   private readonly floor = new Group();
   private readonly objects = new Group();
+  private readonly cubes = new Group();
   private readonly sun = new DirectionalLight(0xffffff, 2);
   private readonly hemi = new HemisphereLight(0xffffff, 0x888888, 1.1);
   private readonly stands = new Map<string, Stand>();
@@ -199,7 +201,7 @@ export class CellScene {
     this.gizmo.addEventListener('objectChange', () => this.tellGizmo(false));
     this.gizmo.addEventListener('change', () => this.invalidate());
     this.scene.add(this.hemi, new AmbientLight(0xffffff, 0.25), this.sun, this.sun.target);
-    this.scene.add(this.floor, this.objects, this.limits, this.gizmo.getHelper());
+    this.scene.add(this.floor, this.objects, this.cubes, this.limits, this.gizmo.getHelper());
     this.sun.castShadow = !this.plain;
     this.sun.shadow.mapSize.set(2048, 2048);
     this.sun.shadow.bias = -0.0005;
@@ -314,9 +316,25 @@ export class CellScene {
       mesh.castShadow = mesh.receiveShadow = true;
       this.objects.add(mesh);
     }
+    if (cell.basket) this.objects.add(basketOf(cell.basket, this.materials.object));
+    for (const camera of cell.cameras ?? []) {
+      if (camera.lens) this.objects.add(frustumOf(camera.lens, this.materials.path));
+    }
+    this.showCubes([]);
     this.makeFloor(theme);
     this.aimSun();
     this.showAll('iso');
+  }
+
+  /** Those that a camera sees, where it sees them. */
+  showCubes(cubes: readonly SeenCubeJson[]): void {
+    this.cubes.clear();
+    for (const cube of cubes) {
+      const mesh = cubeOf(cube);
+      if (mesh) this.cubes.add(mesh);
+    }
+    this.renderer.shadowMap.needsUpdate = true;
+    this.invalidate();
   }
 
   private addRobot(name: string, model: RobotModel, base: Pose): void {

@@ -6,6 +6,7 @@ import { aim, ghost, gizmoMode, go, model, robot, route, standing, status, store
 import { newestFirst } from '../logic/paging';
 import { withTool } from '../logic/target';
 import { CellScene, type Preset } from '../scene/scene';
+import { shot } from '../camera_state';
 import { hoveredJoint, layers, look, meantJoint } from '../scene_state';
 import { replayGhost } from '../plots_state';
 import { ghost as programGhost } from '../teach';
@@ -71,6 +72,10 @@ export function Stage(): JSX.Element {
     if (view === 'programs') requestAnimationFrame(() => scene.current?.focus());
   }, [view]);
   useSignalEffect(() => scene.current?.setLayers(layers.value));
+  useSignalEffect(() => {
+    void store.cell.value;
+    scene.current?.showCubes(shot.value?.cubes ?? []);
+  });
   useSignalEffect(() => {
     const { preset, all } = look.value;
     if (all) scene.current?.showAll(preset);

@@ -168,6 +168,7 @@ Outcome calibrate(const CameraRequest& request) {
     return could_not(where + sentence(result.error()));
   }
   result->camera.name = request.name;
+  result->camera.sheet = sheet->paper;
   const auto written = io::replace_file(*request.out, camera_text(result->camera));
   if (!written) return could_not("--out: " + written.error().sentence);
   Outcome outcome;

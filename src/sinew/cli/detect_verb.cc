@@ -192,7 +192,7 @@ Outcome detect(const DetectRequest& request) {
       continue;
     }
     Detection detection = vision::detect_cubes(*picture, *settings);
-    if (*camera) vision::place_on_table(detection, **camera, from_mm(*request.cube_mm));
+    if (*camera) vision::place_on_table(detection, *picture, **camera, from_mm(*request.cube_mm));
     images.push_back(detection_json(path, *picture, detection));
     outcome.text += detection_text(path, *picture, detection);
     if (!request.debug) continue;

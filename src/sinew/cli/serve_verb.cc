@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <filesystem>
 
-#include "sinew/cli/cell_eyes.h"
+#include "sinew/cli/cell_cameras.h"
 #include "sinew/cli/cell_socket.h"
 #include "sinew/cli/demonstration_lines.h"
 #include "sinew/cli/device_argument.h"
@@ -192,7 +192,7 @@ Outcome serve(const ServeRequest& request) {
        .programs = *programs});
   realtime.reset();
   if (!running) return could_not(running.error().sentence);
-  if (auto seeing = open_eyes(**running, request.file); !seeing) return seeing.error();
+  if (auto seeing = open_cameras(**running, request.file); !seeing) return seeing.error();
   // Whatever clients want, control threads come first: also before the threads that the Api begins.
   io::let_others_go_first(io::Share::kServing);
   server::Api api(**running, SINEW_VERSION, &*settings, event_file(request));

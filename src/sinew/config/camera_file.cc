@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "sinew/config/table_reader.h"
+#include "sinew/vision/tag_board.h"
 
 namespace sinew {
 namespace {
@@ -55,6 +56,9 @@ vision::TableCamera read_root(TableReader& root) {
     accuracy->quantity("table_*", kLength, between(0, 10), camera.accuracy);
     accuracy->finish();
   }
+  if (root.optional().text("sheet", 10, camera.sheet) && !vision::table_sheet(camera.sheet)) {
+    root.complain("sheet", "has to be a4, a3 or letter: the paper of the sheet on its table");
+  }
   root.finish();
   return camera;
 }
@@ -86,6 +90,10 @@ std::string camera_text(const vision::TableCamera& camera) {
   const Vec3 p = 1e3 * camera.X_WC.p;
   const Vec3 rpy = (180 / kPi) * fixed_xyz(camera.X_WC.R);
   text += "format = " + std::to_string(kFormat) + "\nname = \"" + camera.name + "\"\n";
+  if (!camera.sheet.empty()) {
+    text += "sheet = \"" + camera.sheet + "\"  # lies on the table as it lay; without this line a camera "
+            "that was moved is not noticed\n";
+  }
   add("width = %d\nheight = %d\n\n[lens]  # px, and Brown's coefficients\n", model.width,
       model.height);
   add("fx = %.9f\nfy = %.9f\ncx = %.9f\ncy = %.9f\n", model.fx, model.fy, model.center.x,

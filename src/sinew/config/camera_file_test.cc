@@ -18,6 +18,7 @@ vision::TableCamera some_camera(test::Random& random) {
       {random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(0, 2)}};
   camera.reprojection = 0.25;
   camera.accuracy = 0.0015;
+  camera.sheet = "a4";
   return camera;
 }
 
@@ -37,6 +38,7 @@ TEST(CameraFile, written_and_read_again_it_is_the_same_camera) {
     EXPECT_LT(angle_between(again->X_WC.R, camera.X_WC.R), 1e-7);
     EXPECT_DOUBLE_EQ(again->reprojection, 0.25);
     EXPECT_DOUBLE_EQ(again->accuracy, 0.0015);
+    EXPECT_EQ(again->sheet, "a4");
   });
 }
 
@@ -55,6 +57,8 @@ TEST(CameraFile, what_is_wrong_is_said_with_its_line) {
   EXPECT_EQ(complaint_after("width = 1280", "width = 0").substr(0, 26),
             "camera.toml:3:9: width: mu");
   EXPECT_NE(complaint_after("k3 =", "k4 ="), "");
+  EXPECT_NE(complaint_after("\"a4\"", "\"b4\"").find("has to be a4, a3 or letter"),
+            std::string::npos);
   EXPECT_NE(complaint_after("position_mm", "position_px"), "");
   EXPECT_NE(complaint_after("[pose]", "pose = ["), "");
 }

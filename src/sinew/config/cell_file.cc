@@ -3,6 +3,8 @@
 #include <algorithm>
 
 #include "sinew/config/table_reader.h"
+#include "sinew/core/rotation.h"
+#include "sinew/vision/color_names.h"
 
 namespace sinew {
 namespace {
@@ -14,6 +16,14 @@ constexpr std::size_t kThingsMax = 64;
 constexpr Range kReach = between(-100, 100);  // m
 constexpr Range kTurn = between(-2 * kPi, 2 * kPi);
 constexpr Range kScale = between(0.01, 1000);
+
+std::string color_words() {
+  std::string words;
+  for (std::size_t i = 0; i < vision::kColorNames; ++i) {
+    words += (words.empty() ? "" : ", ") + std::string(name(static_cast<vision::ColorName>(i)));
+  }
+  return words;
+}
 
 bool good_name(std::string_view name) {
   return std::ranges::all_of(
@@ -103,16 +113,63 @@ CellCamera read_camera(TableReader& reader, std::vector<std::string>& taken) {
   reader.text("device", kPathMax, camera.device);
   camera.calibration = optional_text(reader, "calibration", kPathMax);
   reader.optional().quantity("cube_*", kLength, kCube, camera.cube);
-  const bool image = camera.device.ends_with(".jpg") || camera.device.ends_with(".jpeg") ||
-                     camera.device.ends_with(".png");
-  if (camera.calibration && !image) {
-    reader.complain("device",
-                    "with a calibration: an image that another program keeps writing, as ffmpeg -i "
-                    "/dev/video0 -update 1 table.jpg does");
-  }
   read_pose(reader, camera.X_WT);
   reader.finish();
   return camera;
+}
+
+CellCube read_cube(TableReader& reader) {
+  CellCube cube;
+  reader.needs_no_source();
+  std::string color;
+  if (reader.text("color", kNameMax, color)) {
+    const auto named = vision::color_named(color);
+    if (!named) reader.complain("color", "has to be " + color_words());
+    cube.color = static_cast<int>(named.value_or(vision::ColorName::kRed));
+  }
+  reader.optional().quantity("x_*", kLength, kReach, cube.p_W.x);
+  reader.optional().quantity("y_*", kLength, kReach, cube.p_W.y);
+  reader.optional().quantity("z_*", kLength, kReach, cube.p_W.z);
+  reader.optional().quantity("rz_*", kAngle, kTurn, cube.turn);
+  reader.finish();
+  return cube;
+}
+
+CellBasket read_basket(TableReader& reader, std::vector<std::string>& taken) {
+  constexpr Range kInside = between(0.01, 1);
+  CellBasket basket;
+  reader.needs_no_source();
+  read_name(reader, "basket", taken, basket.name);
+  reader.quantity("length_*", kLength, kInside, basket.size.x);
+  reader.quantity("width_*", kLength, kInside, basket.size.y);
+  reader.quantity("height_*", kLength, kInside, basket.size.z);
+  reader.optional().quantity("x_*", kLength, kReach, basket.X_WK.p.x);
+  reader.optional().quantity("y_*", kLength, kReach, basket.X_WK.p.y);
+  reader.optional().quantity("z_*", kLength, kReach, basket.X_WK.p.z);
+  double turn = 0;
+  reader.optional().quantity("rz_*", kAngle, kTurn, turn);
+  basket.X_WK.R = rotation_z(turn);
+  reader.finish();
+  return basket;
+}
+
+/// What lies on the table of a camera.
+void read_table_top(TableReader& root, Cell& cell, std::vector<std::string>& taken) {
+  if (auto reader = root.table("basket", Presence::kOptional)) {
+    cell.basket = read_basket(*reader, taken);
+  }
+  std::vector<TableReader> cubes = root.tables("cube", Presence::kOptional);
+  if (cubes.size() > kCellCubesMax) {
+    root.complain("cube", "a cell has at most " + std::to_string(kCellCubesMax) + " cubes");
+    return;
+  }
+  for (TableReader& reader : cubes) cell.cubes.push_back(read_cube(reader));
+  const bool seen = std::ranges::any_of(
+      cell.cameras, [](const CellCamera& one) { return one.device == kSimulatedCamera; });
+  if (!cubes.empty() && !seen) {
+    root.complain("cube", "cubes are for a camera with device = \"" +
+                              std::string(kSimulatedCamera) + "\"; there is none");
+  }
 }
 
 void read_root(TableReader& root, Cell& cell) {
@@ -134,6 +191,7 @@ void read_root(TableReader& root, Cell& cell) {
     for (TableReader& reader : objects) cell.objects.push_back(read_object(reader, taken));
     for (TableReader& reader : cameras) cell.cameras.push_back(read_camera(reader, taken));
   }
+  read_table_top(root, cell, taken);
   if (root.clean() && cell.time_scale != 1 &&
       std::ranges::any_of(cell.robots,
                           [](const CellRobot& robot) { return robot.port.has_value(); })) {

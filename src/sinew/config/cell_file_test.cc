@@ -6,6 +6,7 @@
 
 #include "sinew/config/builtin_robots.h"
 #include "sinew/core/units.h"
+#include "sinew/vision/color_names.h"
 #include "support/property.h"
 
 namespace sinew {
@@ -87,10 +88,45 @@ rz_deg = 90
   EXPECT_DOUBLE_EQ(top.cube, 0.03);
   EXPECT_DOUBLE_EQ(top.X_WT.p.x, 0.18);
   EXPECT_NEAR((top.X_WT.R * Vec3{1, 0, 0}).y, 1, 1e-12);
-  std::string live(camera);
-  live.replace(live.find("table.jpg"), 9, "/dev/video0");
-  EXPECT_NE(complaints_of(live).find("another program keeps writing"), std::string::npos)
-      << complaints_of(live);
+}
+
+TEST(CellFile, a_simulated_camera_has_cubes_and_a_basket) {
+  const std::string_view text = R"(
+title = "one"
+[[robot]]
+name = "arm"
+robot = "learm"
+[[camera]]
+name = "top"
+device = "simulated"
+[basket]
+name = "tray"
+length_mm = 120
+width_mm = 100
+height_mm = 40
+y_mm = 200
+rz_deg = 90
+[[cube]]
+color = "blue"
+x_mm = 180
+y_mm = -30
+rz_deg = 20
+)";
+  const auto cell = read_cell(text, "cell.toml");
+  ASSERT_TRUE(cell) << complaints_of(text);
+  ASSERT_TRUE(cell->basket);
+  EXPECT_EQ(cell->basket->size, (Vec3{0.12, 0.1, 0.04}));
+  EXPECT_NEAR((cell->basket->X_WK * Vec3{0.1, 0, 0}).y, 0.3, 1e-12);
+  ASSERT_EQ(cell->cubes.size(), 1U);
+  EXPECT_EQ(cell->cubes[0].color, static_cast<int>(vision::ColorName::kBlue));
+  EXPECT_EQ(cell->cubes[0].p_W, (Vec3{0.18, -0.03, 0}));
+  std::string real(text);
+  real.replace(real.find("simulated"), 9, "table.jpg");
+  EXPECT_NE(complaints_of(real).find("there is none"), std::string::npos) << complaints_of(real);
+  std::string painted(text);
+  painted.replace(painted.find("blue"), 4, "teal");
+  EXPECT_NE(complaints_of(painted).find("has to be red, orange"), std::string::npos)
+      << complaints_of(painted);
 }
 
 TEST(CellFile, the_cell_that_every_build_carries_has_all_robots_with_a_device) {

@@ -280,6 +280,13 @@ constexpr std::array kTable = std::to_array<ErrorInfo>({
      "the camera's pictures have another size ({measured} px) than when it was calibrated ({limit} "
      "px): set it back, or calibrate it anew",
      kCount, true, kNoStop, 409},
+    {kCameraMoved, "camera_moved",
+     "the camera was moved: the tags on its table seem to be {measured} from where they lay, and "
+     "{limit} may be; put it back, or calibrate it anew",
+     kLength, true, kNoStop, 409},
+    {kCameraTagsHidden, "camera_tags_hidden",
+     "none of the tags on the camera's table is seen: uncover them, or calibrate it anew", kNone,
+     true, kNoStop, 409},
     {kNothingSeen, "nothing_seen", "no such cube is seen", kNone, true, kNoStop, 409},
     {kCubeCovered, "cube_covered", "another cube stands on it: pick that one first", kNone, true,
      kNoStop, 409},

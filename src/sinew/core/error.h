@@ -111,6 +111,8 @@ enum class ErrorCode : std::uint8_t {
   kCameraBlind,        ///< the picture shows nothing: black, covered, over-exposed
   kCameraFrozen,       ///< the same picture again and again
   kCameraChanged,      ///< measured: width of its pictures; limit: when it was calibrated, px
+  kCameraMoved,        ///< measured: where its tags seem to be now; limit: what may be, m
+  kCameraTagsHidden,   ///< none of the tags of its table is seen
   kNothingSeen,        ///< no such cube on the table
   kCubeCovered,        ///< another cube stands on it
   kCubeCrowded,        ///< measured: room beside a cube; limit: what a finger takes, m

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "sinew/core/pose.h"
@@ -53,18 +54,36 @@ struct CellObject {
 /// A camera that looks at the cell.
 struct CellCamera {
   std::string name;
-  /// As /dev/video0; with a calibration an image that another program keeps writing, beside the
-  /// cell's file or by its whole path.
+  /// As runtime/open_camera.h has them: /dev/video0, an image that another program keeps writing,
+  /// a stream; files beside the cell's or by their whole path. kSimulatedCamera: none.
   std::string device;
   /// What `sinew camera calibrate` has written, beside the cell's file; without it nothing is known
-  /// of where things are.
+  /// of where things are. A simulated one hangs where this says, or else above its table.
   std::optional<std::string> calibration;
   double cube = 0.025;  ///< m, edge of the cubes on its table
   /// Of the table that it was calibrated on: middle of the sheet with the tags.
   Pose<frame::World, frame::Table> X_WT;
 };
 
+/// CellCamera::device of one that looks at simulated cubes.
+inline constexpr std::string_view kSimulatedCamera = "simulated";
+
+/// A cube on the table of a simulated camera, as it lies when the cell begins.
+struct CellCube {
+  int color = 0;    ///< a vision::ColorName
+  Vec3 p_W;         ///< m; z of its bottom, in the cell
+  double turn = 0;  ///< rad, of its edges about z
+};
+
+/// A box without a lid: cubes in it are done with, so no camera looks for them there.
+struct CellBasket {
+  std::string name;
+  Pose<frame::World, frame::Box> X_WK;  ///< middle of its floor, upright
+  Vec3 size{0.12, 0.12, 0.05};          ///< m, inside: along x, along y, and its walls' height
+};
+
 inline constexpr std::size_t kCellRobotsMax = 16;
+inline constexpr std::size_t kCellCubesMax = 64;
 
 struct Cell {
   std::string title;
@@ -72,6 +91,8 @@ struct Cell {
   std::vector<CellRobot> robots;  ///< at least one, at most kCellRobotsMax
   std::vector<CellObject> objects;
   std::vector<CellCamera> cameras;
+  std::optional<CellBasket> basket;
+  std::vector<CellCube> cubes;
 };
 
 }  // namespace sinew

@@ -17,6 +17,8 @@ constexpr std::array kAbove{40e-3, 20e-3};
 constexpr double kLetGo = 15e-3;     // m, that jaws open more than what they hold
 constexpr double kSqueeze = 4e-3;    // m, that jaws are sent to less than what they hold
 constexpr double kStillThere = 0.6;  // of an edge, from where a cube was taken
+constexpr double kPitchStep = from_deg(3);
+constexpr int kPitchTries = 12;
 
 const JawGripper* jaws_of(const RobotModel& robot) {
   const auto* arm = std::get_if<SerialGeometry>(&robot.geometry);
@@ -52,6 +54,10 @@ class Sequence {
       return refusal;
     }
     q_ = motion->q_end;
+    for (std::size_t j = 0; j < q_.size(); ++j) {
+      const Joint& joint = planner_.robot().joints[j];
+      rows_.room = std::min({rows_.room, q_[j] - joint.lower, joint.upper - q_[j]});
+    }
     rows_.duration += motion->duration;
     rows_.steps.push_back(step);
     return std::nullopt;
@@ -101,7 +107,10 @@ class Sequence {
   std::optional<Refusal> back(const MotionOptions& how) {
     JointStep joints{.q = begin_, .given = 0, .how = how};
     joints.given = static_cast<std::uint8_t>((1U << begin_.size()) - 1);
-    return go(joints);
+    const double room = rows_.room;
+    auto refusal = go(joints);
+    rows_.room = room;
+    return refusal;
   }
   CubeRows take() { return std::move(rows_); }
 
@@ -127,6 +136,34 @@ ToolAction letting_go(const RobotModel& robot, const ToolState& tool) {
   return JawsTo{std::min(gripper->width_max, held + kLetGo)};
 }
 
+/// The first of several ways that can be planned and keeps its joints off their limits: the arm
+/// stands beside where it was sent, so at a limit the next row cannot be planned from there. Else
+/// the first that can be planned.
+class Choice {
+ public:
+  /// Whether that is the one.
+  bool take(std::expected<CubeRows, Refusal> rows) {
+    if (!rows) {
+      if (!refusal_ || is_nearer(rows.error(), *refusal_)) refusal_ = rows.error();
+      return false;
+    }
+    const bool roomy = rows->room >= kRoom;
+    if (!best_ || roomy) best_ = std::move(*rows);
+    return roomy;
+  }
+  bool any() const { return best_.has_value(); }
+  /// @pre at least one was offered
+  std::expected<CubeRows, Refusal> get() {
+    if (best_) return std::move(*best_);
+    return std::unexpected(*refusal_);
+  }
+
+ private:
+  static constexpr double kRoom = from_deg(1.5);
+  std::optional<CubeRows> best_;
+  std::optional<Refusal> refusal_;
+};
+
 /// Over the spot, straight down, `action`, straight up, and back.
 std::expected<CubeRows, Refusal> from_above(Sequence sequence, const Spot& spot,
                                             const ToolAction& action, const MotionOptions& how) {
@@ -151,19 +188,16 @@ std::expected<CubeRows, Refusal> picked_by_jaws(const Sequence& sequence, const 
     return std::unexpected(Refusal{row.line, grasps.error(), std::nullopt, row.file});
   }
   const MotionOptions& how = std::get<PickCubeStep>(row.what).how;
-  std::optional<Refusal> nearest;
-  std::optional<CubeRows> left_out;  // better than nothing where no other can be had
+  Choice choice, left_out;  // those are better than nothing where no other can be had
   for (const grasping::JawGrasp& grasp : *grasps) {
     Sequence opened = sequence;
     if (auto refusal = opened.use(JawsTo{grasp.open})) return std::unexpected(*refusal);
     auto rows = from_above(std::move(opened), {grasp.p_BT, grasp.pitch, grasp.roll},
                            JawsTo{grasp.close, seen.cubes[which].edge}, how);
-    if (rows && skip-- <= 0) return rows;
-    if (rows) left_out = std::move(*rows);
-    if (!rows && (!nearest || is_nearer(rows.error(), *nearest))) nearest = rows.error();
+    const bool skipped = rows && skip-- > 0;
+    if ((skipped ? left_out : choice).take(std::move(rows)) && !skipped) break;
   }
-  if (left_out) return *left_out;
-  return std::unexpected(*nearest);
+  return choice.any() || !left_out.any() ? choice.get() : left_out.get();
 }
 
 std::expected<CubeRows, Refusal> picked_by_cup(Sequence sequence, const RobotModel& robot,
@@ -176,8 +210,22 @@ std::expected<CubeRows, Refusal> picked_by_cup(Sequence sequence, const RobotMod
                     Suction{Suction::State::kOn}, how);
 }
 
-/// The place as the tool is turned there, and as it would be turned above it: an arm that chooses
-/// its own pitch may find one for each that does not work for the other.
+/// The cube whose top is nearest to a place (m, in B), and nearer than an edge.
+std::optional<std::size_t> cube_at(const Sighting& seen, const Vec3& p_BT) {
+  std::optional<std::size_t> nearest;
+  double least = 0;
+  for (std::size_t i = 0; i < seen.cubes.size(); ++i) {
+    const grasping::Cube& cube = seen.cubes[i];
+    const double far = norm(cube.p_BO + Vec3{0, 0, cube.edge / 2} - p_BT);
+    if (far > cube.edge || (nearest && far >= least)) continue;
+    nearest = i;
+    least = far;
+  }
+  return nearest;
+}
+
+/// The place as the tool is turned there, as it would be turned above it, and at pitches around: an
+/// arm that chooses its own pitch may find one for each that does not work for the other.
 std::vector<Spot> spots_of(const Sequence& there, const Sequence& begin,
                            const PlaceCubeStep& place) {
   std::vector<Spot> spots{there.spot()};
@@ -191,6 +239,14 @@ std::vector<Spot> spots_of(const Sequence& there, const Sequence& begin,
     if (up.go(higher)) continue;
     spots.push_back(up.spot());
     spots.back().p_BT = spots.front().p_BT;
+  }
+  // Between the two, and beside them: at the end of a joint's range the way down would leave it.
+  if (move->to.pitch || !spots.front().pitch) return spots;
+  for (int k = 1; k <= kPitchTries; ++k) {
+    for (const double way : {1.0, -1.0}) {
+      spots.push_back(spots.front());
+      *spots.back().pitch += way * k * kPitchStep;
+    }
   }
   return spots;
 }
@@ -213,10 +269,11 @@ std::expected<CubeRows, Refusal> rows_to_place(RowPlanner& planner, const Standi
   auto refusal = std::visit([&](const auto& to) { return there.go(to); }, place.there);
   if (refusal) return std::unexpected(*refusal);
   const auto how = std::visit([](const auto& to) { return to.how; }, place.there);
+  Choice choice;
   for (const Spot& spot : spots_of(there, {planner, standing, row}, place)) {
-    auto rows = from_above({planner, standing, row}, spot, opening, how);
-    if (rows) return rows;
+    if (choice.take(from_above({planner, standing, row}, spot, opening, how))) break;
   }
+  if (choice.any()) return choice.get();
   // Where there is no room above it: as `move` goes there.
   refusal = there.use(opening);
   if (!refusal) refusal = there.back(how);
@@ -227,10 +284,12 @@ std::expected<CubeRows, Refusal> rows_to_place(RowPlanner& planner, const Standi
 std::expected<CubeRows, Refusal> rows_to_pick(RowPlanner& planner, const Standing& standing,
                                               const Step& row, const Sighting& seen, int skip) {
   const auto& pick = std::get<PickCubeStep>(row.what);
+  const auto nearest = pick.p_BT ? cube_at(seen, *pick.p_BT) : std::nullopt;
   std::optional<Refusal> first;
   for (const std::size_t which : grasping::order_of(seen.cubes)) {
     const grasping::Cube& cube = seen.cubes[which];
     if (pick.color && cube.color != static_cast<int>(*pick.color)) continue;
+    if (pick.p_BT && which != nearest) continue;
     auto rows = picks_with_jaws(planner.robot())
                     ? picked_by_jaws({planner, standing, row}, planner.robot(), seen, which, skip)
                     : picked_by_cup({planner, standing, row}, planner.robot(), seen, which);

@@ -3,6 +3,7 @@
 #include <expected>
 #include <vector>
 
+#include "sinew/core/units.h"
 #include "sinew/program/eyes.h"
 #include "sinew/program/program_plan.h"
 #include "sinew/program/row_planner.h"
@@ -23,6 +24,7 @@ struct CubeRows {
   ToolState tool;           ///< behind them
   double duration = 0;      ///< s, predicted
   grasping::Cube cube{};    ///< that they take
+  double room = kPi;        ///< rad or m, the least to a joint's limit where a row ends
 };
 
 /// Takes a cube that is seen: there from above, straight down, closed, up, and back. The first one

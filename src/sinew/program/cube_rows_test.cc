@@ -73,7 +73,8 @@ TEST(CubeRows, are_read_with_their_colors_and_places) {
 TEST(CubeRows, what_is_wrong_with_a_row_is_said_with_what_would_be_right) {
   const std::pair<const char*, const char*> wrong[] = {
       {"look here", "p.sinew:1:6: too many words; write look"},
-      {"pick red", "p.sinew:1:6: 'red': write pick, or pick color=red"},
+      {"pick red", "p.sinew:1:6: 'red': write pick, pick color=red, or pick at=180mm,0mm,25mm"},
+      {"pick at=180mm,0mm", "p.sinew:1:6: "},
       {"pick color=read",
        "p.sinew:1:6: 'read' is no color of a cube; there are red, orange, yellow, green, blue, "
        "purple, pink, black, wood"},

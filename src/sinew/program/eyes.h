@@ -11,7 +11,6 @@ namespace sinew::program {
 /// What one picture shows of the table in front of a robot.
 struct Sighting {
   std::vector<grasping::Cube> cubes;  ///< in base B; `color` is a vision::ColorName
-  double table_z = 0;                 ///< m, of the table in B
 };
 
 /// A calibrated camera, for the rows that look. Looking takes its time, so it is asked for and

@@ -193,13 +193,19 @@ class Parser {
 
   void take_pick() {
     if (row_.words().size() == 1) return add(PickCubeStep{});
+    constexpr std::string_view kAtKey = "at=";
     if (!row_.takes_words(1, "pick color=red")) return;
-    if (word(1).text == "any") return add(PickCubeStep{});
-    if (!word(1).text.starts_with(kColorKey)) {
-      return row_.complain(word(1), in_quotes(word(1).text) + ": write pick, or pick color=red");
+    const std::string_view text = word(1).text;
+    if (text == "any") return add(PickCubeStep{});
+    if (text.starts_with(kAtKey)) {
+      const auto there = row_.point(word(1), text.substr(kAtKey.size()));
+      if (there) add(PickCubeStep{.color = {}, .p_BT = *there});
+    } else if (text.starts_with(kColorKey)) {
+      if (const auto color = read_color(row_, word(1))) add(PickCubeStep{*color});
+    } else {
+      row_.complain(word(1), in_quotes(text) +
+                                 ": write pick, pick color=red, or pick at=180mm,0mm,25mm");
     }
-    const auto color = read_color(row_, word(1));
-    if (color) add(PickCubeStep{*color});
   }
 
   void take_place() {

@@ -35,7 +35,8 @@
 ///   wait 0.5s | wait settled | wait until base>20deg for 5s
 ///   velocity base=50% shoulder=20% | acceleration base=50%   | limits of the motions behind it
 ///   loop 3 ... end | if z<100mm ... else ... end | call NAME
-///   look | pick | pick color=red           | cubes that a camera sees; back where the row began
+///   look | pick | pick color=red | pick at=180mm,-20mm,25mm
+///                                          | cubes that a camera sees; back where the row began
 ///   place NAME | place x=200mm z=30mm      | releases there from above; back where the row began
 ///   if seen color=blue ... end | repeat while seen ... end
 namespace sinew::program {
@@ -159,6 +160,7 @@ struct LookStep {};
 /// A cube that is seen and that the tool can take, and back to where the row began.
 struct PickCubeStep {
   std::optional<vision::ColorName> color;  ///< any without
+  std::optional<Vec3> p_BT{};              ///< m, about the middle of its top; any without
   MotionOptions how{};
 };
 /// What is held is let go there, from above, and back to where the row began.

@@ -1,55 +1,41 @@
 #pragma once
 
-#include <condition_variable>
 #include <cstdint>
-#include <functional>
-#include <mutex>
 #include <optional>
-#include <stop_token>
-#include <thread>
 
+#include "sinew/model/cell.h"
 #include "sinew/program/eyes.h"
-#include "sinew/vision/cube_detection.h"
-#include "sinew/vision/picture.h"
-#include "sinew/vision/table_camera.h"
+#include "sinew/runtime/camera.h"
 
 namespace sinew::runtime {
 
-/// Cubes on a robot's table by a calibrated camera. A thread of its own takes pictures and looks at
-/// them; no control thread waits for it.
+/// Cubes in front of one robot by a calibrated camera of its cell.
 class CubeEyes : public program::Eyes {
  public:
   struct Place {
-    vision::TableCamera camera;
-    Pose<frame::Base, frame::World> X_BW;  ///< of the camera's table in the robot's base
-    double edge = 0.025;                   ///< m, of the cubes
+    Pose<frame::World, frame::Table> X_WT;  ///< the camera's
+    Pose<frame::World, frame::Base> X_WB;   ///< the robot's
+    std::optional<CellBasket> basket;       ///< cubes in it are not looked at
   };
-  /// The next picture that is taken from now on; may take its time, and gives up where the end is
-  /// asked for. Called in the eyes' own thread.
-  using Source = std::function<Expected<vision::Picture>(const std::stop_token& ending)>;
 
-  CubeEyes(const Place& place, Source source);
-  ~CubeEyes() override;
-  CubeEyes(const CubeEyes&) = delete;
-  CubeEyes& operator=(const CubeEyes&) = delete;
+  /// @param camera  calibrated; outlives this
+  CubeEyes(const Place& place, Camera& camera) : place_(place), camera_(camera) {}
 
-  void look() override;
+  void look() override { wanted_ = camera_.ask(); }
   std::optional<Expected<program::Sighting>> seen() override;
 
  private:
-  void work(const std::stop_token& ending);
-
   Place place_;
-  Source source_;
-  std::mutex mutex_;
-  std::condition_variable_any wanted_;
-  std::uint64_t asked_ = 0;     ///< looks, under the mutex
-  std::uint64_t answered_ = 0;  ///< the look that `answer_` is of
-  std::optional<Expected<program::Sighting>> answer_;
-  std::jthread thread_;  ///< the last: it ends before what it uses
+  Camera& camera_;
+  std::uint64_t wanted_ = 0;  ///< 0: none
 };
 
+/// Whether a place lies over a basket, its walls too. m, in W
+bool is_in(const CellBasket& basket, const Vec3& p_W);
+
 /// What a picture's cubes are in front of a robot.
-program::Sighting sighting_of(const vision::Detection& seen, const CubeEyes::Place& place);
+/// @param edge  m, of all of them
+program::Sighting sighting_of(const vision::Detection& seen, double edge,
+                              const CubeEyes::Place& place);
 
 }  // namespace sinew::runtime

@@ -1,5 +1,6 @@
 #include "sinew/runtime/robot_machine.h"
 
+#include "sinew/runtime/simulated_table.h"
 #include "sinew/sim/bigrobotarm_machine.h"
 #include "sinew/sim/icp_machine.h"
 #include "sinew/sim/lsc_machine.h"
@@ -112,7 +113,11 @@ std::expected<RobotMachine, std::string> make_machine(const RobotModel& robot,
                                                       const MachineOptions& options, Instant boot) {
   if (std::holds_alternative<NoDriver>(robot.device.settings)) return RobotMachine{};
   if (std::string why = obstacle(robot); !why.empty()) return std::unexpected(std::move(why));
-  return std::visit(MachineMaker{robot, options, boot}, robot.device.settings);
+  auto machine = std::visit(MachineMaker{robot, options, boot}, robot.device.settings);
+  if (machine.byte && options.table != nullptr) {
+    machine.byte = options.table->under(std::move(machine.byte), robot, options.place, boot);
+  }
+  return machine;
 }
 
 }  // namespace sinew::runtime

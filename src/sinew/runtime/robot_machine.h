@@ -10,6 +10,8 @@
 
 namespace sinew::runtime {
 
+class SimulatedTable;
+
 /// How a simulated machine shall be, beyond what its model says.
 struct MachineOptions {
   std::optional<std::string> profile;  ///< one of profiles_of()
@@ -17,6 +19,9 @@ struct MachineOptions {
   std::size_t boards = kMaxJoints;  ///< SPI: how many of the axis boards are there
   bool soft_select = false;         ///< SPI: boards listen whether selected or not
   bool ready_high = false;          ///< SPI: READY never falls, as on the boards of the log
+  /// What its hand works on; nothing: an empty table. Outlives the machine.
+  SimulatedTable* table = nullptr;
+  std::size_t place = 0;  ///< which of the table's robots it is
 };
 
 /// A simulated device whose motors know nothing of a position begins at the robot's home, as if

@@ -4,6 +4,7 @@
 #include <thread>
 
 #include "sinew/core/assert.h"
+#include "sinew/runtime/cube_eyes.h"
 
 namespace sinew::runtime {
 namespace {
@@ -37,11 +38,18 @@ io::IoResult<std::unique_ptr<RunningCell>> RunningCell::start(
   SINEW_ASSERT(robots.size() == cell.robots.size());
   std::unique_ptr<RunningCell> running(new RunningCell(std::move(cell), folders));
   running->space_ = std::make_unique<CellSpace>(running->cell_, robots);
+  running->cameras_.resize(running->cell_.cameras.size());
+  if (std::ranges::find(running->cell_.cameras, kSimulatedCamera, &CellCamera::device) !=
+      running->cell_.cameras.end()) {
+    running->table_ = std::make_unique<SimulatedTable>(running->cell_);
+  }
   for (std::size_t i = 0; i < robots.size(); ++i) {
     const CellRobot& place = running->cell_.robots[i];
     StationOptions options = options_of(place, folders);
     options.space = running->space_.get();
     options.place = i;
+    options.simulated.table = running->table_.get();
+    options.simulated.place = i;
     if (adjust) adjust(options);
     running->clocks_.push_back(std::make_unique<io::Clock>(
         clock_for(place.port, place.time_scale.value_or(running->cell_.time_scale))));
@@ -60,6 +68,7 @@ io::IoResult<std::unique_ptr<RunningCell>> RunningCell::start(
 }
 
 RunningCell::~RunningCell() {
+  for (auto& camera : cameras_) camera.reset();
   // Each comes to rest in its own time; together they take as long as the slowest.
   std::vector<std::thread> ends;
   ends.reserve(stations_.size());
@@ -73,9 +82,33 @@ RunningCell::~RunningCell() {
   for (std::thread& end : ends) end.join();
 }
 
-void RunningCell::see_by(std::size_t robot, std::unique_ptr<program::Eyes> eyes) {
-  jobs_[robot]->see_by(*eyes);
-  eyes_.push_back(std::move(eyes));
+void RunningCell::open_camera(std::size_t i, Camera::Settings settings, CameraSource source) {
+  const bool calibrated = settings.calibration.has_value();
+  cameras_[i] = std::make_unique<Camera>(std::move(settings), std::move(source));
+  if (!calibrated || !eyes_.empty()) return;
+  for (std::size_t robot = 0; robot < size(); ++robot) {
+    eyes_.push_back(std::make_unique<CubeEyes>(
+        CubeEyes::Place{cell_.cameras[i].X_WT, cell_.robots[robot].X_WB, cell_.basket},
+        *cameras_[i]));
+    jobs_[robot]->see_by(*eyes_.back());
+  }
+}
+
+std::vector<render::ViewedRobot> RunningCell::robots_in_view() const {
+  std::vector<render::ViewedRobot> robots;
+  for (std::size_t i = 0; i < size(); ++i) {
+    const StationView view = stations_[i]->view();
+    render::ViewedRobot robot{stations_[i]->robot(), cell_.robots[i].X_WB, {}, 0};
+    if (view.truth) {
+      for (const sim::JointTruth& joint : view.truth->joints) robot.q.push_back(joint.q);
+      robot.jaws = view.truth->tool;
+    } else if (view.reference) {
+      robot.q = *view.reference;
+      robot.jaws = view.tool.jaws.value_or(0);
+    }
+    if (robot.q.size() == robot.model.joints.size()) robots.push_back(std::move(robot));
+  }
+  return robots;
 }
 
 std::optional<std::size_t> RunningCell::find(std::string_view name) const {

@@ -7,8 +7,10 @@
 #include <vector>
 
 #include "sinew/model/cell.h"
+#include "sinew/runtime/camera.h"
 #include "sinew/runtime/job.h"
 #include "sinew/runtime/procedure_runner.h"
+#include "sinew/runtime/simulated_table.h"
 #include "sinew/runtime/station.h"
 
 namespace sinew::runtime {
@@ -48,8 +50,15 @@ class RunningCell {
   ProcedureRunner& procedures(std::size_t i) const { return *procedures_[i]; }
   /// Where the cell's robot of this name is; nothing where there is none.
   std::optional<std::size_t> find(std::string_view name) const;
-  /// What programs of this robot look with. Before its first job.
-  void see_by(std::size_t robot, std::unique_ptr<program::Eyes> eyes);
+  /// The camera of the cell's file with this number gives pictures from now on; programs look with
+  /// the first calibrated one. Before the first job.
+  void open_camera(std::size_t i, Camera::Settings settings, CameraSource source);
+  /// Null where it was not opened.
+  Camera* camera(std::size_t i) const { return cameras_[i].get(); }
+  /// What simulated cameras see; null where the cell's file has none.
+  SimulatedTable* table() const { return table_.get(); }
+  /// How its robots stand, as far as that is known: simulated ones as they really do.
+  std::vector<render::ViewedRobot> robots_in_view() const;
 
  private:
   RunningCell(Cell cell, CellFolders folders)
@@ -59,7 +68,9 @@ class RunningCell {
   CellFolders folders_;
   std::vector<std::unique_ptr<io::Clock>> clocks_;  ///< each robot's
   std::unique_ptr<CellSpace> space_;
+  std::unique_ptr<SimulatedTable> table_;  ///< of the stations, which end first
   std::vector<std::unique_ptr<Station>> stations_;
+  std::vector<std::unique_ptr<Camera>> cameras_;      ///< they look at the stations
   std::vector<std::unique_ptr<program::Eyes>> eyes_;  ///< of the jobs, which end first
   std::vector<std::unique_ptr<JobRunner>> jobs_;
   std::vector<std::unique_ptr<ProcedureRunner>> procedures_;

@@ -2,7 +2,8 @@
 
 #include <string>
 
-#include "sinew/runtime/cube_eyes.h"
+#include "sinew/core/instant.h"
+#include "sinew/runtime/camera_source.h"
 
 namespace sinew::runtime {
 
@@ -14,8 +15,6 @@ inline constexpr Duration kPicturePatience = std::chrono::seconds(5);
 
 /// Pictures of a camera that another program writes into one file, again and again (ffmpeg -update
 /// 1, fswebcam). What is half written is read again.
-/// Its looks end with kCameraLost where no new one comes, kCameraBlind where nothing in it can be
-/// told apart, kCameraFrozen where it is the last one, bit by bit.
-CubeEyes::Source written_pictures(std::string path);
+CameraSource written_pictures(std::string path);
 
 }  // namespace sinew::runtime

@@ -250,6 +250,9 @@ class Api {
   std::string wire_text(std::size_t robot, std::uint64_t since, std::uint64_t limit);
   void forget_wires(Instant now);
 
+  // api_camera.cc
+  Answer look_through(const Call& call);
+
   // api_procedures.cc
   Json procedure(std::size_t robot) const;
   Answer start_procedure(const Call& call);
@@ -262,6 +265,7 @@ class Api {
   Keeper keeper_;
   TaskDesk files_;                      ///< the keeper's
   TaskDesk checks_;                     ///< of programs
+  TaskDesk pictures_;                   ///< of cameras
   std::size_t asked_ = 0;               ///< previews and tasks under way
   std::uint64_t messages_ = 0;          ///< that came, ever
   std::size_t inbox_ = 0;               ///< messages that wait

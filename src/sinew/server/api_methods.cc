@@ -8,6 +8,7 @@
 #include "sinew/program/program_file.h"
 #include "sinew/program/program_part.h"
 #include "sinew/server/api.h"
+#include "sinew/server/camera_json.h"
 #include "sinew/server/model_json.h"
 #include "sinew/server/open_rpc.h"
 #include "sinew/server/robot_json.h"
@@ -145,6 +146,8 @@ Api::Answer Api::look(const Method& method, const Call& call) {
       return device_status(*call.robot);
     case MethodId::kWireRead:
       return read_wire(call);
+    case MethodId::kCameraLook:
+      return look_through(call);
     default:
       return keep(method, call);
   }
@@ -202,11 +205,13 @@ Api::Answer Api::describe() const {
                        {"height_m", 2 * object.half.z}});
   }
   Json cameras = Json::array();
-  for (const CellCamera& camera : cell.cameras) {
-    cameras.push_back({{"name", camera.name}, {"device", camera.device}});
+  for (std::size_t i = 0; i < cell.cameras.size(); ++i) {
+    cameras.push_back(camera_description(cell_, i));
   }
-  return Json{{"title", cell.title}, {"version", version_}, {"time_scale", cell.time_scale},
-              {"robots", robots},    {"objects", objects},  {"cameras", cameras}};
+  Json json{{"title", cell.title}, {"version", version_}, {"time_scale", cell.time_scale},
+            {"robots", robots},    {"objects", objects},  {"cameras", cameras}};
+  if (cell.basket) json["basket"] = basket_description(*cell.basket);
+  return json;
 }
 
 /// Between messages that a client asks for; zero for none.

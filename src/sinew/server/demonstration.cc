@@ -1,9 +1,13 @@
 #include "sinew/server/demonstration.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "sinew/config/builtin_robots.h"
+#include "sinew/core/units.h"
 #include "sinew/model/error_sentence.h"
+#include "sinew/program/cube_rows.h"
 #include "sinew/server/json_rpc.h"
 
 namespace sinew::server {
@@ -33,6 +37,35 @@ std::optional<int> behind_home(std::string_view text) {
   return std::nullopt;
 }
 
+/// The robot that picks and stands nearest to the simulated table.
+std::optional<std::size_t> sorter_of(const runtime::RunningCell& cell) {
+  constexpr double kNear = 0.5;  // m
+  const auto camera =
+      std::ranges::find(cell.cell().cameras, kSimulatedCamera, &CellCamera::device);
+  if (camera == cell.cell().cameras.end()) return std::nullopt;
+  std::optional<std::size_t> nearest;
+  double least = kNear;
+  for (std::size_t i = 0; i < cell.size(); ++i) {
+    const double far = norm(cell.cell().robots[i].X_WB.p - camera->X_WT.p);
+    if (far >= least || !program::can_pick(cell.station(i).robot())) continue;
+    nearest = i;
+    least = far;
+  }
+  return nearest;
+}
+
+/// Empty where this robot has no cubes to sort, or nothing to sort them into.
+std::string rows_to_sort(const runtime::RunningCell& cell, std::size_t robot) {
+  constexpr double kDrop = 0.06;  // m above the basket's rim
+  const auto& basket = cell.cell().basket;
+  if (!basket || sorter_of(cell) != robot) return {};
+  const Vec3 p_B = cell.cell().robots[robot].X_WB.inverse() *
+                   (basket->X_WK.p + Vec3{0, 0, basket->size.z + kDrop});
+  return fmt::format(
+      "repeat while seen\n  pick\n  place x={:.1f}mm y={:.1f}mm z={:.1f}mm\nend\n", to_mm(p_B.x),
+      to_mm(p_B.y), to_mm(p_B.z));
+}
+
 }  // namespace
 
 Demonstration::Demonstration(Api& api, const runtime::RunningCell& cell)
@@ -44,7 +77,8 @@ Demonstration::Demonstration(Api& api, const runtime::RunningCell& cell)
                       .time_scale = station.clock().scale(),
                       .plays = station.simulated(),
                       .job = cell.jobs(i).view().id,
-                      .rides = program_of(station.robot().id).empty()});
+                      .rides = program_of(station.robot().id).empty(),
+                      .sorts = rows_to_sort(cell, i)});
   }
   if (session_) api_.yield(*session_);
 }
@@ -108,7 +142,8 @@ void Demonstration::begin_round(std::size_t robot, Instant now) {
     wish["seed"] = part.rounds + 1;
   } else {
     const std::string_view text = program_of(station.robot().id);
-    wish["text"] = text;
+    wish["text"] = std::string(text) + part.sorts;
+    if (!part.sorts.empty()) cell_.table()->begin_again();
     wish["name"] = "demonstration";
     const auto line = behind_home(text);
     if (part.rounds > 0 && line) wish["from_line"] = *line;

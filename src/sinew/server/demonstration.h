@@ -28,6 +28,7 @@ class Demonstration {
     Instant due{};          ///< when it may begin its next round
     std::uint32_t job = 0;  ///< the last one that was looked at
     bool rides = false;     ///< there is no program that suits it
+    std::string sorts{};    ///< rows that sort a simulated table's cubes; empty: it does not
   };
   /// A robot that has failed so often in a row is left alone.
   static constexpr int kFailuresMax = 3;

@@ -106,6 +106,11 @@ constexpr Param kAnswerParams[] = {
     {"answer", ParamType::kText, true,
      "as a person writes it: yes, go, a word of its choices, a number with its unit"}};
 
+constexpr Param kLookParams[] = {
+    {"camera", ParamType::kText, false, "its name in the cell; the first one where left out"},
+    {"known", ParamType::kWhole, false, "number of the last picture: it is not sent again"},
+    {"longest_px", ParamType::kWhole, false, "of the picture's longer side, 16 to 4096; 640"}};
+
 constexpr Param kPreviewParams[] = {
     kRobotParam,
     {"joints", ParamType::kNumbers, false, "where the joints shall be; rad or m, one a joint"},
@@ -304,6 +309,10 @@ constexpr auto kMethods = std::to_array<Method>({
      "what has passed over its wire, both ways, message by message: of those behind `since` the "
      "latest `limit`",
      kWireParams, "frames, last, lost: how many behind `since` are not among them", "WireFrames"},
+    {MethodId::kCameraLook, "camera.look", false,
+     "the newest picture of a camera and the cubes in it; the next one is taken meanwhile",
+     kLookParams, "number, width_px, height_px, cubes, refused, fault, picture: a JPEG as base64",
+     "CameraShot"},
     {MethodId::kProgramCheck, "program.check", false,
      "a verdict for each row, from where the robot stands; nothing moves, and what is refused is "
      "no error",

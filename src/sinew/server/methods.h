@@ -71,6 +71,7 @@ enum class MethodId : std::uint8_t {
   kRobotPreview,
   kDeviceStatus,
   kWireRead,
+  kCameraLook,
   kProgramCheck,
   kProgramFormat,
   kProgramImport,

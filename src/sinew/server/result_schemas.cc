@@ -159,7 +159,36 @@ void put_cell(Json& all) {
                                        {"length_m", number()},
                                        {"width_m", number()},
                                        {"height_m", number()}}))},
-              {"cameras", list(object({{"name", text()}, {"device", text()}}))}});
+              {"cameras", list(object({{"name", text()}, {"device", text()}, {"table", ref("Pose")}},
+                                      {{"lens", object({{"pose", ref("Pose")},
+                                                        {"width_px", whole()},
+                                                        {"height_px", whole()},
+                                                        {"fx_px", number()},
+                                                        {"fy_px", number()},
+                                                        {"accuracy_m", number()}})}}))}},
+             {{"basket", object({{"name", text()},
+                                 {"x_m", number()},
+                                 {"y_m", number()},
+                                 {"z_m", number()},
+                                 {"quaternion_wxyz", numbers(4)},
+                                 {"length_m", number()},
+                                 {"width_m", number()},
+                                 {"height_m", number()}})}});
+  const Json corners = list(numbers(2));
+  all["CameraShot"] =
+      object({{"camera", text()}, {"number", whole()}},
+             {{"width_px", whole()},
+              {"height_px", whole()},
+              {"fault", ref("Error")},
+              {"picture", text()},
+              {"cubes", list(object({{"color", text()}, {"confidence", number()}, {"top_px", corners}},
+                                    {{"x_m", number()},
+                                     {"y_m", number()},
+                                     {"z_m", number()},
+                                     {"yaw_rad", number()},
+                                     {"edge_m", number()},
+                                     {"in_basket", flag()}}))},
+              {"refused", list(object({{"why", text()}, {"outline_px", corners}}))}});
   all["CellStatus"] = object({{"robots", list(ref("Status"))}}, {{"demonstration", flag()}});
   all["ObjectNames"] = object({{"objects", list(text())}});
   all["Objects"] = object(

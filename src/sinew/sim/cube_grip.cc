@@ -214,7 +214,10 @@ std::optional<double> CubeWorld::blocked_width(std::size_t which) const {
   for (std::size_t i = 0; i < cubes_.size(); ++i) {
     if (hand.contacts[i] != Contact::kBetween || cubes_[i].where == CubePlace::kGone) continue;
     Fit fit = fit_of(hand, i);
-    if (fit.face < kFaceLeast || std::abs(fit.turn) > kTurnMost || !fit.is_level) continue;
+    // What is held stays between the jaws however the hand is turned.
+    const bool stops = is_held(i, which) || (fit.face >= kFaceLeast && fit.is_level &&
+                                             std::abs(fit.turn) <= kTurnMost);
+    if (!stops) continue;
     count_neighbours(hand, i, fit);
     widest = std::max(widest.value_or(0), cubes_[i].edge + fit.before + fit.behind);
   }

@@ -1,6 +1,7 @@
 #include "sinew/sim/cube_table.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "sinew/core/assert.h"
 
@@ -13,12 +14,12 @@ constexpr Duration kSlice = std::chrono::milliseconds(4);
 }  // namespace
 
 CubeTable::CubeTable(std::unique_ptr<ByteMachine> machine, const RobotModel& model,
-                     const Pose<frame::World, frame::Base>& X_WB, CubeWorld& world,
+                     const Pose<frame::World, frame::Base>& X_WB, SharedCubes& cubes,
                      std::size_t which, Instant boot)
     : machine_(std::move(machine)),
       model_(model),
       X_WB_(X_WB),
-      world_(world),
+      cubes_(cubes),
       which_(which),
       now_(boot) {
   SINEW_ASSERT(machine_ != nullptr);
@@ -37,27 +38,28 @@ void CubeTable::advance(Instant now) {
 void CubeTable::move_hand() {
   const auto hand = hand_of(model_, machine_->truth(), X_WB_);
   if (!hand) return;
-  world_.advance(now_, *hand, which_);
-  feel();
+  const auto [blocked, payload] = cubes_.with([&](CubeWorld& world) {
+    world.advance(now_, *hand, which_);
+    return std::pair(world.blocked_width(which_), world.held_mass(which_));
+  });
+  feel(blocked, payload);
 }
 
-void CubeTable::feel() {
+void CubeTable::feel(std::optional<double> blocked, double payload) {
   using Kind = Disturbance::Kind;
-  const auto blocked = world_.blocked_width(which_);
   if (blocked != blocked_) {
     const auto jaws = static_cast<std::int8_t>(model_.joints.size());
     machine_->disturb({Kind::kUnblock, jaws, 0});
     if (blocked) machine_->disturb({Kind::kBlock, jaws, *blocked});
     blocked_ = blocked;
   }
-  const double payload = world_.held_mass(which_);
   if (payload != payload_) machine_->disturb({Kind::kPayload, -1, payload});
   payload_ = payload;
 }
 
 bool CubeTable::restore(const LastingState& state) {
   if (!machine_->restore(state)) return false;
-  world_.lift_hand(which_);
+  cubes_.with([&](CubeWorld& world) { world.lift_hand(which_); });
   move_hand();
   return true;
 }

@@ -1,10 +1,27 @@
 #pragma once
 
 #include <memory>
+#include <mutex>
 
 #include "sinew/sim/cube_world.h"
 
 namespace sinew::sim {
+
+/// Cubes that machines of several threads work on, and others look at.
+class SharedCubes {
+ public:
+  explicit SharedCubes(const CubeWorldSettings& settings) : world_(settings) {}
+  /// What `what` makes of the world; it is alone with it meanwhile.
+  template <class What>
+  auto with(const What& what) {
+    const std::scoped_lock lock(mutex_);
+    return what(world_);
+  }
+
+ private:
+  std::mutex mutex_;
+  CubeWorld world_;
+};
 
 /// A machine whose hand works on a world of cubes: it feels what is between its jaws and what hangs
 /// on it, and the cubes go where it takes them.
@@ -16,10 +33,10 @@ class CubeTable : public ByteMachine {
  public:
   /// @param machine  of `model`, at the time `boot`
   /// @param X_WB     its base in the world
-  /// @param world    outlives this one; one thread at a time
-  /// @param which    number of its hand in the world
+  /// @param cubes    outlive this one
+  /// @param which    number of its hand among them
   CubeTable(std::unique_ptr<ByteMachine> machine, const RobotModel& model,
-            const Pose<frame::World, frame::Base>& X_WB, CubeWorld& world, std::size_t which,
+            const Pose<frame::World, frame::Base>& X_WB, SharedCubes& cubes, std::size_t which,
             Instant boot);
 
   void advance(Instant now) override;
@@ -33,16 +50,14 @@ class CubeTable : public ByteMachine {
     return machine_->take_output(out);
   }
 
-  const CubeWorld& world() const { return world_; }
-
  private:
   void move_hand();
-  void feel();
+  void feel(std::optional<double> blocked, double payload);
 
   std::unique_ptr<ByteMachine> machine_;
   RobotModel model_;
   Pose<frame::World, frame::Base> X_WB_;
-  CubeWorld& world_;
+  SharedCubes& cubes_;
   std::size_t which_;
   Instant now_;
   std::optional<double> blocked_;  ///< m, as the machine knows it

@@ -20,9 +20,14 @@ using EventKind = CubeEvent::Kind;
 
 constexpr double kCube = 0.025;
 
+/// For tests that have one thread.
+CubeWorld& alone_with(SharedCubes& cubes) {
+  return *cubes.with([](CubeWorld& world) { return &world; });
+}
+
 /// A LeArm over a table, driven over its own bytes.
 struct LearmCell {
-  explicit LearmCell(const CubeWorldSettings& settings = {}) : world(settings) {
+  explicit LearmCell(const CubeWorldSettings& settings = {}) : cubes(settings) {
     auto machine = std::make_unique<LscMachine>(model, LscProfile::kLsc6, 3, now);
     machine->receive(
         lsc::encode(lsc::Request{
@@ -30,7 +35,7 @@ struct LearmCell {
         now);
     now += 4s;
     machine->advance(now);
-    table = std::make_unique<CubeTable>(std::move(machine), model, X_WB, world, 0, now);
+    table = std::make_unique<CubeTable>(std::move(machine), model, X_WB, cubes, 0, now);
   }
 
   void wait(Duration time) { table->advance(now += time); }
@@ -66,7 +71,8 @@ struct LearmCell {
 
   RobotModel model = test::robot("learm");
   Pose<frame::World, frame::Base> X_WB{rotation_z(kPi / 2), {0.1, -0.05, 0}};
-  CubeWorld world;
+  SharedCubes cubes;
+  CubeWorld& world = alone_with(cubes);
   Instant now{};
   std::unique_ptr<CubeTable> table;
 };
@@ -170,12 +176,12 @@ TEST(CubeTable, an_arm_that_is_put_somewhere_else_sweeps_nothing_and_holds_nothi
 
 /// A MaxArm over a table, sent to heights of its cup.
 struct MaxarmCell {
-  MaxarmCell() : world({}) {
+  MaxarmCell() : cubes({}) {
     auto machine = std::make_unique<MaxArmMachine>(model, MaxArmChecksum::kSpec,
                                                    MaxArmVariant::kArduino, 3, now);
     now += 20s;
     machine->advance(now);
-    table = std::make_unique<CubeTable>(std::move(machine), model, X_WB, world, 0, now);
+    table = std::make_unique<CubeTable>(std::move(machine), model, X_WB, cubes, 0, now);
   }
 
   void tell(const maxarm::Request& request, Duration time) {
@@ -202,7 +208,8 @@ struct MaxarmCell {
 
   RobotModel model = test::robot("maxarm");
   Pose<frame::World, frame::Base> X_WB{rotation_z(0.5), {0.05, 0.1, 0}};
-  CubeWorld world;
+  SharedCubes cubes;
+  CubeWorld& world = alone_with(cubes);
   Instant now{};
   std::unique_ptr<CubeTable> table;
 };

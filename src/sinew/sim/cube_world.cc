@@ -65,11 +65,24 @@ std::size_t CubeWorld::add(const NewCube& cube) {
     hand.of_held.push_back(Contact::kNone);
   }
   const std::size_t i = cubes_.size() - 1;
-  place(i, cube.at, cube.yaw, cube.bottom);
-  const std::size_t told = events_.size();
-  fall(i);
-  events_.resize(told);
+  put(i, cube.at, cube.yaw, cube.bottom);
   return i;
+}
+
+void CubeWorld::put(std::size_t cube, PlanPoint at, double turn, double low) {
+  SINEW_ASSERT(cube < cubes_.size());
+  cubes_[cube].where = CubePlace::kTable;
+  cubes_[cube].on.reset();
+  bodies_[cube] = {};
+  for (Hand& hand : hands_) {
+    hand.contacts[cube] = Contact::kNone;
+    hand.of_held[cube] = Contact::kNone;
+  }
+  place(cube, at, turn, low);
+  const std::size_t told = events_.size();
+  fall(cube);
+  calm();
+  events_.resize(told);
 }
 
 std::optional<std::size_t> CubeWorld::add_somewhere(double edge, int color,

@@ -94,6 +94,17 @@ TEST(PictureFile, png_comes_back_as_it_was) {
   EXPECT_EQ(decode_picture(encode_png(black_picture(1, 1)))->rgb, Bytes(3));
 }
 
+TEST(PictureFile, jpeg_comes_back_nearly_as_it_was) {
+  const Picture picture = quarters(64, 48);
+  const auto back = decode_picture(encode_jpeg(picture));
+  ASSERT_TRUE(back) << back.error();
+  ASSERT_EQ(back->rgb.size(), picture.rgb.size());
+  for (const int x : {8, 56}) {
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(back->at(x, 8)[c], picture.at(x, 8)[c], 6);
+  }
+  EXPECT_TRUE(decode_picture(encode_jpeg(black_picture(1, 1))));
+}
+
 TEST(PictureFile, png_of_16_bits_with_alpha_is_white_where_nothing_is) {
   png_image image{};
   image.version = PNG_IMAGE_VERSION;

@@ -1,9 +1,11 @@
 #include "sinew/vision/table_camera.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "sinew/core/number_text.h"
 #include "sinew/core/units.h"
+#include "sinew/vision/table_fit.h"
 
 namespace sinew::vision {
 namespace {
@@ -45,30 +47,51 @@ std::optional<Vec3> on_plane(const TableCamera& camera, Pixel p, double height) 
   return camera.X_WC.p + fall / toward.z * toward;
 }
 
-std::optional<CubePosition> cube_position(const TableCamera& camera, const SeenCube& cube,
-                                          double edge) {
+std::optional<double> sheet_shift(const TableCamera& camera, const TagBoard& sheet,
+                                  const std::vector<SeenTag>& tags) {
+  const BoardCorners seen = corners_in(sheet, tags);
+  std::vector<double> shifts;
+  for (std::size_t i = 0; i < seen.pixels.size(); ++i) {
+    const auto p_W = on_plane(camera, seen.pixels[i], 0);
+    if (p_W) shifts.push_back(norm(*p_W - seen.points_B[i]));
+  }
+  if (shifts.empty()) return std::nullopt;
+  const auto half = shifts.begin() + static_cast<std::ptrdiff_t>(shifts.size() / 2);
+  std::ranges::nth_element(shifts, half);
+  return *half;
+}
+
+std::optional<CubePosition> cube_position(const Picture& picture, const TableCamera& camera,
+                                          const SeenCube& cube, double edge) {
   constexpr int kLevels = 6;
   constexpr double kOffMost = 0.25;
+  // Its corners say the size to a tenth: two levels more or less. A top and a side face together
+  // look like a larger top, so what decides is where the side faces end that are seen.
+  constexpr double kFoot = 12;        // of 8-bit RGB
+  constexpr double kFits = 0.75;      // of the contrast on the lowest level
+  constexpr double kSmallest = 0.97;  // of its size: corners are rather seen too far out
   std::optional<CubePosition> best;
-  double least = kOffMost;
+  double lowest = 0;
   for (int level = 1; level <= kLevels; ++level) {
     auto square = square_at(camera, cube.top, level * edge);
     if (!square) break;
+    if (std::abs(square->edge / edge - 1) >= kOffMost) continue;
     square->level = level;
-    // A higher level has to be better by what a pixel more or less makes of the size.
-    const double doubt = level == 1 ? 0 : 1.5 / std::max(cube.size, 1.0);
-    const double off = std::abs(square->edge / edge - 1) + doubt;
-    if (off >= least) continue;
-    least = off;
-    best = square;
+    const double pixel = square->edge / std::max(cube.size, 1.0);
+    const TableFit fit = fitted_on_table(picture, camera, *square, edge, pixel);
+    if (!best) lowest = fit.contrast;
+    const bool stands = fit.foot.value_or(0) >= kFoot && fit.contrast >= kFits * lowest &&
+                        square->edge >= kSmallest * edge;
+    if (!best || stands) best = fit.position;
   }
   return best;
 }
 
-void place_on_table(Detection& detection, const TableCamera& camera, double edge) {
+void place_on_table(Detection& detection, const Picture& picture, const TableCamera& camera,
+                    double edge) {
   std::vector<SeenCube> kept;
   for (SeenCube& cube : detection.cubes) {
-    cube.position = cube_position(camera, cube, edge);
+    cube.position = cube_position(picture, camera, cube, edge);
     if (cube.position) {
       kept.push_back(std::move(cube));
       continue;

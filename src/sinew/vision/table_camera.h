@@ -5,6 +5,7 @@
 
 #include "sinew/vision/camera_model.h"
 #include "sinew/vision/cube_detection.h"
+#include "sinew/vision/tag_board.h"
 
 namespace sinew::vision {
 
@@ -15,19 +16,29 @@ struct TableCamera {
   Pose<frame::World, frame::Camera> X_WC;
   double reprojection = 0;  ///< px, rms, of the views that it was measured with
   double accuracy = 0;      ///< m at the table, 95 %, of views that it was not measured with
+  /// Of the sheet that lies in W since then, as table_sheet() has it; empty: none does.
+  std::string sheet;
 };
 
 /// Where what is seen at a pixel meets the plane z = height. m, in W; nothing where it never does
 std::optional<Vec3> on_plane(const TableCamera& camera, Pixel p, double height);
 
-/// Where a cube of edge `edge` (m) is: its top lies at the first multiple of the edge at which what
-/// is seen has that size. Towers of up to six are told apart where the camera is near enough.
+/// How far the tags of the camera's sheet seem to be from where they lie, m: the middle of all
+/// corners that are seen; nothing where none is. @pre it has a sheet
+/// @param tags  of a picture of this camera
+std::optional<double> sheet_shift(const TableCamera& camera, const TagBoard& sheet,
+                                  const std::vector<SeenTag>& tags);
+
+/// Where a cube of edge `edge` (m) is: on the table or on others, its top at the multiple of the
+/// edge at which a square of that size fits the picture best. Towers of up to six.
 /// @return  nothing where its top would be off that size by more than a quarter on each level
-std::optional<CubePosition> cube_position(const TableCamera& camera, const SeenCube& cube,
-                                          double edge);
+std::optional<CubePosition> cube_position(const Picture& picture, const TableCamera& camera,
+                                          const SeenCube& cube, double edge);
 
 /// Gives all cubes their positions; those that have another size are refused.
-/// @param edge  m, of all cubes
-void place_on_table(Detection& detection, const TableCamera& camera, double edge);
+/// @param picture  that they were seen in
+/// @param edge     m, of all cubes
+void place_on_table(Detection& detection, const Picture& picture, const TableCamera& camera,
+                    double edge);
 
 }  // namespace sinew::vision

@@ -24,37 +24,26 @@ TableCamera some_camera(test::Random& random) {
   return camera;
 }
 
-/// The cube as a perfect detection has it; nothing where it is not in view.
-std::optional<SeenCube> seen(const TableCamera& camera, const Vec3& top_W, double turn) {
-  SeenCube cube;
-  for (std::size_t i = 0; i < 4; ++i) {
-    const double angle = turn + from_deg(45 + 90.0 * static_cast<double>(i));
-    const double out = kEdge / std::numbers::sqrt2;
-    const auto p = camera.model.project(
-        camera.X_WC.inverse() * (top_W + Vec3{out * std::cos(angle), out * std::sin(angle), 0}));
-    if (!p) return std::nullopt;
-    cube.top[i] = *p;
-  }
-  cube.size = std::sqrt(area_of(cube.top));
-  cube.center = middle_of(cube.top);
-  return cube;
-}
-
-TEST(TableCamera, cube_on_the_table_or_in_a_tower_is_where_it_is) {
-  test::for_random_cases(300, [](test::Random& random) {
+TEST(TableCamera, tags_that_seem_to_be_elsewhere_tell_how_far_it_was_moved) {
+  const auto sheet = table_sheet("a4");
+  test::for_random_cases(100, [&](test::Random& random) {
     const TableCamera camera = some_camera(random);
-    const int level = static_cast<int>(random.integer(1, 4));
-    const Vec3 top{random.uniform(-0.1, 0.1), random.uniform(-0.08, 0.08), level * kEdge};
-    const double turn = random.uniform(0, kPi / 2);
-    const auto cube = seen(camera, top, turn);
-    if (!cube) return random.discard();
-    const auto place = cube_position(camera, *cube, kEdge);
-    ASSERT_TRUE(place);
-    EXPECT_EQ(place->level, level);
-    EXPECT_LT(norm(place->top_W - top), 1e-6);
-    EXPECT_NEAR(place->edge, kEdge, 1e-6);
-    EXPECT_NEAR(std::remainder(place->yaw - turn, kPi / 2), 0, 1e-6);
-    EXPECT_FALSE(cube_position(camera, *cube, 2 * kEdge));
+    EXPECT_FALSE(sheet_shift(camera, *sheet, {}));
+    TableCamera knocked = camera;
+    const Vec3 way{random.uniform(-0.02, 0.02), random.uniform(-0.02, 0.02), 0};
+    knocked.X_WC.p = knocked.X_WC.p + way;
+    std::vector<SeenTag> tags;
+    for (int id = sheet->first; id < sheet->first + 4; ++id) {
+      SeenTag tag{.family = sheet->family, .id = id};
+      for (std::size_t i = 0; i < 4; ++i) {
+        const auto p = knocked.model.project(knocked.X_WC.inverse() * sheet->corner(id, i));
+        if (!p) return random.discard();
+        tag.corners[i] = *p;
+      }
+      tags.push_back(tag);
+    }
+    EXPECT_NEAR(*sheet_shift(camera, *sheet, tags), norm(way), 1e-6);
+    EXPECT_NEAR(*sheet_shift(knocked, *sheet, tags), 0, 1e-6);
   });
 }
 

@@ -11,9 +11,9 @@ namespace sinew::cli {
 /// What a cell's file names is looked for beside it.
 std::string beside(const std::string& cell_file, const std::string& file);
 
-/// Gives each robot of the cell its calibrated camera, the first that the cell's file names.
+/// Opens the cameras that the cell's file names.
 /// @param file  the cell's
 /// @error  bad input: a calibration that cannot be read
-std::expected<void, Outcome> open_eyes(runtime::RunningCell& cell, const std::string& file);
+std::expected<void, Outcome> open_cameras(runtime::RunningCell& cell, const std::string& file);
 
 }  // namespace sinew::cli

@@ -1,0 +1,83 @@
+/** What the camera view shows: a cell's newest picture, and the cubes in it. */
+import { batch, computed, effect, signal } from '@preact/signals';
+import { robot, route, store } from './app';
+import { t } from './i18n';
+import { pickRow, placeRow, sortRows } from './logic/camera';
+import { fromFlat } from './logic/pose';
+import type { CameraShot, SeenCubeJson } from './logic/types';
+
+const kLookMs = 400;
+
+export const shot = signal<CameraShot | null>(null);
+/** The newest picture that came, as an address for an image. */
+export const picture = signal<string | null>(null);
+/** Its name; the first one where none was chosen. */
+export const chosenCamera = signal<string | null>(null);
+/** Of the cubes of `shot`. */
+export const chosenCube = signal<number | null>(null);
+
+export const cameras = computed(() => store.cell.value?.cameras ?? []);
+export const camera = computed(() => cameras.value.find((one) => one.name === chosenCamera.value) ?? cameras.value[0] ?? null);
+export const basket = computed(() => store.cell.value?.basket ?? null);
+
+const open = computed(() => route.value.view === 'camera' && store.connection.value === 'open' && camera.value !== null);
+
+effect(() => {
+  void camera.value?.name;
+  batch(() => {
+    shot.value = null;
+    picture.value = null;
+    chosenCube.value = null;
+  });
+});
+effect(() => {
+  if (!open.value) return;
+  const name = camera.value!.name;
+  let under = false;
+  const look = async () => {
+    if (under) return;
+    under = true;
+    try {
+      const known = shot.peek()?.number ?? 0;
+      const next = await store.call<CameraShot>('camera.look', { camera: name, known });
+      if (camera.peek()?.name === name) take(next);
+    } catch {
+      // The page says itself that the connection is gone.
+    } finally {
+      under = false;
+    }
+  };
+  void look();
+  const timer = setInterval(() => void look(), kLookMs);
+  return () => clearInterval(timer);
+});
+
+function take(next: CameraShot): void {
+  if (next.number === 0) return;
+  if (next.number === shot.peek()?.number) return;
+  batch(() => {
+    shot.value = next;
+    if (next.picture) picture.value = `data:image/jpeg;base64,${next.picture}`;
+    chosenCube.value = null;
+  });
+}
+
+/** Where the robot that is chosen stands. */
+const base = () => {
+  const place = store.cell.value?.robots.find((one) => one.name === robot.value);
+  return place ? fromFlat(place.pose) : null;
+};
+
+export function pick(cube: SeenCubeJson, intoBasket: boolean): void {
+  const from = base();
+  if (!from || !robot.value) return;
+  const rows = [pickRow(from, cube)];
+  if (intoBasket && basket.value) rows.push(placeRow(from, basket.value));
+  void store.run(robot.value, `${rows.join('\n')}\n`, t('camera.job.pick'));
+}
+
+export function sort(color: string | null): void {
+  const from = base();
+  if (!from || !robot.value || !basket.value) return;
+  void store.run(robot.value, `${sortRows(from, basket.value, color)}\n`, t('camera.job.sort'));
+}

@@ -1,0 +1,45 @@
+/** Die Kameraansicht, mit den Schlüsseln von camera_en.ts. */
+import type { cameraEn } from './camera_en';
+
+export const cameraDe: Record<keyof typeof cameraEn, string> = {
+  'view.camera': 'Kamera',
+
+  'camera.none': 'Diese Zelle hat keine Kamera',
+  'camera.none.how': 'Eine Tabelle [[camera]] in der Datei der Zelle nennt eine; docs/vision.md sagt, wie sie kalibriert wird.',
+  'camera.waits': 'Das erste Bild wird aufgenommen',
+  'camera.picture': 'Was die Kamera sieht',
+  'camera.cubes': 'Würfel im Bild',
+  'camera.cube': '{color}: Würfel bei {x}, {y} mm',
+  'camera.click': 'Einen Würfel anklicken, um ihn zu greifen.',
+  'camera.no_cubes': 'Es sind keine Würfel zu sehen.',
+  'camera.confidence': 'zu {percent} % sicher',
+  'camera.in_basket': 'Im Korb',
+  'camera.on_table': 'Auf dem Tisch',
+  'camera.color': 'Farbe',
+  'camera.pick': 'Greifen',
+  'camera.into': 'In {basket}',
+  'camera.sort': 'Alle in {basket}',
+  'camera.sort_color': 'Nur diese',
+  'camera.job.pick': 'Einen Würfel greifen',
+  'camera.job.sort': 'Würfel sortieren',
+  'camera.fault.then': 'Nichts wird gegriffen, bis die Kamera den Tisch wieder sieht.',
+  'camera.accuracy': 'Kalibriert: Orte auf dem Tisch stimmen auf {mm} mm.',
+  'camera.uncalibrated': 'Nicht kalibriert: wo die Würfel liegen, ist nicht bekannt. sinew camera calibrate findet es heraus.',
+
+  'camera.why.it_is_flat_printed_or_a_piece_of_paper': 'Kein Würfel: flach, gedruckt oder ein Stück Papier',
+  'camera.why.it_has_not_four_corners': 'Kein Würfel: es hat nicht vier Ecken',
+  'camera.why.it_is_larger_than_the_other_cubes': 'Kein Würfel: größer als die anderen',
+  'camera.why.it_is_smaller_than_the_other_cubes': 'Kein Würfel: kleiner als die anderen',
+  'camera.why.its_top_is_hardly_that_of_a_cube_or_mostly_hidden': 'Kaum die Oberseite eines Würfels, oder fast ganz verdeckt',
+  'camera.why.it_is_white_or_grey': 'Kein Würfel: weiß oder grau',
+
+  'color.red': 'Rot',
+  'color.orange': 'Orange',
+  'color.yellow': 'Gelb',
+  'color.green': 'Grün',
+  'color.blue': 'Blau',
+  'color.purple': 'Violett',
+  'color.pink': 'Rosa',
+  'color.black': 'Schwarz',
+  'color.wood': 'Holz',
+};

@@ -1,0 +1,40 @@
+import { describe, expect, it } from 'vitest';
+import { countColors, inBase, onTable, pickRow, placeRow, sortRows, whyKey } from './camera';
+import { fromFixedXyz } from './pose';
+import type { SeenCubeJson } from './types';
+
+const cube = (color: string, more: Partial<SeenCubeJson> = {}): SeenCubeJson => ({
+  color, confidence: 0.9, top_px: [[0, 0], [1, 0], [1, 1], [0, 1]], x_m: 1.2, y_m: 0.1, z_m: 0.025, ...more,
+});
+/** Its x points along the cell's y. */
+const base = { p: [1, 0, 0] as [number, number, number], q: fromFixedXyz([0, 0, Math.PI / 2]) };
+const basket = {
+  name: 'tray', x_m: 1, y_m: 0.2, z_m: 0, quaternion_wxyz: [1, 0, 0, 0] as [number, number, number, number],
+  length_m: 0.1, width_m: 0.1, height_m: 0.05,
+};
+
+describe('cubes that a camera sees', () => {
+  it('stand where their robot sees them', () => {
+    const p = inBase(base, [1.2, 0.1, 0.025]);
+    expect(p[0]).toBeCloseTo(0.1);
+    expect(p[1]).toBeCloseTo(-0.2);
+    expect(p[2]).toBeCloseTo(0.025);
+  });
+  it('are picked up and placed with rows in the robot’s own frame', () => {
+    expect(pickRow(base, cube('red'))).toBe('pick at=100mm,-200mm,25mm');
+    expect(placeRow(base, basket)).toBe('place x=200mm y=0mm z=110mm');
+    expect(sortRows(base, basket, 'red')).toBe('repeat while seen color=red\n  pick color=red\n  place x=200mm y=0mm z=110mm\nend');
+    expect(sortRows(base, basket, null)).toContain('repeat while seen\n  pick\n');
+  });
+  it('are counted by color, those in the basket apart', () => {
+    const cubes = [cube('red'), cube('blue'), cube('red', { in_basket: true })];
+    expect(countColors(cubes)).toEqual([
+      { color: 'red', table: 1, basket: 1 },
+      { color: 'blue', table: 1, basket: 0 },
+    ]);
+    expect(onTable([...cubes, cube('green', { x_m: undefined })]).map((one) => one.color)).toEqual(['red', 'blue']);
+  });
+  it('have a key for each reason why something is none', () => {
+    expect(whyKey('it is flat: printed, or a piece of paper')).toBe('it_is_flat_printed_or_a_piece_of_paper');
+  });
+});

@@ -1,0 +1,55 @@
+/** What a cell's camera sees, and rows that pick it up. */
+import { inverse, add, rotate } from './pose';
+import type { BasketJson, Pose, SeenCubeJson, Vec3 } from './types';
+
+/** Above a basket's rim, where jaws release a cube: m. */
+const kDrop = 0.06;
+
+const mm = (value: number): string => `${(1000 * value).toFixed(1).replace(/\.0$/, '')}mm`;
+
+/** A place of the cell as its robot sees it. */
+export function inBase(base: Pose, p: Vec3): Vec3 {
+  const to = inverse(base);
+  return add(to.p, rotate(to.q, p));
+}
+
+/** Cubes whose place is known, and that are not in the basket. */
+export const onTable = (cubes: readonly SeenCubeJson[]): SeenCubeJson[] =>
+  cubes.filter((cube) => cube.x_m !== undefined && !cube.in_basket);
+
+export function pickRow(base: Pose, cube: SeenCubeJson): string {
+  const p = inBase(base, [cube.x_m!, cube.y_m!, cube.z_m!]);
+  return `pick at=${p.map(mm).join(',')}`;
+}
+
+export function placeRow(base: Pose, basket: BasketJson): string {
+  const [x, y, z] = inBase(base, [basket.x_m, basket.y_m, basket.z_m + basket.height_m + kDrop]);
+  return `place x=${mm(x)} y=${mm(y)} z=${mm(z)}`;
+}
+
+/** All of a color, or all, one after the other. */
+export function sortRows(base: Pose, basket: BasketJson, color: string | null): string {
+  const which = color ? ` color=${color}` : '';
+  return [`repeat while seen${which}`, `  pick${which}`, `  ${placeRow(base, basket)}`, 'end'].join('\n');
+}
+
+/** How many of each color are on the table and in the basket; the commonest first. */
+export function countColors(cubes: readonly SeenCubeJson[]): { color: string; table: number; basket: number }[] {
+  const counts = new Map<string, { color: string; table: number; basket: number }>();
+  for (const cube of cubes) {
+    const one = counts.get(cube.color) ?? { color: cube.color, table: 0, basket: 0 };
+    if (cube.in_basket) ++one.basket;
+    else ++one.table;
+    counts.set(cube.color, one);
+  }
+  return [...counts.values()].sort((a, b) => b.table + b.basket - a.table - a.basket || a.color.localeCompare(b.color));
+}
+
+/** A sentence as the key of its translation. */
+export const whyKey = (why: string): string => why.toLowerCase().replace(/[^a-z]+/g, '_').replace(/^_|_$/g, '');
+
+const kPaint: Record<string, string> = {
+  red: '#d2392f', orange: '#e97f1e', yellow: '#e9c62c', green: '#3f9e4d', blue: '#2f62c4',
+  purple: '#7d4bb0', pink: '#e08ab4', black: '#2b2d30', wood: '#c9a071',
+};
+export const paintOf = (color: string): string => kPaint[color] ?? '#888888';

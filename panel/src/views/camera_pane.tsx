@@ -1,0 +1,191 @@
+import type { JSX } from 'preact';
+import { errorSentence, t, tWord } from '../i18n';
+import { atWork, canMove, robot, status } from '../app';
+import { basket, camera, cameras, chosenCamera, chosenCube, pick, picture, shot, sort } from '../camera_state';
+import { countColors, onTable, paintOf, whyKey } from '../logic/camera';
+import type { CameraShot, SeenCubeJson } from '../logic/types';
+import { decimals } from '../logic/units';
+import { stopJob } from '../teach';
+import { Icon, Segments } from './parts';
+
+/** What a camera sees: its picture with the cubes in it, and what can be done with them. */
+export function CameraPane(): JSX.Element {
+  if (!camera.value) {
+    return (
+      <div class="pane-body">
+        <p class="empty">{t('camera.none')}</p>
+        <p class="hint">{t('camera.none.how')}</p>
+      </div>
+    );
+  }
+  const now = shot.value;
+  return (
+    <div class="pane-body camera" data-tour="camera">
+      {cameras.value.length > 1 && (
+        <Segments
+          label={t('view.camera')}
+          value={camera.value.name}
+          options={cameras.value.map((one) => ({ value: one.name, text: one.name }))}
+          onChange={(name) => (chosenCamera.value = name)}
+        />
+      )}
+      {now?.fault && (
+        <div class="callout camera-fault" role="alert">
+          <h4>
+            <Icon name="fault" size={17} /> {errorSentence(now.fault)}
+          </h4>
+          <p>{t('camera.fault.then')}</p>
+        </div>
+      )}
+      <Picture now={now} />
+      {now && !now.fault && <Cubes now={now} />}
+      <p class="hint">
+        {camera.value.lens
+          ? t('camera.accuracy', { mm: decimals(1000 * camera.value.lens.accuracy_m, 1) })
+          : t('camera.uncalibrated')}
+      </p>
+    </div>
+  );
+}
+
+const points = (corners: readonly (readonly number[])[]): string => corners.map((p) => p.join(',')).join(' ');
+const middle = (corners: readonly (readonly number[])[], axis: 0 | 1): number =>
+  corners.reduce((sum, p) => sum + p[axis]!, 0) / corners.length;
+
+function Picture({ now }: { now: CameraShot | null }): JSX.Element {
+  if (!now?.width_px || !picture.value) return <p class="camera-waits">{t('camera.waits')}</p>;
+  const { width_px: width, height_px: height = 1 } = now;
+  const stroke = Math.max(1.5, width / 320);
+  return (
+    <div class={`camera-picture${now.fault ? ' stale' : ''}`} style={{ aspectRatio: `${width} / ${height}` }}>
+      <img src={picture.value} alt={t('camera.picture')} />
+      <svg viewBox={`0 0 ${width} ${height}`} role="group" aria-label={t('camera.cubes')}>
+        {now.refused?.map((one, i) => (
+          <polygon key={`r${i}`} class="camera-refused" points={points(one.outline_px)} stroke-width={stroke}>
+            <title>{tWord('camera.why', whyKey(one.why))}</title>
+          </polygon>
+        ))}
+        {now.cubes?.map((cube, i) => <Outline key={i} cube={cube} index={i} stroke={stroke} />)}
+      </svg>
+    </div>
+  );
+}
+
+function cubeName(cube: SeenCubeJson): string {
+  const color = tWord('color', cube.color);
+  if (cube.x_m === undefined) return color;
+  return t('camera.cube', { color, x: decimals(1000 * cube.x_m, 0), y: decimals(1000 * cube.y_m!, 0) });
+}
+
+function Outline({ cube, index, stroke }: { cube: SeenCubeJson; index: number; stroke: number }): JSX.Element {
+  const chosen = chosenCube.value === index;
+  const choose = () => (chosenCube.value = chosen ? null : index);
+  return (
+    <g
+      role="button"
+      tabIndex={0}
+      aria-pressed={chosen}
+      aria-label={cubeName(cube)}
+      class={`camera-cube${chosen ? ' chosen' : ''}${cube.in_basket ? ' done' : ''}`}
+      onClick={choose}
+      onKeyDown={(event) => {
+        if (event.key !== 'Enter') return;
+        event.preventDefault();
+        choose();
+      }}
+    >
+      <polygon class="camera-edge" points={points(cube.top_px)} stroke-width={2.4 * stroke} />
+      <polygon points={points(cube.top_px)} stroke={paintOf(cube.color)} stroke-width={1.4 * stroke} />
+      <circle cx={middle(cube.top_px, 0)} cy={middle(cube.top_px, 1)} r={1.6 * stroke} />
+    </g>
+  );
+}
+
+function Cubes({ now }: { now: CameraShot }): JSX.Element {
+  const cubes = now.cubes ?? [];
+  const ready = canMove.value && !atWork.value;
+  const chosen = chosenCube.value === null ? undefined : cubes[chosenCube.value];
+  const here = onTable(cubes).length > 0;
+  return (
+    <>
+      {chosen ? (
+        <section class="camera-chosen" aria-label={cubeName(chosen)}>
+          <h4>
+            <Swatch color={chosen.color} /> {cubeName(chosen)}
+          </h4>
+          <p class="muted">
+            {t('camera.confidence', { percent: Math.round(100 * chosen.confidence) })}
+            {chosen.in_basket && ` · ${t('camera.in_basket')}`}
+          </p>
+          <div class="row">
+            <button type="button" class="primary" disabled={!ready || chosen.x_m === undefined} onClick={() => pick(chosen, false)}>
+              <Icon name="grab" /> {t('camera.pick')}
+            </button>
+            {basket.value && (
+              <button type="button" disabled={!ready || chosen.x_m === undefined} onClick={() => pick(chosen, true)}>
+                <Icon name="later" /> {t('camera.into', { basket: basket.value.name })}
+              </button>
+            )}
+          </div>
+        </section>
+      ) : (
+        <p class="hint">{t(cubes.length > 0 ? 'camera.click' : 'camera.no_cubes')}</p>
+      )}
+      {basket.value && (
+        <div class="row">
+          <button type="button" class="primary big" data-tour="sort" disabled={!ready || !here} onClick={() => sort(null)}>
+            <Icon name="play" /> {t('camera.sort', { basket: basket.value.name })}
+          </button>
+          <button type="button" class="big" disabled={!atWork.value} onClick={stopJob}>
+            <Icon name="stop" /> {t('ride.stop')}
+          </button>
+        </div>
+      )}
+      {!status.value?.state || status.value.state !== 'off' ? null : (
+        <p class="hint">{t('robot.ready_first', { robot: robot.value ?? '' })}</p>
+      )}
+      <Counts cubes={cubes} ready={ready} />
+    </>
+  );
+}
+
+const Swatch = ({ color }: { color: string }): JSX.Element => (
+  <span class="camera-swatch" style={{ background: paintOf(color) }} aria-hidden="true" />
+);
+
+function Counts({ cubes, ready }: { cubes: SeenCubeJson[]; ready: boolean }): JSX.Element | null {
+  const counts = countColors(cubes);
+  if (counts.length === 0) return null;
+  return (
+    <table class="camera-counts">
+      <thead>
+        <tr>
+          <th scope="col">{t('camera.color')}</th>
+          <th scope="col">{t('camera.on_table')}</th>
+          <th scope="col">{t('camera.in_basket')}</th>
+          <th>
+            <span class="sr-only">{t('camera.sort_color')}</span>
+          </th>
+        </tr>
+      </thead>
+      <tbody>
+        {counts.map((one) => (
+          <tr key={one.color}>
+            <th scope="row">
+              <Swatch color={one.color} /> {tWord('color', one.color)}
+            </th>
+            <td>{one.table}</td>
+            <td>{one.basket}</td>
+            <td>
+              {basket.value && (
+                <button type="button" class="quiet" disabled={!ready || one.table === 0} onClick={() => sort(one.color)}>
+                  {t('camera.sort_color')}
+                </button>
+              )}
+            </td>
+          </tr>
+        ))}
+      </tbody>
+    </table>
+  );
+}

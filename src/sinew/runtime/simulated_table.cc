@@ -1,0 +1,151 @@
+#include "sinew/runtime/simulated_table.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "sinew/core/assert.h"
+#include "sinew/core/rotation.h"
+#include "sinew/core/units.h"
+
+namespace sinew::runtime {
+namespace {
+
+constexpr double kTableHalf = 0.6;  // m
+
+const CellCamera& camera_of(const Cell& cell) {
+  const auto found = std::ranges::find(cell.cameras, kSimulatedCamera, &CellCamera::device);
+  SINEW_ASSERT(found != cell.cameras.end());
+  return *found;
+}
+
+/// The table as the world of its cubes.
+Pose<frame::World, frame::World> table_of(const Cell& cell) {
+  return relabel<frame::World, frame::World>(camera_of(cell).X_WT.inverse());
+}
+
+sim::CubeWorldSettings settings_of(const Cell& cell) {
+  sim::CubeWorldSettings settings;
+  settings.table_half = {kTableHalf, kTableHalf};
+  if (cell.basket) {
+    const CellBasket& basket = *cell.basket;
+    settings.basket =
+        sim::Basket{.X_WK = relabel<frame::World, frame::Basket>(table_of(cell) * basket.X_WK),
+                    .half = {basket.size.x / 2, basket.size.y / 2},
+                    .height = basket.size.z};
+  }
+  return settings;
+}
+
+render::ViewedBasket viewed(const sim::Basket& basket) {
+  return {.X_WS = relabel<frame::World, frame::Solid>(basket.X_WK),
+          .half_x = basket.half.x,
+          .half_y = basket.half.y,
+          .height = basket.height,
+          .wall = basket.wall};
+}
+
+}  // namespace
+
+vision::TableCamera usual_camera() {
+  vision::TableCamera camera;
+  camera.name = "simulated";
+  camera.model = vision::pinhole(640, 480, from_deg(45));
+  camera.X_WC = render::looking_at({0, -0.16, 0.52}, {0, 0, 0});
+  camera.accuracy = 0.5e-3;
+  return camera;
+}
+
+SimulatedTable::SimulatedTable(const Cell& cell)
+    : X_WT_(camera_of(cell).X_WT), cubes_(settings_of(cell)) {
+  const auto X_TW = table_of(cell);
+  for (const CellRobot& robot : cell.robots) X_TB_.push_back(X_TW * robot.X_WB);
+  const double turn = fixed_xyz(X_TW.R).z;
+  const double edge = camera_of(cell).cube;
+  for (const CellCube& cube : cell.cubes) {
+    const Vec3 p_T = X_TW * cube.p_W;
+    first_.push_back({.edge = edge,
+                      .color = cube.color,
+                      .at = {p_T.x, p_T.y},
+                      .yaw = cube.turn + turn,
+                      .bottom = std::max(0.0, p_T.z)});
+  }
+  cubes_.with([&](sim::CubeWorld& world) {
+    for (const auto& cube : first_) world.add(cube);
+  });
+  view_.lamps = 2;
+  view_.reach = 0.25;
+}
+
+std::unique_ptr<sim::ByteMachine> SimulatedTable::under(std::unique_ptr<sim::ByteMachine> machine,
+                                                        const RobotModel& model, std::size_t which,
+                                                        Instant boot) {
+  return std::make_unique<sim::CubeTable>(std::move(machine), model, X_TB_.at(which), cubes_, which,
+                                          boot);
+}
+
+CameraSource SimulatedTable::pictures(const vision::TableCamera& camera, Robots robots) {
+  if (const auto board = vision::table_sheet(camera.sheet)) {
+    const std::scoped_lock lock(mutex_);
+    view_.sheets = {{*board, {}, render::print_of(*board)}};
+  }
+  return [this, camera, robots = std::move(robots)](const std::stop_token&) {
+    return picture(camera, robots);
+  };
+}
+
+void SimulatedTable::begin_again() {
+  cubes_.with([&](sim::CubeWorld& world) {
+    for (std::size_t i = 0; i < first_.size(); ++i) {
+      world.put(i, first_[i].at, first_[i].yaw, first_[i].bottom);
+    }
+    world.clear_events();
+  });
+}
+
+void SimulatedTable::set_trouble(const Trouble& trouble) {
+  const std::scoped_lock lock(mutex_);
+  trouble_ = trouble;
+}
+
+void SimulatedTable::set_surroundings(const render::CellView& view) {
+  const std::scoped_lock lock(mutex_);
+  view_ = view;
+}
+
+Expected<vision::Picture> SimulatedTable::picture(const vision::TableCamera& camera,
+                                                  const Robots& robots) {
+  std::unique_lock lock(mutex_);
+  const Trouble trouble = trouble_;
+  render::CellView view = view_;
+  const std::uint64_t number = ++taken_;
+  auto frozen = frozen_;
+  lock.unlock();
+  if (trouble.unplugged) return std::unexpected(Error{ErrorCode::kCameraLost, -1, 0});
+  if (trouble.frozen && frozen) return std::move(*frozen);
+  view.hand = trouble.hand;
+  view.robots = robots();
+  const auto X_TW = relabel<frame::World, frame::World>(X_WT_.inverse());
+  for (render::ViewedRobot& robot : view.robots) robot.X_WB = X_TW * robot.X_WB;
+  cubes_.with([&](const sim::CubeWorld& world) {
+    if (const auto& basket = world.settings().basket) view.basket = viewed(*basket);
+    for (const sim::CubeState& cube : world.cubes()) {
+      if (cube.where == sim::CubePlace::kGone) continue;
+      view.cubes.push_back({relabel<frame::World, frame::Solid>(cube.X_WO), cube.edge,
+                            static_cast<vision::ColorName>(cube.color)});
+    }
+  });
+  auto X_WC = camera.X_WC;
+  X_WC.p = X_WC * trouble.knocked;
+  render::Sensor sensor;
+  sensor.exposure = trouble.exposure;
+  auto picture = render::picture_of(view, camera.model, X_WC, sensor, number);
+  if (trouble.covered) {
+    // Light from a room still leaks in.
+    for (std::uint8_t& value : picture.rgb) value = static_cast<std::uint8_t>(8 + value / 64);
+  }
+  lock.lock();
+  frozen_ = picture;
+  return picture;
+}
+
+}  // namespace sinew::runtime

@@ -1,0 +1,69 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <vector>
+
+#include "sinew/model/cell.h"
+#include "sinew/render/cell_scene.h"
+#include "sinew/runtime/camera_source.h"
+#include "sinew/sim/cube_table.h"
+#include "sinew/vision/table_camera.h"
+
+namespace sinew::runtime {
+
+/// Where a simulated camera hangs that no calibration is given for: 640 x 480 px, above its table.
+vision::TableCamera usual_camera();
+
+/// The table under a cell's simulated camera: cubes and a basket that its robots work on, and what
+/// the camera sees of all that. The cell learns of it through robots' wires and pictures alone.
+class SimulatedTable {
+ public:
+  /// How the robots stand, in the cell.
+  using Robots = std::function<std::vector<render::ViewedRobot>()>;
+  /// What is wrong with the camera, and what else stands on the table.
+  struct Trouble {
+    bool unplugged = false;
+    bool covered = false;
+    bool frozen = false;
+    Vec3 knocked;  ///< m, of its own axes, from where it was calibrated
+    double exposure = 1;
+    std::optional<render::ViewedHand> hand{};  ///< on the table
+  };
+
+  /// @param cell  with a simulated camera
+  explicit SimulatedTable(const Cell& cell);
+
+  /// A robot's machine, its hand on this table. @param which  of the cell's robots
+  std::unique_ptr<sim::ByteMachine> under(std::unique_ptr<sim::ByteMachine> machine,
+                                          const RobotModel& model, std::size_t which, Instant boot);
+  /// Pictures of it; where the camera has a sheet with tags that lies on the table from now on.
+  /// @param camera  as it hangs
+  CameraSource pictures(const vision::TableCamera& camera, Robots robots);
+
+  sim::SharedCubes& cubes() { return cubes_; }
+  /// Somebody puts all cubes to where they lay when the cell began.
+  void begin_again();
+  void set_trouble(const Trouble& trouble);
+  /// Lamps, table top, things that are no cubes; seed: as render::CellView has it.
+  void set_surroundings(const render::CellView& view);
+
+ private:
+  Expected<vision::Picture> picture(const vision::TableCamera& camera, const Robots& robots);
+
+  std::vector<sim::CubeWorld::NewCube> first_;  ///< cubes as the cell begins
+  Pose<frame::World, frame::Table> X_WT_;
+  std::vector<Pose<frame::World, frame::Base>> X_TB_;  ///< T as a world of its own
+  sim::SharedCubes cubes_;
+  std::mutex mutex_;
+  Trouble trouble_;                       ///< under the mutex
+  render::CellView view_;                 ///< under the mutex
+  std::uint64_t taken_ = 0;               ///< pictures, under the mutex
+  std::optional<vision::Picture> frozen_;  ///< under the mutex
+};
+
+}  // namespace sinew::runtime

@@ -1,0 +1,44 @@
+#include <algorithm>
+
+#include "sinew/server/api.h"
+#include "sinew/server/camera_json.h"
+
+namespace sinew::server {
+namespace {
+
+constexpr std::uint64_t kLongestMin = 16;  // px
+constexpr std::uint64_t kLongestMax = 4096;
+constexpr std::uint64_t kLongestUsual = 640;
+
+}  // namespace
+
+/// The newest picture is told at once, and the next one taken meanwhile: who wants to see more asks
+/// again.
+Api::Answer Api::look_through(const Call& call) {
+  const auto& cameras = cell_.cell().cameras;
+  const std::string wanted = call.request.text("camera");
+  const auto found = std::ranges::find_if(
+      cameras, [&](const CellCamera& one) { return wanted.empty() || one.name == wanted; });
+  if (found == cameras.end()) {
+    std::string names;
+    for (const CellCamera& one : cameras) names += (names.empty() ? "" : ", ") + one.name;
+    return invalid(names.empty() ? "this cell has no camera; [[camera]] in its file names one"
+                                 : "no camera of this cell has that name; there are " + names);
+  }
+  const std::uint64_t longest = call.request.whole("longest_px", kLongestUsual);
+  if (longest < kLongestMin || longest > kLongestMax) {
+    return invalid("longest_px has to be 16 to 4096");
+  }
+  const auto i = static_cast<std::size_t>(found - cameras.begin());
+  runtime::Camera* camera = cell_.camera(i);
+  if (camera == nullptr) return invalid(found->name + " was not opened");
+  camera->refresh();
+  const std::uint64_t known = call.request.whole("known", 0);
+  return Errand{pictures_, as_task([this, i, camera, known, longest]() -> Keeper::Result {
+                  const auto shot = camera->newest();
+                  if (!shot) return Json{{"camera", camera->settings().name}, {"number", 0}};
+                  return shot_json(cell_, i, *shot, known, static_cast<int>(longest));
+                })};
+}
+
+}  // namespace sinew::server

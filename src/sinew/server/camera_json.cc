@@ -1,0 +1,95 @@
+#include "sinew/server/camera_json.h"
+
+#include <cmath>
+#include <string_view>
+
+#include "sinew/core/base64.h"
+#include "sinew/core/rotation.h"
+#include "sinew/runtime/cube_eyes.h"
+#include "sinew/server/robot_json.h"
+#include "sinew/vision/picture_file.h"
+
+namespace sinew::server {
+namespace {
+
+Json corners_json(const vision::Quad& quad) {
+  Json corners = Json::array();
+  for (const vision::Pixel& p : quad) corners.push_back({p.x, p.y});
+  return corners;
+}
+
+Json cube_json(const vision::SeenCube& cube, const CellCamera& camera,
+               const std::optional<CellBasket>& basket) {
+  Json json{{"color", name(cube.color)},
+            {"confidence", cube.confidence},
+            {"top_px", corners_json(cube.top)}};
+  if (!cube.position) return json;
+  // The calibration's world is its table.
+  const Vec3 p_W = camera.X_WT * cube.position->top_W;
+  json["x_m"] = p_W.x;
+  json["y_m"] = p_W.y;
+  json["z_m"] = p_W.z;
+  json["yaw_rad"] = cube.position->yaw + fixed_xyz(camera.X_WT.R).z;
+  json["edge_m"] = camera.cube;
+  if (basket && runtime::is_in(*basket, p_W)) json["in_basket"] = true;
+  return json;
+}
+
+std::string jpeg(const vision::Picture& picture, int longest) {
+  const auto bytes = vision::encode_jpeg(vision::shrunk(picture, longest));
+  return base64({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+}
+
+}  // namespace
+
+Json camera_description(const runtime::RunningCell& cell, std::size_t camera) {
+  const CellCamera& place = cell.cell().cameras[camera];
+  Json json{{"name", place.name},
+            {"device", place.device},
+            {"table", pose_json(place.X_WT.p, place.X_WT.R)}};
+  const runtime::Camera* opened = cell.camera(camera);
+  if (opened == nullptr || !opened->settings().calibration) return json;
+  const vision::TableCamera& calibration = *opened->settings().calibration;
+  const auto X_WC =
+      place.X_WT * relabel<frame::Table, frame::Camera>(calibration.X_WC);
+  json["lens"] = {{"pose", pose_json(X_WC.p, X_WC.R)},
+                  {"width_px", calibration.model.width},
+                  {"height_px", calibration.model.height},
+                  {"fx_px", calibration.model.fx},
+                  {"fy_px", calibration.model.fy},
+                  {"accuracy_m", calibration.accuracy}};
+  return json;
+}
+
+Json basket_description(const CellBasket& basket) {
+  Json json = pose_json(basket.X_WK.p, basket.X_WK.R);
+  json["name"] = basket.name;
+  json["length_m"] = basket.size.x;
+  json["width_m"] = basket.size.y;
+  json["height_m"] = basket.size.z;
+  return json;
+}
+
+Json shot_json(const runtime::RunningCell& cell, std::size_t camera,
+               const runtime::Camera::Shot& shot, std::uint64_t known, int longest) {
+  const CellCamera& place = cell.cell().cameras[camera];
+  Json cubes = Json::array();
+  for (const vision::SeenCube& cube : shot.seen.cubes) {
+    cubes.push_back(cube_json(cube, place, cell.cell().basket));
+  }
+  Json refused = Json::array();
+  for (const vision::RefusedShape& shape : shot.seen.refused) {
+    refused.push_back({{"why", shape.why}, {"outline_px", corners_json(shape.outline)}});
+  }
+  Json json{{"camera", place.name},
+            {"number", shot.number},
+            {"width_px", shot.picture.width},
+            {"height_px", shot.picture.height},
+            {"cubes", cubes},
+            {"refused", refused}};
+  if (shot.fault) json["fault"] = error_json(*shot.fault, cell.station(0).robot());
+  if (shot.picture.width > 0 && shot.number != known) json["picture"] = jpeg(shot.picture, longest);
+  return json;
+}
+
+}  // namespace sinew::server

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <string>
+
+#include "sinew/runtime/running_cell.h"
+#include "sinew/server/json_rpc.h"
+
+/// What the server says of cameras: SI, in the cell's frame; px of the picture as it was taken.
+namespace sinew::server {
+
+/// What never changes: where its table is and, where it is calibrated, its lens.
+Json camera_description(const runtime::RunningCell& cell, std::size_t camera);
+Json basket_description(const CellBasket& basket);
+
+/// What its newest picture shows; `picture` beside it, a JPEG as base64, where it has another
+/// number than `known`.
+/// @param longest  px, of the picture's longer side
+Json shot_json(const runtime::RunningCell& cell, std::size_t camera,
+               const runtime::Camera::Shot& shot, std::uint64_t known, int longest);
+
+}  // namespace sinew::server

@@ -1,0 +1,103 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+
+#include "cubes/cube_cell.h"
+
+namespace sinew::cubes {
+namespace {
+
+using sim::CubePlace;
+using Kind = sim::CubeEvent::Kind;
+
+/// The arm stands aside while the camera looks.
+const std::string kStand = "joint base=-60deg shoulder=20deg elbow=40deg wrist=40deg roll=0deg\n";
+const std::string kSort =
+    kStand +
+    "repeat while seen\n"
+    "  pick\n"
+    "  place x=60mm y=180mm z=110mm\n"
+    "end\n";
+
+TEST(Cubes, all_that_are_seen_come_into_the_basket) {
+  const char* wanted = std::getenv("SINEW_CELLS");
+  const int cells = wanted != nullptr ? std::atoi(wanted) : 15;
+  std::size_t all = 0, placed = 0;
+  for (int i = 1; i <= cells; ++i) {
+    CubeCell cell({.seed = static_cast<std::uint64_t>(i),
+                   .cubes = 1 + static_cast<std::size_t>(i) % 4});
+    cell.run(kStand);
+    cell.table().cubes().with([](sim::CubeWorld& world) { world.clear_events(); });
+    const Ended ended = cell.run(kSort);
+    SCOPED_TRACE("cell " + std::to_string(i) + "\n" + ended.text());
+    EXPECT_EQ(ended.job.phase, program::Run::Phase::kDone);
+    EXPECT_EQ(ended.count(Kind::kThrown), 0U);
+    EXPECT_EQ(ended.count(Kind::kCrash), 0U);
+    EXPECT_EQ(ended.count(Kind::kFell), 0U);
+    EXPECT_EQ(ended.count(CubePlace::kBasket), ended.cubes.size());
+    all += ended.cubes.size();
+    placed += ended.count(CubePlace::kBasket);
+  }
+  std::printf("  %zu of %zu cubes are in the basket\n", placed, all);
+}
+
+/// Single cubes and towers of two, in turn.
+TEST(Cubes, what_is_seen_is_where_it_lies) {
+  constexpr double kSame = 0.01;  // m
+  std::size_t tops = 0, found = 0, wrong = 0;
+  double squares = 0;
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    CubeCell cell({.seed = seed, .cubes = 4, .towers = seed % 2 == 0});
+    const Ended ended = cell.run(kStand + "look\n");
+    ASSERT_EQ(ended.job.phase, program::Run::Phase::kDone) << ended.text();
+    const auto shot = cell.cell().camera(0)->newest();
+    for (const vision::SeenCube& seen : shot->seen.cubes) {
+      double nearest = 1;
+      for (const sim::CubeState& cube : ended.cubes) {
+        const Vec3 top = cube.X_WO.p + Vec3{0, 0, cube.edge / 2};
+        nearest = std::min(nearest, norm(top - seen.position->top_W));
+      }
+      ++(nearest > kSame ? wrong : found);
+      if (nearest <= kSame) squares += nearest * nearest;
+    }
+    tops += seed % 2 == 0 ? ended.cubes.size() / 2 : ended.cubes.size();
+  }
+  const double rms = std::sqrt(squares / static_cast<double>(found));
+  std::printf("  %zu of %zu seen, %zu elsewhere, %.2f mm rms\n", found, tops, wrong, 1e3 * rms);
+  EXPECT_GE(found, tops - tops / 20);
+  EXPECT_LE(wrong, tops / 20);
+  EXPECT_LT(rms, 1.5e-3);
+}
+
+TEST(Cubes, a_camera_that_cannot_be_trusted_ends_the_program_and_nothing_moves) {
+  CubeCell cell({.seed = 7, .cubes = 2, .sheet = true});
+  EXPECT_EQ(cell.run(kStand + "look\n").job.phase, program::Run::Phase::kDone);
+  const auto joints = [&] {
+    std::vector<double> q;
+    const runtime::StationView view = cell.cell().station(0).view();
+    for (const auto& joint : view.truth->joints) q.push_back(joint.q);
+    return q;
+  };
+  const auto before = joints();
+  using Trouble = runtime::SimulatedTable::Trouble;
+  Trouble unplugged, covered, frozen, knocked;
+  unplugged.unplugged = covered.covered = frozen.frozen = true;
+  knocked.knocked = {0.012, 0, 0};
+  const std::pair<Trouble, ErrorCode> kCases[] = {{unplugged, ErrorCode::kCameraLost},
+                                                  {covered, ErrorCode::kCameraBlind},
+                                                  {frozen, ErrorCode::kCameraFrozen},
+                                                  {knocked, ErrorCode::kCameraMoved}};
+  for (const auto& [trouble, code] : kCases) {
+    cell.table().set_trouble(trouble);
+    const Ended ended = cell.run("pick\n");
+    ASSERT_TRUE(ended.job.failure) << info(code).name;
+    EXPECT_EQ(info(ended.job.failure->error.code).name, info(code).name);
+    for (std::size_t i = 0; i < before.size(); ++i) EXPECT_NEAR(joints()[i], before[i], 1e-4);
+    cell.table().set_trouble({});
+    EXPECT_EQ(cell.run("look\n").job.phase, program::Run::Phase::kDone) << "it is there again";
+  }
+}
+
+}  // namespace
+}  // namespace sinew::cubes
