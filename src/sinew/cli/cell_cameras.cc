@@ -1,11 +1,13 @@
 #include "sinew/cli/cell_cameras.h"
 
+#include <cstdio>
 #include <filesystem>
+#include <memory>
 #include <utility>
 
 #include "sinew/config/camera_file.h"
 #include "sinew/io/file.h"
-#include "sinew/runtime/written_pictures.h"
+#include "sinew/runtime/open_camera.h"
 
 namespace sinew::cli {
 
@@ -27,6 +29,25 @@ std::expected<vision::TableCamera, Outcome> read_calibration(const CellCamera& c
   return std::move(*read);
 }
 
+/// A cell runs without its camera too: one that cannot be opened is said so, and tried again with
+/// each picture.
+runtime::CameraSource opened_when_there(const std::string& device,
+                                        const runtime::CameraWanted& wanted,
+                                        const std::string& name) {
+  auto opened = runtime::open_camera(device, wanted);
+  if (opened) return std::move(*opened);
+  std::fputs(("  " + name + ": " + opened.error() + "\n").c_str(), stderr);
+  auto source = std::make_shared<runtime::CameraSource>();
+  return [=](const std::stop_token& ending) -> Expected<vision::Picture> {
+    if (!*source) {
+      auto again = runtime::open_camera(device, wanted);
+      if (!again) return std::unexpected(Error{ErrorCode::kCameraLost, -1, 0});
+      *source = std::move(*again);
+    }
+    return (*source)(ending);
+  };
+}
+
 }  // namespace
 
 std::expected<void, Outcome> open_cameras(runtime::RunningCell& cell, const std::string& file) {
@@ -45,8 +66,15 @@ std::expected<void, Outcome> open_cameras(runtime::RunningCell& cell, const std:
       cell.open_camera(i, std::move(settings), std::move(pictures));
       continue;
     }
-    cell.open_camera(i, std::move(settings),
-                     runtime::written_pictures(beside(file, camera.device)));
+    const bool is_address = camera.device.contains("://");
+    runtime::CameraWanted wanted;
+    if (settings.calibration) {
+      wanted.width = settings.calibration->model.width;
+      wanted.height = settings.calibration->model.height;
+    }
+    auto pictures = opened_when_there(is_address ? camera.device : beside(file, camera.device),
+                                      wanted, camera.name);
+    cell.open_camera(i, std::move(settings), std::move(pictures));
   }
   return {};
 }

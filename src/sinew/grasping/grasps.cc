@@ -22,7 +22,7 @@ constexpr double kHand = 25e-3;      // m, from the tips of closed jaws up to th
 constexpr double kHandHalf = 42e-3;  // m, of the hand along the jaws
 constexpr double kCupRadius = 12e-3;  // m
 constexpr double kHold = 5e-3;        // m, that closed tips reach below a cube's top
-constexpr double kSkewMax = 0.35;     // sine of the angle between the jaws and the table
+constexpr double kSkewMax = 0.22;     // sine of the angle between the jaws and the table
 constexpr double kTiltStep = from_deg(5);
 constexpr double kTiltMax = from_deg(50);
 

@@ -202,6 +202,167 @@ PrintPicture blots(SplitMix64& random) {
   return kept(std::move(picture));
 }
 
+PrintPicture collage(SplitMix64& random) {
+  Picture picture = white(kSide);
+  const Heights shade(random, 2, 2);
+  const auto color = [&](double(&ink)[3]) {
+    const double grey = random.uniform(0, 1);
+    const double strength = random.uniform(0, 1);
+    for (double& value : ink) value = grey + strength * (random.uniform(0, 1) - grey);
+  };
+  double back[3];
+  double other[3];
+  color(back);
+  color(other);
+  for (int y = 0; y < kSide; ++y) {
+    for (int x = 0; x < kSide; ++x) {
+      const double share = shade.at(x, y);
+      for (std::size_t c = 0; c < 3; ++c) {
+        picture.at(x, y)[c] = byte(back[c] + share * (other[c] - back[c]));
+      }
+    }
+  }
+  const double large = random.uniform(10, 70);
+  for (int count = whole(random, 5, 60); count > 0; --count) {
+    double ink[3];
+    color(ink);
+    const Pixel middle{random.uniform(0, kSide), random.uniform(0, kSide)};
+    const double turn = random.uniform(0, 1) < 0.6 ? 0 : random.uniform(0, kPi);
+    const Pixel along{std::cos(turn), std::sin(turn)};
+    const Pixel half{large * random.uniform(0.1, 1), large * random.uniform(0.1, 1)};
+    const int kind = whole(random, 0, 5);
+    if (kind == 0) {
+      stroke(picture, middle, middle + 4 * half.x * along, random.uniform(0.5, 4), ink);
+      continue;
+    }
+    const double hole = kind == 1 ? random.uniform(0.5, 0.9) : 0;
+    const double reach = length(half);
+    for (int y = std::max(0, static_cast<int>(middle.y - reach));
+         y < std::min<double>(kSide, middle.y + reach); ++y) {
+      for (int x = std::max(0, static_cast<int>(middle.x - reach));
+           x < std::min<double>(kSide, middle.x + reach); ++x) {
+        const Pixel p = Pixel{x + 0.5, y + 0.5} - middle;
+        const double u = std::abs(dot(p, along)) / half.x;
+        const double v = std::abs(cross(along, p)) / half.y;
+        const double out = kind == 2 ? std::hypot(u, v) : std::max(u, v);
+        if (out > 1 || out < hole) continue;
+        for (std::size_t c = 0; c < 3; ++c) picture.at(x, y)[c] = byte(ink[c]);
+      }
+    }
+  }
+  return kept(std::move(picture));
+}
+
+PrintPicture mottled(SplitMix64& random, double depth, double tint) {
+  const int coarse = whole(random, 3, 12);
+  const int fine = whole(random, 30, 128);
+  const double mix = random.uniform(0, 1);
+  std::vector<Heights> heights;
+  for (int i = 0; i < 4; ++i) {
+    heights.emplace_back(random, coarse, coarse);
+    heights.emplace_back(random, fine, fine);
+  }
+  Picture picture = white(kSide);
+  for (int y = 0; y < kSide; ++y) {
+    for (int x = 0; x < kSide; ++x) {
+      const auto height = [&](std::size_t i) {
+        return mix * heights[2 * i].at(x, y) + (1 - mix) * heights[2 * i + 1].at(x, y);
+      };
+      const double grey = height(0);
+      for (std::size_t c = 0; c < 3; ++c) {
+        picture.at(x, y)[c] = byte(1 - depth * (grey + tint * (height(c + 1) - grey)));
+      }
+    }
+  }
+  return kept(std::move(picture));
+}
+
+PrintPicture printed_face(SplitMix64& random, const double (&rgb)[3], FacePrint print) {
+  constexpr int kFace = 128;
+  Picture picture = vision::black_picture(kFace, kFace);
+  double ink[3];
+  const double shade = random.uniform(0, 1);
+  for (std::size_t c = 0; c < 3; ++c) {
+    ink[c] = shade < 0.4 ? 0.08 : shade < 0.75 ? 0.93 : random.uniform(0, 1);
+  }
+  for (int y = 0; y < kFace; ++y) {
+    for (int x = 0; x < kFace; ++x) {
+      for (std::size_t c = 0; c < 3; ++c) picture.at(x, y)[c] = byte(rgb[c]);
+    }
+  }
+  const double size = random.uniform(0.2, 0.38) * kFace;
+  const Pixel middle{kFace / 2.0, kFace / 2.0};
+  const auto point = [&] {
+    return middle + Pixel{random.uniform(-1, 1) * size, random.uniform(-1, 1) * size};
+  };
+  switch (print) {
+    case FacePrint::kLetter: {
+      const double thick = random.uniform(0.08, 0.25) * size;
+      Pixel at = point();
+      for (int count = whole(random, 2, 4); count > 0; --count) {
+        const Pixel next = point();
+        stroke(picture, at, next, thick, ink);
+        at = next;
+      }
+      break;
+    }
+    case FacePrint::kPips: {
+      const int across = whole(random, 1, 3);
+      const double step = 2 * size / across;
+      for (int i = 0; i < across * across; ++i) {
+        const Pixel pip{(i % across - 0.5 * (across - 1)) * step,
+                        (static_cast<double>(i / across) - 0.5 * (across - 1)) * step};
+        stroke(picture, middle + pip, middle + pip, 0.3 * std::min(step, size), ink);
+      }
+      break;
+    }
+    case FacePrint::kTag:
+    case FacePrint::kLabel: {
+      const bool is_tag = print == FacePrint::kTag;
+      const int cells = whole(random, 6, 10);
+      const std::uint64_t bits = random.bits();
+      for (int y = 0; y < kFace; ++y) {
+        for (int x = 0; x < kFace; ++x) {
+          const double u = (x + 0.5 - middle.x) / size;
+          const double v = (y + 0.5 - middle.y) / (is_tag ? size : 0.6 * size);
+          if (std::max(std::abs(u), std::abs(v)) > 1) continue;
+          const int i = static_cast<int>((u + 1) / 2 * cells);
+          const int k = static_cast<int>((v + 1) / 2 * cells);
+          const int edge = std::min({i, k, cells - 1 - i, cells - 1 - k});
+          const bool dark =
+              edge == 1 ||
+              (edge > 1 && (bits >> static_cast<unsigned>((i * 7 + k * 11) % 61) & 1U) != 0);
+          for (std::size_t c = 0; c < 3; ++c) {
+            picture.at(x, y)[c] = is_tag ? byte(dark ? 0.05 : 0.95) : byte(ink[c]);
+          }
+        }
+      }
+      break;
+    }
+    case FacePrint::kScrew: {  // of metal, in a dark hole
+      const double radius = random.uniform(0.05, 0.2) * kFace;
+      const double dark[3] = {0.3 * rgb[0], 0.3 * rgb[1], 0.3 * rgb[2]};
+      const double metal = random.uniform(0.4, 0.9);
+      stroke(picture, middle, middle, random.uniform(1, 1.5) * radius, dark);
+      stroke(picture, middle, middle, radius, {metal, metal, metal});
+      stroke(picture, middle, middle, 0.4 * radius, dark);
+      break;
+    }
+    case FacePrint::kScratches: {
+      for (int count = whole(random, 3, 25); count > 0; --count) {
+        const Pixel from{random.uniform(0, kFace), random.uniform(0, kFace)};
+        const Pixel along{random.uniform(-1, 1), random.uniform(-1, 1)};
+        double worn[3];
+        const double strength = random.uniform(-0.25, 0.25);
+        for (std::size_t c = 0; c < 3; ++c) worn[c] = std::clamp(rgb[c] + strength, 0.0, 1.0);
+        stroke(picture, from, from + random.uniform(1, 30) * along, random.uniform(0.5, 3), worn);
+      }
+      break;
+    }
+  }
+  return kept(std::move(picture));
+}
+
 PrintPicture framed(double share) {
   return grey_of(kSide, [&](int x, int y) {
     const int edge = std::min({x, y, kSide - 1 - x, kSide - 1 - y});

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
 
 #include "sinew/core/split_mix.h"
@@ -33,6 +34,16 @@ PrintPicture writing(SplitMix64& random);
 PrintPicture fields(SplitMix64& random);
 /// Blots of all sizes in all colours, as a printed photo has them.
 PrintPicture blots(SplitMix64& random);
+/// Rectangles, discs, rings and lines in all colors on a shaded background: a poster, or a room
+/// that is far away and out of focus.
+PrintPicture collage(SplitMix64& random);
+/// Colored noise of several sizes, as carpets, stone and cloth have it.
+/// @param depth  0 to 1, of the darkest  @param tint  0: grey, 1: any color
+PrintPicture mottled(SplitMix64& random, double depth, double tint);
+/// What is on the face of a block.
+enum class FacePrint : std::uint8_t { kLetter, kPips, kTag, kLabel, kScratches, kScrew };
+/// A face in this sRGB color with a print in another one. @param rgb  0 to 1
+PrintPicture printed_face(SplitMix64& random, const double (&rgb)[3], FacePrint print);
 /// A dark edge around white. @param share  of the picture's width
 PrintPicture framed(double share);
 /// A dark round hole or screw on white. @param share  its diameter, of the picture's width

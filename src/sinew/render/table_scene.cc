@@ -21,6 +21,43 @@ using vision::Pixel;
 /// m, the edge of a common cube.
 constexpr double kEdge = 0.03;
 
+/// sRGB of a hue (deg), a saturation and a value, each 0 to 1.
+std::array<double, 3> from_hsv(double hue, double saturation, double value) {
+  std::array<double, 3> rgb{};
+  for (std::size_t c = 0; c < 3; ++c) {
+    const double k = std::fmod((hue + 360) / 60 + 5 - 2 * static_cast<double>(c), 6.0);
+    rgb[c] = value * (1 - saturation * std::clamp(std::min(k, 4 - k), 0.0, 1.0));
+  }
+  return rgb;
+}
+
+/// What people call by one name, in the light of day.
+struct HsvRange {
+  double hue_low;  ///< deg
+  double hue_high;
+  double saturation_low;
+  double saturation_high;
+  double value_low;
+  double value_high;
+};
+constexpr std::array<HsvRange, vision::kColorNames> kNamed{{{350, 366, 0.7, 1, 0.45, 1},
+                                                            {17, 33, 0.7, 1, 0.75, 1},
+                                                            {45, 61, 0.5, 1, 0.7, 1},
+                                                            {80, 165, 0.3, 1, 0.22, 1},
+                                                            {197, 240, 0.5, 1, 0.25, 1},
+                                                            {260, 295, 0.35, 0.9, 0.3, 0.85},
+                                                            {318, 345, 0.25, 0.75, 0.8, 1},
+                                                            {0, 360, 0, 0.3, 0.03, 0.2},
+                                                            {26, 40, 0.2, 0.5, 0.55, 0.95}}};
+
+Rgb linear_of(const std::array<double, 3>& srgb) {
+  unsigned hex = 0;
+  for (const double v : srgb) {
+    hex = hex << 8U | static_cast<unsigned>(std::lround(255 * std::clamp(v, 0.0, 1.0)));
+  }
+  return from_srgb(hex);
+}
+
 class Maker {
  public:
   Maker(std::uint64_t seed, const TableSettings& settings) : random_(seed), settings_(settings) {}
@@ -31,8 +68,11 @@ class Maker {
     lay_table();
     const double clutter = random_.uniform(0, 1);
     if (chance(0.35)) lay_board();
+    if (chance(0.25)) furnish_room();
+    if (chance(0.2)) lay_zones();
     for (int n = whole(0, static_cast<int>(1 + 5 * clutter)); n > 0; --n) lay_flat();
     place_cubes();
+    if (chance(0.15)) place_tray();
     for (int n = whole(0, static_cast<int>(7 * clutter)); n > 0; --n) place_other();
     if (chance(0.3)) reach_in(true);
     if (chance(0.12)) reach_in(false);
@@ -49,7 +89,18 @@ class Maker {
   bool chance(double share) { return random_.uniform(0, 1) < share; }
   Rgb one_of(std::span<const unsigned> swatches) { return near_one_of(random_, swatches); }
   Rgb any_color() { return render::any_color(random_); }
+  /// One of the swatches, or any color at all.
+  Rgb any_color_at_all() {
+    if (chance(0.5)) return any_color();
+    return linear_of(from_hsv(uniform(0, 360), uniform(0, 1) * uniform(0, 1), uniform(0.03, 1)));
+  }
   Material plastic(Rgb color) { return render::plastic(random_, color); }
+  std::array<double, 3> srgb_named(ColorName name) {
+    const HsvRange& range = kNamed[static_cast<std::size_t>(name)];
+    return from_hsv(uniform(range.hue_low, range.hue_high),
+                    uniform(range.saturation_low, range.saturation_high),
+                    uniform(range.value_low, range.value_high));
+  }
   std::size_t add(std::variant<Polyhedron, Cylinder, Ball, Ground> form, const X& X_WS,
                   Material material) {
     out_.scene.solids.push_back({std::move(form), X_WS, std::move(material)});
@@ -78,7 +129,9 @@ class Maker {
     camera.center = camera.center + Pixel{uniform(-10, 10), uniform(-10, 10)};
     edge_px_ = std::exp(uniform(std::log(settings_.edge_least), std::log(settings_.edge_most)));
     const double distance = kEdge * camera.fx / edge_px_;
-    const double tilt = chance(0.6) ? from_deg(uniform(0, 15)) : from_deg(uniform(10, 55));
+    const double tilt = chance(0.45)  ? from_deg(uniform(0, 15))
+                        : chance(0.5) ? from_deg(uniform(10, 50))
+                                      : from_deg(uniform(40, 68));
     const double aside = uniform(0, 2 * kPi);
     const Vec3 eye{distance * std::sin(tilt) * std::cos(aside),
                    distance * std::sin(tilt) * std::sin(aside), distance * std::cos(tilt)};
@@ -97,6 +150,7 @@ class Maker {
 
   void place_lamps() {
     const int count = whole(1, 3);
+    const bool is_sun = chance(0.12);  // one that throws hard shadows
     for (int i = 0; i < count; ++i) {
       const double high = uniform(0.5, 2.5) * std::max(0.4, 2 * reach_);
       const double aside = uniform(0, 2 * kPi);
@@ -104,18 +158,18 @@ class Maker {
       const double far = std::hypot(high, out);
       const double power = uniform(0.15, 1) / count * far * far;
       out_.scene.lamps.push_back({{out * std::cos(aside), out * std::sin(aside), high},
-                                  uniform(0.01, 0.25) * far,
-                                  static_cast<float>(power) * warm()});
+                                  (is_sun ? 0.005 : uniform(0.01, 0.25)) * far,
+                                  static_cast<float>((is_sun ? 2 : 1) * power) * warm()});
     }
     out_.scene.above = static_cast<float>(uniform(0.08, 0.7)) * warm();
     out_.scene.below = static_cast<float>(uniform(0.02, 0.3)) * any_color();
   }
 
   void lay_table() {
-    Material table = plastic(one_of(table_swatches()));
-    table.gloss = static_cast<float>(uniform(0, 0.08));
+    Material table = plastic(chance(0.7) ? one_of(table_swatches()) : any_color_at_all());
+    table.gloss = static_cast<float>(chance(0.8) ? uniform(0, 0.08) : uniform(0.08, 0.3));
     const double size = uniform(0.5, 3) * reach_;
-    switch (whole(0, 9)) {
+    switch (whole(0, 12)) {
       case 0:
       case 1:
         print_on(table, grain(random_, uniform(0.2, 0.7)), size);
@@ -133,6 +187,13 @@ class Maker {
       case 6:
         print_on(table, chance(0.5) ? blots(random_) : checkers(whole(4, 16)), size);
         break;
+      case 7:
+      case 8:
+        print_on(table, mottled(random_, uniform(0.1, 0.9), uniform(0, 1)), size);
+        break;
+      case 9:
+        print_on(table, collage(random_), uniform(1, 4) * reach_);
+        break;
       default:
         break;
     }
@@ -142,7 +203,7 @@ class Maker {
     }
     // Its edge is in view: the floor lies below.
     Material floor = plastic(one_of(table_swatches()));
-    print_on(floor, clouds(random_, 0.5), 1);
+    print_on(floor, chance(0.5) ? clouds(random_, 0.5) : mottled(random_, 0.6, uniform(0, 0.6)), 1);
     add(Ground{}, {Rotation{}, {0, 0, -uniform(0.1, 0.9)}}, floor);
     const Vec3 half{uniform(0.5, 1.5) * reach_, uniform(0.5, 1.5) * reach_, 0.01};
     add(box(half),
@@ -154,7 +215,7 @@ class Maker {
     Material board = plastic(one_of(table_swatches()));
     const double half = uniform(0.3, 0.9) * reach_;
     const double high = uniform(0.0003, 0.004);
-    switch (whole(0, 6)) {
+    switch (whole(0, 8)) {
       case 0:
         print_on(board, blots(random_), 2 * half, true);
         break;
@@ -173,6 +234,10 @@ class Maker {
       case 5:
         print_on(board, framed(uniform(0.01, 0.08)), 2 * half, true);
         break;
+      case 6:
+      case 7:
+        print_on(board, collage(random_), 2 * half, true);
+        break;
       default:
         break;
     }
@@ -186,14 +251,15 @@ class Maker {
     const Vec3 at = somewhere(0, -0.1);
     const double half = kEdge * uniform(0.3, 2.5);
     const double high = uniform(0.0001, 0.0006);
-    Material flat = plastic(chance(0.5) ? Rgb{0.9F, 0.9F, 0.9F} : any_color());
+    Material flat = plastic(chance(0.4) ? Rgb{0.9F, 0.9F, 0.9F} : any_color_at_all());
     flat.gloss *= 0.3F;
-    double narrow = uniform(0.1, 1);
-    const int kind = whole(0, 6);
+    double narrow = chance(0.3) ? 1 : uniform(0.1, 1);
+    const int kind = whole(0, 7);
     if (kind == 0) print_on(flat, writing(random_), 2 * half);
     if (kind == 1 || kind == 2) print_on(flat, tag(random_), 2 * half, true);
     if (kind == 3) print_on(flat, rings(), 2 * half, true);
     if (kind == 4) print_on(flat, chance(0.5) ? checkers(8) : stripes(12), 2 * half, true);
+    if (kind == 5) print_on(flat, collage(random_), 2 * half, true);
     if (kind == 1 || kind == 2 || kind == 3) {
       flat.color = {0.9F, 0.9F, 0.9F};
       narrow = 1;
@@ -224,12 +290,30 @@ class Maker {
     if (!cube.is_pale) {
       cube.color = static_cast<ColorName>(whole(0, static_cast<int>(vision::kColorNames) - 1));
     }
+    if (!cube.is_pale && few_ > 0)
+      cube.color = picked_[static_cast<std::size_t>(whole(1, few_)) - 1];
     const auto color = cube.is_pale ? std::nullopt : std::optional(cube.color);
-    return {painted_block(random_, color, static_cast<BlockStyle>(style_), edge_), cube};
+    Material material = painted_block(random_, color, static_cast<BlockStyle>(style_), edge_);
+    if (!cube.is_pale && (is_printed_ || chance(0.4))) {
+      const std::array<double, 3> srgb = srgb_named(cube.color);
+      material.color = linear_of(srgb);
+      if (is_printed_ && chance(0.8)) {
+        const double rgb[3] = {srgb[0], srgb[1], srgb[2]};
+        print_on(material, printed_face(random_, rgb, face_print_), edge_, true);
+      }
+    }
+    if (surface_ == 0) material.gloss = 0;  // foam, chalk, raw wood
+    if (surface_ == 1) {
+      material.gloss = static_cast<float>(uniform(0.06, 0.18));
+      material.roughness = static_cast<float>(uniform(0.06, 0.3));
+    }
+    return {std::move(material), cube};
   }
 
   /// A block whose bottom is at `at`. How high it is, m.
   double put_block(const Vec3& at, double turn) {
+    const double common = edge_;
+    if (is_mixed_) edge_ *= uniform(0.65, 1.35);
     auto [material, cube] = block();
     const double high = edge_ * proportion_ * uniform(0.97, 1.03);
     const double slim = uniform(0.97, 1.03);
@@ -244,7 +328,15 @@ class Maker {
             {{x * root, y * root, 0}, (half.x + half.y - chamfer_ * edge_) * root});
       }
     }
-    cube.solid = add(form, upright(at.x, at.y, at.z + high / 2, turn), material);
+    if (is_capped_) {
+      add(form, upright(at.x, at.y, at.z + high / 2 - 0.001, turn), body_);
+      const double share = uniform(0.8, 1);
+      form = box({share * half.x, share * half.y, 0.0015}, 0.0005);
+      cube.edge *= share;
+      cube.solid = add(form, upright(at.x, at.y, at.z + high - 0.0015, turn), material);
+    } else {
+      cube.solid = add(form, upright(at.x, at.y, at.z + high / 2, turn), material);
+    }
     for (int i = 0; i < studs_ * studs_; ++i) {
       const double step = edge_ / studs_;
       const Vec3 stud =
@@ -254,6 +346,7 @@ class Maker {
           {Rotation{}, cube.top_W + stud + Vec3{0, 0, 0.05 * step}}, material);
     }
     out_.cubes.push_back(cube);
+    edge_ = common;
     return high;
   }
 
@@ -264,6 +357,18 @@ class Maker {
     chamfer_ = chance(0.2) ? uniform(0.03, 0.16) : 0;
     studs_ = chance(0.05) ? whole(1, 3) : 0;
     proportion_ = chance(0.8) ? 1 : uniform(0.25, 2);
+    is_mixed_ = chance(0.25);
+    is_printed_ = chance(0.25);
+    face_print_ = static_cast<FacePrint>(whole(0, 5));
+    surface_ = whole(0, 4);
+    is_capped_ = chance(0.06);
+    body_ = plastic(chance(0.6) ? Rgb{0.02F, 0.02F, 0.02F} : any_color_at_all());
+    if (chance(0.35)) {
+      few_ = whole(1, 3);
+      for (ColorName& name : picked_) {
+        name = static_cast<ColorName>(whole(0, static_cast<int>(vision::kColorNames) - 1));
+      }
+    }
     if (chance(0.04)) return;
     const double room =
         static_cast<double>(settings_.width) * settings_.height / (4 * edge_px_ * edge_px_);
@@ -280,6 +385,11 @@ class Maker {
       if (!free) continue;
       const double turn = uniform(0, kPi / 2);
       taken_.push_back({at, 0.72 * edge_});
+      if (chance(0.03)) {  // one that an arm lifts
+        at.z = uniform(0.3, 4) * edge_;
+        put_block(at, turn);
+        continue;
+      }
       double high = put_block(at, turn);
       if (chance(0.15)) {  // a tower
         for (int n = whole(1, 3); n > 0; --n) {
@@ -319,8 +429,10 @@ class Maker {
     const Vec3 at = somewhere(0);
     if (!is_free(at, size)) return;
     const double turn = uniform(0, kPi);
-    Material material = plastic(any_color());
+    Material material = plastic(any_color_at_all());
     if (chance(0.2)) print_on(material, writing(random_), 2 * size);
+    if (chance(0.1)) print_on(material, collage(random_), 2 * size);
+    if (chance(0.1)) print_on(material, screw(random_, uniform(0.1, 0.35)), 1.2 * size);
     double reach = size;
     switch (whole(0, 7)) {
       case 0:
@@ -372,6 +484,79 @@ class Maker {
       }
     }
     taken_.push_back({at, reach});
+  }
+
+  /// Flat fields and outlines of tape, where a program sorts cubes to. Cubes may stand on them.
+  void lay_zones() {
+    const double half = kEdge * uniform(0.6, 3);
+    const double turn = chance(0.5) ? 0 : uniform(0, kPi);
+    const double thick = half * uniform(0.03, 0.15);
+    const bool outlined = chance(0.5);
+    for (int n = whole(1, 5); n > 0; --n) {
+      const Vec3 at = somewhere(0);
+      Material material = plastic(any_color_at_all());
+      material.gloss *= 0.3F;
+      const double high = uniform(0.00005, 0.0002);
+      if (!outlined) {
+        add_other(OtherKind::kFlat, box({half, half, high}), upright(at.x, at.y, high, turn),
+                  material);
+        continue;
+      }
+      for (const auto& [x, y] : {std::pair(1, 0), {-1, 0}, {0, 1}, {0, -1}}) {
+        const Vec3 p = at + half * (rotation_z(turn) * Vec3{x * 1.0, y * 1.0, 0});
+        add(box({x == 0 ? half : thick, y == 0 ? half : thick, high}),
+            upright(p.x, p.y, high, turn), material);
+      }
+    }
+  }
+
+  /// A tray or a bin with walls.
+  void place_tray() {
+    const double half = kEdge * uniform(1.2, 4);
+    const Vec3 at = somewhere(0, 0);
+    if (!is_free(at, half)) return;
+    const double turn = uniform(0, kPi);
+    const Material material = plastic(any_color_at_all());
+    const double wall = kEdge * uniform(0.03, 0.15);
+    const double high = kEdge * uniform(0.2, 2);
+    add_other(OtherKind::kLarge, box({half, half, 0.001}), upright(at.x, at.y, 0.001, turn),
+              material);
+    for (const auto& [x, y] : {std::pair(1, 0), {-1, 0}, {0, 1}, {0, -1}}) {
+      const Vec3 p = at + half * (rotation_z(turn) * Vec3{x * 1.0, y * 1.0, 0});
+      add(box({x == 0 ? half : wall, y == 0 ? half : wall, high / 2}),
+          upright(p.x, p.y, high / 2, turn), material);
+    }
+    taken_.push_back({at, 1.5 * half});
+  }
+
+  /// A wall behind the table, and things of any size and color around it.
+  void furnish_room() {
+    const double aside = std::atan2(out_.X_WC.p.y, out_.X_WC.p.x) + kPi + uniform(-0.5, 0.5);
+    const double far = reach_ * uniform(1.2, 4);
+    Material wall = plastic(any_color_at_all());
+    if (chance(0.7)) print_on(wall, collage(random_), uniform(1, 4) * reach_);
+    add(box({0.01, 6 * reach_, 6 * reach_}),
+        upright((far + reach_) * std::cos(aside), (far + reach_) * std::sin(aside), 0, aside),
+        wall);
+    for (int n = whole(2, 14); n > 0; --n) {
+      const double direction = aside + uniform(-1.4, 1.4);
+      const double out = reach_ * uniform(0.8, 2.5);
+      const Vec3 half{reach_ * uniform(0.03, 0.4), reach_ * uniform(0.03, 0.4),
+                      reach_ * uniform(0.03, 0.6)};
+      const Vec3 at{out * std::cos(direction), out * std::sin(direction), half.z};
+      Material material = plastic(any_color_at_all());
+      if (chance(0.4)) print_on(material, collage(random_), uniform(0.3, 2) * reach_);
+      if (chance(0.6)) {
+        add_other(OtherKind::kLarge, box(half, 0.002), upright(at.x, at.y, at.z, uniform(0, kPi)),
+                  material);
+      } else if (chance(0.6)) {
+        add_other(OtherKind::kRound, Cylinder{half.x, half.z}, upright(at.x, at.y, at.z, 0),
+                  material);
+      } else {
+        add_other(OtherKind::kRound, Ball{half.x}, upright(at.x, at.y, half.x, 0), material);
+      }
+      taken_.push_back({at, std::max(half.x, half.y)});
+    }
   }
 
   void rod(const Vec3& from, const Vec3& to, double radius, const Material& material) {
@@ -434,22 +619,22 @@ class Maker {
   void set_sensor() {
     Sensor& sensor = out_.sensor;
     // Auto exposure and balance come from the view; these are their errors.
-    sensor.exposure = std::exp(uniform(-0.6, 0.45));
-    sensor.blur = uniform(0.35, 1.3);
+    sensor.exposure = std::exp(uniform(-0.75, 0.4));
+    sensor.blur = chance(0.85) ? uniform(0.35, 1.3) : uniform(1.3, 2.2);
     sensor.noise = uniform(0.001, 0.012);
     sensor.grain = uniform(0.002, 0.03);
-    sensor.vignette = uniform(0, 0.35);
+    sensor.vignette = uniform(0, 0.45);
     Rgb light = out_.scene.above;
     for (const Lamp& lamp : out_.scene.lamps) {
       light = light + static_cast<float>(1 / dot(lamp.p_W, lamp.p_W)) * lamp.power;
     }
-    const double drift = uniform(0.6, 1);  // of the lamps' tint, that the camera takes away
+    const double drift = uniform(0.45, 1);  // of the lamps' tint, that the camera takes away
     const auto gain = [&](float v) {
       return static_cast<float>(std::pow(light.g / v, drift) * uniform(0.93, 1.07));
     };
     sensor.balance = {gain(light.r), 1, gain(light.b)};
-    sensor.saturation = uniform(0.85, 1.5);
-    sensor.contrast = uniform(0, 0.9);
+    sensor.saturation = uniform(0.6, 1.6);
+    sensor.contrast = uniform(-0.3, 1);
   }
 
   SplitMix64 random_;
@@ -463,6 +648,14 @@ class Maker {
   double chamfer_ = 0;  ///< of an edge, off the upright edges
   int studs_ = 0;       ///< a side, of bricks that hold together
   double proportion_ = 1;
+  bool is_mixed_ = false;    ///< blocks of several sizes
+  bool is_printed_ = false;  ///< with letters, tags, pips or scratches on all faces
+  FacePrint face_print_ = FacePrint::kLetter;
+  int surface_ = 4;         ///< 0: dull, 1: shiny, else: any plastic
+  bool is_capped_ = false;  ///< a plate in the block's color on a body in another one
+  Material body_;
+  int few_ = 0;  ///< colors of the blocks; 0: all
+  std::array<ColorName, 3> picked_{};
   std::vector<Taken> taken_;
 };
 

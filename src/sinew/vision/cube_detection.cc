@@ -20,7 +20,7 @@ constexpr double kCommon = 0.65;  ///< of that
 constexpr double kSure = 0.4;     ///< from here on it is a cube
 constexpr double kUnsure = 0.12;  ///< from here on it is worth a word
 constexpr double kOtherSure = 0.35;
-constexpr double kOtherSize = 1.9;  ///< of what is no cube beside the others
+constexpr double kOtherSize = 2.5;  ///< of what is no cube beside the others
 constexpr double kShared = 0.3;     ///< of the smaller of two tops that are the same
 
 bool is_same(const Quad& one, const Quad& other) {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 #include <span>
+#include <utility>
 
 #include "sinew/core/assert.h"
 #include "sinew/vision/net_layers.h"
@@ -43,25 +44,21 @@ constexpr int kResults = kKind + static_cast<int>(kWhy.size());
 Maps maps_of(const Picture& picture) {
   const auto whole = [](int size) { return (size + kStep - 1) / kStep * kStep; };
   Maps maps(3, whole(picture.height), whole(picture.width));
+  std::array<float, 256> values{};
+  for (std::size_t i = 0; i < values.size(); ++i) values[i] = static_cast<float>(i) / 255 - kMiddle;
   for (int c = 0; c < 3; ++c) {
     for (int y = 0; y < maps.height; ++y) {
       const std::uint8_t* from = picture.at(0, std::min(y, picture.height - 1)) + c;
       float* to = maps.row(c, y);
-      for (int x = 0; x < maps.width; ++x) {
-        to[x] = static_cast<float>(from[3 * std::min(x, picture.width - 1)]) / 255 - kMiddle;
-      }
+      for (int x = 0; x < picture.width; ++x) to[x] = values[from[3 * x]];
+      std::fill(to + picture.width, to + maps.width, to[picture.width - 1]);
     }
   }
   return maps;
 }
 
-/// Filters of each channel, a mix of them, and what came in.
-void block(Maps& maps, Weights& weights) {
-  const Maps inner = filtered(maps, weights);
-  add_clipped(mixed(inner, maps.channels, Clip::kNone, weights), maps);
-}
-void blocks(Maps& maps, int count, Weights& weights) {
-  for (int i = 0; i < count; ++i) block(maps, weights);
+void refine(Maps& maps, int count, Weights& weights) {
+  for (int i = 0; i < count; ++i) refine(maps, weights);
 }
 
 /// The network: four levels down, three up. A row of train.py's CubeNet each.
@@ -75,20 +72,20 @@ Maps results_of(const Picture& picture) {
   constexpr int kStem = 12;
   constexpr int kLast = 32;
   Weights weights({sinew_cube_net_begin, sinew_cube_net_end});
-  Maps maps = halved(maps_of(picture), kStem, weights);
+  const Maps stem = halved(maps_of(picture), kStem, weights);
   std::vector<Maps> levels;
   for (const Level& level : kLevels) {
-    maps = halved(maps, level.channels, weights);
-    blocks(maps, level.blocks_down, weights);
-    levels.push_back(maps);
+    levels.push_back(halved(levels.empty() ? stem : levels.back(), level.channels, weights));
+    refine(levels.back(), level.blocks_down, weights);
   }
+  Maps maps = std::move(levels.back());
   for (std::size_t i = kLevels.size() - 1; i-- > 0;) {
     add_doubled(mixed(maps, kLevels[i].channels, Clip::kZero, weights), levels[i]);
     maps = std::move(levels[i]);
-    blocks(maps, kLevels[i].blocks_up, weights);
+    refine(maps, kLevels[i].blocks_up, weights);
   }
   maps = mixed(maps, kLast, Clip::kZero, weights);
-  block(maps, weights);
+  refine(maps, 1, weights);
   maps = mixed(maps, kResults, Clip::kNone, weights);
   SINEW_ASSERT(weights.is_empty());
   return maps;
@@ -113,12 +110,35 @@ int largest(const Maps& maps, int from, int count, int x, int y) {
   return best;
 }
 
+/// px
+double edge_of(const Maps& maps, int x, int y) {
+  return kEdge * std::exp(std::clamp(static_cast<double>(maps.at(kShape, x, y)), -2.0, 2.5));
+}
+
+/// The color of a top, by all cells around its middle that are trained to know it: a screw or a
+/// letter there hides it from one.
+int color_of(const Maps& maps, int x, int y) {
+  constexpr double kShare = 0.2;  // of an edge
+  constexpr int kMost = 2;
+  const double edge = edge_of(maps, x, y);
+  const int reach = std::clamp(static_cast<int>(kShare * edge / kCell), 0, kMost);
+  std::array<float, kColors> sums{};
+  for (int v = std::max(0, y - reach); v <= std::min(maps.height - 1, y + reach); ++v) {
+    for (int u = std::max(0, x - reach); u <= std::min(maps.width - 1, x + reach); ++u) {
+      for (int c = 0; c < kColors; ++c) {
+        sums[static_cast<std::size_t>(c)] += maps.at(kColor + c, u, v);
+      }
+    }
+  }
+  return static_cast<int>(std::ranges::max_element(sums) - sums.begin());
+}
+
 /// The quad of a cell: a square of its edge and turn, stretched by the root of a matrix that has
 /// the determinant 1 and the two numbers of its shape.
 Quad quad_of(const Maps& maps, int x, int y) {
   const auto value = [&](int channel) { return static_cast<double>(maps.at(channel, x, y)); };
   const Pixel middle{kCell * (x + 0.5 + value(1)), kCell * (y + 0.5 + value(2))};
-  const double edge = kEdge * std::exp(std::clamp(value(kShape), -2.0, 2.5));
+  const double edge = edge_of(maps, x, y);
   Pixel shape{value(kShape + 1), value(kShape + 2)};
   constexpr double kFlattest = 0.95;
   if (length(shape) > kFlattest) shape = kFlattest / length(shape) * shape;
@@ -143,10 +163,12 @@ Quad quad_of(const Maps& maps, int x, int y) {
 Likely likely_things(const Picture& picture, double least) {
   const Maps maps = results_of(picture);
   Likely found;
+  const auto enough = static_cast<float>(std::log(least / (1 - least)));
   for (int y = 0; y < maps.height; ++y) {
     for (int x = 0; x < maps.width; ++x) {
+      if (maps.at(0, x, y) < enough && maps.at(kOther, x, y) < enough) continue;
       if (const double sure = peak(maps, 0, x, y); sure > least) {
-        const int color = largest(maps, kColor, kColors, x, y);
+        const int color = color_of(maps, x, y);
         found.tops.push_back({quad_of(maps, x, y), sure,
                               color < static_cast<int>(kColorNames)
                                   ? std::optional(static_cast<ColorName>(color))

@@ -45,52 +45,113 @@ struct Filters {
         offsets(file.take(results)) {}
 };
 
+/// Filters in the order in which sum_block() reads them: of `kResults` results at a time, one
+/// weight of each for every input.
+struct Packed {
+  std::size_t results = 0;
+  std::size_t inputs = 0;
+  std::vector<float> weights;
+  std::vector<float> offsets;
+
+  explicit Packed(const Filters& filters) : results(filters.results), inputs(filters.inputs) {
+    weights.reserve((results + kResults) * inputs);
+    for (std::size_t first = 0; first < results; first += kResults) {
+      for (std::size_t m = first; m < first + kResults; ++m) {
+        offsets.push_back(m < results ? filters.offsets[m] : 0);
+      }
+      for (std::size_t k = 0; k < inputs; ++k) {
+        for (std::size_t m = first; m < first + kResults; ++m) {
+          weights.push_back(m < results ? filters.weights[m * inputs + k] : 0);
+        }
+      }
+    }
+  }
+};
+
+/// Whether sums begin with the offsets alone, or with what the results hold already, too.
+enum class Begin : bool { kOffsets, kSums };
+
 /// A few results of 16 columns. Reads a whole number of columns, writes `count` of them.
-[[gnu::always_inline]] inline void sum_block(const Filters& filters, const float* const* inputs,
+/// @param whole  all columns and kResults results are written: what the compiler knows takes less
+/// time
+template <Begin begin, bool whole>
+[[gnu::always_inline]] inline void sum_block(const Packed& filters, const float* const* inputs,
                                              std::ptrdiff_t column, std::ptrdiff_t count,
                                              std::size_t result, Clip clip, float* const* out) {
   Eight sums[kResults][2];
-  const std::size_t results = std::min(kResults, filters.results - result);
-  std::array<const float*, kResults> weights;
+  const std::size_t results = whole ? kResults : std::min(kResults, filters.results - result);
+  const float* weights = filters.weights.data() + result * filters.inputs;
   for (std::size_t m = 0; m < kResults; ++m) {
-    const std::size_t row = result + std::min(m, results - 1);
-    weights[m] = filters.weights.data() + row * filters.inputs;
-    sums[m][0] = sums[m][1] = Eight{} + filters.offsets[row];
+    sums[m][0] = sums[m][1] = Eight{} + filters.offsets[result + m];
+    if (begin == Begin::kOffsets || m >= results) continue;
+    Eight before[2];
+    std::memcpy(before, out[result + m] + column, sizeof before);
+    sums[m][0] += before[0];
+    sums[m][1] += before[1];
   }
-  for (std::size_t k = 0; k < filters.inputs; ++k) {
+  for (std::size_t k = 0; k < filters.inputs; ++k, weights += kResults) {
     const float* in = inputs[k] + column;
     Eight low;
     Eight high;
     std::memcpy(&low, in, sizeof low);
     std::memcpy(&high, in + 8, sizeof high);
     for (std::size_t m = 0; m < kResults; ++m) {
-      sums[m][0] += weights[m][k] * low;
-      sums[m][1] += weights[m][k] * high;
+      sums[m][0] += weights[m] * low;
+      sums[m][1] += weights[m] * high;
+    }
+  }
+  if (clip == Clip::kZero) {
+    for (auto& sum : sums) {
+      for (Eight& part : sum) part = part > 0.0F ? part : Eight{};
     }
   }
   for (std::size_t m = 0; m < results; ++m) {
-    std::array<float, kColumns> values;
-    std::memcpy(values.data(), sums[m], sizeof values);
-    if (clip == Clip::kZero) {
-      for (float& value : values) value = std::max(value, 0.0F);
-    }
-    std::copy_n(values.data(), count, out[result + m] + column);
+    const std::size_t size = (whole ? kColumns : count) * sizeof(float);
+    std::memcpy(out[result + m] + column, sums[m], size);
   }
 }
 
-/// out[m] = offset[m] + sum over k of weight[m][k] * inputs[k], column by column.
-void sum(const Filters& filters, const std::vector<const float*>& inputs, std::ptrdiff_t columns,
-         Clip clip, const std::vector<float*>& out) {
-  dispatched([&] {
-    for (std::ptrdiff_t near = 0; near < columns; near += kNear) {
-      for (std::size_t m = 0; m < filters.results; m += kResults) {
-        const std::ptrdiff_t end = std::min(columns, near + kNear);
-        for (std::ptrdiff_t n = near; n < end; n += kColumns) {
-          sum_block(filters, inputs.data(), n, std::min(kColumns, end - n), m, clip, out.data());
+/// out[m] = offset[m] + sum over k of weight[m][k] * inputs[k], column by column; or what is added
+/// to out[m].
+template <Begin begin = Begin::kOffsets>
+[[gnu::always_inline]] inline void sum(const Packed& filters, const float* const* inputs,
+                                       std::ptrdiff_t columns, Clip clip, float* const* out) {
+  for (std::ptrdiff_t near = 0; near < columns; near += kNear) {
+    for (std::size_t m = 0; m < filters.results; m += kResults) {
+      const std::ptrdiff_t end = std::min(columns, near + kNear);
+      for (std::ptrdiff_t n = near; n < end; n += kColumns) {
+        if (n + kColumns <= end && m + kResults <= filters.results) {
+          sum_block<begin, true>(filters, inputs, n, kColumns, m, clip, out);
+        } else {
+          sum_block<begin, false>(filters, inputs, n, std::min(kColumns, end - n), m, clip, out);
         }
       }
     }
-  });
+  }
+}
+
+/// A 3 x 3 filter along three rows; nothing of what is negative. `above` and `below` may be zeros.
+[[gnu::always_inline]] inline void filter_row(const float* w, float offset, const float* above,
+                                              const float* here, const float* below, int width,
+                                              float* to) {
+  const auto at = [&](int x) {
+    return offset + w[0] * above[x - 1] + w[1] * above[x] + w[2] * above[x + 1] +
+           w[3] * here[x - 1] + w[4] * here[x] + w[5] * here[x + 1] + w[6] * below[x - 1] +
+           w[7] * below[x] + w[8] * below[x + 1];
+  };
+  for (int x = 1; x < width - 1; ++x) {
+    const float sum = at(x);
+    to[x] = sum > 0 ? sum : 0;
+  }
+  for (const int x : {0, width - 1}) {  // beyond which there are zeros
+    float sum = offset;
+    for (int k = 0; k < 3; ++k) {
+      const int u = x + k - 1;
+      if (u < 0 || u >= width) continue;
+      sum += w[k] * above[u] + w[3 + k] * here[u] + w[6 + k] * below[u];
+    }
+    to[x] = std::max(sum, 0.0F);
+  }
 }
 
 }  // namespace
@@ -112,70 +173,62 @@ std::vector<float> Weights::take(std::size_t count) {
 }
 
 Maps halved(const Maps& in, int channels, Weights& weights) {
-  const Filters filters(static_cast<std::size_t>(channels),
-                        9 * static_cast<std::size_t>(in.channels), weights);
+  const Packed filters(Filters(static_cast<std::size_t>(channels),
+                               9 * static_cast<std::size_t>(in.channels), weights));
   Maps out(channels, in.height / 2, in.width / 2);
-  // Of each row the even columns, and the odd ones behind a zero.
-  const auto stride = static_cast<std::size_t>(out.width + 1 + kColumns);
-  std::vector<float> parts(static_cast<std::size_t>(in.channels) * 3 * 2 * stride);
-  std::vector<const float*> inputs;
-  for (std::size_t row = 0; row < static_cast<std::size_t>(in.channels) * 3; ++row) {
-    const float* even = parts.data() + 2 * row * stride;
-    const float* odd = even + stride;
-    inputs.insert(inputs.end(), {odd, even, odd + 1});
-  }
-  std::vector<float*> results(static_cast<std::size_t>(channels));
-  for (int y = 0; y < out.height; ++y) {
-    float* part = parts.data();
+  // Of each row the even columns, and the odd ones behind a zero. A row below the middle is the one
+  // above the next: of the three places of a channel the first and the last change roles.
+  const std::ptrdiff_t stride = out.width + 1 + kColumns;
+  std::vector<float> parts(static_cast<std::size_t>(in.channels * 3 * 2 * stride));
+  const auto place = [&](int channel, int row) {
+    const int slot = row % 2 == 0 ? 1 : (row + 1) % 4 == 0 ? 0 : 2;
+    return parts.data() + (channel * 3 + slot) * 2 * stride;
+  };
+  std::array<std::vector<const float*>, 2> inputs;
+  for (int y = 0; y < 2; ++y) {
     for (int channel = 0; channel < in.channels; ++channel) {
-      for (int k = 0; k < 3; ++k, part += 2 * stride) {
-        const int from = 2 * y + k - 1;
-        if (from < 0 || from >= in.height) {
-          std::fill_n(part, 2 * stride, 0.0F);
-          continue;
-        }
-        const float* row = in.row(channel, from);
-        for (int x = 0; x < out.width; ++x) {
-          part[x] = row[2 * x];
-          part[static_cast<std::ptrdiff_t>(stride) + 1 + x] = row[2 * x + 1];
-        }
+      for (int k = 0; k < 3; ++k) {
+        const float* even = place(channel, 2 * y + k + 3);
+        const float* odd = even + stride;
+        inputs[static_cast<std::size_t>(y)].insert(inputs[static_cast<std::size_t>(y)].end(),
+                                                   {odd, even, odd + 1});
       }
     }
-    for (int m = 0; m < channels; ++m) results[static_cast<std::size_t>(m)] = out.row(m, y);
-    sum(filters, inputs, out.width, Clip::kZero, results);
   }
+  std::vector<float*> results(static_cast<std::size_t>(channels));
+  dispatched([&] {
+    for (int y = 0; y < out.height; ++y) {
+      for (int channel = 0; channel < in.channels; ++channel) {
+        for (const int from : {2 * y, 2 * y + 1}) {
+          const float* row = in.row(channel, from);
+          float* even = place(channel, from);
+          float* odd = even + stride + 1;
+          for (int x = 0; x < out.width; ++x) {
+            even[x] = row[2 * x];
+            odd[x] = row[2 * x + 1];
+          }
+        }
+      }
+      for (int m = 0; m < channels; ++m) results[static_cast<std::size_t>(m)] = out.row(m, y);
+      sum(filters, inputs[static_cast<std::size_t>(y % 2)].data(), out.width, Clip::kZero,
+          results.data());
+    }
+  });
   return out;
 }
 
 Maps filtered(const Maps& in, Weights& weights) {
   const Filters filters(static_cast<std::size_t>(in.channels), 9, weights);
   Maps out(in.channels, in.height, in.width);
-  const auto stride = static_cast<std::size_t>(in.width + 2);
-  std::vector<float> rows(3 * stride);
+  const std::vector<float> zeros(static_cast<std::size_t>(in.width));
   dispatched([&] {
     for (int channel = 0; channel < in.channels; ++channel) {
-      const float* w = filters.weights.data() + 9 * channel;
-      const float offset = filters.offsets[static_cast<std::size_t>(channel)];
       for (int y = 0; y < in.height; ++y) {
-        for (int k = 0; k < 3; ++k) {
-          const int from = y + k - 1;
-          float* row = rows.data() + static_cast<std::size_t>(k) * stride + 1;
-          if (from < 0 || from >= in.height) {
-            std::fill_n(row, in.width, 0.0F);
-          } else {
-            std::copy_n(in.row(channel, from), in.width, row);
-          }
-        }
-        const float* above = rows.data();
-        const float* here = above + stride;
-        const float* below = here + stride;
-        float* to = out.row(channel, y);
-        for (int x = 0; x < in.width; ++x) {
-          const float sum = offset + w[0] * above[x] + w[1] * above[x + 1] + w[2] * above[x + 2] +
-                            w[3] * here[x] + w[4] * here[x + 1] + w[5] * here[x + 2] +
-                            w[6] * below[x] + w[7] * below[x + 1] + w[8] * below[x + 2];
-          to[x] = std::max(sum, 0.0F);
-        }
+        const float* above = y > 0 ? in.row(channel, y - 1) : zeros.data();
+        const float* below = y + 1 < in.height ? in.row(channel, y + 1) : zeros.data();
+        filter_row(filters.weights.data() + 9 * channel,
+                   filters.offsets[static_cast<std::size_t>(channel)], above, in.row(channel, y),
+                   below, in.width, out.row(channel, y));
       }
     }
   });
@@ -183,32 +236,61 @@ Maps filtered(const Maps& in, Weights& weights) {
 }
 
 Maps mixed(const Maps& in, int channels, Clip clip, Weights& weights) {
-  const Filters filters(static_cast<std::size_t>(channels), static_cast<std::size_t>(in.channels),
-                        weights);
+  const Packed filters(
+      Filters(static_cast<std::size_t>(channels), static_cast<std::size_t>(in.channels), weights));
   Maps out(channels, in.height, in.width);
   std::vector<const float*> inputs;
   for (int k = 0; k < in.channels; ++k) inputs.push_back(in.row(k, 0));
   std::vector<float*> results;
   for (int m = 0; m < channels; ++m) results.push_back(out.row(m, 0));
-  sum(filters, inputs, in.plane(), clip, results);
+  dispatched([&] { sum(filters, inputs.data(), in.plane(), clip, results.data()); });
   return out;
 }
 
-void add_doubled(const Maps& in, Maps& to) {
-  for (int channel = 0; channel < to.channels; ++channel) {
-    for (int y = 0; y < to.height; ++y) {
-      const float* from = in.row(channel, y / 2);
-      float* row = to.row(channel, y);
-      for (int x = 0; x < to.width; ++x) row[x] += from[x / 2];
-    }
+void refine(Maps& maps, Weights& weights) {
+  const Filters filters(static_cast<std::size_t>(maps.channels), 9, weights);
+  const Packed mix(Filters(static_cast<std::size_t>(maps.channels),
+                           static_cast<std::size_t>(maps.channels), weights));
+  const std::ptrdiff_t stride = maps.width + kColumns;
+  const auto size = static_cast<std::size_t>(maps.channels * stride);
+  const std::vector<float> zeros(static_cast<std::size_t>(maps.width));
+  std::vector<float> above(size);  // the row before, as it was
+  std::vector<float> inner(size);
+  std::vector<const float*> inputs;
+  for (int channel = 0; channel < maps.channels; ++channel) {
+    inputs.push_back(inner.data() + channel * stride);
   }
+  std::vector<float*> results(static_cast<std::size_t>(maps.channels));
+  dispatched([&] {
+    for (int y = 0; y < maps.height; ++y) {
+      for (int channel = 0; channel < maps.channels; ++channel) {
+        float* here = maps.row(channel, y);
+        float* before = above.data() + channel * stride;
+        filter_row(filters.weights.data() + 9 * channel,
+                   filters.offsets[static_cast<std::size_t>(channel)], before, here,
+                   y + 1 < maps.height ? maps.row(channel, y + 1) : zeros.data(), maps.width,
+                   inner.data() + channel * stride);
+        std::copy_n(here, maps.width, before);
+        results[static_cast<std::size_t>(channel)] = here;
+      }
+      sum<Begin::kSums>(mix, inputs.data(), maps.width, Clip::kZero, results.data());
+    }
+  });
 }
 
-void add_clipped(const Maps& in, Maps& to) {
-  const auto count = static_cast<std::size_t>(to.channels * to.plane());
-  for (std::size_t i = 0; i < count; ++i) {
-    to.values[i] = std::max(to.values[i] + in.values[i], 0.0F);
-  }
+void add_doubled(const Maps& in, Maps& to) {
+  dispatched([&] {
+    for (int channel = 0; channel < to.channels; ++channel) {
+      for (int y = 0; y < to.height; ++y) {
+        const float* from = in.row(channel, y / 2);
+        float* row = to.row(channel, y);
+        for (int x = 0; x < to.width / 2; ++x) {
+          row[2 * x] += from[x];
+          row[2 * x + 1] += from[x];
+        }
+      }
+    }
+  });
 }
 
 }  // namespace sinew::vision

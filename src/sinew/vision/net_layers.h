@@ -1,18 +1,36 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <memory>
+#include <new>
 #include <span>
 #include <vector>
 
 namespace sinew::vision {
+
+/// Leaves what it allocates as it is: a layer writes all of its results anyway.
+template <class T>
+struct NotSet : std::allocator<T> {
+  template <class U>
+  struct rebind {
+    using other = NotSet<U>;
+  };
+  template <class U>
+  void construct(U* place) noexcept {
+    ::new (static_cast<void*>(place)) U;
+  }
+};
 
 /// Planes of numbers: what a layer of a network gives to the next.
 struct Maps {
   int channels = 0;
   int height = 0;
   int width = 0;
-  std::vector<float> values;  ///< plane by plane, row by row; and some beyond, which count nothing
+  /// Plane by plane, row by row; and some beyond, which count nothing.
+  std::vector<float, NotSet<float>> values;
 
+  /// Of any values.
   Maps(int channels_count, int rows, int columns);
 
   std::ptrdiff_t plane() const { return static_cast<std::ptrdiff_t>(height) * width; }
@@ -45,9 +63,10 @@ Maps halved(const Maps& in, int channels, Weights& weights);
 Maps filtered(const Maps& in, Weights& weights);
 /// Sums of the channels with weights of their own.
 Maps mixed(const Maps& in, int channels, Clip clip, Weights& weights);
-/// Each number four times, and added to `to`.
+/// Adds mixed() of filtered() with as many channels; negative sums become zero. Takes the weights
+/// of the filters, then those of the mix.
+void refine(Maps& maps, Weights& weights);
+/// Each number four times, and added to `to`. @pre `to` has twice the rows and columns
 void add_doubled(const Maps& in, Maps& to);
-/// Sums; negative ones become zero.
-void add_clipped(const Maps& in, Maps& to);
 
 }  // namespace sinew::vision

@@ -105,18 +105,39 @@ TEST(NetLayers, filters_and_mixes_are_sums_over_neighbours_and_over_channels) {
   });
 }
 
-TEST(NetLayers, what_is_added_is_doubled_or_clipped) {
+TEST(NetLayers, refined_maps_are_a_mix_of_filtered_ones_and_what_came_in) {
+  test::for_random_cases(40, [](test::Random& random) {
+    const int channels = static_cast<int>(random.integer(1, 14));
+    const Maps in = some_maps(channels, static_cast<int>(random.integer(1, 9)),
+                              static_cast<int>(random.integer(1, 70)), random);
+    File file;
+    file.add(static_cast<std::size_t>((10 + channels + 1) * channels), random);
+    Weights weights(file.bytes);
+    Maps out = in;
+    refine(out, weights);
+    EXPECT_TRUE(weights.is_empty());
+    Weights again(file.bytes);
+    const Maps inner = filtered(in, again);
+    const Maps mix = mixed(inner, channels, Clip::kNone, again);
+    for (int c = 0; c < channels; ++c) {
+      for (int y = 0; y < in.height; ++y) {
+        for (int x = 0; x < in.width; ++x) {
+          ASSERT_NEAR(out.at(c, x, y), std::max(0.0F, mix.at(c, x, y) + in.at(c, x, y)), 1e-4);
+        }
+      }
+    }
+  });
+}
+
+TEST(NetLayers, what_is_added_is_doubled) {
   test::Random random(5);
   const Maps small = some_maps(2, 3, 4, random);
   const Maps before = some_maps(2, 6, 8, random);
   Maps sum = before;
   add_doubled(small, sum);
-  Maps clipped = before;
-  add_clipped(sum, clipped);
   for (int y = 0; y < 6; ++y) {
     for (int x = 0; x < 8; ++x) {
       EXPECT_FLOAT_EQ(sum.at(1, x, y), before.at(1, x, y) + small.at(1, x / 2, y / 2));
-      EXPECT_FLOAT_EQ(clipped.at(0, x, y), std::max(0.0F, before.at(0, x, y) + sum.at(0, x, y)));
     }
   }
 }
