@@ -80,13 +80,13 @@ std::string Ended::text() const {
                         sentence_of(job.failure->error, test::robot("learm")));
   }
   for (const sim::CubeEvent& event : events) {
-    text += fmt::format("{:8.2f} s  {} {} {:.4f}\n", to_seconds(event.time.time_since_epoch()),
-                        name(event.kind), event.cube ? std::to_string(*event.cube) : "-",
-                        event.amount);
+    text +=
+        fmt::format("{:8.2f} s  {} {} {:.4f}\n", to_seconds(event.time.time_since_epoch()),
+                    name(event.kind), event.cube ? std::to_string(*event.cube) : "-", event.amount);
   }
   for (const sim::CubeState& cube : cubes) {
-    text += fmt::format("cube at {:.3f}, {:.3f}, {:.3f}: place {}\n", cube.X_WO.p.x,
-                        cube.X_WO.p.y, cube.X_WO.p.z, static_cast<int>(cube.where));
+    text += fmt::format("cube at {:.3f}, {:.3f}, {:.3f}: place {}\n", cube.X_WO.p.x, cube.X_WO.p.y,
+                        cube.X_WO.p.z, static_cast<int>(cube.where));
   }
   return text;
 }
@@ -105,9 +105,8 @@ CubeCell::CubeCell(const CubeCellSettings& settings) {
   if (settings.sheet) believed.sheet = "a4";
   vision::TableCamera real = believed;
   real.X_WC.p.x += settings.off;
-  cell_->open_camera(
-      0, {"top", believed, kEdge},
-      cell_->table()->pictures(real, [this] { return cell_->robots_in_view(); }));
+  cell_->open_camera(0, {"top", believed, kEdge},
+                     cell_->table()->pictures(real, [this] { return cell_->robots_in_view(); }));
 }
 
 Ended CubeCell::run(const std::string& program, Duration patience) {

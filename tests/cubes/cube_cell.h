@@ -15,7 +15,7 @@ struct CubeCellSettings {
   std::size_t cubes = 3;
   bool towers = false;  ///< each cube stands on another one
   bool sheet = false;   ///< with tags lies on the table
-  double off = 0;  ///< m, that the camera hangs aside of where its calibration says
+  double off = 0;       ///< m, that the camera hangs aside of where its calibration says
 };
 
 /// How a program ended.

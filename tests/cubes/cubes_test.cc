@@ -13,20 +13,19 @@ using Kind = sim::CubeEvent::Kind;
 
 /// The arm stands aside while the camera looks.
 const std::string kStand = "joint base=-60deg shoulder=20deg elbow=40deg wrist=40deg roll=0deg\n";
-const std::string kSort =
-    kStand +
-    "repeat while seen\n"
-    "  pick\n"
-    "  place x=60mm y=180mm z=110mm\n"
-    "end\n";
+const std::string kSort = kStand +
+                          "repeat while seen\n"
+                          "  pick\n"
+                          "  place x=60mm y=180mm z=110mm\n"
+                          "end\n";
 
 TEST(Cubes, all_that_are_seen_come_into_the_basket) {
   const char* wanted = std::getenv("SINEW_CELLS");
   const int cells = wanted != nullptr ? std::atoi(wanted) : 15;
   std::size_t all = 0, placed = 0;
   for (int i = 1; i <= cells; ++i) {
-    CubeCell cell({.seed = static_cast<std::uint64_t>(i),
-                   .cubes = 1 + static_cast<std::size_t>(i) % 4});
+    CubeCell cell(
+        {.seed = static_cast<std::uint64_t>(i), .cubes = 1 + static_cast<std::size_t>(i) % 4});
     cell.run(kStand);
     cell.table().cubes().with([](sim::CubeWorld& world) { world.clear_events(); });
     const Ended ended = cell.run(kSort);

@@ -61,8 +61,8 @@ std::expected<void, Outcome> open_cameras(runtime::RunningCell& cell, const std:
     }
     if (camera.device == kSimulatedCamera) {
       if (!settings.calibration) settings.calibration = runtime::usual_camera();
-      auto pictures = cell.table()->pictures(*settings.calibration,
-                                             [&cell] { return cell.robots_in_view(); });
+      auto pictures =
+          cell.table()->pictures(*settings.calibration, [&cell] { return cell.robots_in_view(); });
       cell.open_camera(i, std::move(settings), std::move(pictures));
       continue;
     }

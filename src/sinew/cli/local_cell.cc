@@ -71,7 +71,9 @@ std::expected<std::unique_ptr<LocalCell>, Outcome> LocalCell::start(const RobotM
             .time_scale = where.time_scale,
             .robots = {std::move(place)},
             .objects = {},
-            .cameras = {}, .basket = {}, .cubes = {}};
+            .cameras = {},
+            .basket = {},
+            .cubes = {}};
   std::unique_ptr<LocalCell> local(new LocalCell());
   auto running = runtime::RunningCell::start(std::move(cell), {robot}, options.folders,
                                              [&](runtime::StationOptions& station) {

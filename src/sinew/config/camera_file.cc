@@ -91,7 +91,8 @@ std::string camera_text(const vision::TableCamera& camera) {
   const Vec3 rpy = (180 / kPi) * fixed_xyz(camera.X_WC.R);
   text += "format = " + std::to_string(kFormat) + "\nname = \"" + camera.name + "\"\n";
   if (!camera.sheet.empty()) {
-    text += "sheet = \"" + camera.sheet + "\"  # lies on the table as it lay; without this line a camera "
+    text += "sheet = \"" + camera.sheet +
+            "\"  # lies on the table as it lay; without this line a camera "
             "that was moved is not noticed\n";
   }
   add("width = %d\nheight = %d\n\n[lens]  # px, and Brown's coefficients\n", model.width,

@@ -70,6 +70,22 @@ TEST(CubeRows, are_read_with_their_colors_and_places) {
   EXPECT_EQ(loop.end, 13U);
 }
 
+TEST(CubeRows, pick_at_takes_the_cube_that_lies_there_and_no_other) {
+  const RobotModel& robot = test::robot("learm");
+  RowPlanner planner(robot);
+  const auto program = parse("pick at=180mm,40mm,25mm\n", "p.sinew", robot);
+  ASSERT_TRUE(program) << to_text(program.error().front());
+  const Standing standing{home_joints(robot), {}};
+  const grasping::Cube near{{0.15, -0.02, 0.0125}, 0.1, 0.025, 0};
+  const grasping::Cube there{{0.183, 0.043, 0.0125}, 0.4, 0.025, 1};
+  const auto rows = rows_to_pick(planner, standing, program->steps[0], {{near, there}});
+  ASSERT_TRUE(rows) << describe(rows.error().error);
+  EXPECT_EQ(rows->cube.p_BO, there.p_BO);
+  const auto none = rows_to_pick(planner, standing, program->steps[0], {{near}});
+  ASSERT_FALSE(none);
+  EXPECT_EQ(none.error().error.code, ErrorCode::kNothingSeen);
+}
+
 TEST(CubeRows, what_is_wrong_with_a_row_is_said_with_what_would_be_right) {
   const std::pair<const char*, const char*> wrong[] = {
       {"look here", "p.sinew:1:6: too many words; write look"},
@@ -150,7 +166,7 @@ TEST(CubeRows, the_lip_of_a_cup_goes_to_the_top_and_not_the_tool_point) {
   ASSERT_TRUE(program);
   const Standing standing{home_joints(robot), {}};
   const grasping::Cube cube{{0.03, -0.21, 0.0125}, 0.2, 0.025, 0};
-  const auto rows = rows_to_pick(planner, standing, program->steps[0], {{cube}, 0});
+  const auto rows = rows_to_pick(planner, standing, program->steps[0], {{cube}});
   ASSERT_TRUE(rows) << describe(rows.error().error);
   JointVector q = *standing.q;
   double lowest = 1;

@@ -33,7 +33,7 @@ class Table : public Eyes {
     if (!asked_ || wait-- > 0) return std::nullopt;
     asked_ = false;
     if (fault) return std::unexpected(*fault);
-    return Sighting{cubes, 0};
+    return Sighting{cubes};
   }
 
   /// After each instant of the run: what the jaws did to the cubes.

@@ -203,8 +203,8 @@ class Parser {
     } else if (text.starts_with(kColorKey)) {
       if (const auto color = read_color(row_, word(1))) add(PickCubeStep{*color});
     } else {
-      row_.complain(word(1), in_quotes(text) +
-                                 ": write pick, pick color=red, or pick at=180mm,0mm,25mm");
+      row_.complain(word(1),
+                    in_quotes(text) + ": write pick, pick color=red, or pick at=180mm,0mm,25mm");
     }
   }
 

@@ -28,7 +28,7 @@ TEST(CubeEyes, places_are_the_robots_own) {
 
 TEST(CubeEyes, what_is_in_the_basket_is_done_with) {
   CubeEyes::Place place;
-  place.basket = CellBasket{.name = "tray"};
+  place.basket.emplace();
   place.basket->X_WK = {rotation_z(from_deg(45)), {0.2, 0, 0}};
   place.basket->size = {0.1, 0.06, 0.04};
   vision::Detection seen;

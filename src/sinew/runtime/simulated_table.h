@@ -16,6 +16,20 @@
 
 namespace sinew::runtime {
 
+/// Cubes for threads.
+class LockedCubes : public sim::SharedCubes {
+ public:
+  explicit LockedCubes(const sim::CubeWorldSettings& settings) : world_(settings) {}
+  void with(const std::function<void(sim::CubeWorld&)>& what) override {
+    const std::scoped_lock lock(mutex_);
+    what(world_);
+  }
+
+ private:
+  std::mutex mutex_;
+  sim::CubeWorld world_;
+};
+
 /// Where a simulated camera hangs that no calibration is given for: 640 x 480 px, above its table.
 vision::TableCamera usual_camera();
 
@@ -58,11 +72,11 @@ class SimulatedTable {
   std::vector<sim::CubeWorld::NewCube> first_;  ///< cubes as the cell begins
   Pose<frame::World, frame::Table> X_WT_;
   std::vector<Pose<frame::World, frame::Base>> X_TB_;  ///< T as a world of its own
-  sim::SharedCubes cubes_;
+  LockedCubes cubes_;
   std::mutex mutex_;
-  Trouble trouble_;                       ///< under the mutex
-  render::CellView view_;                 ///< under the mutex
-  std::uint64_t taken_ = 0;               ///< pictures, under the mutex
+  Trouble trouble_;                        ///< under the mutex
+  render::CellView view_;                  ///< under the mutex
+  std::uint64_t taken_ = 0;                ///< pictures, under the mutex
   std::optional<vision::Picture> frozen_;  ///< under the mutex
 };
 

@@ -30,8 +30,13 @@ class ApiCell {
 #ifdef __SANITIZE_ADDRESS__
     scale /= 2;
 #endif
-    Cell cell{
-        .title = "test", .time_scale = scale, .robots = robots, .objects = objects, .cameras = {}, .basket = {}, .cubes = {}};
+    Cell cell{.title = "test",
+              .time_scale = scale,
+              .robots = robots,
+              .objects = objects,
+              .cameras = {},
+              .basket = {},
+              .cubes = {}};
     // Those that nobody has placed stand beside each other, out of reach.
     for (std::size_t i = 0; i < robots.size(); ++i) {
       if (robots[i].X_WB.p == Vec3{}) cell.robots[i].X_WB.p.x = 3 * static_cast<double>(i);

@@ -50,14 +50,10 @@ Json camera_description(const runtime::RunningCell& cell, std::size_t camera) {
   const runtime::Camera* opened = cell.camera(camera);
   if (opened == nullptr || !opened->settings().calibration) return json;
   const vision::TableCamera& calibration = *opened->settings().calibration;
-  const auto X_WC =
-      place.X_WT * relabel<frame::Table, frame::Camera>(calibration.X_WC);
-  json["lens"] = {{"pose", pose_json(X_WC.p, X_WC.R)},
-                  {"width_px", calibration.model.width},
-                  {"height_px", calibration.model.height},
-                  {"fx_px", calibration.model.fx},
-                  {"fy_px", calibration.model.fy},
-                  {"accuracy_m", calibration.accuracy}};
+  const auto X_WC = place.X_WT * relabel<frame::Table, frame::Camera>(calibration.X_WC);
+  json["lens"] = {{"pose", pose_json(X_WC.p, X_WC.R)},     {"width_px", calibration.model.width},
+                  {"height_px", calibration.model.height}, {"fx_px", calibration.model.fx},
+                  {"fy_px", calibration.model.fy},         {"accuracy_m", calibration.accuracy}};
   return json;
 }
 

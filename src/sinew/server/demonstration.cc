@@ -40,8 +40,7 @@ std::optional<int> behind_home(std::string_view text) {
 /// The robot that picks and stands nearest to the simulated table.
 std::optional<std::size_t> sorter_of(const runtime::RunningCell& cell) {
   constexpr double kNear = 0.5;  // m
-  const auto camera =
-      std::ranges::find(cell.cell().cameras, kSimulatedCamera, &CellCamera::device);
+  const auto camera = std::ranges::find(cell.cell().cameras, kSimulatedCamera, &CellCamera::device);
   if (camera == cell.cell().cameras.end()) return std::nullopt;
   std::optional<std::size_t> nearest;
   double least = kNear;
@@ -61,9 +60,8 @@ std::string rows_to_sort(const runtime::RunningCell& cell, std::size_t robot) {
   if (!basket || sorter_of(cell) != robot) return {};
   const Vec3 p_B = cell.cell().robots[robot].X_WB.inverse() *
                    (basket->X_WK.p + Vec3{0, 0, basket->size.z + kDrop});
-  return fmt::format(
-      "repeat while seen\n  pick\n  place x={:.1f}mm y={:.1f}mm z={:.1f}mm\nend\n", to_mm(p_B.x),
-      to_mm(p_B.y), to_mm(p_B.z));
+  return fmt::format("repeat while seen\n  pick\n  place x={:.1f}mm y={:.1f}mm z={:.1f}mm\nend\n",
+                     to_mm(p_B.x), to_mm(p_B.y), to_mm(p_B.z));
 }
 
 }  // namespace

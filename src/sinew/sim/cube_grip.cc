@@ -215,8 +215,8 @@ std::optional<double> CubeWorld::blocked_width(std::size_t which) const {
     if (hand.contacts[i] != Contact::kBetween || cubes_[i].where == CubePlace::kGone) continue;
     Fit fit = fit_of(hand, i);
     // What is held stays between the jaws however the hand is turned.
-    const bool stops = is_held(i, which) || (fit.face >= kFaceLeast && fit.is_level &&
-                                             std::abs(fit.turn) <= kTurnMost);
+    const bool stops = is_held(i, which) ||
+                       (fit.face >= kFaceLeast && fit.is_level && std::abs(fit.turn) <= kTurnMost);
     if (!stops) continue;
     count_neighbours(hand, i, fit);
     widest = std::max(widest.value_or(0), cubes_[i].edge + fit.before + fit.behind);

@@ -1,7 +1,6 @@
 #include "sinew/sim/cube_table.h"
 
 #include <algorithm>
-#include <utility>
 
 #include "sinew/core/assert.h"
 
@@ -38,10 +37,14 @@ void CubeTable::advance(Instant now) {
 void CubeTable::move_hand() {
   const auto hand = hand_of(model_, machine_->truth(), X_WB_);
   if (!hand) return;
-  const auto [blocked, payload] = cubes_.with([&](CubeWorld& world) {
+  std::optional<double> blocked;
+  double payload = 0;
+  const auto step = [&](CubeWorld& world) {
     world.advance(now_, *hand, which_);
-    return std::pair(world.blocked_width(which_), world.held_mass(which_));
-  });
+    blocked = world.blocked_width(which_);
+    payload = world.held_mass(which_);
+  };
+  cubes_.with(std::ref(step));
   feel(blocked, payload);
 }
 

@@ -1,26 +1,18 @@
 #pragma once
 
+#include <functional>
 #include <memory>
-#include <mutex>
 
 #include "sinew/sim/cube_world.h"
 
 namespace sinew::sim {
 
-/// Cubes that machines of several threads work on, and others look at.
+/// Cubes that several machines work on, and others look at.
 class SharedCubes {
  public:
-  explicit SharedCubes(const CubeWorldSettings& settings) : world_(settings) {}
-  /// What `what` makes of the world; it is alone with it meanwhile.
-  template <class What>
-  auto with(const What& what) {
-    const std::scoped_lock lock(mutex_);
-    return what(world_);
-  }
-
- private:
-  std::mutex mutex_;
-  CubeWorld world_;
+  virtual ~SharedCubes() = default;
+  /// Calls `what` at once; it is alone with the world meanwhile.
+  virtual void with(const std::function<void(CubeWorld&)>& what) = 0;
 };
 
 /// A machine whose hand works on a world of cubes: it feels what is between its jaws and what hangs

@@ -21,9 +21,11 @@ using EventKind = CubeEvent::Kind;
 constexpr double kCube = 0.025;
 
 /// For tests that have one thread.
-CubeWorld& alone_with(SharedCubes& cubes) {
-  return *cubes.with([](CubeWorld& world) { return &world; });
-}
+struct OwnCubes : SharedCubes {
+  explicit OwnCubes(const CubeWorldSettings& settings) : world(settings) {}
+  void with(const std::function<void(CubeWorld&)>& what) override { what(world); }
+  CubeWorld world;
+};
 
 /// A LeArm over a table, driven over its own bytes.
 struct LearmCell {
@@ -71,8 +73,8 @@ struct LearmCell {
 
   RobotModel model = test::robot("learm");
   Pose<frame::World, frame::Base> X_WB{rotation_z(kPi / 2), {0.1, -0.05, 0}};
-  SharedCubes cubes;
-  CubeWorld& world = alone_with(cubes);
+  OwnCubes cubes;
+  CubeWorld& world = cubes.world;
   Instant now{};
   std::unique_ptr<CubeTable> table;
 };
@@ -208,8 +210,8 @@ struct MaxarmCell {
 
   RobotModel model = test::robot("maxarm");
   Pose<frame::World, frame::Base> X_WB{rotation_z(0.5), {0.05, 0.1, 0}};
-  SharedCubes cubes;
-  CubeWorld& world = alone_with(cubes);
+  OwnCubes cubes;
+  CubeWorld& world = cubes.world;
   Instant now{};
   std::unique_ptr<CubeTable> table;
 };

@@ -105,9 +105,7 @@ class Fit {
     const double cos = std::cos(top.yaw), sin = std::sin(top.yaw);
     return {top.x + cos * u - sin * v, top.y + sin * u + cos * v, height};
   }
-  std::optional<Pixel> pixel(const Vec3& p_W) const {
-    return camera_.model.project(X_CW_ * p_W);
-  }
+  std::optional<Pixel> pixel(const Vec3& p_W) const { return camera_.model.project(X_CW_ * p_W); }
   std::optional<Color> color(const Vec3& p_W) const {
     const auto p = pixel(p_W);
     return p ? color_at(picture_, *p) : std::nullopt;

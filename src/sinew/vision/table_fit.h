@@ -6,8 +6,8 @@
 
 namespace sinew::vision {
 
-/// A cube's top of a known size, moved and turned on its plane until its sides lie where the picture
-/// changes most.
+/// A cube's top of a known size, moved and turned on its plane until its sides lie where the
+/// picture changes most.
 struct TableFit {
   CubePosition position;
   /// Across its sides, mean, of 8-bit RGB. What is more than enough counts no more: a top and a
