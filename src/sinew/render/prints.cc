@@ -89,6 +89,30 @@ PrintPicture kept(Picture picture) {
   return std::make_shared<const Picture>(std::move(picture));
 }
 
+constexpr int kFace = 128;  // px
+
+/// A tag in black and white in the middle of a face, or a label of one color.
+void put_cells(Picture& picture, SplitMix64& random, double size, bool is_tag,
+               const double (&ink)[3]) {
+  const int cells = whole(random, 6, 10);
+  const std::uint64_t bits = random.bits();
+  for (int y = 0; y < kFace; ++y) {
+    for (int x = 0; x < kFace; ++x) {
+      const double u = (x + 0.5 - kFace / 2.0) / size;
+      const double v = (y + 0.5 - kFace / 2.0) / (is_tag ? size : 0.6 * size);
+      if (std::max(std::abs(u), std::abs(v)) > 1) continue;
+      const int i = static_cast<int>((u + 1) / 2 * cells);
+      const int k = static_cast<int>((v + 1) / 2 * cells);
+      const int edge = std::min({i, k, cells - 1 - i, cells - 1 - k});
+      const auto bit = static_cast<unsigned>((i * 7 + k * 11) % 61);
+      const bool dark = edge == 1 || (edge > 1 && (bits >> bit & 1U) != 0);
+      for (std::size_t c = 0; c < 3; ++c) {
+        picture.at(x, y)[c] = is_tag ? byte(dark ? 0.05 : 0.95) : byte(ink[c]);
+      }
+    }
+  }
+}
+
 }  // namespace
 
 PrintPicture clouds(SplitMix64& random, double depth) {
@@ -278,7 +302,6 @@ PrintPicture mottled(SplitMix64& random, double depth, double tint) {
 }
 
 PrintPicture printed_face(SplitMix64& random, const double (&rgb)[3], FacePrint print) {
-  constexpr int kFace = 128;
   Picture picture = vision::black_picture(kFace, kFace);
   double ink[3];
   const double shade = random.uniform(0, 1);
@@ -317,28 +340,9 @@ PrintPicture printed_face(SplitMix64& random, const double (&rgb)[3], FacePrint 
       break;
     }
     case FacePrint::kTag:
-    case FacePrint::kLabel: {
-      const bool is_tag = print == FacePrint::kTag;
-      const int cells = whole(random, 6, 10);
-      const std::uint64_t bits = random.bits();
-      for (int y = 0; y < kFace; ++y) {
-        for (int x = 0; x < kFace; ++x) {
-          const double u = (x + 0.5 - middle.x) / size;
-          const double v = (y + 0.5 - middle.y) / (is_tag ? size : 0.6 * size);
-          if (std::max(std::abs(u), std::abs(v)) > 1) continue;
-          const int i = static_cast<int>((u + 1) / 2 * cells);
-          const int k = static_cast<int>((v + 1) / 2 * cells);
-          const int edge = std::min({i, k, cells - 1 - i, cells - 1 - k});
-          const bool dark =
-              edge == 1 ||
-              (edge > 1 && (bits >> static_cast<unsigned>((i * 7 + k * 11) % 61) & 1U) != 0);
-          for (std::size_t c = 0; c < 3; ++c) {
-            picture.at(x, y)[c] = is_tag ? byte(dark ? 0.05 : 0.95) : byte(ink[c]);
-          }
-        }
-      }
+    case FacePrint::kLabel:
+      put_cells(picture, random, size, print == FacePrint::kTag, ink);
       break;
-    }
     case FacePrint::kScrew: {  // of metal, in a dark hole
       const double radius = random.uniform(0.05, 0.2) * kFace;
       const double dark[3] = {0.3 * rgb[0], 0.3 * rgb[1], 0.3 * rgb[2]};

@@ -174,6 +174,18 @@ void put_cell(Json& all) {
                           {"length_m", number()},
                           {"width_m", number()},
                           {"height_m", number()}})}});
+  all["CellStatus"] = object({{"robots", list(ref("Status"))}}, {{"demonstration", flag()}});
+  all["ObjectNames"] = object({{"objects", list(text())}});
+  all["Objects"] = object(
+      {{"objects",
+        table({{"anyOf", Json::array({ref("CellDescription"), ref("Status"), ref("Job")})}})}});
+  all["ObjectUpdates"] =
+      told("By object the fields that have changed; null for those that are gone.",
+           object({{"objects", table(table(true))}}));
+  all["Lease"] = object({{"epoch", whole()}, {"client", whole()}});
+}
+
+void put_cameras(Json& all) {
   const Json corners = list(numbers(2));
   all["CameraShot"] = object(
       {{"camera", text()}, {"number", whole()}},
@@ -189,15 +201,6 @@ void put_cell(Json& all) {
                               {"edge_m", number()},
                               {"in_basket", flag()}}))},
        {"refused", list(object({{"why", text()}, {"outline_px", corners}}))}});
-  all["CellStatus"] = object({{"robots", list(ref("Status"))}}, {{"demonstration", flag()}});
-  all["ObjectNames"] = object({{"objects", list(text())}});
-  all["Objects"] = object(
-      {{"objects",
-        table({{"anyOf", Json::array({ref("CellDescription"), ref("Status"), ref("Job")})}})}});
-  all["ObjectUpdates"] =
-      told("By object the fields that have changed; null for those that are gone.",
-           object({{"objects", table(table(true))}}));
-  all["Lease"] = object({{"epoch", whole()}, {"client", whole()}});
 }
 
 void put_status(Json& all) {
@@ -645,6 +648,7 @@ Json result_schemas() {
   Json all = Json::object();
   put_basics(all);
   put_cell(all);
+  put_cameras(all);
   put_status(all);
   put_jobs(all);
   put_procedures(all);

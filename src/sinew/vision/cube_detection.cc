@@ -17,7 +17,7 @@ constexpr int kCoarse = 400;
 /// px of the fine picture: up to this edge it is believed, from somewhat less on the coarse one.
 constexpr double kBorder = 56;
 constexpr double kCommon = 0.65;  ///< of that
-constexpr double kSure = 0.4;     ///< from here on it is a cube
+constexpr double kSure = 0.47;    ///< from here on it is a cube
 constexpr double kUnsure = 0.12;  ///< from here on it is worth a word
 constexpr double kOtherSure = 0.35;
 constexpr double kOtherSize = 2.5;  ///< of what is no cube beside the others
