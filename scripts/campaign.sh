@@ -10,8 +10,9 @@
 #   SINEW_POWER_LOSSES  of the position journal (100000)
 #   SINEW_SEEDS   of the whole system in virtual time (100000)
 #   SINEW_TRACE_SEEDS  compared between g++ and clang (200)
+#   SINEW_CELLS   with a camera and cubes, from the picture to the basket (500)
 #   SOAK_MINUTES  of the demonstration, whose memory must not grow (30)
-#   PARTS         which of: format tidy asan tsan fuzz seeds faults motion losses kills outages system trace latency flood soak browser (all)
+#   PARTS         which of: format tidy asan tsan fuzz seeds faults motion losses kills outages system trace latency flood soak cubes browser (all)
 # shellcheck source=scripts/lib.sh
 source "$(dirname "${BASH_SOURCE[0]}")/lib.sh"
 
@@ -24,10 +25,11 @@ kills=${SINEW_KILLS:-1000}
 outages=${SINEW_OUTAGES:-1430}
 system_seeds=${SINEW_SEEDS:-100000}
 trace_seeds=${SINEW_TRACE_SEEDS:-200}
+cells=${SINEW_CELLS:-500}
 soak_minutes=${SOAK_MINUTES:-30}
-parts=${PARTS:-format tidy asan tsan fuzz seeds faults motion losses kills outages system trace latency flood soak browser}
+parts=${PARTS:-format tidy asan tsan fuzz seeds faults motion losses kills outages system trace latency flood soak cubes browser}
 # Only their own parts ask for so many.
-unset SINEW_FAULTS SINEW_SEQUENCES SINEW_POWER_LOSSES SINEW_KILLS SINEW_OUTAGES SINEW_SEEDS
+unset SINEW_FAULTS SINEW_SEQUENCES SINEW_POWER_LOSSES SINEW_KILLS SINEW_OUTAGES SINEW_SEEDS SINEW_CELLS
 
 run_ctest() {
   local preset=$1 title=$2 log=$3
@@ -142,6 +144,12 @@ soak_part() {
   build release sinew &&
     step "soak, $soak_minutes min" soak /usr/bin/python3 tests/web/load_test.py --soak \
       build/release/sinew "$soak_minutes" && cat "$logs/soak.log"
+}
+
+cubes_part() {
+  configure_release_tests && build release &&
+    step "$cells cells with cubes" cubes env "SINEW_CELLS=$cells" build/release/tests/cubes_test \
+      --gtest_filter=Cubes.all_that_are_seen_come_into_the_basket
 }
 
 # Every test of the panel in a browser, those of make test too.

@@ -137,6 +137,7 @@ export const teachDe: Record<keyof typeof teachEn, string> = {
   'prog.field.condition': 'Bedingung, wie base>20deg',
   'prog.field.program': 'Programm',
   'prog.field.color': 'Farbe',
+  'prog.field.at': 'den bei X, Y, Z',
 
   'pts.name': 'Name des Punktes',
   'pts.name.rule': 'Ein Buchstabe, dann Buchstaben, Ziffern, - und _; höchstens 40.',

@@ -135,6 +135,7 @@ export const teachEn = {
   'prog.field.condition': 'condition, as base>20deg',
   'prog.field.program': 'program',
   'prog.field.color': 'color',
+  'prog.field.at': 'the one at X, Y, Z',
 
   'pts.name': 'Name of the point',
   'pts.name.rule': 'A letter, then letters, digits, - and _; 40 at most.',

@@ -55,7 +55,7 @@ TEST(CameraFile, what_is_wrong_is_said_with_its_line) {
             "camera.toml:1:10: format: is 2: written by another version; calibrate again: sinew "
             "camera calibrate");
   EXPECT_EQ(complaint_after("width = 1280", "width = 0").substr(0, 26),
-            "camera.toml:3:9: width: mu");
+            "camera.toml:4:9: width: mu");
   EXPECT_NE(complaint_after("k3 =", "k4 ="), "");
   EXPECT_NE(complaint_after("\"a4\"", "\"b4\"").find("has to be a4, a3 or letter"),
             std::string::npos);

@@ -90,7 +90,7 @@ TEST(CubeRows, what_is_wrong_with_a_row_is_said_with_what_would_be_right) {
   const std::pair<const char*, const char*> wrong[] = {
       {"look here", "p.sinew:1:6: too many words; write look"},
       {"pick red", "p.sinew:1:6: 'red': write pick, pick color=red, or pick at=180mm,0mm,25mm"},
-      {"pick at=180mm,0mm", "p.sinew:1:6: "},
+      {"pick at=180mm,0mm", "p.sinew:1:6: '180mm,0mm': a point is X,Y,Z, as in 200mm,0mm,150mm"},
       {"pick color=read",
        "p.sinew:1:6: 'read' is no color of a cube; there are red, orange, yellow, green, blue, "
        "purple, pink, black, wood"},

@@ -68,18 +68,20 @@ io::IoResult<std::unique_ptr<RunningCell>> RunningCell::start(
 }
 
 RunningCell::~RunningCell() {
-  for (auto& camera : cameras_) camera.reset();
   // Each comes to rest in its own time; together they take as long as the slowest.
-  std::vector<std::thread> ends;
-  ends.reserve(stations_.size());
-  for (std::size_t i = 0; i < stations_.size(); ++i) {
-    ends.emplace_back([this, i] {
-      if (i < jobs_.size()) jobs_[i].reset();
-      if (i < procedures_.size()) procedures_[i].reset();
-      stations_[i].reset();
-    });
-  }
-  for (std::thread& end : ends) end.join();
+  const auto together = [&](const auto& end) {
+    std::vector<std::thread> ends;
+    ends.reserve(stations_.size());
+    for (std::size_t i = 0; i < stations_.size(); ++i) ends.emplace_back(end, i);
+    for (std::thread& one : ends) one.join();
+  };
+  together([this](std::size_t i) {
+    if (i < jobs_.size()) jobs_[i].reset();
+    if (i < procedures_.size()) procedures_[i].reset();
+  });
+  // Jobs look through cameras, and these at stations.
+  cameras_.clear();
+  together([this](std::size_t i) { stations_[i].reset(); });
 }
 
 void RunningCell::open_camera(std::size_t i, Camera::Settings settings, CameraSource source) {
