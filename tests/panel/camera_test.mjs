@@ -59,7 +59,7 @@ test('a cube that is clicked is picked and placed, and the rest is sorted', asyn
   const chosen = page.locator('.camera-chosen');
   await chosen.waitFor();
   assert.match(await chosen.innerText(), /Red cube at 1[67]\d, [-−][12]\d mm/);
-  await page.getByRole('button', { name: 'Into tray' }).click();
+  await page.getByRole('button', { name: 'Into tray', exact: true }).click();
   await until('placed', async () => (await job()).title === 'Pick a cube' && (await job()).over);
   assert.equal((await job()).phase, 'done', JSON.stringify((await job()).error));
   await until('one in the tray', async () => (await counts(page)).some((row) => /Red\s+0\s+1/.test(row)));

@@ -137,7 +137,7 @@ function Cubes({ now }: { now: CameraShot }): JSX.Element {
             <Icon name="play" /> {t('camera.sort', { basket: basket.value.name })}
           </button>
           <button type="button" class="big" disabled={!atWork.value} onClick={stopJob}>
-            <Icon name="stop" /> {t('ride.stop')}
+            <Icon name="stop" /> {t('prog.stop')}
           </button>
         </div>
       )}
