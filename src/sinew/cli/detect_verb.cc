@@ -25,21 +25,13 @@ using vision::Picture;
 using vision::Pixel;
 
 /// "red, orange, .."
-std::string all_colors() {
-  std::string all;
-  for (std::size_t i = 0; i < vision::kColorNames; ++i) {
-    all += (i == 0 ? "" : ", ") + std::string(name(static_cast<vision::ColorName>(i)));
-  }
-  return all;
-}
-
 std::expected<vision::DetectionSettings, Outcome> settings_of(const DetectRequest& request) {
   vision::DetectionSettings settings;
   for (const std::string& text : request.colors) {
     const auto color = vision::color_named(text);
     if (!color) {
       return std::unexpected(
-          bad_input("--colors: '" + printable(text) + "' is none of " + all_colors()));
+          bad_input("--colors: '" + printable(text) + "' is none of " + vision::color_list()));
     }
     settings.colors.push_back(*color);
   }
@@ -149,7 +141,7 @@ std::string detection_text(const std::string& path, const Picture& picture,
 
 void declare_options(CLI::App& verb, DetectRequest& request) {
   verb.add_option("IMAGE", request.images, "JPEG or PNG files: a table from above")->required();
-  verb.add_option("--colors", request.colors, "these only, comma between: " + all_colors())
+  verb.add_option("--colors", request.colors, "these only, comma between: " + vision::color_list())
       ->delimiter(',');
   verb.add_option("--debug", request.debug,
                   "PNG file: what was seen in green, what was refused in magenta, with numbers");

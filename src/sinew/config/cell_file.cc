@@ -17,14 +17,6 @@ constexpr Range kReach = between(-100, 100);  // m
 constexpr Range kTurn = between(-2 * kPi, 2 * kPi);
 constexpr Range kScale = between(0.01, 1000);
 
-std::string color_words() {
-  std::string words;
-  for (std::size_t i = 0; i < vision::kColorNames; ++i) {
-    words += (words.empty() ? "" : ", ") + std::string(name(static_cast<vision::ColorName>(i)));
-  }
-  return words;
-}
-
 bool good_name(std::string_view name) {
   return std::ranges::all_of(
       name, [](char c) { return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '-'; });
@@ -124,7 +116,7 @@ CellCube read_cube(TableReader& reader) {
   std::string color;
   if (reader.text("color", kNameMax, color)) {
     const auto named = vision::color_named(color);
-    if (!named) reader.complain("color", "has to be " + color_words());
+    if (!named) reader.complain("color", "has to be " + vision::color_list());
     cube.color = static_cast<int>(named.value_or(vision::ColorName::kRed));
   }
   reader.optional().quantity("x_*", kLength, kReach, cube.p_W.x);
@@ -164,9 +156,7 @@ void read_table_top(TableReader& root, Cell& cell, std::vector<std::string>& tak
     return;
   }
   for (TableReader& reader : cubes) cell.cubes.push_back(read_cube(reader));
-  const bool seen = std::ranges::any_of(
-      cell.cameras, [](const CellCamera& one) { return one.device == kSimulatedCamera; });
-  if (!cubes.empty() && !seen) {
+  if (!cubes.empty() && cell.simulated_camera() == nullptr) {
     root.complain("cube", "cubes are for a camera with device = \"" +
                               std::string(kSimulatedCamera) + "\"; there is none");
   }

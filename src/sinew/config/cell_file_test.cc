@@ -67,15 +67,18 @@ TEST(CellFile, says_which_robots_stand_where_and_hang_on_what) {
   EXPECT_EQ(cell->cameras[0].device, "/dev/video0");
 }
 
-TEST(CellFile, a_calibrated_camera_says_where_its_table_is) {
-  const std::string_view camera = R"(
+/// More about the camera may follow.
+const std::string kOneCamera = R"(
 title = "one"
 [[robot]]
 name = "arm"
 robot = "learm"
 [[camera]]
 name = "top"
-device = "table.jpg"
+)";
+
+TEST(CellFile, a_calibrated_camera_says_where_its_table_is) {
+  const std::string camera = kOneCamera + R"(device = "table.jpg"
 calibration = "camera.toml"
 cube_mm = 30
 x_mm = 180
@@ -91,14 +94,7 @@ rz_deg = 90
 }
 
 TEST(CellFile, a_simulated_camera_has_cubes_and_a_basket) {
-  const std::string_view text = R"(
-title = "one"
-[[robot]]
-name = "arm"
-robot = "learm"
-[[camera]]
-name = "top"
-device = "simulated"
+  const std::string text = kOneCamera + R"(device = "simulated"
 [basket]
 name = "tray"
 length_mm = 120

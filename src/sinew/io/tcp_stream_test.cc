@@ -47,7 +47,7 @@ TEST(TcpStream, silence_ends_with_its_time) {
   EXPECT_GE(clock.now() - Instant{}, 30ms);
 }
 
-TEST(TcpStream, nobody_there_is_said_in_a_sentence) {
+TEST(TcpStream, no_server_there_is_said_in_a_sentence) {
   std::uint16_t port = 0;
   {
     const test::TcpTestServer server([](auto&, int) {});

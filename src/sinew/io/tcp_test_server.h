@@ -84,7 +84,7 @@ class TcpTestServer {
   TcpTestServer(const TcpTestServer&) = delete;
   TcpTestServer& operator=(const TcpTestServer&) = delete;
 
-  /// Nobody listens from then on.
+  /// No server listens from then on.
   void end() {
     thread_.request_stop();
     if (thread_.joinable()) thread_.join();

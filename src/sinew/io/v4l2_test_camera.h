@@ -18,7 +18,7 @@
 
 namespace sinew::test {
 
-/// A camera behind the calls of Video4Linux2, in virtual time: time passes only while somebody
+/// A camera behind the calls of Video4Linux2, in virtual time: time passes only while the program
 /// waits. Frames are exposed back to back; each goes into the first buffer that is queued when it
 /// is complete, or is lost.
 class TestVideoCamera {

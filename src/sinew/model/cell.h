@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -94,6 +95,12 @@ struct Cell {
   std::vector<CellCamera> cameras;
   std::optional<CellBasket> basket;
   std::vector<CellCube> cubes;
+
+  /// The first simulated one; null where there is none.
+  const CellCamera* simulated_camera() const {
+    const auto found = std::ranges::find(cameras, kSimulatedCamera, &CellCamera::device);
+    return found != cameras.end() ? &*found : nullptr;
+  }
 };
 
 }  // namespace sinew

@@ -120,11 +120,7 @@ std::optional<vision::ColorName> read_color(RowReader& row, const Word& word) {
   const std::string_view name = word.text.substr(kColorKey.size());
   const auto color = vision::color_named(name);
   if (color) return color;
-  std::string all;
-  for (std::size_t i = 0; i < vision::kColorNames; ++i) {
-    all += (i == 0 ? "" : ", ") + std::string(vision::name(static_cast<vision::ColorName>(i)));
-  }
-  row.complain(word, in_quotes(name) + " is no color of a cube; there are " + all);
+  row.complain(word, in_quotes(name) + " is no color of a cube; there are " + vision::color_list());
   return std::nullopt;
 }
 

@@ -77,6 +77,7 @@ void Camera::work(const std::stop_token& ending) {
     Shot shot = take(ending);
     shot.number = answered;
     auto kept = std::make_shared<const Shot>(std::move(shot));
+    if (kept->picture.width > 0) last_ = kept;
     lock.lock();
     newest_ = std::move(kept);
   }
@@ -91,7 +92,6 @@ Camera::Shot Camera::take(const std::stop_token& ending) {
   }
   shot.picture = std::move(*picture);
   shot.fault = fault_of(shot.picture);
-  last_ = shot.picture;
   if (shot.fault) return shot;
   shot.seen = vision::detect_cubes(shot.picture);
   const auto& calibration = settings_.calibration;
@@ -105,7 +105,7 @@ std::optional<Error> Camera::fault_of(const vision::Picture& picture) {
     if (const auto changed = size_change(picture, calibration->model)) return changed;
   }
   if (is_blind(picture)) return Error{ErrorCode::kCameraBlind};
-  if (picture.rgb == last_.rgb) return Error{ErrorCode::kCameraFrozen};
+  if (last_ && picture.rgb == last_->picture.rgb) return Error{ErrorCode::kCameraFrozen};
   return sheet_ ? moved(picture) : std::nullopt;
 }
 

@@ -60,7 +60,7 @@ class Camera {
   CameraSource source_;
   std::optional<vision::TagBoard> sheet_;  ///< on its table
   std::optional<vision::TagFinder> tags_;  ///< of the thread
-  vision::Picture last_;                   ///< of the thread
+  std::shared_ptr<const Shot> last_;       ///< with a picture; of the thread
   mutable std::mutex mutex_;
   std::condition_variable_any asked_for_;
   std::uint64_t asked_ = 0;             ///< under the mutex

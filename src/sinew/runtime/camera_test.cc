@@ -64,7 +64,7 @@ TEST(Camera, each_picture_that_says_nothing_says_why) {
     }
     return picture;
   });
-  EXPECT_EQ(camera.newest(), nullptr) << "nobody asked";
+  EXPECT_EQ(camera.newest(), nullptr) << "none was asked for";
   EXPECT_FALSE(shot_of(camera)->fault);
   EXPECT_EQ(taken, 1);
   width = 640;
@@ -123,7 +123,7 @@ TEST(WrittenPictures, only_a_new_whole_picture_counts) {
   const auto first = source(end.get_token());
   ASSERT_TRUE(first);
   EXPECT_EQ(first->width, 320);
-  // Written before the look, cut short, or not there: waited for until somebody ends it.
+  // Written before the look, cut short, or not there: waited for until that is ended.
   std::jthread ender([&] { end.request_stop(); });
   write(3, seconds(-10));
   EXPECT_EQ(source(end.get_token()).error().code, ErrorCode::kCameraLost);

@@ -11,7 +11,6 @@
 #include "sinew/io/clock.h"
 #include "sinew/io/tcp_stream.h"
 #include "sinew/runtime/http_address.h"
-#include "sinew/runtime/written_pictures.h"
 #include "sinew/vision/camera_jpeg.h"
 #include "sinew/vision/picture_file.h"
 #include "sinew/vision/picture_stream.h"

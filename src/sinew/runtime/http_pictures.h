@@ -13,7 +13,7 @@ namespace sinew::runtime {
 /// been left alone for so long that old pictures wait in it. A picture counts where its first byte
 /// came kPictureDelay after it was asked for.
 /// @param address  as read_http_address reads it
-/// @error  a sentence with the address: no address, nobody listens there, no pictures there
+/// @error  a sentence with the address: no address, no server listens there, no pictures there
 std::expected<CameraSource, std::string> http_pictures(const std::string& address,
                                                        const io::Clock& clock = io::Clock());
 

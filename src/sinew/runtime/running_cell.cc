@@ -39,8 +39,7 @@ io::IoResult<std::unique_ptr<RunningCell>> RunningCell::start(
   std::unique_ptr<RunningCell> running(new RunningCell(std::move(cell), folders));
   running->space_ = std::make_unique<CellSpace>(running->cell_, robots);
   running->cameras_.resize(running->cell_.cameras.size());
-  if (std::ranges::find(running->cell_.cameras, kSimulatedCamera, &CellCamera::device) !=
-      running->cell_.cameras.end()) {
+  if (running->cell_.simulated_camera() != nullptr) {
     running->table_ = std::make_unique<SimulatedTable>(running->cell_);
   }
   for (std::size_t i = 0; i < robots.size(); ++i) {

@@ -13,9 +13,9 @@ namespace {
 constexpr double kTableHalf = 0.6;  // m
 
 const CellCamera& camera_of(const Cell& cell) {
-  const auto found = std::ranges::find(cell.cameras, kSimulatedCamera, &CellCamera::device);
-  SINEW_ASSERT(found != cell.cameras.end());
-  return *found;
+  const CellCamera* camera = cell.simulated_camera();
+  SINEW_ASSERT(camera != nullptr);
+  return *camera;
 }
 
 /// The table as the world of its cubes.
@@ -118,10 +118,9 @@ Expected<vision::Picture> SimulatedTable::picture(const vision::TableCamera& cam
   const Trouble trouble = trouble_;
   render::CellView view = view_;
   const std::uint64_t number = ++taken_;
-  auto frozen = frozen_;
-  lock.unlock();
   if (trouble.unplugged) return std::unexpected(Error{ErrorCode::kCameraLost, -1, 0});
-  if (trouble.frozen && frozen) return std::move(*frozen);
+  if (trouble.frozen && frozen_) return *frozen_;
+  lock.unlock();
   view.hand = trouble.hand;
   view.robots = robots();
   const auto X_TW = relabel<frame::World, frame::World>(X_WT_.inverse());

@@ -60,7 +60,7 @@ class SimulatedTable {
   CameraSource pictures(const vision::TableCamera& camera, Robots robots);
 
   sim::SharedCubes& cubes() { return cubes_; }
-  /// Somebody puts all cubes to where they lay when the cell began.
+  /// All cubes lie where they lay when the cell began.
   void begin_again();
   void set_trouble(const Trouble& trouble);
   /// Lamps, table top, things that are no cubes; seed: as render::CellView has it.

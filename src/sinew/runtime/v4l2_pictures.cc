@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "sinew/io/v4l2_camera.h"
-#include "sinew/runtime/written_pictures.h"
 #include "sinew/vision/camera_jpeg.h"
 #include "sinew/vision/raw_frame.h"
 

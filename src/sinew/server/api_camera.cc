@@ -12,8 +12,8 @@ constexpr std::uint64_t kLongestUsual = 640;
 
 }  // namespace
 
-/// The newest picture is told at once, and the next one taken meanwhile: who wants to see more asks
-/// again.
+/// The answer is the newest picture, at once, and the next one taken meanwhile: who wants to see
+/// more asks again.
 Api::Answer Api::look_through(const Call& call) {
   const auto& cameras = cell_.cell().cameras;
   const std::string wanted = call.request.text("camera");

@@ -195,14 +195,7 @@ Api::Answer Api::describe() const {
   }
   Json objects = Json::array();
   for (const CellObject& object : cell.objects) {
-    objects.push_back({{"name", object.name},
-                       {"x_m", object.X_WX.p.x},
-                       {"y_m", object.X_WX.p.y},
-                       {"z_m", object.X_WX.p.z},
-                       {"quaternion_wxyz", quaternion_wxyz(object.X_WX.R)},
-                       {"length_m", 2 * object.half.x},
-                       {"width_m", 2 * object.half.y},
-                       {"height_m", 2 * object.half.z}});
+    objects.push_back(box_json(object.name, object.X_WX.p, object.X_WX.R, 2 * object.half));
   }
   Json cameras = Json::array();
   for (std::size_t i = 0; i < cell.cameras.size(); ++i) {
@@ -210,7 +203,10 @@ Api::Answer Api::describe() const {
   }
   Json json{{"title", cell.title}, {"version", version_}, {"time_scale", cell.time_scale},
             {"robots", robots},    {"objects", objects},  {"cameras", cameras}};
-  if (cell.basket) json["basket"] = basket_description(*cell.basket);
+  if (cell.basket) {
+    json["basket"] =
+        box_json(cell.basket->name, cell.basket->X_WK.p, cell.basket->X_WK.R, cell.basket->size);
+  }
   return json;
 }
 

@@ -57,15 +57,6 @@ Json camera_description(const runtime::RunningCell& cell, std::size_t camera) {
   return json;
 }
 
-Json basket_description(const CellBasket& basket) {
-  Json json = pose_json(basket.X_WK.p, basket.X_WK.R);
-  json["name"] = basket.name;
-  json["length_m"] = basket.size.x;
-  json["width_m"] = basket.size.y;
-  json["height_m"] = basket.size.z;
-  return json;
-}
-
 Json shot_json(const runtime::RunningCell& cell, std::size_t camera,
                const runtime::Camera::Shot& shot, std::uint64_t known, int longest) {
   const CellCamera& place = cell.cell().cameras[camera];

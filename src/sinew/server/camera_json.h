@@ -10,7 +10,6 @@ namespace sinew::server {
 
 /// What never changes: where its table is and, where it is calibrated, its lens.
 Json camera_description(const runtime::RunningCell& cell, std::size_t camera);
-Json basket_description(const CellBasket& basket);
 
 /// What its newest picture shows; `picture` beside it, a JPEG as base64, where it has another
 /// number than `known`.

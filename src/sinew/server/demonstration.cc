@@ -40,8 +40,8 @@ std::optional<int> behind_home(std::string_view text) {
 /// The robot that picks and stands nearest to the simulated table.
 std::optional<std::size_t> sorter_of(const runtime::RunningCell& cell) {
   constexpr double kNear = 0.5;  // m
-  const auto camera = std::ranges::find(cell.cell().cameras, kSimulatedCamera, &CellCamera::device);
-  if (camera == cell.cell().cameras.end()) return std::nullopt;
+  const CellCamera* camera = cell.cell().simulated_camera();
+  if (camera == nullptr) return std::nullopt;
   std::optional<std::size_t> nearest;
   double least = kNear;
   for (std::size_t i = 0; i < cell.size(); ++i) {

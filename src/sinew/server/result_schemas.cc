@@ -146,19 +146,20 @@ void put_cell(Json& all) {
        {"stop", object({{"ends_motion", flag()}, {"standstill", text()}, {"gravity", text()}})}},
       {{"position_journal", object({{"found", text()}, {"way_out", text()}})}},
       {{of_joint("nudge_max"), number()}});
+  const Json box = object({{"name", text()},
+                           {"x_m", number()},
+                           {"y_m", number()},
+                           {"z_m", number()},
+                           {"quaternion_wxyz", numbers(4)},
+                           {"length_m", number()},
+                           {"width_m", number()},
+                           {"height_m", number()}});
   all["CellDescription"] = object(
       {{"title", text()},
        {"version", text()},
        {"time_scale", number()},
        {"robots", list(ref("RobotDescription"))},
-       {"objects", list(object({{"name", text()},
-                                {"x_m", number()},
-                                {"y_m", number()},
-                                {"z_m", number()},
-                                {"quaternion_wxyz", numbers(4)},
-                                {"length_m", number()},
-                                {"width_m", number()},
-                                {"height_m", number()}}))},
+       {"objects", list(box)},
        {"cameras", list(object({{"name", text()}, {"device", text()}, {"table", ref("Pose")}},
                                {{"lens", object({{"pose", ref("Pose")},
                                                  {"width_px", whole()},
@@ -166,14 +167,7 @@ void put_cell(Json& all) {
                                                  {"fx_px", number()},
                                                  {"fy_px", number()},
                                                  {"accuracy_m", number()}})}}))}},
-      {{"basket", object({{"name", text()},
-                          {"x_m", number()},
-                          {"y_m", number()},
-                          {"z_m", number()},
-                          {"quaternion_wxyz", numbers(4)},
-                          {"length_m", number()},
-                          {"width_m", number()},
-                          {"height_m", number()}})}});
+      {{"basket", box}});
   all["CellStatus"] = object({{"robots", list(ref("Status"))}}, {{"demonstration", flag()}});
   all["ObjectNames"] = object({{"objects", list(text())}});
   all["Objects"] = object(

@@ -123,6 +123,15 @@ Json pose_json(const Vec3& p, const Rotation& R) {
   return {{"x_m", p.x}, {"y_m", p.y}, {"z_m", p.z}, {"quaternion_wxyz", quaternion_wxyz(R)}};
 }
 
+Json box_json(const std::string& name, const Vec3& p, const Rotation& R, const Vec3& size) {
+  Json json = pose_json(p, R);
+  json["name"] = name;
+  json["length_m"] = size.x;
+  json["width_m"] = size.y;
+  json["height_m"] = size.z;
+  return json;
+}
+
 RpcError complained(const std::vector<Complaint>& complaints) {
   Json list = Json::array();
   for (const Complaint& complaint : complaints) {

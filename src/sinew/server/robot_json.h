@@ -17,6 +17,8 @@ Json error_json(const Error& error, const RobotModel& model);
 
 /// {"x_m", "y_m", "z_m", "quaternion_wxyz"}
 Json pose_json(const Vec3& p, const Rotation& R);
+/// A pose_json() with "name", and "length_m", "width_m", "height_m": `size` along x, y and z.
+Json box_json(const std::string& name, const Vec3& p, const Rotation& R, const Vec3& size);
 
 /// What is wrong with a text that a client has sent: the first complaint, and all in `complaints`.
 RpcError complained(const std::vector<Complaint>& complaints);

@@ -96,7 +96,7 @@ class CubeWorld {
   };
   /// Its index. Makes no events, and does not look whether the place is free.
   std::size_t add(const NewCube& cube);
-  /// Somebody puts it there, from wherever it is; as add().
+  /// It lies there now, wherever it was; as add().
   void put(std::size_t cube, PlanPoint at, double yaw, double bottom);
   /// A cube at a random free place on the table. Nothing where 200 tries find none.
   /// @param middle  @param half  of the area for its middle, m  @param gap  m to other cubes

@@ -21,4 +21,10 @@ std::optional<ColorName> color_named(std::string_view text) {
   return static_cast<ColorName>(found - kNames.begin());
 }
 
+std::string color_list() {
+  std::string list;
+  for (const std::string_view one : kNames) list += (list.empty() ? "" : ", ") + std::string(one);
+  return list;
+}
+
 }  // namespace sinew::vision

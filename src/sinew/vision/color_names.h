@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <string_view>
 
 namespace sinew::vision {
@@ -23,5 +24,7 @@ inline constexpr std::size_t kColorNames = 9;
 
 std::string_view name(ColorName color);
 std::optional<ColorName> color_named(std::string_view text);
+/// All of them, for a sentence: "red, orange, ..".
+std::string color_list();
 
 }  // namespace sinew::vision
