@@ -8,6 +8,7 @@ python3-torch, python3-numpy and python3-opencv. docs/vision.md says what the ou
 
 import argparse
 import collections
+import copy
 import glob
 import math
 import os
@@ -49,6 +50,24 @@ class Block(nn.Module):
 
     def forward(self, x):
         return F.relu(x + self.body(x))
+
+
+def take_norms_in(module):
+    """Each norm becomes a part of the layer before it: the same sums, and half the time of a step."""
+    for name, child in module.named_children():
+        if not isinstance(child, nn.Sequential):
+            take_norms_in(child)
+            continue
+        layers = []
+        for layer in child:
+            if not isinstance(layer, nn.BatchNorm2d):
+                layers.append(layer)
+                continue
+            weight, offset = folded(layers[-1], layer)
+            layers[-1].weight.data.copy_(weight)
+            layers[-1].bias = nn.Parameter(offset)
+        setattr(module, name, nn.Sequential(*layers))
+        take_norms_in(getattr(module, name))
 
 
 class CubeNet(nn.Module):
@@ -341,14 +360,14 @@ def loss_of(out, heat, weight, about, kinds):
 
 
 def folded(layer, norm=None):
-    """A layer's weights and offsets, with what follows it taken in; half floats."""
+    """A layer's weights and offsets, with the norm that follows it taken in."""
     weight = layer.weight.detach()
     offset = layer.bias.detach() if layer.bias is not None else torch.zeros(len(weight))
     if norm is not None:
         factor = norm.weight.detach() / torch.sqrt(norm.running_var + norm.eps)
         weight = weight * factor.view(-1, 1, 1, 1)
         offset = (offset - norm.running_mean) * factor + norm.bias.detach()
-    return [weight.numpy().astype("<f2").tobytes(), offset.numpy().astype("<f2").tobytes()]
+    return weight, offset
 
 
 def layers_of(net):
@@ -358,7 +377,7 @@ def layers_of(net):
     def pairs(module):
         for first, second in zip([*module, None], [*module, None][1:]):
             if isinstance(first, nn.Conv2d):
-                yield first, second
+                yield first, second if isinstance(second, nn.BatchNorm2d) else None
             elif isinstance(first, Block):
                 yield from pairs(first.body)
             elif isinstance(first, nn.Sequential):
@@ -374,51 +393,76 @@ def layers_of(net):
 
 
 def export(net, path):
-    parts = []
-    for layer, norm in layers_of(net):
-        parts.extend(folded(layer, norm))
-    with open(path, "wb") as file:
+    """All weights and offsets as half floats; the file is whole at any time."""
+    parts = [part.numpy().astype("<f2").tobytes() for layer, norm in layers_of(net)
+             for part in folded(layer, norm)]
+    with open(path + ".part", "wb") as file:
         file.write(b"".join(parts))
+    os.replace(path + ".part", path)
 
 
-def begin_from(net, path, pictures):
-    """The weights of export(). A norm learns from `pictures` what passes it, and gives that back
-    unchanged, so that training goes on where it was.
-    """
+def begin_from(net, path):
+    """The weights of export(), in a net that has no norms any more."""
+    take_norms_in(net)
     numbers = torch.from_numpy(np.fromfile(path, "<f2").astype(np.float32))
+    needed = sum(value.numel() for value in net.parameters())
+    if needed != len(numbers):
+        raise SystemExit(f"{path} holds {len(numbers)} weights, not {needed}")
     at = 0
+    for layer, _ in layers_of(net):
+        for value in (layer.weight, layer.bias):
+            value.data.copy_(numbers[at:at + value.numel()].view(value.shape))
+            at += value.numel()
 
-    def take(shape):
-        nonlocal at
-        count = math.prod(shape)
-        at += count
-        return numbers[at - count:at].reshape(shape)
 
-    hooks = []
-    for layer, norm in layers_of(net):
-        layer.weight.data.copy_(take(layer.weight.shape))
-        offset = take((len(layer.weight),))
-        if norm is None:
-            layer.bias.data.copy_(offset)
-            continue
+class Samples(torch.utils.data.IterableDataset):
+    """Samples without end, made in a process of their own."""
 
-        def measure(norm, inputs, offset=offset):
-            mean = inputs[0].mean((0, 2, 3))
-            variance = inputs[0].var((0, 2, 3))
-            norm.running_mean.copy_(mean)
-            norm.running_var.copy_(variance)
-            norm.weight.data.copy_(torch.sqrt(variance + norm.eps))
-            norm.bias.data.copy_(offset + mean)
+    def __init__(self, pictures, seed):
+        self.pictures = pictures
+        self.rng = np.random.default_rng(seed)
 
-        hooks.append(norm.register_forward_pre_hook(measure))
-    if at != len(numbers):
-        raise SystemExit(f"{path} holds {len(numbers)} weights, not {at}")
-    net.eval()
-    with torch.no_grad():
-        net(pictures)
-    net.train()
-    for hook in hooks:
-        hook.remove()
+    def __iter__(self):
+        cv2.setNumThreads(1)
+        while True:
+            yield sample(self.rng, self.pictures)
+
+
+class Training:
+    """A net, its optimizer, and the mean of its weights over the last steps: that is what is kept."""
+
+    def __init__(self, net, rate):
+        self.net = net
+        self.mean = copy.deepcopy(net)
+        self.rate = rate
+        self.optimizer = torch.optim.AdamW(net.parameters(), lr=rate, weight_decay=1e-4)
+        self.steps = 0
+        self.losses = np.zeros(4)
+
+    def step(self, batch, spent):
+        # Up within the first percents, then down to nothing along half a cosine.
+        rate = self.rate * min(1, spent / 0.03 + 0.02) * 0.5 * (1 + math.cos(math.pi * spent))
+        for group in self.optimizer.param_groups:
+            group["lr"] = rate
+        x, marks = batch
+        losses = loss_of(self.net(x.to(memory_format=torch.channels_last)), *marks)
+        self.optimizer.zero_grad()
+        sum(losses).backward()
+        nn.utils.clip_grad_norm_(self.net.parameters(), 10)
+        self.optimizer.step()
+        self.steps += 1
+        self.losses = 0.98 * self.losses + 0.02 * np.array([float(v.detach()) for v in losses])
+        share = max(0.002, 1 / self.steps)
+        with torch.no_grad():
+            means, nows = self.mean.state_dict(), self.net.state_dict()
+            for name, value in means.items():
+                if value.is_floating_point():
+                    value.lerp_(nows[name], share)
+
+    def __str__(self):
+        heat, shape, color, others = self.losses / (1 - 0.98 ** self.steps)
+        return (f"step {self.steps}: heat {heat:.3f}, shape {shape:.3f}, color {color:.3f}, "
+                f"others {others:.3f}")
 
 
 def main():
@@ -432,50 +476,24 @@ def main():
     args = parser.parse_args()
     torch.manual_seed(1)
     torch.set_num_threads(args.threads)
-    rng = np.random.default_rng(1)
-    found = load(args.pictures)
-    pictures = list(found.values())
-    print(len(pictures), "pictures", flush=True)
     net = CubeNet().to(memory_format=torch.channels_last)
-    print(sum(p.numel() for p in net.parameters()), "weights", flush=True)
     if args.begin:
-        begin_from(net, args.begin,
-                   torch.from_numpy(np.stack([sample(rng, pictures)[0] for _ in range(64)])))
-    optimizer = torch.optim.AdamW(net.parameters(), lr=args.rate, weight_decay=1e-4)
-    begin = saved = time.time()
-    batch = 16
-    means = np.zeros(4)
-    step = 0
-    while True:
-        spent = (time.time() - begin) / 60 / args.minutes
-        if spent >= 1:
-            break
-        # Up within the first percents, then down to nothing along half a cosine.
-        rate = args.rate * min(1, spent / 0.03 + 0.02) * 0.5 * (1 + math.cos(math.pi * spent))
-        for group in optimizer.param_groups:
-            group["lr"] = rate
-        samples = [sample(rng, pictures) for _ in range(batch)]
-        x = torch.from_numpy(np.stack([s[0] for s in samples]))
-        x = x.to(memory_format=torch.channels_last)
-        heat, weight, about, kinds = (torch.from_numpy(np.stack([s[1][i] for s in samples]))
-                                      for i in range(4))
-        losses = loss_of(net(x), heat, weight, about, kinds)
-        optimizer.zero_grad()
-        sum(losses).backward()
-        nn.utils.clip_grad_norm_(net.parameters(), 10)
-        optimizer.step()
-        step += 1
-        means = 0.98 * means + 0.02 * np.array([float(v.detach()) for v in losses])
-        if step % 50 == 0:
-            shown = means / (1 - 0.98 ** step)
-            print(f"{(time.time() - begin) / 60:.1f} min, step {step}, {len(pictures)}: heat {shown[0]:.3f}, "
-                  f"shape {shown[1]:.3f}, color {shown[2]:.3f}, others {shown[3]:.3f}", flush=True)
-        if time.time() - saved > 180:
-            export(net, args.out)
-            found.update(load(args.pictures, found))
-            pictures = list(found.values())
-            saved = time.time()
-    export(net, args.out)
+        begin_from(net, args.begin)
+    training = Training(net, args.rate)
+    found = {}
+    begin = time.time()
+    while time.time() - begin < 60 * args.minutes:
+        found.update(load(args.pictures, found))
+        samples = Samples(list(found.values()), training.steps)
+        loaded = time.time()
+        for batch in torch.utils.data.DataLoader(samples, batch_size=16, num_workers=1):
+            spent = (time.time() - begin) / 60 / args.minutes
+            if spent >= 1 or time.time() - loaded > 180:
+                break
+            training.step(batch, spent)
+            if training.steps % 50 == 0:
+                print(f"{spent * args.minutes:.1f} min, {len(found)} pictures, {training}", flush=True)
+        export(training.mean, args.out)
 
 
 if __name__ == "__main__":
