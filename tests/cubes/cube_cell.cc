@@ -16,7 +16,6 @@ namespace sinew::cubes {
 namespace {
 
 constexpr double kEdge = 0.025;  // m
-constexpr double kScale = 20;
 constexpr control::ClientId kClient = 1;
 
 /// In reach of the arm and beside its basket, a hand's breadth of each other or less.
@@ -45,7 +44,7 @@ std::vector<CellCube> cubes_of(const CubeCellSettings& settings) {
 Cell cell_of(const CubeCellSettings& settings) {
   Cell cell;
   cell.title = "cubes";
-  cell.time_scale = kScale;
+  cell.time_scale = settings.pace;
   CellRobot& robot = cell.robots.emplace_back();
   robot.name = "arm";
   robot.robot = "learm";
@@ -105,8 +104,9 @@ CubeCell::CubeCell(const CubeCellSettings& settings) {
   if (settings.sheet) believed.sheet = "a4";
   vision::TableCamera real = believed;
   real.X_WC.p.x += settings.off;
-  cell_->open_camera(0, {"top", believed, kEdge},
-                     cell_->table()->pictures(real, [this] { return cell_->robots_in_view(); }));
+  const auto robots = [this] { return cell_->robots_in_view(runtime::RunningCell::Stand::kTrue); };
+  cell_->open_camera(0, {"top", believed, kEdge}, cell_->table()->pictures(real, robots),
+                     cell_->table()->glances(real, robots));
 }
 
 Ended CubeCell::run(const std::string& program, Duration patience) {
@@ -124,14 +124,18 @@ void CubeCell::begin(const std::string& program) {
   ASSERT_TRUE(cell_->jobs(0).start(std::move(order), kClient));
 }
 
+void CubeCell::keep_lease() {
+  client_->refresh();
+  while (client_->take_event()) {
+  }
+  client_->act_for(kClient);  // under the lease that the job has taken
+  client_->keep_lease(clock_.now());
+}
+
 Ended CubeCell::finish(Duration patience) {
   const Instant end = clock_.now() + patience;
   while (!cell_->jobs(0).view().over && clock_.now() < end) {
-    client_->refresh();
-    while (client_->take_event()) {
-    }
-    client_->act_for(kClient);  // under the lease that the job has taken
-    client_->keep_lease(clock_.now());
+    keep_lease();
     clock_.pause(std::chrono::milliseconds(2));
   }
   const runtime::JobView job = cell_->jobs(0).view();

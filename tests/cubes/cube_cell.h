@@ -15,6 +15,7 @@ struct CubeCellSettings {
   std::size_t cubes = 3;
   bool towers = false;  ///< each cube stands on another one
   bool sheet = false;   ///< with tags lies on the table
+  double pace = 20;     ///< so much faster time runs
   double off = 0;       ///< m, that the camera hangs aside of where its calibration says
 };
 
@@ -30,7 +31,7 @@ struct Ended {
   std::string text() const;
 };
 
-/// In real threads; time runs 20 times as fast.
+/// In real threads.
 class CubeCell {
  public:
   explicit CubeCell(const CubeCellSettings& settings);
@@ -39,6 +40,8 @@ class CubeCell {
   /// Begins it; finish() is its end.
   void begin(const std::string& program);
   Ended finish(Duration patience = std::chrono::minutes(4));
+  /// Has to be called all along while a program runs; finish() does.
+  void keep_lease();
 
   runtime::SimulatedTable& table() { return *cell_->table(); }
   runtime::RunningCell& cell() { return *cell_; }

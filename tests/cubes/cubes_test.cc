@@ -98,5 +98,38 @@ TEST(Cubes, a_camera_that_cannot_be_trusted_ends_the_program_and_nothing_moves) 
   }
 }
 
+TEST(Cubes, a_hand_that_comes_into_view_while_the_arm_moves_pauses_it) {
+  CubeCell cell({.seed = 3, .cubes = 2, .pace = 2});
+  const auto until = [&](const auto& is_so, Duration patience) {
+    const io::Clock clock;
+    const Instant end = clock.now() + patience;
+    while (!is_so(cell.cell().jobs(0).view()) && clock.now() < end) {
+      cell.keep_lease();
+      clock.pause(std::chrono::milliseconds(5));
+    }
+    return is_so(cell.cell().jobs(0).view());
+  };
+  using std::chrono::seconds;
+  cell.begin(kSort);
+  // On its way to the first cube.
+  ASSERT_TRUE(until([](const auto& job) { return job.over || job.line == 3; }, seconds(60)));
+  until([](const auto& job) { return job.over; }, std::chrono::milliseconds(1500));
+  ASSERT_FALSE(cell.cell().jobs(0).view().paused) << "an arm in its own view is no reason";
+  runtime::SimulatedTable::Trouble hand;
+  hand.hand = render::ViewedHand{{0.1, -0.12, 0.03}, -1.6};
+  cell.table().set_trouble(hand);
+  ASSERT_TRUE(until([](const auto& job) { return job.over || job.paused; }, seconds(20)));
+  const runtime::JobView job = cell.cell().jobs(0).view();
+  ASSERT_TRUE(job.paused && job.last_notice);
+  EXPECT_EQ(info(job.last_notice->error.code).name, info(ErrorCode::kViewDisturbed).name);
+  cell.table().set_trouble({});
+  until([](const auto& one) { return one.over; }, seconds(3));
+  EXPECT_TRUE(cell.cell().jobs(0).view().paused) << "a person says when it goes on";
+  cell.cell().jobs(0).resume(job.id);
+  const Ended ended = cell.finish();
+  EXPECT_EQ(ended.job.phase, program::Run::Phase::kDone) << ended.text();
+  EXPECT_EQ(ended.count(CubePlace::kBasket), 2U) << ended.text();
+}
+
 }  // namespace
 }  // namespace sinew::cubes

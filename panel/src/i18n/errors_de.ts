@@ -108,6 +108,8 @@ const codes: Record<string, string> = {
   camera_moved:
     'Die Kamera wurde bewegt: die Marken auf ihrem Tisch scheinen {measured} von ihrem Ort zu liegen, erlaubt sind {limit}. Zurückstellen oder neu kalibrieren',
   camera_tags_hidden: 'Keine der Marken auf dem Tisch der Kamera ist zu sehen: freilegen oder neu kalibrieren',
+  view_disturbed:
+    'Etwas ist ins Bild der Kamera gekommen: angehalten. Auf den Tisch sehen, dann fortsetzen',
   camera_frozen: 'Die Kamera liefert immer wieder dasselbe Bild',
   camera_changed:
     'Die Bilder der Kamera haben eine andere Größe ({measured} Pixel) als bei der Kalibrierung ({limit} Pixel): zurückstellen oder neu kalibrieren',

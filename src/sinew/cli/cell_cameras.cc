@@ -61,9 +61,12 @@ std::expected<void, Outcome> open_cameras(runtime::RunningCell& cell, const std:
     }
     if (camera.device == kSimulatedCamera) {
       if (!settings.calibration) settings.calibration = runtime::usual_camera();
-      auto pictures =
-          cell.table()->pictures(*settings.calibration, [&cell] { return cell.robots_in_view(); });
-      cell.open_camera(i, std::move(settings), std::move(pictures));
+      const auto robots = [&cell] {
+        return cell.robots_in_view(runtime::RunningCell::Stand::kTrue);
+      };
+      auto pictures = cell.table()->pictures(*settings.calibration, robots);
+      auto glances = cell.table()->glances(*settings.calibration, robots);
+      cell.open_camera(i, std::move(settings), std::move(pictures), std::move(glances));
       continue;
     }
     const bool is_address = camera.device.contains("://");

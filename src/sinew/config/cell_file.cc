@@ -105,6 +105,7 @@ CellCamera read_camera(TableReader& reader, std::vector<std::string>& taken) {
   reader.text("device", kPathMax, camera.device);
   camera.calibration = optional_text(reader, "calibration", kPathMax);
   reader.optional().quantity("cube_*", kLength, kCube, camera.cube);
+  reader.optional().boolean("watch", camera.watch);
   read_pose(reader, camera.X_WT);
   reader.finish();
   return camera;

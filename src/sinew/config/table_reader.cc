@@ -198,6 +198,18 @@ bool TableReader::whole_number(std::string_view key, std::int64_t lower, std::in
   return true;
 }
 
+bool TableReader::boolean(std::string_view key, bool& out) {
+  const TomlEntry* entry = ask(key, {&kPlain, 1}, Presence::kRequired, false);
+  if (entry == nullptr) return false;
+  const auto* value = std::get_if<bool>(&entry->node.value);
+  if (value == nullptr) {
+    wrong_type(entry->node, dotted(key), "true or false");
+    return false;
+  }
+  out = *value;
+  return true;
+}
+
 bool TableReader::text(std::string_view key, std::size_t max_bytes, std::string& out) {
   const TomlEntry* entry = ask(key, {&kPlain, 1}, Presence::kRequired, false);
   if (entry == nullptr) return false;

@@ -57,6 +57,7 @@ class TableReader {
     out = static_cast<Integer>(value);
     return true;
   }
+  bool boolean(std::string_view key, bool& out);
   /// Not blank, no control characters, at most `max_bytes` long.
   bool text(std::string_view key, std::size_t max_bytes, std::string& out);
   /// A list of such texts, at least one.

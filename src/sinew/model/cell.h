@@ -63,6 +63,8 @@ struct CellCamera {
   /// of where things are. A simulated one hangs where this says, or else above its table.
   std::optional<std::string> calibration;
   double cube = 0.025;  ///< m, edge of the cubes on its table
+  /// Programs that look through it pause where something comes into view while the arm moves.
+  bool watch = true;
   /// Of the table that it was calibrated on: middle of the sheet with the tags.
   Pose<frame::World, frame::Table> X_WT;
 };

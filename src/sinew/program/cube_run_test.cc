@@ -36,6 +36,13 @@ class Table : public Eyes {
     return Sighting{cubes};
   }
 
+  void watch(bool on) override {
+    watched = on;
+    watches += on ? 1 : 0;
+    came = came && on;
+  }
+  bool disturbed() const override { return watched && came; }
+
   /// After each instant of the run: what the jaws did to the cubes.
   void follow() {
     const auto* to = std::get_if<JawsTo>(&cell_.driver.tool_);
@@ -76,6 +83,9 @@ class Table : public Eyes {
   std::optional<Error> fault;
   int looks = 0, grasps = 0, let_go = 0, wait = 0;
   int slips = 0;  ///< so many grasps hold nothing
+  bool watched = false;
+  bool came = false;  ///< something into view
+  int watches = 0;
 
  private:
   std::optional<double> jaws() const {
@@ -234,6 +244,36 @@ TEST(CubeRun, a_pause_holds_a_pick_wherever_it_is_and_a_stop_ends_it) {
     EXPECT_EQ(stopped.run.phase(), Phase::kStopped) << to_seconds(at);
   }
   EXPECT_GT(paused, 5);
+}
+
+TEST(CubeRun, what_comes_into_view_while_the_arm_moves_pauses_it_and_the_table_is_looked_at_anew) {
+  PlainCell cell("learm", std::string(kReady) +
+                              "repeat while seen\n pick\n place x=60mm y=180mm z=80mm\nend\n");
+  cell.run.make_changeable();
+  Table table(cell);
+  table.cubes = {cube_at(0.17, 0, ColorName::kRed), cube_at(0.14, 0.05, ColorName::kBlue)};
+  table.go(500ms);
+  EXPECT_FALSE(table.watched) << "nothing was looked at yet";
+  while (!table.watched && cell.now < Instant{} + 30s) table.go(cell.now - Instant{} + 1ms);
+  ASSERT_TRUE(table.watched);
+  table.go(cell.now - Instant{} + 700ms);
+  table.came = true;
+  table.go(cell.now - Instant{} + 20s);
+  ASSERT_TRUE(cell.run.paused());
+  EXPECT_FALSE(table.watched) << "who clears the table is no reason for another pause";
+  ASSERT_EQ(cell.run.notices().size(), 1U);
+  EXPECT_EQ(cell.run.notices()[0].error.code, ErrorCode::kViewDisturbed);
+  const auto moves = cell.driver.taken_.size();
+  table.go(cell.now - Instant{} + 20s);
+  EXPECT_EQ(cell.driver.taken_.size(), moves) << "it stands until it is resumed";
+  const int looks = table.looks;
+  table.came = false;
+  cell.run.resume();
+  table.go();
+  ASSERT_EQ(cell.run.phase(), Phase::kDone);
+  EXPECT_FALSE(table.watched);
+  EXPECT_EQ(table.taken.size(), 2U);
+  EXPECT_GT(table.looks, looks);
 }
 
 }  // namespace

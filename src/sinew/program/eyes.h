@@ -23,6 +23,10 @@ class Eyes {
   /// What it shows, once; nothing while it is still looked at.
   /// @error kCameraLost, kCameraBlind, kCameraFrozen, kCameraChanged
   virtual std::optional<Expected<Sighting>> seen() = 0;
+  /// Whether it looks for what comes into view beside the robots, from now on.
+  virtual void watch(bool on) = 0;
+  /// Something did since watch(true).
+  virtual bool disturbed() const = 0;
 };
 
 }  // namespace sinew::program

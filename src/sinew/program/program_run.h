@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "sinew/control/machine.h"
@@ -35,6 +36,17 @@ struct Notice {
   Error error;
   int file = 0;  ///< of Program::files
 };
+
+/// What a row with cubes decided by what was seen, for the record of a run.
+struct Decision {
+  enum class Kind : std::uint8_t { kPick, kHeld, kNotHeld, kPlace, kRefused };
+  Kind kind = Kind::kRefused;
+  int line = 0;
+  std::optional<grasping::Cube> cube{};  ///< that it is about
+  int grasp = 0;                         ///< of this cube, from 1
+  std::optional<Error> why{};            ///< of kRefused
+};
+std::string_view name(Decision::Kind kind);
 
 /// Where somebody says that the machine stands.
 struct Statement {
@@ -82,6 +94,10 @@ class Run {
   void measure_by(std::function<DriverHealth()> health) { health_ = std::move(health); }
   /// What rows that look do it with; outlives the run. Without it they are refused. Before start().
   void see_by(Eyes& eyes) { eyes_ = &eyes; }
+  /// Each decision of rows with cubes, as it is made. Before start().
+  void hear_decisions(std::function<void(const Decision&)> listener) {
+    listener_ = std::move(listener);
+  }
   /// So often a cube is grasped that is not held then; each time it is looked for anew.
   static constexpr int kGraspsMax = 3;
   /// All motions at this share (0, 1] of their speed: through the feed, where the device streams.
@@ -151,6 +167,8 @@ class Run {
  private:
   using Event = control::ControlEvent;
 
+  void go_on(Instant now);
+  void watch_view(Instant now);
   void take(const Event& event, Instant now);
   void take_notice(const Error& error, Instant now);
   void take_end(const Event& event, Instant now);
@@ -173,6 +191,8 @@ class Run {
   std::expected<void, Refusal> next_task(Instant now);
   std::expected<void, Refusal> tasks_done(Instant now);
   std::expected<void, Refusal> is_held(bool held, Instant now);
+  void decided(Decision::Kind kind, const std::optional<grasping::Cube>& cube,
+               const std::optional<Error>& why = {}) const;
   Expected<bool> is_seen(const Condition& condition, Instant now);
   void look_at_wait(Instant now);
   std::expected<bool, Error> holds(const Condition& condition);
@@ -238,6 +258,8 @@ class Run {
   std::optional<Instant> wait_end_;
   Eyes* eyes_ = nullptr;
   bool looks_ = false;                ///< a picture is looked at for the order under way
+  bool looked_ = false;               ///< a picture was used at all
+  bool watched_ = false;              ///< what comes into view is looked for
   std::optional<Sighting> sighting_;  ///< as long as nothing was moved on the table
   /// Of a `pick` or `place` under way: what it is made of, the next one, and whether that may
   /// begin.
@@ -248,6 +270,7 @@ class Run {
   bool verifies_ = false;  ///< a picture has to show whether the cube is still there
   int grasps_ = 0;
   std::optional<grasping::Cube> taken_;
+  std::function<void(const Decision&)> listener_;
   bool carries_ = false;  ///< what a `pick` has taken
   std::function<DriverHealth()> health_;
   std::optional<JointVector> still_;  ///< where the joints are while `wait settled` looks at them

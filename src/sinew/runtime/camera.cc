@@ -1,12 +1,16 @@
 #include "sinew/runtime/camera.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "sinew/io/thread_share.h"
+#include "sinew/render/silhouette.h"
 
 namespace sinew::runtime {
 namespace {
+
+constexpr std::chrono::milliseconds kLookPeriod{100};
 
 /// Whether it is as good as one colour: black, covered, or all white. Noise of a covered lens stays
 /// below, any table with something on it far above.
@@ -34,13 +38,50 @@ std::optional<Error> size_change(const vision::Picture& picture, const vision::C
   return std::nullopt;
 }
 
+/// Cells that something has to take to count: more than a cube that was pushed.
+double least_of(const Camera::Settings& settings) {
+  constexpr double kCubes = 1.5;
+  const vision::CameraModel& model = settings.calibration->model;
+  const double distance = std::max(0.05, settings.calibration->X_WC.p.z);
+  const double cell = 1.0 * model.width / vision::grid_of(model.width, model.height).columns;
+  const double across = settings.edge * model.fx / (distance * cell);
+  return kCubes * across * across;
+}
+
+/// The robots all along from one moment to another; nothing where that is too far to be sure.
+std::optional<std::vector<render::ViewedRobot>> between(
+    std::vector<render::ViewedRobot> before, const std::vector<render::ViewedRobot>& now) {
+  constexpr double kFar = 0.8;  // rad or m, of a joint
+  constexpr double kStep = 0.1;
+  if (before.size() != now.size()) return std::nullopt;
+  std::vector<render::ViewedRobot> all = before;
+  for (std::size_t i = 0; i < now.size(); ++i) {
+    if (before[i].q.size() != now[i].q.size()) return std::nullopt;
+    double far = 0;
+    for (std::size_t j = 0; j < now[i].q.size(); ++j) {
+      far = std::max(far, std::abs(now[i].q[j] - before[i].q[j]));
+    }
+    if (far > kFar) return std::nullopt;
+    const int steps = static_cast<int>(std::ceil(far / kStep));
+    for (int k = 1; k <= steps; ++k) {
+      render::ViewedRobot there = now[i];
+      for (std::size_t j = 0; j < there.q.size(); ++j) {
+        there.q[j] = before[i].q[j] + (now[i].q[j] - before[i].q[j]) * k / steps;
+      }
+      all.push_back(std::move(there));
+    }
+  }
+  return all;
+}
+
 }  // namespace
 
-Camera::Camera(Settings settings, CameraSource source)
+Camera::Camera(Settings settings, CameraSource source, Watch watch)
     : settings_(std::move(settings)),
       source_(std::move(source)),
       sheet_(settings_.calibration ? vision::table_sheet(settings_.calibration->sheet)
                                    : std::nullopt),
+      watch_(std::move(watch)),
       thread_([this](const std::stop_token& ending) { work(ending); }) {}
 
 std::uint64_t Camera::ask() {
@@ -67,20 +108,83 @@ std::shared_ptr<const Camera::Shot> Camera::newest() const {
 }
 
 void Camera::work(const std::stop_token& ending) {
-  io::let_others_go_first(io::Share::kThinking);
+  // A program that waits for a picture could wait longer; who comes into view may not.
+  io::let_others_go_first(io::Share::kServing);
   if (sheet_) tags_.emplace(std::vector{sheet_->family});
+  if (settings_.calibration && settings_.watch && watch_.robots) view_.emplace(least_of(settings_));
   std::uint64_t answered = 0;
+  Time next_look{};
   std::unique_lock lock(mutex_);
-  while (asked_for_.wait(lock, ending, [&] { return answered != asked_; })) {
-    answered = asked_;
-    lock.unlock();
-    Shot shot = take(ending);
-    shot.number = answered;
-    auto kept = std::make_shared<const Shot>(std::move(shot));
-    if (kept->picture.width > 0) last_ = kept;
-    lock.lock();
-    newest_ = std::move(kept);
+  while (!ending.stop_requested()) {
+    const auto called = [&] { return answered != asked_; };
+    if (watchers_ == 0) {
+      if (view_) view_->begin_again();
+      asked_for_.wait(lock, ending, [&] { return called() || watchers_ > 0; });
+      next_look = {};
+    } else {
+      asked_for_.wait_until(lock, ending, next_look, called);
+    }
+    if (ending.stop_requested()) return;
+    if (called()) {
+      answered = asked_;
+      lock.unlock();
+      Shot shot = take(ending);
+      shot.number = answered;
+      auto kept = std::make_shared<const Shot>(std::move(shot));
+      if (kept->picture.width > 0) last_ = kept;
+      lock.lock();
+      newest_ = std::move(kept);
+    } else if (watchers_ > 0) {
+      lock.unlock();
+      const Time began = std::chrono::steady_clock::now();
+      const bool more = sees_more(ending);
+      const Time ended = std::chrono::steady_clock::now();
+      // Never more than a third of a core, however slow it is.
+      next_look = std::max(began + kLookPeriod, ended + 2 * (ended - began));
+      lock.lock();
+      if (more) ++disturbances_;
+    }
   }
+}
+
+/// Whether something is in view beside the robots that was not there before.
+bool Camera::sees_more(const std::stop_token& ending) {
+  constexpr double kMargin = 0.03;  // m: what is held, and how exact a model is
+  auto before = watch_.robots();
+  auto picture = watch_.glances ? watch_.glances(ending) : source_(ending);
+  if (!picture) return false;
+  const vision::CameraModel& model = settings_.calibration->model;
+  const vision::CellGrid grid = vision::grid_of(model.width, model.height);
+  if (vision::grid_of(picture->width, picture->height) != grid) return false;
+  const auto robots = between(std::move(before), watch_.robots());
+  std::optional<vision::Pixel> there;
+  if (robots) {
+    there = view_->look(*picture,
+                        render::silhouette(*robots, model, settings_.calibration->X_WC, kMargin));
+  }
+  if (watch_.glances) return there.has_value();
+  Shot shot;
+  shot.picture = std::move(*picture);
+  last_ = std::make_shared<const Shot>(std::move(shot));
+  return there.has_value();
+}
+
+void Camera::begin_watch() {
+  {
+    const std::scoped_lock lock(mutex_);
+    ++watchers_;
+  }
+  asked_for_.notify_one();
+}
+
+void Camera::end_watch() {
+  const std::scoped_lock lock(mutex_);
+  --watchers_;
+}
+
+std::uint64_t Camera::disturbances() const {
+  const std::scoped_lock lock(mutex_);
+  return disturbances_;
 }
 
 Camera::Shot Camera::take(const std::stop_token& ending) {

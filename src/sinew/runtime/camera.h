@@ -1,16 +1,21 @@
 #pragma once
 
+#include <chrono>
 #include <condition_variable>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
 #include <thread>
+#include <vector>
 
+#include "sinew/render/robot_body.h"
 #include "sinew/runtime/camera_source.h"
 #include "sinew/vision/cube_detection.h"
 #include "sinew/vision/table_camera.h"
+#include "sinew/vision/view_watch.h"
 
 namespace sinew::runtime {
 
@@ -23,6 +28,15 @@ class Camera {
     /// Nothing: pictures are shown, and it is not known where things are.
     std::optional<vision::TableCamera> calibration;
     double edge = 0.025;  ///< m, of the cubes on its table
+    bool watch = true;    ///< as CellCamera::watch
+  };
+  /// The robots in its view as they are believed to stand; their base in the world of the
+  /// calibration. From any thread.
+  using Robots = std::function<std::vector<render::ViewedRobot>()>;
+  /// How it is watched what comes into view.
+  struct Watch {
+    Robots robots{};         ///< nothing: it is not
+    CameraSource glances{};  ///< smaller pictures of the same; nothing: the camera has one size
   };
   /// What became of one picture.
   struct Shot {
@@ -34,7 +48,7 @@ class Camera {
     vision::Detection seen;   ///< with positions on the table where it is calibrated
   };
 
-  Camera(Settings settings, CameraSource source);
+  Camera(Settings settings, CameraSource source, Watch watch);
   Camera(const Camera&) = delete;
   Camera& operator=(const Camera&) = delete;
 
@@ -48,11 +62,19 @@ class Camera {
   void refresh();
   /// Null before the first.
   std::shared_ptr<const Shot> newest() const;
+  /// Between both, what comes into view beside the robots is looked for, several times a second.
+  void begin_watch();
+  void end_watch();
+  /// So many times something has come into view while it was watched.
+  std::uint64_t disturbances() const;
   /// @}
 
  private:
+  using Time = std::chrono::steady_clock::time_point;
+
   void work(const std::stop_token& ending);
   Shot take(const std::stop_token& ending);
+  bool sees_more(const std::stop_token& ending);
   std::optional<Error> fault_of(const vision::Picture& picture);
   std::optional<Error> moved(const vision::Picture& picture);
 
@@ -61,9 +83,13 @@ class Camera {
   std::optional<vision::TagBoard> sheet_;  ///< on its table
   std::optional<vision::TagFinder> tags_;  ///< of the thread
   std::shared_ptr<const Shot> last_;       ///< with a picture; of the thread
+  Watch watch_;
+  std::optional<vision::ViewWatch> view_;  ///< of the thread; nothing: it cannot be watched
   mutable std::mutex mutex_;
   std::condition_variable_any asked_for_;
   std::uint64_t asked_ = 0;             ///< under the mutex
+  int watchers_ = 0;                    ///< under the mutex
+  std::uint64_t disturbances_ = 0;      ///< under the mutex
   std::shared_ptr<const Shot> newest_;  ///< under the mutex
   std::jthread thread_;                 ///< the last: it ends before what it uses
 };

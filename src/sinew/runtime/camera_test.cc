@@ -63,7 +63,7 @@ TEST(Camera, each_picture_that_says_nothing_says_why) {
       }
     }
     return picture;
-  });
+  }, {});
   EXPECT_EQ(camera.newest(), nullptr) << "none was asked for";
   EXPECT_FALSE(shot_of(camera)->fault);
   EXPECT_EQ(taken, 1);
@@ -95,7 +95,7 @@ TEST(Camera, who_asks_while_one_is_taken_gets_the_next) {
     while (number == 1 && !go_on) std::this_thread::yield();
     if (number == 1) return std::unexpected(Error{ErrorCode::kCameraLost});
     return table(number);
-  });
+  }, {});
   camera.refresh();
   while (begun == 0) std::this_thread::yield();
   camera.refresh();

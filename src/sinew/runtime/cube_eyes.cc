@@ -33,10 +33,19 @@ program::Sighting sighting_of(const vision::Detection& seen, double edge,
   return sighting;
 }
 
+void CubeEyes::watch(bool on) {
+  if (on == watching_) return;
+  watching_ = on;
+  if (!on) return camera_.end_watch();
+  undisturbed_ = camera_.disturbances();
+  camera_.begin_watch();
+}
+
 std::optional<Expected<program::Sighting>> CubeEyes::seen() {
   const auto shot = camera_.newest();
   if (wanted_ == 0 || !shot || shot->number < wanted_) return std::nullopt;
   wanted_ = 0;
+  if (listener_) listener_(shot);
   if (shot->fault) return std::unexpected(*shot->fault);
   return sighting_of(shot->seen, camera_.settings().edge, place_);
 }

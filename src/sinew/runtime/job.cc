@@ -89,6 +89,9 @@ void JobRunner::run(const JobOrder& order, const program::Program& program, Stat
   if (order.changeable) run.make_changeable();
   run.measure_by([this] { return station_.view().health; });
   if (eyes_ != nullptr) run.see_by(*eyes_);
+  run.hear_decisions([this](const program::Decision& decision) {
+    station_.record(RunDecision{clock_.now(), decision});
+  });
   if (order.take_over) run.take_over();
   run.single_step(order.single_step);
   run.feed(order.feed);

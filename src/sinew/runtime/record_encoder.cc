@@ -136,6 +136,7 @@ RecordEncoder::RecordEncoder(const RobotModel& robot, const RecordTitle& title,
       tool_(robot),
       X_near_(tool_.home()),
       writer_(std::move(sink), title.library),
+      looks_(robot, title.robot),
       last_(title.start) {
   const auto channel = [&](const char* topic, const char* schema, const Json& json) {
     const auto id = writer_.add_schema(schema, "jsonschema", text_of(json));
@@ -253,6 +254,16 @@ void RecordEncoder::put_tool(const RunSample& sample) {
 
 void RecordEncoder::add(const RunEvent& event) {
   put(events_channel_, event.at, text_of(event_json(event.event, robot_)));
+}
+
+void RecordEncoder::add(const RunPicture& picture) {
+  last_ = std::max(last_, picture.at);
+  lost_ += looks_.put(writer_, time(last_), picture);
+}
+
+void RecordEncoder::add(const RunDecision& decision) {
+  last_ = std::max(last_, decision.at);
+  lost_ += looks_.put(writer_, time(last_), decision);
 }
 
 void RecordEncoder::add_lost(std::uint64_t count, Instant at) {

@@ -3,6 +3,7 @@
 #include <string>
 
 #include "sinew/planning/tool_space.h"
+#include "sinew/runtime/look_encoder.h"
 #include "sinew/runtime/mcap_writer.h"
 #include "sinew/runtime/run_sample.h"
 
@@ -28,6 +29,8 @@ class RecordEncoder {
   /// In the order of their times.
   void add(const RunSample& sample);
   void add(const RunEvent& event);
+  void add(const RunPicture& picture);
+  void add(const RunDecision& decision);
   /// So many samples and events have not come through: the record says so.
   void add_lost(std::uint64_t count, Instant at);
   /// What has been added so far leaves for the sink.
@@ -52,6 +55,7 @@ class RecordEncoder {
   std::optional<double> jaws_;  ///< m, that it is for
   planning::PoseBT X_near_;
   McapWriter writer_;
+  LookEncoder looks_;
   std::uint16_t joints_channel_ = 0;
   std::uint16_t state_channel_ = 0;
   std::uint16_t events_channel_ = 0;

@@ -18,7 +18,8 @@ constexpr std::size_t kToldMax = 64;
 constexpr const char* kFlightMark = "_fault-";
 constexpr const char* kRunMark = "_run-";
 
-Instant time_of(const std::variant<RunSample, RunEvent>& entry) {
+template <class... Kinds>
+Instant time_of(const std::variant<Kinds...>& entry) {
   return std::visit([](const auto& one) { return one.at; }, entry);
 }
 
@@ -91,7 +92,8 @@ class RunRecorder::File {
   File(const File&) = delete;
   File& operator=(const File&) = delete;
 
-  void add(const Entry& entry) {
+  template <class... Kinds>
+  void add(const std::variant<Kinds...>& entry) {
     if (trouble_.empty()) {
       std::visit([&](const auto& one) { encoder_.add(one); }, entry);
     } else {
@@ -268,8 +270,11 @@ void RunRecorder::write_flight() {
   const RecordPlace place{folder, name, "the last 10 s before a fault: " + cause};
   auto file = File::create(robot_, place, title(place.program));
   if (!file) return cannot(file.error().sentence);
+  auto look = looks_.begin();
   for (std::size_t k = 0; k < flight_.size(); ++k) {
     const Entry& entry = flight_[(flight_next_ + k) % flight_.size()];
+    // What was seen last was seen long ago, where the arm has far to go.
+    for (; look != looks_.end() && time_of(*look) <= time_of(entry); ++look) (*file)->add(*look);
     if (time_of(entry) >= fault.at - kBeforeFault) (*file)->add(entry);
   }
   RecordTold told = (*file)->finish();
@@ -334,6 +339,17 @@ void RunRecorder::end_flight() {
   const std::scoped_lock lock(work_);
   work();
   if (fault_) write_flight();
+}
+
+void RunRecorder::add(const RunLook& look) {
+  const std::scoped_lock lock(work_);
+  work();  // what was before it
+  for (const auto& file : files_) {
+    if (file) file->add(look);
+  }
+  if (options_.flight_folder.empty()) return;
+  if (looks_.size() == kLooksMax) looks_.pop_front();
+  looks_.push_back(look);
 }
 
 void RunRecorder::settle() {

@@ -13,6 +13,7 @@
 
 #include "sinew/io/disk_folder.h"
 #include "sinew/runtime/record_encoder.h"
+#include "sinew/runtime/run_look.h"
 
 namespace sinew::runtime {
 
@@ -69,6 +70,7 @@ class RunRecorder {
   static constexpr Duration kBehindFault = std::chrono::seconds(1);
   /// Samples of eleven seconds, and as many events as ever come with them.
   static constexpr std::size_t kFlightMax = 1600;
+  static constexpr std::size_t kLooksMax = 8;
   /// Of all robots together; the oldest go first.
   static constexpr std::size_t kFlightFilesMax = 50;
   /// The same of the records that every run leaves, and how large one of them gets: some four
@@ -100,6 +102,8 @@ class RunRecorder {
   /// The file of RecordSlot::kWanted; nothing while there is none.
   std::optional<RecordUnderWay> under_way() const;
   std::optional<RecordTold> take_told();
+  /// Into the files that are being written, and into that of a fault.
+  void add(const RunLook& look);
   /// The run is over: what is kept of a fault is written now, however little is behind it.
   void end_flight();
   /// Samples and events that the ring had no room for, ever.
@@ -142,6 +146,7 @@ class RunRecorder {
   Instant last_{};
   std::vector<Entry> flight_;  ///< a ring: the oldest stands at flight_next_ once it is full
   std::size_t flight_next_ = 0;
+  std::deque<RunLook> looks_;  ///< the newest
   std::optional<RunEvent> fault_;
 
   mutable std::mutex told_mutex_;

@@ -83,24 +83,36 @@ RunningCell::~RunningCell() {
   together([this](std::size_t i) { stations_[i].reset(); });
 }
 
-void RunningCell::open_camera(std::size_t i, Camera::Settings settings, CameraSource source) {
+void RunningCell::open_camera(std::size_t i, Camera::Settings settings, CameraSource source,
+                              CameraSource glances) {
   const bool calibrated = settings.calibration.has_value();
-  cameras_[i] = std::make_unique<Camera>(std::move(settings), std::move(source));
+  settings.watch = cell_.cameras[i].watch;
+  const auto X_TW = relabel<frame::World, frame::World>(cell_.cameras[i].X_WT.inverse());
+  const auto robots = [this, X_TW] {
+    auto all = robots_in_view(Stand::kBelieved);
+    for (render::ViewedRobot& robot : all) robot.X_WB = X_TW * robot.X_WB;
+    return all;
+  };
+  cameras_[i] = std::make_unique<Camera>(std::move(settings), std::move(source),
+                                         Camera::Watch{robots, std::move(glances)});
   if (!calibrated || !eyes_.empty()) return;
   for (std::size_t robot = 0; robot < size(); ++robot) {
     eyes_.push_back(std::make_unique<CubeEyes>(
         CubeEyes::Place{cell_.cameras[i].X_WT, cell_.robots[robot].X_WB, cell_.basket},
-        *cameras_[i]));
+        *cameras_[i],
+        [&station = *stations_[robot], name = cell_.cameras[i].name](const auto& shot) {
+          station.record(RunPicture{station.clock().now(), name, shot});
+        }));
     jobs_[robot]->see_by(*eyes_.back());
   }
 }
 
-std::vector<render::ViewedRobot> RunningCell::robots_in_view() const {
+std::vector<render::ViewedRobot> RunningCell::robots_in_view(Stand how) const {
   std::vector<render::ViewedRobot> robots;
   for (std::size_t i = 0; i < size(); ++i) {
     const StationView view = stations_[i]->view();
     render::ViewedRobot robot{stations_[i]->robot(), cell_.robots[i].X_WB, {}, 0};
-    if (view.truth) {
+    if (how == Stand::kTrue && view.truth) {
       for (const sim::JointTruth& joint : view.truth->joints) robot.q.push_back(joint.q);
       robot.jaws = view.truth->tool;
     } else if (view.reference) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
@@ -52,13 +53,16 @@ class RunningCell {
   std::optional<std::size_t> find(std::string_view name) const;
   /// The camera of the cell's file with this number gives pictures from now on; programs look with
   /// the first calibrated one. Before the first job.
-  void open_camera(std::size_t i, Camera::Settings settings, CameraSource source);
+  /// @param glances  as Camera::Watch has them
+  void open_camera(std::size_t i, Camera::Settings settings, CameraSource source,
+                   CameraSource glances = {});
   /// Null where it was not opened.
   Camera* camera(std::size_t i) const { return cameras_[i].get(); }
   /// What simulated cameras see; null where the cell's file has none.
   SimulatedTable* table() const { return table_.get(); }
-  /// How its robots stand, as far as that is known: simulated ones as they really do.
-  std::vector<render::ViewedRobot> robots_in_view() const;
+  enum class Stand : std::uint8_t { kBelieved, kTrue };
+  /// How its robots stand, as far as that is known; kTrue: simulated ones as they really do.
+  std::vector<render::ViewedRobot> robots_in_view(Stand how) const;
 
  private:
   RunningCell(Cell cell, CellFolders folders)

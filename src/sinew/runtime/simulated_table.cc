@@ -6,6 +6,7 @@
 #include "sinew/core/assert.h"
 #include "sinew/core/rotation.h"
 #include "sinew/core/units.h"
+#include "sinew/vision/view_watch.h"
 
 namespace sinew::runtime {
 namespace {
@@ -88,9 +89,18 @@ CameraSource SimulatedTable::pictures(const vision::TableCamera& camera, Robots 
     const std::scoped_lock lock(mutex_);
     view_.sheets = {{*board, {}, render::print_of(*board)}};
   }
-  return [this, camera, robots = std::move(robots)](const std::stop_token&) {
-    return picture(camera, robots);
+  return [this, camera, robots = std::move(robots),
+          last = std::optional<vision::Picture>()](const std::stop_token&) mutable {
+    auto taken = picture(camera, robots, last);
+    if (taken) last = *taken;
+    return taken;
   };
+}
+
+CameraSource SimulatedTable::glances(const vision::TableCamera& camera, Robots robots) {
+  vision::TableCamera small = camera;
+  small.model = camera.model.shrunk(2 * vision::kCellsAcross);
+  return pictures(small, std::move(robots));
 }
 
 void SimulatedTable::begin_again() {
@@ -113,13 +123,14 @@ void SimulatedTable::set_surroundings(const render::CellView& view) {
 }
 
 Expected<vision::Picture> SimulatedTable::picture(const vision::TableCamera& camera,
-                                                  const Robots& robots) {
+                                                  const Robots& robots,
+                                                  const std::optional<vision::Picture>& last) {
   std::unique_lock lock(mutex_);
   const Trouble trouble = trouble_;
   render::CellView view = view_;
   const std::uint64_t number = ++taken_;
   if (trouble.unplugged) return std::unexpected(Error{ErrorCode::kCameraLost, -1, 0});
-  if (trouble.frozen && frozen_) return *frozen_;
+  if (trouble.frozen && last) return *last;
   lock.unlock();
   view.hand = trouble.hand;
   view.robots = robots();
@@ -142,8 +153,6 @@ Expected<vision::Picture> SimulatedTable::picture(const vision::TableCamera& cam
     // Light from a room still leaks in.
     for (std::uint8_t& value : picture.rgb) value = static_cast<std::uint8_t>(8 + value / 64);
   }
-  lock.lock();
-  frozen_ = picture;
   return picture;
 }
 

@@ -58,6 +58,8 @@ class SimulatedTable {
   /// Pictures of it; where the camera has a sheet with tags that lies on the table from now on.
   /// @param camera  as it hangs
   CameraSource pictures(const vision::TableCamera& camera, Robots robots);
+  /// Smaller ones of the same, for Camera::Watch.
+  CameraSource glances(const vision::TableCamera& camera, Robots robots);
 
   sim::SharedCubes& cubes() { return cubes_; }
   /// All cubes lie where they lay when the cell began.
@@ -67,17 +69,17 @@ class SimulatedTable {
   void set_surroundings(const render::CellView& view);
 
  private:
-  Expected<vision::Picture> picture(const vision::TableCamera& camera, const Robots& robots);
+  Expected<vision::Picture> picture(const vision::TableCamera& camera, const Robots& robots,
+                                    const std::optional<vision::Picture>& last);
 
   std::vector<sim::CubeWorld::NewCube> first_;  ///< cubes as the cell begins
   Pose<frame::World, frame::Table> X_WT_;
   std::vector<Pose<frame::World, frame::Base>> X_TB_;  ///< T as a world of its own
   LockedCubes cubes_;
   std::mutex mutex_;
-  Trouble trouble_;                        ///< under the mutex
-  render::CellView view_;                  ///< under the mutex
-  std::uint64_t taken_ = 0;                ///< pictures, under the mutex
-  std::optional<vision::Picture> frozen_;  ///< under the mutex
+  Trouble trouble_;          ///< under the mutex
+  render::CellView view_;    ///< under the mutex
+  std::uint64_t taken_ = 0;  ///< pictures, under the mutex
 };
 
 }  // namespace sinew::runtime

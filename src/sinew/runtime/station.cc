@@ -640,6 +640,10 @@ void Station::end_record() {
   if (recorder_) recorder_->end();
 }
 
+void Station::record(const RunLook& look) {
+  if (records()) recorder_->add(look);
+}
+
 void Station::end_flight() {
   if (recorder_) recorder_->end_flight();
 }

@@ -140,6 +140,8 @@ class Station {
   void end_record();
   /// What is kept of a fault is written now, however little is behind it.
   void end_flight();
+  /// What a program looks at and decides by it, into the records.
+  void record(const RunLook& look);
   /// The same of a record that somebody wants, beside that of a job.
   /// @error  a sentence: the file cannot be made
   io::IoResult<void> begin_wanted(const RecordPlace& place);

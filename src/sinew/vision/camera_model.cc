@@ -53,6 +53,17 @@ Vec3 CameraModel::direction(Pixel p) const {
   return normalized({best.x, best.y, 1});
 }
 
+CameraModel CameraModel::shrunk(int longest) const {
+  CameraModel small = *this;
+  const double scale = 1.0 * longest / std::max(width, height);
+  small.width = std::max(1, static_cast<int>(std::lround(width * scale)));
+  small.height = std::max(1, static_cast<int>(std::lround(height * scale)));
+  small.fx *= scale;
+  small.fy *= scale;
+  small.center = scale * center;
+  return small;
+}
+
 CameraModel pinhole(int width, int height, double view_rad) {
   const double f = width / 2.0 / std::tan(view_rad / 2);
   return {width, height, f, f, {width / 2.0, height / 2.0}, {}};

@@ -33,6 +33,9 @@ struct CameraModel {
   /// Unit vector in C towards what is seen at a pixel. Inverse of project() within 1e-9 rad where
   /// the lens model can be inverted.
   Vec3 direction(Pixel p) const;
+
+  /// The same camera with pictures whose longer side has about `longest` px.
+  CameraModel shrunk(int longest) const;
 };
 
 /// A camera without lens errors, of this horizontal field of view. rad, 0 < view < pi

@@ -1,0 +1,144 @@
+#include <array>
+#include <utility>
+
+#include "sinew/program/program_run.h"
+
+/// Rows of a run that look, pick and place.
+namespace sinew::program {
+
+std::string_view name(Decision::Kind kind) {
+  constexpr std::array<std::string_view, 5> kNames{"pick", "held", "not held", "place", "refused"};
+  return kNames[static_cast<std::size_t>(kind)];
+}
+
+void Run::decided(Decision::Kind kind, const std::optional<grasping::Cube>& cube,
+                  const std::optional<Error>& why) const {
+  if (listener_) listener_({kind, current_->order->line, cube, grasps_, why});
+}
+
+/// Whether there is a picture of the table as it is; else one is asked for, and the order under way
+/// is given again once it is there.
+std::expected<bool, Refusal> Run::sees() {
+  if (eyes_ == nullptr) return std::unexpected(refused({ErrorCode::kNoCamera}));
+  if (sighting_) return true;
+  eyes_->look();
+  looks_ = true;
+  return false;
+}
+
+void Run::take_sight(Instant now) {
+  auto seen = eyes_->seen();
+  if (!seen) return;
+  looks_ = false;
+  if (!*seen) return fail(seen->error(), now);
+  sighting_ = std::move(**seen);
+  looked_ = true;
+  if (const auto gone_on = issue(*current_->order, now); !gone_on) fail(gone_on.error(), now);
+}
+
+/// A cube that can be picked: those that cannot are told once they are all that is left.
+Expected<bool> Run::is_seen(const Condition& condition, Instant now) {
+  const auto from = standing();
+  if (!from) return std::unexpected(from.error().error);
+  const Step row{current_->order->line, PickCubeStep{condition.color}, current_->order->file};
+  const auto rows = rows_to_pick(planner(), *from, row, *sighting_);
+  if (rows) return true;
+  decided(Decision::Kind::kRefused, std::nullopt, rows.error().error);
+  if (rows.error().error.code != ErrorCode::kNothingSeen) take_notice(rows.error().error, now);
+  return false;
+}
+
+/// The order under way is made of several steps that only now are known.
+bool Run::handles() const {
+  return current_ && (std::holds_alternative<PickOrder>(current_->order->what) ||
+                      std::holds_alternative<PlaceOrder>(current_->order->what));
+}
+
+std::expected<Standing, Refusal> Run::standing() const {
+  if (!q_) return std::unexpected(refused({ErrorCode::kPositionUnknown, 0}));
+  return Standing(*q_, machine_.tool());
+}
+
+std::expected<void, Refusal> Run::issue_pick(const PickOrder& pick, Instant now) {
+  const auto looked = sees();
+  if (!looked) return std::unexpected(looked.error());
+  if (!*looked) return {};
+  if (std::exchange(verifies_, false)) {
+    return is_held(!still_there(*sighting_, *taken_), now);
+  }
+  const auto from = standing();
+  if (!from) return std::unexpected(from.error());
+  const Step row{current_->order->line, pick.row, current_->order->file};
+  auto rows = rows_to_pick(planner(), *from, row, *sighting_, grasps_);
+  if (rows) {
+    ++grasps_;
+    taken_ = rows->cube;
+    decided(Decision::Kind::kPick, taken_);
+  }
+  return begin_tasks(std::move(rows));
+}
+
+std::expected<void, Refusal> Run::issue_place(const PlaceOrder& place) {
+  if (!carries_ && !machine_.tool().held) {
+    return std::unexpected(refused({ErrorCode::kNothingHeld}));
+  }
+  const auto from = standing();
+  if (!from) return std::unexpected(from.error());
+  const Step row{current_->order->line, place.row, current_->order->file};
+  auto rows = rows_to_place(planner(), *from, row);
+  if (rows) decided(Decision::Kind::kPlace, taken_);
+  return begin_tasks(std::move(rows));
+}
+
+std::expected<void, Refusal> Run::begin_tasks(std::expected<CubeRows, Refusal> rows) {
+  if (!rows) {
+    decided(Decision::Kind::kRefused, std::nullopt, rows.error().error);
+    return std::unexpected(rows.error());
+  }
+  tasks_ = std::move(rows->steps);
+  task_ = 0;
+  task_waits_ = true;
+  return {};
+}
+
+std::expected<void, Refusal> Run::next_task(Instant now) {
+  if (task_ == tasks_.size()) return tasks_done(now);
+  const Step& task = tasks_[task_++];
+  task_moves_ = motion_of(task) != nullptr;
+  if (!task_moves_) {
+    command_ = machine_.give(control::UseTool{std::get<ToolStep>(task.what).action});
+    return {};
+  }
+  rows_left_ = std::span(&task, 1);
+  return issue_move(now);
+}
+
+/// Jaws that can be asked tell whether they hold something; else the next picture does.
+std::expected<void, Refusal> Run::tasks_done(Instant now) {
+  sighting_.reset();
+  if (std::holds_alternative<PlaceOrder>(current_->order->what)) {
+    carries_ = false;
+    finish_order(now);
+    return {};
+  }
+  const auto width = health_ ? health_().jaws_width : std::nullopt;
+  if (width) return is_held(may_hold(*taken_, *width), now);
+  verifies_ = true;
+  return issue_pick(std::get<PickOrder>(current_->order->what), now);
+}
+
+std::expected<void, Refusal> Run::is_held(bool held, Instant now) {
+  decided(held ? Decision::Kind::kHeld : Decision::Kind::kNotHeld, taken_);
+  if (held) {
+    carries_ = true;
+    current_->cube = taken_;
+    finish_order(now);
+    return {};
+  }
+  if (grasps_ == kGraspsMax) {
+    return std::unexpected(refused({ErrorCode::kNotHeld, -1, 1.0 * grasps_}));
+  }
+  return issue_pick(std::get<PickOrder>(current_->order->what), now);
+}
+
+}  // namespace sinew::program

@@ -1,0 +1,37 @@
+#include "sinew/render/silhouette.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sinew/render/tracer.h"
+
+namespace sinew::render {
+
+std::vector<bool> silhouette(std::span<const ViewedRobot> robots, const vision::CameraModel& camera,
+                             const Pose<frame::World, frame::Camera>& X_WC, double margin) {
+  const vision::CellGrid grid = vision::grid_of(camera.width, camera.height);
+  std::vector<bool> cells(grid.size(), false);
+  Scene scene;
+  for (const ViewedRobot& robot : robots) add_robot(scene, robot, {}, {}, {});
+  if (scene.solids.empty()) return cells;
+  const Tracer tracer(scene);
+  const double cell = 1.0 * camera.width / grid.columns;
+  for (int row = 0; row < grid.rows; ++row) {
+    for (int column = 0; column < grid.columns; ++column) {
+      const vision::Pixel p{(column + 0.5) * cell, (row + 0.5) * cell};
+      const auto hit = tracer.nearest({X_WC.p, X_WC.R * camera.direction(p)});
+      if (!hit) continue;
+      const int around =
+          static_cast<int>(std::ceil(margin * camera.fx / (std::max(0.01, hit->distance) * cell)));
+      for (int y = std::max(0, row - around); y <= std::min(grid.rows - 1, row + around); ++y) {
+        const int first = std::max(0, column - around);
+        const int last = std::min(grid.columns - 1, column + around);
+        const auto begin = cells.begin() + static_cast<std::ptrdiff_t>(grid.at(first, y));
+        std::fill(begin, begin + (last - first + 1), true);
+      }
+    }
+  }
+  return cells;
+}
+
+}  // namespace sinew::render

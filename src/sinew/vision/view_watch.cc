@@ -1,0 +1,140 @@
+#include "sinew/vision/view_watch.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <utility>
+
+#include "sinew/core/assert.h"
+
+namespace sinew::vision {
+namespace {
+
+constexpr float kShadow = 0.6F;  ///< of a cell's sRGB value: darker is no shadow
+constexpr float kGlare = 1.12F;
+constexpr float kOther = 22;  ///< of 255 in each color: noise and compression stay below
+constexpr float kFollow = 0.1F;
+
+float sum(const std::array<float, 3>& color) {
+  return color[0] + color[1] + color[2];
+}
+
+std::array<float, 3> color_at(const Picture& cells, std::size_t i) {
+  const std::uint8_t* p = cells.rgb.data() + 3 * i;
+  return {1.0F * p[0], 1.0F * p[1], 1.0F * p[2]};
+}
+
+/// Whether a color is another one, and not the same in a shadow or in more light.
+bool is_other(const std::array<float, 3>& now, const std::array<float, 3>& was) {
+  float across = 0;
+  float along = 1;
+  for (std::size_t c = 0; c < 3; ++c) {
+    across += now[c] * was[c];
+    along += was[c] * was[c];
+  }
+  const float share = std::clamp(across / along, kShadow, kGlare);
+  float off = 0;
+  for (std::size_t c = 0; c < 3; ++c) {
+    off += (now[c] - share * was[c]) * (now[c] - share * was[c]);
+  }
+  return off > kOther * kOther;
+}
+
+}  // namespace
+
+CellGrid grid_of(int width, int height) {
+  const int longest = std::max(width, height);
+  if (longest <= kCellsAcross) return {width, height};
+  // As shrunk() has it.
+  const double scale = 1.0 * kCellsAcross / longest;
+  return {std::max(1, static_cast<int>(std::lround(width * scale))),
+          std::max(1, static_cast<int>(std::lround(height * scale)))};
+}
+
+void ViewWatch::begin_again() {
+  was_.clear();
+  seen_ = false;
+}
+
+std::optional<Pixel> ViewWatch::look(const Picture& picture, const std::vector<bool>& may_move) {
+  const Picture cells = shrunk(picture, kCellsAcross);
+  const CellGrid grid{cells.width, cells.height};
+  SINEW_ASSERT(may_move.size() == grid.size());
+  if (was_.size() != grid.size()) {
+    was_.assign(grid.size(), {});
+    known_.assign(grid.size(), false);
+    seen_ = false;
+  }
+  const float exposure = exposure_of(cells, may_move);
+  std::vector<bool> changed(grid.size(), false);
+  for (std::size_t i = 0; i < grid.size(); ++i) {
+    if (may_move[i]) {
+      known_[i] = false;
+      continue;
+    }
+    Color now = color_at(cells, i);
+    for (float& value : now) value /= exposure;
+    if (!known_[i]) {
+      was_[i] = now;
+      known_[i] = true;
+    } else if (is_other(now, was_[i])) {
+      changed[i] = true;
+    } else {
+      for (std::size_t c = 0; c < 3; ++c) was_[i][c] += kFollow * (now[c] - was_[i][c]);
+    }
+  }
+  const auto there = largest(grid, std::move(changed));
+  const bool before = std::exchange(seen_, there.has_value());
+  if (!before || !there) return std::nullopt;
+  return 1.0 * picture.width / grid.columns * *there;
+}
+
+/// Light of the picture as a whole against what it was: the median over cells.
+float ViewWatch::exposure_of(const Picture& cells, const std::vector<bool>& may_move) const {
+  constexpr float kDark = 60;  // a sum below says little
+  std::vector<float> shares;
+  for (std::size_t i = 0; i < was_.size(); ++i) {
+    if (!known_[i] || may_move[i] || sum(was_[i]) < kDark) continue;
+    shares.push_back(sum(color_at(cells, i)) / sum(was_[i]));
+  }
+  if (shares.size() < was_.size() / 4) return 1;
+  const auto middle = shares.begin() + static_cast<std::ptrdiff_t>(shares.size() / 2);
+  std::ranges::nth_element(shares, middle);
+  // More is no exposure: the camera is covered, or the lamps went out.
+  constexpr float kMost = 1.4F;
+  return std::clamp(*middle, 1 / kMost, kMost);
+}
+
+/// Middle of the largest part that hangs together, cells, where it counts.
+std::optional<Pixel> ViewWatch::largest(const CellGrid& grid, std::vector<bool> changed) const {
+  std::size_t most = 0;
+  Pixel middle;
+  std::vector<std::pair<int, int>> open;
+  for (int row = 0; row < grid.rows; ++row) {
+    for (int column = 0; column < grid.columns; ++column) {
+      std::size_t count = 0;
+      Pixel total;
+      open.emplace_back(column, row);
+      while (!open.empty()) {
+        const auto [x, y] = open.back();
+        open.pop_back();
+        if (x < 0 || y < 0 || x >= grid.columns || y >= grid.rows || !changed[grid.at(x, y)]) {
+          continue;
+        }
+        changed[grid.at(x, y)] = false;
+        ++count;
+        total = total + Pixel{x + 0.5, y + 0.5};
+        for (const auto& [dx, dy] : {std::pair(-1, 0), {1, 0}, {0, -1}, {0, 1}}) {
+          open.emplace_back(x + dx, y + dy);
+        }
+      }
+      if (count <= most) continue;
+      most = count;
+      middle = (1.0 / static_cast<double>(count)) * total;
+    }
+  }
+  if (static_cast<double>(most) < least_ || most == 0) return std::nullopt;
+  return middle;
+}
+
+}  // namespace sinew::vision
