@@ -416,16 +416,20 @@ def begin_from(net, path):
 
 
 class Samples(torch.utils.data.IterableDataset):
-    """Samples without end, made in a process of their own."""
+    """Samples without end of all pictures in a folder, also of those that come later."""
 
-    def __init__(self, pictures, seed):
-        self.pictures = pictures
+    def __init__(self, folder, seed):
+        self.folder = folder
         self.rng = np.random.default_rng(seed)
 
     def __iter__(self):
         cv2.setNumThreads(1)
+        found = {}
         while True:
-            yield sample(self.rng, self.pictures)
+            found.update(load(self.folder, found))
+            pictures = list(found.values())
+            for _ in range(5000):
+                yield sample(self.rng, pictures)
 
 
 class Training:
@@ -474,26 +478,25 @@ def main():
     parser.add_argument("--threads", type=int, default=os.cpu_count())
     parser.add_argument("--rate", type=float, default=3e-3)
     args = parser.parse_args()
+    # Its process begins before this one has threads.
+    batches = iter(torch.utils.data.DataLoader(Samples(args.pictures, 1), 16, num_workers=1))
+    batch = next(batches)
     torch.manual_seed(1)
     torch.set_num_threads(args.threads)
     net = CubeNet().to(memory_format=torch.channels_last)
     if args.begin:
         begin_from(net, args.begin)
     training = Training(net, args.rate)
-    found = {}
-    begin = time.time()
-    while time.time() - begin < 60 * args.minutes:
-        found.update(load(args.pictures, found))
-        samples = Samples(list(found.values()), training.steps)
-        loaded = time.time()
-        for batch in torch.utils.data.DataLoader(samples, batch_size=16, num_workers=1):
-            spent = (time.time() - begin) / 60 / args.minutes
-            if spent >= 1 or time.time() - loaded > 180:
-                break
-            training.step(batch, spent)
-            if training.steps % 50 == 0:
-                print(f"{spent * args.minutes:.1f} min, {len(found)} pictures, {training}", flush=True)
-        export(training.mean, args.out)
+    begin = saved = time.time()
+    while (spent := (time.time() - begin) / 60 / args.minutes) < 1:
+        training.step(batch, spent)
+        batch = next(batches)
+        if training.steps % 50 == 0:
+            print(f"{spent * args.minutes:.1f} min, {training}", flush=True)
+        if time.time() - saved > 180:
+            export(training.mean, args.out)
+            saved = time.time()
+    export(training.mean, args.out)
 
 
 if __name__ == "__main__":

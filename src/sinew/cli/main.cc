@@ -404,6 +404,8 @@ void add_record(CLI::App& app, Call& call) {
                             "sinew record run.mcap --csv run.csv");
   verb->add_option("FILE", call.record.file, "NAME.mcap")->required();
   verb->add_option("--csv", call.record.csv, "the same as a table: a row for each sample");
+  verb->add_option("--pictures", call.record.pictures,
+                   "a folder for what a program looked at, and what it decided by that");
   verb->callback([&call] { call.verb = [&call] { return show_record(call.record); }; });
 }
 

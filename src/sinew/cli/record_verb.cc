@@ -7,9 +7,11 @@
 #include <vector>
 
 #include "sinew/cli/table.h"
+#include "sinew/io/disk_folder.h"
 #include "sinew/io/file.h"
 #include "sinew/runtime/mcap_reader.h"
 #include "sinew/runtime/record_csv.h"
+#include "sinew/runtime/record_pictures.h"
 
 namespace sinew::cli {
 namespace {
@@ -53,6 +55,34 @@ Outcome content_outcome(const std::string& file, const McapContent& content) {
   return outcome;
 }
 
+/// Pictures and decisions.csv into a folder. @return why not
+std::optional<Outcome> write_pictures(const std::string& folder, const std::string& file,
+                                      const McapContent& content, Outcome& outcome) {
+  const auto pictures = runtime::record_pictures(content);
+  if (!pictures) return bad_input(file + ": " + pictures.error());
+  const auto decisions = runtime::decisions_csv(content);
+  if (!decisions) return bad_input(file + ": " + decisions.error());
+  if (pictures->empty()) {
+    return bad_input(file +
+                     ": there is no picture in it; programs with look, pick or seen leave "
+                     "some");
+  }
+  if (const auto made = io::DiskFolder::open_folder(folder); !made) {
+    return could_not("--pictures: " + made.error().sentence);
+  }
+  const auto write = [&](const std::string& name, const std::string& text) {
+    return io::replace_file(folder + "/" + name, text);
+  };
+  auto written = write("decisions.csv", *decisions);
+  for (const runtime::RecordedPicture& picture : *pictures) {
+    if (written) written = write(picture.name, picture.jpeg);
+  }
+  if (!written) return could_not("--pictures: " + written.error().sentence);
+  outcome.text += fmt::format("  {}: {} pictures and decisions.csv\n", folder, pictures->size());
+  outcome.json["pictures"] = {{"folder", folder}, {"count", pictures->size()}};
+  return std::nullopt;
+}
+
 }  // namespace
 
 Outcome show_record(const RecordRequest& request) {
@@ -76,6 +106,11 @@ Outcome show_record(const RecordRequest& request) {
     outcome.text += "  note: it was cut off, this is what there is: " +
                     complaint_of(request.file, *content.trouble) + "\n";
     outcome.json["trouble"] = complaint_of(request.file, *content.trouble);
+  }
+  if (request.pictures) {
+    if (auto failed = write_pictures(*request.pictures, request.file, content, outcome)) {
+      return std::move(*failed);
+    }
   }
   if (!request.csv) return outcome;
   const auto csv = runtime::record_csv(content);

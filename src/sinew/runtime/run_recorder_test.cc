@@ -9,6 +9,8 @@
 
 #include "sinew/io/scratch_folder_test_support.h"
 #include "sinew/runtime/mcap_reader.h"
+#include "sinew/runtime/record_pictures.h"
+#include "sinew/vision/picture_file.h"
 #include "support/allocation_guard.h"
 #include "support/property.h"
 #include "support/robots.h"
@@ -333,6 +335,88 @@ TEST_F(Recorder, folder_that_cannot_be_had_is_told) {
   const auto told = recorder.take_told();
   ASSERT_TRUE(told);
   EXPECT_NE(told->trouble, "");
+}
+
+/// What a program looked at.
+RunLook look_at(Duration since, int seed) {
+  Camera::Shot shot;
+  shot.picture = vision::black_picture(64, 48);
+  for (std::size_t i = 0; i < shot.picture.rgb.size(); ++i) {
+    shot.picture.rgb[i] = static_cast<std::uint8_t>(100 + seed + i % 50);
+  }
+  vision::SeenCube cube;
+  cube.color = vision::ColorName::kGreen;
+  cube.top = {{{10, 10}, {20, 10}, {20, 20}, {10, 20}}};
+  cube.confidence = 0.75;
+  shot.seen.cubes.push_back(cube);
+  shot.seen.refused.push_back({cube.top, "it is white or grey"});
+  return RunPicture{at(since), "top", std::make_shared<const Camera::Shot>(std::move(shot))};
+}
+
+RunLook decision_at(Duration since) {
+  program::Decision decision;
+  decision.kind = program::Decision::Kind::kPick;
+  decision.line = 3;
+  decision.grasp = 2;
+  decision.cube = grasping::Cube{{0.15, -0.02, 0.0125}, 0.3, 0.025, 0};
+  return RunDecision{at(since), decision};
+}
+
+TEST_F(Recorder, pictures_and_decisions_are_in_the_file_and_can_be_taken_out) {
+  RunRecorder recorder = make();
+  ASSERT_TRUE(recorder.begin({folder_.at(""), "run.mcap", "sort"}));
+  offer(recorder, 0s, 1s);
+  recorder.add(look_at(1s, 1));
+  recorder.add(decision_at(1010ms));
+  offer(recorder, 1020ms, 2s);
+  recorder.add(look_at(2s, 2));
+  ASSERT_TRUE(recorder.end());
+  const Record record(folder_.at("run.mcap"));
+  ASSERT_EQ(record.messages.at("top").size(), 2U);
+  EXPECT_EQ(record.messages.at("top")[0].first, static_cast<std::uint64_t>(kWall) + 1'000'000'000);
+  const Json& annotations = record.messages.at("annotations").at(0).second;
+  ASSERT_EQ(annotations.at("points").size(), 2U);
+  EXPECT_EQ(annotations.at("points")[0].at("points")[2].at("x"), 20);
+  EXPECT_EQ(annotations.at("texts")[0].at("text"), "green 0.75");
+  EXPECT_EQ(annotations.at("texts")[1].at("text"), "it is white or grey");
+  const Json& decision = record.messages.at("decisions").at(0).second;
+  EXPECT_EQ(decision.at("kind"), "pick");
+  EXPECT_EQ(decision.at("cube").at("color"), "red");
+  EXPECT_EQ(decision.at("grasp"), 2);
+  const auto pictures = record_pictures(record.content);
+  ASSERT_TRUE(pictures) << pictures.error();
+  ASSERT_EQ(pictures->size(), 2U);
+  EXPECT_EQ((*pictures)[1].name, "0002_top_2.00s.jpg");
+  const std::string& jpeg = (*pictures)[1].jpeg;
+  const auto picture =
+      vision::decode_picture({reinterpret_cast<const std::uint8_t*>(jpeg.data()), jpeg.size()});
+  ASSERT_TRUE(picture);
+  EXPECT_EQ(picture->width, 64);
+  EXPECT_NEAR(picture->rgb[0], 102, 12);
+  const auto csv = decisions_csv(record.content);
+  ASSERT_TRUE(csv);
+  EXPECT_TRUE(csv->contains("1.010,3,\"pick\",2,\"red\",150,-20,12.5,17.1887,\"\"\n")) << *csv;
+}
+
+TEST_F(Recorder, a_fault_has_what_was_seen_before_it) {
+  RunRecorder recorder = make(folder_.at(""));
+  recorder.add(look_at(0s, 0));
+  for (int i = 1; i <= 9; ++i) {
+    offer(recorder, std::chrono::seconds(2 * i), std::chrono::seconds(2 * i + 1));
+    recorder.add(look_at(std::chrono::milliseconds(2000 * i + 1000), i));
+  }
+  recorder.offer(fault_event(), at(20s));
+  offer(recorder, 20s, 22s);
+  recorder.settle();
+  const auto told = recorder.take_told();
+  ASSERT_TRUE(told);
+  const Record record(told->path);
+  EXPECT_EQ(record.messages.at("top").size(), RunRecorder::kLooksMax);
+  std::uint64_t before = 0;
+  for (const McapMessage& message : record.content.messages) {
+    EXPECT_GE(message.time, before);
+    before = message.time;
+  }
 }
 
 TEST(RecordName, holds_no_letter_that_a_folder_would_misread) {
