@@ -140,6 +140,8 @@ export interface JobJson {
   held_by?: number;
   stopped_by?: string;
   error?: ErrorJson;
+  /** What was told last: why it paused by itself, among others. */
+  last_notice?: ErrorJson;
   notes?: { line: number; sentence: string }[];
 }
 

@@ -122,6 +122,9 @@ function Progress(): JSX.Element {
         {now.waits_for && <span>{t('limit.waits', { robot: now.waits_for })}</span>}
         <strong>{duration(secondsLeft(now, store.timeScale(now.robot)))}</strong>
       </p>
+      {now.phase === 'paused' && now.last_notice && (
+        <p class="hint" role="status">{errorSentence(now.last_notice)}</p>
+      )}
       <span class="bar" role="progressbar" aria-valuenow={percent} aria-valuemin={0} aria-valuemax={100}>
         <span style={{ width: `${percent}%` }} />
       </span>
