@@ -197,10 +197,14 @@ TEST(CubeRun, what_cannot_be_had_is_said_and_nothing_moves) {
 }
 
 TEST(CubeRun, without_a_camera_or_with_a_faulty_one_nothing_moves) {
-  PlainCell blind("learm", "pick\n");
-  blind.go();
-  ASSERT_EQ(blind.run.phase(), Phase::kFailed);
-  EXPECT_EQ(blind.run.failure()->error.code, ErrorCode::kNoCamera);
+  for (const char* row : {"look\n", "pick\n", "if seen color=red\n wait 1s\nend\n"}) {
+    PlainCell blind("learm", std::string(kReady) + row);
+    blind.go();
+    ASSERT_EQ(blind.run.phase(), Phase::kFailed);
+    EXPECT_EQ(blind.run.failure()->error.code, ErrorCode::kNoCamera);
+    EXPECT_EQ(blind.run.failure()->line, 2);
+    EXPECT_TRUE(blind.driver.taken_.empty());
+  }
   PlainCell cell("learm", "repeat while seen\n pick\nend\n");
   Table table(cell);
   table.fault = Error{ErrorCode::kCameraLost, -1, 5};

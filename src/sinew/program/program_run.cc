@@ -35,6 +35,13 @@ double weight(const Order& order) {
   return 0;
 }
 
+bool needs_eyes(const Order& order) {
+  const auto* branch = std::get_if<BranchOrder>(&order.what);
+  return std::holds_alternative<LookOrder>(order.what) ||
+         std::holds_alternative<PickOrder>(order.what) ||
+         (branch != nullptr && branch->condition.subject == Condition::Subject::kSeen);
+}
+
 }  // namespace
 
 Run::Run(const Program& program, control::Machine& machine)
@@ -312,6 +319,14 @@ void Run::begin(Instant /*now*/) {
     return;
   }
   plan_ = std::move(*plan);
+  if (eyes_ == nullptr) {
+    const auto looks = std::ranges::find_if(plan_.orders, needs_eyes);
+    if (looks != plan_.orders.end()) {
+      failure_ = {looks->line, {ErrorCode::kNoCamera}, std::nullopt, looks->file};
+      phase_ = Phase::kFailed;
+      return;
+    }
+  }
   records_.reserve(plan_.orders.size());
   phase_ = Phase::kRunning;
 }

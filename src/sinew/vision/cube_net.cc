@@ -130,6 +130,10 @@ int color_of(const Maps& maps, int x, int y) {
       }
     }
   }
+  // As often as another color in training, and far less often on tables.
+  constexpr float kPlainWood = 1.1F;
+  sums[static_cast<std::size_t>(ColorName::kWood)] -=
+      kPlainWood * static_cast<float>((2 * reach + 1) * (2 * reach + 1));
   return static_cast<int>(std::ranges::max_element(sums) - sums.begin());
 }
 
