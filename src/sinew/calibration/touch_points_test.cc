@@ -50,17 +50,86 @@ TEST(TableFrame, worst_point_is_named) {
 }
 
 TEST(TableFrame, error_95_holds_at_new_points) {
-  int inside = 0;
+  // From three points on, where the touches' own error is all but unknown.
   constexpr int kCases = 400;
+  for (const std::size_t count : {3U, 4U, 6U}) {
+    int inside = 0;
+    test::for_random_cases(kCases, [&](test::Random& random) {
+      const PoseBW X_BW = random_table(random);
+      const std::vector<Vec3> marks{{-0.085, 0.12, 0}, {0.085, -0.1, 0}, {-0.085, -0.1, 0},
+                                    {0.085, 0.12, 0},  {0, 0.01, 0},     {0.07, 0.08, 0}};
+      const auto table = table_frame(
+          touched(X_BW, {marks.begin(), marks.begin() + static_cast<std::ptrdiff_t>(count)}, 0.5e-3,
+                  random));
+      ASSERT_TRUE(table);
+      const Vec3 p_W{0.105, 0.1485, 0};
+      inside += norm(table->X_BW * p_W - X_BW * p_W) <= error_95(*table, p_W) ? 1 : 0;
+    });
+    EXPECT_GE(inside, 0.92 * kCases) << count;
+    EXPECT_LE(inside, 0.985 * kCases) << count << ": a bound that is far too wide says nothing";
+  }
+}
+
+TEST(TableFrame, one_more_touch_improves_the_error_as_predicted) {
+  test::Random random(4);
+  const PoseBW X_BW = random_table(random);
+  std::vector<Vec3> marks{{-0.085, 0.12, 0}, {0.085, 0.12, 0}, {-0.085, 0, 0}, {0.085, 0, 0}};
+  const auto before = table_frame(touched(X_BW, marks, 0, random), 0.5e-3);
+  ASSERT_TRUE(before);
+  EXPECT_EQ(before->sigma, 0.5e-3);
+  const Vec3 corner{0.105, -0.1485, 0};
+  const Vec3 added{0.085, -0.1, 0};
+  marks.push_back(added);
+  const auto after = table_frame(touched(X_BW, marks, 0, random), 0.5e-3);
+  ASSERT_TRUE(after);
+  EXPECT_NEAR(error_95(with_touch(*before, added), corner), error_95(*after, corner), 1e-9);
+  EXPECT_LT(error_95(*after, corner), 0.7 * error_95(*before, corner));
+}
+
+TEST(TableFrame, a_wrong_touch_is_told_from_noise) {
+  int found = 0;
+  int false_alarms = 0;
+  constexpr int kCases = 200;
   test::for_random_cases(kCases, [&](test::Random& random) {
     const PoseBW X_BW = random_table(random);
-    const auto table = table_frame(touched(X_BW, grid(3, 2, 0.12), 0.5e-3, random));
-    ASSERT_TRUE(table);
-    const Vec3 p_W{random.uniform(-0.12, 0.12), random.uniform(-0.06, 0.06), 0};
-    const Vec3 p_B = X_BW * p_W + 0.5e-3 * Vec3{normal(random), normal(random), normal(random)};
-    inside += norm(table->X_BW * p_W - p_B) <= table->error_95 ? 1 : 0;
+    auto points = touched(X_BW, grid(3, 2, 0.12), 0.5e-3, random);
+    false_alarms += wrong_touch(points) ? 1 : 0;
+    const auto wrong = static_cast<std::size_t>(random.integer(0, 5));
+    points[wrong].p_B.x += 0.012;
+    const auto told = wrong_touch(points);
+    if (!told || told->point != wrong) return;
+    ++found;
+    EXPECT_NEAR(told->off_B.x, 0.012, 0.004);
+    EXPECT_LT(told->rms_others, 2e-3);
   });
-  EXPECT_GE(inside, 0.9 * kCases);
+  EXPECT_GE(found, 0.95 * kCases);
+  EXPECT_LE(false_alarms, 0.05 * kCases);
+  test::Random random(1);
+  EXPECT_FALSE(wrong_touch(touched({}, {{0, 0, 0}, {0.1, 0, 0}, {0, 0.1, 0}}, 0.01, random)));
+}
+
+TEST(TableFrame, exchanged_points_are_named) {
+  test::for_random_cases(50, [](test::Random& random) {
+    const PoseBW X_BW = random_table(random);
+    auto points = touched(X_BW, grid(3, 2, 0.12), 0.5e-3, random);
+    EXPECT_FALSE(exchanged(points));
+    std::swap(points[1].p_W, points[5].p_W);
+    const auto pair = exchanged(points);
+    ASSERT_TRUE(pair);
+    EXPECT_EQ(*pair, std::pair(std::size_t{1}, std::size_t{5}));
+  });
+}
+
+TEST(TableFrame, a_print_that_was_scaled_shows_in_the_distances) {
+  test::for_random_cases(100, [](test::Random& random) {
+    const PoseBW X_BW = random_table(random);
+    auto points = touched(X_BW, grid(3, 2, 0.12), 0.2e-3, random);
+    for (TouchedPoint& point : points) point.p_W = (1 / 0.96) * point.p_W;
+    const auto table = table_frame(points);
+    ASSERT_TRUE(table);
+    EXPECT_NEAR(table->scale, 0.96, 5 * table->scale_sigma + 1e-3);
+    EXPECT_GT(std::abs(table->scale - 1), 4 * table->scale_sigma);
+  });
 }
 
 TEST(TableFrame, points_nearly_on_a_line_are_refused_with_their_extent) {
