@@ -101,8 +101,7 @@ void estimate_errors(std::span<const TouchedPoint> points, double sigma_least, T
 
 }  // namespace
 
-Calibrated<TableFrame> table_frame(std::span<const TouchedPoint> points,
-                                   double sigma_least) {
+Calibrated<TableFrame> table_frame(std::span<const TouchedPoint> points, double sigma_least) {
   using enum CalibrationFault;
   if (points.size() < kPointsMin) {
     return std::unexpected(CalibrationError{kTooFewPoints, -1, static_cast<double>(points.size()),
@@ -146,8 +145,7 @@ TableFrame with_touch(TableFrame frame, const Vec3& p_W) {
   // An exact frame has no covariance to improve.
   if (frame.sigma > 0) {
     const Matrix6 information = frame.covariance.inverse();
-    frame.covariance =
-        (information + J.transpose() * J / (frame.sigma * frame.sigma)).inverse();
+    frame.covariance = (information + J.transpose() * J / (frame.sigma * frame.sigma)).inverse();
   }
   frame.freedom += 3;
   return frame;

@@ -23,12 +23,12 @@ struct TableFrame {
   Pose<frame::Base, frame::World> X_BW;
   std::vector<double> residuals;  ///< m, by point
   double rms = 0;                 ///< m, of the residuals
-  std::size_t worst = 0;  ///< the point without which the others fit best; of three, the one with
-                          ///< the largest residual
-  double sigma = 0;       ///< m, standard deviation of a coordinate of a touched point
-  double freedom = 0;     ///< residuals less parameters, which sigma was estimated from
-  Matrix6 covariance;     ///< of X_BW, as in moved(); for that sigma
-  double scale = 1;       ///< touched distances over those of the drawing
+  std::size_t worst = 0;   ///< the point without which the others fit best; of three, the one with
+                           ///< the largest residual
+  double sigma = 0;        ///< m, standard deviation of a coordinate of a touched point
+  double freedom = 0;      ///< residuals less parameters, which sigma was estimated from
+  Matrix6 covariance;      ///< of X_BW, as in moved(); for that sigma
+  double scale = 1;        ///< touched distances over those of the drawing
   double scale_sigma = 0;  ///< its standard deviation
 };
 

@@ -16,9 +16,12 @@ struct Paper {
 };
 constexpr std::array<Paper, 3> kPapers{
     {{"a4", 0.210, 0.297}, {"a3", 0.297, 0.420}, {"letter", 0.2159, 0.2794}}};
-constexpr double kMargin = 0.012;  ///< m, that printers leave white
-constexpr double kFoot = 0.020;    ///< m, for the ruler
-constexpr double kRuler = 0.100;   ///< m
+constexpr double kMargin = 0.012;    ///< m, that printers leave white
+constexpr double kFoot = 0.020;      ///< m, for the ruler
+constexpr double kRuler = 0.100;     ///< m
+constexpr double kRulerTop = 0.010;  ///< m, of the ruler above the margin
+constexpr double kCross = 0.005;     ///< m, half of a cross
+constexpr double kThin = 0.0003;     ///< m, of a line
 
 const Paper* paper_named(std::string_view name) {
   const auto found = std::ranges::find(kPapers, name, &Paper::name);
@@ -36,7 +39,6 @@ struct Bar {
 std::vector<Bar> ruler_of(const TagBoard& board) {
   const double x = (board.width - kRuler) / 2;
   const double y = kMargin + 0.004;
-  constexpr double kThin = 0.0003;
   std::vector<Bar> bars{{x, y, kRuler, kThin}};
   for (int mm = 0; mm <= 100; mm += 5) {
     const double tick = mm % 50 == 0 ? 0.006 : mm % 10 == 0 ? 0.004 : 0.0025;
@@ -45,9 +47,25 @@ std::vector<Bar> ruler_of(const TagBoard& board) {
   return bars;
 }
 
+/// Where the number of a cross stands: beside it, towards the middle. m, from the middle of the
+/// sheet
+Vec3 number_place(const BoardMark& cross) {
+  constexpr double kAside = 0.0095;
+  return cross.p_B + Vec3{cross.p_B.x > 0 ? -kAside : kAside, -0.0015, 0};
+}
+std::string_view number_of(const BoardMark& cross) {
+  return std::string_view(cross.name).substr(cross.name.find_first_of("0123456789"));
+}
+
 /// All that is black, cells of a row that touch as one.
 std::vector<Bar> bars_of(const TagBoard& board) {
   std::vector<Bar> bars = ruler_of(board);
+  for (const BoardMark& cross : board.crosses) {
+    const double x = cross.p_B.x + board.width / 2;
+    const double y = cross.p_B.y + board.height / 2;
+    bars.push_back({x - kCross, y - kThin / 2, 2 * kCross, kThin});
+    bars.push_back({x - kThin / 2, y - kCross, kThin, 2 * kCross});
+  }
   for (int i = 0; i < board.columns * board.rows; ++i) {
     const auto cells = tag_cells(board.family, board.first + i);
     const double cell = board.tag / (cells->side - 2 * cells->quiet);
@@ -112,7 +130,34 @@ std::optional<TagBoard> table_sheet(std::string_view paper) {
   board.tag = 0.04;
   board.pitch = sheet->width - 2 * kMargin - 1.2 * board.tag;
   board.lift = kFoot / 2;
+  // In the white strips above and below the tags, as far apart as the paper allows.
+  const double x = sheet->width / 2 - kMargin - kCross;
+  const double tags_end = board.pitch / 2 + 0.6 * board.tag;
+  const double above = (board.lift + tags_end + sheet->height / 2 - kMargin) / 2;
+  const double below = (board.lift - tags_end - sheet->height / 2 + kMargin + kRulerTop) / 2;
+  board.crosses = {{"cross1", {-x, above, 0}},
+                   {"cross2", {x, above, 0}},
+                   {"cross3", {x, below, 0}},
+                   {"cross4", {-x, below, 0}},
+                   {"cross5", {0, board.lift, 0}}};
   return board;
+}
+
+TagBoard single_tag(TagFamily family, int id, double side) {
+  TagBoard board{.paper = {}, .width = side, .height = side};
+  board.family = family;
+  board.first = id;
+  board.columns = board.rows = 1;
+  board.tag = board.pitch = side;
+  return board;
+}
+
+std::vector<BoardMark> marks_of(const TagBoard& board) {
+  std::vector<BoardMark> marks = board.crosses;
+  for (int id = board.first; id < board.first + board.columns * board.rows; ++id) {
+    marks.push_back({fmt::format("tag{}", id), 0.5 * (board.corner(id, 0) + board.corner(id, 2))});
+  }
+  return marks;
 }
 
 std::string svg_of(const TagBoard& board) {
@@ -126,8 +171,16 @@ std::string svg_of(const TagBoard& board) {
                        1e3 * (board.height - bar.y - bar.height), 1e3 * bar.width, 1e3 * bar.height,
                        -1e3 * bar.width);
   }
+  svg += "\"/>\n";
+  for (const BoardMark& cross : board.crosses) {
+    const Vec3 place = number_place(cross);
+    svg += fmt::format(
+        "<text x=\"{:.2f}\" y=\"{:.2f}\" font-size=\"4.5\" text-anchor=\"middle\" "
+        "font-family=\"Helvetica, Arial, sans-serif\">{}</text>\n",
+        1e3 * (place.x + board.width / 2), 1e3 * (board.height / 2 - place.y), number_of(cross));
+  }
   svg += fmt::format(
-      "\"/>\n<text x=\"{:.2f}\" y=\"{:.2f}\" font-size=\"3\" text-anchor=\"middle\" "
+      "<text x=\"{:.2f}\" y=\"{:.2f}\" font-size=\"3\" text-anchor=\"middle\" "
       "font-family=\"Helvetica, Arial, sans-serif\">{}</text>\n</svg>\n",
       500 * board.width, 1e3 * (board.height - kMargin), title_of(board));
   return svg;
@@ -140,7 +193,13 @@ std::string pdf_of(const TagBoard& board) {
     content += fmt::format("{:.4f} {:.4f} {:.4f} {:.4f} re\n", kPoint * bar.x, kPoint * bar.y,
                            kPoint * bar.width, kPoint * bar.height);
   }
-  content += fmt::format("f\nBT /F 8 Tf {:.2f} {:.2f} Td ({}) Tj ET\n", kPoint * kMargin,
+  content += "f\n";
+  for (const BoardMark& cross : board.crosses) {
+    const Vec3 place = number_place(cross) + Vec3{board.width / 2 - 0.00125, board.height / 2, 0};
+    content += fmt::format("BT /F 12.8 Tf {:.2f} {:.2f} Td ({}) Tj ET\n", kPoint * place.x,
+                           kPoint * place.y, number_of(cross));
+  }
+  content += fmt::format("BT /F 8 Tf {:.2f} {:.2f} Td ({}) Tj ET\n", kPoint * kMargin,
                          kPoint * kMargin, title_of(board));
   const std::array<std::string, 5> objects{
       "<< /Type /Catalog /Pages 2 0 R /ViewerPreferences << /PrintScaling /None >> >>",

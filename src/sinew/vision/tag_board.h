@@ -11,6 +11,12 @@
 
 namespace sinew::vision {
 
+/// A point of a sheet that a tool can touch.
+struct BoardMark {
+  std::string name;  ///< "cross1", or "tag580": the middle of that tag
+  Vec3 p_B;          ///< m
+};
+
 /// A printed sheet of tags whose places are known. Its frame B has its origin in the middle of the
 /// sheet, x to the right, y up the sheet, z out of the paper.
 struct TagBoard {
@@ -24,6 +30,7 @@ struct TagBoard {
   double tag = 0;    ///< m, side of a tag's border
   double pitch = 0;  ///< m, from tag to tag
   double lift = 0;   ///< m, of the tags' middle above that of the sheet: the ruler lies below
+  std::vector<BoardMark> crosses = {};  ///< printed with their numbers
 
   bool has(const SeenTag& seen) const {
     return seen.family == family && seen.id >= first && seen.id < first + columns * rows;
@@ -36,8 +43,15 @@ struct TagBoard {
 std::optional<TagBoard> calibration_board(std::string_view paper);
 
 /// Four tags in the corners of a sheet, which lie on the table for good: the camera finds its pose,
-/// and that it was moved.
+/// and that it was moved. With five crosses for the tip of a tool: 1 to 4 clockwise from the upper
+/// left one, 5 in the middle.
 std::optional<TagBoard> table_sheet(std::string_view paper);
+
+/// A tag by itself, its middle at B's origin. @pre the family has that number
+TagBoard single_tag(TagFamily family, int id, double side);
+
+/// The crosses of a board, then the middles of its tags.
+std::vector<BoardMark> marks_of(const TagBoard& board);
 
 /// True to scale, with a ruler to check the printer with.
 std::string svg_of(const TagBoard& board);

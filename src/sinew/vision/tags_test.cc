@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "sinew/core/units.h"
 #include "sinew/vision/tag_board.h"
 #include "support/property.h"
 
@@ -38,6 +39,46 @@ TEST(TagBoard, sheet_for_the_table_has_tags_of_its_own_and_stays_on_the_paper) {
     EXPECT_LT(sheet->corner(sheet->first, 0).y, sheet->height / 2 - 0.01);
     EXPECT_EQ(TagFinder({sheet->family}).find(picture_of(*sheet, 3100)).size(), 4U);
   }
+}
+
+TEST(TagBoard, crosses_to_touch_are_white_around_and_far_apart) {
+  for (const char* paper : {"a4", "a3", "letter"}) {
+    const auto sheet = table_sheet(paper);
+    ASSERT_EQ(sheet->crosses.size(), 5U);
+    constexpr double kScale = 4000;  // px/m
+    const Picture print = picture_of(*sheet, kScale);
+    const auto dark = [&](const Vec3& p_B) {
+      return *print.at(static_cast<int>(kScale * (p_B.x + sheet->width / 2)),
+                       static_cast<int>(kScale * (sheet->height / 2 - p_B.y))) == 0;
+    };
+    for (const BoardMark& cross : sheet->crosses) {
+      EXPECT_TRUE(dark(cross.p_B)) << paper << ", " << cross.name;
+      for (int step = 0; step < 60; ++step) {
+        const Vec3 around = rotation_z(step * kPi / 30) * Vec3{0.007, 0, 0};
+        EXPECT_FALSE(dark(cross.p_B + around)) << paper << ", " << cross.name;
+      }
+    }
+    EXPECT_GT(norm(sheet->crosses[0].p_B - sheet->crosses[1].p_B), 0.75 * sheet->width);
+    EXPECT_GT(norm(sheet->crosses[0].p_B - sheet->crosses[3].p_B), 0.7 * sheet->height);
+    const auto marks = marks_of(*sheet);
+    ASSERT_EQ(marks.size(), 9U);
+    EXPECT_EQ(marks[0].name, "cross1");
+    EXPECT_EQ(marks[5].name, "tag580");
+    EXPECT_LT(norm(marks[5].p_B - Vec3{-sheet->pitch / 2, sheet->pitch / 2 + sheet->lift, 0}),
+              1e-9);
+    EXPECT_NE(svg_of(*sheet).find(">5</text>"), std::string::npos);
+    EXPECT_NE(pdf_of(*sheet).find("(5) Tj"), std::string::npos);
+  }
+  EXPECT_TRUE(calibration_board("a4")->crosses.empty());
+}
+
+TEST(TagBoard, single_tag_has_its_middle_at_the_origin) {
+  const TagBoard tag = single_tag(TagFamily::kStandard41h12, 7, 0.03);
+  EXPECT_LT(norm(tag.corner(7, 0) - Vec3{-0.015, 0.015, 0}), 1e-12);
+  EXPECT_LT(norm(tag.corner(7, 2) - Vec3{0.015, -0.015, 0}), 1e-12);
+  EXPECT_FALSE(tag.has({TagFamily::k36h11, 7, {}, 0}));
+  ASSERT_EQ(marks_of(tag).size(), 1U);
+  EXPECT_EQ(marks_of(tag)[0].name, "tag7");
 }
 
 TEST(TagBoard, prints_are_true_to_scale) {
