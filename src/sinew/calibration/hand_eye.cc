@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "sinew/calibration/f_distribution.h"
 #include "sinew/calibration/hand_eye_start.h"
 #include "sinew/calibration/least_squares.h"
 #include "sinew/core/assert.h"
@@ -22,6 +23,7 @@ struct MountState {
   PoseMC X_MC;
   PoseNB X_NB;
   Eigen::VectorXd offsets;  // rad, by joint; empty where zeros are exact
+  double size = 1;          // of the board
 };
 
 OffsetRows rows_of(const std::array<Vec3, kMaxJoints>& columns, Index count) {
@@ -56,6 +58,7 @@ struct MountProblem {
   std::span<const HandEyeView> views;
   const HandEyeSettings& settings;
   Index joints = 0;          // with an offset
+  Index sizes = 0;           // 1 where the board's size is estimated
   double pixel_sigma = 0.3;  // px; weighs pixels against what is known besides
 
   std::size_t points() const {
@@ -63,18 +66,20 @@ struct MountProblem {
     for (const HandEyeView& view : views) count += view.seen.pixels.size();
     return count;
   }
-  Index size() const { return kMountParameters + joints; }
-  bool has_priors() const { return joints > 0 || !settings.known_points.empty(); }
+  Index extra() const { return joints + sizes; }
+  Index size() const { return kMountParameters + extra(); }
+  bool has_priors() const { return extra() > 0 || !settings.known_points.empty(); }
 
   State moved(const State& from, const Eigen::VectorXd& step) const {
     return {calibration::moved(from.X_MC, Vector6(step.head<6>())),
             calibration::moved(from.X_NB, Vector6(step.segment<6>(6))),
-            from.offsets + step.tail(joints)};
+            from.offsets + step.segment(kMountParameters, joints),
+            from.size + (sizes > 0 ? step[size() - 1] : 0)};
   }
 
   bool add_to(NormalEquations& sum, const State& state) const {
     add_known_points(sum, state.X_NB);
-    add_offset_priors(sum, state.offsets);
+    add_priors(sum, state);
     return add_pixels(sum, state);
   }
 
@@ -85,13 +90,19 @@ struct MountProblem {
       const PoseBF X_BF = offset_pose(view, state.offsets);
       const PoseMN X_MN = between_mounts(settings.mounting, X_BF);
       for (std::size_t i = 0; i < view.seen.pixels.size(); ++i) {
-        const ChainPoint at = chain_point(state.X_MC, X_MN, state.X_NB, view.seen.points_B[i]);
+        const ChainPoint at =
+            chain_point(state.X_MC, X_MN, state.X_NB, state.size * view.seen.points_B[i]);
         const auto there = projection(camera, at.p_C);
         if (!there) return false;
         J.leftCols<kMountParameters>() = there->by_point * at.by_mounts;
         if (joints > 0) {
-          J.rightCols(joints) = there->by_point * to_eigen(state.X_MC.R.transposed()) *
-                                by_offsets(view, settings.mounting, X_BF, state.offsets, at);
+          J.middleCols(kMountParameters, joints) =
+              there->by_point * to_eigen(state.X_MC.R.transposed()) *
+              by_offsets(view, settings.mounting, X_BF, state.offsets, at);
+        }
+        if (sizes > 0) {
+          const Vec3 arm_M = X_MN.R * (state.X_NB.R * view.seen.points_B[i]);
+          J.rightCols<1>() = there->by_point * to_eigen(transposed_times(state.X_MC.R, arm_M));
         }
         const Eigen::Vector2d pixel(view.seen.pixels[i].x, view.seen.pixels[i].y);
         sum.add_point(index++, there->pixel - pixel, J, {{0, size()}});
@@ -114,12 +125,15 @@ struct MountProblem {
     }
   }
 
-  void add_offset_priors(NormalEquations& sum, const Eigen::VectorXd& offsets) const {
+  void add_priors(NormalEquations& sum, const State& state) const {
     for (Index j = 0; j < joints; ++j) {
       const double weight = pixel_sigma / settings.joint_offset_sigma;
       const Eigen::VectorXd row = weight * Eigen::VectorXd::Unit(size(), kMountParameters + j);
-      sum.add_prior(weight * offsets[j], row);
+      sum.add_prior(weight * state.offsets[j], row);
     }
+    if (sizes == 0) return;
+    const double weight = pixel_sigma / settings.size_sigma;
+    sum.add_prior(weight * (state.size - 1), weight * Eigen::VectorXd::Unit(size(), size() - 1));
   }
 };
 
@@ -155,15 +169,15 @@ MountFit best_fit(const MountProblem& problem, std::span<const PoseCB> X_CB) {
   for (const HandEyeView& view : problem.views) {
     X_MN.push_back(between_mounts(problem.settings.mounting, view.X_BF));
   }
-  MountProblem exact_joints = problem;
-  exact_joints.joints = 0;
+  MountProblem exact = problem;
+  exact.joints = exact.sizes = 0;
   MountFit best{{}, {}, false, kInfinity, {}};
   double least = kInfinity;
   constexpr double kGood = 1;  // px; with all points kept, no other start can do better
   constexpr double kCut = 20;  // px; beyond it, wrong is wrong
   for (const MountStart& start : mount_starts(X_MN, X_CB)) {
-    MountFit fit = robust_fit(exact_joints, {start.X_MC, start.X_NB, {}});
-    if (problem.joints > 0) {
+    MountFit fit = robust_fit(exact, {start.X_MC, start.X_NB, {}});
+    if (problem.extra() > 0) {
       fit.state.offsets = Eigen::VectorXd::Zero(problem.joints);
       fit = robust_fit(problem, std::move(fit.state));
     }
@@ -189,8 +203,9 @@ double pixel_sigma_of(const MountFit& fit) {
 }
 
 /// Distances on the board (m) between its points and where the pixels' rays meet it, each view
-/// with mounts that were fitted to the others.
-std::vector<double> left_out_errors(const MountProblem& problem, const MountFit& all) {
+/// with mounts that were fitted to the others; these mounts into `out`.
+std::vector<double> left_out_errors(const MountProblem& problem, const MountFit& all,
+                                    HandEye& out) {
   std::vector<double> errors;
   std::size_t first = 0;
   for (const HandEyeView& view : problem.views) {
@@ -198,29 +213,31 @@ std::vector<double> left_out_errors(const MountProblem& problem, const MountFit&
     PointWeights weights = all.weights;
     std::fill_n(weights.used.begin() + static_cast<std::ptrdiff_t>(first), count, 0);
     const MountState state = minimise(problem, all.state, std::move(weights)).state;
+    out.X_MC_without.push_back(state.X_MC);
+    out.X_NB_without.push_back(state.X_NB);
     const PoseMN X_MN = between_mounts(problem.settings.mounting, offset_pose(view, state.offsets));
     const PoseCB X_CB = state.X_MC.inverse() * X_MN * state.X_NB;
     const auto X_BC = relabel<frame::World, frame::Camera>(X_CB.inverse());
     for (std::size_t i = 0; i < count; ++i) {
       if (all.weights.used[first + i] == 0) continue;
       const auto p = ray_to_plane(problem.camera, X_BC, view.seen.pixels[i], 0);
-      errors.push_back(p ? norm(*p - view.seen.points_B[i]) : kInfinity);
+      errors.push_back(p ? norm(*p - state.size * view.seen.points_B[i]) : kInfinity);
     }
     first += count;
   }
   return errors;
 }
 
-/// H of the pixels for the two mounts alone, with the joints' offsets free within their prior.
+/// H of the pixels for the two mounts alone, with what else is estimated free within its prior.
 MountMatrix mount_information(const MountProblem& problem, const MountFit& fit) {
   NormalEquations sum(problem.size(), fit.weights);
   problem.add_pixels(sum, fit.state);
-  problem.add_offset_priors(sum, fit.state.offsets);
+  problem.add_priors(sum, fit.state);
   const Eigen::MatrixXd H = sum.full_H();
   const MountMatrix mounts = H.topLeftCorner<kMountParameters, kMountParameters>();
-  if (problem.joints == 0) return mounts;
-  const Eigen::MatrixXd coupling = H.topRightCorner(kMountParameters, problem.joints);
-  const Eigen::MatrixXd inner = H.bottomRightCorner(problem.joints, problem.joints);
+  if (problem.extra() == 0) return mounts;
+  const Eigen::MatrixXd coupling = H.topRightCorner(kMountParameters, problem.extra());
+  const Eigen::MatrixXd inner = H.bottomRightCorner(problem.extra(), problem.extra());
   return mounts - coupling * inner.inverse() * coupling.transpose();
 }
 
@@ -243,10 +260,32 @@ double mean_distance(const MountProblem& problem, const MountState& state) {
   return sum / static_cast<double>(problem.points());
 }
 
+/// m, 95 % of the length of a point's error, from its places without one view each.
+double jackknife_95(std::span<const Vec3> places) {
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const Vec3& p : places) mean += to_eigen(p) / static_cast<double>(places.size());
+  Eigen::Matrix3d C = Eigen::Matrix3d::Zero();
+  for (const Vec3& p : places) C += (to_eigen(p) - mean) * (to_eigen(p) - mean).transpose();
+  const double freedom = static_cast<double>(places.size()) - 1;
+  C *= freedom / static_cast<double>(places.size());
+  const double variance = C.trace();
+  if (!(variance > 0)) return 0;
+  const double axes = variance * variance / (C * C).trace();
+  return std::sqrt(variance * f_quantile(0.95, axes, freedom));
+}
+
+template <class A, class B>
+double error_95_of(std::span<const Pose<A, B>> X_AB, const Vec3& p_B) {
+  std::vector<Vec3> places;
+  for (const auto& X : X_AB) places.push_back(X * p_B);
+  return jackknife_95(places);
+}
+
 HandEye result_of(const MountProblem& problem, const MountFit& fit) {
   HandEye out;
   out.X_MC = fit.state.X_MC;
   out.X_NB = fit.state.X_NB;
+  out.size = fit.state.size;
   out.joint_offsets.assign(fit.state.offsets.begin(), fit.state.offsets.end());
   const std::vector<double> kept = kept_norms(fit);
   out.rms = rms(kept);
@@ -255,9 +294,11 @@ HandEye result_of(const MountProblem& problem, const MountFit& fit) {
   problem.add_to(sum, fit.state);
   out.covariance = problem.pixel_sigma * problem.pixel_sigma *
                    sum.inverse().topLeftCorner<kMountParameters, kMountParameters>();
-  out.error_95 = quantile(left_out_errors(problem, fit), 0.95);
+  out.error_95 = quantile(left_out_errors(problem, fit, out), 0.95);
   std::size_t index = 0;
   for (std::size_t v = 0; v < problem.views.size(); ++v) {
+    const std::size_t count = problem.views[v].seen.pixels.size();
+    out.view_rms.push_back(calibration::rms(std::span(fit.norms).subspan(index, count)));
     for (std::size_t i = 0; i < problem.views[v].seen.pixels.size(); ++i, ++index) {
       if (fit.weights.used[index] == 0) out.wrong_points.push_back({v, i, fit.norms[index]});
     }
@@ -275,6 +316,14 @@ HandEye result_of(const MountProblem& problem, const MountFit& fit) {
 
 }  // namespace
 
+double camera_error_95(const HandEye& found, const Vec3& p_C) {
+  return error_95_of(std::span<const PoseMC>(found.X_MC_without), p_C);
+}
+
+double board_error_95(const HandEye& found, const Vec3& p_B) {
+  return error_95_of(std::span<const PoseNB>(found.X_NB_without), p_B);
+}
+
 Calibrated<HandEye> hand_eye(const vision::CameraModel& camera, std::span<const HandEyeView> views,
                              const HandEyeSettings& settings) {
   using enum CalibrationFault;
@@ -285,7 +334,8 @@ Calibrated<HandEye> hand_eye(const vision::CameraModel& camera, std::span<const 
   const auto X_CB = boards_of(camera, views);
   if (!X_CB) return std::unexpected(X_CB.error());
 
-  MountProblem problem{camera, views, settings, offset_joints(views, settings)};
+  MountProblem problem{camera, views, settings, offset_joints(views, settings),
+                       settings.size_sigma > 0 ? 1 : 0};
   MountFit fit = best_fit(problem, *X_CB);
   CalibrationError lost{kNotConverged, -1, kInfinity, 0.1 * camera.width, 0};
   if (!fit.norms.empty()) lost.measured = rms(kept_norms(fit));

@@ -34,6 +34,10 @@ struct HandEyeSettings {
   CameraMounting mounting = CameraMounting::kOnFlange;
   std::vector<KnownPoint> known_points{};
   double joint_offset_sigma = 0;  ///< rad, what a joint's zero may be off by; 0: zeros are exact
+  /// What the board's size may be off by, as a share of it; 0: it is exact. A single tag looks
+  /// smaller than it is where white spreads over its edges, and then seems farther away; the arm's
+  /// motions show its size.
+  double size_sigma = 0;
 };
 
 /// Where camera and board are mounted. M is the camera's mount and N the board's: flange and base,
@@ -43,13 +47,24 @@ struct HandEye {
   PoseNB X_NB;                        ///< X of the board in base, or of the board on the flange
   MountMatrix covariance;             ///< of both, as in mount_chain.h; of pixel errors alone
   std::vector<double> joint_offsets;  ///< rad, to add to the joints; empty unless estimated
+  double size = 1;                    ///< of the board over the one given; 1 unless estimated
   double pixel_sigma = 0;             ///< px, standard deviation of one coordinate
   double rms = 0;                     ///< px, distance between points and their model
+  std::vector<double> view_rms;       ///< px, by view; points that were left out count too
   double error_95 = 0;  ///< m on the board, 95 %, of views that the fit did not use; contains
                         ///< the errors of the arm, but not those along weak directions
   std::vector<WrongPoint> wrong_points;  ///< left out; not part of the figures
+  std::vector<PoseMC> X_MC_without;      ///< fitted without one of the views each
+  std::vector<PoseNB> X_NB_without;
   Observability observability;
 };
+
+/// m, what X_MC * p_C is off by with a probability of 95 %, errors of the arm and of the tool
+/// included: by how much it changes without one view (jackknife). For two views or more.
+/// Source: B. Efron, The Jackknife, the Bootstrap and Other Resampling Plans, 1982.
+double camera_error_95(const HandEye& found, const Vec3& p_C);
+/// The same of X_NB * p_B.
+double board_error_95(const HandEye& found, const Vec3& p_B);
 
 /// Mounts of camera and board from pictures of a board with the arm in several poses; for arms of
 /// any number of joints.

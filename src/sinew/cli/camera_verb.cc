@@ -5,6 +5,8 @@
 #include <CLI/CLI.hpp>
 
 #include "sinew/calibration/table_calibration.h"
+#include "sinew/cli/camera_hand_eye.h"
+#include "sinew/cli/camera_touch.h"
 #include "sinew/cli/pixel_json.h"
 #include "sinew/cli/table.h"
 #include "sinew/config/camera_file.h"
@@ -16,14 +18,17 @@
 #include "sinew/vision/tags.h"
 
 namespace sinew::cli {
+
+Outcome wrong_paper(const CameraRequest& request) {
+  return bad_input("--paper: '" + printable(request.paper) + "' is none of a4, a3, letter");
+}
+
 namespace {
 
 Outcome print_board(const CameraRequest& request) {
   const auto board = request.action == "sheet" ? vision::table_sheet(request.paper)
                                                : vision::calibration_board(request.paper);
-  if (!board) {
-    return bad_input("--paper: '" + printable(request.paper) + "' is none of a4, a3, letter");
-  }
+  if (!board) return wrong_paper(request);
   if (request.form != "svg" && request.form != "pdf") {
     return bad_input("--form: '" + printable(request.form) + "' is neither svg nor pdf");
   }
@@ -135,9 +140,7 @@ std::string calibration_text(const calibration::TableCalibration& result) {
 
 Outcome calibrate(const CameraRequest& request) {
   const auto board = vision::calibration_board(request.paper);
-  if (!board) {
-    return bad_input("--paper: '" + printable(request.paper) + "' is none of a4, a3, letter");
-  }
+  if (!board) return wrong_paper(request);
   if (!request.table || !request.out) {
     return bad_input(
         "camera calibrate needs images of the board, and --table IMAGE of the sheet that lies on "
@@ -192,26 +195,63 @@ Outcome calibrate(const CameraRequest& request) {
 }  // namespace
 
 void declare_options(CLI::App& verb, CameraRequest& request) {
-  verb.add_option(
-          "ACTION", request.action,
-          "board: a calibration board to print; sheet: four tags that mark the table; tags: "
-          "the tags in images; calibrate: lens and pose of a camera")
+  verb.add_option("ACTION", request.action,
+                  "board: a calibration board to print; sheet: tags and crosses that mark the "
+                  "table; tags: the tags in images; calibrate: lens and pose of a camera; touch: "
+                  "pose of the sheet, from crosses that the tool touched; hand-eye: pose of a "
+                  "camera on the arm or beside it")
       ->required();
   verb.add_option("IMAGE", request.images,
-                  "tags: any; calibrate: the board at 5 or more angles; JPEG or PNG files");
+                  "tags: any; calibrate: the board at 5 or more angles; hand-eye: the target, each "
+                  "image named as the taught point of its joints; JPEG or PNG files");
   verb.add_option("--paper", request.paper, "of board and sheet: a4 (default), a3 or letter");
   verb.add_option("--form", request.form, "board, sheet: svg (default) or pdf, on stdout");
   verb.add_option("--table", request.table, "calibrate: image of the sheet on the table");
-  verb.add_option("--out", request.out, "calibrate: file of the camera (TOML)");
+  verb.add_option("--out", request.out, "calibrate, hand-eye: file to write (TOML)");
   verb.add_option("--name", request.name, "calibrate: of the camera (default \"camera\")");
+  verb.add_option("--robot", request.robot,
+                  "touch, hand-eye: id or .toml file; with --cell the robot's name there");
+  verb.add_option("--cell", request.cell,
+                  "touch, hand-eye: file of the cell that the [[camera]] lines are for");
+  verb.add_option_function<std::string>(
+      "--points",
+      [&request](const std::string& file) {
+        request.points = file;
+        request.points_given = true;
+      },
+      "touch, hand-eye: file of sinew teach (default points.toml); points named cross1 to cross5 "
+      "or tag580 to tag583 are touched marks");
+  verb.add_option("--mark", request.marks,
+                  "touch, hand-eye: POINT=MARK, for a point with another name; MARK may be X,Y in "
+                  "mm from the middle of the sheet. May be repeated")
+      ->allow_extra_args(false);
+  verb.add_option("--touch", request.touches,
+                  "touch, hand-eye: MARK=JOINTS in deg, without a taught point. May be repeated")
+      ->allow_extra_args(false);
+  verb.add_option("--gripper-mm", request.gripper_mm,
+                  "touch, hand-eye: width between the jaws while they touch (default 0)");
+  verb.add_option("--limit-mm", request.limit_mm,
+                  "touch: largest rms of the residuals, mm (default 5)");
+  verb.add_option("--camera", request.camera, "hand-eye: file of sinew camera calibrate");
+  verb.add_option("--mount", request.mount,
+                  "hand-eye: arm (camera on the arm, target fixed) or table (camera fixed, target "
+                  "on the arm)");
+  verb.add_option("--target", request.target,
+                  "hand-eye: board (default), sheet, or a tag as FAMILY:ID:SIDE, for instance "
+                  "36h11:7:30mm");
+  verb.add_option("--zeros-deg", request.zeros_deg,
+                  "hand-eye: standard deviation of the joints' zeros, which are estimated too, deg "
+                  "(default 0: zeros are exact)");
 }
 
 Outcome camera(const CameraRequest& request) {
   if (request.action == "board" || request.action == "sheet") return print_board(request);
   if (request.action == "tags") return find_tags(request);
   if (request.action == "calibrate") return calibrate(request);
+  if (request.action == "touch") return camera_touch(request);
+  if (request.action == "hand-eye") return camera_hand_eye(request);
   return bad_input("camera " + printable(request.action) +
-                   ": the actions are board, sheet, tags and calibrate");
+                   ": the actions are board, sheet, tags, calibrate, touch and hand-eye");
 }
 
 }  // namespace sinew::cli

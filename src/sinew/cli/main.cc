@@ -755,7 +755,8 @@ int run(std::span<char*> arguments) {
   add_own(add_verb(app, call, "detect", "the coloured cubes in pictures of a table",
                    "sinew detect table.jpg --debug seen.png"),
           call, call.detect, detect);
-  add_own(add_verb(app, call, "camera", "boards to print, and the tags that a camera sees",
+  add_own(add_verb(app, call, "camera",
+                   "boards to print, tags in images, and where cameras and tables are",
                    "sinew camera board --paper a4 > board.svg"),
           call, call.camera, camera);
   try {
