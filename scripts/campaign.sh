@@ -10,7 +10,8 @@
 #   SINEW_POWER_LOSSES  of the position journal (100000)
 #   SINEW_SEEDS   of the whole system in virtual time (100000)
 #   SINEW_TRACE_SEEDS  compared between g++ and clang (200)
-#   SINEW_CELLS   with a camera and cubes, from the picture to the basket (500)
+#   SINEW_CELLS   with a camera and cubes, from the picture to the basket (500), from the seed
+#                 SINEW_FIRST on (1)
 #   SOAK_MINUTES  of the demonstration, whose memory must not grow (30)
 #   PARTS         which of: format tidy asan tsan fuzz seeds faults motion losses kills outages system trace latency flood soak cubes browser (all)
 # shellcheck source=scripts/lib.sh
@@ -149,7 +150,7 @@ soak_part() {
 cubes_part() {
   configure_release_tests && build release &&
     step "$cells cells with cubes" cubes env "SINEW_CELLS=$cells" build/release/tests/cubes_test \
-      --gtest_filter=Cubes.all_that_are_seen_come_into_the_basket
+      --gtest_filter='CubeCampaign.*' && grep '^  ' "$logs/cubes.log"
 }
 
 # Every test of the panel in a browser, those of make test too.

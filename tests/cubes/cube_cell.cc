@@ -5,9 +5,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
+#include <iterator>
 
+#include "sinew/core/rotation.h"
 #include "sinew/core/units.h"
-#include "sinew/model/error_sentence.h"
 #include "sinew/program/program_file.h"
 #include "sinew/runtime/robot_variant.h"
 #include "support/robots.h"
@@ -18,19 +20,38 @@ namespace {
 constexpr double kEdge = 0.025;  // m
 constexpr control::ClientId kClient = 1;
 
-/// In reach of the arm and beside its basket, a hand's breadth of each other or less.
+constexpr double kClear = 0.045;  // m, that cubes begin away from what stands on the table
+const Vec3 kTable_W{0.15, 0.04, 0};
+const Vec3 kBasket_W{0.06, 0.18, 0};
+
+bool is_beside(const Thing& thing, const Vec3& p_W) {
+  constexpr double kFlat = 1e-3;  // m; cubes may lie on what is flatter
+  if (2 * thing.half.z < kFlat) return true;
+  const Vec3 p = thing.X_WS.inverse() * (p_W - kTable_W);
+  const double out_x = std::abs(p.x) - thing.half.x, out_y = std::abs(p.y) - thing.half.y;
+  return std::hypot(std::max(0.0, out_x), std::max(0.0, out_y)) > kClear;
+}
+
+/// Beside the basket, a hand's breadth of each other or less; in reach of the arm or anywhere in
+/// front of it.
 std::vector<CellCube> cubes_of(const CubeCellSettings& settings) {
   SplitMix64 random(settings.seed);
   std::vector<CellCube> cubes;
   for (int tries = 0; cubes.size() < settings.cubes && tries < 1000; ++tries) {
-    const double reach = random.uniform(0.14, 0.2);
-    const double turn = random.uniform(-from_deg(30), from_deg(30));
+    const double reach = settings.anywhere ? random.uniform(0.09, 0.26) : random.uniform(0.14, 0.2);
+    const double widest = from_deg(settings.anywhere ? 40 : 30);
+    const double turn = random.uniform(-widest, widest);
     const CellCube cube{.color = static_cast<int>(random.bits() % 6),
                         .p_W = {reach * std::cos(turn), reach * std::sin(turn), 0},
                         .turn = random.uniform(0, kPi / 2)};
-    const bool free = std::ranges::all_of(cubes, [&](const CellCube& other) {
-      return std::hypot(other.p_W.x - cube.p_W.x, other.p_W.y - cube.p_W.y) > 1.5 * kEdge;
+    const double apart = settings.anywhere ? 1.42 * kEdge : 1.5 * kEdge;
+    bool free = std::ranges::all_of(cubes, [&](const CellCube& other) {
+      return std::hypot(other.p_W.x - cube.p_W.x, other.p_W.y - cube.p_W.y) > apart;
     });
+    for (const Thing& thing : settings.clutter) free = free && is_beside(thing, cube.p_W);
+    // Its own half diagonal beside the basket's wall, or a finger's room.
+    const Vec3 beside = cube.p_W - kBasket_W;
+    free = free && std::max(std::abs(beside.x), std::abs(beside.y)) > 0.063 + 0.03;
     if (!free) continue;
     cubes.push_back(cube);
     if (!settings.towers) continue;
@@ -47,17 +68,18 @@ Cell cell_of(const CubeCellSettings& settings) {
   cell.time_scale = settings.pace;
   CellRobot& robot = cell.robots.emplace_back();
   robot.name = "arm";
-  robot.robot = "learm";
-  robot.profile = "bus";
-  robot.seed = 7;  // it begins clear of its table
+  robot.robot = settings.is_maxarm ? "maxarm" : "learm";
+  if (!settings.is_maxarm) robot.profile = "bus";
+  robot.seed = 7;                                              // it begins clear of its table
+  if (settings.is_maxarm) robot.X_WB.R = rotation_z(kPi / 2);  // its front is -y
   CellCamera& camera = cell.cameras.emplace_back();
   camera.name = "top";
   camera.device = kSimulatedCamera;
   camera.cube = kEdge;
-  camera.X_WT.p = {0.15, 0.04, 0};
+  camera.X_WT.p = kTable_W;
   cell.basket.emplace();
   cell.basket->name = "basket";
-  cell.basket->X_WK.p = {0.06, 0.18, 0};
+  cell.basket->X_WK.p = kBasket_W;
   cell.cubes = cubes_of(settings);
   return cell;
 }
@@ -75,8 +97,7 @@ std::size_t Ended::count(sim::CubeEvent::Kind kind) const {
 std::string Ended::text() const {
   std::string text;
   if (job.failure) {
-    text += fmt::format("line {}: {}\n", job.failure->line,
-                        sentence_of(job.failure->error, test::robot("learm")));
+    text += fmt::format("line {}: {}\n", job.failure->line, describe(job.failure->error));
   }
   for (const sim::CubeEvent& event : events) {
     text +=
@@ -92,7 +113,8 @@ std::string Ended::text() const {
 
 CubeCell::CubeCell(const CubeCellSettings& settings) {
   Cell cell = cell_of(settings);
-  auto model = runtime::variant_of(test::robot("learm"), "bus", std::nullopt);
+  const CellRobot& arm = cell.robots.front();
+  auto model = runtime::variant_of(test::robot(arm.robot), arm.profile, std::nullopt);
   auto running = runtime::RunningCell::start(std::move(cell), {*model}, {});
   if (!running) {
     ADD_FAILURE() << running.error().sentence;
@@ -103,7 +125,16 @@ CubeCell::CubeCell(const CubeCellSettings& settings) {
   vision::TableCamera believed = runtime::usual_camera();
   if (settings.sheet) believed.sheet = "a4";
   vision::TableCamera real = believed;
-  real.X_WC.p.x += settings.off;
+  const PlanarError& off = settings.calibration;
+  real.X_WC.p = rotation_z(off.turn) * real.X_WC.p + Vec3{off.x, off.y, 0};
+  real.X_WC.R = rotation_z(off.turn) * real.X_WC.R;
+  render::CellView around;
+  around.seed = settings.seed;
+  around.reach = 0.25;
+  around.clutter = settings.clutter;
+  around.brightness = settings.brightness;
+  around.lamps = settings.lamps;
+  cell_->table()->set_surroundings(around);
   const auto robots = [this] { return cell_->robots_in_view(runtime::RunningCell::Stand::kTrue); };
   cell_->open_camera(0, {"top", believed, kEdge}, cell_->table()->pictures(real, robots),
                      cell_->table()->glances(real, robots));
@@ -121,6 +152,8 @@ void CubeCell::begin(const std::string& program) {
   order.title = "test";
   order.program = std::move(*parsed);
   order.take_over = true;
+  // A test's thread may wait for a core longer than a lease lasts at this pace.
+  order.on_client_loss = ClientLoss::kContinue;
   ASSERT_TRUE(cell_->jobs(0).start(std::move(order), kClient));
 }
 
@@ -132,10 +165,25 @@ void CubeCell::keep_lease() {
   client_->keep_lease(clock_.now());
 }
 
-Ended CubeCell::finish(Duration patience) {
+Ended CubeCell::run_own_program(const std::function<void()>& look) {
+  const std::string file = SINEW_SOURCE_DIR "/robots/" + robot().id + "/pick_and_place.sinew";
+  std::ifstream stream(file);
+  begin({std::istreambuf_iterator<char>(stream), {}});
+  return finish(std::chrono::minutes(10), look);
+}
+
+JointVector CubeCell::joints() const {
+  JointVector q;
+  const runtime::StationView view = cell_->station(0).view();
+  for (const sim::JointTruth& joint : view.truth->joints) q.push_back(joint.q);
+  return q;
+}
+
+Ended CubeCell::finish(Duration patience, const std::function<void()>& look) {
   const Instant end = clock_.now() + patience;
   while (!cell_->jobs(0).view().over && clock_.now() < end) {
     keep_lease();
+    if (look) look();
     clock_.pause(std::chrono::milliseconds(2));
   }
   const runtime::JobView job = cell_->jobs(0).view();

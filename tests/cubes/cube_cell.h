@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -7,16 +8,30 @@
 #include "sinew/core/split_mix.h"
 #include "sinew/runtime/running_cell.h"
 
-/// A simulated LeArm, a camera over its table, and cubes by chance.
+/// A simulated arm, a camera over its table, and cubes by chance.
 namespace sinew::cubes {
+
+/// Something that lies on the table and is no cube.
+using Thing = render::ViewedThing;
+
+/// A mistake of a calibration along its table.
+struct PlanarError {
+  double x = 0, y = 0;  ///< m
+  double turn = 0;      ///< rad, about the table's middle
+};
 
 struct CubeCellSettings {
   std::uint64_t seed = 1;
   std::size_t cubes = 3;
-  bool towers = false;  ///< each cube stands on another one
-  bool sheet = false;   ///< with tags lies on the table
-  double pace = 20;     ///< so much faster time runs
-  double off = 0;       ///< m, that the camera hangs aside of where its calibration says
+  bool towers = false;           ///< each cube stands on another one
+  bool sheet = false;            ///< with tags lies on the table
+  double pace = 20;              ///< so much faster time runs
+  PlanarError calibration = {};  ///< how the camera hangs beside where it is believed to
+  bool is_maxarm = false;        ///< in place of the LeArm
+  bool anywhere = false;         ///< also where the arm has no reach
+  std::vector<Thing> clutter{};  ///< in the camera's table
+  double brightness = 1;
+  int lamps = 2;
 };
 
 /// How a program ended.
@@ -37,14 +52,20 @@ class CubeCell {
   explicit CubeCell(const CubeCellSettings& settings);
   /// To its end, or `patience` of real time.
   Ended run(const std::string& program, Duration patience = std::chrono::minutes(4));
+  /// The file's rows, of the robot's folder in robots/.
+  Ended run_own_program(const std::function<void()>& look = {});
   /// Begins it; finish() is its end.
   void begin(const std::string& program);
-  Ended finish(Duration patience = std::chrono::minutes(4));
+  /// @param look  called every few milliseconds meanwhile
+  Ended finish(Duration patience = std::chrono::minutes(4), const std::function<void()>& look = {});
   /// Has to be called all along while a program runs; finish() does.
   void keep_lease();
 
   runtime::SimulatedTable& table() { return *cell_->table(); }
   runtime::RunningCell& cell() { return *cell_; }
+  const RobotModel& robot() const { return cell_->station(0).robot(); }
+  /// As they really are. @pre the robot has begun
+  JointVector joints() const;
 
  private:
   io::Clock clock_;

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "sinew/core/assert.h"
+#include "sinew/core/rotation.h"
 #include "sinew/core/units.h"
 #include "sinew/grasping/grasps.h"
 #include "sinew/model/tool_body.h"
@@ -14,9 +15,11 @@ namespace {
 
 /// m, from where the tool goes straight down; the lower one where the higher one is out of reach.
 constexpr std::array kAbove{40e-3, 20e-3};
-constexpr double kLetGo = 15e-3;     // m, that jaws open more than what they hold
-constexpr double kSqueeze = 4e-3;    // m, that jaws are sent to less than what they hold
-constexpr double kStillThere = 0.6;  // of an edge, from where a cube was taken
+constexpr double kLetGo = 15e-3;        // m, that jaws open more than what they hold
+constexpr double kSqueeze = 4e-3;       // m, that jaws are sent to less than what they hold
+constexpr double kPress = 1.5e-3;       // m, of a cup's lip into a top
+constexpr double kPressMore = 1.25e-3;  // m
+constexpr double kStillThere = 0.6;     // of an edge, from where a cube was taken
 constexpr double kPitchStep = from_deg(3);
 constexpr int kPitchTries = 12;
 
@@ -25,12 +28,13 @@ const JawGripper* jaws_of(const RobotModel& robot) {
   return arm != nullptr && arm->gripper ? &*arm->gripper : nullptr;
 }
 
-/// A place of the tool; of arms with five joints with its pitch and roll, else it turns with the
-/// base.
+/// A place of the tool; of arms with five joints with its pitch and roll, with six with all of its
+/// orientation, else it turns with the base.
 struct Spot {
   Vec3 p_BT;                      ///< m
   std::optional<double> pitch{};  ///< rad
   std::optional<double> roll{};   ///< rad
+  std::optional<Rotation> R_BT{};
 };
 
 /// Rows one behind the other, each planned from where the one before it ends.
@@ -70,6 +74,7 @@ class Sequence {
     move.to.p_BT = {spot.p_BT.x, spot.p_BT.y, spot.p_BT.z + above};
     move.to.pitch = spot.pitch;
     move.to.roll = spot.roll;
+    move.to.R_BT = spot.R_BT;
     return go(move);
   }
   /// Straight up, as the tool is turned.
@@ -87,6 +92,7 @@ class Sequence {
       spot.pitch = attitude[0];
       spot.roll = attitude[1];
     }
+    if (space.task() == planning::TaskSpace::kPose) spot.R_BT = X_BT->R;
     return spot;
   }
 
@@ -188,25 +194,35 @@ std::expected<CubeRows, Refusal> picked_by_jaws(const Sequence& sequence, const 
     return std::unexpected(Refusal{row.line, grasps.error(), std::nullopt, row.file});
   }
   const MotionOptions& how = std::get<PickCubeStep>(row.what).how;
+  const bool has_pose = planning::ToolSpace(robot).task() == planning::TaskSpace::kPose;
   Choice choice, left_out;  // those are better than nothing where no other can be had
   for (const grasping::JawGrasp& grasp : *grasps) {
     Sequence opened = sequence;
     if (auto refusal = opened.use(JawsTo{grasp.open})) return std::unexpected(*refusal);
-    auto rows = from_above(std::move(opened), {grasp.p_BT, grasp.pitch, grasp.roll},
-                           JawsTo{grasp.close, seen.cubes[which].edge}, how);
+    Spot spot{grasp.p_BT, grasp.pitch, grasp.roll};
+    if (has_pose) {
+      const double yaw = std::atan2(grasp.p_BT.y, grasp.p_BT.x);
+      spot = {.p_BT = grasp.p_BT,
+              .R_BT = rotation_z(yaw) * rotation_y(grasp.pitch) * rotation_z(grasp.roll)};
+    }
+    auto rows =
+        from_above(std::move(opened), spot, JawsTo{grasp.close, seen.cubes[which].edge}, how);
     const bool skipped = rows && skip-- > 0;
     if ((skipped ? left_out : choice).take(std::move(rows)) && !skipped) break;
   }
   return choice.any() || !left_out.any() ? choice.get() : left_out.get();
 }
 
+/// The lip is sent below the top, as bellows give and an arm may stop short; further after each
+/// grasp that held nothing.
 std::expected<CubeRows, Refusal> picked_by_cup(Sequence sequence, const RobotModel& robot,
-                                               const Sighting& seen, std::size_t which) {
+                                               const Sighting& seen, std::size_t which, int skip) {
   const Step& row = sequence.row();
   const auto lip = grasping::cup_grasp(seen.cubes, which);
   if (!lip) return std::unexpected(Refusal{row.line, lip.error(), std::nullopt, row.file});
   const MotionOptions& how = std::get<PickCubeStep>(row.what).how;
-  return from_above(std::move(sequence), {.p_BT = *lip + Vec3{0, 0, cup_reach(robot)}},
+  const double press = kPress + kPressMore * std::min(skip, 2);
+  return from_above(std::move(sequence), {.p_BT = *lip + Vec3{0, 0, cup_reach(robot) - press}},
                     Suction{Suction::State::kOn}, how);
 }
 
@@ -290,9 +306,9 @@ std::expected<CubeRows, Refusal> rows_to_pick(RowPlanner& planner, const Standin
     const grasping::Cube& cube = seen.cubes[which];
     if (pick.color && cube.color != static_cast<int>(*pick.color)) continue;
     if (pick.p_BT && which != nearest) continue;
-    auto rows = picks_with_jaws(planner.robot())
+    auto rows = jaws_of(planner.robot()) != nullptr
                     ? picked_by_jaws({planner, standing, row}, planner.robot(), seen, which, skip)
-                    : picked_by_cup({planner, standing, row}, planner.robot(), seen, which);
+                    : picked_by_cup({planner, standing, row}, planner.robot(), seen, which, skip);
     if (rows) {
       rows->cube = cube;
       return rows;

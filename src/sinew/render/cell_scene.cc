@@ -17,7 +17,6 @@ constexpr std::array kWoodTops{0xC8A880U, 0xA87848U, 0xB89060U, 0xE0D0B0U};
 constexpr std::array kPaperTops{0xF4F4F0U, 0xE8E8E4U, 0xD0CEC8U};
 constexpr std::array kMatTops{0x305030U, 0x505052U, 0x284878U, 0x404044U};
 constexpr std::array kPlastics{0x303236U, 0xD8D8D8U, 0x606468U, 0x18181CU};
-constexpr std::array kClutterColors{0x303236U, 0xD8D8D8U, 0x8090A0U, 0x704828U, 0xE0D0B0U};
 constexpr double kPaperHalf = 5e-5;     // m
 constexpr double kPrintScale = 4000;    // px/m
 constexpr double kExposureMean = 0.25;  // of white, what automatic exposures aim for
@@ -45,16 +44,11 @@ class CellMaker {
     restart(5);
     hang_lamps();
     restart(6);
-    for (int i = 0; i < view_.clutter; ++i) place_clutter();
+    for (const ViewedThing& thing : view_.clutter) lay(thing);
     return std::move(scene_);
   }
 
  private:
-  struct Taken {
-    Vec3 at;
-    double radius = 0;
-  };
-
   void restart(std::uint64_t part) {
     random_ = SplitMix64(view_.seed * 0x9E3779B97F4A7C15ULL + part);
   }
@@ -88,7 +82,6 @@ class CellMaker {
     const double half = cube.edge / 2;
     add(box({half, half, half}, 0.04 * cube.edge), cube.X_WS,
         painted_block(random_, cube.color, style, cube.edge));
-    taken_.push_back({cube.X_WS.p, cube.edge});
   }
 
   void place_basket(const ViewedBasket& basket) {
@@ -105,15 +98,12 @@ class CellMaker {
     wall({-x - t, 0, h}, {t, y + 2 * t, h});
     wall({0, y + t, h}, {x, t, h});
     wall({0, -y - t, h}, {x, t, h});
-    taken_.push_back({basket.X_WS.p, std::hypot(x, y)});
   }
 
   void place_robot(const ViewedRobot& robot) {
     const Material first = plastic(random_, near_one_of(random_, kPlastics));
     const Material second = plastic(random_, near_one_of(random_, kPlastics));
     add_robot(scene_, robot, first, second, plastic(random_, from_srgb(0x202022U)));
-    constexpr double kStand = 0.12;  // m
-    taken_.push_back({robot.X_WB.p, kStand});
   }
 
   void lay_sheet(const ViewedSheet& sheet) {
@@ -125,7 +115,6 @@ class CellMaker {
     const auto X_WS = relabel<frame::World, frame::Solid>(sheet.X_WP);
     add(box({sheet.board.width / 2, sheet.board.height / 2, kPaperHalf}),
         {X_WS.R, X_WS * Vec3{0, 0, -kPaperHalf + paper_lift()}}, paper);
-    taken_.push_back({X_WS.p, std::hypot(sheet.board.width, sheet.board.height) / 2});
   }
   /// A printed side at the table's height would not be seen: all of it lies this much higher.
   static constexpr double paper_lift() { return 2 * kPaperHalf + 1e-5; }
@@ -148,7 +137,6 @@ class CellMaker {
     add_rod(scene_, thumb, thumb - 0.05 * out - 0.02 * across - Vec3{0, 0, 0.02}, 0.01, skin);
     add_rod(scene_, wrist, wrist + 0.06 * out, 0.026, skin);
     add_rod(scene_, wrist + 0.06 * out, elbow, 0.04, sleeve);
-    taken_.push_back({hand.p_W, 0.08});
   }
 
   void hang_lamps() {
@@ -168,54 +156,18 @@ class CellMaker {
     scene_.below = 0.1F * bright * Rgb{1, 1, 1};
   }
 
-  bool is_free(const Vec3& at, double radius) const {
-    return std::ranges::none_of(taken_, [&](const Taken& other) {
-      return std::hypot(at.x - other.at.x, at.y - other.at.y) < radius + other.radius;
-    });
-  }
-
-  void place_clutter() {
-    constexpr int kTries = 30;
-    const double size = uniform(0.012, 0.03);
-    const int kind = whole(0, 4);
-    const double turn = uniform(0, kPi);
-    const Material material = plastic(random_, near_one_of(random_, kClutterColors));
-    const double radius = kind == 0 ? 0.08 : 1.5 * size;
-    Vec3 at;
-    bool free = false;
-    for (int tries = 0; tries < kTries && !free; ++tries) {
-      at = view_.middle_W +
-           Vec3{uniform(-view_.reach, view_.reach), uniform(-view_.reach, view_.reach), 0};
-      free = is_free(at, radius);
-    }
-    if (!free) return;
-    taken_.push_back({at, radius});
-    const auto X = [&](double z) { return upright(at.x, at.y, z, turn); };
-    switch (kind) {
-      case 0: {  // a pen
-        const Vec3 half = 0.07 * Vec3{std::cos(turn), std::sin(turn), 0};
-        const Vec3 axis = at + Vec3{0, 0, 0.004};
-        add_rod(scene_, axis - half, axis + half, 0.004, material);
-        break;
-      }
-      case 1:
-        add(Cylinder{size, 0.4 * size}, X(0.4 * size), material);
-        break;
-      case 2:
-        add(box({1.4 * size, 0.5 * size, 0.3 * size}, 0.001), X(0.3 * size), material);
-        break;
-      case 3:
-        add(prism(6, 0.6 * size, 0.3 * size, 0.001), X(0.3 * size), material);
-        break;
-      default:
-        add(Ball{0.7 * size}, X(0.7 * size), material);
+  void lay(const ViewedThing& thing) {
+    const Material material = plastic(random_, from_srgb(thing.srgb));
+    if (thing.form == ViewedThing::Form::kDisc) {
+      add(Cylinder{thing.half.x, thing.half.z}, thing.X_WS, material);
+    } else {
+      add(box(thing.half, std::min(0.001, 0.1 * thing.half.z)), thing.X_WS, material);
     }
   }
 
   const CellView& view_;
   SplitMix64 random_;
   Scene scene_;
-  std::vector<Taken> taken_;
 };
 
 }  // namespace

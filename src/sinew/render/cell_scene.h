@@ -43,10 +43,18 @@ struct ViewedHand {
   double from = 0;  ///< rad about z of W, where it comes from: 0 is +x
 };
 
+/// Something on the table that is no cube: a paper, a strip of tape, a disc, a brick.
+struct ViewedThing {
+  enum class Form : std::uint8_t { kBox, kDisc } form = Form::kBox;
+  Pose<frame::World, frame::Solid> X_WS;  ///< its middle, z up
+  Vec3 half;  ///< m, of its edges; of a disc x is the radius, y does not count
+  unsigned srgb = 0xD8D8D8;
+};
+
 enum class TableTop : std::uint8_t { kBySeed, kWood, kPaper, kMat };
 
 /// What stands on a table (z = 0 of W) in front of a camera, by value. The seed chooses what
-/// nobody says: shades, gloss, grain, lamps, clutter.
+/// nobody says: shades, gloss, grain, lamps.
 struct CellView {
   std::uint64_t seed = 1;
   TableTop top = TableTop::kBySeed;
@@ -57,7 +65,7 @@ struct CellView {
   std::vector<ViewedRobot> robots;
   std::vector<ViewedSheet> sheets;
   std::optional<ViewedHand> hand;
-  int clutter = 0;        ///< things on the table that are no cubes, where there is room
+  std::vector<ViewedThing> clutter;
   int lamps = 2;          ///< 1 or more
   double brightness = 1;  ///< of all light
 };

@@ -169,7 +169,7 @@ TEST(CellScene, a_hand_reaches_in_from_its_side) {
 TEST(CellScene, a_view_is_a_picture_and_another_seed_another_one) {
   CellView view;
   view.cubes = {cube_at(0, 0, 0.3, ColorName::kWood)};
-  view.clutter = 4;
+  view.clutter = {{ViewedThing::Form::kDisc, {Rotation{}, {0.1, 0, 0.003}}, {0.03, 0.03, 0.003}}};
   view.robots = {learm(0.5)};
   const auto small = vision::pinhole(96, 54, from_deg(60));
   const auto bytes = [&] { return picture_of(view, small, aslant(), {}, 7).rgb; };
@@ -179,23 +179,28 @@ TEST(CellScene, a_view_is_a_picture_and_another_seed_another_one) {
   EXPECT_NE(first, bytes());
 }
 
-TEST(CellScene, clutter_keeps_away_from_the_cubes_and_changes_nothing_else) {
+TEST(CellScene, clutter_lies_where_it_lay_whatever_the_cubes_do_and_changes_nothing_else) {
   CellView view;
   for (int i = 0; i < 9; ++i) {
     view.cubes.push_back(cube_at(0.06 * (i % 3 - 1), 0.06 * (i / 3 - 1), i, ColorName::kPink));
   }
   const Scene tidy = cell_scene(view);
-  view.clutter = 12;
+  using Form = ViewedThing::Form;
+  view.clutter = {{Form::kBox, {rotation_z(0.4), {0, 0, 6e-5}}, {0.1, 0.07, 5e-5}, 0xF0F0F0},
+                  {Form::kDisc, {Rotation{}, {0.12, 0, 0.003}}, {0.03, 0.03, 0.003}, 0x305080}};
   const Scene scene = cell_scene(view);
-  ASSERT_GT(scene.solids.size(), tidy.solids.size() + 6);
+  ASSERT_EQ(scene.solids.size(), tidy.solids.size() + 2);
   for (std::size_t i = 0; i < tidy.solids.size(); ++i) {
     EXPECT_EQ(scene.solids[i].X_WS, tidy.solids[i].X_WS);
     EXPECT_EQ(scene.solids[i].material.color.r, tidy.solids[i].material.color.r);
   }
-  for (std::size_t i = tidy.solids.size(); i < scene.solids.size(); ++i) {
-    for (const ViewedCube& cube : view.cubes) {
-      EXPECT_GT(norm(scene.solids[i].X_WS.p - cube.X_WS.p), kEdge);
-    }
+  view.cubes.clear();
+  const Scene bare = cell_scene(view);
+  for (int i = 1; i <= 2; ++i) {
+    const Solid& with = scene.solids[scene.solids.size() - i];
+    const Solid& without = bare.solids[bare.solids.size() - i];
+    EXPECT_EQ(with.X_WS, without.X_WS);
+    EXPECT_EQ(with.material.color.r, without.material.color.r);
   }
 }
 
