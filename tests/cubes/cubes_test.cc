@@ -134,7 +134,7 @@ TEST(Cubes, a_hand_that_comes_into_view_while_the_arm_moves_pauses_it) {
     return is_so(cell.cell().jobs(0).view());
   };
   using std::chrono::seconds;
-  cell.begin(kSort);
+  cell.begin(kStand + "repeat while seen\n  pick\n  place x=60mm y=180mm z=110mm\nend\n");
   // On its way to the first cube.
   ASSERT_TRUE(until([](const auto& job) { return job.over || job.line == 3; }, seconds(60)));
   until([](const auto& job) { return job.over; }, std::chrono::milliseconds(1500));
