@@ -129,6 +129,11 @@ class ResultsTest(ServedCell):
         while not (shot := cell.call("camera.look"))["number"] and time.monotonic() < end:
             time.sleep(0.1)
         self.assertEqual(base64.b64decode(shot["picture"])[:2], b"\xff\xd8")
+        cell.call("robot.cubes", robot="learm")
+        cell.call("robot.cube_reach", robot="maxarm", edge_m=0.02)
+        self.refused(cell.call, "robot.cubes", robot="big")
+        cell.call("basket.move", basket="tray", x_m=0.02, y_m=0.2)
+        self.refused(cell.call, "basket.move", basket="crate", x_m=0, y_m=0)
         self.refused(cell.call, "no.such")
         self.refused(cell.call, "robot.status", robot="nobody")
         self.refused(cell.call, "robot.status", robot=3)

@@ -18,9 +18,13 @@ export const chosenCube = signal<number | null>(null);
 
 export const cameras = computed(() => store.cell.value?.cameras ?? []);
 export const camera = computed(() => cameras.value.find((one) => one.name === chosenCamera.value) ?? cameras.value[0] ?? null);
-export const basket = computed(() => store.cell.value?.basket ?? null);
+/** Where they stand by the newest picture, else as the cell was told at first. */
+export const baskets = computed(() => shot.value?.baskets ?? store.cell.value?.baskets ?? []);
+/** Its name; the first one where none was chosen. */
+export const chosenBasket = signal<string | null>(null);
+export const basket = computed(() => baskets.value.find((one) => one.name === chosenBasket.value) ?? baskets.value[0] ?? null);
 
-const open = computed(() => route.value.view === 'camera' && store.connection.value === 'open' && camera.value !== null);
+export const open = computed(() => route.value.view === 'camera' && store.connection.value === 'open' && camera.value !== null);
 
 effect(() => {
   void camera.value?.name;
@@ -72,12 +76,11 @@ export function pick(cube: SeenCubeJson, intoBasket: boolean): void {
   const from = base();
   if (!from || !robot.value) return;
   const rows = [pickRow(from, cube)];
-  if (intoBasket && basket.value) rows.push(placeRow(from, basket.value));
+  if (intoBasket && basket.value) rows.push(placeRow(basket.value.name));
   void store.run(robot.value, `${rows.join('\n')}\n`, t('camera.job.pick'));
 }
 
 export function sort(color: string | null): void {
-  const from = base();
-  if (!from || !robot.value || !basket.value) return;
-  void store.run(robot.value, `${sortRows(from, basket.value, color)}\n`, t('camera.job.sort'));
+  if (!robot.value || !basket.value) return;
+  void store.run(robot.value, `${sortRows(basket.value.name, color)}\n`, t('camera.job.sort'));
 }

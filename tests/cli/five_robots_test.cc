@@ -162,7 +162,8 @@ TEST(RunProgram, everything_wrong_is_said_before_a_byte_leaves) {
        "joint base=1deg\nsuction on",
        {},
        1,
-       "p.sinew:2: this robot has no such tool; nothing was moved"},
+       "p.sinew:2: this robot has no such tool: name it in the robot's file, or remove the row; "
+       "nothing was moved"},
       {"learm", "jaws 61mm", {}, 1, "jaws of 61 mm are asked for; they open from 0 to 60 mm"},
       {"maxarm", "nozzle 181deg time=1s", {}, 1, "the tool would need 181 deg, limit 180 deg"},
       {"learm", "wait 1s", {"--seed", "-1"}, 2, "--seed: -1 is negative"},

@@ -227,6 +227,9 @@ void run_cell(std::uint64_t seed, Tally& tally) {
     if (!what.has_hand) return;
     const double t = to_seconds(arm.view().at - begin);
     const bool is_there = t >= what.hand_begins && t < what.hand_ends;
+    // A person takes the hand away, and has it go on.
+    const runtime::JobView job = cell.cell().jobs(0).view();
+    if (!is_there && job.paused) cell.cell().jobs(0).resume(job.id);
     if (is_there == hand_was_there) return;
     auto trouble = what.trouble;
     if (is_there) trouble.hand = render::ViewedHand{what.hand_W, -kPi / 2};

@@ -77,9 +77,9 @@ Cell cell_of(const CubeCellSettings& settings) {
   camera.device = kSimulatedCamera;
   camera.cube = kEdge;
   camera.X_WT.p = kTable_W;
-  cell.basket.emplace();
-  cell.basket->name = "basket";
-  cell.basket->X_WK.p = kBasket_W;
+  cell.baskets.emplace_back();
+  cell.baskets[0].name = "basket";
+  cell.baskets[0].X_WK.p = kBasket_W;
   cell.cubes = cubes_of(settings);
   return cell;
 }
@@ -150,6 +150,7 @@ void CubeCell::begin(const std::string& program) {
   ASSERT_TRUE(parsed) << to_text(parsed.error().front());
   runtime::JobOrder order;
   order.title = "test";
+  parsed->table = cell_->table_top(0);
   order.program = std::move(*parsed);
   order.take_over = true;
   // A test's thread may wait for a core longer than a lease lasts at this pace.

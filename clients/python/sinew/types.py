@@ -158,7 +158,7 @@ class CellDescription(TypedDict, total=False):
     robots: List[RobotDescription]
     objects: List[Dict[str, Any]]
     cameras: List[Dict[str, Any]]
-    basket: Dict[str, Any]
+    baskets: List[Dict[str, Any]]
 
 
 class JointTruth(TypedDict, total=False):

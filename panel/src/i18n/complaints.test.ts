@@ -9,6 +9,7 @@ const kFiles = [
   'config/points_file.cc',
   'config/toml_guard.cc',
   'core/quantity.cc',
+  'program/basket_rows.cc',
   'program/conditions.cc',
   'program/gcode_file.cc',
   'program/motion_rows.cc',

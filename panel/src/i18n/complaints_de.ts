@@ -29,11 +29,22 @@ const steps: Record<string, string> = {
   'write seen, or seen color=red': 'Richtig ist seen oder seen color=red',
   '{word} is no color of a cube; there are {list}': '{word} ist keine Würfelfarbe; es gibt {list}',
   'place stops where it lets go: without blend=': 'place hält an, wo es loslässt: ohne blend=',
+  'place stops where it releases: without blend= and time=': 'place hält an, wo es loslässt: ohne blend= und time=',
+  "{word}: a basket's place is the cell's; beside it stand speed= and accel=":
+    '{word}: wo ein Korb steht, sagt die Zelle; daneben stehen speed= und accel=',
+  'this cell has no basket: write the lines [basket], name = "basket", x_mm = 60 and y_mm = 180 into the cell\'s file (cells/README.md) and start sinew serve again, or place NAME with a taught point':
+    'Diese Zelle hat keinen Korb: die Zeilen [basket], name = "basket", x_mm = 60 und y_mm = 180 in die Datei der Zelle schreiben (cells/README.md) und sinew serve neu starten, oder place NAME mit einem Punkt',
+  '{word}: this cell has several baskets; name one of {list}': '{word}: diese Zelle hat mehrere Körbe; einen davon nennen: {list}',
+  '{word} is no basket of this cell and no taught point; its baskets are {list}':
+    '{word} ist kein Korb dieser Zelle und kein Punkt; ihre Körbe sind {list}',
+  "{word}: this cell has no calibrated camera; name one in the cell's file ([[camera]] with calibration, docs/vision.md)":
+    '{word}: diese Zelle hat keine kalibrierte Kamera; eine in der Datei der Zelle nennen ([[camera]] mit calibration, docs/vision.md)',
+  '{word} is no calibrated camera of this cell; there are {list}': '{word} ist keine kalibrierte Kamera dieser Zelle; es gibt {list}',
   'a wait does not look; write if seen, or repeat while seen':
     'Ein wait sieht nicht hin; richtig ist if seen oder repeat while seen',
   '{word}: write pick, pick color=red, or pick at=180mm,0mm,25mm': '{word}: richtig ist pick, pick color=red oder pick at=180mm,0mm,25mm',
-  'say where: place NAME (a taught point), or place x=200mm y=0mm z=30mm':
-    'Der Ort fehlt: place NAME (ein Punkt) oder place x=200mm y=0mm z=30mm',
+  'say where: place basket, place NAME (a basket or a taught point), or place x=200mm y=0mm z=30mm':
+    'Der Ort fehlt: place basket, place NAME (ein Korb oder ein Punkt) oder place x=200mm y=0mm z=30mm',
   'write repeat while seen, or repeat while seen color=red':
     'Richtig ist repeat while seen oder repeat while seen color=red',
   'write wait settled, or wait settled for 5s': 'Richtig ist wait settled oder wait settled for 5s',
@@ -244,6 +255,7 @@ export const complaintsDe: ComplaintWords = {
   parts: {
     example: {
       'home, or home time=5s': 'home oder home time=5s',
+      'look, or look CAMERA': 'look oder look CAMERA',
       'gripper on or gripper off': 'gripper on oder gripper off',
       'suction release or suction off': 'suction release oder suction off',
     },

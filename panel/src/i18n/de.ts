@@ -1,4 +1,5 @@
 import { cameraDe } from './camera_de';
+import { tableDe } from './table_de';
 import { deviceDe } from './device_de';
 import { remediesDe } from './remedies_de';
 import { teachDe } from './teach_de';
@@ -551,5 +552,6 @@ export const de: Record<Key, string> = {
   ...teachDe,
   ...deviceDe,
   ...cameraDe,
+  ...tableDe,
   ...remediesDe,
 };

@@ -1,4 +1,5 @@
 import { cameraEn } from './camera_en';
+import { tableEn } from './table_en';
 import { deviceEn } from './device_en';
 import { remediesEn } from './remedies_en';
 import { teachEn } from './teach_en';
@@ -550,6 +551,7 @@ export const en = {
   ...teachEn,
   ...deviceEn,
   ...cameraEn,
+  ...tableEn,
   ...remediesEn,
 } as const;
 

@@ -38,7 +38,7 @@ const codes: Record<string, string> = {
   position_unknown: 'Niemand weiß sicher, wo {subject} steht; eine Referenzfahrt hilft, oder eine Angabe, wo es steht',
   not_homed: '{subject} hat keine Referenz, oder das Gerät weiß es besser als eine Angabe: unter Einrichten die Referenzfahrt starten (Servos: ein Schritt joint, der alle Achsen nennt)',
   segment_time: 'Die Bewegung kann nicht {measured} dauern; die Grenze ist {limit}',
-  tool_not_fitted: 'Dieser Roboter hat kein solches Werkzeug',
+  tool_not_fitted: 'Dieser Roboter hat kein solches Werkzeug: es in der Datei des Roboters nennen, oder die Zeile entfernen',
   device_killed: 'Das Gerät wurde abgeschaltet und hört nichts mehr: seinen Strom trennen, dann wieder einschalten',
   version_mismatch: 'Das Gerät spricht Fassung {measured} seiner Leitung, dieses Programm Fassung {limit}',
   model_mismatch: 'Das Gerät ist für einen anderen Roboter eingerichtet; zuerst die Einstellungen dieses Roboters senden',
@@ -119,6 +119,10 @@ const codes: Record<string, string> = {
   cube_too_wide: 'Er ist {measured} breit, und die Backen öffnen {limit}',
   not_held: 'Nach {measured} Griffen ist nichts gegriffen',
   nothing_held: 'Es ist nichts gegriffen: zuerst etwas greifen',
+  basket_out_of_reach:
+    'Der Korb ist um {excess} außer Reichweite: ihn näher an den Roboter rücken, in der Kameraansicht oder in der Datei der Zelle',
+  no_basket:
+    'Dieser Schritt legt in einen Korb, und hier ist keine Zelle bekannt: in einer Zelle ausführen, die einen hat (sinew serve CELL.toml, dann sinew run --cell)',
 };
 
 /** Dieselben, wo sich Körper überschneiden. */

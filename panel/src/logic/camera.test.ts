@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import { countColors, inBase, onTable, pickRow, placeRow, sortRows, whyKey } from './camera';
+import { countColors, inBase, onTable, pickRow, placeRow, sortRows, verdictOf, whyKey } from './camera';
 import { fromFixedXyz } from './pose';
 import type { SeenCubeJson } from './types';
 
@@ -8,10 +8,6 @@ const cube = (color: string, more: Partial<SeenCubeJson> = {}): SeenCubeJson => 
 });
 /** Its x points along the cell's y. */
 const base = { p: [1, 0, 0] as [number, number, number], q: fromFixedXyz([0, 0, Math.PI / 2]) };
-const basket = {
-  name: 'tray', x_m: 1, y_m: 0.2, z_m: 0, quaternion_wxyz: [1, 0, 0, 0] as [number, number, number, number],
-  length_m: 0.1, width_m: 0.1, height_m: 0.05,
-};
 
 describe('cubes that a camera sees', () => {
   it('stand where their robot sees them', () => {
@@ -22,17 +18,23 @@ describe('cubes that a camera sees', () => {
   });
   it('are picked up and placed with rows in the robot’s own frame', () => {
     expect(pickRow(base, cube('red'))).toBe('pick at=100mm,-200mm,25mm');
-    expect(placeRow(base, basket)).toBe('place x=200mm y=0mm z=110mm');
-    expect(sortRows(base, basket, 'red')).toBe('repeat while seen color=red\n  pick color=red\n  place x=200mm y=0mm z=110mm\nend');
-    expect(sortRows(base, basket, null)).toContain('repeat while seen\n  pick\n');
+    expect(placeRow('tray')).toBe('place tray');
+    expect(sortRows('tray', 'red')).toBe('repeat while seen color=red\n  pick color=red\n  place tray\nend');
+    expect(sortRows('tray', null)).toContain('repeat while seen\n  pick\n');
   });
   it('are counted by color, those in the basket apart', () => {
-    const cubes = [cube('red'), cube('blue'), cube('red', { in_basket: true })];
+    const cubes = [cube('red'), cube('blue'), cube('red', { in_basket: 'tray' })];
     expect(countColors(cubes)).toEqual([
       { color: 'red', table: 1, basket: 1 },
       { color: 'blue', table: 1, basket: 0 },
     ]);
     expect(onTable([...cubes, cube('green', { x_m: undefined })]).map((one) => one.color)).toEqual(['red', 'blue']);
+  });
+  it('have the verdict of where they lie, also in the next picture', () => {
+    const verdict = { color: 'red', x_m: 1.203, y_m: 0.102, z_m: 0.025, fine: false };
+    expect(verdictOf(cube('red'), [verdict])).toBe(verdict);
+    expect(verdictOf(cube('blue'), [verdict])).toBeUndefined();
+    expect(verdictOf(cube('red', { x_m: 1.22 }), [verdict])).toBeUndefined();
   });
   it('have a key for each reason why something is none', () => {
     expect(whyKey('it is flat: printed, or a piece of paper')).toBe('it_is_flat_printed_or_a_piece_of_paper');

@@ -1,9 +1,6 @@
 /** What a cell's camera sees, and rows that pick it up. */
 import { inverse, add, rotate } from './pose';
-import type { BasketJson, Pose, SeenCubeJson, Vec3 } from './types';
-
-/** Above a basket's rim, where jaws release a cube: m. */
-const kDrop = 0.06;
+import type { CubeVerdictJson, Pose, SeenCubeJson, Vec3 } from './types';
 
 const mm = (value: number): string => `${(1000 * value).toFixed(1).replace(/\.0$/, '')}mm`;
 
@@ -22,15 +19,20 @@ export function pickRow(base: Pose, cube: SeenCubeJson): string {
   return `pick at=${p.map(mm).join(',')}`;
 }
 
-export function placeRow(base: Pose, basket: BasketJson): string {
-  const [x, y, z] = inBase(base, [basket.x_m, basket.y_m, basket.z_m + basket.height_m + kDrop]);
-  return `place x=${mm(x)} y=${mm(y)} z=${mm(z)}`;
-}
+/** Where the basket stands, and where in it, is looked up when the row is planned. */
+export const placeRow = (basket: string): string => `place ${basket}`;
 
 /** All of a color, or all, one after the other. */
-export function sortRows(base: Pose, basket: BasketJson, color: string | null): string {
+export function sortRows(basket: string, color: string | null): string {
   const which = color ? ` color=${color}` : '';
-  return [`repeat while seen${which}`, `  pick${which}`, `  ${placeRow(base, basket)}`, 'end'].join('\n');
+  return [`repeat while seen${which}`, `  pick${which}`, `  ${placeRow(basket)}`, 'end'].join('\n');
+}
+
+/** What was said of this cube, however it has been seen since: of the same color, within a third of an edge. */
+export function verdictOf(cube: SeenCubeJson, verdicts: readonly CubeVerdictJson[]): CubeVerdictJson | undefined {
+  if (cube.x_m === undefined) return undefined;
+  const far = (one: CubeVerdictJson) => Math.hypot(one.x_m - cube.x_m!, one.y_m - cube.y_m!, one.z_m - cube.z_m!);
+  return verdicts.find((one) => one.color === cube.color && far(one) < (cube.edge_m ?? 0.025) / 3);
 }
 
 /** How many of each color are on the table and in the basket; the commonest first. */

@@ -8,7 +8,7 @@ import { readSlot, splitLine, writeSlot, type Slot } from './rows';
 import { jointLimits } from './store';
 import type { Pose, RobotModel } from './types';
 
-export type FieldKind = Quantity | 'count' | 'point' | 'program' | 'choice' | 'blend' | 'place' | 'text' | 'words';
+export type FieldKind = Quantity | 'count' | 'into' | 'camera' | 'point' | 'program' | 'choice' | 'blend' | 'place' | 'text' | 'words';
 
 export interface Field {
   id: string;
@@ -159,7 +159,9 @@ export function fieldsOf(word: string, model: RobotModel): Field[] {
         ...(word === 'pick' ? [{ id: 'at', slot: { key: 'at' }, kind: 'place' } as const] : []),
       ];
     case 'place':
-      return placeOf(model);
+      return [{ id: 'into', slot: { at: 1 }, kind: 'into' }, ...placeOf(model).filter((one) => one.id !== 'to')];
+    case 'look':
+      return [{ id: 'camera', slot: { at: 1 }, kind: 'camera' }];
     case 'velocity':
     case 'acceleration': {
       const upper = model.robot === 'bigrobotarm' ? 3 : 1;
@@ -175,11 +177,14 @@ export function fieldsOf(word: string, model: RobotModel): Field[] {
   }
 }
 
+/** Fields whose value stands in the row as words without a name before them. */
+const isNamed = (field: Field): boolean => field.kind === 'words' || field.kind === 'into' || field.kind === 'camera';
+
 /** All words that name neither the step nor a value: of `spline` its places, of `wait` what it waits for. */
 const isPlain = (token: string): boolean => !token.includes('=') || /[<>]/.test(token);
 
 export function readField(tokens: readonly string[], field: Field): string {
-  if (field.kind === 'words') return tokens.slice(1).filter(isPlain).join(' ');
+  if (isNamed(field)) return tokens.slice(1).filter(isPlain).join(' ');
   return readSlot(tokens, field.slot);
 }
 
@@ -190,25 +195,28 @@ export type Written = { raw: string } | { wrong: Complaint; limit?: number };
 /** The row with another value in this field, or why that value is none. */
 export function writeField(raw: string, field: Field, value: string): Written {
   const wish = value.trim();
-  if (field.kind === 'words') return writeWords(raw, wish);
+  if (field.kind === 'words' && wish === '') return { wrong: 'needed' };
+  if (isNamed(field)) return writeWords(raw, wish, field.kind === 'into');
   if (wish === '') return field.needed ? { wrong: 'needed' } : { raw: writeSlot(raw, field.slot, '') };
   const read = readValue(field, wish);
   return 'wrong' in read ? read : { raw: writeSlot(raw, field.slot, read.text) };
 }
 
-function writeWords(raw: string, wish: string): Written {
-  if (wish === '') return { wrong: 'needed' };
+/** @param instead  of all else that says where */
+function writeWords(raw: string, wish: string, instead: boolean): Written {
   if (/#/.test(wish)) return { wrong: 'words' };
   const code = raw.split('#')[0]!;
   const tokens = code.trim().split(/[ \t]+/);
-  const others = tokens.slice(1).filter((one) => !isPlain(one));
+  const others = tokens.slice(1).filter((one) => !isPlain(one) && !(instead && kGoal.test(one)));
   const remark = raw.includes('#') ? `  ${raw.slice(raw.indexOf('#'))}` : '';
   const indent = /^[ \t]*/.exec(code)![0];
-  return { raw: `${indent}${[tokens[0], ...wish.split(/\s+/), ...others].join(' ')}${remark}` };
+  return { raw: `${indent}${[tokens[0], ...wish.split(/\s+/).filter(Boolean), ...others].join(' ')}${remark}` };
 }
 
 function readValue(field: Field, wish: string): { text: string } | { wrong: Complaint; limit?: number } {
   switch (field.kind) {
+    case 'camera':
+    case 'into':
     case 'point':
     case 'program':
     case 'choice':
@@ -238,13 +246,15 @@ function readValue(field: Field, wish: string): { text: string } | { wrong: Comp
   }
 }
 
+const kGoal = /^(?:to|frame|d?(?:[xyz]|r[xyz]|pitch|roll))=/;
+
 /** The words of a row that say where it goes: names, places, differences, and in which frame. */
 function isPlace(token: string, model: RobotModel): boolean {
   const key = /^([A-Za-z][\w.]*)=/.exec(token)?.[1];
   if (key === undefined) return false;
   const joint = key.replace(/^d\./, '');
   return (
-    /^(?:to|frame|d?(?:[xyz]|r[xyz]|pitch|roll))$/.test(key) ||
+    kGoal.test(token) ||
     /^J\d+$/i.test(joint) ||
     model.joints.some((one) => one.name === joint)
   );
@@ -255,7 +265,8 @@ export function hereRow(raw: string, model: RobotModel, joints: readonly number[
   const { indent, body, remark } = splitLine(raw);
   const [word, ...rest] = body.split(/[ \t]+/) as [string, ...string[]];
   const place = word === 'joint' ? jointRow(model, joints).split(' ').slice(1) : toolWords(model, tool);
-  const others = rest.filter((token) => !isPlace(token, model));
+  const named = word === 'place' ? isPlain : () => false;
+  const others = rest.filter((token) => !isPlace(token, model) && !named(token));
   return `${indent}${[word, ...place, ...others].join(' ')}${remark ? `  ${remark}` : ''}`;
 }
 
@@ -269,7 +280,7 @@ function toolWords(model: RobotModel, tool: Pose): string[] {
 }
 
 /** What a new step says until somebody changes it: the place where the robot is now. */
-export function newRows(word: Word, model: RobotModel, joints: readonly number[], tool: Pose, program?: string): string[] {
+export function newRows(word: Word, model: RobotModel, joints: readonly number[], tool: Pose, program?: string, basket?: string): string[] {
   const at = (axis: 0 | 1 | 2): string => written(tool.p[axis], 'length', model.kind === 'hexapod' ? 3 : 1);
   const place = toolWords(model, tool).join(' ');
   switch (word) {
@@ -304,7 +315,7 @@ export function newRows(word: Word, model: RobotModel, joints: readonly number[]
     case 'pick':
       return [word];
     case 'place':
-      return [`place ${place}`];
+      return [`place ${basket ?? place}`];
     case 'repeat':
       return ['repeat while seen', 'end'];
     case 'velocity':

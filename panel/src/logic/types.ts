@@ -176,7 +176,18 @@ export interface CellCamera {
   name: string;
   device: string;
   /** Of a calibrated one. */
-  lens?: { pose: FlatPoseJson; width_px: number; height_px: number; fx_px: number; fy_px: number; accuracy_m: number };
+  lens?: {
+    pose: FlatPoseJson;
+    width_px: number;
+    height_px: number;
+    fx_px: number;
+    fy_px: number;
+    cx_px: number;
+    cy_px: number;
+    /** k1, k2, p1, p2, k3 */
+    distortion: [number, number, number, number, number];
+    accuracy_m: number;
+  };
 }
 /** A box without a lid; its place is the middle of its floor. */
 export interface BasketJson extends FlatPoseJson {
@@ -195,7 +206,8 @@ export interface SeenCubeJson {
   z_m?: number;
   yaw_rad?: number;
   edge_m?: number;
-  in_basket?: boolean;
+  /** Its name. */
+  in_basket?: string;
 }
 /** What camera.look tells; number 0: there is no picture yet. */
 export interface CameraShot {
@@ -208,6 +220,29 @@ export interface CameraShot {
   picture?: string;
   cubes?: SeenCubeJson[];
   refused?: { why: string; outline_px: [number, number][] }[];
+  baskets?: BasketJson[];
+}
+/** Whether a robot can pick a cube as it lies. */
+export interface CubeVerdictJson {
+  color: string;
+  x_m: number;
+  y_m: number;
+  z_m: number;
+  fine: boolean;
+  tilt_rad?: number;
+  error?: ErrorJson;
+}
+/** Letters of a grid's points: s straight down, t tilted, - not, . not known yet. */
+export interface CubeReachJson {
+  robot: string;
+  edge_m: number;
+  z_m: number;
+  step_m: number;
+  x_m: number;
+  y_m: number;
+  columns: number;
+  done: number;
+  rows: string[];
 }
 export interface CellDescription {
   title: string;
@@ -216,7 +251,7 @@ export interface CellDescription {
   robots: CellRobot[];
   objects: CellObject[];
   cameras: CellCamera[];
-  basket?: BasketJson;
+  baskets?: BasketJson[];
 }
 
 export interface JointJson {

@@ -40,8 +40,9 @@ import { RoundedBoxGeometry } from 'three/examples/jsm/geometries/RoundedBoxGeom
 import { linkPoses } from '../logic/kinematics';
 import { compose, fromFlat } from '../logic/pose';
 import { jointLimits, jointsOf } from '../logic/store';
+import { regionOf } from './table_reach';
 import { basketOf, cubeOf, frustumOf } from './table_top';
-import type { CellDescription, Pose, RobotModel, RobotStatus, SeenCubeJson, ToolRow, Vec3 } from '../logic/types';
+import type { BasketJson, CellDescription, CubeReachJson, Pose, RobotModel, RobotStatus, SeenCubeJson, ToolRow, Vec3 } from '../logic/types';
 import { Body, bodyLook, ghostLook, place } from './body';
 import { JointMark } from './joint_mark';
 import { limitMark } from './limits';
@@ -158,6 +159,8 @@ export class CellScene {
   private readonly floor = new Group();
   private readonly objects = new Group();
   private readonly cubes = new Group();
+  private readonly baskets = new Group();
+  private readonly region = new Group();
   private readonly sun = new DirectionalLight(0xffffff, 2);
   private readonly hemi = new HemisphereLight(0xffffff, 0x888888, 1.1);
   private readonly stands = new Map<string, Stand>();
@@ -201,7 +204,7 @@ export class CellScene {
     this.gizmo.addEventListener('objectChange', () => this.tellGizmo(false));
     this.gizmo.addEventListener('change', () => this.invalidate());
     this.scene.add(this.hemi, new AmbientLight(0xffffff, 0.25), this.sun, this.sun.target);
-    this.scene.add(this.floor, this.objects, this.cubes, this.limits, this.gizmo.getHelper());
+    this.scene.add(this.floor, this.objects, this.cubes, this.baskets, this.region, this.limits, this.gizmo.getHelper());
     this.sun.castShadow = !this.plain;
     this.sun.shadow.mapSize.set(2048, 2048);
     this.sun.shadow.bias = -0.0005;
@@ -316,11 +319,11 @@ export class CellScene {
       mesh.castShadow = mesh.receiveShadow = true;
       this.objects.add(mesh);
     }
-    if (cell.basket) this.objects.add(basketOf(cell.basket, this.materials.object));
     for (const camera of cell.cameras ?? []) {
       if (camera.lens) this.objects.add(frustumOf(camera.lens, this.materials.path));
     }
     this.showCubes([]);
+    this.showBaskets(cell.baskets ?? []);
     this.makeFloor(theme);
     this.aimSun();
     this.showAll('iso');
@@ -328,11 +331,18 @@ export class CellScene {
 
   /** Those that a camera sees, where it sees them. */
   showCubes(cubes: readonly SeenCubeJson[]): void {
-    this.cubes.clear();
-    for (const cube of cubes) {
-      const mesh = cubeOf(cube);
-      if (mesh) this.cubes.add(mesh);
-    }
+    this.fill(this.cubes, cubes.map(cubeOf));
+  }
+  showBaskets(baskets: readonly BasketJson[]): void {
+    this.fill(this.baskets, baskets.map((one) => basketOf(one, this.materials.object)));
+  }
+  /** Where cubes can be taken; nothing where it is null. */
+  showRegion(grid: CubeReachJson | null): void {
+    this.fill(this.region, grid ? [regionOf(grid, this.materials.accent.color)] : []);
+  }
+  private fill(group: Group, things: readonly (Object3D | null)[]): void {
+    group.clear();
+    for (const one of things) if (one) group.add(one);
     this.renderer.shadowMap.needsUpdate = true;
     this.invalidate();
   }
@@ -405,7 +415,7 @@ export class CellScene {
 
   setLayers(layers: Layers): void {
     this.layers = layers;
-    this.objects.visible = layers.objects;
+    this.objects.visible = this.baskets.visible = layers.objects;
     for (const stand of this.stands.values()) {
       stand.trail.line.visible = layers.trail;
       stand.body.showShapes(layers.bodies ? this.materials.body : null);

@@ -6,6 +6,7 @@ import { countColors, onTable, paintOf, whyKey } from '../logic/camera';
 import type { CameraShot, SeenCubeJson } from '../logic/types';
 import { decimals } from '../logic/units';
 import { stopJob } from '../teach';
+import { TableControls, TableOverlay, whyNot } from './camera_table';
 import { Icon, Segments } from './parts';
 
 /** What a camera sees: its picture with the cubes in it, and what can be done with them. */
@@ -39,6 +40,7 @@ export function CameraPane(): JSX.Element {
       )}
       <Picture now={now} />
       {now && !now.fault && <Cubes now={now} />}
+      {now && !now.fault && <TableControls now={now} />}
       <p class="hint">
         {camera.value.lens
           ? t('camera.accuracy', { mm: decimals(1000 * camera.value.lens.accuracy_m, 1) })
@@ -65,6 +67,7 @@ function Picture({ now }: { now: CameraShot | null }): JSX.Element {
             <title>{tWord('camera.why', whyKey(one.why))}</title>
           </polygon>
         ))}
+        <TableOverlay stroke={stroke} />
         {now.cubes?.map((cube, i) => <Outline key={i} cube={cube} index={i} stroke={stroke} />)}
       </svg>
     </div>
@@ -79,6 +82,7 @@ function cubeName(cube: SeenCubeJson): string {
 
 function Outline({ cube, index, stroke }: { cube: SeenCubeJson; index: number; stroke: number }): JSX.Element {
   const chosen = chosenCube.value === index;
+  const why = whyNot(cube);
   const choose = () => (chosenCube.value = chosen ? null : index);
   return (
     <g
@@ -86,7 +90,7 @@ function Outline({ cube, index, stroke }: { cube: SeenCubeJson; index: number; s
       tabIndex={0}
       aria-pressed={chosen}
       aria-label={cubeName(cube)}
-      class={`camera-cube${chosen ? ' chosen' : ''}${cube.in_basket ? ' done' : ''}`}
+      class={`camera-cube${chosen ? ' chosen' : ''}${why ? ' cannot' : ''}${cube.in_basket ? ' done' : ''}`}
       onClick={choose}
       onKeyDown={(event) => {
         if (event.key !== 'Enter') return;
@@ -94,6 +98,7 @@ function Outline({ cube, index, stroke }: { cube: SeenCubeJson; index: number; s
         choose();
       }}
     >
+      {why && <title>{why}</title>}
       <polygon class="camera-edge" points={points(cube.top_px)} stroke-width={2.4 * stroke} />
       <polygon points={points(cube.top_px)} stroke={paintOf(cube.color)} stroke-width={1.4 * stroke} />
       <circle cx={middle(cube.top_px, 0)} cy={middle(cube.top_px, 1)} r={1.6 * stroke} />
@@ -117,6 +122,7 @@ function Cubes({ now }: { now: CameraShot }): JSX.Element {
             {t('camera.confidence', { percent: Math.round(100 * chosen.confidence) })}
             {chosen.in_basket && ` · ${t('camera.in_basket')}`}
           </p>
+          {whyNot(chosen) && <p class="camera-why">{whyNot(chosen)}</p>}
           <div class="row">
             <button type="button" class="primary" disabled={!ready || chosen.x_m === undefined} onClick={() => pick(chosen, false)}>
               <Icon name="grab" /> {t('camera.pick')}

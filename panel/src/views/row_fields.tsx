@@ -1,7 +1,7 @@
 import type { JSX } from 'preact';
 import { useState } from 'preact/hooks';
 import { t, tWord } from '../i18n';
-import { atWork, canMove, knowsPlace, model, standing } from '../app';
+import { atWork, canMove, knowsPlace, model, standing, store } from '../app';
 import { copyRow, linesOf, removeRow, replaceLine, stepRow, type Row } from '../logic/rows';
 import { fieldsOf, hereRow, readField, writeField, type Complaint, type Field } from '../logic/row_kinds';
 import { written } from '../logic/quantities';
@@ -147,6 +147,8 @@ function RowField({ row, field }: { row: Row; field: Field }): JSX.Element {
 function choicesOf(field: Field): readonly string[] | null {
   if (field.kind === 'choice') return field.choices!;
   if (field.kind === 'point') return shelf.value.points.map((point) => point.name);
+  if (field.kind === 'into') return [...(store.cell.value?.baskets ?? []), ...shelf.value.points].map((one) => one.name);
+  if (field.kind === 'camera') return (store.cell.value?.cameras ?? []).filter((one) => one.lens).map((one) => one.name);
   if (field.kind === 'program') return Object.keys(shelf.value.programs);
   return null;
 }

@@ -6,9 +6,10 @@ import { aim, ghost, gizmoMode, go, model, robot, route, standing, status, store
 import { newestFirst } from '../logic/paging';
 import { withTool } from '../logic/target';
 import { CellScene, type Preset } from '../scene/scene';
-import { shot } from '../camera_state';
+import { baskets, shot } from '../camera_state';
 import { hoveredJoint, layers, look, meantJoint } from '../scene_state';
 import { replayGhost } from '../plots_state';
+import { dragged, reach } from '../table_state';
 import { ghost as programGhost } from '../teach';
 import { Older } from './older';
 import { NoteCard } from './note';
@@ -75,6 +76,14 @@ export function Stage(): JSX.Element {
   useSignalEffect(() => {
     void store.cell.value;
     scene.current?.showCubes(shot.value?.cubes ?? []);
+  });
+  useSignalEffect(() => {
+    const moved = dragged.value;
+    scene.current?.showBaskets(baskets.value.map((one) => (one.name === moved?.name ? moved : one)));
+  });
+  useSignalEffect(() => {
+    void store.cell.value;
+    scene.current?.showRegion(reach.value);
   });
   useSignalEffect(() => {
     const { preset, all } = look.value;

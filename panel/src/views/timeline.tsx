@@ -1,7 +1,7 @@
 import type { JSX } from 'preact';
 import { useRef, useState } from 'preact/hooks';
 import { errorSentence, t, tWord } from '../i18n';
-import { model, standing } from '../app';
+import { model, standing, store } from '../app';
 import { insertRows, lastOf, moveRow, readRows, rowCount, stepRow, type Row } from '../logic/rows';
 import { newRows, wordsOf, type Word } from '../logic/row_kinds';
 import { timeSpan } from '../logic/units';
@@ -238,7 +238,7 @@ function AddStep(): JSX.Element {
     const change = insertRows(
       text.peek(),
       selected.peek() ?? rowCount(text.peek()),
-      newRows(word, one, here.joints, here.tool, called),
+      newRows(word, one, here.joints, here.tool, called, store.cell.value?.baskets?.[0]?.name),
     );
     edit(change.text, change.line);
     setOpen(false);

@@ -15,9 +15,6 @@ std::string beside(const std::string& cell_file, const std::string& file) {
   return (std::filesystem::path(cell_file).parent_path() / file).string();
 }
 
-namespace {
-
-/// @error  bad input
 std::expected<vision::TableCamera, Outcome> read_calibration(const CellCamera& camera,
                                                              const std::string& path) {
   const auto text = io::read_file(path, std::size_t{1} << 20U);
@@ -28,6 +25,8 @@ std::expected<vision::TableCamera, Outcome> read_calibration(const CellCamera& c
   if (!read) return std::unexpected(complaints_outcome(read.error()));
   return std::move(*read);
 }
+
+namespace {
 
 /// A cell runs without its camera too: one that cannot be opened is said so, and tried again with
 /// each picture.

@@ -11,6 +11,10 @@ namespace sinew::cli {
 /// What a cell's file names is looked for beside it.
 std::string beside(const std::string& cell_file, const std::string& file);
 
+/// What its `calibration` says. @param path  of that file  @error  bad input
+std::expected<vision::TableCamera, Outcome> read_calibration(const CellCamera& camera,
+                                                             const std::string& path);
+
 /// Opens the cameras that the cell's file names.
 /// @param file  the cell's
 /// @error  bad input: a calibration that cannot be read

@@ -72,7 +72,7 @@ std::expected<std::unique_ptr<LocalCell>, Outcome> LocalCell::start(const RobotM
             .robots = {std::move(place)},
             .objects = {},
             .cameras = {},
-            .basket = {},
+            .baskets = {},
             .cubes = {}};
   std::unique_ptr<LocalCell> local(new LocalCell());
   auto running = runtime::RunningCell::start(std::move(cell), {robot}, options.folders,

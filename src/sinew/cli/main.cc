@@ -243,8 +243,8 @@ void add_plan(CLI::App& app, Call& call) {
   verb->add_option("--blend", request.blend,
                    "how far from a corner the tool may leave its line, as in 10mm; a stop where "
                    "left out");
-  verb->add_option("--plot", request.plot,
-                   "SVG file: every joint against its limits, the tool's way");
+  verb->add_option("--plot", request.plot, "SVG file: joints against their limits, the tool's way");
+  verb->add_option("--in-cell", request.cell, "CELL.toml: a dry run with its camera's picture");
   verb->callback([&call] { call.verb = [&call] { return plan(call.plan); }; });
 }
 

@@ -8,6 +8,7 @@
 #include <memory>
 #include <tuple>
 
+#include "sinew/cli/dry_run.h"
 #include "sinew/cli/kinematics_text.h"
 #include "sinew/cli/plan_report.h"
 #include "sinew/cli/plan_svg.h"
@@ -570,6 +571,7 @@ std::expected<void, program::Refusal> weigh(const program::Plan& orders, MotionP
 }  // namespace
 
 Outcome plan(const PlanRequest& request) {
+  if (request.cell) return dry_run(request);
   const auto wanted = prepare(request);
   if (!wanted) return wanted.error();
   const RobotModel& model = wanted->model;

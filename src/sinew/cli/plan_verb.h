@@ -21,6 +21,7 @@ struct PlanRequest {
   std::optional<std::string> speed;
   std::optional<std::string> blend;
   std::optional<std::string> plot;
+  std::optional<std::string> cell;  ///< a cell's file: dry_run.h
 };
 
 /// `sinew plan`: the motion along a way, checked and timed over its whole length, and what limits

@@ -40,8 +40,9 @@ std::expected<std::optional<TaughtPoints>, Outcome> load_points(const std::strin
   return usable_points(*text, path);
 }
 
-std::expected<program::Program, Outcome> read_program(const std::string& path,
-                                                      const RobotModel& model) {
+std::expected<program::Program, Outcome> read_program(
+    const std::string& path, const RobotModel& model,
+    std::shared_ptr<const program::TableTop> table) {
   const auto text = io::read_file(path);
   if (!text) return std::unexpected(bad_input(text.error().sentence));
   const auto form = program::form_of_text(path, *text, model);
@@ -49,6 +50,7 @@ std::expected<program::Program, Outcome> read_program(const std::string& path,
   if (!points) return std::unexpected(points.error());
   program::Surroundings around;
   around.points = *points ? &**points : nullptr;
+  around.table = std::move(table);
   around.load = [&](std::string_view name) -> std::expected<program::CalledFile, std::string> {
     const std::string called = folder_of(path) + std::string(name) + ".sinew";
     auto body = io::read_file(called);

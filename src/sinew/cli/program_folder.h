@@ -2,6 +2,7 @@
 
 #include <expected>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 
@@ -12,9 +13,11 @@ namespace sinew::cli {
 
 /// Reads a program NAME.sinew with what lies in its folder (points.toml, programs that it calls),
 /// or a file of another form (sequence, G-code, .pos), by its ending or first word.
+/// @param table  of its cell; null: it is not known
 /// @error  everything that is wrong with the texts, at once
-std::expected<program::Program, Outcome> read_program(const std::string& path,
-                                                      const RobotModel& model);
+std::expected<program::Program, Outcome> read_program(
+    const std::string& path, const RobotModel& model,
+    std::shared_ptr<const program::TableTop> table = {});
 
 /// A program's text with what lies in its folder, unread, for whoever reads it elsewhere.
 struct ProgramTexts {

@@ -189,7 +189,8 @@ Outcome serve(const ServeRequest& request) {
        .record = records_jobs ? request.record_folder.value_or("") : std::string(),
        .records_jobs = records_jobs,
        .commissioning = *commissioning,
-       .programs = *programs});
+       .programs = *programs,
+       .baskets = runtime::baskets_path(request.file).value_or("")});
   realtime.reset();
   if (!running) return could_not(running.error().sentence);
   if (auto seeing = open_cameras(**running, request.file); !seeing) return seeing.error();

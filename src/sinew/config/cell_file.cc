@@ -148,8 +148,13 @@ CellBasket read_basket(TableReader& reader, std::vector<std::string>& taken) {
 
 /// What lies on the table of a camera.
 void read_table_top(TableReader& root, Cell& cell, std::vector<std::string>& taken) {
-  if (auto reader = root.table("basket", Presence::kOptional)) {
-    cell.basket = read_basket(*reader, taken);
+  // One is written [basket], several [[basket]].
+  for (TableReader& reader : root.table_or_tables("basket")) {
+    if (cell.baskets.size() == kCellBasketsMax) {
+      root.complain("basket", "a cell has at most " + std::to_string(kCellBasketsMax) + " baskets");
+      break;
+    }
+    cell.baskets.push_back(read_basket(reader, taken));
   }
   std::vector<TableReader> cubes = root.tables("cube", Presence::kOptional);
   if (cubes.size() > kCellCubesMax) {

@@ -93,6 +93,27 @@ rz_deg = 90
   EXPECT_NEAR((top.X_WT.R * Vec3{1, 0, 0}).y, 1, 1e-12);
 }
 
+TEST(CellFile, several_baskets_have_names_of_their_own) {
+  std::string text = kOneCamera + "device = \"simulated\"\n";
+  for (const char* name : {"red", "blue"}) {
+    text += std::string("[[basket]]\nname = \"") + name +
+            "\"\nlength_mm = 100\nwidth_mm = 100\nheight_mm = 40\n";
+  }
+  const auto cell = read_cell(text, "cell.toml");
+  ASSERT_TRUE(cell) << complaints_of(text);
+  ASSERT_EQ(cell->baskets.size(), 2U);
+  EXPECT_EQ(cell->baskets[1].name, "blue");
+  std::string twice(text);
+  twice.replace(twice.find("\"blue\""), 6, "\"red\"");
+  EXPECT_NE(complaints_of(twice).find("name"), std::string::npos) << complaints_of(twice);
+  std::string many(text);
+  for (int i = 0; i < 8; ++i) {
+    many += "[[basket]]\nname = \"b" + std::to_string(i) +
+            "\"\nlength_mm = 100\nwidth_mm = 100\nheight_mm = 40\n";
+  }
+  EXPECT_NE(complaints_of(many).find("at most 8 baskets"), std::string::npos);
+}
+
 TEST(CellFile, a_simulated_camera_has_cubes_and_a_basket) {
   const std::string text = kOneCamera + R"(device = "simulated"
 [basket]
@@ -110,9 +131,9 @@ rz_deg = 20
 )";
   const auto cell = read_cell(text, "cell.toml");
   ASSERT_TRUE(cell) << complaints_of(text);
-  ASSERT_TRUE(cell->basket);
-  EXPECT_EQ(cell->basket->size, (Vec3{0.12, 0.1, 0.04}));
-  EXPECT_NEAR((cell->basket->X_WK * Vec3{0.1, 0, 0}).y, 0.3, 1e-12);
+  ASSERT_EQ(cell->baskets.size(), 1U);
+  EXPECT_EQ(cell->baskets[0].size, (Vec3{0.12, 0.1, 0.04}));
+  EXPECT_NEAR((cell->baskets[0].X_WK * Vec3{0.1, 0, 0}).y, 0.3, 1e-12);
   ASSERT_EQ(cell->cubes.size(), 1U);
   EXPECT_EQ(cell->cubes[0].color, static_cast<int>(vision::ColorName::kBlue));
   EXPECT_EQ(cell->cubes[0].p_W, (Vec3{0.18, -0.03, 0}));

@@ -287,6 +287,15 @@ std::optional<TableReader> TableReader::table(std::string_view key, Presence pre
   return TableReader(*inner, entry->node.place, dotted(key), *findings_);
 }
 
+std::vector<TableReader> TableReader::table_or_tables(std::string_view key) {
+  const TomlEntry* entry = ask(key, {&kPlain, 1}, Presence::kOptional, false);
+  if (entry == nullptr) return {};
+  if (std::holds_alternative<TomlArray>(entry->node.value)) return tables(key, Presence::kOptional);
+  std::vector<TableReader> readers;
+  if (auto one = table(key, Presence::kOptional)) readers.push_back(std::move(*one));
+  return readers;
+}
+
 std::vector<TableReader> TableReader::tables(std::string_view key, Presence presence) {
   std::vector<TableReader> readers;
   const TomlEntry* entry = ask(key, {&kPlain, 1}, presence, false);

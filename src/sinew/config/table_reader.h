@@ -76,6 +76,9 @@ class TableReader {
   /// An array of tables, all of them; their paths are key[1], key[2] ...
   std::vector<TableReader> tables(std::string_view key, Presence presence = Presence::kRequired);
 
+  /// One table, or an array of them; none where the key is not there.
+  std::vector<TableReader> table_or_tables(std::string_view key);
+
   /// Complains at the value of a key that was asked for, or at the table if it is not there.
   void complain(std::string_view pattern, std::string message);
   /// Complains at the table itself.

@@ -99,7 +99,9 @@ constexpr std::array kTable = std::to_array<ErrorInfo>({
      kNone, false, kNoStop, 409},
     {kSegmentTime, "segment_time", "the motion cannot take {measured}; limit {limit}", kTime, true,
      kNoStop, 422},
-    {kToolNotFitted, "tool_not_fitted", "this robot has no such tool", kNone, true, kNoStop, 422},
+    {kToolNotFitted, "tool_not_fitted",
+     "this robot has no such tool: name it in the robot's file, or remove the row", kNone, true,
+     kNoStop, 422},
     {kDeviceKilled, "device_killed",
      "the device was told to shut down and hears nothing more: cut its power, then switch it on",
      kNone, false, kHold, 503},
@@ -301,6 +303,15 @@ constexpr std::array kTable = std::to_array<ErrorInfo>({
     {kNotHeld, "not_held", "nothing is held after {measured} grasps", kCount, true, kNoStop, 409},
     {kNothingHeld, "nothing_held", "nothing is held: pick something first", kNone, true, kNoStop,
      409},
+    {kBasketOutOfReach, "basket_out_of_reach",
+     "the basket is out of reach by {excess}: move it nearer to the robot, in the Camera view or "
+     "in "
+     "the cell's file",
+     kLength, true, kNoStop, 422},
+    {kNoBasket, "no_basket",
+     "this row places into a basket, and no cell is known here: run it in a cell that has one "
+     "(sinew serve CELL.toml, then sinew run --cell)",
+     kNone, true, kNoStop, 409},
 });
 
 /// Of the same codes where bodies are in one another.
@@ -321,8 +332,8 @@ std::string_view overlap_sentence(ErrorCode code) {
 
 /// Codes whose lengths are the tool's and the bodies', where less than 0.1 mm is nothing.
 bool of_bodies(ErrorCode code) {
-  return code == kOutOfReach || code == kTooClose || code == kJawsContact ||
-         !overlap_sentence(code).empty();
+  return code == kOutOfReach || code == kBasketOutOfReach || code == kTooClose ||
+         code == kJawsContact || !overlap_sentence(code).empty();
 }
 
 /// A row that backs off by so much, in tenths of a millimetre.

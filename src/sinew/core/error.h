@@ -120,6 +120,8 @@ enum class ErrorCode : std::uint8_t {
   kCubeTooWide,        ///< measured: the cube; limit: how far the jaws open, m
   kNotHeld,            ///< measured: so many grasps, and nothing was held
   kNothingHeld,        ///< a row releases what was never picked
+  kBasketOutOfReach,   ///< measured, limit: as kOutOfReach
+  kNoBasket,           ///< a row places into one, and no cell is known that has it
 };
 
 /// How a stop ends, after IEC 60204-1.

@@ -88,6 +88,7 @@ struct CellBasket {
 
 inline constexpr std::size_t kCellRobotsMax = 16;
 inline constexpr std::size_t kCellCubesMax = 64;
+inline constexpr std::size_t kCellBasketsMax = 8;
 
 struct Cell {
   std::string title;
@@ -95,7 +96,7 @@ struct Cell {
   std::vector<CellRobot> robots;  ///< at least one, at most kCellRobotsMax
   std::vector<CellObject> objects;
   std::vector<CellCamera> cameras;
-  std::optional<CellBasket> basket;
+  std::vector<CellBasket> baskets;  ///< at most kCellBasketsMax
   std::vector<CellCube> cubes;
 
   /// The first simulated one; null where there is none.

@@ -15,6 +15,8 @@ namespace {
 
 /// m, from where the tool goes straight down; the lower one where the higher one is out of reach.
 constexpr std::array kAbove{40e-3, 20e-3};
+/// m, of a cube's bottom over a basket's rim where it is released.
+constexpr std::array kOverRim{15e-3, 30e-3, 50e-3};
 constexpr double kLetGo = 15e-3;        // m, that jaws open more than what they hold
 constexpr double kSqueeze = 4e-3;       // m, that jaws are sent to less than what they hold
 constexpr double kPress = 1.5e-3;       // m, of a cup's lip into a top
@@ -186,6 +188,29 @@ std::expected<CubeRows, Refusal> from_above(Sequence sequence, const Spot& spot,
   return std::unexpected(*refusal);
 }
 
+/// Whether there are joints for it, and for the lower place above it.
+bool has_joints(const planning::ToolSpace& space, const Vec3& p_BT, double pitch, double roll) {
+  const planning::JointArray near{};
+  for (const double above : {0.0, kAbove.back()}) {
+    if (space.branches({p_BT + Vec3{0, 0, above}, {pitch, roll}}, near).empty()) return false;
+  }
+  return true;
+}
+
+/// Those that have joints: what the planner would refuse after a longer look is left out.
+std::vector<grasping::JawGrasp> with_joints(const RobotModel& robot,
+                                            const std::vector<grasping::JawGrasp>& grasps) {
+  std::vector<grasping::JawGrasp> found;
+  std::optional<planning::ToolSpace> space;
+  double open = 0;
+  for (const grasping::JawGrasp& grasp : grasps) {
+    if (!space || grasp.open != open) space.emplace(robot, grasp.open);
+    open = grasp.open;
+    if (has_joints(*space, grasp.p_BT, grasp.pitch, grasp.roll)) found.push_back(grasp);
+  }
+  return found;
+}
+
 std::expected<CubeRows, Refusal> picked_by_jaws(const Sequence& sequence, const RobotModel& robot,
                                                 const Sighting& seen, std::size_t which, int skip) {
   const Step& row = sequence.row();
@@ -195,8 +220,9 @@ std::expected<CubeRows, Refusal> picked_by_jaws(const Sequence& sequence, const 
   }
   const MotionOptions& how = std::get<PickCubeStep>(row.what).how;
   const bool has_pose = planning::ToolSpace(robot).task() == planning::TaskSpace::kPose;
+  const auto having = has_pose ? *grasps : with_joints(robot, *grasps);
   Choice choice, left_out;  // those are better than nothing where no other can be had
-  for (const grasping::JawGrasp& grasp : *grasps) {
+  for (const grasping::JawGrasp& grasp : having.empty() ? *grasps : having) {
     Sequence opened = sequence;
     if (auto refusal = opened.use(JawsTo{grasp.open})) return std::unexpected(*refusal);
     Spot spot{grasp.p_BT, grasp.pitch, grasp.roll};
@@ -207,6 +233,7 @@ std::expected<CubeRows, Refusal> picked_by_jaws(const Sequence& sequence, const 
     }
     auto rows =
         from_above(std::move(opened), spot, JawsTo{grasp.close, seen.cubes[which].edge}, how);
+    if (rows) rows->tilt = kPi - grasp.pitch;
     const bool skipped = rows && skip-- > 0;
     if ((skipped ? left_out : choice).take(std::move(rows)) && !skipped) break;
   }
@@ -277,12 +304,16 @@ bool can_pick(const RobotModel& robot) {
   return picks_with_jaws(robot) || std::holds_alternative<MaxArmDevice>(robot.device.settings);
 }
 
-std::expected<CubeRows, Refusal> rows_to_place(RowPlanner& planner, const Standing& standing,
-                                               const Step& row) {
-  const auto& place = std::get<PlaceCubeStep>(row.what);
+namespace {
+
+/// At one place.
+std::expected<CubeRows, Refusal> rows_to_one_place(RowPlanner& planner, const Standing& standing,
+                                                   const Step& row, const PlaceCubeStep& place) {
   const ToolAction opening = letting_go(planner.robot(), standing.tool);
   Sequence there(planner, standing, row);
-  auto refusal = std::visit([&](const auto& to) { return there.go(to); }, place.there);
+  const auto* joints = std::get_if<JointStep>(&place.there);
+  auto refusal =
+      joints != nullptr ? there.go(*joints) : there.go(std::get<ToolMoveStep>(place.there));
   if (refusal) return std::unexpected(*refusal);
   const auto how = std::visit([](const auto& to) { return to.how; }, place.there);
   Choice choice;
@@ -297,6 +328,64 @@ std::expected<CubeRows, Refusal> rows_to_place(RowPlanner& planner, const Standi
   return there.take();
 }
 
+/// m, of the tool point above the bottom of a cube that it holds, at least.
+double tool_above(const RobotModel& robot, double edge) {
+  return picks_with_jaws(robot) ? edge / 2 : edge + cup_reach(robot);
+}
+
+/// The first spot over the basket's floor, and the lowest height over its rim, that can be had.
+std::expected<CubeRows, Refusal> rows_to_basket(RowPlanner& planner, const Standing& standing,
+                                                const Step& row, const BasketGoal& goal,
+                                                const Basket& basket, std::span<const Vec3> lying) {
+  const double edge = standing.tool.held.value_or(kUsualCube);
+  std::optional<Refusal> nearest;
+  for (const Vec3& p_K : spots_in(basket, edge, lying)) {
+    for (const double above : kOverRim) {
+      const double height = basket.size.z + above + tool_above(planner.robot(), edge);
+      const Vec3 p_B = basket.X_BK * (p_K + Vec3{0, 0, height});
+      ToolMoveStep move{
+          .way = ToolMoveStep::Way::kJoints, .to = {}, .p_via_BT = {}, .how = goal.how};
+      move.to.p_BT = {p_B.x, p_B.y, p_B.z};
+      auto rows = rows_to_one_place(planner, standing, row, {move});
+      if (rows) {
+        rows->p_BO = p_B;
+        return rows;
+      }
+      if (!nearest || is_nearer(rows.error(), *nearest)) nearest = rows.error();
+    }
+  }
+  if (nearest->error.code == ErrorCode::kOutOfReach) {
+    nearest->error.code = ErrorCode::kBasketOutOfReach;
+    nearest->way.reset();
+  }
+  return std::unexpected(*nearest);
+}
+
+}  // namespace
+
+std::expected<CubeRows, Refusal> rows_to_place(RowPlanner& planner, const Standing& standing,
+                                               const Step& row, const TableTop* table,
+                                               std::span<const Vec3> lying) {
+  const auto& place = std::get<PlaceCubeStep>(row.what);
+  const auto* goal = std::get_if<BasketGoal>(&place.there);
+  if (goal == nullptr) return rows_to_one_place(planner, standing, row, place);
+  const Basket* basket = table != nullptr ? basket_named(*table, goal->name) : nullptr;
+  if (basket == nullptr) {
+    return std::unexpected(Refusal{row.line, {ErrorCode::kNoBasket}, std::nullopt, row.file});
+  }
+  return rows_to_basket(planner, standing, row, *goal, *basket, lying);
+}
+
+std::expected<CubeRows, Refusal> rows_to_cube(RowPlanner& planner, const Standing& standing,
+                                              const Step& row, const Sighting& seen,
+                                              std::size_t which, int skip) {
+  auto rows = picks_with_jaws(planner.robot())
+                  ? picked_by_jaws({planner, standing, row}, planner.robot(), seen, which, skip)
+                  : picked_by_cup({planner, standing, row}, planner.robot(), seen, which, skip);
+  if (rows) rows->cube = seen.cubes[which];
+  return rows;
+}
+
 std::expected<CubeRows, Refusal> rows_to_pick(RowPlanner& planner, const Standing& standing,
                                               const Step& row, const Sighting& seen, int skip) {
   const auto& pick = std::get<PickCubeStep>(row.what);
@@ -306,18 +395,23 @@ std::expected<CubeRows, Refusal> rows_to_pick(RowPlanner& planner, const Standin
     const grasping::Cube& cube = seen.cubes[which];
     if (pick.color && cube.color != static_cast<int>(*pick.color)) continue;
     if (pick.p_BT && which != nearest) continue;
-    auto rows = jaws_of(planner.robot()) != nullptr
-                    ? picked_by_jaws({planner, standing, row}, planner.robot(), seen, which, skip)
-                    : picked_by_cup({planner, standing, row}, planner.robot(), seen, which, skip);
-    if (rows) {
-      rows->cube = cube;
-      return rows;
-    }
+    auto rows = rows_to_cube(planner, standing, row, seen, which, skip);
+    if (rows) return rows;
     if (!first) first = rows.error();
     skip = 0;
   }
   return std::unexpected(
       first.value_or(Refusal{row.line, {ErrorCode::kNothingSeen}, std::nullopt, row.file}));
+}
+
+bool in_reach(const RobotModel& robot, const Sighting& seen, std::size_t which) {
+  if (picks_with_jaws(robot)) {
+    const auto grasps = grasping::jaw_grasps(robot, seen.cubes, which);
+    const bool has_pose = planning::ToolSpace(robot).task() == planning::TaskSpace::kPose;
+    return grasps && (has_pose || !with_joints(robot, *grasps).empty());
+  }
+  const auto lip = grasping::cup_grasp(seen.cubes, which);
+  return lip && has_joints(planning::ToolSpace(robot), *lip + Vec3{0, 0, cup_reach(robot)}, 0, 0);
 }
 
 bool still_there(const Sighting& seen, const grasping::Cube& taken) {

@@ -25,6 +25,8 @@ struct CubeRows {
   double duration = 0;      ///< s, predicted
   grasping::Cube cube{};    ///< that they take
   double room = kPi;        ///< rad or m, the least to a joint's limit where a row ends
+  double tilt = 0;          ///< rad, of a grasp by jaws from straight down
+  Vec3 p_BO{};              ///< m, of a place: where the tool releases
 };
 
 /// Takes a cube that is seen: there from above, straight down, closed, up, and back. The first one
@@ -37,13 +39,25 @@ struct CubeRows {
 std::expected<CubeRows, Refusal> rows_to_pick(RowPlanner& planner, const Standing& standing,
                                               const Step& row, const Sighting& seen, int skip = 0);
 
+/// The same of one of them. @param which  of seen.cubes
+std::expected<CubeRows, Refusal> rows_to_cube(RowPlanner& planner, const Standing& standing,
+                                              const Step& row, const Sighting& seen,
+                                              std::size_t which, int skip = 0);
+
 /// Releases where the row says: there from above, straight down, open, up, and back. Where there is
 /// no room above it goes there as `move` does.
 /// @param standing  with known joints
 /// @param row       a PlaceCubeStep
-/// @error those of RowPlanner
+/// @param table     where its basket is looked up; null: there is none
+/// @param lying     cubes in baskets: the next one goes where fewest lie
+/// @error those of RowPlanner, kNoBasket, kBasketOutOfReach
 std::expected<CubeRows, Refusal> rows_to_place(RowPlanner& planner, const Standing& standing,
-                                               const Step& row);
+                                               const Step& row, const TableTop* table = nullptr,
+                                               std::span<const Vec3> lying = {});
+
+/// Whether joints inside their limits bring the tool to one grasp of this cube and over it, without
+/// a look at the way there.
+bool in_reach(const RobotModel& robot, const Sighting& seen, std::size_t which);
 
 /// Whether a picture still shows a cube where one was taken.
 bool still_there(const Sighting& seen, const grasping::Cube& taken);

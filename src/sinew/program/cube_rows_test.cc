@@ -88,14 +88,15 @@ TEST(CubeRows, pick_at_takes_the_cube_that_lies_there_and_no_other) {
 
 TEST(CubeRows, what_is_wrong_with_a_row_is_said_with_what_would_be_right) {
   const std::pair<const char*, const char*> wrong[] = {
-      {"look here", "p.sinew:1:6: too many words; write look"},
+      {"look here now", "p.sinew:1:11: too many words; write look, or look CAMERA"},
       {"pick red", "p.sinew:1:6: 'red': write pick, pick color=red, or pick at=180mm,0mm,25mm"},
       {"pick at=180mm,0mm", "p.sinew:1:6: '180mm,0mm': a point is X,Y,Z, as in 200mm,0mm,150mm"},
       {"pick color=read",
        "p.sinew:1:6: 'read' is no color of a cube; there are red, orange, yellow, green, blue, "
        "purple, pink, black, wood"},
       {"place",
-       "p.sinew:1:1: say where: place NAME (a taught point), or place x=200mm y=0mm z=30mm"},
+       "p.sinew:1:1: say where: place basket, place NAME (a basket or a taught point), or place "
+       "x=200mm y=0mm z=30mm"},
       {"place baskte", ""},
       {"place basket blend=10mm", "p.sinew:1:1: place stops where it lets go: without blend="},
       {"if seen red\nend", "p.sinew:1:9: write seen, or seen color=red"},

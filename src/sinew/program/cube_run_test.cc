@@ -25,7 +25,8 @@ class Table : public Eyes {
     cell_.run.measure_by([this] { return DriverHealth{.jaws_width = jaws()}; });
   }
 
-  void look() override {
+  void look(std::string_view camera) override {
+    looked_with.emplace_back(camera);
     ++looks;
     asked_ = true;
   }
@@ -80,6 +81,7 @@ class Table : public Eyes {
 
   std::vector<grasping::Cube> cubes;
   std::vector<vision::ColorName> taken;
+  std::vector<std::string> looked_with;
   std::optional<Error> fault;
   int looks = 0, grasps = 0, let_go = 0, wait = 0;
   int slips = 0;  ///< so many grasps hold nothing

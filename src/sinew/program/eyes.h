@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <string_view>
 #include <vector>
 
 #include "sinew/core/error.h"
@@ -10,16 +11,18 @@ namespace sinew::program {
 
 /// What one picture shows of the table in front of a robot.
 struct Sighting {
-  std::vector<grasping::Cube> cubes;  ///< in base B; `color` is a vision::ColorName
+  std::vector<grasping::Cube> cubes;         ///< in base B; `color` is a vision::ColorName
+  std::vector<grasping::Cube> in_baskets{};  ///< done with
 };
 
-/// A calibrated camera, for the rows that look. Looking takes its time, so it is asked for and
+/// Calibrated cameras, for the rows that look. Looking takes its time, so it is asked for and
 /// fetched without waiting.
 class Eyes {
  public:
   virtual ~Eyes() = default;
   /// Asks for a picture that is taken from now on. One that was asked for before is forgotten.
-  virtual void look() = 0;
+  /// @param camera  its name; empty: the first
+  virtual void look(std::string_view camera) = 0;
   /// What it shows, once; nothing while it is still looked at.
   /// @error kCameraLost, kCameraBlind, kCameraFrozen, kCameraChanged
   virtual std::optional<Expected<Sighting>> seen() = 0;

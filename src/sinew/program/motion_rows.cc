@@ -31,20 +31,24 @@ constexpr std::array<std::string_view, 8> kOffsets{"dx",  "dy",  "dz",     "drx"
 /// A joint's difference: no joint's name has a dot in it.
 constexpr std::string_view kDifference = "d.";
 
-std::string listed(const std::vector<std::string>& names) {
-  std::string all;
-  for (const std::string& one : names) all += (all.empty() ? "" : " ") + one;
-  return all;
-}
-
 }  // namespace
 
-MotionRows::MotionRows(const RobotModel& robot, RowReader& row, const TaughtPoints* points)
-    : robot_(robot), row_(row), points_(points), space_(robot), task_(space_.task()) {
+MotionRows::MotionRows(const RobotModel& robot, RowReader& row, const Surroundings& around)
+    : robot_(robot),
+      row_(row),
+      points_(around.points),
+      table_(around.table.get()),
+      space_(robot),
+      task_(space_.task()) {
   for (const Joint& joint : robot.joints) names_.push_back(joint.name);
 }
 
-std::optional<std::variant<JointStep, ToolMoveStep>> MotionRows::read_place() {
+std::optional<std::variant<JointStep, ToolMoveStep, BasketGoal>> MotionRows::read_place() {
+  if (const auto name = basket_word()) {
+    auto goal = basket_row(*name);
+    if (!goal) return std::nullopt;
+    return std::move(*goal);
+  }
   auto step = tool_row(Way::kJoints);
   if (!step) return std::nullopt;
   if (motion_of(*step)->blends()) {

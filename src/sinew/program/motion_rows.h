@@ -15,14 +15,15 @@ namespace sinew::program {
 /// The rows of a program that move the robot: joint, move, line, arc, spline.
 class MotionRows {
  public:
-  /// @param robot, row, points  outlive this; points may be null.
-  MotionRows(const RobotModel& robot, RowReader& row, const TaughtPoints* points);
+  /// @param robot, row, around  outlive this
+  MotionRows(const RobotModel& robot, RowReader& row, const Surroundings& around);
 
   static bool known(std::string_view name);
   /// The row at hand as a step; nothing where something was complained about.
   std::optional<Step> read();
-  /// A `place` row's target, as that of `move`; a word alone is the name of a taught point.
-  std::optional<std::variant<JointStep, ToolMoveStep>> read_place();
+  /// A `place` row's target, as that of `move`; a word alone is the name of a taught point or a
+  /// basket.
+  std::optional<std::variant<JointStep, ToolMoveStep, BasketGoal>> read_place();
   /// A `velocity` or `acceleration` row: the joints' limits of the motions behind it in this file.
   void take_limits();
   /// A word `time=2s`, s; complains where it is none.
@@ -57,6 +58,11 @@ class MotionRows {
     bool via = false;
   };
 
+  /// The name of a basket that a `place` row may mean; nothing where it means another place.
+  std::optional<std::string_view> basket_word() const;
+  std::optional<BasketGoal> basket_row(std::string_view name);
+  bool has_point(std::string_view name) const;
+  bool knows_basket(const Word& word, std::string_view name);
   std::optional<Step> joint_row();
   std::optional<Step> tool_row(ToolMoveStep::Way way);
   std::optional<Step> spline_row();
@@ -89,6 +95,7 @@ class MotionRows {
   const RobotModel& robot_;
   RowReader& row_;
   const TaughtPoints* points_;
+  const TableTop* table_;  ///< null: not known
   planning::ToolSpace space_;
   planning::TaskSpace task_;
   std::vector<std::string> names_;

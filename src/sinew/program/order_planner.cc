@@ -98,6 +98,7 @@ std::optional<Error> left_out_refusal(const RobotModel& robot, const Step& step)
 constexpr double kLookTime = 0.5;
 /// s, about: there, down, closing, up, back.
 constexpr double kPickTime = 10;
+constexpr double kPlaceTime = 6;
 
 /// One loop that is being unrolled.
 struct Open {
@@ -121,6 +122,7 @@ void OrderPlanner::show_to(const WayLook& look) {
 }
 
 std::optional<Refusal> OrderPlanner::take_all(const Program& program) {
+  table_ = program.table.get();
   std::vector<Open> open;
   std::size_t turns = 0;  // empty loops turn without an order
   for (std::size_t place = 0; place < program.steps.size(); ++place) {
@@ -202,7 +204,7 @@ std::optional<Refusal> OrderPlanner::take_alone(const Step& step, std::size_t pl
   if (std::holds_alternative<HomeStep>(step.what)) return take_home(step, place, order);
   if (std::holds_alternative<ToolStep>(step.what)) return take_tool(step, place, order);
   if (std::holds_alternative<LookStep>(step.what)) {
-    order.what = LookOrder{kLookTime};
+    order.what = LookOrder{std::get<LookStep>(step.what).camera, kLookTime};
     pass_time(kLookTime, kLookTime);
     tell_fine(std::span(&place, 1), kLookTime, kLookTime);
     return std::nullopt;
@@ -247,7 +249,7 @@ std::optional<Refusal> OrderPlanner::take_place(const Step& step, std::size_t pl
   for (Stand& stand : stands_) {
     if (stand.lost_by) continue;
     if (!stand.q) return refused(step, {ErrorCode::kPositionUnknown, 0});
-    const auto rows = rows_to_place(planner(), {*stand.q, stand.tool}, step);
+    const auto rows = planned_place(stand, step, place);
     if (!rows) return rows.error();
     stand.tool = rows->tool;
     stand.least += rows->duration;
@@ -260,6 +262,32 @@ std::optional<Refusal> OrderPlanner::take_place(const Step& step, std::size_t pl
   return std::nullopt;
 }
 
+/// The same in each round of a loop.
+std::expected<OrderPlanner::Placed, Refusal> OrderPlanner::planned_place(const Stand& stand,
+                                                                         const Step& step,
+                                                                         std::size_t place) {
+  const bool in_basket =
+      std::holds_alternative<BasketGoal>(std::get<PlaceCubeStep>(step.what).there);
+  // Read without a cell: it is looked up where it runs.
+  if (in_basket && table_ == nullptr) {
+    return Placed{picks_with_jaws(robot_) ? ToolState{2 * kUsualCube, {}} : stand.tool, kPlaceTime};
+  }
+  const Key key{{place}, {stand.q->begin(), stand.q->end()}, stand.tool.jaws, stand.tool.held};
+  if (const auto known = placed_.find(key); known != placed_.end()) return known->second;
+  const auto rows = rows_to_place(planner(), {*stand.q, stand.tool}, step, table_);
+  if (!rows) return std::unexpected(rows.error());
+  return placed_.emplace(key, Placed{rows->tool, rows->duration}).first->second;
+}
+
+/// Rounds that are predicted: as many as cubes are seen now.
+int OrderPlanner::expected_rounds(const Condition& goes_on) const {
+  if (table_ == nullptr || !table_->seen) return kSeenRoundsMax;
+  const auto counts = [&](const grasping::Cube& cube) {
+    return !goes_on.color || cube.color == static_cast<int>(*goes_on.color);
+  };
+  return static_cast<int>(std::ranges::count_if(table_->seen->cubes, counts));
+}
+
 std::optional<Refusal> OrderPlanner::begin_round(const Step& step, const Condition& goes_on,
                                                  std::size_t place, Round round) {
   if (auto refusal = finish()) return refusal;
@@ -269,6 +297,12 @@ std::optional<Refusal> OrderPlanner::begin_round(const Step& step, const Conditi
   }
   rounds_.back().branches.push_back(plan_.orders.size());
   merge(rounds_.back().ends, stands_);
+  if (round.round > expected_rounds(goes_on) && !rounds_.back().longest) {
+    double longest = 0;
+    for (const Stand& stand : stands_) longest = std::max(longest, stand.most);
+    rounds_.back().longest = longest;
+    ++unexpected_;
+  }
   return add({step.line, step.line, round.round, round.rounds, BranchOrder{goes_on, 0}, step.file});
 }
 
@@ -280,6 +314,10 @@ std::optional<Refusal> OrderPlanner::end_rounds(const Step& step) {
     std::get<BranchOrder>(plan_.orders[branch].what).otherwise = plan_.orders.size();
   }
   merge(stands_, rounds.ends);
+  if (rounds.longest) {
+    --unexpected_;
+    for (Stand& stand : stands_) stand.most = std::min(stand.most, *rounds.longest);
+  }
   return check_places(step);
 }
 
@@ -516,6 +554,7 @@ std::optional<Refusal> OrderPlanner::add(Order order) {
   if (plan_.orders.size() >= kOrdersMax) {
     return Refusal{order.line, too_long(), std::nullopt, order.file};
   }
+  order.expected = unexpected_ == 0;
   plan_.orders.push_back(std::move(order));
   return std::nullopt;
 }

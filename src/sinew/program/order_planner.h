@@ -68,6 +68,11 @@ class OrderPlanner {
     std::optional<double> jaws, held;
     auto operator<=>(const Key&) const = default;
   };
+  /// What a `place` row leaves.
+  struct Placed {
+    ToolState tool;
+    double duration = 0;  ///< s
+  };
   struct Round {
     int round = 1;
     int rounds = 1;
@@ -82,6 +87,7 @@ class OrderPlanner {
   struct OpenRounds {
     std::vector<std::size_t> branches{};  ///< orders, one a round
     std::vector<Stand> ends{};            ///< where it may be left
+    std::optional<double> longest{};      ///< s, where no more rounds are expected
   };
   using Rows = std::span<const Step>;
   using Places = std::span<const std::size_t>;
@@ -95,6 +101,9 @@ class OrderPlanner {
   std::optional<Refusal> finish();
   std::optional<Refusal> take_pick(const Step& step, std::size_t place, Order& order);
   std::optional<Refusal> take_place(const Step& step, std::size_t place, Order& order);
+  std::expected<Placed, Refusal> planned_place(const Stand& stand, const Step& step,
+                                               std::size_t place);
+  int expected_rounds(const Condition& goes_on) const;
   void pass_time(double least, double most);
   std::optional<Refusal> begin_round(const Step& step, const Condition& goes_on, std::size_t place,
                                      Round round);
@@ -125,7 +134,10 @@ class OrderPlanner {
   std::vector<OpenRounds> rounds_;
   std::unique_ptr<RowPlanner> planner_;
   std::map<Key, Planned> known_;
-  std::vector<Step> rows_;  ///< that wait for the next one to blend with
+  std::map<Key, Placed> placed_;
+  const TableTop* table_ = nullptr;  ///< null: not known
+  int unexpected_ = 0;               ///< loops in a round that is not expected
+  std::vector<Step> rows_;           ///< that wait for the next one to blend with
   std::vector<std::size_t> places_;
   Round first_;
   Round now_;

@@ -63,7 +63,7 @@ class Parser {
         reading_(reading),
         robot_(reading.robot()),
         row_(file_name),
-        motions_(robot_, row_, reading.around().points) {}
+        motions_(robot_, row_, reading.around()) {}
 
   void take_line(int number, std::string_view line) {
     row_.begin(number, line);
@@ -84,10 +84,7 @@ class Parser {
     if (name == "end") return take_end();
     if (name == "call") return take_call();
     if (name == "velocity" || name == "acceleration") return motions_.take_limits();
-    if (name == "look") {
-      if (row_.takes_words(0, "look")) add(LookStep{});
-      return;
-    }
+    if (name == "look") return take_look();
     if (name == "pick") return take_pick();
     if (name == "place") return take_place();
     if (name == "repeat") return take_repeat();
@@ -191,6 +188,25 @@ class Parser {
     open_block(IfStep{condition.value_or(Condition{}), 0, 0});
   }
 
+  void take_look() {
+    if (row_.words().size() == 1) return add(LookStep{});
+    if (!row_.takes_words(1, "look, or look CAMERA")) return;
+    const auto& table = reading_.around().table;
+    const std::string_view camera = word(1).text;
+    if (table && table->cameras.empty()) {
+      return row_.complain(word(1),
+                           in_quotes(camera) +
+                               ": this cell has no calibrated camera; name one in the cell's "
+                               "file ([[camera]] with calibration, docs/vision.md)");
+    }
+    if (table && std::ranges::find(table->cameras, camera) == table->cameras.end()) {
+      return row_.complain(word(1), in_quotes(camera) +
+                                        " is no calibrated camera of this cell; there are " +
+                                        listed(table->cameras));
+    }
+    add(LookStep{std::string(camera)});
+  }
+
   void take_pick() {
     if (row_.words().size() == 1) return add(PickCubeStep{});
     constexpr std::string_view kAtKey = "at=";
@@ -211,8 +227,8 @@ class Parser {
   void take_place() {
     if (row_.words().size() == 1) {
       return row_.complain(word(0),
-                           "say where: place NAME (a taught point), or place x=200mm "
-                           "y=0mm z=30mm");
+                           "say where: place basket, place NAME (a basket or a taught point), or "
+                           "place x=200mm y=0mm z=30mm");
     }
     if (auto there = motions_.read_place()) add(PlaceCubeStep{std::move(*there)});
   }
@@ -397,6 +413,24 @@ bool searches_zeros(const RobotModel& robot) {
   return std::holds_alternative<AxisLinkDevice>(robot.device.settings);
 }
 
+bool handles_cubes(const Program& program) {
+  return std::ranges::any_of(program.steps, [](const Step& step) {
+    const auto* branch = std::get_if<IfStep>(&step.what);
+    const auto* loop = std::get_if<LoopStep>(&step.what);
+    return std::holds_alternative<LookStep>(step.what) ||
+           std::holds_alternative<PickCubeStep>(step.what) ||
+           std::holds_alternative<PlaceCubeStep>(step.what) || (loop != nullptr && loop->goes_on) ||
+           (branch != nullptr && branch->condition.subject == Condition::Subject::kSeen);
+  });
+}
+
+bool uses_baskets(const Program& program) {
+  return std::ranges::any_of(program.steps, [](const Step& step) {
+    const auto* place = std::get_if<PlaceCubeStep>(&step.what);
+    return place != nullptr && std::holds_alternative<BasketGoal>(place->there);
+  });
+}
+
 const MotionOptions* motion_of(const Step& step) {
   if (const auto* joint = std::get_if<JointStep>(&step.what)) return &joint->how;
   if (const auto* tool = std::get_if<ToolMoveStep>(&step.what)) return &tool->how;
@@ -413,6 +447,7 @@ std::expected<Program, std::vector<Complaint>> parse(std::string_view text,
   program.steps = reading.read(text, std::string(file_name));
   program.files = std::move(reading.files());
   program.calls = std::move(reading.calls());
+  program.table = around.table;
   if (!reading.complaints().empty()) return std::unexpected(std::move(reading.complaints()));
   return program;
 }

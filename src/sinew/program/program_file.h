@@ -16,6 +16,7 @@
 #include "sinew/core/instant.h"
 #include "sinew/driver/driver.h"
 #include "sinew/model/taught_points.h"
+#include "sinew/program/table_top.h"
 #include "sinew/vision/color_names.h"
 
 /// Programs in Sinew's own format, `NAME.sinew`: one step a row, named arguments with units, for
@@ -35,9 +36,11 @@
 ///   wait 0.5s | wait settled | wait until base>20deg for 5s
 ///   velocity base=50% shoulder=20% | acceleration base=50%   | limits of the motions behind it
 ///   loop 3 ... end | if z<100mm ... else ... end | call NAME
-///   look | pick | pick color=red | pick at=180mm,-20mm,25mm
+///   look | look CAMERA | pick | pick any | pick color=red | pick at=180mm,-20mm,25mm
 ///                                          | cubes that a camera sees; back where the row began
-///   place NAME | place x=200mm z=30mm      | releases there from above; back where the row began
+///   place NAME | place x=200mm z=30mm      | releases there from above, NAME being a taught point
+///   or
+///                                          | a basket of the cell; back where the row began
 ///   if seen color=blue ... end | repeat while seen ... end
 namespace sinew::program {
 
@@ -156,16 +159,23 @@ struct EndStep {
 };
 
 /// A new picture is looked at.
-struct LookStep {};
+struct LookStep {
+  std::string camera{};  ///< empty: the first; rows behind it look with the same
+};
 /// A cube that is seen and that the tool can take, and back to where the row began.
 struct PickCubeStep {
   std::optional<vision::ColorName> color;  ///< any without
   std::optional<Vec3> p_BT{};              ///< m, about the middle of its top; any without
   MotionOptions how{};
 };
+/// A basket of the cell: where it stands is looked up when the row is planned.
+struct BasketGoal {
+  std::string name;
+  MotionOptions how{};
+};
 /// What is held is let go there, from above, and back to where the row began.
 struct PlaceCubeStep {
-  std::variant<JointStep, ToolMoveStep> there;  ///< where the tool is then
+  std::variant<JointStep, ToolMoveStep, BasketGoal> there;  ///< where the tool is then
 };
 
 struct Step {
@@ -200,7 +210,13 @@ struct Program {
   std::vector<std::string> files;  ///< the program's own name, then of those that it calls
   std::vector<CallRow> calls{};
   std::vector<ProgramNote> notes{};
+  std::shared_ptr<const TableTop> table{};  ///< of its cell; null: read without one
 };
+
+/// Whether a row of it picks, places or looks.
+bool handles_cubes(const Program& program);
+/// Whether a row of it places into a basket.
+bool uses_baskets(const Program& program);
 
 /// A called program's text and how complaints shall name it.
 struct CalledFile {
@@ -210,7 +226,8 @@ struct CalledFile {
 
 /// What lies beside a program in its folder.
 struct Surroundings {
-  const TaughtPoints* points = nullptr;  ///< null: no such file
+  const TaughtPoints* points = nullptr;     ///< null: no such file
+  std::shared_ptr<const TableTop> table{};  ///< of the cell; null: it is not known
   /// Reads the program of this name (is_point_name() holds). @error  a sentence
   std::function<std::expected<CalledFile, std::string>(std::string_view name)> load;
 };

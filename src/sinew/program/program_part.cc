@@ -56,6 +56,7 @@ std::expected<Program, std::string> from_line(const Program& program, int line) 
   }
   Program part;
   part.files = program.files;
+  part.table = program.table;
   part.steps.assign(program.steps.begin() + static_cast<std::ptrdiff_t>(*place),
                     program.steps.end());
   for (Step& step : part.steps) {

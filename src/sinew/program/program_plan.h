@@ -74,7 +74,8 @@ struct ToolOrder {
 };
 
 struct LookOrder {
-  double duration = 0;  ///< s, about
+  std::string camera{};  ///< empty: the first
+  double duration = 0;   ///< s, about
 };
 /// Which cube, and how, is decided when the run comes here; it ends where it begins.
 struct PickOrder {
@@ -96,6 +97,8 @@ struct Order {
                PickOrder, PlaceOrder>
       what;
   int file = 0;  ///< of Program::files
+  /// Whether it counts in what is predicted: a round for which no cube is seen now does not.
+  bool expected = true;
 };
 
 /// More would be days of motion; a file of this many repeats is a slip or an attack.

@@ -25,6 +25,7 @@ constexpr double kStillLength = from_mm(0.02);  // m
 
 /// What an order counts in the progress of a run, s.
 double weight(const Order& order) {
+  if (!order.expected) return 0;
   if (const auto* move = std::get_if<MoveOrder>(&order.what)) return move->duration;
   if (const auto* wait = std::get_if<WaitOrder>(&order.what)) return to_seconds(wait->duration);
   if (const auto* tool = std::get_if<ToolOrder>(&order.what)) return tool->duration;
@@ -310,8 +311,9 @@ void Run::opening(Instant now) {
 }
 
 /// The machine's own word on where it is: the plan is made for that.
-void Run::begin(Instant /*now*/) {
+void Run::begin(Instant now) {
   q_ = machine_.reference();
+  if (uses_baskets(program_) && !program_.table) return fail({ErrorCode::kNoBasket}, now);
   auto plan = make_plan(program_, robot_, {q_, machine_.tool()}, homing_, look_);
   if (!plan) {
     failure_ = plan.error();
@@ -357,7 +359,10 @@ void Run::issue_next(Instant now) {
   }
   back_.reset();
   grasps_ = 0;
-  if (std::holds_alternative<LookOrder>(order.what)) sighting_.reset();
+  if (const auto* look = std::get_if<LookOrder>(&order.what)) {
+    sighting_.reset();
+    camera_ = look->camera;
+  }
   if (const auto accepted = issue(order, now); !accepted) fail(accepted.error(), now);
 }
 

@@ -271,7 +271,11 @@ class Run {
   int grasps_ = 0;
   std::optional<grasping::Cube> taken_;
   std::function<void(const Decision&)> listener_;
-  bool carries_ = false;  ///< what a `pick` has taken
+  bool carries_ = false;             ///< what a `pick` has taken
+  std::string camera_;               ///< that rows look with; empty: the first
+  std::vector<Vec3> released_;       ///< cubes over baskets, m in B
+  std::vector<Vec3> lying_;          ///< .. and those that are seen in them
+  std::optional<Vec3> released_at_;  ///< by the `place` under way
   std::function<DriverHealth()> health_;
   std::optional<JointVector> still_;  ///< where the joints are while `wait settled` looks at them
   Instant still_since_{};

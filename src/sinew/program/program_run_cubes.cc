@@ -21,7 +21,7 @@ void Run::decided(Decision::Kind kind, const std::optional<grasping::Cube>& cube
 std::expected<bool, Refusal> Run::sees() {
   if (eyes_ == nullptr) return std::unexpected(refused({ErrorCode::kNoCamera}));
   if (sighting_) return true;
-  eyes_->look();
+  eyes_->look(camera_);
   looks_ = true;
   return false;
 }
@@ -33,6 +33,8 @@ void Run::take_sight(Instant now) {
   if (!*seen) return fail(seen->error(), now);
   sighting_ = std::move(**seen);
   looked_ = true;
+  lying_ = released_;
+  for (const grasping::Cube& cube : sighting_->in_baskets) lying_.push_back(cube.p_BO);
   if (const auto gone_on = issue(*current_->order, now); !gone_on) fail(gone_on.error(), now);
 }
 
@@ -85,7 +87,8 @@ std::expected<void, Refusal> Run::issue_place(const PlaceOrder& place) {
   const auto from = standing();
   if (!from) return std::unexpected(from.error());
   const Step row{current_->order->line, place.row, current_->order->file};
-  auto rows = rows_to_place(planner(), *from, row);
+  auto rows = rows_to_place(planner(), *from, row, program_.table.get(), lying_);
+  if (rows && std::holds_alternative<BasketGoal>(place.row.there)) released_at_ = rows->p_BO;
   if (rows) decided(Decision::Kind::kPlace, taken_);
   return begin_tasks(std::move(rows));
 }
@@ -118,6 +121,10 @@ std::expected<void, Refusal> Run::tasks_done(Instant now) {
   sighting_.reset();
   if (std::holds_alternative<PlaceOrder>(current_->order->what)) {
     carries_ = false;
+    if (const auto at = std::exchange(released_at_, std::nullopt)) {
+      released_.push_back(*at);
+      lying_.push_back(*at);
+    }
     finish_order(now);
     return {};
   }

@@ -7,6 +7,13 @@
 #include "sinew/core/spelling.h"
 
 namespace sinew::program {
+
+std::string listed(const std::vector<std::string>& names) {
+  std::string all;
+  for (const std::string& one : names) all += (all.empty() ? "" : " ") + one;
+  return all;
+}
+
 std::string in_quotes(std::string_view text) {
   return "'" + printable(text) + "'";
 }

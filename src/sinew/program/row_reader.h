@@ -17,6 +17,8 @@ inline constexpr double kFarAway = 100;
 
 /// A text as a complaint may show it.
 std::string in_quotes(std::string_view text);
+/// "a b c"
+std::string listed(const std::vector<std::string>& names);
 
 struct Word {
   std::string_view text;

@@ -35,7 +35,7 @@ class CellMaker {
       place_cube(view_.cubes[i], style);
     }
     restart(2);
-    if (view_.basket) place_basket(*view_.basket);
+    for (const ViewedBasket& basket : view_.baskets) place_basket(basket);
     restart(3);
     for (const ViewedRobot& robot : view_.robots) place_robot(robot);
     for (const ViewedSheet& sheet : view_.sheets) lay_sheet(sheet);

@@ -61,7 +61,7 @@ struct CellView {
   Vec3 middle_W;       ///< m, of the area that is worked on; lamps hang above it
   double reach = 0.3;  ///< m, from there to its borders
   std::vector<ViewedCube> cubes;
-  std::optional<ViewedBasket> basket;
+  std::vector<ViewedBasket> baskets;
   std::vector<ViewedRobot> robots;
   std::vector<ViewedSheet> sheets;
   std::optional<ViewedHand> hand;

@@ -68,7 +68,7 @@ TEST(CellScene, tops_of_cubes_show_their_colors_and_the_floor_of_the_basket_its_
     view.cubes = {cube_at(-0.06, 0, 0.3, ColorName::kRed), cube_at(0, 0.05, 1, ColorName::kGreen),
                   cube_at(0.06, -0.02, 0, ColorName::kBlue),
                   cube_at(0.1, 0.06, 0.7, ColorName::kYellow)};
-    view.basket = ViewedBasket{.X_WS = {rotation_z(0.2), {0.02, 0.16, 0}}, .srgb = 0xC02080U};
+    view.baskets = {ViewedBasket{.X_WS = {rotation_z(0.2), {0.02, 0.16, 0}}, .srgb = 0xC02080U}};
     const auto picture = picture_of(view, camera(), aslant(), {}, seed);
     const auto top = [&](std::size_t i) {
       return seen_at(picture, view.cubes[i].X_WS.p + Vec3{0, 0, kEdge / 2}, aslant());
@@ -85,7 +85,7 @@ TEST(CellScene, tops_of_cubes_show_their_colors_and_the_floor_of_the_basket_its_
 TEST(CellScene, walls_of_the_basket_hide_what_lies_behind_them_and_not_its_middle) {
   CellView view;
   view.cubes = {cube_at(0.02, 0.16, 0, ColorName::kRed)};
-  view.basket = ViewedBasket{.X_WS = {Rotation{}, {0.02, 0.16, 0}}};
+  view.baskets = {ViewedBasket{.X_WS = {Rotation{}, {0.02, 0.16, 0}}}};
   const View seen = view_of(cell_scene(view), camera(), aslant(), 1);
   EXPECT_EQ(seen.solids[pixel_of({0.02, 0.16, kEdge}, aslant())], 1);
   // Solids: table, cube, floor, +x wall, -x wall, +y wall, -y wall.

@@ -321,6 +321,12 @@ io::IoResult<std::string> settings_path(const std::string& cell_file) {
   return *folder + "/" + name_of_cell(cell_file) + ".json";
 }
 
+io::IoResult<std::string> baskets_path(const std::string& cell_file) {
+  const auto folder = settings_folder();
+  if (!folder) return folder;
+  return *folder + "/" + name_of_cell(cell_file) + ".baskets.json";
+}
+
 io::IoResult<std::string> events_path(const std::string& cell_file) {
   const auto folder = events_folder();
   if (!folder) return folder;

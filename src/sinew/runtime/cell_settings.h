@@ -90,6 +90,8 @@ class CellSettings {
 /// $XDG_STATE_HOME/sinew/settings/NAME-HASH.json, of the cell's file wherever it is called from.
 /// @param cell_file  empty: the built-in cell
 io::IoResult<std::string> settings_path(const std::string& cell_file);
+/// The same for where its baskets were moved to: settings/NAME-HASH.baskets.json.
+io::IoResult<std::string> baskets_path(const std::string& cell_file);
 /// The same for its events: events/NAME-HASH.jsonl.
 io::IoResult<std::string> events_path(const std::string& cell_file);
 

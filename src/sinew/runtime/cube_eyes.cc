@@ -1,5 +1,6 @@
 #include "sinew/runtime/cube_eyes.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -12,6 +13,10 @@ bool is_in(const CellBasket& basket, const Vec3& p_W) {
   constexpr double kWall = 5e-3;  // m; a cube on the rim is not in it
   const Vec3 p_K = basket.X_WK.inverse() * p_W;
   return std::abs(p_K.x) < basket.size.x / 2 + kWall && std::abs(p_K.y) < basket.size.y / 2 + kWall;
+}
+
+bool is_in_any(const std::vector<CellBasket>& baskets, const Vec3& p_W) {
+  return std::ranges::any_of(baskets, [&](const CellBasket& one) { return is_in(one, p_W); });
 }
 
 program::Sighting sighting_of(const vision::Detection& seen, double edge,
@@ -27,27 +32,53 @@ program::Sighting sighting_of(const vision::Detection& seen, double edge,
     one.yaw = std::remainder(cube.position->yaw + turn, kPi / 2);
     one.edge = edge;
     one.color = static_cast<int>(cube.color);
-    if (place.basket && is_in(*place.basket, place.X_WB * one.p_BO)) continue;
-    sighting.cubes.push_back(one);
+    const bool done = is_in_any(place.baskets, place.X_WB * one.p_BO);
+    (done ? sighting.in_baskets : sighting.cubes).push_back(one);
   }
   return sighting;
 }
 
 void CubeEyes::watch(bool on) {
-  if (on == watching_) return;
-  watching_ = on;
-  if (!on) return camera_.end_watch();
-  undisturbed_ = camera_.disturbances();
-  camera_.begin_watch();
+  if (on == (watched_ != nullptr)) return;
+  if (!on) return std::exchange(watched_, nullptr)->end_watch();
+  watched_ = cameras_[looks_with_].camera;
+  undisturbed_ = watched_->disturbances();
+  watched_->begin_watch();
+}
+
+program::Sighting CubeEyes::sighting(const Looking& with, const Camera::Shot& shot) const {
+  return sighting_of(shot.seen, with.camera->settings().edge, {with.X_WT, X_WB_, baskets_.all()});
+}
+
+void CubeEyes::look(std::string_view camera) {
+  const auto found = std::ranges::find_if(
+      cameras_, [&](const Looking& one) { return one.camera->settings().name == camera; });
+  looks_with_ = found != cameras_.end() ? static_cast<std::size_t>(found - cameras_.begin()) : 0;
+  wanted_ = cameras_[looks_with_].camera->ask();
 }
 
 std::optional<Expected<program::Sighting>> CubeEyes::seen() {
-  const auto shot = camera_.newest();
+  const Looking& with = cameras_[looks_with_];
+  const auto shot = with.camera->newest();
   if (wanted_ == 0 || !shot || shot->number < wanted_) return std::nullopt;
   wanted_ = 0;
-  if (listener_) listener_(shot);
+  if (listener_) listener_(*with.camera, shot);
   if (shot->fault) return std::unexpected(*shot->fault);
-  return sighting_of(shot->seen, camera_.settings().edge, place_);
+  return sighting(with, *shot);
+}
+
+std::optional<program::Sighting> CubeEyes::newest() const {
+  const Looking& with = cameras_.front();
+  const auto shot = with.camera->newest();
+  if (!shot) with.camera->refresh();
+  if (!shot || shot->fault) return std::nullopt;
+  return sighting(with, *shot);
+}
+
+std::vector<std::string> CubeEyes::names() const {
+  std::vector<std::string> names;
+  for (const Looking& one : cameras_) names.push_back(one.camera->settings().name);
+  return names;
 }
 
 }  // namespace sinew::runtime

@@ -28,9 +28,9 @@ TEST(CubeEyes, places_are_the_robots_own) {
 
 TEST(CubeEyes, what_is_in_the_basket_is_done_with) {
   CubeEyes::Place place;
-  place.basket.emplace();
-  place.basket->X_WK = {rotation_z(from_deg(45)), {0.2, 0, 0}};
-  place.basket->size = {0.1, 0.06, 0.04};
+  place.baskets.emplace_back();
+  place.baskets[0].X_WK = {rotation_z(from_deg(45)), {0.2, 0, 0}};
+  place.baskets[0].size = {0.1, 0.06, 0.04};
   vision::Detection seen;
   // Along the basket's length, across it, and on its wall.
   for (const Vec3& top : {Vec3{0.23, 0.03, 0.03}, {0.17, 0.03, 0.025}, {0.176, 0.024, 0.06}}) {

@@ -53,7 +53,11 @@ Expected<std::uint32_t> JobRunner::start(JobOrder order, control::ClientId clien
     if (!view_.over) return std::unexpected(Error{ErrorCode::kBusy});
     if (!made) return std::unexpected(made.error());
     id = view_.id + 1;
-    view_ = {.id = id, .client = client, .title = order.title, .over = false};
+    view_ = {.id = id,
+             .client = client,
+             .title = order.title,
+             .handles_cubes = program::handles_cubes(order.program),
+             .over = false};
     wish_ = Wish::kNone;
   }
   if (thread_.joinable()) thread_.join();

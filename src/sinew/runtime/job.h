@@ -39,6 +39,7 @@ struct JobView {
   bool client_lost = false;      ///< and that is gone: it waits for another who resumes it
   control::ClientId guard = 0;   ///< who alone may resume it; 0: anyone
   std::string title;
+  bool handles_cubes = false;  ///< a row of it looks, picks or places
   program::Run::Phase phase = program::Run::Phase::kOpening;
   bool paused = false;
   bool over = true;  ///< nothing of it moves any more

@@ -4,7 +4,6 @@
 #include <thread>
 
 #include "sinew/core/assert.h"
-#include "sinew/runtime/cube_eyes.h"
 
 namespace sinew::runtime {
 namespace {
@@ -38,9 +37,15 @@ io::IoResult<std::unique_ptr<RunningCell>> RunningCell::start(
   SINEW_ASSERT(robots.size() == cell.robots.size());
   std::unique_ptr<RunningCell> running(new RunningCell(std::move(cell), folders));
   running->space_ = std::make_unique<CellSpace>(running->cell_, robots);
+  running->baskets_ = std::make_unique<CellBaskets>(running->cell_.baskets);
+  if (!folders.baskets.empty()) {
+    if (const auto kept = running->baskets_->keep_in(folders.baskets); !kept) {
+      return std::unexpected(kept.error());
+    }
+  }
   running->cameras_.resize(running->cell_.cameras.size());
   if (running->cell_.simulated_camera() != nullptr) {
-    running->table_ = std::make_unique<SimulatedTable>(running->cell_);
+    running->table_ = std::make_unique<SimulatedTable>(running->cell_, running->baskets_->all());
   }
   for (std::size_t i = 0; i < robots.size(); ++i) {
     const CellRobot& place = running->cell_.robots[i];
@@ -95,16 +100,36 @@ void RunningCell::open_camera(std::size_t i, Camera::Settings settings, CameraSo
   };
   cameras_[i] = std::make_unique<Camera>(std::move(settings), std::move(source),
                                          Camera::Watch{robots, std::move(glances)});
-  if (!calibrated || !eyes_.empty()) return;
+  if (!calibrated) return;
+  const bool first = eyes_.empty();
   for (std::size_t robot = 0; robot < size(); ++robot) {
-    eyes_.push_back(std::make_unique<CubeEyes>(
-        CubeEyes::Place{cell_.cameras[i].X_WT, cell_.robots[robot].X_WB, cell_.basket},
-        *cameras_[i],
-        [&station = *stations_[robot], name = cell_.cameras[i].name](const auto& shot) {
-          station.record(RunPicture{station.clock().now(), name, shot});
-        }));
-    jobs_[robot]->see_by(*eyes_.back());
+    if (first) {
+      eyes_.push_back(std::make_unique<CubeEyes>(
+          cell_.robots[robot].X_WB, *baskets_,
+          [&station = *stations_[robot]](const Camera& camera, const auto& shot) {
+            station.record(RunPicture{station.clock().now(), camera.settings().name, shot});
+          }));
+    }
+    eyes_[robot]->add(cell_.cameras[i].X_WT, *cameras_[i]);
+    if (first) jobs_[robot]->see_by(*eyes_[robot]);
   }
+}
+
+void RunningCell::move_basket(std::size_t basket, const Pose<frame::World, frame::Box>& X_WK) {
+  baskets_->move(basket, X_WK);
+  if (table_) table_->move_basket(basket, X_WK);
+}
+
+std::shared_ptr<const program::TableTop> RunningCell::table_top(std::size_t robot) const {
+  auto table = std::make_shared<program::TableTop>();
+  const auto X_BW = cell_.robots[robot].X_WB.inverse();
+  for (const CellBasket& basket : baskets_->all()) {
+    table->baskets.push_back({basket.name, X_BW * basket.X_WK, basket.size});
+  }
+  if (eyes_.empty()) return table;
+  table->cameras = eyes_[robot]->names();
+  table->seen = eyes_[robot]->newest();
+  return table;
 }
 
 std::vector<render::ViewedRobot> RunningCell::robots_in_view(Stand how) const {

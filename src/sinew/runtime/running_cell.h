@@ -8,7 +8,10 @@
 #include <vector>
 
 #include "sinew/model/cell.h"
+#include "sinew/program/table_top.h"
 #include "sinew/runtime/camera.h"
+#include "sinew/runtime/cell_baskets.h"
+#include "sinew/runtime/cube_eyes.h"
 #include "sinew/runtime/job.h"
 #include "sinew/runtime/procedure_runner.h"
 #include "sinew/runtime/simulated_table.h"
@@ -24,6 +27,7 @@ struct CellFolders {
   bool records_jobs = false;
   std::string commissioning{};  ///< what commissioning finds
   std::string programs{};       ///< programs and points, a folder for each kind of robot
+  std::string baskets{};        ///< a file: where baskets were moved to
 };
 
 /// Where commissioning leaves what it finds of this robot; empty: nowhere. A simulated device is
@@ -52,12 +56,18 @@ class RunningCell {
   /// Where the cell's robot of this name is; nothing where there is none.
   std::optional<std::size_t> find(std::string_view name) const;
   /// The camera of the cell's file with this number gives pictures from now on; programs look with
-  /// the first calibrated one. Before the first job.
+  /// calibrated ones, the first where they name none. Before the first job.
   /// @param glances  as Camera::Watch has them
   void open_camera(std::size_t i, Camera::Settings settings, CameraSource source,
                    CameraSource glances = {});
   /// Null where it was not opened.
   Camera* camera(std::size_t i) const { return cameras_[i].get(); }
+  /// Where its baskets stand.
+  const CellBaskets& baskets() const { return *baskets_; }
+  /// A person has put it there. @param X_WK  upright
+  void move_basket(std::size_t basket, const Pose<frame::World, frame::Box>& X_WK);
+  /// What lies in front of a robot, for a program that is read now.
+  std::shared_ptr<const program::TableTop> table_top(std::size_t robot) const;
   /// What simulated cameras see; null where the cell's file has none.
   SimulatedTable* table() const { return table_.get(); }
   enum class Stand : std::uint8_t { kBelieved, kTrue };
@@ -72,10 +82,11 @@ class RunningCell {
   CellFolders folders_;
   std::vector<std::unique_ptr<io::Clock>> clocks_;  ///< each robot's
   std::unique_ptr<CellSpace> space_;
+  std::unique_ptr<CellBaskets> baskets_;
   std::unique_ptr<SimulatedTable> table_;  ///< of the stations, which end first
   std::vector<std::unique_ptr<Station>> stations_;
-  std::vector<std::unique_ptr<Camera>> cameras_;      ///< they look at the stations
-  std::vector<std::unique_ptr<program::Eyes>> eyes_;  ///< of the jobs, which end first
+  std::vector<std::unique_ptr<Camera>> cameras_;  ///< they look at the stations
+  std::vector<std::unique_ptr<CubeEyes>> eyes_;   ///< of the jobs, which end first
   std::vector<std::unique_ptr<JobRunner>> jobs_;
   std::vector<std::unique_ptr<ProcedureRunner>> procedures_;
 };

@@ -24,15 +24,14 @@ Pose<frame::World, frame::World> table_of(const Cell& cell) {
   return relabel<frame::World, frame::World>(camera_of(cell).X_WT.inverse());
 }
 
-sim::CubeWorldSettings settings_of(const Cell& cell) {
+sim::CubeWorldSettings settings_of(const Cell& cell, const std::vector<CellBasket>& baskets) {
   sim::CubeWorldSettings settings;
   settings.table_half = {kTableHalf, kTableHalf};
-  if (cell.basket) {
-    const CellBasket& basket = *cell.basket;
-    settings.basket =
-        sim::Basket{.X_WK = relabel<frame::World, frame::Basket>(table_of(cell) * basket.X_WK),
-                    .half = {basket.size.x / 2, basket.size.y / 2},
-                    .height = basket.size.z};
+  for (const CellBasket& basket : baskets) {
+    settings.baskets.push_back(
+        {.X_WK = relabel<frame::World, frame::Basket>(table_of(cell) * basket.X_WK),
+         .half = {basket.size.x / 2, basket.size.y / 2},
+         .height = basket.size.z});
   }
   return settings;
 }
@@ -56,8 +55,8 @@ vision::TableCamera usual_camera() {
   return camera;
 }
 
-SimulatedTable::SimulatedTable(const Cell& cell)
-    : X_WT_(camera_of(cell).X_WT), cubes_(settings_of(cell)) {
+SimulatedTable::SimulatedTable(const Cell& cell, const std::vector<CellBasket>& baskets)
+    : X_WT_(camera_of(cell).X_WT), cubes_(settings_of(cell, baskets)) {
   const auto X_TW = table_of(cell);
   for (const CellRobot& robot : cell.robots) X_TB_.push_back(X_TW * robot.X_WB);
   const double turn = fixed_xyz(X_TW.R).z;
@@ -112,6 +111,12 @@ void SimulatedTable::begin_again() {
   });
 }
 
+void SimulatedTable::move_basket(std::size_t basket, const Pose<frame::World, frame::Box>& X_WK) {
+  const auto X_TW = relabel<frame::World, frame::World>(X_WT_.inverse());
+  const auto X_TK = relabel<frame::World, frame::Basket>(X_TW * X_WK);
+  cubes_.with([&](sim::CubeWorld& world) { world.move_basket(basket, X_TK); });
+}
+
 void SimulatedTable::set_trouble(const Trouble& trouble) {
   const std::scoped_lock lock(mutex_);
   trouble_ = trouble;
@@ -137,7 +142,9 @@ Expected<vision::Picture> SimulatedTable::picture(const vision::TableCamera& cam
   const auto X_TW = relabel<frame::World, frame::World>(X_WT_.inverse());
   for (render::ViewedRobot& robot : view.robots) robot.X_WB = X_TW * robot.X_WB;
   cubes_.with([&](const sim::CubeWorld& world) {
-    if (const auto& basket = world.settings().basket) view.basket = viewed(*basket);
+    for (const sim::Basket& basket : world.settings().baskets) {
+      view.baskets.push_back(viewed(basket));
+    }
     for (const sim::CubeState& cube : world.cubes()) {
       if (cube.where == sim::CubePlace::kGone) continue;
       view.cubes.push_back({relabel<frame::World, frame::Solid>(cube.X_WO), cube.edge,

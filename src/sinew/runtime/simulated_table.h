@@ -33,7 +33,7 @@ class LockedCubes : public sim::SharedCubes {
 /// Where a simulated camera hangs that no calibration is given for: 640 x 480 px, above its table.
 vision::TableCamera usual_camera();
 
-/// The table under a cell's simulated camera: cubes and a basket that its robots work on, and what
+/// The table under a cell's simulated camera: cubes and baskets that its robots work on, and what
 /// the camera sees of all that. The cell learns of it through robots' wires and pictures alone.
 class SimulatedTable {
  public:
@@ -49,8 +49,9 @@ class SimulatedTable {
     std::optional<render::ViewedHand> hand{};  ///< on the table
   };
 
-  /// @param cell  with a simulated camera
-  explicit SimulatedTable(const Cell& cell);
+  /// @param cell     with a simulated camera
+  /// @param baskets  where they stand now
+  SimulatedTable(const Cell& cell, const std::vector<CellBasket>& baskets);
 
   /// A robot's machine, its hand on this table. @param which  of the cell's robots
   std::unique_ptr<sim::ByteMachine> under(std::unique_ptr<sim::ByteMachine> machine,
@@ -64,6 +65,8 @@ class SimulatedTable {
   sim::SharedCubes& cubes() { return cubes_; }
   /// All cubes lie where they lay when the cell began.
   void begin_again();
+  /// As CubeWorld::move_basket does. @param X_WK  in the cell
+  void move_basket(std::size_t basket, const Pose<frame::World, frame::Box>& X_WK);
   void set_trouble(const Trouble& trouble);
   /// Lamps, table top, things that are no cubes; seed: as render::CellView has it.
   void set_surroundings(const render::CellView& view);

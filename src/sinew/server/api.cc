@@ -437,6 +437,7 @@ void Api::take_answered() {
   while (const auto done = files_.take()) take_answered(*done);
   while (const auto done = checks_.take()) take_answered(*done);
   while (const auto done = pictures_.take()) take_answered(*done);
+  while (const auto done = verdicts_.take()) take_answered(*done);
   while (const auto done = wires_.take()) take_answered(*done);
 }
 

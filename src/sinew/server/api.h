@@ -15,6 +15,7 @@
 #include "sinew/planning/tool_space.h"
 #include "sinew/runtime/running_cell.h"
 #include "sinew/runtime/wire_monitor.h"
+#include "sinew/server/cube_reach.h"
 #include "sinew/server/event_file.h"
 #include "sinew/server/event_log.h"
 #include "sinew/server/keeper.h"
@@ -122,6 +123,7 @@ class Api {
     Duration interval{};  ///< zero: no messages
     Instant next{};
     Json known = Json::object();  ///< of each object, as the client knows it
+    std::uint64_t baskets = 0;    ///< revision that it knows
   };
   struct Message {
     std::string text;
@@ -252,6 +254,12 @@ class Api {
 
   // api_camera.cc
   Answer look_through(const Call& call);
+  std::expected<std::size_t, RpcError> asked_camera(const Call& call) const;
+
+  // api_cubes.cc
+  Answer judge_cubes(const Call& call);
+  Answer cube_reach(const Call& call);
+  Answer move_basket(const Call& call);
 
   // api_procedures.cc
   Json procedure(std::size_t robot) const;
@@ -263,9 +271,11 @@ class Api {
   runtime::RunningCell& cell_;
   std::unique_ptr<PreviewDesk> previews_;
   Keeper keeper_;
-  TaskDesk files_;                      ///< the keeper's
-  TaskDesk checks_;                     ///< of programs
-  TaskDesk pictures_;                   ///< of cameras
+  TaskDesk files_;     ///< the keeper's
+  TaskDesk checks_;    ///< of programs
+  TaskDesk pictures_;  ///< of cameras
+  TaskDesk verdicts_;  ///< of cubes
+  CubeReachDesk reach_{cell_};
   std::size_t asked_ = 0;               ///< previews and tasks under way
   std::uint64_t messages_ = 0;          ///< that came, ever
   std::size_t inbox_ = 0;               ///< messages that wait

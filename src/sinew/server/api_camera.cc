@@ -12,9 +12,7 @@ constexpr std::uint64_t kLongestUsual = 640;
 
 }  // namespace
 
-/// The answer is the newest picture, at once, and the next one taken meanwhile: who wants to see
-/// more asks again.
-Api::Answer Api::look_through(const Call& call) {
+std::expected<std::size_t, RpcError> Api::asked_camera(const Call& call) const {
   const auto& cameras = cell_.cell().cameras;
   const std::string wanted = call.request.text("camera");
   const auto found = std::ranges::find_if(
@@ -22,16 +20,26 @@ Api::Answer Api::look_through(const Call& call) {
   if (found == cameras.end()) {
     std::string names;
     for (const CellCamera& one : cameras) names += (names.empty() ? "" : ", ") + one.name;
-    return invalid(names.empty() ? "this cell has no camera; [[camera]] in its file names one"
-                                 : "no camera of this cell has that name; there are " + names);
+    return std::unexpected(
+        invalid(names.empty() ? "this cell has no camera; [[camera]] in its file names one"
+                              : "no camera of this cell has that name; there are " + names));
   }
+  const auto i = static_cast<std::size_t>(found - cameras.begin());
+  if (cell_.camera(i) == nullptr) return std::unexpected(invalid(found->name + " was not opened"));
+  return i;
+}
+
+/// The answer is the newest picture, at once, and the next one taken meanwhile: who wants to see
+/// more asks again.
+Api::Answer Api::look_through(const Call& call) {
+  const auto found = asked_camera(call);
+  if (!found) return found.error();
+  const std::size_t i = *found;
   const std::uint64_t longest = call.request.whole("longest_px", kLongestUsual);
   if (longest < kLongestMin || longest > kLongestMax) {
     return invalid("longest_px has to be 16 to 4096");
   }
-  const auto i = static_cast<std::size_t>(found - cameras.begin());
   runtime::Camera* camera = cell_.camera(i);
-  if (camera == nullptr) return invalid(found->name + " was not opened");
   camera->refresh();
   const std::uint64_t known = call.request.whole("known", 0);
   return Errand{pictures_, as_task([this, i, camera, known, longest]() -> Keeper::Result {

@@ -157,6 +157,7 @@ std::expected<program::Program, program::NoForm> read_program(const runtime::Run
   const TaughtPoints points = usable_points(*kept, "points.toml");
   program::Surroundings around;
   around.points = &points;
+  around.table = cell.table_top(wish.robot);
   around.load = [&](std::string_view name) -> std::expected<program::CalledFile, std::string> {
     const std::string key(name);
     if (!wish.called) {

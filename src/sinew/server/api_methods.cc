@@ -148,6 +148,12 @@ Api::Answer Api::look(const Method& method, const Call& call) {
       return read_wire(call);
     case MethodId::kCameraLook:
       return look_through(call);
+    case MethodId::kRobotCubes:
+      return judge_cubes(call);
+    case MethodId::kRobotCubeReach:
+      return cube_reach(call);
+    case MethodId::kBasketMove:
+      return move_basket(call);
     default:
       return keep(method, call);
   }
@@ -203,10 +209,7 @@ Api::Answer Api::describe() const {
   }
   Json json{{"title", cell.title}, {"version", version_}, {"time_scale", cell.time_scale},
             {"robots", robots},    {"objects", objects},  {"cameras", cameras}};
-  if (cell.basket) {
-    json["basket"] =
-        box_json(cell.basket->name, cell.basket->X_WK.p, cell.basket->X_WK.R, cell.basket->size);
-  }
+  if (!cell.baskets.empty()) json["baskets"] = baskets_json(cell_.baskets().all());
   return json;
 }
 
@@ -396,6 +399,7 @@ Api::Answer Api::run_program(const Call& call) {
   }
   program::Surroundings around;
   around.points = points ? &*points : nullptr;
+  around.table = cell_.table_top(*call.robot);
   around.load = [&](std::string_view called) -> std::expected<program::CalledFile, std::string> {
     const auto texts = params.find("called");
     const std::string key(called);

@@ -61,7 +61,10 @@ Api::Answer Api::subscribe(const Call& call) {
   if (!interval) return interval.error();
   auto all = objects(call.request.params["objects"]);
   if (!all) return all.error();
-  call.session.subscription = {.interval = *interval, .next = call.now + *interval, .known = *all};
+  call.session.subscription = {.interval = *interval,
+                               .next = call.now + *interval,
+                               .known = *all,
+                               .baskets = cell_.baskets().revision()};
   return Json{{"objects", std::move(*all)}};
 }
 
@@ -74,7 +77,7 @@ void Api::tell_objects(Session& session, Instant now) {
   subscription.next = next_due(subscription.next, subscription.interval, now);
   Json updates = Json::object();
   for (auto& [name, known] : subscription.known.items()) {
-    if (name == "cell") continue;  // never changes
+    if (name == "cell" && subscription.baskets == cell_.baskets().revision()) continue;
     const auto state = object(name);
     if (!state) continue;
     Json update = partial_update(known, *state);
@@ -84,6 +87,7 @@ void Api::tell_objects(Session& session, Instant now) {
     known = *state;
     updates[name] = std::move(update);
   }
+  subscription.baskets = cell_.baskets().revision();
   if (!updates.empty()) put(session, notification_text("objects", {{"objects", updates}}));
 }
 

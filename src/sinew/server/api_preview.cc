@@ -103,7 +103,9 @@ Api::Answer Api::preview(const Call& call) const {
   }
   const auto form = asked_form(call.request, model);
   if (!form) return form.error();
-  auto program = program::read_text(*form, wish.text, "preview", model, {});
+  program::Surroundings around;
+  around.table = cell_.table_top(*call.robot);
+  auto program = program::read_text(*form, wish.text, "preview", model, around);
   if (!program && program.error().complaints.empty()) return no_form(program.error(), model);
   if (!program) return invalid(to_text(program.error().complaints.front()));
   if (program->steps.empty()) return invalid("the program has no row");

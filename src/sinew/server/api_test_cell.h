@@ -26,7 +26,8 @@ class ApiCell {
   explicit ApiCell(const std::vector<CellRobot>& robots, double scale = 20,
                    const runtime::CellFolders& folders = {},
                    const std::vector<CellObject>& objects = {},
-                   runtime::CellSettings* settings = nullptr, const std::string& event_file = {}) {
+                   runtime::CellSettings* settings = nullptr, const std::string& event_file = {},
+                   const Cell& table = {}) {
 #ifdef __SANITIZE_ADDRESS__
     scale /= 2;
 #endif
@@ -34,9 +35,9 @@ class ApiCell {
               .time_scale = scale,
               .robots = robots,
               .objects = objects,
-              .cameras = {},
-              .basket = {},
-              .cubes = {}};
+              .cameras = table.cameras,
+              .baskets = table.baskets,
+              .cubes = table.cubes};
     // Those that nobody has placed stand beside each other, out of reach.
     for (std::size_t i = 0; i < robots.size(); ++i) {
       if (robots[i].X_WB.p == Vec3{}) cell.robots[i].X_WB.p.x = 3 * static_cast<double>(i);

@@ -1,5 +1,6 @@
 #include "sinew/server/camera_json.h"
 
+#include <algorithm>
 #include <cmath>
 #include <string_view>
 
@@ -19,7 +20,7 @@ Json corners_json(const vision::Quad& quad) {
 }
 
 Json cube_json(const vision::SeenCube& cube, const CellCamera& camera,
-               const std::optional<CellBasket>& basket) {
+               const std::vector<CellBasket>& baskets) {
   Json json{{"color", name(cube.color)},
             {"confidence", cube.confidence},
             {"top_px", corners_json(cube.top)}};
@@ -31,7 +32,9 @@ Json cube_json(const vision::SeenCube& cube, const CellCamera& camera,
   json["z_m"] = p_W.z;
   json["yaw_rad"] = cube.position->yaw + fixed_xyz(camera.X_WT.R).z;
   json["edge_m"] = camera.cube;
-  if (basket && runtime::is_in(*basket, p_W)) json["in_basket"] = true;
+  const auto basket = std::ranges::find_if(
+      baskets, [&](const CellBasket& one) { return runtime::is_in(one, p_W); });
+  if (basket != baskets.end()) json["in_basket"] = basket->name;
   return json;
 }
 
@@ -41,6 +44,14 @@ std::string jpeg(const vision::Picture& picture, int longest) {
 }
 
 }  // namespace
+
+Json baskets_json(const std::vector<CellBasket>& baskets) {
+  Json json = Json::array();
+  for (const CellBasket& one : baskets) {
+    json.push_back(box_json(one.name, one.X_WK.p, one.X_WK.R, one.size));
+  }
+  return json;
+}
 
 Json camera_description(const runtime::RunningCell& cell, std::size_t camera) {
   const CellCamera& place = cell.cell().cameras[camera];
@@ -53,7 +64,9 @@ Json camera_description(const runtime::RunningCell& cell, std::size_t camera) {
   const auto X_WC = place.X_WT * relabel<frame::Table, frame::Camera>(calibration.X_WC);
   json["lens"] = {{"pose", pose_json(X_WC.p, X_WC.R)},     {"width_px", calibration.model.width},
                   {"height_px", calibration.model.height}, {"fx_px", calibration.model.fx},
-                  {"fy_px", calibration.model.fy},         {"accuracy_m", calibration.accuracy}};
+                  {"fy_px", calibration.model.fy},         {"cx_px", calibration.model.center.x},
+                  {"cy_px", calibration.model.center.y},   {"distortion", calibration.model.lens},
+                  {"accuracy_m", calibration.accuracy}};
   return json;
 }
 
@@ -61,8 +74,9 @@ Json shot_json(const runtime::RunningCell& cell, std::size_t camera,
                const runtime::Camera::Shot& shot, std::uint64_t known, int longest) {
   const CellCamera& place = cell.cell().cameras[camera];
   Json cubes = Json::array();
+  const std::vector<CellBasket> baskets = cell.baskets().all();
   for (const vision::SeenCube& cube : shot.seen.cubes) {
-    cubes.push_back(cube_json(cube, place, cell.cell().basket));
+    cubes.push_back(cube_json(cube, place, baskets));
   }
   Json refused = Json::array();
   for (const vision::RefusedShape& shape : shot.seen.refused) {
@@ -74,6 +88,7 @@ Json shot_json(const runtime::RunningCell& cell, std::size_t camera,
             {"height_px", shot.picture.height},
             {"cubes", cubes},
             {"refused", refused}};
+  if (!baskets.empty()) json["baskets"] = baskets_json(baskets);
   if (shot.fault) json["fault"] = error_json(*shot.fault, cell.station(0).robot());
   if (shot.picture.width > 0 && shot.number != known) json["picture"] = jpeg(shot.picture, longest);
   return json;

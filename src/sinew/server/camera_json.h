@@ -8,6 +8,9 @@
 /// What the server says of cameras: SI, in the cell's frame; px of the picture as it was taken.
 namespace sinew::server {
 
+/// Where baskets stand.
+Json baskets_json(const std::vector<CellBasket>& baskets);
+
 /// What never changes: where its table is and, where it is calibrated, its lens.
 Json camera_description(const runtime::RunningCell& cell, std::size_t camera);
 

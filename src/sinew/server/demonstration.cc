@@ -1,11 +1,8 @@
 #include "sinew/server/demonstration.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 
 #include "sinew/config/builtin_robots.h"
-#include "sinew/core/units.h"
 #include "sinew/model/error_sentence.h"
 #include "sinew/program/cube_rows.h"
 #include "sinew/server/json_rpc.h"
@@ -55,13 +52,9 @@ std::optional<std::size_t> sorter_of(const runtime::RunningCell& cell) {
 
 /// Empty where this robot has no cubes to sort, or nothing to sort them into.
 std::string rows_to_sort(const runtime::RunningCell& cell, std::size_t robot) {
-  constexpr double kDrop = 0.06;  // m above the basket's rim
-  const auto& basket = cell.cell().basket;
-  if (!basket || sorter_of(cell) != robot) return {};
-  const Vec3 p_B = cell.cell().robots[robot].X_WB.inverse() *
-                   (basket->X_WK.p + Vec3{0, 0, basket->size.z + kDrop});
-  return fmt::format("repeat while seen\n  pick\n  place x={:.1f}mm y={:.1f}mm z={:.1f}mm\nend\n",
-                     to_mm(p_B.x), to_mm(p_B.y), to_mm(p_B.z));
+  const auto& baskets = cell.cell().baskets;
+  if (baskets.empty() || sorter_of(cell) != robot) return {};
+  return "repeat while seen\n  pick\n  place " + baskets.front().name + "\nend\n";
 }
 
 }  // namespace
@@ -78,7 +71,15 @@ Demonstration::Demonstration(Api& api, const runtime::RunningCell& cell)
                       .rides = program_of(station.robot().id).empty(),
                       .sorts = rows_to_sort(cell, i)});
   }
+  take_picture();
   if (session_) api_.yield(*session_);
+}
+
+/// How long the next round takes is predicted with the cubes in it.
+void Demonstration::take_picture() {
+  for (std::size_t i = 0; i < cell_.cell().cameras.size(); ++i) {
+    if (runtime::Camera* camera = cell_.camera(i)) camera->refresh();
+  }
 }
 
 void Demonstration::poll(Instant now) {
@@ -119,6 +120,8 @@ void Demonstration::look_at(std::size_t robot, Instant now) {
     if (job.failure) part.trouble = sentence_of(job.failure->error, cell_.station(robot).robot());
     if (done) part.trouble.clear();
     part.due = now + (done ? kPause : kRetry);
+    if (!part.sorts.empty()) cell_.table()->begin_again();
+    take_picture();
   }
   if (part.failures >= kFailuresMax) part.plays = false;
   if (part.plays && now >= part.due) begin_round(robot, now);
@@ -141,7 +144,6 @@ void Demonstration::begin_round(std::size_t robot, Instant now) {
   } else {
     const std::string_view text = program_of(station.robot().id);
     wish["text"] = std::string(text) + part.sorts;
-    if (!part.sorts.empty()) cell_.table()->begin_again();
     wish["name"] = "demonstration";
     const auto line = behind_home(text);
     if (part.rounds > 0 && line) wish["from_line"] = *line;

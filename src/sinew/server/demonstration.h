@@ -49,6 +49,7 @@ class Demonstration {
 
  private:
   void begin_round(std::size_t robot, Instant now);
+  void take_picture();
   void take_answers();
   void look_at(std::size_t robot, Instant now);
 

@@ -111,6 +111,20 @@ constexpr Param kLookParams[] = {
     {"known", ParamType::kWhole, false, "number of the last picture: it is not sent again"},
     {"longest_px", ParamType::kWhole, false, "of the picture's longer side, 16 to 4096; 640"}};
 
+constexpr Param kCubesParams[] = {
+    kRobotParam,
+    {"camera", ParamType::kText, false, "its name in the cell; the first one where left out"}};
+constexpr Param kCubeReachParams[] = {
+    kRobotParam,
+    {"edge_m", ParamType::kNumber, false, "of the cube, 0.005 to 0.2; the first camera's"},
+    {"z_m", ParamType::kNumber, false,
+     "what it stands on, in the cell; the first camera's table, or the robot's foot"}};
+constexpr Param kBasketParams[] = {
+    {"basket", ParamType::kText, true, "its name in the cell"},
+    {"x_m", ParamType::kNumber, true, "middle of its floor in the cell"},
+    {"y_m", ParamType::kNumber, true, "likewise"},
+    {"turn_rad", ParamType::kNumber, false, "about z; as it is turned where left out"}};
+
 constexpr Param kPreviewParams[] = {
     kRobotParam,
     {"joints", ParamType::kNumbers, false, "where the joints shall be; rad or m, one a joint"},
@@ -192,9 +206,9 @@ constexpr auto kMethods = std::to_array<Method>({
     {MethodId::kCellDescribe,
      "cell.describe",
      false,
-     "the cell and its robots, which never change",
+     "the cell and its robots; only its baskets ever move",
      {},
-     "title, version, time_scale, robots, objects, cameras",
+     "title, version, time_scale, robots, objects, cameras, baskets",
      "CellDescription"},
     {MethodId::kCellStatus,
      "cell.status",
@@ -313,6 +327,23 @@ constexpr auto kMethods = std::to_array<Method>({
      "the newest picture of a camera and the cubes in it; the next one is taken meanwhile",
      kLookParams, "number, width_px, height_px, cubes, refused, fault, picture: a JPEG as base64",
      "CameraShot"},
+    {MethodId::kRobotCubes, "robot.cubes", false,
+     "whether this robot can pick the cubes in a camera's newest picture, each as they lie now, "
+     "and "
+     "what would help; nothing moves",
+     kCubesParams, "number of the picture, cubes in the order in which they are picked",
+     "CubeVerdicts"},
+    {MethodId::kRobotCubeReach, "robot.cube_reach", false,
+     "where on a level surface this robot can take a cube that lies alone; computed while somebody "
+     "asks for it: `done` is the share so far",
+     kCubeReachParams,
+     "x_m, y_m: middle of the first cell of the grid; rows along y, a letter a cell along x: s "
+     "straight "
+     "down, t tilted, - not, . not known yet",
+     "CubeReach"},
+    {MethodId::kBasketMove, "basket.move", true,
+     "says where a basket stands from now on, and keeps it; refused while a program handles cubes",
+     kBasketParams, "basket; warnings: robots that do not reach it", "MovedBasket"},
     {MethodId::kProgramCheck, "program.check", false,
      "a verdict for each row, from where the robot stands; nothing moves, and what is refused is "
      "no error",

@@ -7,6 +7,7 @@
 #include "sinew/core/error.h"
 #include "sinew/core/rotation.h"
 #include "sinew/planning/tool_space.h"
+#include "sinew/program/foresight.h"
 #include "sinew/program/row_offers.h"
 #include "sinew/program/whole_moves.h"
 #include "sinew/runtime/homing_time.h"
@@ -116,36 +117,77 @@ Json would_work(const program::WayRefusal& way, std::size_t size) {
 }
 
 /// Plans the motions once more, one after the other, and takes their samples.
-std::expected<void, program::Refusal> sample(const program::Plan& plan, const RobotModel& model,
-                                             program::RowPlanner& planner, Samples& samples) {
-  JointVector q;
-  for (const program::Order& order : plan.orders) {
+class Sampler {
+ public:
+  Sampler(const RobotModel& model, program::RowPlanner& planner, Samples& samples)
+      : model_(model), planner_(planner), samples_(samples) {}
+
+  std::expected<void, program::Refusal> take(const program::Foreseen& now) {
+    if (now.rows != nullptr) return take_cube(*now.from.q, now.from.tool, *now.rows);
+    // What the camera will see is not known; that a cube cannot be had is.
+    const bool refused = now.why != nullptr && now.why->error.code != ErrorCode::kNothingSeen;
+    if (refused) return std::unexpected(*now.why);
+    const program::Order& order = now.order;
     if (const auto* wait = std::get_if<program::WaitOrder>(&order.what)) {
-      if (!q.empty()) samples.pause(to_seconds(wait->duration), q);
+      pause(to_seconds(wait->duration));
     } else if (const auto* tool = std::get_if<program::ToolOrder>(&order.what)) {
-      if (!q.empty()) samples.pause(tool->duration, q);
+      pause(tool->duration);
     }
     const auto* move = std::get_if<MoveOrder>(&order.what);
-    if (move == nullptr) continue;
-    q = move->q;
+    if (move == nullptr) return {};
+    q_ = move->q;
     if (move->first_move || !move->q_start) {
-      samples.pause(move->duration, q);
-      continue;
+      samples_.pause(move->duration, q_);
+      return {};
     }
-    const auto pieces = planner.plan(*move->q_start, move->tool, move->rows);
+    return take_motion(*move->q_start, move->tool, move->rows);
+  }
+
+ private:
+  void pause(double duration) {
+    if (!q_.empty()) samples_.pause(duration, q_);
+  }
+
+  std::expected<void, program::Refusal> take_motion(const JointVector& q_start,
+                                                    const ToolState& tool,
+                                                    std::span<const program::Step> rows) {
+    const auto pieces = planner_.plan(q_start, tool, rows);
     if (!pieces) return std::unexpected(pieces.error());
-    const planning::PlannedMotion& motion = planner.motion();
-    if (motion.empty()) continue;
-    const bool whole = model.device.capability.motion == MotionKind::kPointToPoint;
+    q_ = pieces->q_end;
+    const planning::PlannedMotion& motion = planner_.motion();
+    if (motion.empty()) return {};
+    const bool whole = model_.device.capability.motion == MotionKind::kPointToPoint;
     if (whole && !pieces->pieces.empty()) {
       const double share = motion.path.sections.front().joint_share;
-      samples.add(program::WholeMoves(*move->q_start, *pieces, share, model));
+      samples_.add(program::WholeMoves(q_start, *pieces, share, model_));
     } else {
-      samples.add(motion.trajectory());
+      samples_.add(motion.trajectory());
     }
+    return {};
   }
-  return {};
-}
+
+  std::expected<void, program::Refusal> take_cube(JointVector q, ToolState tool,
+                                                  const program::CubeRows& rows) {
+    for (const program::Step& step : rows.steps) {
+      if (program::motion_of(step) != nullptr) {
+        const auto done = take_motion(q, tool, std::span(&step, 1));
+        if (!done) return done;
+        q = q_;
+        continue;
+      }
+      const ToolAction& action = std::get<program::ToolStep>(step.what).action;
+      pause(to_seconds(tool_time(model_, action, tool.jaws)));
+      const auto* jaws = std::get_if<JawsTo>(&action);
+      if (jaws != nullptr) tool = {jaws->width, jaws->held};
+    }
+    return {};
+  }
+
+  const RobotModel& model_;
+  program::RowPlanner& planner_;
+  Samples& samples_;
+  JointVector q_;
+};
 
 bool first_move_in(const program::Plan& plan) {
   return std::ranges::any_of(plan.orders, [](const program::Order& order) {
@@ -227,9 +269,11 @@ std::expected<Json, RpcError> preview(const runtime::RunningCell& cell, const Pr
   program::RowPlanner planner(model);
   const double step = std::max(plan->duration / static_cast<double>(wish.samples - 1), 1e-3);
   Samples samples(model, planner.space(), step);
-  if (const auto done = sample(*plan, model, planner, samples); !done) {
-    return std::unexpected(refused_plan(done.error(), model, std::nullopt));
-  }
+  Sampler sampler(model, planner, samples);
+  const auto foreseen =
+      program::foresee(*plan, wish.program, planner, wish.from,
+                       [&](const program::Foreseen& now) { return sampler.take(now); });
+  if (!foreseen) return std::unexpected(refused_plan(foreseen.error(), model, std::nullopt));
   Json json{{"robot", station.name()},
             {"text", wish.text},
             {"duration_s", rounded(plan->duration, 1e-4)},

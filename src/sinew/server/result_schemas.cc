@@ -146,28 +146,32 @@ void put_cell(Json& all) {
        {"stop", object({{"ends_motion", flag()}, {"standstill", text()}, {"gravity", text()}})}},
       {{"position_journal", object({{"found", text()}, {"way_out", text()}})}},
       {{of_joint("nudge_max"), number()}});
-  const Json box = object({{"name", text()},
-                           {"x_m", number()},
-                           {"y_m", number()},
-                           {"z_m", number()},
-                           {"quaternion_wxyz", numbers(4)},
-                           {"length_m", number()},
-                           {"width_m", number()},
-                           {"height_m", number()}});
+  all["Box"] = object({{"name", text()},
+                       {"x_m", number()},
+                       {"y_m", number()},
+                       {"z_m", number()},
+                       {"quaternion_wxyz", numbers(4)},
+                       {"length_m", number()},
+                       {"width_m", number()},
+                       {"height_m", number()}});
   all["CellDescription"] = object(
       {{"title", text()},
        {"version", text()},
        {"time_scale", number()},
        {"robots", list(ref("RobotDescription"))},
-       {"objects", list(box)},
+       {"objects", list(ref("Box"))},
        {"cameras", list(object({{"name", text()}, {"device", text()}, {"table", ref("Pose")}},
                                {{"lens", object({{"pose", ref("Pose")},
                                                  {"width_px", whole()},
                                                  {"height_px", whole()},
                                                  {"fx_px", number()},
                                                  {"fy_px", number()},
+                                                 {"cx_px", number()},
+                                                 {"cy_px", number()},
+                                                 {"distortion", numbers(5)},
                                                  {"accuracy_m", number()}})}}))}},
-      {{"basket", box}});
+      {{"baskets", list(ref("Box"))}});
+
   all["CellStatus"] = object({{"robots", list(ref("Status"))}}, {{"demonstration", flag()}});
   all["ObjectNames"] = object({{"objects", list(text())}});
   all["Objects"] = object(
@@ -193,8 +197,31 @@ void put_cameras(Json& all) {
                               {"z_m", number()},
                               {"yaw_rad", number()},
                               {"edge_m", number()},
-                              {"in_basket", flag()}}))},
+                              {"in_basket", text()}}))},
+       {"baskets", list(ref("Box"))},
        {"refused", list(object({{"why", text()}, {"outline_px", corners}}))}});
+  all["MovedBasket"] =
+      object({{"basket", ref("Box")},
+              {"warnings", list(object({{"robot", text()}, {"error", ref("Error")}}))}});
+  all["CubeVerdicts"] = object({{"camera", text()}, {"number", whole()}},
+                               {{"cubes", list(object({{"color", text()},
+                                                       {"x_m", number()},
+                                                       {"y_m", number()},
+                                                       {"z_m", number()},
+                                                       {"fine", flag()}},
+                                                      {{"tilt_rad", number()},
+                                                       {"duration_s", number()},
+                                                       {"error", ref("Error")},
+                                                       {"help", text()}}))}});
+  all["CubeReach"] = object({{"robot", text()},
+                             {"edge_m", number()},
+                             {"z_m", number()},
+                             {"step_m", number()},
+                             {"x_m", number()},
+                             {"y_m", number()},
+                             {"columns", whole()},
+                             {"done", number()},
+                             {"rows", list(text())}});
 }
 
 void put_status(Json& all) {

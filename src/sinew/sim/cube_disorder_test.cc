@@ -57,7 +57,7 @@ Outcome disorder(std::uint64_t seed, bool cup) {
   SplitMix64 random(seed);
   CubeWorldSettings settings;
   settings.seed = seed;
-  settings.basket = Basket{{rotation_z(0.3), {0.2, 0, 0}}};
+  settings.baskets = {Basket{{rotation_z(0.3), {0.2, 0, 0}}}};
   CubeWorld world(settings);
   for (int i = 0; i < 12; ++i) world.add_somewhere(kEdge, i, {0, 0}, {0.09, 0.09}, 0.002);
   for (std::size_t i = 0; i < 4; ++i) {  // towers of two

@@ -19,14 +19,38 @@ constexpr double kBounceMost = 0.06;   // m aside
 constexpr double kClear = 3e-4;        // m beside what it slid off
 constexpr double kTipTurn = 0.3;       // rad that tipping may turn it
 constexpr int kTriesMost = 12;
+constexpr std::size_t kBlocks = 5;  // of one basket
 
 }  // namespace
 
-bool CubeWorld::is_over_basket(PlanPoint p) const {
-  if (!settings_.basket) return false;
-  const auto X_KW = settings_.basket->X_WK.inverse();
-  const Vec3 p_K = X_KW * Vec3{p.x, p.y, 0};
-  return std::abs(p_K.x) < settings_.basket->half.x && std::abs(p_K.y) < settings_.basket->half.y;
+std::optional<std::size_t> CubeWorld::basket_below(PlanPoint p) const {
+  for (std::size_t i = 0; i < settings_.baskets.size(); ++i) {
+    const Basket& basket = settings_.baskets[i];
+    const Vec3 p_K = basket.X_WK.inverse() * Vec3{p.x, p.y, 0};
+    if (std::abs(p_K.x) < basket.half.x && std::abs(p_K.y) < basket.half.y) return i;
+  }
+  return std::nullopt;
+}
+
+void CubeWorld::move_basket(std::size_t basket, const Pose<frame::World, frame::Basket>& X_WK) {
+  SINEW_ASSERT(basket < settings_.baskets.size());
+  constexpr double kAbove = 5e-3;  // m, over the rim
+  const Basket before = settings_.baskets[basket];
+  std::vector<bool> inside;
+  for (std::size_t i = 0; i < cubes_.size(); ++i) {
+    inside.push_back(cubes_[i].where == CubePlace::kBasket && basket_below(middle(i)) == basket);
+  }
+  settings_.baskets[basket].X_WK = X_WK;
+  build_fixtures();
+  const auto carried = X_WK * before.X_WK.inverse();
+  for (std::size_t i = 0; i < cubes_.size(); ++i) {
+    if (inside[i]) cubes_[i].X_WO = carried * cubes_[i].X_WO;
+  }
+  for (std::size_t i = 0; i < cubes_.size(); ++i) {
+    const bool lies = cubes_[i].where != CubePlace::kGone && cubes_[i].where != CubePlace::kHeld;
+    if (!lies || inside[i] || !is_crowded(i)) continue;
+    put(i, middle(i), yaw(i), before.height + kAbove);
+  }
 }
 
 /// The highest ones below a cube; none: the table.
@@ -40,7 +64,7 @@ std::vector<CubeWorld::Support> CubeWorld::supports_of(std::size_t cube) const {
       found.push_back(std::move(support));
   };
   for (std::size_t k = 0; k < fixtures_.size(); ++k) {
-    const auto kind = k == 0 ? Support::Kind::kFloor : Support::Kind::kRim;
+    const auto kind = k % kBlocks == 0 ? Support::Kind::kFloor : Support::Kind::kRim;
     look_at({kind, fixture_shapes_[k], heights_of(fixtures_[k]).high, std::nullopt});
   }
   for (std::size_t i = 0; i < cubes_.size(); ++i) {
@@ -77,7 +101,7 @@ void CubeWorld::set_place(std::size_t cube, std::span<const Support> supports) {
   }
   const PlanPoint at = middle(cube);
   const PlanPoint off = at - settings_.table_middle;
-  if (is_over_basket(at)) {
+  if (basket_below(at)) {
     state.where = CubePlace::kBasket;
   } else if (state.on) {
     state.where = CubePlace::kOnCube;

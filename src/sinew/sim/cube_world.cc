@@ -45,11 +45,18 @@ std::array<Block, 5> blocks_of(const Basket& basket) {
 
 CubeWorld::CubeWorld(const CubeWorldSettings& settings)
     : settings_(settings), random_(settings.seed) {
-  if (!settings.basket) return;
-  SINEW_ASSERT(settings.basket->X_WK.R.z.z > 1 - 1e-9);
-  for (const Block& block : blocks_of(*settings.basket)) {
-    fixtures_.push_back(block);
-    fixture_shapes_.push_back(slab_of(block, heights_of(block)));
+  build_fixtures();
+}
+
+void CubeWorld::build_fixtures() {
+  fixtures_.clear();
+  fixture_shapes_.clear();
+  for (const Basket& basket : settings_.baskets) {
+    SINEW_ASSERT(basket.X_WK.R.z.z > 1 - 1e-9);
+    for (const Block& block : blocks_of(basket)) {
+      fixtures_.push_back(block);
+      fixture_shapes_.push_back(slab_of(block, heights_of(block)));
+    }
   }
 }
 

@@ -69,7 +69,7 @@ struct CubeWorldSettings {
   double density = 600;  ///< kg/m^3; wood
   PlanPoint table_middle = {};
   PlanPoint table_half{1, 1};  ///< m; cubes beyond it fall off
-  std::optional<Basket> basket = {};
+  std::vector<Basket> baskets = {};
 };
 
 /// Cubes on a table (z = 0 of W), as hands move them.
@@ -104,6 +104,9 @@ class CubeWorld {
                                            double gap);
   /// Takes it off the table.
   void take_away(std::size_t cube);
+  /// A person puts a basket elsewhere: what lies in it goes along, cubes where it is put down fall
+  /// into it. @param X_WK  upright
+  void move_basket(std::size_t basket, const Pose<frame::World, frame::Basket>& X_WK);
 
   /// A hand has moved evenly from where it was to this pose, and time has passed.
   /// @param which  number of the hand, below kHandsMax; each has one kind of grip
@@ -216,7 +219,9 @@ class CubeWorld {
   std::vector<Support> supports_of(std::size_t cube) const;
   bool rests(std::size_t cube, std::span<const Support> supports) const;
   void set_place(std::size_t cube, std::span<const Support> supports);
-  bool is_over_basket(PlanPoint p) const;
+  void build_fixtures();
+  /// Which one.
+  std::optional<std::size_t> basket_below(PlanPoint p) const;
   bool is_crowded(std::size_t cube) const;
 
   CubeWorldSettings settings_;
@@ -225,7 +230,7 @@ class CubeWorld {
   std::vector<Body> bodies_;
   std::vector<Hand> hands_;
   std::vector<CubeEvent> events_;
-  std::vector<Block> fixtures_;  ///< floor and walls of the basket, or none
+  std::vector<Block> fixtures_;  ///< of each basket floor and four walls
   std::vector<PlanShape> fixture_shapes_;
   Instant now_;
   bool moved_ = false;  ///< something may have lost its support

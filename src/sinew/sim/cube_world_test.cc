@@ -61,7 +61,7 @@ struct Cell {
 
 CubeWorldSettings with_basket() {
   CubeWorldSettings settings;
-  settings.basket = Basket{{rotation_z(0.3), {0.2, 0, 0}}};
+  settings.baskets = {Basket{{rotation_z(0.3), {0.2, 0, 0}}}};
   return settings;
 }
 
@@ -382,13 +382,36 @@ TEST(CubeWorld, the_basket_s_walls_stop_cubes_and_crash_into_hands) {
   cell.go({0, 0, 0.01});
   cell.open(0);
   cell.go({0.1, 0, 0.01});
-  const Vec3 p_K = cell.world.settings().basket->X_WK.inverse() * cell.at(0);
+  const Vec3 p_K = cell.world.settings().baskets[0].X_WK.inverse() * cell.at(0);
   EXPECT_LT(p_K.x, -0.063 - kEdge / 2 + 1e-3) << "it stays outside";
   cell.go({0.1, 0, 0.1});
   EXPECT_EQ(cell.count(Kind::kCrash), 0);
   cell.go({0.137, 0, 0.1});
   cell.go({0.137, 0, 0.03});
   EXPECT_EQ(cell.count(Kind::kCrash), 1);
+}
+
+TEST(CubeWorld, a_basket_that_is_moved_takes_its_cubes_along_and_catches_those_below) {
+  CubeWorldSettings settings = with_basket();
+  settings.baskets.push_back({{Rotation{}, {-0.2, 0, 0}}});
+  Cell cell(settings);
+  const std::size_t inside = cell.world.add({.edge = kEdge, .at = {0.21, 0.02}, .bottom = 0.06});
+  const std::size_t outside = cell.world.add({.edge = kEdge, .at = {0.0, 0.3}});
+  const std::size_t far = cell.world.add({.edge = kEdge, .at = {0.3, -0.3}});
+  ASSERT_EQ(cell.cube(inside).where, CubePlace::kBasket);
+  const auto& baskets = cell.world.settings().baskets;
+  const Vec3 before = baskets[0].X_WK.inverse() * cell.at(inside);
+  const Vec3 p_far = cell.at(far);
+  cell.world.move_basket(0, {rotation_z(1.1), {0.01, 0.31, 0}});
+  EXPECT_EQ(cell.cube(inside).where, CubePlace::kBasket);
+  const Vec3 after = baskets[0].X_WK.inverse() * cell.at(inside);
+  EXPECT_NEAR(after.x, before.x, 1e-9);
+  EXPECT_NEAR(after.y, before.y, 1e-9);
+  EXPECT_EQ(cell.cube(outside).where, CubePlace::kBasket);
+  EXPECT_GE(cell.at(outside).z, 0.003 + kEdge / 2 - 1e-9) << "on its floor, or on the other cube";
+  EXPECT_EQ(cell.at(far), p_far);
+  EXPECT_EQ(cell.cube(far).where, CubePlace::kTable);
+  EXPECT_EQ(baskets[1].X_WK.p.x, -0.2);
 }
 
 TEST(CubeWorld, many_cubes_in_the_basket_lie_in_it_and_not_in_each_other) {

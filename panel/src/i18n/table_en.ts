@@ -1,0 +1,33 @@
+/** What the camera view says of baskets, of cubes that cannot be had, and of where they could be. */
+export const tableEn = {
+  'prog.field.into': 'Basket or point',
+  'prog.field.camera': 'Camera',
+
+  'table.cannot': 'Cannot be picked as they lie',
+  'table.to_fix': 'To fix: {help}',
+  'table.reach': 'Reachable region',
+  'table.reach.straight': 'gripped straight down',
+  'table.reach.tilted': 'gripped tilted',
+  'table.reach.of': 'For single cubes of {edge} mm on the table with a side turned to the robot',
+  'table.reach.under_way': '{percent} % computed',
+  'table.baskets': 'Basket',
+  'table.basket': 'Basket: {basket}',
+  'table.basket.drag': '{basket}: drag it to where it stands',
+  'table.basket.how': 'Drag the basket in the picture to where it stands, or type the middle of its floor.',
+  'table.basket.x': 'Basket, x in the cell',
+  'table.basket.y': 'Basket, y in the cell',
+  'table.basket.turn': 'Turn',
+  'table.basket.far': 'Moved, but not in reach of every robot',
+  'table.basket.stays': 'The basket was not moved',
+
+  'cube.help.out_of_reach': 'move the cube nearer to the middle of the reachable region',
+  'cube.help.joint_limit': 'move the cube nearer to the middle of the reachable region',
+  'cube.help.too_close': 'move the cube away from the robot',
+  'cube.help.cube_crowded': 'move the cube away from its neighbours, or pick those first',
+  'cube.help.cube_covered': 'pick the cube on top first',
+  'cube.help.cube_too_wide': 'pick the cube by hand, or set cube_mm of the camera to its real size',
+  'cube.help.collision': 'move the cube away from what stands beside it',
+  'cube.help.cell_contact': 'move the cube away from what stands beside it',
+  'cube.help.jaws_contact': 'move the cube away from what stands beside it',
+  'cube.help.cell_taken': 'wait until the other robot has moved away',
+};

@@ -1,0 +1,67 @@
+#include "sinew/program/table_top.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "sinew/core/stable_sort.h"
+
+namespace sinew::program {
+namespace {
+
+constexpr double kWallGap = 4e-3;  // m, between a cube and a wall, however it is turned
+constexpr double kApart = 4e-3;    // m, between two cubes, likewise
+
+/// Places along one side, from its middle; the middle alone where no more fit.
+std::vector<double> along(double inside, double edge) {
+  const double diagonal = edge * std::numbers::sqrt2;
+  const double half = inside / 2 - diagonal / 2 - kWallGap;
+  const int gaps = half > 0 ? static_cast<int>(2 * half / (diagonal + kApart)) : 0;
+  std::vector<double> places{0};
+  if (gaps > 0) places.clear();
+  for (int k = 0; gaps > 0 && k <= gaps; ++k) places.push_back(half * (2.0 * k / gaps - 1));
+  return places;
+}
+
+}  // namespace
+
+bool is_basket_name(std::string_view name) {
+  const auto fits = [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '-' || c == '_';
+  };
+  return !name.empty() && name.front() >= 'a' && name.front() <= 'z' &&
+         std::ranges::all_of(name, fits);
+}
+
+const Basket* basket_named(const TableTop& table, std::string_view name) {
+  const auto found = std::ranges::find(table.baskets, name, &Basket::name);
+  if (found != table.baskets.end()) return &*found;
+  const bool only = name == kOnlyBasket && table.baskets.size() == 1;
+  return only ? &table.baskets.front() : nullptr;
+}
+
+std::vector<Vec3> spots_in(const Basket& basket, double edge, std::span<const Vec3> taken) {
+  std::vector<Vec3> lying;
+  for (const Vec3& p_B : taken) {
+    const Vec3 p_K = basket.X_BK.inverse() * p_B;
+    const bool inside = std::abs(p_K.x) < basket.size.x / 2 && std::abs(p_K.y) < basket.size.y / 2;
+    if (inside) lying.push_back(p_K);
+  }
+  struct Spot {
+    Vec3 p_K;
+    std::size_t cubes = 0;
+  };
+  std::vector<Spot> spots;
+  for (const double y : along(basket.size.y, edge)) {
+    for (const double x : along(basket.size.x, edge)) {
+      const auto near = [&](const Vec3& p) { return std::hypot(p.x - x, p.y - y) < edge; };
+      spots.push_back({{x, y, 0}, static_cast<std::size_t>(std::ranges::count_if(lying, near))});
+    }
+  }
+  stable_sort_by(spots, [](const Spot& spot) { return spot.cubes; });
+  std::vector<Vec3> places;
+  for (const Spot& spot : spots) places.push_back(spot.p_K);
+  return places;
+}
+
+}  // namespace sinew::program
