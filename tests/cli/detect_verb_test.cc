@@ -133,7 +133,7 @@ TEST(CameraVerb, boards_are_printed_and_tags_found) {
   for (const auto& arguments : wrong) EXPECT_EQ(sinew(arguments).exit, 2) << arguments.back();
   const Ended alone = sinew({"camera", "calibrate", board, "--table", board, "--out", camera});
   EXPECT_EQ(alone.exit, 1);
-  EXPECT_NE(alone.err.find("shows no tag of the sheet"), std::string::npos) << alone.err;
+  EXPECT_NE(alone.err.find("No tag of the sheet is seen"), std::string::npos) << alone.err;
   const std::string sheet =
       png_file(folder, "sheet.png", picture_of(*vision::table_sheet("a4"), 3000));
   const Ended few = sinew({"camera", "calibrate", board, "--table", sheet, "--out", camera});

@@ -37,7 +37,7 @@ inline constexpr std::array kArrows = std::to_array<FolderArrows>({
     {"sim", "device kinematics model"},
     {"control", "driver planning"},
     {"program", "control vision grasping"},
-    {"runtime", "io sim program control driver vision config render"},
+    {"runtime", "io sim program control driver vision config render calibration"},
     {"server", "runtime"},
     {"cli", "*"},
 });

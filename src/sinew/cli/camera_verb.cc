@@ -4,7 +4,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "sinew/calibration/table_calibration.h"
+#include "sinew/calibration/board_views.h"
 #include "sinew/cli/camera_hand_eye.h"
 #include "sinew/cli/camera_touch.h"
 #include "sinew/cli/pixel_json.h"
@@ -92,20 +92,38 @@ Outcome find_tags(const CameraRequest& request) {
   return outcome;
 }
 
-using calibration::BoardView;
+using calibration::BoardViews;
 
-std::expected<BoardView, std::string> board_view(const std::string& path,
-                                                 const vision::TagBoard& board,
-                                                 vision::TagFinder& finder) {
-  const auto picture = runtime::read_picture(path);
-  if (!picture) return std::unexpected(picture.error());
-  BoardView view{picture->width, picture->height, corners_in(board, finder.find(*picture))};
-  if (view.seen.pixels.empty()) {
-    return std::unexpected(fmt::format(
-        "{}: shows no tag of the {}; print it with sinew camera {}, or name its --paper", path,
-        board.first == 0 ? "board" : "sheet", board.first == 0 ? "board" : "sheet"));
+/// Images as views of the board and of the sheet; nearly the same and blurred ones are left out.
+struct ReadViews {
+  BoardViews views;
+  std::vector<std::string> paths;  ///< by the view's number - 1
+  std::string left_out;            ///< a line each
+
+  std::expected<void, Outcome> read(const std::string& path, bool is_sheet) {
+    const auto picture = runtime::read_picture(path);
+    if (!picture) return std::unexpected(could_not(picture.error()));
+    const auto view = is_sheet ? views.lay(*picture) : views.add(*picture);
+    if (view) {
+      paths.push_back(path);
+      return {};
+    }
+    const std::string why = path + ": " + view.error().sentence;
+    if (is_sheet || !view.error().is_spare()) return std::unexpected(could_not(why));
+    left_out += "  left out: " + why + "\n";
+    return {};
   }
-  return view;
+};
+
+std::string views_text(const ReadViews& read, const std::vector<double>& residuals) {
+  Table table({"view", "tags", "residual, px", "image"});
+  table.left(3);
+  for (std::size_t i = 0; i < residuals.size(); ++i) {
+    const calibration::TakenView& view = read.views.views()[i];
+    table.add({fmt::format("{}", view.number), fmt::format("{}", view.tags),
+               fmt::format("{:.2f}", residuals[i]), read.paths[view.number - 1]});
+  }
+  return table.text();
 }
 
 std::string calibration_text(const calibration::TableCalibration& result) {
@@ -138,9 +156,39 @@ std::string calibration_text(const calibration::TableCalibration& result) {
   return text;
 }
 
+Outcome calibration_outcome(const CameraRequest& request, const ReadViews& read,
+                            const calibration::ViewsResult& result) {
+  const vision::TableCamera& camera = result.camera->camera;
+  Outcome outcome;
+  outcome.text = read.left_out + views_text(read, result.residuals) +
+                 calibration_text(*result.camera) + "  " + *request.out + "\n";
+  const vision::CameraModel& model = camera.model;
+  Json views = Json::array();
+  for (std::size_t i = 0; i < result.residuals.size(); ++i) {
+    const calibration::TakenView& view = read.views.views()[i];
+    views.push_back({{"image", read.paths[view.number - 1]},
+                     {"tags", view.tags},
+                     {"residual_px", result.residuals[i]}});
+  }
+  outcome.json = {{"camera", request.name},
+                  {"file", *request.out},
+                  {"width", model.width},
+                  {"height", model.height},
+                  {"fx_px", model.fx},
+                  {"fy_px", model.fy},
+                  {"center_px", {model.center.x, model.center.y}},
+                  {"lens", model.lens},
+                  {"views", views.size()},
+                  {"view_list", views},
+                  {"reprojection_px", result.rms},
+                  {"table_error_mm", to_mm(camera.accuracy)}};
+  if (result.better) outcome.json["advice"] = *result.better;
+  return outcome;
+}
+
 Outcome calibrate(const CameraRequest& request) {
-  const auto board = vision::calibration_board(request.paper);
-  if (!board) return wrong_paper(request);
+  auto views = BoardViews::of(request.paper);
+  if (!views) return wrong_paper(request);
   if (!request.table || !request.out) {
     return bad_input(
         "camera calibrate needs images of the board, and --table IMAGE of the sheet that lies on "
@@ -151,45 +199,27 @@ Outcome calibrate(const CameraRequest& request) {
       request.name.find_first_of("\"\\") != std::string::npos) {
     return bad_input("--name: must be 1 to 40 letters, digits, blanks or signs, without \" and \\");
   }
-  const auto sheet = vision::table_sheet(request.paper);
-  vision::TagFinder finder({board->family});
-  std::vector<BoardView> views;
+  ReadViews read{std::move(*views), {}, {}};
   for (const std::string& path : request.images) {
-    auto view = board_view(path, *board, finder);
-    if (!view) return could_not(view.error());
-    views.push_back(std::move(*view));
+    if (auto took = read.read(path, false); !took) return took.error();
   }
-  const auto table = board_view(*request.table, *sheet, finder);
-  if (!table) return could_not(table.error());
-  auto result = calibration::table_calibration(views, *table);
-  if (!result) {
-    const auto index = static_cast<std::size_t>(std::max(0, result.error().index));
-    std::string where;
-    if (result.error().index >= 0) {
-      where = (index < views.size() ? request.images[index] : *request.table) + ": ";
-    }
-    return could_not(where + sentence(result.error()));
+  if (auto took = read.read(*request.table, true); !took) return took.error();
+  if (const std::size_t count = read.views.views().size(); count < BoardViews::kViewsLeast) {
+    return could_not(read.left_out + sentence(calibration::CalibrationError{
+                                         .fault = calibration::CalibrationFault::kTooFewViews,
+                                         .measured = static_cast<double>(count),
+                                         .limit = BoardViews::kViewsLeast}));
   }
-  result->camera.name = request.name;
-  result->camera.sheet = sheet->paper;
-  const auto written = io::replace_file(*request.out, camera_text(result->camera));
+  calibration::ViewsResult result = read.views.result();
+  if (!result.camera) {
+    const std::string where =
+        result.trouble_view != 0 ? read.paths[result.trouble_view - 1] + ": " : "";
+    return could_not(where + sentence(*result.trouble));
+  }
+  result.camera->camera.name = request.name;
+  const auto written = io::replace_file(*request.out, camera_text(result.camera->camera));
   if (!written) return could_not("--out: " + written.error().sentence);
-  Outcome outcome;
-  outcome.text = calibration_text(*result) + "  " + *request.out + "\n";
-  const vision::CameraModel& model = result->camera.model;
-  outcome.json = {{"camera", request.name},
-                  {"file", *request.out},
-                  {"width", model.width},
-                  {"height", model.height},
-                  {"fx_px", model.fx},
-                  {"fy_px", model.fy},
-                  {"center_px", {model.center.x, model.center.y}},
-                  {"lens", model.lens},
-                  {"views", views.size()},
-                  {"reprojection_px", result->intrinsics.rms},
-                  {"table_error_mm", to_mm(result->camera.accuracy)}};
-  if (const auto advice = what_to_add(result->coverage)) outcome.json["advice"] = *advice;
-  return outcome;
+  return calibration_outcome(request, read, result);
 }
 
 }  // namespace

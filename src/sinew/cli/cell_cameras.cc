@@ -7,6 +7,7 @@
 
 #include "sinew/config/camera_file.h"
 #include "sinew/io/file.h"
+#include "sinew/runtime/camera_identity.h"
 #include "sinew/runtime/open_camera.h"
 
 namespace sinew::cli {
@@ -49,33 +50,75 @@ runtime::CameraSource opened_when_there(const std::string& device,
 
 }  // namespace
 
+namespace {
+
+/// Where a camera's calibration is kept.
+std::string calibration_place(const CellCamera& camera, const std::string& cell_file) {
+  return beside(cell_file, camera.calibration.value_or("camera-" + camera.name + ".toml"));
+}
+
+/// What is kept of a camera, as far as there is a file and it is this camera's.
+/// @error  bad input: a file that cannot be read
+std::expected<void, Outcome> put_kept(runtime::Camera::Settings& settings,
+                                      const CellCamera& camera) {
+  const std::string& file = settings.calibration_file;
+  if (!io::exists(file)) {
+    if (!camera.calibration) return {};
+    settings.calibration_refused = file + " is not there";
+  } else {
+    auto read = read_calibration(camera, file);
+    if (!read) return std::unexpected(read.error());
+    const bool is_other = !read->identity.empty() && !settings.identity.empty() &&
+                          read->identity != settings.identity;
+    if (!is_other) {
+      settings.calibration = std::move(*read);
+      return {};
+    }
+    settings.calibration_refused =
+        file + " is of another camera: " + read->identity + "; this one is " + settings.identity;
+  }
+  std::fputs(("  " + camera.name + ": not calibrated: " + settings.calibration_refused +
+              ". Calibrate in the panel's Camera view\n")
+                 .c_str(),
+             stderr);
+  return {};
+}
+
+}  // namespace
+
 std::expected<void, Outcome> open_cameras(runtime::RunningCell& cell, const std::string& file) {
   for (std::size_t i = 0; i < cell.cell().cameras.size(); ++i) {
     const CellCamera& camera = cell.cell().cameras[i];
-    runtime::Camera::Settings settings{camera.name, std::nullopt, camera.cube};
-    if (camera.calibration) {
-      auto read = read_calibration(camera, beside(file, *camera.calibration));
-      if (!read) return std::unexpected(read.error());
-      settings.calibration = std::move(*read);
-    }
-    if (camera.device == kSimulatedCamera) {
-      if (!settings.calibration) settings.calibration = runtime::usual_camera();
+    const bool is_simulated = camera.device == kSimulatedCamera;
+    const bool is_address = camera.device.contains("://");
+    const std::string device =
+        is_address || is_simulated ? camera.device : beside(file, camera.device);
+    runtime::Camera::Settings settings{.name = camera.name,
+                                       .calibration = std::nullopt,
+                                       .edge = camera.cube,
+                                       .identity = runtime::camera_identity(camera.device),
+                                       .calibration_file = calibration_place(camera, file)};
+    if (auto kept = put_kept(settings, camera); !kept) return kept;
+    if (is_simulated) {
+      // It hangs where the cell's file says, also where something else was measured.
+      vision::TableCamera real = runtime::usual_camera();
+      if (camera.calibration && settings.calibration) real = *settings.calibration;
+      if (!settings.calibration) settings.calibration = real;
+      real.sheet = settings.calibration->sheet;
       const auto robots = [&cell] {
         return cell.robots_in_view(runtime::RunningCell::Stand::kTrue);
       };
-      auto pictures = cell.table()->pictures(*settings.calibration, robots);
-      auto glances = cell.table()->glances(*settings.calibration, robots);
+      auto pictures = cell.table()->pictures(real, robots, i);
+      auto glances = cell.table()->glances(real, robots, i);
       cell.open_camera(i, std::move(settings), std::move(pictures), std::move(glances));
       continue;
     }
-    const bool is_address = camera.device.contains("://");
     runtime::CameraWanted wanted;
     if (settings.calibration) {
       wanted.width = settings.calibration->model.width;
       wanted.height = settings.calibration->model.height;
     }
-    auto pictures = opened_when_there(is_address ? camera.device : beside(file, camera.device),
-                                      wanted, camera.name);
+    auto pictures = opened_when_there(device, wanted, camera.name);
     cell.open_camera(i, std::move(settings), std::move(pictures));
   }
   return {};

@@ -11,6 +11,7 @@ namespace sinew {
 namespace {
 
 constexpr int kFormat = 1;
+constexpr std::size_t kIdentityMax = 200;  // bytes
 constexpr int kSideMax = 65'536;           // px
 constexpr Range kFocal = between(1, 1e6);  // px
 constexpr Range kInPicture = between(-1e5, 1e5);
@@ -18,6 +19,16 @@ constexpr Range kLens = between(-10, 10);
 constexpr Range kReach = between(-100, 100);  // m
 constexpr Range kTurn = between(-2 * kPi, 2 * kPi);
 constexpr std::array<std::string_view, 5> kLensKeys{"k1", "k2", "p1", "p2", "k3"};
+
+/// As a TOML string; what is not plain ASCII as '?'.
+std::string quoted(std::string_view words) {
+  std::string text = "\"";
+  for (const char c : words.substr(0, kIdentityMax / 2)) {
+    if (c == '"' || c == '\\') text += '\\';
+    text += c >= ' ' && c <= '~' ? c : '?';
+  }
+  return text + '"';
+}
 
 vision::TableCamera read_root(TableReader& root) {
   vision::TableCamera camera;
@@ -59,6 +70,7 @@ vision::TableCamera read_root(TableReader& root) {
   if (root.optional().text("sheet", 10, camera.sheet) && !vision::table_sheet(camera.sheet)) {
     root.complain("sheet", "has to be a4, a3 or letter: the paper of the sheet on its table");
   }
+  root.optional().text("identity", kIdentityMax, camera.identity);
   root.finish();
   return camera;
 }
@@ -94,6 +106,9 @@ std::string camera_text(const vision::TableCamera& camera) {
     text += "sheet = \"" + camera.sheet +
             "\"  # lies on the table as it lay; without this line a camera "
             "that was moved is not noticed\n";
+  }
+  if (!camera.identity.empty()) {
+    text += "identity = " + quoted(camera.identity) + "  # of no other camera is this true\n";
   }
   add("width = %d\nheight = %d\n\n[lens]  # px, and Brown's coefficients\n", model.width,
       model.height);

@@ -19,6 +19,7 @@ vision::TableCamera some_camera(test::Random& random) {
   camera.reprojection = 0.25;
   camera.accuracy = 0.0015;
   camera.sheet = "a4";
+  camera.identity = "USB \"Cam\" C:\\1";
   return camera;
 }
 
@@ -39,6 +40,7 @@ TEST(CameraFile, written_and_read_again_it_is_the_same_camera) {
     EXPECT_DOUBLE_EQ(again->reprojection, 0.25);
     EXPECT_DOUBLE_EQ(again->accuracy, 0.0015);
     EXPECT_EQ(again->sheet, "a4");
+    EXPECT_EQ(again->identity, camera.identity);
   });
 }
 
@@ -55,7 +57,7 @@ TEST(CameraFile, what_is_wrong_is_said_with_its_line) {
             "camera.toml:1:10: format: is 2: written by another version; calibrate again: sinew "
             "camera calibrate");
   EXPECT_EQ(complaint_after("width = 1280", "width = 0").substr(0, 26),
-            "camera.toml:4:9: width: mu");
+            "camera.toml:5:9: width: mu");
   EXPECT_NE(complaint_after("k3 =", "k4 ="), "");
   EXPECT_NE(complaint_after("\"a4\"", "\"b4\"").find("has to be a4, a3 or letter"),
             std::string::npos);

@@ -39,12 +39,12 @@ std::optional<Error> size_change(const vision::Picture& picture, const vision::C
 }
 
 /// Cells that something has to take to count: more than a cube that was pushed.
-double least_of(const Camera::Settings& settings) {
+double least_of(const vision::TableCamera& camera, double edge) {
   constexpr double kCubes = 1.5;
-  const vision::CameraModel& model = settings.calibration->model;
-  const double distance = std::max(0.05, settings.calibration->X_WC.p.z);
+  const vision::CameraModel& model = camera.model;
+  const double distance = std::max(0.05, camera.X_WC.p.z);
   const double cell = 1.0 * model.width / vision::grid_of(model.width, model.height).columns;
-  const double across = settings.edge * model.fx / (distance * cell);
+  const double across = edge * model.fx / (distance * cell);
   return kCubes * across * across;
 }
 
@@ -79,8 +79,10 @@ std::optional<std::vector<render::ViewedRobot>> between(
 Camera::Camera(Settings settings, CameraSource source, Watch watch)
     : settings_(std::move(settings)),
       source_(std::move(source)),
-      sheet_(settings_.calibration ? vision::table_sheet(settings_.calibration->sheet)
-                                   : std::nullopt),
+      calibration_(settings_.calibration
+                       ? std::make_shared<const vision::TableCamera>(*settings_.calibration)
+                       : nullptr),
+      is_refused_(!settings_.calibration_refused.empty()),
       watch_(std::move(watch)),
       thread_([this](const std::stop_token& ending) { work(ending); }) {}
 
@@ -107,11 +109,36 @@ std::shared_ptr<const Camera::Shot> Camera::newest() const {
   return newest_;
 }
 
+std::shared_ptr<const vision::TableCamera> Camera::calibration() const {
+  const std::scoped_lock lock(mutex_);
+  return calibration_;
+}
+
+std::string Camera::calibration_refused() const {
+  const std::scoped_lock lock(mutex_);
+  return is_refused_ ? settings_.calibration_refused : std::string();
+}
+
+void Camera::calibrate(const vision::TableCamera& calibration) {
+  auto kept = std::make_shared<const vision::TableCamera>(calibration);
+  const std::scoped_lock lock(mutex_);
+  calibration_ = std::move(kept);
+  is_refused_ = false;
+}
+
+void Camera::heed(std::shared_ptr<const vision::TableCamera> calibration) {
+  if (calibration == heeded_) return;
+  heeded_ = std::move(calibration);
+  sheet_ = heeded_ ? vision::table_sheet(heeded_->sheet) : std::nullopt;
+  if (sheet_ && !tags_) tags_.emplace(std::vector{sheet_->family});
+  view_.reset();
+  const bool watches = heeded_ && settings_.watch && watch_.robots;
+  if (watches) view_.emplace(least_of(*heeded_, settings_.edge));
+}
+
 void Camera::work(const std::stop_token& ending) {
   // A program that waits for a picture could wait longer; who comes into view may not.
   io::let_others_go_first(io::Share::kServing);
-  if (sheet_) tags_.emplace(std::vector{sheet_->family});
-  if (settings_.calibration && settings_.watch && watch_.robots) view_.emplace(least_of(settings_));
   std::uint64_t answered = 0;
   Time next_look{};
   std::unique_lock lock(mutex_);
@@ -127,7 +154,9 @@ void Camera::work(const std::stop_token& ending) {
     if (ending.stop_requested()) return;
     if (called()) {
       answered = asked_;
+      auto calibration = calibration_;
       lock.unlock();
+      heed(std::move(calibration));
       Shot shot = take(ending);
       shot.number = answered;
       auto kept = std::make_shared<const Shot>(std::move(shot));
@@ -135,7 +164,9 @@ void Camera::work(const std::stop_token& ending) {
       lock.lock();
       newest_ = std::move(kept);
     } else if (watchers_ > 0) {
+      auto calibration = calibration_;
       lock.unlock();
+      heed(std::move(calibration));
       const Time began = std::chrono::steady_clock::now();
       const bool more = sees_more(ending);
       const Time ended = std::chrono::steady_clock::now();
@@ -150,17 +181,18 @@ void Camera::work(const std::stop_token& ending) {
 /// Whether something is in view beside the robots that was not there before.
 bool Camera::sees_more(const std::stop_token& ending) {
   constexpr double kMargin = 0.03;  // m: what is held, and how exact a model is
+  if (!view_) return false;
   auto before = watch_.robots();
   auto picture = watch_.glances ? watch_.glances(ending) : source_(ending);
   if (!picture) return false;
-  const vision::CameraModel& model = settings_.calibration->model;
+  const vision::CameraModel& model = heeded_->model;
   const vision::CellGrid grid = vision::grid_of(model.width, model.height);
   if (vision::grid_of(picture->width, picture->height) != grid) return false;
   const auto robots = between(std::move(before), watch_.robots());
   std::optional<vision::Pixel> there;
   if (robots) {
     there = view_->look(*picture,
-                        render::silhouette(*robots, model, settings_.calibration->X_WC, kMargin));
+                        render::silhouette(*robots, model, heeded_->X_WC, kMargin));
   }
   if (watch_.glances) return there.has_value();
   Shot shot;
@@ -198,15 +230,13 @@ Camera::Shot Camera::take(const std::stop_token& ending) {
   shot.fault = fault_of(shot.picture);
   if (shot.fault) return shot;
   shot.seen = vision::detect_cubes(shot.picture);
-  const auto& calibration = settings_.calibration;
-  if (calibration) vision::place_on_table(shot.seen, shot.picture, *calibration, settings_.edge);
+  if (heeded_) vision::place_on_table(shot.seen, shot.picture, *heeded_, settings_.edge);
   return shot;
 }
 
 std::optional<Error> Camera::fault_of(const vision::Picture& picture) {
-  const auto& calibration = settings_.calibration;
-  if (calibration) {
-    if (const auto changed = size_change(picture, calibration->model)) return changed;
+  if (heeded_) {
+    if (const auto changed = size_change(picture, heeded_->model)) return changed;
   }
   if (is_blind(picture)) return Error{ErrorCode::kCameraBlind};
   if (last_ && picture.rgb == last_->picture.rgb) return Error{ErrorCode::kCameraFrozen};
@@ -215,8 +245,8 @@ std::optional<Error> Camera::fault_of(const vision::Picture& picture) {
 
 std::optional<Error> Camera::moved(const vision::Picture& picture) {
   constexpr double kMayBe = 3e-3;  // m; what a cube is grasped with forgives
-  const double limit = std::max(kMayBe, 2 * settings_.calibration->accuracy);
-  const auto shift = vision::sheet_shift(*settings_.calibration, *sheet_, tags_->find(picture));
+  const double limit = std::max(kMayBe, 2 * heeded_->accuracy);
+  const auto shift = vision::sheet_shift(*heeded_, *sheet_, tags_->find(picture));
   if (!shift) return Error{ErrorCode::kCameraTagsHidden};
   if (*shift > limit) return Error{ErrorCode::kCameraMoved, -1, *shift, limit};
   return std::nullopt;

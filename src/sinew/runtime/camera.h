@@ -27,8 +27,12 @@ class Camera {
     std::string name;
     /// Nothing: pictures are shown, and it is not known where things are.
     std::optional<vision::TableCamera> calibration;
-    double edge = 0.025;  ///< m, of the cubes on its table
-    bool watch = true;    ///< as CellCamera::watch
+    double edge = 0.025;             ///< m, of the cubes on its table
+    std::string identity{};          ///< as camera_identity() has it
+    std::string calibration_file{};  ///< where a calibration is kept; empty: nowhere
+    /// Why what is kept there does not count, in a sentence; empty: it counts, or there is none.
+    std::string calibration_refused{};
+    bool watch = true;  ///< as CellCamera::watch
   };
   /// The robots in its view as they are believed to stand; their base in the world of the
   /// calibration. From any thread.
@@ -52,10 +56,18 @@ class Camera {
   Camera(const Camera&) = delete;
   Camera& operator=(const Camera&) = delete;
 
-  const Settings& settings() const { return settings_; }
+  const std::string& name() const { return settings_.name; }
+  const std::string& identity() const { return settings_.identity; }
+  const std::string& calibration_file() const { return settings_.calibration_file; }
+  double edge() const { return settings_.edge; }
 
   /// @name From any thread
   /// @{
+  /// Null: none.
+  std::shared_ptr<const vision::TableCamera> calibration() const;
+  std::string calibration_refused() const;
+  /// Counts from the next picture on.
+  void calibrate(const vision::TableCamera& calibration);
   /// A picture is wanted that is taken from now on: of a shot with this number or a higher one.
   std::uint64_t ask();
   /// A picture is taken, where none is under way.
@@ -73,25 +85,30 @@ class Camera {
   using Time = std::chrono::steady_clock::time_point;
 
   void work(const std::stop_token& ending);
+  void heed(std::shared_ptr<const vision::TableCamera> calibration);
   Shot take(const std::stop_token& ending);
   bool sees_more(const std::stop_token& ending);
   std::optional<Error> fault_of(const vision::Picture& picture);
   std::optional<Error> moved(const vision::Picture& picture);
 
-  Settings settings_;
+  const Settings settings_;  ///< its calibration: as it began
   CameraSource source_;
-  std::optional<vision::TagBoard> sheet_;  ///< on its table
-  std::optional<vision::TagFinder> tags_;  ///< of the thread
-  std::shared_ptr<const Shot> last_;       ///< with a picture; of the thread
-  Watch watch_;
-  std::optional<vision::ViewWatch> view_;  ///< of the thread; nothing: it cannot be watched
+  // Of the thread.
+  std::shared_ptr<const vision::TableCamera> heeded_;  ///< the calibration of its shots
+  std::optional<vision::TagBoard> sheet_;              ///< on its table
+  std::optional<vision::TagFinder> tags_;
+  std::shared_ptr<const Shot> last_;       ///< with a picture
+  std::optional<vision::ViewWatch> view_;  ///< nothing: it cannot be watched
   mutable std::mutex mutex_;
   std::condition_variable_any asked_for_;
-  std::uint64_t asked_ = 0;             ///< under the mutex
-  int watchers_ = 0;                    ///< under the mutex
-  std::uint64_t disturbances_ = 0;      ///< under the mutex
-  std::shared_ptr<const Shot> newest_;  ///< under the mutex
-  std::jthread thread_;                 ///< the last: it ends before what it uses
+  std::uint64_t asked_ = 0;                                 ///< under the mutex
+  int watchers_ = 0;                                        ///< under the mutex
+  std::uint64_t disturbances_ = 0;                          ///< under the mutex
+  std::shared_ptr<const Shot> newest_;                      ///< under the mutex
+  std::shared_ptr<const vision::TableCamera> calibration_;  ///< under the mutex
+  bool is_refused_ = false;                                 ///< under the mutex
+  const Watch watch_;
+  std::jthread thread_;  ///< the last: it ends before what it uses
 };
 
 }  // namespace sinew::runtime

@@ -47,12 +47,12 @@ void CubeEyes::watch(bool on) {
 }
 
 program::Sighting CubeEyes::sighting(const Looking& with, const Camera::Shot& shot) const {
-  return sighting_of(shot.seen, with.camera->settings().edge, {with.X_WT, X_WB_, baskets_.all()});
+  return sighting_of(shot.seen, with.camera->edge(), {with.X_WT, X_WB_, baskets_.all()});
 }
 
 void CubeEyes::look(std::string_view camera) {
   const auto found = std::ranges::find_if(
-      cameras_, [&](const Looking& one) { return one.camera->settings().name == camera; });
+      cameras_, [&](const Looking& one) { return one.camera->name() == camera; });
   looks_with_ = found != cameras_.end() ? static_cast<std::size_t>(found - cameras_.begin()) : 0;
   wanted_ = cameras_[looks_with_].camera->ask();
 }
@@ -77,7 +77,7 @@ std::optional<program::Sighting> CubeEyes::newest() const {
 
 std::vector<std::string> CubeEyes::names() const {
   std::vector<std::string> names;
-  for (const Looking& one : cameras_) names.push_back(one.camera->settings().name);
+  for (const Looking& one : cameras_) names.push_back(one.camera->name());
   return names;
 }
 

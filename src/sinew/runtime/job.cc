@@ -92,7 +92,7 @@ void JobRunner::run(const JobOrder& order, const program::Program& program, Stat
   run.expect_homing(homing_of(station_.robot()));
   if (order.changeable) run.make_changeable();
   run.measure_by([this] { return station_.view().health; });
-  if (eyes_ != nullptr) run.see_by(*eyes_);
+  if (program::Eyes* eyes = eyes_) run.see_by(*eyes);
   run.hear_decisions([this](const program::Decision& decision) {
     station_.record(RunDecision{clock_.now(), decision});
   });

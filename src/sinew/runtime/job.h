@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -77,7 +78,7 @@ class JobRunner {
   JobRunner(Station& station, const io::Clock& clock) : station_(station), clock_(clock) {}
   /// Stops what runs. The station has to be alive: it still looks at the motion.
   ~JobRunner();
-  /// What programs look with; outlives this. Before the first job.
+  /// What programs look with from the next job on; outlives this. Any thread.
   void see_by(program::Eyes& eyes) { eyes_ = &eyes; }
   JobRunner(const JobRunner&) = delete;
   JobRunner& operator=(const JobRunner&) = delete;
@@ -111,7 +112,7 @@ class JobRunner {
 
   Station& station_;
   const io::Clock& clock_;
-  program::Eyes* eyes_ = nullptr;
+  std::atomic<program::Eyes*> eyes_ = nullptr;
   std::thread thread_;
   mutable std::mutex mutex_;
   JobView view_;                  ///< under the mutex

@@ -44,6 +44,7 @@ io::IoResult<std::unique_ptr<RunningCell>> RunningCell::start(
     }
   }
   running->cameras_.resize(running->cell_.cameras.size());
+  running->newest_eyes_ = std::vector<std::atomic<CubeEyes*>>(robots.size());
   if (running->cell_.simulated_camera() != nullptr) {
     running->table_ = std::make_unique<SimulatedTable>(running->cell_, running->baskets_->all());
   }
@@ -90,7 +91,6 @@ RunningCell::~RunningCell() {
 
 void RunningCell::open_camera(std::size_t i, Camera::Settings settings, CameraSource source,
                               CameraSource glances) {
-  const bool calibrated = settings.calibration.has_value();
   settings.watch = cell_.cameras[i].watch;
   const auto X_TW = relabel<frame::World, frame::World>(cell_.cameras[i].X_WT.inverse());
   const auto robots = [this, X_TW] {
@@ -100,18 +100,32 @@ void RunningCell::open_camera(std::size_t i, Camera::Settings settings, CameraSo
   };
   cameras_[i] = std::make_unique<Camera>(std::move(settings), std::move(source),
                                          Camera::Watch{robots, std::move(glances)});
-  if (!calibrated) return;
-  const bool first = eyes_.empty();
+  look_with_calibrated();
+}
+
+void RunningCell::calibrate(std::size_t i, const vision::TableCamera& calibration) {
+  cameras_[i]->calibrate(calibration);
+  look_with_calibrated();
+}
+
+void RunningCell::look_with_calibrated() {
+  std::vector<std::size_t> calibrated;
+  for (std::size_t i = 0; i < cameras_.size(); ++i) {
+    if (cameras_[i] && cameras_[i]->calibration()) calibrated.push_back(i);
+  }
+  if (calibrated == looks_with_) return;
+  looks_with_ = calibrated;
+  // A job that runs keeps those that it began with.
   for (std::size_t robot = 0; robot < size(); ++robot) {
-    if (first) {
-      eyes_.push_back(std::make_unique<CubeEyes>(
-          cell_.robots[robot].X_WB, *baskets_,
-          [&station = *stations_[robot]](const Camera& camera, const auto& shot) {
-            station.record(RunPicture{station.clock().now(), camera.settings().name, shot});
-          }));
-    }
-    eyes_[robot]->add(cell_.cameras[i].X_WT, *cameras_[i]);
-    if (first) jobs_[robot]->see_by(*eyes_[robot]);
+    auto eyes = std::make_unique<CubeEyes>(
+        cell_.robots[robot].X_WB, *baskets_,
+        [&station = *stations_[robot]](const Camera& camera, const auto& shot) {
+          station.record(RunPicture{station.clock().now(), camera.name(), shot});
+        });
+    for (const std::size_t i : calibrated) eyes->add(cell_.cameras[i].X_WT, *cameras_[i]);
+    jobs_[robot]->see_by(*eyes);
+    newest_eyes_[robot] = eyes.get();
+    eyes_.push_back(std::move(eyes));
   }
 }
 
@@ -126,9 +140,10 @@ std::shared_ptr<const program::TableTop> RunningCell::table_top(std::size_t robo
   for (const CellBasket& basket : baskets_->all()) {
     table->baskets.push_back({basket.name, X_BW * basket.X_WK, basket.size});
   }
-  if (eyes_.empty()) return table;
-  table->cameras = eyes_[robot]->names();
-  table->seen = eyes_[robot]->newest();
+  const CubeEyes* eyes = newest_eyes_[robot];
+  if (eyes == nullptr) return table;
+  table->cameras = eyes->names();
+  table->seen = eyes->newest();
   return table;
 }
 

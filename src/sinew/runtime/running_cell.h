@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -60,6 +61,8 @@ class RunningCell {
   /// @param glances  as Camera::Watch has them
   void open_camera(std::size_t i, Camera::Settings settings, CameraSource source,
                    CameraSource glances = {});
+  /// Counts from the next picture on, also for programs. For one thread only. @pre it was opened
+  void calibrate(std::size_t i, const vision::TableCamera& calibration);
   /// Null where it was not opened.
   Camera* camera(std::size_t i) const { return cameras_[i].get(); }
   /// Where its baskets stand.
@@ -78,6 +81,8 @@ class RunningCell {
   RunningCell(Cell cell, CellFolders folders)
       : cell_(std::move(cell)), folders_(std::move(folders)) {}
 
+  void look_with_calibrated();
+
   Cell cell_;
   CellFolders folders_;
   std::vector<std::unique_ptr<io::Clock>> clocks_;  ///< each robot's
@@ -87,6 +92,8 @@ class RunningCell {
   std::vector<std::unique_ptr<Station>> stations_;
   std::vector<std::unique_ptr<Camera>> cameras_;  ///< they look at the stations
   std::vector<std::unique_ptr<CubeEyes>> eyes_;   ///< of the jobs, which end first
+  std::vector<std::atomic<CubeEyes*>> newest_eyes_;  ///< each robot's
+  std::vector<std::size_t> looks_with_;              ///< cameras that these have
   std::vector<std::unique_ptr<JobRunner>> jobs_;
   std::vector<std::unique_ptr<ProcedureRunner>> procedures_;
 };

@@ -6,6 +6,7 @@
 #include "sinew/core/assert.h"
 #include "sinew/core/rotation.h"
 #include "sinew/core/units.h"
+#include "sinew/runtime/shown_board.h"
 #include "sinew/vision/view_watch.h"
 
 namespace sinew::runtime {
@@ -83,23 +84,39 @@ std::unique_ptr<sim::ByteMachine> SimulatedTable::under(std::unique_ptr<sim::Byt
                                           boot);
 }
 
-CameraSource SimulatedTable::pictures(const vision::TableCamera& camera, Robots robots) {
-  if (const auto board = vision::table_sheet(camera.sheet)) {
-    const std::scoped_lock lock(mutex_);
-    view_.sheets = {{*board, {}, render::print_of(*board)}};
-  }
-  return [this, camera, robots = std::move(robots),
+CameraSource SimulatedTable::pictures(const vision::TableCamera& camera, Robots robots,
+                                      std::size_t number) {
+  if (!camera.sheet.empty()) leave_sheet(camera.sheet);
+  return [this, camera, robots = std::move(robots), number,
           last = std::optional<vision::Picture>()](const std::stop_token&) mutable {
-    auto taken = picture(camera, robots, last);
+    auto taken = picture(camera, robots, number, last);
     if (taken) last = *taken;
     return taken;
   };
 }
 
-CameraSource SimulatedTable::glances(const vision::TableCamera& camera, Robots robots) {
+CameraSource SimulatedTable::glances(const vision::TableCamera& camera, Robots robots,
+                                     std::size_t number) {
   vision::TableCamera small = camera;
   small.model = camera.model.shrunk(2 * vision::kCellsAcross);
-  return pictures(small, std::move(robots));
+  small.sheet.clear();  // it lies there already
+  return pictures(small, std::move(robots), number);
+}
+
+void SimulatedTable::leave_sheet(std::string_view paper) {
+  const auto sheet = vision::table_sheet(paper);
+  std::vector<render::ViewedSheet> sheets;
+  if (sheet) sheets.push_back({*sheet, {}, render::print_of(*sheet)});
+  const std::scoped_lock lock(mutex_);
+  view_.sheets = std::move(sheets);
+}
+
+void SimulatedTable::show(const std::optional<Shown>& shown) {
+  const std::scoped_lock lock(mutex_);
+  const bool is_new = shown && (!shown_ || shown_->board.first != shown->board.first ||
+                                shown_->board.paper != shown->board.paper);
+  if (is_new) print_ = render::print_of(shown->board);
+  shown_ = shown;
 }
 
 void SimulatedTable::begin_again() {
@@ -127,13 +144,27 @@ void SimulatedTable::set_surroundings(const render::CellView& view) {
   view_ = view;
 }
 
+void SimulatedTable::put_shown(render::CellView& view, const vision::TableCamera& camera,
+                               const Shown& shown, const render::PrintPicture& print) {
+  if (!shown.pose) {
+    view.sheets = {{shown.board, {}, print}};
+    view.baskets.clear();
+    return;
+  }
+  const auto X_WP = held_board(camera, shown.board, *shown.pose);
+  view.sheets.push_back({shown.board, X_WP, print});
+  view.hand = holding_hand(shown.board, X_WP);
+}
+
 Expected<vision::Picture> SimulatedTable::picture(const vision::TableCamera& camera,
-                                                  const Robots& robots,
+                                                  const Robots& robots, std::size_t number,
                                                   const std::optional<vision::Picture>& last) {
   std::unique_lock lock(mutex_);
   const Trouble trouble = trouble_;
   render::CellView view = view_;
-  const std::uint64_t number = ++taken_;
+  const std::uint64_t taken = ++taken_;
+  const auto shown = shown_ && shown_->camera == number ? shown_ : std::nullopt;
+  const auto print = print_;
   if (trouble.unplugged) return std::unexpected(Error{ErrorCode::kCameraLost, -1, 0});
   if (trouble.frozen && last) return *last;
   lock.unlock();
@@ -145,17 +176,19 @@ Expected<vision::Picture> SimulatedTable::picture(const vision::TableCamera& cam
     for (const sim::Basket& basket : world.settings().baskets) {
       view.baskets.push_back(viewed(basket));
     }
+    if (shown) return;
     for (const sim::CubeState& cube : world.cubes()) {
       if (cube.where == sim::CubePlace::kGone) continue;
       view.cubes.push_back({relabel<frame::World, frame::Solid>(cube.X_WO), cube.edge,
                             static_cast<vision::ColorName>(cube.color)});
     }
   });
+  if (shown) put_shown(view, camera, *shown, print);
   auto X_WC = camera.X_WC;
   X_WC.p = X_WC * trouble.knocked;
   render::Sensor sensor;
   sensor.exposure = trouble.exposure;
-  auto picture = render::picture_of(view, camera.model, X_WC, sensor, number);
+  auto picture = render::picture_of(view, camera.model, X_WC, sensor, taken);
   if (trouble.covered) {
     // Light from a room still leaks in.
     for (std::uint8_t& value : picture.rgb) value = static_cast<std::uint8_t>(8 + value / 64);

@@ -6,6 +6,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <string_view>
 #include <vector>
 
 #include "sinew/model/cell.h"
@@ -48,6 +49,13 @@ class SimulatedTable {
     double exposure = 1;
     std::optional<render::ViewedHand> hand{};  ///< on the table
   };
+  /// What a person shows a camera that is calibrated. Cubes are put aside meanwhile, and
+  /// the basket too where a sheet is laid.
+  struct Shown {
+    std::size_t camera = 0;             ///< of the cell's
+    vision::TagBoard board;             ///< to hold, or a sheet to lay on the table
+    std::optional<std::uint64_t> pose;  ///< of held_board(); nothing: it lies on the table
+  };
 
   /// @param cell     with a simulated camera
   /// @param baskets  where they stand now
@@ -58,9 +66,14 @@ class SimulatedTable {
                                           const RobotModel& model, std::size_t which, Instant boot);
   /// Pictures of it; where the camera has a sheet with tags that lies on the table from now on.
   /// @param camera  as it hangs
-  CameraSource pictures(const vision::TableCamera& camera, Robots robots);
+  /// @param number  of the cell's cameras
+  CameraSource pictures(const vision::TableCamera& camera, Robots robots, std::size_t number = 0);
   /// Smaller ones of the same, for Camera::Watch.
-  CameraSource glances(const vision::TableCamera& camera, Robots robots);
+  CameraSource glances(const vision::TableCamera& camera, Robots robots, std::size_t number = 0);
+  /// In pictures from now on; nothing: the person has gone, and has put the cubes back.
+  void show(const std::optional<Shown>& shown);
+  /// A sheet with tags that lies on the table for good; empty: none does. "a4", "a3", "letter"
+  void leave_sheet(std::string_view paper);
 
   sim::SharedCubes& cubes() { return cubes_; }
   /// All cubes lie where they lay when the cell began.
@@ -73,16 +86,20 @@ class SimulatedTable {
 
  private:
   Expected<vision::Picture> picture(const vision::TableCamera& camera, const Robots& robots,
-                                    const std::optional<vision::Picture>& last);
+                                    std::size_t number, const std::optional<vision::Picture>& last);
+  static void put_shown(render::CellView& view, const vision::TableCamera& camera,
+                        const Shown& shown, const render::PrintPicture& print);
 
   std::vector<sim::CubeWorld::NewCube> first_;  ///< cubes as the cell begins
   Pose<frame::World, frame::Table> X_WT_;
   std::vector<Pose<frame::World, frame::Base>> X_TB_;  ///< T as a world of its own
   LockedCubes cubes_;
   std::mutex mutex_;
-  Trouble trouble_;          ///< under the mutex
-  render::CellView view_;    ///< under the mutex
-  std::uint64_t taken_ = 0;  ///< pictures, under the mutex
+  Trouble trouble_;              ///< under the mutex
+  render::CellView view_;        ///< under the mutex
+  std::optional<Shown> shown_;   ///< under the mutex
+  render::PrintPicture print_;   ///< of what is shown, under the mutex
+  std::uint64_t taken_ = 0;      ///< pictures, under the mutex
 };
 
 }  // namespace sinew::runtime

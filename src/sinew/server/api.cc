@@ -100,7 +100,7 @@ Json record_json(const std::string& robot, const runtime::RecordTold& told) {
 
 Api::Api(runtime::RunningCell& cell, std::string version, runtime::CellSettings* settings,
          const std::string& event_file)
-    : cell_(cell), keeper_(cell, settings), version_(std::move(version)) {
+    : cell_(cell), keeper_(cell, settings), calibrations_(cell), version_(std::move(version)) {
   previews_ = std::make_unique<PreviewDesk>(cell_);
   for (std::size_t i = 0; i < cell_.size(); ++i) {
     ears_.push_back(cell_.station(i).take_slot());
@@ -438,6 +438,7 @@ void Api::take_answered() {
   while (const auto done = checks_.take()) take_answered(*done);
   while (const auto done = pictures_.take()) take_answered(*done);
   while (const auto done = verdicts_.take()) take_answered(*done);
+  while (const auto done = calibrating_.take()) take_answered(*done);
   while (const auto done = wires_.take()) take_answered(*done);
 }
 

@@ -15,6 +15,8 @@
 #include "sinew/planning/tool_space.h"
 #include "sinew/runtime/running_cell.h"
 #include "sinew/runtime/wire_monitor.h"
+#include "sinew/server/calibrations.h"
+#include "sinew/server/camera_json.h"
 #include "sinew/server/cube_reach.h"
 #include "sinew/server/event_file.h"
 #include "sinew/server/event_log.h"
@@ -253,8 +255,11 @@ class Api {
   void forget_wires(Instant now);
 
   // api_camera.cc
+  std::expected<std::size_t, RpcError> camera_of(const Call& call) const;
   Answer look_through(const Call& call);
-  std::expected<std::size_t, RpcError> asked_camera(const Call& call) const;
+  static Answer print_sheet(const Call& call);
+  Answer calibrate(const Method& method, const Call& call);
+  std::optional<RpcError> job_under_way_anywhere() const;
 
   // api_cubes.cc
   Answer judge_cubes(const Call& call);
@@ -271,11 +276,14 @@ class Api {
   runtime::RunningCell& cell_;
   std::unique_ptr<PreviewDesk> previews_;
   Keeper keeper_;
-  TaskDesk files_;     ///< the keeper's
-  TaskDesk checks_;    ///< of programs
-  TaskDesk pictures_;  ///< of cameras
-  TaskDesk verdicts_;  ///< of cubes
+  TaskDesk files_;             ///< the keeper's
+  TaskDesk checks_;            ///< of programs
+  ShownTags shown_tags_;       ///< of pictures_' thread
+  TaskDesk pictures_;          ///< of cameras
+  TaskDesk verdicts_;          ///< of cubes
   CubeReachDesk reach_{cell_};
+  Calibrations calibrations_;  ///< of calibrating_'s thread
+  TaskDesk calibrating_;
   std::size_t asked_ = 0;               ///< previews and tasks under way
   std::uint64_t messages_ = 0;          ///< that came, ever
   std::size_t inbox_ = 0;               ///< messages that wait

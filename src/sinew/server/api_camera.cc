@@ -2,6 +2,7 @@
 
 #include "sinew/server/api.h"
 #include "sinew/server/camera_json.h"
+#include "sinew/vision/tag_board.h"
 
 namespace sinew::server {
 namespace {
@@ -10,9 +11,13 @@ constexpr std::uint64_t kLongestMin = 16;  // px
 constexpr std::uint64_t kLongestMax = 4096;
 constexpr std::uint64_t kLongestUsual = 640;
 
+std::string paper_of(const RpcRequest& request) {
+  return request.params.contains("paper") ? request.text("paper") : "a4";
+}
+
 }  // namespace
 
-std::expected<std::size_t, RpcError> Api::asked_camera(const Call& call) const {
+std::expected<std::size_t, RpcError> Api::camera_of(const Call& call) const {
   const auto& cameras = cell_.cell().cameras;
   const std::string wanted = call.request.text("camera");
   const auto found = std::ranges::find_if(
@@ -32,21 +37,87 @@ std::expected<std::size_t, RpcError> Api::asked_camera(const Call& call) const {
 /// The answer is the newest picture, at once, and the next one taken meanwhile: who wants to see
 /// more asks again.
 Api::Answer Api::look_through(const Call& call) {
-  const auto found = asked_camera(call);
-  if (!found) return found.error();
-  const std::size_t i = *found;
+  const auto i = camera_of(call);
+  if (!i) return i.error();
   const std::uint64_t longest = call.request.whole("longest_px", kLongestUsual);
   if (longest < kLongestMin || longest > kLongestMax) {
     return invalid("longest_px has to be 16 to 4096");
   }
-  runtime::Camera* camera = cell_.camera(i);
+  runtime::Camera* camera = cell_.camera(*i);
   camera->refresh();
   const std::uint64_t known = call.request.whole("known", 0);
-  return Errand{pictures_, as_task([this, i, camera, known, longest]() -> Keeper::Result {
+  const bool tags = call.request.flag("tags");
+  return Errand{pictures_,
+                as_task([this, i = *i, camera, known, longest, tags]() -> Keeper::Result {
                   const auto shot = camera->newest();
-                  if (!shot) return Json{{"camera", camera->settings().name}, {"number", 0}};
-                  return shot_json(cell_, i, *shot, known, static_cast<int>(longest));
+                  if (!shot) return Json{{"camera", camera->name()}, {"number", 0}};
+                  Json json = shot_json(cell_, i, *shot, known, static_cast<int>(longest));
+                  if (tags) json["tags"] = shown_tags_.of(i, *shot);
+                  return json;
                 })};
+}
+
+Api::Answer Api::print_sheet(const Call& call) {
+  const std::string what = call.request.text("what");
+  const std::string form = call.request.params.contains("form") ? call.request.text("form") : "svg";
+  const std::string paper = paper_of(call.request);
+  if (what != "board" && what != "sheet") return invalid("what has to be board or sheet");
+  if (form != "svg" && form != "pdf") return invalid("form has to be svg or pdf");
+  const auto board =
+      what == "sheet" ? vision::table_sheet(paper) : vision::calibration_board(paper);
+  if (!board) return invalid("paper has to be a4, a3 or letter");
+  return Json{{"text", form == "svg" ? svg_of(*board) : pdf_of(*board)}};
+}
+
+/// In a thread of its own: it waits for pictures and solves for seconds.
+Api::Answer Api::calibrate(const Method& method, const Call& call) {
+  const auto camera = camera_of(call);
+  if (!camera) return camera.error();
+  const std::uint64_t session = call.request.whole("session", 0);
+  const auto task = [&](std::function<Keeper::Result()> work) {
+    return Errand{calibrating_, as_task(std::move(work))};
+  };
+  switch (method.id) {
+    case MethodId::kCalibrationStatus:
+      return task([this, i = *camera] { return calibrations_.status(i); });
+    case MethodId::kCalibrationBegin:
+      return task(
+          [this, i = *camera, paper = paper_of(call.request), anew = call.request.flag("anew")] {
+            return calibrations_.begin(i, paper, anew);
+          });
+    case MethodId::kCalibrationExpect:
+      return task([this, i = *camera, session, step = call.request.text("step")] {
+        return calibrations_.expect(i, session, step);
+      });
+    case MethodId::kCalibrationTake:
+      return task([this, i = *camera, session] { return calibrations_.take(i, session); });
+    case MethodId::kCalibrationDrop:
+      return task([this, i = *camera, session, view = call.request.whole("view", 0)] {
+        return calibrations_.drop(i, session, view);
+      });
+    case MethodId::kCalibrationSave: {
+      if (const auto busy = job_under_way_anywhere()) return *busy;
+      const bool stays =
+          !call.request.params.contains("sheet_stays") || call.request.flag("sheet_stays");
+      return task(
+          [this, i = *camera, session, stays] { return calibrations_.save(i, session, stays); });
+    }
+    default:
+      return task([this, i = *camera, session] { return calibrations_.end(i, session); });
+  }
+}
+
+/// What a program is about to see must not change under it; one that stops looks no more.
+std::optional<RpcError> Api::job_under_way_anywhere() const {
+  for (std::size_t i = 0; i < cell_.size(); ++i) {
+    const runtime::JobView job = cell_.jobs(i).view();
+    if (job.over || job.phase == program::Run::Phase::kStopping) continue;
+    return RpcError{RpcCode::kBusy,
+                    "'" + job.title + "' runs on " + cell_.station(i).name() +
+                        ": stop the program, then save the calibration",
+                    {{"job", job.id}}};
+  }
+  return std::nullopt;
 }
 
 }  // namespace sinew::server

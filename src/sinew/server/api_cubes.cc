@@ -61,7 +61,7 @@ std::optional<Json> far_from(const runtime::RunningCell& cell, std::size_t robot
 }  // namespace
 
 Api::Answer Api::judge_cubes(const Call& call) {
-  const auto camera = asked_camera(call);
+  const auto camera = camera_of(call);
   if (!camera) return camera.error();
   const std::size_t robot = *call.robot;
   if (!program::can_pick(cell_.station(robot).robot())) {

@@ -154,8 +154,10 @@ Api::Answer Api::look(const Method& method, const Call& call) {
       return cube_reach(call);
     case MethodId::kBasketMove:
       return move_basket(call);
+    case MethodId::kCameraPrint:
+      return print_sheet(call);
     default:
-      return keep(method, call);
+      return is_calibration(method.id) ? calibrate(method, call) : keep(method, call);
   }
 }
 

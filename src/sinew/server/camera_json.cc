@@ -59,8 +59,15 @@ Json camera_description(const runtime::RunningCell& cell, std::size_t camera) {
             {"device", place.device},
             {"table", pose_json(place.X_WT.p, place.X_WT.R)}};
   const runtime::Camera* opened = cell.camera(camera);
-  if (opened == nullptr || !opened->settings().calibration) return json;
-  const vision::TableCamera& calibration = *opened->settings().calibration;
+  if (opened == nullptr) return json;
+  if (!opened->calibration_file().empty()) {
+    json["calibration"] = {{"file", opened->calibration_file()}};
+    const std::string refused = opened->calibration_refused();
+    if (!refused.empty()) json["calibration"]["refused"] = refused;
+  }
+  const auto kept = opened->calibration();
+  if (!kept) return json;
+  const vision::TableCamera& calibration = *kept;
   const auto X_WC = place.X_WT * relabel<frame::Table, frame::Camera>(calibration.X_WC);
   json["lens"] = {{"pose", pose_json(X_WC.p, X_WC.R)},     {"width_px", calibration.model.width},
                   {"height_px", calibration.model.height}, {"fx_px", calibration.model.fx},
@@ -92,6 +99,18 @@ Json shot_json(const runtime::RunningCell& cell, std::size_t camera,
   if (shot.fault) json["fault"] = error_json(*shot.fault, cell.station(0).robot());
   if (shot.picture.width > 0 && shot.number != known) json["picture"] = jpeg(shot.picture, longest);
   return json;
+}
+
+Json ShownTags::of(std::size_t camera, const runtime::Camera::Shot& shot) {
+  Found& found = found_[camera];
+  if (found.number == shot.number && !found.tags.is_null()) return found.tags;
+  if (!finder_) finder_.emplace(std::vector{vision::TagFamily::k36h11});
+  found = {shot.number, Json::array()};
+  if (shot.picture.width == 0) return found.tags;
+  for (const vision::SeenTag& tag : finder_->find(shot.picture)) {
+    found.tags.push_back({{"id", tag.id}, {"corners_px", corners_json(tag.corners)}});
+  }
+  return found.tags;
 }
 
 }  // namespace sinew::server

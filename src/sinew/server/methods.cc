@@ -106,10 +106,36 @@ constexpr Param kAnswerParams[] = {
     {"answer", ParamType::kText, true,
      "as a person writes it: yes, go, a word of its choices, a number with its unit"}};
 
+constexpr Param kCameraParam{"camera", ParamType::kText, false,
+                             "its name in the cell; the first one where left out"};
+constexpr Param kCameraOnly[] = {kCameraParam};
 constexpr Param kLookParams[] = {
-    {"camera", ParamType::kText, false, "its name in the cell; the first one where left out"},
+    kCameraParam,
     {"known", ParamType::kWhole, false, "number of the last picture: it is not sent again"},
-    {"longest_px", ParamType::kWhole, false, "of the picture's longer side, 16 to 4096; 640"}};
+    {"longest_px", ParamType::kWhole, false, "of the picture's longer side, 16 to 4096; 640"},
+    {"tags", ParamType::kFlag, false, "the printed tags in it, too"}};
+constexpr Param kPaperParam{"paper", ParamType::kText, false, "a4, a3 or letter; a4"};
+constexpr Param kPrintParams[] = {
+    {"what", ParamType::kText, true, "board (to hold) or sheet (for the table)"},
+    kPaperParam,
+    {"form", ParamType::kText, false, "svg or pdf; svg"}};
+constexpr Param kSessionParam{
+    "session", ParamType::kWhole, false,
+    "of the calibration that is meant; refused where another client has begun a new one"};
+constexpr Param kBeginParams[] = {
+    kCameraParam,
+    kPaperParam,
+    {"anew", ParamType::kFlag, false, "without the views of the calibration under way"}};
+constexpr Param kExpectParams[] = {
+    kCameraParam, kSessionParam, {"step", ParamType::kText, true, "board or sheet"}};
+constexpr Param kSessionOnly[] = {kCameraParam, kSessionParam};
+constexpr Param kDropParams[] = {
+    kCameraParam, kSessionParam, {"view", ParamType::kWhole, true, "its number"}};
+constexpr Param kCalibrationSaveParams[] = {
+    kCameraParam,
+    kSessionParam,
+    {"sheet_stays", ParamType::kFlag, false,
+     "on the table, so that a camera that was moved is noticed; true"}};
 
 constexpr Param kCubesParams[] = {
     kRobotParam,
@@ -325,7 +351,8 @@ constexpr auto kMethods = std::to_array<Method>({
      kWireParams, "frames, last, lost: how many behind `since` are not among them", "WireFrames"},
     {MethodId::kCameraLook, "camera.look", false,
      "the newest picture of a camera and the cubes in it; the next one is taken meanwhile",
-     kLookParams, "number, width_px, height_px, cubes, refused, fault, picture: a JPEG as base64",
+     kLookParams,
+     "number, width_px, height_px, cubes, refused, tags, fault, picture: a JPEG as base64",
      "CameraShot"},
     {MethodId::kRobotCubes, "robot.cubes", false,
      "whether this robot can pick the cubes in a camera's newest picture, each as they lie now, "
@@ -344,6 +371,31 @@ constexpr auto kMethods = std::to_array<Method>({
     {MethodId::kBasketMove, "basket.move", true,
      "says where a basket stands from now on, and keeps it; refused while a program handles cubes",
      kBasketParams, "basket; warnings: robots that do not reach it", "MovedBasket"},
+    {MethodId::kCameraPrint, "camera.print", false,
+     "a sheet to print at 100 % for the calibration of a camera, as sinew camera makes it",
+     kPrintParams, "text", "Text"},
+    {MethodId::kCalibrationStatus, "camera.calibration.status", false,
+     "how the calibration of a camera stands", kCameraOnly,
+     "camera, under_way, session, step, views, coverage, better, trouble, result", "Calibration"},
+    {MethodId::kCalibrationBegin, "camera.calibration.begin", true,
+     "calibrates a camera, or goes on with the calibration under way, of all clients alike; a "
+     "simulated camera is shown the board from now on",
+     kBeginParams, "as camera.calibration.status", "Calibration"},
+    {MethodId::kCalibrationExpect, "camera.calibration.expect", true, "what the next view shows",
+     kExpectParams, "as camera.calibration.status", "Calibration"},
+    {MethodId::kCalibrationTake, "camera.calibration.take", true,
+     "a picture, as a view of the board or of the sheet; refused where it adds nothing, is blurred "
+     "or shows neither",
+     kSessionOnly, "as camera.calibration.status, and taken: its number", "Calibration"},
+    {MethodId::kCalibrationDrop, "camera.calibration.drop", true, "removes a view", kDropParams,
+     "as camera.calibration.status", "Calibration"},
+    {MethodId::kCalibrationSave, "camera.calibration.save", true,
+     "writes the camera's file beside the cell's, and ends; the camera sees by it from its next "
+     "picture on. Refused while a program runs",
+     kCalibrationSaveParams, "as camera.calibration.status, and saved", "Calibration"},
+    {MethodId::kCalibrationEnd, "camera.calibration.end", true,
+     "without a file: its views are lost", kSessionOnly, "as camera.calibration.status",
+     "Calibration"},
     {MethodId::kProgramCheck, "program.check", false,
      "a verdict for each row, from where the robot stands; nothing moves, and what is refused is "
      "no error",

@@ -75,6 +75,14 @@ enum class MethodId : std::uint8_t {
   kRobotCubes,
   kRobotCubeReach,
   kBasketMove,
+  kCameraPrint,
+  kCalibrationStatus,
+  kCalibrationBegin,
+  kCalibrationExpect,
+  kCalibrationTake,
+  kCalibrationDrop,
+  kCalibrationSave,
+  kCalibrationEnd,
   kProgramCheck,
   kProgramFormat,
   kProgramImport,
@@ -101,6 +109,11 @@ enum class MethodId : std::uint8_t {
 /// About what is kept, the last ones of the table: no robot moves, or stops, by them.
 inline bool is_about_kept(MethodId id) {
   return id >= MethodId::kProgramCheck && id <= MethodId::kSettingsSet;
+}
+
+/// Of camera.calibration.
+inline bool is_calibration(MethodId id) {
+  return id >= MethodId::kCalibrationStatus && id <= MethodId::kCalibrationEnd;
 }
 
 struct Method {

@@ -161,7 +161,8 @@ void put_cell(Json& all) {
        {"robots", list(ref("RobotDescription"))},
        {"objects", list(ref("Box"))},
        {"cameras", list(object({{"name", text()}, {"device", text()}, {"table", ref("Pose")}},
-                               {{"lens", object({{"pose", ref("Pose")},
+                               {{"calibration", object({{"file", text()}}, {{"refused", text()}})},
+                                {"lens", object({{"pose", ref("Pose")},
                                                  {"width_px", whole()},
                                                  {"height_px", whole()},
                                                  {"fx_px", number()},
@@ -199,6 +200,7 @@ void put_cameras(Json& all) {
                               {"edge_m", number()},
                               {"in_basket", text()}}))},
        {"baskets", list(ref("Box"))},
+       {"tags", list(object({{"id", whole()}, {"corners_px", corners}}))},
        {"refused", list(object({{"why", text()}, {"outline_px", corners}}))}});
   all["MovedBasket"] =
       object({{"basket", ref("Box")},
@@ -222,6 +224,38 @@ void put_cameras(Json& all) {
                              {"columns", whole()},
                              {"done", number()},
                              {"rows", list(text())}});
+}
+
+void put_calibrations(Json& all) {
+  const Fields view{{"view", whole()}, {"tags", whole()}, {"corners_px", list(list(numbers(2)))}};
+  all["Calibration"] = object(
+      {{"camera", text()}, {"under_way", flag()}, {"simulated", flag()}},
+      {{"file", text()},
+       {"session", whole()},
+       {"step", one_of({"board", "sheet"})},
+       {"paper", text()},
+       {"width_px", whole()},
+       {"height_px", whole()},
+       {"views_least", whole()},
+       {"views_enough", whole()},
+       {"views", list(object(view, {{"residual_px", number()}}))},
+       {"sheet", object(view)},
+       {"coverage", told("Rows of the picture from above: whether the views show that part of it.",
+                         list(list(flag())))},
+       {"better", text()},
+       {"trouble", text()},
+       {"result", object({{"table_error_m", number()},
+                          {"reprojection_px", number()},
+                          {"ambiguous", flag()},
+                          {"left_out", whole()},
+                          {"pose", ref("Pose")},
+                          {"fx_px", number()},
+                          {"fy_px", number()},
+                          {"center_px", numbers(2)},
+                          {"lens", numbers(5)}})},
+       {"taken", whole()},
+       {"saved",
+        object({{"file", text()}, {"table_error_m", number()}, {"sheet_stays", flag()}})}});
 }
 
 void put_status(Json& all) {
@@ -670,6 +704,7 @@ Json result_schemas() {
   put_basics(all);
   put_cell(all);
   put_cameras(all);
+  put_calibrations(all);
   put_status(all);
   put_jobs(all);
   put_procedures(all);

@@ -18,6 +18,8 @@ struct TableCamera {
   double accuracy = 0;      ///< m at the table, 95 %, of views that it was not measured with
   /// Of the sheet that lies in W since then, as table_sheet() has it; empty: none does.
   std::string sheet;
+  /// Which camera it is, as camera_identity() names it; empty: not known. It is true for no other.
+  std::string identity;
 };
 
 /// Where what is seen at a pixel meets the plane z = height. m, in W; nothing where it never does

@@ -1,0 +1,205 @@
+#include "sinew/server/calibrations.h"
+
+#include <cmath>
+#include <utility>
+
+#include "sinew/server/robot_json.h"
+
+namespace sinew::server {
+namespace {
+
+using calibration::BoardViews;
+using calibration::Coverage;
+using calibration::TakenView;
+using Step = runtime::CameraCalibration::Step;
+
+/// By tag; to a hundredth of a pixel.
+Json corners_json(const TakenView& view) {
+  const auto rounded = [](double px) { return std::round(100 * px) / 100; };
+  Json tags = Json::array();
+  const auto& pixels = view.seen.seen.pixels;
+  for (std::size_t i = 0; i + 3 < pixels.size(); i += 4) {
+    Json corners = Json::array();
+    for (std::size_t k = i; k < i + 4; ++k) {
+      corners.push_back({rounded(pixels[k].x), rounded(pixels[k].y)});
+    }
+    tags.push_back(std::move(corners));
+  }
+  return tags;
+}
+
+Json view_json(const TakenView& view) {
+  return {{"view", view.number}, {"tags", view.tags}, {"corners_px", corners_json(view)}};
+}
+
+Json coverage_json(const Coverage& coverage) {
+  Json rows = Json::array();
+  for (const auto& row : coverage.seen) {
+    Json cells = Json::array();
+    for (const bool seen : row) cells.push_back(seen);
+    rows.push_back(std::move(cells));
+  }
+  return rows;
+}
+
+/// The camera's pose in the cell.
+Json result_json(const calibration::TableCalibration& result, const CellCamera& place) {
+  const vision::TableCamera& camera = result.camera;
+  const auto X_WC = place.X_WT * relabel<frame::Table, frame::Camera>(camera.X_WC);
+  return {{"table_error_m", camera.accuracy},
+          {"reprojection_px", camera.reprojection},
+          {"ambiguous", result.table.ambiguous()},
+          {"left_out", result.intrinsics.wrong_points.size()},
+          {"pose", pose_json(X_WC.p, X_WC.R)},
+          {"fx_px", camera.model.fx},
+          {"fy_px", camera.model.fy},
+          {"center_px", {camera.model.center.x, camera.model.center.y}},
+          {"lens", camera.model.lens}};
+}
+
+void put_calibration(Json& json, const runtime::CameraCalibration& one, const CellCamera& place) {
+  const calibration::ViewsResult& result = one.result();
+  const auto& views = one.views().views();
+  const auto& sheet = one.views().table();
+  json["step"] = one.step() == Step::kBoard ? "board" : "sheet";
+  json["paper"] = one.paper();
+  json["views_least"] = BoardViews::kViewsLeast;
+  json["views_enough"] = Coverage::kViewsEnough;
+  const TakenView* first = !views.empty() ? &views.front() : sheet ? &*sheet : nullptr;
+  if (first != nullptr) {
+    json["width_px"] = first->seen.width;
+    json["height_px"] = first->seen.height;
+  }
+  json["views"] = Json::array();
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    Json view = view_json(views[i]);
+    if (i < result.residuals.size()) view["residual_px"] = result.residuals[i];
+    json["views"].push_back(std::move(view));
+  }
+  if (sheet) json["sheet"] = view_json(*sheet);
+  json["coverage"] = coverage_json(result.coverage);
+  if (result.better) json["better"] = *result.better;
+  if (result.trouble) json["trouble"] = sentence(*result.trouble);
+  if (result.camera) json["result"] = result_json(*result.camera, place);
+}
+
+RpcError refused(const calibration::ViewRefusal& why) {
+  return {RpcCode::kRefused, why.sentence, {{"code", why.code}}};
+}
+
+}  // namespace
+
+Calibrations::Result Calibrations::status(std::size_t camera) const {
+  const CellCamera& place = cell_.cell().cameras[camera];
+  const auto one = under_way_.find(camera);
+  Json json{{"camera", place.name},
+            {"under_way", one != under_way_.end()},
+            {"simulated", place.device == kSimulatedCamera}};
+  const std::string& file = cell_.camera(camera)->calibration_file();
+  if (!file.empty()) json["file"] = file;
+  if (one == under_way_.end()) return json;
+  json["session"] = one->second.session;
+  put_calibration(json, one->second.calibration, place);
+  return json;
+}
+
+std::expected<Calibrations::One*, RpcError> Calibrations::found(std::size_t camera,
+                                                                std::uint64_t session) {
+  const std::string& name = cell_.cell().cameras[camera].name;
+  const auto one = under_way_.find(camera);
+  if (one == under_way_.end()) {
+    return std::unexpected(RpcError{
+        RpcCode::kRefused,
+        "No calibration of " + name + " is under way. Begin one: camera.calibration.begin.",
+        {{"code", "not_begun"}}});
+  }
+  if (session != 0 && session != one->second.session) {
+    return std::unexpected(RpcError{RpcCode::kRefused,
+                                    "Another client has begun the calibration of " + name +
+                                        " again. Continue with its views, or begin again.",
+                                    {{"code", "begun_again"}}});
+  }
+  return &one->second;
+}
+
+Calibrations::Result Calibrations::begin(std::size_t camera, const std::string& paper, bool anew) {
+  const auto before = under_way_.find(camera);
+  if (before != under_way_.end() && !anew) {
+    if (before->second.calibration.paper() == paper) return status(camera);
+    return std::unexpected(RpcError{RpcCode::kRefused,
+                                    "A calibration with paper " +
+                                        before->second.calibration.paper() +
+                                        " is under way. Continue it, or begin again (anew).",
+                                    {{"code", "other_paper"}}});
+  }
+  auto begun = runtime::CameraCalibration::begin(cell_, camera, paper);
+  if (!begun) return std::unexpected(invalid("paper has to be a4, a3 or letter"));
+  // The former one stops to show things as it ends: before this one begins to.
+  if (before != under_way_.end()) under_way_.erase(before);
+  begun->expect(Step::kBoard);
+  under_way_.emplace(camera, One{++last_, std::move(*begun)});
+  return status(camera);
+}
+
+Calibrations::Result Calibrations::expect(std::size_t camera, std::uint64_t session,
+                                          const std::string& step) {
+  if (step != "board" && step != "sheet") {
+    return std::unexpected(invalid("step has to be board or sheet"));
+  }
+  const auto one = found(camera, session);
+  if (!one) return std::unexpected(one.error());
+  (*one)->calibration.expect(step == "board" ? Step::kBoard : Step::kSheet);
+  return status(camera);
+}
+
+Calibrations::Result Calibrations::take(std::size_t camera, std::uint64_t session) {
+  const auto one = found(camera, session);
+  if (!one) return std::unexpected(one.error());
+  runtime::CameraCalibration& calibration = (*one)->calibration;
+  const auto view = calibration.take();
+  if (!view) {
+    RpcError why = refused(view.error());
+    if (calibration.fault()) {
+      why.data = error_json(*calibration.fault(), cell_.station(0).robot());
+    }
+    return std::unexpected(std::move(why));
+  }
+  auto json = status(camera);
+  (*json)["taken"] = view->number;
+  return json;
+}
+
+Calibrations::Result Calibrations::drop(std::size_t camera, std::uint64_t session,
+                                        std::uint64_t view) {
+  const auto one = found(camera, session);
+  if (!one) return std::unexpected(one.error());
+  if (!(*one)->calibration.drop(view)) {
+    return std::unexpected(RpcError{RpcCode::kRefused,
+                                    "There is no view " + std::to_string(view) + " (any more).",
+                                    {{"code", "no_view"}}});
+  }
+  return status(camera);
+}
+
+Calibrations::Result Calibrations::save(std::size_t camera, std::uint64_t session,
+                                        bool sheet_stays) {
+  const auto one = found(camera, session);
+  if (!one) return std::unexpected(one.error());
+  const auto saved = (*one)->calibration.save(sheet_stays);
+  if (!saved) return std::unexpected(refused(saved.error()));
+  under_way_.erase(camera);
+  auto json = status(camera);
+  (*json)["saved"] = {{"file", saved->file},
+                      {"table_error_m", saved->accuracy},
+                      {"sheet_stays", saved->sheet_stays}};
+  return json;
+}
+
+Calibrations::Result Calibrations::end(std::size_t camera, std::uint64_t session) {
+  const auto one = found(camera, session);
+  if (!one) return std::unexpected(one.error());
+  under_way_.erase(camera);
+  return status(camera);
+}
+
+}  // namespace sinew::server
