@@ -23,11 +23,16 @@ export const baskets = computed(() => shot.value?.baskets ?? store.cell.value?.b
 /** Its name; the first one where none was chosen. */
 export const chosenBasket = signal<string | null>(null);
 export const basket = computed(() => baskets.value.find((one) => one.name === chosenBasket.value) ?? baskets.value[0] ?? null);
+/** Stays as it is where the cell describes itself again. */
+export const cameraName = computed(() => camera.value?.name ?? null);
+
+/** The calibration wizard is shown: the live picture comes with the printed tags in it. */
+export const calibrating = signal(false);
 
 export const open = computed(() => route.value.view === 'camera' && store.connection.value === 'open' && camera.value !== null);
 
 effect(() => {
-  void camera.value?.name;
+  void cameraName.value;
   batch(() => {
     shot.value = null;
     picture.value = null;
@@ -43,7 +48,7 @@ effect(() => {
     under = true;
     try {
       const known = shot.peek()?.number ?? 0;
-      const next = await store.call<CameraShot>('camera.look', { camera: name, known });
+      const next = await store.call<CameraShot>('camera.look', { camera: name, known, ...(calibrating.peek() ? { tags: true } : {}) });
       if (camera.peek()?.name === name) take(next);
     } catch {
       // The page says itself that the connection is gone.

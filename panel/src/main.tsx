@@ -8,6 +8,7 @@ import './styles/setup.css';
 import './styles/device.css';
 import './styles/camera.css';
 import './styles/camera_table.css';
+import './styles/calibration.css';
 import { announced, go, murmured, robot, route, start, store, unheard } from './app';
 import { t } from './i18n';
 import { kViewIds, type ViewId } from './view_ids';

@@ -24,7 +24,7 @@ export const cameraDe: Record<keyof typeof cameraEn, string> = {
   'camera.job.sort': 'Würfel sortieren',
   'camera.fault.then': 'Nichts wird gegriffen, bis die Kamera den Tisch wieder sieht.',
   'camera.accuracy': 'Kalibriert: Orte auf dem Tisch stimmen auf {mm} mm.',
-  'camera.uncalibrated': 'Nicht kalibriert: wo die Würfel liegen, ist nicht bekannt. sinew camera calibrate findet es heraus.',
+  'camera.uncalibrated': 'Nicht kalibriert: wo die Würfel liegen, ist nicht bekannt.',
 
   'camera.why.it_is_flat_printed_or_a_piece_of_paper': 'Kein Würfel: flach, gedruckt oder ein Stück Papier',
   'camera.why.it_has_not_four_corners': 'Kein Würfel: es hat nicht vier Ecken',

@@ -22,7 +22,7 @@ export const cameraEn = {
   'camera.job.sort': 'Sort cubes',
   'camera.fault.then': 'Nothing is picked until the camera sees the table again.',
   'camera.accuracy': 'Calibrated: places on the table are right to {mm} mm.',
-  'camera.uncalibrated': 'Not calibrated: it is not known where the cubes are. sinew camera calibrate finds it out.',
+  'camera.uncalibrated': 'Not calibrated: it is not known where the cubes are.',
 
   'camera.why.it_is_flat_printed_or_a_piece_of_paper': 'No cube: flat, printed or a piece of paper',
   'camera.why.it_has_not_four_corners': 'No cube: it has not four corners',

@@ -1,3 +1,4 @@
+import { calibrationDe } from './calibration_de';
 import { cameraDe } from './camera_de';
 import { tableDe } from './table_de';
 import { deviceDe } from './device_de';
@@ -551,6 +552,7 @@ export const de: Record<Key, string> = {
 
   ...teachDe,
   ...deviceDe,
+  ...calibrationDe,
   ...cameraDe,
   ...tableDe,
   ...remediesDe,

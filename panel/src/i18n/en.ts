@@ -1,3 +1,4 @@
+import { calibrationEn } from './calibration_en';
 import { cameraEn } from './camera_en';
 import { tableEn } from './table_en';
 import { deviceEn } from './device_en';
@@ -550,6 +551,7 @@ export const en = {
 
   ...teachEn,
   ...deviceEn,
+  ...calibrationEn,
   ...cameraEn,
   ...tableEn,
   ...remediesEn,

@@ -1,6 +1,7 @@
 import { signal } from '@preact/signals';
 import { sentenceIn, type ErrorWords, type Told } from '../logic/sentence';
 import { complaintReader, type ComplaintReader } from './complaints';
+import { calibrationSentencesDe } from './calibration_de';
 import { complaintsDe } from './complaints_de';
 import { de } from './de';
 import { en, type Key } from './en';
@@ -15,10 +16,13 @@ interface Words {
   complaints?: ComplaintReader;
 }
 
+const programsDe = complaintReader(complaintsDe);
+const calibrationsDe = complaintReader(calibrationSentencesDe);
+
 /** A language is a file and a row here. */
 export const kLanguages = {
   en: { name: 'English', texts: en },
-  de: { name: 'Deutsch', texts: de, errors: errorsDe, complaints: complaintReader(complaintsDe) },
+  de: { name: 'Deutsch', texts: de, errors: errorsDe, complaints: (text) => programsDe(text) ?? calibrationsDe(text) },
 } satisfies Record<string, Words>;
 export type Language = keyof typeof kLanguages;
 

@@ -119,6 +119,11 @@ export class Store {
     });
   }
 
+  /** What a cell says of itself changes where a camera is calibrated. */
+  async describeAgain(): Promise<void> {
+    this.cell.value = await this.rpc.call<CellDescription>('cell.describe');
+  }
+
   /** One question a robot, all at once: a slow computer waits once. */
   private async ofEach<Answer>(cell: CellDescription, method: string): Promise<Record<string, Answer>> {
     const asked = cell.robots.map(async ({ name }) => [name, await this.rpc.call<Answer>(method, { robot: name })] as const);

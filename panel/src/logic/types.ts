@@ -175,6 +175,8 @@ export interface CellObject {
 export interface CellCamera {
   name: string;
   device: string;
+  /** Where its calibration is kept, and why what is kept there does not count. */
+  calibration?: { file: string; refused?: string };
   /** Of a calibrated one. */
   lens?: {
     pose: FlatPoseJson;
@@ -221,6 +223,8 @@ export interface CameraShot {
   cubes?: SeenCubeJson[];
   refused?: { why: string; outline_px: [number, number][] }[];
   baskets?: BasketJson[];
+  /** Where they were asked for. */
+  tags?: { id: number; corners_px: [number, number][] }[];
 }
 /** Whether a robot can pick a cube as it lies. */
 export interface CubeVerdictJson {
@@ -243,6 +247,45 @@ export interface CubeReachJson {
   columns: number;
   done: number;
   rows: string[];
+}
+/** A view of the board, or of the sheet on the table: the corners of each tag. */
+export interface CalibrationView {
+  view: number;
+  tags: number;
+  corners_px: [number, number][][];
+  /** Rms. */
+  residual_px?: number;
+}
+/** What camera.calibration.status tells; what is missing where none is under way is optional. */
+export interface Calibration {
+  camera: string;
+  under_way: boolean;
+  simulated: boolean;
+  file?: string;
+  session?: number;
+  step?: 'board' | 'sheet';
+  paper?: string;
+  width_px?: number;
+  height_px?: number;
+  views_least?: number;
+  views_enough?: number;
+  views?: CalibrationView[];
+  sheet?: CalibrationView;
+  /** Rows of the picture from above. */
+  coverage?: boolean[][];
+  better?: string;
+  trouble?: string;
+  result?: {
+    table_error_m: number;
+    reprojection_px: number;
+    ambiguous: boolean;
+    left_out: number;
+    pose: FlatPoseJson;
+    fx_px: number;
+    fy_px: number;
+  };
+  taken?: number;
+  saved?: { file: string; table_error_m: number; sheet_stays: boolean };
 }
 export interface CellDescription {
   title: string;

@@ -1,12 +1,14 @@
 import type { JSX } from 'preact';
-import { errorSentence, t, tWord } from '../i18n';
-import { atWork, canMove, robot, status } from '../app';
-import { basket, camera, cameras, chosenCamera, chosenCube, pick, picture, shot, sort } from '../camera_state';
+import { complaintSentence, errorSentence, t, tWord } from '../i18n';
+import { atWork, canMove, robot, status, store } from '../app';
+import { calibration, openWizard, unsaved } from '../calibration_state';
+import { basket, calibrating, camera, cameras, chosenCamera, chosenCube, pick, picture, shot, sort } from '../camera_state';
 import { countColors, onTable, paintOf, whyKey } from '../logic/camera';
 import type { CameraShot, SeenCubeJson } from '../logic/types';
 import { decimals } from '../logic/units';
 import { stopJob } from '../teach';
 import { TableControls, TableOverlay, whyNot } from './camera_table';
+import { CalibrationWizard } from './calibration_wizard';
 import { Icon, Segments } from './parts';
 
 /** What a camera sees: its picture with the cubes in it, and what can be done with them. */
@@ -30,6 +32,18 @@ export function CameraPane(): JSX.Element {
           onChange={(name) => (chosenCamera.value = name)}
         />
       )}
+      {calibrating.value ? <CalibrationWizard /> : <Seen now={now} />}
+    </div>
+  );
+}
+
+/** The picture, and what can be done with the cubes in it. */
+function Seen({ now }: { now: CameraShot | null }): JSX.Element {
+  const lens = camera.value!.lens;
+  const refused = camera.value!.calibration?.refused;
+  const under = calibration.value?.under_way;
+  return (
+    <>
       {now?.fault && (
         <div class="callout camera-fault" role="alert">
           <h4>
@@ -41,12 +55,17 @@ export function CameraPane(): JSX.Element {
       <Picture now={now} />
       {now && !now.fault && <Cubes now={now} />}
       {now && !now.fault && <TableControls now={now} />}
-      <p class="hint">
-        {camera.value.lens
-          ? t('camera.accuracy', { mm: decimals(1000 * camera.value.lens.accuracy_m, 1) })
-          : t('camera.uncalibrated')}
-      </p>
-    </div>
+      <div class="camera-calibration">
+        <p class="hint">
+          {lens ? t('camera.accuracy', { mm: decimals(1000 * lens.accuracy_m, 1) }) : t('camera.uncalibrated')}
+          {refused && ` ${t('cal.refused', { why: complaintSentence(refused) })}`}
+          {under && ` ${t('cal.under_way', { count: unsaved.value })}`}
+        </p>
+        <button type="button" class={lens && !under ? '' : 'primary'} disabled={store.role.value === 'viewer'} onClick={openWizard}>
+          <Icon name="fit" /> {t(under ? 'cal.continue' : lens ? 'cal.calibrate.again' : 'cal.calibrate')}
+        </button>
+      </div>
+    </>
   );
 }
 

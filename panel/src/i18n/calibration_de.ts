@@ -1,0 +1,153 @@
+/** Der Kalibrierassistent, mit den Schlüsseln von calibration_en.ts. */
+import type { calibrationEn } from './calibration_en';
+import type { ComplaintWords } from './complaints';
+
+export const calibrationDe: Record<keyof typeof calibrationEn, string> = {
+  'cal.calibrate': 'Kalibrieren',
+  'cal.calibrate.again': 'Neu kalibrieren',
+  'cal.continue': 'Kalibrierung fortsetzen',
+  'cal.under_way': 'Eine Kalibrierung läuft. Nicht gespeicherte Ansichten: {count}.',
+  'cal.refused': 'Die gespeicherte Kalibrierung gilt nicht: {why}.',
+  'cal.title': '{camera} kalibrieren',
+  'cal.step.print': 'Drucken',
+  'cal.step.board': 'Tafel',
+  'cal.step.sheet': 'Tisch',
+  'cal.step.result': 'Ergebnis',
+
+  'cal.print.how': 'Tafel und Blatt mit 100 % (tatsächlicher Größe) drucken.',
+  'cal.paper': 'Papier',
+  'cal.paper.a4': 'A4',
+  'cal.paper.a3': 'A3',
+  'cal.paper.letter': 'Letter',
+  'cal.print.board': 'Tafel',
+  'cal.print.board.how': 'Auf etwas Ebenes kleben. Sie halten die Tafel vor die Kamera.',
+  'cal.print.sheet': 'Blatt',
+  'cal.print.sheet.how': 'Liegt auf dem Tisch und ist der Ursprung seiner Koordinaten.',
+  'cal.print.form': '{what} als {form}',
+  'cal.print.ruler': 'Das Lineal auf jedem Druck muss 100 mm lang sein. Sonst ohne Skalierung neu drucken.',
+  'cal.print.next': 'Ansichten aufnehmen',
+  'cal.print.anew': 'Die {count} Ansichten bisher sind mit anderem Papier aufgenommen: Sie gehen dann verloren.',
+  'cal.simulated': 'Diese Kamera ist simuliert: Eine simulierte Hand hält die Tafel und bewegt sie nach jeder Ansicht.',
+
+  'cal.board.how': 'Die Tafel ruhig halten: in mehreren Winkeln bis 45 Grad, nah und fern, in allen Teilen des Bildes.',
+  'cal.found': '{count} Marken',
+  'cal.take': 'Ansicht aufnehmen',
+  'cal.taking': 'Ansicht wird aufgenommen',
+  'cal.taken': 'Ansicht {view} ist aufgenommen.',
+  'cal.views': 'Ansichten',
+  'cal.views.enough': '{count} Ansichten: genug',
+  'cal.views.count': '{count} von {enough} Ansichten',
+  'cal.board.next': 'Zum Tisch',
+  'cal.view': 'Ansicht {view}',
+  'cal.view.tags': '{count} Marken',
+  'cal.view.residual': 'Abweichung: Abstand der Ecken von ihrem Modell, quadratisches Mittel',
+  'cal.view.delete': 'Ansicht {view} löschen',
+
+  'cal.sheet.how': 'Das Blatt flach auf den Tisch legen. Der Arm und alles andere darf seine vier Marken nicht verdecken.',
+  'cal.sheet.simulated': 'Das simulierte Blatt liegt auf dem Tisch. Würfel und Korb sind solange beiseitegelegt.',
+  'cal.sheet.take': 'Blatt aufnehmen',
+
+  'cal.result.none': 'Es gibt noch kein Ergebnis.',
+  'cal.result.error': 'Fehler am Tisch (95 %)',
+  'cal.result.honest':
+    'Gemessen: Jede Ansicht wird einmal zurückgehalten, und ihre Marken werden mit der Linse bestimmt, die die anderen Ansichten ergeben.',
+  'cal.result.reprojection': 'Reprojektionsfehler (RMS)',
+  'cal.result.views': 'Ansichten der Tafel',
+  'cal.result.height': 'Kamera über dem Tisch',
+  'cal.result.focal': 'Brennweite',
+  'cal.result.ambiguous': 'Zwei Posen erklären die Ansicht des Blattes. Das Blatt neu aufnehmen, mehr von oben oder aus der Nähe.',
+  'cal.result.better': 'Für ein besseres Ergebnis: {how}',
+  'cal.result.more': 'Weitere Ansichten',
+  'cal.result.stays': 'Das Blatt bleibt auf dem Tisch. Programme halten dann an, wenn die Kamera bewegt wurde.',
+  'cal.save': 'Speichern',
+  'cal.save.file': 'Speichern schreibt {file}',
+  'cal.save.nowhere': 'Diese Zelle wurde nicht aus einer Datei gelesen: Es gibt keinen Ort zum Speichern.',
+  'cal.saved': 'Gespeichert. Die Kamera verwendet die Kalibrierung ab sofort; ein Neustart ist nicht nötig.',
+  'cal.saved.file': 'Datei: {file}',
+  'cal.saved.stays': 'Lassen Sie das Blatt liegen.',
+  'cal.saved.sheet_off': 'Das Blatt darf weg. Eine bewegte Kamera wird nicht bemerkt: Kalibrieren Sie dann neu.',
+  'cal.saved.close': 'Schließen',
+
+  'cal.leave': 'Kalibrierung verlassen',
+  'cal.leave.empty': 'Die Kalibrierung hat noch keine Ansichten. Eine früher gespeicherte Kalibrierung bleibt.',
+  'cal.leave.unsaved':
+    'Nicht gespeicherte Ansichten: {count}. Behalten, um später fortzufahren, solange die Zelle läuft; oder verwerfen. Eine früher gespeicherte Kalibrierung bleibt.',
+  'cal.leave.stay': 'Bleiben',
+  'cal.leave.later': 'Später fortsetzen',
+  'cal.leave.discard': 'Verwerfen',
+};
+
+/** Was die Steuerung an einer Ansicht auszusetzen hat und was sie rät: src/sinew/calibration. Ein Test hält beide aneinander. */
+export const calibrationSentencesDe: ComplaintWords = {
+  sentences: {
+    'No tag of the board is seen. Hold the printed board so that it fills half of the picture; sinew camera board prints it.':
+      'Keine Marke der Tafel ist zu sehen. Die gedruckte Tafel so halten, dass sie das halbe Bild füllt; Schritt 1 druckt sie.',
+    'No tag of the sheet is seen. Lay the printed sheet on the table in the middle of the picture; sinew camera sheet prints it.':
+      'Keine Marke des Blattes ist zu sehen. Das gedruckte Blatt in die Bildmitte auf den Tisch legen; Schritt 1 druckt es.',
+    'Only {seen} of the 4 tags of the sheet are seen ({least} needed). Clear what covers the sheet.':
+      'Nur {seen} der 4 Marken des Blattes sind zu sehen ({least} nötig). Was das Blatt verdeckt, muss weg.',
+    'Only {seen} tags of the board are seen ({least} needed). Show more of the board.':
+      'Nur {seen} Marken der Tafel sind zu sehen ({least} nötig). Mehr von der Tafel zeigen.',
+    'The picture has {size}, the views before have {other}. Set the camera to its former size, or begin the calibration again.':
+      'Das Bild hat {size}, die Ansichten davor haben {other}. Die Kamera auf ihre frühere Größe stellen oder die Kalibrierung neu beginnen.',
+    'The picture is blurred: edges are {width} px wide (limit {most} px). Hold everything still, use more light, or focus the camera.':
+      'Das Bild ist unscharf: Kanten sind {width} px breit (Grenze {most} px). Alles ruhig halten, mehr Licht machen oder die Kamera scharf stellen.',
+    '{most} views are the most. Delete one.': 'Mehr als {most} Ansichten gehen nicht. Eine löschen.',
+    'The board is where view {view} shows it already. Move, tilt or turn the board.':
+      'Die Tafel ist dort, wo Ansicht {view} sie schon zeigt. Die Tafel verschieben, kippen oder drehen.',
+    'Hold the board flat in front of the camera, so that it fills half of the picture.':
+      'Die Tafel gerade vor die Kamera halten, sodass sie das halbe Bild füllt.',
+    'Tilt the board by about 30 deg about its horizontal edge.': 'Die Tafel um etwa 30 Grad um ihre waagrechte Kante kippen.',
+    'Tilt the board by about 30 deg about its vertical edge.': 'Die Tafel um etwa 30 Grad um ihre senkrechte Kante kippen.',
+    'Move the board to {place}.': 'Die Tafel verschieben: {place}.',
+    'Move the board to twice its distance, or half of it.': 'Die Tafel doppelt so weit weg halten oder halb so weit.',
+    'Take another view, with the board tilted and turned differently: {count} of {enough} views.':
+      'Noch eine Ansicht aufnehmen, die Tafel anders gekippt und gedreht: {count} von {enough} Ansichten.',
+    'The picture of view {view} has another size than expected, or a point lies outside of it. Use pictures of one size from one camera.':
+      'Das Bild von Ansicht {view} hat eine andere Größe, oder ein Punkt liegt außerhalb. Bilder einer Größe von einer Kamera verwenden.',
+    'Too few points of view {view}: {measured}, at least {limit} needed. Show more of the board.':
+      'Zu wenige Punkte in Ansicht {view}: {measured}, mindestens {limit} nötig. Mehr von der Tafel zeigen.',
+    'The points of view {view} are nearly on one line: {length} long, {measured} wide, at least {limit} wide needed. Add a point away from the line.':
+      'Die Punkte von Ansicht {view} liegen fast auf einer Linie: {length} lang, {measured} breit, mindestens {limit} nötig.',
+    'All views are parallel within {measured} (at least {limit} needed), so the focal length cannot be found. Tilt the board by about 30 deg about its horizontal edge.':
+      'Alle Ansichten sind auf {measured} parallel (mindestens {limit} nötig): Die Brennweite ist so nicht zu finden. Die Tafel um etwa 30 Grad um ihre waagrechte Kante kippen.',
+    'The focal length is uncertain by {measured} (limit {limit}). Add views with the board tilted by about 30 deg about its horizontal edge and about its vertical edge.':
+      'Die Brennweite ist auf {measured} unsicher (Grenze {limit}). Ansichten mit um etwa 30 Grad gekippter Tafel hinzufügen.',
+    'The fit of view {view} did not converge: {measured} remain (limit {limit}). Check the dimensions of the board and that all pictures show this board.':
+      'Ansicht {view} passt nicht: {measured} bleiben (Grenze {limit}). Maße der Tafel prüfen, und ob alle Bilder diese Tafel zeigen.',
+    'The fit did not converge: {measured} remain (limit {limit}). Check the dimensions of the board and that all pictures show this board.':
+      'Die Ansichten passen nicht zusammen: {measured} bleiben (Grenze {limit}). Maße der Tafel prüfen, und ob alle Bilder diese Tafel zeigen.',
+    'The calibration has no result yet: it needs {least} views of the board and one of the sheet.':
+      'Die Kalibrierung hat noch kein Ergebnis: Sie braucht {least} Ansichten der Tafel und eine des Blattes.',
+    '{camera} has given no picture. Check the camera and its cable.': '{camera} hat kein Bild geliefert. Kamera und Kabel prüfen.',
+    'This cell was not read from a file, so there is no place for a calibration.':
+      'Diese Zelle wurde nicht aus einer Datei gelesen: Es gibt keinen Ort für eine Kalibrierung.',
+    'No calibration of {camera} is under way. Begin one: camera.calibration.begin.':
+      'Für {camera} läuft keine Kalibrierung (mehr). Bei Schritt 1 neu beginnen.',
+    'Another client has begun the calibration of {camera} again. Continue with its views, or begin again.':
+      'Von einem anderen Bedienfeld wurde die Kalibrierung von {camera} neu begonnen. Mit dessen Ansichten fortfahren oder neu beginnen.',
+    'A calibration with paper {paper} is under way. Continue it, or begin again (anew).':
+      'Eine Kalibrierung mit Papier {paper} läuft. Fortsetzen oder neu beginnen.',
+    'There is no view {view} (any more).': 'Ansicht {view} gibt es nicht (mehr).',
+    "{word} runs on {robot}: stop the program, then save the calibration": '{word} läuft auf {robot}: das Programm beenden, dann die Kalibrierung speichern',
+    '{file} is not there': '{file} ist nicht da',
+    '{file} is of another camera: {other}; this one is {own}': '{file} gehört zu einer anderen Kamera: {other}; diese hier ist {own}',
+  },
+  endings: {},
+  parts: {
+    place: {
+      'the upper left corner of the picture': 'in die linke obere Ecke des Bildes',
+      'the upper right corner of the picture': 'in die rechte obere Ecke des Bildes',
+      'the lower left corner of the picture': 'in die linke untere Ecke des Bildes',
+      'the lower right corner of the picture': 'in die rechte untere Ecke des Bildes',
+      'the upper edge of the picture, left of the middle': 'an den oberen Rand, links der Mitte',
+      'the upper edge of the picture, right of the middle': 'an den oberen Rand, rechts der Mitte',
+      'the lower edge of the picture, left of the middle': 'an den unteren Rand, links der Mitte',
+      'the lower edge of the picture, right of the middle': 'an den unteren Rand, rechts der Mitte',
+      'the left edge of the picture': 'an den linken Rand',
+      'the right edge of the picture': 'an den rechten Rand',
+      'the picture, left of the middle': 'links neben die Bildmitte',
+      'the picture, right of the middle': 'rechts neben die Bildmitte',
+    },
+  },
+};

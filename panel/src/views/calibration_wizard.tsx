@@ -1,0 +1,385 @@
+import type { JSX } from 'preact';
+import { complaintSentence, errorSentence, t, type Key } from '../i18n';
+import { store } from '../app';
+import {
+  askToLeave,
+  begin,
+  busy,
+  calibration,
+  drop,
+  goTo,
+  leave,
+  leaving,
+  paper,
+  print,
+  said,
+  save,
+  saved,
+  sheetStays,
+  take,
+  unsaved,
+  views,
+  wizardStep,
+  type Paper,
+  type WizardStep,
+} from '../calibration_state';
+import { camera, picture, shot } from '../camera_state';
+import { kSheetTags, residualShare } from '../logic/calibration';
+import type { CalibrationView } from '../logic/types';
+import { decimals } from '../logic/units';
+import { Icon, Segments } from './parts';
+
+const kSteps: readonly WizardStep[] = ['print', 'board', 'sheet', 'result'];
+const outline = (corners: readonly (readonly number[])[]): string => corners.map((p) => p.join(',')).join(' ');
+const viewer = (): boolean => store.role.value === 'viewer';
+
+/** Lens and pose of a camera, from views of a printed board: what to do, step by step. */
+export function CalibrationWizard(): JSX.Element {
+  const step = wizardStep.value;
+  return (
+    <section class="calibrate" aria-label={t('cal.title', { camera: camera.value?.name ?? '' })}>
+      <header class="calibrate-head">
+        <h3>{t('cal.title', { camera: camera.value?.name ?? '' })}</h3>
+        <button type="button" class="quiet icon-only" aria-label={t('cal.leave')} title={t('cal.leave')} onClick={askToLeave}>
+          <Icon name="close" />
+        </button>
+      </header>
+      {leaving.value && <Leaving />}
+      {saved.value ? (
+        <Saved />
+      ) : (
+        <>
+          <Steps now={step} />
+          {step === 'print' && <Print />}
+          {step === 'board' && <Board />}
+          {step === 'sheet' && <Sheet />}
+          {step === 'result' && <Result />}
+        </>
+      )}
+    </section>
+  );
+}
+
+function Leaving(): JSX.Element {
+  return (
+    <div class="callout" role="alertdialog" aria-label={t('cal.leave')}>
+      <p>{unsaved.value > 0 ? t('cal.leave.unsaved', { count: unsaved.value }) : t('cal.leave.empty')}</p>
+      <div class="row">
+        <button type="button" class="primary" onClick={() => (leaving.value = false)}>
+          {t('cal.leave.stay')}
+        </button>
+        <button type="button" onClick={() => void leave(false)}>
+          {t('cal.leave.later')}
+        </button>
+        <button type="button" disabled={viewer()} onClick={() => void leave(true)}>
+          <Icon name="trash" /> {t('cal.leave.discard')}
+        </button>
+      </div>
+    </div>
+  );
+}
+
+/** Which steps can be gone to. */
+function isOpen(step: WizardStep): boolean {
+  const now = calibration.value;
+  if (step === 'print' || step === 'board') return true;
+  const enough = views.value.length >= (now?.views_least ?? 5);
+  return step === 'sheet' ? enough : enough && now?.sheet !== undefined;
+}
+
+function Steps({ now }: { now: WizardStep }): JSX.Element {
+  const place = kSteps.indexOf(now);
+  return (
+    <ol class="calibrate-steps">
+      {kSteps.map((step, i) => (
+        <li key={step} class={i < place ? 'done' : ''}>
+          <button
+            type="button"
+            aria-current={step === now ? 'step' : undefined}
+            disabled={busy.value || viewer() || !isOpen(step)}
+            onClick={() => void goTo(step)}
+          >
+            <span class="calibrate-number" aria-hidden="true">
+              {i < place ? <Icon name="check" size={13} /> : i + 1}
+            </span>
+            {t(`cal.step.${step}` as Key)}
+          </button>
+        </li>
+      ))}
+    </ol>
+  );
+}
+
+function Print(): JSX.Element {
+  const otherPaper = unsaved.value > 0 && calibration.value?.paper !== paper.value;
+  return (
+    <>
+      <p>{t('cal.print.how')}</p>
+      <Segments
+        label={t('cal.paper')}
+        value={paper.value}
+        options={(['a4', 'a3', 'letter'] as const).map((value: Paper) => ({ value, text: t(`cal.paper.${value}` as Key) }))}
+        onChange={(value) => (paper.value = value)}
+      />
+      <div class="calibrate-prints">
+        {(['board', 'sheet'] as const).map((what) => (
+          <section key={what}>
+            <h4>{t(`cal.print.${what}` as Key)}</h4>
+            <p class="hint">{t(`cal.print.${what}.how` as Key)}</p>
+            <div class="row">
+              {(['pdf', 'svg'] as const).map((form) => (
+                <button
+                  key={form}
+                  type="button"
+                  aria-label={t('cal.print.form', { what: t(`cal.print.${what}` as Key), form: form.toUpperCase() })}
+                  onClick={() => void print(what, form)}
+                >
+                  <Icon name="save" /> {form.toUpperCase()}
+                </button>
+              ))}
+            </div>
+          </section>
+        ))}
+      </div>
+      <p class="hint">{t('cal.print.ruler')}</p>
+      {calibration.value?.simulated && <p class="hint">{t('cal.simulated')}</p>}
+      {otherPaper && <p class="calibrate-trouble">{t('cal.print.anew', { count: unsaved.value })}</p>}
+      <Told />
+      <button type="button" class="primary big" disabled={busy.value || viewer()} onClick={() => void begin()}>
+        {t('cal.print.next')} <Icon name="later" />
+      </button>
+    </>
+  );
+}
+
+function Board(): JSX.Element {
+  const now = calibration.value;
+  const enough = now?.views_enough ?? 8;
+  const least = now?.views_least ?? 5;
+  const count = views.value.length;
+  return (
+    <>
+      <p class="hint">{t('cal.board.how')}</p>
+      <Live />
+      <div class="calibrate-progress">
+        <span
+          class="bar"
+          role="progressbar"
+          aria-label={t('cal.views')}
+          aria-valuemin={0}
+          aria-valuemax={enough}
+          aria-valuenow={Math.min(count, enough)}
+        >
+          <span style={{ width: `${Math.min(100, (100 * count) / enough)}%` }} />
+        </span>
+        <span>{t(count >= enough ? 'cal.views.enough' : 'cal.views.count', { count, enough })}</span>
+      </div>
+      <Told />
+      {now?.better && (
+        <p class="calibrate-better">
+          <Icon name="eye" size={16} /> {complaintSentence(now.better)}
+        </p>
+      )}
+      <div class="row">
+        <button type="button" class={count < enough ? 'primary big' : 'big'} disabled={busy.value || viewer()} onClick={() => void take()}>
+          <Icon name="eye" /> {t(busy.value ? 'cal.taking' : 'cal.take')}
+        </button>
+        <button type="button" class={count < enough ? 'big' : 'primary big'} disabled={busy.value || viewer() || count < least} onClick={() => void goTo('sheet')}>
+          {t('cal.board.next')} <Icon name="later" />
+        </button>
+      </div>
+      {now?.trouble && <p class="calibrate-trouble">{complaintSentence(now.trouble)}</p>}
+      <Views />
+    </>
+  );
+}
+
+function Sheet(): JSX.Element {
+  return (
+    <>
+      <p class="hint">{t(calibration.value?.simulated ? 'cal.sheet.simulated' : 'cal.sheet.how')}</p>
+      <Live />
+      <Told />
+      <button type="button" class="primary big" disabled={busy.value || viewer()} onClick={() => void take()}>
+        <Icon name="eye" /> {t(busy.value ? 'cal.taking' : 'cal.sheet.take')}
+      </button>
+    </>
+  );
+}
+
+/** What the camera sees now: tags that are found, over the parts of the picture that views have shown. */
+function Live(): JSX.Element {
+  const now = shot.value;
+  if (!now?.width_px || !picture.value) return <p class="camera-waits">{t('camera.waits')}</p>;
+  const { width_px: width, height_px: height = 1 } = now;
+  const rows = wizardStep.value === 'board' ? (calibration.value?.coverage ?? []) : [];
+  const ofSheet = wizardStep.value === 'sheet';
+  const tags = (now.tags ?? []).filter((tag) => kSheetTags.has(tag.id) === ofSheet);
+  const gone = now.fault && (now.fault.code === 'camera_lost' || now.fault.code === 'camera_blind' || now.fault.code === 'camera_frozen');
+  return (
+    <>
+      {gone && (
+        <p class="calibrate-trouble" role="alert">
+          {errorSentence(now.fault!)}
+        </p>
+      )}
+      <div class={`camera-picture${gone ? ' stale' : ''}`} style={{ aspectRatio: `${width} / ${height}` }}>
+        <img src={picture.value} alt={t('camera.picture')} />
+        <svg viewBox={`0 0 ${width} ${height}`} aria-hidden="true">
+          {rows.flatMap((row, r) =>
+            row.map((seen, c) => (
+              <rect
+                key={`${r}.${c}`}
+                class={`calibrate-cell${seen ? ' seen' : ''}`}
+                x={(c * width) / row.length}
+                y={(r * height) / rows.length}
+                width={width / row.length}
+                height={height / rows.length}
+                stroke-width={width / 640}
+              />
+            )),
+          )}
+          {tags.map((tag) => (
+            <polygon key={tag.id} class="calibrate-tag" points={outline(tag.corners_px)} stroke-width={Math.max(2, width / 260)} />
+          ))}
+        </svg>
+        <span class={`calibrate-found${tags.length > 0 ? ' some' : ''}`}>{t('cal.found', { count: tags.length })}</span>
+      </div>
+    </>
+  );
+}
+
+function Told(): JSX.Element {
+  const now = said.value;
+  return (
+    <p class={`calibrate-told${now ? ` ${now.kind}` : ''}`} role="status">
+      {now && (
+        <>
+          <Icon name={now.kind === 'taken' ? 'check' : 'fault'} size={16} />{' '}
+          {now.kind === 'taken' ? t('cal.taken', { view: now.view ?? 0 }) : now.text}
+        </>
+      )}
+    </p>
+  );
+}
+
+function Views(): JSX.Element | null {
+  const now = calibration.value;
+  if (views.value.length === 0) return null;
+  return (
+    <ul class="calibrate-views" aria-label={t('cal.views')}>
+      {views.value.map((view) => (
+        <li key={view.view}>
+          <Small view={view} width={now?.width_px ?? 4} height={now?.height_px ?? 3} />
+          <span class="calibrate-view-name">{t('cal.view', { view: view.view })}</span>
+          <span class="muted">{t('cal.view.tags', { count: view.tags })}</span>
+          {view.residual_px !== undefined && (
+            <span class="calibrate-residual" title={t('cal.view.residual')}>
+              <span style={{ width: `${100 * residualShare(view.residual_px)}%` }} class={residualShare(view.residual_px) > 0.75 ? 'poor' : ''} />
+              <b>{decimals(view.residual_px, 2)} px</b>
+            </span>
+          )}
+          <button
+            type="button"
+            class="quiet icon-only"
+            aria-label={t('cal.view.delete', { view: view.view })}
+            title={t('cal.view.delete', { view: view.view })}
+            disabled={busy.value || viewer()}
+            onClick={() => void drop(view.view)}
+          >
+            <Icon name="trash" size={16} />
+          </button>
+        </li>
+      ))}
+    </ul>
+  );
+}
+
+/** Where in the picture a view has its tags. */
+function Small({ view, width, height }: { view: CalibrationView; width: number; height: number }): JSX.Element {
+  return (
+    <svg class="calibrate-small" viewBox={`0 0 ${width} ${height}`} aria-hidden="true">
+      {view.corners_px.map((corners, i) => (
+        <polygon key={i} points={outline(corners)} />
+      ))}
+    </svg>
+  );
+}
+
+function Result(): JSX.Element {
+  const now = calibration.value;
+  const result = now?.result;
+  if (!result) {
+    return (
+      <>
+        <p class="calibrate-trouble" role="alert">
+          {now?.trouble ? complaintSentence(now.trouble) : t('cal.result.none')}
+        </p>
+        <button type="button" class="primary big" onClick={() => void goTo('board')}>
+          {t('cal.result.more')}
+        </button>
+      </>
+    );
+  }
+  return (
+    <>
+      <div class="calibrate-figure">
+        <strong>{decimals(1000 * result.table_error_m, 1)} mm</strong>
+        <span>{t('cal.result.error')}</span>
+      </div>
+      <p class="hint">{t('cal.result.honest')}</p>
+      <dl class="calibrate-facts">
+        <dt>{t('cal.result.reprojection')}</dt>
+        <dd>{decimals(result.reprojection_px, 2)} px</dd>
+        <dt>{t('cal.result.views')}</dt>
+        <dd>{views.value.length}</dd>
+        <dt>{t('cal.result.height')}</dt>
+        <dd>{decimals(1000 * result.pose.z_m, 0)} mm</dd>
+        <dt>{t('cal.result.focal')}</dt>
+        <dd>
+          {decimals(result.fx_px, 0)}, {decimals(result.fy_px, 0)} px
+        </dd>
+      </dl>
+      {result.ambiguous && <p class="calibrate-trouble">{t('cal.result.ambiguous')}</p>}
+      {now?.better && (
+        <p class="calibrate-better">
+          <Icon name="eye" size={16} /> {t('cal.result.better', { how: complaintSentence(now.better) })}
+        </p>
+      )}
+      <label class="calibrate-stays">
+        <input type="checkbox" checked={sheetStays.value} onChange={(event) => (sheetStays.value = event.currentTarget.checked)} />
+        <span>{t('cal.result.stays')}</span>
+      </label>
+      <Told />
+      <div class="row">
+        <button type="button" class="primary big" disabled={busy.value || viewer() || !now?.file} onClick={() => void save()}>
+          <Icon name="save" /> {t('cal.save')}
+        </button>
+        <button type="button" class="big" disabled={busy.value || viewer()} onClick={() => void goTo('board')}>
+          {t('cal.result.more')}
+        </button>
+      </div>
+      <p class="hint calibrate-file">{now?.file ? t('cal.save.file', { file: now.file }) : t('cal.save.nowhere')}</p>
+    </>
+  );
+}
+
+function Saved(): JSX.Element {
+  const now = saved.value!;
+  return (
+    <>
+      <div class="calibrate-figure">
+        <strong>{decimals(1000 * now.table_error_m, 1)} mm</strong>
+        <span>{t('cal.result.error')}</span>
+      </div>
+      <p class="calibrate-told taken" role="status">
+        <Icon name="check" size={16} /> {t('cal.saved')}
+      </p>
+      <p class="hint calibrate-file">{t('cal.saved.file', { file: now.file })}</p>
+      <p class="hint">{t(now.sheet_stays ? 'cal.saved.stays' : 'cal.saved.sheet_off')}</p>
+      <button type="button" class="primary big" onClick={() => void leave(false)}>
+        {t('cal.saved.close')}
+      </button>
+    </>
+  );
+}
