@@ -38,6 +38,9 @@ class HeldCell {
             int width = 640) {
     render::CellView view;
     if (board) view.sheets.push_back({*board, {}, nullptr});
+    // A bare table shows nothing that can be told apart.
+    view.clutter = 6;
+    view.reach = 0.2;
     const Vec3 eye{0.5 * std::sin(aside) * std::cos(turn), 0.5 * std::sin(aside) * std::sin(turn),
                    0.5 * std::cos(aside)};
     auto picture = picture_of(view, vision::pinhole(width, 3 * width / 4, from_deg(50)),
