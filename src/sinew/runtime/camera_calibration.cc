@@ -1,12 +1,9 @@
 #include "sinew/runtime/camera_calibration.h"
 
-#include <algorithm>
 #include <chrono>
-#include <thread>
 #include <utility>
 
 #include "sinew/config/camera_file.h"
-#include "sinew/core/units.h"
 #include "sinew/io/clock.h"
 #include "sinew/io/file.h"
 #include "sinew/model/error_sentence.h"
