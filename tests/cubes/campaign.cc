@@ -182,7 +182,7 @@ CampaignCell cell_by(std::uint64_t seed) {
   CampaignCell cell;
   cell.is_knocked = random.uniform(0, 1) < 0.1;
   CubeCellSettings& settings = cell.settings;
-  settings.seed = seed;
+  settings.seed = settings.surroundings = seed;
   settings.is_maxarm = random.uniform(0, 1) < 0.25;
   settings.cubes = 1 + random.bits() % (cell.is_knocked ? 4 : 12);
   settings.anywhere = true;

@@ -129,7 +129,7 @@ CubeCell::CubeCell(const CubeCellSettings& settings) {
   real.X_WC.p = rotation_z(off.turn) * real.X_WC.p + Vec3{off.x, off.y, 0};
   real.X_WC.R = rotation_z(off.turn) * real.X_WC.R;
   render::CellView around;
-  around.seed = settings.seed;
+  around.seed = settings.surroundings;
   around.reach = 0.25;
   around.clutter = settings.clutter;
   around.brightness = settings.brightness;

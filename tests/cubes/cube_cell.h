@@ -30,6 +30,7 @@ struct CubeCellSettings {
   bool is_maxarm = false;        ///< in place of the LeArm
   bool anywhere = false;         ///< also where the arm has no reach
   std::vector<Thing> clutter{};  ///< in the camera's table
+  std::uint64_t surroundings = 1;  ///< shades, grain, lamps
   double brightness = 1;
   int lamps = 2;
 };
