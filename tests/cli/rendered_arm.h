@@ -11,6 +11,7 @@
 #include "sinew/config/points_file.h"
 #include "sinew/core/units.h"
 #include "sinew/io/scratch_folder_test_support.h"
+#include "sinew/kinematics/palletizer.h"
 #include "sinew/kinematics/serial_chain.h"
 #include "sinew/model/cell.h"
 #include "sinew/render/table_scene.h"
@@ -102,22 +103,31 @@ struct ArmScene {
   PoseBS target_at(const PoseBF& X_BF) const { return on_arm ? X_BS : X_BF * X_FS; }
 };
 
+/// The flange of a robot that has joints, or the tool of a palletizer.
+inline PoseBF flange_of(const RobotModel& model, const JointVector& q) {
+  if (const auto* serial = std::get_if<SerialGeometry>(&model.geometry)) {
+    return kinematics::SerialChain(*serial).forward({q.data(), q.size()});
+  }
+  return relabel<frame::Base, frame::Flange>(
+      kinematics::forward(std::get<PalletizerGeometry>(model.geometry), {q.data(), q.size()}));
+}
+
 using DrawJoints = std::function<JointVector(Random&)>;
 
 /// Takes `count` images at joints that show the target; in points.toml stands where the arm was
 /// sent, it is where its servos went.
+/// @param points  what else is in points.toml; all of them of `id`
 /// @return  the images
 inline std::vector<std::string> take_images(const ScratchFolder& folder, const ArmScene& scene,
-                                            int count, std::uint64_t seed, const DrawJoints& draw) {
-  const RobotModel model = robot("learm");
-  const kinematics::SerialChain chain(std::get<SerialGeometry>(model.geometry));
+                                            int count, std::uint64_t seed, const DrawJoints& draw,
+                                            const std::string& id = "learm",
+                                            TaughtPoints points = {}) {
+  const RobotModel& model = robot(id);
   Random random(seed);
   std::vector<std::string> images;
-  TaughtPoints points;
   for (int i = 0; i < 200'000 && std::ssize(images) < count; ++i) {
     const JointVector q = draw(random);
-    const JointVector really = really_at(q, random);
-    const PoseBF X_BF = chain.forward({really.data(), really.size()});
+    const PoseBF X_BF = flange_of(model, really_at(q, random));
     const PoseBC X_BC = scene.camera_at(X_BF);
     if (!shows(X_BC, scene.board, scene.target_at(X_BF))) continue;
     if (X_BF.p.z < 0.06 || X_BC.p.z < 0.06) continue;
@@ -127,7 +137,7 @@ inline std::vector<std::string> take_images(const ScratchFolder& folder, const A
     images.push_back(folder.file(name + ".png", std::string(png.begin(), png.end())));
     TaughtPoint point;
     point.name = name;
-    point.robot = "learm";
+    point.robot = id;
     point.place = q;
     points.push_back(point);
   }

@@ -23,13 +23,13 @@ struct PlanarError {
 struct CubeCellSettings {
   std::uint64_t seed = 1;
   std::size_t cubes = 3;
-  bool towers = false;           ///< each cube stands on another one
-  bool sheet = false;            ///< with tags lies on the table
-  double pace = 20;              ///< so much faster time runs
-  PlanarError calibration = {};  ///< how the camera hangs beside where it is believed to
-  bool is_maxarm = false;        ///< in place of the LeArm
-  bool anywhere = false;         ///< also where the arm has no reach
-  std::vector<Thing> clutter{};  ///< in the camera's table
+  bool towers = false;             ///< each cube stands on another one
+  bool sheet = false;              ///< with tags lies on the table
+  double pace = 20;                ///< so much faster time runs
+  PlanarError calibration = {};    ///< how the camera hangs beside where it is believed to
+  bool is_maxarm = false;          ///< in place of the LeArm
+  bool anywhere = false;           ///< also where the arm has no reach
+  std::vector<Thing> clutter{};    ///< in the camera's table
   std::uint64_t surroundings = 1;  ///< shades, grain, lamps
   double brightness = 1;
   int lamps = 2;

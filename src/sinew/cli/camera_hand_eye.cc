@@ -18,6 +18,7 @@
 #include "sinew/core/spelling.h"
 #include "sinew/core/units.h"
 #include "sinew/io/file.h"
+#include "sinew/model/cell.h"
 #include "sinew/runtime/read_picture.h"
 #include "sinew/vision/tags.h"
 
@@ -327,26 +328,24 @@ void add_advice(const Mounted& mounted, const HandEye& found, Outcome& outcome) 
   if (seen.complete() && mounted.views.size() >= kEnough) return;
   const auto next =
       next_view(mounted.robot.model, mounted.camera.model, found, mounted.joints, mounted.target);
-  if (!next || (!seen.complete() && !next->determines)) {
-    if (!seen.complete()) {
-      outcome.text += mounted.on_arm()
-                          ? "  To fix: no pose of this robot that shows the target tells it. Touch "
-                            "three marks of the target with the tool, not on one line, and teach "
-                            "them: cross1 to cross5 of the sheet (--target sheet)\n"
-                          : "  To fix: no pose of this robot that shows the target tells it. "
-                            "Mount the target at another angle, or measure the sheet with sinew "
-                            "camera touch\n";
-    }
-    if (!next) return;
+  if (!seen.complete() && (!next || !next->suffices)) {
+    outcome.text += mounted.on_arm()
+                        ? "  To fix: no pose of this robot that shows the target tells it. Touch "
+                          "three marks of the target with the tool, not on one line, and teach "
+                          "them: cross1 to cross5 of the sheet, or the middles of tags (tag7)\n"
+                        : "  To fix: no pose of this robot that shows the target tells it. Mount "
+                          "the target at another angle, or measure the sheet with sinew camera "
+                          "touch\n";
+    return;
   }
+  if (!next) return;
   const std::string name = fmt::format("view{}", mounted.views.size() + 1);
   outcome.text += fmt::format(
       "  {}: add a view at {} deg ({}): sinew teach {} {} --points {}, image {}.jpg\n",
       seen.complete() ? "better" : "To fix", joints_argument(mounted.robot.model, next->q),
       joined(joint_names(mounted.robot.model), ", "), mounted.robot.name, name,
       mounted.request.points, name);
-  outcome.json["next"] = {{"joints_deg", joints_json(next->q, mounted.robot.model)},
-                          {"determines", next->determines}};
+  outcome.json["next"]["joints_deg"] = joints_json(next->q, mounted.robot.model);
 }
 
 Outcome report(const Mounted& mounted, const HandEye& found) {

@@ -58,12 +58,21 @@ std::optional<NextView> next_view(const RobotModel& model, const vision::CameraM
   const std::vector<Vec3> points = corners_of_board(target);
   const auto best =
       calibration::next_poses(found.observability, camera, found.X_MC, found.X_NB, points, flanges);
-  for (const calibration::NextPose& next : best) {
-    const JointVector& q = poses[next.index];
+  constexpr std::size_t kMost = 300;
+  std::optional<NextView> found_view;
+  std::vector<Pose<frame::Base, frame::Flange>> clear;
+  const std::size_t step = 1 + best.size() / kMost;
+  for (std::size_t i = 0; i < best.size(); ++i) {
+    if (found_view && i % step != 0) continue;
+    const JointVector& q = poses[best[i].index];
     if (!body->clear({q.data(), q.size()}, body->margin())) continue;
-    return NextView{q, next.smallest_after >= calibration::kSingularValueMin};
+    if (!found_view) found_view = NextView{q, false};
+    clear.push_back(flanges[best[i].index]);
   }
-  return std::nullopt;
+  if (!found_view) return std::nullopt;
+  found_view->suffices = smallest_with(found.observability, camera, found.X_MC, found.X_NB, points,
+                                       clear) >= calibration::kSingularValueMin;
+  return found_view;
 }
 
 }  // namespace sinew::cli

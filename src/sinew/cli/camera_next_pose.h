@@ -11,8 +11,9 @@ namespace sinew::cli {
 
 /// A view to add to a hand-eye calibration.
 struct NextView {
-  JointVector q;            ///< inside the limits, clear of the robot itself and of its table
-  bool determines = false;  ///< with it no direction stays weak
+  JointVector q;          ///< inside the limits, clear of the robot itself and of its table
+  bool suffices = false;  ///< views like it can determine all directions; else marks have to be
+                          ///< touched
 };
 
 /// Of some thousand poses around those of the views and all over the joints' ranges, the one that

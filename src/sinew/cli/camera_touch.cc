@@ -13,6 +13,7 @@
 #include "sinew/cli/quantity.h"
 #include "sinew/cli/table.h"
 #include "sinew/core/units.h"
+#include "sinew/model/cell.h"
 
 namespace sinew::cli {
 namespace {

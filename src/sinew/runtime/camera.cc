@@ -191,8 +191,7 @@ bool Camera::sees_more(const std::stop_token& ending) {
   const auto robots = between(std::move(before), watch_.robots());
   std::optional<vision::Pixel> there;
   if (robots) {
-    there = view_->look(*picture,
-                        render::silhouette(*robots, model, heeded_->X_WC, kMargin));
+    there = view_->look(*picture, render::silhouette(*robots, model, heeded_->X_WC, kMargin));
   }
   if (watch_.glances) return there.has_value();
   Shot shot;

@@ -11,7 +11,7 @@
 namespace sinew::runtime {
 namespace {
 
-using Json = nlohmann::json;
+using Json = nlohmann::ordered_json;
 
 /// Visits all messages of a schema in the order of their times. @param visit  (channel's topic,
 /// s since the first message of the record, message) to whether it is one

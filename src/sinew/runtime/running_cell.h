@@ -90,8 +90,8 @@ class RunningCell {
   std::unique_ptr<CellBaskets> baskets_;
   std::unique_ptr<SimulatedTable> table_;  ///< of the stations, which end first
   std::vector<std::unique_ptr<Station>> stations_;
-  std::vector<std::unique_ptr<Camera>> cameras_;  ///< they look at the stations
-  std::vector<std::unique_ptr<CubeEyes>> eyes_;   ///< of the jobs, which end first
+  std::vector<std::unique_ptr<Camera>> cameras_;     ///< they look at the stations
+  std::vector<std::unique_ptr<CubeEyes>> eyes_;      ///< of the jobs, which end first
   std::vector<std::atomic<CubeEyes*>> newest_eyes_;  ///< each robot's
   std::vector<std::size_t> looks_with_;              ///< cameras that these have
   std::vector<std::unique_ptr<JobRunner>> jobs_;

@@ -95,11 +95,11 @@ class SimulatedTable {
   std::vector<Pose<frame::World, frame::Base>> X_TB_;  ///< T as a world of its own
   LockedCubes cubes_;
   std::mutex mutex_;
-  Trouble trouble_;              ///< under the mutex
-  render::CellView view_;        ///< under the mutex
-  std::optional<Shown> shown_;   ///< under the mutex
-  render::PrintPicture print_;   ///< of what is shown, under the mutex
-  std::uint64_t taken_ = 0;      ///< pictures, under the mutex
+  Trouble trouble_;             ///< under the mutex
+  render::CellView view_;       ///< under the mutex
+  std::optional<Shown> shown_;  ///< under the mutex
+  render::PrintPicture print_;  ///< of what is shown, under the mutex
+  std::uint64_t taken_ = 0;     ///< pictures, under the mutex
 };
 
 }  // namespace sinew::runtime

@@ -276,11 +276,11 @@ class Api {
   runtime::RunningCell& cell_;
   std::unique_ptr<PreviewDesk> previews_;
   Keeper keeper_;
-  TaskDesk files_;             ///< the keeper's
-  TaskDesk checks_;            ///< of programs
-  ShownTags shown_tags_;       ///< of pictures_' thread
-  TaskDesk pictures_;          ///< of cameras
-  TaskDesk verdicts_;          ///< of cubes
+  TaskDesk files_;        ///< the keeper's
+  TaskDesk checks_;       ///< of programs
+  ShownTags shown_tags_;  ///< of pictures_' thread
+  TaskDesk pictures_;     ///< of cameras
+  TaskDesk verdicts_;     ///< of cubes
   CubeReachDesk reach_{cell_};
   Calibrations calibrations_;  ///< of calibrating_'s thread
   TaskDesk calibrating_;
