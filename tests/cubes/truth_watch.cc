@@ -32,7 +32,7 @@ TruthWatch::TruthWatch(CubeCell& cell, std::vector<Thing> clutter)
     fixed_.push_back({X, half});
   };
   cell.table().cubes().with([&](const sim::CubeWorld& world) {
-    for (const sim::Block& block : sim::blocks_of(*world.settings().basket)) {
+    for (const sim::Block& block : sim::blocks_of(world.settings().baskets.front())) {
       add(block.X_WX, block.half);
     }
   });

@@ -44,7 +44,7 @@ struct Fate {
   grasping::Cube cube;
   int line = 0;                ///< of the `pick`; 0: it is left
   double tilt = 0;             ///< rad
-  std::string into;            ///< where it is released
+  std::string into{};          ///< where it is released
   std::optional<Vec3> p_BT{};  ///< m, of the tool there
   std::optional<program::Refusal> why{};
 };

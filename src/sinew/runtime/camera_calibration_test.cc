@@ -28,7 +28,7 @@ class SimulatedCell {
               .robots = {},
               .objects = {},
               .cameras = {},
-              .basket = {},
+              .baskets = {},
               .cubes = {{.color = 0, .p_W = {0.3, 0.2, 0}, .turn = 0}}};
     cell.robots.push_back({});
     cell.robots[0].name = "left";
@@ -48,7 +48,7 @@ class SimulatedCell {
                               .identity = "simulated",
                               .calibration_file = file()};
     cell_->open_camera(0, std::move(settings), cell_->table()->pictures(usual_camera(), [this] {
-      return cell_->robots_in_view();
+      return cell_->robots_in_view(RunningCell::Stand::kTrue);
     }));
   }
   RunningCell& cell() { return *cell_; }

@@ -44,7 +44,7 @@ class Cubes {
     runtime::RunningCell& running = cell_.cell();
     const auto camera = runtime::usual_camera();
     running.open_camera(0, {"eye", camera, 0.025}, running.table()->pictures(camera, [&running] {
-      return running.robots_in_view();
+      return running.robots_in_view(runtime::RunningCell::Stand::kTrue);
     }));
   }
   ApiCell& cell() { return cell_; }

@@ -17,7 +17,7 @@ using test::place;
 /// A cell with a camera in front of which the test holds things.
 class HeldCell {
  public:
-  HeldCell() : cell_({place("left", "learm", "bus")}, 20, {}, {}, nullptr, {}, cameras()) {
+  HeldCell() : cell_({place("left", "learm", "bus")}, 20, {}, {}, nullptr, {}, table()) {
     runtime::Camera::Settings settings{.name = "top",
                                        .calibration = std::nullopt,
                                        .edge = 0.025,
@@ -39,7 +39,12 @@ class HeldCell {
     render::CellView view;
     if (board) view.sheets.push_back({*board, {}, nullptr});
     // A bare table shows nothing that can be told apart.
-    view.clutter = 6;
+    for (const double x : {-0.14, 0.0, 0.14}) {
+      view.clutter.push_back({render::ViewedThing::Form::kBox,
+                              {Rotation{}, {x, 0.16, 0.01}},
+                              {0.03, 0.02, 0.01},
+                              0x203060});
+    }
     view.reach = 0.2;
     const Vec3 eye{0.5 * std::sin(aside) * std::cos(turn), 0.5 * std::sin(aside) * std::sin(turn),
                    0.5 * std::cos(aside)};
@@ -54,12 +59,13 @@ class HeldCell {
   void lay_sheet() { hold(vision::table_sheet("a4"), 0.2, 1); }
 
  private:
-  static std::vector<CellCamera> cameras() {
-    return {{.name = "top",
-             .device = "held",
-             .calibration = std::nullopt,
-             .cube = 0.025,
-             .X_WT = {Rotation{}, {0.2, 0, 0}}}};
+  static Cell table() {
+    Cell cell;
+    CellCamera& camera = cell.cameras.emplace_back();
+    camera.name = "top";
+    camera.device = "held";
+    camera.X_WT.p = {0.2, 0, 0};
+    return cell;
   }
 
   sinew::test::ScratchFolder folder_;
