@@ -53,7 +53,7 @@ TEST(DetectVerb, with_a_camera_it_says_millimetres_and_the_level_in_a_tower) {
   const ScratchFolder folder;
   const std::string camera = folder.file(
       "camera.toml",
-      camera_text({"test", vision::pinhole(320, 240, from_deg(50)), kX_WC, 0.2, 1e-3, ""}));
+      camera_text({"test", vision::pinhole(320, 240, from_deg(50)), kX_WC, 0.2, 1e-3, "", ""}));
   for (const int levels : {0, 2}) {
     const std::string image = png_file(folder, "table.png", table(levels));
     const Json json = answer(

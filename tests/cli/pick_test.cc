@@ -65,7 +65,7 @@ class Eyes : public testing::Test {
  protected:
   Eyes() {
     folder_.file("camera.toml", camera_text({"test", vision::pinhole(320, 240, from_deg(50)), kX_WC,
-                                             0.2, 1e-3, ""}));
+                                             0.2, 1e-3, "", ""}));
     serve_ = std::make_unique<Process>(
         Arguments{"serve", folder_.file("cell.toml", std::string(kCell)), "--socket", socket()});
     serve_->wait_for_err("answers on");

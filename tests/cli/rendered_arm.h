@@ -143,7 +143,7 @@ inline std::vector<std::string> take_images(const ScratchFolder& folder, const A
   }
   folder.file("points.toml", points_text(points));
   folder.file("camera.toml",
-              camera_text({"arm", arm_camera(), {Rotation{}, {0, 0, 0.5}}, 0.2, 1e-3, ""}));
+              camera_text({"arm", arm_camera(), {Rotation{}, {0, 0, 0.5}}, 0.2, 1e-3, "", ""}));
   return images;
 }
 
