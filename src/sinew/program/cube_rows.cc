@@ -156,7 +156,7 @@ class Choice {
       return false;
     }
     const bool roomy = rows->room >= kRoom;
-    if (!best_ || roomy) best_ = std::move(*rows);
+    if (!best_ || rows->room > best_->room) best_ = std::move(*rows);
     return roomy;
   }
   bool any() const { return best_.has_value(); }
@@ -333,12 +333,13 @@ double tool_above(const RobotModel& robot, double edge) {
   return picks_with_jaws(robot) ? edge / 2 : edge + cup_reach(robot);
 }
 
-/// The first spot over the basket's floor, and the lowest height over its rim, that can be had.
+/// The first spot over the basket's floor, and the lowest height over its rim, that can be had with
+/// room to the limits of joints; else the roomiest.
 std::expected<CubeRows, Refusal> rows_to_basket(RowPlanner& planner, const Standing& standing,
                                                 const Step& row, const BasketGoal& goal,
                                                 const Basket& basket, std::span<const Vec3> lying) {
   const double edge = standing.tool.held.value_or(kUsualCube);
-  std::optional<Refusal> nearest;
+  Choice choice;
   for (const Vec3& p_K : spots_in(basket, edge, lying)) {
     for (const double above : kOverRim) {
       const double height = basket.size.z + above + tool_above(planner.robot(), edge);
@@ -347,18 +348,16 @@ std::expected<CubeRows, Refusal> rows_to_basket(RowPlanner& planner, const Stand
           .way = ToolMoveStep::Way::kJoints, .to = {}, .p_via_BT = {}, .how = goal.how};
       move.to.p_BT = {p_B.x, p_B.y, p_B.z};
       auto rows = rows_to_one_place(planner, standing, row, {move});
-      if (rows) {
-        rows->p_BO = p_B;
-        return rows;
-      }
-      if (!nearest || is_nearer(rows.error(), *nearest)) nearest = rows.error();
+      if (rows) rows->p_BO = p_B;
+      if (choice.take(std::move(rows))) return choice.get();
     }
   }
-  if (nearest->error.code == ErrorCode::kOutOfReach) {
-    nearest->error.code = ErrorCode::kBasketOutOfReach;
-    nearest->way.reset();
+  auto chosen = choice.get();
+  if (!chosen && chosen.error().error.code == ErrorCode::kOutOfReach) {
+    chosen.error().error.code = ErrorCode::kBasketOutOfReach;
+    chosen.error().way.reset();
   }
-  return std::unexpected(*nearest);
+  return chosen;
 }
 
 }  // namespace
