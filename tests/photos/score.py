@@ -6,6 +6,9 @@ score.py SINEW [FOLDER]: FOLDER, or SINEW_PHOTOS, has the photos and a groundtru
              "cubes": [{"color", "center_px", "alt": [colors], "stacked": bool}],
              "cube_px": [least, most]}]}
 
+Where "view" is "oblique" the middle of a cube's silhouette is marked: it is half an upright edge, as
+the shape of the top shows it, below the middle of the top, which is what a detection has.
+
 A detection is right where a cube of its color (or one of `alt`) is within match_tol_px, each once,
 the nearest first. What is outside of `roi`, or beside a stack, does not count. Without FOLDER it
 says so and ends with 77. No photo is part of this project: each has an owner.
@@ -46,10 +49,31 @@ def beside_a_stack(image, cube):
                for one in image["cubes"])
 
 
+def silhouette_of(cube):
+    """Middle of the silhouette of a cube by its top: a square seen aside, whose shorter axis points
+    down the upright edges.
+    """
+    corners = cube["top_px"]
+    across = [(corners[1][i] - corners[0][i] + corners[2][i] - corners[3][i]) / 2 for i in (0, 1)]
+    down = [(corners[3][i] - corners[0][i] + corners[2][i] - corners[1][i]) / 2 for i in (0, 1)]
+    xx, xy, yy = (across[i] * across[k] + down[i] * down[k] for i, k in ((0, 0), (0, 1), (1, 1)))
+    longer = (xx + yy) / 2 + math.hypot((xx - yy) / 2, xy)
+    shorter = max(0.0, xx + yy - longer)
+    angle = math.atan2(2 * xy, xx - yy) / 2 + math.pi / 2
+    upright = math.sqrt(longer - shorter)
+    x, y = cube["center_px"]
+    sign = 1 if math.sin(angle) >= 0 else -1
+    return [x + sign * math.cos(angle) * upright / 2, y + sign * math.sin(angle) * upright / 2]
+
+
+def place_of(image, cube):
+    return silhouette_of(cube) if image.get("view") == "oblique" else cube["center_px"]
+
+
 def score(image, cubes):
     """(right, wrong, missed, errors in shares of an edge)"""
     left = list(image["cubes"])
-    pairs = sorted(((math.dist(seen["center_px"], one["center_px"]), i, k)
+    pairs = sorted(((math.dist(place_of(image, seen), one["center_px"]), i, k)
                     for i, seen in enumerate(cubes) for k, one in enumerate(left)
                     if seen["color"] in [one["color"], *one.get("alt", [])]),
                    key=lambda pair: pair[0])
