@@ -339,8 +339,10 @@ std::expected<CubeRows, Refusal> rows_to_basket(RowPlanner& planner, const Stand
                                                 const Step& row, const BasketGoal& goal,
                                                 const Basket& basket, std::span<const Vec3> lying) {
   const double edge = standing.tool.held.value_or(kUsualCube);
+  constexpr double kEnough = from_deg(0.3);  // what an arm stands beside where it was sent
   Choice choice;
   for (const Vec3& p_K : spots_in(basket, edge, lying)) {
+    Choice here;
     for (const double above : kOverRim) {
       const double height = basket.size.z + above + tool_above(planner.robot(), edge);
       const Vec3 p_B = basket.X_BK * (p_K + Vec3{0, 0, height});
@@ -349,8 +351,11 @@ std::expected<CubeRows, Refusal> rows_to_basket(RowPlanner& planner, const Stand
       move.to.p_BT = {p_B.x, p_B.y, p_B.z};
       auto rows = rows_to_one_place(planner, standing, row, {move});
       if (rows) rows->p_BO = p_B;
-      if (choice.take(std::move(rows))) return choice.get();
+      if (here.take(std::move(rows))) return here.get();
     }
+    auto rows = here.get();
+    if (rows && rows->room >= kEnough) return rows;
+    choice.take(std::move(rows));
   }
   auto chosen = choice.get();
   if (!chosen && chosen.error().error.code == ErrorCode::kOutOfReach) {

@@ -12,14 +12,15 @@ namespace {
 constexpr double kWallGap = 4e-3;  // m, between a cube and a wall, however it is turned
 constexpr double kApart = 4e-3;    // m, between two cubes, likewise
 
-/// Places along one side, from its middle; the middle alone where no more fit.
+/// Places along one side, about its middle; the middle alone where no more fit.
 std::vector<double> along(double inside, double edge) {
   const double diagonal = edge * std::numbers::sqrt2;
   const double half = inside / 2 - diagonal / 2 - kWallGap;
-  const int gaps = half > 0 ? static_cast<int>(2 * half / (diagonal + kApart)) : 0;
-  std::vector<double> places{0};
-  if (gaps > 0) places.clear();
-  for (int k = 0; gaps > 0 && k <= gaps; ++k) places.push_back(half * (2.0 * k / gaps - 1));
+  const double step = diagonal + kApart;
+  const int gaps = half > 0 ? static_cast<int>(2 * half / step) : 0;
+  // Close to the middle: at its walls a camera sees less of a cube.
+  std::vector<double> places;
+  for (int k = 0; k <= gaps; ++k) places.push_back(step * (k - 0.5 * gaps));
   return places;
 }
 
@@ -58,6 +59,7 @@ std::vector<Vec3> spots_in(const Basket& basket, double edge, std::span<const Ve
       spots.push_back({{x, y, 0}, static_cast<std::size_t>(std::ranges::count_if(lying, near))});
     }
   }
+  stable_sort_by(spots, [](const Spot& spot) { return std::hypot(spot.p_K.x, spot.p_K.y); });
   stable_sort_by(spots, [](const Spot& spot) { return spot.cubes; });
   std::vector<Vec3> places;
   for (const Spot& spot : spots) places.push_back(spot.p_K);
