@@ -67,8 +67,9 @@ height_mm = 40
 y_mm = 200
 """
 STAND = "joint base=0deg shoulder=20deg elbow=40deg wrist=40deg roll=0deg"
-# Need a fault, or boards that test themselves, to answer; the answer is that of the other commands.
-NOT_CALLED = {"robot.acknowledge", "robot.self_test"}
+# Need a fault, boards that test themselves, or all views of a calibration to answer; the answer is that
+# of the other commands.
+NOT_CALLED = {"robot.acknowledge", "robot.self_test", "camera.calibration.save"}
 
 
 class ResultsTest(ServedCell):
@@ -89,7 +90,8 @@ class ResultsTest(ServedCell):
     def test_every_answer_and_message_is_as_the_document_says(self):
         with sinew.connect(self.socket) as cell:
             for part in (self.of_all, self.of_each_robot, self.programs, self.leases,
-                         self.previews_and_checks, self.kept, self.records, self.procedures):
+                         self.previews_and_checks, self.kept, self.records, self.procedures,
+                         self.calibration):
                 with self.subTest(part.__name__):
                     part(cell)
                 while cell.next_message(0.01) is not None:
@@ -98,6 +100,17 @@ class ResultsTest(ServedCell):
         methods = {one["name"] for one in self.document["methods"]}
         self.assertEqual(methods - self.schemas.answered, NOT_CALLED)
         self.assertEqual(set(self.document["x-messages"]), self.schemas.told)
+
+    def calibration(self, cell):
+        self.assertIn("svg", cell.call("camera.print", what="sheet")["text"])
+        self.refused(cell.call, "camera.print", what="poster")
+        session = cell.call("camera.calibration.begin")["session"]
+        view = cell.call("camera.calibration.take", session=session)["taken"]
+        self.refused(cell.call, "camera.calibration.save", session=session)
+        cell.call("camera.calibration.drop", session=session, view=view)
+        cell.call("camera.calibration.expect", session=session, step="sheet")
+        self.assertEqual("sheet", cell.call("camera.calibration.status")["step"])
+        cell.call("camera.calibration.end", session=session)
 
     def test_types_have_the_fields_that_the_document_has(self):
         schemas = self.document["components"]["schemas"]
