@@ -760,7 +760,6 @@ int run(std::span<char*> arguments) {
                    "sinew camera board --paper a4 > board.svg"),
           call, call.camera, camera);
   try {
-    // Backwards, as CLI11 wants a vector.
     app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));
   } catch (const CLI::ParseError& error) {
     const bool json = wants_json(arguments);
@@ -790,8 +789,7 @@ int run(std::span<char*> arguments) {
 int main(int argc, char** argv) {
   using namespace sinew;
   io::hold_standard_streams();
-  // An empty argv is a caller's right.
-  const std::span<char*> arguments(argv + std::min(argc, 1), argv + argc);
+  const std::span<char*> arguments(argv + std::min(argc, 1), argv + argc);  // argv may be empty
   try {
     return cli::run(arguments);
   } catch (const std::exception& error) {

@@ -210,9 +210,7 @@ Outcome serve(const ServeRequest& request) {
     std::fputs(greeting(**running, *socket, web->text).c_str(), stderr);
   }
   const auto idle = serve_until_the_end(request, **running, loop);
-  if (!idle.empty()) {
-    return could_not(fmt::format("not shown: {}", fmt::join(idle, ", ")));
-  }
+  if (!idle.empty()) return could_not(fmt::format("not shown: {}", fmt::join(idle, ", ")));
   Outcome outcome;
   outcome.json = {{"ended", io::interrupts() > 0 ? "interrupted" : "shown"}};
   outcome.json_line = true;
