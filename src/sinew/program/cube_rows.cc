@@ -342,7 +342,6 @@ std::expected<CubeRows, Refusal> rows_to_basket(RowPlanner& planner, const Stand
   constexpr double kEnough = from_deg(0.3);  // what an arm stands beside where it was sent
   Choice choice;
   for (const Vec3& p_K : spots_in(basket, edge, lying)) {
-    Choice here;
     for (const double above : kOverRim) {
       const double height = basket.size.z + above + tool_above(planner.robot(), edge);
       const Vec3 p_B = basket.X_BK * (p_K + Vec3{0, 0, height});
@@ -351,11 +350,9 @@ std::expected<CubeRows, Refusal> rows_to_basket(RowPlanner& planner, const Stand
       move.to.p_BT = {p_B.x, p_B.y, p_B.z};
       auto rows = rows_to_one_place(planner, standing, row, {move});
       if (rows) rows->p_BO = p_B;
-      if (here.take(std::move(rows))) return here.get();
+      if (rows && rows->room >= kEnough) return rows;
+      choice.take(std::move(rows));
     }
-    auto rows = here.get();
-    if (rows && rows->room >= kEnough) return rows;
-    choice.take(std::move(rows));
   }
   auto chosen = choice.get();
   if (!chosen && chosen.error().error.code == ErrorCode::kOutOfReach) {
