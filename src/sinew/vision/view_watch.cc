@@ -10,7 +10,7 @@
 namespace sinew::vision {
 namespace {
 
-constexpr float kShadow = 0.6F;  ///< of a cell's sRGB value: darker is no shadow
+constexpr float kShadow = 0.5F;  ///< of a cell's sRGB value: darker is no shadow
 constexpr float kGlare = 1.12F;
 constexpr float kOther = 22;  ///< of 255 in each color: noise and compression stay below
 constexpr float kFollow = 0.1F;
