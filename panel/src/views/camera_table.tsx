@@ -15,7 +15,7 @@ import { Icon, NumberField, Segments, Toggle } from './parts';
 const lens = computed(() => camera.value?.lens ?? null);
 const text = (points: readonly Pixel[]): string => points.map((p) => `${p[0].toFixed(1)},${p[1].toFixed(1)}`).join(' ');
 
-/** Why a cube cannot be had, and what would help; nothing where it can, or nobody has said yet. */
+/** Why a cube cannot be had, and what would help; nothing where it can, or while that is not known. */
 export function whyNot(cube: SeenCubeJson): string | null {
   const verdict = cube.in_basket ? undefined : verdictOf(cube, verdicts.value);
   return verdict && !verdict.fine ? whyText(verdict) : null;

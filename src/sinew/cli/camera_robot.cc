@@ -103,8 +103,7 @@ std::expected<CalibrationRobot, Outcome> calibration_robot(const std::string& ro
                               "robots are {}",
                               *cell, printable(robot), joined(names, ", "))));
   }
-  auto file =
-      find_robot(place->robot.ends_with(".toml") ? beside(*cell, place->robot) : place->robot);
+  auto file = find_robot(*place, *cell);
   if (!file) return std::unexpected(file.error());
   auto model = runtime::variant_of(file->model, place->profile, place->wire);
   if (!model) return std::unexpected(bad_input(place->name + ": " + model.error()));

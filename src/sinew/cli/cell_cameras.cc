@@ -48,10 +48,6 @@ runtime::CameraSource opened_when_there(const std::string& device,
   };
 }
 
-}  // namespace
-
-namespace {
-
 /// Where a camera's calibration is kept.
 std::string calibration_place(const CellCamera& camera, const std::string& cell_file) {
   return beside(cell_file, camera.calibration.value_or("camera-" + camera.name + ".toml"));

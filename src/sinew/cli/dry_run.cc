@@ -50,8 +50,7 @@ struct Fate {
 };
 
 Or<RobotModel> model_of(const CellRobot& place, const std::string& cell_file) {
-  const bool own = place.robot.ends_with(".toml");
-  auto file = find_robot(own ? beside(cell_file, place.robot) : place.robot);
+  auto file = find_robot(place, cell_file);
   if (!file) return std::unexpected(file.error());
   auto model = runtime::variant_of(file->model, place.profile, place.wire, place.without);
   if (!model) return std::unexpected(bad_input(place.name + ": " + model.error()));

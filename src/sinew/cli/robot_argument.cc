@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "sinew/cli/cell_cameras.h"
 #include "sinew/cli/table.h"
 #include "sinew/config/builtin_robots.h"
 #include "sinew/core/spelling.h"
@@ -35,6 +36,11 @@ std::expected<RobotFile, Outcome> find_robot(const std::string& argument) {
   return std::unexpected(bad_input(fmt::format(
       "there is no robot '{}'{}; known: {}; a file of your own ends in .toml", printable(argument),
       meant.empty() ? "" : fmt::format(", did you mean '{}'?", meant), joined(ids, ", "))));
+}
+
+std::expected<RobotFile, Outcome> find_robot(const CellRobot& place, const std::string& cell_file) {
+  const bool own = place.robot.ends_with(".toml");
+  return find_robot(own ? beside(cell_file, place.robot) : place.robot);
 }
 
 }  // namespace sinew::cli

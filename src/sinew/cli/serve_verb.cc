@@ -44,8 +44,7 @@ std::expected<std::vector<runtime::RobotMaking>, Outcome> find_robots(const Serv
                                                                       const Cell& cell) {
   std::vector<runtime::RobotMaking> robots;
   for (const CellRobot& place : cell.robots) {
-    const bool own = place.robot.ends_with(".toml");
-    auto file = find_robot(own ? beside(request.file, place.robot) : place.robot);
+    auto file = find_robot(place, request.file);
     if (!file) return std::unexpected(file.error());
     if (auto fine = check_has_device(file->model); !fine) return std::unexpected(fine.error());
     runtime::RobotMaking making{file->model, place};

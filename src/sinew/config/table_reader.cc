@@ -198,26 +198,24 @@ bool TableReader::whole_number(std::string_view key, std::int64_t lower, std::in
   return true;
 }
 
-bool TableReader::boolean(std::string_view key, bool& out) {
+template <class T>
+const T* TableReader::value_of(std::string_view key, std::string_view wanted) {
   const TomlEntry* entry = ask(key, {&kPlain, 1}, Presence::kRequired, false);
-  if (entry == nullptr) return false;
-  const auto* value = std::get_if<bool>(&entry->node.value);
-  if (value == nullptr) {
-    wrong_type(entry->node, dotted(key), "true or false");
-    return false;
-  }
-  out = *value;
-  return true;
+  if (entry == nullptr) return nullptr;
+  const T* value = std::get_if<T>(&entry->node.value);
+  if (value == nullptr) wrong_type(entry->node, dotted(key), wanted);
+  return value;
+}
+
+bool TableReader::boolean(std::string_view key, bool& out) {
+  const bool* value = value_of<bool>(key, "true or false");
+  if (value != nullptr) out = *value;
+  return value != nullptr;
 }
 
 bool TableReader::text(std::string_view key, std::size_t max_bytes, std::string& out) {
-  const TomlEntry* entry = ask(key, {&kPlain, 1}, Presence::kRequired, false);
-  if (entry == nullptr) return false;
-  const auto* value = std::get_if<std::string>(&entry->node.value);
-  if (value == nullptr) {
-    wrong_type(entry->node, dotted(key), "a string");
-    return false;
-  }
+  const auto* value = value_of<std::string>(key, "a string");
+  if (value == nullptr) return false;
   const bool control = std::ranges::any_of(
       *value, [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7F; });
   if (blank(*value) || control || value->size() > max_bytes) {
@@ -231,13 +229,8 @@ bool TableReader::text(std::string_view key, std::size_t max_bytes, std::string&
 
 bool TableReader::texts(std::string_view key, std::size_t max_bytes,
                         std::vector<std::string>& out) {
-  const TomlEntry* entry = ask(key, {&kPlain, 1}, Presence::kRequired, false);
-  if (entry == nullptr) return false;
-  const auto* items = std::get_if<TomlArray>(&entry->node.value);
-  if (items == nullptr) {
-    wrong_type(entry->node, dotted(key), "a list of strings");
-    return false;
-  }
+  const auto* items = value_of<TomlArray>(key, "a list of strings");
+  if (items == nullptr) return false;
   std::vector<std::string> texts;
   for (const TomlNode& item : *items) {
     const auto* text = std::get_if<std::string>(&item.value);

@@ -114,6 +114,9 @@ class TableReader {
   bool whole_number(std::string_view key, std::int64_t lower, std::int64_t upper,
                     std::int64_t& out);
   bool one_of(std::string_view key, std::span<const std::string_view> words, std::size_t& index);
+  /// What a key holds that has no unit; null where it holds something else.
+  template <class T>
+  const T* value_of(std::string_view key, std::string_view wanted);
   void wrong_type(const TomlNode& node, const std::string& key, std::string_view wanted);
   void check_unknown(const TomlEntry& entry);
   bool is_missing(std::string_view spelling) const;

@@ -197,9 +197,16 @@ bool has_joints(const planning::ToolSpace& space, const Vec3& p_BT, double pitch
   return true;
 }
 
-/// Those that have joints: what the planner would refuse after a longer look is left out.
+/// An arm that is sent to whole poses.
+bool takes_poses(const RobotModel& robot) {
+  return planning::ToolSpace(robot).task() == planning::TaskSpace::kPose;
+}
+
+/// Those that have joints: what the planner would refuse after a longer look is left out. Of an arm
+/// that takes poses all.
 std::vector<grasping::JawGrasp> with_joints(const RobotModel& robot,
                                             const std::vector<grasping::JawGrasp>& grasps) {
+  if (takes_poses(robot)) return grasps;
   std::vector<grasping::JawGrasp> found;
   std::optional<planning::ToolSpace> space;
   double open = 0;
@@ -219,8 +226,8 @@ std::expected<CubeRows, Refusal> picked_by_jaws(const Sequence& sequence, const 
     return std::unexpected(Refusal{row.line, grasps.error(), std::nullopt, row.file});
   }
   const MotionOptions& how = std::get<PickCubeStep>(row.what).how;
-  const bool has_pose = planning::ToolSpace(robot).task() == planning::TaskSpace::kPose;
-  const auto having = has_pose ? *grasps : with_joints(robot, *grasps);
+  const bool has_pose = takes_poses(robot);
+  const auto having = with_joints(robot, *grasps);
   Choice choice, left_out;  // those are better than nothing where no other can be had
   for (const grasping::JawGrasp& grasp : having.empty() ? *grasps : having) {
     Sequence opened = sequence;
@@ -408,8 +415,7 @@ std::expected<CubeRows, Refusal> rows_to_pick(RowPlanner& planner, const Standin
 bool in_reach(const RobotModel& robot, const Sighting& seen, std::size_t which) {
   if (picks_with_jaws(robot)) {
     const auto grasps = grasping::jaw_grasps(robot, seen.cubes, which);
-    const bool has_pose = planning::ToolSpace(robot).task() == planning::TaskSpace::kPose;
-    return grasps && (has_pose || !with_joints(robot, *grasps).empty());
+    return grasps && !with_joints(robot, *grasps).empty();
   }
   const auto lip = grasping::cup_grasp(seen.cubes, which);
   return lip && has_joints(planning::ToolSpace(robot), *lip + Vec3{0, 0, cup_reach(robot)}, 0, 0);

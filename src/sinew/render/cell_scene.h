@@ -54,7 +54,7 @@ struct ViewedThing {
 enum class TableTop : std::uint8_t { kBySeed, kWood, kPaper, kMat };
 
 /// What stands on a table (z = 0 of W) in front of a camera, by value. The seed chooses what
-/// nobody says: shades, gloss, grain, lamps.
+/// is not given: shades, gloss, grain, lamps.
 struct CellView {
   std::uint64_t seed = 1;
   TableTop top = TableTop::kBySeed;

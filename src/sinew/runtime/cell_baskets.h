@@ -12,7 +12,7 @@
 
 namespace sinew::runtime {
 
-/// Where the baskets of a running cell stand: as its file says, or where somebody has moved them
+/// Where the baskets of a running cell stand: as its file says, or where a person has moved them
 /// since. What was moved is kept in a file of its own; the cell's file is never written. For
 /// threads.
 class CellBaskets {

@@ -2,89 +2,65 @@
 
 #include <fmt/format.h>
 
-#include <nlohmann/json.hpp>
 #include <string_view>
 #include <utility>
 
 #include "sinew/core/base64.h"
 #include "sinew/model/error_sentence.h"
+#include "sinew/runtime/record_json.h"
 #include "sinew/vision/color_names.h"
 #include "sinew/vision/picture_file.h"
 
 namespace sinew::runtime {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
-Json typed(const char* type) {
-  return {{"type", type}};
-}
-Json object(Json properties) {
-  return {{"type", "object"}, {"properties", std::move(properties)}};
-}
-Json list(Json items) {
-  return {{"type", "array"}, {"items", std::move(items)}};
-}
-
-Json time_schema() {
-  return object({{"sec", typed("integer")}, {"nsec", typed("integer")}});
-}
-Json time_json(std::uint64_t ns) {
-  return {{"sec", ns / 1'000'000'000}, {"nsec", ns % 1'000'000'000}};
-}
+using namespace record;
 
 /// As Foxglove's schemas of these names have it, so that its image view shows them.
 /// Source: https://docs.foxglove.dev/docs/visualization/message-schemas
 Json image_schema() {
-  Json data = typed("string");
+  Json data = text();
   data["contentEncoding"] = "base64";
   return object({{"timestamp", time_schema()},
-                 {"frame_id", typed("string")},
+                 {"frame_id", text()},
                  {"data", std::move(data)},
-                 {"format", typed("string")}});
+                 {"format", text()}});
 }
 
 Json annotations_schema() {
-  const Json point = object({{"x", typed("number")}, {"y", typed("number")}});
-  const Json color = object({{"r", typed("number")},
-                             {"g", typed("number")},
-                             {"b", typed("number")},
-                             {"a", typed("number")}});
+  const Json point = object({{"x", number()}, {"y", number()}});
+  const Json color = object({{"r", number()}, {"g", number()}, {"b", number()}, {"a", number()}});
   const Json points = object({{"timestamp", time_schema()},
-                              {"type", typed("integer")},
+                              {"type", whole()},
                               {"points", list(point)},
                               {"outline_color", color},
-                              {"thickness", typed("number")}});
-  const Json text = object({{"timestamp", time_schema()},
-                            {"position", point},
-                            {"text", typed("string")},
-                            {"font_size", typed("number")},
-                            {"text_color", color},
-                            {"background_color", color}});
+                              {"thickness", number()}});
+  const Json one = object({{"timestamp", time_schema()},
+                           {"position", point},
+                           {"text", text()},
+                           {"font_size", number()},
+                           {"text_color", color},
+                           {"background_color", color}});
   return object(
-      {{"circles", list(object(Json::object()))}, {"points", list(points)}, {"texts", list(text)}});
+      {{"circles", list(object(Json::object()))}, {"points", list(points)}, {"texts", list(one)}});
 }
 
 Json decision_schema() {
-  return object({{"kind", typed("string")},
-                 {"line", typed("integer")},
-                 {"grasp", typed("integer")},
-                 {"cube", object({{"color", typed("string")},
-                                  {"x_m", typed("number")},
-                                  {"y_m", typed("number")},
-                                  {"z_m", typed("number")},
-                                  {"yaw_rad", typed("number")},
-                                  {"edge_m", typed("number")}})},
-                 {"error", object({{"code", typed("string")}, {"sentence", typed("string")}})}});
-}
-
-std::string text_of(const Json& json) {
-  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+  return object({{"kind", text()},
+                 {"line", whole()},
+                 {"grasp", whole()},
+                 {"cube", object({{"color", text()},
+                                  {"x_m", number()},
+                                  {"y_m", number()},
+                                  {"z_m", number()},
+                                  {"yaw_rad", number()},
+                                  {"edge_m", number()}})},
+                 {"error", object({{"code", text()}, {"sentence", text()}})}});
 }
 
 /// An outline and a text beside it.
 void annotate(Json& annotations, std::uint64_t time, const vision::Quad& outline,
-              const std::string& text, const Json& color) {
+              const std::string& words, const Json& color) {
   constexpr int kLineLoop = 2;
   Json points = Json::array();
   vision::Pixel right = outline[0];
@@ -100,7 +76,7 @@ void annotate(Json& annotations, std::uint64_t time, const vision::Quad& outline
   annotations["texts"].push_back(
       {{"timestamp", time_json(time)},
        {"position", {{"x", right.x}, {"y", right.y}}},
-       {"text", text},
+       {"text", words},
        {"font_size", 12},
        {"text_color", color},
        {"background_color", {{"r", 0}, {"g", 0}, {"b", 0}, {"a", 0.6}}}});

@@ -1,38 +1,21 @@
 #include "sinew/runtime/record_encoder.h"
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "sinew/driver/quality_name.h"
 #include "sinew/model/error_sentence.h"
+#include "sinew/runtime/record_json.h"
 #include "sinew/runtime/unit_name.h"
 
 namespace sinew::runtime {
 namespace {
 
 using control::ControlEvent;
-using Json = nlohmann::ordered_json;
+using namespace record;
 
 /// How often what changes slowly is told again, and over how long bytes a second are counted.
 constexpr Duration kSlowPeriod = std::chrono::milliseconds(100);
-
-std::string text_of(const Json& json) {
-  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
-}
-
-Json number() {
-  return {{"type", "number"}};
-}
-Json text() {
-  return {{"type", "string"}};
-}
-Json whole() {
-  return {{"type", "integer"}};
-}
-Json object(Json properties) {
-  return {{"type", "object"}, {"properties", std::move(properties)}};
-}
 
 Json joints_schema(const RobotModel& robot) {
   Json joints = Json::object();
@@ -82,10 +65,9 @@ Json wire_schema() {
 /// As Foxglove's own schema of that name has it, so that its 3D view shows the tool.
 /// Source: https://docs.foxglove.dev/docs/visualization/message-schemas/pose-in-frame
 Json pose_schema() {
-  const Json time = object({{"sec", whole()}, {"nsec", whole()}});
   const Json point = object({{"x", number()}, {"y", number()}, {"z", number()}});
   const Json turn = object({{"x", number()}, {"y", number()}, {"z", number()}, {"w", number()}});
-  return object({{"timestamp", time},
+  return object({{"timestamp", time_schema()},
                  {"frame_id", text()},
                  {"pose", object({{"position", point}, {"orientation", turn}})}});
 }
@@ -242,12 +224,11 @@ void RecordEncoder::put_tool(const RunSample& sample) {
   X_near_ = *X_BT;
   const auto turn = quaternion_wxyz(X_BT->R);
   const Vec3& p = X_BT->p;
-  const std::uint64_t ns = time(std::max(last_, sample.at));
   const Json pose{
       {"position", {{"x", p.x}, {"y", p.y}, {"z", p.z}}},
       {"orientation", {{"x", turn[1]}, {"y", turn[2]}, {"z", turn[3]}, {"w", turn[0]}}}};
   put(tool_channel_, sample.at,
-      text_of({{"timestamp", {{"sec", ns / 1'000'000'000}, {"nsec", ns % 1'000'000'000}}},
+      text_of({{"timestamp", time_json(time(std::max(last_, sample.at)))},
                {"frame_id", title_.robot + "/base"},
                {"pose", pose}}));
 }

@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "sinew/core/base64.h"
+#include "sinew/core/units.h"
 
 namespace sinew::runtime {
 namespace {
@@ -82,18 +83,17 @@ std::expected<std::vector<RecordedPicture>, std::string> record_pictures(
 
 std::expected<std::string, std::string> decisions_csv(const McapContent& content) {
   std::string csv = "time_s,line,kind,grasp,color,x_mm,y_mm,z_mm,yaw_deg,why\n";
-  constexpr double kMm = 1e3;
-  constexpr double kDeg = 57.29577951308232;
   const bool fine =
       visit_all(content, "sinew.Decision", [&](const std::string&, double time, const Json& json) {
         const Json cube = json.value("cube", Json::object());
         const Json error = json.value("error", Json::object());
         if (!cube.is_object() || !error.is_object()) return false;
-        csv += fmt::format("{:.3f},{},{},{},{},{},{},{},{},{}\n", time, number_at(json, "line", 1),
-                           quoted(text_at(json, "kind")), number_at(json, "grasp", 1),
-                           quoted(text_at(cube, "color")), number_at(cube, "x_m", kMm),
-                           number_at(cube, "y_m", kMm), number_at(cube, "z_m", kMm),
-                           number_at(cube, "yaw_rad", kDeg), quoted(text_at(error, "sentence")));
+        csv +=
+            fmt::format("{:.3f},{},{},{},{},{},{},{},{},{}\n", time, number_at(json, "line", 1),
+                        quoted(text_at(json, "kind")), number_at(json, "grasp", 1),
+                        quoted(text_at(cube, "color")), number_at(cube, "x_m", to_mm(1)),
+                        number_at(cube, "y_m", to_mm(1)), number_at(cube, "z_m", to_mm(1)),
+                        number_at(cube, "yaw_rad", to_deg(1)), quoted(text_at(error, "sentence")));
         return true;
       });
   if (!fine) return std::unexpected("a decision in it is none that Sinew writes");

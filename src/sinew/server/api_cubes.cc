@@ -73,7 +73,7 @@ Api::Answer Api::judge_cubes(const Call& call) {
         const CellCamera& place = cell_.cell().cameras[i];
         const auto& X_WB = cell_.cell().robots[robot].X_WB;
         program::Standing from = standing(station);
-        // Where nobody knows: as from its home.
+        // Where that is unknown: as from its home.
         if (!from.q) from.q = home_joints(station.robot());
         const auto shot = cell_.camera(i)->newest();
         Json json{{"camera", place.name}, {"number", shot ? shot->number : 0}};

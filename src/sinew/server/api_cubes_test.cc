@@ -118,7 +118,7 @@ TEST(ApiCubes, a_preview_shows_the_cubes_that_are_seen_and_their_way_into_the_ba
   EXPECT_LT(shown["result"]["duration_s"].get<double>(), 120);
 }
 
-TEST(ApiCubes, where_cubes_can_be_taken_is_computed_while_somebody_asks) {
+TEST(ApiCubes, where_cubes_can_be_taken_is_computed_while_a_client_asks) {
   Cubes here;
   Json reach;
   const bool whole = here.cell().until([&] {

@@ -47,30 +47,30 @@ char between(const std::vector<std::string>& rows, std::size_t row, std::size_t 
 CubeReachDesk::CubeReachDesk(const runtime::RunningCell& cell)
     : cell_(cell), thread_([this](const std::stop_token& ending) { work(ending); }) {}
 
-Json CubeReachDesk::look(const Wish& wish) {
+Json CubeReachDesk::look(const Query& query) {
   const std::scoped_lock lock(mutex_);
-  const auto [place, is_new] = grids_.try_emplace(wish);
+  const auto [place, is_new] = grids_.try_emplace(query);
   Grid& grid = place->second;
   if (is_new) {
-    const Vec3& p_WB = cell_.cell().robots[wish.robot].X_WB.p;
+    const Vec3& p_WB = cell_.cell().robots[query.robot].X_WB.p;
     const double half = kStep * static_cast<double>(kSide - 1) / 2;
     grid.x = p_WB.x - half;
     grid.y = p_WB.y - half;
     grid.rows.assign(kSide, std::string(kSide, kUnknown));
   }
-  std::erase(asked_, wish);
-  asked_.push_back(wish);
+  std::erase(asked_, query);
+  asked_.push_back(query);
   if (asked_.size() > kKept) {
     grids_.erase(asked_.front());
     asked_.erase(asked_.begin());
   }
   asked_at_ = Clock::now();
-  wanted_ = wish;
+  wanted_ = query;
   more_.notify_all();
   const double all = static_cast<double>(kSide) * static_cast<double>(kSide);
-  return {{"robot", cell_.cell().robots[wish.robot].name},
-          {"edge_m", wish.edge},
-          {"z_m", wish.height},
+  return {{"robot", cell_.cell().robots[query.robot].name},
+          {"edge_m", query.edge},
+          {"z_m", query.height},
           {"step_m", kStep},
           {"x_m", grid.x},
           {"y_m", grid.y},
@@ -80,18 +80,18 @@ Json CubeReachDesk::look(const Wish& wish) {
 }
 
 void CubeReachDesk::work(const std::stop_token& ending) {
-  while (const auto wish = next(ending)) {
+  while (const auto query = next(ending)) {
     bool whole = true;
     for (std::size_t step = kCoarsest; step > 0 && whole; step /= 2) {
-      whole = refine(ending, *wish, step);
+      whole = refine(ending, *query, step);
     }
     if (!whole) continue;
     const std::scoped_lock lock(mutex_);
-    if (wanted_ == wish) wanted_.reset();
+    if (wanted_ == query) wanted_.reset();
   }
 }
 
-std::optional<CubeReachDesk::Wish> CubeReachDesk::next(const std::stop_token& ending) {
+std::optional<CubeReachDesk::Query> CubeReachDesk::next(const std::stop_token& ending) {
   std::unique_lock lock(mutex_);
   more_.wait(lock, ending, [this] {
     return wanted_ && grids_.contains(*wanted_) && Clock::now() - asked_at_ < kPatience;
@@ -99,21 +99,21 @@ std::optional<CubeReachDesk::Wish> CubeReachDesk::next(const std::stop_token& en
   return ending.stop_requested() ? std::nullopt : wanted_;
 }
 
-bool CubeReachDesk::still_wanted(const std::stop_token& ending, const Wish& wish) {
+bool CubeReachDesk::still_wanted(const std::stop_token& ending, const Query& query) {
   const std::scoped_lock lock(mutex_);
-  return !ending.stop_requested() && wanted_ == wish && grids_.contains(wish) &&
+  return !ending.stop_requested() && wanted_ == query && grids_.contains(query) &&
          Clock::now() - asked_at_ < kPatience;
 }
 
-bool CubeReachDesk::refine(const std::stop_token& ending, const Wish& wish, std::size_t step) {
-  const RobotModel& robot = cell_.station(wish.robot).robot();
-  const auto X_BW = cell_.cell().robots[wish.robot].X_WB.inverse();
+bool CubeReachDesk::refine(const std::stop_token& ending, const Query& query, std::size_t step) {
+  const RobotModel& robot = cell_.station(query.robot).robot();
+  const auto X_BW = cell_.cell().robots[query.robot].X_WB.inverse();
   program::RowPlanner planner(robot);
   const program::Standing home(home_joints(robot));
   std::unique_lock lock(mutex_);
   for (std::size_t row = 0; row < kSide; row += step) {
     for (std::size_t column = 0; column < kSide; column += step) {
-      const auto grid = grids_.find(wish);
+      const auto grid = grids_.find(query);
       if (grid == grids_.end()) return false;
       if (grid->second.rows[row][column] != kUnknown) continue;
       char found = kUnknown;
@@ -121,13 +121,13 @@ bool CubeReachDesk::refine(const std::stop_token& ending, const Wish& wish, std:
       if (found == kUnknown) {
         const Vec3 p_WO{grid->second.x + kStep * static_cast<double>(column),
                         grid->second.y + kStep * static_cast<double>(row),
-                        wish.height + wish.edge / 2};
+                        query.height + query.edge / 2};
         lock.unlock();
-        if (!still_wanted(ending, wish)) return false;
-        found = letter(program::best_grasp(planner, home, X_BW * p_WO, wish.edge));
+        if (!still_wanted(ending, query)) return false;
+        found = letter(program::best_grasp(planner, home, X_BW * p_WO, query.edge));
         lock.lock();
       }
-      const auto again = grids_.find(wish);
+      const auto again = grids_.find(query);
       if (again == grids_.end()) return false;
       again->second.rows[row][column] = found;
       ++again->second.known;

@@ -361,7 +361,7 @@ constexpr auto kMethods = std::to_array<Method>({
      kCubesParams, "number of the picture, cubes in the order in which they are picked",
      "CubeVerdicts"},
     {MethodId::kRobotCubeReach, "robot.cube_reach", false,
-     "where on a level surface this robot can take a cube that lies alone; computed while somebody "
+     "where on a level surface this robot can take a cube that lies alone; computed while a client "
      "asks for it: `done` is the share so far",
      kCubeReachParams,
      "x_m, y_m: middle of the first cell of the grid; rows along y, a letter a cell along x: s "
