@@ -155,8 +155,11 @@ std::vector<render::ViewedRobot> RunningCell::robots_in_view(Stand how) const {
     if (how == Stand::kTrue && view.truth) {
       for (const sim::JointTruth& joint : view.truth->joints) robot.q.push_back(joint.q);
       robot.jaws = view.truth->tool;
-    } else if (view.reference) {
-      robot.q = *view.reference;
+    } else {
+      // Also on the way; one that is lost leaves the robot out.
+      for (const JointPosition& joint : view.positions) {
+        if (joint.quality != PositionQuality::kLost) robot.q.push_back(joint.q);
+      }
       robot.jaws = view.tool.jaws.value_or(0);
     }
     if (robot.q.size() == robot.model.joints.size()) robots.push_back(std::move(robot));

@@ -127,10 +127,10 @@ constexpr Param kBeginParams[] = {
     kPaperParam,
     {"anew", ParamType::kFlag, false, "without the views of the calibration under way"}};
 constexpr Param kExpectParams[] = {
-    kCameraParam, kSessionParam, {"step", ParamType::kText, true, "board or sheet"}};
+    {"step", ParamType::kText, true, "board or sheet"}, kCameraParam, kSessionParam};
 constexpr Param kSessionOnly[] = {kCameraParam, kSessionParam};
 constexpr Param kDropParams[] = {
-    kCameraParam, kSessionParam, {"view", ParamType::kWhole, true, "its number"}};
+    {"view", ParamType::kWhole, true, "its number"}, kCameraParam, kSessionParam};
 constexpr Param kCalibrationSaveParams[] = {
     kCameraParam,
     kSessionParam,
