@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "sinew/io/scratch_folder_test_support.h"
@@ -144,7 +145,6 @@ TEST(ApiCubes, where_cubes_can_be_taken_is_computed_while_a_client_asks) {
 }
 
 TEST(ApiCubes, a_basket_is_moved_and_kept_and_programs_find_it_there) {
-  GTEST_SKIP() << "sorting into a moved basket does not end yet";
   const sinew::test::ScratchFolder folder;
   runtime::CellFolders folders;
   folders.baskets = folder.at("cell.baskets.json");
@@ -160,10 +160,12 @@ TEST(ApiCubes, a_basket_is_moved_and_kept_and_programs_find_it_there) {
     EXPECT_EQ(client.call("cell.describe")["result"]["baskets"][0]["x_m"], 0.02);
     EXPECT_EQ(here.look(3)["baskets"][0]["y_m"], 0.2);
     ASSERT_EQ(client.run("left", std::string(kSort))["phase"], "done");
-    const Json shot = here.look(3);
-    int in = 0;
-    for (const Json& one : shot["cubes"]) in += one.value("in_basket", "") == "tray" ? 1 : 0;
-    EXPECT_EQ(in, 2) << shot["cubes"].dump();
+    // As they really lie: one may hide another from the camera.
+    std::ptrdiff_t in = 0;
+    here.cell().cell().table()->cubes().with([&](const sim::CubeWorld& world) {
+      in = std::ranges::count(world.cubes(), sim::CubePlace::kBasket, &sim::CubeState::where);
+    });
+    EXPECT_EQ(in, 2);
     const Json far = client.call("basket.move", {{"basket", "tray"}, {"x_m", 1}, {"y_m", 0}});
     ASSERT_TRUE(far.contains("result")) << far.dump();
     ASSERT_EQ(far["result"]["warnings"].size(), 1U);
