@@ -2,7 +2,7 @@
 import { batch, computed, effect, signal } from '@preact/signals';
 import { robot, route, store } from './app';
 import { t } from './i18n';
-import { pickRow, placeRow, sortRows } from './logic/camera';
+import { pickRow, placeRow, sameCube, sortRows } from './logic/camera';
 import { fromFlat } from './logic/pose';
 import type { CameraShot, SeenCubeJson } from './logic/types';
 
@@ -64,10 +64,11 @@ effect(() => {
 function take(next: CameraShot): void {
   if (next.number === 0) return;
   if (next.number === shot.peek()?.number) return;
+  const chosen = chosenCube.peek() === null ? undefined : shot.peek()?.cubes?.[chosenCube.peek()!];
   batch(() => {
     shot.value = next;
     if (next.picture) picture.value = `data:image/jpeg;base64,${next.picture}`;
-    chosenCube.value = null;
+    chosenCube.value = chosen ? sameCube(chosen, next.cubes ?? []) : null;
   });
 }
 

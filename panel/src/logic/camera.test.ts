@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import { countColors, inBase, onTable, pickRow, placeRow, sortRows, verdictOf, whyKey } from './camera';
+import { countColors, inBase, onTable, pickRow, placeRow, sameCube, sortRows, verdictOf, whyKey } from './camera';
 import { fromFixedXyz } from './pose';
 import type { SeenCubeJson } from './types';
 
@@ -35,6 +35,14 @@ describe('cubes that a camera sees', () => {
     expect(verdictOf(cube('red'), [verdict])).toBe(verdict);
     expect(verdictOf(cube('blue'), [verdict])).toBeUndefined();
     expect(verdictOf(cube('red', { x_m: 1.22 }), [verdict])).toBeUndefined();
+  });
+  it('are found again in the next picture', () => {
+    const at = (color: string, x: number, y: number) =>
+      cube(color, { top_px: [[x, y], [x + 40, y], [x + 40, y + 40], [x, y + 40]] });
+    const was = at('red', 100, 100);
+    expect(sameCube(was, [at('blue', 100, 100), at('red', 300, 100), at('red', 104, 97)])).toBe(2);
+    expect(sameCube(was, [at('red', 125, 100), at('blue', 101, 100)])).toBeNull();
+    expect(sameCube(was, [])).toBeNull();
   });
   it('have a key for each reason why something is none', () => {
     expect(whyKey('it is flat: printed, or a piece of paper')).toBe('it_is_flat_printed_or_a_piece_of_paper');

@@ -35,6 +35,21 @@ export function verdictOf(cube: SeenCubeJson, verdicts: readonly CubeVerdictJson
   return verdicts.find((one) => one.color === cube.color && far(one) < (cube.edge_m ?? 0.025) / 3);
 }
 
+const middle = (cube: SeenCubeJson): [number, number] => [
+  cube.top_px.reduce((sum, p) => sum + p[0], 0) / cube.top_px.length,
+  cube.top_px.reduce((sum, p) => sum + p[1], 0) / cube.top_px.length,
+];
+/** The same cube in the next picture: of its color and less than half an edge away; null: none is. */
+export function sameCube(was: SeenCubeJson, cubes: readonly SeenCubeJson[]): number | null {
+  const [x, y] = middle(was);
+  const edge = Math.hypot(was.top_px[1]![0] - was.top_px[0]![0], was.top_px[1]![1] - was.top_px[0]![1]);
+  const found = cubes.findIndex((cube) => {
+    const [u, v] = middle(cube);
+    return cube.color === was.color && Math.hypot(u - x, v - y) < edge / 2;
+  });
+  return found < 0 ? null : found;
+}
+
 /** How many of each color are on the table and in the basket; the commonest first. */
 export function countColors(cubes: readonly SeenCubeJson[]): { color: string; table: number; basket: number }[] {
   const counts = new Map<string, { color: string; table: number; basket: number }>();
