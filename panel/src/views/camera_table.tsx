@@ -160,7 +160,7 @@ function CannotHave({ cubes }: { cubes: SeenCubeJson[] }): JSX.Element | null {
       <ul>
         {out.map(({ cube, i, why }) => (
           <li key={i}>
-            <button type="button" class="quiet" aria-pressed={chosenCube.value === i} onClick={() => (chosenCube.value = i)}>
+            <button type="button" class="quiet" aria-current={chosenCube.value === i ? 'true' : undefined} onClick={() => (chosenCube.value = i)}>
               <span class="camera-swatch" style={{ background: paintOf(cube.color) }} aria-hidden="true" />
               {tWord('color', cube.color)}
             </button>

@@ -28,10 +28,10 @@ std::optional<std::string_view> MotionRows::basket_word() const {
       return name;
     }
     if (has_point(name)) return std::nullopt;
-    if (table_ != nullptr) return name;
+    if (table_ != nullptr || points_ == nullptr) return name;
     // Read without a cell: any name may be a basket's, but that of a point misspelt.
     std::vector<std::string_view> points;
-    for (const TaughtPoint& point : points_ != nullptr ? *points_ : TaughtPoints{}) {
+    for (const TaughtPoint& point : *points_) {
       if (point.robot == robot_.id) points.push_back(point.name);
     }
     if (name != kOnlyBasket && !nearest_spelling(name, points).empty()) return std::nullopt;

@@ -224,11 +224,18 @@ Picture picture_of(const TagBoard& board, double scale) {
   Picture picture = black_picture(static_cast<int>(std::ceil(board.width * scale)),
                                   static_cast<int>(std::ceil(board.height * scale)));
   std::ranges::fill(picture.rgb, 255);
+  // Bars that share an edge have to round it alike: a hair below keeps sums of floating point from
+  // falling on both sides of a half. A line thinner than a pixel still has one.
+  const auto at = [&](double metres) {
+    return static_cast<int>(std::lround(metres * scale - 1e-6));
+  };
+  const auto behind = [&](double begin, double length) {
+    return std::max(at(begin) + 1, at(begin + length));
+  };
   for (const Bar& bar : bars_of(board)) {
     const double top = board.height - bar.y - bar.height;
-    const auto at = [&](double metres) { return static_cast<int>(std::lround(metres * scale)); };
-    for (int y = at(top); y < std::min(picture.height, at(top + bar.height)); ++y) {
-      for (int x = at(bar.x); x < std::min(picture.width, at(bar.x + bar.width)); ++x) {
+    for (int y = at(top); y < std::min(picture.height, behind(top, bar.height)); ++y) {
+      for (int x = at(bar.x); x < std::min(picture.width, behind(bar.x, bar.width)); ++x) {
         std::fill_n(picture.at(x, y), 3, 0);
       }
     }
