@@ -19,12 +19,11 @@ constexpr double kRoom = 1.5;
 
 struct Crossing {
   double distance = kEndless;
-  Vec3 normal;
   int face = 0;
 };
 
 Crossing enter(const Polyhedron& form, const Vec3& from, const Vec3& toward) {
-  Crossing in{-kEndless, {}, 0};
+  Crossing in{-kEndless, 0};
   double out = kEndless;
   for (std::size_t i = 0; i < form.faces.size(); ++i) {
     const Polyhedron::Face& face = form.faces[i];
@@ -38,7 +37,7 @@ Crossing enter(const Polyhedron& form, const Vec3& from, const Vec3& toward) {
     if (speed > 0) {
       out = std::min(out, t);
     } else if (t > in.distance) {
-      in = {t, face.normal, static_cast<int>(i)};
+      in = {t, static_cast<int>(i)};
     }
     if (in.distance > out) return {};
   }
@@ -46,11 +45,11 @@ Crossing enter(const Polyhedron& form, const Vec3& from, const Vec3& toward) {
 }
 
 /// Near an edge the normal leans to the next face.
-Vec3 bevelled(const Polyhedron& form, const Crossing& at, const Vec3& p) {
-  if (form.bevel <= 0) return at.normal;
-  Vec3 normal = at.normal;
+Vec3 normal_of(const Polyhedron& form, const Vec3& p, int at) {
+  Vec3 normal = form.faces[static_cast<std::size_t>(at)].normal;
+  if (form.bevel <= 0) return normal;
   for (std::size_t i = 0; i < form.faces.size(); ++i) {
-    if (static_cast<int>(i) == at.face) continue;
+    if (static_cast<int>(i) == at) continue;
     const double gap = form.faces[i].distance - dot(form.faces[i].normal, p);
     if (gap < form.bevel) normal = normal + (1 - gap / form.bevel) * form.faces[i].normal;
   }
@@ -67,10 +66,7 @@ Crossing enter(const Cylinder& form, const Vec3& from, const Vec3& toward) {
   if (a > 0) {
     const double t = (-b - std::sqrt(root)) / a;
     const double z = from.z + t * toward.z;
-    if (t > kOff && std::abs(z) <= form.half) {
-      best = {
-          t, {(from.x + t * toward.x) / form.radius, (from.y + t * toward.y) / form.radius, 0}, 0};
-    }
+    if (t > kOff && std::abs(z) <= form.half) best = {t, 0};
   }
   if (toward.z != 0) {
     const double end = toward.z > 0 ? -form.half : form.half;
@@ -78,10 +74,15 @@ Crossing enter(const Cylinder& form, const Vec3& from, const Vec3& toward) {
     const double x = from.x + t * toward.x;
     const double y = from.y + t * toward.y;
     if (t > kOff && t < best.distance && x * x + y * y <= form.radius * form.radius) {
-      best = {t, {0, 0, end > 0 ? 1.0 : -1.0}, end > 0 ? 1 : 2};
+      best = {t, end > 0 ? 1 : 2};
     }
   }
   return best;
+}
+
+Vec3 normal_of(const Cylinder& form, const Vec3& p, int at) {
+  if (at > 0) return {0, 0, at == 1 ? 1.0 : -1.0};
+  return {p.x / form.radius, p.y / form.radius, 0};
 }
 
 Crossing enter(const Ball& form, const Vec3& from, const Vec3& toward) {
@@ -90,13 +91,36 @@ Crossing enter(const Ball& form, const Vec3& from, const Vec3& toward) {
   if (root < 0) return {};
   const double t = -b - std::sqrt(root);
   if (t <= kOff) return {};
-  return {t, (1 / form.radius) * (from + t * toward), 0};
+  return {t, 0};
+}
+
+Vec3 normal_of(const Ball& form, const Vec3& p, int /*at*/) {
+  return (1 / form.radius) * p;
 }
 
 Crossing enter(const Ground& /*form*/, const Vec3& from, const Vec3& toward) {
   if (toward.z >= 0 || from.z <= 0) return {};
-  return {-from.z / toward.z, {0, 0, 1}, 0};
+  return {-from.z / toward.z, 0};
 }
+
+Vec3 normal_of(const Ground& /*form*/, const Vec3& /*p*/, int /*at*/) {
+  return {0, 0, 1};
+}
+
+/// A ray in the frame of a solid.
+struct Inside {
+  Inside(const Solid& solid, const Ray& ray)
+      : from(transposed_times(solid.X_WS.R, ray.from - solid.X_WS.p)),
+        toward(transposed_times(solid.X_WS.R, ray.toward)) {}
+
+  Crossing enter_into(const Solid& solid) const {
+    return std::visit([&](const auto& form) { return enter(form, from, toward); }, solid.form);
+  }
+  Vec3 at(double distance) const { return from + distance * toward; }
+
+  Vec3 from;    // m
+  Vec3 toward;  // of length 1
+};
 
 /// Half of the box around a solid, along the axes of W.
 Vec3 half_around(const Solid& solid) {
@@ -127,6 +151,10 @@ Vec3 most(const Vec3& a, const Vec3& b) {
 double Vec3::* longest_axis(const Vec3& size) {
   if (size.x >= size.y && size.x >= size.z) return &Vec3::x;
   return size.y >= size.z ? &Vec3::y : &Vec3::z;
+}
+
+double fifth_power(double x) {
+  return x * x * x * x * x;
 }
 
 /// Two directions across a normal.
@@ -209,7 +237,7 @@ void Tracer::build(std::uint32_t begin, std::uint32_t end) {
   }
   const std::size_t node = nodes_.size();
   nodes_.push_back({low, high, begin, end});
-  constexpr std::uint32_t kFew = 2;
+  constexpr std::uint32_t kFew = 1;
   if (end - begin <= kFew) return;
   double Vec3::* const axis = longest_axis(high - low);
   const std::uint32_t half = begin + (end - begin) / 2;
@@ -230,7 +258,7 @@ void Tracer::visit(const Ray& ray, double& reach, const Visit& visit) const {
   const Vec3 inverse{1 / ray.toward.x, 1 / ray.toward.y, 1 / ray.toward.z};
   std::array<std::uint32_t, 48> open{};
   std::size_t count = 1;
-  while (count > 0) {
+  while (count > 0 && reach > 0) {
     const std::uint32_t at = open[--count];
     const Node& node = nodes_[at];
     const double x0 = (node.low.x - ray.from.x) * inverse.x;
@@ -251,42 +279,41 @@ void Tracer::visit(const Ray& ray, double& reach, const Visit& visit) const {
   }
 }
 
-std::optional<Hit> Tracer::hit_of(std::size_t i, const Ray& ray, double reach) const {
-  const Solid& solid = scene_.solids[i];
-  const Vec3 from = transposed_times(solid.X_WS.R, ray.from - solid.X_WS.p);
-  const Vec3 toward = transposed_times(solid.X_WS.R, ray.toward);
-  const Crossing at =
-      std::visit([&](const auto& form) { return enter(form, from, toward); }, solid.form);
-  if (at.distance >= reach) return std::nullopt;
-  return Hit{at.distance, from + at.distance * toward, at.normal, i, at.face};
-}
-
-std::optional<Hit> Tracer::nearest(const Ray& ray) const {
-  std::optional<Hit> best;
-  double reach = kEndless;
-  visit(ray, reach, [&](std::size_t solid) {
-    const auto hit = hit_of(solid, ray, reach);
-    if (!hit) return;
-    best = hit;
-    reach = hit->distance;
+std::optional<Hit> Tracer::nearest(const Ray& ray, double reach) const {
+  Hit best;
+  bool found = false;
+  visit(ray, reach, [&](std::size_t i) {
+    const Crossing at = Inside(scene_.solids[i], ray).enter_into(scene_.solids[i]);
+    if (at.distance >= reach) return;
+    best.solid = i;
+    best.face = at.face;
+    reach = at.distance;
+    found = true;
   });
-  if (!best) return best;
-  const Solid& solid = scene_.solids[best->solid];
-  if (const auto* form = std::get_if<Polyhedron>(&solid.form)) {
-    best->normal_W = bevelled(*form, {best->distance, best->normal_W, best->face}, best->p_S);
-  }
-  best->normal_W = solid.X_WS.R * best->normal_W;
+  if (!found) return std::nullopt;
+  best.distance = reach;
+  const Solid& solid = scene_.solids[best.solid];
+  best.p_S = Inside(solid, ray).at(reach);
+  best.normal_W = solid.X_WS.R *
+                  std::visit([&](const auto& form) { return normal_of(form, best.p_S, best.face); },
+                             solid.form);
   return best;
 }
 
+std::optional<Vec3> Tracer::crossing_of(std::size_t i, const Ray& ray) const {
+  const Solid& solid = scene_.solids[i];
+  const Inside inside(solid, ray);
+  const Crossing at = inside.enter_into(solid);
+  if (at.distance == kEndless) return std::nullopt;
+  return inside.at(at.distance);
+}
+
 bool Tracer::is_blocked(const Ray& ray, double reach) const {
-  bool blocked = false;
-  visit(ray, reach, [&](std::size_t solid) {
-    if (blocked || !hit_of(solid, ray, reach)) return;
-    blocked = true;
-    reach = 0;
+  const double all = reach;
+  visit(ray, reach, [&](std::size_t i) {
+    if (Inside(scene_.solids[i], ray).enter_into(scene_.solids[i]).distance < all) reach = 0;
   });
-  return blocked;
+  return reach == 0;
 }
 
 Rgb Tracer::light_of_room(const Vec3& toward) const {
@@ -302,7 +329,7 @@ Shade Tracer::shade(const Ray& ray, const Hit& hit, SplitMix64& random) const {
   const double facing = std::max(0.02, -dot(ray.toward, normal));
   // Mirrors all the more the flatter one looks at it (Schlick, 1994).
   const auto mirror =
-      static_cast<float>(material.gloss + (1 - material.gloss) * std::pow(1 - facing, 5) * 0.5);
+      static_cast<float>(material.gloss + (1 - material.gloss) * fifth_power(1 - facing) * 0.5);
   Shade shade{{}, color_at(solid, hit.p_S), {}};
   for (const Lamp& lamp : scene_.lamps) {
     const Vec3 to = lamp.p_W + lamp.radius * in_ball(random) - p;
@@ -311,23 +338,18 @@ Shade Tracer::shade(const Ray& ray, const Hit& hit, SplitMix64& random) const {
     const double cosine = dot(toward, normal);
     if (cosine <= 0 || is_blocked({p, toward}, distance)) continue;
     const Rgb arrives = static_cast<float>(cosine / (distance * distance)) * lamp.power;
-    const Vec3 between = normalized(toward - ray.toward);
-    const double power = 2 / (material.roughness * material.roughness);
-    const double lobe = (power + 8) / 8 * std::pow(std::max(0.0, dot(between, normal)), power);
     shade.arrives = shade.arrives + arrives;
+    const double along = dot(normalized(toward - ray.toward), normal);
+    const double power = 2 / (material.roughness * material.roughness);
+    // Far off the reflection there is nothing left of it: x^n < e^(-n (1 - x)).
+    constexpr double kNothing = 14;
+    if (power * (1 - along) > kNothing) continue;
+    const double lobe = (power + 8) / 8 * std::pow(std::max(0.0, along), power);
     shade.mirrored = shade.mirrored + static_cast<float>(mirror * lobe) * arrives;
   }
   const Ray out{p, around(normal, random)};
   Rgb room = light_of_room(out.toward);
-  double reach = kRoom;
-  std::optional<Hit> blocker;
-  visit(out, reach, [&](std::size_t other) {
-    if (const auto at = hit_of(other, out, reach)) {
-      blocker = at;
-      reach = at->distance;
-    }
-  });
-  if (blocker) {
+  if (const auto blocker = nearest(out, kRoom)) {
     constexpr float kLit = 0.45F;  // of what the room and the lamps give, on average
     Rgb lit = scene_.above;
     for (const Lamp& lamp : scene_.lamps) {

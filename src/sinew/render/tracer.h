@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -39,7 +40,11 @@ class Tracer {
  public:
   explicit Tracer(const Scene& scene);
 
-  std::optional<Hit> nearest(const Ray& ray) const;
+  /// @param reach  m
+  std::optional<Hit> nearest(
+      const Ray& ray, double reach = std::numeric_limits<double>::infinity()) const;
+  /// Where a ray meets one solid, whatever stands before it: m, in the solid's frame.
+  std::optional<Vec3> crossing_of(std::size_t solid, const Ray& ray) const;
   /// Whether anything stands within `reach` m along the ray.
   bool is_blocked(const Ray& ray, double reach) const;
   /// Light that comes back along a ray from where it hits.
@@ -58,7 +63,6 @@ class Tracer {
   void build(std::uint32_t begin, std::uint32_t end);
   template <class Visit>
   void visit(const Ray& ray, double& reach, const Visit& visit) const;
-  std::optional<Hit> hit_of(std::size_t solid, const Ray& ray, double reach) const;
 
   const Scene& scene_;
   std::vector<Node> nodes_;

@@ -19,35 +19,124 @@ bool differ(Rgb a, Rgb b) {
   return apart > 0.12F * (brightest(a) + brightest(b)) + 0.01F;
 }
 
+struct Seen {
+  Shade shade;
+  std::uint16_t solid = kNoSolid;
+  std::uint16_t face = 0;
+  bool up = false;
+
+  bool is_same_face(const Seen& other) const { return solid == other.solid && face == other.face; }
+};
+
+/// One picture in the making: a ray with its light through the middle of each pixel, then finer rays
+/// where neighbours differ. Light on a face changes slowly, so that the mean of a few rays nearby
+/// has less noise than one, and finer rays need not follow it again.
 class Eye {
  public:
   Eye(const Scene& scene, const vision::CameraModel& camera,
-      const Pose<frame::World, frame::Camera>& X_WC)
-      : tracer_(scene), camera_(camera), X_WC_(X_WC) {}
-
-  struct Seen {
-    Shade shade;
-    std::uint16_t solid = kNoSolid;
-    std::uint16_t face = 0;
-    bool up = false;
-
-    bool is_same_face(const Seen& other) const {
-      return solid == other.solid && face == other.face;
+      const Pose<frame::World, frame::Camera>& X_WC, std::uint64_t seed)
+      : tracer_(scene), scene_(scene), camera_(camera), from_W_(X_WC.p), random_(seed) {
+    for (int y = 0; y <= camera.height; ++y) {
+      for (int x = 0; x <= camera.width; ++x) {
+        corners_.push_back(X_WC.R * camera.direction({1.0 * x, 1.0 * y}));
+      }
     }
-  };
-  Seen look(vision::Pixel p, SplitMix64& random) const {
-    const Ray ray{X_WC_.p, X_WC_.R * camera_.direction(p)};
-    const auto hit = tracer_.nearest(ray);
-    if (!hit) return {{{}, {}, tracer_.light_of_room(ray.toward)}};
-    constexpr double kUp = 0.7;
-    return {tracer_.shade(ray, *hit, random), static_cast<std::uint16_t>(hit->solid),
-            static_cast<std::uint16_t>(hit->face), hit->normal_W.z > kUp};
+    seen_.reserve(static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height));
+    for (int y = 0; y < camera.height; ++y) {
+      for (int x = 0; x < camera.width; ++x) seen_.push_back(look(ray_of(x, y, 0.5, 0.5)));
+    }
+  }
+
+  const Seen& at(int x, int y) const {
+    return seen_[static_cast<std::size_t>(y * camera_.width + x)];
+  }
+
+  Rgb light_of(int x, int y) {
+    const Seen& here = at(x, y);
+    bool edge = false;
+    bool mixed = false;
+    around(x, y, 1, [&](const Seen& other) {
+      edge = edge || !here.is_same_face(other);
+      mixed = mixed || differ(here.shade.color, other.shade.color);
+    });
+    if (!edge && !mixed) return mean_light(here, x, y) * here.shade.color + here.shade.mirrored;
+    constexpr int kFine = 3;
+    const Rgb arrives = mean_light(here, x, y);
+    Rgb sum;
+    for (int k = 0; k < kFine * kFine; ++k) {
+      const Ray ray = ray_of(x, y, (k % kFine + random_.uniform(0, 1)) / kFine,
+                             (k / kFine + random_.uniform(0, 1)) / kFine);
+      sum = sum + (edge ? fine_light(ray, x, y, arrives) : face_light(ray, here, arrives));
+    }
+    return 1.0F / (kFine * kFine) * sum;
   }
 
  private:
+  /// Through a point of the pixel (x, y), right and down from its corner, 0 to 1. Between the
+  /// corners directions are as good as straight.
+  Ray ray_of(int x, int y, double right, double down) const {
+    const Vec3* above = &corners_[static_cast<std::size_t>(y * (camera_.width + 1) + x)];
+    const Vec3* below = above + camera_.width + 1;
+    return {from_W_, normalized((1 - down) * ((1 - right) * above[0] + right * above[1]) +
+                                down * ((1 - right) * below[0] + right * below[1]))};
+  }
+
+  Seen look(const Ray& ray) {
+    const auto hit = tracer_.nearest(ray);
+    if (!hit) return {{{}, {}, tracer_.light_of_room(ray.toward)}};
+    constexpr double kUp = 0.7;
+    return {tracer_.shade(ray, *hit, random_), static_cast<std::uint16_t>(hit->solid),
+            static_cast<std::uint16_t>(hit->face), hit->normal_W.z > kUp};
+  }
+
+  /// Of a ray between pixels that all show the same face.
+  Rgb face_light(const Ray& ray, const Seen& here, Rgb arrives) const {
+    const auto p_S = here.solid == kNoSolid ? std::nullopt : tracer_.crossing_of(here.solid, ray);
+    if (!p_S) return arrives * here.shade.color + here.shade.mirrored;
+    return arrives * color_at(scene_.solids[here.solid], *p_S) + here.shade.mirrored;
+  }
+
+  /// Of a ray inside the pixel (x, y). @param here  mean light on what the pixel's middle shows
+  Rgb fine_light(const Ray& ray, int x, int y, Rgb here) {
+    const auto hit = tracer_.nearest(ray);
+    if (!hit) return tracer_.light_of_room(ray.toward);
+    const Seen* same = nullptr;
+    around(x, y, 1, [&](const Seen& other) {
+      if (other.solid == hit->solid && other.face == hit->face && same != &at(x, y)) same = &other;
+    });
+    // What no pixel's middle shows is followed whole.
+    if (same == nullptr) return tracer_.shade(ray, *hit, random_).light();
+    const Rgb arrives = same->is_same_face(at(x, y)) ? here : mean_light(*same, x, y);
+    return arrives * color_at(scene_.solids[hit->solid], hit->p_S) + same->shade.mirrored;
+  }
+
+  Rgb mean_light(const Seen& of, int x, int y) const {
+    Rgb sum;
+    float count = 0;
+    around(x, y, 3, [&](const Seen& other) {
+      if (!of.is_same_face(other)) return;
+      sum = sum + other.shade.arrives;
+      ++count;
+    });
+    return 1 / count * sum;
+  }
+
+  template <class Visit>
+  void around(int x, int y, int reach, const Visit& visit) const {
+    for (int v = std::max(0, y - reach); v <= std::min(camera_.height - 1, y + reach); ++v) {
+      for (int u = std::max(0, x - reach); u <= std::min(camera_.width - 1, x + reach); ++u) {
+        visit(at(u, v));
+      }
+    }
+  }
+
   Tracer tracer_;
+  const Scene& scene_;
   const vision::CameraModel& camera_;
-  const Pose<frame::World, frame::Camera>& X_WC_;
+  Vec3 from_W_;
+  SplitMix64 random_;
+  std::vector<Vec3> corners_;  ///< directions through the pixels' corners, row by row, in W
+  std::vector<Seen> seen_;     ///< row by row
 };
 
 double bell(SplitMix64& random) {
@@ -85,12 +174,25 @@ void blur(std::vector<Rgb>& light, int width, int height, double sigma) {
   pass(0, 1);
 }
 
-std::uint8_t byte_of(double linear, double contrast) {
-  const double v = std::clamp(linear, 0.0, 1.0);
-  double s = v <= 0.0031308 ? 12.92 * v : 1.055 * std::pow(v, 1 / 2.4) - 0.055;
-  s += contrast * (s * s * (3 - 2 * s) - s);
-  return static_cast<std::uint8_t>(std::lround(255 * s));
-}
+/// Bytes of light from 0 to 1 in even steps, finer than a byte's own steps where it is dark.
+class Tones {
+ public:
+  explicit Tones(double contrast) {
+    for (std::size_t i = 0; i < bytes_.size(); ++i) {
+      const double v = static_cast<double>(i) / kLast;
+      double s = v <= 0.0031308 ? 12.92 * v : 1.055 * std::pow(v, 1 / 2.4) - 0.055;
+      s += contrast * (s * s * (3 - 2 * s) - s);
+      bytes_[i] = static_cast<std::uint8_t>(std::lround(255 * s));
+    }
+  }
+  std::uint8_t operator()(double linear) const {
+    return bytes_[static_cast<std::size_t>(kLast * std::clamp(linear, 0.0, 1.0) + 0.5)];
+  }
+
+ private:
+  static constexpr std::size_t kLast = 16384;
+  std::array<std::uint8_t, kLast + 1> bytes_{};
+};
 
 }  // namespace
 
@@ -101,51 +203,13 @@ View view_of(const Scene& scene, const vision::CameraModel& camera,
   const auto count = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
   View view{width, height, std::vector<Rgb>(count), std::vector<std::uint16_t>(count),
             std::vector<bool>(count)};
-  const Eye eye(scene, camera, X_WC);
-  SplitMix64 random(seed);
-  std::vector<Eye::Seen> seen(count);
+  Eye eye(scene, camera, X_WC, seed);
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
       const auto i = static_cast<std::size_t>(y * width + x);
-      seen[i] = eye.look({x + 0.5, y + 0.5}, random);
-      view.solids[i] = seen[i].solid;
-      view.upward[i] = seen[i].up;
-    }
-  }
-  const auto around = [&](int x, int y, int reach, const auto& visit) {
-    for (int v = std::max(0, y - reach); v <= std::min(height - 1, y + reach); ++v) {
-      for (int u = std::max(0, x - reach); u <= std::min(width - 1, x + reach); ++u) {
-        visit(seen[static_cast<std::size_t>(v * width + u)]);
-      }
-    }
-  };
-  for (int y = 0; y < height; ++y) {
-    for (int x = 0; x < width; ++x) {
-      const auto i = static_cast<std::size_t>(y * width + x);
-      const Eye::Seen& here = seen[i];
-      bool edge = false;
-      around(x, y, 1, [&](const Eye::Seen& other) {
-        edge = edge || !here.is_same_face(other) || differ(here.shade.color, other.shade.color);
-      });
-      Rgb sum;
-      float weight = 0;
-      if (edge) {
-        constexpr int kFine = 3;
-        for (int k = 0; k < kFine * kFine; ++k, ++weight) {
-          const vision::Pixel p{x + (k % kFine + random.uniform(0, 1)) / kFine,
-                                y + (k / kFine + random.uniform(0, 1)) / kFine};
-          sum = sum + eye.look(p, random).shade.light();
-        }
-        view.light[i] = 1 / weight * sum;
-        continue;
-      }
-      // Light on a face changes slowly: the mean of a few rays nearby has less noise than one.
-      around(x, y, 3, [&](const Eye::Seen& other) {
-        if (!here.is_same_face(other)) return;
-        sum = sum + other.shade.arrives;
-        ++weight;
-      });
-      view.light[i] = 1 / weight * sum * here.shade.color + here.shade.mirrored;
+      view.solids[i] = eye.at(x, y).solid;
+      view.upward[i] = eye.at(x, y).up;
+      view.light[i] = eye.light_of(x, y);
     }
   }
   return view;
@@ -163,11 +227,15 @@ vision::Picture taken(const View& view, const Sensor& sensor, std::uint64_t seed
   std::vector<Rgb> light = view.light;
   blur(light, view.width, view.height, sensor.blur);
   vision::Picture picture = vision::black_picture(view.width, view.height);
-  const double corner = std::hypot(view.width, view.height) / 2;
+  const Tones tones(sensor.contrast);
+  const double middle_x = view.width / 2.0;
+  const double middle_y = view.height / 2.0;
+  const double corner2 = middle_x * middle_x + middle_y * middle_y;
   for (int y = 0; y < view.height; ++y) {
     for (int x = 0; x < view.width; ++x) {
-      const double out = std::hypot(x - view.width / 2.0, y - view.height / 2.0) / corner;
-      const double share = sensor.exposure * (1 - sensor.vignette * out * out);
+      const double out2 =
+          ((x - middle_x) * (x - middle_x) + (y - middle_y) * (y - middle_y)) / corner2;
+      const double share = sensor.exposure * (1 - sensor.vignette * out2);
       const Rgb here = light[static_cast<std::size_t>(y * view.width + x)];
       std::array<double, 3> v{here.r * share, here.g * share, here.b * share};
       const std::array<double, 3> gains{sensor.balance.r, sensor.balance.g, sensor.balance.b};
@@ -177,7 +245,7 @@ vision::Picture taken(const View& view, const Sensor& sensor, std::uint64_t seed
       }
       const double grey = 0.3 * v[0] + 0.59 * v[1] + 0.11 * v[2];
       for (std::size_t c = 0; c < 3; ++c) {
-        picture.at(x, y)[c] = byte_of(grey + sensor.saturation * (v[c] - grey), sensor.contrast);
+        picture.at(x, y)[c] = tones(grey + sensor.saturation * (v[c] - grey));
       }
     }
   }

@@ -40,12 +40,13 @@ Vec3 CameraModel::direction(Pixel p) const {
   Pixel best = wanted;
   double least = std::numeric_limits<double>::infinity();
   constexpr int kRounds = 30;
-  for (int round = 0; round < kRounds && least > 1e-12; ++round) {
+  for (int round = 0; round < kRounds && least > 1e-24; ++round) {
     const Bent bent = bend(lens, straight);
     const Pixel off = wanted - bent.p;
-    if (!(length(off) < 2 * least)) break;
-    if (length(off) < least) {
-      least = length(off);
+    const double squared = off.x * off.x + off.y * off.y;
+    if (!(squared < 4 * least)) break;
+    if (squared < least) {
+      least = squared;
       best = straight;
     }
     straight = straight + (1 / std::max(bent.growth, 0.3)) * off;
