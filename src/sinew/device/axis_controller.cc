@@ -87,7 +87,8 @@ void AxisController::power(double dt) {
   if (!on && ready() && !cut)
     fail(inputs_.driver_fault ? AxisFault::kStalled : AxisFault::kSupplyLow);
   outputs_.enabled = on;
-  if (!good && homing_.running()) fail(AxisFault::kSupplyLow);
+  const bool tests = mode_ == Mode::kSelfTest;
+  if (!good && (homing_.running() || tests)) fail(AxisFault::kSupplyLow);
   if (!on || settle_left_ <= 0) return;
   settle_left_ -= dt;
   if (settle_left_ > 0) return;
@@ -95,6 +96,7 @@ void AxisController::power(double dt) {
   slip_ = field_angle() - encoders_.motor_angle();
   begin_hold();
   if (homing_.running()) mode_ = Mode::kHoming;
+  if (tests) self_test();
 }
 
 double AxisController::field_angle() const {
@@ -426,6 +428,10 @@ void AxisController::clear_faults() {
 
 void AxisController::self_test() {
   if (refusal() || mode_ != Mode::kHold) return;
+  if (outputs_.enabled && !ready()) {
+    mode_ = Mode::kSelfTest;  // begins once the rotor is at rest
+    return;
+  }
   const AxisSupervision& limits = settings_.supervision;
   const bool well = ready() && encoders_.good() && !inputs_.driver_fault &&
                     inputs_.supply_volts >= limits.supply_min &&

@@ -609,6 +609,20 @@ TEST(AxisController, self_test_finds_a_low_supply_at_once) {
   EXPECT_EQ(cell.status().fault, AxisFault::kSelfTest);
 }
 
+TEST(AxisController, self_test_waits_until_the_current_has_settled) {
+  for (const bool supply_goes : {false, true}) {
+    AxisCell cell(from_deg(-165));
+    for (int i = 0; i < 1000 && !cell.outputs.enabled; ++i) cell.tick();
+    ASSERT_TRUE(cell.outputs.enabled);
+    cell.controller.self_test();
+    EXPECT_EQ(cell.controller.move_to(0), AxisVerdict::kBusy);
+    if (supply_goes) cell.plant.set_supply(5);
+    cell.run(0.2);
+    EXPECT_EQ(cell.status().fault, supply_goes ? AxisFault::kSupplyLow : AxisFault::kNone);
+    EXPECT_FALSE(cell.status().moving);
+  }
+}
+
 TEST(AxisController, homing_does_not_wait_for_a_supply_that_is_not_there) {
   AxisCell cell(from_deg(-165));
   cell.plant.set_supply(5);

@@ -1,8 +1,8 @@
 #include "sinew/render/prints.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <functional>
 #include <vector>
 
 #include "sinew/core/units.h"
@@ -21,7 +21,8 @@ std::uint8_t byte(double v) {
 }
 
 /// Of brightness 0 to 1 for each pixel of a square.
-PrintPicture grey_of(int side, const std::function<double(int, int)>& brightness) {
+template <class Brightness>
+PrintPicture grey_of(int side, const Brightness& brightness) {
   Picture picture = vision::black_picture(side, side);
   for (int y = 0; y < side; ++y) {
     for (int x = 0; x < side; ++x) {
@@ -31,31 +32,44 @@ PrintPicture grey_of(int side, const std::function<double(int, int)>& brightness
   return std::make_shared<const Picture>(std::move(picture));
 }
 
-/// Smooth random heights, 0 to 1, that repeat themselves after the picture.
+/// Smooth random heights at the pixels of a picture, 0 to 1, that repeat themselves after it.
 class Heights {
  public:
-  Heights(SplitMix64& random, int across, int down) : across_(across), down_(down) {
+  Heights(SplitMix64& random, int across, int down)
+      : across_(across), columns_(between(across)), rows_(between(down)) {
     values_.resize(static_cast<std::size_t>(across * down));
     for (double& value : values_) value = random.uniform(0, 1);
   }
-  double at(double x, double y) const {
-    const double u = x / kSide * across_;
-    const double v = y / kSide * down_;
-    const auto i = static_cast<int>(u);
-    const auto k = static_cast<int>(v);
-    const auto smooth = [](double t) { return t * t * (3 - 2 * t); };
-    const double s = smooth(u - i);
-    const double t = smooth(v - k);
-    return (1 - t) * ((1 - s) * knot(i, k) + s * knot(i + 1, k)) +
-           t * ((1 - s) * knot(i, k + 1) + s * knot(i + 1, k + 1));
+  double at(int x, int y) const {
+    const Between& column = columns_[static_cast<std::size_t>(x)];
+    const Between& row = rows_[static_cast<std::size_t>(y)];
+    const double* above = &values_[static_cast<std::size_t>(row.first * across_)];
+    const double* below = &values_[static_cast<std::size_t>(row.second * across_)];
+    const double s = column.share;
+    return (1 - row.share) * ((1 - s) * above[column.first] + s * above[column.second]) +
+           row.share * ((1 - s) * below[column.first] + s * below[column.second]);
   }
 
  private:
-  double knot(int i, int k) const {
-    return values_[static_cast<std::size_t>(k % down_ * across_ + i % across_)];
+  struct Between {
+    int first = 0;
+    int second = 0;
+    double share = 0;  // of the second
+  };
+  static std::array<Between, kSide> between(int knots) {
+    std::array<Between, kSide> all{};
+    for (int i = 0; i < kSide; ++i) {
+      const double u = 1.0 * i / kSide * knots;
+      const int k = static_cast<int>(u);
+      const double t = u - k;
+      all[static_cast<std::size_t>(i)] = {k % knots, (k + 1) % knots, t * t * (3 - 2 * t)};
+    }
+    return all;
   }
+
   int across_;
-  int down_;
+  std::array<Between, kSide> columns_;
+  std::array<Between, kSide> rows_;
   std::vector<double> values_;
 };
 

@@ -98,7 +98,7 @@ CameraSource SimulatedTable::pictures(const vision::TableCamera& camera, Robots 
 CameraSource SimulatedTable::glances(const vision::TableCamera& camera, Robots robots,
                                      std::size_t number) {
   vision::TableCamera small = camera;
-  small.model = camera.model.shrunk(2 * vision::kCellsAcross);
+  small.model = camera.model.shrunk(vision::kCellsAcross);
   small.sheet.clear();  // it lies there already
   return pictures(small, std::move(robots), number);
 }
