@@ -142,6 +142,9 @@ class ResultsTest(ServedCell):
         while not (shot := cell.call("camera.look"))["number"] and time.monotonic() < end:
             time.sleep(0.1)
         self.assertEqual(base64.b64decode(shot["picture"])[:2], b"\xff\xd8")
+        for trouble in ("covered", "none"):
+            cell.call("simulation.camera", trouble=trouble)
+        self.refused(cell.call, "simulation.camera", trouble="fog")
         cell.call("robot.cubes", robot="learm")
         cell.call("robot.cube_reach", robot="maxarm", edge_m=0.02)
         self.refused(cell.call, "robot.cubes", robot="big")

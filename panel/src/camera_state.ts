@@ -4,7 +4,7 @@ import { robot, route, store } from './app';
 import { t } from './i18n';
 import { pickRow, placeRow, sameCube, sortRows } from './logic/camera';
 import { fromFlat } from './logic/pose';
-import type { CameraShot, SeenCubeJson } from './logic/types';
+import type { CameraShot, CameraTrouble, SeenCubeJson } from './logic/types';
 
 const kLookMs = 400;
 
@@ -70,6 +70,15 @@ function take(next: CameraShot): void {
     if (next.picture) picture.value = `data:image/jpeg;base64,${next.picture}`;
     chosenCube.value = chosen ? sameCube(chosen, next.cubes ?? []) : null;
   });
+}
+
+/** Lets something happen to a simulated camera, to see what robots make of it. */
+export async function disturb(trouble: CameraTrouble): Promise<void> {
+  if (!shot.value || !camera.value) return;
+  const before = shot.value;
+  shot.value = { ...before, trouble };
+  const done = await store.ask('simulation.camera', { camera: camera.value.name, trouble });
+  if (!done && shot.value?.number === before.number) shot.value = before;
 }
 
 /** Where the robot that is chosen stands. */

@@ -53,8 +53,10 @@ function settle(moved: BasketJson): void {
   });
 }
 
+/** Stays as it is where a picture says again where the basket stands. */
+const basketName = computed(() => basket.value?.name);
 effect(() => {
-  void basket.value?.name;
+  void basketName.value;
   basketNote.value = null;
 });
 

@@ -70,6 +70,40 @@ test('a cube that is clicked is picked and placed, and the rest is sorted', asyn
   await here.close(page, 'camera-sorted');
 });
 
+test('a hand in view pauses the program, and a person says when it goes on', async () => {
+  const page = await here.open({ viewport: { width: 1280, height: 900 } }, '#/robots/left/camera');
+  await ready(page, 'left');
+  const wave = 'joint base=-75deg speed=20%\njoint base=-60deg speed=20%\n';
+  const waves = `look\n${kStand}\n${wave.repeat(100)}`;
+  await page.evaluate((rows) => globalThis.__sinew.store.run('left', rows, 'waves'), waves);
+  await until('the arm is under way', async () => (await job())?.title === 'waves' && (await job()).line > 3);
+  await page.getByRole('radio', { name: 'A hand in view' }).click();
+  const callout = page.locator('.camera-paused');
+  await callout.waitFor({ timeout: 60_000 });
+  assert.match(await callout.innerText(), /waves: paused[^]*came into the camera/);
+  assert.equal((await job()).phase, 'paused');
+  await here.close(page, 'camera-hand');
+  await page.getByRole('radio', { name: 'Nothing' }).click();
+  await until('the hand is gone', async () => (await ask('camera.look')).trouble === 'none');
+  assert.equal((await job()).phase, 'paused', 'it goes on by itself');
+  await callout.getByRole('button').click();
+  await until('goes on', async () => (await job()).phase === 'running');
+  assert.equal(await callout.count(), 0);
+  await page.getByRole('button', { name: 'Stop', exact: true }).first().click();
+  await until('stopped', async () => (await job()).over);
+  await here.close(page, 'camera-hand-gone');
+});
+
+test('a simulated camera that is unplugged is named, and comes back', async () => {
+  const page = await here.open({}, '#/robots/left/camera');
+  await page.locator('.camera-picture img').waitFor();
+  await page.getByRole('radio', { name: 'Unplugged' }).click();
+  await page.locator('.camera-fault').waitFor();
+  await page.getByRole('radio', { name: 'Nothing' }).click();
+  await until('no fault', async () => (await page.locator('.camera-fault').count()) === 0);
+  await here.close(page, 'camera-unplugged');
+});
+
 test('a camera that gives no picture is named, and the other one goes on', async () => {
   const page = await here.open({}, '#/robots/left/camera');
   await page.getByRole('radio', { name: 'gone' }).click();

@@ -23,6 +23,12 @@ export const cameraDe: Record<keyof typeof cameraEn, string> = {
   'camera.job.pick': 'Einen Würfel greifen',
   'camera.job.sort': 'Würfel sortieren',
   'camera.fault.then': 'Nichts wird gegriffen, bis die Kamera den Tisch wieder sieht.',
+  'camera.trouble': 'Diese Kamera ist simuliert. Ausprobieren:',
+  'camera.trouble.none': 'Nichts',
+  'camera.trouble.hand': 'Hand im Bild',
+  'camera.trouble.covered': 'Verdeckt',
+  'camera.trouble.unplugged': 'Ausgesteckt',
+  'camera.trouble.frozen': 'Eingefroren',
   'camera.accuracy': 'Kalibriert: Orte auf dem Tisch stimmen auf {mm} mm.',
   'camera.uncalibrated': 'Nicht kalibriert: wo die Würfel liegen, ist nicht bekannt.',
 

@@ -21,6 +21,12 @@ export const cameraEn = {
   'camera.job.pick': 'Pick a cube',
   'camera.job.sort': 'Sort cubes',
   'camera.fault.then': 'Nothing is picked until the camera sees the table again.',
+  'camera.trouble': 'This camera is simulated. Try:',
+  'camera.trouble.none': 'Nothing',
+  'camera.trouble.hand': 'A hand in view',
+  'camera.trouble.covered': 'Covered',
+  'camera.trouble.unplugged': 'Unplugged',
+  'camera.trouble.frozen': 'Frozen',
   'camera.accuracy': 'Calibrated: places on the table are right to {mm} mm.',
   'camera.uncalibrated': 'Not calibrated: it is not known where the cubes are.',
 

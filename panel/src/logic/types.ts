@@ -212,12 +212,16 @@ export interface SeenCubeJson {
   in_basket?: string;
 }
 /** What camera.look tells; number 0: there is no picture yet. */
+export const cameraTroubles = ['none', 'hand', 'covered', 'unplugged', 'frozen'] as const;
+export type CameraTrouble = (typeof cameraTroubles)[number];
 export interface CameraShot {
   camera: string;
   number: number;
   width_px?: number;
   height_px?: number;
   fault?: ErrorJson;
+  /** What happens to a simulated camera; not there of any other. */
+  trouble?: CameraTrouble;
   /** A JPEG as base64. */
   picture?: string;
   cubes?: SeenCubeJson[];

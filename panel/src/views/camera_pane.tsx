@@ -2,11 +2,11 @@ import type { JSX } from 'preact';
 import { complaintSentence, errorSentence, t, tWord } from '../i18n';
 import { atWork, canMove, robot, status, store } from '../app';
 import { calibration, openWizard, unsaved } from '../calibration_state';
-import { basket, calibrating, camera, cameras, chosenCamera, chosenCube, pick, picture, shot, sort } from '../camera_state';
+import { basket, calibrating, camera, cameras, chosenCamera, chosenCube, disturb, pick, picture, shot, sort } from '../camera_state';
 import { countColors, onTable, paintOf, whyKey } from '../logic/camera';
-import type { CameraShot, SeenCubeJson } from '../logic/types';
+import { cameraTroubles, type CameraShot, type CameraTrouble, type SeenCubeJson } from '../logic/types';
 import { decimals } from '../logic/units';
-import { stopJob } from '../teach';
+import { resume, stopJob } from '../teach';
 import { TableControls, TableOverlay, whyNot } from './camera_table';
 import { CalibrationWizard } from './calibration_wizard';
 import { Icon, Segments } from './parts';
@@ -52,9 +52,11 @@ function Seen({ now }: { now: CameraShot | null }): JSX.Element {
           <p>{t('camera.fault.then')}</p>
         </div>
       )}
+      <Paused />
       <Picture now={now} />
       {now && !now.fault && <Cubes now={now} />}
       {now && !now.fault && <TableControls now={now} />}
+      {now?.trouble && <Trouble now={now.trouble} />}
       <div class="camera-calibration">
         <p class="hint">
           {lens ? t('camera.accuracy', { mm: decimals(1000 * lens.accuracy_m, 1) }) : t('camera.uncalibrated')}
@@ -66,6 +68,37 @@ function Seen({ now }: { now: CameraShot | null }): JSX.Element {
         </button>
       </div>
     </>
+  );
+}
+
+/** Why the program rests, where it rests, and the way on. */
+function Paused(): JSX.Element | null {
+  const now = status.value?.job;
+  if (now?.phase !== 'paused') return null;
+  return (
+    <div class="callout camera-paused" role="status">
+      <h4>
+        <Icon name="pause" size={17} /> {t('limit.paused', { title: now.title })}
+      </h4>
+      {now.last_notice && <p>{errorSentence(now.last_notice)}</p>}
+      <button type="button" class="primary" onClick={resume}>
+        <Icon name="play" /> {t(store.guarded(robot.value ?? '') ? 'robot.resume.guarded' : 'robot.resume')}
+      </button>
+    </div>
+  );
+}
+
+/** What can happen to a simulated camera, to try it. */
+function Trouble({ now }: { now: CameraTrouble }): JSX.Element {
+  return (
+    <div class="camera-trouble">
+      <Segments
+        label={t('camera.trouble')}
+        value={now}
+        options={cameraTroubles.map((one) => ({ value: one, text: tWord('camera.trouble', one) }))}
+        onChange={(one) => void disturb(one)}
+      />
+    </div>
   );
 }
 

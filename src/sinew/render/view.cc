@@ -28,9 +28,9 @@ struct Seen {
   bool is_same_face(const Seen& other) const { return solid == other.solid && face == other.face; }
 };
 
-/// One picture in the making: a ray with its light through the middle of each pixel, then finer rays
-/// where neighbours differ. Light on a face changes slowly, so that the mean of a few rays nearby
-/// has less noise than one, and finer rays need not follow it again.
+/// One picture in the making: a ray with its light through the middle of each pixel, then finer
+/// rays where neighbours differ. Light on a face changes slowly, so that the mean of a few rays
+/// nearby has less noise than one, and finer rays need not follow it again.
 class Eye {
  public:
   Eye(const Scene& scene, const vision::CameraModel& camera,

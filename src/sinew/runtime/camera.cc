@@ -11,6 +11,8 @@ namespace sinew::runtime {
 namespace {
 
 constexpr std::chrono::milliseconds kLookPeriod{100};
+/// Without a watcher for longer than between two moves: things are as they are seen next.
+constexpr std::chrono::milliseconds kForgets{500};
 
 /// Whether it is as good as one colour: black, covered, or all white. Noise of a covered lens stays
 /// below, any table with something on it far above.
@@ -145,36 +147,43 @@ void Camera::work(const std::stop_token& ending) {
   while (!ending.stop_requested()) {
     const auto called = [&] { return answered != asked_; };
     if (watchers_ == 0) {
-      if (view_) view_->begin_again();
       asked_for_.wait(lock, ending, [&] { return called() || watchers_ > 0; });
-      next_look = {};
+      if (view_ && std::chrono::steady_clock::now() - unwatched_since_ > kForgets) {
+        view_->begin_again();
+        next_look = {};
+      }
     } else {
       asked_for_.wait_until(lock, ending, next_look, called);
     }
     if (ending.stop_requested()) return;
-    if (called()) {
-      answered = asked_;
-      auto calibration = calibration_;
-      lock.unlock();
-      heed(std::move(calibration));
-      Shot shot = take(ending);
-      shot.number = answered;
-      auto kept = std::make_shared<const Shot>(std::move(shot));
-      if (kept->picture.width > 0) last_ = kept;
-      lock.lock();
-      newest_ = std::move(kept);
-    } else if (watchers_ > 0) {
-      auto calibration = calibration_;
-      lock.unlock();
-      heed(std::move(calibration));
+    const bool is_asked = called();
+    const bool glances = watchers_ > 0 && std::chrono::steady_clock::now() >= next_look;
+    const std::uint64_t number = asked_;
+    auto calibration = calibration_;
+    lock.unlock();
+    heed(std::move(calibration));
+    // First: pictures that are asked for again and again would leave no time for it.
+    if (glances) {
       const Time began = std::chrono::steady_clock::now();
       const bool more = sees_more(ending);
       const Time ended = std::chrono::steady_clock::now();
+      if (more) {
+        const std::scoped_lock here(mutex_);
+        ++disturbances_;
+      }
       // Never more than a third of a core, however slow it is.
       next_look = std::max(began + kLookPeriod, ended + 2 * (ended - began));
-      lock.lock();
-      if (more) ++disturbances_;
     }
+    std::shared_ptr<const Shot> kept;
+    if (is_asked) {
+      answered = number;
+      Shot shot = take(ending);
+      shot.number = number;
+      kept = std::make_shared<const Shot>(std::move(shot));
+      if (kept->picture.width > 0) last_ = kept;
+    }
+    lock.lock();
+    if (kept) newest_ = std::move(kept);
   }
 }
 
@@ -211,6 +220,7 @@ void Camera::begin_watch() {
 void Camera::end_watch() {
   const std::scoped_lock lock(mutex_);
   --watchers_;
+  unwatched_since_ = std::chrono::steady_clock::now();
 }
 
 std::uint64_t Camera::disturbances() const {

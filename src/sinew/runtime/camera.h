@@ -103,6 +103,7 @@ class Camera {
   std::condition_variable_any asked_for_;
   std::uint64_t asked_ = 0;                                 ///< under the mutex
   int watchers_ = 0;                                        ///< under the mutex
+  std::chrono::steady_clock::time_point unwatched_since_;   ///< under the mutex
   std::uint64_t disturbances_ = 0;                          ///< under the mutex
   std::shared_ptr<const Shot> newest_;                      ///< under the mutex
   std::shared_ptr<const vision::TableCamera> calibration_;  ///< under the mutex

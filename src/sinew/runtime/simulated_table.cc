@@ -1,6 +1,7 @@
 #include "sinew/runtime/simulated_table.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "sinew/core/assert.h"
@@ -87,6 +88,10 @@ std::unique_ptr<sim::ByteMachine> SimulatedTable::under(std::unique_ptr<sim::Byt
 CameraSource SimulatedTable::pictures(const vision::TableCamera& camera, Robots robots,
                                       std::size_t number) {
   if (!camera.sheet.empty()) leave_sheet(camera.sheet);
+  {
+    const std::scoped_lock lock(mutex_);
+    cameras_.insert_or_assign(number, camera);
+  }
   return [this, camera, robots = std::move(robots), number,
           last = std::optional<vision::Picture>()](const std::stop_token&) mutable {
     auto taken = picture(camera, robots, number, last);
@@ -137,6 +142,37 @@ void SimulatedTable::move_basket(std::size_t basket, const Pose<frame::World, fr
 void SimulatedTable::set_trouble(const Trouble& trouble) {
   const std::scoped_lock lock(mutex_);
   trouble_ = trouble;
+}
+
+SimulatedTable::Trouble SimulatedTable::trouble() const {
+  const std::scoped_lock lock(mutex_);
+  return trouble_;
+}
+
+render::ViewedHand SimulatedTable::hand_in_view(std::size_t number) const {
+  constexpr double kAbove = 0.03;  // m, of its finger tips
+  vision::TableCamera camera;
+  {
+    const std::scoped_lock lock(mutex_);
+    camera = cameras_.at(number);
+  }
+  double farthest = 0;
+  render::ViewedHand hand;
+  for (const double across : {0.3, 0.5, 0.7}) {
+    for (const double down : {0.3, 0.5, 0.7}) {
+      const auto p = vision::on_plane(
+          camera, {across * camera.model.width, down * camera.model.height}, kAbove);
+      if (!p) continue;
+      const auto away = [&](const auto& X_TB) {
+        return std::hypot(p->x - X_TB.p.x, p->y - X_TB.p.y);
+      };
+      const auto nearest = std::ranges::min_element(X_TB_, {}, away);
+      if (away(*nearest) <= farthest) continue;
+      farthest = away(*nearest);
+      hand = {*p, std::atan2(p->y - nearest->p.y, p->x - nearest->p.x)};
+    }
+  }
+  return hand;
 }
 
 void SimulatedTable::set_surroundings(const render::CellView& view) {

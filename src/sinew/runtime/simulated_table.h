@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -81,6 +82,10 @@ class SimulatedTable {
   /// As CubeWorld::move_basket does. @param X_WK  in the cell
   void move_basket(std::size_t basket, const Pose<frame::World, frame::Box>& X_WK);
   void set_trouble(const Trouble& trouble);
+  Trouble trouble() const;
+  /// A hand that reaches into a camera's picture from across the table, as far from robots as
+  /// the picture shows. @param number  of the cell's cameras; one whose pictures are taken here
+  render::ViewedHand hand_in_view(std::size_t number) const;
   /// Lamps, table top, things that are no cubes; seed: as render::CellView has it.
   void set_surroundings(const render::CellView& view);
 
@@ -94,12 +99,13 @@ class SimulatedTable {
   Pose<frame::World, frame::Table> X_WT_;
   std::vector<Pose<frame::World, frame::Base>> X_TB_;  ///< T as a world of its own
   LockedCubes cubes_;
-  std::mutex mutex_;
-  Trouble trouble_;             ///< under the mutex
-  render::CellView view_;       ///< under the mutex
-  std::optional<Shown> shown_;  ///< under the mutex
-  render::PrintPicture print_;  ///< of what is shown, under the mutex
-  std::uint64_t taken_ = 0;     ///< pictures, under the mutex
+  mutable std::mutex mutex_;
+  std::map<std::size_t, vision::TableCamera> cameras_;  ///< by number, under the mutex
+  Trouble trouble_;                                     ///< under the mutex
+  render::CellView view_;                               ///< under the mutex
+  std::optional<Shown> shown_;                          ///< under the mutex
+  render::PrintPicture print_;                          ///< of what is shown, under the mutex
+  std::uint64_t taken_ = 0;                             ///< pictures, under the mutex
 };
 
 }  // namespace sinew::runtime

@@ -265,6 +265,7 @@ class Api {
   Answer judge_cubes(const Call& call);
   Answer cube_reach(const Call& call);
   Answer move_basket(const Call& call);
+  Answer trouble_camera(const Call& call);
 
   // api_procedures.cc
   Json procedure(std::size_t robot) const;

@@ -57,6 +57,22 @@ Api::Answer Api::look_through(const Call& call) {
                 })};
 }
 
+Api::Answer Api::trouble_camera(const Call& call) {
+  const auto i = camera_of(call);
+  if (!i) return i.error();
+  const CellCamera& camera = cell_.cell().cameras[*i];
+  if (camera.device != kSimulatedCamera) {
+    return invalid("the camera " + camera.name +
+                   " is not simulated; device = \"simulated\" of its " +
+                   "[[camera]] in the cell's file makes it so");
+  }
+  const auto trouble = trouble_named(call.request.text("trouble"), *cell_.table(), *i);
+  if (!trouble) return invalid("trouble has to be none, hand, covered, unplugged or frozen");
+  cell_.table()->set_trouble(*trouble);
+  cell_.camera(*i)->refresh();
+  return Json{{"camera", camera.name}, {"trouble", name_of(*trouble)}};
+}
+
 Api::Answer Api::print_sheet(const Call& call) {
   const std::string what = call.request.text("what");
   const std::string form = call.request.params.contains("form") ? call.request.text("form") : "svg";

@@ -195,6 +195,34 @@ TEST(ApiCubes, a_basket_stays_while_a_program_handles_cubes) {
   EXPECT_NE(viewer.sentence("basket.move", params), "");
 }
 
+TEST(ApiCubes, what_happens_to_a_simulated_camera_is_in_its_pictures) {
+  Cubes here;
+  here.aside();
+  here.look(3);
+  ApiClient& client = here.client();
+  const auto shown = [&](const char* trouble, const auto& is_so) {
+    ASSERT_EQ(client.sentence("simulation.camera", {{"trouble", trouble}}), "");
+    Json shot;
+    EXPECT_TRUE(here.cell().until([&] {
+      shot = client.call("camera.look")["result"];
+      return shot["trouble"] == trouble && is_so(shot);
+    })) << trouble
+        << shot["fault"].dump();
+  };
+  const auto code = [](const Json& shot) {
+    return shot.contains("fault") ? shot["fault"]["code"].get<std::string>() : "none";
+  };
+  shown("unplugged", [&](const Json& shot) { return code(shot) == "camera_lost"; });
+  shown("covered", [&](const Json& shot) { return code(shot) == "camera_blind"; });
+  shown("hand", [&](const Json& shot) { return code(shot) == "none"; });
+  shown("none",
+        [&](const Json& shot) { return code(shot) == "none" && shot["cubes"].size() == 3; });
+  EXPECT_EQ(client.sentence("simulation.camera", {{"trouble", "fog"}}),
+            "trouble has to be none, hand, covered, unplugged or frozen");
+  ApiClient viewer(here.cell(), Role::kViewer);
+  EXPECT_NE(viewer.sentence("simulation.camera", {{"trouble", "covered"}}), "");
+}
+
 TEST(ApiCubes, those_who_draw_the_cell_hear_of_a_basket_that_was_moved) {
   Cubes here;
   ApiClient& client = here.client();

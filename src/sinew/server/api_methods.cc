@@ -135,6 +135,8 @@ Api::Answer Api::look(const Method& method, const Call& call) {
       return procedure(*call.robot);
     case MethodId::kSimulationTruth:
       return truth(call);
+    case MethodId::kSimulationCamera:
+      return trouble_camera(call);
     case MethodId::kRobotModel:
       if (models_[*call.robot].empty()) {
         models_[*call.robot] = text_of(model_json(cell_.station(*call.robot).robot()));

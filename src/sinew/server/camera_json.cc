@@ -95,10 +95,31 @@ Json shot_json(const runtime::RunningCell& cell, std::size_t camera,
             {"height_px", shot.picture.height},
             {"cubes", cubes},
             {"refused", refused}};
+  if (place.device == kSimulatedCamera) json["trouble"] = name_of(cell.table()->trouble());
   if (!baskets.empty()) json["baskets"] = baskets_json(baskets);
   if (shot.fault) json["fault"] = error_json(*shot.fault, cell.station(0).robot());
   if (shot.picture.width > 0 && shot.number != known) json["picture"] = jpeg(shot.picture, longest);
   return json;
+}
+
+std::optional<runtime::SimulatedTable::Trouble> trouble_named(std::string_view name,
+                                                              const runtime::SimulatedTable& table,
+                                                              std::size_t camera) {
+  runtime::SimulatedTable::Trouble trouble;
+  trouble.covered = name == "covered";
+  trouble.unplugged = name == "unplugged";
+  trouble.frozen = name == "frozen";
+  if (name == "hand") trouble.hand = table.hand_in_view(camera);
+  if (name != "none" && name_of(trouble) != name) return std::nullopt;
+  return trouble;
+}
+
+std::string_view name_of(const runtime::SimulatedTable::Trouble& trouble) {
+  return trouble.unplugged ? "unplugged"
+         : trouble.covered ? "covered"
+         : trouble.frozen  ? "frozen"
+         : trouble.hand    ? "hand"
+                           : "none";
 }
 
 Json ShownTags::of(std::size_t camera, const runtime::Camera::Shot& shot) {

@@ -4,8 +4,10 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "sinew/runtime/running_cell.h"
+#include "sinew/runtime/simulated_table.h"
 #include "sinew/server/json_rpc.h"
 #include "sinew/vision/tags.h"
 
@@ -23,6 +25,13 @@ Json camera_description(const runtime::RunningCell& cell, std::size_t camera);
 /// @param longest  px, of the picture's longer side
 Json shot_json(const runtime::RunningCell& cell, std::size_t camera,
                const runtime::Camera::Shot& shot, std::uint64_t known, int longest);
+
+/// "none", "hand", "covered", "unplugged" or "frozen"; nothing: it has another name.
+/// @param camera  that a hand reaches into the picture of
+std::optional<runtime::SimulatedTable::Trouble> trouble_named(std::string_view name,
+                                                              const runtime::SimulatedTable& table,
+                                                              std::size_t camera);
+std::string_view name_of(const runtime::SimulatedTable::Trouble& trouble);
 
 /// The tags of `shot` in shot_json(). Of the thread that looks through cameras: what was found in a
 /// picture is found once for all clients.

@@ -119,6 +119,8 @@ constexpr Param kPrintParams[] = {
     {"what", ParamType::kText, true, "board (to hold) or sheet (for the table)"},
     kPaperParam,
     {"form", ParamType::kText, false, "svg or pdf; svg"}};
+constexpr Param kTroubleParams[] = {
+    {"trouble", ParamType::kText, true, "none, hand, covered, unplugged or frozen"}, kCameraParam};
 constexpr Param kSessionParam{
     "session", ParamType::kWhole, false,
     "of the calibration that is meant; refused where another client has begun a new one"};
@@ -335,6 +337,10 @@ constexpr auto kMethods = std::to_array<Method>({
      "the procedure under way, or the last one", kRobotOnly, "a procedure", "Procedure"},
     {MethodId::kSimulationTruth, "simulation.truth", false,
      "where a simulated machine really stands, whatever it believes", kRobotOnly, "truth", "Truth"},
+    {MethodId::kSimulationCamera, "simulation.camera", true,
+     "what happens to the simulated cameras of this cell from now on, to try what robots make of "
+     "it; a hand reaches into the picture of the one that is named",
+     kTroubleParams, "camera, trouble", "SimulatedCamera"},
     {MethodId::kRobotModel, "robot.model", false,
      "what it is drawn and steered from: its chain, linkage or legs, its bodies, its joints",
      kRobotOnly, "kind, joints, links, shapes, geometry, jog", "Model"},
@@ -352,7 +358,8 @@ constexpr auto kMethods = std::to_array<Method>({
     {MethodId::kCameraLook, "camera.look", false,
      "the newest picture of a camera and the cubes in it; the next one is taken meanwhile",
      kLookParams,
-     "number, width_px, height_px, cubes, refused, tags, fault, picture: a JPEG as base64",
+     "number, width_px, height_px, cubes, refused, tags, fault, trouble of a simulated one, "
+     "picture: a JPEG as base64",
      "CameraShot"},
     {MethodId::kRobotCubes, "robot.cubes", false,
      "whether this robot can pick the cubes in a camera's newest picture, each as they lie now, "

@@ -67,6 +67,7 @@ enum class MethodId : std::uint8_t {
   kProcedureCancel,
   kProcedureStatus,
   kSimulationTruth,
+  kSimulationCamera,
   kRobotModel,
   kRobotPreview,
   kDeviceStatus,

@@ -191,6 +191,7 @@ void put_cameras(Json& all) {
       {{"width_px", whole()},
        {"height_px", whole()},
        {"fault", ref("Error")},
+       {"trouble", text()},
        {"picture", text()},
        {"cubes", list(object({{"color", text()}, {"confidence", number()}, {"top_px", corners}},
                              {{"x_m", number()},
@@ -202,6 +203,7 @@ void put_cameras(Json& all) {
        {"baskets", list(ref("Box"))},
        {"tags", list(object({{"id", whole()}, {"corners_px", corners}}))},
        {"refused", list(object({{"why", text()}, {"outline_px", corners}}))}});
+  all["SimulatedCamera"] = object({{"camera", text()}, {"trouble", text()}});
   all["MovedBasket"] =
       object({{"basket", ref("Box")},
               {"warnings", list(object({{"robot", text()}, {"error", ref("Error")}}))}});
