@@ -12,7 +12,7 @@ const kReachMs = 700;
 /** A basket on its way, until the cell says that it is there. */
 export const dragged = signal<BasketJson | null>(null);
 /** What came of the last move: robots that do not reach it, or why it stayed. */
-export const basketNote = signal<{ wrong: boolean; lines: string[] } | null>(null);
+export const basketNote = signal<{ what: 'stays' | 'far' | 'unsaved'; lines: string[] } | null>(null);
 
 export const showsReach = signal(false);
 export const reach = signal<CubeReachJson | null>(null);
@@ -34,9 +34,12 @@ export async function moveBasket(to: BasketJson): Promise<void> {
       turn_rad: turnOf(to),
     });
     settle(moved.basket);
-    basketNote.value = moved.warnings.length > 0 ? { wrong: false, lines: moved.warnings.map((one) => `${one.robot}: ${errorSentence(one.error)}`) } : null;
+    basketNote.value = moved.warnings.length > 0 ? { what: 'far', lines: moved.warnings.map((one) => `${one.robot}: ${errorSentence(one.error)}`) } : null;
   } catch (error) {
-    basketNote.value = { wrong: true, lines: [refusalSentence(error as Error)] };
+    // It counts until the server ends, and says so: it could not be written.
+    const counts = (error as { data?: { code?: string } }).data?.code === 'disk';
+    if (counts) settle(to);
+    basketNote.value = { what: counts ? 'unsaved' : 'stays', lines: [refusalSentence(error as Error)] };
   } finally {
     dragged.value = null;
   }
@@ -96,12 +99,19 @@ effect(() => {
   return () => clearInterval(timer);
 });
 
+/** Of the camera that is shown: its cubes, on its table. */
+const region = computed(() => {
+  const one = camera.value;
+  return one ? [one.cube_m, one.table.z_m].join() : '';
+});
+
 effect(() => {
   if (!open.value || !showsReach.value || !takesCubes.value) {
     reach.value = null;
     return;
   }
-  const asked = { robot: robot.value! };
+  const [edge_m, z_m] = region.value.split(',').map(Number);
+  const asked = { robot: robot.value!, edge_m, z_m };
   let under = false;
   const ask = async () => {
     if (under || reach.peek()?.done === 1) return;

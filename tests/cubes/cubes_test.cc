@@ -150,8 +150,8 @@ TEST(Cubes, a_hand_that_comes_into_view_while_the_arm_moves_pauses_it) {
   cell.table().set_trouble(hand);
   ASSERT_TRUE(until([](const auto& job) { return job.over || job.paused; }, seconds(20)));
   const runtime::JobView job = cell.cell().jobs(0).view();
-  ASSERT_TRUE(job.paused && job.last_notice);
-  EXPECT_EQ(info(job.last_notice->error.code).name, info(ErrorCode::kViewDisturbed).name);
+  ASSERT_TRUE(job.paused && job.paused_by);
+  EXPECT_EQ(info(job.paused_by->code).name, info(ErrorCode::kViewDisturbed).name);
   cell.table().set_trouble({});
   until([](const auto& one) { return one.over; }, seconds(3));
   EXPECT_TRUE(cell.cell().jobs(0).view().paused) << "a person says when it goes on";

@@ -83,6 +83,7 @@ class Job(TypedDict, total=False):
     client_lost: bool
     held_by: int
     stopped_by: str
+    paused_by: Error
     last_notice: Error
     notes: List[Dict[str, Any]]
 

@@ -37,6 +37,7 @@ export const cameraDe: Record<keyof typeof cameraEn, string> = {
   'camera.why.it_is_larger_than_the_other_cubes': 'Kein Würfel: größer als die anderen',
   'camera.why.it_is_smaller_than_the_other_cubes': 'Kein Würfel: kleiner als die anderen',
   'camera.why.its_top_is_hardly_that_of_a_cube_or_mostly_hidden': 'Kaum die Oberseite eines Würfels, oder fast ganz verdeckt',
+  'camera.why.a_robot_hides_it_in_part': 'Ein Roboter verdeckt einen Teil davon',
   'camera.why.it_is_white_or_grey': 'Kein Würfel: weiß oder grau',
 
   'color.red': 'Rot',

@@ -35,6 +35,7 @@ export const cameraEn = {
   'camera.why.it_is_larger_than_the_other_cubes': 'No cube: larger than the others',
   'camera.why.it_is_smaller_than_the_other_cubes': 'No cube: smaller than the others',
   'camera.why.its_top_is_hardly_that_of_a_cube_or_mostly_hidden': 'Hardly the top of a cube, or mostly hidden',
+  'camera.why.a_robot_hides_it_in_part': 'A robot hides it in part',
   'camera.why.it_is_white_or_grey': 'No cube: white or grey',
 
   'color.red': 'Red',

@@ -142,6 +142,8 @@ export interface JobJson {
   error?: ErrorJson;
   /** What was told last: why it paused by itself, among others. */
   last_notice?: ErrorJson;
+  /** Why it paused by itself, while it does. */
+  paused_by?: ErrorJson;
   notes?: { line: number; sentence: string }[];
 }
 
@@ -175,6 +177,9 @@ export interface CellObject {
 export interface CellCamera {
   name: string;
   device: string;
+  /** Edge of the cubes on its table. */
+  cube_m: number;
+  table: FlatPoseJson;
   /** Where its calibration is kept, and why what is kept there does not count. */
   calibration?: { file: string; refused?: string };
   /** Of a calibrated one. */

@@ -80,7 +80,7 @@ function Paused(): JSX.Element | null {
       <h4>
         <Icon name="pause" size={17} /> {t('limit.paused', { title: now.title })}
       </h4>
-      {now.last_notice && <p>{errorSentence(now.last_notice)}</p>}
+      {now.paused_by && <p>{errorSentence(now.paused_by)}</p>}
       <button type="button" class="primary" onClick={resume}>
         <Icon name="play" /> {t(store.guarded(robot.value ?? '') ? 'robot.resume.guarded' : 'robot.resume')}
       </button>
@@ -176,11 +176,11 @@ function Cubes({ now }: { now: CameraShot }): JSX.Element {
           </p>
           {whyNot(chosen) && <p class="camera-why">{whyNot(chosen)}</p>}
           <div class="row">
-            <button type="button" class="primary" disabled={!ready || chosen.x_m === undefined} onClick={() => pick(chosen, false)}>
+            <button type="button" class="primary" disabled={!ready || chosen.x_m === undefined || chosen.in_basket !== undefined} onClick={() => pick(chosen, false)}>
               <Icon name="grab" /> {t('camera.pick')}
             </button>
             {basket.value && (
-              <button type="button" disabled={!ready || chosen.x_m === undefined} onClick={() => pick(chosen, true)}>
+              <button type="button" disabled={!ready || chosen.x_m === undefined || chosen.in_basket !== undefined} onClick={() => pick(chosen, true)}>
                 <Icon name="later" /> {t('camera.into', { basket: basket.value.name })}
               </button>
             )}

@@ -227,9 +227,9 @@ function BasketPlace(): JSX.Element {
         </label>
       </div>
       {note && (
-        <div class={`callout${note.wrong ? ' camera-fault' : ''}`} role={note.wrong ? 'alert' : 'status'}>
+        <div class={`callout${note.what === 'stays' ? ' camera-fault' : ''}`} role={note.what === 'far' ? 'status' : 'alert'}>
           <p>
-            <Icon name="fault" size={15} /> {t(note.wrong ? 'table.basket.stays' : 'table.basket.far')}
+            <Icon name="fault" size={15} /> {tWord('table.basket', note.what)}
           </p>
           {note.lines.map((line) => (
             <p key={line}>{line}</p>

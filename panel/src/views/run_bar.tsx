@@ -122,8 +122,8 @@ function Progress(): JSX.Element {
         {now.waits_for && <span>{t('limit.waits', { robot: now.waits_for })}</span>}
         <strong>{duration(secondsLeft(now, store.timeScale(now.robot)))}</strong>
       </p>
-      {now.phase === 'paused' && now.last_notice && (
-        <p class="hint" role="status">{errorSentence(now.last_notice)}</p>
+      {now.phase === 'paused' && now.paused_by && (
+        <p class="hint" role="status">{errorSentence(now.paused_by)}</p>
       )}
       <span class="bar" role="progressbar" aria-valuenow={percent} aria-valuemin={0} aria-valuemax={100}>
         <span style={{ width: `${percent}%` }} />

@@ -1,5 +1,7 @@
 #include "sinew/calibration/calibration_error.h"
 
+#include <cmath>
+
 #include "sinew/core/number_text.h"
 #include "sinew/core/units.h"
 
@@ -45,9 +47,11 @@ std::string sentence(const CalibrationError& error) {
              "). Add views with the board tilted by about 30 deg about its horizontal edge and "
              "about its vertical edge.";
     case kNotConverged:
-      return "The fit" + of_view(error) + " did not converge: " + px(error.measured) +
-             " remain (limit " + px(error.limit) +
-             "). Check the dimensions of the board and that all pictures show this board.";
+      return "The fit" + of_view(error) + " did not converge" +
+             (std::isfinite(error.measured)
+                  ? ": " + px(error.measured) + " remain (limit " + px(error.limit) + ")"
+                  : "") +
+             ". Check the dimensions of the board and that all pictures show this board.";
   }
   return "";
 }

@@ -114,6 +114,7 @@ std::expected<void, Outcome> open_cameras(runtime::RunningCell& cell, const std:
       wanted.width = settings.calibration->model.width;
       wanted.height = settings.calibration->model.height;
     }
+    settings.watch = !runtime::is_stored(device);
     auto pictures = opened_when_there(device, wanted, camera.name);
     cell.open_camera(i, std::move(settings), std::move(pictures));
   }

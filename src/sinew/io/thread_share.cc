@@ -7,6 +7,7 @@
 #include <sys/resource.h>
 
 #include <cerrno>
+#include <ctime>
 
 namespace sinew::io {
 
@@ -44,6 +45,12 @@ RealtimeStart::~RealtimeStart() {
   if (!active_) return;
   const sched_param as_all{};
   static_cast<void>(::pthread_setschedparam(::pthread_self(), SCHED_OTHER, &as_all));
+}
+
+std::chrono::nanoseconds processor_time() {
+  timespec used{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &used);
+  return std::chrono::seconds(used.tv_sec) + std::chrono::nanoseconds(used.tv_nsec);
 }
 
 }  // namespace sinew::io

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 
 #include "sinew/io/io_error.h"
@@ -13,6 +14,8 @@ enum class Share : std::uint8_t {
 };
 /// Of this thread, and those that it starts from now on.
 void let_others_go_first(Share share);
+/// What this thread has used of a processor so far; waiting is none of it.
+std::chrono::nanoseconds processor_time();
 
 /// Memory that this process has freed goes back to the system, where its library keeps it.
 void give_memory_back();

@@ -345,7 +345,7 @@ double tool_above(const RobotModel& robot, double edge) {
 std::expected<CubeRows, Refusal> rows_to_basket(RowPlanner& planner, const Standing& standing,
                                                 const Step& row, const BasketGoal& goal,
                                                 const Basket& basket, std::span<const Vec3> lying) {
-  const double edge = standing.tool.held.value_or(kUsualCube);
+  const double edge = standing.tool.held.value_or(standing.at_cup.value_or(kUsualCube));
   constexpr double kEnough = from_deg(0.3);  // what an arm stands beside where it was sent
   Choice choice;
   for (const Vec3& p_K : spots_in(basket, edge, lying)) {

@@ -252,6 +252,26 @@ TEST(CubeRun, a_pause_holds_a_pick_wherever_it_is_and_a_stop_ends_it) {
   EXPECT_GT(paused, 5);
 }
 
+TEST(CubeRun, what_was_seen_before_a_pause_counts_no_more) {
+  PlainCell cell("learm", std::string(kReady) + "look\npick\n");
+  cell.run.single_step(true);
+  Table table(cell);
+  table.cubes = {cube_at(0.17, 0, ColorName::kRed)};
+  table.go(1s);
+  while (table.looks == 0) {
+    cell.run.resume();
+    table.go(cell.now - Instant{} + 5s);
+  }
+  ASSERT_TRUE(cell.run.paused());
+  table.cubes = {cube_at(0.14, 0.05, ColorName::kBlue)};
+  cell.run.single_step(false);
+  cell.run.resume();
+  table.go();
+  ASSERT_EQ(cell.run.phase(), Phase::kDone);
+  EXPECT_EQ(table.looks, 2);
+  EXPECT_EQ(table.taken.size(), 1U) << "the one that lies there now";
+}
+
 TEST(CubeRun, what_comes_into_view_while_the_arm_moves_pauses_it_and_the_table_is_looked_at_anew) {
   PlainCell cell("learm", std::string(kReady) +
                               "repeat while seen\n pick\n place x=60mm y=180mm z=80mm\nend\n");

@@ -73,6 +73,7 @@ class Walk {
     if (!rows) return look_({order, at_, nullptr, &rows.error()});
     const auto looked = look_({order, at_, &*rows});
     at_.tool = rows->tool;
+    at_.at_cup = rows->cube.edge;
     std::erase_if(seen_->cubes,
                   [&](const grasping::Cube& one) { return one.p_BO == rows->cube.p_BO; });
     return looked;

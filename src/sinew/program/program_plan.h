@@ -24,8 +24,9 @@ struct Standing {
   Standing(Start joints, const ToolState& gripper = {}) : q(std::move(joints)), tool(gripper) {}
   Standing(const JointVector& joints) : q(joints) {}
 
-  Start q;         ///< where its joints are
-  ToolState tool;  ///< of a gripper
+  Start q;                         ///< where its joints are
+  ToolState tool;                  ///< of a gripper
+  std::optional<double> at_cup{};  ///< m, edge of the cube that a suction cup holds; if known
 };
 
 /// A motion from rest to rest: one row, or several that blend into each other. Where the machine

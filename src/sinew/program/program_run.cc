@@ -69,7 +69,10 @@ void Run::stop(Instant /*now*/) {
 }
 
 void Run::pause() {
-  if (phase_ != Phase::kRunning || paused_) return;
+  if (phase_ != Phase::kRunning) return;
+  resumes_ = false;
+  // A step back is a pause already, and a motion.
+  if (paused_ && !back_steps_) return;
   paused_ = true;
   const bool moves = current_ && (std::holds_alternative<MoveOrder>(current_->order->what) ||
                                   (handles() && task_moves_));
@@ -80,6 +83,18 @@ void Run::resume() {
   if (!paused_) return;
   paused_ = left_ = false;
   resumes_ = command_ != 0;
+  paused_by_.reset();
+  forget_picture();
+}
+
+bool Run::stands_held() const {
+  return command_ != 0 && machine_.state() == MachineState::kHeld;
+}
+
+/// Who paused it may have changed what lies there.
+void Run::forget_picture() {
+  sighting_.reset();
+  if (looks_) eyes_->look(camera_);
 }
 
 void Run::poll(Instant now) {
@@ -94,8 +109,8 @@ void Run::watch_view(Instant now) {
                      (handles() || std::holds_alternative<MoveOrder>(current_->order->what));
   if (std::exchange(watched_, moves) != moves) eyes_->watch(moves);
   if (!moves || !eyes_->disturbed()) return;
-  take_notice(Error{ErrorCode::kViewDisturbed}, now);
-  sighting_.reset();
+  paused_by_ = Error{ErrorCode::kViewDisturbed};
+  take_notice(*paused_by_, now);
   pause();
 }
 
@@ -104,7 +119,7 @@ void Run::go_on(Instant now) {
   while (const auto event = machine_.take_event()) take(*event, now);
   if (phase_ == Phase::kOpening) opening(now);
   if (phase_ != Phase::kRunning) return;
-  if (machine_.state() == MachineState::kHeld && command_ != 0) {
+  if (stands_held()) {
     if (resumes_) machine_.give(control::Resume{});
     paused_ = !resumes_;
     resumes_ = false;
@@ -120,6 +135,10 @@ void Run::go_on(Instant now) {
   if (again && machine_.state() == MachineState::kReady) {
     if (std::exchange(searches_again_, false)) asked_ = control::Home{.resumes = true};
     command_ = machine_.give(*asked_);
+  }
+  const bool waits = current_ && command_ == 0 && !paused_ && !looks_ && !wait_end_;
+  if (waits && machine_.state() == MachineState::kFault && machine_.latched()) {
+    return fail(machine_.latched()->error, now);
   }
   while (phase_ == Phase::kRunning && !current_ && !paused_) {
     if (next_ < plan_.orders.size()) {
@@ -154,6 +173,7 @@ void Run::take(const Event& event, Instant now) {
     return;
   }
   command_ = 0;
+  resumes_ = false;  // it ended before it was held
   take_end(event, now);
 }
 
@@ -169,6 +189,8 @@ std::expected<void, Refusal> Run::step_back(Instant /*now*/) {
   const bool between = phase_ == Phase::kRunning && paused_ && !current_ && command_ == 0;
   if (!between) return std::unexpected(Refusal{0, Error{ErrorCode::kWrongState}});
   left_ = false;
+  paused_by_.reset();
+  forget_picture();
   if (records_.empty()) return std::unexpected(Refusal{0, Error{ErrorCode::kAtBeginning}});
   const Order& last = *records_.back().order;
   const auto refuse = [&](const Error& error) {

@@ -132,8 +132,12 @@ class Run {
 
   Phase phase() const { return phase_; }
   bool paused() const { return paused_; }
+  /// Why it paused by itself; nothing where somebody asked for it, or it goes on.
+  const std::optional<Error>& paused_by() const { return paused_by_; }
   /// The lease is lost: what moved is held, and resume() goes on once the machine has one again.
   bool left() const { return left_; }
+  /// What is under way has come to rest until resume().
+  bool stands_held() const;
   /// On the way that step_back() asked for; paused() all along.
   bool steps_back() const { return back_steps_ && current_.has_value(); }
   bool finished() const { return phase_ >= Phase::kDone; }
@@ -169,6 +173,7 @@ class Run {
 
   void go_on(Instant now);
   void watch_view(Instant now);
+  void forget_picture();
   void take(const Event& event, Instant now);
   void take_notice(const Error& error, Instant now);
   void take_end(const Event& event, Instant now);
@@ -233,6 +238,7 @@ class Run {
   std::optional<Refusal> failure_;
   std::optional<control::StopCause> stopped_by_;
   bool paused_ = false;
+  std::optional<Error> paused_by_;
   bool resumes_ = false;  ///< as soon as it is held
   Instant polled_at_{};
   Duration held_{};           ///< since its first order

@@ -58,7 +58,9 @@ bool Run::handles() const {
 
 std::expected<Standing, Refusal> Run::standing() const {
   if (!q_) return std::unexpected(refused({ErrorCode::kPositionUnknown, 0}));
-  return Standing(*q_, machine_.tool());
+  Standing here(*q_, machine_.tool());
+  if (taken_) here.at_cup = taken_->edge;
+  return here;
 }
 
 std::expected<void, Refusal> Run::issue_pick(const PickOrder& pick, Instant now) {

@@ -571,6 +571,50 @@ TEST(ProgramRun, step_back_returns_to_where_the_last_order_began_and_does_it_ane
   EXPECT_NEAR(cell.driver.taken_.back().q[0], from_deg(-10), 1e-12);
 }
 
+TEST(ProgramRun, pause_and_resume_while_jaws_move_take_nothing_from_the_next_pause) {
+  Cell cell("learm", "jaws 40mm\njaws 5mm\njoint base=80deg\n");
+  cell.run.make_changeable();
+  while (cell.driver.tools_ == 0) cell.go(cell.now - Instant{} + 1ms);
+  cell.run.pause();
+  cell.run.resume();
+  while (cell.driver.taken_.empty()) cell.go(cell.now - Instant{} + 1ms);
+  cell.go(cell.now - Instant{} + 300ms);
+  cell.run.pause();
+  cell.go(cell.now - Instant{} + 30s);
+  EXPECT_TRUE(cell.run.paused());
+  EXPECT_FALSE(cell.run.finished());
+  cell.run.resume();
+  cell.go();
+  EXPECT_EQ(cell.run.phase(), Phase::kDone);
+}
+
+TEST(ProgramRun, step_back_can_be_paused) {
+  Cell cell("learm", "joint base=10deg\njoint base=80deg\njoint base=70deg\n");
+  cell.run.make_changeable();
+  cell.run.single_step(true);
+  cell.go(30s);
+  cell.run.resume();
+  cell.go(60s);
+  ASSERT_EQ(cell.run.records().size(), 2U);
+  ASSERT_TRUE(cell.run.step_back(cell.now));
+  cell.go(cell.now - Instant{} + 100ms);
+  ASSERT_TRUE(cell.run.steps_back());
+  EXPECT_FALSE(cell.run.stands_held());
+  cell.run.pause();
+  cell.go(cell.now - Instant{} + 30s);
+  EXPECT_TRUE(cell.run.stands_held());
+  EXPECT_TRUE(cell.run.steps_back()) << "it is on its way back yet";
+  cell.run.single_step(false);
+  cell.run.resume();
+  cell.go(cell.now - Instant{} + 30s);
+  EXPECT_FALSE(cell.run.steps_back());
+  EXPECT_TRUE(cell.run.paused()) << "where a step back ends";
+  cell.run.resume();
+  cell.go();
+  EXPECT_EQ(cell.run.phase(), Phase::kDone);
+  EXPECT_NEAR(cell.driver.taken_.back().q[0], from_deg(70), 1e-12);
+}
+
 TEST(ProgramRun, step_back_undoes_no_tool_and_goes_back_through_waits) {
   Cell cell("learm", "joint base=30deg\nwait 1s\njaws 10mm\nwait 1s\n");
   cell.run.single_step(true);

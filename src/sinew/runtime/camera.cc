@@ -165,14 +165,15 @@ void Camera::work(const std::stop_token& ending) {
     // First: pictures that are asked for again and again would leave no time for it.
     if (glances) {
       const Time began = std::chrono::steady_clock::now();
+      const std::chrono::nanoseconds used = io::processor_time();
       const bool more = sees_more(ending);
-      const Time ended = std::chrono::steady_clock::now();
       if (more) {
         const std::scoped_lock here(mutex_);
         ++disturbances_;
       }
-      // Never more than a third of a core, however slow it is.
-      next_look = std::max(began + kLookPeriod, ended + 2 * (ended - began));
+      // Never more than a third of a core, however slow it is; waiting for a picture is none.
+      const Time rested = std::chrono::steady_clock::now() + 2 * (io::processor_time() - used);
+      next_look = std::max(began + kLookPeriod, rested);
     }
     std::shared_ptr<const Shot> kept;
     if (is_asked) {
@@ -230,6 +231,7 @@ std::uint64_t Camera::disturbances() const {
 
 Camera::Shot Camera::take(const std::stop_token& ending) {
   Shot shot;
+  auto before = watch_.robots ? watch_.robots() : std::vector<render::ViewedRobot>{};
   auto picture = source_(ending);
   if (!picture) {
     shot.fault = picture.error();
@@ -239,7 +241,12 @@ Camera::Shot Camera::take(const std::stop_token& ending) {
   shot.fault = fault_of(shot.picture);
   if (shot.fault) return shot;
   shot.seen = vision::detect_cubes(shot.picture);
-  if (heeded_) vision::place_on_table(shot.seen, shot.picture, *heeded_, settings_.edge);
+  if (!heeded_) return shot;
+  constexpr double kMargin = 4e-3;  // m: how exact a model is, and what is believed of it
+  const auto robots = watch_.robots ? between(std::move(before), watch_.robots()) : std::nullopt;
+  std::vector<bool> hidden;
+  if (robots) hidden = render::silhouette(*robots, heeded_->model, heeded_->X_WC, kMargin);
+  vision::place_on_table(shot.seen, shot.picture, *heeded_, settings_.edge, hidden);
   return shot;
 }
 

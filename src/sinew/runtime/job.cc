@@ -204,7 +204,8 @@ void JobRunner::publish(const Run& run, Instant now) {
   if (fails) view_.remedies = std::move(remedies);
   view_.phase = run.phase();
   view_.client_lost = run.left() && !run.finished();
-  view_.paused = run.paused() && !run.steps_back();
+  view_.paused = run.paused() && (!run.steps_back() || run.stands_held());
+  view_.paused_by = run.paused_by();
   view_.wishes = wishes_;
   view_.wish_refused = wish_refused_;
   view_.line = line_of(run);

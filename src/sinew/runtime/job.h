@@ -43,8 +43,9 @@ struct JobView {
   bool handles_cubes = false;  ///< a row of it looks, picks or places
   program::Run::Phase phase = program::Run::Phase::kOpening;
   bool paused = false;
-  bool over = true;  ///< nothing of it moves any more
-  int line = 0;      ///< of the order under way or, between two, the next one; or that failed
+  std::optional<Error> paused_by = std::nullopt;  ///< why, where it paused by itself
+  bool over = true;                               ///< nothing of it moves any more
+  int line = 0;  ///< of the order under way or, between two, the next one; or that failed
   std::size_t orders_done = 0;
   std::size_t orders = 0;
   double duration = 0;            ///< s, predicted; homing not counted

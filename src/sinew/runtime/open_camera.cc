@@ -10,6 +10,21 @@
 #include "sinew/runtime/written_pictures.h"
 
 namespace sinew::runtime {
+namespace {
+
+bool is_avi(const std::string& device) {
+  return device.ends_with(".avi") || device.ends_with(".AVI");
+}
+bool is_y4m(const std::string& device) {
+  return device.ends_with(".y4m");
+}
+
+}  // namespace
+
+bool is_stored(const std::string& device) {
+  std::error_code error;
+  return std::filesystem::is_directory(device, error) || is_avi(device) || is_y4m(device);
+}
 
 std::expected<CameraSource, std::string> open_camera(const std::string& device,
                                                      const CameraWanted& wanted) {
@@ -25,8 +40,8 @@ std::expected<CameraSource, std::string> open_camera(const std::string& device,
     return v4l2_pictures(device, wanted);
   }
   if (is_folder) return folder_pictures(device);
-  if (device.ends_with(".avi") || device.ends_with(".AVI")) return avi_pictures(device);
-  if (device.ends_with(".y4m")) return y4m_pictures(device);
+  if (is_avi(device)) return avi_pictures(device);
+  if (is_y4m(device)) return y4m_pictures(device);
   if (is_image_name(device)) return written_pictures(device);
   if (is_missing) {
     return std::unexpected(io::system_error(device, ENOENT).sentence +

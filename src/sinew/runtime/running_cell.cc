@@ -91,7 +91,7 @@ RunningCell::~RunningCell() {
 
 void RunningCell::open_camera(std::size_t i, Camera::Settings settings, CameraSource source,
                               CameraSource glances) {
-  settings.watch = cell_.cameras[i].watch;
+  settings.watch = settings.watch && cell_.cameras[i].watch;
   const auto X_TW = relabel<frame::World, frame::World>(cell_.cameras[i].X_WT.inverse());
   const auto robots = [this, X_TW] {
     auto all = robots_in_view(Stand::kBelieved);

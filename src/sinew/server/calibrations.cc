@@ -125,7 +125,10 @@ std::expected<Calibrations::One*, RpcError> Calibrations::found(std::size_t came
 Calibrations::Result Calibrations::begin(std::size_t camera, const std::string& paper, bool anew) {
   const auto before = under_way_.find(camera);
   if (before != under_way_.end() && !anew) {
-    if (before->second.calibration.paper() == paper) return status(camera);
+    if (before->second.calibration.paper() == paper) {
+      before->second.calibration.expect(runtime::CameraCalibration::Step::kBoard);
+      return status(camera);
+    }
     return std::unexpected(RpcError{RpcCode::kRefused,
                                     "A calibration with paper " +
                                         before->second.calibration.paper() +

@@ -57,6 +57,7 @@ Json camera_description(const runtime::RunningCell& cell, std::size_t camera) {
   const CellCamera& place = cell.cell().cameras[camera];
   Json json{{"name", place.name},
             {"device", place.device},
+            {"cube_m", place.cube},
             {"table", pose_json(place.X_WT.p, place.X_WT.R)}};
   const runtime::Camera* opened = cell.camera(camera);
   if (opened == nullptr) return json;

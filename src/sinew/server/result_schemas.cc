@@ -160,17 +160,19 @@ void put_cell(Json& all) {
        {"time_scale", number()},
        {"robots", list(ref("RobotDescription"))},
        {"objects", list(ref("Box"))},
-       {"cameras", list(object({{"name", text()}, {"device", text()}, {"table", ref("Pose")}},
-                               {{"calibration", object({{"file", text()}}, {{"refused", text()}})},
-                                {"lens", object({{"pose", ref("Pose")},
-                                                 {"width_px", whole()},
-                                                 {"height_px", whole()},
-                                                 {"fx_px", number()},
-                                                 {"fy_px", number()},
-                                                 {"cx_px", number()},
-                                                 {"cy_px", number()},
-                                                 {"distortion", numbers(5)},
-                                                 {"accuracy_m", number()}})}}))}},
+       {"cameras",
+        list(object(
+            {{"name", text()}, {"device", text()}, {"cube_m", number()}, {"table", ref("Pose")}},
+            {{"calibration", object({{"file", text()}}, {{"refused", text()}})},
+             {"lens", object({{"pose", ref("Pose")},
+                              {"width_px", whole()},
+                              {"height_px", whole()},
+                              {"fx_px", number()},
+                              {"fy_px", number()},
+                              {"cx_px", number()},
+                              {"cy_px", number()},
+                              {"distortion", numbers(5)},
+                              {"accuracy_m", number()}})}}))}},
       {{"baskets", list(ref("Box"))}});
 
   all["CellStatus"] = object({{"robots", list(ref("Status"))}}, {{"demonstration", flag()}});
@@ -342,6 +344,7 @@ void put_jobs(Json& all) {
                        {"client_lost", flag()},
                        {"held_by", whole()},
                        {"stopped_by", ref("StopCause")},
+                       {"paused_by", ref("Error")},
                        {"last_notice", ref("Error")},
                        {"notes", list(ref("Note"))}});
   all["JobNumber"] = object({{"job", whole()}}, {{"wishes", whole()}});

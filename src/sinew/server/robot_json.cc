@@ -311,6 +311,7 @@ Json job_json(const std::string& robot, const runtime::JobView& job, const Robot
   if (job.client_lost) json["client_lost"] = true;
   if (job.guard != 0) json["held_by"] = job.guard;
   if (job.stopped_by) json["stopped_by"] = cause_name(*job.stopped_by);
+  if (job.paused && job.paused_by) json["paused_by"] = error_json(*job.paused_by, model);
   if (job.last_notice) json["last_notice"] = error_json(job.last_notice->error, model);
   return json;
 }

@@ -61,8 +61,10 @@ std::optional<double> sheet_shift(const TableCamera& camera, const TagBoard& she
   return *half;
 }
 
-std::optional<CubePosition> cube_position(const Picture& picture, const TableCamera& camera,
-                                          const SeenCube& cube, double edge) {
+std::expected<CubePosition, std::string> cube_position(const Picture& picture,
+                                                       const TableCamera& camera,
+                                                       const SeenCube& cube, double edge,
+                                                       const std::vector<bool>& hidden) {
   constexpr int kLevels = 6;
   constexpr double kOffMost = 0.25;
   // Its corners say the size to a tenth: two levels more or less. A top and a side face together
@@ -71,6 +73,7 @@ std::optional<CubePosition> cube_position(const Picture& picture, const TableCam
   constexpr double kFits = 0.75;      // of the contrast on the lowest level
   constexpr double kSmallest = 0.97;  // of its size: corners are rather seen too far out
   std::optional<CubePosition> best;
+  bool is_sure = true;
   double lowest = 0;
   for (int level = 1; level <= kLevels; ++level) {
     auto square = square_at(camera, cube.top, level * edge);
@@ -78,29 +81,33 @@ std::optional<CubePosition> cube_position(const Picture& picture, const TableCam
     if (std::abs(square->edge / edge - 1) >= kOffMost) continue;
     square->level = level;
     const double pixel = square->edge / std::max(cube.size, 1.0);
-    const TableFit fit = fitted_on_table(picture, camera, *square, edge, pixel);
+    const TableFit fit = fitted_on_table(picture, camera, *square, edge, pixel, hidden);
     if (!best) lowest = fit.contrast;
     const bool stands = fit.foot.value_or(0) >= kFoot && fit.contrast >= kFits * lowest &&
                         square->edge >= kSmallest * edge;
-    if (!best || stands) best = fit.position;
+    if (best && !stands) continue;
+    best = fit.position;
+    is_sure = fit.is_sure;
   }
-  return best;
+  if (best && is_sure) return *best;
+  if (best) return std::unexpected("a robot hides it in part");
+  const auto square = square_at(camera, cube.top, edge);
+  return std::unexpected(square ? "its top measures " + number_text(to_mm(square->edge), 0) +
+                                      " mm, that of a cube " + number_text(to_mm(edge), 0) + " mm"
+                                : "it is above the horizon of the table");
 }
 
 void place_on_table(Detection& detection, const Picture& picture, const TableCamera& camera,
-                    double edge) {
+                    double edge, const std::vector<bool>& hidden) {
   std::vector<SeenCube> kept;
   for (SeenCube& cube : detection.cubes) {
-    cube.position = cube_position(picture, camera, cube, edge);
-    if (cube.position) {
-      kept.push_back(std::move(cube));
+    const auto position = cube_position(picture, camera, cube, edge, hidden);
+    if (!position) {
+      detection.refused.push_back({cube.top, position.error()});
       continue;
     }
-    const auto square = square_at(camera, cube.top, edge);
-    detection.refused.push_back(
-        {cube.top, square ? "its top measures " + number_text(to_mm(square->edge), 0) +
-                                " mm, that of a cube " + number_text(to_mm(edge), 0) + " mm"
-                          : "it is above the horizon of the table"});
+    cube.position = *position;
+    kept.push_back(std::move(cube));
   }
   detection.cubes = std::move(kept);
 }

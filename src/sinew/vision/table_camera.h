@@ -1,7 +1,9 @@
 #pragma once
 
+#include <expected>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "sinew/vision/camera_model.h"
 #include "sinew/vision/cube_detection.h"
@@ -33,14 +35,20 @@ std::optional<double> sheet_shift(const TableCamera& camera, const TagBoard& she
 
 /// Where a cube of edge `edge` (m) is: on the table or on others, its top at the multiple of the
 /// edge at which a square of that size fits the picture best. Towers of up to six.
-/// @return  nothing where its top would be off that size by more than a quarter on each level
-std::optional<CubePosition> cube_position(const Picture& picture, const TableCamera& camera,
-                                          const SeenCube& cube, double edge);
+/// @param hidden  as place_on_table() has it
+/// @return  why not, where its top would be off that size by more than a quarter on each level, or
+///          too much of it is hidden
+std::expected<CubePosition, std::string> cube_position(const Picture& picture,
+                                                       const TableCamera& camera,
+                                                       const SeenCube& cube, double edge,
+                                                       const std::vector<bool>& hidden = {});
 
-/// Gives all cubes their positions; those that have another size are refused.
+/// Gives all cubes their positions; those that have another size, or are hidden too much to say
+/// where they are, are refused.
 /// @param picture  that they were seen in
 /// @param edge     m, of all cubes
+/// @param hidden   cells of grid_of() in which a robot stands before the table; empty: none does
 void place_on_table(Detection& detection, const Picture& picture, const TableCamera& camera,
-                    double edge);
+                    double edge, const std::vector<bool>& hidden = {});
 
 }  // namespace sinew::vision

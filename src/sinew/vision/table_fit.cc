@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "sinew/core/units.h"
+#include "sinew/vision/view_watch.h"
 
 namespace sinew::vision {
 namespace {
@@ -41,18 +42,38 @@ struct Top {
 
 class Fit {
  public:
-  Fit(const Picture& picture, const TableCamera& camera, double height, double edge, double pixel)
+  Fit(const Picture& picture, const TableCamera& camera, double height, double edge, double pixel,
+      const std::vector<bool>& hidden)
       : picture_(picture),
         camera_(camera),
+        hidden_(hidden),
+        grid_(grid_of(picture.width, picture.height)),
         X_CW_(camera.X_WC.inverse()),
         height_(height),
         half_(edge / 2),
         aside_(kAside * pixel) {}
 
-  double contrast(const Top& top, double most = kDraws) const {
+  /// What is hidden counts as none: a top that hides more of itself has less.
+  double draw(const Top& top) const {
     double sum = 0;
-    for (int side = 0; side < 4; ++side) sum += across(top, side, height_, most);
-    return sum / 4;
+    for (int side = 0; side < 4; ++side) sum += across(top, side, height_, kDraws).sum;
+    return sum / (4 * kPerSide);
+  }
+  /// Of what is not hidden.
+  double contrast(const Top& top) const {
+    Across all;
+    for (int side = 0; side < 4; ++side) {
+      const Across here = across(top, side, height_, kEnough);
+      all.sum += here.sum;
+      all.open += here.open;
+    }
+    return all.mean();
+  }
+  bool is_sure(const Top& top) const {
+    const auto is_open = [&](int side) {
+      return 2 * across(top, side, height_, kEnough).open >= kPerSide;
+    };
+    return (is_open(0) || is_open(2)) && (is_open(1) || is_open(3));
   }
 
   /// Where the side faces below meet the table.
@@ -66,8 +87,9 @@ class Fit {
       const Vec3 out = at(top, side, 0, 2 * half_, height_ / 2) - middle;
       const bool faces = dot(camera_.X_WC.p - middle, out) > 0;
       if (!faces || !above || !below || length(*above - *below) < kSeen) continue;
-      const double here = across(top, side, 0, kEnough);
-      least = std::min(least.value_or(here), here);
+      const Across here = across(top, side, 0, kEnough);
+      if (2 * here.open < kPerSide) continue;
+      least = std::min(least.value_or(here.mean()), here.mean());
     }
     return least;
   }
@@ -75,7 +97,7 @@ class Fit {
   /// Steps along each of its three numbers, halved where none helps.
   Top best_near(Top top, double step, double turn) const {
     constexpr int kHalvings = 6, kRounds = 8;
-    double most = contrast(top);
+    double most = draw(top);
     for (int halving = 0; halving < kHalvings; ++halving, step /= 2, turn /= 2) {
       bool better = true;
       for (int round = 0; better && round < kRounds; ++round) {
@@ -83,7 +105,7 @@ class Fit {
         for (const Top& way : {Top{step, 0, 0}, {0, step, 0}, {0, 0, turn}}) {
           for (const double sign : {1.0, -1.0}) {
             const Top other{top.x + sign * way.x, top.y + sign * way.y, top.yaw + sign * way.yaw};
-            const double there = contrast(other);
+            const double there = draw(other);
             if (there <= most) continue;
             most = there;
             top = other;
@@ -106,27 +128,47 @@ class Fit {
     return {top.x + cos * u - sin * v, top.y + sin * u + cos * v, height};
   }
   std::optional<Pixel> pixel(const Vec3& p_W) const { return camera_.model.project(X_CW_ * p_W); }
+  bool is_hidden(const Vec3& p_W) const {
+    if (hidden_.empty()) return false;
+    const auto p = pixel(p_W);
+    if (!p || p->x < 0 || p->y < 0) return false;
+    const int column = static_cast<int>(p->x * grid_.columns / picture_.width);
+    const int row = static_cast<int>(p->y * grid_.rows / picture_.height);
+    return column < grid_.columns && row < grid_.rows && hidden_[grid_.at(column, row)];
+  }
   std::optional<Color> color(const Vec3& p_W) const {
     const auto p = pixel(p_W);
     return p ? color_at(picture_, *p) : std::nullopt;
   }
-  /// Contrast across one side's line at a height, mean.
-  double across(const Top& top, int side, double height, double most) const {
+  struct Across {
     double sum = 0;
+    int open = 0;  // places that are not hidden
+
+    double mean() const { return open > 0 ? sum / open : 0; }
+  };
+  /// Contrast across one side's line at a height.
+  Across across(const Top& top, int side, double height, double most) const {
+    Across all;
     for (int i = 0; i < kPerSide; ++i) {
       const double along = 0.85 * half_ * (2.0 * i / (kPerSide - 1) - 1);
-      const auto inside = color(at(top, side, along, half_ - aside_, height));
-      const auto outside = color(at(top, side, along, half_ + aside_, height));
+      const Vec3 in = at(top, side, along, half_ - aside_, height);
+      const Vec3 out = at(top, side, along, half_ + aside_, height);
+      if (is_hidden(in) || is_hidden(out)) continue;
+      ++all.open;
+      const auto inside = color(in);
+      const auto outside = color(out);
       if (!inside || !outside) continue;
       double square = 0;
       for (std::size_t c = 0; c < 3; ++c) square += std::pow((*inside)[c] - (*outside)[c], 2);
-      sum += std::min(most, std::sqrt(square));
+      all.sum += std::min(most, std::sqrt(square));
     }
-    return sum / kPerSide;
+    return all;
   }
 
   const Picture& picture_;
   const TableCamera& camera_;
+  const std::vector<bool>& hidden_;
+  CellGrid grid_;
   Pose<frame::Camera, frame::World> X_CW_;
   double height_;  ///< m
   double half_;    ///< m
@@ -136,17 +178,18 @@ class Fit {
 }  // namespace
 
 TableFit fitted_on_table(const Picture& picture, const TableCamera& camera,
-                         const CubePosition& start, double edge, double pixel) {
+                         const CubePosition& start, double edge, double pixel,
+                         const std::vector<bool>& hidden) {
   const Top begin{start.top_W.x, start.top_W.y, start.yaw};
   // From afar first: with sides that are compared over a wider strip it does not stop early.
-  const Fit coarse(picture, camera, start.top_W.z, edge, 2.5 * pixel);
-  const Fit fine(picture, camera, start.top_W.z, edge, pixel);
+  const Fit coarse(picture, camera, start.top_W.z, edge, 2.5 * pixel, hidden);
+  const Fit fine(picture, camera, start.top_W.z, edge, pixel, hidden);
   const Top near = coarse.best_near(begin, 2 * pixel, from_deg(4));
   const Top top = fine.best_near(near, pixel, from_deg(2));
   if (std::hypot(top.x - begin.x, top.y - begin.y) > edge / 3) {
-    return {start, fine.contrast(begin, kEnough), fine.foot(begin)};
+    return {start, fine.contrast(begin), fine.foot(begin), fine.is_sure(begin)};
   }
-  TableFit fit{start, fine.contrast(top, kEnough), fine.foot(top)};
+  TableFit fit{start, fine.contrast(top), fine.foot(top), fine.is_sure(top)};
   fit.position.top_W.x = top.x;
   fit.position.top_W.y = top.y;
   fit.position.yaw = std::remainder(top.yaw, kPi / 2);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "sinew/vision/table_camera.h"
 
@@ -16,13 +17,18 @@ struct TableFit {
   /// The same where the side faces below it that are seen meet the table, of the one with the
   /// least; nothing where none is seen.
   std::optional<double> foot;
+  /// Whether enough of its sides is seen to say where it is: of each two that face each other one
+  /// half or more.
+  bool is_sure = true;
 };
 
 /// @param start  about where its top is; its level stays
 /// @param edge   m
 /// @param pixel  m on the top that a pixel shows
+/// @param hidden  cells of grid_of() that show something else before it, where that is known
 /// @return  `start` where the best place is farther away than a third of an edge
 TableFit fitted_on_table(const Picture& picture, const TableCamera& camera,
-                         const CubePosition& start, double edge, double pixel);
+                         const CubePosition& start, double edge, double pixel,
+                         const std::vector<bool>& hidden);
 
 }  // namespace sinew::vision
