@@ -3,6 +3,7 @@ import { batch, computed, effect, signal } from '@preact/signals';
 import { atWork, model, robot, status, store } from './app';
 import { basket, camera, open, shot } from './camera_state';
 import { errorSentence, refusalSentence } from './i18n';
+import { ConnectionError } from './logic/rpc';
 import { wordsOf } from './logic/row_kinds';
 import type { BasketJson, CubeReachJson, CubeVerdictJson, ErrorJson, Quat } from './logic/types';
 
@@ -12,7 +13,7 @@ const kReachMs = 700;
 /** A basket on its way, until the cell says that it is there. */
 export const dragged = signal<BasketJson | null>(null);
 /** What came of the last move: robots that do not reach it, or why it stayed. */
-export const basketNote = signal<{ what: 'stays' | 'far' | 'unsaved'; lines: string[] } | null>(null);
+export const basketNote = signal<{ what: 'stays' | 'far' | 'unsaved' | 'unanswered'; lines: string[] } | null>(null);
 
 export const showsReach = signal(false);
 export const reach = signal<CubeReachJson | null>(null);
@@ -36,6 +37,10 @@ export async function moveBasket(to: BasketJson): Promise<void> {
     settle(moved.basket);
     basketNote.value = moved.warnings.length > 0 ? { what: 'far', lines: moved.warnings.map((one) => `${one.robot}: ${errorSentence(one.error)}`) } : null;
   } catch (error) {
+    if (error instanceof ConnectionError) {
+      basketNote.value = { what: 'unanswered', lines: [] };
+      return;
+    }
     // It counts until the server ends, and says so: it could not be written.
     const counts = (error as { data?: { code?: string } }).data?.code === 'disk';
     if (counts) settle(to);

@@ -20,6 +20,7 @@ export const tableDe: Record<keyof typeof tableEn, string> = {
   'table.basket.y': 'Korb, y in der Zelle',
   'table.basket.turn': 'Drehung',
   'table.basket.far': 'Verschoben, aber nicht in Reichweite jedes Roboters',
+  'table.basket.unanswered': 'Es kam keine Antwort. Das Bild zeigt, wo der Korb gilt',
   'table.basket.unsaved': 'Versetzt, aber nicht gespeichert',
   'table.basket.stays': 'Der Korb wurde nicht verschoben',
 

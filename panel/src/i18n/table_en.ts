@@ -18,6 +18,7 @@ export const tableEn = {
   'table.basket.y': 'Basket, y in the cell',
   'table.basket.turn': 'Turn',
   'table.basket.far': 'Moved, but not in reach of every robot',
+  'table.basket.unanswered': 'No answer came. The picture shows where the basket counts',
   'table.basket.unsaved': 'Moved, but not saved',
   'table.basket.stays': 'The basket was not moved',
 

@@ -438,6 +438,7 @@ void Api::take_answered() {
   while (const auto done = checks_.take()) take_answered(*done);
   while (const auto done = pictures_.take()) take_answered(*done);
   while (const auto done = verdicts_.take()) take_answered(*done);
+  while (const auto done = moves_.take()) take_answered(*done);
   while (const auto done = calibrating_.take()) take_answered(*done);
   while (const auto done = wires_.take()) take_answered(*done);
 }

@@ -282,6 +282,8 @@ class Api {
   ShownTags shown_tags_;  ///< of pictures_' thread
   TaskDesk pictures_;     ///< of cameras
   TaskDesk verdicts_;     ///< of cubes
+  /// Of baskets that are moved: a person waits for it, and not for all verdicts before it.
+  TaskDesk moves_{TaskDesk::kWaitingMax, io::Share::kServing};
   CubeReachDesk reach_{cell_};
   Calibrations calibrations_;  ///< of calibrating_'s thread
   TaskDesk calibrating_;

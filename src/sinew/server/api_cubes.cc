@@ -137,7 +137,7 @@ Api::Answer Api::move_basket(const Call& call) {
     moved.X_WK.R = rotation_z(call.request.number("turn_rad", 0));
   }
   cell_.move_basket(*basket, moved.X_WK);
-  return Errand{verdicts_, as_task([this, moved]() -> Keeper::Result {
+  return Errand{moves_, as_task([this, moved]() -> Keeper::Result {
                   if (const auto kept = cell_.baskets().keep(); !kept) {
                     return std::unexpected(
                         RpcError{RpcCode::kFailed,

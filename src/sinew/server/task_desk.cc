@@ -3,12 +3,10 @@
 #include <algorithm>
 #include <utility>
 
-#include "sinew/io/thread_share.h"
-
 namespace sinew::server {
 
-TaskDesk::TaskDesk(std::size_t waiting_max)
-    : waiting_max_(waiting_max), thread_([this] { work(); }) {}
+TaskDesk::TaskDesk(std::size_t waiting_max, io::Share share)
+    : waiting_max_(waiting_max), thread_([this, share] { work(share); }) {}
 
 TaskDesk::~TaskDesk() {
   {
@@ -40,8 +38,8 @@ std::optional<Answered> TaskDesk::take() {
   return first;
 }
 
-void TaskDesk::work() {
-  io::let_others_go_first(io::Share::kThinking);
+void TaskDesk::work(io::Share share) {
+  io::let_others_go_first(share);
   std::unique_lock lock(mutex_);
   while (true) {
     more_.wait(lock, [this] { return ends_ || !waiting_.empty(); });

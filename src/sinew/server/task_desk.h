@@ -11,6 +11,7 @@
 #include <thread>
 #include <utility>
 
+#include "sinew/io/thread_share.h"
 #include "sinew/server/json_rpc.h"
 
 namespace sinew::server {
@@ -38,7 +39,7 @@ class TaskDesk {
   static constexpr std::size_t kWaitingMax = 64;
   static constexpr std::size_t kOfOneMax = 16;
 
-  explicit TaskDesk(std::size_t waiting_max = kWaitingMax);
+  explicit TaskDesk(std::size_t waiting_max = kWaitingMax, io::Share share = io::Share::kThinking);
   ~TaskDesk();
   TaskDesk(const TaskDesk&) = delete;
   TaskDesk& operator=(const TaskDesk&) = delete;
@@ -49,7 +50,7 @@ class TaskDesk {
   std::optional<Answered> take();
 
  private:
-  void work();
+  void work(io::Share share);
 
   const std::size_t waiting_max_;
   std::mutex mutex_;
