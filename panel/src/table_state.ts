@@ -104,19 +104,16 @@ effect(() => {
   return () => clearInterval(timer);
 });
 
-/** Of the camera that is shown: its cubes, on its table. */
-const region = computed(() => {
-  const one = camera.value;
-  return one ? [one.cube_m, one.table.z_m].join() : '';
-});
+/** Of the camera that is shown; they stay as they are where the cell describes itself again. */
+const cubeEdge = computed(() => camera.value?.cube_m);
+const tableHeight = computed(() => camera.value?.table.z_m);
 
 effect(() => {
   if (!open.value || !showsReach.value || !takesCubes.value) {
     reach.value = null;
     return;
   }
-  const [edge_m, z_m] = region.value.split(',').map(Number);
-  const asked = { robot: robot.value!, edge_m, z_m };
+  const asked = { robot: robot.value!, edge_m: cubeEdge.value, z_m: tableHeight.value };
   let under = false;
   const ask = async () => {
     if (under || reach.peek()?.done === 1) return;

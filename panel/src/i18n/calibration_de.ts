@@ -117,6 +117,10 @@ export const calibrationSentencesDe: ComplaintWords = {
       'Ansicht {view} passt nicht: {measured} bleiben (Grenze {limit}). Maße der Tafel prüfen, und ob alle Bilder diese Tafel zeigen.',
     'The fit did not converge: {measured} remain (limit {limit}). Check the dimensions of the board and that all pictures show this board.':
       'Die Ansichten passen nicht zusammen: {measured} bleiben (Grenze {limit}). Maße der Tafel prüfen, und ob alle Bilder diese Tafel zeigen.',
+    'The fit of view {view} found no pose that explains what is seen. Check the dimensions of the board and that all pictures show this board.':
+      'Ansicht {view} passt zu keiner Lage der Tafel. Maße der Tafel prüfen, und ob alle Bilder diese Tafel zeigen.',
+    'The fit found no pose that explains what is seen. Check the dimensions of the board and that all pictures show this board.':
+      'Die Ansichten passen zu keiner Lage der Tafel. Maße der Tafel prüfen, und ob alle Bilder diese Tafel zeigen.',
     'The calibration has no result yet: it needs {least} views of the board and one of the sheet.':
       'Die Kalibrierung hat noch kein Ergebnis: Sie braucht {least} Ansichten der Tafel und eine des Blattes.',
     '{camera} has given no picture. Check the camera and its cable.': '{camera} hat kein Bild geliefert. Kamera und Kabel prüfen.',

@@ -140,7 +140,7 @@ export interface JobJson {
   held_by?: number;
   stopped_by?: string;
   error?: ErrorJson;
-  /** What was told last: why it paused by itself, among others. */
+  /** What was told last. */
   last_notice?: ErrorJson;
   /** Why it paused by itself, while it does. */
   paused_by?: ErrorJson;
@@ -216,9 +216,10 @@ export interface SeenCubeJson {
   /** Its name. */
   in_basket?: string;
 }
-/** What camera.look tells; number 0: there is no picture yet. */
+/** What can happen to a simulated camera. */
 export const cameraTroubles = ['none', 'hand', 'covered', 'unplugged', 'frozen'] as const;
 export type CameraTrouble = (typeof cameraTroubles)[number];
+/** What camera.look tells; number 0: there is no picture yet. */
 export interface CameraShot {
   camera: string;
   number: number;

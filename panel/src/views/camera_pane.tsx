@@ -163,6 +163,7 @@ function Cubes({ now }: { now: CameraShot }): JSX.Element {
   const ready = canMove.value && !atWork.value;
   const chosen = chosenCube.value === null ? undefined : cubes[chosenCube.value];
   const here = onTable(cubes).length > 0;
+  const takes = ready && chosen?.x_m !== undefined && chosen.in_basket === undefined;
   return (
     <>
       {chosen ? (
@@ -176,11 +177,11 @@ function Cubes({ now }: { now: CameraShot }): JSX.Element {
           </p>
           {whyNot(chosen) && <p class="camera-why">{whyNot(chosen)}</p>}
           <div class="row">
-            <button type="button" class="primary" disabled={!ready || chosen.x_m === undefined || chosen.in_basket !== undefined} onClick={() => pick(chosen, false)}>
+            <button type="button" class="primary" disabled={!takes} onClick={() => pick(chosen, false)}>
               <Icon name="grab" /> {t('camera.pick')}
             </button>
             {basket.value && (
-              <button type="button" disabled={!ready || chosen.x_m === undefined || chosen.in_basket !== undefined} onClick={() => pick(chosen, true)}>
+              <button type="button" disabled={!takes} onClick={() => pick(chosen, true)}>
                 <Icon name="later" /> {t('camera.into', { basket: basket.value.name })}
               </button>
             )}

@@ -47,11 +47,14 @@ std::string sentence(const CalibrationError& error) {
              "). Add views with the board tilted by about 30 deg about its horizontal edge and "
              "about its vertical edge.";
     case kNotConverged:
-      return "The fit" + of_view(error) + " did not converge" +
-             (std::isfinite(error.measured)
-                  ? ": " + px(error.measured) + " remain (limit " + px(error.limit) + ")"
-                  : "") +
-             ". Check the dimensions of the board and that all pictures show this board.";
+      if (!std::isfinite(error.measured)) {
+        return "The fit" + of_view(error) +
+               " found no pose that explains what is seen. Check the dimensions of the board and "
+               "that all pictures show this board.";
+      }
+      return "The fit" + of_view(error) + " did not converge: " + px(error.measured) +
+             " remain (limit " + px(error.limit) +
+             "). Check the dimensions of the board and that all pictures show this board.";
   }
   return "";
 }

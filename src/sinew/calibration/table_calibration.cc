@@ -53,17 +53,20 @@ Calibrated<TableCalibration> table_calibration(std::span<const BoardView> views,
   if (!pose) return of_table(pose.error());
 
   std::vector<double> errors;
-  std::optional<CalibrationError> alone;  ///< of a fit without one view
+  std::optional<CalibrationError> alone;  // of a fit without one view
   for (std::size_t held = 0; held < views.size(); ++held) {
     std::vector<BoardView> rest(views.begin(), views.end());
     rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(held));
     const auto others = intrinsics(rest);
     // Without this view the rest may not do: then it is not one that can be held back.
-    if (others) add_errors(others->camera, views[held], norm(pose->X_CB.p), errors);
-    if (!others) alone = others.error();
+    if (others) {
+      add_errors(others->camera, views[held], norm(pose->X_CB.p), errors);
+    } else {
+      alone = others.error();
+    }
   }
   // No view says how wrong the others are: then nothing does.
-  if (errors.empty()) return std::unexpected(*alone);
+  if (errors.empty() && alone) return std::unexpected(*alone);
   TableCalibration result;
   result.intrinsics = std::move(*all);
   result.table = *pose;

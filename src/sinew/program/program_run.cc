@@ -91,6 +91,12 @@ bool Run::stands_held() const {
   return command_ != 0 && machine_.state() == MachineState::kHeld;
 }
 
+std::optional<Error> Run::fault() const {
+  const auto& latched = machine_.latched();
+  if (machine_.state() != MachineState::kFault || !latched) return std::nullopt;
+  return latched->error;
+}
+
 /// Who paused it may have changed what lies there.
 void Run::forget_picture() {
   sighting_.reset();
@@ -137,15 +143,13 @@ void Run::go_on(Instant now) {
     command_ = machine_.give(*asked_);
   }
   const bool waits = current_ && command_ == 0 && !paused_ && !looks_ && !wait_end_;
-  if (waits && machine_.state() == MachineState::kFault && machine_.latched()) {
-    return fail(machine_.latched()->error, now);
-  }
+  if (waits && fault()) return fail(*fault(), now);
   while (phase_ == Phase::kRunning && !current_ && !paused_) {
     if (next_ < plan_.orders.size()) {
       // A doubt of the driver's, or somebody's motion that is still coming to rest.
-      if (machine_.state() == MachineState::kFault && machine_.latched()) {
+      if (const auto why = fault()) {
         const Order& next = plan_.orders[next_];
-        return fail({next.line, machine_.latched()->error, std::nullopt, next.file}, now);
+        return fail({next.line, *why, std::nullopt, next.file}, now);
       }
       if (machine_.state() != MachineState::kReady) return;
     }

@@ -132,7 +132,7 @@ class Run {
 
   Phase phase() const { return phase_; }
   bool paused() const { return paused_; }
-  /// Why it paused by itself; nothing where somebody asked for it, or it goes on.
+  /// Why it paused by itself; nothing where a client asked for it, or it goes on.
   const std::optional<Error>& paused_by() const { return paused_by_; }
   /// The lease is lost: what moved is held, and resume() goes on once the machine has one again.
   bool left() const { return left_; }
@@ -174,6 +174,8 @@ class Run {
   void go_on(Instant now);
   void watch_view(Instant now);
   void forget_picture();
+  /// Why the machine takes nothing more; nothing where it does.
+  std::optional<Error> fault() const;
   void take(const Event& event, Instant now);
   void take_notice(const Error& error, Instant now);
   void take_end(const Event& event, Instant now);

@@ -59,9 +59,9 @@ class Eye {
       edge = edge || !here.is_same_face(other);
       mixed = mixed || differ(here.shade.color, other.shade.color);
     });
-    if (!edge && !mixed) return mean_light(here, x, y) * here.shade.color + here.shade.mirrored;
-    constexpr int kFine = 3;
     const Rgb arrives = mean_light(here, x, y);
+    if (!edge && !mixed) return arrives * here.shade.color + here.shade.mirrored;
+    constexpr int kFine = 3;
     Rgb sum;
     for (int k = 0; k < kFine * kFine; ++k) {
       const Ray ray = ray_of(x, y, (k % kFine + random_.uniform(0, 1)) / kFine,
@@ -89,11 +89,11 @@ class Eye {
             static_cast<std::uint16_t>(hit->face), hit->normal_W.z > kUp};
   }
 
-  /// Of a ray between pixels that all show the same face.
+  /// Of a ray between pixels that all show the same face, in several colors: one of a solid.
   Rgb face_light(const Ray& ray, const Seen& here, Rgb arrives) const {
-    const auto p_S = here.solid == kNoSolid ? std::nullopt : tracer_.crossing_of(here.solid, ray);
-    if (!p_S) return arrives * here.shade.color + here.shade.mirrored;
-    return arrives * color_at(scene_.solids[here.solid], *p_S) + here.shade.mirrored;
+    const auto p_S = tracer_.crossing_of(here.solid, ray);
+    const Rgb color = p_S ? color_at(scene_.solids[here.solid], *p_S) : here.shade.color;
+    return arrives * color + here.shade.mirrored;
   }
 
   /// Of a ray inside the pixel (x, y). @param here  mean light on what the pixel's middle shows

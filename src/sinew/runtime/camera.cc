@@ -229,9 +229,13 @@ std::uint64_t Camera::disturbances() const {
   return disturbances_;
 }
 
+std::vector<render::ViewedRobot> Camera::robots() const {
+  return watch_.robots ? watch_.robots() : std::vector<render::ViewedRobot>{};
+}
+
 Camera::Shot Camera::take(const std::stop_token& ending) {
   Shot shot;
-  auto before = watch_.robots ? watch_.robots() : std::vector<render::ViewedRobot>{};
+  auto before = robots();
   auto picture = source_(ending);
   if (!picture) {
     shot.fault = picture.error();
@@ -243,9 +247,9 @@ Camera::Shot Camera::take(const std::stop_token& ending) {
   shot.seen = vision::detect_cubes(shot.picture);
   if (!heeded_) return shot;
   constexpr double kMargin = 4e-3;  // m: how exact a model is, and what is believed of it
-  const auto robots = watch_.robots ? between(std::move(before), watch_.robots()) : std::nullopt;
+  const auto all = between(std::move(before), robots());
   std::vector<bool> hidden;
-  if (robots) hidden = render::silhouette(*robots, heeded_->model, heeded_->X_WC, kMargin);
+  if (all) hidden = render::silhouette(*all, heeded_->model, heeded_->X_WC, kMargin);
   vision::place_on_table(shot.seen, shot.picture, *heeded_, settings_.edge, hidden);
   return shot;
 }

@@ -86,6 +86,8 @@ class Camera {
 
   void work(const std::stop_token& ending);
   void heed(std::shared_ptr<const vision::TableCamera> calibration);
+  /// In its view, as they are believed to stand; none where that is not known.
+  std::vector<render::ViewedRobot> robots() const;
   Shot take(const std::stop_token& ending);
   bool sees_more(const std::stop_token& ending);
   std::optional<Error> fault_of(const vision::Picture& picture);

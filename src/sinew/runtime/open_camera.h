@@ -23,9 +23,10 @@ using CameraWanted = io::VideoWanted;
 /// A camera is opened at once, so that what is wrong with it is known before anything else begins.
 /// An image file need not be there yet.
 /// @error  a sentence that names the device, what is wrong with it and what to do
-/// Whether its pictures were taken before: a folder, or a stored video. Each look uses one up.
-bool is_stored(const std::string& device);
 std::expected<CameraSource, std::string> open_camera(const std::string& device,
                                                      const CameraWanted& wanted);
+
+/// Whether its pictures were taken before: a folder, or a stored video. Each look uses one up.
+bool is_stored(const std::string& device);
 
 }  // namespace sinew::runtime

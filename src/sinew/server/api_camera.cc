@@ -63,8 +63,8 @@ Api::Answer Api::trouble_camera(const Call& call) {
   const CellCamera& camera = cell_.cell().cameras[*i];
   if (camera.device != kSimulatedCamera) {
     return invalid("the camera " + camera.name +
-                   " is not simulated; device = \"simulated\" of its " +
-                   "[[camera]] in the cell's file makes it so");
+                   " is not simulated; device = \"simulated\" of its [[camera]] in the cell's "
+                   "file makes it so");
   }
   const auto trouble = trouble_named(call.request.text("trouble"), *cell_.table(), *i);
   if (!trouble) return invalid("trouble has to be none, hand, covered, unplugged or frozen");

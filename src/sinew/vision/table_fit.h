@@ -22,9 +22,9 @@ struct TableFit {
   bool is_sure = true;
 };
 
-/// @param start  about where its top is; its level stays
-/// @param edge   m
-/// @param pixel  m on the top that a pixel shows
+/// @param start   about where its top is; its level stays
+/// @param edge    m
+/// @param pixel   m on the top that a pixel shows
 /// @param hidden  cells of grid_of() that show something else before it, where that is known
 /// @return  `start` where the best place is farther away than a third of an edge
 TableFit fitted_on_table(const Picture& picture, const TableCamera& camera,
