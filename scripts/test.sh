@@ -1,14 +1,13 @@
 #!/usr/bin/env bash
-# Every test: all of them in the release build, and what reads bytes or files once more under the
-# address and undefined-behaviour sanitizers. Closes with "N passed, N failed",
+# Every test: all of them in the release build, and what reads bytes of devices or files once more
+# under the address and undefined-behaviour sanitizers. Closes with "N passed, N failed",
 # and behind it what has passed on its second try only.
 # shellcheck source=scripts/lib.sh
 source "$(dirname "${BASH_SOURCE[0]}")/lib.sh"
 
-# Rooms that read what others have written (bytes of devices, files, journals): their tests are
-# repeated under the sanitizers, with the network door and the replayed fuzz corpora. Every other
-# test under them: make campaign PARTS=asan.
-byte_rooms="core wire config driver program io runtime vision"
+# Rooms that read what others have written: their tests are repeated under the sanitizers, with the
+# fuzz corpora that need no server. Every other test under them: make campaign PARTS=asan.
+byte_rooms=(core wire config driver program io vision)
 
 passed=0
 failed=0
@@ -71,22 +70,44 @@ run_tests() {
   return "$code"
 }
 
-# Names of the tests for the sanitizers, joined for ctest -R.
-byte_tests() {
-  local room rooms
-  rooms=$(for room in $byte_rooms; do echo "${room}_test"; done)
-  { echo "$rooms"; echo web_test; ctest --test-dir build/asan/fuzz -N 2>/dev/null | sed -n 's/^ *Test *#[0-9]*: //p'; } |
-    sed 's/[.+]/\\&/g' | paste -s -d '|' | sed 's/.*/^(&)$/'
+# The corpora that are replayed under the sanitizers, by their programs' names.
+corpora() {
+  ctest --test-dir build/asan/fuzz -N 2>/dev/null | sed -n 's/^ *Test *#[0-9]*: //p' |
+    grep -v '_request_'
 }
 
-# Ninja's name for all that a folder builds, for each room that stands and for the corpora.
-byte_targets() {
-  local room
-  for room in $byte_rooms; do
-    if [[ -e src/sinew/$room/CMakeLists.txt ]]; then echo "src/sinew/$room/all"; fi
-  done
-  printf "%s\n" tests/web/all fuzz/all
+# Names of the tests for the sanitizers, joined for ctest -R.
+byte_tests() {
+  { printf '%s_test\n' "${byte_rooms[@]}"; corpora; } | sed 's/[.+]/\\&/g' | paste -s -d '|' |
+    sed 's/.*/^(&)$/'
 }
+
+# Ninja's names for what these tests need.
+byte_targets() {
+  printf 'src/sinew/%s/all\n' "${byte_rooms[@]}"
+  corpora
+}
+
+# Most tests wait for machines in real time: the sanitizers' build goes on meanwhile with what
+# processor time they leave. It gives way at once to whatever else wants to run.
+ahead=
+begin_asan_build() {
+  local targets
+  configure asan -DSINEW_TESTS=ON || return 0
+  mapfile -t targets < <(byte_targets)
+  set -m
+  chrt --idle 0 cmake --build build/asan -j "$(jobs_count)" --target "${targets[@]}" \
+    >"$logs/build-asan-ahead.log" 2>&1 </dev/null &
+  ahead=$!
+  set +m
+}
+end_asan_build() {
+  if [[ -z $ahead ]]; then return 0; fi
+  kill -TERM -- "-$ahead" 2>/dev/null || true
+  wait "$ahead" || true
+  ahead=
+}
+trap end_asan_build EXIT
 
 # The panel's types and unit tests; where there is no node it says so and is no test.
 panel_part() {
@@ -106,13 +127,17 @@ nothing_left_out() {
 }
 
 release_part() {
+  local code=0
   if ! configure_release_tests || ! build release; then
     failed=$((failed + 1))
     return 1
   fi
   # Old results would speak for programs that no longer run.
   rm -rf build/release/test_results
-  SINEW_FULL_RUN=1 run_tests release
+  begin_asan_build
+  SINEW_FULL_RUN=1 run_tests release || code=$?
+  end_asan_build
+  return "$code"
 }
 
 asan_part() {

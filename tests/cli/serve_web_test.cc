@@ -62,15 +62,6 @@ TEST_F(ServeWeb, a_port_that_is_taken_is_fatal_where_it_was_asked_for) {
 }
 
 /// What `make run` plays where no terminal is.
-TEST_F(ServeWeb, a_demonstration_played_once_shows_all_five_and_ends) {
-  const Ended ended = sinew({"serve", "--demo-once", "--socket", folder_.at("cell.sock"),
-                             "--listen", "none", "--record-folder", "none"});
-  EXPECT_EQ(ended.exit, 0) << ended.err;
-  for (const char* robot : {"arm", "learm", "big", "max", "platform"}) {
-    EXPECT_NE(ended.err.find(std::string(robot) + ": shown"), std::string::npos) << ended.err;
-  }
-}
-
 TEST_F(ServeWeb, the_usual_port_that_is_taken_is_no_end_where_none_was_asked_for) {
   Process first(serve("first.sock", {"--json"}));
   const std::string url = begun(first)["web"]["url"];

@@ -18,7 +18,6 @@ sys.path.insert(0, str(ROOT / "clients/python"))
 
 import sinew  # noqa: E402
 
-SECONDS = 10
 # Of a core; docs/web.md has what was measured. Processors differ: the same program took 16 % on one
 # and 34 % on another, and the simulated camera takes 15 to 40 % beside it.
 DEMO_MAX, REST_MAX = 0.9, 0.1
@@ -40,48 +39,64 @@ def memory_mb(process):
 class Demonstration:
     """The built-in cell, playing."""
 
-    def __init__(self, program):
+    def __init__(self, program, option="--demo"):
         self.folder = tempfile.TemporaryDirectory()
         self.socket = self.folder.name + "/s"
+        self.told = open(self.folder.name + "/told", "w+", encoding="utf-8")
         home = dict(os.environ, XDG_STATE_HOME=self.folder.name, XDG_RUNTIME_DIR=self.folder.name)
         self.server = subprocess.Popen(
-            [program, "serve", "--demo", "--socket", self.socket, "--listen", "127.0.0.1:0", "--json"],
-            stdout=subprocess.PIPE, text=True, env=home)
-        self.server.stdout.readline()
+            [program, "serve", option, "--socket", self.socket, "--listen", "127.0.0.1:0"],
+            stdout=self.told, stderr=self.told, env=home)
         time.sleep(10)  # opened, homed where homing is short, and playing
 
     def end(self):
         self.server.terminate()
-        self.server.communicate(timeout=60)
+        self.server.wait(timeout=60)
+        self.told.close()
         self.folder.cleanup()
 
-    def share(self):
-        """Of a core, over SECONDS."""
+    def share(self, seconds):
+        """Of a core."""
         began, used = time.monotonic(), processor_s(self.server.pid)
-        time.sleep(SECONDS)
+        time.sleep(seconds)
         return (processor_s(self.server.pid) - used) / (time.monotonic() - began)
+
+    def shares(self, seconds):
+        """Sorted: the middle of three counts, as what moves differs."""
+        shares = sorted(self.share(seconds) for _ in range(3))
+        print("# " + ", ".join(f"{100 * share:.1f} %" for share in shares))
+        return shares
 
 
 class Load(unittest.TestCase):
     PROGRAM = ""
 
-    def test_a_demonstration_and_robots_at_rest_leave_the_processor_to_others(self):
-        demo = Demonstration(self.PROGRAM)
+    def demonstration(self, *option):
+        demo = Demonstration(self.PROGRAM, *option)
         self.addCleanup(demo.end)
-        # The middle of three: what moves differs.
-        playing = sorted(demo.share() for _ in range(3))
+        return demo
+
+    def test_a_demonstration_that_is_played_once_leaves_the_processor_to_others_and_ends(self):
+        demo = self.demonstration("--demo-once")
+        playing = demo.shares(10)[1]
+        self.assertEqual(demo.server.wait(timeout=120), 0)
+        demo.told.seek(0)
+        told = demo.told.read()
+        for robot in ("arm", "learm", "big", "max", "platform"):
+            self.assertIn(robot + ": shown", told)
+        self.assertLess(playing, DEMO_MAX)
+        self.assertGreater(playing, REST_MAX, "nothing played")
+
+    def test_robots_at_rest_leave_the_processor_to_others(self):
+        demo = self.demonstration()
         with sinew.connect(demo.socket) as cell:
             cell.call("robot.stop")
             time.sleep(3)
-            resting = sorted(demo.share() for _ in range(3))
+            resting = demo.shares(5)[1]
             states = [robot["state"] for robot in cell.statuses()]
-        for name, shares in (("demonstration", playing), ("at rest", resting)):
-            print(f"# {name}: " + ", ".join(f"{100 * share:.1f} %" for share in shares))
         self.assertEqual(len(states), 5)
         self.assertNotIn("moving", states)
-        self.assertLess(playing[1], DEMO_MAX)
-        self.assertLess(resting[1], REST_MAX)
-        self.assertGreater(playing[1], resting[1], "nothing played")
+        self.assertLess(resting, REST_MAX)
 
 
 def soak(program, minutes):
