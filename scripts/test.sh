@@ -88,27 +88,6 @@ byte_targets() {
   corpora
 }
 
-# Most tests wait for machines in real time: the sanitizers' build goes on meanwhile with what
-# processor time they leave. It gives way at once to whatever else wants to run.
-ahead=
-begin_asan_build() {
-  local targets
-  configure asan -DSINEW_TESTS=ON || return 0
-  mapfile -t targets < <(byte_targets)
-  set -m
-  chrt --idle 0 cmake --build build/asan -j "$(jobs_count)" --target "${targets[@]}" \
-    >"$logs/build-asan-ahead.log" 2>&1 </dev/null &
-  ahead=$!
-  set +m
-}
-end_asan_build() {
-  if [[ -z $ahead ]]; then return 0; fi
-  kill -TERM -- "-$ahead" 2>/dev/null || true
-  wait "$ahead" || true
-  ahead=
-}
-trap end_asan_build EXIT
-
 # The panel's types and unit tests; where there is no node it says so and is no test.
 panel_part() {
   local code=0
@@ -127,17 +106,13 @@ nothing_left_out() {
 }
 
 release_part() {
-  local code=0
   if ! configure_release_tests || ! build release; then
     failed=$((failed + 1))
     return 1
   fi
   # Old results would speak for programs that no longer run.
   rm -rf build/release/test_results
-  begin_asan_build
-  SINEW_FULL_RUN=1 run_tests release || code=$?
-  end_asan_build
-  return "$code"
+  SINEW_FULL_RUN=1 run_tests release
 }
 
 asan_part() {

@@ -21,7 +21,8 @@ using grasping::Cube;
 using sim::CubePlace;
 using Kind = sim::CubeEvent::Kind;
 
-constexpr double kSame = 0.012;  // m, from a cube that is seen to the true one
+constexpr double kSame = 0.012;         // m, from a cube that is seen to the true one
+constexpr double kPictureError = 1e-3;  // m, of a place, beside the calibration's
 
 /// Papers, strips of tape, discs and bricks, not where the arm and the basket stand.
 std::vector<Thing> clutter_by(SplitMix64& random) {
@@ -94,7 +95,7 @@ std::optional<program::Refusal> refusal_of(CubeCell& cell, const program::Sighti
 /// What the last picture shows and refuses, held against where the cubes really are.
 void check_refusals(std::uint64_t seed, CubeCell& cell, const Left& left, Tally& tally) {
   const program::Sighting seen = last_sighting(cell);
-  double slack = 1e-3;  // m
+  double slack = kPictureError;
   for (const Cube& cube : seen.cubes) {
     const auto same = nearest_to(left.cubes, cube.p_BO);
     if (same) slack = std::max(slack, norm(left.cubes[*same].p_BO - cube.p_BO));
@@ -212,12 +213,14 @@ void run_cell(std::uint64_t seed, Tally& tally) {
   ++tally.cells;
   cell.table().set_trouble(what.trouble);
   if (what.is_knocked) return run_knocked(seed, cell, tally);
+  cell.stand_aside();
   std::vector<sim::CubeState> first;
-  cell.table().cubes().with([&](sim::CubeWorld& world) {
+  cell.table().cubes().with([&](const sim::CubeWorld& world) {
     first.assign(world.cubes().begin(), world.cubes().end());
-    world.clear_events();
   });
-  const auto reachable = can_be_taken(cell.robot(), left_of(cell, first).cubes, 0);
+  const PlanarError& off = what.settings.calibration;
+  const auto reachable = can_be_taken(cell.robot(), left_of(cell, first).cubes,
+                                      kPictureError + std::hypot(off.x, off.y));
   TruthWatch watch(cell, what.settings.clutter);
   const runtime::Station& arm = cell.cell().station(0);
   const Instant begin = arm.view().at;

@@ -25,10 +25,11 @@ CampaignCell cell_by(std::uint64_t seed);
 struct Tally {
   std::size_t cells = 0;
   std::size_t cubes = 0;
-  std::size_t reachable = 0;  ///< by brute force on the true places, one after the other
-  std::size_t placed = 0;     ///< reachable ones in the basket
-  std::size_t beyond = 0;     ///< in the basket although brute force found no grasp
-  std::size_t unseen = 0;     ///< reachable, left, and the last picture shows none there
+  /// By brute force on the true places, one after the other, wherever they are believed to be.
+  std::size_t reachable = 0;
+  std::size_t placed = 0;  ///< reachable ones in the basket
+  std::size_t beyond = 0;  ///< in the basket although brute force found no grasp
+  std::size_t unseen = 0;  ///< reachable, left, and the last picture shows none there
   std::size_t thrown = 0;
   std::size_t contacts = 0;
   std::size_t outside = 0;  ///< looks at a joint outside of its limits

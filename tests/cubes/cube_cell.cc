@@ -166,10 +166,21 @@ void CubeCell::keep_lease() {
   client_->keep_lease(clock_.now());
 }
 
-Ended CubeCell::run_own_program(const std::function<void()>& look) {
+std::string CubeCell::own_program() const {
   const std::string file = SINEW_SOURCE_DIR "/robots/" + robot().id + "/pick_and_place.sinew";
   std::ifstream stream(file);
-  begin({std::istreambuf_iterator<char>(stream), {}});
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+void CubeCell::stand_aside() {
+  const std::string rows = own_program();
+  const Ended ended = run(rows.substr(0, rows.find("\nrepeat") + 1));
+  EXPECT_EQ(ended.job.phase, program::Run::Phase::kDone) << ended.text();
+  table().cubes().with([](sim::CubeWorld& world) { world.clear_events(); });
+}
+
+Ended CubeCell::run_own_program(const std::function<void()>& look) {
+  begin(own_program());
   return finish(std::chrono::minutes(10), look);
 }
 

@@ -53,7 +53,10 @@ class CubeCell {
   explicit CubeCell(const CubeCellSettings& settings);
   /// To its end, or `patience` of real time.
   Ended run(const std::string& program, Duration patience = std::chrono::minutes(4));
-  /// The file's rows, of the robot's folder in robots/.
+  /// The first rows of the robot's own program, as it lies anywhere when it begins; what happened
+  /// meanwhile is forgotten.
+  void stand_aside();
+  /// pick_and_place.sinew, of the robot's folder in robots/.
   Ended run_own_program(const std::function<void()>& look = {});
   /// Begins it; finish() is its end.
   void begin(const std::string& program);
@@ -69,6 +72,8 @@ class CubeCell {
   JointVector joints() const;
 
  private:
+  std::string own_program() const;
+
   io::Clock clock_;
   std::unique_ptr<runtime::RunningCell> cell_;
   std::unique_ptr<runtime::StationClient> client_;  ///< whose lease the programs run under

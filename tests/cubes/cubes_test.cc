@@ -26,8 +26,7 @@ void expect_in_the_basket(const std::vector<std::uint64_t>& seeds, bool is_maxar
                    .cubes = 1 + seed % 4,
                    .is_maxarm = is_maxarm,
                    .surroundings = is_maxarm ? seed : 1});
-    cell.run("look\n");
-    cell.table().cubes().with([](sim::CubeWorld& world) { world.clear_events(); });
+    cell.stand_aside();
     const Ended ended = cell.run_own_program();
     SCOPED_TRACE("cell " + std::to_string(seed) + "\n" + ended.text());
     EXPECT_EQ(ended.job.phase, program::Run::Phase::kDone);

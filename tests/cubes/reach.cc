@@ -19,10 +19,10 @@ using planning::PlacedBox;
 using planning::ToolSpace;
 
 // What the refusals promise to keep, as docs/vision.md has them.
-constexpr double kClear = 2e-3;             // m, to other cubes
+constexpr double kClear = 3e-3;             // m, to other cubes
 constexpr double kEnter = 3e-3;             // m, beside the cube on each side
 constexpr double kTableClear = 5e-3;        // m, below the tips
-constexpr double kSqueeze = 4e-3;           // m
+constexpr double kSqueeze = 3e-3;           // m
 constexpr double kHold = 5e-3;              // m, that closed tips reach below the top
 constexpr double kSkewMax = 0.22;           // sine: jaws to table
 constexpr double kAbove = 20e-3;            // m, from where it goes down
@@ -146,7 +146,7 @@ bool cup_takes(const RobotModel& robot, std::span<const Cube> cubes, std::size_t
   const Cube& cube = cubes[which];
   const double top = cube.p_BO.z + cube.edge / 2;
   for (std::size_t i = 0; i < cubes.size(); ++i) {
-    if (i == which || cubes[i].p_BO.z + cubes[i].edge / 2 < top + kClear) continue;
+    if (i == which || cubes[i].p_BO.z + cubes[i].edge / 2 < top + 2e-3) continue;
     const Vec3 between = cubes[i].p_BO - cube.p_BO;
     const double near = std::hypot(between.x, between.y) - cubes[i].edge / 2;
     if (near < kCup + kClear + slack) return false;

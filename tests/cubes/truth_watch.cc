@@ -14,8 +14,8 @@ namespace {
 using sim::CubePlace;
 using Kind = sim::CubeEvent::Kind;
 
-constexpr double kLimitTolerance = from_deg(0.2);
-constexpr double kFlat = 1e-3;  // m; nothing meets what is flatter
+constexpr double kLimitTolerance = from_deg(0.5);  // a servo stands two of its steps beside
+constexpr double kFlat = 1e-3;                     // m; nothing meets what is flatter
 
 double apart(const planning::PlacedShape& body, const planning::PlacedBox& box) {
   return std::visit([&](const auto& shape) { return planning::distance(shape, box); }, body);

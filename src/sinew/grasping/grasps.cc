@@ -13,17 +13,19 @@
 namespace sinew::grasping {
 namespace {
 
-constexpr double kMargin = 2e-3;     // m, between fingers and what they must not touch
-constexpr double kEnter = 3e-3;      // m, beside the cube on each side, as it may lie off so far
-constexpr double kSqueeze = 4e-3;    // m
-constexpr double kGripLow = 7e-3;    // m above what it stands on; the table has a margin of its own
-constexpr double kGripShare = 0.4;   // of the edge, above what it stands on
-constexpr double kHand = 25e-3;      // m, from the tips of closed jaws up to the hand
-constexpr double kHandHalf = 42e-3;  // m, of the hand along the jaws
+constexpr double kMargin = 2e-3;   // m, of heights, and of what stands on what
+constexpr double kApart = 3e-3;    // m, between the tool and other cubes: places are off by so much
+constexpr double kEnter = 3e-3;    // m, beside the cube on each side, as it may lie off so far
+constexpr double kBeside = 8e-3;   // m, beside it at most: wider jaws meet more
+constexpr double kSqueeze = 3e-3;  // m
+constexpr double kGripLow = 7e-3;  // m above what it stands on; the table has a margin of its own
+constexpr double kGripShare = 0.4;    // of the edge, above what it stands on
+constexpr double kHand = 25e-3;       // m, from the tips of closed jaws up to the hand
+constexpr double kHandHalf = 42e-3;   // m, of the hand along the jaws
 constexpr double kCupRadius = 12e-3;  // m
 constexpr double kHold = 5e-3;        // m, that closed tips reach below a cube's top
 constexpr double kSkewMax = 0.22;     // sine of the angle between the jaws and the table
-constexpr double kTiltStep = from_deg(5);
+constexpr double kTiltStep = from_deg(2.5);
 constexpr double kTiltMax = from_deg(50);
 
 /// An upright rectangle seen from above.
@@ -89,7 +91,7 @@ double room_beside(std::span<const Cube> cubes, std::size_t which, double angle,
     const Plan swept{cube.p_BO + (begin + end) / 2 * u, angle, (end - begin) / 2, half};
     for (std::size_t i = 0; i < cubes.size(); ++i) {
       if (i == which || top(cubes[i]) < above - kMargin) continue;
-      if (overlap(swept, plan_of(cubes[i], kMargin))) return true;
+      if (overlap(swept, plan_of(cubes[i], kApart))) return true;
     }
     return false;
   };
@@ -110,6 +112,54 @@ double roll_for(double angle, double pitch) {
   return roll;
 }
 
+/// Where tips around one cube end, of jaws along one pair of its faces.
+class TipPlaces {
+ public:
+  TipPlaces(const RobotModel& robot, const JawGripper& gripper, const Cube& cube)
+      : gripper_(gripper), fingers_(fingers_of(robot)), cube_(cube) {}
+
+  double grip() const {
+    const double half = cube_.edge / 2;
+    return std::min(half, std::max(kGripLow, kGripShare * cube_.edge)) - half;
+  }
+  /// Nothing where they would come too near to what the cube stands on, hold too little of it, or
+  /// stand askew.
+  /// @param along  rad, the direction of the jaws. @param tilt  rad, from straight down, outward
+  /// @param room   m, beside the cube, a finger's thickness included
+  /// @param up     m, higher than usual
+  std::optional<JawGrasp> place(double along, double tilt, double room, double up) const {
+    const double yaw = std::atan2(cube_.p_BO.y, cube_.p_BO.x);
+    JawGrasp grasp;
+    grasp.pitch = kPi - tilt;
+    grasp.roll = roll_for(along - yaw, grasp.pitch);
+    grasp.room = room - fingers_.thick;
+    grasp.open = cube_.edge + 2 * grasp.room;
+    grasp.close = std::max(0.0, cube_.edge - kSqueeze);
+    // What the lower one of two tilted fingers is lower than the middle of the tips.
+    const double skew = std::abs(std::sin(grasp.pitch) * std::sin(grasp.roll));
+    const auto lower = [&](double width) {
+      return fingers_.half_wide * std::abs(std::sin(tilt)) + skew * (width / 2 + fingers_.thick);
+    };
+    const double ahead = jaw_reach(gripper_, grasp.close) - jaw_reach(gripper_, grasp.open);
+    Vec3 p_closed = cube_.p_BO;
+    p_closed.z += grip() + lower(grasp.close) + up;
+    const double floor = cube_.p_BO.z - cube_.edge / 2;
+    const double lowest = p_closed.z + ahead * std::cos(tilt) - lower(grasp.open);
+    const bool is_held = p_closed.z < top(cube_) - kHold;
+    const bool is_clear = lowest >= floor + kGripLow - kMargin;
+    if (skew > kSkewMax || !is_clear || !is_held) return std::nullopt;
+    const Vec3 approach{std::sin(grasp.pitch) * std::cos(yaw),
+                        std::sin(grasp.pitch) * std::sin(yaw), std::cos(grasp.pitch)};
+    grasp.p_BT = p_closed - ahead * approach;
+    return grasp;
+  }
+
+ private:
+  const JawGripper& gripper_;
+  Fingers fingers_;
+  const Cube& cube_;
+};
+
 }  // namespace
 
 Expected<std::vector<JawGrasp>> jaw_grasps(const RobotModel& robot, std::span<const Cube> cubes,
@@ -126,49 +176,40 @@ Expected<std::vector<JawGrasp>> jaw_grasps(const RobotModel& robot, std::span<co
     return std::unexpected(
         Error{ErrorCode::kCubeTooWide, -1, cube.edge, gripper.width_max - 2 * kEnter});
   }
-  const double grip =
-      std::min(cube.edge / 2, std::max(kGripLow, kGripShare * cube.edge)) - cube.edge / 2;
-  const double widest = (gripper.width_max - cube.edge) / 2 + fingers.thick;
+  const TipPlaces places(robot, gripper, cube);
+  const double tips = cube.p_BO.z + places.grip();
+  const double widest = std::min(kBeside, (gripper.width_max - cube.edge) / 2) + fingers.thick;
   const double needed = fingers.thick + kEnter;
-  const double yaw = std::atan2(cube.p_BO.y, cube.p_BO.x);
   std::vector<JawGrasp> grasps;
+  // Wide jaws may come too near to the arm itself, and a joint may end a little too early.
+  const auto add = [&](double along, double tilt, double room) {
+    for (const double up : {0.0, 3e-3, -2e-3}) {
+      for (const double open : {room, needed}) {
+        if (const auto grasp = places.place(along, tilt, open, up)) grasps.push_back(*grasp);
+        if (room < needed + kMargin) break;
+      }
+    }
+  };
   double most = 0;
   for (const double along : {cube.yaw, cube.yaw + kPi / 2}) {
-    const double tips = cube.p_BO.z + grip;
     for (int step = 0; step * kTiltStep <= kTiltMax + 1e-9; ++step) {
       const double tilt = step * kTiltStep;
-      const double lean = std::tan(tilt) * (cube.edge / 2 - grip);
+      const double lean = std::tan(tilt) * (cube.edge / 2 - places.grip());
       const double room =
           std::min(room_beside(cubes, which, along, fingers, tips, lean, widest),
                    room_beside(cubes, which, along + kPi, fingers, tips, lean, widest));
       most = std::max(most, room);
       if (room < needed) break;  // more tilt takes more
-      JawGrasp grasp;
-      grasp.pitch = kPi - tilt;
-      grasp.roll = roll_for(along - yaw, grasp.pitch);
-      grasp.open = cube.edge + 2 * (room - fingers.thick);
-      grasp.close = std::max(0.0, cube.edge - kSqueeze);
-      grasp.room = room - fingers.thick;
-      // What the lower one of two tilted fingers is lower than the middle of the tips.
-      const double skew = std::abs(std::sin(grasp.pitch) * std::sin(grasp.roll));
-      const auto lower = [&](double width) {
-        return fingers.half_wide * std::sin(tilt) + skew * (width / 2 + fingers.thick);
-      };
-      const double ahead = jaw_reach(gripper, grasp.close) - jaw_reach(gripper, grasp.open);
-      const Vec3 p_closed{cube.p_BO.x, cube.p_BO.y, cube.p_BO.z + grip + lower(grasp.close)};
-      const double floor = cube.p_BO.z - cube.edge / 2;
-      const double lowest = p_closed.z + ahead * std::cos(tilt) - lower(grasp.open);
-      const bool is_held = p_closed.z < cube.p_BO.z + cube.edge / 2 - kHold;
-      if (skew > kSkewMax || lowest < floor + kGripLow - kMargin || !is_held) continue;
-      const Vec3 approach{std::sin(grasp.pitch) * std::cos(yaw),
-                          std::sin(grasp.pitch) * std::sin(yaw), std::cos(grasp.pitch)};
-      grasp.p_BT = p_closed - ahead * approach;
-      grasps.push_back(grasp);
+      // As far from a neighbour as from the cube.
+      const double open = room < widest ? (needed + room) / 2 : room;
+      add(along, tilt, open);
+      if (step > 0) add(along, -tilt, open);
     }
   }
   if (grasps.empty()) return std::unexpected(Error{ErrorCode::kCubeCrowded, -1, most, needed});
   std::ranges::stable_sort(grasps, [](const JawGrasp& a, const JawGrasp& b) {
-    return a.pitch != b.pitch ? a.pitch > b.pitch : a.room > b.room;
+    const double tilt = std::abs(a.pitch - kPi), other = std::abs(b.pitch - kPi);
+    return std::abs(tilt - other) > 1e-9 ? tilt < other : a.room > b.room;
   });
   return grasps;
 }
@@ -181,11 +222,11 @@ Expected<Vec3> cup_grasp(std::span<const Cube> cubes, std::size_t which) {
   const Plan cup{cube.p_BO, 0, kCupRadius, kCupRadius};
   for (std::size_t i = 0; i < cubes.size(); ++i) {
     const bool taller = i != which && top(cubes[i]) > top(cube) + kMargin;
-    if (!taller || !overlap(cup, plan_of(cubes[i], kMargin))) continue;
+    if (!taller || !overlap(cup, plan_of(cubes[i], kApart))) continue;
     const Vec3 between = cubes[i].p_BO - cube.p_BO;
     const double room = std::hypot(between.x, between.y) - cubes[i].edge / 2;
     return std::unexpected(
-        Error{ErrorCode::kCubeCrowded, -1, std::max(0.0, room), kCupRadius + kMargin});
+        Error{ErrorCode::kCubeCrowded, -1, std::max(0.0, room), kCupRadius + kApart});
   }
   return cube.p_BO + Vec3{0, 0, cube.edge / 2};
 }

@@ -15,7 +15,9 @@ namespace sinew::grasping {
 
 /// Jaws around a cube, of an arm whose tool stays in the vertical plane through its first axis.
 struct JawGrasp {
-  double pitch = 0;  ///< rad, of the approach axis from straight up: pi is straight down
+  /// rad, of the approach axis from straight up: pi is straight down, with more it leans back to
+  /// the base.
+  double pitch = 0;
   double roll = 0;   ///< rad; R_BT = Rz(yaw) Ry(pitch) Rz(roll), yaw the direction of the plane
   double open = 0;   ///< m between the jaws on the way down
   double close = 0;  ///< m that they are sent to: less than the cube, so that they press
@@ -25,7 +27,7 @@ struct JawGrasp {
 
 /// All grasps of a cube by the jaws of `robot`, the least tilt first, then the most room. Closing
 /// tips go on along the approach axis; the closed ones hold it below its middle. The swept fingers
-/// stay 2 mm clear of all others.
+/// stay 3 mm clear of all others.
 /// @param robot  with jaws; asserted
 /// @error kCubeCovered (index of the one on it), kCubeCrowded, kCubeTooWide
 Expected<std::vector<JawGrasp>> jaw_grasps(const RobotModel& robot, std::span<const Cube> cubes,

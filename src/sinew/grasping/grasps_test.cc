@@ -116,7 +116,7 @@ TEST(Grasps, jaws_close_along_a_pair_of_faces_with_the_cube_between_them) {
     const auto grasps = jaw_grasps(robot, cubes, 0);
     ASSERT_TRUE(grasps);
     EXPECT_EQ(grasps->front().pitch, kPi);
-    EXPECT_NEAR(grasps->front().open, gripper.width_max, 1e-9);
+    EXPECT_NEAR(grasps->front().open, kEdge + 2 * 8e-3, 1e-9) << "8 mm beside each face";
     for (const JawGrasp& grasp : *grasps) {
       EXPECT_LE(std::abs(grasp.roll), kPi / 2 + 1e-9);
       const Vec3 across = turned(grasp) * Vec3{0, 1, 0};
@@ -168,9 +168,10 @@ TEST(Grasps, a_cup_takes_the_middle_of_a_top_that_it_can_get_at) {
   EXPECT_EQ(*lip, (Vec3{0.2, 0, kEdge}));
   cubes.push_back(cube_at(0.2 + kEdge + 2e-3, 0, 0, 1));
   EXPECT_TRUE(cup_grasp(cubes, 0)) << "as high as it is";
-  cubes.push_back(cube_at(0.2 + kEdge + 2e-3, 0, 0, 2));
-  EXPECT_TRUE(cup_grasp(cubes, 0)) << "0.5 mm beside the cup";
-  cubes[2].p_BO.x -= 3e-3;
+  cubes.push_back(cube_at(0.2 + kEdge + 3e-3, 0, 0, 2));
+  EXPECT_TRUE(cup_grasp(cubes, 0)) << "3.5 mm beside the cup";
+  cubes[1].p_BO.x += 1e-3;
+  cubes[2].p_BO.x -= 2e-3;
   ASSERT_FALSE(cup_grasp(cubes, 0));
   EXPECT_EQ(cup_grasp(cubes, 0).error().code, ErrorCode::kCubeCrowded);
   EXPECT_EQ(cup_grasp(cubes, 1).error().code, ErrorCode::kCubeCovered);

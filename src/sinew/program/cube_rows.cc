@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 
 #include "sinew/core/assert.h"
 #include "sinew/core/rotation.h"
 #include "sinew/core/units.h"
 #include "sinew/grasping/grasps.h"
 #include "sinew/model/tool_body.h"
+#include "sinew/planning/collision.h"
 
 namespace sinew::program {
 namespace {
@@ -18,7 +20,7 @@ constexpr std::array kAbove{40e-3, 20e-3};
 /// m, of a cube's bottom over a basket's rim where it is released.
 constexpr std::array kOverRim{15e-3, 30e-3, 50e-3};
 constexpr double kLetGo = 15e-3;        // m, that jaws open more than what they hold
-constexpr double kSqueeze = 4e-3;       // m, that jaws are sent to less than what they hold
+constexpr double kSqueeze = 3e-3;       // m, that jaws are sent to less than what they hold
 constexpr double kPress = 1.5e-3;       // m, of a cup's lip into a top
 constexpr double kPressMore = 1.25e-3;  // m
 constexpr double kStillThere = 0.6;     // of an edge, from where a cube was taken
@@ -188,11 +190,24 @@ std::expected<CubeRows, Refusal> from_above(Sequence sequence, const Spot& spot,
   return std::unexpected(*refusal);
 }
 
-/// Whether there are joints for it, and for the lower place above it.
-bool has_joints(const planning::ToolSpace& space, const Vec3& p_BT, double pitch, double roll) {
-  const planning::JointArray near{};
+/// A tool of one width, and what the arm must not meet meanwhile: itself and its table.
+struct Hand {
+  Hand(const RobotModel& robot, std::optional<double> jaws) : space(robot, jaws), bodies(robot) {
+    bodies.fit({.jaws = jaws, .held = {}});
+  }
+  planning::ToolSpace space;
+  planning::CollisionModel bodies;
+};
+
+/// Whether there are joints for it, and for the lower place above it, in which the arm is clear.
+bool has_joints(const Hand& hand, const Vec3& p_BT, double pitch, double roll) {
+  const auto is_clear = [&](const planning::JointArray& q) {
+    const std::span<const double> joints{q.data(), hand.space.size()};
+    return hand.bodies.clear(joints, hand.bodies.margin());
+  };
   for (const double above : {0.0, kAbove.back()}) {
-    if (space.branches({p_BT + Vec3{0, 0, above}, {pitch, roll}}, near).empty()) return false;
+    const auto branches = hand.space.branches({p_BT + Vec3{0, 0, above}, {pitch, roll}}, {});
+    if (std::ranges::none_of(branches, is_clear)) return false;
   }
   return true;
 }
@@ -202,49 +217,73 @@ bool takes_poses(const RobotModel& robot) {
   return planning::ToolSpace(robot).task() == planning::TaskSpace::kPose;
 }
 
-/// Those that have joints: what the planner would refuse after a longer look is left out. Of an arm
+/// Those that have joints in which the arm is clear: what the planner would refuse after a longer
+/// look is left out. Of an arm
 /// that takes poses all.
 std::vector<grasping::JawGrasp> with_joints(const RobotModel& robot,
                                             const std::vector<grasping::JawGrasp>& grasps) {
   if (takes_poses(robot)) return grasps;
   std::vector<grasping::JawGrasp> found;
-  std::optional<planning::ToolSpace> space;
-  double open = 0;
+  std::map<double, Hand> hands;  // by how wide they are open
   for (const grasping::JawGrasp& grasp : grasps) {
-    if (!space || grasp.open != open) space.emplace(robot, grasp.open);
-    open = grasp.open;
-    if (has_joints(*space, grasp.p_BT, grasp.pitch, grasp.roll)) found.push_back(grasp);
+    const Hand& hand = hands.try_emplace(grasp.open, robot, grasp.open).first->second;
+    if (has_joints(hand, grasp.p_BT, grasp.pitch, grasp.roll)) found.push_back(grasp);
   }
   return found;
 }
 
-std::expected<CubeRows, Refusal> picked_by_jaws(const Sequence& sequence, const RobotModel& robot,
+/// A few of many, from the first to the last.
+std::vector<grasping::JawGrasp> few_of(const std::vector<grasping::JawGrasp>& grasps) {
+  constexpr std::size_t kFew = 12;
+  std::vector<grasping::JawGrasp> few;
+  const std::size_t step = grasps.size() / kFew + 1;
+  for (std::size_t i = 0; i < grasps.size(); i += step) few.push_back(grasps[i]);
+  return few;
+}
+
+std::expected<CubeRows, Refusal> taken_so(Sequence sequence, const RobotModel& robot,
+                                          const grasping::JawGrasp& grasp, double edge) {
+  const MotionOptions& how = std::get<PickCubeStep>(sequence.row().what).how;
+  if (auto refusal = sequence.use(JawsTo{grasp.open})) return std::unexpected(*refusal);
+  Spot spot{grasp.p_BT, grasp.pitch, grasp.roll};
+  if (takes_poses(robot)) {
+    const double yaw = std::atan2(grasp.p_BT.y, grasp.p_BT.x);
+    spot = {.p_BT = grasp.p_BT,
+            .R_BT = rotation_z(yaw) * rotation_y(grasp.pitch) * rotation_z(grasp.roll)};
+  }
+  auto rows = from_above(std::move(sequence), spot, JawsTo{grasp.close, edge}, how);
+  if (rows) rows->tilt = std::abs(kPi - grasp.pitch);
+  return rows;
+}
+
+std::expected<CubeRows, Refusal> picked_by_jaws(RowPlanner& planner, const Sequence& sequence,
                                                 const Sighting& seen, std::size_t which, int skip) {
   const Step& row = sequence.row();
+  const RobotModel& robot = planner.robot();
   const auto grasps = grasping::jaw_grasps(robot, seen.cubes, which);
   if (!grasps) {
     return std::unexpected(Refusal{row.line, grasps.error(), std::nullopt, row.file});
   }
-  const MotionOptions& how = std::get<PickCubeStep>(row.what).how;
-  const bool has_pose = takes_poses(robot);
+  const double edge = seen.cubes[which].edge;
   const auto having = with_joints(robot, *grasps);
   Choice choice, left_out;  // those are better than nothing where no other can be had
-  for (const grasping::JawGrasp& grasp : having.empty() ? *grasps : having) {
-    Sequence opened = sequence;
-    if (auto refusal = opened.use(JawsTo{grasp.open})) return std::unexpected(*refusal);
-    Spot spot{grasp.p_BT, grasp.pitch, grasp.roll};
-    if (has_pose) {
-      const double yaw = std::atan2(grasp.p_BT.y, grasp.p_BT.x);
-      spot = {.p_BT = grasp.p_BT,
-              .R_BT = rotation_z(yaw) * rotation_y(grasp.pitch) * rotation_z(grasp.roll)};
+  const grasping::JawGrasp* nearest = nullptr;
+  std::optional<Refusal> why;
+  const auto tried = having.empty() ? few_of(*grasps) : having;
+  planner.propose(false);
+  for (const grasping::JawGrasp& grasp : tried) {
+    auto rows = taken_so(sequence, robot, grasp, edge);
+    if (!rows && (!why || is_nearer(rows.error(), *why))) {
+      why = rows.error();
+      nearest = &grasp;
     }
-    auto rows =
-        from_above(std::move(opened), spot, JawsTo{grasp.close, seen.cubes[which].edge}, how);
-    if (rows) rows->tilt = kPi - grasp.pitch;
     const bool skipped = rows && skip-- > 0;
     if ((skipped ? left_out : choice).take(std::move(rows)) && !skipped) break;
   }
-  return choice.any() || !left_out.any() ? choice.get() : left_out.get();
+  planner.propose(true);
+  if (choice.any()) return choice.get();
+  if (left_out.any()) return left_out.get();
+  return taken_so(sequence, robot, *nearest, edge);  // with what would go instead
 }
 
 /// The lip is sent below the top, as bellows give and an arm may stop short; further after each
@@ -388,7 +427,7 @@ std::expected<CubeRows, Refusal> rows_to_cube(RowPlanner& planner, const Standin
                                               const Step& row, const Sighting& seen,
                                               std::size_t which, int skip) {
   auto rows = picks_with_jaws(planner.robot())
-                  ? picked_by_jaws({planner, standing, row}, planner.robot(), seen, which, skip)
+                  ? picked_by_jaws(planner, {planner, standing, row}, seen, which, skip)
                   : picked_by_cup({planner, standing, row}, planner.robot(), seen, which, skip);
   if (rows) rows->cube = seen.cubes[which];
   return rows;
@@ -418,7 +457,7 @@ bool in_reach(const RobotModel& robot, const Sighting& seen, std::size_t which) 
     return grasps && !with_joints(robot, *grasps).empty();
   }
   const auto lip = grasping::cup_grasp(seen.cubes, which);
-  return lip && has_joints(planning::ToolSpace(robot), *lip + Vec3{0, 0, cup_reach(robot)}, 0, 0);
+  return lip && has_joints({robot, std::nullopt}, *lip + Vec3{0, 0, cup_reach(robot)}, 0, 0);
 }
 
 bool still_there(const Sighting& seen, const grasping::Cube& taken) {

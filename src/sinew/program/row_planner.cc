@@ -217,6 +217,11 @@ const RobotModel& RowPlanner::robot() const {
   return limited_now_ ? limited_->robot : robot_;
 }
 
+void RowPlanner::propose(bool wanted) {
+  proposes_ = wanted;
+  if (limited_) limited_->planner.propose(wanted);
+}
+
 void RowPlanner::show_to(WayLook look) {
   look_ = std::move(look);
   limited_.reset();
@@ -229,6 +234,7 @@ std::expected<RowMotion, Refusal> RowPlanner::plan_limited(const JointVector& q_
   if (!limited_ || !(*limited_->shares == *shares)) {
     limited_ = std::make_unique<Limited>(robot_, shares);
     limited_->planner.show_to(look_);
+    limited_->planner.propose(proposes_);
   }
   return limited_->planner.plan_rows(q_start, tool, rows);
 }
@@ -461,7 +467,8 @@ bool RowPlanner::come_nearer(const WayRefusal& why) {
 }
 
 Refusal RowPlanner::refusal(std::span<const Step> rows, const planning::PathRefusal& why) {
-  return {rows[why.place.move].line, why.error, WayRefusal{why, planner_.propose(why, moves_)}};
+  return {rows[why.place.move].line, why.error,
+          WayRefusal{why, proposes_ ? planner_.propose(why, moves_) : planning::MoveProposal{}}};
 }
 
 /// Why it ends where another one of its moves would have gone on.

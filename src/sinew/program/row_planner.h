@@ -99,6 +99,10 @@ class RowPlanner {
   RowPlanner(const RowPlanner&) = delete;
   RowPlanner& operator=(const RowPlanner&) = delete;
 
+  /// Whether refusals come with what would go instead, as they do at first. That takes longer than
+  /// the plan: who tries many rows does without.
+  void propose(bool wanted);
+
   /// Shown each motion that plan() would give.
   void show_to(WayLook look);
 
@@ -183,6 +187,7 @@ class RowPlanner {
   std::vector<Attitude> attitudes_;                   ///< one per row of the plan at hand
   std::unique_ptr<planning::PathFollower> follower_;  ///< of motions with a time of their own
   WayLook look_;
+  bool proposes_ = true;
   std::unique_ptr<Limited> limited_;
   bool limited_now_ = false;  ///< the last plan() was made with it
 };
