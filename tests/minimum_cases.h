@@ -53,7 +53,7 @@ inline constexpr std::array kMinimumTests = std::to_array<MinimumTests>({
     {"stop_latency_test", 10},
     {"supply_test", 3},
     {"system_test", 4},
-    {"vision_test", 79},
+    {"vision_test", 81},
     {"web_test", 11},
     {"wire_test", 122},
 });

@@ -3,89 +3,20 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sinew/vision/cube_net.h"
-#include "sinew/vision/edge_fit.h"
-#include "sinew/vision/lab.h"
 #include "sinew/vision/shapes.h"
+#include "sinew/vision/top_belief.h"
+#include "sinew/vision/top_search.h"
 
 namespace sinew::vision {
 namespace {
 
-/// px, the longer side of the picture that is searched, and of the one for larger cubes.
-constexpr int kFine = 960;
-constexpr int kCoarse = 400;
-/// px of the fine picture: up to this edge it is believed, from somewhat less on the coarse one.
-constexpr double kBorder = 56;
-constexpr double kCommon = 0.65;  ///< of that
-constexpr double kSure = 0.47;    ///< from here on it is a cube
-constexpr double kUnsure = 0.12;  ///< from here on it is worth a word
+constexpr double kSure = 0.55;      ///< belief from which on it is a cube
+constexpr double kSureRound = 0.8;  ///< the same of one without corners, as discs have none
 constexpr double kOtherSure = 0.35;
 constexpr double kOtherSize = 2.5;  ///< of what is no cube beside the others
-constexpr double kShared = 0.3;     ///< of the smaller of two tops that are the same
-
-bool is_same(const Quad& one, const Quad& other) {
-  return common_area(one, other) > kShared * std::min(area_of(one), area_of(other));
-}
 
 double edge_of(const Quad& quad) {
   return std::sqrt(area_of(quad));
-}
-
-/// From the picture that was searched to the one that was given.
-Quad enlarged(Quad quad, double scale) {
-  for (Pixel& corner : quad) corner = scale * corner;
-  return quad;
-}
-
-/// What looks like a top, with its sides where the picture has edges.
-struct Top : LikelyTop {
-  int corners = 0;  ///< that are filled, of four
-};
-
-struct Things {
-  std::vector<Top> tops;
-  std::vector<LikelyOther> others;
-};
-
-/// All that looks like a top or like something else, in px of `picture`; of tops that lie on each
-/// other the surest.
-Things things_in(const Picture& picture) {
-  const Picture fine = shrunk(picture, kFine);
-  const Picture coarse = shrunk(fine, kCoarse);
-  const double scale = static_cast<double>(picture.width) / fine.width;
-  const double from_coarse = static_cast<double>(fine.width) / coarse.width;
-  const LabPicture lab = to_lab(fine);
-  Things all;
-  const auto add = [&](const LikelyTop& likely, double to_fine) {
-    Top top{likely};
-    top.quad = turned_to_edges(lab, enlarged(top.quad, to_fine));
-    // What the network says of a size is right to about a tenth.
-    top.quad = fitted_to_edges(lab, top.quad, std::max(4.0, 0.09 * edge_of(top.quad)));
-    top.quad = fitted_to_edges(lab, top.quad, 4);
-    top.corners = corners_filled(lab, top.quad);
-    top.quad = enlarged(top.quad, scale);
-    all.tops.push_back(top);
-  };
-  const bool both = coarse.width < fine.width;
-  const Likely in_fine = likely_things(fine, kUnsure);
-  for (const LikelyTop& top : in_fine.tops) {
-    if (!both || edge_of(top.quad) < kBorder) add(top, 1);
-  }
-  all.others = in_fine.others;
-  for (LikelyOther& other : all.others) other.middle = scale * other.middle;
-  const Likely in_coarse = both ? likely_things(coarse, kUnsure) : Likely{};
-  for (const LikelyTop& top : in_coarse.tops) {
-    if (from_coarse * edge_of(top.quad) > kCommon * kBorder) add(top, from_coarse);
-  }
-  std::ranges::stable_sort(all.tops, std::ranges::greater{}, &LikelyTop::sureness);
-  std::vector<Top> kept;
-  for (const Top& top : all.tops) {
-    const bool seen =
-        std::ranges::any_of(kept, [&](const Top& one) { return is_same(one.quad, top.quad); });
-    if (!seen) kept.push_back(top);
-  }
-  all.tops = std::move(kept);
-  return all;
 }
 
 /// The edge that most agree on, px, by how sure they are; nothing of nothing.
@@ -119,8 +50,10 @@ Quad square_around(Pixel middle, double edge) {
 Detection detect_cubes(const Picture& picture, const DetectionSettings& settings) {
   const Things things = things_in(picture);
   const double common = common_edge(things.tops);
+  const std::vector<double> believed = beliefs(things.tops);
   Detection detection;
-  for (const Top& top : things.tops) {
+  for (std::size_t i = 0; i < things.tops.size(); ++i) {
+    const Top& top = things.tops[i];
     const auto refuse = [&](std::string_view why) {
       detection.refused.push_back({top.quad, std::string(why)});
     };
@@ -128,17 +61,17 @@ Detection detect_cubes(const Picture& picture, const DetectionSettings& settings
       return one.sureness > top.sureness && is_inside(top.quad, one.middle);
     });
     constexpr int kCornersLeast = 2;
+    const bool is_round = top.corners < kCornersLeast;
     const double ratio = edge_of(top.quad) / common;
     if (other != things.others.end()) {
       refuse(other->why);
-    } else if (top.corners < kCornersLeast) {
-      refuse("it has not four corners");
     } else if (ratio > kOtherSize) {
       refuse("it is larger than the other cubes");
     } else if (ratio < 1 / kOtherSize) {
       refuse("it is smaller than the other cubes");
-    } else if (top.sureness < kSure) {
-      refuse("its top is hardly that of a cube, or mostly hidden");
+    } else if (believed[i] < (is_round ? kSureRound : kSure)) {
+      refuse(is_round ? "it has not four corners"
+                      : "its top is hardly that of a cube, or mostly hidden");
     } else if (!top.color) {
       refuse("it is white or grey");
     } else if (!settings.colors.empty() &&
@@ -150,7 +83,7 @@ Detection detect_cubes(const Picture& picture, const DetectionSettings& settings
                                  middle_of(top.quad),
                                  edge_of(top.quad),
                                  yaw(top.quad),
-                                 top.sureness,
+                                 believed[i],
                                  {}});
     }
   }
