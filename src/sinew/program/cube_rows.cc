@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <map>
 
 #include "sinew/core/assert.h"
@@ -217,18 +218,29 @@ bool takes_poses(const RobotModel& robot) {
   return planning::ToolSpace(robot).task() == planning::TaskSpace::kPose;
 }
 
-/// Those that have joints in which the arm is clear: what the planner would refuse after a longer
-/// look is left out. Of an arm
-/// that takes poses all.
+/// Hands by how wide they are open: many grasps share one.
+class Hands {
+ public:
+  explicit Hands(const RobotModel& robot) : robot_(robot) {}
+  /// Whether the arm has clear joints for a grasp. Of an arm that takes poses it is not asked.
+  bool reach(const grasping::JawGrasp& grasp) {
+    if (takes_poses(robot_)) return true;
+    const Hand& hand = hands_.try_emplace(grasp.open, robot_, grasp.open).first->second;
+    return has_joints(hand, grasp.p_BT, grasp.pitch, grasp.roll);
+  }
+
+ private:
+  const RobotModel& robot_;
+  std::map<double, Hand> hands_;
+};
+
+/// Those that have clear joints: what the planner would refuse after a longer look is left out.
 std::vector<grasping::JawGrasp> with_joints(const RobotModel& robot,
                                             const std::vector<grasping::JawGrasp>& grasps) {
-  if (takes_poses(robot)) return grasps;
+  Hands hands(robot);
   std::vector<grasping::JawGrasp> found;
-  std::map<double, Hand> hands;  // by how wide they are open
-  for (const grasping::JawGrasp& grasp : grasps) {
-    const Hand& hand = hands.try_emplace(grasp.open, robot, grasp.open).first->second;
-    if (has_joints(hand, grasp.p_BT, grasp.pitch, grasp.roll)) found.push_back(grasp);
-  }
+  std::ranges::copy_if(grasps, std::back_inserter(found),
+                       [&](const auto& grasp) { return hands.reach(grasp); });
   return found;
 }
 
@@ -454,7 +466,9 @@ std::expected<CubeRows, Refusal> rows_to_pick(RowPlanner& planner, const Standin
 bool in_reach(const RobotModel& robot, const Sighting& seen, std::size_t which) {
   if (picks_with_jaws(robot)) {
     const auto grasps = grasping::jaw_grasps(robot, seen.cubes, which);
-    return grasps && !with_joints(robot, *grasps).empty();
+    Hands hands(robot);
+    return grasps &&
+           std::ranges::any_of(*grasps, [&](const auto& one) { return hands.reach(one); });
   }
   const auto lip = grasping::cup_grasp(seen.cubes, which);
   return lip && has_joints({robot, std::nullopt}, *lip + Vec3{0, 0, cup_reach(robot)}, 0, 0);
