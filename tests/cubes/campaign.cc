@@ -224,14 +224,15 @@ void run_cell(std::uint64_t seed, Tally& tally) {
   TruthWatch watch(cell, what.settings.clutter);
   const runtime::Station& arm = cell.cell().station(0);
   const Instant begin = arm.view().at;
-  bool hand_was_there = false;
+  bool hand_was_there = false, was_paused = false;
   const auto look = [&] {
     watch.look();
-    if (!what.has_hand) return;
     const double t = to_seconds(arm.view().at - begin);
-    const bool is_there = t >= what.hand_begins && t < what.hand_ends;
-    // A person takes the hand away, and has it go on.
+    const bool is_there = what.has_hand && t >= what.hand_begins && t < what.hand_ends;
     const runtime::JobView job = cell.cell().jobs(0).view();
+    if (job.paused && !was_paused && !is_there && !hand_was_there) ++tally.paused_wrongly;
+    was_paused = job.paused;
+    // A person takes the hand away, or looks and finds nothing, and has it go on.
     if (!is_there && job.paused) cell.cell().jobs(0).resume(job.id);
     if (is_there == hand_was_there) return;
     auto trouble = what.trouble;
@@ -272,6 +273,7 @@ std::string Tally::table() const {
   row("of these wrongly", refused_wrongly);
   row("cubes seen where none lies, in the last picture", ghosts);
   row("cells with a hand in view", hands);
+  row("pauses though nothing came into view", paused_wrongly);
   row("cells with a knocked camera", knocked);
   row("of these refused, nothing moved", knocked_refused);
   for (const auto& [end, number] : ends) row(("programs that ended: " + end).c_str(), number);
