@@ -211,9 +211,9 @@ void run_cell(std::uint64_t seed, Tally& tally) {
   const CampaignCell what = cell_by(seed);
   CubeCell cell(what.settings);
   ++tally.cells;
+  cell.stand_aside();
   cell.table().set_trouble(what.trouble);
   if (what.is_knocked) return run_knocked(seed, cell, tally);
-  cell.stand_aside();
   std::vector<sim::CubeState> first;
   cell.table().cubes().with([&](const sim::CubeWorld& world) {
     first.assign(world.cubes().begin(), world.cubes().end());
