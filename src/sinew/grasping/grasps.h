@@ -13,6 +13,9 @@
 /// can reach, and hits nothing on, is planned by whoever carries it out.
 namespace sinew::grasping {
 
+/// m, that jaws are sent to less than the cube between them.
+inline constexpr double kSqueeze = 3e-3;
+
 /// Jaws around a cube, of an arm whose tool stays in the vertical plane through its first axis.
 struct JawGrasp {
   /// rad, of the approach axis from straight up: pi is straight down, with more it leans back to

@@ -21,7 +21,6 @@ constexpr std::array kAbove{40e-3, 20e-3};
 /// m, of a cube's bottom over a basket's rim where it is released.
 constexpr std::array kOverRim{15e-3, 30e-3, 50e-3};
 constexpr double kLetGo = 15e-3;        // m, that jaws open more than what they hold
-constexpr double kSqueeze = 3e-3;       // m, that jaws are sent to less than what they hold
 constexpr double kPress = 1.5e-3;       // m, of a cup's lip into a top
 constexpr double kPressMore = 1.25e-3;  // m
 constexpr double kStillThere = 0.6;     // of an edge, from where a cube was taken
@@ -221,16 +220,17 @@ bool takes_poses(const RobotModel& robot) {
 /// Hands by how wide they are open: many grasps share one.
 class Hands {
  public:
-  explicit Hands(const RobotModel& robot) : robot_(robot) {}
+  explicit Hands(const RobotModel& robot) : robot_(robot), asks_(!takes_poses(robot)) {}
   /// Whether the arm has clear joints for a grasp. Of an arm that takes poses it is not asked.
   bool reach(const grasping::JawGrasp& grasp) {
-    if (takes_poses(robot_)) return true;
+    if (!asks_) return true;
     const Hand& hand = hands_.try_emplace(grasp.open, robot_, grasp.open).first->second;
     return has_joints(hand, grasp.p_BT, grasp.pitch, grasp.roll);
   }
 
  private:
   const RobotModel& robot_;
+  bool asks_;
   std::map<double, Hand> hands_;
 };
 
@@ -481,7 +481,7 @@ bool still_there(const Sighting& seen, const grasping::Cube& taken) {
 }
 
 bool may_hold(const grasping::Cube& cube, double jaws) {
-  return jaws > cube.edge - kSqueeze / 2 - 1e-3;
+  return jaws > cube.edge - grasping::kSqueeze / 2 - 1e-3;
 }
 
 }  // namespace sinew::program

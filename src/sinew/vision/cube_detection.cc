@@ -1,7 +1,6 @@
 #include "sinew/vision/cube_detection.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "sinew/vision/shapes.h"
 #include "sinew/vision/top_belief.h"
@@ -14,10 +13,6 @@ constexpr double kSure = 0.55;      ///< belief from which on it is a cube
 constexpr double kSureRound = 0.8;  ///< the same of one without corners, as discs have none
 constexpr double kOtherSure = 0.35;
 constexpr double kOtherSize = 2.5;  ///< of what is no cube beside the others
-
-double edge_of(const Quad& quad) {
-  return std::sqrt(area_of(quad));
-}
 
 /// The edge that most agree on, px, by how sure they are; nothing of nothing.
 double common_edge(const std::vector<Top>& tops) {

@@ -21,6 +21,10 @@ double area_of(std::span<const Pixel> corners) {
   return std::abs(twice) / 2;
 }
 
+double edge_of(const Quad& quad) {
+  return std::sqrt(area_of(quad));
+}
+
 bool is_inside(std::span<const Pixel> corners, Pixel point) {
   for (std::size_t i = 0; i < corners.size(); ++i) {
     if (cross(corners[behind(i, corners.size())] - corners[i], point - corners[i]) < 0)

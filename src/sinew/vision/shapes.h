@@ -9,6 +9,9 @@ namespace sinew::vision {
 /// px^2; of corners in either order.
 double area_of(std::span<const Pixel> corners);
 
+/// px, of the square with the same area.
+double edge_of(const Quad& quad);
+
 /// Whether a point is inside a convex shape with clockwise corners.
 bool is_inside(std::span<const Pixel> corners, Pixel point);
 

@@ -1,7 +1,6 @@
 #include "sinew/vision/top_search.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "sinew/vision/edge_fit.h"
 #include "sinew/vision/lab.h"
@@ -21,10 +20,6 @@ constexpr double kShared = 0.3;   ///< of the smaller of two tops that are the s
 
 bool is_same(const Quad& one, const Quad& other) {
   return common_area(one, other) > kShared * std::min(area_of(one), area_of(other));
-}
-
-double edge_of(const Quad& quad) {
-  return std::sqrt(area_of(quad));
 }
 
 /// From the picture that was searched to the one that was given.
