@@ -4,8 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <set>
 
 #include "sinew/core/units.h"
+#include "sinew/model/collision_links.h"
 #include "sinew/sim/cube_world.h"
 
 namespace sinew::cubes {
@@ -64,42 +67,62 @@ void TruthWatch::look() {
   const auto& shapes = cell_.robot().collision.shapes;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     if (shapes[i].link < 2 || std::holds_alternative<HeldBall>(shapes[i].form)) continue;
-    const bool is_finger = std::holds_alternative<JawFinger>(shapes[i].form);
-    look_at(bodies[i], is_finger, cubes);
+    look_at(bodies[i], shapes[i], cubes);
   }
-  if (collision_.distance(angles).distance < 0) met_.insert("table or itself");
+  const planning::Clearance near = collision_.distance(angles);
+  if (near.distance >= 0) return;
+  const auto named = [&](std::uint8_t shape) {
+    return link_name(cell_.robot(), planning::link_of(cell_.robot(), shape));
+  };
+  meet(named(near.first), named(near.second), near.distance);
 }
 
-void TruthWatch::look_at(const planning::PlacedShape& body, bool is_finger,
+void TruthWatch::meet(std::string_view link, std::string_view what, double apart) {
+  double& deepest = met_[fmt::format("{} met {} after {} grasps", link, what, grasps_)];
+  deepest = std::max(deepest, -apart);
+}
+
+void TruthWatch::look_at(const planning::PlacedShape& body, const CollisionShape& shape,
                          const std::vector<sim::CubeState>& cubes) {
+  const std::string_view link = link_name(cell_.robot(), shape.link);
   for (std::size_t k = 0; k < fixed_.size(); ++k) {
-    if (apart(body, fixed_[k]) < 0) met_.insert(k < 5 ? "basket" : "a thing on the table");
+    const double far = apart(body, fixed_[k]);
+    if (far < 0) meet(link, k < 5 ? "the basket" : "a thing on the table", far);
   }
   // The world of cubes itself knows what fingers and cups touch.
-  const bool is_tool =
-      is_finger || std::holds_alternative<PalletizerGeometry>(cell_.robot().geometry);
+  const bool is_tool = std::holds_alternative<JawFinger>(shape.form) ||
+                       std::holds_alternative<PalletizerGeometry>(cell_.robot().geometry);
   if (is_tool) return;
   for (std::size_t i = 0; i < cubes.size(); ++i) {
     if (cubes[i].where == CubePlace::kHeld || cubes[i].where == CubePlace::kGone) continue;
     const double half = cubes[i].edge / 2;
     const planning::PlacedBox box{X_BT_ * relabel<frame::World, frame::Box>(cubes[i].X_WO),
                                   {half, half, half}};
-    if (apart(body, box) < 0 && cubes[i].where != CubePlace::kBasket) {
-      touched_.emplace_back(i, grasps_);
+    const double far = apart(body, box);
+    if (far < 0 && cubes[i].where != CubePlace::kBasket) {
+      touched_.push_back({i, grasps_, std::string(link), -far});
     }
   }
 }
 
 std::vector<std::string> TruthWatch::contacts(const Ended& ended) const {
-  std::vector<std::string> all(met_.begin(), met_.end());
+  std::vector<std::string> all;
+  for (const auto& [what, depth] : met_)
+    all.push_back(fmt::format("{}, {:.1f} mm", what, 1e3 * depth));
   std::vector<std::size_t> taken;
   for (const sim::CubeEvent& event : ended.events) {
     if (event.kind == Kind::kGrasped) taken.push_back(*event.cube);
   }
   std::set<std::string> told;
-  for (const auto& [cube, before] : touched_) {
-    if (before < taken.size() && taken[before] == cube) continue;
-    told.insert(fmt::format("the arm met cube {} after {} grasps", cube, before));
+  std::map<std::string, double> deepest;
+  for (const Touch& touch : touched_) {
+    if (touch.before < taken.size() && taken[touch.before] == touch.cube) continue;
+    double& depth = deepest[fmt::format("{} met cube {} after {} grasps", touch.link, touch.cube,
+                                        touch.before)];
+    depth = std::max(depth, touch.depth);
+  }
+  for (const auto& [what, depth] : deepest) {
+    told.insert(fmt::format("{}, {:.1f} mm", what, 1e3 * depth));
   }
   std::size_t grasps = 0;
   std::set<std::size_t> released;  // what is pushed in the basket was dropped on

@@ -1,8 +1,9 @@
 #pragma once
 
 #include <cstddef>
-#include <set>
+#include <map>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "cubes/cube_cell.h"
@@ -25,16 +26,25 @@ class TruthWatch {
   std::size_t joints_outside() const { return outside_; }
 
  private:
-  void look_at(const planning::PlacedShape& body, bool is_finger,
+  /// The arm's own body in a cube.
+  struct Touch {
+    std::size_t cube = 0;
+    std::size_t before = 0;  ///< grasps
+    std::string link;
+    double depth = 0;  ///< m
+  };
+
+  void look_at(const planning::PlacedShape& body, const CollisionShape& shape,
                const std::vector<sim::CubeState>& cubes);
+  void meet(std::string_view link, std::string_view what, double apart);
 
   CubeCell& cell_;
   planning::CollisionModel collision_;
-  Pose<frame::Base, frame::World> X_BT_;                      ///< the table's frame as a world
-  std::vector<planning::PlacedBox> fixed_;                    ///< basket and things with a height
-  std::vector<std::pair<std::size_t, std::size_t>> touched_;  ///< cube, grasps before
+  Pose<frame::Base, frame::World> X_BT_;    ///< the table's frame as a world
+  std::vector<planning::PlacedBox> fixed_;  ///< basket and things with a height
+  std::vector<Touch> touched_;
   std::size_t grasps_ = 0;
-  std::set<std::string> met_;
+  std::map<std::string, double> met_;  ///< and how deep, m
   std::size_t outside_ = 0;
 };
 

@@ -62,6 +62,11 @@ struct LscTiming {
 /// At rest an lsc6 hears its targets again behind each sign of life: nothing tells the host that
 /// the last frame of a motion was damaged, so that must not count for longer than a second.
 ///
+/// A servo on the bus holds against the arm's weight only beside where it was told to be. So much
+/// as it was measured to be off where it rests, it is told more from there on, less and less with
+/// the way from there: it arrives nearer to what was asked for, and does not sink once more when
+/// the next motion, or the jaws', begins.
+///
 /// positions(): what was commanded is claimed with the servo's dead band and sag to either side,
 /// 0.06 rad; what was measured with the wire's resolution.
 ///
@@ -127,6 +132,9 @@ class LscDriver : public ByteDriver {
     double to = 0;
     double lower = 0;  ///< all that it was sent through since it last stood
     double upper = 0;
+    std::uint16_t told = 0;  ///< in the last frame
+    double rest = 0;         ///< where it was measured to stand
+    double sag = 0;          ///< .. and that beside what it was told
   };
   struct Segment {
     Units to{};
@@ -148,6 +156,8 @@ class LscDriver : public ByteDriver {
   void begin(const Segment& segment, Instant now);
   void promote();
   double at(const Slot& slot, Instant time) const;
+  std::uint16_t told(std::size_t slot, const Units& to) const;
+  void measure_sag(std::size_t joint, double there);
   Duration byte_time() const;
   Duration frame_time(std::uint8_t also = 0) const;
 

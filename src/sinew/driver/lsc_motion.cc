@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "sinew/core/assert.h"
+#include "sinew/core/units.h"
 #include "sinew/driver/lsc.h"
 
 namespace sinew {
@@ -79,16 +80,41 @@ void LscDriver::send_segment(Segment& segment, Instant now, Instant end) {
 
 void LscDriver::send_targets(const Segment& segment, Instant now, Duration time) {
   Move frame;
+  Units to{};
+  for (std::size_t i = 0; i < units_.slots(); ++i) {
+    const bool moves = (segment.mask & bit(i)) != 0;
+    to[i] = moves ? segment.to[i] : static_cast<std::uint16_t>(std::lround(slots_[i].to));
+  }
   const std::uint16_t longest = profile_ == LscProfile::kEsp32 ? kEsp32TimeMax : kTimeMax;
   frame.time_ms = std::min(to_ms(time), longest);
   for (std::size_t i = 0; i < units_.slots(); ++i) {
     const bool moves = (segment.mask & bit(i)) != 0;
     if (!moves && !slots_[i].held) continue;
-    const auto held = static_cast<std::uint16_t>(std::lround(slots_[i].to));
-    frame.servos.push_back({units_.id(i), moves ? segment.to[i] : held});
+    slots_[i].told = told(i, to);
+    frame.servos.push_back({units_.id(i), slots_[i].told});
   }
   facts_.told = {frame, now};
   send(frame, now);
+}
+
+/// What a servo is told so that it comes to where it shall be.
+std::uint16_t LscDriver::told(std::size_t slot, const Units& to) const {
+  if (slot >= units_.joints() || slots_[slot].sag == 0) return to[slot];
+  // The weight that it was measured under is that of one pose.
+  constexpr double kFar = kPi / 2;  // rad, of a joint
+  double far = 0;
+  for (std::size_t i = 0; i < units_.joints(); ++i) {
+    far = std::max(far, std::abs(to[i] - slots_[i].rest) * units_.resolution(i));
+  }
+  const double share = std::max(0.0, 1 - far / kFar);
+  return units_.beside(slot, to[slot], -share * slots_[slot].sag);
+}
+
+void LscDriver::measure_sag(std::size_t joint, double there) {
+  Slot& slot = slots_[joint];
+  const double most = kServoSlack / units_.resolution(joint);
+  slot.rest = there;
+  slot.sag = slot.held ? std::clamp(there - slot.told, -most, most) : 0;
 }
 
 /// False where what waits to leave is no frame of targets, or has begun to leave.

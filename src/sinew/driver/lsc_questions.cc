@@ -308,6 +308,7 @@ void LscDriver::check_arrival(const Units& units, Instant now) {
     JointPosition& joint = positions_[i];
     if (bus) {
       joint.quality = PositionQuality::kMeasured;
+      measure_sag(i, there);
     } else if (arm && !stopped_first) {
       joint.quality = PositionQuality::kCommanded;
     }

@@ -1,5 +1,6 @@
 #include "sinew/driver/lsc_units.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "sinew/core/assert.h"
@@ -60,6 +61,21 @@ Expected<std::uint16_t> LscUnits::of_joint(std::size_t joint, double q,
     return std::unexpected(Error{ErrorCode::kPulseRange, index, units, limit});
   }
   return static_cast<std::uint16_t>(units);
+}
+
+std::uint16_t LscUnits::beside(std::size_t joint, std::uint16_t units, double more) const {
+  const LscServo& servo = device_.servos[joint];
+  const auto units_of = [&](double q) {
+    return servo.centre + servo.trim + servo.units_per_rad * q;
+  };
+  const auto [low, high] =
+      std::minmax({units_of(joints_[joint].lower), units_of(joints_[joint].upper)});
+  const double lowest = std::max(low, 1.0 * servo.lower),
+               highest = std::min(high, 1.0 * servo.upper);
+  // From beyond a limit never farther out.
+  const double lower = std::min(1.0 * units, std::ceil(lowest));
+  const double upper = std::max(1.0 * units, std::floor(highest));
+  return static_cast<std::uint16_t>(std::clamp(std::round(units + more), lower, upper));
 }
 
 Expected<std::uint16_t> LscUnits::of_width(double width) const {

@@ -38,6 +38,8 @@ class LscUnits {
   Expected<std::uint16_t> of_joint(std::size_t joint, double q) const {
     return of_joint(joint, q, joints_[joint]);
   }
+  /// So many units beside `units`, as far as the joint's limits and its servo allow.
+  std::uint16_t beside(std::size_t joint, std::uint16_t units, double more) const;
   /// @param width  m; @error kToolNotFitted, kGripperRange (also not a number)
   Expected<std::uint16_t> of_width(double width) const;
 

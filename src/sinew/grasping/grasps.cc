@@ -14,7 +14,6 @@ namespace sinew::grasping {
 namespace {
 
 constexpr double kMargin = 2e-3;   // m, of heights, and of what stands on what
-constexpr double kApart = 3e-3;    // m, between the tool and other cubes: places are off by so much
 constexpr double kEnter = 3e-3;    // m, beside the cube on each side, as it may lie off so far
 constexpr double kBeside = 8e-3;   // m, beside it at most: wider jaws meet more
 constexpr double kGripLow = 7e-3;  // m above what it stands on; the table has a margin of its own

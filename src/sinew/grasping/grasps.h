@@ -16,6 +16,9 @@ namespace sinew::grasping {
 /// m, that jaws are sent to less than the cube between them.
 inline constexpr double kSqueeze = 3e-3;
 
+/// m, that tools stay clear of other cubes: the places of what is seen are off by so much.
+inline constexpr double kApart = 3e-3;
+
 /// Jaws around a cube, of an arm whose tool stays in the vertical plane through its first axis.
 struct JawGrasp {
   /// rad, of the approach axis from straight up: pi is straight down, with more it leans back to

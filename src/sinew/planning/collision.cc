@@ -67,7 +67,9 @@ std::variant<kinematics::SerialChain, PalletizerGeometry, kinematics::Hexapod> k
 }  // namespace
 
 std::uint8_t link_of(const RobotModel& model, std::uint8_t shape) {
-  return shape == kTableShape ? kTableLink : model.collision.shapes[shape].link;
+  if (shape == kTableShape) return kTableLink;
+  const auto& shapes = model.collision.shapes;
+  return shape < shapes.size() ? shapes[shape].link : kThingLink;
 }
 
 Error contact_error(const RobotModel& model, const Clearance& nearest) {

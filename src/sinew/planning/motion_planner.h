@@ -51,6 +51,9 @@ class MotionPlanner {
   /// fills. Open, and anywhere, at first.
   void fit(const ToolState& tool);
 
+  /// As CollisionModel::surround(): what is beside the robot in all that is planned from now on.
+  void surround(std::span<const Surrounding> bodies) { collision_.surround(bodies); }
+
   const ToolSpace& space() const { return space_; }
   /// A motion that fits any plan() of this robot.
   PlannedMotion make_motion() const { return PlannedMotion(space_.size(), timing_.phases_max()); }

@@ -12,6 +12,7 @@
 #include "sinew/grasping/grasps.h"
 #include "sinew/model/tool_body.h"
 #include "sinew/planning/collision.h"
+#include "sinew/program/table_things.h"
 
 namespace sinew::program {
 namespace {
@@ -41,26 +42,34 @@ struct Spot {
   std::optional<Rotation> R_BT{};
 };
 
-/// Rows one behind the other, each planned from where the one before it ends.
+/// Rows one behind the other, each planned from where the one before it ends, clear of what stands
+/// on the table.
 class Sequence {
  public:
-  Sequence(RowPlanner& planner, const Standing& standing, const Step& row)
-      : planner_(planner), row_(row), begin_(*standing.q), q_(begin_) {
+  /// @param things  outlive this
+  Sequence(RowPlanner& planner, const Standing& standing, const Step& row,
+           const TableThings& things)
+      : planner_(planner),
+        row_(row),
+        things_(things),
+        begin_(*standing.q),
+        q_(begin_),
+        carries_(standing.tool.held || standing.at_cup) {
     rows_.tool = standing.tool;
   }
 
   const Step& row() const { return row_; }
   const ToolState& tool() const { return rows_.tool; }
+  const TableThings& things() const { return things_; }
 
   template <class What>
   std::optional<Refusal> go(What what) {
     const Step step{row_.line, std::move(what), row_.file};
-    const auto motion = planner_.plan(q_, rows_.tool, std::span(&step, 1));
-    if (!motion) {
-      Refusal refusal = motion.error();
-      refusal.file = row_.file;
-      return refusal;
-    }
+    const auto* tool = std::get_if<ToolMoveStep>(&step.what);
+    const bool straight = tool != nullptr && tool->way == ToolMoveStep::Way::kLine;
+    const auto& around = carries_ && !straight ? things_.carrying : things_.bare;
+    const auto motion = planner_.plan(q_, rows_.tool, std::span(&step, 1), around);
+    if (!motion) return refused(motion.error());
     q_ = motion->q_end;
     for (std::size_t j = 0; j < q_.size(); ++j) {
       const Joint& joint = planner_.robot().joints[j];
@@ -102,11 +111,13 @@ class Sequence {
 
   std::optional<Refusal> use(const ToolAction& action) {
     if (const auto* jaws = std::get_if<JawsTo>(&action)) {
-      const auto fine = planner_.check_jaws(q_, rows_.tool, jaws->width);
-      if (!fine) return Refusal{row_.line, fine.error(), std::nullopt, row_.file};
+      const auto fine = planner_.check_jaws(q_, rows_.tool, jaws->width, things_.bare);
+      if (!fine) return refused({row_.line, fine.error(), std::nullopt});
       rows_.duration += to_seconds(tool_time(planner_.robot(), action, rows_.tool.jaws));
       rows_.tool = {jaws->width, jaws->held};
+      carries_ = jaws->held.has_value();
     } else {
+      carries_ = std::get<Suction>(action).state == Suction::State::kOn;
       rows_.duration += to_seconds(tool_time(planner_.robot(), action, std::nullopt));
     }
     rows_.steps.push_back({row_.line, ToolStep{action}, row_.file});
@@ -125,9 +136,20 @@ class Sequence {
   CubeRows take() { return std::move(rows_); }
 
  private:
+  Refusal refused(Refusal refusal) const {
+    refusal.file = row_.file;
+    if (refusal.error.other != kThingLink) return refusal;
+    const double less = things_shrunk_by(planner_.robot());
+    refusal.error.measured -= less;
+    refusal.error.limit -= less;
+    return refusal;
+  }
+
   RowPlanner& planner_;
   const Step& row_;
+  const TableThings& things_;
   JointVector begin_, q_;
+  bool carries_;
   CubeRows rows_;
 };
 
@@ -190,10 +212,13 @@ std::expected<CubeRows, Refusal> from_above(Sequence sequence, const Spot& spot,
   return std::unexpected(*refusal);
 }
 
-/// A tool of one width, and what the arm must not meet meanwhile: itself and its table.
+/// A tool of one width, and what the arm must not meet meanwhile: itself, its table and what stands
+/// there.
 struct Hand {
-  Hand(const RobotModel& robot, std::optional<double> jaws) : space(robot, jaws), bodies(robot) {
+  Hand(const RobotModel& robot, std::optional<double> jaws, const TableThings& things)
+      : space(robot, jaws), bodies(robot) {
     bodies.fit({.jaws = jaws, .held = {}});
+    bodies.surround(things.bare);
   }
   planning::ToolSpace space;
   planning::CollisionModel bodies;
@@ -220,24 +245,26 @@ bool takes_poses(const RobotModel& robot) {
 /// Hands by how wide they are open: many grasps share one.
 class Hands {
  public:
-  explicit Hands(const RobotModel& robot) : robot_(robot), asks_(!takes_poses(robot)) {}
+  Hands(const RobotModel& robot, const TableThings& things)
+      : robot_(robot), things_(things), asks_(!takes_poses(robot)) {}
   /// Whether the arm has clear joints for a grasp. Of an arm that takes poses it is not asked.
   bool reach(const grasping::JawGrasp& grasp) {
     if (!asks_) return true;
-    const Hand& hand = hands_.try_emplace(grasp.open, robot_, grasp.open).first->second;
+    const Hand& hand = hands_.try_emplace(grasp.open, robot_, grasp.open, things_).first->second;
     return has_joints(hand, grasp.p_BT, grasp.pitch, grasp.roll);
   }
 
  private:
   const RobotModel& robot_;
+  const TableThings& things_;
   bool asks_;
   std::map<double, Hand> hands_;
 };
 
 /// Those that have clear joints: what the planner would refuse after a longer look is left out.
-std::vector<grasping::JawGrasp> with_joints(const RobotModel& robot,
+std::vector<grasping::JawGrasp> with_joints(const RobotModel& robot, const TableThings& things,
                                             const std::vector<grasping::JawGrasp>& grasps) {
-  Hands hands(robot);
+  Hands hands(robot, things);
   std::vector<grasping::JawGrasp> found;
   std::ranges::copy_if(grasps, std::back_inserter(found),
                        [&](const auto& grasp) { return hands.reach(grasp); });
@@ -268,16 +295,23 @@ std::expected<CubeRows, Refusal> taken_so(Sequence sequence, const RobotModel& r
   return rows;
 }
 
+/// Cubes, and behind them what else is about as large.
+std::vector<grasping::Cube> standing_there(const Sighting& seen) {
+  std::vector<grasping::Cube> all = seen.cubes;
+  all.insert(all.end(), seen.others.begin(), seen.others.end());
+  return all;
+}
+
 std::expected<CubeRows, Refusal> picked_by_jaws(RowPlanner& planner, const Sequence& sequence,
                                                 const Sighting& seen, std::size_t which, int skip) {
   const Step& row = sequence.row();
   const RobotModel& robot = planner.robot();
-  const auto grasps = grasping::jaw_grasps(robot, seen.cubes, which);
+  const auto grasps = grasping::jaw_grasps(robot, standing_there(seen), which);
   if (!grasps) {
     return std::unexpected(Refusal{row.line, grasps.error(), std::nullopt, row.file});
   }
   const double edge = seen.cubes[which].edge;
-  const auto having = with_joints(robot, *grasps);
+  const auto having = with_joints(robot, sequence.things(), *grasps);
   Choice choice, left_out;  // those are better than nothing where no other can be had
   const grasping::JawGrasp* nearest = nullptr;
   std::optional<Refusal> why;
@@ -303,7 +337,7 @@ std::expected<CubeRows, Refusal> picked_by_jaws(RowPlanner& planner, const Seque
 std::expected<CubeRows, Refusal> picked_by_cup(Sequence sequence, const RobotModel& robot,
                                                const Sighting& seen, std::size_t which, int skip) {
   const Step& row = sequence.row();
-  const auto lip = grasping::cup_grasp(seen.cubes, which);
+  const auto lip = grasping::cup_grasp(standing_there(seen), which);
   if (!lip) return std::unexpected(Refusal{row.line, lip.error(), std::nullopt, row.file});
   const MotionOptions& how = std::get<PickCubeStep>(row.what).how;
   const double press = kPress + kPressMore * std::min(skip, 2);
@@ -364,19 +398,37 @@ bool can_pick(const RobotModel& robot) {
 
 namespace {
 
+/// What is seen but for what is beside the place, which it may be put on or against; nothing where
+/// the place is not known.
+std::optional<Sighting> away_from(const Sighting* seen, const PlaceCubeStep& place, double edge) {
+  const auto* move = std::get_if<ToolMoveStep>(&place.there);
+  if (seen == nullptr || move == nullptr) return std::nullopt;
+  const auto& p_BT = move->to.p_BT;
+  if (!p_BT[0] || !p_BT[1]) return std::nullopt;
+  Sighting left = *seen;
+  const auto is_beside = [&](const grasping::Cube& cube) {
+    return std::hypot(cube.p_BO.x - *p_BT[0], cube.p_BO.y - *p_BT[1]) < edge + cube.edge;
+  };
+  std::erase_if(left.cubes, is_beside);
+  std::erase_if(left.others, is_beside);
+  return left;
+}
+
 /// At one place.
 std::expected<CubeRows, Refusal> rows_to_one_place(RowPlanner& planner, const Standing& standing,
-                                                   const Step& row, const PlaceCubeStep& place) {
+                                                   const Step& row, const PlaceCubeStep& place,
+                                                   const TableThings& things) {
   const ToolAction opening = letting_go(planner.robot(), standing.tool);
-  Sequence there(planner, standing, row);
+  Sequence there(planner, standing, row, things);
   const auto* joints = std::get_if<JointStep>(&place.there);
   auto refusal =
       joints != nullptr ? there.go(*joints) : there.go(std::get<ToolMoveStep>(place.there));
   if (refusal) return std::unexpected(*refusal);
   const auto how = std::visit([](const auto& to) { return to.how; }, place.there);
   Choice choice;
-  for (const Spot& spot : spots_of(there, {planner, standing, row}, place)) {
-    if (choice.take(from_above({planner, standing, row}, spot, opening, how))) break;
+  const Sequence begin(planner, standing, row, things);
+  for (const Spot& spot : spots_of(there, begin, place)) {
+    if (choice.take(from_above(begin, spot, opening, how))) break;
   }
   if (choice.any()) return choice.get();
   // Where there is no room above it: as `move` goes there.
@@ -395,7 +447,8 @@ double tool_above(const RobotModel& robot, double edge) {
 /// room to the limits of joints; else the roomiest.
 std::expected<CubeRows, Refusal> rows_to_basket(RowPlanner& planner, const Standing& standing,
                                                 const Step& row, const BasketGoal& goal,
-                                                const Basket& basket, std::span<const Vec3> lying) {
+                                                const Basket& basket, std::span<const Vec3> lying,
+                                                const TableThings& things) {
   const double edge = standing.tool.held.value_or(standing.at_cup.value_or(kUsualCube));
   constexpr double kEnough = from_deg(0.3);  // what an arm stands beside where it was sent
   Choice choice;
@@ -406,7 +459,7 @@ std::expected<CubeRows, Refusal> rows_to_basket(RowPlanner& planner, const Stand
       ToolMoveStep move{
           .way = ToolMoveStep::Way::kJoints, .to = {}, .p_via_BT = {}, .how = goal.how};
       move.to.p_BT = {p_B.x, p_B.y, p_B.z};
-      auto rows = rows_to_one_place(planner, standing, row, {move});
+      auto rows = rows_to_one_place(planner, standing, row, {move}, things);
       if (rows) rows->p_BO = p_B;
       if (rows && rows->room >= kEnough) return rows;
       choice.take(std::move(rows));
@@ -424,29 +477,41 @@ std::expected<CubeRows, Refusal> rows_to_basket(RowPlanner& planner, const Stand
 
 std::expected<CubeRows, Refusal> rows_to_place(RowPlanner& planner, const Standing& standing,
                                                const Step& row, const TableTop* table,
-                                               std::span<const Vec3> lying) {
+                                               std::span<const Vec3> lying, const Sighting* seen) {
   const auto& place = std::get<PlaceCubeStep>(row.what);
   const auto* goal = std::get_if<BasketGoal>(&place.there);
-  if (goal == nullptr) return rows_to_one_place(planner, standing, row, place);
+  const double carried = standing.tool.held.value_or(standing.at_cup.value_or(0));
+  std::span<const Basket> baskets;
+  if (table != nullptr) baskets = table->baskets;
+  if (goal == nullptr) {
+    const auto left = away_from(seen, place, carried);
+    const auto things = things_on_table(planner.robot(), left ? &*left : nullptr, {}, {}, carried);
+    return rows_to_one_place(planner, standing, row, place, things);
+  }
+  const auto things = things_on_table(planner.robot(), seen, {}, baskets, carried);
   const Basket* basket = table != nullptr ? basket_named(*table, goal->name) : nullptr;
   if (basket == nullptr) {
     return std::unexpected(Refusal{row.line, {ErrorCode::kNoBasket}, std::nullopt, row.file});
   }
-  return rows_to_basket(planner, standing, row, *goal, *basket, lying);
+  return rows_to_basket(planner, standing, row, *goal, *basket, lying, things);
 }
 
 std::expected<CubeRows, Refusal> rows_to_cube(RowPlanner& planner, const Standing& standing,
                                               const Step& row, const Sighting& seen,
-                                              std::size_t which, int skip) {
-  auto rows = picks_with_jaws(planner.robot())
-                  ? picked_by_jaws(planner, {planner, standing, row}, seen, which, skip)
-                  : picked_by_cup({planner, standing, row}, planner.robot(), seen, which, skip);
+                                              std::size_t which, int skip,
+                                              std::span<const Basket> baskets) {
+  const RobotModel& robot = planner.robot();
+  const auto things = things_on_table(robot, &seen, which, baskets, seen.cubes[which].edge);
+  const Sequence begin(planner, standing, row, things);
+  auto rows = picks_with_jaws(robot) ? picked_by_jaws(planner, begin, seen, which, skip)
+                                     : picked_by_cup(begin, robot, seen, which, skip);
   if (rows) rows->cube = seen.cubes[which];
   return rows;
 }
 
 std::expected<CubeRows, Refusal> rows_to_pick(RowPlanner& planner, const Standing& standing,
-                                              const Step& row, const Sighting& seen, int skip) {
+                                              const Step& row, const Sighting& seen, int skip,
+                                              std::span<const Basket> baskets) {
   const auto& pick = std::get<PickCubeStep>(row.what);
   const auto nearest = pick.p_BT ? cube_at(seen, *pick.p_BT) : std::nullopt;
   std::optional<Refusal> first;
@@ -454,7 +519,7 @@ std::expected<CubeRows, Refusal> rows_to_pick(RowPlanner& planner, const Standin
     const grasping::Cube& cube = seen.cubes[which];
     if (pick.color && cube.color != static_cast<int>(*pick.color)) continue;
     if (pick.p_BT && which != nearest) continue;
-    auto rows = rows_to_cube(planner, standing, row, seen, which, skip);
+    auto rows = rows_to_cube(planner, standing, row, seen, which, skip, baskets);
     if (rows) return rows;
     if (!first) first = rows.error();
     skip = 0;
@@ -464,14 +529,16 @@ std::expected<CubeRows, Refusal> rows_to_pick(RowPlanner& planner, const Standin
 }
 
 bool in_reach(const RobotModel& robot, const Sighting& seen, std::size_t which) {
+  const auto things = things_on_table(robot, &seen, which, {}, seen.cubes[which].edge);
   if (picks_with_jaws(robot)) {
-    const auto grasps = grasping::jaw_grasps(robot, seen.cubes, which);
-    Hands hands(robot);
+    const auto grasps = grasping::jaw_grasps(robot, standing_there(seen), which);
+    Hands hands(robot, things);
     return grasps &&
            std::ranges::any_of(*grasps, [&](const auto& one) { return hands.reach(one); });
   }
-  const auto lip = grasping::cup_grasp(seen.cubes, which);
-  return lip && has_joints({robot, std::nullopt}, *lip + Vec3{0, 0, cup_reach(robot)}, 0, 0);
+  const auto lip = grasping::cup_grasp(standing_there(seen), which);
+  return lip &&
+         has_joints({robot, std::nullopt, things}, *lip + Vec3{0, 0, cup_reach(robot)}, 0, 0);
 }
 
 bool still_there(const Sighting& seen, const grasping::Cube& taken) {

@@ -7,6 +7,7 @@
 #include "sinew/program/eyes.h"
 #include "sinew/program/program_plan.h"
 #include "sinew/program/row_planner.h"
+#include "sinew/program/table_top.h"
 
 /// What `pick` and `place` are made of: rows as a program could say them, chosen and planned where
 /// the machine stands. Both end where they begin.
@@ -34,15 +35,18 @@ struct CubeRows {
 /// @param standing  with known joints
 /// @param row       a PickCubeStep
 /// @param skip      so many grasps of that cube are left out: they held nothing
+/// @param baskets   whose walls are kept clear of, as is what else is seen
 /// @error kNothingSeen; else why the first cube in order cannot be had: kOutOfReach, kCubeCovered,
 ///        kCubeCrowded, kCubeTooWide, kJointLimit, those of RowPlanner
 std::expected<CubeRows, Refusal> rows_to_pick(RowPlanner& planner, const Standing& standing,
-                                              const Step& row, const Sighting& seen, int skip = 0);
+                                              const Step& row, const Sighting& seen, int skip = 0,
+                                              std::span<const Basket> baskets = {});
 
 /// The same of one of them. @param which  of seen.cubes
 std::expected<CubeRows, Refusal> rows_to_cube(RowPlanner& planner, const Standing& standing,
                                               const Step& row, const Sighting& seen,
-                                              std::size_t which, int skip = 0);
+                                              std::size_t which, int skip = 0,
+                                              std::span<const Basket> baskets = {});
 
 /// Releases where the row says: there from above, straight down, open, up, and back. Where there is
 /// no room above it goes there as `move` does.
@@ -50,10 +54,13 @@ std::expected<CubeRows, Refusal> rows_to_cube(RowPlanner& planner, const Standin
 /// @param row       a PlaceCubeStep
 /// @param table     where its basket is looked up; null: there is none
 /// @param lying     cubes in baskets: the next one goes where fewest lie
+/// @param seen      what stands on the table beside what is held; null: not known. Where the row
+///                  names another place than a basket, what is beside it there is not kept clear of
 /// @error those of RowPlanner, kNoBasket, kBasketOutOfReach
 std::expected<CubeRows, Refusal> rows_to_place(RowPlanner& planner, const Standing& standing,
                                                const Step& row, const TableTop* table = nullptr,
-                                               std::span<const Vec3> lying = {});
+                                               std::span<const Vec3> lying = {},
+                                               const Sighting* seen = nullptr);
 
 /// Whether joints inside their limits bring the tool to one grasp of this cube and over it, without
 /// a look at the way there.

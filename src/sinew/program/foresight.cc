@@ -41,10 +41,15 @@ class Walk {
   }
 
  private:
+  std::span<const Basket> baskets() const {
+    return table_ != nullptr ? std::span<const Basket>(table_->baskets) : std::span<const Basket>();
+  }
+
   std::size_t decide(const Order& order, const BranchOrder& branch, std::size_t next) {
     const Step row{order.line, PickCubeStep{branch.condition.color}, order.file};
-    const bool holds =
-        seen_ && at_.q ? rows_to_pick(planner_, at_, row, *seen_).has_value() : order.round == 1;
+    const bool holds = seen_ && at_.q
+                           ? rows_to_pick(planner_, at_, row, *seen_, 0, baskets()).has_value()
+                           : order.round == 1;
     if (!holds) return branch.otherwise;
     // Before an `else` there is a jump behind it.
     const std::size_t last = branch.otherwise - 1;
@@ -69,7 +74,8 @@ class Walk {
       if (picks_with_jaws(planner_.robot())) at_.tool = {kUsualCube, kUsualCube};
       return look_({order, at_, nullptr});
     }
-    const auto rows = rows_to_pick(planner_, at_, {order.line, pick.row, order.file}, *seen_);
+    const Step row{order.line, pick.row, order.file};
+    const auto rows = rows_to_pick(planner_, at_, row, *seen_, 0, baskets());
     if (!rows) return look_({order, at_, nullptr, &rows.error()});
     const auto looked = look_({order, at_, &*rows});
     at_.tool = rows->tool;
@@ -81,8 +87,8 @@ class Walk {
 
   std::expected<void, Refusal> take_place(const Order& order, const PlaceOrder& place) {
     if (!at_.q) return look_({order, at_, nullptr});
-    const auto rows =
-        rows_to_place(planner_, at_, {order.line, place.row, order.file}, table_, lying_);
+    const auto rows = rows_to_place(planner_, at_, {order.line, place.row, order.file}, table_,
+                                    lying_, seen_ ? &*seen_ : nullptr);
     if (!rows) return look_({order, at_, nullptr, &rows.error()});
     const auto looked = look_({order, at_, &*rows});
     at_.tool = rows->tool;
@@ -111,11 +117,11 @@ std::expected<std::vector<grasping::Cube>, Refusal> foresee(const Plan& plan,
 }
 
 std::vector<CubeVerdict> judge_cubes(RowPlanner& planner, const Standing& standing,
-                                     const Sighting& seen) {
+                                     const Sighting& seen, std::span<const Basket> baskets) {
   std::vector<CubeVerdict> verdicts;
   const Step row{0, PickCubeStep{}};
   for (const std::size_t which : grasping::order_of(seen.cubes)) {
-    verdicts.push_back({which, rows_to_cube(planner, standing, row, seen, which)});
+    verdicts.push_back({which, rows_to_cube(planner, standing, row, seen, which, 0, baskets)});
   }
   return verdicts;
 }

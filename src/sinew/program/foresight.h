@@ -39,8 +39,9 @@ struct CubeVerdict {
 };
 /// In the order in which `pick` takes them.
 /// @param standing  with known joints
+/// @param baskets   as rows_to_pick() has them
 std::vector<CubeVerdict> judge_cubes(RowPlanner& planner, const Standing& standing,
-                                     const Sighting& seen);
+                                     const Sighting& seen, std::span<const Basket> baskets = {});
 
 /// How a cube of this edge can be taken that lies alone on a surface, its sides turned to the
 /// robot.

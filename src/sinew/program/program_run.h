@@ -194,6 +194,7 @@ class Run {
   std::expected<void, Refusal> issue_pick(const PickOrder& pick, Instant now);
   std::expected<void, Refusal> issue_place(const PlaceOrder& place);
   std::expected<Standing, Refusal> standing() const;
+  std::span<const Basket> baskets() const;
   std::expected<void, Refusal> begin_tasks(std::expected<CubeRows, Refusal> rows);
   std::expected<void, Refusal> next_task(Instant now);
   std::expected<void, Refusal> tasks_done(Instant now);
@@ -280,6 +281,7 @@ class Run {
   std::optional<grasping::Cube> taken_;
   std::function<void(const Decision&)> listener_;
   bool carries_ = false;             ///< what a `pick` has taken
+  std::optional<Sighting> beside_;   ///< as it was when that was taken, without it
   std::string camera_;               ///< that rows look with; empty: the first
   std::vector<Vec3> released_;       ///< cubes over baskets, m in B
   std::vector<Vec3> lying_;          ///< .. and those that are seen in them

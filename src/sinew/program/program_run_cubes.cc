@@ -43,11 +43,16 @@ Expected<bool> Run::is_seen(const Condition& condition, Instant now) {
   const auto from = standing();
   if (!from) return std::unexpected(from.error().error);
   const Step row{current_->order->line, PickCubeStep{condition.color}, current_->order->file};
-  const auto rows = rows_to_pick(planner(), *from, row, *sighting_);
+  const auto rows = rows_to_pick(planner(), *from, row, *sighting_, 0, baskets());
   if (rows) return true;
   decided(Decision::Kind::kRefused, std::nullopt, rows.error().error);
   if (rows.error().error.code != ErrorCode::kNothingSeen) take_notice(rows.error().error, now);
   return false;
+}
+
+std::span<const Basket> Run::baskets() const {
+  if (program_.table == nullptr) return {};
+  return program_.table->baskets;
 }
 
 /// The order under way is made of several steps that only now are known.
@@ -73,8 +78,11 @@ std::expected<void, Refusal> Run::issue_pick(const PickOrder& pick, Instant now)
   const auto from = standing();
   if (!from) return std::unexpected(from.error());
   const Step row{current_->order->line, pick.row, current_->order->file};
-  auto rows = rows_to_pick(planner(), *from, row, *sighting_, grasps_);
+  auto rows = rows_to_pick(planner(), *from, row, *sighting_, grasps_, baskets());
   if (rows) {
+    beside_ = *sighting_;
+    std::erase_if(beside_->cubes,
+                  [&](const grasping::Cube& one) { return one.p_BO == rows->cube.p_BO; });
     ++grasps_;
     taken_ = rows->cube;
     decided(Decision::Kind::kPick, taken_);
@@ -89,7 +97,8 @@ std::expected<void, Refusal> Run::issue_place(const PlaceOrder& place) {
   const auto from = standing();
   if (!from) return std::unexpected(from.error());
   const Step row{current_->order->line, place.row, current_->order->file};
-  auto rows = rows_to_place(planner(), *from, row, program_.table.get(), lying_);
+  auto rows = rows_to_place(planner(), *from, row, program_.table.get(), lying_,
+                            beside_ ? &*beside_ : nullptr);
   if (rows && std::holds_alternative<BasketGoal>(place.row.there)) released_at_ = rows->p_BO;
   if (rows) decided(Decision::Kind::kPlace, taken_);
   return begin_tasks(std::move(rows));

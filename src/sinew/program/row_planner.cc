@@ -236,13 +236,16 @@ std::expected<RowMotion, Refusal> RowPlanner::plan_limited(const JointVector& q_
     limited_->planner.show_to(look_);
     limited_->planner.propose(proposes_);
   }
+  limited_->planner.around_ = around_;
   return limited_->planner.plan_rows(q_start, tool, rows);
 }
 
 std::expected<RowMotion, Refusal> RowPlanner::plan(const JointVector& q_start,
                                                    const ToolState& tool,
-                                                   std::span<const Step> rows) {
+                                                   std::span<const Step> rows,
+                                                   std::span<const planning::Surrounding> around) {
   SINEW_ASSERT(!rows.empty());
+  around_ = around;
   const auto& limits = motion_of(rows[0])->limits;
   // Rows of other limits do not blend with these, nor does one that has a time of its own.
   const auto others = std::ranges::find_if_not(rows, [&](const Step& row) {
@@ -273,7 +276,7 @@ std::optional<double> RowPlanner::jaws_first(const JointVector& q_start,
   const auto* serial = std::get_if<SerialGeometry>(&robot_.geometry);
   if (serial == nullptr || !serial->gripper) return std::nullopt;
   const double open = serial->gripper->width_max;
-  if (!check_jaws(q_start, {}, open)) return std::nullopt;
+  if (!check_jaws(q_start, {}, open, around_)) return std::nullopt;
   if (!plan_alike(q_start, {open, std::nullopt}, rows)) return std::nullopt;
   return open;
 }
@@ -282,6 +285,7 @@ std::expected<RowMotion, Refusal> RowPlanner::plan_rows(const JointVector& q_sta
                                                         const ToolState& tool,
                                                         std::span<const Step> rows) {
   planner_.fit(tool);
+  planner_.surround(around_);
   tips_ahead_ = tips_ahead(tool, robot_);
   const auto start = planner_.place_at({q_start.data(), q_start.size()});
   if (!start) return std::unexpected(Refusal{rows[0].line, start.error(), std::nullopt});

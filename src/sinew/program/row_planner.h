@@ -108,16 +108,20 @@ class RowPlanner {
 
   /// The motion of rows[0] and of those that blend into each other behind it. The wire can say each
   /// of its pieces: a chord's end that it cannot is left out, or moved to where it can.
-  /// @param tool  what the gripper is like meanwhile
-  /// @param rows  all of them motions
+  /// @param tool    what the gripper is like meanwhile
+  /// @param rows    all of them motions
+  /// @param around  what is beside the robot: kept clear of as of its own bodies
   /// @error  those of MotionPlanner, those of WireTarget with where the way is then, and
   ///         kSegmentTime: it would take longer than a wire can say, or a plan can hold, or cannot
   ///         take as long as its row says (limit: what it can)
   std::expected<RowMotion, Refusal> plan(const JointVector& q_start, const ToolState& tool,
-                                         std::span<const Step> rows);
+                                         std::span<const Step> rows,
+                                         std::span<const planning::Surrounding> around = {});
 
   /// The jaws' way at q, from `from` to a width (m). @error kJawsContact, kCollision
-  Expected<void> check_jaws(const JointVector& q, const ToolState& from, double to) {
+  Expected<void> check_jaws(const JointVector& q, const ToolState& from, double to,
+                            std::span<const planning::Surrounding> around = {}) {
+    planner_.surround(around);
     return planner_.check_jaws({q.data(), q.size()}, from, to);
   }
 
@@ -172,7 +176,8 @@ class RowPlanner {
   double tool_acceleration(const JointVector& from, const JointVector& to, double share) const;
 
   const RobotModel& robot_;
-  double tips_ahead_ = 0;  ///< m, of those of open jaws
+  std::span<const planning::Surrounding> around_;  ///< of the plan at hand
+  double tips_ahead_ = 0;                          ///< m, of those of open jaws
   MotionDelay delay_;
   WireTarget wire_;
   planning::MotionPlanner planner_;

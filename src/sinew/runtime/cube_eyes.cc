@@ -25,15 +25,24 @@ program::Sighting sighting_of(const vision::Detection& seen, double edge,
   // The calibration's world is its table.
   const auto X_BT = relabel<frame::Base, frame::World>(place.X_WB.inverse() * place.X_WT);
   const double turn = fixed_xyz(X_BT.R).z;
+  const auto at = [&](const vision::CubePosition& position) {
+    grasping::Cube one;
+    one.p_BO = X_BT * (position.top_W - Vec3{0, 0, edge / 2});
+    one.yaw = std::remainder(position.yaw + turn, kPi / 2);
+    one.edge = edge;
+    return one;
+  };
   for (const vision::SeenCube& cube : seen.cubes) {
     if (!cube.position) continue;
-    grasping::Cube one;
-    one.p_BO = X_BT * (cube.position->top_W - Vec3{0, 0, edge / 2});
-    one.yaw = std::remainder(cube.position->yaw + turn, kPi / 2);
-    one.edge = edge;
+    grasping::Cube one = at(*cube.position);
     one.color = static_cast<int>(cube.color);
     const bool done = is_in_any(place.baskets, place.X_WB * one.p_BO);
     (done ? sighting.in_baskets : sighting.cubes).push_back(one);
+  }
+  for (const vision::RefusedShape& shape : seen.refused) {
+    if (!shape.position) continue;
+    const grasping::Cube one = at(*shape.position);
+    if (!is_in_any(place.baskets, place.X_WB * one.p_BO)) sighting.others.push_back(one);
   }
   return sighting;
 }

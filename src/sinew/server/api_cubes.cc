@@ -83,7 +83,8 @@ Api::Answer Api::judge_cubes(const Call& call) {
         program::RowPlanner planner(station.robot());
         planner.show_to(look_in(cell_, robot));
         Json cubes = Json::array();
-        for (const auto& verdict : program::judge_cubes(planner, from, seen)) {
+        const auto table = cell_.table_top(robot);
+        for (const auto& verdict : program::judge_cubes(planner, from, seen, table->baskets)) {
           cubes.push_back(verdict_json(verdict, seen.cubes[verdict.which], X_WB, station.robot()));
         }
         json["cubes"] = std::move(cubes);

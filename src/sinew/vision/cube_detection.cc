@@ -11,6 +11,7 @@ namespace {
 
 constexpr double kSure = 0.55;      ///< belief from which on it is a cube
 constexpr double kSureRound = 0.8;  ///< the same of one without corners, as discs have none
+constexpr double kPerhaps = 0.15;   ///< from here on a tool keeps clear of it
 constexpr double kOtherSure = 0.35;
 constexpr double kOtherSize = 2.5;  ///< of what is no cube beside the others
 
@@ -49,8 +50,8 @@ Detection detect_cubes(const Picture& picture, const DetectionSettings& settings
   Detection detection;
   for (std::size_t i = 0; i < things.tops.size(); ++i) {
     const Top& top = things.tops[i];
-    const auto refuse = [&](std::string_view why) {
-      detection.refused.push_back({top.quad, std::string(why)});
+    const auto refuse = [&](std::string_view why, bool stands = false) {
+      detection.refused.push_back({top.quad, std::string(why), stands, {}});
     };
     const auto other = std::ranges::find_if(things.others, [&](const LikelyOther& one) {
       return one.sureness > top.sureness && is_inside(top.quad, one.middle);
@@ -66,9 +67,10 @@ Detection detect_cubes(const Picture& picture, const DetectionSettings& settings
       refuse("it is smaller than the other cubes");
     } else if (believed[i] < (is_round ? kSureRound : kSure)) {
       refuse(is_round ? "it has not four corners"
-                      : "its top is hardly that of a cube, or mostly hidden");
+                      : "its top is hardly that of a cube, or mostly hidden",
+             believed[i] > kPerhaps);
     } else if (!top.color) {
-      refuse("it is white or grey");
+      refuse("it is white or grey", true);
     } else if (!settings.colors.empty() &&
                std::ranges::find(settings.colors, *top.color) == settings.colors.end()) {
       refuse("it is " + std::string(name(*top.color)) + ", which was not asked for");
@@ -87,7 +89,8 @@ Detection detect_cubes(const Picture& picture, const DetectionSettings& settings
         things.tops, [&](const Top& one) { return is_inside(one.quad, other.middle); });
     if (other.sureness < kOtherSure || top) continue;
     const double edge = common > 0 ? common : 0.04 * std::max(picture.width, picture.height);
-    detection.refused.push_back({square_around(other.middle, edge), std::string(other.why)});
+    detection.refused.push_back(
+        {square_around(other.middle, edge), std::string(other.why), false, {}});
   }
   return detection;
 }

@@ -33,6 +33,9 @@ struct SeenCube {
 struct RefusedShape {
   Quad outline{};
   std::string why;
+  bool stands = false;  ///< it may be about as high as a cube: a cube that is not sure, a white one
+  /// Of what stands: as one on the table, of the size of the cubes there.
+  std::optional<CubePosition> position{};
 };
 
 struct Detection {

@@ -5,7 +5,9 @@
 
 #include "sinew/core/number_text.h"
 #include "sinew/core/units.h"
+#include "sinew/vision/shapes.h"
 #include "sinew/vision/table_fit.h"
+#include "sinew/vision/view_watch.h"
 
 namespace sinew::vision {
 namespace {
@@ -34,6 +36,31 @@ std::optional<CubePosition> square_at(const TableCamera& camera, const Quad& top
   square.edge = std::sqrt(std::abs(twice) / 2);
   const double angle = std::atan2(turn.y, turn.x) / 4;
   square.yaw = angle < 0 ? angle + kPi / 2 : angle;
+  return square;
+}
+
+/// Nothing where a robot is before it, or it is a side of a cube.
+std::optional<CubePosition> standing_at(const TableCamera& camera, const Quad& outline, double edge,
+                                        const Detection& detection,
+                                        const std::vector<bool>& hidden) {
+  constexpr double kSmallest = 0.4, kLargest = 3;  // of a cube's edge
+  constexpr double kBeside = 0.95;                 // of it, from the middle of a cube
+  const CellGrid grid = grid_of(camera.model.width, camera.model.height);
+  const double cell = 1.0 * camera.model.width / grid.columns;
+  const Pixel middle = middle_of(outline);
+  const int column = static_cast<int>(middle.x / cell), row = static_cast<int>(middle.y / cell);
+  const bool inside = column >= 0 && row >= 0 && column < grid.columns && row < grid.rows;
+  if (!inside || (!hidden.empty() && hidden[grid.at(column, row)])) return std::nullopt;
+  auto square = square_at(camera, outline, edge);
+  if (!square || square->edge < kSmallest * edge || square->edge > kLargest * edge) {
+    return std::nullopt;
+  }
+  const bool of_cube = std::ranges::any_of(detection.cubes, [&](const SeenCube& cube) {
+    const Vec3 between = cube.position->top_W - square->top_W;
+    return std::hypot(between.x, between.y) < kBeside * edge;
+  });
+  if (of_cube) return std::nullopt;
+  square->edge = edge;
   return square;
 }
 
@@ -103,13 +130,16 @@ void place_on_table(Detection& detection, const Picture& picture, const TableCam
   for (SeenCube& cube : detection.cubes) {
     const auto position = cube_position(picture, camera, cube, edge, hidden);
     if (!position) {
-      detection.refused.push_back({cube.top, position.error()});
+      detection.refused.push_back({cube.top, position.error(), true, {}});
       continue;
     }
     cube.position = *position;
     kept.push_back(std::move(cube));
   }
   detection.cubes = std::move(kept);
+  for (RefusedShape& shape : detection.refused) {
+    if (shape.stands) shape.position = standing_at(camera, shape.outline, edge, detection, hidden);
+  }
 }
 
 }  // namespace sinew::vision
