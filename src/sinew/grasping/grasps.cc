@@ -13,13 +13,13 @@
 namespace sinew::grasping {
 namespace {
 
-constexpr double kMargin = 2e-3;   // m, of heights, and of what stands on what
-constexpr double kEnter = 3e-3;    // m, beside the cube on each side, as it may lie off so far
-constexpr double kBeside = 8e-3;   // m, beside it at most: wider jaws meet more
-constexpr double kGripLow = 7e-3;  // m above what it stands on; the table has a margin of its own
-constexpr double kGripShare = 0.4;    // of the edge, above what it stands on
-constexpr double kHand = 25e-3;       // m, from the tips of closed jaws up to the hand
-constexpr double kHandHalf = 42e-3;   // m, of the hand along the jaws
+constexpr double kMargin = 2e-3;     // m, of heights, and of what stands on what
+constexpr double kEnter = 3e-3;      // m, beside the cube on each side, as it may lie off so far
+constexpr double kBeside = 8e-3;     // m, beside it at most: wider jaws meet more
+constexpr double kGripLow = 7e-3;    // m above what it stands on; the table has a margin of its own
+constexpr double kGripShare = 0.4;   // of the edge, above what it stands on
+constexpr double kHand = 25e-3;      // m, from the tips of closed jaws up to the hand
+constexpr double kHandHalf = 42e-3;  // m, of the hand along the jaws
 constexpr double kCupRadius = 12e-3;  // m
 constexpr double kHold = 5e-3;        // m, that closed tips reach below a cube's top
 constexpr double kSkewMax = 0.22;     // sine of the angle between the jaws and the table
@@ -79,24 +79,26 @@ Fingers fingers_of(const RobotModel& robot) {
 
 /// How far a finger may stand from the cube's face on this side, its thickness included, up to
 /// `most`; 0 where a neighbour touches.
-/// @param lean  m, that the fingers come over to either side up to a cube's top, as they are tilted
+/// @param lean  m, how far aside tilted fingers are at a cube's top from where their tips are
 double room_beside(std::span<const Cube> cubes, std::size_t which, double angle,
-                   const Fingers& fingers, double tips, double lean, double most) {
+                   const Fingers& fingers, double tips, const Vec3& lean, double most) {
   constexpr double kStep = 0.5e-3;  // m
   const Cube& cube = cubes[which];
-  const Vec3 u{std::cos(angle), std::sin(angle), 0};
-  const auto meets = [&](double begin, double end, double half, double above) {
-    const Plan swept{cube.p_BO + (begin + end) / 2 * u, angle, (end - begin) / 2, half};
+  const Vec3 u{std::cos(angle), std::sin(angle), 0}, v{-u.y, u.x, 0};
+  // From the tips' rectangle to that at the top, and all between.
+  const auto meets = [&](double begin, double end, const Vec3& over, double above) {
+    const double along = dot(over, u), across = dot(over, v);
+    const Plan swept{cube.p_BO + (begin + end + along) / 2 * u + across / 2 * v, angle,
+                     (end - begin + std::abs(along)) / 2, fingers.half_wide + std::abs(across) / 2};
     for (std::size_t i = 0; i < cubes.size(); ++i) {
       if (i == which || top(cubes[i]) < above - kMargin) continue;
       if (overlap(swept, plan_of(cubes[i], kApart))) return true;
     }
     return false;
   };
-  if (meets(0, kHandHalf, fingers.half_wide, tips + kHand)) return 0;
+  if (meets(0, kHandHalf, {}, tips + kHand)) return 0;
   double room = 0;
-  const double half = fingers.half_wide + lean;
-  while (room < most && !meets(cube.edge / 2, cube.edge / 2 + room + kStep + lean, half, tips)) {
+  while (room < most && !meets(cube.edge / 2, cube.edge / 2 + room + kStep, lean, tips)) {
     room += kStep;
   }
   return std::min(room, most);
@@ -189,20 +191,24 @@ Expected<std::vector<JawGrasp>> jaw_grasps(const RobotModel& robot, std::span<co
     }
   };
   double most = 0;
-  for (const double along : {cube.yaw, cube.yaw + kPi / 2}) {
-    for (int step = 0; step * kTiltStep <= kTiltMax + 1e-9; ++step) {
-      const double tilt = step * kTiltStep;
-      const double lean = std::tan(tilt) * (cube.edge / 2 - places.grip());
+  const double far = std::hypot(cube.p_BO.x, cube.p_BO.y);
+  const Vec3 inward = -1 / std::max(far, 1e-9) * Vec3{cube.p_BO.x, cube.p_BO.y, 0};
+  const auto add_tilted = [&](double along, double way) {
+    for (int step = way > 0 ? 0 : 1; step * kTiltStep <= kTiltMax + 1e-9; ++step) {
+      const double tilt = way * step * kTiltStep;
+      const Vec3 lean = std::tan(tilt) * (cube.edge / 2 - places.grip()) * inward;
       const double room =
           std::min(room_beside(cubes, which, along, fingers, tips, lean, widest),
                    room_beside(cubes, which, along + kPi, fingers, tips, lean, widest));
       most = std::max(most, room);
-      if (room < needed) break;  // more tilt takes more
+      if (room < needed) return;  // more tilt takes more
       // As far from a neighbour as from the cube.
-      const double open = room < widest ? (needed + room) / 2 : room;
-      add(along, tilt, open);
-      if (step > 0) add(along, -tilt, open);
+      add(along, tilt, room < widest ? (needed + room) / 2 : room);
     }
+  };
+  for (const double along : {cube.yaw, cube.yaw + kPi / 2}) {
+    add_tilted(along, 1);
+    add_tilted(along, -1);
   }
   if (grasps.empty()) return std::unexpected(Error{ErrorCode::kCubeCrowded, -1, most, needed});
   std::ranges::stable_sort(grasps, [](const JawGrasp& a, const JawGrasp& b) {

@@ -51,7 +51,7 @@ struct CollisionShape {
 /// Stands for the table where a link is named.
 inline constexpr std::uint8_t kTableLink = 255;
 /// Stands for something beside the robot that is no robot.
-inline constexpr std::uint8_t kThingLink = 254;
+inline constexpr std::uint8_t kObstacleLink = 254;
 
 /// Two links whose shapes are not held against each other.
 struct LinkPair {

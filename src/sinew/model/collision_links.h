@@ -21,7 +21,7 @@ inline constexpr std::string_view kStandName = "stand";
 inline constexpr std::string_view kToolName = "tool";
 inline constexpr std::string_view kPlatformName = "platform";
 inline constexpr std::string_view kTableName = "table";
-inline constexpr std::string_view kThingName = "something on the table";
+inline constexpr std::string_view kObstacleName = "obstacle";
 
 inline std::size_t link_count(const RobotModel& model) {
   return model.joints.size() + 2;
@@ -31,10 +31,10 @@ inline bool is_leg(const RobotModel& model, std::size_t link) {
   return std::holds_alternative<HexapodGeometry>(model.geometry) && link >= 1 && link <= kLegs;
 }
 
-/// @param link  below link_count(), kTableLink or kThingLink
+/// @param link  below link_count(), kTableLink or kObstacleLink
 inline std::string_view link_name(const RobotModel& model, std::size_t link) {
   if (link == kTableLink) return kTableName;
-  if (link == kThingLink) return kThingName;
+  if (link == kObstacleLink) return kObstacleName;
   if (link == 0) return kStandName;
   if (link <= model.joints.size()) return model.joints[link - 1].name;
   return std::holds_alternative<HexapodGeometry>(model.geometry) ? kPlatformName : kToolName;

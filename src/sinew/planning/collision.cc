@@ -69,7 +69,7 @@ std::variant<kinematics::SerialChain, PalletizerGeometry, kinematics::Hexapod> k
 std::uint8_t link_of(const RobotModel& model, std::uint8_t shape) {
   if (shape == kTableShape) return kTableLink;
   const auto& shapes = model.collision.shapes;
-  return shape < shapes.size() ? shapes[shape].link : kThingLink;
+  return shape < shapes.size() ? shapes[shape].link : kObstacleLink;
 }
 
 Error contact_error(const RobotModel& model, const Clearance& nearest) {

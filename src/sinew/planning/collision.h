@@ -41,7 +41,7 @@ struct PathContact {
   Clearance nearest;
 };
 
-/// The link that a shape of Clearance stands on, as in model/collision_links.h; kThingLink of what
+/// The link that a shape of Clearance stands on, as in model/collision_links.h; kObstacleLink of what
 /// surrounds the robot.
 std::uint8_t link_of(const RobotModel& model, std::uint8_t shape);
 /// kCollision with the links that these shapes stand on.

@@ -17,13 +17,13 @@
 namespace sinew::program {
 namespace {
 
-/// m, from where the tool goes straight down; the lower one where the higher one is out of reach.
-constexpr std::array kAbove{40e-3, 20e-3};
+/// m, from where the tool goes straight down; lower ones where the higher one is out of reach.
+constexpr std::array kAbove{40e-3, 30e-3, 20e-3};
 /// m, of a cube's bottom over a basket's rim where it is released.
 constexpr std::array kOverRim{15e-3, 30e-3, 50e-3};
 constexpr double kLetGo = 15e-3;        // m, that jaws open more than what they hold
 constexpr double kPress = 1.5e-3;       // m, of a cup's lip into a top
-constexpr double kPressMore = 1.25e-3;  // m
+constexpr double kPressMore = 0.75e-3;  // m
 constexpr double kStillThere = 0.6;     // of an edge, from where a cube was taken
 constexpr double kPitchStep = from_deg(3);
 constexpr int kPitchTries = 12;
@@ -62,12 +62,11 @@ class Sequence {
   const ToolState& tool() const { return rows_.tool; }
   const TableThings& things() const { return things_; }
 
+  /// @param upright  straight up or down, where what is held comes no nearer to what is beside it
   template <class What>
-  std::optional<Refusal> go(What what) {
+  std::optional<Refusal> go(What what, bool upright = false) {
     const Step step{row_.line, std::move(what), row_.file};
-    const auto* tool = std::get_if<ToolMoveStep>(&step.what);
-    const bool straight = tool != nullptr && tool->way == ToolMoveStep::Way::kLine;
-    const auto& around = carries_ && !straight ? things_.carrying : things_.bare;
+    const auto& around = carries_ && !upright ? things_.carrying : things_.bare;
     const auto motion = planner_.plan(q_, rows_.tool, std::span(&step, 1), around);
     if (!motion) return refused(motion.error());
     q_ = motion->q_end;
@@ -80,19 +79,21 @@ class Sequence {
     return std::nullopt;
   }
 
-  /// The tool goes there, the joints straight or the tool, `above` (m) it.
-  std::optional<Refusal> go_to(const Spot& spot, ToolMoveStep::Way way, double above,
-                               const MotionOptions& how) {
-    ToolMoveStep move{.way = way, .to = {}, .p_via_BT = {}, .how = how};
-    move.to.p_BT = {spot.p_BT.x, spot.p_BT.y, spot.p_BT.z + above};
-    move.to.pitch = spot.pitch;
-    move.to.roll = spot.roll;
-    move.to.R_BT = spot.R_BT;
-    return go(move);
+  /// The joints go straight to where the tool is there, `above` (m) it.
+  std::optional<Refusal> go_over(const Spot& spot, double above, const MotionOptions& how) {
+    return go(move_to(spot, ToolMoveStep::Way::kJoints, above, how));
+  }
+  /// The tool goes straight.
+  std::optional<Refusal> go_straight(const Spot& spot, const MotionOptions& how) {
+    return go(move_to(spot, ToolMoveStep::Way::kLine, 0, how));
+  }
+  /// Straight down onto it.
+  std::optional<Refusal> descend(const Spot& spot, const MotionOptions& how) {
+    return go(move_to(spot, ToolMoveStep::Way::kLine, 0, how), true);
   }
   /// Straight up, as the tool is turned.
   std::optional<Refusal> rise(double height, const MotionOptions& how) {
-    return go_to(spot(), ToolMoveStep::Way::kLine, height, how);
+    return go(move_to(spot(), ToolMoveStep::Way::kLine, height, how), true);
   }
   /// Where the tool is.
   Spot spot() const {
@@ -136,9 +137,19 @@ class Sequence {
   CubeRows take() { return std::move(rows_); }
 
  private:
+  static ToolMoveStep move_to(const Spot& spot, ToolMoveStep::Way way, double above,
+                              const MotionOptions& how) {
+    ToolMoveStep move{.way = way, .to = {}, .p_via_BT = {}, .how = how};
+    move.to.p_BT = {spot.p_BT.x, spot.p_BT.y, spot.p_BT.z + above};
+    move.to.pitch = spot.pitch;
+    move.to.roll = spot.roll;
+    move.to.R_BT = spot.R_BT;
+    return move;
+  }
+
   Refusal refused(Refusal refusal) const {
     refusal.file = row_.file;
-    if (refusal.error.other != kThingLink) return refusal;
+    if (refusal.error.other != kObstacleLink) return refusal;
     const double less = things_shrunk_by(planner_.robot());
     refusal.error.measured -= less;
     refusal.error.limit -= less;
@@ -196,20 +207,71 @@ class Choice {
   std::optional<Refusal> refusal_;
 };
 
-/// Over the spot, straight down, `action`, straight up, and back.
-std::expected<CubeRows, Refusal> from_above(Sequence sequence, const Spot& spot,
-                                            const ToolAction& action, const MotionOptions& how) {
-  std::optional<Refusal> refusal;
-  for (const double above : kAbove) {
-    Sequence rows = sequence;
-    refusal = rows.go_to(spot, ToolMoveStep::Way::kJoints, above, how);
-    if (!refusal) refusal = rows.go_to(spot, ToolMoveStep::Way::kLine, 0, how);
-    if (!refusal) refusal = rows.use(action);
-    if (!refusal) refusal = rows.rise(above, how);
-    if (!refusal) refusal = rows.back(how);
-    if (!refusal) return rows.take();
+/// Beside a place, nearer to the base and higher: from there and to there an arm goes over what
+/// stands around it.
+std::array<Spot, 2> beside(const Spot& spot) {
+  constexpr std::array kAside{25e-3, 45e-3};  // m, inward and up
+  std::array<Spot, 2> places{spot, spot};
+  const double far = std::hypot(spot.p_BT.x, spot.p_BT.y);
+  for (std::size_t i = 0; i < kAside.size(); ++i) {
+    const double in = std::min(kAside[i], far) / std::max(far, 1e-9);
+    places[i].p_BT = spot.p_BT + Vec3{-in * spot.p_BT.x, -in * spot.p_BT.y, kAside[i]};
+  }
+  return places;
+}
+
+bool meets_thing(const std::optional<Refusal>& refusal) {
+  return refusal && refusal->error.code == ErrorCode::kCollision &&
+         refusal->error.other == kObstacleLink;
+}
+
+/// To a place over the spot; around what stands there.
+std::expected<Sequence, Refusal> gone_over(const Sequence& rows, Spot spot, double above,
+                                           const MotionOptions& how) {
+  Sequence direct = rows;
+  const auto refusal = direct.go_over(spot, above, how);
+  if (!refusal) return direct;
+  spot.p_BT.z += above;
+  for (const Spot& first : beside(spot)) {
+    if (!meets_thing(refusal)) break;
+    Sequence around = rows;
+    if (!around.go_over(first, 0, how) && !around.go_straight(spot, how)) return around;
   }
   return std::unexpected(*refusal);
+}
+
+/// To where the row began; around what stands there.
+std::expected<CubeRows, Refusal> gone_back(const Sequence& rows, const MotionOptions& how) {
+  Sequence direct = rows;
+  const auto refusal = direct.back(how);
+  if (!refusal) return direct.take();
+  for (const Spot& first : beside(rows.spot())) {
+    if (!meets_thing(refusal)) break;
+    Sequence around = rows;
+    if (!around.go_straight(first, how) && !around.back(how)) return around.take();
+  }
+  return std::unexpected(*refusal);
+}
+
+/// Over the spot, straight down, `action`, straight up, and back.
+std::expected<CubeRows, Refusal> from_above(const Sequence& sequence, const Spot& spot,
+                                            const ToolAction& action, const MotionOptions& how) {
+  std::optional<Refusal> why;
+  for (const double above : kAbove) {
+    auto rows = gone_over(sequence, spot, above, how);
+    if (!rows) {
+      why = rows.error();
+      continue;
+    }
+    why = rows->descend(spot, how);
+    if (!why) why = rows->use(action);
+    if (!why) why = rows->rise(above, how);
+    if (why) continue;
+    auto all = gone_back(*rows, how);
+    if (all) return all;
+    why = all.error();
+  }
+  return std::unexpected(*why);
 }
 
 /// A tool of one width, and what the arm must not meet meanwhile: itself, its table and what stands
@@ -290,7 +352,7 @@ std::expected<CubeRows, Refusal> taken_so(Sequence sequence, const RobotModel& r
     spot = {.p_BT = grasp.p_BT,
             .R_BT = rotation_z(yaw) * rotation_y(grasp.pitch) * rotation_z(grasp.roll)};
   }
-  auto rows = from_above(std::move(sequence), spot, JawsTo{grasp.close, edge}, how);
+  auto rows = from_above(sequence, spot, JawsTo{grasp.close, edge}, how);
   if (rows) rows->tilt = std::abs(kPi - grasp.pitch);
   return rows;
 }
@@ -341,7 +403,7 @@ std::expected<CubeRows, Refusal> picked_by_cup(Sequence sequence, const RobotMod
   if (!lip) return std::unexpected(Refusal{row.line, lip.error(), std::nullopt, row.file});
   const MotionOptions& how = std::get<PickCubeStep>(row.what).how;
   const double press = kPress + kPressMore * std::min(skip, 2);
-  return from_above(std::move(sequence), {.p_BT = *lip + Vec3{0, 0, cup_reach(robot) - press}},
+  return from_above(sequence, {.p_BT = *lip + Vec3{0, 0, cup_reach(robot) - press}},
                     Suction{Suction::State::kOn}, how);
 }
 
@@ -454,8 +516,10 @@ std::expected<CubeRows, Refusal> rows_to_basket(RowPlanner& planner, const Stand
   Choice choice;
   for (const Vec3& p_K : spots_in(basket, edge, lying)) {
     for (const double above : kOverRim) {
-      const double height = basket.size.z + above + tool_above(planner.robot(), edge);
-      const Vec3 p_B = basket.X_BK * (p_K + Vec3{0, 0, height});
+      // Over the rim, and over what lies there.
+      const double height =
+          std::max(basket.size.z, p_K.z) + above + tool_above(planner.robot(), edge);
+      const Vec3 p_B = basket.X_BK * Vec3{p_K.x, p_K.y, height};
       ToolMoveStep move{
           .way = ToolMoveStep::Way::kJoints, .to = {}, .p_via_BT = {}, .how = goal.how};
       move.to.p_BT = {p_B.x, p_B.y, p_B.z};

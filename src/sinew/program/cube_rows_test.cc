@@ -167,7 +167,7 @@ TEST(CubeRows, the_lip_of_a_cup_presses_on_the_top_and_more_after_each_grasp_tha
   ASSERT_TRUE(program);
   const Standing standing{home_joints(robot), {}};
   const grasping::Cube cube{{0.03, -0.21, 0.0125}, 0.2, 0.025, 0};
-  for (const auto& [failed, press] : {std::pair(0, 1.5e-3), {1, 2.75e-3}, {2, 4e-3}, {3, 4e-3}}) {
+  for (const auto& [failed, press] : {std::pair(0, 1.5e-3), {1, 2.25e-3}, {2, 3e-3}, {3, 3e-3}}) {
     const auto rows = rows_to_pick(planner, standing, program->steps[0], {{cube}}, failed);
     ASSERT_TRUE(rows) << describe(rows.error().error);
     JointVector q = *standing.q;

@@ -385,6 +385,7 @@ void Run::issue_next(Instant now) {
   }
   back_.reset();
   grasps_ = 0;
+  gave_up_ = false;
   if (const auto* look = std::get_if<LookOrder>(&order.what)) {
     sighting_.reset();
     camera_ = look->camera;

@@ -98,7 +98,8 @@ class Run {
   void hear_decisions(std::function<void(const Decision&)> listener) {
     listener_ = std::move(listener);
   }
-  /// So often a cube is grasped that is not held then; each time it is looked for anew.
+  /// So often a cube is grasped that is not held then; each time it is looked for anew. Then it is
+  /// left where it lies, and another one is taken.
   static constexpr int kGraspsMax = 3;
   /// All motions at this share (0, 1] of their speed: through the feed, where the device streams.
   /// Of one that takes whole moves see slowed() of program_part.h. Before start().
@@ -199,6 +200,7 @@ class Run {
   std::expected<void, Refusal> next_task(Instant now);
   std::expected<void, Refusal> tasks_done(Instant now);
   std::expected<void, Refusal> is_held(bool held, Instant now);
+  void leave_out_given_up();
   void decided(Decision::Kind kind, const std::optional<grasping::Cube>& cube,
                const std::optional<Error>& why = {}) const;
   Expected<bool> is_seen(const Condition& condition, Instant now);
@@ -280,12 +282,14 @@ class Run {
   int grasps_ = 0;
   std::optional<grasping::Cube> taken_;
   std::function<void(const Decision&)> listener_;
-  bool carries_ = false;             ///< what a `pick` has taken
-  std::optional<Sighting> beside_;   ///< as it was when that was taken, without it
-  std::string camera_;               ///< that rows look with; empty: the first
-  std::vector<Vec3> released_;       ///< cubes over baskets, m in B
-  std::vector<Vec3> lying_;          ///< .. and those that are seen in them
-  std::optional<Vec3> released_at_;  ///< by the `place` under way
+  bool carries_ = false;                  ///< what a `pick` has taken
+  std::vector<grasping::Cube> given_up_;  ///< grasped in vain, as often as that is done
+  bool gave_up_ = false;                  ///< one, in the `pick` under way
+  std::optional<Sighting> beside_;        ///< as it was when that was taken, without it
+  std::string camera_;                    ///< that rows look with; empty: the first
+  std::vector<Vec3> released_;            ///< cubes over baskets, m in B
+  std::vector<Vec3> lying_;               ///< .. and those that are seen in them
+  std::optional<Vec3> released_at_;       ///< by the `place` under way
   std::function<DriverHealth()> health_;
   std::optional<JointVector> still_;  ///< where the joints are while `wait settled` looks at them
   Instant still_since_{};

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <array>
 #include <utility>
 
@@ -32,9 +33,9 @@ void Run::take_sight(Instant now) {
   looks_ = false;
   if (!*seen) return fail(seen->error(), now);
   sighting_ = std::move(**seen);
+  leave_out_given_up();
   looked_ = true;
-  lying_ = released_;
-  for (const grasping::Cube& cube : sighting_->in_baskets) lying_.push_back(cube.p_BO);
+  lying_ = lying_in(baskets(), released_, sighting_->in_baskets);
   if (const auto gone_on = issue(*current_->order, now); !gone_on) fail(gone_on.error(), now);
 }
 
@@ -86,6 +87,8 @@ std::expected<void, Refusal> Run::issue_pick(const PickOrder& pick, Instant now)
     ++grasps_;
     taken_ = rows->cube;
     decided(Decision::Kind::kPick, taken_);
+  } else if (gave_up_) {
+    return std::unexpected(refused({ErrorCode::kNotHeld, -1, 1.0 * kGraspsMax}));
   }
   return begin_tasks(std::move(rows));
 }
@@ -154,9 +157,27 @@ std::expected<void, Refusal> Run::is_held(bool held, Instant now) {
     return {};
   }
   if (grasps_ == kGraspsMax) {
-    return std::unexpected(refused({ErrorCode::kNotHeld, -1, 1.0 * grasps_}));
+    take_notice({ErrorCode::kNotHeld, -1, 1.0 * grasps_}, now);
+    given_up_.push_back(*taken_);
+    if (sighting_) leave_out_given_up();
+    gave_up_ = true;
+    grasps_ = 0;
   }
   return issue_pick(std::get<PickOrder>(current_->order->what), now);
+}
+
+/// What was grasped in vain is not taken where it lies; elsewhere it may be.
+void Run::leave_out_given_up() {
+  std::erase_if(given_up_,
+                [&](const grasping::Cube& one) { return !still_there(*sighting_, one); });
+  const auto [given_up, end] =
+      std::ranges::stable_partition(sighting_->cubes, [&](const grasping::Cube& cube) {
+        return std::ranges::none_of(given_up_, [&](const grasping::Cube& one) {
+          return still_there({.cubes = {cube}}, one);
+        });
+      });
+  sighting_->others.insert(sighting_->others.end(), given_up, end);
+  sighting_->cubes.erase(given_up, end);
 }
 
 }  // namespace sinew::program

@@ -13,6 +13,7 @@ namespace {
 constexpr double kWall = 3e-3;  // m, of a basket
 /// Of a cube's edge: from its side to its upright edges, seen from above.
 constexpr double kCorner = 0.21;
+constexpr double kOff = 3e-3;  // m, that it may be held off the middle
 
 struct Box {
   Pose<frame::Base, frame::Box> X_BX;
@@ -64,7 +65,9 @@ Box grown(Box box, double aside, double up) {
 }  // namespace
 
 double things_shrunk_by(const RobotModel& robot) {
-  return std::max(0.0, robot.collision.margin - grasping::kApart);
+  // Grasps are chosen with all of it; a way may come a little nearer.
+  constexpr double kNearer = 0.5e-3;  // m
+  return std::max(0.0, robot.collision.margin - grasping::kApart + kNearer);
 }
 
 TableThings things_on_table(const RobotModel& robot, const Sighting* seen,
@@ -73,7 +76,7 @@ TableThings things_on_table(const RobotModel& robot, const Sighting* seen,
   constexpr std::size_t kMost = planning::CollisionModel::kSurroundMax;
   // A cube between jaws is a ball for the plan; below a cup it is nothing at all.
   const bool is_serial = std::holds_alternative<SerialGeometry>(robot.geometry);
-  const double hangs = is_serial ? 0.1 * carried : carried;
+  const double hangs = is_serial ? 0.4 * carried : carried;
   TableThings things;
   const auto add = [&](const Box& box, double less) {
     if (things.bare.size() == kMost) return;
@@ -81,7 +84,7 @@ TableThings things_on_table(const RobotModel& robot, const Sighting* seen,
     smaller.half = {std::max(1e-4, box.half.x - less), std::max(1e-4, box.half.y - less),
                     std::max(1e-4, box.half.z - less)};
     things.bare.push_back(standing(smaller));
-    things.carrying.push_back(standing(grown(smaller, kCorner * carried, hangs)));
+    things.carrying.push_back(standing(grown(smaller, kCorner * carried + kOff, hangs)));
   };
   for (const Basket& basket : baskets) {
     for (const Box& wall : walls_of(basket)) add(wall, 0);

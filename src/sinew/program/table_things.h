@@ -21,8 +21,8 @@ struct TableThings {
   std::vector<planning::Surrounding> carrying{};
 };
 
-/// m; bodies of a plan come no nearer to what was seen than grasping::kApart, less than the margin
-/// of the robot's file: that much smaller each thing is in TableThings.
+/// m; bodies of a plan may come nearer to what was seen than the margin of the robot's file, about
+/// as near as grasping::kApart: that much smaller each thing is in TableThings.
 double things_shrunk_by(const RobotModel& robot);
 
 /// Cubes that are seen, what else is, and the walls of baskets; the nearest to the robot where they

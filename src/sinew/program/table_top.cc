@@ -62,8 +62,31 @@ std::vector<Vec3> spots_in(const Basket& basket, double edge, std::span<const Ve
   stable_sort_by(spots, [](const Spot& spot) { return std::hypot(spot.p_K.x, spot.p_K.y); });
   stable_sort_by(spots, [](const Spot& spot) { return spot.cubes; });
   std::vector<Vec3> places;
-  for (const Spot& spot : spots) places.push_back(spot.p_K);
+  for (const Spot& spot : spots) {
+    places.push_back(spot.p_K + Vec3{0, 0, static_cast<double>(spot.cubes) * edge});
+  }
   return places;
+}
+
+std::vector<Vec3> lying_in(std::span<const Basket> baskets, std::span<const Vec3> released,
+                           std::span<const grasping::Cube> seen) {
+  std::vector<Vec3> lying(released.begin(), released.end());
+  for (const grasping::Cube& cube : seen) {
+    const auto is_near = [&](const Vec3& p) {
+      return std::hypot(p.x - cube.p_BO.x, p.y - cube.p_BO.y) < cube.edge;
+    };
+    auto known = std::ranges::count_if(released, is_near);
+    double floor = 0;
+    for (const Basket& basket : baskets) {
+      const Vec3 p_K = basket.X_BK.inverse() * cube.p_BO;
+      if (std::abs(p_K.x) < basket.size.x / 2 && std::abs(p_K.y) < basket.size.y / 2) {
+        floor = basket.X_BK.p.z;
+      }
+    }
+    const long level = std::lround((cube.p_BO.z - floor) / cube.edge + 0.5);
+    for (; known < level; ++known) lying.push_back(cube.p_BO);
+  }
+  return lying;
 }
 
 }  // namespace sinew::program

@@ -39,7 +39,12 @@ const Basket* basket_named(const TableTop& table, std::string_view name);
 /// Where cubes are released over a basket's floor so that they do not lie on each other, as long as
 /// there is room: in the order in which they are tried, those first that have the fewest cubes.
 /// @param edge  m, of the cubes  @param taken  where cubes lie already, m in B
-/// @return m, in K, on the floor; at least one
+/// @return m, in K, on the floor or on as many cubes as lie there; at least one
 std::vector<Vec3> spots_in(const Basket& basket, double edge, std::span<const Vec3> taken);
+
+/// Where cubes lie in baskets, m in B: those that were released there, and those that are seen
+/// where none was, each on as many others as its height says.
+std::vector<Vec3> lying_in(std::span<const Basket> baskets, std::span<const Vec3> released,
+                           std::span<const grasping::Cube> seen);
 
 }  // namespace sinew::program

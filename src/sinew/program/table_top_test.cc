@@ -62,13 +62,30 @@ TEST(TableTop, spots_lie_apart_inside_the_walls_and_full_ones_come_last) {
   std::vector<Vec3> lying;
   for (int round = 0; round < 8; ++round) {
     const auto now = spots_in(basket, kEdge, lying);
-    EXPECT_EQ(now.front(), spots[static_cast<std::size_t>(round) % 4]) << round;
+    Vec3 there = spots[static_cast<std::size_t>(round) % 4];
+    there.z = round / 4 * kEdge;
+    EXPECT_EQ(now.front(), there) << round;
     lying.push_back(basket.X_BK * now.front());
   }
   // What lies beside the basket fills none of it.
   const Vec3 beside = basket.X_BK * Vec3{0.2, 0, 0};
   EXPECT_EQ(spots_in(basket, kEdge, std::vector<Vec3>{beside}).front(), spots.front());
   EXPECT_EQ(spots_in({"cup", {}, {0.03, 0.03, 0.05}}, kEdge, {}), std::vector<Vec3>{Vec3{}});
+}
+
+TEST(TableTop, a_stack_in_a_basket_counts_by_its_height_and_what_was_released_there_only_once) {
+  const std::vector<Basket> baskets{tray()};
+  const Vec3 p_B = baskets[0].X_BK * Vec3{0.02, 0.02, 0};
+  const auto seen_on = [&](int level) {
+    return std::vector<grasping::Cube>{
+        {p_B + Vec3{0, 0, (level - 0.5) * kEdge}, 0, kEdge, static_cast<int>(0)}};
+  };
+  for (int level = 1; level <= 3; ++level) {
+    EXPECT_EQ(lying_in(baskets, {}, seen_on(level)).size(), static_cast<std::size_t>(level));
+    const std::vector<Vec3> two{p_B + Vec3{0, 0, 0.1}, p_B + Vec3{2e-3, 0, 0.1}};
+    EXPECT_EQ(lying_in(baskets, two, seen_on(level)).size(), level == 3 ? 3U : 2U);
+  }
+  EXPECT_EQ(lying_in(baskets, std::vector<Vec3>{p_B, {}}, {}).size(), 2U);
 }
 
 TEST(TableTop, a_row_names_a_basket_and_complaints_name_those_that_there_are) {

@@ -94,6 +94,27 @@ class Fit {
     return least;
   }
 
+  /// The best of some places around, up to a quarter of an edge aside: a top and a side face that
+  /// were taken for one top have their middle between those of both.
+  Top best_around(const Top& top) const {
+    constexpr int kSteps = 3;
+    const double step = half_ / 2 / kSteps;
+    const double cos = std::cos(top.yaw), sin = std::sin(top.yaw);
+    Top best = top;
+    double most = draw(top);
+    for (int i = -kSteps; i <= kSteps; ++i) {
+      for (int k = -kSteps; k <= kSteps; ++k) {
+        const Top other{top.x + step * (i * cos - k * sin), top.y + step * (i * sin + k * cos),
+                        top.yaw};
+        const double there = draw(other);
+        if (there <= most) continue;
+        most = there;
+        best = other;
+      }
+    }
+    return best;
+  }
+
   /// Steps along each of its three numbers, halved where none helps.
   Top best_near(Top top, double step, double turn) const {
     constexpr int kHalvings = 6, kRounds = 8;
@@ -184,7 +205,7 @@ TableFit fitted_on_table(const Picture& picture, const TableCamera& camera,
   // From afar first: with sides that are compared over a wider strip it does not stop early.
   const Fit coarse(picture, camera, start.top_W.z, edge, 2.5 * pixel, hidden);
   const Fit fine(picture, camera, start.top_W.z, edge, pixel, hidden);
-  const Top near = coarse.best_near(begin, 2 * pixel, from_deg(4));
+  const Top near = coarse.best_near(coarse.best_around(begin), 2 * pixel, from_deg(4));
   const Top top = fine.best_near(near, pixel, from_deg(2));
   if (std::hypot(top.x - begin.x, top.y - begin.y) > edge / 3) {
     return {start, fine.contrast(begin), fine.foot(begin), fine.is_sure(begin)};
