@@ -12,8 +12,10 @@ namespace {
 
 constexpr float kShadow = 0.5F;  ///< of a cell's sRGB value: darker is no shadow
 constexpr float kGlare = 1.12F;
-constexpr float kLit = 1 / kShadow;  ///< what was learned in a shadow
-constexpr float kOther = 22;         ///< of 255 in each color: noise and compression stay below
+constexpr float kOther = 22;  ///< of 255 in each color: noise and compression stay below
+/// Brighter than in glare, as where a shadow has gone: what is alike then has so nearly the same
+/// hue. Skin on wood has not.
+constexpr float kAlike = 14;
 constexpr float kFollow = 0.1F;
 
 float sum(const std::array<float, 3>& color) {
@@ -25,21 +27,21 @@ std::array<float, 3> color_at(const Picture& cells, std::size_t i) {
   return {1.0F * p[0], 1.0F * p[1], 1.0F * p[2]};
 }
 
-/// Whether a color is another one, and not the same in a shadow or in up to so much more light.
-bool is_other(const std::array<float, 3>& now, const std::array<float, 3>& was,
-              float more = kGlare) {
+/// Whether a color is another one, and not the same where a shadow has come or gone.
+bool is_other(const std::array<float, 3>& now, const std::array<float, 3>& was) {
   float across = 0;
   float along = 1;
   for (std::size_t c = 0; c < 3; ++c) {
     across += now[c] * was[c];
     along += was[c] * was[c];
   }
-  const float share = std::clamp(across / along, kShadow, more);
+  const float share = std::clamp(across / along, kShadow, 1 / kShadow);
   float off = 0;
   for (std::size_t c = 0; c < 3; ++c) {
     off += (now[c] - share * was[c]) * (now[c] - share * was[c]);
   }
-  return off > kOther * kOther;
+  const float most = share > kGlare ? kAlike : kOther;
+  return off > most * most;
 }
 
 }  // namespace
@@ -67,7 +69,6 @@ std::optional<Pixel> ViewWatch::look(const Picture& picture, const std::vector<b
     known_.assign(grid.size(), false);
     seen_ = false;
   }
-  if (lit_.size() != grid.size()) lit_.assign(grid.size(), {});
   const float exposure = exposure_of(cells, may_move);
   std::vector<bool> changed(grid.size(), false);
   for (std::size_t i = 0; i < grid.size(); ++i) {
@@ -78,33 +79,20 @@ std::optional<Pixel> ViewWatch::look(const Picture& picture, const std::vector<b
     Color now = color_at(cells, i);
     for (float& value : now) value /= exposure;
     if (!known_[i]) {
-      learn(i, now);
-    } else if (!is_other(now, was_[i])) {
-      for (std::size_t c = 0; c < 3; ++c) was_[i][c] += kFollow * (now[c] - was_[i][c]);
-    } else if (!is_other(now, lit_[i].color, lit_[i].in_shadow ? kLit : kGlare)) {
-      learn(i, now);
-    } else {
+      was_[i] = now;
+      known_[i] = true;
+    } else if (is_other(now, was_[i])) {
       changed[i] = true;
+    } else if (sum(now) > kGlare * sum(was_[i])) {
+      was_[i] = now;  // a shadow has gone
+    } else {
+      for (std::size_t c = 0; c < 3; ++c) was_[i][c] += kFollow * (now[c] - was_[i][c]);
     }
   }
   const auto there = largest(grid, std::move(changed));
   const bool before = std::exchange(seen_, there.has_value());
   if (!before || !there) return std::nullopt;
   return 1.0 * picture.width / grid.columns * *there;
-}
-
-/// A cell shows this now. What stood before it may have changed what is there, or only cast a
-/// shadow that goes with it.
-void ViewWatch::learn(std::size_t cell, const Color& now) {
-  Lit& lit = lit_[cell];
-  const bool first = sum(lit.color) == 0;
-  if (first || is_other(now, lit.color, kLit)) {
-    lit = {now, !first};
-  } else if (sum(now) > sum(lit.color)) {
-    lit.color = now;
-  }
-  was_[cell] = now;
-  known_[cell] = true;
 }
 
 /// Light of the picture as a whole against what it was: the median over cells.

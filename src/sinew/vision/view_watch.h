@@ -26,8 +26,8 @@ CellGrid grid_of(int width, int height);
 /// Notices what comes into the view of a camera that stands still, beside what may move there.
 ///
 /// Each cell's color is held against what it was. Brighter or darker as a whole is another
-/// exposure; darker cells of the same hue are a shadow. What was hidden by something that may move
-/// is seen anew afterwards, in its shadow at first.
+/// exposure; darker cells of the same hue are a shadow, brighter ones of very nearly the same hue
+/// one that has gone. What was hidden by something that may move is seen anew afterwards.
 class ViewWatch {
  public:
   /// @param least  cells; what is smaller does not count
@@ -43,20 +43,12 @@ class ViewWatch {
  private:
   using Color = std::array<float, 3>;
 
-  /// What a cell is like in all its light.
-  struct Lit {
-    Color color{};
-    bool in_shadow = false;  ///< it may have been in one all the time
-  };
-
-  void learn(std::size_t cell, const Color& now);
   float exposure_of(const Picture& cells, const std::vector<bool>& may_move) const;
   std::optional<Pixel> largest(const CellGrid& grid, std::vector<bool> changed) const;
 
   double least_;
   std::vector<Color> was_;
   std::vector<bool> known_;  ///< of each cell
-  std::vector<Lit> lit_;     ///< kept as long as the picture has one size
   bool seen_ = false;        ///< in the last picture
 };
 
