@@ -231,7 +231,6 @@ void run_cell(std::uint64_t seed, Tally& tally) {
     const bool is_there = what.has_hand && t >= what.hand_begins && t < what.hand_ends;
     const runtime::JobView job = cell.cell().jobs(0).view();
     if (job.paused && !was_paused && !is_there && !hand_was_there) ++tally.paused_wrongly;
-    if (job.paused && !was_paused && is_there) ++tally.hands_noticed;
     was_paused = job.paused;
     // A person takes the hand away, or looks and finds nothing, and has it go on.
     if (!is_there && job.paused) cell.cell().jobs(0).resume(job.id);
@@ -274,7 +273,6 @@ std::string Tally::table() const {
   row("of these wrongly", refused_wrongly);
   row("cubes seen where none lies, in the last picture", ghosts);
   row("cells with a hand in view", hands);
-  row("of these noticed, and the arm paused", hands_noticed);
   row("pauses though nothing came into view", paused_wrongly);
   row("cells with a knocked camera", knocked);
   row("of these refused, nothing moved", knocked_refused);

@@ -11,8 +11,9 @@ namespace sinew::runtime {
 namespace {
 
 constexpr std::chrono::milliseconds kLookPeriod{100};
-/// Without a watcher for longer than between two moves: things are as they are seen next.
-constexpr std::chrono::milliseconds kForgets{500};
+/// Without a watcher for longer than an arm stands between two moves: things are as they are seen
+/// next. Who steps in while it stands is noticed as it goes on.
+constexpr std::chrono::seconds kForgets{5};
 
 /// Whether it is as good as one colour: black, covered, or all white. Noise of a covered lens stays
 /// below, any table with something on it far above.
@@ -143,12 +144,15 @@ void Camera::work(const std::stop_token& ending) {
   io::let_others_go_first(io::Share::kServing);
   std::uint64_t answered = 0;
   Time next_look{};
+  bool disturbed = false;
   std::unique_lock lock(mutex_);
   while (!ending.stop_requested()) {
     const auto called = [&] { return answered != asked_; };
     if (watchers_ == 0) {
       asked_for_.wait(lock, ending, [&] { return called() || watchers_ > 0; });
-      if (view_ && std::chrono::steady_clock::now() - unwatched_since_ > kForgets) {
+      const bool forgets = std::chrono::steady_clock::now() - unwatched_since_ > kForgets;
+      // Behind a disturbance a person has looked.
+      if (view_ && (forgets || std::exchange(disturbed, false))) {
         view_->begin_again();
         next_look = {};
       }
@@ -168,6 +172,7 @@ void Camera::work(const std::stop_token& ending) {
       const std::chrono::nanoseconds used = io::processor_time();
       const bool more = sees_more(ending);
       if (more) {
+        disturbed = true;
         const std::scoped_lock here(mutex_);
         ++disturbances_;
       }
