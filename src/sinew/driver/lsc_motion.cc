@@ -113,8 +113,10 @@ std::uint16_t LscDriver::told(std::size_t slot, const Units& to) const {
 void LscDriver::measure_sag(std::size_t joint, double there) {
   Slot& slot = slots_[joint];
   const double most = kServoSlack / units_.resolution(joint);
+  const double off = there - slot.told;
   slot.rest = there;
-  slot.sag = slot.held ? std::clamp(there - slot.told, -most, most) : 0;
+  // More than a weight does: something is in its way.
+  slot.sag = slot.held && std::abs(off) <= most ? off : 0;
 }
 
 /// False where what waits to leave is no frame of targets, or has begun to leave.

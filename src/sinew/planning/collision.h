@@ -41,8 +41,8 @@ struct PathContact {
   Clearance nearest;
 };
 
-/// The link that a shape of Clearance stands on, as in model/collision_links.h; kObstacleLink of what
-/// surrounds the robot.
+/// The link that a shape of Clearance stands on, as in model/collision_links.h; kObstacleLink of
+/// what surrounds the robot.
 std::uint8_t link_of(const RobotModel& model, std::uint8_t shape);
 /// kCollision with the links that these shapes stand on.
 Error contact_error(const RobotModel& model, const Clearance& nearest);
@@ -111,6 +111,7 @@ class CollisionModel {
   /// on behind the robot's own.
   void surround(std::span<const Surrounding> bodies);
   static constexpr std::size_t kSurroundMax = 64;
+  bool surrounded() const { return shapes_.size() > own_shapes_; }
   /// What a shape never leaves.
   Capsule ball_of(std::size_t shape) const { return reach_ball(*model_, shapes_[shape]); }
   /// A hexapod's pose to begin with.

@@ -78,8 +78,10 @@ std::optional<PathContact> MotionPlanner::contact_on(const RobotPlace& start, co
   const double here = collision_.distance(q, &X_BP).distance;
   // What counts as at the margin is that much nearer than the start, so that it can leave.
   clearance_min = std::min(here - 2 * CollisionModel::kResolution, collision_.margin());
-  return clearance_min < 0 ? collision_.check_leaving(path, &X_BP)
-                           : collision_.check_path(path, clearance_min, 0, path.length(), &X_BP);
+  // What is beside the robot may be near at the start: that is no reason to come near to all else.
+  const bool leaves = clearance_min < 0 || (collision_.surrounded() && here < collision_.margin());
+  return leaves ? collision_.check_leaving(path, &X_BP)
+                : collision_.check_path(path, clearance_min, 0, path.length(), &X_BP);
 }
 
 std::optional<PathRefusal> MotionPlanner::check_contacts(const RobotPlace& start, std::size_t first,

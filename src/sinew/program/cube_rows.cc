@@ -149,7 +149,9 @@ class Sequence {
 
   Refusal refused(Refusal refusal) const {
     refusal.file = row_.file;
-    if (refusal.error.other != kObstacleLink) return refusal;
+    if (refusal.error.other != kObstacleLink || refusal.error.code != ErrorCode::kCollision) {
+      return refusal;
+    }
     const double less = things_shrunk_by(planner_.robot());
     refusal.error.measured -= less;
     refusal.error.limit -= less;
@@ -379,12 +381,16 @@ std::expected<CubeRows, Refusal> picked_by_jaws(RowPlanner& planner, const Seque
   std::optional<Refusal> why;
   const auto tried = having.empty() ? few_of(*grasps) : having;
   planner.propose(false);
+  // What stands where the arm itself is meets all grasps alike.
+  constexpr int kMeetingsMax = 40;
+  int meetings = 0;
   for (const grasping::JawGrasp& grasp : tried) {
     auto rows = taken_so(sequence, robot, grasp, edge);
     if (!rows && (!why || is_nearer(rows.error(), *why))) {
       why = rows.error();
       nearest = &grasp;
     }
+    if (!rows && meets_thing(rows.error()) && ++meetings == kMeetingsMax) break;
     const bool skipped = rows && skip-- > 0;
     if ((skipped ? left_out : choice).take(std::move(rows)) && !skipped) break;
   }
@@ -460,44 +466,63 @@ bool can_pick(const RobotModel& robot) {
 
 namespace {
 
-/// What is seen but for what is beside the place, which it may be put on or against; nothing where
-/// the place is not known.
-std::optional<Sighting> away_from(const Sighting* seen, const PlaceCubeStep& place, double edge) {
-  const auto* move = std::get_if<ToolMoveStep>(&place.there);
-  if (seen == nullptr || move == nullptr) return std::nullopt;
-  const auto& p_BT = move->to.p_BT;
-  if (!p_BT[0] || !p_BT[1]) return std::nullopt;
-  Sighting left = *seen;
+/// What a `place` keeps clear of.
+struct Around {
+  const Sighting* seen = nullptr;  ///< null: not known
+  std::span<const Basket> baskets{};
+};
+
+/// But for what is beside the place, which it may be put on or against, and the basket that it is
+/// in.
+TableThings away_from(const RobotModel& robot, const Around& around, const Vec3& p_BT,
+                      double edge) {
+  Sighting left;
+  if (around.seen != nullptr) left = *around.seen;
   const auto is_beside = [&](const grasping::Cube& cube) {
-    return std::hypot(cube.p_BO.x - *p_BT[0], cube.p_BO.y - *p_BT[1]) < edge + cube.edge;
+    return std::hypot(cube.p_BO.x - p_BT.x, cube.p_BO.y - p_BT.y) < edge + cube.edge;
   };
   std::erase_if(left.cubes, is_beside);
   std::erase_if(left.others, is_beside);
-  return left;
+  std::vector<Basket> baskets;
+  for (const Basket& basket : around.baskets) {
+    const Vec3 p_K = basket.X_BK.inverse() * p_BT;
+    const bool over = std::abs(p_K.x) < basket.size.x / 2 && std::abs(p_K.y) < basket.size.y / 2;
+    // From above the rim its walls are clear as well.
+    if (!over || p_K.z > basket.size.z) baskets.push_back(basket);
+  }
+  return things_on_table(robot, &left, {}, baskets, edge);
 }
 
 /// At one place.
 std::expected<CubeRows, Refusal> rows_to_one_place(RowPlanner& planner, const Standing& standing,
                                                    const Step& row, const PlaceCubeStep& place,
-                                                   const TableThings& things) {
+                                                   const Around& around) {
   const ToolAction opening = letting_go(planner.robot(), standing.tool);
-  Sequence there(planner, standing, row, things);
   const auto* joints = std::get_if<JointStep>(&place.there);
-  auto refusal =
-      joints != nullptr ? there.go(*joints) : there.go(std::get<ToolMoveStep>(place.there));
-  if (refusal) return std::unexpected(*refusal);
+  const auto go_there = [&](Sequence& rows) {
+    return joints != nullptr ? rows.go(*joints) : rows.go(std::get<ToolMoveStep>(place.there));
+  };
+  // Where it is and how the tool is turned there, whatever stands on the straight way.
+  const TableThings nothing;
+  const Sequence free(planner, standing, row, nothing);
+  Sequence there = free;
+  if (const auto refusal = go_there(there)) return std::unexpected(*refusal);
+  const double edge = standing.tool.held.value_or(standing.at_cup.value_or(0));
+  const auto things = away_from(planner.robot(), around, there.spot().p_BT, edge);
+  const Sequence begin(planner, standing, row, things);
   const auto how = std::visit([](const auto& to) { return to.how; }, place.there);
   Choice choice;
-  const Sequence begin(planner, standing, row, things);
-  for (const Spot& spot : spots_of(there, begin, place)) {
+  for (const Spot& spot : spots_of(there, free, place)) {
     if (choice.take(from_above(begin, spot, opening, how))) break;
   }
   if (choice.any()) return choice.get();
   // Where there is no room above it: as `move` goes there.
-  refusal = there.use(opening);
-  if (!refusal) refusal = there.back(how);
+  Sequence direct = begin;
+  auto refusal = go_there(direct);
+  if (!refusal) refusal = direct.use(opening);
+  if (!refusal) refusal = direct.back(how);
   if (refusal) return std::unexpected(*refusal);
-  return there.take();
+  return direct.take();
 }
 
 /// m, of the tool point above the bottom of a cube that it holds, at least.
@@ -510,7 +535,7 @@ double tool_above(const RobotModel& robot, double edge) {
 std::expected<CubeRows, Refusal> rows_to_basket(RowPlanner& planner, const Standing& standing,
                                                 const Step& row, const BasketGoal& goal,
                                                 const Basket& basket, std::span<const Vec3> lying,
-                                                const TableThings& things) {
+                                                const Around& around) {
   const double edge = standing.tool.held.value_or(standing.at_cup.value_or(kUsualCube));
   constexpr double kEnough = from_deg(0.3);  // what an arm stands beside where it was sent
   Choice choice;
@@ -523,7 +548,7 @@ std::expected<CubeRows, Refusal> rows_to_basket(RowPlanner& planner, const Stand
       ToolMoveStep move{
           .way = ToolMoveStep::Way::kJoints, .to = {}, .p_via_BT = {}, .how = goal.how};
       move.to.p_BT = {p_B.x, p_B.y, p_B.z};
-      auto rows = rows_to_one_place(planner, standing, row, {move}, things);
+      auto rows = rows_to_one_place(planner, standing, row, {move}, around);
       if (rows) rows->p_BO = p_B;
       if (rows && rows->room >= kEnough) return rows;
       choice.take(std::move(rows));
@@ -544,20 +569,14 @@ std::expected<CubeRows, Refusal> rows_to_place(RowPlanner& planner, const Standi
                                                std::span<const Vec3> lying, const Sighting* seen) {
   const auto& place = std::get<PlaceCubeStep>(row.what);
   const auto* goal = std::get_if<BasketGoal>(&place.there);
-  const double carried = standing.tool.held.value_or(standing.at_cup.value_or(0));
-  std::span<const Basket> baskets;
-  if (table != nullptr) baskets = table->baskets;
-  if (goal == nullptr) {
-    const auto left = away_from(seen, place, carried);
-    const auto things = things_on_table(planner.robot(), left ? &*left : nullptr, {}, {}, carried);
-    return rows_to_one_place(planner, standing, row, place, things);
-  }
-  const auto things = things_on_table(planner.robot(), seen, {}, baskets, carried);
+  Around around{seen};
+  if (table != nullptr) around.baskets = table->baskets;
+  if (goal == nullptr) return rows_to_one_place(planner, standing, row, place, around);
   const Basket* basket = table != nullptr ? basket_named(*table, goal->name) : nullptr;
   if (basket == nullptr) {
     return std::unexpected(Refusal{row.line, {ErrorCode::kNoBasket}, std::nullopt, row.file});
   }
-  return rows_to_basket(planner, standing, row, *goal, *basket, lying, things);
+  return rows_to_basket(planner, standing, row, *goal, *basket, lying, around);
 }
 
 std::expected<CubeRows, Refusal> rows_to_cube(RowPlanner& planner, const Standing& standing,
@@ -566,7 +585,10 @@ std::expected<CubeRows, Refusal> rows_to_cube(RowPlanner& planner, const Standin
                                               std::span<const Basket> baskets) {
   const RobotModel& robot = planner.robot();
   const auto things = things_on_table(robot, &seen, which, baskets, seen.cubes[which].edge);
-  const Sequence begin(planner, standing, row, things);
+  Standing empty = standing;
+  empty.tool.held.reset();
+  empty.at_cup.reset();
+  const Sequence begin(planner, empty, row, things);
   auto rows = picks_with_jaws(robot) ? picked_by_jaws(planner, begin, seen, which, skip)
                                      : picked_by_cup(begin, robot, seen, which, skip);
   if (rows) rows->cube = seen.cubes[which];

@@ -2,14 +2,18 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <deque>
 #include <string>
 
+#include "sinew/core/split_mix.h"
 #include "sinew/core/units.h"
 #include "sinew/model/joint_lookup.h"
 #include "sinew/planning/tool_space.h"
 #include "sinew/program/conditions.h"
 #include "sinew/program/program_format.h"
+#include "sinew/program/table_things.h"
 #include "support/robots.h"
 
 /// Rows that look, pick and place: what is read of them, and what they are made of.
@@ -158,6 +162,79 @@ TEST(CubeRows, place_lets_go_there_from_above_and_ends_where_it_began) {
     EXPECT_EQ(let_go, 1);
     for (std::size_t i = 0; i < q.size(); ++i) EXPECT_NEAR(q[i], (*standing.q)[i], 1e-9);
   }
+}
+
+/// m, from bodies of the arm to boxes, all along the rows; the jaws as they are in each.
+double nearest_on_way(RowPlanner& planner, const Standing& begin, const CubeRows& rows,
+                      std::span<const planning::Surrounding> boxes) {
+  planning::CollisionModel bodies(planner.robot());
+  planning::CollisionModel alone(planner.robot());
+  bodies.surround(boxes);
+  JointVector q = *begin.q;
+  ToolState tool = begin.tool;
+  double nearest = 1;
+  for (const Step& step : rows.steps) {
+    if (const auto* action = std::get_if<ToolStep>(&step.what)) {
+      const auto& jaws = std::get<JawsTo>(action->action);
+      tool = {jaws.width, jaws.held};
+      continue;
+    }
+    const auto motion = planner.plan(q, tool, std::span(&step, 1));
+    EXPECT_TRUE(motion) << describe(motion.error().error);
+    if (!motion) return -1;
+    bodies.fit(tool);
+    alone.fit(tool);
+    const auto& path = planner.motion().path.joints;
+    for (double s = 0; s <= path.length(); s += path.length() / 200) {
+      planning::PathPoint at;
+      path.sample(s, at);
+      const std::span<const double> joints{at.q.data(), q.size()};
+      const double near = bodies.distance(joints).distance;
+      if (near < alone.distance(joints).distance - 1e-9) nearest = std::min(nearest, near);
+    }
+    q = motion->q_end;
+  }
+  return nearest;
+}
+
+TEST(CubeRows, pick_keeps_clear_of_cubes_of_others_and_of_baskets_on_its_whole_way) {
+  const RobotModel robot = test::robot("learm");
+  RowPlanner planner(robot);
+  const Basket basket{"tray", {Rotation{}, {0.06, 0.18, 0}}, {0.12, 0.12, 0.05}};
+  int picked = 0;
+  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+    SplitMix64 random(seed);
+    Sighting seen;
+    for (int tries = 0; tries < 40; ++tries) {
+      const double far = random.uniform(0.12, 0.21), turn = random.uniform(-0.6, 0.6);
+      const grasping::Cube cube{{far * std::cos(turn), far * std::sin(turn), 0.0125},
+                                random.uniform(0, kPi / 2),
+                                0.025,
+                                0};
+      const auto apart = [&](const grasping::Cube& one) {
+        return norm(one.p_BO - cube.p_BO) > 0.04;
+      };
+      if (!std::ranges::all_of(seen.cubes, apart) || !std::ranges::all_of(seen.others, apart)) {
+        continue;
+      }
+      (tries % 3 == 2 ? seen.others : seen.cubes).push_back(cube);
+    }
+    const auto rows =
+        rows_to_pick(planner, ready(), {1, PickCubeStep{}, 0}, seen, 0, std::span(&basket, 1));
+    if (!rows) continue;
+    ++picked;
+    std::optional<std::size_t> which;
+    for (std::size_t i = 0; i < seen.cubes.size(); ++i) {
+      if (seen.cubes[i].p_BO == rows->cube.p_BO) which = i;
+    }
+    ASSERT_TRUE(which) << "never one of the others";
+    const auto things = things_on_table(robot, &seen, which, std::span(&basket, 1), 0.025);
+    EXPECT_EQ(things.bare.size(), 4 + seen.cubes.size() - 1 + seen.others.size());
+    // Of its own start a motion may be as near as it stands.
+    EXPECT_GT(nearest_on_way(planner, ready(), *rows, things.bare), robot.collision.margin - 3e-4)
+        << "seed " << seed;
+  }
+  EXPECT_GE(picked, 6);
 }
 
 TEST(CubeRows, the_lip_of_a_cup_presses_on_the_top_and_more_after_each_grasp_that_held_nothing) {

@@ -37,8 +37,9 @@ class Table : public Eyes {
     return Sighting{cubes};
   }
 
-  void watch(bool on) override {
+  void watch(bool on, bool anew) override {
     watched = on;
+    watches_anew += on && anew ? 1 : 0;
     watches += on ? 1 : 0;
     came = came && on;
   }
@@ -88,6 +89,7 @@ class Table : public Eyes {
   bool watched = false;
   bool came = false;  ///< something into view
   int watches = 0;
+  int watches_anew = 0;
 
  private:
   std::optional<double> jaws() const {
@@ -174,6 +176,22 @@ TEST(CubeRun, what_is_never_held_is_left_where_it_lies_and_others_are_taken) {
   ASSERT_EQ(cell.run.notices().size(), 1U);
   EXPECT_EQ(cell.run.notices()[0].error.code, ErrorCode::kNotHeld);
   EXPECT_EQ(cell.run.notices()[0].line, 3);
+}
+
+TEST(CubeRun, a_tool_that_holds_nothing_gives_up_three_cubes_and_ends) {
+  for (const bool measures : {true, false}) {
+    PlainCell cell("learm", std::string(kReady) + "pick\n");
+    Table table(cell);
+    if (!measures) cell.run.measure_by([] { return DriverHealth{}; });
+    table.cubes = {cube_at(0.14, -0.04, ColorName::kBlue), cube_at(0.20, 0.02, ColorName::kRed),
+                   cube_at(0.15, 0.05, ColorName::kRed), cube_at(0.17, -0.01, ColorName::kGreen)};
+    table.slips = 100;
+    table.go();
+    ASSERT_EQ(cell.run.phase(), Phase::kFailed);
+    EXPECT_EQ(cell.run.failure()->error.code, ErrorCode::kNotHeld);
+    EXPECT_EQ(table.grasps, 9);
+    EXPECT_EQ(cell.run.notices().size(), 2U);
+  }
 }
 
 TEST(CubeRun, a_board_that_does_not_measure_leaves_it_to_the_next_picture) {
@@ -309,9 +327,12 @@ TEST(CubeRun, what_comes_into_view_while_the_arm_moves_pauses_it_and_the_table_i
   EXPECT_EQ(cell.driver.taken_.size(), moves) << "it stands until it is resumed";
   const int looks = table.looks;
   table.came = false;
+  EXPECT_EQ(table.watches_anew, 1) << "at first";
   cell.run.resume();
   table.go();
   ASSERT_EQ(cell.run.phase(), Phase::kDone);
+  EXPECT_EQ(table.watches_anew, 2) << "a person has looked; else it goes on from how it was";
+  EXPECT_GT(table.watches, 2);
   EXPECT_FALSE(table.watched);
   EXPECT_EQ(table.taken.size(), 2U);
   EXPECT_GT(table.looks, looks);

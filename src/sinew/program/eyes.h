@@ -29,8 +29,9 @@ class Eyes {
   /// @error kCameraLost, kCameraBlind, kCameraFrozen, kCameraChanged
   virtual std::optional<Expected<Sighting>> seen() = 0;
   /// Whether it looks for what comes into view beside the robots, from now on.
-  virtual void watch(bool on) = 0;
-  /// Something did since watch(true).
+  /// @param anew  things are as they are seen next; else as they were when it was watched before
+  virtual void watch(bool on, bool anew) = 0;
+  /// Something did since it was switched on.
   virtual bool disturbed() const = 0;
 };
 

@@ -19,7 +19,7 @@ class Walk {
       : plan_(plan), table_(program.table.get()), planner_(planner), at_(start), look_(look) {
     if (table_ != nullptr && table_->seen) seen_ = table_->seen;
     if (!seen_) return;
-    for (const grasping::Cube& cube : seen_->in_baskets) lying_.push_back(cube.p_BO);
+    lying_ = lying_in(baskets(), {}, seen_->in_baskets);
   }
 
   std::expected<std::vector<grasping::Cube>, Refusal> go() {

@@ -100,6 +100,8 @@ std::optional<Error> Run::fault() const {
 /// Who paused it may have changed what lies there.
 void Run::forget_picture() {
   sighting_.reset();
+  beside_.reset();
+  given_up_.clear();
   if (looks_) eyes_->look(camera_);
 }
 
@@ -113,7 +115,11 @@ void Run::watch_view(Instant now) {
   if (eyes_ == nullptr) return;
   const bool moves = phase_ == Phase::kRunning && looked_ && !paused_ && !looks_ && current_ &&
                      (handles() || std::holds_alternative<MoveOrder>(current_->order->what));
-  if (std::exchange(watched_, moves) != moves) eyes_->watch(moves);
+  // A person may do something on the table while it is paused, or waits.
+  if (paused_ || wait_end_) watches_anew_ = true;
+  if (std::exchange(watched_, moves) != moves) {
+    eyes_->watch(moves, moves && std::exchange(watches_anew_, false));
+  }
   if (!moves || !eyes_->disturbed()) return;
   paused_by_ = Error{ErrorCode::kViewDisturbed};
   take_notice(*paused_by_, now);
@@ -385,7 +391,7 @@ void Run::issue_next(Instant now) {
   }
   back_.reset();
   grasps_ = 0;
-  gave_up_ = false;
+  gave_up_ = 0;
   if (const auto* look = std::get_if<LookOrder>(&order.what)) {
     sighting_.reset();
     camera_ = look->camera;

@@ -99,7 +99,7 @@ class Run {
     listener_ = std::move(listener);
   }
   /// So often a cube is grasped that is not held then; each time it is looked for anew. Then it is
-  /// left where it lies, and another one is taken.
+  /// left where it lies, and another one is taken, as often.
   static constexpr int kGraspsMax = 3;
   /// All motions at this share (0, 1] of their speed: through the feed, where the device streams.
   /// Of one that takes whole moves see slowed() of program_part.h. Before start().
@@ -201,6 +201,7 @@ class Run {
   std::expected<void, Refusal> tasks_done(Instant now);
   std::expected<void, Refusal> is_held(bool held, Instant now);
   void leave_out_given_up();
+  void lift_from_beside();
   void decided(Decision::Kind kind, const std::optional<grasping::Cube>& cube,
                const std::optional<Error>& why = {}) const;
   Expected<bool> is_seen(const Condition& condition, Instant now);
@@ -271,6 +272,7 @@ class Run {
   bool looks_ = false;                ///< a picture is looked at for the order under way
   bool looked_ = false;               ///< a picture was used at all
   bool watched_ = false;              ///< what comes into view is looked for
+  bool watches_anew_ = true;          ///< .. the next time, beside how it is then
   std::optional<Sighting> sighting_;  ///< as long as nothing was moved on the table
   /// Of a `pick` or `place` under way: what it is made of, the next one, and whether that may
   /// begin.
@@ -284,7 +286,7 @@ class Run {
   std::function<void(const Decision&)> listener_;
   bool carries_ = false;                  ///< what a `pick` has taken
   std::vector<grasping::Cube> given_up_;  ///< grasped in vain, as often as that is done
-  bool gave_up_ = false;                  ///< one, in the `pick` under way
+  int gave_up_ = 0;                       ///< so many in the `pick` under way
   std::optional<Sighting> beside_;        ///< as it was when that was taken, without it
   std::string camera_;                    ///< that rows look with; empty: the first
   std::vector<Vec3> released_;            ///< cubes over baskets, m in B

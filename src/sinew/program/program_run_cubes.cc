@@ -33,6 +33,8 @@ void Run::take_sight(Instant now) {
   looks_ = false;
   if (!*seen) return fail(seen->error(), now);
   sighting_ = std::move(**seen);
+  std::erase_if(given_up_,
+                [&](const grasping::Cube& one) { return !still_there(*sighting_, one); });
   leave_out_given_up();
   looked_ = true;
   lying_ = lying_in(baskets(), released_, sighting_->in_baskets);
@@ -65,7 +67,7 @@ bool Run::handles() const {
 std::expected<Standing, Refusal> Run::standing() const {
   if (!q_) return std::unexpected(refused({ErrorCode::kPositionUnknown, 0}));
   Standing here(*q_, machine_.tool());
-  if (taken_) here.at_cup = taken_->edge;
+  if (taken_ && carries_) here.at_cup = taken_->edge;
   return here;
 }
 
@@ -81,13 +83,13 @@ std::expected<void, Refusal> Run::issue_pick(const PickOrder& pick, Instant now)
   const Step row{current_->order->line, pick.row, current_->order->file};
   auto rows = rows_to_pick(planner(), *from, row, *sighting_, grasps_, baskets());
   if (rows) {
-    beside_ = *sighting_;
-    std::erase_if(beside_->cubes,
-                  [&](const grasping::Cube& one) { return one.p_BO == rows->cube.p_BO; });
+    // Another one may be the nearest now, as one was pushed.
+    if (taken_ && grasps_ > 0 && !still_there({.cubes = {rows->cube}}, *taken_)) grasps_ = 0;
     ++grasps_;
     taken_ = rows->cube;
+    lift_from_beside();
     decided(Decision::Kind::kPick, taken_);
-  } else if (gave_up_) {
+  } else if (gave_up_ > 0 && rows.error().error.code == ErrorCode::kNothingSeen) {
     return std::unexpected(refused({ErrorCode::kNotHeld, -1, 1.0 * kGraspsMax}));
   }
   return begin_tasks(std::move(rows));
@@ -151,25 +153,36 @@ std::expected<void, Refusal> Run::tasks_done(Instant now) {
 std::expected<void, Refusal> Run::is_held(bool held, Instant now) {
   decided(held ? Decision::Kind::kHeld : Decision::Kind::kNotHeld, taken_);
   if (held) {
+    if (sighting_) lift_from_beside();
     carries_ = true;
     current_->cube = taken_;
     finish_order(now);
     return {};
   }
   if (grasps_ == kGraspsMax) {
-    take_notice({ErrorCode::kNotHeld, -1, 1.0 * grasps_}, now);
+    const Error why{ErrorCode::kNotHeld, -1, 1.0 * grasps_};
+    const bool named = std::get<PickOrder>(current_->order->what).row.p_BT.has_value();
+    if (named || ++gave_up_ == kGraspsMax) return std::unexpected(refused(why));
+    take_notice(why, now);
     given_up_.push_back(*taken_);
     if (sighting_) leave_out_given_up();
-    gave_up_ = true;
     grasps_ = 0;
   }
   return issue_pick(std::get<PickOrder>(current_->order->what), now);
 }
 
-/// What was grasped in vain is not taken where it lies; elsewhere it may be.
+/// What stands beside the cube that is taken, as it was seen last.
+void Run::lift_from_beside() {
+  beside_ = *sighting_;
+  std::erase_if(beside_->cubes,
+                [&](const grasping::Cube& one) { return still_there({.cubes = {one}}, *taken_); });
+}
+
+/// What was grasped in vain is not taken where it lies, but where a row names its place; elsewhere
+/// it may be.
 void Run::leave_out_given_up() {
-  std::erase_if(given_up_,
-                [&](const grasping::Cube& one) { return !still_there(*sighting_, one); });
+  const auto* pick = std::get_if<PickOrder>(&current_->order->what);
+  if (pick != nullptr && pick->row.p_BT) return;
   const auto [given_up, end] =
       std::ranges::stable_partition(sighting_->cubes, [&](const grasping::Cube& cube) {
         return std::ranges::none_of(given_up_, [&](const grasping::Cube& one) {

@@ -63,7 +63,10 @@ std::vector<Vec3> spots_in(const Basket& basket, double edge, std::span<const Ve
   stable_sort_by(spots, [](const Spot& spot) { return spot.cubes; });
   std::vector<Vec3> places;
   for (const Spot& spot : spots) {
-    places.push_back(spot.p_K + Vec3{0, 0, static_cast<double>(spot.cubes) * edge});
+    // More than heaps over the rim has been taken out meanwhile, by whoever empties it.
+    const double most = std::ceil(basket.size.z / edge) + 1;
+    const double cubes = std::min(static_cast<double>(spot.cubes), most);
+    places.push_back(spot.p_K + Vec3{0, 0, cubes * edge});
   }
   return places;
 }

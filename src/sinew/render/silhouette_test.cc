@@ -3,6 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
+#include <cstdint>
+#include <vector>
 
 #include "sinew/core/units.h"
 #include "sinew/render/cell_scene.h"
@@ -94,6 +97,37 @@ TEST(Silhouette, an_arm_that_works_with_its_shadow_is_no_disturbance_and_a_hand_
   }
   EXPECT_GE(noticed, 5) << "one lies on a table of its own color";
   EXPECT_EQ(late, noticed) << "in the second picture";
+}
+
+/// Plain, with what differs in it.
+vision::Picture plain(const std::array<int, 3>& table, const std::array<int, 3>& patch) {
+  vision::Picture picture{192, 144, {}};
+  for (int y = 0; y < picture.height; ++y) {
+    for (int x = 0; x < picture.width; ++x) {
+      const bool here = x >= 60 && x < 120 && y >= 40 && y < 100;
+      for (const int value : here ? patch : table) {
+        picture.rgb.push_back(static_cast<std::uint8_t>(value));
+      }
+    }
+  }
+  return picture;
+}
+
+TEST(Silhouette, a_shadow_that_comes_or_goes_is_nothing_new_and_skin_on_wood_is) {
+  const std::array<int, 3> wood{163, 128, 91}, shaded{98, 77, 56}, skin{200, 160, 130};
+  const std::vector<bool> none(vision::grid_of(192, 144).size(), false);
+  const auto told = [&](const std::array<int, 3>& before, const std::array<int, 3>& now) {
+    vision::ViewWatch watch(kLeast);
+    EXPECT_FALSE(watch.look(plain(wood, before), none));
+    bool any = false;
+    for (int k = 0; k < 3; ++k) any = watch.look(plain(wood, now), none).has_value() || any;
+    return any;
+  };
+  EXPECT_FALSE(told(wood, shaded));
+  EXPECT_FALSE(told(shaded, wood)) << "it was there when the watch began";
+  EXPECT_TRUE(told(wood, skin));
+  EXPECT_TRUE(told(shaded, skin));
+  EXPECT_TRUE(told(wood, {40, 60, 150}));
 }
 
 TEST(Silhouette, a_camera_that_is_covered_while_the_arm_moves_is_a_disturbance) {

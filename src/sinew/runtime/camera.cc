@@ -144,15 +144,14 @@ void Camera::work(const std::stop_token& ending) {
   io::let_others_go_first(io::Share::kServing);
   std::uint64_t answered = 0;
   Time next_look{};
-  bool disturbed = false;
   std::unique_lock lock(mutex_);
   while (!ending.stop_requested()) {
     const auto called = [&] { return answered != asked_; };
     if (watchers_ == 0) {
       asked_for_.wait(lock, ending, [&] { return called() || watchers_ > 0; });
       const bool forgets = std::chrono::steady_clock::now() - unwatched_since_ > kForgets;
-      // Behind a disturbance a person has looked.
-      if (view_ && (forgets || std::exchange(disturbed, false))) {
+      const bool anew = std::exchange(watches_anew_, false);
+      if (view_ && (forgets || anew)) {
         view_->begin_again();
         next_look = {};
       }
@@ -172,7 +171,6 @@ void Camera::work(const std::stop_token& ending) {
       const std::chrono::nanoseconds used = io::processor_time();
       const bool more = sees_more(ending);
       if (more) {
-        disturbed = true;
         const std::scoped_lock here(mutex_);
         ++disturbances_;
       }
@@ -215,9 +213,10 @@ bool Camera::sees_more(const std::stop_token& ending) {
   return there.has_value();
 }
 
-void Camera::begin_watch() {
+void Camera::begin_watch(bool anew) {
   {
     const std::scoped_lock lock(mutex_);
+    watches_anew_ = watches_anew_ || (anew && watchers_ == 0);
     ++watchers_;
   }
   asked_for_.notify_one();

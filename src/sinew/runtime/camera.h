@@ -75,7 +75,8 @@ class Camera {
   /// Null before the first.
   std::shared_ptr<const Shot> newest() const;
   /// Between both, what comes into view beside the robots is looked for, several times a second.
-  void begin_watch();
+  /// @param anew  things are as they are seen next
+  void begin_watch(bool anew);
   void end_watch();
   /// So many times something has come into view while it was watched.
   std::uint64_t disturbances() const;
@@ -105,6 +106,7 @@ class Camera {
   std::condition_variable_any asked_for_;
   std::uint64_t asked_ = 0;                                 ///< under the mutex
   int watchers_ = 0;                                        ///< under the mutex
+  bool watches_anew_ = false;                               ///< under the mutex
   std::chrono::steady_clock::time_point unwatched_since_;   ///< under the mutex
   std::uint64_t disturbances_ = 0;                          ///< under the mutex
   std::shared_ptr<const Shot> newest_;                      ///< under the mutex

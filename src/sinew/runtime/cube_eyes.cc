@@ -47,12 +47,12 @@ program::Sighting sighting_of(const vision::Detection& seen, double edge,
   return sighting;
 }
 
-void CubeEyes::watch(bool on) {
+void CubeEyes::watch(bool on, bool anew) {
   if (on == (watched_ != nullptr)) return;
   if (!on) return std::exchange(watched_, nullptr)->end_watch();
   watched_ = cameras_[looks_with_].camera;
   undisturbed_ = watched_->disturbances();
-  watched_->begin_watch();
+  watched_->begin_watch(anew);
 }
 
 program::Sighting CubeEyes::sighting(const Looking& with, const Camera::Shot& shot) const {

@@ -40,7 +40,7 @@ class CubeEyes : public program::Eyes {
 
   void look(std::string_view camera) override;
   std::optional<Expected<program::Sighting>> seen() override;
-  void watch(bool on) override;
+  void watch(bool on, bool anew) override;
   bool disturbed() const override {
     return watched_ != nullptr && watched_->disturbances() != undisturbed_;
   }

@@ -104,6 +104,7 @@ class Fit {
     double most = draw(top);
     for (int i = -kSteps; i <= kSteps; ++i) {
       for (int k = -kSteps; k <= kSteps; ++k) {
+        if (i * i + k * k > kSteps * kSteps) continue;
         const Top other{top.x + step * (i * cos - k * sin), top.y + step * (i * sin + k * cos),
                         top.yaw};
         const double there = draw(other);

@@ -1,0 +1,58 @@
+#include <gtest/gtest.h>
+
+#include "sinew/driver/lsc_test_cell.h"
+#include "sinew/driver/lsc_units.h"
+
+/// Servos that rest beside what they were told, under the arm's weight.
+namespace sinew {
+namespace {
+
+using test::kLscHere;
+using test::kLscSag;
+using test::LscCell;
+using test::LscPose;
+using namespace std::chrono_literals;
+
+/// Reached out, where the weight is felt most.
+constexpr LscPose kOut{0.2, 1.0, 0.3, 0.2, 0};
+constexpr LscPose kFartherOut{0.3, 1.15, 0.25, 0.25, 0};
+
+TEST(LscSag, a_servo_that_was_measured_to_sag_is_told_more_and_sinks_no_further) {
+  LscCell cell(LscProfile::kBus);
+  cell.start(kOut);
+  const double sagged = cell.worst(kOut);
+  ASSERT_GT(sagged, 0.008) << "else there is nothing to mend";
+  cell.stream(kFartherOut, 2s);
+  EXPECT_LT(cell.worst(kFartherOut), 0.6 * sagged);
+  // The jaws' frames name the arm's servos too.
+  for (const double width : {0.02, 0.05}) {
+    ASSERT_TRUE(cell.driver.tool(JawsTo{width}, cell.now));
+    cell.run_for(3s);
+    EXPECT_LT(cell.worst(kFartherOut), 0.6 * sagged) << width;
+  }
+  // Back, to where the weight is another one.
+  cell.stream(kLscHere, 3s);
+  EXPECT_LT(cell.worst(kLscHere), kLscSag);
+}
+
+TEST(LscSag, no_servo_is_told_beyond_its_limits_because_it_sags) {
+  LscCell cell(LscProfile::kBus);
+  const auto& settings = std::get<LscDevice>(cell.model.device.settings);
+  const LscUnits units(settings, cell.model.joints,
+                       std::get<SerialGeometry>(cell.model.geometry).gripper);
+  for (std::size_t joint = 0; joint < 5; ++joint) {
+    for (const double limit : {cell.model.joints[joint].lower, cell.model.joints[joint].upper}) {
+      const auto at = *units.of_joint(joint, limit);
+      const auto inside = *units.of_joint(joint, 0.9 * limit);
+      for (const double more : {-40.0, 40.0}) {
+        const double told = units.q_of(joint, units.beside(joint, at, more));
+        EXPECT_GE(told, cell.model.joints[joint].lower - 1e-9);
+        EXPECT_LE(told, cell.model.joints[joint].upper + 1e-9);
+        EXPECT_EQ(units.beside(joint, inside, more / 10), inside + more / 10);
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace sinew
