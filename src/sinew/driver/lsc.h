@@ -62,10 +62,9 @@ struct LscTiming {
 /// At rest an lsc6 hears its targets again behind each sign of life: nothing tells the host that
 /// the last frame of a motion was damaged, so that must not count for longer than a second.
 ///
-/// A servo on the bus holds against the arm's weight only beside where it was told to be. So much
-/// as it was measured to be off where it rests, it is told more from there on, less and less with
-/// the way from there: it arrives nearer to what was asked for, and does not sink once more when
-/// the next motion, or the jaws', begins.
+/// A servo on the bus holds against the arm's weight only beside where it was told to be. While it
+/// stays where it was measured, as when the jaws move, it hears again what it was told, not where
+/// it stands: else it would sink once more.
 ///
 /// positions(): what was commanded is claimed with the servo's dead band and sag to either side,
 /// 0.06 rad; what was measured with the wire's resolution.

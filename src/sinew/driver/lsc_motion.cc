@@ -2,7 +2,6 @@
 #include <cmath>
 
 #include "sinew/core/assert.h"
-#include "sinew/core/units.h"
 #include "sinew/driver/lsc.h"
 
 namespace sinew {
@@ -97,17 +96,12 @@ void LscDriver::send_targets(const Segment& segment, Instant now, Duration time)
   send(frame, now);
 }
 
-/// What a servo is told so that it comes to where it shall be.
+/// What a servo is told so that it is where it shall be. One that stays where it was measured hears
+/// again what keeps it there.
 std::uint16_t LscDriver::told(std::size_t slot, const Units& to) const {
-  if (slot >= units_.joints() || slots_[slot].sag == 0) return to[slot];
-  // The weight that it was measured under is that of one pose.
-  constexpr double kFar = kPi / 2;  // rad, of a joint
-  double far = 0;
-  for (std::size_t i = 0; i < units_.joints(); ++i) {
-    far = std::max(far, std::abs(to[i] - slots_[i].rest) * units_.resolution(i));
-  }
-  const double share = std::max(0.0, 1 - far / kFar);
-  return units_.beside(slot, to[slot], -share * slots_[slot].sag);
+  const Slot& servo = slots_[slot];
+  if (slot >= units_.joints() || servo.sag == 0 || to[slot] != servo.rest) return to[slot];
+  return units_.beside(slot, to[slot], -servo.sag);
 }
 
 void LscDriver::measure_sag(std::size_t joint, double there) {
