@@ -32,10 +32,27 @@ bool is_beside(const Thing& thing, const Vec3& p_W) {
   return std::hypot(std::max(0.0, out_x), std::max(0.0, out_y)) > kClear;
 }
 
-/// Beside the basket, a hand's breadth of each other or less; in reach of the arm or anywhere in
-/// front of it.
+/// Whether the camera sees all of a cube's top there, however it is turned.
+bool is_in_picture(const vision::TableCamera& camera, const Vec3& p_W) {
+  const double far = kEdge / std::sqrt(2.0);
+  const Vec3 p = p_W - kTable_W;
+  for (const double x : {-far, far}) {
+    for (const double y : {-far, far}) {
+      const Vec3 corner{p.x + x, p.y + y, p.z + kEdge};
+      const auto px = camera.model.project(camera.X_WC.inverse() * corner);
+      const bool inside =
+          px && px->x > 0 && px->y > 0 && px->x < camera.model.width && px->y < camera.model.height;
+      if (!inside) return false;
+    }
+  }
+  return true;
+}
+
+/// In the picture, beside the basket, a hand's breadth of each other or less; in reach of the arm
+/// or anywhere in front of it.
 std::vector<CellCube> cubes_of(const CubeCellSettings& settings) {
   SplitMix64 random(settings.seed);
+  const vision::TableCamera camera = runtime::usual_camera();
   std::vector<CellCube> cubes;
   for (int tries = 0; cubes.size() < settings.cubes && tries < 1000; ++tries) {
     const double reach = settings.anywhere ? random.uniform(0.09, 0.26) : random.uniform(0.14, 0.2);
@@ -48,6 +65,7 @@ std::vector<CellCube> cubes_of(const CubeCellSettings& settings) {
     bool free = std::ranges::all_of(cubes, [&](const CellCube& other) {
       return std::hypot(other.p_W.x - cube.p_W.x, other.p_W.y - cube.p_W.y) > apart;
     });
+    free = free && is_in_picture(camera, cube.p_W);
     for (const Thing& thing : settings.clutter) free = free && is_beside(thing, cube.p_W);
     // Its own half diagonal beside the basket's wall, or a finger's room.
     const Vec3 beside = cube.p_W - kBasket_W;
