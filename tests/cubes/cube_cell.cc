@@ -65,7 +65,7 @@ std::vector<CellCube> cubes_of(const CubeCellSettings& settings) {
     bool free = std::ranges::all_of(cubes, [&](const CellCube& other) {
       return std::hypot(other.p_W.x - cube.p_W.x, other.p_W.y - cube.p_W.y) > apart;
     });
-    free = free && is_in_picture(camera, cube.p_W);
+    free = free && (!settings.anywhere || is_in_picture(camera, cube.p_W));
     for (const Thing& thing : settings.clutter) free = free && is_beside(thing, cube.p_W);
     // Its own half diagonal beside the basket's wall, or a finger's room.
     const Vec3 beside = cube.p_W - kBasket_W;
