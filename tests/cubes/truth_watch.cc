@@ -106,15 +106,12 @@ void TruthWatch::look_at(const planning::PlacedShape& body, const CollisionShape
 }
 
 std::vector<std::string> TruthWatch::contacts(const Ended& ended) const {
-  std::vector<std::string> all;
-  for (const auto& [what, depth] : met_)
-    all.push_back(fmt::format("{}, {:.1f} mm", what, 1e3 * depth));
   std::vector<std::size_t> taken;
   for (const sim::CubeEvent& event : ended.events) {
     if (event.kind == Kind::kGrasped) taken.push_back(*event.cube);
   }
   std::set<std::string> told;
-  std::map<std::string, double> deepest;
+  std::map<std::string, double> deepest = met_;
   for (const Touch& touch : touched_) {
     if (touch.before < taken.size() && taken[touch.before] == touch.cube) continue;
     double& depth = deepest[fmt::format("{} met cube {} after {} grasps", touch.link, touch.cube,
@@ -139,8 +136,7 @@ std::vector<std::string> TruthWatch::contacts(const Ended& ended) const {
                               1e3 * event.amount, grasps));
     }
   }
-  all.insert(all.end(), told.begin(), told.end());
-  return all;
+  return {told.begin(), told.end()};
 }
 
 }  // namespace sinew::cubes

@@ -155,7 +155,7 @@ class LscDriver : public ByteDriver {
   void begin(const Segment& segment, Instant now);
   void promote();
   double at(const Slot& slot, Instant time) const;
-  std::uint16_t told(std::size_t slot, const Units& to) const;
+  std::uint16_t told(std::size_t slot, std::uint16_t to) const;
   void measure_sag(std::size_t joint, double there);
   Duration byte_time() const;
   Duration frame_time(std::uint8_t also = 0) const;

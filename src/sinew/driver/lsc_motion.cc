@@ -79,29 +79,25 @@ void LscDriver::send_segment(Segment& segment, Instant now, Instant end) {
 
 void LscDriver::send_targets(const Segment& segment, Instant now, Duration time) {
   Move frame;
-  Units to{};
-  for (std::size_t i = 0; i < units_.slots(); ++i) {
-    const bool moves = (segment.mask & bit(i)) != 0;
-    to[i] = moves ? segment.to[i] : static_cast<std::uint16_t>(std::lround(slots_[i].to));
-  }
   const std::uint16_t longest = profile_ == LscProfile::kEsp32 ? kEsp32TimeMax : kTimeMax;
   frame.time_ms = std::min(to_ms(time), longest);
   for (std::size_t i = 0; i < units_.slots(); ++i) {
     const bool moves = (segment.mask & bit(i)) != 0;
     if (!moves && !slots_[i].held) continue;
-    slots_[i].told = told(i, to);
+    const auto held = static_cast<std::uint16_t>(std::lround(slots_[i].to));
+    slots_[i].told = told(i, moves ? segment.to[i] : held);
     frame.servos.push_back({units_.id(i), slots_[i].told});
   }
   facts_.told = {frame, now};
   send(frame, now);
 }
 
-/// What a servo is told so that it is where it shall be. One that stays where it was measured hears
-/// again what keeps it there.
-std::uint16_t LscDriver::told(std::size_t slot, const Units& to) const {
+/// The units that bring a servo to `to`. One that stays where it was measured gets again what keeps
+/// it there.
+std::uint16_t LscDriver::told(std::size_t slot, std::uint16_t to) const {
   const Slot& servo = slots_[slot];
-  if (slot >= units_.joints() || servo.sag == 0 || to[slot] != servo.rest) return to[slot];
-  return units_.beside(slot, to[slot], -servo.sag);
+  if (slot >= units_.joints() || servo.sag == 0 || to != servo.rest) return to;
+  return units_.beside(slot, to, -servo.sag);
 }
 
 void LscDriver::measure_sag(std::size_t joint, double there) {

@@ -42,6 +42,10 @@ struct Spot {
   std::optional<Rotation> R_BT{};
 };
 
+bool meets_thing(const Refusal& refusal) {
+  return refusal.error.code == ErrorCode::kCollision && refusal.error.other == kObstacleLink;
+}
+
 /// Rows one behind the other, each planned from where the one before it ends, clear of what stands
 /// on the table.
 class Sequence {
@@ -149,9 +153,7 @@ class Sequence {
 
   Refusal refused(Refusal refusal) const {
     refusal.file = row_.file;
-    if (refusal.error.other != kObstacleLink || refusal.error.code != ErrorCode::kCollision) {
-      return refusal;
-    }
+    if (!meets_thing(refusal)) return refusal;
     const double less = things_shrunk_by(planner_.robot());
     refusal.error.measured -= less;
     refusal.error.limit -= less;
@@ -222,33 +224,28 @@ std::array<Spot, 2> beside(const Spot& spot) {
   return places;
 }
 
-bool meets_thing(const std::optional<Refusal>& refusal) {
-  return refusal && refusal->error.code == ErrorCode::kCollision &&
-         refusal->error.other == kObstacleLink;
-}
-
-/// To a place over the spot; around what stands there.
+/// To a place over the spot; by a place beside it where an obstacle is in the way.
 std::expected<Sequence, Refusal> gone_over(const Sequence& rows, Spot spot, double above,
                                            const MotionOptions& how) {
   Sequence direct = rows;
   const auto refusal = direct.go_over(spot, above, how);
   if (!refusal) return direct;
+  if (!meets_thing(*refusal)) return std::unexpected(*refusal);
   spot.p_BT.z += above;
   for (const Spot& first : beside(spot)) {
-    if (!meets_thing(refusal)) break;
     Sequence around = rows;
     if (!around.go_over(first, 0, how) && !around.go_straight(spot, how)) return around;
   }
   return std::unexpected(*refusal);
 }
 
-/// To where the row began; around what stands there.
+/// To where the row began; by a place beside where it is, where an obstacle is in the way.
 std::expected<CubeRows, Refusal> gone_back(const Sequence& rows, const MotionOptions& how) {
   Sequence direct = rows;
   const auto refusal = direct.back(how);
   if (!refusal) return direct.take();
+  if (!meets_thing(*refusal)) return std::unexpected(*refusal);
   for (const Spot& first : beside(rows.spot())) {
-    if (!meets_thing(refusal)) break;
     Sequence around = rows;
     if (!around.go_straight(first, how) && !around.back(how)) return around.take();
   }
@@ -276,8 +273,8 @@ std::expected<CubeRows, Refusal> from_above(const Sequence& sequence, const Spot
   return std::unexpected(*why);
 }
 
-/// A tool of one width, and what the arm must not meet meanwhile: itself, its table and what stands
-/// there.
+/// A tool of one width, and what the arm must not meet meanwhile: itself, its table and the things
+/// on it.
 struct Hand {
   Hand(const RobotModel& robot, std::optional<double> jaws, const TableThings& things)
       : space(robot, jaws), bodies(robot) {
@@ -360,7 +357,7 @@ std::expected<CubeRows, Refusal> taken_so(Sequence sequence, const RobotModel& r
 }
 
 /// Cubes, and behind them what else is about as large.
-std::vector<grasping::Cube> standing_there(const Sighting& seen) {
+std::vector<grasping::Cube> cubes_and_others(const Sighting& seen) {
   std::vector<grasping::Cube> all = seen.cubes;
   all.insert(all.end(), seen.others.begin(), seen.others.end());
   return all;
@@ -370,7 +367,7 @@ std::expected<CubeRows, Refusal> picked_by_jaws(RowPlanner& planner, const Seque
                                                 const Sighting& seen, std::size_t which, int skip) {
   const Step& row = sequence.row();
   const RobotModel& robot = planner.robot();
-  const auto grasps = grasping::jaw_grasps(robot, standing_there(seen), which);
+  const auto grasps = grasping::jaw_grasps(robot, cubes_and_others(seen), which);
   if (!grasps) {
     return std::unexpected(Refusal{row.line, grasps.error(), std::nullopt, row.file});
   }
@@ -405,7 +402,7 @@ std::expected<CubeRows, Refusal> picked_by_jaws(RowPlanner& planner, const Seque
 std::expected<CubeRows, Refusal> picked_by_cup(Sequence sequence, const RobotModel& robot,
                                                const Sighting& seen, std::size_t which, int skip) {
   const Step& row = sequence.row();
-  const auto lip = grasping::cup_grasp(standing_there(seen), which);
+  const auto lip = grasping::cup_grasp(cubes_and_others(seen), which);
   if (!lip) return std::unexpected(Refusal{row.line, lip.error(), std::nullopt, row.file});
   const MotionOptions& how = std::get<PickCubeStep>(row.what).how;
   const double press = kPress + kPressMore * std::min(skip, 2);
@@ -486,11 +483,10 @@ TableThings away_from(const RobotModel& robot, const Around& around, const Vec3&
   std::vector<Basket> baskets;
   for (const Basket& basket : around.baskets) {
     const Vec3 p_K = basket.X_BK.inverse() * p_BT;
-    const bool over = std::abs(p_K.x) < basket.size.x / 2 && std::abs(p_K.y) < basket.size.y / 2;
     // From above the rim its walls are clear as well.
-    if (!over || p_K.z > basket.size.z) baskets.push_back(basket);
+    if (!is_over(basket, p_K) || p_K.z > basket.size.z) baskets.push_back(basket);
   }
-  return things_on_table(robot, &left, {}, baskets, edge);
+  return things_on_table(robot, left, {}, baskets, edge);
 }
 
 /// At one place.
@@ -569,8 +565,7 @@ std::expected<CubeRows, Refusal> rows_to_place(RowPlanner& planner, const Standi
                                                std::span<const Vec3> lying, const Sighting* seen) {
   const auto& place = std::get<PlaceCubeStep>(row.what);
   const auto* goal = std::get_if<BasketGoal>(&place.there);
-  Around around{seen};
-  if (table != nullptr) around.baskets = table->baskets;
+  const Around around{seen, baskets_on(table)};
   if (goal == nullptr) return rows_to_one_place(planner, standing, row, place, around);
   const Basket* basket = table != nullptr ? basket_named(*table, goal->name) : nullptr;
   if (basket == nullptr) {
@@ -584,7 +579,7 @@ std::expected<CubeRows, Refusal> rows_to_cube(RowPlanner& planner, const Standin
                                               std::size_t which, int skip,
                                               std::span<const Basket> baskets) {
   const RobotModel& robot = planner.robot();
-  const auto things = things_on_table(robot, &seen, which, baskets, seen.cubes[which].edge);
+  const auto things = things_on_table(robot, seen, which, baskets, seen.cubes[which].edge);
   Standing empty = standing;
   empty.tool.held.reset();
   empty.at_cup.reset();
@@ -615,22 +610,24 @@ std::expected<CubeRows, Refusal> rows_to_pick(RowPlanner& planner, const Standin
 }
 
 bool in_reach(const RobotModel& robot, const Sighting& seen, std::size_t which) {
-  const auto things = things_on_table(robot, &seen, which, {}, seen.cubes[which].edge);
+  const auto things = things_on_table(robot, seen, which, {}, seen.cubes[which].edge);
   if (picks_with_jaws(robot)) {
-    const auto grasps = grasping::jaw_grasps(robot, standing_there(seen), which);
+    const auto grasps = grasping::jaw_grasps(robot, cubes_and_others(seen), which);
     Hands hands(robot, things);
     return grasps &&
            std::ranges::any_of(*grasps, [&](const auto& one) { return hands.reach(one); });
   }
-  const auto lip = grasping::cup_grasp(standing_there(seen), which);
+  const auto lip = grasping::cup_grasp(cubes_and_others(seen), which);
   return lip &&
          has_joints({robot, std::nullopt, things}, *lip + Vec3{0, 0, cup_reach(robot)}, 0, 0);
 }
 
+bool lies_at(const grasping::Cube& cube, const grasping::Cube& taken) {
+  return norm(cube.p_BO - taken.p_BO) < kStillThere * taken.edge;
+}
+
 bool still_there(const Sighting& seen, const grasping::Cube& taken) {
-  return std::ranges::any_of(seen.cubes, [&](const grasping::Cube& cube) {
-    return norm(cube.p_BO - taken.p_BO) < kStillThere * taken.edge;
-  });
+  return std::ranges::any_of(seen.cubes, [&](const auto& cube) { return lies_at(cube, taken); });
 }
 
 bool may_hold(const grasping::Cube& cube, double jaws) {

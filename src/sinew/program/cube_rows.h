@@ -66,6 +66,8 @@ std::expected<CubeRows, Refusal> rows_to_place(RowPlanner& planner, const Standi
 /// a look at the way there.
 bool in_reach(const RobotModel& robot, const Sighting& seen, std::size_t which);
 
+/// Whether a cube lies where one was taken.
+bool lies_at(const grasping::Cube& cube, const grasping::Cube& taken);
 /// Whether a picture still shows a cube where one was taken.
 bool still_there(const Sighting& seen, const grasping::Cube& taken);
 /// Whether jaws that measure this width (m) hold the cube: closed on nothing they come nearer.

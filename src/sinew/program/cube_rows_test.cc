@@ -228,7 +228,7 @@ TEST(CubeRows, pick_keeps_clear_of_cubes_of_others_and_of_baskets_on_its_whole_w
       if (seen.cubes[i].p_BO == rows->cube.p_BO) which = i;
     }
     ASSERT_TRUE(which) << "never one of the others";
-    const auto things = things_on_table(robot, &seen, which, std::span(&basket, 1), 0.025);
+    const auto things = things_on_table(robot, seen, which, std::span(&basket, 1), 0.025);
     EXPECT_EQ(things.bare.size(), 4 + seen.cubes.size() - 1 + seen.others.size());
     // Of its own start a motion may be as near as it stands.
     EXPECT_GT(nearest_on_way(planner, ready(), *rows, things.bare), robot.collision.margin - 3e-4)

@@ -12,7 +12,7 @@ namespace sinew::program {
 /// What one picture shows of the table in front of a robot.
 struct Sighting {
   std::vector<grasping::Cube> cubes;  ///< in base B; `color` is a vision::ColorName
-  /// What else stands there, about as large as a cube: it is kept clear of, and never taken.
+  /// Other things on the table, about as large as a cube: kept clear of, and never taken.
   std::vector<grasping::Cube> others{};
   std::vector<grasping::Cube> in_baskets{};  ///< done with
 };

@@ -19,7 +19,7 @@ class Walk {
       : plan_(plan), table_(program.table.get()), planner_(planner), at_(start), look_(look) {
     if (table_ != nullptr && table_->seen) seen_ = table_->seen;
     if (!seen_) return;
-    lying_ = lying_in(baskets(), {}, seen_->in_baskets);
+    lying_ = lying_in(baskets_on(table_), {}, seen_->in_baskets);
   }
 
   std::expected<std::vector<grasping::Cube>, Refusal> go() {
@@ -41,15 +41,11 @@ class Walk {
   }
 
  private:
-  std::span<const Basket> baskets() const {
-    return table_ != nullptr ? std::span<const Basket>(table_->baskets) : std::span<const Basket>();
-  }
-
   std::size_t decide(const Order& order, const BranchOrder& branch, std::size_t next) {
     const Step row{order.line, PickCubeStep{branch.condition.color}, order.file};
-    const bool holds = seen_ && at_.q
-                           ? rows_to_pick(planner_, at_, row, *seen_, 0, baskets()).has_value()
-                           : order.round == 1;
+    const bool holds =
+        seen_ && at_.q ? rows_to_pick(planner_, at_, row, *seen_, 0, baskets_on(table_)).has_value()
+                       : order.round == 1;
     if (!holds) return branch.otherwise;
     // Before an `else` there is a jump behind it.
     const std::size_t last = branch.otherwise - 1;
@@ -75,7 +71,7 @@ class Walk {
       return look_({order, at_, nullptr});
     }
     const Step row{order.line, pick.row, order.file};
-    const auto rows = rows_to_pick(planner_, at_, row, *seen_, 0, baskets());
+    const auto rows = rows_to_pick(planner_, at_, row, *seen_, 0, baskets_on(table_));
     if (!rows) return look_({order, at_, nullptr, &rows.error()});
     const auto looked = look_({order, at_, &*rows});
     at_.tool = rows->tool;

@@ -195,7 +195,6 @@ class Run {
   std::expected<void, Refusal> issue_pick(const PickOrder& pick, Instant now);
   std::expected<void, Refusal> issue_place(const PlaceOrder& place);
   std::expected<Standing, Refusal> standing() const;
-  std::span<const Basket> baskets() const;
   std::expected<void, Refusal> begin_tasks(std::expected<CubeRows, Refusal> rows);
   std::expected<void, Refusal> next_task(Instant now);
   std::expected<void, Refusal> tasks_done(Instant now);

@@ -37,7 +37,7 @@ void Run::take_sight(Instant now) {
                 [&](const grasping::Cube& one) { return !still_there(*sighting_, one); });
   leave_out_given_up();
   looked_ = true;
-  lying_ = lying_in(baskets(), released_, sighting_->in_baskets);
+  lying_ = lying_in(baskets_on(program_.table.get()), released_, sighting_->in_baskets);
   if (const auto gone_on = issue(*current_->order, now); !gone_on) fail(gone_on.error(), now);
 }
 
@@ -46,16 +46,12 @@ Expected<bool> Run::is_seen(const Condition& condition, Instant now) {
   const auto from = standing();
   if (!from) return std::unexpected(from.error().error);
   const Step row{current_->order->line, PickCubeStep{condition.color}, current_->order->file};
-  const auto rows = rows_to_pick(planner(), *from, row, *sighting_, 0, baskets());
+  const auto rows =
+      rows_to_pick(planner(), *from, row, *sighting_, 0, baskets_on(program_.table.get()));
   if (rows) return true;
   decided(Decision::Kind::kRefused, std::nullopt, rows.error().error);
   if (rows.error().error.code != ErrorCode::kNothingSeen) take_notice(rows.error().error, now);
   return false;
-}
-
-std::span<const Basket> Run::baskets() const {
-  if (program_.table == nullptr) return {};
-  return program_.table->baskets;
 }
 
 /// The order under way is made of several steps that only now are known.
@@ -81,10 +77,11 @@ std::expected<void, Refusal> Run::issue_pick(const PickOrder& pick, Instant now)
   const auto from = standing();
   if (!from) return std::unexpected(from.error());
   const Step row{current_->order->line, pick.row, current_->order->file};
-  auto rows = rows_to_pick(planner(), *from, row, *sighting_, grasps_, baskets());
+  auto rows =
+      rows_to_pick(planner(), *from, row, *sighting_, grasps_, baskets_on(program_.table.get()));
   if (rows) {
     // Another one may be the nearest now, as one was pushed.
-    if (taken_ && grasps_ > 0 && !still_there({.cubes = {rows->cube}}, *taken_)) grasps_ = 0;
+    if (taken_ && grasps_ > 0 && !lies_at(rows->cube, *taken_)) grasps_ = 0;
     ++grasps_;
     taken_ = rows->cube;
     lift_from_beside();
@@ -174,8 +171,7 @@ std::expected<void, Refusal> Run::is_held(bool held, Instant now) {
 /// What stands beside the cube that is taken, as it was seen last.
 void Run::lift_from_beside() {
   beside_ = *sighting_;
-  std::erase_if(beside_->cubes,
-                [&](const grasping::Cube& one) { return still_there({.cubes = {one}}, *taken_); });
+  std::erase_if(beside_->cubes, [&](const grasping::Cube& one) { return lies_at(one, *taken_); });
 }
 
 /// What was grasped in vain is not taken where it lies, but where a row names its place; elsewhere
@@ -185,9 +181,8 @@ void Run::leave_out_given_up() {
   if (pick != nullptr && pick->row.p_BT) return;
   const auto [given_up, end] =
       std::ranges::stable_partition(sighting_->cubes, [&](const grasping::Cube& cube) {
-        return std::ranges::none_of(given_up_, [&](const grasping::Cube& one) {
-          return still_there({.cubes = {cube}}, one);
-        });
+        return std::ranges::none_of(given_up_,
+                                    [&](const grasping::Cube& one) { return lies_at(cube, one); });
       });
   sighting_->others.insert(sighting_->others.end(), given_up, end);
   sighting_->cubes.erase(given_up, end);

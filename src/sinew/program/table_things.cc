@@ -70,7 +70,7 @@ double things_shrunk_by(const RobotModel& robot) {
   return std::max(0.0, robot.collision.margin - grasping::kApart + kNearer);
 }
 
-TableThings things_on_table(const RobotModel& robot, const Sighting* seen,
+TableThings things_on_table(const RobotModel& robot, const Sighting& seen,
                             std::optional<std::size_t> but, std::span<const Basket> baskets,
                             double carried) {
   constexpr std::size_t kMost = planning::CollisionModel::kSurroundMax;
@@ -89,8 +89,7 @@ TableThings things_on_table(const RobotModel& robot, const Sighting* seen,
   for (const Basket& basket : baskets) {
     for (const Box& wall : walls_of(basket)) add(wall, 0);
   }
-  if (seen == nullptr) return things;
-  for (const Box& box : boxes_of(*seen, but)) add(box, things_shrunk_by(robot));
+  for (const Box& box : boxes_of(seen, but)) add(box, things_shrunk_by(robot));
   return things;
 }
 

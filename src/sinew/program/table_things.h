@@ -27,10 +27,9 @@ double things_shrunk_by(const RobotModel& robot);
 
 /// Cubes that are seen, what else is, and the walls of baskets; the nearest to the robot where they
 /// are more than a plan takes.
-/// @param seen     null: no cubes
-/// @param but      one of seen->cubes that is left out
+/// @param but      one of seen.cubes that is left out
 /// @param carried  m, edge of the cube that is or will be held
-TableThings things_on_table(const RobotModel& robot, const Sighting* seen,
+TableThings things_on_table(const RobotModel& robot, const Sighting& seen,
                             std::optional<std::size_t> but, std::span<const Basket> baskets,
                             double carried);
 

@@ -41,12 +41,15 @@ const Basket* basket_named(const TableTop& table, std::string_view name) {
   return only ? &table.baskets.front() : nullptr;
 }
 
+bool is_over(const Basket& basket, const Vec3& p_K) {
+  return std::abs(p_K.x) < basket.size.x / 2 && std::abs(p_K.y) < basket.size.y / 2;
+}
+
 std::vector<Vec3> spots_in(const Basket& basket, double edge, std::span<const Vec3> taken) {
   std::vector<Vec3> lying;
   for (const Vec3& p_B : taken) {
     const Vec3 p_K = basket.X_BK.inverse() * p_B;
-    const bool inside = std::abs(p_K.x) < basket.size.x / 2 && std::abs(p_K.y) < basket.size.y / 2;
-    if (inside) lying.push_back(p_K);
+    if (is_over(basket, p_K)) lying.push_back(p_K);
   }
   struct Spot {
     Vec3 p_K;
@@ -81,10 +84,7 @@ std::vector<Vec3> lying_in(std::span<const Basket> baskets, std::span<const Vec3
     auto known = std::ranges::count_if(released, is_near);
     double floor = 0;
     for (const Basket& basket : baskets) {
-      const Vec3 p_K = basket.X_BK.inverse() * cube.p_BO;
-      if (std::abs(p_K.x) < basket.size.x / 2 && std::abs(p_K.y) < basket.size.y / 2) {
-        floor = basket.X_BK.p.z;
-      }
+      if (is_over(basket, basket.X_BK.inverse() * cube.p_BO)) floor = basket.X_BK.p.z;
     }
     const long level = std::lround((cube.p_BO.z - floor) / cube.edge + 0.5);
     for (; known < level; ++known) lying.push_back(cube.p_BO);

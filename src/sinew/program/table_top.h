@@ -36,6 +36,14 @@ bool is_basket_name(std::string_view name);
 /// The basket that a row means; null where there is none of that name.
 const Basket* basket_named(const TableTop& table, std::string_view name);
 
+/// Those of a table; none where it is null.
+inline std::span<const Basket> baskets_on(const TableTop* table) {
+  return table != nullptr ? std::span<const Basket>(table->baskets) : std::span<const Basket>();
+}
+
+/// Whether a place lies between its walls or above, whatever its height. m, in K
+bool is_over(const Basket& basket, const Vec3& p_K);
+
 /// Where cubes are released over a basket's floor so that they do not lie on each other, as long as
 /// there is room: in the order in which they are tried, those first that have the fewest cubes.
 /// @param edge  m, of the cubes  @param taken  where cubes lie already, m in B

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::chrono::milliseconds kLookPeriod{100};
 /// Without a watcher for longer than an arm stands between two moves: things are as they are seen
-/// next. Who steps in while it stands is noticed as it goes on.
+/// next. Who steps in meanwhile is noticed when the arm moves again.
 constexpr std::chrono::seconds kForgets{5};
 
 /// Whether it is as good as one colour: black, covered, or all white. Noise of a covered lens stays

@@ -45,12 +45,9 @@ std::optional<CubePosition> standing_at(const TableCamera& camera, const Quad& o
                                         const std::vector<bool>& hidden) {
   constexpr double kSmallest = 0.4, kLargest = 3;  // of a cube's edge
   constexpr double kBeside = 0.95;                 // of it, from the middle of a cube
-  const CellGrid grid = grid_of(camera.model.width, camera.model.height);
-  const double cell = 1.0 * camera.model.width / grid.columns;
-  const Pixel middle = middle_of(outline);
-  const int column = static_cast<int>(middle.x / cell), row = static_cast<int>(middle.y / cell);
-  const bool inside = column >= 0 && row >= 0 && column < grid.columns && row < grid.rows;
-  if (!inside || (!hidden.empty() && hidden[grid.at(column, row)])) return std::nullopt;
+  const auto [width, height] = std::pair(camera.model.width, camera.model.height);
+  const auto cell = cell_of(grid_of(width, height), width, height, middle_of(outline));
+  if (!cell || (!hidden.empty() && hidden[*cell])) return std::nullopt;
   auto square = square_at(camera, outline, edge);
   if (!square || square->edge < kSmallest * edge || square->edge > kLargest * edge) {
     return std::nullopt;

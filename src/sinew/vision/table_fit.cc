@@ -153,10 +153,8 @@ class Fit {
   bool is_hidden(const Vec3& p_W) const {
     if (hidden_.empty()) return false;
     const auto p = pixel(p_W);
-    if (!p || p->x < 0 || p->y < 0) return false;
-    const int column = static_cast<int>(p->x * grid_.columns / picture_.width);
-    const int row = static_cast<int>(p->y * grid_.rows / picture_.height);
-    return column < grid_.columns && row < grid_.rows && hidden_[grid_.at(column, row)];
+    const auto cell = p ? cell_of(grid_, picture_.width, picture_.height, *p) : std::nullopt;
+    return cell && hidden_[*cell];
   }
   std::optional<Color> color(const Vec3& p_W) const {
     const auto p = pixel(p_W);

@@ -55,6 +55,14 @@ CellGrid grid_of(int width, int height) {
           std::max(1, static_cast<int>(std::lround(height * scale)))};
 }
 
+std::optional<std::size_t> cell_of(const CellGrid& grid, int width, int height, Pixel p) {
+  if (p.x < 0 || p.y < 0) return std::nullopt;
+  const int column = static_cast<int>(p.x * grid.columns / width);
+  const int row = static_cast<int>(p.y * grid.rows / height);
+  if (column >= grid.columns || row >= grid.rows) return std::nullopt;
+  return grid.at(column, row);
+}
+
 void ViewWatch::begin_again() {
   was_.clear();
   seen_ = false;

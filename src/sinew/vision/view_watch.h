@@ -19,6 +19,8 @@ struct CellGrid {
   }
   friend bool operator==(const CellGrid&, const CellGrid&) = default;
 };
+/// The cell of a pixel in a picture of this size; nothing outside of it.
+std::optional<std::size_t> cell_of(const CellGrid& grid, int width, int height, Pixel p);
 /// Of a picture of this size, at most kCellsAcross along its longer side.
 inline constexpr int kCellsAcross = 96;
 CellGrid grid_of(int width, int height);
