@@ -93,7 +93,7 @@ std::expected<CubePosition, std::string> cube_position(const Picture& picture,
   constexpr double kOffMost = 0.25;
   // Its corners say the size to a tenth: two levels more or less. A top and a side face together
   // look like a larger top, so what decides is where the side faces end that are seen.
-  constexpr double kFoot = 12;        // of 8-bit RGB
+  constexpr double kFoot = 16;        // of 8-bit RGB
   constexpr double kFits = 0.75;      // of the contrast on the lowest level
   constexpr double kSmallest = 0.97;  // of its size: corners are rather seen too far out
   std::optional<CubePosition> best;
