@@ -177,8 +177,17 @@ class CollisionModel {
   };
   static constexpr std::size_t kPairsMax =
       kCollisionShapesMax * (kCollisionShapesMax + 1) / 2 + kCollisionShapesMax * kSurroundMax;
-  /// How far (m) each pair may still come nearer.
-  using Budgets = std::array<double, kPairsMax>;
+  using PerPair = std::array<double, kPairsMax>;
+  /// How far (m) each pair may still come nearer. A pair is measured again only where less than a
+  /// share of what it had is left: most are far away, and few decide.
+  struct Budgets {
+    PerPair left;
+    PerPair measured;
+    /// Of the first `pairs`: all are to be measured.
+    explicit Budgets(std::size_t pairs);
+    bool is_due(std::size_t pair) const;
+    void set(std::size_t pair, double budget) { left[pair] = measured[pair] = budget; }
+  };
   using Excused = std::array<bool, kPairsMax>;
 
   JointReach pair_reach(const Pair& pair) const;
@@ -202,7 +211,7 @@ class CollisionModel {
 
   Clearance measure(const Scene& scene, double margin, const Excused* excused,
                     Budgets& budgets) const;
-  Clearance measure_leaving(const Scene& scene, Budgets& least, Budgets& budgets) const;
+  Clearance measure_leaving(const Scene& scene, PerPair& least, Budgets& budgets) const;
   template <class Measure>
   std::optional<PathContact> walk(const JointPath& path, double begin, double end,
                                   const kinematics::PoseBP* X_near, Budgets& budgets,

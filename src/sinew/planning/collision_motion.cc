@@ -18,20 +18,30 @@ constexpr double kFar = 0.1;
 
 }  // namespace
 
+CollisionModel::Budgets::Budgets(std::size_t pairs) {
+  std::fill_n(left.begin(), pairs, 0.0);
+  std::fill_n(measured.begin(), pairs, 0.0);
+}
+
+bool CollisionModel::Budgets::is_due(std::size_t pair) const {
+  constexpr double kShare = 0.25;
+  return left[pair] <= kShare * measured[pair];
+}
+
 /// What is left for each pair until it is at the margin; the nearest of those that are there.
 Clearance CollisionModel::measure(const Scene& scene, double margin, const Excused* excused,
                                   Budgets& budgets) const {
   Clearance worst;
   for (std::size_t p = 0; p < pairs_.size(); ++p) {
+    if (!budgets.is_due(p)) continue;
     if (excused != nullptr && (*excused)[p]) {
-      budgets[p] = kInfinity;
+      budgets.set(p, kInfinity);
       continue;
     }
-    budgets[p] = ball_distance(scene, pairs_[p]) - margin;
-    if (budgets[p] > kFar) continue;
-    const double apart = distance(scene, pairs_[p]);
-    budgets[p] = apart - margin;
-    if (budgets[p] <= kResolution && apart < worst.distance) {
+    double apart = ball_distance(scene, pairs_[p]);
+    if (apart - margin <= kFar) apart = distance(scene, pairs_[p]);
+    budgets.set(p, apart - margin);
+    if (apart - margin <= kResolution && apart < worst.distance) {
       worst = {apart, pairs_[p].first, pairs_[p].second};
     }
   }
@@ -46,14 +56,14 @@ double CollisionModel::spend(const JointArray& speeds, double way, Budgets& budg
     for (const double speed : speeds) squares += speed * speed;
     moves = {std::sqrt(squares)};
   }
-  Budgets approach;
+  PerPair approach;
   for (std::size_t p = 0; p < pairs_.size(); ++p) {
     double sum = 0;
     for (std::size_t k = 0; k < kMaxJoints; ++k) sum += moves[k] * pairs_[p].reach[k];
     approach[p] = sum;
-    if (sum * way > budgets[p]) way = budgets[p] / sum;
+    if (sum * way > budgets.left[p]) way = budgets.left[p] / sum;
   }
-  for (std::size_t p = 0; p < pairs_.size(); ++p) budgets[p] -= approach[p] * way;
+  for (std::size_t p = 0; p < pairs_.size(); ++p) budgets.left[p] -= approach[p] * way;
   return way;
 }
 
@@ -65,17 +75,19 @@ bool CollisionModel::bound_holds(const PoseBP& X_BP) const {
 }
 
 /// The same, where each pair may be no nearer than `least`, which grows as they come apart.
-Clearance CollisionModel::measure_leaving(const Scene& scene, Budgets& least,
+Clearance CollisionModel::measure_leaving(const Scene& scene, PerPair& least,
                                           Budgets& budgets) const {
   Clearance worst;
   for (std::size_t p = 0; p < pairs_.size(); ++p) {
+    // One that still comes apart is looked at each time, or its way back in would not be seen.
+    if (least[p] >= margin() && !budgets.is_due(p)) continue;
     double apart = ball_distance(scene, pairs_[p]);
     if (apart - margin() <= kFar) apart = distance(scene, pairs_[p]);
     if (apart - least[p] <= kResolution && apart < worst.distance) {
       worst = {apart, pairs_[p].first, pairs_[p].second};
     }
     least[p] = std::max(least[p], std::min(margin(), apart - 2 * kResolution));
-    budgets[p] = apart - least[p];
+    budgets.set(p, apart - least[p]);
   }
   return worst;
 }
@@ -84,7 +96,7 @@ std::optional<PathContact> CollisionModel::check_path(const JointPath& path, dou
                                                       double begin, double end,
                                                       const PoseBP* X_near) const {
   return first_of_poses(path, begin, X_near, [&](std::size_t pose, double here) {
-    Budgets budgets;
+    Budgets budgets(pairs_.size());
     // What one pose is too near to shall not hide what another one comes near to.
     const double least = left_out_.empty() ? margin : std::min(margin, here - 2 * kResolution);
     return walk(path, begin, end, X_near, budgets, pose,
@@ -112,8 +124,9 @@ std::optional<PathContact> CollisionModel::first_of_poses(const JointPath& path,
 std::optional<PathContact> CollisionModel::check_leaving(const JointPath& path,
                                                          const PoseBP* X_near) const {
   return first_of_poses(path, 0, X_near, [&](std::size_t pose, double /*here*/) {
-    Budgets budgets, least;
-    least.fill(-kInfinity);
+    Budgets budgets(pairs_.size());
+    PerPair least;
+    std::fill_n(least.begin(), pairs_.size(), -kInfinity);
     return walk(path, 0, path.length(), X_near, budgets, pose,
                 [&](const Scene& scene) { return measure_leaving(scene, least, budgets); });
   });
@@ -185,18 +198,18 @@ double CollisionModel::free_time_in(std::size_t pose, std::span<const double> q,
     return place({at.data(), q.size()}, X_BP, scene) && bound_holds(X_BP);
   };
   if (!place_at(0)) return 0;
-  Budgets budgets;
+  Budgets budgets(pairs_.size());
   Excused excused{};
   if (measure(scene, margin, nullptr, budgets).distance < kInfinity) {
     // Some are too near already. A hair's breadth on: have they come nearer still?
     const Scene before = scene;
     if (!place_at(1e-6 / fastest)) return 0;
     for (std::size_t p = 0; p < pairs_.size(); ++p) {
-      if (budgets[p] > kResolution) continue;
+      if (budgets.left[p] > kResolution) continue;
       constexpr double kRounding = 1e-12;  // m
       if (distance(scene, pairs_[p]) < distance(before, pairs_[p]) - kRounding) return 0;
       excused[p] = true;
-      budgets[p] = kInfinity;
+      budgets.set(p, kInfinity);
     }
   }
   constexpr int kLooksMax = 64;  // bounds the time that this takes

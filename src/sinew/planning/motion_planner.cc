@@ -128,8 +128,7 @@ std::expected<RobotPlace, PathRefusal> MotionPlanner::end_of(const RobotPlace& s
 MoveProposal MotionPlanner::propose(const PathRefusal& refusal, std::span<const Move> moves) {
   return planning::propose(builder_, space_, refusal, moves, scratch_,
                            [this](const RobotPlace& from, const PlannedPath& path) {
-                             double clearance = 0;
-                             return !check_contacts(from, 0, path, clearance);
+                             return !contact_on(from, path.joints);
                            });
 }
 
