@@ -83,17 +83,19 @@ program::Sighting last_sighting(CubeCell& cell) {
 std::optional<program::Refusal> refusal_of(CubeCell& cell, const program::Sighting& seen,
                                            const Cube& cube) {
   program::RowPlanner planner(cell.robot());
+  const auto table = cell.cell().table_top(0);
   const runtime::StationView view = cell.cell().station(0).view();
   program::PickCubeStep pick;
   pick.p_BT = cube.p_BO + Vec3{0, 0, cube.edge / 2};
   const program::Step row{1, pick, 0};
-  const auto rows =
-      program::rows_to_pick(planner, program::Standing(*view.reference, view.tool), row, seen);
+  const auto rows = program::rows_to_pick(planner, program::Standing(*view.reference, view.tool),
+                                          row, seen, 0, program::baskets_on(table.get()));
   return rows ? std::nullopt : std::optional(rows.error());
 }
 
 /// What the last picture shows and refuses, held against where the cubes really are.
-void check_refusals(std::uint64_t seed, CubeCell& cell, const Left& left, Tally& tally) {
+void check_refusals(std::uint64_t seed, CubeCell& cell, const Left& left,
+                    std::span<const planning::PlacedBox> fixed, Tally& tally) {
   const program::Sighting seen = last_sighting(cell);
   double slack = kPictureError;
   for (const Cube& cube : seen.cubes) {
@@ -109,7 +111,7 @@ void check_refusals(std::uint64_t seed, CubeCell& cell, const Left& left, Tally&
       continue;
     }
     ++tally.refused;
-    if (!same || !can_take(cell.robot(), left.cubes, *same, slack)) continue;
+    if (!same || !can_take(cell.robot(), left.cubes, fixed, *same, slack)) continue;
     ++tally.refused_wrongly;
     const Vec3& p = left.cubes[*same].p_BO;
     tally.findings.push_back(fmt::format("seed {}: refused wrongly at {:.0f}, {:.0f}: {}", seed,
@@ -144,7 +146,7 @@ std::string end_of(const Ended& ended) {
 }
 
 void count(std::uint64_t seed, CubeCell& cell, const std::vector<bool>& reachable,
-           const Ended& ended, Tally& tally) {
+           std::span<const planning::PlacedBox> fixed, const Ended& ended, Tally& tally) {
   const Left left = left_of(cell, ended.cubes);
   const bool looked = ended.job.over && !ended.job.failure;
   const auto seen = looked ? last_sighting(cell).cubes : std::vector<Cube>{};
@@ -173,7 +175,7 @@ void count(std::uint64_t seed, CubeCell& cell, const std::vector<bool>& reachabl
     tally.findings.push_back(fmt::format("seed {}: cube {} (color {}) left at {:.0f}, {:.0f}: {}",
                                          seed, i, ended.cubes[i].color, 1e3 * p.x, 1e3 * p.y, why));
   }
-  if (looked) check_refusals(seed, cell, left, tally);
+  if (looked) check_refusals(seed, cell, left, fixed, tally);
 }
 
 }  // namespace
@@ -218,10 +220,10 @@ void run_cell(std::uint64_t seed, Tally& tally) {
   cell.table().cubes().with([&](const sim::CubeWorld& world) {
     first.assign(world.cubes().begin(), world.cubes().end());
   });
-  const PlanarError& off = what.settings.calibration;
-  const auto reachable = can_be_taken(cell.robot(), left_of(cell, first).cubes,
-                                      kPictureError + std::hypot(off.x, off.y));
   TruthWatch watch(cell, what.settings.clutter);
+  const PlanarError& off = what.settings.calibration;
+  const auto reachable = can_be_taken(cell.robot(), left_of(cell, first).cubes, watch.fixed(),
+                                      kPictureError + std::hypot(off.x, off.y));
   const runtime::Station& arm = cell.cell().station(0);
   const Instant begin = arm.view().at;
   bool hand_was_there = false, was_paused = false;
@@ -252,7 +254,7 @@ void run_cell(std::uint64_t seed, Tally& tally) {
   }
   tally.outside += watch.joints_outside();
   tally.thrown += ended.count(Kind::kThrown);
-  count(seed, cell, reachable, ended, tally);
+  count(seed, cell, reachable, watch.fixed(), ended, tally);
 }
 
 std::string Tally::table() const {

@@ -41,10 +41,12 @@ PlacedBox box_at(const planning::PoseBT& X_BT, const Vec3& p_T, const Vec3& half
 
 class Jaws {
  public:
-  Jaws(const RobotModel& robot, std::span<const Cube> cubes, std::size_t which, double slack)
+  Jaws(const RobotModel& robot, std::span<const Cube> cubes, std::span<const PlacedBox> fixed,
+       std::size_t which, double slack)
       : robot_(robot),
         gripper_(*std::get<SerialGeometry>(robot.geometry).gripper),
         cubes_(cubes),
+        fixed_(fixed),
         which_(which),
         slack_(slack),
         collision_(robot) {}
@@ -116,7 +118,9 @@ class Jaws {
       if (i == which_) continue;
       if (planning::distance(body, box_of(cubes_[i])) < kClear + slack_) return false;
     }
-    return true;
+    return std::ranges::all_of(fixed_, [&](const PlacedBox& box) {
+      return planning::distance(body, box) >= kClear + slack_;
+    });
   }
 
   bool is_reached(const ToolSpace& space, const planning::PoseBT& X_BT, double pitch, double roll) {
@@ -135,13 +139,14 @@ class Jaws {
   const RobotModel& robot_;
   JawGripper gripper_;
   std::span<const Cube> cubes_;
+  std::span<const PlacedBox> fixed_;
   std::size_t which_;
   double slack_;
   planning::CollisionModel collision_;
 };
 
-bool cup_takes(const RobotModel& robot, std::span<const Cube> cubes, std::size_t which,
-               double slack) {
+bool cup_takes(const RobotModel& robot, std::span<const Cube> cubes,
+               std::span<const PlacedBox> fixed, std::size_t which, double slack) {
   const auto& geometry = std::get<PalletizerGeometry>(robot.geometry);
   const Cube& cube = cubes[which];
   const double top = cube.p_BO.z + cube.edge / 2;
@@ -151,6 +156,12 @@ bool cup_takes(const RobotModel& robot, std::span<const Cube> cubes, std::size_t
     const double near = std::hypot(between.x, between.y) - cubes[i].edge / 2;
     if (near < kCup + kClear + slack) return false;
   }
+  const Vec3 lip = cube.p_BO + Vec3{0, 0, cube.edge / 2};
+  const planning::PlacedCapsule cup{lip + Vec3{0, 0, kCup}, lip + Vec3{0, 0, cup_reach(robot)},
+                                    kCup};
+  const bool is_clear = std::ranges::all_of(
+      fixed, [&](const PlacedBox& box) { return planning::distance(cup, box) >= kClear + slack; });
+  if (!is_clear) return false;
   planning::CollisionModel collision(robot);
   for (const double up : {kAbove, kAbove / 2, 0.0}) {
     const Vec3 p{cube.p_BO.x, cube.p_BO.y, top + cup_reach(robot) + up};
@@ -162,14 +173,14 @@ bool cup_takes(const RobotModel& robot, std::span<const Cube> cubes, std::size_t
 
 }  // namespace
 
-bool can_take(const RobotModel& robot, std::span<const Cube> cubes, std::size_t which,
-              double slack) {
+bool can_take(const RobotModel& robot, std::span<const Cube> cubes,
+              std::span<const PlacedBox> fixed, std::size_t which, double slack) {
   std::vector<Cube> moved(cubes.begin(), cubes.end());
   const auto takes = [&] {
     if (std::holds_alternative<PalletizerGeometry>(robot.geometry)) {
-      return cup_takes(robot, moved, which, slack);
+      return cup_takes(robot, moved, fixed, which, slack);
     }
-    return Jaws(robot, moved, which, slack).any();
+    return Jaws(robot, moved, fixed, which, slack).any();
   };
   if (!takes()) return false;
   if (slack == 0) return true;
@@ -182,7 +193,8 @@ bool can_take(const RobotModel& robot, std::span<const Cube> cubes, std::size_t 
   return true;
 }
 
-std::vector<bool> can_be_taken(const RobotModel& robot, std::span<const Cube> cubes, double slack) {
+std::vector<bool> can_be_taken(const RobotModel& robot, std::span<const Cube> cubes,
+                               std::span<const PlacedBox> fixed, double slack) {
   std::vector<bool> taken(cubes.size(), false);
   for (bool goes_on = true; goes_on;) {
     goes_on = false;
@@ -194,7 +206,7 @@ std::vector<bool> can_be_taken(const RobotModel& robot, std::span<const Cube> cu
       index.push_back(i);
     }
     for (std::size_t k = 0; k < left.size(); ++k) {
-      if (!can_take(robot, left, k, slack)) continue;
+      if (!can_take(robot, left, fixed, k, slack)) continue;
       taken[index[k]] = goes_on = true;
     }
   }

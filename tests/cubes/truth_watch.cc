@@ -7,6 +7,7 @@
 #include <map>
 #include <set>
 
+#include "sinew/core/rotation.h"
 #include "sinew/core/units.h"
 #include "sinew/model/collision_links.h"
 #include "sinew/sim/cube_world.h"
@@ -40,7 +41,20 @@ TruthWatch::TruthWatch(CubeCell& cell, std::vector<Thing> clutter)
     }
   });
   for (const Thing& thing : clutter) {
-    if (2 * thing.half.z > kFlat) add(thing.X_WS, thing.half);
+    if (2 * thing.half.z <= kFlat) continue;
+    if (thing.form == Thing::Form::kBox) {
+      add(thing.X_WS, thing.half);
+      continue;
+    }
+    // A disc: rectangles whose corners are on its circle, all around.
+    constexpr int kRectangles = 8;
+    constexpr double kCorner = kPi / (2 * kRectangles);
+    for (int k = 0; k < kRectangles; ++k) {
+      auto X_WS = thing.X_WS;
+      X_WS.R = X_WS.R * rotation_z(2 * k * kCorner);
+      const double r = thing.half.x;
+      add(X_WS, Vec3{r * std::cos(kCorner), r * std::sin(kCorner), thing.half.z});
+    }
   }
 }
 

@@ -24,6 +24,8 @@ class TruthWatch {
   /// included. @param ended  of the run that was watched
   std::vector<std::string> contacts(const Ended& ended) const;
   std::size_t joints_outside() const { return outside_; }
+  /// The basket, and things with a height, in base B.
+  std::span<const planning::PlacedBox> fixed() const { return fixed_; }
 
  private:
   /// The arm's own body in a cube.

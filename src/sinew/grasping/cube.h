@@ -12,4 +12,16 @@ struct Cube {
   int color = -1;   ///< whatever whoever made it counts colors by
 };
 
+/// Something else on the table: an upright box that it is within.
+struct Body {
+  Vec3 p_BO;       ///< m, its middle in base B
+  double yaw = 0;  ///< rad, of its edges about z
+  Vec3 half;       ///< m
+};
+
+inline Body body_of(const Cube& cube) {
+  const double half = cube.edge / 2;
+  return {cube.p_BO, cube.yaw, {half, half, half}};
+}
+
 }  // namespace sinew::grasping

@@ -23,7 +23,7 @@ constexpr double kHandHalf = 42e-3;  // m, of the hand along the jaws
 constexpr double kCupRadius = 12e-3;  // m
 constexpr double kHold = 5e-3;        // m, that closed tips reach below a cube's top
 constexpr double kSkewMax = 0.22;     // sine of the angle between the jaws and the table
-constexpr double kTiltStep = from_deg(2.5);
+constexpr double kTiltStep = from_deg(1.25);
 constexpr double kTiltMax = from_deg(50);
 
 /// An upright rectangle seen from above.
@@ -50,23 +50,33 @@ bool overlap(const Plan& a, const Plan& b) {
   return true;
 }
 
-Plan plan_of(const Cube& cube, double swell) {
-  return {cube.p_BO, cube.yaw, cube.edge / 2 + swell, cube.edge / 2 + swell};
+Plan plan_of(const Body& body, double swell) {
+  return {body.p_BO, body.yaw, body.half.x + swell, body.half.y + swell};
 }
 
-double top(const Cube& cube) {
-  return cube.p_BO.z + cube.edge / 2;
+double top(const Body& body) {
+  return body.p_BO.z + body.half.z;
 }
 
-/// Which other cube stands on this one.
-std::optional<std::size_t> stands_on(std::span<const Cube> cubes, std::size_t which) {
-  const Cube& cube = cubes[which];
-  for (std::size_t i = 0; i < cubes.size(); ++i) {
-    const bool above = i != which && cubes[i].p_BO.z > cube.p_BO.z + cube.edge / 2;
-    if (above && overlap(plan_of(cube, 0), plan_of(cubes[i], -kMargin))) return i;
+/// A cube to take, and what is beside it.
+struct Scene {
+  Cube cube;
+  Body body;
+  std::vector<Body> beside;  ///< the cubes first, in their order
+
+  Scene(std::span<const Cube> cubes, std::size_t which, std::span<const Body> others)
+      : cube(cubes[which]), body(body_of(cube)) {
+    for (std::size_t i = 0; i < cubes.size(); ++i) {
+      if (i != which) beside.push_back(body_of(cubes[i]));
+    }
+    beside.insert(beside.end(), others.begin(), others.end());
   }
-  return std::nullopt;
-}
+  bool is_covered() const {
+    return std::ranges::any_of(beside, [&](const Body& other) {
+      return other.p_BO.z > top(body) && overlap(plan_of(body, 0), plan_of(other, -kMargin));
+    });
+  }
+};
 
 struct Fingers {
   double thick = 0;  ///< m, across the jaws
@@ -80,21 +90,19 @@ Fingers fingers_of(const RobotModel& robot) {
 /// How far a finger may stand from the cube's face on this side, its thickness included, up to
 /// `most`; 0 where a neighbour touches.
 /// @param lean  m, how far aside tilted fingers are at a cube's top from where their tips are
-double room_beside(std::span<const Cube> cubes, std::size_t which, double angle,
-                   const Fingers& fingers, double tips, const Vec3& lean, double most) {
+double room_beside(const Scene& scene, double angle, const Fingers& fingers, double tips,
+                   const Vec3& lean, double most) {
   constexpr double kStep = 0.5e-3;  // m
-  const Cube& cube = cubes[which];
+  const Cube& cube = scene.cube;
   const Vec3 u{std::cos(angle), std::sin(angle), 0}, v{-u.y, u.x, 0};
   // From the tips' rectangle to that at the top, and all between.
   const auto meets = [&](double begin, double end, const Vec3& over, double above) {
     const double along = dot(over, u), across = dot(over, v);
     const Plan swept{cube.p_BO + (begin + end + along) / 2 * u + across / 2 * v, angle,
                      (end - begin + std::abs(along)) / 2, fingers.half_wide + std::abs(across) / 2};
-    for (std::size_t i = 0; i < cubes.size(); ++i) {
-      if (i == which || top(cubes[i]) < above - kMargin) continue;
-      if (overlap(swept, plan_of(cubes[i], kApart))) return true;
-    }
-    return false;
+    return std::ranges::any_of(scene.beside, [&](const Body& other) {
+      return top(other) >= above - kMargin && overlap(swept, plan_of(other, kApart));
+    });
   };
   if (meets(0, kHandHalf, {}, tips + kHand)) return 0;
   double room = 0;
@@ -145,7 +153,7 @@ class TipPlaces {
     p_closed.z += grip() + lower(grasp.close) + up;
     const double floor = cube_.p_BO.z - cube_.edge / 2;
     const double lowest = p_closed.z + ahead * std::cos(tilt) - lower(grasp.open);
-    const bool is_held = p_closed.z < top(cube_) - kHold;
+    const bool is_held = p_closed.z < top(body_of(cube_)) - kHold;
     const bool is_clear = lowest >= floor + kGripLow - kMargin;
     if (skew > kSkewMax || !is_clear || !is_held) return std::nullopt;
     const Vec3 approach{std::sin(grasp.pitch) * std::cos(yaw),
@@ -163,15 +171,14 @@ class TipPlaces {
 }  // namespace
 
 Expected<std::vector<JawGrasp>> jaw_grasps(const RobotModel& robot, std::span<const Cube> cubes,
-                                           std::size_t which) {
+                                           std::size_t which, std::span<const Body> others) {
   const auto* arm = std::get_if<SerialGeometry>(&robot.geometry);
   SINEW_ASSERT(arm != nullptr && arm->gripper && which < cubes.size());
   const JawGripper& gripper = *arm->gripper;
-  const Cube& cube = cubes[which];
+  const Scene scene(cubes, which, others);
+  const Cube& cube = scene.cube;
   const Fingers fingers = fingers_of(robot);
-  if (const auto upper = stands_on(cubes, which)) {
-    return std::unexpected(Error{ErrorCode::kCubeCovered, static_cast<std::int8_t>(*upper)});
-  }
+  if (scene.is_covered()) return std::unexpected(Error{ErrorCode::kCubeCovered});
   if (cube.edge + 2 * kEnter > gripper.width_max) {
     return std::unexpected(
         Error{ErrorCode::kCubeTooWide, -1, cube.edge, gripper.width_max - 2 * kEnter});
@@ -197,9 +204,8 @@ Expected<std::vector<JawGrasp>> jaw_grasps(const RobotModel& robot, std::span<co
     for (int step = way > 0 ? 0 : 1; step * kTiltStep <= kTiltMax + 1e-9; ++step) {
       const double tilt = way * step * kTiltStep;
       const Vec3 lean = std::tan(tilt) * (cube.edge / 2 - places.grip()) * inward;
-      const double room =
-          std::min(room_beside(cubes, which, along, fingers, tips, lean, widest),
-                   room_beside(cubes, which, along + kPi, fingers, tips, lean, widest));
+      const double room = std::min(room_beside(scene, along, fingers, tips, lean, widest),
+                                   room_beside(scene, along + kPi, fingers, tips, lean, widest));
       most = std::max(most, room);
       if (room < needed) return;  // more tilt takes more
       // As far from a neighbour as from the cube.
@@ -218,17 +224,17 @@ Expected<std::vector<JawGrasp>> jaw_grasps(const RobotModel& robot, std::span<co
   return grasps;
 }
 
-Expected<Vec3> cup_grasp(std::span<const Cube> cubes, std::size_t which) {
-  const Cube& cube = cubes[which];
-  if (const auto upper = stands_on(cubes, which)) {
-    return std::unexpected(Error{ErrorCode::kCubeCovered, static_cast<std::int8_t>(*upper)});
-  }
+Expected<Vec3> cup_grasp(std::span<const Cube> cubes, std::size_t which,
+                         std::span<const Body> others) {
+  const Scene scene(cubes, which, others);
+  const Cube& cube = scene.cube;
+  if (scene.is_covered()) return std::unexpected(Error{ErrorCode::kCubeCovered});
   const Plan cup{cube.p_BO, 0, kCupRadius, kCupRadius};
-  for (std::size_t i = 0; i < cubes.size(); ++i) {
-    const bool taller = i != which && top(cubes[i]) > top(cube) + kMargin;
-    if (!taller || !overlap(cup, plan_of(cubes[i], kApart))) continue;
-    const Vec3 between = cubes[i].p_BO - cube.p_BO;
-    const double room = std::hypot(between.x, between.y) - cubes[i].edge / 2;
+  for (const Body& other : scene.beside) {
+    if (top(other) <= top(scene.body) + kMargin) continue;
+    if (!overlap(cup, plan_of(other, kApart))) continue;
+    const Vec3 between = other.p_BO - cube.p_BO;
+    const double room = std::hypot(between.x, between.y) - std::max(other.half.x, other.half.y);
     return std::unexpected(
         Error{ErrorCode::kCubeCrowded, -1, std::max(0.0, room), kCupRadius + kApart});
   }
@@ -239,7 +245,8 @@ std::vector<std::size_t> order_of(std::span<const Cube> cubes) {
   std::vector<std::size_t> order(cubes.size());
   std::iota(order.begin(), order.end(), 0U);
   const auto key = [&](std::size_t i) {
-    return std::pair(stands_on(cubes, i).has_value(), std::hypot(cubes[i].p_BO.x, cubes[i].p_BO.y));
+    return std::pair(Scene(cubes, i, {}).is_covered(),
+                     std::hypot(cubes[i].p_BO.x, cubes[i].p_BO.y));
   };
   std::ranges::stable_sort(order, {}, key);
   return order;

@@ -35,13 +35,15 @@ struct JawGrasp {
 /// tips go on along the approach axis; the closed ones hold it below its middle. The swept fingers
 /// stay 3 mm clear of all others.
 /// @param robot  with jaws; asserted
-/// @error kCubeCovered (index of the one on it), kCubeCrowded, kCubeTooWide
+/// @param others  what is no cube, and is in the way like one
+/// @error kCubeCovered, kCubeCrowded, kCubeTooWide
 Expected<std::vector<JawGrasp>> jaw_grasps(const RobotModel& robot, std::span<const Cube> cubes,
-                                           std::size_t which);
+                                           std::size_t which, std::span<const Body> others = {});
 
 /// Where the lip of a suction cup goes: the middle of the top face, m in B.
 /// @error kCubeCovered, kCubeCrowded
-Expected<Vec3> cup_grasp(std::span<const Cube> cubes, std::size_t which);
+Expected<Vec3> cup_grasp(std::span<const Cube> cubes, std::size_t which,
+                         std::span<const Body> others = {});
 
 /// The cubes in the order in which they are taken: those that none stands on, the nearest to the
 /// base first; then the others.

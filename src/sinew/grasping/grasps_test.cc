@@ -19,13 +19,19 @@ Cube cube_at(double x, double y, double yaw = 0, int level = 1) {
   return {{x, y, kEdge * (level - 0.5)}, yaw, kEdge, 0};
 }
 
-/// Whether a point is inside of a cube.
-bool holds(const Cube& cube, const Vec3& p) {
-  const Vec3 d = p - cube.p_BO;
-  const double c = std::cos(cube.yaw), s = std::sin(cube.yaw);
-  const double half = cube.edge / 2;
-  return std::abs(c * d.x + s * d.y) < half && std::abs(-s * d.x + c * d.y) < half &&
-         std::abs(d.z) < half;
+/// Whether a point is inside of a box.
+bool holds(const Body& body, const Vec3& p) {
+  const Vec3 d = p - body.p_BO;
+  const double c = std::cos(body.yaw), s = std::sin(body.yaw);
+  return std::abs(c * d.x + s * d.y) < body.half.x && std::abs(-s * d.x + c * d.y) < body.half.y &&
+         std::abs(d.z) < body.half.z;
+}
+
+/// Something longer or wider than a cube, and lower or as high.
+Body body_by(SplitMix64& random, double x, double y) {
+  const Vec3 half{random.uniform(0.01, 0.03), random.uniform(0.005, 0.015),
+                  random.uniform(0.006, kEdge / 2)};
+  return {{x, y, half.z}, random.uniform(0, kPi), half};
 }
 
 /// R_BT of a grasp, and the tips of its jaws at another width.
@@ -39,8 +45,9 @@ Vec3 tips(const JawGrasp& grasp, const JawGripper& gripper, double width) {
   return grasp.p_BT + turned(grasp) * Vec3{0, 0, ahead};
 }
 
-/// What of all cubes the fingers are in at a width, by points of their boxes, `dz` above the grasp.
-int touched(const JawGrasp& grasp, const JawGripper& gripper, std::span<const Cube> cubes,
+/// What of all bodies the fingers are in at a width, by points of their boxes, `dz` above the
+/// grasp.
+int touched(const JawGrasp& grasp, const JawGripper& gripper, std::span<const Body> bodies,
             std::size_t held, double width, double dz) {
   const Rotation R = turned(grasp);
   const Vec3 end = tips(grasp, gripper, width) + Vec3{0, 0, dz};
@@ -53,11 +60,10 @@ int touched(const JawGrasp& grasp, const JawGripper& gripper, std::span<const Cu
                          -60e-3 * k / 10.0};
           const Vec3 p = end + R * p_T;
           count += p.z < 0 ? 1 : 0;
-          for (std::size_t c = 0; c < cubes.size(); ++c) {
+          for (std::size_t c = 0; c < bodies.size(); ++c) {
             // Closing jaws touch the held one on purpose.
-            const Cube& cube = cubes[c];
             if (c == held && width < grasp.open) continue;
-            count += holds(cube, p) ? 1 : 0;
+            count += holds(bodies[c], p) ? 1 : 0;
           }
         }
       }
@@ -69,10 +75,11 @@ int touched(const JawGrasp& grasp, const JawGripper& gripper, std::span<const Cu
 TEST(Grasps, fingers_touch_nothing_but_their_cube_on_any_table) {
   const RobotModel robot = test::robot("learm");
   const JawGripper& gripper = *std::get<SerialGeometry>(robot.geometry).gripper;
-  std::size_t found = 0, crowded = 0;
+  std::size_t found = 0, crowded = 0, beside = 0;
   for (std::uint64_t seed = 0; seed < 10; ++seed) {
     SplitMix64 random(seed);
     std::vector<Cube> cubes;
+    std::vector<Body> others;
     for (int tries = 0; tries < 60 && cubes.size() < 12; ++tries) {
       Cube cube = cube_at(random.uniform(0.13, 0.26), random.uniform(-0.1, 0.1),
                           random.uniform(0, kPi / 2));
@@ -81,10 +88,27 @@ TEST(Grasps, fingers_touch_nothing_but_their_cube_on_any_table) {
         const Vec3 d = other.p_BO - cube.p_BO;
         free = free && std::hypot(d.x, d.y) > kEdge * 1.42;
       }
-      if (free) cubes.push_back(cube);
+      for (const Body& other : others) {
+        free = free && norm(other.p_BO - cube.p_BO) > kEdge / 2 + norm(other.half);
+      }
+      if (!free) continue;
+      cubes.push_back(cube);
+      if (tries % 3 == 0) {
+        const double turn = random.uniform(0, 2 * kPi);
+        const Body body = body_by(random, cube.p_BO.x + 0.04 * std::cos(turn),
+                                  cube.p_BO.y + 0.04 * std::sin(turn));
+        const auto apart = [&](const Cube& one) {
+          return norm(one.p_BO - body.p_BO) > kEdge / 2 + norm(body.half);
+        };
+        if (std::ranges::all_of(cubes, apart)) others.push_back(body);
+      }
     }
+    std::vector<Body> bodies(cubes.size());
+    std::ranges::transform(cubes, bodies.begin(), body_of);
+    bodies.insert(bodies.end(), others.begin(), others.end());
+    beside += others.size();
     for (std::size_t which = 0; which < cubes.size(); ++which) {
-      const auto grasps = jaw_grasps(robot, cubes, which);
+      const auto grasps = jaw_grasps(robot, cubes, which, others);
       if (!grasps) {
         EXPECT_EQ(grasps.error().code, ErrorCode::kCubeCrowded);
         EXPECT_LT(grasps.error().measured, grasps.error().limit);
@@ -92,13 +116,15 @@ TEST(Grasps, fingers_touch_nothing_but_their_cube_on_any_table) {
         continue;
       }
       ++found;
-      for (const JawGrasp& grasp : *grasps) {
+      constexpr std::size_t kEach = 3;  // they are many, and alike
+      for (std::size_t g = 0; g < grasps->size(); g += kEach) {
+        const JawGrasp& grasp = (*grasps)[g];
         for (const double dz : {0.0, 5e-3, 15e-3, 40e-3}) {
-          EXPECT_EQ(touched(grasp, gripper, cubes, which, grasp.open, dz), 0)
+          EXPECT_EQ(touched(grasp, gripper, bodies, which, grasp.open, dz), 0)
               << "seed " << seed << ", cube " << which << ", pitch " << to_deg(grasp.pitch);
         }
         for (double width = grasp.open; width > kEdge; width -= 2e-3) {
-          EXPECT_EQ(touched(grasp, gripper, cubes, which, width, 0), 0)
+          EXPECT_EQ(touched(grasp, gripper, bodies, which, width, 0), 0)
               << "seed " << seed << ", cube " << which << ", width " << to_mm(width);
         }
       }
@@ -106,6 +132,7 @@ TEST(Grasps, fingers_touch_nothing_but_their_cube_on_any_table) {
   }
   EXPECT_GT(found, 50U);
   EXPECT_GT(crowded, 3U);
+  EXPECT_GT(beside, 10U);
 }
 
 TEST(Grasps, jaws_close_along_a_pair_of_faces_with_the_cube_between_them) {
@@ -139,7 +166,6 @@ TEST(Grasps, a_cube_that_cannot_be_had_says_why) {
   };
   const Error covered = refusal({cube_at(0.2, 0), cube_at(0.2, 0.003, 0.3, 2)});
   EXPECT_EQ(covered.code, ErrorCode::kCubeCovered);
-  EXPECT_EQ(covered.index, 1);
   // 10 mm on all sides, of which 2 stay clear.
   const double next = kEdge + 10e-3;
   const Error crowded = refusal({cube_at(0.2, 0), cube_at(0.2 + next, 0), cube_at(0.2 - next, 0),

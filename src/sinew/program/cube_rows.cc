@@ -66,11 +66,12 @@ class Sequence {
   const ToolState& tool() const { return rows_.tool; }
   const TableThings& things() const { return things_; }
 
-  /// @param upright  straight up or down, where what is held comes no nearer to what is beside it
+  /// @param upright  straight up or down, where the tool comes no nearer to what is beside it
   template <class What>
   std::optional<Refusal> go(What what, bool upright = false) {
     const Step step{row_.line, std::move(what), row_.file};
-    const auto& around = carries_ && !upright ? things_.carrying : things_.bare;
+    const auto& aside = carries_ ? things_.carrying : things_.aside;
+    const auto& around = upright ? things_.bare : aside;
     const auto motion = planner_.plan(q_, rows_.tool, std::span(&step, 1), around);
     if (!motion) return refused(motion.error());
     q_ = motion->q_end;
@@ -356,18 +357,38 @@ std::expected<CubeRows, Refusal> taken_so(Sequence sequence, const RobotModel& r
   return rows;
 }
 
-/// Cubes, and behind them what else is about as large.
-std::vector<grasping::Cube> cubes_and_others(const Sighting& seen) {
-  std::vector<grasping::Cube> all = seen.cubes;
-  all.insert(all.end(), seen.others.begin(), seen.others.end());
-  return all;
+std::vector<grasping::Body> bodies_of(const std::vector<OtherThing>& others) {
+  std::vector<grasping::Body> bodies;
+  for (const OtherThing& other : others) bodies.push_back(other.body);
+  return bodies;
+}
+
+/// Without what may be flat.
+Sighting likely_of(Sighting seen) {
+  std::erase_if(seen.others, [](const OtherThing& other) { return !other.is_likely; });
+  return seen;
+}
+
+/// m, that ways aside keep more from things where they can.
+constexpr double kRoomAside = 6e-3;
+
+/// Clear of all that is seen, with more room than is needed; where that cannot be had with less,
+/// and then of what is likely as high as a cube.
+/// @param rows  called with a Sighting and the room
+template <class Rows>
+std::expected<CubeRows, Refusal> clear_of(const Sighting& seen, const Rows& rows) {
+  auto found = rows(seen, kRoomAside);
+  if (!found) found = rows(seen, 0.0);
+  if (found) return found;
+  const Sighting likely = likely_of(seen);
+  return likely.others.size() < seen.others.size() ? rows(likely, 0.0) : found;
 }
 
 std::expected<CubeRows, Refusal> picked_by_jaws(RowPlanner& planner, const Sequence& sequence,
                                                 const Sighting& seen, std::size_t which, int skip) {
   const Step& row = sequence.row();
   const RobotModel& robot = planner.robot();
-  const auto grasps = grasping::jaw_grasps(robot, cubes_and_others(seen), which);
+  const auto grasps = grasping::jaw_grasps(robot, seen.cubes, which, bodies_of(seen.others));
   if (!grasps) {
     return std::unexpected(Refusal{row.line, grasps.error(), std::nullopt, row.file});
   }
@@ -402,7 +423,7 @@ std::expected<CubeRows, Refusal> picked_by_jaws(RowPlanner& planner, const Seque
 std::expected<CubeRows, Refusal> picked_by_cup(Sequence sequence, const RobotModel& robot,
                                                const Sighting& seen, std::size_t which, int skip) {
   const Step& row = sequence.row();
-  const auto lip = grasping::cup_grasp(cubes_and_others(seen), which);
+  const auto lip = grasping::cup_grasp(seen.cubes, which, bodies_of(seen.others));
   if (!lip) return std::unexpected(Refusal{row.line, lip.error(), std::nullopt, row.file});
   const MotionOptions& how = std::get<PickCubeStep>(row.what).how;
   const double press = kPress + kPressMore * std::min(skip, 2);
@@ -465,7 +486,8 @@ namespace {
 
 /// What a `place` keeps clear of.
 struct Around {
-  const Sighting* seen = nullptr;  ///< null: not known
+  double room;  ///< m, that ways aside keep more
+  const Sighting& seen;
   std::span<const Basket> baskets{};
 };
 
@@ -473,20 +495,20 @@ struct Around {
 /// in.
 TableThings away_from(const RobotModel& robot, const Around& around, const Vec3& p_BT,
                       double edge) {
-  Sighting left;
-  if (around.seen != nullptr) left = *around.seen;
-  const auto is_beside = [&](const grasping::Cube& cube) {
-    return std::hypot(cube.p_BO.x - p_BT.x, cube.p_BO.y - p_BT.y) < edge + cube.edge;
+  Sighting left = around.seen;
+  const auto is_beside = [&](const grasping::Body& body) {
+    const double far = std::hypot(body.p_BO.x - p_BT.x, body.p_BO.y - p_BT.y);
+    return far < edge + 2 * std::max(body.half.x, body.half.y);
   };
-  std::erase_if(left.cubes, is_beside);
-  std::erase_if(left.others, is_beside);
+  std::erase_if(left.cubes, [&](const auto& cube) { return is_beside(grasping::body_of(cube)); });
+  std::erase_if(left.others, [&](const OtherThing& other) { return is_beside(other.body); });
   std::vector<Basket> baskets;
   for (const Basket& basket : around.baskets) {
     const Vec3 p_K = basket.X_BK.inverse() * p_BT;
     // From above the rim its walls are clear as well.
     if (!is_over(basket, p_K) || p_K.z > basket.size.z) baskets.push_back(basket);
   }
-  return things_on_table(robot, left, {}, baskets, edge);
+  return things_on_table(robot, left, {}, baskets, edge, around.room);
 }
 
 /// At one place.
@@ -565,21 +587,28 @@ std::expected<CubeRows, Refusal> rows_to_place(RowPlanner& planner, const Standi
                                                std::span<const Vec3> lying, const Sighting* seen) {
   const auto& place = std::get<PlaceCubeStep>(row.what);
   const auto* goal = std::get_if<BasketGoal>(&place.there);
-  const Around around{seen, baskets_on(table)};
-  if (goal == nullptr) return rows_to_one_place(planner, standing, row, place, around);
-  const Basket* basket = table != nullptr ? basket_named(*table, goal->name) : nullptr;
-  if (basket == nullptr) {
+  const Basket* basket =
+      goal != nullptr && table != nullptr ? basket_named(*table, goal->name) : nullptr;
+  if (goal != nullptr && basket == nullptr) {
     return std::unexpected(Refusal{row.line, {ErrorCode::kNoBasket}, std::nullopt, row.file});
   }
-  return rows_to_basket(planner, standing, row, *goal, *basket, lying, around);
+  const auto rows = [&](const Sighting& known, double room) {
+    const Around around{room, known, baskets_on(table)};
+    return goal == nullptr ? rows_to_one_place(planner, standing, row, place, around)
+                           : rows_to_basket(planner, standing, row, *goal, *basket, lying, around);
+  };
+  return clear_of(seen != nullptr ? *seen : Sighting{}, rows);
 }
 
-std::expected<CubeRows, Refusal> rows_to_cube(RowPlanner& planner, const Standing& standing,
-                                              const Step& row, const Sighting& seen,
-                                              std::size_t which, int skip,
-                                              std::span<const Basket> baskets) {
+namespace {
+
+/// Clear of all that is in `seen`.
+std::expected<CubeRows, Refusal> rows_to_cube_among(RowPlanner& planner, const Standing& standing,
+                                                    const Step& row, const Sighting& seen,
+                                                    double room, std::size_t which, int skip,
+                                                    std::span<const Basket> baskets) {
   const RobotModel& robot = planner.robot();
-  const auto things = things_on_table(robot, seen, which, baskets, seen.cubes[which].edge);
+  const auto things = things_on_table(robot, seen, which, baskets, seen.cubes[which].edge, room);
   Standing empty = standing;
   empty.tool.held.reset();
   empty.at_cup.reset();
@@ -590,34 +619,52 @@ std::expected<CubeRows, Refusal> rows_to_cube(RowPlanner& planner, const Standin
   return rows;
 }
 
+}  // namespace
+
+std::expected<CubeRows, Refusal> rows_to_cube(RowPlanner& planner, const Standing& standing,
+                                              const Step& row, const Sighting& seen,
+                                              std::size_t which, int skip,
+                                              std::span<const Basket> baskets) {
+  return clear_of(seen, [&](const Sighting& known, double room) {
+    return rows_to_cube_among(planner, standing, row, known, room, which, skip, baskets);
+  });
+}
+
 std::expected<CubeRows, Refusal> rows_to_pick(RowPlanner& planner, const Standing& standing,
                                               const Step& row, const Sighting& seen, int skip,
                                               std::span<const Basket> baskets) {
   const auto& pick = std::get<PickCubeStep>(row.what);
   const auto nearest = pick.p_BT ? cube_at(seen, *pick.p_BT) : std::nullopt;
-  std::optional<Refusal> first;
-  for (const std::size_t which : grasping::order_of(seen.cubes)) {
-    const grasping::Cube& cube = seen.cubes[which];
-    if (pick.color && cube.color != static_cast<int>(*pick.color)) continue;
-    if (pick.p_BT && which != nearest) continue;
-    auto rows = rows_to_cube(planner, standing, row, seen, which, skip, baskets);
-    if (rows) return rows;
-    if (!first) first = rows.error();
-    skip = 0;
-  }
-  return std::unexpected(
-      first.value_or(Refusal{row.line, {ErrorCode::kNothingSeen}, std::nullopt, row.file}));
+  // Whichever cube can be had without coming near to anything goes first.
+  const auto rows = [&](const Sighting& known, double room) -> std::expected<CubeRows, Refusal> {
+    std::optional<Refusal> first;
+    int left_out = skip;
+    for (const std::size_t which : grasping::order_of(known.cubes)) {
+      const grasping::Cube& cube = known.cubes[which];
+      if (pick.color && cube.color != static_cast<int>(*pick.color)) continue;
+      if (pick.p_BT && which != nearest) continue;
+      auto found =
+          rows_to_cube_among(planner, standing, row, known, room, which, left_out, baskets);
+      if (found) return found;
+      if (!first) first = found.error();
+      left_out = 0;
+    }
+    return std::unexpected(
+        first.value_or(Refusal{row.line, {ErrorCode::kNothingSeen}, std::nullopt, row.file}));
+  };
+  return clear_of(seen, rows);
 }
 
-bool in_reach(const RobotModel& robot, const Sighting& seen, std::size_t which) {
+bool in_reach(const RobotModel& robot, const Sighting& all, std::size_t which) {
+  const Sighting seen = likely_of(all);
   const auto things = things_on_table(robot, seen, which, {}, seen.cubes[which].edge);
   if (picks_with_jaws(robot)) {
-    const auto grasps = grasping::jaw_grasps(robot, cubes_and_others(seen), which);
+    const auto grasps = grasping::jaw_grasps(robot, seen.cubes, which, bodies_of(seen.others));
     Hands hands(robot, things);
     return grasps &&
            std::ranges::any_of(*grasps, [&](const auto& one) { return hands.reach(one); });
   }
-  const auto lip = grasping::cup_grasp(cubes_and_others(seen), which);
+  const auto lip = grasping::cup_grasp(seen.cubes, which, bodies_of(seen.others));
   return lip &&
          has_joints({robot, std::nullopt, things}, *lip + Vec3{0, 0, cup_reach(robot)}, 0, 0);
 }

@@ -211,13 +211,17 @@ TEST(CubeRows, pick_keeps_clear_of_cubes_of_others_and_of_baskets_on_its_whole_w
                                 random.uniform(0, kPi / 2),
                                 0.025,
                                 0};
-      const auto apart = [&](const grasping::Cube& one) {
-        return norm(one.p_BO - cube.p_BO) > 0.04;
-      };
-      if (!std::ranges::all_of(seen.cubes, apart) || !std::ranges::all_of(seen.others, apart)) {
+      const auto apart = [&](const Vec3& p_BO) { return norm(p_BO - cube.p_BO) > 0.04; };
+      const auto at = [](const OtherThing& other) { return other.body.p_BO; };
+      if (!std::ranges::all_of(seen.cubes, apart, &grasping::Cube::p_BO) ||
+          !std::ranges::all_of(seen.others, apart, at)) {
         continue;
       }
-      (tries % 3 == 2 ? seen.others : seen.cubes).push_back(cube);
+      if (tries % 3 == 2) {
+        seen.others.push_back({grasping::body_of(cube)});
+      } else {
+        seen.cubes.push_back(cube);
+      }
     }
     const auto rows =
         rows_to_pick(planner, ready(), {1, PickCubeStep{}, 0}, seen, 0, std::span(&basket, 1));
@@ -235,6 +239,49 @@ TEST(CubeRows, pick_keeps_clear_of_cubes_of_others_and_of_baskets_on_its_whole_w
         << "seed " << seed;
   }
   EXPECT_GE(picked, 6);
+}
+
+TEST(CubeRows, what_may_be_flat_is_kept_clear_of_where_that_can_be_and_never_in_the_way) {
+  const RobotModel robot = test::robot("learm");
+  RowPlanner planner(robot);
+  const grasping::Cube cube{{0.17, 0, 0.0125}, 0, 0.025, 0};
+  const auto clearance = [&](const Sighting& seen) {
+    const auto rows = rows_to_pick(planner, ready(), {1, PickCubeStep{}, 0}, seen);
+    EXPECT_TRUE(rows);
+    const auto things = things_on_table(robot, seen, 0, {}, cube.edge);
+    return rows ? nearest_on_way(planner, ready(), *rows, things.bare) : -1;
+  };
+  // Beside the faces that jaws would close on, so that they take the other pair.
+  const auto beside = [&](double x, double y) {
+    return OtherThing{{cube.p_BO + Vec3{x, y, 0}, 0.1, {0.016, 0.008, 0.0125}}, false};
+  };
+  EXPECT_GT(clearance({.cubes = {cube}, .others = {beside(0, 0.025)}}), 2e-3);
+  EXPECT_GT(clearance({.cubes = {cube}, .others = {beside(0, -0.025)}}), 2e-3);
+  EXPECT_GT(clearance({.cubes = {cube}, .others = {beside(0.033, 0)}}), 2e-3);
+  Sighting all_around{
+      .cubes = {cube},
+      .others = {beside(0, 0.025), beside(0, -0.025), beside(0.033, 0), beside(-0.033, 0)}};
+  EXPECT_LT(clearance(all_around), 2e-3) << "it is taken all the same";
+  for (OtherThing& other : all_around.others) other.is_likely = true;
+  EXPECT_FALSE(rows_to_pick(planner, ready(), {1, PickCubeStep{}, 0}, all_around));
+}
+
+TEST(CubeRows, of_two_cubes_the_one_that_nothing_is_beside_is_picked_first) {
+  const RobotModel robot = test::robot("learm");
+  RowPlanner planner(robot);
+  const grasping::Cube near{{0.16, 0.03, 0.0125}, 0, 0.025, 0},
+      far{{0.2, -0.06, 0.0125}, 0, 0.025, 1};
+  Sighting seen{.cubes = {near, far}};
+  const auto taken = [&] {
+    const auto rows = rows_to_pick(planner, ready(), {1, PickCubeStep{}, 0}, seen);
+    return rows ? rows->cube.color : -1;
+  };
+  EXPECT_EQ(taken(), 0);
+  for (const Vec3& at :
+       {Vec3{0.03, 0, 0}, Vec3{-0.03, 0, 0}, Vec3{0, 0.03, 0}, Vec3{0, -0.03, 0}}) {
+    seen.others.push_back({{near.p_BO + at, 0, {0.014, 0.014, 0.0125}}, false});
+  }
+  EXPECT_EQ(taken(), 1);
 }
 
 TEST(CubeRows, the_lip_of_a_cup_presses_on_the_top_and_more_after_each_grasp_that_held_nothing) {

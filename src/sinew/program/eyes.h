@@ -9,11 +9,16 @@
 
 namespace sinew::program {
 
+/// Something on the table that is no cube: kept clear of, and never taken.
+struct OtherThing {
+  grasping::Body body;
+  bool is_likely = true;  ///< else it may be flat: nothing is refused because of it
+};
+
 /// What one picture shows of the table in front of a robot.
 struct Sighting {
   std::vector<grasping::Cube> cubes;  ///< in base B; `color` is a vision::ColorName
-  /// Other things on the table, about as large as a cube: kept clear of, and never taken.
-  std::vector<grasping::Cube> others{};
+  std::vector<OtherThing> others{};
   std::vector<grasping::Cube> in_baskets{};  ///< done with
 };
 

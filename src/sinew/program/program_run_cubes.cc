@@ -184,7 +184,9 @@ void Run::leave_out_given_up() {
         return std::ranges::none_of(given_up_,
                                     [&](const grasping::Cube& one) { return lies_at(cube, one); });
       });
-  sighting_->others.insert(sighting_->others.end(), given_up, end);
+  for (const grasping::Cube& one : std::ranges::subrange(given_up, end)) {
+    sighting_->others.push_back({grasping::body_of(one)});
+  }
   sighting_->cubes.erase(given_up, end);
 }
 

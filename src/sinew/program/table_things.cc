@@ -29,14 +29,13 @@ planning::Surrounding standing(const Box& box) {
 
 std::vector<Box> boxes_of(const Sighting& seen, std::optional<std::size_t> but) {
   std::vector<Box> boxes;
-  const auto add = [&](const grasping::Cube& cube) {
-    const double half = cube.edge / 2;
-    boxes.push_back({{rotation_z(cube.yaw), cube.p_BO}, {half, half, half}});
+  const auto add = [&](const grasping::Body& body) {
+    boxes.push_back({{rotation_z(body.yaw), body.p_BO}, body.half});
   };
   for (std::size_t i = 0; i < seen.cubes.size(); ++i) {
-    if (i != but) add(seen.cubes[i]);
+    if (i != but) add(grasping::body_of(seen.cubes[i]));
   }
-  std::ranges::for_each(seen.others, add);
+  for (const OtherThing& other : seen.others) add(other.body);
   std::ranges::sort(boxes, {},
                     [](const Box& box) { return std::hypot(box.X_BX.p.x, box.X_BX.p.y); });
   return boxes;
@@ -72,7 +71,7 @@ double things_shrunk_by(const RobotModel& robot) {
 
 TableThings things_on_table(const RobotModel& robot, const Sighting& seen,
                             std::optional<std::size_t> but, std::span<const Basket> baskets,
-                            double carried) {
+                            double carried, double room) {
   constexpr std::size_t kMost = planning::CollisionModel::kSurroundMax;
   // A cube between jaws is a ball for the plan; below a cup it is nothing at all.
   const bool is_serial = std::holds_alternative<SerialGeometry>(robot.geometry);
@@ -84,7 +83,9 @@ TableThings things_on_table(const RobotModel& robot, const Sighting& seen,
     smaller.half = {std::max(1e-4, box.half.x - less), std::max(1e-4, box.half.y - less),
                     std::max(1e-4, box.half.z - less)};
     things.bare.push_back(standing(smaller));
-    things.carrying.push_back(standing(grown(smaller, kCorner * carried + kOff, hangs)));
+    things.aside.push_back(standing(grown(smaller, room, room)));
+    things.carrying.push_back(
+        standing(grown(smaller, kCorner * carried + kOff + room, hangs + room)));
   };
   for (const Basket& basket : baskets) {
     for (const Box& wall : walls_of(basket)) add(wall, 0);

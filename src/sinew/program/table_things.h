@@ -14,8 +14,10 @@ namespace sinew::program {
 
 /// What stands on the table in front of a robot, as a plan keeps clear of it.
 struct TableThings {
-  /// For the tool, and for what it lifts or sets down: upright boxes.
+  /// For the tool on its way up and down, with what it lifts or sets down: upright boxes.
   std::vector<planning::Surrounding> bare{};
+  /// For the empty tool on its other ways.
+  std::vector<planning::Surrounding> aside{};
   /// For what carries a cube aside: wider, and higher below a cup, as the cube is more than the
   /// robot's own bodies.
   std::vector<planning::Surrounding> carrying{};
@@ -29,8 +31,9 @@ double things_shrunk_by(const RobotModel& robot);
 /// are more than a plan takes.
 /// @param but      one of seen.cubes that is left out
 /// @param carried  m, edge of the cube that is or will be held
+/// @param room     m, that ways aside keep more: an arm with a load hangs lower than it was sent
 TableThings things_on_table(const RobotModel& robot, const Sighting& seen,
                             std::optional<std::size_t> but, std::span<const Basket> baskets,
-                            double carried);
+                            double carried, double room = 0);
 
 }  // namespace sinew::program

@@ -25,24 +25,24 @@ program::Sighting sighting_of(const vision::Detection& seen, double edge,
   // The calibration's world is its table.
   const auto X_BT = relabel<frame::Base, frame::World>(place.X_WB.inverse() * place.X_WT);
   const double turn = fixed_xyz(X_BT.R).z;
-  const auto at = [&](const vision::CubePosition& position) {
-    grasping::Cube one;
-    one.p_BO = X_BT * (position.top_W - Vec3{0, 0, edge / 2});
-    one.yaw = std::remainder(position.yaw + turn, kPi / 2);
-    one.edge = edge;
-    return one;
+  const auto middle_below = [&](const Vec3& top_W) {
+    return X_BT * (top_W - Vec3{0, 0, edge / 2});
   };
   for (const vision::SeenCube& cube : seen.cubes) {
     if (!cube.position) continue;
-    grasping::Cube one = at(*cube.position);
-    one.color = static_cast<int>(cube.color);
+    const grasping::Cube one{middle_below(cube.position->top_W),
+                             std::remainder(cube.position->yaw + turn, kPi / 2), edge,
+                             static_cast<int>(cube.color)};
     const bool done = is_in_any(place.baskets, place.X_WB * one.p_BO);
     (done ? sighting.in_baskets : sighting.cubes).push_back(one);
   }
   for (const vision::RefusedShape& shape : seen.refused) {
     if (!shape.position) continue;
-    const grasping::Cube one = at(*shape.position);
-    if (!is_in_any(place.baskets, place.X_WB * one.p_BO)) sighting.others.push_back(one);
+    const vision::ThingPosition& thing = *shape.position;
+    const grasping::Body body{
+        middle_below(thing.top_W), thing.yaw + turn, {thing.half_x, thing.half_y, edge / 2}};
+    if (is_in_any(place.baskets, place.X_WB * body.p_BO)) continue;
+    sighting.others.push_back({body, shape.height == vision::Height::kLikely});
   }
   return sighting;
 }

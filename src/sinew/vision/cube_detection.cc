@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kSure = 0.55;      ///< belief from which on it is a cube
 constexpr double kSureRound = 0.8;  ///< the same of one without corners, as discs have none
-constexpr double kPerhaps = 0.15;   ///< from here on a tool keeps clear of it
+constexpr double kPerhaps = 0.15;   ///< from here on it is likely as high as one
 constexpr double kOtherSure = 0.35;
 constexpr double kOtherSize = 2.5;  ///< of what is no cube beside the others
 
@@ -34,6 +34,10 @@ double common_edge(const std::vector<Top>& tops) {
   return best;
 }
 
+Height height_of(const LikelyOther& other) {
+  return other.is_flat ? Height::kFlat : Height::kPerhaps;
+}
+
 /// A square of this edge, for what has no corners.
 Quad square_around(Pixel middle, double edge) {
   const double half = edge / 2;
@@ -50,8 +54,8 @@ Detection detect_cubes(const Picture& picture, const DetectionSettings& settings
   Detection detection;
   for (std::size_t i = 0; i < things.tops.size(); ++i) {
     const Top& top = things.tops[i];
-    const auto refuse = [&](std::string_view why, bool stands = false) {
-      detection.refused.push_back({top.quad, std::string(why), stands, {}});
+    const auto refuse = [&](std::string_view why, Height height = Height::kPerhaps) {
+      detection.refused.push_back({top.quad, std::string(why), height, {}});
     };
     const auto other = std::ranges::find_if(things.others, [&](const LikelyOther& one) {
       return one.sureness > top.sureness && is_inside(top.quad, one.middle);
@@ -60,7 +64,7 @@ Detection detect_cubes(const Picture& picture, const DetectionSettings& settings
     const bool is_round = top.corners < kCornersLeast;
     const double ratio = edge_of(top.quad) / common;
     if (other != things.others.end()) {
-      refuse(other->why);
+      refuse(other->why, height_of(*other));
     } else if (ratio > kOtherSize) {
       refuse("it is larger than the other cubes");
     } else if (ratio < 1 / kOtherSize) {
@@ -68,12 +72,13 @@ Detection detect_cubes(const Picture& picture, const DetectionSettings& settings
     } else if (believed[i] < (is_round ? kSureRound : kSure)) {
       refuse(is_round ? "it has not four corners"
                       : "its top is hardly that of a cube, or mostly hidden",
-             believed[i] > kPerhaps);
+             believed[i] > kPerhaps ? Height::kLikely : Height::kPerhaps);
     } else if (!top.color) {
-      refuse("it is white or grey", true);
+      refuse("it is white or grey", Height::kLikely);
     } else if (!settings.colors.empty() &&
                std::ranges::find(settings.colors, *top.color) == settings.colors.end()) {
-      refuse("it is " + std::string(name(*top.color)) + ", which was not asked for");
+      refuse("it is " + std::string(name(*top.color)) + ", which was not asked for",
+             Height::kLikely);
     } else {
       detection.cubes.push_back({*top.color,
                                  top.quad,
@@ -90,7 +95,7 @@ Detection detect_cubes(const Picture& picture, const DetectionSettings& settings
     if (other.sureness < kOtherSure || top) continue;
     const double edge = common > 0 ? common : 0.04 * std::max(picture.width, picture.height);
     detection.refused.push_back(
-        {square_around(other.middle, edge), std::string(other.why), false, {}});
+        {square_around(other.middle, edge), std::string(other.why), height_of(other), {}});
   }
   return detection;
 }

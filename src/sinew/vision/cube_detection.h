@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -29,13 +30,27 @@ struct SeenCube {
   std::optional<CubePosition> position;  ///< with a camera: vision/table_camera.h
 };
 
+/// A thing that is no cube in the world: an upright box from the table up.
+struct ThingPosition {
+  Vec3 top_W;                     ///< m, middle of its top face
+  double yaw = 0;                 ///< rad, of its edges about z of W, 0 to pi/2
+  double half_x = 0, half_y = 0;  ///< m, of its turned edges
+};
+
+/// Whether something is about as high as a cube.
+enum class Height : std::uint8_t {
+  kFlat,
+  kPerhaps,  ///< a brick, a disc, or nothing at all
+  kLikely,   ///< a cube that is not sure, a white one
+};
+
 /// Something that looked like one, and why it is none.
 struct RefusedShape {
   Quad outline{};
   std::string why;
-  bool stands = false;  ///< it may be about as high as a cube: a cube that is not sure, a white one
-  /// Of what stands: as one on the table, of the size of the cubes there.
-  std::optional<CubePosition> position{};
+  Height height = Height::kFlat;
+  /// Of what is not flat, with a camera: vision/table_camera.h.
+  std::optional<ThingPosition> position{};
 };
 
 struct Detection {

@@ -38,6 +38,7 @@ constexpr int kKind = kOther + 1;
 constexpr std::array<std::string_view, 5> kWhy{
     "it is longer than wide", "it is round", "it has not four sides",
     "it is much larger than a cube", "it is flat: printed, or a piece of paper"};
+constexpr int kFlat = 4;  ///< of kWhy
 constexpr int kResults = kKind + static_cast<int>(kWhy.size());
 
 /// A picture up to a multiple of what the network halves; the last row and column are repeated.
@@ -181,7 +182,7 @@ Likely likely_things(const Picture& picture, double least) {
       if (const double sure = peak(maps, kOther, x, y); sure > least) {
         const int kind = largest(maps, kKind, static_cast<int>(kWhy.size()), x, y);
         found.others.push_back({Pixel{kCell * (x + 0.5), kCell * (y + 0.5)}, sure,
-                                kWhy[static_cast<std::size_t>(kind)]});
+                                kWhy[static_cast<std::size_t>(kind)], kind == kFlat});
       }
     }
   }

@@ -21,6 +21,7 @@ struct LikelyOther {
   Pixel middle;          ///< px
   double sureness = 0;   ///< 0 to 1
   std::string_view why;  ///< it is no cube
+  bool is_flat = false;  ///< printed, or a piece of paper
 };
 
 struct Likely {

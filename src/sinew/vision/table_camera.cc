@@ -7,6 +7,7 @@
 #include "sinew/core/units.h"
 #include "sinew/vision/shapes.h"
 #include "sinew/vision/table_fit.h"
+#include "sinew/vision/table_thing.h"
 #include "sinew/vision/view_watch.h"
 
 namespace sinew::vision {
@@ -40,15 +41,17 @@ std::optional<CubePosition> square_at(const TableCamera& camera, const Quad& top
 }
 
 /// Nothing where a robot is before it, or it is a side of a cube.
-std::optional<CubePosition> standing_at(const TableCamera& camera, const Quad& outline, double edge,
-                                        const Detection& detection,
-                                        const std::vector<bool>& hidden) {
+std::optional<ThingPosition> position_of(const RefusedShape& shape, const Picture& picture,
+                                         const TableCamera& camera, double edge,
+                                         const Detection& detection,
+                                         const std::vector<bool>& hidden) {
   constexpr double kSmallest = 0.4, kLargest = 3;  // of a cube's edge
   constexpr double kBeside = 0.95;                 // of it, from the middle of a cube
   const auto [width, height] = std::pair(camera.model.width, camera.model.height);
-  const auto cell = cell_of(grid_of(width, height), width, height, middle_of(outline));
+  const Pixel middle = middle_of(shape.outline);
+  const auto cell = cell_of(grid_of(width, height), width, height, middle);
   if (!cell || (!hidden.empty() && hidden[*cell])) return std::nullopt;
-  auto square = square_at(camera, outline, edge);
+  const auto square = square_at(camera, shape.outline, edge);
   if (!square || square->edge < kSmallest * edge || square->edge > kLargest * edge) {
     return std::nullopt;
   }
@@ -57,8 +60,8 @@ std::optional<CubePosition> standing_at(const TableCamera& camera, const Quad& o
     return std::hypot(between.x, between.y) < kBeside * edge;
   });
   if (of_cube) return std::nullopt;
-  square->edge = edge;
-  return square;
+  if (shape.height == Height::kPerhaps) return thing_position(picture, camera, middle, edge);
+  return ThingPosition{square->top_W, square->yaw, edge / 2, edge / 2};
 }
 
 }  // namespace
@@ -107,9 +110,9 @@ std::expected<CubePosition, std::string> cube_position(const Picture& picture,
     const double pixel = square->edge / std::max(cube.size, 1.0);
     const TableFit fit = fitted_on_table(picture, camera, *square, edge, pixel, hidden);
     if (!best) lowest = fit.contrast;
-    const bool stands = fit.foot.value_or(0) >= kFoot && fit.contrast >= kFits * lowest &&
-                        square->edge >= kSmallest * edge;
-    if (best && !stands) continue;
+    const bool fits = fit.foot.value_or(0) >= kFoot && fit.contrast >= kFits * lowest &&
+                      square->edge >= kSmallest * edge;
+    if (level > 1 && !fits) continue;
     best = fit.position;
     is_sure = fit.is_sure;
   }
@@ -127,7 +130,7 @@ void place_on_table(Detection& detection, const Picture& picture, const TableCam
   for (SeenCube& cube : detection.cubes) {
     const auto position = cube_position(picture, camera, cube, edge, hidden);
     if (!position) {
-      detection.refused.push_back({cube.top, position.error(), true, {}});
+      detection.refused.push_back({cube.top, position.error(), Height::kLikely, {}});
       continue;
     }
     cube.position = *position;
@@ -135,7 +138,8 @@ void place_on_table(Detection& detection, const Picture& picture, const TableCam
   }
   detection.cubes = std::move(kept);
   for (RefusedShape& shape : detection.refused) {
-    if (shape.stands) shape.position = standing_at(camera, shape.outline, edge, detection, hidden);
+    if (shape.height == Height::kFlat) continue;
+    shape.position = position_of(shape, picture, camera, edge, detection, hidden);
   }
 }
 

@@ -44,8 +44,8 @@ std::expected<CubePosition, std::string> cube_position(const Picture& picture,
                                                        const std::vector<bool>& hidden = {});
 
 /// Gives all cubes their positions; those that have another size, or are hidden too much to say
-/// where they are, are refused. What was refused and stands gets one, where it is no side of a cube
-/// and no robot.
+/// where they are, are refused. What was refused and is not flat gets one, where it is no side of a
+/// cube and no robot.
 /// @param picture  that they were seen in
 /// @param edge     m, of all cubes
 /// @param hidden   cells of grid_of() in which a robot stands before the table; empty: none does

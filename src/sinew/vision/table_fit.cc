@@ -204,17 +204,29 @@ TableFit fitted_on_table(const Picture& picture, const TableCamera& camera,
   // From afar first: with sides that are compared over a wider strip it does not stop early.
   const Fit coarse(picture, camera, start.top_W.z, edge, 2.5 * pixel, hidden);
   const Fit fine(picture, camera, start.top_W.z, edge, pixel, hidden);
-  const Top near = coarse.best_near(coarse.best_around(begin), 2 * pixel, from_deg(4));
-  const Top top = fine.best_near(near, pixel, from_deg(2));
-  if (std::hypot(top.x - begin.x, top.y - begin.y) > edge / 3) {
-    return {start, fine.contrast(begin), fine.foot(begin), fine.is_sure(begin)};
+  const auto fit_at = [&](const Top& top) {
+    TableFit fit{start, fine.contrast(top), fine.foot(top), fine.is_sure(top)};
+    fit.position.top_W.x = top.x;
+    fit.position.top_W.y = top.y;
+    fit.position.yaw = std::remainder(top.yaw, kPi / 2);
+    if (fit.position.yaw < 0) fit.position.yaw += kPi / 2;
+    return fit;
+  };
+  TableFit best = fit_at(begin);
+  double most = 0;
+  // The sides of a top may also be drawn by those of a side face, or by the grain of wood: what is
+  // right has its foot on the table.
+  for (const Top& from : {coarse.best_around(begin), begin}) {
+    const Top near = coarse.best_near(from, 2 * pixel, from_deg(4));
+    const Top top = fine.best_near(near, pixel, from_deg(2));
+    if (std::hypot(top.x - begin.x, top.y - begin.y) > edge / 3) continue;
+    const TableFit fit = fit_at(top);
+    const double fits = fit.contrast + fit.foot.value_or(0);
+    if (fits <= most) continue;
+    most = fits;
+    best = fit;
   }
-  TableFit fit{start, fine.contrast(top), fine.foot(top), fine.is_sure(top)};
-  fit.position.top_W.x = top.x;
-  fit.position.top_W.y = top.y;
-  fit.position.yaw = std::remainder(top.yaw, kPi / 2);
-  if (fit.position.yaw < 0) fit.position.yaw += kPi / 2;
-  return fit;
+  return best;
 }
 
 }  // namespace sinew::vision
