@@ -94,7 +94,7 @@ class Run {
 }  // namespace
 
 SystemRun run_system(const SystemPlan& plan, SystemCounts& counts) {
-  take_portable_versions();
+  take_vectors(Vectors::kPortable);
   testing::TestPartResultArray told;
   SystemRun result;
   {

@@ -349,7 +349,7 @@ RunLook look_at(Duration since, int seed) {
   cube.top = {{{10, 10}, {20, 10}, {20, 20}, {10, 20}}};
   cube.confidence = 0.75;
   shot.seen.cubes.push_back(cube);
-  shot.seen.refused.push_back({cube.top, "it is white or grey", true, {}});
+  shot.seen.refused.push_back({cube.top, "it is white or grey", vision::Height::kLikely, {}});
   return RunPicture{at(since), "top", std::make_shared<const Camera::Shot>(std::move(shot))};
 }
 

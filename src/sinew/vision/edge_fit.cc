@@ -26,12 +26,14 @@ Lab sample(const LabPicture& picture, Pixel p) {
   const int bottom = std::min(top + 1, picture.height() - 1);
   const auto u = static_cast<float>(x - left);
   const auto v = static_cast<float>(y - top);
-  const auto of = [&](const Plane& plane) {
-    const float above = plane.at(left, top) * (1 - u) + plane.at(right, top) * u;
-    const float below = plane.at(left, bottom) * (1 - u) + plane.at(right, bottom) * u;
+  const Lab corners[] = {picture.at(left, top), picture.at(right, top), picture.at(left, bottom),
+                         picture.at(right, bottom)};
+  const auto of = [&](float Lab::* part) {
+    const float above = corners[0].*part * (1 - u) + corners[1].*part * u;
+    const float below = corners[2].*part * (1 - u) + corners[3].*part * u;
     return above * (1 - v) + below * v;
   };
-  return {of(picture.L), of(picture.a), of(picture.b)};
+  return {of(&Lab::L), of(&Lab::a), of(&Lab::b)};
 }
 
 struct Line {

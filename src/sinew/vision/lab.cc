@@ -40,8 +40,17 @@ class LabCurve {
   std::array<float, 4097> values_{};
 };
 
-Plane plane_of(const Picture& picture) {
-  return {picture.width, picture.height, std::vector<float>(picture.rgb.size() / 3)};
+/// sRGB to XYZ over the white of D65 (IEC 61966-2-1), and on.
+Lab lab_of(const std::uint8_t* rgb) {
+  static const LabCurve curve;
+  const auto& linear = linear_of();
+  const float r = linear[rgb[0]];
+  const float g = linear[rgb[1]];
+  const float b = linear[rgb[2]];
+  const float x = curve((0.4124F * r + 0.3576F * g + 0.1805F * b) / 0.9505F);
+  const float y = curve(0.2126F * r + 0.7152F * g + 0.0722F * b);
+  const float z = curve((0.0193F * r + 0.1192F * g + 0.9505F * b) / 1.0890F);
+  return {116 * y - 16, 500 * (x - y), 200 * (y - z)};
 }
 
 }  // namespace
@@ -50,23 +59,21 @@ float distance(const Lab& one, const Lab& other) {
   return std::sqrt((one.L - other.L) * (one.L - other.L) + (one.a - other.a) * (one.a - other.a) +
                    (one.b - other.b) * (one.b - other.b));
 }
-LabPicture to_lab(const Picture& picture) {
-  static const LabCurve curve;
-  const auto& linear = linear_of();
-  LabPicture lab{plane_of(picture), plane_of(picture), plane_of(picture)};
-  for (std::size_t i = 0; i < lab.L.values.size(); ++i) {
-    const float r = linear[picture.rgb[3 * i]];
-    const float g = linear[picture.rgb[3 * i + 1]];
-    const float b = linear[picture.rgb[3 * i + 2]];
-    // sRGB to XYZ over the white of D65 (IEC 61966-2-1).
-    const float x = curve((0.4124F * r + 0.3576F * g + 0.1805F * b) / 0.9505F);
-    const float y = curve(0.2126F * r + 0.7152F * g + 0.0722F * b);
-    const float z = curve((0.0193F * r + 0.1192F * g + 0.9505F * b) / 1.0890F);
-    lab.L.values[i] = 116 * y - 16;
-    lab.a.values[i] = 500 * (x - y);
-    lab.b.values[i] = 200 * (y - z);
+
+LabPicture::LabPicture(const Picture& picture)
+    : picture_(picture),
+      across_((picture.width + kTile - 1) / kTile),
+      is_filled_(tile_at(0, (picture.height + kTile - 1) / kTile)),
+      values_(picture.rgb.size()) {}
+
+void LabPicture::fill(int i, int j) const {
+  for (int y = j * kTile; y < std::min((j + 1) * kTile, picture_.height); ++y) {
+    for (int x = i * kTile; x < std::min((i + 1) * kTile, picture_.width); ++x) {
+      const Lab lab = lab_of(picture_.at(x, y));
+      std::ranges::copy(std::array{lab.L, lab.a, lab.b}, &values_[3 * pixel_at(x, y)]);
+    }
   }
-  return lab;
+  is_filled_[tile_at(i, j)] = true;
 }
 
 }  // namespace sinew::vision

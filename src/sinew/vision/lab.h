@@ -1,9 +1,11 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "sinew/vision/picture.h"
+#include "sinew/vision/reused_memory.h"
 
 namespace sinew::vision {
 
@@ -15,28 +17,37 @@ struct Lab {
 };
 /// How far two colours are apart (CIE76).
 float distance(const Lab& one, const Lab& other);
-/// One number a pixel.
-struct Plane {
-  int width = 0;
-  int height = 0;
-  std::vector<float> values;
 
-  float at(int x, int y) const {
-    return values[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
-                  static_cast<std::size_t>(x)];
+/// A picture in these numbers: tile by tile, as it is looked at.
+class LabPicture {
+ public:
+  /// @param picture  outlives this
+  explicit LabPicture(const Picture& picture);
+
+  int width() const { return picture_.width; }
+  int height() const { return picture_.height; }
+  /// @pre inside. From one thread.
+  Lab at(int x, int y) const {
+    const std::size_t tile = tile_at(x / kTile, y / kTile);
+    if (!is_filled_[tile]) fill(x / kTile, y / kTile);
+    const float* value = &values_[3 * pixel_at(x, y)];
+    return {value[0], value[1], value[2]};
   }
+
+ private:
+  static constexpr int kTile = 32;  // px
+
+  std::size_t tile_at(int i, int j) const { return static_cast<std::size_t>(j * across_ + i); }
+  std::size_t pixel_at(int x, int y) const {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(picture_.width) +
+           static_cast<std::size_t>(x);
+  }
+  void fill(int i, int j) const;
+
+  const Picture& picture_;
+  int across_;  ///< tiles
+  mutable std::vector<std::uint8_t> is_filled_;
+  mutable std::vector<float, ReusedMemory<float>> values_;
 };
-
-struct LabPicture {
-  Plane L;
-  Plane a;
-  Plane b;
-
-  int width() const { return L.width; }
-  int height() const { return L.height; }
-  Lab at(int x, int y) const { return {L.at(x, y), a.at(x, y), b.at(x, y)}; }
-};
-
-LabPicture to_lab(const Picture& picture);
 
 }  // namespace sinew::vision

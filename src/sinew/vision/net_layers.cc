@@ -11,14 +11,32 @@
 namespace sinew::vision {
 namespace {
 
-/// Columns that are summed together: two of a processor's wide registers.
-constexpr std::ptrdiff_t kColumns = 16;
-/// Results that are.
-constexpr std::size_t kResults = 6;
+/// How a sum is laid out for vectors of so many floats.
+template <std::size_t floats, std::size_t results>
+struct Lanes {
+  using Vector [[gnu::vector_size(floats * sizeof(float))]] = float;
+  /// Columns that are summed together: two of a processor's wide registers.
+  static constexpr std::ptrdiff_t kColumns = 2 * floats;
+  /// Results that are: with what they are made of they fill the registers.
+  static constexpr std::size_t kResults = results;
+};
+using Wide = Lanes<8, 6>;
+using Widest = Lanes<16, 8>;
+/// Floats that may be read behind a row.
+constexpr std::ptrdiff_t kBehind = Widest::kColumns;
 /// Columns whose numbers stay in the nearest cache while all results are made of them.
 constexpr std::ptrdiff_t kNear = 64;
 
-using Eight [[gnu::vector_size(32)]] = float;
+std::size_t results_at_once() {
+  return vectors() == Vectors::kWidest ? Widest::kResults : Wide::kResults;
+}
+
+/// Calls work(Lanes) compiled for the processor at hand.
+template <class Work>
+void with_lanes(const Work& work) {
+  const auto wide = [&] { work(Wide{}); };
+  dispatched(wide, wide, [&] { work(Widest{}); });
+}
 
 float from_half(std::uint16_t half) {
   const std::uint32_t sign = (half & 0x8000U) << 16U;
@@ -45,8 +63,8 @@ struct Filters {
         offsets(file.take(results)) {}
 };
 
-/// Filters in the order in which sum_block() reads them: of `kResults` results at a time, one
-/// weight of each for every input.
+/// Filters in the order in which sum_block() reads them: of results_at_once() results at a time,
+/// one weight of each for every input.
 struct Packed {
   std::size_t results = 0;
   std::size_t inputs = 0;
@@ -54,13 +72,14 @@ struct Packed {
   std::vector<float> offsets;
 
   explicit Packed(const Filters& filters) : results(filters.results), inputs(filters.inputs) {
-    weights.reserve((results + kResults) * inputs);
-    for (std::size_t first = 0; first < results; first += kResults) {
-      for (std::size_t m = first; m < first + kResults; ++m) {
+    const std::size_t at_once = results_at_once();
+    weights.reserve((results + at_once) * inputs);
+    for (std::size_t first = 0; first < results; first += at_once) {
+      for (std::size_t m = first; m < first + at_once; ++m) {
         offsets.push_back(m < results ? filters.offsets[m] : 0);
       }
       for (std::size_t k = 0; k < inputs; ++k) {
-        for (std::size_t m = first; m < first + kResults; ++m) {
+        for (std::size_t m = first; m < first + at_once; ++m) {
           weights.push_back(m < results ? filters.weights[m * inputs + k] : 0);
         }
       }
@@ -71,30 +90,32 @@ struct Packed {
 /// Whether sums begin with the offsets alone, or with what the results hold already, too.
 enum class Begin : bool { kOffsets, kSums };
 
-/// A few results of 16 columns. Reads a whole number of columns, writes `count` of them.
+/// A few results of a few columns. Reads a whole number of columns, writes `count` of them.
 /// @param whole  all columns and kResults results are written: what the compiler knows takes less
 /// time
-template <Begin begin, bool whole>
+template <class L, Begin begin, bool whole>
 [[gnu::always_inline]] inline void sum_block(const Packed& filters, const float* const* inputs,
                                              std::ptrdiff_t column, std::ptrdiff_t count,
                                              std::size_t result, Clip clip, float* const* out) {
-  Eight sums[kResults][2];
+  using Vector = typename L::Vector;
+  constexpr std::size_t kResults = L::kResults;
+  Vector sums[kResults][2];
   const std::size_t results = whole ? kResults : std::min(kResults, filters.results - result);
   const float* weights = filters.weights.data() + result * filters.inputs;
   for (std::size_t m = 0; m < kResults; ++m) {
-    sums[m][0] = sums[m][1] = Eight{} + filters.offsets[result + m];
+    sums[m][0] = sums[m][1] = Vector{} + filters.offsets[result + m];
     if (begin == Begin::kOffsets || m >= results) continue;
-    Eight before[2];
+    Vector before[2];
     std::memcpy(before, out[result + m] + column, sizeof before);
     sums[m][0] += before[0];
     sums[m][1] += before[1];
   }
   for (std::size_t k = 0; k < filters.inputs; ++k, weights += kResults) {
     const float* in = inputs[k] + column;
-    Eight low;
-    Eight high;
+    Vector low;
+    Vector high;
     std::memcpy(&low, in, sizeof low);
-    std::memcpy(&high, in + 8, sizeof high);
+    std::memcpy(&high, in + L::kColumns / 2, sizeof high);
     for (std::size_t m = 0; m < kResults; ++m) {
       sums[m][0] += weights[m] * low;
       sums[m][1] += weights[m] * high;
@@ -102,28 +123,29 @@ template <Begin begin, bool whole>
   }
   if (clip == Clip::kZero) {
     for (auto& sum : sums) {
-      for (Eight& part : sum) part = part > 0.0F ? part : Eight{};
+      for (Vector& part : sum) part = part > 0.0F ? part : Vector{};
     }
   }
   for (std::size_t m = 0; m < results; ++m) {
-    const std::size_t size = (whole ? kColumns : count) * sizeof(float);
+    const std::size_t size = (whole ? L::kColumns : count) * sizeof(float);
     std::memcpy(out[result + m] + column, sums[m], size);
   }
 }
 
 /// out[m] = offset[m] + sum over k of weight[m][k] * inputs[k], column by column; or what is added
 /// to out[m].
-template <Begin begin = Begin::kOffsets>
+template <class L, Begin begin = Begin::kOffsets>
 [[gnu::always_inline]] inline void sum(const Packed& filters, const float* const* inputs,
                                        std::ptrdiff_t columns, Clip clip, float* const* out) {
   for (std::ptrdiff_t near = 0; near < columns; near += kNear) {
-    for (std::size_t m = 0; m < filters.results; m += kResults) {
+    for (std::size_t m = 0; m < filters.results; m += L::kResults) {
       const std::ptrdiff_t end = std::min(columns, near + kNear);
-      for (std::ptrdiff_t n = near; n < end; n += kColumns) {
-        if (n + kColumns <= end && m + kResults <= filters.results) {
-          sum_block<begin, true>(filters, inputs, n, kColumns, m, clip, out);
+      for (std::ptrdiff_t n = near; n < end; n += L::kColumns) {
+        if (n + L::kColumns <= end && m + L::kResults <= filters.results) {
+          sum_block<L, begin, true>(filters, inputs, n, L::kColumns, m, clip, out);
         } else {
-          sum_block<begin, false>(filters, inputs, n, std::min(kColumns, end - n), m, clip, out);
+          sum_block<L, begin, false>(filters, inputs, n, std::min(L::kColumns, end - n), m, clip,
+                                     out);
         }
       }
     }
@@ -160,7 +182,7 @@ Maps::Maps(int channels_count, int rows, int columns)
     : channels(channels_count),
       height(rows),
       width(columns),
-      values(static_cast<std::size_t>(channels * plane() + kColumns)) {}
+      values(static_cast<std::size_t>(channels * plane() + kBehind)) {}
 
 std::vector<float> Weights::take(std::size_t count) {
   SINEW_ASSERT(left_.size() >= 2 * count);
@@ -178,7 +200,7 @@ Maps halved(const Maps& in, int channels, Weights& weights) {
   Maps out(channels, in.height / 2, in.width / 2);
   // Of each row the even columns, and the odd ones behind a zero. A row below the middle is the one
   // above the next: of the three places of a channel the first and the last change roles.
-  const std::ptrdiff_t stride = out.width + 1 + kColumns;
+  const std::ptrdiff_t stride = out.width + 1 + kBehind;
   std::vector<float> parts(static_cast<std::size_t>(in.channels * 3 * 2 * stride));
   const auto place = [&](int channel, int row) {
     const int slot = row % 2 == 0 ? 1 : (row + 1) % 4 == 0 ? 0 : 2;
@@ -196,7 +218,7 @@ Maps halved(const Maps& in, int channels, Weights& weights) {
     }
   }
   std::vector<float*> results(static_cast<std::size_t>(channels));
-  dispatched([&] {
+  with_lanes([&]<class L>(L) {
     for (int y = 0; y < out.height; ++y) {
       for (int channel = 0; channel < in.channels; ++channel) {
         for (const int from : {2 * y, 2 * y + 1}) {
@@ -210,8 +232,8 @@ Maps halved(const Maps& in, int channels, Weights& weights) {
         }
       }
       for (int m = 0; m < channels; ++m) results[static_cast<std::size_t>(m)] = out.row(m, y);
-      sum(filters, inputs[static_cast<std::size_t>(y % 2)].data(), out.width, Clip::kZero,
-          results.data());
+      sum<L>(filters, inputs[static_cast<std::size_t>(y % 2)].data(), out.width, Clip::kZero,
+             results.data());
     }
   });
   return out;
@@ -243,7 +265,7 @@ Maps mixed(const Maps& in, int channels, Clip clip, Weights& weights) {
   for (int k = 0; k < in.channels; ++k) inputs.push_back(in.row(k, 0));
   std::vector<float*> results;
   for (int m = 0; m < channels; ++m) results.push_back(out.row(m, 0));
-  dispatched([&] { sum(filters, inputs.data(), in.plane(), clip, results.data()); });
+  with_lanes([&]<class L>(L) { sum<L>(filters, inputs.data(), in.plane(), clip, results.data()); });
   return out;
 }
 
@@ -251,7 +273,7 @@ void refine(Maps& maps, Weights& weights) {
   const Filters filters(static_cast<std::size_t>(maps.channels), 9, weights);
   const Packed mix(Filters(static_cast<std::size_t>(maps.channels),
                            static_cast<std::size_t>(maps.channels), weights));
-  const std::ptrdiff_t stride = maps.width + kColumns;
+  const std::ptrdiff_t stride = maps.width + kBehind;
   const auto size = static_cast<std::size_t>(maps.channels * stride);
   const std::vector<float> zeros(static_cast<std::size_t>(maps.width));
   std::vector<float> above(size);  // the row before, as it was
@@ -261,7 +283,7 @@ void refine(Maps& maps, Weights& weights) {
     inputs.push_back(inner.data() + channel * stride);
   }
   std::vector<float*> results(static_cast<std::size_t>(maps.channels));
-  dispatched([&] {
+  with_lanes([&]<class L>(L) {
     for (int y = 0; y < maps.height; ++y) {
       for (int channel = 0; channel < maps.channels; ++channel) {
         float* here = maps.row(channel, y);
@@ -273,7 +295,7 @@ void refine(Maps& maps, Weights& weights) {
         std::copy_n(here, maps.width, before);
         results[static_cast<std::size_t>(channel)] = here;
       }
-      sum<Begin::kSums>(mix, inputs.data(), maps.width, Clip::kZero, results.data());
+      sum<L, Begin::kSums>(mix, inputs.data(), maps.width, Clip::kZero, results.data());
     }
   });
 }

@@ -2,25 +2,12 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <memory>
-#include <new>
 #include <span>
 #include <vector>
 
-namespace sinew::vision {
+#include "sinew/vision/reused_memory.h"
 
-/// Leaves what it allocates as it is: a layer writes all of its results anyway.
-template <class T>
-struct NotSet : std::allocator<T> {
-  template <class U>
-  struct rebind {
-    using other = NotSet<U>;
-  };
-  template <class U>
-  void construct(U* place) noexcept {
-    ::new (static_cast<void*>(place)) U;
-  }
-};
+namespace sinew::vision {
 
 /// Planes of numbers: what a layer of a network gives to the next.
 struct Maps {
@@ -28,7 +15,7 @@ struct Maps {
   int height = 0;
   int width = 0;
   /// Plane by plane, row by row; and some beyond, which count nothing.
-  std::vector<float, NotSet<float>> values;
+  std::vector<float, ReusedMemory<float>> values;
 
   /// Of any values.
   Maps(int channels_count, int rows, int columns);

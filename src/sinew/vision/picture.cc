@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "sinew/core/assert.h"
+#include "sinew/core/dispatch.h"
 
 namespace sinew::vision {
 namespace {
@@ -60,10 +61,12 @@ Picture shrunk(const Picture& picture, int longest) {
   for (int y = 0; y < small.height; ++y) {
     const Cover& row = rows[static_cast<std::size_t>(y)];
     std::ranges::fill(line, 0.0F);
-    for (std::size_t k = 0; k < row.shares.size(); ++k) {
-      const std::uint8_t* from = picture.at(0, row.first + static_cast<int>(k));
-      for (std::size_t i = 0; i < line.size(); ++i) line[i] += row.shares[k] * from[i];
-    }
+    dispatched([&] {
+      for (std::size_t k = 0; k < row.shares.size(); ++k) {
+        const std::uint8_t* from = picture.at(0, row.first + static_cast<int>(k));
+        for (std::size_t i = 0; i < line.size(); ++i) line[i] += row.shares[k] * from[i];
+      }
+    });
     for (int x = 0; x < small.width; ++x) {
       const Cover& column = columns[static_cast<std::size_t>(x)];
       std::array<float, 3> sum{};

@@ -35,7 +35,7 @@ Things things_in(const Picture& picture) {
   const Picture coarse = shrunk(fine, kCoarse);
   const double scale = static_cast<double>(picture.width) / fine.width;
   const double from_coarse = static_cast<double>(fine.width) / coarse.width;
-  const LabPicture lab = to_lab(fine);
+  const LabPicture lab(fine);
   Things all;
   const auto add = [&](const LikelyTop& likely, double to_fine) {
     Top top{likely};
