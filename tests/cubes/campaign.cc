@@ -89,7 +89,7 @@ std::optional<program::Refusal> refusal_of(CubeCell& cell, const program::Sighti
   pick.p_BT = cube.p_BO + Vec3{0, 0, cube.edge / 2};
   const program::Step row{1, pick, 0};
   const auto rows = program::rows_to_pick(planner, program::Standing(*view.reference, view.tool),
-                                          row, seen, 0, program::baskets_on(table.get()));
+                                          row, seen, program::baskets_on(table.get()));
   return rows ? std::nullopt : std::optional(rows.error());
 }
 

@@ -5,9 +5,9 @@
 
 // Kinematics is compiled twice from one source: for every processor of the architecture, and for
 // x86-64 processors with 256-bit vectors and fused multiply-add (made since 2013), which take half
-// the time. Long sums over many numbers may have a third version, for 512-bit vectors. Which one
-// runs is decided where it runs, so one binary serves all. Builds with a
-// sanitizer have only the portable version, so that the tests of all presets run both.
+// the time. Loops over long arrays may have a third version, for 512-bit vectors. Which one runs is
+// decided where it runs, so one binary serves all. Builds with a sanitizer have only the portable
+// version, so that the tests of all presets run both.
 //
 // Not by `target_clones`: its resolvers run before the sanitizers are ready, and clang does not
 // take it together with `flatten`. Not by a source file with other compiler flags either: inline

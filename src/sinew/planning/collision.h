@@ -126,7 +126,7 @@ class CollisionModel {
   /// The first place between `begin` and `end` (clamped to the path) where two bodies are nearer
   /// than `margin`; nothing where there is none. None is missed, however thin: from the distances
   /// at one place follows how far the joints may turn before any pair can have met. What comes
-  /// within kResolution of the margin counts as too near.
+  /// within kResolution of the margin may count as too near.
   ///
   /// A hexapod's path must keep its condition_max, as planned ones do: where it is found broken, or
   /// the legs have no pose, a contact with a distance of minus infinity is told.
@@ -185,6 +185,7 @@ class CollisionModel {
     PerPair measured;
     /// Of the first `pairs`: all are to be measured.
     explicit Budgets(std::size_t pairs);
+    void renew(std::size_t pairs);
     bool is_due(std::size_t pair) const;
     void set(std::size_t pair, double budget) { left[pair] = measured[pair] = budget; }
   };

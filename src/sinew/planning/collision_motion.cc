@@ -19,8 +19,12 @@ constexpr double kFar = 0.1;
 }  // namespace
 
 CollisionModel::Budgets::Budgets(std::size_t pairs) {
-  std::fill_n(left.begin(), pairs, 0.0);
+  renew(pairs);
   std::fill_n(measured.begin(), pairs, 0.0);
+}
+
+void CollisionModel::Budgets::renew(std::size_t pairs) {
+  std::fill_n(left.begin(), pairs, 0.0);
 }
 
 bool CollisionModel::Budgets::is_due(std::size_t pair) const {
@@ -219,6 +223,7 @@ double CollisionModel::free_time_in(std::size_t pose, std::span<const double> q,
     if (way >= horizon - t) return horizon;
     t += way;
     if (!place_at(t)) return t;
+    budgets.renew(pairs_.size());  // so that few looks reach far
     if (measure(scene, margin, &excused, budgets).distance < kInfinity) return t;
   }
   return t;

@@ -202,8 +202,9 @@ class Choice {
   bool any() const { return best_.has_value(); }
   /// @pre at least one was offered
   std::expected<CubeRows, Refusal> get() {
-    if (best_) return std::move(*best_);
-    return std::unexpected(*refusal_);
+    if (!best_) return std::unexpected(*refusal_);
+    best_->is_last_resort = best_->is_last_resort || best_->room < kRoom;
+    return std::move(*best_);
   }
 
  private:
@@ -363,23 +364,28 @@ std::vector<grasping::Body> bodies_of(const std::vector<OtherThing>& others) {
   return bodies;
 }
 
-/// Without what may be flat.
+/// Without uncertain obstacles.
 Sighting likely_of(Sighting seen) {
   std::erase_if(seen.others, [](const OtherThing& other) { return !other.is_likely; });
   return seen;
 }
 
-/// m, that ways aside keep more from things where they can.
+/// m, extra clearance of lateral motions where it is available.
 constexpr double kRoomAside = 6e-3;
 
-/// Clear of all that is seen, with more room than is needed; where that cannot be had with less,
-/// and then of what is likely as high as a cube.
-/// @param rows  called with a Sighting and the room
+/// Plans with all obstacles and extra clearance, then with the required clearance, then without
+/// uncertain obstacles. The first success counts, but a last resort with extra clearance only where
+/// the required clearance gives nothing better; else the last refusal.
+/// @param rows  called with a Sighting and the extra clearance
 template <class Rows>
-std::expected<CubeRows, Refusal> clear_of(const Sighting& seen, const Rows& rows) {
-  auto found = rows(seen, kRoomAside);
-  if (!found) found = rows(seen, 0.0);
-  if (found) return found;
+std::expected<CubeRows, Refusal> clear_of(const Sighting& seen, std::span<const Basket> baskets,
+                                          const Rows& rows) {
+  const bool is_alone = seen.cubes.size() <= 1 && seen.others.empty() && baskets.empty();
+  auto roomy = rows(seen, is_alone ? 0.0 : kRoomAside);
+  if (is_alone || (roomy && !roomy->is_last_resort)) return roomy;
+  auto found = rows(seen, 0.0);
+  if (found && (!found->is_last_resort || !roomy)) return found;
+  if (roomy) return roomy;
   const Sighting likely = likely_of(seen);
   return likely.others.size() < seen.others.size() ? rows(likely, 0.0) : found;
 }
@@ -400,7 +406,7 @@ std::expected<CubeRows, Refusal> picked_by_jaws(RowPlanner& planner, const Seque
   const auto tried = having.empty() ? few_of(*grasps) : having;
   planner.propose(false);
   // What stands where the arm itself is meets all grasps alike.
-  constexpr int kMeetingsMax = 40;
+  constexpr int kMeetingsMax = 80;
   int meetings = 0;
   for (const grasping::JawGrasp& grasp : tried) {
     auto rows = taken_so(sequence, robot, grasp, edge);
@@ -414,7 +420,11 @@ std::expected<CubeRows, Refusal> picked_by_jaws(RowPlanner& planner, const Seque
   }
   planner.propose(true);
   if (choice.any()) return choice.get();
-  if (left_out.any()) return left_out.get();
+  if (left_out.any()) {
+    auto tried_before = left_out.get();
+    tried_before->is_last_resort = true;
+    return tried_before;
+  }
   return taken_so(sequence, robot, *nearest, edge);  // with what would go instead
 }
 
@@ -486,7 +496,7 @@ namespace {
 
 /// What a `place` keeps clear of.
 struct Around {
-  double room;  ///< m, that ways aside keep more
+  double room;  ///< m, extra clearance of lateral motions
   const Sighting& seen;
   std::span<const Basket> baskets{};
 };
@@ -540,7 +550,9 @@ std::expected<CubeRows, Refusal> rows_to_one_place(RowPlanner& planner, const St
   if (!refusal) refusal = direct.use(opening);
   if (!refusal) refusal = direct.back(how);
   if (refusal) return std::unexpected(*refusal);
-  return direct.take();
+  CubeRows rows = direct.take();
+  rows.is_last_resort = true;
+  return rows;
 }
 
 /// m, of the tool point above the bottom of a cube that it holds, at least.
@@ -568,7 +580,10 @@ std::expected<CubeRows, Refusal> rows_to_basket(RowPlanner& planner, const Stand
       move.to.p_BT = {p_B.x, p_B.y, p_B.z};
       auto rows = rows_to_one_place(planner, standing, row, {move}, around);
       if (rows) rows->p_BO = p_B;
-      if (rows && rows->room >= kEnough) return rows;
+      if (rows && rows->room >= kEnough) {
+        rows->is_last_resort = false;
+        return rows;
+      }
       choice.take(std::move(rows));
     }
   }
@@ -597,12 +612,12 @@ std::expected<CubeRows, Refusal> rows_to_place(RowPlanner& planner, const Standi
     return goal == nullptr ? rows_to_one_place(planner, standing, row, place, around)
                            : rows_to_basket(planner, standing, row, *goal, *basket, lying, around);
   };
-  return clear_of(seen != nullptr ? *seen : Sighting{}, rows);
+  return clear_of(seen != nullptr ? *seen : Sighting{}, baskets_on(table), rows);
 }
 
 namespace {
 
-/// Clear of all that is in `seen`.
+/// With all obstacles of `seen`, uncertain ones too.
 std::expected<CubeRows, Refusal> rows_to_cube_among(RowPlanner& planner, const Standing& standing,
                                                     const Step& row, const Sighting& seen,
                                                     double room, std::size_t which, int skip,
@@ -623,36 +638,33 @@ std::expected<CubeRows, Refusal> rows_to_cube_among(RowPlanner& planner, const S
 
 std::expected<CubeRows, Refusal> rows_to_cube(RowPlanner& planner, const Standing& standing,
                                               const Step& row, const Sighting& seen,
-                                              std::size_t which, int skip,
-                                              std::span<const Basket> baskets) {
-  return clear_of(seen, [&](const Sighting& known, double room) {
-    return rows_to_cube_among(planner, standing, row, known, room, which, skip, baskets);
+                                              std::size_t which, std::span<const Basket> baskets) {
+  return clear_of(seen, baskets, [&](const Sighting& known, double room) {
+    return rows_to_cube_among(planner, standing, row, known, room, which, 0, baskets);
   });
 }
 
 std::expected<CubeRows, Refusal> rows_to_pick(RowPlanner& planner, const Standing& standing,
-                                              const Step& row, const Sighting& seen, int skip,
-                                              std::span<const Basket> baskets) {
+                                              const Step& row, const Sighting& seen,
+                                              std::span<const Basket> baskets,
+                                              const std::optional<Tried>& tried) {
   const auto& pick = std::get<PickCubeStep>(row.what);
   const auto nearest = pick.p_BT ? cube_at(seen, *pick.p_BT) : std::nullopt;
-  // Whichever cube can be had without coming near to anything goes first.
   const auto rows = [&](const Sighting& known, double room) -> std::expected<CubeRows, Refusal> {
     std::optional<Refusal> first;
-    int left_out = skip;
     for (const std::size_t which : grasping::order_of(known.cubes)) {
       const grasping::Cube& cube = known.cubes[which];
       if (pick.color && cube.color != static_cast<int>(*pick.color)) continue;
       if (pick.p_BT && which != nearest) continue;
-      auto found =
-          rows_to_cube_among(planner, standing, row, known, room, which, left_out, baskets);
+      const int skip = tried && lies_at(cube, tried->cube) ? tried->grasps : 0;
+      auto found = rows_to_cube_among(planner, standing, row, known, room, which, skip, baskets);
       if (found) return found;
       if (!first) first = found.error();
-      left_out = 0;
     }
     return std::unexpected(
         first.value_or(Refusal{row.line, {ErrorCode::kNothingSeen}, std::nullopt, row.file}));
   };
-  return clear_of(seen, rows);
+  return clear_of(seen, baskets, rows);
 }
 
 bool in_reach(const RobotModel& robot, const Sighting& all, std::size_t which) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <expected>
+#include <optional>
 #include <vector>
 
 #include "sinew/core/units.h"
@@ -28,24 +29,34 @@ struct CubeRows {
   double room = kPi;        ///< rad or m, the least to a joint's limit where a row ends
   double tilt = 0;          ///< rad, of a grasp by jaws from straight down
   Vec3 p_BO{};              ///< m, of a place: where the tool releases
+  /// It has a known drawback: a joint near its limit, a grasp that held nothing, or no approach
+  /// from above. Any other sequence is better.
+  bool is_last_resort = false;
+};
+
+/// Grasps of a cube that held nothing.
+struct Tried {
+  grasping::Cube cube;
+  int grasps = 0;
 };
 
 /// Takes a cube that is seen: there from above, straight down, closed, up, and back. The first one
 /// in order and the best grasp of it that can be planned.
 /// @param standing  with known joints
 /// @param row       a PickCubeStep
-/// @param skip      so many grasps of that cube are left out: they held nothing
 /// @param baskets   whose walls are kept clear of, as is what else is seen
+/// @param tried     these grasps are left out while there are others
 /// @error kNothingSeen; else why the first cube in order cannot be had: kOutOfReach, kCubeCovered,
 ///        kCubeCrowded, kCubeTooWide, kJointLimit, those of RowPlanner
 std::expected<CubeRows, Refusal> rows_to_pick(RowPlanner& planner, const Standing& standing,
-                                              const Step& row, const Sighting& seen, int skip = 0,
-                                              std::span<const Basket> baskets = {});
+                                              const Step& row, const Sighting& seen,
+                                              std::span<const Basket> baskets = {},
+                                              const std::optional<Tried>& tried = {});
 
 /// The same of one of them. @param which  of seen.cubes
 std::expected<CubeRows, Refusal> rows_to_cube(RowPlanner& planner, const Standing& standing,
                                               const Step& row, const Sighting& seen,
-                                              std::size_t which, int skip = 0,
+                                              std::size_t which,
                                               std::span<const Basket> baskets = {});
 
 /// Releases where the row says: there from above, straight down, open, up, and back. Where there is

@@ -224,7 +224,7 @@ TEST(CubeRows, pick_keeps_clear_of_cubes_of_others_and_of_baskets_on_its_whole_w
       }
     }
     const auto rows =
-        rows_to_pick(planner, ready(), {1, PickCubeStep{}, 0}, seen, 0, std::span(&basket, 1));
+        rows_to_pick(planner, ready(), {1, PickCubeStep{}, 0}, seen, std::span(&basket, 1));
     if (!rows) continue;
     ++picked;
     std::optional<std::size_t> which;
@@ -241,7 +241,7 @@ TEST(CubeRows, pick_keeps_clear_of_cubes_of_others_and_of_baskets_on_its_whole_w
   EXPECT_GE(picked, 6);
 }
 
-TEST(CubeRows, what_may_be_flat_is_kept_clear_of_where_that_can_be_and_never_in_the_way) {
+TEST(CubeRows, uncertain_obstacles_are_avoided_where_possible_and_never_cause_a_refusal) {
   const RobotModel robot = test::robot("learm");
   RowPlanner planner(robot);
   const grasping::Cube cube{{0.17, 0, 0.0125}, 0, 0.025, 0};
@@ -266,7 +266,7 @@ TEST(CubeRows, what_may_be_flat_is_kept_clear_of_where_that_can_be_and_never_in_
   EXPECT_FALSE(rows_to_pick(planner, ready(), {1, PickCubeStep{}, 0}, all_around));
 }
 
-TEST(CubeRows, of_two_cubes_the_one_that_nothing_is_beside_is_picked_first) {
+TEST(CubeRows, a_cube_without_obstacles_beside_it_is_picked_first) {
   const RobotModel robot = test::robot("learm");
   RowPlanner planner(robot);
   const grasping::Cube near{{0.16, 0.03, 0.0125}, 0, 0.025, 0},
@@ -292,7 +292,8 @@ TEST(CubeRows, the_lip_of_a_cup_presses_on_the_top_and_more_after_each_grasp_tha
   const Standing standing{home_joints(robot), {}};
   const grasping::Cube cube{{0.03, -0.21, 0.0125}, 0.2, 0.025, 0};
   for (const auto& [failed, press] : {std::pair(0, 1.5e-3), {1, 2.25e-3}, {2, 3e-3}, {3, 3e-3}}) {
-    const auto rows = rows_to_pick(planner, standing, program->steps[0], {{cube}}, failed);
+    const auto rows =
+        rows_to_pick(planner, standing, program->steps[0], {{cube}}, {}, Tried{cube, failed});
     ASSERT_TRUE(rows) << describe(rows.error().error);
     JointVector q = *standing.q;
     double lowest = 1;

@@ -9,10 +9,10 @@
 
 namespace sinew::program {
 
-/// Something on the table that is no cube: kept clear of, and never taken.
+/// An object on the table that is no cube: an obstacle, never picked.
 struct OtherThing {
   grasping::Body body;
-  bool is_likely = true;  ///< else it may be flat: nothing is refused because of it
+  bool is_likely = true;  ///< as high as a cube; else it may be flat, and never causes a refusal
 };
 
 /// What one picture shows of the table in front of a robot.

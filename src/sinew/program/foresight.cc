@@ -44,7 +44,7 @@ class Walk {
   std::size_t decide(const Order& order, const BranchOrder& branch, std::size_t next) {
     const Step row{order.line, PickCubeStep{branch.condition.color}, order.file};
     const bool holds =
-        seen_ && at_.q ? rows_to_pick(planner_, at_, row, *seen_, 0, baskets_on(table_)).has_value()
+        seen_ && at_.q ? rows_to_pick(planner_, at_, row, *seen_, baskets_on(table_)).has_value()
                        : order.round == 1;
     if (!holds) return branch.otherwise;
     // Before an `else` there is a jump behind it.
@@ -71,7 +71,7 @@ class Walk {
       return look_({order, at_, nullptr});
     }
     const Step row{order.line, pick.row, order.file};
-    const auto rows = rows_to_pick(planner_, at_, row, *seen_, 0, baskets_on(table_));
+    const auto rows = rows_to_pick(planner_, at_, row, *seen_, baskets_on(table_));
     if (!rows) return look_({order, at_, nullptr, &rows.error()});
     const auto looked = look_({order, at_, &*rows});
     at_.tool = rows->tool;
@@ -117,7 +117,7 @@ std::vector<CubeVerdict> judge_cubes(RowPlanner& planner, const Standing& standi
   std::vector<CubeVerdict> verdicts;
   const Step row{0, PickCubeStep{}};
   for (const std::size_t which : grasping::order_of(seen.cubes)) {
-    verdicts.push_back({which, rows_to_cube(planner, standing, row, seen, which, 0, baskets)});
+    verdicts.push_back({which, rows_to_cube(planner, standing, row, seen, which, baskets)});
   }
   return verdicts;
 }

@@ -47,7 +47,7 @@ Expected<bool> Run::is_seen(const Condition& condition, Instant now) {
   if (!from) return std::unexpected(from.error().error);
   const Step row{current_->order->line, PickCubeStep{condition.color}, current_->order->file};
   const auto rows =
-      rows_to_pick(planner(), *from, row, *sighting_, 0, baskets_on(program_.table.get()));
+      rows_to_pick(planner(), *from, row, *sighting_, baskets_on(program_.table.get()));
   if (rows) return true;
   decided(Decision::Kind::kRefused, std::nullopt, rows.error().error);
   if (rows.error().error.code != ErrorCode::kNothingSeen) take_notice(rows.error().error, now);
@@ -77,8 +77,8 @@ std::expected<void, Refusal> Run::issue_pick(const PickOrder& pick, Instant now)
   const auto from = standing();
   if (!from) return std::unexpected(from.error());
   const Step row{current_->order->line, pick.row, current_->order->file};
-  auto rows =
-      rows_to_pick(planner(), *from, row, *sighting_, grasps_, baskets_on(program_.table.get()));
+  auto rows = rows_to_pick(planner(), *from, row, *sighting_, baskets_on(program_.table.get()),
+                           taken_ ? std::optional(Tried{*taken_, grasps_}) : std::nullopt);
   if (rows) {
     // Another one may be the nearest now, as one was pushed.
     if (taken_ && grasps_ > 0 && !lies_at(rows->cube, *taken_)) grasps_ = 0;

@@ -35,9 +35,17 @@ std::vector<Box> boxes_of(const Sighting& seen, std::optional<std::size_t> but) 
   for (std::size_t i = 0; i < seen.cubes.size(); ++i) {
     if (i != but) add(grasping::body_of(seen.cubes[i]));
   }
-  for (const OtherThing& other : seen.others) add(other.body);
-  std::ranges::sort(boxes, {},
-                    [](const Box& box) { return std::hypot(box.X_BX.p.x, box.X_BX.p.y); });
+  for (const OtherThing& other : seen.others) {
+    if (other.is_likely) add(other.body);
+  }
+  const auto certain = boxes.size();
+  for (const OtherThing& other : seen.others) {
+    if (!other.is_likely) add(other.body);
+  }
+  const auto far = [](const Box& box) { return std::hypot(box.X_BX.p.x, box.X_BX.p.y); };
+  const auto split = boxes.begin() + static_cast<std::ptrdiff_t>(certain);
+  std::ranges::sort(boxes.begin(), split, {}, far);
+  std::ranges::sort(split, boxes.end(), {}, far);
   return boxes;
 }
 

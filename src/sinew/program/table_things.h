@@ -14,9 +14,9 @@ namespace sinew::program {
 
 /// What stands on the table in front of a robot, as a plan keeps clear of it.
 struct TableThings {
-  /// For the tool on its way up and down, with what it lifts or sets down: upright boxes.
+  /// For vertical motions of the tool, with or without a cube: upright boxes.
   std::vector<planning::Surrounding> bare{};
-  /// For the empty tool on its other ways.
+  /// For lateral motions of the empty tool.
   std::vector<planning::Surrounding> aside{};
   /// For what carries a cube aside: wider, and higher below a cup, as the cube is more than the
   /// robot's own bodies.
@@ -27,11 +27,11 @@ struct TableThings {
 /// as near as grasping::kApart: that much smaller each thing is in TableThings.
 double things_shrunk_by(const RobotModel& robot);
 
-/// Cubes that are seen, what else is, and the walls of baskets; the nearest to the robot where they
-/// are more than a plan takes.
+/// The walls of baskets, cubes and likely obstacles, uncertain obstacles; of each the nearest to
+/// the robot first, as many as a plan takes.
 /// @param but      one of seen.cubes that is left out
 /// @param carried  m, edge of the cube that is or will be held
-/// @param room     m, that ways aside keep more: an arm with a load hangs lower than it was sent
+/// @param room     m, extra clearance of lateral motions: a loaded arm sags
 TableThings things_on_table(const RobotModel& robot, const Sighting& seen,
                             std::optional<std::size_t> but, std::span<const Basket> baskets,
                             double carried, double room = 0);

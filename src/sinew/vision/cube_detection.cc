@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kSure = 0.55;      ///< belief from which on it is a cube
 constexpr double kSureRound = 0.8;  ///< the same of one without corners, as discs have none
-constexpr double kPerhaps = 0.15;   ///< from here on it is likely as high as one
+constexpr double kPerhaps = 0.15;   ///< from here on its height is likely that of a cube
 constexpr double kOtherSure = 0.35;
 constexpr double kOtherSize = 2.5;  ///< of what is no cube beside the others
 
@@ -72,7 +72,7 @@ Detection detect_cubes(const Picture& picture, const DetectionSettings& settings
     } else if (believed[i] < (is_round ? kSureRound : kSure)) {
       refuse(is_round ? "it has not four corners"
                       : "its top is hardly that of a cube, or mostly hidden",
-             believed[i] > kPerhaps ? Height::kLikely : Height::kPerhaps);
+             believed[i] > kPerhaps && !is_round ? Height::kLikely : Height::kPerhaps);
     } else if (!top.color) {
       refuse("it is white or grey", Height::kLikely);
     } else if (!settings.colors.empty() &&

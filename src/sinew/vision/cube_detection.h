@@ -30,18 +30,18 @@ struct SeenCube {
   std::optional<CubePosition> position;  ///< with a camera: vision/table_camera.h
 };
 
-/// A thing that is no cube in the world: an upright box from the table up.
+/// Pose of an object that is no cube: an upright box on the table.
 struct ThingPosition {
   Vec3 top_W;                     ///< m, middle of its top face
   double yaw = 0;                 ///< rad, of its edges about z of W, 0 to pi/2
   double half_x = 0, half_y = 0;  ///< m, of its turned edges
 };
 
-/// Whether something is about as high as a cube.
+/// Estimated height of an object.
 enum class Height : std::uint8_t {
   kFlat,
-  kPerhaps,  ///< a brick, a disc, or nothing at all
-  kLikely,   ///< a cube that is not sure, a white one
+  kPerhaps,  ///< unknown: a brick, a disc, or a false detection
+  kLikely,   ///< of a cube: a white or uncertain one
 };
 
 /// Something that looked like one, and why it is none.
@@ -49,7 +49,7 @@ struct RefusedShape {
   Quad outline{};
   std::string why;
   Height height = Height::kFlat;
-  /// Of what is not flat, with a camera: vision/table_camera.h.
+  /// With a calibrated camera, unless it is flat: vision/table_camera.h.
   std::optional<ThingPosition> position{};
 };
 

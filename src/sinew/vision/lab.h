@@ -18,7 +18,7 @@ struct Lab {
 /// How far two colours are apart (CIE76).
 float distance(const Lab& one, const Lab& other);
 
-/// A picture in these numbers: tile by tile, as it is looked at.
+/// A picture in L*a*b*, converted tile by tile on first access.
 class LabPicture {
  public:
   /// @param picture  outlives this

@@ -68,11 +68,11 @@ struct Filters {
 struct Packed {
   std::size_t results = 0;
   std::size_t inputs = 0;
+  std::size_t at_once = results_at_once();
   std::vector<float> weights;
   std::vector<float> offsets;
 
   explicit Packed(const Filters& filters) : results(filters.results), inputs(filters.inputs) {
-    const std::size_t at_once = results_at_once();
     weights.reserve((results + at_once) * inputs);
     for (std::size_t first = 0; first < results; first += at_once) {
       for (std::size_t m = first; m < first + at_once; ++m) {
@@ -137,6 +137,7 @@ template <class L, Begin begin, bool whole>
 template <class L, Begin begin = Begin::kOffsets>
 [[gnu::always_inline]] inline void sum(const Packed& filters, const float* const* inputs,
                                        std::ptrdiff_t columns, Clip clip, float* const* out) {
+  SINEW_ASSERT(filters.at_once == L::kResults);
   for (std::ptrdiff_t near = 0; near < columns; near += kNear) {
     for (std::size_t m = 0; m < filters.results; m += L::kResults) {
       const std::ptrdiff_t end = std::min(columns, near + kNear);

@@ -28,15 +28,14 @@ void* reused_block(std::size_t bytes) {
   const auto found = std::ranges::find(spares.blocks, bytes, &Block::bytes);
   if (found == spares.blocks.end()) return ::operator new(bytes);
   void* place = found->place;
-  *found = spares.blocks.back();
-  spares.blocks.pop_back();
+  spares.blocks.erase(found);
   spares.bytes -= bytes;
   return place;
 }
 
 void give_back_block(void* block, std::size_t bytes) noexcept {
   if (bytes > Spares::kMost) return ::operator delete(block);
-  // Pictures of another size want other blocks: the oldest ones go.
+  // Free the oldest blocks first: the size of the pictures may have changed.
   while (spares.bytes + bytes > Spares::kMost) {
     ::operator delete(spares.blocks.front().place);
     spares.bytes -= spares.blocks.front().bytes;
@@ -48,6 +47,10 @@ void give_back_block(void* block, std::size_t bytes) noexcept {
   } catch (...) {
     ::operator delete(block);
   }
+}
+
+std::size_t bytes_kept() {
+  return spares.bytes;
 }
 
 }  // namespace sinew::vision

@@ -6,14 +6,16 @@
 
 namespace sinew::vision {
 
-/// Memory of so many bytes, of any values: what this thread gave back before, where it fits
-/// exactly.
+/// Uninitialised memory: a block of exactly this size that this thread returned before, else a new
+/// one.
 void* reused_block(std::size_t bytes);
-/// Keeps it for the next one of the same size; up to 48 MB in a thread, until the thread ends.
+/// Returns a block. Each thread keeps up to 48 MB until it ends.
 void give_back_block(void* block, std::size_t bytes) noexcept;
+/// Of this thread.
+std::size_t bytes_kept();
 
-/// For large arrays of numbers that are made anew for each picture, all of whose values are written
-/// before they are read: they are left as they are, and the kernel clears no pages for them.
+/// Allocator for large arrays that each picture needs again. Avoids page faults, and does not
+/// initialise: write every value before it is read.
 template <class T>
 struct ReusedMemory : std::allocator<T> {
   template <class U>

@@ -40,6 +40,13 @@ std::optional<CubePosition> square_at(const TableCamera& camera, const Quad& top
   return square;
 }
 
+/// Whether a point is over an object.
+bool holds(const ThingPosition& thing, const Vec3& p_W) {
+  const Vec3 d = p_W - thing.top_W;
+  const double c = std::cos(thing.yaw), s = std::sin(thing.yaw);
+  return std::abs(c * d.x + s * d.y) < thing.half_x && std::abs(c * d.y - s * d.x) < thing.half_y;
+}
+
 /// Nothing where a robot is before it, or it is a side of a cube.
 std::optional<ThingPosition> position_of(const RefusedShape& shape, const Picture& picture,
                                          const TableCamera& camera, double edge,
@@ -47,6 +54,7 @@ std::optional<ThingPosition> position_of(const RefusedShape& shape, const Pictur
                                          const std::vector<bool>& hidden) {
   constexpr double kSmallest = 0.4, kLargest = 3;  // of a cube's edge
   constexpr double kBeside = 0.95;                 // of it, from the middle of a cube
+  constexpr double kFace = 0.65;                   // of it; half of a side face is less
   const auto [width, height] = std::pair(camera.model.width, camera.model.height);
   const Pixel middle = middle_of(shape.outline);
   const auto cell = cell_of(grid_of(width, height), width, height, middle);
@@ -55,13 +63,22 @@ std::optional<ThingPosition> position_of(const RefusedShape& shape, const Pictur
   if (!square || square->edge < kSmallest * edge || square->edge > kLargest * edge) {
     return std::nullopt;
   }
+  const auto face_W = on_plane(camera, middle, edge / 2);
+  if (!face_W) return std::nullopt;
+  std::optional<ThingPosition> thing{{square->top_W, square->yaw, edge / 2, edge / 2}};
+  if (shape.height == Height::kPerhaps) thing = thing_position(picture, camera, middle, edge);
+  if (!thing) return std::nullopt;
+  const bool is_large = std::max(thing->half_x, thing->half_y) > kFace * edge;
   const bool of_cube = std::ranges::any_of(detection.cubes, [&](const SeenCube& cube) {
-    const Vec3 between = cube.position->top_W - square->top_W;
-    return std::hypot(between.x, between.y) < kBeside * edge;
+    const Vec3 between = cube.position->top_W - thing->top_W;
+    const double far = std::hypot(between.x, between.y);
+    if (is_large) return holds(*thing, cube.position->top_W);
+    // The middle of a side face is half an edge below the top.
+    const Vec3 below = cube.position->top_W - *face_W;
+    return far < kBeside * edge || std::hypot(below.x, below.y) < kFace * edge;
   });
   if (of_cube) return std::nullopt;
-  if (shape.height == Height::kPerhaps) return thing_position(picture, camera, middle, edge);
-  return ThingPosition{square->top_W, square->yaw, edge / 2, edge / 2};
+  return thing;
 }
 
 }  // namespace
@@ -88,10 +105,10 @@ std::optional<double> sheet_shift(const TableCamera& camera, const TagBoard& she
   return *half;
 }
 
-std::expected<CubePosition, std::string> cube_position(const Picture& picture,
-                                                       const TableCamera& camera,
-                                                       const SeenCube& cube, double edge,
-                                                       const std::vector<bool>& hidden) {
+std::expected<CubePosition, NotPlaced> cube_position(const Picture& picture,
+                                                     const TableCamera& camera,
+                                                     const SeenCube& cube, double edge,
+                                                     const std::vector<bool>& hidden) {
   constexpr int kLevels = 6;
   constexpr double kOffMost = 0.25;
   // Its corners say the size to a tenth: two levels more or less. A top and a side face together
@@ -99,8 +116,11 @@ std::expected<CubePosition, std::string> cube_position(const Picture& picture,
   constexpr double kFoot = 16;        // of 8-bit RGB
   constexpr double kFits = 0.75;      // of the contrast on the lowest level
   constexpr double kSmallest = 0.97;  // of its size: corners are rather seen too far out
-  std::optional<CubePosition> best;
-  bool is_sure = true;
+  // A round top, and a brick's, has few edges along the sides of a square. Cubes that the detection
+  // is sure of may have little contrast to the table.
+  constexpr double kSquare = 16.5;  // of 8-bit RGB
+  constexpr double kSure = 0.9;     // confidence
+  std::optional<TableFit> best;
   double lowest = 0;
   for (int level = 1; level <= kLevels; ++level) {
     auto square = square_at(camera, cube.top, level * edge);
@@ -108,20 +128,25 @@ std::expected<CubePosition, std::string> cube_position(const Picture& picture,
     if (std::abs(square->edge / edge - 1) >= kOffMost) continue;
     square->level = level;
     const double pixel = square->edge / std::max(cube.size, 1.0);
-    const TableFit fit = fitted_on_table(picture, camera, *square, edge, pixel, hidden);
+    TableFit fit = fitted_on_table(picture, camera, *square, edge, pixel, hidden);
     if (!best) lowest = fit.contrast;
     const bool fits = fit.foot.value_or(0) >= kFoot && fit.contrast >= kFits * lowest &&
                       square->edge >= kSmallest * edge;
     if (level > 1 && !fits) continue;
-    best = fit.position;
-    is_sure = fit.is_sure;
+    best = std::move(fit);
   }
-  if (best && is_sure) return *best;
-  if (best) return std::unexpected("a robot hides it in part");
+  if (best && !best->is_sure) {
+    return std::unexpected(NotPlaced{"a robot hides it in part", Height::kLikely});
+  }
+  if (best && best->contrast < kSquare && cube.confidence < kSure) {
+    return std::unexpected(NotPlaced{"its top is no square of a cube's size"});
+  }
+  if (best) return best->position;
   const auto square = square_at(camera, cube.top, edge);
-  return std::unexpected(square ? "its top measures " + number_text(to_mm(square->edge), 0) +
-                                      " mm, that of a cube " + number_text(to_mm(edge), 0) + " mm"
-                                : "it is above the horizon of the table");
+  return std::unexpected(
+      NotPlaced{square ? "its top measures " + number_text(to_mm(square->edge), 0) +
+                             " mm, that of a cube " + number_text(to_mm(edge), 0) + " mm"
+                       : "it is above the horizon of the table"});
 }
 
 void place_on_table(Detection& detection, const Picture& picture, const TableCamera& camera,
@@ -130,7 +155,7 @@ void place_on_table(Detection& detection, const Picture& picture, const TableCam
   for (SeenCube& cube : detection.cubes) {
     const auto position = cube_position(picture, camera, cube, edge, hidden);
     if (!position) {
-      detection.refused.push_back({cube.top, position.error(), Height::kLikely, {}});
+      detection.refused.push_back({cube.top, position.error().why, position.error().height, {}});
       continue;
     }
     cube.position = *position;

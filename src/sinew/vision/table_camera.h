@@ -33,19 +33,25 @@ std::optional<Vec3> on_plane(const TableCamera& camera, Pixel p, double height);
 std::optional<double> sheet_shift(const TableCamera& camera, const TagBoard& sheet,
                                   const std::vector<SeenTag>& tags);
 
+/// Why a detection has no position as a cube, and how high the object may be.
+struct NotPlaced {
+  std::string why;
+  Height height = Height::kPerhaps;
+};
+
 /// Where a cube of edge `edge` (m) is: on the table or on others, its top at the multiple of the
 /// edge at which a square of that size fits the picture best. Towers of up to six.
 /// @param hidden  as place_on_table() has it
 /// @return  why not, where its top would be off that size by more than a quarter on each level, or
 ///          too much of it is hidden
-std::expected<CubePosition, std::string> cube_position(const Picture& picture,
-                                                       const TableCamera& camera,
-                                                       const SeenCube& cube, double edge,
-                                                       const std::vector<bool>& hidden = {});
+std::expected<CubePosition, NotPlaced> cube_position(const Picture& picture,
+                                                     const TableCamera& camera,
+                                                     const SeenCube& cube, double edge,
+                                                     const std::vector<bool>& hidden = {});
 
 /// Gives all cubes their positions; those that have another size, or are hidden too much to say
-/// where they are, are refused. What was refused and is not flat gets one, where it is no side of a
-/// cube and no robot.
+/// where they are, are refused. Refused shapes that are not flat get one, unless they are the side
+/// of a cube or a robot.
 /// @param picture  that they were seen in
 /// @param edge     m, of all cubes
 /// @param hidden   cells of grid_of() in which a robot stands before the table; empty: none does

@@ -214,8 +214,8 @@ TableFit fitted_on_table(const Picture& picture, const TableCamera& camera,
   };
   TableFit best = fit_at(begin);
   double most = 0;
-  // The sides of a top may also be drawn by those of a side face, or by the grain of wood: what is
-  // right has its foot on the table.
+  // Edges of a side face or the grain of wood can attract the fit. The right fit also has edges
+  // where the side faces meet the table.
   for (const Top& from : {coarse.best_around(begin), begin}) {
     const Top near = coarse.best_near(from, 2 * pixel, from_deg(4));
     const Top top = fine.best_near(near, pixel, from_deg(2));

@@ -30,8 +30,8 @@ class Window {
     return i >= 0 && j >= 0 && i < size() && j < size() && in_[at(i, j)];
   }
 
-  /// Marks what is connected with the middle and has its color but for `tolerance` of 8-bit RGB.
-  /// @return  false where it goes on beyond the window
+  /// Flood fill from the middle. @param tolerance  of 8-bit RGB
+  /// @return  false where the patch reaches the border of the window
   bool fill(int tolerance) {
     in_.assign(in_.size(), false);
     const std::array<int, 3> color = middle_color();
@@ -51,15 +51,15 @@ class Window {
     return true;
   }
 
-  /// Places at the rim of the patch, without what is only as thin as a line.
+  /// Pixels at the rim of the patch, without lines that are one pixel wide.
   std::vector<Pixel> rim() const {
     std::vector<Pixel> rim;
     for (int j = 0; j < size(); ++j) {
       for (int i = 0; i < size(); ++i) {
-        if (!in_[at(i, j)]) continue;
+        if (!is_thick(i, j)) continue;
         const auto beside = std::ranges::count_if(
             kBeside, [&](const auto& d) { return is_in_patch(i + d[0], j + d[1]); });
-        if (beside == 2 || beside == 3) rim.push_back(pixel(i, j));
+        if (beside < 4) rim.push_back(pixel(i, j));
       }
     }
     return rim;
@@ -69,6 +69,18 @@ class Window {
   static constexpr double kHalfMost = 48;
   static constexpr std::array<std::array<int, 2>, 4> kBeside{{{1, 0}, {-1, 0}, {0, 1}, {0, -1}}};
 
+  /// Part of a square of 2 x 2 in the patch.
+  bool is_thick(int i, int j) const {
+    if (!is_in_patch(i, j)) return false;
+    for (const int di : {-1, 1}) {
+      for (const int dj : {-1, 1}) {
+        if (is_in_patch(i + di, j) && is_in_patch(i, j + dj) && is_in_patch(i + di, j + dj)) {
+          return true;
+        }
+      }
+    }
+    return false;
+  }
   std::size_t at(int i, int j) const { return static_cast<std::size_t>(j * size() + i); }
   const std::uint8_t* color_at(int i, int j) const {
     const int x = x_ + (i - half_) * step_, y = y_ + (j - half_) * step_;
@@ -105,7 +117,7 @@ class Window {
   std::vector<bool> in_;
 };
 
-/// The smallest rectangle around them, seen from above.
+/// Smallest bounding rectangle in the plane.
 ThingPosition rectangle_around(const std::vector<Vec3>& points, double height) {
   constexpr double kStep = from_deg(3);
   ThingPosition best;
@@ -137,9 +149,10 @@ std::optional<ThingPosition> thing_position(const Picture& picture, const TableC
   constexpr double kSmallest = 3e-3;             // m, half of its edges
   constexpr std::array kTolerances{28, 18, 12};  // of 8-bit RGB
   const auto p_W = on_plane(camera, middle, edge / 2);
-  const auto p_beside_W = on_plane(camera, middle + Pixel{1, 0}, edge / 2);
-  if (!p_W || !p_beside_W) return std::nullopt;
-  const double metres = norm(*p_beside_W - *p_W);  // of a pixel
+  const auto p_right_W = on_plane(camera, middle + Pixel{1, 0}, edge / 2);
+  const auto p_below_W = on_plane(camera, middle + Pixel{0, 1}, edge / 2);
+  if (!p_W || !p_right_W || !p_below_W) return std::nullopt;
+  const double metres = std::min(norm(*p_right_W - *p_W), norm(*p_below_W - *p_W));  // of a pixel
   Window window(picture, middle, kThingMost / metres);
   for (const int tolerance : kTolerances) {
     if (!window.fill(tolerance)) continue;
@@ -148,6 +161,8 @@ std::optional<ThingPosition> thing_position(const Picture& picture, const TableC
       if (const auto at_W = on_plane(camera, p, edge / 2)) points.push_back(*at_W);
     }
     if (points.empty()) return std::nullopt;
+    const auto is_far = [&](const Vec3& at_W) { return norm(at_W - *p_W) > kThingMost; };
+    if (std::ranges::any_of(points, is_far)) continue;
     const ThingPosition found = rectangle_around(points, edge);
     if (std::min(found.half_x, found.half_y) < kSmallest) return std::nullopt;
     return found;

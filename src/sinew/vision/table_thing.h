@@ -8,16 +8,16 @@
 
 namespace sinew::vision {
 
-/// What lies on the table at a pixel and is no cube: the rectangle around all that is connected
-/// with it and has nearly its color, seen half an edge above the table, since how high it is is not
-/// known. As high as a cube to be on the safe side.
-/// @param edge  m, of the cubes there
-/// @return  nothing where it looks like the table around it, is larger than kThingMost, or is
-///          little more than a point
+/// Bounding rectangle of an object on the table that is no cube: of the connected pixels of
+/// similar color around `middle`. One camera does not show the height: pixels are projected to half
+/// a cube's height, and the box is as high as a cube.
+/// @param edge  m, of the cubes on this table
+/// @return  nothing where the pixels look like the table around them, reach beyond kThingMost, or
+///          are too few
 std::optional<ThingPosition> thing_position(const Picture& picture, const TableCamera& camera,
                                             Pixel middle, double edge);
 
-/// m, from the middle of a thing to its farthest point: what is larger is no thing on the table.
+/// m, from the middle of an object to its farthest point.
 inline constexpr double kThingMost = 0.06;
 
 }  // namespace sinew::vision
