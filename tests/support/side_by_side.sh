@@ -1,11 +1,12 @@
 #!/bin/sh
 # side_by_side.sh PROGRAM SHARDS RESULTS: the tests of one GoogleTest program as so many processes at
 # once, for tests that mostly wait. Leaves RESULTS.1.json, RESULTS.2.json, ... A few that fail are
-# tried once more alone, and that is said: devices wait 50 ms for programs that wait for a processor.
+# repeated alone, with RESULTS.again.json: devices wait 50 ms for programs that wait for a processor.
 program=$1 shards=$2 results=$3
 shift 3
 alone_max=3
 mkdir -p "$(dirname "$results")"
+rm -f "$results.again.json"
 running=
 shard=0
 while [ "$shard" -lt "$shards" ]; do
@@ -35,4 +36,4 @@ set -- $failed
 if [ $# -eq 0 ]; then exit $code; fi
 if [ "$code" -ne 0 ] || [ $# -gt $alone_max ]; then exit 1; fi
 echo "failed side by side, once more alone: $*"
-exec "$program" --gtest_filter="$(echo "$*" | tr ' ' ':')"
+exec "$program" --gtest_output="json:$results.again.json" --gtest_filter="$(echo "$*" | tr ' ' ':')"
