@@ -416,15 +416,12 @@ std::expected<CubeRows, Refusal> picked_by_jaws(RowPlanner& planner, const Seque
     }
     if (!rows && meets_thing(rows.error()) && ++meetings == kMeetingsMax) break;
     const bool skipped = rows && skip-- > 0;
+    if (skipped) rows->is_last_resort = true;
     if ((skipped ? left_out : choice).take(std::move(rows)) && !skipped) break;
   }
   planner.propose(true);
   if (choice.any()) return choice.get();
-  if (left_out.any()) {
-    auto tried_before = left_out.get();
-    tried_before->is_last_resort = true;
-    return tried_before;
-  }
+  if (left_out.any()) return left_out.get();
   return taken_so(sequence, robot, *nearest, edge);  // with what would go instead
 }
 
@@ -667,16 +664,17 @@ std::expected<CubeRows, Refusal> rows_to_pick(RowPlanner& planner, const Standin
   return clear_of(seen, baskets, rows);
 }
 
-bool in_reach(const RobotModel& robot, const Sighting& all, std::size_t which) {
-  const Sighting seen = likely_of(all);
-  const auto things = things_on_table(robot, seen, which, {}, seen.cubes[which].edge);
+bool in_reach(const RobotModel& robot, const Sighting& seen, std::size_t which) {
+  const Sighting likely = likely_of(seen);
+  const auto others = bodies_of(likely.others);
+  const auto things = things_on_table(robot, likely, which, {}, seen.cubes[which].edge);
   if (picks_with_jaws(robot)) {
-    const auto grasps = grasping::jaw_grasps(robot, seen.cubes, which, bodies_of(seen.others));
+    const auto grasps = grasping::jaw_grasps(robot, seen.cubes, which, others);
     Hands hands(robot, things);
     return grasps &&
            std::ranges::any_of(*grasps, [&](const auto& one) { return hands.reach(one); });
   }
-  const auto lip = grasping::cup_grasp(seen.cubes, which, bodies_of(seen.others));
+  const auto lip = grasping::cup_grasp(seen.cubes, which, others);
   return lip &&
          has_joints({robot, std::nullopt, things}, *lip + Vec3{0, 0, cup_reach(robot)}, 0, 0);
 }

@@ -65,17 +65,20 @@ std::optional<ThingPosition> position_of(const RefusedShape& shape, const Pictur
   }
   const auto face_W = on_plane(camera, middle, edge / 2);
   if (!face_W) return std::nullopt;
-  std::optional<ThingPosition> thing{{square->top_W, square->yaw, edge / 2, edge / 2}};
-  if (shape.height == Height::kPerhaps) thing = thing_position(picture, camera, middle, edge);
+  const auto thing =
+      shape.height == Height::kPerhaps
+          ? thing_position(picture, camera, middle, edge)
+          : std::optional(ThingPosition{square->top_W, square->yaw, edge / 2, edge / 2});
   if (!thing) return std::nullopt;
   const bool is_large = std::max(thing->half_x, thing->half_y) > kFace * edge;
   const bool of_cube = std::ranges::any_of(detection.cubes, [&](const SeenCube& cube) {
-    const Vec3 between = cube.position->top_W - thing->top_W;
-    const double far = std::hypot(between.x, between.y);
-    if (is_large) return holds(*thing, cube.position->top_W);
+    const Vec3& top_W = cube.position->top_W;
+    if (is_large) return holds(*thing, top_W);
+    const Vec3 between = top_W - thing->top_W;
     // The middle of a side face is half an edge below the top.
-    const Vec3 below = cube.position->top_W - *face_W;
-    return far < kBeside * edge || std::hypot(below.x, below.y) < kFace * edge;
+    const Vec3 below = top_W - *face_W;
+    return std::hypot(between.x, between.y) < kBeside * edge ||
+           std::hypot(below.x, below.y) < kFace * edge;
   });
   if (of_cube) return std::nullopt;
   return thing;
