@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """How well `sinew detect` finds the cubes in photos whose cubes are marked.
 
-score.py SINEW [FOLDER]: FOLDER, or SINEW_PHOTOS, has the photos and a groundtruth.json:
+score.py SINEW [FOLDER...]: each FOLDER, or SINEW_PHOTOS, has photos and a groundtruth.json:
 {"images": [{"file", "match_tol_px", "roi": [x0, y0, x1, y1] or null,
              "cubes": [{"color", "center_px", "alt": [colors], "stacked": bool}],
              "cube_px": [least, most]}]}
@@ -91,27 +91,27 @@ def score(image, cubes):
 
 
 def main():
-    named = sys.argv[2] if len(sys.argv) > 2 else os.environ.get("SINEW_PHOTOS", "")
-    if not named:
+    folders = sys.argv[2:] or [os.environ.get("SINEW_PHOTOS", "")]
+    if folders == [""]:
         print("no photos: SINEW_PHOTOS names no folder that has some; skipped")
         return SKIPPED
-    sinew, folder = sys.argv[1], Path(named)
-    truth = json.loads((folder / "groundtruth.json").read_text(encoding="utf-8"))
     right, wrong, missed, errors = 0, 0, 0, []
-    for image in truth["images"]:
-        found, extra, lost, off = score(image, detect(sinew, folder / image["file"]))
-        print(f"{image['file']}: {found} of {len(image['cubes'])}, "
-              f"missed {[one['color'] for one in lost]}, "
-              f"wrong {[(one['color'], one['center_px']) for one in extra]}")
-        right, wrong, missed = right + found, wrong + len(extra), missed + len(lost)
-        errors += off
+    for folder in map(Path, folders):
+        truth = json.loads((folder / "groundtruth.json").read_text(encoding="utf-8"))
+        for image in truth["images"]:
+            found, extra, lost, off = score(image, detect(sys.argv[1], folder / image["file"]))
+            print(f"{folder.name}/{image['file']}: {found} of {len(image['cubes'])}, "
+                  f"missed {[one['color'] for one in lost]}, "
+                  f"wrong {[(one['color'], one['center_px']) for one in extra]}")
+            right, wrong, missed = right + found, wrong + len(extra), missed + len(lost)
+            errors += off
     recall = right / max(1, right + missed)
     precision = right / max(1, right + wrong)
     middle = statistics.median(errors) if errors else 1
     print(f"recall {recall:.2f}, precision {precision:.2f}, "
           f"middle off by {100 * middle:.1f} % of an edge (median)")
-    # What it reaches today, so that it gets no worse; docs/vision.md has the goal.
-    return 0 if recall >= 0.75 and precision >= 0.8 else 1
+    # Lower than what it reaches (docs/vision.md), so that it gets no worse.
+    return 0 if recall >= 0.85 and precision >= 0.9 else 1
 
 
 if __name__ == "__main__":

@@ -35,19 +35,23 @@ constexpr int kShape = 3;
 constexpr int kColor = 8;
 constexpr int kOther = kColor + kColors;
 constexpr int kKind = kOther + 1;
-constexpr std::array<std::string_view, 5> kWhy{
-    "it is longer than wide", "it is round", "it has not four sides",
-    "it is much larger than a cube", "it is flat: printed, or a piece of paper"};
+constexpr std::array<std::string_view, 5> kWhy{"it is longer than wide", "it is round",
+                                               "it has not four sides",
+                                               "it is much larger than a cube", kIsFlat};
 constexpr int kFlat = 4;  ///< of kWhy
 constexpr int kResults = kKind + static_cast<int>(kWhy.size());
 
-/// A picture up to a multiple of what the network halves; the last row and column are repeated.
-Maps maps_of(const Picture& picture) {
+/// A balanced picture up to a multiple of what the network halves; the last row and column are
+/// repeated.
+Maps maps_of(const Picture& picture, const WhiteBalance& balance) {
   const auto whole = [](int size) { return (size + kStep - 1) / kStep * kStep; };
   Maps maps(3, whole(picture.height), whole(picture.width));
-  std::array<float, 256> values{};
-  for (std::size_t i = 0; i < values.size(); ++i) values[i] = static_cast<float>(i) / 255 - kMiddle;
   for (int c = 0; c < 3; ++c) {
+    const auto& curve = balance.curve(static_cast<std::size_t>(c));
+    std::array<float, 256> values{};
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      values[i] = static_cast<float>(curve[i]) / 255 - kMiddle;
+    }
     for (int y = 0; y < maps.height; ++y) {
       const std::uint8_t* from = picture.at(0, std::min(y, picture.height - 1)) + c;
       float* to = maps.row(c, y);
@@ -63,7 +67,7 @@ void refine(Maps& maps, int count, Weights& weights) {
 }
 
 /// The network: four levels down, three up. A row of train.py's CubeNet each.
-Maps results_of(const Picture& picture) {
+Maps results_of(const Picture& picture, const WhiteBalance& balance) {
   struct Level {
     int channels;
     int blocks_down;
@@ -73,7 +77,7 @@ Maps results_of(const Picture& picture) {
   constexpr int kStem = 12;
   constexpr int kLast = 32;
   Weights weights({sinew_cube_net_begin, sinew_cube_net_end});
-  const Maps stem = halved(maps_of(picture), kStem, weights);
+  const Maps stem = halved(maps_of(picture, balance), kStem, weights);
   std::vector<Maps> levels;
   for (const Level& level : kLevels) {
     levels.push_back(halved(levels.empty() ? stem : levels.back(), level.channels, weights));
@@ -165,8 +169,8 @@ Quad quad_of(const Maps& maps, int x, int y) {
 
 }  // namespace
 
-Likely likely_things(const Picture& picture, double least) {
-  const Maps maps = results_of(picture);
+Likely likely_things(const Picture& picture, const WhiteBalance& balance, double least) {
+  const Maps maps = results_of(picture, balance);
   Likely found;
   const auto enough = static_cast<float>(std::log(least / (1 - least)));
   for (int y = 0; y < maps.height; ++y) {

@@ -6,6 +6,7 @@
 
 #include "sinew/vision/color_names.h"
 #include "sinew/vision/picture.h"
+#include "sinew/vision/white_balance.h"
 
 namespace sinew::vision {
 
@@ -15,6 +16,8 @@ struct LikelyTop {
   double sureness = 0;             ///< 0 to 1
   std::optional<ColorName> color;  ///< nothing: white or grey
 };
+
+inline constexpr std::string_view kIsFlat = "it is flat: printed, or a piece of paper";
 
 /// What looks like a thing on the table that is no cube.
 struct LikelyOther {
@@ -31,6 +34,6 @@ struct Likely {
 
 /// All that is surer than `least`, by a convolutional network that was trained on rendered tables
 /// only: tools/cube_net makes its 170 000 weights from nothing. Edges of 9 to 140 px are found.
-Likely likely_things(const Picture& picture, double least);
+Likely likely_things(const Picture& picture, const WhiteBalance& balance, double least);
 
 }  // namespace sinew::vision

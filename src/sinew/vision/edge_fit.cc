@@ -197,4 +197,28 @@ int corners_filled(const LabPicture& picture, const Quad& quad) {
   return filled;
 }
 
+double light_share(const LabPicture& picture, const Quad& quad) {
+  constexpr double kInside = 0.8;  // of the quad: its border may be that of another face
+  constexpr int kSamples = 16;     // to a side
+  constexpr float kLighter = 25;   // of L*
+  const Pixel middle = middle_of(quad);
+  std::array<float, kSamples * kSamples> lightness{};
+  std::size_t count = 0;
+  for (int i = 0; i < kSamples; ++i) {
+    for (int k = 0; k < kSamples; ++k) {
+      const double u = (i + 0.5) / kSamples;
+      const double v = (k + 0.5) / kSamples;
+      const Pixel upper = quad[0] + u * (quad[1] - quad[0]);
+      const Pixel lower = quad[3] + u * (quad[2] - quad[3]);
+      const Pixel place = upper + v * (lower - upper);
+      lightness[count++] = sample(picture, middle + kInside * (place - middle)).L;
+    }
+  }
+  const auto dark = lightness.begin() + kSamples * kSamples / 5;
+  std::ranges::nth_element(lightness, dark);
+  const auto lighter = std::ranges::count_if(
+      lightness, [limit = *dark + kLighter](float one) { return one > limit; });
+  return static_cast<double>(lighter) / (kSamples * kSamples);
+}
+
 }  // namespace sinew::vision

@@ -7,19 +7,6 @@
 namespace sinew::vision {
 namespace {
 
-/// sRGB's curve, for each of its bytes.
-const std::array<float, 256>& linear_of() {
-  static const std::array<float, 256> table = [] {
-    std::array<float, 256> all{};
-    for (std::size_t i = 0; i < all.size(); ++i) {
-      const double v = static_cast<double>(i) / 255;
-      all[i] = static_cast<float>(v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4));
-    }
-    return all;
-  }();
-  return table;
-}
-
 /// The curve of L*a*b* over 0 to 1, in steps that are finer than a byte shows.
 class LabCurve {
  public:
@@ -43,7 +30,7 @@ class LabCurve {
 /// sRGB to XYZ over the white of D65 (IEC 61966-2-1), and on.
 Lab lab_of(const std::uint8_t* rgb) {
   static const LabCurve curve;
-  const auto& linear = linear_of();
+  const auto& linear = linear_light();
   const float r = linear[rgb[0]];
   const float g = linear[rgb[1]];
   const float b = linear[rgb[2]];
@@ -54,6 +41,18 @@ Lab lab_of(const std::uint8_t* rgb) {
 }
 
 }  // namespace
+
+const std::array<float, 256>& linear_light() {
+  static const std::array<float, 256> table = [] {
+    std::array<float, 256> all{};
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      const double v = static_cast<double>(i) / 255;
+      all[i] = static_cast<float>(v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4));
+    }
+    return all;
+  }();
+  return table;
+}
 
 float distance(const Lab& one, const Lab& other) {
   return std::sqrt((one.L - other.L) * (one.L - other.L) + (one.a - other.a) * (one.a - other.a) +

@@ -1,10 +1,12 @@
 #include "sinew/vision/top_search.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "sinew/vision/edge_fit.h"
 #include "sinew/vision/lab.h"
 #include "sinew/vision/shapes.h"
+#include "sinew/vision/white_balance.h"
 
 namespace sinew::vision {
 namespace {
@@ -14,9 +16,10 @@ constexpr int kFine = 960;
 constexpr int kCoarse = 400;
 /// px of the fine picture: up to this edge it is believed, from somewhat less on the coarse one.
 constexpr double kBorder = 56;
-constexpr double kCommon = 0.65;  ///< of that
-constexpr double kUnsure = 0.12;  ///< from here on it is worth a word
-constexpr double kShared = 0.3;   ///< of the smaller of two tops that are the same
+constexpr double kCommon = 0.65;   ///< of that
+constexpr double kUnsure = 0.12;   ///< from here on it is worth a word
+constexpr double kPrinted = 0.33;  ///< of a black top, is light: rings, tags, checkers
+constexpr double kShared = 0.3;    ///< of the smaller of two tops that are the same
 
 bool is_same(const Quad& one, const Quad& other) {
   return common_area(one, other) > kShared * std::min(area_of(one), area_of(other));
@@ -28,13 +31,27 @@ Quad enlarged(Quad quad, double scale) {
   return quad;
 }
 
+/// The surest first, without those that lie on a surer one.
+std::vector<Top> without_repeats(std::vector<Top> tops) {
+  std::ranges::stable_sort(tops, std::ranges::greater{}, &LikelyTop::sureness);
+  std::vector<Top> kept;
+  for (const Top& top : tops) {
+    const bool seen =
+        std::ranges::any_of(kept, [&](const Top& one) { return is_same(one.quad, top.quad); });
+    if (!seen) kept.push_back(top);
+  }
+  return kept;
+}
+
 }  // namespace
 
 Things things_in(const Picture& picture) {
   const Picture fine = shrunk(picture, kFine);
-  const Picture coarse = shrunk(fine, kCoarse);
+  const Picture small = shrunk(fine, kCoarse);
+  const WhiteBalance balance(small);
+  const bool both = small.width < fine.width;
   const double scale = static_cast<double>(picture.width) / fine.width;
-  const double from_coarse = static_cast<double>(fine.width) / coarse.width;
+  const double from_coarse = static_cast<double>(fine.width) / small.width;
   const LabPicture lab(fine);
   Things all;
   const auto add = [&](const LikelyTop& likely, double to_fine) {
@@ -44,28 +61,25 @@ Things things_in(const Picture& picture) {
     top.quad = fitted_to_edges(lab, top.quad, std::max(4.0, 0.09 * edge_of(top.quad)));
     top.quad = fitted_to_edges(lab, top.quad, 4);
     top.corners = corners_filled(lab, top.quad);
+    const bool is_print = top.color == ColorName::kBlack && light_share(lab, top.quad) > kPrinted;
     top.quad = enlarged(top.quad, scale);
-    all.tops.push_back(top);
+    if (is_print) {
+      all.others.push_back({middle_of(top.quad), top.sureness, kIsFlat, true});
+    } else {
+      all.tops.push_back(top);
+    }
   };
-  const bool both = coarse.width < fine.width;
-  const Likely in_fine = likely_things(fine, kUnsure);
+  const Likely in_fine = likely_things(fine, balance, kUnsure);
+  all.others = in_fine.others;
+  for (LikelyOther& other : all.others) other.middle = scale * other.middle;
   for (const LikelyTop& top : in_fine.tops) {
     if (!both || edge_of(top.quad) < kBorder) add(top, 1);
   }
-  all.others = in_fine.others;
-  for (LikelyOther& other : all.others) other.middle = scale * other.middle;
-  const Likely in_coarse = both ? likely_things(coarse, kUnsure) : Likely{};
+  const Likely in_coarse = both ? likely_things(small, balance, kUnsure) : Likely{};
   for (const LikelyTop& top : in_coarse.tops) {
     if (from_coarse * edge_of(top.quad) > kCommon * kBorder) add(top, from_coarse);
   }
-  std::ranges::stable_sort(all.tops, std::ranges::greater{}, &LikelyTop::sureness);
-  std::vector<Top> kept;
-  for (const Top& top : all.tops) {
-    const bool seen =
-        std::ranges::any_of(kept, [&](const Top& one) { return is_same(one.quad, top.quad); });
-    if (!seen) kept.push_back(top);
-  }
-  all.tops = std::move(kept);
+  all.tops = without_repeats(std::move(all.tops));
   return all;
 }
 
