@@ -158,16 +158,21 @@ class CellMaker {
 
   void lay(const ViewedThing& thing) {
     const Material material = plastic(random_, from_srgb(thing.srgb));
+    // Which of two sheets at one height is seen would change from picture to picture.
+    constexpr double kSheet = 5e-5;  // m
+    auto X_WS = thing.X_WS;
+    X_WS.p.z += kSheet * static_cast<double>(++things_laid_);
     if (thing.form == ViewedThing::Form::kDisc) {
-      add(Cylinder{thing.half.x, thing.half.z}, thing.X_WS, material);
+      add(Cylinder{thing.half.x, thing.half.z}, X_WS, material);
     } else {
-      add(box(thing.half, std::min(0.001, 0.1 * thing.half.z)), thing.X_WS, material);
+      add(box(thing.half, std::min(0.001, 0.1 * thing.half.z)), X_WS, material);
     }
   }
 
   const CellView& view_;
   SplitMix64 random_;
   Scene scene_;
+  int things_laid_ = 0;
 };
 
 }  // namespace

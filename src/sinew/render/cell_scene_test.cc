@@ -204,6 +204,21 @@ TEST(CellScene, clutter_lies_where_it_lay_whatever_the_cubes_do_and_changes_noth
   }
 }
 
+TEST(CellScene, of_two_sheets_the_one_laid_later_is_seen_whatever_the_arm_does) {
+  CellView view;
+  view.robots = {learm(0.2)};
+  using Form = ViewedThing::Form;
+  view.clutter = {{Form::kBox, {Rotation{}, {0.05, 0, 6e-5}}, {0.05, 0.05, 5e-5}, 0x202020},
+                  {Form::kBox, {Rotation{}, {0.08, 0, 6e-5}}, {0.05, 0.05, 5e-5}, 0xF0F0F0}};
+  for (const double shoulder : {-0.4, 0.0, 0.3, 0.9}) {
+    view.robots = {learm(shoulder)};
+    const auto picture = picture_of(view, camera(), aslant(), {}, 7);
+    const auto both = seen_at(picture, {0.07, 0.02, 0}, aslant());
+    const auto later = seen_at(picture, {0.12, 0.02, 0}, aslant());
+    for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(both[c], later[c], 30) << shoulder;
+  }
+}
+
 TEST(CellScene, exposure_is_automatic_and_the_sensor_s_is_a_factor) {
   CellView view;
   view.top = TableTop::kWood;

@@ -147,16 +147,17 @@ void Camera::work(const std::stop_token& ending) {
   std::unique_lock lock(mutex_);
   while (!ending.stop_requested()) {
     const auto called = [&] { return answered != asked_; };
+    bool anew = false;
     if (watchers_ == 0) {
       asked_for_.wait(lock, ending, [&] { return called() || watchers_ > 0; });
-      const bool forgets = std::chrono::steady_clock::now() - unwatched_since_ > kForgets;
-      const bool anew = std::exchange(watches_anew_, false);
-      if (view_ && (forgets || anew)) {
-        view_->begin_again();
-        next_look = {};
-      }
+      anew = std::chrono::steady_clock::now() - unwatched_since_ > kForgets;
     } else {
       asked_for_.wait_until(lock, ending, next_look, called);
+    }
+    // Who resumes at once does so between two glances: there was a watcher both times.
+    if (std::exchange(watches_anew_, false) || anew) {
+      if (view_) view_->begin_again();
+      next_look = {};
     }
     if (ending.stop_requested()) return;
     const bool is_asked = called();
@@ -172,7 +173,7 @@ void Camera::work(const std::stop_token& ending) {
       const bool more = sees_more(ending);
       if (more) {
         const std::scoped_lock here(mutex_);
-        ++disturbances_;
+        if (!watches_anew_) ++disturbances_;  // else a person has looked meanwhile
       }
       // Never more than a third of a core, however slow it is; waiting for a picture is none.
       const Time rested = std::chrono::steady_clock::now() + 2 * (io::processor_time() - used);

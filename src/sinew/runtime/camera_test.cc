@@ -8,6 +8,7 @@
 #include <fstream>
 #include <thread>
 
+#include "sinew/core/units.h"
 #include "sinew/io/scratch_folder_test_support.h"
 #include "sinew/runtime/written_pictures.h"
 #include "sinew/vision/picture_file.h"
@@ -53,17 +54,19 @@ TEST(Camera, each_picture_that_says_nothing_says_why) {
   std::atomic<int> taken = 0;
   std::atomic<int> width = 320;
   std::atomic<bool> is_lost = false, is_frozen = false, is_covered = false;
-  Camera camera(settings(), [&](const std::stop_token&) -> Expected<vision::Picture> {
-    if (is_lost) return std::unexpected(Error{ErrorCode::kCameraLost, -1, 5});
-    if (!is_frozen) ++taken;
-    vision::Picture picture = table(taken, width);
-    if (is_covered) {
-      for (std::size_t i = 0; i < picture.rgb.size(); ++i) {
-        picture.rgb[i] = static_cast<std::uint8_t>(20 + i * 7919 % 9);
-      }
-    }
-    return picture;
-  }, {});
+  Camera camera(settings(),
+                [&](const std::stop_token&) -> Expected<vision::Picture> {
+                  if (is_lost) return std::unexpected(Error{ErrorCode::kCameraLost, -1, 5});
+                  if (!is_frozen) ++taken;
+                  vision::Picture picture = table(taken, width);
+                  if (is_covered) {
+                    for (std::size_t i = 0; i < picture.rgb.size(); ++i) {
+                      picture.rgb[i] = static_cast<std::uint8_t>(20 + i * 7919 % 9);
+                    }
+                  }
+                  return picture;
+                },
+                {});
   EXPECT_EQ(camera.newest(), nullptr) << "none was asked for";
   EXPECT_FALSE(shot_of(camera)->fault);
   EXPECT_EQ(taken, 1);
@@ -90,12 +93,14 @@ TEST(Camera, each_picture_that_says_nothing_says_why) {
 TEST(Camera, who_asks_while_one_is_taken_gets_the_next) {
   std::atomic<int> begun = 0;
   std::atomic<bool> go_on = false;
-  Camera camera(settings(), [&](const std::stop_token&) -> Expected<vision::Picture> {
-    const int number = ++begun;
-    while (number == 1 && !go_on) std::this_thread::yield();
-    if (number == 1) return std::unexpected(Error{ErrorCode::kCameraLost});
-    return table(number);
-  }, {});
+  Camera camera(settings(),
+                [&](const std::stop_token&) -> Expected<vision::Picture> {
+                  const int number = ++begun;
+                  while (number == 1 && !go_on) std::this_thread::yield();
+                  if (number == 1) return std::unexpected(Error{ErrorCode::kCameraLost});
+                  return table(number);
+                },
+                {});
   camera.refresh();
   while (begun == 0) std::this_thread::yield();
   camera.refresh();
@@ -104,6 +109,38 @@ TEST(Camera, who_asks_while_one_is_taken_gets_the_next) {
   while (!camera.newest() || camera.newest()->number < second) std::this_thread::yield();
   EXPECT_FALSE(camera.newest()->fault);
   EXPECT_EQ(begun, 2) << "to refresh is not to ask again";
+}
+
+/// Who resumes at once begins to watch again between two looks of the camera.
+TEST(Camera, a_watch_that_begins_anew_at_once_takes_things_as_they_are) {
+  Camera::Settings above = settings();
+  above.calibration->X_WC = {rotation_x(kPi), {0, 0, 0.5}};
+  std::atomic<int> looks = 0;
+  std::atomic<bool> has_box = false;
+  const auto glance = [&](const std::stop_token&) -> Expected<vision::Picture> {
+    vision::Picture picture = table(++looks);
+    for (int y = 60; has_box && y < 180; ++y) std::fill_n(picture.at(200, y), 3 * 100, 20);
+    return picture;
+  };
+  Camera camera(above, glance, {[] { return std::vector<render::ViewedRobot>{}; }, glance});
+  const auto look = [&](int more) {
+    for (const int last = looks + more; looks <= last;) std::this_thread::yield();
+  };
+  camera.begin_watch(true);
+  look(2);
+  EXPECT_EQ(camera.disturbances(), 0U);
+  has_box = true;
+  while (camera.disturbances() == 0) std::this_thread::yield();
+  for (int i = 0; i < 3; ++i) {
+    camera.end_watch();
+    camera.begin_watch(true);
+    const std::uint64_t before = camera.disturbances();
+    look(3);
+    EXPECT_EQ(camera.disturbances(), before) << "the box has been looked at";
+    has_box = !has_box;
+    while (camera.disturbances() == before) std::this_thread::yield();
+  }
+  camera.end_watch();
 }
 
 TEST(WrittenPictures, only_a_new_whole_picture_counts) {

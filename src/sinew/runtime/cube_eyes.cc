@@ -51,8 +51,8 @@ void CubeEyes::watch(bool on, bool anew) {
   if (on == (watched_ != nullptr)) return;
   if (!on) return std::exchange(watched_, nullptr)->end_watch();
   watched_ = cameras_[looks_with_].camera;
-  undisturbed_ = watched_->disturbances();
   watched_->begin_watch(anew);
+  undisturbed_ = watched_->disturbances();  // behind it: a look that goes on may still count
 }
 
 program::Sighting CubeEyes::sighting(const Looking& with, const Camera::Shot& shot) const {
