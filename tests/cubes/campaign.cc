@@ -234,14 +234,15 @@ void run_cell(std::uint64_t seed, Tally& tally) {
     const runtime::JobView job = cell.cell().jobs(0).view();
     if (job.paused && !was_paused && !is_there && !hand_was_there) ++tally.paused_wrongly;
     was_paused = job.paused;
+    if (is_there != hand_was_there) {
+      auto trouble = what.trouble;
+      if (is_there) trouble.hand = render::ViewedHand{what.hand_W, -kPi / 2};
+      if (is_there) ++tally.hands;
+      cell.table().set_trouble(trouble);
+      hand_was_there = is_there;
+    }
     // A person takes the hand away, or looks and finds nothing, and has it go on.
     if (!is_there && job.paused) cell.cell().jobs(0).resume(job.id);
-    if (is_there == hand_was_there) return;
-    auto trouble = what.trouble;
-    if (is_there) trouble.hand = render::ViewedHand{what.hand_W, -kPi / 2};
-    if (is_there) ++tally.hands;
-    cell.table().set_trouble(trouble);
-    hand_was_there = is_there;
   };
   const Ended ended = cell.run_own_program(look);
   ++tally.ends[end_of(ended)];
