@@ -55,6 +55,8 @@ constexpr auto kRows = std::to_array<Row>({
     {"jog_retarget_tool_6r", "jog: a cycle with a new command, tool of a 6R", 9.4},
     {"jog_retarget_tool_6r_with_contact", "the same, kept from touching itself and its table"},
     {"jog_retarget_joints_6r", "the same, by joints"},
+    {"detect_cubes_720p", "cubes in a picture of 1280 x 720 px"},
+    {"detect_cubes_10_megapixels", "cubes in a picture of 10 megapixels"},
     {"axis_link_encode", "axis link: encode a frame"},
     {"axis_link_decode", "axis link: decode a frame"},
     {"axis_link_cycle_6_axes", "axis link: one cycle of 6 axes, host"},

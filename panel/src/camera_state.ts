@@ -7,6 +7,9 @@ import { fromFlat } from './logic/pose';
 import type { CameraShot, CameraTrouble, SeenCubeJson } from './logic/types';
 
 const kLookMs = 400;
+/** Beside the 3D view: pictures come when a program looks. */
+const kLookOnMs = 700;
+const kBesidePx = 320;
 
 export const shot = signal<CameraShot | null>(null);
 /** The newest picture that came, as an address for an image. */
@@ -29,7 +32,12 @@ export const cameraName = computed(() => camera.value?.name ?? null);
 /** The calibration wizard is shown: the live picture comes with the printed tags in it. */
 export const calibrating = signal(false);
 
-export const open = computed(() => route.value.view === 'camera' && store.connection.value === 'open' && camera.value !== null);
+const canLook = computed(() => store.connection.value === 'open' && camera.value !== null);
+export const open = computed(() => route.value.view === 'camera' && canLook.value);
+/** A program runs: what it sees is shown beside the 3D view, and takes no pictures of its own. */
+export const looksOn = computed(
+  () => route.value.view !== 'camera' && canLook.value && Object.values(store.status.value).some((one) => one.job && !one.job.over),
+);
 
 effect(() => {
   void cameraName.value;
@@ -40,15 +48,16 @@ effect(() => {
   });
 });
 effect(() => {
-  if (!open.value) return;
+  if (!open.value && !looksOn.value) return;
   const name = camera.value!.name;
+  const how = open.value ? () => (calibrating.peek() ? { tags: true } : {}) : () => ({ take: false, longest_px: kBesidePx });
   let under = false;
   const look = async () => {
     if (under) return;
     under = true;
     try {
       const known = shot.peek()?.number ?? 0;
-      const next = await store.call<CameraShot>('camera.look', { camera: name, known, ...(calibrating.peek() ? { tags: true } : {}) });
+      const next = await store.call<CameraShot>('camera.look', { camera: name, known, ...how() });
       if (camera.peek()?.name === name) take(next);
     } catch {
       // The page says itself that the connection is gone.
@@ -57,7 +66,7 @@ effect(() => {
     }
   };
   void look();
-  const timer = setInterval(() => void look(), kLookMs);
+  const timer = setInterval(() => void look(), open.value ? kLookMs : kLookOnMs);
   return () => clearInterval(timer);
 });
 

@@ -72,7 +72,10 @@ TEST(DetectVerb, with_a_camera_it_says_millimetres_and_the_level_in_a_tower) {
   EXPECT_NE(other["refused"].dump().find("that of a cube 40 mm"), std::string::npos);
 
   EXPECT_EQ(sinew({"detect", image, "--camera", camera}).exit, 2);
-  EXPECT_EQ(sinew({"detect", image, "--cube-mm", "25"}).exit, 2);
+  const Ended alone = sinew({"detect", image, "--cube-mm", "25"});
+  EXPECT_EQ(alone.exit, 0) << alone.err;
+  EXPECT_NE(alone.out.find("need a calibrated camera, too: --camera FILE"), std::string::npos);
+  EXPECT_EQ(sinew({"detect", image, "--cube-mm", "0"}).exit, 2);
   EXPECT_EQ(sinew({"detect", image, "--camera", camera, "--cube-mm", "nan"}).exit, 2);
   EXPECT_EQ(sinew({"detect", image, "--camera", image, "--cube-mm", "25"}).exit, 2);
   const std::string small = png_file(folder, "small.png", vision::shrunk(table(), 160));

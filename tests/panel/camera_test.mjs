@@ -94,6 +94,28 @@ test('a hand in view pauses the program, and a person says when it goes on', asy
   await here.close(page, 'camera-hand-gone');
 });
 
+test('what a running program sees is shown beside the 3D view, and its cubes in it', async () => {
+  const page = await here.open({ viewport: { width: 1280, height: 900 } }, '#/robots/left/jog');
+  await ready(page, 'left');
+  const inset = page.locator('.looking-on');
+  assert.equal(await inset.count(), 0, 'no program runs');
+  const number = (await ask('camera.look', { take: false })).number;
+  assert.equal((await ask('camera.look', { take: false })).number, number, 'to look on takes no pictures');
+  const wave = 'joint base=-75deg speed=20%\njoint base=-60deg speed=20%\n';
+  const waves = `${kStand}\nlook\n${wave.repeat(100)}`;
+  await page.evaluate((rows) => globalThis.__sinew.store.run('left', rows, 'waves'), waves);
+  await inset.locator('img').waitFor();
+  await until('the picture of its look', async () => (await ask('camera.look', { take: false })).number > number);
+  await until('its cubes', async () => /eye: [12] cubes?/.test(await inset.innerText()));
+  await here.close(page, 'camera-beside');
+  const again = await here.open({ viewport: { width: 1280, height: 900 } }, '#/robots/left/jog');
+  await again.locator('.looking-on').click();
+  await again.locator('.camera-picture img').waitFor();
+  await again.getByRole('button', { name: 'Stop', exact: true }).first().click();
+  await until('stopped', async () => (await job()).over);
+  await here.close(again, 'camera-beside-opened');
+});
+
 test('a simulated camera that is unplugged is named, and comes back', async () => {
   const page = await here.open({}, '#/robots/left/camera');
   await page.locator('.camera-picture img').waitFor();

@@ -110,7 +110,7 @@ def main():
     middle = statistics.median(errors) if errors else 1
     print(f"recall {recall:.2f}, precision {precision:.2f}, "
           f"middle off by {100 * middle:.1f} % of an edge (median)")
-    # Lower than what it reaches (docs/vision.md), so that it gets no worse.
+    # A rough guard; docs/vision.md has what it reaches.
     return 0 if recall >= 0.85 and precision >= 0.9 else 1
 
 

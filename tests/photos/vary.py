@@ -2,9 +2,9 @@
 """Marked photos as other cameras and lamps would have taken them: vary.py FOLDER OUT.
 
 FOLDER has photos and a groundtruth.json (score.py says of what form). Writes a folder for each
-variation into OUT, with marks that were moved along; a number of photos is too small to develop on,
-and this shows what a change of the detection does to pictures of another size, light or tint.
-`score.py SINEW OUT/VARIATION` scores one. Needs python3-opencv.
+variation into OUT, with marks that were moved along. A few photos are too few to develop on; these
+show what a change of the detection does to pictures of another size, light or tint.
+`score.py SINEW OUT/*` scores all. Needs python3-opencv. Points are px from the picture's corner.
 """
 
 import copy
@@ -66,7 +66,7 @@ def scaled(factor):
 
 
 def mirrored(photo):
-    return cv2.flip(photo, 1), np.array([[-1, 0, photo.shape[1] - 1], [0, 1, 0], [0, 0, 1.0]])
+    return cv2.flip(photo, 1), np.array([[-1, 0, photo.shape[1]], [0, 1, 0], [0, 0, 1.0]])
 
 
 def turned(photo):
@@ -83,8 +83,10 @@ def tilted(photo):
 
 
 def warped(photo, motion):
+    """Grey where the photo has nothing. cv2 counts from the middle of the first pixel."""
+    half = np.array([[1, 0, 0.5], [0, 1, 0.5], [0, 0, 1]])
     return cv2.warpPerspective(photo, motion, photo.shape[1::-1], flags=cv2.INTER_CUBIC,
-                               borderMode=cv2.BORDER_REFLECT_101), motion
+                               borderValue=(114, 114, 114)), half @ motion @ np.linalg.inv(half)
 
 
 VARIATIONS = {
@@ -105,17 +107,24 @@ def moved(point, motion):
     return [x / w, y / w]
 
 
-def move_marks(image, motion):
-    """The marks of one photo; sizes by the scale of the motion."""
-    scale = abs(np.linalg.det(motion[:2, :2])) ** 0.5
+def move_marks(image, motion, shape):
+    """The marks of one photo, those that are still in it; sizes by the scale in its middle."""
+    height, width = shape[:2]
     for cube in image["cubes"]:
         cube["center_px"] = moved(cube["center_px"], motion)
+    image["cubes"] = [cube for cube in image["cubes"]
+                      if 0 <= cube["center_px"][0] < width and 0 <= cube["center_px"][1] < height]
+    middle = moved((width / 2, height / 2), np.linalg.inv(motion))
+    here, right, down = (np.array(moved(np.add(middle, step), motion))
+                         for step in ((0, 0), (1, 0), (0, 1)))
+    scale = abs(np.linalg.det(np.stack([right - here, down - here]))) ** 0.5
     image["match_tol_px"] *= scale
     image["cube_px"] = [scale * size for size in image.get("cube_px", [0])]
-    if image.get("roi"):
+    if image.get("roi"):  # the part of it that stays a rectangle
         x0, y0, x1, y1 = image["roi"]
         corners = np.array([moved(p, motion) for p in ((x0, y0), (x1, y0), (x0, y1), (x1, y1))])
-        image["roi"] = [*corners.min(0).tolist(), *corners.max(0).tolist()]
+        low, high = np.sort(corners, axis=0)[1:3]
+        image["roi"] = [*low.tolist(), *high.tolist()]
     image["file"] = str(Path(image["file"]).with_suffix(".png"))
 
 
@@ -132,8 +141,9 @@ def main():
             if photo is None:
                 sys.exit(f"{folder / image['file']}: cannot be read")
             varied, motion = variation(photo)
-            move_marks(image, motion)
-            cv2.imwrite(str(out / name / image["file"]), varied)
+            move_marks(image, motion, varied.shape)
+            if not cv2.imwrite(str(out / name / image["file"]), varied):
+                sys.exit(f"{out / name / image['file']}: cannot be written")
         (out / name / "groundtruth.json").write_text(json.dumps(marks), encoding="utf-8")
 
 

@@ -10,7 +10,7 @@ export const cameraDe: Record<keyof typeof cameraEn, string> = {
   'camera.picture': 'Was die Kamera sieht',
   'camera.cubes': 'Würfel im Bild',
   'camera.cube': '{color}: Würfel bei {x}, {y} mm',
-  'camera.click': 'Einen Würfel anklicken, um ihn zu greifen.',
+  'camera.click': 'Einen Würfel anklicken, um ihn auszuwählen.',
   'camera.no_cubes': 'Es sind keine Würfel zu sehen.',
   'camera.confidence': 'zu {percent} % sicher',
   'camera.in_basket': 'Im Korb',

@@ -8,7 +8,7 @@ export const cameraEn = {
   'camera.picture': 'What the camera sees',
   'camera.cubes': 'Cubes in the picture',
   'camera.cube': '{color} cube at {x}, {y} mm',
-  'camera.click': 'Click a cube to pick it up.',
+  'camera.click': 'Click a cube to choose it.',
   'camera.no_cubes': 'No cubes are seen.',
   'camera.confidence': '{percent} % sure',
   'camera.in_basket': 'In the basket',

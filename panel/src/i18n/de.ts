@@ -216,6 +216,8 @@ export const de: Record<Key, string> = {
   'scene.objects': 'Gegenstände',
   'scene.all': 'Ganze Zelle',
   'scene.layers': 'Gezeigt',
+  'scene.camera': '{name}: {count} Würfel',
+  'scene.camera.open': 'Kameraansicht öffnen',
   'scene.none': 'Dieser Browser zeichnet kein 3D. Alles andere geht.',
 
   'events.title': 'Was geschah',

@@ -215,6 +215,8 @@ export const en = {
   'scene.objects': 'Objects',
   'scene.all': 'Whole cell',
   'scene.layers': 'Shown',
+  'scene.camera': '{name}: {count} cubes',
+  'scene.camera.open': 'Open the Camera view',
   'scene.none': 'This browser draws no 3D. Everything else works.',
 
   'events.title': 'What happened',

@@ -6,7 +6,7 @@ import { aim, ghost, gizmoMode, go, model, robot, route, standing, status, store
 import { newestFirst } from '../logic/paging';
 import { withTool } from '../logic/target';
 import { CellScene, type Preset } from '../scene/scene';
-import { baskets, shot } from '../camera_state';
+import { baskets, camera, looksOn, picture, shot } from '../camera_state';
 import { hoveredJoint, layers, look, meantJoint } from '../scene_state';
 import { replayGhost } from '../plots_state';
 import { dragged, reach } from '../table_state';
@@ -129,12 +129,24 @@ export function Stage(): JSX.Element {
         {fails && <p class="empty">{t('scene.none')}</p>}
         <div class="labels" ref={labels} aria-hidden="true" />
         <ViewBar />
+        <LookingOn />
         <Notes />
       </div>
       {route.value.view === 'move' && <PlotDock />}
       {route.value.view === 'plots' && <PlotsDock />}
       {route.value.view === 'device' && <WireDock />}
     </section>
+  );
+}
+
+/** What a running program saw last. */
+function LookingOn(): JSX.Element | null {
+  if (!looksOn.value || !picture.value) return null;
+  return (
+    <button type="button" class="looking-on" title={t('scene.camera.open')} onClick={() => go({ view: 'camera' })}>
+      <img src={picture.value} alt={t('camera.picture')} />
+      <span>{t('scene.camera', { name: camera.value!.name, count: shot.value?.cubes?.length ?? 0 })}</span>
+    </button>
   );
 }
 

@@ -50,15 +50,11 @@ std::expected<std::optional<vision::TableCamera>, Outcome> camera_of(const Detec
     return std::unexpected(
         bad_input("--camera: the size of the cubes is missing, as in --cube-mm 25"));
   }
-  if (!request.camera && request.cube_mm) {
-    return std::unexpected(
-        bad_input("--cube-mm: millimetres need a camera whose pose is known: --camera FILE"));
+  if (const auto& mm = request.cube_mm; mm && !(*mm >= kSmallest && *mm <= kLargest)) {
+    return std::unexpected(bad_input(
+        fmt::format("--cube-mm: {:g} mm is not {:g} to {:g} mm", *mm, kSmallest, kLargest)));
   }
   if (!request.camera) return std::nullopt;
-  if (!(*request.cube_mm >= kSmallest && *request.cube_mm <= kLargest)) {
-    return std::unexpected(bad_input(fmt::format("--cube-mm: {:g} mm is not {:g} to {:g} mm",
-                                                 *request.cube_mm, kSmallest, kLargest)));
-  }
   const auto text = io::read_file(*request.camera, std::size_t{1} << 20U);
   if (!text) return std::unexpected(could_not("--camera: " + text.error().sentence));
   auto camera = read_camera(*text, *request.camera);
@@ -144,7 +140,7 @@ void declare_options(CLI::App& verb, DetectRequest& request) {
   verb.add_option("--colors", request.colors, "these only, comma between: " + vision::color_list())
       ->delimiter(',');
   verb.add_option("--debug", request.debug,
-                  "PNG file: what was seen in green, what was refused in magenta, with numbers");
+                  "PNG file: what was seen in green, what was refused in magenta, and why");
   verb.add_option("--camera", request.camera,
                   "file of a calibrated camera: positions on the table, mm")
       ->option_text("FILE");
@@ -193,6 +189,9 @@ Outcome detect(const DetectRequest& request) {
         *request.debug, std::string(reinterpret_cast<const char*>(png.data()), png.size()));
     if (!written) return could_not("--debug: " + written.error().sentence);
     outcome.text += "  " + *request.debug + "\n";
+  }
+  if (request.cube_mm && !request.camera) {
+    outcome.text += "  positions in mm need a calibrated camera, too: --camera FILE\n";
   }
   outcome.json = images.size() == 1 ? std::move(images[0]) : Json{{"images", std::move(images)}};
   return outcome;

@@ -43,7 +43,9 @@ class Table : public Eyes {
     watches += on ? 1 : 0;
     came = came && on;
   }
-  bool disturbed() const override { return watched && came; }
+  std::optional<Error> disturbed() const override {
+    return watched && came ? std::optional(Error{ErrorCode::kViewDisturbed}) : std::nullopt;
+  }
 
   /// After each instant of the run: what the jaws did to the cubes.
   void follow() {
@@ -336,6 +338,22 @@ TEST(CubeRun, what_comes_into_view_while_the_arm_moves_pauses_it_and_the_table_i
   EXPECT_FALSE(table.watched);
   EXPECT_EQ(table.taken.size(), 2U);
   EXPECT_GT(table.looks, looks);
+}
+
+TEST(CubeRun, who_resumes_before_the_next_poll_is_not_paused_by_the_same_again) {
+  PlainCell cell("learm", std::string(kReady) + "pick\n place x=60mm y=180mm z=80mm\n");
+  cell.run.make_changeable();
+  Table table(cell);
+  table.cubes = {cube_at(0.17, 0, ColorName::kRed)};
+  while (!table.watched && cell.now < Instant{} + 30s) table.go(cell.now - Instant{} + 1ms);
+  ASSERT_TRUE(table.watched);
+  table.came = true;
+  while (!cell.run.paused() && cell.now < Instant{} + 30s) table.go(cell.now - Instant{} + 1ms);
+  ASSERT_TRUE(cell.run.paused());
+  cell.run.resume();
+  table.go();
+  ASSERT_EQ(cell.run.phase(), Phase::kDone);
+  EXPECT_EQ(cell.run.notices().size(), 1U);
 }
 
 }  // namespace

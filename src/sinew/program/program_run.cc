@@ -85,6 +85,9 @@ void Run::resume() {
   resumes_ = command_ != 0;
   paused_by_.reset();
   forget_picture();
+  // A person has looked, even between two polls: what came meanwhile is no news.
+  watches_anew_ = true;
+  if (std::exchange(watched_, false)) eyes_->watch(false, false);
 }
 
 bool Run::stands_held() const {
@@ -115,13 +118,14 @@ void Run::watch_view(Instant now) {
   if (eyes_ == nullptr) return;
   const bool moves = phase_ == Phase::kRunning && looked_ && !paused_ && !looks_ && current_ &&
                      (handles() || std::holds_alternative<MoveOrder>(current_->order->what));
-  // A person may do something on the table while it is paused, or waits.
-  if (paused_ || wait_end_) watches_anew_ = true;
+  // A person may do something on the table while it waits.
+  if (wait_end_) watches_anew_ = true;
   if (std::exchange(watched_, moves) != moves) {
     eyes_->watch(moves, moves && std::exchange(watches_anew_, false));
   }
-  if (!moves || !eyes_->disturbed()) return;
-  paused_by_ = Error{ErrorCode::kViewDisturbed};
+  const auto why = moves ? eyes_->disturbed() : std::nullopt;
+  if (!why) return;
+  paused_by_ = why;
   take_notice(*paused_by_, now);
   pause();
 }

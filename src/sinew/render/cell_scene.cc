@@ -156,12 +156,14 @@ class CellMaker {
     scene_.below = 0.1F * bright * Rgb{1, 1, 1};
   }
 
+  /// Sheets: of two at one height, which one is seen would change from picture to picture.
+  static constexpr double kFlat = 0.001;  // m, half of a sheet's thickness is less
+  static constexpr double kLift = 5e-5;   // m, of each one above the one before
+
   void lay(const ViewedThing& thing) {
     const Material material = plastic(random_, from_srgb(thing.srgb));
-    // Which of two sheets at one height is seen would change from picture to picture.
-    constexpr double kSheet = 5e-5;  // m
     auto X_WS = thing.X_WS;
-    X_WS.p.z += kSheet * static_cast<double>(++things_laid_);
+    if (thing.half.z < kFlat) X_WS.p.z += kLift * static_cast<double>(sheets_laid_++);
     if (thing.form == ViewedThing::Form::kDisc) {
       add(Cylinder{thing.half.x, thing.half.z}, X_WS, material);
     } else {
@@ -172,7 +174,7 @@ class CellMaker {
   const CellView& view_;
   SplitMix64 random_;
   Scene scene_;
-  int things_laid_ = 0;
+  int sheets_laid_ = 0;
 };
 
 }  // namespace

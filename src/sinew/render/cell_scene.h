@@ -43,7 +43,8 @@ struct ViewedHand {
   double from = 0;  ///< rad about z of W, where it comes from: 0 is +x
 };
 
-/// Something on the table that is no cube: a paper, a strip of tape, a disc, a brick.
+/// Something on the table that is no cube: a paper, a strip of tape, a disc, a brick. Of flat ones
+/// that lie on each other the later one is seen.
 struct ViewedThing {
   enum class Form : std::uint8_t { kBox, kDisc } form = Form::kBox;
   Pose<frame::World, frame::Solid> X_WS;  ///< its middle, z up

@@ -206,7 +206,6 @@ TEST(CellScene, clutter_lies_where_it_lay_whatever_the_cubes_do_and_changes_noth
 
 TEST(CellScene, of_two_sheets_the_one_laid_later_is_seen_whatever_the_arm_does) {
   CellView view;
-  view.robots = {learm(0.2)};
   using Form = ViewedThing::Form;
   view.clutter = {{Form::kBox, {Rotation{}, {0.05, 0, 6e-5}}, {0.05, 0.05, 5e-5}, 0x202020},
                   {Form::kBox, {Rotation{}, {0.08, 0, 6e-5}}, {0.05, 0.05, 5e-5}, 0xF0F0F0}};

@@ -3,14 +3,12 @@
 #include <cmath>
 
 #include "sinew/core/units.h"
+#include "sinew/vision/srgb.h"
 
 namespace sinew::render {
 
 Rgb from_srgb(unsigned hex) {
-  const auto linear = [&](unsigned shift) {
-    const double v = ((hex >> shift) & 255U) / 255.0;
-    return static_cast<float>(v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4));
-  };
+  const auto linear = [&](unsigned shift) { return vision::linear_light()[(hex >> shift) & 255U]; };
   return {linear(16), linear(8), linear(0)};
 }
 

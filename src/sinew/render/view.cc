@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "sinew/render/tracer.h"
+#include "sinew/vision/srgb.h"
 
 namespace sinew::render {
 namespace {
@@ -180,7 +181,7 @@ class Tones {
   explicit Tones(double contrast) {
     for (std::size_t i = 0; i < bytes_.size(); ++i) {
       const double v = static_cast<double>(i) / kLast;
-      double s = v <= 0.0031308 ? 12.92 * v : 1.055 * std::pow(v, 1 / 2.4) - 0.055;
+      double s = vision::srgb_of_light(v);
       s += contrast * (s * s * (3 - 2 * s) - s);
       bytes_[i] = static_cast<std::uint8_t>(std::lround(255 * s));
     }

@@ -147,15 +147,13 @@ void Camera::work(const std::stop_token& ending) {
   std::unique_lock lock(mutex_);
   while (!ending.stop_requested()) {
     const auto called = [&] { return answered != asked_; };
-    bool anew = false;
+    const auto woken = [&] { return called() || watches_anew_; };
     if (watchers_ == 0) {
-      asked_for_.wait(lock, ending, [&] { return called() || watchers_ > 0; });
-      anew = std::chrono::steady_clock::now() - unwatched_since_ > kForgets;
+      asked_for_.wait(lock, ending, [&] { return woken() || watchers_ > 0; });
     } else {
-      asked_for_.wait_until(lock, ending, next_look, called);
+      asked_for_.wait_until(lock, ending, next_look, woken);
     }
-    // Who resumes at once does so between two glances: there was a watcher both times.
-    if (std::exchange(watches_anew_, false) || anew) {
+    if (std::exchange(watches_anew_, false)) {
       if (view_) view_->begin_again();
       next_look = {};
     }
@@ -170,10 +168,12 @@ void Camera::work(const std::stop_token& ending) {
     if (glances) {
       const Time began = std::chrono::steady_clock::now();
       const std::chrono::nanoseconds used = io::processor_time();
-      const bool more = sees_more(ending);
-      if (more) {
+      if (const auto why = disturbance(ending)) {
         const std::scoped_lock here(mutex_);
-        if (!watches_anew_) ++disturbances_;  // else a person has looked meanwhile
+        if (!watches_anew_) {  // else a watch began anew during this look
+          ++disturbances_;
+          last_disturbance_ = why;
+        }
       }
       // Never more than a third of a core, however slow it is; waiting for a picture is none.
       const Time rested = std::chrono::steady_clock::now() + 2 * (io::processor_time() - used);
@@ -192,32 +192,39 @@ void Camera::work(const std::stop_token& ending) {
   }
 }
 
-/// Whether something is in view beside the robots that was not there before.
-bool Camera::sees_more(const std::stop_token& ending) {
+/// Something is in view beside the robots that was not there before, or nothing would be noticed.
+std::optional<Error> Camera::disturbance(const std::stop_token& ending) {
   constexpr double kMargin = 0.03;  // m: what is held, and how exact a model is
-  if (!view_) return false;
+  constexpr int kFrozen = 5;        // a network camera may send one picture twice
+  if (!view_) return std::nullopt;
   auto before = watch_.robots();
   auto picture = watch_.glances ? watch_.glances(ending) : source_(ending);
-  if (!picture) return false;
+  if (ending.stop_requested()) return std::nullopt;
+  if (!picture) return picture.error();
+  glances_alike_ = glance_.rgb == picture->rgb ? glances_alike_ + 1 : 0;
+  glance_ = *picture;
+  if (glances_alike_ >= kFrozen) return Error{ErrorCode::kCameraFrozen};
   const vision::CameraModel& model = heeded_->model;
   const vision::CellGrid grid = vision::grid_of(model.width, model.height);
-  if (vision::grid_of(picture->width, picture->height) != grid) return false;
+  if (vision::grid_of(picture->width, picture->height) != grid) return std::nullopt;
   const auto robots = between(std::move(before), watch_.robots());
   std::optional<vision::Pixel> there;
   if (robots) {
     there = view_->look(*picture, render::silhouette(*robots, model, heeded_->X_WC, kMargin));
   }
-  if (watch_.glances) return there.has_value();
-  Shot shot;
-  shot.picture = std::move(*picture);
-  last_ = std::make_shared<const Shot>(std::move(shot));
-  return there.has_value();
+  if (!watch_.glances) {
+    Shot shot;
+    shot.picture = std::move(*picture);
+    last_ = std::make_shared<const Shot>(std::move(shot));
+  }
+  return there ? std::optional(Error{ErrorCode::kViewDisturbed}) : std::nullopt;
 }
 
 void Camera::begin_watch(bool anew) {
   {
     const std::scoped_lock lock(mutex_);
-    watches_anew_ = watches_anew_ || (anew && watchers_ == 0);
+    const bool forgets = std::chrono::steady_clock::now() - unwatched_since_ > kForgets;
+    if (watchers_ == 0 && (anew || forgets)) watches_anew_ = true;
     ++watchers_;
   }
   asked_for_.notify_one();
@@ -232,6 +239,11 @@ void Camera::end_watch() {
 std::uint64_t Camera::disturbances() const {
   const std::scoped_lock lock(mutex_);
   return disturbances_;
+}
+
+std::optional<Error> Camera::disturbed_since(std::uint64_t count) const {
+  const std::scoped_lock lock(mutex_);
+  return disturbances_ > count ? last_disturbance_ : std::nullopt;
 }
 
 std::vector<render::ViewedRobot> Camera::robots() const {

@@ -75,11 +75,13 @@ class Camera {
   /// Null before the first.
   std::shared_ptr<const Shot> newest() const;
   /// Between both, what comes into view beside the robots is looked for, several times a second.
-  /// @param anew  things are as they are seen next
+  /// @param anew  things are as they are seen next, unless another one watches already
   void begin_watch(bool anew);
   void end_watch();
-  /// So many times something has come into view while it was watched.
+  /// So many times something has come into view while it was watched, or it saw nothing any more.
   std::uint64_t disturbances() const;
+  /// The last one, where there are more than so many: kViewDisturbed, kCameraLost, kCameraFrozen.
+  std::optional<Error> disturbed_since(std::uint64_t count) const;
   /// @}
 
  private:
@@ -90,7 +92,7 @@ class Camera {
   /// In its view, as they are believed to stand; none where that is not known.
   std::vector<render::ViewedRobot> robots() const;
   Shot take(const std::stop_token& ending);
-  bool sees_more(const std::stop_token& ending);
+  std::optional<Error> disturbance(const std::stop_token& ending);
   std::optional<Error> fault_of(const vision::Picture& picture);
   std::optional<Error> moved(const vision::Picture& picture);
 
@@ -102,6 +104,8 @@ class Camera {
   std::optional<vision::TagFinder> tags_;
   std::shared_ptr<const Shot> last_;       ///< with a picture
   std::optional<vision::ViewWatch> view_;  ///< nothing: it cannot be watched
+  vision::Picture glance_;                 ///< the last one
+  int glances_alike_ = 0;                  ///< in a row, bit by bit
   mutable std::mutex mutex_;
   std::condition_variable_any asked_for_;
   std::uint64_t asked_ = 0;                                 ///< under the mutex
@@ -109,6 +113,7 @@ class Camera {
   bool watches_anew_ = false;                               ///< under the mutex
   std::chrono::steady_clock::time_point unwatched_since_;   ///< under the mutex
   std::uint64_t disturbances_ = 0;                          ///< under the mutex
+  std::optional<Error> last_disturbance_;                   ///< under the mutex
   std::shared_ptr<const Shot> newest_;                      ///< under the mutex
   std::shared_ptr<const vision::TableCamera> calibration_;  ///< under the mutex
   bool is_refused_ = false;                                 ///< under the mutex

@@ -123,14 +123,17 @@ TEST(Camera, a_watch_that_begins_anew_at_once_takes_things_as_they_are) {
     return picture;
   };
   Camera camera(above, glance, {[] { return std::vector<render::ViewedRobot>{}; }, glance});
-  const auto look = [&](int more) {
-    for (const int last = looks + more; looks <= last;) std::this_thread::yield();
+  const auto wait_for = [](auto holds) {
+    const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+    while (!holds() && std::chrono::steady_clock::now() < end) std::this_thread::yield();
+    ASSERT_TRUE(holds());
   };
+  const auto look = [&](int more) { wait_for([&, last = looks + more] { return looks > last; }); };
   camera.begin_watch(true);
   look(2);
   EXPECT_EQ(camera.disturbances(), 0U);
   has_box = true;
-  while (camera.disturbances() == 0) std::this_thread::yield();
+  wait_for([&] { return camera.disturbances() > 0; });
   for (int i = 0; i < 3; ++i) {
     camera.end_watch();
     camera.begin_watch(true);
@@ -138,8 +141,39 @@ TEST(Camera, a_watch_that_begins_anew_at_once_takes_things_as_they_are) {
     look(3);
     EXPECT_EQ(camera.disturbances(), before) << "the box has been looked at";
     has_box = !has_box;
-    while (camera.disturbances() == before) std::this_thread::yield();
+    wait_for([&] { return camera.disturbances() > before; });
   }
+  camera.end_watch();
+}
+
+TEST(Camera, a_watched_camera_that_sees_nothing_any_more_is_a_disturbance_with_its_name) {
+  Camera::Settings above = settings();
+  above.calibration->X_WC = {rotation_x(kPi), {0, 0, 0.5}};
+  std::atomic<int> number = 0;
+  std::atomic<bool> is_frozen = false, is_lost = false;
+  const auto glance = [&](const std::stop_token&) -> Expected<vision::Picture> {
+    if (is_lost) return std::unexpected(Error{ErrorCode::kCameraLost, -1, 5});
+    return table(is_frozen ? number.load() : ++number);
+  };
+  Camera camera(above, glance, {[] { return std::vector<render::ViewedRobot>{}; }, glance});
+  const auto disturbed_by = [&](std::uint64_t before) {
+    const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+    while (camera.disturbances() == before && std::chrono::steady_clock::now() < end) {
+      std::this_thread::yield();
+    }
+    const auto why = camera.disturbed_since(before);
+    return why ? why->code : ErrorCode{};
+  };
+  camera.begin_watch(true);
+  while (number < 3) std::this_thread::yield();
+  EXPECT_EQ(camera.disturbed_since(0), std::nullopt);
+  is_frozen = true;
+  EXPECT_EQ(disturbed_by(0), ErrorCode::kCameraFrozen);
+  is_frozen = false;
+  const int now = number;
+  while (number < now + 3) std::this_thread::yield();
+  is_lost = true;
+  EXPECT_EQ(disturbed_by(camera.disturbances()), ErrorCode::kCameraLost);
   camera.end_watch();
 }
 

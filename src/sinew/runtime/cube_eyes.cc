@@ -52,7 +52,8 @@ void CubeEyes::watch(bool on, bool anew) {
   if (!on) return std::exchange(watched_, nullptr)->end_watch();
   watched_ = cameras_[looks_with_].camera;
   watched_->begin_watch(anew);
-  undisturbed_ = watched_->disturbances();  // behind it: a look that goes on may still count
+  // Read behind begin_watch(): a look that was under way may have counted before.
+  undisturbed_ = watched_->disturbances();
 }
 
 program::Sighting CubeEyes::sighting(const Looking& with, const Camera::Shot& shot) const {

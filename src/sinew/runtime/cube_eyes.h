@@ -41,8 +41,8 @@ class CubeEyes : public program::Eyes {
   void look(std::string_view camera) override;
   std::optional<Expected<program::Sighting>> seen() override;
   void watch(bool on, bool anew) override;
-  bool disturbed() const override {
-    return watched_ != nullptr && watched_->disturbances() != undisturbed_;
+  std::optional<Error> disturbed() const override {
+    return watched_ != nullptr ? watched_->disturbed_since(undisturbed_) : std::nullopt;
   }
   /// What the newest picture of the first camera shows, whenever it was taken; asks for one where
   /// there is none yet. Nothing where it shows nothing.

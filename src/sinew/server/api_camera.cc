@@ -34,8 +34,8 @@ std::expected<std::size_t, RpcError> Api::camera_of(const Call& call) const {
   return i;
 }
 
-/// The answer is the newest picture, at once, and the next one taken meanwhile: who wants to see
-/// more asks again.
+/// The answer is the newest picture, at once, and the next one is taken meanwhile: who wants to see
+/// more asks again. Who only looks on while a program runs has none taken.
 Api::Answer Api::look_through(const Call& call) {
   const auto i = camera_of(call);
   if (!i) return i.error();
@@ -44,7 +44,7 @@ Api::Answer Api::look_through(const Call& call) {
     return invalid("longest_px has to be 16 to 4096");
   }
   runtime::Camera* camera = cell_.camera(*i);
-  camera->refresh();
+  if (!call.request.params.contains("take") || call.request.flag("take")) camera->refresh();
   const std::uint64_t known = call.request.whole("known", 0);
   const bool tags = call.request.flag("tags");
   return Errand{pictures_,

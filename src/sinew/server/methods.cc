@@ -113,7 +113,8 @@ constexpr Param kLookParams[] = {
     kCameraParam,
     {"known", ParamType::kWhole, false, "number of the last picture: it is not sent again"},
     {"longest_px", ParamType::kWhole, false, "of the picture's longer side, 16 to 4096; 640"},
-    {"tags", ParamType::kFlag, false, "the printed tags in it, too"}};
+    {"tags", ParamType::kFlag, false, "the printed tags in it, too"},
+    {"take", ParamType::kFlag, false, "takes the next picture; true"}};
 constexpr Param kPaperParam{"paper", ParamType::kText, false, "a4, a3 or letter; a4"};
 constexpr Param kPrintParams[] = {
     {"what", ParamType::kText, true, "board (to hold) or sheet (for the table)"},
@@ -356,7 +357,8 @@ constexpr auto kMethods = std::to_array<Method>({
      "latest `limit`",
      kWireParams, "frames, last, lost: how many behind `since` are not among them", "WireFrames"},
     {MethodId::kCameraLook, "camera.look", false,
-     "the newest picture of a camera and the cubes in it; the next one is taken meanwhile",
+     "the newest picture of a camera and the cubes in it; the next one is taken meanwhile, "
+     "unless `take` is false: then pictures are those that programs take",
      kLookParams,
      "number, width_px, height_px, cubes, refused, tags, fault, trouble of a simulated one, "
      "picture: a JPEG as base64",

@@ -65,6 +65,8 @@ Detection detect_cubes(const Picture& picture, const DetectionSettings& settings
     const double ratio = edge_of(top.quad) / common;
     if (other != things.others.end()) {
       refuse(other->why, height_of(*other));
+    } else if (top.is_print) {
+      refuse(kIsFlat);  // or a black cube that something light hides in part: it may be as high
     } else if (ratio > kOtherSize) {
       refuse("it is larger than the other cubes");
     } else if (ratio < 1 / kOtherSize) {

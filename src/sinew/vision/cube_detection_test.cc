@@ -65,9 +65,10 @@ class Table {
   Pixel seen_at(double x, double y, double z) const {
     return *camera_.project(X_WC_.inverse() * Vec3{x, y, z});
   }
-  Picture taken(std::uint64_t seed) const {
+  Picture taken(std::uint64_t seed, render::Sensor sensor = {}) const {
     const render::View view = render::view_of(scene_, camera_, X_WC_, seed);
-    return render::taken(view, {.exposure = render::exposure_for(view, 0.35)}, seed);
+    sensor.exposure *= render::exposure_for(view, 0.35);
+    return render::taken(view, sensor, seed);
   }
 
  private:
@@ -156,10 +157,66 @@ TEST(CubeDetection, what_is_no_cube_is_none_and_what_looks_like_one_says_why) {
   // All of it is drawn, and nothing else of the picture is touched.
   const Picture drawn = detection_picture(picture, detection);
   EXPECT_EQ(drawn.width, picture.width);
+  EXPECT_GT(drawn.height, picture.height) << "below it stands why";
   const Pixel center = detection.cubes[0].center;
   const auto* pixel = drawn.at(static_cast<int>(center.x), static_cast<int>(center.y));
   EXPECT_EQ(pixel[1], 255);
   EXPECT_TRUE(std::equal(drawn.at(5, 5), drawn.at(5, 5) + 3, picture.at(5, 5)));
+}
+
+TEST(CubeDetection, colors_keep_their_names_under_warm_cold_and_dim_light) {
+  const std::array<render::Sensor, 4> sensors{
+      {{}, {.balance = {1.5F, 1, 0.5F}}, {.balance = {0.6F, 1, 1.5F}}, {.exposure = 0.1}}};
+  std::array<int, 4> right{};
+  int put = 0;
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    Table table(640, 480, seed % 2 == 0 ? 0xD7D4CDU : 0x785F46U);
+    test::Random random(seed);
+    std::vector<Pixel> places;
+    for (std::size_t i = 0; i < kPaints.size(); ++i) {
+      const double x = -0.1 + 0.067 * static_cast<double>(i % 4);
+      const double y = -0.06 + 0.11 * static_cast<double>(i / 4);
+      places.push_back(middle_of(table.cube(x, y, random.uniform(0, kPi / 2), kPaints[i].srgb)));
+    }
+    put += static_cast<int>(kPaints.size());
+    for (std::size_t k = 0; k < sensors.size(); ++k) {
+      const Detection detection = detect_cubes(table.taken(seed, sensors[k]));
+      for (std::size_t i = 0; i < kPaints.size(); ++i) {
+        right[k] += std::ranges::any_of(detection.cubes, [&](const SeenCube& cube) {
+          return cube.color == kPaints[i].name && length(cube.center - places[i]) < 12;
+        });
+      }
+    }
+  }
+  EXPECT_GE(right[0], 0.9 * put);
+  // Tints of a camera with a fixed white balance; 0.7 without one of its own.
+  EXPECT_GE(right[1] + right[2], 0.75 * 2 * put)
+      << right[1] << " and " << right[2] << " of " << put;
+  EXPECT_GE(right[3], 0.9 * put) << right[3];
+}
+
+TEST(CubeDetection, a_black_and_white_print_is_no_black_cube_and_may_be_as_high) {
+  constexpr unsigned kBlack = 0x1C1C1E;
+  Table table(640, 480, 0xD7D4CD);
+  table.cube(-0.1, 0.05, 0.4, kBlack);
+  table.cube(-0.02, 0.06, 1.0, kPaints[0].srgb);
+  const auto print = [&](double x, double y, render::PrintPicture picture, double high) {
+    Material material{.color = {0.9F, 0.9F, 0.9F}};
+    material.print = {std::move(picture), 0.025, 0.025, true};
+    table.put(render::box({kEdge / 2, kEdge / 2, high}), high, x, y, 0.3, material);
+    return table.seen_at(x, y, 2 * high);
+  };
+  const std::array prints{print(0.08, 0.06, render::rings(), 2e-4),
+                          print(0.08, -0.03, render::checkers(4), kEdge / 2),
+                          print(-0.02, -0.04, render::stripes(6), kEdge / 2)};
+  const Detection detection = detect_cubes(table.taken(6));
+  const auto seen = [&](Pixel place) {
+    return std::ranges::any_of(detection.cubes, [&](const SeenCube& cube) {
+      return cube.color == ColorName::kBlack && length(cube.center - place) < 12;
+    });
+  };
+  EXPECT_TRUE(seen(table.seen_at(-0.1, 0.05, kEdge)));
+  for (const Pixel place : prints) EXPECT_FALSE(seen(place)) << place.x << ", " << place.y;
 }
 
 TEST(CubeDetection, empty_table_and_the_smallest_pictures_have_no_cubes) {

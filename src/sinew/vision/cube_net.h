@@ -33,7 +33,7 @@ struct Likely {
 };
 
 /// All that is surer than `least`, by a convolutional network that was trained on rendered tables
-/// only: tools/cube_net makes its 170 000 weights from nothing. Edges of 9 to 140 px are found.
+/// only: tools/cube_net makes its 187 000 weights from nothing. Edges of 9 to 140 px are found.
 Likely likely_things(const Picture& picture, const WhiteBalance& balance, double least);
 
 }  // namespace sinew::vision

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
+#include <string_view>
 
 namespace sinew::vision {
 namespace {
@@ -11,22 +13,38 @@ constexpr Ink kSeen{0, 255, 70};
 constexpr Ink kRefused{255, 0, 255};
 constexpr Ink kPaper{0, 0, 0};
 
-/// Digits of 3 x 5 dots, a row in three bits.
-constexpr std::array<std::array<std::uint8_t, 5>, 10> kDigits{{{7, 5, 5, 5, 7},
-                                                               {2, 6, 2, 2, 7},
-                                                               {7, 1, 7, 4, 7},
-                                                               {7, 1, 7, 1, 7},
-                                                               {5, 5, 7, 1, 1},
-                                                               {7, 4, 7, 1, 7},
-                                                               {7, 4, 7, 5, 7},
-                                                               {7, 1, 1, 2, 2},
-                                                               {7, 5, 7, 5, 7},
-                                                               {7, 5, 7, 1, 7}}};
+/// Capitals of 3 x 5 dots: a row in three bits, an octal digit each.
+struct Glyph {
+  char letter;
+  const char* rows;
+};
+constexpr Glyph kGlyphs[] = {
+    {'0', "75557"}, {'1', "26227"}, {'2', "71747"}, {'3', "71717"}, {'4', "55711"}, {'5', "74717"},
+    {'6', "74757"}, {'7', "71122"}, {'8', "75757"}, {'9', "75717"}, {'A', "25755"}, {'B', "65656"},
+    {'C', "34443"}, {'D', "65556"}, {'E', "74647"}, {'F', "74644"}, {'G', "34553"}, {'H', "55755"},
+    {'I', "72227"}, {'J', "11152"}, {'K', "55655"}, {'L', "44447"}, {'M', "57755"}, {'N', "65555"},
+    {'O', "25552"}, {'P', "65644"}, {'Q', "25563"}, {'R', "65655"}, {'S', "34216"}, {'T', "72222"},
+    {'U', "55557"}, {'V', "55552"}, {'W', "55775"}, {'X', "55255"}, {'Y', "55222"}, {'Z', "71247"},
+    {',', "00024"}, {'.', "00002"}, {':', "02020"}, {';', "02024"}, {'-', "00700"}};
+constexpr int kGlyphRows = 5;
+
+/// Null where there is none: a gap.
+const char* rows_of(char letter) {
+  const char capital =
+      letter >= 'a' && letter <= 'z' ? static_cast<char>(letter - 'a' + 'A') : letter;
+  const auto* glyph = std::ranges::find(kGlyphs, capital, &Glyph::letter);
+  return glyph != std::end(kGlyphs) ? glyph->rows : nullptr;
+}
+
+/// px
+int line_width(const Picture& picture) {
+  return std::max(1, std::max(picture.width, picture.height) / 500);
+}
 
 class Pen {
  public:
-  explicit Pen(Picture& picture)
-      : picture_(picture), width_(std::max(1, std::max(picture.width, picture.height) / 500)) {}
+  /// @param width  px, of a line
+  Pen(Picture& picture, int width) : picture_(picture), width_(width) {}
 
   void box(Pixel corner, double width, double height, const Ink& ink) {
     const auto cut = [](double value, int size) {
@@ -61,15 +79,15 @@ class Pen {
   }
 
   /// @param at  its upper left corner
-  void number(std::size_t value, Pixel at, const Ink& ink) {
+  void text(std::string_view letters, Pixel at, const Ink& ink) {
     const double dot = 2.0 * width_;
-    for (const char digit : std::to_string(value)) {
+    for (const char letter : letters) {
       box({at.x - dot, at.y - dot}, 5 * dot, 7 * dot, kPaper);
-      for (int row = 0; row < 5; ++row) {
-        const unsigned bits =
-            kDigits[static_cast<std::size_t>(digit - '0')][static_cast<std::size_t>(row)];
+      const char* rows = rows_of(letter);
+      for (int row = 0; rows != nullptr && row < kGlyphRows; ++row) {
+        const int bits = rows[row] - '0';
         for (int column = 0; column < 3; ++column) {
-          if ((bits >> static_cast<unsigned>(2 - column) & 1U) == 0) continue;
+          if ((bits >> (2 - column) & 1) == 0) continue;
           box({at.x + column * dot, at.y + row * dot}, dot, dot, ink);
         }
       }
@@ -79,22 +97,34 @@ class Pen {
 
  private:
   Picture& picture_;
-  int width_;  ///< px, of a line
+  int width_;
 };
 
 }  // namespace
 
 Picture detection_picture(Picture picture, const Detection& detection) {
-  Pen pen(picture);
+  const int width = line_width(picture);
+  const int line_height = 16 * width;
+  const std::size_t lines = detection.cubes.size() + detection.refused.size();
+  int y = picture.height + 6 * width;
+  picture.height += (static_cast<int>(lines) + 1) * line_height;
+  picture.rgb.resize(3 * static_cast<std::size_t>(picture.width) *
+                     static_cast<std::size_t>(picture.height));
+  Pen pen(picture, width);
   std::size_t number = 0;
+  const auto say = [&](const Quad& outline, const Ink& ink, std::string_view what) {
+    const std::string its = std::to_string(++number);
+    pen.outline(outline, ink);
+    pen.text(its, outline[0], ink);
+    pen.text(its + "  " + std::string(what), {6.0 * width, 1.0 * y}, ink);
+    y += line_height;
+  };
   for (const SeenCube& cube : detection.cubes) {
-    pen.outline(cube.top, kSeen);
+    say(cube.top, kSeen, name(cube.color));
     pen.cross_at(cube.center, kSeen);
-    pen.number(++number, cube.top[0], kSeen);
   }
   for (const RefusedShape& shape : detection.refused) {
-    pen.outline(shape.outline, kRefused);
-    pen.number(++number, shape.outline[0], kRefused);
+    say(shape.outline, kRefused, "no cube: " + shape.why);
   }
   return picture;
 }

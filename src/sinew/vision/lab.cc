@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "sinew/vision/srgb.h"
+
 namespace sinew::vision {
 namespace {
 
@@ -27,7 +29,7 @@ class LabCurve {
   std::array<float, 4097> values_{};
 };
 
-/// sRGB to XYZ over the white of D65 (IEC 61966-2-1), and on.
+/// sRGB to XYZ over the white of D65, and on.
 Lab lab_of(const std::uint8_t* rgb) {
   static const LabCurve curve;
   const auto& linear = linear_light();
@@ -41,18 +43,6 @@ Lab lab_of(const std::uint8_t* rgb) {
 }
 
 }  // namespace
-
-const std::array<float, 256>& linear_light() {
-  static const std::array<float, 256> table = [] {
-    std::array<float, 256> all{};
-    for (std::size_t i = 0; i < all.size(); ++i) {
-      const double v = static_cast<double>(i) / 255;
-      all[i] = static_cast<float>(v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4));
-    }
-    return all;
-  }();
-  return table;
-}
 
 float distance(const Lab& one, const Lab& other) {
   return std::sqrt((one.L - other.L) * (one.L - other.L) + (one.a - other.a) * (one.a - other.a) +

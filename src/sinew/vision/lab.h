@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -9,9 +8,6 @@
 #include "sinew/vision/reused_memory.h"
 
 namespace sinew::vision {
-
-/// Light, 0 to 1, of each byte of sRGB (IEC 61966-2-1).
-const std::array<float, 256>& linear_light();
 
 /// CIE L*a*b*, D65: lightness 0 to 100, a from green to red, b from blue to yellow.
 struct Lab {

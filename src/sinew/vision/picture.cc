@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <numeric>
 
 #include "sinew/core/assert.h"
@@ -9,6 +10,8 @@
 
 namespace sinew::vision {
 namespace {
+
+using Four [[gnu::vector_size(16)]] = float;
 
 /// Which pixels of a row or column one of the smaller picture covers, and how much of each.
 struct Cover {
@@ -57,26 +60,26 @@ Picture shrunk(const Picture& picture, int longest) {
                                 std::max(1, static_cast<int>(std::lround(picture.height * scale))));
   const auto columns = covers(picture.width, small.width);
   const auto rows = covers(picture.height, small.height);
-  std::vector<float> line(3 * static_cast<std::size_t>(picture.width));
+  // One more: pixels are read as four floats.
+  std::vector<float> line(3 * static_cast<std::size_t>(picture.width) + 1);
   for (int y = 0; y < small.height; ++y) {
     const Cover& row = rows[static_cast<std::size_t>(y)];
     std::ranges::fill(line, 0.0F);
     dispatched([&] {
       for (std::size_t k = 0; k < row.shares.size(); ++k) {
         const std::uint8_t* from = picture.at(0, row.first + static_cast<int>(k));
-        for (std::size_t i = 0; i < line.size(); ++i) line[i] += row.shares[k] * from[i];
+        for (std::size_t i = 0; i + 1 < line.size(); ++i) line[i] += row.shares[k] * from[i];
       }
     });
     for (int x = 0; x < small.width; ++x) {
       const Cover& column = columns[static_cast<std::size_t>(x)];
-      std::array<float, 3> sum{};
+      Four sum{};
       for (std::size_t k = 0; k < column.shares.size(); ++k) {
-        const float* from = &line[3 * (static_cast<std::size_t>(column.first) + k)];
-        for (std::size_t c = 0; c < 3; ++c) sum[c] += column.shares[k] * from[c];
+        Four pixel;
+        std::memcpy(&pixel, &line[3 * (static_cast<std::size_t>(column.first) + k)], sizeof pixel);
+        sum += column.shares[k] * pixel;
       }
-      for (std::size_t c = 0; c < 3; ++c) {
-        small.at(x, y)[c] = static_cast<std::uint8_t>(sum[c] + 0.5F);
-      }
+      for (int c = 0; c < 3; ++c) small.at(x, y)[c] = static_cast<std::uint8_t>(sum[c] + 0.5F);
     }
   }
   return small;

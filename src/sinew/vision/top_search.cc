@@ -18,7 +18,7 @@ constexpr int kCoarse = 400;
 constexpr double kBorder = 56;
 constexpr double kCommon = 0.65;   ///< of that
 constexpr double kUnsure = 0.12;   ///< from here on it is worth a word
-constexpr double kPrinted = 0.33;  ///< of a black top, is light: rings, tags, checkers
+constexpr double kPrinted = 0.33;  ///< a black top with a larger light share is a print
 constexpr double kShared = 0.3;    ///< of the smaller of two tops that are the same
 
 bool is_same(const Quad& one, const Quad& other) {
@@ -47,11 +47,11 @@ std::vector<Top> without_repeats(std::vector<Top> tops) {
 
 Things things_in(const Picture& picture) {
   const Picture fine = shrunk(picture, kFine);
-  const Picture small = shrunk(fine, kCoarse);
-  const WhiteBalance balance(small);
-  const bool both = small.width < fine.width;
+  const Picture coarse = shrunk(fine, kCoarse);
+  const WhiteBalance balance(coarse);
+  const bool both = coarse.width < fine.width;
   const double scale = static_cast<double>(picture.width) / fine.width;
-  const double from_coarse = static_cast<double>(fine.width) / small.width;
+  const double from_coarse = static_cast<double>(fine.width) / coarse.width;
   const LabPicture lab(fine);
   Things all;
   const auto add = [&](const LikelyTop& likely, double to_fine) {
@@ -61,13 +61,9 @@ Things things_in(const Picture& picture) {
     top.quad = fitted_to_edges(lab, top.quad, std::max(4.0, 0.09 * edge_of(top.quad)));
     top.quad = fitted_to_edges(lab, top.quad, 4);
     top.corners = corners_filled(lab, top.quad);
-    const bool is_print = top.color == ColorName::kBlack && light_share(lab, top.quad) > kPrinted;
+    top.is_print = top.color == ColorName::kBlack && light_share(lab, top.quad) > kPrinted;
     top.quad = enlarged(top.quad, scale);
-    if (is_print) {
-      all.others.push_back({middle_of(top.quad), top.sureness, kIsFlat, true});
-    } else {
-      all.tops.push_back(top);
-    }
+    all.tops.push_back(top);
   };
   const Likely in_fine = likely_things(fine, balance, kUnsure);
   all.others = in_fine.others;
@@ -75,7 +71,7 @@ Things things_in(const Picture& picture) {
   for (const LikelyTop& top : in_fine.tops) {
     if (!both || edge_of(top.quad) < kBorder) add(top, 1);
   }
-  const Likely in_coarse = both ? likely_things(small, balance, kUnsure) : Likely{};
+  const Likely in_coarse = both ? likely_things(coarse, balance, kUnsure) : Likely{};
   for (const LikelyTop& top : in_coarse.tops) {
     if (from_coarse * edge_of(top.quad) > kCommon * kBorder) add(top, from_coarse);
   }

@@ -9,7 +9,8 @@ namespace sinew::vision {
 
 /// What looks like a top, with its sides where the picture has edges.
 struct Top : LikelyTop {
-  int corners = 0;  ///< that are filled, of four
+  int corners = 0;        ///< that are filled, of four
+  bool is_print = false;  ///< black and white: rings, a tag, a checker board
 };
 
 struct Things {

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "sinew/vision/lab.h"
+#include "sinew/vision/srgb.h"
 
 namespace sinew::vision {
 namespace {
@@ -14,14 +14,15 @@ namespace {
 using Channels = std::array<double, 3>;
 
 constexpr int kSmall = 400;  ///< px, the longer side of the picture that the light is taken from
-constexpr std::size_t kPixelsLeast = 500;
+constexpr double kShareLeast = 0.15;  ///< of the pixels, that say what the light is
+constexpr double kLightMost = 2;      ///< of a channel against all three, and its inverse
 constexpr double kLightLeast = 1e-6;
 /// Share of a tint that is taken away, by its logarithm. All of it is too much on tables that have
 /// a color themselves.
 constexpr double kCorrected = 0.7;
 
-/// Neither clipped nor too dark for a color.
-bool has_color(const std::uint8_t* rgb) {
+/// Neither clipped nor too dark.
+bool tells_of_light(const std::uint8_t* rgb) {
   constexpr std::uint8_t kDark = 10;
   constexpr std::uint8_t kClipped = 250;
   const std::uint8_t most = std::max({rgb[0], rgb[1], rgb[2]});
@@ -66,8 +67,12 @@ Channels normalised(Channels light) {
     one = std::max(one, kLightLeast);
     product *= one;
   }
-  for (double& one : light) one /= std::cbrt(product);
+  for (double& one : light) one = std::clamp(one / std::cbrt(product), 1 / kLightMost, kLightMost);
   return light;
+}
+
+bool are_too_few(std::size_t pixels, const Picture& picture) {
+  return static_cast<double>(pixels) < kShareLeast * static_cast<double>(picture.rgb.size() / 3);
 }
 
 /// Minkowski mean of all pixels with a color.
@@ -78,11 +83,11 @@ Channels by_shades(const Picture& picture) {
   Channels sums{};
   std::size_t count = 0;
   for (std::size_t i = 0; i < picture.rgb.size(); i += 3) {
-    if (!has_color(&picture.rgb[i])) continue;
+    if (!tells_of_light(&picture.rgb[i])) continue;
     for (std::size_t c = 0; c < 3; ++c) sums[c] += powers[picture.rgb[i + c]];
     ++count;
   }
-  if (count < kPixelsLeast) return {1, 1, 1};
+  if (are_too_few(count, picture)) return {1, 1, 1};
   for (double& one : sums) one = std::pow(one / static_cast<double>(count), 1 / kPower);
   return normalised(sums);
 }
@@ -95,14 +100,14 @@ Channels by_edges(const Picture& picture) {
   for (int y = 1; y + 1 < picture.height; ++y) {
     int run = 0;  // of columns that have colors in all three rows
     for (int x = 0; x < picture.width; ++x) {
-      const bool all = has_color(picture.at(x, y - 1)) && has_color(picture.at(x, y)) &&
-                       has_color(picture.at(x, y + 1));
+      const bool all = tells_of_light(picture.at(x, y - 1)) && tells_of_light(picture.at(x, y)) &&
+                       tells_of_light(picture.at(x, y + 1));
       run = all ? run + 1 : 0;
       if (run >= 3)
         at.push_back(static_cast<std::size_t>(y) * width + static_cast<std::size_t>(x - 1));
     }
   }
-  if (at.size() < kPixelsLeast) return {1, 1, 1};
+  if (are_too_few(at.size(), picture)) return {1, 1, 1};
   Channels light{};
   for (std::size_t c = 0; c < 3; ++c) {
     const std::vector<float> smooth = smooth_light(picture, c);
@@ -120,14 +125,14 @@ Channels by_edges(const Picture& picture) {
 /// Factor that brings nearly the brightest values of a dim picture to those of a well exposed one.
 double brightening(const Picture& picture, const Channels& light) {
   constexpr double kBright = 0.61;  // in linear light
-  constexpr double kShare = 0.98;   // of the pixels are darker
-  constexpr double kMost = 8;
+  constexpr double kShare = 0.995;  // of the pixels are darker
+  constexpr double kMost = 4;
   constexpr std::size_t kBins = 1024;
-  const auto top = *std::ranges::max_element(light, {}, [](double one) { return 1 / one; });
+  const double weakest = std::ranges::min(light);
   std::array<std::array<std::uint16_t, 256>, 3> bins{};  // of what a byte is under white light
   for (std::size_t c = 0; c < 3; ++c) {
     for (std::size_t i = 0; i < 256; ++i) {
-      const double share = linear_light()[i] / light[c] * top;  // 0 to 1
+      const double share = linear_light()[i] / light[c] * weakest;  // 0 to 1
       bins[c][i] = static_cast<std::uint16_t>(std::lround(share * (kBins - 1)));
     }
   }
@@ -139,14 +144,12 @@ double brightening(const Picture& picture, const Channels& light) {
   auto left = static_cast<double>(picture.rgb.size() / 3) * kShare;
   std::size_t bin = 0;
   while (bin + 1 < kBins && (left -= static_cast<double>(counts[bin])) > 0) ++bin;
-  const double bright = static_cast<double>(std::max<std::size_t>(bin, 1)) / (kBins - 1) / top;
+  const double bright = static_cast<double>(std::max<std::size_t>(bin, 1)) / (kBins - 1) / weakest;
   return std::clamp(kBright / bright, 1.0, kMost);
 }
 
-std::uint8_t srgb_byte(double linear) {
-  const double v = std::clamp(linear, 0.0, 1.0);
-  const double srgb = v <= 0.0031308 ? 12.92 * v : 1.055 * std::pow(v, 1 / 2.4) - 0.055;
-  return static_cast<std::uint8_t>(std::lround(255 * srgb));
+std::uint8_t srgb_byte(double light) {
+  return static_cast<std::uint8_t>(std::lround(255 * srgb_of_light(std::clamp(light, 0.0, 1.0))));
 }
 
 }  // namespace

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sinew/vision/lab.h"
+#include "sinew/vision/srgb.h"
 #include "support/property.h"
 
 namespace sinew::vision {
@@ -80,16 +80,34 @@ TEST(WhiteBalance, most_of_a_tint_is_taken_away_and_a_dim_picture_is_brightened)
   });
 }
 
-TEST(WhiteBalance, what_tells_nothing_of_the_light_stays_as_it_is) {
-  for (const std::uint8_t value : {std::uint8_t{0}, std::uint8_t{255}}) {
+TEST(WhiteBalance, what_tells_nothing_of_the_light_gets_no_tint) {
+  for (const int value : {0, 3, 40, 200, 255}) {
     Picture plain = black_picture(40, 30);
-    std::ranges::fill(plain.rgb, value);
-    EXPECT_EQ(light_of(plain), (Channels{1, 1, 1}));
-    EXPECT_EQ(balanced(plain).rgb, plain.rgb);
+    std::ranges::fill(plain.rgb, static_cast<std::uint8_t>(value));
+    for (const double one : light_of(plain)) EXPECT_NEAR(one, 1, 1e-9);
+    const Picture after = balanced(plain);
+    EXPECT_EQ(after.rgb[0], after.rgb[2]);
+    EXPECT_GE(after.rgb[0], value);
   }
+  // One cube on a table that is burnt out is no light.
+  Picture burnt = black_picture(100, 75);
+  std::ranges::fill(burnt.rgb, std::uint8_t{255});
+  for (int y = 20; y < 40; ++y) {
+    for (int x = 20; x < 40; ++x) std::ranges::copy(std::array{190, 30, 35}, burnt.at(x, y));
+  }
+  EXPECT_EQ(light_of(burnt), (Channels{1, 1, 1}));
   Picture dot = black_picture(1, 1);
   dot.rgb = {255, 10, 10};
-  EXPECT_EQ(balanced(dot).rgb, dot.rgb);
+  EXPECT_EQ(light_of(dot), (Channels{1, 1, 1}));
+}
+
+TEST(WhiteBalance, a_channel_that_is_missing_does_not_darken_the_picture) {
+  Picture red = black_picture(80, 60);
+  for (std::size_t i = 0; i < red.rgb.size(); i += 3) {
+    red.rgb[i] = static_cast<std::uint8_t>(60 + i / 3 % 150);
+  }
+  for (const double one : light_of(red)) EXPECT_LE(std::abs(std::log(one)), std::log(2) + 1e-9);
+  EXPECT_GT(mean_light(balanced(red))[0], 0.5 * mean_light(red)[0]);
 }
 
 }  // namespace
