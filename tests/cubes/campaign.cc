@@ -226,7 +226,7 @@ void run_cell(std::uint64_t seed, Tally& tally) {
                                       kPictureError + std::hypot(off.x, off.y));
   const runtime::Station& arm = cell.cell().station(0);
   const Instant begin = arm.view().at;
-  bool hand_was_there = false, was_paused = false;
+  bool hand_was_there = false, was_paused = false, hand_paused = false;
   const auto look = [&] {
     watch.look();
     const double t = to_seconds(arm.view().at - begin);
@@ -234,6 +234,7 @@ void run_cell(std::uint64_t seed, Tally& tally) {
     const runtime::JobView job = cell.cell().jobs(0).view();
     if (job.paused && !was_paused && !is_there && !hand_was_there) ++tally.paused_wrongly;
     was_paused = job.paused;
+    hand_paused = hand_paused || (job.paused && is_there);
     if (is_there != hand_was_there) {
       auto trouble = what.trouble;
       if (is_there) trouble.hand = render::ViewedHand{what.hand_W, -kPi / 2};
@@ -245,6 +246,7 @@ void run_cell(std::uint64_t seed, Tally& tally) {
     if (!is_there && job.paused) cell.cell().jobs(0).resume(job.id);
   };
   const Ended ended = cell.run_own_program(look);
+  tally.hands_noticed += hand_paused ? 1 : 0;
   ++tally.ends[end_of(ended)];
   for (const auto& contact : watch.contacts(ended)) {
     ++tally.contacts;
@@ -276,6 +278,7 @@ std::string Tally::table() const {
   row("of these wrongly", refused_wrongly);
   row("cubes seen where none lies, in the last picture", ghosts);
   row("cells with a hand in view", hands);
+  row("of these paused meanwhile", hands_noticed);
   row("pauses though nothing came into view", paused_wrongly);
   row("cells with a knocked camera", knocked);
   row("of these refused, nothing moved", knocked_refused);

@@ -37,7 +37,7 @@ struct Tally {
   std::size_t refused_wrongly = 0;
   std::size_t ghosts = 0;  ///< cubes in the last picture where none lies
   std::size_t knocked = 0, knocked_refused = 0;
-  std::size_t hands = 0;
+  std::size_t hands = 0, hands_noticed = 0;
   std::size_t paused_wrongly = 0;           ///< though nothing came into view
   std::map<std::string, std::size_t> ends;  ///< how programs ended
   std::vector<std::string> findings;        ///< with their seeds

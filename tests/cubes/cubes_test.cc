@@ -20,14 +20,22 @@ const std::string kStand = "joint base=-60deg shoulder=20deg elbow=40deg wrist=4
 
 /// The robot's own pick_and_place.sinew in cells of 1 to 4 cubes.
 void expect_in_the_basket(const std::vector<std::uint64_t>& seeds, bool is_maxarm) {
-  std::size_t all = 0, placed = 0;
+  std::size_t all = 0, placed = 0, pauses = 0;
   for (const std::uint64_t seed : seeds) {
     CubeCell cell({.seed = seed,
                    .cubes = 1 + seed % 4,
                    .is_maxarm = is_maxarm,
                    .surroundings = is_maxarm ? seed : 1});
     cell.stand_aside();
-    const Ended ended = cell.run_own_program();
+    // Time runs 20 times faster here, and a camera's look does not: on a loaded computer an arm may
+    // be gone from where it was thought to be. A person looks, and has it go on.
+    bool was_paused = false;
+    const Ended ended = cell.run_own_program([&] {
+      const runtime::JobView job = cell.cell().jobs(0).view();
+      pauses += job.paused && !was_paused ? 1 : 0;
+      was_paused = job.paused;
+      if (job.paused) cell.cell().jobs(0).resume(job.id);
+    });
     SCOPED_TRACE("cell " + std::to_string(seed) + "\n" + ended.text());
     EXPECT_EQ(ended.job.phase, program::Run::Phase::kDone);
     EXPECT_EQ(ended.count(Kind::kThrown), 0U);
@@ -36,7 +44,8 @@ void expect_in_the_basket(const std::vector<std::uint64_t>& seeds, bool is_maxar
     all += ended.cubes.size();
     placed += ended.count(CubePlace::kBasket);
   }
-  std::printf("  %zu of %zu cubes are in the basket\n", placed, all);
+  std::printf("  %zu of %zu cubes are in the basket, %zu pauses\n", placed, all, pauses);
+  EXPECT_LE(pauses, 3U) << "nothing came into view";
   EXPECT_GE(static_cast<double>(placed), 0.98 * static_cast<double>(all));
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace sinew::vision {
 namespace {
@@ -100,31 +101,59 @@ class Pen {
   int width_;
 };
 
+/// A line of the legend, and the ink of what it is about.
+struct Line {
+  std::string text;
+  Ink ink;
+};
+
+/// What each number is: those of one kind on one line, or on some where they are many.
+class Legend {
+ public:
+  /// @param letters  on a line
+  explicit Legend(std::size_t letters) : letters_(letters) {}
+
+  void add(std::size_t number, const std::string& what, const Ink& ink) {
+    auto line = std::ranges::find_if(lines_, [&](const Line& one) {
+      return one.text.starts_with(what + ":") && one.text.size() + 5 <= letters_;
+    });
+    if (line == lines_.end()) line = lines_.insert(lines_.end(), {what + ":", ink});
+    line->text += " " + std::to_string(number);
+  }
+  const std::vector<Line>& lines() const { return lines_; }
+
+ private:
+  std::size_t letters_;
+  std::vector<Line> lines_;
+};
+
 }  // namespace
 
 Picture detection_picture(Picture picture, const Detection& detection) {
   const int width = line_width(picture);
-  const int line_height = 16 * width;
-  const std::size_t lines = detection.cubes.size() + detection.refused.size();
-  int y = picture.height + 6 * width;
-  picture.height += (static_cast<int>(lines) + 1) * line_height;
-  picture.rgb.resize(3 * static_cast<std::size_t>(picture.width) *
-                     static_cast<std::size_t>(picture.height));
-  Pen pen(picture, width);
+  Legend legend(static_cast<std::size_t>(std::max(1, picture.width / (8 * width) - 2)));
   std::size_t number = 0;
-  const auto say = [&](const Quad& outline, const Ink& ink, std::string_view what) {
-    const std::string its = std::to_string(++number);
+  Pen pen(picture, width);
+  const auto draw = [&](const Quad& outline, const Ink& ink, const std::string& what) {
     pen.outline(outline, ink);
-    pen.text(its, outline[0], ink);
-    pen.text(its + "  " + std::string(what), {6.0 * width, 1.0 * y}, ink);
-    y += line_height;
+    pen.text(std::to_string(++number), outline[0], ink);
+    legend.add(number, what, ink);
   };
   for (const SeenCube& cube : detection.cubes) {
-    say(cube.top, kSeen, name(cube.color));
+    draw(cube.top, kSeen, std::string(name(cube.color)));
     pen.cross_at(cube.center, kSeen);
   }
   for (const RefusedShape& shape : detection.refused) {
-    say(shape.outline, kRefused, "no cube: " + shape.why);
+    draw(shape.outline, kRefused, "no cube, " + shape.why);
+  }
+  const int line_height = 16 * width;
+  int y = picture.height + 8 * width;
+  picture.height += (static_cast<int>(legend.lines().size()) + 1) * line_height;
+  picture.rgb.resize(3 * static_cast<std::size_t>(picture.width) *
+                     static_cast<std::size_t>(picture.height));
+  for (const Line& line : legend.lines()) {
+    pen.text(line.text, {6.0 * width, 1.0 * y}, line.ink);
+    y += line_height;
   }
   return picture;
 }

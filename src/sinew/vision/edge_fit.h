@@ -19,8 +19,8 @@ Quad turned_to_edges(const LabPicture& picture, const Quad& quad);
 /// square, 0 or 1 of a disc.
 int corners_filled(const LabPicture& picture, const Quad& quad);
 
-/// Share of a quad, but for its border, that is clearly lighter (25 of L*) than its darkest fifth:
-/// about a half of a black and white print, at most a quarter of a black face with pips or a letter.
+/// Share of a quad, but for its border, that is clearly lighter (25 of L*) than its dark fifth:
+/// about a half of a black and white print, at most a quarter of a black face with a letter.
 double light_share(const LabPicture& picture, const Quad& quad);
 
 }  // namespace sinew::vision
