@@ -88,7 +88,7 @@ test('a hand in view pauses the program, and a person says when it goes on', asy
   assert.equal((await job()).phase, 'paused', 'it goes on by itself');
   await callout.getByRole('button').click();
   await until('goes on', async () => (await job()).phase === 'running');
-  assert.equal(await callout.count(), 0);
+  await until('no callout', async () => (await callout.count()) === 0);
   await page.getByRole('button', { name: 'Stop', exact: true }).first().click();
   await until('stopped', async () => (await job()).over);
   await here.close(page, 'camera-hand-gone');
@@ -98,7 +98,7 @@ test('what a running program sees is shown beside the 3D view, and its cubes in 
   const page = await here.open({ viewport: { width: 1280, height: 900 } }, '#/robots/left/jog');
   await ready(page, 'left');
   const inset = page.locator('.looking-on');
-  assert.equal(await inset.count(), 0, 'no program runs');
+  await until('no inset: no program runs', async () => (await inset.count()) === 0);
   const number = (await ask('camera.look', { take: false })).number;
   assert.equal((await ask('camera.look', { take: false })).number, number, 'to look on takes no pictures');
   const wave = 'joint base=-75deg speed=20%\njoint base=-60deg speed=20%\n';
