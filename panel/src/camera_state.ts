@@ -48,16 +48,17 @@ effect(() => {
   });
 });
 effect(() => {
-  if (!open.value && !looksOn.value) return;
+  const inView = open.value;
+  if (!inView && !looksOn.value) return;
   const name = camera.value!.name;
-  const how = open.value ? () => (calibrating.peek() ? { tags: true } : {}) : () => ({ take: false, longest_px: kBesidePx });
+  const wish = () => (!inView ? { take: false, longest_px: kBesidePx } : calibrating.peek() ? { tags: true } : {});
   let under = false;
   const look = async () => {
     if (under) return;
     under = true;
     try {
       const known = shot.peek()?.number ?? 0;
-      const next = await store.call<CameraShot>('camera.look', { camera: name, known, ...how() });
+      const next = await store.call<CameraShot>('camera.look', { camera: name, known, ...wish() });
       if (camera.peek()?.name === name) take(next);
     } catch {
       // The page says itself that the connection is gone.
@@ -66,7 +67,7 @@ effect(() => {
     }
   };
   void look();
-  const timer = setInterval(() => void look(), open.value ? kLookMs : kLookOnMs);
+  const timer = setInterval(() => void look(), inView ? kLookMs : kLookOnMs);
   return () => clearInterval(timer);
 });
 

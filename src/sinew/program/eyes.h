@@ -36,7 +36,7 @@ class Eyes {
   /// Whether it looks for what comes into view beside the robots, from now on.
   /// @param anew  things are as they are seen next; else as they were when it was watched before
   virtual void watch(bool on, bool anew) = 0;
-  /// Why nobody should move on since it was switched on: kViewDisturbed, or the fault of a camera
+  /// Why the arm has to pause, since it was switched on: kViewDisturbed, or the fault of a camera
   /// that sees no more.
   virtual std::optional<Error> disturbed() const = 0;
 };

@@ -49,7 +49,6 @@ Things things_in(const Picture& picture) {
   const Picture fine = shrunk(picture, kFine);
   const Picture coarse = shrunk(fine, kCoarse);
   const WhiteBalance balance(coarse);
-  const bool both = coarse.width < fine.width;
   const double scale = static_cast<double>(picture.width) / fine.width;
   const double from_coarse = static_cast<double>(fine.width) / coarse.width;
   const LabPicture lab(fine);
@@ -65,12 +64,13 @@ Things things_in(const Picture& picture) {
     top.quad = enlarged(top.quad, scale);
     all.tops.push_back(top);
   };
+  const bool both = coarse.width < fine.width;
   const Likely in_fine = likely_things(fine, balance, kUnsure);
-  all.others = in_fine.others;
-  for (LikelyOther& other : all.others) other.middle = scale * other.middle;
   for (const LikelyTop& top : in_fine.tops) {
     if (!both || edge_of(top.quad) < kBorder) add(top, 1);
   }
+  all.others = in_fine.others;
+  for (LikelyOther& other : all.others) other.middle = scale * other.middle;
   const Likely in_coarse = both ? likely_things(coarse, balance, kUnsure) : Likely{};
   for (const LikelyTop& top : in_coarse.tops) {
     if (from_coarse * edge_of(top.quad) > kCommon * kBorder) add(top, from_coarse);

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <utility>
 #include <vector>
 
 #include "sinew/vision/srgb.h"
@@ -75,7 +74,7 @@ bool are_too_few(std::size_t pixels, const Picture& picture) {
   return static_cast<double>(pixels) < kShareLeast * static_cast<double>(picture.rgb.size() / 3);
 }
 
-/// Minkowski mean of all pixels with a color.
+/// Minkowski mean of all pixels that tell of the light.
 Channels by_shades(const Picture& picture) {
   constexpr double kPower = 6;
   std::array<double, 256> powers{};
@@ -92,19 +91,19 @@ Channels by_shades(const Picture& picture) {
   return normalised(sums);
 }
 
-/// Minkowski mean of the gradients where all neighbours have a color.
+/// Minkowski mean of the gradients where all neighbours tell of the light.
 Channels by_edges(const Picture& picture) {
   constexpr double kPower = 5;
   const auto width = static_cast<std::size_t>(picture.width);
   std::vector<std::size_t> at;
   for (int y = 1; y + 1 < picture.height; ++y) {
-    int run = 0;  // of columns that have colors in all three rows
+    int run = 0;  // of columns that tell of it in all three rows
     for (int x = 0; x < picture.width; ++x) {
       const bool all = tells_of_light(picture.at(x, y - 1)) && tells_of_light(picture.at(x, y)) &&
                        tells_of_light(picture.at(x, y + 1));
       run = all ? run + 1 : 0;
-      if (run >= 3)
-        at.push_back(static_cast<std::size_t>(y) * width + static_cast<std::size_t>(x - 1));
+      if (run < 3) continue;
+      at.push_back(static_cast<std::size_t>(y) * width + static_cast<std::size_t>(x - 1));
     }
   }
   if (are_too_few(at.size(), picture)) return {1, 1, 1};
@@ -164,10 +163,9 @@ std::array<double, 3> light_of(const Picture& picture) {
 }
 
 WhiteBalance::WhiteBalance(const Picture& picture) {
-  const Picture small = shrunk(picture, kSmall);
-  Channels light = light_of(small);
+  Channels light = light_of(picture);
   for (double& one : light) one = std::pow(one, kCorrected);
-  const double factor = brightening(small, light);
+  const double factor = brightening(picture, light);
   for (std::size_t c = 0; c < 3; ++c) {
     for (std::size_t i = 0; i < 256; ++i) {
       curves_[c][i] = srgb_byte(factor / light[c] * linear_light()[i]);
