@@ -3,24 +3,28 @@ import { batch, computed, effect, signal } from '@preact/signals';
 import { store } from './app';
 import { calibrating, camera, cameraName, open } from './camera_state';
 import { handOver } from './hand_over';
-import { errorSentence, refusalSentence, complaintSentence } from './i18n';
+import { errorSentence, refusalSentence, complaintSentence, t } from './i18n';
+import { nextMark } from './logic/calibration';
 import type { Calibration } from './logic/types';
 
 export type Paper = 'a4' | 'a3' | 'letter';
-export type WizardStep = 'print' | 'board' | 'sheet' | 'result';
+export type WizardStep = 'print' | 'board' | 'sheet' | 'touch' | 'result';
 
 export const calibration = signal<Calibration | null>(null);
 export const wizardStep = signal<WizardStep>('print');
 export const paper = signal<Paper>('a4');
 export const busy = signal(false);
-/** What became of the last click: a view that was taken, or why there is none. */
-export const said = signal<{ kind: 'taken' | 'refused'; text: string; view?: number } | null>(null);
+/** What became of the last click: a view or a mark that was taken, or why it was not. */
+export const said = signal<{ kind: 'taken' | 'refused'; text: string } | null>(null);
 export const sheetStays = signal(true);
 /** Whether the wizard may be left is being asked. */
 export const leaving = signal(false);
 export const saved = signal<Calibration['saved'] | null>(null);
 
 export const views = computed(() => calibration.value?.views ?? []);
+/** The mark that the tip goes to next; the wizard's own choice where none was made. */
+export const chosenMark = signal<string | null>(null);
+export const mark = computed(() => chosenMark.value ?? nextMark(calibration.value));
 /** Something that is not saved yet. */
 export const unsaved = computed(() => views.value.length + (calibration.value?.sheet ? 1 : 0));
 
@@ -96,7 +100,7 @@ export async function begin(): Promise<void> {
 }
 
 export async function goTo(step: WizardStep): Promise<void> {
-  if (step === 'board' || step === 'sheet') {
+  if (step === 'board' || step === 'sheet' || step === 'touch') {
     if (!calibration.peek()?.under_way) return begin();
     if (!(await ask('expect', { ...session(), step }))) return;
   }
@@ -110,16 +114,23 @@ export async function take(): Promise<void> {
   const before = wizardStep.peek();
   const now = await ask('take', session());
   if (!now?.taken) return;
-  said.value = { kind: 'taken', text: '', view: now.taken };
-  if (before !== 'sheet' || !now.result) return;
+  said.value = { kind: 'taken', text: t('cal.taken', { view: now.taken }) };
+  if (before === 'sheet' && now.result) await goTo('touch');
+}
+
+/** The tip of this robot's tool is on the mark. */
+export async function touch(robot: string): Promise<void> {
+  const there = mark.peek();
+  if (!there || !(await ask('touch', { ...session(), robot, mark: there }))) return;
   batch(() => {
-    said.value = null;
-    wizardStep.value = 'result';
+    said.value = { kind: 'taken', text: t('cal.touch.taken', { mark: there }) };
+    chosenMark.value = null;
   });
 }
 
-export async function drop(view: number): Promise<void> {
-  await ask('drop', { ...session(), view });
+/** @param what  a view, or a mark that was touched */
+export async function drop(what: { view: number } | { mark: string }): Promise<void> {
+  await ask('drop', { ...session(), ...what });
 }
 
 export async function save(): Promise<void> {

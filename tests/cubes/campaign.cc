@@ -76,7 +76,7 @@ std::optional<std::size_t> nearest_to(const std::vector<Cube>& cubes, const Vec3
 program::Sighting last_sighting(CubeCell& cell) {
   const Cell& file = cell.cell().cell();
   const auto shot = cell.cell().camera(0)->newest();
-  const runtime::CubeEyes::Place place{file.cameras[0].X_WT, file.robots[0].X_WB, file.baskets};
+  const runtime::CubeEyes::Place place{shot->X_WT, file.robots[0].X_WB, file.baskets};
   return runtime::sighting_of(shot->seen, file.cameras[0].cube, place);
 }
 

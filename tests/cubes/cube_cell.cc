@@ -10,6 +10,7 @@
 
 #include "sinew/core/rotation.h"
 #include "sinew/core/units.h"
+#include "sinew/kinematics/serial_chain.h"
 #include "sinew/program/program_file.h"
 #include "sinew/runtime/robot_variant.h"
 #include "support/robots.h"
@@ -102,6 +103,15 @@ Cell cell_of(const CubeCellSettings& settings) {
   return cell;
 }
 
+/// Beside the jaws of a LeArm, turned towards the middle of the cubes.
+runtime::CameraMount mount_on(const RobotModel& learm) {
+  const JointVector look{0, from_deg(-20), from_deg(80), from_deg(90), 0};
+  const kinematics::SerialChain chain(std::get<SerialGeometry>(learm.geometry));
+  const auto X_WC = render::looking_at({0.097, 0.06, 0.161}, {0.175, 0, 0});
+  const auto X_BC = relabel<frame::Base, frame::Camera>(X_WC);  // its base is the cell's frame
+  return {0, chain.forward(look).inverse() * X_BC, {}};
+}
+
 }  // namespace
 
 std::size_t Ended::count(sim::CubePlace where) const {
@@ -154,6 +164,16 @@ CubeCell::CubeCell(const CubeCellSettings& settings) {
   around.lamps = settings.lamps;
   cell_->table()->set_surroundings(around);
   const auto robots = [this] { return cell_->robots_in_view(runtime::RunningCell::Stand::kTrue); };
+  if (settings.on_arm) {
+    believed.model = real.model = vision::pinhole(640, 480, from_deg(60));
+    const runtime::CameraMount mount = mount_on(robot());
+    const auto hangs = [this, mount] {
+      return cell_->hangs(mount, runtime::RunningCell::Stand::kTrue);
+    };
+    cell_->open_camera(0, {"arm", believed, kEdge},
+                       cell_->table()->pictures(real, robots, 0, hangs), {}, mount);
+    return;
+  }
   cell_->open_camera(0, {"top", believed, kEdge}, cell_->table()->pictures(real, robots),
                      cell_->table()->glances(real, robots));
 }

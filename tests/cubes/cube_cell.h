@@ -28,12 +28,17 @@ struct CubeCellSettings {
   double pace = 20;                ///< so much faster time runs
   PlanarError calibration = {};    ///< how the camera hangs beside where it is believed to
   bool is_maxarm = false;          ///< in place of the LeArm
+  bool on_arm = false;             ///< the camera is, of a LeArm
   bool anywhere = false;           ///< also where the arm has no reach
   std::vector<Thing> clutter{};    ///< in the camera's table
   std::uint64_t surroundings = 1;  ///< shades, grain, lamps
   double brightness = 1;
   int lamps = 2;
 };
+
+/// Where a camera on a LeArm looks at the table in front of it.
+inline const std::string kLookFromArm =
+    "joint base=0deg shoulder=-20deg elbow=80deg wrist=90deg roll=0deg\n";
 
 /// How a program ended.
 struct Ended {

@@ -57,6 +57,54 @@ TEST(Cubes, a_cup_takes_all_that_are_seen_into_the_basket) {
   expect_in_the_basket({1, 2, 3, 4, 5}, true);
 }
 
+TEST(Cubes, a_camera_on_the_arm_sees_them_from_where_the_arm_stands) {
+  std::size_t seen = 0, placed = 0;
+  for (const std::uint64_t seed : {1, 2, 3, 4}) {
+    CubeCell cell({.seed = seed, .cubes = 1 + seed % 3, .on_arm = true});
+    cell.stand_aside();
+    ASSERT_EQ(cell.run(kLookFromArm + "look\n").job.phase, program::Run::Phase::kDone);
+    seen += cell.cell().camera(0)->newest()->seen.cubes.size();
+    const Ended ended = cell.run(kLookFromArm + "repeat while seen\n  pick\n  place basket\nend\n");
+    SCOPED_TRACE("cell " + std::to_string(seed) + "\n" + ended.text());
+    EXPECT_EQ(ended.job.phase, program::Run::Phase::kDone);
+    EXPECT_EQ(ended.count(Kind::kThrown), 0U);
+    EXPECT_EQ(ended.count(Kind::kCrash), 0U);
+    placed += ended.count(CubePlace::kBasket);
+  }
+  std::printf("  %zu of %zu cubes are in the basket\n", placed, seen);
+  EXPECT_GE(seen, 6U) << "of 8, some beside the picture or behind the jaws";
+  EXPECT_EQ(placed, seen);
+}
+
+TEST(Cubes, a_camera_on_an_arm_that_moves_says_so_and_sees_where_it_went_then) {
+  CubeCell cell({.seed = 1, .cubes = 2, .pace = 2, .on_arm = true});
+  ASSERT_EQ(cell.run(kLookFromArm + "look\n").job.phase, program::Run::Phase::kDone);
+  runtime::Camera& camera = *cell.cell().camera(0);
+  const auto first = camera.newest();
+  ASSERT_FALSE(first->fault);
+  ASSERT_FALSE(first->seen.cubes.empty());
+  cell.begin("joint base=-70deg speed=15%\n");
+  std::optional<Error> fault;
+  cell.finish(std::chrono::minutes(1), [&] {
+    camera.refresh();
+    if (!fault) fault = camera.newest()->fault;
+  });
+  ASSERT_TRUE(fault);
+  EXPECT_EQ(info(fault->code).name, "camera_in_motion");
+  ASSERT_EQ(cell.run("joint base=-12deg\nlook\n").job.phase, program::Run::Phase::kDone);
+  const auto then = camera.newest();
+  EXPECT_GT(norm(then->X_TC.p - first->X_TC.p), 0.02);
+  // The same cubes, seen from elsewhere.
+  std::size_t same = 0;
+  for (const vision::SeenCube& now : then->seen.cubes) {
+    for (const vision::SeenCube& before : first->seen.cubes) {
+      if (!now.position || !before.position) continue;
+      same += norm(now.position->top_W - before.position->top_W) < 3e-3 ? 1 : 0;
+    }
+  }
+  EXPECT_GT(same, 0U);
+}
+
 /// `make campaign PARTS=cubes` runs more of them; SINEW_FIRST is the first one's seed.
 TEST(CubeCampaign, cubes_in_reach_come_into_the_basket_and_nothing_else_is_touched) {
   const auto number = [](const char* name, std::uint64_t usual) {

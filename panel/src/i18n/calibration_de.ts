@@ -12,6 +12,7 @@ export const calibrationDe: Record<keyof typeof calibrationEn, string> = {
   'cal.step.print': 'Drucken',
   'cal.step.board': 'Tafel',
   'cal.step.sheet': 'Tisch',
+  'cal.step.touch': 'Roboter',
   'cal.step.result': 'Ergebnis',
 
   'cal.print.how': 'Tafel und Blatt mit 100 % (tatsächlicher Größe) drucken.',
@@ -46,6 +47,25 @@ export const calibrationDe: Record<keyof typeof calibrationEn, string> = {
   'cal.sheet.how': 'Das Blatt flach auf den Tisch legen. Der Arm und alles andere darf seine vier Marken nicht verdecken.',
   'cal.sheet.simulated': 'Das simulierte Blatt liegt auf dem Tisch. Würfel und Korb sind solange beiseitegelegt.',
   'cal.sheet.take': 'Blatt aufnehmen',
+
+  'cal.touch.how':
+    'Die Spitze des geschlossenen Werkzeugs von {robot} auf drei oder mehr Zeichen bringen, weit auseinander und nicht auf einer Linie. Der Arm fährt dann dorthin, wo die Kamera etwas sieht.',
+  'cal.touch.marks': 'Zeichen des Blattes',
+  'cal.touch.take': 'Die Spitze ist auf {mark}',
+  'cal.touch.taken': '{mark} ist aufgenommen.',
+  'cal.touch.no_tip': 'Dieser Roboter hat keine Spitze. Links einen Arm wählen.',
+  'cal.touch.touched': 'Berührte Zeichen',
+  'cal.touch.none': 'Noch kein Zeichen berührt.',
+  'cal.touch.off': '{mm} mm daneben',
+  'cal.touch.delete': '{mark} löschen',
+  'cal.touch.error': 'Fehler des Tisches im Roboter (95 %)',
+  'cal.touch.rms': 'Rest der Zeichen, quadratisches Mittel',
+  'cal.touch.moved': 'Abstand vom Ort in der Zellendatei',
+  'cal.touch.better': 'Auch {mark} berühren: Der Fehler wird {mm} mm.',
+  'cal.touch.next': 'Zum Ergebnis',
+  'cal.touch.skip': 'Überspringen',
+  'cal.touch.skipped': 'Sonst muss das Blatt dort liegen, wo die Zellendatei es sagt.',
+  'cal.touch.not_measured': 'nicht gemessen',
 
   'cal.result.none': 'Es gibt noch kein Ergebnis.',
   'cal.result.error': 'Fehler am Tisch (95 %)',
@@ -121,6 +141,34 @@ export const calibrationSentencesDe: ComplaintWords = {
       'Ansicht {view} passt zu keiner Lage der Tafel. Maße der Tafel prüfen, und ob alle Bilder diese Tafel zeigen.',
     'The fit found no pose that explains what is seen. Check the dimensions of the board and that all pictures show this board.':
       'Die Ansichten passen zu keiner Lage der Tafel. Maße der Tafel prüfen, und ob alle Bilder diese Tafel zeigen.',
+    'The sheet has no such mark; its marks are {list}.': 'Das Blatt hat kein solches Zeichen; es hat {list}.',
+    '{robot} is a platform: it has no tip to touch marks with.': '{robot} ist eine Plattform: Sie hat keine Spitze, die etwas berührt.',
+    '{robot} moves. Wait until it is at rest.': '{robot} bewegt sich. Warten, bis er ruht.',
+    'It is not known where {robot} stands. Press Home, then touch the mark.':
+      'Wo {robot} steht, ist nicht bekannt. Referenzieren, dann das Zeichen berühren.',
+    'The jaws of {robot} are not closed. Close them, so that the tool has one tip, then touch the mark.':
+      'Die Backen von {robot} sind nicht geschlossen. Schließen, damit das Werkzeug eine Spitze hat, dann das Zeichen berühren.',
+    'The other marks were touched by {robot}. Go on with it, or delete these marks.':
+      'Die anderen Zeichen hat {robot} berührt. Mit ihm weitermachen oder diese Zeichen löschen.',
+    'This mark was not touched.': 'Dieses Zeichen wurde nicht berührt.',
+    'The marks that were touched do not say where the sheet lies. Touch more of them, or delete them.':
+      'Die berührten Zeichen sagen nicht, wo das Blatt liegt. Mehr berühren, oder sie löschen.',
+    'too few marks: {count} ({list}), at least 3 needed, not on one line. Touch more of {left}: bring the tip of the tool there':
+      'Zu wenige Zeichen: {count} ({list}), mindestens 3 nötig, nicht auf einer Linie. Mehr berühren: {left}',
+    '{list} are nearly on one line: {length} mm long, {width} mm wide, at least {least} mm wide needed. Touch more of {left}: bring the tip of the tool there':
+      '{list} liegen fast auf einer Linie: {length} mm lang, {width} mm breit, mindestens {least} mm nötig. Mehr berühren: {left}',
+    'the tool was at the same position for {one} and {other}: {moved} mm apart, and these marks are {apart} mm apart. Touch the one that is wrong again':
+      'Bei {one} und {other} war das Werkzeug am selben Ort: {moved} mm auseinander, die Zeichen aber {apart} mm. Das falsche noch einmal berühren',
+    'the marks are in mirrored order: with {list} as given, the sheet would lie face down. Seen from above, cross1 to cross4 follow each other clockwise; touch them again under their own names':
+      'Die Zeichen sind spiegelverkehrt: Mit {list} läge das Blatt verkehrt herum. Von oben gesehen folgen cross1 bis cross4 im Uhrzeigersinn; jedes noch einmal unter seinem Namen berühren',
+    'the touches do not fit the sheet: {rms} mm rms (limit {limit} mm). With {one} and {other} exchanged they fit: were they touched in the other order? Then touch both again':
+      'Die Berührungen passen nicht zum Blatt: {rms} mm (Grenze {limit} mm). Mit {one} und {other} vertauscht passen sie: Wurden sie andersherum berührt? Dann beide noch einmal berühren',
+    'the touches do not fit the sheet: {rms} mm rms (limit {limit} mm). {mark} is off by {off}; the others agree to {rest} mm rms. Touch it again':
+      'Die Berührungen passen nicht zum Blatt: {rms} mm (Grenze {limit} mm). {mark} liegt {off} daneben; die anderen passen auf {rest} mm. Noch einmal berühren',
+    "the touches do not fit the sheet: {rms} mm rms (limit {limit} mm). Touched distances are {share} % {by} than those of {paper} paper. Measure the sheet's ruler (100 mm), then check which paper it is and the robot's lengths":
+      'Die Berührungen passen nicht zum Blatt: {rms} mm (Grenze {limit} mm). Berührte Abstände sind {share} % {by} als auf {paper}. Das Lineal des Blattes messen (100 mm), dann Papier und Längen des Roboters prüfen',
+    "the touches do not fit the sheet: {rms} mm rms (limit {limit} mm). {mark} fits least. Check the tool (jaws closed), that the sheet did not move, and that the robot's zeros are right (sinew commission {robot}); then touch the marks again":
+      'Die Berührungen passen nicht zum Blatt: {rms} mm (Grenze {limit} mm). {mark} passt am wenigsten. Werkzeug (Backen zu), Lage des Blattes und Nullpunkte des Roboters prüfen (sinew commission {robot}); dann die Zeichen noch einmal berühren',
     'The calibration has no result yet: it needs {least} views of the board and one of the sheet.':
       'Die Kalibrierung hat noch kein Ergebnis: Sie braucht {least} Ansichten der Tafel und eine des Blattes.',
     '{camera} has given no picture. Check the camera and its cable.': '{camera} hat kein Bild geliefert. Kamera und Kabel prüfen.',
@@ -139,6 +187,7 @@ export const calibrationSentencesDe: ComplaintWords = {
   },
   endings: {},
   parts: {
+    by: { longer: 'länger', shorter: 'kürzer' },
     place: {
       'the upper left corner of the picture': 'in die linke obere Ecke des Bildes',
       'the upper right corner of the picture': 'in die rechte obere Ecke des Bildes',

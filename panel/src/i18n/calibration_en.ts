@@ -9,6 +9,7 @@ export const calibrationEn = {
   'cal.step.print': 'Print',
   'cal.step.board': 'Board',
   'cal.step.sheet': 'Table',
+  'cal.step.touch': 'Robot',
   'cal.step.result': 'Result',
 
   'cal.print.how': 'Print the board and the sheet at 100 % (actual size).',
@@ -43,6 +44,25 @@ export const calibrationEn = {
   'cal.sheet.how': 'Lay the sheet flat on the table, and clear the arm and all else from its four tags.',
   'cal.sheet.simulated': 'The simulated sheet lies on the table. Cubes and basket are put aside meanwhile.',
   'cal.sheet.take': 'Take the sheet',
+
+  'cal.touch.how':
+    'Bring the tip of the closed tool of {robot} onto three or more marks, far apart and not on one line. The arm then goes where the camera sees things.',
+  'cal.touch.marks': 'Marks of the sheet',
+  'cal.touch.take': 'The tip is on {mark}',
+  'cal.touch.taken': '{mark} is taken.',
+  'cal.touch.no_tip': 'This robot has no tip. Choose an arm on the left.',
+  'cal.touch.touched': 'Marks that were touched',
+  'cal.touch.none': 'No mark was touched yet.',
+  'cal.touch.off': '{mm} mm off',
+  'cal.touch.delete': 'Delete {mark}',
+  'cal.touch.error': 'Error of the table in the robot (95 %)',
+  'cal.touch.rms': 'Residual of the marks, rms',
+  'cal.touch.moved': 'From the place in the cell file',
+  'cal.touch.better': 'Touch {mark} too: the error becomes {mm} mm.',
+  'cal.touch.next': 'To the result',
+  'cal.touch.skip': 'Skip',
+  'cal.touch.skipped': 'Without it the sheet has to lie where the cell file says.',
+  'cal.touch.not_measured': 'not measured',
 
   'cal.result.none': 'There is no result yet.',
   'cal.result.error': 'error at the table (95 %)',

@@ -107,6 +107,7 @@ const codes: Record<string, string> = {
   camera_blind: 'Auf dem Kamerabild ist nichts zu unterscheiden: Die Kamera ist verdeckt, oder es fehlt Licht',
   camera_moved:
     'Die Kamera wurde bewegt: die Marken auf ihrem Tisch scheinen {measured} von ihrem Ort zu liegen, erlaubt sind {limit}. Zurückstellen oder neu kalibrieren',
+  camera_in_motion: 'Der Arm hat sich um {measured} bewegt, während die Kamera auf ihm ein Bild aufnahm: in Ruhe noch einmal hinsehen',
   camera_tags_hidden: 'Keine der Marken auf dem Tisch der Kamera ist zu sehen: freilegen oder neu kalibrieren',
   view_disturbed:
     'Etwas ist ins Bild der Kamera gekommen: angehalten. Auf den Tisch sehen, dann fortsetzen',

@@ -266,6 +266,24 @@ export interface CalibrationView {
   /** Rms. */
   residual_px?: number;
 }
+/** A mark of the sheet that a tool can touch, from its middle. */
+export interface SheetMark {
+  mark: string;
+  x_m: number;
+  y_m: number;
+}
+/** Where the sheet lies, by the marks that a robot's tool has touched. */
+export interface TouchJson {
+  robot: string;
+  marks: { mark: string; off_m?: number }[];
+  trouble?: string;
+  too_few?: boolean;
+  rms_m?: number;
+  /** 95 %, at the corner of the sheet where it is largest. */
+  error_m?: number;
+  moved_m?: number;
+  next?: { mark: string; error_m: number };
+}
 /** What camera.calibration.status tells; what is missing where none is under way is optional. */
 export interface Calibration {
   camera: string;
@@ -273,7 +291,7 @@ export interface Calibration {
   simulated: boolean;
   file?: string;
   session?: number;
-  step?: 'board' | 'sheet';
+  step?: 'board' | 'sheet' | 'touch';
   paper?: string;
   width_px?: number;
   height_px?: number;
@@ -294,6 +312,10 @@ export interface Calibration {
     fx_px: number;
     fy_px: number;
   };
+  /** Of the sheet, from its middle. */
+  marks?: SheetMark[];
+  paper_m?: [number, number];
+  touch?: TouchJson;
   taken?: number;
   saved?: { file: string; table_error_m: number; sheet_stays: boolean };
 }

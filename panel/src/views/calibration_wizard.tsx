@@ -1,15 +1,17 @@
 import type { JSX } from 'preact';
 import { complaintSentence, errorSentence, t, type Key } from '../i18n';
-import { store } from '../app';
+import { model, robot, store } from '../app';
 import {
   askToLeave,
   begin,
   busy,
   calibration,
+  chosenMark,
   drop,
   goTo,
   leave,
   leaving,
+  mark,
   paper,
   print,
   said,
@@ -17,6 +19,7 @@ import {
   saved,
   sheetStays,
   take,
+  touch,
   unsaved,
   views,
   wizardStep,
@@ -25,11 +28,12 @@ import {
 } from '../calibration_state';
 import { camera, picture, shot } from '../camera_state';
 import { kSheetTags, residualShare } from '../logic/calibration';
-import type { CalibrationView } from '../logic/types';
+import type { CalibrationView, TouchJson } from '../logic/types';
 import { decimals } from '../logic/units';
+import { JogPane } from './jog_pane';
 import { Icon, Segments } from './parts';
 
-const kSteps: readonly WizardStep[] = ['print', 'board', 'sheet', 'result'];
+const kSteps: readonly WizardStep[] = ['print', 'board', 'sheet', 'touch', 'result'];
 const outline = (corners: readonly (readonly number[])[]): string => corners.map((p) => p.join(',')).join(' ');
 const viewer = (): boolean => store.role.value === 'viewer';
 
@@ -53,6 +57,7 @@ export function CalibrationWizard(): JSX.Element {
           {step === 'print' && <Print />}
           {step === 'board' && <Board />}
           {step === 'sheet' && <Sheet />}
+          {step === 'touch' && <Touch />}
           {step === 'result' && <Result />}
         </>
       )}
@@ -256,7 +261,7 @@ function Told(): JSX.Element {
       {now && (
         <>
           <Icon name={now.kind === 'taken' ? 'check' : 'fault'} size={16} />{' '}
-          {now.kind === 'taken' ? t('cal.taken', { view: now.view ?? 0 }) : now.text}
+          {now.text}
         </>
       )}
     </p>
@@ -285,13 +290,118 @@ function Views(): JSX.Element | null {
             aria-label={t('cal.view.delete', { view: view.view })}
             title={t('cal.view.delete', { view: view.view })}
             disabled={busy.value || viewer()}
-            onClick={() => void drop(view.view)}
+            onClick={() => void drop({ view: view.view })}
           >
             <Icon name="trash" size={16} />
           </button>
         </li>
       ))}
     </ul>
+  );
+}
+
+/** The tip of a robot's tool is brought onto marks of the sheet: so it reaches what the camera sees. */
+function Touch(): JSX.Element {
+  const now = calibration.value;
+  const touched = now?.touch;
+  const name = robot.value;
+  const hasTip = model.value !== null && model.value.kind !== 'hexapod';
+  return (
+    <>
+      <p class="hint">{t('cal.touch.how', { robot: name ?? '' })}</p>
+      <Marks />
+      <Told />
+      <button
+        type="button"
+        class="primary big"
+        disabled={busy.value || viewer() || !name || !hasTip || !mark.value}
+        onClick={() => void touch(name!)}
+      >
+        <Icon name="check" /> {t('cal.touch.take', { mark: mark.value ?? '' })}
+      </button>
+      {!hasTip && <p class="calibrate-trouble">{t('cal.touch.no_tip')}</p>}
+      {touched?.trouble && !touched.too_few && <p class="calibrate-trouble begins">{complaintSentence(touched.trouble)}.</p>}
+      {touched?.error_m !== undefined && <TouchFigures touched={touched} />}
+      <button type="button" class="big" disabled={busy.value} onClick={() => void goTo('result')}>
+        {t(touched ? 'cal.touch.next' : 'cal.touch.skip')} <Icon name="later" />
+      </button>
+      {!touched && <p class="hint">{t('cal.touch.skipped')}</p>}
+      <section class="calibrate-jog" aria-label={t('view.jog')}>
+        <JogPane />
+      </section>
+    </>
+  );
+}
+
+function TouchFigures({ touched }: { touched: TouchJson }): JSX.Element {
+  return (
+    <>
+      <dl class="calibrate-facts">
+        <dt>{t('cal.touch.error')}</dt>
+        <dd>{decimals(1000 * touched.error_m!, 1)} mm</dd>
+        <dt>{t('cal.touch.rms')}</dt>
+        <dd>{decimals(1000 * (touched.rms_m ?? 0), 2)} mm</dd>
+        <dt>{t('cal.touch.moved')}</dt>
+        <dd>{decimals(1000 * (touched.moved_m ?? 0), 1)} mm</dd>
+      </dl>
+      {touched.next && touched.next.error_m < 0.8 * touched.error_m! && (
+        <p class="calibrate-better">
+          <Icon name="eye" size={16} />{' '}
+          {t('cal.touch.better', { mark: touched.next.mark, mm: decimals(1000 * touched.next.error_m, 1) })}
+        </p>
+      )}
+    </>
+  );
+}
+
+/** The sheet from above: its marks, those that were touched, and the next one. A click chooses another. */
+function Marks(): JSX.Element | null {
+  const now = calibration.value;
+  if (!now?.marks || !now.paper_m) return null;
+  const [width, height] = now.paper_m.map((length) => 1000 * length) as [number, number];
+  const touched = new Map(now.touch?.marks.map((one) => [one.mark, one]));
+  return (
+    <div class="calibrate-marks">
+      <svg viewBox={`${-width / 2} ${-height / 2} ${width} ${height}`} role="radiogroup" aria-label={t('cal.touch.marks')}>
+        <rect class="calibrate-paper" x={-width / 2} y={-height / 2} width={width} height={height} />
+        {now.marks.map(({ mark: name, x_m, y_m }) => (
+          <g
+            key={name}
+            class={`calibrate-mark${touched.has(name) ? ' touched' : ''}${name === mark.value ? ' next' : ''}`}
+            transform={`translate(${1000 * x_m} ${-1000 * y_m})`}
+            role="radio"
+            tabIndex={0}
+            aria-checked={name === mark.value}
+            aria-label={name}
+            onClick={() => (chosenMark.value = name)}
+            onKeyDown={(event) => event.key === 'Enter' && (chosenMark.value = name)}
+          >
+            <circle r="11" />
+            {name.startsWith('tag') ? <rect class="calibrate-mark-tag" x="-6" y="-6" width="12" height="12" /> : <path d="M-7 0H7M0-7V7" />}
+            <text y="21">{name}</text>
+          </g>
+        ))}
+      </svg>
+      <ul aria-label={t('cal.touch.touched')}>
+        {[...touched.values()].map((one) => (
+          <li key={one.mark}>
+            <b>{one.mark}</b>
+            <span class="muted">{one.off_m !== undefined ? t('cal.touch.off', { mm: decimals(1000 * one.off_m, 1) }) : ''}</span>
+            <button
+              type="button"
+              class="quiet icon-only"
+              aria-label={t('cal.touch.delete', { mark: one.mark })}
+              title={t('cal.touch.delete', { mark: one.mark })}
+              disabled={busy.value || viewer()}
+              onClick={() => void drop({ mark: one.mark })}
+            >
+              <Icon name="trash" size={16} />
+            </button>
+          </li>
+        ))}
+        {touched.size === 0 && <li class="muted">{t('cal.touch.none')}</li>}
+      </ul>
+    </div>
   );
 }
 
@@ -331,6 +441,8 @@ function Result(): JSX.Element {
       <dl class="calibrate-facts">
         <dt>{t('cal.result.reprojection')}</dt>
         <dd>{decimals(result.reprojection_px, 2)} px</dd>
+        <dt>{t('cal.touch.error')}</dt>
+        <dd>{now.touch?.error_m !== undefined ? `${decimals(1000 * now.touch.error_m, 1)} mm` : t('cal.touch.not_measured')}</dd>
         <dt>{t('cal.result.views')}</dt>
         <dd>{views.value.length}</dd>
         <dt>{t('cal.result.height')}</dt>

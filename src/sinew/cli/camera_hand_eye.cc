@@ -15,6 +15,7 @@
 #include "sinew/cli/quantity.h"
 #include "sinew/cli/table.h"
 #include "sinew/config/camera_file.h"
+#include "sinew/config/hand_eye_file.h"
 #include "sinew/core/spelling.h"
 #include "sinew/core/units.h"
 #include "sinew/io/file.h"
@@ -208,7 +209,8 @@ std::expected<void, Outcome> read_marks(Mounted& mounted, const TaughtPoints& po
   if (!marks) return std::unexpected(marks.error());
   const auto jaw_width = jaws_at_touch(request, mounted.robot);
   if (!jaw_width) return std::unexpected(jaw_width.error());
-  const double sigma = std::max(kTouch, least_touch_sigma(mounted.robot, *marks, *jaw_width));
+  const double sigma =
+      std::max(kTouch, calibration::least_touch_sigma(mounted.robot.model, *marks, *jaw_width));
   for (const TouchedMark& mark : *marks) {
     mounted.settings.known_points.push_back({mark.p_S, mark.p_BT, sigma});
   }
@@ -225,14 +227,6 @@ std::expected<Mounted, Outcome> read_mounted(const CameraRequest& request) {
   return mounted;
 }
 
-std::string toml_pose(const Vec3& p, const Rotation& R) {
-  const Vec3 rpy = fixed_xyz(R);
-  return fmt::format(
-      "position_mm = [{:.3f}, {:.3f}, {:.3f}]\nrotation_deg = [{:.4f}, {:.4f}, "
-      "{:.4f}]  # about fixed x, y, z\n",
-      to_mm(p.x), to_mm(p.y), to_mm(p.z), to_deg(rpy.x), to_deg(rpy.y), to_deg(rpy.z));
-}
-
 /// m, 95 %: of the table that a fixed camera's file is about, or of a fixed target's corners.
 double table_error(const Mounted& mounted, const HandEye& found) {
   if (!mounted.on_arm()) return camera_error_95(found, mounted.camera.X_WC.inverse().p);
@@ -246,28 +240,22 @@ double table_error(const Mounted& mounted, const HandEye& found) {
   return worst;
 }
 
-/// The file; docs/vision.md has its form.
-std::string file_text(const Mounted& mounted, const HandEye& found) {
-  std::string text = fmt::format(
-      "format = 1\nmount = \"{}\"\nrobot = \"{}\"\nlens = \"{}\"\ntarget = \"{}\"\n\n",
-      *mounted.request.mount, mounted.robot.model.id, mounted.camera.name, mounted.request.target);
-  text += "[camera]  # in " + mounted.camera_mount() + "\n";
-  text += toml_pose(found.X_MC.p, found.X_MC.R);
-  text += "\n[target_pose]  # in " + mounted.target_mount() + "\n";
-  text += toml_pose(found.X_NB.p, found.X_NB.R);
-  if (!found.joint_offsets.empty()) {
-    text += "\n[joint_zeros_deg]  # to add to the joints\n";
-    for (std::size_t j = 0; j < found.joint_offsets.size(); ++j) {
-      text += fmt::format("{} = {:.3f}\n", mounted.robot.model.joints[j].name,
-                          to_deg(found.joint_offsets[j]));
-    }
+HandEyeFile file_of(const Mounted& mounted, const HandEye& found) {
+  HandEyeFile file{.on_arm = mounted.on_arm(),
+                   .robot = mounted.robot.model.id,
+                   .lens = mounted.camera.name,
+                   .target = mounted.request.target,
+                   .X_MC = found.X_MC,
+                   .X_NB = found.X_NB,
+                   .joint_zeros = {},
+                   .views = static_cast<int>(mounted.views.size()),
+                   .reprojection = found.rms,
+                   .held_back = found.error_95,
+                   .table = table_error(mounted, found)};
+  for (std::size_t j = 0; j < found.joint_offsets.size(); ++j) {
+    file.joint_zeros.emplace_back(mounted.robot.model.joints[j].name, found.joint_offsets[j]);
   }
-  text += fmt::format(
-      "\n[accuracy]\nviews = {}\nreprojection_px = {:.3f}\nheld_back_mm = {:.2f}  # at the target, "
-      "95 %, of views held back\ntable_mm = {:.2f}  # of the {} in the base, 95 %\n",
-      mounted.views.size(), found.rms, to_mm(found.error_95), to_mm(table_error(mounted, found)),
-      mounted.table_name());
-  return text;
+  return file;
 }
 
 void add_views(const Mounted& mounted, const HandEye& found, Outcome& outcome) {
@@ -410,7 +398,7 @@ Outcome camera_hand_eye(const CameraRequest& request) {
     outcome.json["error"] = {{"sentence", outcome.complaint}};
     return outcome;
   }
-  const auto written = io::replace_file(*request.out, file_text(*mounted, *found));
+  const auto written = io::replace_file(*request.out, hand_eye_text(file_of(*mounted, *found)));
   if (!written) return could_not("--out: " + written.error().sentence);
   outcome.text += "  " + *request.out + "\n";
   outcome.json["file"] = *request.out;

@@ -6,6 +6,7 @@
 #include <cctype>
 #include <cmath>
 
+#include "sinew/calibration/robot_tip.h"
 #include "sinew/cli/quantity.h"
 #include "sinew/cli/table.h"
 #include "sinew/cli/targets.h"
@@ -13,7 +14,6 @@
 #include "sinew/core/spelling.h"
 #include "sinew/core/units.h"
 #include "sinew/io/file.h"
-#include "sinew/model/device_resolution.h"
 
 namespace sinew::cli {
 namespace {
@@ -87,26 +87,17 @@ std::string again(const TouchedMark& mark, const CameraRequest& request,
 
 std::optional<Outcome> repeated(std::span<const TouchedMark> marks, const CameraRequest& request,
                                 const CalibrationRobot& robot) {
-  constexpr double kSamePlace = 0.002;  // m
   for (std::size_t i = 0; i < marks.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
-      const TouchedMark& a = marks[j];
-      const TouchedMark& b = marks[i];
-      const double apart = norm(a.p_S - b.p_S);
-      if (apart < 1e-6) {
-        return could_not(fmt::format(
-            "{} is given twice, by {} and by {}. Leave one of them out, or touch another mark",
-            b.mark, source_of(a), source_of(b)));
-      }
-      const double moved = norm(a.p_BT - b.p_BT);
-      if (moved > kSamePlace || moved > apart / 2) continue;
+      if (norm(marks[j].p_S - marks[i].p_S) >= 1e-6) continue;
       return could_not(fmt::format(
-          "the tool was at the same position for {} and {}: {:.1f} mm apart, and these marks are "
-          "{:.0f} mm apart. For the one that is wrong: {}",
-          a.mark, b.mark, to_mm(moved), to_mm(apart), again(b, request, robot)));
+          "{} is given twice, by {} and by {}. Leave one of them out, or touch another mark",
+          marks[i].mark, source_of(marks[j]), source_of(marks[i])));
     }
   }
-  return std::nullopt;
+  const auto same = calibration::same_place(marks);
+  if (!same) return std::nullopt;
+  return could_not(same->sentence + ": " + again(marks[*same->again], request, robot));
 }
 
 std::expected<void, Outcome> add_taught(const CameraRequest& request, const CalibrationRobot& robot,
@@ -205,24 +196,9 @@ std::expected<std::vector<TouchedMark>, Outcome> touched_marks(const CameraReque
     if (!q) return std::unexpected(bad_input(q.error()));
     marks.push_back({mark->name, mark->p_B, "", *q, {}});
   }
-  for (TouchedMark& mark : marks) mark.p_BT = tip_at(robot.model, mark.q, *jaw_width);
+  for (TouchedMark& mark : marks) mark.p_BT = calibration::tip_at(robot.model, mark.q, *jaw_width);
   if (auto twice = repeated(marks, request, robot)) return std::unexpected(std::move(*twice));
   return marks;
-}
-
-double least_touch_sigma(const CalibrationRobot& robot, std::span<const TouchedMark> marks,
-                         double jaw_width) {
-  constexpr double kEyes = 0.2e-3;  // m: lines of 0.3 mm
-  double sum = 0;
-  for (const TouchedMark& mark : marks) {
-    for (std::size_t j = 0; j < mark.q.size(); ++j) {
-      JointVector q = mark.q;
-      q[j] += device_resolution(robot.model, j);
-      const double step = norm(tip_at(robot.model, q, jaw_width) - mark.p_BT);
-      sum += step * step / 12 / 3;  // even over a step; a third of it for each coordinate
-    }
-  }
-  return std::sqrt(kEyes * kEyes + sum / std::max<double>(1, static_cast<double>(marks.size())));
 }
 
 }  // namespace sinew::cli

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "sinew/calibration/touch_points.h"
+#include "sinew/calibration/sheet_touches.h"
 #include "sinew/cli/camera_robot.h"
 #include "sinew/cli/camera_verb.h"
 #include "sinew/model/taught_points.h"
@@ -12,14 +12,7 @@
 
 namespace sinew::cli {
 
-/// A mark of a sheet that the tool's tip was on.
-struct TouchedMark {
-  std::string mark;   ///< "cross1", "tag580", or "120,40" of a mark that is not on the sheet
-  Vec3 p_S;           ///< m, of the mark on its sheet
-  std::string point;  ///< taught point; empty for joints of the command line
-  JointVector q;
-  Vec3 p_BT;  ///< m, of the tip
-};
+using calibration::TouchedMark;
 
 /// The points of request.points.
 /// @error  a file that cannot be read
@@ -44,10 +37,5 @@ std::expected<std::vector<TouchedMark>, Outcome> touched_marks(const CameraReque
 /// Width between the jaws while they touch, m: closed where nothing else is asked for.
 std::expected<double, Outcome> jaws_at_touch(const CameraRequest& request,
                                              const CalibrationRobot& robot);
-
-/// m, standard deviation of a coordinate of a touch at best: steps of the joints' devices, and
-/// eyes.
-double least_touch_sigma(const CalibrationRobot& robot, std::span<const TouchedMark> marks,
-                         double jaw_width);
 
 }  // namespace sinew::cli

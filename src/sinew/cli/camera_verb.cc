@@ -262,7 +262,10 @@ void declare_options(CLI::App& verb, CameraRequest& request) {
                   "touch, hand-eye: width between the jaws while they touch (default 0)");
   verb.add_option("--limit-mm", request.limit_mm,
                   "touch: largest rms of the residuals, mm (default 5)");
-  verb.add_option("--camera", request.camera, "hand-eye: file of sinew camera calibrate");
+  verb.add_option(
+      "--camera", request.camera,
+      "hand-eye: file of sinew camera calibrate; touch: its file, which gets the place of "
+      "the sheet (with --cell)");
   verb.add_option("--mount", request.mount,
                   "hand-eye: arm (camera on the arm, target fixed) or table (camera fixed, target "
                   "on the arm)");

@@ -1,11 +1,13 @@
 #include "sinew/cli/cell_cameras.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <utility>
 
 #include "sinew/config/camera_file.h"
+#include "sinew/config/hand_eye_file.h"
 #include "sinew/io/file.h"
 #include "sinew/runtime/camera_identity.h"
 #include "sinew/runtime/open_camera.h"
@@ -16,7 +18,8 @@ std::string beside(const std::string& cell_file, const std::string& file) {
   return (std::filesystem::path(cell_file).parent_path() / file).string();
 }
 
-std::expected<vision::TableCamera, Outcome> read_calibration(const CellCamera& camera,
+std::expected<vision::TableCamera, Outcome> read_calibration(const Cell& cell,
+                                                             const CellCamera& camera,
                                                              const std::string& path) {
   const auto text = io::read_file(path, std::size_t{1} << 20U);
   if (!text) {
@@ -24,6 +27,15 @@ std::expected<vision::TableCamera, Outcome> read_calibration(const CellCamera& c
   }
   auto read = read_camera(*text, path);
   if (!read) return std::unexpected(complaints_outcome(read.error()));
+  const bool is_there = !read->touched || std::ranges::any_of(cell.robots, [&](const auto& one) {
+    return one.name == read->touched->robot;
+  });
+  if (!is_there) {
+    return std::unexpected(bad_input(
+        path + ": [table] is in the base of '" + read->touched->robot +
+        "', and the cell has no robot of that name. Calibrate again, or touch the sheet with a "
+        "robot of this cell: sinew camera touch --cell"));
+  }
   return std::move(*read);
 }
 
@@ -55,14 +67,14 @@ std::string calibration_place(const CellCamera& camera, const std::string& cell_
 
 /// What is kept of a camera, as far as there is a file and it is this camera's.
 /// @error  bad input: a file that cannot be read
-std::expected<void, Outcome> put_kept(runtime::Camera::Settings& settings,
+std::expected<void, Outcome> put_kept(runtime::Camera::Settings& settings, const Cell& cell,
                                       const CellCamera& camera) {
   const std::string& file = settings.calibration_file;
   if (!io::exists(file)) {
     if (!camera.calibration) return {};
     settings.calibration_refused = file + " is not there";
   } else {
-    auto read = read_calibration(camera, file);
+    auto read = read_calibration(cell, camera, file);
     if (!read) return std::unexpected(read.error());
     const bool is_other = !read->identity.empty() && !settings.identity.empty() &&
                           read->identity != settings.identity;
@@ -80,6 +92,33 @@ std::expected<void, Outcome> put_kept(runtime::Camera::Settings& settings,
   return {};
 }
 
+/// What its `hand_eye` says of the camera: it is on the arm, or beside it.
+/// @return  where it is mounted; nothing: `calibration` says now where its table is
+/// @error  bad input: a file that cannot be read, or that is of another robot
+std::expected<std::optional<runtime::CameraMount>, Outcome> read_mount(
+    const runtime::RunningCell& cell, const CellCamera& camera, const std::string& path,
+    vision::TableCamera& calibration) {
+  const auto complain = [&](const std::string& what) {
+    return std::unexpected(bad_input(camera.name + ": hand_eye: " + what));
+  };
+  const auto text = io::read_file(path, std::size_t{1} << 20U);
+  if (!text) return complain(text.error().sentence);
+  const auto file = read_hand_eye(*text, path);
+  if (!file) return std::unexpected(complaints_outcome(file.error()));
+  const auto robot = cell.find(camera.robot);
+  if (!robot) return complain("this cell has no robot '" + camera.robot + "'");
+  if (!file->on_arm) {
+    if (!calibration.touched) {
+      calibration.touched = runtime::table_beside(*file, camera.robot, calibration);
+    }
+    return std::nullopt;
+  }
+  auto mount = runtime::mount_of(*file, *robot, cell.station(*robot).robot());
+  if (!mount) return complain(path + ": " + mount.error());
+  calibration.accuracy = file->held_back;
+  return *mount;
+}
+
 }  // namespace
 
 std::expected<void, Outcome> open_cameras(runtime::RunningCell& cell, const std::string& file) {
@@ -94,7 +133,13 @@ std::expected<void, Outcome> open_cameras(runtime::RunningCell& cell, const std:
                                        .edge = camera.cube,
                                        .identity = runtime::camera_identity(camera.device),
                                        .calibration_file = calibration_place(camera, file)};
-    if (auto kept = put_kept(settings, camera); !kept) return kept;
+    if (auto kept = put_kept(settings, cell.cell(), camera); !kept) return kept;
+    std::optional<runtime::CameraMount> mount;
+    if (camera.hand_eye && settings.calibration) {
+      auto read = read_mount(cell, camera, beside(file, *camera.hand_eye), *settings.calibration);
+      if (!read) return std::unexpected(read.error());
+      mount = *read;
+    }
     if (is_simulated) {
       // It hangs where the cell's file says, also where something else was measured.
       vision::TableCamera real = runtime::usual_camera();
@@ -104,9 +149,13 @@ std::expected<void, Outcome> open_cameras(runtime::RunningCell& cell, const std:
       const auto robots = [&cell] {
         return cell.robots_in_view(runtime::RunningCell::Stand::kTrue);
       };
-      auto pictures = cell.table()->pictures(real, robots, i);
+      runtime::SimulatedTable::Hangs hangs;
+      if (mount) {
+        hangs = [&cell, on = *mount] { return cell.hangs(on, runtime::RunningCell::Stand::kTrue); };
+      }
+      auto pictures = cell.table()->pictures(real, robots, i, std::move(hangs));
       auto glances = cell.table()->glances(real, robots, i);
-      cell.open_camera(i, std::move(settings), std::move(pictures), std::move(glances));
+      cell.open_camera(i, std::move(settings), std::move(pictures), std::move(glances), mount);
       continue;
     }
     runtime::CameraWanted wanted;
@@ -116,7 +165,7 @@ std::expected<void, Outcome> open_cameras(runtime::RunningCell& cell, const std:
     }
     settings.watch = !runtime::is_stored(device);
     auto pictures = opened_when_there(device, wanted, camera.name);
-    cell.open_camera(i, std::move(settings), std::move(pictures));
+    cell.open_camera(i, std::move(settings), std::move(pictures), {}, mount);
   }
   return {};
 }

@@ -18,6 +18,7 @@
 #include "sinew/io/file.h"
 #include "sinew/model/joint_lookup.h"
 #include "sinew/program/foresight.h"
+#include "sinew/runtime/camera_place.h"
 #include "sinew/runtime/cube_eyes.h"
 #include "sinew/runtime/homing_time.h"
 #include "sinew/runtime/open_camera.h"
@@ -119,7 +120,7 @@ Or<program::TableTop> look(const PlanRequest& request, const Cell& cell, const C
     if (table.seen) continue;
     vision::TableCamera lens = runtime::usual_camera();
     if (camera.calibration) {
-      auto read = read_calibration(camera, beside(*request.cell, *camera.calibration));
+      auto read = read_calibration(cell, camera, beside(*request.cell, *camera.calibration));
       if (!read) return std::unexpected(read.error());
       lens = std::move(*read);
     }
@@ -132,7 +133,8 @@ Or<program::TableTop> look(const PlanRequest& request, const Cell& cell, const C
     }
     auto seen = vision::detect_cubes(*picture);
     vision::place_on_table(seen, *picture, lens, camera.cube);
-    table.seen = runtime::sighting_of(seen, camera.cube, {camera.X_WT, place.X_WB, cell.baskets});
+    const auto X_WT = runtime::table_of(cell, camera, &lens);
+    table.seen = runtime::sighting_of(seen, camera.cube, {X_WT, place.X_WB, cell.baskets});
     said = fmt::format("{}: {}, {}", camera.name, camera.device,
                        cubes_text(table.seen->cubes.size(), table.seen->in_baskets.size()));
   }

@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "sinew/config/table_reader.h"
+#include "sinew/config/toml_pose.h"
 #include "sinew/vision/tag_board.h"
 
 namespace sinew {
@@ -16,8 +17,6 @@ constexpr int kSideMax = 65'536;           // px
 constexpr Range kFocal = between(1, 1e6);  // px
 constexpr Range kInPicture = between(-1e5, 1e5);
 constexpr Range kLens = between(-10, 10);
-constexpr Range kReach = between(-100, 100);  // m
-constexpr Range kTurn = between(-2 * kPi, 2 * kPi);
 constexpr std::array<std::string_view, 5> kLensKeys{"k1", "k2", "p1", "p2", "k3"};
 
 /// As a TOML string; what is not plain ASCII as '?'.
@@ -28,6 +27,16 @@ std::string quoted(std::string_view words) {
     text += c >= ' ' && c <= '~' ? c : '?';
   }
   return text + '"';
+}
+
+vision::TouchedTable read_touched(TableReader& table) {
+  vision::TouchedTable touched;
+  table.needs_no_source();
+  table.text("robot", 40, touched.robot);
+  read_toml_pose(table, touched.X_BW);
+  table.quantity("error_*", kLength, between(0, 10), touched.error);
+  table.finish();
+  return touched;
 }
 
 vision::TableCamera read_root(TableReader& root) {
@@ -55,10 +64,7 @@ vision::TableCamera read_root(TableReader& root) {
   }
   if (auto pose = root.table("pose")) {
     pose->needs_no_source();
-    Vec3 rpy;
-    pose->vector("position_*", kLength, kReach, camera.X_WC.p);
-    pose->vector("rotation_*", kAngle, kTurn, rpy);
-    camera.X_WC.R = rotation_from_fixed_xyz(rpy);
+    read_toml_pose(*pose, camera.X_WC);
     pose->finish();
   }
   if (auto accuracy = root.table("accuracy")) {
@@ -67,6 +73,7 @@ vision::TableCamera read_root(TableReader& root) {
     accuracy->quantity("table_*", kLength, between(0, 10), camera.accuracy);
     accuracy->finish();
   }
+  if (auto table = root.optional().table("table")) camera.touched = read_touched(*table);
   if (root.optional().text("sheet", 10, camera.sheet) && !vision::table_sheet(camera.sheet)) {
     root.complain("sheet", "has to be a4, a3 or letter: the paper of the sheet on its table");
   }
@@ -99,8 +106,6 @@ std::string camera_text(const vision::TableCamera& camera) {
     text += line.data();
   };
   const vision::CameraModel& model = camera.model;
-  const Vec3 p = 1e3 * camera.X_WC.p;
-  const Vec3 rpy = (180 / kPi) * fixed_xyz(camera.X_WC.R);
   text += "format = " + std::to_string(kFormat) + "\nname = \"" + camera.name + "\"\n";
   if (!camera.sheet.empty()) {
     text += "sheet = \"" + camera.sheet +
@@ -117,11 +122,15 @@ std::string camera_text(const vision::TableCamera& camera) {
   for (std::size_t i = 0; i < kLensKeys.size(); ++i) {
     add("%s = %.12g\n", kLensKeys[i].data(), model.lens[i]);
   }
-  add("\n[pose]  # of the camera over the table\nposition_mm = [%.9f, %.9f, %.9f]\n", p.x, p.y,
-      p.z);
-  add("rotation_deg = [%.9f, %.9f, %.9f]\n", rpy.x, rpy.y, rpy.z);
+  text += "\n[pose]  # of the camera over the table\n" + toml_pose(camera.X_WC.p, camera.X_WC.R);
   add("\n[accuracy]\nreprojection_px = %.4g\ntable_mm = %.4g  # 95 %%\n", camera.reprojection,
       1e3 * camera.accuracy);
+  if (camera.touched) {
+    text += "\n[table]  # in the base of this robot, as its tool has touched it\nrobot = \"" +
+            camera.touched->robot + "\"\n" +
+            toml_pose(camera.touched->X_BW.p, camera.touched->X_BW.R);
+    add("error_mm = %.4g  # 95 %%\n", 1e3 * camera.touched->error);
+  }
   return text;
 }
 

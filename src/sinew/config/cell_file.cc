@@ -104,6 +104,16 @@ CellCamera read_camera(TableReader& reader, std::vector<std::string>& taken) {
   reader.needs_no_source();
   reader.text("device", kPathMax, camera.device);
   camera.calibration = optional_text(reader, "calibration", kPathMax);
+  camera.hand_eye = optional_text(reader, "hand_eye", kPathMax);
+  reader.optional().text("robot", kNameMax, camera.robot);
+  if (camera.hand_eye.has_value() != !camera.robot.empty()) {
+    reader.complain(
+        "hand_eye and robot stand together: the file of sinew camera hand-eye, and the "
+        "name of the robot in this cell that it was measured on");
+  }
+  if (camera.hand_eye && !camera.calibration) {
+    reader.complain("hand_eye needs calibration, the file of sinew camera calibrate, for its lens");
+  }
   reader.optional().quantity("cube_*", kLength, kCube, camera.cube);
   reader.optional().boolean("watch", camera.watch);
   read_pose(reader, camera.X_WT);
@@ -186,6 +196,16 @@ void read_root(TableReader& root, Cell& cell) {
   } else {
     for (TableReader& reader : objects) cell.objects.push_back(read_object(reader, taken));
     for (TableReader& reader : cameras) cell.cameras.push_back(read_camera(reader, taken));
+  }
+  for (const CellCamera& camera : cell.cameras) {
+    const bool is_there =
+        camera.robot.empty() || std::ranges::any_of(cell.robots, [&](const CellRobot& robot) {
+          return robot.name == camera.robot;
+        });
+    if (!is_there) {
+      root.complain("camera", camera.name + ": robot is '" + camera.robot +
+                                  "', and this cell has no robot of that name");
+    }
   }
   read_table_top(root, cell, taken);
   if (root.clean() && cell.time_scale != 1 &&

@@ -113,6 +113,7 @@ enum class ErrorCode : std::uint8_t {
   kCameraChanged,      ///< measured: width of its pictures; limit: when it was calibrated, px
   kCameraMoved,        ///< measured: where its tags seem to be now; limit: what may be, m
   kCameraTagsHidden,   ///< none of the tags of its table is seen
+  kCameraInMotion,     ///< measured: what the arm that carries it went while it took a picture, m
   kViewDisturbed,      ///< something came into the camera's view while the arm moved
   kNothingSeen,        ///< no such cube on the table
   kCubeCovered,        ///< another cube stands on it

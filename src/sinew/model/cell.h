@@ -62,6 +62,11 @@ struct CellCamera {
   /// What `sinew camera calibrate` has written, beside the cell's file; without it nothing is known
   /// of where things are. A simulated one hangs where this says, or else above its table.
   std::optional<std::string> calibration;
+  /// What `sinew camera hand-eye` has written, beside the cell's file, and the robot that it was
+  /// measured on, which carries the camera or stands beside it; without it the camera hangs where
+  /// its calibration says.
+  std::optional<std::string> hand_eye{};
+  std::string robot{};
   double cube = 0.025;  ///< m, edge of the cubes on its table
   /// Programs that look through it pause where something comes into view while the arm moves.
   bool watch = true;

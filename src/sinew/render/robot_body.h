@@ -13,6 +13,7 @@ struct ViewedRobot {
   Pose<frame::World, frame::Base> X_WB;
   JointVector q;    ///< rad
   double jaws = 0;  ///< m between the fingers; for a robot that has some
+  double held = 0;  ///< m, edge of a cube that its fingers are believed to hold; 0: none
 };
 
 /// Links of a robot in the world, as model/collision_links.h counts them. A hexapod has its stand

@@ -132,10 +132,12 @@ void Camera::calibrate(const vision::TableCamera& calibration) {
 void Camera::heed(std::shared_ptr<const vision::TableCamera> calibration) {
   if (calibration == heeded_) return;
   heeded_ = std::move(calibration);
+  if (heeded_ && watch_.table) X_WT_ = watch_.table(*heeded_);
   sheet_ = heeded_ ? vision::table_sheet(heeded_->sheet) : std::nullopt;
   if (sheet_ && !tags_) tags_.emplace(std::vector{sheet_->family});
   view_.reset();
-  const bool watches = heeded_ && settings_.watch && watch_.robots;
+  // What a camera on an arm sees changes whenever the arm moves.
+  const bool watches = heeded_ && settings_.watch && watch_.robots && !watch_.hangs;
   if (watches) view_.emplace(least_of(*heeded_, settings_.edge));
 }
 
@@ -197,7 +199,7 @@ std::optional<Error> Camera::disturbance(const std::stop_token& ending) {
   constexpr double kMargin = 0.03;  // m: what is held, and how exact a model is
   constexpr int kFrozen = 5;        // a network camera may send one picture twice
   if (!view_) return std::nullopt;
-  auto before = watch_.robots();
+  auto before = robots();
   auto picture = watch_.glances ? watch_.glances(ending) : source_(ending);
   if (ending.stop_requested()) return std::nullopt;
   if (!picture) return picture.error();
@@ -207,10 +209,10 @@ std::optional<Error> Camera::disturbance(const std::stop_token& ending) {
   const vision::CameraModel& model = heeded_->model;
   const vision::CellGrid grid = vision::grid_of(model.width, model.height);
   if (vision::grid_of(picture->width, picture->height) != grid) return std::nullopt;
-  const auto robots = between(std::move(before), watch_.robots());
+  const auto all = between(std::move(before), robots());
   std::optional<vision::Pixel> there;
-  if (robots) {
-    there = view_->look(*picture, render::silhouette(*robots, model, heeded_->X_WC, kMargin));
+  if (all) {
+    there = view_->look(*picture, render::silhouette(*all, model, heeded_->X_WC, kMargin));
   }
   if (!watch_.glances) {
     Shot shot;
@@ -246,44 +248,82 @@ std::optional<Error> Camera::disturbed_since(std::uint64_t count) const {
   return disturbances_ > count ? last_disturbance_ : std::nullopt;
 }
 
+std::optional<Pose<frame::World, frame::Camera>> Camera::pose(
+    const vision::TableCamera& calibration) const {
+  if (watch_.hangs) return watch_.hangs();
+  const auto X_TC = relabel<frame::Table, frame::Camera>(calibration.X_WC);
+  return watch_.table ? watch_.table(calibration) * X_TC
+                      : relabel<frame::World, frame::Camera>(X_TC);
+}
+
 std::vector<render::ViewedRobot> Camera::robots() const {
-  return watch_.robots ? watch_.robots() : std::vector<render::ViewedRobot>{};
+  if (!watch_.robots) return {};
+  const auto X_TW = relabel<frame::World, frame::World>(X_WT_.inverse());
+  auto all = watch_.robots();
+  for (render::ViewedRobot& robot : all) robot.X_WB = X_TW * robot.X_WB;
+  return all;
+}
+
+Expected<vision::Picture> Camera::at_rest(const std::stop_token& ending,
+                                          std::optional<vision::TableCamera>& by) {
+  constexpr std::chrono::seconds kPatience{1};
+  constexpr double kStill = 0.5e-3;  // m at the table
+  if (!by || !watch_.hangs) return source_(ending);
+  const auto X_TW = relabel<frame::World, frame::World>(X_WT_.inverse());
+  const Time end = std::chrono::steady_clock::now() + kPatience;
+  double went = 0;
+  do {
+    const auto before = watch_.hangs();
+    auto picture = source_(ending);
+    const auto after = watch_.hangs();
+    if (!before || !after) return std::unexpected(Error{ErrorCode::kPositionUnknown, 0});
+    if (!picture) return picture;
+    by->X_WC = X_TW * *after;
+    const double turned = angle_between(before->R, after->R) * std::abs(by->X_WC.p.z);
+    went = norm(after->p - before->p) + turned;
+    if (went < kStill) return picture;
+  } while (!ending.stop_requested() && std::chrono::steady_clock::now() < end);
+  return std::unexpected(Error{ErrorCode::kCameraInMotion, -1, went});
 }
 
 Camera::Shot Camera::take(const std::stop_token& ending) {
   Shot shot;
   auto before = robots();
-  auto picture = source_(ending);
+  auto by = heeded_ ? std::optional(*heeded_) : std::nullopt;
+  auto picture = at_rest(ending, by);
   if (!picture) {
     shot.fault = picture.error();
     return shot;
   }
   shot.picture = std::move(*picture);
-  shot.fault = fault_of(shot.picture);
+  shot.fault = fault_of(shot.picture, by ? &*by : nullptr);
   if (shot.fault) return shot;
   shot.seen = vision::detect_cubes(shot.picture);
-  if (!heeded_) return shot;
+  if (!by) return shot;
+  shot.X_WT = X_WT_;
+  shot.X_TC = by->X_WC;
   constexpr double kMargin = 4e-3;  // m: how exact a model is, and what is believed of it
   const auto all = between(std::move(before), robots());
   std::vector<bool> hidden;
-  if (all) hidden = render::silhouette(*all, heeded_->model, heeded_->X_WC, kMargin);
-  vision::place_on_table(shot.seen, shot.picture, *heeded_, settings_.edge, hidden);
+  if (all) hidden = render::silhouette(*all, by->model, by->X_WC, kMargin);
+  vision::place_on_table(shot.seen, shot.picture, *by, settings_.edge, hidden);
   return shot;
 }
 
-std::optional<Error> Camera::fault_of(const vision::Picture& picture) {
-  if (heeded_) {
-    if (const auto changed = size_change(picture, heeded_->model)) return changed;
+std::optional<Error> Camera::fault_of(const vision::Picture& picture,
+                                      const vision::TableCamera* by) {
+  if (by != nullptr) {
+    if (const auto changed = size_change(picture, by->model)) return changed;
   }
   if (is_blind(picture)) return Error{ErrorCode::kCameraBlind};
   if (last_ && picture.rgb == last_->picture.rgb) return Error{ErrorCode::kCameraFrozen};
-  return sheet_ ? moved(picture) : std::nullopt;
+  return by != nullptr && sheet_ ? moved(picture, *by) : std::nullopt;
 }
 
-std::optional<Error> Camera::moved(const vision::Picture& picture) {
+std::optional<Error> Camera::moved(const vision::Picture& picture, const vision::TableCamera& by) {
   constexpr double kMayBe = 3e-3;  // m; what a cube is grasped with forgives
-  const double limit = std::max(kMayBe, 2 * heeded_->accuracy);
-  const auto shift = vision::sheet_shift(*heeded_, *sheet_, tags_->find(picture));
+  const double limit = std::max(kMayBe, 2 * by.accuracy);
+  const auto shift = vision::sheet_shift(by, *sheet_, tags_->find(picture));
   if (!shift) return Error{ErrorCode::kCameraTagsHidden};
   if (*shift > limit) return Error{ErrorCode::kCameraMoved, -1, *shift, limit};
   return std::nullopt;

@@ -11,6 +11,7 @@
 #include <thread>
 #include <vector>
 
+#include "sinew/model/cell.h"
 #include "sinew/render/robot_body.h"
 #include "sinew/runtime/camera_source.h"
 #include "sinew/vision/cube_detection.h"
@@ -34,22 +35,31 @@ class Camera {
     std::string calibration_refused{};
     bool watch = true;  ///< as CellCamera::watch
   };
-  /// The robots in its view as they are believed to stand; their base in the world of the
-  /// calibration. From any thread.
+  /// The robots of the cell as they are believed to stand, in the cell. From any thread.
   using Robots = std::function<std::vector<render::ViewedRobot>()>;
-  /// How it is watched what comes into view.
+  /// Where the table of a calibration is in the cell. From any thread.
+  using Table = std::function<Pose<frame::World, frame::Table>(const vision::TableCamera&)>;
+  /// Where a camera on an arm is in the cell, as the arm is believed to stand; nothing where that
+  /// is not known. From any thread.
+  using Hangs = std::function<std::optional<Pose<frame::World, frame::Camera>>()>;
+  /// What else it knows of its cell, and how it is watched what comes into view.
   struct Watch {
-    Robots robots{};         ///< nothing: it is not
+    Robots robots{};         ///< nothing: it is not watched
+    Table table{};           ///< nothing: the table is the cell's frame
+    Hangs hangs{};           ///< nothing: it hangs where its calibration says
     CameraSource glances{};  ///< smaller pictures of the same; nothing: the camera has one size
   };
   /// What became of one picture.
   struct Shot {
     std::uint64_t number = 0;  ///< the last that ask() gave before it was taken
     /// Why it says nothing: kCameraLost, kCameraBlind, kCameraFrozen, kCameraChanged,
-    /// kCameraMoved, kCameraTagsHidden.
+    /// kCameraMoved, kCameraTagsHidden; of one on an arm kCameraInMotion, kPositionUnknown.
     std::optional<Error> fault;
     vision::Picture picture;  ///< of no size where none came
     vision::Detection seen;   ///< with positions on the table where it is calibrated
+    Pose<frame::World, frame::Table> X_WT{};  ///< of this table in the cell
+    /// Of the camera over its table, where it was taken. @pre it is calibrated
+    Pose<frame::World, frame::Camera> X_TC{};
   };
 
   Camera(Settings settings, CameraSource source, Watch watch);
@@ -60,6 +70,10 @@ class Camera {
   const std::string& identity() const { return settings_.identity; }
   const std::string& calibration_file() const { return settings_.calibration_file; }
   double edge() const { return settings_.edge; }
+  bool is_on_arm() const { return watch_.hangs != nullptr; }
+  /// Where it is in the cell, by its calibration; nothing where it is not known how its arm stands.
+  std::optional<Pose<frame::World, frame::Camera>> pose(
+      const vision::TableCamera& calibration) const;
 
   /// @name From any thread
   /// @{
@@ -89,17 +103,22 @@ class Camera {
 
   void work(const std::stop_token& ending);
   void heed(std::shared_ptr<const vision::TableCamera> calibration);
-  /// In its view, as they are believed to stand; none where that is not known.
+  /// As they are believed to stand on its table; none where that is not known.
   std::vector<render::ViewedRobot> robots() const;
   Shot take(const std::stop_token& ending);
+  /// A picture in which the camera was at rest; that of one on an arm may take several.
+  /// @param by  the calibration; its pose becomes that of the picture
+  Expected<vision::Picture> at_rest(const std::stop_token& ending,
+                                    std::optional<vision::TableCamera>& by);
   std::optional<Error> disturbance(const std::stop_token& ending);
-  std::optional<Error> fault_of(const vision::Picture& picture);
-  std::optional<Error> moved(const vision::Picture& picture);
+  std::optional<Error> fault_of(const vision::Picture& picture, const vision::TableCamera* by);
+  std::optional<Error> moved(const vision::Picture& picture, const vision::TableCamera& by);
 
   const Settings settings_;  ///< its calibration: as it began
   CameraSource source_;
   // Of the thread.
   std::shared_ptr<const vision::TableCamera> heeded_;  ///< the calibration of its shots
+  Pose<frame::World, frame::Table> X_WT_;              ///< of its table in the cell
   std::optional<vision::TagBoard> sheet_;              ///< on its table
   std::optional<vision::TagFinder> tags_;
   std::shared_ptr<const Shot> last_;       ///< with a picture

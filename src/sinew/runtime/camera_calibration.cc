@@ -1,12 +1,16 @@
 #include "sinew/runtime/camera_calibration.h"
 
+#include <algorithm>
 #include <chrono>
 #include <utility>
 
+#include "sinew/calibration/robot_tip.h"
 #include "sinew/config/camera_file.h"
 #include "sinew/io/clock.h"
 #include "sinew/io/file.h"
 #include "sinew/model/error_sentence.h"
+#include "sinew/program/cube_rows.h"
+#include "sinew/runtime/camera_place.h"
 
 namespace sinew::runtime {
 namespace {
@@ -14,6 +18,49 @@ namespace {
 /// A camera that gives nothing says so itself; this is for a computer that does much else.
 constexpr Duration kPatience = std::chrono::seconds(60);
 constexpr Duration kTurn = std::chrono::milliseconds(5);
+
+std::unexpected<CameraCalibration::Refusal> refused(std::string code, std::string sentence) {
+  return std::unexpected(CameraCalibration::Refusal{std::move(code), std::move(sentence)});
+}
+
+struct ToolAtRest {
+  JointVector q;
+  double jaws = 0;  ///< m, between them
+};
+
+/// Of a tool that has one tip, which rests.
+std::expected<ToolAtRest, CameraCalibration::Refusal> tool_at_rest(const Station& station) {
+  using control::MachineState;
+  constexpr double kClosed = 2e-3;  // m
+  const RobotModel& model = station.robot();
+  if (std::holds_alternative<HexapodGeometry>(model.geometry)) {
+    return refused("no_tip", station.name() + " is a platform: it has no tip to touch marks with.");
+  }
+  const StationView view = station.view();
+  if (view.state == MachineState::kMoving || view.state == MachineState::kStopping ||
+      view.state == MachineState::kRecovering) {
+    return refused("moves", station.name() + " moves. Wait until it is at rest.");
+  }
+  ToolAtRest tool;
+  for (const JointPosition& joint : view.positions) {
+    if (joint.quality != PositionQuality::kLost) tool.q.push_back(joint.q);
+  }
+  if (tool.q.size() != model.joints.size()) {
+    return refused("position_unknown", "It is not known where " + station.name() +
+                                           " stands. Press Home, then touch the mark.");
+  }
+  if (!program::picks_with_jaws(model)) return tool;
+  tool.jaws = view.tool.jaws.value_or(2 * kClosed);
+  if (tool.jaws <= kClosed) return tool;
+  return refused("jaws_open",
+                 "The jaws of " + station.name() +
+                     " are not closed. Close them, so that the tool has one tip, then touch the "
+                     "mark.");
+}
+
+bool lift_from(calibration::SheetTouches& touches, std::string_view mark) {
+  return std::erase_if(touches.marks, [&](const auto& one) { return one.mark == mark; }) > 0;
+}
 
 }  // namespace
 
@@ -35,6 +82,8 @@ CameraCalibration::CameraCalibration(CameraCalibration&& other) noexcept
       camera_(other.camera_),
       views_(std::move(other.views_)),
       result_(std::move(other.result_)),
+      touches_(std::move(other.touches_)),
+      touched_(std::move(other.touched_)),
       step_(other.step_),
       pose_(other.pose_) {}
 
@@ -102,6 +151,54 @@ bool CameraCalibration::drop(std::uint64_t view) {
   return true;
 }
 
+std::expected<void, CameraCalibration::Refusal> CameraCalibration::touch(std::size_t robot,
+                                                                         std::string_view mark) {
+  const std::vector<vision::BoardMark> marks = marks_of(views_.sheet());
+  const auto known = std::ranges::find(marks, mark, &vision::BoardMark::name);
+  if (known == marks.end()) {
+    std::string names;
+    for (const vision::BoardMark& one : marks) names += (names.empty() ? "" : ", ") + one.name;
+    return refused("unknown_mark", "The sheet has no such mark; its marks are " + names + ".");
+  }
+  const Station& station = cell_->station(robot);
+  const auto tool = tool_at_rest(station);
+  if (!tool) return std::unexpected(tool.error());
+  if (touches_ && touches_->robot != station.name()) {
+    return refused("other_robot", "The other marks were touched by " + touches_->robot +
+                                      ". Go on with it, or delete these marks.");
+  }
+  if (!touches_) {
+    touches_ = calibration::SheetTouches{
+        .model = station.robot(),
+        .robot = station.name(),
+        .up = transposed_times(cell_->cell().robots[robot].X_WB.R, Vec3{0, 0, 1}),
+        .sheet = views_.sheet(),
+        .marks = {}};
+  }
+  touches_->jaws = tool->jaws;
+  lift_from(*touches_, mark);
+  touches_->marks.push_back({known->name, known->p_B, "", tool->q,
+                             calibration::tip_at(station.robot(), tool->q, tool->jaws)});
+  touched_ = calibration::touched_sheet(*touches_);
+  return {};
+}
+
+Pose<frame::World, frame::Table> CameraCalibration::table_in(const Cell& cell) const {
+  vision::TableCamera by;
+  if (touches_ && touched_) by.touched = {touches_->robot, touched_->frame.X_BW, touched_->error};
+  return table_of(cell, cell.cameras[camera_], &by);
+}
+
+bool CameraCalibration::lift(std::string_view mark) {
+  if (!touches_ || !lift_from(*touches_, mark)) return false;
+  if (touches_->marks.empty()) {
+    touches_.reset();
+  } else {
+    touched_ = calibration::touched_sheet(*touches_);
+  }
+  return true;
+}
+
 std::expected<CameraCalibration::Saved, CameraCalibration::Refusal> CameraCalibration::save(
     bool sheet_stays) {
   Camera& camera = *cell_->camera(camera_);
@@ -116,7 +213,15 @@ std::expected<CameraCalibration::Saved, CameraCalibration::Refusal> CameraCalibr
     return std::unexpected(Refusal{
         "no_file", "This cell was not read from a file, so there is no place for a calibration."});
   }
+  if (touches_ && !touched_) {
+    return refused("touches",
+                   "The marks that were touched do not say where the sheet lies. Touch more of "
+                   "them, or delete them.");
+  }
   vision::TableCamera calibrated = result_.camera->camera;
+  if (touches_) {
+    calibrated.touched = {touches_->robot, touched_->frame.X_BW, touched_->error};
+  }
   calibrated.name = camera.name();
   calibrated.identity = camera.identity();
   if (!sheet_stays) calibrated.sheet.clear();

@@ -118,7 +118,7 @@ TEST(Camera, a_watch_that_begins_anew_at_once_takes_things_as_they_are) {
     for (int y = 60; has_box && y < 180; ++y) std::fill_n(picture.at(200, y), 3 * 100, 20);
     return picture;
   };
-  Camera camera(above, glance, {[] { return std::vector<render::ViewedRobot>{}; }, glance});
+  Camera camera(above, glance, {[] { return std::vector<render::ViewedRobot>{}; }, {}, {}, glance});
   const auto wait_for = [](auto holds) {
     const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
     while (!holds() && std::chrono::steady_clock::now() < end) std::this_thread::yield();
@@ -151,7 +151,7 @@ TEST(Camera, a_watched_camera_that_sees_nothing_any_more_is_a_disturbance_with_i
     if (is_lost) return std::unexpected(Error{ErrorCode::kCameraLost, -1, 5});
     return table(is_frozen ? number.load() : ++number);
   };
-  Camera camera(above, glance, {[] { return std::vector<render::ViewedRobot>{}; }, glance});
+  Camera camera(above, glance, {[] { return std::vector<render::ViewedRobot>{}; }, {}, {}, glance});
   const auto disturbed_by = [&](std::uint64_t before) {
     const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
     while (camera.disturbances() == before && std::chrono::steady_clock::now() < end) {

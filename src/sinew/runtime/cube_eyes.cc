@@ -50,44 +50,44 @@ program::Sighting sighting_of(const vision::Detection& seen, double edge,
 void CubeEyes::watch(bool on, bool anew) {
   if (on == (watched_ != nullptr)) return;
   if (!on) return std::exchange(watched_, nullptr)->end_watch();
-  watched_ = cameras_[looks_with_].camera;
+  watched_ = cameras_[looks_with_];
   watched_->begin_watch(anew);
   // Read behind begin_watch(): a look that was under way may have counted before.
   undisturbed_ = watched_->disturbances();
 }
 
-program::Sighting CubeEyes::sighting(const Looking& with, const Camera::Shot& shot) const {
-  return sighting_of(shot.seen, with.camera->edge(), {with.X_WT, X_WB_, baskets_.all()});
+program::Sighting CubeEyes::sighting(const Camera& with, const Camera::Shot& shot) const {
+  return sighting_of(shot.seen, with.edge(), {shot.X_WT, X_WB_, baskets_.all()});
 }
 
 void CubeEyes::look(std::string_view camera) {
-  const auto found = std::ranges::find_if(
-      cameras_, [&](const Looking& one) { return one.camera->name() == camera; });
+  const auto found =
+      std::ranges::find_if(cameras_, [&](const Camera* one) { return one->name() == camera; });
   looks_with_ = found != cameras_.end() ? static_cast<std::size_t>(found - cameras_.begin()) : 0;
-  wanted_ = cameras_[looks_with_].camera->ask();
+  wanted_ = cameras_[looks_with_]->ask();
 }
 
 std::optional<Expected<program::Sighting>> CubeEyes::seen() {
-  const Looking& with = cameras_[looks_with_];
-  const auto shot = with.camera->newest();
+  const Camera& with = *cameras_[looks_with_];
+  const auto shot = with.newest();
   if (wanted_ == 0 || !shot || shot->number < wanted_) return std::nullopt;
   wanted_ = 0;
-  if (listener_) listener_(*with.camera, shot);
+  if (listener_) listener_(with, shot);
   if (shot->fault) return std::unexpected(*shot->fault);
   return sighting(with, *shot);
 }
 
 std::optional<program::Sighting> CubeEyes::newest() const {
-  const Looking& with = cameras_.front();
-  const auto shot = with.camera->newest();
-  if (!shot) with.camera->refresh();
+  Camera& with = *cameras_.front();
+  const auto shot = with.newest();
+  if (!shot) with.refresh();
   if (!shot || shot->fault) return std::nullopt;
   return sighting(with, *shot);
 }
 
 std::vector<std::string> CubeEyes::names() const {
   std::vector<std::string> names;
-  for (const Looking& one : cameras_) names.push_back(one.camera->name());
+  for (const Camera* one : cameras_) names.push_back(one->name());
   return names;
 }
 

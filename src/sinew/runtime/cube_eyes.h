@@ -34,9 +34,7 @@ class CubeEyes : public program::Eyes {
            Listener listener)
       : X_WB_(X_WB), baskets_(baskets), listener_(std::move(listener)) {}
   /// One more to look with. @param camera  calibrated; outlives this
-  void add(const Pose<frame::World, frame::Table>& X_WT, Camera& camera) {
-    cameras_.push_back({X_WT, &camera});
-  }
+  void add(Camera& camera) { cameras_.push_back(&camera); }
 
   void look(std::string_view camera) override;
   std::optional<Expected<program::Sighting>> seen() override;
@@ -50,15 +48,11 @@ class CubeEyes : public program::Eyes {
   std::vector<std::string> names() const;
 
  private:
-  struct Looking {
-    Pose<frame::World, frame::Table> X_WT;
-    Camera* camera = nullptr;
-  };
-  program::Sighting sighting(const Looking& with, const Camera::Shot& shot) const;
+  program::Sighting sighting(const Camera& with, const Camera::Shot& shot) const;
 
   Pose<frame::World, frame::Base> X_WB_;
   const CellBaskets& baskets_;
-  std::vector<Looking> cameras_;
+  std::vector<Camera*> cameras_;
   Listener listener_;
   std::size_t looks_with_ = 0;
   std::uint64_t wanted_ = 0;  ///< 0: none

@@ -90,22 +90,26 @@ RunningCell::~RunningCell() {
 }
 
 void RunningCell::open_camera(std::size_t i, Camera::Settings settings, CameraSource source,
-                              CameraSource glances) {
+                              CameraSource glances, std::optional<CameraMount> mount) {
   settings.watch = settings.watch && cell_.cameras[i].watch;
-  const auto X_TW = relabel<frame::World, frame::World>(cell_.cameras[i].X_WT.inverse());
-  const auto robots = [this, X_TW] {
-    auto all = robots_in_view(Stand::kBelieved);
-    for (render::ViewedRobot& robot : all) robot.X_WB = X_TW * robot.X_WB;
-    return all;
-  };
-  cameras_[i] = std::make_unique<Camera>(std::move(settings), std::move(source),
-                                         Camera::Watch{robots, std::move(glances)});
+  Camera::Watch watch{
+      .robots = [this] { return robots_in_view(Stand::kBelieved); },
+      .table = [this, i](const auto& by) { return table_of(cell_, cell_.cameras[i], &by); },
+      .hangs = {},
+      .glances = std::move(glances)};
+  if (mount) watch.hangs = [this, on = *mount] { return hangs(on, Stand::kBelieved); };
+  cameras_[i] = std::make_unique<Camera>(std::move(settings), std::move(source), std::move(watch));
   look_with_calibrated();
 }
 
 void RunningCell::calibrate(std::size_t i, const vision::TableCamera& calibration) {
   cameras_[i]->calibrate(calibration);
   look_with_calibrated();
+}
+
+Pose<frame::World, frame::Table> RunningCell::table_at(std::size_t camera) const {
+  const auto by = cameras_[camera] ? cameras_[camera]->calibration() : nullptr;
+  return table_of(cell_, cell_.cameras[camera], by.get());
 }
 
 void RunningCell::look_with_calibrated() {
@@ -122,7 +126,7 @@ void RunningCell::look_with_calibrated() {
         [&station = *stations_[robot]](const Camera& camera, const auto& shot) {
           station.record(RunPicture{station.clock().now(), camera.name(), shot});
         });
-    for (const std::size_t i : calibrated) eyes->add(cell_.cameras[i].X_WT, *cameras_[i]);
+    for (const std::size_t i : calibrated) eyes->add(*cameras_[i]);
     jobs_[robot]->see_by(*eyes);
     newest_eyes_[robot] = eyes.get();
     eyes_.push_back(std::move(eyes));
@@ -147,24 +151,36 @@ std::shared_ptr<const program::TableTop> RunningCell::table_top(std::size_t robo
   return table;
 }
 
+std::optional<render::ViewedRobot> RunningCell::robot_in_view(std::size_t i, Stand how) const {
+  const StationView view = stations_[i]->view();
+  render::ViewedRobot robot{stations_[i]->robot(), cell_.robots[i].X_WB, {}};
+  if (how == Stand::kTrue && view.truth) {
+    for (const sim::JointTruth& joint : view.truth->joints) robot.q.push_back(joint.q);
+    robot.jaws = view.truth->tool;
+  } else {
+    // Also on the way; one that is lost leaves the robot out.
+    for (const JointPosition& joint : view.positions) {
+      if (joint.quality != PositionQuality::kLost) robot.q.push_back(joint.q);
+    }
+    robot.jaws = view.tool.jaws.value_or(0);
+    robot.held = view.tool.held.value_or(0);
+  }
+  if (robot.q.size() != robot.model.joints.size()) return std::nullopt;
+  return robot;
+}
+
 std::vector<render::ViewedRobot> RunningCell::robots_in_view(Stand how) const {
   std::vector<render::ViewedRobot> robots;
   for (std::size_t i = 0; i < size(); ++i) {
-    const StationView view = stations_[i]->view();
-    render::ViewedRobot robot{stations_[i]->robot(), cell_.robots[i].X_WB, {}, 0};
-    if (how == Stand::kTrue && view.truth) {
-      for (const sim::JointTruth& joint : view.truth->joints) robot.q.push_back(joint.q);
-      robot.jaws = view.truth->tool;
-    } else {
-      // Also on the way; one that is lost leaves the robot out.
-      for (const JointPosition& joint : view.positions) {
-        if (joint.quality != PositionQuality::kLost) robot.q.push_back(joint.q);
-      }
-      robot.jaws = view.tool.jaws.value_or(0);
-    }
-    if (robot.q.size() == robot.model.joints.size()) robots.push_back(std::move(robot));
+    if (auto robot = robot_in_view(i, how)) robots.push_back(std::move(*robot));
   }
   return robots;
+}
+
+std::optional<Pose<frame::World, frame::Camera>> RunningCell::hangs(const CameraMount& mount,
+                                                                    Stand how) const {
+  auto robot = robot_in_view(mount.robot, how);
+  return robot ? pose_on(mount, std::move(*robot)) : std::nullopt;
 }
 
 std::optional<std::size_t> RunningCell::find(std::string_view name) const {

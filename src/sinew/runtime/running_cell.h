@@ -11,6 +11,7 @@
 #include "sinew/model/cell.h"
 #include "sinew/program/table_top.h"
 #include "sinew/runtime/camera.h"
+#include "sinew/runtime/camera_place.h"
 #include "sinew/runtime/cell_baskets.h"
 #include "sinew/runtime/cube_eyes.h"
 #include "sinew/runtime/job.h"
@@ -59,12 +60,15 @@ class RunningCell {
   /// The camera of the cell's file with this number gives pictures from now on; programs look with
   /// calibrated ones, the first where they name none. Before the first job.
   /// @param glances  as Camera::Watch has them
+  /// @param mount    on an arm; nothing: it hangs where its calibration says
   void open_camera(std::size_t i, Camera::Settings settings, CameraSource source,
-                   CameraSource glances = {});
+                   CameraSource glances = {}, std::optional<CameraMount> mount = {});
   /// Counts from the next picture on, also for programs. For one thread only. @pre it was opened
   void calibrate(std::size_t i, const vision::TableCamera& calibration);
   /// Null where it was not opened.
   Camera* camera(std::size_t i) const { return cameras_[i].get(); }
+  /// Where the table of a camera is.
+  Pose<frame::World, frame::Table> table_at(std::size_t camera) const;
   /// Where its baskets stand.
   const CellBaskets& baskets() const { return *baskets_; }
   /// A person has put it there. @param X_WK  upright
@@ -76,12 +80,15 @@ class RunningCell {
   enum class Stand : std::uint8_t { kBelieved, kTrue };
   /// How its robots stand, as far as that is known; kTrue: simulated ones as they really do.
   std::vector<render::ViewedRobot> robots_in_view(Stand how) const;
+  /// Where a camera on an arm is; nothing where it is not known how that stands.
+  std::optional<Pose<frame::World, frame::Camera>> hangs(const CameraMount& mount, Stand how) const;
 
  private:
   RunningCell(Cell cell, CellFolders folders)
       : cell_(std::move(cell)), folders_(std::move(folders)) {}
 
   void look_with_calibrated();
+  std::optional<render::ViewedRobot> robot_in_view(std::size_t robot, Stand how) const;
 
   Cell cell_;
   CellFolders folders_;

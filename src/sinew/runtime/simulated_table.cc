@@ -86,14 +86,19 @@ std::unique_ptr<sim::ByteMachine> SimulatedTable::under(std::unique_ptr<sim::Byt
 }
 
 CameraSource SimulatedTable::pictures(const vision::TableCamera& camera, Robots robots,
-                                      std::size_t number) {
+                                      std::size_t number, Hangs hangs) {
   if (!camera.sheet.empty()) leave_sheet(camera.sheet);
   {
     const std::scoped_lock lock(mutex_);
     cameras_.insert_or_assign(number, camera);
   }
-  return [this, camera, robots = std::move(robots), number,
+  return [this, camera = vision::TableCamera(camera), robots = std::move(robots), number,
+          hangs = std::move(hangs),
           last = std::optional<vision::Picture>()](const std::stop_token&) mutable {
+    if (hangs) {
+      const auto X_WC = hangs();
+      if (X_WC) camera.X_WC = relabel<frame::World, frame::World>(X_WT_.inverse()) * *X_WC;
+    }
     auto taken = picture(camera, robots, number, last);
     if (taken) last = *taken;
     return taken;

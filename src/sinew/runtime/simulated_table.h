@@ -41,6 +41,8 @@ class SimulatedTable {
  public:
   /// How the robots stand, in the cell.
   using Robots = std::function<std::vector<render::ViewedRobot>()>;
+  /// Where a camera on an arm is, in the cell; nothing: the arm stands nowhere.
+  using Hangs = std::function<std::optional<Pose<frame::World, frame::Camera>>()>;
   /// What is wrong with the camera, and what else stands on the table.
   struct Trouble {
     bool unplugged = false;
@@ -68,7 +70,9 @@ class SimulatedTable {
   /// Pictures of it; where the camera has a sheet with tags that lies on the table from now on.
   /// @param camera  as it hangs
   /// @param number  of the cell's cameras
-  CameraSource pictures(const vision::TableCamera& camera, Robots robots, std::size_t number = 0);
+  /// @param hangs   of one on an arm
+  CameraSource pictures(const vision::TableCamera& camera, Robots robots, std::size_t number = 0,
+                        Hangs hangs = {});
   /// Smaller ones of the same, for Camera::Watch.
   CameraSource glances(const vision::TableCamera& camera, Robots robots, std::size_t number = 0);
   /// In pictures from now on; nothing: the person has gone, and has put the cubes back.

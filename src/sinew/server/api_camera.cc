@@ -107,10 +107,25 @@ Api::Answer Api::calibrate(const Method& method, const Call& call) {
       });
     case MethodId::kCalibrationTake:
       return task([this, i = *camera, session] { return calibrations_.take(i, session); });
-    case MethodId::kCalibrationDrop:
+    case MethodId::kCalibrationTouch:
+      return task(
+          [this, i = *camera, session, robot = *call.robot, mark = call.request.text("mark")] {
+            return calibrations_.touch(i, session, robot, mark);
+          });
+    case MethodId::kCalibrationDrop: {
+      const bool mark = call.request.params.contains("mark");
+      if (mark == call.request.params.contains("view")) {
+        return invalid("view or mark says what to remove");
+      }
+      if (mark) {
+        return task([this, i = *camera, session, name = call.request.text("mark")] {
+          return calibrations_.lift(i, session, name);
+        });
+      }
       return task([this, i = *camera, session, view = call.request.whole("view", 0)] {
         return calibrations_.drop(i, session, view);
       });
+    }
     case MethodId::kCalibrationSave: {
       if (const auto busy = job_under_way_anywhere()) return *busy;
       const bool stays =

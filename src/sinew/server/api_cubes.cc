@@ -79,7 +79,7 @@ Api::Answer Api::judge_cubes(const Call& call) {
         Json json{{"camera", place.name}, {"number", shot ? shot->number : 0}};
         if (!shot || shot->fault) return json;
         const program::Sighting seen =
-            runtime::sighting_of(shot->seen, place.cube, {place.X_WT, X_WB, cell_.baskets().all()});
+            runtime::sighting_of(shot->seen, place.cube, {shot->X_WT, X_WB, cell_.baskets().all()});
         program::RowPlanner planner(station.robot());
         planner.show_to(look_in(cell_, robot));
         Json cubes = Json::array();
@@ -102,8 +102,7 @@ Api::Answer Api::cube_reach(const Call& call) {
       call.request.number("edge_m", cameras.empty() ? program::kUsualCube : cameras.front().cube);
   if (!(edge >= kEdgeMin && edge <= kEdgeMax)) return invalid("edge_m has to be 0.005 to 0.2");
   const double foot = cell_.cell().robots[robot].X_WB.p.z;
-  const double height =
-      call.request.number("z_m", cameras.empty() ? foot : cameras.front().X_WT.p.z);
+  const double height = call.request.number("z_m", cameras.empty() ? foot : cell_.table_at(0).p.z);
   if (!(std::abs(height) <= kFarthest)) return invalid("z_m has to be -100 to 100");
   const auto rounded = [](double value) { return std::round(value / kRounding) * kRounding; };
   return reach_.look({robot, rounded(edge), rounded(height)});

@@ -1,5 +1,7 @@
 #include "sinew/server/calibrations.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -42,10 +44,42 @@ Json coverage_json(const Coverage& coverage) {
   return rows;
 }
 
+std::string_view step_name(Step step) {
+  return step == Step::kBoard ? "board" : step == Step::kSheet ? "sheet" : "touch";
+}
+
+/// What the marks that were touched say, beside where the cell's file has the sheet.
+Json touch_json(const runtime::CameraCalibration& one, const Pose<frame::World, frame::Table>& X_WT,
+                const Pose<frame::World, frame::Table>& X_WT_file) {
+  const calibration::SheetTouches& touches = *one.touches();
+  const auto& touched = one.touched();
+  Json marks = Json::array();
+  for (std::size_t i = 0; i < touches.marks.size(); ++i) {
+    Json mark{{"mark", touches.marks[i].mark}};
+    if (touched) mark["off_m"] = touched->frame.residuals[i];
+    marks.push_back(std::move(mark));
+  }
+  Json json{{"robot", touches.robot}, {"marks", std::move(marks)}};
+  if (!touched) {
+    json["trouble"] = touched.error().sentence;
+    json["too_few"] = touched.error().kind == calibration::TouchRefusal::Kind::kTooFew;
+    return json;
+  }
+  json["rms_m"] = touched->frame.rms;
+  json["error_m"] = touched->error;
+  json["pose"] = pose_json(X_WT.p, X_WT.R);
+  json["moved_m"] = norm(X_WT.p - X_WT_file.p);
+  if (const auto next = calibration::next_touch(touches, *touched)) {
+    json["next"] = {{"mark", next->mark.name}, {"error_m", next->error}};
+  }
+  return json;
+}
+
 /// The camera's pose in the cell.
-Json result_json(const calibration::TableCalibration& result, const CellCamera& place) {
+Json result_json(const calibration::TableCalibration& result,
+                 const Pose<frame::World, frame::Table>& X_WT) {
   const vision::TableCamera& camera = result.camera;
-  const auto X_WC = place.X_WT * relabel<frame::Table, frame::Camera>(camera.X_WC);
+  const auto X_WC = X_WT * relabel<frame::Table, frame::Camera>(camera.X_WC);
   return {{"table_error_m", camera.accuracy},
           {"reprojection_px", camera.reprojection},
           {"ambiguous", result.table.ambiguous()},
@@ -57,11 +91,11 @@ Json result_json(const calibration::TableCalibration& result, const CellCamera& 
           {"lens", camera.model.lens}};
 }
 
-void put_calibration(Json& json, const runtime::CameraCalibration& one, const CellCamera& place) {
+void put_calibration(Json& json, const runtime::CameraCalibration& one, const Cell& cell) {
   const calibration::ViewsResult& result = one.result();
   const auto& views = one.views().views();
   const auto& sheet = one.views().table();
-  json["step"] = one.step() == Step::kBoard ? "board" : "sheet";
+  json["step"] = step_name(one.step());
   json["paper"] = one.paper();
   json["views_least"] = BoardViews::kViewsLeast;
   json["views_enough"] = Coverage::kViewsEnough;
@@ -80,7 +114,16 @@ void put_calibration(Json& json, const runtime::CameraCalibration& one, const Ce
   json["coverage"] = coverage_json(result.coverage);
   if (result.better) json["better"] = *result.better;
   if (result.trouble) json["trouble"] = sentence(*result.trouble);
-  if (result.camera) json["result"] = result_json(*result.camera, place);
+  const CellCamera& place = cell.cameras[one.camera()];
+  const auto X_WT = one.table_in(cell);
+  if (result.camera) json["result"] = result_json(*result.camera, X_WT);
+  if (one.touches() != nullptr) json["touch"] = touch_json(one, X_WT, place.X_WT);
+  const vision::TagBoard& paper = one.views().sheet();
+  json["paper_m"] = {paper.width, paper.height};
+  json["marks"] = Json::array();
+  for (const vision::BoardMark& mark : marks_of(paper)) {
+    json["marks"].push_back({{"mark", mark.name}, {"x_m", mark.p_B.x}, {"y_m", mark.p_B.y}});
+  }
 }
 
 RpcError refused(const calibration::ViewRefusal& why) {
@@ -99,7 +142,7 @@ Calibrations::Result Calibrations::status(std::size_t camera) const {
   if (!file.empty()) json["file"] = file;
   if (one == under_way_.end()) return json;
   json["session"] = one->second.session;
-  put_calibration(json, one->second.calibration, place);
+  put_calibration(json, one->second.calibration, cell_.cell());
   return json;
 }
 
@@ -146,12 +189,14 @@ Calibrations::Result Calibrations::begin(std::size_t camera, const std::string& 
 
 Calibrations::Result Calibrations::expect(std::size_t camera, std::uint64_t session,
                                           const std::string& step) {
-  if (step != "board" && step != "sheet") {
-    return std::unexpected(invalid("step has to be board or sheet"));
+  constexpr std::array kSteps{Step::kBoard, Step::kSheet, Step::kTouch};
+  const auto* const wanted = std::ranges::find(kSteps, step, step_name);
+  if (wanted == kSteps.end()) {
+    return std::unexpected(invalid("step has to be board, sheet or touch"));
   }
   const auto one = found(camera, session);
   if (!one) return std::unexpected(one.error());
-  (*one)->calibration.expect(step == "board" ? Step::kBoard : Step::kSheet);
+  (*one)->calibration.expect(*wanted);
   return status(camera);
 }
 
@@ -180,6 +225,26 @@ Calibrations::Result Calibrations::drop(std::size_t camera, std::uint64_t sessio
     return std::unexpected(RpcError{RpcCode::kRefused,
                                     "There is no view " + std::to_string(view) + " (any more).",
                                     {{"code", "no_view"}}});
+  }
+  return status(camera);
+}
+
+Calibrations::Result Calibrations::touch(std::size_t camera, std::uint64_t session,
+                                         std::size_t robot, const std::string& mark) {
+  const auto one = found(camera, session);
+  if (!one) return std::unexpected(one.error());
+  const auto touched = (*one)->calibration.touch(robot, mark);
+  if (!touched) return std::unexpected(refused(touched.error()));
+  return status(camera);
+}
+
+Calibrations::Result Calibrations::lift(std::size_t camera, std::uint64_t session,
+                                        const std::string& mark) {
+  const auto one = found(camera, session);
+  if (!one) return std::unexpected(one.error());
+  if (!(*one)->calibration.lift(mark)) {
+    return std::unexpected(
+        RpcError{RpcCode::kRefused, "This mark was not touched.", {{"code", "not_touched"}}});
   }
   return status(camera);
 }

@@ -24,7 +24,10 @@ class Calibrations {
   Result begin(std::size_t camera, const std::string& paper, bool anew);
   Result expect(std::size_t camera, std::uint64_t session, const std::string& step);
   Result take(std::size_t camera, std::uint64_t session);
+  Result touch(std::size_t camera, std::uint64_t session, std::size_t robot,
+               const std::string& mark);
   Result drop(std::size_t camera, std::uint64_t session, std::uint64_t view);
+  Result lift(std::size_t camera, std::uint64_t session, const std::string& mark);
   Result save(std::size_t camera, std::uint64_t session, bool sheet_stays);
   Result end(std::size_t camera, std::uint64_t session);
 

@@ -19,19 +19,20 @@ Json corners_json(const vision::Quad& quad) {
   return corners;
 }
 
-Json cube_json(const vision::SeenCube& cube, const CellCamera& camera,
-               const std::vector<CellBasket>& baskets) {
+/// @param edge  m
+Json cube_json(const vision::SeenCube& cube, const Pose<frame::World, frame::Table>& X_WT,
+               double edge, const std::vector<CellBasket>& baskets) {
   Json json{{"color", name(cube.color)},
             {"confidence", cube.confidence},
             {"top_px", corners_json(cube.top)}};
   if (!cube.position) return json;
   // The calibration's world is its table.
-  const Vec3 p_W = camera.X_WT * cube.position->top_W;
+  const Vec3 p_W = X_WT * cube.position->top_W;
   json["x_m"] = p_W.x;
   json["y_m"] = p_W.y;
   json["z_m"] = p_W.z;
-  json["yaw_rad"] = cube.position->yaw + fixed_xyz(camera.X_WT.R).z;
-  json["edge_m"] = camera.cube;
+  json["yaw_rad"] = cube.position->yaw + fixed_xyz(X_WT.R).z;
+  json["edge_m"] = edge;
   const auto basket = std::ranges::find_if(
       baskets, [&](const CellBasket& one) { return runtime::is_in(one, p_W); });
   if (basket != baskets.end()) json["in_basket"] = basket->name;
@@ -55,10 +56,11 @@ Json baskets_json(const std::vector<CellBasket>& baskets) {
 
 Json camera_description(const runtime::RunningCell& cell, std::size_t camera) {
   const CellCamera& place = cell.cell().cameras[camera];
+  const auto X_WT = cell.table_at(camera);
   Json json{{"name", place.name},
             {"device", place.device},
             {"cube_m", place.cube},
-            {"table", pose_json(place.X_WT.p, place.X_WT.R)}};
+            {"table", pose_json(X_WT.p, X_WT.R)}};
   const runtime::Camera* opened = cell.camera(camera);
   if (opened == nullptr) return json;
   if (!opened->calibration_file().empty()) {
@@ -69,7 +71,8 @@ Json camera_description(const runtime::RunningCell& cell, std::size_t camera) {
   const auto kept = opened->calibration();
   if (!kept) return json;
   const vision::TableCamera& calibration = *kept;
-  const auto X_WC = place.X_WT * relabel<frame::Table, frame::Camera>(calibration.X_WC);
+  const auto X_WC = opened->pose(calibration).value_or(Pose<frame::World, frame::Camera>{});
+  json["on_arm"] = opened->is_on_arm();
   json["lens"] = {{"pose", pose_json(X_WC.p, X_WC.R)},     {"width_px", calibration.model.width},
                   {"height_px", calibration.model.height}, {"fx_px", calibration.model.fx},
                   {"fy_px", calibration.model.fy},         {"cx_px", calibration.model.center.x},
@@ -84,7 +87,7 @@ Json shot_json(const runtime::RunningCell& cell, std::size_t camera,
   Json cubes = Json::array();
   const std::vector<CellBasket> baskets = cell.baskets().all();
   for (const vision::SeenCube& cube : shot.seen.cubes) {
-    cubes.push_back(cube_json(cube, place, baskets));
+    cubes.push_back(cube_json(cube, shot.X_WT, place.cube, baskets));
   }
   Json refused = Json::array();
   for (const vision::RefusedShape& shape : shot.seen.refused) {
@@ -96,6 +99,11 @@ Json shot_json(const runtime::RunningCell& cell, std::size_t camera,
             {"height_px", shot.picture.height},
             {"cubes", cubes},
             {"refused", refused}};
+  const runtime::Camera* opened = cell.camera(camera);
+  if (!shot.fault && opened != nullptr && opened->is_on_arm()) {
+    const auto X_WC = shot.X_WT * relabel<frame::Table, frame::Camera>(shot.X_TC);
+    json["pose"] = pose_json(X_WC.p, X_WC.R);
+  }
   if (place.device == kSimulatedCamera) json["trouble"] = name_of(cell.table()->trouble());
   if (!baskets.empty()) json["baskets"] = baskets_json(baskets);
   if (shot.fault) json["fault"] = error_json(*shot.fault, cell.station(0).robot());

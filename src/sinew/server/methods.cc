@@ -130,10 +130,17 @@ constexpr Param kBeginParams[] = {
     kPaperParam,
     {"anew", ParamType::kFlag, false, "without the views of the calibration under way"}};
 constexpr Param kExpectParams[] = {
-    {"step", ParamType::kText, true, "board or sheet"}, kCameraParam, kSessionParam};
+    {"step", ParamType::kText, true, "board, sheet or touch"}, kCameraParam, kSessionParam};
 constexpr Param kSessionOnly[] = {kCameraParam, kSessionParam};
-constexpr Param kDropParams[] = {
-    {"view", ParamType::kWhole, true, "its number"}, kCameraParam, kSessionParam};
+constexpr Param kTouchParams[] = {
+    kRobotParam,
+    {"mark", ParamType::kText, true, "of the sheet: cross1 to cross5, tag580 to tag583"},
+    kCameraParam,
+    kSessionParam};
+constexpr Param kDropParams[] = {{"view", ParamType::kWhole, false, "its number"},
+                                 {"mark", ParamType::kText, false, "that was touched"},
+                                 kCameraParam,
+                                 kSessionParam};
 constexpr Param kCalibrationSaveParams[] = {
     kCameraParam,
     kSessionParam,
@@ -385,7 +392,8 @@ constexpr auto kMethods = std::to_array<Method>({
      kPrintParams, "text", "Text"},
     {MethodId::kCalibrationStatus, "camera.calibration.status", false,
      "how the calibration of a camera stands", kCameraOnly,
-     "camera, under_way, session, step, views, coverage, better, trouble, result", "Calibration"},
+     "camera, under_way, session, step, views, coverage, better, trouble, result, touch",
+     "Calibration"},
     {MethodId::kCalibrationBegin, "camera.calibration.begin", true,
      "calibrates a camera, or goes on with the calibration under way, of all clients alike; a "
      "simulated camera is shown the board from now on",
@@ -396,8 +404,13 @@ constexpr auto kMethods = std::to_array<Method>({
      "a picture, as a view of the board or of the sheet; refused where it adds nothing, is blurred "
      "or shows neither",
      kSessionOnly, "as camera.calibration.status, and taken: its number", "Calibration"},
-    {MethodId::kCalibrationDrop, "camera.calibration.drop", true, "removes a view", kDropParams,
-     "as camera.calibration.status", "Calibration"},
+    {MethodId::kCalibrationTouch, "camera.calibration.touch", true,
+     "the tip of this robot's tool is on a mark of the sheet: three and more say where the sheet "
+     "lies. The robot has to be at rest, its jaws closed",
+     kTouchParams, "as camera.calibration.status", "Calibration"},
+    {MethodId::kCalibrationDrop, "camera.calibration.drop", true,
+     "removes a view, or a mark that was touched", kDropParams, "as camera.calibration.status",
+     "Calibration"},
     {MethodId::kCalibrationSave, "camera.calibration.save", true,
      "writes the camera's file beside the cell's, and ends; the camera sees by it from its next "
      "picture on. Refused while a program runs",

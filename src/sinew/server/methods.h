@@ -81,6 +81,7 @@ enum class MethodId : std::uint8_t {
   kCalibrationBegin,
   kCalibrationExpect,
   kCalibrationTake,
+  kCalibrationTouch,
   kCalibrationDrop,
   kCalibrationSave,
   kCalibrationEnd,

@@ -11,6 +11,13 @@
 
 namespace sinew::vision {
 
+/// Where the table is, as the tip of a robot's tool has touched it.
+struct TouchedTable {
+  std::string robot;  ///< its name in the cell
+  Pose<frame::Base, frame::World> X_BW;
+  double error = 0;  ///< m, 95 %, at the corner of the sheet where it is largest
+};
+
 /// A camera whose lens and pose over a table are known. The world's z = 0 is the table.
 struct TableCamera {
   std::string name;
@@ -22,6 +29,7 @@ struct TableCamera {
   std::string sheet;
   /// Which camera it is, as camera_identity() names it; empty: not known. It is true for no other.
   std::string identity;
+  std::optional<TouchedTable> touched{};  ///< nothing: it is as the cell's file says
 };
 
 /// Where what is seen at a pixel meets the plane z = height. m, in W; nothing where it never does
