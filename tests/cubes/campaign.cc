@@ -206,6 +206,8 @@ CampaignCell cell_by(std::uint64_t seed) {
     const double far = random.uniform(8e-3, 25e-3);
     cell.trouble.knocked = {far * std::cos(toward), far * std::sin(toward), 0};
   }
+  // A hand that is gone again within a second or two is seen by no camera of ten pictures a second.
+  if (cell.has_hand) settings.pace = 4;
   return cell;
 }
 

@@ -49,14 +49,16 @@ export const calibrationDe: Record<keyof typeof calibrationEn, string> = {
   'cal.sheet.take': 'Blatt aufnehmen',
 
   'cal.touch.how':
-    'Die Spitze des geschlossenen Werkzeugs von {robot} auf drei oder mehr Zeichen bringen, weit auseinander und nicht auf einer Linie. Der Arm fährt dann dorthin, wo die Kamera etwas sieht.',
+    'Einen Stift oder Zahnstocher in das Werkzeug von {robot} klemmen. Seine Spitze auf drei oder mehr Zeichen bringen, weit auseinander und nicht auf einer Linie. Der Arm fährt dann dorthin, wo die Kamera etwas sieht.',
+  'cal.touch.pin': 'Der Stift steht vor um',
   'cal.touch.marks': 'Zeichen des Blattes',
   'cal.touch.take': 'Die Spitze ist auf {mark}',
   'cal.touch.taken': '{mark} ist aufgenommen.',
   'cal.touch.no_tip': 'Dieser Roboter hat keine Spitze. Links einen Arm wählen.',
   'cal.touch.touched': 'Berührte Zeichen',
   'cal.touch.none': 'Noch kein Zeichen berührt.',
-  'cal.touch.off': '{mm} mm daneben',
+  'cal.touch.off': '{mm} mm',
+  'cal.touch.off.how': 'Neben dem Ort, den die anderen Zeichen ergeben',
   'cal.touch.delete': '{mark} löschen',
   'cal.touch.error': 'Fehler des Tisches im Roboter (95 %)',
   'cal.touch.rms': 'Rest der Zeichen, quadratisches Mittel',
@@ -146,10 +148,12 @@ export const calibrationSentencesDe: ComplaintWords = {
     '{robot} moves. Wait until it is at rest.': '{robot} bewegt sich. Warten, bis er ruht.',
     'It is not known where {robot} stands. Press Home, then touch the mark.':
       'Wo {robot} steht, ist nicht bekannt. Referenzieren, dann das Zeichen berühren.',
-    'The jaws of {robot} are not closed. Close them, so that the tool has one tip, then touch the mark.':
-      'Die Backen von {robot} sind nicht geschlossen. Schließen, damit das Werkzeug eine Spitze hat, dann das Zeichen berühren.',
+    'The jaws of {robot} are not closed. Close them on the pin, so that the tool has one tip, then touch the mark.':
+      'Die Backen von {robot} sind nicht geschlossen. Auf dem Stift schließen, damit das Werkzeug eine Spitze hat, dann das Zeichen berühren.',
     'The other marks were touched by {robot}. Go on with it, or delete these marks.':
       'Die anderen Zeichen hat {robot} berührt. Mit ihm weitermachen oder diese Zeichen löschen.',
+    'This camera is on an arm: sinew camera calibrate finds its lens, and sinew camera hand-eye where it is.':
+      'Diese Kamera sitzt auf einem Arm: sinew camera calibrate findet ihre Linse, sinew camera hand-eye ihren Ort.',
     'This mark was not touched.': 'Dieses Zeichen wurde nicht berührt.',
     'The marks that were touched do not say where the sheet lies. Touch more of them, or delete them.':
       'Die berührten Zeichen sagen nicht, wo das Blatt liegt. Mehr berühren, oder sie löschen.',
@@ -167,8 +171,8 @@ export const calibrationSentencesDe: ComplaintWords = {
       'Die Berührungen passen nicht zum Blatt: {rms} mm (Grenze {limit} mm). {mark} liegt {off} daneben; die anderen passen auf {rest} mm. Noch einmal berühren',
     "the touches do not fit the sheet: {rms} mm rms (limit {limit} mm). Touched distances are {share} % {by} than those of {paper} paper. Measure the sheet's ruler (100 mm), then check which paper it is and the robot's lengths":
       'Die Berührungen passen nicht zum Blatt: {rms} mm (Grenze {limit} mm). Berührte Abstände sind {share} % {by} als auf {paper}. Das Lineal des Blattes messen (100 mm), dann Papier und Längen des Roboters prüfen',
-    "the touches do not fit the sheet: {rms} mm rms (limit {limit} mm). {mark} fits least. Check the tool (jaws closed), that the sheet did not move, and that the robot's zeros are right (sinew commission {robot}); then touch the marks again":
-      'Die Berührungen passen nicht zum Blatt: {rms} mm (Grenze {limit} mm). {mark} passt am wenigsten. Werkzeug (Backen zu), Lage des Blattes und Nullpunkte des Roboters prüfen (sinew commission {robot}); dann die Zeichen noch einmal berühren',
+    "the touches do not fit the sheet: {rms} mm rms (limit {limit} mm). {mark} fits least. Check the tool (jaws closed, length of the pin), that the sheet did not move, and that the robot's zeros are right (sinew commission {robot}); then touch the marks again":
+      'Die Berührungen passen nicht zum Blatt: {rms} mm (Grenze {limit} mm). {mark} passt am wenigsten. Werkzeug (Backen zu, Länge des Stifts), Lage des Blattes und Nullpunkte des Roboters prüfen (sinew commission {robot}); dann die Zeichen noch einmal berühren',
     'The calibration has no result yet: it needs {least} views of the board and one of the sheet.':
       'Die Kalibrierung hat noch kein Ergebnis: Sie braucht {least} Ansichten der Tafel und eine des Blattes.',
     '{camera} has given no picture. Check the camera and its cable.': '{camera} hat kein Bild geliefert. Kamera und Kabel prüfen.',

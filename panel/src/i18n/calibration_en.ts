@@ -46,14 +46,16 @@ export const calibrationEn = {
   'cal.sheet.take': 'Take the sheet',
 
   'cal.touch.how':
-    'Bring the tip of the closed tool of {robot} onto three or more marks, far apart and not on one line. The arm then goes where the camera sees things.',
+    'Clamp a pin or a toothpick in the tool of {robot}. Bring its tip onto three or more marks, far apart and not on one line. The arm then goes where the camera sees things.',
+  'cal.touch.pin': 'The pin stands out by',
   'cal.touch.marks': 'Marks of the sheet',
   'cal.touch.take': 'The tip is on {mark}',
   'cal.touch.taken': '{mark} is taken.',
   'cal.touch.no_tip': 'This robot has no tip. Choose an arm on the left.',
   'cal.touch.touched': 'Marks that were touched',
   'cal.touch.none': 'No mark was touched yet.',
-  'cal.touch.off': '{mm} mm off',
+  'cal.touch.off': '{mm} mm',
+  'cal.touch.off.how': 'Beside the place where the other marks expect it',
   'cal.touch.delete': 'Delete {mark}',
   'cal.touch.error': 'Error of the table in the robot (95 %)',
   'cal.touch.rms': 'Residual of the marks, rms',

@@ -30,6 +30,7 @@ export const cameraDe: Record<keyof typeof cameraEn, string> = {
   'camera.trouble.unplugged': 'Ausgesteckt',
   'camera.trouble.frozen': 'Eingefroren',
   'camera.accuracy': 'Kalibriert: Orte auf dem Tisch stimmen auf {mm} mm.',
+  'camera.on_arm': 'Sie sitzt auf dem Arm: wo, misst sinew camera hand-eye.',
   'camera.uncalibrated': 'Nicht kalibriert: wo die Würfel liegen, ist nicht bekannt.',
 
   'camera.why.it_is_flat_printed_or_a_piece_of_paper': 'Kein Würfel: flach, gedruckt oder ein Stück Papier',

@@ -28,6 +28,7 @@ export const cameraEn = {
   'camera.trouble.unplugged': 'Unplugged',
   'camera.trouble.frozen': 'Frozen',
   'camera.accuracy': 'Calibrated: places on the table are right to {mm} mm.',
+  'camera.on_arm': 'It is on the arm: sinew camera hand-eye measures where.',
   'camera.uncalibrated': 'Not calibrated: it is not known where the cubes are.',
 
   'camera.why.it_is_flat_printed_or_a_piece_of_paper': 'No cube: flat, printed or a piece of paper',

@@ -182,6 +182,8 @@ export interface CellCamera {
   table: FlatPoseJson;
   /** Where its calibration is kept, and why what is kept there does not count. */
   calibration?: { file: string; refused?: string };
+  /** It moves with an arm: its pictures say where it was. */
+  on_arm?: boolean;
   /** Of a calibrated one. */
   lens?: {
     pose: FlatPoseJson;
@@ -228,6 +230,8 @@ export interface CameraShot {
   fault?: ErrorJson;
   /** What happens to a simulated camera; not there of any other. */
   trouble?: CameraTrouble;
+  /** Of a camera on an arm. */
+  pose?: FlatPoseJson;
   /** A JPEG as base64. */
   picture?: string;
   cubes?: SeenCubeJson[];

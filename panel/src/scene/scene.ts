@@ -42,7 +42,7 @@ import { compose, fromFlat } from '../logic/pose';
 import { jointLimits, jointsOf } from '../logic/store';
 import { regionOf } from './table_reach';
 import { basketOf, cubeOf, frustumOf } from './table_top';
-import type { BasketJson, CellDescription, CubeReachJson, Pose, RobotModel, RobotStatus, SeenCubeJson, ToolRow, Vec3 } from '../logic/types';
+import type { BasketJson, CellCamera, CellDescription, CubeReachJson, Pose, RobotModel, RobotStatus, SeenCubeJson, ToolRow, Vec3 } from '../logic/types';
 import { Body, bodyLook, ghostLook, place } from './body';
 import { JointMark } from './joint_mark';
 import { limitMark } from './limits';
@@ -158,6 +158,7 @@ export class CellScene {
   private readonly trailMaterial = new LineBasicMaterial({ transparent: true, opacity: 0.45 });
   private readonly floor = new Group();
   private readonly objects = new Group();
+  private readonly frustums = new Group();
   private readonly cubes = new Group();
   private readonly baskets = new Group();
   private readonly region = new Group();
@@ -204,7 +205,7 @@ export class CellScene {
     this.gizmo.addEventListener('objectChange', () => this.tellGizmo(false));
     this.gizmo.addEventListener('change', () => this.invalidate());
     this.scene.add(this.hemi, new AmbientLight(0xffffff, 0.25), this.sun, this.sun.target);
-    this.scene.add(this.floor, this.objects, this.cubes, this.baskets, this.region, this.limits, this.gizmo.getHelper());
+    this.scene.add(this.floor, this.objects, this.frustums, this.cubes, this.baskets, this.region, this.limits, this.gizmo.getHelper());
     this.sun.castShadow = !this.plain;
     this.sun.shadow.mapSize.set(2048, 2048);
     this.sun.shadow.bias = -0.0005;
@@ -319,9 +320,6 @@ export class CellScene {
       mesh.castShadow = mesh.receiveShadow = true;
       this.objects.add(mesh);
     }
-    for (const camera of cell.cameras ?? []) {
-      if (camera.lens) this.objects.add(frustumOf(camera.lens, this.materials.path));
-    }
     this.showCubes([]);
     this.showBaskets(cell.baskets ?? []);
     this.makeFloor(theme);
@@ -332,6 +330,10 @@ export class CellScene {
   /** Those that a camera sees, where it sees them. */
   showCubes(cubes: readonly SeenCubeJson[]): void {
     this.fill(this.cubes, cubes.map(cubeOf));
+  }
+  /** What cameras see of their tables. */
+  showFrustums(lenses: readonly NonNullable<CellCamera['lens']>[]): void {
+    this.fill(this.frustums, lenses.map((lens) => frustumOf(lens, this.materials.path)));
   }
   showBaskets(baskets: readonly BasketJson[]): void {
     this.fill(this.baskets, baskets.map((one) => basketOf(one, this.materials.object)));
@@ -415,7 +417,7 @@ export class CellScene {
 
   setLayers(layers: Layers): void {
     this.layers = layers;
-    this.objects.visible = this.baskets.visible = layers.objects;
+    this.objects.visible = this.frustums.visible = this.baskets.visible = layers.objects;
     for (const stand of this.stands.values()) {
       stand.trail.line.visible = layers.trail;
       stand.body.showShapes(layers.bodies ? this.materials.body : null);

@@ -13,6 +13,7 @@ import {
   leaving,
   mark,
   paper,
+  pin,
   print,
   said,
   save,
@@ -29,9 +30,9 @@ import {
 import { camera, picture, shot } from '../camera_state';
 import { kSheetTags, residualShare } from '../logic/calibration';
 import type { CalibrationView, TouchJson } from '../logic/types';
-import { decimals } from '../logic/units';
+import { clamp, decimals } from '../logic/units';
 import { JogPane } from './jog_pane';
-import { Icon, Segments } from './parts';
+import { Icon, NumberField, Segments } from './parts';
 
 const kSteps: readonly WizardStep[] = ['print', 'board', 'sheet', 'touch', 'result'];
 const outline = (corners: readonly (readonly number[])[]): string => corners.map((p) => p.join(',')).join(' ');
@@ -310,6 +311,16 @@ function Touch(): JSX.Element {
     <>
       <p class="hint">{t('cal.touch.how', { robot: name ?? '' })}</p>
       <Marks />
+      <label class="calibrate-pin">
+        {t('cal.touch.pin')}{' '}
+        <NumberField
+          label={t('cal.touch.pin')}
+          value={pin.value}
+          measure="length"
+          disabled={viewer()}
+          onCommit={(value) => (pin.value = clamp(value, 0, 0.3))}
+        />
+      </label>
       <Told />
       <button
         type="button"
@@ -386,7 +397,7 @@ function Marks(): JSX.Element | null {
         {[...touched.values()].map((one) => (
           <li key={one.mark}>
             <b>{one.mark}</b>
-            <span class="muted">{one.off_m !== undefined ? t('cal.touch.off', { mm: decimals(1000 * one.off_m, 1) }) : ''}</span>
+            <span class="muted" title={t('cal.touch.off.how')}>{one.off_m !== undefined ? t('cal.touch.off', { mm: decimals(1000 * one.off_m, 1) }) : ''}</span>
             <button
               type="button"
               class="quiet icon-only"

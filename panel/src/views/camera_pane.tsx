@@ -63,9 +63,13 @@ function Seen({ now }: { now: CameraShot | null }): JSX.Element {
           {refused && ` ${t('cal.refused', { why: complaintSentence(refused) })}`}
           {under && ` ${t('cal.under_way', { count: unsaved.value })}`}
         </p>
-        <button type="button" class={lens && !under ? '' : 'primary'} disabled={store.role.value === 'viewer'} onClick={openWizard}>
-          <Icon name="fit" /> {t(under ? 'cal.continue' : lens ? 'cal.calibrate.again' : 'cal.calibrate')}
-        </button>
+        {camera.value!.on_arm ? (
+          <p class="hint">{t('camera.on_arm')}</p>
+        ) : (
+          <button type="button" class={lens && !under ? '' : 'primary'} disabled={store.role.value === 'viewer'} onClick={openWizard}>
+            <Icon name="fit" /> {t(under ? 'cal.continue' : lens ? 'cal.calibrate.again' : 'cal.calibrate')}
+          </button>
+        )}
       </div>
     </>
   );

@@ -2,7 +2,7 @@ import type { JSX } from 'preact';
 import { computed } from '@preact/signals';
 import { useRef } from 'preact/hooks';
 import { errorSentence, t, tWord } from '../i18n';
-import { basket, baskets, camera, chosenBasket, chosenCube } from '../camera_state';
+import { basket, baskets, chosenBasket, chosenCube, lens } from '../camera_state';
 import { paintOf, verdictOf } from '../logic/camera';
 import { onPlane, project, type Pixel } from '../logic/lens';
 import { add, fromFlat, rotate } from '../logic/pose';
@@ -12,7 +12,6 @@ import { basketNote, dragged, moveBasket, reach, showsReach, takesCubes, turned,
 import { decimals } from '../logic/units';
 import { Icon, NumberField, Segments, Toggle } from './parts';
 
-const lens = computed(() => camera.value?.lens ?? null);
 const text = (points: readonly Pixel[]): string => points.map((p) => `${p[0].toFixed(1)},${p[1].toFixed(1)}`).join(' ');
 
 /** Why a cube cannot be had, and what would help; nothing where it can, or while that is not known. */

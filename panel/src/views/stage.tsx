@@ -6,7 +6,7 @@ import { aim, ghost, gizmoMode, go, model, robot, route, standing, status, store
 import { newestFirst } from '../logic/paging';
 import { withTool } from '../logic/target';
 import { CellScene, type Preset } from '../scene/scene';
-import { baskets, camera, looksOn, picture, shot } from '../camera_state';
+import { baskets, camera, lenses, looksOn, picture, shot } from '../camera_state';
 import { hoveredJoint, layers, look, meantJoint } from '../scene_state';
 import { replayGhost } from '../plots_state';
 import { dragged, reach } from '../table_state';
@@ -77,6 +77,7 @@ export function Stage(): JSX.Element {
     void store.cell.value;
     scene.current?.showCubes(shot.value?.cubes ?? []);
   });
+  useSignalEffect(() => scene.current?.showFrustums(lenses.value));
   useSignalEffect(() => {
     const moved = dragged.value;
     scene.current?.showBaskets(baskets.value.map((one) => (one.name === moved?.name ? moved : one)));

@@ -45,25 +45,41 @@ std::optional<JointVector> serial_joints_for_tip(const RobotModel& model,
   return std::nullopt;
 }
 
-}  // namespace
-
-Vec3 tip_at(const RobotModel& model, const JointVector& q, double jaw_width) {
+std::optional<JointVector> bare_joints(const RobotModel& model, const TouchTool& bare,
+                                       const Vec3& p_BT, const Vec3& approach_B) {
   if (const auto* serial = std::get_if<SerialGeometry>(&model.geometry)) {
-    return (kinematics::SerialChain(*serial).forward(q) * kinematics::tool_pose(*serial, jaw_width))
-        .p;
-  }
-  return kinematics::forward(std::get<PalletizerGeometry>(model.geometry), q).p;
-}
-
-std::optional<JointVector> joints_for_tip(const RobotModel& model, double jaw_width,
-                                          const Vec3& p_BT, const Vec3& approach_B) {
-  if (const auto* serial = std::get_if<SerialGeometry>(&model.geometry)) {
-    return serial_joints_for_tip(model, *serial, jaw_width, p_BT, approach_B);
+    return serial_joints_for_tip(model, *serial, bare.jaws, p_BT, approach_B);
   }
   const auto* palletizer = std::get_if<PalletizerGeometry>(&model.geometry);
   if (palletizer == nullptr) return std::nullopt;
   const auto q = kinematics::inverse(*palletizer, model.joints, p_BT);
   return q ? std::optional(*q) : std::nullopt;
+}
+
+}  // namespace
+
+Vec3 tip_at(const RobotModel& model, const JointVector& q, const TouchTool& tool) {
+  if (const auto* serial = std::get_if<SerialGeometry>(&model.geometry)) {
+    const auto X_BT =
+        kinematics::SerialChain(*serial).forward(q) * kinematics::tool_pose(*serial, tool.jaws);
+    return X_BT.p + tool.pin * X_BT.R.z;
+  }
+  const Vec3 p = kinematics::forward(std::get<PalletizerGeometry>(model.geometry), q).p;
+  return p - Vec3{0, 0, tool.pin};
+}
+
+std::optional<JointVector> joints_for_tip(const RobotModel& model, const TouchTool& tool,
+                                          const Vec3& p_BT, const Vec3& approach_B) {
+  const TouchTool bare{tool.jaws, 0};
+  Vec3 p_tool = p_BT - tool.pin * approach_B;
+  auto q = bare_joints(model, bare, p_tool, approach_B);
+  // The pin leans as the tool does.
+  constexpr int kRounds = 8;
+  for (int i = 0; q && tool.pin > 0 && i < kRounds; ++i) {
+    p_tool = p_BT - (tip_at(model, *q, tool) - tip_at(model, *q, bare));
+    q = bare_joints(model, bare, p_tool, approach_B);
+  }
+  return q;
 }
 
 }  // namespace sinew::calibration

@@ -5,9 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <variant>
 
-#include "sinew/calibration/robot_tip.h"
 #include "sinew/core/units.h"
 #include "sinew/kinematics/serial_chain.h"
 #include "sinew/model/device_resolution.h"
@@ -91,7 +91,8 @@ TouchRefusal misfit(const SheetTouches& touches, const TableFrame& frame) {
     return why;
   }
   why.sentence += fmt::format(
-      "{} fits least. Check the tool (jaws closed), that the sheet did not move, and that the "
+      "{} fits least. Check the tool (jaws closed, length of the pin), that the sheet did not "
+      "move, and that the "
       "robot's zeros are right (sinew commission {}); then touch the marks again",
       touches.marks[frame.worst].mark, touches.robot);
   return why;
@@ -105,14 +106,15 @@ std::vector<TouchedPoint> SheetTouches::points() const {
   return points;
 }
 
-double least_touch_sigma(const RobotModel& model, std::span<const TouchedMark> marks, double jaws) {
+double least_touch_sigma(const RobotModel& model, std::span<const TouchedMark> marks,
+                         const TouchTool& tool) {
   constexpr double kEyes = 0.2e-3;  // m: lines of 0.3 mm
   double sum = 0;
   for (const TouchedMark& mark : marks) {
     for (std::size_t j = 0; j < mark.q.size(); ++j) {
       JointVector q = mark.q;
       q[j] += device_resolution(model, j);
-      const double step = norm(tip_at(model, q, jaws) - mark.p_BT);
+      const double step = norm(tip_at(model, q, tool) - mark.p_BT);
       sum += step * step / 12 / 3;  // even over a step; a third of it for each coordinate
     }
   }
@@ -139,8 +141,9 @@ std::optional<TouchRefusal> same_place(std::span<const TouchedMark> marks) {
 
 std::expected<TouchedSheet, TouchRefusal> touched_sheet(const SheetTouches& touches) {
   if (auto same = same_place(touches.marks)) return std::unexpected(std::move(*same));
-  const double sigma = least_touch_sigma(touches.model, touches.marks, touches.jaws);
-  const auto frame = table_frame(touches.points(), sigma);
+  const double sigma = least_touch_sigma(touches.model, touches.marks, touches.tool);
+  const auto points = touches.points();
+  auto frame = table_frame(points, sigma);
   if (!frame) return cannot_fit(touches, frame.error());
   // A sheet that is seen in a mirror fits a plane as well, upside down.
   if (dot(frame->X_BW.R.z, face_side(touches)) < 0) {
@@ -151,11 +154,12 @@ std::expected<TouchedSheet, TouchRefusal> touched_sheet(const SheetTouches& touc
                                marks_text(touches)));
   }
   if (frame->rms > touches.limit) return std::unexpected(misfit(touches, *frame));
-  TouchedSheet found{*frame, {}, 0};
+  // The robot stands on the table that the sheet lies on, as a rule.
+  TouchedSheet found{levelled(std::move(*frame), points, touches.up), {}, 0};
   for (const double x : {-0.5, 0.5}) {
     for (const double y : {-0.5, 0.5}) {
       const Vec3 p_S{x * touches.sheet.width, y * touches.sheet.height, 0};
-      const double error = error_95(*frame, p_S);
+      const double error = error_95(found.frame, p_S);
       if (error < found.error) continue;
       found.far_S = p_S;
       found.error = error;
@@ -188,7 +192,7 @@ std::optional<NextTouch> next_touch(const SheetTouches& touches, const TouchedSh
     if (touched) continue;
     const double error = error_95(with_touch(sheet.frame, mark.p_B), sheet.far_S);
     if (best && error >= best->error) continue;
-    const auto q = joints_for_tip(touches.model, touches.jaws, sheet.frame.X_BW * mark.p_B,
+    const auto q = joints_for_tip(touches.model, touches.tool, sheet.frame.X_BW * mark.p_B,
                                   -1.0 * sheet.frame.X_BW.R.z);
     if (q) best = NextTouch{mark, *q, error};
   }

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "sinew/calibration/robot_tip.h"
 #include "sinew/calibration/touch_points.h"
 #include "sinew/model/robot_model.h"
 #include "sinew/vision/tag_board.h"
@@ -25,9 +26,9 @@ struct TouchedMark {
 /// Marks of one sheet that the tip of one robot was on.
 struct SheetTouches {
   RobotModel model;
-  std::string robot;    ///< its name
-  Vec3 up{0, 0, 1};     ///< unit vector in its base
-  double jaws = 0;      ///< m, between a gripper's jaws
+  std::string robot;  ///< its name
+  Vec3 up{0, 0, 1};   ///< unit vector in its base
+  TouchTool tool{};
   double limit = 5e-3;  ///< m, of the rms
   vision::TagBoard sheet;
   std::vector<TouchedMark> marks;
@@ -52,7 +53,8 @@ struct TouchRefusal {
 
 /// m, standard deviation of a coordinate of a touch at best: steps of the joints' devices, and
 /// eyes.
-double least_touch_sigma(const RobotModel& model, std::span<const TouchedMark> marks, double jaws);
+double least_touch_sigma(const RobotModel& model, std::span<const TouchedMark> marks,
+                         const TouchTool& tool);
 
 /// Two marks that the tool was at one position for.
 std::optional<TouchRefusal> same_place(std::span<const TouchedMark> marks);

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "sinew/calibration/f_distribution.h"
+#include "sinew/core/units.h"
 
 namespace sinew::calibration {
 namespace {
@@ -128,6 +129,31 @@ Calibrated<TableFrame> table_frame(std::span<const TouchedPoint> points, double 
   if (points.size() > kPointsMin) out.worst = worst_of(points);
   estimate_errors(points, sigma_least, out);
   return out;
+}
+
+TableFrame levelled(TableFrame frame, std::span<const TouchedPoint> points, const Vec3& up) {
+  constexpr double kSigma = 0.5 * kPi / 180;
+  constexpr double kChance = 0.01;
+  if (!(frame.sigma > 0)) return frame;
+  // About the two axes across `up`, by which the table would be level.
+  const Eigen::Vector3d z = to_eigen(up);
+  const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - z * z.transpose();
+  const Eigen::Vector3d tilt = across * to_eigen(cross(frame.X_BW.R.z, up));
+  const Eigen::Matrix3d known = frame.covariance.topLeftCorner<3, 3>();
+  const Eigen::Matrix3d spread =
+      across * known * across + kSigma * kSigma * across + z * z.transpose();
+  const double square = tilt.dot(spread.inverse() * tilt) / 2;
+  if (square > f_quantile(1 - kChance, 2, frame.freedom)) return frame;
+  Matrix6 information = frame.covariance.inverse();
+  Vector6 pull = Vector6::Zero();
+  information.topLeftCorner<3, 3>() += across / (kSigma * kSigma);
+  pull.head<3>() = tilt / (kSigma * kSigma);
+  frame.covariance = information.inverse();
+  frame.X_BW = moved(frame.X_BW, Vector6(frame.covariance * pull));
+  frame.residuals = errors_of(frame.X_BW, points);
+  frame.rms = rms(frame.residuals);
+  frame.freedom += 2;
+  return frame;
 }
 
 double error_95(const TableFrame& frame, const Vec3& p_W) {

@@ -70,6 +70,46 @@ TEST(TableFrame, error_95_holds_at_new_points) {
   }
 }
 
+TEST(TableFrame, of_a_table_that_is_nearly_level_three_touches_tell_more) {
+  constexpr int kCases = 400;
+  int inside = 0, nearer = 0;
+  double plain = 0, level = 0;
+  const Vec3 up{0, 0, 1};
+  test::for_random_cases(kCases, [&](test::Random& random) {
+    const double turn = random.uniform(-3, 3);
+    const Rotation tilt = rotation_x(0.0087 * normal(random)) * rotation_y(0.0087 * normal(random));
+    const PoseBW X_BW{tilt * rotation_z(turn), random_vector(random, 0.3)};
+    const std::vector<Vec3> marks{{-0.085, 0.12, 0}, {0.085, -0.1, 0}, {-0.085, -0.1, 0}};
+    const auto points = touched(X_BW, marks, 2e-3, random);
+    const auto table = table_frame(points);
+    ASSERT_TRUE(table);
+    const TableFrame better = levelled(*table, points, up);
+    const Vec3 p_W{0.105, 0.1485, 0};
+    const double off = norm(better.X_BW * p_W - X_BW * p_W);
+    inside += off <= error_95(better, p_W) ? 1 : 0;
+    nearer += off < norm(table->X_BW * p_W - X_BW * p_W) ? 1 : 0;
+    plain += error_95(*table, p_W);
+    level += error_95(better, p_W);
+  });
+  EXPECT_GE(inside, 0.92 * kCases);
+  EXPECT_LE(inside, 0.985 * kCases);
+  EXPECT_GT(nearer, 0.55 * kCases);
+  EXPECT_LT(level, 0.7 * plain);
+}
+
+TEST(TableFrame, a_table_that_is_tilted_stays_so) {
+  test::for_random_cases(100, [](test::Random& random) {
+    const PoseBW X_BW{rotation_x(0.2) * rotation_z(random.uniform(-3, 3)), {0.2, 0, 0.05}};
+    const std::vector<Vec3> marks{
+        {-0.085, 0.12, 0}, {0.085, -0.1, 0}, {-0.085, -0.1, 0}, {0.085, 0.12, 0}, {0, 0, 0}};
+    const auto points = touched(X_BW, marks, 0.5e-3, random);
+    const auto table = table_frame(points);
+    ASSERT_TRUE(table);
+    EXPECT_EQ(levelled(*table, points, {0, 0, 1}).X_BW.p.x, table->X_BW.p.x);
+    EXPECT_EQ(levelled(*table, points, {0, 0, 1}).freedom, table->freedom);
+  });
+}
+
 TEST(TableFrame, one_more_touch_improves_the_error_as_predicted) {
   test::Random random(4);
   const PoseBW X_BW = random_table(random);

@@ -207,10 +207,10 @@ std::expected<void, Outcome> read_marks(Mounted& mounted, const TaughtPoints& po
   }
   const auto marks = touched_marks(request, mounted.robot, mounted.target, points);
   if (!marks) return std::unexpected(marks.error());
-  const auto jaw_width = jaws_at_touch(request, mounted.robot);
-  if (!jaw_width) return std::unexpected(jaw_width.error());
+  const auto tool = touch_tool(request, mounted.robot);
+  if (!tool) return std::unexpected(tool.error());
   const double sigma =
-      std::max(kTouch, calibration::least_touch_sigma(mounted.robot.model, *marks, *jaw_width));
+      std::max(kTouch, calibration::least_touch_sigma(mounted.robot.model, *marks, *tool));
   for (const TouchedMark& mark : *marks) {
     mounted.settings.known_points.push_back({mark.p_S, mark.p_BT, sigma});
   }

@@ -165,8 +165,8 @@ std::expected<JointVector, Outcome> joints_of(const TaughtPoint& point,
   return *q;
 }
 
-std::expected<double, Outcome> jaws_at_touch(const CameraRequest& request,
-                                             const CalibrationRobot& robot) {
+std::expected<calibration::TouchTool, Outcome> touch_tool(const CameraRequest& request,
+                                                          const CalibrationRobot& robot) {
   if (std::holds_alternative<HexapodGeometry>(robot.model.geometry)) {
     return std::unexpected(
         bad_input(robot.model.id + " is a platform: it has no tip to touch marks with"));
@@ -174,15 +174,21 @@ std::expected<double, Outcome> jaws_at_touch(const CameraRequest& request,
   const auto width =
       parse_jaw_width(request.gripper_mm, std::get_if<SerialGeometry>(&robot.model.geometry));
   if (!width) return std::unexpected(bad_input(width.error()));
-  return width->value_or(0);
+  const auto pin = parse_quantity(request.pin_mm, Measure::kLength, UnitRule::kOptional);
+  constexpr double kPinMost = 0.3;  // m
+  if (!pin || !(*pin >= 0 && *pin <= kPinMost)) {
+    return std::unexpected(
+        bad_input("--pin-mm: " + (pin ? std::string("is 0 to 300 mm") : pin.error())));
+  }
+  return calibration::TouchTool{width->value_or(0), *pin};
 }
 
 std::expected<std::vector<TouchedMark>, Outcome> touched_marks(const CameraRequest& request,
                                                                const CalibrationRobot& robot,
                                                                const vision::TagBoard& sheet,
                                                                const TaughtPoints& points) {
-  const auto jaw_width = jaws_at_touch(request, robot);
-  if (!jaw_width) return std::unexpected(jaw_width.error());
+  const auto tool = touch_tool(request, robot);
+  if (!tool) return std::unexpected(tool.error());
   std::vector<TouchedMark> marks;
   if (auto added = add_taught(request, robot, sheet, points, marks); !added) {
     return std::unexpected(added.error());
@@ -196,7 +202,7 @@ std::expected<std::vector<TouchedMark>, Outcome> touched_marks(const CameraReque
     if (!q) return std::unexpected(bad_input(q.error()));
     marks.push_back({mark->name, mark->p_B, "", *q, {}});
   }
-  for (TouchedMark& mark : marks) mark.p_BT = calibration::tip_at(robot.model, mark.q, *jaw_width);
+  for (TouchedMark& mark : marks) mark.p_BT = calibration::tip_at(robot.model, mark.q, *tool);
   if (auto twice = repeated(marks, request, robot)) return std::unexpected(std::move(*twice));
   return marks;
 }

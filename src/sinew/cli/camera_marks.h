@@ -34,8 +34,8 @@ std::expected<std::vector<TouchedMark>, Outcome> touched_marks(const CameraReque
                                                                const vision::TagBoard& sheet,
                                                                const TaughtPoints& points);
 
-/// Width between the jaws while they touch, m: closed where nothing else is asked for.
-std::expected<double, Outcome> jaws_at_touch(const CameraRequest& request,
-                                             const CalibrationRobot& robot);
+/// What touches: closed jaws and no pin where nothing else is asked for.
+std::expected<calibration::TouchTool, Outcome> touch_tool(const CameraRequest& request,
+                                                          const CalibrationRobot& robot);
 
 }  // namespace sinew::cli

@@ -64,8 +64,8 @@ std::expected<Touches, Outcome> read_touches(const CameraRequest& request) {
   }
   auto robot = calibration_robot(*request.robot, request.cell);
   if (!robot) return std::unexpected(robot.error());
-  const auto jaw_width = jaws_at_touch(request, *robot);
-  if (!jaw_width) return std::unexpected(jaw_width.error());
+  const auto tool = touch_tool(request, *robot);
+  if (!tool) return std::unexpected(tool.error());
   TaughtPoints points;
   if (request.touches.empty() || request.points_given || !request.marks.empty()) {
     auto read = taught_points(request);
@@ -77,7 +77,7 @@ std::expected<Touches, Outcome> read_touches(const CameraRequest& request) {
   SheetTouches of{.model = robot->model,
                   .robot = robot->name,
                   .up = transposed_times(robot->X_WB.R, Vec3{0, 0, 1}),
-                  .jaws = *jaw_width,
+                  .tool = *tool,
                   .limit = *limit,
                   .sheet = std::move(*sheet),
                   .marks = std::move(*marks)};

@@ -260,6 +260,9 @@ void declare_options(CLI::App& verb, CameraRequest& request) {
       ->allow_extra_args(false);
   verb.add_option("--gripper-mm", request.gripper_mm,
                   "touch, hand-eye: width between the jaws while they touch (default 0)");
+  verb.add_option("--pin-mm", request.pin_mm,
+                  "touch, hand-eye: how far a pin in the jaws stands out of them: tools keep 5 mm "
+                  "clear of tables (default 0)");
   verb.add_option("--limit-mm", request.limit_mm,
                   "touch: largest rms of the residuals, mm (default 5)");
   verb.add_option(

@@ -29,6 +29,7 @@ struct CameraRequest {
   std::vector<std::string> marks;         ///< "POINT=MARK"
   std::vector<std::string> touches;       ///< "MARK=JOINTS"
   std::optional<std::string> gripper_mm;  ///< width between the jaws while they touch
+  std::string pin_mm = "0";               ///< that stands out of the tool
   std::string limit_mm = "5";             ///< touch: of the rms
 
   // hand-eye

@@ -128,6 +128,15 @@ TEST(Silhouette, a_shadow_that_comes_or_goes_is_nothing_new_and_skin_on_wood_is)
   EXPECT_TRUE(told(wood, skin));
   EXPECT_TRUE(told(shaded, skin));
   EXPECT_TRUE(told(wood, {40, 60, 150}));
+  // A channel, or all, that the sensor cuts off.
+  const std::array<int, 3> red{255, 165, 163}, red_shaded{250, 121, 119}, white{255, 255, 255};
+  EXPECT_FALSE(told(red, red_shaded));
+  EXPECT_FALSE(told(red_shaded, red));
+  EXPECT_FALSE(told({255, 205, 199}, white));
+  EXPECT_TRUE(told(red, skin));
+  EXPECT_TRUE(told(red_shaded, skin));
+  EXPECT_TRUE(told(white, skin));
+  EXPECT_TRUE(told(red, {60, 60, 70}));
 }
 
 TEST(Silhouette, a_camera_that_is_covered_while_the_arm_moves_is_a_disturbance) {

@@ -25,7 +25,7 @@ std::unexpected<CameraCalibration::Refusal> refused(std::string code, std::strin
 
 struct ToolAtRest {
   JointVector q;
-  double jaws = 0;  ///< m, between them
+  calibration::TouchTool tool;
 };
 
 /// Of a tool that has one tip, which rests.
@@ -41,21 +41,21 @@ std::expected<ToolAtRest, CameraCalibration::Refusal> tool_at_rest(const Station
       view.state == MachineState::kRecovering) {
     return refused("moves", station.name() + " moves. Wait until it is at rest.");
   }
-  ToolAtRest tool;
+  ToolAtRest at;
   for (const JointPosition& joint : view.positions) {
-    if (joint.quality != PositionQuality::kLost) tool.q.push_back(joint.q);
+    if (joint.quality != PositionQuality::kLost) at.q.push_back(joint.q);
   }
-  if (tool.q.size() != model.joints.size()) {
+  if (at.q.size() != model.joints.size()) {
     return refused("position_unknown", "It is not known where " + station.name() +
                                            " stands. Press Home, then touch the mark.");
   }
-  if (!program::picks_with_jaws(model)) return tool;
-  tool.jaws = view.tool.jaws.value_or(2 * kClosed);
-  if (tool.jaws <= kClosed) return tool;
+  if (!program::picks_with_jaws(model)) return at;
+  at.tool.jaws = view.tool.jaws.value_or(2 * kClosed);
+  if (at.tool.jaws <= kClosed) return at;
   return refused("jaws_open",
                  "The jaws of " + station.name() +
-                     " are not closed. Close them, so that the tool has one tip, then touch the "
-                     "mark.");
+                     " are not closed. Close them on the pin, so that the tool has one tip, then "
+                     "touch the mark.");
 }
 
 bool lift_from(calibration::SheetTouches& touches, std::string_view mark) {
@@ -152,7 +152,8 @@ bool CameraCalibration::drop(std::uint64_t view) {
 }
 
 std::expected<void, CameraCalibration::Refusal> CameraCalibration::touch(std::size_t robot,
-                                                                         std::string_view mark) {
+                                                                         std::string_view mark,
+                                                                         double pin) {
   const std::vector<vision::BoardMark> marks = marks_of(views_.sheet());
   const auto known = std::ranges::find(marks, mark, &vision::BoardMark::name);
   if (known == marks.end()) {
@@ -161,8 +162,9 @@ std::expected<void, CameraCalibration::Refusal> CameraCalibration::touch(std::si
     return refused("unknown_mark", "The sheet has no such mark; its marks are " + names + ".");
   }
   const Station& station = cell_->station(robot);
-  const auto tool = tool_at_rest(station);
-  if (!tool) return std::unexpected(tool.error());
+  auto at = tool_at_rest(station);
+  if (!at) return std::unexpected(at.error());
+  at->tool.pin = pin;
   if (touches_ && touches_->robot != station.name()) {
     return refused("other_robot", "The other marks were touched by " + touches_->robot +
                                       ". Go on with it, or delete these marks.");
@@ -175,10 +177,10 @@ std::expected<void, CameraCalibration::Refusal> CameraCalibration::touch(std::si
         .sheet = views_.sheet(),
         .marks = {}};
   }
-  touches_->jaws = tool->jaws;
+  touches_->tool = at->tool;
   lift_from(*touches_, mark);
-  touches_->marks.push_back({known->name, known->p_B, "", tool->q,
-                             calibration::tip_at(station.robot(), tool->q, tool->jaws)});
+  touches_->marks.push_back(
+      {known->name, known->p_B, "", at->q, calibration::tip_at(station.robot(), at->q, at->tool)});
   touched_ = calibration::touched_sheet(*touches_);
   return {};
 }

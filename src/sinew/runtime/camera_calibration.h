@@ -49,9 +49,10 @@ class CameraCalibration {
   bool drop(std::uint64_t view);
   /// The tip of a robot's tool is on a mark of the sheet; once more where it was before.
   /// @param robot  of the cell's
+  /// @param pin    m, that stands out of its tool
   /// @error  codes "unknown_mark", "no_tip", "moves", "position_unknown", "jaws_open",
   /// "other_robot"
-  std::expected<void, Refusal> touch(std::size_t robot, std::string_view mark);
+  std::expected<void, Refusal> touch(std::size_t robot, std::string_view mark, double pin);
   /// Forgets that a mark was touched. @return  whether it was
   bool lift(std::string_view mark);
   /// Null: no mark was touched.

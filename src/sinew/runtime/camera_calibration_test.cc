@@ -2,13 +2,16 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <deque>
 #include <filesystem>
 
+#include "sinew/calibration/robot_tip.h"
 #include "sinew/config/camera_file.h"
 #include "sinew/core/units.h"
 #include "sinew/io/file.h"
 #include "sinew/io/scratch_folder_test_support.h"
+#include "sinew/program/program_file.h"
 #include "sinew/runtime/camera_identity.h"
 #include "sinew/runtime/robot_variant.h"
 #include "sinew/runtime/shown_board.h"
@@ -102,6 +105,68 @@ TEST(CameraCalibration, of_a_simulated_camera_finds_where_it_hangs) {
   // Seen by from then on, with the sheet on the table.
   ASSERT_TRUE(simulated.cell().camera(0)->calibration());
   EXPECT_EQ(simulated.cell().camera(0)->calibration()->accuracy, found.accuracy);
+}
+
+std::string code_of(const std::expected<void, CameraCalibration::Refusal>& touched) {
+  return touched ? "" : touched.error().code;
+}
+
+/// The arm of the cell by a program, from rest to rest.
+void run(RunningCell& cell, const std::string& rows) {
+  auto parsed = program::parse(rows, "test.sinew", cell.station(0).robot());
+  ASSERT_TRUE(parsed) << to_text(parsed.error().front());
+  JobOrder order;
+  order.title = "test";
+  order.program = std::move(*parsed);
+  order.take_over = true;
+  order.on_client_loss = ClientLoss::kContinue;
+  ASSERT_TRUE(cell.jobs(0).start(std::move(order), 1));
+  const io::Clock clock;
+  for (int i = 0; i < 6000 && !cell.jobs(0).view().over; ++i) {
+    clock.pause(std::chrono::milliseconds(5));
+  }
+  const JobView job = cell.jobs(0).view();
+  EXPECT_EQ(job.phase, program::Run::Phase::kDone)
+      << rows << (job.failure ? describe(job.failure->error) : "");
+}
+
+TEST(CameraCalibration, marks_that_a_tool_touches_say_where_the_sheet_lies) {
+  SimulatedCell simulated;
+  RunningCell& cell = simulated.cell();
+  auto one = CameraCalibration::begin(cell, 0, "a4");
+  ASSERT_TRUE(one);
+  EXPECT_EQ(code_of(one->touch(0, "cross9", 0)), "unknown_mark");
+  run(cell, "jaws 40mm\n");
+  EXPECT_EQ(code_of(one->touch(0, "cross1", 0)), "jaws_open");
+  EXPECT_EQ(one->touches(), nullptr);
+  run(cell, "joint base=0deg shoulder=0deg elbow=45deg wrist=45deg roll=0deg\njaws 0mm\n");
+  // The sheet lies elsewhere than the cell's file says: turned, in front of the arm.
+  constexpr double kPin = 0.03;  // m
+  const Pose<frame::Base, frame::World> X_BS{rotation_z(-kPi / 2), {0.23, 0.004, 0}};
+  const RobotModel& arm = cell.station(0).robot();
+  const auto marks = marks_of(*vision::table_sheet("a4"));
+  for (const std::string name : {"cross1", "cross2", "cross5", "tag582"}) {
+    const auto mark = std::ranges::find(marks, name, &vision::BoardMark::name);
+    const auto q = calibration::joints_for_tip(arm, {0, kPin}, X_BS * mark->p_B, Vec3{0, 0, -1});
+    ASSERT_TRUE(q) << name;
+    std::string row = "joint";
+    for (std::size_t j = 0; j < q->size(); ++j) {
+      row += " " + arm.joints[j].name + "=" + std::to_string(to_deg((*q)[j])) + "deg";
+    }
+    run(cell, row + "\n");
+    const auto touched = one->touch(0, name, kPin);
+    ASSERT_TRUE(touched) << touched.error().sentence;
+  }
+  ASSERT_TRUE(one->touched()) << one->touched().error().sentence;
+  // Servos stand beside where they were sent.
+  const auto X_WT = one->table_in(cell.cell());
+  EXPECT_LT(norm(X_WT.p - X_BS.p), 0.012);
+  EXPECT_LT(angle_between(X_WT.R, relabel<frame::World, frame::Table>(X_BS).R), from_deg(3));
+  EXPECT_TRUE(one->lift("cross1"));
+  EXPECT_FALSE(one->lift("cross1"));
+  EXPECT_TRUE(one->lift("cross2"));
+  ASSERT_FALSE(one->touched());
+  EXPECT_EQ(one->touched().error().kind, calibration::TouchRefusal::Kind::kTooFew);
 }
 
 TEST(CameraCalibration, a_view_without_the_board_is_refused_and_drop_removes_one) {

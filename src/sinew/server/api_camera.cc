@@ -10,6 +10,7 @@ namespace {
 constexpr std::uint64_t kLongestMin = 16;  // px
 constexpr std::uint64_t kLongestMax = 4096;
 constexpr std::uint64_t kLongestUsual = 640;
+constexpr double kPinMost = 0.3;  // m
 
 std::string paper_of(const RpcRequest& request) {
   return request.params.contains("paper") ? request.text("paper") : "a4";
@@ -107,11 +108,13 @@ Api::Answer Api::calibrate(const Method& method, const Call& call) {
       });
     case MethodId::kCalibrationTake:
       return task([this, i = *camera, session] { return calibrations_.take(i, session); });
-    case MethodId::kCalibrationTouch:
-      return task(
-          [this, i = *camera, session, robot = *call.robot, mark = call.request.text("mark")] {
-            return calibrations_.touch(i, session, robot, mark);
-          });
+    case MethodId::kCalibrationTouch: {
+      const double pin = call.request.number("pin_m", 0);
+      if (!(pin >= 0 && pin <= kPinMost)) return invalid("pin_m has to be 0 to 0.3");
+      return task([this, i = *camera, session, robot = *call.robot,
+                   mark = call.request.text("mark"),
+                   pin] { return calibrations_.touch(i, session, robot, mark, pin); });
+    }
     case MethodId::kCalibrationDrop: {
       const bool mark = call.request.params.contains("mark");
       if (mark == call.request.params.contains("view")) {

@@ -166,6 +166,12 @@ std::expected<Calibrations::One*, RpcError> Calibrations::found(std::size_t came
 }
 
 Calibrations::Result Calibrations::begin(std::size_t camera, const std::string& paper, bool anew) {
+  if (cell_.camera(camera)->is_on_arm()) {
+    return std::unexpected(RpcError{RpcCode::kRefused,
+                                    "This camera is on an arm: sinew camera calibrate finds its "
+                                    "lens, and sinew camera hand-eye where it is.",
+                                    {{"code", "on_arm"}}});
+  }
   const auto before = under_way_.find(camera);
   if (before != under_way_.end() && !anew) {
     if (before->second.calibration.paper() == paper) {
@@ -230,10 +236,10 @@ Calibrations::Result Calibrations::drop(std::size_t camera, std::uint64_t sessio
 }
 
 Calibrations::Result Calibrations::touch(std::size_t camera, std::uint64_t session,
-                                         std::size_t robot, const std::string& mark) {
+                                         std::size_t robot, const std::string& mark, double pin) {
   const auto one = found(camera, session);
   if (!one) return std::unexpected(one.error());
-  const auto touched = (*one)->calibration.touch(robot, mark);
+  const auto touched = (*one)->calibration.touch(robot, mark, pin);
   if (!touched) return std::unexpected(refused(touched.error()));
   return status(camera);
 }

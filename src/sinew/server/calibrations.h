@@ -25,7 +25,7 @@ class Calibrations {
   Result expect(std::size_t camera, std::uint64_t session, const std::string& step);
   Result take(std::size_t camera, std::uint64_t session);
   Result touch(std::size_t camera, std::uint64_t session, std::size_t robot,
-               const std::string& mark);
+               const std::string& mark, double pin);
   Result drop(std::size_t camera, std::uint64_t session, std::uint64_t view);
   Result lift(std::size_t camera, std::uint64_t session, const std::string& mark);
   Result save(std::size_t camera, std::uint64_t session, bool sheet_stays);

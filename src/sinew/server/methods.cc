@@ -135,6 +135,8 @@ constexpr Param kSessionOnly[] = {kCameraParam, kSessionParam};
 constexpr Param kTouchParams[] = {
     kRobotParam,
     {"mark", ParamType::kText, true, "of the sheet: cross1 to cross5, tag580 to tag583"},
+    {"pin_m", ParamType::kNumber, false,
+     "how far a pin in the tool stands out of it: tools keep 5 mm clear of tables; 0"},
     kCameraParam,
     kSessionParam};
 constexpr Param kDropParams[] = {{"view", ParamType::kWhole, false, "its number"},

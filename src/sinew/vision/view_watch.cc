@@ -17,6 +17,7 @@ constexpr float kOther = 22;  ///< of 255 in each color: noise and compression s
 /// hue. Skin on wood has not.
 constexpr float kAlike = 14;
 constexpr float kFollow = 0.1F;
+constexpr float kFull = 240;  ///< of 255: a channel that may be cut off
 
 float sum(const std::array<float, 3>& color) {
   return color[0] + color[1] + color[2];
@@ -27,18 +28,26 @@ std::array<float, 3> color_at(const Picture& cells, std::size_t i) {
   return {1.0F * p[0], 1.0F * p[1], 1.0F * p[2]};
 }
 
-/// Whether a color is another one, and not the same where a shadow has come or gone.
-bool is_other(const std::array<float, 3>& now, const std::array<float, 3>& was) {
+/// Whether a color is another one, and not the same where a shadow has come or gone. A full channel
+/// may be brighter than it says.
+/// @param full  of `now`, a channel from there on
+bool is_other(const std::array<float, 3>& now, const std::array<float, 3>& was, float full) {
   float across = 0;
-  float along = 1;
+  float along = 0;
+  float least = 0;  // by full channels, in the end
   for (std::size_t c = 0; c < 3; ++c) {
+    least = std::max(least, now[c] / std::max(1.0F, was[c]));
+    if (now[c] >= full || was[c] >= kFull) continue;
     across += now[c] * was[c];
     along += was[c] * was[c];
   }
-  const float share = std::clamp(across / along, kShadow, 1 / kShadow);
+  const float share = std::clamp(along > 0 ? across / along : least, kShadow, 1 / kShadow);
   float off = 0;
   for (std::size_t c = 0; c < 3; ++c) {
-    off += (now[c] - share * was[c]) * (now[c] - share * was[c]);
+    float apart = now[c] - share * was[c];
+    if (now[c] >= full) apart = std::max(apart, 0.0F);
+    if (was[c] >= kFull) apart = std::min(apart, 0.0F);
+    off += apart * apart;
   }
   const float most = share > kGlare ? kAlike : kOther;
   return off > most * most;
@@ -89,7 +98,7 @@ std::optional<Pixel> ViewWatch::look(const Picture& picture, const std::vector<b
     if (!known_[i]) {
       was_[i] = now;
       known_[i] = true;
-    } else if (is_other(now, was_[i])) {
+    } else if (is_other(now, was_[i], kFull / exposure)) {
       changed[i] = true;
     } else if (sum(now) > kGlare * sum(was_[i])) {
       was_[i] = now;  // a shadow has gone
