@@ -2,6 +2,8 @@
 
 #include "cli/process.h"
 #include "cli/rendered_arm.h"
+#include "sinew/calibration/robot_tip.h"
+#include "sinew/config/camera_file.h"
 #include "sinew/kinematics/serial_arm.h"
 
 namespace sinew::test {
@@ -132,6 +134,58 @@ TEST_F(CameraTouch, lines_for_the_cell_are_in_its_frame) {
   expect_part(none.err, "has no robot 'right', or several; its robots are left");
   arguments[3] = "learm";
   EXPECT_EQ(answer(arguments)["robot"], "left") << "the only one of that kind";
+}
+
+TEST_F(CameraTouch, the_place_of_the_sheet_goes_into_the_cameras_file) {
+  const std::string cell = folder_.file(
+      "cell.toml",
+      "title = \"bench\"\n[[robot]]\nname = \"left\"\nrobot = \"learm\"\n"
+      "[[camera]]\nname = \"top\"\ndevice = \"table.png\"\ncalibration = \"camera.toml\"\n");
+  vision::TableCamera camera;
+  camera.name = "top";
+  camera.model = vision::pinhole(640, 480, 1);
+  camera.X_WC.p = {0, 0, 0.5};
+  const std::string file = folder_.file("camera.toml", camera_text(camera));
+  auto arguments = touch(touches(kFour, 1), {"--camera", file});
+  expect_part(sinew(arguments).err, "--camera: --cell is missing");
+  arguments.insert(arguments.end(), {"--cell", cell});
+  arguments[3] = "left";
+  const Ended ended = sinew(arguments);
+  EXPECT_EQ(ended.exit, 0) << ended.err;
+  expect_part(ended.out, file + ": [table]");
+  const auto kept = read_camera(text_of(file), file);
+  ASSERT_TRUE(kept && kept->touched);
+  EXPECT_EQ(kept->touched->robot, "left");
+  EXPECT_LT(norm(kept->touched->X_BW.p - kX_BS.p), 3e-3);
+  EXPECT_EQ(kept->model.width, 640) << "all else is as it was";
+  // A cell without that robot does not begin with it.
+  std::string other = text_of(cell);
+  other.replace(other.find("left"), 4, "right");
+  const Ended wrong = sinew(
+      {"plan", folder_.file("p.sinew", "look\n"), "--in-cell", folder_.file("other.toml", other)});
+  EXPECT_EQ(wrong.exit, 2);
+  expect_part(wrong.err,
+              "[table] is in the base of 'left', and the cell has no robot of that name");
+}
+
+TEST_F(CameraTouch, a_pin_that_stands_out_of_the_tool_counts) {
+  constexpr double kPin = 0.02;  // m
+  TaughtPoints points;
+  const RobotModel& arm = robot("learm");
+  for (const std::string& name : kFour) {
+    const auto q = calibration::joints_for_tip(arm, {0, kPin}, kX_BS * mark(name), {0, 0, -1});
+    ASSERT_TRUE(q) << name;
+    EXPECT_LT(norm(calibration::tip_at(arm, *q, {0, kPin}) - kX_BS * mark(name)), 1e-6);
+    TaughtPoint point;
+    point.name = name;
+    point.robot = "learm";
+    point.place = *q;
+    points.push_back(point);
+  }
+  const Json json = answer(touch(points, {"--pin-mm", "20", "--json"}));
+  EXPECT_LT(json["rms_mm"].get<double>(), 0.05);
+  EXPECT_NEAR(json["sheet_in_base"]["x_mm"].get<double>(), 230, 0.1);
+  expect_part(wrong({"--pin-mm", "301"}, points), "--pin-mm: is 0 to 300 mm");
 }
 
 TEST_F(CameraTouch, marks_by_other_names_of_joints_and_beside_the_sheet) {

@@ -53,7 +53,8 @@ TEST(DetectVerb, with_a_camera_it_says_millimetres_and_the_level_in_a_tower) {
   const ScratchFolder folder;
   const std::string camera = folder.file(
       "camera.toml",
-      camera_text({"test", vision::pinhole(320, 240, from_deg(50)), kX_WC, 0.2, 1e-3, "", ""}));
+      camera_text({"test", vision::pinhole(320, 240, from_deg(50)), kX_WC, 0.2, 1e-3, "", "",
+                   vision::TouchedTable{"left", {rotation_z(kPi / 2), {0.2, 0.05, 0}}, 1e-3}}));
   for (const int levels : {0, 2}) {
     const std::string image = png_file(folder, "table.png", table(levels));
     const Json json = answer(
@@ -63,6 +64,11 @@ TEST(DetectVerb, with_a_camera_it_says_millimetres_and_the_level_in_a_tower) {
     EXPECT_NEAR(cube["center_mm"][0].get<double>(), 0, 2);
     EXPECT_NEAR(cube["center_mm"][1].get<double>(), 0, 2);
     EXPECT_EQ(cube["center_mm"][2].get<double>(), 25 * (levels + 1));
+    EXPECT_EQ(json["robot"], "left");
+    EXPECT_NEAR(cube["center_base_mm"][0].get<double>(), 200 - cube["center_mm"][1].get<double>(),
+                0.02);
+    EXPECT_NEAR(cube["center_base_mm"][1].get<double>(), 50 + cube["center_mm"][0].get<double>(),
+                0.02);
     EXPECT_NEAR(cube["yaw_table_deg"].get<double>(), to_deg(0.3), 5);
     EXPECT_EQ(cube["level"], levels + 1);
   }

@@ -39,6 +39,28 @@ std::expected<vision::TableCamera, Outcome> read_calibration(const Cell& cell,
   return std::move(*read);
 }
 
+std::expected<std::optional<runtime::CameraMount>, Outcome> read_hand_eye_of(
+    const CellCamera& camera, const std::string& path, std::size_t robot, const RobotModel& model,
+    vision::TableCamera& calibration) {
+  const auto complain = [&](const std::string& what) {
+    return std::unexpected(bad_input(camera.name + ": hand_eye: " + what));
+  };
+  const auto text = io::read_file(path, std::size_t{1} << 20U);
+  if (!text) return complain(text.error().sentence);
+  const auto file = read_hand_eye(*text, path);
+  if (!file) return std::unexpected(complaints_outcome(file.error()));
+  if (!file->on_arm) {
+    if (!calibration.touched) {
+      calibration.touched = runtime::table_beside(*file, camera.robot, calibration);
+    }
+    return std::nullopt;
+  }
+  auto mount = runtime::mount_of(*file, robot, model);
+  if (!mount) return complain(path + ": " + mount.error());
+  calibration.accuracy = file->held_back;
+  return *mount;
+}
+
 namespace {
 
 /// A cell runs without its camera too: one that cannot be opened is said so, and tried again with
@@ -92,33 +114,6 @@ std::expected<void, Outcome> put_kept(runtime::Camera::Settings& settings, const
   return {};
 }
 
-/// What its `hand_eye` says of the camera: it is on the arm, or beside it.
-/// @return  where it is mounted; nothing: `calibration` says now where its table is
-/// @error  bad input: a file that cannot be read, or that is of another robot
-std::expected<std::optional<runtime::CameraMount>, Outcome> read_mount(
-    const runtime::RunningCell& cell, const CellCamera& camera, const std::string& path,
-    vision::TableCamera& calibration) {
-  const auto complain = [&](const std::string& what) {
-    return std::unexpected(bad_input(camera.name + ": hand_eye: " + what));
-  };
-  const auto text = io::read_file(path, std::size_t{1} << 20U);
-  if (!text) return complain(text.error().sentence);
-  const auto file = read_hand_eye(*text, path);
-  if (!file) return std::unexpected(complaints_outcome(file.error()));
-  const auto robot = cell.find(camera.robot);
-  if (!robot) return complain("this cell has no robot '" + camera.robot + "'");
-  if (!file->on_arm) {
-    if (!calibration.touched) {
-      calibration.touched = runtime::table_beside(*file, camera.robot, calibration);
-    }
-    return std::nullopt;
-  }
-  auto mount = runtime::mount_of(*file, *robot, cell.station(*robot).robot());
-  if (!mount) return complain(path + ": " + mount.error());
-  calibration.accuracy = file->held_back;
-  return *mount;
-}
-
 }  // namespace
 
 std::expected<void, Outcome> open_cameras(runtime::RunningCell& cell, const std::string& file) {
@@ -136,7 +131,9 @@ std::expected<void, Outcome> open_cameras(runtime::RunningCell& cell, const std:
     if (auto kept = put_kept(settings, cell.cell(), camera); !kept) return kept;
     std::optional<runtime::CameraMount> mount;
     if (camera.hand_eye && settings.calibration) {
-      auto read = read_mount(cell, camera, beside(file, *camera.hand_eye), *settings.calibration);
+      const std::size_t robot = *cell.find(camera.robot);
+      auto read = read_hand_eye_of(camera, beside(file, *camera.hand_eye), robot,
+                                   cell.station(robot).robot(), *settings.calibration);
       if (!read) return std::unexpected(read.error());
       mount = *read;
     }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <expected>
+#include <optional>
 #include <string>
 
 #include "sinew/cli/outcome.h"
@@ -16,6 +17,15 @@ std::string beside(const std::string& cell_file, const std::string& file);
 std::expected<vision::TableCamera, Outcome> read_calibration(const Cell& cell,
                                                              const CellCamera& camera,
                                                              const std::string& path);
+
+/// What its `hand_eye` says of a calibrated camera: it is on the arm, or beside it.
+/// @param path   of that file
+/// @param robot  CellCamera::robot, by its number in the cell
+/// @return  where it is mounted; nothing: the calibration says now where its table is
+/// @error  bad input: a file that cannot be read, or that is of another robot
+std::expected<std::optional<runtime::CameraMount>, Outcome> read_hand_eye_of(
+    const CellCamera& camera, const std::string& path, std::size_t robot, const RobotModel& model,
+    vision::TableCamera& calibration);
 
 /// Opens the cameras that the cell's file names.
 /// @param file  the cell's

@@ -62,7 +62,13 @@ std::expected<std::optional<vision::TableCamera>, Outcome> camera_of(const Detec
   return std::optional(std::move(*camera));
 }
 
-Json detection_json(const std::string& path, const Picture& picture, const Detection& detection) {
+Json mm_json(const Vec3& p) {
+  return {rounded(to_mm(p.x), 100), rounded(to_mm(p.y), 100), rounded(to_mm(p.z), 100)};
+}
+
+/// @param camera  null: none
+Json detection_json(const std::string& path, const Picture& picture, const Detection& detection,
+                    const vision::TableCamera* camera) {
   Json json{{"image", path},
             {"width", picture.width},
             {"height", picture.height},
@@ -78,8 +84,11 @@ Json detection_json(const std::string& path, const Picture& picture, const Detec
              {"confidence", rounded(cube.confidence, 100)},
              {"top_px", corners}};
     if (const auto& at = cube.position) {
-      one["center_mm"] = {rounded(to_mm(at->top_W.x), 100), rounded(to_mm(at->top_W.y), 100),
-                          rounded(to_mm(at->top_W.z), 100)};
+      one["center_mm"] = mm_json(at->top_W);
+      if (const auto& table = camera->touched) {
+        one["center_base_mm"] = mm_json(table->X_BW * at->top_W);
+        json["robot"] = table->robot;
+      }
       one["yaw_table_deg"] = rounded(to_deg(at->yaw), 10);
       one["edge_mm"] = rounded(to_mm(at->edge), 100);
       one["level"] = at->level;
@@ -181,7 +190,7 @@ Outcome detect(const DetectRequest& request) {
     }
     Detection detection = vision::detect_cubes(*picture, *settings);
     if (*camera) vision::place_on_table(detection, *picture, **camera, from_mm(*request.cube_mm));
-    images.push_back(detection_json(path, *picture, detection));
+    images.push_back(detection_json(path, *picture, detection, *camera ? &**camera : nullptr));
     outcome.text += detection_text(path, *picture, detection);
     if (!request.debug) continue;
     const auto png = vision::encode_png(vision::detection_picture(*picture, detection));

@@ -105,9 +105,34 @@ std::string cubes_text(std::size_t cubes, std::size_t in_baskets) {
   return text;
 }
 
+/// Of a calibration file, and where the camera hangs while the robot stands so.
+Or<vision::TableCamera> calibration_of(const PlanRequest& request, const Cell& cell,
+                                       const CellCamera& camera, const Chosen& chosen,
+                                       const JointVector& q) {
+  auto lens = read_calibration(cell, camera, beside(*request.cell, *camera.calibration));
+  if (!lens || !camera.hand_eye) return lens;
+  const auto carrier = std::ranges::find(cell.robots, camera.robot, &CellRobot::name);
+  Or<RobotModel> model = chosen.model;
+  if (&*carrier != chosen.place) model = model_of(*carrier, *request.cell);
+  if (!model) return std::unexpected(model.error());
+  const auto robot = static_cast<std::size_t>(carrier - cell.robots.begin());
+  const auto mount =
+      read_hand_eye_of(camera, beside(*request.cell, *camera.hand_eye), robot, *model, *lens);
+  if (!mount) return std::unexpected(mount.error());
+  if (!*mount) return lens;
+  const JointVector& stands = &*carrier == chosen.place ? q : home_joints(*model);
+  const auto X_WC = runtime::pose_on(**mount, {*model, carrier->X_WB, stands});
+  if (!X_WC) return std::unexpected(could_not(camera.robot + ": its legs have no such pose"));
+  const auto X_TW = runtime::table_of(cell, camera, &*lens).inverse();
+  lens->X_WC = relabel<frame::World, frame::World>(X_TW) * *X_WC;
+  return lens;
+}
+
 /// One picture of the first camera that is calibrated, with the cubes in it.
-Or<program::TableTop> look(const PlanRequest& request, const Cell& cell, const CellRobot& place,
-                           std::string& said) {
+/// @param q  joints of the robot that is chosen, as the picture is taken
+Or<program::TableTop> look(const PlanRequest& request, const Cell& cell, const Chosen& chosen,
+                           const JointVector& q, std::string& said) {
+  const CellRobot& place = *chosen.place;
   program::TableTop table;
   const auto X_BW = place.X_WB.inverse();
   for (const CellBasket& one : cell.baskets) {
@@ -120,7 +145,7 @@ Or<program::TableTop> look(const PlanRequest& request, const Cell& cell, const C
     if (table.seen) continue;
     vision::TableCamera lens = runtime::usual_camera();
     if (camera.calibration) {
-      auto read = read_calibration(cell, camera, beside(*request.cell, *camera.calibration));
+      auto read = calibration_of(request, cell, camera, chosen, q);
       if (!read) return std::unexpected(read.error());
       lens = std::move(*read);
     }
@@ -252,7 +277,7 @@ Outcome dry_run(const PlanRequest& request) {
     from.q = *joints;
   }
   std::string said;
-  auto table = look(request, *cell, *chosen->place, said);
+  auto table = look(request, *cell, *chosen, *from.q, said);
   if (!table) return table.error();
   const auto wanted = read_program(request.subject, model,
                                    std::make_shared<const program::TableTop>(std::move(*table)));

@@ -19,6 +19,10 @@ vision::TableCamera some_camera(test::Random& random) {
   camera.reprojection = 0.25;
   camera.accuracy = 0.0015;
   camera.sheet = "a4";
+  camera.touched = {"left",
+                    {rotation_from_vector({random.uniform(-2, 2), 0.1, random.uniform(-2, 2)}),
+                     {random.uniform(-1, 1), 0.2, random.uniform(0, 2)}},
+                    0.0031};
   camera.identity = "USB \"Cam\" C:\\1";
   return camera;
 }
@@ -41,6 +45,11 @@ TEST(CameraFile, written_and_read_again_it_is_the_same_camera) {
     EXPECT_DOUBLE_EQ(again->accuracy, 0.0015);
     EXPECT_EQ(again->sheet, "a4");
     EXPECT_EQ(again->identity, camera.identity);
+    ASSERT_TRUE(again->touched);
+    EXPECT_EQ(again->touched->robot, "left");
+    EXPECT_LT(norm(again->touched->X_BW.p - camera.touched->X_BW.p), 1e-11);
+    EXPECT_LT(angle_between(again->touched->X_BW.R, camera.touched->X_BW.R), 1e-7);
+    EXPECT_DOUBLE_EQ(again->touched->error, 0.0031);
   });
 }
 

@@ -93,6 +93,31 @@ rz_deg = 90
   EXPECT_NEAR((top.X_WT.R * Vec3{1, 0, 0}).y, 1, 1e-12);
 }
 
+TEST(CellFile, a_camera_on_an_arm_names_its_file_and_its_robot) {
+  const std::string camera = kOneCamera + R"(device = "table.jpg"
+calibration = "camera.toml"
+hand_eye = "hand_eye.toml"
+robot = "arm"
+)";
+  const auto cell = read_cell(camera, "cell.toml");
+  ASSERT_TRUE(cell) << complaints_of(camera);
+  EXPECT_EQ(cell->cameras[0].hand_eye, "hand_eye.toml");
+  EXPECT_EQ(cell->cameras[0].robot, "arm");
+  const auto without = [&](const std::string& line) {
+    std::string text = camera;
+    text.erase(text.find(line), line.size());
+    return complaints_of(text);
+  };
+  EXPECT_NE(without("hand_eye = \"hand_eye.toml\"\n").find("stand together"), std::string::npos);
+  EXPECT_NE(without("calibration = \"camera.toml\"\n").find("needs calibration"),
+            std::string::npos);
+  std::string other = camera;
+  other.replace(other.rfind("\"arm\""), 5, "\"leg\"");
+  EXPECT_NE(complaints_of(other).find("robot is 'leg', and this cell has no robot of that name"),
+            std::string::npos)
+      << complaints_of(other);
+}
+
 TEST(CellFile, several_baskets_have_names_of_their_own) {
   std::string text = kOneCamera + "device = \"simulated\"\n";
   for (const char* name : {"red", "blue"}) {

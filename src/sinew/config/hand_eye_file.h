@@ -23,9 +23,9 @@ struct HandEyeFile {
   std::string robot;   ///< its id
   std::string lens;    ///< the camera's name in its own file
   std::string target;
-  Pose<frame::CameraMount, frame::Camera> X_MC;
-  Pose<frame::BoardMount, frame::Board> X_NB;               ///< of the target
-  std::vector<std::pair<std::string, double>> joint_zeros;  ///< rad, to add, by the joint's name
+  Pose<frame::CameraMount, frame::Camera> X_MC{};
+  Pose<frame::BoardMount, frame::Board> X_NB{};               ///< of the target
+  std::vector<std::pair<std::string, double>> joint_zeros{};  ///< rad, to add, by the joint's name
   int views = 0;
   double reprojection = 0;  ///< px, rms
   double held_back = 0;     ///< m at the target, 95 %, of views held back
