@@ -14,6 +14,7 @@ namespace {
 constexpr Duration kTurn = std::chrono::milliseconds(200);
 constexpr Duration kPause = std::chrono::seconds(1);
 constexpr Duration kRetry = std::chrono::seconds(5);
+constexpr Duration kPaused = std::chrono::seconds(8);
 constexpr double kRide = 20;  // s
 
 std::string_view program_of(const std::string& robot) {
@@ -109,6 +110,7 @@ void Demonstration::look_at(std::size_t robot, Instant now) {
   if (!job.over) {
     part.progress = job.progress;
     part.duration = job.duration;
+    go_on(robot, job, now);
     return;
   }
   if (job.id != part.job) {
@@ -125,6 +127,20 @@ void Demonstration::look_at(std::size_t robot, Instant now) {
   }
   if (part.failures >= kFailuresMax) part.plays = false;
   if (part.plays && now >= part.due) begin_round(robot, now);
+}
+
+/// What its camera has paused goes on by itself: a demonstration has no person who does it, and its
+/// machines are simulated.
+void Demonstration::go_on(std::size_t robot, const runtime::JobView& job, Instant now) {
+  Part& part = parts_[robot];
+  if (!job.paused || !job.paused_by) {
+    part.pauses = {};
+    return;
+  }
+  if (part.pauses == Instant{}) part.pauses = now;
+  if (now - part.pauses < kPaused) return;
+  part.pauses = now;
+  api_.receive(*session_, request_text(0, "robot.resume", {{"robot", part.robot}}), now);
 }
 
 void Demonstration::begin_round(std::size_t robot, Instant now) {

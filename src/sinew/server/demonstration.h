@@ -28,6 +28,7 @@ class Demonstration {
     Instant due{};          ///< when it may begin its next round
     std::uint32_t job = 0;  ///< the last one that was looked at
     bool rides = false;     ///< there is no program that suits it
+    Instant pauses{};       ///< since when, where its camera paused it
     std::string sorts{};    ///< rows that sort a simulated table's cubes; empty: it does not
   };
   /// A robot that has failed so often in a row is left alone.
@@ -52,6 +53,7 @@ class Demonstration {
   void take_picture();
   void take_answers();
   void look_at(std::size_t robot, Instant now);
+  void go_on(std::size_t robot, const runtime::JobView& job, Instant now);
 
   Api& api_;
   const runtime::RunningCell& cell_;

@@ -44,6 +44,48 @@ TEST(Demonstration, each_robot_is_shown_and_moves) {
   EXPECT_TRUE(shown.over());
 }
 
+TEST(Demonstration, a_pause_by_the_camera_ends_by_itself) {
+  Cell table;
+  table.cameras.emplace_back();
+  table.cameras[0].name = "eye";
+  table.cameras[0].device = kSimulatedCamera;
+  table.cameras[0].X_WT.p = {0.15, 0.04, 0};
+  table.baskets.emplace_back();
+  table.baskets[0].name = "tray";
+  table.baskets[0].X_WK.p = {0.06, 0.18, 0};
+  table.cubes = {{.color = 0, .p_W = {0.17, -0.02, 0}, .turn = 0.4}};
+  ApiCell cell({test::place("a", "learm", "bus")}, 5, {}, {}, nullptr, {}, table);
+  runtime::RunningCell& running = cell.cell();
+  const auto camera = runtime::usual_camera();
+  const auto robots = [&running] {
+    return running.robots_in_view(runtime::RunningCell::Stand::kTrue);
+  };
+  running.open_camera(0, {"eye", camera, 0.025}, running.table()->pictures(camera, robots),
+                      running.table()->glances(camera, robots));
+  Demonstration shown(cell.api(), running);
+  const auto job = [&] { return running.jobs(0).view(); };
+  // It comes and goes: what is there before the arm sorts is no news.
+  runtime::SimulatedTable::Trouble hand;
+  hand.hand = running.table()->hand_in_view(0);
+  Instant next{};
+  bool is_there = false;
+  ASSERT_TRUE(cell.until([&] {
+    shown.poll(cell.now());
+    if (cell.now() >= next) {
+      next = cell.now() + std::chrono::milliseconds(1500);
+      is_there = !is_there;
+      running.table()->set_trouble(is_there ? hand : runtime::SimulatedTable::Trouble{});
+    }
+    return job().paused;
+  }));
+  running.table()->set_trouble({});
+  EXPECT_TRUE(cell.until([&] {
+    shown.poll(cell.now());
+    return !job().paused;
+  }));
+  EXPECT_FALSE(shown.over());
+}
+
 TEST(Demonstration, a_visitor_who_takes_a_robot_ends_it_and_has_the_robot) {
   ApiCell cell({test::place("a", "learm", "bus"), test::place("b", "learm", "bus")}, 2);
   Demonstration shown(cell.api(), cell.cell());
