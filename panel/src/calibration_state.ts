@@ -24,11 +24,13 @@ export const saved = signal<Calibration['saved'] | null>(null);
 export const views = computed(() => calibration.value?.views ?? []);
 /** The mark that the tip goes to next; the wizard's own choice where none was made. */
 export const chosenMark = signal<string | null>(null);
-/** m, that a pin stands out of the tool. */
-export const pin = signal(0.02);
+/** m, that a pin stands out of the tool; 0: not said yet. */
+export const pin = signal(0);
 export const mark = computed(() => chosenMark.value ?? nextMark(calibration.value));
 /** Something that is not saved yet. */
-export const unsaved = computed(() => views.value.length + (calibration.value?.sheet ? 1 : 0));
+export const unsaved = computed(
+  () => views.value.length + (calibration.value?.sheet ? 1 : 0) + (calibration.value?.touch?.marks.length ?? 0),
+);
 
 /** How it stands, whoever has changed it. */
 effect(() => {
@@ -38,6 +40,7 @@ effect(() => {
     calibrating.value = false;
     saved.value = null;
     said.value = null;
+    chosenMark.value = null;
   });
   if (!open.value || !name) return;
   void store
@@ -91,7 +94,7 @@ export function openWizard(): void {
     said.value = null;
     leaving.value = false;
     if (now?.under_way) paper.value = (now.paper as Paper | undefined) ?? 'a4';
-    wizardStep.value = !now?.under_way ? 'print' : now.result ? 'result' : (now.step ?? 'board');
+    wizardStep.value = !now?.under_way ? 'print' : now.result && now.step !== 'touch' ? 'result' : (now.step ?? 'board');
   });
 }
 

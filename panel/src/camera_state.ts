@@ -3,6 +3,7 @@ import { batch, computed, effect, signal } from '@preact/signals';
 import { robot, route, store } from './app';
 import { t } from './i18n';
 import { pickRow, placeRow, sameCube, sortRows } from './logic/camera';
+import type { Lens } from './logic/lens';
 import { fromFlat } from './logic/pose';
 import type { CameraShot, CameraTrouble, CellCamera, SeenCubeJson } from './logic/types';
 
@@ -22,10 +23,12 @@ export const chosenCube = signal<number | null>(null);
 export const cameras = computed(() => store.cell.value?.cameras ?? []);
 export const camera = computed(() => cameras.value.find((one) => one.name === chosenCamera.value) ?? cameras.value[0] ?? null);
 /** Where a camera on an arm was when it took the newest picture; any other hangs where its calibration says. */
-const withPose = (one: CellCamera): CellCamera['lens'] =>
-  one.lens && one.on_arm && shot.value?.pose && one.name === cameraName.value ? { ...one.lens, pose: shot.value.pose } : one.lens;
-export const lenses = computed(() => cameras.value.map(withPose).filter((one) => one !== undefined));
-export const lens = computed(() => (camera.value && withPose(camera.value)) ?? null);
+function withPose(one: CellCamera): Lens | null {
+  const pose = (one.on_arm && one.name === cameraName.value && shot.value?.pose) || one.lens?.pose;
+  return one.lens && pose ? { ...one.lens, pose } : null;
+}
+export const lenses = computed(() => cameras.value.map(withPose).filter((one) => one !== null));
+export const lens = computed(() => camera.value && withPose(camera.value));
 /** Where they stand by the newest picture, else as the cell was told at first. */
 export const baskets = computed(() => shot.value?.baskets ?? store.cell.value?.baskets ?? []);
 /** Its name; the first one where none was chosen. */

@@ -89,6 +89,9 @@ async function go(page, rows) {
 async function touchMarks(page) {
   const told = page.locator('.calibrate-told');
   await button(page, 'Skip').waitFor();
+  assert.ok(await button(page, 'The tip is on cross1').isDisabled(), 'it is not said how far the pin stands out');
+  await page.getByLabel('The pin stands out by').fill('20');
+  await page.getByLabel('The pin stands out by').press('Enter');
   await ready(page, 'left');
   await go(page, 'jaws 40mm\n');
   await page.getByRole('radio', { name: 'cross1' }).click();

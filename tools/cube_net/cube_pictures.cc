@@ -1,6 +1,5 @@
-// cube_pictures [--balanced] SEED COUNT FOLDER [WIDTH HEIGHT]: random tables as PNG pictures with
-// what is on them. White balanced, as the network sees them, to train on; as a camera takes them to
-// test with.
+// cube_pictures SEED COUNT FOLDER [WIDTH HEIGHT]: random tables as PNG pictures with what is on
+// them, to train on and to test with.
 //
 // FOLDER/NUMBER.png, and a line in FOLDER/SEED.txt for each cube whose top is seen:
 // NUMBER color(0..8, 9: white or grey) share-seen x0 y0 x1 y1 x2 y2 x3 y3 (px, clockwise).
@@ -9,31 +8,13 @@
 #include <cstdio>
 #include <cstdlib>
 #include <string>
-#include <string_view>
 
 #include "sinew/render/table_scene.h"
 #include "sinew/vision/picture_file.h"
-#include "sinew/vision/white_balance.h"
-
-namespace {
-
-void balance(sinew::vision::Picture& picture) {
-  const sinew::vision::WhiteBalance balance(picture);
-  for (std::size_t i = 0; i < picture.rgb.size(); ++i) {
-    picture.rgb[i] = balance.curve(i % 3)[picture.rgb[i]];
-  }
-}
-
-}  // namespace
 
 int main(int argc, char** argv) {
-  const bool balanced = argc > 1 && std::string_view(argv[1]) == "--balanced";
-  if (balanced) {
-    --argc;
-    ++argv;
-  }
   if (argc < 4) {
-    std::fprintf(stderr, "usage: cube_pictures [--balanced] SEED COUNT FOLDER [WIDTH HEIGHT]\n");
+    std::fprintf(stderr, "usage: cube_pictures SEED COUNT FOLDER [WIDTH HEIGHT]\n");
     return 2;
   }
   const std::uint64_t seed = std::strtoull(argv[1], nullptr, 10);
@@ -53,8 +34,7 @@ int main(int argc, char** argv) {
     const auto view = sinew::render::view_of(table.scene, table.camera, table.X_WC, number);
     sinew::render::measure_tops(table, view);
     table.sensor.exposure *= sinew::render::exposure_for(view, 0.3);
-    auto picture = sinew::render::taken(view, table.sensor, number);
-    if (balanced) balance(picture);
+    const auto picture = sinew::render::taken(view, table.sensor, number);
     const auto png = sinew::vision::encode_png(picture);
     std::FILE* file = std::fopen((folder + "/" + std::to_string(number) + ".png").c_str(), "wb");
     if (!file) return 1;

@@ -60,6 +60,7 @@ export const calibrationDe: Record<keyof typeof calibrationEn, string> = {
   'cal.touch.off': '{mm} mm',
   'cal.touch.off.how': 'Neben dem Ort, den die anderen Zeichen ergeben',
   'cal.touch.delete': '{mark} löschen',
+  'cal.touch.is_touched': '{mark}, berührt',
   'cal.touch.error': 'Fehler des Tisches im Roboter (95 %)',
   'cal.touch.rms': 'Rest der Zeichen, quadratisches Mittel',
   'cal.touch.moved': 'Abstand vom Ort in der Zellendatei',
@@ -81,6 +82,7 @@ export const calibrationDe: Record<keyof typeof calibrationEn, string> = {
   'cal.result.better': 'Für ein besseres Ergebnis: {how}',
   'cal.result.more': 'Weitere Ansichten',
   'cal.result.stays': 'Das Blatt bleibt auf dem Tisch. Programme halten dann an, wenn die Kamera bewegt wurde.',
+  'cal.result.touched_before': '{robot} hat früher gemessen, wo das Blatt liegt. Speichern verwirft das: die Zeichen in Schritt 4 neu berühren.',
   'cal.save': 'Speichern',
   'cal.save.file': 'Speichern schreibt {file}',
   'cal.save.nowhere': 'Diese Zelle wurde nicht aus einer Datei gelesen: Es gibt keinen Ort zum Speichern.',
@@ -146,8 +148,8 @@ export const calibrationSentencesDe: ComplaintWords = {
     'The sheet has no such mark; its marks are {list}.': 'Das Blatt hat kein solches Zeichen; es hat {list}.',
     '{robot} is a platform: it has no tip to touch marks with.': '{robot} ist eine Plattform: Sie hat keine Spitze, die etwas berührt.',
     '{robot} moves. Wait until it is at rest.': '{robot} bewegt sich. Warten, bis er ruht.',
-    'It is not known where {robot} stands. Press Home, then touch the mark.':
-      'Wo {robot} steht, ist nicht bekannt. Referenzieren, dann das Zeichen berühren.',
+    'It is not known where {robot} stands. Enable it, home it in Setup, then touch the mark.':
+      'Wo {robot} steht, ist nicht bekannt. Einschalten, in der Einrichtung referenzieren, dann das Zeichen berühren.',
     'The jaws of {robot} are not closed. Close them on the pin, so that the tool has one tip, then touch the mark.':
       'Die Backen von {robot} sind nicht geschlossen. Auf dem Stift schließen, damit das Werkzeug eine Spitze hat, dann das Zeichen berühren.',
     'The other marks were touched by {robot}. Go on with it, or delete these marks.':

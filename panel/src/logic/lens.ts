@@ -1,8 +1,8 @@
 /** Where a camera's picture shows what stands in the cell, and the other way round. */
 import { add, fromFlat, inverse, rotate } from './pose';
-import type { CellCamera, Vec3 } from './types';
+import type { CellCamera, FlatPoseJson, Vec3 } from './types';
 
-export type Lens = NonNullable<CellCamera['lens']>;
+export type Lens = NonNullable<CellCamera['lens']> & { pose: FlatPoseJson };
 export type Pixel = [number, number];
 
 /** m; what is nearer to the lens, or behind it, has no place in the picture. */

@@ -186,7 +186,8 @@ export interface CellCamera {
   on_arm?: boolean;
   /** Of a calibrated one. */
   lens?: {
-    pose: FlatPoseJson;
+    /** Not where its arm's position is unknown. */
+    pose?: FlatPoseJson;
     width_px: number;
     height_px: number;
     fx_px: number;
@@ -320,6 +321,8 @@ export interface Calibration {
   marks?: SheetMark[];
   paper_m?: [number, number];
   touch?: TouchJson;
+  /** Which has measured where the sheet lies, in what is saved now. */
+  table_robot?: string;
   taken?: number;
   saved?: { file: string; table_error_m: number; sheet_stays: boolean };
 }

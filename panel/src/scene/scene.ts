@@ -42,7 +42,8 @@ import { compose, fromFlat } from '../logic/pose';
 import { jointLimits, jointsOf } from '../logic/store';
 import { regionOf } from './table_reach';
 import { basketOf, cubeOf, frustumOf } from './table_top';
-import type { BasketJson, CellCamera, CellDescription, CubeReachJson, Pose, RobotModel, RobotStatus, SeenCubeJson, ToolRow, Vec3 } from '../logic/types';
+import type { Lens } from '../logic/lens';
+import type { BasketJson, CellDescription, CubeReachJson, Pose, RobotModel, RobotStatus, SeenCubeJson, ToolRow, Vec3 } from '../logic/types';
 import { Body, bodyLook, ghostLook, place } from './body';
 import { JointMark } from './joint_mark';
 import { limitMark } from './limits';
@@ -332,7 +333,7 @@ export class CellScene {
     this.fill(this.cubes, cubes.map(cubeOf));
   }
   /** What cameras see of their tables. */
-  showFrustums(lenses: readonly NonNullable<CellCamera['lens']>[]): void {
+  showFrustums(lenses: readonly Lens[]): void {
     this.fill(this.frustums, lenses.map((lens) => frustumOf(lens, this.materials.path)));
   }
   showBaskets(baskets: readonly BasketJson[]): void {

@@ -2,7 +2,8 @@
 import { BoxGeometry, BufferGeometry, Float32BufferAttribute, Group, LineSegments, Mesh, MeshLambertMaterial, type LineBasicMaterial, type Material } from 'three';
 import { paintOf } from '../logic/camera';
 import { add, fromFixedXyz, fromFlat, rotate } from '../logic/pose';
-import type { BasketJson, CellCamera, SeenCubeJson, Vec3 } from '../logic/types';
+import type { Lens } from '../logic/lens';
+import type { BasketJson, SeenCubeJson, Vec3 } from '../logic/types';
 import { place } from './body';
 
 const kWall = 0.003; // m
@@ -47,7 +48,7 @@ export function cubeOf(cube: SeenCubeJson): Mesh | null {
 }
 
 /** Edges of what a camera sees, from its lens to the table. */
-export function frustumOf(lens: NonNullable<CellCamera['lens']>, material: LineBasicMaterial): LineSegments {
+export function frustumOf(lens: Lens, material: LineBasicMaterial): LineSegments {
   const { p, q } = fromFlat(lens.pose);
   const [w, h] = [lens.width_px / (2 * lens.fx_px), lens.height_px / (2 * lens.fy_px)];
   const corners = ([[-w, -h], [w, -h], [w, h], [-w, h]] as const).map(([x, y]): Vec3 => {

@@ -325,7 +325,7 @@ function Touch(): JSX.Element {
       <button
         type="button"
         class="primary big"
-        disabled={busy.value || viewer() || !name || !hasTip || !mark.value}
+        disabled={busy.value || viewer() || !name || !hasTip || !mark.value || pin.value <= 0}
         onClick={() => void touch(name!)}
       >
         <Icon name="check" /> {t('cal.touch.take', { mark: mark.value ?? '' })}
@@ -365,6 +365,17 @@ function TouchFigures({ touched }: { touched: TouchJson }): JSX.Element {
   );
 }
 
+/** Arrows go to the mark before or behind, as in any radio group. */
+function chooseByKey(event: JSX.TargetedKeyboardEvent<SVGGElement>, name: string): void {
+  const names = (calibration.value?.marks ?? []).map((one) => one.mark);
+  const way = { ArrowRight: 1, ArrowDown: 1, ArrowLeft: -1, ArrowUp: -1, ' ': 0, Enter: 0 }[event.key];
+  if (way === undefined) return;
+  event.preventDefault();
+  chosenMark.value = names[(names.indexOf(name) + way + names.length) % names.length] ?? null;
+  const group = event.currentTarget.parentElement;
+  requestAnimationFrame(() => group?.querySelector<SVGGElement>('[aria-checked=true]')?.focus());
+}
+
 /** The sheet from above: its marks, those that were touched, and the next one. A click chooses another. */
 function Marks(): JSX.Element | null {
   const now = calibration.value;
@@ -381,11 +392,11 @@ function Marks(): JSX.Element | null {
             class={`calibrate-mark${touched.has(name) ? ' touched' : ''}${name === mark.value ? ' next' : ''}`}
             transform={`translate(${1000 * x_m} ${-1000 * y_m})`}
             role="radio"
-            tabIndex={0}
+            tabIndex={name === mark.value ? 0 : -1}
             aria-checked={name === mark.value}
-            aria-label={name}
+            aria-label={touched.has(name) ? t('cal.touch.is_touched', { mark: name }) : name}
             onClick={() => (chosenMark.value = name)}
-            onKeyDown={(event) => event.key === 'Enter' && (chosenMark.value = name)}
+            onKeyDown={(event) => chooseByKey(event, name)}
           >
             <circle r="11" />
             {name.startsWith('tag') ? <rect class="calibrate-mark-tag" x="-6" y="-6" width="12" height="12" /> : <path d="M-7 0H7M0-7V7" />}
@@ -473,6 +484,7 @@ function Result(): JSX.Element {
         <input type="checkbox" checked={sheetStays.value} onChange={(event) => (sheetStays.value = event.currentTarget.checked)} />
         <span>{t('cal.result.stays')}</span>
       </label>
+      {now?.table_robot && !now.touch && <p class="calibrate-trouble">{t('cal.result.touched_before', { robot: now.table_robot })}</p>}
       <Told />
       <div class="row">
         <button type="button" class="primary big" disabled={busy.value || viewer() || !now?.file} onClick={() => void save()}>

@@ -114,7 +114,7 @@ double least_touch_sigma(const RobotModel& model, std::span<const TouchedMark> m
     for (std::size_t j = 0; j < mark.q.size(); ++j) {
       JointVector q = mark.q;
       q[j] += device_resolution(model, j);
-      const double step = norm(tip_at(model, q, tool) - mark.p_BT);
+      const double step = norm(tip_at(model, q, tool) - tip_at(model, mark.q, tool));
       sum += step * step / 12 / 3;  // even over a step; a third of it for each coordinate
     }
   }
@@ -155,7 +155,9 @@ std::expected<TouchedSheet, TouchRefusal> touched_sheet(const SheetTouches& touc
   }
   if (frame->rms > touches.limit) return std::unexpected(misfit(touches, *frame));
   // The robot stands on the table that the sheet lies on, as a rule.
-  TouchedSheet found{levelled(std::move(*frame), points, touches.up), {}, 0};
+  TableFrame level = levelled(*frame, points, touches.up);
+  if (level.rms > touches.limit) level = std::move(*frame);
+  TouchedSheet found{std::move(level), {}, 0};
   for (const double x : {-0.5, 0.5}) {
     for (const double y : {-0.5, 0.5}) {
       const Vec3 p_S{x * touches.sheet.width, y * touches.sheet.height, 0};

@@ -132,7 +132,8 @@ Calibrated<TableFrame> table_frame(std::span<const TouchedPoint> points, double 
 }
 
 TableFrame levelled(TableFrame frame, std::span<const TouchedPoint> points, const Vec3& up) {
-  constexpr double kSigma = 0.5 * kPi / 180;
+  constexpr double kSigma = 1 * kPi / 180;
+  constexpr double kMost = 3 * kPi / 180;
   constexpr double kChance = 0.01;
   if (!(frame.sigma > 0)) return frame;
   // About the two axes across `up`, by which the table would be level.
@@ -143,7 +144,8 @@ TableFrame levelled(TableFrame frame, std::span<const TouchedPoint> points, cons
   const Eigen::Matrix3d spread =
       across * known * across + kSigma * kSigma * across + z * z.transpose();
   const double square = tilt.dot(spread.inverse() * tilt) / 2;
-  if (square > f_quantile(1 - kChance, 2, frame.freedom)) return frame;
+  const bool is_tilted = tilt.norm() > kMost || square > f_quantile(1 - kChance, 2, frame.freedom);
+  if (is_tilted) return frame;
   Matrix6 information = frame.covariance.inverse();
   Vector6 pull = Vector6::Zero();
   information.topLeftCorner<3, 3>() += across / (kSigma * kSigma);
@@ -153,6 +155,12 @@ TableFrame levelled(TableFrame frame, std::span<const TouchedPoint> points, cons
   frame.residuals = errors_of(frame.X_BW, points);
   frame.rms = rms(frame.residuals);
   frame.freedom += 2;
+  // A tilt that was levelled away shows in what is left.
+  double squares = 0;
+  for (const double off : frame.residuals) squares += off * off;
+  const double sigma = std::max(frame.sigma, std::sqrt(squares / frame.freedom));
+  frame.covariance *= sigma * sigma / (frame.sigma * frame.sigma);
+  frame.sigma = sigma;
   return frame;
 }
 

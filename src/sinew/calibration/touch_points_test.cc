@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "sinew/calibration/scene_test_data.h"
+#include "sinew/core/units.h"
 
 namespace sinew::calibration {
 namespace {
@@ -77,7 +78,7 @@ TEST(TableFrame, of_a_table_that_is_nearly_level_three_touches_tell_more) {
   const Vec3 up{0, 0, 1};
   test::for_random_cases(kCases, [&](test::Random& random) {
     const double turn = random.uniform(-3, 3);
-    const Rotation tilt = rotation_x(0.0087 * normal(random)) * rotation_y(0.0087 * normal(random));
+    const Rotation tilt = rotation_x(0.0175 * normal(random)) * rotation_y(0.0175 * normal(random));
     const PoseBW X_BW{tilt * rotation_z(turn), random_vector(random, 0.3)};
     const std::vector<Vec3> marks{{-0.085, 0.12, 0}, {0.085, -0.1, 0}, {-0.085, -0.1, 0}};
     const auto points = touched(X_BW, marks, 2e-3, random);
@@ -94,7 +95,29 @@ TEST(TableFrame, of_a_table_that_is_nearly_level_three_touches_tell_more) {
   EXPECT_GE(inside, 0.92 * kCases);
   EXPECT_LE(inside, 0.985 * kCases);
   EXPECT_GT(nearer, 0.55 * kCases);
-  EXPECT_LT(level, 0.7 * plain);
+  EXPECT_LT(level, 0.9 * plain);
+}
+
+TEST(TableFrame, of_a_table_that_is_not_quite_level_the_error_still_holds) {
+  constexpr int kCases = 300;
+  for (const double tilt : {from_deg(2), from_deg(4), from_deg(8)}) {
+    for (const std::size_t count : {3U, 5U}) {
+      int inside = 0;
+      test::for_random_cases(kCases, [&](test::Random& random) {
+        const PoseBW X_BW{rotation_x(tilt) * rotation_z(random.uniform(-3, 3)), {0.2, 0, 0}};
+        std::vector<Vec3> marks{
+            {-0.085, 0.12, 0}, {0.085, -0.1, 0}, {-0.085, -0.1, 0}, {0.085, 0.12, 0}, {0, 0, 0}};
+        marks.resize(count);
+        const auto points = touched(X_BW, marks, 2e-3, random);
+        const auto table = table_frame(points);
+        ASSERT_TRUE(table);
+        const TableFrame level = levelled(*table, points, {0, 0, 1});
+        const Vec3 p_W{0.105, 0.1485, 0};
+        inside += norm(level.X_BW * p_W - X_BW * p_W) <= error_95(level, p_W) ? 1 : 0;
+      });
+      EXPECT_GE(inside, 0.88 * kCases) << to_deg(tilt) << " deg, " << count;
+    }
+  }
 }
 
 TEST(TableFrame, a_table_that_is_tilted_stays_so) {

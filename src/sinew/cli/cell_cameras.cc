@@ -18,8 +18,7 @@ std::string beside(const std::string& cell_file, const std::string& file) {
   return (std::filesystem::path(cell_file).parent_path() / file).string();
 }
 
-std::expected<vision::TableCamera, Outcome> read_calibration(const Cell& cell,
-                                                             const CellCamera& camera,
+std::expected<vision::TableCamera, Outcome> read_calibration(const CellCamera& camera,
                                                              const std::string& path) {
   const auto text = io::read_file(path, std::size_t{1} << 20U);
   if (!text) {
@@ -27,38 +26,31 @@ std::expected<vision::TableCamera, Outcome> read_calibration(const Cell& cell,
   }
   auto read = read_camera(*text, path);
   if (!read) return std::unexpected(complaints_outcome(read.error()));
-  const bool is_there = !read->touched || std::ranges::any_of(cell.robots, [&](const auto& one) {
-    return one.name == read->touched->robot;
-  });
-  if (!is_there) {
-    return std::unexpected(bad_input(
-        path + ": [table] is in the base of '" + read->touched->robot +
-        "', and the cell has no robot of that name. Calibrate again, or touch the sheet with a "
-        "robot of this cell: sinew camera touch --cell"));
-  }
   return std::move(*read);
 }
 
-std::expected<std::optional<runtime::CameraMount>, Outcome> read_hand_eye_of(
-    const CellCamera& camera, const std::string& path, std::size_t robot, const RobotModel& model,
-    vision::TableCamera& calibration) {
+std::optional<std::string> missing_robot(const Cell& cell, const vision::TableCamera& camera) {
+  const bool is_there = !camera.touched || std::ranges::any_of(cell.robots, [&](const auto& one) {
+    return one.name == camera.touched->robot;
+  });
+  if (is_there) return std::nullopt;
+  return "[table] is in the base of '" + camera.touched->robot +
+         "', and the cell has no robot of that name; rename it there, or delete [table]";
+}
+
+std::expected<MeasuredHandEye, Outcome> read_hand_eye_of(const CellCamera& camera,
+                                                         const std::string& path, std::size_t robot,
+                                                         const RobotModel& model) {
   const auto complain = [&](const std::string& what) {
     return std::unexpected(bad_input(camera.name + ": hand_eye: " + what));
   };
   const auto text = io::read_file(path, std::size_t{1} << 20U);
   if (!text) return complain(text.error().sentence);
-  const auto file = read_hand_eye(*text, path);
+  auto file = read_hand_eye(*text, path);
   if (!file) return std::unexpected(complaints_outcome(file.error()));
-  if (!file->on_arm) {
-    if (!calibration.touched) {
-      calibration.touched = runtime::table_beside(*file, camera.robot, calibration);
-    }
-    return std::nullopt;
-  }
   auto mount = runtime::mount_of(*file, robot, model);
   if (!mount) return complain(path + ": " + mount.error());
-  calibration.accuracy = file->held_back;
-  return *mount;
+  return MeasuredHandEye{std::move(*file), std::move(*mount)};
 }
 
 namespace {
@@ -92,12 +84,25 @@ std::string calibration_place(const CellCamera& camera, const std::string& cell_
 std::expected<void, Outcome> put_kept(runtime::Camera::Settings& settings, const Cell& cell,
                                       const CellCamera& camera) {
   const std::string& file = settings.calibration_file;
+  const auto say = [&]() -> std::expected<void, Outcome> {
+    const char* help = camera.hand_eye ? ". To fix: sinew camera calibrate"
+                                       : ". Calibrate in the panel's Camera view";
+    std::fputs(
+        ("  " + camera.name + ": not calibrated: " + settings.calibration_refused + help + "\n")
+            .c_str(),
+        stderr);
+    return {};
+  };
   if (!io::exists(file)) {
     if (!camera.calibration) return {};
     settings.calibration_refused = file + " is not there";
   } else {
-    auto read = read_calibration(cell, camera, file);
+    auto read = read_calibration(camera, file);
     if (!read) return std::unexpected(read.error());
+    if (const auto missing = missing_robot(cell, *read)) {
+      settings.calibration_refused = file + ": " + *missing;
+      return say();
+    }
     const bool is_other = !read->identity.empty() && !settings.identity.empty() &&
                           read->identity != settings.identity;
     if (!is_other) {
@@ -107,11 +112,7 @@ std::expected<void, Outcome> put_kept(runtime::Camera::Settings& settings, const
     settings.calibration_refused =
         file + " is of another camera: " + read->identity + "; this one is " + settings.identity;
   }
-  std::fputs(("  " + camera.name + ": not calibrated: " + settings.calibration_refused +
-              ". Calibrate in the panel's Camera view\n")
-                 .c_str(),
-             stderr);
-  return {};
+  return say();
 }
 
 }  // namespace
@@ -130,12 +131,14 @@ std::expected<void, Outcome> open_cameras(runtime::RunningCell& cell, const std:
                                        .calibration_file = calibration_place(camera, file)};
     if (auto kept = put_kept(settings, cell.cell(), camera); !kept) return kept;
     std::optional<runtime::CameraMount> mount;
-    if (camera.hand_eye && settings.calibration) {
+    if (camera.hand_eye) {
       const std::size_t robot = *cell.find(camera.robot);
       auto read = read_hand_eye_of(camera, beside(file, *camera.hand_eye), robot,
-                                   cell.station(robot).robot(), *settings.calibration);
+                                   cell.station(robot).robot());
       if (!read) return std::unexpected(read.error());
-      mount = *read;
+      mount = read->mount;
+      if (mount && settings.calibration) settings.calibration->accuracy = read->file.held_back;
+      if (!mount) cell.stands_beside(i, std::move(read->file));
     }
     if (is_simulated) {
       // It hangs where the cell's file says, also where something else was measured.

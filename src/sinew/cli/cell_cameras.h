@@ -13,19 +13,24 @@ namespace sinew::cli {
 std::string beside(const std::string& cell_file, const std::string& file);
 
 /// What its `calibration` says. @param path  of that file
-/// @error  bad input: a file that cannot be read, or that names a robot which the cell has not
-std::expected<vision::TableCamera, Outcome> read_calibration(const Cell& cell,
-                                                             const CellCamera& camera,
+/// @error  bad input: a file that cannot be read
+std::expected<vision::TableCamera, Outcome> read_calibration(const CellCamera& camera,
                                                              const std::string& path);
 
-/// What its `hand_eye` says of a calibrated camera: it is on the arm, or beside it.
-/// @param path   of that file
+/// Why the place of a camera's table says nothing in this cell: it is in the base of another robot.
+std::optional<std::string> missing_robot(const Cell& cell, const vision::TableCamera& camera);
+
+/// What `sinew camera hand-eye` has measured of a camera.
+struct MeasuredHandEye {
+  HandEyeFile file;
+  std::optional<runtime::CameraMount> mount;  ///< nothing: it stands beside the arm
+};
+/// @param path   of its `hand_eye`
 /// @param robot  CellCamera::robot, by its number in the cell
-/// @return  where it is mounted; nothing: the calibration says now where its table is
 /// @error  bad input: a file that cannot be read, or that is of another robot
-std::expected<std::optional<runtime::CameraMount>, Outcome> read_hand_eye_of(
-    const CellCamera& camera, const std::string& path, std::size_t robot, const RobotModel& model,
-    vision::TableCamera& calibration);
+std::expected<MeasuredHandEye, Outcome> read_hand_eye_of(const CellCamera& camera,
+                                                         const std::string& path, std::size_t robot,
+                                                         const RobotModel& model);
 
 /// Opens the cameras that the cell's file names.
 /// @param file  the cell's

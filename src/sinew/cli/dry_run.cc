@@ -109,19 +109,31 @@ std::string cubes_text(std::size_t cubes, std::size_t in_baskets) {
 Or<vision::TableCamera> calibration_of(const PlanRequest& request, const Cell& cell,
                                        const CellCamera& camera, const Chosen& chosen,
                                        const JointVector& q) {
-  auto lens = read_calibration(cell, camera, beside(*request.cell, *camera.calibration));
-  if (!lens || !camera.hand_eye) return lens;
+  auto lens = read_calibration(camera, beside(*request.cell, *camera.calibration));
+  if (!lens) return lens;
+  if (const auto missing = missing_robot(cell, *lens)) {
+    return std::unexpected(bad_input(*camera.calibration + ": " + *missing));
+  }
+  if (!camera.hand_eye) return lens;
   const auto carrier = std::ranges::find(cell.robots, camera.robot, &CellRobot::name);
   Or<RobotModel> model = chosen.model;
   if (&*carrier != chosen.place) model = model_of(*carrier, *request.cell);
   if (!model) return std::unexpected(model.error());
   const auto robot = static_cast<std::size_t>(carrier - cell.robots.begin());
-  const auto mount =
-      read_hand_eye_of(camera, beside(*request.cell, *camera.hand_eye), robot, *model, *lens);
-  if (!mount) return std::unexpected(mount.error());
-  if (!*mount) return lens;
-  const JointVector& stands = &*carrier == chosen.place ? q : home_joints(*model);
-  const auto X_WC = runtime::pose_on(**mount, {*model, carrier->X_WB, stands});
+  const auto read =
+      read_hand_eye_of(camera, beside(*request.cell, *camera.hand_eye), robot, *model);
+  if (!read) return std::unexpected(read.error());
+  if (!read->mount) {
+    if (!lens->touched) lens->touched = runtime::table_beside(read->file, camera.robot, *lens);
+    return lens;
+  }
+  if (&*carrier != chosen.place || !request.from) {
+    return std::unexpected(bad_input(fmt::format(
+        "{} is on the arm of {}: say where that stood as the picture was taken, --robot {} "
+        "--from-joints",
+        camera.name, camera.robot, camera.robot)));
+  }
+  const auto X_WC = runtime::pose_on(*read->mount, {*model, carrier->X_WB, q});
   if (!X_WC) return std::unexpected(could_not(camera.robot + ": its legs have no such pose"));
   const auto X_TW = runtime::table_of(cell, camera, &*lens).inverse();
   lens->X_WC = relabel<frame::World, frame::World>(X_TW) * *X_WC;

@@ -39,10 +39,11 @@ std::vector<bool> silhouette(std::span<const ViewedRobot> robots, const vision::
   for (int row = 0; row < grid.rows; ++row) {
     for (int column = 0; column < grid.columns; ++column) {
       const vision::Pixel p{(column + 0.5) * cell, (row + 0.5) * cell};
-      const auto hit = tracer.nearest({X_WC.p, X_WC.R * camera.direction(p)});
-      if (!hit || hit->distance < kMount) continue;
+      const Vec3 along = X_WC.R * camera.direction(p);
+      const auto hit = tracer.nearest({X_WC.p + kMount * along, along});
+      if (!hit) continue;
       const int around =
-          static_cast<int>(std::ceil(margin * camera.fx / (std::max(0.01, hit->distance) * cell)));
+          static_cast<int>(std::ceil(margin * camera.fx / ((kMount + hit->distance) * cell)));
       for (int y = std::max(0, row - around); y <= std::min(grid.rows - 1, row + around); ++y) {
         const int first = std::max(0, column - around);
         const int last = std::min(grid.columns - 1, column + around);

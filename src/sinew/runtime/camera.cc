@@ -133,7 +133,9 @@ void Camera::heed(std::shared_ptr<const vision::TableCamera> calibration) {
   if (calibration == heeded_) return;
   heeded_ = std::move(calibration);
   if (heeded_ && watch_.table) X_WT_ = watch_.table(*heeded_);
-  sheet_ = heeded_ ? vision::table_sheet(heeded_->sheet) : std::nullopt;
+  // One on an arm leaves its sheet behind, and goes by the arm.
+  const bool stays = heeded_ && !watch_.hangs;
+  sheet_ = stays ? vision::table_sheet(heeded_->sheet) : std::nullopt;
   if (sheet_ && !tags_) tags_.emplace(std::vector{sheet_->family});
   view_.reset();
   // What a camera on an arm sees changes whenever the arm moves.
@@ -265,32 +267,39 @@ std::vector<render::ViewedRobot> Camera::robots() const {
 }
 
 Expected<vision::Picture> Camera::at_rest(const std::stop_token& ending,
-                                          std::optional<vision::TableCamera>& by) {
+                                          std::optional<vision::TableCamera>& by,
+                                          std::vector<render::ViewedRobot>& stood) {
   constexpr std::chrono::seconds kPatience{1};
   constexpr double kStill = 0.5e-3;  // m at the table
+  stood = robots();
   if (!by || !watch_.hangs) return source_(ending);
   const auto X_TW = relabel<frame::World, frame::World>(X_WT_.inverse());
   const Time end = std::chrono::steady_clock::now() + kPatience;
-  double went = 0;
+  Error why{ErrorCode::kCameraInMotion};
   do {
+    stood = robots();
     const auto before = watch_.hangs();
     auto picture = source_(ending);
     const auto after = watch_.hangs();
-    if (!before || !after) return std::unexpected(Error{ErrorCode::kPositionUnknown, 0});
     if (!picture) return picture;
+    if (!before || !after) {
+      why = Error{ErrorCode::kPositionUnknown};
+      continue;
+    }
     by->X_WC = X_TW * *after;
     const double turned = angle_between(before->R, after->R) * std::abs(by->X_WC.p.z);
-    went = norm(after->p - before->p) + turned;
+    const double went = norm(after->p - before->p) + turned;
     if (went < kStill) return picture;
+    why = Error{ErrorCode::kCameraInMotion, -1, went};
   } while (!ending.stop_requested() && std::chrono::steady_clock::now() < end);
-  return std::unexpected(Error{ErrorCode::kCameraInMotion, -1, went});
+  return std::unexpected(why);
 }
 
 Camera::Shot Camera::take(const std::stop_token& ending) {
   Shot shot;
-  auto before = robots();
+  std::vector<render::ViewedRobot> before;
   auto by = heeded_ ? std::optional(*heeded_) : std::nullopt;
-  auto picture = at_rest(ending, by);
+  auto picture = at_rest(ending, by, before);
   if (!picture) {
     shot.fault = picture.error();
     return shot;

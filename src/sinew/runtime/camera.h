@@ -107,9 +107,11 @@ class Camera {
   std::vector<render::ViewedRobot> robots() const;
   Shot take(const std::stop_token& ending);
   /// A picture in which the camera was at rest; that of one on an arm may take several.
-  /// @param by  the calibration; its pose becomes that of the picture
+  /// @param by     the calibration; its pose becomes that of the picture
+  /// @param stood  becomes how the robots stood before it was taken
   Expected<vision::Picture> at_rest(const std::stop_token& ending,
-                                    std::optional<vision::TableCamera>& by);
+                                    std::optional<vision::TableCamera>& by,
+                                    std::vector<render::ViewedRobot>& stood);
   std::optional<Error> disturbance(const std::stop_token& ending);
   std::optional<Error> fault_of(const vision::Picture& picture, const vision::TableCamera* by);
   std::optional<Error> moved(const vision::Picture& picture, const vision::TableCamera& by);

@@ -29,9 +29,12 @@ struct ToolAtRest {
 };
 
 /// Of a tool that has one tip, which rests.
-std::expected<ToolAtRest, CameraCalibration::Refusal> tool_at_rest(const Station& station) {
+/// @param pin  m, that stands out of it
+std::expected<ToolAtRest, CameraCalibration::Refusal> tool_at_rest(const Station& station,
+                                                                   double pin) {
   using control::MachineState;
-  constexpr double kClosed = 2e-3;  // m
+  constexpr double kClosed = 2e-3;    // m
+  constexpr double kPinMost = 12e-3;  // m: jaws that measure it have a pin between them
   const RobotModel& model = station.robot();
   if (std::holds_alternative<HexapodGeometry>(model.geometry)) {
     return refused("no_tip", station.name() + " is a platform: it has no tip to touch marks with.");
@@ -43,15 +46,16 @@ std::expected<ToolAtRest, CameraCalibration::Refusal> tool_at_rest(const Station
   }
   ToolAtRest at;
   for (const JointPosition& joint : view.positions) {
-    if (joint.quality != PositionQuality::kLost) at.q.push_back(joint.q);
+    if (joint.quality >= PositionQuality::kCommanded) at.q.push_back(joint.q);
   }
   if (at.q.size() != model.joints.size()) {
     return refused("position_unknown", "It is not known where " + station.name() +
-                                           " stands. Press Home, then touch the mark.");
+                                           " stands. Enable it, home it in Setup, then touch "
+                                           "the mark.");
   }
   if (!program::picks_with_jaws(model)) return at;
-  at.tool.jaws = view.tool.jaws.value_or(2 * kClosed);
-  if (at.tool.jaws <= kClosed) return at;
+  at.tool.jaws = view.tool.jaws.value_or(kPinMost + kClosed);
+  if (at.tool.jaws <= (pin > 0 ? kPinMost : kClosed)) return at;
   return refused("jaws_open",
                  "The jaws of " + station.name() +
                      " are not closed. Close them on the pin, so that the tool has one tip, then "
@@ -136,6 +140,7 @@ std::expected<calibration::TakenView, CameraCalibration::Refusal> CameraCalibrat
   const auto taken = picture();
   if (!taken) return std::unexpected(taken.error());
   auto view = step_ == Step::kBoard ? views_.add(*taken) : views_.lay(*taken);
+  if (view && step_ != Step::kBoard) touches_.reset();  // the sheet may lie elsewhere now
   // A person takes the board to its next pose, also where this one was no good.
   if (step_ == Step::kBoard) {
     ++pose_;
@@ -162,7 +167,7 @@ std::expected<void, CameraCalibration::Refusal> CameraCalibration::touch(std::si
     return refused("unknown_mark", "The sheet has no such mark; its marks are " + names + ".");
   }
   const Station& station = cell_->station(robot);
-  auto at = tool_at_rest(station);
+  auto at = tool_at_rest(station, pin);
   if (!at) return std::unexpected(at.error());
   at->tool.pin = pin;
   if (touches_ && touches_->robot != station.name()) {

@@ -24,12 +24,13 @@ std::optional<Pose<frame::Base, frame::Flange>> flange_of(const RobotModel& mode
 
 }  // namespace
 
-std::expected<CameraMount, std::string> mount_of(const HandEyeFile& file, std::size_t robot,
-                                                 const RobotModel& model) {
-  if (!file.on_arm) return std::unexpected("it is of a camera beside the arm (mount = \"table\")");
+std::expected<std::optional<CameraMount>, std::string> mount_of(const HandEyeFile& file,
+                                                                std::size_t robot,
+                                                                const RobotModel& model) {
   if (file.robot != model.id) {
     return std::unexpected("it was measured on a " + file.robot + ", not on a " + model.id);
   }
+  if (!file.on_arm) return std::nullopt;
   CameraMount mount{robot, relabel<frame::Flange, frame::Camera>(file.X_MC), {}};
   for (std::size_t j = 0; j < model.joints.size(); ++j) mount.zeros.push_back(0);
   for (const auto& [name, offset] : file.joint_zeros) {

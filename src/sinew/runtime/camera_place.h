@@ -20,9 +20,11 @@ struct CameraMount {
 };
 
 /// Of what was measured on a robot of this model.
-/// @error  a sentence: the file is of another robot, or of a camera beside the arm
-std::expected<CameraMount, std::string> mount_of(const HandEyeFile& file, std::size_t robot,
-                                                 const RobotModel& model);
+/// @return  nothing: the camera stands beside the arm
+/// @error  a sentence: the file is of another robot
+std::expected<std::optional<CameraMount>, std::string> mount_of(const HandEyeFile& file,
+                                                                std::size_t robot,
+                                                                const RobotModel& model);
 
 /// Where the camera is while its robot stands so; nothing where its legs have no pose.
 std::optional<Pose<frame::World, frame::Camera>> pose_on(const CameraMount& mount,

@@ -44,6 +44,7 @@ io::IoResult<std::unique_ptr<RunningCell>> RunningCell::start(
     }
   }
   running->cameras_.resize(running->cell_.cameras.size());
+  running->beside_.resize(running->cell_.cameras.size());
   running->newest_eyes_ = std::vector<std::atomic<CubeEyes*>>(robots.size());
   if (running->cell_.simulated_camera() != nullptr) {
     running->table_ = std::make_unique<SimulatedTable>(running->cell_, running->baskets_->all());
@@ -89,9 +90,17 @@ RunningCell::~RunningCell() {
   together([this](std::size_t i) { stations_[i].reset(); });
 }
 
+void RunningCell::stands_beside(std::size_t i, HandEyeFile measured) {
+  beside_[i] = std::move(measured);
+}
+
 void RunningCell::open_camera(std::size_t i, Camera::Settings settings, CameraSource source,
                               CameraSource glances, std::optional<CameraMount> mount) {
   settings.watch = settings.watch && cell_.cameras[i].watch;
+  if (const auto& measured = beside_[i]; measured && settings.calibration) {
+    auto& touched = settings.calibration->touched;
+    if (!touched) touched = table_beside(*measured, cell_.cameras[i].robot, *settings.calibration);
+  }
   Camera::Watch watch{
       .robots = [this] { return robots_in_view(Stand::kBelieved); },
       .table = [this, i](const auto& by) { return table_of(cell_, cell_.cameras[i], &by); },
@@ -103,7 +112,11 @@ void RunningCell::open_camera(std::size_t i, Camera::Settings settings, CameraSo
 }
 
 void RunningCell::calibrate(std::size_t i, const vision::TableCamera& calibration) {
-  cameras_[i]->calibrate(calibration);
+  auto counts = calibration;
+  if (const auto& measured = beside_[i]; measured && !counts.touched) {
+    counts.touched = table_beside(*measured, cell_.cameras[i].robot, counts);
+  }
+  cameras_[i]->calibrate(counts);
   look_with_calibrated();
 }
 
@@ -180,7 +193,12 @@ std::vector<render::ViewedRobot> RunningCell::robots_in_view(Stand how) const {
 std::optional<Pose<frame::World, frame::Camera>> RunningCell::hangs(const CameraMount& mount,
                                                                     Stand how) const {
   auto robot = robot_in_view(mount.robot, how);
-  return robot ? pose_on(mount, std::move(*robot)) : std::nullopt;
+  const StationView view = stations_[mount.robot]->view();
+  const bool is_known = std::ranges::all_of(view.positions, [](const JointPosition& joint) {
+    return joint.quality >= PositionQuality::kCommanded;
+  });
+  if (!robot || (how == Stand::kBelieved && !is_known)) return std::nullopt;
+  return pose_on(mount, std::move(*robot));
 }
 
 std::optional<std::size_t> RunningCell::find(std::string_view name) const {

@@ -63,6 +63,9 @@ class RunningCell {
   /// @param mount    on an arm; nothing: it hangs where its calibration says
   void open_camera(std::size_t i, Camera::Settings settings, CameraSource source,
                    CameraSource glances = {}, std::optional<CameraMount> mount = {});
+  /// Hand-eye has measured where this camera stands beside its CellCamera::robot: so its table is
+  /// known, where no marks were touched. Before it is opened.
+  void stands_beside(std::size_t i, HandEyeFile measured);
   /// Counts from the next picture on, also for programs. For one thread only. @pre it was opened
   void calibrate(std::size_t i, const vision::TableCamera& calibration);
   /// Null where it was not opened.
@@ -98,6 +101,7 @@ class RunningCell {
   std::unique_ptr<SimulatedTable> table_;  ///< of the stations, which end first
   std::vector<std::unique_ptr<Station>> stations_;
   std::vector<std::unique_ptr<Camera>> cameras_;     ///< they look at the stations
+  std::vector<std::optional<HandEyeFile>> beside_;   ///< of each camera
   std::vector<std::unique_ptr<CubeEyes>> eyes_;      ///< of the jobs, which end first
   std::vector<std::atomic<CubeEyes*>> newest_eyes_;  ///< each robot's
   std::vector<std::size_t> looks_with_;              ///< cameras that these have

@@ -140,6 +140,8 @@ Calibrations::Result Calibrations::status(std::size_t camera) const {
             {"simulated", place.device == kSimulatedCamera}};
   const std::string& file = cell_.camera(camera)->calibration_file();
   if (!file.empty()) json["file"] = file;
+  const auto kept = cell_.camera(camera)->calibration();
+  if (kept && kept->touched) json["table_robot"] = kept->touched->robot;
   if (one == under_way_.end()) return json;
   json["session"] = one->second.session;
   put_calibration(json, one->second.calibration, cell_.cell());

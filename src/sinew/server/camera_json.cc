@@ -71,13 +71,13 @@ Json camera_description(const runtime::RunningCell& cell, std::size_t camera) {
   const auto kept = opened->calibration();
   if (!kept) return json;
   const vision::TableCamera& calibration = *kept;
-  const auto X_WC = opened->pose(calibration).value_or(Pose<frame::World, frame::Camera>{});
+  const auto X_WC = opened->pose(calibration);
   json["on_arm"] = opened->is_on_arm();
-  json["lens"] = {{"pose", pose_json(X_WC.p, X_WC.R)},     {"width_px", calibration.model.width},
-                  {"height_px", calibration.model.height}, {"fx_px", calibration.model.fx},
-                  {"fy_px", calibration.model.fy},         {"cx_px", calibration.model.center.x},
-                  {"cy_px", calibration.model.center.y},   {"distortion", calibration.model.lens},
-                  {"accuracy_m", calibration.accuracy}};
+  json["lens"] = {{"width_px", calibration.model.width},  {"height_px", calibration.model.height},
+                  {"fx_px", calibration.model.fx},        {"fy_px", calibration.model.fy},
+                  {"cx_px", calibration.model.center.x},  {"cy_px", calibration.model.center.y},
+                  {"distortion", calibration.model.lens}, {"accuracy_m", calibration.accuracy}};
+  if (X_WC) json["lens"]["pose"] = pose_json(X_WC->p, X_WC->R);
   return json;
 }
 

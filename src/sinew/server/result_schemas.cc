@@ -165,15 +165,15 @@ void put_cell(Json& all) {
             {{"name", text()}, {"device", text()}, {"cube_m", number()}, {"table", ref("Pose")}},
             {{"calibration", object({{"file", text()}}, {{"refused", text()}})},
              {"on_arm", flag()},
-             {"lens", object({{"pose", ref("Pose")},
-                              {"width_px", whole()},
+             {"lens", object({{"width_px", whole()},
                               {"height_px", whole()},
                               {"fx_px", number()},
                               {"fy_px", number()},
                               {"cx_px", number()},
                               {"cy_px", number()},
                               {"distortion", numbers(5)},
-                              {"accuracy_m", number()}})}}))}},
+                              {"accuracy_m", number()}},
+                             {{"pose", ref("Pose")}})}}))}},
       {{"baskets", list(ref("Box"))}});
 
   all["CellStatus"] = object({{"robots", list(ref("Status"))}}, {{"demonstration", flag()}});
@@ -259,6 +259,8 @@ void put_calibrations(Json& all) {
                           {"fy_px", number()},
                           {"center_px", numbers(2)},
                           {"lens", numbers(5)}})},
+       {"table_robot",
+        told("Which has measured where the sheet lies, in what is saved now.", text())},
        {"paper_m", told("Width and height of the sheet.", numbers(2))},
        {"marks", told("Of the sheet, to touch; from its middle.",
                       list(object({{"mark", text()}, {"x_m", number()}, {"y_m", number()}})))},
