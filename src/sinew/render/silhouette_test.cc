@@ -137,6 +137,8 @@ TEST(Silhouette, a_shadow_that_comes_or_goes_is_nothing_new_and_skin_on_wood_is)
   EXPECT_TRUE(told(red_shaded, skin));
   EXPECT_TRUE(told(white, skin));
   EXPECT_TRUE(told(red, {60, 60, 70}));
+  EXPECT_TRUE(told(red_shaded, white));
+  EXPECT_TRUE(told({245, 230, 200}, {200, 150, 120})) << "skin on a bright table";
 }
 
 TEST(Silhouette, a_camera_that_is_covered_while_the_arm_moves_is_a_disturbance) {

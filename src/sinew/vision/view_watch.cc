@@ -17,7 +17,8 @@ constexpr float kOther = 22;  ///< of 255 in each color: noise and compression s
 /// hue. Skin on wood has not.
 constexpr float kAlike = 14;
 constexpr float kFollow = 0.1F;
-constexpr float kFull = 240;  ///< of 255: a channel that may be cut off
+constexpr float kFull = 240;   ///< of 255: a channel that may be cut off
+constexpr float kLift = 1.5F;  ///< where a shadow has gone and channels are full
 
 float sum(const std::array<float, 3>& color) {
   return color[0] + color[1] + color[2];
@@ -29,25 +30,28 @@ std::array<float, 3> color_at(const Picture& cells, std::size_t i) {
 }
 
 /// Whether a color is another one, and not the same where a shadow has come or gone. A full channel
-/// may be brighter than it says.
+/// may be brighter than it says, and where it was full it says nothing. One that is full no more is
+/// taken as it was: else skin on a bright table would pass for a shadow.
 /// @param full  of `now`, a channel from there on
 bool is_other(const std::array<float, 3>& now, const std::array<float, 3>& was, float full) {
   float across = 0;
   float along = 0;
-  float least = 0;  // by full channels, in the end
+  float least = 0;  // by full channels
+  bool is_full = false;
   for (std::size_t c = 0; c < 3; ++c) {
     least = std::max(least, now[c] / std::max(1.0F, was[c]));
-    if (now[c] >= full || was[c] >= kFull) continue;
+    is_full = is_full || now[c] >= full;
+    if (now[c] >= full) continue;
     across += now[c] * was[c];
     along += was[c] * was[c];
   }
-  const float share = std::clamp(along > 0 ? across / along : least, kShadow, 1 / kShadow);
+  const float most_share = is_full ? kLift : 1 / kShadow;
+  const float share = std::clamp(along > 0 ? across / along : least, kShadow, most_share);
   float off = 0;
   for (std::size_t c = 0; c < 3; ++c) {
-    float apart = now[c] - share * was[c];
-    if (now[c] >= full) apart = std::max(apart, 0.0F);
-    if (was[c] >= kFull) apart = std::min(apart, 0.0F);
-    off += apart * apart;
+    const float apart = now[c] - share * was[c];
+    const bool is_hidden = now[c] >= full && (apart < 0 || was[c] >= kFull);
+    off += is_hidden ? 0 : apart * apart;
   }
   const float most = share > kGlare ? kAlike : kOther;
   return off > most * most;
