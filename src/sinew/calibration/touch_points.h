@@ -42,8 +42,8 @@ struct TableFrame {
 Calibrated<TableFrame> table_frame(std::span<const TouchedPoint> points, double sigma_least = 0);
 
 /// The frame of a table that probably is level: its z along `up` with a standard deviation of 1
-/// deg. Touches then tell more of the rest. Unchanged where they show that it is not level (1 %), or
-/// more than 3 deg of tilt.
+/// deg. Touches then tell more of the rest. Unchanged where they show that it is not level (1 %),
+/// or more than 3 deg of tilt.
 /// @param points  that it was measured with
 /// @param up      unit vector, in B
 TableFrame levelled(TableFrame frame, std::span<const TouchedPoint> points, const Vec3& up);
