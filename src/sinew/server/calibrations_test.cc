@@ -93,9 +93,12 @@ TEST(Calibrations, steps_out_of_order_are_refused_with_what_to_do) {
   EXPECT_EQ(client.call("camera.calibration.begin")["result"]["step"], "board");
   EXPECT_NE(client.sentence("camera.calibration.save").find("no result yet"), std::string::npos);
   EXPECT_EQ(client.sentence("camera.calibration.expect", {{"step", "table"}}),
-            "step has to be board or sheet");
+            "step has to be board, sheet or touch");
   EXPECT_EQ(client.sentence("camera.calibration.drop", {{"view", 3}}),
             "There is no view 3 (any more).");
+  EXPECT_EQ(client.sentence("camera.calibration.drop"), "view or mark says what to remove");
+  EXPECT_EQ(client.sentence("camera.calibration.drop", {{"mark", "cross1"}}),
+            "This mark was not touched.");
   EXPECT_NE(client.sentence("camera.calibration.begin", {{"paper", "a3"}}).find("paper a4"),
             std::string::npos);
   held.hold(std::nullopt, 0.1, 0);
