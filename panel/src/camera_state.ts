@@ -59,14 +59,14 @@ effect(() => {
   const inView = open.value;
   if (!inView && !looksOn.value) return;
   const name = camera.value!.name;
-  const wish = () => (!inView ? { take: false, longest_px: kBesidePx } : calibrating.peek() ? { tags: true } : {});
+  const params = () => (!inView ? { take: false, longest_px: kBesidePx } : calibrating.peek() ? { tags: true } : {});
   let under = false;
   const look = async () => {
     if (under) return;
     under = true;
     try {
       const known = shot.peek()?.number ?? 0;
-      const next = await store.call<CameraShot>('camera.look', { camera: name, known, ...wish() });
+      const next = await store.call<CameraShot>('camera.look', { camera: name, known, ...params() });
       if (camera.peek()?.name === name) take(next);
     } catch {
       // The page says itself that the connection is gone.

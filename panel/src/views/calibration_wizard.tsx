@@ -285,19 +285,18 @@ function Views(): JSX.Element | null {
               <b>{decimals(view.residual_px, 2)} px</b>
             </span>
           )}
-          <button
-            type="button"
-            class="quiet icon-only"
-            aria-label={t('cal.view.delete', { view: view.view })}
-            title={t('cal.view.delete', { view: view.view })}
-            disabled={busy.value || viewer()}
-            onClick={() => void drop({ view: view.view })}
-          >
-            <Icon name="trash" size={16} />
-          </button>
+          <Delete what={{ view: view.view }} label={t('cal.view.delete', { view: view.view })} />
         </li>
       ))}
     </ul>
+  );
+}
+
+function Delete({ what, label }: { what: Parameters<typeof drop>[0]; label: string }): JSX.Element {
+  return (
+    <button type="button" class="quiet icon-only" aria-label={label} title={label} disabled={busy.value || viewer()} onClick={() => void drop(what)}>
+      <Icon name="trash" size={16} />
+    </button>
   );
 }
 
@@ -409,16 +408,7 @@ function Marks(): JSX.Element | null {
           <li key={one.mark}>
             <b>{one.mark}</b>
             <span class="muted" title={t('cal.touch.off.how')}>{one.off_m !== undefined ? t('cal.touch.off', { mm: decimals(1000 * one.off_m, 1) }) : ''}</span>
-            <button
-              type="button"
-              class="quiet icon-only"
-              aria-label={t('cal.touch.delete', { mark: one.mark })}
-              title={t('cal.touch.delete', { mark: one.mark })}
-              disabled={busy.value || viewer()}
-              onClick={() => void drop({ mark: one.mark })}
-            >
-              <Icon name="trash" size={16} />
-            </button>
+            <Delete what={{ mark: one.mark }} label={t('cal.touch.delete', { mark: one.mark })} />
           </li>
         ))}
         {touched.size === 0 && <li class="muted">{t('cal.touch.none')}</li>}

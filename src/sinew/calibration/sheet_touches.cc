@@ -92,8 +92,8 @@ TouchRefusal misfit(const SheetTouches& touches, const TableFrame& frame) {
   }
   why.sentence += fmt::format(
       "{} fits least. Check the tool (jaws closed, length of the pin), that the sheet did not "
-      "move, and that the "
-      "robot's zeros are right (sinew commission {}); then touch the marks again",
+      "move, and that the robot's zeros are right (sinew commission {}); then touch the marks "
+      "again",
       touches.marks[frame.worst].mark, touches.robot);
   return why;
 }

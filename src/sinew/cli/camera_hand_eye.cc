@@ -56,14 +56,6 @@ struct Mounted {
   }
 };
 
-std::expected<vision::TableCamera, Outcome> read_lens(const CameraRequest& request) {
-  const auto text = io::read_file(*request.camera, std::size_t{1} << 20U);
-  if (!text) return std::unexpected(bad_input("--camera: " + text.error().sentence));
-  auto camera = read_camera(*text, *request.camera);
-  if (!camera) return std::unexpected(complaints_outcome(camera.error()));
-  return std::move(*camera);
-}
-
 /// "36h11:7:30mm".
 std::expected<vision::TagBoard, Outcome> tag_target(const std::string& text) {
   const auto complain = [&](const std::string& what) {
@@ -132,7 +124,7 @@ std::expected<Mounted, Outcome> read_settings(const CameraRequest& request) {
     return std::unexpected(
         bad_input("--zeros-deg: only serial arms have it; " + robot->model.id + " is none"));
   }
-  auto camera = read_lens(request);
+  auto camera = camera_of(request);
   if (!camera) return std::unexpected(camera.error());
   Mounted mounted{request, std::move(*robot), std::move(*camera), std::move(*target), {}, {}, {}};
   mounted.settings.mounting =

@@ -10,6 +10,7 @@
 #include "sinew/cli/quantity.h"
 #include "sinew/cli/table.h"
 #include "sinew/cli/targets.h"
+#include "sinew/config/camera_file.h"
 #include "sinew/config/points_file.h"
 #include "sinew/core/spelling.h"
 #include "sinew/core/units.h"
@@ -130,6 +131,14 @@ std::expected<void, Outcome> add_taught(const CameraRequest& request, const Cali
 }
 
 }  // namespace
+
+std::expected<vision::TableCamera, Outcome> camera_of(const CameraRequest& request) {
+  const auto text = io::read_file(*request.camera, std::size_t{1} << 20U);
+  if (!text) return std::unexpected(bad_input("--camera: " + text.error().sentence));
+  auto camera = read_camera(*text, *request.camera);
+  if (!camera) return std::unexpected(complaints_outcome(camera.error()));
+  return std::move(*camera);
+}
 
 std::expected<TaughtPoints, Outcome> taught_points(const CameraRequest& request) {
   const auto text = io::read_file(request.points);

@@ -8,11 +8,16 @@
 #include "sinew/cli/camera_robot.h"
 #include "sinew/cli/camera_verb.h"
 #include "sinew/model/taught_points.h"
+#include "sinew/vision/table_camera.h"
 #include "sinew/vision/tag_board.h"
 
 namespace sinew::cli {
 
 using calibration::TouchedMark;
+
+/// The camera of request.camera. @pre it is given
+/// @error  a file that cannot be read
+std::expected<vision::TableCamera, Outcome> camera_of(const CameraRequest& request);
 
 /// The points of request.points.
 /// @error  a file that cannot be read

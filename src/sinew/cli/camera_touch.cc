@@ -134,13 +134,10 @@ void add_advice(const Touches& touches, const TouchedSheet& sheet, Outcome& outc
 
 /// Writes the place of the table into the camera's file.
 std::expected<void, Outcome> keep(const Touches& touches, const TouchedSheet& sheet) {
-  const std::string& path = *touches.request.camera;
-  const auto text = io::read_file(path, std::size_t{1} << 20U);
-  if (!text) return std::unexpected(bad_input("--camera: " + text.error().sentence));
-  auto camera = read_camera(*text, path);
-  if (!camera) return std::unexpected(complaints_outcome(camera.error()));
+  auto camera = camera_of(touches.request);
+  if (!camera) return std::unexpected(camera.error());
   camera->touched = {touches.robot.name, sheet.frame.X_BW, sheet.error};
-  const auto written = io::replace_file(path, camera_text(*camera));
+  const auto written = io::replace_file(*touches.request.camera, camera_text(*camera));
   if (!written) return std::unexpected(could_not("--camera: " + written.error().sentence));
   return {};
 }

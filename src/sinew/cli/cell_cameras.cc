@@ -79,40 +79,42 @@ std::string calibration_place(const CellCamera& camera, const std::string& cell_
   return beside(cell_file, camera.calibration.value_or("camera-" + camera.name + ".toml"));
 }
 
+/// Why a calibration does not count here; nothing: it does.
+/// @param file      that it stands in
+/// @param identity  of the camera that is here
+std::optional<std::string> why_not(const vision::TableCamera& kept, const Cell& cell,
+                                   const std::string& file, const std::string& identity) {
+  if (const auto missing = missing_robot(cell, kept)) return file + ": " + *missing;
+  const bool is_other = !kept.identity.empty() && !identity.empty() && kept.identity != identity;
+  if (!is_other) return std::nullopt;
+  return file + " is of another camera: " + kept.identity + "; this one is " + identity;
+}
+
 /// What is kept of a camera, as far as there is a file and it is this camera's.
 /// @error  bad input: a file that cannot be read
 std::expected<void, Outcome> put_kept(runtime::Camera::Settings& settings, const Cell& cell,
                                       const CellCamera& camera) {
   const std::string& file = settings.calibration_file;
-  const auto say = [&]() -> std::expected<void, Outcome> {
-    const char* help = camera.hand_eye ? ". To fix: sinew camera calibrate"
-                                       : ". Calibrate in the panel's Camera view";
-    std::fputs(
-        ("  " + camera.name + ": not calibrated: " + settings.calibration_refused + help + "\n")
-            .c_str(),
-        stderr);
-    return {};
-  };
   if (!io::exists(file)) {
     if (!camera.calibration) return {};
     settings.calibration_refused = file + " is not there";
   } else {
     auto read = read_calibration(camera, file);
     if (!read) return std::unexpected(read.error());
-    if (const auto missing = missing_robot(cell, *read)) {
-      settings.calibration_refused = file + ": " + *missing;
-      return say();
-    }
-    const bool is_other = !read->identity.empty() && !settings.identity.empty() &&
-                          read->identity != settings.identity;
-    if (!is_other) {
+    const auto why = why_not(*read, cell, file, settings.identity);
+    if (!why) {
       settings.calibration = std::move(*read);
       return {};
     }
-    settings.calibration_refused =
-        file + " is of another camera: " + read->identity + "; this one is " + settings.identity;
+    settings.calibration_refused = *why;
   }
-  return say();
+  const char* help =
+      camera.hand_eye ? "To fix: sinew camera calibrate" : "Calibrate in the panel's Camera view";
+  std::fputs(("  " + camera.name + ": not calibrated: " + settings.calibration_refused + ". " +
+              help + "\n")
+                 .c_str(),
+             stderr);
+  return {};
 }
 
 }  // namespace

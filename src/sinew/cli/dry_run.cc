@@ -124,7 +124,7 @@ Or<vision::TableCamera> calibration_of(const PlanRequest& request, const Cell& c
       read_hand_eye_of(camera, beside(*request.cell, *camera.hand_eye), robot, *model);
   if (!read) return std::unexpected(read.error());
   if (!read->mount) {
-    if (!lens->touched) lens->touched = runtime::table_beside(read->file, camera.robot, *lens);
+    runtime::place_beside(read->file, camera.robot, *lens);
     return lens;
   }
   if (&*carrier != chosen.place || !request.from) {

@@ -86,16 +86,7 @@ vision::TableCamera read_root(TableReader& root) {
 
 std::expected<vision::TableCamera, std::vector<Complaint>> read_camera(std::string_view toml,
                                                                        std::string_view file_name) {
-  auto tree = parse_toml(toml);
-  if (!tree) {
-    tree.error().file = file_name;
-    return std::unexpected(std::vector{std::move(tree.error())});
-  }
-  Findings findings{std::string(file_name)};
-  TableReader root(*tree, Place{}, "", findings);
-  const vision::TableCamera camera = read_root(root);
-  if (!findings.clean()) return std::unexpected(findings.take_complaints());
-  return camera;
+  return read_toml_file(toml, file_name, read_root);
 }
 
 std::string camera_text(const vision::TableCamera& camera) {

@@ -178,7 +178,8 @@ void read_table_top(TableReader& root, Cell& cell, std::vector<std::string>& tak
   }
 }
 
-void read_root(TableReader& root, Cell& cell) {
+Cell read_root(TableReader& root) {
+  Cell cell;
   std::vector<std::string> taken;  // names are unique over robots, objects and cameras
   root.needs_no_source();
   root.text("title", kTitleMax, cell.title);
@@ -214,23 +215,14 @@ void read_root(TableReader& root, Cell& cell) {
     root.complain("time_scale", "a robot on a real port keeps real time");
   }
   root.finish();
+  return cell;
 }
 
 }  // namespace
 
 std::expected<Cell, std::vector<Complaint>> read_cell(std::string_view toml,
                                                       std::string_view file_name) {
-  std::expected<TomlTable, Complaint> tree = parse_toml(toml);
-  if (!tree) {
-    tree.error().file = file_name;
-    return std::unexpected(std::vector{std::move(tree.error())});
-  }
-  Findings findings{std::string(file_name)};
-  TableReader root(*tree, Place{}, "", findings);
-  Cell cell;
-  read_root(root, cell);
-  if (!findings.clean()) return std::unexpected(findings.take_complaints());
-  return cell;
+  return read_toml_file(toml, file_name, read_root);
 }
 
 }  // namespace sinew

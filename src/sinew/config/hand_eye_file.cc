@@ -60,16 +60,7 @@ HandEyeFile read_root(TableReader& root) {
 
 std::expected<HandEyeFile, std::vector<Complaint>> read_hand_eye(std::string_view toml,
                                                                  std::string_view file_name) {
-  auto tree = parse_toml(toml);
-  if (!tree) {
-    tree.error().file = file_name;
-    return std::unexpected(std::vector{std::move(tree.error())});
-  }
-  Findings findings{std::string(file_name)};
-  TableReader root(*tree, Place{}, "", findings);
-  HandEyeFile file = read_root(root);
-  if (!findings.clean()) return std::unexpected(findings.take_complaints());
-  return file;
+  return read_toml_file(toml, file_name, read_root);
 }
 
 std::string hand_eye_text(const HandEyeFile& file) {

@@ -393,11 +393,8 @@ bool is_point_name(std::string_view name) {
 
 std::expected<TaughtPoints, std::vector<Complaint>> read_points(std::string_view toml,
                                                                 std::string_view file_name) {
-  auto tree = parse_toml(toml);
-  if (!tree) {
-    tree.error().file = file_name;
-    return std::unexpected(std::vector{std::move(tree.error())});
-  }
+  const auto tree = parse_toml_file(toml, file_name);
+  if (!tree) return std::unexpected(tree.error());
   Findings findings{std::string(file_name)};
   TaughtPoints points;
   for (const TomlEntry& entry : *tree) {
@@ -413,11 +410,8 @@ std::expected<TaughtPoints, std::vector<Complaint>> read_points(std::string_view
 }
 
 TaughtPoints usable_points(std::string_view toml, std::string_view file_name) {
-  auto tree = parse_toml(toml);
-  if (!tree) {
-    tree.error().file = file_name;
-    return {unusable("", tree.error())};
-  }
+  auto tree = parse_toml_file(toml, file_name);
+  if (!tree) return {unusable("", tree.error().front())};
   TaughtPoints points;
   const auto root = std::ranges::find(*tree, "points", &TomlEntry::key);
   if (root == tree->end()) return points;

@@ -42,11 +42,8 @@ void read_root(TableReader& root, RobotModel& model) {
 
 std::expected<RobotFile, std::vector<Complaint>> read_robot_file(std::string_view toml,
                                                                  std::string_view file_name) {
-  std::expected<TomlTable, Complaint> tree = parse_toml(toml);
-  if (!tree) {
-    tree.error().file = file_name;
-    return std::unexpected(std::vector{std::move(tree.error())});
-  }
+  const auto tree = parse_toml_file(toml, file_name);
+  if (!tree) return std::unexpected(tree.error());
   Findings findings{std::string(file_name)};
   TableReader root(*tree, Place{}, "", findings);
   RobotFile file;

@@ -1,9 +1,11 @@
 #pragma once
 
 #include <array>
+#include <expected>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <vector>
 
 #include "sinew/config/dimension.h"
@@ -137,5 +139,19 @@ class TableReader {
 
 /// "`d_mm`, `d_m` or `d_in`"
 std::string any_of_text(std::span<const std::string_view> words);
+
+/// What `read` makes of the root table of a file.
+/// @error  all complaints, with line and column
+template <class Read>
+std::expected<std::invoke_result_t<const Read&, TableReader&>, std::vector<Complaint>>
+read_toml_file(std::string_view toml, std::string_view file_name, const Read& read) {
+  const auto tree = parse_toml_file(toml, file_name);
+  if (!tree) return std::unexpected(tree.error());
+  Findings findings{std::string(file_name)};
+  TableReader root(*tree, Place{}, "", findings);
+  auto value = read(root);
+  if (!findings.clean()) return std::unexpected(findings.take_complaints());
+  return value;
+}
 
 }  // namespace sinew

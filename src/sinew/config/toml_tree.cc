@@ -69,6 +69,14 @@ std::expected<TomlTable, Complaint> parse_toml(std::string_view text) {
   return convert(result.table());
 }
 
+std::expected<TomlTable, std::vector<Complaint>> parse_toml_file(std::string_view text,
+                                                                 std::string_view file_name) {
+  auto tree = parse_toml(text);
+  if (tree) return std::move(*tree);
+  tree.error().file = file_name;
+  return std::unexpected(std::vector{std::move(tree.error())});
+}
+
 std::string_view type_name(const TomlNode& node) {
   constexpr std::string_view kNames[] = {"a date or time", "true or false", "a whole number",
                                          "a real number",  "a string",      "a list",

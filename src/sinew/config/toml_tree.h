@@ -36,6 +36,10 @@ struct TomlEntry {
 ///         values nested deeper than 8.
 std::expected<TomlTable, Complaint> parse_toml(std::string_view text);
 
+/// The same of a file. @error  with the file's name, as complaints shall show it
+std::expected<TomlTable, std::vector<Complaint>> parse_toml_file(std::string_view text,
+                                                                 std::string_view file_name);
+
 /// "a string", "a table": for sentences.
 std::string_view type_name(const TomlNode& node);
 

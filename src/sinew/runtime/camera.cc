@@ -271,8 +271,10 @@ Expected<vision::Picture> Camera::at_rest(const std::stop_token& ending,
                                           std::vector<render::ViewedRobot>& stood) {
   constexpr std::chrono::seconds kPatience{1};
   constexpr double kStill = 0.5e-3;  // m at the table
-  stood = robots();
-  if (!by || !watch_.hangs) return source_(ending);
+  if (!by || !watch_.hangs) {
+    stood = robots();
+    return source_(ending);
+  }
   const auto X_TW = relabel<frame::World, frame::World>(X_WT_.inverse());
   const Time end = std::chrono::steady_clock::now() + kPatience;
   Error why{ErrorCode::kCameraInMotion};
@@ -305,7 +307,7 @@ Camera::Shot Camera::take(const std::stop_token& ending) {
     return shot;
   }
   shot.picture = std::move(*picture);
-  shot.fault = fault_of(shot.picture, by ? &*by : nullptr);
+  shot.fault = fault_of(shot.picture);
   if (shot.fault) return shot;
   shot.seen = vision::detect_cubes(shot.picture);
   if (!by) return shot;
@@ -319,20 +321,19 @@ Camera::Shot Camera::take(const std::stop_token& ending) {
   return shot;
 }
 
-std::optional<Error> Camera::fault_of(const vision::Picture& picture,
-                                      const vision::TableCamera* by) {
-  if (by != nullptr) {
-    if (const auto changed = size_change(picture, by->model)) return changed;
+std::optional<Error> Camera::fault_of(const vision::Picture& picture) {
+  if (heeded_) {
+    if (const auto changed = size_change(picture, heeded_->model)) return changed;
   }
   if (is_blind(picture)) return Error{ErrorCode::kCameraBlind};
   if (last_ && picture.rgb == last_->picture.rgb) return Error{ErrorCode::kCameraFrozen};
-  return by != nullptr && sheet_ ? moved(picture, *by) : std::nullopt;
+  return sheet_ ? moved(picture) : std::nullopt;
 }
 
-std::optional<Error> Camera::moved(const vision::Picture& picture, const vision::TableCamera& by) {
+std::optional<Error> Camera::moved(const vision::Picture& picture) {
   constexpr double kMayBe = 3e-3;  // m; what a cube is grasped with forgives
-  const double limit = std::max(kMayBe, 2 * by.accuracy);
-  const auto shift = vision::sheet_shift(by, *sheet_, tags_->find(picture));
+  const double limit = std::max(kMayBe, 2 * heeded_->accuracy);
+  const auto shift = vision::sheet_shift(*heeded_, *sheet_, tags_->find(picture));
   if (!shift) return Error{ErrorCode::kCameraTagsHidden};
   if (*shift > limit) return Error{ErrorCode::kCameraMoved, -1, *shift, limit};
   return std::nullopt;

@@ -113,8 +113,8 @@ class Camera {
                                     std::optional<vision::TableCamera>& by,
                                     std::vector<render::ViewedRobot>& stood);
   std::optional<Error> disturbance(const std::stop_token& ending);
-  std::optional<Error> fault_of(const vision::Picture& picture, const vision::TableCamera* by);
-  std::optional<Error> moved(const vision::Picture& picture, const vision::TableCamera& by);
+  std::optional<Error> fault_of(const vision::Picture& picture);
+  std::optional<Error> moved(const vision::Picture& picture);
 
   const Settings settings_;  ///< its calibration: as it began
   CameraSource source_;

@@ -51,10 +51,10 @@ std::optional<Pose<frame::World, frame::Camera>> pose_on(const CameraMount& moun
   return robot.X_WB * *X_BF * mount.X_FC;
 }
 
-vision::TouchedTable table_beside(const HandEyeFile& file, const std::string& robot,
-                                  const vision::TableCamera& camera) {
+void place_beside(const HandEyeFile& file, const std::string& robot, vision::TableCamera& camera) {
+  if (camera.touched) return;
   const auto X_BC = relabel<frame::Base, frame::Camera>(file.X_MC);
-  return {robot, X_BC * camera.X_WC.inverse(), file.table};
+  camera.touched = {robot, X_BC * camera.X_WC.inverse(), file.table};
 }
 
 Pose<frame::World, frame::Table> table_of(const Cell& cell, const CellCamera& camera,

@@ -30,10 +30,10 @@ std::expected<std::optional<CameraMount>, std::string> mount_of(const HandEyeFil
 std::optional<Pose<frame::World, frame::Camera>> pose_on(const CameraMount& mount,
                                                          render::ViewedRobot robot);
 
-/// The table of a camera that stands beside an arm, by a hand-eye calibration.
+/// Gives a camera that stands beside an arm its table by a hand-eye calibration, unless marks were
+/// touched.
 /// @param robot  its name in the cell
-vision::TouchedTable table_beside(const HandEyeFile& file, const std::string& robot,
-                                  const vision::TableCamera& camera);
+void place_beside(const HandEyeFile& file, const std::string& robot, vision::TableCamera& camera);
 
 /// Where the table of a camera is in its cell: as a robot has measured it, else as the cell's file
 /// says.

@@ -97,9 +97,8 @@ void RunningCell::stands_beside(std::size_t i, HandEyeFile measured) {
 void RunningCell::open_camera(std::size_t i, Camera::Settings settings, CameraSource source,
                               CameraSource glances, std::optional<CameraMount> mount) {
   settings.watch = settings.watch && cell_.cameras[i].watch;
-  if (const auto& measured = beside_[i]; measured && settings.calibration) {
-    auto& touched = settings.calibration->touched;
-    if (!touched) touched = table_beside(*measured, cell_.cameras[i].robot, *settings.calibration);
+  if (beside_[i] && settings.calibration) {
+    place_beside(*beside_[i], cell_.cameras[i].robot, *settings.calibration);
   }
   Camera::Watch watch{
       .robots = [this] { return robots_in_view(Stand::kBelieved); },
@@ -113,9 +112,7 @@ void RunningCell::open_camera(std::size_t i, Camera::Settings settings, CameraSo
 
 void RunningCell::calibrate(std::size_t i, const vision::TableCamera& calibration) {
   auto counts = calibration;
-  if (const auto& measured = beside_[i]; measured && !counts.touched) {
-    counts.touched = table_beside(*measured, cell_.cameras[i].robot, counts);
-  }
+  if (beside_[i]) place_beside(*beside_[i], cell_.cameras[i].robot, counts);
   cameras_[i]->calibrate(counts);
   look_with_calibrated();
 }
@@ -164,16 +161,17 @@ std::shared_ptr<const program::TableTop> RunningCell::table_top(std::size_t robo
   return table;
 }
 
-std::optional<render::ViewedRobot> RunningCell::robot_in_view(std::size_t i, Stand how) const {
+std::optional<render::ViewedRobot> RunningCell::robot_in_view(std::size_t i, Stand how,
+                                                              PositionQuality least) const {
   const StationView view = stations_[i]->view();
   render::ViewedRobot robot{stations_[i]->robot(), cell_.robots[i].X_WB, {}};
   if (how == Stand::kTrue && view.truth) {
     for (const sim::JointTruth& joint : view.truth->joints) robot.q.push_back(joint.q);
     robot.jaws = view.truth->tool;
   } else {
-    // Also on the way; one that is lost leaves the robot out.
+    // Also on the way.
     for (const JointPosition& joint : view.positions) {
-      if (joint.quality != PositionQuality::kLost) robot.q.push_back(joint.q);
+      if (joint.quality >= least) robot.q.push_back(joint.q);
     }
     robot.jaws = view.tool.jaws.value_or(0);
     robot.held = view.tool.held.value_or(0);
@@ -185,20 +183,16 @@ std::optional<render::ViewedRobot> RunningCell::robot_in_view(std::size_t i, Sta
 std::vector<render::ViewedRobot> RunningCell::robots_in_view(Stand how) const {
   std::vector<render::ViewedRobot> robots;
   for (std::size_t i = 0; i < size(); ++i) {
-    if (auto robot = robot_in_view(i, how)) robots.push_back(std::move(*robot));
+    if (auto robot = robot_in_view(i, how, PositionQuality::kUncertain))
+      robots.push_back(std::move(*robot));
   }
   return robots;
 }
 
 std::optional<Pose<frame::World, frame::Camera>> RunningCell::hangs(const CameraMount& mount,
                                                                     Stand how) const {
-  auto robot = robot_in_view(mount.robot, how);
-  const StationView view = stations_[mount.robot]->view();
-  const bool is_known = std::ranges::all_of(view.positions, [](const JointPosition& joint) {
-    return joint.quality >= PositionQuality::kCommanded;
-  });
-  if (!robot || (how == Stand::kBelieved && !is_known)) return std::nullopt;
-  return pose_on(mount, std::move(*robot));
+  auto robot = robot_in_view(mount.robot, how, PositionQuality::kCommanded);
+  return robot ? pose_on(mount, std::move(*robot)) : std::nullopt;
 }
 
 std::optional<std::size_t> RunningCell::find(std::string_view name) const {

@@ -91,7 +91,9 @@ class RunningCell {
       : cell_(std::move(cell)), folders_(std::move(folders)) {}
 
   void look_with_calibrated();
-  std::optional<render::ViewedRobot> robot_in_view(std::size_t robot, Stand how) const;
+  /// Nothing where a joint is known less well than that.
+  std::optional<render::ViewedRobot> robot_in_view(std::size_t i, Stand how,
+                                                   PositionQuality least) const;
 
   Cell cell_;
   CellFolders folders_;
