@@ -110,6 +110,11 @@ class ResultsTest(ServedCell):
         cell.call("camera.calibration.drop", session=session, view=view)
         cell.call("camera.calibration.expect", session=session, step="sheet")
         self.assertEqual("sheet", cell.call("camera.calibration.status")["step"])
+        cell.robot("learm").run("jaws 0mm")
+        self.refused(cell.call, "camera.calibration.touch", robot="learm", mark="corner")
+        cell.call("camera.calibration.touch", robot="learm", mark="cross1", pin_m=0.03,
+                  session=session)
+        cell.call("camera.calibration.drop", session=session, mark="cross1")
         cell.call("camera.calibration.end", session=session)
 
     def test_types_have_the_fields_that_the_document_has(self):
