@@ -124,6 +124,14 @@ INSTANTIATE_TEST_SUITE_P(
                  "joint base=120deg shoulder=110deg forearm=30deg\n",
                  {120, 110, 30},
                  1.0},
+        RobotRun{"puma560",
+                 {"--seed", "7"},
+                 "1",
+                 "joint waist=30deg shoulder=20deg elbow=-60deg wrist_bend=40deg\n"
+                 "line dx=20mm dz=-10mm\njoint waist=10deg shoulder=15deg elbow=-50deg "
+                 "forearm_roll=5deg wrist_bend=30deg flange_roll=0deg\n",
+                 {10, 15, -50, 5, 30, 0},
+                 0.001},
         RobotRun{"hexapod",
                  {"--profile", "table1"},
                  "1",
@@ -167,7 +175,6 @@ TEST(RunProgram, everything_wrong_is_said_before_a_byte_leaves) {
       {"learm", "jaws 61mm", {}, 1, "jaws of 61 mm are asked for; they open from 0 to 60 mm"},
       {"maxarm", "nozzle 181deg time=1s", {}, 1, "the tool would need 181 deg, limit 180 deg"},
       {"learm", "wait 1s", {"--seed", "-1"}, 2, "--seed: -1 is negative"},
-      {"puma560", "home", {}, 1, "puma560 has no device: it is a model only"},
       {"hexapod", "wait 1s", {"--standing-at", "1,2"}, 2, "--standing-at: 6 numbers are wanted"},
       {"hexapod",
        "wait 1s",

@@ -111,6 +111,7 @@ INSTANTIATE_TEST_SUITE_P(
     ::testing::Values(
         Arm{"bigrobotarm", "deg", {"--standing-at", "home"}, "joint base=80deg\n", 10, 0.6},
         Arm{"hexapod", "mm", {"--standing-at", "home"}, "joint leg1=268.5mm\n", 0.01, 1e-3},
+        Arm{"puma560", "deg", {}, "joint waist=80deg speed=30%\n", 8, 3},
         // Servos without position feedback are told of all joints first.
         Arm{"learm",
             "deg",

@@ -29,12 +29,23 @@ const FolderArrows* row_of(std::string_view folder) {
   return row == kArrows.end() ? nullptr : row;
 }
 
-/// The folder of src/sinew that `path` lies in; empty outside of it.
+/// The folder whose arrows a file has; "devices" for one of a device that has no role.
+/// @param path  below src/sinew
+std::string_view arrows_of(std::string_view path) {
+  const std::size_t slash = path.find('/');
+  if (slash == std::string_view::npos) return {};
+  const std::string_view folder = path.substr(0, slash);
+  if (folder != "devices") return folder;
+  const std::string_view stem = path.substr(0, path.rfind('.'));
+  const auto* role = std::ranges::find_if(
+      kFileRoles, [&](const FileRole& one) { return stem.ends_with(one.ending); });
+  return role == kFileRoles.end() ? folder : role->folder;
+}
+
+/// The folder of src/sinew whose arrows `path` has; empty outside of it.
 std::string_view folder_of(std::string_view path) {
   if (!path.starts_with(kRoot)) return {};
-  path.remove_prefix(kRoot.size());
-  const std::size_t slash = path.find('/');
-  return slash == std::string_view::npos ? std::string_view{} : path.substr(0, slash);
+  return arrows_of(path.substr(kRoot.size()));
 }
 
 /// Unit tests and the headers that only they may include: x_test.cc, x_test_robot.h.
@@ -64,7 +75,7 @@ std::string arrow_fault(std::string_view folder, const Include& include) {
     return include.quoted ? R"(: in quotes only "sinew/..." may stand here)" : "";
   }
   const std::string_view rest = std::string_view(include.name).substr(kPrefix.size());
-  const std::string_view target = rest.substr(0, std::min(rest.find('/'), rest.size()));
+  const std::string_view target = arrows_of(rest);
   if (is_for_tests(include.name)) return ": that header is for tests only";
   if (row_of(target) == nullptr) return ": no folder of that name has arrows";
   if (target == folder) return {};

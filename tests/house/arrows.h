@@ -42,6 +42,18 @@ inline constexpr std::array kArrows = std::to_array<FolderArrows>({
     {"cli", "*"},
 });
 
+/// What stands in devices/KIND/ goes by its file's name: icp_driver.h has the arrows of driver.
+struct FileRole {
+  std::string_view ending;  ///< of the name, without its extension
+  std::string_view folder;
+};
+inline constexpr std::array kFileRoles = std::to_array<FileRole>({
+    {"_wire", "wire"},
+    {"_device", "device"},
+    {"_driver", "driver"},
+    {"_machine", "sim"},
+});
+
 /// Headers by which bytes, files or time leave the process, and the folders that may include them.
 /// A name that ends in '/' means everything below it.
 struct GuardedHeaders {

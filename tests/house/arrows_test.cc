@@ -53,6 +53,21 @@ TEST(Arrows, are_followed_to_their_end_and_core_is_always_reached) {
   EXPECT_EQ(reachable_from("cellar"), Complaints{});
 }
 
+TEST(Arrows, of_a_devices_files_go_by_their_names) {
+  const Tree tree{
+      {"src/sinew/devices/arm/arm_driver.cc",
+       "#include \"sinew/devices/arm/arm_wire.h\"\n#include \"sinew/sim/machine.h\"\n"},
+      {"src/sinew/devices/arm/arm_wire.h", "#include \"sinew/devices/arm/arm_driver.h\"\n"},
+      {"src/sinew/devices/arm/arm_help.h", ""},
+      {"src/sinew/devices/arm/arm_driver_test.cc", "#include \"sinew/sim/machine.h\"\n"}};
+  EXPECT_EQ(check_arrows(tree),
+            (Complaints{"src/sinew/devices/arm/arm_driver.cc:2: includes sinew/sim/machine.h; "
+                        "driver may include core, mcu, model, wire",
+                        "src/sinew/devices/arm/arm_wire.h:1: includes "
+                        "sinew/devices/arm/arm_driver.h; wire may include core, mcu",
+                        "src/sinew/devices/arm/arm_help.h:1: folder devices has no arrows"}));
+}
+
 TEST(Arrows, lead_only_to_folders_that_have_a_row_and_never_in_a_circle) {
   for (const FolderArrows& row : kArrows) {
     for (const std::string& target : reachable_from(row.folder)) {

@@ -108,7 +108,7 @@ std::string broken(const AxisLinkDevice& device) {
   if (device.deadline < std::chrono::milliseconds(20)) return "deadline";
   return broken_boards(device.boards, device.clock_hz);
 }
-std::string broken(const NoDriver& /*device*/) {
+std::string broken(const IdealDevice& /*device*/) {
   return "";
 }
 

@@ -87,7 +87,7 @@ class AxisRegistersEar final : public StopEar {
 
 struct EarOf {
   using Ear = std::unique_ptr<StopEar>;
-  Ear operator()(const NoDriver& /*none*/) const { return nullptr; }
+  Ear operator()(const IdealDevice& /*device*/) const { return nullptr; }
   Ear operator()(const BigRobotArmDevice& /*device*/) const { return nullptr; }
   Ear operator()(const LscDevice& /*device*/) const { return std::make_unique<LscEar>(); }
   Ear operator()(const MaxArmDevice& /*device*/) const { return std::make_unique<MaxArmEar>(); }

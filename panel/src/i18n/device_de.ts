@@ -18,6 +18,7 @@ export const deviceDe: Record<keyof typeof deviceEn, string> = {
   'device.no': 'nein',
   'device.unasked': 'Noch nicht gefragt: den Roboter einschalten.',
 
+  'device.about.ideal': 'Das ideale Gerät meldet, wo jedes Gelenk ist, hundertmal je Sekunde in Bewegung und zehnmal in Ruhe. Es ist simuliert und hat keine eigenen Störungen zu melden. Diese Seite zu öffnen fragt das Gerät nichts.',
   'device.about.icp': 'Jedes Motormodul antwortet mit 12 Bytes, wenn sein Bein gefragt wird: nach jeder Bewegung und beim Einschalten des Roboters. Ein Modul vergisst seine Merker, sobald es sie meldet; das letzte mit einer Störung bleibt hier stehen. Kein Sensor sagt, wo ein Bein ist. Diese Seite zu öffnen fragt das Gerät nichts.',
   'device.about.lsc': 'Das Board meldet in Ruhe einmal je Sekunde seine Batterie. Das Bus-Board misst seine Servos, das ESP32-Board sagt, wo seine Impulse stehen, das klassische Board sagt nichts über Stellungen. Diese Seite zu öffnen fragt das Gerät nichts.',
   'device.about.maxarm': 'Nichts, was sich bewegt, wird beantwortet; der Arm wird stattdessen zurückgelesen. READ_XYZ markiert die Leitung, READ_ANGLE misst. Was Düse und Sauger tun, lässt sich nicht lesen. Diese Seite zu öffnen fragt das Gerät nichts.',

@@ -16,6 +16,7 @@ export const deviceEn = {
   'device.no': 'no',
   'device.unasked': 'Not asked yet: enable the robot.',
 
+  'device.about.ideal': 'The ideal device tells where each joint is, a hundred times a second in motion and ten times at rest. It is simulated, and has no trouble of its own to tell. Opening this page asks the device nothing.',
   'device.about.icp': 'Each motor module answers with 12 bytes when its leg is asked: behind every motion, and when the robot is enabled. A module forgets its flags as it tells them; the last one with trouble is kept here. No sensor tells where a leg is. Opening this page asks the device nothing.',
   'device.about.lsc': 'The board tells its battery once a second at rest. The bus board measures its servos, the ESP32 board tells where its pulses are, the classic board tells no positions. Opening this page asks the device nothing.',
   'device.about.maxarm': 'Nothing that moves is answered; the arm is read back instead. READ_XYZ marks the line, READ_ANGLE measures. What the nozzle and the suction do cannot be read. Opening this page asks the device nothing.',

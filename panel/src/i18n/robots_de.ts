@@ -125,11 +125,11 @@ export const robotsDe: Record<string, RobotHelp> = {
     stops: 'Register: ein Nothalt an alle Platinen, schlimmstenfalls 112 ms. Axis Link: im nächsten Zyklus, dann innerhalb der Grenzen; 100 ms nach dem letzten guten Rahmen bremsen die Platinen selbst.',
   },
   puma560: {
-    wiring: [['Leitung', 'Keine: er ist nur ein Modell']],
+    wiring: [['Leitung', 'Das ideale Gerät: Textzeilen, hier simuliert; ein Sketch, der sie spricht, würde über seine serielle Schnittstelle gefahren']],
     before: [],
-    works: ['Kinematik, Pläne und Prüfungen'],
-    simulated: ['Alles: für ihn wird kein Gerät simuliert'],
-    position: '-',
-    stops: '-',
+    works: ['Alles: Linien, Kreise, Splines, Überschleifen, Tippen, Programme und Aufzeichnungen'],
+    simulated: ['Ein Gerät, das innerhalb der Grenzen der Datei genau tut, was ihm gesagt wird: ohne Gewicht, Reibung und Rauschen'],
+    position: 'Gemessen, auf ein Mikroradiant, von der ersten Antwort an.',
+    stops: 'Eine Zeile, bis das Gerät es weiß, dann bremst es auf der Bahn, so stark die Gelenke dürfen. 100 ms nach der letzten Zeile bremst es in einer Bewegung selbst.',
   },
 };

@@ -135,11 +135,11 @@ export const robotsEn: Record<string, RobotHelp> = {
     stops: 'Registers: an emergency stop to all boards, 112 ms at the slowest. Axis link: in the next cycle, then inside its limits; boards brake by themselves 100 ms after the last good frame.',
   },
   puma560: {
-    wiring: [['Wire', 'None: it is a model only']],
+    wiring: [['Wire', 'The ideal device: lines of text, simulated here; a sketch that speaks them would be driven over its serial port']],
     before: [],
-    works: ['Kinematics, plans and checks'],
-    simulated: ['Everything: no device is simulated for it'],
-    position: '-',
-    stops: '-',
+    works: ['Everything: lines, circles, splines, blends, jog, programs and records'],
+    simulated: ['A device that does exactly what it is told within the limits of the file: no weight, no friction, no noise'],
+    position: 'Measured, to a microradian, from the first answer on.',
+    stops: 'One line until the device knows, then as hard as its joints may brake, on the path. It brakes by itself 100 ms after the last line in a motion.',
   },
 };

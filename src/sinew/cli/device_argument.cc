@@ -7,11 +7,6 @@
 
 namespace sinew::cli {
 
-std::expected<void, Outcome> check_has_device(const RobotModel& model) {
-  if (!std::holds_alternative<NoDriver>(model.device.settings)) return {};
-  return std::unexpected(could_not(model.id + " has no device: it is a model only"));
-}
-
 namespace {
 
 /// No kind of LSC board answers all the questions of another one.

@@ -11,9 +11,6 @@
 
 namespace sinew::cli {
 
-/// A robot that is more than a model. The error is ready to be printed.
-std::expected<void, Outcome> check_has_device(const RobotModel& model);
-
 /// What to look at where nobody answers, or only what fits nothing, or another kind of board;
 /// begins with "; ". Empty where the trouble is of another sort.
 std::string silence_hint(const RobotModel& model, const Error& trouble, const DriverHealth& health);

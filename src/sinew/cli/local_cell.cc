@@ -32,7 +32,6 @@ std::expected<void, Outcome> check_journal_name(const std::optional<std::string>
 std::expected<ChosenRobot, Outcome> choose_robot(const RobotOptions& options) {
   const auto file = find_robot(options.name);
   if (!file) return std::unexpected(file.error());
-  if (const auto fine = check_has_device(file->model); !fine) return std::unexpected(fine.error());
   auto variant = runtime::variant_of(file->model, options.profile, options.wire, options.without);
   if (!variant) return std::unexpected(bad_input(variant.error()));
   const bool real = is_real(options.port);

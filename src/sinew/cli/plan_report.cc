@@ -62,10 +62,6 @@ std::string way_text(double length) {
   return mm >= 100 || mm < kNothing ? number(mm, 1) : fmt::format("{:.3g}", mm);
 }
 
-bool has_device(const RobotModel& model) {
-  return !std::holds_alternative<NoDriver>(model.device.settings);
-}
-
 double share(const MotionSummary& motion) {
   const double total = motion.limits.total();
   return total > 0 ? motion.limits.of(motion.limits.largest()) / total : 0;
@@ -128,18 +124,14 @@ std::vector<std::string> cells(const MotionSummary& motion, const MotionPlan& pl
     return row;
   }
   row.push_back(way_text(motion.length));
-  if (has_device(plan.model)) row.push_back(number(motion.on_wire, 3));
-  row.insert(row.end(),
-             {number(motion.by_limits, 3), limit_text(motion.limits.largest(), plan.model),
-              fmt::format("{} %", number(share(motion) * 100, 0))});
+  row.insert(row.end(), {number(motion.on_wire, 3), number(motion.by_limits, 3),
+                         limit_text(motion.limits.largest(), plan.model),
+                         fmt::format("{} %", number(share(motion) * 100, 0))});
   return row;
 }
 
 /// "12.3 s in all as this device takes it, ..".
 std::string total_text(const MotionPlan& plan) {
-  if (!has_device(plan.model)) {
-    return fmt::format("{} s in all, from rest to rest", number(plan.duration, 3));
-  }
   const std::string homing =
       plan.homing_max > 0 ? ", and homing: " + at_most_text(plan.homing_max) : "";
   return fmt::format("{} s in all as this device takes it{}; {} s if only the limits counted",
@@ -217,12 +209,9 @@ std::vector<std::string> unheard_notes(const program::Plan& orders, const RobotM
 }
 
 std::string plan_text(const MotionPlan& plan) {
-  const bool device = has_device(plan.model);
-  std::vector<std::string> head{plan.rows, "tool way mm"};
-  if (device) head.emplace_back("on the wire s");
-  head.insert(head.end(), {"by the limits s", "held back most by", "share of time"});
-  Table table(head);
-  table.left(device ? 4 : 3);
+  Table table({plan.rows, "tool way mm", "on the wire s", "by the limits s", "held back most by",
+               "share of time"});
+  table.left(4);
   std::string notes;
   for (const MotionSummary& motion : plan.motions) {
     table.add(cells(motion, plan));
@@ -248,7 +237,6 @@ Json plan_json(const MotionPlan& plan) {
             {"stretches", Json::array()},
             {"samples", Json::array()}};
   const std::string word = plan.rows == "moves" ? "move" : "line";
-  if (!has_device(model)) json.erase("on_wire_s");
   for (const MotionSummary& motion : plan.motions) {
     if (motion.at_most > 0) {
       json["stretches"].push_back({{"first_" + word, motion.first},

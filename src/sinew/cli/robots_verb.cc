@@ -38,10 +38,6 @@ const char* motion_name(const Device& device) {
   return device.capability.motion == MotionKind::kStream ? "host" : "device";
 }
 
-bool has_driver(const Device& device) {
-  return !std::holds_alternative<NoDriver>(device.settings);
-}
-
 /// What collision checks know of its body, in words.
 std::string body_text(const Collision& collision) {
   if (collision.shapes.empty()) return "no collision shapes";
@@ -65,8 +61,7 @@ Json summary(const RobotModel& model) {
           {"kinematics", kinematics_name(model)},
           {"joints", joint_names(model)},
           {"protocol", model.device.protocol},
-          {"motion_made_by", motion_name(model.device)},
-          {"driver", has_driver(model.device)}};
+          {"motion_made_by", motion_name(model.device)}};
 }
 
 }  // namespace
@@ -74,8 +69,8 @@ Json summary(const RobotModel& model) {
 Outcome list_robots() {
   Outcome outcome;
   outcome.json["robots"] = Json::array();
-  Table table({"id", "robot", "kinematics", "joints", "wire", "motion by", "driver"});
-  table.left(1).left(2).left(4).left(5).left(6);
+  Table table({"id", "robot", "kinematics", "joints", "wire", "motion by"});
+  table.left(1).left(2).left(4).left(5);
   for (const BuiltinRobot& builtin : builtin_robots()) {
     const auto file = find_robot(std::string(builtin.id));
     if (!file) return file.error();
@@ -83,7 +78,7 @@ Outcome list_robots() {
     outcome.json["robots"].push_back(summary(model));
     table.add({model.id, model.title, kinematics_name(model),
                fmt::format("{}", model.joints.size()), model.device.protocol,
-               motion_name(model.device), has_driver(model.device) ? "yes" : "not yet"});
+               motion_name(model.device)});
   }
   outcome.text =
       table.text() + "\n  sinew robots ROBOT shows one of them; ROBOT may also be a .toml file.\n";

@@ -46,7 +46,6 @@ std::expected<std::vector<runtime::RobotMaking>, Outcome> find_robots(const Serv
   for (const CellRobot& place : cell.robots) {
     auto file = find_robot(place, request.file);
     if (!file) return std::unexpected(file.error());
-    if (auto fine = check_has_device(file->model); !fine) return std::unexpected(fine.error());
     runtime::RobotMaking making{file->model, place};
     if (place.settings) {
       const auto read = read_settings_file(file->model, beside(request.file, *place.settings));

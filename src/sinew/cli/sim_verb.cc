@@ -155,9 +155,6 @@ std::expected<void, Outcome> make_machine(Job& job) {
 std::expected<Job, Outcome> prepare(const SimRequest& request) {
   const auto file = find_robot(request.robot);
   if (!file) return std::unexpected(file.error());
-  if (const auto fine = check_has_device(file->model); !fine) {
-    return std::unexpected(fine.error());
-  }
   auto variant = runtime::variant_of(file->model, request.profile, request.wire);
   if (!variant) return std::unexpected(bad_input(variant.error()));
   Job job{request, std::move(*variant), {}, {}, {}, {}};

@@ -25,6 +25,10 @@ class Findings {
   void complain(Place place, std::string key, std::string message);
   void note_source(Provenance provenance) { sources_.push_back(std::move(provenance)); }
 
+  /// Where numbers come from of which their own table says nothing; empty: it has to.
+  void set_usual_source(std::string source) { usual_source_ = std::move(source); }
+  const std::string& usual_source() const { return usual_source_; }
+
   bool clean() const { return complaints_.empty(); }
   /// In the order of the file, those at one place by key.
   std::vector<Complaint> take_complaints();
@@ -32,6 +36,7 @@ class Findings {
 
  private:
   std::string file_;
+  std::string usual_source_;
   std::vector<Complaint> complaints_;
   std::vector<Provenance> sources_;
 };

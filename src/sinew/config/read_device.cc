@@ -22,7 +22,7 @@ struct Protocol {
 constexpr std::size_t kMaxArmJoints = 3;
 
 constexpr Named<Protocol> kProtocols[] = {
-    {"none", {"none", false, 0, 0, nullptr}},
+    {"ideal", {"ideal", true, 0, 0, nullptr}},
     {"bigrobotarm", {"bigrobotarm", true, kBigRobotArmJoints, 1000, read_bigrobotarm}},
     {"lsc", {"lsc", true, 0, 100, read_lsc}},
     {"maxarm", {"maxarm", true, kMaxArmJoints, 1000, read_maxarm}},
@@ -46,11 +46,9 @@ void read_device(TableReader& root, RobotModel& model) {
   constexpr Named<PositionFeedback> kFeedbacks[] = {{"measured", PositionFeedback::kMeasured},
                                                     {"commanded", PositionFeedback::kCommanded},
                                                     {"none", PositionFeedback::kNone}};
-  std::optional<TableReader> reader = root.table("device");
+  std::optional<TableReader> reader = root.table("device", Presence::kOptional);
   if (!reader) return;
-  Device& device = model.device;
-  reader->choice("motion", kMotions, device.capability.motion);
-  reader->choice("feedback", kFeedbacks, device.capability.feedback);
+  Device& device = model.device = {};
   Protocol protocol{};
   if (!reader->choice("protocol", kProtocols, protocol)) {
     reader->ignore_rest();
@@ -58,6 +56,15 @@ void read_device(TableReader& root, RobotModel& model) {
     return;
   }
   device.protocol = protocol.name;
+  if (protocol.name == "ideal") {  // what it can do is the same for each robot
+    reader->needs_no_source();  // whoever writes the sketch chooses it
+    reader->optional().integer("baud", 300, 4'000'000, device.baud);
+    reader->finish();
+    return;
+  }
+  device.capability = {};
+  reader->choice("motion", kMotions, device.capability.motion);
+  reader->choice("feedback", kFeedbacks, device.capability.feedback);
   if (protocol.serial_port) reader->integer("baud", 300, 4'000'000, device.baud);
   if (!joints_are_sound(model)) {
     reader->ignore_rest();
@@ -66,7 +73,7 @@ void read_device(TableReader& root, RobotModel& model) {
                                      " joints, the robot has " +
                                      std::to_string(model.joints.size()));
     reader->ignore_rest();
-  } else if (protocol.read != nullptr) {
+  } else {
     if (device.capability.motion == MotionKind::kStream) {
       std::int64_t segment_ms = 0;
       reader->integer("segment_ms", 1, protocol.segment_ms_max, segment_ms);

@@ -50,7 +50,7 @@ void read_serial(TableReader& root, TableReader& reader, SerialGeometry& geometr
   if (geometry.rows.size() == kRowsWithPitch) {
     reader.quantity("pitch_preferred_*", kAngle, between(0, kPi), geometry.pitch_preferred);
   }
-  if (std::optional<TableReader> tool = root.table("tool")) read_pose(*tool, geometry.X_FT);
+  if (auto tool = root.table("tool", Presence::kOptional)) read_pose(*tool, geometry.X_FT);
   read_gripper(root, geometry);
 }
 

@@ -67,6 +67,11 @@ void read_name(TableReader& reader, const std::vector<Joint>& before, Joint& joi
   reader.rename("joint." + joint.name);
 }
 
+/// Where a file does not say how hard a joint may be driven: s to full speed, and to full
+/// acceleration.
+constexpr double kAssumedSpeedUp = 0.25;
+constexpr double kAssumedPushUp = 0.1;
+
 Joint read_joint(TableReader& reader, const JointScale& scale, bool has_home,
                  const std::vector<Joint>& before) {
   Joint joint;
@@ -79,10 +84,14 @@ Joint read_joint(TableReader& reader, const JointScale& scale, bool has_home,
                                    shown(joint.lower, scale));
   }
   reader.quantity("velocity_*_max", scale.velocity, scale.velocity_max, joint.velocity_max);
-  reader.quantity("acceleration_*_max", scale.acceleration, scale.acceleration_max,
-                  joint.acceleration_max);
-  reader.quantity("jerk_*_max", scale.jerk, scale.jerk_max, joint.jerk_max);
-  if (has_home && reader.quantity("home_*", scale.position, scale.limits, joint.home) && ordered) {
+  joint.acceleration_max = joint.velocity_max / kAssumedSpeedUp;
+  reader.optional().quantity("acceleration_*_max", scale.acceleration, scale.acceleration_max,
+                             joint.acceleration_max);
+  joint.jerk_max = joint.acceleration_max / kAssumedPushUp;
+  reader.optional().quantity("jerk_*_max", scale.jerk, scale.jerk_max, joint.jerk_max);
+  if (ordered) joint.home = std::clamp(0.0, joint.lower, joint.upper);
+  if (has_home && reader.optional().quantity("home_*", scale.position, scale.limits, joint.home) &&
+      ordered) {
     if (!within_limits(joint, joint.home)) {
       reader.complain("home_*", "must be inside the joint's limits, " + shown(joint.lower, scale) +
                                     " to " + shown(joint.upper, scale));

@@ -23,6 +23,7 @@ bool good_id(std::string_view id) {
 }
 
 void read_root(TableReader& root, RobotModel& model) {
+  root.source_of_all();
   if (root.text("id", kMaxIdBytes, model.id) && !good_id(model.id)) {
     root.complain("id", "must be lower-case letters, digits and - between them");
   }

@@ -38,9 +38,7 @@ jerk_deg_s3_max = 30
 home_deg = 0
 source = "s"
 [device]
-protocol = "none"
-motion = "stream"
-feedback = "none"
+protocol = "ideal"
 )";
 
 /// `text` with its only occurrence of `from` turned into `to`.
@@ -90,8 +88,51 @@ TEST(RobotFile, smallest_robot_arrives_in_si) {
   EXPECT_DOUBLE_EQ(joint.velocity_max, from_deg(10));
   EXPECT_DOUBLE_EQ(joint.acceleration_max, from_deg(20));
   EXPECT_DOUBLE_EQ(joint.jerk_max, from_deg(30));
-  EXPECT_EQ(model->device.protocol, "none");
+  EXPECT_EQ(model->device.protocol, "ideal");
+  EXPECT_EQ(model->device.baud, 1'000'000U);
   EXPECT_EQ(model->device.capability.motion, MotionKind::kStream);
+}
+
+TEST(RobotFile, table_and_limits_are_enough) {
+  constexpr std::string_view kLeast = R"(id = "least"
+title = "Two joints"
+source = "measured"
+joint = [
+  { name = "a", lower_deg = -30, upper_deg = 60, velocity_deg_s_max = 10 },
+  { name = "b", lower_deg = 20, upper_deg = 60, velocity_deg_s_max = 20, home_deg = 30 },
+]
+[geometry]
+kind = "serial"
+dh = [
+  { theta_offset_deg = 0, d_mm = 0, a_mm = 100, alpha_deg = 0 },
+  { theta_offset_deg = 0, d_mm = 0, a_mm = 100, alpha_deg = 0, source = "assumed" },
+]
+)";
+  const auto file = read_robot_file(kLeast, "r.toml");
+  ASSERT_TRUE(file) << to_text(file.error().front());
+  const RobotModel& model = file->model;
+  EXPECT_EQ(model.device.protocol, "ideal");
+  EXPECT_TRUE(std::holds_alternative<IdealDevice>(model.device.settings));
+  EXPECT_EQ(model.device.capability.motion, MotionKind::kStream);
+  EXPECT_EQ(model.device.capability.feedback, PositionFeedback::kMeasured);
+  EXPECT_NEAR(model.joints[0].acceleration_max, from_deg(40), 1e-12);
+  EXPECT_NEAR(model.joints[0].jerk_max, from_deg(400), 1e-12);
+  EXPECT_EQ(model.joints[0].home, 0);
+  EXPECT_NEAR(model.joints[1].home, from_deg(30), 1e-12);
+  const auto source_of = [&](std::string_view key) {
+    const auto found = std::ranges::find(file->sources, key, &Provenance::key);
+    return found == file->sources.end() ? std::string() : found->source;
+  };
+  EXPECT_EQ(source_of("joint.a.lower_deg"), "measured");
+  EXPECT_EQ(source_of("geometry.dh[2].a_mm"), "assumed");
+  // A home that nobody said is the limit that is nearest to 0.
+  const auto without = read_robot(with(kLeast, ", home_deg = 30", ""), "r.toml");
+  ASSERT_TRUE(without);
+  EXPECT_NEAR(without->joints[1].home, from_deg(20), 1e-12);
+  EXPECT_EQ(complaints(with(kLeast, "source = \"measured\"\n", "")).front(),
+            "r.toml:4:3: joint.a.source: missing: write where these numbers come from, or "
+            "\"assumed\"");
+  EXPECT_EQ(complaints(std::string(kLeast) + "[device]\nprotocol = \"none\"\n").size(), 1U);
 }
 
 TEST(RobotFile, every_fault_is_told_at_its_place_with_its_remedy) {
@@ -141,10 +182,14 @@ TEST(RobotFile, every_fault_is_told_at_its_place_with_its_remedy) {
       {"\"serial\"", "\"seriel\"",
        "r.toml:4:8: geometry.kind: must be `serial`, `palletizer` or `hexapod`, not `seriel`; did "
        "you mean `serial`?"},
-      {"\"none\"\nmotion", "\"nose\"\nmotion",
-       "r.toml:25:12: device.protocol: must be `none`, `bigrobotarm`, `lsc`, `maxarm`, `icp`, "
-       "`axis_registers` or `axis_link`, not `nose`; did you mean `none`?"},
-      {"\"none\"\nmotion", "\"bigrobotarm\"\nbaud = 250000\nsource = \"s\"\nmotion",
+      {"\"ideal\"", "\"ideel\"",
+       "r.toml:25:12: device.protocol: must be `ideal`, `bigrobotarm`, `lsc`, `maxarm`, `icp`, "
+       "`axis_registers` or `axis_link`, not `ideel`; did you mean `ideal`?"},
+      {"\"ideal\"", "\"ideal\"\nmotion = \"stream\"",
+       "r.toml:26:1: device.motion: unknown key; known here are `source`, `protocol` or `baud`"},
+      {"\"ideal\"",
+       "\"bigrobotarm\"\nmotion = \"point_to_point\"\nfeedback = \"none\"\nbaud = 250000\n"
+       "source = \"s\"",
        "r.toml:25:12: device.protocol: this wire drives 5 joints, the robot has 1"},
       {"[tool]\n", "[tol]\n", "r.toml:11:2: tol: unknown key; did you mean `tool`?"},
       {"[0, 0, 10]", "[0, 0]", "r.toml:12:10: tool.xyz_mm: must have three numbers, not 2"},
@@ -165,14 +210,13 @@ TEST(RobotFile, all_complaints_come_at_once_in_the_order_of_the_file) {
   std::string text = with(kOneJoint, "d_mm = 95", "d = 95");
   text = with(text, "upper_deg = 60", "upper_deg = true");
   text = with(text, "\"One joint\"", "\"\"");
-  text = with(text, "motion = \"stream\"", "motion = \"creep\"");
+  text = with(text, "\"ideal\"", "\"ideal\"\nbaud = true");
   EXPECT_EQ(complaints(text),
             (Lines{"r.toml:2:9: title: must be 1 to 120 bytes of text, not blank, without control "
                    "characters",
                    "r.toml:7:1: geometry.dh[1].d: missing unit: write `d_mm`, `d_m` or `d_in`",
                    "r.toml:18:13: joint.elbow.upper_deg: must be a number, not true or false",
-                   "r.toml:26:10: device.motion: must be `stream` or `point_to_point`, not "
-                   "`creep`"}));
+                   "r.toml:26:8: device.baud: must be a whole number, not true or false"}));
 }
 
 TEST(RobotFile, syntax_error_is_told_with_its_place_and_alone) {

@@ -43,6 +43,8 @@ class TableReader {
   }
   /// Numbers that whoever wrote the file chose come from nowhere else.
   void needs_no_source() { source_excused_ = true; }
+  /// A `source` of this table counts for every table of the file that has none of its own.
+  void source_of_all();
 
   /// A number with a unit; integers are numbers too. `out` and `range` in SI.
   bool quantity(std::string_view pattern, Dimension dimension, const Range& range, double& out);
@@ -123,6 +125,7 @@ class TableReader {
   void check_unknown(const TomlEntry& entry);
   bool is_missing(std::string_view spelling) const;
   void check_sources();
+  void note_source(const TomlEntry& entry, const std::string& source);
   void check_source_table(const TomlEntry& source, const TomlTable& sources);
   std::string dotted(std::string_view key) const;
   std::vector<const TomlEntry*> constants() const;

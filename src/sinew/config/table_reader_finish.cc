@@ -92,12 +92,25 @@ std::vector<const TomlEntry*> TableReader::constants() const {
   return entries;
 }
 
+void TableReader::source_of_all() {
+  const auto source = std::ranges::find(*table_, kSource, &TomlEntry::key);
+  if (source == table_->end() || !says_something(source->node)) return;
+  findings_->set_usual_source(std::get<std::string>(source->node.value));
+}
+
+void TableReader::note_source(const TomlEntry& entry, const std::string& source) {
+  findings_->note_source({dotted(entry.key), entry.place.line, source});
+}
+
 void TableReader::check_sources() {
   const auto source = std::ranges::find(*table_, kSource, &TomlEntry::key);
   if (source == table_->end()) {
     if (constants().empty() || source_excused_) return;
-    findings_->complain(place_, dotted(kSource),
-                        "missing: write where these numbers come from, or \"assumed\"");
+    if (findings_->usual_source().empty()) {
+      findings_->complain(place_, dotted(kSource),
+                          "missing: write where these numbers come from, or \"assumed\"");
+    }
+    for (const TomlEntry* entry : constants()) note_source(*entry, findings_->usual_source());
     return;
   }
   if (const auto* sources = std::get_if<TomlTable>(&source->node.value)) {
@@ -111,8 +124,7 @@ void TableReader::check_sources() {
     return;
   }
   for (const TomlEntry* entry : constants()) {
-    findings_->note_source(
-        {dotted(entry->key), entry->place.line, std::get<std::string>(source->node.value)});
+    note_source(*entry, std::get<std::string>(source->node.value));
   }
 }
 
@@ -144,12 +156,13 @@ void TableReader::check_source_table(const TomlEntry& source, const TomlTable& s
   for (const TomlEntry* entry : constants()) {
     auto own = std::ranges::find(sources, entry->key, &TomlEntry::key);
     if (own == sources.end()) own = rest;
-    if (own == sources.end()) {
+    if (own == sources.end() && !findings_->usual_source().empty()) {
+      note_source(*entry, findings_->usual_source());
+    } else if (own == sources.end()) {
       findings_->complain(source.node.place, dotted(kSource),
                           "says nothing of `" + entry->key + "`; name it or add `rest`");
     } else if (says_something(own->node)) {
-      findings_->note_source(
-          {dotted(entry->key), entry->place.line, std::get<std::string>(own->node.value)});
+      note_source(*entry, std::get<std::string>(own->node.value));
     }
   }
 }

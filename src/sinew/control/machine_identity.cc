@@ -33,7 +33,7 @@ class Description {
 struct DeviceWords {
   Description& out;
 
-  void operator()(const NoDriver& /*none*/) const { out.add(std::string_view("none")); }
+  void operator()(const IdealDevice& /*device*/) const { out.add(std::string_view("ideal")); }
   void operator()(const BigRobotArmDevice& device) const {
     for (const BigRobotArmJoint& joint : device.joints) out.add(joint.steps_per_rad);
   }

@@ -36,7 +36,9 @@ constexpr std::array kRules = std::to_array<StopRule>({
 static_assert(kRules.size() == kStopCauses);
 
 struct Facts {
-  StopFacts operator()(const NoDriver& /*none*/) const { return {}; }
+  StopFacts operator()(const IdealDevice& /*device*/) const {
+    return {true, "a line until told, then as its joints brake", "it has no weight: nothing falls"};
+  }
   StopFacts operator()(const BigRobotArmDevice& /*device*/) const {
     return {false, "none: finishes its move",
             "steppers hold; without power the arm sinks or drops"};

@@ -13,7 +13,8 @@ namespace {
 using namespace std::chrono_literals;
 
 struct Delays {
-  MotionDelay operator()(const NoDriver& /*none*/) const { return {}; }
+  // It is asked every 10 ms how far it is.
+  MotionDelay operator()(const IdealDevice& /*device*/) const { return {2ms, 8ms}; }
   MotionDelay operator()(const BigRobotArmDevice& /*device*/) const { return {3ms, 17ms}; }
   MotionDelay operator()(const AxisRegistersDevice& /*device*/) const { return {}; }
   // The loop is that far behind its setpoint; the driver knows when the setpoint has arrived.

@@ -201,14 +201,17 @@ struct IcpDevice {
   IcpFirmware firmware;
 };
 
-/// A robot that is a model only.
-struct NoDriver {};
+/// The device of a robot whose file names none: it does exactly what it is told, within the file's
+/// limits.
+struct IdealDevice {};
 
+/// What is left as it is here is the ideal device.
 struct Device {
-  std::string protocol;  ///< name of the wire in the robot's file
-  std::uint32_t baud = 0;
-  DeviceCapability capability;
-  std::variant<NoDriver, BigRobotArmDevice, AxisRegistersDevice, AxisLinkDevice, LscDevice,
+  std::string protocol = "ideal";  ///< name of the wire in the robot's file
+  std::uint32_t baud = 1'000'000;
+  DeviceCapability capability{MotionKind::kStream, PositionFeedback::kMeasured,
+                              std::chrono::milliseconds(20)};
+  std::variant<IdealDevice, BigRobotArmDevice, AxisRegistersDevice, AxisLinkDevice, LscDevice,
                MaxArmDevice, IcpDevice>
       settings;
 };

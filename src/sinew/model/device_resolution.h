@@ -25,7 +25,7 @@ inline double device_resolution(const RobotModel& robot, std::size_t joint) {
     double operator()(const IcpDevice& device) const { return 1 / device.units_per_m; }
     double operator()(const AxisRegistersDevice& /*device*/) const { return 0; }
     double operator()(const AxisLinkDevice& /*device*/) const { return 0; }
-    double operator()(const NoDriver& /*device*/) const { return 0; }
+    double operator()(const IdealDevice& /*device*/) const { return 1e-6; }
   };
   return std::visit(Unit{joint}, robot.device.settings);
 }

@@ -37,8 +37,9 @@ std::optional<Error> tool_refusal(const RobotModel& robot, const ToolAction& act
   constexpr double kTolerance = 1e-9;
   if (const auto* jaws = std::get_if<JawsTo>(&action)) {
     const auto* geometry = std::get_if<SerialGeometry>(&robot.geometry);
-    const bool fitted =
-        geometry != nullptr && geometry->gripper && std::holds_alternative<LscDevice>(settings);
+    const bool driven = std::holds_alternative<LscDevice>(settings) ||
+                        std::holds_alternative<IdealDevice>(settings);
+    const bool fitted = geometry != nullptr && geometry->gripper && driven;
     if (!fitted) return Error{ErrorCode::kToolNotFitted};
     const double widest = geometry->gripper->width_max;
     if (jaws->width >= 0 && jaws->width <= widest + kTolerance) return std::nullopt;

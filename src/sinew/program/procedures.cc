@@ -483,7 +483,7 @@ std::expected<ProcedurePlan, std::string> commissioning_procedure(const RobotMod
   } else if (has_boards(robot)) {
     list_boards(list, robot, homing, fact);
   } else {
-    return std::unexpected(robot.id + " is a model only: there is nothing to commission");
+    return std::unexpected(robot.id + " has the ideal device: there is nothing to commission");
   }
   plan.steps = list.take();
   return plan;

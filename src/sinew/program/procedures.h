@@ -25,7 +25,7 @@ ProcedurePlan homing_procedure(const RobotModel& robot, const Homing& homing,
 ProcedurePlan recovery_procedure(const RobotModel& robot, const Homing& homing);
 
 /// The guided checklist for a robot's first day.
-/// @error  a sentence: this robot is a model only
+/// @error  a sentence: this robot has the ideal device
 std::expected<ProcedurePlan, std::string> commissioning_procedure(const RobotModel& robot,
                                                                   const Homing& homing,
                                                                   const DeviceFact& fact);

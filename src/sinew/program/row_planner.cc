@@ -63,15 +63,10 @@ bool is_streamed(const RobotModel& robot) {
   return robot.device.capability.motion == MotionKind::kStream;
 }
 
-/// Takes a way, or is no device at all and only looked at.
-bool blends(const RobotModel& robot) {
-  return is_streamed(robot) || std::holds_alternative<NoDriver>(robot.device.settings);
-}
-
 /// A host that makes the motion makes it as it likes; of the devices that do, only this one can be
 /// told accelerations.
 bool takes_acceleration(const RobotModel& robot) {
-  return blends(robot) || std::holds_alternative<BigRobotArmDevice>(robot.device.settings);
+  return is_streamed(robot) || std::holds_alternative<BigRobotArmDevice>(robot.device.settings);
 }
 
 Move move_of(const Step& row, const RobotPlace& from, const ToolSpace& space,
@@ -186,7 +181,7 @@ Unheard unheard(const MotionOptions& how, const RobotModel& robot) {
       how.joint_share != 1 || std::isfinite(how.tool_speed) || how.limits || how.time > 0;
   return {.speed = paced && !robot.device.capability.takes_speed,
           .acceleration = std::isfinite(how.tool_acceleration) && !takes_acceleration(robot),
-          .blend = how.blends() && !blends(robot),
+          .blend = how.blends() && !is_streamed(robot),
           .beyond = how.limits && (std::ranges::max(how.limits->velocity) > 1 ||
                                    std::ranges::max(how.limits->acceleration) > 1)};
 }
@@ -327,7 +322,7 @@ std::expected<RowMotion, Refusal> RowPlanner::plan_rows(const JointVector& q_sta
 
 /// Led along a way it is as slow as that: by a law that can be paused, as a running cell's is.
 std::optional<Error> RowPlanner::take_time(const RowMotion& out) {
-  if (!blends(robot_)) return std::nullopt;
+  if (!is_streamed(robot_)) return std::nullopt;
   if (!follower_) follower_ = std::make_unique<planning::PathFollower>();
   const auto error = follower_->start(motion_.path, planning::motion_limits(robot_), 1,
                                       planning::shared_velocity(robot_), out.time);
@@ -516,10 +511,6 @@ std::expected<void, Refusal> RowPlanner::cut_into_segments(std::span<const Step>
                                                            const RobotPlace& start,
                                                            RowMotion& out) const {
   const double duration = motion_.law.duration();
-  if (std::holds_alternative<NoDriver>(robot_.device.settings)) {
-    out.arrival = out.duration = duration;  // of a model only: nobody takes it
-    return {};
-  }
   const double longest = to_seconds(robot_.device.capability.segment);
   const double most = longest * static_cast<double>(kPiecesMax);
   if (!(duration <= most)) {

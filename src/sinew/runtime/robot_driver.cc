@@ -1,5 +1,6 @@
 #include "sinew/runtime/robot_driver.h"
 
+#include "sinew/devices/ideal/ideal_driver.h"
 #include "sinew/driver/axis_link.h"
 #include "sinew/driver/axis_registers.h"
 #include "sinew/driver/bigrobotarm.h"
@@ -19,7 +20,15 @@ struct DriverMaker {
     return from_seconds(to_seconds(duration) * patience);
   }
 
-  RobotDriver operator()(const NoDriver& /*none*/) const { return {}; }
+  RobotDriver operator()(const IdealDevice& /*device*/) const {
+    IdealTiming timing;
+    timing.reply_timeout = stretched(timing.reply_timeout);
+    const auto* geometry = std::get_if<SerialGeometry>(&robot.geometry);
+    return {std::make_unique<IdealDriver>(robot.joints,
+                                          geometry != nullptr ? geometry->gripper : std::nullopt,
+                                          robot.device.baud, timing),
+            nullptr};
+  }
 
   RobotDriver operator()(const BigRobotArmDevice& device) const {
     BigRobotArmTiming timing;

@@ -7,7 +7,7 @@
 
 namespace sinew::runtime {
 
-/// A robot's driver: one of the two is there, none for a robot that is a model only.
+/// A robot's driver: one of the two is there.
 struct RobotDriver {
   std::unique_ptr<ByteDriver> byte;
   std::unique_ptr<SpiDriver> spi;

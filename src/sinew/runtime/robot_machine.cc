@@ -1,5 +1,6 @@
 #include "sinew/runtime/robot_machine.h"
 
+#include "sinew/devices/ideal/ideal_machine.h"
 #include "sinew/runtime/simulated_table.h"
 #include "sinew/sim/bigrobotarm_machine.h"
 #include "sinew/sim/icp_machine.h"
@@ -29,7 +30,9 @@ class MachineMaker {
   MachineMaker(const RobotModel& robot, const MachineOptions& options, Instant boot)
       : robot_(robot), options_(options), boot_(boot) {}
 
-  RobotMachine operator()(const NoDriver& /*none*/) const { return {}; }
+  RobotMachine operator()(const IdealDevice& /*device*/) const {
+    return {std::make_unique<sim::IdealMachine>(robot_, boot_), nullptr};
+  }
   RobotMachine operator()(const BigRobotArmDevice& device) const {
     const auto profile = options_.profile == "as-built" ? BigRobotArmProfile::kAsBuilt
                                                         : BigRobotArmProfile::kDocument;
@@ -81,6 +84,7 @@ class MachineMaker {
 /// Why this robot's device cannot be simulated; empty where it can.
 std::string obstacle(const RobotModel& robot) {
   const auto& settings = robot.device.settings;
+  if (std::holds_alternative<IdealDevice>(settings)) return {};
   const bool serial = std::holds_alternative<SerialGeometry>(robot.geometry);
   const std::string other = robot.id + ": its device is simulated for ";
   if (std::holds_alternative<MaxArmDevice>(settings)) {
@@ -111,7 +115,6 @@ bool begins_at_home(const RobotModel& robot) {
 
 std::expected<RobotMachine, std::string> make_machine(const RobotModel& robot,
                                                       const MachineOptions& options, Instant boot) {
-  if (std::holds_alternative<NoDriver>(robot.device.settings)) return RobotMachine{};
   if (std::string why = obstacle(robot); !why.empty()) return std::unexpected(std::move(why));
   auto machine = std::visit(MachineMaker{robot, options, boot}, robot.device.settings);
   if (machine.byte && options.table != nullptr) {

@@ -28,7 +28,7 @@ struct MachineOptions {
 /// somebody had put it there and said so; the others must find out.
 bool begins_at_home(const RobotModel& robot);
 
-/// A simulated machine: one of the two is there, none for a robot that is a model only.
+/// A simulated machine: one of the two is there.
 struct RobotMachine {
   std::unique_ptr<sim::ByteMachine> byte;
   std::unique_ptr<sim::SpiMachine> spi;

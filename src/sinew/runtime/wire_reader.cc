@@ -14,15 +14,6 @@ namespace {
 /// baud.
 constexpr Duration kStale = std::chrono::milliseconds(500);
 
-/// A device that nobody can listen to.
-class NoReader : public WireReader {
- public:
-  void read(const WirePiece& piece, std::vector<WireMessage>& out) override {
-    out.push_back({piece.at, piece.way, piece.select, piece.bytes, "bytes", {}, {}});
-  }
-  void forget() override {}
-};
-
 }  // namespace
 
 void StreamReader::tell(const WirePiece& piece, Begun& begun, std::size_t size, Told told,
@@ -89,9 +80,7 @@ void StreamReader::forget() {
 std::unique_ptr<WireReader> wire_reader(const Device& device, const DeviceFacts& facts) {
   const auto* arm = std::get_if<BigRobotArmFacts>(&facts);
   return std::visit(
-      wires::Cases{[](const NoDriver&) -> std::unique_ptr<WireReader> {
-                     return std::make_unique<wires::NoReader>();
-                   },
+      wires::Cases{[](const IdealDevice&) { return wires::ideal_reader(); },
                    [arm](const BigRobotArmDevice& settings) {
                      const BigRobotArmWire wire = arm != nullptr ? arm->wire : settings.wire;
                      return wire == BigRobotArmWire::kByte ? wires::bigrobotarm_byte_reader()

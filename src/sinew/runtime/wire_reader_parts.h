@@ -81,6 +81,7 @@ class StreamReader : public WireReader {
   std::array<Begun, 2> begun_;
 };
 
+std::unique_ptr<WireReader> ideal_reader();
 std::unique_ptr<WireReader> lsc_reader(const LscDevice& device);
 std::unique_ptr<WireReader> maxarm_reader();
 std::unique_ptr<WireReader> bigrobotarm_byte_reader();

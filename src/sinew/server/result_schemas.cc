@@ -613,7 +613,8 @@ void put_device(Json& all) {
       object(
           {{"robot", text()},
            {"port", text()},
-           {"wire", one_of({"icp", "lsc", "maxarm", "bigrobotarm", "axis_registers", "axis_link"})},
+           {"wire", one_of({"ideal", "icp", "lsc", "maxarm", "bigrobotarm", "axis_registers",
+                            "axis_link"})},
            {"at_s", number()},
            {"warnings",
             list(object({{"name", text()}}, {{"joint", text()}, {"age_s", number()}}))}},

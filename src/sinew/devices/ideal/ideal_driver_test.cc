@@ -1,0 +1,241 @@
+#include "sinew/devices/ideal/ideal_driver.h"
+
+#include <gtest/gtest.h>
+
+#include "sinew/devices/ideal/ideal_test_cell.h"
+#include "support/property.h"
+
+namespace sinew {
+namespace {
+
+using namespace std::chrono_literals;
+using test::IdealCell;
+using Kind = DriverEvent::Kind;
+
+TEST(IdealDriver, positions_are_measured_as_soon_as_it_answers) {
+  IdealCell cell({}, false);
+  EXPECT_EQ(cell.driver.positions()[0].quality, PositionQuality::kLost);
+  cell.driver.open(cell.now);
+  EXPECT_EQ(cell.driver.state(), DriverState::kOpening);
+  EXPECT_TRUE(cell.run_until(DriverState::kReady, 100ms));
+  EXPECT_EQ(cell.driver.positions()[2].quality, PositionQuality::kMeasured);
+  EXPECT_EQ(cell.count(Kind::kReady), 1U);
+}
+
+TEST(IdealDriver, a_streamed_motion_arrives_without_a_gap_and_each_move_is_done_once) {
+  IdealCell cell;
+  auto motion = cell.motion_to({1, -0.5, 0.25});
+  const Instant began = cell.now;
+  cell.run(motion, 3s);
+  EXPECT_EQ(cell.driver.state(), DriverState::kReady);
+  EXPECT_NEAR(to_seconds(cell.now - began), 1.0, 0.015);
+  EXPECT_EQ(cell.count(Kind::kDone), 50U);
+  EXPECT_EQ(cell.events.size(), 50U);
+  EXPECT_NEAR(cell.machine.truth().joints[0].q, 1, 1e-6);
+  EXPECT_NEAR(cell.driver.positions()[1].q, -0.5, 1e-6);
+}
+
+TEST(IdealDriver, refuses_what_its_device_could_not_do_and_sends_nothing) {
+  IdealCell cell;
+  const auto code = [&](const JointVector& q, Duration duration, double speed = 0) {
+    const auto result = cell.driver.move({q, {speed, 0, 0}, duration, {}}, cell.now);
+    EXPECT_FALSE(result);
+    return result ? ErrorCode::kBusy : result.error().code;
+  };
+  const auto before = cell.driver.health().requests;
+  EXPECT_EQ(code({2.1, 0, 0}, 9s), ErrorCode::kJointLimit);
+  EXPECT_EQ(code({0.1, 0, 0}, 20ms), ErrorCode::kSegmentTime);
+  EXPECT_EQ(code({0.1, 0}, 1s), ErrorCode::kUnsendable);
+  EXPECT_EQ(code({0.1, 0, 0}, 10us), ErrorCode::kSegmentTime);
+  EXPECT_EQ(code({0.1, 0, 0}, 1s, std::nan("")), ErrorCode::kUnsendable);
+  const auto elsewhere = cell.driver.move({{0.1, 0, 0}, {0, 0, 0}, 1s, {0.05, 0, 0}}, cell.now);
+  EXPECT_EQ(elsewhere.error().code, ErrorCode::kMovedUnasked);
+  EXPECT_EQ(cell.driver.tool(JawsTo{0.05}, cell.now).error().code, ErrorCode::kJawWidth);
+  EXPECT_EQ(cell.driver.tool(Suction{}, cell.now).error().code, ErrorCode::kToolNotFitted);
+  EXPECT_EQ(cell.driver.health().requests, before);
+}
+
+TEST(IdealDriver, stop_brakes_and_every_command_has_its_end) {
+  IdealCell cell;
+  auto motion = cell.motion_to({1, -0.5, 0.25});
+  cell.run(motion, 500ms);
+  const std::size_t accepted = motion.next - 1;
+  cell.driver.stop(cell.now);
+  EXPECT_EQ(cell.driver.state(), DriverState::kStopping);
+  EXPECT_TRUE(cell.run_until(DriverState::kReady, 1s));
+  EXPECT_EQ(cell.count(Kind::kDone) + cell.count(Kind::kStopped), accepted);
+  EXPECT_FALSE(cell.machine.truth().moving);
+  const double there = cell.machine.truth().joints[0].q;
+  EXPECT_GT(there, 0.5);
+  EXPECT_LT(there, 0.75);
+  EXPECT_NEAR(cell.driver.positions()[0].q, there, 1e-6);
+  auto back = cell.motion_to({0, 0, 0});
+  cell.run(back, 3s);
+  EXPECT_NEAR(cell.machine.truth().joints[0].q, 0, 1e-6);
+}
+
+TEST(IdealDriver, a_motion_that_is_not_continued_fails_and_the_next_may_begin) {
+  IdealCell cell;
+  auto motion = cell.motion_to({1, 0, 0});
+  while (motion.next <= 20) {
+    cell.feed(motion);
+    if (motion.next > 20) break;
+    cell.step();
+  }
+  cell.run_for(1s);
+  EXPECT_EQ(cell.driver.state(), DriverState::kReady);
+  ASSERT_GE(cell.count(Kind::kFailed), 1U);
+  EXPECT_EQ(cell.events.back().error.code, ErrorCode::kSegmentTime);
+  auto on = cell.motion_to({1, 0, 0});
+  cell.run(on, 3s);
+  EXPECT_NEAR(cell.machine.truth().joints[0].q, 1, 1e-6);
+}
+
+TEST(IdealDriver, a_host_that_dies_stops_the_arm_and_the_next_one_goes_on) {
+  IdealCell cell;
+  auto motion = cell.motion_to({1, 0, 0});
+  cell.run(motion, 500ms);
+  cell.connected = false;
+  cell.run_for(1s);
+  EXPECT_FALSE(cell.machine.truth().moving);
+  const double there = cell.machine.truth().joints[0].q;
+  cell.connected = true;
+  cell.driver = IdealDriver(cell.robot.joints, JawGripper{0.04, 0.1, 0.1}, 1'000'000);
+  cell.refused.reset();
+  cell.open();
+  EXPECT_NEAR(cell.driver.positions()[0].q, there, 1e-6);
+  auto on = cell.motion_to({1, 0, 0});
+  cell.run(on, 3s);
+  EXPECT_NEAR(cell.machine.truth().joints[0].q, 1, 1e-6);
+}
+
+TEST(IdealDriver, an_arm_that_still_moves_is_stopped_before_anything_else) {
+  IdealCell cell;
+  auto motion = cell.motion_to({1, 0, 0});
+  cell.run(motion, 500ms);
+  cell.driver.open(cell.now);
+  EXPECT_TRUE(cell.run_until(DriverState::kReady, 1s));
+  EXPECT_FALSE(cell.machine.truth().moving);
+}
+
+TEST(IdealDriver, unplugged_it_says_so_once_and_comes_back_by_itself) {
+  IdealCell cell;
+  auto motion = cell.motion_to({1, 0, 0});
+  cell.run(motion, 500ms);
+  const std::size_t accepted = motion.next - 1;
+  cell.connected = false;
+  cell.run_for(3s);
+  EXPECT_EQ(cell.driver.state(), DriverState::kOpening);
+  EXPECT_EQ(cell.driver.positions()[0].quality, PositionQuality::kLost);
+  EXPECT_EQ(cell.count(Kind::kDone) + cell.count(Kind::kFailed), accepted);
+  EXPECT_EQ(cell.events.back().error.code, ErrorCode::kDeviceSilent);
+  cell.connected = true;
+  EXPECT_TRUE(cell.run_until(DriverState::kReady, 2s));
+  EXPECT_EQ(cell.driver.positions()[0].quality, PositionQuality::kMeasured);
+}
+
+TEST(IdealDriver, power_that_was_away_is_noticed) {
+  IdealCell cell;
+  auto motion = cell.motion_to({1, 0, 0});
+  cell.run(motion, 3s);
+  cell.events.clear();
+  cell.machine.disturb({sim::Disturbance::Kind::kSupply, -1, 0});
+  cell.run_for(20ms);
+  cell.machine.disturb({sim::Disturbance::Kind::kSupply, -1, 12});
+  cell.run_for(1s);
+  EXPECT_EQ(cell.driver.state(), DriverState::kReady);
+  ASSERT_FALSE(cell.events.empty());
+  EXPECT_EQ(cell.events.front().kind, Kind::kNotice);
+  EXPECT_EQ(cell.events.front().error.code, ErrorCode::kSupplyFlag);
+  EXPECT_NEAR(cell.driver.positions()[0].q, 1, 1e-6);
+}
+
+TEST(IdealDriver, what_blocks_a_joint_is_a_fault_until_it_is_cleared) {
+  IdealCell cell;
+  cell.machine.disturb({sim::Disturbance::Kind::kBlock, 1, -0.2});
+  auto motion = cell.motion_to({1, -0.5, 0});
+  cell.run(motion, 3s);
+  EXPECT_EQ(cell.driver.state(), DriverState::kFault);
+  EXPECT_EQ(cell.driver.fault()->code, ErrorCode::kStalled);
+  EXPECT_EQ(cell.driver.fault()->index, 1);
+  EXPECT_FALSE(cell.driver.move({{0, 0, 0}, {0, 0, 0}, 1s, {}}, cell.now));
+  cell.machine.disturb({sim::Disturbance::Kind::kUnblock, 1, 0});
+  ASSERT_TRUE(cell.driver.clear_fault(cell.now));
+  EXPECT_TRUE(cell.driver.clearing());
+  cell.events.clear();
+  EXPECT_TRUE(cell.run_until(DriverState::kReady, 1s));
+  EXPECT_EQ(cell.count(Kind::kDone), 1U);
+  cell.refused.reset();
+  auto on = cell.motion_to({0, 0, 0});
+  cell.run(on, 3s);
+  EXPECT_NEAR(cell.machine.truth().joints[1].q, 0, 1e-6);
+}
+
+TEST(IdealDriver, another_robots_device_is_not_taken_for_its_own) {
+  IdealCell cell({}, false);
+  cell.driver = IdealDriver(std::span(cell.robot.joints).first(2), {}, 1'000'000);
+  cell.driver.open(cell.now);
+  for (int i = 0; i < 1000; ++i) {
+    cell.now += 100us;
+    std::array<std::uint8_t, 10> bytes{};
+    cell.machine.receive(std::span(bytes).first(cell.driver.take_output(bytes)), cell.now);
+    cell.driver.receive(std::span(bytes).first(cell.machine.take_output(bytes)), cell.now);
+  }
+  EXPECT_EQ(cell.driver.state(), DriverState::kFault);
+  EXPECT_EQ(cell.driver.fault()->code, ErrorCode::kModelMismatch);
+}
+
+TEST(IdealDriver, jaws_close_and_tell_their_width) {
+  IdealCell cell;
+  ASSERT_TRUE(cell.driver.tool(JawsTo{0.01}, cell.now));
+  EXPECT_TRUE(cell.run_until(DriverState::kReady, 3s));
+  EXPECT_EQ(cell.count(Kind::kDone), 1U);
+  EXPECT_NEAR(*cell.driver.health().jaws_width, 0.01, 1e-6);
+  EXPECT_NEAR(cell.machine.truth().tool, 0.01, 1e-6);
+}
+
+/// Whatever the line does: every claim of a position holds (each step is looked at), no joint moves
+/// where it was not sent, every command has one end, and at last it works again.
+TEST(IdealDriver, whatever_the_line_does_no_joint_moves_wrong_and_every_command_has_one_end) {
+  test::for_random_cases(60, [](test::Random& random) {
+    sim::LinkFaultSpec faults;
+    for (sim::ByteFaults& way : faults.bytes) {
+      way.flip = random.chance(0.5) ? random.uniform(0, 2e-3) : 0;
+      way.drop = random.chance(0.5) ? random.uniform(0, 2e-3) : 0;
+      way.duplicate = random.chance(0.3) ? random.uniform(0, 2e-3) : 0;
+    }
+    faults.seed = random.bits();
+    IdealCell cell(faults, false);
+    cell.driver.open(cell.now);
+    if (!cell.run_until(DriverState::kReady, 20s)) return random.discard();
+    std::size_t accepted = 0;
+    for (int i = 0; i < 4; ++i) {
+      if (!cell.run_until(DriverState::kReady, 20s)) break;
+      cell.events.clear();
+      cell.refused.reset();
+      const double to = random.uniform(-1, 1);
+      auto motion = cell.motion_to({to, -to / 2, to / 4}, 2);
+      const double from = motion.from[0];
+      cell.run(motion, random.chance(0.3) ? from_seconds(random.uniform(0, 2)) : Duration(4s));
+      accepted = motion.next - 1;
+      if (cell.driver.state() == DriverState::kMoving) cell.driver.stop(cell.now);
+      static_cast<void>(cell.run_until(DriverState::kReady, 20s));
+      if (cell.driver.state() == DriverState::kFault) {
+        EXPECT_TRUE(cell.driver.clear_fault(cell.now));
+      }
+      std::size_t ends = 0;
+      for (const DriverEvent& event : cell.events) {
+        const bool end = event.kind == Kind::kDone || event.kind == Kind::kFailed ||
+                         event.kind == Kind::kStopped;
+        ends += end ? 1 : 0;
+      }
+      EXPECT_GE(ends, accepted);
+      const double there = cell.machine.truth().joints[0].q;
+      EXPECT_GE(there, std::min(from, to) - 1e-6);
+      EXPECT_LE(there, std::max(from, to) + 1e-6);
+    }
+  });
+}
+
+}  // namespace
+}  // namespace sinew

@@ -1,0 +1,158 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "sinew/core/units.h"
+#include "sinew/devices/ideal/ideal_driver.h"
+#include "sinew/devices/ideal/ideal_machine.h"
+#include "sinew/sim/link_fault.h"
+
+namespace sinew::test {
+
+/// Three joints that turn, and jaws.
+inline RobotModel ideal_robot() {
+  RobotModel robot;
+  robot.id = "three";
+  SerialGeometry geometry;
+  for (int i = 0; i < 3; ++i) geometry.rows.push_back({0.1, 0.1, 0, 0});
+  geometry.gripper = JawGripper{0.04, 0.1, 0.1};
+  robot.geometry = geometry;
+  for (int i = 0; i < 3; ++i) {
+    Joint joint;
+    joint.name = std::string("abc").substr(static_cast<std::size_t>(i), 1);
+    joint.lower = -2;
+    joint.upper = 2 + i;
+    joint.velocity_max = 2;
+    joint.acceleration_max = 8;
+    joint.jerk_max = 80;
+    robot.joints.push_back(joint);
+  }
+  return robot;
+}
+
+/// Driver and machine back to back in virtual time, with a megabaud and a faulty link between.
+class IdealCell {
+ public:
+  explicit IdealCell(const sim::LinkFaultSpec& faults = {}, bool opened = true)
+      : robot(ideal_robot()),
+        driver(robot.joints, std::get<SerialGeometry>(robot.geometry).gripper, 1'000'000),
+        machine(robot, now),
+        link(faults, now) {
+    if (opened) open();
+  }
+
+  void open() {
+    driver.open(now);
+    EXPECT_TRUE(run_until(DriverState::kReady, std::chrono::seconds(20)));
+    events.clear();
+  }
+
+  /// A whole motion from where it stands: segments of 20 ms along a cosine.
+  struct Motion {
+    JointVector from, to;
+    double seconds = 1;
+    std::size_t segments = 50;
+    std::size_t next = 1;
+
+    JointMove piece() const {
+      const double u = static_cast<double>(next) / static_cast<double>(segments);
+      JointMove move;
+      for (std::size_t i = 0; i < from.size(); ++i) {
+        const double way = to[i] - from[i];
+        move.q.push_back(from[i] + way * (1 - std::cos(kPi * u)) / 2);
+        const bool last = next == segments;
+        move.qd.push_back(last ? 0 : way * kPi / 2 * std::sin(kPi * u) / seconds);
+      }
+      move.duration = from_seconds(seconds / static_cast<double>(segments));
+      return move;
+    }
+  };
+  Motion motion_to(const JointVector& to, double seconds = 1) const {
+    Motion motion;
+    for (const JointPosition& joint : driver.positions()) motion.from.push_back(joint.q);
+    motion.to = to;
+    motion.seconds = seconds;
+    motion.segments = static_cast<std::size_t>(std::lround(seconds / 0.02));
+    return motion;
+  }
+  /// Feeds what the driver wants, until it wants no more of it.
+  void feed(Motion& motion) {
+    while (motion.next <= motion.segments && driver.wants_move(now)) {
+      const auto taken = driver.move(motion.piece(), now);
+      if (!taken) return static_cast<void>(refused = taken.error());
+      ++motion.next;
+    }
+  }
+  /// The motion to its end, or for so long.
+  void run(Motion& motion, Duration limit) {
+    const Instant end = now + limit;
+    while (now < end && !refused) {
+      feed(motion);
+      const bool over = motion.next > motion.segments && driver.state() != DriverState::kMoving;
+      if (over || driver.state() == DriverState::kFault) return;
+      step();
+    }
+  }
+
+  void run_for(Duration duration) {
+    const Instant end = now + duration;
+    while (now < end) step();
+  }
+  bool run_until(DriverState state, Duration limit) {
+    const Instant end = now + limit;
+    while (now < end && driver.state() != state) step();
+    return driver.state() == state;
+  }
+  std::size_t count(DriverEvent::Kind kind) const {
+    return static_cast<std::size_t>(std::ranges::count(events, kind, &DriverEvent::kind));
+  }
+  /// Every position that is claimed holds the truth.
+  void expect_honest() const {
+    const auto truth = machine.truth();
+    for (std::size_t i = 0; i < robot.joints.size(); ++i) {
+      const JointPosition& claim = driver.positions()[i];
+      if (claim.quality == PositionQuality::kLost) continue;
+      EXPECT_GE(truth.joints[i].q, claim.lower - 1e-9) << i;
+      EXPECT_LE(truth.joints[i].q, claim.upper + 1e-9) << i;
+    }
+  }
+
+  void step() {
+    now += std::chrono::microseconds(100);  // ten bytes
+    machine.advance(now);
+    std::array<std::uint8_t, 10> bytes{};
+    const std::size_t out = connected ? driver.take_output(bytes) : 0;
+    link.push(sim::LinkDirection::kToDevice, std::span(bytes).first(out), now);
+    std::array<std::uint8_t, 64> piece{};
+    while (const std::size_t n = link.take(sim::LinkDirection::kToDevice, now, piece)) {
+      machine.receive(std::span(piece).first(n), now);
+    }
+    const std::size_t back = machine.take_output(bytes);
+    link.push(sim::LinkDirection::kToHost, std::span(bytes).first(back), now);
+    while (const std::size_t n = link.take(sim::LinkDirection::kToHost, now, piece)) {
+      if (connected) driver.receive(std::span(piece).first(n), now);
+    }
+    driver.poll(now);
+    while (const auto event = driver.take_event()) events.push_back(*event);
+    expect_honest();
+  }
+
+  RobotModel robot;
+  Instant now{};
+  IdealDriver driver;
+  sim::IdealMachine machine;
+  sim::LinkFaults link;
+  bool connected = true;
+  std::optional<Error> refused;
+  std::vector<DriverEvent> events;
+};
+
+}  // namespace sinew::test

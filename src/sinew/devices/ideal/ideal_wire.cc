@@ -1,0 +1,214 @@
+#include "sinew/devices/ideal/ideal_wire.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <concepts>
+#include <limits>
+
+#include "sinew/core/assert.h"
+#include "sinew/wire/crc32c.h"
+
+namespace sinew::ideal {
+namespace {
+
+constexpr std::size_t kSumDigits = 8;
+constexpr std::array<std::string_view, 4> kPhases{"rest", "moving", "stopping", "held"};
+constexpr std::array<std::string_view, 4> kHelds{"-", "silent", "starved", "blocked"};
+constexpr std::array<std::string_view, 5> kWhys{"busy", "number", "limit", "form", "tool"};
+
+std::uint32_t sum_of(std::string_view words) {
+  return crc32c({reinterpret_cast<const std::uint8_t*>(words.data()), words.size()});
+}
+
+/// One line under way.
+class Writer {
+ public:
+  Writer& word(std::string_view text) {
+    if (!line_.empty()) line_.push_back(' ');
+    for (const char c : text) line_.push_back(static_cast<std::uint8_t>(c));
+    return *this;
+  }
+  Writer& number(std::int64_t value) {
+    std::array<char, 24> digits{};
+    const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), value).ptr;
+    return word({digits.data(), end});
+  }
+  Writer& numbers(const Numbers& q, const Numbers& qd) {
+    SINEW_ASSERT(q.size() == qd.size());
+    for (std::size_t i = 0; i < q.size(); ++i) number(q[i]).number(qd[i]);
+    return *this;
+  }
+  Line end() {
+    const std::uint32_t sum = sum_of({reinterpret_cast<const char*>(line_.data()), line_.size()});
+    line_.push_back('*');
+    for (std::size_t i = 0; i < kSumDigits; ++i) {
+      constexpr std::string_view kHex = "0123456789ABCDEF";
+      line_.push_back(static_cast<std::uint8_t>(kHex[sum >> (28 - 4 * i) & 15U]));
+    }
+    line_.push_back('\n');
+    return line_;
+  }
+
+ private:
+  Line line_;
+};
+
+/// Words one after the other; remembers whether one was missing or wrong.
+class Reader {
+ public:
+  explicit Reader(std::string_view words) : rest_(words) {}
+
+  std::string_view word() {
+    const std::size_t end = std::min(rest_.find(' '), rest_.size());
+    const std::string_view own = rest_.substr(0, end);
+    const bool blank_at_end = end + 1 == rest_.size();
+    rest_.remove_prefix(std::min(end + 1, rest_.size()));
+    fine_ = fine_ && !own.empty() && !blank_at_end;
+    return own;
+  }
+  template <std::integral Number>
+  Number number() {
+    const std::string_view own = word();
+    Number value{};
+    const auto [end, error] = std::from_chars(own.data(), own.data() + own.size(), value);
+    fine_ = fine_ && error == std::errc{} && end == own.data() + own.size();
+    return value;
+  }
+  template <class Enum, std::size_t N>
+  Enum one_of(const std::array<std::string_view, N>& names) {
+    const auto found = std::ranges::find(names, word());
+    fine_ = fine_ && found != names.end();
+    return static_cast<Enum>(found == names.end() ? 0 : found - names.begin());
+  }
+  void numbers(Numbers& q, Numbers& qd) {
+    while (fine_ && !rest_.empty() && !q.full()) {
+      q.push_back(number<std::int32_t>());
+      qd.push_back(number<std::int32_t>());
+    }
+    fine_ = fine_ && !q.empty();
+  }
+  /// All of it was read, and all of it was right.
+  bool fine() const { return fine_ && rest_.empty(); }
+
+ private:
+  std::string_view rest_;
+  bool fine_ = true;
+};
+
+template <class Message>
+std::optional<Message> if_fine(const Reader& reader, const Message& message) {
+  return reader.fine() ? std::optional(message) : std::nullopt;
+}
+
+struct RequestWriter {
+  Line operator()(const Hello& /*hello*/) const { return Writer().word("hello").end(); }
+  Line operator()(const Ask& /*ask*/) const { return Writer().word("ask").end(); }
+  Line operator()(const Stop& /*stop*/) const { return Writer().word("stop").end(); }
+  Line operator()(const Clear& /*clear*/) const { return Writer().word("clear").end(); }
+  Line operator()(const Jaws& jaws) const {
+    return Writer().word("jaws").number(jaws.width_um).end();
+  }
+  Line operator()(const Move& move) const {
+    Writer line;
+    line.word("move").number(move.number).number(move.duration_us).numbers(move.q, move.qd);
+    return line.end();
+  }
+};
+
+struct ReplyWriter {
+  Line operator()(const Identity& one) const {
+    return Writer().word("ideal").number(one.version).number(one.joints).number(one.taken).end();
+  }
+  Line operator()(const State& one) const {
+    Writer line;
+    line.word(kPhases[static_cast<std::size_t>(one.phase)]);
+    line.word(kHelds[static_cast<std::size_t>(one.held)]).number(one.joint);
+    line.number(one.taken).number(one.done).number(one.jaws_um).numbers(one.q, one.qd);
+    return line.end();
+  }
+  Line operator()(const Refusal& one) const {
+    const auto why = kWhys[static_cast<std::size_t>(one.why)];
+    return Writer().word("no").word(why).number(one.joint).end();
+  }
+};
+
+}  // namespace
+
+Line encode(const Request& request) {
+  return std::visit(RequestWriter{}, request);
+}
+Line encode(const Reply& reply) {
+  return std::visit(ReplyWriter{}, reply);
+}
+
+std::optional<Request> decode_request(std::string_view words) {
+  Reader reader(words);
+  const std::string_view name = reader.word();
+  if (name == "hello") return if_fine<Request>(reader, Hello{});
+  if (name == "ask") return if_fine<Request>(reader, Ask{});
+  if (name == "stop") return if_fine<Request>(reader, Stop{});
+  if (name == "clear") return if_fine<Request>(reader, Clear{});
+  if (name == "jaws") {
+    const Jaws jaws{reader.number<std::int32_t>()};
+    return if_fine<Request>(reader, jaws);
+  }
+  if (name != "move") return std::nullopt;
+  Move move;
+  move.number = reader.number<std::uint16_t>();
+  move.duration_us = reader.number<std::uint32_t>();
+  reader.numbers(move.q, move.qd);
+  return if_fine<Request>(reader, move);
+}
+
+std::optional<Reply> decode_reply(std::string_view words) {
+  Reader reader(words);
+  if (words.starts_with("ideal ")) {
+    reader.word();
+    Identity one;
+    one.version = reader.number<std::uint8_t>();
+    one.joints = reader.number<std::uint8_t>();
+    one.taken = reader.number<std::uint16_t>();
+    return if_fine<Reply>(reader, one);
+  }
+  if (words.starts_with("no ")) {
+    reader.word();
+    Refusal one;
+    one.why = reader.one_of<Why>(kWhys);
+    one.joint = reader.number<std::uint8_t>();
+    return if_fine<Reply>(reader, one);
+  }
+  State one;
+  one.phase = reader.one_of<Phase>(kPhases);
+  one.held = reader.one_of<Held>(kHelds);
+  one.joint = reader.number<std::uint8_t>();
+  one.taken = reader.number<std::uint16_t>();
+  one.done = reader.number<std::uint16_t>();
+  one.jaws_um = reader.number<std::int32_t>();
+  reader.numbers(one.q, one.qd);
+  return if_fine<Reply>(reader, one);
+}
+
+LineDecoder::Result LineDecoder::push(std::uint8_t byte) {
+  if (complete_) reset();
+  if (byte != '\n') {
+    if (text_.full()) too_long_ = true;
+    if (!too_long_) text_.push_back(static_cast<char>(byte));
+    return Result::kMore;
+  }
+  complete_ = true;
+  if (text_.empty() && !too_long_) return Result::kMore;
+  const std::string_view all{text_.data(), text_.size()};
+  const bool long_enough = all.size() > kSumDigits + 1;
+  if (too_long_ || !long_enough || all[all.size() - kSumDigits - 1] != '*') {
+    return Result::kDamaged;
+  }
+  words_ = all.size() - kSumDigits - 1;
+  const std::string_view digits = all.substr(words_ + 1);
+  std::uint32_t sum = 0;
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), sum, 16);
+  const bool whole = error == std::errc{} && end == digits.data() + digits.size();
+  return whole && sum == sum_of(words()) ? Result::kLine : Result::kDamaged;
+}
+
+}  // namespace sinew::ideal

@@ -1,0 +1,147 @@
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <csignal>
+#include <filesystem>
+#include <set>
+
+#include "cli/process.h"
+#include "sinew/io/scratch_folder_test_support.h"
+
+/// Arms that are a table and limits: they have the ideal device.
+namespace sinew::test {
+namespace {
+
+using namespace std::chrono_literals;
+
+const std::string kExamples = std::string(SINEW_SOURCE_DIR) + "/robots/examples/";
+const std::string kAr4 = kExamples + "ar4.toml";
+
+double position(const Json& report, std::size_t joint) {
+  const Json& one = report["positions"][joint];
+  EXPECT_EQ(one["quality"], "measured") << one.dump();
+  return one.contains("q_deg") ? one["q_deg"] : one["q_mm"];
+}
+
+TEST(AnyArm, each_example_goes_where_it_is_sent_and_says_who_told_its_numbers) {
+  const ScratchFolder folder;
+  std::set<std::string> seen;
+  for (const auto& entry : std::filesystem::directory_iterator(kExamples)) {
+    if (entry.path().extension() != ".toml") continue;
+    const std::string robot = entry.path().string();
+    seen.insert(entry.path().stem().string());
+    SCOPED_TRACE(robot);
+    const Ended shown = sinew({"robots", robot, "--json"});
+    ASSERT_EQ(shown.exit, 0) << shown.err;
+    EXPECT_EQ(shown.json()["protocol"], "ideal");
+    const std::string program =
+        folder.file("p.sinew", "joint J1=100deg J2=80deg J3=20deg speed=50%\njoint J1=60deg\n");
+    const Ended run = sinew({"run", program, "--robot", robot, "--json", "--time-scale", "5"});
+    ASSERT_EQ(run.exit, 0) << run.err << run.out;
+    EXPECT_NEAR(position(run.json(), 0), 60, 1e-3);
+    EXPECT_NEAR(position(run.json(), 2), 20, 1e-3);
+  }
+  EXPECT_EQ(seen, (std::set<std::string>{"ar4", "six-axis", "so-101", "uarm-swift-pro"}));
+}
+
+TEST(AnyArm, an_ar4_of_26_lines_draws_lines_and_goes_home) {
+  const ScratchFolder folder;
+  const std::string lines = folder.file("q.sinew",
+                                        "joint shoulder=20deg elbow=10deg wrist=45deg\n"
+                                        "line dx=30mm dz=-40mm\nline dy=-50mm blend=10mm\n"
+                                        "line dz=30mm\nhome\n");
+  const Ended run = sinew({"run", lines, "--robot", kAr4, "--json", "--time-scale", "5"});
+  ASSERT_EQ(run.exit, 0) << run.err << run.out;
+  for (std::size_t i = 0; i < 6; ++i) EXPECT_NEAR(position(run.json(), i), 0, 1e-3);
+}
+
+/// In another process, on a port.
+class OnAPort {
+ public:
+  explicit OnAPort(const std::string& robot) : sim_({"sim", robot, "--json"}) {
+    const std::string first = sim_.line_after(0);
+    seen_ = first.size() + 1;
+    port_ = Json::parse(first).at("port");
+  }
+  const std::string& port() const { return port_; }
+  double base() {
+    sim_.signal(SIGUSR1);
+    const std::string line = sim_.line_after(seen_);
+    seen_ += line.size() + 1;
+    return Json::parse(line).at("truth").at("joints").at(0).at("q_deg");
+  }
+  /// Until its base has come so far.
+  void wait_for(double degrees) {
+    const auto limit = std::chrono::steady_clock::now() + 20s;
+    while (base() < degrees && std::chrono::steady_clock::now() < limit) {
+      sim_.let_run(5ms);
+    }
+  }
+
+ private:
+  Process sim_;
+  std::size_t seen_ = 0;
+  std::string port_;
+};
+
+TEST(AnyArm, a_host_that_is_killed_leaves_it_standing_and_the_next_one_goes_on) {
+  const ScratchFolder folder;
+  setenv("XDG_STATE_HOME", folder.at("xdg").c_str(), 1);
+  OnAPort arm(kAr4);
+  const auto run_of = [&](const char* row) {
+    return Arguments{"run",     folder.file("p.sinew", row),
+                     "--robot", kAr4,
+                     "--port",  arm.port(),
+                     "--json",  "--journal",
+                     "one"};
+  };
+  Process dies(run_of("joint base=150deg\n"));
+  arm.wait_for(20);
+  dies.signal(SIGKILL);
+  dies.end();
+  const Ended next = sinew(run_of("joint base=10deg\n"));
+  ASSERT_EQ(next.exit, 0) << next.err << next.out;
+  EXPECT_NEAR(position(next.json(), 0), 10, 1e-3);
+  EXPECT_NEAR(arm.base(), 10, 1e-3);
+}
+
+TEST(AnyArm, ctrl_c_in_the_middle_stops_it_on_its_path) {
+  const ScratchFolder folder;
+  setenv("XDG_STATE_HOME", folder.at("xdg").c_str(), 1);
+  OnAPort arm(kAr4);
+  Process run({"run", folder.file("p.sinew", "joint base=150deg\n"), "--robot", kAr4, "--port",
+               arm.port(), "--json"});
+  arm.wait_for(20);
+  run.signal(SIGINT);
+  const Ended ended = run.end();
+  EXPECT_NE(ended.exit, 0);
+  const double there = arm.base();
+  EXPECT_GT(there, 20);
+  EXPECT_LT(there, 60);
+  EXPECT_NEAR(position(ended.json(), 0), there, 1e-3);
+}
+
+TEST(AnyArm, bad_files_and_ports_are_said_with_what_helps) {
+  const ScratchFolder folder;
+  const std::string program = folder.file("p.sinew", "joint base=10deg\n");
+  const auto said = [&](const Arguments& words, int exit, const std::string& part) {
+    const Ended ended = sinew(words);
+    EXPECT_EQ(ended.exit, exit) << ended.err;
+    EXPECT_TRUE(ended.err.contains(part)) << ended.err;
+  };
+  const std::string none =
+      folder.file("none.toml", "id = \"x\"\ntitle = \"x\"\n[device]\nprotocol = \"none\"\n");
+  said({"run", program, "--robot", none}, 2, "none");
+  said({"run", program, "--robot", kAr4, "--profile", "fast"}, 2,
+       "--profile: 'fast' is unknown: ar4 has but one");
+  said({"run", program, "--robot", kAr4, "--wire", "text"}, 2,
+       "--wire: 'text' is unknown: ar4 has but one");
+  said({"run", program, "--robot", kAr4, "--port", "/dev/null"}, 1, "/dev/null: not a serial port");
+  said({"run", program, "--robot", kAr4, "--port", "spidev"}, 1, "serial port");
+  said({"run", folder.file("far.sinew", "joint base=171deg\n"), "--robot", kAr4}, 1,
+       "base would need 171 deg, limit 170 deg");
+  said({"commission", "ar4"}, 2, "ar4");
+}
+
+}  // namespace
+}  // namespace sinew::test
