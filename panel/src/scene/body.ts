@@ -20,6 +20,7 @@ import { jawReach, linkPoses, nearness } from '../logic/kinematics';
 import { compose, fromColumns } from '../logic/pose';
 import { jointLimits } from '../logic/store';
 import type { Pose, PoseJson, RobotModel, ShapeJson, Vec3 } from '../logic/types';
+import { drawnShapes } from './body_shapes';
 import type { Materials } from './look';
 
 const kUp = new Vector3(0, 1, 0);
@@ -69,6 +70,7 @@ export class Body {
   readonly group = new Group();
   private readonly links: Group[];
   private readonly shapes = new Group();
+  private readonly drawn: ShapeJson[];
   private readonly movers: ((links: Pose[]) => void)[] = [];
   private readonly fingers: { left: Object3D; right: Object3D; thick: number }[] = [];
 
@@ -77,6 +79,7 @@ export class Body {
     private readonly look: BodyLook,
     shadows = true,
   ) {
+    this.drawn = drawnShapes(model);
     this.links = model.links.map(() => new Group());
     this.group.add(...this.links, this.shapes);
     if (model.kind === 'serial') this.buildChain();
@@ -142,7 +145,7 @@ export class Body {
   }
 
   private radiusOf(link: number): number | null {
-    const radii = this.model.shapes
+    const radii = this.drawn
       .filter((shape) => shape.link === link && shape.form === 'capsule')
       .map((shape) => shape.radius_m!);
     return radii.length > 0 ? Math.max(...radii) : null;
@@ -150,7 +153,7 @@ export class Body {
 
   /** Links are slimmer than the bodies that are checked; hubs at the joints are as wide. */
   private buildShapes(slim: number, skip: (shape: ShapeJson) => boolean = () => false): void {
-    for (const shape of this.model.shapes) {
+    for (const shape of this.drawn) {
       if (skip(shape)) continue;
       const mesh = shapeMesh(shape, slim, shape.link === 0 ? this.look.hub : this.look.shell, kSegments);
       if (mesh) this.links[shape.link]!.add(mesh);

@@ -185,8 +185,6 @@ TEST(RobotFile, every_fault_is_told_at_its_place_with_its_remedy) {
       {"\"ideal\"", "\"ideel\"",
        "r.toml:25:12: device.protocol: must be `ideal`, `bigrobotarm`, `lsc`, `maxarm`, `icp`, "
        "`axis_registers` or `axis_link`, not `ideel`; did you mean `ideal`?"},
-      {"\"ideal\"", "\"ideal\"\nmotion = \"stream\"",
-       "r.toml:26:1: device.motion: unknown key; known here are `source`, `protocol` or `baud`"},
       {"\"ideal\"",
        "\"bigrobotarm\"\nmotion = \"point_to_point\"\nfeedback = \"none\"\nbaud = 250000\n"
        "source = \"s\"",
@@ -204,6 +202,12 @@ TEST(RobotFile, every_fault_is_told_at_its_place_with_its_remedy) {
     const Lines lines = complaints_with(c.from, c.to);
     EXPECT_EQ(lines, Lines{c.complaint}) << c.from << " -> " << c.to;
   }
+}
+
+TEST(RobotFile, what_the_ideal_device_can_do_is_not_asked_for) {
+  EXPECT_EQ(complaints_with("\"ideal\"", "\"ideal\"\nmotion = \"stream\""),
+            Lines{"r.toml:26:1: device.motion: unknown key; known here are `source`, `protocol` or "
+                  "`baud`"});
 }
 
 TEST(RobotFile, all_complaints_come_at_once_in_the_order_of_the_file) {

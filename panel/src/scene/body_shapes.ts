@@ -1,0 +1,40 @@
+/** What a body is drawn with: the shapes of its file or, where it says none, bars along its table. */
+import type { RobotModel, ShapeJson, Vec3 } from '../logic/types';
+
+/** Of the arm's length: a bar at its base, and one at its hand. */
+const kWide = 0.05;
+const kSlim = 0.022;
+
+const isLong = (a: Vec3, b: Vec3): boolean => Math.hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]) > 1e-3;
+
+/** Each link's way from its joint's axis to the next one: first along the axis, then across. Frames: a link's own. */
+function chainBars(model: RobotModel & { kind: 'serial' }): ShapeJson[] {
+  const rows = model.geometry.dh;
+  const reach = rows.reduce((sum, row) => sum + Math.abs(row.a_m) + Math.abs(row.d_m), 0);
+  return rows.flatMap((row, i) => {
+    const radius_m = reach * (kWide - ((kWide - kSlim) * i) / Math.max(1, rows.length - 1));
+    const [sin, cos] = [Math.sin(row.alpha_rad), Math.cos(row.alpha_rad)];
+    const begin: Vec3 = [-row.a_m, -row.d_m * sin, -row.d_m * cos];
+    const knee: Vec3 = [-row.a_m, 0, 0];
+    const bars: [Vec3, Vec3][] = [[begin, knee], [knee, [0, 0, 0]]];
+    return bars
+      .filter(([from, to]) => isLong(from, to))
+      .map(([from_m, to_m]) => ({ link: i + 1, form: 'capsule' as const, from_m, to_m, radius_m }));
+  });
+}
+
+function linkageBars(model: RobotModel & { kind: 'palletizer' }): ShapeJson[] {
+  const g = model.geometry;
+  const radius = kSlim * (g.base_height_m + g.upper_arm_m + g.forearm_m);
+  const bar = (link: number, from_m: Vec3, to_m: Vec3, radius_m: number): ShapeJson => ({ link, form: 'capsule', from_m, to_m, radius_m });
+  return [
+    bar(1, [0, 0, 0], [0, -g.shoulder_offset_m, g.base_height_m], 2.2 * radius),
+    bar(2, [0, 0, 0], [0, -g.upper_arm_m, 0], 1.4 * radius),
+    bar(3, [0, 0, 0], [0, -g.forearm_m, 0], radius),
+  ];
+}
+
+export function drawnShapes(model: RobotModel): ShapeJson[] {
+  if (model.shapes.length > 0 || model.kind === 'hexapod') return model.shapes;
+  return model.kind === 'serial' ? chainBars(model) : linkageBars(model);
+}
