@@ -70,10 +70,8 @@ std::string missing_data(const RobotModel& model) {
 
 /// Microsteps a second that the boards of this robot can make; 0 where nobody knows.
 double step_rate_max(const RobotModel& model) {
-  const auto& settings = model.device.settings;
-  const bool boards = std::holds_alternative<AxisRegistersDevice>(settings) ||
-                      std::holds_alternative<AxisLinkDevice>(settings);
-  return boards ? axis_settings(model, 0).step_rate_max : 0;
+  const auto boards = boards_of(model.device);
+  return boards.empty() ? 0 : boards[0].step_rate_max;
 }
 
 /// The largest of 1, 2, 5, 10 .. that is not above x.

@@ -1,12 +1,14 @@
 #include <algorithm>
+#include <cmath>
 
 #include "sinew/config/read_devices.h"
 
 namespace sinew {
 namespace {
 
-constexpr std::int64_t kClockMax = 50'000'000;  // Hz, what a Raspberry Pi's header still carries
-constexpr std::int64_t kGpioMax = 53;           // BCM numbers
+constexpr std::int64_t kClockMax = 50'000'000;   // Hz, what a Raspberry Pi's header still carries
+constexpr std::int64_t kGpioMax = 53;            // BCM numbers
+constexpr std::int64_t kStepRateMost = 200'000;  // microsteps/s
 
 constexpr Named<std::int8_t> kDirections[] = {{"lower", -1}, {"upper", 1}};
 
@@ -65,6 +67,21 @@ void read_map(TableReader& reader, AxisRegisterMap& map) {
 
 }  // namespace
 
+void check_step_rates(TableReader& root, const RobotModel& model) {
+  const auto boards = boards_of(model.device);
+  for (std::size_t i = 0; i < model.dynamics.drives.size(); ++i) {
+    const double rate = model.joints[i].velocity_max * model.dynamics.drives[i].steps_per_rad();
+    const double most = kStepRateShare * boards[i].step_rate_max;
+    if (rate <= most) continue;
+    root.complain("joint", "at its highest speed `" + model.joints[i].name + "` takes " +
+                               number_text(std::round(rate)) +
+                               " microsteps a second, and its board " + "makes " +
+                               number_text(most) +
+                               ": lower its speed, its microsteps, or say what the boards make " +
+                               "(`step_rate_hz_max`, of the axis link)");
+  }
+}
+
 void read_axis_registers(TableReader& reader, RobotModel& model) {
   constexpr Named<AngleEncoding> kEncodings[] = {{"deg_u32", AngleEncoding::kDegU32},
                                                  {"mdeg_i32", AngleEncoding::kMdegI32},
@@ -93,8 +110,12 @@ void read_axis_link(TableReader& reader, RobotModel& model) {
   reader.integer("deadline_ms", 20, 500, deadline_ms);
   device.deadline = std::chrono::milliseconds(deadline_ms);
   device.boards.resize(model.joints.size());
-  for_each_joint(reader, model,
-                 [&](std::size_t i, TableReader& table) { read_board(table, device.boards[i]); });
+  std::int64_t rate = std::lround(device.boards[0].step_rate_max);
+  reader.optional().integer("step_rate_hz_max", 100, kStepRateMost, rate);
+  for_each_joint(reader, model, [&](std::size_t i, TableReader& table) {
+    device.boards[i].step_rate_max = static_cast<double>(rate);
+    read_board(table, device.boards[i]);
+  });
   if (reader.clean()) check_selects(reader, device.boards);
   if (reader.clean()) check_homing(reader, device.boards);
 }

@@ -17,6 +17,7 @@ struct Protocol {
   std::size_t joints = 0;
   std::int64_t segment_ms_max = 0;  ///< of a streamed motion
   void (*read)(TableReader&, RobotModel&) = nullptr;
+  void (*check)(TableReader&, const RobotModel&) = nullptr;
 };
 
 constexpr std::size_t kMaxArmJoints = 3;
@@ -27,8 +28,8 @@ constexpr Named<Protocol> kProtocols[] = {
     {"lsc", {"lsc", true, 0, 100, read_lsc}},
     {"maxarm", {"maxarm", true, kMaxArmJoints, 1000, read_maxarm}},
     {"icp", {"icp", true, kLegs, 1000, read_icp}},
-    {"axis_registers", {"axis_registers", false, 0, 1000, read_axis_registers}},
-    {"axis_link", {"axis_link", false, 0, 100, read_axis_link}},
+    {"axis_registers", {"axis_registers", false, 0, 1000, read_axis_registers, check_step_rates}},
+    {"axis_link", {"axis_link", false, 0, 100, read_axis_link, check_step_rates}},
 };
 
 }  // namespace
@@ -57,7 +58,7 @@ void read_device(TableReader& root, RobotModel& model) {
   }
   device.protocol = protocol.name;
   if (protocol.name == "ideal") {  // what it can do is the same for each robot
-    reader->needs_no_source();  // whoever writes the sketch chooses it
+    reader->needs_no_source();     // whoever writes the sketch chooses it
     reader->optional().integer("baud", 300, 4'000'000, device.baud);
     reader->finish();
     return;
@@ -84,6 +85,15 @@ void read_device(TableReader& root, RobotModel& model) {
     protocol.read(*reader, model);
   }
   reader->finish();
+}
+
+void check_device(TableReader& root, const RobotModel& model) {
+  if (!root.clean()) return;
+  for (const Named<Protocol>& one : kProtocols) {
+    if (one.name == model.device.protocol && one.value.check != nullptr) {
+      one.value.check(root, model);
+    }
+  }
 }
 
 }  // namespace sinew

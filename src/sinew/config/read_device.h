@@ -9,4 +9,7 @@ namespace sinew {
 /// version speaks.
 void read_device(TableReader& root, RobotModel& model);
 
+/// Whether the rest of the file asks for nothing that this device cannot do. @pre all of it is read
+void check_device(TableReader& root, const RobotModel& model);
+
 }  // namespace sinew

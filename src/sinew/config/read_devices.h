@@ -17,6 +17,9 @@ void read_lsc(TableReader& reader, RobotModel& model);
 void read_maxarm(TableReader& reader, RobotModel& model);
 void read_icp(TableReader& reader, RobotModel& model);
 
+/// No joint is faster than its board makes steps, as far as its drive is known.
+void check_step_rates(TableReader& root, const RobotModel& model);
+
 /// Steps or pulses of a device for an angle, either sign, never next to nothing.
 void read_per_angle(TableReader& reader, std::string_view pattern, double& out);
 

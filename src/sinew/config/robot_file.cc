@@ -33,6 +33,7 @@ void read_root(TableReader& root, RobotModel& model) {
     read_device(root, model);
     read_dynamics(root, model);
     read_collision(root, model);
+    check_device(root, model);
   } else {
     root.ignore_rest();
   }

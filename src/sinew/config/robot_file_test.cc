@@ -204,6 +204,18 @@ TEST(RobotFile, every_fault_is_told_at_its_place_with_its_remedy) {
   }
 }
 
+TEST(RobotFile, no_joint_is_faster_than_its_board_makes_steps) {
+  std::string text = builtin("robot-arm-2");
+  const std::string_view slow = "velocity_deg_s_max = 29.5";
+  text.replace(text.find(slow), slow.size(), "velocity_deg_s_max = 30");
+  const Lines lines = complaints(text);
+  ASSERT_EQ(lines.size(), 1U);
+  EXPECT_TRUE(
+      lines[0].contains("joint: at its highest speed `base` takes 4533 microsteps a "
+                        "second, and its board makes 4500: lower its speed"))
+      << lines[0];
+}
+
 TEST(RobotFile, what_the_ideal_device_can_do_is_not_asked_for) {
   EXPECT_EQ(complaints_with("\"ideal\"", "\"ideal\"\nmotion = \"stream\""),
             Lines{"r.toml:26:1: device.motion: unknown key; known here are `source`, `protocol` or "

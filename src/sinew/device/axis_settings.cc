@@ -8,8 +8,6 @@
 namespace sinew {
 namespace {
 
-/// Of the step rate, what profiles use; the rest is for the loop to correct with.
-constexpr double kProfileShare = 0.9;
 constexpr double kAs5600CountsPerTurn = 4096;
 constexpr double kTrackingJerk = 10;  // times the joint's own
 /// The switch closes this far outside the position limits, and the homed axis waits as far inside.
@@ -18,10 +16,10 @@ constexpr double kClearInsideLimit = from_deg(1);
 /// The search may take the whole way between the limits, both ends beyond them, and this.
 constexpr double kSearchMargin = from_deg(10);
 
-/// Towards lower angles where no board says anything.
-double homing_direction(const Device& device, std::size_t joint) {
+/// As boards come where nobody says anything of this one.
+AxisBoard board_of(const Device& device, std::size_t joint) {
   const auto boards = boards_of(device);
-  return joint < boards.size() ? boards[joint].homing_direction : -1;
+  return joint < boards.size() ? boards[joint] : AxisBoard{};
 }
 
 }  // namespace
@@ -53,8 +51,10 @@ AxisSettings axis_settings(const RobotModel& model, std::size_t joint) {
   }
   settings.lower = from.lower;
   settings.upper = from.upper;
+  const AxisBoard board = board_of(model.device, joint);
+  settings.step_rate_max = board.step_rate_max;
   const double rate_max = settings.step_rate_max / settings.steps_per_rad();
-  settings.limits = {std::min(from.velocity_max, kProfileShare * rate_max), from.acceleration_max,
+  settings.limits = {std::min(from.velocity_max, kStepRateShare * rate_max), from.acceleration_max,
                      from.jerk_max};
   settings.tracking_jerk = kTrackingJerk * from.jerk_max;
 
@@ -63,7 +63,7 @@ AxisSettings axis_settings(const RobotModel& model, std::size_t joint) {
   settings.supervision.stall_angle = 2 * 2 * kPi / settings.full_steps_per_turn;
 
   HomingSettings& homing = settings.homing;
-  homing.direction = homing_direction(model.device, joint);
+  homing.direction = board.homing_direction;
   if (homing.direction < 0) {
     homing.end_stop_angle = from.lower - kSwitchBeyondLimit;
     homing.clear_angle = std::min(from.lower + kClearInsideLimit, from.upper);

@@ -82,7 +82,7 @@ struct AxisSettings {
   double give = from_deg(0.1);
   double full_steps_per_turn = 200;
   double microsteps = 16;
-  double step_rate_max = 5000;  ///< microsteps/s, the first firmware's ceiling
+  double step_rate_max = 5000;  ///< microsteps/s
   AxisEncoderSettings encoders;
   HomingSettings homing;
   motion::CascadeSettings cascade;

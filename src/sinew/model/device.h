@@ -87,7 +87,11 @@ struct AxisBoard {
   double zero = 0;                    ///< rad: the joint angle that kDegU32 calls 0
   std::uint8_t homing_place = 0;      ///< 1: homes first; 0 of all of them: in the joints' order
   std::int8_t homing_direction = -1;  ///< in which its search goes: -1 towards lower angles
+  double step_rate_max = 5000;        ///< microsteps/s that it makes; the first firmware's ceiling
 };
+
+/// Of its step rate, what motions may use; the rest is for a board's loop to correct with.
+inline constexpr double kStepRateShare = 0.9;
 
 using AxisBoards = FixedVector<AxisBoard, kMaxJoints>;  ///< one per joint
 

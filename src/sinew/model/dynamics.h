@@ -31,6 +31,8 @@ struct StepperDrive {
   double viscous_friction = 0;  ///< Nm s/rad at the joint
   double backlash = 0;          ///< rad at the joint, whole gap
   JointEncoder joint_encoder = JointEncoder::kNone;
+
+  double steps_per_rad() const { return steps_per_turn * microsteps * gear_ratio / (2 * kPi); }
 };
 
 /// A hobby servo with its gear inside, as data sheets give it: torque falls in a straight line from

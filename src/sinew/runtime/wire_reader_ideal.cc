@@ -53,10 +53,10 @@ class IdealReader : public StreamReader {
     if (result == LineDecoder::Result::kDamaged) return bad("damaged");
     if (way == WireWay::kToDevice) {
       const auto request = decode_request(lines.words());
-      return request ? wires::read(*request) : bad("unknown");
+      return request ? wires::read(request->what) : bad("unknown");
     }
     const auto reply = decode_reply(lines.words());
-    return reply ? wires::read(*reply) : bad("unknown");
+    return reply ? wires::read(reply->what) : bad("unknown");
   }
   bool between(WireWay way) const override {
     return lines_[static_cast<std::size_t>(way)].at_boundary();

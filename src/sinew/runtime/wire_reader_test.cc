@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "sinew/devices/ideal/ideal_wire.h"
 #include "sinew/runtime/robot_variant.h"
 #include "sinew/runtime/wire_monitor.h"
 #include "sinew/wire/axis_link.h"
@@ -213,6 +214,28 @@ TEST(WireReader, axis_link_frames_and_silence) {
 }
 
 /// However a port cuts the stream, the same messages come of it, and every byte is in one.
+TEST(WireReader, lines_of_the_ideal_device) {
+  using namespace ideal;
+  Ear ear(test::robot("puma560").device);
+  Move move;
+  move.number = 3;
+  move.duration_us = 20000;
+  move.q = {-5, 6};
+  move.qd = {0, 7};
+  State state;
+  state.phase = Phase::kMoving;
+  state.taken = 3;
+  state.q = state.qd = {0, 1};
+  ear.down(bytes_of(encode(Numbered<Request>{1, move})))
+      .up(bytes_of(encode(Numbered<Reply>{1, state})))
+      .down(text_bytes("2 stop*00000000\n"))
+      .up(bytes_of(encode(Numbered<Reply>{2, Refusal{Why::kBusy}})));
+  EXPECT_EQ(ear.texts(),
+            (std::vector<std::string>{"move: number 3, time us 20000, urad -5 6, urad s 0 7",
+                                      "state: phase moving, taken 3, done 0, urad 0 1, urad s 0 1",
+                                      "damaged", "refused: why busy"}));
+}
+
 TEST(WireReader, pieces_of_any_size_make_the_same_messages) {
   Bytes stream;
   for (int i = 0; i < 5; ++i) {

@@ -203,7 +203,8 @@ void IdealDriver::stop(Instant now) {
     return end_commands(Kind::kStopped);
   }
   commands_ = std::max<std::size_t>(commands_, 1);
-  // A line that waits for its answer is out already; the stop comes right behind it.
+  // A line that waits for its answer is out already; the stop comes right behind it, and its own
+  // answer is the only one that counts from now on.
   said_.reset();
   begin_stop(now);
   say_what_is_due(now);
@@ -266,24 +267,28 @@ std::optional<Instant> IdealDriver::next_deadline() const {
 }
 
 void IdealDriver::say(const Request& request, Instant now) {
-  const Line line = encode(request);
-  if (output_.size() + line.size() > output_.capacity()) output_.clear();  // it takes no bytes
-  for (const std::uint8_t byte : line) output_.push_back(byte);
   said_ = request;
   said_at_ = now;
-  const double on_the_wire = static_cast<double>(2 * kLineMax) * kBitsPerByte / baud_;
-  answer_due_ = now + timing_.reply_timeout + from_seconds(on_the_wire);
+  ++line_;
   tries_left_ = timing_.tries - 1;
   ++health_.requests;
+  send(now);
+}
+
+void IdealDriver::send(Instant now) {
+  const Line line = encode(Numbered<Request>{line_, *said_});
+  if (output_.size() + line.size() > output_.capacity()) output_.clear();  // it takes no bytes
+  for (const std::uint8_t byte : line) output_.push_back(byte);
+  const double on_the_wire = static_cast<double>(2 * kLineMax) * kBitsPerByte / baud_;
+  answer_due_ = now + timing_.reply_timeout + from_seconds(on_the_wire);
 }
 
 void IdealDriver::say_again(Instant now) {
   ++health_.timeouts;
   if (tries_left_ == 0) return fall_silent(now);
-  const int left = tries_left_ - 1;
-  say(*said_, now);
-  tries_left_ = left;
+  --tries_left_;
   ++health_.retries;
+  send(now);
 }
 
 void IdealDriver::fall_silent(Instant now) {
@@ -327,15 +332,15 @@ void IdealDriver::receive(std::span<const std::uint8_t> bytes, Instant now) {
   for (const std::uint8_t byte : bytes) {
     const LineDecoder::Result result = decoder_.push(byte);
     if (result == LineDecoder::Result::kMore || activity_ == Activity::kClosed) continue;
-    const auto reply = result == LineDecoder::Result::kLine ? decode_reply(decoder_.words())
-                                                            : std::optional<Reply>();
-    if (!reply || !said_) {
+    const auto reply =
+        result == LineDecoder::Result::kLine ? decode_reply(decoder_.words()) : std::nullopt;
+    if (!reply || !said_ || reply->number != line_) {
       ++health_.unexpected;
       // Its answer came damaged: no need to wait for another one.
       if (said_ && result == LineDecoder::Result::kDamaged) answer_due_ = now_;
       continue;
     }
-    take(*reply, now_);
+    take(reply->what, now_);
   }
   poll(now);
 }
@@ -410,7 +415,6 @@ void IdealDriver::take(const State& state, Instant now) {
 }
 
 void IdealDriver::step_opening(Instant now) {
-  if (state_->phase == Phase::kMoving) stop_due_ = true;
   if (stop_due_ || clear_due_ || state_->phase == Phase::kStopping) return;
   if (state_->phase == Phase::kHeld) {
     clear_due_ = true;
@@ -463,8 +467,6 @@ void IdealDriver::step_jaws(Instant now) {
 }
 
 void IdealDriver::step_stopping(Instant now) {
-  // What answered may have been to the line before it, and the stop itself lost.
-  if (state_->phase == Phase::kMoving) stop_due_ = true;
   if (stop_due_ || clear_due_ || state_->phase == Phase::kStopping) return;
   if (state_->phase == Phase::kHeld && !fault_) {
     clear_due_ = true;

@@ -81,6 +81,7 @@ class IdealDriver : public ByteDriver {
   Expected<void> may_begin() const;
   Expected<ideal::Move> line_of(const JointMove& move) const;
   void say(const ideal::Request& request, Instant now);
+  void send(Instant now);
   void say_again(Instant now);
   void say_what_is_due(Instant now);
   void take(const ideal::Reply& reply, Instant now);
@@ -122,7 +123,8 @@ class IdealDriver : public ByteDriver {
 
   // The line that waits for its answer.
   std::optional<ideal::Request> said_;
-  Instant said_at_{};
+  std::uint16_t line_ = 0;  ///< its number
+  Instant said_at_{};       ///< first
   Instant answer_due_{};
   int tries_left_ = 0;
   Instant poll_due_{};

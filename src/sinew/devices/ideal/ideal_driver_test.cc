@@ -203,6 +203,8 @@ TEST(IdealDriver, whatever_the_line_does_no_joint_moves_wrong_and_every_command_
       way.flip = random.chance(0.5) ? random.uniform(0, 2e-3) : 0;
       way.drop = random.chance(0.5) ? random.uniform(0, 2e-3) : 0;
       way.duplicate = random.chance(0.3) ? random.uniform(0, 2e-3) : 0;
+      way.delay = random.chance(0.3) ? random.uniform(0, 5e-4) : 0;
+      way.delay_time = from_seconds(random.uniform(0, 0.2));
     }
     faults.seed = random.bits();
     IdealCell cell(faults, false);

@@ -81,8 +81,8 @@ void IdealMachine::receive(std::span<const std::uint8_t> bytes, Instant now) {
   for (const std::uint8_t byte : bytes) {
     if (decoder_.push(byte) != ideal::LineDecoder::Result::kLine) continue;
     const auto request = ideal::decode_request(decoder_.words());
-    const ideal::Reply reply =
-        request ? device_.answer(*request, now) : ideal::Reply{ideal::Refusal{ideal::Why::kForm}};
+    ideal::Numbered<ideal::Reply> reply{0, ideal::Refusal{ideal::Why::kForm}};
+    if (request) reply = {request->number, device_.answer(request->what, now)};
     const ideal::Line line = ideal::encode(reply);
     if (output_.size() + line.size() > output_.capacity()) {
       bytes_lost_ += line.size();

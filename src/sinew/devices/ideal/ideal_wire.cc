@@ -67,6 +67,12 @@ class Reader {
     fine_ = fine_ && !own.empty() && !blank_at_end;
     return own;
   }
+  /// Takes the next word where it is this one.
+  bool next_is(std::string_view name) {
+    const bool is = rest_.substr(0, rest_.find(' ')) == name;
+    if (is) word();
+    return is;
+  }
   template <std::integral Number>
   Number number() {
     const std::string_view own = word();
@@ -96,87 +102,71 @@ class Reader {
   bool fine_ = true;
 };
 
-template <class Message>
-std::optional<Message> if_fine(const Reader& reader, const Message& message) {
-  return reader.fine() ? std::optional(message) : std::nullopt;
-}
-
 struct RequestWriter {
-  Line operator()(const Hello& /*hello*/) const { return Writer().word("hello").end(); }
-  Line operator()(const Ask& /*ask*/) const { return Writer().word("ask").end(); }
-  Line operator()(const Stop& /*stop*/) const { return Writer().word("stop").end(); }
-  Line operator()(const Clear& /*clear*/) const { return Writer().word("clear").end(); }
+  std::uint16_t own;
+  Writer line() const { return Writer().number(own); }
+  Line operator()(const Hello& /*hello*/) const { return line().word("hello").end(); }
+  Line operator()(const Ask& /*ask*/) const { return line().word("ask").end(); }
+  Line operator()(const Stop& /*stop*/) const { return line().word("stop").end(); }
+  Line operator()(const Clear& /*clear*/) const { return line().word("clear").end(); }
   Line operator()(const Jaws& jaws) const {
-    return Writer().word("jaws").number(jaws.width_um).end();
+    return line().word("jaws").number(jaws.width_um).end();
   }
   Line operator()(const Move& move) const {
-    Writer line;
-    line.word("move").number(move.number).number(move.duration_us).numbers(move.q, move.qd);
-    return line.end();
+    Writer words = line();
+    words.word("move").number(move.number).number(move.duration_us).numbers(move.q, move.qd);
+    return words.end();
   }
 };
 
 struct ReplyWriter {
+  std::uint16_t own;
+  Writer line() const { return Writer().number(own); }
   Line operator()(const Identity& one) const {
-    return Writer().word("ideal").number(one.version).number(one.joints).number(one.taken).end();
+    return line().word("ideal").number(one.version).number(one.joints).number(one.taken).end();
   }
   Line operator()(const State& one) const {
-    Writer line;
-    line.word(kPhases[static_cast<std::size_t>(one.phase)]);
-    line.word(kHelds[static_cast<std::size_t>(one.held)]).number(one.joint);
-    line.number(one.taken).number(one.done).number(one.jaws_um).numbers(one.q, one.qd);
-    return line.end();
+    Writer words = line();
+    words.word(kPhases[static_cast<std::size_t>(one.phase)]);
+    words.word(kHelds[static_cast<std::size_t>(one.held)]).number(one.joint);
+    words.number(one.taken).number(one.done).number(one.jaws_um).numbers(one.q, one.qd);
+    return words.end();
   }
   Line operator()(const Refusal& one) const {
     const auto why = kWhys[static_cast<std::size_t>(one.why)];
-    return Writer().word("no").word(why).number(one.joint).end();
+    return line().word("no").word(why).number(one.joint).end();
   }
 };
 
-}  // namespace
-
-Line encode(const Request& request) {
-  return std::visit(RequestWriter{}, request);
-}
-Line encode(const Reply& reply) {
-  return std::visit(ReplyWriter{}, reply);
-}
-
-std::optional<Request> decode_request(std::string_view words) {
-  Reader reader(words);
+std::optional<Request> read_request(Reader& reader) {
   const std::string_view name = reader.word();
-  if (name == "hello") return if_fine<Request>(reader, Hello{});
-  if (name == "ask") return if_fine<Request>(reader, Ask{});
-  if (name == "stop") return if_fine<Request>(reader, Stop{});
-  if (name == "clear") return if_fine<Request>(reader, Clear{});
-  if (name == "jaws") {
-    const Jaws jaws{reader.number<std::int32_t>()};
-    return if_fine<Request>(reader, jaws);
-  }
+  if (name == "hello") return Hello{};
+  if (name == "ask") return Ask{};
+  if (name == "stop") return Stop{};
+  if (name == "clear") return Clear{};
+  if (name == "jaws") return Jaws{reader.number<std::int32_t>()};
   if (name != "move") return std::nullopt;
   Move move;
   move.number = reader.number<std::uint16_t>();
   move.duration_us = reader.number<std::uint32_t>();
   reader.numbers(move.q, move.qd);
-  return if_fine<Request>(reader, move);
+  return move;
 }
 
-std::optional<Reply> decode_reply(std::string_view words) {
-  Reader reader(words);
-  if (words.starts_with("ideal ")) {
-    reader.word();
+/// Whether it is one, the reader knows.
+Reply read_reply(Reader& reader) {
+  if (reader.next_is("ideal")) {
     Identity one;
     one.version = reader.number<std::uint8_t>();
     one.joints = reader.number<std::uint8_t>();
     one.taken = reader.number<std::uint16_t>();
-    return if_fine<Reply>(reader, one);
+    return one;
   }
-  if (words.starts_with("no ")) {
-    reader.word();
+  if (reader.next_is("no")) {
     Refusal one;
     one.why = reader.one_of<Why>(kWhys);
     one.joint = reader.number<std::uint8_t>();
-    return if_fine<Reply>(reader, one);
+    return one;
   }
   State one;
   one.phase = reader.one_of<Phase>(kPhases);
@@ -186,7 +176,32 @@ std::optional<Reply> decode_reply(std::string_view words) {
   one.done = reader.number<std::uint16_t>();
   one.jaws_um = reader.number<std::int32_t>();
   reader.numbers(one.q, one.qd);
-  return if_fine<Reply>(reader, one);
+  return one;
+}
+
+}  // namespace
+
+Line encode(const Numbered<Request>& request) {
+  return std::visit(RequestWriter{request.number}, request.what);
+}
+Line encode(const Numbered<Reply>& reply) {
+  return std::visit(ReplyWriter{reply.number}, reply.what);
+}
+
+std::optional<Numbered<Request>> decode_request(std::string_view words) {
+  Reader reader(words);
+  const auto number = reader.number<std::uint16_t>();
+  const auto request = read_request(reader);
+  if (!request || !reader.fine()) return std::nullopt;
+  return Numbered<Request>{number, *request};
+}
+
+std::optional<Numbered<Reply>> decode_reply(std::string_view words) {
+  Reader reader(words);
+  const auto number = reader.number<std::uint16_t>();
+  const Reply reply = read_reply(reader);
+  if (!reader.fine()) return std::nullopt;
+  return Numbered<Reply>{number, reply};
 }
 
 LineDecoder::Result LineDecoder::push(std::uint8_t byte) {

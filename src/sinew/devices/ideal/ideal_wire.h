@@ -10,14 +10,15 @@
 #include "sinew/core/fixed_vector.h"
 
 /// The ideal device's wire: lines of text, each with a CRC-32C of what stands before it. One
-/// request, one answer. docs/wires/ideal.md has the table. Lengths are whole micrometres, angles
-/// whole microradians, times whole microseconds, so that a sketch needs no floating point. @rt
+/// request, one answer, which begins with the request's number. docs/wires/ideal.md has the table.
+/// Lengths are whole micrometres, angles whole microradians, times whole microseconds, so that a
+/// sketch needs no floating point. @rt
 namespace sinew::ideal {
 
 inline constexpr std::size_t kJointsMax = 8;
 inline constexpr std::uint8_t kVersion = 1;
 /// A move of eight joints with the longest numbers has 224 characters.
-inline constexpr std::size_t kLineMax = 256;
+inline constexpr std::size_t kLineMax = 264;
 using Line = FixedVector<std::uint8_t, kLineMax>;
 using Numbers = FixedVector<std::int32_t, kJointsMax>;
 
@@ -100,13 +101,21 @@ struct Refusal {
 };
 using Reply = std::variant<Identity, State, Refusal>;
 
+/// A line's own number and what it says. A line that is said again keeps its number.
+template <class What>
+struct Numbered {
+  std::uint16_t number = 0;
+  What what;
+  friend bool operator==(const Numbered&, const Numbered&) = default;
+};
+
 /// With sum and end of line.
-Line encode(const Request& request);
-Line encode(const Reply& reply);
+Line encode(const Numbered<Request>& request);
+Line encode(const Numbered<Reply>& reply);
 
 /// @param words  of a line, without its sum. Nothing where they are no such message.
-std::optional<Request> decode_request(std::string_view words);
-std::optional<Reply> decode_reply(std::string_view words);
+std::optional<Numbered<Request>> decode_request(std::string_view words);
+std::optional<Numbered<Reply>> decode_reply(std::string_view words);
 
 /// Characters to lines whose sum is right.
 class LineDecoder {
