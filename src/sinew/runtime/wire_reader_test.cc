@@ -231,8 +231,8 @@ TEST(WireReader, lines_of_the_ideal_device) {
       .down(text_bytes("2 stop*00000000\n"))
       .up(bytes_of(encode(Numbered<Reply>{2, Refusal{Why::kBusy}})));
   EXPECT_EQ(ear.texts(),
-            (std::vector<std::string>{"move: number 3, time us 20000, urad -5 6, urad s 0 7",
-                                      "state: phase moving, taken 3, done 0, urad 0 1, urad s 0 1",
+            (std::vector<std::string>{"move: number 3, time_us 20000, urad -5 6, urad_s 0 7",
+                                      "state: phase moving, taken 3, done 0, urad 0 1, urad_s 0 1",
                                       "damaged", "refused: why busy"}));
 }
 
