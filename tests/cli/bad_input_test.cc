@@ -139,7 +139,8 @@ TEST_F(BadInput, robots_that_are_none) {
       {kBadInput, "run F/p.txt --robot nobody", "there is no robot 'nobody'"},
       {kBadInput, "sim nobody", "there is no robot 'nobody'"},
       {kBadInput, "run F/p.txt --robot learm", "sequences are the BigRobotArm's; learm is none"},
-      {kCouldNot, "run F/p.txt --robot puma560", "puma560 has no device"},
+      {kBadInput, "run F/p.txt --robot puma560",
+       "sequences are the BigRobotArm's; puma560 is none"},
       {kBadInput, "sim maxarm --profile pico", "'pico' is none of arduino, micropython"},
   });
 }

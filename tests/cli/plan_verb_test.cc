@@ -327,11 +327,11 @@ TEST(PlanVerb, what_would_work_works_as_it_is_printed) {
   EXPECT_NE(far.err.find("mm of the line: --to "), std::string::npos) << far.err;
 }
 
-TEST(PlanVerb, robot_without_a_device_has_no_time_on_the_wire) {
+TEST(PlanVerb, ideal_device_has_its_time_on_the_wire_too) {
   const Ended ended = sinew({"plan", "puma560", "--to", "400,150,100"});
   ASSERT_EQ(ended.exit, 0) << ended.err;
   EXPECT_EQ(ended.out.find("nan"), std::string::npos) << ended.out;
-  EXPECT_EQ(ended.out.find("on the wire"), std::string::npos) << ended.out;
+  EXPECT_NE(ended.out.find("on the wire"), std::string::npos) << ended.out;
 }
 
 /// Found by an audit: run drove row 1, and then the wire could not say row 2.

@@ -22,6 +22,10 @@ struct Protocol {
 
 constexpr std::size_t kMaxArmJoints = 3;
 
+/// The longest line of the ideal wire, and the pace at which a motion of such lines still streams.
+constexpr double kIdealLineBits = 264 * 10;
+constexpr std::int64_t kIdealBaudLeast = 57'600;
+
 constexpr Named<Protocol> kProtocols[] = {
     {"ideal", {"ideal", true, 0, 0, nullptr}},
     {"bigrobotarm", {"bigrobotarm", true, kBigRobotArmJoints, 1000, read_bigrobotarm}},
@@ -59,7 +63,10 @@ void read_device(TableReader& root, RobotModel& model) {
   device.protocol = protocol.name;
   if (protocol.name == "ideal") {  // what it can do is the same for each robot
     reader->needs_no_source();     // whoever writes the sketch chooses it
-    reader->optional().integer("baud", 300, 4'000'000, device.baud);
+    reader->optional().integer("baud", kIdealBaudLeast, 4'000'000, device.baud);
+    // Three quarters of the line for the segments, whatever its pace.
+    const double line_s = kIdealLineBits / device.baud;
+    device.capability.segment = std::max(device.capability.segment, from_seconds(line_s / 0.75));
     reader->finish();
     return;
   }

@@ -85,10 +85,14 @@ Joint read_joint(TableReader& reader, const JointScale& scale, bool has_home,
   }
   reader.quantity("velocity_*_max", scale.velocity, scale.velocity_max, joint.velocity_max);
   joint.acceleration_max = joint.velocity_max / kAssumedSpeedUp;
-  reader.optional().quantity("acceleration_*_max", scale.acceleration, scale.acceleration_max,
-                             joint.acceleration_max);
+  if (!reader.optional().quantity("acceleration_*_max", scale.acceleration, scale.acceleration_max,
+                                  joint.acceleration_max)) {
+    reader.note_assumed("acceleration_max", "assumed: full speed in 0.25 s");
+  }
   joint.jerk_max = joint.acceleration_max / kAssumedPushUp;
-  reader.optional().quantity("jerk_*_max", scale.jerk, scale.jerk_max, joint.jerk_max);
+  if (!reader.optional().quantity("jerk_*_max", scale.jerk, scale.jerk_max, joint.jerk_max)) {
+    reader.note_assumed("jerk_max", "assumed: full acceleration in 0.1 s");
+  }
   if (ordered) joint.home = std::clamp(0.0, joint.lower, joint.upper);
   if (has_home && reader.optional().quantity("home_*", scale.position, scale.limits, joint.home) &&
       ordered) {

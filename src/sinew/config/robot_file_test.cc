@@ -125,6 +125,8 @@ dh = [
   };
   EXPECT_EQ(source_of("joint.a.lower_deg"), "measured");
   EXPECT_EQ(source_of("geometry.dh[2].a_mm"), "assumed");
+  EXPECT_EQ(source_of("joint.a.acceleration_max"), "assumed: full speed in 0.25 s");
+  EXPECT_EQ(source_of("joint.b.jerk_max"), "assumed: full acceleration in 0.1 s");
   // A home that nobody said is the limit that is nearest to 0.
   const auto without = read_robot(with(kLeast, ", home_deg = 30", ""), "r.toml");
   ASSERT_TRUE(without);
@@ -133,6 +135,14 @@ dh = [
             "r.toml:4:3: joint.a.source: missing: write where these numbers come from, or "
             "\"assumed\"");
   EXPECT_EQ(complaints(std::string(kLeast) + "[device]\nprotocol = \"none\"\n").size(), 1U);
+  const auto slow =
+      read_robot(std::string(kLeast) + "[device]\nprotocol = \"ideal\"\nbaud = 57600\n", "r.toml");
+  ASSERT_TRUE(slow);
+  EXPECT_NEAR(to_seconds(slow->device.capability.segment), 0.061, 0.001);
+  EXPECT_EQ(
+      complaints(std::string(kLeast) + "[device]\nprotocol = \"ideal\"\nbaud = 9600\n").size(), 1U);
+  EXPECT_EQ(complaints(with(kLeast, "source = \"measured\"", "source = {}")).front(),
+            "r.toml:3:10: source: must be a string here: it counts for every table that has none");
 }
 
 TEST(RobotFile, every_fault_is_told_at_its_place_with_its_remedy) {

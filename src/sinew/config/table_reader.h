@@ -43,6 +43,8 @@ class TableReader {
   }
   /// Numbers that whoever wrote the file chose come from nowhere else.
   void needs_no_source() { source_excused_ = true; }
+  /// Tells where a number comes from that this table leaves out. @param key  as it is called
+  void note_assumed(std::string_view key, std::string source);
   /// A `source` of this table counts for every table of the file that has none of its own.
   void source_of_all();
 

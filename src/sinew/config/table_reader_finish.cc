@@ -92,9 +92,18 @@ std::vector<const TomlEntry*> TableReader::constants() const {
   return entries;
 }
 
+void TableReader::note_assumed(std::string_view key, std::string source) {
+  findings_->note_source({dotted(key), place_.line, std::move(source)});
+}
+
 void TableReader::source_of_all() {
   const auto source = std::ranges::find(*table_, kSource, &TomlEntry::key);
-  if (source == table_->end() || !says_something(source->node)) return;
+  if (source == table_->end()) return;
+  if (!says_something(source->node)) {
+    findings_->complain(source->node.place, dotted(kSource),
+                        "must be a string here: it counts for every table that has none");
+    return;
+  }
   findings_->set_usual_source(std::get<std::string>(source->node.value));
 }
 

@@ -30,43 +30,29 @@ double on_limit(const Joint& joint, double q) {
 
 CubicPiece::CubicPiece(const Setpoint& from, const Setpoint& to, double duration,
                        const SendRange& range)
-    : from_(from), to_(to), duration_(duration), range_(range) {
+    : cubic_(from, to, duration), range_(range) {
   SINEW_ASSERT(duration > 0);
-  const double mean = (to.q - from.q) / duration;
-  c2_ = (3 * mean - 2 * from.qd - to.qd) / duration;
-  c3_ = (from.qd + to.qd - 2 * mean) / (duration * duration);
 }
 
 Setpoint CubicPiece::at(double t) const {
-  if (t >= duration_) return to_;
-  const double q = from_.q + t * (from_.qd + t * (c2_ + t * c3_));
-  return {std::clamp(q, range_.lower, range_.upper), from_.qd + t * (2 * c2_ + t * 3 * c3_)};
-}
-
-double CubicPiece::peak_speed() const {
-  double peak = std::max(std::abs(from_.qd), std::abs(to_.qd));
-  const double t = -c2_ / (3 * c3_);  // where its acceleration is 0
-  if (t > 0 && t < duration_) peak = std::max(peak, std::abs(at(t).qd));
-  return peak;
+  const Setpoint there = cubic_.at(t);
+  if (t >= cubic_.duration()) return there;
+  return {std::clamp(there.q, range_.lower, range_.upper), there.qd};
 }
 
 Expected<void> CubicPiece::check(const Joint& joint) const {
-  const double peak = peak_speed();
+  const double peak = cubic_.peak_speed();
   if (!(peak <= joint.velocity_max * kSpeedTolerance)) {
+    const double time = cubic_.duration();
     return std::unexpected(
-        Error{ErrorCode::kSegmentTime, -1, duration_, duration_ * peak / joint.velocity_max});
+        Error{ErrorCode::kSegmentTime, -1, time, time * peak / joint.velocity_max});
   }
-  // Where its speed is 0: 3 c3 t^2 + 2 c2 t + qd = 0, in the form that also takes c3 = 0.
-  const double root = std::sqrt(std::max(0.0, c2_ * c2_ - 3 * c3_ * from_.qd));
-  for (const double sum : {-c2_ - root, -c2_ + root}) {
-    for (const double t : {sum / (3 * c3_), from_.qd / sum}) {
-      if (!(t > 0 && t < duration_)) continue;
-      const double q = from_.q + t * (from_.qd + t * (c2_ + t * c3_));
-      if (q >= range_.lower - kSwing && q <= range_.upper + kSwing) continue;
-      return std::unexpected(
-          Error{ErrorCode::kJointLimit, -1, q, q < joint.lower ? joint.lower : joint.upper});
-    }
-  }
+  std::optional<Error> out;
+  cubic_.for_turns([&](double q) {
+    if (out || (q >= range_.lower - kSwing && q <= range_.upper + kSwing)) return;
+    out = Error{ErrorCode::kJointLimit, -1, q, q < joint.lower ? joint.lower : joint.upper};
+  });
+  if (out) return std::unexpected(*out);
   return {};
 }
 

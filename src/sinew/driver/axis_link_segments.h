@@ -4,6 +4,7 @@
 #include <optional>
 #include <span>
 
+#include "sinew/core/cubic.h"
 #include "sinew/core/error.h"
 #include "sinew/core/fixed_vector.h"
 #include "sinew/core/instant.h"
@@ -14,13 +15,9 @@
 /// Pieces of a streamed motion, and the setpoints between their ends. All @rt.
 namespace sinew::axis_link {
 
-struct Setpoint {
-  double q = 0;   ///< rad
-  double qd = 0;  ///< rad/s
-};
+using Setpoint = Cubic::State;  ///< rad (m), per s
 
-/// The cubic from one setpoint to another: the only one that has both positions and both speeds.
-/// Source: C. de Boor, A Practical Guide to Splines, 1978, ch. IV (cubic Hermite interpolation).
+/// The cubic from one setpoint to another, inside a range.
 class CubicPiece {
  public:
   CubicPiece() = default;
@@ -29,20 +26,14 @@ class CubicPiece {
 
   /// Never outside the range. @param t  s from its start, 0..duration.
   Setpoint at(double t) const;
-  Setpoint end() const { return to_; }
+  Setpoint end() const { return cubic_.end(); }
   /// Whether it stays in its range and inside the joint's limit of speed all along.
   /// @error kJointLimit (it swings out between its ends), kSegmentTime (limit: what it would need)
   Expected<void> check(const Joint& joint) const;
 
  private:
-  double peak_speed() const;
-
-  Setpoint from_;
-  Setpoint to_;
-  double duration_ = 0;
+  Cubic cubic_;
   SendRange range_;
-  double c2_ = 0;
-  double c3_ = 0;
 };
 
 /// One piece for every joint.

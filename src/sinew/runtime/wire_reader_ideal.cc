@@ -21,7 +21,7 @@ Told read(const Request& request) {
 
 Told read(const Reply& reply) {
   constexpr std::array<std::string_view, 4> kPhases{"rest", "moving", "stopping", "held"};
-  constexpr std::array<std::string_view, 4> kHelds{"no", "silent", "starved", "blocked"};
+  constexpr std::array<std::string_view, 5> kHelds{"no", "started", "silent", "starved", "blocked"};
   constexpr std::array<std::string_view, 5> kWhys{"busy", "number", "limit", "form", "tool"};
   return std::visit(
       Cases{[](const Identity& m) {

@@ -12,8 +12,10 @@ constexpr Duration kTick = std::chrono::milliseconds(1);
 constexpr double kMicro = 1e-6;
 /// s. Longer is a mistake of units.
 constexpr std::uint32_t kDurationMax = 3'600'000'000;
-/// Of a joint's speed: what rounding and the middle of a cubic may add.
-constexpr double kSpeedShare = 1.05;
+/// Of a joint's speed: pieces that are cut out of a smooth motion swing so much.
+constexpr double kSpeedShare = 1.02;
+/// rad or m: likewise beyond a limit.
+constexpr double kSwing = 2e-4;
 /// s: no stop is shorter than a tick.
 constexpr double kBrakeMin = 1e-3;
 
@@ -51,10 +53,15 @@ void IdealDevice::place(std::span<const double> q) {
 }
 
 void IdealDevice::lose_power() {
-  held_ = Held::kNo;
-  end_at(Phase::kRest);
+  held_ = Held::kStarted;
+  end_at(Phase::kHeld);
   taken_ = done_ = 0;
+  blocked_joint_ = 0;
   jaws_to_ = jaws_;
+}
+
+bool IdealDevice::Piece::ends_at_rest() const {
+  return std::ranges::all_of(joints, [](const Cubic& one) { return one.end().qd == 0; });
 }
 
 void IdealDevice::end_at(Phase phase) {
@@ -112,8 +119,7 @@ void IdealDevice::step(double dt) {
   put_joints();
   if (runs_into_something()) return;
   const Piece& last = pieces_[0];
-  const bool ends_at_rest = std::ranges::all_of(last.tod, [](double speed) { return speed == 0; });
-  if (time_ >= last.duration && ends_at_rest) {
+  if (time_ >= last.duration && last.ends_at_rest()) {
     // A stop that was asked for may come to the end of the way before it comes to its own.
     done_ = last.number;
     return end_at(held_ == Held::kNo ? Phase::kRest : Phase::kHeld);
@@ -122,23 +128,16 @@ void IdealDevice::step(double dt) {
   if (rate_ == 0) end_at(held_ == Held::kNo ? Phase::kRest : Phase::kHeld);
 }
 
-/// Where the first piece is at `time_`; beyond its end straight on.
-/// Source: cubic Hermite interpolation, C. de Boor, A Practical Guide to Splines, 1978, ch. IV.
+/// Where the first piece is at `time_`; beyond its end straight on, as far as the joint can.
 void IdealDevice::put_joints() {
   const Piece& piece = pieces_[0];
-  const double T = piece.duration;
-  const double t = std::min(time_, T);
   for (std::size_t i = 0; i < q_.size(); ++i) {
-    const double mean = (piece.to[i] - piece.q[i]) / T;
-    const double c2 = (3 * mean - 2 * piece.qd[i] - piece.tod[i]) / T;
-    const double c3 = (piece.qd[i] + piece.tod[i] - 2 * mean) / (T * T);
-    if (time_ >= T) {
-      q_[i] = piece.to[i] + piece.tod[i] * (time_ - T);
-      qd_[i] = piece.tod[i] * rate_;
-    } else {
-      q_[i] = piece.q[i] + t * (piece.qd[i] + t * (c2 + t * c3));
-      qd_[i] = (piece.qd[i] + t * (2 * c2 + t * 3 * c3)) * rate_;
-    }
+    const Cubic::State there = piece.joints[i].at(time_);
+    const double beyond = std::max(0.0, time_ - piece.duration) * there.qd;
+    const double lower = std::min(joints_[i].lower, there.q);
+    const double upper = std::max(joints_[i].upper, there.q);
+    q_[i] = std::clamp(there.q + beyond, lower, upper);
+    qd_[i] = q_[i] == there.q + beyond ? there.qd * rate_ : 0;
   }
 }
 
@@ -174,6 +173,20 @@ State IdealDevice::state() const {
   return state;
 }
 
+/// Neither leaves the joint's range nor is faster than its speed, on the whole way. From beyond a
+/// limit it may come back.
+bool IdealDevice::allows(std::size_t joint, double from, const Cubic& way) const {
+  const Joint& one = joints_[joint];
+  const double lower = std::min(one.lower, from) - kSwing;
+  const double upper = std::max(one.upper, from) + kSwing;
+  const auto inside = [&](double q) { return q >= lower && q <= upper; };
+  bool fine = inside(way.end().q);
+  way.for_turns([&](double q) { fine = fine && inside(q); });
+  // What rounding to the wire's units may add, at both ends.
+  const double rounding = 2 * kMicro / way.duration();
+  return fine && way.peak_speed() <= kSpeedShare * one.velocity_max + rounding;
+}
+
 Reply IdealDevice::take(const Move& move) {
   if (move.number == taken_) return state();  // said again: the answer was lost
   if (move.number != static_cast<std::uint16_t>(taken_ + 1)) return Refusal{Why::kNumber};
@@ -187,21 +200,12 @@ Reply IdealDevice::take(const Move& move) {
   piece.number = move.number;
   piece.duration = move.duration_us * kMicro;
   for (std::size_t i = 0; i < q_.size(); ++i) {
-    const Joint& joint = joints_[i];
-    const double from = runs ? pieces_.back().to[i] : q_[i];
-    const double to = move.q[i] * kMicro;
-    const double speed = move.qd[i] * kMicro;
-    const double lower = std::min(joint.lower, from) - kMicro;
-    const double upper = std::max(joint.upper, from) + kMicro;
-    const double most = joint.velocity_max * kSpeedShare;
-    const bool slow = std::abs(speed) <= most && std::abs(to - from) <= most * piece.duration;
-    if (!(to >= lower && to <= upper && slow)) {
+    const Cubic::State from = runs ? pieces_.back().joints[i].end() : Cubic::State{q_[i], 0};
+    const Cubic::State to{move.q[i] * kMicro, move.qd[i] * kMicro};
+    piece.joints.push_back(Cubic(from, to, piece.duration));
+    if (!allows(i, from.q, piece.joints.back())) {
       return Refusal{Why::kLimit, static_cast<std::uint8_t>(i)};
     }
-    piece.q.push_back(from);
-    piece.qd.push_back(runs ? pieces_.back().tod[i] : 0);
-    piece.to.push_back(to);
-    piece.tod.push_back(speed);
   }
   pieces_.push_back(piece);
   taken_ = move.number;
@@ -224,10 +228,14 @@ Reply IdealDevice::answer(const Request& request, Instant now) {
   if (std::holds_alternative<Hello>(request)) {
     return Identity{kVersion, static_cast<std::uint8_t>(q_.size()), taken_};
   }
-  if (std::holds_alternative<Stop>(request)) begin_stop(Held::kNo);
+  if (std::holds_alternative<Stop>(request)) {
+    begin_stop(Held::kNo);
+    jaws_to_ = jaws_;
+  }
   if (std::holds_alternative<Clear>(request) && phase_ == Phase::kHeld) {
     held_ = Held::kNo;
     phase_ = Phase::kRest;
+    blocked_joint_ = 0;
   }
   return state();
 }

@@ -4,6 +4,7 @@
 #include <optional>
 #include <span>
 
+#include "sinew/core/cubic.h"
 #include "sinew/core/fixed_vector.h"
 #include "sinew/core/instant.h"
 #include "sinew/devices/ideal/ideal_wire.h"
@@ -14,14 +15,15 @@ namespace sinew::ideal {
 /// Silence of the host in a motion after which the device brakes by itself, and holds.
 inline constexpr Duration kDeadline = std::chrono::milliseconds(100);
 /// Moves that wait or are under way.
-inline constexpr std::size_t kMovesMax = 4;
+inline constexpr std::size_t kMovesMax = 8;
 /// Between open and closed.
 inline constexpr Duration kJawsStroke = std::chrono::milliseconds(800);
 
 /// A device that does what it is told, exactly: each move is the cubic from the end of the one
 /// before it, and its sensors are perfect. It brakes on its path, as hard as the joint allows that
-/// has to brake longest. What keeps a host honest is all there: ranges and speeds of the robot's
-/// file are refused beyond, a silent host stops it, and moves that end in motion do.
+/// has to brake longest. What keeps a host honest is all there: a move that leaves a joint's range
+/// or is faster than its speed anywhere on its way is refused, a silent host stops it, and moves
+/// that end in motion do.
 ///
 ///   phase     | what ends it                              | then
 ///   ----------+-------------------------------------------+------------------------------
@@ -33,7 +35,7 @@ inline constexpr Duration kJawsStroke = std::chrono::milliseconds(800);
 ///             | stop                                      | kStopping
 ///   kStopping | it stands                                 | kRest, or kHeld with the reason
 ///   kHeld     | clear                                     | kRest
-///   any       | its power is back                         | kRest, the moves count from 0 again
+///   any       | its power is back                         | kHeld: started; moves count from 0
 ///
 /// Time is handed in and never runs back. @rt
 class IdealDevice {
@@ -67,14 +69,16 @@ class IdealDevice {
   struct Piece {
     std::uint16_t number = 0;
     double duration = 0;  ///< s
-    JointVector q, qd;    ///< where it begins
-    JointVector to, tod;  ///< where it ends
+    FixedVector<Cubic, kJointsMax> joints;
+
+    bool ends_at_rest() const;
   };
   struct Free {
     double lower = 0, upper = 0;  ///< between what blocks it
   };
 
   State state() const;
+  bool allows(std::size_t joint, double from, const Cubic& way) const;
   Reply take(const Move& move);
   Reply take(const Jaws& jaws);
   void begin_stop(Held held);
@@ -88,8 +92,8 @@ class IdealDevice {
   Instant now_;
   Instant heard_;
 
-  Phase phase_ = Phase::kRest;
-  Held held_ = Held::kNo;
+  Phase phase_ = Phase::kHeld;
+  Held held_ = Held::kStarted;
   int blocked_joint_ = 0;
   std::uint16_t taken_ = 0;
   std::uint16_t done_ = 0;

@@ -14,15 +14,22 @@ using Kind = DriverEvent::Kind;
 namespace {
 
 constexpr double kMicro = 1e-6;
-/// A measured position is worth so much, rad or m; and as far a target may be from where a motion
-/// was planned to begin.
+/// A measured position is worth so much, rad or m.
 constexpr double kResolution = 1e-6;
+/// So far a target may be from where a motion was planned to begin.
+constexpr double kElsewhere = 1e-5;
 constexpr double kBitsPerByte = 10;
-/// More moves than these would only make a stop later.
-constexpr std::size_t kMovesAhead = 3;
+/// Silence of the host after which the device brakes.
+constexpr Duration kDeadline = std::chrono::milliseconds(100);
 
 std::int32_t micro(double value) {
   return static_cast<std::int32_t>(std::lround(value / kMicro));
+}
+
+/// Numbers count on around 65536: whether `one` comes behind `other`.
+bool is_behind(std::uint16_t one, std::uint16_t other) {
+  const auto ahead = static_cast<std::uint16_t>(one - other);
+  return ahead != 0 && ahead < 0x8000;
 }
 
 }  // namespace
@@ -36,6 +43,14 @@ IdealDriver::IdealDriver(std::span<const Joint> joints, const std::optional<JawG
     brake_max_ = std::max(brake_max_, from_seconds(joint.velocity_max / joint.acceleration_max));
   }
   positions_.resize(joints.size());
+  timing_.moving_poll = std::max(timing_.moving_poll, 2 * on_the_wire());
+  timing_.reply_timeout += 2 * on_the_wire();
+  timing_.move_timeout += 2 * on_the_wire();
+}
+
+/// The longest line.
+Duration IdealDriver::on_the_wire() const {
+  return from_seconds(static_cast<double>(kLineMax) * kBitsPerByte / baud_);
 }
 
 // Opening and closing
@@ -45,6 +60,7 @@ void IdealDriver::open(Instant now) {
   now_ = now;
   fault_.reset();
   told_silent_ = false;
+  goes_on_until_.reset();
   decoder_.reset();
   begin_anew({}, now);
 }
@@ -54,24 +70,22 @@ void IdealDriver::begin_anew(const Error& why, Instant now) {
   end_commands(Kind::kFailed, why);
   activity_ = Activity::kOpening;
   since_ = now;
-  known_ = stop_due_ = clear_due_ = clearing_ = false;
+  known_ = foreign_ = stop_due_ = clear_due_ = clearing_ = false;
   jaws_due_.reset();
   state_.reset();
-  said_.reset();
+  asked_.reset();
   output_.clear();
+  answered_ = line_;
   poll_due_ = now;
-  lose_positions();
+  for (JointPosition& joint : positions_) joint = {};
 }
 
 void IdealDriver::close(Instant now) {
   now_ = std::max(now_, now);
   if (activity_ == Activity::kClosed) return;
   begin_anew({ErrorCode::kPortClosed}, now_);
+  end_stop();
   activity_ = Activity::kClosed;
-}
-
-void IdealDriver::lose_positions() {
-  for (JointPosition& joint : positions_) joint = {};
 }
 
 DriverState IdealDriver::state() const {
@@ -92,8 +106,7 @@ DriverState IdealDriver::state() const {
 }
 
 std::optional<Instant> IdealDriver::goes_on_until() const {
-  if (activity_ != Activity::kStopping) return std::nullopt;
-  return since_ + std::chrono::milliseconds(100) + brake_max_;
+  return goes_on_until_ && now_ < *goes_on_until_ ? goes_on_until_ : std::nullopt;
 }
 
 // What is asked for
@@ -108,11 +121,11 @@ Expected<void> IdealDriver::may_begin() const {
 bool IdealDriver::wants_move(Instant /*now*/) const {
   if (fault_) return false;
   if (activity_ == Activity::kIdle) return true;
-  return activity_ == Activity::kMoving && pending_.size() < kMovesAhead && !pending_.back().rest;
+  return activity_ == Activity::kMoving && !pending_.full() && !pending_.back().rest;
 }
 
-/// As the device will take it, and no piece of it beyond the joints' ranges and speeds.
-Expected<Move> IdealDriver::line_of(const JointMove& move) const {
+/// As the device will take it, and nothing of it beyond the joints' ranges and speeds.
+Expected<IdealDriver::Pending> IdealDriver::pending_of(const JointMove& move) const {
   const std::size_t joints = joints_.size();
   if (move.q.size() != joints || move.qd.size() != joints) {
     return std::unexpected(Error{ErrorCode::kUnsendable, -1, static_cast<double>(move.q.size())});
@@ -122,8 +135,9 @@ Expected<Move> IdealDriver::line_of(const JointMove& move) const {
     const double limit = move.duration > kLongest ? 3600 : 1e-3;
     return std::unexpected(Error{ErrorCode::kSegmentTime, -1, to_seconds(move.duration), limit});
   }
-  Move line;
-  line.duration_us = static_cast<std::uint32_t>(
+  Pending one;
+  one.rest = true;
+  one.move.duration_us = static_cast<std::uint32_t>(
       std::chrono::round<std::chrono::microseconds>(move.duration).count());
   for (std::size_t i = 0; i < joints; ++i) {
     const auto refuse = [&](Error error) {
@@ -132,23 +146,22 @@ Expected<Move> IdealDriver::line_of(const JointMove& move) const {
     };
     if (!std::isfinite(move.qd[i])) return refuse({ErrorCode::kUnsendable, -1, move.qd[i]});
     const Joint& joint = joints_[i];
-    const bool follows = !pending_.empty();
-    const axis_link::Setpoint from = follows
-                                         ? axis_link::Setpoint{pending_.back().move.q[i] * kMicro,
-                                                               pending_.back().move.qd[i] * kMicro}
-                                         : axis_link::Setpoint{positions_[i].q, 0};
+    const Cubic::State from =
+        pending_.empty() ? Cubic::State{positions_[i].q, 0} : pending_.back().end[i];
+    const Cubic::State to{move.q[i], move.qd[i]};
     const SendRange range = SendRange(joint).from(from.q);
-    if (!range.holds(move.q[i])) {
-      const double limit = move.q[i] < joint.lower ? joint.lower : joint.upper;
-      return refuse({ErrorCode::kJointLimit, -1, move.q[i], limit});
+    if (!range.holds(to.q)) {
+      const double limit = to.q < joint.lower ? joint.lower : joint.upper;
+      return refuse({ErrorCode::kJointLimit, -1, to.q, limit});
     }
-    const axis_link::CubicPiece piece(from, {move.q[i], move.qd[i]}, line.duration_us * kMicro,
-                                      range);
+    const axis_link::CubicPiece piece(from, to, to_seconds(move.duration), range);
     if (const auto fine = piece.check(joint); !fine) return refuse(fine.error());
-    line.q.push_back(micro(move.q[i]));
-    line.qd.push_back(micro(move.qd[i]));
+    one.end.push_back(to);
+    one.move.q.push_back(micro(to.q));
+    one.move.qd.push_back(micro(to.qd));
+    one.rest = one.rest && one.move.qd.back() == 0;
   }
-  return line;
+  return one;
 }
 
 Expected<void> IdealDriver::move(const JointMove& move, Instant now) {
@@ -158,21 +171,18 @@ Expected<void> IdealDriver::move(const JointMove& move, Instant now) {
     if (const auto may = may_begin(); !may) return may;
     for (std::size_t i = 0; i < move.q_start.size(); ++i) {
       const double here = positions_[i].q;
-      if (std::abs(here - move.q_start[i]) <= 10 * kResolution) continue;
+      if (std::abs(here - move.q_start[i]) <= kElsewhere) continue;
       return std::unexpected(
           Error{ErrorCode::kMovedUnasked, static_cast<std::int8_t>(i), here, move.q_start[i]});
     }
   }
-  auto line = line_of(move);
-  if (!line) return std::unexpected(line.error());
-  line->number = ++number_;
-  Pending one;
-  one.move = *line;
-  one.duration = move.duration;
-  one.rest = std::ranges::all_of(line->qd, [](std::int32_t speed) { return speed == 0; });
-  pending_.push_back(one);
+  auto one = pending_of(move);
+  if (!one) return std::unexpected(one.error());
+  one->move.number = ++number_;
+  pending_.push_back(*one);
   ++commands_;
-  if (!follows) since_ = now;
+  if (!follows) since_ = poll_due_ = now;
+  last_move_ = now;
   activity_ = Activity::kMoving;
   say_what_is_due(now);
   return {};
@@ -190,32 +200,29 @@ Expected<void> IdealDriver::tool(const ToolAction& action, Instant now) {
   health_.jaws_width.reset();
   ++commands_;
   activity_ = Activity::kJaws;
-  since_ = now;
+  since_ = poll_due_ = now;
   say_what_is_due(now);
   return {};
 }
 
 void IdealDriver::stop(Instant now) {
   poll(now);
-  if (activity_ == Activity::kClosed || activity_ == Activity::kStopping) return;
-  if (activity_ == Activity::kOpening) {  // it is stopped there in any case
-    commands_ = std::max<std::size_t>(commands_, 1);
-    return end_commands(Kind::kStopped);
-  }
-  commands_ = std::max<std::size_t>(commands_, 1);
-  // A line that waits for its answer is out already; the stop comes right behind it, and its own
-  // answer is the only one that counts from now on.
-  said_.reset();
+  if (activity_ == Activity::kClosed) return;
+  stop_asked_ = true;
+  // Who opens is about to stop it in any case.
+  if (activity_ == Activity::kOpening || activity_ == Activity::kStopping) return;
   begin_stop(now);
   say_what_is_due(now);
 }
 
+/// From now on only what answers to the stop, or to what is said behind it, says where it stands.
 void IdealDriver::begin_stop(Instant now) {
   pending_.clear();
   jaws_due_.reset();
+  asked_.reset();
   stop_due_ = true;
   activity_ = Activity::kStopping;
-  since_ = now;
+  since_ = poll_due_ = now;
 }
 
 Expected<void> IdealDriver::clear_fault(Instant now) {
@@ -239,6 +246,14 @@ void IdealDriver::end_commands(Kind kind, const Error& error) {
   pending_.clear();
 }
 
+/// Each command that a stop ended has its own end; a stop of nothing has one too.
+void IdealDriver::end_stop() {
+  if (!stop_asked_) return;
+  stop_asked_ = false;
+  commands_ = std::max<std::size_t>(commands_, 1);
+  end_commands(Kind::kStopped);
+}
+
 void IdealDriver::come_to_rest(Kind kind, const Error& error) {
   end_commands(kind, error);
   activity_ = Activity::kIdle;
@@ -251,73 +266,103 @@ void IdealDriver::fail(const Error& error) {
   come_to_rest(Kind::kFailed, error);
 }
 
-// Time and bytes
+// Time and lines
 
 void IdealDriver::poll(Instant now) {
   now_ = std::max(now_, now);
   if (activity_ == Activity::kClosed) return;
-  if (said_ && now_ >= answer_due_) say_again(now_);
+  if (answered_ != line_) {
+    const auto oldest = static_cast<std::uint16_t>(answered_ + 1);
+    const Instant waits_since = std::max(heard_at_, lines_[oldest % kLinesKept].at);
+    if (now_ - waits_since >= timing_.tries * timing_.reply_timeout) fall_silent(now_);
+  }
   say_what_is_due(now_);
   update_positions(now_);
 }
 
 std::optional<Instant> IdealDriver::next_deadline() const {
   if (activity_ == Activity::kClosed) return std::nullopt;
-  return std::max(said_ ? answer_due_ : poll_due_, now_ + std::chrono::microseconds(100));
+  Instant due = asked_ ? asked_->due : poll_due_;
+  for (const Pending& one : pending_) {
+    if (one.said_at && !one.taken) due = std::min(due, *one.said_at + timing_.move_timeout);
+  }
+  return std::max(due, now_ + std::chrono::microseconds(100));
 }
 
-void IdealDriver::say(const Request& request, Instant now) {
-  said_ = request;
-  said_at_ = now;
+/// False where the port takes no bytes, or so many lines are without an answer that it is silent.
+bool IdealDriver::say(const Request& request, Instant now) {
+  const auto out = static_cast<std::uint16_t>(line_ - answered_);
+  const auto line = encode(Numbered<Request>{static_cast<std::uint16_t>(line_ + 1), request});
+  if (out + 1 >= kLinesKept || output_.size() + line.size() > output_.capacity()) return false;
   ++line_;
-  tries_left_ = timing_.tries - 1;
-  ++health_.requests;
-  send(now);
-}
-
-void IdealDriver::send(Instant now) {
-  const Line line = encode(Numbered<Request>{line_, *said_});
-  if (output_.size() + line.size() > output_.capacity()) output_.clear();  // it takes no bytes
+  lines_[line_ % kLinesKept] = {now, request};
   for (const std::uint8_t byte : line) output_.push_back(byte);
-  const double on_the_wire = static_cast<double>(2 * kLineMax) * kBitsPerByte / baud_;
-  answer_due_ = now + timing_.reply_timeout + from_seconds(on_the_wire);
+  ++health_.requests;
+  return true;
 }
 
-void IdealDriver::say_again(Instant now) {
-  ++health_.timeouts;
-  if (tries_left_ == 0) return fall_silent(now);
-  --tries_left_;
-  ++health_.retries;
-  send(now);
+/// Says it, and says it again where no answer comes.
+void IdealDriver::ask(const Request& request, Instant now) {
+  const bool again = asked_ && asked_->request.index() == request.index();
+  if (!say(request, now)) return;
+  if (again) {
+    ++health_.retries;
+    ++health_.timeouts;
+  } else {
+    asked_ = Asked{request, line_, {}};
+  }
+  asked_->due = now + timing_.reply_timeout;
+}
+
+/// The first that is due of a stop, what ends a hold, the jaws, a look; moves beside them.
+void IdealDriver::say_what_is_due(Instant now) {
+  if (activity_ == Activity::kClosed || foreign_) return;
+  if (asked_) {
+    if (now >= asked_->due) ask(Request(asked_->request), now);
+  } else if (!known_) {
+    if (now >= poll_due_) ask(Hello{}, now);
+  } else if (stop_due_) {
+    ask(Stop{}, now);
+  } else if (clear_due_) {
+    ask(Clear{}, now);
+  } else if (jaws_due_) {
+    ask(Jaws{*jaws_due_}, now);
+  } else if (now >= poll_due_ && activity_ != Activity::kMoving) {
+    ask(Ask{}, now);
+  }
+  if (activity_ != Activity::kMoving) return;
+  say_moves(now);
+  // How far it is has to be known in time however long a line takes there and back.
+  if (now >= poll_due_ && say(Ask{}, now)) poll_due_ = now + timing_.moving_poll;
+}
+
+/// In their order. One that was not taken in time is said again with all behind it, which the
+/// device has refused since.
+void IdealDriver::say_moves(Instant now) {
+  bool again = false;
+  for (Pending& one : pending_) {
+    if (one.taken) continue;
+    again = again || (one.said_at && now - *one.said_at >= timing_.move_timeout);
+    if (one.said_at && !again) continue;
+    if (!say(one.move, now)) return;
+    if (one.said_at) ++health_.retries;
+    one.said_at = now;
+  }
 }
 
 void IdealDriver::fall_silent(Instant now) {
-  const Error error{ErrorCode::kDeviceSilent, -1, to_seconds(timing_.reply_timeout) * timing_.tries,
-                    to_seconds(timing_.reply_timeout)};
-  const bool waited_for = commands_ > 0;
-  if (!waited_for && !told_silent_) {
+  const double waited = to_seconds(timing_.tries * timing_.reply_timeout);
+  const Error error{ErrorCode::kDeviceSilent, -1, waited, waited};
+  if (commands_ == 0 && !told_silent_) {
     tell(activity_ == Activity::kOpening ? Kind::kFailed : Kind::kNotice, error);
   }
   told_silent_ = true;
+  // Its deadline is over if it hears nothing either; else it goes to the end of what it has.
+  const bool may_move = activity_ != Activity::kOpening && activity_ != Activity::kIdle;
+  if (may_move) goes_on_until_ = now + kDeadline + brake_max_;
   begin_anew(error, now);
+  end_stop();
   poll_due_ = now + timing_.silent_retry;
-}
-
-/// One line at a time; the first that is due of a stop, what ends a hold, a move, the jaws, a look.
-void IdealDriver::say_what_is_due(Instant now) {
-  if (said_ || activity_ == Activity::kClosed) return;
-  const bool looks = now >= poll_due_;
-  if (activity_ == Activity::kOpening && !known_) {
-    if (looks) say(Hello{}, now);
-    return;
-  }
-  if (stop_due_) return say(Stop{}, now);
-  if (clear_due_) return say(Clear{}, now);
-  for (const Pending& one : pending_) {
-    if (!one.sent) return say(one.move, now);
-  }
-  if (jaws_due_) return say(Jaws{*jaws_due_}, now);
-  if (looks) say(Ask{}, now);
 }
 
 /// Its power was away: it counts its moves from 0 again.
@@ -334,26 +379,48 @@ void IdealDriver::receive(std::span<const std::uint8_t> bytes, Instant now) {
     if (result == LineDecoder::Result::kMore || activity_ == Activity::kClosed) continue;
     const auto reply =
         result == LineDecoder::Result::kLine ? decode_reply(decoder_.words()) : std::nullopt;
-    if (!reply || !said_ || reply->number != line_) {
+    // Only to a line that is out; what answers to an older one than has been answered is late.
+    const bool answers =
+        reply && is_behind(reply->number, answered_) && !is_behind(reply->number, line_);
+    if (answers) {
+      take(*reply, now_);
+    } else {
       ++health_.unexpected;
-      // Its answer came damaged: no need to wait for another one.
-      if (said_ && result == LineDecoder::Result::kDamaged) answer_due_ = now_;
-      continue;
     }
-    take(reply->what, now_);
   }
   poll(now);
 }
 
-void IdealDriver::take(const Reply& reply, Instant now) {
-  std::visit([&](const auto& one) { take(one, now); }, reply);
+void IdealDriver::take(const Numbered<Reply>& reply, Instant now) {
+  answered_ = reply.number;
+  heard_at_ = now;
+  const Line line = lines_[reply.number % kLinesKept];
+  if (asked_) {
+    // An answer behind the request's own first line, of its own kind, is its answer.
+    const bool own =
+        !is_behind(asked_->first, reply.number) && line.request.index() == asked_->request.index();
+    if (own || std::holds_alternative<Ask>(asked_->request)) asked_.reset();
+    if (own && std::holds_alternative<Stop>(line.request)) stop_due_ = false;
+    if (own && std::holds_alternative<Clear>(line.request)) clear_due_ = false;
+    if (own && std::holds_alternative<Jaws>(line.request)) jaws_due_.reset();
+  }
+  if (const auto* identity = std::get_if<Identity>(&reply.what)) {
+    if (std::holds_alternative<Hello>(line.request)) return take_identity(*identity, now);
+  } else if (const auto* refusal = std::get_if<Refusal>(&reply.what)) {
+    return take_refusal(*refusal, line.request, now);
+  } else if (const auto* state = std::get_if<State>(&reply.what)) {
+    if (known_ && state->q.size() == joints_.size()) {
+      state_asked_ = line.at;
+      return take_state(*state, now);
+    }
+  }
+  ++health_.unexpected;
 }
 
-void IdealDriver::take(const Identity& identity, Instant now) {
-  if (!std::holds_alternative<Hello>(*said_)) return static_cast<void>(++health_.unexpected);
-  said_.reset();
+void IdealDriver::take_identity(const Identity& identity, Instant now) {
   if (identity.version != kVersion || identity.joints != joints_.size()) {
     const bool version = identity.version != kVersion;
+    foreign_ = true;
     return fail(version ? Error{ErrorCode::kVersionMismatch, -1, identity.version * 1.0, kVersion}
                         : Error{ErrorCode::kModelMismatch});
   }
@@ -363,43 +430,35 @@ void IdealDriver::take(const Identity& identity, Instant now) {
   poll_due_ = now;
 }
 
-void IdealDriver::take(const Refusal& refusal, Instant now) {
-  const bool of_jaws = std::holds_alternative<Jaws>(*said_);
-  said_.reset();
-  const auto joint = static_cast<std::int8_t>(refusal.joint);
-  if (refusal.why == Why::kNumber) return note_restart(now);
-  if (of_jaws) return come_to_rest(Kind::kFailed, {ErrorCode::kToolNotFitted});
-  fault_ = {ErrorCode::kDeviceRefused, refusal.why == Why::kLimit ? joint : std::int8_t{-1}};
+void IdealDriver::take_refusal(const Refusal& refusal, const Request& of, Instant now) {
+  poll_due_ = now;  // it is asked why
+  if (std::holds_alternative<Jaws>(of) && activity_ == Activity::kJaws) {
+    return come_to_rest(Kind::kFailed, {ErrorCode::kToolNotFitted});
+  }
+  const bool for_good = refusal.why == Why::kLimit || refusal.why == Why::kForm;
+  if (!std::holds_alternative<Move>(of) || activity_ != Activity::kMoving || !for_good) return;
+  const bool limit = refusal.why == Why::kLimit;
+  fault_ = {ErrorCode::kDeviceRefused,
+            limit ? static_cast<std::int8_t>(refusal.joint) : std::int8_t{-1}};
   end_commands(Kind::kFailed, *fault_);
   begin_stop(now);
 }
 
-void IdealDriver::take(const State& state, Instant now) {
-  if (std::holds_alternative<Hello>(*said_) || state.q.size() != joints_.size()) {
-    return static_cast<void>(++health_.unexpected);
-  }
-  if (std::holds_alternative<Stop>(*said_)) stop_due_ = false;
-  if (std::holds_alternative<Clear>(*said_)) clear_due_ = false;
-  if (std::holds_alternative<Jaws>(*said_)) jaws_due_.reset();
-  std::uint16_t taken = number_;
-  for (Pending& one : pending_) {
-    const auto* move = std::get_if<Move>(&*said_);
-    one.sent = one.sent || (move != nullptr && move->number == one.move.number);
-    if (!one.sent) --taken;
-  }
-  state_asked_ = said_at_;
-  said_.reset();
+void IdealDriver::take_state(const State& state, Instant now) {
   told_silent_ = false;
-  // A stop takes what was behind it, so its count says nothing then.
-  if (state.taken != taken && activity_ != Activity::kStopping && known_ && state_) {
-    return note_restart(now);
-  }
-  number_ = static_cast<std::uint16_t>(number_ - taken + state.taken);
+  const bool started = state.phase == Phase::kHeld && state.held == Held::kStarted;
+  if (started && activity_ != Activity::kOpening) return note_restart(now);
   state_ = state;
+  for (Pending& one : pending_) {
+    one.taken = one.taken || !is_behind(one.move.number, state.taken);
+  }
   const bool rests = activity_ == Activity::kIdle;
-  poll_due_ = now + (rests ? timing_.resting_poll : timing_.moving_poll);
-  if (state.jaws_um >= 0 && activity_ != Activity::kJaws)
+  if (activity_ != Activity::kMoving) {
+    poll_due_ = now + (rests ? timing_.resting_poll : timing_.moving_poll);
+  }
+  if (state.jaws_um >= 0 && activity_ != Activity::kJaws) {
     health_.jaws_width = state.jaws_um * kMicro;
+  }
   switch (activity_) {
     case Activity::kOpening:
       return step_opening(now);
@@ -415,45 +474,44 @@ void IdealDriver::take(const State& state, Instant now) {
 }
 
 void IdealDriver::step_opening(Instant now) {
-  if (stop_due_ || clear_due_ || state_->phase == Phase::kStopping) return;
+  if (stop_due_ || clear_due_ || asked_ || state_->phase == Phase::kStopping) return;
   if (state_->phase == Phase::kHeld) {
     clear_due_ = true;
-    poll_due_ = now;
     return;
   }
+  number_ = state_->taken;
   activity_ = Activity::kIdle;
   since_ = now;
+  goes_on_until_.reset();
   update_positions(now);
   if (clearing_) {
     clearing_ = false;
-    return end_commands(Kind::kDone);
+    end_commands(Kind::kDone);
+  } else if (!fault_) {
+    tell(Kind::kReady);
   }
-  tell(Kind::kReady);
+  end_stop();
 }
 
 void IdealDriver::step_moving(Instant now) {
-  while (!pending_.empty() && pending_[0].sent) {
-    const auto behind = static_cast<std::uint16_t>(state_->done - pending_[0].move.number);
-    if (behind >= 0x8000) break;  // not done yet
+  while (!pending_.empty() && !is_behind(pending_[0].move.number, state_->done)) {
     pending_.drop_front(1);
     --commands_;
     tell(Kind::kDone);
-    if (pending_.empty()) {
-      activity_ = Activity::kIdle;
-      since_ = now;
-      return update_positions(now);
-    }
+  }
+  if (pending_.empty()) {
+    activity_ = Activity::kIdle;
+    since_ = now;
+    return update_positions(now);
   }
   if (state_->phase != Phase::kHeld) return;
   switch (state_->held) {
     case Held::kBlocked:
       return fail({ErrorCode::kStalled, static_cast<std::int8_t>(state_->joint)});
-    case Held::kStarved: {
-      // The next motion may begin: nothing is wrong with the device.
-      const double time = to_seconds(pending_[0].duration);
-      clear_due_ = true;
-      return come_to_rest(Kind::kFailed, {ErrorCode::kSegmentTime, -1, time, time});
-    }
+    case Held::kStarved:
+      // Nothing is wrong with the device: the next motion may begin.
+      end_commands(Kind::kFailed, {ErrorCode::kStreamEnded, -1, to_seconds(now - last_move_)});
+      return begin_stop(now);
     default:
       return fail({ErrorCode::kLinkSilent, 0});
   }
@@ -467,24 +525,26 @@ void IdealDriver::step_jaws(Instant now) {
 }
 
 void IdealDriver::step_stopping(Instant now) {
-  if (stop_due_ || clear_due_ || state_->phase == Phase::kStopping) return;
+  if (stop_due_ || clear_due_ || asked_) return;
+  if (state_->phase == Phase::kMoving || state_->phase == Phase::kStopping) return;
   if (state_->phase == Phase::kHeld && !fault_) {
     clear_due_ = true;
-    poll_due_ = now;
     return;
   }
-  come_to_rest(Kind::kStopped);
+  number_ = state_->taken;
+  activity_ = Activity::kIdle;
+  since_ = now;
   update_positions(now);
+  end_stop();
 }
 
 void IdealDriver::update_positions(Instant now) {
   if (!state_ || activity_ == Activity::kOpening || activity_ == Activity::kClosed) return;
-  const bool moves =
-      state_->phase == Phase::kMoving || state_->phase == Phase::kStopping || !pending_.empty();
+  const bool stands = activity_ == Activity::kIdle || activity_ == Activity::kJaws;
   const double age = to_seconds(now - state_asked_);
   for (std::size_t i = 0; i < joints_.size(); ++i) {
     const double q = state_->q[i] * kMicro;
-    const double gone = kResolution + (moves ? age * joints_[i].velocity_max : 0);
+    const double gone = kResolution + (stands ? 0 : age * joints_[i].velocity_max);
     positions_[i] = {PositionQuality::kMeasured, q, q - gone, q + gone};
   }
 }

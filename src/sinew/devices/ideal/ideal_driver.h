@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -11,16 +12,20 @@
 namespace sinew {
 
 struct IdealTiming {
-  Duration reply_timeout = std::chrono::milliseconds(50);  ///< then the same line again
-  int tries = 3;                                           ///< of one line, then it is silent
+  Duration reply_timeout = std::chrono::milliseconds(50);  ///< then the same request again
+  int tries = 3;                                           ///< without an answer it is silent then
+  /// A move that was not taken so long after its line is said again: well inside the time that the
+  /// moves before it last.
+  Duration move_timeout = std::chrono::milliseconds(25);
   Duration moving_poll = std::chrono::milliseconds(10);
   Duration resting_poll = std::chrono::milliseconds(100);
   Duration silent_retry = std::chrono::milliseconds(500);  ///< between questions to one that is
   Duration jaws_timeout = std::chrono::seconds(2);         ///< then something is between them
 };
 
-/// Host side of the ideal wire: every segment of a motion is one line, which the device takes once
-/// however often it is said. docs/wires/ideal.md.
+/// Host side of the ideal wire: each segment of a motion is one line, said again until it is taken,
+/// which happens once however often it is said. Up to six are on their way or wait in the device.
+/// docs/wires/ideal.md.
 ///
 ///   activity  | what happens                             | next
 ///   ----------+------------------------------------------+----------------------------------
@@ -30,17 +35,18 @@ struct IdealTiming {
 ///   kIdle     | move                                     | kMoving
 ///   kMoving   | a move is done, another one waits        | kMoving, kDone
 ///   kMoving   | the last one is done                     | kIdle, kDone
-///   kMoving   | it holds: starved                        | kIdle, kFailed (kSegmentTime)
-///   kMoving   | it holds: silent, blocked; it refuses    | kIdle with the fault, kFailed
+///   kMoving   | it holds: starved                        | kStopping, kFailed (kStreamEnded)
+///   kMoving   | it holds: silent, blocked                | kIdle with the fault, kFailed
+///   kMoving   | it refuses a move                        | kStopping with the fault, kFailed
 ///   kIdle     | tool(JawsTo)                             | kJaws
 ///   kJaws     | they are there, or stood for too long    | kIdle, kDone
 ///   any open  | stop                                     | kStopping
-///   kStopping | it stands                                | kIdle, kStopped
-///   any open  | three lines without an answer            | kOpening, kFailed; positions lost
+///   kStopping | it answered to the stop, and stands      | kIdle, kStopped where one was asked for
+///   any open  | nothing is answered, three times over    | kOpening, kFailed; positions lost
 ///   any open  | it began anew                            | kOpening, kFailed or kNotice
 ///
 /// positions(): kMeasured from the device's first answer on, -+ a micrometre (microradian) at rest
-/// and in motion the way that a joint can have gone since it was asked. All @rt.
+/// and in motion the way that a joint can have gone since that answer was asked for. All @rt.
 class IdealDriver : public ByteDriver {
  public:
   /// @param joints  1 to 8
@@ -52,6 +58,7 @@ class IdealDriver : public ByteDriver {
   DriverState state() const override;
   std::optional<Error> fault() const override { return fault_; }
   std::span<const JointPosition> positions() const override { return positions_; }
+  /// Where it fell silent in a motion: until its own deadline has stopped it.
   std::optional<Instant> goes_on_until() const override;
   DriverHealth health() const override { return health_; }
   bool wants_move(Instant now) const override;
@@ -73,33 +80,46 @@ class IdealDriver : public ByteDriver {
   enum class Activity : std::uint8_t { kClosed, kOpening, kIdle, kMoving, kJaws, kStopping };
   struct Pending {
     ideal::Move move;
-    bool sent = false;
-    bool rest = false;  ///< ends at rest
-    Duration duration{};
+    FixedVector<Cubic::State, kMaxJoints> end;  ///< as it was asked for, before rounding
+    bool rest = false;                          ///< ends at rest
+    bool taken = false;
+    std::optional<Instant> said_at;  ///< last
+  };
+  /// A line that is out.
+  struct Line {
+    Instant at{};
+    ideal::Request request;
+  };
+  /// What waits for its answer, beside moves.
+  struct Asked {
+    ideal::Request request;
+    std::uint16_t first = 0;  ///< its lines' numbers
+    Instant due{};
   };
 
   Expected<void> may_begin() const;
-  Expected<ideal::Move> line_of(const JointMove& move) const;
-  void say(const ideal::Request& request, Instant now);
-  void send(Instant now);
-  void say_again(Instant now);
+  Expected<Pending> pending_of(const JointMove& move) const;
+  Duration on_the_wire() const;
+  bool say(const ideal::Request& request, Instant now);
+  void ask(const ideal::Request& request, Instant now);
   void say_what_is_due(Instant now);
-  void take(const ideal::Reply& reply, Instant now);
-  void take(const ideal::Identity& identity, Instant now);
-  void take(const ideal::State& state, Instant now);
-  void take(const ideal::Refusal& refusal, Instant now);
+  void say_moves(Instant now);
+  void take(const ideal::Numbered<ideal::Reply>& reply, Instant now);
+  void take_identity(const ideal::Identity& identity, Instant now);
+  void take_state(const ideal::State& state, Instant now);
+  void take_refusal(const ideal::Refusal& refusal, const ideal::Request& of, Instant now);
   void step_opening(Instant now);
   void step_moving(Instant now);
   void step_jaws(Instant now);
   void step_stopping(Instant now);
   void begin_stop(Instant now);
-  void note_restart(Instant now);
   void begin_anew(const Error& why, Instant now);
+  void note_restart(Instant now);
   void fall_silent(Instant now);
   void fail(const Error& error);
   void come_to_rest(DriverEvent::Kind kind, const Error& error = {});
   void end_commands(DriverEvent::Kind kind, const Error& error = {});
-  void lose_positions();
+  void end_stop();
   void update_positions(Instant now);
   void tell(DriverEvent::Kind kind, const Error& error = {});
 
@@ -115,22 +135,27 @@ class IdealDriver : public ByteDriver {
   Instant now_{};
   Instant since_{};           ///< when the activity began
   std::size_t commands_ = 0;  ///< accepted, and without their last event
-  bool stop_due_ = false;
+  bool known_ = false;        ///< it has said who it is, since open() or its last silence
+  bool foreign_ = false;      ///< .. and that it is another device: it is left alone
+  bool stop_due_ = false;     ///< it has not answered to it
+  bool stop_asked_ = false;   ///< by whoever has to hear of its end
   bool clear_due_ = false;
   bool clearing_ = false;
-  bool known_ = false;  ///< it has said who it is, since open() or its last silence
   bool told_silent_ = false;
+  std::optional<Instant> goes_on_until_;
 
-  // The line that waits for its answer.
-  std::optional<ideal::Request> said_;
-  std::uint16_t line_ = 0;  ///< its number
-  Instant said_at_{};       ///< first
-  Instant answer_due_{};
-  int tries_left_ = 0;
+  // Lines. Their numbers count on, so that an answer says what it answers.
+  static constexpr std::uint16_t kLinesKept = 64;  // a power of two
+  std::array<Line, kLinesKept> lines_;
+  std::uint16_t line_ = 0;      ///< the last one that was said
+  std::uint16_t answered_ = 0;  ///< the last one that was answered
+  std::optional<Asked> asked_;
+  Instant heard_at_{};
   Instant poll_due_{};
 
   std::uint16_t number_ = 0;  ///< of the last move that was made up
-  FixedVector<Pending, 4> pending_;
+  FixedVector<Pending, 6> pending_;
+  Instant last_move_{};
   std::optional<ideal::State> state_;
   Instant state_asked_{};
   std::optional<std::int32_t> jaws_due_;
@@ -138,7 +163,7 @@ class IdealDriver : public ByteDriver {
 
   DriverHealth health_;
   ideal::LineDecoder decoder_;
-  FixedVector<std::uint8_t, 2 * ideal::kLineMax> output_;
+  FixedVector<std::uint8_t, 8 * ideal::kLineMax> output_;
   FixedVector<DriverEvent, 16> events_;
 };
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <deque>
 #include <optional>
 #include <span>
 #include <string>
@@ -41,11 +42,14 @@ inline RobotModel ideal_robot() {
 /// Driver and machine back to back in virtual time, with a megabaud and a faulty link between.
 class IdealCell {
  public:
-  explicit IdealCell(const sim::LinkFaultSpec& faults = {}, bool opened = true)
-      : robot(ideal_robot()),
+  /// @param late  every byte comes so much later, either way
+  explicit IdealCell(const sim::LinkFaultSpec& faults = {}, bool opened = true, Duration late = {},
+                     const RobotModel& model = ideal_robot())
+      : robot(model),
         driver(robot.joints, std::get<SerialGeometry>(robot.geometry).gripper, 1'000'000),
         machine(robot, now),
-        link(faults, now) {
+        link(faults, now),
+        late_(late) {
     if (opened) open();
   }
 
@@ -125,24 +129,34 @@ class IdealCell {
     }
   }
 
+  /// The host does nothing for so long; its port goes on.
+  void host_away(Duration duration) {
+    away_ = true;
+    run_for(duration);
+    away_ = false;
+  }
+
   void step() {
     now += std::chrono::microseconds(100);  // ten bytes
     machine.advance(now);
     std::array<std::uint8_t, 10> bytes{};
     const std::size_t out = connected ? driver.take_output(bytes) : 0;
-    link.push(sim::LinkDirection::kToDevice, std::span(bytes).first(out), now);
+    carry(down_, std::span(bytes).first(link_down ? 0 : out), sim::LinkDirection::kToDevice);
     std::array<std::uint8_t, 64> piece{};
     while (const std::size_t n = link.take(sim::LinkDirection::kToDevice, now, piece)) {
       machine.receive(std::span(piece).first(n), now);
     }
     const std::size_t back = machine.take_output(bytes);
-    link.push(sim::LinkDirection::kToHost, std::span(bytes).first(back), now);
+    carry(up_, std::span(bytes).first(back), sim::LinkDirection::kToHost);
     while (const std::size_t n = link.take(sim::LinkDirection::kToHost, now, piece)) {
-      if (connected) driver.receive(std::span(piece).first(n), now);
+      if (connected) waiting_.insert(waiting_.end(), piece.begin(), piece.begin() + n);
     }
+    if (away_) return;
+    driver.receive(waiting_, now);
+    waiting_.clear();
     driver.poll(now);
     while (const auto event = driver.take_event()) events.push_back(*event);
-    expect_honest();
+    if (honest) expect_honest();
   }
 
   RobotModel robot;
@@ -151,8 +165,30 @@ class IdealCell {
   sim::IdealMachine machine;
   sim::LinkFaults link;
   bool connected = true;
+  bool link_down = false;  ///< what the host sends vanishes
+  bool honest = true;      ///< looked at in each step
   std::optional<Error> refused;
   std::vector<DriverEvent> events;
+
+ private:
+  struct Late {
+    Instant at;
+    std::vector<std::uint8_t> bytes;
+  };
+
+  void carry(std::deque<Late>& line, std::span<const std::uint8_t> bytes,
+             sim::LinkDirection direction) {
+    if (!bytes.empty()) line.push_back({now + late_, {bytes.begin(), bytes.end()}});
+    while (!line.empty() && line.front().at <= now) {
+      link.push(direction, line.front().bytes, now);
+      line.pop_front();
+    }
+  }
+
+  Duration late_;
+  bool away_ = false;
+  std::deque<Late> down_, up_;
+  std::vector<std::uint8_t> waiting_;  ///< at the host's port
 };
 
 }  // namespace sinew::test

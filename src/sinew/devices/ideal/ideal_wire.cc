@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t kSumDigits = 8;
 constexpr std::array<std::string_view, 4> kPhases{"rest", "moving", "stopping", "held"};
-constexpr std::array<std::string_view, 4> kHelds{"-", "silent", "starved", "blocked"};
+constexpr std::array<std::string_view, 5> kHelds{"-", "started", "silent", "starved", "blocked"};
 constexpr std::array<std::string_view, 5> kWhys{"busy", "number", "limit", "form", "tool"};
 
 std::uint32_t sum_of(std::string_view words) {
@@ -212,6 +212,7 @@ LineDecoder::Result LineDecoder::push(std::uint8_t byte) {
     return Result::kMore;
   }
   complete_ = true;
+  if (!text_.empty() && text_.back() == '\r') text_.pop_back();  // as Serial.println ends lines
   if (text_.empty() && !too_long_) return Result::kMore;
   const std::string_view all{text_.data(), text_.size()};
   const bool long_enough = all.size() > kSumDigits + 1;

@@ -70,6 +70,7 @@ enum class Phase : std::uint8_t {
 /// Why it holds.
 enum class Held : std::uint8_t {
   kNo,
+  kStarted,  ///< its power was away
   kSilent,   ///< the host said nothing for longer than the deadline
   kStarved,  ///< the moves ended, and the last one not at rest
   kBlocked,  ///< a joint met something
@@ -88,7 +89,7 @@ struct State {
 };
 
 enum class Why : std::uint8_t {
-  kBusy,    ///< four moves wait already, it stops, or it is held
+  kBusy,    ///< eight moves are there, it stops, or it is held
   kNumber,  ///< neither the next number nor the last one again
   kLimit,   ///< a joint's range or speed; which is said
   kForm,    ///< the line's sum was right and its words were not
@@ -101,7 +102,7 @@ struct Refusal {
 };
 using Reply = std::variant<Identity, State, Refusal>;
 
-/// A line's own number and what it says. A line that is said again keeps its number.
+/// A line's own number and what it says.
 template <class What>
 struct Numbered {
   std::uint16_t number = 0;
