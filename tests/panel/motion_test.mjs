@@ -5,14 +5,15 @@
 //   node --test tests/panel/motion_test.mjs     (environment: bench.mjs)
 import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
-import { apart, ask, bench, patiently, rests, seen, status, truth, until, upright } from './bench.mjs';
+import path from 'node:path';
+import { apart, ask, bench, patiently, rests, root, seen, status, truth, until, upright } from './bench.mjs';
 
 const robot = (name, kind, x_mm, more = '') =>
   `[[robot]]\nname = "${name}"\nrobot = "${kind}"\nx_mm = ${x_mm}\n${more}\n`;
 const kBox = '[[object]]\nname = "box"\nlength_mm = 200\nwidth_mm = 200\nheight_mm = 100\nx_mm = -700\nz_mm = 50\n';
 const kCell = `title = "Tests"\n${robot('left', 'learm', 0, 'profile = "bus"')}${robot('six', 'hexapod', 1500)}${kBox}`;
 const kDevices = `title = "Devices"\n${robot('arm', 'robot-arm-2', 0, 'wire = "link"')}${robot('max', 'maxarm', 1500)}\
-${robot('big', 'bigrobotarm', -1500)}`;
+${robot('big', 'bigrobotarm', -1500)}${robot('any', path.join(root, 'robots/examples/ar4.toml'), -3000)}`;
 const deg = (value) => (value * Math.PI) / 180;
 
 let here;
@@ -447,7 +448,7 @@ async function monitor(page, some, speak = () => undefined) {
   await until('it goes on', async () => (await newest()) !== last);
 }
 
-test('the device pages of three robots say what device.status says, and their monitors show frames', async () => {
+test('the device pages of four robots say what device.status says, and their monitors show frames', async () => {
   await here.end();
   here = await bench(kDevices);
   const page = await here.shared({ viewport: { width: 1440, height: 900 } });
@@ -501,5 +502,17 @@ test('the device pages of three robots say what device.status says, and their mo
   });
   let base = 10;
   await monitor(page, 'steps', () => run(page, `joint base=${(base += 5)}deg`, 'big'));
+
+  // An arm of which the table and the limits are known, no more.
+  await open('any');
+  await run(page, 'joint shoulder=20deg wrist=45deg', 'any');
+  await monitor(page, 'state');
+  await page.evaluate(() => void (location.hash = '#/robots/any/jog'));
+  await choose(page, 'Along', 'Joints');
+  await choose(page, 'How', 'Hold to move');
+  const [hold, letGo] = mouse(page, 'base plus');
+  await held(page, [hold, letGo], async () => (await truth('any'))[0] > deg(3));
+  await letGo();
+  assert.ok((await rests('any', 1e-5))[0] > deg(3));
   await here.close(page, 'motion_devices');
 });

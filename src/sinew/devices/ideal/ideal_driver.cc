@@ -281,8 +281,9 @@ void IdealDriver::poll(Instant now) {
 }
 
 std::optional<Instant> IdealDriver::next_deadline() const {
-  if (activity_ == Activity::kClosed) return std::nullopt;
+  if (activity_ == Activity::kClosed || foreign_) return std::nullopt;
   Instant due = asked_ ? asked_->due : poll_due_;
+  if (activity_ == Activity::kMoving) due = std::min(due, poll_due_);
   for (const Pending& one : pending_) {
     if (one.said_at && !one.taken) due = std::min(due, *one.said_at + timing_.move_timeout);
   }

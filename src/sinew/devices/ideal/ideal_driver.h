@@ -164,7 +164,7 @@ class IdealDriver : public ByteDriver {
   DriverHealth health_;
   ideal::LineDecoder decoder_;
   FixedVector<std::uint8_t, 8 * ideal::kLineMax> output_;
-  FixedVector<DriverEvent, 16> events_;
+  FixedVector<DriverEvent, 32> events_;
 };
 
 }  // namespace sinew
