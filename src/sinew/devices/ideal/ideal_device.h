@@ -12,8 +12,6 @@
 
 namespace sinew::ideal {
 
-/// Silence of the host in a motion after which the device brakes by itself, and holds.
-inline constexpr Duration kDeadline = std::chrono::milliseconds(100);
 /// Moves that wait or are under way.
 inline constexpr std::size_t kMovesMax = 8;
 /// Between open and closed.

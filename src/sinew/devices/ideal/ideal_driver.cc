@@ -19,8 +19,6 @@ constexpr double kResolution = 1e-6;
 /// So far a target may be from where a motion was planned to begin.
 constexpr double kElsewhere = 1e-5;
 constexpr double kBitsPerByte = 10;
-/// Silence of the host after which the device brakes.
-constexpr Duration kDeadline = std::chrono::milliseconds(100);
 
 std::int32_t micro(double value) {
   return static_cast<std::int32_t>(std::lround(value / kMicro));

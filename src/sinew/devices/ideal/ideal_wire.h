@@ -8,6 +8,7 @@
 #include <variant>
 
 #include "sinew/core/fixed_vector.h"
+#include "sinew/core/instant.h"
 
 /// The ideal device's wire: lines of text, each with a CRC-32C of what stands before it. One
 /// request, one answer, which begins with the request's number. docs/wires/ideal.md has the table.
@@ -17,6 +18,8 @@ namespace sinew::ideal {
 
 inline constexpr std::size_t kJointsMax = 8;
 inline constexpr std::uint8_t kVersion = 1;
+/// Silence of the host in a motion after which the device brakes by itself, and holds.
+inline constexpr Duration kDeadline = std::chrono::milliseconds(100);
 /// A move of eight joints with the longest numbers has 224 characters.
 inline constexpr std::size_t kLineMax = 264;
 using Line = FixedVector<std::uint8_t, kLineMax>;
