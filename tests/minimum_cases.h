@@ -38,6 +38,7 @@ inline constexpr std::array kMinimumTests = std::to_array<MinimumTests>({
     {"faults_test", 46},
     {"grasping_test", 5},
     {"house_test", 38},
+    {"ideal_test", 40},
     {"io_test", 99},
     {"kinematics_test", 155},
     {"motion_test", 110},
