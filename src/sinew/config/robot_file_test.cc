@@ -127,7 +127,7 @@ dh = [
   EXPECT_EQ(source_of("geometry.dh[2].a_mm"), "assumed");
   EXPECT_EQ(source_of("joint.a.acceleration_max"), "assumed: full speed in 0.25 s");
   EXPECT_EQ(source_of("joint.b.jerk_max"), "assumed: full acceleration in 0.1 s");
-  // A home that nobody said is the limit that is nearest to 0.
+  // A home that is not given is the limit that is nearest to 0.
   const auto without = read_robot(with(kLeast, ", home_deg = 30", ""), "r.toml");
   ASSERT_TRUE(without);
   EXPECT_NEAR(without->joints[1].home, from_deg(20), 1e-12);

@@ -16,7 +16,7 @@ constexpr double kClearInsideLimit = from_deg(1);
 /// The search may take the whole way between the limits, both ends beyond them, and this.
 constexpr double kSearchMargin = from_deg(10);
 
-/// As boards come where nobody says anything of this one.
+/// As boards come, where the file says nothing of this one.
 AxisBoard board_of(const Device& device, std::size_t joint) {
   const auto boards = boards_of(device);
   return joint < boards.size() ? boards[joint] : AxisBoard{};

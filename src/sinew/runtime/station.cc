@@ -263,7 +263,7 @@ bool Station::due(const control::Controller& controller, Instant now) const {
 void Station::publish(const ControlLoop& loop, Instant now) {
   const control::Controller& controller = loop.controller();
   const Driver& driver = controller.driver();
-  // Where a motion has ended it stands, however lately somebody looked.
+  // Where a motion has ended it stands, however lately that was looked at.
   const bool other = !published_ || published_->state != controller.state();
   published_ = {now, controller.state(), driver.state()};
   const bool look = other || now - truth_at_ >= kTruthInterval;

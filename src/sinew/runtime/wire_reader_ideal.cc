@@ -20,27 +20,22 @@ Told read(const Request& request) {
 }
 
 Told read(const Reply& reply) {
-  constexpr std::array<std::string_view, 4> kPhases{"rest", "moving", "stopping", "held"};
-  constexpr std::array<std::string_view, 5> kHelds{"no", "started", "silent", "starved", "blocked"};
-  constexpr std::array<std::string_view, 5> kWhys{"busy", "number", "limit", "form", "tool"};
   return std::visit(
       Cases{[](const Identity& m) {
               return Told{"identity",
                           {whole("version", m.version), whole("joints", m.joints),
                            whole("taken", m.taken)}};
             },
-            [&](const State& m) {
-              WireFields fields{word("phase", kPhases[static_cast<std::size_t>(m.phase)])};
+            [](const State& m) {
+              WireFields fields{word("phase", word_of(m.phase))};
               if (m.held != Held::kNo) {
-                fields.push_back(word("held", kHelds[static_cast<std::size_t>(m.held)]));
+                fields.push_back(word("held", word_of(m.held)));
               }
               fields.insert(fields.end(), {whole("taken", m.taken), whole("done", m.done),
                                            list("urad", m.q), list("urad_s", m.qd)});
               return Told{"state", fields};
             },
-            [&](const Refusal& m) {
-              return Told{"refused", {word("why", kWhys[static_cast<std::size_t>(m.why)])}};
-            }},
+            [](const Refusal& m) { return Told{"refused", {word("why", word_of(m.why))}}; }},
       reply);
 }
 

@@ -9,7 +9,6 @@ namespace sinew::ideal {
 namespace {
 
 constexpr Duration kTick = std::chrono::milliseconds(1);
-constexpr double kMicro = 1e-6;
 /// s. Longer is a mistake of units.
 constexpr std::uint32_t kDurationMax = 3'600'000'000;
 /// Of a joint's speed: pieces that are cut out of a smooth motion swing so much.
@@ -18,10 +17,6 @@ constexpr double kSpeedShare = 1.02;
 constexpr double kSwing = 2e-4;
 /// s: no stop is shorter than a tick.
 constexpr double kBrakeMin = 1e-3;
-
-std::int32_t micro(double value) {
-  return static_cast<std::int32_t>(std::lround(value / kMicro));
-}
 
 }  // namespace
 
@@ -70,6 +65,10 @@ void IdealDevice::end_at(Phase phase) {
   time_ = 0;
   rate_ = 1;
   std::ranges::fill(qd_, 0.0);
+}
+
+void IdealDevice::stand() {
+  end_at(held_ == Held::kNo ? Phase::kRest : Phase::kHeld);
 }
 
 void IdealDevice::begin_stop(Held held) {
@@ -122,10 +121,10 @@ void IdealDevice::step(double dt) {
   if (time_ >= last.duration && last.ends_at_rest()) {
     // A stop that was asked for may come to the end of the way before it comes to its own.
     done_ = last.number;
-    return end_at(held_ == Held::kNo ? Phase::kRest : Phase::kHeld);
+    return stand();
   }
   if (time_ >= last.duration) begin_stop(Held::kStarved);
-  if (rate_ == 0) end_at(held_ == Held::kNo ? Phase::kRest : Phase::kHeld);
+  if (rate_ == 0) stand();
 }
 
 /// Where the first piece is at `time_`; beyond its end straight on, as far as the joint can.

@@ -17,7 +17,7 @@ inline constexpr std::size_t kMovesMax = 8;
 /// Between open and closed.
 inline constexpr Duration kJawsStroke = std::chrono::milliseconds(800);
 
-/// A device that does what it is told, exactly: each move is the cubic from the end of the one
+/// A device that does what is asked of it, exactly: each move is the cubic from the end of the one
 /// before it, and its sensors are perfect. It brakes on its path, as hard as the joint allows that
 /// has to brake longest. What keeps a host honest is all there: a move that leaves a joint's range
 /// or is faster than its speed anywhere on its way is refused, a silent host stops it, and moves
@@ -58,7 +58,7 @@ class IdealDevice {
   /// The joint cannot pass this place, rad or m, from the side on which it is now.
   void block(std::size_t joint, double at);
   void unblock(std::size_t joint);
-  /// Stands there from now on.
+  /// It is there from now on.
   void place(std::span<const double> q);
   /// Stands at once.
   void lose_power();
@@ -81,6 +81,7 @@ class IdealDevice {
   Reply take(const Jaws& jaws);
   void begin_stop(Held held);
   void end_at(Phase phase);
+  void stand();
   void step(double dt);
   void put_joints();
   bool runs_into_something();

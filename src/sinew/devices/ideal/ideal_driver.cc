@@ -13,16 +13,11 @@ using Kind = DriverEvent::Kind;
 
 namespace {
 
-constexpr double kMicro = 1e-6;
 /// A measured position is worth so much, rad or m.
 constexpr double kResolution = 1e-6;
 /// So far a target may be from where a motion was planned to begin.
 constexpr double kElsewhere = 1e-5;
 constexpr double kBitsPerByte = 10;
-
-std::int32_t micro(double value) {
-  return static_cast<std::int32_t>(std::lround(value / kMicro));
-}
 
 /// Numbers count on around 65536: whether `one` comes behind `other`.
 bool is_behind(std::uint16_t one, std::uint16_t other) {
@@ -67,7 +62,6 @@ void IdealDriver::open(Instant now) {
 void IdealDriver::begin_anew(const Error& why, Instant now) {
   end_commands(Kind::kFailed, why);
   activity_ = Activity::kOpening;
-  since_ = now;
   known_ = foreign_ = stop_due_ = clear_due_ = clearing_ = false;
   jaws_due_.reset();
   state_.reset();
@@ -179,7 +173,7 @@ Expected<void> IdealDriver::move(const JointMove& move, Instant now) {
   one->move.number = ++number_;
   pending_.push_back(*one);
   ++commands_;
-  if (!follows) since_ = poll_due_ = now;
+  if (!follows) poll_due_ = now;
   last_move_ = now;
   activity_ = Activity::kMoving;
   say_what_is_due(now);
@@ -198,7 +192,7 @@ Expected<void> IdealDriver::tool(const ToolAction& action, Instant now) {
   health_.jaws_width.reset();
   ++commands_;
   activity_ = Activity::kJaws;
-  since_ = poll_due_ = now;
+  jaws_since_ = poll_due_ = now;
   say_what_is_due(now);
   return {};
 }
@@ -220,7 +214,7 @@ void IdealDriver::begin_stop(Instant now) {
   asked_.reset();
   stop_due_ = true;
   activity_ = Activity::kStopping;
-  since_ = poll_due_ = now;
+  poll_due_ = now;
 }
 
 Expected<void> IdealDriver::clear_fault(Instant now) {
@@ -255,7 +249,6 @@ void IdealDriver::end_stop() {
 void IdealDriver::come_to_rest(Kind kind, const Error& error) {
   end_commands(kind, error);
   activity_ = Activity::kIdle;
-  since_ = now_;
 }
 
 void IdealDriver::fail(const Error& error) {
@@ -460,19 +453,19 @@ void IdealDriver::take_state(const State& state, Instant now) {
   }
   switch (activity_) {
     case Activity::kOpening:
-      return step_opening(now);
+      return step_opening();
     case Activity::kMoving:
       return step_moving(now);
     case Activity::kJaws:
       return step_jaws(now);
     case Activity::kStopping:
-      return step_stopping(now);
+      return step_stopping();
     default:
       return;
   }
 }
 
-void IdealDriver::step_opening(Instant now) {
+void IdealDriver::step_opening() {
   if (stop_due_ || clear_due_ || asked_ || state_->phase == Phase::kStopping) return;
   if (state_->phase == Phase::kHeld) {
     clear_due_ = true;
@@ -480,9 +473,7 @@ void IdealDriver::step_opening(Instant now) {
   }
   number_ = state_->taken;
   activity_ = Activity::kIdle;
-  since_ = now;
   goes_on_until_.reset();
-  update_positions(now);
   if (clearing_) {
     clearing_ = false;
     end_commands(Kind::kDone);
@@ -500,8 +491,7 @@ void IdealDriver::step_moving(Instant now) {
   }
   if (pending_.empty()) {
     activity_ = Activity::kIdle;
-    since_ = now;
-    return update_positions(now);
+    return;
   }
   if (state_->phase != Phase::kHeld) return;
   switch (state_->held) {
@@ -518,12 +508,12 @@ void IdealDriver::step_moving(Instant now) {
 
 void IdealDriver::step_jaws(Instant now) {
   if (jaws_due_) return;
-  if (state_->jaws_um != jaws_to_ && now - since_ < timing_.jaws_timeout) return;
+  if (state_->jaws_um != jaws_to_ && now - jaws_since_ < timing_.jaws_timeout) return;
   health_.jaws_width = state_->jaws_um * kMicro;
   come_to_rest(Kind::kDone);
 }
 
-void IdealDriver::step_stopping(Instant now) {
+void IdealDriver::step_stopping() {
   if (stop_due_ || clear_due_ || asked_) return;
   if (state_->phase == Phase::kMoving || state_->phase == Phase::kStopping) return;
   if (state_->phase == Phase::kHeld && !fault_) {
@@ -532,8 +522,6 @@ void IdealDriver::step_stopping(Instant now) {
   }
   number_ = state_->taken;
   activity_ = Activity::kIdle;
-  since_ = now;
-  update_positions(now);
   end_stop();
 }
 

@@ -108,10 +108,10 @@ class IdealDriver : public ByteDriver {
   void take_identity(const ideal::Identity& identity, Instant now);
   void take_state(const ideal::State& state, Instant now);
   void take_refusal(const ideal::Refusal& refusal, const ideal::Request& of, Instant now);
-  void step_opening(Instant now);
+  void step_opening();
   void step_moving(Instant now);
   void step_jaws(Instant now);
-  void step_stopping(Instant now);
+  void step_stopping();
   void begin_stop(Instant now);
   void begin_anew(const Error& why, Instant now);
   void note_restart(Instant now);
@@ -133,7 +133,6 @@ class IdealDriver : public ByteDriver {
   std::optional<Error> fault_;
   FixedVector<JointPosition, kMaxJoints> positions_;
   Instant now_{};
-  Instant since_{};           ///< when the activity began
   std::size_t commands_ = 0;  ///< accepted, and without their last event
   bool known_ = false;        ///< it has said who it is, since open() or its last silence
   bool foreign_ = false;      ///< .. and that it is another device: it is left alone
@@ -160,6 +159,7 @@ class IdealDriver : public ByteDriver {
   Instant state_asked_{};
   std::optional<std::int32_t> jaws_due_;
   std::int32_t jaws_to_ = 0;
+  Instant jaws_since_{};
 
   DriverHealth health_;
   ideal::LineDecoder decoder_;

@@ -181,16 +181,23 @@ TEST(IdealDriver, jaws_close_and_tell_their_width) {
   EXPECT_NEAR(cell.machine.truth().tool, 0.01, 1e-6);
 }
 
-TEST(IdealDriver, answers_that_come_late_are_not_taken_for_those_of_the_next_line) {
+/// One byte that way, the first from then on.
+sim::LinkFaultSpec one_byte(sim::TimedByteFault::Kind kind, Duration at, sim::LinkDirection only,
+                            Duration delay = {}) {
   sim::LinkFaultSpec faults;
-  faults.timed.push_back({.kind = sim::TimedByteFault::Kind::kDelay,
+  faults.timed.push_back({.kind = kind,
                           .chance = 1,
-                          .at = 500ms,
+                          .at = at,
                           .once = true,
                           .until = {},
-                          .only = sim::LinkDirection::kToHost,
-                          .delay_time = 58ms});
-  IdealCell cell(faults);
+                          .only = only,
+                          .delay_time = delay});
+  return faults;
+}
+
+TEST(IdealDriver, answers_that_come_late_are_not_taken_for_those_of_the_next_line) {
+  IdealCell cell(
+      one_byte(sim::TimedByteFault::Kind::kDelay, 500ms, sim::LinkDirection::kToHost, 58ms));
   auto motion = cell.motion_to({1, -0.5, 0.25});
   cell.run(motion, 3s);
   EXPECT_EQ(cell.driver.state(), DriverState::kReady);
@@ -214,15 +221,8 @@ TEST(IdealDriver, a_motion_goes_through_adapters_that_are_late) {
 
 TEST(IdealDriver, a_lost_move_is_said_again_before_the_arm_comes_to_its_end) {
   for (int i = 0; i < 40; ++i) {
-    sim::LinkFaultSpec faults;
-    faults.timed.push_back({.kind = sim::TimedByteFault::Kind::kDrop,
-                            .chance = 1,
-                            .at = std::chrono::milliseconds(200 + 7 * i),
-                            .once = true,
-                            .until = {},
-                            .only = sim::LinkDirection::kToDevice,
-                            .delay_time = {}});
-    IdealCell cell(faults);
+    IdealCell cell(one_byte(sim::TimedByteFault::Kind::kDrop,
+                            std::chrono::milliseconds(200 + 7 * i), sim::LinkDirection::kToDevice));
     auto motion = cell.motion_to({1, -0.5, 0.25});
     cell.run(motion, 3s);
     EXPECT_EQ(cell.driver.state(), DriverState::kReady) << i;
@@ -259,15 +259,8 @@ TEST(IdealDriver, whoever_looks_every_50_ms_keeps_it_going) {
 
 /// Two late answers and a lost stop: what answers to a line before the stop does not answer to it.
 TEST(IdealDriver, only_what_answers_to_a_stop_ends_it) {
-  sim::LinkFaultSpec faults;
-  faults.timed.push_back({.kind = sim::TimedByteFault::Kind::kDelay,
-                          .chance = 1,
-                          .at = 105ms,
-                          .once = true,
-                          .until = {},
-                          .only = sim::LinkDirection::kToHost,
-                          .delay_time = 70ms});
-  IdealCell cell(faults);
+  IdealCell cell(
+      one_byte(sim::TimedByteFault::Kind::kDelay, 105ms, sim::LinkDirection::kToHost, 70ms));
   cell.run_for(160ms);
   auto motion = cell.motion_to({0.6, 0, 0});
   cell.run(motion, 10ms);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <cmath>
 #include <concepts>
 #include <limits>
 
@@ -127,14 +128,13 @@ struct ReplyWriter {
   }
   Line operator()(const State& one) const {
     Writer words = line();
-    words.word(kPhases[static_cast<std::size_t>(one.phase)]);
-    words.word(kHelds[static_cast<std::size_t>(one.held)]).number(one.joint);
+    words.word(word_of(one.phase));
+    words.word(word_of(one.held)).number(one.joint);
     words.number(one.taken).number(one.done).number(one.jaws_um).numbers(one.q, one.qd);
     return words.end();
   }
   Line operator()(const Refusal& one) const {
-    const auto why = kWhys[static_cast<std::size_t>(one.why)];
-    return line().word("no").word(why).number(one.joint).end();
+    return line().word("no").word(word_of(one.why)).number(one.joint).end();
   }
 };
 
@@ -180,6 +180,20 @@ Reply read_reply(Reader& reader) {
 }
 
 }  // namespace
+
+std::int32_t micro(double value) {
+  return static_cast<std::int32_t>(std::lround(value / kMicro));
+}
+
+std::string_view word_of(Phase phase) {
+  return kPhases[static_cast<std::size_t>(phase)];
+}
+std::string_view word_of(Held held) {
+  return kHelds[static_cast<std::size_t>(held)];
+}
+std::string_view word_of(Why why) {
+  return kWhys[static_cast<std::size_t>(why)];
+}
 
 Line encode(const Numbered<Request>& request) {
   return std::visit(RequestWriter{request.number}, request.what);

@@ -23,6 +23,12 @@ inline constexpr Duration kDeadline = std::chrono::milliseconds(100);
 /// A move of eight joints with the longest numbers has 224 characters.
 inline constexpr std::size_t kLineMax = 264;
 using Line = FixedVector<std::uint8_t, kLineMax>;
+
+/// One unit of the wire, rad, m or s.
+inline constexpr double kMicro = 1e-6;
+/// @pre |value| < 2147
+std::int32_t micro(double value);
+
 using Numbers = FixedVector<std::int32_t, kJointsMax>;
 
 // What a host says.
@@ -104,6 +110,11 @@ struct Refusal {
   friend bool operator==(const Refusal&, const Refusal&) = default;
 };
 using Reply = std::variant<Identity, State, Refusal>;
+
+/// As they stand in a line.
+std::string_view word_of(Phase phase);
+std::string_view word_of(Held held);
+std::string_view word_of(Why why);
 
 /// A line's own number and what it says.
 template <class What>
