@@ -19,7 +19,7 @@ class Circling {
  public:
   Circling(const RobotModel& model, JogFrame frame, double speed, const std::vector<double>& q,
            bool avoid_contact)
-      : jog_(model, {.jaw_width = {}, .avoid_contact = avoid_contact}), speed_(speed) {
+      : jog_(model, {.avoid_contact = avoid_contact}), speed_(speed) {
     command_.frame = frame;
     command_.velocity.resize(frame == JogFrame::kJoint ? q.size() : 3);
     std::vector<motion::AxisState> states;

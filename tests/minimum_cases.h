@@ -31,7 +31,7 @@ inline constexpr std::array kMinimumTests = std::to_array<MinimumTests>({
     {"control_test", 128},
     {"core_test", 25},
     {"crash_test", 11},
-    {"cubes_test", 3},
+    {"cubes_test", 4},
     {"device_test", 230},
     {"documents_test", 30},
     {"driver_test", 357},

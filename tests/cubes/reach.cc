@@ -49,7 +49,10 @@ class Jaws {
         fixed_(fixed),
         which_(which),
         slack_(slack),
-        collision_(robot) {}
+        collision_(robot),
+        closed_(robot) {
+    closed_.fit({.jaws = cubes[which].edge - kSqueeze, .held = cubes[which].edge});
+  }
 
   bool any() {
     const Cube& cube = cubes_[which_];
@@ -101,9 +104,10 @@ class Jaws {
         const double y = side * (open / 2 + finger.y);
         const PlacedBox one = box_at(X, {0, y, -finger.z}, finger);
         if (planning::distance(one, box_of(cube)) < kEnter / 2) return false;
-        // Closing, they go on ahead; what they sweep then.
-        const PlacedBox swept =
-            box_at(X, {0, y, ahead / 2 - finger.z}, {finger.x, finger.y, finger.z + ahead / 2});
+        // Closing, they go on ahead and to the cube; what they sweep then.
+        const double inner = cube.edge / 2, outer = open / 2 + 2 * finger.y;
+        const PlacedBox swept = box_at(X, {0, side * (inner + outer) / 2, ahead / 2 - finger.z},
+                                       {finger.x, (outer - inner) / 2, finger.z + ahead / 2});
         const PlacedBox& body = up > 0 ? one : swept;
         if (planning::distance_above(body, 0) < kTableClear) return false;
         if (!is_apart(body)) return false;
@@ -129,7 +133,9 @@ class Jaws {
       at.attitude = {pitch, std::remainder(roll, 2 * kPi), 0, 0};
       const auto branches = space.branches(at, {});
       const bool any = std::ranges::any_of(branches, [&](const planning::JointArray& q) {
-        return collision_.clear({q.data(), space.size()}, collision_.margin());
+        const std::span joints{q.data(), space.size()};
+        return collision_.clear(joints, collision_.margin()) &&
+               (up > 0 || closed_.clear(joints, closed_.margin()));
       });
       if (!any) return false;
     }
@@ -142,7 +148,8 @@ class Jaws {
   std::span<const PlacedBox> fixed_;
   std::size_t which_;
   double slack_;
-  planning::CollisionModel collision_;
+  planning::CollisionModel collision_;  ///< with open jaws
+  planning::CollisionModel closed_;
 };
 
 bool cup_takes(const RobotModel& robot, std::span<const Cube> cubes,

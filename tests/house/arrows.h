@@ -33,7 +33,7 @@ inline constexpr std::array kArrows = std::to_array<FolderArrows>({
     {"device", "wire motion kinematics"},
     {"driver", "wire model"},
     {"planning", "motion kinematics model"},
-    {"grasping", "model"},
+    {"grasping", "planning"},
     {"sim", "device kinematics model"},
     {"control", "driver planning"},
     {"program", "control vision grasping"},

@@ -1,30 +1,37 @@
 #include "sinew/grasping/grasps.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 #include <optional>
 
 #include "sinew/core/assert.h"
+#include "sinew/core/rotation.h"
 #include "sinew/core/units.h"
 #include "sinew/model/tool_body.h"
 #include "sinew/model/tool_state.h"
+#include "sinew/planning/shape_distance.h"
 
 namespace sinew::grasping {
 namespace {
 
-constexpr double kMargin = 2e-3;     // m, of heights, and of what stands on what
-constexpr double kEnter = 3e-3;      // m, beside the cube on each side, as it may lie off so far
-constexpr double kBeside = 8e-3;     // m, beside it at most: wider jaws meet more
-constexpr double kGripLow = 7e-3;    // m above what it stands on; the table has a margin of its own
-constexpr double kGripShare = 0.4;   // of the edge, above what it stands on
-constexpr double kHand = 25e-3;      // m, from the tips of closed jaws up to the hand
-constexpr double kHandHalf = 42e-3;  // m, of the hand along the jaws
-constexpr double kCupRadius = 12e-3;  // m
-constexpr double kHold = 5e-3;        // m, that closed tips reach below a cube's top
-constexpr double kSkewMax = 0.22;     // sine of the angle between the jaws and the table
+constexpr double kMargin = 2e-3;       // m, of heights, and of what stands on what
+constexpr double kEnter = 3e-3;        // m, beside the cube on each side, as it may lie off so far
+constexpr double kBeside = 8e-3;       // m, beside it: wider jaws meet more
+constexpr double kBesideMost = 15e-3;  // m, where nothing else can be had
+constexpr double kGripLow = 7e-3;   // m above what it stands on; the table has a margin of its own
+constexpr double kGripShare = 0.4;  // of the edge, above what it stands on
+constexpr double kHand = 25e-3;     // m, from the tips of closed jaws up to the hand
+const Vec3 kHandHalf{14e-3, 42e-3, 25e-3};  // m, of the hand: across, along the jaws, up
+constexpr double kCupRadius = 12e-3;        // m
+constexpr double kHold = 5e-3;              // m, that closed tips reach below a cube's top
+constexpr double kSkewMax = 0.22;           // sine of the angle between the jaws and the table
 constexpr double kTiltStep = from_deg(1.25);
 constexpr double kTiltMax = from_deg(50);
+/// m, of the tips above where they hold best: a joint may end a little too early for that.
+constexpr std::array kHeights{0.0, 3e-3, -2e-3};
+constexpr std::array kPoorHeights{6e-3, -5e-3};
 
 /// An upright rectangle seen from above.
 struct Plan {
@@ -78,40 +85,6 @@ struct Scene {
   }
 };
 
-struct Fingers {
-  double thick = 0;  ///< m, across the jaws
-  double half_wide = 0;
-};
-Fingers fingers_of(const RobotModel& robot) {
-  const Vec3 half = finger_half(robot);
-  return {2 * half.y, half.x};
-}
-
-/// How far a finger may stand from the cube's face on this side, its thickness included, up to
-/// `most`; 0 where a neighbour touches.
-/// @param lean  m, how far aside tilted fingers are at a cube's top from where their tips are
-double room_beside(const Scene& scene, double angle, const Fingers& fingers, double tips,
-                   const Vec3& lean, double most) {
-  constexpr double kStep = 0.5e-3;  // m
-  const Cube& cube = scene.cube;
-  const Vec3 u{std::cos(angle), std::sin(angle), 0}, v{-u.y, u.x, 0};
-  // From the tips' rectangle to that at the top, and all between.
-  const auto meets = [&](double begin, double end, const Vec3& over, double above) {
-    const double along = dot(over, u), across = dot(over, v);
-    const Plan swept{cube.p_BO + (begin + end + along) / 2 * u + across / 2 * v, angle,
-                     (end - begin + std::abs(along)) / 2, fingers.half_wide + std::abs(across) / 2};
-    return std::ranges::any_of(scene.beside, [&](const Body& other) {
-      return top(other) >= above - kMargin && overlap(swept, plan_of(other, kApart));
-    });
-  };
-  if (meets(0, kHandHalf, {}, tips + kHand)) return 0;
-  double room = 0;
-  while (room < most && !meets(cube.edge / 2, cube.edge / 2 + room + kStep, lean, tips)) {
-    room += kStep;
-  }
-  return std::min(room, most);
-}
-
 /// The roll that turns the jaws' direction, seen from above, to `angle` from the plane's.
 double roll_for(double angle, double pitch) {
   double roll = std::atan2(-std::cos(angle) / std::cos(pitch), std::sin(angle));
@@ -120,52 +93,120 @@ double roll_for(double angle, double pitch) {
   return roll;
 }
 
-/// Where tips around one cube end, of jaws along one pair of its faces.
-class TipPlaces {
- public:
-  TipPlaces(const RobotModel& robot, const JawGripper& gripper, const Cube& cube)
-      : gripper_(gripper), fingers_(fingers_of(robot)), cube_(cube) {}
+using Tip = Pose<frame::Base, frame::Tool>;
 
-  double grip() const {
-    const double half = cube_.edge / 2;
-    return std::min(half, std::max(kGripLow, kGripShare * cube_.edge)) - half;
+/// Jaws along one pair of a cube's faces, at one tilt and height.
+struct Stand {
+  Tip X_BT;  ///< of the closed tips: y across the jaws, z ahead
+  double pitch = 0, roll = 0;
+};
+
+/// Jaws around one cube among others.
+class JawPlaces {
+ public:
+  JawPlaces(const RobotModel& robot, const JawGripper& gripper, const Scene& scene)
+      : gripper_(gripper), finger_(finger_half(robot)), cube_(scene.cube) {
+    // Farther than any part of the hand is from the cube.
+    const double kFar = 2 * kHand + 2 * kHandHalf.z + kHandHalf.y;
+    for (const Body& body : scene.beside) {
+      if (norm(body.p_BO - cube_.p_BO) > kFar + norm(body.half)) continue;
+      beside_.push_back({{rotation_z(body.yaw), body.p_BO}, body.half});
+    }
   }
-  /// Nothing where they would come too near to what the cube stands on, hold too little of it, or
-  /// stand askew.
+
+  /// m, beside a face: the least that a finger takes, its own thickness included.
+  double needed() const { return 2 * finger_.y + kEnter; }
+  /// As far as jaws open, `most` beside the cube.
+  double widest(double most) const {
+    return 2 * finger_.y + std::min(most, (gripper_.width_max - cube_.edge) / 2);
+  }
+
+  /// Nothing where they would hold too little of the cube, or stand askew.
   /// @param along  rad, the direction of the jaws. @param tilt  rad, from straight down, outward
-  /// @param room   m, beside the cube, a finger's thickness included
   /// @param up     m, higher than usual
-  std::optional<JawGrasp> place(double along, double tilt, double room, double up) const {
+  std::optional<Stand> stand(double along, double tilt, double up) const {
     const double yaw = std::atan2(cube_.p_BO.y, cube_.p_BO.x);
+    Stand stand;
+    stand.pitch = kPi - tilt;
+    stand.roll = roll_for(along - yaw, stand.pitch);
+    stand.X_BT.R = rotation_z(yaw) * rotation_y(stand.pitch) * rotation_z(stand.roll);
+    stand.X_BT.p = cube_.p_BO;
+    stand.X_BT.p.z += grip() + lower(stand, close()) + up;
+    const bool is_held = stand.X_BT.p.z < top(body_of(cube_)) - kHold;
+    if (std::abs(stand.X_BT.R.y.z) > kSkewMax || !is_held) return std::nullopt;
+    return stand;
+  }
+
+  /// m, how far a finger may be from the cube's faces, its thickness included, up to `most`; 0
+  /// where a neighbour leaves no room for the hand.
+  double room_at(const Stand& stand, double most) const {
+    constexpr double kExact = 0.05e-3;  // m
+    const Vec3 behind{0, 0, -kHand - kHandHalf.z};
+    if (meets({{stand.X_BT.R, stand.X_BT * behind}, kHandHalf})) return 0;
+    double room = most;
+    for (const double side : {1.0, -1.0}) {
+      const auto is_free = [&](double far) { return !meets(swept(stand, side, far)); };
+      if (is_free(room)) continue;
+      double free = 0;
+      for (double end = room; end - free > kExact;) {
+        const double middle = (free + end) / 2;
+        (is_free(middle) ? free : end) = middle;
+      }
+      room = free;
+    }
+    return room;
+  }
+
+  /// Nothing where the tips would come too near to what the cube stands on.
+  std::optional<JawGrasp> grasp(const Stand& stand, double room) const {
     JawGrasp grasp;
-    grasp.pitch = kPi - tilt;
-    grasp.roll = roll_for(along - yaw, grasp.pitch);
-    grasp.room = room - fingers_.thick;
+    grasp.pitch = stand.pitch;
+    grasp.roll = stand.roll;
+    grasp.room = room - 2 * finger_.y;
     grasp.open = cube_.edge + 2 * grasp.room;
-    grasp.close = std::max(0.0, cube_.edge - kSqueeze);
-    // What the lower one of two tilted fingers is lower than the middle of the tips.
-    const double skew = std::abs(std::sin(grasp.pitch) * std::sin(grasp.roll));
-    const auto lower = [&](double width) {
-      return fingers_.half_wide * std::abs(std::sin(tilt)) + skew * (width / 2 + fingers_.thick);
-    };
-    const double ahead = jaw_reach(gripper_, grasp.close) - jaw_reach(gripper_, grasp.open);
-    Vec3 p_closed = cube_.p_BO;
-    p_closed.z += grip() + lower(grasp.close) + up;
+    grasp.close = close();
+    const Vec3& approach = stand.X_BT.R.z;
+    const double ahead = ahead_of(grasp.open);
+    grasp.p_BT = stand.X_BT.p - ahead * approach;
     const double floor = cube_.p_BO.z - cube_.edge / 2;
-    const double lowest = p_closed.z + ahead * std::cos(tilt) - lower(grasp.open);
-    const bool is_held = p_closed.z < top(body_of(cube_)) - kHold;
-    const bool is_clear = lowest >= floor + kGripLow - kMargin;
-    if (skew > kSkewMax || !is_clear || !is_held) return std::nullopt;
-    const Vec3 approach{std::sin(grasp.pitch) * std::cos(yaw),
-                        std::sin(grasp.pitch) * std::sin(yaw), std::cos(grasp.pitch)};
-    grasp.p_BT = p_closed - ahead * approach;
+    if (grasp.p_BT.z - lower(stand, grasp.open) < floor + kGripLow - kMargin) return std::nullopt;
     return grasp;
   }
 
  private:
+  double close() const { return std::max(0.0, cube_.edge - kSqueeze); }
+  /// m, above the cube's middle
+  double grip() const {
+    const double half = cube_.edge / 2;
+    return std::min(half, std::max(kGripLow, kGripShare * cube_.edge)) - half;
+  }
+  /// m, that tips go on as the jaws close
+  double ahead_of(double open) const {
+    return jaw_reach(gripper_, close()) - jaw_reach(gripper_, open);
+  }
+  /// m, that the lowest point of two tilted fingers is lower than the middle of their tips.
+  double lower(const Stand& stand, double width) const {
+    const Rotation& R = stand.X_BT.R;
+    return finger_.x * std::abs(R.x.z) + std::abs(R.y.z) * (width / 2 + 2 * finger_.y);
+  }
+  /// What a finger fills as it closes from so far (m) beside the face.
+  planning::PlacedBox swept(const Stand& stand, double side, double far) const {
+    const double ahead =
+        std::max(0.0, ahead_of(cube_.edge + 2 * std::max(0.0, far - 2 * finger_.y)));
+    const Vec3 half{finger_.x, far / 2, finger_.z + ahead / 2};
+    return {{stand.X_BT.R, stand.X_BT * Vec3{0, side * (cube_.edge / 2 + half.y), -half.z}}, half};
+  }
+  bool meets(const planning::PlacedBox& box) const {
+    return std::ranges::any_of(beside_, [&](const planning::PlacedBox& other) {
+      const double apart = norm(other.X.p - box.X.p) - norm(box.half) - norm(other.half);
+      return apart < kApart && planning::distance(box, other) < kApart;
+    });
+  }
+
   const JawGripper& gripper_;
-  Fingers fingers_;
+  Vec3 finger_;  ///< m, half: x along the faces, y across the jaws, z ahead
   const Cube& cube_;
+  std::vector<planning::PlacedBox> beside_;
 };
 
 }  // namespace
@@ -177,50 +218,44 @@ Expected<std::vector<JawGrasp>> jaw_grasps(const RobotModel& robot, std::span<co
   const JawGripper& gripper = *arm->gripper;
   const Scene scene(cubes, which, others);
   const Cube& cube = scene.cube;
-  const Fingers fingers = fingers_of(robot);
   if (scene.is_covered()) return std::unexpected(Error{ErrorCode::kCubeCovered});
   if (cube.edge + 2 * kEnter > gripper.width_max) {
     return std::unexpected(
         Error{ErrorCode::kCubeTooWide, -1, cube.edge, gripper.width_max - 2 * kEnter});
   }
-  const TipPlaces places(robot, gripper, cube);
-  const double tips = cube.p_BO.z + places.grip();
-  const double widest = std::min(kBeside, (gripper.width_max - cube.edge) / 2) + fingers.thick;
-  const double needed = fingers.thick + kEnter;
+  const JawPlaces places(robot, gripper, scene);
+  const double needed = places.needed();
   std::vector<JawGrasp> grasps;
-  // Wide jaws may come too near to the arm itself, and a joint may end a little too early.
-  const auto add = [&](double along, double tilt, double room) {
-    for (const double up : {0.0, 3e-3, -2e-3}) {
-      for (const double open : {room, needed}) {
-        if (const auto grasp = places.place(along, tilt, open, up)) grasps.push_back(*grasp);
-        if (room < needed + kMargin) break;
+  std::size_t sorted = 0;
+  double most = 0;
+  const auto add = [&](const Stand& stand, double widest) {
+    const double room = places.room_at(stand, widest);
+    most = std::max(most, room);
+    if (room < needed) return;
+    // As far from a neighbour as from the cube. Wide jaws may come too near to the arm itself.
+    const double open = room < widest ? (needed + room) / 2 : room;
+    if (const auto grasp = places.grasp(stand, open)) grasps.push_back(*grasp);
+    if (open < needed + kMargin) return;
+    if (const auto grasp = places.grasp(stand, needed)) grasps.push_back(*grasp);
+  };
+  const auto add_at = [&](std::span<const double> heights, double widest) {
+    constexpr int kSteps = static_cast<int>(kTiltMax / kTiltStep + 0.5);
+    for (const double along : {cube.yaw, cube.yaw + kPi / 2}) {
+      for (int step = -kSteps; step <= kSteps; ++step) {
+        for (const double up : heights) {
+          if (const auto stand = places.stand(along, step * kTiltStep, up)) add(*stand, widest);
+        }
       }
     }
+    const auto tilt = [](const JawGrasp& grasp) { return std::abs(grasp.pitch - kPi); };
+    std::ranges::stable_sort(std::span(grasps).subspan(sorted), [&](const auto& a, const auto& b) {
+      return std::abs(tilt(a) - tilt(b)) > 1e-9 ? tilt(a) < tilt(b) : a.room > b.room;
+    });
+    sorted = grasps.size();
   };
-  double most = 0;
-  const double far = std::hypot(cube.p_BO.x, cube.p_BO.y);
-  const Vec3 inward = -1 / std::max(far, 1e-9) * Vec3{cube.p_BO.x, cube.p_BO.y, 0};
-  const auto add_tilted = [&](double along, double way) {
-    for (int step = way > 0 ? 0 : 1; step * kTiltStep <= kTiltMax + 1e-9; ++step) {
-      const double tilt = way * step * kTiltStep;
-      const Vec3 lean = std::tan(tilt) * (cube.edge / 2 - places.grip()) * inward;
-      const double room = std::min(room_beside(scene, along, fingers, tips, lean, widest),
-                                   room_beside(scene, along + kPi, fingers, tips, lean, widest));
-      most = std::max(most, room);
-      if (room < needed) return;  // more tilt takes more
-      // As far from a neighbour as from the cube.
-      add(along, tilt, room < widest ? (needed + room) / 2 : room);
-    }
-  };
-  for (const double along : {cube.yaw, cube.yaw + kPi / 2}) {
-    add_tilted(along, 1);
-    add_tilted(along, -1);
-  }
+  add_at(kHeights, places.widest(kBeside));
+  add_at(kPoorHeights, places.widest(kBesideMost));
   if (grasps.empty()) return std::unexpected(Error{ErrorCode::kCubeCrowded, -1, most, needed});
-  std::ranges::stable_sort(grasps, [](const JawGrasp& a, const JawGrasp& b) {
-    const double tilt = std::abs(a.pitch - kPi), other = std::abs(b.pitch - kPi);
-    return std::abs(tilt - other) > 1e-9 ? tilt < other : a.room > b.room;
-  });
   return grasps;
 }
 

@@ -31,9 +31,9 @@ struct JawGrasp {
   double room = 0;   ///< m, beside the fingers of the open jaws, at least
 };
 
-/// All grasps of a cube by the jaws of `robot`, the least tilt first, then the most room. Closing
-/// tips go on along the approach axis; the closed ones hold it below its middle. The swept fingers
-/// stay 3 mm clear of all others.
+/// All grasps of a cube by the jaws of `robot`, the least tilt first, then the most room; behind
+/// them those that hold it higher or lower than is good. Closing tips go on along the approach
+/// axis. The swept fingers and the hand stay 3 mm clear of all others.
 /// @param robot  with jaws; asserted
 /// @param others  what is no cube, and is in the way like one
 /// @error kCubeCovered, kCubeCrowded, kCubeTooWide

@@ -213,15 +213,26 @@ class Choice {
   std::optional<Refusal> refusal_;
 };
 
-/// Beside a place, nearer to the base and higher: from there and to there an arm goes over what
-/// stands around it.
-std::array<Spot, 2> beside(const Spot& spot) {
-  constexpr std::array kAside{25e-3, 45e-3};  // m, inward and up
-  std::array<Spot, 2> places{spot, spot};
+/// Higher places over one, and nearer to the base: from there and to there an arm goes over what
+/// stands around it. As the tool is turned first, then tilted more and more: an arm whose wrist
+/// ends there goes higher so.
+std::vector<Spot> beside(const Spot& spot) {
+  struct Aside {
+    double in, up;  // m
+  };
+  constexpr std::array<Aside, 5> kAside{
+      {{25e-3, 25e-3}, {45e-3, 45e-3}, {0, 40e-3}, {-30e-3, 28e-3}, {-55e-3, 30e-3}}};
+  constexpr std::array kTilts{0.0, from_deg(15), from_deg(-15)};
+  std::vector<Spot> places;
   const double far = std::hypot(spot.p_BT.x, spot.p_BT.y);
-  for (std::size_t i = 0; i < kAside.size(); ++i) {
-    const double in = std::min(kAside[i], far) / std::max(far, 1e-9);
-    places[i].p_BT = spot.p_BT + Vec3{-in * spot.p_BT.x, -in * spot.p_BT.y, kAside[i]};
+  for (const double tilt : kTilts) {
+    if (tilt != 0 && !spot.pitch) continue;
+    for (const Aside& aside : kAside) {
+      const double in = std::min(aside.in, far) / std::max(far, 1e-9);
+      Spot& place = places.emplace_back(spot);
+      place.p_BT = spot.p_BT + Vec3{-in * spot.p_BT.x, -in * spot.p_BT.y, aside.up};
+      if (tilt != 0) *place.pitch += tilt;
+    }
   }
   return places;
 }
