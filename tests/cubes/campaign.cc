@@ -178,6 +178,31 @@ void count(std::uint64_t seed, CubeCell& cell, const std::vector<bool>& reachabl
   if (looked) check_refusals(seed, cell, left, fixed, tally);
 }
 
+/// A cheap camera's, in a room: shutters of 3 to 30 ms, read-out rows, compression, tint.
+render::Sensor sensor_by(SplitMix64& random, double exposure) {
+  render::Sensor sensor;
+  sensor.exposure = exposure;
+  sensor.blur = random.uniform(0.5, 1.1);
+  sensor.noise = random.uniform(0.002, 0.01);
+  sensor.grain = random.uniform(0.005, 0.02);
+  sensor.saturation = random.uniform(0.85, 1.2);
+  sensor.contrast = random.uniform(0, 0.5);
+  const auto gain = [&] { return static_cast<float>(std::exp(random.uniform(-0.15, 0.15))); };
+  sensor.balance = {gain(), 1, gain()};
+  sensor.jpeg = 60 + static_cast<int>(random.bits() % 36);
+  sensor.shutter = random.uniform(3e-3, 30e-3);
+  sensor.read_out = random.uniform(8e-3, 30e-3);
+  return sensor;
+}
+
+/// The white balance follows the scene, `t` s later.
+render::Sensor drifted(render::Sensor sensor, double drift, double t) {
+  const auto by = static_cast<float>(std::exp(drift * std::sin(2 * kPi * t / 60)));
+  sensor.balance.r *= by;
+  sensor.balance.b /= by;
+  return sensor;
+}
+
 }  // namespace
 
 CampaignCell cell_by(std::uint64_t seed) {
@@ -191,7 +216,7 @@ CampaignCell cell_by(std::uint64_t seed) {
   settings.anywhere = true;
   settings.clutter = clutter_by(random);
   settings.lamps = 1 + static_cast<int>(random.bits() % 3);
-  cell.trouble.exposure = std::exp(random.uniform(std::log(0.5), std::log(1.7)));
+  cell.trouble.sensor.exposure = std::exp(random.uniform(std::log(0.5), std::log(1.7)));
   const double off = random.uniform(0, 3e-3), toward = random.uniform(0, 2 * kPi);
   settings.calibration = {off * std::cos(toward), off * std::sin(toward),
                           random.uniform(-from_deg(0.3), from_deg(0.3))};
@@ -206,6 +231,9 @@ CampaignCell cell_by(std::uint64_t seed) {
     const double far = random.uniform(8e-3, 25e-3);
     cell.trouble.knocked = {far * std::cos(toward), far * std::sin(toward), 0};
   }
+  cell.trouble.sensor = sensor_by(random, cell.trouble.sensor.exposure);
+  cell.drift = random.uniform(0, 0.08);
+  settings.lens = {random.uniform(-0.2, 0), random.uniform(-0.02, 0.02), 0, 0, 0};
   // A hand that is gone again within a second or two is seen by no camera of ten pictures a second.
   if (cell.has_hand) settings.pace = 4;
   return cell;
@@ -237,13 +265,12 @@ void run_cell(std::uint64_t seed, Tally& tally) {
     if (job.paused && !was_paused && !is_there && !hand_was_there) ++tally.paused_wrongly;
     was_paused = job.paused;
     hand_paused = hand_paused || (job.paused && is_there);
-    if (is_there != hand_was_there) {
-      auto trouble = what.trouble;
-      if (is_there) trouble.hand = render::ViewedHand{what.hand_W, -kPi / 2};
-      if (is_there) ++tally.hands;
-      cell.table().set_trouble(trouble);
-      hand_was_there = is_there;
-    }
+    if (is_there && !hand_was_there) ++tally.hands;
+    hand_was_there = is_there;
+    auto trouble = what.trouble;
+    trouble.sensor = drifted(trouble.sensor, what.drift, t);
+    if (is_there) trouble.hand = render::ViewedHand{what.hand_W, -kPi / 2};
+    cell.table().set_trouble(trouble);
     // A person takes the hand away, or looks and finds nothing, and has it go on.
     if (!is_there && job.paused) cell.cell().jobs(0).resume(job.id);
   };

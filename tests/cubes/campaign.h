@@ -8,12 +8,14 @@
 #include "cubes/cube_cell.h"
 
 /// Whole cells by chance: arms, 1 to 12 cubes anywhere in front of them, clutter, light, a wrong
-/// calibration, a hand that comes into view, a camera that was knocked.
+/// calibration, lenses and sensors as cameras have them, a hand that comes into view, a camera that
+/// was knocked.
 namespace sinew::cubes {
 
 struct CampaignCell {
   CubeCellSettings settings;
   runtime::SimulatedTable::Trouble trouble;  ///< all the time
+  double drift = 0;  ///< of the white balance, red against blue, to and fro in a minute
   bool is_knocked = false;
   bool has_hand = false;
   Vec3 hand_W;                            ///< m, in the camera's table

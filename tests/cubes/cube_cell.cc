@@ -18,6 +18,8 @@
 namespace sinew::cubes {
 namespace {
 
+using vision::ColorName;
+
 constexpr double kEdge = 0.025;  // m
 constexpr control::ClientId kClient = 1;
 
@@ -31,6 +33,14 @@ bool is_beside(const Thing& thing, const Vec3& p_W) {
   const Vec3 p = thing.X_WS.inverse() * (p_W - kTable_W);
   const double out_x = std::abs(p.x) - thing.half.x, out_y = std::abs(p.y) - thing.half.y;
   return std::hypot(std::max(0.0, out_x), std::max(0.0, out_y)) > kClear;
+}
+
+/// As it is believed to hang.
+vision::TableCamera camera_of(const CubeCellSettings& settings) {
+  vision::TableCamera camera = runtime::usual_camera();
+  camera.model.lens = settings.lens;
+  if (settings.sheet) camera.sheet = "a4";
+  return camera;
 }
 
 /// Whether the camera sees all of a cube's top there, however it is turned.
@@ -53,15 +63,17 @@ bool is_in_picture(const vision::TableCamera& camera, const Vec3& p_W) {
 /// or anywhere in front of it.
 std::vector<CellCube> cubes_of(const CubeCellSettings& settings) {
   SplitMix64 random(settings.seed);
-  const vision::TableCamera camera = runtime::usual_camera();
+  const vision::TableCamera camera = camera_of(settings);
+  const auto colors = settings.anywhere ? ColorName::kWood : ColorName::kPink;  // those before it
   std::vector<CellCube> cubes;
   for (int tries = 0; cubes.size() < settings.cubes && tries < 1000; ++tries) {
     const double reach = settings.anywhere ? random.uniform(0.09, 0.26) : random.uniform(0.14, 0.2);
     const double widest = from_deg(settings.anywhere ? 40 : 30);
     const double turn = random.uniform(-widest, widest);
-    const CellCube cube{.color = static_cast<int>(random.bits() % 6),
-                        .p_W = {reach * std::cos(turn), reach * std::sin(turn), 0},
-                        .turn = random.uniform(0, kPi / 2)};
+    const CellCube cube{
+        .color = static_cast<int>(random.bits() % static_cast<std::uint64_t>(colors)),
+        .p_W = {reach * std::cos(turn), reach * std::sin(turn), 0},
+        .turn = random.uniform(0, kPi / 2)};
     const double apart = settings.anywhere ? 1.42 * kEdge : 1.5 * kEdge;
     bool free = std::ranges::all_of(cubes, [&](const CellCube& other) {
       return std::hypot(other.p_W.x - cube.p_W.x, other.p_W.y - cube.p_W.y) > apart;
@@ -150,8 +162,7 @@ CubeCell::CubeCell(const CubeCellSettings& settings) {
   }
   cell_ = std::move(*running);
   client_ = *runtime::StationClient::make(cell_->station(0), kClient);
-  vision::TableCamera believed = runtime::usual_camera();
-  if (settings.sheet) believed.sheet = "a4";
+  vision::TableCamera believed = camera_of(settings);
   vision::TableCamera real = believed;
   const PlanarError& off = settings.calibration;
   real.X_WC.p = rotation_z(off.turn) * real.X_WC.p + Vec3{off.x, off.y, 0};

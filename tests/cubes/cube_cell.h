@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <functional>
 #include <memory>
 #include <string>
@@ -29,7 +30,8 @@ struct CubeCellSettings {
   PlanarError calibration = {};    ///< how the camera hangs beside where it is believed to
   bool is_maxarm = false;          ///< in place of the LeArm
   bool on_arm = false;             ///< the camera is, of a LeArm
-  bool anywhere = false;           ///< also where the arm has no reach
+  bool anywhere = false;           ///< also where the arm has no reach, pink and black too
+  std::array<double, 5> lens{};    ///< of the camera, as its calibration has it, too
   std::vector<Thing> clutter{};    ///< in the camera's table
   std::uint64_t surroundings = 1;  ///< shades, grain, lamps
   double brightness = 1;

@@ -177,6 +177,33 @@ class CellMaker {
   int sheets_laid_ = 0;
 };
 
+/// The robots as they stand so many seconds later.
+CellView moved_on(CellView view, double seconds) {
+  for (ViewedRobot& robot : view.robots) {
+    for (std::size_t j = 0; j < robot.qd.size(); ++j) robot.q[j] += seconds * robot.qd[j];
+  }
+  return view;
+}
+
+/// What falls on the sensor while its rows are exposed, one after the other.
+View exposed(const CellView& view, const vision::CameraModel& camera,
+             const Pose<frame::World, frame::Camera>& X_WC, const Sensor& sensor,
+             std::uint64_t seed) {
+  constexpr int kViews = 8;
+  constexpr double kStill = 1e-3;  // rad/s; servos tremble
+  const bool moves = std::ranges::any_of(view.robots, [](const ViewedRobot& robot) {
+    return std::ranges::any_of(robot.qd, [](double qd) { return std::abs(qd) > kStill; });
+  });
+  const double takes = sensor.shutter + sensor.read_out;
+  if (!moves || takes <= 0) return view_of(cell_scene(view), camera, X_WC, seed);
+  std::vector<View> views;
+  for (int i = 0; i < kViews; ++i) {
+    const double later = ((i + 0.5) / kViews - 0.5) * takes;
+    views.push_back(view_of(cell_scene(moved_on(view, later)), camera, X_WC, seed));
+  }
+  return rolling_shutter(views, sensor.shutter / takes);
+}
+
 }  // namespace
 
 PrintPicture print_of(const vision::TagBoard& board) {
@@ -190,8 +217,7 @@ Scene cell_scene(const CellView& view) {
 vision::Picture picture_of(const CellView& view, const vision::CameraModel& camera,
                            const Pose<frame::World, frame::Camera>& X_WC, Sensor sensor,
                            std::uint64_t seed) {
-  const Scene scene = cell_scene(view);
-  const View seen = view_of(scene, camera, X_WC, seed);
+  const View seen = exposed(view, camera, X_WC, sensor, seed);
   sensor.exposure *= exposure_for(seen, kExposureMean);
   return taken(seen, sensor, seed);
 }

@@ -233,5 +233,48 @@ TEST(CellScene, exposure_is_automatic_and_the_sensor_s_is_a_factor) {
   EXPECT_LT(mean(1, 0.5), mean(1, 1) - 20);
 }
 
+TEST(CellScene, an_arm_that_moves_is_blurred_and_nothing_else_is) {
+  CellView view;
+  view.robots = {learm(0.3)};
+  const Sensor sensor{.shutter = 0.02, .read_out = 0.01};
+  const auto still = picture_of(view, camera(), aslant(), sensor, 7);
+  EXPECT_EQ(still.rgb, picture_of(view, camera(), aslant(), {}, 7).rgb);
+  view.robots[0].qd = {1.5, 0, 0, 0, 0};
+  const auto moving = picture_of(view, camera(), aslant(), sensor, 7);
+  EXPECT_NE(moving.rgb, still.rgb);
+  /// Of rows and columns, what they change by from pixel to pixel.
+  const auto edges = [](const vision::Picture& picture) {
+    double sum = 0;
+    for (int y = 0; y < picture.height; ++y) {
+      for (int x = 1; x < picture.width; ++x) {
+        sum += std::abs(picture.at(x, y)[1] - picture.at(x - 1, y)[1]);
+      }
+    }
+    return sum;
+  };
+  EXPECT_LT(edges(moving), edges(still));
+  // Beside the arm and its shadows, where the exposure alone may differ a little.
+  const auto before = seen_at(still, {0.15, -0.1, 0}, aslant());
+  const auto then = seen_at(moving, {0.15, -0.1, 0}, aslant());
+  for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(before[c], then[c], 2);
+}
+
+TEST(CellScene, a_camera_s_compression_costs_what_its_quality_says) {
+  CellView view;
+  view.cubes = {cube_at(0, 0, 0.3, ColorName::kRed)};
+  const auto plain = picture_of(view, camera(), aslant(), {}, 7);
+  const auto off = [&](int quality) {
+    const auto picture = picture_of(view, camera(), aslant(), {.jpeg = quality}, 7);
+    double sum = 0;
+    for (std::size_t i = 0; i < plain.rgb.size(); ++i)
+      sum += std::abs(plain.rgb[i] - picture.rgb[i]);
+    return sum / static_cast<double>(plain.rgb.size());
+  };
+  EXPECT_GT(off(95), 0);
+  EXPECT_GT(off(60), off(95));
+  EXPECT_GT(off(20), off(60));
+  EXPECT_LT(off(20), 8);
+}
+
 }  // namespace
 }  // namespace sinew::render

@@ -11,14 +11,15 @@ namespace sinew::render {
 struct ViewedRobot {
   RobotModel model;
   Pose<frame::World, frame::Base> X_WB;
-  JointVector q;    ///< rad
-  double jaws = 0;  ///< m between the fingers; for a robot that has some
-  double held = 0;  ///< m, edge of a cube that its fingers are believed to hold; 0: none
+  JointVector q;     ///< rad
+  double jaws = 0;   ///< m between the fingers; for a robot that has some
+  double held = 0;   ///< m, edge of a cube that its fingers are believed to hold; 0: none
+  JointVector qd{};  ///< rad/s, while the picture is taken; empty: it stands
 };
 
 /// Links of a robot in the world, as model/collision_links.h counts them. A hexapod has its stand
 /// alone: its joints say where its platform is only by an iteration.
-/// @pre one angle for each joint
+/// @pre one angle for each joint, in the middle of the exposure
 std::vector<Pose<frame::World, frame::Link>> link_poses(const ViewedRobot& robot);
 
 /// Adds a robot's body: links in turn in two plastics, fingers dark.

@@ -3,8 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
+#include "sinew/core/assert.h"
 #include "sinew/render/tracer.h"
+#include "sinew/vision/picture_file.h"
 #include "sinew/vision/srgb.h"
 
 namespace sinew::render {
@@ -250,7 +253,10 @@ vision::Picture taken(const View& view, const Sensor& sensor, std::uint64_t seed
       }
     }
   }
-  return picture;
+  if (sensor.jpeg == 0) return picture;
+  auto compressed = vision::decode_picture(vision::encode_jpeg(picture, sensor.jpeg));
+  SINEW_ASSERT(compressed);
+  return *std::move(compressed);
 }
 
 View rolling_shutter(std::span<const View> views, double exposure) {

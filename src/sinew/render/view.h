@@ -38,13 +38,16 @@ struct Sensor {
   Rgb balance{1, 1, 1};    ///< gains of the white balance
   double saturation = 1;   ///< of colours, in the camera's own processing
   double contrast = 0;     ///< 0: sRGB; 1: an S through it, as cameras like it
+  int jpeg = 0;            ///< quality of its compression, 1 to 100; 0: none
+  double shutter = 0;      ///< s, that each row is exposed; for picture_of() alone
+  double read_out = 0;     ///< s, from the first row to the last; likewise
 };
 
 vision::Picture taken(const View& view, const Sensor& sensor, std::uint64_t seed);
 
 /// One picture of things that move: each row is the mean of the views within its own exposure.
 /// @param views  at even times over exposure and read-out, of one size, at least one
-/// @param exposure  share of that time, above 0; the rest passes from the first row to the last
+/// @param exposure  share of that time, 0 to 1; the rest passes from the first row to the last
 View rolling_shutter(std::span<const View> views, double exposure);
 
 }  // namespace sinew::render

@@ -166,7 +166,10 @@ std::optional<render::ViewedRobot> RunningCell::robot_in_view(std::size_t i, Sta
   const StationView view = stations_[i]->view();
   render::ViewedRobot robot{stations_[i]->robot(), cell_.robots[i].X_WB, {}};
   if (how == Stand::kTrue && view.truth) {
-    for (const sim::JointTruth& joint : view.truth->joints) robot.q.push_back(joint.q);
+    for (const sim::JointTruth& joint : view.truth->joints) {
+      robot.q.push_back(joint.q);
+      robot.qd.push_back(joint.qd);
+    }
     robot.jaws = view.truth->tool;
   } else {
     // Also on the way.

@@ -227,9 +227,7 @@ Expected<vision::Picture> SimulatedTable::picture(const vision::TableCamera& cam
   if (shown) put_shown(view, camera, *shown, print);
   auto X_WC = camera.X_WC;
   X_WC.p = X_WC * trouble.knocked;
-  render::Sensor sensor;
-  sensor.exposure = trouble.exposure;
-  auto picture = render::picture_of(view, camera.model, X_WC, sensor, taken);
+  auto picture = render::picture_of(view, camera.model, X_WC, trouble.sensor, taken);
   if (trouble.covered) {
     // Light from a room still leaks in.
     for (std::uint8_t& value : picture.rgb) value = static_cast<std::uint8_t>(8 + value / 64);

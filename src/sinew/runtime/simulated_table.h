@@ -48,8 +48,8 @@ class SimulatedTable {
     bool unplugged = false;
     bool covered = false;
     bool frozen = false;
-    Vec3 knocked;  ///< m, of its own axes, from where it was calibrated
-    double exposure = 1;
+    Vec3 knocked;                              ///< m, of its own axes, from where it was calibrated
+    render::Sensor sensor{};                   ///< exposure: of the automatic one
     std::optional<render::ViewedHand> hand{};  ///< on the table
   };
   /// What a person shows a camera that is calibrated. Cubes are put aside meanwhile, and

@@ -2,6 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <utility>
+#include <vector>
+
 #include "sinew/config/builtin_robots.h"
 #include "sinew/program/program_file.h"
 #include "sinew/server/api_test_cell.h"
@@ -44,7 +48,8 @@ TEST(Demonstration, each_robot_is_shown_and_moves) {
   EXPECT_TRUE(shown.over());
 }
 
-TEST(Demonstration, a_pause_by_the_camera_ends_by_itself) {
+/// A cube or two in front of a LeArm, a basket, and a camera above them.
+Cell table_with(std::vector<CellCube> cubes) {
   Cell table;
   table.cameras.emplace_back();
   table.cameras[0].name = "eye";
@@ -53,15 +58,41 @@ TEST(Demonstration, a_pause_by_the_camera_ends_by_itself) {
   table.baskets.emplace_back();
   table.baskets[0].name = "tray";
   table.baskets[0].X_WK.p = {0.06, 0.18, 0};
-  table.cubes = {{.color = 0, .p_W = {0.17, -0.02, 0}, .turn = 0.4}};
-  ApiCell cell({test::place("a", "learm", "bus")}, 5, {}, {}, nullptr, {}, table);
-  runtime::RunningCell& running = cell.cell();
+  table.cubes = std::move(cubes);
+  return table;
+}
+
+void open_camera(runtime::RunningCell& running) {
   const auto camera = runtime::usual_camera();
   const auto robots = [&running] {
     return running.robots_in_view(runtime::RunningCell::Stand::kTrue);
   };
   running.open_camera(0, {"eye", camera, 0.025}, running.table()->pictures(camera, robots),
                       running.table()->glances(camera, robots));
+}
+
+TEST(Demonstration, sorts_what_its_camera_sees_into_the_basket) {
+  ApiCell cell({test::place("a", "learm", "bus")}, 5, {}, {}, nullptr, {},
+               table_with({{.color = 0, .p_W = {0.17, -0.02, 0}, .turn = 0.4},
+                           {.color = 4, .p_W = {0.15, -0.08, 0}, .turn = 1}}));
+  open_camera(cell.cell());
+  Demonstration shown(cell.api(), cell.cell());
+  EXPECT_TRUE(cell.until([&] {
+    shown.poll(cell.now());
+    std::ptrdiff_t placed = 0;
+    cell.cell().table()->cubes().with([&](const sim::CubeWorld& world) {
+      placed = std::ranges::count(world.cubes(), sim::CubePlace::kBasket, &sim::CubeState::where);
+    });
+    return placed == 2;
+  })) << shown.parts().front().trouble;
+  EXPECT_TRUE(shown.parts().front().trouble.empty()) << shown.parts().front().trouble;
+}
+
+TEST(Demonstration, a_pause_by_the_camera_ends_by_itself) {
+  ApiCell cell({test::place("a", "learm", "bus")}, 5, {}, {}, nullptr, {},
+               table_with({{.color = 0, .p_W = {0.17, -0.02, 0}, .turn = 0.4}}));
+  runtime::RunningCell& running = cell.cell();
+  open_camera(running);
   Demonstration shown(cell.api(), running);
   const auto job = [&] { return running.jobs(0).view(); };
   // It comes and goes: what is there before the arm sorts is no news.

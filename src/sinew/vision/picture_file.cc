@@ -130,15 +130,14 @@ Decoded decode_picture(Bytes file) {
   return upright(std::move(*picture), orientation_of_file(file));
 }
 
-std::vector<std::uint8_t> encode_jpeg(const Picture& picture) {
-  constexpr int kQuality = 85;
+std::vector<std::uint8_t> encode_jpeg(const Picture& picture, int quality) {
   const std::unique_ptr<void, FreeJpeg> jpeg(tjInitCompress());
   SINEW_ASSERT(jpeg != nullptr);
   std::vector<std::uint8_t> file(tjBufSize(picture.width, picture.height, TJSAMP_420));
   unsigned char* out = file.data();
   unsigned long size = file.size();
   const int done = tjCompress2(jpeg.get(), picture.rgb.data(), picture.width, 0, picture.height,
-                               TJPF_RGB, &out, &size, TJSAMP_420, kQuality, TJFLAG_NOREALLOC);
+                               TJPF_RGB, &out, &size, TJSAMP_420, quality, TJFLAG_NOREALLOC);
   SINEW_ASSERT(done == 0);  // it has a size, and room
   file.resize(size);
   return file;

@@ -18,8 +18,8 @@ inline constexpr std::int64_t kPixelsMax = 64'000'000;
 /// @error  a sentence: no picture, a kind of picture that is not read, cut short, too large
 std::expected<Picture, std::string> decode_picture(std::span<const std::uint8_t> file);
 
-/// As a JPEG file, as cameras write them. @pre it has a size
-std::vector<std::uint8_t> encode_jpeg(const Picture& picture);
+/// As a JPEG file, as cameras write them. @pre it has a size. @param quality  1 to 100
+std::vector<std::uint8_t> encode_jpeg(const Picture& picture, int quality = 85);
 /// As a PNG file.
 std::vector<std::uint8_t> encode_png(const Picture& picture);
 
