@@ -195,9 +195,10 @@ render::Sensor sensor_by(SplitMix64& random, double exposure) {
   return sensor;
 }
 
-/// The white balance follows the scene, `t` s later.
+/// The white balance follows the scene, `t` s later: slowly, as glances do not come faster in cells
+/// whose time does.
 render::Sensor drifted(render::Sensor sensor, double drift, double t) {
-  const auto by = static_cast<float>(std::exp(drift * std::sin(2 * kPi * t / 60)));
+  const auto by = static_cast<float>(std::exp(drift * std::sin(2 * kPi * t / 1200)));
   sensor.balance.r *= by;
   sensor.balance.b /= by;
   return sensor;
@@ -262,7 +263,10 @@ void run_cell(std::uint64_t seed, Tally& tally) {
     const double t = to_seconds(arm.view().at - begin);
     const bool is_there = what.has_hand && t >= what.hand_begins && t < what.hand_ends;
     const runtime::JobView job = cell.cell().jobs(0).view();
-    if (job.paused && !was_paused && !is_there && !hand_was_there) ++tally.paused_wrongly;
+    if (job.paused && !was_paused && !is_there && !hand_was_there) {
+      ++tally.paused_wrongly;
+      tally.findings.push_back(fmt::format("seed {}: paused at {:.1f} s", seed, t));
+    }
     was_paused = job.paused;
     hand_paused = hand_paused || (job.paused && is_there);
     if (is_there && !hand_was_there) ++tally.hands;
@@ -277,6 +281,10 @@ void run_cell(std::uint64_t seed, Tally& tally) {
   const Ended ended = cell.run_own_program(look);
   tally.hands_noticed += hand_paused ? 1 : 0;
   ++tally.ends[end_of(ended)];
+  if (ended.job.failure) {
+    tally.findings.push_back(
+        fmt::format("seed {}: the program ended: {}", seed, describe(ended.job.failure->error)));
+  }
   for (const auto& contact : watch.contacts(ended)) {
     ++tally.contacts;
     tally.findings.push_back(fmt::format("seed {}: contact: {}", seed, contact));

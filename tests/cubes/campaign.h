@@ -15,7 +15,7 @@ namespace sinew::cubes {
 struct CampaignCell {
   CubeCellSettings settings;
   runtime::SimulatedTable::Trouble trouble;  ///< all the time
-  double drift = 0;  ///< of the white balance, red against blue, to and fro in a minute
+  double drift = 0;  ///< of the white balance, red against blue, to and fro in 20 min
   bool is_knocked = false;
   bool has_hand = false;
   Vec3 hand_W;                            ///< m, in the camera's table

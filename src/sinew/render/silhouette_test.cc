@@ -73,14 +73,17 @@ TEST(Silhouette, an_arm_that_works_with_its_shadow_is_no_disturbance_and_a_hand_
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
     CellView view = table(seed);
     vision::ViewWatch watch(kLeast);
-    Sensor sensor;
+    Sensor sensor{.jpeg = 75, .shutter = 0.02, .read_out = 0.02};
     constexpr int kPictures = 8;
     for (int k = 0; k < kPictures; ++k) {
       view.robots = {learm(-0.5 + 0.09 * k, 0.5 + 0.04 * k)};
       // A cube that is taken away under the hand.
       if (k == 5) view.cubes.pop_back();
       if (k == 5) view.robots[0] = learm(-0.5, 0.9);
+      if (k % 4 == 1) view.robots[0].qd = {0.5, 0.3, 0, 0, 0};
       sensor.exposure = 1 + 0.02 * (k % 3);
+      const float tint = k < 4 ? 0.0F : 0.2F;
+      sensor.balance = {1 + tint, 1, 1 - tint};  // as phones have it
       const auto cells = expected(view);
       const auto there = watch.look(picture_of(view, camera(), above(), sensor, seed + 10), cells);
       EXPECT_FALSE(there) << "seed " << seed << ", picture " << k;

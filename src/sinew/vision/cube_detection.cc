@@ -55,7 +55,13 @@ Detection detect_cubes(const Picture& picture, const DetectionSettings& settings
   for (std::size_t i = 0; i < things.tops.size(); ++i) {
     const Top& top = things.tops[i];
     const auto refuse = [&](std::string_view why, Height height = Height::kPerhaps) {
-      detection.refused.push_back({top.quad, std::string(why), height, {}});
+      detection.refused.push_back({top.quad, std::string(why), height, {}, {}});
+    };
+    const bool is_wanted = settings.colors.empty() || !top.color ||
+                           std::ranges::find(settings.colors, *top.color) != settings.colors.end();
+    const auto as_cube = [&] {
+      return SeenCube{*top.color,  top.quad, middle_of(top.quad), edge_of(top.quad), yaw(top.quad),
+                      believed[i], {}};
     };
     const auto other = std::ranges::find_if(things.others, [&](const LikelyOther& one) {
       return one.sureness > top.sureness && is_inside(top.quad, one.middle);
@@ -75,20 +81,14 @@ Detection detect_cubes(const Picture& picture, const DetectionSettings& settings
       refuse(is_round ? "it has not four corners"
                       : "its top is hardly that of a cube, or mostly hidden",
              believed[i] > kPerhaps && !is_round ? Height::kLikely : Height::kPerhaps);
+      if (top.color && is_wanted && !is_round) detection.refused.back().cube = as_cube();
     } else if (!top.color) {
       refuse("it is white or grey", Height::kLikely);
-    } else if (!settings.colors.empty() &&
-               std::ranges::find(settings.colors, *top.color) == settings.colors.end()) {
+    } else if (!is_wanted) {
       refuse("it is " + std::string(name(*top.color)) + ", which was not asked for",
              Height::kLikely);
     } else {
-      detection.cubes.push_back({*top.color,
-                                 top.quad,
-                                 middle_of(top.quad),
-                                 edge_of(top.quad),
-                                 yaw(top.quad),
-                                 believed[i],
-                                 {}});
+      detection.cubes.push_back(as_cube());
     }
   }
   for (const LikelyOther& other : things.others) {
@@ -97,7 +97,7 @@ Detection detect_cubes(const Picture& picture, const DetectionSettings& settings
     if (other.sureness < kOtherSure || top) continue;
     const double edge = common > 0 ? common : 0.04 * std::max(picture.width, picture.height);
     detection.refused.push_back(
-        {square_around(other.middle, edge), std::string(other.why), height_of(other), {}});
+        {square_around(other.middle, edge), std::string(other.why), height_of(other), {}, {}});
   }
   return detection;
 }

@@ -51,6 +51,8 @@ struct RefusedShape {
   Height height = Height::kFlat;
   /// With a calibrated camera, unless it is flat: vision/table_camera.h.
   std::optional<ThingPosition> position{};
+  /// The cube that it may be: its sides on a calibrated table decide.
+  std::optional<SeenCube> cube{};
 };
 
 struct Detection {

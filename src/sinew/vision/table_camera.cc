@@ -40,6 +40,85 @@ std::optional<CubePosition> square_at(const TableCamera& camera, const Quad& top
   return square;
 }
 
+constexpr double kSquare = 16.5;  ///< contrast of a square's sides, of 8-bit RGB
+
+/// On the level on which a square of a cube's size fits best; nothing where its corners say that
+/// its size is off by more than a quarter on each.
+std::optional<TableFit> best_fit(const Picture& picture, const TableCamera& camera,
+                                 const SeenCube& cube, double edge,
+                                 const std::vector<bool>& hidden) {
+  constexpr int kLevels = 6;
+  constexpr double kOffMost = 0.25;
+  // Its corners say the size to a tenth: two levels more or less. A top and a side face together
+  // look like a larger top, so what decides is where the side faces end that are seen.
+  constexpr double kFoot = 16;        // of 8-bit RGB
+  constexpr double kFits = 0.75;      // of the contrast on the lowest level
+  constexpr double kSmallest = 0.97;  // of its size: corners are rather seen too far out
+  std::optional<TableFit> best;
+  double lowest = 0;
+  for (int level = 1; level <= kLevels; ++level) {
+    auto square = square_at(camera, cube.top, level * edge);
+    if (!square) break;
+    if (std::abs(square->edge / edge - 1) >= kOffMost) continue;
+    square->level = level;
+    const double pixel = square->edge / std::max(cube.size, 1.0);
+    TableFit fit = fitted_on_table(picture, camera, *square, edge, pixel, hidden);
+    if (!best) lowest = fit.contrast;
+    const bool fits = fit.foot.value_or(0) >= kFoot && fit.contrast >= kFits * lowest &&
+                      square->edge >= kSmallest * edge;
+    if (level > 1 && !fits) continue;
+    best = std::move(fit);
+  }
+  return best;
+}
+
+/// What the sides of a doubtful top on the table say.
+enum class Sides : std::uint8_t { kOfNone, kPerhaps, kOfCube };
+Sides sides_of(const std::optional<TableFit>& fit) {
+  constexpr double kFoot = 12, kSureFoot = 17, kSureSquare = 17.5;  // of 8-bit RGB
+  if (fit && !fit->is_sure) return Sides::kPerhaps;                 // a robot hides too much
+  if (!fit || fit->contrast < kSquare || fit->foot.value_or(kFoot) < kFoot) return Sides::kOfNone;
+  const bool sure =
+      fit->is_sure && fit->contrast >= kSureSquare && fit->foot.value_or(0) >= kSureFoot;
+  return sure ? Sides::kOfCube : Sides::kPerhaps;
+}
+
+/// A refused shape as a detection that can be fitted; its color does not count.
+SeenCube as_cube(const RefusedShape& shape) {
+  SeenCube cube;
+  cube.top = shape.outline;
+  cube.size = edge_of(shape.outline);
+  return cube;
+}
+
+/// Of the doubtful tops those whose sides are those of a cube become cubes, and those that have no
+/// sides are no likely obstacles.
+void decide_by_sides(Detection& detection, const Picture& picture, const TableCamera& camera,
+                     double edge, const std::vector<bool>& hidden) {
+  constexpr double kSame = 0.8;  // of an edge
+  std::vector<RefusedShape> kept;
+  for (RefusedShape& shape : detection.refused) {
+    if (shape.height == Height::kLikely) {
+      const auto fit = best_fit(picture, camera, as_cube(shape), edge, hidden);
+      const Sides sides = sides_of(fit);
+      if (sides == Sides::kOfNone) shape.height = Height::kPerhaps;
+      if (sides == Sides::kOfCube && shape.cube) {
+        const Vec3& top_W = fit->position.top_W;
+        const bool is_new = std::ranges::none_of(detection.cubes, [&](const SeenCube& other) {
+          return norm(other.position->top_W - top_W) < kSame * edge;
+        });
+        if (is_new) {
+          detection.cubes.push_back(*shape.cube);
+          detection.cubes.back().position = fit->position;
+          continue;
+        }
+      }
+    }
+    kept.push_back(std::move(shape));
+  }
+  detection.refused = std::move(kept);
+}
+
 /// Whether a point is over an object.
 bool holds(const ThingPosition& thing, const Vec3& p_W) {
   const Vec3 d = p_W - thing.top_W;
@@ -112,39 +191,17 @@ std::expected<CubePosition, NotPlaced> cube_position(const Picture& picture,
                                                      const TableCamera& camera,
                                                      const SeenCube& cube, double edge,
                                                      const std::vector<bool>& hidden) {
-  constexpr int kLevels = 6;
-  constexpr double kOffMost = 0.25;
-  // Its corners say the size to a tenth: two levels more or less. A top and a side face together
-  // look like a larger top, so what decides is where the side faces end that are seen.
-  constexpr double kFoot = 16;        // of 8-bit RGB
-  constexpr double kFits = 0.75;      // of the contrast on the lowest level
-  constexpr double kSmallest = 0.97;  // of its size: corners are rather seen too far out
   // A round top, and a brick's, has few edges along the sides of a square. Cubes that the detection
   // is sure of may have little contrast to the table.
-  constexpr double kSquare = 16.5;  // of 8-bit RGB
-  constexpr double kSure = 0.9;     // confidence
-  std::optional<TableFit> best;
-  double lowest = 0;
-  for (int level = 1; level <= kLevels; ++level) {
-    auto square = square_at(camera, cube.top, level * edge);
-    if (!square) break;
-    if (std::abs(square->edge / edge - 1) >= kOffMost) continue;
-    square->level = level;
-    const double pixel = square->edge / std::max(cube.size, 1.0);
-    TableFit fit = fitted_on_table(picture, camera, *square, edge, pixel, hidden);
-    if (!best) lowest = fit.contrast;
-    const bool fits = fit.foot.value_or(0) >= kFoot && fit.contrast >= kFits * lowest &&
-                      square->edge >= kSmallest * edge;
-    if (level > 1 && !fits) continue;
-    best = std::move(fit);
-  }
-  if (best && !best->is_sure) {
+  constexpr double kSure = 0.9;  // confidence
+  const auto fit = best_fit(picture, camera, cube, edge, hidden);
+  if (fit && !fit->is_sure) {
     return std::unexpected(NotPlaced{"a robot hides it in part", Height::kLikely});
   }
-  if (best && best->contrast < kSquare && cube.confidence < kSure) {
+  if (fit && fit->contrast < kSquare && cube.confidence < kSure) {
     return std::unexpected(NotPlaced{"its top is no square of a cube's size"});
   }
-  if (best) return best->position;
+  if (fit) return fit->position;
   const auto square = square_at(camera, cube.top, edge);
   return std::unexpected(
       NotPlaced{square ? "its top measures " + number_text(to_mm(square->edge), 0) +
@@ -158,13 +215,15 @@ void place_on_table(Detection& detection, const Picture& picture, const TableCam
   for (SeenCube& cube : detection.cubes) {
     const auto position = cube_position(picture, camera, cube, edge, hidden);
     if (!position) {
-      detection.refused.push_back({cube.top, position.error().why, position.error().height, {}});
+      detection.refused.push_back(
+          {cube.top, position.error().why, position.error().height, {}, {}});
       continue;
     }
     cube.position = *position;
     kept.push_back(std::move(cube));
   }
   detection.cubes = std::move(kept);
+  decide_by_sides(detection, picture, camera, edge, hidden);
   for (RefusedShape& shape : detection.refused) {
     if (shape.height == Height::kFlat) continue;
     shape.position = position_of(shape, picture, camera, edge, detection, hidden);

@@ -58,8 +58,8 @@ std::expected<CubePosition, NotPlaced> cube_position(const Picture& picture,
                                                      const std::vector<bool>& hidden = {});
 
 /// Gives all cubes their positions; those that have another size, or are hidden too much to say
-/// where they are, are refused. Refused shapes that are not flat get one, unless they are the side
-/// of a cube or a robot.
+/// where they are, are refused. Doubtful tops whose sides are those of a cube become cubes. Refused
+/// shapes that are not flat get one, unless they are the side of a cube or a robot.
 /// @param picture  that they were seen in
 /// @param edge     m, of all cubes
 /// @param hidden   cells of grid_of() in which a robot stands before the table; empty: none does

@@ -33,15 +33,16 @@ std::array<float, 3> color_at(const Picture& cells, std::size_t i) {
 /// may be brighter than it says, and where it was full it says nothing. One that is full no more is
 /// taken as it was: else skin on a bright table would pass for a shadow.
 /// @param full  of `now`, a channel from there on
-bool is_other(const std::array<float, 3>& now, const std::array<float, 3>& was, float full) {
+bool is_other(const std::array<float, 3>& now, const std::array<float, 3>& was,
+              const std::array<float, 3>& full) {
   float across = 0;
   float along = 0;
   float least = 0;  // by full channels
   bool is_full = false;
   for (std::size_t c = 0; c < 3; ++c) {
     least = std::max(least, now[c] / std::max(1.0F, was[c]));
-    is_full = is_full || now[c] >= full;
-    if (now[c] >= full) continue;
+    is_full = is_full || now[c] >= full[c];
+    if (now[c] >= full[c]) continue;
     across += now[c] * was[c];
     along += was[c] * was[c];
   }
@@ -50,7 +51,7 @@ bool is_other(const std::array<float, 3>& now, const std::array<float, 3>& was, 
   float off = 0;
   for (std::size_t c = 0; c < 3; ++c) {
     const float apart = now[c] - share * was[c];
-    const bool is_hidden = now[c] >= full && (apart < 0 || was[c] >= kFull);
+    const bool is_hidden = now[c] >= full[c] && (apart < 0 || was[c] >= kFull);
     off += is_hidden ? 0 : apart * apart;
   }
   const float most = share > kGlare ? kAlike : kOther;
@@ -90,7 +91,8 @@ std::optional<Pixel> ViewWatch::look(const Picture& picture, const std::vector<b
     known_.assign(grid.size(), false);
     seen_ = false;
   }
-  const float exposure = exposure_of(cells, may_move);
+  const Color exposure = exposure_of(cells, may_move);
+  const Color full{kFull / exposure[0], kFull / exposure[1], kFull / exposure[2]};
   std::vector<bool> changed(grid.size(), false);
   for (std::size_t i = 0; i < grid.size(); ++i) {
     if (may_move[i]) {
@@ -98,11 +100,11 @@ std::optional<Pixel> ViewWatch::look(const Picture& picture, const std::vector<b
       continue;
     }
     Color now = color_at(cells, i);
-    for (float& value : now) value /= exposure;
+    for (std::size_t c = 0; c < 3; ++c) now[c] /= exposure[c];
     if (!known_[i]) {
       was_[i] = now;
       known_[i] = true;
-    } else if (is_other(now, was_[i], kFull / exposure)) {
+    } else if (is_other(now, was_[i], full)) {
       changed[i] = true;
     } else if (sum(now) > kGlare * sum(was_[i])) {
       was_[i] = now;  // a shadow has gone
@@ -116,20 +118,26 @@ std::optional<Pixel> ViewWatch::look(const Picture& picture, const std::vector<b
   return 1.0 * picture.width / grid.columns * *there;
 }
 
-/// Light of the picture as a whole against what it was: the median over cells.
-float ViewWatch::exposure_of(const Picture& cells, const std::vector<bool>& may_move) const {
-  constexpr float kDark = 60;  // a sum below says little
-  std::vector<float> shares;
-  for (std::size_t i = 0; i < was_.size(); ++i) {
-    if (!known_[i] || may_move[i] || sum(was_[i]) < kDark) continue;
-    shares.push_back(sum(color_at(cells, i)) / sum(was_[i]));
-  }
-  if (shares.size() < was_.size() / 4) return 1;
-  const auto middle = shares.begin() + static_cast<std::ptrdiff_t>(shares.size() / 2);
-  std::ranges::nth_element(shares, middle);
+/// Light of the picture as a whole against what it was, in each channel: the median over cells.
+ViewWatch::Color ViewWatch::exposure_of(const Picture& cells,
+                                        const std::vector<bool>& may_move) const {
+  constexpr float kDark = 20;  // a value below says little
   // More is no exposure: the camera is covered, or the lamps went out.
   constexpr float kMost = 1.4F;
-  return std::clamp(*middle, 1 / kMost, kMost);
+  Color exposure{1, 1, 1};
+  std::vector<float> shares;
+  for (std::size_t c = 0; c < 3; ++c) {
+    shares.clear();
+    for (std::size_t i = 0; i < was_.size(); ++i) {
+      if (!known_[i] || may_move[i] || was_[i][c] < kDark) continue;
+      shares.push_back(color_at(cells, i)[c] / was_[i][c]);
+    }
+    if (shares.size() < was_.size() / 4) continue;
+    const auto middle = shares.begin() + static_cast<std::ptrdiff_t>(shares.size() / 2);
+    std::ranges::nth_element(shares, middle);
+    exposure[c] = std::clamp(*middle, 1 / kMost, kMost);
+  }
+  return exposure;
 }
 
 /// Middle of the largest part that hangs together, cells, where it counts.

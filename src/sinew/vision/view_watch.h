@@ -27,9 +27,10 @@ CellGrid grid_of(int width, int height);
 
 /// Notices what comes into the view of a camera that stands still, beside what may move there.
 ///
-/// Each cell's color is held against what it was. Brighter or darker as a whole is another
-/// exposure; darker cells of the same hue are a shadow, brighter ones of very nearly the same hue
-/// one that has gone. What was hidden by something that may move is seen anew afterwards.
+/// Each cell's color is held against what it was. A channel that is brighter or darker as a whole
+/// is another exposure or white balance; darker cells of the same hue are a shadow, brighter ones
+/// of very nearly the same hue one that has gone. What was hidden by something that may move is
+/// seen anew afterwards.
 class ViewWatch {
  public:
   /// @param least  cells; what is smaller does not count
@@ -45,7 +46,7 @@ class ViewWatch {
  private:
   using Color = std::array<float, 3>;
 
-  float exposure_of(const Picture& cells, const std::vector<bool>& may_move) const;
+  Color exposure_of(const Picture& cells, const std::vector<bool>& may_move) const;
   std::optional<Pixel> largest(const CellGrid& grid, std::vector<bool> changed) const;
 
   double least_;
