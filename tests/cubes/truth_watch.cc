@@ -141,8 +141,9 @@ std::vector<std::string> TruthWatch::contacts(const Ended& ended) const {
     if (event.kind == Kind::kGrasped) ++grasps;
     if (event.kind == Kind::kReleased) released.insert(*event.cube);
     const bool is_next = event.cube && grasps < taken.size() && taken[grasps] == *event.cube;
+    if (is_next) continue;
     const bool is_pushed = event.kind == Kind::kPushed && event.cube &&
-                           !released.contains(*event.cube) && !is_next &&
+                           !released.contains(*event.cube) &&
                            (grasps == 0 || taken[grasps - 1] != *event.cube);
     if (event.kind == Kind::kCrash || is_pushed) {
       told.insert(fmt::format("{} {} by {:.1f} mm after {} grasps", name(event.kind),

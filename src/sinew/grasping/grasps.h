@@ -31,7 +31,7 @@ struct JawGrasp {
   double room = 0;   ///< m, beside the fingers of the open jaws, at least
 };
 
-/// All grasps of a cube by the jaws of `robot`, the least tilt first, then the most room; behind
+/// All grasps of a cube by the jaws of `robot`, the least tilt and the most room first; behind
 /// them those that hold it higher or lower than is good. Closing tips go on along the approach
 /// axis. The swept fingers and the hand stay 3 mm clear of all others.
 /// @param robot  with jaws; asserted

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 #include "sinew/io/thread_share.h"
@@ -11,6 +12,7 @@ namespace sinew::runtime {
 namespace {
 
 constexpr std::chrono::milliseconds kLookPeriod{100};
+constexpr std::chrono::milliseconds kStandPeriod{20};
 /// Without a watcher for longer than an arm stands between two moves: things are as they are seen
 /// next. Who steps in meanwhile is noticed when the arm moves again.
 constexpr std::chrono::seconds kForgets{5};
@@ -51,27 +53,41 @@ double least_of(const vision::TableCamera& camera, double edge) {
   return kCubes * across * across;
 }
 
-/// The robots all along from one moment to another; nothing where that is too far to be sure.
-std::optional<std::vector<render::ViewedRobot>> between(
-    std::vector<render::ViewedRobot> before, const std::vector<render::ViewedRobot>& now) {
-  constexpr double kFar = 0.8;  // rad or m, of a joint
-  constexpr double kStep = 0.1;
+using Stand = std::vector<render::ViewedRobot>;
+
+/// rad or m, of the joint that moved farthest; nothing where other robots are known.
+std::optional<double> apart(const Stand& before, const Stand& now) {
   if (before.size() != now.size()) return std::nullopt;
-  std::vector<render::ViewedRobot> all = before;
+  double far = 0;
   for (std::size_t i = 0; i < now.size(); ++i) {
     if (before[i].q.size() != now[i].q.size()) return std::nullopt;
-    double far = 0;
     for (std::size_t j = 0; j < now[i].q.size(); ++j) {
       far = std::max(far, std::abs(now[i].q[j] - before[i].q[j]));
     }
-    if (far > kFar) return std::nullopt;
-    const int steps = static_cast<int>(std::ceil(far / kStep));
+  }
+  return far;
+}
+
+constexpr double kStandStep = 0.1;  // rad or m, of a joint
+
+/// The robots all along from stand to stand; nothing where one is not known in all.
+std::optional<Stand> all_along(const std::vector<Stand>& stands) {
+  constexpr int kStepsMost = 16;
+  Stand all = stands.front();
+  for (std::size_t n = 1; n < stands.size(); ++n) {
+    const Stand& before = stands[n - 1];
+    const Stand& now = stands[n];
+    const auto far = apart(before, now);
+    if (!far) return std::nullopt;
+    const int steps = std::min(kStepsMost, static_cast<int>(std::ceil(*far / kStandStep)));
     for (int k = 1; k <= steps; ++k) {
-      render::ViewedRobot there = now[i];
-      for (std::size_t j = 0; j < there.q.size(); ++j) {
-        there.q[j] = before[i].q[j] + (now[i].q[j] - before[i].q[j]) * k / steps;
+      for (std::size_t i = 0; i < now.size(); ++i) {
+        render::ViewedRobot there = now[i];
+        for (std::size_t j = 0; j < there.q.size(); ++j) {
+          there.q[j] = before[i].q[j] + (now[i].q[j] - before[i].q[j]) * k / steps;
+        }
+        all.push_back(std::move(there));
       }
-      all.push_back(std::move(there));
     }
   }
   return all;
@@ -155,10 +171,17 @@ void Camera::work(const std::stop_token& ending) {
     if (watchers_ == 0) {
       asked_for_.wait(lock, ending, [&] { return woken() || watchers_ > 0; });
     } else {
-      asked_for_.wait_until(lock, ending, next_look, woken);
+      while (!ending.stop_requested() && !woken() && std::chrono::steady_clock::now() < next_look) {
+        const Time next_stand = std::chrono::steady_clock::now() + kStandPeriod;
+        if (asked_for_.wait_until(lock, ending, std::min(next_look, next_stand), woken)) break;
+        lock.unlock();
+        note_stand();
+        lock.lock();
+      }
     }
     if (std::exchange(watches_anew_, false)) {
       if (view_) view_->begin_again();
+      stands_.clear();
       next_look = {};
     }
     if (ending.stop_requested()) return;
@@ -196,12 +219,23 @@ void Camera::work(const std::stop_token& ending) {
   }
 }
 
+/// Also between glances: what robots put down or take away meanwhile is expected.
+void Camera::note_stand() {
+  if (!view_) return;
+  Stand now = robots();
+  constexpr std::size_t kStandsMost = 64;  // without a picture they would grow
+  const auto far = stands_.empty() ? std::nullopt : apart(stands_.back(), now);
+  if (far && *far <= kStandStep) return;
+  if (stands_.size() == kStandsMost) stands_.pop_back();
+  stands_.push_back(std::move(now));
+}
+
 /// Something is in view beside the robots that was not there before, or nothing would be noticed.
 std::optional<Error> Camera::disturbance(const std::stop_token& ending) {
   constexpr double kMargin = 0.03;  // m: what is held, and how exact a model is
   constexpr int kFrozen = 5;        // a network camera may send one picture twice
   if (!view_) return std::nullopt;
-  auto before = robots();
+  note_stand();
   auto picture = watch_.glances ? watch_.glances(ending) : source_(ending);
   if (ending.stop_requested()) return std::nullopt;
   if (!picture) return picture.error();
@@ -211,7 +245,9 @@ std::optional<Error> Camera::disturbance(const std::stop_token& ending) {
   const vision::CameraModel& model = heeded_->model;
   const vision::CellGrid grid = vision::grid_of(model.width, model.height);
   if (vision::grid_of(picture->width, picture->height) != grid) return std::nullopt;
-  const auto all = between(std::move(before), robots());
+  stands_.push_back(robots());
+  const auto all = all_along(stands_);
+  stands_.erase(stands_.begin(), std::prev(stands_.end()));
   std::optional<vision::Pixel> there;
   if (all) {
     there = view_->look(*picture, render::silhouette(*all, model, heeded_->X_WC, kMargin));
@@ -314,7 +350,7 @@ Camera::Shot Camera::take(const std::stop_token& ending) {
   shot.X_WT = X_WT_;
   shot.X_TC = by->X_WC;
   constexpr double kMargin = 4e-3;  // m: how exact a model is, and what is believed of it
-  const auto all = between(std::move(before), robots());
+  const auto all = all_along({std::move(before), robots()});
   std::vector<bool> hidden;
   if (all) hidden = render::silhouette(*all, by->model, by->X_WC, kMargin);
   vision::place_on_table(shot.seen, shot.picture, *by, settings_.edge, hidden);

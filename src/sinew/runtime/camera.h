@@ -112,6 +112,7 @@ class Camera {
   Expected<vision::Picture> at_rest(const std::stop_token& ending,
                                     std::optional<vision::TableCamera>& by,
                                     std::vector<render::ViewedRobot>& stood);
+  void note_stand();
   std::optional<Error> disturbance(const std::stop_token& ending);
   std::optional<Error> fault_of(const vision::Picture& picture);
   std::optional<Error> moved(const vision::Picture& picture);
@@ -127,6 +128,8 @@ class Camera {
   std::optional<vision::ViewWatch> view_;  ///< nothing: it cannot be watched
   vision::Picture glance_;                 ///< the last one
   int glances_alike_ = 0;                  ///< in a row, bit by bit
+  /// Robots as they stood from the last glance on.
+  std::vector<std::vector<render::ViewedRobot>> stands_;
   mutable std::mutex mutex_;
   std::condition_variable_any asked_for_;
   std::uint64_t asked_ = 0;                                 ///< under the mutex
