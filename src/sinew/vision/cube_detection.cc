@@ -55,13 +55,18 @@ Detection detect_cubes(const Picture& picture, const DetectionSettings& settings
   for (std::size_t i = 0; i < things.tops.size(); ++i) {
     const Top& top = things.tops[i];
     const auto refuse = [&](std::string_view why, Height height = Height::kPerhaps) {
-      detection.refused.push_back({top.quad, std::string(why), height, {}, {}});
+      detection.refused.push_back({top.quad, std::string(why), height, {}, {}, true});
     };
     const bool is_wanted = settings.colors.empty() || !top.color ||
                            std::ranges::find(settings.colors, *top.color) != settings.colors.end();
     const auto as_cube = [&] {
-      return SeenCube{*top.color,  top.quad, middle_of(top.quad), edge_of(top.quad), yaw(top.quad),
-                      believed[i], {}};
+      return SeenCube{top.color.value_or(ColorName::kRed),
+                      top.quad,
+                      middle_of(top.quad),
+                      edge_of(top.quad),
+                      yaw(top.quad),
+                      believed[i],
+                      {}};
     };
     const auto other = std::ranges::find_if(things.others, [&](const LikelyOther& one) {
       return one.sureness > top.sureness && is_inside(top.quad, one.middle);
@@ -84,6 +89,8 @@ Detection detect_cubes(const Picture& picture, const DetectionSettings& settings
       if (top.color && is_wanted && !is_round) detection.refused.back().cube = as_cube();
     } else if (!top.color) {
       refuse("it is white or grey", Height::kLikely);
+      if (settings.colors.empty()) detection.refused.back().cube = as_cube();
+      detection.refused.back().has_color = false;
     } else if (!is_wanted) {
       refuse("it is " + std::string(name(*top.color)) + ", which was not asked for",
              Height::kLikely);
@@ -96,8 +103,12 @@ Detection detect_cubes(const Picture& picture, const DetectionSettings& settings
         things.tops, [&](const Top& one) { return is_inside(one.quad, other.middle); });
     if (other.sureness < kOtherSure || top) continue;
     const double edge = common > 0 ? common : 0.04 * std::max(picture.width, picture.height);
-    detection.refused.push_back(
-        {square_around(other.middle, edge), std::string(other.why), height_of(other), {}, {}});
+    detection.refused.push_back({square_around(other.middle, edge),
+                                 std::string(other.why),
+                                 height_of(other),
+                                 {},
+                                 {},
+                                 true});
   }
   return detection;
 }

@@ -53,6 +53,7 @@ struct RefusedShape {
   std::optional<ThingPosition> position{};
   /// The cube that it may be: its sides on a calibrated table decide.
   std::optional<SeenCube> cube{};
+  bool has_color = true;  ///< else that cube's color says nothing: its top is white or grey
 };
 
 struct Detection {

@@ -6,6 +6,7 @@
 #include "sinew/core/number_text.h"
 #include "sinew/core/units.h"
 #include "sinew/vision/shapes.h"
+#include "sinew/vision/side_color.h"
 #include "sinew/vision/table_fit.h"
 #include "sinew/vision/table_thing.h"
 #include "sinew/vision/view_watch.h"
@@ -96,25 +97,33 @@ SeenCube as_cube(const RefusedShape& shape) {
 void decide_by_sides(Detection& detection, const Picture& picture, const TableCamera& camera,
                      double edge, const std::vector<bool>& hidden) {
   constexpr double kSame = 0.8;  // of an edge
+  std::optional<WhiteBalance> balance;
+  const auto is_new = [&](const Vec3& top_W) {
+    return std::ranges::none_of(detection.cubes, [&](const SeenCube& other) {
+      return norm(other.position->top_W - top_W) < kSame * edge;
+    });
+  };
+  const auto becomes_cube = [&](RefusedShape& shape) {
+    if (shape.height != Height::kLikely) return false;
+    const auto fit = best_fit(picture, camera, as_cube(shape), edge, hidden);
+    const Sides sides = sides_of(fit);
+    if (sides == Sides::kOfNone) shape.height = Height::kPerhaps;
+    if (sides != Sides::kOfCube || !shape.cube || !is_new(fit->position.top_W)) return false;
+    SeenCube cube = *shape.cube;
+    if (!shape.has_color) {
+      if (!balance) balance.emplace(picture);
+      const auto color =
+          side_color(picture, *balance, camera, fit->position, edge, detection.cubes);
+      if (!color) return false;
+      cube.color = *color;
+    }
+    cube.position = fit->position;
+    detection.cubes.push_back(std::move(cube));
+    return true;
+  };
   std::vector<RefusedShape> kept;
   for (RefusedShape& shape : detection.refused) {
-    if (shape.height == Height::kLikely) {
-      const auto fit = best_fit(picture, camera, as_cube(shape), edge, hidden);
-      const Sides sides = sides_of(fit);
-      if (sides == Sides::kOfNone) shape.height = Height::kPerhaps;
-      if (sides == Sides::kOfCube && shape.cube) {
-        const Vec3& top_W = fit->position.top_W;
-        const bool is_new = std::ranges::none_of(detection.cubes, [&](const SeenCube& other) {
-          return norm(other.position->top_W - top_W) < kSame * edge;
-        });
-        if (is_new) {
-          detection.cubes.push_back(*shape.cube);
-          detection.cubes.back().position = fit->position;
-          continue;
-        }
-      }
-    }
-    kept.push_back(std::move(shape));
+    if (!becomes_cube(shape)) kept.push_back(std::move(shape));
   }
   detection.refused = std::move(kept);
 }
@@ -216,7 +225,7 @@ void place_on_table(Detection& detection, const Picture& picture, const TableCam
     const auto position = cube_position(picture, camera, cube, edge, hidden);
     if (!position) {
       detection.refused.push_back(
-          {cube.top, position.error().why, position.error().height, {}, {}});
+          {cube.top, position.error().why, position.error().height, {}, {}, true});
       continue;
     }
     cube.position = *position;
