@@ -136,11 +136,17 @@ std::vector<std::string> TruthWatch::contacts(const Ended& ended) const {
     told.insert(fmt::format("{}, {:.1f} mm", what, 1e3 * depth));
   }
   std::size_t grasps = 0;
+  bool carries = false;
   std::set<std::size_t> released;  // what is pushed in the basket was dropped on
   for (const sim::CubeEvent& event : ended.events) {
     if (event.kind == Kind::kGrasped) ++grasps;
     if (event.kind == Kind::kReleased) released.insert(*event.cube);
-    const bool is_next = event.cube && grasps < taken.size() && taken[grasps] == *event.cube;
+    const bool holds_none = event.kind == Kind::kReleased || event.kind == Kind::kSlipped ||
+                            event.kind == Kind::kThrown;
+    if (event.kind == Kind::kGrasped || holds_none) carries = event.kind == Kind::kGrasped;
+    // What is carried may touch nothing; empty fingers the cube that they are about to take.
+    const bool is_next =
+        !carries && event.cube && grasps < taken.size() && taken[grasps] == *event.cube;
     if (is_next) continue;
     const bool is_pushed = event.kind == Kind::kPushed && event.cube &&
                            !released.contains(*event.cube) &&

@@ -209,8 +209,9 @@ class JawPlaces {
   std::vector<planning::PlacedBox> beside_;
 };
 
-/// rad: its tilt, and where fingers have little room 4 deg for each mm less. An arm that sags and a
-/// picture that is off touch rather what is tightly beside a finger than what one passes tilted.
+/// rad, the least is the best: its tilt, and where fingers have little room 4 deg for each mm less.
+/// An arm that sags and a picture that is off touch rather what is tightly beside a finger than
+/// what one passes tilted.
 double poorness(const JawGrasp& grasp) {
   constexpr double kEnough = kEnter + 2e-3;         // m
   constexpr double kPerMetre = from_deg(4) / 1e-3;  // rad/m
@@ -241,7 +242,10 @@ Expected<std::vector<JawGrasp>> jaw_grasps(const RobotModel& robot, std::span<co
     most = std::max(most, room);
     if (room < needed) return;
     // As far from a neighbour as from the cube. Wide jaws may come too near to the arm itself.
-    const double open = room < widest ? (needed + room) / 2 : room;
+    // Few widths: hands of one width share their collision model.
+    constexpr double kStep = 0.5e-3;  // m
+    double open = room < widest ? (needed + room) / 2 : room;
+    open = needed + kStep * std::floor((open - needed) / kStep + 1e-6);
     if (const auto grasp = places.grasp(stand, open)) grasps.push_back(*grasp);
     if (open < needed + kMargin) return;
     if (const auto grasp = places.grasp(stand, needed)) grasps.push_back(*grasp);
@@ -263,6 +267,7 @@ Expected<std::vector<JawGrasp>> jaw_grasps(const RobotModel& robot, std::span<co
   };
   add_at(kHeights, places.widest(kBeside));
   add_at(kPoorHeights, places.widest(kBesideMost));
+  add_at(kHeights, places.widest(kBesideMost));
   if (grasps.empty()) return std::unexpected(Error{ErrorCode::kCubeCrowded, -1, most, needed});
   return grasps;
 }

@@ -31,9 +31,10 @@ struct JawGrasp {
   double room = 0;   ///< m, beside the fingers of the open jaws, at least
 };
 
-/// All grasps of a cube by the jaws of `robot`, the least tilt and the most room first; behind
-/// them those that hold it higher or lower than is good. Closing tips go on along the approach
-/// axis. The swept fingers and the hand stay 3 mm clear of all others.
+/// All grasps of a cube by the jaws of `robot`, those with the least tilt first, of tight ones 4
+/// deg for each mm that they lack; behind them those that hold it higher or lower than is good.
+/// Closing tips go on along the approach axis. The swept fingers and the hand stay 3 mm clear of
+/// all others.
 /// @param robot  with jaws; asserted
 /// @param others  what is no cube, and is in the way like one
 /// @error kCubeCovered, kCubeCrowded, kCubeTooWide

@@ -152,7 +152,7 @@ TEST(Grasps, jaws_close_along_a_pair_of_faces_with_the_cube_between_them) {
       const Vec3 at = tips(grasp, gripper, grasp.close) - cubes[0].p_BO;
       EXPECT_NEAR(std::hypot(at.x, at.y), 0, 1e-3);
       EXPECT_LT(at.z, kEdge / 2 - 4.9e-3);
-      EXPECT_GT(at.z, -kEdge / 2 + 5e-3);
+      EXPECT_GT(at.z, -kEdge / 2 + 4.99e-3);
       EXPECT_LT(grasp.close, kEdge);
     }
   }

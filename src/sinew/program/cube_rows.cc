@@ -213,9 +213,9 @@ class Choice {
   std::optional<Refusal> refusal_;
 };
 
-/// Higher places over one, and nearer to the base: from there and to there an arm goes over what
-/// stands around it. As the tool is turned first, then tilted more and more: an arm whose wrist
-/// ends there goes higher so.
+/// Higher places over one, nearer to the base or farther out: from there and to there an arm goes
+/// over what stands around it. As the tool is turned first, then tilted more and more: an arm whose
+/// wrist ends there goes higher so.
 std::vector<Spot> beside(const Spot& spot) {
   struct Aside {
     double in, up;  // m
@@ -237,6 +237,12 @@ std::vector<Spot> beside(const Spot& spot) {
   return places;
 }
 
+/// A tilted tool may do.
+bool ends_a_joint(const Refusal& refusal) {
+  return refusal.error.code == ErrorCode::kJointLimit ||
+         refusal.error.code == ErrorCode::kOutOfReach;
+}
+
 /// To a place over the spot; by a place beside it where an obstacle is in the way.
 std::expected<Sequence, Refusal> gone_over(const Sequence& rows, Spot spot, double above,
                                            const MotionOptions& how) {
@@ -245,9 +251,15 @@ std::expected<Sequence, Refusal> gone_over(const Sequence& rows, Spot spot, doub
   if (!refusal) return direct;
   if (!meets_thing(*refusal)) return std::unexpected(*refusal);
   spot.p_BT.z += above;
+  const double turned = spot.pitch.value_or(0);
+  bool is_limited = false;
   for (const Spot& first : beside(spot)) {
+    if (first.pitch.value_or(0) != turned && !is_limited) break;
     Sequence around = rows;
-    if (!around.go_over(first, 0, how) && !around.go_straight(spot, how)) return around;
+    auto why = around.go_over(first, 0, how);
+    if (!why) why = around.go_straight(spot, how);
+    if (!why) return around;
+    is_limited = is_limited || ends_a_joint(*why);
   }
   return std::unexpected(*refusal);
 }
@@ -258,9 +270,15 @@ std::expected<CubeRows, Refusal> gone_back(const Sequence& rows, const MotionOpt
   const auto refusal = direct.back(how);
   if (!refusal) return direct.take();
   if (!meets_thing(*refusal)) return std::unexpected(*refusal);
-  for (const Spot& first : beside(rows.spot())) {
+  const Spot spot = rows.spot();
+  bool is_limited = false;
+  for (const Spot& first : beside(spot)) {
+    if (first.pitch.value_or(0) != spot.pitch.value_or(0) && !is_limited) break;
     Sequence around = rows;
-    if (!around.go_straight(first, how) && !around.back(how)) return around.take();
+    auto why = around.go_straight(first, how);
+    if (!why) why = around.back(how);
+    if (!why) return around.take();
+    is_limited = is_limited || ends_a_joint(*why);
   }
   return std::unexpected(*refusal);
 }

@@ -77,8 +77,8 @@ Scene cell_scene(const CellView& view);
 
 /// What a camera with automatic exposure makes of it. The same arguments, the same bytes.
 /// @param X_WC    z out of the lens, y down the picture
-/// @param sensor  its exposure is a factor of the automatic one; what moves is blurred, and aslant,
-///                by its shutter and its read-out
+/// @param sensor  its exposure is a factor of the automatic one; robots that move are blurred, and
+///                aslant, by its shutter and its read-out; what they carry is not
 /// @param seed    of the noise
 vision::Picture picture_of(const CellView& view, const vision::CameraModel& camera,
                            const Pose<frame::World, frame::Camera>& X_WC, Sensor sensor,

@@ -69,6 +69,7 @@ std::optional<double> apart(const Stand& before, const Stand& now) {
 }
 
 constexpr double kStandStep = 0.1;  // rad or m, of a joint
+constexpr double kFar = 0.8;        // the same
 
 /// The robots all along from stand to stand; nothing where one is not known in all.
 std::optional<Stand> all_along(const std::vector<Stand>& stands) {
@@ -154,6 +155,7 @@ void Camera::heed(std::shared_ptr<const vision::TableCamera> calibration) {
   sheet_ = stays ? vision::table_sheet(heeded_->sheet) : std::nullopt;
   if (sheet_ && !tags_) tags_.emplace(std::vector{sheet_->family});
   view_.reset();
+  stands_.clear();
   // What a camera on an arm sees changes whenever the arm moves.
   const bool watches = heeded_ && settings_.watch && watch_.robots && !watch_.hangs;
   if (watches) view_.emplace(least_of(*heeded_, settings_.edge));
@@ -172,7 +174,7 @@ void Camera::work(const std::stop_token& ending) {
       asked_for_.wait(lock, ending, [&] { return woken() || watchers_ > 0; });
     } else {
       while (!ending.stop_requested() && !woken() && std::chrono::steady_clock::now() < next_look) {
-        const Time next_stand = std::chrono::steady_clock::now() + kStandPeriod;
+        const Time next_stand = view_ ? std::chrono::steady_clock::now() + kStandPeriod : next_look;
         if (asked_for_.wait_until(lock, ending, std::min(next_look, next_stand), woken)) break;
         lock.unlock();
         note_stand();
@@ -246,8 +248,10 @@ std::optional<Error> Camera::disturbance(const std::stop_token& ending) {
   const vision::CellGrid grid = vision::grid_of(model.width, model.height);
   if (vision::grid_of(picture->width, picture->height) != grid) return std::nullopt;
   stands_.push_back(robots());
-  const auto all = all_along(stands_);
-  stands_.erase(stands_.begin(), std::prev(stands_.end()));
+  // Where a robot went far while the picture was taken it may be anywhere in it.
+  const bool is_sure = apart(*std::prev(stands_.end(), 2), stands_.back()).value_or(0) < kFar;
+  const auto all = is_sure ? all_along(stands_) : std::nullopt;
+  if (is_sure) stands_.erase(stands_.begin(), std::prev(stands_.end()));
   std::optional<vision::Pixel> there;
   if (all) {
     there = view_->look(*picture, render::silhouette(*all, model, heeded_->X_WC, kMargin));

@@ -55,7 +55,7 @@ Detection detect_cubes(const Picture& picture, const DetectionSettings& settings
   for (std::size_t i = 0; i < things.tops.size(); ++i) {
     const Top& top = things.tops[i];
     const auto refuse = [&](std::string_view why, Height height = Height::kPerhaps) {
-      detection.refused.push_back({top.quad, std::string(why), height, {}, {}, true});
+      detection.refused.push_back({top.quad, std::string(why), height, {}, {}, true, false});
     };
     const bool is_wanted = settings.colors.empty() || !top.color ||
                            std::ranges::find(settings.colors, *top.color) != settings.colors.end();
@@ -91,9 +91,11 @@ Detection detect_cubes(const Picture& picture, const DetectionSettings& settings
       refuse("it is white or grey", Height::kLikely);
       if (settings.colors.empty()) detection.refused.back().cube = as_cube();
       detection.refused.back().has_color = false;
+      detection.refused.back().is_sure = true;
     } else if (!is_wanted) {
       refuse("it is " + std::string(name(*top.color)) + ", which was not asked for",
              Height::kLikely);
+      detection.refused.back().is_sure = true;
     } else {
       detection.cubes.push_back(as_cube());
     }
@@ -108,7 +110,8 @@ Detection detect_cubes(const Picture& picture, const DetectionSettings& settings
                                  height_of(other),
                                  {},
                                  {},
-                                 true});
+                                 true,
+                                 false});
   }
   return detection;
 }

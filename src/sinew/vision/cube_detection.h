@@ -54,10 +54,11 @@ struct RefusedShape {
   /// The cube that it may be: its sides on a calibrated table decide.
   std::optional<SeenCube> cube{};
   bool has_color = true;  ///< else that cube's color says nothing: its top is white or grey
+  bool is_sure = false;   ///< that it is a cube: only its color is why it is refused
 };
 
 struct Detection {
-  std::vector<SeenCube> cubes;  ///< the surest first
+  std::vector<SeenCube> cubes;  ///< the surest first; behind them those that sides decided
   std::vector<RefusedShape> refused;
 };
 

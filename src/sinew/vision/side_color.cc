@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "sinew/core/units.h"
+#include "sinew/vision/view_watch.h"
 
 namespace sinew::vision {
 namespace {
@@ -21,21 +22,25 @@ Face face_of(const CubePosition& cube, double edge, int side) {
   return {cube.top_W + edge / 2 * out - Vec3{0, 0, edge / 2}, out, {-out.y, out.x, 0}};
 }
 
-/// Whether another cube stands so near before it that it hides it.
-bool is_hidden(const Face& face, double edge, std::span<const SeenCube> cubes) {
-  constexpr double kNear = 1.2;  // edges
-  const Vec3 before = face.middle_W + edge / 2 * face.out;
-  return std::ranges::any_of(cubes, [&](const SeenCube& other) {
-    if (!other.position) return false;
-    const Vec3 between = other.position->top_W - before;
-    return std::hypot(between.x, between.y) < kNear * edge;
-  });
+/// Whether something as high as the cube is on the way from the face's middle to the camera.
+bool is_hidden(const Face& face, double edge, const Vec3& to_camera, std::span<const Vec3> others) {
+  constexpr double kNear = 0.75;  // edges, from its middle: between its sides and its corners
+  for (const double up : {0.1, 0.25, 0.4, 0.5}) {
+    const Vec3 p_W = face.middle_W + up * edge / to_camera.z * to_camera;
+    const bool meets = std::ranges::any_of(others, [&](const Vec3& top_W) {
+      return std::hypot(top_W.x - p_W.x, top_W.y - p_W.y) < kNear * edge;
+    });
+    if (meets) return true;
+  }
+  return false;
 }
 
-/// Mean of the inner part of a face, white balanced bytes; nothing where it is not in the picture.
+/// Mean of the inner part of a face, white balanced bytes; nothing where the picture does not show
+/// it.
 std::optional<std::array<double, 3>> color_on(const Picture& picture, const WhiteBalance& balance,
                                               const TableCamera& camera, const Face& face,
-                                              double edge) {
+                                              double edge, const std::vector<bool>& hidden) {
+  const CellGrid grid = grid_of(picture.width, picture.height);
   std::array<double, 3> sum{};
   int count = 0;
   for (const double u : {-0.3, -0.15, 0.0, 0.15, 0.3}) {
@@ -45,6 +50,8 @@ std::optional<std::array<double, 3>> color_on(const Picture& picture, const Whit
       if (!p || p->x < 0 || p->y < 0 || p->x >= picture.width || p->y >= picture.height) {
         return std::nullopt;
       }
+      const auto cell = cell_of(grid, picture.width, picture.height, *p);
+      if (!hidden.empty() && cell && hidden[*cell]) return std::nullopt;
       const std::uint8_t* rgb = picture.at(static_cast<int>(p->x), static_cast<int>(p->y));
       for (std::size_t c = 0; c < 3; ++c) sum[c] += balance.curve(c)[rgb[c]];
       ++count;
@@ -57,10 +64,12 @@ std::optional<std::array<double, 3>> color_on(const Picture& picture, const Whit
 }  // namespace
 
 std::optional<ColorName> name_by_hue(const std::array<double, 3>& rgb) {
-  constexpr double kBlack = 75;        // of 255, the brightest channel
-  constexpr double kBlackest = 25;     // the same, where noise alone gives hues
-  constexpr double kSaturation = 0.3;  // from here on it has a color
-  constexpr double kPale = 0.6;        // red of less is pink
+  // Of 255, the brightest channel: the shaded side of grey is brighter.
+  constexpr double kBlack = 60;
+  constexpr double kBlackest = 25;      // the same, where noise alone gives hues
+  constexpr double kSaturation = 0.22;  // from here on it has a color
+  constexpr double kStrong = 0.5;       // that of plain wood is less
+  constexpr double kPale = 0.6;         // red of less is pink
   const double most = std::ranges::max(rgb), least = std::ranges::min(rgb);
   const double saturation = (most - least) / std::max(most, 1.0);
   // What has a color has one in the shadow, too.
@@ -76,7 +85,7 @@ std::optional<ColorName> name_by_hue(const std::array<double, 3>& rgb) {
                    kPurpleTo = 290, kPinkTo = 330;  // deg
   if (hue < kRedTo || hue >= kPinkTo)
     return saturation < kPale ? ColorName::kPink : ColorName::kRed;
-  if (hue < kOrangeTo) return ColorName::kOrange;
+  if (hue < kOrangeTo) return saturation < kStrong ? ColorName::kWood : ColorName::kOrange;
   if (hue < kYellowTo) return ColorName::kYellow;
   if (hue < kGreenTo) return ColorName::kGreen;
   if (hue < kBlueTo) return ColorName::kBlue;
@@ -85,17 +94,18 @@ std::optional<ColorName> name_by_hue(const std::array<double, 3>& rgb) {
 
 std::optional<ColorName> side_color(const Picture& picture, const WhiteBalance& balance,
                                     const TableCamera& camera, const CubePosition& cube,
-                                    double edge, std::span<const SeenCube> cubes) {
-  constexpr double kSlant =
-      0.08;  // sine: of what is seen more from the side pixels show too little
+                                    double edge, std::span<const Vec3> others,
+                                    const std::vector<bool>& hidden) {
+  // Sine: of what is seen more from the side pixels show too little.
+  constexpr double kSlant = 0.08;
   std::optional<ColorName> color;
   double best = kSlant;
   for (int side = 0; side < 4; ++side) {
     const Face face = face_of(cube, edge, side);
     const Vec3 to_camera = camera.X_WC.p - face.middle_W;
     const double slant = dot(face.out, to_camera) / norm(to_camera);
-    if (slant <= best || is_hidden(face, edge, cubes)) continue;
-    const auto rgb = color_on(picture, balance, camera, face, edge);
+    if (slant <= best || is_hidden(face, edge, to_camera, others)) continue;
+    const auto rgb = color_on(picture, balance, camera, face, edge, hidden);
     if (!rgb) continue;
     best = slant;
     color = name_by_hue(*rgb);

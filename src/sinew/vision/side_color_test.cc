@@ -7,6 +7,7 @@
 #include "sinew/core/rotation.h"
 #include "sinew/core/units.h"
 #include "sinew/render/cell_scene.h"
+#include "sinew/vision/view_watch.h"
 
 namespace sinew::vision {
 namespace {
@@ -23,7 +24,9 @@ TEST(SideColor, colours_are_called_by_their_hue_black_where_dark_and_nothing_whe
   EXPECT_EQ(name_by_hue({240, 140, 170}), ColorName::kPink);
   EXPECT_EQ(name_by_hue({200, 110, 180}), ColorName::kPink);
   EXPECT_EQ(name_by_hue({40, 38, 35}), ColorName::kBlack);
+  EXPECT_EQ(name_by_hue({200, 168, 128}), ColorName::kWood);
   EXPECT_FALSE(name_by_hue({150, 150, 140}));
+  EXPECT_FALSE(name_by_hue({62, 60, 55})) << "the shaded side of a grey one";
   EXPECT_FALSE(name_by_hue({250, 245, 240}));
 }
 
@@ -71,9 +74,10 @@ TEST(SideColor, a_face_behind_another_cube_says_nothing) {
   const WhiteBalance balance(picture);
   const CubePosition cube{{0.1, 0, kEdge}, 0, kEdge, 1};
   EXPECT_EQ(side_color(picture, balance, camera, cube, kEdge, {}), ColorName::kBlack);
-  SeenCube before;
-  before.position = CubePosition{{0.1 - kEdge, 0, kEdge}, 0, kEdge, 1};
+  const Vec3 before{0.1 - kEdge, 0, kEdge};
   EXPECT_FALSE(side_color(picture, balance, camera, cube, kEdge, std::span(&before, 1)));
+  const std::vector<bool> robot(grid_of(640, 480).size(), true);
+  EXPECT_FALSE(side_color(picture, balance, camera, cube, kEdge, {}, robot)) << "a robot hides it";
 }
 
 }  // namespace

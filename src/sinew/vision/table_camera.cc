@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <utility>
 
 #include "sinew/core/number_text.h"
 #include "sinew/core/units.h"
@@ -75,13 +77,26 @@ std::optional<TableFit> best_fit(const Picture& picture, const TableCamera& came
 
 /// What the sides of a doubtful top on the table say.
 enum class Sides : std::uint8_t { kOfNone, kPerhaps, kOfCube };
-Sides sides_of(const std::optional<TableFit>& fit) {
+
+/// @param nearest  edges, to the middle of the next top
+Sides sides_of(const std::optional<TableFit>& fit, double nearest) {
   constexpr double kFoot = 12, kSureFoot = 17, kSureSquare = 17.5;  // of 8-bit RGB
-  if (fit && !fit->is_sure) return Sides::kPerhaps;                 // a robot hides too much
-  if (!fit || fit->contrast < kSquare || fit->foot.value_or(kFoot) < kFoot) return Sides::kOfNone;
-  const bool sure =
-      fit->is_sure && fit->contrast >= kSureSquare && fit->foot.value_or(0) >= kSureFoot;
+  // Sides that touch others of their color have no contrast; three of four are more than that.
+  constexpr double kTouches = 1.42, kTouching = 14;
+  constexpr double kHides = 1.75;  // so near a top may hide where the side faces behind it end
+  if (!fit || !fit->is_sure) return Sides::kPerhaps;
+  const bool has_foot = nearest < kHides || fit->foot.value_or(kFoot) >= kFoot;
+  if (fit->contrast < (nearest < kTouches ? kTouching : kSquare) || !has_foot) {
+    return Sides::kOfNone;
+  }
+  const bool sure = fit->contrast >= kSureSquare && fit->foot.value_or(0) >= kSureFoot;
   return sure ? Sides::kOfCube : Sides::kPerhaps;
+}
+
+bool is_inside(const Picture& picture, const Quad& quad) {
+  return std::ranges::all_of(quad, [&](Pixel p) {
+    return p.x > 1 && p.y > 1 && p.x < picture.width - 1 && p.y < picture.height - 1;
+  });
 }
 
 /// A refused shape as a detection that can be fitted; its color does not count.
@@ -92,28 +107,50 @@ SeenCube as_cube(const RefusedShape& shape) {
   return cube;
 }
 
+/// Middles of all tops: of cubes, and of what may be one.
+std::vector<Vec3> tops_of(const Detection& detection, const TableCamera& camera, double edge) {
+  std::vector<Vec3> tops;
+  for (const SeenCube& cube : detection.cubes) tops.push_back(cube.position->top_W);
+  for (const RefusedShape& shape : detection.refused) {
+    if (shape.height != Height::kLikely) continue;
+    if (const auto square = square_at(camera, shape.outline, edge)) tops.push_back(square->top_W);
+  }
+  return tops;
+}
+
+double apart(const Vec3& one_W, const Vec3& other_W) {
+  return std::hypot(one_W.x - other_W.x, one_W.y - other_W.y);
+}
+
 /// Of the doubtful tops those whose sides are those of a cube become cubes, and those that have no
 /// sides are no likely obstacles.
 void decide_by_sides(Detection& detection, const Picture& picture, const TableCamera& camera,
                      double edge, const std::vector<bool>& hidden) {
-  constexpr double kSame = 0.8;  // of an edge
+  constexpr double kSame = 0.95;  // of an edge
+  const std::vector<Vec3> tops = tops_of(detection, camera, edge);
   std::optional<WhiteBalance> balance;
-  const auto is_new = [&](const Vec3& top_W) {
-    return std::ranges::none_of(detection.cubes, [&](const SeenCube& other) {
-      return norm(other.position->top_W - top_W) < kSame * edge;
-    });
-  };
   const auto becomes_cube = [&](RefusedShape& shape) {
-    if (shape.height != Height::kLikely) return false;
     const auto fit = best_fit(picture, camera, as_cube(shape), edge, hidden);
-    const Sides sides = sides_of(fit);
-    if (sides == Sides::kOfNone) shape.height = Height::kPerhaps;
-    if (sides != Sides::kOfCube || !shape.cube || !is_new(fit->position.top_W)) return false;
+    if (!fit || !is_inside(picture, shape.outline)) return false;
+    const Vec3& top_W = fit->position.top_W;
+    std::vector<Vec3> others;
+    double nearest = std::numeric_limits<double>::infinity();
+    for (const Vec3& other_W : tops) {
+      const double far = apart(top_W, other_W) / edge;
+      if (far < kSame) continue;  // itself, seen twice
+      others.push_back(other_W);
+      nearest = std::min(nearest, far);
+    }
+    const Sides sides = sides_of(fit, nearest);
+    if (sides == Sides::kOfNone && !shape.is_sure) shape.height = Height::kPerhaps;
+    const bool is_new = std::ranges::none_of(detection.cubes, [&](const SeenCube& other) {
+      return apart(top_W, other.position->top_W) < kSame * edge;
+    });
+    if (sides != Sides::kOfCube || !shape.cube || !is_new) return false;
     SeenCube cube = *shape.cube;
     if (!shape.has_color) {
       if (!balance) balance.emplace(picture);
-      const auto color =
-          side_color(picture, *balance, camera, fit->position, edge, detection.cubes);
+      const auto color = side_color(picture, *balance, camera, fit->position, edge, others, hidden);
       if (!color) return false;
       cube.color = *color;
     }
@@ -123,7 +160,8 @@ void decide_by_sides(Detection& detection, const Picture& picture, const TableCa
   };
   std::vector<RefusedShape> kept;
   for (RefusedShape& shape : detection.refused) {
-    if (!becomes_cube(shape)) kept.push_back(std::move(shape));
+    if (shape.height == Height::kLikely && becomes_cube(shape)) continue;
+    kept.push_back(std::move(shape));
   }
   detection.refused = std::move(kept);
 }
@@ -225,7 +263,7 @@ void place_on_table(Detection& detection, const Picture& picture, const TableCam
     const auto position = cube_position(picture, camera, cube, edge, hidden);
     if (!position) {
       detection.refused.push_back(
-          {cube.top, position.error().why, position.error().height, {}, {}, true});
+          {cube.top, position.error().why, position.error().height, {}, {}, true, false});
       continue;
     }
     cube.position = *position;

@@ -124,18 +124,28 @@ ViewWatch::Color ViewWatch::exposure_of(const Picture& cells,
   constexpr float kDark = 20;  // a value below says little
   // More is no exposure: the camera is covered, or the lamps went out.
   constexpr float kMost = 1.4F;
-  Color exposure{1, 1, 1};
+  constexpr float kUnknown = 0;
+  Color exposure{};
+  float known = 0, count = 0;
   std::vector<float> shares;
   for (std::size_t c = 0; c < 3; ++c) {
     shares.clear();
     for (std::size_t i = 0; i < was_.size(); ++i) {
-      if (!known_[i] || may_move[i] || was_[i][c] < kDark) continue;
-      shares.push_back(color_at(cells, i)[c] / was_[i][c]);
+      const float now = color_at(cells, i)[c], was = was_[i][c];
+      // What is cut off says nothing.
+      if (!known_[i] || may_move[i] || was < kDark || std::max(was, now) >= kFull) continue;
+      shares.push_back(now / was);
     }
+    exposure[c] = kUnknown;
     if (shares.size() < was_.size() / 4) continue;
     const auto middle = shares.begin() + static_cast<std::ptrdiff_t>(shares.size() / 2);
     std::ranges::nth_element(shares, middle);
     exposure[c] = std::clamp(*middle, 1 / kMost, kMost);
+    known += exposure[c];
+    ++count;
+  }
+  for (float& one : exposure) {
+    if (one == kUnknown) one = count > 0 ? known / count : 1;
   }
   return exposure;
 }
