@@ -200,7 +200,10 @@ IoResult<std::size_t> Port::write_now(std::span<const std::uint8_t> bytes) {
   auto& stream = implementation_->writer();
   boost::system::error_code error;
   static_cast<void>(stream.non_blocking(true, error));
-  const std::size_t count = stream.write_some(asio::buffer(bytes.data(), bytes.size()), error);
+  std::size_t count = 0;
+  do {
+    count = stream.write_some(asio::buffer(bytes.data(), bytes.size()), error);
+  } while (error == asio::error::interrupted);  // a signal, as SIGUSR1 to `sinew sim`
   if (!error) return count;
   if (error == asio::error::would_block || error == asio::error::try_again) return 0;
   return std::unexpected(write_error(path, error));
