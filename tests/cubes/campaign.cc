@@ -217,7 +217,7 @@ CampaignCell cell_by(std::uint64_t seed) {
   settings.anywhere = true;
   settings.clutter = clutter_by(random);
   settings.lamps = 1 + static_cast<int>(random.bits() % 3);
-  cell.trouble.sensor.exposure = std::exp(random.uniform(std::log(0.5), std::log(1.7)));
+  const double exposure = std::exp(random.uniform(std::log(0.5), std::log(1.7)));
   const double off = random.uniform(0, 3e-3), toward = random.uniform(0, 2 * kPi);
   settings.calibration = {off * std::cos(toward), off * std::sin(toward),
                           random.uniform(-from_deg(0.3), from_deg(0.3))};
@@ -232,7 +232,7 @@ CampaignCell cell_by(std::uint64_t seed) {
     const double far = random.uniform(8e-3, 25e-3);
     cell.trouble.knocked = {far * std::cos(toward), far * std::sin(toward), 0};
   }
-  cell.trouble.sensor = sensor_by(random, cell.trouble.sensor.exposure);
+  cell.trouble.sensor = sensor_by(random, exposure);
   cell.drift = random.uniform(0, 0.08);
   settings.lens = {random.uniform(-0.2, 0), random.uniform(-0.02, 0.02), 0, 0, 0};
   // A hand that is gone again within a second or two is seen by no camera of ten pictures a second.

@@ -93,11 +93,9 @@ double roll_for(double angle, double pitch) {
   return roll;
 }
 
-using Tip = Pose<frame::Base, frame::Tool>;
-
 /// Jaws along one pair of a cube's faces, at one tilt and height.
 struct Stand {
-  Tip X_BT;  ///< of the closed tips: y across the jaws, z ahead
+  Pose<frame::Base, frame::Tool> X_BT;  ///< of the closed tips: y across the jaws, z ahead
   double pitch = 0, roll = 0;
 };
 
@@ -237,25 +235,27 @@ Expected<std::vector<JawGrasp>> jaw_grasps(const RobotModel& robot, std::span<co
   std::vector<JawGrasp> grasps;
   std::size_t sorted = 0;
   double most = 0;
-  const auto add = [&](const Stand& stand, double widest) {
+  const auto add = [&](const Stand& stand, double widest, double tried) {
     const double room = places.room_at(stand, widest);
     most = std::max(most, room);
-    if (room < needed) return;
+    if (room < needed || room <= tried) return;
     // As far from a neighbour as from the cube. Wide jaws may come too near to the arm itself.
     // Few widths: hands of one width share their collision model.
     constexpr double kStep = 0.5e-3;  // m
     double open = room < widest ? (needed + room) / 2 : room;
     open = needed + kStep * std::floor((open - needed) / kStep + 1e-6);
     if (const auto grasp = places.grasp(stand, open)) grasps.push_back(*grasp);
-    if (open < needed + kMargin) return;
+    if (open < needed + kMargin || tried > 0) return;
     if (const auto grasp = places.grasp(stand, needed)) grasps.push_back(*grasp);
   };
-  const auto add_at = [&](std::span<const double> heights, double widest) {
+  // `tried` (m): with no more room the same grasps are there already.
+  const auto add_at = [&](std::span<const double> heights, double widest, double tried = 0) {
     constexpr int kSteps = static_cast<int>(kTiltMax / kTiltStep + 0.5);
     for (const double along : {cube.yaw, cube.yaw + kPi / 2}) {
       for (int step = -kSteps; step <= kSteps; ++step) {
         for (const double up : heights) {
-          if (const auto stand = places.stand(along, step * kTiltStep, up)) add(*stand, widest);
+          if (const auto stand = places.stand(along, step * kTiltStep, up))
+            add(*stand, widest, tried);
         }
       }
     }
@@ -267,7 +267,7 @@ Expected<std::vector<JawGrasp>> jaw_grasps(const RobotModel& robot, std::span<co
   };
   add_at(kHeights, places.widest(kBeside));
   add_at(kPoorHeights, places.widest(kBesideMost));
-  add_at(kHeights, places.widest(kBesideMost));
+  add_at(kHeights, places.widest(kBesideMost), places.widest(kBeside));
   if (grasps.empty()) return std::unexpected(Error{ErrorCode::kCubeCrowded, -1, most, needed});
   return grasps;
 }

@@ -243,6 +243,21 @@ bool ends_a_joint(const Refusal& refusal) {
          refusal.error.code == ErrorCode::kOutOfReach;
 }
 
+/// Whether a way goes by a place beside a spot; the first one by which it does. Tilted ones are
+/// tried only where a joint ended before.
+/// @param way  from such a place: why not, or nothing
+template <class Way>
+bool by_a_place_beside(const Spot& spot, const Way& way) {
+  bool is_limited = false;
+  for (const Spot& place : beside(spot)) {
+    if (place.pitch != spot.pitch && !is_limited) return false;
+    const std::optional<Refusal> why = way(place);
+    if (!why) return true;
+    is_limited = is_limited || ends_a_joint(*why);
+  }
+  return false;
+}
+
 /// To a place over the spot; by a place beside it where an obstacle is in the way.
 std::expected<Sequence, Refusal> gone_over(const Sequence& rows, Spot spot, double above,
                                            const MotionOptions& how) {
@@ -251,17 +266,14 @@ std::expected<Sequence, Refusal> gone_over(const Sequence& rows, Spot spot, doub
   if (!refusal) return direct;
   if (!meets_thing(*refusal)) return std::unexpected(*refusal);
   spot.p_BT.z += above;
-  const double turned = spot.pitch.value_or(0);
-  bool is_limited = false;
-  for (const Spot& first : beside(spot)) {
-    if (first.pitch.value_or(0) != turned && !is_limited) break;
-    Sequence around = rows;
-    auto why = around.go_over(first, 0, how);
-    if (!why) why = around.go_straight(spot, how);
-    if (!why) return around;
-    is_limited = is_limited || ends_a_joint(*why);
-  }
-  return std::unexpected(*refusal);
+  std::optional<Sequence> around;
+  const bool goes = by_a_place_beside(spot, [&](const Spot& first) {
+    around.emplace(rows);
+    const auto why = around->go_over(first, 0, how);
+    return why ? why : around->go_straight(spot, how);
+  });
+  if (!goes) return std::unexpected(*refusal);
+  return *std::move(around);
 }
 
 /// To where the row began; by a place beside where it is, where an obstacle is in the way.
@@ -270,17 +282,14 @@ std::expected<CubeRows, Refusal> gone_back(const Sequence& rows, const MotionOpt
   const auto refusal = direct.back(how);
   if (!refusal) return direct.take();
   if (!meets_thing(*refusal)) return std::unexpected(*refusal);
-  const Spot spot = rows.spot();
-  bool is_limited = false;
-  for (const Spot& first : beside(spot)) {
-    if (first.pitch.value_or(0) != spot.pitch.value_or(0) && !is_limited) break;
-    Sequence around = rows;
-    auto why = around.go_straight(first, how);
-    if (!why) why = around.back(how);
-    if (!why) return around.take();
-    is_limited = is_limited || ends_a_joint(*why);
-  }
-  return std::unexpected(*refusal);
+  std::optional<Sequence> around;
+  const bool goes = by_a_place_beside(rows.spot(), [&](const Spot& first) {
+    around.emplace(rows);
+    const auto why = around->go_straight(first, how);
+    return why ? why : around->back(how);
+  });
+  if (!goes) return std::unexpected(*refusal);
+  return around->take();
 }
 
 /// Over the spot, straight down, `action`, straight up, and back.

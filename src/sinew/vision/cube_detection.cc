@@ -55,7 +55,7 @@ Detection detect_cubes(const Picture& picture, const DetectionSettings& settings
   for (std::size_t i = 0; i < things.tops.size(); ++i) {
     const Top& top = things.tops[i];
     const auto refuse = [&](std::string_view why, Height height = Height::kPerhaps) {
-      detection.refused.push_back({top.quad, std::string(why), height, {}, {}, true, false});
+      detection.refused.push_back({top.quad, std::string(why), height});
     };
     const bool is_wanted = settings.colors.empty() || !top.color ||
                            std::ranges::find(settings.colors, *top.color) != settings.colors.end();
@@ -105,13 +105,8 @@ Detection detect_cubes(const Picture& picture, const DetectionSettings& settings
         things.tops, [&](const Top& one) { return is_inside(one.quad, other.middle); });
     if (other.sureness < kOtherSure || top) continue;
     const double edge = common > 0 ? common : 0.04 * std::max(picture.width, picture.height);
-    detection.refused.push_back({square_around(other.middle, edge),
-                                 std::string(other.why),
-                                 height_of(other),
-                                 {},
-                                 {},
-                                 true,
-                                 false});
+    detection.refused.push_back(
+        {square_around(other.middle, edge), std::string(other.why), height_of(other)});
   }
   return detection;
 }

@@ -47,11 +47,8 @@ std::optional<std::array<double, 3>> color_on(const Picture& picture, const Whit
     for (const double up : {-0.1, 0.0, 0.1}) {
       const Vec3 p_W = face.middle_W + u * edge * face.aside + Vec3{0, 0, up * edge};
       const auto p = camera.model.project(camera.X_WC.inverse() * p_W);
-      if (!p || p->x < 0 || p->y < 0 || p->x >= picture.width || p->y >= picture.height) {
-        return std::nullopt;
-      }
-      const auto cell = cell_of(grid, picture.width, picture.height, *p);
-      if (!hidden.empty() && cell && hidden[*cell]) return std::nullopt;
+      const auto cell = p ? cell_of(grid, picture.width, picture.height, *p) : std::nullopt;
+      if (!cell || (!hidden.empty() && hidden[*cell])) return std::nullopt;
       const std::uint8_t* rgb = picture.at(static_cast<int>(p->x), static_cast<int>(p->y));
       for (std::size_t c = 0; c < 3; ++c) sum[c] += balance.curve(c)[rgb[c]];
       ++count;

@@ -47,9 +47,8 @@ constexpr double kSquare = 16.5;  ///< contrast of a square's sides, of 8-bit RG
 
 /// On the level on which a square of a cube's size fits best; nothing where its corners say that
 /// its size is off by more than a quarter on each.
-std::optional<TableFit> best_fit(const Picture& picture, const TableCamera& camera,
-                                 const SeenCube& cube, double edge,
-                                 const std::vector<bool>& hidden) {
+std::optional<TableFit> best_fit(const Picture& picture, const TableCamera& camera, const Quad& top,
+                                 double edge, const std::vector<bool>& hidden) {
   constexpr int kLevels = 6;
   constexpr double kOffMost = 0.25;
   // Its corners say the size to a tenth: two levels more or less. A top and a side face together
@@ -60,11 +59,11 @@ std::optional<TableFit> best_fit(const Picture& picture, const TableCamera& came
   std::optional<TableFit> best;
   double lowest = 0;
   for (int level = 1; level <= kLevels; ++level) {
-    auto square = square_at(camera, cube.top, level * edge);
+    auto square = square_at(camera, top, level * edge);
     if (!square) break;
     if (std::abs(square->edge / edge - 1) >= kOffMost) continue;
     square->level = level;
-    const double pixel = square->edge / std::max(cube.size, 1.0);
+    const double pixel = square->edge / std::max(edge_of(top), 1.0);
     TableFit fit = fitted_on_table(picture, camera, *square, edge, pixel, hidden);
     if (!best) lowest = fit.contrast;
     const bool fits = fit.foot.value_or(0) >= kFoot && fit.contrast >= kFits * lowest &&
@@ -79,32 +78,24 @@ std::optional<TableFit> best_fit(const Picture& picture, const TableCamera& came
 enum class Sides : std::uint8_t { kOfNone, kPerhaps, kOfCube };
 
 /// @param nearest  edges, to the middle of the next top
-Sides sides_of(const std::optional<TableFit>& fit, double nearest) {
+Sides sides_of(const TableFit& fit, double nearest) {
   constexpr double kFoot = 12, kSureFoot = 17, kSureSquare = 17.5;  // of 8-bit RGB
   // Sides that touch others of their color have no contrast; three of four are more than that.
   constexpr double kTouches = 1.42, kTouching = 14;
   constexpr double kHides = 1.75;  // so near a top may hide where the side faces behind it end
-  if (!fit || !fit->is_sure) return Sides::kPerhaps;
-  const bool has_foot = nearest < kHides || fit->foot.value_or(kFoot) >= kFoot;
-  if (fit->contrast < (nearest < kTouches ? kTouching : kSquare) || !has_foot) {
+  if (!fit.is_sure) return Sides::kPerhaps;
+  const bool has_foot = nearest < kHides || fit.foot.value_or(kFoot) >= kFoot;
+  if (fit.contrast < (nearest < kTouches ? kTouching : kSquare) || !has_foot) {
     return Sides::kOfNone;
   }
-  const bool sure = fit->contrast >= kSureSquare && fit->foot.value_or(0) >= kSureFoot;
+  const bool sure = fit.contrast >= kSureSquare && fit.foot.value_or(0) >= kSureFoot;
   return sure ? Sides::kOfCube : Sides::kPerhaps;
 }
 
-bool is_inside(const Picture& picture, const Quad& quad) {
+bool is_whole(const Picture& picture, const Quad& quad) {
   return std::ranges::all_of(quad, [&](Pixel p) {
     return p.x > 1 && p.y > 1 && p.x < picture.width - 1 && p.y < picture.height - 1;
   });
-}
-
-/// A refused shape as a detection that can be fitted; its color does not count.
-SeenCube as_cube(const RefusedShape& shape) {
-  SeenCube cube;
-  cube.top = shape.outline;
-  cube.size = edge_of(shape.outline);
-  return cube;
 }
 
 /// Middles of all tops: of cubes, and of what may be one.
@@ -118,6 +109,10 @@ std::vector<Vec3> tops_of(const Detection& detection, const TableCamera& camera,
   return tops;
 }
 
+/// Edges: cubes beside each other are farther apart.
+constexpr double kSame = 0.95;
+
+/// m, seen from above
 double apart(const Vec3& one_W, const Vec3& other_W) {
   return std::hypot(one_W.x - other_W.x, one_W.y - other_W.y);
 }
@@ -126,12 +121,11 @@ double apart(const Vec3& one_W, const Vec3& other_W) {
 /// sides are no likely obstacles.
 void decide_by_sides(Detection& detection, const Picture& picture, const TableCamera& camera,
                      double edge, const std::vector<bool>& hidden) {
-  constexpr double kSame = 0.95;  // of an edge
   const std::vector<Vec3> tops = tops_of(detection, camera, edge);
   std::optional<WhiteBalance> balance;
   const auto becomes_cube = [&](RefusedShape& shape) {
-    const auto fit = best_fit(picture, camera, as_cube(shape), edge, hidden);
-    if (!fit || !is_inside(picture, shape.outline)) return false;
+    const auto fit = best_fit(picture, camera, shape.outline, edge, hidden);
+    if (!fit || !is_whole(picture, shape.outline)) return false;
     const Vec3& top_W = fit->position.top_W;
     std::vector<Vec3> others;
     double nearest = std::numeric_limits<double>::infinity();
@@ -141,7 +135,7 @@ void decide_by_sides(Detection& detection, const Picture& picture, const TableCa
       others.push_back(other_W);
       nearest = std::min(nearest, far);
     }
-    const Sides sides = sides_of(fit, nearest);
+    const Sides sides = sides_of(*fit, nearest);
     if (sides == Sides::kOfNone && !shape.is_sure) shape.height = Height::kPerhaps;
     const bool is_new = std::ranges::none_of(detection.cubes, [&](const SeenCube& other) {
       return apart(top_W, other.position->top_W) < kSame * edge;
@@ -179,7 +173,6 @@ std::optional<ThingPosition> position_of(const RefusedShape& shape, const Pictur
                                          const Detection& detection,
                                          const std::vector<bool>& hidden) {
   constexpr double kSmallest = 0.4, kLargest = 3;  // of a cube's edge
-  constexpr double kBeside = 0.95;                 // of it, from the middle of a cube
   constexpr double kFace = 0.65;                   // of it; half of a side face is less
   const auto [width, height] = std::pair(camera.model.width, camera.model.height);
   const Pixel middle = middle_of(shape.outline);
@@ -200,11 +193,8 @@ std::optional<ThingPosition> position_of(const RefusedShape& shape, const Pictur
   const bool of_cube = std::ranges::any_of(detection.cubes, [&](const SeenCube& cube) {
     const Vec3& top_W = cube.position->top_W;
     if (is_large) return holds(*thing, top_W);
-    const Vec3 between = top_W - thing->top_W;
     // The middle of a side face is half an edge below the top.
-    const Vec3 below = top_W - *face_W;
-    return std::hypot(between.x, between.y) < kBeside * edge ||
-           std::hypot(below.x, below.y) < kFace * edge;
+    return apart(top_W, thing->top_W) < kSame * edge || apart(top_W, *face_W) < kFace * edge;
   });
   if (of_cube) return std::nullopt;
   return thing;
@@ -241,7 +231,7 @@ std::expected<CubePosition, NotPlaced> cube_position(const Picture& picture,
   // A round top, and a brick's, has few edges along the sides of a square. Cubes that the detection
   // is sure of may have little contrast to the table.
   constexpr double kSure = 0.9;  // confidence
-  const auto fit = best_fit(picture, camera, cube, edge, hidden);
+  const auto fit = best_fit(picture, camera, cube.top, edge, hidden);
   if (fit && !fit->is_sure) {
     return std::unexpected(NotPlaced{"a robot hides it in part", Height::kLikely});
   }
@@ -262,8 +252,7 @@ void place_on_table(Detection& detection, const Picture& picture, const TableCam
   for (SeenCube& cube : detection.cubes) {
     const auto position = cube_position(picture, camera, cube, edge, hidden);
     if (!position) {
-      detection.refused.push_back(
-          {cube.top, position.error().why, position.error().height, {}, {}, true, false});
+      detection.refused.push_back({cube.top, position.error().why, position.error().height});
       continue;
     }
     cube.position = *position;
