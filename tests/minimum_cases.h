@@ -28,7 +28,7 @@ inline constexpr std::array kMinimumTests = std::to_array<MinimumTests>({
     {"calibration_test", 49},
     {"cli_test", 234},
     {"config_test", 97},
-    {"control_test", 128},
+    {"control_test", 129},
     {"core_test", 25},
     {"crash_test", 11},
     {"cubes_test", 4},

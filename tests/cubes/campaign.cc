@@ -212,7 +212,7 @@ CampaignCell cell_by(std::uint64_t seed) {
   cell.is_knocked = random.uniform(0, 1) < 0.1;
   CubeCellSettings& settings = cell.settings;
   settings.seed = settings.surroundings = seed;
-  settings.is_maxarm = random.uniform(0, 1) < 0.25;
+  if (random.uniform(0, 1) < 0.25) settings.robot = "maxarm";
   settings.cubes = 1 + random.bits() % (cell.is_knocked ? 4 : 12);
   settings.anywhere = true;
   settings.clutter = clutter_by(random);

@@ -5,9 +5,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 
+#include "sinew/config/robot_file.h"
 #include "sinew/core/rotation.h"
 #include "sinew/core/units.h"
 #include "sinew/kinematics/serial_chain.h"
@@ -93,16 +95,39 @@ std::vector<CellCube> cubes_of(const CubeCellSettings& settings) {
   return cubes;
 }
 
+/// The arms of the examples are longer than the LeArm.
+constexpr double kBehind = -0.11;  // m
+
+std::string example_file(const std::string& robot) {
+  return SINEW_SOURCE_DIR "/robots/examples/" + robot + ".toml";
+}
+bool is_example(const std::string& robot) {
+  return std::filesystem::exists(example_file(robot));
+}
+
+std::string text_of(const std::string& file) {
+  std::ifstream stream(file);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+RobotModel model_of(const CellRobot& robot) {
+  const RobotModel model = is_example(robot.robot)
+                               ? *read_robot(text_of(example_file(robot.robot)), robot.robot)
+                               : test::robot(robot.robot);
+  return *runtime::variant_of(model, robot.profile, std::nullopt);
+}
+
 Cell cell_of(const CubeCellSettings& settings) {
   Cell cell;
   cell.title = "cubes";
   cell.time_scale = settings.pace;
   CellRobot& robot = cell.robots.emplace_back();
   robot.name = "arm";
-  robot.robot = settings.is_maxarm ? "maxarm" : "learm";
-  if (!settings.is_maxarm) robot.profile = "bus";
-  robot.seed = 7;                                              // it begins clear of its table
-  if (settings.is_maxarm) robot.X_WB.R = rotation_z(kPi / 2);  // its front is -y
+  robot.robot = settings.robot;
+  robot.seed = 7;  // it begins clear of its table
+  if (settings.robot == "learm") robot.profile = "bus";
+  if (settings.robot == "maxarm") robot.X_WB.R = rotation_z(kPi / 2);  // its front is -y
+  if (is_example(settings.robot)) robot.X_WB.p.x = kBehind;
   CellCamera& camera = cell.cameras.emplace_back();
   camera.name = "top";
   camera.device = kSimulatedCamera;
@@ -153,9 +178,8 @@ std::string Ended::text() const {
 
 CubeCell::CubeCell(const CubeCellSettings& settings) {
   Cell cell = cell_of(settings);
-  const CellRobot& arm = cell.robots.front();
-  auto model = runtime::variant_of(test::robot(arm.robot), arm.profile, std::nullopt);
-  auto running = runtime::RunningCell::start(std::move(cell), {*model}, {});
+  const RobotModel model = model_of(cell.robots.front());
+  auto running = runtime::RunningCell::start(std::move(cell), {model}, {});
   if (!running) {
     ADD_FAILURE() << running.error().sentence;
     return;
@@ -216,9 +240,10 @@ void CubeCell::keep_lease() {
 }
 
 std::string CubeCell::own_program() const {
-  const std::string file = SINEW_SOURCE_DIR "/robots/" + robot().id + "/pick_and_place.sinew";
-  std::ifstream stream(file);
-  return {std::istreambuf_iterator<char>(stream), {}};
+  if (is_example(robot().id)) {
+    return "joint J1=-70deg\nrepeat while seen\n  pick\n  place basket\nend\n";
+  }
+  return text_of(SINEW_SOURCE_DIR "/robots/" + robot().id + "/pick_and_place.sinew");
 }
 
 void CubeCell::stand_aside() {

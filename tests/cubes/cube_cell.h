@@ -28,7 +28,7 @@ struct CubeCellSettings {
   bool sheet = false;              ///< with tags lies on the table
   double pace = 20;                ///< so much faster time runs
   PlanarError calibration = {};    ///< how the camera hangs beside where it is believed to
-  bool is_maxarm = false;          ///< in place of the LeArm
+  std::string robot = "learm";     ///< built in, or the name of a file in robots/examples
   bool on_arm = false;             ///< the camera is, of a LeArm
   bool anywhere = false;           ///< also where the arm has no reach, pink and black too
   std::array<double, 5> lens{};    ///< of the camera, as its calibration has it, too

@@ -19,13 +19,13 @@ using Kind = sim::CubeEvent::Kind;
 const std::string kStand = "joint base=-60deg shoulder=20deg elbow=40deg wrist=40deg roll=0deg\n";
 
 /// The robot's own pick_and_place.sinew in cells of 1 to 4 cubes.
-void expect_in_the_basket(const std::vector<std::uint64_t>& seeds, bool is_maxarm) {
+void expect_in_the_basket(const std::vector<std::uint64_t>& seeds, const std::string& robot) {
   std::size_t all = 0, placed = 0, pauses = 0;
   for (const std::uint64_t seed : seeds) {
     CubeCell cell({.seed = seed,
                    .cubes = 1 + seed % 4,
-                   .is_maxarm = is_maxarm,
-                   .surroundings = is_maxarm ? seed : 1});
+                   .robot = robot,
+                   .surroundings = robot == "maxarm" ? seed : 1});
     cell.stand_aside();
     // Time runs 20 times faster here, and a camera's look does not: on a loaded computer an arm may
     // be gone from where it was thought to be. A person looks, and has it go on.
@@ -50,11 +50,19 @@ void expect_in_the_basket(const std::vector<std::uint64_t>& seeds, bool is_maxar
 }
 
 TEST(Cubes, all_that_are_seen_come_into_the_basket) {
-  expect_in_the_basket({1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15}, false);
+  expect_in_the_basket({1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15}, "learm");
 }
 
 TEST(Cubes, a_cup_takes_all_that_are_seen_into_the_basket) {
-  expect_in_the_basket({1, 2, 3, 4, 5}, true);
+  expect_in_the_basket({1, 2, 3, 4, 5}, "maxarm");
+}
+
+TEST(Cubes, an_arm_with_six_joints_and_jaws_takes_all_that_are_seen_into_the_basket) {
+  expect_in_the_basket({1, 2, 3, 4}, "six-axis");
+}
+
+TEST(Cubes, an_so_101_takes_all_that_are_seen_into_the_basket) {
+  expect_in_the_basket({1, 2, 3, 4}, "so-101");
 }
 
 TEST(Cubes, a_camera_on_the_arm_sees_them_from_where_the_arm_stands) {

@@ -16,6 +16,7 @@
 #include "sinew/core/units.h"
 #include "sinew/io/clock.h"
 #include "sinew/io/file.h"
+#include "sinew/model/hand.h"
 #include "sinew/model/joint_lookup.h"
 #include "sinew/program/foresight.h"
 #include "sinew/runtime/camera_place.h"
@@ -68,7 +69,7 @@ Or<Chosen> choose(const PlanRequest& request, const Cell& cell) {
     if (!named) continue;
     auto model = model_of(place, *request.cell);
     if (!model) return std::unexpected(model.error());
-    if (!request.robot && !program::can_pick(*model)) continue;
+    if (!request.robot && !can_pick(*model)) continue;
     return Chosen{&place, std::move(*model)};
   }
   if (!request.robot) {
@@ -220,13 +221,12 @@ class Fates {
         others += fmt::format("  {} at {}: {}\n", color(one), at(top(one)), reason(one));
         continue;
       }
-      const std::string grasp = program::picks_with_jaws(model_)
+      const std::string grasp = jaws_of(model_) != nullptr
                                     ? fmt::format("tilted by {:.0f} deg", to_deg(one.tilt))
                                     : "by suction";
-      table.add(
-          {std::to_string(++number), color(one), at(top(one)), std::to_string(one.line),
-           one.tilt < from_deg(1) && program::picks_with_jaws(model_) ? "straight down" : grasp,
-           one.into, one.p_BT ? at(*one.p_BT) : ""});
+      table.add({std::to_string(++number), color(one), at(top(one)), std::to_string(one.line),
+                 one.tilt < from_deg(1) && jaws_of(model_) != nullptr ? "straight down" : grasp,
+                 one.into, one.p_BT ? at(*one.p_BT) : ""});
     }
     return (number > 0 ? table.text() : std::string("  no cube is picked\n")) + others;
   }

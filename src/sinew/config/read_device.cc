@@ -8,14 +8,14 @@
 namespace sinew {
 namespace {
 
-/// One wire: its name, whether it runs over a serial port, how many joints it drives (0: any), and
-/// how
-/// long a streamed segment may be, who reads the rest.
+/// One wire: its name, whether it runs over a serial port, how many joints it drives (0: any), how
+/// long a streamed segment may be, what it drives at the end of the arm, who reads the rest.
 struct Protocol {
   std::string_view name;
   bool serial_port = false;
   std::size_t joints = 0;
   std::int64_t segment_ms_max = 0;  ///< of a streamed motion
+  HandDrive hand = HandDrive::kNone;
   void (*read)(TableReader&, RobotModel&) = nullptr;
   void (*check)(TableReader&, const RobotModel&) = nullptr;
 };
@@ -26,14 +26,16 @@ constexpr std::size_t kMaxArmJoints = 3;
 constexpr double kIdealLineBits = 264 * 10;
 constexpr std::int64_t kIdealBaudLeast = 57'600;
 
+using enum HandDrive;
 constexpr Named<Protocol> kProtocols[] = {
-    {"ideal", {"ideal", true, 0, 0, nullptr}},
-    {"bigrobotarm", {"bigrobotarm", true, kBigRobotArmJoints, 1000, read_bigrobotarm}},
-    {"lsc", {"lsc", true, 0, 100, read_lsc}},
-    {"maxarm", {"maxarm", true, kMaxArmJoints, 1000, read_maxarm}},
-    {"icp", {"icp", true, kLegs, 1000, read_icp}},
-    {"axis_registers", {"axis_registers", false, 0, 1000, read_axis_registers, check_step_rates}},
-    {"axis_link", {"axis_link", false, 0, 100, read_axis_link, check_step_rates}},
+    {"ideal", {"ideal", true, 0, 0, kJaws}},
+    {"bigrobotarm", {"bigrobotarm", true, kBigRobotArmJoints, 1000, kServo, read_bigrobotarm}},
+    {"lsc", {"lsc", true, 0, 100, kJaws, read_lsc}},
+    {"maxarm", {"maxarm", true, kMaxArmJoints, 1000, kSuction, read_maxarm}},
+    {"icp", {"icp", true, kLegs, 1000, kNone, read_icp}},
+    {"axis_registers",
+     {"axis_registers", false, 0, 1000, kNone, read_axis_registers, check_step_rates}},
+    {"axis_link", {"axis_link", false, 0, 100, kNone, read_axis_link, check_step_rates}},
 };
 
 }  // namespace
@@ -70,7 +72,7 @@ void read_device(TableReader& root, RobotModel& model) {
     reader->finish();
     return;
   }
-  device.capability = {};
+  device.capability = {.hand = protocol.hand};
   reader->choice("motion", kMotions, device.capability.motion);
   reader->choice("feedback", kFeedbacks, device.capability.feedback);
   if (protocol.serial_port) reader->integer("baud", 300, 4'000'000, device.baud);

@@ -13,7 +13,9 @@ SegmentTime segment_time(double left, double longest) {
   if (left <= longest / 2) return {left, longest / 2};
   // What rounding leaves of a whole number of segments is no segment.
   const double segments = std::max(1.0, std::ceil(left / longest - 1e-6));
-  return {left / segments, left / segments};
+  // Pieces are whole nanoseconds: at 3 rad/s half a one is more than the governor lets pass.
+  const double whole = std::ceil(left / segments * 1e9 - 1e-3) * 1e-9;
+  return {std::min(left, whole), whole};
 }
 
 PathMotion::PathMotion(const RobotModel& robot, std::vector<LinkPair> overlaps)

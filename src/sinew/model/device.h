@@ -23,6 +23,14 @@ enum class MotionKind : std::uint8_t { kStream, kPointToPoint };
 /// What a device can say about where it stands.
 enum class PositionFeedback : std::uint8_t { kMeasured, kCommanded, kNone };
 
+/// What a device drives at the end of an arm.
+enum class HandDrive : std::uint8_t {
+  kNone,
+  kJaws,     ///< to a width between them
+  kServo,    ///< a gripper to an angle
+  kSuction,  ///< a pump, and a nozzle that turns
+};
+
 /// What the wire and the device behind it can do; the planner never asks for more.
 struct DeviceCapability {
   MotionKind motion = MotionKind::kPointToPoint;
@@ -41,6 +49,7 @@ struct DeviceCapability {
   /// How far one joint may be moved at a time while nobody knows where it is, rad or m; 0: this
   /// device moves to places only.
   double nudge_max = 0;
+  HandDrive hand = HandDrive::kNone;
 };
 
 inline constexpr std::size_t kBigRobotArmJoints = 5;
@@ -213,8 +222,10 @@ struct IdealDevice {};
 struct Device {
   std::string protocol = "ideal";  ///< name of the wire in the robot's file
   std::uint32_t baud = 1'000'000;
-  DeviceCapability capability{MotionKind::kStream, PositionFeedback::kMeasured,
-                              std::chrono::milliseconds(20)};
+  DeviceCapability capability{.motion = MotionKind::kStream,
+                              .feedback = PositionFeedback::kMeasured,
+                              .segment = std::chrono::milliseconds(20),
+                              .hand = HandDrive::kJaws};
   std::variant<IdealDevice, BigRobotArmDevice, AxisRegistersDevice, AxisLinkDevice, LscDevice,
                MaxArmDevice, IcpDevice>
       settings;

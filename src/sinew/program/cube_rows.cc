@@ -10,6 +10,7 @@
 #include "sinew/core/rotation.h"
 #include "sinew/core/units.h"
 #include "sinew/grasping/grasps.h"
+#include "sinew/model/hand.h"
 #include "sinew/model/tool_body.h"
 #include "sinew/planning/collision.h"
 #include "sinew/program/table_things.h"
@@ -27,11 +28,6 @@ constexpr double kPressMore = 0.75e-3;  // m
 constexpr double kStillThere = 0.6;     // of an edge, from where a cube was taken
 constexpr double kPitchStep = from_deg(3);
 constexpr int kPitchTries = 12;
-
-const JawGripper* jaws_of(const RobotModel& robot) {
-  const auto* arm = std::get_if<SerialGeometry>(&robot.geometry);
-  return arm != nullptr && arm->gripper ? &*arm->gripper : nullptr;
-}
 
 /// A place of the tool; of arms with five joints with its pitch and roll, with six with all of its
 /// orientation, else it turns with the base.
@@ -517,18 +513,6 @@ std::vector<Spot> spots_of(const Sequence& there, const Sequence& begin,
   return spots;
 }
 
-}  // namespace
-
-bool picks_with_jaws(const RobotModel& robot) {
-  return jaws_of(robot) != nullptr && std::holds_alternative<LscDevice>(robot.device.settings);
-}
-
-bool can_pick(const RobotModel& robot) {
-  return picks_with_jaws(robot) || std::holds_alternative<MaxArmDevice>(robot.device.settings);
-}
-
-namespace {
-
 /// What a `place` keeps clear of.
 struct Around {
   double room;  ///< m, extra clearance of lateral motions
@@ -592,7 +576,7 @@ std::expected<CubeRows, Refusal> rows_to_one_place(RowPlanner& planner, const St
 
 /// m, of the tool point above the bottom of a cube that it holds, at least.
 double tool_above(const RobotModel& robot, double edge) {
-  return picks_with_jaws(robot) ? edge / 2 : edge + cup_reach(robot);
+  return jaws_of(robot) != nullptr ? edge / 2 : edge + cup_reach(robot);
 }
 
 /// The first spot over the basket's floor, and the lowest height over its rim, that can be had with
@@ -663,8 +647,8 @@ std::expected<CubeRows, Refusal> rows_to_cube_among(RowPlanner& planner, const S
   empty.tool.held.reset();
   empty.at_cup.reset();
   const Sequence begin(planner, empty, row, things);
-  auto rows = picks_with_jaws(robot) ? picked_by_jaws(planner, begin, seen, which, skip)
-                                     : picked_by_cup(begin, robot, seen, which, skip);
+  auto rows = jaws_of(robot) != nullptr ? picked_by_jaws(planner, begin, seen, which, skip)
+                                        : picked_by_cup(begin, robot, seen, which, skip);
   if (rows) rows->cube = seen.cubes[which];
   return rows;
 }
@@ -706,7 +690,7 @@ bool in_reach(const RobotModel& robot, const Sighting& seen, std::size_t which) 
   const Sighting likely = likely_of(seen);
   const auto others = bodies_of(likely.others);
   const auto things = things_on_table(robot, likely, which, {}, seen.cubes[which].edge);
-  if (picks_with_jaws(robot)) {
+  if (jaws_of(robot) != nullptr) {
     const auto grasps = grasping::jaw_grasps(robot, seen.cubes, which, others);
     Hands hands(robot, things);
     return grasps &&

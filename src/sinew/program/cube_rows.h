@@ -17,10 +17,6 @@ namespace sinew::program {
 /// m; the edge of a cube before one was seen.
 inline constexpr double kUsualCube = 25e-3;
 
-bool picks_with_jaws(const RobotModel& robot);
-/// Whether its tool can take a cube: jaws, or suction.
-bool can_pick(const RobotModel& robot);
-
 struct CubeRows {
   std::vector<Step> steps;  ///< motions, each from stop to stop, and actions of the tool
   ToolState tool;           ///< behind them

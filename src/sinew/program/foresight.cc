@@ -5,6 +5,7 @@
 
 #include "sinew/core/units.h"
 #include "sinew/grasping/grasps.h"
+#include "sinew/model/hand.h"
 
 namespace sinew::program {
 namespace {
@@ -67,7 +68,7 @@ class Walk {
 
   std::expected<void, Refusal> take_pick(const Order& order, const PickOrder& pick) {
     if (!seen_ || !at_.q) {
-      if (picks_with_jaws(planner_.robot())) at_.tool = {kUsualCube, kUsualCube};
+      if (jaws_of(planner_.robot()) != nullptr) at_.tool = {kUsualCube, kUsualCube};
       return look_({order, at_, nullptr});
     }
     const Step row{order.line, pick.row, order.file};

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "sinew/core/units.h"
+#include "sinew/model/hand.h"
 #include "sinew/program/program_rows.h"
 #include "sinew/program/row_reader.h"
 
@@ -308,25 +309,25 @@ class GcodeReader {
 
   /// M3 takes hold, M4 lets go of what sticks, M5 is off.
   std::optional<std::string> tool_row(const Code& code) {
-    const auto& settings = robot_.device.settings;
+    const HandDrive hand = robot_.device.capability.hand;
     const Code* amount = find('S');
     const auto needs_amount = [&](const char* what) {
       complain(code, std::string("needs S, ") + what);
       return std::string();
     };
-    if (std::holds_alternative<MaxArmDevice>(settings)) {
+    if (hand == HandDrive::kSuction) {
       if (amount != nullptr) complain(*amount, "says nothing to a pump that is on or off");
       return code.whole(3) ? "suction on\n" : code.whole(4) ? "suction release\n" : "suction off\n";
     }
     if (code.whole(4)) return std::nullopt;
-    if (std::holds_alternative<BigRobotArmDevice>(settings)) {
+    if (hand == HandDrive::kServo) {
       if (code.whole(5)) return "gripper off\n";
       if (amount == nullptr) return needs_amount("the degrees of the gripper");
       return "gripper " + shortest(amount->value) + "deg\n";
     }
-    const auto* geometry = std::get_if<SerialGeometry>(&robot_.geometry);
-    if (geometry == nullptr || !geometry->gripper) return std::nullopt;
-    if (code.whole(5)) return "jaws " + shortest(to_mm(geometry->gripper->width_max)) + "mm\n";
+    const JawGripper* jaws = jaws_of(robot_);
+    if (jaws == nullptr) return std::nullopt;
+    if (code.whole(5)) return "jaws " + shortest(to_mm(jaws->width_max)) + "mm\n";
     if (amount == nullptr) return needs_amount("the width between the jaws, mm");
     return "jaws " + shortest(amount->value) + "mm\n";
   }

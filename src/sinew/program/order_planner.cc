@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "sinew/core/units.h"
+#include "sinew/model/hand.h"
 #include "sinew/model/joint_lookup.h"
 #include "sinew/model/left_out.h"
 #include "sinew/program/cube_rows.h"
@@ -32,21 +33,18 @@ Refusal refused(const Step& step, const Error& error) {
 
 /// What this robot's tool cannot do; nothing where it can.
 std::optional<Error> tool_refusal(const RobotModel& robot, const ToolAction& action) {
-  const auto& settings = robot.device.settings;
+  const HandDrive hand = robot.device.capability.hand;
   constexpr double kNozzleMax = kPi;  // 500 to 2500 us
   constexpr double kTolerance = 1e-9;
   if (const auto* jaws = std::get_if<JawsTo>(&action)) {
-    const auto* geometry = std::get_if<SerialGeometry>(&robot.geometry);
-    const bool driven = std::holds_alternative<LscDevice>(settings) ||
-                        std::holds_alternative<IdealDevice>(settings);
-    const bool fitted = geometry != nullptr && geometry->gripper && driven;
-    if (!fitted) return Error{ErrorCode::kToolNotFitted};
-    const double widest = geometry->gripper->width_max;
+    const JawGripper* fitted = jaws_of(robot);
+    if (fitted == nullptr) return Error{ErrorCode::kToolNotFitted};
+    const double widest = fitted->width_max;
     if (jaws->width >= 0 && jaws->width <= widest + kTolerance) return std::nullopt;
     return Error{ErrorCode::kJawWidth, -1, jaws->width, widest};
   }
   if (const auto* gripper = std::get_if<GripperTo>(&action)) {
-    const auto* device = std::get_if<BigRobotArmDevice>(&settings);
+    const auto* device = std::get_if<BigRobotArmDevice>(&robot.device.settings);
     if (device == nullptr) return Error{ErrorCode::kToolNotFitted};
     const double widest = from_deg(device->gripper_max);
     const double angle = gripper->angle.value_or(0);
@@ -58,7 +56,7 @@ std::optional<Error> tool_refusal(const RobotModel& robot, const ToolAction& act
         device->wire == BigRobotArmWire::kByte && !bigrobotarm::byte::sendable(position);
     return cut ? std::optional(Error{ErrorCode::kUnsendable, -1, 1.0 * position}) : std::nullopt;
   }
-  if (!std::holds_alternative<MaxArmDevice>(settings)) return Error{ErrorCode::kToolNotFitted};
+  if (hand != HandDrive::kSuction) return Error{ErrorCode::kToolNotFitted};
   const auto* nozzle = std::get_if<NozzleTo>(&action);
   if (nozzle == nullptr) return std::nullopt;
   const double angle = nozzle->angle;
@@ -236,7 +234,7 @@ std::optional<Refusal> OrderPlanner::take_pick(const Step& step, std::size_t pla
   if (!can_pick(robot_)) return refused(step, {ErrorCode::kToolNotFitted});
   for (Stand& stand : stands_) {
     if (!stand.q && !stand.lost_by) return refused(step, {ErrorCode::kPositionUnknown, 0});
-    if (picks_with_jaws(robot_)) stand.tool = {kUsualCube, kUsualCube};
+    if (jaws_of(robot_) != nullptr) stand.tool = {kUsualCube, kUsualCube};
   }
   pass_time(kLookTime, kPickTime);
   order.what = PickOrder{std::get<PickCubeStep>(step.what), kPickTime};
@@ -271,7 +269,8 @@ std::expected<OrderPlanner::Placed, Refusal> OrderPlanner::planned_place(const S
       std::holds_alternative<BasketGoal>(std::get<PlaceCubeStep>(step.what).there);
   // Read without a cell: it is looked up where it runs.
   if (in_basket && table_ == nullptr) {
-    return Placed{picks_with_jaws(robot_) ? ToolState{2 * kUsualCube, {}} : stand.tool, kPlaceTime};
+    return Placed{jaws_of(robot_) != nullptr ? ToolState{2 * kUsualCube, {}} : stand.tool,
+                  kPlaceTime};
   }
   const Key key{{place}, {stand.q->begin(), stand.q->end()}, stand.tool.jaws, stand.tool.held};
   if (const auto known = placed_.find(key); known != placed_.end()) return known->second;

@@ -9,6 +9,7 @@
 #include "sinew/io/clock.h"
 #include "sinew/io/file.h"
 #include "sinew/model/error_sentence.h"
+#include "sinew/model/hand.h"
 #include "sinew/program/cube_rows.h"
 #include "sinew/runtime/camera_place.h"
 
@@ -53,7 +54,7 @@ std::expected<ToolAtRest, CameraCalibration::Refusal> tool_at_rest(const Station
                                            " stands. Enable it, home it in Setup, then touch "
                                            "the mark.");
   }
-  if (!program::picks_with_jaws(model)) return at;
+  if (jaws_of(model) == nullptr) return at;
   at.tool.jaws = view.tool.jaws.value_or(kPinMost + kClosed);
   if (at.tool.jaws <= (pin > 0 ? kPinMost : kClosed)) return at;
   return refused("jaws_open",

@@ -58,6 +58,9 @@ class IdealDevice {
   /// The joint cannot pass this place, rad or m, from the side on which it is now.
   void block(std::size_t joint, double at);
   void unblock(std::size_t joint);
+  /// Something is between the jaws: they close no further than to this width, m.
+  void block_jaws(double width) { jaws_least_ = width; }
+  void unblock_jaws() { jaws_least_ = 0; }
   /// It is there from now on.
   void place(std::span<const double> q);
   /// Stands at once.
@@ -100,6 +103,7 @@ class IdealDevice {
   FixedVector<Free, kMaxJoints> free_;
   double jaws_ = 0;
   double jaws_to_ = 0;
+  double jaws_least_ = 0;
 
   FixedVector<Piece, kMovesMax> pieces_;
   double time_ = 0;        ///< s into the first piece, or beyond the last one while it brakes

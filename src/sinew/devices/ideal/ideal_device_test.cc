@@ -168,6 +168,18 @@ TEST(IdealDevice, holds_after_its_power_was_away_until_it_is_cleared) {
   EXPECT_EQ(why(bench.ask(Bench::to(1, 0, 0))), Why::kBusy);
 }
 
+TEST(IdealDevice, jaws_close_no_further_than_on_what_is_between_them) {
+  Bench bench;
+  bench.device.block_jaws(0.025);
+  bench.ask(Jaws{20'000});
+  EXPECT_EQ(bench.state(bench.ask(Ask{}, 2s)).jaws_um, 25'000);
+  bench.ask(Jaws{40'000});
+  EXPECT_EQ(bench.state(bench.ask(Ask{}, 2s)).jaws_um, 40'000);
+  bench.device.unblock_jaws();
+  bench.ask(Jaws{20'000});
+  EXPECT_EQ(bench.state(bench.ask(Ask{}, 2s)).jaws_um, 20'000);
+}
+
 TEST(IdealDevice, a_stop_stops_the_jaws) {
   Bench bench;
   bench.ask(Jaws{0});

@@ -44,17 +44,18 @@ Truth IdealMachine::truth() const {
 
 void IdealMachine::disturb(const Disturbance& what) {
   const auto joint = static_cast<std::size_t>(std::max<std::int8_t>(what.joint, 0));
-  SINEW_ASSERT(joint < device_.q().size());
+  SINEW_ASSERT(joint <= device_.q().size());
+  const bool is_jaws = joint == device_.q().size();
   switch (what.kind) {
     case Disturbance::Kind::kSupply:
       supply_volts_ = what.value;
       if (!powered()) device_.lose_power();
       break;
     case Disturbance::Kind::kBlock:
-      device_.block(joint, what.value);
+      is_jaws ? device_.block_jaws(what.value) : device_.block(joint, what.value);
       break;
     case Disturbance::Kind::kUnblock:
-      device_.unblock(joint);
+      is_jaws ? device_.unblock_jaws() : device_.unblock(joint);
       break;
     default:
       break;
