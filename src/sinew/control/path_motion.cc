@@ -15,7 +15,7 @@ SegmentTime segment_time(double left, double longest) {
   const double segments = std::max(1.0, std::ceil(left / longest - 1e-6));
   // Pieces are whole nanoseconds: at 3 rad/s half a one is more than the governor lets pass.
   const double whole = std::ceil(left / segments * 1e9 - 1e-3) * 1e-9;
-  return {std::min(left, whole), whole};
+  return {segments == 1 ? left : whole, whole};
 }
 
 PathMotion::PathMotion(const RobotModel& robot, std::vector<LinkPair> overlaps)

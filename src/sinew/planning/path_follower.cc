@@ -54,10 +54,20 @@ std::optional<Error> PathFollower::start(const PlannedPath& path,
   return {};
 }
 
+/// A pause that ends as near to the path's end as rounding is there: no law leads on from it.
+PathState PathFollower::state_at(double t) const {
+  constexpr double kShare = 1 - 1e-8;
+  PathState state = law_.sample(t);
+  const double length = path_->joints.length();
+  const bool rests = state.v == 0 && state.a == 0 && t >= law_.duration();
+  if (rests && state.s >= kShare * length) state.s = length;
+  return state;
+}
+
 const JointMotion& PathFollower::step(double dt) {
   SINEW_ASSERT(path_ != nullptr && dt >= 0);
   t_ += dt;
-  state_ = law_.sample(t_);
+  state_ = state_at(t_);
   if (waits_) replan();
   sample_motion(*path_, state_, law_.jerk(t_), piece_, now_);
   return now_;
@@ -65,7 +75,7 @@ const JointMotion& PathFollower::step(double dt) {
 
 bool PathFollower::look_ahead(double dt, JointMotion& out) const {
   SINEW_ASSERT(path_ != nullptr && dt >= 0);
-  const PathState state = law_.sample(t_ + dt);
+  const PathState state = state_at(t_ + dt);
   std::size_t piece = piece_;
   sample_motion(*path_, state, law_.jerk(t_ + dt), piece, out);
   return !waits_ && state.v == 0 && state.a == 0 && t_ + dt >= law_.duration();
