@@ -15,6 +15,9 @@
 #include "sinew/config/robot_file.h"
 #include "sinew/device/axis_link_node.h"
 #include "sinew/device/axis_register_slave.h"
+#include "sinew/devices/axis/axis_link_settings.h"
+#include "sinew/devices/axis/axis_registers_settings.h"
+#include "sinew/devices/icp/icp_settings.h"
 #include "sinew/driver/axis_link.h"
 #include "sinew/driver/axis_register_link.h"
 #include "sinew/driver/icp.h"
@@ -134,7 +137,7 @@ RobotModel hexapod() {
 /// host leaves idle between an ACK and the next FF would show.
 double hexapod_moves_per_second() {
   const RobotModel robot = hexapod();
-  const auto& device = std::get<IcpDevice>(robot.device.settings);
+  const auto& device = robot.device.settings.get<IcpDevice>();
   const Duration byte_time{10'000'000'000 / static_cast<std::int64_t>(robot.device.baud)};
   sim::IcpMachine machine(robot, {}, 1, Instant{});
   IcpDriver driver(device, robot.joints);

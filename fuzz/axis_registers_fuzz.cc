@@ -6,6 +6,7 @@
 
 #include "sinew/core/assert.h"
 #include "sinew/device/axis_register_slave.h"
+#include "sinew/devices/axis/axis_registers_settings.h"
 #include "sinew/wire/axis_registers.h"
 
 // The register protocol from both sides. For any bytes: what is accepted as a header, as data, as

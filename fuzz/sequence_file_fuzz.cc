@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "sinew/core/assert.h"
+#include "sinew/devices/bigrobotarm/bigrobotarm_settings.h"
 #include "sinew/program/sequence_file.h"
 
 // Any text is a program or earns complaints that point into it; a program is written in its one

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "sinew/core/units.h"
+#include "sinew/devices/bigrobotarm/bigrobotarm_settings.h"
 #include "sinew/driver/bigrobotarm_multipliers.h"
 #include "sinew/driver/bigrobotarm_test_cell.h"
 #include "sinew/model/joint_lookup.h"
@@ -27,7 +28,7 @@ namespace {
 using bigrobotarm::byte::sendable;
 
 const BigRobotArmDevice& board() {
-  return std::get<BigRobotArmDevice>(test::robot("bigrobotarm").device.settings);
+  return test::robot("bigrobotarm").device.settings.get<BigRobotArmDevice>();
 }
 
 TEST(BigRobotArmDocument, each_joint_has_the_steps_range_and_speed_of_its_table) {

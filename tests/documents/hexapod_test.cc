@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "sinew/core/units.h"
+#include "sinew/devices/icp/icp_settings.h"
 #include "sinew/driver/icp_test_cell.h"
 #include "sinew/model/joint_lookup.h"
 #include "sinew/program/bullride.h"
@@ -58,7 +59,7 @@ TEST(HexapodDocument, it_takes_the_hours_that_its_document_tells) {
 }
 
 TEST(HexapodDocument, a_unit_is_a_microstep_of_0_7_mm_a_turn) {
-  const auto& device = std::get<IcpDevice>(test::robot("hexapod").device.settings);
+  const auto& device = test::robot("hexapod").device.settings.get<IcpDevice>();
   EXPECT_NEAR(1e9 / device.units_per_m, 218.75, 1e-6) << "nm: 0.7 mm / (200 x 16)";
   EXPECT_NEAR(device.units_per_m / 1000, 4571.43, 0.005) << "units a mm";
   // -1 in two's complement. The document also calls it "binary complement", which would be FFFE:

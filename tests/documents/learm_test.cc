@@ -4,6 +4,7 @@
 
 #include "sinew/core/units.h"
 #include "sinew/device/lsc_jog.h"
+#include "sinew/devices/lsc/lsc_settings.h"
 #include "sinew/driver/lsc_units.h"
 #include "sinew/kinematics/serial_arm.h"
 #include "sinew/runtime/robot_variant.h"
@@ -30,7 +31,7 @@ TEST(LearmDocument, at_rest_it_has_the_servos_where_its_makers_firmware_puts_the
   const auto branches = arm.inverse_at_pitch({from_mm(150), 0, from_mm(20)}, from_deg(90 + 53));
   ASSERT_TRUE(branches);
   ASSERT_TRUE((*branches)[0].within_limits);
-  const auto& servos = std::get<LscDevice>(model.device.settings).servos;
+  const auto& servos = model.device.settings.get<LscDevice>().servos;
   const auto pulse = [&](std::size_t i) {
     return servos[i].centre + servos[i].trim + servos[i].units_per_rad * (*branches)[0].q[i];
   };
@@ -58,7 +59,7 @@ TEST(LearmDocument, a_quarter_turn_of_each_joint_is_a_whole_end_of_its_servo) {
   // wrong way: ours stands straight up at 1500 everywhere.
   constexpr std::array<Row, 5> kRows{
       {{6, 2500, 500}, {5, 2500, 500}, {4, 500, 2500}, {3, 500, 2500}, {2, 2500, 500}}};
-  const auto& servos = std::get<LscDevice>(test::robot("learm").device.settings).servos;
+  const auto& servos = test::robot("learm").device.settings.get<LscDevice>().servos;
   for (std::size_t i = 0; i < kRows.size(); ++i) {
     EXPECT_EQ(servos[i].id, kRows[i].id);
     EXPECT_NEAR(pulse_at(servos[i], 90), kRows[i].plus, 1e-9);
@@ -70,7 +71,7 @@ TEST(LearmDocument, a_quarter_turn_of_each_joint_is_a_whole_end_of_its_servo) {
 TEST(LearmDocument, bus_servos_go_240_deg_in_1000_and_the_jaws_from_200_to_700) {
   const auto bus = runtime::variant_of(test::robot("learm"), "bus", std::nullopt);
   ASSERT_TRUE(bus);
-  const auto& device = std::get<LscDevice>(bus->device.settings);
+  const auto& device = bus->device.settings.get<LscDevice>();
   for (const LscServo& servo : device.servos) {
     const double low = std::min(pulse_at(servo, 90), pulse_at(servo, -90));
     const double high = std::max(pulse_at(servo, 90), pulse_at(servo, -90));
@@ -90,7 +91,7 @@ TEST(LearmDocument, each_kits_jaws_open_and_close_where_it_says) {
   for (const Row& row : {Row{"lsc6", 1500, 2500}, Row{"esp32", 500, 1500}}) {
     const auto robot = runtime::variant_of(test::robot("learm"), row.profile, std::nullopt);
     ASSERT_TRUE(robot);
-    const auto& jaws = std::get<LscDevice>(robot->device.settings).gripper;
+    const auto& jaws = robot->device.settings.get<LscDevice>().gripper;
     EXPECT_EQ(jaws.open, row.open) << row.profile;
     EXPECT_EQ(jaws.closed, row.closed) << row.profile;
   }

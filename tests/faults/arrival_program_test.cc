@@ -44,7 +44,8 @@ TEST_P(ProgramTimes, are_as_planned) {
   for (std::uint64_t seed = 1; seed <= sample.seeds; ++seed) {
     FaultCell cell(model, {.profile = sample.profile, .seed = seed}, 20s);
     runtime::ControlLoop loop(model, cell.driver(),
-                              {.opening_limit = runtime::opening_of(model).limit}, {}, nullptr);
+                              {.opening_limit = model.device.settings->opening().limit}, {},
+                              nullptr);
     program::Run run(*program, loop.machine());
     if (sample.at_home) run.declare({.q = home_joints(model), .has_looked = false});
     run.start(cell.now());

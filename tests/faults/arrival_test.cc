@@ -6,6 +6,9 @@
 
 #include "faults/fault_cell.h"
 #include "sinew/core/units.h"
+#include "sinew/devices/axis/axis_registers_settings.h"
+#include "sinew/devices/bigrobotarm/bigrobotarm_settings.h"
+#include "sinew/devices/maxarm/maxarm_settings.h"
 #include "sinew/model/joint_lookup.h"
 #include "sinew/program/program_run.h"
 #include "sinew/runtime/control_loop.h"
@@ -76,15 +79,15 @@ double longest(const JointVector& from, const JointVector& to) {
 double near_end(const JointVector& from, const JointVector& to, const RobotModel& model) {
   const double hundredth = 0.01 * longest(from, to);
   // Its joints arrive one after the other, and the last one need not have the longest way.
-  if (std::holds_alternative<AxisRegistersDevice>(model.device.settings)) return 5e-4;
-  if (const auto* board = std::get_if<BigRobotArmDevice>(&model.device.settings)) {
+  if (model.device.settings.is<AxisRegistersDevice>()) return 5e-4;
+  if (const auto* board = model.device.settings.as<BigRobotArmDevice>()) {
     double most_steps = 0;
     for (const BigRobotArmJoint& joint : board->joints) {
       most_steps = std::max(most_steps, std::abs(joint.steps_per_rad));
     }
     return 0.5 / most_steps;
   }
-  if (const auto* arm = std::get_if<MaxArmDevice>(&model.device.settings)) {
+  if (const auto* arm = model.device.settings.as<MaxArmDevice>()) {
     return std::max(hundredth, 2 / std::abs(arm->servos[0].pulses_per_rad));
   }
   return hundredth;
@@ -93,11 +96,11 @@ double near_end(const JointVector& from, const JointVector& to, const RobotModel
 /// How long before its end a whole move is so near it, by the profile that its device makes.
 double tail(const JointVector& from, const JointMove& piece, double near, const RobotModel& model) {
   const auto& settings = model.device.settings;
-  if (std::holds_alternative<AxisRegistersDevice>(settings)) {
+  if (settings.is<AxisRegistersDevice>()) {
     const auto profile = program::profile_between(from, piece.q, model, 1);
     return std::cbrt(6 * near / model.joints[profile.slowest()].jerk_max);
   }
-  if (std::holds_alternative<BigRobotArmDevice>(settings)) return 0;
+  if (settings.is<BigRobotArmDevice>()) return 0;
   return std::min(1.0, near / longest(from, piece.q)) * to_seconds(piece.duration);
 }
 
@@ -147,7 +150,7 @@ std::vector<Arrival> arrivals_of(const Case& c, const RobotModel& model, std::ui
   if (!program) return arrivals;
   FaultCell cell(model, {.profile = c.profile, .seed = seed}, 1s);
   runtime::ControlLoop loop(model, cell.driver(),
-                            {.opening_limit = runtime::opening_of(model).limit}, {}, nullptr);
+                            {.opening_limit = model.device.settings->opening().limit}, {}, nullptr);
   program::Run run(*program, loop.machine());
   run.expect_homing(runtime::homing_of(model));
   if (c.at_home) run.declare({.q = home_joints(model), .has_looked = false});

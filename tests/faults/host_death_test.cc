@@ -3,6 +3,7 @@
 #include <chrono>
 #include <memory>
 
+#include "sinew/devices/axis/axis_registers_settings.h"
 #include "sinew/driver/axis_registers.h"
 #include "sinew/runtime/robot_machine.h"
 #include "sinew/runtime/robot_variant.h"
@@ -39,7 +40,7 @@ class RegisterHosts {
 
   void new_host() {
     driver = std::make_unique<AxisRegistersDriver>(
-        std::get<AxisRegistersDevice>(robot_.device.settings), robot_.joints);
+        robot_.device.settings.get<AxisRegistersDevice>(), robot_.joints);
     place_ = 0;
     events_ = {};
   }

@@ -48,6 +48,8 @@ struct FileRole {
   std::string_view folder;
 };
 inline constexpr std::array kFileRoles = std::to_array<FileRole>({
+    {"_settings", "model"},
+    {"_kinds", "model"},
     {"_wire", "wire"},
     {"_device", "device"},
     {"_driver", "driver"},

@@ -4,6 +4,7 @@
 #include <set>
 
 #include "sinew/core/units.h"
+#include "sinew/devices/device_kinds.h"
 
 namespace sinew::test {
 namespace {
@@ -178,7 +179,7 @@ std::string broken_promise(const RobotModel& model) {
       return "maxima of " + joint.name;
     }
   }
-  std::string device = std::visit(
+  std::string device = visit_kind(
       [&](const auto& settings) -> std::string {
         const std::size_t joints = model.joints.size();
         if (joints_of_device(settings, joints) != joints) return "joints of the device";

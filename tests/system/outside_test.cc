@@ -34,7 +34,7 @@ class Host {
   /// @param robot  its limits are narrowed here; the cell outlives this
   Host(FaultCell& cell, RobotModel& robot, bool told) : cell_(cell), robot_(robot) {
     control::ControllerSettings settings;
-    settings.opening_limit = runtime::opening_of(robot).limit;
+    settings.opening_limit = robot.device.settings->opening().limit;
     control::ControllerStart start;
     const sim::Truth truth = cell.machine().truth();
     for (const sim::JointTruth& joint : truth.joints) {

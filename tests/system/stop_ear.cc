@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "sinew/devices/device_kinds.h"
 #include "sinew/wire/axis_link.h"
 #include "sinew/wire/axis_registers.h"
 #include "sinew/wire/icp.h"
@@ -101,7 +102,7 @@ struct EarOf {
 }  // namespace
 
 std::unique_ptr<StopEar> stop_ear(const Device& device) {
-  return std::visit(EarOf{}, device.settings);
+  return visit_kind(EarOf{}, device.settings);
 }
 
 }  // namespace sinew::test

@@ -83,7 +83,7 @@ std::string median_and_worst(std::vector<Duration> all) {
 }
 
 /// What one stop has to be on this wire.
-void judge(const StopShot& shot, const StopWire& wire, const control::StopFacts& facts) {
+void judge(const StopShot& shot, const StopWire& wire, const StopFacts& facts) {
   EXPECT_EQ(shot.moved_on, 0);
   const bool says_so = wire.manner != Manner::kSilence && wire.manner != Manner::kNone;
   ASSERT_EQ(shot.first_byte.has_value(), says_so);
@@ -123,7 +123,7 @@ TEST_P(StopLatency, a_stop_leaves_behind_the_frame_in_transmission) {
   ASSERT_TRUE(robot) << robot.error();
   // Where homing leaves an arm few ways are free; what it may hit is no matter of stopping.
   robot->collision = {};
-  const control::StopFacts facts = control::stop_facts(robot->device);
+  const StopFacts facts = robot->device.settings->stop_facts();
   StopRange range(*robot, name_or_none(wire.profile), seed());
   range.prepare();
   std::vector<Duration> first_bytes;

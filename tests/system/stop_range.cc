@@ -6,6 +6,7 @@
 
 #include "sinew/control/machine_identity.h"
 #include "sinew/core/units.h"
+#include "sinew/devices/lsc/lsc_settings.h"
 #include "sinew/runtime/homing_time.h"
 #include "support/allocation_guard.h"
 #include "system/some_motion.h"
@@ -22,7 +23,7 @@ bool has_legs(const RobotModel& robot) {
 
 control::ControllerSettings settings_of(const RobotModel& robot, StopRange::Journal journal) {
   control::ControllerSettings settings;
-  settings.opening_limit = runtime::opening_of(robot).limit;
+  settings.opening_limit = robot.device.settings->opening().limit;
   if (journal == StopRange::Journal::kKept) settings.journal = control::journal_settings(robot);
   return settings;
 }
@@ -113,7 +114,7 @@ void StopRange::prepare() {
   ASSERT_TRUE(wait(ready, 60s)) << robot_.id;
   cycle();
   // A limp arm is where it has sunk to.
-  const bool servos = std::holds_alternative<LscDevice>(robot_.device.settings);
+  const bool servos = robot_.device.settings.is<LscDevice>();
   if (servos) {
     motion_ = first_motion(robot_);
     machine.give(control::Begin{motion_.get(), true});

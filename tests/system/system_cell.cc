@@ -5,6 +5,9 @@
 
 #include "sinew/control/machine_identity.h"
 #include "sinew/core/units.h"
+#include "sinew/devices/bigrobotarm/bigrobotarm_settings.h"
+#include "sinew/devices/icp/icp_settings.h"
+#include "sinew/devices/lsc/lsc_settings.h"
 #include "sinew/driver/icp_leg.h"
 #include "sinew/model/error_sentence.h"
 #include "sinew/sim/icp_machine.h"
@@ -21,7 +24,7 @@ constexpr Duration kWarmUp = 1s;
 
 control::ControllerSettings settings_of(const RobotModel& robot) {
   control::ControllerSettings settings;
-  settings.opening_limit = runtime::opening_of(robot).limit;
+  settings.opening_limit = robot.device.settings->opening().limit;
   settings.journal = control::journal_settings(robot);
   return settings;
 }
@@ -64,11 +67,11 @@ double Station::resolution(std::size_t joint, JournalKind kind) const {
   // A rotor that turns trails its field by up to a full step, 16 microsteps here. Until somebody
   // has looked at its modules nobody knows what they did without power: all that the driver allows
   // for. Who died while he looked left a record that says so.
-  if (const auto* legs = std::get_if<IcpDevice>(&settings)) {
+  if (const auto* legs = settings.as<IcpDevice>()) {
     const bool unseen = browned_out_ || kind == JournalKind::kLook;
     return ((unseen ? IcpLegClaim::kPowerCutUnits : 0) + 17) / legs->units_per_m;
   }
-  if (const auto* arm = std::get_if<BigRobotArmDevice>(&settings)) {
+  if (const auto* arm = settings.as<BigRobotArmDevice>()) {
     const BigRobotArmJoint& own = arm->joints[joint];
     return 2 * own.steps_per_motor_rev / 200 / std::abs(own.steps_per_rad);
   }
@@ -126,8 +129,8 @@ void Station::slice(Duration time) {
 
 /// What its makers say that the supply is; nothing where a device knows nothing of it.
 std::optional<double> nominal_volts(const RobotModel& robot) {
-  if (std::holds_alternative<IcpDevice>(robot.device.settings)) return 12.0;
-  if (std::holds_alternative<LscDevice>(robot.device.settings)) return 7.4;
+  if (robot.device.settings.is<IcpDevice>()) return 12.0;
+  if (robot.device.settings.is<LscDevice>()) return 7.4;
   return std::nullopt;
 }
 
@@ -135,7 +138,7 @@ std::optional<double> nominal_volts(const RobotModel& robot) {
 std::string Station::sink_supply(const Blow& blow) {
   const auto nominal = nominal_volts(robot_);
   if (!nominal) return "its supply holds";
-  const bool modules = std::holds_alternative<IcpDevice>(robot_.device.settings);
+  const bool modules = robot_.device.settings.is<IcpDevice>();
   const double volts = *nominal * (modules ? blow.volts : 0.8 + 0.2 * blow.volts);
   ++counts_.sunk_supplies;
   browned_out_ = browned_out_ || (modules && volts < 8);
@@ -324,7 +327,7 @@ void Station::misfortune() {
 /// completed by the next host: nothing in its bytes says so. The page of the wire names both, and
 /// its faults are measured by themselves.
 bool Station::guarded() const {
-  return !std::holds_alternative<BigRobotArmDevice>(robot_.device.settings);
+  return !robot_.device.settings.is<BigRobotArmDevice>();
 }
 
 /// @return  what it was, for people
@@ -348,7 +351,7 @@ std::string Station::strike(const Blow& blow) {
   }
   if (blow.dice < 5) {
     // To a servo board as well half a frame is completed by the one behind the cut.
-    const bool whole = guarded() && !std::holds_alternative<LscDevice>(robot_.device.settings);
+    const bool whole = guarded() && !robot_.device.settings.is<LscDevice>();
     const auto both_ways = std::optional<sim::LinkDirection>();
     spec.cuts.push_back({0ms, blow.cut, whole ? both_ways : sim::LinkDirection::kToHost});
     cell_.line().set_faults(spec, cell_.now());
@@ -430,7 +433,7 @@ void Station::ask_to_move() {
   control::LocalMachine& machine = host_->loop->machine();
   const auto from = machine.reference();
   if (!from) {
-    const bool streams_by_servos = std::holds_alternative<LscDevice>(robot_.device.settings);
+    const bool streams_by_servos = robot_.device.settings.is<LscDevice>();
     if (!streams_by_servos) return declare_truth();
     host_->motions.push_back(first_motion(robot_));
     machine.give(control::Begin{host_->motions.back().get(), true});

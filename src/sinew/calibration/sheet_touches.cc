@@ -10,7 +10,6 @@
 
 #include "sinew/core/units.h"
 #include "sinew/kinematics/serial_chain.h"
-#include "sinew/model/device_resolution.h"
 
 namespace sinew::calibration {
 namespace {
@@ -113,7 +112,7 @@ double least_touch_sigma(const RobotModel& model, std::span<const TouchedMark> m
   for (const TouchedMark& mark : marks) {
     for (std::size_t j = 0; j < mark.q.size(); ++j) {
       JointVector q = mark.q;
-      q[j] += device_resolution(model, j);
+      q[j] += model.device.settings->resolution(j);
       const double step = norm(tip_at(model, q, tool) - tip_at(model, mark.q, tool));
       sum += step * step / 12 / 3;  // even over a step; a third of it for each coordinate
     }

@@ -5,6 +5,11 @@
 #include <algorithm>
 #include <array>
 
+#include "sinew/devices/bigrobotarm/bigrobotarm_settings.h"
+#include "sinew/devices/icp/icp_settings.h"
+#include "sinew/devices/lsc/lsc_settings.h"
+#include "sinew/devices/maxarm/maxarm_settings.h"
+
 namespace sinew::cli {
 
 namespace {
@@ -36,8 +41,8 @@ std::string silence_hint(const RobotModel& model, const Error& trouble,
                                   kDeviceKilled, kOtherBoard,      kChecksum,     kReplyMismatch};
   if (std::ranges::find(kOfTheLine, trouble.code) == kOfTheLine.end()) return {};
   const auto& settings = model.device.settings;
-  if (const auto* lsc = std::get_if<LscDevice>(&settings)) return lsc_hint(*lsc, trouble, health);
-  const auto* bigrobotarm = std::get_if<BigRobotArmDevice>(&settings);
+  if (const auto* lsc = settings.as<LscDevice>()) return lsc_hint(*lsc, trouble, health);
+  const auto* bigrobotarm = settings.as<BigRobotArmDevice>();
   const bool wire_in_doubt = bigrobotarm != nullptr && !bigrobotarm->probe_wire;
   if (health.unexpected > 0) {
     return "; something answers there, but not as " + model.id +
@@ -45,12 +50,12 @@ std::string silence_hint(const RobotModel& model, const Error& trouble,
            (wire_in_doubt ? " Or does it speak another wire (--wire probe finds out)?" : "");
   }
   const std::string common = "; is it switched on, and is this its port?";
-  if (std::holds_alternative<IcpDevice>(settings)) {
+  if (settings.is<IcpDevice>()) {
     return common +
            " Try once more: on a busy computer a reply may come too late. A controller that was "
            "told to shut down, or was idle for long, replies only after it was switched off and on";
   }
-  if (std::holds_alternative<MaxArmDevice>(settings)) {
+  if (settings.is<MaxArmDevice>()) {
     return common +
            " The arm's stock firmware does not speak this wire: the vendor's slave program "
            "has to be installed. Its MicroPython program sleeps and homes for 14 s after it was "

@@ -11,6 +11,7 @@
 #include "sinew/cli/program_report.h"
 #include "sinew/cli/table.h"
 #include "sinew/core/spelling.h"
+#include "sinew/devices/icp/icp_settings.h"
 #include "sinew/driver/device_facts.h"
 #include "sinew/io/interrupt.h"
 #include "sinew/model/left_out.h"
@@ -107,7 +108,7 @@ Outcome jog_leg(const DeviceRequest& request, LocalCell& cell) {
   const RobotModel& model = cell.station().robot();
   if (const auto why = cell.enable()) return could_not(cell.sentence(*why));
   const auto leg = static_cast<std::uint8_t>(*request.leg - 1);
-  const auto& device = std::get<IcpDevice>(model.device.settings);
+  const auto& device = model.device.settings.get<IcpDevice>();
   const double unit = (*request.steps < 0 ? device.units_per_down : 1) / device.units_per_m;
   const auto most = std::max<std::int64_t>(
       1, static_cast<std::int64_t>(model.device.capability.nudge_max / unit));
@@ -179,7 +180,7 @@ Outcome release(const DeviceRequest& request, LocalCell& cell) {
 
 /// Whether this robot's device has such a command.
 std::expected<void, Outcome> check_action(const DeviceRequest& request, const RobotModel& model) {
-  const bool hexapod = std::holds_alternative<IcpDevice>(model.device.settings);
+  const bool hexapod = model.device.settings.is<IcpDevice>();
   if (!hexapod && boards_of(model.device).empty()) {
     return std::unexpected(
         could_not(model.id +

@@ -18,6 +18,8 @@
 #include "sinew/cli/targets.h"
 #include "sinew/core/quantity.h"
 #include "sinew/core/units.h"
+#include "sinew/devices/icp/icp_settings.h"
+#include "sinew/devices/lsc/lsc_settings.h"
 #include "sinew/io/file.h"
 #include "sinew/model/collision_links.h"
 #include "sinew/model/joint_lookup.h"
@@ -495,7 +497,7 @@ void tell_first_move(const Wanted& wanted, const program::Plan& known,
                      const program::Homing& homing, MotionPlan& plan) {
   if (wanted.declared || wanted.file.empty()) return;
   if (!boards_of(plan.model.device).empty()) return tell_unhomed(known, plan);
-  const auto* board = std::get_if<LscDevice>(&plan.model.device.settings);
+  const auto* board = plan.model.device.settings.as<LscDevice>();
   if (board == nullptr || board->profile != LscProfile::kLsc6) return;
   const auto orders = program::make_plan(wanted.program, plan.model, std::nullopt, homing);
   if (!orders) {
@@ -517,7 +519,7 @@ void tell_first_move(const Wanted& wanted, const program::Plan& known,
 void tell_share(MotionPlan& plan) {
   const double share = plan.model.device.capability.limits_share;
   if (share == 1) return;
-  const bool legs = std::holds_alternative<IcpDevice>(plan.model.device.settings);
+  const bool legs = plan.model.device.settings.is<IcpDevice>();
   plan.notes.push_back(fmt::format("planned with {} % of the limits: {}", number(share * 100, 1),
                                    legs ? "rounding to the wire's whole steps needs the rest"
                                         : "the axis' own loop needs the rest"));

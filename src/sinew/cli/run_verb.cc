@@ -45,7 +45,7 @@ std::expected<std::optional<JointVector>, Outcome> standing_at(const RunRequest&
                                                                const RobotModel& model) {
   JointVector q = home_joints(model);
   if (!request.standing_at) {
-    const bool known = !request.robot.port && runtime::begins_at_home(model);
+    const bool known = !request.robot.port && model.device.settings->counts_from_power_up();
     return known ? std::optional(q) : std::nullopt;
   }
   if (*request.standing_at == "home") return q;
@@ -196,7 +196,7 @@ void tell_record(const runtime::Station& station, const program::Run& run, Outco
 }
 
 /// What is waited for while nothing has answered yet.
-std::string opening_text(const runtime::Opening& opening) {
+std::string opening_text(const Opening& opening) {
   return fmt::format("the device{} (at most {:.0f} s)", opening.waits_for,
                      to_seconds(opening.limit));
 }
@@ -208,7 +208,7 @@ class RunWatch {
       : request_(request),
         prepared_(prepared),
         cell_(cell),
-        progress_(request.quiet, opening_text(runtime::opening_of(prepared.model))) {}
+        progress_(request.quiet, opening_text(prepared.model.device.settings->opening())) {}
 
   runtime::JobOrder order() {
     runtime::JobOrder order;

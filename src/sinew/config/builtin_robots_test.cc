@@ -8,6 +8,7 @@
 
 #include "sinew/config/robot_file.h"
 #include "sinew/core/units.h"
+#include "sinew/devices/bigrobotarm/bigrobotarm_settings.h"
 #include "support/robot_promises.h"
 #include "support/robots.h"
 
@@ -65,7 +66,7 @@ TEST(BuiltinRobots, bigrobotarm_carries_what_its_firmware_counts) {
   EXPECT_EQ(model.device.baud, 250000U);
   EXPECT_EQ(model.device.capability.motion, MotionKind::kPointToPoint);
   EXPECT_EQ(model.device.capability.feedback, PositionFeedback::kCommanded);
-  const auto& device = std::get<BigRobotArmDevice>(model.device.settings);
+  const auto& device = model.device.settings.get<BigRobotArmDevice>();
   EXPECT_EQ(device.wire, BigRobotArmWire::kByte);
   EXPECT_EQ(device.multiplier_max, 300);
   EXPECT_EQ(device.gripper_max, 180);

@@ -2,6 +2,8 @@
 #include <cmath>
 
 #include "sinew/config/read_devices.h"
+#include "sinew/devices/axis/axis_link_settings.h"
+#include "sinew/devices/axis/axis_registers_settings.h"
 
 namespace sinew {
 namespace {

@@ -2,6 +2,7 @@
 
 #include "sinew/config/read_devices.h"
 #include "sinew/core/units.h"
+#include "sinew/devices/bigrobotarm/bigrobotarm_settings.h"
 
 namespace sinew {
 

@@ -4,6 +4,7 @@
 
 #include "sinew/config/read_devices.h"
 #include "sinew/config/read_joints.h"
+#include "sinew/devices/bigrobotarm/bigrobotarm_settings.h"
 
 namespace sinew {
 namespace {

@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "sinew/config/read_devices.h"
+#include "sinew/devices/icp/icp_settings.h"
 
 namespace sinew {
 namespace {

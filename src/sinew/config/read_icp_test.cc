@@ -5,6 +5,7 @@
 
 #include "sinew/config/builtin_robots.h"
 #include "sinew/config/robot_file.h"
+#include "sinew/devices/icp/icp_settings.h"
 
 namespace sinew {
 namespace {
@@ -52,13 +53,13 @@ TEST(ReadIcp, what_the_simulated_controller_makes_of_the_document_is_read) {
                              .processing = 7ms,
                              .boot = 1500ms,
                              .idle_shutdown = 10min};
-  EXPECT_EQ(std::get<IcpDevice>(model->device.settings).firmware, expected);
+  EXPECT_EQ(model->device.settings.get<IcpDevice>().firmware, expected);
 }
 
 TEST(ReadIcp, without_its_table_it_is_what_a_host_expects) {
   const auto model = read_robot(with(""), "r.toml");
   ASSERT_TRUE(model);
-  EXPECT_EQ(std::get<IcpDevice>(model->device.settings).firmware, IcpFirmware{});
+  EXPECT_EQ(model->device.settings.get<IcpDevice>().firmware, IcpFirmware{});
 }
 
 TEST(ReadIcp, its_table_is_as_strict_as_all_others) {

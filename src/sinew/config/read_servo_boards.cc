@@ -1,4 +1,6 @@
 #include "sinew/config/read_devices.h"
+#include "sinew/devices/lsc/lsc_settings.h"
+#include "sinew/devices/maxarm/maxarm_settings.h"
 
 namespace sinew {
 namespace {

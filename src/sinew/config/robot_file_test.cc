@@ -6,6 +6,7 @@
 
 #include "sinew/config/builtin_robots.h"
 #include "sinew/core/units.h"
+#include "sinew/devices/axis/axis_registers_settings.h"
 
 namespace sinew {
 namespace {
@@ -112,7 +113,7 @@ dh = [
   ASSERT_TRUE(file) << to_text(file.error().front());
   const RobotModel& model = file->model;
   EXPECT_EQ(model.device.protocol, "ideal");
-  EXPECT_TRUE(std::holds_alternative<IdealDevice>(model.device.settings));
+  EXPECT_TRUE(model.device.settings.is<IdealDevice>());
   EXPECT_EQ(model.device.capability.motion, MotionKind::kStream);
   EXPECT_EQ(model.device.capability.feedback, PositionFeedback::kMeasured);
   EXPECT_NEAR(model.joints[0].acceleration_max, from_deg(40), 1e-12);
@@ -422,7 +423,7 @@ TEST(RobotFile, registers_of_other_boards_may_stand_elsewhere_and_never_twice) {
       "emergency_stop = 5\nsource = \"second firmware\"\n\n  [device.joint.base]";
   const auto model = read_robot(with(builtin("robot-arm-2"), "  [device.joint.base]", map), "r");
   ASSERT_TRUE(model.has_value()) << to_text(model.error().front());
-  EXPECT_EQ(std::get<AxisRegistersDevice>(model->device.settings).registers,
+  EXPECT_EQ(model->device.settings.get<AxisRegistersDevice>().registers,
             (AxisRegisterMap{0, 1, 3, 4, 5}));
   const Lines lines = complaints(with(builtin("robot-arm-2"), "  [device.joint.base]",
                                       with(map, "diag_status = 4", "diag_status = 3")));

@@ -4,7 +4,6 @@
 
 #include "sinew/control/controller.h"
 #include "sinew/control/position_evidence.h"
-#include "sinew/model/device_resolution.h"
 #include "sinew/model/left_out.h"
 #include "sinew/planning/path_follower.h"
 
@@ -22,7 +21,8 @@ std::unexpected<Error> refused(ErrorCode code) {
 Evidence evidence_of(const RobotModel& robot, std::size_t joint, const JointPosition& known) {
   const bool measured = known.quality == PositionQuality::kMeasured;
   double slack = measured ? Controller::kSag : kSamePlace;
-  if (known.quality == PositionQuality::kCommanded) slack += device_resolution(robot, joint);
+  if (known.quality == PositionQuality::kCommanded)
+    slack += robot.device.settings->resolution(joint);
   return {measured ? Evidence::Source::kSensor : Evidence::Source::kRecord,
           {known.lower, known.upper},
           slack};

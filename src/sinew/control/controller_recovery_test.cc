@@ -4,7 +4,6 @@
 
 #include "sinew/control/controller_test_cell.h"
 #include "sinew/core/units.h"
-#include "sinew/model/device_resolution.h"
 #include "sinew/model/error_sentence.h"
 
 /// The way back of a machine that does not know where it is: one joint a little at a time, then
@@ -227,7 +226,7 @@ TEST(Recovery, a_declaration_against_what_the_device_was_told_needs_a_hand_beyon
   cell.make_ready();
   cell.run(300ms);
   const double home = cell.robot.joints[3].home;
-  const double step = device_resolution(cell.robot, 3);
+  const double step = cell.robot.device.settings->resolution(3);
   cell.driver.set(3, {PositionQuality::kCommanded, home + 0.2, home + 0.2, home + 0.2});
   const std::uint32_t refused = cell.give(standing(cell.robot));
   EXPECT_EQ(cell.end_of(refused)->error.code, ErrorCode::kDeclaredElsewhere);

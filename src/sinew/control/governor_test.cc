@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 
+#include "sinew/devices/axis/axis_registers_settings.h"
 #include "sinew/model/joint_lookup.h"
 #include "sinew/model/left_out.h"
 #include "sinew/planning/motion_planner.h"
@@ -260,7 +261,7 @@ TEST(Governor, every_fault_has_its_own_name) {
 
 TEST(Governor, joint_that_is_left_out_is_never_moved) {
   RobotModel model = streaming("robot-arm-2", true);
-  std::get<AxisRegistersDevice>(model.device.settings).boards[5].homing_place = kLeftOut;
+  model.device.settings.get<AxisRegistersDevice>().boards[5].homing_place = kLeftOut;
   const auto limits = limits_of(model);
   Governor governor(model, limits);
   const JointVector home = home_joints(model);

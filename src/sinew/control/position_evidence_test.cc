@@ -7,6 +7,7 @@
 
 #include "sinew/control/journal_record.h"
 #include "sinew/core/units.h"
+#include "sinew/devices/axis/axis_registers_settings.h"
 #include "sinew/model/left_out.h"
 #include "support/robots.h"
 
@@ -72,7 +73,7 @@ TEST(PositionEvidence, what_is_shown_is_taken_without_a_joint_that_is_left_out) 
   const auto refused = as_shown(robot, known, {});
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error(), (Error{ErrorCode::kPositionUnknown, 2}));
-  std::get<AxisRegistersDevice>(robot.device.settings).boards[2].homing_place = kLeftOut;
+  robot.device.settings.get<AxisRegistersDevice>().boards[2].homing_place = kLeftOut;
   const auto shown = as_shown(robot, known, {});
   ASSERT_TRUE(shown);
   for (std::size_t j = 0; j < shown->size(); ++j) {

@@ -1,7 +1,6 @@
 #include "sinew/control/stop_rules.h"
 
 #include <array>
-#include <variant>
 
 #include "sinew/core/assert.h"
 
@@ -35,35 +34,6 @@ constexpr std::array kRules = std::to_array<StopRule>({
 });
 static_assert(kRules.size() == kStopCauses);
 
-struct Facts {
-  StopFacts operator()(const IdealDevice& /*device*/) const {
-    return {true, "a line until told, then as its joints brake", "it has no weight: nothing falls"};
-  }
-  StopFacts operator()(const BigRobotArmDevice& /*device*/) const {
-    return {false, "none: finishes its move",
-            "steppers hold; without power the arm sinks or drops"};
-  }
-  StopFacts operator()(const AxisRegistersDevice& /*device*/) const {
-    return {true, "0.12 s until told, then the boards stop at once",
-            "steppers hold; without power the arm drops: its gears do not hold it"};
-  }
-  StopFacts operator()(const AxisLinkDevice& /*device*/) const {
-    return {true, "one frame until told, then the boards brake: up to 4 s at full speed",
-            "steppers hold; without power the arm drops: its gears do not hold it"};
-  }
-  StopFacts operator()(const LscDevice& /*device*/) const {
-    return {true, "where the servos are when the stop frame has arrived, 26 ms",
-            "servos hold; without power or pulses the arm drops"};
-  }
-  StopFacts operator()(const MaxArmDevice& /*device*/) const {
-    return {true, "0.13 to 0.6 s until told, then 0.1 s",
-            "servos hold; without power the arm drops, and the pump lets go"};
-  }
-  StopFacts operator()(const IcpDevice& /*device*/) const {
-    return {true, "4.2 ms: the microstep under way", "spindles hold, with and without power"};
-  }
-};
-
 }  // namespace
 
 const StopRule& stop_rule(StopCause cause) {
@@ -75,10 +45,6 @@ const StopRule& stop_rule(StopCause cause) {
 StopCategory stop_category(StopCause cause, const std::optional<Error>& reason) {
   const StopCategory own = stop_rule(cause).category;
   return own == StopCategory::kNone && reason ? info(reason->code).stop : own;
-}
-
-StopFacts stop_facts(const Device& device) {
-  return std::visit(Facts{}, device.settings);
 }
 
 }  // namespace sinew::control

@@ -6,7 +6,6 @@
 
 #include "sinew/core/error.h"
 #include "sinew/core/instant.h"
-#include "sinew/model/device.h"
 
 namespace sinew::control {
 
@@ -50,15 +49,5 @@ struct StopRule {
 const StopRule& stop_rule(StopCause cause);
 /// Of a stop with this cause and reason. @rt
 StopCategory stop_category(StopCause cause, const std::optional<Error>& reason);
-
-/// What a robot's wire and device make of a stop, from the moment at which it is asked for.
-struct StopFacts {
-  bool ends_motion = true;      ///< false: the motion under way is finished
-  std::string_view standstill;  ///< until it stands, for people; Driver::goes_on_until() has each
-  std::string_view falls;       ///< what gravity does: held, and without power
-};
-
-/// Measured against the simulated devices; docs/control.md has the table.
-StopFacts stop_facts(const Device& device);
 
 }  // namespace sinew::control

@@ -38,7 +38,7 @@ TEST(StopRules, a_devices_own_fault_has_the_category_of_its_error) {
 
 TEST(StopRules, only_the_bigrobotarm_finishes_its_move) {
   for (const char* id : {"robot-arm-2", "learm", "bigrobotarm", "maxarm", "hexapod"}) {
-    const StopFacts facts = stop_facts(test::robot(id).device);
+    const StopFacts facts = test::robot(id).device.settings->stop_facts();
     EXPECT_EQ(facts.ends_motion, std::string_view(id) != "bigrobotarm") << id;
     EXPECT_FALSE(facts.standstill.empty() || facts.falls.empty()) << id;
   }

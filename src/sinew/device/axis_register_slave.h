@@ -8,6 +8,7 @@
 
 #include "sinew/core/fixed_vector.h"
 #include "sinew/device/axis.h"
+#include "sinew/devices/axis/axis_registers_settings.h"
 #include "sinew/model/device.h"
 #include "sinew/wire/axis_registers.h"
 

@@ -9,6 +9,7 @@
 #include "sinew/core/fixed_vector.h"
 #include "sinew/core/instant.h"
 #include "sinew/device/bigrobotarm_stepping.h"
+#include "sinew/devices/bigrobotarm/bigrobotarm_settings.h"
 #include "sinew/model/device.h"
 #include "sinew/motion/trapezoid.h"
 #include "sinew/wire/bigrobotarm_byte.h"

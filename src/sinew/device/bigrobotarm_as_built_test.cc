@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "sinew/device/bigrobotarm.h"
+#include "sinew/devices/bigrobotarm/bigrobotarm_settings.h"
 #include "support/allocation_guard.h"
 #include "support/property.h"
 

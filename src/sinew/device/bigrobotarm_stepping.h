@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <optional>
 
+#include "sinew/devices/bigrobotarm/bigrobotarm_settings.h"
 #include "sinew/model/device.h"
 
 namespace sinew {

@@ -10,6 +10,7 @@
 #include "sinew/core/instant.h"
 #include "sinew/device/bus_servo_limits.h"
 #include "sinew/device/lsc_groups.h"
+#include "sinew/devices/lsc/lsc_settings.h"
 #include "sinew/model/device.h"
 #include "sinew/wire/lsc.h"
 

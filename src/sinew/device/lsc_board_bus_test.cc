@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "sinew/device/lsc_board.h"
+#include "sinew/devices/lsc/lsc_settings.h"
 
 namespace sinew {
 namespace {

@@ -6,6 +6,7 @@
 
 #include "sinew/core/units.h"
 #include "sinew/device/lsc_board.h"
+#include "sinew/devices/lsc/lsc_settings.h"
 #include "sinew/kinematics/serial_chain.h"
 #include "support/property.h"
 

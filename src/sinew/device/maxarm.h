@@ -10,6 +10,7 @@
 #include "sinew/core/instant.h"
 #include "sinew/core/split_mix.h"
 #include "sinew/device/maxarm_ik.h"
+#include "sinew/devices/maxarm/maxarm_settings.h"
 #include "sinew/model/device.h"
 #include "sinew/model/robot_model.h"
 #include "sinew/wire/maxarm.h"

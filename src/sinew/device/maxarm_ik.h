@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "sinew/devices/maxarm/maxarm_settings.h"
 #include "sinew/model/device.h"
 #include "sinew/model/robot_model.h"
 

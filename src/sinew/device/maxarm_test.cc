@@ -28,10 +28,17 @@ PalletizerGeometry compiled_lengths() {
           .radius_min = from_mm(50)};
 }
 
+MaxArmDevice board(MaxArmVariant variant, MaxArmChecksum checksum = MaxArmChecksum::kSpec) {
+  MaxArmDevice device;
+  device.variant = variant;
+  device.checksum = checksum;
+  return device;
+}
+
 /// A board with servos that are always where they are told to be.
 struct Bench {
   explicit Bench(MaxArmVariant variant = kArduino, Duration since_boot = 20s)
-      : firmware({.servos = {}, .variant = variant}, compiled_lengths(), test::seed(), Instant{}) {
+      : firmware(board(variant), compiled_lengths(), test::seed(), Instant{}) {
     run_for(since_boot);
   }
   void send(const Request& request) { firmware.receive(encode_request(request), now); }
@@ -183,8 +190,8 @@ TEST(MaxArmFirmware, answers_come_in_the_measured_time_and_in_both_sums) {
     EXPECT_GT(longest - shortest, 150ms);
     EXPECT_EQ(bench.replies[0], (ReplyFrame{Angles{{500, 500, 500}}, Checksum::kSpec}));
   }
-  MaxArmFirmware other({.servos = {}, .checksum = MaxArmChecksum::kWithHeader}, compiled_lengths(),
-                       1, Instant{});
+  MaxArmFirmware other(board(kArduino, MaxArmChecksum::kWithHeader), compiled_lengths(), 1,
+                       Instant{});
   other.advance(Instant{5s});
   other.sense({500, 500, 500});
   other.receive(encode_request(ReadAngle{}), Instant{5s});
@@ -315,8 +322,8 @@ TEST(MaxArmFirmware, suction_takes_its_three_actions_and_ignores_others) {
 
 TEST(MaxArmFirmware, any_bytes_are_survived_without_allocating) {
   test::for_random_cases(300, [](test::Random& random) {
-    MaxArmFirmware firmware({.servos = {}, .variant = random.chance(0.5) ? kArduino : kMicroPython},
-                            compiled_lengths(), random.bits(), Instant{});
+    MaxArmFirmware firmware(board(random.chance(0.5) ? kArduino : kMicroPython), compiled_lengths(),
+                            random.bits(), Instant{});
     Instant now{20s};
     firmware.sense({500, 500, 500});
     std::array<std::uint8_t, 64> piece{};

@@ -5,6 +5,7 @@
 #include <span>
 
 #include "sinew/core/units.h"
+#include "sinew/devices/axis/axis_link_settings.h"
 #include "sinew/driver/axis_link_channel.h"
 #include "sinew/driver/axis_link_segments.h"
 #include "sinew/driver/driver.h"

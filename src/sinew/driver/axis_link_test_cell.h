@@ -11,6 +11,7 @@
 
 #include "sinew/device/axis_link_node.h"
 #include "sinew/device/axis_link_test_axis.h"
+#include "sinew/devices/axis/axis_link_settings.h"
 #include "sinew/driver/axis_link.h"
 
 namespace sinew::test {

@@ -9,6 +9,7 @@
 #include "sinew/core/error.h"
 #include "sinew/core/fixed_vector.h"
 #include "sinew/core/instant.h"
+#include "sinew/devices/axis/axis_registers_settings.h"
 #include "sinew/driver/driver.h"
 #include "sinew/model/device.h"
 #include "sinew/wire/axis_registers.h"

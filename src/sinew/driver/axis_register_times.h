@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <span>
 
+#include "sinew/devices/axis/axis_registers_settings.h"
 #include "sinew/model/device.h"
 #include "sinew/model/robot_model.h"
 

@@ -9,6 +9,7 @@
 #include "sinew/core/error.h"
 #include "sinew/core/fixed_vector.h"
 #include "sinew/core/instant.h"
+#include "sinew/devices/axis/axis_registers_settings.h"
 #include "sinew/driver/axis_register_link.h"
 #include "sinew/driver/axis_register_units.h"
 #include "sinew/driver/driver.h"

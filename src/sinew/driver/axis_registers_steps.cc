@@ -3,6 +3,7 @@
 
 #include "sinew/core/assert.h"
 #include "sinew/core/units.h"
+#include "sinew/devices/axis/axis_registers_settings.h"
 #include "sinew/driver/axis_registers.h"
 
 // What one axis is asked, and what its answers mean.

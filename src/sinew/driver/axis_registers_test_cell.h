@@ -13,6 +13,7 @@
 #include "sinew/core/units.h"
 #include "sinew/device/axis_register_slave.h"
 #include "sinew/device/axis_test_fake.h"
+#include "sinew/devices/axis/axis_registers_settings.h"
 #include "sinew/driver/axis_registers.h"
 
 namespace sinew::test {

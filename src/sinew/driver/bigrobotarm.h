@@ -5,6 +5,7 @@
 #include <span>
 
 #include "sinew/core/units.h"
+#include "sinew/devices/bigrobotarm/bigrobotarm_settings.h"
 #include "sinew/driver/bigrobotarm_channel.h"
 #include "sinew/driver/bigrobotarm_multipliers.h"
 #include "sinew/driver/bigrobotarm_positions.h"

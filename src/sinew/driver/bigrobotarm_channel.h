@@ -10,6 +10,7 @@
 #include "sinew/core/error.h"
 #include "sinew/core/fixed_vector.h"
 #include "sinew/core/instant.h"
+#include "sinew/devices/bigrobotarm/bigrobotarm_settings.h"
 #include "sinew/driver/bigrobotarm_multipliers.h"
 #include "sinew/model/device.h"
 #include "sinew/wire/bigrobotarm_byte.h"

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <iostream>
 
+#include "sinew/devices/bigrobotarm/bigrobotarm_settings.h"
 #include "sinew/driver/bigrobotarm.h"
 #include "sinew/driver/bigrobotarm_test_cell.h"
 #include "support/property.h"

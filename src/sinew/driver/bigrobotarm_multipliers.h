@@ -1,6 +1,7 @@
 #pragma once
 
 #include "sinew/core/error.h"
+#include "sinew/devices/bigrobotarm/bigrobotarm_settings.h"
 #include "sinew/model/device.h"
 #include "sinew/wire/bigrobotarm.h"
 

@@ -5,6 +5,7 @@
 #include <span>
 #include <utility>
 
+#include "sinew/devices/bigrobotarm/bigrobotarm_settings.h"
 #include "sinew/driver/bigrobotarm_multipliers.h"
 #include "sinew/driver/driver.h"
 #include "sinew/model/device.h"

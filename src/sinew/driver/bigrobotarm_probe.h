@@ -6,6 +6,7 @@
 
 #include "sinew/core/fixed_vector.h"
 #include "sinew/core/instant.h"
+#include "sinew/devices/bigrobotarm/bigrobotarm_settings.h"
 #include "sinew/driver/bigrobotarm_channel.h"
 #include "sinew/model/device.h"
 #include "sinew/wire/bigrobotarm_byte.h"

@@ -36,9 +36,9 @@ const std::vector<Line>& lines() {
 /// A probe and a firmware, back to back.
 struct Bench {
   explicit Bench(const Line& line)
-      : firmware(std::get<BigRobotArmDevice>(
-                     test::big_robot_arm(line.wire, line.dialect).device.settings),
-                 Instant{}, line.profile) {}
+      : firmware(
+            test::big_robot_arm(line.wire, line.dialect).device.settings.get<BigRobotArmDevice>(),
+            Instant{}, line.profile) {}
 
   void send(const std::string& bytes) {
     firmware.receive({reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()}, now);
@@ -227,7 +227,7 @@ TEST(BigRobotArmProbe, driver_that_is_told_the_wrong_wire_finds_the_right_one) {
   for (const Line& line : lines()) {
     RobotModel robot = test::big_robot_arm(line.wire, line.dialect);
     test::BigRobotArmCell cell(robot, line.profile);
-    auto wrong = std::get<BigRobotArmDevice>(robot.device.settings);
+    auto wrong = robot.device.settings.get<BigRobotArmDevice>();
     wrong.wire =
         line.wire == BigRobotArmWire::kByte ? BigRobotArmWire::kText : BigRobotArmWire::kByte;
     wrong.probe_wire = true;

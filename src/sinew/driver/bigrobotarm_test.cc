@@ -569,7 +569,7 @@ TEST(BigRobotArmDriver, exchange_does_not_allocate) {
 TEST(BigRobotArmDriver, garbage_is_counted_byte_by_byte_also_while_it_probes) {
   for (const bool probes : {false, true}) {
     RobotModel robot = test::big_robot_arm(BigRobotArmWire::kByte, BigRobotArmDialect::k2021);
-    auto& device = std::get<BigRobotArmDevice>(robot.device.settings);
+    auto& device = robot.device.settings.get<BigRobotArmDevice>();
     device.probe_wire = probes;
     BigRobotArmDriver driver(device, robot.joints);
     Instant now{};

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "sinew/devices/bigrobotarm/bigrobotarm_settings.h"
 #include "sinew/driver/bigrobotarm.h"
 #include "sinew/sim/bigrobotarm_machine.h"
 #include "sinew/sim/bigrobotarm_test_robot.h"
@@ -67,9 +68,7 @@ class BigRobotArmCell {
         machine(robot, profile, device().dialect, seed, Instant{}),
         driver(device(), robot.joints) {}
 
-  const BigRobotArmDevice& device() const {
-    return std::get<BigRobotArmDevice>(robot.device.settings);
-  }
+  const BigRobotArmDevice& device() const { return robot.device.settings.get<BigRobotArmDevice>(); }
 
   /// Opened, and told where the arm really stands.
   void make_ready() {

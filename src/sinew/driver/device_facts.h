@@ -8,6 +8,7 @@
 #include "sinew/core/error.h"
 #include "sinew/core/fixed_vector.h"
 #include "sinew/core/instant.h"
+#include "sinew/devices/bigrobotarm/bigrobotarm_settings.h"
 #include "sinew/model/device.h"
 #include "sinew/model/robot_model.h"
 #include "sinew/wire/axis_link.h"

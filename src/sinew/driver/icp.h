@@ -7,6 +7,7 @@
 #include <span>
 
 #include "sinew/core/fixed_vector.h"
+#include "sinew/devices/icp/icp_settings.h"
 #include "sinew/driver/driver.h"
 #include "sinew/driver/icp_leg.h"
 #include "sinew/driver/send_range.h"

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "sinew/devices/icp/icp_settings.h"
 #include "sinew/driver/driver.h"
 #include "sinew/model/device.h"
 #include "sinew/wire/icp.h"
@@ -27,7 +28,7 @@ class IcpLegClaim {
   /// with the fifth of T that windings brake with in 0.19 rad = 95 units. One cut alone: 43. The
   /// simulated motor made 615 at most, over all moments of both cuts, 2026-11. Only a module that
   /// wakes up can swing, so a third cut counts when the next status or silence tells of it.
-  static constexpr std::int64_t kPowerCutUnits = 23 * 64;
+  static constexpr std::int64_t kPowerCutUnits = IcpDevice::kPowerCutUnits;
   /// Where the current comes back, the rotor may rest on top of its magnetic hill, held by friction
   /// alone: a quarter of all motors do, since without current it rests at one of four places of an
   /// electrical turn. The first step lets it fall two full steps to either side, and swing as far

@@ -8,6 +8,7 @@
 #include <functional>
 #include <vector>
 
+#include "sinew/devices/icp/icp_settings.h"
 #include "sinew/driver/icp.h"
 #include "sinew/sim/icp_machine.h"
 #include "sinew/sim/icp_test_robot.h"

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "sinew/devices/axis/axis_registers_settings.h"
 #include "sinew/driver/axis_link_test_cell.h"
 #include "sinew/driver/axis_registers_test_cell.h"
 

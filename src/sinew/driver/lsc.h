@@ -8,6 +8,7 @@
 
 #include "sinew/core/fixed_vector.h"
 #include "sinew/core/instant.h"
+#include "sinew/devices/lsc/lsc_settings.h"
 #include "sinew/driver/driver.h"
 #include "sinew/driver/lsc_units.h"
 #include "sinew/wire/lsc.h"

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include "sinew/devices/lsc/lsc_settings.h"
 #include "sinew/driver/lsc_test_cell.h"
 
 // What a LeArm's driver finds out about its board, and what it admits of one that it cannot stop.

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "sinew/core/assert.h"
+#include "sinew/devices/lsc/lsc_settings.h"
 #include "sinew/driver/lsc.h"
 
 namespace sinew {

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "sinew/core/assert.h"
+#include "sinew/devices/lsc/lsc_settings.h"
 #include "sinew/driver/lsc.h"
 
 namespace sinew {

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include "sinew/devices/lsc/lsc_settings.h"
 #include "sinew/driver/lsc_test_cell.h"
 #include "sinew/driver/lsc_units.h"
 
@@ -29,7 +30,7 @@ TEST(LscSag, an_arm_that_sags_sinks_no_further_when_the_jaws_move) {
 
 TEST(LscSag, no_servo_is_told_beyond_its_limits_because_it_sags) {
   LscCell cell(LscProfile::kBus);
-  const auto& settings = std::get<LscDevice>(cell.model.device.settings);
+  const auto& settings = cell.model.device.settings.get<LscDevice>();
   const LscUnits units(settings, cell.model.joints,
                        std::get<SerialGeometry>(cell.model.geometry).gripper);
   for (std::size_t joint = 0; joint < 5; ++joint) {

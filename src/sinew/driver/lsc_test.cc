@@ -707,7 +707,7 @@ TEST(LscDriver, an_esp32_that_hears_go_home_in_a_damaged_question_is_called_back
 
 TEST(LscDriver, a_port_that_takes_no_bytes_is_a_silent_device) {
   RobotModel model = learm(LscProfile::kLsc6);
-  LscDriver driver(std::get<LscDevice>(model.device.settings), model.joints, std::nullopt);
+  LscDriver driver(model.device.settings.get<LscDevice>(), model.joints, std::nullopt);
   driver.open(Instant{});
   int failed = 0;
   for (Instant now{}; now < Instant{} + 5s; now += 10ms) {
@@ -741,7 +741,7 @@ TEST(LscDriver, noise_that_never_ends_is_asked_into_after_two_seconds) {
 
 TEST(LscDriver, driving_does_not_allocate) {
   RobotModel model = learm(LscProfile::kEsp32);
-  LscDriver driver(std::get<LscDevice>(model.device.settings), model.joints,
+  LscDriver driver(model.device.settings.get<LscDevice>(), model.joints,
                    std::get<SerialGeometry>(model.geometry).gripper);
   LscBoard board(LscProfile::kEsp32, Instant{});
   JointMove move;

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "sinew/core/units.h"
+#include "sinew/devices/lsc/lsc_settings.h"
 #include "sinew/driver/lsc.h"
 #include "sinew/sim/lsc_machine.h"
 
@@ -136,7 +137,7 @@ class LscCell {
   LscCell(LscProfile profile, LscProfile board, std::uint64_t seed = 7)
       : model(learm(profile)),
         machine(learm(board), board, seed, Instant{}),
-        driver(std::get<LscDevice>(model.device.settings), model.joints,
+        driver(model.device.settings.get<LscDevice>(), model.joints,
                std::get<SerialGeometry>(model.geometry).gripper) {}
 
   void run_for(Duration duration) {

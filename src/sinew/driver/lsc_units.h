@@ -7,6 +7,7 @@
 
 #include "sinew/core/error.h"
 #include "sinew/core/fixed_vector.h"
+#include "sinew/devices/lsc/lsc_settings.h"
 #include "sinew/driver/send_range.h"
 #include "sinew/model/device.h"
 #include "sinew/model/robot_model.h"

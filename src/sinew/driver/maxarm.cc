@@ -14,12 +14,12 @@ namespace {
 
 constexpr std::int32_t kMargin = 10;       // pulses: overshoot and sag beside the way
 constexpr std::int32_t kRangeMargin = 25;  // pulses: an arm without power leans on its ends
-constexpr Duration kLookPeriod = 100ms;    // of the MicroPython program, at its port
-constexpr Duration kLookDoubt = 20ms;      // either side: its loop's own time, and a USB port's
-constexpr double kRounding = 0.5;          // pulses
-constexpr double kCreep = 1;               // pulses between two readings of an arm at rest
-constexpr double kCreepAgain = 4;          // times what it crept between the last two
-constexpr double kSentBeside = 1.5;        // pulses: rounding, and a sturdier frame's neighbour
+constexpr Duration kLookPeriod = kMaxArmLookPeriod;
+constexpr Duration kLookDoubt = kMaxArmLookDoubt;
+constexpr double kRounding = 0.5;    // pulses
+constexpr double kCreep = 1;         // pulses between two readings of an arm at rest
+constexpr double kCreepAgain = 4;    // times what it crept between the last two
+constexpr double kSentBeside = 1.5;  // pulses: rounding, and a sturdier frame's neighbour
 constexpr int kZeros = 16;
 constexpr int kSetsMax = 3;
 constexpr int kSuctionFrames = 2;
@@ -52,14 +52,6 @@ bool sturdy(const Request& request) {
 }
 
 }  // namespace
-
-// docs/wires/maxarm.md, "Timing": answers of 98..275 and 18..424 ms, all equally likely, and 17 ms
-// on the wire; the MicroPython program takes what was sent when it looks at its port.
-MaxArmPace pace_of(MaxArmVariant variant) {
-  const Duration set = wire_time(SetAngle{});
-  if (variant == MaxArmVariant::kArduino) return {set, 290ms, 565ms, 500ms};
-  return {set + kLookDoubt + kLookPeriod, 515ms, 1s, 1s};
-}
 
 Duration maxarm_tool_time(MaxArmVariant variant, const ToolAction& action) {
   const Duration gap = MaxArmTiming().frame_gap;

@@ -7,6 +7,7 @@
 #include <span>
 
 #include "sinew/core/fixed_vector.h"
+#include "sinew/devices/maxarm/maxarm_settings.h"
 #include "sinew/driver/driver.h"
 #include "sinew/driver/maxarm_pulses.h"
 #include "sinew/model/device.h"
@@ -31,20 +32,6 @@ struct MaxArmTiming {
   std::uint16_t stop_ms = 100;
   std::int32_t reached = 6;  ///< pulses beside the target that a servo under load may rest
 };
-
-/// What a board's program makes of time. The answers' times are those measured on it, 99 in 100.
-struct MaxArmPace {
-  Duration begins;        ///< from the order of a move until its servos begin
-  Duration one_reading;   ///< from the question's first bit
-  Duration two_readings;  ///< one behind the other
-  Duration idle;          ///< a resting arm is looked at so often, question to question
-
-  /// From a move's own end, by its order and its duration, until it is told as done.
-  Duration told() const { return begins + settles + two_readings; }
-  /// From the end of the servos' ramps until the arm is looked at.
-  static constexpr Duration settles = std::chrono::milliseconds(50);
-};
-MaxArmPace pace_of(MaxArmVariant variant);
 
 /// How long a tool action of an arm at rest takes until it is told as done; zero for none of its.
 Duration maxarm_tool_time(MaxArmVariant variant, const ToolAction& action);

@@ -5,6 +5,7 @@
 #include <span>
 
 #include "sinew/core/error.h"
+#include "sinew/devices/maxarm/maxarm_settings.h"
 #include "sinew/driver/send_range.h"
 #include "sinew/model/device.h"
 #include "sinew/model/robot_model.h"
@@ -15,10 +16,6 @@ namespace sinew {
 /// What a servo may be told; one at 0 kills the MicroPython program.
 inline constexpr std::int32_t kMaxArmPulseMin = 1;
 inline constexpr std::int32_t kMaxArmPulseMax = 1000;
-
-/// How long one move may take, ms; the longest is the servos' own bound.
-inline constexpr std::int32_t kMaxArmTimeMin = 20;
-inline constexpr std::int32_t kMaxArmTimeMax = 30000;
 
 using MaxArmPulses = std::array<std::int32_t, maxarm::kServos>;
 

@@ -513,7 +513,7 @@ TEST(MaxArmDriver, an_answer_with_the_other_sum_is_noise_until_it_is_all_that_co
 
 TEST(MaxArmDriver, works_without_allocating) {
   const RobotModel robot = test::maxarm_model();
-  MaxArmDriver driver(std::get<MaxArmDevice>(robot.device.settings), robot.joints);
+  MaxArmDriver driver(robot.device.settings.get<MaxArmDevice>(), robot.joints);
   std::array<std::uint8_t, 64> piece{};
   Instant now{};
   const test::AllocationCounter allocations;

@@ -8,6 +8,7 @@
 #include <optional>
 #include <vector>
 
+#include "sinew/devices/maxarm/maxarm_settings.h"
 #include "sinew/driver/maxarm.h"
 #include "sinew/sim/link_fault.h"
 #include "sinew/sim/maxarm_machine.h"
@@ -31,7 +32,7 @@ class MaxArmCell {
   MaxArmCell() : MaxArmCell(Options()) {}
   explicit MaxArmCell(const Options& options)
       : robot(model(options.taken_for.value_or(options.variant))),
-        driver(std::get<MaxArmDevice>(robot.device.settings), robot.joints),
+        driver(robot.device.settings.get<MaxArmDevice>(), robot.joints),
         machine(robot, options.checksum, options.variant, options.seed, Instant{}),
         now(Instant{options.warm_up}),
         link(options.faults, now) {
@@ -49,7 +50,7 @@ class MaxArmCell {
     JointMove move;
     move.q.resize(3);
     move.qd.resize(3);
-    const auto& servos = std::get<MaxArmDevice>(robot.device.settings).servos;
+    const auto& servos = robot.device.settings.get<MaxArmDevice>().servos;
     for (std::size_t i = 0; i < 3; ++i) {
       move.q[i] = (pulses[i] - servos[i].offset) / servos[i].pulses_per_rad;
     }
@@ -58,7 +59,7 @@ class MaxArmCell {
   }
 
   double true_pulse(std::size_t joint) const {
-    const auto& servo = std::get<MaxArmDevice>(robot.device.settings).servos[joint];
+    const auto& servo = robot.device.settings.get<MaxArmDevice>().servos[joint];
     return servo.offset + servo.pulses_per_rad * machine.truth().joints[joint].q;
   }
 
@@ -102,7 +103,7 @@ class MaxArmCell {
  private:
   static RobotModel model(MaxArmVariant variant) {
     RobotModel robot = maxarm_model();
-    std::get<MaxArmDevice>(robot.device.settings).variant = variant;
+    robot.device.settings.get<MaxArmDevice>().variant = variant;
     return robot;
   }
 

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "sinew/core/units.h"
+#include "sinew/devices/bigrobotarm/bigrobotarm_settings.h"
 #include "sinew/driver/bigrobotarm_test_cell.h"
 #include "sinew/driver/icp_test_cell.h"
 

@@ -5,6 +5,10 @@
 
 #include "sinew/core/assert.h"
 #include "sinew/core/units.h"
+#include "sinew/devices/axis/axis_registers_settings.h"
+#include "sinew/devices/bigrobotarm/bigrobotarm_settings.h"
+#include "sinew/devices/lsc/lsc_settings.h"
+#include "sinew/devices/maxarm/maxarm_settings.h"
 #include "sinew/driver/axis_register_units.h"
 #include "sinew/driver/bigrobotarm_channel.h"
 #include "sinew/driver/maxarm_pulses.h"
@@ -41,7 +45,7 @@ std::optional<Error> refusal_of(const AxisRegistersDevice& device, const RobotMo
 }  // namespace
 
 WireTarget::WireTarget(const RobotModel& robot) : robot_(robot) {
-  const auto* device = std::get_if<LscDevice>(&robot.device.settings);
+  const auto* device = robot.device.settings.as<LscDevice>();
   if (device == nullptr) return;
   const auto* geometry = std::get_if<SerialGeometry>(&robot.geometry);
   lsc_.emplace(*device, robot.joints, geometry != nullptr ? geometry->gripper : std::nullopt);
@@ -51,11 +55,11 @@ std::optional<Error> WireTarget::refusal(std::span<const double> q,
                                          std::span<const double> from) const {
   SINEW_ASSERT(q.size() == robot_.joints.size());
   const auto& settings = robot_.device.settings;
-  if (const auto* arm = std::get_if<BigRobotArmDevice>(&settings)) return refusal_of(*arm, q);
-  if (const auto* boards = std::get_if<AxisRegistersDevice>(&settings)) {
+  if (const auto* arm = settings.as<BigRobotArmDevice>()) return refusal_of(*arm, q);
+  if (const auto* boards = settings.as<AxisRegistersDevice>()) {
     return refusal_of(*boards, robot_, q, from);
   }
-  if (const auto* arm = std::get_if<MaxArmDevice>(&settings)) {
+  if (const auto* arm = settings.as<MaxArmDevice>()) {
     FixedVector<JointPosition, kMaxJoints> here;
     for (const double at : from) here.push_back({PositionQuality::kMeasured, at, at, at});
     const auto pulses = maxarm_pulses(*arm, robot_.joints, q, {here.data(), here.size()});
@@ -71,19 +75,6 @@ std::optional<Error> WireTarget::refusal(std::span<const double> q,
   return std::nullopt;
 }
 
-/// rad between two places that a joint can be told; 0 where nothing is refused for that.
-double WireTarget::unit(std::size_t joint) const {
-  const auto& settings = robot_.device.settings;
-  if (lsc_) return lsc_->resolution(joint);
-  if (const auto* arm = std::get_if<BigRobotArmDevice>(&settings)) {
-    return 1 / std::abs(arm->joints[joint].steps_per_rad);
-  }
-  if (const auto* arm = std::get_if<MaxArmDevice>(&settings)) {
-    return 1 / std::abs(arm->servos[joint].pulses_per_rad);
-  }
-  return 0;
-}
-
 std::optional<JointVector> WireTarget::nearest(std::span<const double> q) const {
   JointVector near(q);
   for (std::size_t fixed = 0; fixed <= near.size(); ++fixed) {
@@ -91,7 +82,7 @@ std::optional<JointVector> WireTarget::nearest(std::span<const double> q) const 
     if (!error) return near;
     if (error->index < 0) return std::nullopt;
     const auto joint = static_cast<std::size_t>(error->index);
-    const double step = unit(joint);
+    const double step = robot_.device.settings->resolution(joint);
     const double from = near[joint];
     const auto works = [&](double angle) {
       near[joint] = angle;

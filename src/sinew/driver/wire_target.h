@@ -28,8 +28,6 @@ class WireTarget {
   std::optional<JointVector> nearest(std::span<const double> q) const;
 
  private:
-  double unit(std::size_t joint) const;
-
   const RobotModel& robot_;
   std::optional<LscUnits> lsc_;
 };

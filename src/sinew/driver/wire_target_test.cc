@@ -5,6 +5,8 @@
 #include <cmath>
 
 #include "sinew/core/units.h"
+#include "sinew/devices/bigrobotarm/bigrobotarm_settings.h"
+#include "sinew/devices/lsc/lsc_settings.h"
 #include "sinew/driver/bigrobotarm_channel.h"
 #include "support/property.h"
 #include "support/robots.h"
@@ -40,12 +42,12 @@ TEST(WireTarget, steps_with_the_terminator_inside_are_refused_on_the_byte_wire_o
   EXPECT_EQ(error->measured, 3467);
   const auto near = WireTarget(robot).nearest({q.data(), q.size()});
   ASSERT_TRUE(near);
-  const double steps = std::get<BigRobotArmDevice>(robot.device.settings).joints[0].steps_per_rad;
+  const double steps = robot.device.settings.get<BigRobotArmDevice>().joints[0].steps_per_rad;
   // 3329..3582 cannot be said; their ends' neighbours can, and round to what can.
   EXPECT_NEAR((*near)[0] * steps, 3583, 1.5);
   EXPECT_FALSE(refusal(robot, *near));
   for (std::size_t j = 1; j < q.size(); ++j) EXPECT_EQ((*near)[j], q[j]);
-  std::get<BigRobotArmDevice>(robot.device.settings).wire = BigRobotArmWire::kText;
+  robot.device.settings.get<BigRobotArmDevice>().wire = BigRobotArmWire::kText;
   EXPECT_FALSE(refusal(robot, q));
 }
 
@@ -73,7 +75,7 @@ TEST(WireTarget, servo_of_the_maxarm_is_never_sent_to_pulse_zero) {
 
 TEST(WireTarget, pulses_that_a_servo_board_may_not_send_are_refused) {
   RobotModel robot = test::robot("learm");
-  auto& servo = std::get<LscDevice>(robot.device.settings).servos[1];
+  auto& servo = robot.device.settings.get<LscDevice>().servos[1];
   servo.upper = static_cast<std::int32_t>(servo.centre + servo.trim) + 100;
   servo.lower = static_cast<std::int32_t>(servo.centre + servo.trim) - 100;
   JointVector q = home_of(robot);
@@ -91,7 +93,7 @@ TEST(WireTarget, pulses_that_a_servo_board_may_not_send_are_refused) {
 /// What counts as sayable is what the driver then accepts, and nothing is refused beside it.
 TEST(WireTarget, says_of_random_places_what_the_driver_says_when_it_is_sent_there) {
   const RobotModel robot = test::robot("bigrobotarm");
-  const auto& device = std::get<BigRobotArmDevice>(robot.device.settings);
+  const auto& device = robot.device.settings.get<BigRobotArmDevice>();
   BigRobotArmChannel channel(device);
   channel.open({});
   int refused = 0;

@@ -46,7 +46,7 @@ Rotation cayley(const Vec3& w) {
           {sc.x * c.z + sc.y, sc.y * c.z - sc.x, 1 - sc.x * c.x - sc.y * c.y}};
 }
 
-void apply(const TwistArray& step, PoseBP& X_BP) {
+void move_by(const TwistArray& step, PoseBP& X_BP) {
   X_BP.p = X_BP.p + Vec3{step[0], step[1], step[2]};
   X_BP.R = cayley({step[3], step[4], step[5]}) * X_BP.R;
 }
@@ -236,7 +236,7 @@ Expected<HexapodSolution> Hexapod::forward(const JointVector& legs, const PoseBP
     bool gains = true;
     for (int correction = 0; !done && (correction < 2 || gains); ++correction) {
       const double before = squared_error;
-      apply(solver.solve(f), solution.X_BP);
+      move_by(solver.solve(f), solution.X_BP);
       placement = place(solution.X_BP);
       done = converged();
       gains = before >= kGainMin * kGainMin * squared_error;

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include "sinew/devices/axis/axis_registers_settings.h"
 #include "sinew/model/left_out.h"
 #include "sinew/planning/collision.h"
 #include "sinew/planning/collision_test_robot.h"
@@ -12,7 +13,7 @@ namespace {
 RobotModel arm_without(std::initializer_list<std::size_t> joints) {
   RobotModel model = test::robot("robot-arm-2");
   for (const std::size_t joint : joints) {
-    std::get<AxisRegistersDevice>(model.device.settings).boards[joint].homing_place = kLeftOut;
+    model.device.settings.get<AxisRegistersDevice>().boards[joint].homing_place = kLeftOut;
   }
   return model;
 }
@@ -28,7 +29,7 @@ TEST(CollisionLeftOut, some_pose_is_as_near_as_the_robot_is_wherever_the_joint_i
   for (const auto& out : kOut) {
     RobotModel model = whole;
     for (const std::size_t joint : out) {
-      std::get<AxisRegistersDevice>(model.device.settings).boards[joint].homing_place = kLeftOut;
+      model.device.settings.get<AxisRegistersDevice>().boards[joint].homing_place = kLeftOut;
     }
     const CollisionModel open(model);
     EXPECT_LE(open.poses(), CollisionModel::kPosesMax);

@@ -8,6 +8,8 @@
 
 #include "sinew/core/rotation.h"
 #include "sinew/core/units.h"
+#include "sinew/devices/axis/axis_link_settings.h"
+#include "sinew/devices/bigrobotarm/bigrobotarm_settings.h"
 #include "sinew/model/collision_links.h"
 #include "sinew/planning/collision.h"
 #include "sinew/planning/collision_test_robot.h"
@@ -88,7 +90,7 @@ TEST(CollisionOfRobots, sample_programs_hit_nothing) {
 
 TEST(CollisionOfRobots, sequence_of_the_bigrobotarm_hits_nothing) {
   const RobotModel& model = robot("bigrobotarm");
-  const auto& device = std::get<BigRobotArmDevice>(model.device.settings);
+  const auto& device = model.device.settings.get<BigRobotArmDevice>();
   const auto sequence =
       sequence::parse(text_of(std::filesystem::path(SINEW_ROBOTS_DIR) / "bigrobotarm/sequence.txt"),
                       "sequence.txt", device);

@@ -3,6 +3,7 @@
 #include <cstdlib>
 
 #include "sinew/core/units.h"
+#include "sinew/devices/device_kinds.h"
 #include "sinew/model/joint_lookup.h"
 #include "sinew/program/procedures.h"
 
@@ -40,7 +41,7 @@ const StepResult* done(const Procedure& procedure, const std::string& id) {
 /// The kit whose jaws go the other way: a bus servo's ends change places, pulses lie on the other
 /// side of where both kits meet.
 bool use_jaws(RobotModel& robot) {
-  auto* device = std::get_if<LscDevice>(&robot.device.settings);
+  auto* device = robot.device.settings.as<LscDevice>();
   if (device == nullptr) return false;
   std::swap(device->gripper.open, device->gripper.closed);
   if (device->profile == LscProfile::kBus) return true;
@@ -96,7 +97,7 @@ struct Setter {
 };
 
 bool use_platform_setting(RobotModel& robot, const std::string& name, const std::string& value) {
-  auto* device = std::get_if<IcpDevice>(&robot.device.settings);
+  auto* device = robot.device.settings.as<IcpDevice>();
   const auto number = number_of(value);
   if (device == nullptr || !number) return false;
   constexpr double kFactorMax = 20;
@@ -118,7 +119,7 @@ namespace {
 
 /// Two servos of one number would both go where one of them is sent.
 std::expected<void, std::string> check_servo_ids(const RobotModel& robot) {
-  const auto* device = std::get_if<LscDevice>(&robot.device.settings);
+  const auto* device = robot.device.settings.as<LscDevice>();
   for (std::size_t j = 0; device != nullptr && j < device->servos.size(); ++j) {
     const int id = device->servos[j].id;
     std::string whose = id == device->gripper.id ? "the gripper" : "";
@@ -137,11 +138,11 @@ std::expected<void, std::string> check_servo_ids(const RobotModel& robot) {
 FoundSettings found_settings(const Procedure& procedure) {
   FoundSettings found;
   const RobotModel& robot = procedure.machine().robot();
-  const bool boards = std::holds_alternative<AxisRegistersDevice>(robot.device.settings) ||
-                      std::holds_alternative<AxisLinkDevice>(robot.device.settings);
+  const bool boards =
+      robot.device.settings.is<AxisRegistersDevice>() || robot.device.settings.is<AxisLinkDevice>();
   // Boards turn their motors as they are set up themselves.
   if (!boards) find_turns(procedure, found);
-  if (const auto* icp = std::get_if<IcpDevice>(&robot.device.settings)) {
+  if (const auto* icp = robot.device.settings.as<IcpDevice>()) {
     const auto* down = done(procedure, "minus_one");
     if (down != nullptr && *down->number != icp->units_per_down) {
       found["units_per_down"] = number_text(*down->number);
@@ -179,7 +180,7 @@ std::expected<void, std::string> use_settings(RobotModel& robot, const FoundSett
       if (name.starts_with(kJoint) && dot >= kJoint.size()) {
         const auto joint = joint_named(robot, name.substr(kJoint.size(), dot - kJoint.size()));
         const std::string what = name.substr(dot + 1);
-        used = joint && std::visit(Setter{what, value, *joint}, changed.device.settings);
+        used = joint && visit_kind(Setter{what, value, *joint}, changed.device.settings);
       } else if (name == "jaws_turn") {
         used = value == "other" && use_jaws(changed);
       } else {

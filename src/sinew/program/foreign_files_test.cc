@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "sinew/core/units.h"
+#include "sinew/devices/bigrobotarm/bigrobotarm_settings.h"
 #include "sinew/model/joint_lookup.h"
 #include "sinew/program/gcode_file.h"
 #include "sinew/program/pose_file.h"
@@ -244,7 +245,7 @@ TEST(Gcode, whatever_is_read_is_a_program) {
 
 TEST(SequenceRows, sequence_comes_back_step_by_step) {
   const RobotModel& robot = test::robot("bigrobotarm");
-  const auto& device = std::get<BigRobotArmDevice>(robot.device.settings);
+  const auto& device = robot.device.settings.get<BigRobotArmDevice>();
   test::for_random_cases(1'000, [&](test::Random& random) {
     std::string text = "S1\n";
     bool open = false;
@@ -274,7 +275,7 @@ TEST(SequenceRows, sequence_comes_back_step_by_step) {
     const auto sequence = sequence::parse(text, "s.txt", device);
     ASSERT_TRUE(sequence) << to_text(sequence.error().front()) << text;
     RobotModel on_text = robot;
-    std::get<BigRobotArmDevice>(on_text.device.settings).wire = BigRobotArmWire::kText;
+    on_text.device.settings.get<BigRobotArmDevice>().wire = BigRobotArmWire::kText;
     const Rows out = rows_of_sequence(*sequence, on_text);
     const auto program = parse(out.text, "p", robot);
     ASSERT_TRUE(program) << to_text(program.error().front()) << out.text;
@@ -289,7 +290,7 @@ TEST(SequenceRows, sequence_comes_back_step_by_step) {
 TEST(SequenceRows, zero_is_where_the_last_reset_was) {
   const RobotModel& robot = test::robot("bigrobotarm");
   const auto rows = [&](const char* text) {
-    const auto& device = std::get<BigRobotArmDevice>(robot.device.settings);
+    const auto& device = robot.device.settings.get<BigRobotArmDevice>();
     return rows_of_sequence(*sequence::parse(text, "s.txt", device), robot).text;
   };
   EXPECT_EQ(rows("S1\nG0 B6500\nG92\nG0 B-6500\nG28"),
@@ -302,7 +303,7 @@ TEST(SequenceRows, zero_is_where_the_last_reset_was) {
 
 TEST(SequenceRows, speeds_are_shares_of_the_joints_limits) {
   const RobotModel& robot = test::robot("bigrobotarm");
-  const auto& device = std::get<BigRobotArmDevice>(robot.device.settings);
+  const auto& device = robot.device.settings.get<BigRobotArmDevice>();
   const auto rows = rows_of_sequence(
       *sequence::parse("S1\nM203 B100 S50\nM201 B300\nG0 B650", "s.txt", device), robot);
   EXPECT_EQ(rows.text.substr(0, rows.text.find('\n')), "velocity base=50.01% shoulder=50%");
@@ -324,7 +325,7 @@ TEST(SequenceRows, speeds_are_shares_of_the_joints_limits) {
 
 TEST(SequenceRows, what_the_other_form_cannot_say_is_told_with_its_line) {
   const RobotModel& robot = test::robot("bigrobotarm");
-  const auto& device = std::get<BigRobotArmDevice>(robot.device.settings);
+  const auto& device = robot.device.settings.get<BigRobotArmDevice>();
   const auto notes = [&](const char* text) {
     return rows_of_sequence(*sequence::parse(text, "s.txt", device), robot).notes;
   };

@@ -4,6 +4,8 @@
 
 #include "sinew/control/governor.h"
 #include "sinew/core/units.h"
+#include "sinew/devices/axis/axis_link_settings.h"
+#include "sinew/devices/axis/axis_registers_settings.h"
 #include "sinew/model/left_out.h"
 #include "support/robots.h"
 
@@ -74,7 +76,7 @@ TEST(HomeReturn, from_a_clear_pose_all_joints_go_at_once_and_at_home_none) {
 
 TEST(HomeReturn, where_no_way_is_clear_of_a_joint_that_is_left_out_the_others_stay) {
   RobotModel robot = test::robot("robot-arm-2");
-  std::get<AxisRegistersDevice>(robot.device.settings).boards[2].homing_place = kLeftOut;
+  robot.device.settings.get<AxisRegistersDevice>().boards[2].homing_place = kLeftOut;
   JointVector rest = kRest;
   rest[2] = assumed_place(robot.joints[2]);
   const auto stays = home_return(robot, rest, 3);

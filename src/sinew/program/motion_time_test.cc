@@ -3,6 +3,7 @@
 #include <numeric>
 
 #include "sinew/control/path_motion.h"
+#include "sinew/devices/axis/axis_link_settings.h"
 #include "sinew/model/joint_lookup.h"
 #include "sinew/program/program_format.h"
 #include "sinew/program/row_planner.h"
@@ -83,7 +84,7 @@ TEST_P(TimedRow, takes_the_time_that_it_says_and_no_shorter_one_than_works) {
       EXPECT_NEAR(motion->q_end[j], quickest->q_end[j], 1e-12);
     }
     const bool streams = robot.device.capability.motion == MotionKind::kStream;
-    const auto& delay = motion_delay(robot.device);
+    const auto delay = robot.device.settings->motion_delay();
     const double stops =
         streams ? 0 : static_cast<double>(motion->pieces.size() - 1) * to_seconds(delay.report);
     EXPECT_NEAR(pieces_time(*motion) + stops, time, 1e-3 * time);

@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "sinew/core/units.h"
+#include "sinew/devices/bigrobotarm/bigrobotarm_settings.h"
 #include "sinew/model/hand.h"
 #include "sinew/model/joint_lookup.h"
 #include "sinew/model/left_out.h"
@@ -44,7 +45,7 @@ std::optional<Error> tool_refusal(const RobotModel& robot, const ToolAction& act
     return Error{ErrorCode::kJawWidth, -1, jaws->width, widest};
   }
   if (const auto* gripper = std::get_if<GripperTo>(&action)) {
-    const auto* device = std::get_if<BigRobotArmDevice>(&robot.device.settings);
+    const auto* device = robot.device.settings.as<BigRobotArmDevice>();
     if (device == nullptr) return Error{ErrorCode::kToolNotFitted};
     const double widest = from_deg(device->gripper_max);
     const double angle = gripper->angle.value_or(0);
@@ -170,7 +171,7 @@ std::optional<Refusal> OrderPlanner::take_all(const Program& program) {
 }
 
 std::optional<Refusal> OrderPlanner::take(const Step& step, std::size_t place, Round round) {
-  if (std::holds_alternative<HomeStep>(step.what) && !searches_zeros(robot_)) {
+  if (std::holds_alternative<HomeStep>(step.what) && !robot_.device.settings->searches_zeros()) {
     return take(home_row(step, robot_), place, round);
   }
   if (motion_of(step) != nullptr) {

@@ -7,6 +7,8 @@
 
 #include "sinew/control/local_machine.h"
 #include "sinew/core/units.h"
+#include "sinew/devices/icp/icp_settings.h"
+#include "sinew/devices/lsc/lsc_settings.h"
 #include "sinew/model/joint_lookup.h"
 #include "sinew/program/procedures.h"
 #include "support/robots.h"
@@ -597,7 +599,7 @@ TEST(Commissioning, every_robot_has_a_list_whose_steps_have_names_of_their_own) 
 
 TEST(Commissioning, a_servo_number_that_is_another_ones_is_refused_and_two_may_be_swapped) {
   Bench bench("learm", *commissioning_procedure(test::robot("learm"), {}, {}));
-  const auto& device = std::get<LscDevice>(bench.robot.device.settings);
+  const auto& device = bench.robot.device.settings.get<LscDevice>();
   const auto id = [&](std::size_t j) { return std::to_string(device.servos[j].id); };
   bench.begin();
   for (const char* answer : {"yes", "yes", "go", "go", "left", "go", "other", "go", "other", "go",
@@ -616,12 +618,12 @@ TEST(Commissioning, a_servo_number_that_is_another_ones_is_refused_and_two_may_b
   const FoundSettings found = found_settings(bench.procedure);
   RobotModel arm = test::robot("learm");
   ASSERT_TRUE(use_settings(arm, found));
-  EXPECT_EQ(std::get<LscDevice>(arm.device.settings).servos[1].id, device.servos[2].id);
+  EXPECT_EQ(arm.device.settings.get<LscDevice>().servos[1].id, device.servos[2].id);
 }
 
 TEST(Commissioning, settings_that_give_two_joints_one_servo_are_refused) {
   const RobotModel arm = test::robot("learm");
-  const auto& device = std::get<LscDevice>(arm.device.settings);
+  const auto& device = arm.device.settings.get<LscDevice>();
   for (const int taken : {static_cast<int>(device.servos[1].id), int{device.gripper.id}}) {
     RobotModel robot = arm;
     const auto used = use_settings(robot, {{"joint.elbow.servo_id", std::to_string(taken)}});
@@ -629,16 +631,16 @@ TEST(Commissioning, settings_that_give_two_joints_one_servo_are_refused) {
     EXPECT_NE(used.error().find("servo " + std::to_string(taken) + " would be elbow's"),
               std::string::npos)
         << used.error();
-    EXPECT_EQ(std::get<LscDevice>(robot.device.settings).servos[2].id, device.servos[2].id);
+    EXPECT_EQ(robot.device.settings.get<LscDevice>().servos[2].id, device.servos[2].id);
   }
 }
 
 TEST(Commissioning, settings_that_were_found_change_the_device_and_nothing_else_is_one) {
   RobotModel legs = test::robot("hexapod");
-  const double units = std::get<IcpDevice>(legs.device.settings).units_per_m;
+  const double units = legs.device.settings.get<IcpDevice>().units_per_m;
   ASSERT_TRUE(use_settings(
       legs, {{"joint.leg2.turn", "other"}, {"units_per_down", "2"}, {"way_factor", "0.5"}}));
-  const auto& icp = std::get<IcpDevice>(legs.device.settings);
+  const auto& icp = legs.device.settings.get<IcpDevice>();
   EXPECT_TRUE(icp.legs[1].invert);
   EXPECT_FALSE(icp.legs[0].invert);
   EXPECT_EQ(icp.units_per_down, 2);
@@ -647,26 +649,26 @@ TEST(Commissioning, settings_that_were_found_change_the_device_and_nothing_else_
   ASSERT_TRUE(use_settings(arm, {{"joint.roll.turn", "other"},
                                  {"joint.base.trim_rad", "0.1"},
                                  {"joint.elbow.servo_id", "9"}}));
-  const auto& lsc = std::get<LscDevice>(arm.device.settings);
+  const auto& lsc = arm.device.settings.get<LscDevice>();
   EXPECT_LT(lsc.servos[4].units_per_rad, 0);
   EXPECT_EQ(lsc.servos[2].id, 9);
   EXPECT_DOUBLE_EQ(lsc.servos[0].trim, 0.1 * lsc.servos[0].units_per_rad);
   // The classic kit opens at 1500 us and closes at 2500, the other one at 500 and 1500.
   RobotModel kit = test::robot("learm");
-  auto& jaws = std::get<LscDevice>(kit.device.settings).gripper;
+  const auto jaws = [&]() -> LscGripper& { return kit.device.settings.get<LscDevice>().gripper; };
   EXPECT_EQ(jaws_tried(kit), std::get<SerialGeometry>(kit.geometry).gripper->width_max);
   ASSERT_TRUE(use_settings(kit, {{"jaws_turn", "other"}}));
-  EXPECT_EQ(jaws.open, 500);
-  EXPECT_EQ(jaws.closed, 1500);
+  EXPECT_EQ(jaws().open, 500);
+  EXPECT_EQ(jaws().closed, 1500);
   EXPECT_EQ(jaws_tried(kit), 0);
   ASSERT_TRUE(use_settings(kit, {{"jaws_turn", "other"}}));
-  EXPECT_EQ(jaws.open, 1500);
-  EXPECT_EQ(jaws.closed, 2500);
-  std::get<LscDevice>(kit.device.settings).profile = LscProfile::kBus;
-  jaws.open = 200, jaws.closed = 700;
+  EXPECT_EQ(jaws().open, 1500);
+  EXPECT_EQ(jaws().closed, 2500);
+  kit.device.settings.get<LscDevice>().profile = LscProfile::kBus;
+  jaws().open = 200, jaws().closed = 700;
   ASSERT_TRUE(use_settings(kit, {{"jaws_turn", "other"}}));
-  EXPECT_EQ(jaws.open, 700);
-  EXPECT_EQ(jaws.closed, 200);
+  EXPECT_EQ(jaws().open, 700);
+  EXPECT_EQ(jaws().closed, 200);
   const std::vector<std::pair<std::string, std::string>> wrong{{"joint.leg7.turn", "other"},
                                                                {"jaws_turn", "other"},
                                                                {"joint.leg1.turn", "yes"},
@@ -681,7 +683,7 @@ TEST(Commissioning, settings_that_were_found_change_the_device_and_nothing_else_
     RobotModel robot = test::robot("hexapod");
     const auto used = use_settings(robot, {{"joint.leg3.turn", "other"}, {name, value}});
     ASSERT_FALSE(used) << name;
-    EXPECT_FALSE(std::get<IcpDevice>(robot.device.settings).legs[2].invert);
+    EXPECT_FALSE(robot.device.settings.get<IcpDevice>().legs[2].invert);
   }
 }
 

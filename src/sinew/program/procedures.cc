@@ -6,6 +6,11 @@
 #include <utility>
 
 #include "sinew/core/units.h"
+#include "sinew/devices/axis/axis_link_settings.h"
+#include "sinew/devices/bigrobotarm/bigrobotarm_settings.h"
+#include "sinew/devices/icp/icp_settings.h"
+#include "sinew/devices/lsc/lsc_settings.h"
+#include "sinew/devices/maxarm/maxarm_settings.h"
 #include "sinew/model/joint_lookup.h"
 #include "sinew/model/left_out.h"
 
@@ -88,7 +93,7 @@ Verdict homing_seen(const Procedure& procedure, const DeviceFact& fact) {
     shifts->words = found + ", " + shifts->words + switches;
     return *shifts;
   }
-  const bool link = std::holds_alternative<AxisLinkDevice>(robot.device.settings);
+  const bool link = robot.device.settings.is<AxisLinkDevice>();
   return {true, found + switches + ". How far the two searches lie apart is not measured: " +
                     (link ? "no answer came at the instant that shows it"
                           : "this wire does not say where a switch closed")};
@@ -314,7 +319,7 @@ void list_hexapod(Lister& list, const RobotModel& robot, const DeviceFact& fact)
 std::optional<std::string> who_has(const Procedure& procedure, const std::string& asked,
                                    double number) {
   const RobotModel& robot = procedure.machine().robot();
-  const auto& device = std::get<LscDevice>(robot.device.settings);
+  const auto& device = robot.device.settings.get<LscDevice>();
   if (number == device.gripper.id) return "is the gripper's";
   for (std::size_t j = 0; j < robot.joints.size(); ++j) {
     const std::string& name = robot.joints[j].name;
@@ -332,7 +337,7 @@ std::optional<std::string> who_has(const Procedure& procedure, const std::string
 }  // namespace
 
 double jaws_tried(const RobotModel& robot) {
-  const auto& device = std::get<LscDevice>(robot.device.settings);
+  const auto& device = robot.device.settings.get<LscDevice>();
   const double width = std::get<SerialGeometry>(robot.geometry).gripper->width_max;
   const bool shut =
       std::abs(device.gripper.closed - kJawsMiddle) < std::abs(device.gripper.open - kJawsMiddle);
@@ -456,7 +461,7 @@ void list_boards(Lister& list, const RobotModel& robot, const Homing& homing,
       }});
   list.add("encoders", "The encoders followed", CheckStep{[](const Procedure& procedure) {
              const auto& device = procedure.machine().robot().device.settings;
-             const bool link = std::holds_alternative<AxisLinkDevice>(device);
+             const bool link = device.is<AxisLinkDevice>();
              return Verdict{true, link ? "each motion ended where its encoder was sent; one that "
                                          "counts the wrong way would have been a fault"
                                        : "this wire tells what a board was sent, not what its "
@@ -472,13 +477,13 @@ std::expected<ProcedurePlan, std::string> commissioning_procedure(const RobotMod
   ProcedurePlan plan{"commission", "Commissioning of " + robot.title, {}};
   Lister list(robot, fact);
   const auto& settings = robot.device.settings;
-  if (std::holds_alternative<IcpDevice>(settings)) {
+  if (settings.is<IcpDevice>()) {
     list_hexapod(list, robot, fact);
-  } else if (std::holds_alternative<LscDevice>(settings)) {
+  } else if (settings.is<LscDevice>()) {
     list_servos(list, robot);
-  } else if (std::holds_alternative<BigRobotArmDevice>(settings)) {
+  } else if (settings.is<BigRobotArmDevice>()) {
     list_bigrobotarm(list, robot);
-  } else if (std::holds_alternative<MaxArmDevice>(settings)) {
+  } else if (settings.is<MaxArmDevice>()) {
     list_maxarm(list);
   } else if (has_boards(robot)) {
     list_boards(list, robot, homing, fact);

@@ -7,6 +7,8 @@
 #include <string>
 
 #include "sinew/core/stable_sort.h"
+#include "sinew/devices/axis/axis_link_settings.h"
+#include "sinew/devices/axis/axis_registers_settings.h"
 #include "sinew/program/conditions.h"
 #include "sinew/program/motion_rows.h"
 #include "sinew/program/program_rows.h"
@@ -117,7 +119,7 @@ class Parser {
   void take_home() {
     if (row_.words().size() == 1) return add(HomeStep{});
     if (!row_.takes_words(1, "home, or home time=5s")) return;
-    if (searches_zeros(robot_)) {
+    if (robot_.device.settings->searches_zeros()) {
       return row_.complain(word(1),
                            "this robot's home looks for its end stops, as long as it takes");
     }
@@ -406,12 +408,6 @@ std::string called_name(std::string_view file_name) {
 }
 
 }  // namespace
-
-bool searches_zeros(const RobotModel& robot) {
-  const auto* registers = std::get_if<AxisRegistersDevice>(&robot.device.settings);
-  if (registers != nullptr) return registers->reports_status;
-  return std::holds_alternative<AxisLinkDevice>(robot.device.settings);
-}
 
 bool handles_cubes(const Program& program) {
   return std::ranges::any_of(program.steps, [](const Step& step) {

@@ -186,10 +186,6 @@ struct Step {
   int file = 0;  ///< of Program::files
 };
 
-/// Whether `home` looks for end stops: only axis boards have them, and only those that report can
-/// say that they were found. On other machines it is a joint move.
-bool searches_zeros(const RobotModel& robot);
-
 /// How a row moves the robot; nothing where it does not.
 const MotionOptions* motion_of(const Step& step);
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "sinew/core/units.h"
+#include "sinew/devices/lsc/lsc_settings.h"
 #include "sinew/model/joint_lookup.h"
 #include "sinew/program/plain_cell_test_support.h"
 #include "support/robots.h"
@@ -34,7 +35,7 @@ TEST(ProgramRun, streamed_motion_is_cut_into_even_segments_that_join_without_a_j
   EXPECT_EQ(moves.back().q[1], 0);
   EXPECT_EQ(moves.back().qd[0], 0);
   const double took = to_seconds(cell.run.records()[0].done - cell.run.records()[0].asked);
-  const double report = to_seconds(motion_delay(cell.robot.device).report);
+  const double report = to_seconds(cell.robot.device.settings->motion_delay().report);
   EXPECT_NEAR(took, cell.run.records()[0].duration - report, 0.01) << "this driver says so at once";
 }
 
@@ -134,7 +135,7 @@ TEST(ProgramRun, from_nowhere_all_joints_must_be_named_and_move_slowly_in_one_pi
 
 TEST(ProgramRun, arm_that_hangs_beyond_a_limit_comes_back_in_as_any_motion_does) {
   RobotModel robot = test::robot("learm");
-  auto& board = std::get<LscDevice>(robot.device.settings);
+  auto& board = robot.device.settings.get<LscDevice>();
   board.profile = LscProfile::kBus;
   for (LscServo& servo : board.servos) {
     servo.centre = 500;

@@ -6,6 +6,9 @@
 
 #include "sinew/control/piece_motion.h"
 #include "sinew/core/assert.h"
+#include "sinew/devices/axis/axis_registers_settings.h"
+#include "sinew/devices/bigrobotarm/bigrobotarm_settings.h"
+#include "sinew/devices/maxarm/maxarm_settings.h"
 #include "sinew/driver/axis_register_times.h"
 #include "sinew/driver/maxarm_pulses.h"
 #include "sinew/planning/chords.h"
@@ -66,7 +69,7 @@ bool is_streamed(const RobotModel& robot) {
 /// A host that makes the motion makes it as it likes; of the devices that do, only this one can be
 /// told accelerations.
 bool takes_acceleration(const RobotModel& robot) {
-  return is_streamed(robot) || std::holds_alternative<BigRobotArmDevice>(robot.device.settings);
+  return is_streamed(robot) || robot.device.settings->takes_acceleration();
 }
 
 Move move_of(const Step& row, const RobotPlace& from, const ToolSpace& space,
@@ -118,7 +121,7 @@ double tips_ahead(const ToolState& tool, const RobotModel& robot) {
 }
 
 const AxisRegistersDevice* register_boards(const RobotModel& robot) {
-  return std::get_if<AxisRegistersDevice>(&robot.device.settings);
+  return robot.device.settings.as<AxisRegistersDevice>();
 }
 
 /// Where each joint is told by itself and then goes at its own pace.
@@ -132,17 +135,6 @@ AxisRegisterTimes::Move times_of(AxisRegisterTimes& times, const JointVector& fr
     own.push_back(way == 0 ? 0 : motion::plan_axis(std::abs(way), limits[j]).duration());
   }
   return times.next({own.data(), own.size()});
-}
-
-constexpr double kDay = 86400;  // s
-/// The shortest and the longest whole move that a wire can say, s; nobody waits longer than a day.
-struct Durations {
-  double shortest = 0;
-  double longest = kDay;
-};
-Durations durations(const RobotModel& robot) {
-  if (!std::holds_alternative<MaxArmDevice>(robot.device.settings)) return {};
-  return {kMaxArmTimeMin * 1e-3, kMaxArmTimeMax * 1e-3};
 }
 
 /// A motion that cannot take `asked` s but `limit`: told with three digits that work.
@@ -188,7 +180,7 @@ Unheard unheard(const MotionOptions& how, const RobotModel& robot) {
 
 RowPlanner::RowPlanner(const RobotModel& robot)
     : robot_(robot),
-      delay_(motion_delay(robot.device)),
+      delay_(robot.device.settings->motion_delay()),
       wire_(robot),
       planner_(robot),
       motion_(planner_.make_motion()) {}
@@ -672,7 +664,7 @@ std::expected<void, Refusal> RowPlanner::cut_into_moves(std::span<const Step> ro
   if (out.time > 0) {
     if (const auto error = slow_down(out)) return std::unexpected(Refusal{rows[0].line, *error});
   }
-  const double longest = durations(robot_).longest;
+  const double longest = to_seconds(robot_.device.settings->move_times().second);
   for (std::size_t k = 0; k < out.pieces.size(); ++k) {
     const double duration = to_seconds(out.pieces[k].duration);
     if (duration <= longest) continue;
@@ -726,8 +718,8 @@ void RowPlanner::cut_into_chords(const RobotPlace& start, std::span<const double
     const bool last = s == places.back();
     const JointVector to = last ? out.q_end : joints_at(s);
     const double t = time_at(motion_.law, s);
-    const double duration =
-        std::max(piece_duration(from, to, moves_[0], t - t_from), durations(robot_).shortest);
+    const double duration = std::max(piece_duration(from, to, moves_[0], t - t_from),
+                                     to_seconds(robot_.device.settings->move_times().first));
     constexpr double kForever = 1e6;  // s; what is refused must not overflow before
     JointMove piece{.q = to, .qd = {}, .duration = from_seconds(std::min(duration, kForever))};
     piece.qd.resize(to.size());

@@ -5,6 +5,8 @@
 #include <cmath>
 
 #include "sinew/core/units.h"
+#include "sinew/devices/axis/axis_registers_settings.h"
+#include "sinew/devices/bigrobotarm/bigrobotarm_settings.h"
 #include "sinew/driver/bigrobotarm_multipliers.h"
 #include "sinew/program/program_plan.h"
 #include "support/property.h"
@@ -84,7 +86,7 @@ TEST_P(RowPlannerOf, line_ends_where_it_was_sent_and_its_pieces_lie_on_it) {
   }
   EXPECT_EQ(motion->pieces.back().q, motion->q_end);
   EXPECT_NEAR(bench.tool({motion->q_end.data(), motion->q_end.size()}).p.z, from.p.z + step, 1e-6);
-  if (const auto* boards = std::get_if<AxisRegistersDevice>(&bench.robot.device.settings)) {
+  if (const auto* boards = bench.robot.device.settings.as<AxisRegistersDevice>()) {
     // Frame by frame: each piece is asked for, told, polled and read back.
     double frames = 0, before = 0;
     for (const JointMove& piece : motion->pieces) {
@@ -98,7 +100,7 @@ TEST_P(RowPlannerOf, line_ends_where_it_was_sent_and_its_pieces_lie_on_it) {
     EXPECT_TRUE(boards->reports_status);
     return;
   }
-  const MotionDelay delay = motion_delay(bench.robot.device);
+  const MotionDelay delay = bench.robot.device.settings->motion_delay();
   const bool streamed = bench.robot.device.capability.motion == MotionKind::kStream;
   double sum = streamed ? to_seconds(delay.report) : 0;
   for (const JointMove& piece : motion->pieces) {
@@ -209,7 +211,7 @@ TEST(RowPlanner, blend_is_not_heard_where_whole_moves_are_taken_and_costs_nothin
 /// The tool's greatest acceleration on a whole move whose joints go by these trapezoids.
 double trapezoids_acceleration(Bench& bench, const JointVector& from, const JointVector& to,
                                const BigRobotArmMultipliers& told) {
-  const auto& device = std::get<BigRobotArmDevice>(bench.robot.device.settings);
+  const auto& device = bench.robot.device.settings.get<BigRobotArmDevice>();
   constexpr double kStep = 2e-3;
   const auto at = [&](double t) {
     JointVector q = from;
@@ -238,7 +240,7 @@ double trapezoids_acceleration(Bench& bench, const JointVector& from, const Join
 
 TEST(RowPlanner, tool_acceleration_is_kept_by_a_device_that_can_be_told_one) {
   Bench bench("bigrobotarm");
-  const auto& device = std::get<BigRobotArmDevice>(bench.robot.device.settings);
+  const auto& device = bench.robot.device.settings.get<BigRobotArmDevice>();
   for (const double asked : {5.0, 10.0, 20.0, 80.0}) {
     // Settings of two or three are coarse: the device rounds up.
     const double coarse = asked < 10 ? 1.25 : 1;

@@ -8,6 +8,7 @@
 #include "sinew/core/assert.h"
 #include "sinew/core/number_text.h"
 #include "sinew/core/units.h"
+#include "sinew/devices/bigrobotarm/bigrobotarm_settings.h"
 #include "sinew/model/joint_lookup.h"
 #include "sinew/model/limit_reach.h"
 #include "sinew/program/row_planner.h"
@@ -22,7 +23,7 @@ std::string degrees(double angle) {
 }
 
 const BigRobotArmDevice& device_of(const RobotModel& robot) {
-  const auto* device = std::get_if<BigRobotArmDevice>(&robot.device.settings);
+  const auto* device = robot.device.settings.as<BigRobotArmDevice>();
   SINEW_ASSERT(device != nullptr);
   return *device;
 }

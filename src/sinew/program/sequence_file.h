@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "sinew/core/complaint.h"
+#include "sinew/devices/bigrobotarm/bigrobotarm_settings.h"
 #include "sinew/model/device.h"
 
 /// The BigRobotArm's own program format: moves in motor steps, and blocks that repeat.

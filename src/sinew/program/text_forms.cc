@@ -7,6 +7,7 @@
 #include "sinew/core/number_text.h"
 #include "sinew/core/rotation.h"
 #include "sinew/core/units.h"
+#include "sinew/devices/bigrobotarm/bigrobotarm_settings.h"
 #include "sinew/model/joint_lookup.h"
 #include "sinew/program/gcode_file.h"
 #include "sinew/program/program_format.h"
@@ -49,7 +50,7 @@ std::string rows_of_pose(const PoseFile& pose, const PlatformFit& fit) {
 }
 
 MadeRows of_sequence(std::string_view text, const std::string& file_name, const RobotModel& robot) {
-  const auto* device = std::get_if<BigRobotArmDevice>(&robot.device.settings);
+  const auto* device = robot.device.settings.as<BigRobotArmDevice>();
   if (device == nullptr) return none("sequences are the BigRobotArm's; " + robot.id + " is none");
   const auto sequence = sequence::parse(text, file_name, *device);
   if (!sequence) return none(sequence.error());
@@ -149,7 +150,7 @@ std::optional<TextForm> form_of_text(std::string_view name, std::string_view tex
   const bool code = first.size() > 1 && std::string_view("GMS").contains(first[0]) &&
                     first[1] >= '0' && first[1] <= '9';
   if (!code && first != "BEGIN") return std::nullopt;
-  const bool sequences = std::holds_alternative<BigRobotArmDevice>(robot.device.settings);
+  const bool sequences = robot.device.settings.is<BigRobotArmDevice>();
   return sequences ? TextForm::kSequence : TextForm::kGcode;
 }
 
@@ -193,7 +194,7 @@ Made text_of(TextForm form, const Program& program, const RobotModel& robot, Dec
   const auto plan = make_plan(program, robot, home_joints(robot));
   if (!plan) return std::unexpected(NoForm{{}, {}, plan.error()});
   if (form == TextForm::kPose) return pose_of(*plan, robot, mark);
-  if (!std::holds_alternative<BigRobotArmDevice>(robot.device.settings)) {
+  if (!robot.device.settings.is<BigRobotArmDevice>()) {
     return none("sequences are the BigRobotArm's; " + robot.id + " is none");
   }
   const auto sequence = sequence_of_rows(program, robot);

@@ -6,6 +6,8 @@
 #include <string>
 
 #include "sinew/core/units.h"
+#include "sinew/devices/bigrobotarm/bigrobotarm_settings.h"
+#include "sinew/devices/lsc/lsc_settings.h"
 #include "sinew/planning/chords.h"
 #include "sinew/program/program_plan.h"
 #include "support/property.h"
@@ -45,7 +47,7 @@ TEST(UnsayableRows, byte_wire_refuses_a_joint_row_into_its_gap_and_names_what_ca
   EXPECT_TRUE(plan(robot, instead, degrees({20, 0, 0, 0, 0}))) << instead;
   EXPECT_TRUE(plan(robot, "joint J1=60deg\n", degrees({20, 0, 0, 0, 0})))
       << "what lies on the way of one move need not be said";
-  std::get<BigRobotArmDevice>(robot.device.settings).wire = BigRobotArmWire::kText;
+  robot.device.settings.get<BigRobotArmDevice>().wire = BigRobotArmWire::kText;
   EXPECT_TRUE(plan(robot, text, degrees({0, 0, 0, 0, 0})));
 }
 
@@ -59,7 +61,7 @@ TEST(UnsayableRows, maxarm_and_servo_boards_refuse_pulses_that_they_do_not_send)
   EXPECT_EQ(zero.error().error.code, ErrorCode::kPulseRange);
 
   RobotModel learm = test::robot("learm");
-  auto& servo = std::get<LscDevice>(learm.device.settings).servos[0];
+  auto& servo = learm.device.settings.get<LscDevice>().servos[0];
   servo.lower = static_cast<std::int32_t>(servo.centre + servo.trim) - 100;
   servo.upper = static_cast<std::int32_t>(servo.centre + servo.trim) + 100;
   const double beyond = to_deg(150 / std::abs(servo.units_per_rad));

@@ -9,8 +9,8 @@ namespace sinew::program {
 
 WholeMoves::WholeMoves(const JointVector& q_start, const RowMotion& motion, double speed,
                        const RobotModel& robot)
-    : delay_(motion_delay(robot.device)), q_start_(q_start), duration_(motion.duration) {
-  const auto* boards = std::get_if<AxisRegistersDevice>(&robot.device.settings);
+    : delay_(robot.device.settings->motion_delay()), q_start_(q_start), duration_(motion.duration) {
+  const auto* boards = robot.device.settings.as<AxisRegistersDevice>();
   std::optional<AxisRegisterTimes> times;
   if (boards != nullptr) times.emplace(*boards);
   double order = 0;

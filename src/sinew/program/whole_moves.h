@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "sinew/devices/axis/axis_registers_settings.h"
 #include "sinew/driver/axis_register_times.h"
 #include "sinew/program/row_planner.h"
 

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "sinew/core/units.h"
+#include "sinew/devices/lsc/lsc_settings.h"
 #include "sinew/io/scratch_folder_test_support.h"
 #include "support/robots.h"
 
@@ -39,7 +40,7 @@ class CellSettingsTest : public testing::Test {
     return all;
   }
   static const LscDevice& lsc(const MadeRobot& made) {
-    return std::get<LscDevice>(made.model.device.settings);
+    return made.model.device.settings.get<LscDevice>();
   }
 
   test::ScratchFolder folder_;
@@ -102,7 +103,7 @@ TEST_F(CellSettingsTest, what_is_set_is_there_at_the_next_start_and_gone_when_ta
   EXPECT_EQ(made->place.port, "/dev/ttyUSB0");
   EXPECT_EQ(made->place.settings, folder_.at("settings/cell.json"));
   const auto file = test::robot("learm");
-  const auto& was = std::get<LscDevice>(file.device.settings).servos[0];
+  const auto& was = file.device.settings.get<LscDevice>().servos[0];
   EXPECT_DOUBLE_EQ(lsc(*made).servos[0].units_per_rad, -was.units_per_rad);
   // What the cell's own settings file had found of the base does not count beside it.
   EXPECT_DOUBLE_EQ(lsc(*made).servos[0].trim, -was.trim);
@@ -160,7 +161,7 @@ TEST_F(CellSettingsTest, every_fault_is_told_at_its_place) {
 TEST_F(CellSettingsTest, servos_may_change_their_numbers_with_each_other_and_not_share_one) {
   const CellSettings settings = make();
   const auto file = test::robot("learm");
-  const auto& servos = std::get<LscDevice>(file.device.settings).servos;
+  const auto& servos = file.device.settings.get<LscDevice>().servos;
   const std::string base = std::to_string(servos[0].id);
   const std::string shoulder = std::to_string(servos[1].id);
   EXPECT_EQ(

@@ -4,6 +4,7 @@
 
 #include "sinew/core/units.h"
 #include "sinew/device/axis_settings.h"
+#include "sinew/devices/bigrobotarm/bigrobotarm_settings.h"
 #include "sinew/driver/axis_link.h"
 #include "sinew/driver/axis_registers.h"
 #include "sinew/driver/bigrobotarm.h"

@@ -6,6 +6,8 @@
 
 #include "sinew/core/units.h"
 #include "sinew/device/axis_test_cell.h"
+#include "sinew/devices/axis/axis_link_settings.h"
+#include "sinew/devices/axis/axis_registers_settings.h"
 #include "sinew/program/program_run.h"
 #include "sinew/runtime/control_loop.h"
 #include "sinew/runtime/robot_driver.h"
@@ -21,7 +23,7 @@ using namespace std::chrono_literals;
 /// robot-arm-2 with joints that turn little: the whole search takes minutes even here.
 RobotModel small_arm(const char* wire) {
   RobotModel model = test::robot("robot-arm-2");
-  auto& device = std::get<AxisRegistersDevice>(model.device.settings);
+  auto& device = model.device.settings.get<AxisRegistersDevice>();
   for (std::size_t i = 0; i < model.joints.size(); ++i) {
     model.joints[i].lower = from_deg(-6);
     model.joints[i].upper = from_deg(6);
@@ -56,7 +58,7 @@ INSTANTIATE_TEST_SUITE_P(Wires, BothBoardWires, ::testing::Values("registers", "
 
 TEST_P(BothBoardWires, every_axis_is_named_while_its_zero_is_searched_for) {
   const RobotModel model = small_arm(GetParam());
-  const bool link = std::holds_alternative<AxisLinkDevice>(model.device.settings);
+  const bool link = model.device.settings.is<AxisLinkDevice>();
   sim::StepperArm arm(
       model, {.wire = link ? sim::AxisWire::kLink : sim::AxisWire::kRegisters, .start = {}},
       Instant{});

@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "sinew/devices/icp/icp_settings.h"
 #include "sinew/runtime/robot_machine.h"
 #include "sinew/runtime/robot_variant.h"
 #include "support/robots.h"
@@ -16,7 +17,7 @@ using Bytes = std::vector<std::uint8_t>;
 struct Bench {
   explicit Bench(const IcpFirmware& firmware, std::optional<std::string> profile = {})
       : model(test::robot("hexapod")) {
-    std::get<IcpDevice>(model.device.settings).firmware = firmware;
+    model.device.settings.get<IcpDevice>().firmware = firmware;
     model = *variant_of(model, profile, std::nullopt);
     machine = std::move(*make_machine(model, {.profile = profile}, Instant{}));
     wait(firmware.boot + 1ms);

@@ -7,6 +7,7 @@
 #include <optional>
 #include <thread>
 
+#include "sinew/devices/axis/axis_registers_settings.h"
 #include "sinew/io/local_socket.h"
 #include "sinew/io/scratch_folder_test_support.h"
 #include "sinew/runtime/robot_machine.h"
@@ -94,7 +95,7 @@ TEST(Simwire, host_and_boards_meet_over_a_socket) {
   auto listener = io::LocalListener::create(folder.at("s"));
   ASSERT_TRUE(listener);
   const RobotModel& robot = test::robot("robot-arm-2");
-  const auto& boards = std::get<AxisRegistersDevice>(robot.device.settings).boards;
+  const auto& boards = robot.device.settings.get<AxisRegistersDevice>().boards;
   RobotMachine machine = std::move(*make_machine(robot, {}, Instant{}));
   std::thread thread([&] {
     sim::SimwireServer server(*machine.spi, {boards.data(), boards.size()}, "test");

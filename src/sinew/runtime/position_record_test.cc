@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "sinew/control/machine_identity.h"
+#include "sinew/devices/bigrobotarm/bigrobotarm_settings.h"
 #include "sinew/io/clock.h"
 #include "sinew/io/scratch_folder_test_support.h"
 #include "support/robots.h"
@@ -97,7 +98,7 @@ TEST_F(OneFolder, what_is_taken_over_is_as_old_as_it_was) {
 TEST_F(OneFolder, what_cannot_be_taken_over_is_lost_and_both_journals_are_named) {
   live("a", "x", JournalKind::kOpened, 0.5);
   RobotModel other = arm();
-  std::get<BigRobotArmDevice>(other.device.settings).joints[0].steps_per_rad *= 2;
+  other.device.settings.get<BigRobotArmDevice>().joints[0].steps_per_rad *= 2;
   live("b", "x", JournalKind::kOpened, 0.5, other);
   EXPECT_NE(found_.find("'a' followed the machine on x last; 'b' cannot continue from it: the "
                         "position journal is of this robot with other zeros"),

@@ -1,5 +1,6 @@
 #include "sinew/runtime/robot_driver.h"
 
+#include "sinew/devices/device_kinds.h"
 #include "sinew/devices/ideal/ideal_driver.h"
 #include "sinew/driver/axis_link.h"
 #include "sinew/driver/axis_registers.h"
@@ -66,30 +67,8 @@ struct DriverMaker {
 
 }  // namespace
 
-Opening opening_of(const RobotModel& robot) {
-  using std::chrono::seconds;
-  constexpr std::string_view kBoots = ", which may be starting: opening a port resets many boards";
-  const auto& settings = robot.device.settings;
-  if (const auto* arm = std::get_if<MaxArmDevice>(&settings)) {
-    if (arm->variant == MaxArmVariant::kArduino) return {seconds(5), kBoots};
-    return {seconds(16), ", which may be asleep or homing: 14 s after it was switched on"};
-  }
-  if (const auto* board = std::get_if<LscDevice>(&settings)) {
-    if (board->profile == LscProfile::kEsp32) return {seconds(5), kBoots};
-    return {seconds(3), ", which has three tries to answer"};
-  }
-  if (std::holds_alternative<AxisLinkDevice>(settings)) {
-    return {seconds(2), ": every axis has a second to answer"};
-  }
-  if (std::holds_alternative<AxisRegistersDevice>(settings)) {
-    // A silent board costs its three tries 0.74 s on this wire.
-    return {seconds(5), ": each board is asked three times"};
-  }
-  return {seconds(5), kBoots};
-}
-
 RobotDriver make_driver(const RobotModel& robot, double patience) {
-  return std::visit(DriverMaker{robot, patience}, robot.device.settings);
+  return visit_kind(DriverMaker{robot, patience}, robot.device.settings);
 }
 
 }  // namespace sinew::runtime

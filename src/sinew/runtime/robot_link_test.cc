@@ -116,7 +116,7 @@ TEST(RobotLink, what_is_found_on_a_device_that_may_be_simulated_is_kept_apart) {
 
 TEST(RobotLink, silence_is_told_as_soon_as_the_wire_allows) {
   const auto limit = [](const char* robot, const char* profile) {
-    return opening_of(*variant_of(test::robot(robot), profile, std::nullopt)).limit;
+    return variant_of(test::robot(robot), profile, std::nullopt)->device.settings->opening().limit;
   };
   EXPECT_LE(limit("learm", "lsc6"), 3s);
   EXPECT_LE(limit("learm", "bus"), 3s);

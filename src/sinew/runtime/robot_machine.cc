@@ -1,5 +1,6 @@
 #include "sinew/runtime/robot_machine.h"
 
+#include "sinew/devices/device_kinds.h"
 #include "sinew/devices/ideal/ideal_machine.h"
 #include "sinew/runtime/simulated_table.h"
 #include "sinew/sim/bigrobotarm_machine.h"
@@ -84,19 +85,18 @@ class MachineMaker {
 /// Why this robot's device cannot be simulated; empty where it can.
 std::string obstacle(const RobotModel& robot) {
   const auto& settings = robot.device.settings;
-  if (std::holds_alternative<IdealDevice>(settings)) return {};
+  if (settings.is<IdealDevice>()) return {};
   const bool serial = std::holds_alternative<SerialGeometry>(robot.geometry);
   const std::string other = robot.id + ": its device is simulated for ";
-  if (std::holds_alternative<MaxArmDevice>(settings)) {
+  if (settings.is<MaxArmDevice>()) {
     return std::holds_alternative<PalletizerGeometry>(robot.geometry) ? ""
                                                                       : other + "a palletizer only";
   }
-  if (std::holds_alternative<IcpDevice>(settings)) {
+  if (settings.is<IcpDevice>()) {
     return std::holds_alternative<HexapodGeometry>(robot.geometry) ? "" : other + "a hexapod only";
   }
   if (!serial) return other + "a serial chain only";
-  const bool boards = std::holds_alternative<AxisRegistersDevice>(settings) ||
-                      std::holds_alternative<AxisLinkDevice>(settings);
+  const bool boards = settings.is<AxisRegistersDevice>() || settings.is<AxisLinkDevice>();
   const std::size_t joints = robot.joints.size();
   if (boards && (robot.dynamics.drives.size() != joints || robot.dynamics.links.size() != joints)) {
     return robot.id +
@@ -108,15 +108,10 @@ std::string obstacle(const RobotModel& robot) {
 
 }  // namespace
 
-bool begins_at_home(const RobotModel& robot) {
-  return std::holds_alternative<IcpDevice>(robot.device.settings) ||
-         std::holds_alternative<BigRobotArmDevice>(robot.device.settings);
-}
-
 std::expected<RobotMachine, std::string> make_machine(const RobotModel& robot,
                                                       const MachineOptions& options, Instant boot) {
   if (std::string why = obstacle(robot); !why.empty()) return std::unexpected(std::move(why));
-  auto machine = std::visit(MachineMaker{robot, options, boot}, robot.device.settings);
+  auto machine = visit_kind(MachineMaker{robot, options, boot}, robot.device.settings);
   if (machine.byte && options.table != nullptr) {
     machine.byte = options.table->under(std::move(machine.byte), robot, options.place, boot);
   }

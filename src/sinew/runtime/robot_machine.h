@@ -24,10 +24,6 @@ struct MachineOptions {
   std::size_t place = 0;  ///< which of the table's robots it is
 };
 
-/// A simulated device whose motors know nothing of a position begins at the robot's home, as if
-/// somebody had put it there and said so; the others must find out.
-bool begins_at_home(const RobotModel& robot);
-
 /// A simulated machine: one of the two is there.
 struct RobotMachine {
   std::unique_ptr<sim::ByteMachine> byte;

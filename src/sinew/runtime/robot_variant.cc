@@ -5,6 +5,12 @@
 #include <numbers>
 
 #include "sinew/core/spelling.h"
+#include "sinew/devices/axis/axis_link_settings.h"
+#include "sinew/devices/axis/axis_registers_settings.h"
+#include "sinew/devices/bigrobotarm/bigrobotarm_settings.h"
+#include "sinew/devices/icp/icp_settings.h"
+#include "sinew/devices/lsc/lsc_settings.h"
+#include "sinew/devices/maxarm/maxarm_settings.h"
 #include "sinew/model/joint_lookup.h"
 #include "sinew/model/left_out.h"
 
@@ -73,7 +79,7 @@ void set_profile(IcpDevice& device, const std::string& profile) {
 
 void use_axis_link(RobotModel& robot) {
   AxisLinkDevice link;
-  link.boards = std::get<AxisRegistersDevice>(robot.device.settings).boards;
+  link.boards = robot.device.settings.get<AxisRegistersDevice>().boards;
   robot.device.settings = link;
   robot.device.protocol = "axis_link";
   robot.device.capability = {MotionKind::kStream, PositionFeedback::kMeasured,
@@ -88,10 +94,10 @@ void set_wire(RobotModel& robot, BigRobotArmDevice& device, const std::string& w
 }
 
 AxisBoards* boards_in(Device& device) {
-  if (auto* registers = std::get_if<AxisRegistersDevice>(&device.settings)) {
+  if (auto* registers = device.settings.as<AxisRegistersDevice>()) {
     return &registers->boards;
   }
-  if (auto* link = std::get_if<AxisLinkDevice>(&device.settings)) return &link->boards;
+  if (auto* link = device.settings.as<AxisLinkDevice>()) return &link->boards;
   return nullptr;
 }
 
@@ -122,11 +128,11 @@ std::expected<void, std::string> leave_out(RobotModel& robot, std::span<const st
 
 std::vector<std::string> profiles_of(const RobotModel& robot) {
   const auto& settings = robot.device.settings;
-  if (std::holds_alternative<BigRobotArmDevice>(settings)) return {"document", "as-built"};
-  if (std::holds_alternative<AxisRegistersDevice>(settings)) {
+  if (settings.is<BigRobotArmDevice>()) return {"document", "as-built"};
+  if (settings.is<AxisRegistersDevice>()) {
     return {"document", "as-built", "as-committed"};
   }
-  if (const auto* lsc = std::get_if<LscDevice>(&settings)) {
+  if (const auto* lsc = settings.as<LscDevice>()) {
     constexpr const char* kNames[] = {"lsc6", "bus", "esp32"};
     Names names{kNames[static_cast<int>(lsc->profile)]};
     for (const char* name : kNames) {
@@ -134,10 +140,10 @@ std::vector<std::string> profiles_of(const RobotModel& robot) {
     }
     return names;
   }
-  if (std::holds_alternative<MaxArmDevice>(settings)) {
+  if (settings.is<MaxArmDevice>()) {
     return {"arduino", "micropython", "arduino-with-header", "micropython-spec"};
   }
-  if (std::holds_alternative<IcpDevice>(settings)) {
+  if (settings.is<IcpDevice>()) {
     return {"table1", "section4", "fffe", "slow", "idle-shutdown"};
   }
   return {};
@@ -145,7 +151,7 @@ std::vector<std::string> profiles_of(const RobotModel& robot) {
 
 std::vector<std::string> wires_of(const RobotModel& robot) {
   const auto& settings = robot.device.settings;
-  if (const auto* arm = std::get_if<BigRobotArmDevice>(&settings)) {
+  if (const auto* arm = settings.as<BigRobotArmDevice>()) {
     Names names{"byte", "text", "text2026", "probe"};
     const bool text = arm->wire == BigRobotArmWire::kText;
     std::size_t own = 0;
@@ -155,8 +161,8 @@ std::vector<std::string> wires_of(const RobotModel& robot) {
                 names.begin() + static_cast<std::ptrdiff_t>(own) + 1);
     return names;
   }
-  if (std::holds_alternative<AxisRegistersDevice>(settings)) return {"registers", "link"};
-  if (std::holds_alternative<AxisLinkDevice>(settings)) return {"link"};
+  if (settings.is<AxisRegistersDevice>()) return {"registers", "link"};
+  if (settings.is<AxisLinkDevice>()) return {"link"};
   return {};
 }
 
@@ -170,8 +176,8 @@ std::expected<RobotModel, std::string> variant_of(const RobotModel& robot,
   RobotModel variant = robot;
   auto& settings = variant.device.settings;
   if (wire) {
-    if (auto* arm = std::get_if<BigRobotArmDevice>(&settings)) set_wire(variant, *arm, *wire);
-    if (*wire == "link" && std::holds_alternative<AxisRegistersDevice>(settings)) {
+    if (auto* arm = settings.as<BigRobotArmDevice>()) set_wire(variant, *arm, *wire);
+    if (*wire == "link" && settings.is<AxisRegistersDevice>()) {
       use_axis_link(variant);
     }
   }
@@ -179,18 +185,18 @@ std::expected<RobotModel, std::string> variant_of(const RobotModel& robot,
     return std::unexpected(fine.error());
   }
   if (profile) {
-    if (auto* lsc = std::get_if<LscDevice>(&settings)) set_profile(variant, *lsc, *profile);
-    if (auto* arm = std::get_if<MaxArmDevice>(&settings)) {
+    if (auto* lsc = settings.as<LscDevice>()) set_profile(variant, *lsc, *profile);
+    if (auto* arm = settings.as<MaxArmDevice>()) {
       const bool arduino = profile->starts_with("arduino");
       arm->variant = arduino ? MaxArmVariant::kArduino : MaxArmVariant::kMicroPython;
       const bool header = *profile == "micropython" || *profile == "arduino-with-header";
       arm->checksum = header ? MaxArmChecksum::kWithHeader : MaxArmChecksum::kSpec;
     }
-    if (auto* boards = std::get_if<AxisRegistersDevice>(&settings)) {
+    if (auto* boards = settings.as<AxisRegistersDevice>()) {
       // The first firmware's DIAG_STATUS is always 0.
       boards->reports_status = *profile == "document";
     }
-    if (auto* icp = std::get_if<IcpDevice>(&settings)) set_profile(*icp, *profile);
+    if (auto* icp = settings.as<IcpDevice>()) set_profile(*icp, *profile);
   }
   if (!without.empty()) {
     if (const auto fine = leave_out(variant, without); !fine) return std::unexpected(fine.error());

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "sinew/devices/lsc/lsc_settings.h"
 #include "sinew/model/left_out.h"
 #include "sinew/runtime/robot_driver.h"
 #include "sinew/runtime/robot_machine.h"
@@ -48,8 +49,8 @@ TEST(RobotVariant, bus_servos_count_thousandths_of_240_degrees_the_same_way_roun
   const RobotModel& robot = test::robot("learm");
   const auto variant = variant_of(robot, "bus", std::nullopt);
   ASSERT_TRUE(variant);
-  const auto& pwm = std::get<LscDevice>(robot.device.settings);
-  const auto& bus = std::get<LscDevice>(variant->device.settings);
+  const auto& pwm = robot.device.settings.get<LscDevice>();
+  const auto& bus = variant->device.settings.get<LscDevice>();
   for (std::size_t i = 0; i < pwm.servos.size(); ++i) {
     EXPECT_EQ(std::signbit(bus.servos[i].units_per_rad), std::signbit(pwm.servos[i].units_per_rad));
     // 90 degrees are 375 units: an arm joint has 125 to 875.

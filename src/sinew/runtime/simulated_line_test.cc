@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "sinew/devices/icp/icp_settings.h"
 #include "sinew/runtime/robot_link.h"
 #include "sinew/runtime/robot_variant.h"
 #include "support/robots.h"
@@ -58,7 +59,7 @@ TEST(SimulatedLine, bytes_take_as_long_as_on_the_wire) {
   }
   cell.link->driver().declare_positions(here);
   constexpr double kUnits = 200;
-  move.q[0] += kUnits / std::get<IcpDevice>(cell.robot.device.settings).units_per_m;
+  move.q[0] += kUnits / cell.robot.device.settings.get<IcpDevice>().units_per_m;
   ASSERT_TRUE(cell.link->driver().move(move, cell.clock.now()));
   ASSERT_TRUE(cell.wait_for(DriverState::kReady, 60s));
   // FF and the step, each answered: four bytes of ten bits at 9600 baud for each unit.

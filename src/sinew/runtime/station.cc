@@ -44,7 +44,7 @@ control::ControllerSettings settings_for(const RobotModel& robot, const io::Cloc
   settings.cycle = from_seconds(0.05 * scale);
   settings.gap = from_seconds(0.5 * scale);
   settings.lease_life = stretched(settings.lease_life);
-  settings.opening_limit = stretched(opening_of(robot).limit);
+  settings.opening_limit = stretched(robot.device.settings->opening().limit);
   settings.stop_limit = stretched(settings.stop_limit);
   settings.start_limit = stretched(settings.start_limit);
   if (recorded) settings.journal = control::journal_settings(robot);
@@ -504,8 +504,8 @@ void Station::overtaken(const Command& command) {
 
 std::optional<JointVector> Station::assumed_place() const {
   const std::scoped_lock lock(mutex_);
-  const bool assumed =
-      options_.assumes_start && link_->simulated() && !record_ && begins_at_home(robot_) && !moved_;
+  const bool assumed = options_.assumes_start && link_->simulated() && !record_ &&
+                       robot_.device.settings->counts_from_power_up() && !moved_;
   return assumed ? std::optional(home_joints(robot_)) : std::nullopt;
 }
 

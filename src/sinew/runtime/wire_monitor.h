@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "sinew/devices/bigrobotarm/bigrobotarm_settings.h"
 #include "sinew/runtime/wire_reader.h"
 
 namespace sinew::runtime {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "sinew/devices/device_kinds.h"
 #include "sinew/runtime/wire_reader_parts.h"
 
 namespace sinew::runtime {
@@ -79,7 +80,7 @@ void StreamReader::forget() {
 
 std::unique_ptr<WireReader> wire_reader(const Device& device, const DeviceFacts& facts) {
   const auto* arm = std::get_if<BigRobotArmFacts>(&facts);
-  return std::visit(
+  return visit_kind(
       wires::Cases{[](const IdealDevice&) { return wires::ideal_reader(); },
                    [arm](const BigRobotArmDevice& settings) {
                      const BigRobotArmWire wire = arm != nullptr ? arm->wire : settings.wire;

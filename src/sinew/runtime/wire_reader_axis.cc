@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "sinew/core/units.h"
+#include "sinew/devices/axis/axis_registers_settings.h"
 #include "sinew/runtime/wire_reader_parts.h"
 #include "sinew/wire/axis_words.h"
 

@@ -1,3 +1,4 @@
+#include "sinew/devices/icp/icp_settings.h"
 #include "sinew/runtime/wire_reader_parts.h"
 #include "sinew/wire/icp.h"
 #include "sinew/wire/tmc222_words.h"

@@ -1,3 +1,4 @@
+#include "sinew/devices/lsc/lsc_settings.h"
 #include "sinew/runtime/wire_reader_parts.h"
 #include "sinew/wire/lsc.h"
 

@@ -6,6 +6,9 @@
 #include <string>
 #include <utility>
 
+#include "sinew/devices/axis/axis_registers_settings.h"
+#include "sinew/devices/icp/icp_settings.h"
+#include "sinew/devices/lsc/lsc_settings.h"
 #include "sinew/runtime/wire_reader.h"
 
 /// What the readers of the single wires have in common.

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "sinew/devices/axis/axis_registers_settings.h"
+#include "sinew/devices/bigrobotarm/bigrobotarm_settings.h"
 #include "sinew/devices/ideal/ideal_wire.h"
 #include "sinew/runtime/robot_variant.h"
 #include "sinew/runtime/wire_monitor.h"
@@ -168,7 +170,7 @@ TEST(WireReader, bigrobotarm_byte_and_text_wires) {
 TEST(WireReader, a_register_transaction_transfer_by_transfer) {
   using namespace axis_registers;
   const RobotModel robot = variant("robot-arm-2", {}, "registers");
-  const auto& device = std::get<AxisRegistersDevice>(robot.device.settings);
+  const auto& device = robot.device.settings.get<AxisRegistersDevice>();
   Ear ear(robot.device);
   const auto transfer = [&](const Bytes& mosi, const Bytes& miso) {
     ear.down(mosi, 0x04).up(miso, 0x04);

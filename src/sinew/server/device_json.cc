@@ -4,6 +4,10 @@
 #include <span>
 #include <vector>
 
+#include "sinew/devices/axis/axis_registers_settings.h"
+#include "sinew/devices/bigrobotarm/bigrobotarm_settings.h"
+#include "sinew/devices/lsc/lsc_settings.h"
+#include "sinew/devices/maxarm/maxarm_settings.h"
 #include "sinew/driver/axis_register_units.h"
 #include "sinew/driver/lsc.h"
 #include "sinew/runtime/unit_name.h"
@@ -116,7 +120,7 @@ Json Teller::operator()(const IcpFacts& facts) const {
 }
 
 Json Teller::servos(std::span<const lsc::ServoValue> values) const {
-  const auto& device = std::get<LscDevice>(model_.device.settings);
+  const auto& device = model_.device.settings.get<LscDevice>();
   Json list = Json::array();
   for (const lsc::ServoValue& value : values) {
     Json one{{"servo", value.id}};
@@ -146,7 +150,7 @@ std::string_view name_of(LscProfile profile) {
 }
 
 Json Teller::operator()(const LscFacts& facts) const {
-  const auto& device = std::get<LscDevice>(model_.device.settings);
+  const auto& device = model_.device.settings.get<LscDevice>();
   const LscTiming limits;
   Json json = base();
   json["board"] = name_of(device.profile);
@@ -192,7 +196,7 @@ Json Teller::operator()(const LscFacts& facts) const {
 }
 
 Json Teller::operator()(const MaxArmFacts& facts) const {
-  const auto& device = std::get<MaxArmDevice>(model_.device.settings);
+  const auto& device = model_.device.settings.get<MaxArmDevice>();
   Json json = base();
   json["board"] = device.variant == MaxArmVariant::kArduino ? "arduino" : "micropython";
   const auto sum = facts.checksum.value_or(maxarm::Checksum::kSpec);
@@ -275,7 +279,7 @@ void Teller::judge_axis(Json& json, const Json& axis, bool answers, std::size_t 
 
 Json Teller::operator()(const AxisRegistersFacts& facts) const {
   using namespace axis_registers;
-  const auto& device = std::get<AxisRegistersDevice>(model_.device.settings);
+  const auto& device = model_.device.settings.get<AxisRegistersDevice>();
   Json json = base();
   json["reports_status"] = device.reports_status;
   json["axes"] = Json::array();

@@ -201,7 +201,7 @@ Json description_json(const CellRobot& place, const runtime::Station& station) {
                       {with_unit("acceleration_max", joint) + "_s2", joint.acceleration_max}});
   }
   const DeviceCapability& capability = model.device.capability;
-  const control::StopFacts stop = control::stop_facts(model.device);
+  const StopFacts stop = model.device.settings->stop_facts();
   Json json{{"name", place.name},
             {"robot", model.id},
             {"title", model.title},

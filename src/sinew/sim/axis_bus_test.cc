@@ -7,6 +7,7 @@
 
 #include "sinew/device/axis_register_slave.h"
 #include "sinew/device/axis_test_fake.h"
+#include "sinew/devices/axis/axis_registers_settings.h"
 #include "support/allocation_guard.h"
 
 namespace sinew::sim {

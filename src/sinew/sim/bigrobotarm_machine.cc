@@ -22,7 +22,7 @@ constexpr double kEndMargin = 10 * kPi / 180;
 constexpr double kFullStepsPerTurn = 200;
 
 const BigRobotArmDevice& device_of(const RobotModel& robot) {
-  const auto* device = std::get_if<BigRobotArmDevice>(&robot.device.settings);
+  const auto* device = robot.device.settings.as<BigRobotArmDevice>();
   SINEW_ASSERT(device != nullptr && robot.joints.size() == kJoints);
   return *device;
 }

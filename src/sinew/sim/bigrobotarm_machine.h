@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "sinew/device/bigrobotarm.h"
+#include "sinew/devices/bigrobotarm/bigrobotarm_settings.h"
 #include "sinew/sim/arm_load.h"
 #include "sinew/sim/machine.h"
 #include "sinew/sim/stepper_motor.h"

@@ -34,7 +34,7 @@ struct Bench {
     return truth.joints[joint].q - start.joints[joint].q - truth.joints[joint].believed;
   }
   double full_step(std::size_t joint) const {
-    const auto& own = std::get<BigRobotArmDevice>(robot.device.settings).joints[joint];
+    const auto& own = robot.device.settings.get<BigRobotArmDevice>().joints[joint];
     return std::abs(own.steps_per_motor_rev / 200 / own.steps_per_rad);
   }
   std::vector<Reply> replies() {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "sinew/core/units.h"
+#include "sinew/devices/bigrobotarm/bigrobotarm_settings.h"
 #include "sinew/model/robot_model.h"
 
 namespace sinew::test {

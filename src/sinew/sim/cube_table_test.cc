@@ -5,6 +5,8 @@
 #include <cmath>
 
 #include "sinew/core/units.h"
+#include "sinew/devices/lsc/lsc_settings.h"
+#include "sinew/devices/maxarm/maxarm_settings.h"
 #include "sinew/kinematics/palletizer.h"
 #include "sinew/kinematics/serial_arm.h"
 #include "sinew/model/tool_body.h"
@@ -52,7 +54,7 @@ struct LearmCell {
     const kinematics::SerialArm arm(geometry, model.joints, kinematics::tool_pose(geometry, kCube));
     const auto branches = arm.inverse_nearest_pitch(p_BT, kPi).value().branches;
     ASSERT_TRUE(branches[0].within_limits);
-    const auto& servos = std::get<LscDevice>(model.device.settings).servos;
+    const auto& servos = model.device.settings.get<LscDevice>().servos;
     lsc::Move move{1500, {}};
     for (std::size_t i = 0; i < servos.size(); ++i) {
       const double units =
@@ -197,7 +199,7 @@ struct MaxarmCell {
     for (int i = 0; i < 2; ++i) {
       const auto& geometry = std::get<PalletizerGeometry>(model.geometry);
       const auto q = kinematics::inverse(geometry, model.joints, sent).value();
-      const auto& servos = std::get<MaxArmDevice>(model.device.settings).servos;
+      const auto& servos = model.device.settings.get<MaxArmDevice>().servos;
       maxarm::SetAngle move{{}, 1000};
       for (std::size_t k = 0; k < 3; ++k) {
         move.pulses[k] = static_cast<std::uint16_t>(

@@ -11,22 +11,11 @@ namespace {
 
 using Kind = Disturbance::Kind;
 
-/// Whether a joint's position sensor hangs on a magnet, or on what can fail like one: the axis
-/// boards' AS5600, the MaxArm's servos that answer -1.
-bool has_magnets(const RobotModel& robot) {
-  const auto& settings = robot.device.settings;
-  return std::holds_alternative<AxisRegistersDevice>(settings) ||
-         std::holds_alternative<AxisLinkDevice>(settings) ||
-         std::holds_alternative<MaxArmDevice>(settings);
-}
-
 /// Whether a second encoder, on the joint itself, is coupled to it.
 bool has_joint_encoder(const RobotModel& robot, std::size_t joint) {
-  const auto& settings = robot.device.settings;
-  const bool boards = std::holds_alternative<AxisRegistersDevice>(settings) ||
-                      std::holds_alternative<AxisLinkDevice>(settings);
   const auto& drives = robot.dynamics.drives;
-  return boards && joint < drives.size() && drives[joint].joint_encoder != JointEncoder::kNone;
+  return !boards_of(robot.device).empty() && joint < drives.size() &&
+         drives[joint].joint_encoder != JointEncoder::kNone;
 }
 
 std::expected<void, std::string> check_unit(const TimedDisturbance& timed, const Joint& joint,
@@ -77,7 +66,7 @@ std::expected<void, std::string> check_faults(const FaultPlan& plan, const Robot
       return std::unexpected("the robot has no " + name + "; its joints are J1 to J" +
                              std::to_string(robot.joints.size()));
     }
-    if (timed.what.kind == Kind::kMagnet && !has_magnets(robot)) {
+    if (timed.what.kind == Kind::kMagnet && !robot.device.settings->has_magnets()) {
       return std::unexpected("magnet=" + name + ": " + robot.id +
                              " has no magnet that could fall off: no sensor looks at its joints");
     }
@@ -85,8 +74,7 @@ std::expected<void, std::string> check_faults(const FaultPlan& plan, const Robot
       return std::unexpected("coupling=" + name + ": " + robot.id +
                              " has no encoder of its own on that joint that could come loose");
     }
-    if (timed.what.kind == Kind::kLead &&
-        !std::holds_alternative<IcpDevice>(robot.device.settings)) {
+    if (timed.what.kind == Kind::kLead && !robot.device.settings->watches_leads()) {
       return std::unexpected("lead=" + name + ": " + robot.id +
                              " has no module that watches the leads of its motors");
     }

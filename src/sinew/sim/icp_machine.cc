@@ -7,6 +7,7 @@
 #include "sinew/core/assert.h"
 #include "sinew/core/split_mix.h"
 #include "sinew/core/units.h"
+#include "sinew/devices/icp/icp_settings.h"
 
 namespace sinew::sim {
 namespace {
@@ -60,7 +61,7 @@ std::array<StepperMotor, kLegs> make_motors(const RobotModel& model) {
 }
 
 const IcpDevice& device_of(const RobotModel& model) {
-  const auto* device = std::get_if<IcpDevice>(&model.device.settings);
+  const auto* device = model.device.settings.as<IcpDevice>();
   SINEW_ASSERT(device != nullptr && model.joints.size() == kLegs);
   return *device;
 }

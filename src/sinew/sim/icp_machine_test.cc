@@ -5,6 +5,7 @@
 #include <cmath>
 #include <vector>
 
+#include "sinew/devices/icp/icp_settings.h"
 #include "sinew/sim/icp_test_robot.h"
 #include "support/allocation_guard.h"
 

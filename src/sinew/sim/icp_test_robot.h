@@ -5,6 +5,7 @@
 #include <string>
 
 #include "sinew/core/units.h"
+#include "sinew/devices/icp/icp_settings.h"
 #include "sinew/model/robot_model.h"
 
 namespace sinew::test {

@@ -50,7 +50,7 @@ SerialGeometry with_tips(SerialGeometry geometry) {
 }
 
 const LscDevice& settings(const RobotModel& model) {
-  const auto* device = std::get_if<LscDevice>(&model.device.settings);
+  const auto* device = model.device.settings.as<LscDevice>();
   SINEW_ASSERT(device != nullptr && device->servos.size() == model.joints.size());
   return *device;
 }

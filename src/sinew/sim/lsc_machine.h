@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "sinew/device/lsc_board.h"
+#include "sinew/devices/lsc/lsc_settings.h"
 #include "sinew/model/robot_model.h"
 #include "sinew/sim/arm_load.h"
 #include "sinew/sim/machine.h"

@@ -19,7 +19,7 @@ using Kind = Disturbance::Kind;
 /// The built-in arm; on the bus with the units of its servos there: 1000 for 240 degrees.
 RobotModel learm(LscProfile profile = LscProfile::kLsc6) {
   RobotModel model = test::robot("learm");
-  auto& device = std::get<LscDevice>(model.device.settings);
+  auto& device = model.device.settings.get<LscDevice>();
   device.profile = profile;
   if (profile != LscProfile::kBus) return model;
   for (LscServo& servo : device.servos) {

@@ -43,7 +43,7 @@ struct Disturbance {
   enum class Kind : std::uint8_t {
     kSupply,    ///< volts from now on; a dip is two of them
     kPayload,   ///< kg at the tool
-    kBlock,     ///< joint cannot pass `value` (rad or m) from now on
+    kBlock,     ///< joint cannot pass `value` (rad or m; m between jaws) from now on
     kUnblock,   ///< joint is free again
     kMagnet,    ///< joint's encoder magnet: 0 falls off, 1 is put back
     kLoad,      ///< extra torque on the joint, Nm (force on a leg, N)
@@ -52,7 +52,7 @@ struct Disturbance {
     kLead,      ///< of the joint's stepper, to its module: 0 hangs loose, so that its contact goes
                 ///< with the next motion; 1 is fast again
   } kind = Kind::kSupply;
-  std::int8_t joint = -1;
+  std::int8_t joint = -1;  ///< behind the last one: the jaws
   double value = 0;
 };
 

@@ -30,7 +30,7 @@ ServoDrive drive_of(const Joint& joint) {
 }
 
 const MaxArmDevice& settings_of(const RobotModel& robot) {
-  const auto* settings = std::get_if<MaxArmDevice>(&robot.device.settings);
+  const auto* settings = robot.device.settings.as<MaxArmDevice>();
   SINEW_ASSERT(settings != nullptr && robot.joints.size() == 3);
   return *settings;
 }

@@ -6,6 +6,7 @@
 #include <span>
 
 #include "sinew/device/maxarm.h"
+#include "sinew/devices/maxarm/maxarm_settings.h"
 #include "sinew/model/robot_model.h"
 #include "sinew/sim/machine.h"
 #include "sinew/sim/servo_motor.h"

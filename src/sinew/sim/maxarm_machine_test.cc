@@ -25,7 +25,7 @@ struct Bench {
   void run_for(Duration duration) { machine.advance(now += duration); }
   double pulse(std::size_t i) const {
     const auto robot = test::maxarm_model();
-    const auto& servo = std::get<MaxArmDevice>(robot.device.settings).servos[i];
+    const auto& servo = robot.device.settings.get<MaxArmDevice>().servos[i];
     return servo.offset + servo.pulses_per_rad * machine.truth().joints[i].q;
   }
   std::optional<Angles> read() {

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "sinew/core/units.h"
+#include "sinew/devices/maxarm/maxarm_settings.h"
 #include "sinew/model/robot_model.h"
 
 namespace sinew::test {
@@ -30,7 +31,8 @@ inline RobotModel maxarm_model() {
                             .home = from_deg(kHomeDeg[i])});
   }
   const double pulses = 1000 / from_deg(240);
-  robot.device.settings = MaxArmDevice{.servos = {{{0, pulses}, {875, -pulses}, {500, pulses}}}};
+  robot.device.settings.emplace<MaxArmDevice>().servos = {
+      {{0, pulses}, {875, -pulses}, {500, pulses}}};
   return robot;
 }
 

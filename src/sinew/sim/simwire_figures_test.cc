@@ -4,6 +4,7 @@
 #include <sstream>
 #include <string>
 
+#include "sinew/devices/axis/axis_registers_settings.h"
 #include "sinew/sim/simwire_server.h"
 #include "sinew/sim/stepper_arm.h"
 #include "support/robots.h"
@@ -15,8 +16,7 @@ namespace {
 struct Bench {
   explicit Bench(AxisWire wire = AxisWire::kRegisters)
       : arm(test::robot("robot-arm-2"), {wire, SelectKind::kHard, 1, {}}, Instant{}),
-        server(arm,
-               std::get<AxisRegistersDevice>(test::robot("robot-arm-2").device.settings).boards,
+        server(arm, test::robot("robot-arm-2").device.settings.get<AxisRegistersDevice>().boards,
                "arm") {
     say(0, "HELLO 1");
     say(0, "DIR " + pin() + " OUT OFF");
@@ -25,7 +25,7 @@ struct Bench {
     time_us = 100'000;
   }
   static std::string pin() {
-    const auto& device = std::get<AxisRegistersDevice>(test::robot("robot-arm-2").device.settings);
+    const auto& device = test::robot("robot-arm-2").device.settings.get<AxisRegistersDevice>();
     return std::to_string(device.boards[0].select_gpio);
   }
   std::string say(std::uint64_t pause_us, const std::string& line) {

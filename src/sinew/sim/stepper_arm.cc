@@ -6,6 +6,8 @@
 
 #include "sinew/core/assert.h"
 #include "sinew/core/split_mix.h"
+#include "sinew/devices/axis/axis_link_settings.h"
+#include "sinew/devices/axis/axis_registers_settings.h"
 
 namespace sinew::sim {
 namespace {
@@ -23,7 +25,7 @@ bool is_first_firmware(AxisWire wire) {
 
 template <class Settings>
 Settings device_settings(const RobotModel& model) {
-  if (const auto* settings = std::get_if<Settings>(&model.device.settings)) return *settings;
+  if (const auto* settings = model.device.settings.as<Settings>()) return *settings;
   Settings defaults;
   for (const Joint& joint : model.joints) defaults.boards.push_back({.zero = joint.lower});
   return defaults;

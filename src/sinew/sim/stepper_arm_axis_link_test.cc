@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "sinew/devices/axis/axis_link_settings.h"
+#include "sinew/devices/axis/axis_registers_settings.h"
 #include "sinew/driver/axis_link.h"
 #include "sinew/sim/stepper_arm.h"
 #include "support/property.h"
@@ -37,7 +39,7 @@ struct ArmCell {
       : model(robot),
         arm(model, {.wire = sim::AxisWire::kLink, .seed = seed, .start = near_home(model)},
             Instant{}) {
-    device.boards = std::get<AxisRegistersDevice>(model.device.settings).boards;
+    device.boards = model.device.settings.get<AxisRegistersDevice>().boards;
     driver.emplace(device, model.joints);
   }
 
@@ -231,7 +233,7 @@ TEST(AxisLinkArm, homes_moves_and_stops_the_simulated_arm) {
 /// Some switches at the upper ends, and an order of its own, as the robot's file may say.
 TEST(AxisLinkArm, homes_in_the_order_and_to_the_ends_that_its_file_says) {
   RobotModel model = test::robot("robot-arm-2");
-  AxisBoards& boards = std::get<AxisRegistersDevice>(model.device.settings).boards;
+  AxisBoards& boards = model.device.settings.get<AxisRegistersDevice>().boards;
   const std::vector<std::size_t> wanted{1, 2, 0, 5, 4, 3};
   for (std::size_t k = 0; k < wanted.size(); ++k) {
     boards[wanted[k]].homing_place = static_cast<std::uint8_t>(k + 1);

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 
+#include "sinew/devices/axis/axis_registers_settings.h"
 #include "sinew/driver/axis_registers.h"
 #include "sinew/wire/axis_link.h"
 #include "support/allocation_guard.h"
@@ -374,7 +375,7 @@ TEST(StepperArm, first_firmware_as_it_was_committed_never_answers) {
 class RegisterCell {
  public:
   RegisterCell()
-      : device_(std::get<AxisRegistersDevice>(model().device.settings)),
+      : device_(model().device.settings.get<AxisRegistersDevice>()),
         arm_(model(), {AxisWire::kRegisters, SelectKind::kHard, 3, near_home()}, Instant{}),
         driver_(device_, model().joints) {}
 

@@ -1,0 +1,191 @@
+#pragma once
+
+#include <array>
+#include <bit>
+#include <concepts>
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "sinew/core/assert.h"
+#include "sinew/core/instant.h"
+#include "sinew/model/axis_board.h"
+
+namespace sinew {
+
+/// Everything in one text, whose hash is taken. Numbers as they are, to the last bit.
+class IdentityText {
+ public:
+  void add(double number) {
+    const auto bytes = std::bit_cast<std::array<char, sizeof number>>(number);
+    text_.append(bytes.data(), bytes.size());
+  }
+  void add(bool flag) { text_ += flag ? "1;" : "0;"; }
+  void add(std::string_view word) {
+    text_ += word;
+    text_ += ';';
+  }
+  const std::string& text() const { return text_; }
+
+ private:
+  std::string text_;
+};
+
+/// What a robot's wire and device make of a stop, from the moment at which it is asked for.
+struct StopFacts {
+  bool ends_motion = true;      ///< false: the motion under way is finished
+  std::string_view standstill;  ///< until it stands, for people; Driver::goes_on_until() has each
+  std::string_view falls;       ///< what gravity does: held, and without power
+};
+
+/// How long a host waits for the first good answer behind an opened port, and what for.
+struct Opening {
+  Duration limit{};
+  std::string_view waits_for;  ///< for people; behind "the device"
+};
+/// Nobody can see whether a port's opening has reset the board behind it: an Arduino's boot loader
+/// then listens for some 2 s, an ESP32 needs as long to start.
+inline constexpr Opening kBoots{std::chrono::seconds(5),
+                                ", which may be starting: opening a port resets many boards"};
+
+/// What a wire and its device add to a motion's own time, undisturbed; the register wire's boards,
+/// which are told one by one, have AxisRegisterTimes instead. Commands take their time on
+/// the wire, boards look at their port now and then, and a driver looks before it says that a
+/// motion is done. docs/motion/arrival.md has where the numbers come from.
+struct MotionDelay {
+  Duration arrival{};  ///< from the motion's own end until the joints are there
+  Duration report{};   ///< from the motion's own end until the driver says so
+};
+
+/// How a device that counts steps is recorded; m or rad.
+struct CountGrain {
+  double block = 0;      ///< JournalJoint's
+  double lead = 0;       ///< likewise
+  double slack = 0;      ///< likewise
+  double forgotten = 0;  ///< what a cut of its power may move it by
+};
+
+/// What a kind of device is set up with, and what the rules above its driver ask of the kind. The
+/// answers here are those of a device that does exactly what it is told. A kind of its own derives
+/// from SettingsOf and answers what is different.
+class DeviceSettings {
+ public:
+  virtual ~DeviceSettings() = default;
+  virtual std::unique_ptr<DeviceSettings> copy() const = 0;
+
+  /// Adds what ties its units to joints: with another value recorded positions mean other places.
+  virtual void identify(IdentityText& out) const { out.add(std::string_view("ideal")); }
+  /// It shows at opening whether it kept its power: by counts, target positions, a homed flag.
+  virtual bool shows_power_loss() const { return false; }
+  /// Its motors know nothing of a position. A simulated one begins at the robot's home, as if
+  /// somebody had put it there and said so; the others must find out.
+  virtual bool counts_from_power_up() const { return false; }
+  /// `home` looks for end stops: only axis boards have them, and only those that report can say
+  /// that they were found. On other machines it is a joint move.
+  virtual bool searches_zeros() const { return false; }
+  /// One per joint, of a device that hangs on SPI. They live in this.
+  virtual std::span<const AxisBoard> axis_boards() const { return {}; }
+
+  virtual StopFacts stop_facts() const {
+    return {true, "a line until told, then as its joints brake", "it has no weight: nothing falls"};
+  }
+  virtual Opening opening() const { return kBoots; }
+  /// How it is recorded; nothing: by its speed and what it measures.
+  virtual std::optional<CountGrain> count_grain() const { return std::nullopt; }
+
+  /// The smallest way that a joint can be told, rad or m; 0 where it says with each position how
+  /// fine it is.
+  virtual double resolution(std::size_t /*joint*/) const { return 1e-6; }
+  /// How fast its firmware makes a joint where it is asked for more than the robot's file proves:
+  /// rad/s, and rad/s^2. 0: no more than that.
+  virtual double firmware_reach(std::size_t /*joint*/) const { return 0; }
+  /// Joints of a whole move go together; else each at its own pace, once it was told.
+  virtual bool moves_together() const { return true; }
+  /// A device that makes its motions itself can be told their accelerations.
+  virtual bool takes_acceleration() const { return false; }
+  /// A driver of the ideal device asks it every 10 ms how far it is.
+  virtual MotionDelay motion_delay() const {
+    return {std::chrono::milliseconds(2), std::chrono::milliseconds(8)};
+  }
+  /// The shortest and the longest whole move that its wire can say.
+  virtual std::pair<Duration, Duration> move_times() const {
+    return {Duration::zero(), std::chrono::hours(24)};
+  }
+
+  /// Its joints' sensors hang on magnets, or on what can fail like one.
+  virtual bool has_magnets() const { return false; }
+  /// It watches the leads of its motors.
+  virtual bool watches_leads() const { return false; }
+};
+
+/// @tparam Kind  derives from this
+template <class Kind>
+class SettingsOf : public DeviceSettings {
+ public:
+  std::unique_ptr<DeviceSettings> copy() const override {
+    return std::make_unique<Kind>(static_cast<const Kind&>(*this));
+  }
+};
+
+/// The device of a robot whose file names none: it does exactly what it is told, within the file's
+/// limits.
+struct IdealDevice final : SettingsOf<IdealDevice> {};
+
+/// Settings of one kind or another. A value: its copy is another one.
+class SomeSettings {
+ public:
+  SomeSettings() : held_(std::make_unique<IdealDevice>()) {}
+  template <class Kind>
+    requires std::derived_from<Kind, DeviceSettings>
+  SomeSettings(Kind kind) : held_(std::make_unique<Kind>(std::move(kind))) {}
+  SomeSettings(const SomeSettings& other) : held_(other.held_->copy()) {}
+  SomeSettings(SomeSettings&& other) noexcept = default;
+  SomeSettings& operator=(const SomeSettings& other) {
+    held_ = other.held_->copy();
+    return *this;
+  }
+  SomeSettings& operator=(SomeSettings&& other) noexcept = default;
+  ~SomeSettings() = default;
+
+  const DeviceSettings* operator->() const { return held_.get(); }
+  const DeviceSettings& operator*() const { return *held_; }
+
+  /// nullptr where they are of another kind.
+  template <class Kind>
+  const Kind* as() const {
+    return dynamic_cast<const Kind*>(held_.get());
+  }
+  template <class Kind>
+  Kind* as() {
+    return dynamic_cast<Kind*>(held_.get());
+  }
+  template <class Kind>
+  bool is() const {
+    return as<Kind>() != nullptr;
+  }
+  /// @pre they are of that kind
+  template <class Kind>
+  const Kind& get() const {
+    SINEW_ASSERT(is<Kind>());
+    return *as<Kind>();
+  }
+  template <class Kind>
+  Kind& get() {
+    SINEW_ASSERT(is<Kind>());
+    return *as<Kind>();
+  }
+  template <class Kind>
+  Kind& emplace() {
+    held_ = std::make_unique<Kind>();
+    return get<Kind>();
+  }
+
+ private:
+  std::unique_ptr<DeviceSettings> held_;
+};
+
+}  // namespace sinew
