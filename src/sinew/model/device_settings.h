@@ -10,6 +10,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "sinew/core/assert.h"
 #include "sinew/core/instant.h"
@@ -69,6 +70,19 @@ struct CountGrain {
   double forgotten = 0;  ///< what a cut of its power may move it by
 };
 
+struct Device;
+struct RobotModel;
+
+/// A setting that commissioning finds, or somebody gives: `joint.base.turn = other`.
+struct DeviceSetting {
+  std::string_view what;
+  std::optional<std::size_t> joint{};
+  std::string_view value;
+  std::optional<double> number{};  ///< the value, where it is one
+
+  bool turns_joint() const { return joint && what == "turn" && value == "other"; }
+};
+
 /// What a kind of device is set up with, and what the rules above its driver ask of the kind. The
 /// answers here are those of a device that does exactly what it is told. A kind of its own derives
 /// from SettingsOf and answers what is different.
@@ -120,6 +134,23 @@ class DeviceSettings {
   virtual bool has_magnets() const { return false; }
   /// It watches the leads of its motors.
   virtual bool watches_leads() const { return false; }
+
+  /// The names of a simulated one's variants (`--profile`), its default first; none where it has
+  /// but one.
+  virtual std::vector<std::string> profiles() const { return {}; }
+  /// The names of the wires that it is spoken to over (`--wire`), its file's first.
+  virtual std::vector<std::string> wires() const { return {}; }
+  /// Turns the device that has these settings into the variant of that name.
+  /// @param name  one of profiles()
+  virtual void use_profile(const std::string& name, Device& device);
+  /// @param name  one of wires(). These settings may be no more afterwards.
+  virtual void use_wire(const std::string& name, Device& device);
+  /// axis_boards(), to be changed; nullptr of a device with one controller for all joints.
+  virtual AxisBoards* own_boards() { return nullptr; }
+  /// What commissioning has found; false: this is no such setting, or no value of it.
+  virtual bool use_setting(const DeviceSetting& setting, Device& device);
+  /// Why two of its settings cannot both be, for people; empty where all can.
+  virtual std::string contradiction(const RobotModel& /*robot*/) const { return {}; }
 };
 
 /// @tparam Kind  derives from this
@@ -151,6 +182,7 @@ class SomeSettings {
   SomeSettings& operator=(SomeSettings&& other) noexcept = default;
   ~SomeSettings() = default;
 
+  DeviceSettings* operator->() { return held_.get(); }
   const DeviceSettings* operator->() const { return held_.get(); }
   const DeviceSettings& operator*() const { return *held_; }
 

@@ -35,12 +35,6 @@ std::expected<ProcedurePlan, std::string> commissioning_procedure(const RobotMod
 /// of a bus servo open.
 double jaws_tried(const RobotModel& robot);
 
-/// us, where the ranges of both kits meet: one goes up from there to close, the other to open.
-inline constexpr double kJawsMiddle = 1500;
-
-/// A servo that hangs farther off its middle is on the wrong tooth of its shaft.
-inline constexpr double kTrimMax = from_deg(15);
-
 /// What commissioning has found, by name: "joint.leg1.invert" = "yes".
 using FoundSettings = std::map<std::string, std::string>;
 

@@ -9,6 +9,7 @@
 #include "sinew/config/cell_file.h"
 #include "sinew/core/spelling.h"
 #include "sinew/core/units.h"
+#include "sinew/devices/lsc/lsc_settings.h"
 #include "sinew/io/disk_folder.h"
 #include "sinew/io/file.h"
 #include "sinew/runtime/position_record.h"
@@ -67,8 +68,8 @@ std::string without_option(std::string sentence) {
 std::string device_sentence(const std::string& name, const std::string& value,
                             const RobotModel& model) {
   if (name.ends_with(".trim_rad")) {
-    return fmt::format("a trim is a number from {:.0f} to {:.0f} degrees",
-                       -to_deg(program::kTrimMax), to_deg(program::kTrimMax));
+    return fmt::format("a trim is a number from {:.0f} to {:.0f} degrees", -to_deg(kTrimMax),
+                       to_deg(kTrimMax));
   }
   if (name.ends_with(".servo_id")) return "a servo's number is 1 to 253";
   if (name.ends_with("turn")) return "the sense of rotation is 'other', or not set";
@@ -184,7 +185,7 @@ std::vector<std::string> CellSettings::settable(std::size_t robot) const {
 }
 
 std::vector<std::string> CellSettings::wires(std::size_t robot) const {
-  return wires_of(robots_[robot].model);
+  return robots_[robot].model.device.settings->wires();
 }
 
 std::vector<std::string> CellSettings::profiles(std::size_t robot,
@@ -193,7 +194,7 @@ std::vector<std::string> CellSettings::profiles(std::size_t robot,
   const auto model =
       variant_of(robots_[robot].model, std::nullopt,
                  wire != settings.end() ? std::optional(wire->second) : robots_[robot].place.wire);
-  return model ? profiles_of(*model) : std::vector<std::string>();
+  return model ? model->device.settings->profiles() : std::vector<std::string>();
 }
 
 /// Of a device, which belongs to one robot; boards behind simwire may share it.

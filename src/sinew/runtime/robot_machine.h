@@ -14,7 +14,7 @@ class SimulatedTable;
 
 /// How a simulated machine shall be, beyond what its model says.
 struct MachineOptions {
-  std::optional<std::string> profile;  ///< one of profiles_of()
+  std::optional<std::string> profile;  ///< one of DeviceSettings::profiles()
   std::uint64_t seed = 1;
   std::size_t boards = kMaxJoints;  ///< SPI: how many of the axis boards are there
   bool soft_select = false;         ///< SPI: boards listen whether selected or not

@@ -4,17 +4,10 @@
 #include <optional>
 #include <span>
 #include <string>
-#include <vector>
 
 #include "sinew/model/robot_model.h"
 
 namespace sinew::runtime {
-
-/// The names of a simulated device's variants (`--profile`), its default first; none where it has
-/// but one.
-std::vector<std::string> profiles_of(const RobotModel& robot);
-/// The names of the wires that a robot can be spoken to over (`--wire`), its file's first.
-std::vector<std::string> wires_of(const RobotModel& robot);
 
 /// Turns the model's device into the variant that somebody asked for: settings that belong to a
 /// profile or wire follow (units of servos, clock, motion kind). What only a simulated device

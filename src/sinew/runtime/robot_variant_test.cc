@@ -21,12 +21,13 @@ TEST(RobotVariant, every_profile_on_every_wire_is_a_sound_robot_with_driver_and_
   for (const char* id : kRobots) {
     const RobotModel& robot = test::robot(id);
     std::vector<std::optional<std::string>> wires{std::nullopt};
-    for (const std::string& wire : wires_of(robot)) wires.emplace_back(wire);
+    for (const std::string& wire : robot.device.settings->wires()) wires.emplace_back(wire);
     for (const auto& wire : wires) {
       const auto on_wire = variant_of(robot, std::nullopt, wire);
       ASSERT_TRUE(on_wire) << id;
       std::vector<std::optional<std::string>> profiles{std::nullopt};
-      for (const std::string& profile : profiles_of(*on_wire)) profiles.emplace_back(profile);
+      for (const std::string& profile : on_wire->device.settings->profiles())
+        profiles.emplace_back(profile);
       for (const auto& profile : profiles) {
         const auto variant = variant_of(robot, profile, wire);
         ASSERT_TRUE(variant) << id << " " << profile.value_or("-") << wire.value_or("-");

@@ -31,6 +31,8 @@ struct AxisLinkDevice final : SettingsOf<AxisLinkDevice> {
     return {std::chrono::milliseconds(34), std::chrono::milliseconds(2)};
   }
   bool has_magnets() const override { return true; }
+  std::vector<std::string> wires() const override { return {"link"}; }
+  AxisBoards* own_boards() override { return &boards; }
 };
 
 }  // namespace sinew

@@ -47,6 +47,13 @@ struct AxisRegistersDevice final : SettingsOf<AxisRegistersDevice> {
   MotionDelay motion_delay() const override { return {}; }
   bool moves_together() const override { return false; }
   bool has_magnets() const override { return true; }
+  std::vector<std::string> profiles() const override {
+    return {"document", "as-built", "as-committed"};
+  }
+  std::vector<std::string> wires() const override { return {"registers", "link"}; }
+  void use_profile(const std::string& name, Device& device) override;
+  void use_wire(const std::string& name, Device& device) override;
+  AxisBoards* own_boards() override { return &boards; }
 };
 
 }  // namespace sinew

@@ -52,6 +52,10 @@ struct BigRobotArmDevice final : SettingsOf<BigRobotArmDevice> {
     return {std::chrono::milliseconds(3), std::chrono::milliseconds(17)};
   }
   bool takes_acceleration() const override { return true; }
+  std::vector<std::string> profiles() const override { return {"document", "as-built"}; }
+  std::vector<std::string> wires() const override;
+  void use_wire(const std::string& name, Device& device) override;
+  bool use_setting(const DeviceSetting& setting, Device& device) override;
 };
 
 }  // namespace sinew

@@ -61,6 +61,11 @@ struct IcpDevice final : SettingsOf<IcpDevice> {
     return {std::chrono::milliseconds(4), std::chrono::milliseconds(113)};
   }
   bool watches_leads() const override { return true; }
+  std::vector<std::string> profiles() const override {
+    return {"table1", "section4", "fffe", "slow", "idle-shutdown"};
+  }
+  void use_profile(const std::string& name, Device& device) override;
+  bool use_setting(const DeviceSetting& setting, Device& device) override;
 };
 
 }  // namespace sinew

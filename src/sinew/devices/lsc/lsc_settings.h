@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "sinew/core/units.h"
 #include "sinew/model/device_settings.h"
 
 namespace sinew {
@@ -31,6 +32,11 @@ struct LscGripper {
   double closed = 2500;  ///< units with the jaws closed
 };
 
+/// us, where the ranges of both kits meet: one goes up from there to close, the other to open.
+inline constexpr double kJawsMiddle = 1500;
+/// A servo that hangs farther off its middle is on the wrong tooth of its shaft.
+inline constexpr double kTrimMax = from_deg(15);
+
 struct LscDevice final : SettingsOf<LscDevice> {
   LscProfile profile = LscProfile::kLsc6;
   FixedVector<LscServo, kMaxJoints> servos;  ///< one per joint
@@ -58,6 +64,11 @@ struct LscDevice final : SettingsOf<LscDevice> {
     return {std::chrono::milliseconds(36),
             std::chrono::milliseconds(profile == LscProfile::kLsc6 ? 109 : 480)};
   }
+  std::vector<std::string> profiles() const override;
+  void use_profile(const std::string& name, Device& device) override;
+  bool use_setting(const DeviceSetting& setting, Device& device) override;
+  /// Two servos of one number would both go where one of them is sent.
+  std::string contradiction(const RobotModel& robot) const override;
 };
 
 }  // namespace sinew

@@ -80,6 +80,11 @@ struct MaxArmDevice final : SettingsOf<MaxArmDevice> {
     return {std::chrono::milliseconds(kMaxArmTimeMin), std::chrono::milliseconds(kMaxArmTimeMax)};
   }
   bool has_magnets() const override { return true; }  // a servo that answers -1
+  std::vector<std::string> profiles() const override {
+    return {"arduino", "micropython", "arduino-with-header", "micropython-spec"};
+  }
+  void use_profile(const std::string& name, Device& device) override;
+  bool use_setting(const DeviceSetting& setting, Device& device) override;
 };
 
 }  // namespace sinew
