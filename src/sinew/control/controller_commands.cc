@@ -21,8 +21,9 @@ std::unexpected<Error> refused(ErrorCode code) {
 Evidence evidence_of(const RobotModel& robot, std::size_t joint, const JointPosition& known) {
   const bool measured = known.quality == PositionQuality::kMeasured;
   double slack = measured ? Controller::kSag : kSamePlace;
-  if (known.quality == PositionQuality::kCommanded)
+  if (known.quality == PositionQuality::kCommanded) {
     slack += robot.device.settings->resolution(joint);
+  }
   return {measured ? Evidence::Source::kSensor : Evidence::Source::kRecord,
           {known.lower, known.upper},
           slack};

@@ -9,12 +9,15 @@
 
 namespace sinew::control {
 
+double piece_time(double seconds) {
+  return std::ceil(seconds * 1e9 - 1e-3) * 1e-9;
+}
+
 SegmentTime segment_time(double left, double longest) {
   if (left <= longest / 2) return {left, longest / 2};
   // What rounding leaves of a whole number of segments is no segment.
   const double segments = std::max(1.0, std::ceil(left / longest - 1e-6));
-  // Pieces are whole nanoseconds: at 3 rad/s half a one is more than the governor lets pass.
-  const double whole = std::ceil(left / segments * 1e9 - 1e-3) * 1e-9;
+  const double whole = piece_time(left / segments);
   return {segments == 1 ? left : whole, whole};
 }
 

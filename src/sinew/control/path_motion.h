@@ -54,6 +54,10 @@ class PathMotion final : public MotionSource {
   JointMove piece_;
 };
 
+/// s in whole nanoseconds, as pieces last, no less but for rounding: at 3 rad/s half a nanosecond
+/// is more than the governor lets pass.
+double piece_time(double seconds);
+
 /// How long the next segment of a streamed motion shall be that rests after `left` s: equal ones,
 /// none longer than `longest`; a rest of less than half of it is taken in half of it, which every
 /// wire can say and every limit allows (the governor's four inequalities hold for a motion that

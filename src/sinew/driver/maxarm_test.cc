@@ -109,6 +109,8 @@ TEST(MaxArmDriver, moves_with_one_set_and_tells_where_it_really_is) {
 
 TEST(MaxArmDriver, ends_and_is_told_at_the_same_instants_whenever_it_was_asked) {
   for (const auto variant : {kArduino, kMicroPython}) {
+    ASSERT_EQ(kMaxArmSetTime,
+              static_cast<int>(encode_request(SetAngle{}).size()) * MaxArmTiming().byte_time);
     const MaxArmPace pace = pace_of(variant);
     test::for_random_cases(100, [&](test::Random& random) {
       Cell cell({.variant = variant, .seed = random.bits()});

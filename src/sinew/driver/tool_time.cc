@@ -3,10 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sinew/devices/axis/axis_link_settings.h"
-#include "sinew/devices/axis/axis_registers_settings.h"
-#include "sinew/devices/bigrobotarm/bigrobotarm_settings.h"
-#include "sinew/devices/icp/icp_settings.h"
 #include "sinew/devices/lsc/lsc_settings.h"
 #include "sinew/devices/maxarm/maxarm_settings.h"
 #include "sinew/driver/lsc.h"

@@ -7,8 +7,6 @@
 #include <string>
 
 #include "sinew/core/stable_sort.h"
-#include "sinew/devices/axis/axis_link_settings.h"
-#include "sinew/devices/axis/axis_registers_settings.h"
 #include "sinew/program/conditions.h"
 #include "sinew/program/motion_rows.h"
 #include "sinew/program/program_rows.h"

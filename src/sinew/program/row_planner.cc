@@ -4,13 +4,11 @@
 #include <cmath>
 #include <limits>
 
+#include "sinew/control/path_motion.h"
 #include "sinew/control/piece_motion.h"
 #include "sinew/core/assert.h"
 #include "sinew/devices/axis/axis_registers_settings.h"
-#include "sinew/devices/bigrobotarm/bigrobotarm_settings.h"
-#include "sinew/devices/maxarm/maxarm_settings.h"
 #include "sinew/driver/axis_register_times.h"
-#include "sinew/driver/maxarm_pulses.h"
 #include "sinew/planning/chords.h"
 #include "sinew/planning/motion_limits.h"
 #include "sinew/program/nearest_pitch.h"
@@ -511,14 +509,15 @@ std::expected<void, Refusal> RowPlanner::cut_into_segments(std::span<const Step>
   }
   const auto count = static_cast<std::size_t>(std::max(1.0, std::ceil(duration / longest)));
   // A motion shorter than one segment is one: no wire says less.
-  const double segment = count == 1 ? longest : duration / static_cast<double>(count);
+  const double segment =
+      count == 1 ? longest : control::piece_time(duration / static_cast<double>(count));
   const planning::Trajectory trajectory = motion_.trajectory();
   const std::span<const double> from(start.q.data(), robot_.joints.size());
   planning::JointMotion at;
   out.pieces.reserve(count);
   for (std::size_t k = 1; k <= count; ++k) {
     const bool last = k == count;
-    trajectory.sample(last ? duration : segment * static_cast<double>(k), at);
+    trajectory.sample(last ? duration : std::min(duration, segment * static_cast<double>(k)), at);
     JointMove piece{.q = {}, .qd = {}, .duration = from_seconds(segment)};
     for (std::size_t j = 0; j < robot_.joints.size(); ++j) {
       piece.q.push_back(last ? out.q_end[j] : at.q[j]);
