@@ -69,7 +69,7 @@ Or<Chosen> choose(const PlanRequest& request, const Cell& cell) {
     if (!named) continue;
     auto model = model_of(place, *request.cell);
     if (!model) return std::unexpected(model.error());
-    if (!request.robot && !can_pick(*model)) continue;
+    if (!request.robot && !program::can_pick(*model)) continue;
     return Chosen{&place, std::move(*model)};
   }
   if (!request.robot) {

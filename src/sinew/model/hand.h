@@ -14,9 +14,4 @@ inline const JawGripper* jaws_of(const RobotModel& robot) {
   return arm != nullptr && arm->gripper && driven ? &*arm->gripper : nullptr;
 }
 
-/// Whether it can take a cube: with jaws, or with suction. @rt
-inline bool can_pick(const RobotModel& robot) {
-  return jaws_of(robot) != nullptr || robot.device.capability.hand == HandDrive::kSuction;
-}
-
 }  // namespace sinew

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "sinew/core/spelling.h"
+#include "sinew/model/hand.h"
 #include "sinew/model/joint_lookup.h"
 
 namespace sinew::program {
@@ -24,13 +25,8 @@ constexpr std::array<Named, 5> kSubjects{{{"x", Subject::kToolX},
                                           {"supply", Subject::kSupply},
                                           {"jaws", Subject::kJaws}}};
 
-bool has_jaws(const RobotModel& robot) {
-  const auto* arm = std::get_if<SerialGeometry>(&robot.geometry);
-  return arm != nullptr && arm->gripper.has_value();
-}
-
 bool has(const RobotModel& robot, Subject subject) {
-  return subject != Subject::kJaws || has_jaws(robot);
+  return subject != Subject::kJaws || jaws_of(robot) != nullptr;
 }
 
 Measure measure_of(const Condition& condition, const RobotModel& robot) {

@@ -321,6 +321,16 @@ struct Hand {
   planning::CollisionModel bodies;
 };
 
+/// An arm that is sent to whole poses.
+bool takes_poses(const planning::ToolSpace& space) {
+  return space.task() == planning::TaskSpace::kPose;
+}
+
+/// R_BT of a grasp.
+Rotation turned(const Vec3& p_BT, double pitch, double roll) {
+  return rotation_z(std::atan2(p_BT.y, p_BT.x)) * rotation_y(pitch) * rotation_z(roll);
+}
+
 /// Whether there are joints for it, and for the lower place above it, in which the arm is clear.
 bool has_joints(const Hand& hand, const Vec3& p_BT, double pitch, double roll) {
   const auto is_clear = [&](const planning::JointArray& q) {
@@ -328,25 +338,20 @@ bool has_joints(const Hand& hand, const Vec3& p_BT, double pitch, double roll) {
     return hand.bodies.clear(joints, hand.bodies.margin());
   };
   for (const double above : {0.0, kAbove.back()}) {
-    const auto branches = hand.space.branches({p_BT + Vec3{0, 0, above}, {pitch, roll}}, {});
+    planning::TaskPoint at{p_BT + Vec3{0, 0, above}, {pitch, roll}};
+    if (takes_poses(hand.space)) at = hand.space.point({turned(p_BT, pitch, roll), at.p_BT});
+    const auto branches = hand.space.branches(at, {});
     if (std::ranges::none_of(branches, is_clear)) return false;
   }
   return true;
 }
 
-/// An arm that is sent to whole poses.
-bool takes_poses(const RobotModel& robot) {
-  return planning::ToolSpace(robot).task() == planning::TaskSpace::kPose;
-}
-
 /// Hands by how wide they are open: many grasps share one.
 class Hands {
  public:
-  Hands(const RobotModel& robot, const TableThings& things)
-      : robot_(robot), things_(things), asks_(!takes_poses(robot)) {}
-  /// Whether the arm has clear joints for a grasp. Of an arm that takes poses it is not asked.
+  Hands(const RobotModel& robot, const TableThings& things) : robot_(robot), things_(things) {}
+  /// Whether the arm has clear joints for a grasp.
   bool reach(const grasping::JawGrasp& grasp) {
-    if (!asks_) return true;
     const Hand& hand = hands_.try_emplace(grasp.open, robot_, grasp.open, things_).first->second;
     return has_joints(hand, grasp.p_BT, grasp.pitch, grasp.roll);
   }
@@ -354,7 +359,6 @@ class Hands {
  private:
   const RobotModel& robot_;
   const TableThings& things_;
-  bool asks_;
   std::map<double, Hand> hands_;
 };
 
@@ -382,10 +386,8 @@ std::expected<CubeRows, Refusal> taken_so(Sequence sequence, const RobotModel& r
   const MotionOptions& how = std::get<PickCubeStep>(sequence.row().what).how;
   if (auto refusal = sequence.use(JawsTo{grasp.open})) return std::unexpected(*refusal);
   Spot spot{grasp.p_BT, grasp.pitch, grasp.roll};
-  if (takes_poses(robot)) {
-    const double yaw = std::atan2(grasp.p_BT.y, grasp.p_BT.x);
-    spot = {.p_BT = grasp.p_BT,
-            .R_BT = rotation_z(yaw) * rotation_y(grasp.pitch) * rotation_z(grasp.roll)};
+  if (takes_poses(planning::ToolSpace(robot))) {
+    spot = {.p_BT = grasp.p_BT, .R_BT = turned(grasp.p_BT, grasp.pitch, grasp.roll)};
   }
   auto rows = from_above(sequence, spot, JawsTo{grasp.close, edge}, how);
   if (rows) rows->tilt = std::abs(kPi - grasp.pitch);
@@ -512,6 +514,19 @@ std::vector<Spot> spots_of(const Sequence& there, const Sequence& begin,
   }
   return spots;
 }
+
+}  // namespace
+
+bool can_pick(const RobotModel& robot) {
+  if (robot.device.capability.hand == HandDrive::kSuction) return true;
+  if (jaws_of(robot) == nullptr) return false;
+  // A forearm that rolls, four joints, or a chain without a closed form have no grasps here.
+  const planning::ToolSpace space(robot);
+  const bool closed = space.serial()->solver() == kinematics::SerialArm::Solver::kSixR;
+  return space.task() == planning::TaskSpace::kPitchRoll || closed;
+}
+
+namespace {
 
 /// What a `place` keeps clear of.
 struct Around {

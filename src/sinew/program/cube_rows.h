@@ -17,6 +17,10 @@ namespace sinew::program {
 /// m; the edge of a cube before one was seen.
 inline constexpr double kUsualCube = 25e-3;
 
+/// Whether it can take cubes: with suction; or with jaws, of an arm whose tool stays in the plane
+/// through its first axis, or one of six joints with a closed form.
+bool can_pick(const RobotModel& robot);
+
 struct CubeRows {
   std::vector<Step> steps;  ///< motions, each from stop to stop, and actions of the tool
   ToolState tool;           ///< behind them

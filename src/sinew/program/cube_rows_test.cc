@@ -46,6 +46,24 @@ kinematics::PoseBT tool_at(const RobotModel& robot, const JointVector& q, double
   return *space.forward({q.data(), q.size()}, space.home());
 }
 
+TEST(CanPick, says_which_arms_have_grasps) {
+  const auto with_jaws = [](const char* id) {
+    RobotModel robot = test::robot(id);
+    robot.device = {};  // the ideal one
+    std::get<SerialGeometry>(robot.geometry).gripper = JawGripper{0.06, 0.09, 0.09};
+    return robot;
+  };
+  EXPECT_TRUE(can_pick(test::robot("learm")));
+  EXPECT_TRUE(can_pick(test::robot("maxarm")));
+  EXPECT_TRUE(can_pick(with_jaws("puma560")));
+  EXPECT_FALSE(can_pick(test::robot("puma560"))) << "it has no jaws";
+  EXPECT_FALSE(can_pick(test::robot("hexapod")));
+  EXPECT_FALSE(can_pick(with_jaws("bigrobotarm"))) << "its forearm rolls";
+  RobotModel undriven = with_jaws("robot-arm-2");
+  undriven.device = test::robot("robot-arm-2").device;
+  EXPECT_FALSE(can_pick(undriven)) << "no board of it drives jaws";
+}
+
 TEST(CubeRows, are_read_with_their_colors_and_places) {
   const auto program = read_cubes(
       "look\npick\npick any\npick color=red\nplace basket\nplace to=basket speed=50%\n"

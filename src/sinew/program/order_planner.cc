@@ -32,6 +32,13 @@ Refusal refused(const Step& step, const Error& error) {
   return {step.line, error, std::nullopt, step.file};
 }
 
+/// Why it cannot take cubes; nothing where it can.
+std::optional<Error> pick_refusal(const RobotModel& robot) {
+  if (can_pick(robot)) return std::nullopt;
+  const bool has_jaws = jaws_of(robot) != nullptr;
+  return Error{has_jaws ? ErrorCode::kTaskNotSupported : ErrorCode::kToolNotFitted};
+}
+
 /// What this robot's tool cannot do; nothing where it can.
 std::optional<Error> tool_refusal(const RobotModel& robot, const ToolAction& action) {
   const HandDrive hand = robot.device.capability.hand;
@@ -232,7 +239,7 @@ void OrderPlanner::pass_time(double least, double most) {
 
 /// What will be seen is unknown: a usual cube in the jaws is planned with behind it.
 std::optional<Refusal> OrderPlanner::take_pick(const Step& step, std::size_t place, Order& order) {
-  if (!can_pick(robot_)) return refused(step, {ErrorCode::kToolNotFitted});
+  if (const auto error = pick_refusal(robot_)) return refused(step, *error);
   for (Stand& stand : stands_) {
     if (!stand.q && !stand.lost_by) return refused(step, {ErrorCode::kPositionUnknown, 0});
     if (jaws_of(robot_) != nullptr) stand.tool = {kUsualCube, kUsualCube};
@@ -244,7 +251,7 @@ std::optional<Refusal> OrderPlanner::take_pick(const Step& step, std::size_t pla
 }
 
 std::optional<Refusal> OrderPlanner::take_place(const Step& step, std::size_t place, Order& order) {
-  if (!can_pick(robot_)) return refused(step, {ErrorCode::kToolNotFitted});
+  if (const auto error = pick_refusal(robot_)) return refused(step, *error);
   double least = std::numeric_limits<double>::infinity(), most = 0;
   for (Stand& stand : stands_) {
     if (stand.lost_by) continue;

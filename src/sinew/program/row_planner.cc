@@ -517,14 +517,15 @@ std::expected<void, Refusal> RowPlanner::cut_into_segments(std::span<const Step>
   out.pieces.reserve(count);
   for (std::size_t k = 1; k <= count; ++k) {
     const bool last = k == count;
-    trajectory.sample(last ? duration : std::min(duration, segment * static_cast<double>(k)), at);
+    const double t = last ? duration : std::min(duration, segment * static_cast<double>(k));
+    trajectory.sample(t, at);
     JointMove piece{.q = {}, .qd = {}, .duration = from_seconds(segment)};
     for (std::size_t j = 0; j < robot_.joints.size(); ++j) {
       piece.q.push_back(last ? out.q_end[j] : at.q[j]);
       piece.qd.push_back(last ? 0 : at.qd[j]);
     }
     if (const auto error = wire_.refusal({piece.q.data(), piece.q.size()}, from)) {
-      const double s = motion_.law.sample(segment * static_cast<double>(k)).s;
+      const double s = motion_.law.sample(t).s;
       return std::unexpected(unsayable(rows, start, s, piece.q, *error));
     }
     out.pieces.push_back(piece);

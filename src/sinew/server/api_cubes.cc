@@ -3,7 +3,6 @@
 #include <cmath>
 
 #include "sinew/core/rotation.h"
-#include "sinew/model/hand.h"
 #include "sinew/model/joint_lookup.h"
 #include "sinew/program/foresight.h"
 #include "sinew/server/api.h"
@@ -65,7 +64,7 @@ Api::Answer Api::judge_cubes(const Call& call) {
   const auto camera = camera_of(call);
   if (!camera) return camera.error();
   const std::size_t robot = *call.robot;
-  if (!can_pick(cell_.station(robot).robot())) {
+  if (!program::can_pick(cell_.station(robot).robot())) {
     return RpcError{RpcCode::kRefused, "this robot's tool takes no cubes", nullptr};
   }
   return Errand{
@@ -95,7 +94,7 @@ Api::Answer Api::judge_cubes(const Call& call) {
 
 Api::Answer Api::cube_reach(const Call& call) {
   const std::size_t robot = *call.robot;
-  if (!can_pick(cell_.station(robot).robot())) {
+  if (!program::can_pick(cell_.station(robot).robot())) {
     return RpcError{RpcCode::kRefused, "this robot's tool takes no cubes", nullptr};
   }
   const auto& cameras = cell_.cell().cameras;
@@ -149,7 +148,7 @@ Api::Answer Api::move_basket(const Call& call) {
                   }
                   Json warnings = Json::array();
                   for (std::size_t i = 0; i < cell_.size(); ++i) {
-                    if (!can_pick(cell_.station(i).robot())) continue;
+                    if (!program::can_pick(cell_.station(i).robot())) continue;
                     if (auto far = far_from(cell_, i, moved)) warnings.push_back(std::move(*far));
                   }
                   return Json{{"basket", baskets_json({moved}).front()}, {"warnings", warnings}};

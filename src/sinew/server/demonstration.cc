@@ -4,7 +4,6 @@
 
 #include "sinew/config/builtin_robots.h"
 #include "sinew/model/error_sentence.h"
-#include "sinew/model/hand.h"
 #include "sinew/program/cube_rows.h"
 #include "sinew/server/json_rpc.h"
 
@@ -45,7 +44,7 @@ std::optional<std::size_t> sorter_of(const runtime::RunningCell& cell) {
   double least = kNear;
   for (std::size_t i = 0; i < cell.size(); ++i) {
     const double far = norm(cell.cell().robots[i].X_WB.p - camera->X_WT.p);
-    if (far >= least || !can_pick(cell.station(i).robot())) continue;
+    if (far >= least || !program::can_pick(cell.station(i).robot())) continue;
     nearest = i;
     least = far;
   }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "sinew/core/assert.h"
 #include "sinew/driver/send_range.h"
@@ -508,7 +509,8 @@ void IdealDriver::step_moving(Instant now) {
 
 void IdealDriver::step_jaws(Instant now) {
   if (jaws_due_) return;
-  if (state_->jaws_um != jaws_to_ && now - jaws_since_ < timing_.jaws_timeout) return;
+  if (std::exchange(jaws_at_, state_->jaws_um) != state_->jaws_um) jaws_since_ = now;
+  if (state_->jaws_um != jaws_to_ && now - jaws_since_ < timing_.jaws_stand) return;
   health_.jaws_width = state_->jaws_um * kMicro;
   come_to_rest(Kind::kDone);
 }

@@ -20,7 +20,7 @@ struct IdealTiming {
   Duration moving_poll = std::chrono::milliseconds(10);
   Duration resting_poll = std::chrono::milliseconds(100);
   Duration silent_retry = std::chrono::milliseconds(500);  ///< between questions to one that is
-  Duration jaws_timeout = std::chrono::seconds(2);         ///< then something is between them
+  Duration jaws_stand = std::chrono::milliseconds(400);    ///< then something is between them
 };
 
 /// Host side of the ideal wire: each segment of a motion is one line, said again until it is taken,
@@ -159,7 +159,8 @@ class IdealDriver : public ByteDriver {
   Instant state_asked_{};
   std::optional<std::int32_t> jaws_due_;
   std::int32_t jaws_to_ = 0;
-  Instant jaws_since_{};
+  std::int32_t jaws_at_ = 0;  ///< um, as told last
+  Instant jaws_since_{};      ///< they stand there
 
   DriverHealth health_;
   ideal::LineDecoder decoder_;

@@ -10,7 +10,8 @@
 namespace sinew::sim {
 
 /// Any robot with the ideal device: no weight, no friction, no noise. What befalls a machine from
-/// outside still does: something in a joint's way, and a supply that goes away. @rt
+/// outside still does: something in a joint's way or between its jaws, and a supply that goes away.
+/// @rt
 class IdealMachine : public ByteMachine {
  public:
   IdealMachine(const RobotModel& robot, Instant boot);
