@@ -54,20 +54,10 @@ std::optional<Error> PathFollower::start(const PlannedPath& path,
   return {};
 }
 
-/// A pause that ends as near to the path's end as rounding is there: no law leads on from it.
-PathState PathFollower::state_at(double t) const {
-  constexpr double kShare = 1 - 1e-8;
-  PathState state = law_.sample(t);
-  const double length = path_->joints.length();
-  const bool rests = state.v == 0 && state.a == 0 && t >= law_.duration();
-  if (rests && state.s >= kShare * length) state.s = length;
-  return state;
-}
-
 const JointMotion& PathFollower::step(double dt) {
   SINEW_ASSERT(path_ != nullptr && dt >= 0);
   t_ += dt;
-  state_ = state_at(t_);
+  state_ = law_.sample(t_);
   if (waits_) replan();
   sample_motion(*path_, state_, law_.jerk(t_), piece_, now_);
   return now_;
@@ -75,7 +65,7 @@ const JointMotion& PathFollower::step(double dt) {
 
 bool PathFollower::look_ahead(double dt, JointMotion& out) const {
   SINEW_ASSERT(path_ != nullptr && dt >= 0);
-  const PathState state = state_at(t_ + dt);
+  const PathState state = law_.sample(t_ + dt);
   std::size_t piece = piece_;
   sample_motion(*path_, state, law_.jerk(t_ + dt), piece, out);
   return !waits_ && state.v == 0 && state.a == 0 && t_ + dt >= law_.duration();
@@ -114,9 +104,27 @@ std::optional<Error> PathFollower::find_pace(double time) {
   return std::nullopt;
 }
 
+/// Next to the end no law may lead on from a rest: a slower one may, and what is nearer is there.
+void PathFollower::creep() {
+  constexpr double kThere = 1 - 1e-6;
+  const double length = path_->joints.length();
+  for (double feed = feed_ * pace_ / 2; feed > kFeedMin; feed /= 2) {
+    if (timing_.plan(state_, feed, next_) || next_.size() == 0) continue;
+    std::swap(law_, next_);
+    t_ = 0;
+    waits_ = false;
+    return;
+  }
+  if (state_.s < kThere * length) return;
+  state_.s = length;
+  waits_ = try_plan(false).has_value();
+}
+
 void PathFollower::replan() {
   const bool rest = paused_ || stopped_ || !(feed_ > 0);
   const bool brakes = std::exchange(waits_, try_plan(rest).has_value());
+  const bool stands = state_.v == 0 && state_.a == 0 && (waits_ || law_.size() == 0);
+  if (!rest && stands) creep();
   if (waits_ && !brakes) static_cast<void>(try_plan(true));
 }
 

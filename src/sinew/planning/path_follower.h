@@ -74,8 +74,8 @@ class PathFollower {
   double time_left() const;
 
  private:
-  PathState state_at(double t) const;
   std::optional<Error> try_plan(bool rest);
+  void creep();
   std::optional<Error> find_pace(double time);
   void replan();
 
