@@ -1,10 +1,8 @@
 #pragma once
 
 #include <tuple>
-#include <type_traits>
 #include <utility>
 
-#include "sinew/core/assert.h"
 #include "sinew/devices/axis/axis_link_settings.h"
 #include "sinew/devices/axis/axis_registers_settings.h"
 #include "sinew/devices/bigrobotarm/bigrobotarm_settings.h"

@@ -14,12 +14,10 @@ namespace {
 
 constexpr std::int32_t kMargin = 10;       // pulses: overshoot and sag beside the way
 constexpr std::int32_t kRangeMargin = 25;  // pulses: an arm without power leans on its ends
-constexpr Duration kLookPeriod = kMaxArmLookPeriod;
-constexpr Duration kLookDoubt = kMaxArmLookDoubt;
-constexpr double kRounding = 0.5;    // pulses
-constexpr double kCreep = 1;         // pulses between two readings of an arm at rest
-constexpr double kCreepAgain = 4;    // times what it crept between the last two
-constexpr double kSentBeside = 1.5;  // pulses: rounding, and a sturdier frame's neighbour
+constexpr double kRounding = 0.5;          // pulses
+constexpr double kCreep = 1;               // pulses between two readings of an arm at rest
+constexpr double kCreepAgain = 4;          // times what it crept between the last two
+constexpr double kSentBeside = 1.5;        // pulses: rounding, and a sturdier frame's neighbour
 constexpr int kZeros = 16;
 constexpr int kSetsMax = 3;
 constexpr int kSuctionFrames = 2;
@@ -478,9 +476,9 @@ void MaxArmDriver::go_on_with_move(Instant now) {
 void MaxArmDriver::begin_move(Instant now) {
   if (sets_ > 0 || !begun_at_) begun_at_ = now;
   if (knows_looks()) {
-    const Instant look = look_behind(now - kLookDoubt);
+    const Instant look = look_behind(now - kMaxArmLookDoubt);
     const Instant in = now + wire_time(SetAngle{});
-    if (look < in + kLookDoubt) return pause(look + kLookDoubt - now, now);
+    if (look < in + kMaxArmLookDoubt) return pause(look + kMaxArmLookDoubt - now, now);
   }
   send_set(target_, time_ms_, *begun_at_ + pace_.begins, now);
 }
@@ -501,7 +499,7 @@ bool MaxArmDriver::knows_looks() const {
 
 /// The board's next look at its port behind that instant: it sleeps from answer to look to look.
 Instant MaxArmDriver::look_behind(Instant at) const {
-  return *answered_at_ + ((at - *answered_at_) / kLookPeriod + 1) * kLookPeriod;
+  return *answered_at_ + ((at - *answered_at_) / kMaxArmLookPeriod + 1) * kMaxArmLookPeriod;
 }
 
 void MaxArmDriver::go_on_with_stop(Instant now) {

@@ -9,6 +9,7 @@
 #include "sinew/driver/maxarm.h"
 
 namespace sinew {
+
 Duration tool_time(const RobotModel& robot, const ToolAction& action, std::optional<double> jaws) {
   if (const auto* arm = robot.device.settings.as<MaxArmDevice>()) {
     return maxarm_tool_time(arm->variant, action);

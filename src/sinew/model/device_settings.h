@@ -48,8 +48,8 @@ struct Opening {
   Duration limit{};
   std::string_view waits_for;  ///< for people; behind "the device"
 };
-/// Nobody can see whether a port's opening has reset the board behind it: an Arduino's boot loader
-/// then listens for some 2 s, an ESP32 needs as long to start.
+/// Opening a port resets many boards, which a host cannot see: an Arduino's boot loader then
+/// listens for some 2 s, an ESP32 needs as long to start.
 inline constexpr Opening kBoots{std::chrono::seconds(5),
                                 ", which may be starting: opening a port resets many boards"};
 
@@ -62,7 +62,7 @@ struct MotionDelay {
   Duration report{};   ///< from the motion's own end until the driver says so
 };
 
-/// How a device that counts steps is recorded; m or rad.
+/// How positions are recorded that rest on a device's own counts (the hexapod); m or rad.
 struct CountGrain {
   double block = 0;      ///< JournalJoint's
   double lead = 0;       ///< likewise
@@ -73,7 +73,7 @@ struct CountGrain {
 struct Device;
 struct RobotModel;
 
-/// A setting that commissioning finds, or somebody gives: `joint.base.turn = other`.
+/// A setting that commissioning finds, or a cell's file gives: `joint.base.turn = other`.
 struct DeviceSetting {
   std::string_view what;
   std::optional<std::size_t> joint{};
@@ -84,19 +84,19 @@ struct DeviceSetting {
 };
 
 /// What a kind of device is set up with, and what the rules above its driver ask of the kind. The
-/// answers here are those of a device that does exactly what it is told. A kind of its own derives
-/// from SettingsOf and answers what is different.
+/// default answers are those of the ideal device. A kind derives from SettingsOf and overrides what
+/// is different.
 class DeviceSettings {
  public:
   virtual ~DeviceSettings() = default;
   virtual std::unique_ptr<DeviceSettings> copy() const = 0;
 
   /// Adds what ties its units to joints: with another value recorded positions mean other places.
-  virtual void identify(IdentityText& out) const { out.add(std::string_view("ideal")); }
+  virtual void identify(IdentityText& out) const = 0;
   /// It shows at opening whether it kept its power: by counts, target positions, a homed flag.
   virtual bool shows_power_loss() const { return false; }
-  /// Its motors know nothing of a position. A simulated one begins at the robot's home, as if
-  /// somebody had put it there and said so; the others must find out.
+  /// Its motors have no sensors: it counts from where it was powered up. A simulated one starts at
+  /// the robot's home, with that position declared.
   virtual bool counts_from_power_up() const { return false; }
   /// `home` looks for end stops: only axis boards have them, and only those that report can say
   /// that they were found. On other machines it is a joint move.
@@ -104,9 +104,7 @@ class DeviceSettings {
   /// One per joint, of a device that hangs on SPI. They live in this.
   virtual std::span<const AxisBoard> axis_boards() const { return {}; }
 
-  virtual StopFacts stop_facts() const {
-    return {true, "a line until told, then as its joints brake", "it has no weight: nothing falls"};
-  }
+  virtual StopFacts stop_facts() const = 0;
   virtual Opening opening() const { return kBoots; }
   /// How it is recorded; nothing: by its speed and what it measures.
   virtual std::optional<CountGrain> count_grain() const { return std::nullopt; }
@@ -117,7 +115,7 @@ class DeviceSettings {
   /// How fast its firmware makes a joint where it is asked for more than the robot's file proves:
   /// rad/s, and rad/s^2. 0: no more than that.
   virtual double firmware_reach(std::size_t /*joint*/) const { return 0; }
-  /// Joints of a whole move go together; else each at its own pace, once it was told.
+  /// Joints of a point-to-point move go together; else each starts with its own command.
   virtual bool moves_together() const { return true; }
   /// A device that makes its motions itself can be told their accelerations.
   virtual bool takes_acceleration() const { return false; }
@@ -125,7 +123,7 @@ class DeviceSettings {
   virtual MotionDelay motion_delay() const {
     return {std::chrono::milliseconds(2), std::chrono::milliseconds(8)};
   }
-  /// The shortest and the longest whole move that its wire can say.
+  /// The shortest and the longest point-to-point move that its wire can say.
   virtual std::pair<Duration, Duration> move_times() const {
     return {Duration::zero(), std::chrono::hours(24)};
   }
@@ -142,13 +140,13 @@ class DeviceSettings {
   virtual std::vector<std::string> wires() const { return {}; }
   /// Turns the device that has these settings into the variant of that name.
   /// @param name  one of profiles()
-  virtual void use_profile(const std::string& name, Device& device);
+  virtual void use_profile(const std::string& /*name*/, Device& /*device*/) {}
   /// @param name  one of wires(). These settings may be no more afterwards.
-  virtual void use_wire(const std::string& name, Device& device);
+  virtual void use_wire(const std::string& /*name*/, Device& /*device*/) {}
   /// axis_boards(), to be changed; nullptr of a device with one controller for all joints.
   virtual AxisBoards* own_boards() { return nullptr; }
   /// What commissioning has found; false: this is no such setting, or no value of it.
-  virtual bool use_setting(const DeviceSetting& setting, Device& device);
+  virtual bool use_setting(const DeviceSetting& /*setting*/, Device& /*device*/) { return false; }
   /// Why two of its settings cannot both be, for people; empty where all can.
   virtual std::string contradiction(const RobotModel& /*robot*/) const { return {}; }
 };
@@ -164,7 +162,12 @@ class SettingsOf : public DeviceSettings {
 
 /// The device of a robot whose file names none: it does exactly what it is told, within the file's
 /// limits.
-struct IdealDevice final : SettingsOf<IdealDevice> {};
+struct IdealDevice final : SettingsOf<IdealDevice> {
+  void identify(IdentityText& out) const override { out.add(std::string_view("ideal")); }
+  StopFacts stop_facts() const override {
+    return {true, "a line until told, then as its joints brake", "it has no weight: nothing falls"};
+  }
+};
 
 /// Settings of one kind or another. A value: its copy is another one.
 class SomeSettings {

@@ -76,8 +76,16 @@ PathProgress PathFollower::progress() const {
 }
 
 std::optional<Error> PathFollower::try_plan(bool rest) {
-  const auto error = rest ? timing_.stop(law_, t_, next_)
-                          : timing_.plan(state_, std::max(kFeedMin, feed_ * pace_), next_);
+  if (!rest) return try_feed(std::max(kFeedMin, feed_ * pace_));
+  return begin_next(timing_.stop(law_, t_, next_));
+}
+
+std::optional<Error> PathFollower::try_feed(double feed) {
+  return begin_next(timing_.plan(state_, feed, next_));
+}
+
+/// The law that was planned counts from now on.
+std::optional<Error> PathFollower::begin_next(const std::optional<Error>& error) {
   if (error) return error;
   std::swap(law_, next_);
   t_ = 0;
@@ -109,11 +117,8 @@ void PathFollower::creep() {
   constexpr double kThere = 1 - 1e-6;
   const double length = path_->joints.length();
   for (double feed = feed_ * pace_ / 2; feed > kFeedMin; feed /= 2) {
-    if (timing_.plan(state_, feed, next_) || next_.size() == 0) continue;
-    std::swap(law_, next_);
-    t_ = 0;
-    waits_ = false;
-    return;
+    waits_ = try_feed(feed).has_value();
+    if (!waits_ && law_.size() > 0) return;
   }
   if (state_.s < kThere * length) return;
   state_.s = length;

@@ -75,6 +75,8 @@ class PathFollower {
 
  private:
   std::optional<Error> try_plan(bool rest);
+  std::optional<Error> try_feed(double feed);
+  std::optional<Error> begin_next(const std::optional<Error>& error);
   void creep();
   std::optional<Error> find_pace(double time);
   void replan();

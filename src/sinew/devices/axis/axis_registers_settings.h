@@ -3,7 +3,7 @@
 #include <cstdint>
 
 #include "sinew/core/angle_encoding.h"
-#include "sinew/model/device_settings.h"
+#include "sinew/devices/axis/axis_boards_settings.h"
 
 namespace sinew {
 
@@ -19,7 +19,7 @@ struct AxisRegisterMap {
   friend bool operator==(const AxisRegisterMap&, const AxisRegisterMap&) = default;
 };
 
-struct AxisRegistersDevice final : SettingsOf<AxisRegistersDevice> {
+struct AxisRegistersDevice final : AxisBoardsOf<AxisRegistersDevice> {
   AngleEncoding encoding = AngleEncoding::kDegU32;
   AxisRegisterMap registers;
   std::uint8_t slave_id = 1;
@@ -27,33 +27,24 @@ struct AxisRegistersDevice final : SettingsOf<AxisRegistersDevice> {
   /// DIAG_STATUS tells something. Boards with the first firmware always answer 0: a move is done
   /// there when its predicted time is over, and positions are `commanded`.
   bool reports_status = true;
-  AxisBoards boards;
 
-  void identify(IdentityText& out) const override {
-    for (const AxisBoard& board : boards) out.add(board.zero);
-  }
   bool shows_power_loss() const override { return reports_status; }
   bool searches_zeros() const override { return reports_status; }
-  std::span<const AxisBoard> axis_boards() const override { return {boards.data(), boards.size()}; }
   StopFacts stop_facts() const override {
-    return {true, "0.12 s until told, then the boards stop at once",
-            "steppers hold; without power the arm drops: its gears do not hold it"};
+    return {true, "0.12 s until told, then the boards stop at once", kFalls};
   }
   /// A silent board costs its three tries 0.74 s on this wire.
   Opening opening() const override {
     return {std::chrono::seconds(5), ": each board is asked three times"};
   }
-  double resolution(std::size_t /*joint*/) const override { return 0; }
   MotionDelay motion_delay() const override { return {}; }
   bool moves_together() const override { return false; }
-  bool has_magnets() const override { return true; }
   std::vector<std::string> profiles() const override {
     return {"document", "as-built", "as-committed"};
   }
   std::vector<std::string> wires() const override { return {"registers", "link"}; }
   void use_profile(const std::string& name, Device& device) override;
   void use_wire(const std::string& name, Device& device) override;
-  AxisBoards* own_boards() override { return &boards; }
 };
 
 }  // namespace sinew
