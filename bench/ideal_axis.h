@@ -1,6 +1,6 @@
 #pragma once
 
-#include "sinew/device/axis.h"
+#include "sinew/devices/axis/axis_device.h"
 #include "sinew/model/robot_model.h"
 
 namespace sinew::bench {

@@ -13,15 +13,15 @@
 #include "bench/ideal_axis.h"
 #include "sinew/config/builtin_robots.h"
 #include "sinew/config/robot_file.h"
-#include "sinew/device/axis_link_node.h"
-#include "sinew/device/axis_register_slave.h"
+#include "sinew/devices/axis/axis_link_device.h"
+#include "sinew/devices/axis/axis_link_driver.h"
 #include "sinew/devices/axis/axis_link_settings.h"
+#include "sinew/devices/axis/axis_registers_device.h"
+#include "sinew/devices/axis/axis_registers_driver_link.h"
 #include "sinew/devices/axis/axis_registers_settings.h"
+#include "sinew/devices/icp/icp_driver.h"
+#include "sinew/devices/icp/icp_machine.h"
 #include "sinew/devices/icp/icp_settings.h"
-#include "sinew/driver/axis_link.h"
-#include "sinew/driver/axis_register_link.h"
-#include "sinew/driver/icp.h"
-#include "sinew/sim/icp_machine.h"
 
 namespace sinew::bench {
 namespace {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "sinew/core/assert.h"
-#include "sinew/wire/axis_link.h"
+#include "sinew/devices/axis/axis_link_wire.h"
 #include "sinew/wire/cobs.h"
 #include "sinew/wire/crc32c.h"
 

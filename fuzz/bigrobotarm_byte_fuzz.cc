@@ -6,7 +6,7 @@
 
 #include "decoders.h"
 #include "sinew/core/assert.h"
-#include "sinew/wire/bigrobotarm_byte.h"
+#include "sinew/devices/bigrobotarm/bigrobotarm_wire_byte.h"
 
 // The binary wire from both sides. For any bytes: a decoder that was cut off and goes on in a copy
 // says the same as one that ran through; what was accepted is written in its one spelling, which

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "sinew/core/assert.h"
-#include "sinew/wire/bigrobotarm_text.h"
+#include "sinew/devices/bigrobotarm/bigrobotarm_wire_text.h"
 
 // The text wire from both sides. For any characters: a decoder that was cut off and goes on in a
 // copy says the same as one that ran through; a host line that was accepted is written in its one

@@ -6,7 +6,7 @@
 
 #include "decoders.h"
 #include "sinew/core/assert.h"
-#include "sinew/wire/icp.h"
+#include "sinew/devices/icp/icp_wire.h"
 
 // The hexapod's serial wire from both sides. For any bytes: a decoder that was cut off and goes on
 // in a copy says the same as one that ran through; what was accepted is written in its one

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "sinew/core/assert.h"
-#include "sinew/wire/lsc.h"
+#include "sinew/devices/lsc/lsc_wire.h"
 
 // The LSC wire from both sides. For any bytes: a decoder that was cut off and goes on in a copy
 // finds the same frames as one that ran through; every byte belongs to a frame, was skipped, or

@@ -6,7 +6,7 @@
 
 #include "decoders.h"
 #include "sinew/core/assert.h"
-#include "sinew/wire/maxarm.h"
+#include "sinew/devices/maxarm/maxarm_wire.h"
 
 // The MaxArm's wire from both sides. For any bytes: a decoder that was cut off and goes on in a
 // copy says the same as one that ran through; what was accepted is spelled as the very bytes it

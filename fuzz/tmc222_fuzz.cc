@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "sinew/core/assert.h"
-#include "sinew/device/tmc222.h"
-#include "sinew/wire/icp.h"
+#include "sinew/devices/icp/icp_wire.h"
+#include "sinew/devices/icp/tmc222_device.h"
 
 // The TMC222 and its messages. For any bytes: a write that is a command has one spelling, which
 // reads back as the same; SetOTPParam is never one; answers are their bytes; and a chip that is

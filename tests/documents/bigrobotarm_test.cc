@@ -6,21 +6,20 @@
 #include <vector>
 
 #include "sinew/core/units.h"
+#include "sinew/devices/bigrobotarm/bigrobotarm_driver_multipliers.h"
 #include "sinew/devices/bigrobotarm/bigrobotarm_settings.h"
-#include "sinew/driver/bigrobotarm_multipliers.h"
-#include "sinew/driver/bigrobotarm_test_cell.h"
+#include "sinew/devices/bigrobotarm/bigrobotarm_test_cell.h"
+#include "sinew/devices/bigrobotarm/bigrobotarm_wire_byte.h"
+#include "sinew/devices/bigrobotarm/bigrobotarm_wire_text.h"
 #include "sinew/model/joint_lookup.h"
 #include "sinew/program/row_planner.h"
 #include "sinew/program/text_forms.h"
-#include "sinew/wire/bigrobotarm_byte.h"
-#include "sinew/wire/bigrobotarm_text.h"
 #include "support/golden.h"
 #include "support/robots.h"
 
 // The BigRobotArm's document: its numbers and its words, typed as they stand there. Its requests
 // and replies are in tests/golden/bigrobotarm_*.txt, its firmware's ways and measured times in
-// device/bigrobotarm_test.cc and bigrobotarm_as_built_test.cc, its lengths in
-// config/builtin_geometry_test.cc.
+// devices/bigrobotarm, its lengths in config/builtin_geometry_test.cc.
 
 namespace sinew {
 namespace {

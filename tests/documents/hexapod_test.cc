@@ -7,7 +7,7 @@
 
 #include "sinew/core/units.h"
 #include "sinew/devices/icp/icp_settings.h"
-#include "sinew/driver/icp_test_cell.h"
+#include "sinew/devices/icp/icp_test_cell.h"
 #include "sinew/model/joint_lookup.h"
 #include "sinew/program/bullride.h"
 #include "sinew/program/pose_file.h"
@@ -15,8 +15,8 @@
 #include "support/robots.h"
 
 // The Stewart platform's document: its numbers and its words, typed as they stand there. Its bytes
-// are in tests/golden/icp.txt and tmc222.txt, the census of all 256 in wire/icp_test.cc, its
-// controller's states in device/icp_controller_test.cc, its files in program/foreign_files_test.cc.
+// are in tests/golden/icp.txt and tmc222.txt, the census of all 256 and its controller's states in
+// devices/icp, its files in program/foreign_files_test.cc.
 
 namespace sinew {
 namespace {

@@ -3,16 +3,16 @@
 #include <array>
 
 #include "sinew/core/units.h"
-#include "sinew/device/lsc_jog.h"
+#include "sinew/devices/lsc/lsc_device_jog.h"
+#include "sinew/devices/lsc/lsc_driver_units.h"
 #include "sinew/devices/lsc/lsc_settings.h"
-#include "sinew/driver/lsc_units.h"
 #include "sinew/kinematics/serial_arm.h"
 #include "sinew/runtime/robot_variant.h"
 #include "support/robots.h"
 
 // The LeArm's document: the numbers of its tables, typed as they stand there. Its frames are in
 // tests/golden/lsc.txt, its poses in config/builtin_geometry_test.cc, its reach straight down in
-// kinematics/serial_ik_test.cc, its boards in device/lsc_board_test.cc.
+// kinematics/serial_ik_test.cc, its boards in devices/lsc/lsc_device_test.cc.
 
 namespace sinew {
 namespace {

@@ -4,7 +4,7 @@
 #include <array>
 #include <vector>
 
-#include "sinew/driver/maxarm_test_cell.h"
+#include "sinew/devices/maxarm/maxarm_test_cell.h"
 #include "sinew/kinematics/palletizer.h"
 #include "sinew/model/joint_lookup.h"
 #include "sinew/program/program_plan.h"
@@ -14,7 +14,7 @@
 
 // The MaxArm's document: its numbers and its words, typed as they stand there. Its frames are in
 // tests/golden/maxarm.txt, its points, angles, pulses and reach in kinematics/palletizer_test.cc,
-// what its firmware does in device/maxarm_test.cc.
+// what its firmware does in devices/maxarm/maxarm_device_test.cc.
 
 namespace sinew {
 namespace {

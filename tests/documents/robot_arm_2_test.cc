@@ -4,16 +4,16 @@
 #include <numbers>
 
 #include "sinew/core/units.h"
-#include "sinew/driver/axis_registers_test_cell.h"
-#include "sinew/sim/stepper_arm.h"
-#include "sinew/wire/axis_registers.h"
-#include "sinew/wire/encoder_link.h"
+#include "sinew/devices/axis/axis_machine.h"
+#include "sinew/devices/axis/axis_registers_test_cell.h"
+#include "sinew/devices/axis/axis_registers_wire.h"
+#include "sinew/devices/axis/encoder_wire.h"
 #include "sinew/wire/spi.h"
 #include "support/robots.h"
 
 // Robot Arm 2's document: its numbers and its words, typed as they stand there. Its frames and
 // checksums are in tests/golden/axis_registers.txt and encoder_link.txt, each row in which its
-// first firmware differs in device/axis_register_slave_test.cc, a bus that is opened six times in
+// first firmware differs in devices/axis, a bus that is opened six times in
 // sim/simwire_server_test.cc, its torque table in planning/torque_study_test.cc.
 
 namespace sinew {

@@ -5,10 +5,10 @@
 #include <iterator>
 
 #include "faults/fault_cell.h"
+#include "sinew/devices/kinds.h"
 #include "sinew/model/joint_lookup.h"
 #include "sinew/program/program_run.h"
 #include "sinew/runtime/control_loop.h"
-#include "sinew/runtime/robot_driver.h"
 #include "sinew/runtime/robot_variant.h"
 #include "support/robots.h"
 

@@ -26,8 +26,8 @@ constexpr Duration kPowerOff = 500ms;
 constexpr Duration kPowerUp = 20s;
 const std::string kUntrue = "the claim is not true after a clean motion: ";
 
-runtime::MachineOptions options_of(const WireRules& rules, std::uint64_t seed) {
-  runtime::MachineOptions options;
+MachineVariant options_of(const WireRules& rules, std::uint64_t seed) {
+  MachineVariant options;
   options.profile = rules.profile;
   options.seed = seed;
   return options;

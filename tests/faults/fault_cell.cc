@@ -279,16 +279,15 @@ std::unique_ptr<FaultLine> spi_line(SpiDriver& driver, sim::SpiMachine& machine,
   return std::make_unique<SpiLine>(driver, machine, now);
 }
 
-FaultCell::FaultCell(const RobotModel& robot, const runtime::MachineOptions& options,
-                     Duration warm_up)
-    : robot_(robot), machine_(*runtime::make_machine(robot, options, Instant{})), now_(warm_up) {
+FaultCell::FaultCell(const RobotModel& robot, const MachineVariant& options, Duration warm_up)
+    : robot_(robot), machine_(*make_machine(robot, options, Instant{})), now_(warm_up) {
   machine().advance(now_);
   replace_driver();
 }
 
 void FaultCell::replace_driver() {
   line_.reset();
-  driver_ = runtime::make_driver(robot_);
+  driver_ = make_driver(robot_);
   if (driver_.spi) {
     line_ = spi_line(*driver_.spi, *machine_.spi, now_);
   } else {

@@ -8,8 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "sinew/runtime/robot_driver.h"
-#include "sinew/runtime/robot_machine.h"
+#include "sinew/devices/kinds.h"
 #include "sinew/sim/link_fault.h"
 
 namespace sinew::test {
@@ -58,7 +57,7 @@ class FaultCell {
   using Look = std::function<void(const std::optional<DriverEvent>&)>;
 
   /// @param robot  as variant_of() made it; outlives the cell. @param seed  of the machine
-  FaultCell(const RobotModel& robot, const runtime::MachineOptions& options, Duration warm_up);
+  FaultCell(const RobotModel& robot, const MachineVariant& options, Duration warm_up);
 
   Driver& driver() const { return driver_.get(); }
   sim::Machine& machine() const { return machine_.get(); }
@@ -82,8 +81,8 @@ class FaultCell {
   void turn();
 
   const RobotModel& robot_;
-  runtime::RobotDriver driver_;
-  runtime::RobotMachine machine_;
+  RobotDriver driver_;
+  RobotMachine machine_;
   std::unique_ptr<FaultLine> line_;
   Instant now_;
 };

@@ -3,11 +3,11 @@
 #include <chrono>
 #include <memory>
 
+#include "sinew/devices/axis/axis_registers_driver.h"
 #include "sinew/devices/axis/axis_registers_settings.h"
-#include "sinew/driver/axis_registers.h"
-#include "sinew/runtime/robot_machine.h"
+#include "sinew/devices/axis/axis_registers_wire.h"
+#include "sinew/devices/kinds.h"
 #include "sinew/runtime/robot_variant.h"
-#include "sinew/wire/axis_registers.h"
 #include "support/property.h"
 #include "support/robots.h"
 
@@ -31,10 +31,8 @@ class RegisterHosts {
  public:
   explicit RegisterHosts(const std::string& profile)
       : robot_(*runtime::variant_of(robot("robot-arm-2"), profile, "registers")),
-        machine_(
-            std::move(runtime::make_machine(robot_, {.profile = profile, .seed = seed()}, Instant{})
-                          .value()
-                          .spi)) {
+        machine_(std::move(
+            make_machine(robot_, {.profile = profile, .seed = seed()}, Instant{}).value().spi)) {
     new_host();
   }
 

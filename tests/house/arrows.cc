@@ -36,10 +36,15 @@ std::string_view arrows_of(std::string_view path) {
   if (slash == std::string_view::npos) return {};
   const std::string_view folder = path.substr(0, slash);
   if (folder != "devices") return folder;
-  const std::string_view stem = path.substr(0, path.rfind('.'));
-  const auto* role = std::ranges::find_if(
-      kFileRoles, [&](const FileRole& one) { return stem.ends_with(one.ending); });
-  return role == kFileRoles.end() ? folder : role->folder;
+  std::string_view name = path.substr(path.rfind('/') + 1);
+  name = name.substr(0, name.rfind('.'));
+  while (!name.empty()) {
+    const std::size_t end = std::min(name.find('_'), name.size());
+    const auto* role = std::ranges::find(kFileRoles, name.substr(0, end), &FileRole::word);
+    if (role != kFileRoles.end()) return role->folder;
+    name.remove_prefix(std::min(end + 1, name.size()));
+  }
+  return folder;
 }
 
 /// The folder of src/sinew whose arrows `path` has; empty outside of it.

@@ -23,7 +23,7 @@ inline constexpr std::array kArrows = std::to_array<FolderArrows>({
     {"mcu", ""},
     {"model", ""},
     {"io", ""},
-    {"config", "model vision"},
+    {"toml", ""},
     {"kinematics", "model"},
     {"vision", "model"},
     {"render", "vision kinematics"},
@@ -35,6 +35,9 @@ inline constexpr std::array kArrows = std::to_array<FolderArrows>({
     {"planning", "motion kinematics model"},
     {"grasping", "planning"},
     {"sim", "device kinematics model"},
+    {"file", "toml model"},
+    {"devices", "file driver sim"},
+    {"config", "devices vision"},
     {"control", "driver planning"},
     {"program", "control vision grasping"},
     {"runtime", "io sim program control driver vision config render calibration"},
@@ -42,18 +45,20 @@ inline constexpr std::array kArrows = std::to_array<FolderArrows>({
     {"cli", "*"},
 });
 
-/// What stands in devices/KIND/ goes by its file's name: icp_driver.h has the arrows of driver.
+/// What stands in devices/ goes by the first of these words in its file's name: icp_driver_leg.h
+/// has the arrows of driver. Without one it has those of devices: all of its kind.
 struct FileRole {
-  std::string_view ending;  ///< of the name, without its extension
+  std::string_view word;
   std::string_view folder;
 };
 inline constexpr std::array kFileRoles = std::to_array<FileRole>({
-    {"_settings", "model"},
-    {"_kinds", "model"},
-    {"_wire", "wire"},
-    {"_device", "device"},
-    {"_driver", "driver"},
-    {"_machine", "sim"},
+    {"settings", "model"},
+    {"wire", "wire"},
+    {"device", "device"},
+    {"driver", "driver"},
+    {"listener", "driver"},
+    {"file", "file"},
+    {"machine", "sim"},
 });
 
 /// Headers by which bytes, files or time leave the process, and the folders that may include them.

@@ -57,15 +57,18 @@ TEST(Arrows, of_a_devices_files_go_by_their_names) {
   const Tree tree{
       {"src/sinew/devices/arm/arm_driver.cc",
        "#include \"sinew/devices/arm/arm_wire.h\"\n#include \"sinew/sim/machine.h\"\n"},
-      {"src/sinew/devices/arm/arm_wire.h", "#include \"sinew/devices/arm/arm_driver.h\"\n"},
-      {"src/sinew/devices/arm/arm_help.h", ""},
+      {"src/sinew/devices/arm/arm_wire_words.h", "#include \"sinew/devices/arm/arm_driver.h\"\n"},
+      {"src/sinew/devices/arm/arm.cc",
+       "#include \"sinew/devices/arm/arm_driver.h\"\n#include \"sinew/config/robot_file.h\"\n"},
       {"src/sinew/devices/arm/arm_driver_test.cc", "#include \"sinew/sim/machine.h\"\n"}};
   EXPECT_EQ(check_arrows(tree),
             (Complaints{"src/sinew/devices/arm/arm_driver.cc:2: includes sinew/sim/machine.h; "
                         "driver may include core, mcu, model, wire",
-                        "src/sinew/devices/arm/arm_wire.h:1: includes "
+                        "src/sinew/devices/arm/arm_wire_words.h:1: includes "
                         "sinew/devices/arm/arm_driver.h; wire may include core, mcu",
-                        "src/sinew/devices/arm/arm_help.h:1: folder devices has no arrows"}));
+                        "src/sinew/devices/arm/arm.cc:2: includes sinew/config/robot_file.h; "
+                        "devices may include core, device, driver, file, kinematics, mcu, model, "
+                        "motion, sim, toml, wire"}));
 }
 
 TEST(Arrows, lead_only_to_folders_that_have_a_row_and_never_in_a_circle) {
@@ -122,10 +125,11 @@ TEST(Arrows, leave_unit_tests_and_comments_alone) {
 }
 
 TEST(Arrows, allow_helpers_of_tests_everything_but_to_be_shipped) {
-  const Tree tree{{"src/sinew/wire/golden_test_support.h", "#include <fstream>\n"},
-                  {"src/sinew/wire/arm_test_robot.h", "#include \"support/property.h\"\n"},
-                  {"src/sinew/wire/x.cc", "#include \"sinew/wire/arm_test_robot.h\"\n"},
-                  {"src/sinew/wire/x_test_helper.cc", "#include \"support/property.h\"\n"}};
+  const Tree tree{
+      {"src/sinew/devices/bigrobotarm/bigrobotarm_golden_test_support.h", "#include <fstream>\n"},
+      {"src/sinew/wire/arm_test_robot.h", "#include \"support/property.h\"\n"},
+      {"src/sinew/wire/x.cc", "#include \"sinew/wire/arm_test_robot.h\"\n"},
+      {"src/sinew/wire/x_test_helper.cc", "#include \"support/property.h\"\n"}};
   EXPECT_EQ(check_arrows(tree),
             (Complaints{"src/sinew/wire/x.cc:1: includes sinew/wire/arm_test_robot.h: that header "
                         "is for tests only",

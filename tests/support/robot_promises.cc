@@ -4,7 +4,7 @@
 #include <set>
 
 #include "sinew/core/units.h"
-#include "sinew/devices/device_kinds.h"
+#include "support/visit_kind.h"
 
 namespace sinew::test {
 namespace {

@@ -257,7 +257,7 @@ class Outside : public testing::TestWithParam<Case> {
     scene.inward = low ? 1 : -1;
     scene.beyond = scene.limits().kind == JointKind::kPrismatic ? 1e-4 : from_deg(3);
     const auto rest = runtime::homing_of(scene.robot).rest;
-    scene.cell.emplace(scene.robot, runtime::MachineOptions{.profile = what.profile, .seed = 5},
+    scene.cell.emplace(scene.robot, MachineVariant{.profile = what.profile, .seed = 5},
                        what.warm_up);
     double here = rest ? (*rest)[joint] : scene.truth();
     if (what.moved_before) {
@@ -324,7 +324,7 @@ struct Limp : testing::TestWithParam<bool> {
     scene.joint = joint;
     scene.inward = low ? 1 : -1;
     scene.beyond = from_deg(8);
-    scene.cell.emplace(scene.robot, runtime::MachineOptions{.profile = "bus", .seed = 5}, 1s);
+    scene.cell.emplace(scene.robot, MachineVariant{.profile = "bus", .seed = 5}, 1s);
     const auto index = static_cast<std::int8_t>(joint);
     scene.cell->machine().disturb({Kind::kLoad, index, -4 * scene.inward});
     scene.cell->run_to(scene.cell->now() + 2s, 10ms, [] { return false; });
@@ -359,7 +359,7 @@ class Jogged : public testing::TestWithParam<Case> {};
 TEST_P(Jogged, to_each_limit_every_joint_goes_on_and_comes_back) {
   Scene scene;
   scene.robot = model_of(GetParam());
-  scene.cell.emplace(scene.robot, runtime::MachineOptions{.profile = GetParam().profile, .seed = 5},
+  scene.cell.emplace(scene.robot, MachineVariant{.profile = GetParam().profile, .seed = 5},
                      GetParam().warm_up);
   scene.host.emplace(*scene.cell, scene.robot, GetParam().told);
   Host& host = *scene.host;

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 
-#include "sinew/devices/device_kinds.h"
-#include "sinew/wire/axis_link.h"
-#include "sinew/wire/axis_registers.h"
-#include "sinew/wire/icp.h"
-#include "sinew/wire/lsc.h"
-#include "sinew/wire/maxarm.h"
+#include "sinew/devices/axis/axis_link_wire.h"
+#include "sinew/devices/axis/axis_registers_wire.h"
+#include "sinew/devices/icp/icp_wire.h"
+#include "sinew/devices/lsc/lsc_wire.h"
+#include "sinew/devices/maxarm/maxarm_wire.h"
+#include "support/visit_kind.h"
 
 namespace sinew::test {
 namespace {

@@ -6,11 +6,11 @@
 #include "sinew/control/machine_identity.h"
 #include "sinew/core/units.h"
 #include "sinew/devices/bigrobotarm/bigrobotarm_settings.h"
+#include "sinew/devices/icp/icp_driver_leg.h"
+#include "sinew/devices/icp/icp_machine.h"
 #include "sinew/devices/icp/icp_settings.h"
 #include "sinew/devices/lsc/lsc_settings.h"
-#include "sinew/driver/icp_leg.h"
 #include "sinew/model/error_sentence.h"
-#include "sinew/sim/icp_machine.h"
 #include "system/some_motion.h"
 
 namespace sinew::test {

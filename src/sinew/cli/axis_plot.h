@@ -3,7 +3,7 @@
 #include <span>
 #include <string>
 
-#include "sinew/sim/axis_loop.h"
+#include "sinew/devices/axis/axis_machine_loop.h"
 
 namespace sinew::cli {
 

@@ -11,12 +11,12 @@
 #include "sinew/cli/program_report.h"
 #include "sinew/cli/table.h"
 #include "sinew/core/spelling.h"
+#include "sinew/devices/icp/icp_driver_facts.h"
 #include "sinew/devices/icp/icp_settings.h"
-#include "sinew/driver/device_facts.h"
+#include "sinew/devices/icp/icp_wire.h"
+#include "sinew/devices/icp/tmc222_wire_words.h"
 #include "sinew/io/interrupt.h"
 #include "sinew/model/left_out.h"
-#include "sinew/wire/icp.h"
-#include "sinew/wire/tmc222_words.h"
 
 namespace sinew::cli {
 namespace {
@@ -37,7 +37,9 @@ std::string flags_text(const tmc222::Flags& flags) {
 Outcome status_outcome(const runtime::Station& station) {
   const RobotModel& model = station.robot();
   const auto facts = station.view().facts;
-  const auto& legs = std::get<IcpFacts>(facts).legs;
+  const auto* heard = facts.as<IcpFacts>();
+  SINEW_ASSERT(heard != nullptr);
+  const auto& legs = heard->legs;
   Outcome outcome;
   outcome.json["legs"] = Json::array();
   Table table({"leg", "motion", "last step", "flags", "the 12 bytes"});

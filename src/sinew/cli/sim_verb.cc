@@ -8,6 +8,7 @@
 #include "sinew/cli/robot_argument.h"
 #include "sinew/cli/table.h"
 #include "sinew/cli/truth_text.h"
+#include "sinew/devices/kinds.h"
 #include "sinew/io/file.h"
 #include "sinew/io/interrupt.h"
 #include "sinew/io/local_socket.h"
@@ -15,7 +16,6 @@
 #include "sinew/io/standard_streams.h"
 #include "sinew/runtime/lasting_file.h"
 #include "sinew/runtime/machine_server.h"
-#include "sinew/runtime/robot_machine.h"
 #include "sinew/runtime/robot_variant.h"
 #include "sinew/runtime/simwire_bus.h"
 #include "sinew/runtime/simwire_guests.h"
@@ -33,7 +33,7 @@ struct Job {
   const SimRequest& request;
   RobotModel model;
   sim::FaultPlan faults;
-  runtime::RobotMachine machine;
+  RobotMachine machine;
   std::optional<runtime::LastingFile> state;
   std::optional<io::IoError> state_failure;
 
@@ -134,13 +134,13 @@ std::expected<void, Outcome> make_machine(Job& job) {
   const bool again = job.state && job.state->before();
   const auto axes = static_cast<std::int64_t>(job.model.joints.size());
   auto machine =
-      runtime::make_machine(job.model,
-                            {.profile = request.profile,
-                             .seed = job.state ? job.state->seed() : seed.value_or(1),
-                             .boards = static_cast<std::size_t>(request.slaves.value_or(axes)),
-                             .soft_select = request.nss == "soft",
-                             .ready_high = request.ready_high},
-                            again ? Instant{} - sim::kPowerOffTime : Instant{});
+      sinew::make_machine(job.model,
+                          {.profile = request.profile,
+                           .seed = job.state ? job.state->seed() : seed.value_or(1),
+                           .boards = static_cast<std::size_t>(request.slaves.value_or(axes)),
+                           .soft_select = request.nss == "soft",
+                           .ready_high = request.ready_high},
+                          again ? Instant{} - sim::kPowerOffTime : Instant{});
   if (!machine) return std::unexpected(could_not(machine.error()));
   job.machine = std::move(*machine);
   if (again && !sim::power_up_from(*job.state->before(), job.machine.get(), Instant{})) {

@@ -14,7 +14,7 @@
 #include "sinew/cli/torque_report.h"
 #include "sinew/core/quantity.h"
 #include "sinew/core/spelling.h"
-#include "sinew/device/axis_settings.h"
+#include "sinew/devices/axis/axis_device_settings.h"
 #include "sinew/io/file.h"
 #include "sinew/model/joint_lookup.h"
 #include "sinew/program/program_file.h"

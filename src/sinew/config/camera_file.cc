@@ -4,8 +4,8 @@
 #include <cmath>
 #include <cstdio>
 
-#include "sinew/config/table_reader.h"
-#include "sinew/config/toml_pose.h"
+#include "sinew/toml/table_reader.h"
+#include "sinew/toml/toml_pose.h"
 #include "sinew/vision/tag_board.h"
 
 namespace sinew {

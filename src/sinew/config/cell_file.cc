@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "sinew/config/table_reader.h"
 #include "sinew/core/rotation.h"
+#include "sinew/toml/table_reader.h"
 #include "sinew/vision/color_names.h"
 
 namespace sinew {

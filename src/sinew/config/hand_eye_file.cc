@@ -3,9 +3,9 @@
 #include <array>
 #include <cstdio>
 
-#include "sinew/config/table_reader.h"
-#include "sinew/config/toml_pose.h"
 #include "sinew/core/units.h"
+#include "sinew/toml/table_reader.h"
+#include "sinew/toml/toml_pose.h"
 
 namespace sinew {
 namespace {

@@ -6,10 +6,10 @@
 #include <cstdio>
 #include <span>
 
-#include "sinew/config/findings.h"
-#include "sinew/config/toml_tree.h"
 #include "sinew/core/spelling.h"
 #include "sinew/core/units.h"
+#include "sinew/toml/findings.h"
+#include "sinew/toml/toml_tree.h"
 
 namespace sinew {
 namespace {

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
-#include "sinew/config/read_devices.h"
 #include "sinew/core/rotation.h"
 #include "sinew/core/spelling.h"
+#include "sinew/devices/table_file.h"
 #include "sinew/model/collision_links.h"
 
 namespace sinew {

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "sinew/config/table_reader.h"
 #include "sinew/model/robot_model.h"
+#include "sinew/toml/table_reader.h"
 
 namespace sinew {
 

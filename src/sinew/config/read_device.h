@@ -1,12 +1,11 @@
 #pragma once
 
-#include "sinew/config/table_reader.h"
 #include "sinew/model/robot_model.h"
+#include "sinew/toml/table_reader.h"
 
 namespace sinew {
 
-/// Reads [device]: the wire's name and what it can do, and the settings of the wires that this
-/// version speaks.
+/// Reads [device]: the name of its wire, and the rest as its kind has it.
 void read_device(TableReader& root, RobotModel& model);
 
 /// Whether the rest of the file asks for nothing that this device cannot do. @pre all of it is read

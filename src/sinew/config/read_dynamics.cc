@@ -1,6 +1,6 @@
 #include "sinew/config/read_dynamics.h"
 
-#include "sinew/config/read_devices.h"
+#include "sinew/devices/table_file.h"
 
 namespace sinew {
 namespace {

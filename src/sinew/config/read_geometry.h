@@ -2,8 +2,8 @@
 
 #include <optional>
 
-#include "sinew/config/table_reader.h"
 #include "sinew/model/robot_model.h"
+#include "sinew/toml/table_reader.h"
 
 namespace sinew {
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "sinew/core/spelling.h"
+#include "sinew/model/joints_moved.h"
 
 namespace sinew {
 namespace {
@@ -121,11 +122,6 @@ void set_home_of_legs(TableReader& root, RobotModel& model) {
 }
 
 }  // namespace
-
-std::size_t joints_moved_by(const Geometry& geometry) {
-  if (const auto* serial = std::get_if<SerialGeometry>(&geometry)) return serial->rows.size();
-  return std::holds_alternative<HexapodGeometry>(geometry) ? kLegs : 3;
-}
 
 void read_joints(TableReader& root, GeometryKind kind, RobotModel& model) {
   const bool legs = kind == GeometryKind::kHexapod;

@@ -8,7 +8,7 @@
 #include "sinew/config/read_dynamics.h"
 #include "sinew/config/read_geometry.h"
 #include "sinew/config/read_joints.h"
-#include "sinew/config/table_reader.h"
+#include "sinew/toml/table_reader.h"
 
 namespace sinew {
 namespace {

@@ -4,8 +4,8 @@
 #include <string_view>
 #include <vector>
 
-#include "sinew/config/findings.h"
 #include "sinew/model/robot_model.h"
+#include "sinew/toml/findings.h"
 
 namespace sinew {
 

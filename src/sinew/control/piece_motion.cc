@@ -22,7 +22,7 @@ PieceMotion::PieceMotion(const JointVector& q_start, std::vector<JointMove> piec
       overlaps_(std::move(overlaps)),
       streams_(robot.device.capability.motion == MotionKind::kStream),
       takes_speed_(!streams_ && robot.device.capability.takes_speed),
-      together_(robot.device.settings->moves_together()) {
+      together_(robot.device.settings->separate_moves(robot) == nullptr) {
   if (q_start_.empty()) return;
   for (const double q : q_start_) whole_.push_back({q, q});
   JointVector from = q_start_;

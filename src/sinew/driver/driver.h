@@ -4,13 +4,13 @@
 #include <cstdint>
 #include <optional>
 #include <span>
-#include <variant>
 
 #include "sinew/core/error.h"
 #include "sinew/core/fixed_vector.h"
 #include "sinew/core/instant.h"
 #include "sinew/driver/device_facts.h"
 #include "sinew/model/robot_model.h"
+#include "sinew/model/tool_action.h"
 #include "sinew/wire/spi.h"
 
 namespace sinew {
@@ -48,24 +48,6 @@ struct JointInterval {
 inline bool covers(const JointInterval& outer, const JointInterval& inner) {
   return outer.lower <= inner.lower && inner.upper <= outer.upper;
 }
-
-/// What the tool is asked to do. A robot without that tool answers kToolNotFitted.
-struct JawsTo {
-  double width = 0;                 ///< m between the jaws
-  std::optional<double> held = {};  ///< m: width of what they hold then, where anything
-};
-struct GripperTo {
-  bool enabled = true;
-  std::optional<double> angle;  ///< rad of its servo; nothing: where it was told to be last
-};
-struct Suction {
-  enum class State : std::uint8_t { kOn, kRelease, kOff } state = State::kOff;
-};
-struct NozzleTo {
-  double angle = 0;  ///< rad, 0 to pi on the servo's own scale; pi/2 is its centre
-  Duration duration{};
-};
-using ToolAction = std::variant<JawsTo, GripperTo, Suction, NozzleTo>;
 
 /// What only one kind of device can be asked for, by a person.
 enum class DeviceService : std::uint8_t {

@@ -4,7 +4,6 @@
 #include <span>
 
 #include "sinew/core/error.h"
-#include "sinew/driver/lsc_units.h"
 #include "sinew/model/robot_model.h"
 
 namespace sinew {
@@ -15,12 +14,9 @@ namespace sinew {
 class WireTarget {
  public:
   /// @param robot  outlives this.
-  explicit WireTarget(const RobotModel& robot);
+  explicit WireTarget(const RobotModel& robot) : robot_(robot) {}
 
-  /// Nothing where a move may end at q (rad or m, one a joint), or a streamed way pass it.
-  /// @param from  where the motion begins; beyond a limit places on the way back can be said too
-  /// @return kStepRange, kUnsendable (index, steps), kPulseRange (index, pulses), kJointLimit
-  ///         (index: nothing inside the limits is near enough)
+  /// DeviceSettings::target_refusal() of the robot's device.
   std::optional<Error> refusal(std::span<const double> q, std::span<const double> from = {}) const;
 
   /// The place nearest to q that can be said and is inside the limits: joints that can be said
@@ -29,7 +25,6 @@ class WireTarget {
 
  private:
   const RobotModel& robot_;
-  std::optional<LscUnits> lsc_;
 };
 
 }  // namespace sinew

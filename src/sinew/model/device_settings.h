@@ -13,8 +13,11 @@
 #include <vector>
 
 #include "sinew/core/assert.h"
+#include "sinew/core/error.h"
 #include "sinew/core/instant.h"
 #include "sinew/model/axis_board.h"
+#include "sinew/model/separate_moves.h"
+#include "sinew/model/tool_action.h"
 
 namespace sinew {
 
@@ -53,8 +56,8 @@ struct Opening {
 inline constexpr Opening kBoots{std::chrono::seconds(5),
                                 ", which may be starting: opening a port resets many boards"};
 
-/// What a wire and its device add to a motion's own time, undisturbed; the register wire's boards,
-/// which are told one by one, have AxisRegisterTimes instead. Commands take their time on
+/// What a wire and its device add to a motion's own time, undisturbed; a device whose joints are
+/// commanded one by one has SeparateMoves instead. Commands take their time on
 /// the wire, boards look at their port now and then, and a driver looks before it says that a
 /// motion is done. docs/motion/arrival.md has where the numbers come from.
 struct MotionDelay {
@@ -71,7 +74,12 @@ struct CountGrain {
 };
 
 struct Device;
+struct JawGripper;
 struct RobotModel;
+
+/// Part of their stroke that jaws go to a width (m); all of it where nobody knows how wide they
+/// are.
+double jaws_share(const JawGripper& gripper, double width, std::optional<double> jaws);
 
 /// A setting that commissioning finds, or a cell's file gives: `joint.base.turn = other`.
 struct DeviceSetting {
@@ -115,13 +123,34 @@ class DeviceSettings {
   /// How fast its firmware makes a joint where it is asked for more than the robot's file proves:
   /// rad/s, and rad/s^2. 0: no more than that.
   virtual double firmware_reach(std::size_t /*joint*/) const { return 0; }
-  /// Joints of a point-to-point move go together; else each starts with its own command.
-  virtual bool moves_together() const { return true; }
+  /// Of a device whose joints do not go together; nullptr of others. Lives no longer than the
+  /// robot.
+  virtual std::unique_ptr<SeparateMoves> separate_moves(const RobotModel& /*robot*/) const {
+    return nullptr;
+  }
+  /// Why its wire cannot say a position, asked before anything moves and of the very functions by
+  /// which its driver says it. Nothing where a move may end at q (rad or m, one a joint), or a
+  /// streamed path pass it.
+  /// @param from  where the motion begins; beyond a limit positions on the way back can be said too
+  /// @return kStepRange, kUnsendable (index, steps), kPulseRange (index, pulses), kJointLimit
+  ///         (index: nothing inside the limits is near enough)
+  virtual std::optional<Error> target_refusal(const RobotModel& /*robot*/,
+                                              std::span<const double> /*q*/,
+                                              std::span<const double> /*from*/) const {
+    return std::nullopt;
+  }
   /// A device that makes its motions itself can be told their accelerations.
   virtual bool takes_acceleration() const { return false; }
   /// A driver of the ideal device asks it every 10 ms how far it is.
   virtual MotionDelay motion_delay() const {
     return {std::chrono::milliseconds(2), std::chrono::milliseconds(8)};
+  }
+  /// From a tool action's order until the driver reports that it is done; zero where that is no
+  /// more than a question and its answer.
+  /// @param jaws  m: how wide they were commanded last since the port was opened, where they were
+  virtual Duration tool_time(const RobotModel& /*robot*/, const ToolAction& /*action*/,
+                             std::optional<double> /*jaws*/) const {
+    return {};
   }
   /// The shortest and the longest point-to-point move that its wire can say.
   virtual std::pair<Duration, Duration> move_times() const {
@@ -163,10 +192,14 @@ class SettingsOf : public DeviceSettings {
 /// The device of a robot whose file names none: it does exactly what it is told, within the file's
 /// limits.
 struct IdealDevice final : SettingsOf<IdealDevice> {
+  static constexpr Duration kJawsStroke = std::chrono::milliseconds(800);  ///< from open to closed
+
   void identify(IdentityText& out) const override { out.add(std::string_view("ideal")); }
   StopFacts stop_facts() const override {
     return {true, "a line until told, then as its joints brake", "it has no weight: nothing falls"};
   }
+  Duration tool_time(const RobotModel& robot, const ToolAction& action,
+                     std::optional<double> jaws) const override;
 };
 
 /// Settings of one kind or another. A value: its copy is another one.

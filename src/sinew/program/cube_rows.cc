@@ -115,12 +115,14 @@ class Sequence {
     if (const auto* jaws = std::get_if<JawsTo>(&action)) {
       const auto fine = planner_.check_jaws(q_, rows_.tool, jaws->width, things_.bare);
       if (!fine) return refused({row_.line, fine.error(), std::nullopt});
-      rows_.duration += to_seconds(tool_time(planner_.robot(), action, rows_.tool.jaws));
+      rows_.duration += to_seconds(
+          planner_.robot().device.settings->tool_time(planner_.robot(), action, rows_.tool.jaws));
       rows_.tool = {jaws->width, jaws->held};
       carries_ = jaws->held.has_value();
     } else {
       carries_ = std::get<Suction>(action).state == Suction::State::kOn;
-      rows_.duration += to_seconds(tool_time(planner_.robot(), action, std::nullopt));
+      rows_.duration += to_seconds(
+          planner_.robot().device.settings->tool_time(planner_.robot(), action, std::nullopt));
     }
     rows_.steps.push_back({row_.line, ToolStep{action}, row_.file});
     return std::nullopt;

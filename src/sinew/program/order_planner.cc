@@ -8,11 +8,11 @@
 
 #include "sinew/core/units.h"
 #include "sinew/devices/bigrobotarm/bigrobotarm_settings.h"
+#include "sinew/devices/bigrobotarm/bigrobotarm_wire_byte.h"
 #include "sinew/model/hand.h"
 #include "sinew/model/joint_lookup.h"
 #include "sinew/model/left_out.h"
 #include "sinew/program/cube_rows.h"
-#include "sinew/wire/bigrobotarm_byte.h"
 
 namespace sinew::program {
 namespace {
@@ -341,7 +341,8 @@ std::optional<Refusal> OrderPlanner::take_tool(const Step& step, std::size_t pla
   const auto* jaws = std::get_if<JawsTo>(&action);
   double least = std::numeric_limits<double>::infinity(), most = 0;
   for (Stand& stand : stands_) {
-    const double duration = to_seconds(tool_time(robot_, action, stand.tool.jaws));
+    const double duration =
+        to_seconds(robot_.device.settings->tool_time(robot_, action, stand.tool.jaws));
     if (jaws != nullptr) {
       if (const auto fine = check_jaws(stand, jaws->width); !fine) {
         return refused(step, fine.error());

@@ -59,7 +59,7 @@ TEST(ProgramRun, loops_waits_and_tools_come_in_their_order) {
   EXPECT_GE(cell.now - Instant{}, 1500ms);
   // Where the jaws are nobody knows the first time; then they stand there.
   const auto jaws = [&](std::optional<double> before) {
-    return to_seconds(tool_time(cell.robot, JawsTo{10e-3}, before));
+    return to_seconds(cell.robot.device.settings->tool_time(cell.robot, JawsTo{10e-3}, before));
   };
   EXPECT_NEAR(cell.run.plan().duration, 1.5 + jaws(std::nullopt) + 5 * jaws(10e-3), 1e-9);
   EXPECT_GT(jaws(std::nullopt), jaws(10e-3));

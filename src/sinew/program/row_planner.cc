@@ -7,8 +7,6 @@
 #include "sinew/control/path_motion.h"
 #include "sinew/control/piece_motion.h"
 #include "sinew/core/assert.h"
-#include "sinew/devices/axis/axis_registers_settings.h"
-#include "sinew/driver/axis_register_times.h"
 #include "sinew/planning/chords.h"
 #include "sinew/planning/motion_limits.h"
 #include "sinew/program/nearest_pitch.h"
@@ -118,18 +116,12 @@ double tips_ahead(const ToolState& tool, const RobotModel& robot) {
   return jaw_reach(*serial->gripper, *tool.jaws) - serial->gripper->reach_open;
 }
 
-const AxisRegistersDevice* register_boards(const RobotModel& robot) {
-  return robot.device.settings.as<AxisRegistersDevice>();
-}
-
-/// Where each joint is told by itself and then goes at its own pace.
-AxisRegisterTimes::Move times_of(AxisRegisterTimes& times, const JointVector& from,
-                                 const JointVector& to, const RobotModel& robot) {
+SeparateMoves::Move times_of(SeparateMoves& times, const JointVector& from, const JointVector& to,
+                             const RobotModel& robot) {
   const auto limits = planning::motion_limits(robot);
-  const AxisRegistersDevice& boards = *register_boards(robot);
   JointVector own;
   for (std::size_t j = 0; j < from.size(); ++j) {
-    const double way = told_angle(boards, robot, j, to[j]) - told_angle(boards, robot, j, from[j]);
+    const double way = times.target(j, to[j]) - times.target(j, from[j]);
     own.push_back(way == 0 ? 0 : motion::plan_axis(std::abs(way), limits[j]).duration());
   }
   return times.next({own.data(), own.size()});
@@ -640,8 +632,8 @@ std::expected<std::vector<double>, Refusal> RowPlanner::chord_places(
   return out;
 }
 
-/// Whole moves from stop to stop; register boards' joints do not arrive together, so what they
-/// really pass on each of them has to be clear as well.
+/// Point-to-point moves from stop to stop; where joints do not arrive together, what they really
+/// pass on each of them has to be clear as well.
 std::expected<void, Refusal> RowPlanner::cut_into_moves(std::span<const Step> rows,
                                                         const RobotPlace& start, RowMotion& out) {
   auto places = chord_places(rows, start);
@@ -674,12 +666,12 @@ std::expected<void, Refusal> RowPlanner::cut_into_moves(std::span<const Step> ro
   return {};
 }
 
-/// What register boards hit on their way, each at its own pace from when it was told.
+/// What joints hit that go separately, each at its own pace from when it was commanded.
 std::optional<Refusal> RowPlanner::driven_contact(std::span<const Step> rows,
                                                   const RobotPlace& start,
                                                   std::span<const double> places,
                                                   const RowMotion& out) const {
-  if (register_boards(robot_) == nullptr) return std::nullopt;
+  if (!robot_.device.settings->separate_moves(robot_)) return std::nullopt;
   constexpr double kKnots = 0.1;  // s
   const WholeMoves driven(vector_of(start.q, robot_.joints.size()), out, 1, robot_);
   const auto count = static_cast<std::size_t>(std::ceil(driven.duration() / kKnots)) + 1;
@@ -712,8 +704,7 @@ void RowPlanner::cut_into_chords(const RobotPlace& start, std::span<const double
                                  RowMotion& out) const {
   JointVector from = vector_of(start.q, robot_.joints.size());
   double t_from = 0;
-  std::optional<AxisRegisterTimes> times;
-  if (const auto* boards = register_boards(robot_)) times.emplace(*boards);
+  const auto times = robot_.device.settings->separate_moves(robot_);
   for (const double s : places) {
     const bool last = s == places.back();
     const JointVector to = last ? out.q_end : joints_at(s);
@@ -748,9 +739,8 @@ JointVector resolved(const JointStep& step, const JointVector& from) {
 
 double whole_move_duration(const JointVector& from, const JointVector& to, const RobotModel& robot,
                            double speed) {
-  if (const auto* boards = register_boards(robot)) {
-    AxisRegisterTimes times(*boards);
-    return times_of(times, from, to, robot).own;
+  if (const auto times = robot.device.settings->separate_moves(robot)) {
+    return times_of(*times, from, to, robot).own;
   }
   return profile_between(from, to, robot, speed).duration();
 }

@@ -7,7 +7,6 @@
 #include <span>
 #include <vector>
 
-#include "sinew/driver/tool_time.h"
 #include "sinew/driver/wire_target.h"
 #include "sinew/planning/cell_way.h"
 #include "sinew/planning/motion_planner.h"

@@ -6,8 +6,8 @@
 
 #include "sinew/core/units.h"
 #include "sinew/devices/axis/axis_registers_settings.h"
+#include "sinew/devices/bigrobotarm/bigrobotarm_driver_multipliers.h"
 #include "sinew/devices/bigrobotarm/bigrobotarm_settings.h"
-#include "sinew/driver/bigrobotarm_multipliers.h"
 #include "sinew/program/program_plan.h"
 #include "support/property.h"
 #include "support/robots.h"

@@ -9,10 +9,10 @@
 #include "sinew/core/number_text.h"
 #include "sinew/core/units.h"
 #include "sinew/devices/bigrobotarm/bigrobotarm_settings.h"
+#include "sinew/devices/bigrobotarm/bigrobotarm_wire_byte.h"
 #include "sinew/model/joint_lookup.h"
 #include "sinew/model/limit_reach.h"
 #include "sinew/program/row_planner.h"
-#include "sinew/wire/bigrobotarm_byte.h"
 
 namespace sinew::program {
 namespace {

@@ -1,7 +1,6 @@
 #include "sinew/program/whole_moves.h"
 
 #include <algorithm>
-#include <optional>
 
 #include "sinew/planning/motion_limits.h"
 
@@ -10,16 +9,14 @@ namespace sinew::program {
 WholeMoves::WholeMoves(const JointVector& q_start, const RowMotion& motion, double speed,
                        const RobotModel& robot)
     : delay_(robot.device.settings->motion_delay()), q_start_(q_start), duration_(motion.duration) {
-  const auto* boards = robot.device.settings.as<AxisRegistersDevice>();
-  std::optional<AxisRegisterTimes> times;
-  if (boards != nullptr) times.emplace(*boards);
+  const auto times = robot.device.settings->separate_moves(robot);
   double order = 0;
   JointVector from = q_start;
   pieces_.reserve(motion.pieces.size());
   for (const JointMove& move : motion.pieces) {
     Piece& piece = pieces_.emplace_back(Piece{order, move.q, {}});
     if (times) {
-      order += add_boards(piece, from, *times, robot, *boards);
+      order += add_separate(piece, from, *times, robot);
     } else {
       const double seconds = to_seconds(move.duration);
       add_together(piece, from, seconds, speed, robot);
@@ -37,21 +34,21 @@ void WholeMoves::add_together(Piece& piece, const JointVector& from, double seco
       {0, profile, piece.begin + to_seconds(delay_.arrival), seconds / profile.duration()});
 }
 
-/// Each by itself, once it was told.
-/// @return  s until the driver has told that all boards are there
-double WholeMoves::add_boards(Piece& piece, const JointVector& from, AxisRegisterTimes& times,
-                              const RobotModel& robot, const AxisRegistersDevice& boards) {
+/// Each by itself, once it was commanded.
+/// @return  s until the driver has reported that all joints are there
+double WholeMoves::add_separate(Piece& piece, const JointVector& from, SeparateMoves& times,
+                                const RobotModel& robot) {
   const auto limits = planning::motion_limits(robot);
   JointVector own;
   for (std::size_t j = 0; j < from.size(); ++j) {
-    const double begin = told_angle(boards, robot, j, from[j]);
-    const double end = told_angle(boards, robot, j, piece.q[j]);
+    const double begin = times.target(j, from[j]);
+    const double end = times.target(j, piece.q[j]);
     piece.q[j] = end;
     const motion::RestToRest profile({&begin, 1}, {&end, 1}, {&limits[j], 1});
     own.push_back(profile.duration());
     if (profile.duration() > 0) piece.lanes.push_back({j, profile, 0, 1});
   }
-  const AxisRegisterTimes::Move move = times.next({own.data(), own.size()});
+  const SeparateMoves::Move move = times.next({own.data(), own.size()});
   for (Lane& lane : piece.lanes) lane.begin = piece.begin + move.start[lane.first];
   return move.report;
 }

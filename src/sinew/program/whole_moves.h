@@ -2,8 +2,6 @@
 
 #include <vector>
 
-#include "sinew/devices/axis/axis_registers_settings.h"
-#include "sinew/driver/axis_register_times.h"
 #include "sinew/program/row_planner.h"
 
 namespace sinew::program {
@@ -39,8 +37,8 @@ class WholeMoves {
 
   void add_together(Piece& piece, const JointVector& from, double seconds, double speed,
                     const RobotModel& robot) const;
-  static double add_boards(Piece& piece, const JointVector& from, AxisRegisterTimes& times,
-                           const RobotModel& robot, const AxisRegistersDevice& boards);
+  static double add_separate(Piece& piece, const JointVector& from, SeparateMoves& times,
+                             const RobotModel& robot);
 
   MotionDelay delay_;
   JointVector q_start_;

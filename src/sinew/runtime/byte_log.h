@@ -6,8 +6,8 @@
 #include <string>
 
 #include "sinew/core/instant.h"
+#include "sinew/driver/wire_ring.h"
 #include "sinew/io/file.h"
-#include "sinew/runtime/wire_ring.h"
 
 namespace sinew::runtime {
 

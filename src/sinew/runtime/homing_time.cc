@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sinew/device/axis_settings.h"
+#include "sinew/devices/axis/axis_device_settings.h"
 #include "sinew/model/left_out.h"
 #include "sinew/motion/rest_to_rest.h"
 

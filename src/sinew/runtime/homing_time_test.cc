@@ -5,14 +5,14 @@
 #include <vector>
 
 #include "sinew/core/units.h"
-#include "sinew/device/axis_test_cell.h"
+#include "sinew/devices/axis/axis_device_test_cell.h"
 #include "sinew/devices/axis/axis_link_settings.h"
+#include "sinew/devices/axis/axis_machine.h"
 #include "sinew/devices/axis/axis_registers_settings.h"
+#include "sinew/devices/kinds.h"
 #include "sinew/program/program_run.h"
 #include "sinew/runtime/control_loop.h"
-#include "sinew/runtime/robot_driver.h"
 #include "sinew/runtime/robot_variant.h"
-#include "sinew/sim/stepper_arm.h"
 #include "support/robots.h"
 
 namespace sinew::runtime {

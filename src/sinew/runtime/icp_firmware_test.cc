@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "sinew/devices/icp/icp_settings.h"
-#include "sinew/runtime/robot_machine.h"
+#include "sinew/devices/kinds.h"
 #include "sinew/runtime/robot_variant.h"
 #include "support/robots.h"
 

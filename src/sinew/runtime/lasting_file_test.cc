@@ -5,12 +5,12 @@
 #include <cmath>
 #include <fstream>
 
+#include "sinew/devices/bigrobotarm/bigrobotarm_wire_byte.h"
+#include "sinew/devices/icp/icp_wire.h"
+#include "sinew/devices/kinds.h"
+#include "sinew/devices/lsc/lsc_wire.h"
+#include "sinew/devices/maxarm/maxarm_wire.h"
 #include "sinew/io/scratch_folder_test_support.h"
-#include "sinew/runtime/robot_machine.h"
-#include "sinew/wire/bigrobotarm_byte.h"
-#include "sinew/wire/icp.h"
-#include "sinew/wire/lsc.h"
-#include "sinew/wire/maxarm.h"
 #include "support/robots.h"
 
 namespace sinew::runtime {

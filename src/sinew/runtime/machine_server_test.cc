@@ -8,9 +8,9 @@
 #include <thread>
 
 #include "sinew/devices/axis/axis_registers_settings.h"
+#include "sinew/devices/kinds.h"
 #include "sinew/io/local_socket.h"
 #include "sinew/io/scratch_folder_test_support.h"
-#include "sinew/runtime/robot_machine.h"
 #include "sinew/runtime/simwire_bus.h"
 #include "support/robots.h"
 

@@ -5,11 +5,11 @@
 #include <vector>
 
 #include "sinew/core/assert.h"
-#include "sinew/driver/axis_link.h"
-#include "sinew/driver/axis_registers.h"
+#include "sinew/devices/kinds.h"
 #include "sinew/io/local_socket.h"
 #include "sinew/runtime/robot_variant.h"
 #include "sinew/runtime/simulated_line.h"
+#include "sinew/runtime/simulated_table.h"
 #include "sinew/runtime/simwire_bus.h"
 
 namespace sinew::runtime {
@@ -115,11 +115,16 @@ void RobotLink::disconnect() {
   parts_->bus.reset();
 }
 
-io::IoResult<RobotLink> RobotLink::simulate(const RobotModel& robot, const MachineOptions& options,
+io::IoResult<RobotLink> RobotLink::simulate(const RobotModel& robot,
+                                            const SimulatedMachine& simulated,
                                             const io::Clock& clock, ByteLog& log) {
   SINEW_ASSERT(clock.is_simulated());
-  auto machine = make_machine(robot, options, clock.now());
+  auto machine = make_machine(robot, simulated.variant, clock.now());
   if (!machine) return std::unexpected(io::IoError{machine.error()});
+  if (machine->byte && simulated.table != nullptr) {
+    machine->byte =
+        simulated.table->under(std::move(machine->byte), robot, simulated.place, clock.now());
+  }
   auto parts = parts_for(robot, clock, log);
   parts->name = "its simulated device";
   if (machine->spi) {
@@ -168,46 +173,6 @@ std::optional<std::string> wrong_port(const RobotModel& robot, const std::string
 
 io::Clock clock_for(const std::optional<std::string>& port, double scale) {
   return !port || is_simwire(*port) ? io::Clock::simulated(scale) : io::Clock(scale);
-}
-
-namespace {
-
-/// The boards that are silent while others answer, for people; empty where there are none.
-template <class BoardDriver>
-std::string silent_boards(const BoardDriver& driver) {
-  std::string names;
-  std::size_t silent = 0;
-  const std::size_t joints = driver.positions().size();
-  for (std::size_t i = 0; i < joints; ++i) {
-    const auto fault = driver.axis_fault(i);
-    if (!fault || fault->code != ErrorCode::kDeviceSilent) continue;
-    names += (silent++ == 0 ? "J" : ", J") + std::to_string(i + 1);
-  }
-  if (silent == 0 || silent == joints) return {};
-  const std::string many = std::to_string(silent) + " of " + std::to_string(joints) + " boards";
-  std::string list = "[";
-  for (std::size_t i = 0; i < joints; ++i) {
-    const auto fault = driver.axis_fault(i);
-    if (!fault || fault->code != ErrorCode::kDeviceSilent) continue;
-    list += (list.size() > 1 ? ", \"J" : "\"J") + std::to_string(i + 1) + "\"";
-  }
-  std::string option = names;
-  std::erase(option, ' ');
-  return many + (silent == 1 ? " does" : " do") + " not answer: " + names +
-         "; to use the others: --without " + option +
-         " of run, commission, doctor or device, in a cell's file without = " + list + "]";
-}
-
-}  // namespace
-
-std::string suspicion(const Driver& driver) {
-  if (const auto* link = dynamic_cast<const AxisLinkDriver*>(&driver)) return silent_boards(*link);
-  const auto* boards = dynamic_cast<const AxisRegistersDriver*>(&driver);
-  if (boards == nullptr) return {};
-  if (const std::string silent = silent_boards(*boards); !silent.empty()) return silent;
-  if (!boards->statuses_are_blank()) return {};
-  return "the status of every board reads zero: looks like boards with the first firmware; "
-         "try --profile as-built";
 }
 
 bool may_be_simulated(const std::optional<std::string>& port) {

@@ -4,12 +4,22 @@
 #include <optional>
 #include <string>
 
+#include "sinew/driver/driver.h"
 #include "sinew/runtime/driver_line.h"
 #include "sinew/runtime/machine_server.h"
-#include "sinew/runtime/robot_driver.h"
-#include "sinew/runtime/robot_machine.h"
+#include "sinew/sim/robot_machine.h"
 
 namespace sinew::runtime {
+
+class SimulatedTable;
+
+/// A simulated machine and where it stands.
+struct SimulatedMachine {
+  MachineVariant variant{};
+  /// What its hand works on; nothing: an empty table. Outlives the machine.
+  SimulatedTable* table = nullptr;
+  std::size_t place = 0;  ///< which of the table's robots it is
+};
 
 /// A robot's driver on a wire to its device: over a port, over simwire, or in simulated time to a
 /// machine that is simulated in this process.
@@ -23,8 +33,9 @@ class RobotLink {
   static io::IoResult<RobotLink> prepare(const RobotModel& robot, const std::string& port,
                                          const io::Clock& clock, ByteLog& log);
   /// @param clock  a simulated one; clock and log outlive the link
-  static io::IoResult<RobotLink> simulate(const RobotModel& robot, const MachineOptions& options,
-                                          const io::Clock& clock, ByteLog& log);
+  static io::IoResult<RobotLink> simulate(const RobotModel& robot,
+                                          const SimulatedMachine& simulated, const io::Clock& clock,
+                                          ByteLog& log);
 
   RobotLink(RobotLink&&) noexcept;
   RobotLink& operator=(RobotLink&&) = delete;
@@ -60,11 +71,6 @@ std::optional<std::string> wrong_port(const RobotModel& robot, const std::string
 /// The clock of a robot's wire: simulated for a device of this process (no port) and for boards
 /// behind simwire, whose time goes by what their host says; real, or scaled, for all others.
 io::Clock clock_for(const std::optional<std::string>& port, double scale);
-
-/// Boards that are silent while others answer, or that say nothing of themselves where the robot's
-/// file promises that they do: which, and what to try, for people. Empty where all is as it should
-/// be.
-std::string suspicion(const Driver& driver);
 
 /// Whether no real device is meant: no port, a pseudo-terminal, or simwire. The other end of those
 /// may keep a time of its own; what is found out there says nothing of the robot on the bench.

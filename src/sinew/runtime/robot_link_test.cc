@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "sinew/devices/kinds.h"
 #include "sinew/io/scratch_folder_test_support.h"
 #include "sinew/runtime/robot_variant.h"
 #include "sinew/runtime/running_cell.h"
@@ -38,9 +39,9 @@ std::string suspicion_of(const char* boards, const char* taken_for) {
   const RobotModel real = *variant_of(test::robot("robot-arm-2"), boards, std::nullopt);
   const auto machine = make_machine(real, {.profile = boards}, Instant{});
   const RobotDriver driver = make_driver(robot);
-  EXPECT_EQ(suspicion(*driver.spi), "") << "nobody has answered yet";
+  EXPECT_EQ(kind_of(robot.device).suspicion(*driver.spi), "") << "nobody has answered yet";
   opened(*driver.spi, *machine->spi);
-  return suspicion(*driver.spi);
+  return kind_of(robot.device).suspicion(*driver.spi);
 }
 
 TEST(RobotLink, boards_whose_status_says_nothing_are_suspected_to_have_the_first_firmware) {
@@ -67,7 +68,7 @@ TEST(RobotLink, boards_that_are_silent_are_named_on_both_wires) {
       const auto machine = make_machine(robot, {.profile = {}, .boards = there}, Instant{});
       const RobotDriver driver = make_driver(robot);
       opened(*driver.spi, *machine->spi);
-      EXPECT_EQ(suspicion(*driver.spi), sentence);
+      EXPECT_EQ(kind_of(robot.device).suspicion(*driver.spi), sentence);
       EXPECT_EQ(driver.spi->home(Instant{} + 20s).has_value(), there == 6);
     }
   }

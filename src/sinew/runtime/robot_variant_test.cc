@@ -4,10 +4,9 @@
 
 #include <cmath>
 
+#include "sinew/devices/kinds.h"
 #include "sinew/devices/lsc/lsc_settings.h"
 #include "sinew/model/left_out.h"
-#include "sinew/runtime/robot_driver.h"
-#include "sinew/runtime/robot_machine.h"
 #include "support/robot_promises.h"
 #include "support/robots.h"
 

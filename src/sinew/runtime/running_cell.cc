@@ -12,7 +12,7 @@ StationOptions options_of(const CellRobot& robot, const CellFolders& folders) {
   StationOptions options;
   options.name = robot.name;
   options.port = robot.port;
-  options.simulated = {.profile = robot.profile, .seed = robot.seed};
+  options.simulated.variant = {.profile = robot.profile, .seed = robot.seed};
   options.journal = robot.journal;
   // What behind a pseudo-terminal begins anew each time has nothing to remember.
   if (!options.journal && !may_be_simulated(robot.port)) options.journal = robot.name;

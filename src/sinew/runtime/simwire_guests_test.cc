@@ -5,9 +5,9 @@
 #include <array>
 #include <string>
 
+#include "sinew/devices/kinds.h"
 #include "sinew/io/scratch_folder_test_support.h"
 #include "sinew/io/standard_streams.h"
-#include "sinew/runtime/robot_machine.h"
 #include "sinew/runtime/robot_variant.h"
 #include "sinew/runtime/simwire_bus.h"
 #include "support/robots.h"

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "sinew/control/machine_identity.h"
+#include "sinew/devices/kinds.h"
 #include "sinew/model/joint_lookup.h"
 #include "sinew/model/left_out.h"
 #include "sinew/runtime/commissioning_file.h"
@@ -275,7 +276,8 @@ void Station::publish(const ControlLoop& loop, Instant now) {
   look_for_facts(controller, now);
   const DeviceFacts facts = driver.facts();
   // Boards that were stopped for a failure report less.
-  std::string suspicion = runtime::suspicion(driver);
+  const DeviceKind& kind = kind_of(robot_.device);
+  std::string suspicion = kind.suspicion != nullptr ? kind.suspicion(driver) : std::string();
   const auto positions = controller.positions();
   const auto later = controller.later_causes();
   {

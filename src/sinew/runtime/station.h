@@ -28,7 +28,7 @@ namespace sinew::runtime {
 struct StationOptions {
   std::string name;                 ///< unique in the cell
   std::optional<std::string> port;  ///< nothing: a simulated device
-  MachineOptions simulated;
+  SimulatedMachine simulated;
   std::optional<std::string> journal;  ///< its name; nothing is recorded without one
   std::string journal_folder;
   /// Where the last seconds before each fault are kept; empty: nowhere.
@@ -129,7 +129,7 @@ class Station {
   /// Why the file of `byte_log` is not whole.
   std::optional<io::IoError> log_failure() const;
   /// What seems to be wrong with its boards while they do not answer as they should; as
-  /// suspicion(const Driver&), the most that was found.
+  /// DeviceKind::suspicion, the most that was found.
   std::string suspicion() const;
 
   /// Whether what happens is recorded at all, faults too: what only shows something leaves nothing.

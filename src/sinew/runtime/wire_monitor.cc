@@ -2,14 +2,12 @@
 
 #include <algorithm>
 
+#include "sinew/devices/kinds.h"
+
 namespace sinew::runtime {
 
 void WireMonitor::update(const DeviceFacts& facts) {
-  const auto* arm = std::get_if<BigRobotArmFacts>(&facts);
-  if (!reader_ || (arm != nullptr && arm->wire != wire_)) {
-    reader_ = wire_reader(device_, facts);
-    if (arm != nullptr) wire_ = arm->wire;
-  }
+  if (!reader_ || !reader_->fits(facts)) reader_ = listener_for(device_, facts);
   pieces_.clear();
   messages_.clear();
   if (const std::uint64_t lost = ring_.read(place_, pieces_); lost > 0) {

@@ -6,8 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "sinew/devices/bigrobotarm/bigrobotarm_settings.h"
-#include "sinew/runtime/wire_reader.h"
+#include "sinew/driver/wire_reader.h"
+#include "sinew/driver/wire_ring.h"
+#include "sinew/model/device.h"
 
 namespace sinew::runtime {
 
@@ -41,7 +42,6 @@ class WireMonitor {
   const WireRing& ring_;
   const Device& device_;
   std::unique_ptr<WireReader> reader_;
-  BigRobotArmWire wire_{};  ///< the one that it reads
   WireRing::Place place_ = 0;
   std::uint64_t last_ = 0;
   std::deque<Frame> frames_;

@@ -1,19 +1,21 @@
-#include "sinew/runtime/wire_reader.h"
+#include "sinew/driver/wire_reader.h"
 
 #include <gtest/gtest.h>
 
+#include "sinew/devices/axis/axis_link_wire.h"
 #include "sinew/devices/axis/axis_registers_settings.h"
+#include "sinew/devices/axis/axis_registers_wire.h"
+#include "sinew/devices/bigrobotarm/bigrobotarm_driver_facts.h"
 #include "sinew/devices/bigrobotarm/bigrobotarm_settings.h"
+#include "sinew/devices/bigrobotarm/bigrobotarm_wire_byte.h"
+#include "sinew/devices/bigrobotarm/bigrobotarm_wire_text.h"
+#include "sinew/devices/icp/icp_wire.h"
 #include "sinew/devices/ideal/ideal_wire.h"
+#include "sinew/devices/kinds.h"
+#include "sinew/devices/lsc/lsc_wire.h"
+#include "sinew/devices/maxarm/maxarm_wire.h"
 #include "sinew/runtime/robot_variant.h"
 #include "sinew/runtime/wire_monitor.h"
-#include "sinew/wire/axis_link.h"
-#include "sinew/wire/axis_registers.h"
-#include "sinew/wire/bigrobotarm_byte.h"
-#include "sinew/wire/bigrobotarm_text.h"
-#include "sinew/wire/icp.h"
-#include "sinew/wire/lsc.h"
-#include "sinew/wire/maxarm.h"
 #include "support/robots.h"
 
 namespace sinew::runtime {
@@ -38,7 +40,7 @@ Bytes text_bytes(std::string_view text) {
 class Ear {
  public:
   explicit Ear(const Device& device, const DeviceFacts& facts = {})
-      : reader_(wire_reader(device, facts)) {}
+      : reader_(listener_for(device, facts)) {}
 
   Ear& down(const Bytes& bytes, std::uint8_t select = 0) {
     return hear(WireWay::kToDevice, bytes, select);

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
-#include "sinew/driver/icp_test_cell.h"
+#include "sinew/devices/icp/icp_test_cell.h"
+#include "sinew/devices/kinds.h"
 #include "sinew/runtime/machine_thread.h"
-#include "sinew/runtime/robot_machine.h"
 #include "sinew/server/api_test_cell.h"
 #include "sinew/server/device_json.h"
 #include "sinew/sim/link_fault.h"
@@ -130,7 +130,7 @@ TEST(ApiDevice, hexapod_step_loss_is_told_with_its_bytes_and_kept) {
 TEST(ApiDevice, what_a_failing_supply_does_to_the_hexapod_is_seen) {
   const RobotModel& robot = sinew::test::robot("hexapod");
   io::Clock clock;
-  auto machine = runtime::make_machine(robot, {}, clock.now());
+  auto machine = make_machine(robot, {}, clock.now());
   ASSERT_TRUE(machine);
   const auto faults = sim::parse_faults("supply=7.4V@1.5s,supply=12V@2.5s", 6);
   ASSERT_TRUE(faults) << faults.error();

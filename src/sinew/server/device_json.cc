@@ -4,17 +4,22 @@
 #include <span>
 #include <vector>
 
+#include "sinew/devices/axis/axis_link_driver_facts.h"
+#include "sinew/devices/axis/axis_registers_driver_facts.h"
+#include "sinew/devices/axis/axis_registers_driver_units.h"
 #include "sinew/devices/axis/axis_registers_settings.h"
+#include "sinew/devices/axis/axis_wire_words.h"
+#include "sinew/devices/bigrobotarm/bigrobotarm_driver_facts.h"
 #include "sinew/devices/bigrobotarm/bigrobotarm_settings.h"
+#include "sinew/devices/bigrobotarm/bigrobotarm_wire_byte.h"
+#include "sinew/devices/icp/icp_driver_facts.h"
+#include "sinew/devices/icp/tmc222_wire_words.h"
+#include "sinew/devices/lsc/lsc_driver.h"
 #include "sinew/devices/lsc/lsc_settings.h"
+#include "sinew/devices/maxarm/maxarm_driver_facts.h"
 #include "sinew/devices/maxarm/maxarm_settings.h"
-#include "sinew/driver/axis_register_units.h"
-#include "sinew/driver/lsc.h"
 #include "sinew/runtime/unit_name.h"
 #include "sinew/server/robot_json.h"
-#include "sinew/wire/axis_words.h"
-#include "sinew/wire/bigrobotarm_byte.h"
-#include "sinew/wire/tmc222_words.h"
 
 namespace sinew::server {
 namespace {
@@ -32,7 +37,7 @@ void warn(Json& json, std::string_view name, const std::string& joint = {},
 
 template <class Bytes>
 std::string hex(const Bytes& bytes) {
-  return runtime::hex_of({bytes.begin(), bytes.end()});
+  return hex_of({bytes.begin(), bytes.end()});
 }
 
 /// Ages as of one instant.
@@ -40,7 +45,7 @@ class Teller {
  public:
   Teller(const RobotModel& model, Instant now) : model_(model), now_(now) {}
 
-  Json operator()(const std::monostate&) const { return base(); }
+  Json operator()(const DeviceFacts& facts) const;
   Json operator()(const IcpFacts& facts) const;
   Json operator()(const LscFacts& facts) const;
   Json operator()(const MaxArmFacts& facts) const;
@@ -360,34 +365,50 @@ Json Teller::operator()(const AxisLinkFacts& facts) const {
   return json;
 }
 
+/// As `Facts`, where they are.
+template <class Facts>
+bool put(Json& json, const Teller& teller, const DeviceFacts& facts) {
+  const auto* known = facts.as<Facts>();
+  if (known != nullptr) json = teller(*known);
+  return known != nullptr;
+}
+
+Json Teller::operator()(const DeviceFacts& facts) const {
+  Json json = base();
+  put<IcpFacts>(json, *this, facts) || put<LscFacts>(json, *this, facts) ||
+      put<MaxArmFacts>(json, *this, facts) || put<BigRobotArmFacts>(json, *this, facts) ||
+      put<AxisRegistersFacts>(json, *this, facts) || put<AxisLinkFacts>(json, *this, facts);
+  return json;
+}
+
 }  // namespace
 
 Json device_json(const DeviceFacts& facts, const RobotModel& model, Instant now) {
-  return std::visit(Teller(model, now), facts);
+  return Teller(model, now)(facts);
 }
 
 Json frame_json(const runtime::WireMonitor::Frame& frame) {
-  const runtime::WireMessage& message = frame.message;
+  const WireMessage& message = frame.message;
   Json json{{"sequence", frame.sequence},
             {"at_s", to_seconds(message.at.time_since_epoch())},
-            {"to", message.way == runtime::WireWay::kToDevice ? "device" : "host"}};
+            {"to", message.way == WireWay::kToDevice ? "device" : "host"}};
   if (message.select != 0) {
     json["axes"] = Json::array();
     for (int i = 0; i < 8; ++i) {
       if ((message.select >> i & 1) != 0) json["axes"].push_back(i + 1);
     }
   }
-  json["hex"] = runtime::hex_of(message.bytes);
+  json["hex"] = hex_of(message.bytes);
   json["name"] = message.name;
   Json fields = Json::array();
-  for (const runtime::WireField& field : message.fields) {
+  for (const WireField& field : message.fields) {
     Json pair = Json::array({field.name});
     std::visit([&](const auto& value) { pair.push_back(value); }, field.value);
     fields.push_back(std::move(pair));
   }
   json["fields"] = std::move(fields);
-  json["text"] = runtime::text_of(message);
-  using Kind = runtime::WireMessage::Kind;
+  json["text"] = text_of(message);
+  using Kind = WireMessage::Kind;
   json["kind"] = message.kind == Kind::kGood   ? "good"
                  : message.kind == Kind::kFill ? "fill"
                                                : "bad";

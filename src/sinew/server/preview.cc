@@ -176,7 +176,7 @@ class Sampler {
         continue;
       }
       const ToolAction& action = std::get<program::ToolStep>(step.what).action;
-      pause(to_seconds(tool_time(model_, action, tool.jaws)));
+      pause(to_seconds(model_.device.settings->tool_time(model_, action, tool.jaws)));
       const auto* jaws = std::get_if<JawsTo>(&action);
       if (jaws != nullptr) tool = {jaws->width, jaws->held};
     }

@@ -5,13 +5,13 @@
 #include <cmath>
 
 #include "sinew/core/units.h"
+#include "sinew/devices/lsc/lsc_machine.h"
 #include "sinew/devices/lsc/lsc_settings.h"
+#include "sinew/devices/maxarm/maxarm_machine.h"
 #include "sinew/devices/maxarm/maxarm_settings.h"
 #include "sinew/kinematics/palletizer.h"
 #include "sinew/kinematics/serial_arm.h"
 #include "sinew/model/tool_body.h"
-#include "sinew/sim/lsc_machine.h"
-#include "sinew/sim/maxarm_machine.h"
 #include "support/robots.h"
 
 namespace sinew::sim {

@@ -4,9 +4,9 @@
 #include <sstream>
 #include <string>
 
+#include "sinew/devices/axis/axis_machine.h"
 #include "sinew/devices/axis/axis_registers_settings.h"
 #include "sinew/sim/simwire_server.h"
-#include "sinew/sim/stepper_arm.h"
 #include "support/robots.h"
 
 namespace sinew::sim {

@@ -38,7 +38,9 @@ struct AxisRegistersDevice final : AxisBoardsOf<AxisRegistersDevice> {
     return {std::chrono::seconds(5), ": each board is asked three times"};
   }
   MotionDelay motion_delay() const override { return {}; }
-  bool moves_together() const override { return false; }
+  std::unique_ptr<SeparateMoves> separate_moves(const RobotModel& robot) const override;
+  std::optional<Error> target_refusal(const RobotModel& robot, std::span<const double> q,
+                                      std::span<const double> from) const override;
   std::vector<std::string> profiles() const override {
     return {"document", "as-built", "as-committed"};
   }

@@ -52,6 +52,8 @@ struct BigRobotArmDevice final : SettingsOf<BigRobotArmDevice> {
     return {std::chrono::milliseconds(3), std::chrono::milliseconds(17)};
   }
   bool takes_acceleration() const override { return true; }
+  std::optional<Error> target_refusal(const RobotModel& robot, std::span<const double> q,
+                                      std::span<const double> from) const override;
   std::vector<std::string> profiles() const override { return {"document", "as-built"}; }
   std::vector<std::string> wires() const override;
   void use_wire(const std::string& name, Device& device) override;

@@ -99,7 +99,7 @@ void IdealDevice::advance(Instant now) {
 
 void IdealDevice::step(double dt) {
   if (width_max_) {
-    const double way = *width_max_ * dt / to_seconds(kJawsStroke);
+    const double way = *width_max_ * dt / to_seconds(sinew::IdealDevice::kJawsStroke);
     const double least = std::min(jaws_, std::max(jaws_to_, jaws_least_));
     jaws_ = std::clamp(jaws_to_, std::max(jaws_ - way, least), jaws_ + way);
   }

@@ -14,8 +14,6 @@ namespace sinew::ideal {
 
 /// Moves that wait or are under way.
 inline constexpr std::size_t kMovesMax = 8;
-/// Between open and closed.
-inline constexpr Duration kJawsStroke = std::chrono::milliseconds(800);
 
 /// A device that does what is asked of it, exactly: each move is the cubic from the end of the one
 /// before it, and its sensors are perfect. It brakes on its path, as hard as the joint allows that

@@ -64,6 +64,10 @@ struct LscDevice final : SettingsOf<LscDevice> {
     return {std::chrono::milliseconds(36),
             std::chrono::milliseconds(profile == LscProfile::kLsc6 ? 109 : 480)};
   }
+  std::optional<Error> target_refusal(const RobotModel& robot, std::span<const double> q,
+                                      std::span<const double> from) const override;
+  Duration tool_time(const RobotModel& robot, const ToolAction& action,
+                     std::optional<double> jaws) const override;
   std::vector<std::string> profiles() const override;
   void use_profile(const std::string& name, Device& device) override;
   bool use_setting(const DeviceSetting& setting, Device& device) override;

@@ -80,6 +80,10 @@ struct MaxArmDevice final : SettingsOf<MaxArmDevice> {
     return {std::chrono::milliseconds(kMaxArmTimeMin), std::chrono::milliseconds(kMaxArmTimeMax)};
   }
   bool has_magnets() const override { return true; }  // a servo that answers -1
+  std::optional<Error> target_refusal(const RobotModel& robot, std::span<const double> q,
+                                      std::span<const double> from) const override;
+  Duration tool_time(const RobotModel& robot, const ToolAction& action,
+                     std::optional<double> jaws) const override;
   std::vector<std::string> profiles() const override {
     return {"arduino", "micropython", "arduino-with-header", "micropython-spec"};
   }

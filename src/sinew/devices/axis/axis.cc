@@ -1,0 +1,159 @@
+#include <fmt/format.h>
+
+#include "sinew/core/units.h"
+#include "sinew/devices/axis/axis_device_settings.h"
+#include "sinew/devices/axis/axis_file.h"
+#include "sinew/devices/axis/axis_link_driver.h"
+#include "sinew/devices/axis/axis_listener.h"
+#include "sinew/devices/axis/axis_machine.h"
+#include "sinew/devices/axis/axis_registers_driver.h"
+#include "sinew/devices/kind.h"
+#include "sinew/model/error_sentence.h"
+
+namespace sinew {
+namespace {
+
+RobotDriver registers_driver(const RobotModel& robot, double /*patience*/) {
+  return {nullptr, std::make_unique<AxisRegistersDriver>(
+                       robot.device.settings.get<AxisRegistersDevice>(), robot.joints)};
+}
+
+RobotDriver link_driver(const RobotModel& robot, double /*patience*/) {
+  return {nullptr, std::make_unique<AxisLinkDriver>(robot.device.settings.get<AxisLinkDevice>(),
+                                                    robot.joints)};
+}
+
+std::expected<RobotMachine, std::string> stepper_arm(const RobotModel& robot,
+                                                     const MachineVariant& variant, Instant boot,
+                                                     sim::AxisWire wire) {
+  if (!std::holds_alternative<SerialGeometry>(robot.geometry)) {
+    return simulated_for(robot, "a serial chain");
+  }
+  const std::size_t joints = robot.joints.size();
+  if (robot.dynamics.drives.size() != joints || robot.dynamics.links.size() != joints) {
+    return std::unexpected(robot.id +
+                           ": to simulate it, its file needs a table [drive.<joint>] and a table "
+                           "[link.<joint>] for every joint");
+  }
+  sim::StepperArm::Settings settings;
+  settings.wire = wire;
+  settings.select = variant.soft_select ? sim::SelectKind::kSoft : sim::SelectKind::kHard;
+  settings.ready_high = variant.ready_high;
+  settings.seed = variant.seed;
+  settings.boards = variant.boards;
+  return RobotMachine{nullptr, std::make_unique<sim::StepperArm>(robot, settings, boot)};
+}
+
+std::expected<RobotMachine, std::string> registers_machine(const RobotModel& robot,
+                                                           const MachineVariant& variant,
+                                                           Instant boot) {
+  using enum sim::AxisWire;
+  const auto wire = variant.profile == "as-committed" ? kRegistersAsCommitted
+                    : variant.profile == "as-built"   ? kRegistersAsBuilt
+                                                      : kRegisters;
+  return stepper_arm(robot, variant, boot, wire);
+}
+
+std::expected<RobotMachine, std::string> link_machine(const RobotModel& robot,
+                                                      const MachineVariant& variant, Instant boot) {
+  return stepper_arm(robot, variant, boot, sim::AxisWire::kLink);
+}
+
+std::unique_ptr<WireReader> registers_listener(const Device& device, const DeviceFacts& /*facts*/) {
+  return wires::axis_registers_reader(device.settings.get<AxisRegistersDevice>());
+}
+
+std::unique_ptr<WireReader> link_listener(const Device& /*device*/, const DeviceFacts& /*facts*/) {
+  return wires::axis_link_reader();
+}
+
+/// Why a board is out, or that it is not.
+template <class AxisDriver>
+std::string axis_statement(const Driver& driver, const RobotModel& robot, std::size_t joint) {
+  const auto fault = static_cast<const AxisDriver&>(driver).axis_fault(joint);
+  return fault ? sentence_of(*fault, robot) : "fine";
+}
+
+std::optional<std::string> registers_statement(const Driver& driver, const RobotModel& robot,
+                                               std::string_view what, std::size_t joint) {
+  if (what != "axis") return std::nullopt;
+  return axis_statement<AxisRegistersDriver>(driver, robot, joint);
+}
+
+std::optional<std::string> link_statement(const Driver& driver, const RobotModel& robot,
+                                          std::string_view what, std::size_t joint) {
+  if (what == "axis") return axis_statement<AxisLinkDriver>(driver, robot, joint);
+  const bool steps = what == "zero_shift_steps";
+  const auto shift = static_cast<const AxisLinkDriver&>(driver).zero_shift(joint);
+  if ((!steps && what != "zero_shift_deg") || !shift) return std::nullopt;
+  return fmt::format("{:.3f}",
+                     steps ? *shift * axis_settings(robot, joint).steps_per_rad() : to_deg(*shift));
+}
+
+/// The boards that are silent while others answer, for people; empty where there are none.
+template <class BoardDriver>
+std::string silent_boards(const BoardDriver& driver) {
+  std::string names;
+  std::size_t silent = 0;
+  const std::size_t joints = driver.positions().size();
+  for (std::size_t i = 0; i < joints; ++i) {
+    const auto fault = driver.axis_fault(i);
+    if (!fault || fault->code != ErrorCode::kDeviceSilent) continue;
+    names += (silent++ == 0 ? "J" : ", J") + std::to_string(i + 1);
+  }
+  if (silent == 0 || silent == joints) return {};
+  const std::string many = std::to_string(silent) + " of " + std::to_string(joints) + " boards";
+  std::string list = "[";
+  for (std::size_t i = 0; i < joints; ++i) {
+    const auto fault = driver.axis_fault(i);
+    if (!fault || fault->code != ErrorCode::kDeviceSilent) continue;
+    list += (list.size() > 1 ? ", \"J" : "\"J") + std::to_string(i + 1) + "\"";
+  }
+  std::string option = names;
+  std::erase(option, ' ');
+  return many + (silent == 1 ? " does" : " do") + " not answer: " + names +
+         "; to use the others: --without " + option +
+         " of run, commission, doctor or device, in a cell's file without = " + list + "]";
+}
+
+std::string registers_suspicion(const Driver& driver) {
+  const auto& boards = static_cast<const AxisRegistersDriver&>(driver);
+  if (const std::string silent = silent_boards(boards); !silent.empty()) return silent;
+  if (!boards.statuses_are_blank()) return {};
+  return "the status of every board reads zero: looks like boards with the first firmware; "
+         "try --profile as-built";
+}
+
+std::string link_suspicion(const Driver& driver) {
+  return silent_boards(static_cast<const AxisLinkDriver&>(driver));
+}
+
+}  // namespace
+
+extern const DeviceKind kAxisRegistersKind;
+const DeviceKind kAxisRegistersKind{
+    .table = kAxisRegistersTable,
+    .read = read_axis_registers,
+    .check = check_step_rates,
+    .has = has_settings<AxisRegistersDevice>,
+    .driver = registers_driver,
+    .machine = registers_machine,
+    .listener = registers_listener,
+    .statement = registers_statement,
+    .suspicion = registers_suspicion,
+};
+
+extern const DeviceKind kAxisLinkKind;
+const DeviceKind kAxisLinkKind{
+    .table = kAxisLinkTable,
+    .read = read_axis_link,
+    .check = check_step_rates,
+    .has = has_settings<AxisLinkDevice>,
+    .driver = link_driver,
+    .machine = link_machine,
+    .listener = link_listener,
+    .statement = link_statement,
+    .suspicion = link_suspicion,
+};
+
+}  // namespace sinew

@@ -1,0 +1,19 @@
+#pragma once
+
+#include "sinew/model/device_table.h"
+#include "sinew/model/robot_model.h"
+
+namespace sinew {
+
+class TableReader;
+
+inline constexpr DeviceTable kAxisRegistersTable{"axis_registers", false, 0, 1000,
+                                                 HandDrive::kNone};
+inline constexpr DeviceTable kAxisLinkTable{"axis_link", false, 0, 100, HandDrive::kNone};
+
+/// No joint is faster than its board makes steps, as far as its drive is known.
+void check_step_rates(TableReader& root, const RobotModel& model);
+void read_axis_registers(TableReader& reader, RobotModel& model);
+void read_axis_link(TableReader& reader, RobotModel& model);
+
+}  // namespace sinew

@@ -1,0 +1,81 @@
+#pragma once
+
+#include <expected>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "sinew/driver/robot_driver.h"
+#include "sinew/driver/wire_reader.h"
+#include "sinew/model/device_table.h"
+#include "sinew/model/robot_model.h"
+#include "sinew/sim/robot_machine.h"
+
+namespace sinew {
+
+class TableReader;
+
+/// One kind of device: what a robot's file says of it, and all that is made for a robot that has
+/// one. `devices/KIND/KIND.cc` has it, and devices/kinds.cc the list.
+struct DeviceKind {
+  DeviceTable table;
+  /// Reads the rest of [device], by devices/table_file.h.
+  void (*read)(TableReader& reader, RobotModel& model) = nullptr;
+  /// Whether the rest of the file asks for nothing that this device cannot do; nullptr: no check.
+  void (*check)(TableReader& root, const RobotModel& model) = nullptr;
+  bool (*has)(const SomeSettings& settings) = nullptr;
+
+  // For a robot whose device is of this kind:
+
+  /// @param patience  a device whose time runs faster than ours is answered late; what the driver
+  ///                  waits for answers is stretched by so much.
+  RobotDriver (*driver)(const RobotModel& robot, double patience) = nullptr;
+  /// @param robot  as variant_of() made it
+  /// @error  a sentence: what the robot's file lacks, or has otherwise than this device needs it
+  std::expected<RobotMachine, std::string> (*machine)(const RobotModel& robot,
+                                                      const MachineVariant& variant,
+                                                      Instant boot) = nullptr;
+  /// @param facts  of the driver: which wire was found where the robot's file leaves that open
+  std::unique_ptr<WireReader> (*listener)(const Device& device, const DeviceFacts& facts) = nullptr;
+
+  // Words for people; nullptr: none.
+
+  /// What its driver can report beside positions, asked for by commissioning: "wire", "axis" ...
+  std::optional<std::string> (*statement)(const Driver& driver, const RobotModel& robot,
+                                          std::string_view what, std::size_t joint) = nullptr;
+  /// What a driver that may still become ready suspects, and what to try; empty: nothing.
+  std::string (*suspicion)(const Driver& driver) = nullptr;
+  /// What to check where the device is silent, or answers what fits nothing. Begins with "; ".
+  std::string (*silence_hint)(const RobotModel& robot, const Error& trouble,
+                              const DriverHealth& health) = nullptr;
+};
+
+/// DeviceKind::has of a kind with such settings.
+template <class Settings>
+bool has_settings(const SomeSettings& settings) {
+  return settings.is<Settings>();
+}
+
+inline Duration stretched(Duration duration, double patience) {
+  return from_seconds(to_seconds(duration) * patience);
+}
+
+/// The silence hint of any device.
+/// @param more, other  what its kind adds where it is silent, and where something else answers
+inline std::string common_silence_hint(const RobotModel& robot, const DriverHealth& health,
+                                       const std::string& more = {},
+                                       const std::string& other = {}) {
+  if (health.unexpected == 0) return "; is it switched on, and is this its port?" + more;
+  return "; something answers there, but not as " + robot.id +
+         " does: is another robot on this port?" + other;
+}
+
+/// DeviceKind::machine's sentence where it is simulated for a geometry of another kind.
+/// @param geometry  "a palletizer"
+inline std::unexpected<std::string> simulated_for(const RobotModel& robot,
+                                                  std::string_view geometry) {
+  return std::unexpected(robot.id + ": its device is simulated for " + std::string(geometry) +
+                         " only");
+}
+
+}  // namespace sinew

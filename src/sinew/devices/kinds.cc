@@ -1,0 +1,34 @@
+#include "sinew/devices/kinds.h"
+
+#include <algorithm>
+
+#include "sinew/core/assert.h"
+
+namespace sinew {
+
+// One line for each kind, in each of the two lists.
+extern const DeviceKind kIdealKind;
+extern const DeviceKind kBigRobotArmKind;
+extern const DeviceKind kLscKind;
+extern const DeviceKind kMaxArmKind;
+extern const DeviceKind kIcpKind;
+extern const DeviceKind kAxisRegistersKind;
+extern const DeviceKind kAxisLinkKind;
+
+std::span<const DeviceKind* const> device_kinds() {
+  static constexpr const DeviceKind* kAll[] = {
+      &kIdealKind, &kBigRobotArmKind,   &kLscKind,      &kMaxArmKind,
+      &kIcpKind,   &kAxisRegistersKind, &kAxisLinkKind,
+  };
+  return kAll;
+}
+
+const DeviceKind& kind_of(const Device& device) {
+  const auto kinds = device_kinds();
+  const auto found = std::ranges::find_if(
+      kinds, [&](const DeviceKind* kind) { return kind->has(device.settings); });
+  SINEW_ASSERT(found != kinds.end());
+  return **found;
+}
+
+}  // namespace sinew

@@ -1,0 +1,64 @@
+#include "sinew/devices/kind.h"
+#include "sinew/devices/maxarm/maxarm_driver.h"
+#include "sinew/devices/maxarm/maxarm_file.h"
+#include "sinew/devices/maxarm/maxarm_listener.h"
+#include "sinew/devices/maxarm/maxarm_machine.h"
+
+namespace sinew {
+namespace {
+
+RobotDriver driver(const RobotModel& robot, double patience) {
+  MaxArmTiming timing;
+  timing.reply_timeout = stretched(timing.reply_timeout, patience);
+  timing.patience = stretched(timing.patience, patience);
+  return {std::make_unique<MaxArmDriver>(robot.device.settings.get<MaxArmDevice>(), robot.joints,
+                                         timing),
+          nullptr};
+}
+
+std::expected<RobotMachine, std::string> machine(const RobotModel& robot,
+                                                 const MachineVariant& variant, Instant boot) {
+  if (!std::holds_alternative<PalletizerGeometry>(robot.geometry)) {
+    return simulated_for(robot, "a palletizer");
+  }
+  const auto& device = robot.device.settings.get<MaxArmDevice>();
+  return RobotMachine{std::make_unique<sim::MaxArmMachine>(robot, device.checksum, device.variant,
+                                                           variant.seed, boot),
+                      nullptr};
+}
+
+std::unique_ptr<WireReader> listener(const Device& /*device*/, const DeviceFacts& /*facts*/) {
+  return wires::maxarm_reader();
+}
+
+std::optional<std::string> statement(const Driver& driver, const RobotModel& /*robot*/,
+                                     std::string_view what, std::size_t /*joint*/) {
+  const auto sum = static_cast<const MaxArmDriver&>(driver).checksum();
+  if (what != "checksum" || !sum) return std::nullopt;
+  return *sum == maxarm::Checksum::kSpec ? "as the document says" : "with the header";
+}
+
+std::string silence_hint(const RobotModel& robot, const Error& /*trouble*/,
+                         const DriverHealth& health) {
+  return common_silence_hint(
+      robot, health,
+      " The arm's stock firmware does not speak this wire: the vendor's slave program has to be "
+      "installed. Its MicroPython program sleeps and homes for 14 s after it was switched on "
+      "(--profile micropython waits for that)");
+}
+
+}  // namespace
+
+extern const DeviceKind kMaxArmKind;
+const DeviceKind kMaxArmKind{
+    .table = kMaxArmTable,
+    .read = read_maxarm,
+    .has = has_settings<MaxArmDevice>,
+    .driver = driver,
+    .machine = machine,
+    .listener = listener,
+    .statement = statement,
+    .silence_hint = silence_hint,
+};
+
+}  // namespace sinew
