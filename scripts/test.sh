@@ -7,9 +7,15 @@ source "$(dirname "${BASH_SOURCE[0]}")/lib.sh"
 
 # Rooms that read what others have written: their tests are repeated under the sanitizers, with the
 # fuzz corpora that need no server. Every other test under them: make campaign PARTS=asan.
-byte_rooms=(core wire config driver program io vision)
+byte_rooms=(core wire toml config driver program io vision)
+# And every kind of device.
+kinds() {
+  local folder
+  for folder in src/sinew/devices/*/; do basename "$folder"; done
+}
 # What these rooms test for long without reading anything from outside: plans and rendered tables.
-no_bytes=(CubeRun. Foresight. CubeRows. TableTop. OpenAttitude. CubeDetection.recall_ TableThing.)
+no_bytes=(CubeRun. Foresight. CubeRows. TableTop. OpenAttitude. CubeDetection.recall_ TableThing.
+  AxisLinkArm. AxisController. StepperArm. RobotArm2/ BigRobotArm/)
 
 passed=0
 failed=0
@@ -80,13 +86,13 @@ corpora() {
 
 # Names of the tests for the sanitizers, joined for ctest -R.
 byte_tests() {
-  { printf '%s_test\n' "${byte_rooms[@]}"; corpora; } | sed 's/[.+]/\\&/g' | paste -s -d '|' |
+  { printf '%s_test\n' "${byte_rooms[@]}" devices $(kinds); corpora; } | sed 's/[.+]/\\&/g' | paste -s -d '|' |
     sed 's/.*/^(&)$/'
 }
 
 # Ninja's names for what these tests need.
 byte_targets() {
-  printf 'src/sinew/%s/all\n' "${byte_rooms[@]}"
+  printf 'src/sinew/%s/all\n' "${byte_rooms[@]}" devices
   corpora
 }
 

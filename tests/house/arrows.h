@@ -77,8 +77,8 @@ inline constexpr std::array kGuardedHeaders = std::to_array<GuardedHeaders>({
 /// Folders that move the machine or speak its bytes: they never see a clock, file, socket or
 /// thread, so that one seed replays one whole run.
 inline constexpr std::string_view kPureFolders =
-    "mcu control driver device sim wire motion planning kinematics vision render calibration "
-    "grasping";
+    "mcu control driver device devices file sim wire motion planning kinematics vision render "
+    "calibration grasping";
 
 inline constexpr std::string_view kNotInPureFolders =
     "thread mutex shared_mutex condition_variable future semaphore latch barrier stop_token "

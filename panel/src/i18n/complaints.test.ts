@@ -5,9 +5,9 @@ import { source } from '../logic/source.fixture';
 
 /** Where the server reads texts. */
 const kFiles = [
-  'config/findings.cc',
+  'toml/findings.cc',
   'config/points_file.cc',
-  'config/toml_guard.cc',
+  'toml/toml_guard.cc',
   'core/quantity.cc',
   'program/basket_rows.cc',
   'program/conditions.cc',
@@ -39,7 +39,7 @@ const kBegins: Record<string, Record<string, string>> = {
 };
 /** Parts of messages that are words: what a call has as an argument, what a function or a table gives, an expression. */
 type Means = { call: string; place: number; of?: string } | { gives: string } | { table: string; of: string } | string;
-const kTypes: Means = { table: 'kNames', of: 'config/toml_tree.cc' };
+const kTypes: Means = { table: 'kNames', of: 'toml/toml_tree.cc' };
 const kMeans: Record<string, Record<string, readonly Means[]>> = {
   'config/points_file.cc': { 'type_name(entry->node)': [kTypes], 'type_name(node)': [kTypes] },
   'program/conditions.cc': { all: ['" " + names'] },

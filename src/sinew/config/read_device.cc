@@ -1,6 +1,6 @@
 #include "sinew/config/read_device.h"
 
-#include <algorithm>
+#include <optional>
 #include <vector>
 
 #include "sinew/devices/kinds.h"
@@ -16,7 +16,7 @@ void read_device(TableReader& root, RobotModel& model) {
   const DeviceKind* kind = nullptr;
   if (reader->choice("protocol", kinds, kind)) {
     model.device.protocol = kind->table.protocol;
-    kind->read(*reader, model);
+    kind->read(*reader, kind->table, model);
   } else {
     reader->ignore_rest();
   }

@@ -2,9 +2,11 @@
 
 #include <expected>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 
+#include "sinew/core/assert.h"
 #include "sinew/driver/robot_driver.h"
 #include "sinew/driver/wire_reader.h"
 #include "sinew/model/device_table.h"
@@ -16,11 +18,11 @@ namespace sinew {
 class TableReader;
 
 /// One kind of device: what a robot's file says of it, and all that is made for a robot that has
-/// one. `devices/KIND/KIND.cc` has it, and devices/kinds.cc the list.
+/// one. `devices/KIND/KIND.cc` has it, and devices/kinds.cc the list. What may be nullptr says so.
 struct DeviceKind {
   DeviceTable table;
-  /// Reads the rest of [device], by devices/table_file.h.
-  void (*read)(TableReader& reader, RobotModel& model) = nullptr;
+  /// Reads [device], by devices/table_file.h.
+  void (*read)(TableReader& reader, const DeviceTable& table, RobotModel& model) = nullptr;
   /// Whether the rest of the file asks for nothing that this device cannot do; nullptr: no check.
   void (*check)(TableReader& root, const RobotModel& model) = nullptr;
   bool (*has)(const SomeSettings& settings) = nullptr;
@@ -38,7 +40,7 @@ struct DeviceKind {
   /// @param facts  of the driver: which wire was found where the robot's file leaves that open
   std::unique_ptr<WireReader> (*listener)(const Device& device, const DeviceFacts& facts) = nullptr;
 
-  // Words for people; nullptr: none.
+  // Words for people; nullptr: none. `driver` is one that this kind has made.
 
   /// What its driver can report beside positions, asked for by commissioning: "wire", "axis" ...
   std::optional<std::string> (*statement)(const Driver& driver, const RobotModel& robot,
@@ -54,6 +56,14 @@ struct DeviceKind {
 template <class Settings>
 bool has_settings(const SomeSettings& settings) {
   return settings.is<Settings>();
+}
+
+/// The driver as what its kind has made.
+template <class Made>
+const Made& driver_as(const Driver& driver) {
+  const auto* made = dynamic_cast<const Made*>(&driver);
+  SINEW_ASSERT(made != nullptr);
+  return *made;
 }
 
 inline Duration stretched(Duration duration, double patience) {

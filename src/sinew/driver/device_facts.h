@@ -24,17 +24,18 @@ using LastHeard = std::optional<Heard<What>>;
 /// (`KIND_driver_facts.h`). A copy allocates nothing.
 class DeviceFacts {
  public:
-  static constexpr std::size_t kSizeMax = 4096;  ///< bytes
+  static constexpr std::size_t kSizeMax = 2560;  ///< bytes
 
   /// Of a driver that keeps none.
   DeviceFacts() = default;
   template <class Facts>
     requires std::is_trivially_copyable_v<Facts> && (!std::is_same_v<Facts, DeviceFacts>)
-  DeviceFacts(const Facts& facts) : kind_(&kKind<Facts>) {
+  explicit DeviceFacts(const Facts& facts) : kind_(&kKind<Facts>) {
     static_assert(sizeof(Facts) <= kSizeMax && alignof(Facts) <= alignof(std::max_align_t));
     std::construct_at(reinterpret_cast<Facts*>(data_.data()), facts);
   }
 
+  bool empty() const { return kind_ == nullptr; }
   /// nullptr where they are of another kind.
   template <class Facts>
   const Facts* as() const {

@@ -9,8 +9,7 @@
 namespace sinew {
 
 /// Whether a robot's wire can say a place, asked before anything moves and of the very functions by
-/// which the robot's driver says it: a program is refused as a whole then, not in its middle. A
-/// BigRobotArm is taken to count from the model's zero, as it does when it was switched on there.
+/// which the robot's driver says it: a program is refused as a whole then, not in its middle.
 class WireTarget {
  public:
   /// @param robot  outlives this.

@@ -123,8 +123,8 @@ class DeviceSettings {
   /// How fast its firmware makes a joint where it is asked for more than the robot's file proves:
   /// rad/s, and rad/s^2. 0: no more than that.
   virtual double firmware_reach(std::size_t /*joint*/) const { return 0; }
-  /// Of a device whose joints do not go together; nullptr of others. Lives no longer than the
-  /// robot.
+  /// Of a device whose joints do not go together; nullptr of others.
+  /// @param robot  the one that has these settings; outlives what is returned
   virtual std::unique_ptr<SeparateMoves> separate_moves(const RobotModel& /*robot*/) const {
     return nullptr;
   }
@@ -148,10 +148,8 @@ class DeviceSettings {
   /// From a tool action's order until the driver reports that it is done; zero where that is no
   /// more than a question and its answer.
   /// @param jaws  m: how wide they were commanded last since the port was opened, where they were
-  virtual Duration tool_time(const RobotModel& /*robot*/, const ToolAction& /*action*/,
-                             std::optional<double> /*jaws*/) const {
-    return {};
-  }
+  virtual Duration tool_time(const RobotModel& robot, const ToolAction& action,
+                             std::optional<double> jaws) const;
   /// The shortest and the longest point-to-point move that its wire can say.
   virtual std::pair<Duration, Duration> move_times() const {
     return {Duration::zero(), std::chrono::hours(24)};
@@ -198,8 +196,6 @@ struct IdealDevice final : SettingsOf<IdealDevice> {
   StopFacts stop_facts() const override {
     return {true, "a line until told, then as its joints brake", "it has no weight: nothing falls"};
   }
-  Duration tool_time(const RobotModel& robot, const ToolAction& action,
-                     std::optional<double> jaws) const override;
 };
 
 /// Settings of one kind or another. A value: its copy is another one.

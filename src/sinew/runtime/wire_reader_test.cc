@@ -151,7 +151,7 @@ TEST(WireReader, bigrobotarm_byte_and_text_wires) {
   using namespace bigrobotarm;
   Device device = variant("bigrobotarm").device;
   const Bytes end{byte::kTerminator};
-  Ear bytes(device, BigRobotArmFacts{.wire = BigRobotArmWire::kByte});
+  Ear bytes(device, DeviceFacts(BigRobotArmFacts{.wire = BigRobotArmWire::kByte}));
   bytes.down(both(bytes_of(byte::encode_request(ReadStatus{})), end));
   Status status{.positions = {1, 2, 3, 4, 5}, .gripper = Gripper{true, 90}};
   bytes.up(bytes_of(byte::encode_reply(status)));
@@ -160,7 +160,7 @@ TEST(WireReader, bigrobotarm_byte_and_text_wires) {
                                   "0 0, gripper yes, gripper_deg 90, sync no"}));
   EXPECT_EQ(bytes.all()[0].bytes, both(bytes_of(byte::encode_request(ReadStatus{})), end));
 
-  Ear lines(device, BigRobotArmFacts{.wire = BigRobotArmWire::kText});
+  Ear lines(device, DeviceFacts(BigRobotArmFacts{.wire = BigRobotArmWire::kText}));
   const auto line = text::encode_line({Request{Goto{{10, 20, 30, 40, 50}}}});
   lines.down(both(text_bytes(text::view(line)), {'\r'}));
   lines.up(text_bytes("BigRobotArm::READY\r\nwhatever\r\n"));

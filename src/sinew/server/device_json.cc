@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "sinew/core/assert.h"
 #include "sinew/devices/axis/axis_link_driver_facts.h"
 #include "sinew/devices/axis/axis_registers_driver_facts.h"
 #include "sinew/devices/axis/axis_registers_driver_units.h"
@@ -45,7 +46,7 @@ class Teller {
  public:
   Teller(const RobotModel& model, Instant now) : model_(model), now_(now) {}
 
-  Json operator()(const DeviceFacts& facts) const;
+  Json of(const DeviceFacts& facts) const;
   Json operator()(const IcpFacts& facts) const;
   Json operator()(const LscFacts& facts) const;
   Json operator()(const MaxArmFacts& facts) const;
@@ -373,18 +374,20 @@ bool put(Json& json, const Teller& teller, const DeviceFacts& facts) {
   return known != nullptr;
 }
 
-Json Teller::operator()(const DeviceFacts& facts) const {
+Json Teller::of(const DeviceFacts& facts) const {
   Json json = base();
-  put<IcpFacts>(json, *this, facts) || put<LscFacts>(json, *this, facts) ||
+  const bool known =
+      put<IcpFacts>(json, *this, facts) || put<LscFacts>(json, *this, facts) ||
       put<MaxArmFacts>(json, *this, facts) || put<BigRobotArmFacts>(json, *this, facts) ||
       put<AxisRegistersFacts>(json, *this, facts) || put<AxisLinkFacts>(json, *this, facts);
+  SINEW_ASSERT(known || facts.empty());
   return json;
 }
 
 }  // namespace
 
 Json device_json(const DeviceFacts& facts, const RobotModel& model, Instant now) {
-  return Teller(model, now)(facts);
+  return Teller(model, now).of(facts);
 }
 
 Json frame_json(const runtime::WireMonitor::Frame& frame) {

@@ -70,7 +70,7 @@ std::unique_ptr<WireReader> link_listener(const Device& /*device*/, const Device
 /// Why a board is out, or that it is not.
 template <class AxisDriver>
 std::string axis_statement(const Driver& driver, const RobotModel& robot, std::size_t joint) {
-  const auto fault = static_cast<const AxisDriver&>(driver).axis_fault(joint);
+  const auto fault = driver_as<AxisDriver>(driver).axis_fault(joint);
   return fault ? sentence_of(*fault, robot) : "fine";
 }
 
@@ -84,7 +84,7 @@ std::optional<std::string> link_statement(const Driver& driver, const RobotModel
                                           std::string_view what, std::size_t joint) {
   if (what == "axis") return axis_statement<AxisLinkDriver>(driver, robot, joint);
   const bool steps = what == "zero_shift_steps";
-  const auto shift = static_cast<const AxisLinkDriver&>(driver).zero_shift(joint);
+  const auto shift = driver_as<AxisLinkDriver>(driver).zero_shift(joint);
   if ((!steps && what != "zero_shift_deg") || !shift) return std::nullopt;
   return fmt::format("{:.3f}",
                      steps ? *shift * axis_settings(robot, joint).steps_per_rad() : to_deg(*shift));
@@ -117,7 +117,7 @@ std::string silent_boards(const BoardDriver& driver) {
 }
 
 std::string registers_suspicion(const Driver& driver) {
-  const auto& boards = static_cast<const AxisRegistersDriver&>(driver);
+  const auto& boards = driver_as<AxisRegistersDriver>(driver);
   if (const std::string silent = silent_boards(boards); !silent.empty()) return silent;
   if (!boards.statuses_are_blank()) return {};
   return "the status of every board reads zero: looks like boards with the first firmware; "
@@ -125,14 +125,14 @@ std::string registers_suspicion(const Driver& driver) {
 }
 
 std::string link_suspicion(const Driver& driver) {
-  return silent_boards(static_cast<const AxisLinkDriver&>(driver));
+  return silent_boards(driver_as<AxisLinkDriver>(driver));
 }
 
 }  // namespace
 
 extern const DeviceKind kAxisRegistersKind;
 const DeviceKind kAxisRegistersKind{
-    .table = kAxisRegistersTable,
+    .table = {.protocol = "axis_registers", .segment_ms_max = 1000},
     .read = read_axis_registers,
     .check = check_step_rates,
     .has = has_settings<AxisRegistersDevice>,
@@ -145,7 +145,7 @@ const DeviceKind kAxisRegistersKind{
 
 extern const DeviceKind kAxisLinkKind;
 const DeviceKind kAxisLinkKind{
-    .table = kAxisLinkTable,
+    .table = {.protocol = "axis_link", .segment_ms_max = 100},
     .read = read_axis_link,
     .check = check_step_rates,
     .has = has_settings<AxisLinkDevice>,

@@ -5,8 +5,8 @@
 
 #include "sinew/core/instant.h"
 #include "sinew/devices/axis/axis_device.h"
-#include "sinew/devices/axis/axis_device_encoders.h"
 #include "sinew/devices/axis/axis_device_homing.h"
+#include "sinew/devices/axis/axis_device_encoders.h"
 #include "sinew/devices/axis/axis_device_settings.h"
 #include "sinew/devices/axis/axis_device_step_check.h"
 #include "sinew/motion/cascade.h"
@@ -23,10 +23,10 @@ namespace sinew {
 /// | mode | reference | ends |
 /// |---|---|---|
 /// | kHold | stands | with a request |
-/// | kProfile | a jerk-limited profile: move_to(), stop(), the way out of a fault | at rest: kHold
-/// | | kTracking | follows track() | stream silent: a stop | | kHoming | homing.h | homed,
-/// cancelled or failed | | kSelfTest | stands; the motor is wiggled by one full step | done or
-/// failed |
+/// | kProfile | a jerk-limited profile: move_to(), stop(), leaving a fault | at rest: kHold |
+/// | kTracking | follows track() | stream silent: a stop |
+/// | kHoming | axis_device_homing.h | homed, cancelled or failed |
+/// | kSelfTest | stands; the motor is wiggled by one full step | done or failed |
 ///
 /// Whatever the mode, and before anything else:
 ///

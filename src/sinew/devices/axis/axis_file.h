@@ -7,13 +7,9 @@ namespace sinew {
 
 class TableReader;
 
-inline constexpr DeviceTable kAxisRegistersTable{"axis_registers", false, 0, 1000,
-                                                 HandDrive::kNone};
-inline constexpr DeviceTable kAxisLinkTable{"axis_link", false, 0, 100, HandDrive::kNone};
-
 /// No joint is faster than its board makes steps, as far as its drive is known.
 void check_step_rates(TableReader& root, const RobotModel& model);
-void read_axis_registers(TableReader& reader, RobotModel& model);
-void read_axis_link(TableReader& reader, RobotModel& model);
+void read_axis_registers(TableReader& reader, const DeviceTable& kind, RobotModel& model);
+void read_axis_link(TableReader& reader, const DeviceTable& kind, RobotModel& model);
 
 }  // namespace sinew

@@ -123,7 +123,7 @@ DeviceFacts AxisLinkDriver::facts() const {
   AxisLinkFacts facts;
   for (const Channel& channel : channels_) facts.axes.push_back(channel.facts());
   facts.round = round_;
-  return facts;
+  return DeviceFacts(facts);
 }
 
 Expected<void> AxisLinkDriver::may_begin() const {

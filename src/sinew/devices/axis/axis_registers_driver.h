@@ -195,7 +195,7 @@ class AxisRegistersDriver : public SpiDriver {
     AxisRegisterRequest request;
   };
 
-  // axis_registers.cc: what is to be done
+  // axis_registers_driver.cc: what is to be done
   std::optional<Error> check_ready() const;
   bool is_out_by_choice(std::size_t i) const;
   Error why_none_is_fit() const;
@@ -217,7 +217,7 @@ class AxisRegistersDriver : public SpiDriver {
   void fail_motion(Error error, Instant now);
   void tell(DriverEvent::Kind kind, const Error& error = {});
 
-  // axis_registers_steps.cc: what one axis is asked, and what its answers mean
+  // axis_registers_driver_steps.cc: what one axis is asked, and what its answers mean
   void ask(std::size_t i, Instant now);
   AxisRegisterRequest request_for(std::size_t i) const;
   void take(const AxisRegisterOutcome& outcome, Instant now);

@@ -121,7 +121,7 @@ void AxisRegistersDriver::note(const Asked& asked, const Data& value, Instant no
 DeviceFacts AxisRegistersDriver::facts() const {
   AxisRegistersFacts facts;
   for (const Axis& axis : axes_) facts.axes.push_back({axis.answers, axis.fault, axis.heard});
-  return facts;
+  return DeviceFacts(facts);
 }
 
 void AxisRegistersDriver::take_value(std::size_t i, Phase phase, const Data& value, Instant now) {

@@ -40,7 +40,7 @@ std::unique_ptr<WireReader> listener(const Device& device, const DeviceFacts& fa
 std::optional<std::string> statement(const Driver& driver, const RobotModel& /*robot*/,
                                      std::string_view what, std::size_t /*joint*/) {
   if (what != "wire") return std::nullopt;
-  const BigRobotArmFound found = static_cast<const BigRobotArmDriver&>(driver).wire();
+  const BigRobotArmFound found = driver_as<BigRobotArmDriver>(driver).wire();
   if (found.wire == BigRobotArmWire::kByte) return "byte";
   return found.dialect == BigRobotArmDialect::k2026 ? "text2026" : "text";
 }
@@ -58,7 +58,11 @@ std::string silence_hint(const RobotModel& robot, const Error& /*trouble*/,
 
 extern const DeviceKind kBigRobotArmKind;
 const DeviceKind kBigRobotArmKind{
-    .table = kBigRobotArmTable,
+    .table = {.protocol = "bigrobotarm",
+              .serial_port = true,
+              .joints = kBigRobotArmJoints,
+              .segment_ms_max = 1000,
+              .hand = HandDrive::kServo},
     .read = read_bigrobotarm,
     .has = has_settings<BigRobotArmDevice>,
     .driver = driver,

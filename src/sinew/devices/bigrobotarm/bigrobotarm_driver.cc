@@ -63,11 +63,12 @@ DriverHealth BigRobotArmDriver::health() const {
 }
 
 DeviceFacts BigRobotArmDriver::facts() const {
-  return BigRobotArmFacts{.wire = device_.wire,
-                          .dialect = device_.dialect,
-                          .status = heard_,
-                          .looks_like_boot = heard_ && channel_.looks_like_boot(heard_->what),
-                          .wants_declaration = wants_declaration()};
+  return DeviceFacts(
+      BigRobotArmFacts{.wire = device_.wire,
+                       .dialect = device_.dialect,
+                       .status = heard_,
+                       .looks_like_boot = heard_ && channel_.looks_like_boot(heard_->what),
+                       .wants_declaration = wants_declaration()});
 }
 
 // Opening, closing, and what happens in between.

@@ -6,8 +6,8 @@
 
 namespace sinew {
 
-void read_bigrobotarm(TableReader& reader, RobotModel& model) {
-  if (!read_capability(reader, kBigRobotArmTable, model)) return;
+void read_bigrobotarm(TableReader& reader, const DeviceTable& kind, RobotModel& model) {
+  if (!read_capability(reader, kind, model)) return;
   struct Wire {
     BigRobotArmWire wire = BigRobotArmWire::kByte;
     BigRobotArmDialect dialect = BigRobotArmDialect::k2021;

@@ -7,8 +7,6 @@ namespace sinew {
 
 class TableReader;
 
-inline constexpr DeviceTable kBigRobotArmTable{"bigrobotarm", true, 5, 1000, HandDrive::kServo};
-
-void read_bigrobotarm(TableReader& reader, RobotModel& model);
+void read_bigrobotarm(TableReader& reader, const DeviceTable& kind, RobotModel& model);
 
 }  // namespace sinew

@@ -47,7 +47,7 @@ std::optional<std::string> statement(const Driver& driver, const RobotModel& /*r
                                      std::string_view what, std::size_t /*joint*/) {
   if (what != "minus_one") return std::nullopt;
   for (std::size_t leg = 0; leg < kLegs; ++leg) {
-    const auto& status = static_cast<const IcpDriver&>(driver).status(leg);
+    const auto& status = driver_as<IcpDriver>(driver).status(leg);
     if (!status || status->two.target >= 0) continue;
     return fmt::format("{:04X}", static_cast<std::uint16_t>(status->two.target));
   }
@@ -66,7 +66,7 @@ std::string silence_hint(const RobotModel& robot, const Error& /*trouble*/,
 
 extern const DeviceKind kIcpKind;
 const DeviceKind kIcpKind{
-    .table = kIcpTable,
+    .table = {.protocol = "icp", .serial_port = true, .joints = kLegs, .segment_ms_max = 1000},
     .read = read_icp,
     .has = has_settings<IcpDevice>,
     .driver = driver,

@@ -82,7 +82,7 @@ class IcpDriver final : public ByteDriver {
   /// The microstep that was on its way when the stop came.
   std::optional<Instant> goes_on_until() const override;
   DriverHealth health() const override { return health_; }
-  DeviceFacts facts() const override { return facts_; }
+  DeviceFacts facts() const override { return DeviceFacts(facts_); }
   bool wants_move(Instant now) const override;
   /// Steps are spread over move.duration where the wire is quicker than that.
   /// @error kLegLength, kPositionUnknown (index), kSegmentTime, kBusy, kPortClosed, fault's own

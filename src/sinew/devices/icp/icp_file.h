@@ -7,8 +7,6 @@ namespace sinew {
 
 class TableReader;
 
-inline constexpr DeviceTable kIcpTable{"icp", true, kLegs, 1000, HandDrive::kNone};
-
-void read_icp(TableReader& reader, RobotModel& model);
+void read_icp(TableReader& reader, const DeviceTable& kind, RobotModel& model);
 
 }  // namespace sinew

@@ -30,7 +30,7 @@ std::unique_ptr<WireReader> listener(const Device& /*device*/, const DeviceFacts
 
 extern const DeviceKind kIdealKind;
 const DeviceKind kIdealKind{
-    .table = kIdealTable,
+    .table = {.protocol = "ideal", .serial_port = true, .hand = HandDrive::kJaws},
     .read = read_ideal,
     .has = has_settings<IdealDevice>,
     .driver = driver,

@@ -13,7 +13,7 @@ constexpr std::int64_t kBaudLeast = 57'600;
 
 }  // namespace
 
-void read_ideal(TableReader& reader, RobotModel& model) {
+void read_ideal(TableReader& reader, const DeviceTable& /*table*/, RobotModel& model) {
   Device& device = model.device;  // what it can do is the same for each robot
   reader.needs_no_source();       // whoever writes the sketch chooses the pace
   reader.optional().integer("baud", kBaudLeast, 4'000'000, device.baud);

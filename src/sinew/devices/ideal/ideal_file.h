@@ -7,8 +7,6 @@ namespace sinew {
 
 class TableReader;
 
-inline constexpr DeviceTable kIdealTable{"ideal", true, 0, 0, HandDrive::kJaws};
-
-void read_ideal(TableReader& reader, RobotModel& model);
+void read_ideal(TableReader& reader, const DeviceTable& kind, RobotModel& model);
 
 }  // namespace sinew

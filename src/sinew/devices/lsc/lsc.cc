@@ -52,7 +52,10 @@ std::string silence_hint(const RobotModel& robot, const Error& trouble,
 
 extern const DeviceKind kLscKind;
 const DeviceKind kLscKind{
-    .table = kLscTable,
+    .table = {.protocol = "lsc",
+              .serial_port = true,
+              .segment_ms_max = 100,
+              .hand = HandDrive::kJaws},
     .read = read_lsc,
     .has = has_settings<LscDevice>,
     .driver = driver,

@@ -89,7 +89,7 @@ class LscDriver : public ByteDriver {
   std::optional<Error> fault() const override { return fault_; }
   std::span<const JointPosition> positions() const override;
   DriverHealth health() const override { return health_; }
-  DeviceFacts facts() const override { return facts_; }
+  DeviceFacts facts() const override { return DeviceFacts(facts_); }
   std::optional<Instant> goes_on_until() const override { return goes_on_until_; }
   bool wants_move(Instant now) const override;
   /// @error beside the contract's: kMovedUnasked on the bus only, kPositionUnknown (measured,

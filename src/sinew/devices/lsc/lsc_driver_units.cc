@@ -12,6 +12,37 @@ namespace {
 constexpr double kBusMin = 0, kBusMax = 1000;
 constexpr double kPulseMin = 500, kPulseMax = 2500;
 
+SendRange servo_range(const Joint& joint, const JointPosition& here) {
+  SendRange range = joint;
+  if (here.quality == PositionQuality::kLost) return range;
+  if (here.q < range.lower) range.lower = here.q - kServoSlack;
+  if (here.q > range.upper) range.upper = here.q + kServoSlack;
+  return range;
+}
+
+/// LscUnits::of_joint() of the servo of a joint.
+/// @param limits  the joint's
+Expected<std::uint16_t> servo_units(const LscDevice& device, std::size_t joint, const Joint& limits,
+                                    double q, const SendRange& range) {
+  const auto index = static_cast<std::int8_t>(joint);
+  if (!range.holds(q)) {
+    const double limit = q < limits.lower ? limits.lower : limits.upper;
+    return std::unexpected(Error{ErrorCode::kJointLimit, index, q, limit});
+  }
+  const LscServo& servo = device.servos[joint];
+  const double units = std::round(servo.centre + servo.trim + servo.units_per_rad * q);
+  // What the wire itself can say.
+  const bool bus = device.profile == LscProfile::kBus;
+  const bool back = !within_limits(limits, q);
+  const double lower = back ? (bus ? kBusMin : kPulseMin) : servo.lower;
+  const double upper = back ? (bus ? kBusMax : kPulseMax) : servo.upper;
+  if (!(units >= lower && units <= upper)) {
+    const double limit = units < lower ? lower : upper;
+    return std::unexpected(Error{ErrorCode::kPulseRange, index, units, limit});
+  }
+  return static_cast<std::uint16_t>(units);
+}
+
 }  // namespace
 
 LscUnits::LscUnits(const LscDevice& device, std::span<const Joint> joints,
@@ -43,24 +74,7 @@ std::optional<std::size_t> LscUnits::slot_of(std::uint8_t servo_id) const {
 
 Expected<std::uint16_t> LscUnits::of_joint(std::size_t joint, double q,
                                            const SendRange& range) const {
-  const auto index = static_cast<std::int8_t>(joint);
-  const Joint& limits = joints_[joint];
-  if (!range.holds(q)) {
-    const double limit = q < limits.lower ? limits.lower : limits.upper;
-    return std::unexpected(Error{ErrorCode::kJointLimit, index, q, limit});
-  }
-  const LscServo& servo = device_.servos[joint];
-  const double units = std::round(servo.centre + servo.trim + servo.units_per_rad * q);
-  // What the wire itself can say.
-  const bool bus = device_.profile == LscProfile::kBus;
-  const bool back = !within_limits(limits, q);
-  const double lower = back ? (bus ? kBusMin : kPulseMin) : servo.lower;
-  const double upper = back ? (bus ? kBusMax : kPulseMax) : servo.upper;
-  if (!(units >= lower && units <= upper)) {
-    const double limit = units < lower ? lower : upper;
-    return std::unexpected(Error{ErrorCode::kPulseRange, index, units, limit});
-  }
-  return static_cast<std::uint16_t>(units);
+  return servo_units(device_, joint, joints_[joint], q, range);
 }
 
 std::uint16_t LscUnits::beside(std::size_t joint, std::uint16_t units, double more) const {
@@ -106,11 +120,7 @@ bool LscUnits::inside(std::size_t joint, double q) const {
 }
 
 SendRange LscUnits::range_from(std::size_t joint, const JointPosition& here) const {
-  SendRange range = joints_[joint];
-  if (here.quality == PositionQuality::kLost) return range;
-  if (here.q < range.lower) range.lower = here.q - kServoSlack;
-  if (here.q > range.upper) range.upper = here.q + kServoSlack;
-  return range;
+  return servo_range(joints_[joint], here);
 }
 
 double LscUnits::resolution(std::size_t joint) const {
@@ -127,11 +137,10 @@ double LscUnits::stroke() const {
 
 std::optional<Error> LscDevice::target_refusal(const RobotModel& robot, std::span<const double> q,
                                                std::span<const double> from) const {
-  const LscUnits units(*this, robot.joints, std::nullopt);
   for (std::size_t i = 0; i < q.size(); ++i) {
     const double here = from.empty() ? robot.joints[i].home : from[i];
-    const auto range = units.range_from(i, {PositionQuality::kMeasured, here, here, here});
-    const auto told = units.of_joint(i, q[i], range);
+    const auto range = servo_range(robot.joints[i], {PositionQuality::kMeasured, here, here, here});
+    const auto told = servo_units(*this, i, robot.joints[i], q[i], range);
     if (!told) return told.error();
   }
   return std::nullopt;

@@ -7,8 +7,6 @@ namespace sinew {
 
 class TableReader;
 
-inline constexpr DeviceTable kLscTable{"lsc", true, 0, 100, HandDrive::kJaws};
-
-void read_lsc(TableReader& reader, RobotModel& model);
+void read_lsc(TableReader& reader, const DeviceTable& kind, RobotModel& model);
 
 }  // namespace sinew

@@ -33,7 +33,7 @@ std::unique_ptr<WireReader> listener(const Device& /*device*/, const DeviceFacts
 
 std::optional<std::string> statement(const Driver& driver, const RobotModel& /*robot*/,
                                      std::string_view what, std::size_t /*joint*/) {
-  const auto sum = static_cast<const MaxArmDriver&>(driver).checksum();
+  const auto sum = driver_as<MaxArmDriver>(driver).checksum();
   if (what != "checksum" || !sum) return std::nullopt;
   return *sum == maxarm::Checksum::kSpec ? "as the document says" : "with the header";
 }
@@ -51,7 +51,11 @@ std::string silence_hint(const RobotModel& robot, const Error& /*trouble*/,
 
 extern const DeviceKind kMaxArmKind;
 const DeviceKind kMaxArmKind{
-    .table = kMaxArmTable,
+    .table = {.protocol = "maxarm",
+              .serial_port = true,
+              .joints = maxarm::kServos,
+              .segment_ms_max = 1000,
+              .hand = HandDrive::kSuction},
     .read = read_maxarm,
     .has = has_settings<MaxArmDevice>,
     .driver = driver,

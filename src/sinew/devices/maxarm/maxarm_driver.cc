@@ -389,7 +389,7 @@ bool MaxArmDriver::trusted(const ReplyFrame& frame) {
 DeviceFacts MaxArmDriver::facts() const {
   MaxArmFacts facts = facts_;
   facts.checksum = checksum();
-  return facts;
+  return DeviceFacts(facts);
 }
 
 std::optional<Checksum> MaxArmDriver::checksum() const {

@@ -7,8 +7,6 @@ namespace sinew {
 
 class TableReader;
 
-inline constexpr DeviceTable kMaxArmTable{"maxarm", true, 3, 1000, HandDrive::kSuction};
-
-void read_maxarm(TableReader& reader, RobotModel& model);
+void read_maxarm(TableReader& reader, const DeviceTable& kind, RobotModel& model);
 
 }  // namespace sinew
