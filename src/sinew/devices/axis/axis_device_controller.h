@@ -5,8 +5,8 @@
 
 #include "sinew/core/instant.h"
 #include "sinew/devices/axis/axis_device.h"
-#include "sinew/devices/axis/axis_device_homing.h"
 #include "sinew/devices/axis/axis_device_encoders.h"
+#include "sinew/devices/axis/axis_device_homing.h"
 #include "sinew/devices/axis/axis_device_settings.h"
 #include "sinew/devices/axis/axis_device_step_check.h"
 #include "sinew/motion/cascade.h"
