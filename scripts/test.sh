@@ -9,9 +9,9 @@ source "$(dirname "${BASH_SOURCE[0]}")/lib.sh"
 # fuzz corpora that need no server. Every other test under them: make campaign PARTS=asan.
 byte_rooms=(core wire toml config driver program io vision)
 # And every kind of device.
-kinds() {
+kind_tests() {
   local folder
-  for folder in src/sinew/devices/*/; do basename "$folder"; done
+  for folder in src/sinew/devices/*/; do echo "$(basename "$folder")_test"; done
 }
 # What these rooms test for long without reading anything from outside: plans and rendered tables.
 no_bytes=(CubeRun. Foresight. CubeRows. TableTop. OpenAttitude. CubeDetection.recall_ TableThing.
@@ -86,8 +86,8 @@ corpora() {
 
 # Names of the tests for the sanitizers, joined for ctest -R.
 byte_tests() {
-  { printf '%s_test\n' "${byte_rooms[@]}" devices $(kinds); corpora; } | sed 's/[.+]/\\&/g' | paste -s -d '|' |
-    sed 's/.*/^(&)$/'
+  { printf '%s_test\n' "${byte_rooms[@]}" devices; kind_tests; corpora; } | sed 's/[.+]/\\&/g' |
+    paste -s -d '|' | sed 's/.*/^(&)$/'
 }
 
 # Ninja's names for what these tests need.

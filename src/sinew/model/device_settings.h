@@ -77,8 +77,8 @@ struct Device;
 struct JawGripper;
 struct RobotModel;
 
-/// Part of their stroke that jaws go to a width (m); all of it where nobody knows how wide they
-/// are.
+/// Share of their stroke that jaws travel to a width (m); all of it where `jaws`, their width, is
+/// not known.
 double jaws_share(const JawGripper& gripper, double width, std::optional<double> jaws);
 
 /// A setting that commissioning finds, or a cell's file gives: `joint.base.turn = other`.

@@ -39,7 +39,7 @@ std::string suspicion_of(const char* boards, const char* taken_for) {
   const RobotModel real = *variant_of(test::robot("robot-arm-2"), boards, std::nullopt);
   const auto machine = make_machine(real, {.profile = boards}, Instant{});
   const RobotDriver driver = make_driver(robot);
-  EXPECT_EQ(kind_of(robot.device).suspicion(*driver.spi), "") << "nobody has answered yet";
+  EXPECT_EQ(kind_of(robot.device).suspicion(*driver.spi), "") << "no board has replied yet";
   opened(*driver.spi, *machine->spi);
   return kind_of(robot.device).suspicion(*driver.spi);
 }

@@ -12,7 +12,7 @@ struct BigRobotArmFacts {
   BigRobotArmDialect dialect{};
   LastHeard<bigrobotarm::Status> status{};
   bool looks_like_boot = false;    ///< it holds what a board holds that was switched on
-  bool wants_declaration = false;  ///< no move before somebody says where the arm stands
+  bool wants_declaration = false;  ///< no move before its position is declared
 };
 
 }  // namespace sinew

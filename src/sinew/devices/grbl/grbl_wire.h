@@ -10,7 +10,7 @@
 #include "sinew/core/fixed_vector.h"
 
 /// The wire of GRBL 1.1 and of its successors grblHAL and FluidNC: lines of G-code, each answered
-/// by one reply; single real-time characters between them, which nobody answers; and status reports
+/// by one reply; single real-time characters between them, without a reply; and status reports
 /// in pointed brackets. No checksum. docs/wires/grbl.md has the tables.
 /// Lengths are mm and angles deg, as the board's own settings have them, to three decimals. @rt
 namespace sinew::grbl {
@@ -41,7 +41,7 @@ enum class RealTime : std::uint8_t {
   kJogCancel = 0x85,
 };
 
-// What a host says.
+// Requests.
 
 /// One straight motion of all axes to machine coordinates, in this time.
 struct Move {
@@ -76,7 +76,7 @@ struct Modes {
 };
 using Request = std::variant<Move, Jog, Home, Unlock, AskSettings, AskBuild, Modes>;
 
-// What a board answers.
+// Replies.
 
 struct Ok {
   friend bool operator==(const Ok&, const Ok&) = default;
