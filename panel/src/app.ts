@@ -165,6 +165,10 @@ export const jog = new Jog({
   },
 });
 watchPage(jog, window, document);
+// Before the buttons, which let go when they are switched off, and give no reason.
+effect(() => {
+  if (jogging.value && jog.robot !== null && store.lease(jog.robot) === 'other') jog.stop('taken');
+});
 
 /** The pace of all motions, while somebody drags it. */
 const pacing = new Latest<{ robot: string; share: number }, void>({

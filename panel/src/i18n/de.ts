@@ -132,6 +132,7 @@ export const de: Record<Key, string> = {
   'jog.moves': 'Fährt von Hand',
   'jog.end.blur': 'Das Fenster verlor den Fokus: angehalten',
   'jog.end.hidden': 'Die Seite wurde verdeckt: angehalten',
+  'jog.end.taken': 'Ein anderer Client hat übernommen: angehalten',
   'jog.end.lost': 'Die Verbindung brach ab: angehalten',
   'jog.end.slow': 'Die Verbindung ist zu langsam für Handfahrt: angehalten',
   'jog.end.refused': 'Nicht gefahren: {text}',

@@ -131,6 +131,7 @@ export const en = {
   'jog.moves': 'Moving by hand',
   'jog.end.blur': 'The window lost its focus: stopped',
   'jog.end.hidden': 'The page was hidden: stopped',
+  'jog.end.taken': 'Another client took control: stopped',
   'jog.end.lost': 'The connection went: stopped',
   'jog.end.slow': 'The connection is too slow to jog over: stopped',
   'jog.end.refused': 'Not moved: {text}',

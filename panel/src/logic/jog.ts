@@ -2,7 +2,8 @@
  * Hold to move. While anything is held a velocity goes out twenty times a second, and each counts
  * for 0.15 s only: whatever breaks on the way (this page, the browser, the network, the server's
  * patience) the robot comes to rest. What ends a hold is a release, a pointer that is cancelled or
- * lost, a window without focus, a hidden page, a connection that went or does not answer.
+ * lost, a window without focus, a hidden page, control that another client has taken, a connection
+ * that went or does not answer.
  *
  *            hold(source)                    hold(another)
  *   idle ------------------> moving <------------------------
@@ -26,7 +27,7 @@ export interface JogWish {
   velocity: number[];
 }
 
-export type JogEnd = 'released' | 'blur' | 'hidden' | 'lost' | 'slow' | 'refused' | 'stopped';
+export type JogEnd = 'released' | 'blur' | 'hidden' | 'taken' | 'lost' | 'slow' | 'refused' | 'stopped';
 
 export interface JogOptions {
   /** Resolves when the server has taken it. */
@@ -49,6 +50,10 @@ export class Jog {
 
   get moving(): boolean {
     return this.held.size > 0;
+  }
+  /** What is moved. */
+  get robot(): string | null {
+    return this.sum()?.robot ?? null;
   }
   get sources(): string[] {
     return [...this.held.keys()];
