@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "sinew/devices/kinds.h"
+#include "sinew/devices/table_file.h"
 
 namespace sinew {
 
@@ -16,7 +17,9 @@ void read_device(TableReader& root, RobotModel& model) {
   const DeviceKind* kind = nullptr;
   if (reader->choice("protocol", kinds, kind)) {
     model.device.protocol = kind->table.protocol;
-    kind->read(*reader, kind->table, model);
+    const bool goes_on =
+        !kind->table.capability_in_file || read_capability(*reader, kind->table, model);
+    if (goes_on) kind->read(*reader, model);
   } else {
     reader->ignore_rest();
   }

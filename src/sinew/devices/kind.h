@@ -21,8 +21,8 @@ class TableReader;
 /// one. `devices/KIND/KIND.cc` has it, and devices/kinds.cc the list. What may be nullptr says so.
 struct DeviceKind {
   DeviceTable table;
-  /// Reads [device], by devices/table_file.h.
-  void (*read)(TableReader& reader, const DeviceTable& table, RobotModel& model) = nullptr;
+  /// Reads what is the kind's own of [device], behind read_capability() of devices/table_file.h.
+  void (*read)(TableReader& reader, RobotModel& model) = nullptr;
   /// Whether the rest of the file asks for nothing that this device cannot do; nullptr: no check.
   void (*check)(TableReader& root, const RobotModel& model) = nullptr;
   bool (*has)(const SomeSettings& settings) = nullptr;

@@ -19,13 +19,14 @@ bool read_capability(TableReader& reader, const DeviceTable& table, RobotModel& 
   reader.choice("motion", kMotions, device.capability.motion);
   reader.choice("feedback", kFeedbacks, device.capability.feedback);
   if (table.serial_port) reader.integer("baud", 300, 4'000'000, device.baud);
-  const bool sound = joints_are_sound(model);
-  if (sound && table.joints != 0 && model.joints.size() != table.joints) {
+  if (!joints_are_sound(model)) {
+    reader.ignore_rest();
+    return false;
+  }
+  if (table.joints != 0 && model.joints.size() != table.joints) {
     reader.complain("protocol", "this wire drives " + std::to_string(table.joints) +
                                     " joints, the robot has " +
                                     std::to_string(model.joints.size()));
-  }
-  if (!sound || (table.joints != 0 && model.joints.size() != table.joints)) {
     reader.ignore_rest();
     return false;
   }

@@ -10,7 +10,10 @@ namespace sinew {
 
 /// What the table [device] of a robot's file has of a kind, whatever the robot.
 struct DeviceTable {
-  std::string_view protocol;        ///< name of the wire
+  std::string_view protocol;  ///< name of the wire
+  /// What it can do stands in the file; else it is the same for each robot, as model/device.h has
+  /// it, and what follows here does not count.
+  bool capability_in_file = true;
   bool serial_port = false;         ///< it runs over one
   std::size_t joints = 0;           ///< how many it drives; 0: any
   std::int64_t segment_ms_max = 0;  ///< of a streamed motion

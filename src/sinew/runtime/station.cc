@@ -77,7 +77,10 @@ control::ControllerStart start_of(const PositionRecord* record,
 }  // namespace
 
 Station::Station(RobotModel robot, StationOptions options, const io::Clock& clock)
-    : robot_(std::move(robot)), options_(std::move(options)), clock_(clock) {
+    : robot_(std::move(robot)),
+      kind_(kind_of(robot_.device)),
+      options_(std::move(options)),
+      clock_(clock) {
   log_.keep_in(wire_);
 }
 
@@ -276,8 +279,7 @@ void Station::publish(const ControlLoop& loop, Instant now) {
   look_for_facts(controller, now);
   const DeviceFacts facts = driver.facts();
   // Boards that were stopped for a failure report less.
-  const DeviceKind& kind = kind_of(robot_.device);
-  std::string suspicion = kind.suspicion != nullptr ? kind.suspicion(driver) : std::string();
+  std::string suspicion = kind_.suspicion != nullptr ? kind_.suspicion(driver) : std::string();
   const auto positions = controller.positions();
   const auto later = controller.later_causes();
   {

@@ -22,6 +22,10 @@
 #include "sinew/runtime/run_recorder.h"
 #include "sinew/runtime/station_view.h"
 
+namespace sinew {
+struct DeviceKind;
+}  // namespace sinew
+
 namespace sinew::runtime {
 
 /// How a robot takes its place in a running cell.
@@ -179,6 +183,7 @@ class Station {
   RecordPlace job_place(const std::string& program) const;
 
   RobotModel robot_;
+  const DeviceKind& kind_;  ///< of its device
   StationOptions options_;
   const io::Clock& clock_;
   WireRing wire_;

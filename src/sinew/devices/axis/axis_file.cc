@@ -87,13 +87,12 @@ void check_step_rates(TableReader& root, const RobotModel& model) {
   }
 }
 
-void read_axis_registers(TableReader& reader, const DeviceTable& kind, RobotModel& model) {
+void read_axis_registers(TableReader& reader, RobotModel& model) {
   constexpr Named<AngleEncoding> kEncodings[] = {{"deg_u32", AngleEncoding::kDegU32},
                                                  {"mdeg_i32", AngleEncoding::kMdegI32},
                                                  {"f32_be", AngleEncoding::kF32Be},
                                                  {"f32_le", AngleEncoding::kF32Le}};
   constexpr Named<bool> kStatus[] = {{"bits", true}, {"none", false}};
-  if (!read_capability(reader, kind, model)) return;
   model.device.capability.takes_speed = false;
   auto& device = model.device.settings.emplace<AxisRegistersDevice>();
   reader.integer("clock_hz", 1000, kClockMax, device.clock_hz);
@@ -110,8 +109,7 @@ void read_axis_registers(TableReader& reader, const DeviceTable& kind, RobotMode
   if (reader.clean()) check_homing(reader, device.boards);
 }
 
-void read_axis_link(TableReader& reader, const DeviceTable& kind, RobotModel& model) {
-  if (!read_capability(reader, kind, model)) return;
+void read_axis_link(TableReader& reader, RobotModel& model) {
   model.device.capability.limits_share = 0.8;
   auto& device = model.device.settings.emplace<AxisLinkDevice>();
   reader.integer("clock_hz", 1000, kClockMax, device.clock_hz);

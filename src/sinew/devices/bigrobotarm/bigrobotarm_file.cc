@@ -6,8 +6,7 @@
 
 namespace sinew {
 
-void read_bigrobotarm(TableReader& reader, const DeviceTable& kind, RobotModel& model) {
-  if (!read_capability(reader, kind, model)) return;
+void read_bigrobotarm(TableReader& reader, RobotModel& model) {
   struct Wire {
     BigRobotArmWire wire = BigRobotArmWire::kByte;
     BigRobotArmDialect dialect = BigRobotArmDialect::k2021;

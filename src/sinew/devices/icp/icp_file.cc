@@ -35,8 +35,7 @@ void read_firmware(TableReader& reader, IcpFirmware& firmware) {
 
 }  // namespace
 
-void read_icp(TableReader& reader, const DeviceTable& kind, RobotModel& model) {
-  if (!read_capability(reader, kind, model)) return;
+void read_icp(TableReader& reader, RobotModel& model) {
   auto& device = model.device.settings.emplace<IcpDevice>();
   double travel = 0;
   double units = 0;

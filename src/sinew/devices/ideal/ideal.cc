@@ -30,7 +30,7 @@ std::unique_ptr<WireReader> listener(const Device& /*device*/, const DeviceFacts
 
 extern const DeviceKind kIdealKind;
 const DeviceKind kIdealKind{
-    .table = {.protocol = "ideal", .serial_port = true, .hand = HandDrive::kJaws},
+    .table = {.protocol = "ideal", .capability_in_file = false},
     .read = read_ideal,
     .has = has_settings<IdealDevice>,
     .driver = driver,

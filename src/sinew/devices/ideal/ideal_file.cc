@@ -13,9 +13,9 @@ constexpr std::int64_t kBaudLeast = 57'600;
 
 }  // namespace
 
-void read_ideal(TableReader& reader, const DeviceTable& /*table*/, RobotModel& model) {
-  Device& device = model.device;  // what it can do is the same for each robot
-  reader.needs_no_source();       // whoever writes the sketch chooses the pace
+void read_ideal(TableReader& reader, RobotModel& model) {
+  Device& device = model.device;
+  reader.needs_no_source();  // whoever writes the sketch chooses the pace
   reader.optional().integer("baud", kBaudLeast, 4'000'000, device.baud);
   // Three quarters of the line for the segments, whatever its pace.
   const double line_s = kLineBits / device.baud;

@@ -21,11 +21,10 @@ void check_ids(TableReader& reader, const LscDevice& device) {
 
 }  // namespace
 
-void read_lsc(TableReader& reader, const DeviceTable& kind, RobotModel& model) {
+void read_lsc(TableReader& reader, RobotModel& model) {
   constexpr Named<LscProfile> kProfiles[] = {
       {"lsc6", LscProfile::kLsc6}, {"bus", LscProfile::kBus}, {"esp32", LscProfile::kEsp32}};
   constexpr Range kUnits = between(0, kUnitsMax);
-  if (!read_capability(reader, kind, model)) return;
   auto& device = model.device.settings.emplace<LscDevice>();
   reader.choice("profile", kProfiles, device.profile);
   device.servos.resize(model.joints.size());

@@ -1,12 +1,11 @@
 #pragma once
 
-#include "sinew/model/device_table.h"
 #include "sinew/model/robot_model.h"
 
 namespace sinew {
 
 class TableReader;
 
-void read_lsc(TableReader& reader, const DeviceTable& kind, RobotModel& model);
+void read_lsc(TableReader& reader, RobotModel& model);
 
 }  // namespace sinew

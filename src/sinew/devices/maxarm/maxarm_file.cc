@@ -5,8 +5,7 @@
 
 namespace sinew {
 
-void read_maxarm(TableReader& reader, const DeviceTable& kind, RobotModel& model) {
-  if (!read_capability(reader, kind, model)) return;
+void read_maxarm(TableReader& reader, RobotModel& model) {
   auto& device = model.device.settings.emplace<MaxArmDevice>();
   for_each_joint(reader, model, [&](std::size_t i, TableReader& table) {
     table.number("pulse_offset", between(-10'000, 10'000), device.servos[i].offset);
