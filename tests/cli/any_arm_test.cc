@@ -3,6 +3,8 @@
 #include <chrono>
 #include <csignal>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <limits>
 #include <set>
 
@@ -17,10 +19,11 @@ using namespace std::chrono_literals;
 
 const std::string kExamples = std::string(SINEW_SOURCE_DIR) + "/robots/examples/";
 const std::string kAr4 = kExamples + "ar4.toml";
+const std::string kAr4Grbl = kExamples + "ar4-grbl.toml";
 
-double position(const Json& report, std::size_t joint) {
+double position(const Json& report, std::size_t joint, const char* quality = "measured") {
   const Json& one = report["positions"][joint];
-  EXPECT_EQ(one["quality"], "measured") << report.dump();
+  EXPECT_EQ(one["quality"], quality) << report.dump();
   for (const char* key : {"q_deg", "q_mm"}) {
     if (one.contains(key)) return one[key];
   }
@@ -34,7 +37,7 @@ TEST(AnyArm, each_example_goes_where_it_is_sent_and_says_who_told_its_numbers) {
     if (entry.path().extension() != ".toml") continue;
     const std::string robot = entry.path().string();
     seen.insert(entry.path().stem().string());
-    if (entry.path().stem() == "ar4-axis-link") continue;
+    if (entry.path().stem() == "ar4-axis-link" || entry.path().stem() == "ar4-grbl") continue;
     SCOPED_TRACE(robot);
     const Ended shown = sinew({"robots", robot, "--json"});
     ASSERT_EQ(shown.exit, 0) << shown.err;
@@ -46,7 +49,7 @@ TEST(AnyArm, each_example_goes_where_it_is_sent_and_says_who_told_its_numbers) {
     EXPECT_NEAR(position(run.json(), 0), 60, 1e-3);
     EXPECT_NEAR(position(run.json(), 2), 20, 1e-3);
   }
-  EXPECT_EQ(seen, (std::set<std::string>{"ar4", "ar4-axis-link", "six-axis", "so-101",
+  EXPECT_EQ(seen, (std::set<std::string>{"ar4", "ar4-axis-link", "ar4-grbl", "six-axis", "so-101",
                                          "uarm-swift-pro"}));
 }
 
@@ -70,6 +73,21 @@ TEST(AnyArm, an_ar4_on_the_axis_link_homes_and_moves_at_26700_steps_a_second) {
   ASSERT_EQ(run.exit, 0) << run.err << run.out;
   EXPECT_NEAR(position(run.json(), 1), 0, 0.3);
   EXPECT_NEAR(position(run.json(), 2), -80, 0.3);
+}
+
+TEST(AnyArm, an_ar4_on_a_board_that_speaks_grbl_homes_and_keeps_the_time_of_its_plan) {
+  const ScratchFolder folder;
+  const std::string program =
+      folder.file("p.sinew",
+                  "home\njoint shoulder=20deg elbow=10deg wrist=45deg\nline dx=30mm dz=-40mm\n"
+                  "line dy=-50mm blend=10mm\nline dz=30mm\njoint shoulder=0deg\n");
+  for (const char* firmware : {"grbl", "grblhal", "fluidnc"}) {
+    const Ended run = sinew({"run", program, "--robot", kAr4Grbl, "--json", "--profile", firmware,
+                             "--time-scale", "50"});
+    ASSERT_EQ(run.exit, 0) << run.err << run.out;
+    EXPECT_NEAR(position(run.json(), 1, "commanded"), 0, 0.01);
+    EXPECT_NEAR(position(run.json(), 4, "commanded"), 46.15, 0.02);
+  }
 }
 
 /// In another process, on a port.
@@ -120,6 +138,56 @@ TEST(AnyArm, a_host_that_is_killed_leaves_it_standing_and_the_next_one_goes_on) 
   ASSERT_EQ(next.exit, 0) << next.err << next.out;
   EXPECT_NEAR(position(next.json(), 0), 10, 1e-3);
   EXPECT_NEAR(arm.base(), 10, 1e-3);
+}
+
+/// A copy of the AR4 on GRBL with something changed.
+std::string grbl_with(const ScratchFolder& folder, const std::string& name, const std::string& from,
+                      const std::string& to) {
+  std::ifstream file(kAr4Grbl);
+  std::string text((std::istreambuf_iterator<char>(file)), {});
+  const std::size_t at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  return folder.file(name, text.replace(at, from.size(), to));
+}
+
+TEST(AnyArm, a_grbl_board_counts_on_while_hosts_come_die_and_come_again) {
+  const ScratchFolder folder;
+  setenv("XDG_STATE_HOME", folder.at("xdg").c_str(), 1);
+  const std::string robot = grbl_with(folder, "g.toml", "homing = \"yes\"", "homing = \"no\"");
+  OnAPort arm(robot);
+  const auto run_of = [&](const char* row, std::initializer_list<const char*> more = {}) {
+    Arguments words{"run",     folder.file("p.sinew", row),
+                    "--robot", robot,
+                    "--port",  arm.port(),
+                    "--json",  "--journal",
+                    "one"};
+    for (const char* one : more) words.emplace_back(one);
+    return words;
+  };
+  EXPECT_NE(sinew(run_of("joint base=10deg\n")).exit, 0);
+  EXPECT_EQ(sinew(run_of("joint base=10deg\n", {"--standing-at", "home"})).exit, 0);
+  EXPECT_NEAR(arm.base(), 10, 0.01);
+  Process dies(run_of("joint base=150deg\n"));
+  arm.wait_for(30);
+  dies.signal(SIGKILL);
+  dies.end();
+  const Ended next = sinew(run_of("joint base=20deg\n"));
+  ASSERT_EQ(next.exit, 0) << next.err << next.out;
+  EXPECT_NEAR(arm.base(), 20, 0.01);
+}
+
+TEST(AnyArm, a_grbl_board_that_is_set_up_otherwise_moves_nothing_and_says_what) {
+  const ScratchFolder folder;
+  OnAPort arm(kAr4Grbl);
+  const std::string robot =
+      grbl_with(folder, "g.toml", "velocity_deg_s_max = 60", "velocity_deg_s_max = 90");
+  const Ended run = sinew(
+      {"run", folder.file("p.sinew", "home\n"), "--robot", robot, "--port", arm.port(), "--json"});
+  EXPECT_NE(run.exit, 0);
+  EXPECT_TRUE(
+      run.err.contains("the board moves base at 60 deg/s at most, and the robot's file "
+                       "says 90 deg/s"))
+      << run.err;
 }
 
 TEST(AnyArm, ctrl_c_in_the_middle_stops_it_on_its_path) {

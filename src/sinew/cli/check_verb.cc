@@ -102,7 +102,9 @@ std::string verdict_text(const Checked& checked, std::size_t place) {
     return (row.round > 1 ? fmt::format("refused in round {}: ", row.round) : "refused: ") +
            sentence;
   }
-  if (std::holds_alternative<program::HomeStep>(step.what)) return at_most_text(row.time_max);
+  if (std::holds_alternative<program::HomeStep>(step.what)) {
+    return row.time_max > 0 ? at_most_text(row.time_max) : "as long as its board takes";
+  }
   if (row.motion != place) {
     return "one motion with line " + line_text(checked, checked.program.steps[row.motion]);
   }

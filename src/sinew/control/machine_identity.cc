@@ -79,7 +79,7 @@ RecoverySettings recovery_settings(const RobotModel& robot) {
     settings.power_up_way.push_back(shown ? 0 : std::numeric_limits<double>::infinity());
     if (grain) settings.forgotten_way.push_back(grain->forgotten);
   }
-  settings.can_home = !device.axis_boards().empty();
+  settings.can_home = device.searches_zeros() || !device.axis_boards().empty();
   return settings;
 }
 

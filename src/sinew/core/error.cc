@@ -111,6 +111,23 @@ constexpr std::array kTable = std::to_array<ErrorInfo>({
     {kModelMismatch, "model_mismatch",
      "the device was set up for another robot; send it this robot's settings first", kNone, true,
      kNoStop, 502},
+    {kBoardVelocity, "board_velocity",
+     "the board moves {subject} at {measured} at most, and the robot's file says {limit}: raise "
+     "the "
+     "board's own limit, or lower the file's",
+     kAngularVelocity, true, kNoStop, 409},
+    {kBoardAcceleration, "board_acceleration",
+     "the board accelerates {subject} by {measured} at most, and the robot's file says {limit}: "
+     "raise the board's own limit, or lower the file's",
+     kAngularAcceleration, true, kNoStop, 409},
+    {kBoardSteps, "board_steps",
+     "the board makes {measured} steps for a degree of {subject}, and the robot's file says "
+     "{limit}: one of them is wrong",
+     kRatio, true, kNoStop, 409},
+    {kBoardRests, "board_rests",
+     "the board switches its motors off at rest, and the arm would fall: let it keep them on "
+     "(GRBL: $1=255)",
+     kNone, true, kNoStop, 409},
     {kChecksum, "checksum", "{measured} messages in a row came damaged; look at the cable", kCount,
      false, kHold, 502},
     {kEmergencyStop, "emergency_stop", "the emergency stop of {subject} is latched; release it",

@@ -14,11 +14,12 @@ extern const DeviceKind kMaxArmKind;
 extern const DeviceKind kIcpKind;
 extern const DeviceKind kAxisRegistersKind;
 extern const DeviceKind kAxisLinkKind;
+extern const DeviceKind kGrblKind;
 
 std::span<const DeviceKind* const> device_kinds() {
   static constexpr const DeviceKind* kAll[] = {
       &kIdealKind, &kBigRobotArmKind,   &kLscKind,      &kMaxArmKind,
-      &kIcpKind,   &kAxisRegistersKind, &kAxisLinkKind,
+      &kIcpKind,   &kAxisRegistersKind, &kAxisLinkKind, &kGrblKind,
   };
   return kAll;
 }

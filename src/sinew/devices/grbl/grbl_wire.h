@@ -166,10 +166,14 @@ using Reply = std::variant<Ok, Refused, Alarm, Welcome, Status, Setting, Build, 
 
 std::string_view word_of(State state);
 
-/// Settings of the first axis, the others follow: its maximum rate (per min), its acceleration (per
-/// s^2).
+/// Motors stay on at rest where it is 255; else they go off after so many ms.
+inline constexpr std::uint16_t kIdleSetting = 1;
+/// Settings of the first axis, the others follow: steps per unit, its maximum rate (per min), its
+/// acceleration (per s^2), its travel.
+inline constexpr std::uint16_t kStepsSetting = 100;
 inline constexpr std::uint16_t kRateSetting = 110;
 inline constexpr std::uint16_t kAccelerationSetting = 120;
+inline constexpr std::uint16_t kTravelSetting = 130;
 
 /// With its end.
 /// @pre every value within kValueMax, the duration within its bounds, 1 to kAxesMax values

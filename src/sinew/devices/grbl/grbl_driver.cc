@@ -1,0 +1,410 @@
+#include "sinew/devices/grbl/grbl_driver.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "sinew/core/assert.h"
+#include "sinew/driver/send_range.h"
+
+namespace sinew {
+
+using namespace grbl;
+using Kind = DriverEvent::Kind;
+
+namespace {
+
+constexpr double kBitsPerByte = 10;
+/// Of a joint's speed: pieces that are cut out of a smooth motion swing so much.
+constexpr double kSpeedShare = 1.02;
+/// Segments beside those that its planner needs to brake in: one under way, two on the wire.
+constexpr std::size_t kSpareSegments = 3;
+
+FixedVector<double, kAxesMax> accelerations(std::span<const Joint> joints) {
+  FixedVector<double, kAxesMax> all;
+  for (const Joint& joint : joints) all.push_back(to_deg(joint.acceleration_max));
+  return all;
+}
+
+Error joint_error(ErrorCode code, std::size_t joint, double measured = 0, double limit = 0) {
+  return {code, static_cast<std::int8_t>(joint), measured, limit};
+}
+
+}  // namespace
+
+GrblDriver::GrblDriver(const GrblDevice& device, std::span<const Joint> joints, std::uint32_t baud,
+                       const GrblTiming& timing)
+    : device_(device),
+      joints_(joints),
+      timing_(timing),
+      line_time_(from_seconds((kLineMax + 1) * kBitsPerByte / baud)),
+      known_(device),
+      pace_(accelerations(joints)) {
+  SINEW_ASSERT(joints.size() == device.axes.size() && !joints.empty() && baud > 0);
+  for (const Joint& joint : joints) {
+    braking_ = std::max(braking_, from_seconds(joint.velocity_max / joint.acceleration_max));
+  }
+  // On the way of a braking time half as much is done.
+  const double needed = std::ceil(to_seconds(braking_) / 2 / to_seconds(timing.segment));
+  ahead_ = std::min(kPendingMax, kSpareSegments + static_cast<std::size_t>(needed));
+  positions_.resize(joints.size());
+  begin_.resize(joints.size());
+  speed_.resize(joints.size());
+  timing_.reply_timeout += 2 * line_time_;
+}
+
+// Opening and closing
+
+void GrblDriver::open(Instant now) {
+  if (activity_ != Activity::kClosed) close(now);
+  now_ = now;
+  fault_.reset();
+  told_silent_ = false;
+  decoder_.reset();
+  begin_steps(Activity::kOpening, Step::kLook, now);
+}
+
+void GrblDriver::close(Instant now) {
+  now_ = std::max(now_, now);
+  if (activity_ == Activity::kClosed) return;
+  leave_to_itself();
+  end_commands(Kind::kFailed, {ErrorCode::kPortClosed});
+  end_stop();
+  activity_ = Activity::kClosed;
+  output_.clear();
+}
+
+/// Nobody hears it any more. What it has it carries out.
+void GrblDriver::leave_to_itself() {
+  const bool moves = activity_ == Activity::kMoving || activity_ == Activity::kNudging ||
+                     activity_ == Activity::kStopping;
+  if (moves) goes_on_until_ = now_ + left(now_) + braking_;
+  known_.leave(moves ? std::span<const JointInterval>(reach_.data(), reach_.size())
+                     : std::span<const JointInterval>());
+}
+
+/// What was said is worth nothing from here on: a reset follows, unless nothing moves by it.
+void GrblDriver::begin_steps(Activity activity, Step step, Instant now) {
+  activity_ = activity;
+  step_ = step;
+  pending_.clear();
+  output_.clear();
+  lines_.clear();
+  unanswered_ = 0;
+  reset_at_.reset();
+  asked_at_.reset();
+  suspect_.reset();
+  unheard_ = 0;
+  poll_due_ = now;
+  unlocked_ = false;
+  alarm_ = 0;
+}
+
+DriverState GrblDriver::state() const {
+  switch (activity_) {
+    case Activity::kClosed:
+      return DriverState::kClosed;
+    case Activity::kOpening:
+      return DriverState::kOpening;
+    case Activity::kMoving:
+    case Activity::kNudging:
+    case Activity::kHoming:
+      return DriverState::kMoving;
+    case Activity::kStopping:
+    case Activity::kAlarm:
+      return DriverState::kStopping;
+    case Activity::kIdle:
+      break;
+  }
+  return fault_ ? DriverState::kFault : DriverState::kReady;
+}
+
+std::optional<Instant> GrblDriver::goes_on_until() const {
+  return goes_on_until_ && now_ < *goes_on_until_ ? goes_on_until_ : std::nullopt;
+}
+
+// What is asked for
+
+Expected<void> GrblDriver::may_begin() const {
+  if (activity_ == Activity::kClosed) return std::unexpected(Error{ErrorCode::kPortClosed});
+  if (fault_) return std::unexpected(*fault_);
+  if (activity_ != Activity::kIdle) return std::unexpected(Error{ErrorCode::kBusy});
+  return {};
+}
+
+bool GrblDriver::wants_move(Instant /*now*/) const {
+  if (fault_ || known_.unknown()) return false;
+  if (activity_ == Activity::kIdle) return true;
+  if (activity_ != Activity::kMoving || pending_.size() >= ahead_) return false;
+  return pending_.empty() || !pending_.back().rest;
+}
+
+std::optional<Error> GrblDriver::refusal(std::size_t joint, double from, double to,
+                                         Duration duration) const {
+  const Joint& own = joints_[joint];
+  const SendRange range = SendRange(own).from(from);
+  if (!range.holds(to)) {
+    const double limit = to < own.lower ? own.lower : own.upper;
+    return joint_error(ErrorCode::kJointLimit, joint, to, limit);
+  }
+  const double needed = std::abs(to - from) / (kSpeedShare * own.velocity_max);
+  const double slack = device_.resolution(joint) / own.velocity_max;
+  if (to_seconds(duration) + slack >= needed) return std::nullopt;
+  return joint_error(ErrorCode::kSegmentTime, joint, to_seconds(duration), needed);
+}
+
+/// Its line, from where the one before ends.
+Expected<GrblDriver::Pending> GrblDriver::pending_of(const JointMove& move) {
+  const std::size_t joints = joints_.size();
+  if (move.q.size() != joints || move.qd.size() != joints) {
+    return std::unexpected(Error{ErrorCode::kUnsendable, -1, static_cast<double>(move.q.size())});
+  }
+  const double duration = to_seconds(move.duration);
+  if (!(duration >= kDurationMin && duration <= kDurationMax)) {
+    const double limit = duration < kDurationMin ? kDurationMin : kDurationMax;
+    return std::unexpected(Error{ErrorCode::kSegmentTime, -1, duration, limit});
+  }
+  Pending one;
+  one.rest = one.no_way = true;
+  Values way;
+  double begins = 0, ends = 0;  // units/s over all axes, squared
+  for (std::size_t i = 0; i < joints; ++i) {
+    const double from = pending_.empty() ? known_.place(i, begin_[i]) : pending_.back().end[i];
+    if (!std::isfinite(move.qd[i]) || !std::isfinite(move.q[i])) {
+      return std::unexpected(joint_error(ErrorCode::kUnsendable, i, move.qd[i]));
+    }
+    if (const auto error = refusal(i, from, move.q[i], move.duration)) {
+      return std::unexpected(*error);
+    }
+    const double count = std::round(known_.count_of(i, move.q[i]) * 1e3) / 1e3;
+    const double here = pending_.empty() ? begin_[i] : pending_.back().line.to[i];
+    if (std::abs(count) > kValueMax) {
+      return std::unexpected(joint_error(ErrorCode::kUnsendable, i, count));
+    }
+    way.push_back(count - here);
+    one.line.to.push_back(count);
+    one.no_way = one.no_way && way[i] == 0;
+    one.rest = one.rest && move.qd[i] == 0;
+    begins += std::pow(to_deg(speed_[i]), 2);
+    ends += std::pow(to_deg(move.qd[i]), 2);
+  }
+  one.end = move.q;
+  one.line.duration = duration;
+  if (!one.no_way) {
+    const double peak = std::sqrt(std::max(begins, ends));
+    one.line.duration = std::max(pace_.line_duration(way, peak, duration, one.rest), kDurationMin);
+  }
+  return one;
+}
+
+Expected<void> GrblDriver::move(const JointMove& move, Instant now) {
+  poll(now);
+  const bool follows = activity_ == Activity::kMoving && wants_move(now);
+  if (!follows) {
+    if (const auto may = may_begin(); !may) return may;
+    if (const auto joint = known_.unknown()) {
+      return std::unexpected(joint_error(ErrorCode::kPositionUnknown, *joint));
+    }
+    for (std::size_t i = 0; i < move.q_start.size(); ++i) {
+      const double here = positions_[i].q;
+      if (std::abs(here - move.q_start[i]) <= from_deg(tolerance(i))) continue;
+      return std::unexpected(joint_error(ErrorCode::kMovedUnasked, i, here, move.q_start[i]));
+    }
+  }
+  const GrblPace before = pace_;
+  const Values began = begin_;
+  const JointVector speed = speed_;
+  if (!follows) {
+    pace_.begin();
+    begin_ = known_.counts();
+    std::ranges::fill(speed_, 0.0);
+  }
+  const auto one = pending_of(move);
+  if (!one) {
+    pace_ = before, begin_ = began, speed_ = speed;
+    return std::unexpected(one.error());
+  }
+  if (!follows || pending_.empty()) began_ = changed_ = now;
+  if (!follows) begin_reach();
+  for (std::size_t i = 0; i < joints_.size(); ++i) reach_to(i, move.q[i]);
+  pending_.push_back(*one);
+  speed_ = move.qd;
+  last_piece_ = now;
+  ++commands_;
+  activity_ = Activity::kMoving;
+  say_moves(now);
+  look_at_the_end(now);
+  return {};
+}
+
+Expected<void> GrblDriver::nudge(std::size_t joint, double way, Duration duration, Instant now) {
+  SINEW_ASSERT(joint < joints_.size());
+  poll(now);
+  if (const auto may = may_begin(); !may) return may;
+  const double least = device_.resolution(joint) / 2;
+  if (!(std::abs(way) >= least && std::abs(way) <= kNudgeMax * (1 + 1e-9))) {
+    return std::unexpected(joint_error(ErrorCode::kNudgeRange, joint, way, kNudgeMax));
+  }
+  Jog jog{joint, std::round(known_.units(joint, way) * 1e3) / 1e3, 0};
+  const double rate_max = to_deg(joints_[joint].velocity_max);
+  const double seconds = std::max(to_seconds(duration), 1e-3);
+  jog.rate = 60 * std::min(std::abs(jog.by) / seconds, rate_max);
+  nudge_to_ = known_.counts();
+  nudge_to_[joint] += jog.by;
+  if (!say(jog, Sent::kOther)) return std::unexpected(Error{ErrorCode::kBusy});
+  begin_reach();
+  reach_to(joint, positions_[joint].lower + std::min(way, 0.0));
+  reach_to(joint, positions_[joint].upper + std::max(way, 0.0));
+  ++commands_;
+  activity_ = Activity::kNudging;
+  changed_ = now + from_seconds(60 * std::abs(jog.by) / jog.rate);
+  poll_due_ = now + timing_.arrival_poll;
+  return {};
+}
+
+Expected<void> GrblDriver::home(Instant now, std::uint8_t /*joints*/) {
+  poll(now);
+  if (!device_.homes) return std::unexpected(Error{ErrorCode::kNoEndStops});
+  if (const auto may = may_begin(); !may) return may;
+  if (!say(Home{}, Sent::kOther)) return std::unexpected(Error{ErrorCode::kBusy});
+  known_.lose();
+  ++commands_;
+  activity_ = Activity::kHoming;
+  asked_at_.reset();
+  step_ = Step::kPlace;
+  update_positions(now_);
+  return {};
+}
+
+void GrblDriver::stop(Instant now) {
+  poll(now);
+  if (activity_ == Activity::kClosed) return;
+  const bool rests = activity_ == Activity::kIdle;
+  if (rests) {
+    const bool told = !events_.empty() && events_.back().kind == Kind::kStopped;
+    if (!told) tell(Kind::kStopped);
+    return;
+  }
+  stop_asked_ = true;
+  // Opening stops it as well.
+  if (activity_ == Activity::kOpening) return;
+  if (activity_ != Activity::kStopping && activity_ != Activity::kAlarm) begin_stop(now_);
+}
+
+/// It brakes on its path; but in a search for switches only a reset ends it.
+void GrblDriver::begin_stop(Instant now) {
+  const bool searches = activity_ == Activity::kHoming;
+  const bool jogs = activity_ == Activity::kNudging;
+  begin_steps(Activity::kStopping, searches ? Step::kReset : Step::kLook, now);
+  if (searches) {
+    reset_board(now);
+  } else {
+    say_now(jogs ? RealTime::kJogCancel : RealTime::kHold);
+  }
+}
+
+Expected<void> GrblDriver::clear_fault(Instant now) {
+  poll(now);
+  if (activity_ == Activity::kClosed) return std::unexpected(Error{ErrorCode::kPortClosed});
+  if (!fault_ && activity_ == Activity::kIdle) return {};
+  if (activity_ != Activity::kIdle) return std::unexpected(Error{ErrorCode::kBusy});
+  fault_.reset();
+  clearing_ = true;
+  ++commands_;
+  begin_steps(Activity::kOpening, Step::kLook, now_);
+  return {};
+}
+
+void GrblDriver::declare_positions(std::span<const JointPosition> positions) {
+  if (activity_ != Activity::kClosed && activity_ != Activity::kIdle) return;
+  known_.declare(positions);
+  update_positions(now_);
+}
+
+// Events
+
+void GrblDriver::tell(Kind kind, const Error& error) {
+  if (!events_.full()) events_.push_back({kind, error});
+}
+
+void GrblDriver::end_commands(Kind kind, const Error& error) {
+  for (; commands_ > 0; --commands_) tell(kind, error);
+  pending_.clear();
+  clearing_ = false;
+}
+
+/// Each command that a stop ended has its own end; a stop of nothing has one too.
+void GrblDriver::end_stop() {
+  if (!stop_asked_) return;
+  stop_asked_ = false;
+  commands_ = std::max<std::size_t>(commands_, 1);
+  end_commands(Kind::kStopped);
+}
+
+void GrblDriver::fail(const Error& error) {
+  fault_ = error;
+  if (!stop_asked_) commands_ = std::max<std::size_t>(commands_, 1);
+  end_commands(Kind::kFailed, error);
+}
+
+void GrblDriver::fall_silent(Instant now) {
+  const double waited = to_seconds(timing_.tries * timing_.reply_timeout);
+  const Error error{ErrorCode::kDeviceSilent, -1, waited, waited};
+  if (commands_ == 0 && !told_silent_) {
+    tell(activity_ == Activity::kOpening ? Kind::kFailed : Kind::kNotice, error);
+  }
+  told_silent_ = true;
+  leave_to_itself();
+  end_commands(Kind::kFailed, error);
+  fault_.reset();
+  begin_steps(Activity::kOpening, Step::kLook, now);
+  end_stop();
+  poll_due_ = now + timing_.silent_retry;
+}
+
+/// Its power was away, or somebody pressed its reset.
+void GrblDriver::note_restart(Instant now) {
+  const Error error{ErrorCode::kDeviceRestarted};
+  known_.restart();
+  if (activity_ != Activity::kOpening) {
+    if (commands_ == 0) tell(Kind::kNotice, error);
+    end_commands(Kind::kFailed, error);
+    end_stop();
+    fault_.reset();
+    known_.leave();
+    known_.restart();
+  }
+  const bool clears = clearing_;
+  begin_steps(Activity::kOpening, Step::kLook, now);
+  clearing_ = clears;
+}
+
+// Positions
+
+void GrblDriver::begin_reach() {
+  reach_.clear();
+  for (const JointPosition& joint : positions_) reach_.push_back({joint.lower, joint.upper});
+}
+
+void GrblDriver::reach_to(std::size_t joint, double q) {
+  const double slack = device_.resolution(joint);
+  reach_[joint].lower = std::min(reach_[joint].lower, q - slack);
+  reach_[joint].upper = std::max(reach_[joint].upper, q + slack);
+}
+
+/// deg that a count may be from where it was sent.
+double GrblDriver::tolerance(std::size_t joint) const {
+  constexpr double kDigits = 2e-3;
+  return to_deg(device_.step(joint)) + kDigits;
+}
+
+void GrblDriver::update_positions(Instant now) {
+  const bool stands = activity_ == Activity::kIdle || activity_ == Activity::kClosed;
+  const Duration age = now - counted_at_;
+  for (std::size_t i = 0; i < joints_.size(); ++i) {
+    const double gone = stands ? 0 : to_seconds(age + line_time_) * joints_[i].velocity_max;
+    positions_[i] = known_.position(i, gone);
+  }
+}
+
+}  // namespace sinew

@@ -1,0 +1,232 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "sinew/devices/grbl/grbl_driver_pace.h"
+#include "sinew/devices/grbl/grbl_driver_positions.h"
+#include "sinew/devices/grbl/grbl_wire.h"
+#include "sinew/driver/driver.h"
+
+namespace sinew {
+
+struct GrblTiming {
+  Duration segment = std::chrono::milliseconds(50);  ///< of a streamed motion
+  Duration reply_timeout = std::chrono::milliseconds(250);
+  int tries = 4;                                          ///< without an answer it is silent then
+  Duration welcome_timeout = std::chrono::seconds(2);     ///< behind a reset
+  Duration moving_poll = std::chrono::milliseconds(100);  ///< GRBL asks for 10 Hz at most
+  Duration arrival_poll = std::chrono::milliseconds(20);  ///< .. but where something ends
+  Duration resting_poll = std::chrono::milliseconds(250);
+  Duration silent_retry = std::chrono::milliseconds(500);
+  Duration homing_limit = std::chrono::minutes(3);
+  /// A motion that was accepted and does not begin, or stands before its end, was ignored.
+  Duration ignored_limit = std::chrono::milliseconds(500);
+};
+
+/// Host side of a board that speaks GRBL: each segment of a motion is a line, sent ahead so far
+/// that the board's planner can brake for what is planned, and never more characters than the board
+/// has room for. docs/wires/grbl.md.
+///
+///   activity  | what happens                                    | next
+///   ----------+-------------------------------------------------+------------------------------
+///   kClosed   | open                                            | kOpening
+///   kOpening  | it stands; reset; settings fit; unlocked        | kIdle, kReady
+///   kOpening  | a setting does not fit, or it stays locked      | kIdle with the fault, kFailed
+///   kIdle     | move                                            | kMoving
+///   kMoving   | a line's motion is over, another one waits      | kMoving, kDone
+///   kMoving   | it is idle at the end of the last one           | kIdle, kDone
+///   kMoving   | refused, ignored, or beside its path            | kStopping with the fault,
+///   kFailed kMoving   | no further piece came                           | kStopping, kFailed
+///   (kStreamEnded) kIdle     | home, nudge                                     | kHoming, kNudging
+///   kHoming   | ok                                              | kStopping, then kIdle, kDone
+///   kNudging  | it is idle, and there                           | kIdle, kDone
+///   any open  | stop                                            | kStopping
+///   kStopping | it has braked; reset                            | kIdle, kStopped
+///   any open  | an alarm                                        | kAlarm, then kIdle with the
+///   fault any open  | nothing is answered                             | kOpening, kFailed any open
+///   | it restarts                                     | kOpening, kFailed or kNotice
+///
+/// positions(): kCommanded; in motion with the way that a joint may have gone since it was asked.
+/// All @rt.
+class GrblDriver : public ByteDriver {
+ public:
+  /// @param joints  as many as the device has axes
+  GrblDriver(const GrblDevice& device, std::span<const Joint> joints, std::uint32_t baud,
+             const GrblTiming& timing = {});
+
+  void open(Instant now) override;
+  void close(Instant now) override;
+  DriverState state() const override;
+  std::optional<Error> fault() const override { return fault_; }
+  std::span<const JointPosition> positions() const override { return positions_; }
+  std::optional<Instant> goes_on_until() const override;
+  std::optional<JointInterval> counted(std::size_t joint) const override {
+    return known_.counted(joint);
+  }
+  DriverHealth health() const override { return health_; }
+  bool wants_move(Instant now) const override;
+  /// @error the contract's, kUnsendable (number of joints, a speed that is no number), kJointLimit,
+  ///        kSegmentTime, kPositionUnknown
+  Expected<void> move(const JointMove& move, Instant now) override;
+  /// @error kNudgeRange, kBusy, kPortClosed, the fault
+  Expected<void> nudge(std::size_t joint, double way, Duration duration, Instant now) override;
+  /// All axes, by the board's own cycle. @error kNoEndStops, kBusy, kPortClosed, the fault
+  Expected<void> home(Instant now, std::uint8_t joints) override;
+  void stop(Instant now) override;
+  Expected<void> clear_fault(Instant now) override;
+  bool clearing() const override { return clearing_; }
+  void declare_positions(std::span<const JointPosition> positions) override;
+  std::uint8_t counters_moved() const override { return known_.away_from_zero(); }
+  void poll(Instant now) override;
+  std::optional<Instant> next_deadline() const override;
+  std::optional<DriverEvent> take_event() override { return events_.take_front(); }
+  void receive(std::span<const std::uint8_t> bytes, Instant now) override;
+  std::size_t take_output(std::span<std::uint8_t> out) override { return output_.take_front(out); }
+
+  /// What it drives, as nudge() bounds it.
+  static constexpr double kNudgeMax = from_deg(5);
+
+ private:
+  enum class Activity : std::uint8_t {
+    kClosed,
+    kOpening,
+    kIdle,
+    kMoving,
+    kNudging,
+    kHoming,
+    kStopping,
+    kAlarm,
+  };
+  /// Of an opening, and of a stop, which needs no settings.
+  enum class Step : std::uint8_t {
+    kLook,   ///< does it stand? Brakes it where not
+    kReset,  ///< drops what waits; waits for its welcome
+    kLines,  ///< modes and settings
+    kPlace,  ///< where it is, and whether it is locked
+  };
+  struct Pending {
+    grbl::Move line;
+    bool no_way = false;  ///< nothing to send: it ends where it begins
+    bool rest = false;    ///< ends at rest
+    bool sent = false;
+    bool accepted = false;  ///< ok
+    JointVector end;        ///< as it was asked for, before rounding
+  };
+  enum class Sent : std::uint8_t { kMove, kOther };
+  /// A line without its ok.
+  struct Line {
+    Sent what = Sent::kOther;
+    std::uint8_t size = 0;
+  };
+  /// Where it is on its way.
+  struct Spot {
+    std::size_t piece = 0;
+    double time = 0;  ///< s since the first piece began, by their own times
+  };
+  static constexpr std::size_t kPendingMax = 14;  ///< GRBL has room for 15 motions
+
+  Expected<void> may_begin() const;
+  Expected<Pending> pending_of(const JointMove& move);
+  std::optional<Error> refusal(std::size_t joint, double from, double to, Duration duration) const;
+  bool say(const grbl::Request& request, Sent what);
+  void say_now(grbl::RealTime what);
+  void say_moves(Instant now);
+  void ask_status(Instant now);
+  void begin_steps(Activity activity, Step step, Instant now);
+  void reset_board(Instant now);
+  void take(const grbl::Reply& reply, Instant now);
+  void take_ok(Instant now);
+  void take_refusal(const grbl::Refused& refused, Instant now);
+  void take_alarm(std::uint16_t code, Instant now);
+  void take_welcome(const grbl::Welcome& welcome, Instant now);
+  void take_setting(const grbl::Setting& setting);
+  void take_status(const grbl::Status& status, Instant now);
+  bool believable(const grbl::Values& counts, Instant asked);
+  void take_lines(Instant now);
+  void step_look(const grbl::Status& status, Instant now);
+  void step_place(const grbl::Status& status, Instant now);
+  void step_moving(const grbl::Status& status, Instant now);
+  void step_nudging(const grbl::Status& status, Instant now);
+  void step_alarm(const grbl::Status& status);
+  void end_steps(Instant now);
+  std::optional<Spot> spot_of(const grbl::Values& counts, Instant asked) const;
+  bool on_time(const grbl::Values& counts, Instant asked) const;
+  bool is_there(const grbl::Values& counts, const grbl::Values& target) const;
+  double tolerance(std::size_t joint) const;
+  Duration left(Instant now) const;
+  void look_at_the_end(Instant now);
+  void end_pieces(std::size_t count);
+  void begin_stop(Instant now);
+  void leave_to_itself();
+  void begin_reach();
+  void reach_to(std::size_t joint, double q);
+  void fall_silent(Instant now);
+  void note_restart(Instant now);
+  void fail(const Error& error);
+  void end_commands(DriverEvent::Kind kind, const Error& error = {});
+  void end_stop();
+  void update_positions(Instant now);
+  void tell(DriverEvent::Kind kind, const Error& error = {});
+
+  GrblDevice device_;
+  FixedVector<Joint, kMaxJoints> joints_;
+  GrblTiming timing_;
+  Duration line_time_;  ///< of the longest line
+  Duration braking_{};  ///< from the highest speed
+  std::size_t ahead_ = kPendingMax;
+
+  Activity activity_ = Activity::kClosed;
+  Step step_ = Step::kLook;
+  std::optional<Error> fault_;
+  GrblPositions known_;
+  FixedVector<JointPosition, kMaxJoints> positions_;
+  Instant now_{};
+  std::size_t commands_ = 0;  ///< accepted, and without their last event
+  bool stop_asked_ = false;
+  bool clearing_ = false;
+  bool told_silent_ = false;
+  bool unlocked_ = false;  ///< tried, in this opening
+  std::uint16_t alarm_ = 0;
+  std::optional<Instant> alarm_at_;
+  std::optional<Error> setting_;  ///< the first one that does not fit
+  std::optional<Instant> goes_on_until_;
+
+  // Lines
+  FixedVector<Line, 32> lines_;
+  std::size_t unanswered_ = 0;  ///< characters
+  std::size_t room_ = 127;      ///< of the board, characters
+  Instant lines_since_{};       ///< that are waited for
+  std::optional<Instant> reset_at_;
+  std::optional<Instant> asked_at_;  ///< a status that has not come
+  Instant counted_at_{};             ///< when the last one that came was asked for
+  int unheard_ = 0;
+  Instant poll_due_{};
+  grbl::Values offset_;  ///< of work coordinates; empty: not told
+
+  // A motion
+  FixedVector<Pending, kPendingMax> pending_;
+  GrblPace pace_;
+  grbl::Values begin_;  ///< counts where the first of them begins
+  JointVector speed_;   ///< where the last one ends, rad/s
+  Instant began_{};     ///< the first of them, by their own times
+  Instant changed_{};   ///< the counts last did
+  Instant last_piece_{};
+  /// Where the joints may come by what was said since they stood.
+  FixedVector<JointInterval, kMaxJoints> reach_;
+  grbl::Values nudge_to_;
+
+  struct Reading {
+    grbl::Values counts;
+    Instant asked{};
+  };
+  std::optional<Reading> suspect_;  ///< the last status, where it was not believed
+
+  DriverHealth health_;
+  grbl::LineDecoder decoder_;
+  FixedVector<std::uint8_t, 1024> output_;
+  FixedVector<DriverEvent, 32> events_;
+};
+
+}  // namespace sinew

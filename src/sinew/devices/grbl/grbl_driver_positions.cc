@@ -1,0 +1,143 @@
+#include "sinew/devices/grbl/grbl_driver_positions.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sinew/core/assert.h"
+#include "sinew/core/units.h"
+
+namespace sinew {
+namespace {
+
+/// deg: what a report rounds to, twice.
+constexpr double kRounding = 1e-3;
+
+}  // namespace
+
+GrblPositions::GrblPositions(const GrblDevice& device) : device_(device) {
+  ties_.resize(device.axes.size());
+  counts_.resize(device.axes.size());
+}
+
+double GrblPositions::place(std::size_t joint, double count) const {
+  return *ties_[joint].zero + sign(joint) * from_deg(count);
+}
+
+double GrblPositions::count_of(std::size_t joint, double place) const {
+  return sign(joint) * to_deg(place - *ties_[joint].zero);
+}
+
+void GrblPositions::lose() {
+  for (Tie& tie : ties_) tie = {};
+  left_.clear();
+}
+
+void GrblPositions::restart() {
+  restarted_ = true;
+  if (judged_) return lose();
+  // A place that somebody saw, without a count, is still that place.
+  for (JointPosition& joint : left_) {
+    if (joint.count_zero) joint = {};
+  }
+}
+
+void GrblPositions::homed() {
+  for (std::size_t i = 0; i < ties_.size(); ++i) ties_[i] = {device_.axes[i].zero, true};
+}
+
+void GrblPositions::leave(std::span<const JointInterval> reach) {
+  if (judged_) {
+    left_.clear();
+    for (std::size_t i = 0; i < ties_.size(); ++i) {
+      JointPosition joint = position(i, 0);
+      if (!reach.empty() && joint.quality != PositionQuality::kLost) {
+        joint.quality = PositionQuality::kUncertain;
+        joint.lower = std::min(joint.lower, reach[i].lower);
+        joint.upper = std::max(joint.upper, reach[i].upper);
+      }
+      left_.push_back(joint);
+    }
+  }
+  judged_ = restarted_ = false;
+}
+
+void GrblPositions::declare(std::span<const JointPosition> positions) {
+  SINEW_ASSERT(positions.size() == ties_.size());
+  left_.clear();
+  for (const JointPosition& one : positions) left_.push_back(one);
+  if (judged_) {
+    for (JointPosition& joint : left_) joint.count_zero.reset();
+    judge();
+  }
+}
+
+void GrblPositions::count(const grbl::Values& counts) {
+  SINEW_ASSERT(counts.size() == ties_.size());
+  counts_ = counts;
+  if (!judged_) judge();
+  judged_ = true;
+}
+
+/// A board that restarted counts 0 everywhere; what it counts says nothing where it was left at 0.
+bool GrblPositions::still_counts(std::span<const JointPosition> left) const {
+  bool away = false;
+  for (std::size_t i = 0; i < left.size(); ++i) {
+    const JointPosition& joint = left[i];
+    if (!joint.count_zero) continue;
+    away = away || std::abs(counts_[i]) > kRounding;
+    if (joint.quality == PositionQuality::kLost) continue;
+    const double here = *joint.count_zero + sign(i) * from_deg(counts_[i]);
+    const double slack = device_.step(i) + from_deg(kRounding);
+    if (here < joint.lower - slack || here > joint.upper + slack) return false;
+  }
+  return away && !restarted_;
+}
+
+void GrblPositions::judge() {
+  if (left_.empty()) return;
+  const bool counts_on = still_counts({left_.data(), left_.size()});
+  for (std::size_t i = 0; i < ties_.size(); ++i) {
+    const JointPosition& joint = left_[i];
+    const bool lost = joint.quality == PositionQuality::kLost;
+    ties_[i] = {};
+    if (joint.count_zero) {
+      if (counts_on) ties_[i] = {joint.count_zero, !lost};
+    } else if (!lost && joint.quality != PositionQuality::kUncertain) {
+      ties_[i] = {joint.q - sign(i) * from_deg(counts_[i]), true};
+    }
+  }
+  left_.clear();
+}
+
+std::optional<std::size_t> GrblPositions::unknown() const {
+  for (std::size_t i = 0; i < ties_.size(); ++i) {
+    if (!ties_[i].known) return i;
+  }
+  return std::nullopt;
+}
+
+std::optional<JointInterval> GrblPositions::counted(std::size_t joint) const {
+  if (!judged_ || !ties_[joint].zero) return std::nullopt;
+  const double here = place(joint, counts_[joint]);
+  const double slack = device_.step(joint) + from_deg(kRounding);
+  return JointInterval{here - slack, here + slack};
+}
+
+std::uint8_t GrblPositions::away_from_zero() const {
+  std::uint8_t bits = 0;
+  for (std::size_t i = 0; i < counts_.size(); ++i) {
+    if (judged_ && std::abs(counts_[i]) > kRounding) bits = std::uint8_t(bits | 1U << i);
+  }
+  return bits;
+}
+
+JointPosition GrblPositions::position(std::size_t joint, double gone) const {
+  if (!judged_ && !left_.empty()) return left_[joint];
+  const Tie& tie = ties_[joint];
+  if (!tie.known || !tie.zero) return {.count_zero = tie.zero};
+  const double here = place(joint, counts_[joint]);
+  const double slack = device_.step(joint) + from_deg(kRounding) + gone;
+  return {PositionQuality::kCommanded, here, here - slack, here + slack, tie.zero};
+}
+
+}  // namespace sinew

@@ -1,0 +1,194 @@
+#include "sinew/devices/grbl/grbl_driver.h"
+
+#include <gtest/gtest.h>
+
+#include "sinew/devices/grbl/grbl_test_cell.h"
+#include "support/property.h"
+
+namespace sinew {
+namespace {
+
+using namespace std::chrono_literals;
+using test::grbl_robot;
+using test::GrblCell;
+using test::kGrblStep;
+using Kind = DriverEvent::Kind;
+
+TEST(GrblDriver, opens_behind_a_reset_and_knows_no_place_by_itself) {
+  GrblCell cell(grbl_robot(), {}, false);
+  cell.driver.open(cell.now);
+  EXPECT_EQ(cell.driver.state(), DriverState::kOpening);
+  EXPECT_TRUE(cell.run_until(DriverState::kReady, 2s));
+  EXPECT_EQ(cell.count(Kind::kReady), 1U);
+  EXPECT_EQ(cell.driver.positions()[2].quality, PositionQuality::kLost);
+  EXPECT_FALSE(cell.driver.wants_move(cell.now));
+  const auto refused = cell.driver.move({{0.1, 0, 0}, {0, 0, 0}, 1s, {}}, cell.now);
+  EXPECT_EQ(refused.error().code, ErrorCode::kPositionUnknown);
+  cell.declare();
+  EXPECT_EQ(cell.driver.positions()[2].quality, PositionQuality::kCommanded);
+}
+
+TEST(GrblDriver, a_streamed_motion_arrives_in_its_time_and_each_piece_is_done_once) {
+  GrblCell cell;
+  auto motion = cell.motion_to({1, -0.5, 0.25}, 1.5);
+  cell.run(motion);
+  EXPECT_EQ(cell.driver.state(), DriverState::kReady);
+  EXPECT_NEAR(to_seconds(cell.now - motion.begun), 1.5, 0.06);
+  EXPECT_EQ(cell.count(Kind::kDone), 30U);
+  EXPECT_EQ(cell.events.size(), 30U);
+  EXPECT_NEAR(cell.q(0), 1, kGrblStep);
+  EXPECT_NEAR(cell.q(1), -0.5, kGrblStep);
+  EXPECT_LE(cell.fastest, 1.0);
+}
+
+TEST(GrblDriver, stop_brakes_on_the_path_and_the_position_stays_known) {
+  GrblCell cell;
+  auto motion = cell.motion_to({1, -0.5, 0.25}, 1.5);
+  cell.run(motion, 700ms);
+  const std::size_t accepted = motion.next - 1;
+  cell.driver.stop(cell.now);
+  EXPECT_EQ(cell.driver.state(), DriverState::kStopping);
+  EXPECT_TRUE(cell.run_until(DriverState::kReady, 2s));
+  EXPECT_EQ(cell.count(Kind::kDone) + cell.count(Kind::kStopped), accepted);
+  const double there = cell.q(0);
+  EXPECT_GT(there, 0.3);
+  EXPECT_LT(there, 0.8);
+  EXPECT_NEAR(cell.q(1), -there / 2, 2 * kGrblStep);
+  EXPECT_NEAR(cell.driver.positions()[0].q, there, kGrblStep);
+  auto back = cell.motion_to({0, 0, 0}, 1.5);
+  cell.run(back);
+  EXPECT_NEAR(cell.q(0), 0, kGrblStep);
+}
+
+TEST(GrblDriver, a_stop_of_nothing_is_told_and_nothing_is_sent) {
+  GrblCell cell;
+  const auto before = cell.driver.health().requests;
+  cell.driver.stop(cell.now);
+  cell.run_for(5ms);
+  EXPECT_EQ(cell.count(Kind::kStopped), 1U);
+  EXPECT_EQ(cell.driver.state(), DriverState::kReady);
+  EXPECT_LE(cell.driver.health().requests, before + 1);
+}
+
+TEST(GrblDriver, long_motions_keep_their_time_and_six_axes_fit_the_wire) {
+  GrblCell cell(grbl_robot(6));
+  for (const double seconds : {0.4, 1.0, 3.0, 6.0}) {
+    const double way = std::min(1.2, 0.35 * seconds * from_deg(90));
+    auto motion = cell.motion_to({way, -way, way / 2, -way / 3, way, way / 7}, seconds);
+    cell.run(motion);
+    EXPECT_NEAR(to_seconds(cell.now - motion.begun), seconds, 0.08) << seconds;
+    EXPECT_NEAR(cell.q(5), way / 7, kGrblStep);
+    auto back = cell.motion_to({0, 0, 0, 0, 0, 0}, 6);
+    cell.run(back);
+  }
+  EXPECT_FALSE(cell.refused);
+  EXPECT_LE(cell.fastest, 1.0);
+  EXPECT_EQ(cell.machine.truth().bytes_lost, 0U);
+}
+
+TEST(GrblDriver, a_motion_that_comes_back_along_itself_does_not_run_dry) {
+  GrblCell cell;
+  // There and back within what is sent ahead.
+  const auto feed = [&](double q, double qd) {
+    while (!cell.driver.wants_move(cell.now)) cell.step();
+    const auto taken = cell.driver.move({{q, 0, 0}, {qd, 0, 0}, 50ms, {}}, cell.now);
+    ASSERT_TRUE(taken);
+  };
+  for (int turn = 0; turn < 20; ++turn) {
+    for (int k = 1; k <= 8; ++k) {
+      const double u = 2 * kPi * k / 8;
+      feed(0.04 * (1 - std::cos(u)), turn == 19 && k == 8 ? 0 : 0.04 * 2 * kPi / 0.4 * std::sin(u));
+    }
+  }
+  EXPECT_TRUE(cell.run_until(DriverState::kReady, 3s));
+  EXPECT_EQ(cell.count(Kind::kDone), 160U);
+  for (const auto& event : cell.events) {
+    EXPECT_NE(event.kind, Kind::kFailed) << describe(event.error);
+  }
+}
+
+TEST(GrblDriver, refuses_what_its_joints_could_not_do_and_sends_nothing) {
+  GrblCell cell;
+  const auto code = [&](const JointVector& q, Duration duration, double speed = 0) {
+    const auto result = cell.driver.move({q, {speed, 0, 0}, duration, {}}, cell.now);
+    EXPECT_FALSE(result);
+    return result ? ErrorCode::kBusy : result.error().code;
+  };
+  EXPECT_EQ(code({2.1, 0, 0}, 9s), ErrorCode::kJointLimit);
+  EXPECT_EQ(code({0.1, 0, 0}, 20ms), ErrorCode::kSegmentTime);
+  EXPECT_EQ(code({0.1, 0}, 1s), ErrorCode::kUnsendable);
+  EXPECT_EQ(code({0.1, 0, 0}, 10us), ErrorCode::kSegmentTime);
+  EXPECT_EQ(code({0.1, 0, 0}, 1s, std::nan("")), ErrorCode::kUnsendable);
+  EXPECT_EQ(code({std::nan(""), 0, 0}, 1s), ErrorCode::kUnsendable);
+  const auto elsewhere = cell.driver.move({{0.1, 0, 0}, {0, 0, 0}, 1s, {0.05, 0, 0}}, cell.now);
+  EXPECT_EQ(elsewhere.error().code, ErrorCode::kMovedUnasked);
+  cell.run_for(1s);
+  EXPECT_FALSE(cell.machine.truth().moving);
+  EXPECT_EQ(cell.events.size(), 0U);
+}
+
+TEST(GrblDriver, a_stream_that_is_not_continued_ends_at_rest_and_the_next_may_begin) {
+  GrblCell cell;
+  auto motion = cell.motion_to({1, -0.5, 0.25}, 1.5);
+  for (int k = 0; k < 5; ++k) {
+    ASSERT_TRUE(cell.driver.move(motion.piece(), cell.now));
+    ++motion.next;
+  }
+  EXPECT_TRUE(cell.run_until(DriverState::kReady, 3s));
+  ASSERT_EQ(cell.count(Kind::kFailed), 1U);
+  EXPECT_EQ(cell.events.back().error.code, ErrorCode::kStreamEnded);
+  EXPECT_EQ(cell.count(Kind::kDone), 5U);
+  auto back = cell.motion_to({0, 0, 0}, 1.5);
+  cell.run(back);
+  EXPECT_NEAR(cell.q(0), 0, kGrblStep);
+}
+
+TEST(GrblDriver, homing_gives_places_from_the_file_and_without_switches_it_is_refused) {
+  GrblCell none;
+  EXPECT_EQ(none.driver.home(none.now, kAllJoints).error().code, ErrorCode::kNoEndStops);
+  GrblCell cell(grbl_robot(3, true), {}, false);
+  cell.honest = false;  // a switch closes within a tick of its place
+  cell.driver.open(cell.now);
+  ASSERT_TRUE(cell.run_until(DriverState::kReady, 3s));
+  EXPECT_EQ(cell.driver.positions()[0].quality, PositionQuality::kLost);
+  ASSERT_TRUE(cell.driver.home(cell.now, kAllJoints));
+  EXPECT_EQ(cell.driver.state(), DriverState::kMoving);
+  ASSERT_TRUE(cell.run_until(DriverState::kReady, 170s));
+  EXPECT_EQ(cell.count(Kind::kDone), 1U);
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(cell.driver.positions()[i].quality, PositionQuality::kCommanded);
+    EXPECT_NEAR(cell.driver.positions()[i].q, cell.q(i), from_deg(0.05));
+  }
+  auto motion = cell.motion_to({0.5, 0, 0.25}, 3);
+  cell.run(motion);
+  EXPECT_NEAR(cell.q(0), 0.5, from_deg(0.05));
+}
+
+TEST(GrblDriver, a_stop_in_a_search_for_switches_ends_it_and_the_position_is_lost) {
+  GrblCell cell(grbl_robot(3, true), {}, false);
+  cell.driver.open(cell.now);
+  ASSERT_TRUE(cell.run_until(DriverState::kReady, 3s));
+  ASSERT_TRUE(cell.driver.home(cell.now, kAllJoints));
+  cell.run_for(2s);
+  cell.driver.stop(cell.now);
+  ASSERT_TRUE(cell.run_until(DriverState::kReady, 3s));
+  EXPECT_EQ(cell.count(Kind::kStopped), 1U);
+  EXPECT_EQ(cell.driver.positions()[0].quality, PositionQuality::kLost);
+  EXPECT_FALSE(cell.machine.truth().moving);
+}
+
+TEST(GrblDriver, a_nudge_moves_one_joint_also_where_nobody_knows_where_it_is) {
+  GrblCell cell(grbl_robot(), {}, false);
+  cell.open(false);
+  EXPECT_EQ(cell.driver.nudge(1, 0.2, 1s, cell.now).error().code, ErrorCode::kNudgeRange);
+  EXPECT_EQ(cell.driver.nudge(1, 0, 1s, cell.now).error().code, ErrorCode::kNudgeRange);
+  const double before = cell.q(1);
+  ASSERT_TRUE(cell.driver.nudge(1, -0.05, 1s, cell.now));
+  ASSERT_TRUE(cell.run_until(DriverState::kReady, 3s));
+  EXPECT_EQ(cell.count(Kind::kDone), 1U);
+  EXPECT_NEAR(cell.q(1), before - 0.05, kGrblStep);
+  EXPECT_EQ(cell.driver.positions()[1].quality, PositionQuality::kLost);
+}
+
+}  // namespace
+}  // namespace sinew

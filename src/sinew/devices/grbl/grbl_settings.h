@@ -1,0 +1,54 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "sinew/core/fixed_vector.h"
+#include "sinew/core/units.h"
+#include "sinew/model/device_settings.h"
+
+namespace sinew {
+
+/// Which firmware a simulated board has; a driver hears it from the board.
+enum class GrblFirmware : std::uint8_t { kGrbl, kGrblHal, kFluidNc };
+
+/// A board that speaks GRBL and turns the joints of an arm, axis X the first one. Its units are
+/// degrees.
+struct GrblDevice final : SettingsOf<GrblDevice> {
+  static constexpr std::size_t kAxesMax = 6;
+  /// What a line has room for: three decimals.
+  static constexpr double kDigit = from_deg(1e-3);  // rad
+
+  struct Axis {
+    double steps_per_rad = 0;  ///< negative where the board counts the other way round
+    double zero = 0;           ///< rad: the joint where a board that is homed counts 0
+    bool homes_down = true;    ///< its switch is at the joint's lower end, for the simulated one
+  };
+  FixedVector<Axis, kAxesMax> axes;
+  bool homes = false;  ///< it has switches for all of them
+  GrblFirmware firmware = GrblFirmware::kGrbl;
+
+  void identify(IdentityText& out) const override {
+    for (const Axis& axis : axes) out.add(axis.steps_per_rad), out.add(axis.zero);
+  }
+  bool shows_power_loss() const override { return true; }
+  bool counts_from_power_up() const override { return !homes; }
+  bool searches_zeros() const override { return homes; }
+  StopFacts stop_facts() const override {
+    return {true, "a character until told, then as its axes brake",
+            "held while its motors are on; without power what has weight falls"};
+  }
+  /// Of a joint's motor, rad.
+  double step(std::size_t joint) const { return 1 / std::abs(axes[joint].steps_per_rad); }
+  double resolution(std::size_t joint) const override { return std::max(step(joint), kDigit); }
+  MotionDelay motion_delay() const override {
+    return {std::chrono::milliseconds(5), std::chrono::milliseconds(35)};
+  }
+  std::vector<std::string> profiles() const override { return {"grbl", "grblhal", "fluidnc"}; }
+  void use_profile(const std::string& name, Device& device) override;
+  bool use_setting(const DeviceSetting& setting, Device& device) override;
+};
+
+}  // namespace sinew
