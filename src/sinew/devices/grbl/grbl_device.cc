@@ -12,6 +12,8 @@ constexpr Duration kTick = std::chrono::milliseconds(1);
 constexpr Duration kBoot = std::chrono::milliseconds(300);
 /// Of a search for a switch, in travels; then it is not there.
 constexpr double kSeekTravels = 1.5;
+/// Status reports without the offset of work coordinates between two with it.
+constexpr int kOffsetEvery = 9;
 
 // error:N
 constexpr std::uint16_t kNoSuchStatement = 3;
@@ -90,7 +92,9 @@ void GrblDevice::begin() {
   search_ = Search::kNone;
   received_.clear();
   lines_.reset();
-  line_waits_ = work_told_ = false;
+  line_waits_ = false;
+  tool_z_ = 0;
+  offset_due_ = 0;
   state_ = alarm_ != 0 ? State::kAlarm : State::kIdle;
   say(Welcome{settings_.firmware, 1, 1});
 }
@@ -273,6 +277,11 @@ void GrblDevice::answer(const Request& request) {
   if (const auto* jog = std::get_if<Jog>(&request)) return answer(*jog);
   if (std::holds_alternative<AskSettings>(request)) return show_settings();
   if (std::holds_alternative<AskBuild>(request)) return show_build();
+  if (const auto* offset = std::get_if<ToolOffset>(&request)) {
+    if (state_ == State::kAlarm) return say(Refused{kLocked});
+    tool_z_ = offset->z;
+    offset_due_ = 0;
+  }
   if (const auto* home = std::get_if<Home>(&request)) {
     if (!settings_.homing) return say(Refused{kHomingOff});
     if (home->axes != 0) return say(Refused{kNoSuchStatement});
@@ -329,7 +338,7 @@ void GrblDevice::say(const Reply& reply) {
   for (const char c : line) output_.push_back(static_cast<std::uint8_t>(c));
 }
 
-Status GrblDevice::status() const {
+Status GrblDevice::status() {
   Status status;
   status.state = state_;
   if (state_ == State::kHold) status.detail = planner_.at_rest() ? 0 : 1;
@@ -338,6 +347,12 @@ Status GrblDevice::status() const {
   if (settings_.firmware != Firmware::kGrbl) {
     status.room = Status::Room{static_cast<std::uint16_t>(Planner::kBlocks - planner_.size()),
                                static_cast<std::uint16_t>(settings_.bytes() - received_.size())};
+  }
+  if (offset_due_-- <= 0) {
+    offset_due_ = kOffsetEvery;
+    status.offset.emplace();
+    status.offset->resize(zero_.size());
+    if (zero_.size() > 2) (*status.offset)[2] = tool_z_;
   }
   if (switches_ != 0 || emergency_) {
     status.pins.emplace();

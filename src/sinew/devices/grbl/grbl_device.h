@@ -93,7 +93,7 @@ class GrblDevice {
   void reset();
   void alarm(std::uint16_t code);
   void begin();
-  Status status() const;
+  Status status();
   Values rounded(const Values& motor) const;
 
   BoardSettings settings_;
@@ -113,7 +113,8 @@ class GrblDevice {
   FixedVector<std::uint8_t, 1024> received_;
   LineDecoder lines_;
   bool line_waits_ = false;  ///< of lines_, for room in the planner
-  bool work_told_ = false;
+  double tool_z_ = 0;        ///< G43.1; work coordinates are machine coordinates minus it
+  int offset_due_ = 0;       ///< reports until the work coordinates' offset is told again
   std::uint64_t bytes_lost_ = 0;
   FixedVector<std::uint8_t, 2048> output_;
 };

@@ -17,8 +17,9 @@ namespace {
 constexpr double kBitsPerByte = 10;
 /// Of a joint's speed: pieces that are cut out of a smooth motion swing so much.
 constexpr double kSpeedShare = 1.02;
-/// Segments beside those that its planner needs to brake in: one under way, two on the wire.
-constexpr std::size_t kSpareSegments = 3;
+/// Segments beside those that its planner needs to brake in: one under way, three on the wire and
+/// in the host's own cycles.
+constexpr std::size_t kSpareSegments = 4;
 
 FixedVector<double, kAxesMax> accelerations(std::span<const Joint> joints) {
   FixedVector<double, kAxesMax> all;
@@ -49,6 +50,7 @@ GrblDriver::GrblDriver(const GrblDevice& device, std::span<const Joint> joints, 
   ahead_ = std::min(kPendingMax, kSpareSegments + static_cast<std::size_t>(needed));
   positions_.resize(joints.size());
   begin_.resize(joints.size());
+  before_ = begin_;
   speed_.resize(joints.size());
   timing_.reply_timeout += 2 * line_time_;
 }
@@ -96,7 +98,9 @@ void GrblDriver::begin_steps(Activity activity, Step step, Instant now) {
   suspect_.reset();
   unheard_ = 0;
   poll_due_ = now;
-  unlocked_ = false;
+  unlocked_ = marked_ = false;
+  looks_ = 0;
+  offset_.clear();
   alarm_ = 0;
 }
 
@@ -132,10 +136,10 @@ Expected<void> GrblDriver::may_begin() const {
   return {};
 }
 
-bool GrblDriver::wants_move(Instant /*now*/) const {
+bool GrblDriver::wants_move(Instant now) const {
   if (fault_ || known_.unknown()) return false;
   if (activity_ == Activity::kIdle) return true;
-  if (activity_ != Activity::kMoving || pending_.size() >= ahead_) return false;
+  if (activity_ != Activity::kMoving || pending_.full() || waiting(now) >= ahead_) return false;
   return pending_.empty() || !pending_.back().rest;
 }
 
@@ -192,7 +196,9 @@ Expected<GrblDriver::Pending> GrblDriver::pending_of(const JointMove& move) {
   one.line.duration = duration;
   if (!one.no_way) {
     const double peak = std::sqrt(std::max(begins, ends));
+    const double late = pace_.late();
     one.line.duration = std::max(pace_.line_duration(way, peak, duration, one.rest), kDurationMin);
+    one.time = std::max(0.0, duration + pace_.late() - late);
   }
   return one;
 }
@@ -216,7 +222,7 @@ Expected<void> GrblDriver::move(const JointMove& move, Instant now) {
   const JointVector speed = speed_;
   if (!follows) {
     pace_.begin();
-    begin_ = known_.counts();
+    before_ = begin_ = known_.counts();
     std::ranges::fill(speed_, 0.0);
   }
   const auto one = pending_of(move);

@@ -87,6 +87,9 @@ class GrblDriver : public ByteDriver {
 
   /// What it drives, as nudge() bounds it.
   static constexpr double kNudgeMax = from_deg(5);
+  /// Z of the work coordinates' offset that it leaves behind, mm or deg. G43.1 makes it, which no
+  /// board keeps without power, and machine coordinates do not know of it.
+  static constexpr double kMark = -876.543;
 
  private:
   enum class Activity : std::uint8_t {
@@ -103,11 +106,12 @@ class GrblDriver : public ByteDriver {
   enum class Step : std::uint8_t {
     kLook,   ///< does it stand? Brakes it where not
     kReset,  ///< drops what waits; waits for its welcome
-    kLines,  ///< modes and settings
+    kLines,  ///< modes, settings, what unlocks it, its mark
     kPlace,  ///< where it is, and whether it is locked
   };
   struct Pending {
     grbl::Move line;
+    double time = 0;      ///< s that the board takes for it, by its own arithmetic
     bool no_way = false;  ///< nothing to send: it ends where it begins
     bool rest = false;    ///< ends at rest
     bool sent = false;
@@ -146,6 +150,8 @@ class GrblDriver : public ByteDriver {
   bool believable(const grbl::Values& counts, Instant asked);
   void take_lines(Instant now);
   void step_look(const grbl::Status& status, Instant now);
+  bool looks_for_mark();
+  bool mark(Instant now);
   void step_place(const grbl::Status& status, Instant now);
   void step_moving(const grbl::Status& status, Instant now);
   void step_nudging(const grbl::Status& status, Instant now);
@@ -155,6 +161,7 @@ class GrblDriver : public ByteDriver {
   bool on_time(const grbl::Values& counts, Instant asked) const;
   bool is_there(const grbl::Values& counts, const grbl::Values& target) const;
   double tolerance(std::size_t joint) const;
+  std::size_t waiting(Instant now) const;
   Duration left(Instant now) const;
   void look_at_the_end(Instant now);
   void end_pieces(std::size_t count);
@@ -188,6 +195,8 @@ class GrblDriver : public ByteDriver {
   bool clearing_ = false;
   bool told_silent_ = false;
   bool unlocked_ = false;  ///< tried, in this opening
+  bool marked_ = false;    ///< likewise
+  int looks_ = 0;          ///< at the offset of its work coordinates, before the reset
   std::uint16_t alarm_ = 0;
   std::optional<Instant> alarm_at_;
   std::optional<Error> setting_;  ///< the first one that does not fit
@@ -208,10 +217,11 @@ class GrblDriver : public ByteDriver {
   // A motion
   FixedVector<Pending, kPendingMax> pending_;
   GrblPace pace_;
-  grbl::Values begin_;  ///< counts where the first of them begins
-  JointVector speed_;   ///< where the last one ends, rad/s
-  Instant began_{};     ///< the first of them, by their own times
-  Instant changed_{};   ///< the counts last did
+  grbl::Values begin_;   ///< counts where the first of them begins
+  grbl::Values before_;  ///< .. and the one that was over last
+  JointVector speed_;    ///< where the last one ends, rad/s
+  Instant began_{};      ///< the first of them, by their own times
+  Instant changed_{};    ///< the counts last did
   Instant last_piece_{};
   /// Where the joints may come by what was said since they stood.
   FixedVector<JointInterval, kMaxJoints> reach_;

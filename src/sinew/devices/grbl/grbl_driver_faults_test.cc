@@ -52,10 +52,22 @@ TEST(GrblFaults, behind_a_cut_of_its_power_the_next_run_knows_nothing) {
   EXPECT_EQ(cell.driver.positions()[0].quality, PositionQuality::kLost);
 }
 
-TEST(GrblFaults, a_board_that_was_left_at_0_everywhere_says_nothing) {
+TEST(GrblFaults, a_board_that_was_left_at_0_everywhere_is_known_by_its_mark) {
   GrblCell cell;
   open_anew(cell, left_by(cell.driver));
+  EXPECT_EQ(cell.driver.positions()[0].quality, PositionQuality::kCommanded);
+  // Which goes with its power, and needs a third axis.
+  const auto left = left_by(cell.driver);
+  cell.machine.disturb({sim::Disturbance::Kind::kSupply, -1, 0});
+  cell.machine.disturb({sim::Disturbance::Kind::kSupply, -1, 24});
+  cell.machine.advance(cell.now += 3s);
+  std::array<std::uint8_t, 512> gone{};
+  cell.machine.take_output(gone);
+  open_anew(cell, left);
   EXPECT_EQ(cell.driver.positions()[0].quality, PositionQuality::kLost);
+  GrblCell two(grbl_robot(2));
+  open_anew(two, left_by(two.driver));
+  EXPECT_EQ(two.driver.positions()[0].quality, PositionQuality::kLost);
 }
 
 TEST(GrblFaults, a_host_that_dies_in_a_motion_finds_the_machine_again) {

@@ -58,7 +58,7 @@ void GrblPositions::leave(std::span<const JointInterval> reach) {
       left_.push_back(joint);
     }
   }
-  judged_ = restarted_ = false;
+  judged_ = restarted_ = marked_ = false;
 }
 
 void GrblPositions::declare(std::span<const JointPosition> positions) {
@@ -78,7 +78,8 @@ void GrblPositions::count(const grbl::Values& counts) {
   judged_ = true;
 }
 
-/// A board that restarted counts 0 everywhere; what it counts says nothing where it was left at 0.
+/// A board that restarted counts 0 everywhere; without a mark its counts say nothing where it was
+/// left at 0.
 bool GrblPositions::still_counts(std::span<const JointPosition> left) const {
   bool away = false;
   for (std::size_t i = 0; i < left.size(); ++i) {
@@ -90,7 +91,7 @@ bool GrblPositions::still_counts(std::span<const JointPosition> left) const {
     const double slack = device_.step(i) + from_deg(kRounding);
     if (here < joint.lower - slack || here > joint.upper + slack) return false;
   }
-  return away && !restarted_;
+  return (away || marked_) && !restarted_;
 }
 
 void GrblPositions::judge() {

@@ -18,7 +18,7 @@ namespace sinew {
 ///   ---------------------------------------------------+--------------------------------------
 ///   declared without a count                           | the declared place; its zero follows
 ///   each joint's count lies where it was left, and one | that place: the board has counted on
-///   of them is away from 0                             |
+///   of them is away from 0, or the board has our mark  |
 ///   anything else                                      | lost: it may have restarted
 ///   the board says that it has restarted               | lost, where a count was relied on
 ///
@@ -39,6 +39,8 @@ class GrblPositions {
   /// The port went away, or others may have used it: the next count is judged.
   /// @param reach  as far as a motion may go on by itself; empty: it stands
   void leave(std::span<const JointInterval> reach = {});
+  /// The board has a mark of ours that it forgets with its power, and so has not restarted.
+  void marked() { marked_ = true; }
   /// A status, machine coordinates.
   void count(const grbl::Values& counts);
 
@@ -72,6 +74,7 @@ class GrblPositions {
   grbl::Values counts_;
   bool judged_ = false;
   bool restarted_ = false;  ///< since the port was opened
+  bool marked_ = false;
   /// Left on record, or declared, before the first status.
   FixedVector<JointPosition, grbl::kAxesMax> left_;
 };

@@ -78,6 +78,17 @@ TEST_F(GrblKnown, counts_of_0_are_those_of_a_board_that_restarted) {
   EXPECT_EQ(quality(0), PositionQuality::kLost);
 }
 
+TEST_F(GrblKnown, counts_of_0_are_believed_of_a_board_that_has_the_mark) {
+  begin({at(0, 0.0), at(0, 0.0)});
+  known.marked();
+  known.count(counts(0, 0));
+  EXPECT_EQ(quality(0), PositionQuality::kCommanded);
+  begin({at(0, 0.0), at(0, 0.0)});
+  known.marked();
+  known.count(counts(1, 0));
+  EXPECT_EQ(quality(0), PositionQuality::kLost);
+}
+
 TEST_F(GrblKnown, a_restart_that_is_told_counts_more_than_counts) {
   begin({at(from_deg(10), 0.0), at(from_deg(-20), 0.0)});
   known.restart();

@@ -164,12 +164,33 @@ bool GrblDriver::on_time(const Values& counts, Instant asked) const {
 void GrblDriver::step_look(const Status& status, Instant now) {
   if (step_ != Step::kLook) return;
   if (stands(status)) {
+    if (activity_ == Activity::kOpening && looks_for_mark()) return;
     step_ = Step::kReset;
     return reset_board(now);
   }
   // Somebody else's motion, or the rest of one of an earlier host.
   if (status.state == State::kRun) say_now(RealTime::kHold);
   if (status.state == State::kJog) say_now(RealTime::kJogCancel);
+}
+
+/// Whether another status is needed to see its mark, which a reset takes away: GRBL says the offset
+/// of its work coordinates in each tenth or thirtieth of them.
+bool GrblDriver::looks_for_mark() {
+  constexpr int kLooksMax = 32;
+  constexpr double kDigit = 1e-3;
+  if (offset_.empty()) return joints_.size() > 2 && ++looks_ < kLooksMax;
+  if (offset_.size() > 2 && std::abs(offset_[2] - kMark) < kDigit / 2) known_.marked();
+  return false;
+}
+
+/// Leaves the mark, where that has not been tried yet.
+bool GrblDriver::mark(Instant now) {
+  if (marked_ || joints_.size() < 3 || offset_.size() < 3) return false;
+  marked_ = true;
+  step_ = Step::kLines;
+  lines_since_ = now;
+  const double z = kMark - offset_[2];
+  return std::abs(z) <= kValueMax && say(ToolOffset{z}, Sent::kOther);
 }
 
 /// The board has answered to all lines that a reset was followed by.
@@ -204,6 +225,7 @@ void GrblDriver::step_place(const Status& status, Instant now) {
     activity_ = Activity::kIdle;
     return;
   }
+  if (mark(now)) return;
   end_steps(now);
 }
 
@@ -257,10 +279,22 @@ bool GrblDriver::is_there(const Values& counts, const Values& target) const {
   return true;
 }
 
+/// Pieces that are not over, by their own times since the last status.
+std::size_t GrblDriver::waiting(Instant now) const {
+  double time = to_seconds(now - began_);
+  std::size_t over = 0;
+  for (const Pending& one : pending_) {
+    time -= one.time;
+    if (time < 0 || !one.accepted) break;
+    ++over;
+  }
+  return pending_.size() - over;
+}
+
 /// Until its pieces are over by their own times.
 Duration GrblDriver::left(Instant now) const {
   double seconds = 0;
-  for (const Pending& one : pending_) seconds += one.no_way ? 0 : one.line.duration;
+  for (const Pending& one : pending_) seconds += one.time;
   return std::max(Duration::zero(), from_seconds(seconds) - (now - began_));
 }
 
@@ -273,16 +307,17 @@ std::optional<GrblDriver::Spot> GrblDriver::spot_of(const Values& counts, Instan
   const double time = to_seconds(asked - began_);
   std::optional<Spot> best;
   double best_off = 0;
+  // The last one that was over may not have been.
+  if (foot_of(counts, before_, begin_).distance <= slack) best = {0, 0}, best_off = std::abs(time);
   double begins = 0;
   const Values* from = &begin_;
   for (std::size_t k = 0; k < pending_.size() && pending_[k].sent; ++k) {
     const Pending& one = pending_[k];
-    const double duration = one.no_way ? 0 : one.line.duration;
     const Foot foot = foot_of(counts, *from, one.line.to);
-    const double there = begins + foot.share * duration;
+    const double there = begins + foot.share * one.time;
     const double off = std::abs(there - time);
     if (foot.distance <= slack && (!best || off < best_off)) best = {k, there}, best_off = off;
-    begins += duration;
+    begins += one.time;
     from = &one.line.to;
   }
   return best;
@@ -292,7 +327,8 @@ std::optional<GrblDriver::Spot> GrblDriver::spot_of(const Values& counts, Instan
 void GrblDriver::end_pieces(std::size_t count) {
   for (std::size_t k = 0; k < count; ++k) {
     const Pending& one = pending_[0];
-    if (!one.no_way) began_ += from_seconds(one.line.duration);
+    began_ += from_seconds(one.time);
+    before_ = begin_;
     begin_ = one.line.to;
     pending_.drop_front(1);
     --commands_;

@@ -88,7 +88,8 @@ TEST(GrblDriver, long_motions_keep_their_time_and_six_axes_fit_the_wire) {
 
 TEST(GrblDriver, a_motion_that_comes_back_along_itself_does_not_run_dry) {
   GrblCell cell;
-  // There and back within what is sent ahead.
+  // There and back within what is sent ahead, at 0.7 of the joint's acceleration.
+  constexpr double kWay = 0.02;
   const auto feed = [&](double q, double qd) {
     while (!cell.driver.wants_move(cell.now)) cell.step();
     const auto taken = cell.driver.move({{q, 0, 0}, {qd, 0, 0}, 50ms, {}}, cell.now);
@@ -97,7 +98,7 @@ TEST(GrblDriver, a_motion_that_comes_back_along_itself_does_not_run_dry) {
   for (int turn = 0; turn < 20; ++turn) {
     for (int k = 1; k <= 8; ++k) {
       const double u = 2 * kPi * k / 8;
-      feed(0.04 * (1 - std::cos(u)), turn == 19 && k == 8 ? 0 : 0.04 * 2 * kPi / 0.4 * std::sin(u));
+      feed(kWay * (1 - std::cos(u)), turn == 19 && k == 8 ? 0 : kWay * 2 * kPi / 0.4 * std::sin(u));
     }
   }
   EXPECT_TRUE(cell.run_until(DriverState::kReady, 3s));

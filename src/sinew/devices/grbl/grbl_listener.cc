@@ -39,7 +39,8 @@ Told read(const Request& request) {
             [](const Home&) { return Told{"home"}; }, [](const Unlock&) { return Told{"unlock"}; },
             [](const AskSettings&) { return Told{"ask_settings"}; },
             [](const AskBuild&) { return Told{"ask_build"}; },
-            [](const Modes&) { return Told{"modes"}; }},
+            [](const Modes&) { return Told{"modes"}; },
+            [](const ToolOffset& m) { return Told{"tool_offset", {real("z", m.z)}}; }},
       request);
 }
 

@@ -16,6 +16,7 @@ constexpr std::array<std::string_view, 10> kStates{"Idle", "Run",   "Hold", "Jog
 constexpr std::string_view kMoveWords = "G53G93G1";
 constexpr std::string_view kModeWords = "G21G90G94";
 constexpr std::string_view kJogWords = "$J=G21G91";
+constexpr std::string_view kToolWords = "G43.1Z";
 constexpr int kDecimals = 3;
 
 /// One line under way.
@@ -139,6 +140,10 @@ struct RequestWriter {
   Line operator()(const AskSettings& /*ask*/) const { return Writer().text("$$").end(); }
   Line operator()(const AskBuild& /*ask*/) const { return Writer().text("$I").end(); }
   Line operator()(const Modes& /*modes*/) const { return Writer().text(kModeWords).end(); }
+  Line operator()(const ToolOffset& offset) const {
+    SINEW_ASSERT(fits(offset.z));
+    return Writer().text(kToolWords).value(offset.z).end();
+  }
 };
 
 std::optional<Request> read_move(Reader line) {
@@ -167,6 +172,12 @@ std::optional<Request> read_jog(Reader line) {
   const auto rate = line.value();
   if (!rate || !(*rate > 0) || !line.empty()) return std::nullopt;
   return Jog{*axis, *by, *rate};
+}
+
+std::optional<Request> read_tool(Reader line) {
+  const auto z = line.value();
+  if (!z || !fits(*z) || !line.empty()) return std::nullopt;
+  return ToolOffset{*z};
 }
 
 std::optional<Request> read_home(std::string_view letters) {
@@ -350,6 +361,7 @@ std::optional<Request> decode_request(std::string_view line) {
   if (line == "$$") return AskSettings{};
   if (line == "$I") return AskBuild{};
   if (line == kModeWords) return Modes{};
+  if (line.starts_with(kToolWords)) return read_tool(Reader(line.substr(kToolWords.size())));
   if (line.size() > kLineMax) return std::nullopt;
   if (line.starts_with(kMoveWords)) return read_move(Reader(line.substr(kMoveWords.size())));
   if (line.starts_with(kJogWords)) return read_jog(Reader(line.substr(kJogWords.size())));

@@ -74,7 +74,13 @@ struct AskBuild {
 struct Modes {
   friend bool operator==(const Modes&, const Modes&) = default;
 };
-using Request = std::variant<Move, Jog, Home, Unlock, AskSettings, AskBuild, Modes>;
+/// Of work coordinates along Z: a board forgets it with its power, and no machine coordinate knows
+/// it.
+struct ToolOffset {
+  double z = 0;  ///< mm or deg
+  friend bool operator==(const ToolOffset&, const ToolOffset&) = default;
+};
+using Request = std::variant<Move, Jog, Home, Unlock, AskSettings, AskBuild, Modes, ToolOffset>;
 
 // Replies.
 

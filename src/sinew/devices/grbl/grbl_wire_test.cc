@@ -39,7 +39,9 @@ Request request_of(Random& random) {
     case 1:
       return Home{static_cast<AxisMask>(random.integer(0, 63))};
     case 2:
-      return random.chance(0.5) ? Request(Unlock{}) : Request(Modes{});
+      return random.chance(0.5)   ? Request(Unlock{})
+             : random.chance(0.5) ? Request(Modes{})
+                                  : Request(ToolOffset{value_of(random, kValueMax)});
     case 3:
       return random.chance(0.5) ? Request(AskSettings{}) : Request(AskBuild{});
     default:
@@ -89,6 +91,7 @@ TEST(GrblWire, lines_of_a_host_are_these) {
   EXPECT_EQ(text_of(encode(Request(Home{}))), "$H\n");
   EXPECT_EQ(text_of(encode(Request(Home{0b100001}))), "$HXC\n");
   EXPECT_EQ(text_of(encode(Request(Modes{}))), "G21G90G94\n");
+  EXPECT_EQ(text_of(encode(Request(ToolOffset{-1.5}))), "G43.1Z-1.500\n");
   EXPECT_EQ(text_of(encode(Request(Unlock{}))), "$X\n");
   EXPECT_EQ(text_of(encode(Request(AskSettings{}))), "$$\n");
   EXPECT_EQ(text_of(encode(Request(AskBuild{}))), "$I\n");
