@@ -9,7 +9,9 @@
 #include <set>
 
 #include "cli/process.h"
+#include "sinew/io/port.h"
 #include "sinew/io/scratch_folder_test_support.h"
+#include "sinew/io/tcp_test_server.h"
 
 /// Arms that are a table and limits: they have the ideal device.
 namespace sinew::test {
@@ -88,6 +90,25 @@ TEST(AnyArm, an_ar4_on_a_board_that_speaks_grbl_homes_and_keeps_the_time_of_its_
     EXPECT_NEAR(position(run.json(), 1, "commanded"), 0, 0.01);
     EXPECT_NEAR(position(run.json(), 4, "commanded"), 46.15, 0.02);
   }
+}
+
+TEST(AnyArm, a_first_day_on_grbl_finds_a_motor_that_turns_the_other_way_and_the_switches) {
+  const ScratchFolder folder;
+  const std::string answers = folder.file(
+      "answers",
+      "* = yes\ndirection.base = plus\ndirection.shoulder = minus\ndirection.elbow = plus\n"
+      "direction.forearm = plus\ndirection.wrist = plus\ndirection.hand = plus\n");
+  const std::string saved = folder.at("found.json");
+  const Ended day =
+      sinew({"commission", kAr4Grbl, "--answers", answers, "--save", saved, "--json"});
+  ASSERT_EQ(day.exit, 0) << day.err << day.out;
+  std::ifstream file(saved);
+  const std::string text((std::istreambuf_iterator<char>(file)), {});
+  EXPECT_TRUE(text.contains("joint.shoulder.turn")) << text;
+  const Ended home =
+      sinew({"commission", kAr4Grbl, "--procedure", "home", "--answers",
+             folder.file("home", "* = yes\nsearch = go\nagain = skip\nhome = go\n"), "--json"});
+  EXPECT_EQ(home.exit, 0) << home.err << home.out;
 }
 
 /// In another process, on a port.
@@ -174,6 +195,43 @@ TEST(AnyArm, a_grbl_board_counts_on_while_hosts_come_die_and_come_again) {
   const Ended next = sinew(run_of("joint base=20deg\n"));
   ASSERT_EQ(next.exit, 0) << next.err << next.out;
   EXPECT_NEAR(arm.base(), 20, 0.01);
+}
+
+/// What makes a serial port one in the network, as ser2net or a board with WLAN does.
+void bridge(TcpTestServer::Client& client, const std::string& path) {
+  auto port = io::Port::open_serial(path, 115'200);
+  if (!port) return;
+  std::array<std::uint8_t, 1024> buffer{};
+  while (client.stays(0)) {
+    const std::string said = client.receive(1);
+    if (!port->write({reinterpret_cast<const std::uint8_t*>(said.data()), said.size()})) return;
+    const auto count = port->read(buffer, 1ms);
+    if (!count) return;
+    if (!client.send({reinterpret_cast<const char*>(buffer.data()), *count})) return;
+  }
+}
+
+TEST(AnyArm, a_board_is_reached_over_tcp) {
+  const ScratchFolder folder;
+  setenv("XDG_STATE_HOME", folder.at("xdg").c_str(), 1);
+  const std::string robot = grbl_with(folder, "g.toml", "homing = \"yes\"", "homing = \"no\"");
+  OnAPort arm(robot);
+  TcpTestServer server([&](auto& client, int) { bridge(client, arm.port()); });
+  const std::string port = "tcp:127.0.0.1:" + std::to_string(server.port());
+  const auto run_of = [&](const char* row, std::initializer_list<const char*> more = {}) {
+    Arguments words{"run", folder.file("p.sinew", row), "--robot", robot, "--port", port, "--json"};
+    for (const char* one : more) words.emplace_back(one);
+    return words;
+  };
+  const Ended first = sinew(run_of("joint base=20deg\n", {"--standing-at", "home"}));
+  ASSERT_EQ(first.exit, 0) << first.err;
+  const Ended next = sinew(run_of("joint base=10deg\n"));
+  ASSERT_EQ(next.exit, 0) << next.err;
+  EXPECT_NEAR(arm.base(), 10, 0.01);
+  server.end();
+  const Ended gone = sinew(run_of("joint base=0deg\n"));
+  EXPECT_NE(gone.exit, 0);
+  EXPECT_TRUE(gone.err.contains("127.0.0.1")) << gone.err;
 }
 
 TEST(AnyArm, a_grbl_board_that_is_set_up_otherwise_moves_nothing_and_says_what) {

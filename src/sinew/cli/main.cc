@@ -35,6 +35,8 @@
 namespace sinew::cli {
 namespace {
 
+const std::string kPorts = "serial device, tcp:HOST:PORT, spidev or simwire:unix:PATH";
+
 /// The parts of one call: options land in the requests, the chosen verb in `verb`.
 struct Call {
   bool json = false;
@@ -191,8 +193,7 @@ void add_doctor(CLI::App& app, Call& call) {
                             "sinew doctor --robot learm --port /dev/ttyUSB0");
   RobotOptions& robot = call.doctor.robot;
   verb->add_option("--robot", robot.name, "id or .toml file");
-  verb->add_option("--port", robot.port,
-                   "serial device, spidev or simwire:unix:PATH; asked questions that move nothing");
+  verb->add_option("--port", robot.port, kPorts + "; asked questions that move nothing");
   add_variant(*verb, robot);
   add_journal(*verb, robot);
   add_settings(*verb, robot);
@@ -211,8 +212,7 @@ void add_device(CLI::App& app, Call& call) {
           "it is); robot-arm-2: release (a latched emergency stop, nothing moves), test (each "
           "board of itself; a homed motor turns a full step and back)")
       ->required();
-  verb->add_option("--port", request.robot.port, "serial device, spidev or simwire:unix:PATH")
-      ->required();
+  verb->add_option("--port", request.robot.port, kPorts)->required();
   add_variant(*verb, request.robot);
   add_journal(*verb, request.robot);
   add_settings(*verb, request.robot);
@@ -332,8 +332,7 @@ void add_run(CLI::App& app, Call& call) {
   verb->add_option("FILE", request.file, "the program")->required();
   RobotOptions& robot = request.robot;
   verb->add_option("--robot", robot.name, "id or .toml file")->required();
-  verb->add_option("--port", robot.port,
-                   "serial device, spidev or simwire:unix:PATH; a simulated device where left out");
+  verb->add_option("--port", robot.port, kPorts + "; a simulated device where left out");
   add_variant(*verb, robot);
   verb->add_option("--standing-at", request.standing_at,
                    "where a machine without sensors stands: home, lowered (legs), shown (as its "

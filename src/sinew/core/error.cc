@@ -356,6 +356,12 @@ bool of_bodies(ErrorCode code) {
          code == kJawsContact || !overlap_sentence(code).empty();
 }
 
+/// Codes of a joint that the device may not have named.
+bool of_some_joint(ErrorCode code) {
+  return code == kEndStop || code == kHomingFailed || code == kEmergencyStop || code == kStalled ||
+         code == kNotHomed;
+}
+
 /// A row that backs off by so much, in tenths of a millimetre.
 std::string back_off(double length) {
   constexpr double kRounding = 1e-6;
@@ -414,7 +420,8 @@ std::string describe(const Error& error, std::string_view subject,
                      std::optional<Quantity> quantity) {
   const ErrorInfo& row = info(error.code);
   const Quantity unit = quantity.value_or(row.quantity);
-  std::string fallback = error.index < 0 ? "the value" : "J" + std::to_string(error.index + 1);
+  std::string fallback = "J" + std::to_string(error.index + 1);
+  if (error.index < 0) fallback = of_some_joint(error.code) ? "the arm" : "the value";
   if (error.other >= 0) {
     fallback = "links " + std::to_string(error.index) + " and " + std::to_string(error.other);
   }

@@ -50,9 +50,9 @@ enum class ErrorCode : std::uint8_t {
   kDeviceKilled,             ///< the device answers nothing more until its power is cut
   kVersionMismatch,          ///< measured: what the device speaks; limit: what the host does
   kModelMismatch,            ///< the device was set up for another robot
-  kBoardVelocity,            ///< index: joint; measured: as fast as its board lets it, limit: needed
+  kBoardVelocity,            ///< index: joint; measured: the board's own limit; limit: the file's
   kBoardAcceleration,        ///< likewise
-  kBoardSteps,               ///< index: joint; measured: the board's, limit: the file's, per degree
+  kBoardSteps,               ///< likewise; per degree
   kBoardRests,               ///< the board switches its motors off at rest
   kChecksum,                 ///< a message came damaged, again and again; measured: how often
   kEmergencyStop,            ///< index: joint; latched until it is released

@@ -6,6 +6,7 @@
 #include <poll.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
+#include <sys/time.h>
 #include <sys/un.h>
 #include <unistd.h>
 
@@ -17,6 +18,9 @@
 
 namespace sinew::io {
 namespace {
+
+/// For an answer to a connection.
+constexpr time_t kConnectSeconds = 3;
 
 IoResult<sockaddr_un> address_of(const std::string& path) {
   sockaddr_un address{};
@@ -138,6 +142,9 @@ IoResult<Port> connect_tcp(const std::string& host_and_port) {
   for (const addrinfo* one = found; one != nullptr; one = one->ai_next) {
     const int descriptor = ::socket(one->ai_family, one->ai_socktype | SOCK_CLOEXEC, 0);
     if (descriptor < 0) continue;
+    // A host that is switched off says nothing.
+    const timeval patience{kConnectSeconds, 0};
+    ::setsockopt(descriptor, SOL_SOCKET, SO_SNDTIMEO, &patience, sizeof patience);
     if (::connect(descriptor, one->ai_addr, one->ai_addrlen) == 0) {
       ::freeaddrinfo(found);
       // Short lines, each waited for: collecting them would cost 40 ms apiece.
@@ -145,7 +152,7 @@ IoResult<Port> connect_tcp(const std::string& host_and_port) {
       ::setsockopt(descriptor, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
       return Port::from_descriptors(descriptor, descriptor, host_and_port);
     }
-    error = errno;
+    error = errno == EINPROGRESS ? ETIMEDOUT : errno;
     ::close(descriptor);
   }
   ::freeaddrinfo(found);

@@ -44,6 +44,15 @@ class TcpTestServer {
       pollfd waiting{descriptor_, POLLRDHUP, 0};
       return ::poll(&waiting, 1, milliseconds) == 0 && !ending_.stop_requested();
     }
+    /// What came, if anything does within so long.
+    std::string receive(int milliseconds) {
+      pollfd waiting{descriptor_, POLLIN, 0};
+      if (::poll(&waiting, 1, milliseconds) <= 0) return {};
+      std::array<char, 4096> buffer;
+      const auto count = ::recv(descriptor_, buffer.data(), buffer.size(), 0);
+      return count <= 0 ? std::string()
+                        : std::string(buffer.data(), static_cast<std::size_t>(count));
+    }
     /// Up to an empty line.
     std::string request() {
       std::string text;

@@ -25,6 +25,10 @@ bool has_boards(const RobotModel& robot) {
   return !boards_of(robot.device).empty();
 }
 
+bool searches(const RobotModel& robot) {
+  return has_boards(robot) || robot.device.settings->searches_zeros();
+}
+
 bool slides(const RobotModel& robot) {
   return robot.joints[0].kind == JointKind::kPrismatic;
 }
@@ -156,7 +160,7 @@ void add_way_home(ProcedurePlan& plan) {
 
 ProcedurePlan homing_procedure(const RobotModel& robot, const Homing& homing,
                                const DeviceFact& fact) {
-  if (has_boards(robot)) {
+  if (searches(robot)) {
     ProcedurePlan plan = homing_plan(robot, homing, fact);
     add_way_home(plan);
     return plan;
@@ -170,7 +174,7 @@ ProcedurePlan homing_procedure(const RobotModel& robot, const Homing& homing,
 }
 
 ProcedurePlan recovery_procedure(const RobotModel& robot, const Homing& homing) {
-  if (has_boards(robot)) {
+  if (searches(robot)) {
     ProcedurePlan plan = homing_plan(robot, homing, {});
     plan.id = "recover";
     plan.title = "Recovery of " + robot.title;
@@ -424,6 +428,19 @@ void list_maxarm(Lister& list) {
            ToolTryStep{Suction{Suction::State::kRelease}});
 }
 
+/// Any device that moves one joint by a little.
+void list_any(Lister& list, const RobotModel& robot) {
+  list.add("supply",
+           "The arm is held or stands safely, its motors have their supply, and a hand is on its "
+           "switch.");
+  list.answers("The board answers, and its own settings fit the robot's file");
+  if (!searches(robot)) {
+    list.add("place", "Where does it stand?", PlaceStep{places_of(robot)}, kMovedHint);
+  }
+  list.directions(from_deg(2), {{"plus", "minus"}});
+  list.all_turn("A motor that only hums has a coil that is not connected, or too little current");
+}
+
 void list_boards(Lister& list, const RobotModel& robot, const Homing& homing,
                  const DeviceFact& fact) {
   list.add("supply",
@@ -487,8 +504,10 @@ std::expected<ProcedurePlan, std::string> commissioning_procedure(const RobotMod
     list_maxarm(list);
   } else if (has_boards(robot)) {
     list_boards(list, robot, homing, fact);
+  } else if (robot.device.capability.nudge_max > 0) {
+    list_any(list, robot);
   } else {
-    return std::unexpected(robot.id + " has the ideal device: there is nothing to commission");
+    return std::unexpected(robot.id + " has a device on which there is nothing to commission");
   }
   plan.steps = list.take();
   return plan;

@@ -55,7 +55,7 @@ void check_as_cell_file(const CellRobot& place, double time_scale, Complaints& c
 /// Whoever reaches the panel sets this: no file of the computer is opened as if it were a device.
 bool may_be_set_as_port(const std::string& port) {
   const bool device = port.starts_with("/dev/") && !port.contains("..");
-  return device || port == "spidev" || port.starts_with("simwire:");
+  return device || port == "spidev" || port.starts_with("simwire:") || port.starts_with("tcp:");
 }
 
 std::string without_option(std::string sentence) {
@@ -200,14 +200,16 @@ std::vector<std::string> CellSettings::profiles(std::size_t robot,
 /// Of a device, which belongs to one robot; boards behind simwire may share it.
 std::optional<std::string> CellSettings::who_has(const std::string& port,
                                                  std::size_t but_for) const {
-  if (!port.starts_with("/dev/")) return std::nullopt;
+  const bool shared = !port.starts_with("/dev/") && !port.starts_with("tcp:");
+  if (shared) return std::nullopt;
   for (std::size_t i = 0; i < robots_.size(); ++i) {
     // What the cell's own file says of both is not for us to judge.
     const bool set = is_set(i) || robots_[but_for].place.port != port;
     if (i == but_for || !set) continue;
     const RobotSettings settings = now(i);
     const auto theirs = settings.find("port");
-    if (theirs != settings.end() && io::same_file(theirs->second, port)) return name(i);
+    if (theirs == settings.end()) continue;
+    if (theirs->second == port || io::same_file(theirs->second, port)) return name(i);
   }
   return std::nullopt;
 }
@@ -238,9 +240,10 @@ std::expected<MadeRobot, Complaints> CellSettings::make(std::size_t robot,
   check_as_cell_file(made.place, time_scale_, complaints);
   const auto& port = made.place.port;
   if (port && port != making.place.port && !may_be_set_as_port(*port)) {
-    complaints.push_back({"port",
-                          "a port is 'simulated', a device as /dev/ttyUSB0, spidev, or "
-                          "simwire:unix:PATH or simwire:tcp:HOST:PORT"});
+    complaints.push_back(
+        {"port",
+         "a port is 'simulated', a device as /dev/ttyUSB0, tcp:HOST:PORT, spidev, or "
+         "simwire:unix:PATH or simwire:tcp:HOST:PORT"});
   }
   if (port) {
     if (const auto other = who_has(*port, robot)) {

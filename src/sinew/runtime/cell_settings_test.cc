@@ -132,7 +132,7 @@ TEST_F(CellSettingsTest, every_fault_is_told_at_its_place) {
   EXPECT_EQ(wrong(settings, 2, {{"wire", "nonsense"}}),
             "wire: 'nonsense' is none of registers, link\n");
   const std::string port =
-      "port: a port is 'simulated', a device as /dev/ttyUSB0, spidev, or "
+      "port: a port is 'simulated', a device as /dev/ttyUSB0, tcp:HOST:PORT, spidev, or "
       "simwire:unix:PATH or simwire:tcp:HOST:PORT\n";
   for (const char* bad : {"/etc/passwd", "/dev/../etc/passwd", "ttyUSB0", "-", "../x"}) {
     EXPECT_EQ(wrong(settings, 0, {{"port", bad}}), port) << bad;

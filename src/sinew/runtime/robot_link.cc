@@ -22,7 +22,7 @@ constexpr std::string_view kUnix = "unix:";
 constexpr std::string_view kTcp = "tcp:";
 
 bool is_simwire(const std::string& port) {
-  return port.starts_with(kSimwire) || port.starts_with(kUnix) || port.starts_with(kTcp);
+  return port.starts_with(kSimwire) || port.starts_with(kUnix);
 }
 
 std::string place_of(const std::string& port) {
@@ -95,7 +95,9 @@ io::IoResult<void> RobotLink::connect() {
   if (parts.device || parts.boards) return {};
   disconnect();  // before it is opened again: it is held exclusively
   if (parts.driver.byte) {
-    auto opened = io::Port::open_serial(parts.name, parts.robot.device.baud);
+    auto opened = parts.name.starts_with(kTcp)
+                      ? io::connect_tcp(parts.name.substr(kTcp.size()))
+                      : io::Port::open_serial(parts.name, parts.robot.device.baud);
     if (!opened) return std::unexpected(opened.error());
     parts.port.emplace(std::move(*opened));
     parts.line = line_over(*parts.driver.byte, *parts.port, parts.clock, parts.log);
@@ -159,16 +161,17 @@ std::optional<sim::Truth> RobotLink::truth() const {
 }
 
 std::optional<std::string> wrong_port(const RobotModel& robot, const std::string& port) {
-  const std::string place = place_of(port);
-  const bool simwire = place.starts_with(kUnix) || place.starts_with(kTcp);
   if (!boards_of(robot.device).empty()) {
-    if (simwire || port == kSpidev) return std::nullopt;
+    const std::string place = place_of(port);
+    const bool place_known = place.starts_with(kUnix) || place.starts_with(kTcp);
+    if ((is_simwire(port) && place_known) || port == kSpidev) return std::nullopt;
     return port + ": this robot hangs on SPI; its port is spidev, simwire:unix:PATH or " +
            "simwire:tcp:HOST:PORT";
   }
-  if (!simwire && !port.starts_with(kSimwire) && port != kSpidev) return std::nullopt;
+  if (!is_simwire(port) && port != kSpidev) return std::nullopt;
   return port + ": " + robot.id + " hangs on a serial port, not on SPI; its port is a device as " +
-         "/dev/ttyUSB0, or the pseudo-terminal that sinew sim " + robot.id + " shows";
+         "/dev/ttyUSB0, tcp:HOST:PORT, or the pseudo-terminal that sinew sim " + robot.id +
+         " shows";
 }
 
 io::Clock clock_for(const std::optional<std::string>& port, double scale) {

@@ -27,8 +27,8 @@ class RobotLink {
  public:
   /// Its port is still closed: connect() opens it.
   /// @param robot, clock, log  outlive the link
-  /// @param port  "/dev/ttyUSB0" for robots on a serial port; for those on SPI "spidev",
-  ///              "simwire:unix:PATH" or "simwire:tcp:HOST:PORT".
+  /// @param port  "/dev/ttyUSB0" or "tcp:HOST:PORT" for robots on a serial port; for those on SPI
+  ///              "spidev", "simwire:unix:PATH" or "simwire:tcp:HOST:PORT".
   /// @error  a port of the wrong kind
   static io::IoResult<RobotLink> prepare(const RobotModel& robot, const std::string& port,
                                          const io::Clock& clock, ByteLog& log);

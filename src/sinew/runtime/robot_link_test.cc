@@ -83,14 +83,17 @@ TEST(RobotLink, port_of_the_wrong_kind_is_refused_with_what_would_be_right) {
       ASSERT_FALSE(link);
       EXPECT_EQ(link.error().sentence,
                 port + ": " + robot + " hangs on a serial port, not on SPI; its port is a device " +
-                    "as /dev/ttyUSB0, or the pseudo-terminal that sinew sim " + robot + " shows");
+                    "as /dev/ttyUSB0, tcp:HOST:PORT, or the pseudo-terminal that sinew sim " +
+                    robot + " shows");
     }
     EXPECT_FALSE(wrong_port(test::robot(robot), "/dev/ttyUSB0"));
+    EXPECT_FALSE(wrong_port(test::robot(robot), "tcp:localhost:1"));
     EXPECT_FALSE(wrong_port(test::robot(robot), "simwire/arm")) << "a link may have any name";
   }
   EXPECT_TRUE(wrong_port(test::robot("robot-arm-2"), "/dev/ttyUSB0"));
   EXPECT_FALSE(wrong_port(test::robot("robot-arm-2"), "simwire:unix:/tmp/x"));
-  EXPECT_FALSE(wrong_port(test::robot("robot-arm-2"), "tcp:localhost:1"));
+  EXPECT_FALSE(wrong_port(test::robot("robot-arm-2"), "simwire:tcp:localhost:1"));
+  EXPECT_TRUE(wrong_port(test::robot("robot-arm-2"), "tcp:localhost:1"));
 }
 
 TEST(RobotLink, what_is_found_on_a_device_that_may_be_simulated_is_kept_apart) {
@@ -101,6 +104,7 @@ TEST(RobotLink, what_is_found_on_a_device_that_may_be_simulated_is_kept_apart) {
   }
   EXPECT_FALSE(may_be_simulated("/dev/ttyUSB0"));
   EXPECT_FALSE(may_be_simulated("spidev"));
+  EXPECT_FALSE(may_be_simulated("tcp:localhost:1"));
   const CellFolders folders{
       .journal = folder.at("j"), .flight = {}, .record = {}, .commissioning = folder.at("c")};
   for (const std::string port : {"/dev/pts/nowhere", "/dev/nowhere"}) {

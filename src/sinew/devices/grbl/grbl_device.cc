@@ -83,6 +83,7 @@ void GrblDevice::power_up(Instant now) {
   planner_.place(at);
   zero_ = at;
   alarm_ = settings_.homing ? kHomingRequired : 0;
+  tool_z_ = 0;
   state_ = State::kSleep;
 }
 
@@ -92,10 +93,14 @@ void GrblDevice::begin() {
   search_ = Search::kNone;
   received_.clear();
   lines_.reset();
-  line_waits_ = false;
-  tool_z_ = 0;
+  line_waits_ = critical_ = false;
+  // grblHAL keeps it over a reset.
+  if (settings_.firmware != Firmware::kGrblHal) tool_z_ = 0;
   offset_due_ = 0;
   state_ = alarm_ != 0 ? State::kAlarm : State::kIdle;
+  // Ends what was cut off.
+  output_.push_back('\r');
+  output_.push_back('\n');
   say(Welcome{settings_.firmware, 1, 1});
 }
 
@@ -133,7 +138,10 @@ void GrblDevice::step(Duration dt) {
   planner_.advance(to_seconds(dt));
   if (search_ != Search::kNone) return step_homing();
   const bool runs = state_ == State::kRun || state_ == State::kJog;
-  if (runs && settings_.homing && switches_ != 0) return alarm(kHardLimit);
+  if (runs && settings_.homing && switches_ != 0) {
+    critical_ = true;
+    return alarm(kHardLimit);
+  }
   settle();
 }
 
@@ -177,6 +185,7 @@ void GrblDevice::step_homing() {
   state_ = State::kIdle;
   alarm_ = 0;
   say(Ok{});
+  read_lines();
 }
 
 void GrblDevice::alarm(std::uint16_t code) {
@@ -197,6 +206,7 @@ void GrblDevice::set_emergency_stop(bool pressed) {
 void GrblDevice::receive(std::uint8_t byte, Instant now) {
   advance(now);
   if (!powered_ || boots_) return;
+  if (critical_ && byte != static_cast<std::uint8_t>(RealTime::kReset)) return;
   if (const auto what = real_time_of(byte)) return real_time(*what);
   if (received_.size() >= std::min(settings_.bytes(), received_.capacity())) {
     ++bytes_lost_;

@@ -106,6 +106,7 @@ class GrblDevice {
   std::uint16_t alarm_ = 0;
   bool powered_ = true;
   bool emergency_ = false;
+  bool critical_ = false;  ///< hears nothing but a reset
   AxisMask switches_ = 0;
   std::size_t homing_axis_ = 0;
   Search search_ = Search::kNone;

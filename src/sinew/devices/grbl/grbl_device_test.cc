@@ -44,7 +44,7 @@ class GrblBoard : public ::testing::Test {
         lines.back() += static_cast<char>(bytes[i]);
       }
     }
-    lines.pop_back();
+    std::erase(lines, "");
     return lines;
   }
   std::string answer(std::string_view text) {
@@ -185,6 +185,9 @@ TEST_F(GrblBoard, a_switch_that_closes_in_a_motion_is_an_alarm) {
   run(2ms);
   EXPECT_EQ(take(), std::vector<std::string>{"ALARM:1"});
   EXPECT_FALSE(board->moving());
+  EXPECT_EQ(answer("?"), "") << "it hears nothing but a reset";
+  say("\x18");
+  take();
   EXPECT_NE(answer("?").find("Pn:Y"), std::string::npos);
 }
 

@@ -40,6 +40,7 @@ GrblDriver::GrblDriver(const GrblDevice& device, std::span<const Joint> joints, 
       timing_(timing),
       line_time_(from_seconds((kLineMax + 1) * kBitsPerByte / baud)),
       known_(device),
+      settings_(device, joints),
       pace_(accelerations(joints)) {
   SINEW_ASSERT(joints.size() == device.axes.size() && !joints.empty() && baud > 0);
   for (const Joint& joint : joints) {
@@ -63,6 +64,7 @@ void GrblDriver::open(Instant now) {
   fault_.reset();
   told_silent_ = false;
   decoder_.reset();
+  blind_ = false;
   begin_steps(Activity::kOpening, Step::kLook, now);
 }
 
@@ -74,13 +76,18 @@ void GrblDriver::close(Instant now) {
   end_stop();
   activity_ = Activity::kClosed;
   output_.clear();
+  update_positions(now_);
 }
 
 /// Nobody hears it any more. What it has it carries out.
 void GrblDriver::leave_to_itself() {
   const bool moves = activity_ == Activity::kMoving || activity_ == Activity::kNudging ||
                      activity_ == Activity::kStopping;
-  if (moves) goes_on_until_ = now_ + left(now_) + braking_;
+  if (moves && ends_at_) goes_on_until_ = std::max(*ends_at_, now_) + braking_;
+  if (activity_ == Activity::kHoming) {
+    left_searching_ = true;
+    goes_on_until_ = lines_since_ + timing_.homing_limit;
+  }
   known_.leave(moves ? std::span<const JointInterval>(reach_.data(), reach_.size())
                      : std::span<const JointInterval>());
 }
@@ -98,9 +105,10 @@ void GrblDriver::begin_steps(Activity activity, Step step, Instant now) {
   suspect_.reset();
   unheard_ = 0;
   poll_due_ = now;
-  unlocked_ = marked_ = false;
+  unlocked_ = marked_ = locked_ = listed_again_ = false;
   looks_ = 0;
   offset_.clear();
+  stood_.clear();
   alarm_ = 0;
 }
 
@@ -180,7 +188,7 @@ Expected<GrblDriver::Pending> GrblDriver::pending_of(const JointMove& move) {
     if (const auto error = refusal(i, from, move.q[i], move.duration)) {
       return std::unexpected(*error);
     }
-    const double count = std::round(known_.count_of(i, move.q[i]) * 1e3) / 1e3;
+    const double count = sayable(i, known_.count_of(i, move.q[i]));
     const double here = pending_.empty() ? begin_[i] : pending_.back().line.to[i];
     if (std::abs(count) > kValueMax) {
       return std::unexpected(joint_error(ErrorCode::kUnsendable, i, count));
@@ -194,11 +202,15 @@ Expected<GrblDriver::Pending> GrblDriver::pending_of(const JointMove& move) {
   }
   one.end = move.q;
   one.line.duration = duration;
+  // Too little for the wire: the next line takes that time as well.
+  const double total = duration + carried_;
+  carried_ = one.no_way && !one.rest ? total : 0;
+  if (one.no_way && one.rest) one.time = total;
   if (!one.no_way) {
     const double peak = std::sqrt(std::max(begins, ends));
     const double late = pace_.late();
-    one.line.duration = std::max(pace_.line_duration(way, peak, duration, one.rest), kDurationMin);
-    one.time = std::max(0.0, duration + pace_.late() - late);
+    one.line.duration = std::max(pace_.line_duration(way, peak, total, one.rest), kDurationMin);
+    one.time = std::max(0.0, total + pace_.late() - late);
   }
   return one;
 }
@@ -220,14 +232,16 @@ Expected<void> GrblDriver::move(const JointMove& move, Instant now) {
   const GrblPace before = pace_;
   const Values began = begin_;
   const JointVector speed = speed_;
+  const double carried = carried_;
   if (!follows) {
+    carried_ = 0;
     pace_.begin();
     before_ = begin_ = known_.counts();
     std::ranges::fill(speed_, 0.0);
   }
   const auto one = pending_of(move);
   if (!one) {
-    pace_ = before, begin_ = began, speed_ = speed;
+    pace_ = before, begin_ = began, speed_ = speed, carried_ = carried;
     return std::unexpected(one.error());
   }
   if (!follows || pending_.empty()) began_ = changed_ = now;
@@ -239,6 +253,7 @@ Expected<void> GrblDriver::move(const JointMove& move, Instant now) {
   ++commands_;
   activity_ = Activity::kMoving;
   say_moves(now);
+  ends_at_ = now + left(now);
   look_at_the_end(now);
   return {};
 }
@@ -264,6 +279,7 @@ Expected<void> GrblDriver::nudge(std::size_t joint, double way, Duration duratio
   ++commands_;
   activity_ = Activity::kNudging;
   changed_ = now + from_seconds(60 * std::abs(jog.by) / jog.rate);
+  ends_at_ = changed_;
   poll_due_ = now + timing_.arrival_poll;
   return {};
 }
@@ -273,6 +289,7 @@ Expected<void> GrblDriver::home(Instant now, std::uint8_t /*joints*/) {
   if (!device_.homes) return std::unexpected(Error{ErrorCode::kNoEndStops});
   if (const auto may = may_begin(); !may) return may;
   if (!say(Home{}, Sent::kOther)) return std::unexpected(Error{ErrorCode::kBusy});
+  say(Modes{}, Sent::kModes);  // a board's own startup lines follow
   known_.lose();
   ++commands_;
   activity_ = Activity::kHoming;
@@ -362,7 +379,6 @@ void GrblDriver::fall_silent(Instant now) {
   told_silent_ = true;
   leave_to_itself();
   end_commands(Kind::kFailed, error);
-  fault_.reset();
   begin_steps(Activity::kOpening, Step::kLook, now);
   end_stop();
   poll_due_ = now + timing_.silent_retry;
@@ -376,7 +392,6 @@ void GrblDriver::note_restart(Instant now) {
     if (commands_ == 0) tell(Kind::kNotice, error);
     end_commands(Kind::kFailed, error);
     end_stop();
-    fault_.reset();
     known_.leave();
     known_.restart();
   }
@@ -386,6 +401,12 @@ void GrblDriver::note_restart(Instant now) {
 }
 
 // Positions
+
+/// To a whole step, as the board does, and in the decimals of a line.
+double GrblDriver::sayable(std::size_t joint, double count) const {
+  const double steps = std::abs(device_.axes[joint].steps_per_rad) * from_deg(1);
+  return std::round(std::round(count * steps) / steps * 1e3) / 1e3;
+}
 
 void GrblDriver::begin_reach() {
   reach_.clear();

@@ -6,6 +6,7 @@
 
 #include "sinew/devices/grbl/grbl_driver_pace.h"
 #include "sinew/devices/grbl/grbl_driver_positions.h"
+#include "sinew/devices/grbl/grbl_driver_settings.h"
 #include "sinew/devices/grbl/grbl_wire.h"
 #include "sinew/driver/driver.h"
 
@@ -29,25 +30,28 @@ struct GrblTiming {
 /// that the board's planner can brake for what is planned, and never more characters than the board
 /// has room for. docs/wires/grbl.md.
 ///
-///   activity  | what happens                                    | next
-///   ----------+-------------------------------------------------+------------------------------
-///   kClosed   | open                                            | kOpening
-///   kOpening  | it stands; reset; settings fit; unlocked        | kIdle, kReady
-///   kOpening  | a setting does not fit, or it stays locked      | kIdle with the fault, kFailed
-///   kIdle     | move                                            | kMoving
-///   kMoving   | a line's motion is over, another one waits      | kMoving, kDone
-///   kMoving   | it is idle at the end of the last one           | kIdle, kDone
-///   kMoving   | refused, ignored, or beside its path            | kStopping with the fault,
-///   kFailed kMoving   | no further piece came                           | kStopping, kFailed
-///   (kStreamEnded) kIdle     | home, nudge                                     | kHoming, kNudging
-///   kHoming   | ok                                              | kStopping, then kIdle, kDone
-///   kNudging  | it is idle, and there                           | kIdle, kDone
-///   any open  | stop                                            | kStopping
-///   kStopping | it has braked; reset                            | kIdle, kStopped
-///   any open  | an alarm                                        | kAlarm, then kIdle with the
-///   fault any open  | nothing is answered                             | kOpening, kFailed any open
-///   | it restarts                                     | kOpening, kFailed or kNotice
+///   activity  | what happens                                | next
+///   ----------+---------------------------------------------+-----------------------------------
+///   kClosed   | open                                        | kOpening
+///   kOpening  | it stands; reset; settings fit; unlocked    | kIdle, kReady
+///   kOpening  | a setting does not fit, it stays locked     | kIdle with the fault, kFailed
+///   kIdle     | move                                        | kMoving
+///   kMoving   | a piece is over, another one waits          | kMoving, kDone
+///   kMoving   | it is idle at the end of the last one       | kIdle, kDone
+///   kMoving   | refused, ignored, or beside its path        | kStopping with the fault, kFailed
+///   kMoving   | no further piece came                       | kStopping, kFailed (kStreamEnded)
+///   kIdle     | home, nudge                                 | kHoming, kNudging
+///   kHoming   | ok, and where it is                         | kIdle, kDone
+///   kNudging  | it is idle, and there                       | kIdle, kDone
+///   those two | refused; a nudge that was ignored           | kIdle, kFailed
+///   any open  | stop                                        | kStopping
+///   kStopping | it has braked; reset                        | kIdle, kStopped
+///   any open  | an alarm                                    | kAlarm, then kIdle with the fault
+///   any open  | it sleeps: its motors are off               | kIdle with the fault, kFailed
+///   any open  | nothing is answered                         | kOpening, kFailed
+///   any open  | it restarts                                 | kOpening, kFailed or kNotice
 ///
+/// A fault stays until it is cleared, whatever happens to the board meanwhile.
 /// positions(): kCommanded; in motion with the way that a joint may have gone since it was asked.
 /// All @rt.
 class GrblDriver : public ByteDriver {
@@ -112,13 +116,13 @@ class GrblDriver : public ByteDriver {
   struct Pending {
     grbl::Move line;
     double time = 0;      ///< s that the board takes for it, by its own arithmetic
-    bool no_way = false;  ///< nothing to send: it ends where it begins
+    bool no_way = false;  ///< nothing to send: the next line takes its time as well
     bool rest = false;    ///< ends at rest
     bool sent = false;
     bool accepted = false;  ///< ok
     JointVector end;        ///< as it was asked for, before rounding
   };
-  enum class Sent : std::uint8_t { kMove, kOther };
+  enum class Sent : std::uint8_t { kMove, kModes, kOther };
   /// A line without its ok.
   struct Line {
     Sent what = Sent::kOther;
@@ -137,6 +141,7 @@ class GrblDriver : public ByteDriver {
   bool say(const grbl::Request& request, Sent what);
   void say_now(grbl::RealTime what);
   void say_moves(Instant now);
+  bool is_to_move() const;
   void ask_status(Instant now);
   void begin_steps(Activity activity, Step step, Instant now);
   void reset_board(Instant now);
@@ -145,8 +150,9 @@ class GrblDriver : public ByteDriver {
   void take_refusal(const grbl::Refused& refused, Instant now);
   void take_alarm(std::uint16_t code, Instant now);
   void take_welcome(const grbl::Welcome& welcome, Instant now);
-  void take_setting(const grbl::Setting& setting);
   void take_status(const grbl::Status& status, Instant now);
+  std::optional<grbl::Values> counts_of(const grbl::Status& status);
+  bool fell_to_zero(const grbl::Values& counts, Instant asked) const;
   bool believable(const grbl::Values& counts, Instant asked);
   void take_lines(Instant now);
   void step_look(const grbl::Status& status, Instant now);
@@ -156,6 +162,14 @@ class GrblDriver : public ByteDriver {
   void step_moving(const grbl::Status& status, Instant now);
   void step_nudging(const grbl::Status& status, Instant now);
   void step_alarm(const grbl::Status& status);
+  void end_alarm(std::int8_t joint);
+  void wait_for_welcome(Instant now);
+  void miss_reply(Instant now);
+  void search_too_long(Instant now);
+  void end_with(const Error& error);
+  void come_to_rest();
+  bool has_mark() const;
+  bool is_locked(std::uint16_t alarm) const;
   void end_steps(Instant now);
   std::optional<Spot> spot_of(const grbl::Values& counts, Instant asked) const;
   bool on_time(const grbl::Values& counts, Instant asked) const;
@@ -167,6 +181,7 @@ class GrblDriver : public ByteDriver {
   void end_pieces(std::size_t count);
   void begin_stop(Instant now);
   void leave_to_itself();
+  double sayable(std::size_t joint, double count) const;
   void begin_reach();
   void reach_to(std::size_t joint, double q);
   void fall_silent(Instant now);
@@ -199,7 +214,14 @@ class GrblDriver : public ByteDriver {
   int looks_ = 0;          ///< at the offset of its work coordinates, before the reset
   std::uint16_t alarm_ = 0;
   std::optional<Instant> alarm_at_;
-  std::optional<Error> setting_;  ///< the first one that does not fit
+  GrblSettingsCheck settings_;
+  grbl::Firmware firmware_ = grbl::Firmware::kGrbl;
+  bool listed_again_ = false;    ///< its settings, of which one was missing
+  bool modes_ = false;           ///< it has taken them since its reset
+  bool locked_ = false;          ///< it asks to be homed first, which is no fault
+  bool blind_ = false;           ///< it was reset without an answer, in this opening
+  bool left_searching_ = false;  ///< .. by a host that went away
+  int short_ = 0;                ///< statuses in a row of fewer axes than joints
   std::optional<Instant> goes_on_until_;
 
   // Lines
@@ -208,9 +230,11 @@ class GrblDriver : public ByteDriver {
   std::size_t room_ = 127;      ///< of the board, characters
   Instant lines_since_{};       ///< that are waited for
   std::optional<Instant> reset_at_;
-  std::optional<Instant> asked_at_;  ///< a status that has not come
+  std::optional<Instant> asked_at_;  ///< the oldest status that has not come
+  Instant asked_last_{};             ///< .. and the last one
   Instant counted_at_{};             ///< when the last one that came was asked for
   int unheard_ = 0;
+  Instant placing_since_{};
   Instant poll_due_{};
   grbl::Values offset_;  ///< of work coordinates; empty: not told
 
@@ -223,6 +247,9 @@ class GrblDriver : public ByteDriver {
   Instant began_{};      ///< the first of them, by their own times
   Instant changed_{};    ///< the counts last did
   Instant last_piece_{};
+  double carried_ = 0;  ///< s of pieces without a way, which the next line takes as well
+  std::optional<Instant> ends_at_;  ///< of what moves, by its own time
+  grbl::Values stood_;              ///< counts where it was seen to stand, before a reset
   /// Where the joints may come by what was said since they stood.
   FixedVector<JointInterval, kMaxJoints> reach_;
   grbl::Values nudge_to_;

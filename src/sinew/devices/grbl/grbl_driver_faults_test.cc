@@ -241,6 +241,123 @@ TEST(GrblFaults, a_nudge_is_stopped_on_each_firmware) {
   }
 }
 
+RobotModel with_firmware(GrblFirmware firmware, bool homes) {
+  RobotModel robot = grbl_robot(3, homes);
+  robot.device.settings.get<GrblDevice>().firmware = firmware;
+  return robot;
+}
+
+TEST(GrblFaults, a_board_that_asks_to_be_homed_first_has_no_fault) {
+  for (const GrblFirmware firmware : {GrblFirmware::kGrbl, GrblFirmware::kGrblHal}) {
+    GrblCell cell(with_firmware(firmware, true), {}, false);
+    cell.honest = false;
+    cell.open(false);
+    cell.run_for(2s);
+    EXPECT_EQ(cell.driver.state(), DriverState::kReady);
+    EXPECT_EQ(cell.driver.positions()[0].quality, PositionQuality::kLost);
+    ASSERT_TRUE(cell.driver.home(cell.now, kAllJoints));
+    EXPECT_TRUE(cell.run_until(DriverState::kReady, 170s));
+    EXPECT_EQ(cell.driver.positions()[0].quality, PositionQuality::kCommanded);
+  }
+}
+
+TEST(GrblFaults, a_search_that_a_host_left_is_said_and_ended_by_the_next_one) {
+  GrblCell cell(grbl_robot(3, true), {}, false);
+  cell.open(false);
+  ASSERT_TRUE(cell.driver.home(cell.now, kAllJoints));
+  cell.run_for(1s);
+  cell.driver.close(cell.now);
+  ASSERT_TRUE(cell.driver.goes_on_until());
+  EXPECT_GT(*cell.driver.goes_on_until() - cell.now, 100s);
+  EXPECT_TRUE(cell.machine.truth().moving);
+  cell.events.clear();
+  cell.driver.open(cell.now);
+  EXPECT_TRUE(cell.run_until(DriverState::kReady, 5s));
+  EXPECT_FALSE(cell.machine.truth().moving);
+}
+
+TEST(GrblFaults, power_that_is_cut_between_a_reset_and_its_welcome_is_noticed) {
+  test::for_random_cases(80, [](test::Random& random) {
+    GrblCell cell;
+    auto motion = cell.motion_to({1, -0.5, 0.25}, 1.5);
+    cell.run(motion, 700ms);
+    cell.driver.stop(cell.now);
+    cell.run_for(from_seconds(random.uniform(0.05, 0.6)));
+    cell.machine.disturb({sim::Disturbance::Kind::kSupply, -1, 0});
+    cell.run_for(from_seconds(random.uniform(0, 1.5)));
+    cell.machine.disturb({sim::Disturbance::Kind::kSupply, -1, 24});
+    cell.run_for(8s);
+    ASSERT_EQ(cell.driver.state(), DriverState::kReady);
+    ASSERT_EQ(cell.driver.positions()[0].quality, PositionQuality::kLost);
+  });
+}
+
+TEST(GrblFaults, the_mark_stays_on_each_firmware_however_often_it_is_opened_and_stopped) {
+  for (const GrblFirmware firmware : {GrblFirmware::kGrbl, GrblFirmware::kGrblHal}) {
+    GrblCell cell(with_firmware(firmware, false));
+    for (int i = 0; i < 4; ++i) {
+      open_anew(cell, left_by(cell.driver));
+      EXPECT_EQ(cell.driver.positions()[0].quality, PositionQuality::kCommanded) << i;
+      ASSERT_TRUE(cell.driver.nudge(1, 0.05, 1s, cell.now));
+      cell.run_for(200ms);
+      cell.driver.stop(cell.now);
+      ASSERT_TRUE(cell.run_until(DriverState::kReady, 3s));
+      auto back = cell.motion_to({0, 0, 0}, 1);
+      cell.run(back);
+    }
+  }
+}
+
+TEST(GrblFaults, a_nudge_that_nobody_hears_of_goes_on_to_its_end) {
+  GrblCell cell;
+  ASSERT_TRUE(cell.driver.nudge(0, 0.08, 4s, cell.now));
+  cell.run_for(500ms);
+  cell.driver.close(cell.now);
+  const auto until = cell.driver.goes_on_until();
+  ASSERT_TRUE(until);
+  while (cell.now < *until - 300ms) cell.machine.advance(cell.now += 1ms);
+  EXPECT_TRUE(cell.machine.truth().moving);
+  while (cell.now < *until) cell.machine.advance(cell.now += 1ms);
+  EXPECT_FALSE(cell.machine.truth().moving);
+  cell.expect_honest();
+}
+
+TEST(GrblFaults, a_fault_outlives_silence_and_a_restart) {
+  GrblCell cell;
+  auto motion = cell.motion_to({1, -0.5, 0.25}, 1.5);
+  cell.run(motion, 500ms);
+  const std::uint8_t hold = '!';
+  cell.machine.receive({&hold, 1}, cell.now);
+  cell.run(motion);
+  ASSERT_TRUE(cell.run_until(DriverState::kFault, 3s));
+  cell.machine.disturb({sim::Disturbance::Kind::kSupply, -1, 0});
+  cell.run_for(3s);
+  cell.machine.disturb({sim::Disturbance::Kind::kSupply, -1, 24});
+  cell.run_for(5s);
+  EXPECT_EQ(cell.driver.state(), DriverState::kFault);
+  EXPECT_FALSE(cell.driver.wants_move(cell.now));
+  ASSERT_TRUE(cell.driver.clear_fault(cell.now));
+  EXPECT_TRUE(cell.run_until(DriverState::kReady, 3s));
+}
+
+TEST(GrblFaults, a_board_of_fewer_axes_or_one_that_sleeps_is_a_fault) {
+  GrblCell cell(grbl_robot(3), {}, false);
+  const RobotModel six = grbl_robot(6);
+  cell.honest = false;
+  cell.driver = GrblDriver(six.device.settings.get<GrblDevice>(), six.joints, six.device.baud);
+  cell.driver.open(cell.now);
+  ASSERT_TRUE(cell.run_until(DriverState::kFault, 5s));
+  EXPECT_EQ(cell.driver.fault()->code, ErrorCode::kModelMismatch);
+
+  GrblCell asleep;
+  const std::string_view sleeps = "<Sleep|MPos:0.000,0.000,0.000>\n";
+  asleep.driver.receive({reinterpret_cast<const std::uint8_t*>(sleeps.data()), sleeps.size()},
+                        asleep.now);
+  ASSERT_EQ(asleep.driver.state(), DriverState::kFault);
+  EXPECT_EQ(asleep.driver.fault()->code, ErrorCode::kBoardRests);
+  EXPECT_EQ(asleep.driver.positions()[0].quality, PositionQuality::kLost);
+}
+
 TEST(GrblFaults, somebody_who_holds_the_motion_is_noticed) {
   GrblCell cell;
   auto motion = cell.motion_to({1, -0.5, 0.25}, 1.5);

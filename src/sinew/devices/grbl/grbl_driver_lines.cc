@@ -16,8 +16,6 @@ namespace {
 /// GRBL 1.1 counts 128 characters, of which one stays free; boards that report more have more.
 constexpr std::size_t kRoomLeast = 127;
 constexpr std::size_t kRoomMost = 1023;
-/// Of a board's own limits: what its decimals leave open.
-constexpr double kNearEnough = 0.999;
 
 }  // namespace
 
@@ -43,7 +41,9 @@ void GrblDriver::ask_status(Instant now) {
   if (asked_at_) ++health_.timeouts;
   say_now(RealTime::kStatus);
   ++health_.requests;
-  asked_at_ = now;
+  // What comes may answer to the oldest one.
+  if (!asked_at_) asked_at_ = now;
+  asked_last_ = now;
 }
 
 /// As many as the board has room for, in their order.
@@ -57,12 +57,17 @@ void GrblDriver::say_moves(Instant now) {
     }
     if (!say(one.line, Sent::kMove)) return;
     if (&one == &pending_[0]) began_ = now;
+    if (!is_to_move()) changed_ = now;
     one.sent = true;
   }
 }
 
-/// Drops what the board has of lines, in a state in which nothing moves. @pre it stands, or looks
-/// for switches
+/// The board has a line whose motion is not over.
+bool GrblDriver::is_to_move() const {
+  return std::ranges::any_of(pending_, [](const Pending& one) { return one.sent && !one.no_way; });
+}
+
+/// Drops what the board has of lines. @pre it stands, looks for switches, or says nothing
 void GrblDriver::reset_board(Instant now) {
   if (reset_at_) ++health_.retries;
   output_.clear();
@@ -79,20 +84,14 @@ void GrblDriver::poll(Instant now) {
   now_ = std::max(now_, now);
   if (activity_ == Activity::kClosed) return;
   const bool steps = activity_ == Activity::kOpening || activity_ == Activity::kStopping;
-  if (activity_ == Activity::kHoming && !lines_.empty()) {
-    if (now_ - lines_since_ > timing_.homing_limit) fall_silent(now_);
-  } else if (steps && step_ == Step::kReset) {
-    if (now_ - *reset_at_ >= timing_.welcome_timeout) {
-      ++unheard_;
-      if (unheard_ >= timing_.tries) return fall_silent(now_);
-      reset_board(now_);
-    }
+  if (reset_at_) {
+    wait_for_welcome(now_);
+  } else if (activity_ == Activity::kHoming && !lines_.empty()) {
+    if (now_ - lines_since_ > timing_.homing_limit) search_too_long(now_);
   } else if (steps && step_ == Step::kLines) {
     if (now_ - lines_since_ >= timing_.welcome_timeout) fall_silent(now_);
-  } else if (asked_at_ && now_ - *asked_at_ >= timing_.reply_timeout) {
-    ++unheard_;
-    if (unheard_ >= timing_.tries) return fall_silent(now_);
-    ask_status(now_);
+  } else if (asked_at_ && now_ - asked_last_ >= timing_.reply_timeout) {
+    miss_reply(now_);
   } else if (!asked_at_ && now_ >= poll_due_) {
     ask_status(now_);
   }
@@ -100,13 +99,39 @@ void GrblDriver::poll(Instant now) {
   update_positions(now_);
 }
 
+void GrblDriver::wait_for_welcome(Instant now) {
+  if (now - *reset_at_ < timing_.welcome_timeout) return;
+  if (++unheard_ < timing_.tries) return reset_board(now);
+  activity_ == Activity::kAlarm ? end_alarm(-1) : fall_silent(now);
+}
+
+void GrblDriver::miss_reply(Instant now) {
+  if (++unheard_ < timing_.tries) return ask_status(now);
+  if (activity_ == Activity::kAlarm) return end_alarm(-1);
+  // In some alarms, and in a search for switches, it hears nothing but a reset.
+  const bool moves = goes_on_until() && !left_searching_;
+  const bool looks = activity_ == Activity::kOpening && step_ == Step::kLook;
+  if (!looks || blind_ || moves) return fall_silent(now);
+  blind_ = true;
+  known_.restart();
+  unheard_ = 0;
+  step_ = Step::kReset;
+  reset_board(now);
+}
+
+void GrblDriver::search_too_long(Instant now) {
+  const double limit = to_seconds(timing_.homing_limit);
+  end_commands(Kind::kFailed, {ErrorCode::kHomingFailed, -1, limit, limit});
+  begin_stop(now);
+}
+
 std::optional<Instant> GrblDriver::next_deadline() const {
   const bool steps = activity_ == Activity::kOpening || activity_ == Activity::kStopping;
-  Instant due = asked_at_ ? *asked_at_ + timing_.reply_timeout : poll_due_;
   if (activity_ == Activity::kClosed) return std::nullopt;
+  Instant due = asked_at_ ? asked_last_ + timing_.reply_timeout : poll_due_;
   if (activity_ == Activity::kHoming && !lines_.empty()) due = lines_since_ + timing_.homing_limit;
-  if (steps && step_ == Step::kReset) due = *reset_at_ + timing_.welcome_timeout;
   if (steps && step_ == Step::kLines) due = lines_since_ + timing_.welcome_timeout;
+  if (reset_at_) due = *reset_at_ + timing_.welcome_timeout;
   return std::max(due, now_ + std::chrono::microseconds(100));
 }
 
@@ -138,7 +163,7 @@ void GrblDriver::take(const Reply& reply, Instant now) {
   if (const auto* one = std::get_if<Alarm>(&reply)) return take_alarm(one->code, now);
   if (const auto* one = std::get_if<Welcome>(&reply)) return take_welcome(*one, now);
   if (const auto* one = std::get_if<Status>(&reply)) return take_status(*one, now);
-  if (const auto* one = std::get_if<Setting>(&reply)) return take_setting(*one);
+  if (const auto* one = std::get_if<Setting>(&reply)) return settings_.take(*one);
   if (const auto* one = std::get_if<Build>(&reply)) {
     room_ = std::clamp<std::size_t>(one->bytes > 0 ? one->bytes - 1U : 0, kRoomLeast, kRoomMost);
   }
@@ -157,6 +182,7 @@ void GrblDriver::take_ok(Instant now) {
   unanswered_ -= line.size;
   lines_since_ = now;
   told_silent_ = false;
+  modes_ = modes_ || line.what == Sent::kModes;
   if (line.what == Sent::kMove) {
     const auto one = std::ranges::find_if(
         pending_, [](const Pending& each) { return each.sent && !each.accepted; });
@@ -193,37 +219,13 @@ void GrblDriver::take_refusal(const Refused& /*refused*/, Instant now) {
       return;
     default:
       // What it does not know of an opening's questions, it leaves out; a lock shows in its state.
+      lines_[0].what = Sent::kOther;
       return take_ok(now);
   }
 }
 
-/// The first one that does not fit what motions are planned with.
-void GrblDriver::take_setting(const Setting& setting) {
-  if (setting_) return;
-  const auto misfit = [&](ErrorCode code, std::size_t joint, double is, double needed) {
-    setting_ = {code, static_cast<std::int8_t>(joint), is, needed};
-  };
-  if (setting.number == kIdleSetting && setting.value < 255)
-    misfit(ErrorCode::kBoardRests, 0, 0, 0);
-  for (std::size_t i = 0; i < joints_.size(); ++i) {
-    const Joint& joint = joints_[i];
-    const double rate = from_deg(setting.value) / 60;
-    const double acceleration = from_deg(setting.value);
-    const double steps = std::abs(device_.axes[i].steps_per_rad) * from_deg(1);
-    if (setting.number == kRateSetting + i && rate < kNearEnough * joint.velocity_max) {
-      misfit(ErrorCode::kBoardVelocity, i, rate, joint.velocity_max);
-    }
-    if (setting.number == kAccelerationSetting + i &&
-        acceleration < kNearEnough * joint.acceleration_max) {
-      misfit(ErrorCode::kBoardAcceleration, i, acceleration, joint.acceleration_max);
-    }
-    if (setting.number == kStepsSetting + i && std::abs(setting.value - steps) > 1e-3 * steps) {
-      misfit(ErrorCode::kBoardSteps, i, setting.value, steps);
-    }
-  }
-}
-
-void GrblDriver::take_welcome(const Welcome& /*welcome*/, Instant now) {
+void GrblDriver::take_welcome(const Welcome& welcome, Instant now) {
+  firmware_ = welcome.firmware;
   if (!reset_at_) {
     // Behind some alarms grblHAL resets itself.
     const bool by_alarm = alarm_at_ && now - *alarm_at_ < timing_.welcome_timeout;
@@ -233,11 +235,16 @@ void GrblDriver::take_welcome(const Welcome& /*welcome*/, Instant now) {
   reset_at_.reset();
   offset_.clear();
   unheard_ = 0;
+  modes_ = false;
+  if (activity_ == Activity::kAlarm) {
+    poll_due_ = now;  // its pins say which switch
+    return;
+  }
   step_ = Step::kLines;
   lines_since_ = now;
-  setting_.reset();
-  say(Modes{}, Sent::kOther);
+  say(Modes{}, Sent::kModes);
   if (activity_ != Activity::kOpening) return;
+  settings_.begin();
   say(AskBuild{}, Sent::kOther);
   say(AskSettings{}, Sent::kOther);
 }

@@ -58,7 +58,8 @@ void GrblPositions::leave(std::span<const JointInterval> reach) {
       left_.push_back(joint);
     }
   }
-  judged_ = restarted_ = marked_ = false;
+  judged_ = restarted_ = false;
+  mark_.reset();
 }
 
 void GrblPositions::declare(std::span<const JointPosition> positions) {
@@ -87,11 +88,12 @@ bool GrblPositions::still_counts(std::span<const JointPosition> left) const {
     if (!joint.count_zero) continue;
     away = away || std::abs(counts_[i]) > kRounding;
     if (joint.quality == PositionQuality::kLost) continue;
+    if (joint.quality == PositionQuality::kUncertain && !mark_.value_or(true)) return false;
     const double here = *joint.count_zero + sign(i) * from_deg(counts_[i]);
     const double slack = device_.step(i) + from_deg(kRounding);
     if (here < joint.lower - slack || here > joint.upper + slack) return false;
   }
-  return (away || marked_) && !restarted_;
+  return (away || mark_.value_or(false)) && !restarted_;
 }
 
 void GrblPositions::judge() {

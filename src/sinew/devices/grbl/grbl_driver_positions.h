@@ -19,6 +19,8 @@ namespace sinew {
 ///   declared without a count                           | the declared place; its zero follows
 ///   each joint's count lies where it was left, and one | that place: the board has counted on
 ///   of them is away from 0, or the board has our mark  |
+///   likewise, but it was left in a motion and the mark | lost: counts inside a whole motion could
+///   is gone                                            | be those of a restart, too
 ///   anything else                                      | lost: it may have restarted
 ///   the board says that it has restarted               | lost, where a count was relied on
 ///
@@ -39,8 +41,8 @@ class GrblPositions {
   /// The port went away, or others may have used it: the next count is judged.
   /// @param reach  as far as a motion may go on by itself; empty: it stands
   void leave(std::span<const JointInterval> reach = {});
-  /// The board has a mark of ours that it forgets with its power, and so has not restarted.
-  void marked() { marked_ = true; }
+  /// Whether the board has a mark of ours that it forgets with its power.
+  void see_mark(bool there) { mark_ = there; }
   /// A status, machine coordinates.
   void count(const grbl::Values& counts);
 
@@ -73,8 +75,8 @@ class GrblPositions {
   FixedVector<Tie, grbl::kAxesMax> ties_;
   grbl::Values counts_;
   bool judged_ = false;
-  bool restarted_ = false;  ///< since the port was opened
-  bool marked_ = false;
+  bool restarted_ = false;    ///< since the port was opened
+  std::optional<bool> mark_;  ///< nothing: it does not show
   /// Left on record, or declared, before the first status.
   FixedVector<JointPosition, grbl::kAxesMax> left_;
 };

@@ -80,11 +80,11 @@ TEST_F(GrblKnown, counts_of_0_are_those_of_a_board_that_restarted) {
 
 TEST_F(GrblKnown, counts_of_0_are_believed_of_a_board_that_has_the_mark) {
   begin({at(0, 0.0), at(0, 0.0)});
-  known.marked();
+  known.see_mark(true);
   known.count(counts(0, 0));
   EXPECT_EQ(quality(0), PositionQuality::kCommanded);
   begin({at(0, 0.0), at(0, 0.0)});
-  known.marked();
+  known.see_mark(true);
   known.count(counts(1, 0));
   EXPECT_EQ(quality(0), PositionQuality::kLost);
 }
@@ -112,7 +112,11 @@ TEST_F(GrblKnown, a_motion_that_was_under_way_is_found_inside_what_was_reserved)
   known.count(counts(12, 7));
   EXPECT_EQ(quality(0), PositionQuality::kCommanded);
   EXPECT_NEAR(known.position(1, 0).q, from_deg(-7), kNear);
+  // Without its mark it may have restarted, and have been moved since.
   begin({a, b});
+  known.see_mark(false);
+  known.count(counts(12, 7));
+  EXPECT_EQ(quality(0), PositionQuality::kLost);
 }
 
 TEST_F(GrblKnown, a_lost_joint_keeps_the_evidence_of_its_count) {

@@ -17,6 +17,7 @@ namespace {
 struct Foot {
   double share = 0;     ///< of the piece
   double distance = 0;  ///< deg
+  double length = 0;    ///< deg, of the piece
 };
 Foot foot_of(const Values& point, const Values& from, const Values& to) {
   double along = 0, length = 0;
@@ -30,8 +31,11 @@ Foot foot_of(const Values& point, const Values& from, const Values& to) {
     const double off = point[i] - (from[i] + share * (to[i] - from[i]));
     sum += off * off;
   }
-  return {share, std::sqrt(sum)};
+  return {share, std::sqrt(sum), std::sqrt(length)};
 }
+
+/// Statuses in a row of too few axes.
+constexpr int kShortMost = 5;
 
 bool stands(const Status& status) {
   const bool held = status.state == State::kHold && status.detail == 0;
@@ -41,24 +45,32 @@ bool stands(const Status& status) {
 }
 
 /// What an alarm means to this program; docs/wires/grbl.md. @param joint  -1: not known
-Error error_of(std::uint16_t alarm, std::int8_t joint) {
+Error error_of(std::uint16_t alarm, Firmware firmware, std::int8_t joint) {
+  const bool fluid = firmware == Firmware::kFluidNc;
+  const Error end_stop{ErrorCode::kEndStop, joint};
+  const Error homing{ErrorCode::kHomingFailed, joint};
   switch (alarm) {
     case 1:
-    case 12:
-      return {ErrorCode::kEndStop, joint};
+      return end_stop;
     case 3:
       return {ErrorCode::kDeviceRestarted};
     case 6:
     case 7:
     case 8:
     case 9:
-      return {ErrorCode::kHomingFailed, joint};
+      return homing;
     case 10:
-      return {ErrorCode::kEmergencyStop, joint};
+      return {fluid ? ErrorCode::kDeviceRefused : ErrorCode::kEmergencyStop, joint};
     case 11:
-      return {ErrorCode::kNotHomed, joint};
+      return {fluid ? ErrorCode::kDeviceRefused : ErrorCode::kNotHomed, joint};
+    case 12:
+      return fluid ? homing : end_stop;
+    case 13:
+      return {fluid ? ErrorCode::kEmergencyStop : ErrorCode::kDeviceRefused, joint};
+    case 14:
+      return {fluid ? ErrorCode::kNotHomed : ErrorCode::kDeviceRefused, joint};
     case 17:
-      return {ErrorCode::kStalled, joint};
+      return {fluid ? ErrorCode::kDeviceRefused : ErrorCode::kStalled, joint};
     default:
       return {ErrorCode::kDeviceRefused};
   }
@@ -68,26 +80,53 @@ Error error_of(std::uint16_t alarm, std::int8_t joint) {
 bool keeps_position(std::uint16_t alarm) {
   return alarm == 2 || alarm == 4 || alarm == 5;
 }
+/// It hears nothing but a reset then.
+bool is_critical(std::uint16_t alarm) {
+  return alarm == 1 || alarm == 2;
+}
 
 }  // namespace
 
+/// Machine coordinates of as many axes as there are joints; nothing where the status has them not.
+std::optional<Values> GrblDriver::counts_of(const Status& status) {
+  const auto scaled = [&](Values values) {
+    for (double& one : values) one *= settings_.report_scale();
+    return values;
+  };
+  if (status.offset) offset_ = scaled(*status.offset);
+  Values counts = scaled(status.position);
+  for (std::size_t i = 0; status.work && i < std::min(counts.size(), offset_.size()); ++i) {
+    counts[i] += offset_[i];
+  }
+  short_ = counts.size() < joints_.size() ? short_ + 1 : 0;
+  if (short_ > 0 || (status.work && offset_.empty())) return std::nullopt;
+  counts.resize(joints_.size());
+  return counts;
+}
+
+/// All at once at 0 where it stood elsewhere: it has restarted, and its welcome was not heard.
+bool GrblDriver::fell_to_zero(const Values& counts, Instant asked) const {
+  Values zeros;
+  zeros.resize(counts.size());
+  if (!is_there(counts, zeros) || is_there(known_.counts(), zeros)) return false;
+  return activity_ == Activity::kIdle ||
+         (activity_ == Activity::kMoving && !on_time(counts, asked));
+}
+
 void GrblDriver::take_status(const Status& status, Instant now) {
-  const Instant asked = asked_at_.value_or(now);
+  const Instant asked = asked_at_.value_or(counted_at_);
   asked_at_.reset();
   unheard_ = 0;
   told_silent_ = false;
   poll_due_ = now + (activity_ == Activity::kIdle ? timing_.resting_poll : timing_.arrival_poll);
-  Values counts = status.position;
-  if (status.offset) offset_ = *status.offset;
-  for (std::size_t i = 0; status.work && i < std::min(counts.size(), offset_.size()); ++i) {
-    counts[i] += offset_[i];
-  }
-  const bool readable = counts.size() >= joints_.size() && (!status.work || !offset_.empty());
-  if (!readable) {
+  const auto read = counts_of(status);
+  if (!read) {
     ++health_.unexpected;
+    // A board of fewer axes than this robot has joints.
+    if (short_ >= kShortMost && !fault_) end_with({ErrorCode::kModelMismatch});
     return;
   }
-  counts.resize(joints_.size());
+  const Values& counts = *read;
   // While it brakes they count for nothing: what was known of it holds for as far as it can have
   // gone.
   const bool looks =
@@ -97,14 +136,20 @@ void GrblDriver::take_status(const Status& status, Instant now) {
     return;
   }
   const bool moved = !is_there(counts, known_.counts());
+  if (fell_to_zero(counts, asked)) return note_restart(now);
   if (moved) changed_ = std::max(changed_, now);
   if (!looks) {
     known_.count(counts);
     counted_at_ = asked;
   }
+  if (status.state == State::kSleep && !looks && !fault_) {
+    known_.lose();
+    return end_with({ErrorCode::kBoardRests});
+  }
   switch (activity_) {
     case Activity::kOpening:
     case Activity::kStopping:
+      if (step_ == Step::kLook) stood_ = counts;
       return step_ == Step::kPlace ? step_place(status, now) : step_look(status, now);
     case Activity::kMoving:
       return step_moving(status, now);
@@ -118,9 +163,8 @@ void GrblDriver::take_status(const Status& status, Instant now) {
       return step_alarm(status);
     case Activity::kIdle:
       // Nobody of us has moved it.
-      if (status.state == State::kAlarm && !fault_) take_alarm(status.detail, now);
-      if (moved && known_.unknown() == std::nullopt)
-        tell(Kind::kNotice, {ErrorCode::kForeignMotion});
+      if (status.state == State::kAlarm && !fault_ && !locked_) take_alarm(status.detail, now);
+      if (moved && !known_.unknown()) tell(Kind::kNotice, {ErrorCode::kForeignMotion});
       return;
     default:
       return;
@@ -163,8 +207,11 @@ bool GrblDriver::on_time(const Values& counts, Instant asked) const {
 
 void GrblDriver::step_look(const Status& status, Instant now) {
   if (step_ != Step::kLook) return;
-  if (stands(status)) {
+  if (stands(status) || status.state == State::kHome) {
     if (activity_ == Activity::kOpening && looks_for_mark()) return;
+    // Asleep its motors were off; a search of an earlier host is ended.
+    const bool lost = status.state == State::kSleep || status.state == State::kHome;
+    if (lost) known_.restart();
     step_ = Step::kReset;
     return reset_board(now);
   }
@@ -173,33 +220,49 @@ void GrblDriver::step_look(const Status& status, Instant now) {
   if (status.state == State::kJog) say_now(RealTime::kJogCancel);
 }
 
-/// Whether another status is needed to see its mark, which a reset takes away: GRBL says the offset
-/// of its work coordinates in each tenth or thirtieth of them.
+/// Whether another status is needed to see its mark, which most boards forget by a reset: GRBL says
+/// the offset of its work coordinates in each tenth or thirtieth of them.
 bool GrblDriver::looks_for_mark() {
   constexpr int kLooksMax = 32;
-  constexpr double kDigit = 1e-3;
   if (offset_.empty()) return joints_.size() > 2 && ++looks_ < kLooksMax;
-  if (offset_.size() > 2 && std::abs(offset_[2] - kMark) < kDigit / 2) known_.marked();
+  if (offset_.size() > 2) known_.see_mark(has_mark());
   return false;
 }
 
-/// Leaves the mark, where that has not been tried yet.
+bool GrblDriver::has_mark() const {
+  constexpr double kDigit = 1e-3;
+  return offset_.size() > 2 && std::abs(offset_[2] - kMark) < kDigit / 2;
+}
+
+/// Leaves the mark, where it is not there and that has not been tried yet.
 bool GrblDriver::mark(Instant now) {
-  if (marked_ || joints_.size() < 3 || offset_.size() < 3) return false;
-  marked_ = true;
+  if (marked_ || joints_.size() < 3 || offset_.size() < 3 || has_mark()) return false;
+  const double z = kMark - offset_[2];
+  marked_ = std::abs(z) <= kValueMax && say(ToolOffset{z}, Sent::kOther);
+  if (!marked_) return false;
   step_ = Step::kLines;
   lines_since_ = now;
-  const double z = kMark - offset_[2];
-  return std::abs(z) <= kValueMax && say(ToolOffset{z}, Sent::kOther);
+  offset_.clear();
+  return true;
 }
 
 /// The board has answered to all lines that a reset was followed by.
 void GrblDriver::take_lines(Instant now) {
+  // A line of its settings may have been damaged.
+  const bool again = activity_ == Activity::kOpening && !listed_again_ &&
+                     !settings_.complete(firmware_) && say(AskSettings{}, Sent::kOther);
+  if (again) {
+    listed_again_ = true;
+    return;
+  }
   step_ = Step::kPlace;
-  poll_due_ = now;
+  placing_since_ = poll_due_ = now;
 }
 
 void GrblDriver::step_place(const Status& status, Instant now) {
+  // Its power was away between a reset and its welcome, or somebody has moved it.
+  if (!stood_.empty() && !is_there(known_.counts(), stood_)) known_.restart();
+  stood_.clear();
   if (status.state == State::kAlarm) {
     // What it counts was cut off, or it never knew.
     known_.restart();
@@ -208,53 +271,66 @@ void GrblDriver::step_place(const Status& status, Instant now) {
       step_ = Step::kLines;
       lines_since_ = now;
       say(Unlock{}, Sent::kOther);
+      say(Modes{}, Sent::kModes);
       return;
     }
-    // grblHAL can ask for homing, and for nothing else: that is no fault.
-    if (device_.homes && activity_ == Activity::kOpening) return end_steps(now);
-    const bool pressed = status.detail == 10 || (status.pins && status.pins->emergency_stop);
-    fail({pressed ? ErrorCode::kEmergencyStop : ErrorCode::kDeviceRefused, 0});
-    end_stop();
-    activity_ = Activity::kIdle;
-    return;
+    locked_ = device_.homes && !(status.pins && status.pins->emergency_stop) && status.detail != 10;
+    if (locked_) return end_steps(now);
+    return end_with({device_.homes ? ErrorCode::kEmergencyStop : ErrorCode::kDeviceRefused, -1});
   }
-  if (status.state != State::kIdle) return;
-  if (setting_ && activity_ == Activity::kOpening) {
-    fail(*setting_);
-    end_stop();
-    activity_ = Activity::kIdle;
-    return;
+  if (status.state != State::kIdle) {
+    const bool late = now - placing_since_ > timing_.welcome_timeout;
+    return late ? end_with({ErrorCode::kDeviceRefused}) : void();
   }
+  const auto misfit = settings_.misfit(firmware_);
+  if (misfit && activity_ == Activity::kOpening) return end_with(*misfit);
+  // In other modes its lines would mean other places.
+  if (!modes_) return end_with({ErrorCode::kDeviceRefused});
   if (mark(now)) return;
   end_steps(now);
 }
 
+/// It stands, and is not used before the fault is cleared.
+void GrblDriver::end_with(const Error& error) {
+  fail(error);
+  end_stop();
+  pending_.clear();
+  come_to_rest();
+}
+
+void GrblDriver::come_to_rest() {
+  activity_ = Activity::kIdle;
+  ends_at_.reset();
+}
+
 void GrblDriver::end_steps(Instant now) {
   const bool opened = activity_ == Activity::kOpening;
-  activity_ = Activity::kIdle;
+  come_to_rest();
   poll_due_ = now + timing_.resting_poll;
+  left_searching_ = blind_ = false;
   if (opened) goes_on_until_.reset();
   update_positions(now);
   if (stop_asked_) return end_stop();
-  if (opened && commands_ == 0) return tell(Kind::kReady);
+  if (opened && commands_ == 0) return fault_ ? void() : tell(Kind::kReady);
   end_commands(Kind::kDone);
 }
 
 // Alarms
 
+/// It wants to be homed first, and that is no fault of a robot with switches.
+bool GrblDriver::is_locked(std::uint16_t alarm) const {
+  const std::uint16_t own = firmware_ == Firmware::kFluidNc ? 14 : 11;
+  return device_.homes && alarm == own;
+}
+
 void GrblDriver::take_alarm(std::uint16_t code, Instant now) {
   if (!keeps_position(code)) known_.lose();
   // Behind our own reset in a search for switches.
-  if (reset_at_) return;
-  lines_.clear();
-  unanswered_ = 0;
+  if (reset_at_ || is_locked(code)) return;
+  begin_steps(Activity::kAlarm, Step::kLook, now);
   alarm_ = code;
   alarm_at_ = now;
-  activity_ = Activity::kAlarm;
-  asked_at_.reset();
-  pending_.clear();
-  output_.clear();
-  poll_due_ = now;
+  if (is_critical(code)) reset_board(now);
 }
 
 void GrblDriver::step_alarm(const Status& status) {
@@ -264,10 +340,12 @@ void GrblDriver::step_alarm(const Status& status) {
       if ((status.pins->limits >> i & 1) != 0) joint = static_cast<std::int8_t>(i);
     }
   }
-  const Error error = error_of(alarm_, joint);
-  activity_ = Activity::kIdle;
-  fail(error);
-  end_stop();
+  end_alarm(joint);
+}
+
+void GrblDriver::end_alarm(std::int8_t joint) {
+  reset_at_.reset();
+  end_with(error_of(alarm_, firmware_, joint));
 }
 
 // A motion
@@ -314,9 +392,12 @@ std::optional<GrblDriver::Spot> GrblDriver::spot_of(const Values& counts, Instan
   for (std::size_t k = 0; k < pending_.size() && pending_[k].sent; ++k) {
     const Pending& one = pending_[k];
     const Foot foot = foot_of(counts, *from, one.line.to);
-    const double there = begins + foot.share * one.time;
+    // Within a step it may be anywhere.
+    const double vague = foot.length > slack ? slack / foot.length : 1;
+    const double there = std::clamp(time, begins + std::max(0.0, foot.share - vague) * one.time,
+                                    begins + std::min(1.0, foot.share + vague) * one.time);
     const double off = std::abs(there - time);
-    if (foot.distance <= slack && (!best || off < best_off)) best = {k, there}, best_off = off;
+    if (foot.distance <= slack && (!best || off <= best_off)) best = {k, there}, best_off = off;
     begins += one.time;
     from = &one.line.to;
   }
@@ -351,12 +432,14 @@ void GrblDriver::step_moving(const Status& status, Instant now) {
   }
   const bool all_accepted =
       std::ranges::all_of(pending_, [](const Pending& one) { return one.accepted; });
-  const bool over = status.state == State::kIdle && all_accepted && counted_at_ >= lines_since_ &&
-                    is_there(counts, pending_.back().line.to);
+  const Pending& last = pending_.back();
+  const bool waits = last.rest && last.no_way && left(now) > Duration::zero();
+  const bool over = status.state == State::kIdle && all_accepted && !waits &&
+                    counted_at_ >= lines_since_ && is_there(counts, last.line.to);
   if (over) {
-    const bool rest = pending_.back().rest;
+    const bool rest = last.rest;
     end_pieces(pending_.size());
-    if (rest) activity_ = Activity::kIdle;
+    if (rest) come_to_rest();
     return;
   }
   const auto spot = spot_of(counts, counted_at_);
@@ -372,8 +455,10 @@ void GrblDriver::step_moving(const Status& status, Instant now) {
   }
   // A board may be later or earlier than it was asked to be.
   began_ = counted_at_ - from_seconds(spot->time);
+  if (spot->piece > 0) changed_ = now;
   end_pieces(spot->piece);
-  if (status.state == State::kIdle && now - changed_ >= timing_.ignored_limit + left(now)) {
+  const bool ignores = status.state == State::kIdle && is_to_move();
+  if (ignores && now - changed_ >= timing_.ignored_limit + left(now)) {
     fail({ErrorCode::kMotionIgnored, 0});
     return begin_stop(now);
   }
@@ -392,10 +477,10 @@ void GrblDriver::step_nudging(const Status& status, Instant now) {
   const bool idle = status.state == State::kIdle && lines_.empty();
   if (!idle) return;
   if (is_there(known_.counts(), nudge_to_)) {
-    activity_ = Activity::kIdle;
+    come_to_rest();
     end_commands(Kind::kDone);
   } else if (now - changed_ >= timing_.ignored_limit) {
-    activity_ = Activity::kIdle;
+    come_to_rest();
     end_commands(Kind::kFailed, {ErrorCode::kMotionIgnored, 0});
   }
 }

@@ -91,7 +91,7 @@ TEST(GrblDriver, a_motion_that_comes_back_along_itself_does_not_run_dry) {
   // There and back within what is sent ahead, at 0.7 of the joint's acceleration.
   constexpr double kWay = 0.02;
   const auto feed = [&](double q, double qd) {
-    while (!cell.driver.wants_move(cell.now)) cell.step();
+    for (int i = 0; i < 5000 && !cell.driver.wants_move(cell.now); ++i) cell.step();
     const auto taken = cell.driver.move({{q, 0, 0}, {qd, 0, 0}, 50ms, {}}, cell.now);
     ASSERT_TRUE(taken);
   };
@@ -106,6 +106,31 @@ TEST(GrblDriver, a_motion_that_comes_back_along_itself_does_not_run_dry) {
   for (const auto& event : cell.events) {
     EXPECT_NE(event.kind, Kind::kFailed) << describe(event.error);
   }
+}
+
+TEST(GrblDriver, what_is_too_slow_for_the_wire_and_pauses_take_their_time) {
+  GrblCell cell;
+  const auto feed = [&](double q, double qd) {
+    for (int i = 0; i < 5000 && !cell.driver.wants_move(cell.now); ++i) cell.step();
+    const auto taken = cell.driver.move({{q, 0, 0}, {qd, 0, 0}, 50ms, {}}, cell.now);
+    ASSERT_TRUE(taken) << describe(taken.error());
+  };
+  // 0.01 deg/s: a digit every other piece.
+  const double speed = from_deg(0.01);
+  Instant begun = cell.now;
+  for (int k = 1; k <= 80; ++k) feed(speed * 0.05 * k, k == 80 ? 0 : speed);
+  ASSERT_TRUE(cell.run_until(DriverState::kReady, 10s))
+      << describe(cell.driver.fault().value_or(Error{}));
+  EXPECT_NEAR(to_seconds(cell.now - begun), 4, 0.6);  // a step takes 1.1 s
+  // A pause before its end.
+  begun = cell.now;
+  const double there = cell.driver.positions()[0].q;
+  feed(there + 0.01, 0.1);
+  feed(there + 0.012, 0);
+  for (int k = 0; k < 20; ++k) feed(there + 0.012, k == 19 ? 0 : 1e-9);
+  ASSERT_TRUE(cell.run_until(DriverState::kReady, 10s));
+  EXPECT_GT(to_seconds(cell.now - begun), 1);
+  EXPECT_EQ(cell.count(Kind::kDone), 102U);
 }
 
 TEST(GrblDriver, refuses_what_its_joints_could_not_do_and_sends_nothing) {

@@ -174,6 +174,8 @@ std::string_view word_of(State state);
 
 /// Motors stay on at rest where it is 255; else they go off after so many ms.
 inline constexpr std::uint16_t kIdleSetting = 1;
+/// 1: positions are reported in inches, of axes that turn too.
+inline constexpr std::uint16_t kInchSetting = 13;
 /// Settings of the first axis, the others follow: steps per unit, its maximum rate (per min), its
 /// acceleration (per s^2), its travel.
 inline constexpr std::uint16_t kStepsSetting = 100;
