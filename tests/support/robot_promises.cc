@@ -109,6 +109,15 @@ std::string broken(const AxisLinkDevice& device) {
   if (device.deadline < std::chrono::milliseconds(20)) return "deadline";
   return broken_boards(device.boards, device.clock_hz);
 }
+std::string broken(const GrblDevice& device) {
+  if (device.axes.empty()) return "axes";
+  for (const GrblDevice::Axis& axis : device.axes) {
+    if (!(std::abs(axis.steps_per_rad) >= 1) || !std::isfinite(axis.steps_per_rad)) return "steps";
+    if (!std::isfinite(axis.zero)) return "machine zero";
+  }
+  return "";
+}
+
 std::string broken(const IdealDevice& /*device*/) {
   return "";
 }

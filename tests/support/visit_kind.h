@@ -6,6 +6,7 @@
 #include "sinew/devices/axis/axis_link_settings.h"
 #include "sinew/devices/axis/axis_registers_settings.h"
 #include "sinew/devices/bigrobotarm/bigrobotarm_settings.h"
+#include "sinew/devices/grbl/grbl_settings.h"
 #include "sinew/devices/icp/icp_settings.h"
 #include "sinew/devices/lsc/lsc_settings.h"
 #include "sinew/devices/maxarm/maxarm_settings.h"
@@ -15,7 +16,7 @@ namespace sinew::test {
 
 /// All kinds of devices: what only tests ask of each.
 using DeviceKinds = std::tuple<IdealDevice, BigRobotArmDevice, AxisRegistersDevice, AxisLinkDevice,
-                               LscDevice, MaxArmDevice, IcpDevice>;
+                               LscDevice, MaxArmDevice, IcpDevice, GrblDevice>;
 
 /// Calls `visitor` with the settings as those of their kind, and returns what it does.
 /// @param settings  const or not

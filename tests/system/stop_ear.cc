@@ -4,6 +4,7 @@
 
 #include "sinew/devices/axis/axis_link_wire.h"
 #include "sinew/devices/axis/axis_registers_wire.h"
+#include "sinew/devices/grbl/grbl_wire.h"
 #include "sinew/devices/icp/icp_wire.h"
 #include "sinew/devices/lsc/lsc_wire.h"
 #include "sinew/devices/maxarm/maxarm_wire.h"
@@ -65,6 +66,15 @@ class AxisLinkEar final : public StopEar {
   }
 };
 
+/// A hold is one character.
+class GrblEar final : public StopEar {
+ public:
+  std::optional<MotionFrame> hear(std::span<const std::uint8_t> bytes, Instant begins) override {
+    if (bytes[0] != static_cast<std::uint8_t>(grbl::RealTime::kHold)) return std::nullopt;
+    return MotionFrame{begins};
+  }
+};
+
 /// A transaction is one frame in several exchanges, from its SYN on.
 class AxisRegistersEar final : public StopEar {
  public:
@@ -94,6 +104,7 @@ struct EarOf {
   Ear operator()(const MaxArmDevice& /*device*/) const { return std::make_unique<MaxArmEar>(); }
   Ear operator()(const IcpDevice& /*device*/) const { return std::make_unique<IcpEar>(); }
   Ear operator()(const AxisLinkDevice& /*device*/) const { return std::make_unique<AxisLinkEar>(); }
+  Ear operator()(const GrblDevice& /*device*/) const { return std::make_unique<GrblEar>(); }
   Ear operator()(const AxisRegistersDevice& device) const {
     return std::make_unique<AxisRegistersEar>(device.registers.emergency_stop);
   }

@@ -81,7 +81,10 @@ class GrblReader : public StreamReader {
     }
     LineDecoder& lines = at(way);
     const LineDecoder::Result result = lines.push(byte);
-    if (result == LineDecoder::Result::kMore) return std::nullopt;
+    const bool blank = byte == '\n' && lines.at_boundary();
+    if (result == LineDecoder::Result::kMore) {
+      return blank ? std::optional(Told{.name = "blank", .size = 2}) : std::nullopt;
+    }
     if (result == LineDecoder::Result::kDamaged) return bad("damaged");
     if (way == WireWay::kToDevice) {
       const auto request = decode_request(lines.line());
@@ -92,6 +95,9 @@ class GrblReader : public StreamReader {
   }
   bool between(WireWay way) const override {
     return lines_[static_cast<std::size_t>(way)].at_boundary();
+  }
+  bool belongs(WireWay /*way*/, std::uint8_t byte) const override {
+    return byte == '\r' || byte == '\n';
   }
   void reset(WireWay way) override { at(way).reset(); }
 
