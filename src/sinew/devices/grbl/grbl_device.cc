@@ -325,7 +325,7 @@ void GrblDevice::answer(const Jog& jog) {
   if (jog.axis >= zero_.size()) return say(Refused{kUnsupported});
   Values to = planner_.position();
   to[jog.axis] += jog.by;
-  planner_.push(rounded(to), std::abs(jog.by) * 60 / jog.rate);
+  planner_.push(rounded(to), std::max(std::abs(jog.by) * 60 / jog.rate, kDurationMin));
   if (!planner_.empty()) state_ = State::kJog;
   say(Ok{});
 }

@@ -262,11 +262,11 @@ Expected<void> GrblDriver::nudge(std::size_t joint, double way, Duration duratio
   SINEW_ASSERT(joint < joints_.size());
   poll(now);
   if (const auto may = may_begin(); !may) return may;
-  const double least = device_.resolution(joint) / 2;
-  if (!(std::abs(way) >= least && std::abs(way) <= kNudgeMax * (1 + 1e-9))) {
-    return std::unexpected(joint_error(ErrorCode::kNudgeRange, joint, way, kNudgeMax));
-  }
   Jog jog{joint, std::round(known_.units(joint, way) * 1e3) / 1e3, 0};
+  // Written so that NaN is refused too.
+  const bool inside = std::abs(way) >= device_.resolution(joint) / 2 &&
+                      std::abs(way) <= kNudgeMax * (1 + 1e-9) && jog.by != 0;
+  if (!inside) return std::unexpected(joint_error(ErrorCode::kNudgeRange, joint, way, kNudgeMax));
   const double rate_max = to_deg(joints_[joint].velocity_max);
   const double seconds = std::max(to_seconds(duration), 1e-3);
   jog.rate = 60 * std::min(std::abs(jog.by) / seconds, rate_max);

@@ -18,6 +18,8 @@ constexpr std::string_view kModeWords = "G21G90G94";
 constexpr std::string_view kJogWords = "$J=G21G91";
 constexpr std::string_view kToolWords = "G43.1Z";
 constexpr int kDecimals = 3;
+/// No board's number is larger: settings in steps, or per minute.
+constexpr double kReadMost = 1e7;
 
 /// One line under way.
 class Writer {
@@ -64,7 +66,8 @@ class Reader {
     double value = 0;
     const auto [end, error] =
         std::from_chars(rest_.data(), rest_.data() + rest_.size(), value, std::chars_format::fixed);
-    if (error != std::errc{} || !std::isfinite(value)) return std::nullopt;
+    // Written so that NaN is refused too.
+    if (error != std::errc{} || !(std::abs(value) <= kReadMost)) return std::nullopt;
     rest_.remove_prefix(static_cast<std::size_t>(end - rest_.data()));
     return value;
   }
