@@ -39,7 +39,7 @@ inline constexpr std::array kMinimumTests = std::to_array<MinimumTests>({
     {"driver_test", 5},
     {"faults_test", 46},
     {"grasping_test", 5},
-    {"grbl_test", 92},
+    {"grbl_test", 93},
     {"house_test", 38},
     {"icp_test", 132},
     {"ideal_test", 41},

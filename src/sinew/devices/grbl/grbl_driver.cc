@@ -105,7 +105,7 @@ void GrblDriver::begin_steps(Activity activity, Step step, Instant now) {
   suspect_.reset();
   unheard_ = 0;
   poll_due_ = now;
-  unlocked_ = marked_ = locked_ = listed_again_ = false;
+  unlocked_ = marked_ = locked_ = listed_again_ = foreign_ = false;
   looks_ = 0;
   offset_.clear();
   stood_.clear();
@@ -141,12 +141,13 @@ Expected<void> GrblDriver::may_begin() const {
   if (activity_ == Activity::kClosed) return std::unexpected(Error{ErrorCode::kPortClosed});
   if (fault_) return std::unexpected(*fault_);
   if (activity_ != Activity::kIdle) return std::unexpected(Error{ErrorCode::kBusy});
+  if (foreign_) return std::unexpected(Error{ErrorCode::kForeignMotion});
   return {};
 }
 
 bool GrblDriver::wants_move(Instant now) const {
   if (fault_ || known_.unknown()) return false;
-  if (activity_ == Activity::kIdle) return true;
+  if (activity_ == Activity::kIdle) return !foreign_;
   if (activity_ != Activity::kMoving || pending_.full() || waiting(now) >= ahead_) return false;
   return pending_.empty() || !pending_.back().rest;
 }

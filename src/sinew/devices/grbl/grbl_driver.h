@@ -168,6 +168,7 @@ class GrblDriver : public ByteDriver {
   void search_too_long(Instant now);
   void end_with(const Error& error);
   void come_to_rest();
+  void watch_others(const grbl::Status& status, bool moved);
   bool has_mark() const;
   bool is_locked(std::uint16_t alarm) const;
   void end_steps(Instant now);
@@ -219,6 +220,7 @@ class GrblDriver : public ByteDriver {
   bool listed_again_ = false;    ///< its settings, of which one was missing
   bool modes_ = false;           ///< it has taken them since its reset
   bool locked_ = false;          ///< it asks to be homed first, which is no fault
+  bool foreign_ = false;         ///< somebody else moves or holds it
   bool blind_ = false;           ///< it was reset without an answer, in this opening
   bool left_searching_ = false;  ///< .. by a host that went away
   int short_ = 0;                ///< statuses in a row of fewer axes than joints

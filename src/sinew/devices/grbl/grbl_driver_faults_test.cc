@@ -358,6 +358,25 @@ TEST(GrblFaults, a_board_of_fewer_axes_or_one_that_sleeps_is_a_fault) {
   EXPECT_EQ(asleep.driver.positions()[0].quality, PositionQuality::kLost);
 }
 
+TEST(GrblFaults, while_somebody_else_moves_it_nothing_is_sent_and_its_place_is_followed) {
+  GrblCell cell;
+  cell.honest = false;  // between two statuses
+  const std::string_view jog = "$J=G21G91X5.000F300.000\n";
+  cell.machine.receive({reinterpret_cast<const std::uint8_t*>(jog.data()), jog.size()}, cell.now);
+  cell.run_for(600ms);
+  EXPECT_EQ(cell.count(Kind::kNotice), 1U);
+  EXPECT_EQ(cell.events.back().error.code, ErrorCode::kForeignMotion);
+  EXPECT_FALSE(cell.driver.wants_move(cell.now));
+  const auto refused = cell.driver.move({{0, 0, 0}, {0, 0, 0}, 1s, {}}, cell.now);
+  EXPECT_EQ(refused.error().code, ErrorCode::kForeignMotion);
+  cell.run_for(2s);
+  EXPECT_EQ(cell.count(Kind::kNotice), 1U);
+  EXPECT_NEAR(cell.driver.positions()[0].q, from_deg(5), kGrblStep);
+  auto motion = cell.motion_to({0, 0, 0}, 1);
+  cell.run(motion);
+  EXPECT_NEAR(cell.q(0), 0, kGrblStep);
+}
+
 TEST(GrblFaults, somebody_who_holds_the_motion_is_noticed) {
   GrblCell cell;
   auto motion = cell.motion_to({1, -0.5, 0.25}, 1.5);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "sinew/core/assert.h"
 #include "sinew/devices/grbl/grbl_driver.h"
@@ -162,13 +163,18 @@ void GrblDriver::take_status(const Status& status, Instant now) {
     case Activity::kAlarm:
       return step_alarm(status);
     case Activity::kIdle:
-      // Nobody of us has moved it.
       if (status.state == State::kAlarm && !fault_ && !locked_) take_alarm(status.detail, now);
-      if (moved && !known_.unknown()) tell(Kind::kNotice, {ErrorCode::kForeignMotion});
-      return;
+      return watch_others(status, moved);
     default:
       return;
   }
+}
+
+/// At rest nobody of us moves it, holds it or tries it. Told once, until it is left alone.
+void GrblDriver::watch_others(const Status& status, bool moved) {
+  const bool before = std::exchange(
+      foreign_, moved || (status.state != State::kIdle && status.state != State::kAlarm));
+  if (foreign_ && !before) tell(Kind::kNotice, {ErrorCode::kForeignMotion});
 }
 
 /// No line has a checksum: where it seems to have jumped, or where all rests on it, a second status
