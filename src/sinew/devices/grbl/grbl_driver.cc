@@ -15,17 +15,9 @@ using Kind = DriverEvent::Kind;
 namespace {
 
 constexpr double kBitsPerByte = 10;
-/// Of a joint's speed: pieces that are cut out of a smooth motion swing so much.
-constexpr double kSpeedShare = 1.02;
 /// Segments beside those that its planner needs to brake in: one under way, three on the wire and
 /// in the host's own cycles.
 constexpr std::size_t kSpareSegments = 4;
-
-FixedVector<double, kAxesMax> accelerations(std::span<const Joint> joints) {
-  FixedVector<double, kAxesMax> all;
-  for (const Joint& joint : joints) all.push_back(to_deg(joint.acceleration_max));
-  return all;
-}
 
 Error joint_error(ErrorCode code, std::size_t joint, double measured = 0, double limit = 0) {
   return {code, static_cast<std::int8_t>(joint), measured, limit};
@@ -41,18 +33,15 @@ GrblDriver::GrblDriver(const GrblDevice& device, std::span<const Joint> joints, 
       line_time_(from_seconds((kLineMax + 1) * kBitsPerByte / baud)),
       known_(device),
       settings_(device, joints),
-      pace_(accelerations(joints)) {
+      motion_(device, joints) {
   SINEW_ASSERT(joints.size() == device.axes.size() && !joints.empty() && baud > 0);
   for (const Joint& joint : joints) {
     braking_ = std::max(braking_, from_seconds(joint.velocity_max / joint.acceleration_max));
   }
   // On the way of a braking time half as much is done.
   const double needed = std::ceil(to_seconds(braking_) / 2 / to_seconds(timing.segment));
-  ahead_ = std::min(kPendingMax, kSpareSegments + static_cast<std::size_t>(needed));
+  ahead_ = std::min(GrblMotion::kPiecesMax, kSpareSegments + static_cast<std::size_t>(needed));
   positions_.resize(joints.size());
-  begin_.resize(joints.size());
-  before_ = begin_;
-  speed_.resize(joints.size());
   timing_.reply_timeout += 2 * line_time_;
 }
 
@@ -96,7 +85,7 @@ void GrblDriver::leave_to_itself() {
 void GrblDriver::begin_steps(Activity activity, Step step, Instant now) {
   activity_ = activity;
   step_ = step;
-  pending_.clear();
+  motion_.clear();
   output_.clear();
   lines_.clear();
   unanswered_ = 0;
@@ -148,72 +137,8 @@ Expected<void> GrblDriver::may_begin() const {
 bool GrblDriver::wants_move(Instant now) const {
   if (fault_ || known_.unknown()) return false;
   if (activity_ == Activity::kIdle) return !foreign_;
-  if (activity_ != Activity::kMoving || pending_.full() || waiting(now) >= ahead_) return false;
-  return pending_.empty() || !pending_.back().rest;
-}
-
-std::optional<Error> GrblDriver::refusal(std::size_t joint, double from, double to,
-                                         Duration duration) const {
-  const Joint& own = joints_[joint];
-  const SendRange range = SendRange(own).from(from);
-  if (!range.holds(to)) {
-    const double limit = to < own.lower ? own.lower : own.upper;
-    return joint_error(ErrorCode::kJointLimit, joint, to, limit);
-  }
-  const double needed = std::abs(to - from) / (kSpeedShare * own.velocity_max);
-  const double slack = device_.resolution(joint) / own.velocity_max;
-  if (to_seconds(duration) + slack >= needed) return std::nullopt;
-  return joint_error(ErrorCode::kSegmentTime, joint, to_seconds(duration), needed);
-}
-
-/// Its line, from where the one before ends.
-Expected<GrblDriver::Pending> GrblDriver::pending_of(const JointMove& move) {
-  const std::size_t joints = joints_.size();
-  if (move.q.size() != joints || move.qd.size() != joints) {
-    return std::unexpected(Error{ErrorCode::kUnsendable, -1, static_cast<double>(move.q.size())});
-  }
-  const double duration = to_seconds(move.duration);
-  if (!(duration >= kDurationMin && duration <= kDurationMax)) {
-    const double limit = duration < kDurationMin ? kDurationMin : kDurationMax;
-    return std::unexpected(Error{ErrorCode::kSegmentTime, -1, duration, limit});
-  }
-  Pending one;
-  one.rest = one.no_way = true;
-  Values way;
-  double begins = 0, ends = 0;  // units/s over all axes, squared
-  for (std::size_t i = 0; i < joints; ++i) {
-    const double from = pending_.empty() ? known_.place(i, begin_[i]) : pending_.back().end[i];
-    if (!std::isfinite(move.qd[i]) || !std::isfinite(move.q[i])) {
-      return std::unexpected(joint_error(ErrorCode::kUnsendable, i, move.qd[i]));
-    }
-    if (const auto error = refusal(i, from, move.q[i], move.duration)) {
-      return std::unexpected(*error);
-    }
-    const double count = sayable(i, known_.count_of(i, move.q[i]));
-    const double here = pending_.empty() ? begin_[i] : pending_.back().line.to[i];
-    if (std::abs(count) > kValueMax) {
-      return std::unexpected(joint_error(ErrorCode::kUnsendable, i, count));
-    }
-    way.push_back(count - here);
-    one.line.to.push_back(count);
-    one.no_way = one.no_way && way[i] == 0;
-    one.rest = one.rest && move.qd[i] == 0;
-    begins += std::pow(to_deg(speed_[i]), 2);
-    ends += std::pow(to_deg(move.qd[i]), 2);
-  }
-  one.end = move.q;
-  one.line.duration = duration;
-  // Too little for the wire: the next line takes that time as well.
-  const double total = duration + carried_;
-  carried_ = one.no_way && !one.rest ? total : 0;
-  if (one.no_way && one.rest) one.time = total;
-  if (!one.no_way) {
-    const double peak = std::sqrt(std::max(begins, ends));
-    const double late = pace_.late();
-    one.line.duration = std::max(pace_.line_duration(way, peak, total, one.rest), kDurationMin);
-    one.time = std::max(0.0, total + pace_.late() - late);
-  }
-  return one;
+  if (activity_ != Activity::kMoving || motion_.full()) return false;
+  return motion_.empty() || (!motion_.last().rest && motion_.waiting(now) < ahead_);
 }
 
 Expected<void> GrblDriver::move(const JointMove& move, Instant now) {
@@ -226,35 +151,21 @@ Expected<void> GrblDriver::move(const JointMove& move, Instant now) {
     }
     for (std::size_t i = 0; i < move.q_start.size(); ++i) {
       const double here = positions_[i].q;
-      if (std::abs(here - move.q_start[i]) <= from_deg(tolerance(i))) continue;
+      if (std::abs(here - move.q_start[i]) <= from_deg(motion_.tolerance(i))) continue;
       return std::unexpected(joint_error(ErrorCode::kMovedUnasked, i, here, move.q_start[i]));
     }
   }
-  const GrblPace before = pace_;
-  const Values began = begin_;
-  const JointVector speed = speed_;
-  const double carried = carried_;
-  if (!follows) {
-    carried_ = 0;
-    pace_.begin();
-    before_ = begin_ = known_.counts();
-    std::ranges::fill(speed_, 0.0);
-  }
-  const auto one = pending_of(move);
-  if (!one) {
-    pace_ = before, begin_ = began, speed_ = speed, carried_ = carried;
-    return std::unexpected(one.error());
-  }
-  if (!follows || pending_.empty()) began_ = changed_ = now;
+  if (!follows) motion_.begin(known_.counts());
+  const bool first = motion_.empty();
+  if (const auto taken = motion_.push(move, known_, now); !taken) return taken;
+  if (first) changed_ = now;
   if (!follows) begin_reach();
   for (std::size_t i = 0; i < joints_.size(); ++i) reach_to(i, move.q[i]);
-  pending_.push_back(*one);
-  speed_ = move.qd;
   last_piece_ = now;
   ++commands_;
   activity_ = Activity::kMoving;
   say_moves(now);
-  ends_at_ = now + left(now);
+  ends_at_ = now + motion_.left(now);
   look_at_the_end(now);
   return {};
 }
@@ -353,7 +264,7 @@ void GrblDriver::tell(Kind kind, const Error& error) {
 
 void GrblDriver::end_commands(Kind kind, const Error& error) {
   for (; commands_ > 0; --commands_) tell(kind, error);
-  pending_.clear();
+  motion_.clear();
   clearing_ = false;
 }
 
@@ -403,12 +314,6 @@ void GrblDriver::note_restart(Instant now) {
 
 // Positions
 
-/// To a whole step, as the board does, and in the decimals of a line.
-double GrblDriver::sayable(std::size_t joint, double count) const {
-  const double steps = std::abs(device_.axes[joint].steps_per_rad) * from_deg(1);
-  return std::round(std::round(count * steps) / steps * 1e3) / 1e3;
-}
-
 void GrblDriver::begin_reach() {
   reach_.clear();
   for (const JointPosition& joint : positions_) reach_.push_back({joint.lower, joint.upper});
@@ -418,12 +323,6 @@ void GrblDriver::reach_to(std::size_t joint, double q) {
   const double slack = device_.resolution(joint);
   reach_[joint].lower = std::min(reach_[joint].lower, q - slack);
   reach_[joint].upper = std::max(reach_[joint].upper, q + slack);
-}
-
-/// deg that a count may be from where it was sent.
-double GrblDriver::tolerance(std::size_t joint) const {
-  constexpr double kDigits = 2e-3;
-  return to_deg(device_.step(joint)) + kDigits;
 }
 
 void GrblDriver::update_positions(Instant now) {

@@ -4,7 +4,7 @@
 #include <optional>
 #include <span>
 
-#include "sinew/devices/grbl/grbl_driver_pace.h"
+#include "sinew/devices/grbl/grbl_driver_motion.h"
 #include "sinew/devices/grbl/grbl_driver_positions.h"
 #include "sinew/devices/grbl/grbl_driver_settings.h"
 #include "sinew/devices/grbl/grbl_wire.h"
@@ -113,35 +113,17 @@ class GrblDriver : public ByteDriver {
     kLines,  ///< modes, settings, what unlocks it, its mark
     kPlace,  ///< where it is, and whether it is locked
   };
-  struct Pending {
-    grbl::Move line;
-    double time = 0;      ///< s that the board takes for it, by its own arithmetic
-    bool no_way = false;  ///< nothing to send: the next line takes its time as well
-    bool rest = false;    ///< ends at rest
-    bool sent = false;
-    bool accepted = false;  ///< ok
-    JointVector end;        ///< as it was asked for, before rounding
-  };
   enum class Sent : std::uint8_t { kMove, kModes, kOther };
   /// A line without its ok.
   struct Line {
     Sent what = Sent::kOther;
     std::uint8_t size = 0;
   };
-  /// Where it is on its way.
-  struct Spot {
-    std::size_t piece = 0;
-    double time = 0;  ///< s since the first piece began, by their own times
-  };
-  static constexpr std::size_t kPendingMax = 14;  ///< GRBL has room for 15 motions
 
   Expected<void> may_begin() const;
-  Expected<Pending> pending_of(const JointMove& move);
-  std::optional<Error> refusal(std::size_t joint, double from, double to, Duration duration) const;
   bool say(const grbl::Request& request, Sent what);
   void say_now(grbl::RealTime what);
   void say_moves(Instant now);
-  bool is_to_move() const;
   void ask_status(Instant now);
   void begin_steps(Activity activity, Step step, Instant now);
   void reset_board(Instant now);
@@ -172,17 +154,10 @@ class GrblDriver : public ByteDriver {
   bool has_mark() const;
   bool is_locked(std::uint16_t alarm) const;
   void end_steps(Instant now);
-  std::optional<Spot> spot_of(const grbl::Values& counts, Instant asked) const;
-  bool on_time(const grbl::Values& counts, Instant asked) const;
-  bool is_there(const grbl::Values& counts, const grbl::Values& target) const;
-  double tolerance(std::size_t joint) const;
-  std::size_t waiting(Instant now) const;
-  Duration left(Instant now) const;
   void look_at_the_end(Instant now);
   void end_pieces(std::size_t count);
   void begin_stop(Instant now);
   void leave_to_itself();
-  double sayable(std::size_t joint, double count) const;
   void begin_reach();
   void reach_to(std::size_t joint, double q);
   void fall_silent(Instant now);
@@ -198,7 +173,7 @@ class GrblDriver : public ByteDriver {
   GrblTiming timing_;
   Duration line_time_;  ///< of the longest line
   Duration braking_{};  ///< from the highest speed
-  std::size_t ahead_ = kPendingMax;
+  std::size_t ahead_ = GrblMotion::kPiecesMax;
 
   Activity activity_ = Activity::kClosed;
   Step step_ = Step::kLook;
@@ -241,15 +216,9 @@ class GrblDriver : public ByteDriver {
   grbl::Values offset_;  ///< of work coordinates; empty: not told
 
   // A motion
-  FixedVector<Pending, kPendingMax> pending_;
-  GrblPace pace_;
-  grbl::Values begin_;   ///< counts where the first of them begins
-  grbl::Values before_;  ///< .. and the one that was over last
-  JointVector speed_;    ///< where the last one ends, rad/s
-  Instant began_{};      ///< the first of them, by their own times
-  Instant changed_{};    ///< the counts last did
+  GrblMotion motion_;
+  Instant changed_{};  ///< the counts last did
   Instant last_piece_{};
-  double carried_ = 0;  ///< s of pieces without a way, which the next line takes as well
   std::optional<Instant> ends_at_;  ///< of what moves, by its own time
   grbl::Values stood_;              ///< counts where it was seen to stand, before a reset
   /// Where the joints may come by what was said since they stood.

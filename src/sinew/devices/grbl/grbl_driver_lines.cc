@@ -49,22 +49,18 @@ void GrblDriver::ask_status(Instant now) {
 /// As many as the board has room for, in their order.
 void GrblDriver::say_moves(Instant now) {
   if (activity_ != Activity::kMoving) return;
-  for (Pending& one : pending_) {
+  GrblMotion::Pieces& pieces = motion_.pieces();
+  for (GrblMotion::Piece& one : pieces) {
     if (one.sent) continue;
     if (one.no_way) {
       one.sent = one.accepted = true;
       continue;
     }
     if (!say(one.line, Sent::kMove)) return;
-    if (&one == &pending_[0]) began_ = now;
-    if (!is_to_move()) changed_ = now;
+    if (&one == &pieces[0]) motion_.started(now);
+    if (!motion_.is_to_move()) changed_ = now;
     one.sent = true;
   }
-}
-
-/// The board has a line whose motion is not over.
-bool GrblDriver::is_to_move() const {
-  return std::ranges::any_of(pending_, [](const Pending& one) { return one.sent && !one.no_way; });
 }
 
 /// Drops what the board has of lines. @pre it stands, looks for switches, or says nothing
@@ -184,9 +180,10 @@ void GrblDriver::take_ok(Instant now) {
   told_silent_ = false;
   modes_ = modes_ || line.what == Sent::kModes;
   if (line.what == Sent::kMove) {
+    GrblMotion::Pieces& pieces = motion_.pieces();
     const auto one = std::ranges::find_if(
-        pending_, [](const Pending& each) { return each.sent && !each.accepted; });
-    if (one != pending_.end()) one->accepted = true;
+        pieces, [](const GrblMotion::Piece& each) { return each.sent && !each.accepted; });
+    if (one != pieces.end()) one->accepted = true;
     return;
   }
   if (!lines_.empty()) return;

@@ -14,27 +14,6 @@ using Kind = DriverEvent::Kind;
 
 namespace {
 
-/// The nearest point of a straight piece.
-struct Foot {
-  double share = 0;     ///< of the piece
-  double distance = 0;  ///< deg
-  double length = 0;    ///< deg, of the piece
-};
-Foot foot_of(const Values& point, const Values& from, const Values& to) {
-  double along = 0, length = 0;
-  for (std::size_t i = 0; i < point.size(); ++i) {
-    along += (point[i] - from[i]) * (to[i] - from[i]);
-    length += (to[i] - from[i]) * (to[i] - from[i]);
-  }
-  const double share = length > 0 ? std::clamp(along / length, 0.0, 1.0) : 0;
-  double sum = 0;
-  for (std::size_t i = 0; i < point.size(); ++i) {
-    const double off = point[i] - (from[i] + share * (to[i] - from[i]));
-    sum += off * off;
-  }
-  return {share, std::sqrt(sum), std::sqrt(length)};
-}
-
 /// Statuses in a row of too few axes.
 constexpr int kShortMost = 5;
 
@@ -109,9 +88,9 @@ std::optional<Values> GrblDriver::counts_of(const Status& status) {
 bool GrblDriver::fell_to_zero(const Values& counts, Instant asked) const {
   Values zeros;
   zeros.resize(counts.size());
-  if (!is_there(counts, zeros) || is_there(known_.counts(), zeros)) return false;
+  if (!motion_.is_there(counts, zeros) || motion_.is_there(known_.counts(), zeros)) return false;
   return activity_ == Activity::kIdle ||
-         (activity_ == Activity::kMoving && !on_time(counts, asked));
+         (activity_ == Activity::kMoving && !motion_.on_time(counts, asked));
 }
 
 void GrblDriver::take_status(const Status& status, Instant now) {
@@ -136,7 +115,7 @@ void GrblDriver::take_status(const Status& status, Instant now) {
     poll_due_ = now;
     return;
   }
-  const bool moved = !is_there(counts, known_.counts());
+  const bool moved = !motion_.is_there(counts, known_.counts());
   if (fell_to_zero(counts, asked)) return note_restart(now);
   if (moved) changed_ = std::max(changed_, now);
   if (!looks) {
@@ -187,13 +166,13 @@ bool GrblDriver::believable(const Values& counts, Instant asked) {
     const double time = std::max(0.0, to_seconds(asked - at + 2 * line_time_));
     for (std::size_t i = 0; i < counts.size(); ++i) {
       const double gone = rests ? 0 : time * to_deg(joints_[i].velocity_max);
-      if (std::abs(counts[i] - before[i]) > gone + tolerance(i)) return false;
+      if (std::abs(counts[i] - before[i]) > gone + motion_.tolerance(i)) return false;
     }
     return true;
   };
   const bool twice = suspect_ && near(suspect_->counts, suspect_->asked);
-  const bool good =
-      twice || (!placing && near(known_.counts(), counted_at_) && on_time(counts, asked));
+  const bool good = twice || (!placing && near(known_.counts(), counted_at_) &&
+                              (activity_ != Activity::kMoving || motion_.on_time(counts, asked)));
   if (good) {
     suspect_.reset();
   } else {
@@ -201,14 +180,6 @@ bool GrblDriver::believable(const Values& counts, Instant asked) {
     suspect_ = {counts, asked};
   }
   return good;
-}
-
-/// In a motion: where it is sent, when it is.
-bool GrblDriver::on_time(const Values& counts, Instant asked) const {
-  constexpr double kDrift = 0.1;  // s since the last status
-  if (activity_ != Activity::kMoving || pending_.empty()) return true;
-  const auto spot = spot_of(counts, asked);
-  return spot && std::abs(spot->time - to_seconds(asked - began_)) <= kDrift;
 }
 
 void GrblDriver::step_look(const Status& status, Instant now) {
@@ -267,7 +238,7 @@ void GrblDriver::take_lines(Instant now) {
 
 void GrblDriver::step_place(const Status& status, Instant now) {
   // Its power was away between a reset and its welcome, or somebody has moved it.
-  if (!stood_.empty() && !is_there(known_.counts(), stood_)) known_.restart();
+  if (!stood_.empty() && !motion_.is_there(known_.counts(), stood_)) known_.restart();
   stood_.clear();
   if (status.state == State::kAlarm) {
     // What it counts was cut off, or it never knew.
@@ -300,7 +271,7 @@ void GrblDriver::step_place(const Status& status, Instant now) {
 void GrblDriver::end_with(const Error& error) {
   fail(error);
   end_stop();
-  pending_.clear();
+  motion_.clear();
   come_to_rest();
 }
 
@@ -356,68 +327,10 @@ void GrblDriver::end_alarm(std::int8_t joint) {
 
 // A motion
 
-bool GrblDriver::is_there(const Values& counts, const Values& target) const {
-  for (std::size_t i = 0; i < counts.size(); ++i) {
-    if (std::abs(counts[i] - target[i]) > tolerance(i)) return false;
-  }
-  return true;
-}
-
-/// Pieces that are not over, by their own times since the last status.
-std::size_t GrblDriver::waiting(Instant now) const {
-  double time = to_seconds(now - began_);
-  std::size_t over = 0;
-  for (const Pending& one : pending_) {
-    time -= one.time;
-    if (time < 0 || !one.accepted) break;
-    ++over;
-  }
-  return pending_.size() - over;
-}
-
-/// Until its pieces are over by their own times.
-Duration GrblDriver::left(Instant now) const {
-  double seconds = 0;
-  for (const Pending& one : pending_) seconds += one.time;
-  return std::max(Duration::zero(), from_seconds(seconds) - (now - began_));
-}
-
-/// Of the pieces that it may be on, the one that is nearest to where its time puts it: a motion may
-/// come back along itself.
-std::optional<GrblDriver::Spot> GrblDriver::spot_of(const Values& counts, Instant asked) const {
-  double slack = 0;
-  for (std::size_t i = 0; i < joints_.size(); ++i) slack += tolerance(i) * tolerance(i);
-  slack = std::sqrt(slack);
-  const double time = to_seconds(asked - began_);
-  std::optional<Spot> best;
-  double best_off = 0;
-  // The last one that was over may not have been.
-  if (foot_of(counts, before_, begin_).distance <= slack) best = {0, 0}, best_off = std::abs(time);
-  double begins = 0;
-  const Values* from = &begin_;
-  for (std::size_t k = 0; k < pending_.size() && pending_[k].sent; ++k) {
-    const Pending& one = pending_[k];
-    const Foot foot = foot_of(counts, *from, one.line.to);
-    // Within a step it may be anywhere.
-    const double vague = foot.length > slack ? slack / foot.length : 1;
-    const double there = std::clamp(time, begins + std::max(0.0, foot.share - vague) * one.time,
-                                    begins + std::min(1.0, foot.share + vague) * one.time);
-    const double off = std::abs(there - time);
-    if (foot.distance <= slack && (!best || off <= best_off)) best = {k, there}, best_off = off;
-    begins += one.time;
-    from = &one.line.to;
-  }
-  return best;
-}
-
 /// The first ones are over.
 void GrblDriver::end_pieces(std::size_t count) {
+  motion_.drop(count);
   for (std::size_t k = 0; k < count; ++k) {
-    const Pending& one = pending_[0];
-    began_ += from_seconds(one.time);
-    before_ = begin_;
-    begin_ = one.line.to;
-    pending_.drop_front(1);
     --commands_;
     tell(Kind::kDone);
   }
@@ -431,26 +344,24 @@ void GrblDriver::step_moving(const Status& status, Instant now) {
     fail({ErrorCode::kForeignMotion});
     return begin_stop(now);
   }
-  if (pending_.empty()) {
+  if (motion_.empty()) {
     if (now - last_piece_ < timing_.ignored_limit) return;
     tell(Kind::kFailed, {ErrorCode::kStreamEnded, -1, to_seconds(now - last_piece_)});
     return begin_stop(now);
   }
-  const bool all_accepted =
-      std::ranges::all_of(pending_, [](const Pending& one) { return one.accepted; });
-  const Pending& last = pending_.back();
-  const bool waits = last.rest && last.no_way && left(now) > Duration::zero();
-  const bool over = status.state == State::kIdle && all_accepted && !waits &&
-                    counted_at_ >= lines_since_ && is_there(counts, last.line.to);
+  const GrblMotion::Piece& last = motion_.last();
+  const bool waits = last.rest && last.no_way && motion_.left(now) > Duration::zero();
+  const bool over = status.state == State::kIdle && motion_.all_accepted() && !waits &&
+                    counted_at_ >= lines_since_ && motion_.is_there(counts, last.line.to);
   if (over) {
     const bool rest = last.rest;
-    end_pieces(pending_.size());
+    end_pieces(motion_.size());
     if (rest) come_to_rest();
     return;
   }
-  const auto spot = spot_of(counts, counted_at_);
+  const auto spot = motion_.spot_of(counts, counted_at_);
   if (!spot) {
-    const Values& to = pending_[0].line.to;
+    const Values& to = motion_.first().line.to;
     std::size_t worst = 0;
     for (std::size_t i = 0; i < counts.size(); ++i) {
       if (std::abs(counts[i] - to[i]) > std::abs(counts[worst] - to[worst])) worst = i;
@@ -460,11 +371,11 @@ void GrblDriver::step_moving(const Status& status, Instant now) {
     return begin_stop(now);
   }
   // A board may be later or earlier than it was asked to be.
-  began_ = counted_at_ - from_seconds(spot->time);
+  motion_.be_at(*spot, counted_at_);
   if (spot->piece > 0) changed_ = now;
   end_pieces(spot->piece);
-  const bool ignores = status.state == State::kIdle && is_to_move();
-  if (ignores && now - changed_ >= timing_.ignored_limit + left(now)) {
+  const bool ignores = status.state == State::kIdle && motion_.is_to_move();
+  if (ignores && now - changed_ >= timing_.ignored_limit + motion_.left(now)) {
     fail({ErrorCode::kMotionIgnored, 0});
     return begin_stop(now);
   }
@@ -474,15 +385,15 @@ void GrblDriver::step_moving(const Status& status, Instant now) {
 /// The next status is due at the motion's end, where that comes before its turn.
 void GrblDriver::look_at_the_end(Instant now) {
   poll_due_ = now + timing_.moving_poll;
-  const Duration until = left(now);
-  if (pending_.empty() || !pending_.back().rest || until >= timing_.moving_poll) return;
+  const Duration until = motion_.left(now);
+  if (motion_.empty() || !motion_.last().rest || until >= timing_.moving_poll) return;
   poll_due_ = now + std::max(until + line_time_, timing_.arrival_poll);
 }
 
 void GrblDriver::step_nudging(const Status& status, Instant now) {
   const bool idle = status.state == State::kIdle && lines_.empty();
   if (!idle) return;
-  if (is_there(known_.counts(), nudge_to_)) {
+  if (motion_.is_there(known_.counts(), nudge_to_)) {
     come_to_rest();
     end_commands(Kind::kDone);
   } else if (now - changed_ >= timing_.ignored_limit) {
