@@ -123,8 +123,9 @@ double Planner::run(double dt) {
   const Block& block = blocks_[0];
   const double a = block.acceleration;
   const double d = block.length - along_;
-  const double exit2 = blocks_.size() > 1 ? blocks_[1].entry : 0;
   const double v2 = speed_ * speed_;
+  // No faster than it can become on the rest of the way, as behind a hold.
+  const double exit2 = blocks_.size() > 1 ? std::min(blocks_[1].entry, v2 + 2 * a * d) : 0;
   const double peak2 =
       std::max(v2, std::min(block.nominal * block.nominal, (2 * a * d + v2 + exit2) / 2));
   const double peak = std::sqrt(peak2);
