@@ -33,7 +33,7 @@ struct BoardSettings {
 };
 
 /// Firmware of a board that speaks GRBL: its lines, its states and alarms, its planner. What its
-/// motors do is asked for; what its switches do is told. @rt
+/// motors do is asked for, what its switches do is set. @rt
 ///
 ///   state  | what                                       | next
 ///   -------+--------------------------------------------+-------------------------------
@@ -115,7 +115,7 @@ class GrblDevice {
   LineDecoder lines_;
   bool line_waits_ = false;  ///< of lines_, for room in the planner
   double tool_z_ = 0;        ///< G43.1; work coordinates are machine coordinates minus it
-  int offset_due_ = 0;       ///< reports until the work coordinates' offset is told again
+  int offset_due_ = 0;       ///< reports until one has the work coordinates' offset again
   std::uint64_t bytes_lost_ = 0;
   FixedVector<std::uint8_t, 2048> output_;
 };

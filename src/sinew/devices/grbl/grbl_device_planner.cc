@@ -86,8 +86,8 @@ void Planner::push(const Values& to, double duration) {
   look_ahead();
 }
 
-/// Each motion begins no faster than so that all behind it can be braked for. How fast it becomes
-/// on the way there shows as it goes.
+/// Each motion begins no faster than so that all behind it can be braked for. How fast it can
+/// become before shows when it runs.
 void Planner::look_ahead() {
   double exit = 0;
   for (std::size_t i = blocks_.size(); i-- > 1;) {

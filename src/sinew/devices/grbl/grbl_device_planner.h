@@ -43,7 +43,7 @@ class Planner {
   bool at_rest() const { return speed_ == 0 && (held_ || empty()); }
   /// Drops everything; it stands where it is.
   void clear();
-  /// It stands there. @pre empty
+  /// Where it stands. @pre empty
   void place(const Values& at) { at_ = at; }
 
   /// @param dt  s

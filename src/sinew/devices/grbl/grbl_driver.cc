@@ -38,7 +38,7 @@ GrblDriver::GrblDriver(const GrblDevice& device, std::span<const Joint> joints, 
   for (const Joint& joint : joints) {
     braking_ = std::max(braking_, from_seconds(joint.velocity_max / joint.acceleration_max));
   }
-  // On the way of a braking time half as much is done.
+  // Braking takes half as far as the same time at full speed.
   const double needed = std::ceil(to_seconds(braking_) / 2 / to_seconds(timing.segment));
   ahead_ = std::min(GrblMotion::kPiecesMax, kSpareSegments + static_cast<std::size_t>(needed));
   positions_.resize(joints.size());
@@ -68,7 +68,7 @@ void GrblDriver::close(Instant now) {
   update_positions(now_);
 }
 
-/// Nobody hears it any more. What it has it carries out.
+/// The board is not heard any more. What it has it carries out.
 void GrblDriver::leave_to_itself() {
   const bool moves = activity_ == Activity::kMoving || activity_ == Activity::kNudging ||
                      activity_ == Activity::kStopping;
@@ -177,8 +177,9 @@ Expected<void> GrblDriver::nudge(std::size_t joint, double way, Duration duratio
   Jog jog{joint, std::round(known_.units(joint, way) * 1e3) / 1e3, 0};
   // Written so that NaN is refused too.
   const bool inside = std::abs(way) >= device_.resolution(joint) / 2 &&
-                      std::abs(way) <= kNudgeMax * (1 + 1e-9) && jog.by != 0;
-  if (!inside) return std::unexpected(joint_error(ErrorCode::kNudgeRange, joint, way, kNudgeMax));
+                      std::abs(way) <= GrblDevice::kNudgeMax * (1 + 1e-9) && jog.by != 0;
+  if (!inside)
+    return std::unexpected(joint_error(ErrorCode::kNudgeRange, joint, way, GrblDevice::kNudgeMax));
   const double rate_max = to_deg(joints_[joint].velocity_max);
   const double seconds = std::max(to_seconds(duration), 1e-3);
   jog.rate = 60 * std::min(std::abs(jog.by) / seconds, rate_max);
@@ -296,7 +297,7 @@ void GrblDriver::fall_silent(Instant now) {
   poll_due_ = now + timing_.silent_retry;
 }
 
-/// Its power was away, or somebody pressed its reset.
+/// Its power was away, or its reset was pressed.
 void GrblDriver::note_restart(Instant now) {
   const Error error{ErrorCode::kDeviceRestarted};
   known_.restart();

@@ -89,8 +89,6 @@ class GrblDriver : public ByteDriver {
   void receive(std::span<const std::uint8_t> bytes, Instant now) override;
   std::size_t take_output(std::span<std::uint8_t> out) override { return output_.take_front(out); }
 
-  /// What it drives, as nudge() bounds it.
-  static constexpr double kNudgeMax = from_deg(5);
   /// Z of the work coordinates' offset that it leaves behind, mm or deg. G43.1 makes it, which no
   /// board keeps without power, and machine coordinates do not know of it.
   static constexpr double kMark = -876.543;
@@ -121,6 +119,10 @@ class GrblDriver : public ByteDriver {
   };
 
   Expected<void> may_begin() const;
+  /// Opening or stopping, and there.
+  bool is_at(Step step) const {
+    return step_ == step && (activity_ == Activity::kOpening || activity_ == Activity::kStopping);
+  }
   bool say(const grbl::Request& request, Sent what);
   void say_now(grbl::RealTime what);
   void say_moves(Instant now);
@@ -195,7 +197,7 @@ class GrblDriver : public ByteDriver {
   bool listed_again_ = false;    ///< its settings, of which one was missing
   bool modes_ = false;           ///< it has taken them since its reset
   bool locked_ = false;          ///< it asks to be homed first, which is no fault
-  bool foreign_ = false;         ///< somebody else moves or holds it
+  bool foreign_ = false;         ///< another sender, or a pendant, moves or holds it
   bool blind_ = false;           ///< it was reset without an answer, in this opening
   bool left_searching_ = false;  ///< .. by a host that went away
   int short_ = 0;                ///< statuses in a row of fewer axes than joints

@@ -28,6 +28,16 @@ void open_anew(GrblCell& cell, const std::vector<JointPosition>& left) {
   EXPECT_TRUE(cell.run_until(DriverState::kReady, 20s));
 }
 
+/// Its power goes away and comes back while no host listens.
+void cut_power_unheard(GrblCell& cell, Duration away) {
+  cell.machine.disturb({sim::Disturbance::Kind::kSupply, -1, 0});
+  cell.machine.advance(cell.now += away);
+  cell.machine.disturb({sim::Disturbance::Kind::kSupply, -1, 24});
+  cell.machine.advance(cell.now += 3s);
+  std::array<std::uint8_t, 512> gone{};
+  cell.machine.take_output(gone);
+}
+
 TEST(GrblFaults, the_next_run_goes_on_where_the_board_counts_on) {
   GrblCell cell;
   auto motion = cell.motion_to({1, -0.5, 0.25}, 1.5);
@@ -42,12 +52,7 @@ TEST(GrblFaults, behind_a_cut_of_its_power_the_next_run_knows_nothing) {
   auto motion = cell.motion_to({1, -0.5, 0.25}, 1.5);
   cell.run(motion);
   const auto left = left_by(cell.driver);
-  cell.machine.disturb({sim::Disturbance::Kind::kSupply, -1, 0});
-  cell.machine.advance(cell.now += 1s);
-  cell.machine.disturb({sim::Disturbance::Kind::kSupply, -1, 24});
-  cell.machine.advance(cell.now += 3s);  // its welcome is said to nobody
-  std::array<std::uint8_t, 512> gone{};
-  cell.machine.take_output(gone);
+  cut_power_unheard(cell, 1s);
   open_anew(cell, left);
   EXPECT_EQ(cell.driver.positions()[0].quality, PositionQuality::kLost);
 }
@@ -58,11 +63,7 @@ TEST(GrblFaults, a_board_that_was_left_at_0_everywhere_is_known_by_its_mark) {
   EXPECT_EQ(cell.driver.positions()[0].quality, PositionQuality::kCommanded);
   // Which goes with its power, and needs a third axis.
   const auto left = left_by(cell.driver);
-  cell.machine.disturb({sim::Disturbance::Kind::kSupply, -1, 0});
-  cell.machine.disturb({sim::Disturbance::Kind::kSupply, -1, 24});
-  cell.machine.advance(cell.now += 3s);
-  std::array<std::uint8_t, 512> gone{};
-  cell.machine.take_output(gone);
+  cut_power_unheard(cell, 0s);
   open_anew(cell, left);
   EXPECT_EQ(cell.driver.positions()[0].quality, PositionQuality::kLost);
   GrblCell two(grbl_robot(2));

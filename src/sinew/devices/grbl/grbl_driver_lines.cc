@@ -79,12 +79,11 @@ void GrblDriver::reset_board(Instant now) {
 void GrblDriver::poll(Instant now) {
   now_ = std::max(now_, now);
   if (activity_ == Activity::kClosed) return;
-  const bool steps = activity_ == Activity::kOpening || activity_ == Activity::kStopping;
   if (reset_at_) {
     wait_for_welcome(now_);
   } else if (activity_ == Activity::kHoming && !lines_.empty()) {
     if (now_ - lines_since_ > timing_.homing_limit) search_too_long(now_);
-  } else if (steps && step_ == Step::kLines) {
+  } else if (is_at(Step::kLines)) {
     if (now_ - lines_since_ >= timing_.welcome_timeout) fall_silent(now_);
   } else if (asked_at_ && now_ - asked_last_ >= timing_.reply_timeout) {
     miss_reply(now_);
@@ -122,11 +121,10 @@ void GrblDriver::search_too_long(Instant now) {
 }
 
 std::optional<Instant> GrblDriver::next_deadline() const {
-  const bool steps = activity_ == Activity::kOpening || activity_ == Activity::kStopping;
   if (activity_ == Activity::kClosed) return std::nullopt;
   Instant due = asked_at_ ? asked_last_ + timing_.reply_timeout : poll_due_;
   if (activity_ == Activity::kHoming && !lines_.empty()) due = lines_since_ + timing_.homing_limit;
-  if (steps && step_ == Step::kLines) due = lines_since_ + timing_.welcome_timeout;
+  if (is_at(Step::kLines)) due = lines_since_ + timing_.welcome_timeout;
   if (reset_at_) due = *reset_at_ + timing_.welcome_timeout;
   return std::max(due, now_ + std::chrono::microseconds(100));
 }

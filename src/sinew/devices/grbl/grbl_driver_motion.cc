@@ -133,7 +133,7 @@ Expected<void> GrblMotion::push(const JointMove& move, const GrblPositions& know
 
 /// To a whole step, as the board does, and in the decimals of a line.
 double GrblMotion::sayable(std::size_t joint, double count) const {
-  const double steps = std::abs(device_.axes[joint].steps_per_rad) * from_deg(1);
+  const double steps = device_.steps_per_deg(joint);
   return std::round(std::round(count * steps) / steps * 1e3) / 1e3;
 }
 

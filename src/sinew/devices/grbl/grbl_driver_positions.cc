@@ -20,11 +20,11 @@ GrblPositions::GrblPositions(const GrblDevice& device) : device_(device) {
 }
 
 double GrblPositions::place(std::size_t joint, double count) const {
-  return *ties_[joint].zero + sign(joint) * from_deg(count);
+  return *ties_[joint].zero + device_.sign(joint) * from_deg(count);
 }
 
 double GrblPositions::count_of(std::size_t joint, double place) const {
-  return sign(joint) * to_deg(place - *ties_[joint].zero);
+  return device_.sign(joint) * to_deg(place - *ties_[joint].zero);
 }
 
 void GrblPositions::lose() {
@@ -35,7 +35,7 @@ void GrblPositions::lose() {
 void GrblPositions::restart() {
   restarted_ = true;
   if (judged_) return lose();
-  // A place that somebody saw, without a count, is still that place.
+  // A place that was seen, without a count, is still that place.
   for (JointPosition& joint : left_) {
     if (joint.count_zero) joint = {};
   }
@@ -89,7 +89,7 @@ bool GrblPositions::still_counts(std::span<const JointPosition> left) const {
     away = away || std::abs(counts_[i]) > kRounding;
     if (joint.quality == PositionQuality::kLost) continue;
     if (joint.quality == PositionQuality::kUncertain && !mark_.value_or(true)) return false;
-    const double here = *joint.count_zero + sign(i) * from_deg(counts_[i]);
+    const double here = *joint.count_zero + device_.sign(i) * from_deg(counts_[i]);
     const double slack = device_.step(i) + from_deg(kRounding);
     if (here < joint.lower - slack || here > joint.upper + slack) return false;
   }
@@ -106,7 +106,7 @@ void GrblPositions::judge() {
     if (joint.count_zero) {
       if (counts_on) ties_[i] = {joint.count_zero, !lost};
     } else if (!lost && joint.quality != PositionQuality::kUncertain) {
-      ties_[i] = {joint.q - sign(i) * from_deg(counts_[i]), true};
+      ties_[i] = {joint.q - device_.sign(i) * from_deg(counts_[i]), true};
     }
   }
   left_.clear();

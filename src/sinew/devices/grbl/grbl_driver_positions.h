@@ -34,7 +34,7 @@ class GrblPositions {
   void declare(std::span<const JointPosition> positions);
   /// The board has restarted: its counts mean other places.
   void restart();
-  /// Nobody knows where the joints are, nor what their counts mean.
+  /// Where the joints are is not known, nor what their counts mean.
   void lose();
   /// It has found its switches.
   void homed();
@@ -50,7 +50,7 @@ class GrblPositions {
   double place(std::size_t joint, double count) const;
   double count_of(std::size_t joint, double place) const;
   /// deg of a count for so many rad.
-  double units(std::size_t joint, double way) const { return sign(joint) * to_deg(way); }
+  double units(std::size_t joint, double way) const { return device_.sign(joint) * to_deg(way); }
   /// The first joint that is not known; nothing: all are.
   std::optional<std::size_t> unknown() const;
   std::optional<JointInterval> counted(std::size_t joint) const;
@@ -67,7 +67,6 @@ class GrblPositions {
     bool known = false;          ///< and the joint is where that says
   };
 
-  double sign(std::size_t joint) const { return device_.axes[joint].steps_per_rad < 0 ? -1 : 1; }
   void judge();
   bool still_counts(std::span<const JointPosition> left) const;
 

@@ -44,7 +44,7 @@ std::optional<Error> GrblSettingsCheck::misfit(grbl::Firmware firmware) const {
       return Error{code, static_cast<std::int8_t>(i), is, needed};
     };
     const Joint& joint = joints_[i];
-    const double steps = std::abs(device_.axes[i].steps_per_rad) * from_deg(1);
+    const double steps = device_.steps_per_deg(i);
     if (std::abs(*axes_[i].steps - steps) > kStepsDiffer * steps) {
       return error(ErrorCode::kBoardSteps, *axes_[i].steps, steps);
     }

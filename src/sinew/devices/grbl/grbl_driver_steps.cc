@@ -109,8 +109,7 @@ void GrblDriver::take_status(const Status& status, Instant now) {
   const Values& counts = *read;
   // While it brakes they count for nothing: what was known of it holds for as far as it can have
   // gone.
-  const bool looks =
-      step_ == Step::kLook && (activity_ == Activity::kOpening || activity_ == Activity::kStopping);
+  const bool looks = is_at(Step::kLook);
   if (!looks && !believable(counts, asked)) {
     poll_due_ = now;
     return;
@@ -149,7 +148,7 @@ void GrblDriver::take_status(const Status& status, Instant now) {
   }
 }
 
-/// At rest nobody of us moves it, holds it or tries it. Told once, until it is left alone.
+/// At rest another sender, or a pendant, may move or hold it. Told once, until it is left alone.
 void GrblDriver::watch_others(const Status& status, bool moved) {
   const bool before = std::exchange(
       foreign_, moved || (status.state != State::kIdle && status.state != State::kAlarm));
@@ -159,8 +158,8 @@ void GrblDriver::watch_others(const Status& status, bool moved) {
 /// No line has a checksum: where it seems to have jumped, or where all rests on it, a second status
 /// has to say the same.
 bool GrblDriver::believable(const Values& counts, Instant asked) {
-  const bool steps = activity_ == Activity::kOpening || activity_ == Activity::kStopping;
-  const bool placing = (steps || activity_ == Activity::kHoming) && step_ == Step::kPlace;
+  const bool placing =
+      is_at(Step::kPlace) || (activity_ == Activity::kHoming && step_ == Step::kPlace);
   const bool rests = placing || activity_ == Activity::kIdle;
   const auto near = [&](const Values& before, Instant at) {
     const double time = std::max(0.0, to_seconds(asked - at + 2 * line_time_));
@@ -192,7 +191,7 @@ void GrblDriver::step_look(const Status& status, Instant now) {
     step_ = Step::kReset;
     return reset_board(now);
   }
-  // Somebody else's motion, or the rest of one of an earlier host.
+  // Another sender's motion, or the rest of one of an earlier host.
   if (status.state == State::kRun) say_now(RealTime::kHold);
   if (status.state == State::kJog) say_now(RealTime::kJogCancel);
 }
@@ -237,7 +236,7 @@ void GrblDriver::take_lines(Instant now) {
 }
 
 void GrblDriver::step_place(const Status& status, Instant now) {
-  // Its power was away between a reset and its welcome, or somebody has moved it.
+  // Its power was away between a reset and its welcome, or another sender has moved it.
   if (!stood_.empty() && !motion_.is_there(known_.counts(), stood_)) known_.restart();
   stood_.clear();
   if (status.state == State::kAlarm) {
@@ -340,7 +339,7 @@ void GrblDriver::step_moving(const Status& status, Instant now) {
   const Values& counts = known_.counts();
   const bool idle = status.state == State::kIdle || status.state == State::kRun;
   if (!idle) {
-    // Somebody else holds it.
+    // Another sender holds it.
     fail({ErrorCode::kForeignMotion});
     return begin_stop(now);
   }

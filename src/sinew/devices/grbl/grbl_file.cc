@@ -17,7 +17,7 @@ void read_grbl(TableReader& reader, RobotModel& model) {
   device.axes.resize(model.joints.size());
   // The rest is for its planner, to catch up where a motion was slower than planned.
   model.device.capability.limits_share = 0.9;
-  model.device.capability.nudge_max = from_deg(5);
+  model.device.capability.nudge_max = GrblDevice::kNudgeMax;
   reader.choice("homing", kYesNo, device.homes);
   for_each_joint(reader, model, [&](std::size_t i, TableReader& table) {
     GrblDevice::Axis& axis = device.axes[i];

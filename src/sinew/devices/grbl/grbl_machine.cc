@@ -17,10 +17,6 @@ constexpr double kAnywhere = 1e9;
 /// A motor whose steps end at once turns on for about so long.
 constexpr double kSkid = 2e-3;  // s
 
-double sign_of(const sinew::GrblDevice::Axis& axis) {
-  return axis.steps_per_rad < 0 ? -1 : 1;
-}
-
 double switch_of(const Joint& joint, const sinew::GrblDevice::Axis& axis) {
   return axis.homes_down ? joint.lower - kSwitchBeyond : joint.upper + kSwitchBeyond;
 }
@@ -37,11 +33,11 @@ grbl::BoardSettings settings_of(const RobotModel& robot) {
     const sinew::GrblDevice::Axis& own = device.axes[i];
     const double back = from_deg(kPullOff) * (own.homes_down ? 1 : -1);
     const double homed = switch_of(joint, own) + back;
-    settings.axes.push_back({std::abs(own.steps_per_rad) * from_deg(1),
+    settings.axes.push_back({device.steps_per_deg(i),
                              {to_deg(joint.velocity_max), to_deg(joint.acceleration_max)},
                              to_deg(joint.upper - joint.lower),
-                             own.homes_down == (sign_of(own) > 0),
-                             sign_of(own) * to_deg(homed - own.zero)});
+                             own.homes_down == (device.sign(i) > 0),
+                             device.sign(i) * to_deg(homed - own.zero)});
   }
   return settings;
 }
@@ -76,7 +72,7 @@ void GrblMachine::follow() {
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     Body& body = bodies_[i];
     const sinew::GrblDevice::Axis& axis = device_.axes[i];
-    const double wanted = body.base + sign_of(axis) * from_deg(board_.turned(i));
+    const double wanted = body.base + device_.sign(i) * from_deg(board_.turned(i));
     body.q = std::clamp(wanted, body.lower, body.upper);
     body.base += body.q - wanted;
     body.lost += body.q - wanted;
@@ -100,7 +96,7 @@ void GrblMachine::skid() {
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     Body& body = bodies_[i];
     if (cut) body.base += speeds_[i] * kSkid, body.lost += speeds_[i] * kSkid;
-    speeds_[i] = sign_of(device_.axes[i]) * from_deg(board_.velocity(i));
+    speeds_[i] = device_.sign(i) * from_deg(board_.velocity(i));
   }
 }
 

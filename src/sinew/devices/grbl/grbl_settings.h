@@ -40,6 +40,13 @@ struct GrblDevice final : SettingsOf<GrblDevice> {
     return {true, "a character until told, then as its axes brake",
             "held while its motors are on; without power what has weight falls"};
   }
+  /// How far one joint may be moved at a time while its place is not known, rad.
+  static constexpr double kNudgeMax = from_deg(5);
+  /// -1 where the board counts the other way round.
+  double sign(std::size_t joint) const { return axes[joint].steps_per_rad < 0 ? -1 : 1; }
+  double steps_per_deg(std::size_t joint) const {
+    return std::abs(axes[joint].steps_per_rad) * from_deg(1);
+  }
   /// Of a joint's motor, rad.
   double step(std::size_t joint) const { return 1 / std::abs(axes[joint].steps_per_rad); }
   double resolution(std::size_t joint) const override { return std::max(step(joint), kDigit); }

@@ -14,6 +14,7 @@
 #include "sinew/devices/grbl/grbl_driver.h"
 #include "sinew/devices/grbl/grbl_machine.h"
 #include "sinew/sim/link_fault.h"
+#include "support/cosine_motion.h"
 
 namespace sinew::test {
 
@@ -77,35 +78,10 @@ class GrblCell {
     driver.declare_positions(all);
   }
 
-  /// A whole motion from where it stands: segments of 50 ms along a cosine.
-  struct Motion {
-    JointVector from, to;
-    double seconds = 1;
-    std::size_t segments = 20;
-    std::size_t next = 1;
-    Instant begun{};
-
-    JointMove piece() const {
-      const double u = static_cast<double>(next) / static_cast<double>(segments);
-      JointMove move;
-      for (std::size_t i = 0; i < from.size(); ++i) {
-        const double way = to[i] - from[i];
-        move.q.push_back(from[i] + way * (1 - std::cos(kPi * u)) / 2);
-        const bool last = next == segments;
-        move.qd.push_back(last ? 0 : way * kPi / 2 * std::sin(kPi * u) / seconds);
-      }
-      move.duration = from_seconds(seconds / static_cast<double>(segments));
-      return move;
-    }
-  };
+  using Motion = CosineMotion;
+  /// From where it stands, in segments of 50 ms.
   Motion motion_to(const JointVector& to, double seconds = 1) const {
-    Motion motion;
-    for (const JointPosition& joint : driver.positions()) motion.from.push_back(joint.q);
-    motion.to = to;
-    motion.seconds = seconds;
-    motion.segments = static_cast<std::size_t>(std::lround(seconds / 0.05));
-    motion.begun = now;
-    return motion;
+    return {driver.positions(), to, seconds, 0.05, now};
   }
   /// Feeds what the driver wants, until it wants no more of it.
   void feed(Motion& motion) {
