@@ -115,7 +115,7 @@ export const knowsPlace = computed(() => {
 export const canMove = computed(() => {
   const now = status.value;
   if (!now || !robot.value || store.connection.value !== 'open' || store.role.value !== 'operator') return false;
-  return store.lease(robot.value) !== 'other' && (now.state === 'ready' || now.state === 'moving');
+  return store.lease(robot.value) !== 'other' && !now.free_drive && (now.state === 'ready' || now.state === 'moving');
 });
 
 // --- Stop.

@@ -118,6 +118,17 @@ std::string broken(const GrblDevice& device) {
   return "";
 }
 
+std::string broken(const FeetechDevice& device) {
+  std::set<int> ids;
+  for (const FeetechDevice::Servo& servo : device.servos) {
+    if (!ids.insert(servo.id).second) return "servo id";
+    if (std::abs(servo.sign) != 1) return "sign";
+    if (!(servo.centre >= 0 && servo.centre <= device.units_max())) return "centre";
+    if (!(servo.torque_limit > 0 && servo.torque_limit <= 1)) return "torque limit";
+  }
+  return device.gripper.open != device.gripper.closed ? "" : "gripper";
+}
+
 std::string broken(const IdealDevice& /*device*/) {
   return "";
 }

@@ -6,6 +6,7 @@
 #include "sinew/devices/axis/axis_link_settings.h"
 #include "sinew/devices/axis/axis_registers_settings.h"
 #include "sinew/devices/bigrobotarm/bigrobotarm_settings.h"
+#include "sinew/devices/feetech/feetech_settings.h"
 #include "sinew/devices/grbl/grbl_settings.h"
 #include "sinew/devices/icp/icp_settings.h"
 #include "sinew/devices/lsc/lsc_settings.h"
@@ -16,7 +17,7 @@ namespace sinew::test {
 
 /// All kinds of devices: what only tests ask of each.
 using DeviceKinds = std::tuple<IdealDevice, BigRobotArmDevice, AxisRegistersDevice, AxisLinkDevice,
-                               LscDevice, MaxArmDevice, IcpDevice, GrblDevice>;
+                               LscDevice, MaxArmDevice, IcpDevice, GrblDevice, FeetechDevice>;
 
 /// Calls `visitor` with the settings as those of their kind, and returns what it does.
 /// @param settings  const or not

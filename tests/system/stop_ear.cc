@@ -4,6 +4,7 @@
 
 #include "sinew/devices/axis/axis_link_wire.h"
 #include "sinew/devices/axis/axis_registers_wire.h"
+#include "sinew/devices/feetech/feetech_wire.h"
 #include "sinew/devices/grbl/grbl_wire.h"
 #include "sinew/devices/icp/icp_wire.h"
 #include "sinew/devices/lsc/lsc_wire.h"
@@ -75,6 +76,23 @@ class GrblEar final : public StopEar {
   }
 };
 
+/// Goals for all servos: the first one behind a stop begins to brake.
+class FeetechEar final : public StopEar {
+ public:
+  std::optional<MotionFrame> hear(std::span<const std::uint8_t> bytes, Instant begins) override {
+    if (decoder_.at_boundary()) began_ = begins;
+    if (decoder_.push(bytes[0]) != feetech::PacketDecoder::Result::kPacket) return std::nullopt;
+    const auto request = feetech::decode_request(decoder_.packet());
+    const auto* write = request ? std::get_if<feetech::SyncWrite>(&*request) : nullptr;
+    if (write == nullptr || write->address != feetech::Register::kAcceleration) return std::nullopt;
+    return MotionFrame{began_};
+  }
+
+ private:
+  feetech::PacketDecoder decoder_;
+  Instant began_{};
+};
+
 /// A transaction is one frame in several exchanges, from its SYN on.
 class AxisRegistersEar final : public StopEar {
  public:
@@ -105,6 +123,7 @@ struct EarOf {
   Ear operator()(const IcpDevice& /*device*/) const { return std::make_unique<IcpEar>(); }
   Ear operator()(const AxisLinkDevice& /*device*/) const { return std::make_unique<AxisLinkEar>(); }
   Ear operator()(const GrblDevice& /*device*/) const { return std::make_unique<GrblEar>(); }
+  Ear operator()(const FeetechDevice& /*device*/) const { return std::make_unique<FeetechEar>(); }
   Ear operator()(const AxisRegistersDevice& device) const {
     return std::make_unique<AxisRegistersEar>(device.registers.emergency_stop);
   }

@@ -103,6 +103,12 @@ export const de: Record<Key, string> = {
   'view.move': 'Fahrt',
   'view.events': 'Ereignisse',
 
+  'free.drive': 'Handführen',
+  'free.title': 'Die Motoren ausschalten, um den Arm von Hand zu führen',
+  'free.sure': 'Den Arm erst festhalten: er fällt. Die Motoren ausschalten?',
+  'free.on': 'Handführen.',
+  'free.on.text': 'Die Motoren sind aus: den Arm von Hand führen. Er fällt, wo keine Hand ihn hält.',
+  'free.hold': 'Halten',
   'jog.frame': 'Entlang',
   'jog.frame.joint': 'Gelenke',
   'jog.frame.base': 'Basis',

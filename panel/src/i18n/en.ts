@@ -102,6 +102,12 @@ export const en = {
   'view.move': 'Move',
   'view.events': 'Events',
 
+  'free.drive': 'Free drive',
+  'free.title': 'Switch the motors off, to guide the arm by hand',
+  'free.sure': 'Hold the arm first: it falls. Switch the motors off?',
+  'free.on': 'Free drive.',
+  'free.on.text': 'The motors are off: guide the arm by hand. It falls where no hand holds it.',
+  'free.hold': 'Hold',
   'jog.frame': 'Along',
   'jog.frame.joint': 'Joints',
   'jog.frame.base': 'Base',

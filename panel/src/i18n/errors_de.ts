@@ -128,6 +128,16 @@ const codes: Record<string, string> = {
     'Der Korb ist um {excess} außer Reichweite: ihn näher an den Roboter rücken, in der Kameraansicht oder in der Datei der Zelle',
   no_basket:
     'Dieser Schritt legt in einen Korb, und hier ist keine Zelle bekannt: in einer Zelle ausführen, die einen hat (sinew serve CELL.toml, dann sinew run --cell)',
+  free_drive: 'Der Arm ist im Handführen: erst beenden (sinew free ROBOTER --end, im Panel: Halten)',
+  servo_silent: 'Das Servo von {subject} antwortet nicht: nach Stecker, Nummer und Versorgung sehen',
+  servo_mode: 'Das Servo von {subject} ist nicht dafür eingerichtet, Positionen zu halten (Register 33 = 0; SCS-Servos: Grenzen, die nicht beide 0 sind)',
+  servo_series: 'Das Servo von {subject} hat seine Bytes in der anderen Reihenfolge: die Serie in der Datei des Roboters ist eine andere',
+  servo_turns:
+    'Das Servo von {subject} zählt {measured}, außerhalb einer Umdrehung (0 bis {limit}): das Gelenk zurückdrehen oder die Mitte neu setzen',
+  servo_range:
+    'Das Servo von {subject} geht nach seiner eigenen Grenze bis {measured}, und die Datei des Roboters sagt {limit}: die Grenzen des Servos weiten oder die der Datei enger setzen',
+  supply_high: 'Die Versorgung liegt bei {measured}, und die Servos vertragen {limit}: sofort ausschalten',
+  overloaded: 'Das Servo von {subject} ist überlastet und schützt sich: die Last wegnehmen, dann quittieren',
 };
 
 /** Dieselben, wo sich Körper überschneiden. */

@@ -72,6 +72,26 @@ export interface AxisJson extends Heard {
   zero_shift_rad?: number;
 }
 
+/** One servo of a bus that the host speaks to itself. */
+export interface BusServoJson extends Heard {
+  joint: string;
+  servo: number;
+  answers: boolean;
+  model?: number;
+  firmware?: string;
+  motor_on?: boolean;
+  units?: number;
+  goal_units?: number;
+  lowest_units?: number;
+  highest_units?: number;
+  load?: number;
+  torque_limit?: number;
+  volts?: number;
+  temperature_c?: number;
+  temperature_max_c?: number;
+  position_rad?: number;
+}
+
 export interface DeviceJson {
   robot: string;
   port: string;
@@ -100,6 +120,7 @@ export interface DeviceJson {
     sync: boolean;
   };
   axes?: AxisJson[];
+  bus_servos?: BusServoJson[];
   reports_status?: boolean;
   round_s?: number;
 }

@@ -101,6 +101,7 @@ describe('history', () => {
     connected: true,
     joints: [{ name: 'base', quality: position === undefined ? 'lost' : 'measured', position_rad: position, commanded_rad: 1 }],
     feed: 1,
+    free_drive: false,
     progress: 0,
     health: {},
   });
@@ -142,6 +143,7 @@ describe('robots with clocks of their own', () => {
     connected: true,
     joints: [{ name: 'a', quality: 'measured', position_rad: position, commanded_rad: position }],
     feed: 1,
+    free_drive: false,
     progress: 0,
     health: {},
   });

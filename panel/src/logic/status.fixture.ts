@@ -9,6 +9,7 @@ export const ready: RobotStatus = {
   connected: true,
   joints: [],
   feed: 1,
+  free_drive: false,
   progress: 0,
   health: {},
 };

@@ -256,6 +256,11 @@ export class Store {
     if (!(await this.control(robot))) return false;
     return (await this.ask('robot.self_test', { robot })) !== null;
   }
+  /** Motors off, or holding again. */
+  async freeDrive(robot: string, on: boolean): Promise<boolean> {
+    if (!(await this.control(robot))) return false;
+    return (await this.ask('robot.free_drive', { robot, on })) !== null;
+  }
   async feed(robot: string, share: number): Promise<void> {
     if (await this.control(robot)) await this.ask('robot.feed', { robot, share });
   }

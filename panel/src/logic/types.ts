@@ -81,6 +81,8 @@ export interface RobotStatus {
   connected: boolean;
   joints: JointStatus[];
   feed: number;
+  /** Its motors are off, to guide it by hand; nothing moves before they hold it again. */
+  free_drive: boolean;
   progress: number;
   trouble?: string;
   tool?: FlatPoseJson;
@@ -157,6 +159,8 @@ export interface CellRobot {
   time_scale: number;
   pose: FlatPoseJson;
   streams: boolean;
+  /** Its motors can be switched off to guide it by hand. */
+  free_drive?: boolean;
   stop?: { ends_motion: boolean; standstill: string; gravity: string };
   nudge_max_m?: number;
   nudge_max_rad?: number;

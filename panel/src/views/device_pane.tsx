@@ -3,7 +3,7 @@ import { useEffect, useState } from 'preact/hooks';
 import { errorSentence, t, tWord } from '../i18n';
 import { model, robot, status, store } from '../app';
 import { device } from '../device_state';
-import { ageText, degrees, servoRows, statusBytes, warned, type AxisJson, type DeviceJson, type GroupJson, type Heard, type LegJson, type ServoJson, type Warned } from '../logic/device';
+import { ageText, degrees, servoRows, statusBytes, warned, type AxisJson, type BusServoJson, type DeviceJson, type GroupJson, type Heard, type LegJson, type ServoJson, type Warned } from '../logic/device';
 import { decimals } from '../logic/units';
 import { Icon } from './parts';
 
@@ -19,6 +19,7 @@ export function DevicePane(): JSX.Element {
       {told.wire === 'lsc' && <ServoBoard told={told} />}
       {told.wire === 'maxarm' && <MaxArm told={told} />}
       {told.wire === 'bigrobotarm' && <BigRobotArm told={told} />}
+      {told.bus_servos && <BusServos servos={told.bus_servos} />}
       {told.axes && <Axes told={told} axes={told.axes} />}
       <Line told={told} />
       <p class="hint">{tWord('device.about', told.wire)}</p>
@@ -281,6 +282,49 @@ function MaxArm({ told }: { told: DeviceJson }): JSX.Element {
         <Raw bytes={told.position?.bytes} />
       </Part>
     </>
+  );
+}
+
+// --- Servos on a bus of their own.
+
+function BusServos({ servos }: { servos: BusServoJson[] }): JSX.Element {
+  const numbers = (value: number | undefined, digits = 0): string => (value === undefined ? '–' : decimals(value, digits));
+  const oldest = servos.reduce((age, one) => Math.max(age, one.age_s ?? 0), 0);
+  return (
+    <Part name={t('device.bus_servos')} heard={servos.some((one) => one.age_s !== undefined) ? { age_s: oldest } : {}}>
+      <table class="device-table">
+        <thead>
+          <tr>
+            <th scope="col">{t('device.joint')}</th>
+            <th scope="col" class="num">{t('device.servo')}</th>
+            <th scope="col" class="num">{t('device.measured')}</th>
+            <th scope="col" class="num">{t('device.units')}</th>
+            <th scope="col" class="num">{t('device.load')}</th>
+            <th scope="col" class="num">°C</th>
+            <th scope="col" class="num">V</th>
+            <th scope="col">{t('device.motor')}</th>
+          </tr>
+        </thead>
+        <tbody>
+          {servos.map((one) => (
+            <tr key={one.joint} class={one.answers ? '' : 'grave'}>
+              <th scope="row" title={one.model === undefined ? undefined : t('device.servo.title', { model: one.model, firmware: one.firmware ?? '' })}>
+                {one.joint}
+              </th>
+              <td class="num">{one.servo}</td>
+              <td class="num">{degrees(one.position_rad, 1)}</td>
+              <td class="num" title={t('device.units.title', { lowest: one.lowest_units ?? 0, highest: one.highest_units ?? 0 })}>
+                {numbers(one.units)}
+              </td>
+              <td class="num">{one.load === undefined ? '–' : `${decimals(100 * Math.abs(one.load), 0)} %`}</td>
+              <td class="num">{numbers(one.temperature_c)}</td>
+              <td class="num">{numbers(one.volts, 1)}</td>
+              <td>{t(!one.answers ? 'device.motor.silent' : one.motor_on ? 'device.motor.on' : 'device.motor.off')}</td>
+            </tr>
+          ))}
+        </tbody>
+      </table>
+    </Part>
   );
 }
 

@@ -11,6 +11,7 @@ import { isTextField } from '../logic/stop_keys';
 import type { JogFrame, RobotModel } from '../logic/types';
 import { clamp, shown, toRad, unitOf } from '../logic/units';
 import { hoveredJoint } from '../scene_state';
+import { FreeDrive } from './free_drive';
 import { ReadyFirst } from './ready_first';
 import { ToolKeys } from './tool_keys';
 import { Icon, Segments, Slider, Toggle, useTimer } from './parts';
@@ -60,6 +61,7 @@ export function JogPane(): JSX.Element {
   return (
     <div class="pane-body" data-tour="jog">
       <ReadyFirst />
+      <FreeDrive />
       <Segments
         label={t('jog.frame')}
         value={chosen}

@@ -8,6 +8,7 @@ import { shown, unitOf } from '../logic/units';
 import { goThere, going, head, removePoint, renamePoint, retake, shelf, stay, take } from '../teach';
 import type { RobotModel } from '../logic/types';
 import { FileButtons } from './file_buttons';
+import { FreeDrive } from './free_drive';
 import { Icon } from './parts';
 import { ProgramVerdictCard } from './program_verdict';
 import { Thumbnail } from './thumbnail';
@@ -27,6 +28,7 @@ export function PointsList(): JSX.Element {
   };
   return (
     <>
+      <FreeDrive />
       <form
         class="take"
         onSubmit={(event) => {

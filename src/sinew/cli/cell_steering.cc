@@ -174,6 +174,28 @@ Outcome cell_nudge(const CellRequest& request) {
   }
 }
 
+Outcome cell_free(const CellRequest& request) {
+  auto cell = CellConnection::open(request.socket);
+  if (!cell) return cell.error();
+  if (const auto known = robot_of_cell(*cell, request.robot); !known) return known.error();
+  if (const auto taken = take_lease(*cell, request); !taken) return taken.error();
+  if (const auto ready = make_ready(*cell, request.robot); !ready) return ready.error();
+  const Json params{{"robot", request.robot}, {"on", !request.ends}};
+  if (const auto done = cell->call("robot.free_drive", params); !done) return done.error();
+  const auto status = cell->call("robot.status", {{"robot", request.robot}});
+  if (!status) return status.error();
+  Outcome outcome = status_outcome(*status);
+  const std::string& robot = request.robot;
+  outcome.text += request.ends
+                      ? "  " + robot + " holds each joint where it is\n"
+                      : "  " + robot +
+                            " is in free drive: guide it by hand; it falls where no hand holds it. "
+                            "sinew teach " +
+                            robot + " POINT saves where it is, sinew free " + robot +
+                            " --end holds it there\n";
+  return outcome;
+}
+
 std::expected<Json, Outcome> make_known(CellConnection& cell, const CellRequest& request) {
   const Json robot{{"robot", request.robot}};
   Json declaration = robot;

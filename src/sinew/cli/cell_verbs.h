@@ -8,6 +8,7 @@
 
 #include "sinew/cli/cell_connection.h"
 #include "sinew/cli/outcome.h"
+#include "sinew/cli/verb.h"
 
 namespace sinew::cli {
 
@@ -23,6 +24,7 @@ struct CellRequest {
   std::optional<std::string> answers;      ///< of a procedure: a file; else somebody types
   bool zero_counters = false;              ///< of `stands`: the device counts from there
   bool anew = false;                       ///< of `commission`
+  bool ends = false;                       ///< of `free`
   bool take_over = false;
   bool guarded = false;                       ///< of `pause`
   std::string file;                           ///< of `run`
@@ -49,12 +51,16 @@ Outcome cell_stop(const CellRequest& request);
 Outcome cell_pause(const CellRequest& request);
 Outcome cell_resume(const CellRequest& request);
 Outcome cell_nudge(const CellRequest& request);
+Outcome cell_free(const CellRequest& request);
 Outcome cell_step(const CellRequest& request);
 Outcome cell_recover(const CellRequest& request);
 /// Where a robot stands, from somebody who has looked; says what was known before.
 Outcome cell_stands(const CellRequest& request);
 Outcome cell_commission(const CellRequest& request);
 Outcome cell_lease(const CellRequest& request);
+
+/// The verbs above with their options, but those that are verbs of one robot too.
+void add_cell_verbs(CLI::App& app, ChosenVerb& call, CellRequest& request);
 
 /// The beginning of a recovery: lease, an acknowledged fault, a machine that is found, and where it
 /// stands if somebody says so. @return  its status then

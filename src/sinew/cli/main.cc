@@ -25,10 +25,12 @@
 #include "sinew/cli/robots_verb.h"
 #include "sinew/cli/run_verb.h"
 #include "sinew/cli/serve_verb.h"
+#include "sinew/cli/servos_verb.h"
 #include "sinew/cli/sim_verb.h"
 #include "sinew/cli/table.h"
 #include "sinew/cli/teach_verb.h"
 #include "sinew/cli/torque_verb.h"
+#include "sinew/cli/verb.h"
 #include "sinew/core/spelling.h"
 #include "sinew/io/standard_streams.h"
 
@@ -37,10 +39,8 @@ namespace {
 
 const std::string kPorts = "serial device, tcp:HOST:PORT, spidev or simwire:unix:PATH";
 
-/// The parts of one call: options land in the requests, the chosen verb in `verb`.
-struct Call {
-  bool json = false;
-  std::function<Outcome()> verb;
+/// The parts of one call: options land in the requests.
+struct Call : ChosenVerb {
   std::string robot;
   ForwardRequest forward;
   InverseRequest inverse;
@@ -65,15 +65,8 @@ struct Call {
   ConvertRequest convert;
   DetectRequest detect;
   CameraRequest camera;
+  ServosRequest servos;
 };
-
-CLI::App* add_verb(CLI::App& app, Call& call, const std::string& name, const std::string& what,
-                   const std::string& example) {
-  CLI::App* verb = app.add_subcommand(name, what);
-  verb->add_flag("--json", call.json, "one JSON document on stdout, for machines");
-  verb->footer("Example:\n  " + example + "\n");
-  return verb;
-}
 
 void add_robots(CLI::App& app, Call& call) {
   CLI::App* verb = add_verb(app, call, "robots", "the robots that Sinew knows, or all about one",
@@ -444,91 +437,6 @@ void add_serve(CLI::App& app, Call& call) {
   });
 }
 
-/// A verb that asks something of a running cell.
-CLI::App* add_cell_verb(CLI::App& app, Call& call, const std::string& name, const std::string& what,
-                        const std::string& example, Outcome (*answer)(const CellRequest&)) {
-  CLI::App* verb = add_verb(app, call, name, what, example);
-  verb->add_option("--socket", call.cell.socket,
-                   "where the cell answers; the user's own place where left out");
-  verb->callback([&call, answer] {
-    call.verb = [&call, answer] {
-      call.cell.json = call.json;
-      return answer(call.cell);
-    };
-  });
-  return verb;
-}
-
-void add_cell_verbs(CLI::App& app, Call& call) {
-  CellRequest& request = call.cell;
-  constexpr const char* kRobot = "its name in the cell";
-  constexpr const char* kAnswers = "a file of STEP = ANSWER, instead of typing";
-  constexpr const char* kTakeOver = "from whoever has the lease, which stops the robot first";
-  CLI::App* verb = add_cell_verb(app, call, "status", "how the robots of a running cell are",
-                                 "sinew status", cell_status);
-  verb->add_option("ROBOT", request.robot, "its name in the cell; all where left out");
-  verb = add_cell_verb(app, call, "move", "one row of a program on a robot of a running cell",
-                       "sinew move learm line x=200mm speed=50mm/s", cell_move);
-  verb->add_option("ROBOT", request.robot, kRobot)->required();
-  verb->add_option("ROW", request.row, "as in docs/programs.md")->required();
-  verb->add_flag("--take-over", request.take_over, kTakeOver);
-  verb = add_cell_verb(app, call, "home", "a robot of a running cell finds its zeros, or goes home",
-                       "sinew home arm", cell_home);
-  verb->add_option("ROBOT", request.robot, kRobot)->required();
-  verb->add_option("--answers", request.answers, kAnswers);
-  verb->add_flag("--take-over", request.take_over, kTakeOver);
-  verb = add_cell_verb(app, call, "stop", "brings a robot of a running cell to rest, or all",
-                       "sinew stop", cell_stop);
-  verb->add_option("ROBOT", request.robot, "its name in the cell; all where left out");
-  verb = add_cell_verb(app, call, "pause", "a robot of a running cell rests on its path",
-                       "sinew pause arm", cell_pause);
-  verb->add_option("ROBOT", request.robot, kRobot)->required();
-  verb->add_flag("--guard", request.guarded, "resumed with --take-over only");
-  verb =
-      add_cell_verb(app, call, "resume", "it goes on from there", "sinew resume arm", cell_resume);
-  verb->add_option("ROBOT", request.robot, kRobot)->required();
-  verb->add_flag("--take-over", request.take_over,
-                 "also where another client guards the hold or has control");
-  verb = add_cell_verb(app, call, "step",
-                       "the next order of the program that runs there, then a pause",
-                       "sinew step arm --back", cell_step);
-  verb->add_option("ROBOT", request.robot, kRobot)->required();
-  verb->add_flag("--back", request.back, "back to where the last order began, and a pause there");
-  verb = add_cell_verb(app, call, "recover",
-                       "acknowledges a fault, finds the device, and the way back to a position",
-                       "sinew recover platform --standing-at home", cell_recover);
-  verb->add_option("ROBOT", request.robot, kRobot)->required();
-  verb->add_option("--standing-at", request.standing_at,
-                   "where it stands, from somebody who has looked: home, lowered (legs), shown, or "
-                   "a value a joint");
-  verb->add_option("--moved", request.moved,
-                   "why what was known of its place does not count any more: who moved it");
-  verb->add_option("--answers", request.answers, kAnswers);
-  verb->add_flag("--take-over", request.take_over, kTakeOver);
-  verb = add_cell_verb(app, call, "stands",
-                       "where a robot of a running cell stands, from somebody who has looked",
-                       "sinew stands big home --zero-counters", cell_stands);
-  verb->add_option("ROBOT", request.robot, kRobot)->required();
-  verb->add_option("PLACE", request.standing_at,
-                   "home, lowered (legs), shown (as status shows it), or a value a joint")
-      ->required();
-  verb->add_option("--moved", request.moved,
-                   "why what was known of its place does not count any more: who moved it");
-  verb->add_flag("--zero-counters", request.zero_counters,
-                 "the device's own counters read zero there, where it has such a command");
-  verb->add_flag("--take-over", request.take_over, kTakeOver);
-  verb = add_cell_verb(app, call, "nudge", "one joint a little, slowly, from wherever it is",
-                       "sinew nudge platform leg1 -0.2mm", cell_nudge);
-  verb->add_option("ROBOT", request.robot, kRobot)->required();
-  verb->add_option("JOINT", request.joint, "its name")->required();
-  verb->add_option("WAY", request.way, "as in 0.2mm or -1deg")->required();
-  verb->add_flag("--take-over", request.take_over, kTakeOver);
-  verb = add_cell_verb(app, call, "lease", "holds a robot of a running cell until Ctrl-C",
-                       "sinew lease arm", cell_lease);
-  verb->add_option("ROBOT", request.robot, kRobot)->required();
-  verb->add_flag("--take-over", request.take_over, kTakeOver);
-}
-
 void add_commission(CLI::App& app, Call& call) {
   CLI::App* verb = add_verb(app, call, "commission",
                             "a guided checklist for a robot's first day; also homing and recovery",
@@ -738,13 +646,14 @@ int run(std::span<char*> arguments) {
   add_run(app, call);
   add_doctor(app, call);
   add_device(app, call);
+  add_servos(app, call, call.servos);
   add_plan(app, call);
   add_jog(app, call);
   add_axis(app, call);
   add_torque(app, call);
   add_serve(app, call);
   add_record(app, call);
-  add_cell_verbs(app, call);
+  add_cell_verbs(app, call, call.cell);
   add_commission(app, call);
   add_points(app, call);
   add_bullride(app, call);

@@ -44,6 +44,10 @@ const Outputs& Controller::step(const Inputs& inputs, Instant now) {
   take_events(now);
   watch_port(inputs, now);
   watch_driver(now);
+  // Free joints are where a hand, or their weight, takes them.
+  if (state_ == MachineState::kReady && !task_ && driver_.free()) {
+    stand_where_driver_says(Setpoint::kForgotten);
+  }
   for (const Command& command : inputs.commands) handle(command, inputs, now);
   watch_lease(now);
   watch_journal(inputs, now);

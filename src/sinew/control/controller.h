@@ -102,6 +102,8 @@ class Controller {
   /// Why it is stopping, held, or was stopped last.
   std::optional<StopCause> last_stop() const { return last_stop_; }
   double feed() const { return feed_; }
+  /// A client has freed the arm to guide it by hand: nothing moves before it is held again.
+  bool free_drive() const { return free_drive_; }
   /// Of the command under way; 0 where none is.
   std::uint32_t task() const { return task_ ? task_->command : 0; }
   double progress() const;
@@ -127,6 +129,7 @@ class Controller {
     Nudge nudge{};                 ///< of kNudge
     Home home{};                   ///< of kHome
     std::optional<JawsTo> jaws{};  ///< of kTool
+    bool holds = false;            ///< of kTool: motors are switched on where the arm is
   };
   /// A stop under way.
   struct Stopping {
@@ -206,6 +209,7 @@ class Controller {
   void take_lease(const LeaseToken& token, bool take_over, Instant now);
   void enable(std::uint32_t command, Instant now);
   Expected<void> at_rest(Instant now) const;
+  Expected<void> may_begin(Instant now) const;
   Error unknown_position() const;
   Expected<void> begin(const Command& command, const Begin& begin, Instant now);
   /// True where a jog that is under way goes on with it.
@@ -272,6 +276,7 @@ class Controller {
   int outstanding_ = 0;  ///< commands that the driver has taken and not ended
   double feed_ = 1;
   bool had_holder_ = false;
+  bool free_drive_ = false;
 
   JournalPositions positions_;  ///< while the driver knows none
   bool driver_spoke_ = false;   ///< its positions count: it has been ready, or keeps ours

@@ -166,8 +166,10 @@ Expected<bool> Controller::on(const Service& service, const Asked& asked) {
   if (const auto accepted = driver_.service(service.what, asked.now); !accepted) {
     return std::unexpected(accepted.error());
   }
+  free_drive_ = free_drive_ || service.what == DeviceService::kFree;
   ++outstanding_;
   task_ = Task{asked.command.id, TaskKind::kTool, nullptr, asked.now, true};
+  task_->holds = service.what == DeviceService::kHold;
   return false;
 }
 
@@ -204,8 +206,14 @@ Expected<void> Controller::at_rest(Instant now) const {
   return {};
 }
 
-Expected<void> Controller::begin(const Command& command, const Begin& begin, Instant now) {
+/// Hands may be on an arm that was freed.
+Expected<void> Controller::may_begin(Instant now) const {
   if (const auto rest = at_rest(now); !rest) return rest;
+  return free_drive_ ? Expected<void>(refused(ErrorCode::kFreeDrive)) : Expected<void>();
+}
+
+Expected<void> Controller::begin(const Command& command, const Begin& begin, Instant now) {
+  if (const auto may = may_begin(now); !may) return may;
   if (begin.motion == nullptr) return refused(ErrorCode::kMoveInput);
   if (!begin.recovers) {
     const auto from = reference();
@@ -238,7 +246,7 @@ Expected<bool> Controller::jog(const Command& command, const JogAt& velocity, In
     if (const auto error = jog_.command(velocity.velocity, now)) return std::unexpected(*error);
     return true;
   }
-  if (const auto rest = at_rest(now); !rest) return std::unexpected(rest.error());
+  if (const auto may = may_begin(now); !may) return std::unexpected(may.error());
   const auto from = reference();
   if (!from) return std::unexpected(unknown_position());
   if (const auto error = left_out_jog(velocity.velocity, robot_)) return std::unexpected(*error);
@@ -250,7 +258,7 @@ Expected<bool> Controller::jog(const Command& command, const JogAt& velocity, In
 }
 
 Expected<void> Controller::home(const Command& command, const Home& home, Instant now) {
-  if (const auto rest = at_rest(now); !rest) return rest;
+  if (const auto may = may_begin(now); !may) return may;
   if (!home.resumes) found_ = 0;
   task_ = Task{command.id, TaskKind::kHome, nullptr, now, false, {}, home};
   change(Signal::kRecover);
@@ -258,7 +266,7 @@ Expected<void> Controller::home(const Command& command, const Home& home, Instan
 }
 
 Expected<void> Controller::nudge(const Command& command, const Nudge& nudge, Instant now) {
-  if (const auto rest = at_rest(now); !rest) return rest;
+  if (const auto may = may_begin(now); !may) return may;
   if (const auto passed = governor_.pass_nudge(nudge.joint, nudge.way, positions()); !passed) {
     return passed;
   }

@@ -137,6 +137,37 @@ TEST(Recovery, a_service_of_the_device_needs_the_lease_and_a_machine_at_rest) {
   EXPECT_EQ(cell.driver.services, std::vector{DeviceService::kShutDown});
 }
 
+TEST(Recovery, nothing_moves_an_arm_that_was_freed_and_the_next_motion_begins_where_it_was_led) {
+  ControlCell cell(kLostArm);
+  cell.make_ready();
+  const auto done = [&](const CommandWhat& what) {
+    const std::uint32_t id = cell.give(what);
+    EXPECT_TRUE(cell.run_until([&] { return cell.end_of(id).has_value(); }, 1s));
+    return *cell.end_of(id);
+  };
+  EXPECT_EQ(done(Service{DeviceService::kFree}).kind, Kind::kDone);
+  EXPECT_TRUE(cell.controller.free_drive());
+  const double led = cell.robot.joints[0].home + 0.3;
+  cell.driver.set(0, {PositionQuality::kMeasured, led, led, led});
+  cell.run(50ms);
+  EXPECT_EQ(cell.controller.reference().value()[0], led);
+  MotionSource& motion = cell.whole_move_to(cell.by(0.1));
+  const CommandWhat moves[] = {Begin{.motion = &motion}, Home{}, Nudge{0, 0.01}};
+  for (const CommandWhat& what : moves) {
+    const ControlEvent end = done(what);
+    EXPECT_EQ(end.kind, Kind::kRefused) << what.index();
+    EXPECT_EQ(end.error.code, ErrorCode::kFreeDrive) << what.index();
+  }
+  EXPECT_TRUE(cell.driver.pieces.empty());
+  EXPECT_EQ(cell.controller.state(), MachineState::kReady);
+  const double held = led + 0.01;
+  cell.driver.set(0, {PositionQuality::kMeasured, held, held, held});
+  EXPECT_EQ(done(Service{DeviceService::kHold}).kind, Kind::kDone);
+  EXPECT_FALSE(cell.controller.free_drive());
+  EXPECT_EQ(cell.controller.reference().value()[0], held);
+  EXPECT_EQ(done(Begin{.motion = &cell.whole_move_to(cell.by(0.1), 500ms)}).kind, Kind::kDone);
+}
+
 TEST(Recovery, what_is_no_small_step_of_one_joint_is_refused_and_nothing_moves) {
   ControlCell cell(kLostArm);
   cell.driver.lose(0);

@@ -90,6 +90,9 @@ class PretendDriver final : public Driver {
     homing_until_ = now + 200ms;
     return {};
   }
+  bool free() const override {
+    return !services.empty() && services.back() == DeviceService::kFree;
+  }
   Expected<void> nudge(std::size_t joint, double way, Duration duration, Instant now) override {
     state_ = DriverState::kMoving;
     homing_until_ = now + duration;

@@ -131,6 +131,10 @@ void Controller::take(const DriverEvent& event, Instant now) {
       if (!whole || task_->kind != TaskKind::kTool) break;
       if (const auto& jaws = task_->jaws) {
         fit({driver_.health().jaws_width.value_or(jaws->width), jaws->held});
+      } else if (task_->holds) {
+        free_drive_ = false;
+        // Motors that were switched on hold the arm where it came to rest.
+        stand_where_driver_says(Setpoint::kForgotten);
       }
       end_task(ControlEvent::Kind::kDone);
       break;

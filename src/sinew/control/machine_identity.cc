@@ -1,5 +1,6 @@
 #include "sinew/control/machine_identity.h"
 
+#include <algorithm>
 #include <limits>
 #include <optional>
 #include <variant>
@@ -49,7 +50,8 @@ JournalSettings journal_settings(const RobotModel& robot) {
   JournalSettings settings;
   settings.owner = journal_owner(robot);
   const std::optional<CountGrain> grain = robot.device.settings->count_grain();
-  for (const Joint& joint : robot.joints) {
+  for (std::size_t j = 0; j < robot.joints.size(); ++j) {
+    const Joint& joint = robot.joints[j];
     JournalJoint own{.block = kBlockTime * joint.velocity_max,
                      .lead = kLeadTime * joint.velocity_max,
                      .slack = 0,
@@ -60,7 +62,8 @@ JournalSettings journal_settings(const RobotModel& robot) {
       own.lead = grain->lead;
       own.slack = grain->slack;
     } else if (robot.device.capability.feedback == PositionFeedback::kMeasured) {
-      own.slack = 1e-3;  // rad: what a sensor jitters by
+      // rad: what a sensor jitters by.
+      own.slack = std::max(1e-3, robot.device.settings->resolution(j));
     }
     settings.joints.push_back(own);
   }

@@ -332,6 +332,36 @@ constexpr std::array kTable = std::to_array<ErrorInfo>({
      "this row places into a basket, and no cell is known here: run it in a cell that has one "
      "(sinew serve CELL.toml, then sinew run --cell)",
      kNone, true, kNoStop, 409},
+    {kFreeDrive, "free_drive",
+     "the arm is in free drive: end it first (sinew free ROBOT --end, in the panel: Hold)", kNone,
+     true, kNoStop, 409},
+    {kServoSilent, "servo_silent",
+     "the servo of {subject} does not reply: check its plug, its number and its supply", kNone,
+     false, kHold, 504},
+    {kServoMode, "servo_mode",
+     "the servo of {subject} is not set up to hold positions (register 33 = 0; SCS servos: limits "
+     "that are not both 0)",
+     kNone, true, kNoStop, 409},
+    {kServoSeries, "servo_series",
+     "the servo of {subject} has its bytes in the other order: the series in the robot's file is "
+     "another one",
+     kNone, true, kNoStop, 409},
+    {kServoTurns, "servo_turns",
+     "the servo of {subject} counts {measured}, outside one turn (0 to {limit}): turn the joint "
+     "back, or set its middle anew",
+     kCount, true, kNoStop, 409},
+    {kServoRange, "servo_range",
+     "the servo of {subject} goes to {measured} by its own limit, and the robot's file says "
+     "{limit}: "
+     "widen the servo's limits, or narrow the file's",
+     kAngle, true, kNoStop, 409},
+    {kSupplyHigh, "supply_high",
+     "the supply is at {measured}, and the servos bear {limit}: switch it off now", kVoltage, true,
+     kHold, 503},
+    {kOverloaded, "overloaded",
+     "the servo of {subject} is overloaded and protects itself: take the load away, then "
+     "acknowledge",
+     kNone, true, kHold, 503},
 });
 
 /// Of the same codes where bodies are in one another.

@@ -127,6 +127,14 @@ enum class ErrorCode : std::uint8_t {
   kNothingHeld,        ///< a row releases what was never picked
   kBasketOutOfReach,   ///< measured, limit: as kOutOfReach
   kNoBasket,           ///< a row places into one, and no cell is known that has it
+  kFreeDrive,          ///< the motors are off so that the arm can be guided by hand
+  kServoSilent,        ///< index: joint; its servo does not reply on the bus
+  kServoMode,          ///< index: joint; its servo is set up as a wheel, not to hold positions
+  kServoSeries,        ///< index: joint; its servo is of a series with other bytes
+  kServoTurns,         ///< index: joint; measured: what its servo counts, limit: of one turn
+  kServoRange,  ///< index: joint; measured: where its servo's own limit ends it, limit: the file's
+  kSupplyHigh,  ///< measured, limit: V
+  kOverloaded,  ///< index: joint; its servo protects itself and holds with a part of its torque
 };
 
 /// How a stop ends, after IEC 60204-1.

@@ -15,11 +15,12 @@ extern const DeviceKind kIcpKind;
 extern const DeviceKind kAxisRegistersKind;
 extern const DeviceKind kAxisLinkKind;
 extern const DeviceKind kGrblKind;
+extern const DeviceKind kFeetechKind;
 
 std::span<const DeviceKind* const> device_kinds() {
   static constexpr const DeviceKind* kAll[] = {
-      &kIdealKind, &kBigRobotArmKind,   &kLscKind,      &kMaxArmKind,
-      &kIcpKind,   &kAxisRegistersKind, &kAxisLinkKind, &kGrblKind,
+      &kIdealKind,         &kBigRobotArmKind, &kLscKind,  &kMaxArmKind,  &kIcpKind,
+      &kAxisRegistersKind, &kAxisLinkKind,    &kGrblKind, &kFeetechKind,
   };
   return kAll;
 }

@@ -54,6 +54,8 @@ enum class DeviceService : std::uint8_t {
   kWake,      ///< its motor modules, from a shutdown of their own
   kShutDown,  ///< the whole controller, until its power is cut
   kSelfTest,  ///< each board of itself; where it is homed its motor turns a full step and back
+  kFree,      ///< the joints' motors off, so that the arm can be guided by hand
+  kHold,      ///< the joints' motors on, where each joint is
 };
 
 /// Joints as a bit each.
@@ -217,6 +219,9 @@ class Driver {
     return std::unexpected(Error{ErrorCode::kNoSuchService});
   }
 
+  /// The joints' motors are off: they turn by hand, and fall by their weight. Positions are
+  /// measured all the same.
+  virtual bool free() const { return false; }
   /// kDone follows, or kFailed with what a self-test found.
   /// @error kNoSuchService, kBusy, fault's own
   virtual Expected<void> service(DeviceService what, Instant now) {

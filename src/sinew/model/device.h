@@ -43,6 +43,9 @@ struct DeviceCapability {
   /// device moves to places only.
   double nudge_max = 0;
   HandDrive hand = HandDrive::kNone;
+  /// Its motors can be switched off and on again by themselves, and positions are measured
+  /// meanwhile: the arm can be guided by hand.
+  bool free_drive = false;
 };
 
 /// What is left as it is here is the ideal device.

@@ -15,7 +15,8 @@ std::string subject_of(const Error& error, const RobotModel& model) {
   }
   const bool in_cell = error.code == ErrorCode::kCellContact || error.code == ErrorCode::kCellTaken;
   if (in_cell && error.index >= 0) return std::string(link_name(model, index));
-  if (error.index < 0 || index >= model.joints.size()) return {};
+  if (error.index >= 0 && index == model.joints.size()) return "the jaws";
+  if (error.index < 0 || index > model.joints.size()) return {};
   return model.joints[index].name;
 }
 

@@ -64,6 +64,12 @@ FoundSettings found_settings(const Procedure& procedure) {
     if (const auto* id = done(procedure, "id." + joint.name)) {
       found["joint." + joint.name + ".servo_id"] = number_text(*id->number);
     }
+    if (const auto* zero = done(procedure, "zero." + joint.name)) {
+      const std::string key = "joint." + joint.name;
+      // It was measured as the joint counted before.
+      const double sign = found.contains(key + ".turn") ? -1 : 1;
+      found[key + ".trim_rad"] = number_text(sign * *zero->number);
+    }
     if (const auto* trim = done(procedure, "trim." + joint.name)) {
       found["joint." + joint.name + ".trim_rad"] = number_text(*trim->number);
     }

@@ -419,8 +419,8 @@ void Procedure::begin_work(Instant now) {
     searching_.reset();
     command_ = machine_.give(control::Home{.resumes = search_begun_});
     phase_ = Phase::kWorking;
-  } else if (const auto* tool = std::get_if<ToolTryStep>(&step().what)) {
-    command_ = machine_.give(control::UseTool{tool->action});
+  } else if (const auto* order = std::get_if<GiveStep>(&step().what)) {
+    command_ = machine_.give(order->what);
     phase_ = Phase::kWorking;
   }
   if (why) ask_again(*why);

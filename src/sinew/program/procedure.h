@@ -70,8 +70,9 @@ struct SearchStep {
 struct FirstMoveStep {};
 /// From where it knows that it stands to the robot's home, as a program's `home` row ends.
 struct HomeMoveStep {};
-struct ToolTryStep {
-  ToolAction action;
+/// A tool at work, or a service of the device: whatever ends by itself.
+struct GiveStep {
+  control::CommandWhat what;
 };
 /// Where the machine stands, from somebody who looks: one of these names, a value a joint, or
 /// `shown` where it stands as its intervals say, which stay. Where something else is known,
@@ -88,7 +89,7 @@ struct ProcedureStep {
   std::string id;    ///< unique in its procedure, stable: answers are kept by it
   std::string text;  ///< what a person reads
   std::variant<TellStep, CheckStep, MotionStep, AdjustStep, ChoiceStep, NumberStep, SearchStep,
-               FirstMoveStep, HomeMoveStep, ToolTryStep, PlaceStep>
+               FirstMoveStep, HomeMoveStep, GiveStep, PlaceStep>
       what;
   std::string hint{};     ///< where it went wrong: what helps
   bool optional = false;  ///< may be answered with: skip

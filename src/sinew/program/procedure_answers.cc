@@ -82,7 +82,7 @@ std::vector<std::string> Procedure::choices() const {
   const bool starts = std::holds_alternative<SearchStep>(step().what) ||
                       std::holds_alternative<FirstMoveStep>(step().what) ||
                       std::holds_alternative<HomeMoveStep>(step().what) ||
-                      std::holds_alternative<ToolTryStep>(step().what);
+                      std::holds_alternative<GiveStep>(step().what);
   if (starts) words = {"go"};
   if (const auto* where = std::get_if<PlaceStep>(&step().what)) {
     for (const PlaceStep::Place& place : where->places) words.push_back(place.name);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
 #include <utility>
 
@@ -11,6 +12,7 @@
 #include "sinew/devices/icp/icp_settings.h"
 #include "sinew/devices/lsc/lsc_settings.h"
 #include "sinew/devices/maxarm/maxarm_settings.h"
+#include "sinew/model/hand.h"
 #include "sinew/model/joint_lookup.h"
 #include "sinew/model/left_out.h"
 
@@ -341,11 +343,12 @@ std::optional<std::string> who_has(const Procedure& procedure, const std::string
 }  // namespace
 
 double jaws_tried(const RobotModel& robot) {
-  const auto& device = robot.device.settings.get<LscDevice>();
   const double width = std::get<SerialGeometry>(robot.geometry).gripper->width_max;
+  const auto* device = robot.device.settings.as<LscDevice>();
+  if (device == nullptr) return width;
   const bool shut =
-      std::abs(device.gripper.closed - kJawsMiddle) < std::abs(device.gripper.open - kJawsMiddle);
-  return device.profile != LscProfile::kBus && shut ? 0 : width;
+      std::abs(device->gripper.closed - kJawsMiddle) < std::abs(device->gripper.open - kJawsMiddle);
+  return device->profile != LscProfile::kBus && shut ? 0 : width;
 }
 
 namespace {
@@ -379,7 +382,7 @@ void list_servos(Lister& list, const RobotModel& robot) {
   }
   list.all_turn("A servo that stays still has another number, a loose plug, or no supply");
   list.add("jaws", "The jaws go to where both kits' servos may be. Keep fingers away.",
-           ToolTryStep{JawsTo{jaws_tried(robot)}});
+           GiveStep{control::UseTool{JawsTo{jaws_tried(robot)}}});
   list.add("jaws_seen", "Are the jaws open or shut now?", ChoiceStep{{"open", "shut", "neither"}},
            "neither: look at the plug of the gripper's servo, and at its horn");
   for (const Joint& joint : robot.joints) {
@@ -406,7 +409,7 @@ void list_bigrobotarm(Lister& list, const RobotModel& robot) {
                                 {"forward", "backward"}});
   list.all_turn("A motor that only hums has a coil that is not connected, or too little current");
   list.add("gripper", "The gripper's servo goes to 60 deg.",
-           ToolTryStep{GripperTo{true, from_deg(60)}});
+           GiveStep{control::UseTool{GripperTo{true, from_deg(60)}}});
   list.add("gripper_seen", "What did the gripper do?", ChoiceStep{{"closed", "opened", "nothing"}});
 }
 
@@ -421,11 +424,57 @@ void list_maxarm(Lister& list) {
   list.directions(from_deg(6), {{"left", "right"}, {"forward", "backward"}, {"up", "down"}});
   list.all_turn("A servo that stays still has a loose plug, or is overloaded");
   list.add("suction", "The pump runs: hold something flat below the nozzle.",
-           ToolTryStep{Suction{Suction::State::kOn}});
+           GiveStep{control::UseTool{Suction{Suction::State::kOn}}});
   list.add("suction_seen", "Is it held?", ChoiceStep{{"held", "nothing"}},
            "the hose, the pump's plug, the nozzle");
   list.add("suction_off", "The valve opens, and it is let go of.",
-           ToolTryStep{Suction{Suction::State::kRelease}});
+           GiveStep{control::UseTool{Suction{Suction::State::kRelease}}});
+}
+
+/// Where a joint is that was put to its zero by hand.
+std::optional<Verdict> zero_seen(const Procedure& procedure, std::size_t joint) {
+  const JointPosition& at = procedure.machine().positions()[joint];
+  if (at.quality != PositionQuality::kMeasured) return std::nullopt;
+  char words[40];
+  std::snprintf(words, sizeof words, "measured at %.1f deg", to_deg(at.q));
+  return Verdict{true, words, at.q};
+}
+
+/// An arm that can be guided by hand.
+void list_guided(Lister& list, const RobotModel& robot, const DeviceFact& fact) {
+  list.add("supply",
+           "The arm is held by hand: it falls when its motors are switched off. The servos have "
+           "their supply, and a hand is on its switch.");
+  list.answers("All servos reply, and their own settings fit the robot's file");
+  for (std::size_t j = 0; j < robot.joints.size(); ++j) {
+    list.add("servo." + robot.joints[j].name, "The servo of " + robot.joints[j].name,
+             CheckStep{[fact, j](const Procedure&) {
+               return Verdict{true, (fact ? fact("servo", j) : std::nullopt).value_or("no facts")};
+             }});
+  }
+  list.add("free", "The motors are switched off. Hold the arm.",
+           GiveStep{control::Service{DeviceService::kFree}});
+  list.add("zero",
+           "Put every joint to its zero by hand, as the panel draws the arm with all joints at 0, "
+           "and hold it there.")
+      .optional = true;
+  for (std::size_t j = 0; j < robot.joints.size(); ++j) {
+    list.add("zero." + robot.joints[j].name, "Where the servo of " + robot.joints[j].name + " is",
+             CheckStep{[j](const Procedure& procedure) { return zero_seen(procedure, j); }})
+        .when = [](const Procedure& procedure) {
+      const auto* put = procedure.result("zero");
+      return put != nullptr && put->state == StepResult::State::kDone;
+    };
+  }
+  list.add("hold", "The motors hold each joint where it is.",
+           GiveStep{control::Service{DeviceService::kHold}});
+  list.directions(from_deg(8), {{"plus", "minus"}});
+  list.all_turn("A servo that stays still has another number, a loose plug, or no supply");
+  if (jaws_of(robot) == nullptr) return;
+  list.add("jaws", "The jaws open. Keep fingers away.",
+           GiveStep{control::UseTool{JawsTo{jaws_tried(robot)}}});
+  list.add("jaws_seen", "Are the jaws open or shut now?", ChoiceStep{{"open", "shut", "neither"}},
+           "neither: look at the plug and the number of the gripper's servo");
 }
 
 /// Any device that moves one joint by a little.
@@ -504,6 +553,8 @@ std::expected<ProcedurePlan, std::string> commissioning_procedure(const RobotMod
     list_maxarm(list);
   } else if (has_boards(robot)) {
     list_boards(list, robot, homing, fact);
+  } else if (robot.device.capability.free_drive) {
+    list_guided(list, robot, fact);
   } else if (robot.device.capability.nudge_max > 0) {
     list_any(list, robot);
   } else {

@@ -7,8 +7,8 @@
 namespace sinew::runtime {
 
 /// What a driver can tell of its device beside positions: "supply" (V), "minus_one" (FFFF, FFFE),
-/// "wire", "checksum", "axis" (fine, or why not), "zero_shift_steps" and "zero_shift_deg" (of two
-/// searches, where the wire shows it).
+/// "wire", "checksum", "axis" (fine, or why not), "servo", "zero_shift_steps" and "zero_shift_deg"
+/// (of two searches, where the wire shows it).
 program::DeviceFact facts_of(const Driver& driver, const RobotModel& robot);
 
 }  // namespace sinew::runtime

@@ -296,6 +296,7 @@ void Station::publish(const ControlLoop& loop, Instant now) {
     for (const control::Latched& one : later) view_.later.push_back(one);
     view_.last_stop = controller.last_stop();
     view_.feed = controller.feed();
+    view_.free_drive = controller.free_drive();
     view_.task = controller.task();
     view_.progress = controller.progress();
     view_.jog = controller.jog_status();
@@ -434,7 +435,7 @@ void Station::look_for_facts(const control::Controller& controller, Instant now)
     if (auto told = tell(what, 0)) facts.emplace(std::pair(what, 0), std::move(*told));
   }
   for (std::size_t j = 0; j < robot_.joints.size(); ++j) {
-    for (const char* what : {"axis", "zero_shift_steps", "zero_shift_deg"}) {
+    for (const char* what : {"axis", "servo", "zero_shift_steps", "zero_shift_deg"}) {
       if (auto told = tell(what, j)) facts.emplace(std::pair(what, j), std::move(*told));
     }
   }

@@ -23,6 +23,7 @@ struct StationView {
   FixedVector<control::Latched, control::Controller::kLaterCausesMax> later;
   std::optional<control::StopCause> last_stop;
   double feed = 1;
+  bool free_drive = false;
   std::uint32_t task = 0;  ///< the command under way
   double progress = 0;     ///< of it
   planning::JogStatus jog;

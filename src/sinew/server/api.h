@@ -225,6 +225,7 @@ class Api {
   Answer stop(const Call& call);
   Answer jog(const Call& call);
   Answer declare(const Call& call);
+  Answer free_drive(const Call& call);
   Answer nudge(const Call& call);
   Answer run_program(const Call& call);
   Answer ride(const Call& call);

@@ -98,6 +98,8 @@ Api::Answer Api::call(const Method& method, const Call& call) {
       return give(call, control::Acknowledge{});
     case MethodId::kRobotSelfTest:
       return give(call, control::Service{DeviceService::kSelfTest});
+    case MethodId::kRobotFreeDrive:
+      return free_drive(call);
     case MethodId::kRobotStop:
       return stop(call);
     case MethodId::kRobotFeed:
@@ -367,6 +369,18 @@ Api::Answer Api::declare(const Call& call) {
     if (declare.zeroes_counters) event["zero_counters"] = true;
   }
   return answer;
+}
+
+Api::Answer Api::free_drive(const Call& call) {
+  if (!cell_.station(*call.robot).robot().device.capability.free_drive) {
+    return RpcError{RpcCode::kRefused,
+                    "this robot has no free drive: its motors cannot be switched off alone, or "
+                    "its positions are not measured",
+                    nullptr};
+  }
+  if (const auto job = job_under_way(*call.robot)) return *job;
+  const bool on = call.request.params["on"].get<bool>();
+  return give(call, control::Service{on ? DeviceService::kFree : DeviceService::kHold});
 }
 
 Api::Answer Api::nudge(const Call& call) {

@@ -13,6 +13,7 @@
 #include "sinew/devices/bigrobotarm/bigrobotarm_driver_facts.h"
 #include "sinew/devices/bigrobotarm/bigrobotarm_settings.h"
 #include "sinew/devices/bigrobotarm/bigrobotarm_wire_byte.h"
+#include "sinew/devices/feetech/feetech_driver_facts.h"
 #include "sinew/devices/icp/icp_driver_facts.h"
 #include "sinew/devices/icp/tmc222_wire_words.h"
 #include "sinew/devices/lsc/lsc_driver.h"
@@ -53,6 +54,7 @@ class Teller {
   Json operator()(const BigRobotArmFacts& facts) const;
   Json operator()(const AxisRegistersFacts& facts) const;
   Json operator()(const AxisLinkFacts& facts) const;
+  Json operator()(const FeetechFacts& facts) const;
 
  private:
   Json base() const {
@@ -366,6 +368,50 @@ Json Teller::operator()(const AxisLinkFacts& facts) const {
   return json;
 }
 
+Json Teller::operator()(const FeetechFacts& facts) const {
+  using feetech::Trouble;
+  constexpr std::pair<std::uint8_t, std::string_view> kTroubles[] = {
+      {Trouble::kVoltage, "servo_voltage"}, {Trouble::kSensor, "servo_sensor"},
+      {Trouble::kAngle, "servo_sensor"},    {Trouble::kHeat, "servo_heat"},
+      {Trouble::kCurrent, "servo_current"}, {Trouble::kOverload, "servo_overload"}};
+  const auto& device = model_.device.settings.get<FeetechDevice>();
+  Json json = base();
+  json["bus_servos"] = Json::array();
+  for (std::size_t i = 0; i < facts.count; ++i) {
+    const FeetechServoState& servo = facts.servos[i];
+    const bool is_joint = i < model_.joints.size();
+    const std::string name = is_joint ? joint(i) : "jaws";
+    Json one{{"joint", name},
+             {"servo", is_joint ? device.servos[i].id : device.gripper.id},
+             {"answers", servo.known && servo.missed == 0}};
+    if (!servo.known) {
+      warn(json, "no_answer", name);
+      json["bus_servos"].push_back(std::move(one));
+      continue;
+    }
+    one.update({{"age_s", age(servo.at)},
+                {"model", servo.model},
+                {"firmware",
+                 std::to_string(servo.firmware >> 8) + "." + std::to_string(servo.firmware & 0xFF)},
+                {"motor_on", servo.torque},
+                {"units", servo.units},
+                {"goal_units", servo.goal},
+                {"lowest_units", servo.lowest},
+                {"highest_units", servo.highest},
+                {"load", servo.load / 1000.0},
+                {"torque_limit", servo.torque_limit / 1000.0},
+                {"volts", servo.volts / 10.0},
+                {"temperature_c", servo.heat},
+                {"temperature_max_c", servo.hottest}});
+    if (is_joint) one["position_rad"] = device.q_of(i, servo.units);
+    for (const auto& [bits, what] : kTroubles) {
+      if ((servo.trouble & bits) != 0) warn(json, what, name);
+    }
+    json["bus_servos"].push_back(std::move(one));
+  }
+  return json;
+}
+
 /// As `Facts`, where they are.
 template <class Facts>
 bool put(Json& json, const Teller& teller, const DeviceFacts& facts) {
@@ -379,7 +425,8 @@ Json Teller::of(const DeviceFacts& facts) const {
   const bool known =
       put<IcpFacts>(json, *this, facts) || put<LscFacts>(json, *this, facts) ||
       put<MaxArmFacts>(json, *this, facts) || put<BigRobotArmFacts>(json, *this, facts) ||
-      put<AxisRegistersFacts>(json, *this, facts) || put<AxisLinkFacts>(json, *this, facts);
+      put<AxisRegistersFacts>(json, *this, facts) || put<AxisLinkFacts>(json, *this, facts) ||
+      put<FeetechFacts>(json, *this, facts);
   SINEW_ASSERT(known || facts.empty());
   return json;
 }

@@ -50,6 +50,8 @@ constexpr Param kDeclareParams[] = {
      "why what was known of its place does not count any more, in words: who moved it"},
     {"zero_counters", ParamType::kFlag, false,
      "the device's counters read zero there from now on, where it has such a command"}};
+constexpr Param kFreeDriveParams[] = {
+    kRobotParam, {"on", ParamType::kFlag, true, "false: the motors hold each joint where it is"}};
 constexpr Param kNudgeParams[] = {
     kRobotParam,
     {"joint", ParamType::kText, true, "its name"},
@@ -299,6 +301,10 @@ constexpr auto kMethods = std::to_array<Method>({
      "step "
      "and back; needs the lease",
      kRobotOnly, "an empty object, when all have passed"},
+    {MethodId::kRobotFreeDrive, "robot.free_drive", true,
+     "the joints' motors off, to guide the arm by hand, where they can be; the arm falls where no "
+     "hand holds it. Needs the lease",
+     kFreeDriveParams, "an empty object, when it is so"},
     {MethodId::kRobotStop, "robot.stop", false, "to rest; anybody may", kRobotOrAll,
      "an empty object, when it is told"},
     {MethodId::kRobotHold, "robot.hold", false,

@@ -50,6 +50,7 @@ enum class MethodId : std::uint8_t {
   kRobotDisable,
   kRobotAcknowledge,
   kRobotSelfTest,
+  kRobotFreeDrive,
   kRobotStop,
   kRobotHold,
   kRobotResume,

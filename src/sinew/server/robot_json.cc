@@ -210,6 +210,7 @@ Json description_json(const CellRobot& place, const runtime::Station& station) {
             {"time_scale", station.clock().scale()},
             {"pose", pose_json(place.X_WB.p, place.X_WB.R)},
             {"streams", capability.motion == MotionKind::kStream},
+            {"free_drive", capability.free_drive},
             {"joints", joints},
             {"stop",
              {{"ends_motion", stop.ends_motion},
@@ -235,6 +236,7 @@ Json status_json(const runtime::Station& station, const runtime::StationView& vi
             {"connected", view.port_open},
             {"joints", joints_json(view, model)},
             {"feed", view.feed},
+            {"free_drive", view.free_drive},
             {"progress", view.progress}};
   if (const std::string trouble = station.trouble(); !trouble.empty()) json["trouble"] = trouble;
   if (view.tool.jaws) json["jaws_m"] = *view.tool.jaws;

@@ -41,4 +41,11 @@ class ArmLoad {
   double potential_energy_ = 0;
 };
 
+/// The masses of the robot's file, or those of an arm of hobby servos: assumed, a servo of 60 g and
+/// its bracket at each end of a link, and a hand with its gripper.
+/// @pre a serial arm
+Dynamics masses_of_servo_arm(const RobotModel& model);
+/// The arm with its tool point where its jaws hold things.
+SerialGeometry tool_at_tips(SerialGeometry geometry);
+
 }  // namespace sinew::sim

@@ -35,7 +35,8 @@ void ServoMotor::step(double target, bool driven, double load, double h) {
   const double error = target - angle_;
   double drive = 0;
   if (awake && std::abs(error) > drive_.deadband) {
-    drive = supply_ratio_ * std::clamp(error / drive_.full_drive_error, -1.0, 1.0);
+    const double wanted = error / drive_.full_drive_error * stiffness_;
+    drive = supply_ratio_ * std::clamp(wanted, -torque_, torque_);
   }
   effort_ = std::abs(drive - speed_ / drive_.no_load_speed);
   // Back-EMF as a damper, taken implicitly: it is stiff against the small inertia.

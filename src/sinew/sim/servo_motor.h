@@ -24,6 +24,12 @@ class ServoMotor {
 
   /// Supply against its nominal voltage; below half of it the servo's electronics sleep.
   void set_supply_ratio(double ratio) { supply_ratio_ = ratio; }
+  /// What its controller lets it do from now on.
+  /// @param torque  share of what it can. @param stiffness  against `full_drive_error`
+  void set_drive(double torque, double stiffness) {
+    torque_ = torque;
+    stiffness_ = stiffness;
+  }
   /// A thing in the way: it cannot go above (below) this.
   void block_above(double angle) { block_upper_ = angle; }
   void block_below(double angle) { block_lower_ = angle; }
@@ -51,6 +57,8 @@ class ServoMotor {
 
   ServoDrive drive_;
   double supply_ratio_ = 1;
+  double torque_ = 1;
+  double stiffness_ = 1;
   double block_lower_ = -1e9;
   double block_upper_ = 1e9;
   double angle_;

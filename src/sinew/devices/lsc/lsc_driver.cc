@@ -16,6 +16,11 @@ constexpr Duration kTimeMin = std::chrono::milliseconds(20);  // the boards' own
 constexpr int kOpeningReadings = 60;  // 2 s: a limp arm sinks until something holds it
 constexpr Duration kBlockedPause = std::chrono::milliseconds(1);
 constexpr double kSpeedSlack = 1.1;  // planners round their times
+constexpr int kUnloads = 2;
+constexpr Duration kHandOld = std::chrono::milliseconds(400);
+constexpr Duration kHandPeriod = std::chrono::milliseconds(50);
+constexpr double kHandLate = 0.04;        // s between a servo's reading and its last byte
+constexpr double kHandAcceleration = 60;  // rad/s^2, of a joint that is led, or falls
 
 std::uint8_t bit(std::size_t slot) {
   return static_cast<std::uint8_t>(1U << slot);
@@ -297,6 +302,67 @@ Expected<void> LscDriver::tool(const ToolAction& action, Instant now) {
   return {};
 }
 
+/// Bus servos let go of their joints, and are read as they are led.
+Expected<void> LscDriver::service(DeviceService what, Instant now) {
+  poll(now);
+  const bool frees = what == DeviceService::kFree;
+  const bool known = frees || what == DeviceService::kHold;
+  if (profile_ != LscProfile::kBus || !known) {
+    return std::unexpected(Error{ErrorCode::kNoSuchService});
+  }
+  if (const auto may = may_begin(); !may) return may;
+  if (!frees && free_ && now_ - hand_at_ > kHandOld) {
+    return std::unexpected(Error{ErrorCode::kPositionUnknown, 0});
+  }
+  ++health_.requests;
+  ++pending_;
+  if (frees) {
+    free_ = true;
+    unloads_left_ = kUnloads;
+    hand_speed_.fill(0);
+    for (std::size_t i = 0; i < units_.joints(); ++i) slots_[i].held = false;
+    poll_free(now_);
+    return {};
+  }
+  Segment here;
+  for (std::size_t i = 0; i < units_.joints(); ++i) {
+    here.to[i] = static_cast<std::uint16_t>(std::lround(slots_[i].to));
+    here.mask |= bit(i);
+  }
+  here.duration = timing_.segment_max;
+  begin(here, now_);
+  return {};
+}
+
+/// Said more than once: nothing tells whether it was heard.
+void LscDriver::poll_free(Instant now) {
+  if (!free_ || phase_ != Phase::kIdle || !output_.empty() || question_ != Question::kNone) return;
+  if (unloads_left_ > 0) {
+    --unloads_left_;
+    ServoIds ids;
+    for (std::size_t i = 0; i < units_.joints(); ++i) ids.push_back(units_.id(i));
+    return send(Unload{ids}, now);
+  }
+  if (pending_ > 0) end_all(Kind::kDone);
+  if (now >= hand_due_) {
+    hand_due_ = now + kHandPeriod;
+    ask(Question::kPositions, now);
+  }
+}
+
+/// As a hand, or its weight, has the arm now.
+void LscDriver::follow_hand(const Units& units, Instant now) {
+  const double age = std::max(1e-3, to_seconds(now - hand_at_));
+  for (std::size_t i = 0; i < units_.joints(); ++i) {
+    const double there = units[i];
+    const bool fresh = positions_[i].quality == PositionQuality::kMeasured && hand_at_ > Instant{};
+    hand_speed_[i] = fresh ? std::abs(there - slots_[i].to) * units_.resolution(i) / age : 0;
+    slots_[i] = {false, true, there, there, there, there};
+    positions_[i].quality = PositionQuality::kMeasured;
+  }
+  hand_at_ = now;
+}
+
 void LscDriver::declare_positions(std::span<const JointPosition> positions) {
   SINEW_ASSERT(positions.size() == units_.joints());
   if (profile_ != LscProfile::kLsc6 || pending_ > 0 || phase_ == Phase::kFault) return;
@@ -355,6 +421,7 @@ void LscDriver::poll(Instant now) {
   poll_opening(now_);
   if (phase_ == Phase::kRunning) poll_running(now_);
   if (phase_ == Phase::kConfirming) poll_confirming(now_);
+  poll_free(now_);
   poll_health(now_);
   refresh(now_);
 }
@@ -375,6 +442,7 @@ std::optional<Instant> LscDriver::next_deadline() const {
     if (next_) at_least(next_->sent ? next_->start : current_.end - frame_time());
     if (!next_) at_least(repair_at_);
   }
+  if (free_ && phase_ == Phase::kIdle) at_least(unloads_left_ > 0 ? wire_free_ : hand_due_);
   if (!output_.empty()) at_least(output_since_ + timing_.output_timeout);
   // What is due and has to wait for something is looked at again soon.
   return due > now_ ? due : now_ + kBlockedPause;
@@ -390,7 +458,11 @@ void LscDriver::refresh(Instant now) {
     if (runs) joint.quality = PositionQuality::kCommanded;
     joint.q = units_.q_of(i, runs ? at(slots_[i], now) : slots_[i].to);
     // A servo that was told is where it was told only as well as it can be.
-    const double slack = joint.quality == PositionQuality::kCommanded ? kServoSlack : 0;
+    double slack = joint.quality == PositionQuality::kCommanded ? kServoSlack : 0;
+    if (free_ && !runs) {
+      const double age = to_seconds(now - hand_at_) + kHandLate;
+      slack += age * (hand_speed_[i] + age * kHandAcceleration);
+    }
     joint.lower = joint.q - units_.resolution(i) / 2 - slack;
     joint.upper = joint.q + units_.resolution(i) / 2 + slack;
   }

@@ -99,6 +99,11 @@ class LscDriver : public ByteDriver {
   void stop(Instant now) override;
   /// @error the fault itself, while its cause is there; kBusy
   Expected<void> clear_fault(Instant now) override;
+  bool free() const override { return free_; }
+  /// kFree and kHold, on the bus only: the arm is led by hand, and read twenty times a second at
+  /// most.
+  /// @error kNoSuchService, kBusy, kPortClosed, the fault
+  Expected<void> service(DeviceService what, Instant now) override;
   /// JawsTo only. @error kToolNotFitted, kGripperRange, kBusy, kPortClosed, the fault
   Expected<void> tool(const ToolAction& action, Instant now) override;
   /// Taken on the lsc6 board only, which cannot be asked, while nothing moves. kCommanded promises
@@ -171,6 +176,8 @@ class LscDriver : public ByteDriver {
   void poll_running(Instant now);
   void poll_confirming(Instant now);
   void poll_health(Instant now);
+  void poll_free(Instant now);
+  void follow_hand(const Units& units, Instant now);
   void poll_question(Instant now);
   void send_stop(Instant now);
   void after_confirming(Instant now);
@@ -231,6 +238,12 @@ class LscDriver : public ByteDriver {
   Instant volts_at_{};
   std::size_t boot_matched_ = 0;
   int kind_silences_ = 0;  ///< lsc6: of the question that only a bus board answers
+
+  bool free_ = false;  ///< its joints were let go of
+  int unloads_left_ = 0;
+  Instant hand_due_{};
+  Instant hand_at_{};                            ///< of the last reading meanwhile
+  std::array<double, kMaxJoints> hand_speed_{};  ///< rad/s, between the last two
 
   DriverHealth health_;
   LscFacts facts_;

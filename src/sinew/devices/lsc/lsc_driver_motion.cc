@@ -58,6 +58,8 @@ double LscDriver::at(const Slot& slot, Instant time) const {
 void LscDriver::begin(const Segment& segment, Instant now) {
   drop_targets();
   goes_on_until_.reset();
+  // Jaws alone leave the joints as they are.
+  if ((segment.mask & bit(0)) != 0) free_ = false;
   next_ = segment;
   next_->first = true;
   current_.start = current_.end = now;

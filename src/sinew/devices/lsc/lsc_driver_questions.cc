@@ -249,9 +249,12 @@ void LscDriver::take_positions(std::span<const ServoValue> servos, Instant now) 
   }
   question_ = Question::kNone;
   tries_left_ = timing_.tries;
+  if (free_ && phase_ == Phase::kIdle) return follow_hand(units, now);
   const double tolerance = profile_ == LscProfile::kBus ? kMeasuredAgree : 0;
   bool same = reading_.has_value();
-  for (std::size_t i = 0; same && i < units_.slots(); ++i) {
+  // A hand may lead the joints while the jaws move.
+  const std::size_t first = free_ && phase_ != Phase::kAsking ? units_.joints() : 0;
+  for (std::size_t i = first; same && i < units_.slots(); ++i) {
     same = std::abs(1.0 * units[i] - (*reading_)[i]) <= tolerance && units[i] != 0;
   }
   reading_ = units;
@@ -262,6 +265,7 @@ void LscDriver::take_positions(std::span<const ServoValue> servos, Instant now) 
 }
 
 void LscDriver::positions_agreed(const Units& units, Instant now) {
+  hand_at_ = now;
   if (profile_ == LscProfile::kBus && units_.jaws()) {
     health_.jaws_width = units_.width_of(units[*units_.jaws()]);
   }

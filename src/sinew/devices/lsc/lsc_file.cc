@@ -27,6 +27,7 @@ void read_lsc(TableReader& reader, RobotModel& model) {
   constexpr Range kUnits = between(0, kUnitsMax);
   auto& device = model.device.settings.emplace<LscDevice>();
   reader.choice("profile", kProfiles, device.profile);
+  model.device.capability.free_drive = device.profile == LscProfile::kBus;
   device.servos.resize(model.joints.size());
   for_each_joint(reader, model, [&](std::size_t i, TableReader& table) {
     LscServo& servo = device.servos[i];

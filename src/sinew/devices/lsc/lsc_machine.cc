@@ -21,32 +21,10 @@ constexpr double kBusUnitAngle = 4 * kPi / 3 / 1000;  // rad per unit
 constexpr double kServoEnd = 1.75;  // rad either side: a 180 deg servo's stops, assumed
 constexpr double kPushing = 0.9;    // of full effort
 
-/// kg and m, ASSUMED: a servo of 60 g and its bracket at each end of a link; hand with gripper.
-Dynamics assumed_masses(const SerialGeometry& geometry) {
-  constexpr std::array<double, 5> kMasses{0.15, 0.11, 0.10, 0.07, 0.14};
-  Dynamics dynamics;
-  for (std::size_t i = 0; i < geometry.rows.size(); ++i) {
-    const DhRow& row = geometry.rows[i];
-    LinkMass link;
-    link.mass = kMasses[std::min(i, kMasses.size() - 1)];
-    link.p_JC = {-row.a / 2, 0, 0};
-    link.inertia = {1e-4, 1e-4, 1e-4};
-    dynamics.links.push_back(link);
-  }
-  return dynamics;
-}
-
 const SerialGeometry& serial(const RobotModel& model) {
   const auto* geometry = std::get_if<SerialGeometry>(&model.geometry);
   SINEW_ASSERT(geometry != nullptr);
   return *geometry;
-}
-
-/// The arm with its tips where the jaws hold things.
-SerialGeometry with_tips(SerialGeometry geometry) {
-  if (geometry.gripper)
-    geometry.X_FT.p = geometry.X_FT.p + Vec3{0, 0, geometry.gripper->reach_closed};
-  return geometry;
 }
 
 const LscDevice& settings(const RobotModel& model) {
@@ -62,8 +40,7 @@ LscMachine::LscMachine(const RobotModel& model, LscProfile profile, std::uint64_
     : device_(settings(model)),
       joints_(model.joints.size()),
       board_(profile, boot),
-      load_(with_tips(serial(model)),
-            model.dynamics.links.empty() ? assumed_masses(serial(model)) : model.dynamics),
+      load_(tool_at_tips(serial(model)), masses_of_servo_arm(model)),
       battery_volts_(kNominalVolts),
       supply_volts_(kNominalVolts),
       now_(boot),

@@ -52,6 +52,7 @@ void LscDevice::use_profile(const std::string& name, Device& device) {
   } else {
     profile = LscProfile::kLsc6;
   }
+  device.capability.free_drive = profile == LscProfile::kBus;
 }
 
 bool LscDevice::use_setting(const DeviceSetting& setting, Device& /*device*/) {
