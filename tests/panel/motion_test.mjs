@@ -13,7 +13,7 @@ const robot = (name, kind, x_mm, more = '') =>
 const kBox = '[[object]]\nname = "box"\nlength_mm = 200\nwidth_mm = 200\nheight_mm = 100\nx_mm = -700\nz_mm = 50\n';
 const kCell = `title = "Tests"\n${robot('left', 'learm', 0, 'profile = "bus"')}${robot('six', 'hexapod', 1500)}${kBox}`;
 const kDevices = `title = "Devices"\n${robot('arm', 'robot-arm-2', 0, 'wire = "link"')}${robot('max', 'maxarm', 1500)}\
-${robot('big', 'bigrobotarm', -1500)}${robot('any', path.join(root, 'robots/examples/ar4.toml'), -3000)}`;
+${robot('big', 'bigrobotarm', -1500)}${robot('any', path.join(root, 'robots/examples/ar4.toml'), -3000)}${robot('so', path.join(root, 'robots/examples/so-101-feetech.toml'), 3000)}`;
 const deg = (value) => (value * Math.PI) / 180;
 
 let here;
@@ -448,7 +448,26 @@ async function monitor(page, some, speak = () => undefined) {
   await until('it goes on', async () => (await newest()) !== last);
 }
 
-test('the device pages of four robots say what device.status says, and their monitors show frames', async () => {
+moves('free drive in the page: the motors go off behind a second word, nothing moves, Hold takes the arm where it is', () => stand('Jog'), async (page) => {
+  const freeDrive = async (on) => until(`free drive ${on}`, async () => (await status('left')).free_drive === on);
+  await button(page, 'Free drive').click();
+  assert.equal((await status('left')).free_drive, false, 'asked once more');
+  await button(page, 'Hold the arm first: it falls. Switch the motors off?').click();
+  await freeDrive(true);
+  const hold = button(page, 'Hold');
+  await hold.waitFor();
+  await choose(page, 'Along', 'Joints');
+  assert.ok(await button(page, 'base plus').isDisabled(), 'no jog with hands on the arm');
+  const refused = await page.evaluate(() => globalThis.__sinew.rpc.call('program.run', { robot: 'left', text: 'joint base=10deg' }).then(() => '', (error) => error.message));
+  assert.match(refused + JSON.stringify((await status('left')).job ?? ''), /free drive|free_drive/);
+  await hold.click();
+  await freeDrive(false);
+  const there = await rests('left', 2e-2);
+  assert.ok(there.every(Number.isFinite), 'it stands');
+  await upright(page, 'left');
+});
+
+test('the device pages of five robots say what device.status says, and their monitors show frames', async () => {
   await here.end();
   here = await bench(kDevices);
   const page = await here.shared({ viewport: { width: 1440, height: 900 } });
@@ -502,6 +521,23 @@ test('the device pages of four robots say what device.status says, and their mon
   });
   let base = 10;
   await monitor(page, 'steps', () => run(page, `joint base=${(base += 5)}deg`, 'big'));
+
+  await open('so');
+  await run(page, 'joint pan=30deg', 'so');
+  await agrees('six servos', async () => {
+    const { bus_servos: servos } = await told('so');
+    const rows = await table(part(page, 'Servos'));
+    assert.equal(rows.length, 6);
+    for (const [i, one] of servos.entries()) {
+      assert.equal(rows[i][0], one.joint);
+      assert.equal(rows[i][1], String(one.servo));
+      const [shown] = /[\d.]+/.exec(rows[i][2]);
+      const measured = one.position_rad === undefined ? 1000 * one.width_m : Math.abs(one.position_rad) / deg(1);
+      assert.ok(Math.abs(shown - measured) < 0.3, `${rows[i]}, told ${measured}`);
+      assert.deepEqual(rows[i].slice(4), [String(one.temperature_c), one.volts.toFixed(1), 'on']);
+    }
+  });
+  await monitor(page, 'reply');
 
   // An arm of which the table and the limits are known, no more.
   await open('any');

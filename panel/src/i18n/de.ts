@@ -106,6 +106,7 @@ export const de: Record<Key, string> = {
   'free.drive': 'Handführen',
   'free.title': 'Die Motoren ausschalten, um den Arm von Hand zu führen',
   'free.sure': 'Den Arm erst festhalten: er fällt. Die Motoren ausschalten?',
+  'free.no': 'Abbrechen',
   'free.on': 'Handführen.',
   'free.on.text': 'Die Motoren sind aus: den Arm von Hand führen. Er fällt, wo keine Hand ihn hält.',
   'free.hold': 'Halten',

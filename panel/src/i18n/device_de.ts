@@ -18,7 +18,7 @@ export const deviceDe: Record<keyof typeof deviceEn, string> = {
   'device.no': 'nein',
   'device.unasked': 'Noch nicht gefragt: den Roboter einschalten.',
 
-  'device.about.feetech': 'Jedes Servo wird in Bewegung hundertmal und in Ruhe zehnmal in der Sekunde nach seinem Zustand gefragt: Position, Last, Spannung, Temperatur und ob sein Motor an ist. Diese Seite zu öffnen fragt die Servos nichts weiter.',
+  'device.about.feetech': 'Jedes Servo wird in Bewegung hundertmal und in Ruhe zwanzigmal in der Sekunde nach seinem Zustand gefragt: Position, Last, Spannung, Temperatur und ob sein Motor an ist. Diese Seite zu öffnen fragt die Servos nichts weiter.',
   'device.about.grbl': 'Das Board meldet seinen Zustand und die gezählten Schritte in Bewegung zehnmal und in Ruhe viermal in der Sekunde. Nichts misst, wo ein Gelenk ist. Diese Seite zu öffnen fragt das Board nichts.',
   'device.about.ideal': 'Das ideale Gerät meldet, wo jedes Gelenk ist, hundertmal je Sekunde in Bewegung und zehnmal in Ruhe. Es ist simuliert und hat keine eigenen Störungen zu melden. Diese Seite zu öffnen fragt das Gerät nichts.',
   'device.about.icp': 'Jedes Motormodul antwortet mit 12 Bytes, wenn sein Bein gefragt wird: nach jeder Bewegung und beim Einschalten des Roboters. Ein Modul vergisst seine Merker, sobald es sie meldet; das letzte mit einer Störung bleibt hier stehen. Kein Sensor sagt, wo ein Bein ist. Diese Seite zu öffnen fragt das Gerät nichts.',
@@ -141,8 +141,7 @@ export const deviceDe: Record<keyof typeof deviceEn, string> = {
   'device.told': 'Gesagt',
   'device.now': 'Jetzt',
   'device.bus_servos': 'Servos',
-  'device.units': 'Einheiten',
-  'device.units.title': 'Seine eigenen Grenzen: {lowest} bis {highest}',
+  'device.units.title': 'Es zählt {units}; seine eigenen Grenzen sind {lowest} bis {highest}',
   'device.load': 'Last',
   'device.motor': 'Motor',
   'device.motor.on': 'an',

@@ -16,7 +16,7 @@ export const deviceEn = {
   'device.no': 'no',
   'device.unasked': 'Not asked yet: enable the robot.',
 
-  'device.about.feetech': 'Each servo is asked for its state a hundred times a second in motion and ten times at rest: position, load, voltage, temperature, and whether its motor is on. Opening this page asks the servos nothing more.',
+  'device.about.feetech': 'Each servo is asked for its state a hundred times a second in motion and twenty times at rest: position, load, voltage, temperature, and whether its motor is on. Opening this page asks the servos nothing more.',
   'device.about.grbl': 'The board reports its state and the steps that it has counted ten times a second in motion and four times at rest. Nothing measures where a joint is. Opening this page asks the board nothing.',
   'device.about.ideal': 'The ideal device tells where each joint is, a hundred times a second in motion and ten times at rest. It is simulated, and has no trouble of its own to tell. Opening this page asks the device nothing.',
   'device.about.icp': 'Each motor module answers with 12 bytes when its leg is asked: behind every motion, and when the robot is enabled. A module forgets its flags as it tells them; the last one with trouble is kept here. No sensor tells where a leg is. Opening this page asks the device nothing.',
@@ -139,8 +139,7 @@ export const deviceEn = {
   'device.told': 'Told',
   'device.now': 'Now',
   'device.bus_servos': 'Servos',
-  'device.units': 'Units',
-  'device.units.title': 'Its own limits: {lowest} to {highest}',
+  'device.units.title': 'It counts {units}; its own limits are {lowest} to {highest}',
   'device.load': 'Load',
   'device.motor': 'Motor',
   'device.motor.on': 'on',

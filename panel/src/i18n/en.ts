@@ -105,6 +105,7 @@ export const en = {
   'free.drive': 'Free drive',
   'free.title': 'Switch the motors off, to guide the arm by hand',
   'free.sure': 'Hold the arm first: it falls. Switch the motors off?',
+  'free.no': 'Cancel',
   'free.on': 'Free drive.',
   'free.on.text': 'The motors are off: guide the arm by hand. It falls where no hand holds it.',
   'free.hold': 'Hold',

@@ -90,6 +90,8 @@ export interface BusServoJson extends Heard {
   temperature_c?: number;
   temperature_max_c?: number;
   position_rad?: number;
+  /** Between jaws. */
+  width_m?: number;
 }
 
 export interface DeviceJson {

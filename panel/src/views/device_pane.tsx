@@ -298,11 +298,10 @@ function BusServos({ servos }: { servos: BusServoJson[] }): JSX.Element {
             <th scope="col">{t('device.joint')}</th>
             <th scope="col" class="num">{t('device.servo')}</th>
             <th scope="col" class="num">{t('device.measured')}</th>
-            <th scope="col" class="num">{t('device.units')}</th>
             <th scope="col" class="num">{t('device.load')}</th>
             <th scope="col" class="num">°C</th>
             <th scope="col" class="num">V</th>
-            <th scope="col">{t('device.motor')}</th>
+            <th scope="col" class="num">{t('device.motor')}</th>
           </tr>
         </thead>
         <tbody>
@@ -312,14 +311,16 @@ function BusServos({ servos }: { servos: BusServoJson[] }): JSX.Element {
                 {one.joint}
               </th>
               <td class="num">{one.servo}</td>
-              <td class="num">{degrees(one.position_rad, 1)}</td>
-              <td class="num" title={t('device.units.title', { lowest: one.lowest_units ?? 0, highest: one.highest_units ?? 0 })}>
-                {numbers(one.units)}
+              <td
+                class="num"
+                title={t('device.units.title', { units: one.units ?? 0, lowest: one.lowest_units ?? 0, highest: one.highest_units ?? 0 })}
+              >
+                {one.width_m === undefined ? degrees(one.position_rad, 1) : `${decimals(1000 * one.width_m, 1)} mm`}
               </td>
               <td class="num">{one.load === undefined ? '–' : `${decimals(100 * Math.abs(one.load), 0)} %`}</td>
               <td class="num">{numbers(one.temperature_c)}</td>
               <td class="num">{numbers(one.volts, 1)}</td>
-              <td>{t(!one.answers ? 'device.motor.silent' : one.motor_on ? 'device.motor.on' : 'device.motor.off')}</td>
+              <td class="num">{t(!one.answers ? 'device.motor.silent' : one.motor_on ? 'device.motor.on' : 'device.motor.off')}</td>
             </tr>
           ))}
         </tbody>

@@ -30,7 +30,7 @@ export function FreeDrive(): JSX.Element | null {
         <Icon name="grab" /> {t('free.drive')}
       </button>
       {sure && (
-        <Sure text={t('free.sure')} onYes={() => void store.freeDrive(name, true)} onEnd={() => setSure(false)} />
+        <Sure text={t('free.sure')} no={t('free.no')} onYes={() => void store.freeDrive(name, true)} onEnd={() => setSure(false)} />
       )}
     </>
   );

@@ -168,7 +168,7 @@ function PointCard(props: { point: Point; model: RobotModel; onRetake: () => voi
 }
 
 /** What is kept for all is changed for all: asked once more, where it stands. */
-export function Sure(props: { text: string; onYes: () => void; onEnd: () => void }): JSX.Element {
+export function Sure(props: { text: string; no?: string; onYes: () => void; onEnd: () => void }): JSX.Element {
   const yes = useRef<HTMLButtonElement>(null);
   useEffect(() => yes.current?.focus(), []);
   return (
@@ -185,7 +185,7 @@ export function Sure(props: { text: string; onYes: () => void; onEnd: () => void
         {props.text}
       </button>
       <button type="button" class="quiet" onClick={props.onEnd}>
-        {t('sure.no')}
+        {props.no ?? t('sure.no')}
       </button>
     </div>
   );

@@ -20,6 +20,7 @@
 #include "sinew/devices/lsc/lsc_settings.h"
 #include "sinew/devices/maxarm/maxarm_driver_facts.h"
 #include "sinew/devices/maxarm/maxarm_settings.h"
+#include "sinew/model/hand.h"
 #include "sinew/runtime/unit_name.h"
 #include "sinew/server/robot_json.h"
 
@@ -403,7 +404,11 @@ Json Teller::operator()(const FeetechFacts& facts) const {
                 {"volts", servo.volts / 10.0},
                 {"temperature_c", servo.heat},
                 {"temperature_max_c", servo.hottest}});
-    if (is_joint) one["position_rad"] = device.q_of(i, servo.units);
+    if (is_joint) {
+      one["position_rad"] = device.q_of(i, servo.units);
+    } else if (const JawGripper* jaws = jaws_of(model_)) {
+      one["width_m"] = jaws->width_max * device.opening(servo.units);
+    }
     for (const auto& [bits, what] : kTroubles) {
       if ((servo.trouble & bits) != 0) warn(json, what, name);
     }

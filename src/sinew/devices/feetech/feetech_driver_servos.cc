@@ -164,8 +164,7 @@ double FeetechServos::units_of(std::size_t joint, double q) const {
 }
 
 double FeetechServos::width_of(double units) const {
-  const FeetechDevice::Gripper& jaws = device_.gripper;
-  return *width_max_ * std::clamp((units - jaws.closed) / (jaws.open - jaws.closed), 0.0, 1.0);
+  return *width_max_ * device_.opening(units);
 }
 
 double FeetechServos::units_of_width(double width) const {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <bit>
 #include <chrono>
 #include <cmath>
@@ -54,6 +55,12 @@ struct FeetechDevice final : SettingsOf<FeetechDevice> {
   }
   double q_of(std::size_t joint, double units) const {
     return servos[joint].sign * (units - servos[joint].centre) / units_per_rad();
+  }
+
+  /// Share of the jaws' stroke, 0 closed.
+  double opening(double units) const {
+    const double share = (units - gripper.closed) / (gripper.open - gripper.closed);
+    return std::min(1.0, std::max(0.0, share));
   }
 
   void identify(IdentityText& out) const override {
