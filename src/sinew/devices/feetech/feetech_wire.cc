@@ -135,9 +135,11 @@ std::optional<Request> decode_request(const Packet& packet) {
       if (given.empty()) return SetMiddle{packet.id};
       break;
     case kSyncRead:
-      return sync_read(packet);
+      if (packet.id == kBroadcast) return sync_read(packet);
+      break;
     case kSyncWrite:
-      return sync_write(packet);
+      if (packet.id == kBroadcast) return sync_write(packet);
+      break;
     default:
       break;
   }
