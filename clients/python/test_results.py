@@ -219,10 +219,14 @@ class ResultsTest(ServedCell):
                 self.refused(other.call, "lease.take", robot="learm")
                 self.refused(other.call, "robot.jog", robot="learm", frame="joint",
                              velocity=[0.1, 0, 0, 0, 0])
+            cell.robot("learm").wait_until_ready()
+            cell.call("robot.free_drive", robot="learm", on=True)
+            cell.call("robot.free_drive", robot="learm", on=False)
             cell.call("robot.disable", robot="learm")
         with cell.robot("big").lease() as lease:
             lease.enable()
             cell.call("robot.declare", robot="big", moved="by hand, for a test")
+            self.refused(cell.call, "robot.free_drive", robot="big", on=True)
         with cell.robot("platform").lease() as lease:
             lease.enable()
             cell.call("robot.nudge", robot="platform", joint="leg1", way=1e-5)

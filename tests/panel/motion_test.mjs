@@ -458,8 +458,13 @@ moves('free drive in the page: the motors go off behind a second word, nothing m
   await hold.waitFor();
   await choose(page, 'Along', 'Joints');
   assert.ok(await button(page, 'base plus').isDisabled(), 'no jog with hands on the arm');
-  const refused = await page.evaluate(() => globalThis.__sinew.rpc.call('program.run', { robot: 'left', text: 'joint base=10deg' }).then(() => '', (error) => error.message));
-  assert.match(refused + JSON.stringify((await status('left')).job ?? ''), /free drive|free_drive/);
+  const last = await lastJob();
+  await page.evaluate(() => globalThis.__sinew.rpc.call('program.run', { robot: 'left', text: 'joint base=10deg' }));
+  const refused = await until('the program has ended', async () => {
+    const { job } = await status('left');
+    return job.job > last && job.over && job;
+  });
+  assert.match(JSON.stringify(refused), /free_drive/);
   await hold.click();
   await freeDrive(false);
   const there = await rests('left', 2e-2);

@@ -108,6 +108,7 @@ class Status(TypedDict, total=False):
     jaws_m: float
     held_m: float
     feed: float
+    free_drive: bool
     progress: float
     lease: Dict[str, int]
     homing: str
@@ -145,6 +146,7 @@ class RobotDescription(TypedDict, total=False):
     time_scale: float
     pose: Pose
     streams: bool
+    free_drive: bool
     joints: List[DescribedJoint]
     stop: Dict[str, Any]
     position_journal: Dict[str, str]

@@ -114,6 +114,7 @@ function Picture({ now }: { now: CameraShot | null }): JSX.Element {
   if (!now?.width_px || !picture.value) return <p class="camera-waits">{t('camera.waits')}</p>;
   const { width_px: width, height_px: height = 1 } = now;
   const stroke = Math.max(1.5, width / 320);
+  const names = namesOf(now.cubes ?? []);
   return (
     <div class={`camera-picture${now.fault ? ' stale' : ''}`} style={{ aspectRatio: `${width} / ${height}` }}>
       <img src={picture.value} alt={t('camera.picture')} />
@@ -124,10 +125,19 @@ function Picture({ now }: { now: CameraShot | null }): JSX.Element {
           </polygon>
         ))}
         <TableOverlay stroke={stroke} />
-        {now.cubes?.map((cube, i) => <Outline key={i} cube={cube} index={i} stroke={stroke} />)}
+        {now.cubes?.map((cube, i) => <Outline key={names[i]} cube={cube} index={i} stroke={stroke} />)}
       </svg>
     </div>
   );
+}
+
+/** Of each its color and the how manieth of these it is from the left: the same in the next picture, in whatever
+ *  order cubes are found there, so that what is clicked stays what it is. */
+function namesOf(cubes: readonly SeenCubeJson[]): string[] {
+  return cubes.map(({ color, top_px }, i) => {
+    const left = cubes.filter((other, k) => other.color === color && (middle(other.top_px, 0) < middle(top_px, 0) || (middle(other.top_px, 0) === middle(top_px, 0) && k < i)));
+    return `${color} ${left.length}`;
+  });
 }
 
 function cubeName(cube: SeenCubeJson): string {
