@@ -40,6 +40,10 @@ class DriverCommands {
     open_ = std::max<std::size_t>(open_, 1);
     end_all(Kind::kStopped);
   }
+  /// Of a stop at rest: once, where the last one was not heard yet.
+  void tell_stopped() {
+    if (events_.empty() || events_.back().kind != Kind::kStopped) tell(Kind::kStopped);
+  }
   void tell(Kind kind, const Error& error = {}) {
     if (!events_.full()) events_.push_back({kind, error});
   }

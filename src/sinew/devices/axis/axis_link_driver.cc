@@ -164,7 +164,7 @@ Expected<void> AxisLinkDriver::move(const JointMove& move, Instant now) {
   if (!any_up()) return std::unexpected(why_all_are_out());
   if (const auto checked = check_axes(move); !checked) return checked;
   // Where an axis was sent is smoother to start from than where its encoder's last count is.
-  std::array<Setpoint, kMaxJoints> start{};
+  std::array<segments::Setpoint, kMaxJoints> start{};
   for (std::size_t i = 0; i < channels_.size(); ++i) {
     start[i].q = is_out_by_choice(i) ? move.q[i] : told_[i].value_or(channels_[i].q());
   }

@@ -8,8 +8,8 @@
 #include "sinew/devices/axis/axis_link_driver_channel.h"
 #include "sinew/devices/axis/axis_link_driver_facts.h"
 #include "sinew/devices/axis/axis_link_settings.h"
-#include "sinew/driver/axis_link_segments.h"
 #include "sinew/driver/driver.h"
+#include "sinew/driver/motion_segments.h"
 #include "sinew/model/device.h"
 
 namespace sinew {
@@ -196,7 +196,7 @@ class AxisLinkDriver : public SpiDriver {
   std::uint64_t requests_ = 0;
 
   // Motion.
-  axis_link::SegmentQueue queue_;
+  segments::SegmentQueue queue_;
   std::array<std::optional<double>, kMaxJoints> told_;  ///< where an axis was sent last, at rest
   bool settling_ = false;
   std::array<std::uint16_t, kMaxJoints> settle_from_{};  ///< frames beyond say the final setpoint

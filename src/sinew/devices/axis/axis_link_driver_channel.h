@@ -7,8 +7,8 @@
 #include "sinew/core/error.h"
 #include "sinew/devices/axis/axis_link_driver_facts.h"
 #include "sinew/devices/axis/axis_link_wire.h"
-#include "sinew/driver/axis_link_segments.h"
 #include "sinew/driver/driver.h"
+#include "sinew/driver/motion_segments.h"
 
 namespace sinew::axis_link {
 
@@ -62,7 +62,7 @@ class Channel {
   /// What the axis said against the last command that it executed.
   std::optional<Error> command_refusal() const { return command_refusal_; }
   /// What every frame says from now on; nothing: reads.
-  void follow(const std::optional<Setpoint>& setpoint) { setpoint_ = setpoint; }
+  void follow(const std::optional<segments::Setpoint>& setpoint) { setpoint_ = setpoint; }
   /// The next read asks for health.
   void ask_health() { health_due_ = true; }
 
@@ -115,7 +115,7 @@ class Channel {
   };
   std::optional<Command> command_;
   std::optional<Error> command_refusal_;
-  std::optional<Setpoint> setpoint_;
+  std::optional<segments::Setpoint> setpoint_;
   bool health_due_ = false;
 
   std::uint8_t session_ = 0;

@@ -20,10 +20,6 @@ constexpr double kFreeAcceleration = 150;  // rad/s^2, by gravity or a hand
 constexpr double kFastShare = 1.8;
 constexpr double kSpeedShare = 1.2;  // of the speed that a servo reports
 
-std::uint8_t bit(std::size_t i) {
-  return static_cast<std::uint8_t>(1U << i);
-}
-
 }  // namespace
 
 FeetechDriver::FeetechDriver(const FeetechDevice& device, std::span<const Joint> joints,
@@ -135,7 +131,7 @@ Expected<void> FeetechDriver::check_start(const JointMove& move) const {
 double FeetechDriver::base_of(std::size_t i) const {
   const FeetechServoState& servo = servos_[i];
   if (!servo.torque) return servo.units;
-  const double goal = (told_ & bit(i)) != 0 ? goal_[i] : servo.goal;
+  const double goal = (told_ & servo_bit(i)) != 0 ? goal_[i] : servo.goal;
   const double near = 2 * kElsewhere * servos_.device().units_per_rad();
   return std::abs(goal - servo.units) <= near ? goal : servo.units;
 }
@@ -148,11 +144,10 @@ Expected<void> FeetechDriver::move(const JointMove& move, Instant now) {
     if (const auto start = check_start(move); !start) return start;
   }
   const std::size_t joints = servos_.joints();
-  std::array<axis_link::Setpoint, kMaxJoints> start{};
+  std::array<segments::Setpoint, kMaxJoints> start{};
   for (std::size_t i = 0; i < joints; ++i) {
     const bool given = i < move.q_start.size();
-    start[i] =
-        follows ? target_[i] : axis_link::Setpoint{given ? move.q_start[i] : servos_.q(i), 0};
+    start[i] = follows ? target_[i] : segments::Setpoint{given ? move.q_start[i] : servos_.q(i), 0};
   }
   const std::uint8_t all = joints_mask();
   const bool switches = !follows && (!servos_.held() || (set_up_ & all) != all);
@@ -197,7 +192,7 @@ Expected<void> FeetechDriver::tool(const ToolAction& action, Instant now) {
   }
   if (const auto may = may_begin(); !may) return may;
   const std::size_t i = servos_.jaws();
-  if (const auto beyond = servos_.beyond_turn(bit(i))) return std::unexpected(*beyond);
+  if (const auto beyond = servos_.beyond_turn(servo_bit(i))) return std::unexpected(*beyond);
   const FeetechDevice::Gripper& gripper = servos_.device().gripper;
   const double units = servos_.units_of_width(to->width);
   const double from = base_of(i);
@@ -206,7 +201,7 @@ Expected<void> FeetechDriver::tool(const ToolAction& action, Instant now) {
   jaws_->end = now_ + from_seconds(share * to_seconds(FeetechDevice::kJawsStroke));
   goal_[i] = from;
   moved_at_[i] = tick_due_ = now_;
-  if (!servos_[i].torque || (set_up_ & bit(i)) == 0) switch_ = Switch{.servos = bit(i)};
+  if (!servos_[i].torque || (set_up_ & servo_bit(i)) == 0) switch_ = Switch{.servos = servo_bit(i)};
   health_.jaws_width.reset();
   commands_.accept();
   activity_ = Activity::kJaws;
@@ -287,7 +282,7 @@ Expected<void> FeetechDriver::clear_fault(Instant now) {
 }
 
 std::uint8_t FeetechDriver::joints_mask() const {
-  return static_cast<std::uint8_t>(bit(servos_.joints()) - 1U);
+  return static_cast<std::uint8_t>(servo_bit(servos_.joints()) - 1U);
 }
 
 void FeetechDriver::fail(const Error& error, Instant now) {

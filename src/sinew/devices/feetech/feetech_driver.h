@@ -8,8 +8,8 @@
 #include "sinew/devices/feetech/feetech_driver_bus.h"
 #include "sinew/devices/feetech/feetech_driver_facts.h"
 #include "sinew/devices/feetech/feetech_driver_servos.h"
-#include "sinew/driver/axis_link_segments.h"
 #include "sinew/driver/driver_commands.h"
+#include "sinew/driver/motion_segments.h"
 
 namespace sinew {
 
@@ -136,7 +136,7 @@ class FeetechDriver : public ByteDriver {
   // feetech_driver_motion.cc
   bool ticks() const;
   Duration tick() const;
-  axis_link::Setpoint setpoint(std::size_t joint, Instant when) const;
+  segments::Setpoint setpoint(std::size_t joint, Instant when) const;
   void say_goals(Instant now);
   void add_goal(feetech::SyncWrite& write, std::size_t i, double units, double speed);
   void say_switch(Instant now);
@@ -193,9 +193,9 @@ class FeetechDriver : public ByteDriver {
   Instant opened_at_{};
 
   // Motion
-  axis_link::SegmentQueue queue_;
-  std::array<axis_link::Setpoint, kMaxJoints> target_{};  ///< behind the queue; of a stop its start
-  std::array<double, kMaxJoints> goal_{};                 ///< told last, units
+  segments::SegmentQueue queue_;
+  std::array<segments::Setpoint, kMaxJoints> target_{};  ///< behind the queue; of a stop its start
+  std::array<double, kMaxJoints> goal_{};                ///< told last, units
   /// Units by which goals are beside setpoints: what a joint's load takes back, as seen at rest.
   std::array<double, kMaxJoints> beside_{};
   std::array<double, kMaxJoints> jump_{};           ///< .. and more as a motion begins, which fades

@@ -36,10 +36,6 @@ constexpr double kJawsBlocked = 40;
 constexpr double kTorqueMost = 999;
 constexpr std::uint16_t kSpeedMost = 0x7FFF;
 
-std::uint8_t bit(std::size_t i) {
-  return static_cast<std::uint8_t>(1U << i);
-}
-
 }  // namespace
 
 /// Something moves, or may: goals are told and servos asked all the time.
@@ -55,11 +51,11 @@ Duration FeetechDriver::tick() const {
 }
 
 /// Where a joint shall be.
-axis_link::Setpoint FeetechDriver::setpoint(std::size_t joint, Instant when) const {
+segments::Setpoint FeetechDriver::setpoint(std::size_t joint, Instant when) const {
   if (activity_ == Activity::kMoving) {
     return queue_.empty() ? target_[joint] : queue_.at(joint, when - lag_);
   }
-  const axis_link::Setpoint& from = target_[joint];
+  const segments::Setpoint& from = target_[joint];
   const Joint& limits = servos_.joint(joint);
   const double brake = std::copysign(limits.acceleration_max, from.qd);
   const double t = std::clamp(to_seconds(when - brake_at_), 0.0, std::abs(from.qd / brake));
@@ -74,7 +70,7 @@ void FeetechDriver::add_goal(SyncWrite& write, std::size_t i, double units, doub
   const bool sts = servos_.device().sts();
   const double most = servos_.device().units_max();
   goal_[i] = std::clamp(std::round(units), 0.0, most);
-  told_ |= bit(i);
+  told_ |= servo_bit(i);
   const double unit = servos_[i].speed_unit;
   const double least = kSpeedLeast * servos_.device().units_per_rad();
   const double words = std::ceil(std::max(speed, least) / unit);
@@ -123,7 +119,7 @@ void FeetechDriver::say_switch(Instant now) {
   SyncWrite off{Register::kTorque, {}};
   SyncWrite on{Register::kTorque, {}};
   for (std::size_t i = 0; i < servos_.size(); ++i) {
-    if ((switch_->servos & bit(i)) == 0) continue;
+    if ((switch_->servos & servo_bit(i)) == 0) continue;
     const std::uint8_t id = servos_.id(i);
     SyncWrite::Part limit{id, {}};
     const double thousandths = std::min(kTorqueMost, std::round(1000 * servos_.torque_limit(i)));
@@ -145,7 +141,7 @@ void FeetechDriver::say_switch(Instant now) {
 /// Behind a whole round of replies: whether the servos have heard it.
 void FeetechDriver::step_switch(Instant now) {
   for (std::size_t i = 0; i < servos_.size(); ++i) {
-    if ((switch_->servos & bit(i)) == 0) continue;
+    if ((switch_->servos & servo_bit(i)) == 0) continue;
     const FeetechServoState& servo = servos_[i];
     const bool heard = servo.torque == switch_->on && (!switch_->on || servo.goal == goal_[i]);
     if (heard) continue;
@@ -201,7 +197,7 @@ void FeetechDriver::step_moving(Instant now) {
     told_for_ = now;
   }
   while (!queue_.empty() && now - lag_ >= queue_.front().end) {
-    const axis_link::Segment& over = queue_.front();
+    const segments::Segment& over = queue_.front();
     over_at_ = over.end + lag_;
     for (std::size_t i = 0; i < servos_.joints(); ++i) target_[i] = over.pieces[i].end();
     queue_.pop_front();
@@ -245,11 +241,11 @@ bool FeetechDriver::correct(Instant now) {
     if (tried && std::abs(off_[i]) > kStuck && std::abs(off) > kHelped * std::abs(off_[i])) {
       any = any || beside_[i] != before_[i];
       beside_[i] = before_[i];
-      stuck_ |= bit(i);
+      stuck_ |= servo_bit(i);
     }
     const bool wants = std::abs(off) > kNearEnough && std::abs(off) <= most;
     off_[i] = 0;
-    if (!wants || corrections_ >= kCorrections || (stuck_ & bit(i)) != 0) continue;
+    if (!wants || corrections_ >= kCorrections || (stuck_ & servo_bit(i)) != 0) continue;
     before_[i] = beside_[i];
     off_[i] = off;
     beside_[i] = std::clamp(beside_[i] + off, -most, most);

@@ -21,10 +21,6 @@ constexpr int kBehindReplies = 3;
 /// A complaint counts if it stays: a supply dips as motors start.
 constexpr int kTroubledReplies = 3;
 
-std::uint8_t bit(std::size_t i) {
-  return static_cast<std::uint8_t>(1U << i);
-}
-
 }  // namespace
 
 /// Goals first; a question in between.
@@ -190,12 +186,12 @@ void FeetechDriver::watch(Instant now) {
     // Jaws that hold something push against it.
     if (trouble && (joint || trouble->code != ErrorCode::kOverloaded)) return fail(*trouble, now);
     // Behind a short loss of power a goal has switched it on again, with its torque of old.
-    const bool other = servo.torque_limit != limits_[i] && (set_up_ & bit(i)) != 0;
+    const bool other = servo.torque_limit != limits_[i] && (set_up_ & servo_bit(i)) != 0;
     restarts_[i] = other ? restarts_[i] + 1 : 0;
-    if (servo.torque && !switch_) on_ |= bit(i);
-    if ((on_ & bit(i)) != 0 && (off || restarts_[i] >= 2) && !switch_) {
-      on_ = static_cast<std::uint8_t>(on_ & ~bit(i));
-      set_up_ = static_cast<std::uint8_t>(set_up_ & ~bit(i));
+    if (servo.torque && !switch_) on_ |= servo_bit(i);
+    if ((on_ & servo_bit(i)) != 0 && (off || restarts_[i] >= 2) && !switch_) {
+      on_ = static_cast<std::uint8_t>(on_ & ~servo_bit(i));
+      set_up_ = static_cast<std::uint8_t>(set_up_ & ~servo_bit(i));
       if (joint) return fail({ErrorCode::kSupplyFlag, index}, now);
       commands_.tell(Kind::kNotice, {ErrorCode::kSupplyFlag, index});
     }
@@ -233,7 +229,7 @@ void FeetechDriver::step_opening(Instant now) {
     any = any || servos_[i].known;
     const auto trouble = servos_.trouble(i);
     const bool protects = trouble && trouble->code == ErrorCode::kOverloaded;
-    if (protects && i < servos_.joints()) overloaded |= bit(i);
+    if (protects && i < servos_.joints()) overloaded |= servo_bit(i);
     silent = silent || servos_[i].missed >= timing_.tries;
   }
   if (!any) return fall_silent(now);
@@ -248,7 +244,7 @@ void FeetechDriver::step_opening(Instant now) {
   // Motors that are on are told their torque, and that they stay where they are.
   std::uint8_t on = 0;
   for (std::size_t i = 0; i < servos_.size(); ++i) {
-    if (servos_[i].torque && (set_up_ & bit(i)) == 0) on |= bit(i);
+    if (servos_[i].torque && (set_up_ & servo_bit(i)) == 0) on |= servo_bit(i);
   }
   if (on != 0) {
     switch_ = Switch{.servos = on};
@@ -267,13 +263,13 @@ void FeetechDriver::become_ready(Instant now) {
   goes_on_until_.reset();
   poll_due_ = now;
   for (std::size_t i = 0; i < servos_.size(); ++i) {
-    if (servos_[i].torque) on_ |= bit(i);
+    if (servos_[i].torque) on_ |= servo_bit(i);
   }
   update_positions(now);
   if (clearing_) {
     clearing_ = false;
     commands_.end_all(Kind::kDone);
-  } else {
+  } else if (!fault_) {
     commands_.tell(Kind::kReady);
   }
   commands_.end_stop();

@@ -12,6 +12,11 @@
 
 namespace sinew {
 
+/// Servos as a bit each, joints in their order and the jaws' behind them.
+inline std::uint8_t servo_bit(std::size_t i) {
+  return static_cast<std::uint8_t>(1U << i);
+}
+
 /// What a driver knows of one servo, from its replies.
 struct FeetechServoState {
   // Of its settings, which outlive its power.

@@ -162,7 +162,7 @@ Expected<void> GrblDriver::move(const JointMove& move, Instant now) {
   if (!follows) begin_reach();
   for (std::size_t i = 0; i < joints_.size(); ++i) reach_to(i, move.q[i]);
   last_piece_ = now;
-  ++commands_;
+  commands_.accept();
   activity_ = Activity::kMoving;
   say_moves(now);
   ends_at_ = now + motion_.left(now);
@@ -189,7 +189,7 @@ Expected<void> GrblDriver::nudge(std::size_t joint, double way, Duration duratio
   begin_reach();
   reach_to(joint, positions_[joint].lower + std::min(way, 0.0));
   reach_to(joint, positions_[joint].upper + std::max(way, 0.0));
-  ++commands_;
+  commands_.accept();
   activity_ = Activity::kNudging;
   changed_ = now + from_seconds(60 * std::abs(jog.by) / jog.rate);
   ends_at_ = changed_;
@@ -204,7 +204,7 @@ Expected<void> GrblDriver::home(Instant now, std::uint8_t /*joints*/) {
   if (!say(Home{}, Sent::kOther)) return std::unexpected(Error{ErrorCode::kBusy});
   say(Modes{}, Sent::kModes);  // a board's own startup lines follow
   known_.lose();
-  ++commands_;
+  commands_.accept();
   activity_ = Activity::kHoming;
   asked_at_.reset();
   step_ = Step::kPlace;
@@ -217,11 +217,10 @@ void GrblDriver::stop(Instant now) {
   if (activity_ == Activity::kClosed) return;
   const bool rests = activity_ == Activity::kIdle;
   if (rests) {
-    const bool told = !events_.empty() && events_.back().kind == Kind::kStopped;
-    if (!told) tell(Kind::kStopped);
+    commands_.tell_stopped();
     return;
   }
-  stop_asked_ = true;
+  commands_.ask_stop();
   // Opening stops it as well.
   if (activity_ == Activity::kOpening) return;
   if (activity_ != Activity::kStopping && activity_ != Activity::kAlarm) begin_stop(now_);
@@ -246,7 +245,7 @@ Expected<void> GrblDriver::clear_fault(Instant now) {
   if (activity_ != Activity::kIdle) return std::unexpected(Error{ErrorCode::kBusy});
   fault_.reset();
   clearing_ = true;
-  ++commands_;
+  commands_.accept();
   begin_steps(Activity::kOpening, Step::kLook, now_);
   return {};
 }
@@ -259,35 +258,30 @@ void GrblDriver::declare_positions(std::span<const JointPosition> positions) {
 
 // Events
 
-void GrblDriver::tell(Kind kind, const Error& error) {
-  if (!events_.full()) events_.push_back({kind, error});
-}
-
 void GrblDriver::end_commands(Kind kind, const Error& error) {
-  for (; commands_ > 0; --commands_) tell(kind, error);
+  commands_.end_all(kind, error);
   motion_.clear();
   clearing_ = false;
 }
 
-/// Each command that a stop ended has its own end; a stop of nothing has one too.
 void GrblDriver::end_stop() {
-  if (!stop_asked_) return;
-  stop_asked_ = false;
-  commands_ = std::max<std::size_t>(commands_, 1);
+  if (!commands_.stop_asked()) return;
+  commands_.end_stop();
   end_commands(Kind::kStopped);
 }
 
 void GrblDriver::fail(const Error& error) {
   fault_ = error;
-  if (!stop_asked_) commands_ = std::max<std::size_t>(commands_, 1);
+  // A stop that was asked for is an end of its own.
+  if (!commands_.stop_asked()) commands_.fail(error);
   end_commands(Kind::kFailed, error);
 }
 
 void GrblDriver::fall_silent(Instant now) {
   const double waited = to_seconds(timing_.tries * timing_.reply_timeout);
   const Error error{ErrorCode::kDeviceSilent, -1, waited, waited};
-  if (commands_ == 0 && !told_silent_) {
-    tell(activity_ == Activity::kOpening ? Kind::kFailed : Kind::kNotice, error);
+  if (commands_.open() == 0 && !told_silent_) {
+    commands_.tell(activity_ == Activity::kOpening ? Kind::kFailed : Kind::kNotice, error);
   }
   told_silent_ = true;
   leave_to_itself();
@@ -302,7 +296,7 @@ void GrblDriver::note_restart(Instant now) {
   const Error error{ErrorCode::kDeviceRestarted};
   known_.restart();
   if (activity_ != Activity::kOpening) {
-    if (commands_ == 0) tell(Kind::kNotice, error);
+    if (commands_.open() == 0) commands_.tell(Kind::kNotice, error);
     end_commands(Kind::kFailed, error);
     end_stop();
     known_.leave();

@@ -8,7 +8,7 @@
 #include "sinew/devices/grbl/grbl_driver_positions.h"
 #include "sinew/devices/grbl/grbl_driver_settings.h"
 #include "sinew/devices/grbl/grbl_wire.h"
-#include "sinew/driver/driver.h"
+#include "sinew/driver/driver_commands.h"
 
 namespace sinew {
 
@@ -85,7 +85,7 @@ class GrblDriver : public ByteDriver {
   std::uint8_t counters_moved() const override { return known_.away_from_zero(); }
   void poll(Instant now) override;
   std::optional<Instant> next_deadline() const override;
-  std::optional<DriverEvent> take_event() override { return events_.take_front(); }
+  std::optional<DriverEvent> take_event() override { return commands_.take(); }
   void receive(std::span<const std::uint8_t> bytes, Instant now) override;
   std::size_t take_output(std::span<std::uint8_t> out) override { return output_.take_front(out); }
 
@@ -168,7 +168,6 @@ class GrblDriver : public ByteDriver {
   void end_commands(DriverEvent::Kind kind, const Error& error = {});
   void end_stop();
   void update_positions(Instant now);
-  void tell(DriverEvent::Kind kind, const Error& error = {});
 
   GrblDevice device_;
   FixedVector<Joint, kMaxJoints> joints_;
@@ -183,8 +182,7 @@ class GrblDriver : public ByteDriver {
   GrblPositions known_;
   FixedVector<JointPosition, kMaxJoints> positions_;
   Instant now_{};
-  std::size_t commands_ = 0;  ///< accepted, and without their last event
-  bool stop_asked_ = false;
+  DriverCommands commands_;
   bool clearing_ = false;
   bool told_silent_ = false;
   bool unlocked_ = false;  ///< tried, in this opening
@@ -236,7 +234,6 @@ class GrblDriver : public ByteDriver {
   DriverHealth health_;
   grbl::LineDecoder decoder_;
   FixedVector<std::uint8_t, 1024> output_;
-  FixedVector<DriverEvent, 32> events_;
 };
 
 }  // namespace sinew

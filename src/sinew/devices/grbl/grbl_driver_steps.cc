@@ -152,7 +152,7 @@ void GrblDriver::take_status(const Status& status, Instant now) {
 void GrblDriver::watch_others(const Status& status, bool moved) {
   const bool before = std::exchange(
       foreign_, moved || (status.state != State::kIdle && status.state != State::kAlarm));
-  if (foreign_ && !before) tell(Kind::kNotice, {ErrorCode::kForeignMotion});
+  if (foreign_ && !before) commands_.tell(Kind::kNotice, {ErrorCode::kForeignMotion});
 }
 
 /// No line has a checksum: where it seems to have jumped, or where all rests on it, a second status
@@ -286,8 +286,8 @@ void GrblDriver::end_steps(Instant now) {
   left_searching_ = blind_ = false;
   if (opened) goes_on_until_.reset();
   update_positions(now);
-  if (stop_asked_) return end_stop();
-  if (opened && commands_ == 0) return fault_ ? void() : tell(Kind::kReady);
+  if (commands_.stop_asked()) return end_stop();
+  if (opened && commands_.open() == 0) return fault_ ? void() : commands_.tell(Kind::kReady);
   end_commands(Kind::kDone);
 }
 
@@ -330,8 +330,7 @@ void GrblDriver::end_alarm(std::int8_t joint) {
 void GrblDriver::end_pieces(std::size_t count) {
   motion_.drop(count);
   for (std::size_t k = 0; k < count; ++k) {
-    --commands_;
-    tell(Kind::kDone);
+    commands_.done();
   }
 }
 
@@ -345,7 +344,7 @@ void GrblDriver::step_moving(const Status& status, Instant now) {
   }
   if (motion_.empty()) {
     if (now - last_piece_ < timing_.ignored_limit) return;
-    tell(Kind::kFailed, {ErrorCode::kStreamEnded, -1, to_seconds(now - last_piece_)});
+    commands_.tell(Kind::kFailed, {ErrorCode::kStreamEnded, -1, to_seconds(now - last_piece_)});
     return begin_stop(now);
   }
   const GrblMotion::Piece& last = motion_.last();

@@ -77,7 +77,7 @@ void IdealDriver::close(Instant now) {
   now_ = std::max(now_, now);
   if (activity_ == Activity::kClosed) return;
   begin_anew({ErrorCode::kPortClosed}, now_);
-  end_stop();
+  commands_.end_stop();
   activity_ = Activity::kClosed;
 }
 
@@ -147,7 +147,7 @@ Expected<IdealDriver::Pending> IdealDriver::pending_of(const JointMove& move) co
       const double limit = to.q < joint.lower ? joint.lower : joint.upper;
       return refuse({ErrorCode::kJointLimit, -1, to.q, limit});
     }
-    const axis_link::CubicPiece piece(from, to, to_seconds(move.duration), range);
+    const segments::CubicPiece piece(from, to, to_seconds(move.duration), range);
     if (const auto fine = piece.check(joint); !fine) return refuse(fine.error());
     one.end.push_back(to);
     one.move.q.push_back(micro(to.q));
@@ -173,7 +173,7 @@ Expected<void> IdealDriver::move(const JointMove& move, Instant now) {
   if (!one) return std::unexpected(one.error());
   one->move.number = ++number_;
   pending_.push_back(*one);
-  ++commands_;
+  commands_.accept();
   if (!follows) poll_due_ = now;
   last_move_ = now;
   activity_ = Activity::kMoving;
@@ -191,7 +191,7 @@ Expected<void> IdealDriver::tool(const ToolAction& action, Instant now) {
   if (const auto may = may_begin(); !may) return may;
   jaws_due_ = jaws_to_ = micro(std::min(to->width, *width_max_));
   health_.jaws_width.reset();
-  ++commands_;
+  commands_.accept();
   activity_ = Activity::kJaws;
   jaws_since_ = poll_due_ = now;
   say_what_is_due(now);
@@ -201,7 +201,7 @@ Expected<void> IdealDriver::tool(const ToolAction& action, Instant now) {
 void IdealDriver::stop(Instant now) {
   poll(now);
   if (activity_ == Activity::kClosed) return;
-  stop_asked_ = true;
+  commands_.ask_stop();
   // Who opens is about to stop it in any case.
   if (activity_ == Activity::kOpening || activity_ == Activity::kStopping) return;
   begin_stop(now);
@@ -226,25 +226,13 @@ Expected<void> IdealDriver::clear_fault(Instant now) {
   begin_anew({}, now);
   fault_.reset();
   clearing_ = true;
-  ++commands_;
+  commands_.accept();
   return {};
 }
 
-void IdealDriver::tell(Kind kind, const Error& error) {
-  if (!events_.full()) events_.push_back({kind, error});
-}
-
 void IdealDriver::end_commands(Kind kind, const Error& error) {
-  for (; commands_ > 0; --commands_) tell(kind, error);
+  commands_.end_all(kind, error);
   pending_.clear();
-}
-
-/// Each command that a stop ended has its own end; a stop of nothing has one too.
-void IdealDriver::end_stop() {
-  if (!stop_asked_) return;
-  stop_asked_ = false;
-  commands_ = std::max<std::size_t>(commands_, 1);
-  end_commands(Kind::kStopped);
 }
 
 void IdealDriver::come_to_rest(Kind kind, const Error& error) {
@@ -254,7 +242,7 @@ void IdealDriver::come_to_rest(Kind kind, const Error& error) {
 
 void IdealDriver::fail(const Error& error) {
   fault_ = error;
-  commands_ = std::max<std::size_t>(commands_, 1);
+  commands_.fail(error);
   come_to_rest(Kind::kFailed, error);
 }
 
@@ -346,22 +334,22 @@ void IdealDriver::say_moves(Instant now) {
 void IdealDriver::fall_silent(Instant now) {
   const double waited = to_seconds(timing_.tries * timing_.reply_timeout);
   const Error error{ErrorCode::kDeviceSilent, -1, waited, waited};
-  if (commands_ == 0 && !told_silent_) {
-    tell(activity_ == Activity::kOpening ? Kind::kFailed : Kind::kNotice, error);
+  if (commands_.open() == 0 && !told_silent_) {
+    commands_.tell(activity_ == Activity::kOpening ? Kind::kFailed : Kind::kNotice, error);
   }
   told_silent_ = true;
   // Its deadline is over if it hears nothing either; else it goes to the end of what it has.
   const bool may_move = activity_ != Activity::kOpening && activity_ != Activity::kIdle;
   if (may_move) goes_on_until_ = now + kDeadline + brake_max_;
   begin_anew(error, now);
-  end_stop();
+  commands_.end_stop();
   poll_due_ = now + timing_.silent_retry;
 }
 
 /// Its power was away: it counts its moves from 0 again.
 void IdealDriver::note_restart(Instant now) {
   const Error error{ErrorCode::kSupplyFlag, 0};
-  if (commands_ == 0) tell(Kind::kNotice, error);
+  if (commands_.open() == 0) commands_.tell(Kind::kNotice, error);
   begin_anew(error, now);
 }
 
@@ -479,16 +467,15 @@ void IdealDriver::step_opening() {
     clearing_ = false;
     end_commands(Kind::kDone);
   } else if (!fault_) {
-    tell(Kind::kReady);
+    commands_.tell(Kind::kReady);
   }
-  end_stop();
+  commands_.end_stop();
 }
 
 void IdealDriver::step_moving(Instant now) {
   while (!pending_.empty() && !is_behind(pending_[0].move.number, state_->done)) {
     pending_.drop_front(1);
-    --commands_;
-    tell(Kind::kDone);
+    commands_.done();
   }
   if (pending_.empty()) {
     activity_ = Activity::kIdle;
@@ -524,7 +511,7 @@ void IdealDriver::step_stopping() {
   }
   number_ = state_->taken;
   activity_ = Activity::kIdle;
-  end_stop();
+  commands_.end_stop();
 }
 
 void IdealDriver::update_positions(Instant now) {

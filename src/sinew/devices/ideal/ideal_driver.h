@@ -6,8 +6,8 @@
 #include <span>
 
 #include "sinew/devices/ideal/ideal_wire.h"
-#include "sinew/driver/axis_link_segments.h"
-#include "sinew/driver/driver.h"
+#include "sinew/driver/motion_segments.h"
+#include "sinew/driver/driver_commands.h"
 
 namespace sinew {
 
@@ -72,7 +72,7 @@ class IdealDriver : public ByteDriver {
   bool clearing() const override { return clearing_; }
   void poll(Instant now) override;
   std::optional<Instant> next_deadline() const override;
-  std::optional<DriverEvent> take_event() override { return events_.take_front(); }
+  std::optional<DriverEvent> take_event() override { return commands_.take(); }
   void receive(std::span<const std::uint8_t> bytes, Instant now) override;
   std::size_t take_output(std::span<std::uint8_t> out) override { return output_.take_front(out); }
 
@@ -119,9 +119,7 @@ class IdealDriver : public ByteDriver {
   void fail(const Error& error);
   void come_to_rest(DriverEvent::Kind kind, const Error& error = {});
   void end_commands(DriverEvent::Kind kind, const Error& error = {});
-  void end_stop();
   void update_positions(Instant now);
-  void tell(DriverEvent::Kind kind, const Error& error = {});
 
   FixedVector<Joint, kMaxJoints> joints_;
   std::optional<double> width_max_;
@@ -133,11 +131,10 @@ class IdealDriver : public ByteDriver {
   std::optional<Error> fault_;
   FixedVector<JointPosition, kMaxJoints> positions_;
   Instant now_{};
-  std::size_t commands_ = 0;  ///< accepted, and without their last event
-  bool known_ = false;        ///< it has said who it is, since open() or its last silence
-  bool foreign_ = false;      ///< .. and that it is another device: it is left alone
-  bool stop_due_ = false;     ///< it has not answered to it
-  bool stop_asked_ = false;   ///< by whoever has to hear of its end
+  DriverCommands commands_;
+  bool known_ = false;     ///< it has said who it is, since open() or its last silence
+  bool foreign_ = false;   ///< .. and that it is another device: it is left alone
+  bool stop_due_ = false;  ///< it has not answered to it
   bool clear_due_ = false;
   bool clearing_ = false;
   bool told_silent_ = false;
@@ -165,7 +162,6 @@ class IdealDriver : public ByteDriver {
   DriverHealth health_;
   ideal::LineDecoder decoder_;
   FixedVector<std::uint8_t, 8 * ideal::kLineMax> output_;
-  FixedVector<DriverEvent, 32> events_;
 };
 
 }  // namespace sinew

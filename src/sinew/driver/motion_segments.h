@@ -13,7 +13,7 @@
 #include "sinew/model/robot_model.h"
 
 /// Pieces of a streamed motion, and the setpoints between their ends. All @rt.
-namespace sinew::axis_link {
+namespace sinew::segments {
 
 using Setpoint = Cubic::State;  ///< rad (m), per s
 
@@ -72,4 +72,4 @@ class SegmentQueue {
   FixedVector<Segment, kSegments> segments_;
 };
 
-}  // namespace sinew::axis_link
+}  // namespace sinew::segments

@@ -1,4 +1,4 @@
-#include "sinew/driver/axis_link_segments.h"
+#include "sinew/driver/motion_segments.h"
 
 #include <algorithm>
 #include <array>
@@ -6,7 +6,7 @@
 
 #include "sinew/core/assert.h"
 
-namespace sinew::axis_link {
+namespace sinew::segments {
 namespace {
 
 /// Pieces that are cut out of a smooth motion swing out by rounding and by the fourth power of
@@ -108,4 +108,4 @@ Setpoint SegmentQueue::at(std::size_t joint, Instant when) const {
   return back().pieces[joint].end();
 }
 
-}  // namespace sinew::axis_link
+}  // namespace sinew::segments
