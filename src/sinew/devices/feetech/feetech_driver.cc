@@ -55,6 +55,7 @@ void FeetechDriver::begin_anew(const Error& why, Instant now) {
   round_open_ = one_by_one_ = false;
   broken_rounds_ = 0;
   beside_.fill(0);
+  stuck_ = 0;
   told_ = on_ = set_up_ = 0;
   poll_due_ = opened_at_ = now;
   for (JointPosition& joint : positions_) joint = {};
@@ -168,13 +169,16 @@ Expected<void> FeetechDriver::move(const JointMove& move, Instant now) {
   tick_due_ = now_;
   behind_.fill(0);
   corrections_ = 0;
-  stuck_ = 0;
   goes_on_until_.reset();
   for (std::size_t i = 0; i < joints; ++i) {
-    if (!servos_[i].torque) beside_[i] = 0;
+    // What its load has taken is seen as it rests, where nothing was in its way.
+    const double most = kCorrectMost * servos_.device().units_per_rad();
+    const double seen = std::clamp(base_of(i) - servos_[i].units, -most, most);
+    if ((stuck_ & servo_bit(i)) == 0) beside_[i] = seen;
     jump_[i] = base_of(i) - servos_.units_of(i, start[i].q) - beside_[i];
     goal_[i] = base_of(i);
   }
+  stuck_ = 0;
   if (switches) switch_ = Switch{.servos = all};
   activity_ = Activity::kMoving;
   poll(now);
@@ -200,7 +204,7 @@ Expected<void> FeetechDriver::tool(const ToolAction& action, Instant now) {
   jaws_ = Jaws{.from = from, .to = units, .start = now_, .end = {}};
   jaws_->end = now_ + from_seconds(share * to_seconds(FeetechDevice::kJawsStroke));
   goal_[i] = from;
-  moved_at_[i] = tick_due_ = now_;
+  moved_at_[i] = tick_due_ = told_for_ = now_;
   if (!servos_[i].torque || (set_up_ & servo_bit(i)) == 0) switch_ = Switch{.servos = servo_bit(i)};
   health_.jaws_width.reset();
   commands_.accept();
@@ -347,6 +351,7 @@ void FeetechDriver::update_positions(Instant now) {
 void FeetechDriver::poll(Instant now) {
   now_ = std::max(now_, now);
   if (activity_ == Activity::kClosed) return;
+  wait_for_host(now_);
   if (const Ids missing = bus_.give_up(now_); !missing.empty()) take_miss(missing, now_);
   step_motion(now_);
   ask_what_is_due(now_);
@@ -367,6 +372,7 @@ std::optional<Instant> FeetechDriver::next_deadline() const {
 
 void FeetechDriver::receive(std::span<const std::uint8_t> bytes, Instant now) {
   now_ = std::max(now_, now);
+  wait_for_host(now_);
   for (const std::uint8_t byte : bytes) {
     if (activity_ == Activity::kClosed) return;
     if (const auto reply = bus_.receive(byte, now_, health_)) take(*reply, now_);

@@ -104,6 +104,8 @@ class FeetechDriver : public ByteDriver {
   /// Units that jaws are sent on behind what they hold: a part of their force, for as long as it
   /// takes.
   static constexpr double kSqueeze = 40;
+  /// rad by which a goal may be moved for a joint's load.
+  static constexpr double kCorrectMost = 0.12;
 
   /// Motors being switched, as often as it takes.
   struct Switch {
@@ -142,6 +144,7 @@ class FeetechDriver : public ByteDriver {
   void say_switch(Instant now);
   void step_switch(Instant now);
   void step_switching(Instant now);
+  void wait_for_host(Instant now);
   void step_motion(Instant now);
   void step_moving(Instant now);
   void step_settling(Instant now);

@@ -369,6 +369,55 @@ TEST(FeetechFaults, a_host_that_comes_late_makes_no_joint_faster) {
   }
 }
 
+TEST(FeetechFaults, a_host_that_wakes_a_little_late_each_time_keeps_the_pace) {
+  FeetechCell cell;
+  auto motion = cell.motion_to({1, 0.3, 0.3}, 2);
+  const Instant limit = cell.now + 10s;
+  while (motion.next <= motion.segments || cell.driver.state() == DriverState::kMoving) {
+    ASSERT_LT(cell.now, limit);
+    cell.feed(motion);
+    cell.be_late_by(7ms);
+    cell.step();
+    ASSERT_FALSE(cell.refused || cell.failure());
+  }
+  EXPECT_LT(to_seconds(cell.now - motion.begun), 2.5);
+  EXPECT_LE(cell.fastest, 1.05);
+}
+
+TEST(FeetechFaults, corrections_do_not_add_up_against_something_near_the_target) {
+  FeetechCell cell;
+  cell.machine.disturb({Disturb::kBlock, 0, 0.4895});
+  for (int k = 0; k < 12; ++k) {
+    auto motion = cell.motion_to({0.5, 0, 0}, 1);
+    motion.from[0] = k == 0 ? motion.from[0] : 0.5;
+    cell.refused.reset();
+    cell.run(motion);
+    cell.run_for(300ms);
+  }
+  const auto goal = cell.servo(0).read(Register::kGoal, 2).value();
+  const double told = word_at({goal.data(), goal.size()}, 0, std::endian::little);
+  EXPECT_LT(told - 2048, 0.53 * 4096 / (2 * kPi));
+  EXPECT_EQ(cell.driver.state(), DriverState::kReady);
+}
+
+TEST(FeetechFaults, stops_do_not_let_a_loaded_arm_sink_step_by_step) {
+  FeetechCell cell;
+  auto first = cell.motion_to({0, 0.4, 0.2}, 1);
+  cell.run(first);
+  cell.honest = false;  // a push is seen at the next question
+  cell.machine.disturb({Disturb::kLoad, 1, 0.9});
+  cell.run_for(1s);
+  const double begun = cell.q(1);
+  for (int k = 0; k < 8; ++k) {
+    auto motion = cell.motion_to({k % 2 == 0 ? 0.4 : 0.0, cell.driver.positions()[1].q, 0.2}, 1);
+    cell.run(motion, 500ms);
+    cell.driver.stop(cell.now);
+    ASSERT_TRUE(cell.run_until(DriverState::kReady, 2s));
+  }
+  EXPECT_FALSE(cell.refused);
+  EXPECT_NEAR(cell.q(1), begun, 0.05);
+}
+
 TEST(FeetechFaults, a_stream_that_ends_brakes_as_the_joints_may) {
   FeetechCell cell;
   auto motion = cell.motion_to({1.4, 0.2, 0.2}, 1.2);

@@ -21,14 +21,13 @@ constexpr double kFade = 0.3;  // s
 /// stop, which corrects nothing, more is a load's.
 constexpr double kBlocked = 0.035;
 constexpr double kBlockedAtStop = 0.08;
-/// A correction that leaves so much of what was missing, where that was more than some units, has
-/// not helped.
+/// A correction that leaves so much of what was missing has not helped.
 constexpr double kHelped = 0.7;
-constexpr double kStuck = 8;
+/// A host that is later than this, and than a tick, makes the motion longer.
+constexpr Duration kLate = std::chrono::milliseconds(20);
 /// A joint that is farther off at rest has its goal moved, so often, so far (units, rad).
 constexpr double kNearEnough = 4;
 constexpr int kCorrections = 2;
-constexpr double kCorrectMost = 0.12;
 /// Units within which jaws are where they were sent, and beside which something is between them.
 constexpr double kJawsThere = 12;
 constexpr double kJawsBlocked = 40;
@@ -84,8 +83,9 @@ void FeetechDriver::add_goal(SyncWrite& write, std::size_t i, double units, doub
 
 /// Where everything that moves shall be a tick from now.
 void FeetechDriver::say_goals(Instant now) {
-  const double seconds = to_seconds(tick());
   const Instant when = now + tick();
+  // From the last goals on, so that a late host makes nothing faster.
+  const double seconds = to_seconds(std::max(tick(), when - told_for_));
   const bool sts = servos_.device().sts();
   SyncWrite write{sts ? Register::kAcceleration : Register::kGoal, {}};
   const auto add = [&](std::size_t i, double units) {
@@ -170,6 +170,15 @@ void FeetechDriver::step_switching(Instant now) {
 
 // What time brings
 
+/// Behind a host that came too late a motion resumes from the last goal, and is not made up for.
+void FeetechDriver::wait_for_host(Instant now) {
+  if (activity_ != Activity::kMoving || switch_ || queue_.empty()) return;
+  const Duration late = now - told_for_;
+  if (late <= std::max(tick(), kLate)) return;
+  lag_ += late;
+  told_for_ = now;
+}
+
 void FeetechDriver::step_motion(Instant now) {
   switch (activity_) {
     case Activity::kMoving:
@@ -190,11 +199,6 @@ void FeetechDriver::step_moving(Instant now) {
     std::size_t i = 0;
     while (i + 1 < servos_.joints() && servos_[i].torque && servos_[i].goal == goal_[i]) ++i;
     return fail({ErrorCode::kDeviceRefused, static_cast<std::int8_t>(i)}, now);
-  }
-  // Behind a host that came too late a motion goes on from the last goal, and is not made up for.
-  if (!switch_ && now - told_for_ > tick() / 2) {
-    lag_ += now - told_for_;
-    told_for_ = now;
   }
   while (!queue_.empty() && now - lag_ >= queue_.front().end) {
     const segments::Segment& over = queue_.front();
@@ -238,7 +242,7 @@ bool FeetechDriver::correct(Instant now) {
   for (std::size_t i = 0; i < servos_.joints(); ++i) {
     const double off = behind_rest(i);
     const bool tried = corrections_ > 0 && off_[i] != 0;
-    if (tried && std::abs(off_[i]) > kStuck && std::abs(off) > kHelped * std::abs(off_[i])) {
+    if (tried && std::abs(off) > kHelped * std::abs(off_[i])) {
       any = any || beside_[i] != before_[i];
       beside_[i] = before_[i];
       stuck_ |= servo_bit(i);
@@ -292,13 +296,12 @@ void FeetechDriver::step_jaws(Instant now) {
   const std::size_t i = servos_.jaws();
   const FeetechServoState& servo = servos_[i];
   const bool late = now - jaws_->end > timing_.jaws_limit;
-  const bool there =
-      late || (std::abs(servo.units - jaws_->to) <= kJawsThere && servo.at > jaws_->start);
+  const bool there = std::abs(servo.units - jaws_->to) <= kJawsThere && servo.at > jaws_->start;
   if (!there && !jaws_->held) {
     const bool stands =
         servo.at - std::max(moved_at_[i], jaws_->start) >= FeetechDevice::kJawsStand;
     const bool pushes = std::abs(goal_[i] - servo.units) > kJawsBlocked || now >= jaws_->end;
-    if (!stands || !pushes) return;
+    if (!late && (!stands || !pushes)) return;
     // Something is between them: no more force than holds it.
     const double on = std::copysign(kSqueeze, jaws_->to - servo.units);
     const double beyond = std::abs(jaws_->to - servo.units);

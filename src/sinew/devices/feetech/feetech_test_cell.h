@@ -150,8 +150,13 @@ class FeetechCell {
   void step() {
     now += std::chrono::microseconds(100);  // ten bytes
     machine.advance(now);
+    std::array<std::uint8_t, 512> given{};
+    const std::size_t more = connected && !away_ ? driver.take_output(given) : 0;
+    port_.insert(port_.end(), given.begin(), given.begin() + static_cast<std::ptrdiff_t>(more));
     std::array<std::uint8_t, 10> bytes{};
-    const std::size_t out = connected && !away_ ? driver.take_output(bytes) : 0;
+    const std::size_t out = std::min(port_.size(), bytes.size());
+    std::copy_n(port_.begin(), out, bytes.begin());
+    port_.erase(port_.begin(), port_.begin() + static_cast<std::ptrdiff_t>(out));
     carry(down_, std::span(bytes).first(out), sim::LinkDirection::kToDevice);
     if (options_.echo && out > 0) driver.receive(std::span(bytes).first(out), now);
     std::array<std::uint8_t, 64> piece{};
@@ -203,6 +208,7 @@ class FeetechCell {
 
   Options options_;
   bool away_ = false;
+  std::deque<std::uint8_t> port_;      ///< given to it, not on the wire yet
   std::vector<std::uint8_t> waiting_;  ///< at the host's port
   std::deque<Late> down_, up_;
 };

@@ -455,11 +455,12 @@ void LscDriver::refresh(Instant now) {
         joint.quality == PositionQuality::kCommanded || joint.quality == PositionQuality::kMeasured;
     if (!told) continue;
     const bool runs = phase_ == Phase::kRunning || phase_ == Phase::kConfirming;
-    if (runs) joint.quality = PositionQuality::kCommanded;
-    joint.q = units_.q_of(i, runs ? at(slots_[i], now) : slots_[i].to);
+    const bool limp = free_ && !slots_[i].held;
+    if (runs && !limp) joint.quality = PositionQuality::kCommanded;
+    joint.q = units_.q_of(i, runs && !limp ? at(slots_[i], now) : slots_[i].to);
     // A servo that was told is where it was told only as well as it can be.
     double slack = joint.quality == PositionQuality::kCommanded ? kServoSlack : 0;
-    if (free_ && !runs) {
+    if (limp) {
       const double age = to_seconds(now - hand_at_) + kHandLate;
       slack += age * (hand_speed_[i] + age * kHandAcceleration);
     }

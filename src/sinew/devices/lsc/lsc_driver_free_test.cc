@@ -84,6 +84,31 @@ TEST(LscFreeDrive, jaws_and_a_port_that_comes_back_leave_it_free_and_hold_takes_
   }
 }
 
+TEST(LscFreeDrive, claims_hold_while_jaws_move_and_a_stopped_hold_leaves_it_free) {
+  for (int k = 0; k < 20; ++k) {
+    LscCell cell(LscProfile::kBus);
+    cell.start({0.2, 0, 0, 0, 0});
+    ASSERT_TRUE(cell.driver.service(DeviceService::kFree, cell.now));
+    ASSERT_TRUE(cell.run_until(Kind::kDone));
+    cell.run_for(std::chrono::milliseconds(7 * k));
+    cell.events.clear();
+    if (k % 2 == 0) {
+      ASSERT_TRUE(cell.driver.tool(JawsTo{0.03}, cell.now));
+    } else if (cell.driver.service(DeviceService::kHold, cell.now)) {
+      cell.driver.stop(cell.now);
+    }
+    cell.run_for(20ms);
+    if (!cell.driver.free()) continue;  // its frame had left
+    cell.machine.disturb({sim::Disturbance::Kind::kLoad, 0, 0.2});
+    for (int i = 0; i < 300; ++i) {
+      cell.run_for(5ms);
+      const JointPosition& claim = cell.driver.positions()[0];
+      ASSERT_GE(cell.machine.truth().joints[0].q, claim.lower - 1e-9) << k << " at " << i;
+      ASSERT_LE(cell.machine.truth().joints[0].q, claim.upper + 1e-9) << k << " at " << i;
+    }
+  }
+}
+
 TEST(LscFreeDrive, boards_that_measure_nothing_have_none) {
   for (const LscProfile profile : {LscProfile::kLsc6, LscProfile::kEsp32}) {
     LscCell cell(profile);

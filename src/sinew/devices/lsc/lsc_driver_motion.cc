@@ -58,8 +58,6 @@ double LscDriver::at(const Slot& slot, Instant time) const {
 void LscDriver::begin(const Segment& segment, Instant now) {
   drop_targets();
   goes_on_until_.reset();
-  // Jaws alone leave the joints as they are.
-  if ((segment.mask & bit(0)) != 0) free_ = false;
   next_ = segment;
   next_->first = true;
   current_.start = current_.end = now;
@@ -152,6 +150,8 @@ void LscDriver::poll_running(Instant now) {
     send_segment(*next_, now, current_.end);
     if (next_->first) {
       promote();
+      // Jaws alone leave the joints as they are.
+      if ((current_.mask & bit(0)) != 0) free_ = false;
       repair_at_ = current_.start + timing_.segment_max;
     }
   }
