@@ -31,7 +31,7 @@ struct FeetechTiming {
   Duration jaws_limit = std::chrono::milliseconds(1500);
 };
 
-/// Host side of Feetech's servo bus: where each joint shall be 10 ms from now is told to all servos
+/// Host side of Feetech's servo bus: where each joint shall be 10 ms from now is sent to all servos
 /// in one packet, with the speed that takes it there; all are asked for their state in between.
 /// docs/wires/feetech.md.
 ///
@@ -142,6 +142,7 @@ class FeetechDriver : public ByteDriver {
   void say_goals(Instant now);
   void add_goal(feetech::SyncWrite& write, std::size_t i, double units, double speed);
   void say_switch(Instant now);
+  std::optional<std::size_t> not_switched() const;
   void step_switch(Instant now);
   void step_switching(Instant now);
   void wait_for_host(Instant now);

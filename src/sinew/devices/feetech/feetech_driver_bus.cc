@@ -38,26 +38,22 @@ Duration FeetechBus::write_time(std::size_t servos, std::size_t count) const {
   return bytes_time(kFrame + 2 + servos * (1 + count));
 }
 
-void FeetechBus::send(const Request& request, Instant now) {
+void FeetechBus::write(const Request& request, Instant now) {
   const Bytes bytes = encode(request);
   SINEW_ASSERT(output_.size() + bytes.size() <= output_.capacity());
   for (const std::uint8_t byte : bytes) output_.push_back(byte);
   wire_free_ = std::max(now, wire_free_) + bytes_time(bytes.size());
 }
 
-void FeetechBus::write(const Request& request, Instant now) {
-  send(request, now);
-}
-
 void FeetechBus::ask(const Read& read, Instant now) {
   SINEW_ASSERT(!asking());
-  send(read, now);
+  write(read, now);
   wait_for({read.id}, read.count, now);
 }
 
 void FeetechBus::ask(const SyncRead& read, Instant now) {
   SINEW_ASSERT(!asking());
-  send(read, now);
+  write(read, now);
   wait_for(read.ids, read.count, now);
 }
 

@@ -56,7 +56,6 @@ class FeetechBus {
   std::size_t take_output(std::span<std::uint8_t> out) { return output_.take_front(out); }
 
  private:
-  void send(const feetech::Request& request, Instant now);
   void wait_for(const feetech::Ids& ids, std::uint8_t count, Instant now);
   Duration bytes_time(std::size_t bytes) const;
 

@@ -84,7 +84,7 @@ TEST(FeetechFaults, a_fault_of_the_opening_ends_when_its_cause_is_gone) {
   EXPECT_EQ(cell.count(Kind::kDone), 1U);
 }
 
-TEST(FeetechFaults, nobody_on_the_bus_is_silence_and_is_tried_again) {
+TEST(FeetechFaults, bus_without_servos_is_silence_and_is_tried_again) {
   FeetechCell cell(feetech_robot(), {.opened = false});
   cell.machine.disturb({Disturb::kSupply, -1, 0});
   const auto error = opening_of(cell);

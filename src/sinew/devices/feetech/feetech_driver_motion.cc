@@ -138,17 +138,24 @@ void FeetechDriver::say_switch(Instant now) {
   bus_.write(on, now);
 }
 
-/// Behind a whole round of replies: whether the servos have heard it.
-void FeetechDriver::step_switch(Instant now) {
+/// The first servo that has not heard the switch, by its last reply.
+std::optional<std::size_t> FeetechDriver::not_switched() const {
   for (std::size_t i = 0; i < servos_.size(); ++i) {
     if ((switch_->servos & servo_bit(i)) == 0) continue;
     const FeetechServoState& servo = servos_[i];
     const bool heard = servo.torque == switch_->on && (!switch_->on || servo.goal == goal_[i]);
-    if (heard) continue;
+    if (!heard) return i;
+  }
+  return std::nullopt;
+}
+
+/// Behind a whole round of replies: whether the servos have heard it.
+void FeetechDriver::step_switch(Instant now) {
+  if (const auto unheard = not_switched()) {
     switch_->said = false;
     if (++switch_->tries < timing_.tries) return;
     switch_.reset();
-    return fail({ErrorCode::kDeviceRefused, static_cast<std::int8_t>(i)}, now);
+    return fail({ErrorCode::kDeviceRefused, static_cast<std::int8_t>(*unheard)}, now);
   }
   const std::uint8_t servos = switch_->servos;
   if (switch_->on) {
@@ -196,8 +203,7 @@ void FeetechDriver::step_motion(Instant now) {
 
 void FeetechDriver::step_moving(Instant now) {
   if (switch_ && now >= began_) {
-    std::size_t i = 0;
-    while (i + 1 < servos_.joints() && servos_[i].torque && servos_[i].goal == goal_[i]) ++i;
+    const std::size_t i = not_switched().value_or(servos_.joints() - 1);
     return fail({ErrorCode::kDeviceRefused, static_cast<std::int8_t>(i)}, now);
   }
   while (!queue_.empty() && now - lag_ >= queue_.front().end) {

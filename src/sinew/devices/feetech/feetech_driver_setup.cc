@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::uint8_t kOrder = 2;
 constexpr int kMiddle = 2048;
-constexpr int kNear = 4;  // units: of a shaft that nobody moves
+constexpr int kNear = 4;  // units: of a shaft at rest
 constexpr int kTries = 3;
 
 std::string number_of(std::uint8_t id) {

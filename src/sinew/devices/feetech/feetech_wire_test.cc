@@ -161,11 +161,11 @@ TEST(FeetechWire, a_packet_behind_a_damaged_one_is_heard) {
 TEST(FeetechWire, what_fits_no_table_is_no_request) {
   EXPECT_FALSE(decode_request({1, 2, {56}})) << "a read without a count";
   EXPECT_FALSE(decode_request({1, 3, {56}})) << "a write of nothing";
-  EXPECT_FALSE(decode_request({0xFE, 0x82, {56, 2}})) << "of nobody";
+  EXPECT_FALSE(decode_request({0xFE, 0x82, {56, 2}})) << "of no servo";
   EXPECT_FALSE(decode_request({0xFE, 0x83, {42, 2, 1, 0}})) << "cut short";
   EXPECT_FALSE(decode_request({0xFE, 0x83, {42, 0, 1, 2}})) << "no bytes each";
   EXPECT_FALSE(decode_request({1, 99, {}}));
-  EXPECT_FALSE(decode_reply({0xFE, 0, {}})) << "nobody is called so";
+  EXPECT_FALSE(decode_reply({0xFE, 0, {}})) << "no servo has this number";
 }
 
 }  // namespace

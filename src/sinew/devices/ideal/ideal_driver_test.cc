@@ -235,7 +235,7 @@ TEST(IdealDriver, a_host_that_is_away_for_40_ms_is_no_trouble) {
   auto motion = cell.motion_to({1, -0.5, 0.25});
   for (int i = 0; i < 12; ++i) {
     cell.run(motion, 60ms);
-    cell.host_away(40ms);
+    cell.be_late_by(40ms);
   }
   cell.run(motion, 3s);
   EXPECT_EQ(cell.driver.state(), DriverState::kReady);
