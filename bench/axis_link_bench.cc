@@ -6,9 +6,9 @@
 
 #include "bench/ideal_axis.h"
 #include "sinew/core/split_mix.h"
-#include "sinew/devices/axis/axis_link_driver.h"
-#include "sinew/devices/axis/axis_link_settings.h"
-#include "sinew/devices/axis/axis_link_wire.h"
+#include "sinew/devices/axis_link/axis_link_driver.h"
+#include "sinew/devices/axis_link/axis_link_settings.h"
+#include "sinew/devices/axis_link/axis_link_wire.h"
 
 namespace sinew::bench {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "bench/inputs.h"
-#include "sinew/planning/collision.h"
+#include "sinew/planning/collision/collision.h"
 
 namespace sinew::bench {
 namespace {

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "bench/inputs.h"
-#include "sinew/planning/jog.h"
+#include "sinew/planning/jog/jog.h"
 
 namespace sinew::bench {
 namespace {

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "bench/inputs.h"
-#include "sinew/planning/move_path.h"
+#include "sinew/planning/paths/move_path.h"
 
 namespace sinew::bench {
 namespace {

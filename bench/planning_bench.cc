@@ -3,9 +3,9 @@
 #include <cmath>
 
 #include "bench/inputs.h"
-#include "sinew/planning/collision.h"
-#include "sinew/planning/move_path.h"
-#include "sinew/planning/path_follower.h"
+#include "sinew/planning/collision/collision.h"
+#include "sinew/planning/paths/move_path.h"
+#include "sinew/planning/timing/path_follower.h"
 
 namespace sinew::bench {
 namespace {

@@ -1,5 +1,5 @@
 # The panel in the binary: what scripts/panel.sh has left in build/panel becomes the list that
-# server/web_assets.h declares, each file compressed, with its type and a hash. Looked at in every
+# server/web/web_assets.h declares, each file compressed, with its type and a hash. Looked at in every
 # build; an empty list where there is no panel.
 
 set(SINEW_PANEL_SCRIPT "${CMAKE_CURRENT_LIST_DIR}/panel_assets.cmake")

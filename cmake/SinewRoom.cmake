@@ -103,13 +103,13 @@ function(sinew_long test seconds)
   endif()
 endfunction()
 
-# sinew_room(<name> LIBRARIES ... [HEADERS ...]): the library of the folder that calls it.
+# sinew_room(<name> LIBRARIES ... [HEADERS ...]): the library of the folder that calls it, with the folders in it.
 # TEST_LIBRARIES are linked into its unit tests only. HEADERS are read once for the library and once
 # for its tests, TEST_HEADERS for the tests. SHARDS as in sinew_test.
 function(sinew_room name)
   cmake_parse_arguments(ARG "" "SHARDS" "LIBRARIES;TEST_LIBRARIES;HEADERS;TEST_HEADERS" ${ARGN})
-  file(GLOB sources CONFIGURE_DEPENDS *.cc)
-  file(GLOB tests CONFIGURE_DEPENDS *_test.cc)
+  file(GLOB sources CONFIGURE_DEPENDS *.cc */*.cc)
+  file(GLOB tests CONFIGURE_DEPENDS *_test.cc */*_test.cc)
   if(tests)
     list(REMOVE_ITEM sources ${tests})
   endif()

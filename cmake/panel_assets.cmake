@@ -55,7 +55,7 @@ if(files)
 endif()
 file(WRITE "${SOURCE}" "// ${print}
 // Written by cmake/panel_assets.cmake.
-#include \"sinew/server/web_assets.h\"
+#include \"sinew/server/web/web_assets.h\"
 
 namespace sinew::server {
 namespace {

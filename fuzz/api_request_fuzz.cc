@@ -3,7 +3,7 @@
 #include <cstdlib>
 #include <string_view>
 
-#include "sinew/server/methods.h"
+#include "sinew/server/json/methods.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace sinew::server;

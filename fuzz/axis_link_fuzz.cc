@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "sinew/core/assert.h"
-#include "sinew/devices/axis/axis_link_wire.h"
+#include "sinew/devices/axis_link/axis_link_wire.h"
 #include "sinew/wire/cobs.h"
 #include "sinew/wire/crc32c.h"
 

@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "sinew/core/assert.h"
-#include "sinew/devices/axis/axis_registers_device.h"
-#include "sinew/devices/axis/axis_registers_settings.h"
-#include "sinew/devices/axis/axis_registers_wire.h"
+#include "sinew/devices/axis_registers/axis_registers_device.h"
+#include "sinew/devices/axis_registers/axis_registers_settings.h"
+#include "sinew/devices/axis_registers/axis_registers_wire.h"
 
 // The register protocol from both sides. For any bytes: what is accepted as a header, as data, as
 // COMMIT, status or angle is written back as the very bytes it came from; a board that is copied in

@@ -6,7 +6,7 @@
 
 #include "decoders.h"
 #include "sinew/core/assert.h"
-#include "sinew/devices/axis/encoder_wire.h"
+#include "sinew/devices/encoder/encoder_wire.h"
 
 // The encoder link from both sides. For any bytes: a decoder that was cut off and goes on in a copy
 // says the same as one that ran through; what was accepted is spelled as the very bytes it came

@@ -3,10 +3,10 @@
 #include <string_view>
 
 #include "sinew/core/assert.h"
-#include "sinew/program/gcode_file.h"
-#include "sinew/program/pose_file.h"
-#include "sinew/program/program_check.h"
-#include "sinew/program/program_format.h"
+#include "sinew/program/formats/gcode_file.h"
+#include "sinew/program/formats/pose_file.h"
+#include "sinew/program/formats/program_format.h"
+#include "sinew/program/plans/program_check.h"
 
 // A program file for a small arm: whatever is accepted has its loops closed and can be planned, or
 // is refused, in bounded time; whatever is refused has a place and a sentence. Laid out it is the

@@ -5,9 +5,9 @@
 #include <string_view>
 
 #include "sinew/core/assert.h"
-#include "sinew/server/web_answer.h"
-#include "sinew/server/web_gate.h"
-#include "sinew/server/web_session.h"
+#include "sinew/server/web/web_answer.h"
+#include "sinew/server/web/web_gate.h"
+#include "sinew/server/web/web_session.h"
 
 namespace {
 

@@ -10,8 +10,8 @@
 
 #include "cli/process.h"
 #include "sinew/io/port.h"
-#include "sinew/io/scratch_folder_test_support.h"
-#include "sinew/io/tcp_test_server.h"
+#include "support/scratch_folder.h"
+#include "support/tcp_server.h"
 
 /// Arms that are a table and limits: they have the ideal device.
 namespace sinew::test {

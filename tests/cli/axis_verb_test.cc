@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "cli/process.h"
-#include "sinew/io/scratch_folder_test_support.h"
+#include "support/scratch_folder.h"
 
 /// `sinew axis`: figures of the control loops, and their picture.
 namespace sinew::test {

@@ -3,7 +3,7 @@
 #include <unistd.h>
 
 #include "cli/process.h"
-#include "sinew/io/scratch_folder_test_support.h"
+#include "support/scratch_folder.h"
 
 /// Whatever people type: a sentence that names the thing and the remedy, the right exit code, JSON
 /// where JSON was asked for, and never a crash.

@@ -7,7 +7,7 @@
 
 #include "cli/process.h"
 #include "cli/small_arm.h"
-#include "sinew/io/scratch_folder_test_support.h"
+#include "support/scratch_folder.h"
 
 /// Homing, recovery and commissioning of the robots of a running cell, from the command line.
 namespace sinew::test {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "cli/process.h"
-#include "sinew/io/scratch_folder_test_support.h"
+#include "support/scratch_folder.h"
 
 /// `sinew serve` and those who talk to it, each a process of its own.
 namespace sinew::test {

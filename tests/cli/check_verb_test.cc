@@ -4,7 +4,7 @@
 #include <iterator>
 
 #include "cli/process.h"
-#include "sinew/io/scratch_folder_test_support.h"
+#include "support/scratch_folder.h"
 
 /// `sinew check`, `fmt` and `convert`, points beside a program and programs that are called, runs
 /// that go on in the middle.

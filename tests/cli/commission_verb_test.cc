@@ -6,7 +6,7 @@
 #include <filesystem>
 
 #include "cli/process.h"
-#include "sinew/io/scratch_folder_test_support.h"
+#include "support/scratch_folder.h"
 
 /// `sinew commission`: the guided checklists on simulated devices, with scripted answers.
 namespace sinew::test {

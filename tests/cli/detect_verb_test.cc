@@ -4,9 +4,9 @@
 #include "cli/rendered_table.h"
 #include "sinew/config/camera_file.h"
 #include "sinew/core/units.h"
-#include "sinew/io/scratch_folder_test_support.h"
 #include "sinew/vision/picture_file.h"
 #include "sinew/vision/tag_board.h"
+#include "support/scratch_folder.h"
 
 namespace sinew::test {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "cli/process.h"
 #include "cli/small_arm.h"
-#include "sinew/io/scratch_folder_test_support.h"
+#include "support/scratch_folder.h"
 
 /// `sinew run` in one process, `sinew sim` in another, their bytes between them: each robot ends
 /// where the program said, as the physics of the simulation has it.

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "cli/process.h"
-#include "sinew/io/scratch_folder_test_support.h"
+#include "support/scratch_folder.h"
 
 namespace sinew::test {
 namespace {

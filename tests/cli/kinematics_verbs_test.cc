@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "cli/process.h"
-#include "sinew/io/scratch_folder_test_support.h"
+#include "support/scratch_folder.h"
 
 /// `sinew robots`, `fk` and `ik`: documented numbers of all robots, and the shapes of the JSON.
 namespace sinew::test {

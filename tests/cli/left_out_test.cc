@@ -5,7 +5,7 @@
 
 #include "cli/process.h"
 #include "cli/small_arm.h"
-#include "sinew/io/scratch_folder_test_support.h"
+#include "support/scratch_folder.h"
 
 /// Robot Arm 2 with a board missing: the others by choice, the missing axis unknown.
 namespace sinew::test {

@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "cli/process.h"
-#include "sinew/io/scratch_folder_test_support.h"
+#include "support/scratch_folder.h"
 
 /// One machine that several position journals are named for: what is said of its position is true.
 namespace sinew::test {

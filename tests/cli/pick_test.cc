@@ -12,8 +12,8 @@
 #include "cli/rendered_table.h"
 #include "sinew/config/camera_file.h"
 #include "sinew/core/units.h"
-#include "sinew/io/scratch_folder_test_support.h"
 #include "sinew/vision/picture_file.h"
+#include "support/scratch_folder.h"
 
 /// Programs that look, in a cell with a camera: what it sees comes through an image that another
 /// program keeps writing.

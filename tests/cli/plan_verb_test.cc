@@ -4,7 +4,7 @@
 #include <filesystem>
 
 #include "cli/process.h"
-#include "sinew/io/scratch_folder_test_support.h"
+#include "support/scratch_folder.h"
 
 namespace sinew::test {
 namespace {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "cli/process.h"
-#include "sinew/io/scratch_folder_test_support.h"
+#include "support/scratch_folder.h"
 
 /// Records of the real program, and `sinew record`, which reads them.
 namespace sinew::test {

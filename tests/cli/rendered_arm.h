@@ -10,7 +10,6 @@
 #include "sinew/config/camera_file.h"
 #include "sinew/config/points_file.h"
 #include "sinew/core/units.h"
-#include "sinew/io/scratch_folder_test_support.h"
 #include "sinew/kinematics/palletizer.h"
 #include "sinew/kinematics/serial_chain.h"
 #include "sinew/model/cell.h"
@@ -19,6 +18,7 @@
 #include "sinew/vision/tag_board.h"
 #include "support/property.h"
 #include "support/robots.h"
+#include "support/scratch_folder.h"
 
 /// A LeArm, a camera and a printed target, for tests of verbs that calibrate.
 namespace sinew::test {

@@ -9,7 +9,7 @@
 #include <sstream>
 
 #include "cli/process.h"
-#include "sinew/io/scratch_folder_test_support.h"
+#include "support/scratch_folder.h"
 
 /// `sinew run`: programs on the simulated arm, its own and one behind a port.
 namespace sinew::test {

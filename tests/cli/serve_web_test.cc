@@ -5,7 +5,7 @@
 #include <filesystem>
 
 #include "cli/process.h"
-#include "sinew/io/scratch_folder_test_support.h"
+#include "support/scratch_folder.h"
 
 /// What `sinew serve` says of its network door, and when it does without one.
 namespace sinew::test {

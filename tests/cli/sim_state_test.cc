@@ -6,7 +6,7 @@
 #include <memory>
 
 #include "cli/process.h"
-#include "sinew/io/scratch_folder_test_support.h"
+#include "support/scratch_folder.h"
 
 /// `sinew sim --state FILE`: the end of the process is a power cut, and no more than that.
 namespace sinew::test {

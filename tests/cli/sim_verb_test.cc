@@ -10,7 +10,7 @@
 
 #include "cli/process.h"
 #include "sinew/io/port.h"
-#include "sinew/io/scratch_folder_test_support.h"
+#include "support/scratch_folder.h"
 
 /// `sinew sim`: a device of its own behind a pseudo-terminal.
 namespace sinew::test {

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "sinew/io/scratch_folder_test_support.h"
+#include "support/scratch_folder.h"
 
 namespace sinew::test {
 

@@ -5,7 +5,7 @@
 #include <sstream>
 
 #include "cli/process.h"
-#include "sinew/io/scratch_folder_test_support.h"
+#include "support/scratch_folder.h"
 
 /// What happens where stdout and stderr are closed, full, or lead to somebody who went away.
 namespace sinew::test {

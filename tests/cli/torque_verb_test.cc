@@ -3,7 +3,7 @@
 #include <array>
 
 #include "cli/process.h"
-#include "sinew/io/scratch_folder_test_support.h"
+#include "support/scratch_folder.h"
 
 /// `sinew torque`: the author's table, what fails first, programs, and whatever people type.
 namespace sinew::test {

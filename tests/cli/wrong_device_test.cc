@@ -9,7 +9,7 @@
 
 #include "cli/process.h"
 #include "sinew/io/port.h"
-#include "sinew/io/scratch_folder_test_support.h"
+#include "support/scratch_folder.h"
 
 /// What a person is told where the device is another one than was asked for, talks nonsense, or
 /// does something by itself.

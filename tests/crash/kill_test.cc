@@ -9,9 +9,9 @@
 #include <optional>
 
 #include "cli/process.h"
-#include "sinew/io/scratch_folder_test_support.h"
 #include "support/how_many.h"
 #include "support/property.h"
+#include "support/scratch_folder.h"
 
 /// kill -9 at random instants of a running program, a real process on a real disk, while the
 /// simulated machine goes on: what the next process says about the position is true.

@@ -12,9 +12,9 @@
 
 #include "cli/process.h"
 #include "cli/small_arm.h"
-#include "sinew/io/scratch_folder_test_support.h"
 #include "support/how_many.h"
 #include "support/property.h"
+#include "support/scratch_folder.h"
 
 /// The table of ends x robots x next command: a host and a machine with a power supply, both real
 /// processes, and how the host's run ends: in motion, while it searches its zeros, and at rest. The

@@ -9,10 +9,11 @@
 
 #include "cubes/reach.h"
 #include "cubes/truth_watch.h"
+#include "sinew/core/error_code.h"
 #include "sinew/core/rotation.h"
 #include "sinew/core/units.h"
-#include "sinew/program/cube_rows.h"
-#include "sinew/runtime/cube_eyes.h"
+#include "sinew/program/plans/cube_rows.h"
+#include "sinew/runtime/cameras/cube_eyes.h"
 
 namespace sinew::cubes {
 namespace {

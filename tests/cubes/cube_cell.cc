@@ -13,8 +13,8 @@
 #include "sinew/core/rotation.h"
 #include "sinew/core/units.h"
 #include "sinew/kinematics/serial_chain.h"
-#include "sinew/program/program_file.h"
-#include "sinew/runtime/robot_variant.h"
+#include "sinew/program/language/program_file.h"
+#include "sinew/runtime/links/robot_variant.h"
 #include "support/robots.h"
 
 namespace sinew::cubes {

@@ -8,6 +8,7 @@
 
 #include "cubes/campaign.h"
 #include "cubes/cube_cell.h"
+#include "sinew/core/error_code.h"
 
 namespace sinew::cubes {
 namespace {

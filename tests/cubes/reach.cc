@@ -8,8 +8,8 @@
 #include "sinew/core/units.h"
 #include "sinew/kinematics/palletizer.h"
 #include "sinew/model/tool_body.h"
-#include "sinew/planning/collision.h"
-#include "sinew/planning/tool_space.h"
+#include "sinew/planning/collision/collision.h"
+#include "sinew/planning/paths/tool_space.h"
 
 namespace sinew::cubes {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "sinew/grasping/cube.h"
 #include "sinew/model/robot_model.h"
-#include "sinew/planning/shape_distance.h"
+#include "sinew/planning/collision/shape_distance.h"
 
 /// Whether an arm can take a cube, by trying all grasps: a second opinion of what the product
 /// refuses, with the arm's kinematics and collision shapes, and none of the product's planning.

@@ -8,7 +8,7 @@
 
 #include "sinew/core/rotation.h"
 #include "sinew/core/units.h"
-#include "sinew/program/cube_rows.h"
+#include "sinew/program/plans/cube_rows.h"
 #include "support/property.h"
 #include "support/robots.h"
 

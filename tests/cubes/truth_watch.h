@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "cubes/cube_cell.h"
-#include "sinew/planning/collision.h"
+#include "sinew/planning/collision/collision.h"
 
 namespace sinew::cubes {
 

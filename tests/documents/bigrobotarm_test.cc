@@ -12,8 +12,8 @@
 #include "sinew/devices/bigrobotarm/bigrobotarm_wire_byte.h"
 #include "sinew/devices/bigrobotarm/bigrobotarm_wire_text.h"
 #include "sinew/model/joint_lookup.h"
-#include "sinew/program/row_planner.h"
-#include "sinew/program/text_forms.h"
+#include "sinew/program/formats/text_forms.h"
+#include "sinew/program/plans/row_planner.h"
 #include "support/golden.h"
 #include "support/robots.h"
 

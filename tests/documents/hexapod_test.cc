@@ -5,18 +5,19 @@
 #include <array>
 #include <cmath>
 
+#include "sinew/core/error_code.h"
 #include "sinew/core/units.h"
 #include "sinew/devices/icp/icp_settings.h"
 #include "sinew/devices/icp/icp_test_cell.h"
 #include "sinew/model/joint_lookup.h"
-#include "sinew/program/bullride.h"
-#include "sinew/program/pose_file.h"
-#include "sinew/program/procedures.h"
+#include "sinew/program/formats/pose_file.h"
+#include "sinew/program/plans/bullride.h"
+#include "sinew/program/procedures/procedures.h"
 #include "support/robots.h"
 
 // The Stewart platform's document: its numbers and its words, typed as they stand there. Its bytes
 // are in tests/golden/icp.txt and tmc222.txt, the census of all 256 and its controller's states in
-// devices/icp, its files in program/foreign_files_test.cc.
+// devices/icp, its files in program/formats/foreign_files_test.cc.
 
 namespace sinew {
 namespace {

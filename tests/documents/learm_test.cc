@@ -7,7 +7,7 @@
 #include "sinew/devices/lsc/lsc_driver_units.h"
 #include "sinew/devices/lsc/lsc_settings.h"
 #include "sinew/kinematics/serial_arm.h"
-#include "sinew/runtime/robot_variant.h"
+#include "sinew/runtime/links/robot_variant.h"
 #include "support/robots.h"
 
 // The LeArm's document: the numbers of its tables, typed as they stand there. Its frames are in

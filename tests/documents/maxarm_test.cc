@@ -7,8 +7,8 @@
 #include "sinew/devices/maxarm/maxarm_test_cell.h"
 #include "sinew/kinematics/palletizer.h"
 #include "sinew/model/joint_lookup.h"
-#include "sinew/program/program_plan.h"
-#include "sinew/program/row_planner.h"
+#include "sinew/program/plans/program_plan.h"
+#include "sinew/program/plans/row_planner.h"
 #include "support/golden.h"
 #include "support/robots.h"
 

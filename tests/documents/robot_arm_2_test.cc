@@ -5,16 +5,16 @@
 
 #include "sinew/core/units.h"
 #include "sinew/devices/axis/axis_machine.h"
-#include "sinew/devices/axis/axis_registers_test_cell.h"
-#include "sinew/devices/axis/axis_registers_wire.h"
-#include "sinew/devices/axis/encoder_wire.h"
+#include "sinew/devices/axis_registers/axis_registers_test_cell.h"
+#include "sinew/devices/axis_registers/axis_registers_wire.h"
+#include "sinew/devices/encoder/encoder_wire.h"
 #include "sinew/wire/spi.h"
 #include "support/robots.h"
 
 // Robot Arm 2's document: its numbers and its words, typed as they stand there. Its frames and
 // checksums are in tests/golden/axis_registers.txt and encoder_link.txt, each row in which its
 // first firmware differs in devices/axis, a bus that is opened six times in
-// sim/simwire_server_test.cc, its torque table in planning/torque_study_test.cc.
+// sim/simwire_server_test.cc, its torque table in planning/studies/torque_study_test.cc.
 
 namespace sinew {
 namespace {

@@ -7,9 +7,9 @@
 #include "faults/fault_cell.h"
 #include "sinew/devices/kinds.h"
 #include "sinew/model/joint_lookup.h"
-#include "sinew/program/program_run.h"
+#include "sinew/program/runs/program_run.h"
 #include "sinew/runtime/control_loop.h"
-#include "sinew/runtime/robot_variant.h"
+#include "sinew/runtime/links/robot_variant.h"
 #include "support/robots.h"
 
 /// Whether a program takes as long as `sinew plan FILE` says: its whole time, with its waits and

@@ -6,14 +6,14 @@
 
 #include "faults/fault_cell.h"
 #include "sinew/core/units.h"
-#include "sinew/devices/axis/axis_registers_settings.h"
+#include "sinew/devices/axis_registers/axis_registers_settings.h"
 #include "sinew/devices/bigrobotarm/bigrobotarm_settings.h"
 #include "sinew/devices/maxarm/maxarm_settings.h"
 #include "sinew/model/joint_lookup.h"
-#include "sinew/program/program_run.h"
+#include "sinew/program/runs/program_run.h"
 #include "sinew/runtime/control_loop.h"
 #include "sinew/runtime/homing_time.h"
-#include "sinew/runtime/robot_variant.h"
+#include "sinew/runtime/links/robot_variant.h"
 #include "support/robots.h"
 
 /// Whether a motion takes as long as was said before it began, on each robot's own bytes against

@@ -5,8 +5,9 @@
 #include <cmath>
 #include <sstream>
 
+#include "sinew/core/error_code.h"
 #include "sinew/core/units.h"
-#include "sinew/program/program_plan.h"
+#include "sinew/program/plans/program_plan.h"
 
 namespace sinew::test {
 namespace {

@@ -3,11 +3,11 @@
 #include <chrono>
 #include <memory>
 
-#include "sinew/devices/axis/axis_registers_driver.h"
-#include "sinew/devices/axis/axis_registers_settings.h"
-#include "sinew/devices/axis/axis_registers_wire.h"
+#include "sinew/devices/axis_registers/axis_registers_driver.h"
+#include "sinew/devices/axis_registers/axis_registers_settings.h"
+#include "sinew/devices/axis_registers/axis_registers_wire.h"
 #include "sinew/devices/kinds.h"
-#include "sinew/runtime/robot_variant.h"
+#include "sinew/runtime/links/robot_variant.h"
 #include "support/property.h"
 #include "support/robots.h"
 

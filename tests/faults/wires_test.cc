@@ -6,7 +6,7 @@
 
 #include "faults/campaign.h"
 #include "sinew/core/units.h"
-#include "sinew/runtime/robot_variant.h"
+#include "sinew/runtime/links/robot_variant.h"
 #include "support/how_many.h"
 #include "support/robots.h"
 

@@ -32,11 +32,12 @@ const FolderArrows* row_of(std::string_view folder) {
 /// The folder whose arrows a file has; "devices" for one of a device that has no role.
 /// @param path  below src/sinew
 std::string_view arrows_of(std::string_view path) {
-  const std::size_t slash = path.find('/');
+  constexpr std::string_view kDevices = "devices";
+  const std::size_t slash = path.rfind('/');
   if (slash == std::string_view::npos) return {};
   const std::string_view folder = path.substr(0, slash);
-  if (folder != "devices") return folder;
-  std::string_view name = path.substr(path.rfind('/') + 1);
+  if (folder.substr(0, folder.find('/')) != kDevices) return folder;
+  std::string_view name = path.substr(slash + 1);
   name = name.substr(0, name.rfind('.'));
   while (!name.empty()) {
     const std::size_t end = std::min(name.find('_'), name.size());
@@ -44,7 +45,7 @@ std::string_view arrows_of(std::string_view path) {
     if (role != kFileRoles.end()) return role->folder;
     name.remove_prefix(std::min(end + 1, name.size()));
   }
-  return folder;
+  return kDevices;
 }
 
 /// The folder of src/sinew whose arrows `path` has; empty outside of it.
@@ -98,11 +99,8 @@ std::vector<std::string> reachable_from(std::string_view folder) {
     const FolderArrows* row = row_of(to_visit.back());
     to_visit.pop_back();
     if (row == nullptr) continue;
-    if (row->points_at == "*") {
-      for (const FolderArrows& other : kArrows) reached.emplace(other.folder);
-    }
     for (const std::string_view next : words_of(row->points_at)) {
-      if (next != "*" && reached.emplace(next).second) to_visit.push_back(next);
+      if (reached.emplace(next).second) to_visit.push_back(next);
     }
   }
   if (row_of(folder) != nullptr) reached.emplace("core");

@@ -148,9 +148,9 @@ TEST(GuardedHeaders, name_who_may_include_them) {
   EXPECT_EQ(check_guarded_headers(tree),
             (Complaints{"src/sinew/core/x.cc:1: includes unistd.h; only io may",
                         "src/sinew/runtime/x.cc:2: includes sys/epoll.h; only io may",
-                        "src/sinew/cli/x.cc:1: includes boost/asio/serial_port.hpp; only io server "
-                        "may",
-                        "src/sinew/io/x.cc:1: includes boost/beast.hpp; only server may"}));
+                        "src/sinew/cli/x.cc:1: includes boost/asio/serial_port.hpp; only io "
+                        "server/web may",
+                        "src/sinew/io/x.cc:1: includes boost/beast.hpp; only server/web may"}));
 }
 
 TEST(GuardedHeaders, keep_threads_files_and_streams_out_of_what_moves) {

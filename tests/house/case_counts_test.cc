@@ -5,7 +5,7 @@
 #include <array>
 #include <vector>
 
-#include "sinew/io/scratch_folder_test_support.h"
+#include "support/scratch_folder.h"
 
 namespace sinew::house {
 namespace {

@@ -2,11 +2,12 @@
 
 #include <limits>
 
+#include "sinew/core/error_code.h"
 #include "sinew/core/units.h"
 #include "sinew/motion/state_to_state.h"
 #include "sinew/motion/synchronised.h"
-#include "sinew/planning/path_timing.h"
-#include "sinew/planning/path_timing_test_paths.h"
+#include "sinew/planning/timing/path_timing.h"
+#include "sinew/planning/timing/path_timing_test_paths.h"
 #include "support/property.h"
 
 namespace sinew::planning {

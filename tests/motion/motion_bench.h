@@ -5,10 +5,10 @@
 
 #include "motion/motion_sums.h"
 #include "motion/random_moves.h"
-#include "sinew/planning/collision.h"
-#include "sinew/planning/jog_test_robot.h"
+#include "sinew/planning/collision/collision.h"
+#include "sinew/planning/jog/jog_test_robot.h"
 #include "sinew/planning/motion_planner.h"
-#include "sinew/planning/path_follower.h"
+#include "sinew/planning/timing/path_follower.h"
 
 namespace sinew::planning {
 

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "sinew/planning/move_path_test_robot.h"
+#include "sinew/planning/paths/move_path_test_robot.h"
 
 namespace sinew::planning {
 

@@ -4,7 +4,7 @@
 
 #include "motion/motion_sums.h"
 #include "sinew/model/robot_model.h"
-#include "sinew/planning/trajectory.h"
+#include "sinew/planning/timing/trajectory.h"
 
 namespace sinew::planning {
 

@@ -3,8 +3,8 @@
 #include <tuple>
 #include <utility>
 
-#include "sinew/devices/axis/axis_link_settings.h"
-#include "sinew/devices/axis/axis_registers_settings.h"
+#include "sinew/devices/axis_link/axis_link_settings.h"
+#include "sinew/devices/axis_registers/axis_registers_settings.h"
 #include "sinew/devices/bigrobotarm/bigrobotarm_settings.h"
 #include "sinew/devices/feetech/feetech_settings.h"
 #include "sinew/devices/grbl/grbl_settings.h"

@@ -16,11 +16,11 @@
 #include "sinew/control/piece_motion.h"
 #include "sinew/core/units.h"
 #include "sinew/model/joint_lookup.h"
-#include "sinew/program/procedures.h"
-#include "sinew/program/row_planner.h"
+#include "sinew/program/plans/row_planner.h"
+#include "sinew/program/procedures/procedures.h"
 #include "sinew/runtime/control_loop.h"
 #include "sinew/runtime/homing_time.h"
-#include "sinew/runtime/robot_variant.h"
+#include "sinew/runtime/links/robot_variant.h"
 #include "support/robots.h"
 
 namespace sinew::test {

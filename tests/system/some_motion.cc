@@ -8,7 +8,7 @@
 #include "sinew/control/path_motion.h"
 #include "sinew/control/piece_motion.h"
 #include "sinew/planning/motion_planner.h"
-#include "sinew/program/program_plan.h"
+#include "sinew/program/plans/program_plan.h"
 
 namespace sinew::test {
 

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "sinew/control/controller.h"
-#include "sinew/runtime/robot_variant.h"
+#include "sinew/runtime/links/robot_variant.h"
 #include "support/property.h"
 #include "support/robots.h"
 #include "system/stop_range.h"

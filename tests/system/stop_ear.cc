@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "sinew/devices/axis/axis_link_wire.h"
-#include "sinew/devices/axis/axis_registers_wire.h"
+#include "sinew/devices/axis_link/axis_link_wire.h"
+#include "sinew/devices/axis_registers/axis_registers_wire.h"
 #include "sinew/devices/feetech/feetech_wire.h"
 #include "sinew/devices/grbl/grbl_wire.h"
 #include "sinew/devices/icp/icp_wire.h"

@@ -10,7 +10,7 @@
 
 #include "sinew/control/stop_rules.h"
 #include "sinew/core/units.h"
-#include "sinew/runtime/robot_variant.h"
+#include "sinew/runtime/links/robot_variant.h"
 #include "support/how_many.h"
 #include "support/robots.h"
 #include "system/stop_range.h"

@@ -7,7 +7,8 @@
 #include <string>
 
 #include "sinew/control/controller.h"
-#include "sinew/runtime/robot_variant.h"
+#include "sinew/core/error_code.h"
+#include "sinew/runtime/links/robot_variant.h"
 #include "support/property.h"
 #include "support/robots.h"
 #include "system/stop_range.h"

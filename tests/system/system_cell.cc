@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "sinew/control/machine_identity.h"
+#include "sinew/core/error_code.h"
 #include "sinew/core/units.h"
 #include "sinew/devices/bigrobotarm/bigrobotarm_settings.h"
 #include "sinew/devices/icp/icp_driver_leg.h"

@@ -9,7 +9,7 @@
 
 #include "faults/fault_cell.h"
 #include "sinew/runtime/control_loop.h"
-#include "sinew/runtime/journal_files.h"
+#include "sinew/runtime/journal/journal_files.h"
 #include "sinew/sim/memory_disk.h"
 #include "support/property.h"
 #include "support/trace_hash.h"

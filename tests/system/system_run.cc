@@ -6,7 +6,7 @@
 #include <sstream>
 
 #include "sinew/core/dispatch.h"
-#include "sinew/runtime/robot_variant.h"
+#include "sinew/runtime/links/robot_variant.h"
 #include "support/robots.h"
 
 namespace sinew::test {

@@ -4,7 +4,7 @@
 #include <map>
 #include <sstream>
 
-#include "sinew/server/web_tokens.h"
+#include "sinew/server/web/web_tokens.h"
 #include "web/web_cell.h"
 
 /// doors.txt: routes, names of the server, pages that ask, tokens. Each row is a connection of its

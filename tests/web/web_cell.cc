@@ -13,7 +13,7 @@
 #include <charconv>
 #include <utility>
 
-#include "sinew/server/http_head.h"
+#include "sinew/server/web/http_head.h"
 
 namespace sinew::test {
 namespace {

@@ -8,8 +8,8 @@
 #include <thread>
 #include <vector>
 
-#include "sinew/server/api_test_cell.h"
-#include "sinew/server/web_server.h"
+#include "sinew/server/api/api_test_cell.h"
+#include "sinew/server/web/web_server.h"
 
 namespace sinew::test {
 

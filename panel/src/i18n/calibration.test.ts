@@ -9,9 +9,9 @@ const kFiles = [
   'calibration/view_coverage.cc',
   'calibration/calibration_error.cc',
   'runtime/camera_calibration.cc',
-  'server/calibrations.cc',
-  'server/api_camera.cc',
-  'cli/cell_cameras.cc',
+  'server/api/calibrations.cc',
+  'server/api/api_camera.cc',
+  'cli/output/cell_cameras.cc',
   'calibration/sheet_touches.cc',
 ];
 /** Their strings, those that stand behind each other as one. */

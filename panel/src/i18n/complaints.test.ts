@@ -9,21 +9,21 @@ const kFiles = [
   'config/points_file.cc',
   'toml/toml_guard.cc',
   'core/quantity.cc',
-  'program/basket_rows.cc',
-  'program/conditions.cc',
-  'program/gcode_file.cc',
-  'program/motion_rows.cc',
-  'program/named_points.cc',
-  'program/pose_file.cc',
-  'program/program_file.cc',
-  'program/program_format.cc',
-  'program/program_part.cc',
-  'program/program_rows.h',
-  'program/row_reader.cc',
-  'program/sequence_convert.cc',
-  'program/sequence_file.cc',
-  'program/text_forms.cc',
-  'server/api_files.cc',
+  'program/language/basket_rows.cc',
+  'program/language/conditions.cc',
+  'program/formats/gcode_file.cc',
+  'program/language/motion_rows.cc',
+  'program/language/named_points.cc',
+  'program/formats/pose_file.cc',
+  'program/language/program_file.cc',
+  'program/formats/program_format.cc',
+  'program/language/program_part.cc',
+  'program/language/program_rows.h',
+  'program/language/row_reader.cc',
+  'program/formats/sequence_convert.cc',
+  'program/formats/sequence_file.cc',
+  'program/formats/text_forms.cc',
+  'server/api/api_files.cc',
 ];
 /** What takes a message as its last argument .. */
 const kTakers = /(\w+(?:\.|->))?\b(complain|complain_in|complaint_at|wrong|none|cannot|std::unexpected)\(/g;
@@ -32,24 +32,24 @@ const kGivers = ['unknown_row', 'unknown_subject'];
 const kHeld = /\bmessage = ("(?:[^"\\\n]|\\.)*");/g;
 /** Whatever is complained of through a file's own function begins so. */
 const kBegins: Record<string, Record<string, string>> = {
-  'program/gcode_file.cc': { complain: 'in_quotes(word) + " "' },
-  'program/named_points.cc': { complain: 'in_quotes(name)' },
-  'program/pose_file.cc': { wrong: 'in_quotes(word)' },
-  'program/program_part.cc': { 'std::unexpected': '"from_line: "' },
+  'program/formats/gcode_file.cc': { complain: 'in_quotes(word) + " "' },
+  'program/language/named_points.cc': { complain: 'in_quotes(name)' },
+  'program/formats/pose_file.cc': { wrong: 'in_quotes(word)' },
+  'program/language/program_part.cc': { 'std::unexpected': '"from_line: "' },
 };
 /** Parts of messages that are words: what a call has as an argument, what a function or a table gives, an expression. */
 type Means = { call: string; place: number; of?: string } | { gives: string } | { table: string; of: string } | string;
 const kTypes: Means = { table: 'kNames', of: 'toml/toml_tree.cc' };
 const kMeans: Record<string, Record<string, readonly Means[]>> = {
   'config/points_file.cc': { 'type_name(entry->node)': [kTypes], 'type_name(node)': [kTypes] },
-  'program/conditions.cc': { all: ['" " + names'] },
-  'program/gcode_file.cc': { what: [{ call: 'needs_amount', place: 0 }] },
-  'program/motion_rows.cc': { what: [{ call: 'unknown', place: 2 }] },
-  'program/named_points.cc': { all: ['" " + names'] },
-  'program/pose_file.cc': { what: [{ call: 'has_rows', place: 2 }] },
-  'program/program_part.cc': { name: ['"line " + number'] },
-  'program/row_reader.cc': { example: [{ call: 'takes_words', place: 1, of: 'program/program_file.cc' }] },
-  'program/sequence_file.cc': {
+  'program/language/conditions.cc': { all: ['" " + names'] },
+  'program/formats/gcode_file.cc': { what: [{ call: 'needs_amount', place: 0 }] },
+  'program/language/motion_rows.cc': { what: [{ call: 'unknown', place: 2 }] },
+  'program/language/named_points.cc': { all: ['" " + names'] },
+  'program/formats/pose_file.cc': { what: [{ call: 'has_rows', place: 2 }] },
+  'program/language/program_part.cc': { name: ['"line " + number'] },
+  'program/language/row_reader.cc': { example: [{ call: 'takes_words', place: 1, of: 'program/language/program_file.cc' }] },
+  'program/formats/sequence_file.cc': {
     what: [{ call: 'take_number', place: 3 }, { call: 'take_words', place: 2 }],
     'suggestion(name)': [{ gives: 'suggestion' }],
   },
@@ -222,7 +222,7 @@ describe('the messages of the server', () => {
   it('are made here, or handed on from here', () => {
     const mute = all.filter((one) => one.taker.startsWith('complain') && !one.texts.some(speaks));
     expect([...new Set(mute.map((one) => one.expression))].sort()).toEqual(kHandedOn);
-    expect(code('server/api_methods.cc')).toContain('invalid("from_line: " + part.error())');
+    expect(code('server/api/api_methods.cc')).toContain('invalid("from_line: " + part.error())');
   });
 
   for (const file of kFiles) {

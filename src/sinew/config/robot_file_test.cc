@@ -6,7 +6,7 @@
 
 #include "sinew/config/builtin_robots.h"
 #include "sinew/core/units.h"
-#include "sinew/devices/axis/axis_registers_settings.h"
+#include "sinew/devices/axis_registers/axis_registers_settings.h"
 
 namespace sinew {
 namespace {

@@ -9,7 +9,7 @@
 #include "sinew/control/motion_source.h"
 #include "sinew/control/stop_rules.h"
 #include "sinew/driver/driver.h"
-#include "sinew/planning/jog.h"
+#include "sinew/planning/jog/jog.h"
 
 namespace sinew::control {
 

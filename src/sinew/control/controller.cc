@@ -3,8 +3,9 @@
 #include <algorithm>
 
 #include "sinew/core/assert.h"
+#include "sinew/core/error_code.h"
 #include "sinew/model/left_out.h"
-#include "sinew/planning/motion_limits.h"
+#include "sinew/planning/paths/motion_limits.h"
 
 namespace sinew::control {
 

@@ -4,8 +4,9 @@
 
 #include "sinew/control/controller.h"
 #include "sinew/control/position_evidence.h"
+#include "sinew/core/error_code.h"
 #include "sinew/model/left_out.h"
-#include "sinew/planning/path_follower.h"
+#include "sinew/planning/timing/path_follower.h"
 
 namespace sinew::control {
 namespace {

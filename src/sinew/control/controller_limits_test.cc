@@ -5,7 +5,8 @@
 #include <vector>
 
 #include "sinew/control/controller_test_cell.h"
-#include "sinew/planning/motion_limits.h"
+#include "sinew/core/error_code.h"
+#include "sinew/planning/paths/motion_limits.h"
 
 /// What bounds a controller holds its governor to: those of its robot, no others.
 namespace sinew::control::test {

@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "sinew/control/controller_test_cell.h"
+#include "sinew/core/error_code.h"
 #include "sinew/core/units.h"
 #include "sinew/model/error_sentence.h"
 

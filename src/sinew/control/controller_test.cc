@@ -5,6 +5,7 @@
 #include <set>
 
 #include "sinew/control/controller_test_cell.h"
+#include "sinew/core/error_code.h"
 #include "support/allocation_guard.h"
 #include "support/property.h"
 

@@ -10,6 +10,7 @@
 #include "sinew/control/controller.h"
 #include "sinew/control/path_motion.h"
 #include "sinew/control/piece_motion.h"
+#include "sinew/core/error_code.h"
 #include "sinew/planning/motion_planner.h"
 #include "support/property.h"
 #include "support/robots.h"

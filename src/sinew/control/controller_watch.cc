@@ -2,6 +2,7 @@
 #include <utility>
 
 #include "sinew/control/controller.h"
+#include "sinew/core/error_code.h"
 
 namespace sinew::control {
 

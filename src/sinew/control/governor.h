@@ -8,7 +8,7 @@
 #include "sinew/driver/driver.h"
 #include "sinew/model/robot_model.h"
 #include "sinew/motion/rest_to_rest.h"
-#include "sinew/planning/collision.h"
+#include "sinew/planning/collision/collision.h"
 
 namespace sinew::control {
 

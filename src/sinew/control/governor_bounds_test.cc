@@ -5,8 +5,9 @@
 #include <functional>
 
 #include "sinew/control/governor.h"
+#include "sinew/core/error_code.h"
 #include "sinew/model/joint_lookup.h"
-#include "sinew/planning/move_check.h"
+#include "sinew/planning/paths/move_check.h"
 #include "support/property.h"
 #include "support/robots.h"
 

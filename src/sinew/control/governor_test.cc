@@ -7,7 +7,8 @@
 #include <cmath>
 #include <limits>
 
-#include "sinew/devices/axis/axis_registers_settings.h"
+#include "sinew/core/error_code.h"
+#include "sinew/devices/axis_registers/axis_registers_settings.h"
 #include "sinew/model/joint_lookup.h"
 #include "sinew/model/left_out.h"
 #include "sinew/planning/motion_planner.h"

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 
+#include "sinew/core/error_code.h"
+
 namespace sinew::control {
 
 JogMotion::JogMotion(const RobotModel& robot)
@@ -53,6 +55,10 @@ const JointMove* JogMotion::next(Instant now) {
   if (!begun_) piece_.q_start = q_start_;
   begun_ = made_ = true;
   return &piece_;
+}
+
+Expected<void> JogMotion::set_feed(double /*share*/) {
+  return std::unexpected(Error{ErrorCode::kTaskNotSupported});
 }
 
 void JogMotion::hold() {

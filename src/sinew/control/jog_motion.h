@@ -4,7 +4,7 @@
 
 #include "sinew/control/motion_source.h"
 #include "sinew/model/robot_model.h"
-#include "sinew/planning/jog.h"
+#include "sinew/planning/jog/jog.h"
 
 namespace sinew::control {
 
@@ -33,9 +33,7 @@ class JogMotion final : public MotionSource {
   bool finished() const override { return !made_ && jog_.at_rest() && now_ >= alive_until_; }
   void hold() override;
   void resume() override {}
-  Expected<void> set_feed(double /*share*/) override {
-    return std::unexpected(Error{ErrorCode::kTaskNotSupported});
-  }
+  Expected<void> set_feed(double share) override;
   double progress() const override { return 0; }
   double time_left() const override { return 0; }
 

@@ -1,5 +1,7 @@
 #include "sinew/control/lease.h"
 
+#include "sinew/core/error_code.h"
+
 namespace sinew::control {
 
 LeaseToken Lease::give(ClientId client, Instant now) {

@@ -5,7 +5,7 @@
 
 #include "sinew/control/journal_record.h"
 #include "sinew/driver/driver.h"
-#include "sinew/planning/cell_way.h"
+#include "sinew/planning/collision/cell_way.h"
 
 namespace sinew::control {
 

@@ -5,7 +5,8 @@
 #include <utility>
 
 #include "sinew/core/assert.h"
-#include "sinew/planning/motion_limits.h"
+#include "sinew/core/error_code.h"
+#include "sinew/planning/paths/motion_limits.h"
 
 namespace sinew::control {
 

@@ -5,7 +5,7 @@
 
 #include "sinew/control/motion_source.h"
 #include "sinew/model/robot_model.h"
-#include "sinew/planning/path_follower.h"
+#include "sinew/planning/timing/path_follower.h"
 
 namespace sinew::control {
 

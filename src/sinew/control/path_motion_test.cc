@@ -5,8 +5,8 @@
 #include <algorithm>
 
 #include "sinew/control/governor.h"
-#include "sinew/planning/motion_limits.h"
 #include "sinew/planning/motion_planner.h"
+#include "sinew/planning/paths/motion_limits.h"
 #include "support/property.h"
 #include "support/robots.h"
 

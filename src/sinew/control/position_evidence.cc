@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "sinew/core/error_code.h"
 #include "sinew/core/units.h"
 #include "sinew/model/left_out.h"
 

@@ -6,8 +6,9 @@
 #include <vector>
 
 #include "sinew/control/journal_record.h"
+#include "sinew/core/error_code.h"
 #include "sinew/core/units.h"
-#include "sinew/devices/axis/axis_registers_settings.h"
+#include "sinew/devices/axis_registers/axis_registers_settings.h"
 #include "sinew/model/left_out.h"
 #include "support/robots.h"
 

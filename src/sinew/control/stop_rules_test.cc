@@ -6,6 +6,7 @@
 #include <set>
 #include <string>
 
+#include "sinew/core/error_code.h"
 #include "support/robots.h"
 
 namespace sinew::control {

@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "sinew/core/assert.h"
+#include "sinew/core/error_code.h"
 #include "sinew/core/units.h"
 
 namespace sinew {

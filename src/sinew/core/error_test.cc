@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "sinew/core/error_code.h"
 #include "sinew/core/units.h"
 
 namespace sinew {

@@ -2,9 +2,10 @@
 
 #include <gtest/gtest.h>
 
-#include "sinew/devices/axis/axis_link_test_cell.h"
-#include "sinew/devices/axis/axis_registers_settings.h"
-#include "sinew/devices/axis/axis_registers_test_cell.h"
+#include "sinew/core/error_code.h"
+#include "sinew/devices/axis_link/axis_link_test_cell.h"
+#include "sinew/devices/axis_registers/axis_registers_settings.h"
+#include "sinew/devices/axis_registers/axis_registers_test_cell.h"
 
 // Boards that are left out by choice: nothing is ever sent to them, and the others do everything.
 

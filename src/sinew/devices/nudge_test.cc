@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include "sinew/core/error_code.h"
 #include "sinew/core/units.h"
 #include "sinew/devices/bigrobotarm/bigrobotarm_settings.h"
 #include "sinew/devices/bigrobotarm/bigrobotarm_test_cell.h"

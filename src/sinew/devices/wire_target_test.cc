@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "sinew/core/error_code.h"
 #include "sinew/core/units.h"
 #include "sinew/devices/bigrobotarm/bigrobotarm_driver_channel.h"
 #include "sinew/devices/bigrobotarm/bigrobotarm_settings.h"

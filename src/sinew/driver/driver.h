@@ -165,11 +165,7 @@ class Driver {
   /// @param way  rad or m; goes to the nearest whole unit of the device
   /// @error kTaskNotSupported (this wire moves to places only), kBusy, fault's own, kNudgeRange
   ///        (less than a unit, or more than the driver's bound), kLegLength
-  virtual Expected<void> nudge(std::size_t joint, double way, Duration duration, Instant now) {
-    static_cast<void>(joint), static_cast<void>(way), static_cast<void>(duration);
-    static_cast<void>(now);
-    return std::unexpected(Error{ErrorCode::kTaskNotSupported});
-  }
+  virtual Expected<void> nudge(std::size_t joint, double way, Duration duration, Instant now);
 
   /// No further motion, as soon as the wire and the device can; kStopped follows. Always accepted.
   virtual void stop(Instant now) = 0;
@@ -183,10 +179,7 @@ class Driver {
 
   /// Finds the zeros of these joints, a bit each, where the machine can.
   /// @error kTaskNotSupported, kBusy
-  virtual Expected<void> home(Instant now, std::uint8_t joints = kAllJoints) {
-    static_cast<void>(now), static_cast<void>(joints);
-    return std::unexpected(Error{ErrorCode::kTaskNotSupported});
-  }
+  virtual Expected<void> home(Instant now, std::uint8_t joints = kAllJoints);
   /// The joint whose zero is being searched for; nothing where none is.
   virtual std::optional<std::size_t> homing_joint() const { return std::nullopt; }
   /// Leaves kFault once its cause is gone; never resumes a motion. @error kBusy, or the cause
@@ -195,10 +188,7 @@ class Driver {
     return {};
   }
   /// @error kToolNotFitted, kGripperRange, kBusy
-  virtual Expected<void> tool(const ToolAction& action, Instant now) {
-    static_cast<void>(action), static_cast<void>(now);
-    return std::unexpected(Error{ErrorCode::kToolNotFitted});
-  }
+  virtual Expected<void> tool(const ToolAction& action, Instant now);
   /// clear_fault() is still under way in the device; kDone or kFailed follows.
   virtual bool clearing() const { return false; }
   /// What the host knows from elsewhere (a journal, the user's declaration): one per joint.
@@ -214,20 +204,14 @@ class Driver {
   virtual std::uint8_t counters_moved() const { return 0; }
   /// The device counts 0 where it stands from now on; the positions stay. kDone follows.
   /// @error kNoSuchService, kBusy, fault's own
-  virtual Expected<void> zero_counters(Instant now) {
-    static_cast<void>(now);
-    return std::unexpected(Error{ErrorCode::kNoSuchService});
-  }
+  virtual Expected<void> zero_counters(Instant now);
 
   /// The joints' motors are off: they turn by hand, and fall by their weight. Positions are
   /// measured all the same.
   virtual bool free() const { return false; }
   /// kDone follows, or kFailed with what a self-test found.
   /// @error kNoSuchService, kBusy, fault's own
-  virtual Expected<void> service(DeviceService what, Instant now) {
-    static_cast<void>(what), static_cast<void>(now);
-    return std::unexpected(Error{ErrorCode::kNoSuchService});
-  }
+  virtual Expected<void> service(DeviceService what, Instant now);
 
   /// Time passes.
   virtual void poll(Instant now) = 0;

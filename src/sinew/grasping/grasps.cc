@@ -7,11 +7,12 @@
 #include <optional>
 
 #include "sinew/core/assert.h"
+#include "sinew/core/error_code.h"
 #include "sinew/core/rotation.h"
 #include "sinew/core/units.h"
 #include "sinew/model/tool_body.h"
 #include "sinew/model/tool_state.h"
-#include "sinew/planning/shape_distance.h"
+#include "sinew/planning/collision/shape_distance.h"
 
 namespace sinew::grasping {
 namespace {

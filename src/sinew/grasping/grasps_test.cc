@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "sinew/core/error_code.h"
 #include "sinew/core/rotation.h"
 #include "sinew/core/split_mix.h"
 #include "sinew/core/units.h"

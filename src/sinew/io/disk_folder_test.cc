@@ -11,7 +11,7 @@
 #include <ctime>
 #include <memory>
 
-#include "sinew/io/scratch_folder_test_support.h"
+#include "support/scratch_folder.h"
 
 namespace sinew::io {
 namespace {

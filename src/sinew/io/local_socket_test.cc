@@ -6,8 +6,8 @@
 #include <filesystem>
 #include <fstream>
 
-#include "sinew/io/scratch_folder_test_support.h"
 #include "sinew/io/spi_bus.h"
+#include "support/scratch_folder.h"
 
 namespace sinew::io {
 namespace {

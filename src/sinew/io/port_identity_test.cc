@@ -5,7 +5,7 @@
 #include <filesystem>
 
 #include "sinew/io/port.h"
-#include "sinew/io/scratch_folder_test_support.h"
+#include "support/scratch_folder.h"
 
 namespace sinew::io {
 namespace {

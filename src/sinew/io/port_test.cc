@@ -17,7 +17,7 @@
 #include <vector>
 
 #include "sinew/io/baud_rate.h"
-#include "sinew/io/scratch_folder_test_support.h"
+#include "support/scratch_folder.h"
 
 namespace sinew::io {
 namespace {

@@ -6,7 +6,7 @@
 
 #include <array>
 
-#include "sinew/io/scratch_folder_test_support.h"
+#include "support/scratch_folder.h"
 
 namespace sinew::io {
 namespace {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "sinew/io/clock.h"
-#include "sinew/io/tcp_test_server.h"
+#include "support/tcp_server.h"
 
 namespace sinew::io {
 namespace {

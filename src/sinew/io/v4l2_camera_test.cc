@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "sinew/io/v4l2_test_camera.h"
+#include "support/v4l2_camera.h"
 
 namespace sinew::io {
 namespace {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sinew/core/error_code.h"
 #include "sinew/core/trig.h"
 
 namespace sinew::kinematics {

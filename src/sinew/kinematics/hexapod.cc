@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "sinew/core/assert.h"
+#include "sinew/core/error_code.h"
 #include "sinew/core/units.h"
 
 namespace sinew::kinematics {

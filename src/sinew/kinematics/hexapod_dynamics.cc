@@ -1,6 +1,7 @@
 #include "sinew/kinematics/hexapod_dynamics.h"
 
 #include "sinew/core/assert.h"
+#include "sinew/core/error_code.h"
 #include "sinew/kinematics/inertia.h"
 
 namespace sinew::kinematics {

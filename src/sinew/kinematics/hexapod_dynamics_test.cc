@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "sinew/core/error_code.h"
 #include "sinew/kinematics/hexapod_test_robot.h"
 #include "support/allocation_guard.h"
 #include "support/property.h"

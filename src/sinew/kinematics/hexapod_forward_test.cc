@@ -8,6 +8,7 @@
 #include <limits>
 #include <optional>
 
+#include "sinew/core/error_code.h"
 #include "sinew/core/units.h"
 #include "sinew/kinematics/hexapod.h"
 #include "sinew/kinematics/hexapod_test_robot.h"

@@ -8,6 +8,7 @@
 #include <limits>
 #include <vector>
 
+#include "sinew/core/error_code.h"
 #include "sinew/core/units.h"
 #include "sinew/kinematics/hexapod_test_robot.h"
 #include "support/allocation_guard.h"

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "sinew/core/error_code.h"
 #include "sinew/core/trig.h"
 
 namespace sinew::kinematics {

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "sinew/core/dispatch.h"
+#include "sinew/core/error_code.h"
 #include "sinew/core/split_mix.h"
 #include "sinew/core/trig.h"
 #include "sinew/core/unrolled.h"

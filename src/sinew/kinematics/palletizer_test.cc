@@ -7,6 +7,7 @@
 #include <limits>
 #include <optional>
 
+#include "sinew/core/error_code.h"
 #include "sinew/core/units.h"
 #include "sinew/kinematics/palletizer_test_robot.h"
 #include "support/allocation_guard.h"

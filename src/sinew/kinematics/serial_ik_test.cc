@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sinew/core/error_code.h"
 #include "sinew/core/units.h"
 #include "sinew/kinematics/serial_test_robot.h"
 #include "support/allocation_guard.h"

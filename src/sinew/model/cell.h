@@ -55,7 +55,7 @@ struct CellObject {
 /// A camera that looks at the cell.
 struct CellCamera {
   std::string name;
-  /// As runtime/open_camera.h has them: /dev/video0, http://, an image that another program keeps
+  /// As runtime/cameras/open_camera.h has them: /dev/video0, http://, an image that another program keeps
   /// writing, a movie, a folder; beside the cell's file or by the whole path. kSimulatedCamera:
   /// none.
   std::string device;

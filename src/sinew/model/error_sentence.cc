@@ -1,5 +1,6 @@
 #include "sinew/model/error_sentence.h"
 
+#include "sinew/core/error_code.h"
 #include "sinew/model/collision_links.h"
 #include "sinew/model/left_out.h"
 

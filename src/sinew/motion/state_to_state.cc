@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "sinew/core/error_code.h"
+
 namespace sinew::motion {
 
 namespace {

@@ -7,6 +7,7 @@
 #include <limits>
 #include <vector>
 
+#include "sinew/core/error_code.h"
 #include "sinew/motion/joint_test_problem.h"
 #include "support/allocation_guard.h"
 #include "support/property.h"

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "sinew/core/assert.h"
+#include "sinew/core/error_code.h"
 #include "sinew/motion/state_to_state.h"
 #include "sinew/motion/velocity_change.h"
 

@@ -4,12 +4,12 @@
 #include <span>
 #include <vector>
 
-#include "sinew/planning/collision.h"
-#include "sinew/planning/motion_limits.h"
-#include "sinew/planning/move_path.h"
-#include "sinew/planning/move_proposal.h"
-#include "sinew/planning/path_timing.h"
-#include "sinew/planning/trajectory.h"
+#include "sinew/planning/collision/collision.h"
+#include "sinew/planning/paths/motion_limits.h"
+#include "sinew/planning/paths/move_path.h"
+#include "sinew/planning/paths/move_proposal.h"
+#include "sinew/planning/timing/path_timing.h"
+#include "sinew/planning/timing/trajectory.h"
 
 namespace sinew::planning {
 

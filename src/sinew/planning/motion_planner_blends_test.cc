@@ -4,9 +4,9 @@
 #include <iostream>
 
 #include "sinew/planning/motion_planner.h"
-#include "sinew/planning/move_path_test_robot.h"
-#include "sinew/planning/path_check.h"
-#include "sinew/planning/path_timing_test_paths.h"
+#include "sinew/planning/paths/move_path_test_robot.h"
+#include "sinew/planning/timing/path_check.h"
+#include "sinew/planning/timing/path_timing_test_paths.h"
 
 namespace sinew::planning {
 namespace {

@@ -4,7 +4,8 @@
 
 #include <cmath>
 
-#include "sinew/planning/path_check.h"
+#include "sinew/core/error_code.h"
+#include "sinew/planning/timing/path_check.h"
 #include "support/property.h"
 #include "support/robots.h"
 

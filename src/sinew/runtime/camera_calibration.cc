@@ -6,12 +6,13 @@
 
 #include "sinew/calibration/robot_tip.h"
 #include "sinew/config/camera_file.h"
+#include "sinew/core/error_code.h"
 #include "sinew/io/clock.h"
 #include "sinew/io/file.h"
 #include "sinew/model/error_sentence.h"
 #include "sinew/model/hand.h"
-#include "sinew/program/cube_rows.h"
-#include "sinew/runtime/camera_place.h"
+#include "sinew/program/plans/cube_rows.h"
+#include "sinew/runtime/cameras/camera_place.h"
 
 namespace sinew::runtime {
 namespace {

@@ -8,14 +8,15 @@
 
 #include "sinew/calibration/robot_tip.h"
 #include "sinew/config/camera_file.h"
+#include "sinew/core/error_code.h"
 #include "sinew/core/units.h"
 #include "sinew/io/file.h"
-#include "sinew/io/scratch_folder_test_support.h"
-#include "sinew/program/program_file.h"
-#include "sinew/runtime/camera_identity.h"
-#include "sinew/runtime/robot_variant.h"
-#include "sinew/runtime/shown_board.h"
+#include "sinew/program/language/program_file.h"
+#include "sinew/runtime/cameras/camera_identity.h"
+#include "sinew/runtime/cameras/shown_board.h"
+#include "sinew/runtime/links/robot_variant.h"
 #include "support/robots.h"
+#include "support/scratch_folder.h"
 
 namespace sinew::runtime {
 namespace {

@@ -12,9 +12,9 @@
 #include "sinew/devices/lsc/lsc_settings.h"
 #include "sinew/io/disk_folder.h"
 #include "sinew/io/file.h"
-#include "sinew/runtime/position_record.h"
-#include "sinew/runtime/robot_link.h"
-#include "sinew/runtime/robot_variant.h"
+#include "sinew/runtime/journal/position_record.h"
+#include "sinew/runtime/links/robot_link.h"
+#include "sinew/runtime/links/robot_variant.h"
 
 namespace sinew::runtime {
 namespace {

@@ -6,8 +6,8 @@
 
 #include "sinew/io/io_error.h"
 #include "sinew/model/cell.h"
-#include "sinew/program/procedures.h"
-#include "sinew/runtime/text_shelf.h"
+#include "sinew/program/procedures/procedures.h"
+#include "sinew/runtime/journal/text_shelf.h"
 
 namespace sinew::runtime {
 

@@ -8,8 +8,8 @@
 
 #include "sinew/core/units.h"
 #include "sinew/devices/lsc/lsc_settings.h"
-#include "sinew/io/scratch_folder_test_support.h"
 #include "support/robots.h"
+#include "support/scratch_folder.h"
 
 namespace sinew::runtime {
 namespace {

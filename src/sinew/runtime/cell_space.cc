@@ -6,9 +6,10 @@
 #include <cmath>
 
 #include "sinew/core/assert.h"
+#include "sinew/core/error_code.h"
 #include "sinew/core/units.h"
 #include "sinew/model/collision_links.h"
-#include "sinew/planning/motion_limits.h"
+#include "sinew/planning/paths/motion_limits.h"
 
 namespace sinew::runtime {
 

@@ -10,7 +10,7 @@
 
 #include "sinew/control/motion_source.h"
 #include "sinew/model/cell.h"
-#include "sinew/planning/cell_claim.h"
+#include "sinew/planning/collision/cell_claim.h"
 
 namespace sinew::runtime {
 

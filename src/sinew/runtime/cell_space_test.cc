@@ -5,6 +5,7 @@
 #include <atomic>
 #include <thread>
 
+#include "sinew/core/error_code.h"
 #include "sinew/core/rotation.h"
 #include "sinew/core/units.h"
 #include "support/robots.h"

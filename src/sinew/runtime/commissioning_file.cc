@@ -8,7 +8,7 @@
 #include "sinew/core/spelling.h"
 #include "sinew/io/disk_folder.h"
 #include "sinew/io/file.h"
-#include "sinew/runtime/position_record.h"
+#include "sinew/runtime/journal/position_record.h"
 
 namespace sinew::runtime {
 namespace {

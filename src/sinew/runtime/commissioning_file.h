@@ -6,7 +6,7 @@
 
 #include "sinew/io/file.h"
 #include "sinew/model/robot_model.h"
-#include "sinew/program/procedures.h"
+#include "sinew/program/procedures/procedures.h"
 
 namespace sinew::runtime {
 

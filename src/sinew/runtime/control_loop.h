@@ -4,7 +4,7 @@
 
 #include "sinew/control/controller.h"
 #include "sinew/control/local_machine.h"
-#include "sinew/runtime/journal_writer.h"
+#include "sinew/runtime/journal/journal_writer.h"
 
 namespace sinew::runtime {
 

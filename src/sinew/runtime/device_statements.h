@@ -2,7 +2,7 @@
 
 #include "sinew/driver/driver.h"
 #include "sinew/model/robot_model.h"
-#include "sinew/program/procedures.h"
+#include "sinew/program/procedures/procedures.h"
 
 namespace sinew::runtime {
 

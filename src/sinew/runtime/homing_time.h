@@ -1,7 +1,7 @@
 #pragma once
 
 #include "sinew/model/robot_model.h"
-#include "sinew/program/program_plan.h"
+#include "sinew/program/plans/program_plan.h"
 
 namespace sinew::runtime {
 

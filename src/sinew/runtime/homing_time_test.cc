@@ -6,13 +6,13 @@
 
 #include "sinew/core/units.h"
 #include "sinew/devices/axis/axis_device_test_cell.h"
-#include "sinew/devices/axis/axis_link_settings.h"
 #include "sinew/devices/axis/axis_machine.h"
-#include "sinew/devices/axis/axis_registers_settings.h"
+#include "sinew/devices/axis_link/axis_link_settings.h"
+#include "sinew/devices/axis_registers/axis_registers_settings.h"
 #include "sinew/devices/kinds.h"
-#include "sinew/program/program_run.h"
+#include "sinew/program/runs/program_run.h"
 #include "sinew/runtime/control_loop.h"
-#include "sinew/runtime/robot_variant.h"
+#include "sinew/runtime/links/robot_variant.h"
 #include "support/robots.h"
 
 namespace sinew::runtime {

@@ -2,8 +2,9 @@
 
 #include <utility>
 
+#include "sinew/core/error_code.h"
 #include "sinew/model/joint_lookup.h"
-#include "sinew/program/row_offers.h"
+#include "sinew/program/plans/row_offers.h"
 #include "sinew/runtime/homing_time.h"
 
 namespace sinew::runtime {

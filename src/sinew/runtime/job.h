@@ -7,8 +7,8 @@
 #include <string>
 #include <thread>
 
-#include "sinew/program/bullride.h"
-#include "sinew/program/program_run.h"
+#include "sinew/program/plans/bullride.h"
+#include "sinew/program/runs/program_run.h"
 #include "sinew/runtime/station_client.h"
 
 namespace sinew::runtime {

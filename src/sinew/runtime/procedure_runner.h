@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "sinew/program/procedure_view.h"
+#include "sinew/program/procedures/procedure_view.h"
 #include "sinew/runtime/commissioning_file.h"
 #include "sinew/runtime/station_client.h"
 

@@ -9,14 +9,14 @@
 #include <vector>
 
 #include "sinew/model/cell.h"
-#include "sinew/program/table_top.h"
-#include "sinew/runtime/camera.h"
-#include "sinew/runtime/camera_place.h"
-#include "sinew/runtime/cell_baskets.h"
-#include "sinew/runtime/cube_eyes.h"
+#include "sinew/program/language/table_top.h"
+#include "sinew/runtime/cameras/camera.h"
+#include "sinew/runtime/cameras/camera_place.h"
+#include "sinew/runtime/cameras/cell_baskets.h"
+#include "sinew/runtime/cameras/cube_eyes.h"
+#include "sinew/runtime/cameras/simulated_table.h"
 #include "sinew/runtime/job.h"
 #include "sinew/runtime/procedure_runner.h"
-#include "sinew/runtime/simulated_table.h"
 #include "sinew/runtime/station.h"
 
 namespace sinew::runtime {

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "sinew/control/machine_identity.h"
+#include "sinew/core/error_code.h"
 #include "sinew/devices/kinds.h"
 #include "sinew/model/joint_lookup.h"
 #include "sinew/model/left_out.h"

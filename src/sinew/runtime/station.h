@@ -17,9 +17,9 @@
 #include "sinew/runtime/cell_space.h"
 #include "sinew/runtime/control_loop.h"
 #include "sinew/runtime/cycle_times.h"
-#include "sinew/runtime/position_record.h"
-#include "sinew/runtime/robot_link.h"
-#include "sinew/runtime/run_recorder.h"
+#include "sinew/runtime/journal/position_record.h"
+#include "sinew/runtime/links/robot_link.h"
+#include "sinew/runtime/records/run_recorder.h"
 #include "sinew/runtime/station_view.h"
 
 namespace sinew {

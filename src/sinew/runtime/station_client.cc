@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "sinew/core/error_code.h"
+
 namespace sinew::runtime {
 
 using control::Command;

@@ -3,13 +3,14 @@
 #include <filesystem>
 #include <fstream>
 
+#include "sinew/core/error_code.h"
 #include "sinew/io/disk_folder.h"
 #include "sinew/io/port.h"
 #include "sinew/io/port_identity.h"
-#include "sinew/io/scratch_folder_test_support.h"
-#include "sinew/runtime/port_claims.h"
+#include "sinew/runtime/journal/port_claims.h"
 #include "sinew/runtime/station.h"
 #include "support/robots.h"
+#include "support/scratch_folder.h"
 
 /// A running station whose robot is plugged in later, and pulled out and plugged in again.
 namespace sinew::runtime {

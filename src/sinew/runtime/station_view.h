@@ -5,7 +5,7 @@
 #include <string>
 
 #include "sinew/control/controller.h"
-#include "sinew/runtime/byte_line.h"
+#include "sinew/runtime/links/byte_line.h"
 #include "sinew/sim/machine.h"
 
 namespace sinew::runtime {

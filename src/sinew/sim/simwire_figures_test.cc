@@ -5,7 +5,7 @@
 #include <string>
 
 #include "sinew/devices/axis/axis_machine.h"
-#include "sinew/devices/axis/axis_registers_settings.h"
+#include "sinew/devices/axis_registers/axis_registers_settings.h"
 #include "sinew/sim/simwire_server.h"
 #include "support/robots.h"
 

@@ -5,8 +5,8 @@
 #include <algorithm>
 
 #include "sinew/vision/picture_file.h"
-#include "sinew/vision/video_test_files.h"
 #include "support/property.h"
+#include "support/video_files.h"
 
 namespace sinew::vision {
 namespace {

@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 
 #include "sinew/vision/http_reply.h"
-#include "sinew/vision/video_test_files.h"
 #include "support/property.h"
+#include "support/video_files.h"
 
 namespace sinew::vision {
 namespace {

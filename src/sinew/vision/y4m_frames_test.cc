@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "sinew/vision/video_test_files.h"
 #include "support/property.h"
+#include "support/video_files.h"
 
 namespace sinew::vision {
 namespace {

@@ -1,5 +1,6 @@
 // error: cannot convert 'int' to|cannot initialize .* with an (rvalue|lvalue) of type 'int'
 #include "sinew/core/error.h"
+#include "sinew/core/error_code.h"
 
 using namespace sinew;
 

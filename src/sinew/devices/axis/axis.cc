@@ -1,12 +1,13 @@
 #include <fmt/format.h>
 
+#include "sinew/core/error_code.h"
 #include "sinew/core/units.h"
 #include "sinew/devices/axis/axis_device_settings.h"
 #include "sinew/devices/axis/axis_file.h"
-#include "sinew/devices/axis/axis_link_driver.h"
 #include "sinew/devices/axis/axis_listener.h"
 #include "sinew/devices/axis/axis_machine.h"
-#include "sinew/devices/axis/axis_registers_driver.h"
+#include "sinew/devices/axis_link/axis_link_driver.h"
+#include "sinew/devices/axis_registers/axis_registers_driver.h"
 #include "sinew/devices/kind.h"
 #include "sinew/model/error_sentence.h"
 

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "sinew/core/spelling.h"
-#include "sinew/devices/axis/axis_link_settings.h"
-#include "sinew/devices/axis/axis_registers_settings.h"
+#include "sinew/devices/axis_link/axis_link_settings.h"
+#include "sinew/devices/axis_registers/axis_registers_settings.h"
 #include "sinew/devices/table_file.h"
 
 namespace sinew {

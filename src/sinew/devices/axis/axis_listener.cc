@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "sinew/core/units.h"
-#include "sinew/devices/axis/axis_registers_settings.h"
 #include "sinew/devices/axis/axis_wire_words.h"
+#include "sinew/devices/axis_registers/axis_registers_settings.h"
 #include "sinew/driver/stream_reader.h"
 
 namespace sinew::wires {

@@ -2,7 +2,7 @@
 
 #include <memory>
 
-#include "sinew/devices/axis/axis_registers_settings.h"
+#include "sinew/devices/axis_registers/axis_registers_settings.h"
 #include "sinew/driver/wire_reader.h"
 
 namespace sinew::wires {

@@ -6,8 +6,8 @@
 
 #include "sinew/core/assert.h"
 #include "sinew/core/split_mix.h"
-#include "sinew/devices/axis/axis_link_settings.h"
-#include "sinew/devices/axis/axis_registers_settings.h"
+#include "sinew/devices/axis_link/axis_link_settings.h"
+#include "sinew/devices/axis_registers/axis_registers_settings.h"
 
 namespace sinew::sim {
 namespace {

@@ -7,10 +7,10 @@
 #include <vector>
 
 #include "sinew/devices/axis/axis_device_controller.h"
-#include "sinew/devices/axis/axis_link_device.h"
 #include "sinew/devices/axis/axis_machine_bus.h"
 #include "sinew/devices/axis/axis_machine_plant.h"
-#include "sinew/devices/axis/axis_registers_device.h"
+#include "sinew/devices/axis_link/axis_link_device.h"
+#include "sinew/devices/axis_registers/axis_registers_device.h"
 #include "sinew/model/robot_model.h"
 #include "sinew/sim/arm_load.h"
 #include "sinew/sim/machine.h"

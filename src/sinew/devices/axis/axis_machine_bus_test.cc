@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "sinew/devices/axis/axis_device_test_fake.h"
-#include "sinew/devices/axis/axis_registers_device.h"
-#include "sinew/devices/axis/axis_registers_settings.h"
+#include "sinew/devices/axis_registers/axis_registers_device.h"
+#include "sinew/devices/axis_registers/axis_registers_settings.h"
 #include "support/allocation_guard.h"
 
 namespace sinew::sim {

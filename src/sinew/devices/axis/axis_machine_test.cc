@@ -6,9 +6,9 @@
 #include <array>
 #include <cmath>
 
-#include "sinew/devices/axis/axis_link_wire.h"
-#include "sinew/devices/axis/axis_registers_driver.h"
-#include "sinew/devices/axis/axis_registers_settings.h"
+#include "sinew/devices/axis_link/axis_link_wire.h"
+#include "sinew/devices/axis_registers/axis_registers_driver.h"
+#include "sinew/devices/axis_registers/axis_registers_settings.h"
 #include "support/allocation_guard.h"
 #include "support/property.h"
 #include "support/robots.h"

@@ -3,8 +3,8 @@
 #include <array>
 #include <string_view>
 
-#include "sinew/devices/axis/axis_link_wire.h"
-#include "sinew/devices/axis/axis_registers_wire.h"
+#include "sinew/devices/axis_link/axis_link_wire.h"
+#include "sinew/devices/axis_registers/axis_registers_wire.h"
 
 /// What the axis boards of both wires tell, in names for machines.
 namespace sinew {

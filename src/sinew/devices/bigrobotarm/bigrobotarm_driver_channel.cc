@@ -5,6 +5,7 @@
 #include <cstdlib>
 
 #include "sinew/core/assert.h"
+#include "sinew/core/error_code.h"
 
 namespace sinew {
 

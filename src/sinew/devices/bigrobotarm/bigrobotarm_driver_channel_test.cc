@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "sinew/core/error_code.h"
 #include "sinew/core/units.h"
 #include "sinew/devices/bigrobotarm/bigrobotarm_device.h"
 #include "support/allocation_guard.h"

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <iostream>
 
+#include "sinew/core/error_code.h"
 #include "sinew/devices/bigrobotarm/bigrobotarm_driver.h"
 #include "sinew/devices/bigrobotarm/bigrobotarm_settings.h"
 #include "sinew/devices/bigrobotarm/bigrobotarm_test_cell.h"

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "sinew/core/assert.h"
+#include "sinew/core/error_code.h"
 #include "sinew/devices/bigrobotarm/bigrobotarm_wire_byte.h"
 
 namespace sinew {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "sinew/core/assert.h"
+#include "sinew/core/error_code.h"
 #include "sinew/core/units.h"
 
 namespace sinew {

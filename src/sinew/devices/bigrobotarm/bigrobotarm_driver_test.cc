@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "sinew/core/error_code.h"
 #include "sinew/core/units.h"
 #include "sinew/devices/bigrobotarm/bigrobotarm_test_cell.h"
 #include "support/allocation_guard.h"

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include "sinew/core/error_code.h"
 #include "sinew/devices/feetech/feetech_driver.h"
 #include "sinew/devices/feetech/feetech_test_cell.h"
 #include "support/property.h"

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sinew/core/error_code.h"
 #include "sinew/devices/feetech/feetech_driver.h"
 
 namespace sinew {

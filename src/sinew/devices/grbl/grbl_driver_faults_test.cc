@@ -1,6 +1,7 @@
 // What goes wrong: power, cables, settings, alarms, a host that dies.
 #include <gtest/gtest.h>
 
+#include "sinew/core/error_code.h"
 #include "sinew/devices/grbl/grbl_test_cell.h"
 #include "support/property.h"
 

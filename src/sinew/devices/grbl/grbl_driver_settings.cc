@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "sinew/core/error_code.h"
 #include "sinew/core/units.h"
 
 namespace sinew {

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "sinew/core/assert.h"
+#include "sinew/core/error_code.h"
 #include "sinew/devices/grbl/grbl_driver.h"
 
 namespace sinew {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "sinew/core/error_code.h"
 #include "sinew/devices/grbl/grbl_test_cell.h"
 #include "support/property.h"
 

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "sinew/core/assert.h"
+#include "sinew/core/error_code.h"
 
 namespace sinew {
 
@@ -272,6 +273,12 @@ Expected<void> IcpDriver::clear_fault(Instant now) {
   fault_.reset();
   begin_opening(now);
   return {};
+}
+
+Expected<void> IcpDriver::service(DeviceService what, Instant now) {
+  if (what == DeviceService::kWake) return wake(now);
+  if (what == DeviceService::kShutDown) return kill(now);
+  return std::unexpected(Error{ErrorCode::kNoSuchService});
 }
 
 void IcpDriver::declare_positions(std::span<const JointPosition> positions) {

@@ -99,11 +99,7 @@ class IcpDriver final : public ByteDriver {
   std::uint8_t counters_moved() const override { return tagged_legs(); }
   bool looks() const override;
   void allow_looks(bool allowed) override { looks_allowed_ = allowed; }
-  Expected<void> service(DeviceService what, Instant now) override {
-    if (what == DeviceService::kWake) return wake(now);
-    if (what == DeviceService::kShutDown) return kill(now);
-    return std::unexpected(Error{ErrorCode::kNoSuchService});
-  }
+  Expected<void> service(DeviceService what, Instant now) override;
   void poll(Instant now) override;
   std::optional<Instant> next_deadline() const override { return deadline_; }
   std::optional<DriverEvent> take_event() override;

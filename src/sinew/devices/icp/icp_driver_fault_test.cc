@@ -5,6 +5,7 @@
 #include <iostream>
 #include <vector>
 
+#include "sinew/core/error_code.h"
 #include "sinew/devices/icp/icp_test_cell.h"
 #include "support/property.h"
 

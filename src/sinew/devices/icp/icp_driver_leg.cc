@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "sinew/core/assert.h"
+#include "sinew/core/error_code.h"
 
 namespace sinew {
 namespace {

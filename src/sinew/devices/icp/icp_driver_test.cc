@@ -6,6 +6,7 @@
 #include <iostream>
 #include <vector>
 
+#include "sinew/core/error_code.h"
 #include "sinew/devices/icp/icp_test_cell.h"
 #include "support/allocation_guard.h"
 

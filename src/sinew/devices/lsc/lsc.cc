@@ -1,3 +1,4 @@
+#include "sinew/core/error_code.h"
 #include "sinew/devices/kind.h"
 #include "sinew/devices/lsc/lsc_driver.h"
 #include "sinew/devices/lsc/lsc_file.h"

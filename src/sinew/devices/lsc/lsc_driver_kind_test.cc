@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include "sinew/core/error_code.h"
 #include "sinew/devices/lsc/lsc_settings.h"
 #include "sinew/devices/lsc/lsc_test_cell.h"
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <iostream>
 
+#include "sinew/core/error_code.h"
 #include "sinew/devices/lsc/lsc_settings.h"
 #include "sinew/devices/lsc/lsc_test_cell.h"
 #include "support/property.h"

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "sinew/core/assert.h"
+#include "sinew/core/error_code.h"
 #include "sinew/devices/lsc/lsc_driver.h"
 #include "sinew/devices/lsc/lsc_settings.h"
 

@@ -7,6 +7,7 @@
 #include <limits>
 #include <map>
 
+#include "sinew/core/error_code.h"
 #include "sinew/devices/lsc/lsc_test_cell.h"
 #include "support/allocation_guard.h"
 #include "support/property.h"

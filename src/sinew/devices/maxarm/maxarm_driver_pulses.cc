@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "sinew/core/error_code.h"
+
 namespace sinew {
 
 Expected<MaxArmPulses> maxarm_pulses(const MaxArmDevice& device, std::span<const Joint> joints,

@@ -7,6 +7,7 @@
 #include <limits>
 #include <string>
 
+#include "sinew/core/error_code.h"
 #include "sinew/core/units.h"
 #include "sinew/devices/maxarm/maxarm_test_cell.h"
 #include "support/allocation_guard.h"

@@ -1,0 +1,247 @@
+#include "sinew/cli/cells/convert_verb.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "sinew/cli/cells/run_journal.h"
+#include "sinew/cli/cells/taught_way.h"
+#include "sinew/cli/output/kinematics_text.h"
+#include "sinew/cli/output/plan_report.h"
+#include "sinew/cli/output/program_folder.h"
+#include "sinew/cli/output/robot_argument.h"
+#include "sinew/cli/output/table.h"
+#include "sinew/core/spelling.h"
+#include "sinew/core/units.h"
+#include "sinew/io/clock.h"
+#include "sinew/io/file.h"
+#include "sinew/model/joint_lookup.h"
+#include "sinew/program/formats/program_format.h"
+#include "sinew/program/formats/text_forms.h"
+
+namespace sinew::cli {
+namespace {
+
+enum class Form : std::uint8_t { kProgram, kSequence, kPose, kConfig, kGcode, kRecord };
+
+struct Named {
+  std::string_view name;
+  Form form;
+};
+constexpr std::array<Named, 6> kForms{{{"sinew", Form::kProgram},
+                                       {"sequence", Form::kSequence},
+                                       {"pos", Form::kPose},
+                                       {"config", Form::kConfig},
+                                       {"gcode", Form::kGcode},
+                                       {"record", Form::kRecord}}};
+constexpr std::array<Named, 3> kEndings{
+    {{".sinew", Form::kProgram}, {".cfg", Form::kConfig}, {".mcap", Form::kRecord}}};
+
+Form form_of(program::TextForm form) {
+  switch (form) {
+    case program::TextForm::kSequence:
+      return Form::kSequence;
+    case program::TextForm::kPose:
+      return Form::kPose;
+    case program::TextForm::kGcode:
+      break;
+  }
+  return Form::kGcode;
+}
+
+std::expected<Form, Outcome> form_of(const std::optional<std::string>& name,
+                                     const std::string& file, const char* option) {
+  if (name) {
+    for (const Named& one : kForms) {
+      if (one.name == *name) return one.form;
+    }
+    return std::unexpected(bad_input(std::string(option) + ": '" + printable(*name) +
+                                     "' is none of sinew, sequence, pos, config, gcode, record"));
+  }
+  if (const auto form = program::form_of_file(file)) return form_of(*form);
+  for (const Named& one : kEndings) {
+    if (file.ends_with(one.name)) return one.form;
+  }
+  return std::unexpected(bad_input(file + ": its ending does not say what it is; write " + option +
+                                   " sinew, sequence, pos, config, gcode or record"));
+}
+
+/// A text that was made, or why it was not.
+using Made = std::expected<std::string, Outcome>;
+
+std::optional<program::TextForm> other_form(Form form) {
+  switch (form) {
+    case Form::kSequence:
+      return program::TextForm::kSequence;
+    case Form::kPose:
+      return program::TextForm::kPose;
+    case Form::kGcode:
+      return program::TextForm::kGcode;
+    default:
+      return std::nullopt;
+  }
+}
+
+program::DecimalMark mark_of(const ConvertRequest& request) {
+  return request.comma ? program::DecimalMark::kComma : program::DecimalMark::kPoint;
+}
+
+Made from_program(const ConvertRequest& request, const RobotModel& model, program::TextForm to) {
+  const auto program = read_program(request.in, model);
+  if (!program) return std::unexpected(program.error());
+  auto text = program::text_of(to, *program, model, mark_of(request));
+  if (text) return std::move(*text);
+  const int file = text.error().refusal ? text.error().refusal->file : 0;
+  return std::unexpected(no_form(text.error(), model, file_of(*program, file, request.in)));
+}
+
+/// The same pose with the other decimal mark.
+Made pose_again(const ConvertRequest& request, const std::string& text, const RobotModel& model) {
+  const auto pose = program::read_pose_file(text, request.in);
+  if (!pose) return std::unexpected(complaints_outcome(pose.error()));
+  const auto fit = program::platform_of(*pose, model, request.in, 1);
+  if (!fit) return std::unexpected(no_form(fit.error(), model, request.in));
+  return program::pose_text(*pose, mark_of(request));
+}
+
+/// The journal's next run begins with these positions.
+/// @error  the journal cannot be used, or knows better
+std::expected<std::string, Outcome> taken_over(const std::string& name, const RobotModel& model,
+                                               const std::vector<JointPosition>& legs,
+                                               bool replace) {
+  const auto record = open_journal(name, model);
+  if (!record) return std::unexpected(record.error());
+  const auto& known = (*record)->recovery().positions;
+  const bool knows = std::ranges::any_of(
+      known, [](const JointPosition& leg) { return leg.quality != PositionQuality::kLost; });
+  if (knows && !replace) {
+    return std::unexpected(bad_input(fmt::format(
+        "--journal: {}/{} knows where this machine stands; --replace takes the file's word instead",
+        (*record)->folder(), name)));
+  }
+  const JournalTime now{io::Clock().now(), io::wall_time_ns()};
+  if (const auto said = (*record)->import(model, legs, now); !said) {
+    return std::unexpected(could_not(said.error().sentence));
+  }
+  return fmt::format(
+      "\n  the journal {}/{} begins with that: before anything moves, say where the legs are "
+      "(sinew recover, or sinew run --standing-at ..)\n",
+      (*record)->folder(), name);
+}
+
+/// What an old config.cfg says, and that nobody should believe it unseen.
+Outcome tell_config(const ConvertRequest& request, const std::string& text,
+                    const RobotModel& model) {
+  const auto config = program::read_platform_config(text, request.in);
+  if (!config) return complaints_outcome(config.error());
+  const auto fit = program::platform_of(config->real, model, request.in, 3);
+  if (!fit) return no_form(fit.error(), model, request.in);
+  Outcome outcome;
+  outcome.json = {{"robot", model.id},
+                  {"port", config->port},
+                  {"residual_mm", to_mm(fit->residual)},
+                  {"pose", pose_json(fit->X_BP.p, fit->X_BP.R)},
+                  {"legs", Json::array()}};
+  outcome.text = fmt::format(
+      "  by this file the platform of {} stands, with its heads to {} mm, at\n{}", model.title,
+      number(to_mm(fit->residual), 3), pose_text(fit->X_BP.p, fit->X_BP.R));
+  Table table({"leg", "mm", "at least", "at most"});
+  const auto legs = program::uncertain_legs(*fit, model);
+  for (std::size_t leg = 0; leg < legs.size(); ++leg) {
+    const JointPosition& at = legs[leg];
+    table.add({model.joints[leg].name, number(to_mm(at.q), 3), number(to_mm(at.lower), 3),
+               number(to_mm(at.upper), 3)});
+    outcome.json["legs"].push_back({{"joint", model.joints[leg].name},
+                                    {"quality", "uncertain"},
+                                    {"q_mm", to_mm(at.q)},
+                                    {"lower_mm", to_mm(at.lower)},
+                                    {"upper_mm", to_mm(at.upper)}});
+  }
+  outcome.text += "\n" + table.text() +
+                  "\n  uncertain: that file was written only when its program ended, without a "
+                  "check; measure the legs before anything moves (sinew run --standing-at ..)\n";
+  if (!request.journal) return outcome;
+  const auto taken =
+      taken_over(*request.journal, model, {legs.begin(), legs.end()}, request.replace);
+  if (!taken) return taken.error();
+  outcome.json["journal"] = *request.journal;
+  outcome.text += *taken;
+  return outcome;
+}
+
+Made taught(const ConvertRequest& request, const RobotModel& model) {
+  const auto way = way_of_record(request.in, model);
+  if (!way) return std::unexpected(way.error());
+  auto made = program_of_way(*way, model);
+  if (!made) return std::unexpected(made.error());
+  auto out = program::format(made->text, request.in);
+  if (!out) return std::unexpected(complaints_outcome(out.error()));
+  return std::move(*out);
+}
+
+Made converted(const ConvertRequest& request, const RobotModel& model, Form from, Form to) {
+  const bool to_rows = to == Form::kProgram;
+  if (from == Form::kProgram && (to == Form::kSequence || to == Form::kPose)) {
+    return from_program(request, model, *other_form(to));
+  }
+  if (from == Form::kRecord && to_rows) return taught(request, model);
+  const auto text = io::read_file(request.in);
+  if (!text) return std::unexpected(bad_input(text.error().sentence));
+  if (const auto form = other_form(from); form && to_rows) {
+    auto rows = program::rows_of(*form, *text, request.in, model);
+    if (!rows) return std::unexpected(no_form(rows.error(), model, request.in));
+    return std::move(rows->text);
+  }
+  if (from == Form::kPose && to == Form::kPose) return pose_again(request, *text, model);
+  return std::unexpected(
+      bad_input("convert: from sequence, gcode, pos and record to sinew, from sinew to sequence "
+                "and pos, from pos to "
+                "pos; a config is only told"));
+}
+
+}  // namespace
+
+Outcome convert(const ConvertRequest& request) {
+  const auto file = find_robot(request.robot);
+  if (!file) return file.error();
+  const RobotModel& model = file->model;
+  const auto from = form_of(request.from, request.in, "--from");
+  if (!from) return from.error();
+  if (*from == Form::kConfig && !request.out && !request.to) {
+    const auto text = io::read_file(request.in);
+    return text ? tell_config(request, *text, model) : bad_input(text.error().sentence);
+  }
+  if (request.journal) return bad_input("--journal: only of a config that is told, without OUT");
+  const bool by_name = request.to || request.out;
+  const auto to = by_name ? form_of(request.to, request.out.value_or(""), "--to")
+                          : std::expected<Form, Outcome>(Form::kProgram);
+  if (!to) return to.error();
+  if (request.comma && *to != Form::kPose) {
+    return bad_input("--decimal-comma: only of a .pos file");
+  }
+  if (request.out && io::same_file(request.in, *request.out)) {
+    return bad_input(*request.out + ": is the file that is read");
+  }
+  if (request.out && io::is_file(*request.out) && !request.replace) {
+    return bad_input(*request.out + ": is there already; --replace writes it anew");
+  }
+  const auto text = converted(request, model, *from, *to);
+  if (!text) return text.error();
+  Outcome outcome;
+  outcome.json = {{"robot", model.id}, {"in", request.in}};
+  if (!request.out) {
+    outcome.json["text"] = *text;
+    outcome.text = *text;
+    return outcome;
+  }
+  if (const auto written = io::replace_file(*request.out, *text); !written) {
+    return could_not(written.error().sentence);
+  }
+  outcome.json["out"] = *request.out;
+  outcome.text = "  " + *request.out + "\n";
+  return outcome;
+}
+
+}  // namespace sinew::cli

@@ -1,0 +1,105 @@
+#include "sinew/cli/cells/doctor_verb.h"
+
+#include <fmt/format.h>
+
+#include "sinew/cli/output/table.h"
+#include "sinew/driver/quality_name.h"
+#include "sinew/io/interrupt.h"
+#include "sinew/io/machine_check.h"
+
+namespace sinew::cli {
+namespace {
+
+const char* kind_name(io::FoundDevice::Kind kind) {
+  constexpr const char* kNames[] = {"serial port", "SPI bus", "GPIO chip"};
+  return kNames[static_cast<int>(kind)];
+}
+
+void add_devices(Outcome& outcome) {
+  Json list = Json::array();
+  Table table({"device", "what", "name", "usable"});
+  table.left(1).left(2).left(3);
+  for (const io::FoundDevice& device : io::find_devices()) {
+    const bool usable = device.trouble.empty();
+    table.add({device.path, kind_name(device.kind), device.name, usable ? "yes" : device.trouble});
+    list.push_back({{"path", device.path},
+                    {"kind", kind_name(device.kind)},
+                    {"name", device.name},
+                    {"usable", usable},
+                    {"trouble", device.trouble}});
+  }
+  if (!list.empty()) outcome.text += table.text() + "\n";
+  outcome.json["devices"] = list;
+  outcome.json["missing"] = Json::array();
+  for (const std::string& missing : io::missing_interfaces()) {
+    outcome.text += "  missing: " + missing + "\n";
+    outcome.json["missing"].push_back(missing);
+  }
+}
+
+std::string healthy_text(const RobotModel& model, const runtime::StationView& view) {
+  std::string text;
+  for (std::size_t i = 0; i < view.positions.size(); ++i) {
+    text += fmt::format("{}{} {}", i == 0 ? "" : ", ", model.joints[i].name,
+                        quality_name(view.positions[i].quality));
+  }
+  const DriverHealth& health = view.health;
+  if (health.supply_volts) text += fmt::format("; supply {:.2f} V", *health.supply_volts);
+  if (health.temperature_c) text += fmt::format("; {:.0f} deg C", *health.temperature_c);
+  return text;
+}
+
+Outcome ask_robot(const DoctorRequest& request) {
+  const auto chosen = choose_robot(request.robot);
+  if (!chosen) return chosen.error();
+  const RobotModel& model = chosen->model;
+  const std::string& port = *request.robot.port;
+  Outcome outcome;
+  add_devices(outcome);
+  io::catch_interrupts();
+  const auto refuse = [&](const std::string& why) {
+    outcome.exit = ExitCode::kCouldNot;
+    outcome.complaint = why;
+    outcome.json["answer"] = {{"ok", false}, {"sentence", why}};
+    return outcome;
+  };
+  // As a run: what the device forgets by telling is recorded in the journal of its position.
+  auto cell = LocalCell::start(model, request.robot);
+  if (!cell) return refuse(cell.error().complaint);
+  if (const auto trouble = (*cell)->enable()) return refuse((*cell)->sentence(*trouble));
+  const runtime::Station& station = (*cell)->station();
+  const std::string answer = healthy_text(model, station.view());
+  outcome.text += fmt::format("\n  {} answers on {}: {}\n", model.id, port, answer);
+  tell_settings(chosen->settings, outcome);
+  const std::string suspicion = station.suspicion();
+  outcome.json["answer"] = {{"ok", suspicion.empty()},
+                            {"sentence", suspicion.empty() ? answer : suspicion}};
+  if (suspicion.empty()) return outcome;
+  outcome.exit = ExitCode::kCouldNot;
+  outcome.complaint = port + ": " + suspicion;
+  return outcome;
+}
+
+}  // namespace
+
+Outcome examine(const DoctorRequest& request) {
+  const RobotOptions& robot = request.robot;
+  if (robot.name.empty() != !robot.port) {
+    return bad_input("--robot and --port belong together: which robot, and where it is plugged in");
+  }
+  const bool more = robot.wire || robot.profile || robot.journal || robot.settings;
+  if (!robot.port && (more || !robot.without.empty())) {
+    return bad_input(
+        "--wire, --profile, --without, --journal and --settings belong to a robot: --robot ROBOT "
+        "--port DEVICE");
+  }
+  if (robot.port) return ask_robot(request);
+  Outcome outcome;
+  add_devices(outcome);
+  outcome.text +=
+      "\n  sinew doctor --robot ROBOT --port DEVICE asks a robot whether it is there; nothing "
+      "moves.\n";
+  return outcome;
+}
+
+}  // namespace sinew::cli

@@ -1,0 +1,15 @@
+#pragma once
+
+#include "sinew/cli/cells/local_cell.h"
+
+namespace sinew::cli {
+
+struct DoctorRequest {
+  RobotOptions robot;  ///< robot and port: both or none
+};
+
+/// `sinew doctor`: ports, rights and kernel interfaces of this computer; with a robot and a port
+/// also what answers there. Only questions that move nothing are asked.
+Outcome examine(const DoctorRequest& request);
+
+}  // namespace sinew::cli

@@ -1,0 +1,13 @@
+#pragma once
+
+#include <string>
+
+#include "sinew/cli/output/outcome.h"
+
+namespace sinew::cli {
+
+/// `sinew robots`: one row a built-in robot; with an id or a file, everything about that one.
+Outcome list_robots();
+Outcome show_robot(const std::string& argument);
+
+}  // namespace sinew::cli

@@ -1,0 +1,108 @@
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+
+#include "sinew/core/units.h"
+#include "sinew/devices/icp/icp_settings.h"
+#include "sinew/model/joint_lookup.h"
+#include "sinew/program/procedures/procedures.h"
+
+namespace sinew::program {
+namespace {
+
+std::string number_text(double value) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%.9g", value);
+  return text;
+}
+
+std::optional<double> number_of(const std::string& text) {
+  char* end = nullptr;
+  const double value = std::strtod(text.c_str(), &end);
+  if (end == text.c_str() || *end != 0 || !std::isfinite(value)) return std::nullopt;
+  return value;
+}
+
+/// The signs that were found the wrong way round.
+void find_turns(const Procedure& procedure, FoundSettings& found) {
+  for (const Joint& joint : procedure.machine().robot().joints) {
+    const auto* one = procedure.result("direction." + joint.name);
+    const bool seen = one != nullptr && one->state == StepResult::State::kDone && one->number;
+    if (seen && *one->number < 0) found["joint." + joint.name + ".turn"] = "other";
+  }
+}
+
+const StepResult* done(const Procedure& procedure, const std::string& id) {
+  const auto* one = procedure.result(id);
+  const bool is = one != nullptr && one->state == StepResult::State::kDone && one->number;
+  return is ? one : nullptr;
+}
+
+}  // namespace
+
+FoundSettings found_settings(const Procedure& procedure) {
+  FoundSettings found;
+  const RobotModel& robot = procedure.machine().robot();
+  // Boards turn their motors as they are set up themselves.
+  if (boards_of(robot.device).empty()) find_turns(procedure, found);
+  if (const auto* icp = robot.device.settings.as<IcpDevice>()) {
+    const auto* down = done(procedure, "minus_one");
+    if (down != nullptr && *down->number != icp->units_per_down) {
+      found["units_per_down"] = number_text(*down->number);
+    }
+    const auto* sent = done(procedure, "go_far");
+    const auto* went = done(procedure, "went");
+    if (sent != nullptr && went != nullptr) {
+      found["way_factor"] = number_text(*went->number / std::abs(*sent->number));
+    }
+  }
+  if (const auto* jaws = procedure.result("jaws_seen")) {
+    const bool open = jaws_tried(robot) > 0;
+    if (jaws->answer == (open ? "shut" : "open")) found["jaws_turn"] = "other";
+  }
+  for (const Joint& joint : robot.joints) {
+    if (const auto* id = done(procedure, "id." + joint.name)) {
+      found["joint." + joint.name + ".servo_id"] = number_text(*id->number);
+    }
+    if (const auto* zero = done(procedure, "zero." + joint.name)) {
+      const std::string key = "joint." + joint.name;
+      // It was measured as the joint counted before.
+      const double sign = found.contains(key + ".turn") ? -1 : 1;
+      found[key + ".trim_rad"] = number_text(sign * *zero->number);
+    }
+    if (const auto* trim = done(procedure, "trim." + joint.name)) {
+      found["joint." + joint.name + ".trim_rad"] = number_text(*trim->number);
+    }
+  }
+  return found;
+}
+
+std::expected<void, std::string> use_settings(RobotModel& robot, const FoundSettings& settings) {
+  RobotModel changed = robot;
+  // Turns first: a trim counts as the joint then does.
+  for (const bool turns : {true, false}) {
+    for (const auto& [name, value] : settings) {
+      if (name.ends_with(".turn") != turns) continue;
+      DeviceSetting setting{.what = name, .value = value, .number = number_of(value)};
+      const std::size_t dot = name.rfind('.');
+      constexpr std::string_view kJoint = "joint.";
+      bool known = true;
+      if (name.starts_with(kJoint) && dot >= kJoint.size()) {
+        setting.joint = joint_named(robot, name.substr(kJoint.size(), dot - kJoint.size()));
+        setting.what = std::string_view(name).substr(dot + 1);
+        known = setting.joint.has_value();
+      }
+      const bool used = known && changed.device.settings->use_setting(setting, changed.device);
+      if (!used) {
+        return std::unexpected("'" + name + "' = '" + value + "' is no setting of " + robot.id);
+      }
+    }
+  }
+  if (std::string why = changed.device.settings->contradiction(changed); !why.empty()) {
+    return std::unexpected(std::move(why));
+  }
+  robot = std::move(changed);
+  return {};
+}
+
+}  // namespace sinew::program
