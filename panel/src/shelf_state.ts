@@ -10,6 +10,7 @@ import { keepShelf, loadShelf, type Draft, type Shelf } from './logic/shelf';
 import { jointLimits } from './logic/store';
 import { t } from './i18n';
 import type { RobotModel } from './logic/types';
+import type { Measure } from './logic/units';
 
 const none: Shelf = { programs: {}, points: [], draft: { name: '', text: '' } };
 const local = signal<Shelf>(none);
@@ -47,7 +48,7 @@ export const leftHere = signal(false);
 
 /** What kind of robot all of this is for: `learm`, whatever its name in the cell. */
 export const kind = computed(() => model.value?.robot ?? null);
-export const measureOf = (one: RobotModel): 'angle' | 'length' => jointLimits(one.joints[0]!).measure;
+export const measuresOf = (one: RobotModel): Measure[] => one.joints.map((joint) => jointLimits(joint).measure);
 
 function putLocal(next: Partial<Shelf>): void {
   const now = kind.peek();
@@ -207,7 +208,7 @@ async function changeNow(change: PointChange): Promise<boolean> {
   const one = model.peek();
   if (!who || !one) return false;
   const now = controller.peek() ?? { points: [], pointsRevision: 0 };
-  const done = await changePoints(rpc, who, one, measureOf(one), change, now);
+  const done = await changePoints(rpc, who, one, measuresOf(one), change, now);
   if (kind.peek() !== one.robot) return !('why' in done);
   if ('why' in done) {
     const name = change.kind === 'save' ? (change.points[0]?.name ?? '') : change.name;

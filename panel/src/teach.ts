@@ -22,7 +22,7 @@ import {
   keepProgram,
   keeps,
   kind,
-  measureOf,
+  measuresOf,
   putDraft,
   renameKept,
   revisionOf,
@@ -39,7 +39,7 @@ const kCheckMs = 120_000;
 
 export type TeachTab = 'points' | 'program' | 'ride';
 export const tab = signal<TeachTab>('program');
-export { here, keeps, measureOf, shelf };
+export { here, keeps, measuresOf, shelf };
 /** Line of the row that is open. */
 export const selected = signal<number | null>(null);
 export const verdict = signal<ProgramVerdict>({ kind: 'none' });
@@ -207,7 +207,7 @@ function wholeProgram(one: RobotModel): Asked['program'] {
   const { points, programs, draft } = shelf.peek();
   return {
     text: draft.text,
-    points: writePoints(one.robot, points, measureOf(one)),
+    points: writePoints(one.robot, points, measuresOf(one)),
     called: calledBy(draft.text, programs),
   };
 }

@@ -47,15 +47,18 @@ TEST(AnyArm, each_example_goes_where_it_is_sent_and_says_who_told_its_numbers) {
     const Ended shown = sinew({"robots", robot, "--json"});
     ASSERT_EQ(shown.exit, 0) << shown.err;
     EXPECT_EQ(shown.json()["protocol"], "ideal");
+    const bool lifts = shown.json()["joints"][1].contains("lower_mm");
     const std::string program =
-        folder.file("p.sinew", "joint J1=100deg J2=80deg J3=20deg speed=50%\njoint J1=60deg\n");
+        folder.file("p.sinew", std::string("joint J1=100deg J2=") + (lifts ? "80mm" : "80deg") +
+                                   " J3=20deg speed=50%\njoint J1=60deg\n");
     const Ended run = sinew({"run", program, "--robot", robot, "--json", "--time-scale", "5"});
     ASSERT_EQ(run.exit, 0) << run.err << run.out;
     EXPECT_NEAR(position(run.json(), 0), 60, 1e-3);
     EXPECT_NEAR(position(run.json(), 2), 20, 1e-3);
   }
-  EXPECT_EQ(seen, (std::set<std::string>{"ar4", "ar4-axis-link", "ar4-grbl", "six-axis", "so-101",
-                                         "so-101-feetech", "uarm-swift-pro"}));
+  EXPECT_EQ(seen,
+            (std::set<std::string>{"ar4", "ar4-axis-link", "ar4-grbl", "scara", "scara-grbl",
+                                   "six-axis", "so-101", "so-101-feetech", "uarm-swift-pro"}));
 }
 
 TEST(AnyArm, an_ar4_of_26_lines_draws_lines_and_goes_home) {
@@ -92,6 +95,60 @@ TEST(AnyArm, an_ar4_on_a_board_that_speaks_grbl_homes_and_keeps_the_time_of_its_
     ASSERT_EQ(run.exit, 0) << run.err << run.out;
     EXPECT_NEAR(position(run.json(), 1, "commanded"), 0, 0.01);
     EXPECT_NEAR(position(run.json(), 4, "commanded"), 46.15, 0.02);
+  }
+}
+
+constexpr const char* kScaraRows =
+    "joint base=40deg lift=80mm elbow=-60deg hand=10deg\nline x=250mm y=100mm z=50mm\n"
+    "line dz=40mm\nmove x=150mm y=200mm z=90mm rz=90deg\nmove x=250mm y=-100mm rz=0deg\n"
+    "line dy=60mm speed=50mm/s blend=10mm\nline x=200mm y=20mm z=20mm\njoint d.lift=30mm\n";
+
+TEST(AnyArm, a_scara_lifts_draws_and_turns_its_tool_simulated_and_on_a_board_that_speaks_grbl) {
+  const ScratchFolder folder;
+  const std::string rows = kScaraRows;
+  const Ended ideal = sinew({"run", folder.file("p.sinew", rows), "--robot",
+                             kExamples + "scara.toml", "--json", "--time-scale", "20"});
+  ASSERT_EQ(ideal.exit, 0) << ideal.err << ideal.out;
+  const Ended board = sinew({"run", folder.file("h.sinew", "home\n" + rows), "--robot",
+                             kExamples + "scara-grbl.toml", "--json", "--time-scale", "50"});
+  ASSERT_EQ(board.exit, 0) << board.err << board.out;
+  for (std::size_t i = 0; i < 4; ++i) {
+    EXPECT_NEAR(position(board.json(), i, "commanded"), position(ideal.json(), i), 0.04) << i;
+  }
+  EXPECT_NEAR(position(ideal.json(), 1), 50, 1e-3);
+}
+
+TEST(AnyArm, a_scara_goes_to_taught_joints_and_refuses_what_it_cannot_have_with_its_unit) {
+  const ScratchFolder folder;
+  folder.file("points.toml",
+              "[points.up]\nrobot = \"scara\"\n"
+              "joints = [\"30deg\", \"120mm\", \"60deg\", \"-90deg\"]\n"
+              "[points.legs]\nrobot = \"scara\"\njoints_deg = [1, 2, 3, 4]\n");
+  const auto run = [&](const std::string& row) {
+    return sinew({"run", folder.file("p.sinew", row + "\n"), "--robot", kExamples + "scara.toml",
+                  "--json", "--time-scale", "20"});
+  };
+  const Ended taught = run("joint to=up");
+  ASSERT_EQ(taught.exit, 0) << taught.err;
+  EXPECT_NEAR(position(taught.json(), 1), 120, 1e-3);
+  EXPECT_NEAR(position(taught.json(), 3), -90, 1e-3);
+  const struct {
+    const char* row;
+    const char* sentence;
+  } kRefused[] = {
+      {"joint to=legs", "'legs' has degrees where scara has mm, or mm for degrees"},
+      {"joint lift=200mm", "lift would need 200 mm, limit 150 mm"},
+      {"joint lift=30deg", "'30deg' is no length"},
+      {"line z=-5mm", "lift would need -5 mm, limit 0 mm"},
+      {"line rx=10deg", "rz alone turns this tool; rx, ry and rz together name an orientation"},
+      {"move x=250mm y=0mm z=50mm rx=90deg ry=0deg rz=0deg",
+       "the nearest orientation is 90 deg away"},
+      {"move x=500mm y=0mm z=50mm", "out of reach by 135.5 mm"},
+  };
+  for (const auto& [row, sentence] : kRefused) {
+    const Ended refused = run(row);
+    EXPECT_NE(refused.exit, 0) << row;
+    EXPECT_TRUE(refused.err.contains(sentence)) << refused.err;
   }
 }
 

@@ -38,7 +38,7 @@ inline constexpr std::array kArrows = std::to_array<FolderArrows>({
     {"planning/jog", "planning/collision"},
     {"planning/studies", "kinematics model"},
     {"planning", "planning/timing planning/collision"},
-    {"grasping", "planning/paths"},
+    {"grasping", "planning/collision"},
     {"sim", "device kinematics model"},
     {"file", "toml model"},
     {"devices", "file driver sim"},

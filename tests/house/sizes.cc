@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <map>
 #include <regex>
 
 namespace sinew::house {
@@ -167,6 +168,23 @@ std::vector<std::string> check_sizes(std::span<const SourceFile> files) {
       complain(file, function.first_line, "lines: `" + function.head + "`", function.lines,
                kLinesPerFunctionMax);
     }
+  }
+  return complaints;
+}
+
+std::vector<std::string> check_modules(std::span<const SourceFile> files) {
+  std::map<std::string, std::size_t> lines;
+  for (const SourceFile& file : files) {
+    const std::size_t slash = file.path.rfind('/');
+    const bool tests = file.path.substr(slash + 1).contains("_test");
+    if (!file.path.starts_with("src/sinew/") || tests) continue;
+    lines[file.path.substr(0, slash)] += lines_of(file.text).size();
+  }
+  std::vector<std::string> complaints;
+  for (const auto& [folder, count] : lines) {
+    if (count <= kLinesPerModuleMax) continue;
+    complaints.push_back(folder + ": the module has " + std::to_string(count) + " lines, limit " +
+                         std::to_string(kLinesPerModuleMax));
   }
   return complaints;
 }

@@ -12,6 +12,7 @@ namespace sinew::house {
 
 inline constexpr std::size_t kLinesPerFileMax = 800;
 inline constexpr std::size_t kLinesPerFunctionMax = 69;
+inline constexpr std::size_t kLinesPerModuleMax = 6000;
 inline constexpr std::size_t kColumnsMax = 100;
 
 /// A function body at namespace or class level: its head as written, the line where that begins
@@ -28,6 +29,10 @@ std::vector<FunctionSize> functions_of(std::string_view text);
 
 /// Complaints about files, functions and lines that are too long.
 std::vector<std::string> check_sizes(std::span<const SourceFile> files);
+
+/// Complaints about folders of src/sinew with too many lines; unit tests and their headers do not
+/// count.
+std::vector<std::string> check_modules(std::span<const SourceFile> files);
 
 /// Median number of lines; 0 for no files.
 std::size_t median_lines(std::span<const SourceFile> files);

@@ -29,6 +29,7 @@ TEST(House, files_functions_and_lines_stay_small) {
   const auto files = read_tree(SINEW_SOURCE_DIR, kSourceFolders);
   std::string text;
   for (const std::string& complaint : check_sizes(files)) text += complaint + "\n";
+  for (const std::string& complaint : check_modules(files)) text += complaint + "\n";
   EXPECT_EQ(text, "");
   std::cout << "  " << files.size() << " files, median " << median_lines(files) << " lines\n";
 }
@@ -37,6 +38,18 @@ TEST(Sizes, a_file_may_have_800_lines_and_not_801) {
   EXPECT_EQ(check_sizes(std::vector<SourceFile>{{"a.h", repeated(800, "int x;\n")}}), Complaints{});
   EXPECT_EQ(check_sizes(std::vector<SourceFile>{{"a.h", repeated(801, "int x;\n")}}),
             (Complaints{"a.h:1: lines: the file has 801, limit 800"}));
+}
+
+TEST(Sizes, a_module_may_have_6000_lines_without_its_tests_and_not_6001) {
+  std::vector<SourceFile> files;
+  for (const char* name : {"a.h", "a.cc", "b.cc", "a_test.cc", "a_test_robot.h"}) {
+    files.push_back({std::string("src/sinew/room/") + name, repeated(2000, "int x;\n")});
+  }
+  files.push_back({"src/sinew/room/part/c.cc", repeated(2000, "int x;\n")});
+  EXPECT_EQ(check_modules(files), Complaints{});
+  files[0].text += "int y;\n";
+  EXPECT_EQ(check_modules(files),
+            (Complaints{"src/sinew/room: the module has 6001 lines, limit 6000"}));
 }
 
 TEST(Sizes, a_line_may_have_100_columns_however_many_bytes) {

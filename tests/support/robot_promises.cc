@@ -112,7 +112,7 @@ std::string broken(const AxisLinkDevice& device) {
 std::string broken(const GrblDevice& device) {
   if (device.axes.empty()) return "axes";
   for (const GrblDevice::Axis& axis : device.axes) {
-    if (!(std::abs(axis.steps_per_rad) >= 1) || !std::isfinite(axis.steps_per_rad)) return "steps";
+    if (!(std::abs(axis.steps_per_unit) > 0) || !std::isfinite(axis.steps_per_unit)) return "steps";
     if (!std::isfinite(axis.zero)) return "machine zero";
   }
   return "";

@@ -9,6 +9,7 @@ const kFiles = [
   'config/points_file.cc',
   'toml/toml_guard.cc',
   'core/quantity.cc',
+  'model/joint_lookup.cc',
   'program/language/basket_rows.cc',
   'program/language/conditions.cc',
   'program/formats/gcode_file.cc',
@@ -28,7 +29,7 @@ const kFiles = [
 /** What takes a message as its last argument .. */
 const kTakers = /(\w+(?:\.|->))?\b(complain|complain_in|complaint_at|wrong|none|cannot|std::unexpected)\(/g;
 /** .. and what gives one back, or holds one. */
-const kGivers = ['unknown_row', 'unknown_subject'];
+const kGivers = ['unknown_row', 'unknown_subject', 'misfit_of_joints'];
 const kHeld = /\bmessage = ("(?:[^"\\\n]|\\.)*");/g;
 /** Whatever is complained of through a file's own function begins so. */
 const kBegins: Record<string, Record<string, string>> = {
@@ -65,6 +66,7 @@ const kHandedOn = [
   'in_quotes(point.name) + why',
   'in_quotes(word.substr(0, 40)) + why',
   'message',
+  'misfit', // misfit_of_joints()
   'std::move(message)',
   'unknown_row(name).value_or("unknown step")',
   'unknown_subject(name, robot)',

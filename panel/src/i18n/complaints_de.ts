@@ -114,6 +114,8 @@ const motions: Record<string, string> = {
   'a spline has 1 to 256 points, as in 200mm,0mm,150mm': 'Ein spline hat 1 bis 256 Orte, wie 200mm,0mm,150mm',
   '{word}: there is no points.toml beside the program': '{word}: neben dem Programm liegt keine points.toml',
   '{word} is a point of {other}, not of {robot}': '{word} ist ein Punkt von {other}, nicht von {robot}',
+  '{word} has degrees where {robot} has mm, or mm for degrees':
+    '{word} hat Grade, wo {robot} mm hat, oder mm statt Graden',
   '{word} has {count} {joints}, {robot} has {own} {legs}': '{word} hat {count} {joints}, {robot} hat {own} {legs}',
   '{word} is no taught point; there is none of this robot': '{word} ist kein Punkt; dieser Roboter hat noch keinen',
   '{word} is no taught point': '{word} ist kein Punkt',
@@ -133,8 +135,11 @@ const points: Record<string, string> = {
   'must be 1 to 200 bytes without control characters': 'muss 1 bis 200 Byte ohne Steuerzeichen sein',
   'must be a number, not {type}': 'muss eine Zahl sein, nicht {type}',
   'must be -{limit} to {most}, not {value}': 'muss -{limit} bis {most} sein, nicht {value}',
-  'has no place: joints_deg, legs_mm, or x_mm, y_mm and z_mm': 'hat keinen Ort: joints_deg, legs_mm oder x_mm, y_mm und z_mm',
-  'joints_deg says that': 'das sagt schon joints_deg',
+  'has no place: joints_deg, legs_mm, joints, or x_mm, y_mm and z_mm':
+    'hat keinen Ort: joints_deg, legs_mm, joints oder x_mm, y_mm und z_mm',
+  '{key} says that': 'das sagt schon {key}',
+  'must be texts with their units, as in ["90deg", "-20mm"]': 'müssen Texte mit ihren Einheiten sein, wie ["90deg", "-20mm"]',
+  'must be a list of 1 to {count} texts': 'muss eine Liste von 1 bis {count} Texten sein',
   "{key} names the place already: a point is joints or the tool's, not both":
     '{key} nennt den Ort schon: ein Punkt gilt den Gelenken oder dem Werkzeug, nicht beiden',
   'must be a list of 1 to {count} numbers': 'muss eine Liste von 1 bis {count} Zahlen sein',

@@ -44,7 +44,7 @@ const codes: Record<string, string> = {
   model_mismatch: 'Das Gerät ist für einen anderen Roboter eingerichtet; zuerst die Einstellungen dieses Roboters senden',
   board_velocity: 'Das Board bewegt {subject} mit höchstens {measured}, die Datei des Roboters sagt {limit}: die Grenze des Boards erhöhen oder die der Datei senken',
   board_acceleration: 'Das Board beschleunigt {subject} mit höchstens {measured}, die Datei des Roboters sagt {limit}: die Grenze des Boards erhöhen oder die der Datei senken',
-  board_steps: 'Das Board macht {measured} Schritte für ein Grad von {subject}, die Datei des Roboters sagt {limit}: eines von beiden stimmt nicht',
+  board_steps: 'Das Board macht {measured} Schritte für ein Grad oder einen mm von {subject}, die Datei des Roboters sagt {limit}: eines von beiden stimmt nicht',
   board_rests: 'Das Board schaltet seine Motoren in Ruhe ab, und der Arm würde fallen: sie anlassen (GRBL: $1=255)',
   checksum: '{measured} Nachrichten in Folge kamen beschädigt an; nach dem Kabel sehen',
   emergency_stop: 'Der Not-Halt von {subject} ist eingerastet; erst lösen',

@@ -158,7 +158,7 @@ function withTool(word: string, model: RobotModel, point: Point, others: string[
   if ((turned || (inTool && shift.some((one) => one !== 0))) && !pose) return { open: true };
   const place = add(p, inTool ? rotate(pose!.q, shift) : shift);
   const words = ['x', 'y', 'z'].map((axis, i) => `${axis}=${mm(place[i]!)}`);
-  if (pose && (model.task === 'pose' || model.task === 'approach')) {
+  if (pose && (model.task === 'pose' || model.task === 'yaw' || model.task === 'approach')) {
     const turn = fromFixedXyz(spin);
     const q = turned ? (inTool ? multiply(pose.q, turn) : multiply(turn, pose.q)) : pose.q;
     fixedXyz(q).forEach((one, i) => words.push(`${['rx', 'ry', 'rz'][i]}=${deg(one)}`));

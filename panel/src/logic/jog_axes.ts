@@ -27,7 +27,7 @@ export function jogAxes(model: RobotModel, frame: JogFrame): JogAxis[] {
     measure: 'length',
     speed: kLinear[model.kind],
   }));
-  const turns = { pose: ['rx', 'ry', 'rz'], approach: ['rx', 'ry', 'rz'], pitch_roll: ['pitch', 'roll'], point: [] };
+  const turns = { pose: ['rx', 'ry', 'rz'], yaw: ['rz'], approach: ['rx', 'ry', 'rz'], pitch_roll: ['pitch', 'roll'], point: [] };
   const angles: JogAxis[] = turns[model.task].map((name) => ({
     name,
     measure: 'angle',

@@ -81,7 +81,7 @@ describe('what the controller keeps', () => {
   it('takes points of two browsers side by side, but not over each other', async () => {
     const rpc = new Controller();
     const change = (now: Pick<Kept, 'points' | 'pointsRevision'>, ...names: string[]) =>
-      changePoints(rpc, 'left', model, 'angle', { kind: 'save', points: names.map(point) }, now);
+      changePoints(rpc, 'left', model, ['angle'], { kind: 'save', points: names.map(point) }, now);
     const first = await change(none, 'a');
     expect(first).toEqual({ points: [{ name: 'a', joints: [1] }], pointsRevision: 1 });
     // Another browser that knows nothing of it: its own point gets there all the same.
@@ -91,8 +91,8 @@ describe('what the controller keeps', () => {
     // The same point: not without having seen it.
     expect(await change(none, 'a')).toEqual({ why: 'conflict', revision: 2 });
     const known = second as Kept;
-    expect(await changePoints(rpc, 'left', model, 'angle', { kind: 'rename', name: 'a', to: 'c' }, known)).toMatchObject({ pointsRevision: 3 });
-    expect(await changePoints(rpc, 'left', model, 'angle', { kind: 'remove', name: 'a' }, known)).toMatchObject({ why: 'conflict' });
+    expect(await changePoints(rpc, 'left', model, ['angle'], { kind: 'rename', name: 'a', to: 'c' }, known)).toMatchObject({ pointsRevision: 3 });
+    expect(await changePoints(rpc, 'left', model, ['angle'], { kind: 'remove', name: 'a' }, known)).toMatchObject({ why: 'conflict' });
     expect(rpc.points.map((one) => one.name)).toEqual(['c', 'b']);
   });
 

@@ -9,6 +9,7 @@ import { RpcError } from './rpc';
 import type { Shelf } from './shelf';
 import type { Caller } from './store';
 import type { FlatPoseJson, RobotModel } from './types';
+import type { Measure } from './units';
 
 export interface KeptProgram {
   text: string;
@@ -28,6 +29,7 @@ interface PointJson {
   name: string;
   position_rad?: number[];
   position_m?: number[];
+  position_rad_m?: number[];
   /** Where the tool is at those joints. */
   pose?: FlatPoseJson;
   tool?: { x_m: number; y_m: number; z_m: number; quaternion_wxyz?: [number, number, number, number]; pitch_rad?: number; roll_rad?: number };
@@ -41,7 +43,7 @@ interface PointsJson {
 
 export function pointOf(json: PointJson): Point {
   const point: Point = { name: json.name };
-  const joints = json.position_rad ?? json.position_m;
+  const joints = json.position_rad ?? json.position_m ?? json.position_rad_m;
   if (joints) point.joints = joints;
   if (json.pose) point.platform = { p: [json.pose.x_m, json.pose.y_m, json.pose.z_m], q: json.pose.quaternion_wxyz };
   if (json.tool) {
@@ -114,12 +116,12 @@ export async function changePoints(
   rpc: Caller,
   robot: string,
   model: RobotModel,
-  measure: 'angle' | 'length',
+  measures: readonly Measure[],
   change: PointChange,
   now: Points,
 ): Promise<Points | NotKept> {
   const send = async (revision: number): Promise<Points> => {
-    const points = change.kind === 'save' ? { points: writePoints(model.robot, change.points, measure) } : {};
+    const points = change.kind === 'save' ? { points: writePoints(model.robot, change.points, measures) } : {};
     const names = change.kind === 'save' ? {} : { name: change.name, ...(change.kind === 'rename' ? { to: change.to } : {}) };
     const told = await rpc.call<PointsJson>(`points.${change.kind}`, { robot, ...points, ...names, revision });
     return { points: told.points.map(pointOf), pointsRevision: told.revision };

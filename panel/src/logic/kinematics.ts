@@ -7,9 +7,9 @@
 import { compose, fromColumns, fromJson, kIdentity } from './pose';
 import type { PalletizerGeometry, Pose, Quat, RobotModel, SerialGeometry, Vec3 } from './types';
 
-/** X_{i-1,i} = Rot_z(q + offset) Trans_z(d) Trans_x(a) Rot_x(alpha). */
+/** X_{i-1,i} = Rot_z(q + offset) Trans_z(d) Trans_x(a) Rot_x(alpha); what slides adds q to d instead. */
 function dhLink(row: SerialGeometry['dh'][number], q: number): Pose {
-  const theta = q + row.theta_offset_rad;
+  const theta = row.theta_offset_rad + (row.slides ? 0 : q);
   const half = theta / 2;
   const turn: Quat = [
     Math.cos(half) * Math.cos(row.alpha_rad / 2),
@@ -17,7 +17,7 @@ function dhLink(row: SerialGeometry['dh'][number], q: number): Pose {
     Math.sin(half) * Math.sin(row.alpha_rad / 2),
     Math.sin(half) * Math.cos(row.alpha_rad / 2),
   ];
-  return { p: [row.a_m * Math.cos(theta), row.a_m * Math.sin(theta), row.d_m], q: turn };
+  return { p: [row.a_m * Math.cos(theta), row.a_m * Math.sin(theta), row.d_m + (row.slides ? q : 0)], q: turn };
 }
 
 function serialLinks(geometry: SerialGeometry, q: readonly number[]): Pose[] {

@@ -13,7 +13,7 @@ describe('points.toml', () => {
       { name: 'ready', joints: [10 * deg, 20 * deg, 0, 0, 0], source: 'say "hi" \\ # no remark', taughtAt: '2026-11-21T10:00:00Z' },
       { name: 'bin', place: { x: 0.24, y: 0.02, z: 0.2, turns: { pitch: 100 * deg, roll: 0 } } },
     ];
-    const text = writePoints('learm', points, 'angle');
+    const text = writePoints('learm', points, ['angle']);
     expect(text).toContain('joints_deg = [10, 20, 0, 0, 0]');
     const back = readPoints(text);
     expect(back.complaints).toEqual([]);
@@ -21,8 +21,12 @@ describe('points.toml', () => {
     expect(back.points[0]!.point.source).toBe('say "hi" \\ # no remark');
     expect(back.points[0]!.point.joints![0]).toBeCloseTo(10 * deg, 9);
     expect(back.points[1]!.point.place!.turns['pitch']).toBeCloseTo(100 * deg, 9);
-    const legs = readPoints(writePoints('hexapod', [{ name: 'up', joints: [0.25, 0.251, 0.25, 0.25, 0.25, 0.25] }], 'length'));
+    const legs = readPoints(writePoints('hexapod', [{ name: 'up', joints: [0.25, 0.251, 0.25, 0.25, 0.25, 0.25] }], Array<'length'>(6).fill('length')));
     expect(legs.points[0]!.point.joints![1]).toBeCloseTo(0.251, 9);
+    const both = writePoints('scara', [{ name: 'up', joints: [10 * deg, 0.0805] }], ['angle', 'length']);
+    expect(both).toContain('joints = ["10deg", "80.5mm"]');
+    expect(readPoints(both).points[0]!.point.joints![1]).toBeCloseTo(0.0805, 9);
+    expect(readPoints('[points.a]\nrobot = "scara"\njoints = ["10deg", "80"]\n').complaints).toHaveLength(1);
   });
 
   it('is complained of with its line where it says something else', () => {

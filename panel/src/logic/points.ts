@@ -2,7 +2,7 @@
 import { toolPose } from './kinematics';
 import { fixedXyz } from './pose';
 import { isAtRest, isPlaceKnown, jointLimits } from './store';
-import { toDeg, toRad } from './units';
+import { toDeg, toRad, type Measure } from './units';
 import type { Pose, RobotModel, RobotStatus } from './types';
 
 /** rad and m. */
@@ -24,12 +24,18 @@ const number = (value: number, digits = 4): string => String(Number(value.toFixe
 const quoted = (text: string): string =>
   `"${text.replace(/[\\"]/g, '\\$&').replace(/[\x00-\x1f\x7f]/g, ' ')}"`;
 
-export function writePoints(robot: string, points: readonly Point[], measure: 'angle' | 'length'): string {
+/** @param measures  of its joints */
+export function writePoints(robot: string, points: readonly Point[], measures: readonly Measure[]): string {
   const tables = points.map((point) => {
     const rows = [`[points.${point.name}]`, `robot = ${quoted(robot)}`];
     if (point.joints) {
-      const values = point.joints.map((one) => number(measure === 'angle' ? toDeg(one) : one * 1e3, measure === 'angle' ? 4 : 5));
-      rows.push(`${measure === 'angle' ? 'joints_deg' : 'legs_mm'} = [${values.join(', ')}]`);
+      const values = point.joints.map((one, i) => (measures[i] === 'length' ? number(one * 1e3, 5) : number(toDeg(one))));
+      if (new Set(measures).size > 1) {
+        const texts = values.map((one, i) => quoted(one + (measures[i] === 'length' ? 'mm' : 'deg')));
+        rows.push(`joints = [${texts.join(', ')}]`);
+      } else {
+        rows.push(`${measures[0] === 'length' ? 'legs_mm' : 'joints_deg'} = [${values.join(', ')}]`);
+      }
     } else if (point.place) {
       for (const axis of ['x', 'y', 'z'] as const) rows.push(`${axis}_mm = ${number(point.place[axis] * 1e3)}`);
       for (const name of kTurns) {
@@ -92,11 +98,16 @@ function take(now: { robot: string; point: Point }, key: string, value: string):
     else point.taughtAt = text;
     return true;
   }
-  if (key === 'joints_deg' || key === 'legs_mm') {
+  if (key === 'joints_deg' || key === 'legs_mm' || key === 'joints') {
     const list = /^\[(.*)\]$/.exec(value)?.[1]?.split(',').map((one) => one.trim());
     if (list?.at(-1) === '') list.pop();
-    if (!list || list.some((one) => !isNumber(one))) return false;
-    point.joints = list.map((one) => (key === 'joints_deg' ? toRad(Number(one)) : Number(one) * 1e-3));
+    const read = list?.map((one) => {
+      const [, number, unit] = key === 'joints' ? (/^"(.*?)(deg|mm)"$/.exec(one) ?? []) : [one, one, key === 'legs_mm' ? 'mm' : 'deg'];
+      if (number === undefined || !isNumber(number)) return NaN;
+      return unit === 'mm' ? Number(number) * 1e-3 : toRad(Number(number));
+    });
+    if (!read || read.some(Number.isNaN)) return false;
+    point.joints = read;
     return true;
   }
   if (!isNumber(value)) return false;

@@ -110,9 +110,9 @@ describe('answers', () => {
     expect('wrong' in checkAmount('-21', 'angle')).toBe(true);
   });
   it('say a place by a value a joint, and why where it was moved', () => {
-    expect(checkPlace(['10', '-5.5deg'], 'angle', '')).toEqual({ answer: '10deg,-5.5deg' });
-    expect(checkPlace(['10', ''], 'angle', '')).toEqual({ wrong: 'empty' });
-    expect(checkPlace(['a'], 'length', '')).toEqual({ wrong: 'number' });
+    expect(checkPlace(['10', '-5.5deg'], ['angle', 'angle'], '')).toEqual({ answer: '10deg,-5.5deg' });
+    expect(checkPlace(['10', ''], ['angle', 'angle'], '')).toEqual({ wrong: 'empty' });
+    expect(checkPlace(['a'], ['length'], '')).toEqual({ wrong: 'number' });
     expect(withReason('home', ' lifted\nby hand ')).toBe('home moved: lifted by hand');
     expect(withReason('home', '  ')).toBe('home');
   });

@@ -182,9 +182,10 @@ export function checkAmount(text: string, measure: Measure): Checked {
 }
 
 /** Where it stands: one of the names, or a value a joint; and why, where it was moved by hand. */
-export function checkPlace(values: string[], measure: Measure, moved: string): Checked {
+export function checkPlace(values: string[], measures: readonly Measure[], moved: string): Checked {
   const answers: string[] = [];
-  for (const text of values) {
+  for (const [i, text] of values.entries()) {
+    const measure = measures[i] ?? 'angle';
     const value = text.trim() === '' ? null : parseQuantity(text, measure);
     if (value === null) return { wrong: text.trim() === '' ? 'empty' : 'number' };
     answers.push(inUsual(value, measure));

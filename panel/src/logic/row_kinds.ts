@@ -87,7 +87,7 @@ const keyed = (key: string, kind: FieldKind, more: Partial<Field> = {}): Field =
 });
 
 function turnsOf(model: RobotModel, d = ''): Field[] {
-  const names = { pose: ['rx', 'ry', 'rz'], approach: ['rx', 'ry', 'rz'], pitch_roll: ['pitch', 'roll'], point: [] };
+  const names = { pose: ['rx', 'ry', 'rz'], yaw: ['rz'], approach: ['rx', 'ry', 'rz'], pitch_roll: ['pitch', 'roll'], point: [] };
   return names[model.task].map((one) => keyed(d + one, 'angle', { extra: true }));
 }
 
@@ -274,8 +274,9 @@ export function hereRow(raw: string, model: RobotModel, joints: readonly number[
 function toolWords(model: RobotModel, tool: Pose): string[] {
   const fine = model.kind === 'hexapod';
   const words = ['x', 'y', 'z'].map((axis, i) => `${axis}=${written(tool.p[i]!, 'length', fine ? 3 : 2)}`);
-  if (model.task !== 'pose') return words;
   const turns = fixedXyz(tool.q);
+  if (model.task === 'yaw') return [...words, `rz=${written(turns[2], 'angle')}`];
+  if (model.task !== 'pose') return words;
   return [...words, ...['rx', 'ry', 'rz'].map((axis, i) => `${axis}=${written(turns[i]!, 'angle', fine ? 3 : 2)}`)];
 }
 

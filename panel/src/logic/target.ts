@@ -55,7 +55,7 @@ export function question(target: Target, way: Way, model: RobotModel): PreviewTa
 }
 
 /** Whether a tool can be asked for any attitude. */
-export const canTurn = (model: RobotModel): boolean => model.task === 'pose';
+export const canTurn = (model: RobotModel): boolean => model.task === 'pose' || model.task === 'yaw';
 
 /** What the ghost shows: where the server says that it ends, or where the sliders stand. */
 export function ghostOf(
@@ -77,7 +77,7 @@ export function ghostOf(
 /** At a time of the preview: joints and tool of the nearest sample before it. */
 export function sampleAt(preview: PreviewJson, t: number): { joints: number[]; platform: Pose } | null {
   const { samples } = preview;
-  const rows = samples.position_rad ?? samples.position_m ?? [];
+  const rows = samples.position_rad ?? samples.position_m ?? samples.position_rad_m ?? [];
   let low = 0;
   let high = samples.t_s.length - 1;
   if (high < 0) return null;

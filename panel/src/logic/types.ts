@@ -358,6 +358,7 @@ export interface DhRow {
   a_m: number;
   alpha_rad: number;
   theta_offset_rad: number;
+  slides?: boolean;
 }
 
 export interface SerialGeometry {
@@ -395,7 +396,7 @@ export interface ShapeJson {
 }
 
 export type JogFrame = 'joint' | 'base' | 'tool' | 'platform';
-export type TaskSpace = 'pose' | 'pitch_roll' | 'approach' | 'point';
+export type TaskSpace = 'pose' | 'yaw' | 'pitch_roll' | 'approach' | 'point';
 
 interface ModelBase {
   robot: string;
@@ -436,12 +437,17 @@ export interface PreviewSamples {
   t_s: number[];
   position_rad?: number[][];
   position_m?: number[][];
+  /** Of joints of both kinds: each in its own unit. */
+  position_rad_m?: number[][];
   velocity_rad_s?: number[][];
   velocity_m_s?: number[][];
+  velocity_rad_m_s?: number[][];
   acceleration_rad_s2?: number[][];
   acceleration_m_s2?: number[][];
+  acceleration_rad_m_s2?: number[][];
   jerk_rad_s3?: number[][];
   jerk_m_s3?: number[][];
+  jerk_rad_m_s3?: number[][];
   tool: ToolRow[];
 }
 

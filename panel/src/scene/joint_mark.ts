@@ -1,6 +1,7 @@
 /**
  * The joint that a question is about, marked in the 3D view: a ring about its axis with an arrow in
- * the way in which it counts up, the link that it turns in the same colour; of a leg the leg itself.
+ * the way in which it counts up, the link that it turns in the same colour; of what slides an arrow, of a leg the
+ * leg itself.
  */
 import {
   ConeGeometry,
@@ -37,6 +38,7 @@ export class JointMark {
     this.group.add(this.mark, this.tint);
     this.group.renderOrder = 6;
     if (model.kind === 'hexapod') this.buildLeg();
+    else if (model.joints[joint]?.kind === 'prismatic') this.buildArrow();
     else this.buildRing();
   }
 
@@ -57,7 +59,22 @@ export class JointMark {
     const axle = new Mesh(new CylinderGeometry(tube * 0.5, tube * 0.5, radius * 2.2, 12), this.line);
     axle.rotation.x = Math.PI / 2;
     this.mark.add(axle);
-    for (const shape of model.shapes.filter((one) => one.link === joint + 1)) {
+    this.tintLink();
+  }
+
+  /** What slides: an arrow along its axis. */
+  private buildArrow(): void {
+    const long = Math.min(0.2, Math.max(0.08, 0.25 * reachOf(this.model)));
+    const shaft = new Mesh(new CylinderGeometry(0.02 * long, 0.02 * long, long, 12), this.line);
+    const tip = new Mesh(new ConeGeometry(0.08 * long, 0.22 * long, 20), this.line);
+    shaft.rotation.x = tip.rotation.x = Math.PI / 2;
+    tip.position.z = 0.6 * long;
+    this.mark.add(shaft, tip);
+    this.tintLink();
+  }
+
+  private tintLink(): void {
+    for (const shape of this.model.shapes.filter((one) => one.link === this.joint + 1)) {
       const mesh = shapeMesh(shape, 0.88, this.skin, 20);
       if (mesh) this.tint.add(mesh);
     }

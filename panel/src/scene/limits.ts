@@ -1,6 +1,6 @@
 /**
- * A joint's range in the 3D view with where it is: of what turns a sector about its axis, of a leg a
- * sleeve along it, as long as its end may move.
+ * A joint's range in the 3D view with where it is: of what turns a sector about its axis, of what
+ * slides a sleeve along it, as long as its end may move.
  */
 import {
   BufferGeometry,
@@ -25,7 +25,7 @@ const kSleeve = 0.019;
 
 /** In the robot's base frame. @param poses  of its links */
 export function limitMark(model: RobotModel, joint: number, poses: Pose[], value: number, look: Materials): Group | null {
-  const group = model.kind === 'hexapod' ? sleeve(model, joint, poses, value, look) : sector(model, joint, poses, value, look);
+  const group = slides(model, joint) ? sleeve(model, joint, poses, value, look) : sector(model, joint, poses, value, look);
   if (group) group.renderOrder = 5;
   return group;
 }
@@ -48,19 +48,30 @@ function sector(model: RobotModel, joint: number, poses: Pose[], value: number, 
   return group;
 }
 
-function sleeve(
-  model: RobotModel & { kind: 'hexapod' },
-  leg: number,
-  poses: Pose[],
-  value: number,
-  look: Materials,
-): Group | null {
-  const base = model.geometry.base_anchors_m[leg];
-  const anchor = model.geometry.platform_anchors_m[leg];
-  const plate = poses.at(-1);
-  if (!base || !anchor || !plate) return null;
-  const { lower, upper } = jointLimits(model.joints[leg]!);
-  const way = new Vector3(...compose(plate, { p: anchor, q: [1, 0, 0, 0] }).p).sub(new Vector3(...base)).normalize();
+const slides = (model: RobotModel, joint: number): boolean => model.joints[joint]?.kind === 'prismatic';
+
+/** Where what slides is at 0, and which way it goes: a leg from its foot, a chain's joint along its axis. */
+function axisOf(model: RobotModel, joint: number, poses: Pose[]): { from: Vector3; way: Vector3 } | null {
+  if (model.kind === 'hexapod') {
+    const base = model.geometry.base_anchors_m[joint];
+    const anchor = model.geometry.platform_anchors_m[joint];
+    const plate = poses.at(-1);
+    if (!base || !anchor || !plate) return null;
+    const from = new Vector3(...base);
+    return { from, way: new Vector3(...compose(plate, { p: anchor, q: [1, 0, 0, 0] }).p).sub(from).normalize() };
+  }
+  const row = model.kind === 'serial' ? model.geometry.dh[joint] : undefined;
+  const before = poses[joint];
+  if (!row || !before) return null;
+  const from = new Vector3(...compose(before, { p: [0, 0, row.d_m], q: [1, 0, 0, 0] }).p);
+  const ahead = new Vector3(...compose(before, { p: [0, 0, row.d_m + 1], q: [1, 0, 0, 0] }).p);
+  return { from, way: ahead.sub(from) };
+}
+
+function sleeve(model: RobotModel, joint: number, poses: Pose[], value: number, look: Materials): Group | null {
+  const axis = axisOf(model, joint, poses);
+  if (!axis) return null;
+  const { lower, upper } = jointLimits(model.joints[joint]!);
   const range = new Mesh(new CylinderGeometry(kSleeve, kSleeve, upper - lower, 32, 1, true), look.limit);
   range.position.y = (lower + upper) / 2;
   const rim = (at: number, radius: number) => {
@@ -72,8 +83,8 @@ function sleeve(
   };
   const group = new Group();
   group.add(range, rim(lower, kSleeve), rim(upper, kSleeve), rim(value, kSleeve * 0.8), rim(value, kSleeve * 1.6));
-  group.position.set(...base);
-  group.quaternion.copy(new Quaternion().setFromUnitVectors(kUp, way));
+  group.position.copy(axis.from);
+  group.quaternion.copy(new Quaternion().setFromUnitVectors(kUp, axis.way));
   return group;
 }
 

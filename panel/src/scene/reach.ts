@@ -69,12 +69,20 @@ export function outline(model: RobotModel): Outline {
   };
 }
 
+/** Its joints, that about which all else turns first: where a SCARA is lifted as a whole it is the second one. */
+function turnsFirst(model: RobotModel): number[] {
+  const all = model.joints.map((_, i) => i);
+  const first = Math.max(0, model.joints.findIndex((joint) => joint.kind !== 'prismatic'));
+  return [first, ...all.filter((i) => i !== first)];
+}
+
 function sampled(model: RobotModel): Flat[] {
   const steps = model.kind === 'palletizer' ? 40 : 22;
-  const [, second, third] = model.joints;
+  const [, second, third] = turnsFirst(model);
   const home = model.joints.map((joint) => jointLimits(joint).home);
   const found: Flat[] = [];
-  const range = (joint: RobotModel['joints'][number] | undefined): number[] => {
+  const range = (index: number | undefined): number[] => {
+    const joint = index === undefined ? undefined : model.joints[index];
     if (!joint) return [0];
     const { lower, upper } = jointLimits(joint);
     return Array.from({ length: steps }, (_, i) => lower + ((upper - lower) * i) / (steps - 1));
@@ -91,8 +99,8 @@ function sampled(model: RobotModel): Flat[] {
       if (model.kind === 'palletizer' && b > a) continue;
       for (let k = 0; k < bends; ++k) {
         const q = [...home];
-        q[1] = a;
-        q[2] = b;
+        if (second !== undefined) q[second] = a;
+        if (third !== undefined) q[third] = b;
         const joint = model.joints[bend];
         if (bends > 1 && joint) {
           const { lower, upper } = jointLimits(joint);
@@ -120,7 +128,7 @@ function smooth(away: number[], outermost: (...values: number[]) => number): num
 
 function revolved(model: RobotModel): Shell {
   const { rim, hole } = outline(model);
-  const first = jointLimits(model.joints[0]!);
+  const first = jointLimits(model.joints[turnsFirst(model)[0]!]!);
   const home = toolPose(
     model,
     model.joints.map((joint) => jointLimits(joint).home),

@@ -93,6 +93,8 @@ export interface GizmoWish {
   pose: Pose;
   mode: 'translate' | 'rotate';
   space: 'world' | 'local';
+  /** Turns about the vertical only. */
+  upright?: boolean;
 }
 
 export interface SceneOptions {
@@ -512,6 +514,8 @@ export class CellScene {
     if (same && !moved) return;
     this.gizmo.setMode(wish.mode);
     this.gizmo.setSpace(wish.space);
+    const all = wish.mode === 'translate' || !wish.upright;
+    this.gizmo.showX = this.gizmo.showY = all;
     if (this.gizmo.object !== this.gizmoTarget) this.gizmo.attach(this.gizmoTarget);
     this.invalidate();
   }

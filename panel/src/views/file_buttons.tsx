@@ -4,7 +4,7 @@ import { refusalSentence, t } from '../i18n';
 import { model, robot, rpc } from '../app';
 import { readPoints, writePoints, type Point } from '../logic/points';
 import { decoded, fileKind, nameOfFile, type TextForm } from '../logic/shelf';
-import { addPoints, measureOf, name, openProgram, say, shelf, text } from '../teach';
+import { addPoints, measuresOf, name, openProgram, say, shelf, text } from '../teach';
 import { handOver } from '../hand_over';
 import { IconButton, Sure } from './points_list';
 
@@ -85,7 +85,7 @@ export function FileButtons({ kind }: { kind: 'program' | 'points' }): JSX.Eleme
   };
   const save = () => {
     if (kind === 'program') handOver(`${name.value || 'program'}.sinew`, text.value);
-    else handOver('points.toml', writePoints(one.robot, shelf.value.points, measureOf(one)));
+    else handOver('points.toml', writePoints(one.robot, shelf.value.points, measuresOf(one)));
   };
   return (
     <>

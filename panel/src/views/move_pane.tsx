@@ -159,7 +159,7 @@ function ToolFields({ model: one, now }: { model: RobotModel; now: Target }): JS
             label={t('move.value', { name })}
             value={numbers[i]!}
             measure={i < 3 ? 'length' : 'angle'}
-            readOnly={i > 2 && !turns}
+            readOnly={i > 2 && (!turns || (one.task === 'yaw' && i < 5))}
             onCommit={(value) => change(i, value)}
           />
         </label>

@@ -12,19 +12,19 @@ import { Icon, Segments, useFrames } from './parts';
 const kQuantities = ['position', 'velocity', 'acceleration', 'jerk'] as const;
 type Quantity = (typeof kQuantities)[number];
 
-function rowsOf(preview: PreviewJson, quantity: Quantity, legs: boolean): number[][] {
+function rowsOf(preview: PreviewJson, quantity: Quantity): number[][] {
   const { samples } = preview;
   const rows = {
-    position: legs ? samples.position_m : samples.position_rad,
-    velocity: legs ? samples.velocity_m_s : samples.velocity_rad_s,
-    acceleration: legs ? samples.acceleration_m_s2 : samples.acceleration_rad_s2,
-    jerk: legs ? samples.jerk_m_s3 : samples.jerk_rad_s3,
+    position: samples.position_rad ?? samples.position_m ?? samples.position_rad_m,
+    velocity: samples.velocity_rad_s ?? samples.velocity_m_s ?? samples.velocity_rad_m_s,
+    acceleration: samples.acceleration_rad_s2 ?? samples.acceleration_m_s2 ?? samples.acceleration_rad_m_s2,
+    jerk: samples.jerk_rad_s3 ?? samples.jerk_m_s3 ?? samples.jerk_rad_m_s3,
   }[quantity];
   return rows ?? [];
 }
 
-const unitText = (quantity: Quantity, legs: boolean): string =>
-  (legs ? 'mm' : '°') + { position: '', velocity: '/s', acceleration: '/s²', jerk: '/s³' }[quantity];
+const unitText = (quantity: Quantity, slides: boolean): string =>
+  (slides ? 'mm' : '°') + { position: '', velocity: '/s', acceleration: '/s²', jerk: '/s³' }[quantity];
 
 /** The profile of what is previewed: each joint over time, and the ghost at any moment of it. */
 export function PlotDock(): JSX.Element | null {
@@ -104,17 +104,19 @@ export function PlotDock(): JSX.Element | null {
 
 function Plot(props: { preview: PreviewJson; model: RobotModel; quantity: Quantity; at: number }): JSX.Element {
   const { preview, model: one, quantity, at } = props;
-  const legs = one.kind === 'hexapod';
   const { t_s } = preview.samples;
   const lines = useMemo((): Line[] => {
-    const rows = rowsOf(preview, quantity, legs);
-    const shown = legs ? toMm : toDeg;
-    return one.joints.map((joint, j) => ({
-      label: joint.name,
-      unit: unitText(quantity, legs),
-      hue: j,
-      values: Float64Array.from(rows, (row) => shown(row[j] ?? 0)),
-    }));
+    const rows = rowsOf(preview, quantity);
+    return one.joints.map((joint, j) => {
+      const slides = joint.kind === 'prismatic';
+      const shown = slides ? toMm : toDeg;
+      return {
+        label: joint.name,
+        unit: unitText(quantity, slides),
+        hue: j,
+        values: Float64Array.from(rows, (row) => shown(row[j] ?? 0)),
+      };
+    });
   }, [preview, quantity, one]);
   return <Chart t={t_s} lines={lines} low={t_s[0]!} high={t_s.at(-1)!} at={at} />;
 }

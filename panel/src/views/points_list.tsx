@@ -3,9 +3,8 @@ import { useEffect, useRef, useState } from 'preact/hooks';
 import { t } from '../i18n';
 import { atWork, canMove, model, way } from '../app';
 import { kPointName, poseOf, type NotTaught, type Point } from '../logic/points';
-import { jointLimits } from '../logic/store';
-import { shown, unitOf } from '../logic/units';
-import { goThere, going, head, removePoint, renamePoint, retake, shelf, stay, take } from '../teach';
+import { shown, unitOf, type Measure } from '../logic/units';
+import { goThere, going, head, measuresOf, removePoint, renamePoint, retake, shelf, stay, take } from '../teach';
 import type { RobotModel } from '../logic/types';
 import { FileButtons } from './file_buttons';
 import { FreeDrive } from './free_drive';
@@ -13,6 +12,15 @@ import { Icon } from './parts';
 import { ProgramVerdictCard } from './program_verdict';
 import { Thumbnail } from './thumbnail';
 import { WaySpeed } from './way_speed';
+
+/** One unit behind all values that have it. */
+const jointsText = (joints: readonly number[], measures: readonly Measure[]): string =>
+  joints
+    .map((value, i) => {
+      const measure = measures[i] ?? 'angle';
+      return shown(value, measure) + (measures[i + 1] === measure ? '' : ` ${unitOf(measure)}`);
+    })
+    .join('  ');
 
 /** Where the arm was when somebody said: here. */
 export function PointsList(): JSX.Element {
@@ -127,8 +135,7 @@ function PointCard(props: { point: Point; model: RobotModel; onRetake: () => voi
         )}
         {point.joints && (
           <p class="muted">
-            {point.joints.map((value, i) => shown(value, jointLimits(one.joints[i]!).measure)).join('  ')}{' '}
-            {unitOf(jointLimits(one.joints[0]!).measure)}
+            {jointsText(point.joints, measuresOf(one))}
           </p>
         )}
       </div>

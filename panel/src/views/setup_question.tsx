@@ -18,6 +18,7 @@ import {
 } from '../logic/procedure';
 import { jointLimits, jointsOf, positionOf } from '../logic/store';
 import { duration, shown, unitOf, type Measure } from '../logic/units';
+import { measuresOf } from '../shelf_state';
 import { forgetOwn } from './setup_memory';
 import { Icon } from './parts';
 
@@ -279,6 +280,7 @@ function NumberAnswer({ asks, say }: AnswerProps): JSX.Element {
   );
 }
 
+/** Of the joint that a question is about. */
 const measureOf = (procedure: ProcedureJson): Measure => {
   const joints = model.value?.joints ?? [];
   const one = joints.find((joint) => joint.name === procedure.joint) ?? joints[0];
@@ -325,13 +327,13 @@ function AmountAnswer({ asks, procedure, say }: AnswerProps): JSX.Element {
 }
 
 /** Where it stands: named places, or a value a joint; and why, where somebody has moved it. */
-function PlaceAnswer({ asks, procedure, say }: AnswerProps): JSX.Element {
+function PlaceAnswer({ asks, say }: AnswerProps): JSX.Element {
   const one = model.value;
-  const measure = measureOf(procedure);
   const joints = one?.joints ?? [];
+  const measures = one ? measuresOf(one) : [];
   const known = jointsOf(status.value, positionOf);
   const [values, setValues] = useState<string[]>(() =>
-    joints.map((joint, i) => shown(known?.[i] ?? jointLimits(joint).home, measure)),
+    joints.map((joint, i) => shown(known?.[i] ?? jointLimits(joint).home, measures[i]!)),
   );
   const [moved, setMoved] = useState('');
   const [wrong, setWrong] = useState('');
@@ -354,7 +356,7 @@ function PlaceAnswer({ asks, procedure, say }: AnswerProps): JSX.Element {
           noValidate
           onSubmit={(event) => {
             event.preventDefault();
-            const checked = checkPlace(values, measure, moved);
+            const checked = checkPlace(values, measures, moved);
             setWrong('wrong' in checked ? wrongText(checked) : '');
             if ('answer' in checked) say(checked.answer);
           }}
@@ -370,7 +372,7 @@ function PlaceAnswer({ asks, procedure, say }: AnswerProps): JSX.Element {
                   onInput={(event) => setValues(values.map((each, k) => (k === i ? event.currentTarget.value : each)))}
                 />
                 <span class="unit" aria-hidden="true">
-                  {unitOf(measure)}
+                  {unitOf(measures[i]!)}
                 </span>
               </span>
             </label>

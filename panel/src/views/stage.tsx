@@ -4,7 +4,7 @@ import { useEffect, useRef, useState } from 'preact/hooks';
 import { t } from '../i18n';
 import { aim, ghost, gizmoMode, go, model, robot, route, standing, status, store, target, theme } from '../app';
 import { newestFirst } from '../logic/paging';
-import { withTool } from '../logic/target';
+import { canTurn, withTool } from '../logic/target';
 import { CellScene, type Preset } from '../scene/scene';
 import { baskets, camera, lenses, looksOn, picture, shot } from '../camera_state';
 import { hoveredJoint, layers, look, meantJoint } from '../scene_state';
@@ -116,10 +116,11 @@ export function Stage(): JSX.Element {
   useSignalEffect(() => {
     const one = model.value;
     const now = route.value.view === 'move' ? (target.value ?? standing()) : null;
-    const turn = gizmoMode.value === 'rotate' && one?.task === 'pose';
+    const turn = gizmoMode.value === 'rotate' && one !== null && canTurn(one);
+    const upright = one?.task === 'yaw';
     scene.current?.showGizmo(
       now && one
-        ? { robot: now.robot, pose: now.tool, mode: turn ? 'rotate' : 'translate', space: turn ? 'local' : 'world' }
+        ? { robot: now.robot, pose: now.tool, mode: turn ? 'rotate' : 'translate', space: turn && !upright ? 'local' : 'world', upright }
         : null,
     );
   });

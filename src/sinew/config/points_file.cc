@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
 #include <cstdio>
+#include <iterator>
 #include <span>
 
 #include "sinew/core/spelling.h"
@@ -20,9 +22,15 @@ constexpr std::size_t kTextMax = 200;      // bytes
 constexpr double kFarAway = 100e3;         // mm
 constexpr double kTurnMax = 720;           // deg
 
-constexpr std::array<std::string_view, 13> kKeys{
-    "robot",  "joints_deg", "legs_mm", "x_mm",      "y_mm",      "z_mm",    "rx_deg",
-    "ry_deg", "rz_deg",     "source",  "taught_at", "pitch_deg", "roll_deg"};
+constexpr std::array<std::string_view, 14> kKeys{
+    "robot",  "joints_deg", "legs_mm", "joints", "x_mm",      "y_mm",      "z_mm",
+    "rx_deg", "ry_deg",     "rz_deg",  "source", "taught_at", "pitch_deg", "roll_deg"};
+/// What names the joints: as numbers of one unit, or as texts with a unit each.
+constexpr std::array<std::string_view, 3> kJointKeys{"joints_deg", "legs_mm", "joints"};
+
+std::uint8_t bit(std::size_t joint) {
+  return static_cast<std::uint8_t>(1U << joint);
+}
 
 /// One [points.NAME].
 class PointReader {
@@ -88,6 +96,10 @@ class PointReader {
       complain(node.place, key, "must be a number, not " + std::string(type_name(node)));
       return false;
     }
+    return in_range(node, key, largest, out);
+  }
+
+  bool in_range(const TomlNode& node, std::string_view key, double largest, double out) {
     if (std::abs(out) <= largest) return true;  // not of NaN
     complain(node.place, key,
              "must be -" + number_text(largest) + " to " + number_text(largest) + ", not " +
@@ -103,25 +115,52 @@ class PointReader {
   }
 
   void read_place(TaughtPoint& point) {
-    const bool joints = find("joints_deg") != nullptr;
-    const bool legs = find("legs_mm") != nullptr;
+    std::vector<std::string_view> joints;
+    std::ranges::copy_if(kJointKeys, std::back_inserter(joints),
+                         [&](std::string_view key) { return find(key) != nullptr; });
     const auto of_tool = [](const TomlEntry& entry) {
       return entry.key.size() <= 9 && (entry.key.ends_with("_mm") || entry.key.ends_with("_deg")) &&
              entry.key != "legs_mm";
     };
     const auto first = std::ranges::find_if(table_, of_tool);
-    if (!joints && !legs && first == table_.end()) {
-      return complain(place_, "", "has no place: joints_deg, legs_mm, or x_mm, y_mm and z_mm");
+    if (joints.empty() && first == table_.end()) {
+      return complain(place_, "",
+                      "has no place: joints_deg, legs_mm, joints, or x_mm, y_mm and z_mm");
     }
-    if (joints && legs) return complain(find("legs_mm")->place, "legs_mm", "joints_deg says that");
-    if ((joints || legs) && first != table_.end()) {
+    if (joints.size() > 1) {
+      return complain(find(joints[1])->place, joints[1], std::string(joints[0]) + " says that");
+    }
+    if (!joints.empty() && first != table_.end()) {
       return complain(first->place, first->key,
-                      std::string(joints ? "joints_deg" : "legs_mm") +
+                      std::string(joints[0]) +
                           " names the place already: a point is joints or the tool's, not both");
     }
-    point.legs = legs;
-    if (joints || legs) return read_joints(legs ? "legs_mm" : "joints_deg", point);
+    if (!joints.empty()) return read_joints(joints[0], point);
     read_tool(point);
+  }
+
+  /// "12.5mm" or "-90deg", of joints of both kinds; else a number in the unit of the key.
+  bool joint_value(const TomlNode& node, std::string_view key, bool& slides, double& out) {
+    std::string_view text;
+    if (key == "joints") {
+      const auto* value = std::get_if<std::string>(&node.value);
+      text = value != nullptr ? *value : std::string_view();
+      slides = text.ends_with("mm");
+      const bool turns = text.ends_with("deg");
+      if (turns || slides) text.remove_suffix(turns ? 3 : 2);
+      const auto end = text.data() + text.size();
+      const auto read = std::from_chars(text.data(), end, out);
+      if ((!turns && !slides) || read.ec != std::errc() || read.ptr != end) {
+        complain(node.place, key, "must be texts with their units, as in [\"90deg\", \"-20mm\"]");
+        return false;
+      }
+      if (!in_range(node, key, slides ? kFarAway : kTurnMax, out)) return false;
+    } else {
+      slides = key == "legs_mm";
+      if (!real(node, key, slides ? kFarAway : kTurnMax, out)) return false;
+    }
+    out = slides ? from_mm(out) : from_deg(out);
+    return true;
   }
 
   void read_joints(std::string_view key, TaughtPoint& point) {
@@ -129,13 +168,16 @@ class PointReader {
     const auto* list = std::get_if<TomlArray>(&entry.node.value);
     if (list == nullptr || list->empty() || list->size() > kMaxJoints) {
       return complain(entry.node.place, key,
-                      "must be a list of 1 to " + std::to_string(kMaxJoints) + " numbers");
+                      "must be a list of 1 to " + std::to_string(kMaxJoints) +
+                          (key == "joints" ? " texts" : " numbers"));
     }
     JointVector q;
     for (const TomlNode& node : *list) {
       double value = 0;
-      if (!real(node, key, point.legs ? kFarAway : kTurnMax, value)) return;
-      q.push_back(point.legs ? from_mm(value) : from_deg(value));
+      bool slides = false;
+      if (!joint_value(node, key, slides, value)) return;
+      if (slides) point.lengths |= bit(q.size());
+      q.push_back(value);
     }
     point.place = q;
   }
@@ -244,6 +286,19 @@ std::string in_quotes(const std::string& text) {
     out += c;
   }
   return out + '"';
+}
+
+void put_joints(const JointVector& q, std::uint8_t lengths, std::string& out) {
+  const bool all = lengths == (1U << q.size()) - 1;
+  const bool mixed = lengths != 0 && !all;
+  out += std::string(kJointKeys[mixed ? 2 : all ? 1 : 0]) + " = [";
+  for (std::size_t i = 0; i < q.size(); ++i) {
+    const bool slides = (lengths & bit(i)) != 0;
+    const std::string value = written(slides ? to_mm(q[i]) : to_deg(q[i]));
+    out += i == 0 ? "" : ", ";
+    out += mixed ? in_quotes(value + (slides ? "mm" : "deg")) : value;
+  }
+  out += "]\n";
 }
 
 void put_tool(const ToolPlace& place, std::string& out) {
@@ -431,11 +486,7 @@ std::string points_text(const TaughtPoints& points) {
     if (!out.empty()) out += "\n";
     out += "[points." + point.name + "]\nrobot = " + in_quotes(point.robot) + "\n";
     if (const auto* q = std::get_if<JointVector>(&point.place)) {
-      out += point.legs ? "legs_mm = [" : "joints_deg = [";
-      for (std::size_t i = 0; i < q->size(); ++i) {
-        out += (i == 0 ? "" : ", ") + written(point.legs ? to_mm((*q)[i]) : to_deg((*q)[i]));
-      }
-      out += "]\n";
+      put_joints(*q, point.lengths, out);
     } else {
       put_tool(std::get<ToolPlace>(point.place), out);
     }

@@ -14,9 +14,9 @@ namespace sinew {
 ///
 ///   [points.above_bin]
 ///   robot = "learm"
-///   joints_deg = [20, 20, 40, 40, 0]      | or legs_mm, or x_mm, y_mm, z_mm and, where it counts,
-///   source = "taught by hand"             | rx_deg, ry_deg, rz_deg together, or pitch_deg,
-///   roll_deg
+///   joints_deg = [20, 20, 40, 40, 0]      | or legs_mm, joints = ["20deg", "5mm"] of a SCARA, or
+///   source = "taught by hand"             | x_mm, y_mm, z_mm and, where it counts, rx_deg, ry_deg,
+///                                         | rz_deg together, or pitch_deg, roll_deg
 ///
 /// Whether a point suits a robot is for whoever uses it there: a file may serve several.
 /// @param file_name  as complaints shall show it

@@ -37,13 +37,31 @@ TEST(PointsFile, joints_legs_and_places_of_the_tool_are_read) {
   EXPECT_DOUBLE_EQ(q[1], from_deg(20.5));
   EXPECT_EQ((*points)[0].source, "by hand");
   EXPECT_EQ((*points)[0].taught_at, "2026-11-21T10:00:00Z");
-  EXPECT_TRUE((*points)[1].legs);
+  EXPECT_EQ((*points)[1].lengths, 0b111111);
   EXPECT_DOUBLE_EQ(std::get<JointVector>((*points)[1].place)[5], 0.2515);
   const auto& bin = std::get<ToolPlace>((*points)[2].place);
   EXPECT_DOUBLE_EQ(bin.p_BT.z, 0.08025);
   EXPECT_FALSE(bin.R_BT || bin.pitch || bin.roll);
   EXPECT_NEAR(std::get<ToolPlace>((*points)[3].place).R_BT->x.y, 1, 1e-12);
   EXPECT_DOUBLE_EQ(*std::get<ToolPlace>((*points)[4].place).pitch, from_deg(170));
+}
+
+TEST(PointsFile, joints_of_both_kinds_have_a_unit_each) {
+  const auto points = read_points(
+      "[points.up]\nrobot = \"scara\"\njoints = [\"-90deg\", \"80.5mm\", \"0deg\"]\n", "p");
+  ASSERT_TRUE(points) << to_text(points.error().front());
+  EXPECT_EQ((*points)[0].lengths, 0b010);
+  const auto& q = std::get<JointVector>((*points)[0].place);
+  EXPECT_DOUBLE_EQ(q[0], from_deg(-90));
+  EXPECT_DOUBLE_EQ(q[1], 0.0805);
+  for (const char* joints : {"[\"90\"]", "[90]", "[\"90 degrees\"]", "[\"mm\"]", "[\"1e9mm\"]",
+                             "[]", "[\"721deg\"]", "\"9deg\"", "[\"nandeg\"]"}) {
+    EXPECT_EQ(complaints(std::string("[points.a]\nrobot=\"r\"\njoints = ") + joints + "\n").size(),
+              1U)
+        << joints;
+  }
+  EXPECT_EQ(complaints("[points.a]\nrobot=\"r\"\njoints = [\"1deg\"]\njoints_deg = [1]\n"),
+            std::vector<std::string>{"points.toml:3:1: points.a.joints: joints_deg says that"});
 }
 
 TEST(PointsFile, every_fault_is_told_at_its_place) {
@@ -61,7 +79,8 @@ TEST(PointsFile, every_fault_is_told_at_its_place) {
        {"points.toml:1:9: points.a.robot: is missing: which robot's point is it? as in robot = "
         "\"learm\""}},
       {"[points.a]\nrobot = \"r\"\n",
-       {"points.toml:1:9: points.a: has no place: joints_deg, legs_mm, or x_mm, y_mm and z_mm"}},
+       {"points.toml:1:9: points.a: has no place: joints_deg, legs_mm, joints, or x_mm, y_mm and "
+        "z_mm"}},
       {"[points.a]\nrobot = \"r\"\njoint_deg = [1]\n",
        {"points.toml:3:1: points.a.joint_deg: no point has this key; did you mean joints_deg?"}},
       {"[points.a]\nrobot = \"r\"\nx_mm = 1\ny_mm = 2\n",
@@ -112,7 +131,7 @@ TEST(PointsFile, a_point_is_added_or_replaced_and_the_rest_stays_as_it_was) {
   TaughtPoint point{.name = "a",
                     .robot = "learm",
                     .place = JointVector{},
-                    .legs = false,
+                    .lengths = 0,
                     .source = "taught",
                     .taught_at = ""};
   for (int i = 0; i < 5; ++i) std::get<JointVector>(point.place).push_back(from_deg(10.0 * i));
@@ -170,10 +189,13 @@ TEST(PointsFile, what_is_written_is_read_again) {
       if (random.chance(0.5)) point.taught_at = "now";
       if (random.chance(0.5)) {
         JointVector q;
-        point.legs = random.chance(0.5);
         for (auto joints = random.integer(1, 8); joints > 0; --joints) {
           q.push_back(random.uniform(-6, 6));
         }
+        const unsigned all = (1U << q.size()) - 1;
+        const unsigned some =
+            random.chance(0.3) ? all : static_cast<unsigned>(random.integer(0, 255));
+        if (random.chance(0.7)) point.lengths = static_cast<std::uint8_t>(some & all);
         point.place = q;
       } else {
         const auto any = [&] { return random.uniform(-3, 3); };
@@ -202,6 +224,7 @@ TEST(PointsFile, what_is_written_is_read_again) {
       if (const auto* q = std::get_if<JointVector>(&a.place)) {
         const auto& other = std::get<JointVector>(b.place);
         ASSERT_EQ(q->size(), other.size());
+        ASSERT_EQ(a.lengths, b.lengths);
         for (std::size_t j = 0; j < q->size(); ++j) ASSERT_NEAR((*q)[j], other[j], 2e-11);
         continue;
       }

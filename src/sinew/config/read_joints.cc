@@ -1,6 +1,7 @@
 #include "sinew/config/read_joints.h"
 
 #include <algorithm>
+#include <array>
 
 #include "sinew/core/spelling.h"
 #include "sinew/model/joints_moved.h"
@@ -27,6 +28,7 @@ constexpr JointScale kRevoluteScale{kAngle,
                                     above_zero_to(from_deg(1e5)),
                                     above_zero_to(from_deg(1e7)),
                                     kAngle[0]};
+/// Of legs and of joints that slide.
 constexpr JointScale kPrismaticScale{
     kLength,           kLengthRate,        kLengthRate2,       kLengthRate3, between(-10, 10),
     above_zero_to(10), above_zero_to(1e3), above_zero_to(1e5), kLength[0]};
@@ -73,10 +75,17 @@ void read_name(TableReader& reader, const std::vector<Joint>& before, Joint& joi
 constexpr double kAssumedSpeedUp = 0.25;
 constexpr double kAssumedPushUp = 0.1;
 
-Joint read_joint(TableReader& reader, const JointScale& scale, bool has_home,
-                 const std::vector<Joint>& before) {
+constexpr std::array kJointKinds = std::to_array<Named<JointKind>>(
+    {{"revolute", JointKind::kRevolute}, {"prismatic", JointKind::kPrismatic}});
+
+Joint read_joint(TableReader& reader, GeometryKind geometry, const std::vector<Joint>& before) {
+  const bool has_home = geometry != GeometryKind::kHexapod;
   Joint joint;
   read_name(reader, before, joint);
+  if (geometry == GeometryKind::kHexapod) joint.kind = JointKind::kPrismatic;
+  if (geometry == GeometryKind::kSerial) reader.optional().choice("kind", kJointKinds, joint.kind);
+  const bool slides = joint.kind == JointKind::kPrismatic;
+  const JointScale& scale = slides ? kPrismaticScale : kRevoluteScale;
   const bool lower = reader.quantity("lower_*", scale.position, scale.limits, joint.lower);
   const bool upper = reader.quantity("upper_*", scale.position, scale.limits, joint.upper);
   const bool ordered = lower && upper && joint.lower < joint.upper;
@@ -121,19 +130,23 @@ void set_home_of_legs(TableReader& root, RobotModel& model) {
   }
 }
 
+/// Tells the chain which of its rows slide.
+void set_slides(RobotModel& model) {
+  auto& chain = std::get<SerialGeometry>(model.geometry);
+  for (std::size_t i = 0; i < model.joints.size(); ++i) chain.rows[i].kind = model.joints[i].kind;
+}
+
 }  // namespace
 
 void read_joints(TableReader& root, GeometryKind kind, RobotModel& model) {
   const bool legs = kind == GeometryKind::kHexapod;
-  const JointScale& scale = legs ? kPrismaticScale : kRevoluteScale;
   std::vector<TableReader> readers = root.tables("joint");
   for (TableReader& reader : readers) {
     if (model.joints.size() == kMaxJoints) {
       reader.complain("one joint too many: a robot has at most " + std::to_string(kMaxJoints));
       return;
     }
-    model.joints.push_back(read_joint(reader, scale, !legs, model.joints));
-    model.joints.back().kind = legs ? JointKind::kPrismatic : JointKind::kRevolute;
+    model.joints.push_back(read_joint(reader, kind, model.joints));
   }
   if (readers.empty()) return;
   const std::size_t wanted = joints_moved_by(model.geometry);
@@ -144,6 +157,8 @@ void read_joints(TableReader& root, GeometryKind kind, RobotModel& model) {
         " joints that the geometry moves");
   } else if (legs && root.clean()) {
     set_home_of_legs(root, model);
+  } else if (kind == GeometryKind::kSerial) {
+    set_slides(model);
   }
 }
 

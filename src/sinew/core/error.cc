@@ -122,7 +122,7 @@ constexpr std::array kTable = std::to_array<ErrorInfo>({
      "raise the board's own limit, or lower the file's",
      kAngularAcceleration, true, kNoStop, 409},
     {kBoardSteps, "board_steps",
-     "the board makes {measured} steps for a degree of {subject}, and the robot's file says "
+     "the board makes {measured} steps for a degree or mm of {subject}, and the robot's file says "
      "{limit}: one of them is wrong",
      kRatio, true, kNoStop, 409},
     {kBoardRests, "board_rests",
@@ -424,6 +424,10 @@ std::string format_value(double value, Quantity quantity) {
       return print("%.0f", value);
     case kVoltage:
       return print("%.3g V", value);
+    case kVelocity:
+      return print("%.6g mm/s", to_mm(value));
+    case kAcceleration:
+      return print("%.6g mm/s^2", to_mm(value));
     case kAngularVelocity:
       return print("%.6g deg/s", to_deg(value));
     case kAngularAcceleration:

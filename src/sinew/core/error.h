@@ -31,6 +31,8 @@ enum class Quantity : std::uint8_t {
   kRatio,
   kCount,
   kVoltage,
+  kVelocity,
+  kAcceleration,
   kAngularVelocity,
   kAngularAcceleration,
 };

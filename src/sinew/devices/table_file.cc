@@ -30,6 +30,14 @@ bool read_capability(TableReader& reader, const DeviceTable& table, RobotModel& 
     reader.ignore_rest();
     return false;
   }
+  const auto slide = std::ranges::find(model.joints, JointKind::kPrismatic, &Joint::kind);
+  const bool arm = std::holds_alternative<SerialGeometry>(model.geometry);
+  if (arm && slide != model.joints.end() && !table.slides) {
+    reader.complain("protocol", "this wire drives joints that turn, and " + slide->name +
+                                    " slides; use grbl, or leave [device] out to simulate the arm");
+    reader.ignore_rest();
+    return false;
+  }
   if (device.capability.motion == MotionKind::kStream) {
     std::int64_t segment_ms = 0;
     reader.integer("segment_ms", 1, table.segment_ms_max, segment_ms);
@@ -39,10 +47,17 @@ bool read_capability(TableReader& reader, const DeviceTable& table, RobotModel& 
 }
 
 void read_per_angle(TableReader& reader, std::string_view pattern, double& out) {
-  constexpr Range kUnits = between(-1e6, 1e6);  // per rad
-  constexpr double kFewest = 1;                 // per rad
-  if (reader.quantity(pattern, kPerAngle, kUnits, out) && std::abs(out) < kFewest) {
-    reader.complain(pattern, "must be at least one per radian, either sign");
+  read_per_way(reader, pattern, JointKind::kRevolute, out);
+}
+
+void read_per_way(TableReader& reader, std::string_view pattern, JointKind kind, double& out) {
+  const bool slides = kind == JointKind::kPrismatic;
+  const double most = slides ? 1e8 : 1e6;  // per m, per rad
+  const double fewest = slides ? 1e3 : 1;
+  const Dimension dimension = slides ? Dimension(kPerLength) : Dimension(kPerAngle);
+  if (reader.quantity(pattern, dimension, between(-most, most), out) && std::abs(out) < fewest) {
+    reader.complain(pattern, slides ? "must be at least one per mm, either sign"
+                                    : "must be at least one per radian, either sign");
   }
 }
 

@@ -17,6 +17,8 @@ bool read_capability(TableReader& reader, const DeviceTable& table, RobotModel& 
 
 /// Steps or pulses of a device for an angle, either sign, never next to nothing.
 void read_per_angle(TableReader& reader, std::string_view pattern, double& out);
+/// The same for a way of a joint of this kind. @param out  per rad, or per m
+void read_per_way(TableReader& reader, std::string_view pattern, JointKind kind, double& out);
 
 /// Every joint has a name of its own and moves something; where not, that has been complained
 /// about, and tables that go by these names are not looked at.

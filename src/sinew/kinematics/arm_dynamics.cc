@@ -20,6 +20,7 @@ PlacedMasses ArmDynamics::at(std::span<const double> q) const {
   for (std::size_t i = 0; i < chain_.size(); ++i) {
     placed.axis_[i] = X.R.z;
     placed.origin_[i] = X.p;
+    placed.slides_[i] = chain_.slides(i);
     X = relabel<frame::Base, frame::Base>(X) * chain_.link(i, q[i]);
     if (links_.empty()) continue;
     placed.bodies_.push_back({links_[i].mass, X * links_[i].p_JC, X.R, links_[i].inertia});
@@ -40,8 +41,13 @@ JointVector PlacedMasses::torque(const JointMotion& motion, double gravity) cons
     a = a + carried(origin_[i] - origin);
     origin = origin_[i];
     const Vec3 rate = motion.qd[i] * axis_[i];
-    alpha = alpha + motion.qdd[i] * axis_[i] + cross(w, rate);
-    w = w + rate;
+    const Vec3 push = motion.qdd[i] * axis_[i] + cross(w, rate);
+    if (slides_[i]) {
+      a = a + push + cross(w, rate);  // both halves of Coriolis' acceleration
+    } else {
+      alpha = alpha + push;
+      w = w + rate;
+    }
     force[i] = moment_B[i] = Vec3{};
     const auto add = [&](const Body& body) {
       const Vec3 f = body.mass * (a + carried(body.p_BC - origin));
@@ -60,7 +66,7 @@ JointVector PlacedMasses::torque(const JointMotion& motion, double gravity) cons
   for (std::size_t i = size_; i-- > 0;) {
     f = f + force[i];
     n_B = n_B + moment_B[i];
-    torque[i] = dot(axis_[i], n_B - cross(origin_[i], f));
+    torque[i] = dot(axis_[i], slides_[i] ? f : n_B - cross(origin_[i], f));
   }
   return torque;
 }
@@ -69,7 +75,7 @@ double PlacedMasses::weight(std::size_t i) const {
   SINEW_ASSERT(i < size_);
   double moment = 0;
   for (std::size_t k = first_body(i); k < bodies_.size(); ++k) {
-    moment += bodies_[k].mass * cross(axis_[i], bodies_[k].p_BC - origin_[i]).z;
+    moment += bodies_[k].mass * rate_of(i, bodies_[k].p_BC).z;
   }
   return kGravity * moment;
 }
@@ -79,10 +85,8 @@ double PlacedMasses::inertia(std::size_t i, std::size_t j) const {
   double sum = 0;
   for (std::size_t k = first_body(std::max(i, j)); k < bodies_.size(); ++k) {
     const Body& body = bodies_[k];
-    const Vec3 v_i = cross(axis_[i], body.p_BC - origin_[i]);
-    const Vec3 v_j = cross(axis_[j], body.p_BC - origin_[j]);
-    sum +=
-        body.mass * dot(v_i, v_j) + dot(axis_[i], inertia_times(body.R_BC, body.inertia, axis_[j]));
+    sum += body.mass * dot(rate_of(i, body.p_BC), rate_of(j, body.p_BC)) +
+           dot(turn_of(i), inertia_times(body.R_BC, body.inertia, turn_of(j)));
   }
   return sum;
 }
@@ -100,8 +104,8 @@ double PlacedMasses::kinetic_energy(std::span<const double> qd) const {
     const Body& body = bodies_[k];
     Vec3 v, w;
     for (std::size_t i = 0; i < size_ && first_body(i) <= k; ++i) {
-      v = v + qd[i] * cross(axis_[i], body.p_BC - origin_[i]);
-      w = w + qd[i] * axis_[i];
+      v = v + qd[i] * rate_of(i, body.p_BC);
+      w = w + qd[i] * turn_of(i);
     }
     energy += 0.5 * (body.mass * dot(v, v) + dot(w, inertia_times(body.R_BC, body.inertia, w)));
   }

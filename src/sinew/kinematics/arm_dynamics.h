@@ -19,14 +19,14 @@ struct PayloadMass {
   Vec3 p_FL;        ///< from the flange's origin, in F, m
 };
 
-/// Motion of all joints at one instant; rad/s and rad/s^2.
+/// Motion of all joints at one instant; rad/s and rad/s^2 (m/s, m/s^2).
 struct JointMotion {
   std::span<const double> qd;
   std::span<const double> qdd;
 };
 
 /// The masses of a serial arm at one configuration, and what they ask of its joints. Made by
-/// ArmDynamics. Joint torques are Nm, positive where they push q up. @rt
+/// ArmDynamics. Joint torques are Nm (N of a prismatic joint), positive where they push q up. @rt
 class PlacedMasses {
  public:
   std::size_t size() const { return size_; }
@@ -41,8 +41,8 @@ class PlacedMasses {
   /// What joint i has to give against the weight of the arm at rest.
   double weight(std::size_t i) const;
 
-  /// Element (i, j) of the mass matrix, kg m^2: sum of J_v^T m J_v + J_w^T I J_w over the bodies
-  /// behind both joints; docs/torque.md, eq. (6).
+  /// Element (i, j) of the mass matrix, kg m^2 (kg m, kg of prismatic joints): sum of J_v^T m J_v +
+  /// J_w^T I J_w over the bodies behind both joints; docs/torque.md, eq. (6).
   double inertia(std::size_t i, std::size_t j) const;
 
   /// J, zero with all masses at the height of the base's origin.
@@ -58,11 +58,19 @@ class PlacedMasses {
     Rotation R_BC;
     Vec3 inertia;  ///< about C along the axes of R_BC
   };
+  /// How fast joint i moves a point that it carries, per rad/s (m/s).
+  Vec3 rate_of(std::size_t i, const Vec3& p_B) const {
+    return slides_[i] ? axis_[i] : cross(axis_[i], p_B - origin_[i]);
+  }
+  /// How fast joint i turns what it carries, per rad/s (m/s).
+  Vec3 turn_of(std::size_t i) const { return slides_[i] ? Vec3{} : axis_[i]; }
+
   /// The first body that joint i moves. The payload is the last one, with or without links.
   std::size_t first_body(std::size_t i) const { return bodies_.size() > size_ ? i : 0; }
 
   std::size_t size_ = 0;
-  std::array<Vec3, kMaxJoints> axis_;    ///< z of the frame that joint i turns about, in the base
+  std::array<Vec3, kMaxJoints> axis_;  ///< z of the frame that joint i turns about, in the base
+  std::array<bool, kMaxJoints> slides_{};
   std::array<Vec3, kMaxJoints> origin_;  ///< of that frame
   FixedVector<Body, kMaxJoints + 1> bodies_;
 };

@@ -76,9 +76,7 @@ TEST_P(ArmMasses, torque_agrees_with_kdl) {
         const Vec3& p = heavy.payload.p_FL;
         body = body + KDL::RigidBodyInertia(heavy.payload.mass, {p.x, p.y, p.z});
       }
-      chain.addSegment(KDL::Segment(KDL::Joint(KDL::Joint::RotZ),
-                                    KDL::Frame::DH(row.a, row.alpha, row.d, row.theta_offset),
-                                    body));
+      chain.addSegment(SerialRobot::kdl_segment(row, body));
     }
     KDL::ChainIdSolver_RNE solver(chain, {0, 0, -kGravity});
     const JointVector q = heavy.robot.random_joints(random);

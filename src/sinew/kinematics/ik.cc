@@ -28,7 +28,9 @@ LimitViolations limit_violations(std::span<const Joint> joints, std::span<const 
   for (std::size_t i = 0; i < q.size(); ++i) {
     if (within_limits(joints[i], q[i])) continue;
     const double limit = q[i] < joints[i].lower ? joints[i].lower : joints[i].upper;
-    violations.push_back({ErrorCode::kJointLimit, static_cast<std::int8_t>(i), q[i], limit});
+    const bool slides = joints[i].kind == JointKind::kPrismatic;
+    violations.push_back({slides ? ErrorCode::kLegLength : ErrorCode::kJointLimit,
+                          static_cast<std::int8_t>(i), q[i], limit});
   }
   return violations;
 }
@@ -48,6 +50,7 @@ Error nearest_violation(std::span<const Joint> joints, const IkBranches& branche
 JointRanges::JointRanges(std::span<const Joint> joints) : size_(joints.size()) {
   SINEW_ASSERT(size_ <= kMaxJoints);
   for (std::size_t i = 0; i < size_; ++i) {
+    slides_[i] = joints[i].kind == JointKind::kPrismatic;
     lower_[i] = joints[i].lower - kJointLimitTolerance;
     upper_[i] = joints[i].upper + kJointLimitTolerance;
     turn_up_below_[i] = std::min(lower_[i], upper_[i] - 2 * kPi);
@@ -58,7 +61,8 @@ JointRanges::JointRanges(std::span<const Joint> joints) : size_(joints.size()) {
 void JointRanges::settle(IkBranch& branch, std::span<const double> near) const {
   bool inside = true;
   for (std::size_t i = 0; i < size_; ++i) {
-    const double q = settled(branch.q[i], i < near.size() ? near[i] : 0, i);
+    double q = branch.q[i];
+    if (!slides_[i]) q = turned(q, i < near.size() ? near[i] : 0, i);
     inside &= q >= lower_[i] && q <= upper_[i];
     branch.q[i] = q;
   }

@@ -42,7 +42,8 @@ using IkBranches = FixedVector<IkBranch, 8>;
 /// Orders branches: those within their limits first, then by the largest joint move from `near`.
 void sort_by_distance(IkBranches& branches, std::span<const double> near);
 
-/// The limits that `q` breaks, one kJointLimit each with the joint, its value and the limit.
+/// The limits that `q` breaks, one kJointLimit (kLegLength of a prismatic joint) each with the
+/// joint, its value and the limit.
 using LimitViolations = FixedVector<Error, kMaxJoints>;
 LimitViolations limit_violations(std::span<const Joint> joints, std::span<const double> q);
 
@@ -56,10 +57,12 @@ class JointRanges {
   explicit JointRanges(std::span<const Joint> joints);
 
   /// Turns each angle by whole turns to the one nearest to `near` (0 where `near` is empty), and
-  /// by one more turn where only that lies inside the limits. Sets `within_limits`.
+  /// by one more turn where only that lies inside the limits. Prismatic joints stay. Sets
+  /// `within_limits`.
   void settle(IkBranch& branch, std::span<const double> near) const;
 
-  /// The same for N branches at once, as lanes: a row per joint, a column per branch.
+  /// The same for N branches of revolute joints at once, as lanes: a row per joint, a column per
+  /// branch.
   /// @return  of each branch, how far (rad) its worst joint is outside of its limits; <= 0 inside.
   template <std::size_t Joints, std::size_t N>
   std::array<double, N> settle(std::array<std::array<double, N>, Joints>& q,
@@ -71,7 +74,7 @@ class JointRanges {
     for (std::size_t i = 0; i < N; ++i) {
       double worst = -2 * kPi;
       for (std::size_t j = 0; j < Joints; ++j) {
-        const double angle = settled(q[j][i], near_q[j], j);
+        const double angle = turned(q[j][i], near_q[j], j);
         const double below = lower_[j] - angle;
         const double above = angle - upper_[j];
         worst = below > worst ? below : worst;
@@ -89,7 +92,7 @@ class JointRanges {
   double upper(std::size_t joint) const { return upper_[joint]; }
 
  private:
-  double settled(double angle, double near, std::size_t joint) const {
+  double turned(double angle, double near, std::size_t joint) const {
     const double q = wrap_near(angle, near);
     const double up = q < turn_up_below_[joint] ? 2 * kPi : 0;
     const double down = q > turn_down_above_[joint] ? 2 * kPi : 0;
@@ -102,6 +105,7 @@ class JointRanges {
   // Outside of these an angle has left its limits on one side and a turn brings it back inside.
   std::array<double, kMaxJoints> turn_up_below_{};
   std::array<double, kMaxJoints> turn_down_above_{};
+  std::array<bool, kMaxJoints> slides_{};
 };
 
 }  // namespace sinew::kinematics

@@ -61,7 +61,7 @@ class Solver {
  public:
   Solver(const SerialChain& chain, std::span<const Joint> joints, const PoseBF& target,
          const NumericOptions& options)
-      : target_(target), options_(options), length_(chain.length()) {
+      : chain_(chain), target_(target), options_(options), length_(chain.reach(joints)) {
     std::copy_n(chain.links().begin(), N, links_.begin());
     for (std::size_t i = 0; i < N; ++i) {
       theta_offset_[i] = chain.rows()[i].theta_offset;
@@ -102,6 +102,7 @@ class Solver {
   static constexpr double kDamping = 0.02;
 
   using Rows = std::array<Vector<N>, 6>;
+  using Links = std::array<SerialLink, N>;
   /// How far the flange is from the target; lengths in units of the arm.
   struct Residual {
     Vec3 p, w;
@@ -128,19 +129,29 @@ class Solver {
   }
 
   Residual residual(const Vector<N>& q, Rows& J) const {
+    if (!chain_.has_slide()) return residual(q, links_, J);
+    Vector<N> theta{};
+    Links links = links_;
+    for (std::size_t i = 0; i < N; ++i) (chain_.slides(i) ? links[i].d : theta[i]) += q[i];
+    return residual(theta, links, J);
+  }
+
+  /// @param theta  rad, without theta_offset
+  Residual residual(const Vector<N>& theta, const Links& links, Rows& J) const {
     std::array<double, kLanes> s, c;
-    sines(q.data(), theta_offset_, N, s, c);
+    sines(theta.data(), theta_offset_, N, s, c);
     WalkFrame<V> frame;
     std::array<Vec3, N> axis, origin;
     for (std::size_t i = 0; i < N; ++i) {
       axis[i] = vec3(frame.z);
       origin[i] = vec3(frame.p);
-      frame.pass(links_[i], s[i], c[i]);
+      frame.pass(links[i], s[i], c[i]);
     }
     const Vec3 p_BF = vec3(frame.p);
     for (std::size_t i = 0; i < N; ++i) {
-      const Vec3 v = scale_ * cross(axis[i], p_BF - origin[i]);
-      const Vec3 w = rotation_weight_ * axis[i];
+      const bool slides = chain_.slides(i);
+      const Vec3 v = scale_ * (slides ? axis[i] : cross(axis[i], p_BF - origin[i]));
+      const Vec3 w = slides ? Vec3{} : rotation_weight_ * axis[i];
       J[0][i] = v.x;
       J[1][i] = v.y;
       J[2][i] = v.z;
@@ -186,14 +197,15 @@ class Solver {
   }
 
   /// A joint that would leave its limits goes on from their other end where that is nearer on the
-  /// circle, else it stops at the limit.
+  /// circle, else, and where it slides, it stops at the limit.
   void move(Vector<N>& q, const Vector<N>& dq) const {
     for (std::size_t i = 0; i < N; ++i) {
       const double to = q[i] + dq[i];
       const double past = std::max(std::max(to - upper_[i], lower_[i] - to), 0.0);
       const double turned = to > upper_[i] ? to - 2 * kPi : to + 2 * kPi;
       const double missing = std::max(lower_[i] - turned, turned - upper_[i]);
-      q[i] = std::clamp(missing < past ? turned : to, lower_[i], upper_[i]);
+      const bool turns = missing < past && !chain_.slides(i);
+      q[i] = std::clamp(turns ? turned : to, lower_[i], upper_[i]);
     }
   }
 
@@ -206,11 +218,12 @@ class Solver {
   }
 
   static constexpr std::size_t kLanes = N + N % 2;
+  const SerialChain& chain_;
   const PoseBF& target_;
   const NumericOptions& options_;
   double length_, scale_ = 1, rotation_weight_ = 1;
   double position_end_ = 0, rotation_end_ = 0;  // squared, in units of the arm and rad
-  std::array<SerialLink, N> links_;
+  Links links_;
   std::array<double, kLanes> theta_offset_{};
   Vector<N> lower_, upper_;
 };
@@ -240,8 +253,9 @@ Expected<NumericSolution> inverse_numeric(const SerialChain& chain, std::span<co
                                           const PoseBF& X_BF, std::span<const double> start,
                                           const NumericOptions& options) {
   SINEW_ASSERT(joints.size() == chain.size() && start.size() == chain.size());
-  if (const double distance = norm(X_BF.p); distance > chain.length() + kReachTolerance) {
-    return std::unexpected(Error{ErrorCode::kOutOfReach, -1, distance, chain.length()});
+  const double reach = chain.reach(joints);
+  if (const double distance = norm(X_BF.p); distance > reach + kReachTolerance) {
+    return std::unexpected(Error{ErrorCode::kOutOfReach, -1, distance, reach});
   }
   return solve_sized<kMaxJoints>(chain, joints, X_BF, start, options);
 }

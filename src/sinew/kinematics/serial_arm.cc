@@ -39,6 +39,8 @@ SerialArm::SerialArm(const SerialGeometry& geometry, std::span<const Joint> join
     solver_ = *pitch;
   } else if (const auto roll = FiveRRoll::match(with_tool, joints)) {
     solver_ = *roll;
+  } else if (const auto scara = Scara::match(with_tool, joints)) {
+    solver_ = *scara;
   }
 }
 
@@ -55,6 +57,7 @@ Expected<IkBranches> SerialArm::inverse(const PoseBT& X_BT, std::span<const doub
   if (const auto* roll = std::get_if<FiveRRoll>(&solver_)) {
     return inverse_rolling(*roll, X_BT, near, tolerance);
   }
+  if (const Scara* arm = scara()) return arm->inverse(X_BT, near, tolerance);
   return inverse_general(X_BT, near);
 }
 

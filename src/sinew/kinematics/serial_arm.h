@@ -6,6 +6,7 @@
 
 #include "sinew/kinematics/five_r.h"
 #include "sinew/kinematics/numeric_ik.h"
+#include "sinew/kinematics/scara.h"
 #include "sinew/kinematics/six_r.h"
 
 namespace sinew::kinematics {
@@ -15,25 +16,29 @@ namespace sinew::kinematics {
 PoseFT tool_pose(const SerialGeometry& geometry, std::optional<double> jaw_width = {});
 
 /// A serial robot with the best inverse that its structure allows: closed form for six joints with
-/// a spherical wrist and for both kinds of five joints, else damped least squares. @rt
+/// a spherical wrist, for both kinds of five joints and for a SCARA, else damped least squares. @rt
 class SerialArm {
  public:
   SerialArm(const SerialGeometry& geometry, std::span<const Joint> joints, const PoseFT& X_FT);
 
   /// The inverse that the structure allows.
-  enum class Solver : std::uint8_t { kNumeric, kSixR, kFiveRPitch, kFiveRRoll };
+  enum class Solver : std::uint8_t { kNumeric, kSixR, kFiveRPitch, kFiveRRoll, kScara };
   Solver solver() const { return static_cast<Solver>(solver_.index()); }
+
+  /// Nothing where the structure is another one.
+  const Scara* scara() const { return std::get_if<Scara>(&solver_); }
 
   const SerialChain& chain() const { return chain_; }
   const PoseFT& tool() const { return X_FT_; }
 
-  /// Tool in base at q (rad).
+  /// Tool in base at q (rad, m).
   PoseBT forward(std::span<const double> q) const { return chain_.forward(q) * X_FT_; }
 
   /// Joint angles that bring the tool to X_BT; all branches where a closed form exists, else one.
   /// @param tolerance  rad by which an orientation that this arm cannot have is bent to the
   ///                   nearest one that it can.
-  /// @error kOutOfReach, kTooClose (m), kApproachOutOfPlane, kRollNotFree (rad), kNotConverged.
+  /// @error kOutOfReach, kTooClose (m), kApproachOutOfPlane, kRollNotFree, kOrientationNotReachable
+  ///        (rad), kNotConverged.
   Expected<IkBranches> inverse(const PoseBT& X_BT, std::span<const double> near = {},
                                double tolerance = kOrientationTolerance) const;
 
@@ -67,7 +72,8 @@ class SerialArm {
   SerialChain chain_;
   std::span<const Joint> joints_;  ///< of the model, which outlives its arm
   PoseFT X_FT_;
-  std::variant<std::monostate, SixR, FiveRPitch, FiveRRoll> solver_;  // in the order of Solver
+  std::variant<std::monostate, SixR, FiveRPitch, FiveRRoll, Scara>
+      solver_;  // in the order of Solver
 };
 
 }  // namespace sinew::kinematics

@@ -23,22 +23,33 @@ SerialChain::SerialChain(const SerialGeometry& geometry) : size_(geometry.rows.s
     rows_[i] = row;
     links_[i] = {row.d, row.a, clean(std::cos(row.alpha)), clean(std::sin(row.alpha))};
     theta_offset_[i] = row.theta_offset;
+    has_slide_ |= slides(i);
   }
 }
 
 /// Walks the links from base to flange; before link i is passed, `visit` gets i and the frame whose
-/// z axis joint i turns about.
+/// z axis joint i turns about, or slides along.
+/// @param theta  rad, one per row, without theta_offset
 template <class V, class Visit>
-PoseBF SerialChain::walk(std::span<const double> q, Visit&& visit) const {
-  SINEW_ASSERT(q.size() == size_);
+PoseBF SerialChain::pass(const double* theta, const Links& links, Visit&& visit) const {
   std::array<double, kMaxJoints> s, c;
-  sines(q.data(), theta_offset_, size_, s, c);
+  sines(theta, theta_offset_, size_, s, c);
   WalkFrame<V> frame;
   for (std::size_t i = 0; i < size_; ++i) {
     visit(i, frame);
-    frame.pass(links_[i], s[i], c[i]);
+    frame.pass(links[i], s[i], c[i]);
   }
   return {{vec3(frame.x), vec3(frame.y), vec3(frame.z)}, vec3(frame.p)};
+}
+
+template <class V, class Visit>
+PoseBF SerialChain::walk(std::span<const double> q, Visit&& visit) const {
+  SINEW_ASSERT(q.size() == size_);
+  if (!has_slide_) return pass<V>(q.data(), links_, visit);
+  std::array<double, kMaxJoints> theta{};
+  Links links = links_;
+  for (std::size_t i = 0; i < size_; ++i) (slides(i) ? links[i].d : theta[i]) += q[i];
+  return pass<V>(theta.data(), links, visit);
 }
 
 template <class V>
@@ -49,7 +60,10 @@ PoseBF SerialChain::walk(std::span<const double> q, Jacobian& J) const {
     J.w[i] = vec3(frame.z);
     origin[i] = vec3(frame.p);
   });
-  for (std::size_t i = 0; i < size_; ++i) J.v[i] = cross(J.w[i], X.p - origin[i]);
+  for (std::size_t i = 0; i < size_; ++i) {
+    J.v[i] = slides(i) ? J.w[i] : cross(J.w[i], X.p - origin[i]);
+    if (slides(i)) J.w[i] = {};
+  }
   return X;
 }
 
@@ -86,17 +100,24 @@ void SerialChain::frames(std::span<const double> q, std::span<PoseBL> X) const {
 PoseBF SerialChain::link(std::size_t row, double q) const {
   SINEW_ASSERT(row < size_);
   const SerialLink& link = links_[row];
-  const SinCos sc = sin_cos(q + theta_offset_[row]);
+  const SinCos sc = sin_cos(slides(row) ? theta_offset_[row] : q + theta_offset_[row]);
+  const double d = slides(row) ? link.d + q : link.d;
   const Vec3 x{sc.cos, sc.sin, 0};
   const Vec3 y{-sc.sin, sc.cos, 0};
   const Vec3 z{0, 0, 1};
   return {{x, link.cos_alpha * y + link.sin_alpha * z, link.cos_alpha * z - link.sin_alpha * y},
-          link.d * z + link.a * x};
+          d * z + link.a * x};
 }
 
-double SerialChain::length() const {
+double SerialChain::reach(std::span<const Joint> joints) const {
   double sum = 0;
-  for (std::size_t i = 0; i < size_; ++i) sum += std::hypot(rows_[i].d, rows_[i].a);
+  for (std::size_t i = 0; i < size_; ++i) {
+    double d = std::abs(rows_[i].d);
+    if (slides(i)) {
+      d = std::max(std::abs(rows_[i].d + joints[i].lower), std::abs(rows_[i].d + joints[i].upper));
+    }
+    sum += std::hypot(d, rows_[i].a);
+  }
   return sum;
 }
 

@@ -12,9 +12,9 @@ namespace sinew::kinematics {
 using PoseBF = Pose<frame::Base, frame::Flange>;
 using PoseBL = Pose<frame::Base, frame::Link>;
 
-/// Geometric Jacobian of a chain of n revolute joints: column i is what joint i contributes to the
-/// flange's twist, J_v in m/rad (velocity of the flange's origin) and J_w (angular velocity), both
-/// expressed in base B.
+/// Geometric Jacobian of a chain of n joints: column i is what joint i contributes to the flange's
+/// twist, J_v in m/rad (velocity of the flange's origin) and J_w (angular velocity), both expressed
+/// in base B. Of a prismatic joint J_v has no unit and J_w is zero.
 struct Jacobian {
   std::size_t size = 0;
   std::array<Vec3, kMaxJoints> v;
@@ -22,7 +22,7 @@ struct Jacobian {
 };
 
 /// Forward kinematics of an open chain, with the constants of its DH table folded once. Every
-/// function takes `q` in rad, one per row, |q| <= kSinCosRange. @rt
+/// function takes `q` in rad (m of a prismatic joint), one per row, |q| <= kSinCosRange. @rt
 class SerialChain {
  public:
   explicit SerialChain(const SerialGeometry& geometry);
@@ -49,12 +49,20 @@ class SerialChain {
   /// X_{i-1,i} of one row: docs/kinematics/serial.md, eq. (1).
   PoseBF link(std::size_t row, double q) const;
 
-  /// Longest way from the base origin to the flange that the lengths allow, m.
-  double length() const;
+  bool slides(std::size_t row) const { return rows_[row].kind == JointKind::kPrismatic; }
+  bool has_slide() const { return has_slide_; }
+
+  /// Longest distance from the base origin to the flange that the lengths, and the limits of
+  /// prismatic joints, allow, m.
+  double reach(std::span<const Joint> joints) const;
 
  private:
+  using Links = std::array<SerialLink, kMaxJoints>;
+
   template <class V, class Visit>
   PoseBF walk(std::span<const double> q, Visit&& visit) const;
+  template <class V, class Visit>
+  PoseBF pass(const double* theta, const Links& links, Visit&& visit) const;
   template <class V>
   PoseBF walk(std::span<const double> q, Jacobian& J) const;
   template <class V>
@@ -62,8 +70,9 @@ class SerialChain {
 
   std::size_t size_ = 0;
   std::array<DhRow, kMaxJoints> rows_{};
-  std::array<SerialLink, kMaxJoints> links_{};
+  Links links_{};
   std::array<double, kMaxJoints> theta_offset_{};
+  bool has_slide_ = false;
 };
 
 /// Smallest singular value, and product of all of them (Yoshikawa's manipulability), of the

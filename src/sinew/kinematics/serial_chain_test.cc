@@ -97,7 +97,7 @@ TEST_P(SerialChains, nothing_allocates) {
   const test::AllocationCounter allocations;
   Jacobian J;
   const PoseBF X = robot_.arm.chain().forward(q, J);
-  const Dexterity d = dexterity(J, robot_.arm.chain().length());
+  const Dexterity d = dexterity(J, robot_.arm.chain().reach(robot_.model.joints));
   EXPECT_EQ(allocations.count(), 0U);
   EXPECT_GE(d.manipulability, 0) << norm(X.p);
 }
@@ -155,11 +155,11 @@ TEST(SerialChain, manipulability_vanishes_where_the_wrist_is_straight) {
   const SerialRobot robot("robot-arm-2");
   Jacobian J;
   robot.arm.chain().forward(degrees({0, 0, 0, 0, 0, 0}), J);
-  const Dexterity home = dexterity(J, robot.arm.chain().length());
+  const Dexterity home = dexterity(J, robot.arm.chain().reach(robot.model.joints));
   EXPECT_LT(home.singular_value_min, 1e-12);
   EXPECT_LT(home.manipulability, 1e-12);
   robot.arm.chain().forward(degrees({0, 0, 0, 0, 60, 0}), J);
-  EXPECT_GT(dexterity(J, robot.arm.chain().length()).singular_value_min, 0.01);
+  EXPECT_GT(dexterity(J, robot.arm.chain().reach(robot.model.joints)).singular_value_min, 0.01);
 }
 
 }  // namespace

@@ -29,10 +29,16 @@ struct SerialRobot {
   KDL::Chain kdl_chain() const {
     KDL::Chain chain;
     for (const DhRow& row : geometry.rows) {
-      chain.addSegment(KDL::Segment(KDL::Joint(KDL::Joint::RotZ),
-                                    KDL::Frame::DH(row.a, row.alpha, row.d, row.theta_offset)));
+      chain.addSegment(kdl_segment(row));
     }
     return chain;
+  }
+
+  static KDL::Segment kdl_segment(
+      const DhRow& row, const KDL::RigidBodyInertia& body = KDL::RigidBodyInertia::Zero()) {
+    const bool slides = row.kind == JointKind::kPrismatic;
+    return KDL::Segment(KDL::Joint(slides ? KDL::Joint::TransZ : KDL::Joint::RotZ),
+                        KDL::Frame::DH(row.a, row.alpha, row.d, row.theta_offset), body);
   }
 
   const RobotModel& model;
@@ -40,7 +46,8 @@ struct SerialRobot {
   SerialArm arm;
 };
 
-inline constexpr std::array kSerialRobots{"robot-arm-2", "puma560", "learm", "bigrobotarm"};
+inline constexpr std::array kSerialRobots{"robot-arm-2", "puma560", "learm", "bigrobotarm",
+                                          "scara"};
 
 /// Name of a parametrised test: GoogleTest takes letters, digits and underscores.
 inline std::string test_name(const testing::TestParamInfo<const char*>& robot) {

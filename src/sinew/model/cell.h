@@ -55,9 +55,9 @@ struct CellObject {
 /// A camera that looks at the cell.
 struct CellCamera {
   std::string name;
-  /// As runtime/cameras/open_camera.h has them: /dev/video0, http://, an image that another program keeps
-  /// writing, a movie, a folder; beside the cell's file or by the whole path. kSimulatedCamera:
-  /// none.
+  /// As runtime/cameras/open_camera.h has them: /dev/video0, http://, an image that another program
+  /// keeps writing, a movie, a folder; beside the cell's file or by the whole path.
+  /// kSimulatedCamera: none.
   std::string device;
   /// What `sinew camera calibrate` has written, beside the cell's file; without it nothing is known
   /// of where things are. A simulated one hangs where this says, or else above its table.

@@ -21,6 +21,25 @@ std::string subject_of(const Error& error, const RobotModel& model) {
   return model.joints[index].name;
 }
 
+Quantity quantity_of(const Error& error, const RobotModel& model) {
+  const auto index = static_cast<std::size_t>(error.index);
+  const Quantity usual = info(error.code).quantity;
+  const bool slides = error.index >= 0 && index < model.joints.size() &&
+                      model.joints[index].kind == JointKind::kPrismatic;
+  const bool of_leg = error.code == ErrorCode::kCardanAngle || error.code == ErrorCode::kBallAngle;
+  if (!slides || of_leg) return usual;
+  switch (usual) {
+    case Quantity::kAngle:
+      return Quantity::kLength;
+    case Quantity::kAngularVelocity:
+      return Quantity::kVelocity;
+    case Quantity::kAngularAcceleration:
+      return Quantity::kAcceleration;
+    default:
+      return usual;
+  }
+}
+
 std::string sentence_of(const Error& error, const RobotModel& model) {
   const auto index = static_cast<std::size_t>(error.index);
   if (error.code == ErrorCode::kPositionUnknown && error.index >= 0 && is_left_out(model, index)) {
@@ -28,13 +47,7 @@ std::string sentence_of(const Error& error, const RobotModel& model) {
     return name + " (J" + std::to_string(index + 1) +
            ") is left out, its position is unknown; use joint moves that do not name " + name;
   }
-  const bool slides = error.index >= 0 && index < model.joints.size() &&
-                      model.joints[index].kind == JointKind::kPrismatic;
-  // What is an angle of other joints is a length of this one.
-  const bool length = slides && info(error.code).quantity == Quantity::kAngle &&
-                      error.code != ErrorCode::kCardanAngle && error.code != ErrorCode::kBallAngle;
-  return describe(error, subject_of(error, model),
-                  length ? std::optional(Quantity::kLength) : std::nullopt);
+  return describe(error, subject_of(error, model), quantity_of(error, model));
 }
 
 }  // namespace sinew

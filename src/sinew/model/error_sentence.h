@@ -11,6 +11,9 @@ namespace sinew {
 /// where it is about none.
 std::string subject_of(const Error& error, const RobotModel& model);
 
+/// What its numbers are: what is an angle of other joints is a length of one that slides.
+Quantity quantity_of(const Error& error, const RobotModel& model);
+
 /// The error as people read it, with its numbers in mm and degrees.
 std::string sentence_of(const Error& error, const RobotModel& model);
 

@@ -1,11 +1,13 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
 
 #include "sinew/model/robot_model.h"
+#include "sinew/model/taught_points.h"
 
 namespace sinew {
 
@@ -15,6 +17,19 @@ inline JointVector home_joints(const RobotModel& model) {
   for (const Joint& joint : model.joints) q.push_back(joint.home);
   return q;
 }
+
+/// Joints that slide, a bit each.
+inline std::uint8_t prismatic_joints(const RobotModel& model) {
+  unsigned bits = 0;
+  for (std::size_t i = 0; i < model.joints.size(); ++i) {
+    if (model.joints[i].kind == JointKind::kPrismatic) bits |= 1U << i;
+  }
+  return static_cast<std::uint8_t>(bits);
+}
+
+/// Why the joints of a point are not this robot's, a sentence; empty where they are, or it has
+/// none.
+std::string misfit_of_joints(const TaughtPoint& point, const RobotModel& model);
 
 /// The joint of that name, or of a number as in J2; nothing where there is none.
 inline std::optional<std::size_t> joint_named(const RobotModel& model, std::string_view name) {

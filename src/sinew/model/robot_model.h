@@ -36,12 +36,13 @@ struct Joint {
 };
 
 /// One row of a standard Denavit-Hartenberg table:
-/// X_{i-1,i} = Rot_z(q + theta_offset) Trans_z(d) Trans_x(a) Rot_x(alpha). m and rad.
+/// X_{i-1,i} = Rot_z(theta) Trans_z(d) Trans_x(a) Rot_x(alpha). m and rad.
 struct DhRow {
-  double d = 0;
+  double d = 0;  ///< of a prismatic joint at q = 0: the joint adds q
   double a = 0;
   double alpha = 0;
-  double theta_offset = 0;
+  double theta_offset = 0;  ///< of a revolute joint at q = 0: the joint adds q
+  JointKind kind = JointKind::kRevolute;
 };
 
 /// A gripper with two parallel jaws whose finger tips move along the approach axis as they close.
@@ -51,7 +52,7 @@ struct JawGripper {
   double reach_closed = 0;  ///< m, at width 0
 };
 
-/// Open chain of revolute joints.
+/// Open chain.
 struct SerialGeometry {
   FixedVector<DhRow, kMaxJoints> rows;
   Pose<frame::Flange, frame::Tool> X_FT;  ///< without the gripper's reach

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <variant>
@@ -22,9 +23,9 @@ struct TaughtPoint {
   std::string name;   ///< letters, digits, - and _, a letter first
   std::string robot;  ///< its id
   std::variant<JointVector, ToolPlace> place;
-  bool legs = false;      ///< the joints are lengths, m
-  std::string source;     ///< where it comes from; may be empty
-  std::string taught_at;  ///< when; may be empty
+  std::uint8_t lengths = 0;  ///< joints, a bit each, whose values are lengths, m
+  std::string source;        ///< where it comes from; may be empty
+  std::string taught_at;     ///< when; may be empty
   /// Why it cannot be used; empty where it can. Without a name: why the whole file cannot be read.
   std::string wrong{};
 };

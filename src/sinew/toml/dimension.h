@@ -33,6 +33,7 @@ inline constexpr Unit kAngleRate3[] = {{"deg_s3", "deg/s^3", kDegree}, {"rad_s3"
 inline constexpr Unit kPerAngle[] = {{"turn", "steps per turn", 1 / (2 * kPi)},
                                      {"deg", "steps per deg", 180 / kPi},
                                      {"rad", "steps per rad", 1}};
+inline constexpr Unit kPerLength[] = {{"mm", "steps per mm", 1000}, {"m", "steps per m", 1}};
 inline constexpr Unit kTorque[] = {{"nm", "Nm", 1}, {"ncm", "Ncm", 0.01}};
 inline constexpr Unit kTorquePerRate[] = {{"nms_rad", "Nm s/rad", 1}};
 inline constexpr Unit kForce[] = {{"n", "N", 1}};

@@ -84,7 +84,8 @@ std::expected<Json, Outcome> positions_of(CellConnection& cell, const std::strin
     const bool lowered = leg && text == "lowered";
     positions.push_back(leg ? joint[lowered ? "lower_m" : "home_m"] : joint["home_rad"]);
   }
-  if (text == "lowered" && measures[0] == Measure::kLength) return positions;
+  const bool legs = std::ranges::count(measures, Measure::kLength) == std::ssize(measures);
+  if (text == "lowered" && legs) return positions;
   if (text == "home") return positions;
   const auto values = parse_quantities(option, text, measures, names);
   if (!values) return std::unexpected(bad_input(values.error()));

@@ -101,6 +101,15 @@ Outcome status_outcome(const Json& status) {
   return outcome;
 }
 
+/// Whether the joint of that name, or of a number as in J2, is told in metres.
+bool is_length(const std::string& name, const Json& joints) {
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    const bool meant = joints[i]["name"] == name || name == fmt::format("J{}", i + 1);
+    if (meant) return joints[i].contains("home_m");
+  }
+  return joints[0].contains("home_m");
+}
+
 }  // namespace
 
 Outcome cell_jog(const CellRequest& request) {
@@ -140,9 +149,9 @@ Outcome cell_nudge(const CellRequest& request) {
   if (!cell) return cell.error();
   const auto description = robot_of_cell(*cell, request.robot);
   if (!description) return description.error();
-  const bool legs = (*description)["joints"][0].contains("home_m");
+  const bool slides = is_length(request.joint, (*description)["joints"]);
   const auto way =
-      parse_quantity(request.way, legs ? Measure::kLength : Measure::kAngle, UnitRule::kRequired);
+      parse_quantity(request.way, slides ? Measure::kLength : Measure::kAngle, UnitRule::kRequired);
   if (!way) return bad_input("WAY: " + way.error());
   io::catch_interrupts();
   const io::Clock clock;

@@ -18,6 +18,7 @@
 #include "sinew/cli/output/progress_line.h"
 #include "sinew/cli/output/quantity.h"
 #include "sinew/cli/output/table.h"
+#include "sinew/cli/output/targets.h"
 #include "sinew/control/position_evidence.h"
 #include "sinew/control/stop_rules.h"
 #include "sinew/core/error_code.h"
@@ -51,15 +52,12 @@ std::expected<std::optional<JointVector>, Outcome> standing_at(const RunRequest&
   }
   if (*request.standing_at == "home") return q;
   if (*request.standing_at == kShown) return std::nullopt;
-  const bool legs = model.joints[0].kind == JointKind::kPrismatic;
+  const bool legs = std::holds_alternative<HexapodGeometry>(model.geometry);
   if (legs && *request.standing_at == "lowered") {
     for (std::size_t j = 0; j < q.size(); ++j) q[j] = model.joints[j].lower;
     return q;
   }
-  const auto values =
-      parse_quantities("--standing-at", *request.standing_at,
-                       std::vector(model.joints.size(), legs ? Measure::kLength : Measure::kAngle),
-                       joint_names(model));
+  const auto values = parse_joints("--standing-at", *request.standing_at, model);
   if (!values) return std::unexpected(bad_input(values.error()));
   q.clear();
   for (std::size_t i = 0; i < values->size(); ++i) {
@@ -67,7 +65,8 @@ std::expected<std::optional<JointVector>, Outcome> standing_at(const RunRequest&
     const double beyond = control::reach_beyond_limits(joint);
     if ((*values)[i] < joint.lower - beyond || (*values)[i] > joint.upper + beyond) {
       const double limit = (*values)[i] < joint.lower ? joint.lower : joint.upper;
-      const Error error{legs ? ErrorCode::kLegLength : ErrorCode::kJointLimit,
+      const bool slides = joint.kind == JointKind::kPrismatic;
+      const Error error{slides ? ErrorCode::kLegLength : ErrorCode::kJointLimit,
                         static_cast<std::int8_t>(i), (*values)[i], limit};
       return std::unexpected(bad_input("--standing-at: " + error_text(error, model)));
     }
@@ -131,7 +130,8 @@ std::expected<Prepared, Outcome> prepare(const RunRequest& request) {
   prepared.program = std::move(*parsed);
   if (prepared.program.steps.empty()) {
     return std::unexpected(bad_input(request.file + ": has no step; a first line could be: joint " +
-                                     model.joints[0].name + "=10deg"));
+                                     model.joints[0].name +
+                                     (is_leg(model.joints[0]) ? "=200mm" : "=10deg")));
   }
   if (const auto fine = take_part(request, prepared); !fine) return std::unexpected(fine.error());
   const auto standing = standing_at(request, model);

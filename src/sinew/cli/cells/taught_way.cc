@@ -32,11 +32,16 @@ std::optional<double> known_joint(const Json& joint, const Joint& model) {
 }
 
 std::string outside_note(const program::WayRows& rows, const RobotModel& robot) {
-  const bool legs = robot.joints[0].kind == JointKind::kPrismatic;
+  const std::uint8_t lengths = prismatic_joints(robot);
+  const double most = rows.outside_max;
+  const std::string by =
+      lengths == 0 ? number(to_deg(most), 2) + " deg"
+      : std::holds_alternative<HexapodGeometry>(robot.geometry)
+          ? number(to_mm(most), 2) + " mm"
+          : number(to_deg(most), 2) + " deg or " + number(to_mm(most), 2) + " mm";
   return fmt::format(
-      "{} of its places lay outside the limits, by {} {} at most, and were moved to them",
-      rows.outside, number(legs ? to_mm(rows.outside_max) : to_deg(rows.outside_max), 2),
-      legs ? "mm" : "deg");
+      "{} of its places lay outside the limits, by {} at most, and were moved to them",
+      rows.outside, by);
 }
 
 /// A machine may have been led, or left, to where no program goes.

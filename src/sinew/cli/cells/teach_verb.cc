@@ -51,17 +51,18 @@ std::expected<TaughtPoint, Outcome> point_here(const Json& status, const Json& d
       return std::unexpected(could_not(
           fmt::format("nobody knows for sure where {} is; home it, or say where it is", name)));
     }
-    point.legs = joint.contains("position_m");
-    const char* unit = point.legs ? "_m" : "_rad";
+    const bool slides = joint.contains("position_m");
+    if (slides) point.lengths |= static_cast<std::uint8_t>(1U << j);
+    const char* unit = slides ? "_m" : "_rad";
     const double value = joint[std::string("position") + unit];
     const Json& limits = description["joints"][j];
     const double lower = limits[std::string("lower") + unit];
     const double upper = limits[std::string("upper") + unit];
     if (value < lower || value > upper) {
-      const double scale = point.legs ? 1e3 : to_deg(1);
+      const double scale = slides ? 1e3 : to_deg(1);
       return std::unexpected(could_not(
           fmt::format("{} is at {} {}, outside its limits {} to {}: no program could go there",
-                      name, number(scale * value, 2), point.legs ? "mm" : "deg",
+                      name, number(scale * value, 2), slides ? "mm" : "deg",
                       number(scale * lower, 2), number(scale * upper, 2))));
     }
     q.push_back(value);
@@ -73,10 +74,13 @@ std::expected<TaughtPoint, Outcome> point_here(const Json& status, const Json& d
 std::string place_text(const TaughtPoint& point) {
   if (const auto* q = std::get_if<JointVector>(&point.place)) {
     std::string text;
-    for (const double value : *q) {
-      text += (text.empty() ? "" : " ") + number(point.legs ? to_mm(value) : to_deg(value), 2);
+    for (std::size_t j = 0; j < q->size(); ++j) {
+      const bool slides = (point.lengths >> j & 1U) != 0;
+      const bool last = j + 1 == q->size() || (point.lengths >> (j + 1) & 1U) != slides;
+      text += (text.empty() ? "" : " ") + number(slides ? to_mm((*q)[j]) : to_deg((*q)[j]), 2);
+      if (last) text += slides ? " mm" : " deg";
     }
-    return text + (point.legs ? " mm" : " deg");
+    return text;
   }
   const auto& place = std::get<ToolPlace>(point.place);
   std::string text = fmt::format("tool at {} {} {} mm", number(to_mm(place.p_BT.x), 2),
@@ -90,7 +94,11 @@ Json point_json(const TaughtPoint& point) {
             {"source", point.source},
             {"taught_at", point.taught_at}};
   if (const auto* q = std::get_if<JointVector>(&point.place)) {
-    json[point.legs ? "legs_m" : "joints_rad"] = std::vector<double>(q->begin(), q->end());
+    const std::uint8_t all = static_cast<std::uint8_t>((1U << q->size()) - 1);
+    const char* key = point.lengths == 0     ? "joints_rad"
+                      : point.lengths == all ? "legs_m"
+                                             : "joints_rad_m";
+    json[key] = std::vector<double>(q->begin(), q->end());
   } else {
     const Vec3& p = std::get<ToolPlace>(point.place).p_BT;
     json["tool_m"] = {p.x, p.y, p.z};

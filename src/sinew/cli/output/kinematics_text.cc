@@ -8,6 +8,7 @@
 #include "sinew/cli/output/table.h"
 #include "sinew/core/units.h"
 #include "sinew/model/error_sentence.h"
+#include "sinew/model/joint_lookup.h"
 
 namespace sinew::cli {
 bool is_leg(const Joint& joint) {
@@ -50,7 +51,7 @@ Json error_json(const Error& error, const RobotModel& model) {
     json[fmt::format("limit{}", unit)] = error.limit * factor;
     json[fmt::format("excess{}", unit)] = excess(error) * factor;
   };
-  switch (row.quantity) {
+  switch (quantity_of(error, model)) {
     case Quantity::kLength:
       put("_mm", 1e3);
       break;
@@ -62,6 +63,12 @@ Json error_json(const Error& error, const RobotModel& model) {
       break;
     case Quantity::kVoltage:
       put("_v", 1);
+      break;
+    case Quantity::kVelocity:
+      put("_mm_s", 1e3);
+      break;
+    case Quantity::kAcceleration:
+      put("_mm_s2", 1e3);
       break;
     case Quantity::kAngularVelocity:
       put("_deg_s", 180 / kPi);
@@ -94,7 +101,18 @@ std::string joint_text(double q, const Joint& joint) {
 }
 
 const char* joints_key(const RobotModel& model) {
-  return !model.joints.empty() && is_leg(model.joints[0]) ? "legs_mm" : "joints_deg";
+  const std::uint8_t slides = prismatic_joints(model);
+  if (slides == 0) return "joints_deg";
+  return all_slide(model) ? "legs_mm" : "joints_deg_mm";
+}
+
+bool all_slide(const RobotModel& model) {
+  return std::ranges::all_of(model.joints, is_leg);
+}
+
+const char* joints_unit(const RobotModel& model) {
+  if (prismatic_joints(model) == 0) return "deg";
+  return all_slide(model) ? "mm" : "deg or mm";
 }
 
 std::vector<std::string> joint_names(const RobotModel& model) {

@@ -28,6 +28,9 @@ Json joints_json(std::span<const double> q, const RobotModel& model);
 std::string joint_text(double q, const Joint& joint);
 /// "joints_deg", or "legs_mm" for a platform.
 const char* joints_key(const RobotModel& model);
+/// "deg", "mm", or "deg or mm" of a SCARA.
+const char* joints_unit(const RobotModel& model);
+bool all_slide(const RobotModel& model);
 
 std::vector<std::string> joint_names(const RobotModel& model);
 

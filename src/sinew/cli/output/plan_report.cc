@@ -10,6 +10,7 @@
 #include "sinew/core/error_code.h"
 #include "sinew/core/units.h"
 #include "sinew/model/collision_links.h"
+#include "sinew/model/joint_lookup.h"
 #include "sinew/program/plans/row_offers.h"
 
 namespace sinew::cli {
@@ -227,7 +228,8 @@ std::string plan_text(const MotionPlan& plan) {
 
 Json plan_json(const MotionPlan& plan) {
   const RobotModel& model = plan.model;
-  const char* unit = is_leg(model.joints[0]) ? "mm" : "deg";
+  const std::uint8_t slides = prismatic_joints(model);
+  const char* unit = slides == 0 ? "deg" : all_slide(model) ? "mm" : "deg_mm";
   Json json{{"robot", model.id},
             {"duration_s", plan.duration},
             {"by_limits_s", plan.by_limits},

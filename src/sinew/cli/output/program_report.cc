@@ -27,11 +27,8 @@ using program::Record;
 constexpr Duration kSamplePeriod = std::chrono::milliseconds(10);
 constexpr double kVelocityWindow = 0.2;  // s
 
-const char* unit_of(const RobotModel& model) {
-  return is_leg(model.joints[0]) ? "mm" : "deg";
-}
 int digits_of(const RobotModel& model) {
-  return is_leg(model.joints[0]) ? 4 : 2;
+  return all_slide(model) ? 4 : 2;
 }
 
 std::string values_text(std::span<const double> q, const RobotModel& model) {
@@ -72,7 +69,7 @@ std::string standing_text(std::span<const JointPosition> positions, const RobotM
     text += fmt::format("{}{} {}", i == 0 ? "" : ", ", joint.name,
                         position_text(positions[i], joint, digits_of(model), "lost"));
   }
-  return text + "; " + unit_of(model);
+  return text + "; " + joints_unit(model);
 }
 
 namespace {
@@ -378,7 +375,7 @@ std::string program_text(const ProgramReport& report) {
   if (!records.empty()) {
     std::string names;
     for (const Joint& joint : model.joints) names += " " + joint.name;
-    const std::string unit = unit_of(model);
+    const std::string unit = joints_unit(model);
     Table table({"#", "line", "round", "order, " + unit, "then known, " + unit, "off", "known how",
                  "predicted s", "took s"});
     table.left(3).left(4).left(6);
@@ -449,7 +446,7 @@ std::string program_csv(const RobotModel& model, const std::vector<JointSample>&
 
 std::string program_svg(const RobotModel& model, const std::vector<JointSample>& samples,
                         const std::string& title) {
-  const std::string unit = unit_of(model);
+  const std::string unit = joints_unit(model);
   Panel position{"position, " + unit, {}};
   Panel velocity{"velocity, " + unit + "/s", {}};
   std::vector<double> t;

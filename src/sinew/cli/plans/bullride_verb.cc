@@ -28,10 +28,10 @@ std::expected<double, Outcome> ride_time(const std::optional<std::string>& text)
 
 namespace {
 
-/// 0 where joints turn.
+/// Of legs; 0 where joints turn.
 double stroke_of(const RobotModel& model) {
   const Joint& leg = model.joints[0];
-  return is_leg(leg) ? leg.upper - leg.lower : 0;
+  return all_slide(model) ? leg.upper - leg.lower : 0;
 }
 
 /// A share of the joints' ranges, and of legs how far that is to either side.

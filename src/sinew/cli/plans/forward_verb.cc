@@ -44,7 +44,7 @@ Outcome forward_serial(const ForwardRequest& request, const RobotModel& model,
   kinematics::Jacobian J;
   const PoseBT X = arm.chain().forward(q, J) * arm.tool();
   Outcome outcome = answer(model, X, q, kinematics::limit_violations(model.joints, q));
-  const auto dexterity = kinematics::dexterity(J, arm.chain().length());
+  const auto dexterity = kinematics::dexterity(J, arm.chain().reach(model.joints));
   outcome.json["manipulability"] = dexterity.manipulability;
   outcome.json["singular_value_min"] = dexterity.singular_value_min;
   outcome.text += fmt::format("  manipulability {:.3g}, smallest singular value {:.3g}{}\n",

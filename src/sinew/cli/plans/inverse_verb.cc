@@ -55,7 +55,7 @@ Outcome list_branches(const RobotModel& model, const IkBranches& branches) {
   for (const IkBranch& branch : branches) {
     any_inside |= branch.within_limits;
     const auto violations = kinematics::limit_violations(model.joints, branch.q);
-    Json json{{"joints_deg", joints_json(branch.q, model)},
+    Json json{{joints_key(model), joints_json(branch.q, model)},
               {"within_limits", branch.within_limits},
               {"violations", Json::array()},
               {"singular", singular_names(branch.singular)}};
@@ -63,8 +63,10 @@ Outcome list_branches(const RobotModel& model, const IkBranches& branches) {
     for (const Error& violation : violations) {
       json["violations"].push_back(error_json(violation, model));
       const auto joint = static_cast<std::size_t>(violation.index);
-      verdict += fmt::format("{}{} by {} deg", &violation == violations.begin() ? "" : ", ",
-                             model.joints[joint].name, number(to_deg(excess(violation)), 1));
+      const Joint& outside = model.joints[joint];
+      verdict +=
+          fmt::format("{}{} by {} {}", &violation == violations.begin() ? "" : ", ", outside.name,
+                      number(shown(excess(violation), outside), 1), is_leg(outside) ? "mm" : "deg");
     }
     if (branch.singular != 0) {
       verdict += "; singular: " + joined(singular_names(branch.singular), ", ");

@@ -64,6 +64,7 @@ std::expected<JogCommand, std::string> parse_command(const JogRequest& request, 
     names = {"x", "y", "z"};
     measures = {Measure::kLength, Measure::kLength, Measure::kLength};
     if (given > 3 && all > 3) {
+      if (all == 4) names.insert(names.end(), {"about z"});
       if (all == 5) names.insert(names.end(), {"pitch", "roll"});
       if (all == 6) names.insert(names.end(), {"about x", "about y", "about z"});
       measures.resize(all, Measure::kAngle);

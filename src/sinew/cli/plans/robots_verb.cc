@@ -28,10 +28,12 @@ std::string kinematics_name(const RobotModel& model) {
       return "5R, pitch and roll";
     case Solver::kFiveRRoll:
       return "5R, rolling forearm";
+    case Solver::kScara:
+      return "SCARA";
     case Solver::kNumeric:
       break;
   }
-  return fmt::format("{}R, numeric inverse", model.joints.size());
+  return fmt::format("{} joints, numeric inverse", model.joints.size());
 }
 
 const char* motion_name(const Device& device) {

@@ -7,6 +7,7 @@
 #include "sinew/cli/output/kinematics_text.h"
 #include "sinew/cli/output/table.h"
 #include "sinew/core/units.h"
+#include "sinew/model/joint_lookup.h"
 
 namespace sinew::cli {
 namespace {
@@ -15,21 +16,23 @@ using planning::DriveTrain;
 using planning::JointNeed;
 using planning::RatioAnswer;
 
-bool has_legs(const TorqueReport& report) {
-  return report.model.joints[0].kind == JointKind::kPrismatic;
+bool slides(const TorqueReport& report, std::size_t i) {
+  return is_leg(report.model.joints[i]);
+}
+/// The heading of a column: of what turns, of what slides, or of both.
+std::string of_kind(const TorqueReport& report, const char* turning, const char* sliding) {
+  if (prismatic_joints(report.model) == 0) return turning;
+  return all_slide(report.model) ? sliding : fmt::format("{} or {}", turning, sliding);
 }
 /// As text and as the end of a JSON key.
-const char* load_unit(const TorqueReport& report) {
-  return has_legs(report) ? "N" : "Nm";
+std::string load_unit(const TorqueReport& report) {
+  return of_kind(report, "Nm", "N");
 }
-std::string load_key(const TorqueReport& report, const char* name) {
-  return fmt::format("{}_{}", name, has_legs(report) ? "n" : "nm");
+std::string load_key(const TorqueReport& report, std::size_t i, const char* name) {
+  return fmt::format("{}_{}", name, slides(report, i) ? "n" : "nm");
 }
-double shown_rate(const TorqueReport& report, double rate) {
-  return has_legs(report) ? to_mm(rate) : to_deg(rate);
-}
-const char* way_unit(const TorqueReport& report) {
-  return has_legs(report) ? "mm" : "deg";
+const char* way_unit(const TorqueReport& report, std::size_t i) {
+  return slides(report, i) ? "mm" : "deg";
 }
 
 /// A number with three digits that count.
@@ -44,8 +47,8 @@ std::string first(const std::optional<double>& value, double factor = 1) {
 }
 
 /// A spindle's ratio reads as its lead.
-std::string ratio_text(const TorqueReport& report, double ratio) {
-  return has_legs(report) ? rough(to_mm(2 * kPi / ratio)) + " mm" : rough(ratio);
+std::string ratio_text(const TorqueReport& report, std::size_t i, double ratio) {
+  return slides(report, i) ? rough(to_mm(2 * kPi / ratio)) + " mm" : rough(ratio);
 }
 
 /// Joint speed that is left with a ratio, where the steps do not suffice for the file's.
@@ -61,8 +64,9 @@ std::string ratio_cell(const TorqueReport& report, std::size_t i,
   if (!answer) return "-";
   if (!answer->lowest) return "none";
   const auto speed = slower(report, i, answer);
-  return ratio_text(report, *answer->lowest) +
-         (speed ? fmt::format(" ({} {}/s)", rough(shown_rate(report, *speed)), way_unit(report))
+  return ratio_text(report, i, *answer->lowest) +
+         (speed ? fmt::format(" ({} {}/s)", rough(shown(*speed, report.model.joints[i])),
+                              way_unit(report, i))
                 : "");
 }
 
@@ -95,16 +99,17 @@ std::string drives_text(const TorqueReport& report) {
     }
     return table.text();
   }
-  Table table({"axis", "motor Nm", "motors", has_legs(report) ? "lead" : "ratio", "efficiency",
-               "gives " + unit, fmt::format("top speed {}/s", way_unit(report)),
+  Table table({"axis", "motor Nm", "motors", of_kind(report, "ratio", "lead"), "efficiency",
+               "gives " + unit, fmt::format("top speed {}/s", of_kind(report, "deg", "mm")),
                "gives " + unit + " there"});
   for (std::size_t i = 0; i < report.joints.size(); ++i) {
     const StepperDrive& drive = *report.study.drive(i).stepper();
     const double top = report.model.joints[i].velocity_max;
     table.add({report.model.joints[i].name, number(drive.holding_torque),
-               fmt::format("{}", drive.motors), ratio_text(report, drive.gear_ratio),
+               fmt::format("{}", drive.motors), ratio_text(report, i, drive.gear_ratio),
                number(drive.gear_efficiency), rough(report.study.drive(i).available(0)),
-               number(shown_rate(report, top), 4), rough(report.study.drive(i).available(top))});
+               number(shown(top, report.model.joints[i]), 4),
+               rough(report.study.drive(i).available(top))});
   }
   return table.text();
 }
@@ -117,7 +122,7 @@ std::string needs_text(const TorqueReport& report) {
   if (servos) {
     head.push_back("stall " + unit + " that does");
   } else {
-    head.push_back(has_legs(report) ? "lead that does" : "ratio that does");
+    head.push_back(of_kind(report, "ratio", "lead") + " that does");
     head.emplace_back("with the reserve");
   }
   head.emplace_back("fails from kg");
@@ -147,13 +152,13 @@ std::string needs_text(const TorqueReport& report) {
 std::string pose_text(const JointVector& q, const TorqueReport& report) {
   std::string text;
   for (std::size_t i = 0; i < q.size(); ++i) {
-    text += (i == 0 ? "" : " ") + number(shown_rate(report, q[i]), 1);
+    text += (i == 0 ? "" : " ") + number(shown(q[i], report.model.joints[i]), 1);
   }
   return text;
 }
 
 std::string poses_text(const TorqueReport& report) {
-  const std::string unit = way_unit(report);
+  const std::string unit = joints_unit(report.model);
   Table table({"axis", "heaviest at, " + unit, "hardest to move at, " + unit});
   table.left(1).left(2);
   for (std::size_t i = 0; i < report.joints.size(); ++i) {
@@ -177,10 +182,10 @@ std::string rows_text(const TorqueReport& report) {
                                 "weight " + unit,
                                 "moving " + unit,
                                 "margin",
-                                fmt::format("alone fails from {}/s2", way_unit(report)),
+                                fmt::format("alone fails from {}/s2", way_unit(report, i)),
                                 "fails from reach mm"};
   head.push_back(servo ? "stall " + unit + " that does"
-                       : (has_legs(report) ? "lead that does" : "ratio that does"));
+                       : (slides(report, i) ? "lead that does" : "ratio that does"));
   if (!servo) head.emplace_back("with the reserve");
   Table table(head);
   for (const PayloadRow& row : report.rows) {
@@ -189,7 +194,7 @@ std::string rows_text(const TorqueReport& report) {
         rough(row.need.weight),
         rough(row.need.demand),
         rough(row.need.margin()),
-        row.acceleration ? rough(shown_rate(report, *row.acceleration)) : "never",
+        row.acceleration ? rough(shown(*row.acceleration, report.model.joints[i])) : "never",
         reach_cell(row.reach)};
     if (servo) {
       cells.push_back(rough(stall_that_does(report.study.drive(i), row.need)));
@@ -229,11 +234,11 @@ std::string close_text(const TorqueReport& report) {
       fmt::format("  J{} {}{}: where its {} {} first fail\n\n{}\n", report.weakest + 1, name,
                   report.chosen ? "" : ", the first that a payload is too much for",
                   rough(bare.holding), unit, rows_text(report));
-  const double moving = report.model.joints[report.weakest].acceleration_max;
+  const Joint& weakest = report.model.joints[report.weakest];
   text += fmt::format(
       "  alone: this joint from rest, while the others stand\n"
       "  moving means all joints at the file's top speed and, this one, {} {}/s2; {}",
-      number(shown_rate(report, moving)), way_unit(report),
+      number(shown(weakest.acceleration_max, weakest)), way_unit(report, report.weakest),
       joint.fails_from && *joint.fails_from > 0
           ? fmt::format("so it fails from {} kg", rough(*joint.fails_from))
       : joint.fails_from ? "so it fails without payload"
@@ -275,10 +280,10 @@ Json optional_json(const std::optional<double>& value, double factor = 1) {
 
 Json need_json(const TorqueReport& report, std::size_t i, const JointNeed& need) {
   const std::string pose = std::string("_") + joints_key(report.model);
-  Json json{{load_key(report, "weight"), need.weight},
+  Json json{{load_key(report, i, "weight"), need.weight},
             {"heaviest_at" + pose, joints_json(need.q_weight, report.model)},
-            {load_key(report, "demand"), need.demand},
-            {load_key(report, "available"), need.available},
+            {load_key(report, i, "demand"), need.demand},
+            {load_key(report, i, "available"), need.available},
             {"hardest_at" + pose, joints_json(need.q_demand, report.model)},
             {"margin", need.margin()}};
   if (report.study.drive(i).servo() != nullptr) {
@@ -288,10 +293,11 @@ Json need_json(const TorqueReport& report, std::size_t i, const JointNeed& need)
     if (!answer) return;
     json[name] = optional_json(answer->lowest);
     if (const auto speed = slower(report, i, answer)) {
-      json[fmt::format("{}_velocity_{}_s", name, way_unit(report))] = shown_rate(report, *speed);
+      json[fmt::format("{}_velocity_{}_s", name, way_unit(report, i))] =
+          shown(*speed, report.model.joints[i]);
     }
   };
-  const bool legs = has_legs(report);
+  const bool legs = slides(report, i);
   put(legs ? "ratio_that_does_rad_m" : "ratio_that_does", need.ratio);
   put(legs ? "ratio_with_reserve_rad_m" : "ratio_with_reserve", need.ratio_with_reserve);
   if (need.ratio && need.ratio->highest_for_speed) {
@@ -316,10 +322,10 @@ Json torque_json(const TorqueReport& report) {
     if (const StepperDrive* drive = report.study.drive(i).stepper()) {
       one["motor_holding_torque_nm"] = drive->holding_torque;
       one["motors"] = drive->motors;
-      one[has_legs(report) ? "gear_ratio_rad_m" : "gear_ratio"] = drive->gear_ratio;
+      one[slides(report, i) ? "gear_ratio_rad_m" : "gear_ratio"] = drive->gear_ratio;
       one["gear_efficiency"] = drive->gear_efficiency;
     }
-    one[load_key(report, "holding")] = joint.need.holding;
+    one[load_key(report, i, "holding")] = joint.need.holding;
     one.update(need_json(report, i, joint.need));
     one["fails_from_kg"] = optional_json(joint.fails_from);
     one["fails_at_rest_from_kg"] = optional_json(joint.fails_from_at_rest);
@@ -330,8 +336,8 @@ Json torque_json(const TorqueReport& report) {
   for (const PayloadRow& row : report.rows) {
     Json one{{"payload_kg", row.payload}};
     one.update(need_json(report, report.weakest, row.need));
-    one[fmt::format("fails_from_{}_s2", way_unit(report))] =
-        optional_json(row.acceleration, shown_rate(report, 1));
+    one[fmt::format("fails_from_{}_s2", way_unit(report, report.weakest))] =
+        optional_json(row.acceleration, shown(1, model.joints[report.weakest]));
     one["fails_from_reach_mm"] = optional_json(row.reach, to_mm(1));
     close["payloads"].push_back(one);
   }
@@ -342,12 +348,12 @@ Json torque_json(const TorqueReport& report) {
       const program::JointLoad& load = report.loads[i];
       if (load.line == 0) continue;
       list.push_back({{"joint", model.joints[i].name},
-                      {load_key(report, "peak"), load.peak},
-                      {load_key(report, "available"), load.available},
+                      {load_key(report, i, "peak"), load.peak},
+                      {load_key(report, i, "available"), load.available},
                       {"margin", load.margin()},
                       {"line", load.line},
                       {"at_s", load.time},
-                      {load_key(report, "rms"), load.rms},
+                      {load_key(report, i, "rms"), load.rms},
                       {"verdict", margin_verdict(report, i, load.margin())}});
     }
     json["program"] = {{"file", report.program},

@@ -35,7 +35,7 @@ std::string silence_hint(const RobotModel& robot, const Error& /*trouble*/,
 
 extern const DeviceKind kGrblKind;
 const DeviceKind kGrblKind{
-    .table = {.protocol = "grbl", .serial_port = true, .segment_ms_max = 200},
+    .table = {.protocol = "grbl", .serial_port = true, .slides = true, .segment_ms_max = 200},
     .read = read_grbl,
     .has = has_settings<GrblDevice>,
     .driver = driver,

@@ -152,7 +152,7 @@ Expected<void> GrblDriver::move(const JointMove& move, Instant now) {
     }
     for (std::size_t i = 0; i < move.q_start.size(); ++i) {
       const double here = positions_[i].q;
-      if (std::abs(here - move.q_start[i]) <= from_deg(motion_.tolerance(i))) continue;
+      if (std::abs(here - move.q_start[i]) <= device_.from_units(i, motion_.tolerance(i))) continue;
       return std::unexpected(joint_error(ErrorCode::kMovedUnasked, i, here, move.q_start[i]));
     }
   }
@@ -181,7 +181,7 @@ Expected<void> GrblDriver::nudge(std::size_t joint, double way, Duration duratio
                       std::abs(way) <= GrblDevice::kNudgeMax * (1 + 1e-9) && jog.by != 0;
   if (!inside)
     return std::unexpected(joint_error(ErrorCode::kNudgeRange, joint, way, GrblDevice::kNudgeMax));
-  const double rate_max = to_deg(joints_[joint].velocity_max);
+  const double rate_max = device_.to_units(joint, joints_[joint].velocity_max);
   const double seconds = std::max(to_seconds(duration), 1e-3);
   jog.rate = 60 * std::min(std::abs(jog.by) / seconds, rate_max);
   nudge_to_ = known_.counts();

@@ -165,7 +165,7 @@ TEST(GrblFaults, settings_that_do_not_fit_the_file_are_a_fault_by_name) {
   EXPECT_EQ(fault->code, ErrorCode::kBoardAcceleration);
   EXPECT_EQ(fault->index, 2);
   fault = fault_with(
-      [](RobotModel& file) { file.device.settings.get<GrblDevice>().axes[0].steps_per_rad *= 2; });
+      [](RobotModel& file) { file.device.settings.get<GrblDevice>().axes[0].steps_per_unit *= 2; });
   EXPECT_EQ(fault->code, ErrorCode::kBoardSteps);
 }
 

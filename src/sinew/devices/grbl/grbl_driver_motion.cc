@@ -17,9 +17,13 @@ namespace {
 /// Of a joint's speed: pieces that are cut out of a smooth motion swing so much.
 constexpr double kSpeedShare = 1.02;
 
-FixedVector<double, kAxesMax> accelerations(std::span<const Joint> joints) {
+/// Units/s^2.
+FixedVector<double, kAxesMax> accelerations(const GrblDevice& device,
+                                            std::span<const Joint> joints) {
   FixedVector<double, kAxesMax> all;
-  for (const Joint& joint : joints) all.push_back(to_deg(joint.acceleration_max));
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    all.push_back(device.to_units(i, joints[i].acceleration_max));
+  }
   return all;
 }
 
@@ -30,8 +34,8 @@ Error joint_error(ErrorCode code, std::size_t joint, double measured = 0, double
 /// The nearest point of a straight piece.
 struct Foot {
   double share = 0;     ///< of the piece
-  double distance = 0;  ///< deg
-  double length = 0;    ///< deg, of the piece
+  double distance = 0;  ///< units
+  double length = 0;    ///< units, of the piece
 };
 Foot foot_of(const Values& point, const Values& from, const Values& to) {
   double along = 0, length = 0;
@@ -51,7 +55,7 @@ Foot foot_of(const Values& point, const Values& from, const Values& to) {
 }  // namespace
 
 GrblMotion::GrblMotion(const GrblDevice& device, std::span<const Joint> joints)
-    : device_(device), joints_(joints), pace_(accelerations(joints)) {
+    : device_(device), joints_(joints), pace_(accelerations(device, joints)) {
   begin_.resize(joints.size());
   before_ = begin_;
   speed_.resize(joints.size());
@@ -111,8 +115,8 @@ Expected<void> GrblMotion::push(const JointMove& move, const GrblPositions& know
     one.line.to.push_back(count);
     one.no_way = one.no_way && way[i] == 0;
     one.rest = one.rest && move.qd[i] == 0;
-    begins += std::pow(to_deg(speed_[i]), 2);
-    ends += std::pow(to_deg(move.qd[i]), 2);
+    begins += std::pow(device_.to_units(i, speed_[i]), 2);
+    ends += std::pow(device_.to_units(i, move.qd[i]), 2);
   }
   one.end = move.q;
   one.line.duration = duration;
@@ -134,13 +138,13 @@ Expected<void> GrblMotion::push(const JointMove& move, const GrblPositions& know
 
 /// To a whole step, as the board does, and in the decimals of a line.
 double GrblMotion::sayable(std::size_t joint, double count) const {
-  const double steps = device_.steps_per_deg(joint);
+  const double steps = device_.steps_per_unit(joint);
   return std::round(std::round(count * steps) / steps * 1e3) / 1e3;
 }
 
 double GrblMotion::tolerance(std::size_t joint) const {
   constexpr double kDigits = 2e-3;
-  return to_deg(device_.step(joint)) + kDigits;
+  return 1 / device_.steps_per_unit(joint) + kDigits;
 }
 
 bool GrblMotion::on_time(const Values& counts, Instant asked) const {

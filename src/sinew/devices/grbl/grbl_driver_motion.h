@@ -71,7 +71,7 @@ class GrblMotion {
   /// The first ones are over.
   void drop(std::size_t count);
 
-  /// deg that a count may be from where it was sent.
+  /// Units that a count may be from where it was sent.
   double tolerance(std::size_t joint) const;
   bool is_there(const grbl::Values& counts, const grbl::Values& target) const;
 

@@ -9,7 +9,7 @@
 namespace sinew {
 namespace {
 
-/// deg: what a report rounds to, twice.
+/// Units: what a report rounds to, twice.
 constexpr double kRounding = 1e-3;
 
 }  // namespace
@@ -20,11 +20,16 @@ GrblPositions::GrblPositions(const GrblDevice& device) : device_(device) {
 }
 
 double GrblPositions::place(std::size_t joint, double count) const {
-  return *ties_[joint].zero + device_.sign(joint) * from_deg(count);
+  return *ties_[joint].zero + device_.sign(joint) * device_.from_units(joint, count);
+}
+
+/// rad or m that a joint may be from where its count says.
+double GrblPositions::slack_of(std::size_t joint) const {
+  return device_.step(joint) + device_.from_units(joint, kRounding);
 }
 
 double GrblPositions::count_of(std::size_t joint, double place) const {
-  return device_.sign(joint) * to_deg(place - *ties_[joint].zero);
+  return units(joint, place - *ties_[joint].zero);
 }
 
 void GrblPositions::lose() {
@@ -89,8 +94,8 @@ bool GrblPositions::still_counts(std::span<const JointPosition> left) const {
     away = away || std::abs(counts_[i]) > kRounding;
     if (joint.quality == PositionQuality::kLost) continue;
     if (joint.quality == PositionQuality::kUncertain && !mark_.value_or(true)) return false;
-    const double here = *joint.count_zero + device_.sign(i) * from_deg(counts_[i]);
-    const double slack = device_.step(i) + from_deg(kRounding);
+    const double here = *joint.count_zero + device_.sign(i) * device_.from_units(i, counts_[i]);
+    const double slack = slack_of(i);
     if (here < joint.lower - slack || here > joint.upper + slack) return false;
   }
   return (away || mark_.value_or(false)) && !restarted_;
@@ -106,7 +111,7 @@ void GrblPositions::judge() {
     if (joint.count_zero) {
       if (counts_on) ties_[i] = {joint.count_zero, !lost};
     } else if (!lost && joint.quality != PositionQuality::kUncertain) {
-      ties_[i] = {joint.q - device_.sign(i) * from_deg(counts_[i]), true};
+      ties_[i] = {joint.q - device_.sign(i) * device_.from_units(i, counts_[i]), true};
     }
   }
   left_.clear();
@@ -122,7 +127,7 @@ std::optional<std::size_t> GrblPositions::unknown() const {
 std::optional<JointInterval> GrblPositions::counted(std::size_t joint) const {
   if (!judged_ || !ties_[joint].zero) return std::nullopt;
   const double here = place(joint, counts_[joint]);
-  const double slack = device_.step(joint) + from_deg(kRounding);
+  const double slack = slack_of(joint);
   return JointInterval{here - slack, here + slack};
 }
 
@@ -139,7 +144,7 @@ JointPosition GrblPositions::position(std::size_t joint, double gone) const {
   const Tie& tie = ties_[joint];
   if (!tie.known || !tie.zero) return {.count_zero = tie.zero};
   const double here = place(joint, counts_[joint]);
-  const double slack = device_.step(joint) + from_deg(kRounding) + gone;
+  const double slack = slack_of(joint) + gone;
   return {PositionQuality::kCommanded, here, here - slack, here + slack, tie.zero};
 }
 

@@ -46,28 +46,31 @@ class GrblPositions {
   /// A status, machine coordinates.
   void count(const grbl::Values& counts);
 
-  /// The joint where the board counts so much, and back; rad and deg. @pre its zero is known
+  /// The joint where the board counts so much, and back; rad (m) and units. @pre its zero is known
   double place(std::size_t joint, double count) const;
   double count_of(std::size_t joint, double place) const;
-  /// deg of a count for so many rad.
-  double units(std::size_t joint, double way) const { return device_.sign(joint) * to_deg(way); }
+  /// Units of a count for so many rad or m.
+  double units(std::size_t joint, double way) const {
+    return device_.sign(joint) * device_.to_units(joint, way);
+  }
   /// The first joint that is not known; nothing: all are.
   std::optional<std::size_t> unknown() const;
   std::optional<JointInterval> counted(std::size_t joint) const;
   /// Joints, a bit each, whose count is not 0.
   std::uint8_t away_from_zero() const;
   const grbl::Values& counts() const { return counts_; }
-  /// As counted last; until then as it was left. @param gone  rad that a joint may have gone since,
-  /// either way
+  /// As counted last; until then as it was left. @param gone  rad or m that a joint may have gone
+  /// since, either way
   JointPosition position(std::size_t joint, double gone) const;
 
  private:
   struct Tie {
-    std::optional<double> zero;  ///< rad where it counts 0
+    std::optional<double> zero;  ///< rad or m where it counts 0
     bool known = false;          ///< and the joint is where that says
   };
 
   void judge();
+  double slack_of(std::size_t joint) const;
   bool still_counts(std::span<const JointPosition> left) const;
 
   GrblDevice device_;

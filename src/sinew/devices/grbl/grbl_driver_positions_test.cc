@@ -10,8 +10,8 @@ namespace {
 /// Two axes of 100 steps per degree; the second one counts the other way round.
 GrblDevice two_axes() {
   GrblDevice device;
-  device.axes.push_back({100 / from_deg(1), 0.5, true});
-  device.axes.push_back({-100 / from_deg(1), -0.25, true});
+  device.axes.push_back({.steps_per_unit = 100, .zero = 0.5});
+  device.axes.push_back({.steps_per_unit = -100, .zero = -0.25});
   return device;
 }
 

@@ -23,9 +23,10 @@ void GrblSettingsCheck::take(const grbl::Setting& setting) {
   if (setting.number == grbl::kInchSetting) reports_inches_ = setting.value != 0;
   for (std::size_t i = 0; i < joints_.size(); ++i) {
     if (setting.number == grbl::kStepsSetting + i) axes_[i].steps = setting.value;
-    if (setting.number == grbl::kRateSetting + i) axes_[i].rate = from_deg(setting.value) / 60;
+    if (setting.number == grbl::kRateSetting + i)
+      axes_[i].rate = device_.from_units(i, setting.value) / 60;
     if (setting.number == grbl::kAccelerationSetting + i) {
-      axes_[i].acceleration = from_deg(setting.value);
+      axes_[i].acceleration = device_.from_units(i, setting.value);
     }
   }
 }
@@ -45,7 +46,7 @@ std::optional<Error> GrblSettingsCheck::misfit(grbl::Firmware firmware) const {
       return Error{code, static_cast<std::int8_t>(i), is, needed};
     };
     const Joint& joint = joints_[i];
-    const double steps = device_.steps_per_deg(i);
+    const double steps = device_.steps_per_unit(i);
     if (std::abs(*axes_[i].steps - steps) > kStepsDiffer * steps) {
       return error(ErrorCode::kBoardSteps, *axes_[i].steps, steps);
     }

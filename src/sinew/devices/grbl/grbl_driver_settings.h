@@ -28,7 +28,7 @@ class GrblSettingsCheck {
 
  private:
   struct Axis {
-    std::optional<double> steps, rate, acceleration;  ///< per deg; rad/s; rad/s^2
+    std::optional<double> steps, rate, acceleration;  ///< per unit; rad/s, rad/s^2 (m)
   };
 
   GrblDevice device_;

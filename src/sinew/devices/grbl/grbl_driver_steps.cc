@@ -165,7 +165,7 @@ bool GrblDriver::believable(const Values& counts, Instant asked) {
   const auto near = [&](const Values& before, Instant at) {
     const double time = std::max(0.0, to_seconds(asked - at + 2 * line_time_));
     for (std::size_t i = 0; i < counts.size(); ++i) {
-      const double gone = rests ? 0 : time * to_deg(joints_[i].velocity_max);
+      const double gone = rests ? 0 : time * device_.to_units(i, joints_[i].velocity_max);
       if (std::abs(counts[i] - before[i]) > gone + motion_.tolerance(i)) return false;
     }
     return true;

@@ -1,5 +1,7 @@
 #include "sinew/devices/grbl/grbl_file.h"
 
+#include <algorithm>
+
 #include "sinew/devices/grbl/grbl_settings.h"
 #include "sinew/devices/table_file.h"
 
@@ -10,20 +12,26 @@ void read_grbl(TableReader& reader, RobotModel& model) {
   constexpr Named<bool> kEnds[] = {{"lower", true}, {"upper", false}};
   if (model.joints.size() > GrblDevice::kAxesMax ||
       !std::holds_alternative<SerialGeometry>(model.geometry)) {
-    reader.complain("protocol", "this wire drives arms of up to 6 joints that turn");
+    reader.complain("protocol", "this wire drives arms of up to 6 joints");
     return reader.ignore_rest();
   }
   auto& device = model.device.settings.emplace<GrblDevice>();
   device.axes.resize(model.joints.size());
   // The rest is for its planner, to catch up where a motion was slower than planned.
   model.device.capability.limits_share = 0.9;
-  model.device.capability.nudge_max = GrblDevice::kNudgeMax;
+  const bool turns = std::ranges::count(model.joints, JointKind::kPrismatic, &Joint::kind) == 0;
+  model.device.capability.nudge_max = turns ? GrblDevice::kNudgeMax : GrblDevice::kNudgeMaxSliding;
   reader.choice("homing", kYesNo, device.homes);
   for_each_joint(reader, model, [&](std::size_t i, TableReader& table) {
     GrblDevice::Axis& axis = device.axes[i];
-    read_per_angle(table, "steps_per_*", axis.steps_per_rad);
-    table.optional().quantity("machine_zero_*", kAngle, between(from_deg(-720), from_deg(720)),
-                              axis.zero);
+    const bool slides = model.joints[i].kind == JointKind::kPrismatic;
+    if (slides) axis.unit = from_mm(1);
+    double steps = 0;  // per rad or m
+    read_per_way(table, "steps_per_*", model.joints[i].kind, steps);
+    axis.steps_per_unit = steps * axis.unit;
+    const double farthest = slides ? 10 : from_deg(720);
+    const Dimension place = slides ? Dimension(kLength) : Dimension(kAngle);
+    table.optional().quantity("machine_zero_*", place, between(-farthest, farthest), axis.zero);
     table.optional().choice("homing_end", kEnds, axis.homes_down);
   });
 }

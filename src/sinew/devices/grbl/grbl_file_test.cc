@@ -33,7 +33,7 @@ TEST(GrblFile, reads_what_ties_the_board_to_the_joints) {
   EXPECT_TRUE(device.homes);
   EXPECT_NEAR(device.axes[0].zero, from_deg(30), 1e-12);
   EXPECT_FALSE(device.axes[0].homes_down);
-  EXPECT_NEAR(device.axes[1].steps_per_rad, -100 / from_deg(1), 1e-6);
+  EXPECT_NEAR(device.axes[1].steps_per_unit, -100, 1e-6);
   EXPECT_TRUE(device.searches_zeros());
   EXPECT_FALSE(device.counts_from_power_up());
 }
@@ -54,7 +54,7 @@ TEST(GrblFile, a_joint_turns_the_other_way_round_by_a_setting) {
   ASSERT_TRUE(model);
   auto& settings = *model->device.settings.operator->();
   EXPECT_TRUE(settings.use_setting({"turn", 0, "other"}, model->device));
-  EXPECT_LT(model->device.settings.get<GrblDevice>().axes[0].steps_per_rad, 0);
+  EXPECT_LT(model->device.settings.get<GrblDevice>().axes[0].steps_per_unit, 0);
   EXPECT_FALSE(settings.use_setting({"offset", 0, "other"}, model->device));
 }
 

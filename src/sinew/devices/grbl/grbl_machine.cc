@@ -11,14 +11,15 @@ namespace {
 constexpr double kSupplyNominal = 24;  // V
 constexpr double kSupplyMin = 8;       // V; below it its processor starts anew
 constexpr Duration kTick = std::chrono::milliseconds(1);
-constexpr double kSwitchBeyond = from_deg(1);
-constexpr double kPullOff = 2;  // deg
+constexpr double kSwitchBeyond = 1;  // units
+constexpr double kPullOff = 2;       // units
 constexpr double kAnywhere = 1e9;
 /// A motor whose steps end at once turns on for about so long.
 constexpr double kSkid = 2e-3;  // s
 
 double switch_of(const Joint& joint, const sinew::GrblDevice::Axis& axis) {
-  return axis.homes_down ? joint.lower - kSwitchBeyond : joint.upper + kSwitchBeyond;
+  const double beyond = kSwitchBeyond * axis.unit;
+  return axis.homes_down ? joint.lower - beyond : joint.upper + beyond;
 }
 
 /// Set up for this robot.
@@ -31,13 +32,14 @@ grbl::BoardSettings settings_of(const RobotModel& robot) {
   for (std::size_t i = 0; i < robot.joints.size(); ++i) {
     const Joint& joint = robot.joints[i];
     const sinew::GrblDevice::Axis& own = device.axes[i];
-    const double back = from_deg(kPullOff) * (own.homes_down ? 1 : -1);
+    const double back = device.from_units(i, kPullOff) * (own.homes_down ? 1 : -1);
     const double homed = switch_of(joint, own) + back;
-    settings.axes.push_back({device.steps_per_deg(i),
-                             {to_deg(joint.velocity_max), to_deg(joint.acceleration_max)},
-                             to_deg(joint.upper - joint.lower),
-                             own.homes_down == (device.sign(i) > 0),
-                             device.sign(i) * to_deg(homed - own.zero)});
+    settings.axes.push_back(
+        {device.steps_per_unit(i),
+         {device.to_units(i, joint.velocity_max), device.to_units(i, joint.acceleration_max)},
+         device.to_units(i, joint.upper - joint.lower),
+         own.homes_down == (device.sign(i) > 0),
+         device.sign(i) * device.to_units(i, homed - own.zero)});
   }
   return settings;
 }
@@ -72,7 +74,7 @@ void GrblMachine::follow() {
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     Body& body = bodies_[i];
     const sinew::GrblDevice::Axis& axis = device_.axes[i];
-    const double wanted = body.base + device_.sign(i) * from_deg(board_.turned(i));
+    const double wanted = body.base + device_.sign(i) * device_.from_units(i, board_.turned(i));
     body.q = std::clamp(wanted, body.lower, body.upper);
     body.base += body.q - wanted;
     body.lost += body.q - wanted;
@@ -96,7 +98,7 @@ void GrblMachine::skid() {
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     Body& body = bodies_[i];
     if (cut) body.base += speeds_[i] * kSkid, body.lost += speeds_[i] * kSkid;
-    speeds_[i] = device_.sign(i) * from_deg(board_.velocity(i));
+    speeds_[i] = device_.sign(i) * device_.from_units(i, board_.velocity(i));
   }
 }
 

@@ -11,7 +11,7 @@ namespace sinew::sim {
 
 /// An arm of steppers on a board that speaks GRBL. Its joints stand where their motors' steps put
 /// them, until something is in their way or a motion is cut off: then steps are lost, and the board
-/// does not know. Its switches close 1 deg beyond the joints' limits. @rt
+/// does not know. Its switches close 1 unit beyond the joints' limits. @rt
 class GrblMachine : public ByteMachine {
  public:
   /// @param robot  with a GrblDevice

@@ -9,7 +9,7 @@ void GrblDevice::use_profile(const std::string& name, Device& /*device*/) {
 
 bool GrblDevice::use_setting(const DeviceSetting& setting, Device& /*device*/) {
   if (!setting.turns_joint()) return false;
-  axes[*setting.joint].steps_per_rad *= -1;
+  axes[*setting.joint].steps_per_unit *= -1;
   return true;
 }
 

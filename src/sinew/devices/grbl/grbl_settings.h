@@ -14,24 +14,25 @@ namespace sinew {
 /// Which firmware a simulated board has; a driver hears it from the board.
 enum class GrblFirmware : std::uint8_t { kGrbl, kGrblHal, kFluidNc };
 
-/// A board that speaks GRBL and turns the joints of an arm, axis X the first one. Its units are
-/// degrees.
+/// A board that speaks GRBL and moves the joints of an arm, axis X the first one. Its units are
+/// degrees, or mm of a prismatic joint.
 struct GrblDevice final : SettingsOf<GrblDevice> {
   static constexpr std::size_t kAxesMax = 6;
   /// What a line has room for: three decimals.
-  static constexpr double kDigit = from_deg(1e-3);  // rad
+  static constexpr double kDigit = 1e-3;  // units
 
   struct Axis {
-    double steps_per_rad = 0;  ///< negative where the board counts the other way round
-    double zero = 0;           ///< rad: the joint where a board that is homed counts 0
-    bool homes_down = true;    ///< its switch is at the joint's lower end, for the simulated one
+    double unit = from_deg(1);  ///< of the board, rad or m of the joint
+    double steps_per_unit = 0;  ///< negative where the board counts the other way round
+    double zero = 0;            ///< rad, m: the joint where a board that is homed counts 0
+    bool homes_down = true;     ///< its switch is at the joint's lower end, for the simulated one
   };
   FixedVector<Axis, kAxesMax> axes;
   bool homes = false;  ///< it has switches for all of them
   GrblFirmware firmware = GrblFirmware::kGrbl;
 
   void identify(IdentityText& out) const override {
-    for (const Axis& axis : axes) out.add(axis.steps_per_rad), out.add(axis.zero);
+    for (const Axis& axis : axes) out.add(axis.steps_per_unit / axis.unit), out.add(axis.zero);
   }
   bool shows_power_loss() const override { return true; }
   bool counts_from_power_up() const override { return !homes; }
@@ -40,16 +41,21 @@ struct GrblDevice final : SettingsOf<GrblDevice> {
     return {true, "a character until told, then as its axes brake",
             "held while its motors are on; without power what has weight falls"};
   }
-  /// How far one joint may be moved at a time while its place is not known, rad.
+  /// How far one joint may be moved at a time while its place is not known, rad; and rad or m where
+  /// one of them slides.
   static constexpr double kNudgeMax = from_deg(5);
+  static constexpr double kNudgeMaxSliding = from_mm(5);
   /// -1 where the board counts the other way round.
-  double sign(std::size_t joint) const { return axes[joint].steps_per_rad < 0 ? -1 : 1; }
-  double steps_per_deg(std::size_t joint) const {
-    return std::abs(axes[joint].steps_per_rad) * from_deg(1);
+  double sign(std::size_t joint) const { return axes[joint].steps_per_unit < 0 ? -1 : 1; }
+  /// Units of the board for so many rad or m, and back.
+  double to_units(std::size_t joint, double way) const { return way / axes[joint].unit; }
+  double from_units(std::size_t joint, double units) const { return units * axes[joint].unit; }
+  double steps_per_unit(std::size_t joint) const { return std::abs(axes[joint].steps_per_unit); }
+  /// Of a joint's motor, rad or m.
+  double step(std::size_t joint) const { return from_units(joint, 1 / steps_per_unit(joint)); }
+  double resolution(std::size_t joint) const override {
+    return std::max(step(joint), from_units(joint, kDigit));
   }
-  /// Of a joint's motor, rad.
-  double step(std::size_t joint) const { return 1 / std::abs(axes[joint].steps_per_rad); }
-  double resolution(std::size_t joint) const override { return std::max(step(joint), kDigit); }
   MotionDelay motion_delay() const override {
     return {std::chrono::milliseconds(5), std::chrono::milliseconds(35)};
   }

@@ -29,8 +29,10 @@ inline RobotModel grbl_robot(std::size_t joints = 3, bool homes = false) {
     joint.acceleration_max = from_deg(400);
     joint.jerk_max = from_deg(4000);
     robot.joints.push_back(joint);
-    const double steps = 3200 * 10 / (2 * kPi);
-    device.axes.push_back({i % 2 == 0 ? steps : -steps, homes ? 0.3 : 0.0, i % 2 == 0});
+    const double steps = 3200 * 10 / 360.0;
+    device.axes.push_back({.steps_per_unit = i % 2 == 0 ? steps : -steps,
+                           .zero = homes ? 0.3 : 0.0,
+                           .homes_down = i % 2 == 0});
   }
   robot.geometry = geometry;
   robot.device.protocol = "grbl";

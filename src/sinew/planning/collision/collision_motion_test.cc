@@ -17,6 +17,7 @@ using test::robot;
 class CollisionMotions : public testing::TestWithParam<const char*> {};
 
 INSTANTIATE_TEST_SUITE_P(Robots, CollisionMotions, testing::ValuesIn(kCollisionRobots), test_name);
+INSTANTIATE_TEST_SUITE_P(Slides, CollisionMotions, testing::Values("scara"), test_name);
 
 double distance_at(const CollisionModel& collision, const JointPath& path, double s) {
   PathPoint point;

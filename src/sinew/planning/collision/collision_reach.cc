@@ -48,40 +48,61 @@ double farthest_from_x(const Hull& hull) {
   return farthest(hull, [](const Vec3& p) { return std::hypot(p.y, p.z); });
 }
 
-double length(const DhRow& row) {
-  return std::hypot(row.d, row.a);
-}
+/// A chain with its limits; links and joints counted from 1.
+struct Chain {
+  const SerialGeometry& geometry;
+  std::span<const Joint> joints;
 
-/// Lever arm about joint k of a shape that it carries, on link j >= k; links counted from 1.
-double outer_reach(const SerialGeometry& geometry, const Hull& hull, std::size_t k, std::size_t j) {
-  const DhRow& row = geometry.rows[j - 1];
+  const DhRow& row(std::size_t m) const { return geometry.rows[m - 1]; }
+  bool slides(std::size_t m) const { return row(m).kind == JointKind::kPrismatic; }
+  /// The least and the largest d of a row.
+  std::array<double, 2> d(std::size_t m) const {
+    const double d = row(m).d;
+    if (!slides(m)) return {d, d};
+    return {d + joints[m - 1].lower, d + joints[m - 1].upper};
+  }
+  double length(std::size_t m) const {
+    const auto [least, largest] = d(m);
+    return std::hypot(std::max(std::abs(least), std::abs(largest)), row(m).a);
+  }
+};
+
+/// How far joint k moves a shape that it carries, on link j >= k, per rad or m: its lever arm,
+/// or 1.
+double outer_reach(const Chain& chain, const Hull& hull, std::size_t k, std::size_t j) {
+  if (chain.slides(k)) return 1;
+  const DhRow& row = chain.row(j);
   const double sin_alpha = std::sin(row.alpha), cos_alpha = std::cos(row.alpha);
   if (k == j) {
     // Its axis stands still in the link's own frame.
     const Vec3 axis{0, sin_alpha, cos_alpha};
     return farthest(hull, [&](const Vec3& p) { return norm(cross(p + Vec3{row.a, 0, 0}, axis)); });
   }
-  const Vec3 origin_before{-row.a, -row.d * sin_alpha, -row.d * cos_alpha};
-  double sum = std::abs(geometry.rows[k - 1].a) + farthest_from(hull, origin_before);
-  for (std::size_t m = k + 1; m < j; ++m) sum += length(geometry.rows[m - 1]);
+  double sum = 0;
+  for (const double d : chain.d(j)) {
+    const Vec3 origin_before{-row.a, -d * sin_alpha, -d * cos_alpha};
+    sum = std::max(sum, std::abs(chain.row(k).a) + farthest_from(hull, origin_before));
+  }
+  for (std::size_t m = k + 1; m < j; ++m) sum += chain.length(m);
   return sum;
 }
 
-/// Lever arm about joint k of a shape before it, on link i < k.
-double inner_reach(const SerialGeometry& geometry, const Hull& hull, std::size_t k, std::size_t i) {
+/// The same of a shape before it, on link i < k.
+double inner_reach(const Chain& chain, const Hull& hull, std::size_t k, std::size_t i) {
+  if (chain.slides(k)) return 1;
   if (k == i + 1) return farthest_from_z(hull);
   double sum = farthest_from(hull, {});
-  for (std::size_t m = i + 1; m < k; ++m) sum += length(geometry.rows[m - 1]);
+  for (std::size_t m = i + 1; m < k; ++m) sum += chain.length(m);
   return sum;
 }
 
-JointReach serial_reach(const SerialGeometry& geometry, const CollisionShape& first,
+JointReach serial_reach(const Chain& chain, const CollisionShape& first,
                         const CollisionShape* second) {
   JointReach reach{};
   if (second == nullptr) {
-    // The first joint turns about the table's normal.
-    for (std::size_t k = 2; k <= first.link; ++k) {
-      reach[k - 1] = outer_reach(geometry, hull_of(first), k, first.link);
+    // A first joint that turns does so about the table's normal.
+    for (std::size_t k = chain.slides(1) ? 1 : 2; k <= first.link; ++k) {
+      reach[k - 1] = outer_reach(chain, hull_of(first), k, first.link);
     }
     return reach;
   }
@@ -89,8 +110,8 @@ JointReach serial_reach(const SerialGeometry& geometry, const CollisionShape& fi
   const CollisionShape& inner = ordered ? first : *second;
   const CollisionShape& outer = ordered ? *second : first;
   for (std::size_t k = inner.link + 1U; k <= outer.link; ++k) {
-    reach[k - 1] = std::min(inner_reach(geometry, hull_of(inner), k, inner.link),
-                            outer_reach(geometry, hull_of(outer), k, outer.link));
+    reach[k - 1] = std::min(inner_reach(chain, hull_of(inner), k, inner.link),
+                            outer_reach(chain, hull_of(outer), k, outer.link));
   }
   return reach;
 }
@@ -146,7 +167,7 @@ double hexapod_own(const HexapodGeometry& geometry, const CollisionShape& shape)
 JointReach joint_reach(const RobotModel& model, const CollisionShape& first,
                        const CollisionShape* second) {
   if (const auto* serial = std::get_if<SerialGeometry>(&model.geometry)) {
-    return serial_reach(*serial, first, second);
+    return serial_reach({*serial, model.joints}, first, second);
   }
   if (const auto* palletizer = std::get_if<PalletizerGeometry>(&model.geometry)) {
     return palletizer_reach(*palletizer, first, second);
@@ -162,7 +183,7 @@ JointReach own_reach(const RobotModel& model, const CollisionShape& shape) {
   JointReach reach{};
   if (const auto* serial = std::get_if<SerialGeometry>(&model.geometry)) {
     for (std::size_t k = 1; k <= shape.link; ++k) {
-      reach[k - 1] = outer_reach(*serial, hull_of(shape), k, shape.link);
+      reach[k - 1] = outer_reach({*serial, model.joints}, hull_of(shape), k, shape.link);
     }
     return reach;
   }
@@ -178,9 +199,11 @@ Capsule reach_ball(const RobotModel& model, const CollisionShape& shape) {
   Vec3 centre;
   double radius = farthest_from(hull, {});
   if (const auto* serial = std::get_if<SerialGeometry>(&model.geometry)) {
-    centre.z = serial->rows[0].d;
-    radius += std::abs(serial->rows[0].a);
-    for (std::size_t m = 2; m <= shape.link; ++m) radius += length(serial->rows[m - 1]);
+    const Chain chain{*serial, model.joints};
+    const auto [least, largest] = chain.d(1);
+    centre.z = (least + largest) / 2;
+    radius += std::abs(serial->rows[0].a) + (largest - least) / 2;
+    for (std::size_t m = 2; m <= shape.link; ++m) radius += chain.length(m);
   } else if (const auto* palletizer = std::get_if<PalletizerGeometry>(&model.geometry)) {
     centre.z = palletizer->base_height;
     radius += std::abs(palletizer->shoulder_offset);

@@ -88,6 +88,7 @@ double apart(const PlacedForm& first, const PlacedForm& second) {
 class CollisionRobots : public testing::TestWithParam<const char*> {};
 
 INSTANTIATE_TEST_SUITE_P(Robots, CollisionRobots, testing::ValuesIn(kCollisionRobots), test_name);
+INSTANTIATE_TEST_SUITE_P(Slides, CollisionRobots, testing::Values("scara"), test_name);
 
 /// The nearest pair, everything against everything, placed and measured without a shortcut.
 Clearance nearest_by_words(const RobotModel& real, const JointVector& q,

@@ -41,7 +41,7 @@ inline JointVector random_joints(const RobotModel& model, test::Random& random) 
   constexpr double kLegs = 8e-3;  // m
   JointVector q;
   for (const Joint& joint : model.joints) {
-    const bool leg = joint.kind == JointKind::kPrismatic;
+    const bool leg = std::holds_alternative<HexapodGeometry>(model.geometry);
     q.push_back(leg ? joint.home + random.uniform(-kLegs, kLegs)
                     : random.uniform(joint.lower, joint.upper));
   }

@@ -12,7 +12,8 @@ namespace {
 using kinematics::SerialArm;
 
 double length_of(const RobotModel& model, const ToolSpace& tool) {
-  if (const SerialArm* arm = tool.serial()) return arm->chain().length() + norm(arm->tool().p);
+  if (const SerialArm* arm = tool.serial())
+    return arm->chain().reach(model.joints) + norm(arm->tool().p);
   if (const auto* palletizer = std::get_if<PalletizerGeometry>(&model.geometry)) {
     return palletizer->shoulder_offset + palletizer->upper_arm + palletizer->forearm +
            palletizer->tool_offset;
@@ -34,6 +35,7 @@ bool JogSpace::has(JogFrame frame) const {
 
 std::size_t JogSpace::numbers(JogFrame frame) const {
   if (frame == JogFrame::kJoint) return joints();
+  if (tool_.scara() != nullptr) return 4;
   switch (tool_.task()) {
     case TaskSpace::kPitchRoll:
       return 5;
@@ -63,6 +65,8 @@ PoseBT JogSpace::look_serial(const SerialArm& arm, JogFrame frame, const JointAr
     if (in_tool) v = transposed_times(X_BT.R, v);
     if (tool_.task() == TaskSpace::kPitchRoll) {
       w = j == 0 ? Vec3{} : Vec3{dot(flange.w[1], w), dot(X_BT.R.z, w), 0};
+    } else if (tool_.scara() != nullptr) {
+      w = {in_tool && X_BT.R.z.z < 0 ? -w.z : w.z, 0, 0};
     } else {
       if (tool_.task() == TaskSpace::kApproach) w = w - dot(X_BT.R.z, w) * X_BT.R.z;
       if (in_tool) w = transposed_times(X_BT.R, w);

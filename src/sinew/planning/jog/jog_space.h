@@ -24,6 +24,7 @@ enum class JogFrame : std::uint8_t {
 ///   kPitchRoll  v, the tool's pitch as the second joint counts it, its roll about its z axis; the
 ///               tool turns with the arm's plane
 ///   kPoint      v
+/// A SCARA is a kPose with v and its turn about the vertical; in the tool's frame that about its z.
 /// Inside a jog these numbers are scaled: v in lengths of the arm per second, turns by half of
 /// that, as a tool's tip at half of the arm's length would move. @rt
 class JogSpace {

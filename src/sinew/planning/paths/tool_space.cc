@@ -77,6 +77,10 @@ const SerialArm* ToolSpace::serial() const {
   return std::get_if<SerialArm>(&robot_);
 }
 
+const kinematics::Scara* ToolSpace::scara() const {
+  return serial() != nullptr ? serial()->scara() : nullptr;
+}
+
 Expected<PoseBT> ToolSpace::forward(std::span<const double> q, const PoseBT& X_near) const {
   if (const auto* arm = serial()) return arm->forward(q);
   if (const auto* hexapod_robot = hexapod()) {
@@ -92,7 +96,7 @@ TaskPoint ToolSpace::point(const PoseBT& X_BT) const {
   TaskPoint at{X_BT.p, {}};
   const Rotation& R = X_BT.R;
   if (task_ == TaskSpace::kPose) {
-    at.attitude = quaternion_wxyz(R);
+    at.attitude = quaternion_wxyz(scara() != nullptr ? scara()->nearest(R) : R);
   } else if (task_ == TaskSpace::kApproach) {
     at.attitude = {R.z.x, R.z.y, R.z.z, 0};
   } else if (task_ == TaskSpace::kPitchRoll) {
@@ -180,7 +184,8 @@ Expected<JointArray> ToolSpace::nearest_branch(const SerialArm& arm, const TaskP
     double move = 0;
     // The solver may have turned a joint over to bring it inside its limits; a path cannot.
     for (std::size_t j = 0; j < size(); ++j) {
-      q[j] = wrap_near(branch.q[j], q_near[j]);
+      const bool slides = arm.chain().slides(j);
+      q[j] = slides ? branch.q[j] : wrap_near(branch.q[j], q_near[j]);
       move = std::max(move, std::abs(q[j] - q_near[j]));
     }
     if (move >= best_move) continue;
@@ -273,10 +278,15 @@ Error ToolSpace::singularity(std::span<const double> q, const PoseBT& X_BT) cons
   }
   kinematics::Jacobian J;
   arm->chain().forward(q, J);
-  const double reach = arm->chain().length();
+  const double reach = arm->chain().reach(joints_);
   const Error general{ErrorCode::kSingular, -1, kinematics::dexterity(J, reach).singular_value_min,
                       0};
   if (arm->solver() == SerialArm::Solver::kNumeric) return general;
+  if (const auto* upright = scara()) {
+    const double sine = std::abs(upright->elbow_sine(q));
+    return sine < kNearSingular ? Error{ErrorCode::kElbowSingular, -1, sine, kNearSingular}
+                                : general;
+  }
   // Origins of the frames before elbow and wrist: where the closed forms say they are.
   PoseBT X_B{};
   std::array<Vec3, kMaxJoints + 1> origin;

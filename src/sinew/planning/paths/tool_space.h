@@ -19,7 +19,8 @@ using kinematics::PoseBT;
 
 /// What a robot's tool can be asked for; its joints do not give more.
 enum class TaskSpace : std::uint8_t {
-  kPose,       ///< position and orientation: six joints, a chain of another structure, a hexapod
+  kPose,       ///< position and orientation: six joints, a chain of another structure, a hexapod;
+               ///< of a SCARA's orientation its turn about the vertical
   kPitchRoll,  ///< position, pitch, roll; the tool stays in the plane through the first axis
   kApproach,   ///< position and direction of the tool's z axis; the roll about it follows
   kPoint,      ///< position; the tool turns with the base
@@ -69,6 +70,9 @@ class ToolSpace {
   /// Nothing where the robot is another one.
   const kinematics::Hexapod* hexapod() const;
   const kinematics::SerialArm* serial() const;
+
+  /// Its tool turns about the vertical alone: a SCARA; nothing of others.
+  const kinematics::Scara* scara() const;
 
   /// A pose to start from where nobody knows a last one.
   PoseBT home() const { return X_home_; }

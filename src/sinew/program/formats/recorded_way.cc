@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "sinew/core/units.h"
+#include "sinew/model/joint_lookup.h"
 
 namespace sinew::program {
 namespace {
@@ -170,8 +171,8 @@ class RowMaker {
 
   std::string blend() const {
     const double part = 1 - kCornerPart;
-    return is_leg(robot_.joints[0]) ? number_of(to_mm(part * options_.leg_tolerance), 3) + "mm"
-                                    : number_of(to_deg(part * options_.tolerance), 3) + "deg";
+    return prismatic_joints(robot_) != 0 ? number_of(to_mm(part * options_.leg_tolerance), 3) + "mm"
+                                         : number_of(to_deg(part * options_.tolerance), 3) + "deg";
   }
 
   std::span<const WaySample> way_;

@@ -249,15 +249,13 @@ std::optional<Step> MotionRows::joint_row() {
   JointStep step;
   step.q.resize(robot_.joints.size());
   bool good = words.size() > 1;
-  if (!good) {
-    row_.complain(words[0],
-                  "a joint is missing; write joint " + names_[0] + "=" +
-                      (robot_.joints[0].kind == JointKind::kRevolute ? "10deg" : "200mm"));
-  }
+  const std::string example =
+      names_[0] + (robot_.joints[0].kind == JointKind::kRevolute ? "=10deg" : "=200mm");
+  if (!good) row_.complain(words[0], "a joint is missing; write joint " + example);
   Given given;
   Differences differences;
   for (std::size_t w = 1; w < words.size(); ++w) {
-    const auto one = argument(words[w], names_[0] + "=10deg");
+    const auto one = argument(words[w], example);
     if (!one) {
       good = false;
       continue;
@@ -291,7 +289,8 @@ bool MotionRows::take_joint_point(const Argument& argument, JointStep& step) {
   if (step.given != 0) {
     row_.complain(argument.word,
                   "to= names all joints; beside it a joint takes a difference, as in d." +
-                      names_[0] + "=" + (point->legs ? "1mm" : "5deg"));
+                      names_[0] + "=" +
+                      (robot_.joints[0].kind == JointKind::kPrismatic ? "1mm" : "5deg"));
     return false;
   }
   step.q = *q;
@@ -373,6 +372,8 @@ std::optional<Step> MotionRows::finished(ToolMoveStep step, const Collected& col
   }
   if (const Rotations& turn = collected.rotations; turn[0]) {
     step.to.R_BT = rotation_from_fixed_xyz({*turn[0], *turn[1], *turn[2]});
+  } else if (turn[2]) {
+    step.to.R_BT = space_.scara()->turned(*turn[2]);
   }
   if (moved) {
     const auto of = [&](std::size_t which) { return offset[which].value_or(0); };
@@ -393,7 +394,12 @@ bool MotionRows::goal_is_whole(const ToolMoveStep& step, const Collected& collec
     row_.complain(row, message);
     return false;
   };
-  if (turned && !std::ranges::all_of(collected.rotations, named)) {
+  const bool upright = space_.scara() != nullptr;
+  const bool whole = std::ranges::all_of(collected.rotations, named);
+  if (turned && !whole &&
+      !(upright && collected.rotations[2] && !collected.rotations[0] && !collected.rotations[1])) {
+    if (upright)
+      return complain("rz alone turns this tool; rx, ry and rz together name an orientation");
     return complain("rx, ry and rz belong together: an orientation needs all three");
   }
   if (step.way == Way::kArc && !collected.via) {

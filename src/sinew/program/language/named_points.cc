@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "sinew/core/spelling.h"
+#include "sinew/model/joint_lookup.h"
 #include "sinew/program/language/motion_rows.h"
 #include "sinew/program/language/tool_goal.h"
 
@@ -27,12 +28,9 @@ const TaughtPoint* MotionRows::named_point(const Word& word, std::string_view na
                               ", not of " + robot_.id);
       return nullptr;
     }
-    const auto* q = std::get_if<JointVector>(&point.place);
-    const bool legs = robot_.joints[0].kind == JointKind::kPrismatic;
-    if (q == nullptr || (q->size() == robot_.joints.size() && point.legs == legs)) return &point;
-    row_.complain(word, in_quotes(name) + " has " + std::to_string(q->size()) +
-                            (point.legs ? " legs, " : " joints, ") + robot_.id + " has " +
-                            std::to_string(robot_.joints.size()) + (legs ? " legs" : " joints"));
+    const std::string misfit = misfit_of_joints(point, robot_);
+    if (misfit.empty()) return &point;
+    row_.complain(word, misfit);
     return nullptr;
   }
   const std::string_view meant = nearest_spelling(name, known);

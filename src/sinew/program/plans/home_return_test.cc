@@ -7,6 +7,7 @@
 #include "sinew/core/units.h"
 #include "sinew/devices/axis_link/axis_link_settings.h"
 #include "sinew/devices/axis_registers/axis_registers_settings.h"
+#include "sinew/model/joint_lookup.h"
 #include "sinew/model/left_out.h"
 #include "support/robots.h"
 

@@ -260,12 +260,12 @@ std::expected<void, std::string> Procedure::answer_place(const PlaceStep& step,
   JointVector q;
   const auto named = std::ranges::find(step.places, text, &PlaceStep::Place::name);
   if (named != step.places.end()) q = named->q;
-  const bool legs = robot_.joints[0].kind == JointKind::kPrismatic;
   std::string_view rest = text;
   while (named == step.places.end() && q.size() < robot_.joints.size()) {
     const std::size_t comma = std::min(rest.find(','), rest.size());
+    const bool slides = robot_.joints[q.size()].kind == JointKind::kPrismatic;
     const auto value =
-        parse_quantity(trimmed(rest.substr(0, comma)), legs ? Measure::kLength : Measure::kAngle,
+        parse_quantity(trimmed(rest.substr(0, comma)), slides ? Measure::kLength : Measure::kAngle,
                        UnitRule::kRequired);
     if (!value) return std::unexpected(value.error() + "; the answers are " + question());
     q.push_back(*value);

@@ -31,13 +31,14 @@ bool searches(const RobotModel& robot) {
   return has_boards(robot) || robot.device.settings->searches_zeros();
 }
 
-bool slides(const RobotModel& robot) {
-  return robot.joints[0].kind == JointKind::kPrismatic;
+/// A platform on legs can be lowered.
+bool has_legs(const RobotModel& robot) {
+  return std::holds_alternative<HexapodGeometry>(robot.geometry);
 }
 
 std::vector<PlaceStep::Place> places_of(const RobotModel& robot) {
   std::vector<PlaceStep::Place> places{{"home", home_joints(robot)}};
-  if (!slides(robot)) return places;
+  if (!has_legs(robot)) return places;
   JointVector lowered;
   for (const Joint& joint : robot.joints) lowered.push_back(joint.lower);
   places.push_back({"lowered", lowered});

@@ -12,4 +12,13 @@ inline std::string with_unit(const char* what, const Joint& joint) {
   return std::string(what) + (joint.kind == JointKind::kPrismatic ? "_m" : "_rad");
 }
 
+/// The name of a list of such numbers, one a joint: "position_rad", "position_m" or, where each has
+/// its own unit, "position_rad_m".
+inline std::string with_units(const char* what, const RobotModel& model) {
+  for (const Joint& joint : model.joints) {
+    if (joint.kind != model.joints[0].kind) return std::string(what) + "_rad_m";
+  }
+  return with_unit(what, model.joints[0]);
+}
+
 }  // namespace sinew::runtime

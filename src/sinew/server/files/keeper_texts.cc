@@ -6,6 +6,7 @@
 #include "sinew/core/rotation.h"
 #include "sinew/io/disk_folder.h"
 #include "sinew/io/file.h"
+#include "sinew/model/joint_lookup.h"
 #include "sinew/planning/paths/tool_space.h"
 #include "sinew/runtime/journal/position_record.h"
 #include "sinew/runtime/records/unit_name.h"
@@ -76,8 +77,7 @@ Json point_json(const TaughtPoint& point, const RobotModel& model,
                 const planning::ToolSpace& space) {
   Json json{{"name", point.name}, {"robot", point.robot}};
   if (const auto* q = std::get_if<JointVector>(&point.place)) {
-    json[runtime::with_unit("position", model.joints[0])] =
-        std::vector<double>(q->begin(), q->end());
+    json[runtime::with_units("position", model)] = std::vector<double>(q->begin(), q->end());
     if (const auto X_BT = space.forward({q->data(), q->size()}, space.home())) {
       json["pose"] = pose_json(X_BT->p, X_BT->R);
     }
@@ -101,11 +101,7 @@ std::string misfit(const TaughtPoint& point, const RobotModel& model) {
   }
   const auto* q = std::get_if<JointVector>(&point.place);
   if (q == nullptr) return {};
-  const bool legs = model.joints[0].kind == JointKind::kPrismatic;
-  if (q->size() == model.joints.size() && point.legs == legs) return {};
-  return fmt::format("the point '{}' has {} {}; {} has {} {}", point.name, q->size(),
-                     point.legs ? "legs" : "joints", model.id, model.joints.size(),
-                     legs ? "legs" : "joints");
+  return misfit_of_joints(point, model);
 }
 
 }  // namespace

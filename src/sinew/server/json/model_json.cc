@@ -49,6 +49,7 @@ Json geometry_json(const SerialGeometry& chain) {
                     {"a_m", row.a},
                     {"alpha_rad", row.alpha},
                     {"theta_offset_rad", row.theta_offset}});
+    if (row.kind == JointKind::kPrismatic) rows.back()["slides"] = true;
   }
   Json json{{"dh", rows}, {"tool", local_pose_json(chain.X_FT.p, chain.X_FT.R)}};
   if (chain.gripper) {
@@ -146,8 +147,9 @@ Json shape_json(const CollisionShape& shape, const Geometry& geometry) {
   return json;
 }
 
-std::string_view task_name(planning::TaskSpace task) {
-  switch (task) {
+std::string_view task_name(const planning::ToolSpace& space) {
+  if (space.scara() != nullptr) return "yaw";
+  switch (space.task()) {
     case planning::TaskSpace::kPose:
       return "pose";
     case planning::TaskSpace::kPitchRoll:
@@ -187,7 +189,7 @@ Json model_json(const RobotModel& model) {
       {"robot", model.id},
       {"title", model.title},
       {"kind", kind_name(model)},
-      {"task", task_name(planning::ToolSpace(model).task())},
+      {"task", task_name(planning::ToolSpace(model))},
       {"joints", joints_json(model)},
       {"links", links_json(model)},
       {"geometry", std::visit([](const auto& one) { return geometry_json(one); }, model.geometry)},

@@ -66,12 +66,11 @@ class Samples {
   }
 
   Json json() const {
-    const Joint& joint = model_.joints[0];
     return {{"t_s", times_},
-            {runtime::with_unit("position", joint), q_},
-            {runtime::with_unit("velocity", joint) + "_s", qd_},
-            {runtime::with_unit("acceleration", joint) + "_s2", qdd_},
-            {runtime::with_unit("jerk", joint) + "_s3", qddd_},
+            {runtime::with_units("position", model_), q_},
+            {runtime::with_units("velocity", model_) + "_s", qd_},
+            {runtime::with_units("acceleration", model_) + "_s2", qdd_},
+            {runtime::with_units("jerk", model_) + "_s3", qddd_},
             {"tool", tool_}};
   }
   Json last_tool() const { return tool_.empty() ? Json() : tool_.back(); }

@@ -9,9 +9,10 @@ namespace {
 
 using Fields = std::initializer_list<std::pair<std::string, Json>>;
 
-/// A pattern of names that end with a joint's unit: legs have metres.
+/// A pattern of names that end with a joint's unit: what slides has metres, and a list of both has
+/// both.
 std::string of_joint(const std::string& heads, const std::string& tail = "") {
-  return "^(" + heads + ")_(rad|m)" + tail + "$";
+  return "^(" + heads + ")_(rad|m|rad_m)" + tail + "$";
 }
 
 Json number() {
@@ -441,7 +442,8 @@ void put_model(Json& all) {
       object({}, {{"dh", list(object({{"d_m", number()},
                                       {"a_m", number()},
                                       {"alpha_rad", number()},
-                                      {"theta_offset_rad", number()}}))},
+                                      {"theta_offset_rad", number()}},
+                                     {{"slides", flag()}}))},
                   {"tool", ref("LocalPose")},
                   {"gripper", object({{"width_max_m", number()},
                                       {"reach_open_m", number()},
@@ -468,7 +470,7 @@ void put_model(Json& all) {
       {{"robot", text()},
        {"title", text()},
        {"kind", one_of({"serial", "palletizer", "hexapod"})},
-       {"task", one_of({"pose", "pitch_roll", "approach", "point"})},
+       {"task", one_of({"pose", "yaw", "pitch_roll", "approach", "point"})},
        {"joints", list(object({{"name", text()}, {"kind", one_of({"revolute", "prismatic"})}},
                               {{"left_out", flag()}},
                               {{of_joint("lower|upper|home"), number()},

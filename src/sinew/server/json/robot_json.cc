@@ -45,17 +45,17 @@ Json health_json(const runtime::StationView& view) {
   return json;
 }
 
-/// Unit of an error's numbers, as part of a name; a hexapod's joint is a leg in metres.
+/// Unit of an error's numbers, as part of a name; a prismatic joint has metres.
 std::string_view unit_of(const Error& error, const RobotModel& model) {
-  switch (info(error.code).quantity) {
+  switch (quantity_of(error, model)) {
     case Quantity::kLength:
       return "_m";
-    case Quantity::kAngle: {
-      const bool leg = error.index >= 0 && model.joints[0].kind == JointKind::kPrismatic;
-      const bool angle_of_leg =
-          error.code == ErrorCode::kCardanAngle || error.code == ErrorCode::kBallAngle;
-      return leg && !angle_of_leg ? "_m" : "_rad";
-    }
+    case Quantity::kAngle:
+      return "_rad";
+    case Quantity::kVelocity:
+      return "_m_s";
+    case Quantity::kAcceleration:
+      return "_m_s2";
     case Quantity::kTime:
       return "_s";
     case Quantity::kVoltage:
