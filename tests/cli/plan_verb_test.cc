@@ -384,7 +384,7 @@ TEST(PlanVerb, time_by_the_limits_leaves_the_wire_out) {
 TEST(PlanVerb, share_of_the_limits_that_a_motion_is_planned_with_is_named) {
   const Ended link =
       sinew({"plan", "robot-arm-2", "--wire", "link", "--to", "joints=10,0,0,0,0,0"});
-  EXPECT_NE(link.out.find("planned with 80 % of the limits: the axis' own loop needs the rest"),
+  EXPECT_NE(link.out.find("planned with 80 % of the limits: the device needs the rest"),
             std::string::npos)
       << link.out << link.err;
   const Ended whole = sinew({"plan", "maxarm", "--to", "joints=110,90,10"});

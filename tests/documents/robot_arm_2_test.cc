@@ -13,7 +13,7 @@
 
 // Robot Arm 2's document: its numbers and its words, typed as they stand there. Its frames and
 // checksums are in tests/golden/axis_registers.txt and encoder_link.txt, each row in which its
-// first firmware differs in devices/axis, a bus that is opened six times in
+// first firmware differs in devices/axis_registers, a bus that is opened six times in
 // sim/simwire_server_test.cc, its torque table in planning/studies/torque_study_test.cc.
 
 namespace sinew {

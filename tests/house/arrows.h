@@ -79,6 +79,8 @@ inline constexpr std::array kFileRoles = std::to_array<FileRole>({
     {"listener", "driver"},
     {"file", "file"},
     {"machine", "sim"},
+    {"procedure", "program/procedures"},
+    {"verb", "cli/cells"},
 });
 
 /// Headers by which bytes, files or time leave the process, and the folders that may include them.
@@ -97,10 +99,8 @@ inline constexpr std::array kGuardedHeaders = std::to_array<GuardedHeaders>({
 /// Folders that move the machine or speak its bytes: they never see a clock, file, socket or
 /// thread, so that one seed replays one whole run.
 inline constexpr std::string_view kPureFolders =
-    "mcu control driver device devices file sim wire motion planning planning/paths "
-    "planning/timing "
-    "planning/collision planning/jog planning/studies kinematics vision render calibration "
-    "grasping";
+    "mcu control driver device devices file sim wire motion planning kinematics vision render "
+    "calibration grasping";
 
 inline constexpr std::string_view kNotInPureFolders =
     "thread mutex shared_mutex condition_variable future semaphore latch barrier stop_token "

@@ -101,6 +101,8 @@ const motions: Record<string, string> = {
     '{word} ist ein Ort des Werkzeugs; move to={name} findet die Gelenke dazu',
   'to= names all joints; beside it a joint takes a difference, as in {example}':
     'to= nennt alle Gelenke; daneben kann von einem nur eine Differenz stehen, wie {example}',
+  'rz alone turns this tool; rx, ry and rz together name an orientation':
+    'rz allein dreht dieses Werkzeug; rx, ry und rz zusammen nennen eine Ausrichtung',
   'rx, ry and rz belong together: an orientation needs all three': 'rx, ry und rz gehören zusammen: eine Ausrichtung braucht alle drei',
   'an arc needs a point on its way; write via=200mm,0mm,180mm': 'Ein Bogen braucht einen Ort auf seinem Weg, wie via=200mm,0mm,180mm',
   'to= names the place already; beside it write differences, as in dz=50mm':

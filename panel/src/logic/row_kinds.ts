@@ -309,7 +309,7 @@ export function newRows(word: Word, model: RobotModel, joints: readonly number[]
     case 'loop':
       return ['loop 2', 'end'];
     case 'if':
-      return [`if ${model.joints[0]!.name}>${model.kind === 'hexapod' ? '250mm' : '0deg'}`, 'else', 'end'];
+      return [`if ${model.joints[0]!.name}>${model.kind === 'hexapod' ? '250mm' : model.joints[0]!.kind === 'prismatic' ? '0mm' : '0deg'}`, 'else', 'end'];
     case 'call':
       return [`call ${program ?? 'NAME'}`];
     case 'look':

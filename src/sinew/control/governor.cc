@@ -5,6 +5,7 @@
 
 #include "sinew/core/assert.h"
 #include "sinew/core/error_code.h"
+#include "sinew/model/joint_lookup.h"
 #include "sinew/model/left_out.h"
 
 namespace sinew::control {
@@ -185,11 +186,11 @@ Expected<void> Governor::pass_blind(const JointMove& move) {
 
 Expected<void> Governor::pass_nudge(std::size_t joint, double way,
                                     std::span<const JointPosition> positions) const {
-  const double most = model_.device.capability.nudge_max;
-  if (!(most > 0)) return std::unexpected(Error{ErrorCode::kTaskNotSupported});
   if (joint >= size_) {
     return std::unexpected(Error{ErrorCode::kMoveInput, -1, static_cast<double>(joint)});
   }
+  const double most = nudge_max(model_, joint);
+  if (!(most > 0)) return std::unexpected(Error{ErrorCode::kTaskNotSupported});
   if (way == 0 || !within(way, most)) {
     return std::unexpected(joint_error(ErrorCode::kNudgeRange, joint, way, most));
   }

@@ -2,6 +2,7 @@
 
 #include <expected>
 #include <memory>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -15,7 +16,14 @@
 
 namespace sinew {
 
+class FactsView;
 class TableReader;
+
+/// A search for one joint's zero.
+struct ZeroSearch {
+  double longest = 0;  ///< s
+  double end = 0;      ///< where the joint rests behind it, rad
+};
 
 /// One kind of device: what a robot's file says of it, and all that is made for a robot that has
 /// one. `devices/KIND/KIND.cc` has it, and devices/kinds.cc the list. What may be nullptr says so.
@@ -39,6 +47,12 @@ struct DeviceKind {
                                                       Instant boot) = nullptr;
   /// @param facts  of the driver: which wire was found where the robot's file leaves that open
   std::unique_ptr<WireReader> (*listener)(const Device& device, const DeviceFacts& facts) = nullptr;
+  /// What its driver keeps of its reports, as docs/api.md has it; nullptr: nothing.
+  /// @param facts  of a driver that this kind has made, not empty
+  nlohmann::ordered_json (*view)(const FactsView& view, const DeviceFacts& facts) = nullptr;
+
+  /// How its boards search for a joint's zero; nullptr: they do not, or its time is not known.
+  ZeroSearch (*search)(const RobotModel& robot, std::size_t joint) = nullptr;
 
   // Words for people; nullptr: none. `driver` is one that this kind has made.
 

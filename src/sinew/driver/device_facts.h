@@ -7,6 +7,7 @@
 #include <optional>
 #include <type_traits>
 
+#include "sinew/core/assert.h"
 #include "sinew/core/instant.h"
 
 namespace sinew {
@@ -41,6 +42,12 @@ class DeviceFacts {
   const Facts* as() const {
     if (kind_ != &kKind<Facts>) return nullptr;
     return std::launder(reinterpret_cast<const Facts*>(data_.data()));
+  }
+  /// @pre they are of that kind
+  template <class Facts>
+  const Facts& get() const {
+    SINEW_ASSERT(as<Facts>() != nullptr);
+    return *as<Facts>();
   }
 
  private:

@@ -42,6 +42,8 @@ struct DeviceCapability {
   /// How far one joint may be moved at a time while nobody knows where it is, rad or m; 0: this
   /// device moves to places only.
   double nudge_max = 0;
+  /// The same of a joint that slides in an arm whose others turn, m.
+  double nudge_slide_max = 0;
   HandDrive hand = HandDrive::kNone;
   /// Its motors can be switched off and on again by themselves, and positions are measured
   /// meanwhile: the arm can be guided by hand.

@@ -15,6 +15,7 @@
 #include "sinew/core/assert.h"
 #include "sinew/core/error.h"
 #include "sinew/core/instant.h"
+#include "sinew/core/units.h"
 #include "sinew/model/axis_board.h"
 #include "sinew/model/separate_moves.h"
 #include "sinew/model/tool_action.h"
@@ -139,6 +140,11 @@ class DeviceSettings {
                                               std::span<const double> /*from*/) const {
     return std::nullopt;
   }
+  /// Why its gripper cannot be sent to an angle; nothing where it can.
+  /// @return kToolAngle (rad), kUnsendable
+  virtual std::optional<Error> gripper_refusal(const GripperTo& /*gripper*/) const {
+    return std::nullopt;
+  }
   /// A device that makes its motions itself can be told their accelerations.
   virtual bool takes_acceleration() const { return false; }
   /// A driver of the ideal device asks it every 10 ms how far it is.
@@ -157,6 +163,8 @@ class DeviceSettings {
 
   /// Its joints' sensors hang on magnets, or on what can fail like one.
   virtual bool has_magnets() const { return false; }
+  /// How far commissioning may correct a joint's zero, rad; 0: not here.
+  virtual double trim_max() const { return 0; }
   /// It watches the leads of its motors.
   virtual bool watches_leads() const { return false; }
 

@@ -3,6 +3,11 @@
 #include <variant>
 
 namespace sinew {
+namespace {
+
+constexpr unsigned kAllLegs = (1U << kLegs) - 1;
+
+}  // namespace
 
 std::string misfit_of_joints(const TaughtPoint& point, const RobotModel& model) {
   const auto* q = std::get_if<JointVector>(&point.place);
@@ -12,8 +17,9 @@ std::string misfit_of_joints(const TaughtPoint& point, const RobotModel& model) 
     return "'" + point.name + "' has degrees where " + model.id + " has mm, or mm for degrees";
   }
   return "'" + point.name + "' has " + std::to_string(q->size()) +
-         (point.lengths != 0 ? " legs, " : " joints, ") + model.id + " has " +
-         std::to_string(model.joints.size()) + (lengths != 0 ? " legs" : " joints");
+         (point.lengths == kAllLegs ? " legs, " : " joints, ") + model.id + " has " +
+         std::to_string(model.joints.size()) +
+         (std::holds_alternative<HexapodGeometry>(model.geometry) ? " legs" : " joints");
 }
 
 }  // namespace sinew

@@ -27,6 +27,14 @@ inline std::uint8_t prismatic_joints(const RobotModel& model) {
   return static_cast<std::uint8_t>(bits);
 }
 
+/// How far this joint may be moved at a time while its place is not known, rad or m; 0: not at all.
+inline double nudge_max(const RobotModel& model, std::size_t joint) {
+  const DeviceCapability& device = model.device.capability;
+  const bool slides = model.joints[joint].kind == JointKind::kPrismatic;
+  return slides && std::holds_alternative<SerialGeometry>(model.geometry) ? device.nudge_slide_max
+                                                                          : device.nudge_max;
+}
+
 /// Why the joints of a point are not this robot's, a sentence; empty where they are, or it has
 /// none.
 std::string misfit_of_joints(const TaughtPoint& point, const RobotModel& model);

@@ -9,7 +9,6 @@
 #include "sinew/config/cell_file.h"
 #include "sinew/core/spelling.h"
 #include "sinew/core/units.h"
-#include "sinew/devices/lsc/lsc_settings.h"
 #include "sinew/io/disk_folder.h"
 #include "sinew/io/file.h"
 #include "sinew/runtime/journal/position_record.h"
@@ -67,9 +66,9 @@ std::string without_option(std::string sentence) {
 
 std::string device_sentence(const std::string& name, const std::string& value,
                             const RobotModel& model) {
-  if (name.ends_with(".trim_rad")) {
-    return fmt::format("a trim is a number from {:.0f} to {:.0f} degrees", -to_deg(kTrimMax),
-                       to_deg(kTrimMax));
+  if (name.ends_with(".trim_rad") && model.device.settings->trim_max() > 0) {
+    const double most = to_deg(model.device.settings->trim_max());
+    return fmt::format("a trim is a number from {:.0f} to {:.0f} degrees", -most, most);
   }
   if (name.ends_with(".servo_id")) return "a servo's number is 1 to 253";
   if (name.ends_with("turn")) return "the sense of rotation is 'other', or not set";

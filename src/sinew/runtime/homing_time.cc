@@ -1,60 +1,21 @@
 #include "sinew/runtime/homing_time.h"
 
-#include <algorithm>
-#include <cmath>
-
-#include "sinew/devices/axis/axis_device_settings.h"
+#include "sinew/devices/kinds.h"
 #include "sinew/model/left_out.h"
-#include "sinew/motion/rest_to_rest.h"
 
 namespace sinew::runtime {
-namespace {
-
-/// The exchanges before and behind an axis' search, 82 ms each on the register wire, and the time
-/// that it takes to come to rest.
-constexpr double kTalk = 2;  // s
-
-double way_time(double way, double speed, motion::AxisLimits limits) {
-  limits.velocity = std::min(limits.velocity, speed);
-  return motion::plan_axis(way, limits).duration();
-}
-
-/// From a speed to rest; its longest part is the ramp, whose own ends need acceleration / jerk.
-double stop_time(double speed, const motion::AxisLimits& limits) {
-  return speed / limits.acceleration + limits.acceleration / limits.jerk;
-}
-
-double homing_time(const AxisSettings& axis) {
-  const HomingSettings& homing = axis.homing;
-  const double search = way_time(homing.travel_max, homing.approach_speed, axis.limits) +
-                        stop_time(homing.approach_speed, axis.limits);
-  const double back_off = way_time(homing.back_off_max, homing.approach_speed, axis.limits);
-  // It turns round where it has backed off, and goes a little beyond the place of contact.
-  const double overshoot =
-      homing.approach_speed * stop_time(homing.approach_speed, axis.limits) / 2;
-  const double edge_way = homing.back_off_max + overshoot + homing.back_off;
-  const double edge = stop_time(homing.approach_speed, axis.limits) +
-                      way_time(edge_way, homing.slow_speed, axis.limits) +
-                      stop_time(homing.slow_speed, axis.limits);
-  const double clear_way = std::abs(homing.clear_angle - homing.end_stop_angle) + homing.back_off;
-  return search + back_off + edge + way_time(clear_way, axis.limits.velocity, axis.limits) + kTalk;
-}
-
-}  // namespace
 
 program::Homing homing_of(const RobotModel& robot) {
   program::Homing homing;
-  if (boards_of(robot.device).empty()) return homing;
+  const auto search = kind_of(robot.device).search;
+  if (search == nullptr) return homing;
   homing.rest.emplace();
   for (std::size_t i = 0; i < robot.joints.size(); ++i) {
-    if (is_left_out(robot, i)) {
-      homing.times.push_back(0);
-      homing.rest->push_back(assumed_place(robot.joints[i]));
-      continue;
-    }
-    const AxisSettings axis = axis_settings(robot, i);
-    homing.times.push_back(homing_time(axis));
-    homing.rest->push_back(axis.homing.clear_angle);
+    const bool left_out = is_left_out(robot, i);
+    const ZeroSearch one =
+        left_out ? ZeroSearch{0, assumed_place(robot.joints[i])} : search(robot, i);
+    homing.times.push_back(one.longest);
+    homing.rest->push_back(one.end);
   }
   return homing;
 }

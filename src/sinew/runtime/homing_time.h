@@ -10,8 +10,7 @@ namespace sinew::runtime {
 /// it would otherwise count as stuck; real homing is mostly half of that, since an axis rarely
 /// stands at its far end), and where the axes rest behind it.
 ///
-/// Source: the phases of devices/axis/axis_device_homing.h with the settings of
-/// axis_device_settings.h. Boards with another firmware may rest elsewhere.
+/// Source: DeviceKind::search. Boards with another firmware may rest elsewhere.
 /// @return  empty for a robot without end stops
 program::Homing homing_of(const RobotModel& robot);
 

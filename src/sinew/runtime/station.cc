@@ -432,7 +432,7 @@ void Station::look_for_facts(const control::Controller& controller, Instant now)
   facts_at_ = now;
   const auto tell = facts_of(controller.driver(), robot_);
   decltype(facts_) facts;
-  for (const char* what : {"supply", "minus_one", "wire", "checksum"}) {
+  for (const char* what : {"supply", "minus_one", "wire", "checksum", "shows_zero_shift"}) {
     if (auto told = tell(what, 0)) facts.emplace(std::pair(what, 0), std::move(*told));
   }
   for (std::size_t j = 0; j < robot_.joints.size(); ++j) {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <memory>
 
 #include "sinew/calibration/board_views.h"
 #include "sinew/cli/cameras/camera_hand_eye.h"
@@ -224,7 +225,12 @@ Outcome calibrate(const CameraRequest& request) {
 
 }  // namespace
 
-void declare_options(CLI::App& verb, CameraRequest& request) {
+void add_camera(CLI::App& app, ChosenVerb& call) {
+  const auto own = std::make_shared<CameraRequest>();
+  CameraRequest& request = *own;
+  CLI::App& verb = *add_verb(app, call, "camera",
+                             "boards to print, tags in images, and where cameras and tables are",
+                             "sinew camera board --paper a4 > board.svg");
   verb.add_option("ACTION", request.action,
                   "board: a calibration board to print; sheet: tags and crosses that mark the "
                   "table; tags: the tags in images; calibrate: lens and pose of a camera; touch: "
@@ -278,6 +284,7 @@ void declare_options(CLI::App& verb, CameraRequest& request) {
   verb.add_option("--zeros-deg", request.zeros_deg,
                   "hand-eye: standard deviation of the joints' zeros, which are estimated too, deg "
                   "(default 0: zeros are exact)");
+  verb.callback([&call, own] { call.verb = [own] { return camera(*own); }; });
 }
 
 Outcome camera(const CameraRequest& request) {

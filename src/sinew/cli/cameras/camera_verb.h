@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "sinew/cli/output/outcome.h"
+#include "sinew/cli/output/verb.h"
 
 namespace CLI {
 class App;
@@ -42,9 +43,9 @@ struct CameraRequest {
 /// --paper names none that there is.
 Outcome wrong_paper(const CameraRequest& request);
 
-void declare_options(CLI::App& verb, CameraRequest& request);
-
 /// `sinew camera`: printed boards, the tags that images show, and calibration with them.
 Outcome camera(const CameraRequest& request);
+
+void add_camera(CLI::App& app, ChosenVerb& call);
 
 }  // namespace sinew::cli

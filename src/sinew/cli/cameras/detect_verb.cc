@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 #include <cmath>
+#include <memory>
 
 #include "sinew/cli/output/pixel_json.h"
 #include "sinew/cli/output/table.h"
@@ -144,7 +145,11 @@ std::string detection_text(const std::string& path, const Picture& picture,
 
 }  // namespace
 
-void declare_options(CLI::App& verb, DetectRequest& request) {
+void add_detect(CLI::App& app, ChosenVerb& call) {
+  const auto own = std::make_shared<DetectRequest>();
+  DetectRequest& request = *own;
+  CLI::App& verb = *add_verb(app, call, "detect", "the coloured cubes in pictures of a table",
+                             "sinew detect table.jpg --debug seen.png");
   verb.add_option("IMAGE", request.images, "JPEG or PNG files: a table from above")->required();
   verb.add_option("--colors", request.colors, "these only, comma between: " + vision::color_list())
       ->delimiter(',');
@@ -155,6 +160,7 @@ void declare_options(CLI::App& verb, DetectRequest& request) {
       ->option_text("FILE");
   verb.add_option("--cube-mm", request.cube_mm, "edge of the cubes, with --camera")
       ->option_text("MM");
+  verb.callback([&call, own] { call.verb = [own] { return detect(*own); }; });
 }
 
 Outcome detect(const DetectRequest& request) {

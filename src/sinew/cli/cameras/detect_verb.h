@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "sinew/cli/output/outcome.h"
+#include "sinew/cli/output/verb.h"
 
 namespace CLI {
 class App;
@@ -20,9 +21,9 @@ struct DetectRequest {
   std::optional<double> cube_mm;      ///< edge of the cubes, with a camera
 };
 
-void declare_options(CLI::App& verb, DetectRequest& request);
-
 /// `sinew detect`: the coloured cubes in pictures of a table from above.
 Outcome detect(const DetectRequest& request);
+
+void add_detect(CLI::App& app, ChosenVerb& call);
 
 }  // namespace sinew::cli

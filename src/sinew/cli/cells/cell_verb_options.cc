@@ -1,4 +1,5 @@
 #include <CLI/CLI.hpp>
+#include <memory>
 
 #include "sinew/cli/cells/cell_verbs.h"
 #include "sinew/cli/output/verb.h"
@@ -22,8 +23,7 @@ constexpr const char* kTakeOver = "from whoever has the lease, which stops the r
 /// Verbs that ask something of a running cell.
 class CellVerbs {
  public:
-  CellVerbs(CLI::App& app, ChosenVerb& call, CellRequest& of)
-      : app_(app), call_(call), request_(of) {}
+  CellVerbs(CLI::App& app, ChosenVerb& call) : app_(app), call_(call) {}
 
   void add_motion();
   void add_position();
@@ -34,10 +34,10 @@ class CellVerbs {
     CLI::App* verb = add_verb(app_, call_, name, what, example);
     verb->add_option("--socket", request_.socket,
                      "where the cell answers; the user's own place where left out");
-    verb->callback([&call = call_, &of = request_, answer] {
-      call.verb = [&call, &of, answer] {
-        of.json = call.json;
-        return answer(of);
+    verb->callback([&call = call_, own = own_, answer] {
+      call.verb = [&call, own, answer] {
+        own->json = call.json;
+        return answer(*own);
       };
     });
     return verb;
@@ -45,7 +45,8 @@ class CellVerbs {
 
   CLI::App& app_;
   ChosenVerb& call_;
-  CellRequest& request_;
+  std::shared_ptr<CellRequest> own_ = std::make_shared<CellRequest>();
+  CellRequest& request_ = *own_;
 };
 
 /// What moves, rests, and goes on.
@@ -124,8 +125,8 @@ void CellVerbs::add_position() {
 
 }  // namespace
 
-void add_cell_verbs(CLI::App& app, ChosenVerb& call, CellRequest& request) {
-  CellVerbs verbs(app, call, request);
+void add_cell_verbs(CLI::App& app, ChosenVerb& call) {
+  CellVerbs verbs(app, call);
   verbs.add_motion();
   verbs.add_position();
 }

@@ -60,7 +60,7 @@ Outcome cell_commission(const CellRequest& request);
 Outcome cell_lease(const CellRequest& request);
 
 /// The verbs above with their options, but those that are verbs of one robot too.
-void add_cell_verbs(CLI::App& app, ChosenVerb& call, CellRequest& request);
+void add_cell_verbs(CLI::App& app, ChosenVerb& call);
 
 /// The beginning of a recovery: lease, an acknowledged fault, a machine that is found, and where it
 /// stands if somebody says so. @return  its status then

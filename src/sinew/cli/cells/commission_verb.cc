@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
 #include <cstdio>
@@ -9,7 +10,10 @@
 #include <memory>
 #include <utility>
 
+#include "sinew/cli/cells/in_cell.h"
 #include "sinew/cli/cells/procedure_dialogue.h"
+#include "sinew/cli/cells/robot_verb_options.h"
+#include "sinew/cli/output/verb_options.h"
 #include "sinew/core/spelling.h"
 #include "sinew/io/file.h"
 #include "sinew/io/interrupt.h"
@@ -208,6 +212,42 @@ Outcome commission(CommissionRequest request) {
   Outcome outcome = drive(job, std::move(*cell));
   if (request.procedure != "commission") tell_settings(chosen->settings, outcome);
   return outcome;
+}
+
+void add_commission(CLI::App& app, ChosenVerb& call) {
+  struct Own : InCell {
+    CommissionRequest request;
+  };
+  const auto own = std::make_shared<Own>();
+  CommissionRequest& request = own->request;
+  CLI::App* verb = add_verb(app, call, "commission",
+                            "a guided checklist for a robot's first day; also homing and recovery",
+                            "sinew commission hexapod --port /dev/ttyUSB0");
+  RobotOptions& robot = request.robot;
+  verb->add_option("ROBOT", robot.name, "id or .toml file")->required();
+  verb->add_option("--port", robot.port, "as of run; a simulated device where left out");
+  verb->add_option("--procedure", request.procedure, "commission, home or recover");
+  add_variant(*verb, robot);
+  verb->add_option("--answers", request.answers, "a file of STEP = ANSWER, instead of typing");
+  verb->add_option("--save", request.save, "where the results go; the state folder where left out");
+  verb->add_flag("--anew", request.anew, "asks again what was answered before");
+  add_journal(*verb, robot);
+  add_settings(*verb, robot);
+  add_seed(*verb, robot);
+  add_time_scale(*verb, robot);
+  add_cell_options(*verb, *own);
+  verb->callback([&call, own, verb] {
+    call.verb = [&call, own, verb] {
+      own->request.json = call.json;
+      if (!on_cell(*own, call)) return commission(own->request);
+      const auto heard = check_heard(*verb, {"ROBOT", "--answers", "--anew"});
+      if (!heard) return heard.error();
+      own->cell.robot = own->request.robot.name;
+      own->cell.answers = own->request.answers;
+      own->cell.anew = own->request.anew;
+      return cell_commission(own->cell);
+    };
+  });
 }
 
 }  // namespace sinew::cli

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "sinew/cli/cells/local_cell.h"
+#include "sinew/cli/output/verb.h"
 
 namespace sinew::cli {
 
@@ -18,5 +19,7 @@ struct CommissionRequest {
 };
 
 Outcome commission(CommissionRequest request);
+
+void add_commission(CLI::App& app, ChosenVerb& call);
 
 }  // namespace sinew::cli

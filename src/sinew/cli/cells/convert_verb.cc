@@ -2,8 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
+#include <memory>
 #include <utility>
 
 #include "sinew/cli/cells/run_journal.h"
@@ -242,6 +244,28 @@ Outcome convert(const ConvertRequest& request) {
   outcome.json["out"] = *request.out;
   outcome.text = "  " + *request.out + "\n";
   return outcome;
+}
+
+void add_convert(CLI::App& app, ChosenVerb& call) {
+  const auto own = std::make_shared<ConvertRequest>();
+  ConvertRequest& request = *own;
+  CLI::App* verb =
+      add_verb(app, call, "convert", "programs and poses from and to the forms that others read",
+               "sinew convert part.gcode part.sinew --robot maxarm");
+  verb->add_option("IN", request.in,
+                   "NAME.sinew, .txt (BigRobotArm), .pos, .cfg (hexapod), .gcode .nc .ngc, .mcap")
+      ->required();
+  verb->add_option("OUT", request.out, "NAME.sinew, .txt or .pos; on stdout where left out");
+  verb->add_option("--robot", request.robot, "id or .toml file")->required();
+  verb->add_option("--from", request.from, "sinew, sequence, pos, config, gcode or record");
+  verb->add_option("--to", request.to, "sinew, sequence or pos");
+  verb->add_flag("--decimal-comma", request.comma,
+                 "of a .pos file, for the old program on a PC whose country writes so");
+  verb->add_flag("--replace", request.replace,
+                 "a file OUT that is there already; what the journal NAME knows");
+  verb->add_option("--journal", request.journal,
+                   "of a .cfg: the position journal NAME takes its word over, as uncertain");
+  verb->callback([&call, own] { call.verb = [own] { return convert(*own); }; });
 }
 
 }  // namespace sinew::cli

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "sinew/cli/output/outcome.h"
+#include "sinew/cli/output/verb.h"
 
 namespace sinew::cli {
 
@@ -20,5 +21,7 @@ struct ConvertRequest {
 /// `sinew convert`: programs and poses from and to the forms that others read. What a form cannot
 /// say is a complaint with its line, and nothing is written then.
 Outcome convert(const ConvertRequest& request);
+
+void add_convert(CLI::App& app, ChosenVerb& call);
 
 }  // namespace sinew::cli

@@ -2,7 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
+#include <memory>
+
+#include "sinew/cli/cells/robot_verb_options.h"
 #include "sinew/cli/output/table.h"
+#include "sinew/cli/output/verb_options.h"
 #include "sinew/driver/quality_name.h"
 #include "sinew/io/interrupt.h"
 #include "sinew/io/machine_check.h"
@@ -100,6 +105,20 @@ Outcome examine(const DoctorRequest& request) {
       "\n  sinew doctor --robot ROBOT --port DEVICE asks a robot whether it is there; nothing "
       "moves.\n";
   return outcome;
+}
+
+void add_doctor(CLI::App& app, ChosenVerb& call) {
+  const auto own = std::make_shared<DoctorRequest>();
+  DoctorRequest& request = *own;
+  CLI::App* verb = add_verb(app, call, "doctor", "what this computer offers, and what answers",
+                            "sinew doctor --robot learm --port /dev/ttyUSB0");
+  RobotOptions& robot = request.robot;
+  verb->add_option("--robot", robot.name, "id or .toml file");
+  verb->add_option("--port", robot.port, kPorts + "; asked questions that move nothing");
+  add_variant(*verb, robot);
+  add_journal(*verb, robot);
+  add_settings(*verb, robot);
+  verb->callback([&call, own] { call.verb = [own] { return examine(*own); }; });
 }
 
 }  // namespace sinew::cli

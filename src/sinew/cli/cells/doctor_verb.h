@@ -1,6 +1,7 @@
 #pragma once
 
 #include "sinew/cli/cells/local_cell.h"
+#include "sinew/cli/output/verb.h"
 
 namespace sinew::cli {
 
@@ -11,5 +12,7 @@ struct DoctorRequest {
 /// `sinew doctor`: ports, rights and kernel interfaces of this computer; with a robot and a port
 /// also what answers there. Only questions that move nothing are asked.
 Outcome examine(const DoctorRequest& request);
+
+void add_doctor(CLI::App& app, ChosenVerb& call);
 
 }  // namespace sinew::cli

@@ -2,8 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <map>
+#include <memory>
 #include <vector>
 
 #include "sinew/cli/output/table.h"
@@ -121,6 +123,18 @@ Outcome show_record(const RecordRequest& request) {
   outcome.text += "  " + *request.csv + "\n";
   outcome.json["csv"] = *request.csv;
   return outcome;
+}
+
+void add_record(CLI::App& app, ChosenVerb& call) {
+  const auto own = std::make_shared<RecordRequest>();
+  RecordRequest& request = *own;
+  CLI::App* verb = add_verb(app, call, "record", "what is in the record of a run",
+                            "sinew record run.mcap --csv run.csv");
+  verb->add_option("FILE", request.file, "NAME.mcap")->required();
+  verb->add_option("--csv", request.csv, "the same as a table: a row for each sample");
+  verb->add_option("--pictures", request.pictures,
+                   "a folder for what a program looked at, and what it decided by that");
+  verb->callback([&call, own] { call.verb = [own] { return show_record(*own); }; });
 }
 
 }  // namespace sinew::cli

@@ -2,12 +2,15 @@
 
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
 #include <atomic>
 #include <cstdio>
 #include <memory>
 #include <utility>
 #include <vector>
 
+#include "sinew/cli/cells/in_cell.h"
+#include "sinew/cli/cells/robot_verb_options.h"
 #include "sinew/cli/cells/run_outputs.h"
 #include "sinew/cli/cells/run_record.h"
 #include "sinew/cli/output/device_argument.h"
@@ -19,6 +22,7 @@
 #include "sinew/cli/output/quantity.h"
 #include "sinew/cli/output/table.h"
 #include "sinew/cli/output/targets.h"
+#include "sinew/cli/output/verb_options.h"
 #include "sinew/control/position_evidence.h"
 #include "sinew/control/stop_rules.h"
 #include "sinew/core/error_code.h"
@@ -343,6 +347,70 @@ Outcome run_program(const RunRequest& request) {
   Outcome outcome = watch.take();
   end_records(request, station, outcome);
   return outcome;
+}
+
+void add_run(CLI::App& app, ChosenVerb& call) {
+  struct Own : InCell {
+    RunRequest request;
+  };
+  const auto own = std::make_shared<Own>();
+  RunRequest& request = own->request;
+  CLI::App* verb = add_verb(app, call, "run", "a program on a robot, or on its simulated device",
+                            "sinew run robots/bigrobotarm/sequence.txt --robot bigrobotarm");
+  verb->add_option("FILE", request.file, "the program")->required();
+  RobotOptions& robot = request.robot;
+  verb->add_option("--robot", robot.name, "id or .toml file")->required();
+  verb->add_option("--port", robot.port, kPorts + "; a simulated device where left out");
+  add_variant(*verb, robot);
+  verb->add_option("--standing-at", request.standing_at,
+                   "where a machine without sensors stands: home, lowered (legs), shown (as its "
+                   "journal shows it), or a value per joint (deg, mm)");
+  verb->add_option("--moved", request.moved,
+                   "with --standing-at: who moved it; what was known does not count then");
+  add_settings(*verb, robot);
+  verb->add_option("--from-line", request.from_line,
+                   "goes on from this row, planned from where the arm stands then");
+  verb->add_option("--speed", request.speed,
+                   "of all rows, 1% to 100%; through the feed where the device streams");
+  add_journal(*verb, robot);
+  add_seed(*verb, robot);
+  verb->add_option("--record", request.record,
+                   "NAME.csv: the joints over time; NAME.mcap: everything, for viewers, which is "
+                   "else in the state folder (the newest 20 runs); none: nowhere");
+  verb->add_option("--plot", request.plot, "SVG file: the same, drawn");
+  verb->add_option("--log", request.log, "every byte both ways, with its time");
+  add_time_scale(*verb, robot);
+  verb->add_flag("--single-step", own->cell.single_step,
+                 "in a running cell: a pause behind each order, until sinew step");
+  add_cell_options(*verb, *own);
+  verb->callback([&call, own, verb] {
+    call.verb = [&call, own, verb] {
+      own->request.quiet = call.json;
+      if (own->request.record == "none") {
+        own->request.record.reset();
+        own->request.recorded = false;
+      }
+      if (!on_cell(*own, call)) {
+        if (!own->cell.single_step) return run_program(own->request);
+        return bad_input("--single-step: in a running cell (--cell), where sinew step goes on");
+      }
+      if (own->request.record) {
+        return bad_input("--record: a running cell records by itself: sinew serve --record-folder");
+      }
+      if (const auto fine = check_heard(*verb, {"FILE", "--robot", "--standing-at", "--moved",
+                                                "--from-line", "--speed", "--single-step"});
+          !fine) {
+        return fine.error();
+      }
+      own->cell.from_line = own->request.from_line;
+      own->cell.speed = own->request.speed;
+      own->cell.robot = own->request.robot.name;
+      own->cell.file = own->request.file;
+      own->cell.standing_at = own->request.standing_at;
+      own->cell.moved = own->request.moved;
+      return cell_run(own->cell);
+    };
+  });
 }
 
 }  // namespace sinew::cli

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "sinew/cli/cells/local_cell.h"
+#include "sinew/cli/output/verb.h"
 
 namespace sinew::cli {
 
@@ -23,5 +24,7 @@ struct RunRequest {
 
 /// `sinew run`: a program on a robot, over its port or against the simulated device.
 Outcome run_program(const RunRequest& request);
+
+void add_run(CLI::App& app, ChosenVerb& call);
 
 }  // namespace sinew::cli

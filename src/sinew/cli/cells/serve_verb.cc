@@ -2,8 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <filesystem>
+#include <memory>
 
 #include "sinew/cli/cells/cell_socket.h"
 #include "sinew/cli/cells/demonstration_lines.h"
@@ -213,6 +215,44 @@ Outcome serve(const ServeRequest& request) {
   outcome.json = {{"ended", io::interrupts() > 0 ? "interrupted" : "shown"}};
   outcome.json_line = true;
   return outcome;
+}
+
+void add_serve(CLI::App& app, ChosenVerb& call) {
+  const auto own = std::make_shared<ServeRequest>();
+  ServeRequest& request = *own;
+  CLI::App* verb = add_verb(app, call, "serve", "runs a cell of robots, which others then steer",
+                            "sinew serve my_cell.toml");
+  verb->add_option("CELL", request.file,
+                   "a cell's .toml file; all five robots simulated where left out");
+  verb->add_option("--socket", request.socket,
+                   "where it answers; the user's own place where left out");
+  verb->add_option("--record-folder", request.record_folder,
+                   "each program that runs leaves a record there (MCAP, for viewers), or none; "
+                   "the newest 20 in the state folder where left out");
+  verb->add_option("--program-folder", request.program_folder,
+                   "where programs and points are kept, in a folder for each robot's id; the state "
+                   "folder where left out");
+  verb->add_flag("--realtime", request.realtime,
+                 "control threads come before everything else on this computer (SCHED_FIFO)");
+  verb->add_flag("--demo", request.demonstrate,
+                 "simulated robots show what they can do, until somebody moves one");
+  verb->add_flag("--demo-once", request.shown_is_over, "the same, and ends when all was shown");
+  WebDoorRequest& web = request.web;
+  verb->add_option("--listen", web.listen,
+                   "where browsers reach it, HOST:PORT, or none; 127.0.0.1:8700 where left out");
+  verb->add_option("--host", web.hosts, "HOST:PORT by which it may be called besides")
+      ->allow_extra_args(false);
+  verb->add_option("--tls-cert", web.tls_certificate, "certificate chain (PEM), for networks");
+  verb->add_option("--tls-key", web.tls_key, "its private key (PEM)");
+  verb->add_flag("--insecure-network", web.insecure_network,
+                 "may listen beyond this machine without TLS: everybody on the way can read the "
+                 "token, and then move the robots");
+  verb->callback([&call, own] {
+    call.verb = [&call, own] {
+      own->json = call.json;
+      return serve(*own);
+    };
+  });
 }
 
 }  // namespace sinew::cli

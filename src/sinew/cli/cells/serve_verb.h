@@ -5,6 +5,7 @@
 
 #include "sinew/cli/cells/web_door.h"
 #include "sinew/cli/output/outcome.h"
+#include "sinew/cli/output/verb.h"
 
 namespace sinew::cli {
 
@@ -22,5 +23,7 @@ struct ServeRequest {
 
 /// `sinew serve`: runs a cell until Ctrl-C, and answers JSON-RPC on a Unix socket and the network.
 Outcome serve(const ServeRequest& request);
+
+void add_serve(CLI::App& app, ChosenVerb& call);
 
 }  // namespace sinew::cli

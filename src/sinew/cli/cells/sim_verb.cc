@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
 #include <cstdio>
+#include <memory>
 
 #include "sinew/cli/output/device_argument.h"
 #include "sinew/cli/output/robot_argument.h"
@@ -325,6 +327,39 @@ Outcome simulate(const SimRequest& request) {
   auto job = prepare(request);
   if (!job) return job.error();
   return job->machine.byte ? serve_bytes(*job) : serve_boards(*job);
+}
+
+void add_sim(CLI::App& app, ChosenVerb& call) {
+  const auto own = std::make_shared<SimRequest>();
+  SimRequest& request = *own;
+  CLI::App* verb = add_verb(app, call, "sim", "a robot's device, simulated behind a real port",
+                            "sinew sim learm --profile bus --link /tmp/arm");
+  verb->add_option("ROBOT", request.robot, "id or .toml file")->required();
+  verb->add_option("--link", request.link, "a name for the port, kept while the simulation runs");
+  verb->add_option("--profile", request.profile,
+                   "which variant of the device; an unknown name lists them");
+  verb->add_option("--wire", request.wire,
+                   "which of the robot's wires; as in its file where left out");
+  verb->add_option("--simwire", request.simwire,
+                   "boards on SPI: unix:PATH or stdio; a new socket where left out");
+  verb->add_option("--slaves", request.slaves, "boards on SPI: how many are there");
+  verb->add_option("--nss", request.nss,
+                   "boards on SPI: hard, or soft for boards that always listen");
+  verb->add_flag("--ready-high", request.ready_high,
+                 "boards on SPI: READY never falls, as on measured boards");
+  verb->add_option("--fault", request.fault,
+                   "bad cables and blows, as in drop=0.001,flip=1e-4,cut@3s:500ms,supply=9V@5s");
+  verb->add_option("--state", request.state,
+                   "file that keeps where the joints are; each start is a power-up from there");
+  verb->add_option("--seed", request.seed, "of all chance in the simulation");
+  verb->add_option("--time-scale", request.time_scale, "the device's time against real time");
+  verb->add_option("--log", request.log, "every byte both ways, with its time");
+  verb->callback([&call, own] {
+    call.verb = [&call, own] {
+      own->json = call.json;
+      return simulate(*own);
+    };
+  });
 }
 
 }  // namespace sinew::cli

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "sinew/cli/output/outcome.h"
+#include "sinew/cli/output/verb.h"
 
 namespace sinew::cli {
 
@@ -29,5 +30,7 @@ struct SimRequest {
 /// Ctrl-C. The first line on stdout is the port's path; with --json {"port": ..}, and {"truth": ..}
 /// on the last, a document a line. SIGUSR1, and a line on stdin, are answered with the truth.
 Outcome simulate(const SimRequest& request);
+
+void add_sim(CLI::App& app, ChosenVerb& call);
 
 }  // namespace sinew::cli

@@ -3,9 +3,11 @@
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <memory>
 #include <utility>
 #include <vector>
 
@@ -335,6 +337,37 @@ Outcome show_points(const PointsRequest& request) {
   }
   outcome.text = points->empty() ? "  no points\n" : table.text();
   return outcome;
+}
+
+void add_teach(CLI::App& app, ChosenVerb& call) {
+  const auto own = std::make_shared<TeachRequest>();
+  CLI::App* verb = add_verb(app, call, "teach",
+                            "where a robot of a running cell stands, or its way, for programs",
+                            "sinew teach learm above_bin");
+  verb->add_option("ROBOT", own->robot, "its name in the cell")->required();
+  verb->add_option("POINT", own->point,
+                   "what the place shall be called; of a platform also FILE.pos");
+  verb->add_option("--way", own->way,
+                   "instead: the program NAME.sinew that its way until Ctrl-C becomes");
+  verb->add_option("--points", own->file, "its file; points.toml where left out");
+  verb->add_flag("--replace", own->replace,
+                 "where there is a point, or a program, of that name already");
+  verb->add_option("--socket", own->socket,
+                   "where the cell answers; the user's own place where left out");
+  verb->callback([&call, own] {
+    call.verb = [&call, own] {
+      own->quiet = call.json;
+      return teach(*own);
+    };
+  });
+}
+
+void add_points(CLI::App& app, ChosenVerb& call) {
+  const auto own = std::make_shared<PointsRequest>();
+  CLI::App* verb =
+      add_verb(app, call, "points", "the taught points of a file", "sinew points points.toml");
+  verb->add_option("FILE", own->file, "points.toml where left out");
+  verb->callback([&call, own] { call.verb = [own] { return show_points(*own); }; });
 }
 
 }  // namespace sinew::cli

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "sinew/cli/output/outcome.h"
+#include "sinew/cli/output/verb.h"
 
 namespace sinew::cli {
 
@@ -27,5 +28,8 @@ struct PointsRequest {
 
 /// `sinew points`: the points of a file.
 Outcome show_points(const PointsRequest& request);
+
+void add_teach(CLI::App& app, ChosenVerb& call);
+void add_points(CLI::App& app, ChosenVerb& call);
 
 }  // namespace sinew::cli

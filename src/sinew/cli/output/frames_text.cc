@@ -60,13 +60,15 @@ void add_frames(Outcome& outcome, const RobotModel& model, const kinematics::Ser
   std::vector<kinematics::PoseBF> X_0{{}};
   for (std::size_t i = 0; i < q.size(); ++i) {
     const DhRow& row = chain.rows()[i];
-    const double theta_deg = to_deg(q[i] + row.theta_offset);
+    const bool slides = chain.slides(i);
+    const double theta_deg = to_deg(row.theta_offset + (slides ? 0 : q[i]));
+    const double d = row.d + (slides ? q[i] : 0);
     table.add({fmt::format("{}", i + 1), model.joints[i].name, number(theta_deg, 4),
-               number(to_mm(row.d), 4), number(to_mm(row.a), 4), number(to_deg(row.alpha), 4)});
+               number(to_mm(d), 4), number(to_mm(row.a), 4), number(to_deg(row.alpha), 4)});
     outcome.json["dh"].push_back({{"joint", model.joints[i].name},
                                   {"theta_deg", theta_deg},
                                   {"theta_offset_deg", to_deg(row.theta_offset)},
-                                  {"d_mm", to_mm(row.d)},
+                                  {"d_mm", to_mm(d)},
                                   {"a_mm", to_mm(row.a)},
                                   {"alpha_deg", to_deg(row.alpha)}});
     const kinematics::PoseBF X_link = chain.link(i, q[i]);

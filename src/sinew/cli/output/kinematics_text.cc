@@ -103,7 +103,8 @@ std::string joint_text(double q, const Joint& joint) {
 const char* joints_key(const RobotModel& model) {
   const std::uint8_t slides = prismatic_joints(model);
   if (slides == 0) return "joints_deg";
-  return all_slide(model) ? "legs_mm" : "joints_deg_mm";
+  if (std::holds_alternative<HexapodGeometry>(model.geometry)) return "legs_mm";
+  return all_slide(model) ? "joints_mm" : "joints_deg_mm";
 }
 
 bool all_slide(const RobotModel& model) {

@@ -8,6 +8,7 @@
 #include "sinew/cli/output/kinematics_text.h"
 #include "sinew/cli/output/plan_report.h"
 #include "sinew/cli/output/robot_argument.h"
+#include "sinew/cli/output/table.h"
 #include "sinew/cli/output/targets.h"
 #include "sinew/core/error_code.h"
 #include "sinew/core/quantity.h"
@@ -31,7 +32,8 @@ namespace {
 /// Of legs; 0 where joints turn.
 double stroke_of(const RobotModel& model) {
   const Joint& leg = model.joints[0];
-  return all_slide(model) ? leg.upper - leg.lower : 0;
+  const bool legs = std::holds_alternative<HexapodGeometry>(model.geometry);
+  return legs ? leg.upper - leg.lower : 0;
 }
 
 /// A share of the joints' ranges, and of legs how far that is to either side.

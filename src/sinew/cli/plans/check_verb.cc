@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
+#include <memory>
 
 #include "sinew/cli/output/kinematics_text.h"
 #include "sinew/cli/output/plan_report.h"
@@ -11,6 +13,7 @@
 #include "sinew/cli/output/robot_argument.h"
 #include "sinew/cli/output/table.h"
 #include "sinew/cli/output/targets.h"
+#include "sinew/cli/output/verb_options.h"
 #include "sinew/core/spelling.h"
 #include "sinew/io/file.h"
 #include "sinew/model/joint_lookup.h"
@@ -241,6 +244,30 @@ Outcome format_programs(const FormatRequest& request) {
   if (!complaints.empty()) return complaints_outcome(complaints);
   if (request.only_look && differs) outcome.exit = ExitCode::kCouldNot;
   return outcome;
+}
+
+void add_check(CLI::App& app, ChosenVerb& call) {
+  const auto own = std::make_shared<CheckRequest>();
+  CheckRequest& request = *own;
+  CLI::App* verb =
+      add_verb(app, call, "check", "everything but the motion: a verdict for each row of a program",
+               "sinew check robots/learm/square.sinew --robot learm");
+  verb->add_option("FILE", request.file, "the program NAME.sinew")->required();
+  verb->add_option("--robot", request.robot, "id or .toml file")->required();
+  verb->add_option("--from-joints", request.from, "where it starts; home where left out");
+  add_variant(*verb, request);
+  verb->callback([&call, own] { call.verb = [own] { return check_program(*own); }; });
+}
+
+void add_format(CLI::App& app, ChosenVerb& call) {
+  const auto own = std::make_shared<FormatRequest>();
+  FormatRequest& request = *own;
+  CLI::App* verb = add_verb(app, call, "fmt", "lays out programs in their one form, in place",
+                            "sinew fmt --check robots/learm/square.sinew");
+  verb->add_option("FILE", request.files, "programs NAME.sinew")->required();
+  verb->add_flag("--check", request.only_look,
+                 "only names those that are not laid out; exit 1 where there is one");
+  verb->callback([&call, own] { call.verb = [own] { return format_programs(*own); }; });
 }
 
 }  // namespace sinew::cli

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "sinew/cli/output/outcome.h"
+#include "sinew/cli/output/verb.h"
 
 namespace sinew::cli {
 
@@ -26,5 +27,8 @@ struct FormatRequest {
 
 /// `sinew fmt`: programs in their one layout, in place; or only which ones are not in it.
 Outcome format_programs(const FormatRequest& request);
+
+void add_check(CLI::App& app, ChosenVerb& call);
+void add_format(CLI::App& app, ChosenVerb& call);
 
 }  // namespace sinew::cli

@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
+#include <memory>
+
 #include "sinew/cli/output/frames_text.h"
 #include "sinew/cli/output/kinematics_text.h"
 #include "sinew/cli/output/robot_argument.h"
@@ -116,6 +119,23 @@ Outcome forward(const ForwardRequest& request) {
   if (!jaw_width) return bad_input(jaw_width.error());
   return answer(model, kinematics::forward(std::get<PalletizerGeometry>(model.geometry), q), q,
                 kinematics::limit_violations(model.joints, q));
+}
+
+void add_forward(CLI::App& app, ChosenVerb& call) {
+  const auto own = std::make_shared<ForwardRequest>();
+  ForwardRequest& request = *own;
+  CLI::App* verb =
+      add_verb(app, call, "fk", "forward kinematics: where the tool is at given joints",
+               "sinew fk learm --joints-deg 0,90,0,0,0");
+  verb->add_option("ROBOT", request.robot, "id or .toml file")->required();
+  verb->add_option("--joints-deg", request.joints_deg, "one angle a joint: a,b,...");
+  verb->add_option("--legs-mm", request.legs_mm, "hexapod: six lengths, anchor to anchor");
+  verb->add_option("--near-pose-mm-deg", request.near_pose_mm_deg,
+                   "hexapod: the last pose x,y,z,rx,ry,rz; home where left out");
+  verb->add_option("--gripper-mm", request.gripper_mm,
+                   "width between the jaws; open where left out");
+  verb->add_flag("--frames", request.frames, "the DH table and every link's matrix");
+  verb->callback([&call, own] { call.verb = [own] { return forward(*own); }; });
 }
 
 }  // namespace sinew::cli

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "sinew/cli/output/outcome.h"
+#include "sinew/cli/output/verb.h"
 
 namespace sinew::cli {
 
@@ -19,5 +20,7 @@ struct ForwardRequest {
 
 /// `sinew fk`: where the tool (or platform) is at given joints (or legs).
 Outcome forward(const ForwardRequest& request);
+
+void add_forward(CLI::App& app, ChosenVerb& call);
 
 }  // namespace sinew::cli

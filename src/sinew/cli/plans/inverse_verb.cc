@@ -2,8 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
+#include <memory>
 
 #include "sinew/cli/output/kinematics_text.h"
 #include "sinew/cli/output/quantity.h"
@@ -260,6 +262,30 @@ Outcome inverse(const InverseRequest& request) {
     return inverse_palletizer(request, model, *palletizer);
   }
   return inverse_serial(request, model, std::get<SerialGeometry>(model.geometry));
+}
+
+void add_inverse(CLI::App& app, ChosenVerb& call) {
+  const auto own = std::make_shared<InverseRequest>();
+  InverseRequest& request = *own;
+  CLI::App* verb = add_verb(app, call, "ik", "inverse kinematics: all joints that reach a target",
+                            "sinew ik learm --point-mm 200,0,20");
+  verb->add_option("ROBOT", request.robot, "id or .toml file")->required();
+  verb->add_option("--pose-mm-deg", request.pose_mm_deg,
+                   "x,y,z,rx,ry,rz of the tool; rotation about fixed axes x, y, z");
+  verb->add_option("--point-mm", request.point_mm, "x,y,z of the tool's tip");
+  verb->add_option("--pitch-deg", request.pitch_deg,
+                   "with --point-mm: tool from straight up (90 level, 180 down); chosen where left "
+                   "out");
+  verb->add_option("--approach", request.approach,
+                   "with --point-mm: x,y,z of the tool's direction, of any length; the forearm "
+                   "rolls as it must");
+  verb->add_option("--gripper-mm", request.gripper_mm,
+                   "width between the jaws; open where left out");
+  verb->add_option("--near-joints-deg", request.near_joints_deg,
+                   "where the arm is: sorts the answers and settles free joints");
+  verb->add_option("--near-pose-mm-deg", request.near_pose_mm_deg,
+                   "hexapod: accepted for symmetry with fk; legs have one answer only");
+  verb->callback([&call, own] { call.verb = [own] { return inverse(*own); }; });
 }
 
 }  // namespace sinew::cli

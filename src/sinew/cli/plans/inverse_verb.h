@@ -4,6 +4,7 @@
 #include <string>
 
 #include "sinew/cli/output/outcome.h"
+#include "sinew/cli/output/verb.h"
 
 namespace sinew::cli {
 
@@ -22,5 +23,7 @@ struct InverseRequest {
 /// `sinew ik`: the joints (or legs) that bring the tool (or platform) to a pose or point, all
 /// branches with their verdicts, or a refusal with its numbers.
 Outcome inverse(const InverseRequest& request);
+
+void add_inverse(CLI::App& app, ChosenVerb& call);
 
 }  // namespace sinew::cli

@@ -69,7 +69,8 @@ void absorb(JogStretch& stretch, const JogStretch& next) {
   for (std::size_t j = 0; j < stretch.blamed.size(); ++j) stretch.blamed[j] += next.blamed[j];
 }
 
-std::vector<JogStretch> joined(const std::vector<JogStretch>& stretches, double shortest) {
+std::vector<JogStretch> joined_stretches(const std::vector<JogStretch>& stretches,
+                                         double shortest) {
   std::vector<JogStretch> rows;
   const auto is_short = [&](const JogStretch& stretch) {
     return stretch.end - stretch.begin < shortest;
@@ -123,7 +124,7 @@ void JogRecord::note(double t, double dt, const planning::JogStatus& status) {
 void JogRecord::join_stretches() {
   double shortest = kShort;
   do {
-    stretches = joined(stretches, shortest);
+    stretches = joined_stretches(stretches, shortest);
     shortest *= 2;
   } while (stretches.size() > kStretchesMax);
 }

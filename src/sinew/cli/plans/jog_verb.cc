@@ -30,7 +30,7 @@ constexpr double kTime = 3;         // s
 constexpr double kTimeMax = 600;    // s
 constexpr double kComeToRest = 60;  // s, more than any robot takes
 constexpr Duration kCycle = std::chrono::milliseconds(2);
-constexpr std::size_t kSamplesMax = 2000;
+constexpr std::size_t kJogSamplesMax = 2000;
 
 constexpr auto kFrames =
     std::to_array<std::pair<std::string_view, JogFrame>>({{"joint", JogFrame::kJoint},
@@ -115,7 +115,7 @@ void hold(Jog& jog, const JogCommand& command, double seconds, JogRecord& record
   const double dt = to_seconds(kCycle);
   const auto held = static_cast<std::size_t>(std::ceil(seconds / dt));
   const auto most = held + static_cast<std::size_t>(kComeToRest / dt);
-  const std::size_t every = 1 + held / kSamplesMax;
+  const std::size_t every = 1 + held / kJogSamplesMax;
   record.let_go = static_cast<double>(held) * dt;
   JogCommand none = command;
   for (double& number : none.velocity) number = 0;

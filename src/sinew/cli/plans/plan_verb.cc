@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -15,12 +16,11 @@
 #include "sinew/cli/output/robot_argument.h"
 #include "sinew/cli/output/table.h"
 #include "sinew/cli/output/targets.h"
+#include "sinew/cli/output/verb_options.h"
 #include "sinew/cli/plans/dry_run.h"
 #include "sinew/core/error_code.h"
 #include "sinew/core/quantity.h"
 #include "sinew/core/units.h"
-#include "sinew/devices/icp/icp_settings.h"
-#include "sinew/devices/lsc/lsc_settings.h"
 #include "sinew/io/file.h"
 #include "sinew/model/collision_links.h"
 #include "sinew/model/joint_lookup.h"
@@ -498,8 +498,9 @@ void tell_first_move(const Wanted& wanted, const program::Plan& known,
                      const program::Homing& homing, MotionPlan& plan) {
   if (wanted.declared || wanted.file.empty()) return;
   if (!boards_of(plan.model.device).empty()) return tell_unhomed(known, plan);
-  const auto* board = plan.model.device.settings.as<LscDevice>();
-  if (board == nullptr || board->profile != LscProfile::kLsc6) return;
+  const DeviceSettings& device = *plan.model.device.settings;
+  const bool reports = plan.model.device.capability.feedback != PositionFeedback::kNone;
+  if (reports || device.shows_power_loss() || device.counts_from_power_up()) return;
   const auto orders = program::make_plan(wanted.program, plan.model, std::nullopt, homing);
   if (!orders) {
     plan.notes.push_back(refused_from_nowhere(orders.error().line, ""));
@@ -520,10 +521,9 @@ void tell_first_move(const Wanted& wanted, const program::Plan& known,
 void tell_share(MotionPlan& plan) {
   const double share = plan.model.device.capability.limits_share;
   if (share == 1) return;
-  const bool legs = plan.model.device.settings.is<IcpDevice>();
-  plan.notes.push_back(fmt::format("planned with {} % of the limits: {}", number(share * 100, 1),
-                                   legs ? "rounding to the wire's whole steps needs the rest"
-                                        : "the axis' own loop needs the rest"));
+  plan.notes.push_back(fmt::format(
+      "planned with {} % of the limits: the device needs the rest to catch up and to round",
+      number(share * 100, 1)));
 }
 
 /// Both branches of an `if` are shown, one behind the other; the device takes one of them.
@@ -605,6 +605,33 @@ Outcome plan(const PlanRequest& request) {
     return plan_refusal(model, wanted->file, weighed.error());
   }
   return finish(plan, request);
+}
+
+void add_plan(CLI::App& app, ChosenVerb& call) {
+  const auto own = std::make_shared<PlanRequest>();
+  PlanRequest& request = *own;
+  CLI::App* verb = add_verb(
+      app, call, "plan", "a motion along a way, checked and timed; nothing moves",
+      "sinew plan robot-arm-2 --from-joints 0,-30,-30,0,30,0 --to 400,150,300 --to 400,-150,300 "
+      "--speed 80mm/s --plot plan.svg");
+  verb->add_option("ROBOT", request.subject, "id or .toml file; or a program NAME.sinew")
+      ->required();
+  verb->add_option("--robot", request.robot, "of a program: id or .toml file");
+  add_variant(*verb, request);
+  verb->add_option("--to", request.to,
+                   "x,y,z or x,y,z,rx,ry,rz: a straight line of the tool; joints=a,b,..: a joint "
+                   "move; again for each further move")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  verb->add_option("--from-joints", request.from, "where it starts; home where left out");
+  verb->add_option("--speed", request.speed,
+                   "of the tool, as in 80mm/s; what it can where left out");
+  verb->add_option("--blend", request.blend,
+                   "how far from a corner the tool may leave its line, as in 10mm; a stop where "
+                   "left out");
+  verb->add_option("--plot", request.plot, "SVG file: joints against their limits, the tool's way");
+  verb->add_option("--in-cell", request.cell, "CELL.toml: a dry run with its camera's picture");
+  verb->callback([&call, own] { call.verb = [own] { return plan(*own); }; });
 }
 
 }  // namespace sinew::cli

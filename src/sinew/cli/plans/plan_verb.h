@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "sinew/cli/output/outcome.h"
+#include "sinew/cli/output/verb.h"
 
 namespace sinew::cli {
 
@@ -27,5 +28,7 @@ struct PlanRequest {
 /// `sinew plan`: the motion along a way, checked and timed over its whole length, and what limits
 /// it. Nothing moves.
 Outcome plan(const PlanRequest& request);
+
+void add_plan(CLI::App& app, ChosenVerb& call);
 
 }  // namespace sinew::cli

@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
 #include <map>
+#include <memory>
 
 #include "sinew/cli/output/kinematics_text.h"
 #include "sinew/cli/output/robot_argument.h"
@@ -130,6 +132,16 @@ Outcome show_robot(const std::string& argument) {
                              motion_name(model.device), body_text(model.collision), table.text(),
                              sources.text());
   return outcome;
+}
+
+void add_robots(CLI::App& app, ChosenVerb& call) {
+  const auto robot = std::make_shared<std::string>();
+  CLI::App* verb = add_verb(app, call, "robots", "the robots that Sinew knows, or all about one",
+                            "sinew robots learm");
+  verb->add_option("ROBOT", *robot, "id or .toml file; all built-in ones where left out");
+  verb->callback([&call, robot] {
+    call.verb = [robot] { return robot->empty() ? list_robots() : show_robot(*robot); };
+  });
 }
 
 }  // namespace sinew::cli

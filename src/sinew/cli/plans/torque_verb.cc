@@ -2,8 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <set>
 
 #include "sinew/cli/output/kinematics_text.h"
@@ -14,7 +16,6 @@
 #include "sinew/cli/plans/torque_report.h"
 #include "sinew/core/quantity.h"
 #include "sinew/core/spelling.h"
-#include "sinew/devices/axis/axis_device_settings.h"
 #include "sinew/io/file.h"
 #include "sinew/model/joint_lookup.h"
 #include "sinew/program/language/program_file.h"
@@ -186,6 +187,20 @@ Outcome torque(const TorqueRequest& request) {
   outcome.json = torque_json(report);
   outcome.text = torque_text(report);
   return outcome;
+}
+
+void add_torque(CLI::App& app, ChosenVerb& call) {
+  const auto own = std::make_shared<TorqueRequest>();
+  TorqueRequest& request = *own;
+  CLI::App* verb =
+      add_verb(app, call, "torque", "what each joint needs against what its motors and gear give",
+               "sinew torque robot-arm-2 --payload-kg 1");
+  verb->add_option("ROBOT", request.robot, "id or .toml file")->required();
+  verb->add_option("--payload-kg", request.payload_kg, "at the tool; none where left out");
+  verb->add_option("--program", request.program, "a .sinew file: its peaks and means, from home");
+  verb->add_option("--axis", request.axis,
+                   "the joint to look at closely, J1.. or its name; the weakest where left out");
+  verb->callback([&call, own] { call.verb = [own] { return torque(*own); }; });
 }
 
 }  // namespace sinew::cli

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "sinew/cli/output/outcome.h"
+#include "sinew/cli/output/verb.h"
 
 namespace sinew::cli {
 
@@ -18,5 +19,7 @@ struct TorqueRequest {
 /// `sinew torque`: what each joint needs over the workspace and over a program against what its
 /// motors give, and which gear ratio would do. docs/torque.md.
 Outcome torque(const TorqueRequest& request);
+
+void add_torque(CLI::App& app, ChosenVerb& call);
 
 }  // namespace sinew::cli

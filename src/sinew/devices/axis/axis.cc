@@ -6,8 +6,11 @@
 #include "sinew/devices/axis/axis_file.h"
 #include "sinew/devices/axis/axis_listener.h"
 #include "sinew/devices/axis/axis_machine.h"
+#include "sinew/devices/axis/axis_search.h"
 #include "sinew/devices/axis_link/axis_link_driver.h"
+#include "sinew/devices/axis_link/axis_link_view.h"
 #include "sinew/devices/axis_registers/axis_registers_driver.h"
+#include "sinew/devices/axis_registers/axis_registers_view.h"
 #include "sinew/devices/kind.h"
 #include "sinew/model/error_sentence.h"
 
@@ -84,6 +87,7 @@ std::optional<std::string> registers_statement(const Driver& driver, const Robot
 std::optional<std::string> link_statement(const Driver& driver, const RobotModel& robot,
                                           std::string_view what, std::size_t joint) {
   if (what == "axis") return axis_statement<AxisLinkDriver>(driver, robot, joint);
+  if (what == "shows_zero_shift") return "yes";
   const bool steps = what == "zero_shift_steps";
   const auto shift = driver_as<AxisLinkDriver>(driver).zero_shift(joint);
   if ((!steps && what != "zero_shift_deg") || !shift) return std::nullopt;
@@ -140,6 +144,8 @@ const DeviceKind kAxisRegistersKind{
     .driver = registers_driver,
     .machine = registers_machine,
     .listener = registers_listener,
+    .view = axis_registers_view,
+    .search = axis_search,
     .statement = registers_statement,
     .suspicion = registers_suspicion,
 };
@@ -153,6 +159,8 @@ const DeviceKind kAxisLinkKind{
     .driver = link_driver,
     .machine = link_machine,
     .listener = link_listener,
+    .view = axis_link_view,
+    .search = axis_search,
     .statement = link_statement,
     .suspicion = link_suspicion,
 };

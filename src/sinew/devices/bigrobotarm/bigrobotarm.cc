@@ -2,6 +2,7 @@
 #include "sinew/devices/bigrobotarm/bigrobotarm_file.h"
 #include "sinew/devices/bigrobotarm/bigrobotarm_listener.h"
 #include "sinew/devices/bigrobotarm/bigrobotarm_machine.h"
+#include "sinew/devices/bigrobotarm/bigrobotarm_view.h"
 #include "sinew/devices/kind.h"
 
 namespace sinew {
@@ -68,6 +69,7 @@ const DeviceKind kBigRobotArmKind{
     .driver = driver,
     .machine = machine,
     .listener = listener,
+    .view = bigrobotarm_view,
     .statement = statement,
     .silence_hint = silence_hint,
 };

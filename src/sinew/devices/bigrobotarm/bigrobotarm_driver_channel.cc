@@ -396,4 +396,16 @@ std::optional<Error> BigRobotArmDevice::target_refusal(const RobotModel& /*robot
   return steps ? std::nullopt : std::optional(steps.error());
 }
 
+std::optional<Error> BigRobotArmDevice::gripper_refusal(const GripperTo& gripper) const {
+  constexpr double kTolerance = 1e-9;
+  const double widest = from_deg(gripper_max);
+  const double angle = gripper.angle.value_or(0);
+  if (!(angle >= 0 && angle <= widest + kTolerance)) {
+    return Error{ErrorCode::kToolAngle, -1, angle, angle < 0 ? 0 : widest};
+  }
+  const auto position = static_cast<std::int32_t>(std::lround(to_deg(angle)));
+  const bool cut = wire == BigRobotArmWire::kByte && !bigrobotarm::byte::sendable(position);
+  return cut ? std::optional(Error{ErrorCode::kUnsendable, -1, 1.0 * position}) : std::nullopt;
+}
+
 }  // namespace sinew

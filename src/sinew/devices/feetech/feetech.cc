@@ -4,6 +4,7 @@
 #include "sinew/devices/feetech/feetech_file.h"
 #include "sinew/devices/feetech/feetech_listener.h"
 #include "sinew/devices/feetech/feetech_machine.h"
+#include "sinew/devices/feetech/feetech_view.h"
 #include "sinew/devices/kind.h"
 #include "sinew/model/hand.h"
 
@@ -65,6 +66,7 @@ const DeviceKind kFeetechKind{
     .driver = driver,
     .machine = machine,
     .listener = listener,
+    .view = feetech_view,
     .statement = statement,
     .silence_hint = silence_hint,
 };

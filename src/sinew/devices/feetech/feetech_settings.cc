@@ -7,13 +7,6 @@
 #include "sinew/model/hand.h"
 
 namespace sinew {
-namespace {
-
-/// How far a joint's zero may be moved by commissioning: a servo's horn sits anywhere.
-constexpr double kTrimMax = kPi;
-
-}  // namespace
-
 Duration FeetechDevice::tool_time(const RobotModel& robot, const ToolAction& action,
                                   std::optional<double> jaws) const {
   const auto* to = std::get_if<JawsTo>(&action);
@@ -51,7 +44,7 @@ bool FeetechDevice::use_setting(const DeviceSetting& setting, Device& /*device*/
   Servo& servo = servos[*setting.joint];
   if (setting.turns_joint()) {
     servo.sign *= -1;
-  } else if (setting.what == "trim_rad" && number && std::abs(*number) <= kTrimMax) {
+  } else if (setting.what == "trim_rad" && number && std::abs(*number) <= trim_max()) {
     servo.centre = units_of(*setting.joint, *number);
   } else if (setting.what == "servo_id" && number && *number >= 0 && *number <= kIdMax) {
     servo.id = static_cast<std::uint8_t>(*number);

@@ -68,6 +68,8 @@ struct FeetechDevice final : SettingsOf<FeetechDevice> {
       out.add(static_cast<double>(servo.id)), out.add(servo.centre), out.add(servo.sign);
     }
   }
+  /// A servo's horn sits anywhere.
+  double trim_max() const override { return kPi; }
   StopFacts stop_facts() const override {
     return {true, "as its joints brake, and 10 ms until the servos hear of it",
             "servos hold; without power, and in free drive, the arm drops"};

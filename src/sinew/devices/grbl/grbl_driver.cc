@@ -177,10 +177,11 @@ Expected<void> GrblDriver::nudge(std::size_t joint, double way, Duration duratio
   if (const auto may = may_begin(); !may) return may;
   Jog jog{joint, std::round(known_.units(joint, way) * 1e3) / 1e3, 0};
   // Written so that NaN is refused too.
+  const bool slides = joints_[joint].kind == JointKind::kPrismatic;
+  const double most = slides ? GrblDevice::kNudgeMaxSliding : GrblDevice::kNudgeMax;
   const bool inside = std::abs(way) >= device_.resolution(joint) / 2 &&
-                      std::abs(way) <= GrblDevice::kNudgeMax * (1 + 1e-9) && jog.by != 0;
-  if (!inside)
-    return std::unexpected(joint_error(ErrorCode::kNudgeRange, joint, way, GrblDevice::kNudgeMax));
+                      std::abs(way) <= most * (1 + 1e-9) && jog.by != 0;
+  if (!inside) return std::unexpected(joint_error(ErrorCode::kNudgeRange, joint, way, most));
   const double rate_max = device_.to_units(joint, joints_[joint].velocity_max);
   const double seconds = std::max(to_seconds(duration), 1e-3);
   jog.rate = 60 * std::min(std::abs(jog.by) / seconds, rate_max);

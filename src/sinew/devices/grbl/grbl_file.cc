@@ -1,7 +1,5 @@
 #include "sinew/devices/grbl/grbl_file.h"
 
-#include <algorithm>
-
 #include "sinew/devices/grbl/grbl_settings.h"
 #include "sinew/devices/table_file.h"
 
@@ -19,8 +17,8 @@ void read_grbl(TableReader& reader, RobotModel& model) {
   device.axes.resize(model.joints.size());
   // The rest is for its planner, to catch up where a motion was slower than planned.
   model.device.capability.limits_share = 0.9;
-  const bool turns = std::ranges::count(model.joints, JointKind::kPrismatic, &Joint::kind) == 0;
-  model.device.capability.nudge_max = turns ? GrblDevice::kNudgeMax : GrblDevice::kNudgeMaxSliding;
+  model.device.capability.nudge_max = GrblDevice::kNudgeMax;
+  model.device.capability.nudge_slide_max = GrblDevice::kNudgeMaxSliding;
   reader.choice("homing", kYesNo, device.homes);
   for_each_joint(reader, model, [&](std::size_t i, TableReader& table) {
     GrblDevice::Axis& axis = device.axes[i];

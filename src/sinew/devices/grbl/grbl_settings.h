@@ -41,8 +41,7 @@ struct GrblDevice final : SettingsOf<GrblDevice> {
     return {true, "a character until told, then as its axes brake",
             "held while its motors are on; without power what has weight falls"};
   }
-  /// How far one joint may be moved at a time while its place is not known, rad; and rad or m where
-  /// one of them slides.
+  /// How far one joint may be moved at a time while its place is not known, rad; m where it slides.
   static constexpr double kNudgeMax = from_deg(5);
   static constexpr double kNudgeMaxSliding = from_mm(5);
   /// -1 where the board counts the other way round.

@@ -4,6 +4,7 @@
 #include "sinew/devices/icp/icp_file.h"
 #include "sinew/devices/icp/icp_listener.h"
 #include "sinew/devices/icp/icp_machine.h"
+#include "sinew/devices/icp/icp_view.h"
 #include "sinew/devices/kind.h"
 
 namespace sinew {
@@ -72,6 +73,7 @@ const DeviceKind kIcpKind{
     .driver = driver,
     .machine = machine,
     .listener = listener,
+    .view = icp_view,
     .statement = statement,
     .silence_hint = silence_hint,
 };

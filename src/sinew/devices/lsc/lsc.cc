@@ -4,6 +4,7 @@
 #include "sinew/devices/lsc/lsc_file.h"
 #include "sinew/devices/lsc/lsc_listener.h"
 #include "sinew/devices/lsc/lsc_machine.h"
+#include "sinew/devices/lsc/lsc_view.h"
 
 namespace sinew {
 namespace {
@@ -62,6 +63,7 @@ const DeviceKind kLscKind{
     .driver = driver,
     .machine = machine,
     .listener = listener,
+    .view = lsc_view,
     .silence_hint = silence_hint,
 };
 

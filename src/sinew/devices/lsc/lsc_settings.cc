@@ -51,6 +51,7 @@ void LscDevice::use_profile(const std::string& name, Device& device) {
     device.capability.feedback = PositionFeedback::kCommanded;
   } else {
     profile = LscProfile::kLsc6;
+    device.capability.feedback = PositionFeedback::kNone;
   }
   device.capability.free_drive = profile == LscProfile::kBus;
 }

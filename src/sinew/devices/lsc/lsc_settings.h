@@ -48,6 +48,7 @@ struct LscDevice final : SettingsOf<LscDevice> {
           out.add(servo.trim);
     }
   }
+  double trim_max() const override { return kTrimMax; }
   StopFacts stop_facts() const override {
     return {true, "where the servos are when the stop frame has arrived, 26 ms",
             "servos hold; without power or pulses the arm drops"};

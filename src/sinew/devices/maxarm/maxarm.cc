@@ -3,6 +3,7 @@
 #include "sinew/devices/maxarm/maxarm_file.h"
 #include "sinew/devices/maxarm/maxarm_listener.h"
 #include "sinew/devices/maxarm/maxarm_machine.h"
+#include "sinew/devices/maxarm/maxarm_view.h"
 
 namespace sinew {
 namespace {
@@ -61,6 +62,7 @@ const DeviceKind kMaxArmKind{
     .driver = driver,
     .machine = machine,
     .listener = listener,
+    .view = maxarm_view,
     .statement = statement,
     .silence_hint = silence_hint,
 };

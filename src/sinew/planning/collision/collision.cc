@@ -121,7 +121,9 @@ void CollisionModel::lay_poses() {
       static_cast<std::size_t>(std::pow(static_cast<double>(kPosesMax), share) + kRounding);
   for (const std::uint8_t j : left_out_) {
     const Joint& joint = model_->joints[j];
-    const double range = std::min(joint.upper - joint.lower, 2 * kPi);
+    const bool turns = joint.kind == JointKind::kRevolute;
+    const double all = joint.upper - joint.lower;
+    const double range = turns ? std::min(all, 2 * kPi) : all;
     const double half = range / static_cast<double>(2 * parts);
     pose_half_[j] = half;
     const std::vector<JointArray> before = std::exchange(poses_, {});

@@ -67,10 +67,13 @@ struct Chain {
   }
 };
 
+/// m per m, and a hair for rounding: motions are walked until the bound is used up.
+constexpr double kSlide = 1 + 1e-9;
+
 /// How far joint k moves a shape that it carries, on link j >= k, per rad or m: its lever arm,
 /// or 1.
 double outer_reach(const Chain& chain, const Hull& hull, std::size_t k, std::size_t j) {
-  if (chain.slides(k)) return 1;
+  if (chain.slides(k)) return kSlide;
   const DhRow& row = chain.row(j);
   const double sin_alpha = std::sin(row.alpha), cos_alpha = std::cos(row.alpha);
   if (k == j) {
@@ -89,7 +92,7 @@ double outer_reach(const Chain& chain, const Hull& hull, std::size_t k, std::siz
 
 /// The same of a shape before it, on link i < k.
 double inner_reach(const Chain& chain, const Hull& hull, std::size_t k, std::size_t i) {
-  if (chain.slides(k)) return 1;
+  if (chain.slides(k)) return kSlide;
   if (k == i + 1) return farthest_from_z(hull);
   double sum = farthest_from(hull, {});
   for (std::size_t m = i + 1; m < k; ++m) sum += chain.length(m);
@@ -100,9 +103,14 @@ JointReach serial_reach(const Chain& chain, const CollisionShape& first,
                         const CollisionShape* second) {
   JointReach reach{};
   if (second == nullptr) {
-    // A first joint that turns does so about the table's normal.
-    for (std::size_t k = chain.slides(1) ? 1 : 2; k <= first.link; ++k) {
-      reach[k - 1] = outer_reach(chain, hull_of(first), k, first.link);
+    // What turns about the table's normal comes no nearer to it: the first joint, and all of a
+    // SCARA.
+    bool upright = true;
+    for (std::size_t k = 1; k <= first.link; ++k) {
+      if (!upright || chain.slides(k)) {
+        reach[k - 1] = outer_reach(chain, hull_of(first), k, first.link);
+      }
+      upright = upright && std::abs(std::sin(chain.row(k).alpha)) < 1e-12;
     }
     return reach;
   }

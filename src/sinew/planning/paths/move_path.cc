@@ -26,9 +26,16 @@ constexpr double kLookStep = 0.25e-3;
 /// Places of a straight piece or of a blend where its tool is looked at.
 constexpr std::size_t kLooks = 32;
 
-double farthest_joint(const JointArray& a, const JointArray& b) {
+/// How far two places are apart by the joint that differs most: rad, and m of legs. 0.1 m of an
+/// arm's joint that slides count as 1 rad.
+double farthest_joint(const ToolSpace& space, const JointArray& a, const JointArray& b) {
   double largest = 0;
-  for (std::size_t j = 0; j < kMaxJoints; ++j) largest = std::max(largest, std::abs(a[j] - b[j]));
+  for (std::size_t j = 0; j < space.size(); ++j) {
+    const bool slides =
+        space.serial() != nullptr && space.joints()[j].kind == JointKind::kPrismatic;
+    const double apart = std::abs(a[j] - b[j]);
+    largest = std::max(largest, slides ? apart / kTurnRadius : apart);
+  }
   return largest;
 }
 
@@ -294,7 +301,7 @@ double MovePathBuilder::blend_length(const Leg& leg, const Move& move) const {
   };
   const auto joints_within = [&](const MoveWay& way, double s) {
     return move.blend_joints == 0 || !way.straight_in_joints() ||
-           farthest_joint(way.joints_at(s), corner_.q) <= move.blend_joints;
+           farthest_joint(space_, way.joints_at(s), corner_.q) <= move.blend_joints;
   };
   const auto fits = [&](double d) {
     return within(way_.point_at(length - d)) && within(ahead_.point_at(d)) &&
@@ -390,7 +397,7 @@ bool MovePathBuilder::join(const Leg& leg, const Move& before, PlannedPath& out)
     X_near = *X_BT;
     p[k] = X_BT->p;
     good = norm(p[k] - leg.from.X_BT.p) <= radius + kPathTolerance &&
-           farthest_joint(at.q, leg.from.q) <= tolerance * (1 + 1e-9);
+           farthest_joint(space_, at.q, leg.from.q) <= tolerance * (1 + 1e-9);
   }
   const PieceRange blend{piece, piece + 1};
   good = good &&

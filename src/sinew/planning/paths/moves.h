@@ -59,7 +59,8 @@ struct Move {
   double joint_share = 1;  ///< of the joints' velocity limits, [1e-3, 1]
   /// The tool comes no farther from the corner than this while it rounds it, m; 0: a stop.
   double blend_radius = 0;
-  /// The same said of the joints (rad, or m for legs); where both are given both hold.
+  /// The same said of the joints (rad, or m for legs; 0.1 m of an arm's joint that slides count as
+  /// 1 rad); where both are given both hold.
   double blend_joints = 0;
 };
 

@@ -8,8 +8,6 @@
 
 #include "sinew/core/error_code.h"
 #include "sinew/core/units.h"
-#include "sinew/devices/bigrobotarm/bigrobotarm_settings.h"
-#include "sinew/devices/bigrobotarm/bigrobotarm_wire_byte.h"
 #include "sinew/model/hand.h"
 #include "sinew/model/joint_lookup.h"
 #include "sinew/model/left_out.h"
@@ -53,17 +51,8 @@ std::optional<Error> tool_refusal(const RobotModel& robot, const ToolAction& act
     return Error{ErrorCode::kJawWidth, -1, jaws->width, widest};
   }
   if (const auto* gripper = std::get_if<GripperTo>(&action)) {
-    const auto* device = robot.device.settings.as<BigRobotArmDevice>();
-    if (device == nullptr) return Error{ErrorCode::kToolNotFitted};
-    const double widest = from_deg(device->gripper_max);
-    const double angle = gripper->angle.value_or(0);
-    if (!(angle >= 0 && angle <= widest + kTolerance)) {
-      return Error{ErrorCode::kToolAngle, -1, angle, angle < 0 ? 0 : widest};
-    }
-    const auto position = static_cast<std::int32_t>(std::lround(to_deg(angle)));
-    const bool cut =
-        device->wire == BigRobotArmWire::kByte && !bigrobotarm::byte::sendable(position);
-    return cut ? std::optional(Error{ErrorCode::kUnsendable, -1, 1.0 * position}) : std::nullopt;
+    if (hand != HandDrive::kServo) return Error{ErrorCode::kToolNotFitted};
+    return robot.device.settings->gripper_refusal(*gripper);
   }
   if (hand != HandDrive::kSuction) return Error{ErrorCode::kToolNotFitted};
   const auto* nozzle = std::get_if<NozzleTo>(&action);

@@ -3,18 +3,11 @@
 #include <cstdlib>
 
 #include "sinew/core/units.h"
-#include "sinew/devices/icp/icp_settings.h"
 #include "sinew/model/joint_lookup.h"
-#include "sinew/program/procedures/procedures.h"
+#include "sinew/program/procedures/step_list.h"
 
 namespace sinew::program {
 namespace {
-
-std::string number_text(double value) {
-  char text[40];
-  std::snprintf(text, sizeof text, "%.9g", value);
-  return text;
-}
 
 std::optional<double> number_of(const std::string& text) {
   char* end = nullptr;
@@ -32,45 +25,42 @@ void find_turns(const Procedure& procedure, FoundSettings& found) {
   }
 }
 
-const StepResult* done(const Procedure& procedure, const std::string& id) {
-  const auto* one = procedure.result(id);
+}  // namespace
+
+std::string number_text(double value) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%.9g", value);
+  return text;
+}
+
+const StepResult* numbered(const Procedure& procedure, const std::string& step) {
+  const auto* one = procedure.result(step);
   const bool is = one != nullptr && one->state == StepResult::State::kDone && one->number;
   return is ? one : nullptr;
 }
-
-}  // namespace
 
 FoundSettings found_settings(const Procedure& procedure) {
   FoundSettings found;
   const RobotModel& robot = procedure.machine().robot();
   // Boards turn their motors as they are set up themselves.
   if (boards_of(robot.device).empty()) find_turns(procedure, found);
-  if (const auto* icp = robot.device.settings.as<IcpDevice>()) {
-    const auto* down = done(procedure, "minus_one");
-    if (down != nullptr && *down->number != icp->units_per_down) {
-      found["units_per_down"] = number_text(*down->number);
-    }
-    const auto* sent = done(procedure, "go_far");
-    const auto* went = done(procedure, "went");
-    if (sent != nullptr && went != nullptr) {
-      found["way_factor"] = number_text(*went->number / std::abs(*sent->number));
-    }
-  }
+  const FirstDay* day = first_day_of(robot.device);
+  if (day != nullptr && day->find != nullptr) day->find(procedure, found);
   if (const auto* jaws = procedure.result("jaws_seen")) {
     const bool open = jaws_tried(robot) > 0;
     if (jaws->answer == (open ? "shut" : "open")) found["jaws_turn"] = "other";
   }
   for (const Joint& joint : robot.joints) {
-    if (const auto* id = done(procedure, "id." + joint.name)) {
+    if (const auto* id = numbered(procedure, "id." + joint.name)) {
       found["joint." + joint.name + ".servo_id"] = number_text(*id->number);
     }
-    if (const auto* zero = done(procedure, "zero." + joint.name)) {
+    if (const auto* zero = numbered(procedure, "zero." + joint.name)) {
       const std::string key = "joint." + joint.name;
       // It was measured as the joint counted before.
       const double sign = found.contains(key + ".turn") ? -1 : 1;
       found[key + ".trim_rad"] = number_text(sign * *zero->number);
     }
-    if (const auto* trim = done(procedure, "trim." + joint.name)) {
+    if (const auto* trim = numbered(procedure, "trim." + joint.name)) {
       found["joint." + joint.name + ".trim_rad"] = number_text(*trim->number);
     }
   }

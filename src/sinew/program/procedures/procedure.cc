@@ -275,7 +275,7 @@ bool Procedure::nudge_next() {
 std::optional<std::string> Procedure::go(double way) {
   turn_ = 0;
   const std::size_t joint = moving_joint();
-  const double nudge_max = robot_.device.capability.nudge_max;
+  const double most = nudge_max(robot_, joint);
   left_ = way;
   part_ = 0;
   if (const auto from = machine_.reference()) {
@@ -292,10 +292,10 @@ std::optional<std::string> Procedure::go(double way) {
     left_ = 0;
     return follow(*from, *motion, planner_->motion());
   }
-  if (!(nudge_max > 0)) {
+  if (!(most > 0)) {
     return "nobody knows where the machine is, and it cannot be moved by a little from there";
   }
-  part_ = std::clamp(way, -nudge_max, nudge_max);
+  part_ = std::clamp(way, -most, most);
   left_ = way - part_;
   command_ = machine_.give(control::Nudge{static_cast<std::uint8_t>(joint), part_});
   phase_ = Phase::kWorking;

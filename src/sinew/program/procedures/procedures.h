@@ -30,9 +30,7 @@ std::expected<ProcedurePlan, std::string> commissioning_procedure(const RobotMod
                                                                   const Homing& homing,
                                                                   const DeviceFact& fact);
 
-/// The width that the jaws are sent to so that a person can say which kit they are of, m: at 1500
-/// us, where one kit's are open and the other's shut and neither servo is driven against its end;
-/// of a bus servo open.
+/// The width that the jaws are sent to so that a person can say which way they count, m.
 double jaws_tried(const RobotModel& robot);
 
 /// What commissioning has found, by name: "joint.leg1.invert" = "yes".

@@ -4,6 +4,8 @@
 #include <string>
 #include <utility>
 
+#include "sinew/devices/kinds.h"
+
 namespace sinew::server {
 namespace {
 
@@ -34,6 +36,12 @@ Json one_of(std::initializer_list<const char*> words) {
   Json list = Json::array();
   for (const char* word : words) list.push_back(word);
   return {{"type", "string"}, {"enum", std::move(list)}};
+}
+/// The names of all kinds of devices.
+Json wires() {
+  Json names = Json::array();
+  for (const DeviceKind* kind : device_kinds()) names.push_back(kind->table.protocol);
+  return {{"type", "string"}, {"enum", std::move(names)}};
 }
 Json list(Json items) {
   return {{"type", "array"}, {"items", std::move(items)}};
@@ -594,6 +602,25 @@ void put_legs(Json& all) {
                                         {"last_trouble", heard({{"flags", list(text())}})}}));
 }
 
+void put_bus_servos(Json& all) {
+  all["BusServo"] = object({{"joint", text()}, {"servo", whole()}, {"answers", flag()}},
+                           {{"age_s", number()},
+                            {"model", whole()},
+                            {"firmware", text()},
+                            {"motor_on", flag()},
+                            {"position_rad", number()},
+                            {"width_m", number()},
+                            {"units", integer()},
+                            {"goal_units", integer()},
+                            {"lowest_units", integer()},
+                            {"highest_units", integer()},
+                            {"load", number()},
+                            {"torque_limit", number()},
+                            {"volts", number()},
+                            {"temperature_c", number()},
+                            {"temperature_max_c", number()}});
+}
+
 void put_device(Json& all) {
   put_axes(all);
   put_legs(all);
@@ -612,13 +639,13 @@ void put_device(Json& all) {
                                {"speed_rev_s", number()},
                                {"acceleration_rev_s2", number()}}))}},
       {{"bytes", text()}, {"gripper", object({{"enabled", flag()}, {"servo_deg", number()}})}});
+  put_bus_servos(all);
   all["Device"] = told(
       "What there is beside the first five depends on its wire.",
       object(
           {{"robot", text()},
            {"port", text()},
-           {"wire", one_of({"ideal", "icp", "lsc", "maxarm", "bigrobotarm", "axis_registers",
-                            "axis_link"})},
+           {"wire", wires()},
            {"at_s", number()},
            {"warnings",
             list(object({{"name", text()}}, {{"joint", text()}, {"age_s", number()}}))}},
@@ -643,7 +670,8 @@ void put_device(Json& all) {
            {"status", ref("SequenceStatus")},
            {"reports_status", flag()},
            {"round_s", number()},
-           {"axes", list(ref("AxisStatus"))}}));
+           {"axes", list(ref("AxisStatus"))},
+           {"bus_servos", list(ref("BusServo"))}}));
   all["WireFrame"] = object({{"sequence", whole()},
                              {"at_s", number()},
                              {"to", one_of({"device", "host"})},

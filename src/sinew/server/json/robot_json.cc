@@ -6,6 +6,7 @@
 #include "sinew/core/error_code.h"
 #include "sinew/driver/quality_name.h"
 #include "sinew/model/error_sentence.h"
+#include "sinew/model/joint_lookup.h"
 #include "sinew/model/left_out.h"
 #include "sinew/planning/jog/jog_reason.h"
 #include "sinew/runtime/records/unit_name.h"
@@ -217,8 +218,8 @@ Json description_json(const CellRobot& place, const runtime::Station& station) {
              {{"ends_motion", stop.ends_motion},
               {"standstill", stop.standstill},
               {"gravity", stop.falls}}}};
-  if (capability.nudge_max > 0) {
-    json[with_unit("nudge_max", model.joints[0])] = capability.nudge_max;
+  for (std::size_t j = 0; j < model.joints.size() && capability.nudge_max > 0; ++j) {
+    json[with_unit("nudge_max", model.joints[j])] = nudge_max(model, j);
   }
   if (const auto* recovery = station.recovery()) {
     json["position_journal"] = {{"found", station.journal_found()},

@@ -1,8 +1,9 @@
-#include "sinew/cli/cells/servos_verb.h"
+#include "sinew/devices/feetech/feetech_verb.h"
 
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <memory>
 
 #include "sinew/cli/output/table.h"
 #include "sinew/devices/feetech/feetech_driver_bus.h"
@@ -179,7 +180,9 @@ Outcome servos(const ServosRequest& request) {
   return line.lost() ? could_not(*line.lost()) : outcome;
 }
 
-void add_servos(CLI::App& app, ChosenVerb& call, ServosRequest& request) {
+void add_servos(CLI::App& app, ChosenVerb& call) {
+  const auto own = std::make_shared<ServosRequest>();
+  ServosRequest& request = *own;
   CLI::App* verb =
       add_verb(app, call, "servos", "Feetech bus servos: which reply, and their numbers",
                "sinew servos /dev/ttyACM0 --id 1 --new-id 4");
@@ -190,7 +193,7 @@ void add_servos(CLI::App& app, ChosenVerb& call, ServosRequest& request) {
   verb->add_option("--new-id", request.new_id, "with --id: its new number, kept without power");
   verb->add_flag("--middle", request.middle,
                  "with --id: where it is becomes its middle (2048), kept without power; STS");
-  verb->callback([&call, &request] { call.verb = [&request] { return servos(request); }; });
+  verb->callback([&call, own] { call.verb = [own] { return servos(*own); }; });
 }
 
 }  // namespace sinew::cli

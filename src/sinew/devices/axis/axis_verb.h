@@ -4,6 +4,7 @@
 #include <string>
 
 #include "sinew/cli/output/outcome.h"
+#include "sinew/cli/output/verb.h"
 
 namespace sinew::cli {
 
@@ -21,5 +22,7 @@ struct AxisRequest {
 /// `sinew axis`: how the control loop of each axis answers a jump of its reference, and how closely
 /// it follows a move, with the arm's weight and inertia, in simulation.
 Outcome try_axis(const AxisRequest& request);
+
+void add_axis(CLI::App& app, ChosenVerb& call);
 
 }  // namespace sinew::cli

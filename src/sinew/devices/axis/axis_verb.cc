@@ -1,12 +1,13 @@
-#include "sinew/cli/plans/axis_verb.h"
+#include "sinew/devices/axis/axis_verb.h"
 
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
 #include <cmath>
+#include <memory>
 #include <numeric>
 #include <vector>
 
-#include "sinew/cli/output/axis_plot.h"
 #include "sinew/cli/output/kinematics_text.h"
 #include "sinew/cli/output/robot_argument.h"
 #include "sinew/cli/output/table.h"
@@ -15,6 +16,7 @@
 #include "sinew/core/spelling.h"
 #include "sinew/core/units.h"
 #include "sinew/devices/axis/axis_device_settings.h"
+#include "sinew/devices/axis/axis_verb_plot.h"
 #include "sinew/io/file.h"
 #include "sinew/model/joint_lookup.h"
 
@@ -23,7 +25,7 @@ namespace {
 
 constexpr double kStep = from_deg(1.5);  // the largest following error that boards tolerate
 constexpr double kTrack = from_deg(40);  // long enough to come to the joint's speed
-constexpr double kPayloadMax = 50;       // kg, more than any such arm weighs
+constexpr double kAxisPayloadMax = 50;   // kg, more than any such arm weighs
 
 template <class T>
 using Parsed = std::expected<T, std::string>;
@@ -99,8 +101,8 @@ Parsed<Trials> parse(const AxisRequest& request, const RobotModel& model) {
   if (request.payload) {
     const auto payload = parse_quantity(*request.payload, Measure::kMass, UnitRule::kOptional);
     if (!payload) return std::unexpected("--payload-kg: " + payload.error());
-    if (!(*payload >= 0 && *payload <= kPayloadMax)) {
-      return std::unexpected(fmt::format("--payload-kg: must be 0 to {} kg", kPayloadMax));
+    if (!(*payload >= 0 && *payload <= kAxisPayloadMax)) {
+      return std::unexpected(fmt::format("--payload-kg: must be 0 to {} kg", kAxisPayloadMax));
     }
     trials.payload = *payload;
   }
@@ -219,6 +221,22 @@ Outcome try_axis(const AxisRequest& request) {
     outcome.text += "  " + *request.plot + "\n";
   }
   return outcome;
+}
+
+void add_axis(CLI::App& app, ChosenVerb& call) {
+  const auto own = std::make_shared<AxisRequest>();
+  AxisRequest& request = *own;
+  CLI::App* verb = add_verb(app, call, "axis",
+                            "how each axis answers a jump and follows a move, simulated with load",
+                            "sinew axis robot-arm-2 --axis J2 --plot shoulder.svg");
+  verb->add_option("ROBOT", request.robot, "id or .toml file")->required();
+  verb->add_option("--axis", request.axis, "J1.. or its name; all where left out");
+  verb->add_option("--step", request.step, "size of the jump, 1.5deg where left out");
+  verb->add_option("--track", request.track, "length of the move, 40deg where left out");
+  verb->add_option("--joints-deg", request.joints_deg, "where the arm stands; home where left out");
+  verb->add_option("--payload-kg", request.payload, "at the tool; none where left out");
+  verb->add_option("--plot", request.plot, "SVG file: step responses and tracking errors");
+  verb->callback([&call, own] { call.verb = [own] { return try_axis(*own); }; });
 }
 
 }  // namespace sinew::cli

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "sinew/cli/cells/local_cell.h"
+#include "sinew/cli/output/verb.h"
 
 namespace sinew::cli {
 
@@ -20,5 +21,7 @@ struct DeviceRequest {
 /// read. Its legs can be jogged while their position is unknown, and the boards of robot-arm-2
 /// released from a latched emergency stop. All through the controller, recorded in the journal.
 Outcome run_device_action(const DeviceRequest& request);
+
+void add_device(CLI::App& app, ChosenVerb& call);
 
 }  // namespace sinew::cli

@@ -1,4 +1,4 @@
-#include "sinew/cli/output/axis_plot.h"
+#include "sinew/devices/axis/axis_verb_plot.h"
 
 #include <fmt/format.h>
 

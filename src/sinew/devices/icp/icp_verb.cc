@@ -1,15 +1,19 @@
-#include "sinew/cli/cells/device_verb.h"
+#include "sinew/devices/icp/icp_verb.h"
 
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <memory>
 #include <span>
 
+#include "sinew/cli/cells/robot_verb_options.h"
 #include "sinew/cli/output/kinematics_text.h"
 #include "sinew/cli/output/program_report.h"
 #include "sinew/cli/output/table.h"
+#include "sinew/cli/output/verb_options.h"
 #include "sinew/core/error_code.h"
 #include "sinew/core/spelling.h"
 #include "sinew/devices/icp/icp_driver_facts.h"
@@ -242,6 +246,29 @@ Outcome run_device_action(const DeviceRequest& request) {
   }
   tell_settings(chosen->settings, outcome);
   return outcome;
+}
+
+void add_device(CLI::App& app, ChosenVerb& call) {
+  const auto own = std::make_shared<DeviceRequest>();
+  DeviceRequest& request = *own;
+  CLI::App* verb = add_verb(app, call, "device", "what only one kind of device can be asked for",
+                            "sinew device hexapod status --port /dev/ttyUSB0");
+  verb->add_option("ROBOT", request.robot.name, "id or .toml file: the hexapod's or robot-arm-2's")
+      ->required();
+  verb->add_option(
+          "ACTION", request.action,
+          "hexapod: status, wake, kill (until its power is cut), jog (one leg, wherever "
+          "it is); robot-arm-2: release (a latched emergency stop, nothing moves), test (each "
+          "board of itself; a homed motor turns a full step and back)")
+      ->required();
+  verb->add_option("--port", request.robot.port, kPorts)->required();
+  add_variant(*verb, request.robot);
+  add_journal(*verb, request.robot);
+  add_settings(*verb, request.robot);
+  verb->add_option("--leg", request.leg, "jog: 1 to 6");
+  verb->add_option("--steps", request.steps, "jog: microsteps, positive to lengthen the leg");
+  add_time_scale(*verb, request.robot);
+  verb->callback([&call, own] { call.verb = [own] { return run_device_action(*own); }; });
 }
 
 }  // namespace sinew::cli

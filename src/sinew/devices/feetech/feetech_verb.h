@@ -22,6 +22,6 @@ struct ServosRequest {
 Outcome servos(const ServosRequest& request);
 
 /// The verb with its options.
-void add_servos(CLI::App& app, ChosenVerb& call, ServosRequest& request);
+void add_servos(CLI::App& app, ChosenVerb& call);
 
 }  // namespace sinew::cli
