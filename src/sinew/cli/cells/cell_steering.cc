@@ -101,7 +101,7 @@ Outcome status_outcome(const Json& status) {
   return outcome;
 }
 
-/// Whether the joint of that name, or of a number as in J2, is told in metres.
+/// Whether the joint of that name, or of a number as in J2, is measured in metres.
 bool is_length(const std::string& name, const Json& joints) {
   for (std::size_t i = 0; i < joints.size(); ++i) {
     const bool meant = joints[i]["name"] == name || name == fmt::format("J{}", i + 1);

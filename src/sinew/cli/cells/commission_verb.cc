@@ -215,10 +215,7 @@ Outcome commission(CommissionRequest request) {
 }
 
 void add_commission(CLI::App& app, ChosenVerb& call) {
-  struct Own : InCell {
-    CommissionRequest request;
-  };
-  const auto own = std::make_shared<Own>();
+  const auto own = std::make_shared<WithCell<CommissionRequest>>();
   CommissionRequest& request = own->request;
   CLI::App* verb = add_verb(app, call, "commission",
                             "a guided checklist for a robot's first day; also homing and recovery",

@@ -15,6 +15,12 @@ struct InCell {
   CellRequest cell;
 };
 
+/// What such a verb was called with.
+template <class Request>
+struct WithCell : InCell {
+  Request request;
+};
+
 void add_cell_options(CLI::App& verb, InCell& in);
 
 /// Whether a running cell is meant; takes what the call says besides.

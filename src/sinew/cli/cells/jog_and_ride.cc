@@ -12,10 +12,7 @@
 namespace sinew::cli {
 
 void add_jog(CLI::App& app, ChosenVerb& call) {
-  struct Own : InCell {
-    JogRequest request;
-  };
-  const auto own = std::make_shared<Own>();
+  const auto own = std::make_shared<WithCell<JogRequest>>();
   JogRequest& request = own->request;
   CLI::App* verb = add_verb(app, call, "jog",
                             "what a robot does while a stick is held, simulated; nothing moves",
@@ -67,10 +64,7 @@ Outcome ride_in_cell(CellRequest& cell, const BullrideRequest& ride) {
 }  // namespace
 
 void add_bullride(CLI::App& app, ChosenVerb& call) {
-  struct Own : InCell {
-    BullrideRequest request;
-  };
-  const auto own = std::make_shared<Own>();
+  const auto own = std::make_shared<WithCell<BullrideRequest>>();
   BullrideRequest& request = own->request;
   CLI::App* verb = add_verb(app, call, "bullride",
                             "a program of random moves within reach and limits, on stdout",

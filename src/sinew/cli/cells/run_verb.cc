@@ -350,10 +350,7 @@ Outcome run_program(const RunRequest& request) {
 }
 
 void add_run(CLI::App& app, ChosenVerb& call) {
-  struct Own : InCell {
-    RunRequest request;
-  };
-  const auto own = std::make_shared<Own>();
+  const auto own = std::make_shared<WithCell<RunRequest>>();
   RunRequest& request = own->request;
   CLI::App* verb = add_verb(app, call, "run", "a program on a robot, or on its simulated device",
                             "sinew run robots/bigrobotarm/sequence.txt --robot bigrobotarm");

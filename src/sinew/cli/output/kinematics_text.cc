@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -101,8 +102,7 @@ std::string joint_text(double q, const Joint& joint) {
 }
 
 const char* joints_key(const RobotModel& model) {
-  const std::uint8_t slides = prismatic_joints(model);
-  if (slides == 0) return "joints_deg";
+  if (prismatic_joints(model) == 0) return "joints_deg";
   if (std::holds_alternative<HexapodGeometry>(model.geometry)) return "legs_mm";
   return all_slide(model) ? "joints_mm" : "joints_deg_mm";
 }
@@ -114,6 +114,11 @@ bool all_slide(const RobotModel& model) {
 const char* joints_unit(const RobotModel& model) {
   if (prismatic_joints(model) == 0) return "deg";
   return all_slide(model) ? "mm" : "deg or mm";
+}
+
+const char* joints_unit_key(const RobotModel& model) {
+  if (prismatic_joints(model) == 0) return "deg";
+  return all_slide(model) ? "mm" : "deg_mm";
 }
 
 std::vector<std::string> joint_names(const RobotModel& model) {

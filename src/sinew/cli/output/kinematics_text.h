@@ -30,6 +30,8 @@ std::string joint_text(double q, const Joint& joint);
 const char* joints_key(const RobotModel& model);
 /// "deg", "mm", or "deg or mm" of a SCARA.
 const char* joints_unit(const RobotModel& model);
+/// The same as a key's ending: "deg", "mm" or "deg_mm".
+const char* joints_unit_key(const RobotModel& model);
 bool all_slide(const RobotModel& model);
 
 std::vector<std::string> joint_names(const RobotModel& model);

@@ -10,7 +10,6 @@
 #include "sinew/core/error_code.h"
 #include "sinew/core/units.h"
 #include "sinew/model/collision_links.h"
-#include "sinew/model/joint_lookup.h"
 #include "sinew/program/plans/row_offers.h"
 
 namespace sinew::cli {
@@ -228,8 +227,7 @@ std::string plan_text(const MotionPlan& plan) {
 
 Json plan_json(const MotionPlan& plan) {
   const RobotModel& model = plan.model;
-  const std::uint8_t slides = prismatic_joints(model);
-  const char* unit = slides == 0 ? "deg" : all_slide(model) ? "mm" : "deg_mm";
+  const char* unit = joints_unit_key(model);
   Json json{{"robot", model.id},
             {"duration_s", plan.duration},
             {"by_limits_s", plan.by_limits},

@@ -6,7 +6,6 @@
 
 #include "sinew/cli/output/kinematics_text.h"
 #include "sinew/cli/output/table.h"
-#include "sinew/model/joint_lookup.h"
 #include "sinew/planning/jog/jog_reason.h"
 
 namespace sinew::cli {
@@ -155,13 +154,10 @@ Json jog_json(const JogRecord& record) {
   for (const PlanSample& at : record.plan.samples) {
     const std::span q(at.joints.q.data(), model.joints.size());
     const std::span qd(at.joints.qd.data(), model.joints.size());
-    const char* unit = prismatic_joints(model) == 0 ? "velocity_deg_s"
-                       : all_slide(model)           ? "velocity_mm_s"
-                                                    : "velocity_deg_mm_s";
     json["samples"].push_back(
         {{"t_s", at.t},
          {joints_key(model), joints_json(q, model)},
-         {unit, joints_json(qd, model)},
+         {fmt::format("velocity_{}_s", joints_unit_key(model)), joints_json(qd, model)},
          {"tool_mm", {to_mm(at.p_BT.x), to_mm(at.p_BT.y), to_mm(at.p_BT.z)}}});
   }
   return json;
