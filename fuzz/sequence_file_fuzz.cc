@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "sinew/core/assert.h"
+#include "sinew/devices/bigrobotarm/bigrobotarm_sequence.h"
 #include "sinew/devices/bigrobotarm/bigrobotarm_settings.h"
-#include "sinew/program/formats/sequence_file.h"
 
 // Any text is a program or earns complaints that point into it; a program is written in its one
 // spelling, which reads back as the same program, also with CR LF and comments about it.

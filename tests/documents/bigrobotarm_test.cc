@@ -57,7 +57,7 @@ TEST(BigRobotArmDocument, its_example_sequence_is_a_program_of_ten_moves) {
   const std::string text =
       "BEGIN I5\nG0 B100 S200 E300 WR400 W300\nG0 B0 S50 E5000 WR1500 W0\nEND\n";
   const RobotModel& robot = test::robot("bigrobotarm");
-  const auto program = program::read_form(program::TextForm::kSequence, text, "s.txt", robot);
+  const auto program = program::read_form(*program::text_form("sequence"), text, "s.txt", robot);
   ASSERT_TRUE(program);
   // Without S1 the firmware's joints arrive each in its own time, ours together: a note says so.
   EXPECT_EQ(program->notes.size(), 1U);
@@ -87,7 +87,7 @@ TEST(BigRobotArmDocument, every_speed_and_acceleration_from_1_to_300_can_be_aske
       std::string text = "S1\n" + std::string(command);
       for (const char* joint : {" B", " S", " E", " WR", " W"}) text += joint + std::to_string(m);
       const auto program =
-          program::read_form(program::TextForm::kSequence, text + "\nG0 B650\n", "s.txt", robot);
+          program::read_form(*program::text_form("sequence"), text + "\nG0 B650\n", "s.txt", robot);
       EXPECT_EQ(program.has_value(), m >= 1 && m <= 300) << command << " " << m;
     }
   }

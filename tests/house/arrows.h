@@ -80,6 +80,7 @@ inline constexpr std::array kFileRoles = std::to_array<FileRole>({
     {"file", "file"},
     {"machine", "sim"},
     {"procedure", "program/procedures"},
+    {"format", "program/formats"},
     {"verb", "cli/cells"},
 });
 

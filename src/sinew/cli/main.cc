@@ -12,6 +12,7 @@
 #include "sinew/cli/cells/cell_verbs.h"
 #include "sinew/cli/cells/commission_verb.h"
 #include "sinew/cli/cells/convert_verb.h"
+#include "sinew/cli/cells/device_verb.h"
 #include "sinew/cli/cells/doctor_verb.h"
 #include "sinew/cli/cells/jog_and_ride.h"
 #include "sinew/cli/cells/record_verb.h"
@@ -30,7 +31,6 @@
 #include "sinew/core/spelling.h"
 #include "sinew/devices/axis/axis_verb.h"
 #include "sinew/devices/feetech/feetech_verb.h"
-#include "sinew/devices/icp/icp_verb.h"
 #include "sinew/io/standard_streams.h"
 
 namespace sinew::cli {

@@ -4,10 +4,10 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <cstdio>
 #include <iterator>
 #include <span>
 
+#include "sinew/core/number_text.h"
 #include "sinew/core/spelling.h"
 #include "sinew/core/units.h"
 #include "sinew/toml/findings.h"
@@ -21,6 +21,7 @@ constexpr std::size_t kPointNameMax = 40;  // bytes
 constexpr std::size_t kTextMax = 200;      // bytes
 constexpr double kFarAway = 100e3;         // mm
 constexpr double kTurnMax = 720;           // deg
+constexpr int kDigits = 9;                 // behind the point
 
 constexpr std::array<std::string_view, 14> kKeys{
     "robot",  "joints_deg", "legs_mm", "joints", "x_mm",      "y_mm",      "z_mm",
@@ -269,16 +270,6 @@ TaughtPoint unusable(const std::string& name, const Complaint& why) {
   return point;
 }
 
-/// With nine decimals and no more than are needed.
-std::string written(double value) {
-  std::array<char, 64> buffer{};
-  const int size = std::snprintf(buffer.data(), buffer.size(), "%.9f", value + 0.0);
-  std::string text(buffer.data(), static_cast<std::size_t>(size));
-  text.erase(text.find_last_not_of('0') + 1);
-  if (text.back() == '.') text.pop_back();
-  return text == "-0" ? "0" : text;
-}
-
 std::string in_quotes(const std::string& text) {
   std::string out = "\"";
   for (const char c : text) {
@@ -294,7 +285,7 @@ void put_joints(const JointVector& q, std::uint8_t lengths, std::string& out) {
   out += std::string(kJointKeys[mixed ? 2 : all ? 1 : 0]) + " = [";
   for (std::size_t i = 0; i < q.size(); ++i) {
     const bool slides = (lengths & bit(i)) != 0;
-    const std::string value = written(slides ? to_mm(q[i]) : to_deg(q[i]));
+    const std::string value = number_text(slides ? to_mm(q[i]) : to_deg(q[i]), kDigits);
     out += i == 0 ? "" : ", ";
     out += mixed ? in_quotes(value + (slides ? "mm" : "deg")) : value;
   }
@@ -303,7 +294,7 @@ void put_joints(const JointVector& q, std::uint8_t lengths, std::string& out) {
 
 void put_tool(const ToolPlace& place, std::string& out) {
   const auto put = [&](const char* key, double value) {
-    out += std::string(key) + " = " + written(value) + "\n";
+    out += std::string(key) + " = " + number_text(value, kDigits) + "\n";
   };
   put("x_mm", to_mm(place.p_BT.x));
   put("y_mm", to_mm(place.p_BT.y));

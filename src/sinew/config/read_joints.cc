@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 
-#include "sinew/core/spelling.h"
+#include "sinew/core/number_text.h"
 #include "sinew/model/joints_moved.h"
 
 namespace sinew {

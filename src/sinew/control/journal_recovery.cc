@@ -300,7 +300,7 @@ std::string_view sentence(JournalFinding finding) {
       "the last run ended while it asked the machine whether its supply had held, which forgets "
       "that "
       "by telling",
-      "the last run ended by itself while the machine was at rest",
+      "the last run ended unexpectedly, with no motion to a target under way",
       "the last run ended in order",
   });
   static_assert(kSentences.size() == static_cast<std::size_t>(kCleanEnd) + 1);

@@ -37,7 +37,7 @@ JournalOwner journal_owner(const RobotModel& robot) {
   IdentityText words;
   words.add(robot.device.protocol);
   for (const Joint& joint : robot.joints) {
-    words.add(joint.name), words.add(joint.kind == JointKind::kPrismatic);
+    words.add(joint.name), words.add(joint.slides());
   }
   robot.device.settings->identify(words);
   std::visit(GeometryWords{words}, robot.geometry);

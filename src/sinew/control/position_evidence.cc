@@ -40,7 +40,7 @@ Expected<FixedVector<JointPosition, kMaxJoints>> as_shown(const RobotModel& robo
     }
     const bool lost = known[j].quality == PositionQuality::kLost;
     JointPosition joint = lost && j < said.size() ? said[j] : known[j];
-    const double widest = robot.joints[j].kind == JointKind::kPrismatic ? kLength : kTurn;
+    const double widest = robot.joints[j].slides() ? kLength : kTurn;
     const bool wide =
         joint.quality == PositionQuality::kUncertain && !(joint.upper - joint.lower <= widest);
     if (joint.quality == PositionQuality::kLost || wide) {
@@ -54,7 +54,7 @@ Expected<FixedVector<JointPosition, kMaxJoints>> as_shown(const RobotModel& robo
 }
 
 double reach_beyond_limits(const Joint& joint) {
-  return joint.kind == JointKind::kPrismatic ? from_mm(2) : from_deg(10);
+  return joint.slides() ? from_mm(2) : from_deg(10);
 }
 
 }  // namespace sinew::control

@@ -106,9 +106,11 @@ JointPosition PositionJournal::reserved(std::size_t joint, const JournalMotion& 
                       next.upper > now.upper ? next.upper + ahead : next.upper};
   block.lower = std::max(block.lower, settings.lower);
   block.upper = std::min(block.upper, settings.upper);
+  // Where a way to rest leads out of the motion, the next piece's may lead farther out.
   if (!motion.whole.empty()) {
-    block.lower = std::max(block.lower, motion.whole[joint].lower);
-    block.upper = std::min(block.upper, motion.whole[joint].upper);
+    const JointInterval& whole = motion.whole[joint];
+    if (next.lower >= whole.lower) block.lower = std::max(block.lower, whole.lower);
+    if (next.upper <= whole.upper) block.upper = std::min(block.upper, whole.upper);
   }
   JointPosition result{PositionQuality::kUncertain, now.q, 0, 0, now.count_zero};
   result.lower = std::min({block.lower, next.lower, now.lower}) - settings.slack;

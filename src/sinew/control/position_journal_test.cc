@@ -204,6 +204,18 @@ TEST(PositionJournal, reservation_ends_where_the_motion_or_the_joint_does) {
   EXPECT_TRUE(cell.journal.may_send(last));
 }
 
+TEST(PositionJournal, a_way_to_rest_that_leads_out_of_the_motion_has_a_whole_block) {
+  AtRest cell;
+  const Positions now{exact(0), exact(0)};
+  const Intervals whole{{0, 0.3}, {0, 0}};
+  // The next pieces lead farther out, and none of them waits for a record of its own.
+  ASSERT_TRUE(cell.journal.reserve({now, Intervals{{0, 0.35}, {0, 0}}, whole}, at({})));
+  cell.sync();
+  const Intervals farther{{0, 0.4}, {0, 0}};
+  EXPECT_FALSE(cell.journal.reserve({now, farther, whole}, at({})));
+  EXPECT_TRUE(cell.journal.may_send(farther));
+}
+
 TEST(PositionJournal, noise_that_moves_a_joint_has_its_room) {
   JournalSettings settings = two_joints();
   settings.joints[0].slack = 0.01;

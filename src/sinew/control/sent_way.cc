@@ -92,7 +92,7 @@ std::span<const JointInterval> SentWay::with(std::span<const JointPosition> now,
     for (const Intervals& piece : pieces_) widen(reach_[j], piece[j]);
     if (now[j].quality == PositionQuality::kLost) continue;
     // What is open about where it stands goes along with it; what is measured is measured anew.
-    if (now[j].quality != PositionQuality::kMeasured) {
+    if (now[j].quality != PositionQuality::kMeasured && !now[j].under_way) {
       reach_[j].lower += std::min(0.0, now[j].lower - now[j].q);
       reach_[j].upper += std::max(0.0, now[j].upper - now[j].q);
     }

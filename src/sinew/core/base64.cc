@@ -40,7 +40,8 @@ std::optional<std::string> from_base64(std::string_view text) {
   bytes.reserve(text.size() / 4 * 3);
   for (std::size_t i = 0; i < text.size(); i += 4) {
     const bool last = i + 4 == text.size();
-    const std::size_t ends = !last || text[i + 3] != '=' ? 0 : text[i + 2] != '=' ? 1 : 2;
+    std::size_t ends = 0;
+    if (last && text[i + 3] == '=') ends = text[i + 2] == '=' ? 2 : 1;
     std::uint32_t bits = 0;
     for (std::size_t k = 0; k < 4; ++k) {
       const std::uint8_t value =

@@ -17,4 +17,11 @@ std::string number_text(double value, int digits) {
   return text == "-0" ? "0" : text;
 }
 
+std::string number_text(double value) {
+  std::array<char, 32> buffer{};
+  const auto [end, error] = std::to_chars(buffer.data(), buffer.data() + buffer.size(),
+                                          value == 0 ? 0.0 : value, std::chars_format::general, 6);
+  return {buffer.data(), end};
+}
+
 }  // namespace sinew

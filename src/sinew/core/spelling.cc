@@ -1,8 +1,6 @@
 #include "sinew/core/spelling.h"
 
 #include <algorithm>
-#include <array>
-#include <charconv>
 #include <vector>
 
 namespace sinew {
@@ -52,13 +50,6 @@ std::string printable(std::string_view word) {
     }
   }
   return word.size() > kMaxShown ? text + "..." : text;
-}
-
-std::string number_text(double value) {
-  std::array<char, 32> buffer{};
-  const auto [end, error] = std::to_chars(buffer.data(), buffer.data() + buffer.size(),
-                                          value == 0 ? 0.0 : value, std::chars_format::general, 6);
-  return {buffer.data(), end};
 }
 
 }  // namespace sinew

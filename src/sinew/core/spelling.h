@@ -17,7 +17,4 @@ std::string_view nearest_spelling(std::string_view word,
 /// `word` made safe to print: other than plain ASCII becomes \xNN, at most 60 characters stay.
 std::string printable(std::string_view word);
 
-/// The shortest text that shows `value` to six digits.
-std::string number_text(double value);
-
 }  // namespace sinew

@@ -31,12 +31,5 @@ TEST(Spelling, unprintable_bytes_are_shown_as_numbers) {
   EXPECT_EQ(printable(std::string(61, 'a')), std::string(60, 'a') + "...");
 }
 
-TEST(Spelling, numbers_are_shown_to_six_digits) {
-  EXPECT_EQ(number_text(95), "95");
-  EXPECT_EQ(number_text(-0.0), "0");
-  EXPECT_EQ(number_text(1.0 / 3), "0.333333");
-  EXPECT_EQ(number_text(1e300), "1e+300");
-}
-
 }  // namespace
 }  // namespace sinew

@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "sinew/core/assert.h"
+#include "sinew/devices/statements.h"
 #include "sinew/driver/robot_driver.h"
 #include "sinew/driver/wire_reader.h"
 #include "sinew/model/device_table.h"
@@ -56,9 +57,9 @@ struct DeviceKind {
 
   // Words for people; nullptr: none. `driver` is one that this kind has made.
 
-  /// What its driver can report beside positions, asked for by commissioning: "wire", "axis" ...
-  std::optional<std::string> (*statement)(const Driver& driver, const RobotModel& robot,
-                                          std::string_view what, std::size_t joint) = nullptr;
+  /// What its driver can report beside positions and its supply.
+  void (*state)(const Driver& driver, const RobotModel& robot,
+                DeviceStatements& statements) = nullptr;
   /// What a driver that may still become ready suspects, and what to try; empty: nothing.
   std::string (*suspicion)(const Driver& driver) = nullptr;
   /// What to check where the device is silent, or answers what fits nothing. Begins with "; ".

@@ -1,5 +1,7 @@
 #include "sinew/devices/kinds.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "sinew/core/assert.h"
@@ -31,6 +33,16 @@ const DeviceKind& kind_of(const Device& device) {
       kinds, [&](const DeviceKind* kind) { return kind->has(device.settings); });
   SINEW_ASSERT(found != kinds.end());
   return **found;
+}
+
+DeviceStatements statements_of(const Driver& driver, const RobotModel& robot) {
+  DeviceStatements statements;
+  if (const auto volts = driver.health().supply_volts) {
+    statements.say("supply", fmt::format("{:.1f}", *volts));
+  }
+  const DeviceKind& kind = kind_of(robot.device);
+  if (kind.state != nullptr) kind.state(driver, robot, statements);
+  return statements;
 }
 
 }  // namespace sinew

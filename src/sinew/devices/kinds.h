@@ -25,4 +25,7 @@ inline std::unique_ptr<WireReader> listener_for(const Device& device, const Devi
   return kind_of(device).listener(device, facts);
 }
 
+/// What the driver of the robot's device can report beside positions.
+DeviceStatements statements_of(const Driver& driver, const RobotModel& robot);
+
 }  // namespace sinew

@@ -35,6 +35,9 @@ struct JointPosition {
   /// Nothing where the device keeps no count, or the tie is not known for sure. Known also for lost
   /// joints; the journal keeps it for the next process.
   std::optional<double> count_zero = std::nullopt;
+  /// It moves, and the interval is of its place along what was sent. Else the interval is open
+  /// about all of it: what is sent next begins and ends off by as much.
+  bool under_way = false;
 };
 
 /// Where the truth may be, ends included; rad, or m of a leg.

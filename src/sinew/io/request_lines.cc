@@ -3,6 +3,9 @@
 #include <poll.h>
 #include <unistd.h>
 
+#include <cerrno>
+#include <utility>
+
 namespace sinew::io {
 namespace {
 
@@ -25,9 +28,11 @@ std::optional<std::string> RequestLines::next() {
     if (ended_ || not_ours || ::poll(&waiting, 1, 0) <= 0) return std::nullopt;
     char buffer[256];
     const ssize_t size = ::read(STDIN_FILENO, buffer, sizeof buffer);
+    if (size < 0 && (errno == EINTR || errno == EAGAIN)) return std::nullopt;
     if (size <= 0) {
       ended_ = true;
-      return std::nullopt;
+      // The last line need not end with a line feed.
+      return pending_.empty() ? std::nullopt : std::optional(std::exchange(pending_, {}));
     }
     pending_.append(buffer, static_cast<std::size_t>(size));
   }

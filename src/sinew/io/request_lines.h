@@ -10,6 +10,8 @@ namespace sinew::io {
 class RequestLines {
  public:
   std::optional<std::string> next();
+  /// There will never be another one.
+  bool ended() const { return ended_; }
 
  private:
   std::string pending_;

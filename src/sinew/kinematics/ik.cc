@@ -6,6 +6,7 @@
 
 #include "sinew/core/error_code.h"
 #include "sinew/core/trig.h"
+#include "sinew/model/joint_value.h"
 
 namespace sinew::kinematics {
 
@@ -27,10 +28,7 @@ LimitViolations limit_violations(std::span<const Joint> joints, std::span<const 
   LimitViolations violations;
   for (std::size_t i = 0; i < q.size(); ++i) {
     if (within_limits(joints[i], q[i])) continue;
-    const double limit = q[i] < joints[i].lower ? joints[i].lower : joints[i].upper;
-    const bool slides = joints[i].kind == JointKind::kPrismatic;
-    violations.push_back({slides ? ErrorCode::kLegLength : ErrorCode::kJointLimit,
-                          static_cast<std::int8_t>(i), q[i], limit});
+    violations.push_back(beyond_limit(joints[i], i, q[i]));
   }
   return violations;
 }
@@ -50,7 +48,7 @@ Error nearest_violation(std::span<const Joint> joints, const IkBranches& branche
 JointRanges::JointRanges(std::span<const Joint> joints) : size_(joints.size()) {
   SINEW_ASSERT(size_ <= kMaxJoints);
   for (std::size_t i = 0; i < size_; ++i) {
-    slides_[i] = joints[i].kind == JointKind::kPrismatic;
+    slides_[i] = joints[i].slides();
     lower_[i] = joints[i].lower - kJointLimitTolerance;
     upper_[i] = joints[i].upper + kJointLimitTolerance;
     turn_up_below_[i] = std::min(lower_[i], upper_[i] - 2 * kPi);

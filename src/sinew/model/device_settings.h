@@ -188,6 +188,8 @@ class DeviceSettings {
 
 /// @tparam Kind  derives from this
 template <class Kind>
+// Kinds are aggregates, which a private constructor would end.
+// NOLINTNEXTLINE(bugprone-crtp-constructor-accessibility)
 class SettingsOf : public DeviceSettings {
  public:
   std::unique_ptr<DeviceSettings> copy() const override {

@@ -24,8 +24,8 @@ std::string subject_of(const Error& error, const RobotModel& model) {
 Quantity quantity_of(const Error& error, const RobotModel& model) {
   const auto index = static_cast<std::size_t>(error.index);
   const Quantity usual = info(error.code).quantity;
-  const bool slides = error.index >= 0 && index < model.joints.size() &&
-                      model.joints[index].kind == JointKind::kPrismatic;
+  const bool slides =
+      error.index >= 0 && index < model.joints.size() && model.joints[index].slides();
   const bool of_leg = error.code == ErrorCode::kCardanAngle || error.code == ErrorCode::kBallAngle;
   if (!slides || of_leg) return usual;
   switch (usual) {

@@ -22,17 +22,20 @@ inline JointVector home_joints(const RobotModel& model) {
 inline std::uint8_t prismatic_joints(const RobotModel& model) {
   unsigned bits = 0;
   for (std::size_t i = 0; i < model.joints.size(); ++i) {
-    if (model.joints[i].kind == JointKind::kPrismatic) bits |= 1U << i;
+    if (model.joints[i].slides()) bits |= 1U << i;
   }
   return static_cast<std::uint8_t>(bits);
+}
+
+/// Of an arm's joint, as its lift; a platform's leg is none.
+inline bool slides_in_arm(const RobotModel& model, std::size_t joint) {
+  return model.joints[joint].slides() && std::holds_alternative<SerialGeometry>(model.geometry);
 }
 
 /// How far this joint may be moved at a time while its place is not known, rad or m; 0: not at all.
 inline double nudge_max(const RobotModel& model, std::size_t joint) {
   const DeviceCapability& device = model.device.capability;
-  const bool slides = model.joints[joint].kind == JointKind::kPrismatic;
-  return slides && std::holds_alternative<SerialGeometry>(model.geometry) ? device.nudge_slide_max
-                                                                          : device.nudge_max;
+  return slides_in_arm(model, joint) ? device.nudge_slide_max : device.nudge_max;
 }
 
 /// Why the joints of a point are not this robot's, a sentence; empty where they are, or it has

@@ -33,6 +33,8 @@ struct Joint {
   double acceleration_max = 0;
   double jerk_max = 0;
   double home = 0;
+
+  bool slides() const { return kind == JointKind::kPrismatic; }
 };
 
 /// One row of a standard Denavit-Hartenberg table:

@@ -41,8 +41,8 @@ class Tracer {
   explicit Tracer(const Scene& scene);
 
   /// @param reach  m
-  std::optional<Hit> nearest(
-      const Ray& ray, double reach = std::numeric_limits<double>::infinity()) const;
+  std::optional<Hit> nearest(const Ray& ray,
+                             double reach = std::numeric_limits<double>::infinity()) const;
   /// Where a ray meets one solid, whatever stands before it: m, in the solid's frame.
   std::optional<Vec3> crossing_of(std::size_t solid, const Ray& ray) const;
   /// Whether anything stands within `reach` m along the ray.

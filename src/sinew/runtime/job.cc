@@ -14,6 +14,8 @@ using program::Run;
 namespace {
 
 constexpr Duration kPatience = std::chrono::milliseconds(20);
+/// At most so long a job waits for its machine to stand.
+constexpr Duration kBrakesMax = std::chrono::seconds(5);
 
 std::expected<program::Program, program::Refusal> ride_of(const program::RideOrder& order,
                                                           const StationClient& client) {
@@ -113,8 +115,13 @@ void JobRunner::run(const JobOrder& order, const program::Program& program, Stat
   if (order.recorded) station_.begin_record(order.title, order.record);
   run.start(clock_.now());
   bool freed = false;
-  // The controller looks at the motion until its command has ended.
-  while (!run.finished() || client.motion_in_use()) {
+  std::optional<Instant> finished_at;
+  // The controller looks at the motion until its command has ended, and a machine that
+  // brakes is not yet where it will be.
+  const auto brakes = [&] {
+    return client.view().brakes && finished_at && clock_.now() - *finished_at < kBrakesMax;
+  };
+  while (!run.finished() || client.motion_in_use() || brakes()) {
     client.refresh();
     const Instant now = clock_.now();
     if (order.on_client_loss == ClientLoss::kContinue) client.keep_lease(now);
@@ -130,6 +137,9 @@ void JobRunner::run(const JobOrder& order, const program::Program& program, Stat
     // Who samples the run needs each cycle, however fast its time passes.
     const bool each = order.look || run.watches();
     station_.wait_for_cycle(kPatience, each ? clock_.now() : run.next_deadline());
+    if (!run.finished()) continue;
+    if (!finished_at) finished_at = clock_.now();
+    client.refresh();
   }
   // The program's own pace ends with it; an operator's override is another thing.
   if (order.feed != 1) client.give(control::SetFeed{1});

@@ -8,7 +8,6 @@
 #include "sinew/model/joint_lookup.h"
 #include "sinew/model/left_out.h"
 #include "sinew/runtime/commissioning_file.h"
-#include "sinew/runtime/device_statements.h"
 
 namespace sinew::runtime {
 namespace {
@@ -302,6 +301,7 @@ void Station::publish(const ControlLoop& loop, Instant now) {
     view_.progress = controller.progress();
     view_.jog = controller.jog_status();
     view_.goes_on_until = driver.goes_on_until();
+    view_.brakes = driver.state() == DriverState::kStopping && !view_.goes_on_until;
     view_.homing_joint = driver.homing_joint();
     view_.health = driver.health();
     if (connected_) view_.bytes = link_->line().count();
@@ -430,33 +430,23 @@ void Station::look_for_facts(const control::Controller& controller, Instant now)
   }
   if (!due) return;
   facts_at_ = now;
-  const auto tell = facts_of(controller.driver(), robot_);
-  decltype(facts_) facts;
-  for (const char* what : {"supply", "minus_one", "wire", "checksum", "shows_zero_shift"}) {
-    if (auto told = tell(what, 0)) facts.emplace(std::pair(what, 0), std::move(*told));
-  }
-  for (std::size_t j = 0; j < robot_.joints.size(); ++j) {
-    for (const char* what : {"axis", "servo", "zero_shift_steps", "zero_shift_deg"}) {
-      if (auto told = tell(what, j)) facts.emplace(std::pair(what, j), std::move(*told));
-    }
-  }
+  DeviceStatements statements = statements_of(controller.driver(), robot_);
   const std::scoped_lock lock(mutex_);
-  facts_.swap(facts);
+  statements_ = std::move(statements);
 }
 
 void Station::want_facts(bool wanted) {
   {
     const std::scoped_lock lock(mutex_);
     facts_wanted_ = wanted;
-    if (!wanted) facts_.clear();
+    if (!wanted) statements_ = {};
   }
   clock_.wake();
 }
 
 std::optional<std::string> Station::fact(std::string_view what, std::size_t joint) const {
   const std::scoped_lock lock(mutex_);
-  const auto found = facts_.find(std::pair(std::string(what), joint));
-  return found != facts_.end() ? std::optional(found->second) : std::nullopt;
+  return statements_.of(what, joint);
 }
 
 std::optional<CellRefusal> Station::refusal_of(const Error& error) const {

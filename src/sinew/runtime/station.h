@@ -4,7 +4,6 @@
 #include <atomic>
 #include <condition_variable>
 #include <deque>
-#include <map>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -13,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "sinew/devices/statements.h"
 #include "sinew/io/clock.h"
 #include "sinew/runtime/cell_space.h"
 #include "sinew/runtime/control_loop.h"
@@ -78,7 +78,7 @@ class Station {
   const std::string& port_name() const { return link_->name(); }
   bool simulated() const { return link_->simulated(); }
   /// What its device tells beside positions while somebody wants to know, as of when it last was
-  /// ready: `what` as in facts_of(). From any thread.
+  /// ready. From any thread.
   void want_facts(bool wanted);
   std::optional<std::string> fact(std::string_view what, std::size_t joint) const;
   /// What passes over its wire; its time is the cell's.
@@ -228,7 +228,7 @@ class Station {
   bool stop_ = false;
   std::deque<RecordTold> unrecorded_;  ///< files that could not be begun
   bool facts_wanted_ = false;
-  std::map<std::pair<std::string, std::size_t>, std::string, std::less<>> facts_;
+  DeviceStatements statements_;
 
   std::thread thread_;
 };

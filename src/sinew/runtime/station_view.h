@@ -28,6 +28,7 @@ struct StationView {
   double progress = 0;     ///< of it
   planning::JogStatus jog;
   std::optional<Instant> goes_on_until;
+  bool brakes = false;  ///< it was told to stop, or stops by itself, and does not stand yet
   std::optional<std::size_t> homing_joint;
   DriverHealth health;
   ByteCount bytes;

@@ -21,7 +21,7 @@ bool has_joint_encoder(const RobotModel& robot, std::size_t joint) {
 std::expected<void, std::string> check_unit(const TimedDisturbance& timed, const Joint& joint,
                                             const std::string& name) {
   if (!timed.unit || *timed.unit == joint.kind) return {};
-  const bool leg = joint.kind == JointKind::kPrismatic;
+  const bool leg = joint.slides();
   const bool block = timed.what.kind == Kind::kBlock;
   std::string right;
   if (block) {

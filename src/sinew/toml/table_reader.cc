@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sinew/core/number_text.h"
 #include "sinew/core/spelling.h"
 
 namespace sinew {

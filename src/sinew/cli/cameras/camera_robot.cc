@@ -123,7 +123,7 @@ std::expected<FlangeAt, Outcome> flange_at(const RobotModel& model, const JointV
 std::string joints_argument(const RobotModel& model, const JointVector& q) {
   std::string text;
   for (std::size_t j = 0; j < q.size(); ++j) {
-    text += (text.empty() ? "" : ",") + number(shown(q[j], model.joints[j]), 1);
+    text += (text.empty() ? "" : ",") + number(shown_value(q[j], model.joints[j]), 1);
   }
   return text;
 }

@@ -274,7 +274,7 @@ Outcome cell_run(const CellRequest& request) {
   const auto texts = gather_program(request.file);
   if (!texts) return texts.error();
   Json params{{"text", texts->text}, {"name", request.file}};
-  if (texts->form) params["form"] = program::name(*texts->form);
+  if (texts->form != nullptr) params["form"] = texts->form->name;
   if (texts->points) params["points"] = *texts->points;
   if (!texts->called.empty()) params["called"] = texts->called;
   if (request.single_step) params["single_step"] = true;

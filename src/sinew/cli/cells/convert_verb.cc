@@ -26,71 +26,53 @@
 namespace sinew::cli {
 namespace {
 
-enum class Form : std::uint8_t { kProgram, kSequence, kPose, kConfig, kGcode, kRecord };
-
-struct Named {
-  std::string_view name;
-  Form form;
+/// What IN or OUT is: a program, one of the other forms of programs, or what is only read.
+struct Form {
+  enum class Kind : std::uint8_t { kProgram, kText, kConfig, kRecord };
+  Kind kind = Kind::kProgram;
+  const program::TextForm* text = nullptr;  ///< of kText
 };
-constexpr std::array<Named, 6> kForms{{{"sinew", Form::kProgram},
-                                       {"sequence", Form::kSequence},
-                                       {"pos", Form::kPose},
-                                       {"config", Form::kConfig},
-                                       {"gcode", Form::kGcode},
-                                       {"record", Form::kRecord}}};
-constexpr std::array<Named, 3> kEndings{
-    {{".sinew", Form::kProgram}, {".cfg", Form::kConfig}, {".mcap", Form::kRecord}}};
 
-Form form_of(program::TextForm form) {
-  switch (form) {
-    case program::TextForm::kSequence:
-      return Form::kSequence;
-    case program::TextForm::kPose:
-      return Form::kPose;
-    case program::TextForm::kGcode:
-      break;
-  }
-  return Form::kGcode;
+struct Own {
+  std::string_view name;
+  std::string_view ending;
+  Form::Kind kind;
+};
+constexpr std::array<Own, 3> kOwn{{{"sinew", ".sinew", Form::Kind::kProgram},
+                                   {"config", ".cfg", Form::Kind::kConfig},
+                                   {"record", ".mcap", Form::Kind::kRecord}}};
+std::string form_names() {
+  return "sinew, config, record, " + program::form_names(false);
 }
 
 std::expected<Form, Outcome> form_of(const std::optional<std::string>& name,
                                      const std::string& file, const char* option) {
+  const auto* text = name ? program::text_form(*name) : program::form_of_file(file);
+  if (text != nullptr) return Form{Form::Kind::kText, text};
+  for (const Own& one : kOwn) {
+    if (name ? one.name == *name : file.ends_with(one.ending)) return Form{one.kind};
+  }
   if (name) {
-    for (const Named& one : kForms) {
-      if (one.name == *name) return one.form;
-    }
-    return std::unexpected(bad_input(std::string(option) + ": '" + printable(*name) +
-                                     "' is none of sinew, sequence, pos, config, gcode, record"));
+    return std::unexpected(
+        bad_input(fmt::format("{}: '{}' is not {}", option, printable(*name), form_names())));
   }
-  if (const auto form = program::form_of_file(file)) return form_of(*form);
-  for (const Named& one : kEndings) {
-    if (file.ends_with(one.name)) return one.form;
-  }
-  return std::unexpected(bad_input(file + ": its ending does not say what it is; write " + option +
-                                   " sinew, sequence, pos, config, gcode or record"));
+  return std::unexpected(bad_input(fmt::format(
+      "{}: its ending does not say what it is; write {} {}", file, option, form_names())));
 }
 
 /// A text that was made, or why it was not.
 using Made = std::expected<std::string, Outcome>;
 
-std::optional<program::TextForm> other_form(Form form) {
-  switch (form) {
-    case Form::kSequence:
-      return program::TextForm::kSequence;
-    case Form::kPose:
-      return program::TextForm::kPose;
-    case Form::kGcode:
-      return program::TextForm::kGcode;
-    default:
-      return std::nullopt;
-  }
+bool is_pose(const Form& form) {
+  return form.text != nullptr && form.text == program::text_form("pos");
 }
 
 program::DecimalMark mark_of(const ConvertRequest& request) {
   return request.comma ? program::DecimalMark::kComma : program::DecimalMark::kPoint;
 }
 
-Made from_program(const ConvertRequest& request, const RobotModel& model, program::TextForm to) {
+Made from_program(const ConvertRequest& request, const RobotModel& model,
+                  const program::TextForm& to) {
   const auto program = read_program(request.in, model);
   if (!program) return std::unexpected(program.error());
   auto text = program::text_of(to, *program, model, mark_of(request));
@@ -184,23 +166,22 @@ Made taught(const ConvertRequest& request, const RobotModel& model) {
 }
 
 Made converted(const ConvertRequest& request, const RobotModel& model, Form from, Form to) {
-  const bool to_rows = to == Form::kProgram;
-  if (from == Form::kProgram && (to == Form::kSequence || to == Form::kPose)) {
-    return from_program(request, model, *other_form(to));
-  }
-  if (from == Form::kRecord && to_rows) return taught(request, model);
+  const bool to_rows = to.kind == Form::Kind::kProgram;
+  const bool to_text = to.text != nullptr && to.text->text != nullptr;
+  if (from.kind == Form::Kind::kProgram && to_text) return from_program(request, model, *to.text);
+  if (from.kind == Form::Kind::kRecord && to_rows) return taught(request, model);
   const auto text = io::read_file(request.in);
   if (!text) return std::unexpected(bad_input(text.error().sentence));
-  if (const auto form = other_form(from); form && to_rows) {
-    auto rows = program::rows_of(*form, *text, request.in, model);
+  if (from.text != nullptr && to_rows) {
+    auto rows = program::rows_of(*from.text, *text, request.in, model);
     if (!rows) return std::unexpected(no_form(rows.error(), model, request.in));
     return std::move(rows->text);
   }
-  if (from == Form::kPose && to == Form::kPose) return pose_again(request, *text, model);
-  return std::unexpected(
-      bad_input("convert: from sequence, gcode, pos and record to sinew, from sinew to sequence "
-                "and pos, from pos to "
-                "pos; a config is only told"));
+  if (is_pose(from) && is_pose(to)) return pose_again(request, *text, model);
+  return std::unexpected(bad_input(
+      fmt::format("convert: from {} or record to sinew, from sinew to {}, from pos to pos; "
+                  "a config is only told",
+                  program::form_names(false), program::form_names(true))));
 }
 
 }  // namespace
@@ -211,16 +192,16 @@ Outcome convert(const ConvertRequest& request) {
   const RobotModel& model = file->model;
   const auto from = form_of(request.from, request.in, "--from");
   if (!from) return from.error();
-  if (*from == Form::kConfig && !request.out && !request.to) {
+  if (from->kind == Form::Kind::kConfig && !request.out && !request.to) {
     const auto text = io::read_file(request.in);
     return text ? tell_config(request, *text, model) : bad_input(text.error().sentence);
   }
   if (request.journal) return bad_input("--journal: only of a config that is told, without OUT");
   const bool by_name = request.to || request.out;
   const auto to = by_name ? form_of(request.to, request.out.value_or(""), "--to")
-                          : std::expected<Form, Outcome>(Form::kProgram);
+                          : std::expected<Form, Outcome>(Form{});
   if (!to) return to.error();
-  if (request.comma && *to != Form::kPose) {
+  if (request.comma && !is_pose(*to)) {
     return bad_input("--decimal-comma: only of a .pos file");
   }
   if (request.out && io::same_file(request.in, *request.out)) {
@@ -257,8 +238,8 @@ void add_convert(CLI::App& app, ChosenVerb& call) {
       ->required();
   verb->add_option("OUT", request.out, "NAME.sinew, .txt or .pos; on stdout where left out");
   verb->add_option("--robot", request.robot, "id or .toml file")->required();
-  verb->add_option("--from", request.from, "sinew, sequence, pos, config, gcode or record");
-  verb->add_option("--to", request.to, "sinew, sequence or pos");
+  verb->add_option("--from", request.from, form_names());
+  verb->add_option("--to", request.to, "sinew, " + program::form_names(true));
   verb->add_flag("--decimal-comma", request.comma,
                  "of a .pos file, for the old program on a PC whose country writes so");
   verb->add_flag("--replace", request.replace,

@@ -206,8 +206,13 @@ void ProcedureDialogue::show(const ProcedureView& procedure) {
 
 void ProcedureDialogue::ask(const ProcedureView& procedure, const ProcedureHands& hands) {
   if (script_ == nullptr) {
-    if (const auto line = lines_.next()) give(procedure, hands, trimmed(*line));
-    return;
+    // What is piped in waits until it can be taken.
+    if (!procedure.ready && !io::stdin_is_terminal()) return;
+    if (const auto line = lines_.next()) return give(procedure, hands, trimmed(*line));
+    if (!lines_.ended() || !complaint_.empty()) return;
+    complaint_ =
+        "the standard input ended before the last answer; give the answers with --answers FILE";
+    return hands.cancel();
   }
   if (!procedure.ready || !complaint_.empty()) return;
   const auto answer = script_->take(procedure);

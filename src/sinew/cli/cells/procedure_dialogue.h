@@ -53,7 +53,7 @@ class ProcedureDialogue {
   ProcedureDialogue& operator=(const ProcedureDialogue&) = delete;
 
   void turn(const program::ProcedureView& procedure, const ProcedureHands& hands);
-  /// Why a script ended it; empty where none did.
+  /// Why it was ended from here: by a script, or by the end of the input; empty where it was not.
   const std::string& complaint() const { return complaint_; }
 
  private:

@@ -28,6 +28,7 @@
 #include "sinew/core/error_code.h"
 #include "sinew/io/interrupt.h"
 #include "sinew/model/joint_lookup.h"
+#include "sinew/model/joint_value.h"
 #include "sinew/program/language/program_part.h"
 #include "sinew/runtime/homing_time.h"
 
@@ -68,10 +69,7 @@ std::expected<std::optional<JointVector>, Outcome> standing_at(const RunRequest&
     const Joint& joint = model.joints[i];
     const double beyond = control::reach_beyond_limits(joint);
     if ((*values)[i] < joint.lower - beyond || (*values)[i] > joint.upper + beyond) {
-      const double limit = (*values)[i] < joint.lower ? joint.lower : joint.upper;
-      const bool slides = joint.kind == JointKind::kPrismatic;
-      const Error error{slides ? ErrorCode::kLegLength : ErrorCode::kJointLimit,
-                        static_cast<std::int8_t>(i), (*values)[i], limit};
+      const Error error = beyond_limit(joint, i, (*values)[i]);
       return std::unexpected(bad_input("--standing-at: " + error_text(error, model)));
     }
     q.push_back((*values)[i]);
@@ -135,7 +133,7 @@ std::expected<Prepared, Outcome> prepare(const RunRequest& request) {
   if (prepared.program.steps.empty()) {
     return std::unexpected(bad_input(request.file + ": has no step; a first line could be: joint " +
                                      model.joints[0].name +
-                                     (is_leg(model.joints[0]) ? "=200mm" : "=10deg")));
+                                     (model.joints[0].slides() ? "=200mm" : "=10deg")));
   }
   if (const auto fine = take_part(request, prepared); !fine) return std::unexpected(fine.error());
   const auto standing = standing_at(request, model);
@@ -195,7 +193,11 @@ void tell_record(const runtime::Station& station, const program::Run& run, Outco
                                       {"damaged_slots", recovery.damaged_slots}};
   const auto& failure = run.failure();
   if (failure && failure->error.code == ErrorCode::kPositionUnknown) {
-    outcome.complaint += fmt::format("; {}: {}", found, sentence(recovery.way_out));
+    const bool forgot = recovery.way_out == WayOut::kNothing;
+    outcome.complaint += fmt::format(
+        "; {}: {}", found,
+        forgot ? "but the device has restarted since, or was moved; home it, or state the position"
+               : sentence(recovery.way_out));
     if (recovery.way_out != WayOut::kHome) outcome.complaint += " (--standing-at)";
   }
 }

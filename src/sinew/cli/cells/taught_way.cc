@@ -22,7 +22,7 @@ constexpr std::size_t kFileMax = std::size_t{1} << 30;
 /// One joint's place, where it is known for sure.
 std::optional<double> known_joint(const Json& joint, const Joint& model) {
   if (!joint.is_object()) return std::nullopt;
-  const bool leg = model.kind == JointKind::kPrismatic;
+  const bool leg = model.slides();
   const auto value = joint.find(leg ? "position_m" : "position_rad");
   const auto quality = joint.find("quality");
   if (value == joint.end() || quality == joint.end() || !value->is_number()) return std::nullopt;
@@ -32,13 +32,13 @@ std::optional<double> known_joint(const Json& joint, const Joint& model) {
 }
 
 std::string outside_note(const program::WayRows& rows, const RobotModel& robot) {
-  const std::uint8_t lengths = prismatic_joints(robot);
   const double most = rows.outside_max;
-  const std::string by =
-      lengths == 0 ? number(to_deg(most), 2) + " deg"
-      : std::holds_alternative<HexapodGeometry>(robot.geometry)
-          ? number(to_mm(most), 2) + " mm"
-          : number(to_deg(most), 2) + " deg or " + number(to_mm(most), 2) + " mm";
+  std::string by = number(to_deg(most), 2) + " deg";
+  if (all_slide(robot)) {
+    by = number(to_mm(most), 2) + " mm";
+  } else if (prismatic_joints(robot) != 0) {
+    by += " or " + number(to_mm(most), 2) + " mm";
+  }
   return fmt::format(
       "{} of its places lay outside the limits, by {} at most, and were moved to them",
       rows.outside, by);

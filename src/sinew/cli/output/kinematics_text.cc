@@ -12,14 +12,6 @@
 #include "sinew/model/joint_lookup.h"
 
 namespace sinew::cli {
-bool is_leg(const Joint& joint) {
-  return joint.kind == JointKind::kPrismatic;
-}
-
-double shown(double value, const Joint& joint) {
-  return is_leg(joint) ? to_mm(value) : to_deg(value);
-}
-
 Json pose_json(const Vec3& p, const Rotation& R) {
   const Vec3 rpy = fixed_xyz(R);
   return {{"x_mm", to_mm(p.x)},
@@ -93,12 +85,12 @@ std::string error_text(const Error& error, const RobotModel& model) {
 
 Json joints_json(std::span<const double> q, const RobotModel& model) {
   Json json = Json::array();
-  for (std::size_t i = 0; i < q.size(); ++i) json.push_back(shown(q[i], model.joints[i]));
+  for (std::size_t i = 0; i < q.size(); ++i) json.push_back(shown_value(q[i], model.joints[i]));
   return json;
 }
 
 std::string joint_text(double q, const Joint& joint) {
-  return number(shown(q, joint));
+  return number(shown_value(q, joint));
 }
 
 const char* joints_key(const RobotModel& model) {
@@ -108,7 +100,7 @@ const char* joints_key(const RobotModel& model) {
 }
 
 bool all_slide(const RobotModel& model) {
-  return std::ranges::all_of(model.joints, is_leg);
+  return std::ranges::all_of(model.joints, &Joint::slides);
 }
 
 const char* joints_unit(const RobotModel& model) {

@@ -6,6 +6,7 @@
 #include "sinew/cli/output/outcome.h"
 #include "sinew/core/error.h"
 #include "sinew/core/pose.h"
+#include "sinew/model/joint_value.h"
 #include "sinew/model/robot_model.h"
 
 namespace sinew::cli {
@@ -18,10 +19,6 @@ std::string pose_text(const Vec3& p, const Rotation& R);
 /// An error with its numbers in mm and degrees and the sentence that people get.
 Json error_json(const Error& error, const RobotModel& model);
 std::string error_text(const Error& error, const RobotModel& model);
-
-bool is_leg(const Joint& joint);
-/// A joint's value, or its derivative, as people see it: deg, or mm of a leg.
-double shown(double value, const Joint& joint);
 
 /// Values of joints (deg) or legs (mm), as JSON numbers and as people read them.
 Json joints_json(std::span<const double> q, const RobotModel& model);

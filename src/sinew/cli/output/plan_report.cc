@@ -98,7 +98,7 @@ std::string more_text(const planning::PathRefusal& refusal, const RobotModel& mo
 Json values(const planning::JointArray& array, const RobotModel& model) {
   Json json = Json::array();
   for (std::size_t j = 0; j < model.joints.size(); ++j) {
-    json.push_back(shown(array[j], model.joints[j]));
+    json.push_back(shown_value(array[j], model.joints[j]));
   }
   return json;
 }
@@ -297,8 +297,8 @@ Outcome plan_refusal(const RobotModel& model, const std::string& file,
   if (refusal.way && refusal.way->unsayable) {
     const program::Unsayable& what = *refusal.way->unsayable;
     const Joint& joint = model.joints[what.joint];
-    complaint += fmt::format(" ({} at {} {})", joint.name, number(shown(what.q, joint), 3),
-                             is_leg(joint) ? "mm" : "deg");
+    complaint += fmt::format(" ({} at {} {})", joint.name, number(shown_value(what.q, joint), 3),
+                             shown_unit(joint));
   }
   if (refusal.way && refusal.way->proposal.at_target) {
     complaint += "; its target: " + error_text(*refusal.way->proposal.at_target, model);

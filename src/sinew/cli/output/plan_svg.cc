@@ -288,9 +288,9 @@ class Drawing {
     const auto share = [&](double value) { return (value - low) / (high - low); };
     shade(box, 0, share(limit_low));
     shade(box, share(limit_high), 1);
-    const char* unit = is_leg(joint) ? "mm" : "deg";
+    const char* unit = shown_unit(joint);
     constexpr std::array<const char*, kRows> kPer{"", "/s", "/s²", "/s³"};
-    ticks(box, shown(low, joint), shown(high, joint), false);
+    ticks(box, shown_value(low, joint), shown_value(high, joint), false);
     ticks(box, 0, std::max(end_of(plan_), 1e-3), true);
     frame(box, fmt::format("{}, {}{}{}", kGrid[row].name, unit, kPer[row],
                            row + 1 == kRows ? "; time in s" : ""));

@@ -45,7 +45,7 @@ std::expected<program::Program, Outcome> read_program(
     std::shared_ptr<const program::TableTop> table) {
   const auto text = io::read_file(path);
   if (!text) return std::unexpected(bad_input(text.error().sentence));
-  const auto form = program::form_of_text(path, *text, model);
+  const auto* form = program::form_of_text(path, *text, model);
   const auto points = load_points(path);
   if (!points) return std::unexpected(points.error());
   program::Surroundings around;
@@ -73,7 +73,7 @@ std::expected<ProgramTexts, Outcome> gather_program(const std::string& path) {
   if (!text) return std::unexpected(bad_input(text.error().sentence));
   ProgramTexts all{
       .text = *text, .form = program::form_of_file(path), .points = std::nullopt, .called = {}};
-  if (all.form) return all;
+  if (all.form != nullptr) return all;
   const std::string points = folder_of(path) + "points.toml";
   if (io::exists(points)) {
     auto read = io::read_file(points);

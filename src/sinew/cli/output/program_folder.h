@@ -22,7 +22,7 @@ std::expected<program::Program, Outcome> read_program(
 /// A program's text with what lies in its folder, unread, for whoever reads it elsewhere.
 struct ProgramTexts {
   std::string text;
-  std::optional<program::TextForm> form{};    ///< by its ending; of such a text only this
+  const program::TextForm* form = nullptr;    ///< by its ending; of such a text only this
   std::optional<std::string> points;          ///< points.toml
   std::map<std::string, std::string> called;  ///< by name, those of called programs too
 };

@@ -34,7 +34,7 @@ int digits_of(const RobotModel& model) {
 std::string values_text(std::span<const double> q, const RobotModel& model) {
   std::string text;
   for (std::size_t i = 0; i < q.size(); ++i) {
-    text += fmt::format("{}{:.{}f}", i == 0 ? "" : " ", shown(q[i], model.joints[i]) + 0.0,
+    text += fmt::format("{}{:.{}f}", i == 0 ? "" : " ", shown_value(q[i], model.joints[i]) + 0.0,
                         digits_of(model));
   }
   return text;
@@ -45,10 +45,10 @@ std::string position_text(const JointPosition& position, const Joint& joint, int
                           const char* lost) {
   if (position.quality == PositionQuality::kLost) return lost;
   if (position.quality == PositionQuality::kUncertain) {
-    return fmt::format("{:.{}f}..{:.{}f}", shown(position.lower, joint), digits,
-                       shown(position.upper, joint), digits);
+    return fmt::format("{:.{}f}..{:.{}f}", shown_value(position.lower, joint), digits,
+                       shown_value(position.upper, joint), digits);
   }
-  return fmt::format("{:.{}f}", shown(position.q, joint) + 0.0, digits);
+  return fmt::format("{:.{}f}", shown_value(position.q, joint) + 0.0, digits);
 }
 
 std::string reported_text(const Record& record, const RobotModel& model) {
@@ -164,7 +164,7 @@ std::optional<double> largest_error(const Record& record, const RobotModel& mode
   for (std::size_t i = 0; i < record.q.size(); ++i) {
     const JointPosition& position = record.reported[i];
     if (position.quality < PositionQuality::kCommanded) return std::nullopt;
-    largest = std::max(largest, std::abs(shown(position.q - record.q[i], model.joints[i])));
+    largest = std::max(largest, std::abs(shown_value(position.q - record.q[i], model.joints[i])));
   }
   return largest;
 }
@@ -194,12 +194,12 @@ Json positions_json(std::span<const JointPosition> positions, const RobotModel& 
   for (std::size_t i = 0; i < positions.size(); ++i) {
     const JointPosition& position = positions[i];
     const Joint& joint = model.joints[i];
-    const std::string unit = is_leg(joint) ? "_mm" : "_deg";
+    const std::string unit = std::string("_") + shown_unit(joint);
     Json one{{"joint", joint.name}, {"quality", quality_name(position.quality)}};
     if (position.quality != PositionQuality::kLost) {
-      one["q" + unit] = shown(position.q, joint);
-      one["lower" + unit] = shown(position.lower, joint);
-      one["upper" + unit] = shown(position.upper, joint);
+      one["q" + unit] = shown_value(position.q, joint);
+      one["lower" + unit] = shown_value(position.lower, joint);
+      one["upper" + unit] = shown_value(position.upper, joint);
     }
     list.push_back(one);
   }
@@ -420,16 +420,15 @@ std::string program_text(const ProgramReport& report) {
 
 std::string program_csv(const RobotModel& model, const std::vector<JointSample>& samples) {
   std::string csv = "t_s";
-  for (const Joint& joint : model.joints)
-    csv += "," + joint.name + (is_leg(joint) ? "_mm" : "_deg");
+  for (const Joint& joint : model.joints) csv += "," + joint.name + "_" + shown_unit(joint);
   csv += ",quality";
   for (const Joint& joint : model.joints) {
-    const char* unit = is_leg(joint) ? "mm" : "deg";
+    const char* unit = shown_unit(joint);
     csv += fmt::format(",{0}_lower_{1},{0}_upper_{1}", joint.name, unit);
   }
   csv += "\n";
   const auto value = [](double q, const Joint& joint) {
-    return std::isfinite(q) ? fmt::format(",{:.6f}", shown(q, joint)) : std::string(",");
+    return std::isfinite(q) ? fmt::format(",{:.6f}", shown_value(q, joint)) : std::string(",");
   };
   for (const JointSample& sample : samples) {
     csv += fmt::format("{:.6f}", sample.t);
@@ -457,12 +456,12 @@ std::string program_svg(const RobotModel& model, const std::vector<JointSample>&
     velocity.curves.push_back({model.joints[i].name, {}});
     std::size_t before = 0;
     for (std::size_t k = 0; k < samples.size(); ++k) {
-      const double q = shown(samples[k].q[i], model.joints[i]);
+      const double q = shown_value(samples[k].q[i], model.joints[i]);
       position.curves[i].values.push_back(q);
       // Readings come in steps; over a fifth of a second they make a speed.
       while (t[k] - t[before] > kVelocityWindow) ++before;
       const double dt = t[k] - t[before];
-      const double last = shown(samples[before].q[i], model.joints[i]);
+      const double last = shown_value(samples[before].q[i], model.joints[i]);
       velocity.curves[i].values.push_back(dt > 0 ? (q - last) / dt : 0);
     }
   }

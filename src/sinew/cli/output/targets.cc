@@ -9,6 +9,7 @@
 #include "sinew/cli/output/quantity.h"
 #include "sinew/cli/output/table.h"
 #include "sinew/core/units.h"
+#include "sinew/model/joint_value.h"
 
 namespace sinew::cli {
 namespace {
@@ -64,7 +65,7 @@ std::expected<JointVector, std::string> parse_joints(const std::string& option,
   std::vector<Measure> dimensions;
   dimensions.reserve(model.joints.size());
   for (const Joint& joint : model.joints) {
-    dimensions.push_back(joint.kind == JointKind::kPrismatic ? Measure::kLength : Measure::kAngle);
+    dimensions.push_back(measure_of(joint));
   }
   const auto v = parse_bounded(option, text, dimensions, joint_names(model));
   if (!v) return std::unexpected(v.error());

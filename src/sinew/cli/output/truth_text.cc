@@ -21,9 +21,8 @@ Json truth_json(const sim::Truth& truth, const RobotModel& model) {
   Json joints = Json::array();
   for (std::size_t i = 0; i < truth.joints.size(); ++i) {
     const sim::JointTruth& joint = truth.joints[i];
-    const bool leg = model.joints[i].kind == JointKind::kPrismatic;
-    const double factor = leg ? to_mm(1) : to_deg(1);
-    const std::string unit = leg ? "_mm" : "_deg";
+    const double factor = shown_value(1, model.joints[i]);
+    const std::string unit = std::string("_") + shown_unit(model.joints[i]);
     joints.push_back({{"joint", model.joints[i].name},
                       {"q" + unit, joint.q * factor},
                       {"believed" + unit, joint.believed * factor},
@@ -41,11 +40,11 @@ std::string truth_line(const sim::Truth& truth, const RobotModel& model) {
   std::string line;
   for (std::size_t i = 0; i < truth.joints.size(); ++i) {
     const sim::JointTruth& joint = truth.joints[i];
-    const bool leg = model.joints[i].kind == JointKind::kPrismatic;
-    const double factor = leg ? to_mm(1) : to_deg(1);
+    const bool leg = model.joints[i].slides();
+    const double factor = shown_value(1, model.joints[i]);
     const int digits = leg ? 4 : 3;
     line += fmt::format("{}{} {:.{}f} {}", line.empty() ? "" : ", ", model.joints[i].name,
-                        joint.q * factor + 0.0, digits, leg ? "mm" : "deg");
+                        joint.q * factor + 0.0, digits, shown_unit(model.joints[i]));
     if (differ(joint, leg)) {
       line += fmt::format(" (believes {:.{}f})", joint.believed * factor + 0.0, digits);
     }

@@ -68,7 +68,7 @@ Outcome list_branches(const RobotModel& model, const IkBranches& branches) {
       const Joint& outside = model.joints[joint];
       verdict +=
           fmt::format("{}{} by {} {}", &violation == violations.begin() ? "" : ", ", outside.name,
-                      number(shown(excess(violation), outside), 1), is_leg(outside) ? "mm" : "deg");
+                      number(shown_value(excess(violation), outside), 1), shown_unit(outside));
     }
     if (branch.singular != 0) {
       verdict += "; singular: " + joined(singular_names(branch.singular), ", ");

@@ -17,6 +17,7 @@
 #include "sinew/core/spelling.h"
 #include "sinew/io/file.h"
 #include "sinew/model/joint_lookup.h"
+#include "sinew/model/joint_value.h"
 #include "sinew/planning/jog/jog.h"
 
 namespace sinew::cli {
@@ -57,7 +58,7 @@ std::expected<JogCommand, std::string> parse_command(const JogRequest& request, 
   if (command.frame == JogFrame::kJoint) {
     names = joint_names(model);
     for (const Joint& joint : model.joints) {
-      measures.push_back(is_leg(joint) ? Measure::kLength : Measure::kAngle);
+      measures.push_back(measure_of(joint));
     }
   } else {
     const std::size_t all = jog.space().numbers(command.frame);
@@ -154,7 +155,7 @@ std::expected<JointVector, std::string> parse_start(const JogRequest& request, c
 
 /// Less than this outside of a limit is where a person's hand or an arm's own weight left it.
 double slack_of(const Joint& joint) {
-  return is_leg(joint) ? 1e-3 : from_deg(1);
+  return joint.slides() ? 1e-3 : from_deg(1);
 }
 
 /// Joints that stand outside of their limits.
@@ -162,10 +163,7 @@ std::vector<Error> outside(const JointVector& q, const RobotModel& model) {
   std::vector<Error> errors;
   for (std::size_t j = 0; j < model.joints.size(); ++j) {
     const Joint& joint = model.joints[j];
-    if (within_limits(joint, q[j])) continue;
-    errors.push_back({is_leg(joint) ? ErrorCode::kLegLength : ErrorCode::kJointLimit,
-                      static_cast<std::int8_t>(j), q[j],
-                      q[j] > joint.upper ? joint.upper : joint.lower});
+    if (!within_limits(joint, q[j])) errors.push_back(beyond_limit(joint, j, q[j]));
   }
   return errors;
 }
@@ -185,7 +183,7 @@ std::vector<std::string> start_notes(const std::vector<Error>& errors, const Jog
   std::vector<std::string> notes;
   for (const Error& error : errors) {
     const Joint& joint = model.joints[static_cast<std::size_t>(error.index)];
-    const char* unit = is_leg(joint) ? "mm" : "deg";
+    const char* unit = shown_unit(joint);
     notes.push_back(
         fmt::format("{} starts {} {} outside of its limit ({} {}): it moves inwards only",
                     joint.name, joint_text(std::abs(error.measured - error.limit), joint), unit,

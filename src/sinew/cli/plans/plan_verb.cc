@@ -139,7 +139,7 @@ std::string no_program(const PlanRequest& request) {
 std::expected<Wanted, Outcome> prepare(const PlanRequest& request) {
   const auto refused = [](const std::string& why) { return std::unexpected(bad_input(why)); };
   const bool from_file =
-      request.subject.ends_with(".sinew") || program::form_of_file(request.subject);
+      request.subject.ends_with(".sinew") || program::form_of_file(request.subject) != nullptr;
   if (from_file && !request.robot) {
     return refused("--robot is missing: for which robot is " + request.subject + "?");
   }

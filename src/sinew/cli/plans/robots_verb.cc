@@ -100,9 +100,8 @@ Outcome show_robot(const std::string& argument) {
   Table table({"joint", "from", "to", "home", "speed max", "acceleration max", "jerk max", "unit"});
   table.left(7);
   for (const Joint& joint : model.joints) {
-    const bool leg = joint.kind == JointKind::kPrismatic;
-    const char* unit = leg ? "mm" : "deg";
-    const double factor = leg ? to_mm(1) : to_deg(1);
+    const char* unit = shown_unit(joint);
+    const double factor = shown_value(1, joint);
     table.add({joint.name, joint_text(joint.lower, joint), joint_text(joint.upper, joint),
                joint_text(joint.home, joint), number(joint.velocity_max * factor, 4),
                number(joint.acceleration_max * factor, 4), number(joint.jerk_max * factor, 4),

@@ -17,7 +17,7 @@ using planning::JointNeed;
 using planning::RatioAnswer;
 
 bool slides(const TorqueReport& report, std::size_t i) {
-  return is_leg(report.model.joints[i]);
+  return report.model.joints[i].slides();
 }
 /// The heading of a column: of what turns, of what slides, or of both.
 std::string of_kind(const TorqueReport& report, const char* turning, const char* sliding) {
@@ -32,7 +32,7 @@ std::string load_key(const TorqueReport& report, std::size_t i, const char* name
   return fmt::format("{}_{}", name, slides(report, i) ? "n" : "nm");
 }
 const char* way_unit(const TorqueReport& report, std::size_t i) {
-  return slides(report, i) ? "mm" : "deg";
+  return shown_unit(report.model.joints[i]);
 }
 
 /// A number with three digits that count.
@@ -65,7 +65,7 @@ std::string ratio_cell(const TorqueReport& report, std::size_t i,
   if (!answer->lowest) return "none";
   const auto speed = slower(report, i, answer);
   return ratio_text(report, i, *answer->lowest) +
-         (speed ? fmt::format(" ({} {}/s)", rough(shown(*speed, report.model.joints[i])),
+         (speed ? fmt::format(" ({} {}/s)", rough(shown_value(*speed, report.model.joints[i])),
                               way_unit(report, i))
                 : "");
 }
@@ -108,7 +108,7 @@ std::string drives_text(const TorqueReport& report) {
     table.add({report.model.joints[i].name, number(drive.holding_torque),
                fmt::format("{}", drive.motors), ratio_text(report, i, drive.gear_ratio),
                number(drive.gear_efficiency), rough(report.study.drive(i).available(0)),
-               number(shown(top, report.model.joints[i]), 4),
+               number(shown_value(top, report.model.joints[i]), 4),
                rough(report.study.drive(i).available(top))});
   }
   return table.text();
@@ -152,7 +152,7 @@ std::string needs_text(const TorqueReport& report) {
 std::string pose_text(const JointVector& q, const TorqueReport& report) {
   std::string text;
   for (std::size_t i = 0; i < q.size(); ++i) {
-    text += (i == 0 ? "" : " ") + number(shown(q[i], report.model.joints[i]), 1);
+    text += (i == 0 ? "" : " ") + number(shown_value(q[i], report.model.joints[i]), 1);
   }
   return text;
 }
@@ -194,7 +194,7 @@ std::string rows_text(const TorqueReport& report) {
         rough(row.need.weight),
         rough(row.need.demand),
         rough(row.need.margin()),
-        row.acceleration ? rough(shown(*row.acceleration, report.model.joints[i])) : "never",
+        row.acceleration ? rough(shown_value(*row.acceleration, report.model.joints[i])) : "never",
         reach_cell(row.reach)};
     if (servo) {
       cells.push_back(rough(stall_that_does(report.study.drive(i), row.need)));
@@ -238,7 +238,7 @@ std::string close_text(const TorqueReport& report) {
   text += fmt::format(
       "  alone: this joint from rest, while the others stand\n"
       "  moving means all joints at the file's top speed and, this one, {} {}/s2; {}",
-      number(shown(weakest.acceleration_max, weakest)), way_unit(report, report.weakest),
+      number(shown_value(weakest.acceleration_max, weakest)), way_unit(report, report.weakest),
       joint.fails_from && *joint.fails_from > 0
           ? fmt::format("so it fails from {} kg", rough(*joint.fails_from))
       : joint.fails_from ? "so it fails without payload"
@@ -294,7 +294,7 @@ Json need_json(const TorqueReport& report, std::size_t i, const JointNeed& need)
     json[name] = optional_json(answer->lowest);
     if (const auto speed = slower(report, i, answer)) {
       json[fmt::format("{}_velocity_{}_s", name, way_unit(report, i))] =
-          shown(*speed, report.model.joints[i]);
+          shown_value(*speed, report.model.joints[i]);
     }
   };
   const bool legs = slides(report, i);
@@ -337,7 +337,7 @@ Json torque_json(const TorqueReport& report) {
     Json one{{"payload_kg", row.payload}};
     one.update(need_json(report, report.weakest, row.need));
     one[fmt::format("fails_from_{}_s2", way_unit(report, report.weakest))] =
-        optional_json(row.acceleration, shown(1, model.joints[report.weakest]));
+        optional_json(row.acceleration, shown_value(1, model.joints[report.weakest]));
     one["fails_from_reach_mm"] = optional_json(row.reach, to_mm(1));
     close["payloads"].push_back(one);
   }

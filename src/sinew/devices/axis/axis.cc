@@ -73,26 +73,23 @@ std::unique_ptr<WireReader> link_listener(const Device& /*device*/, const Device
 
 /// Why a board is out, or that it is not.
 template <class AxisDriver>
-std::string axis_statement(const Driver& driver, const RobotModel& robot, std::size_t joint) {
-  const auto fault = driver_as<AxisDriver>(driver).axis_fault(joint);
-  return fault ? sentence_of(*fault, robot) : "fine";
+void state_axes(const Driver& driver, const RobotModel& robot, DeviceStatements& statements) {
+  for (std::size_t j = 0; j < robot.joints.size(); ++j) {
+    const auto fault = driver_as<AxisDriver>(driver).axis_fault(j);
+    statements.say("axis", fault ? sentence_of(*fault, robot) : "fine", j);
+  }
 }
 
-std::optional<std::string> registers_statement(const Driver& driver, const RobotModel& robot,
-                                               std::string_view what, std::size_t joint) {
-  if (what != "axis") return std::nullopt;
-  return axis_statement<AxisRegistersDriver>(driver, robot, joint);
-}
-
-std::optional<std::string> link_statement(const Driver& driver, const RobotModel& robot,
-                                          std::string_view what, std::size_t joint) {
-  if (what == "axis") return axis_statement<AxisLinkDriver>(driver, robot, joint);
-  if (what == "shows_zero_shift") return "yes";
-  const bool steps = what == "zero_shift_steps";
-  const auto shift = driver_as<AxisLinkDriver>(driver).zero_shift(joint);
-  if ((!steps && what != "zero_shift_deg") || !shift) return std::nullopt;
-  return fmt::format("{:.3f}",
-                     steps ? *shift * axis_settings(robot, joint).steps_per_rad() : to_deg(*shift));
+void state_link(const Driver& driver, const RobotModel& robot, DeviceStatements& statements) {
+  state_axes<AxisLinkDriver>(driver, robot, statements);
+  statements.say("shows_zero_shift", "yes");
+  for (std::size_t j = 0; j < robot.joints.size(); ++j) {
+    const auto shift = driver_as<AxisLinkDriver>(driver).zero_shift(j);
+    if (!shift) continue;
+    const double steps = *shift * axis_settings(robot, j).steps_per_rad();
+    statements.say("zero_shift_steps", fmt::format("{:.3f}", steps), j);
+    statements.say("zero_shift_deg", fmt::format("{:.3f}", to_deg(*shift)), j);
+  }
 }
 
 /// The boards that are silent while others answer, for people; empty where there are none.
@@ -146,7 +143,7 @@ const DeviceKind kAxisRegistersKind{
     .listener = registers_listener,
     .view = axis_registers_view,
     .search = axis_search,
-    .statement = registers_statement,
+    .state = state_axes<AxisRegistersDriver>,
     .suspicion = registers_suspicion,
 };
 
@@ -161,7 +158,7 @@ const DeviceKind kAxisLinkKind{
     .listener = link_listener,
     .view = axis_link_view,
     .search = axis_search,
-    .statement = link_statement,
+    .state = state_link,
     .suspicion = link_suspicion,
 };
 

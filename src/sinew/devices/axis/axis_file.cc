@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sinew/core/spelling.h"
+#include "sinew/core/number_text.h"
 #include "sinew/devices/axis_link/axis_link_settings.h"
 #include "sinew/devices/axis_registers/axis_registers_settings.h"
 #include "sinew/devices/table_file.h"

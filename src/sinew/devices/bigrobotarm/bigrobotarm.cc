@@ -38,12 +38,10 @@ std::unique_ptr<WireReader> listener(const Device& device, const DeviceFacts& fa
       found != nullptr ? found->wire : device.settings.get<BigRobotArmDevice>().wire);
 }
 
-std::optional<std::string> statement(const Driver& driver, const RobotModel& /*robot*/,
-                                     std::string_view what, std::size_t /*joint*/) {
-  if (what != "wire") return std::nullopt;
+void state(const Driver& driver, const RobotModel& /*robot*/, DeviceStatements& statements) {
   const BigRobotArmFound found = driver_as<BigRobotArmDriver>(driver).wire();
-  if (found.wire == BigRobotArmWire::kByte) return "byte";
-  return found.dialect == BigRobotArmDialect::k2026 ? "text2026" : "text";
+  const char* text = found.dialect == BigRobotArmDialect::k2026 ? "text2026" : "text";
+  statements.say("wire", found.wire == BigRobotArmWire::kByte ? "byte" : text);
 }
 
 std::string silence_hint(const RobotModel& robot, const Error& /*trouble*/,
@@ -70,7 +68,7 @@ const DeviceKind kBigRobotArmKind{
     .machine = machine,
     .listener = listener,
     .view = bigrobotarm_view,
-    .statement = statement,
+    .state = state,
     .silence_hint = silence_hint,
 };
 

@@ -31,17 +31,20 @@ std::unique_ptr<WireReader> listener(const Device& device, const DeviceFacts& /*
   return wires::feetech_reader(device.settings.get<FeetechDevice>());
 }
 
-/// "servo": number, model, firmware, volts and heat of a joint's.
-std::optional<std::string> statement(const Driver& driver, const RobotModel& robot,
-                                     std::string_view what, std::size_t joint) {
-  if (what != "servo" || joint >= robot.joints.size()) return std::nullopt;
+/// Number, model, firmware, volts and heat of each joint's servo.
+void state(const Driver& driver, const RobotModel& robot, DeviceStatements& statements) {
   const DeviceFacts facts = driver.facts();
   const auto* servos = facts.as<FeetechFacts>();
-  if (servos == nullptr || !servos->servos[joint].known) return std::nullopt;
-  const FeetechServoState& servo = servos->servos[joint];
-  return fmt::format("number {}, model {}, firmware {}.{}, {:.1f} V, {} deg C",
-                     robot.device.settings.get<FeetechDevice>().servos[joint].id, servo.model,
-                     servo.firmware >> 8, servo.firmware & 0xFF, servo.volts / 10.0, servo.heat);
+  for (std::size_t j = 0; servos != nullptr && j < robot.joints.size(); ++j) {
+    const FeetechServoState& servo = servos->servos[j];
+    if (!servo.known) continue;
+    statements.say(
+        "servo",
+        fmt::format("number {}, model {}, firmware {}.{}, {:.1f} V, {} deg C",
+                    robot.device.settings.get<FeetechDevice>().servos[j].id, servo.model,
+                    servo.firmware >> 8, servo.firmware & 0xFF, servo.volts / 10.0, servo.heat),
+        j);
+  }
 }
 
 std::string silence_hint(const RobotModel& robot, const Error& /*trouble*/,
@@ -67,7 +70,7 @@ const DeviceKind kFeetechKind{
     .machine = machine,
     .listener = listener,
     .view = feetech_view,
-    .statement = statement,
+    .state = state,
     .silence_hint = silence_hint,
 };
 

@@ -135,6 +135,13 @@ Expected<void> GrblDriver::may_begin() const {
   return {};
 }
 
+/// Not by a board that wants to find its switches first.
+Expected<void> GrblDriver::may_move() const {
+  if (const auto may = may_begin(); !may) return may;
+  if (locked_) return std::unexpected(Error{ErrorCode::kNotHomed, -1});
+  return {};
+}
+
 bool GrblDriver::wants_move(Instant now) const {
   if (fault_ || known_.unknown()) return false;
   if (activity_ == Activity::kIdle) return !foreign_;
@@ -146,7 +153,7 @@ Expected<void> GrblDriver::move(const JointMove& move, Instant now) {
   poll(now);
   const bool follows = activity_ == Activity::kMoving && wants_move(now);
   if (!follows) {
-    if (const auto may = may_begin(); !may) return may;
+    if (const auto may = may_move(); !may) return may;
     if (const auto joint = known_.unknown()) {
       return std::unexpected(joint_error(ErrorCode::kPositionUnknown, *joint));
     }
@@ -174,10 +181,10 @@ Expected<void> GrblDriver::move(const JointMove& move, Instant now) {
 Expected<void> GrblDriver::nudge(std::size_t joint, double way, Duration duration, Instant now) {
   SINEW_ASSERT(joint < joints_.size());
   poll(now);
-  if (const auto may = may_begin(); !may) return may;
+  if (const auto may = may_move(); !may) return may;
   Jog jog{joint, std::round(known_.units(joint, way) * 1e3) / 1e3, 0};
   // Written so that NaN is refused too.
-  const bool slides = joints_[joint].kind == JointKind::kPrismatic;
+  const bool slides = joints_[joint].slides();
   const double most = slides ? GrblDevice::kNudgeMaxSliding : GrblDevice::kNudgeMax;
   const bool inside = std::abs(way) >= device_.resolution(joint) / 2 &&
                       std::abs(way) <= most * (1 + 1e-9) && jog.by != 0;
@@ -327,7 +334,9 @@ void GrblDriver::update_positions(Instant now) {
   const Duration age = now - counted_at_;
   for (std::size_t i = 0; i < joints_.size(); ++i) {
     const double gone = stands ? 0 : to_seconds(age + line_time_) * joints_[i].velocity_max;
-    positions_[i] = known_.position(i, gone);
+    positions_[i] = activity_ == Activity::kMoving
+                        ? known_.position(i, gone, motion_.ahead(i, known_.counts()[i]))
+                        : known_.position(i, gone);
   }
 }
 

@@ -52,7 +52,7 @@ struct GrblTiming {
 ///   any open  | it restarts                                 | kOpening, kFailed or kNotice
 ///
 /// A fault stays until it is cleared, whatever happens to the board meanwhile.
-/// positions(): kCommanded; in motion with the way that a joint may have gone since it was asked.
+/// positions(): kCommanded; in motion its way on the lines that the board has.
 /// All @rt.
 class GrblDriver : public ByteDriver {
  public:
@@ -72,9 +72,9 @@ class GrblDriver : public ByteDriver {
   DriverHealth health() const override { return health_; }
   bool wants_move(Instant now) const override;
   /// @error the contract's, kUnsendable (number of joints, a speed that is no number), kJointLimit,
-  ///        kSegmentTime, kPositionUnknown
+  ///        kSegmentTime, kPositionUnknown, kNotHomed (a board that finds its switches first)
   Expected<void> move(const JointMove& move, Instant now) override;
-  /// @error kNudgeRange, kBusy, kPortClosed, the fault
+  /// @error kNudgeRange, kNotHomed, kBusy, kPortClosed, the fault
   Expected<void> nudge(std::size_t joint, double way, Duration duration, Instant now) override;
   /// All axes, by the board's own cycle. @error kNoEndStops, kBusy, kPortClosed, the fault
   Expected<void> home(Instant now, std::uint8_t joints) override;
@@ -119,6 +119,7 @@ class GrblDriver : public ByteDriver {
   };
 
   Expected<void> may_begin() const;
+  Expected<void> may_move() const;
   /// Opening or stopping, and there.
   bool is_at(Step step) const {
     return step_ == step && (activity_ == Activity::kOpening || activity_ == Activity::kStopping);

@@ -257,6 +257,13 @@ TEST(GrblFaults, a_board_that_asks_to_be_homed_first_has_no_fault) {
     cell.run_for(2s);
     EXPECT_EQ(cell.driver.state(), DriverState::kReady);
     EXPECT_EQ(cell.driver.positions()[0].quality, PositionQuality::kLost);
+    if (firmware == GrblFirmware::kGrblHal) {
+      // It cannot be unlocked, and a stated place does not do it.
+      cell.declare();
+      const auto refused = cell.driver.nudge(0, from_deg(1), 500ms, cell.now);
+      ASSERT_FALSE(refused);
+      EXPECT_EQ(refused.error().code, ErrorCode::kNotHomed);
+    }
     ASSERT_TRUE(cell.driver.home(cell.now, kAllJoints));
     EXPECT_TRUE(cell.run_until(DriverState::kReady, 170s));
     EXPECT_EQ(cell.driver.positions()[0].quality, PositionQuality::kCommanded);

@@ -210,6 +210,17 @@ bool GrblMotion::is_to_move() const {
   return std::ranges::any_of(pieces_, [](const Piece& one) { return one.sent && !one.no_way; });
 }
 
+JointInterval GrblMotion::ahead(std::size_t joint, double count) const {
+  // By its time it may be on a piece of which it has not come to the begin yet.
+  JointInterval reach{std::min(count, begin_[joint]), std::max(count, begin_[joint])};
+  for (const Piece& one : pieces_) {
+    if (!one.sent) break;
+    reach.lower = std::min(reach.lower, one.line.to[joint]);
+    reach.upper = std::max(reach.upper, one.line.to[joint]);
+  }
+  return reach;
+}
+
 bool GrblMotion::all_accepted() const {
   return std::ranges::all_of(pieces_, [](const Piece& one) { return one.accepted; });
 }

@@ -55,6 +55,9 @@ class GrblMotion {
   std::size_t size() const { return pieces_.size(); }
   /// The board has a line whose motion is not over.
   bool is_to_move() const;
+  /// From a count to the ends of the lines that the board has, and where the first of them begins,
+  /// units: its lines are straight.
+  JointInterval ahead(std::size_t joint, double count) const;
   bool all_accepted() const;
   /// Pieces that are not over, by their own times since the last status.
   std::size_t waiting(Instant now) const;

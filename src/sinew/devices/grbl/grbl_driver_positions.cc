@@ -148,4 +148,16 @@ JointPosition GrblPositions::position(std::size_t joint, double gone) const {
   return {PositionQuality::kCommanded, here, here - slack, here + slack, tie.zero};
 }
 
+JointPosition GrblPositions::position(std::size_t joint, double gone,
+                                      const JointInterval& ahead) const {
+  JointPosition shown = position(joint, gone);
+  if (shown.quality != PositionQuality::kCommanded) return shown;
+  const double one = place(joint, ahead.lower), other = place(joint, ahead.upper);
+  const double slack = slack_of(joint);
+  shown.lower = std::max(shown.lower, std::min(one, other) - slack);
+  shown.upper = std::min(shown.upper, std::max(one, other) + slack);
+  shown.under_way = true;
+  return shown;
+}
+
 }  // namespace sinew

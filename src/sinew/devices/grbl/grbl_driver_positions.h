@@ -62,6 +62,8 @@ class GrblPositions {
   /// As counted last; until then as it was left. @param gone  rad or m that a joint may have gone
   /// since, either way
   JointPosition position(std::size_t joint, double gone) const;
+  /// Of a board that moves along its lines. @param ahead  counts it may have come to, units
+  JointPosition position(std::size_t joint, double gone, const JointInterval& ahead) const;
 
  private:
   struct Tie {

@@ -259,6 +259,7 @@ void GrblDriver::step_place(const Status& status, Instant now) {
     const bool late = now - placing_since_ > timing_.welcome_timeout;
     return late ? end_with({ErrorCode::kDeviceRefused}) : void();
   }
+  locked_ = false;
   const auto misfit = settings_.misfit(firmware_);
   if (misfit && activity_ == Activity::kOpening) return end_with(*misfit);
   // In other modes its lines would mean other places.

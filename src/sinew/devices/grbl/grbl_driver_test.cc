@@ -42,6 +42,52 @@ TEST(GrblDriver, a_streamed_motion_arrives_in_its_time_and_each_piece_is_done_on
   EXPECT_LE(cell.fastest, 1.0);
 }
 
+/// Else a journal would have to reserve more and more of a motion until the next status.
+TEST(GrblDriver, between_two_reports_a_joint_is_on_the_lines_that_the_board_has) {
+  GrblCell cell;
+  auto motion = cell.motion_to({1, -0.5, 0.25}, 1.5);
+  const double piece = kPi / 2 / 1.5 * 0.05;  // rad, of a piece at the highest speed
+  while (motion.next <= motion.segments) {
+    cell.feed(motion);
+    cell.step();
+    const JointPosition& joint = cell.driver.positions()[0];
+    ASSERT_GE(joint.lower, joint.q - piece - 2 * kGrblStep);
+    ASSERT_GE(joint.lower, -2 * kGrblStep);
+    ASSERT_LE(joint.upper, 1 + 2 * kGrblStep);
+  }
+  EXPECT_GT(cell.q(0), 0.5);
+}
+
+/// Each joint to and fro at its own pace: reports come before and behind the turns.
+TEST(GrblDriver, where_a_path_turns_each_position_holds_the_truth) {
+  test::for_random_cases(150, [](test::Random& random) {
+    const auto joints = static_cast<std::size_t>(random.integer(1, 6));
+    GrblCell cell(grbl_robot(joints));
+    std::vector<double> rate, way;
+    for (std::size_t i = 0; i < joints; ++i) {
+      const double w = random.uniform(2, 10);  // rad/s
+      const double most = std::min({from_deg(80) / w, from_deg(350) / (w * w), 0.6});
+      rate.push_back(w);
+      way.push_back(most * random.uniform(0.2, 0.95));
+    }
+    constexpr int kPieces = 80;
+    for (int k = 1; k <= kPieces && !::testing::Test::HasFailure();) {
+      cell.step();
+      if (!cell.driver.wants_move(cell.now)) continue;
+      JointMove piece{.q = {}, .qd = {}, .duration = 50ms};
+      for (std::size_t i = 0; i < joints; ++i) {
+        const double turn = rate[i] * 0.05 * k;
+        piece.q.push_back(way[i] * (1 - std::cos(turn)));
+        piece.qd.push_back(k == kPieces ? 0 : way[i] * rate[i] * std::sin(turn));
+      }
+      // The last one may end too fast for its joints.
+      if (!cell.driver.move(piece, cell.now)) return;
+      ++k;
+    }
+    cell.run_for(500ms);
+  });
+}
+
 TEST(GrblDriver, stop_brakes_on_the_path_and_the_position_stays_known) {
   GrblCell cell;
   auto motion = cell.motion_to({1, -0.5, 0.25}, 1.5);

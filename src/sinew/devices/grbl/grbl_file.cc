@@ -22,7 +22,7 @@ void read_grbl(TableReader& reader, RobotModel& model) {
   reader.choice("homing", kYesNo, device.homes);
   for_each_joint(reader, model, [&](std::size_t i, TableReader& table) {
     GrblDevice::Axis& axis = device.axes[i];
-    const bool slides = model.joints[i].kind == JointKind::kPrismatic;
+    const bool slides = model.joints[i].slides();
     if (slides) axis.unit = from_mm(1);
     double steps = 0;  // per rad or m
     read_per_way(table, "steps_per_*", model.joints[i].kind, steps);

@@ -44,15 +44,13 @@ std::unique_ptr<WireReader> listener(const Device& device, const DeviceFacts& /*
 }
 
 /// What a module's last step down left in its target position.
-std::optional<std::string> statement(const Driver& driver, const RobotModel& /*robot*/,
-                                     std::string_view what, std::size_t /*joint*/) {
-  if (what != "minus_one") return std::nullopt;
+void state(const Driver& driver, const RobotModel& /*robot*/, DeviceStatements& statements) {
   for (std::size_t leg = 0; leg < kLegs; ++leg) {
     const auto& status = driver_as<IcpDriver>(driver).status(leg);
     if (!status || status->two.target >= 0) continue;
-    return fmt::format("{:04X}", static_cast<std::uint16_t>(status->two.target));
+    const auto target = static_cast<std::uint16_t>(status->two.target);
+    return statements.say("minus_one", fmt::format("{:04X}", target));
   }
-  return std::nullopt;
 }
 
 std::string silence_hint(const RobotModel& robot, const Error& /*trouble*/,
@@ -74,7 +72,7 @@ const DeviceKind kIcpKind{
     .machine = machine,
     .listener = listener,
     .view = icp_view,
-    .statement = statement,
+    .state = state,
     .silence_hint = silence_hint,
 };
 

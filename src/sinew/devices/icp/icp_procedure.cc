@@ -52,12 +52,12 @@ void find_units(const Procedure& procedure, FoundSettings& found) {
   const auto& device = procedure.machine().robot().device.settings.get<IcpDevice>();
   const auto* down = numbered(procedure, "minus_one");
   if (down != nullptr && *down->number != device.units_per_down) {
-    found["units_per_down"] = number_text(*down->number);
+    found["units_per_down"] = setting_text(*down->number);
   }
   const auto* sent = numbered(procedure, "go_far");
   const auto* went = numbered(procedure, "went");
   if (sent != nullptr && went != nullptr) {
-    found["way_factor"] = number_text(*went->number / std::abs(*sent->number));
+    found["way_factor"] = setting_text(*went->number / std::abs(*sent->number));
   }
 }
 

@@ -6,8 +6,8 @@
 #include <span>
 
 #include "sinew/devices/ideal/ideal_wire.h"
-#include "sinew/driver/motion_segments.h"
 #include "sinew/driver/driver_commands.h"
+#include "sinew/driver/motion_segments.h"
 
 namespace sinew {
 

@@ -1,6 +1,9 @@
+#include <fmt/format.h>
+
 #include "sinew/core/error_code.h"
 #include "sinew/devices/kind.h"
 #include "sinew/devices/lsc/lsc_driver.h"
+#include "sinew/devices/lsc/lsc_driver_facts.h"
 #include "sinew/devices/lsc/lsc_file.h"
 #include "sinew/devices/lsc/lsc_listener.h"
 #include "sinew/devices/lsc/lsc_machine.h"
@@ -34,6 +37,20 @@ std::unique_ptr<WireReader> listener(const Device& device, const DeviceFacts& /*
   return wires::lsc_reader(device.settings.get<LscDevice>());
 }
 
+/// Classic boards report no version: then it is what the robot's settings say.
+void state(const Driver& driver, const RobotModel& robot, DeviceStatements& statements) {
+  const DeviceFacts all = driver.facts();
+  const auto& facts = all.get<LscFacts>();
+  std::string words = robot.device.settings.get<LscDevice>().profiles().front();
+  if (facts.version) {
+    words += fmt::format(", type {}, version {} by its own report", facts.version->what.type,
+                         facts.version->what.version);
+  } else {
+    words += ", as the settings say: it reports no version";
+  }
+  statements.say("board", std::move(words));
+}
+
 /// No kind of LSC board answers all the questions of another one.
 std::string silence_hint(const RobotModel& robot, const Error& trouble,
                          const DriverHealth& health) {
@@ -64,6 +81,7 @@ const DeviceKind kLscKind{
     .machine = machine,
     .listener = listener,
     .view = lsc_view,
+    .state = state,
     .silence_hint = silence_hint,
 };
 

@@ -1,6 +1,5 @@
 #include "sinew/devices/lsc/lsc_view.h"
 
-#include <array>
 #include <span>
 
 #include "sinew/devices/lsc/lsc_driver.h"
@@ -34,11 +33,6 @@ FactsJson group_of(const FactsView& view, const lsc::Bytes& bytes, std::uint8_t 
   return json;
 }
 
-std::string_view name_of(LscProfile profile) {
-  constexpr std::array<std::string_view, 3> kNames{"lsc6", "bus", "esp32"};
-  return kNames[static_cast<std::size_t>(profile) % kNames.size()];
-}
-
 }  // namespace
 
 FactsJson lsc_view(const FactsView& view, const DeviceFacts& all) {
@@ -46,7 +40,7 @@ FactsJson lsc_view(const FactsView& view, const DeviceFacts& all) {
   const auto& device = view.model().device.settings.get<LscDevice>();
   const LscTiming limits;
   FactsJson json = view.base();
-  json["board"] = name_of(device.profile);
+  json["board"] = device.profiles().front();
   json["unit"] = device.profile == LscProfile::kBus ? "bus" : "us";
   if (facts.battery) {
     const double volts = facts.battery->what.millivolts / 1000.0;

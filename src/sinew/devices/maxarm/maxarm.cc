@@ -32,11 +32,11 @@ std::unique_ptr<WireReader> listener(const Device& /*device*/, const DeviceFacts
   return wires::maxarm_reader();
 }
 
-std::optional<std::string> statement(const Driver& driver, const RobotModel& /*robot*/,
-                                     std::string_view what, std::size_t /*joint*/) {
+void state(const Driver& driver, const RobotModel& /*robot*/, DeviceStatements& statements) {
   const auto sum = driver_as<MaxArmDriver>(driver).checksum();
-  if (what != "checksum" || !sum) return std::nullopt;
-  return *sum == maxarm::Checksum::kSpec ? "as the document says" : "with the header";
+  if (!sum) return;
+  statements.say("checksum",
+                 *sum == maxarm::Checksum::kSpec ? "as the document says" : "with the header");
 }
 
 std::string silence_hint(const RobotModel& robot, const Error& /*trouble*/,
@@ -63,7 +63,7 @@ const DeviceKind kMaxArmKind{
     .machine = machine,
     .listener = listener,
     .view = maxarm_view,
-    .statement = statement,
+    .state = state,
     .silence_hint = silence_hint,
 };
 

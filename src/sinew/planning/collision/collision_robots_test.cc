@@ -9,11 +9,11 @@
 #include "sinew/core/rotation.h"
 #include "sinew/core/units.h"
 #include "sinew/devices/axis_link/axis_link_settings.h"
+#include "sinew/devices/bigrobotarm/bigrobotarm_sequence.h"
 #include "sinew/devices/bigrobotarm/bigrobotarm_settings.h"
 #include "sinew/model/collision_links.h"
 #include "sinew/planning/collision/collision.h"
 #include "sinew/planning/collision/collision_test_robot.h"
-#include "sinew/program/formats/sequence_file.h"
 #include "sinew/program/language/program_file.h"
 #include "sinew/program/plans/program_plan.h"
 

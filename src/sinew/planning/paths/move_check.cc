@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "sinew/core/error_code.h"
+#include "sinew/model/joint_value.h"
 
 namespace sinew::planning {
 namespace {
@@ -152,11 +153,8 @@ std::optional<PathFault> first_limit_break(const JointPath& path, PieceRange pie
         if (!out) continue;
         const double s = path.begin(i) + ends.h * *out;
         if (first && first->s <= s) continue;
-        const bool leg = joint.kind == JointKind::kPrismatic;
-        first = PathFault{
-            {leg ? ErrorCode::kLegLength : ErrorCode::kJointLimit, static_cast<std::int8_t>(j),
-             farthest(path, {i, pieces.last}, j, sign), limit},
-            s};
+        const double q = farthest(path, {i, pieces.last}, j, sign);
+        first = PathFault{beyond_limit(joint, j, q, limit), s};
       }
     }
     if (first) return first;

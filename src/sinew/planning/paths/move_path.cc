@@ -7,6 +7,7 @@
 #include "sinew/core/assert.h"
 #include "sinew/core/error_code.h"
 #include "sinew/core/units.h"
+#include "sinew/model/joint_value.h"
 #include "sinew/planning/paths/tool_rate.h"
 
 namespace sinew::planning {
@@ -31,8 +32,7 @@ constexpr std::size_t kLooks = 32;
 double farthest_joint(const ToolSpace& space, const JointArray& a, const JointArray& b) {
   double largest = 0;
   for (std::size_t j = 0; j < space.size(); ++j) {
-    const bool slides =
-        space.serial() != nullptr && space.joints()[j].kind == JointKind::kPrismatic;
+    const bool slides = space.serial() != nullptr && space.joints()[j].slides();
     const double apart = std::abs(a[j] - b[j]);
     largest = std::max(largest, slides ? apart / kTurnRadius : apart);
   }
@@ -74,7 +74,8 @@ Expected<RobotPlace> MovePathBuilder::stand_at(std::span<const double> q,
   RobotPlace place;
   for (std::size_t j = 0; j < q.size(); ++j) {
     if (!std::isfinite(q[j])) return std::unexpected(Error{.code = ErrorCode::kMoveInput});
-    if (std::abs(q[j]) > kFarTurn) return std::unexpected(limit_error(space_.joints(), j, q[j]));
+    if (std::abs(q[j]) > kFarTurn)
+      return std::unexpected(beyond_limit(space_.joints()[j], j, q[j]));
     place.q[j] = q[j];
   }
   const auto X_BT = space_.forward(q, X_near);
@@ -186,7 +187,7 @@ PathRefusal MovePathBuilder::refusal(const Leg& leg, const Error& error, double 
 
 std::optional<Error> MovePathBuilder::limit_broken(const JointArray& q) const {
   for (std::size_t j = 0; j < space_.size(); ++j) {
-    if (!within_limits(space_.joints()[j], q[j])) return limit_error(space_.joints(), j, q[j]);
+    if (!within_limits(space_.joints()[j], q[j])) return beyond_limit(space_.joints()[j], j, q[j]);
   }
   return std::nullopt;
 }

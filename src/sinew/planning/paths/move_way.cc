@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "sinew/core/error_code.h"
+#include "sinew/model/joint_value.h"
 
 namespace sinew::planning {
 namespace {
@@ -67,13 +68,6 @@ Rotation turned_to(const Rotation& R, const Vec3& z) {
 }
 
 }  // namespace
-
-Error limit_error(std::span<const Joint> joints, std::size_t j, double q) {
-  const Joint& joint = joints[j];
-  const bool leg = joint.kind == JointKind::kPrismatic;
-  return {leg ? ErrorCode::kLegLength : ErrorCode::kJointLimit, static_cast<std::int8_t>(j), q,
-          q < joint.lower ? joint.lower : joint.upper};
-}
 
 std::expected<TaskPoint, MoveFault> MoveWay::resolve(const ToolTarget& target,
                                                      const RobotPlace& from,
@@ -139,7 +133,7 @@ std::optional<MoveFault> MoveWay::make_joints_to(const ToolTarget& target, const
 /// What a pose that cannot be is told as, where a joint beyond its limit is the reason.
 std::optional<Error> MoveWay::limit_broken(const JointArray& q) const {
   for (std::size_t j = 0; j < space_.size(); ++j) {
-    if (!within_limits(space_.joints()[j], q[j])) return limit_error(space_.joints(), j, q[j]);
+    if (!within_limits(space_.joints()[j], q[j])) return beyond_limit(space_.joints()[j], j, q[j]);
   }
   return std::nullopt;
 }
@@ -149,7 +143,7 @@ std::optional<MoveFault> MoveWay::make_joints(const JointArray& q, const RobotPl
   double largest = 0;
   for (std::size_t j = 0; j < space_.size(); ++j) {
     if (!std::isfinite(q[j])) return bad_input(q[j], kFarTurn);
-    if (std::abs(q[j]) > kFarTurn) return MoveFault{limit_error(space_.joints(), j, q[j]), {}};
+    if (std::abs(q[j]) > kFarTurn) return MoveFault{beyond_limit(space_.joints()[j], j, q[j]), {}};
     q_to_[j] = q[j];
     largest = std::max(largest, std::abs(q_to_[j] - from.q[j]));
   }

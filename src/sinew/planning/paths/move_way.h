@@ -18,9 +18,6 @@ struct RobotPlace {
   PoseBT X_BT;
 };
 
-/// kJointLimit (kLegLength for a leg) of joint j at q.
-Error limit_error(std::span<const Joint> joints, std::size_t j, double q);
-
 /// What is wrong with a move before any way is looked for.
 struct MoveFault {
   Error error;

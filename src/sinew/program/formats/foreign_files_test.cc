@@ -3,11 +3,11 @@
 #include <algorithm>
 
 #include "sinew/core/units.h"
+#include "sinew/devices/bigrobotarm/bigrobotarm_format.h"
 #include "sinew/devices/bigrobotarm/bigrobotarm_settings.h"
 #include "sinew/model/joint_lookup.h"
 #include "sinew/program/formats/gcode_file.h"
 #include "sinew/program/formats/pose_file.h"
-#include "sinew/program/formats/sequence_convert.h"
 #include "sinew/program/formats/text_forms.h"
 #include "sinew/program/plans/program_plan.h"
 #include "support/property.h"
@@ -314,7 +314,7 @@ TEST(SequenceRows, speeds_are_shares_of_the_joints_limits) {
       "M201 300 is 132.9 deg/s2 of base, more than the 88.6 of the robot's file: no board has "
       "shown it");
   EXPECT_NE(rows.text.find("\nacceleration base=150.0"), std::string::npos) << rows.text;
-  const auto slow = read_form(TextForm::kSequence, "S1\nM203 B20\nG0 B3250", "s.txt", robot);
+  const auto slow = read_form(*text_form("sequence"), "S1\nM203 B20\nG0 B3250", "s.txt", robot);
   ASSERT_TRUE(slow);
   EXPECT_EQ(slow->steps[0].line, 3);
   const auto plan = make_plan(*slow, robot, home_joints(robot));

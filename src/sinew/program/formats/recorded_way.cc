@@ -1,13 +1,13 @@
 #include "sinew/program/formats/recorded_way.h"
 
 #include <algorithm>
-#include <array>
-#include <charconv>
 #include <cmath>
 #include <vector>
 
+#include "sinew/core/number_text.h"
 #include "sinew/core/units.h"
 #include "sinew/model/joint_lookup.h"
+#include "sinew/model/joint_value.h"
 
 namespace sinew::program {
 namespace {
@@ -17,17 +17,6 @@ constexpr double kCornerPart = 0.5;
 constexpr double kShareMin = 0.01;
 /// To where a way begins, from wherever the machine stands.
 constexpr double kApproachShare = 0.25;
-
-std::string number_of(double value, int digits) {
-  std::array<char, 32> text{};
-  const auto end = std::to_chars(text.data(), text.data() + text.size(), value + 0.0,
-                                 std::chars_format::fixed, digits);
-  return {text.data(), end.ptr};
-}
-
-bool is_leg(const Joint& joint) {
-  return joint.kind == JointKind::kPrismatic;
-}
 
 class RowMaker {
  public:
@@ -42,7 +31,7 @@ class RowMaker {
       if (text().empty()) {
         put(from, kApproachShare, false);
       } else {
-        text() += "wait " + number_of(stood, 1) + "s\n";
+        text() += "wait " + number_text(stood, 1) + "s\n";
       }
       put_motion(from, to);
       const std::size_t next = stand_end(to);
@@ -56,13 +45,13 @@ class RowMaker {
   std::string& text() { return out_.text; }
 
   double tolerance(std::size_t joint) const {
-    return is_leg(robot_.joints[joint]) ? options_.leg_tolerance : options_.tolerance;
+    return robot_.joints[joint].slides() ? options_.leg_tolerance : options_.tolerance;
   }
 
   /// How far two places are apart, the worst joint counting, in shares of what is noise.
   bool still(const JointVector& a, const JointVector& b) const {
     for (std::size_t j = 0; j < a.size(); ++j) {
-      const double noise = is_leg(robot_.joints[j]) ? kWayStillLeg : kWayStill;
+      const double noise = robot_.joints[j].slides() ? kWayStillLeg : kWayStill;
       if (std::abs(a[j] - b[j]) > noise) return false;
     }
     return true;
@@ -155,9 +144,9 @@ class RowMaker {
       const double q = std::clamp(way_[k].q[j], joint.lower, joint.upper);
       note_outside(way_[k].q[j], joint);
       text() += " " + joint.name + "=" +
-                (is_leg(joint) ? number_of(to_mm(q), 4) + "mm" : number_of(to_deg(q), 3) + "deg");
+                number_text(shown_value(q, joint), joint.slides() ? 4 : 3) + shown_unit(joint);
     }
-    if (share < 1) text() += " speed=" + number_of(std::max(1.0, 100 * share), 0) + "%";
+    if (share < 1) text() += " speed=" + number_text(std::max(1.0, 100 * share), 0) + "%";
     if (blends) text() += " blend=" + blend();
     text() += "\n";
   }
@@ -171,8 +160,9 @@ class RowMaker {
 
   std::string blend() const {
     const double part = 1 - kCornerPart;
-    return prismatic_joints(robot_) != 0 ? number_of(to_mm(part * options_.leg_tolerance), 3) + "mm"
-                                         : number_of(to_deg(part * options_.tolerance), 3) + "deg";
+    return prismatic_joints(robot_) != 0
+               ? number_text(to_mm(part * options_.leg_tolerance), 3) + "mm"
+               : number_text(to_deg(part * options_.tolerance), 3) + "deg";
   }
 
   std::span<const WaySample> way_;

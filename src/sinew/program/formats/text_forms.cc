@@ -7,24 +7,16 @@
 #include "sinew/core/number_text.h"
 #include "sinew/core/rotation.h"
 #include "sinew/core/units.h"
-#include "sinew/devices/bigrobotarm/bigrobotarm_settings.h"
+#include "sinew/devices/kinds.h"
 #include "sinew/model/joint_lookup.h"
 #include "sinew/program/formats/gcode_file.h"
 #include "sinew/program/formats/program_format.h"
-#include "sinew/program/formats/sequence_convert.h"
 
 namespace sinew::program {
 namespace {
 
 using Made = std::expected<std::string, NoForm>;
 using MadeRows = std::expected<Rows, NoForm>;
-
-std::unexpected<NoForm> none(std::string sentence) {
-  return std::unexpected(NoForm{std::move(sentence), {}, {}});
-}
-std::unexpected<NoForm> none(std::vector<Complaint> complaints) {
-  return std::unexpected(NoForm{{}, std::move(complaints), {}});
-}
 
 const HexapodGeometry* legs_of(const RobotModel& robot) {
   return std::get_if<HexapodGeometry>(&robot.geometry);
@@ -49,17 +41,9 @@ std::string rows_of_pose(const PoseFile& pose, const PlatformFit& fit) {
   return text + "deg\n";
 }
 
-MadeRows of_sequence(std::string_view text, const std::string& file_name, const RobotModel& robot) {
-  const auto* device = robot.device.settings.as<BigRobotArmDevice>();
-  if (device == nullptr) return none("sequences are the BigRobotArm's; " + robot.id + " is none");
-  const auto sequence = sequence::parse(text, file_name, *device);
-  if (!sequence) return none(sequence.error());
-  return rows_of_sequence(*sequence, robot);
-}
-
 MadeRows of_pose(std::string_view text, const std::string& file_name, const RobotModel& robot) {
   const auto pose = read_pose_file(text, file_name);
-  if (!pose) return none(pose.error());
+  if (!pose) return no_form(pose.error());
   const auto fit = platform_of(*pose, robot, file_name, 1);
   if (!fit) return std::unexpected(fit.error());
   return Rows{rows_of_pose(*pose, *fit), {1, 1}};
@@ -67,79 +51,88 @@ MadeRows of_pose(std::string_view text, const std::string& file_name, const Robo
 
 MadeRows of_gcode(std::string_view text, const std::string& file_name, const RobotModel& robot) {
   auto rows = rows_of_gcode(text, file_name, robot);
-  if (!rows) return none(rows.error());
+  if (!rows) return no_form(rows.error());
   return std::move(*rows);
 }
 
-MadeRows other_form(TextForm form, std::string_view text, const std::string& file_name,
-                    const RobotModel& robot) {
-  switch (form) {
-    case TextForm::kSequence:
-      return of_sequence(text, file_name, robot);
-    case TextForm::kPose:
-      return of_pose(text, file_name, robot);
-    case TextForm::kGcode:
-      break;
-  }
-  return of_gcode(text, file_name, robot);
-}
-
-Made pose_of(const Plan& plan, const RobotModel& robot, DecimalMark mark) {
+Made pose_of(const Program& program, const RobotModel& robot, DecimalMark mark) {
+  const auto plan = make_plan(program, robot, home_joints(robot));
+  if (!plan) return std::unexpected(NoForm{{}, {}, plan.error()});
   const auto* geometry = legs_of(robot);
-  if (geometry == nullptr) return none(".pos files are a platform's; " + robot.id + " is none");
+  if (geometry == nullptr) return no_form(".pos files are a platform's; " + robot.id + " is none");
   const auto* move =
-      plan.orders.size() == 1 ? std::get_if<MoveOrder>(&plan.orders[0].what) : nullptr;
+      plan->orders.size() == 1 ? std::get_if<MoveOrder>(&plan->orders[0].what) : nullptr;
   if (move == nullptr) {
-    return none("a .pos file is one pose: it takes a program of one row that moves");
+    return no_form("a .pos file is one pose: it takes a program of one row that moves");
   }
   const auto pose = kinematics::Hexapod(*geometry).forward(move->q, geometry->X_BP_home);
   if (!pose) {
     return std::unexpected(
-        NoForm{{}, {}, Refusal{plan.orders[0].line, pose.error(), std::nullopt}});
+        NoForm{{}, {}, Refusal{plan->orders[0].line, pose.error(), std::nullopt}});
   }
   return pose_text(pose_file(pose->X_BP, *geometry), mark);
 }
 
+constexpr std::array<std::string_view, 1> kPoseEndings{".pos"};
+constexpr std::array<std::string_view, 5> kGcodeEndings{".gcode", ".ngc", ".nc", ".tap", ".g"};
+constexpr TextForm kPoseForm{
+    .name = "pos", .endings = kPoseEndings, .rows = of_pose, .text = pose_of};
+constexpr TextForm kGcodeForm{.name = "gcode", .endings = kGcodeEndings, .rows = of_gcode};
+
 }  // namespace
 
-constexpr std::array<std::string_view, 3> kFormNames{"sequence", "pos", "gcode"};
+// One line for each form of a kind of device, here and in the list.
+extern const TextForm kSequenceForm;
 
-std::string_view name(TextForm form) {
-  return kFormNames[static_cast<std::size_t>(form)];
+namespace {
+
+constexpr std::array kForms{&kSequenceForm, &kPoseForm, &kGcodeForm};
+
+}  // namespace
+
+const TextForm* text_form(std::string_view name) {
+  const auto found = std::ranges::find(kForms, name, &TextForm::name);
+  return found != kForms.end() ? *found : nullptr;
 }
 
-std::optional<TextForm> text_form(std::string_view name) {
-  const auto found = std::ranges::find(kFormNames, name);
-  if (found == kFormNames.end()) return std::nullopt;
-  return static_cast<TextForm>(found - kFormNames.begin());
+std::string form_names(bool written) {
+  std::vector<std::string_view> names;
+  for (const TextForm* form : kForms) {
+    if (!written || form->text != nullptr) names.push_back(form->name);
+  }
+  std::string list;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (i > 0) list += i + 1 < names.size() ? ", " : " or ";
+    list += names[i];
+  }
+  return list;
 }
 
 std::expected<PlatformFit, NoForm> platform_of(const PoseFile& pose, const RobotModel& robot,
                                                const std::string& file_name, int line) {
   const auto* geometry = legs_of(robot);
-  if (geometry == nullptr) return none("it is a platform's file; " + robot.id + " is none");
+  if (geometry == nullptr) return no_form("it is a platform's file; " + robot.id + " is none");
   const auto fit = fit_platform(pose.heads, *geometry);
   if (fit.residual <= kPlatformResidualMax) return fit;
-  return none(std::vector<Complaint>{
+  return no_form(std::vector<Complaint>{
       {file_name, line, 1, "",
        "these heads are no place of " + robot.id + "'s platform: they are up to " +
            number_text(to_mm(fit.residual), 3) + " mm off, " +
            number_text(to_mm(kPlatformResidualMax), 1) + " mm is allowed"}});
 }
 
-std::optional<TextForm> form_of_file(std::string_view name) {
-  if (name.ends_with(".txt")) return TextForm::kSequence;
-  if (name.ends_with(".pos")) return TextForm::kPose;
-  for (const std::string_view ending : {".gcode", ".ngc", ".nc", ".tap", ".g"}) {
-    if (name.ends_with(ending)) return TextForm::kGcode;
+const TextForm* form_of_file(std::string_view name) {
+  for (const TextForm* form : kForms) {
+    const auto fits = [&](std::string_view ending) { return name.ends_with(ending); };
+    if (std::ranges::any_of(form->endings, fits)) return form;
   }
-  return std::nullopt;
+  return nullptr;
 }
 
-std::optional<TextForm> form_of_text(std::string_view name, std::string_view text,
-                                     const RobotModel& robot) {
-  if (const auto form = form_of_file(name)) return form;
-  if (name.ends_with(".sinew")) return std::nullopt;
+const TextForm* form_of_text(std::string_view name, std::string_view text,
+                             const RobotModel& robot) {
+  if (const TextForm* form = form_of_file(name)) return form;
+  if (name.ends_with(".sinew")) return nullptr;
   std::string_view first;
   for_each_line(text, [&](int, std::string_view line) {
     const std::size_t begin = line.find_first_not_of(" \t");
@@ -149,57 +142,51 @@ std::optional<TextForm> form_of_text(std::string_view name, std::string_view tex
   });
   const bool code = first.size() > 1 && std::string_view("GMS").contains(first[0]) &&
                     first[1] >= '0' && first[1] <= '9';
-  if (!code && first != "BEGIN") return std::nullopt;
-  const bool sequences = robot.device.settings.is<BigRobotArmDevice>();
-  return sequences ? TextForm::kSequence : TextForm::kGcode;
+  if (!code && first != "BEGIN") return nullptr;
+  const auto own =
+      std::ranges::find(kForms, kind_of(robot.device).table.protocol, &TextForm::protocol);
+  return own != kForms.end() ? *own : &kGcodeForm;
 }
 
-MadeRows rows_of(TextForm form, std::string_view text, const std::string& file_name,
+MadeRows rows_of(const TextForm& form, std::string_view text, const std::string& file_name,
                  const RobotModel& robot) {
-  auto rows = other_form(form, text, file_name, robot);
+  auto rows = form.rows(text, file_name, robot);
   if (!rows) return rows;
   // What was made is a program, laid out.
   if (const auto program = parse(rows->text, file_name, robot); !program) {
-    return none(program.error());
+    return no_form(program.error());
   }
   auto out = program::format(rows->text, file_name);
-  if (!out) return none(out.error());
+  if (!out) return no_form(out.error());
   rows->text = std::move(*out);
   return rows;
 }
 
-std::expected<Program, NoForm> read_form(TextForm form, std::string_view text,
+std::expected<Program, NoForm> read_form(const TextForm& form, std::string_view text,
                                          const std::string& file_name, const RobotModel& robot) {
-  const auto rows = other_form(form, text, file_name, robot);
+  const auto rows = form.rows(text, file_name, robot);
   if (!rows) return std::unexpected(rows.error());
   auto program = parse(rows->text, file_name, robot);
-  if (!program) return none(program.error());
+  if (!program) return no_form(program.error());
   for (Step& step : program->steps)
     step.line = rows->lines[static_cast<std::size_t>(step.line - 1)];
   program->notes = rows->notes;
   return std::move(*program);
 }
 
-std::expected<Program, NoForm> read_text(std::optional<TextForm> form, std::string_view text,
+std::expected<Program, NoForm> read_text(const TextForm* form, std::string_view text,
                                          const std::string& file_name, const RobotModel& robot,
                                          const Surroundings& around) {
-  if (form) return read_form(*form, text, file_name, robot);
+  if (form != nullptr) return read_form(*form, text, file_name, robot);
   auto program = parse(text, file_name, robot, around);
-  if (!program) return none(program.error());
+  if (!program) return no_form(program.error());
   return std::move(*program);
 }
 
-Made text_of(TextForm form, const Program& program, const RobotModel& robot, DecimalMark mark) {
-  SINEW_ASSERT(form != TextForm::kGcode);
-  const auto plan = make_plan(program, robot, home_joints(robot));
-  if (!plan) return std::unexpected(NoForm{{}, {}, plan.error()});
-  if (form == TextForm::kPose) return pose_of(*plan, robot, mark);
-  if (!robot.device.settings.is<BigRobotArmDevice>()) {
-    return none("sequences are the BigRobotArm's; " + robot.id + " is none");
-  }
-  const auto sequence = sequence_of_rows(program, robot);
-  if (!sequence) return none(sequence.error());
-  return sequence::to_text(*sequence);
+Made text_of(const TextForm& form, const Program& program, const RobotModel& robot,
+             DecimalMark mark) {
+  SINEW_ASSERT(form.text != nullptr);
+  return form.text(program, robot, mark);
 }
 
 }  // namespace sinew::program

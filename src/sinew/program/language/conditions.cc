@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 
+#include "sinew/core/number_text.h"
 #include "sinew/core/spelling.h"
 #include "sinew/model/hand.h"
 #include "sinew/model/joint_lookup.h"

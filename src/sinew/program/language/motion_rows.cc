@@ -289,8 +289,7 @@ bool MotionRows::take_joint_point(const Argument& argument, JointStep& step) {
   if (step.given != 0) {
     row_.complain(argument.word,
                   "to= names all joints; beside it a joint takes a difference, as in d." +
-                      names_[0] + "=" +
-                      (robot_.joints[0].kind == JointKind::kPrismatic ? "1mm" : "5deg"));
+                      names_[0] + "=" + (robot_.joints[0].slides() ? "1mm" : "5deg"));
     return false;
   }
   step.q = *q;

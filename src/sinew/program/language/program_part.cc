@@ -7,8 +7,8 @@ namespace sinew::program {
 namespace {
 
 /// Slower than this no motion is planned.
-constexpr double kJointShareMin = 1e-3;
-constexpr double kToolMin = 1e-6;  // m/s
+constexpr double kShareLeast = 1e-3;
+constexpr double kSpeedLeast = 1e-6;  // m/s
 
 /// The first step of a row of the program's own file; a call's are those of what it calls.
 std::optional<std::size_t> place_of(const Program& program, int line) {
@@ -83,9 +83,9 @@ Program slowed(const Program& program, double share) {
       how->time /= share;
       continue;
     }
-    how->joint_share = std::max(kJointShareMin, how->joint_share * share);
+    how->joint_share = std::max(kShareLeast, how->joint_share * share);
     if (std::isfinite(how->tool_speed)) {
-      how->tool_speed = std::max(kToolMin, how->tool_speed * share);
+      how->tool_speed = std::max(kSpeedLeast, how->tool_speed * share);
     }
   }
   return out;

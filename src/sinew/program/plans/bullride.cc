@@ -1,14 +1,14 @@
 #include "sinew/program/plans/bullride.h"
 
 #include <algorithm>
-#include <array>
-#include <charconv>
 #include <cmath>
 #include <limits>
 
 #include "sinew/core/error_code.h"
+#include "sinew/core/number_text.h"
 #include "sinew/core/split_mix.h"
 #include "sinew/core/units.h"
+#include "sinew/model/joint_value.h"
 
 namespace sinew::program {
 namespace {
@@ -28,20 +28,9 @@ constexpr int kJudged = 6;
 /// Digits behind the point, of degrees or mm: finer than any of the devices.
 constexpr int kDigits = 5;
 
-std::string number_of(double value) {
-  std::array<char, 32> text{};
-  const auto end = std::to_chars(text.data(), text.data() + text.size(), value,
-                                 std::chars_format::fixed, kDigits);
-  return {text.data(), end.ptr};
-}
-
-bool is_leg(const Joint& joint) {
-  return joint.kind == JointKind::kPrismatic;
-}
-
 /// As the row's text says it, so that what is planned is what will be read.
 double rounded(double value, const Joint& joint) {
-  const double unit = is_leg(joint) ? from_mm(1) : from_deg(1);
+  const double unit = joint.slides() ? from_mm(1) : from_deg(1);
   const double scale = std::pow(10, kDigits);
   return std::round(value / unit * scale) / scale * unit;
 }
@@ -106,8 +95,8 @@ class Rider {
     std::string text = "joint";
     for (std::size_t j = 0; j < robot_.joints.size(); ++j) {
       const Joint& joint = robot_.joints[j];
-      text += " " + joint.name + "=" +
-              (is_leg(joint) ? number_of(to_mm(q[j])) + "mm" : number_of(to_deg(q[j])) + "deg");
+      text += " " + joint.name + "=" + number_text(shown_value(q[j], joint), kDigits) +
+              shown_unit(joint);
     }
     return text + "\n";
   }

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "sinew/core/error_code.h"
+#include "sinew/model/joint_value.h"
 #include "sinew/model/left_out.h"
 #include "sinew/program/plans/order_planner.h"
 
@@ -54,9 +55,7 @@ std::expected<JointVector, Refusal> first_target(const Step& row, const Start& q
     target.push_back((given ? joint->q[i] : 0) + (!given || relative ? (*q)[i] : 0));
     const Joint& limits = robot.joints[i];
     if (within_limits(limits, target[i])) continue;
-    const bool leg = limits.kind == JointKind::kPrismatic;
-    return refused(Error{leg ? ErrorCode::kLegLength : ErrorCode::kJointLimit, index, target[i],
-                         target[i] < limits.lower ? limits.lower : limits.upper});
+    return refused(beyond_limit(limits, i, target[i]));
   }
   if (joint == nullptr) return refused(Error{ErrorCode::kPositionUnknown, 0});
   if (const auto error = WireTarget(robot).refusal({target.data(), target.size()})) {

@@ -5,6 +5,7 @@
 #include "sinew/core/number_text.h"
 #include "sinew/core/rotation.h"
 #include "sinew/core/units.h"
+#include "sinew/model/joint_value.h"
 
 namespace sinew::program {
 namespace {
@@ -22,9 +23,9 @@ struct Typed {
 Typed joint_move(const planning::JointArray& q, const RobotModel& model) {
   Typed typed{"joint", "--to joints="};
   for (std::size_t j = 0; j < model.joints.size(); ++j) {
-    const bool leg = model.joints[j].kind == JointKind::kPrismatic;
-    const std::string value = number_text(leg ? to_mm(q[j]) : to_deg(q[j]), kDigits);
-    typed.row += " " + model.joints[j].name + "=" + value + (leg ? "mm" : "deg");
+    const Joint& joint = model.joints[j];
+    const std::string value = number_text(shown_value(q[j], joint), kDigits);
+    typed.row += " " + joint.name + "=" + value + shown_unit(joint);
     typed.option += (j > 0 ? "," : "") + value;
   }
   return typed;

@@ -27,7 +27,7 @@ void find_turns(const Procedure& procedure, FoundSettings& found) {
 
 }  // namespace
 
-std::string number_text(double value) {
+std::string setting_text(double value) {
   char text[40];
   std::snprintf(text, sizeof text, "%.9g", value);
   return text;
@@ -52,16 +52,16 @@ FoundSettings found_settings(const Procedure& procedure) {
   }
   for (const Joint& joint : robot.joints) {
     if (const auto* id = numbered(procedure, "id." + joint.name)) {
-      found["joint." + joint.name + ".servo_id"] = number_text(*id->number);
+      found["joint." + joint.name + ".servo_id"] = setting_text(*id->number);
     }
     if (const auto* zero = numbered(procedure, "zero." + joint.name)) {
       const std::string key = "joint." + joint.name;
       // It was measured as the joint counted before.
       const double sign = found.contains(key + ".turn") ? -1 : 1;
-      found[key + ".trim_rad"] = number_text(sign * *zero->number);
+      found[key + ".trim_rad"] = setting_text(sign * *zero->number);
     }
     if (const auto* trim = numbered(procedure, "trim." + joint.name)) {
-      found["joint." + joint.name + ".trim_rad"] = number_text(*trim->number);
+      found["joint." + joint.name + ".trim_rad"] = setting_text(*trim->number);
     }
   }
   return found;

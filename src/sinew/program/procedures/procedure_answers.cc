@@ -8,6 +8,7 @@
 #include "sinew/core/quantity.h"
 #include "sinew/core/spelling.h"
 #include "sinew/core/units.h"
+#include "sinew/model/joint_value.h"
 #include "sinew/model/left_out.h"
 #include "sinew/program/procedures/procedure.h"
 #include "sinew/program/procedures/procedure_words.h"
@@ -25,9 +26,7 @@ std::string seconds_text(double seconds) {
 
 std::string way_text(double way, const Joint& joint) {
   char text[32];
-  const bool slides = joint.kind == JointKind::kPrismatic;
-  std::snprintf(text, sizeof text, slides ? "%+.3g mm" : "%+.3g deg",
-                slides ? to_mm(way) : to_deg(way));
+  std::snprintf(text, sizeof text, "%+.3g %s", shown_value(way, joint), shown_unit(joint));
   return text;
 }
 
@@ -60,7 +59,7 @@ std::string Procedure::question() const {
   }
   if (std::holds_alternative<AdjustStep>(step().what)) {
     words = "by how much, as in ";
-    words += robot_.joints[moving_joint()].kind == JointKind::kPrismatic ? "-0.3mm" : "-2deg";
+    words += robot_.joints[moving_joint()].slides() ? "-0.3mm" : "-2deg";
     words += ", of all of them with all before it; or done";
   }
   if (std::holds_alternative<PlaceStep>(step().what)) {
@@ -204,15 +203,13 @@ std::expected<void, std::string> Procedure::answer_adjust(std::string_view text,
     next(now);
     return {};
   }
-  const bool slides = joint.kind == JointKind::kPrismatic;
   constexpr std::string_view kAll = "all ";
   const bool all = text.starts_with(kAll);
   if (all) text = trimmed(text.substr(kAll.size()));
-  const auto way =
-      parse_quantity(text, slides ? Measure::kLength : Measure::kAngle, UnitRule::kRequired);
+  const auto way = parse_quantity(text, measure_of(joint), UnitRule::kRequired);
   if (!way) return std::unexpected(way.error() + "; or done");
   // Nobody looks at a long way that carefully.
-  const double most = slides ? from_mm(10) : from_deg(20);
+  const double most = joint.slides() ? from_mm(10) : from_deg(20);
   if (!(std::abs(*way) <= most) || *way == 0) {
     return std::unexpected("'" + given_ + "': at most " + way_text(most, joint) +
                            " at a time either way, and not nothing; or done");
@@ -263,10 +260,8 @@ std::expected<void, std::string> Procedure::answer_place(const PlaceStep& step,
   std::string_view rest = text;
   while (named == step.places.end() && q.size() < robot_.joints.size()) {
     const std::size_t comma = std::min(rest.find(','), rest.size());
-    const bool slides = robot_.joints[q.size()].kind == JointKind::kPrismatic;
-    const auto value =
-        parse_quantity(trimmed(rest.substr(0, comma)), slides ? Measure::kLength : Measure::kAngle,
-                       UnitRule::kRequired);
+    const auto value = parse_quantity(trimmed(rest.substr(0, comma)),
+                                      measure_of(robot_.joints[q.size()]), UnitRule::kRequired);
     if (!value) return std::unexpected(value.error() + "; the answers are " + question());
     q.push_back(*value);
     if (comma == rest.size()) break;

@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "sinew/model/joint_lookup.h"
 #include "sinew/program/procedures/procedures.h"
 
 /// What the first days of all kinds of devices have in common.
@@ -37,7 +38,8 @@ class StepList {
       const std::string& name = robot_.joints[j].name;
       add("direction." + name,
           name + " moves by a little and comes back. Which way does it go first?",
-          MotionStep{j, slides(j) ? from_mm(2) : way, ways[std::min(j, ways.size() - 1)].plus,
+          MotionStep{j, slides_in_arm(robot_, j) ? from_mm(2) : way,
+                     ways[std::min(j, ways.size() - 1)].plus,
                      ways[std::min(j, ways.size() - 1)].minus},
           "look at its plug, and at the supply");
     }
@@ -80,11 +82,6 @@ class StepList {
   std::vector<ProcedureStep> take() { return std::move(steps_); }
 
  private:
-  bool slides(std::size_t j) const {
-    return robot_.joints[j].kind == JointKind::kPrismatic &&
-           std::holds_alternative<SerialGeometry>(robot_.geometry);
-  }
-
   const RobotModel& robot_;
   const DeviceFact& fact_;
   std::vector<ProcedureStep> steps_;
@@ -109,6 +106,7 @@ const FirstDay* first_day_of(const Device& device);
 
 /// The result of a step that was done and has a number; else nullptr.
 const StepResult* numbered(const Procedure& procedure, const std::string& step);
-std::string number_text(double value);
+/// As the settings of a robot have it.
+std::string setting_text(double value);
 
 }  // namespace sinew::program

@@ -8,11 +8,11 @@
 #include <fstream>
 #include <thread>
 
+#include "sinew/core/error_code.h"
 #include "sinew/core/units.h"
 #include "sinew/runtime/cameras/written_pictures.h"
 #include "sinew/vision/picture_file.h"
 #include "support/scratch_folder.h"
-#include "sinew/core/error_code.h"
 
 namespace sinew::runtime {
 namespace {
@@ -55,17 +55,19 @@ TEST(Camera, each_picture_that_says_nothing_says_why) {
   std::atomic<int> taken = 0;
   std::atomic<int> width = 320;
   std::atomic<bool> is_lost = false, is_frozen = false, is_covered = false;
-  Camera camera(settings(), [&](const std::stop_token&) -> Expected<vision::Picture> {
-    if (is_lost) return std::unexpected(Error{ErrorCode::kCameraLost, -1, 5});
-    if (!is_frozen) ++taken;
-    vision::Picture picture = table(taken, width);
-    if (is_covered) {
-      for (std::size_t i = 0; i < picture.rgb.size(); ++i) {
-        picture.rgb[i] = static_cast<std::uint8_t>(20 + i * 7919 % 9);
-      }
-    }
-    return picture;
-  }, {});
+  Camera camera(settings(),
+                [&](const std::stop_token&) -> Expected<vision::Picture> {
+                  if (is_lost) return std::unexpected(Error{ErrorCode::kCameraLost, -1, 5});
+                  if (!is_frozen) ++taken;
+                  vision::Picture picture = table(taken, width);
+                  if (is_covered) {
+                    for (std::size_t i = 0; i < picture.rgb.size(); ++i) {
+                      picture.rgb[i] = static_cast<std::uint8_t>(20 + i * 7919 % 9);
+                    }
+                  }
+                  return picture;
+                },
+                {});
   EXPECT_EQ(camera.newest(), nullptr) << "none was asked for";
   EXPECT_FALSE(shot_of(camera)->fault);
   EXPECT_EQ(taken, 1);
@@ -92,12 +94,14 @@ TEST(Camera, each_picture_that_says_nothing_says_why) {
 TEST(Camera, who_asks_while_one_is_taken_gets_the_next) {
   std::atomic<int> begun = 0;
   std::atomic<bool> go_on = false;
-  Camera camera(settings(), [&](const std::stop_token&) -> Expected<vision::Picture> {
-    const int number = ++begun;
-    while (number == 1 && !go_on) std::this_thread::yield();
-    if (number == 1) return std::unexpected(Error{ErrorCode::kCameraLost});
-    return table(number);
-  }, {});
+  Camera camera(settings(),
+                [&](const std::stop_token&) -> Expected<vision::Picture> {
+                  const int number = ++begun;
+                  while (number == 1 && !go_on) std::this_thread::yield();
+                  if (number == 1) return std::unexpected(Error{ErrorCode::kCameraLost});
+                  return table(number);
+                },
+                {});
   camera.refresh();
   while (begun == 0) std::this_thread::yield();
   camera.refresh();

@@ -5,9 +5,9 @@
 #include <array>
 #include <filesystem>
 
+#include "sinew/vision/picture_file.h"
 #include "support/scratch_folder.h"
 #include "support/tcp_server.h"
-#include "sinew/vision/picture_file.h"
 #include "support/video_files.h"
 
 namespace sinew::runtime {

@@ -9,7 +9,7 @@ namespace sinew::runtime {
 /// The name of a joint's number where it leaves the process: "position_rad", or "position_m" of a
 /// leg.
 inline std::string with_unit(const char* what, const Joint& joint) {
-  return std::string(what) + (joint.kind == JointKind::kPrismatic ? "_m" : "_rad");
+  return std::string(what) + (joint.slides() ? "_m" : "_rad");
 }
 
 /// The name of a list of such numbers, one a joint: "position_rad", "position_m" or, where each has

@@ -29,7 +29,7 @@ std::map<std::string, std::string> texts_of(const RpcRequest& request, const cha
 struct CheckWish {
   std::size_t robot = 0;
   std::string text;
-  std::optional<program::TextForm> form{};
+  const program::TextForm* form = nullptr;
   std::optional<std::string> points;
   std::optional<std::map<std::string, std::string>> called;
 };
@@ -185,7 +185,7 @@ Keeper::Result check_text(const runtime::RunningCell& cell, const Keeper& keeper
 }
 
 Keeper::Result export_text(const runtime::RunningCell& cell, const Keeper& keeper,
-                           const CheckWish& wish, program::TextForm form,
+                           const CheckWish& wish, const program::TextForm& form,
                            program::DecimalMark mark) {
   const auto program = read_program(cell, keeper, wish);
   const RobotModel& model = cell.station(wish.robot).robot();
@@ -210,8 +210,8 @@ Api::Answer Api::check_program(const Call& call) {
 }
 
 Api::Answer Api::import_program(const Call& call) {
-  const auto form = program::text_form(call.request.text("form"));
-  if (!form) return invalid("form is sequence, pos or gcode");
+  const auto* form = program::text_form(call.request.text("form"));
+  if (form == nullptr) return invalid("form is " + program::form_names(false));
   const RobotModel& model = cell_.station(*call.robot).robot();
   return Errand{checks_, as_task([=, &model, text = call.request.text("text")]() -> Keeper::Result {
                   auto rows = program::rows_of(*form, text, "the file", model);
@@ -221,8 +221,10 @@ Api::Answer Api::import_program(const Call& call) {
 }
 
 Api::Answer Api::export_program(const Call& call) {
-  const auto form = program::text_form(call.request.text("form"));
-  if (!form || *form == program::TextForm::kGcode) return invalid("form is sequence or pos");
+  const auto* form = program::text_form(call.request.text("form"));
+  if (form == nullptr || form->text == nullptr) {
+    return invalid("form is " + program::form_names(true));
+  }
   const auto mark = call.request.flag("decimal_comma") ? program::DecimalMark::kComma
                                                        : program::DecimalMark::kPoint;
   return Errand{checks_, as_task([=, this, wish = wish_of(*call.robot, call.request)] {

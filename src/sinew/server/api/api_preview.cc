@@ -1,34 +1,24 @@
-#include <array>
 #include <charconv>
 
+#include "sinew/core/number_text.h"
 #include "sinew/core/rotation.h"
 #include "sinew/core/units.h"
 #include "sinew/model/joint_lookup.h"
+#include "sinew/model/joint_value.h"
 #include "sinew/server/api/api.h"
 
 namespace sinew::server {
 namespace {
 
-/// As a row has it: nine digits lose less than a joint's limit forgives.
-std::string typed(double value, const char* unit) {
-  std::array<char, 64> text{};
-  const auto end =
-      std::to_chars(text.data(), text.data() + text.size(), value, std::chars_format::fixed, 9);
-  std::string digits(text.data(), end.ptr);
-  digits.erase(digits.find_last_not_of('0') + 1);
-  if (digits.back() == '.') digits.pop_back();
-  return (digits == "-0" ? "0" : digits) + unit;
-}
-
-std::string typed(double value, const Joint& joint) {
-  return joint.kind == JointKind::kPrismatic ? typed(to_mm(value), "mm")
-                                             : typed(to_deg(value), "deg");
-}
+/// Nine digits lose less than a joint's limit forgives.
+constexpr int kDigits = 9;
 
 std::string joint_row(const JointVector& q, const RobotModel& model) {
   std::string row = "joint";
   for (std::size_t j = 0; j < q.size(); ++j) {
-    row += " " + model.joints[j].name + "=" + typed(q[j], model.joints[j]);
+    const Joint& joint = model.joints[j];
+    row += " " + joint.name + "=" + number_text(shown_value(q[j], joint), kDigits);
+    row += shown_unit(joint);
   }
   return row;
 }
@@ -37,12 +27,16 @@ std::string joint_row(const JointVector& q, const RobotModel& model) {
 std::string tool_row(const std::vector<double>& numbers, bool line) {
   std::string row = line ? "line" : "move";
   constexpr const char* kPlaces[] = {" x=", " y=", " z="};
-  for (std::size_t i = 0; i < 3; ++i) row += kPlaces[i] + typed(to_mm(numbers[i]), "mm");
+  for (std::size_t i = 0; i < 3; ++i)
+    row += kPlaces[i] + number_text(to_mm(numbers[i]), kDigits) + "mm";
   if (numbers.size() == 3) return row;
   const Vec3 turns =
       fixed_xyz(rotation_from_quaternion({numbers[3], numbers[4], numbers[5], numbers[6]}));
-  return row + " rx=" + typed(to_deg(turns.x), "deg") + " ry=" + typed(to_deg(turns.y), "deg") +
-         " rz=" + typed(to_deg(turns.z), "deg");
+  constexpr const char* kTurns[] = {" rx=", " ry=", " rz="};
+  const double by[] = {turns.x, turns.y, turns.z};
+  for (std::size_t i = 0; i < 3; ++i)
+    row += kTurns[i] + number_text(to_deg(by[i]), kDigits) + "deg";
+  return row;
 }
 
 std::expected<std::string, RpcError> tool_row(const Json& tool, bool line) {
@@ -93,7 +87,7 @@ Api::Answer Api::preview(const Call& call) const {
     if (!(speed >= 0.01 && speed <= 1)) return invalid("speed has to be 0.01 to 1");
     if (text != params.end()) return invalid("speed: the rows of text say that");
     if (speed < 1 && model.device.capability.takes_speed) {
-      wish.text += " speed=" + typed(100 * speed, "%");
+      wish.text += " speed=" + number_text(100 * speed, kDigits) + "%";
     }
   }
   if (params.contains("samples")) {

@@ -30,7 +30,7 @@ Json joints_json(const RobotModel& model) {
   Json joints = Json::array();
   for (const Joint& joint : model.joints) {
     joints.push_back({{"name", joint.name},
-                      {"kind", joint.kind == JointKind::kPrismatic ? "prismatic" : "revolute"},
+                      {"kind", joint.slides() ? "prismatic" : "revolute"},
                       {with_unit("lower", joint), joint.lower},
                       {with_unit("upper", joint), joint.upper},
                       {with_unit("home", joint), joint.home},

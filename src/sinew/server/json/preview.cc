@@ -222,16 +222,16 @@ RpcError refused_plan(const program::Refusal& refusal, const RobotModel& model,
   return {RpcCode::kRefused, data["sentence"].get<std::string>(), data};
 }
 
-std::expected<std::optional<program::TextForm>, RpcError> asked_form(const RpcRequest& request,
-                                                                     const RobotModel& model) {
+std::expected<const program::TextForm*, RpcError> asked_form(const RpcRequest& request,
+                                                             const RobotModel& model) {
   const auto given = request.params.find("form");
   if (given == request.params.end()) {
     const auto text = request.params.find("text");
-    if (text == request.params.end()) return std::nullopt;
+    if (text == request.params.end()) return nullptr;
     return program::form_of_text("", text->get_ref<const std::string&>(), model);
   }
-  const auto form = program::text_form(given->get_ref<const std::string&>());
-  if (!form) return std::unexpected(invalid("form is sequence, pos or gcode"));
+  const auto* form = program::text_form(given->get_ref<const std::string&>());
+  if (form == nullptr) return std::unexpected(invalid("form is " + program::form_names(false)));
   return form;
 }
 

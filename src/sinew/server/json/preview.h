@@ -41,8 +41,8 @@ RpcError refused_plan(const program::Refusal& refusal, const RobotModel& model,
                       const std::optional<runtime::CellRefusal>& met);
 
 /// The form that a request says of its text, or else the text's first word.
-std::expected<std::optional<program::TextForm>, RpcError> asked_form(const RpcRequest& request,
-                                                                     const RobotModel& model);
+std::expected<const program::TextForm*, RpcError> asked_form(const RpcRequest& request,
+                                                             const RobotModel& model);
 /// Why a text is no program.
 RpcError no_form(const program::NoForm& why, const RobotModel& model);
 

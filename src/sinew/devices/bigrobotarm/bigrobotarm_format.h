@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "sinew/core/complaint.h"
-#include "sinew/program/formats/sequence_file.h"
+#include "sinew/devices/bigrobotarm/bigrobotarm_sequence.h"
 #include "sinew/program/language/program_file.h"
 #include "sinew/program/language/program_rows.h"
 

@@ -1,4 +1,4 @@
-#include "sinew/program/formats/sequence_convert.h"
+#include "sinew/devices/bigrobotarm/bigrobotarm_format.h"
 
 #include <algorithm>
 #include <array>
@@ -12,6 +12,7 @@
 #include "sinew/devices/bigrobotarm/bigrobotarm_wire_byte.h"
 #include "sinew/model/joint_lookup.h"
 #include "sinew/model/limit_reach.h"
+#include "sinew/program/formats/text_form.h"
 #include "sinew/program/plans/row_planner.h"
 
 namespace sinew::program {
@@ -22,16 +23,11 @@ std::string degrees(double angle) {
   return number_text(to_deg(angle), 6) + "deg";
 }
 
-const BigRobotArmDevice& device_of(const RobotModel& robot) {
-  const auto* device = robot.device.settings.as<BigRobotArmDevice>();
-  SINEW_ASSERT(device != nullptr);
-  return *device;
-}
-
 /// Steps of the motors, and what is known of them while a sequence is read.
 class RowWriter {
  public:
-  explicit RowWriter(const RobotModel& robot) : robot_(robot), device_(device_of(robot)) {}
+  explicit RowWriter(const RobotModel& robot)
+      : robot_(robot), device_(robot.device.settings.get<BigRobotArmDevice>()) {}
 
   void take(const sequence::Section& section) {
     const bool differs = std::ranges::any_of(section.steps, [](const sequence::Step& step) {
@@ -168,7 +164,10 @@ class RowWriter {
 class SequenceWriter {
  public:
   SequenceWriter(const Program& program, const RobotModel& robot)
-      : program_(program), robot_(robot), device_(device_of(robot)), q_(home_joints(robot)) {
+      : program_(program),
+        robot_(robot),
+        device_(robot.device.settings.get<BigRobotArmDevice>()),
+        q_(home_joints(robot)) {
     sequence_.sections.push_back({false, 0, 1, {{0, sequence::Synchronise{true}}}});
   }
 
@@ -292,5 +291,42 @@ std::expected<sequence::Program, std::vector<Complaint>> sequence_of_rows(const 
   for (const Step& step : program.steps) writer.take(step);
   return writer.finish();
 }
+
+namespace {
+
+std::string is_none(const RobotModel& robot) {
+  return "sequences are the BigRobotArm's; " + robot.id + " is none";
+}
+
+std::expected<Rows, NoForm> read_sequence(std::string_view text, const std::string& file_name,
+                                          const RobotModel& robot) {
+  const auto* device = robot.device.settings.as<BigRobotArmDevice>();
+  if (device == nullptr) return no_form(is_none(robot));
+  const auto sequence = sequence::parse(text, file_name, *device);
+  if (!sequence) return no_form(sequence.error());
+  return rows_of_sequence(*sequence, robot);
+}
+
+std::expected<std::string, NoForm> write_sequence(const Program& program, const RobotModel& robot,
+                                                  DecimalMark /*mark*/) {
+  // A row that cannot be carried out is said before one that a sequence has no command for.
+  const auto plan = make_plan(program, robot, home_joints(robot));
+  if (!plan) return std::unexpected(NoForm{{}, {}, plan.error()});
+  if (!robot.device.settings.is<BigRobotArmDevice>()) return no_form(is_none(robot));
+  const auto sequence = sequence_of_rows(program, robot);
+  if (!sequence) return no_form(sequence.error());
+  return sequence::to_text(*sequence);
+}
+
+constexpr std::array<std::string_view, 1> kEndings{".txt"};
+
+}  // namespace
+
+extern const TextForm kSequenceForm;
+constexpr TextForm kSequenceForm{.name = "sequence",
+                                 .endings = kEndings,
+                                 .protocol = "bigrobotarm",
+                                 .rows = read_sequence,
+                                 .text = write_sequence};
 
 }  // namespace sinew::program

@@ -1,4 +1,4 @@
-#include "sinew/program/formats/sequence_file.h"
+#include "sinew/devices/bigrobotarm/bigrobotarm_sequence.h"
 
 #include <algorithm>
 #include <charconv>
