@@ -196,7 +196,8 @@ TEST_F(CommissionVerb, a_sequence_runs_with_the_settings_as_any_program_does) {
 }
 
 TEST_F(CommissionVerb, ctrl_c_stops_the_machine_and_keeps_what_was_said) {
-  Process process({"commission", "maxarm", "--save", saved()});
+  const Typed answers;
+  Process process({"commission", "maxarm", "--save", saved()}, {.in = answers.in()});
   process.wait_for_err("supply");
   process.let_run(std::chrono::milliseconds(500));
   process.signal(SIGINT);
@@ -204,6 +205,20 @@ TEST_F(CommissionVerb, ctrl_c_stops_the_machine_and_keeps_what_was_said) {
   EXPECT_EQ(ended.exit, 1);
   EXPECT_NE(ended.err.find("cancelled"), std::string::npos) << ended.err;
   EXPECT_EQ(Json::parse(text_of(saved()))["finished"], false);
+}
+
+TEST_F(CommissionVerb, answers_that_end_before_the_last_question_end_it_and_are_kept) {
+  Typed answers;
+  Process process({"commission", "maxarm", "--save", saved()}, {.in = answers.in()});
+  answers.say("yes");
+  answers.end();
+  const Ended ended = process.end();
+  EXPECT_EQ(ended.exit, 1);
+  EXPECT_NE(ended.err.find("the standard input ended before the last answer"), std::string::npos)
+      << ended.err;
+  const Json kept = Json::parse(text_of(saved()));
+  EXPECT_EQ(kept["finished"], false);
+  EXPECT_EQ(kept["answers"]["supply"]["state"], "done") << kept.dump();
 }
 
 TEST_F(CommissionVerb, recovery_of_a_lost_platform_is_by_hand_and_declared) {

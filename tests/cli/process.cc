@@ -57,6 +57,24 @@ bool Ended::was_late() const {
          code == "device_refused";
 }
 
+Typed::Typed() {
+  if (pipe2(ends_.data(), O_CLOEXEC) != 0) throw std::runtime_error("pipe");
+}
+
+Typed::~Typed() {
+  end();
+  ::close(ends_[0]);
+}
+
+void Typed::say(const std::string& text) const {
+  EXPECT_EQ(::write(ends_[1], text.data(), text.size()), static_cast<ssize_t>(text.size()));
+}
+
+void Typed::end() {
+  if (ends_[1] >= 0) ::close(ends_[1]);
+  ends_[1] = -1;
+}
+
 Process::Process(const Arguments& arguments, const Streams& streams) {
   std::vector<std::string> words{SINEW_PROGRAM};
   words.insert(words.end(), arguments.begin(), arguments.end());
@@ -74,6 +92,7 @@ Process::Process(const Arguments& arguments, const Streams& streams) {
   if (pid_ == 0) {
     // What a test does not look for must not go among its user's own files.
     setenv("XDG_STATE_HOME", SINEW_TEST_STATE, 0);
+    if (streams.in >= 0) ::dup2(streams.in, STDIN_FILENO);
     redirect(streams.out, out[1], STDOUT_FILENO);
     redirect(streams.err, err[1], STDERR_FILENO);
     execv(argv[0], argv.data());

