@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <span>
 
 #include "sinew/calibration/geometry.h"
@@ -22,7 +23,7 @@ Eigen::Matrix3d normalising(const Points2& points, const Chosen& chosen) {
   mean /= static_cast<double>(chosen.size());
   double distance = 0;
   for (const std::size_t i : chosen) distance += (points[i] - mean).norm();
-  const double scale = std::sqrt(2.0) * static_cast<double>(chosen.size()) / distance;
+  const double scale = std::numbers::sqrt2 * static_cast<double>(chosen.size()) / distance;
   Eigen::Matrix3d T;
   T << scale, 0, -scale * mean.x(), 0, scale, -scale * mean.y(), 0, 0, 1;
   return T;

@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <cmath>
+#include <numbers>
 
 #include "sinew/core/assert.h"
 
@@ -106,7 +107,7 @@ std::vector<char> points_kept(const std::vector<double>& norms, const std::vecto
   if (norms.size() < kPointsMin) return all;
   double sigma = robust_sigma(norms);
   // The median of few points is often too small.
-  if (before != all) sigma = std::max(sigma, rms(kept_norms(norms, before)) / std::sqrt(2.0));
+  if (before != all) sigma = std::max(sigma, rms(kept_norms(norms, before)) / std::numbers::sqrt2);
   const double limit = std::max(5 * sigma, kOffMin);
   std::vector<char> kept = all;
   std::transform(norms.begin(), norms.end(), kept.begin(),

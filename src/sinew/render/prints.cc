@@ -319,8 +319,8 @@ PrintPicture printed_face(SplitMix64& random, const double (&rgb)[3], FacePrint 
   Picture picture = vision::black_picture(kFace, kFace);
   double ink[3];
   const double shade = random.uniform(0, 1);
-  for (std::size_t c = 0; c < 3; ++c) {
-    ink[c] = shade < 0.4 ? 0.08 : shade < 0.75 ? 0.93 : random.uniform(0, 1);
+  for (double& part : ink) {
+    part = shade < 0.4 ? 0.08 : shade < 0.75 ? 0.93 : random.uniform(0, 1);
   }
   for (int y = 0; y < kFace; ++y) {
     for (int x = 0; x < kFace; ++x) {

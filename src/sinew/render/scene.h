@@ -20,9 +20,9 @@ struct Rgb {
   float g = 0;
   float b = 0;
 
-  friend constexpr Rgb operator+(Rgb a, Rgb b) { return {a.r + b.r, a.g + b.g, a.b + b.b}; }
-  friend constexpr Rgb operator*(Rgb a, Rgb b) { return {a.r * b.r, a.g * b.g, a.b * b.b}; }
-  friend constexpr Rgb operator*(float k, Rgb a) { return {k * a.r, k * a.g, k * a.b}; }
+  friend constexpr Rgb operator+(Rgb p, Rgb q) { return {p.r + q.r, p.g + q.g, p.b + q.b}; }
+  friend constexpr Rgb operator*(Rgb p, Rgb q) { return {p.r * q.r, p.g * q.g, p.b * q.b}; }
+  friend constexpr Rgb operator*(float k, Rgb p) { return {k * p.r, k * p.g, k * p.b}; }
 };
 
 /// What an sRGB colour gives back of white light. @param hex  0xRRGGBB

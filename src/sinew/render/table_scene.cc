@@ -571,7 +571,7 @@ class Maker {
   void reach_in(bool robot) {
     const double aside = uniform(0, 2 * kPi);
     Material skin = plastic(robot ? any_color() : one_of(skin_swatches()));
-    Material other = plastic(any_color());
+    const Material other = plastic(any_color());
     if (robot && chance(0.6))
       print_on(skin, chance(0.5) ? writing(random_) : clouds(random_, 0.2), 0.06);
     const double thick = (robot ? uniform(0.3, 1) : 0.7) * kEdge;
@@ -604,7 +604,7 @@ class Maker {
   }
 
   void lay_cable() {
-    Material material = plastic(any_color());
+    const Material material = plastic(any_color());
     const double radius = uniform(0.001, 0.003);
     Vec3 at = somewhere(radius, -0.1);
     double turn = uniform(0, 2 * kPi);

@@ -300,10 +300,10 @@ std::optional<Hit> Tracer::nearest(const Ray& ray, double reach) const {
   return best;
 }
 
-std::optional<Vec3> Tracer::crossing_of(std::size_t i, const Ray& ray) const {
-  const Solid& solid = scene_.solids[i];
-  const Inside inside(solid, ray);
-  const Crossing at = inside.enter_into(solid);
+std::optional<Vec3> Tracer::crossing_of(std::size_t solid, const Ray& ray) const {
+  const Solid& body = scene_.solids[solid];
+  const Inside inside(body, ray);
+  const Crossing at = inside.enter_into(body);
   if (at.distance == kEndless) return std::nullopt;
   return inside.at(at.distance);
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 #include "sinew/core/assert.h"
@@ -146,7 +147,7 @@ class Eye {
 double bell(SplitMix64& random) {
   double sum = -2;
   for (int i = 0; i < 4; ++i) sum += random.uniform(0, 1);
-  return sum * std::sqrt(3.0);
+  return sum * std::numbers::sqrt3;
 }
 
 /// Each value is the mean around it, with weights of a bell.

@@ -17,10 +17,12 @@ asm(".section .rodata\n"
     "\"\n"
     "sinew_cube_net_end:\n"
     ".text\n");
+// NOLINTBEGIN(readability-identifier-naming): of the assembler
 extern "C" {
 extern const std::uint8_t sinew_cube_net_begin[];
 extern const std::uint8_t sinew_cube_net_end[];
 }
+// NOLINTEND(readability-identifier-naming)
 
 namespace sinew::vision {
 namespace {

@@ -62,7 +62,7 @@ void LabPicture::fill(int i, int j) const {
       std::ranges::copy(std::array{lab.L, lab.a, lab.b}, &values_[3 * pixel_at(x, y)]);
     }
   }
-  is_filled_[tile_at(i, j)] = true;
+  is_filled_[tile_at(i, j)] = 1;
 }
 
 }  // namespace sinew::vision

@@ -29,7 +29,7 @@ class LabPicture {
   /// @pre inside. From one thread.
   Lab at(int x, int y) const {
     const std::size_t tile = tile_at(x / kTile, y / kTile);
-    if (!is_filled_[tile]) fill(x / kTile, y / kTile);
+    if (is_filled_[tile] == 0) fill(x / kTile, y / kTile);
     const float* value = &values_[3 * pixel_at(x, y)];
     return {value[0], value[1], value[2]};
   }

@@ -22,7 +22,7 @@ std::string shown(std::string_view text) {
 
 /// Why there are no pictures in a reply with this status.
 std::string status_fault(const HttpReplyHead& head) {
-  std::string fault = "replies " + std::to_string(head.status) + " " + shown(head.reason);
+  const std::string fault = "replies " + std::to_string(head.status) + " " + shown(head.reason);
   if (head.status == 401) {
     const std::string scheme = lower_letters(head.fields.value("www-authenticate"));
     return fault + (scheme.starts_with("digest")

@@ -69,7 +69,7 @@ std::optional<TableFit> best_fit(const Picture& picture, const TableCamera& came
     const bool fits = fit.foot.value_or(0) >= kFoot && fit.contrast >= kFits * lowest &&
                       square->edge >= kSmallest * edge;
     if (level > 1 && !fits) continue;
-    best = std::move(fit);
+    best = fit;
   }
   return best;
 }
@@ -149,7 +149,7 @@ void decide_by_sides(Detection& detection, const Picture& picture, const TableCa
       cube.color = *color;
     }
     cube.position = fit->position;
-    detection.cubes.push_back(std::move(cube));
+    detection.cubes.push_back(cube);
     return true;
   };
   std::vector<RefusedShape> kept;
@@ -256,7 +256,7 @@ void place_on_table(Detection& detection, const Picture& picture, const TableCam
       continue;
     }
     cube.position = *position;
-    kept.push_back(std::move(cube));
+    kept.push_back(cube);
   }
   detection.cubes = std::move(kept);
   decide_by_sides(detection, picture, camera, edge, hidden);

@@ -84,7 +84,7 @@ std::vector<SeenTag> TagFinder::find(const Picture& picture) {
   zarray_t* all = apriltag_detector_detect(detector_->detector.get(), &image);
   for (int i = 0; i < zarray_size(all); ++i) {
     apriltag_detection_t* one = nullptr;
-    zarray_get(all, i, &one);
+    zarray_get(all, i, static_cast<void*>(&one));
     const auto family = std::ranges::find_if(
         detector_->families, [&](const auto& entry) { return entry.second.get() == one->family; });
     SeenTag tag{family->first, one->id, {}, one->decision_margin};

@@ -13,9 +13,12 @@ struct CellGrid {
   int columns = 0;
   int rows = 0;
 
-  std::size_t size() const { return static_cast<std::size_t>(columns) * rows; }
+  std::size_t size() const {
+    return static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows);
+  }
   std::size_t at(int column, int row) const {
-    return static_cast<std::size_t>(row) * columns + static_cast<std::size_t>(column);
+    return static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) +
+           static_cast<std::size_t>(column);
   }
   friend bool operator==(const CellGrid&, const CellGrid&) = default;
 };

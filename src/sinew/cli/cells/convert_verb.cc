@@ -178,10 +178,10 @@ Made converted(const ConvertRequest& request, const RobotModel& model, Form from
     return std::move(rows->text);
   }
   if (is_pose(from) && is_pose(to)) return pose_again(request, *text, model);
-  return std::unexpected(bad_input(
-      fmt::format("convert: from {} or record to sinew, from sinew to {}, from pos to pos; "
-                  "a config is only told",
-                  program::form_names(false), program::form_names(true))));
+  return std::unexpected(
+      bad_input(fmt::format("convert: from record, {} to sinew, from sinew to {}, from pos to pos; "
+                            "a config is only told",
+                            program::form_names(false), program::form_names(true))));
 }
 
 }  // namespace

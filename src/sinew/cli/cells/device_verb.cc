@@ -116,7 +116,8 @@ void add_device(CLI::App& app, ChosenVerb& call) {
   DeviceRequest& request = *own;
   CLI::App* verb = add_verb(app, call, "device", "what only one kind of device can be asked for",
                             "sinew device hexapod status --port /dev/ttyUSB0");
-  verb->add_option("ROBOT", request.robot.name, "id or .toml file: " + whose_actions())->required();
+  verb->add_option("ROBOT", request.robot.name, "id or .toml file of " + whose_actions())
+      ->required();
   verb->add_option("ACTION", request.action, help_of_actions())->required();
   verb->add_option("--port", request.robot.port, kPorts)->required();
   add_variant(*verb, request.robot);
