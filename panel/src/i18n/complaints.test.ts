@@ -21,15 +21,15 @@ const kFiles = [
   'program/language/program_part.cc',
   'program/language/program_rows.h',
   'program/language/row_reader.cc',
-  'program/formats/sequence_convert.cc',
-  'program/formats/sequence_file.cc',
+  'devices/bigrobotarm/bigrobotarm_format.cc',
+  'devices/bigrobotarm/bigrobotarm_sequence.cc',
   'program/formats/text_forms.cc',
   'server/api/api_files.cc',
 ];
 /** What takes a message as its last argument .. */
-const kTakers = /(\w+(?:\.|->))?\b(complain|complain_in|complaint_at|wrong|none|cannot|std::unexpected)\(/g;
+const kTakers = /(\w+(?:\.|->))?\b(complain|complain_in|complaint_at|wrong|none|no_form|cannot|std::unexpected)\(/g;
 /** .. and what gives one back, or holds one. */
-const kGivers = ['unknown_row', 'unknown_subject', 'misfit_of_joints'];
+const kGivers = ['unknown_row', 'unknown_subject', 'is_none', 'misfit_of_joints'];
 const kHeld = /\bmessage = ("(?:[^"\\\n]|\\.)*");/g;
 /** Whatever is complained of through a file's own function begins so. */
 const kBegins: Record<string, Record<string, string>> = {
@@ -50,7 +50,7 @@ const kMeans: Record<string, Record<string, readonly Means[]>> = {
   'program/formats/pose_file.cc': { what: [{ call: 'has_rows', place: 2 }] },
   'program/language/program_part.cc': { name: ['"line " + number'] },
   'program/language/row_reader.cc': { example: [{ call: 'takes_words', place: 1, of: 'program/language/program_file.cc' }] },
-  'program/formats/sequence_file.cc': {
+  'devices/bigrobotarm/bigrobotarm_sequence.cc': {
     what: [{ call: 'take_number', place: 3 }, { call: 'take_words', place: 2 }],
     'suggestion(name)': [{ gives: 'suggestion' }],
   },
