@@ -1,11 +1,12 @@
 # The doors of the house. Each is a script in scripts/ that says what it does and how long it took;
 # full logs go to build/logs/. All of them may be repeated: what is done is not done again.
 
-.PHONY: help run build test bare bench campaign format clean
+.PHONY: help run build firmware test bare bench campaign format clean
 
 help:
 	@echo "make run       install what is missing, build, and open the panel on five simulated robots"
 	@echo "make build     install what is missing, build build/release/sinew"
+	@echo "make firmware  install what is missing, build the images of the boards into build/firmware"
 	@echo "make test      install what is missing, build and run every test (release, asan/ubsan)"
 	@echo "make bare      make run and make test in a bare Debian 12 (root; SUITE=trixie: Debian 13)"
 	@echo "make bench     measure against the references: table, and build/bench.json"
@@ -24,6 +25,9 @@ run:
 
 build:
 	@scripts/build.sh
+
+firmware:
+	@scripts/firmware.sh
 
 test:
 	@scripts/test.sh

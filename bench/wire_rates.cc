@@ -38,7 +38,8 @@ double register_write_ms() {
   AxisRegistersDevice device;
   device.boards.push_back({});
   IdealAxis axis;
-  AxisRegisterSlave board(device, 0, AxisRegisterProfile::kDocument, axis);
+  AxisRegisterSlave board(axis_register_slave_settings(device, 0), AxisRegisterProfile::kDocument,
+                          axis);
   AxisRegisterLink link(device, {});
   Instant now{};
   Instant begun{};

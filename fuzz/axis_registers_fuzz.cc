@@ -95,7 +95,7 @@ void a_cut_changes_nothing_and_bursts_free_it(std::span<const std::uint8_t> byte
       (bytes[0] & 1) != 0 ? AxisRegisterProfile::kDocument : AxisRegisterProfile::kAsBuilt;
   const AxisRegistersDevice device = device_for(bytes[0]);
   NotedAxis axis;
-  AxisRegisterSlave board(device, 0, profile, axis);
+  AxisRegisterSlave board(axis_register_slave_settings(device, 0), profile, axis);
   std::span<const std::uint8_t> rest = bytes.subspan(1);
   while (!rest.empty()) {
     const std::size_t length = std::min<std::size_t>(rest[0] % 48, rest.size() - 1);

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# packages.sh SET...: installs the Debian packages of the named sets (build, panel, browser, test, bench,
-# campaign, format) that are missing. Asks apt for nothing where nothing is missing.
+# packages.sh SET...: installs the Debian packages of the named sets (build, panel, browser, firmware, test,
+# bench, campaign, format) that are missing. Asks apt for nothing where nothing is missing.
 # shellcheck source=scripts/lib.sh
 source "$(dirname "${BASH_SOURCE[0]}")/lib.sh"
 
@@ -14,6 +14,9 @@ packages_of() {
     browser) command -v chromium >/dev/null || echo chromium ;;
     test) echo libgtest-dev liborocos-kdl-dev python3 python3-jsonschema \
       python3-websockets openssl ;;
+    # The compiler with the headers of its library, and what runs the images on this machine.
+    firmware) echo gcc-arm-none-eabi libnewlib-arm-none-eabi libstdc++-arm-none-eabi-dev \
+      libunicorn-dev ;;
     bench) echo libbenchmark-dev liborocos-kdl-dev ;;
     campaign) echo clang-19 clang-tidy-19 clang-format-19 libclang-rt-19-dev ;;
     format) echo clang-format-19 ;;

@@ -276,6 +276,36 @@ TEST(Doctor, first_firmware_is_recognised_where_the_robots_file_says_document) {
   EXPECT_EQ(sinew({"doctor", "--profile", "as-built"}).exit, 2);
 }
 
+TEST(DeviceVerb, boards_of_the_axis_link_are_set_up_for_the_robots_file) {
+  const ScratchFolder folder;
+  const std::string was = std::string(SINEW_SOURCE_DIR) + "/robots/examples/ar4-axis-link.toml";
+  std::string text = text_of(was);
+  const std::string fast =
+      R"(name = "hand",     lower_deg = -180, upper_deg = 180, velocity_deg_s_max = 60)";
+  const std::size_t place = text.find(fast);
+  ASSERT_NE(place, std::string::npos);
+  text.replace(place + fast.size() - 2, 2, "50");
+  const std::string now = folder.file("mine.toml", text);
+  Process sim({"sim", was, "--simwire", "unix:" + folder.at("boards"), "--json"});
+  const std::string port = Json::parse(place_of(sim), nullptr, false)["port"].get<std::string>();
+  const Ended other = sinew({"doctor", "--robot", now, "--port", port});
+  EXPECT_EQ(other.exit, 1);
+  EXPECT_NE(other.err.find("J6 is set up for another axis or robot"), std::string::npos)
+      << other.err;
+  const Ended set_up = sinew({"device", now, "setup", "--port", port, "--json"});
+  ASSERT_EQ(set_up.exit, 0) << set_up.err;
+  const Json boards = set_up.json()["boards"];
+  ASSERT_EQ(boards.size(), 6U);
+  for (std::size_t i = 0; i < 6; ++i) EXPECT_EQ(boards[i]["written"], i == 5) << boards;
+  EXPECT_EQ(sinew({"doctor", "--robot", now, "--port", port}).exit, 0);
+  const Ended again = sinew({"device", now, "setup", "--port", port});
+  EXPECT_EQ(again.exit, 0) << again.err;
+  EXPECT_NE(again.out.find("hand: has this setup already"), std::string::npos) << again.out;
+  const Ended registers = sinew({"device", "robot-arm-2", "setup", "--port", port});
+  EXPECT_EQ(registers.exit, 1);
+  EXPECT_NE(registers.err.find("--wire link"), std::string::npos) << registers.err;
+}
+
 TEST(Doctor, silent_boards_are_named_and_a_program_that_needs_them_moves_nothing) {
   for (const std::string wire : {"registers", "link"}) {
     const ScratchFolder folder;

@@ -162,6 +162,8 @@ test('who watches a procedure sees its question and answers none', async () => {
 
 async function recover(page) {
   await page.getByRole('button', { name: 'Begin recovery' }).click();
+  // Until it has begun, the one before is what the cell tells.
+  await until('begun', async () => !(await procedure('six')).over, 20);
   await asked('six', 'adjust.leg1');
   const begin = await rests('six', 1e-6);
   await page.locator('.answer-field input').fill('11');

@@ -103,6 +103,7 @@ Outcome run_device_action(const DeviceRequest& request) {
   if (!action) return action.error();
   if (const auto fine = check_options(request, **action); !fine) return fine.error();
   io::catch_interrupts();
+  if ((*action)->alone != nullptr) return (*action)->alone(request, chosen->model);
   // Through a cell of its own: controller, journal and settings as of any other motion.
   auto cell = LocalCell::start(chosen->model, request.robot);
   if (!cell) return cell.error();

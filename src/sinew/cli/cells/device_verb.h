@@ -23,7 +23,9 @@ struct DeviceRequest {
 struct DeviceAction {
   std::string_view name;
   std::string_view note;  ///< behind its name in the help
-  Outcome (*run)(const DeviceRequest& request, LocalCell& cell);
+  Outcome (*run)(const DeviceRequest& request, LocalCell& cell) = nullptr;
+  /// In place of it: below driver and controller, with a port of its own; nothing moves.
+  Outcome (*alone)(const DeviceRequest& request, const RobotModel& model) = nullptr;
   /// That takes --leg and --steps, checked before anything is opened; nullptr: takes neither.
   std::expected<void, Outcome> (*check)(const DeviceRequest& request) = nullptr;
 };

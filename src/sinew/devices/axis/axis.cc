@@ -126,8 +126,20 @@ std::string registers_suspicion(const Driver& driver) {
          "try --profile as-built";
 }
 
+/// A board that is another axis, of another robot, or none yet: it answers, and not as it should.
 std::string link_suspicion(const Driver& driver) {
-  return silent_boards(driver_as<AxisLinkDriver>(driver));
+  const auto& boards = driver_as<AxisLinkDriver>(driver);
+  for (std::size_t i = 0; i < boards.positions().size(); ++i) {
+    const auto fault = boards.axis_fault(i);
+    const bool other = fault && (fault->code == ErrorCode::kModelMismatch ||
+                                 fault->code == ErrorCode::kUnexpectedReply);
+    if (other) {
+      return "the board of J" + std::to_string(i + 1) +
+             " is set up for another axis or robot, or for none: sinew device ROBOT setup --port "
+             "DEVICE writes what this robot's file says into all of them";
+    }
+  }
+  return silent_boards(boards);
 }
 
 }  // namespace

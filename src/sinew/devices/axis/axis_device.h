@@ -47,8 +47,8 @@ struct AxisStatus {
   bool end_stop = false;
   bool emergency_stopped = false;  ///< latched
   AxisFault fault = AxisFault::kNone;
-  std::optional<double> supply_volts;
-  std::optional<double> temperature_c;
+  std::optional<double> supply_volts = std::nullopt;
+  std::optional<double> temperature_c = std::nullopt;
 };
 
 /// An axis controller as its wire sees it; whatever the wire, these are the words. Nothing here
@@ -77,12 +77,15 @@ class Axis {
 
 /// What the electronics of an axis sense at one control tick.
 struct AxisInputs {
+  std::int64_t steps = 0;          ///< microsteps made when the encoders were read; signed
   std::int32_t joint_counts = 0;   ///< quadrature counter, or AS5600 position 0..4095
   bool joint_encoder_ok = true;    ///< answers, with its magnet in place
   std::uint16_t motor_counts = 0;  ///< AS5600 on the motor shaft, 0..4095
   bool motor_encoder_ok = true;
   bool end_stop = false;      ///< closed
   bool driver_fault = false;  ///< the power stage shut itself down
+  bool stop_line = false;     ///< a wired stop is asked for: an emergency stop while it lasts
+  bool has_meters = true;  ///< the next two are measured; else they count as good and are not told
   double supply_volts = 24;
   double temperature_c = 25;
 };
@@ -91,6 +94,7 @@ struct AxisInputs {
 struct AxisOutputs {
   bool enabled = false;    ///< current in the windings
   std::int64_t steps = 0;  ///< microstep count to reach, evenly, by the next tick; signed
+  bool frozen = false;     ///< no further step at once; `steps` will be where that left it
 };
 
 }  // namespace sinew

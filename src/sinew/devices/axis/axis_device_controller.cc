@@ -62,16 +62,18 @@ AxisOutputs AxisController::tick(const AxisInputs& inputs, Instant now) {
   inputs_ = inputs;
   encoders_.read(inputs, since);
   const double dt = std::min(since, kTickMax);
+  if (inputs.stop_line) emergency_stop();
   end_stop_.read(inputs.end_stop, dt);
   power(dt);
   supervise(dt);
-  if (dt <= 0) return outputs_;
-  if (!ready() || frozen()) {
-    reference_ = {encoders_.q(), 0, 0};
-  } else {
+  if (dt > 0 && ready() && !frozen()) {
     move_reference(dt);
     make_steps(dt);
+  } else if (dt > 0) {
+    reference_ = {encoders_.q(), 0, 0};
   }
+  outputs_.frozen = frozen();
+  if (frozen()) steps_ = static_cast<double>(outputs_.steps = inputs.steps);
   return outputs_;
 }
 
@@ -100,7 +102,7 @@ void AxisController::power(double dt) {
 }
 
 double AxisController::field_angle() const {
-  return static_cast<double>(outputs_.steps) * 2 * kPi /
+  return static_cast<double>(inputs_.steps) * 2 * kPi /
          (settings_.full_steps_per_turn * settings_.microsteps);
 }
 
@@ -471,8 +473,10 @@ AxisStatus AxisController::status() const {
   status.end_stop = end_stop_.closed();
   status.emergency_stopped = emergency_;
   status.fault = fault_;
-  status.supply_volts = inputs_.supply_volts;
-  status.temperature_c = inputs_.temperature_c;
+  if (inputs_.has_meters) {
+    status.supply_volts = inputs_.supply_volts;
+    status.temperature_c = inputs_.temperature_c;
+  }
   return status;
 }
 

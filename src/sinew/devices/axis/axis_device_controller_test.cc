@@ -404,6 +404,7 @@ class Echo {
   }
   void tick(double dt) {
     AxisInputs inputs;
+    inputs.steps = steps_;
     const double turns = static_cast<double>(steps_) / 3200;
     const auto motor = static_cast<std::int64_t>(std::floor(turns * 4096));
     inputs.motor_counts = static_cast<std::uint16_t>(((motor % 4096) + 4096) % 4096);
@@ -609,6 +610,44 @@ TEST(AxisController, self_test_finds_a_low_supply_at_once) {
   EXPECT_EQ(cell.status().fault, AxisFault::kSelfTest);
 }
 
+TEST(AxisController, a_stop_line_is_an_emergency_stop_while_it_lasts_and_loses_no_step) {
+  AxisCell cell = homed_cell();
+  ASSERT_EQ(cell.controller.move_to(from_deg(-100)), AxisVerdict::kAccepted);
+  cell.run(3);
+  // The pins were cut off in the middle of a tick: some steps were not made.
+  static std::int64_t made = 0;
+  made = cell.outputs.steps - 40;
+  cell.spoil = [](AxisInputs& inputs) { inputs.stop_line = true, inputs.steps = made; };
+  cell.tick();
+  EXPECT_TRUE(cell.status().emergency_stopped);
+  EXPECT_TRUE(cell.outputs.frozen);
+  EXPECT_EQ(cell.outputs.steps, made);
+  cell.run(0.5);
+  EXPECT_EQ(cell.outputs.steps, made);
+  cell.controller.release_emergency_stop();
+  cell.tick();
+  EXPECT_TRUE(cell.status().emergency_stopped);
+  cell.spoil = nullptr;
+  cell.controller.release_emergency_stop();
+  cell.run(0.5);
+  EXPECT_FALSE(cell.status().emergency_stopped);
+  EXPECT_FALSE(cell.outputs.frozen);
+  EXPECT_EQ(cell.status().fault, AxisFault::kNone);
+  EXPECT_TRUE(cell.status().position_ok);
+  ASSERT_EQ(cell.controller.move_to(from_deg(-150)), AxisVerdict::kAccepted);
+  EXPECT_TRUE(cell.run_to_rest());
+  EXPECT_LT(cell.error(), kTruth);
+}
+
+TEST(AxisController, a_board_without_meters_tells_no_supply_and_no_temperature) {
+  AxisCell cell = homed_cell();
+  cell.spoil = [](AxisInputs& inputs) { inputs.has_meters = false; };
+  cell.tick();
+  EXPECT_FALSE(cell.status().supply_volts);
+  EXPECT_FALSE(cell.status().temperature_c);
+  EXPECT_EQ(cell.status().fault, AxisFault::kNone);
+}
+
 TEST(AxisController, self_test_waits_until_the_current_has_settled) {
   for (const bool supply_goes : {false, true}) {
     AxisCell cell(from_deg(-165));
@@ -659,6 +698,7 @@ TEST(AxisController, any_inputs_and_requests_are_survived_without_an_allocation)
     const test::AllocationCounter counter;
     for (int i = 0; i < 500; ++i) {
       AxisInputs inputs;
+      inputs.steps = last;
       const bool wild = random.chance(0.5);
       inputs.joint_counts = static_cast<std::int32_t>(wild ? random.bits() : random.bits() % 3);
       inputs.motor_counts = static_cast<std::uint16_t>(wild ? random.bits() : random.bits() % 9);

@@ -13,6 +13,8 @@ constexpr double kTrackingJerk = 10;  // times the joint's own
 /// The switch closes this far outside the position limits, and the homed axis waits as far inside.
 constexpr double kSwitchBeyondLimit = from_deg(2);
 constexpr double kClearInsideLimit = from_deg(1);
+/// From contact to rest, at most: 3 deg/s at 10 deg/s^3.
+constexpr double kContactWay = from_deg(1.643);
 /// The search may take the whole way between the limits, both ends beyond them, and this.
 constexpr double kSearchMargin = from_deg(10);
 
@@ -20,6 +22,14 @@ constexpr double kSearchMargin = from_deg(10);
 AxisBoard board_of(const Device& device, std::size_t joint) {
   const auto boards = boards_of(device);
   return joint < boards.size() ? boards[joint] : AxisBoard{};
+}
+
+/// The speed from which a stop takes this way: its acceleration rises and falls, and is held at its
+/// limit in between where it gets there.
+double speed_to_stop_within(double way, const motion::AxisLimits& limits) {
+  const double rise = limits.acceleration * limits.acceleration / (2 * limits.jerk);
+  const double held = std::sqrt(rise * rise + 2 * limits.acceleration * way) - rise;
+  return held >= 2 * rise ? held : std::cbrt(way * way * limits.jerk);
 }
 
 }  // namespace
@@ -72,7 +82,9 @@ AxisSettings axis_settings(const RobotModel& model, std::size_t joint) {
     homing.clear_angle = std::max(from.upper - kClearInsideLimit, from.lower);
   }
   homing.travel_max = from.upper - from.lower + 2 * kSwitchBeyondLimit + kSearchMargin;
-  homing.approach_speed = std::min(homing.approach_speed, settings.limits.velocity);
+  const double approach = speed_to_stop_within(kContactWay, settings.limits);
+  homing.approach_speed =
+      std::min(std::max(homing.approach_speed, approach), settings.limits.velocity);
   homing.slow_speed = std::min(homing.slow_speed, settings.limits.velocity);
 
   if (joint < model.dynamics.gains.size()) {

@@ -35,8 +35,8 @@ struct AxisEncoderSettings {
 struct HomingSettings {
   double direction = -1;    ///< of the search: -1 towards lower angles
   double end_stop_angle{};  ///< where the switch closes, approached slowly in `direction`
-  /// After contact the axis goes on by speed * sqrt(speed / jerk): 1.6 deg at 3 deg/s and
-  /// 10 deg/s^3. The mechanical end must be farther behind the switch than that.
+  /// At least. axis_settings() takes the highest speed from which the axis stops within 1.64 deg,
+  /// once the debounced switch is closed. The mechanical end must be farther behind the switch.
   double approach_speed = from_deg(3);
   double slow_speed = from_deg(0.5);
   double back_off = from_deg(3);      ///< beyond the place where the switch closed

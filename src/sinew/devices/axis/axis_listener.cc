@@ -233,6 +233,9 @@ class LinkReader : public WireReader {
                   health.fields.push_back(real("temperature_c", *m.temperature_c01 / 100.0));
                 }
                 return health;
+              },
+              [](const SetupWord& m) {
+                return Told{"setup_word", {whole("index", m.index), whole("value", m.value)}};
               }},
         reply.body);
     told.fields.insert(told.fields.begin(), whole("sequence", reply.sequence));

@@ -1,11 +1,13 @@
 #include "sinew/devices/axis/axis_machine.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
 #include "sinew/core/assert.h"
 #include "sinew/core/split_mix.h"
+#include "sinew/devices/axis/axis_device_setup_model.h"
 #include "sinew/devices/axis_link/axis_link_settings.h"
 #include "sinew/devices/axis_registers/axis_registers_settings.h"
 
@@ -45,24 +47,44 @@ AxisPlantSettings axis_plant_settings(const RobotModel& model, std::size_t joint
   return settings;
 }
 
+/// The flash of a simulated board, as long as its machine lives.
+class BoardMemory : public SetupMemory {
+ public:
+  BoardMemory() {
+    for (auto& place : places_) place.fill(0xFF);
+  }
+  std::span<const std::uint8_t> place(int which) const override { return places_[which]; }
+  bool erase(int which) override {
+    places_[which].fill(0xFF);
+    return true;
+  }
+  bool append(int which, std::span<const std::uint8_t> bytes) override {
+    std::ranges::copy(bytes, places_[which].begin());
+    return true;
+  }
+
+ private:
+  std::array<std::array<std::uint8_t, 512>, 2> places_{};
+};
+
 /// One axis: physics, controller, and the wire's end on it.
 class StepperArm::Board : public SpiSlave {
  public:
   Board(const RobotModel& model, std::size_t joint, const Settings& settings, double q,
         std::uint64_t seed)
       : axis_(axis_settings(model, joint)),
-        joint_(joint),
-        joint_limits_(model.joints[joint]),
         plant_(axis_plant_settings(model, joint, axis_), q, seed),
         controller_(axis_),
         notices_select_(settings.wire != AxisWire::kRegistersAsCommitted) {
     if (settings.wire == AxisWire::kLink) {
+      SetupStore(memory_).keep(axis_setup(model, joint));
       start_node();
       return;
     }
     const auto profile = settings.wire == AxisWire::kRegisters ? AxisRegisterProfile::kDocument
                                                                : AxisRegisterProfile::kAsBuilt;
-    slave_.emplace(device_settings<AxisRegistersDevice>(model), joint, profile, controller_);
+    const auto device = device_settings<AxisRegistersDevice>(model);
+    slave_.emplace(axis_register_slave_settings(device, joint), profile, controller_);
   }
 
   void select(bool selected) override {
@@ -83,6 +105,7 @@ class StepperArm::Board : public SpiSlave {
     on_ = on;
     outputs_ = on ? controller_.tick(plant_.inputs(), now) : AxisOutputs{};
     if (on && node_) node_->advance(now);
+    if (node_ && node_->restart_due()) boot();
   }
 
   /// The host selected it, or let it go, at that moment.
@@ -129,22 +152,21 @@ class StepperArm::Board : public SpiSlave {
     short_pauses_ = 0;
     quick_clocks_ = 0;
     transferred_.reset();
+    if (node_) axis_ = SetupStore(memory_).setup().value_or(AxisSetup{0, axis_, {}}).axis;
     controller_ = AxisController(axis_);
     outputs_ = {};
     if (slave_) slave_->power_up();
     if (node_) start_node();
   }
   void start_node() {
-    auto settings =
-        axis_link_node_settings(joint_limits_, static_cast<std::uint8_t>(joint_), boots_);
-    settings.uncertainty = axis_.uncertainty();
-    node_.emplace(controller_, settings);
+    store_.emplace(memory_);
+    node_.emplace(controller_, axis_link_node_settings(store_->setup(), boots_), &*store_);
     ++boots_;
   }
 
   AxisSettings axis_;
-  std::size_t joint_;
-  Joint joint_limits_;
+  BoardMemory memory_;
+  std::optional<SetupStore> store_;
   AxisPlant plant_;
   AxisController controller_;
   bool notices_select_;

@@ -128,7 +128,7 @@ TEST_F(ParrotBus, board_without_supply_is_not_there) {
 class RegisterBoard : public SpiSlave {
  public:
   RegisterBoard(const AxisRegistersDevice& device, std::size_t joint)
-      : slave_(device, joint, AxisRegisterProfile::kAsBuilt, axis_) {}
+      : slave_(axis_register_slave_settings(device, joint), AxisRegisterProfile::kAsBuilt, axis_) {}
   void select(bool selected) override { slave_.select(selected); }
   std::uint8_t shift(std::uint8_t mosi) override { return slave_.shift(mosi); }
   const AxisRegisterSlave& slave() const { return slave_; }

@@ -183,6 +183,7 @@ void AxisPlant::read_switch(double dt) {
 
 AxisInputs AxisPlant::inputs() const {
   AxisInputs inputs;
+  inputs.steps = steps_;
   inputs.joint_counts =
       settings_.joint_as5600 ? joint_sensor_.counts() : quadrature_.counts(joint_shaft());
   inputs.joint_encoder_ok = !settings_.joint_as5600 || joint_sensor_.magnet_ok();

@@ -4,7 +4,13 @@
 
 #include "sinew/cli/cells/device_verb.h"
 #include "sinew/core/error_code.h"
+#include "sinew/devices/axis/axis_device_setup_model.h"
+#include "sinew/devices/axis_link/axis_link_driver_setup.h"
+#include "sinew/devices/axis_link/axis_link_settings.h"
+#include "sinew/io/interrupt.h"
+#include "sinew/model/error_sentence.h"
 #include "sinew/model/left_out.h"
+#include "sinew/runtime/links/robot_link.h"
 
 /// What a person may ask of axis boards: to take back a latched emergency stop, and to test
 /// themselves.
@@ -63,8 +69,68 @@ Outcome release(const DeviceRequest& request, LocalCell& cell) {
   return outcome;
 }
 
-constexpr std::array<DeviceAction, 2> kBoardsAll{
-    {{.name = "release", .note = "a latched emergency stop, nothing moves", .run = release},
+/// "set up now; before it was set up as J2"
+std::string told(bool written, const std::optional<AxisSetup>& before, const RobotModel& model) {
+  if (!written) return "has this setup already";
+  if (!before) return "set up now, for the first time";
+  const bool known = before->axis_number < model.joints.size();
+  const std::string was = known ? model.joints[before->axis_number].name
+                                : "axis " + std::to_string(before->axis_number + 1);
+  return "set up now; before it was set up as " + was;
+}
+
+/// Each board for its joint, as the robot's file says; the first that fails is the complaint.
+Outcome set_up(const DeviceRequest& request, const RobotModel& model) {
+  if (!model.device.settings.is<AxisLinkDevice>()) {
+    return could_not(model.id +
+                     ": only boards of the axis link keep a setup; --wire link, or protocol = "
+                     "\"axis-link\" in its file, says that these are");
+  }
+  const std::string& port = *request.robot.port;
+  if (const auto wrong = runtime::wrong_port(model, port)) return bad_input(*wrong);
+  const io::Clock clock = runtime::clock_for(port, 1);
+  const auto bus = runtime::open_spi(model, port, clock);
+  if (!bus) return could_not(bus.error().sentence);
+  const auto& link = model.device.settings.get<AxisLinkDevice>();
+  Outcome outcome;
+  outcome.json = {{"done", "setup"}, {"boards", Json::array()}};
+  for (std::size_t j = 0; j < model.joints.size(); ++j) {
+    if (is_left_out(model, j)) continue;
+    const auto select = static_cast<std::uint8_t>(1U << j);
+    const axis_link::SetupLine line{
+        .exchange =
+            [&](std::span<const std::uint8_t> mosi, std::span<std::uint8_t> miso) {
+              constexpr Duration kSelect = std::chrono::microseconds(20);
+              return (*bus)->exchange(select, mosi, miso, kSelect, link.clock_hz).has_value();
+            },
+        .wait =
+            [&](Duration time) {
+              if (!clock.is_simulated()) return clock.pause_until(clock.now() + time);
+              clock.pass_to(clock.now() + time);
+              clock.keep_pace();
+            }};
+    if (io::interrupts() > 0) {
+      return could_not("stopped; " + model.joints[j].name +
+                       " and those behind it are as they were");
+    }
+    const auto report = axis_link::write_setup(encode_setup(axis_setup(model, j)),
+                                               static_cast<std::int8_t>(j), line);
+    if (!report) return could_not(sentence_of(report.error(), model));
+    const auto before = decode_setup(report->before);
+    outcome.text +=
+        fmt::format("  {}: {}\n", model.joints[j].name, told(report->written, before, model));
+    outcome.json["boards"].push_back({{"joint", model.joints[j].name},
+                                      {"written", report->written},
+                                      {"was_set_up", before.has_value()}});
+  }
+  return outcome;
+}
+
+constexpr std::array<DeviceAction, 3> kBoardsAll{
+    {{.name = "setup",
+      .note = "writes into each board what its axis is built of, nothing moves",
+      .alone = set_up},
+     {.name = "release", .note = "a latched emergency stop, nothing moves", .run = release},
      {.name = "test",
       .note = "each board of itself; a homed motor turns a full step and back",
       .run = self_test}}};

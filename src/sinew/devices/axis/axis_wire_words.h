@@ -63,8 +63,9 @@ inline constexpr std::array kStateWords = std::to_array<AxisFlagWord<State>>({
 
 constexpr std::string_view name(Mode mode) {
   constexpr std::array<std::string_view, kModeLast + 1> kNames{
-      "read",           "hold",    "track",        "move",      "home",  "cancel",     "stop",
-      "emergency_stop", "release", "clear_faults", "self_test", "hello", "read_health"};
+      "read",        "hold",           "track",       "move",         "home",      "cancel",
+      "stop",        "emergency_stop", "release",     "clear_faults", "self_test", "hello",
+      "read_health", "read_setup",     "write_setup", "store_setup"};
   return kNames[static_cast<std::size_t>(mode) % kNames.size()];
 }
 

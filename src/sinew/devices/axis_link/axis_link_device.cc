@@ -40,6 +40,9 @@ T saturated(double value) {
   return static_cast<T>(std::clamp(std::round(value), lowest, kMost));
 }
 
+/// From a new setup to the start with it: the host fetches the answer meanwhile.
+constexpr Duration kRestartDelay = std::chrono::milliseconds(200);
+
 bool under_way(const AxisStatus& status) {
   return status.moving || status.homing;
 }
@@ -53,8 +56,19 @@ AxisLinkNodeSettings axis_link_node_settings(const Joint& joint, std::uint8_t ax
           .boot = boot};
 }
 
-AxisLinkNode::AxisLinkNode(Axis& axis, const AxisLinkNodeSettings& settings)
+AxisLinkNodeSettings axis_link_node_settings(const std::optional<AxisSetup>& setup,
+                                             std::uint16_t boot) {
+  if (!setup) return {.model = {}, .boot = boot};
+  const AxisSettings& axis = setup->axis;
+  return {.model = {setup->axis_number, axis.lower, axis.upper, axis.limits.velocity,
+                    axis.limits.acceleration, axis.limits.jerk},
+          .boot = boot,
+          .uncertainty = axis.uncertainty()};
+}
+
+AxisLinkNode::AxisLinkNode(Axis& axis, const AxisLinkNodeSettings& settings, SetupStore* setup)
     : axis_(axis),
+      setup_(setup),
       settings_(settings),
       hash_(model_hash(settings.model)),
       last_session_(static_cast<std::uint8_t>(settings.boot)) {
@@ -172,6 +186,10 @@ void AxisLinkNode::greet(const Request& request) {
 }
 
 Verdict AxisLinkNode::obey(const Request& request) {
+  // Whatever began now would end with the start that is due.
+  const bool begins = request.mode == Mode::kTrack || request.mode == Mode::kMove ||
+                      request.mode == Mode::kHome || request.mode == Mode::kSelfTest;
+  if (begins && restart_at_) return Verdict::kBusy;
   switch (request.mode) {
     case Mode::kRead:
     case Mode::kReadHealth:
@@ -205,7 +223,32 @@ Verdict AxisLinkNode::obey(const Request& request) {
     case Mode::kSelfTest:
       axis_.self_test();
       break;
+    case Mode::kReadSetup: {
+      const auto index = static_cast<std::uint16_t>(request.velocity);
+      const auto value =
+          setup_ != nullptr && request.velocity == index ? setup_->word(index) : std::nullopt;
+      word_.reset();
+      if (!value) return Verdict::kOutOfLimits;
+      word_ = SetupWord{*value, index};
+      break;
+    }
+    case Mode::kWriteSetup:
+    case Mode::kStoreSetup:
+      return write_setup(request);
   }
+  return Verdict::kAccepted;
+}
+
+Verdict AxisLinkNode::write_setup(const Request& request) {
+  if (under_way(axis_.status()) || restart_at_) return Verdict::kBusy;
+  if (setup_ == nullptr || request.velocity < 0) return Verdict::kOutOfLimits;
+  if (request.mode == Mode::kWriteSetup) {
+    const bool kept = setup_->set_word(static_cast<std::size_t>(request.velocity),
+                                       std::bit_cast<std::uint32_t>(request.target));
+    return kept ? Verdict::kAccepted : Verdict::kOutOfLimits;
+  }
+  if (!setup_->store()) return Verdict::kOutOfLimits;
+  restart_at_ = now_ + kRestartDelay;
   return Verdict::kAccepted;
 }
 
@@ -226,6 +269,8 @@ void AxisLinkNode::prepare() {
                  saturated<std::uint16_t>(settings_.uncertainty * kUncertaintyUnits + 0.5)};
   } else if (asked_ == Mode::kReadHealth) {
     reply.body = health();
+  } else if (asked_ == Mode::kReadSetup && word_) {
+    reply.body = *word_;
   } else {
     reply.body = state();
   }

@@ -8,6 +8,7 @@
 #include "sinew/core/fixed_vector.h"
 #include "sinew/core/instant.h"
 #include "sinew/devices/axis/axis_device.h"
+#include "sinew/devices/axis/axis_device_setup.h"
 #include "sinew/devices/axis_link/axis_link_wire.h"
 #include "sinew/model/robot_model.h"
 #include "sinew/wire/cobs.h"
@@ -24,6 +25,10 @@ struct AxisLinkNodeSettings {
 /// Node `axis` of a robot with such a joint there.
 AxisLinkNodeSettings axis_link_node_settings(const Joint& joint, std::uint8_t axis,
                                              std::uint16_t boot = 0);
+
+/// Of a board that was set up so; of one that was not.
+AxisLinkNodeSettings axis_link_node_settings(const std::optional<AxisSetup>& setup,
+                                             std::uint16_t boot);
 
 /// Axis side of the axis link (docs/wires/axis_link.md): frames in, requests to an Axis, its state
 /// out. One object serves SPI (select, shift) or a stream of bytes (receive, take_output).
@@ -44,7 +49,9 @@ AxisLinkNodeSettings axis_link_node_settings(const Joint& joint, std::uint8_t ax
 /// Frames that are not good, or for another axis, change nothing at all. All members are @rt.
 class AxisLinkNode {
  public:
-  AxisLinkNode(Axis& axis, const AxisLinkNodeSettings& settings);
+  /// @param setup  what the board keeps of its axis, where it can be read and written; outlives
+  ///               the node
+  AxisLinkNode(Axis& axis, const AxisLinkNodeSettings& settings, SetupStore* setup = nullptr);
 
   /// SPI: the level of its chip select. What the axis answers is fixed when it is selected; what
   /// the host sent is acted on when it is deselected.
@@ -53,12 +60,18 @@ class AxisLinkNode {
   /// One byte each way; 0 where it is not selected, or beyond the frame.
   std::uint8_t shift(std::uint8_t mosi);
 
+  /// What it answers when it is selected the next time; for boards whose transfers run without the
+  /// processor.
+  const axis_link::Frame& next_answer() const { return prepared_; }
+
   /// UART and RS-485: the same frames, COBS between 00s. A frame to all has no answer.
   void receive(std::span<const std::uint8_t> bytes);
   std::size_t take_output(std::span<std::uint8_t> out);
 
   /// Time passes: the deadline is watched and the next answer prepared.
   void advance(Instant now);
+  /// A new setup was kept, and its answer had time to be fetched: the board shall start again.
+  bool restart_due() const { return restart_at_ && now_ >= *restart_at_; }
   /// When the deadline will be over, where a session is open.
   std::optional<Instant> next_event() const;
 
@@ -71,12 +84,14 @@ class AxisLinkNode {
   void execute(const axis_link::Request& request);
   void greet(const axis_link::Request& request);
   axis_link::Verdict obey(const axis_link::Request& request);
+  axis_link::Verdict write_setup(const axis_link::Request& request);
   void close_session();
   void prepare();
   axis_link::State state() const;
   axis_link::Health health() const;
 
   Axis& axis_;
+  SetupStore* setup_;
   AxisLinkNodeSettings settings_;
   std::uint32_t hash_;
 
@@ -86,6 +101,8 @@ class AxisLinkNode {
   std::uint16_t greeted_ = 0;   ///< sequence of the hello that opened the session
   axis_link::Verdict verdict_ = axis_link::Verdict::kNoSession;
   axis_link::Mode asked_ = axis_link::Mode::kRead;  ///< by the last good frame
+  std::optional<axis_link::SetupWord> word_;        ///< that was asked for
+  std::optional<Instant> restart_at_;
   Duration deadline_ = axis_link::kDeadlineDefault;
   Instant now_;
   Instant heard_;  ///< when the last new frame of the session came

@@ -29,7 +29,7 @@ std::int32_t inside_units(const Joint& joint, double q) {
 constexpr double kSnap = 3.7e-3;
 
 /// s. A position in an answer is at most this old when the frame begins: docs/wires/axis_link.md.
-constexpr double kReadingAge = 0.005;
+constexpr double kReadingAge = 0.010;
 
 constexpr int kHelloTries = 8;
 /// From the answer before a zero was named to the one behind it, at most: at the search's slow

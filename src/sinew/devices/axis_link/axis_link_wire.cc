@@ -11,7 +11,10 @@ namespace sinew::axis_link {
 namespace {
 
 // Byte 0: version in bits 7..5, kind in 4..3, axis in 2..0.
-enum class Kind : std::uint8_t { kRequest = 0, kState = 1, kIdentity = 2, kHealth = 3 };
+enum class Kind : std::uint8_t { kRequest = 0, kState = 1, kIdentity = 2, kMore = 3 };
+// Bytes 10..11 of an answer of kind kMore say which.
+constexpr std::uint16_t kIsHealth = 0;
+constexpr std::uint16_t kIsSetupWord = 1;
 
 constexpr std::size_t kBody = kFrameSize - 4;
 constexpr std::uint8_t kToAll = 0x80;
@@ -112,7 +115,15 @@ Kind put_body(Frame& frame, const Identity& identity) {
 Kind put_body(Frame& frame, const Health& health) {
   put<2>(frame, 4, health.supply_mv.value_or(kNoSupply));
   put<2>(frame, 6, std::bit_cast<std::uint16_t>(health.temperature_c01.value_or(kNoTemperature)));
-  return Kind::kHealth;
+  put<2>(frame, 10, kIsHealth);
+  return Kind::kMore;
+}
+
+Kind put_body(Frame& frame, const SetupWord& word) {
+  put<4>(frame, 4, word.value);
+  put<2>(frame, 8, word.index);
+  put<2>(frame, 10, kIsSetupWord);
+  return Kind::kMore;
 }
 
 Health health_of(std::span<const std::uint8_t, kFrameSize> bytes) {
@@ -200,10 +211,17 @@ std::expected<Reply, Reject> decode_reply(std::span<const std::uint8_t, kFrameSi
     case Kind::kIdentity:
       reply.body = Identity{get<4>(bytes, 4), get16(bytes, 8), get16(bytes, 10)};
       break;
-    case Kind::kHealth:
-      if (get<4>(bytes, 8) != 0) return std::unexpected(Reject::kContent);
-      reply.body = health_of(bytes);
+    case Kind::kMore: {
+      const std::uint16_t which = get16(bytes, 10);
+      if (which == kIsSetupWord) {
+        reply.body = SetupWord{get<4>(bytes, 4), get16(bytes, 8)};
+      } else if (which == kIsHealth && get16(bytes, 8) == 0) {
+        reply.body = health_of(bytes);
+      } else {
+        return std::unexpected(Reject::kContent);
+      }
       break;
+    }
   }
   return reply;
 }

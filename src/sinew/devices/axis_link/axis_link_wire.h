@@ -42,8 +42,11 @@ enum class Mode : std::uint8_t {
   kSelfTest = 10,
   kHello = 11,       ///< opens a session: target is the model hash, velocity the deadline in ms
   kReadHealth = 12,  ///< as kRead; the next answer is a Health
+  kReadSetup = 13,   ///< as kRead; the next answer is the setup's word number `velocity`
+  kWriteSetup = 14,  ///< at rest: the setup's word number `velocity` shall be `target`
+  kStoreSetup = 15,  ///< at rest: keeps the setup that was written, and starts again with it
 };
-inline constexpr std::uint8_t kModeLast = 12;
+inline constexpr std::uint8_t kModeLast = 15;
 
 /// What the host sends.
 struct Request {
@@ -101,12 +104,24 @@ struct Health {
   friend bool operator==(const Health&, const Health&) = default;
 };
 
+/// What a board keeps about its axis, as its device reads and writes it (axis_device_setup.h).
+inline constexpr std::size_t kSetupSize = 380;
+inline constexpr std::size_t kSetupWords = kSetupSize / 4;
+using SetupBytes = std::array<std::uint8_t, kSetupSize>;
+
+/// Answer to kReadSetup: four bytes of what the board keeps about its axis, little endian.
+struct SetupWord {
+  std::uint32_t value = 0;
+  std::uint16_t index = 0;
+  friend bool operator==(const SetupWord&, const SetupWord&) = default;
+};
+
 /// What the axis sends in the same clocks.
 struct Reply {
   std::uint8_t axis = 0;
   std::uint8_t session = 0;    ///< 0: none is open
   std::uint16_t sequence = 0;  ///< of the last frame that it executed
-  std::variant<State, Identity, Health> body;
+  std::variant<State, Identity, Health, SetupWord> body;
   friend bool operator==(const Reply&, const Reply&) = default;
 };
 

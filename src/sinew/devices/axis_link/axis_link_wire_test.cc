@@ -18,8 +18,9 @@ namespace sinew::axis_link {
 namespace {
 
 const std::vector<std::string> kModes{
-    "read",           "hold",    "track",        "move",      "home",  "cancel",     "stop",
-    "emergency-stop", "release", "clear-faults", "self-test", "hello", "read-health"};
+    "read",        "hold",           "track",       "move",         "home",      "cancel",
+    "stop",        "emergency-stop", "release",     "clear-faults", "self-test", "hello",
+    "read-health", "read-setup",     "write-setup", "store-setup"};
 const std::vector<std::string> kVerdicts{
     "accepted", "not-homed", "out-of-limits", "faulted", "emergency-stopped", "busy", "no-session"};
 
@@ -82,6 +83,8 @@ Reply reply_of(const std::vector<std::string>& words) {
     if (words.at(4) != "-") health.supply_mv = number<std::uint16_t>(words[4]);
     if (words.at(5) != "-") health.temperature_c01 = number<std::int16_t>(words[5]);
     reply.body = health;
+  } else if (words[0] == "setup") {
+    reply.body = SetupWord{number<std::uint32_t>(words.at(4)), number<std::uint16_t>(words.at(5))};
   } else {
     throw std::runtime_error("no such answer: " + words[0]);
   }
@@ -119,7 +122,7 @@ TEST(AxisLink, every_documented_frame_means_what_it_says_both_ways) {
       EXPECT_EQ(decode_reply(frame), reply_of(words));
     }
   }
-  EXPECT_EQ(count, 37);
+  EXPECT_EQ(count, 40);
 }
 
 Request random_request(test::Random& random) {
@@ -140,7 +143,7 @@ Reply random_reply(test::Random& random) {
               .session = static_cast<std::uint8_t>(random.bits()),
               .sequence = static_cast<std::uint16_t>(random.bits()),
               .body = {}};
-  switch (random.integer(0, 2)) {
+  switch (random.integer(0, 3)) {
     case 0:
       reply.body = State{.position = static_cast<std::int32_t>(random.bits()),
                          .velocity = static_cast<std::int16_t>(random.bits()),
@@ -160,6 +163,10 @@ Reply random_reply(test::Random& random) {
       reply.body = Identity{static_cast<std::uint32_t>(random.bits()),
                             static_cast<std::uint16_t>(random.bits()),
                             static_cast<std::uint16_t>(random.bits())};
+      break;
+    case 2:
+      reply.body = SetupWord{static_cast<std::uint32_t>(random.bits()),
+                             static_cast<std::uint16_t>(random.bits())};
       break;
     default: {
       Health health;

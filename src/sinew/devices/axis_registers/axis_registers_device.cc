@@ -48,18 +48,23 @@ Status wire_status(const AxisStatus& axis) {
 
 }  // namespace
 
-AxisRegisterSlave::AxisRegisterSlave(const AxisRegistersDevice& device, std::size_t joint,
+AxisRegisterSlaveSettings axis_register_slave_settings(const AxisRegistersDevice& device,
+                                                       std::size_t joint) {
+  return {device.registers, device.encoding, device.slave_id, device.boards[joint].zero};
+}
+
+AxisRegisterSlave::AxisRegisterSlave(const AxisRegisterSlaveSettings& settings,
                                      AxisRegisterProfile profile, Axis& axis)
     : profile_(profile),
-      encoding_(device.encoding),
-      zero_(device.boards[joint].zero),
-      slave_id_(device.slave_id),
+      encoding_(settings.encoding),
+      zero_(settings.zero),
+      slave_id_(settings.slave_id),
       axis_(axis) {
-  const bool later = device.registers == kLaterMap;
+  const bool later = settings.registers == kLaterMap;
   for (RegisterRow row : kLaterRegisters) {
     const bool extra = row.name == Register::kEnableMotor || row.name == Register::kFirmwareUpdate;
     if (extra && !later) continue;
-    row.address = address_in(device.registers, row);
+    row.address = address_in(settings.registers, row);
     rows_.push_back(row);
   }
   power_up();
@@ -115,6 +120,14 @@ void AxisRegisterSlave::exchange(std::span<const std::uint8_t> mosi, std::span<s
   select(true);
   for (std::size_t i = 0; i < mosi.size(); ++i) miso[i] = shift(mosi[i]);
   select(false);
+}
+
+void AxisRegisterSlave::next_answer(std::span<std::uint8_t> miso) const {
+  std::uint8_t last = miso_;
+  for (std::size_t i = 0; i < miso.size(); ++i) {
+    if (sends() && !in_boot_loader_ && i < length()) last = to_send_[i];
+    miso[i] = last;
+  }
 }
 
 bool AxisRegisterSlave::sends() const {

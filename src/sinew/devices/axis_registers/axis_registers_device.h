@@ -20,6 +20,18 @@ enum class AxisRegisterProfile : std::uint8_t {
   kAsBuilt,   ///< what the first firmware does: it stores registers and moves nothing
 };
 
+/// What a board of the register protocol must know of itself.
+struct AxisRegisterSlaveSettings {
+  AxisRegisterMap registers;
+  AngleEncoding encoding = AngleEncoding::kDegU32;
+  std::uint8_t slave_id = 1;
+  double zero = 0;  ///< rad: the angle that degrees count from
+};
+
+/// Board `joint` of such an arm.
+AxisRegisterSlaveSettings axis_register_slave_settings(const AxisRegistersDevice& device,
+                                                       std::size_t joint);
+
 /// One axis board behind the register protocol, byte for byte.
 ///
 ///   state           | takes or sends             | next
@@ -56,10 +68,9 @@ class AxisRegisterSlave {
   };
 
   /// Just powered up.
-  /// @param joint  which of the device's boards this is.
-  /// @param axis   what it moves; outlives the board.
-  AxisRegisterSlave(const AxisRegistersDevice& device, std::size_t joint,
-                    AxisRegisterProfile profile, Axis& axis);
+  /// @param axis  what it moves; outlives the board.
+  AxisRegisterSlave(const AxisRegisterSlaveSettings& settings, AxisRegisterProfile profile,
+                    Axis& axis);
 
   /// The level of the chip select changes; true is low.
   void select(bool selected);
@@ -68,6 +79,12 @@ class AxisRegisterSlave {
   std::uint8_t shift(std::uint8_t mosi);
   /// A whole frame. @param miso  at least as long as `mosi`.
   void exchange(std::span<const std::uint8_t> mosi, std::span<std::uint8_t> miso);
+
+  /// It is its turn to speak.
+  bool sends() const;
+  /// What the next frame will be answered with, from its first byte on; for boards whose transfers
+  /// run without the processor.
+  void next_answer(std::span<std::uint8_t> miso) const;
 
   /// Level of READY; low (false) is ready.
   bool ready_pin() const { return ready_pin_; }
@@ -104,7 +121,6 @@ class AxisRegisterSlave {
   static constexpr std::size_t kRegisters = axis_registers::kLaterRegisters.size();
   static constexpr std::size_t kFrameMax = axis_registers::kDataMax + axis_registers::kCrcSize;
 
-  bool sends() const;
   std::size_t length() const;
   void enter(State state);
   void complete();

@@ -32,7 +32,7 @@ struct Answer {
 /// A board and the simplest host that can be: it sends the script and looks at nothing.
 struct Board {
   explicit Board(AxisRegisterProfile profile, const AxisRegistersDevice& device = one_board())
-      : slave(device, 0, profile, axis) {
+      : slave(axis_register_slave_settings(device, 0), profile, axis) {
     axis.place(0);
   }
 

@@ -33,7 +33,8 @@ bool is_header(const spi::Transfer& transfer, Operation operation, std::uint16_t
 /// One link to one board, without the driver above it.
 struct Bench {
   explicit Bench(AxisRegisterProfile profile, const AxisRegisterTiming& timing = {})
-      : link(test::six_boards(), timing), slave(test::six_boards(), 0, profile, axis) {
+      : link(test::six_boards(), timing),
+        slave(axis_register_slave_settings(test::six_boards(), 0), profile, axis) {
     axis.place(0);
   }
 

@@ -66,7 +66,7 @@ class RegisterCell {
       axes.emplace_back(joints[i].lower, joints[i].upper);
     }
     for (std::size_t i = 0; i < device.boards.size(); ++i) {
-      boards.emplace_back(device, i, profile, axes[i]);
+      boards.emplace_back(axis_register_slave_settings(device, i), profile, axes[i]);
     }
     new_host();
   }

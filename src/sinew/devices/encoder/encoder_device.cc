@@ -10,17 +10,6 @@ namespace {
 
 using encoder_link::Register;
 
-// AS5600 data sheet v1-06, register map. STATUS is followed by RAW ANGLE, so three bytes in one
-// read belong together. The pointer is set each time: a chip that lost its supply has it at 0,
-// where settings stand that read as an angle of 0.
-constexpr std::uint8_t kChip = 0x36;
-constexpr std::uint8_t kStatusAddress = 0x0B;
-constexpr std::uint8_t kRawAngleAddress = 0x0C;
-static_assert(kRawAngleAddress == kStatusAddress + 1);
-constexpr std::uint8_t kMagnetDetected = 0x20;
-constexpr std::uint8_t kMagnetTooWeak = 0x10;
-constexpr std::uint8_t kMagnetTooStrong = 0x08;
-
 // Half a turn a sample is where unwrapping ends; sums stay far inside 64 bits below it.
 constexpr std::int64_t kSpeedMax = std::int64_t{2047} << 20;
 constexpr std::int64_t kAccelerationMax = std::int64_t{256} << 20;
@@ -63,16 +52,17 @@ void EncoderNode::advance(Instant now) {
   }
 }
 
+/// A reading with its magnet in place.
 bool EncoderNode::read_chip(std::uint16_t& position) {
-  std::array<std::uint8_t, 3> bytes{};
-  bus_error_ = !bus_.write(kChip, std::array{kStatusAddress}) || !bus_.read(kChip, bytes);
+  const auto reading = read_as5600(bus_);
+  bus_error_ = !reading;
   if (bus_error_) {
     bus_errors_ = static_cast<std::uint8_t>(std::min(bus_errors_ + 1, 255));
     return false;
   }
-  chip_status_ = bytes[0];
-  position = static_cast<std::uint16_t>((bytes[1] << 8 | bytes[2]) & 0xFFF);
-  return (chip_status_ & kMagnetDetected) != 0;
+  chip_ = *reading;
+  position = reading->position;
+  return reading->magnet;
 }
 
 void EncoderNode::sample(Instant now) {
@@ -111,9 +101,9 @@ std::uint16_t EncoderNode::status() const {
   auto value = static_cast<std::uint16_t>(bus_errors_ << 8);
   if (state_ != State::kBlind) value |= bits::kFresh;
   if (state_ == State::kSettled) value |= bits::kSettled;
-  if ((chip_status_ & kMagnetDetected) != 0) value |= bits::kMagnet;
-  if ((chip_status_ & kMagnetTooWeak) != 0) value |= bits::kTooWeak;
-  if ((chip_status_ & kMagnetTooStrong) != 0) value |= bits::kTooStrong;
+  if (chip_.magnet) value |= bits::kMagnet;
+  if (chip_.too_weak) value |= bits::kTooWeak;
+  if (chip_.too_strong) value |= bits::kTooStrong;
   if (bus_error_) value |= bits::kBusError;
   if (restarted_) value |= bits::kRestarted;
   return value;

@@ -7,6 +7,7 @@
 #include "sinew/core/fixed_vector.h"
 #include "sinew/core/instant.h"
 #include "sinew/devices/axis/axis_device_i2c.h"
+#include "sinew/devices/encoder/encoder_device_chip.h"
 #include "sinew/devices/encoder/encoder_wire.h"
 
 namespace sinew {
@@ -88,7 +89,7 @@ class EncoderNode {
   Instant next_sample_;
   Instant good_at_;
   Instant byte_at_;
-  std::uint16_t chip_status_ = 0;
+  As5600Reading chip_;  ///< as it last answered
   std::uint8_t bus_errors_ = 0;
   bool bus_error_ = false;
   bool restarted_ = true;

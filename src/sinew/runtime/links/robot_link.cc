@@ -29,7 +29,9 @@ std::string place_of(const std::string& port) {
   return port.starts_with(kSimwire) ? port.substr(kSimwire.size()) : port;
 }
 
-io::IoResult<std::unique_ptr<io::SpiBus>> open_bus(const RobotModel& robot, const std::string& port,
+}  // namespace
+
+io::IoResult<std::unique_ptr<io::SpiBus>> open_spi(const RobotModel& robot, const std::string& port,
                                                    const io::Clock& clock) {
   const auto boards = boards_of(robot.device);
   if (port == kSpidev) {
@@ -45,8 +47,6 @@ io::IoResult<std::unique_ptr<io::SpiBus>> open_bus(const RobotModel& robot, cons
   if (!connected) return std::unexpected(connected.error());
   return connect_simwire(std::move(*connected), boards, clock);
 }
-
-}  // namespace
 
 /// In the order in which they are taken apart, last first.
 struct RobotLink::Parts {
@@ -103,7 +103,7 @@ io::IoResult<void> RobotLink::connect() {
     parts.line = line_over(*parts.driver.byte, *parts.port, parts.clock, parts.log);
     return {};
   }
-  auto bus = open_bus(parts.robot, parts.name, parts.clock);
+  auto bus = open_spi(parts.robot, parts.name, parts.clock);
   if (!bus) return std::unexpected(bus.error());
   parts.bus = std::move(*bus);
   parts.line = line_over(*parts.driver.spi, *parts.bus, parts.clock, parts.log);

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "sinew/driver/driver.h"
+#include "sinew/io/spi_bus.h"
 #include "sinew/runtime/links/driver_line.h"
 #include "sinew/runtime/links/machine_server.h"
 #include "sinew/sim/robot_machine.h"
@@ -63,6 +64,12 @@ class RobotLink {
                                           ByteLog& log);
   std::unique_ptr<Parts> parts_;
 };
+
+/// The bus of a robot's boards on SPI, for whoever talks to them below their driver.
+/// @param port  "spidev", "simwire:unix:PATH" or "simwire:tcp:HOST:PORT"; outlived by `clock`
+/// @error  it cannot be opened; a sentence that says why, and what helps
+io::IoResult<std::unique_ptr<io::SpiBus>> open_spi(const RobotModel& robot, const std::string& port,
+                                                   const io::Clock& clock);
 
 /// A port of the wrong kind: boards on SPI have no serial port, and the others nothing else. A
 /// sentence that says what this robot's port is; nothing where the name may be right.

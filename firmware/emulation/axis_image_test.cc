@@ -1,0 +1,250 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "firmware/emulation/axis_bench.h"
+#include "sinew/devices/axis_link/axis_link_driver_setup.h"
+#include "support/property.h"
+#include "support/robots.h"
+
+namespace sinew::emulation {
+namespace {
+
+using axis_link::Mode;
+using axis_link::Verdict;
+
+// What an image may use, of the smaller chip: 20 KB of memory, 64 KB of flash (the linker sees to
+// that).
+constexpr std::uint32_t kStackMax = 3 * 1024;  // bytes
+constexpr double kTick = 4e-3;                 // s
+constexpr double kTickMax = 0.9;               // of a tick, the longest that the loop works
+constexpr double kInterruptMax = 4e-6;         // s, the longest interrupt
+
+constexpr std::size_t kShoulder = 1;
+
+class AxisImage : public ::testing::TestWithParam<Stm32Chip> {
+ protected:
+  AxisImage()
+      : model(test::robot("robot-arm-2")),
+        bench(GetParam(), model, kShoulder, model.joints[kShoulder].lower + from_deg(4), 1) {}
+
+  bool ready() {
+    bench.set_up();
+    return bench.open() && bench.home();
+  }
+  /// rad, `degrees` above the place where homing ends
+  double above_home(double degrees) const {
+    return bench.setup.axis.homing.clear_angle + from_deg(degrees);
+  }
+  double seconds(Cycles cycles) {
+    return static_cast<double>(cycles) / bench.chip.core().clock_hz();
+  }
+  /// What the board says that it may be off by, rad.
+  double uncertainty() const { return bench.identity.uncertainty / axis_link::kUncertaintyUnits; }
+
+  const RobotModel& model;
+  AxisBench bench;
+};
+INSTANTIATE_TEST_SUITE_P(, AxisImage, ::testing::Values(Stm32Chip::kF103, Stm32Chip::kF401),
+                         [](const auto& chip) {
+                           return chip.param == Stm32Chip::kF103 ? "stm32f103" : "stm32f401";
+                         });
+
+TEST_P(AxisImage, homes_and_follows_a_stream) {
+  ASSERT_TRUE(ready()) << bench.broken.value_or("not homed") << int{bench.state.fault};
+  EXPECT_NEAR(bench.plant.q(), above_home(0), uncertainty());
+
+  const double speed = 0.8;  // rad/s of the swing
+  const auto swing = [&](double t) { return above_home(8 * (1 - std::cos(speed * t))); };
+  double worst = 0;
+  static_cast<void>(bench.chip.core().longest_work());
+  for (int i = 0; i < 800; ++i) {
+    const double t = 0.01 * i;
+    const double qd = from_deg(8) * speed * std::sin(speed * t);
+    ASSERT_TRUE(bench.send(Mode::kTrack, swing(t), qd));
+    // A setpoint is for the next one's time; the smoothing is 30 ms behind, board and motor 12.
+    if (i > 50) worst = std::max(worst, std::abs(bench.plant.q() - swing(t - 0.032)));
+  }
+  EXPECT_EQ(bench.state.fault, 0);
+  EXPECT_EQ(bench.state.verdict, Verdict::kAccepted);
+  EXPECT_LT(worst, uncertainty());
+  EXPECT_NEAR(bench.told(), bench.plant.q(), uncertainty());
+  EXPECT_EQ(bench.chip.bites(), 0);
+
+  CortexM& core = bench.chip.core();
+  const std::uint32_t stack = core.stack_depth();
+  const double work = seconds(core.longest_work());
+  std::printf("  stack %u bytes; loop %.2f ms of %.0f at most; %.3f deg off at most\n", stack,
+              work * 1e3, kTick * 1e3, to_deg(worst));
+  EXPECT_LT(stack, kStackMax);
+  EXPECT_LT(work, kTickMax * kTick);
+  for (const int line : {10, 30, 40}) {
+    EXPECT_LT(seconds(core.figures(line).longest), kInterruptMax) << "line " << line;
+  }
+}
+
+TEST_P(AxisImage, a_silent_host_is_a_stop_that_latches) {
+  ASSERT_TRUE(ready());
+  ASSERT_TRUE(bench.send(Mode::kMove, above_home(50)));
+  ASSERT_TRUE(bench.read_until([&] { return bench.state.velocity > 80; }, 5));
+  ASSERT_TRUE(bench.run(0.1 + 3));
+  const std::int64_t stood = bench.steps;
+  ASSERT_TRUE(bench.run(1));
+  EXPECT_NEAR(static_cast<double>(bench.steps), static_cast<double>(stood), 2);
+  EXPECT_LT(bench.plant.q(), above_home(40));
+  ASSERT_TRUE(bench.open());
+  EXPECT_EQ(bench.state.fault, static_cast<int>(AxisFault::kLinkSilent));
+  EXPECT_TRUE(bench.state.homed);
+}
+
+TEST_P(AxisImage, the_stop_line_ends_the_pulses_within_a_millisecond) {
+  ASSERT_TRUE(ready());
+  ASSERT_TRUE(bench.send(Mode::kMove, above_home(60)));
+  ASSERT_TRUE(bench.read_until([&] { return to_deg(bench.plant.qd()) > 9; }, 5));
+  const std::int64_t before = bench.steps;
+  bench.chip.set_input('B', 15, false);
+  const Cycles pulled = bench.chip.core().now();
+  ASSERT_TRUE(bench.run(0.5));
+  EXPECT_LT(seconds(std::max(bench.last_pulse, pulled) - pulled), 1e-3);
+  EXPECT_LE(bench.steps - before, 1);
+  ASSERT_TRUE(bench.open());
+  EXPECT_TRUE(bench.state.emergency_stopped);
+  // While the line is low nothing releases it.
+  const auto release = [&] {
+    return bench.send(Mode::kRelease) && bench.send(Mode::kRead) && bench.send(Mode::kRead);
+  };
+  ASSERT_TRUE(release());
+  EXPECT_TRUE(bench.state.emergency_stopped);
+  bench.chip.set_input('B', 15, true);
+  ASSERT_TRUE(release());
+  EXPECT_FALSE(bench.state.emergency_stopped);
+  // The pulses that were not made are not taken for steps that were lost.
+  EXPECT_EQ(bench.state.fault, 0);
+  EXPECT_TRUE(bench.state.position_ok);
+  ASSERT_TRUE(bench.send(Mode::kMove, above_home(3)));
+  ASSERT_TRUE(bench.read_until([&] { return !bench.state.moving; }, 20));
+  EXPECT_NEAR(bench.plant.q(), above_home(3), uncertainty());
+}
+
+TEST_P(AxisImage, whatever_comes_over_the_wire_moves_nothing_and_hangs_nothing) {
+  bench.set_up();
+  ASSERT_TRUE(bench.run(0.1));
+  test::Random random(test::seed());
+  for (int i = 0; i < 400; ++i) {
+    std::vector<std::uint8_t> bytes(static_cast<std::size_t>(random.integer(0, 40)));
+    for (std::uint8_t& byte : bytes) byte = static_cast<std::uint8_t>(random.bits());
+    if (!bytes.empty() && random.chance(0.5)) bytes[0] = random.chance(0.5) ? 0x97 : 0x99;
+    bench.transfer(bytes);
+    ASSERT_TRUE(bench.run(1e-3 * static_cast<double>(random.integer(0, 3)))) << *bench.broken;
+  }
+  EXPECT_EQ(bench.pulses, 0);
+  EXPECT_EQ(bench.chip.bites(), 0);
+  EXPECT_TRUE(bench.open());
+}
+
+TEST_P(AxisImage, a_loop_that_hangs_is_bitten_by_the_watchdog) {
+  ASSERT_TRUE(ready());
+  // No tick comes any more: the loop waits for ever.
+  bench.chip.core().disable(30);
+  ASSERT_TRUE(bench.run(0.2));
+  EXPECT_EQ(bench.chip.bites(), 1);
+  EXPECT_EQ(bench.identity.boot, 1);
+  ASSERT_TRUE(bench.open());
+  EXPECT_EQ(bench.identity.boot, 2);
+  EXPECT_FALSE(bench.state.homed);
+  EXPECT_FALSE(bench.state.position_ok);
+}
+
+TEST_P(AxisImage, without_its_encoder_nothing_moves) {
+  bench.set_up();
+  bench.motor_sensor.plugged_in = false;
+  ASSERT_TRUE(bench.open());
+  ASSERT_TRUE(bench.send(Mode::kHome));
+  ASSERT_TRUE(bench.read_until([&] { return bench.state.fault != 0; }, 1));
+  EXPECT_EQ(bench.state.fault, static_cast<int>(AxisFault::kMotorEncoder));
+  EXPECT_FALSE(bench.state.sensor_ok);
+  EXPECT_LE(std::abs(bench.steps), 2);
+}
+
+TEST_P(AxisImage, is_set_up_over_its_wire_and_keeps_that_without_power) {
+  // As it was flashed it belongs to no axis.
+  ASSERT_TRUE(bench.open(0));
+  EXPECT_EQ(bench.identity.model_hash, axis_link::model_hash({}));
+  const std::uint8_t number = std::exchange(bench.setup.axis_number, 0);
+  ASSERT_TRUE(bench.send(Mode::kHome) && bench.send(Mode::kRead) && bench.send(Mode::kRead));
+  EXPECT_FALSE(bench.state.homing);
+  EXPECT_FALSE(bench.state.motor_ok);
+
+  AxisSetup setup = bench.setup;
+  setup.axis_number = number;
+  const auto report = axis_link::write_setup(
+      encode_setup(setup), 1,
+      {.exchange =
+           [&](std::span<const std::uint8_t> mosi, std::span<std::uint8_t> miso) {
+             std::ranges::copy(bench.transfer(mosi), miso.begin());
+             return true;
+           },
+       .wait = [&](Duration time) { static_cast<void>(bench.run(to_seconds(time))); }});
+  ASSERT_TRUE(report) << describe(report.error()) << bench.broken.value_or("");
+  EXPECT_TRUE(report->written);
+  EXPECT_FALSE(decode_setup(report->before));
+  // It has started again, by itself, as the axis that it now is.
+  EXPECT_EQ(bench.chip.bites(), 0);
+  bench.setup = setup;
+  ASSERT_TRUE(bench.open());
+  EXPECT_EQ(
+      bench.identity.model_hash,
+      axis_link::model_hash({number, setup.axis.lower, setup.axis.upper, setup.axis.limits.velocity,
+                             setup.axis.limits.acceleration, setup.axis.limits.jerk}));
+  bench.chip.power_cycle();
+  ASSERT_TRUE(bench.open() && bench.home());
+}
+
+TEST_P(AxisImage, a_power_cut_at_any_unit_of_a_setup_leaves_a_whole_one) {
+  bench.set_up();
+  AxisSetup other = bench.setup;
+  other.axis.limits.velocity /= 2;
+  const SetupBytes bytes = encode_setup(other);
+  const auto hash = [](const AxisSetup& setup) {
+    return axis_link::model_hash({setup.axis_number, setup.axis.lower, setup.axis.upper,
+                                  setup.axis.limits.velocity, setup.axis.limits.acceleration,
+                                  setup.axis.limits.jerk});
+  };
+  // The erasing, and each unit of the copy: 194 half words, or 97 words.
+  const int units = GetParam() == Stm32Chip::kF103 ? 194 : 97;
+  int kept = 0;
+  for (int cut = 0; cut <= units + 1; cut += cut < 3 || cut > units - 3 ? 1 : 13) {
+    SCOPED_TRACE(cut);
+    ASSERT_TRUE(bench.open());
+    ASSERT_EQ(bench.identity.model_hash, hash(bench.setup));
+    for (std::size_t i = 0; i < kSetupWords; ++i) {
+      const std::uint32_t value = EmulatedBoard::setup_word(bytes, i);
+      bench.exchange({.axis = bench.setup.axis_number,
+                      .mode = Mode::kWriteSetup,
+                      .sequence = ++bench.sequence,
+                      .target = std::bit_cast<std::int32_t>(value),
+                      .velocity = static_cast<std::int32_t>(i),
+                      .session = bench.session});
+      ASSERT_TRUE(bench.run(0.005));
+    }
+    bench.chip.flash().cut_power_in(cut);
+    static_cast<void>(bench.send(Mode::kStoreSetup));
+    if (!bench.broken) static_cast<void>(bench.run(2.5));
+    const bool was_cut = bench.broken.has_value();
+    EXPECT_EQ(was_cut, cut <= units) << bench.broken.value_or("");
+    bench.broken.reset();
+    bench.chip.flash().cut_power_in(std::nullopt);
+    bench.chip.power_cycle();
+    ASSERT_TRUE(bench.open());
+    // The old one, or where all was written the new one; never none.
+    const bool is_new = bench.identity.model_hash == hash(other);
+    EXPECT_TRUE(is_new || bench.identity.model_hash == hash(bench.setup));
+    EXPECT_EQ(is_new, cut > units);
+    kept += is_new ? 0 : 1;
+    if (is_new) break;
+  }
+  EXPECT_GT(kept, 10);
+}
+
+}  // namespace
+}  // namespace sinew::emulation

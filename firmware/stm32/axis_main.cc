@@ -1,0 +1,164 @@
+#include <array>
+#include <optional>
+#include <utility>
+
+#include "firmware/stm32/i2c_master.h"
+#include "firmware/stm32/pins.h"
+#include "firmware/stm32/quadrature_counter.h"
+#include "firmware/stm32/setup_flash.h"
+#include "firmware/stm32/spi_slave.h"
+#include "firmware/stm32/steps.h"
+#include "sinew/devices/axis/axis_device_controller.h"
+#include "sinew/devices/axis/axis_device_setup.h"
+#include "sinew/devices/axis/axis_device_spi.h"
+#include "sinew/devices/axis/axis_device_unset.h"
+#include "sinew/devices/encoder/encoder_device_chip.h"
+
+// The axis controller of robot-arm-2 on a board: what the simulator runs, with pins instead of
+// physics. One loop owns controller and protocol; interrupts only own pins, timers and transfers.
+
+namespace sinew::stm32 {
+namespace {
+
+struct Hardware {
+  Steps steps;
+  SpiSlave spi;
+  I2cMaster motor_sensor{
+      kI2c1, {board::kMotorClock, chip::kI2cFunction}, {board::kMotorData, chip::kI2cFunction}};
+  I2cMaster joint_sensor{kI2c2,
+                         {board::kJointClock, chip::kI2cFunction},
+                         {{chip::kJointDataPort, chip::kJointDataPin}, chip::kJointDataFunction}};
+  QuadratureCounter quadrature;
+  std::int64_t ticks = 0;  ///< since power came on, by the interrupt of TIM4
+  bool tick_due = false;
+  bool stop_seen = false;  ///< the stop line was low since the last tick
+};
+Hardware hardware;
+
+bool stop_line() {
+  return !level(board::kStopLine);
+}
+
+void start_pins() {
+  set_output(board::kEnable, true);
+  set_output(board::kLed, true);
+  for (const board::Place pin : {board::kEndStop, board::kStopLine, board::kDriverFault}) {
+    chip::set_pin(pin.port, pin.pin, chip::Pin::kInputPullUp);
+  }
+  chip::choose_interrupt(board::kStopLine.pin, board::kStopLine.port);
+  chip::exti().ftsr |= 1U << board::kStopLine.pin;
+  chip::exti().imr |= 1U << board::kStopLine.pin;
+  enable(Line::kExti15To10, 1);
+}
+
+AxisInputs read_inputs(JointEncoder joint) {
+  AxisInputs inputs;
+  inputs.has_meters = false;
+  if (joint == JointEncoder::kQuadrature) inputs.joint_counts = hardware.quadrature.counts();
+  if (joint == JointEncoder::kAs5600) {
+    const auto reading = read_as5600(hardware.joint_sensor);
+    inputs.joint_encoder_ok = reading && reading->magnet;
+    if (inputs.joint_encoder_ok) inputs.joint_counts = reading->position;
+  }
+  // The motor's last: what is controlled shall be as fresh as can be.
+  const auto reading = read_as5600(hardware.motor_sensor);
+  inputs.motor_encoder_ok = reading && reading->magnet;
+  if (inputs.motor_encoder_ok) inputs.motor_counts = reading->position;
+  inputs.end_stop = !level(board::kEndStop);
+  inputs.driver_fault = !level(board::kDriverFault);
+  inputs.steps = hardware.steps.made();
+  const InterruptsOff off;
+  inputs.stop_line = stop_line() || hardware.stop_seen;
+  hardware.stop_seen = false;
+  return inputs;
+}
+
+Instant now() {
+  const InterruptsOff off;
+  return Instant{} + hardware.ticks * Steps::kTick;
+}
+
+void tick(AxisController& controller) {
+  const JointEncoder joint = controller.settings().encoders.joint;
+  const AxisOutputs outputs = controller.tick(read_inputs(joint), now());
+  set_level(board::kEnable, !outputs.enabled);
+  set_level(board::kLed, !outputs.enabled);
+  // The stop line may have come since the inputs were read.
+  const InterruptsOff off;
+  if (outputs.frozen || hardware.stop_seen || stop_line()) {
+    hardware.steps.stop();
+  } else {
+    hardware.steps.go_to(outputs.steps);
+  }
+}
+
+[[noreturn]] void run() {
+  static SetupFlash flash;
+  static SetupStore store(flash);
+  static UnsetAxis unset;
+  static std::optional<AxisController> controller;
+  const std::optional<AxisSetup>& setup = store.setup();
+  if (setup) controller.emplace(setup->axis);
+  if (setup && setup->axis.encoders.joint == JointEncoder::kAs5600) hardware.joint_sensor.start();
+  Axis& axis = controller ? static_cast<Axis&>(*controller) : unset;
+  static AxisSpiSlave slave(axis, axis_link_node_settings(setup, chip::count_start()),
+                            setup ? setup->registers : AxisRegisterSlaveSettings{}, &store);
+  for (;;) {
+    bool tick_due = false;
+    {
+      const InterruptsOff off;
+      // An interrupt that comes between the question and the waiting ends the waiting all the same.
+      if (!hardware.tick_due && hardware.spi.received().empty()) asm volatile("wfi");
+      tick_due = std::exchange(hardware.tick_due, false);
+    }
+    if (tick_due) {
+      if (controller) tick(*controller);
+      slave.advance(now());
+      if (slave.restart_due()) restart();
+      feed_watchdog();
+    }
+    while (!hardware.spi.received().empty()) {
+      slave.transfer(hardware.spi.received());
+      hardware.spi.taken();
+    }
+    std::array<std::uint8_t, SpiSlave::kTransferMax> answer{};
+    slave.next_answer(answer);
+    hardware.spi.offer(answer);
+  }
+}
+
+}  // namespace
+}  // namespace sinew::stm32
+
+using namespace sinew::stm32;
+
+extern "C" {
+
+void timer_4() {
+  ++hardware.ticks;
+  hardware.steps.on_tick();
+  hardware.tick_due = true;
+}
+
+void external_interrupt_4() {
+  hardware.spi.on_deselect();
+}
+
+void external_interrupts_15_to_10() {
+  chip::exti().pr = 1U << board::kStopLine.pin;
+  hardware.steps.stop();
+  hardware.stop_seen = true;
+}
+
+int main() {
+  chip::start_clocks();
+  start_pins();
+  hardware.motor_sensor.start();
+  hardware.quadrature.start();
+  hardware.spi.start();
+  hardware.steps.start();
+  start_watchdog();
+  run();
+}
+
+}  // extern "C"

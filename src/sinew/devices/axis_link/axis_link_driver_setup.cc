@@ -1,0 +1,146 @@
+#include "sinew/devices/axis_link/axis_link_driver_setup.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <optional>
+
+#include "sinew/core/error_code.h"
+#include "sinew/devices/axis_link/axis_link_wire.h"
+
+namespace sinew::axis_link {
+namespace {
+
+constexpr int kTries = 40;                                      // of one frame
+constexpr Duration kPause = std::chrono::milliseconds(2);       // between two frames
+constexpr Duration kWriting = std::chrono::milliseconds(3500);  // two sectors of the slowest flash
+constexpr Duration kStarting = std::chrono::milliseconds(500);
+
+std::uint32_t word_of(const SetupBytes& bytes, std::size_t index) {
+  std::uint32_t word = 0;
+  for (std::size_t i = 0; i < 4; ++i) word |= std::uint32_t{bytes[4 * index + i]} << 8 * i;
+  return word;
+}
+
+/// One board, and frames to it of which each is repeated until an answer names it.
+class Talk {
+ public:
+  Talk(const SetupLine& line, std::int8_t index) : line_(line), index_(index) {}
+
+  /// Which axis it says that it is.
+  std::expected<std::uint8_t, Error> find() {
+    for (int i = 0; i < kTries; ++i) {
+      if (const auto reply = exchange({.mode = Mode::kRead, .sequence = ++sequence_})) {
+        axis_ = reply->axis;
+        return axis_;
+      }
+    }
+    return std::unexpected(
+        error(other_version_ ? ErrorCode::kVersionMismatch : ErrorCode::kDeviceSilent));
+  }
+  /// A session, as whatever axis it is.
+  std::expected<Identity, Error> open() {
+    std::uint32_t hash = 0;
+    for (int i = 0; i < kTries; ++i) {
+      // Another host may have counted on: a window ahead is news to any session.
+      sequence_ = static_cast<std::uint16_t>(sequence_ + kSequenceWindow);
+      exchange(hello(axis_, sequence_, hash, kDeadlineMax));
+      const auto reply = exchange(hello(axis_, sequence_, hash, kDeadlineMax));
+      const auto* identity = reply ? std::get_if<Identity>(&reply->body) : nullptr;
+      if (identity == nullptr) continue;
+      if (identity->model_hash == hash && reply->session != 0 && reply->sequence == sequence_) {
+        session_ = reply->session;
+        return *identity;
+      }
+      hash = identity->model_hash;
+    }
+    return std::unexpected(error(ErrorCode::kDeviceSilent));
+  }
+  /// Carried out once; the answer that names it.
+  std::expected<Reply, Error> ask(Mode mode, std::size_t index = 0, std::uint32_t value = 0) {
+    const Request request{.axis = axis_,
+                          .mode = mode,
+                          .sequence = ++sequence_,
+                          .target = std::bit_cast<std::int32_t>(value),
+                          .velocity = static_cast<std::int32_t>(index),
+                          .session = session_};
+    for (int i = 0; i < kTries; ++i) {
+      const auto reply = exchange(request);
+      if (!reply || reply->session != session_ || reply->sequence != request.sequence) continue;
+      const auto* state = std::get_if<State>(&reply->body);
+      if (state != nullptr && state->verdict != Verdict::kAccepted) {
+        return std::unexpected(error(ErrorCode::kBusy));
+      }
+      return *reply;
+    }
+    return std::unexpected(error(ErrorCode::kDeviceSilent));
+  }
+  /// Everything that it keeps.
+  std::expected<SetupBytes, Error> read() {
+    SetupBytes bytes{};
+    for (std::size_t i = 0; i < kSetupWords; ++i) {
+      const auto reply = ask(Mode::kReadSetup, i);
+      if (!reply) return std::unexpected(reply.error());
+      const auto* word = std::get_if<SetupWord>(&reply->body);
+      if (word == nullptr || word->index != i) {
+        return std::unexpected(error(ErrorCode::kUnexpectedReply));
+      }
+      for (std::size_t k = 0; k < 4; ++k) {
+        bytes[4 * i + k] = static_cast<std::uint8_t>(word->value >> 8 * k);
+      }
+    }
+    return bytes;
+  }
+  Error error(ErrorCode code) const { return {code, index_, 0, 0}; }
+
+ private:
+  std::optional<Reply> exchange(const Request& request) {
+    std::array<std::uint8_t, kFrameSize> miso{};
+    const bool done = line_.exchange(encode(request), miso);
+    line_.wait(kPause);
+    if (!done) return std::nullopt;
+    const auto reply = decode_reply(miso);
+    other_version_ = other_version_ || (!reply && reply.error() == Reject::kOtherVersion);
+    return reply ? std::optional(*reply) : std::nullopt;
+  }
+
+  const SetupLine& line_;
+  std::int8_t index_;
+  std::uint8_t axis_ = 0;
+  std::uint8_t session_ = 0;
+  std::uint16_t sequence_ = 0;
+  bool other_version_ = false;
+};
+
+std::expected<SetupBytes, Error> read_all(Talk& talk) {
+  if (const auto found = talk.find(); !found) return std::unexpected(found.error());
+  if (const auto opened = talk.open(); !opened) return std::unexpected(opened.error());
+  return talk.read();
+}
+
+}  // namespace
+
+std::expected<SetupReport, Error> write_setup(const SetupBytes& wanted, std::int8_t joint,
+                                              const SetupLine& line) {
+  Talk talk(line, joint);
+  const auto before = read_all(talk);
+  if (!before) return std::unexpected(before.error());
+  if (*before == wanted) return SetupReport{*before, false};
+  for (std::size_t i = 0; i < kSetupWords; ++i) {
+    const auto reply = talk.ask(Mode::kWriteSetup, i, word_of(wanted, i));
+    if (!reply) return std::unexpected(reply.error());
+  }
+  // The processor stands while its flash is written: the answer comes late, or is lost with the
+  // start behind it. What counts is what it keeps then.
+  const auto stored = talk.ask(Mode::kStoreSetup);
+  if (!stored && stored.error().code != ErrorCode::kDeviceSilent) {
+    return std::unexpected(stored.error());
+  }
+  line.wait(stored ? kStarting : kWriting);
+  const auto after = read_all(talk);
+  if (!after) return std::unexpected(after.error());
+  if (*after != wanted) return std::unexpected(talk.error(ErrorCode::kUnexpectedReply));
+  return SetupReport{*before, true};
+}
+
+}  // namespace sinew::axis_link
