@@ -155,6 +155,46 @@ TEST_P(AxisImage, a_loop_that_hangs_is_bitten_by_the_watchdog) {
   EXPECT_FALSE(bench.state.position_ok);
 }
 
+TEST_P(AxisImage, a_latched_stop_outlives_the_watchdog) {
+  ASSERT_TRUE(ready());
+  ASSERT_TRUE(bench.send(Mode::kEmergencyStop) && bench.send(Mode::kRead));
+  EXPECT_TRUE(bench.state.emergency_stopped);
+  bench.chip.core().disable(30);
+  ASSERT_TRUE(bench.run(0.2));
+  EXPECT_EQ(bench.chip.bites(), 1);
+  ASSERT_TRUE(bench.open());
+  EXPECT_TRUE(bench.state.emergency_stopped);
+  ASSERT_TRUE(bench.send(Mode::kHome) && bench.send(Mode::kRead));
+  EXPECT_FALSE(bench.state.homing);
+  ASSERT_TRUE(bench.send(Mode::kRelease) && bench.home());
+}
+
+/// While the flash is erased the processor stands, and timers would repeat their last pulses.
+TEST_P(AxisImage, makes_no_pulse_while_its_flash_is_erased) {
+  ASSERT_TRUE(ready());
+  AxisSetup other = bench.setup;
+  other.axis.limits.velocity /= 2;
+  const SetupBytes bytes = encode_setup(other);
+  for (std::size_t i = 0; i < axis_link::kSetupWords; ++i) {
+    ASSERT_TRUE(
+        bench.exchange({.axis = bench.setup.axis_number,
+                        .mode = Mode::kWriteSetup,
+                        .sequence = ++bench.sequence,
+                        .target = std::bit_cast<std::int32_t>(EmulatedBoard::setup_word(bytes, i)),
+                        .velocity = static_cast<std::int32_t>(i),
+                        .session = bench.session}));
+    ASSERT_TRUE(bench.run(0.005));
+  }
+  // Something leans on the arm: the loop makes steps against it.
+  bench.plant.set_extra_load(6);
+  ASSERT_TRUE(bench.run(0.06));
+  const std::int64_t before = bench.steps;
+  ASSERT_TRUE(bench.send(Mode::kStoreSetup));
+  ASSERT_TRUE(bench.run(1.2));
+  EXPECT_GT(bench.chip.flash().operations(), 50);
+  EXPECT_LT(std::abs(bench.steps - before), 40);
+}
+
 TEST_P(AxisImage, without_its_encoder_nothing_moves) {
   bench.set_up();
   bench.motor_sensor.plugged_in = false;

@@ -7,8 +7,8 @@
 
 #include "firmware/emulation/stm32.h"
 #include "sinew/core/assert.h"
-#include "sinew/devices/axis/axis_machine.h"
 #include "sinew/devices/axis/axis_device_setup_model.h"
+#include "sinew/devices/axis/axis_machine.h"
 
 namespace sinew::emulation {
 

@@ -11,6 +11,7 @@ namespace {
 
 constexpr std::uint32_t kSelectPort = 0;
 constexpr unsigned kSelectPin = 4;
+constexpr unsigned kStepPin = 8;  // of port A: channel 1 of TIM1
 
 // Lines of the interrupt controller for the pins' interrupts.
 int line_of_pin(unsigned pin) {
@@ -140,6 +141,9 @@ void Stm32::Plain::write(std::uint32_t offset, std::uint32_t value) {
 
 std::uint32_t Stm32::Port::read(std::uint32_t offset) {
   const std::uint32_t input = chip_.chip_ == Stm32Chip::kF103 ? 0x08 : 0x10;
+  if (offset == input && number_ == 0) {
+    return (outside & ~(1U << kStepPin)) | (chip_.timers_.step_level() ? 1U << kStepPin : 0);
+  }
   if (offset == input) return outside;
   if (offset == input + 4) return driven;
   return word[offset / 4];

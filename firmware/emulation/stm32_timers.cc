@@ -32,6 +32,11 @@ void Stm32Timers::turn_encoder(std::int32_t counts) {
   encoder_ = counts;
 }
 
+bool Stm32Timers::step_level() {
+  advance(core_.now());
+  return high_;
+}
+
 std::uint32_t Stm32Timers::read(int number, std::uint32_t offset) {
   return values_[number].word[offset / 4];
 }

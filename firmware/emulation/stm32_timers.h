@@ -21,6 +21,8 @@ class Stm32Timers {
 
   /// The encoder on TIM2 stands there now; its counter has 16 bits of it.
   void turn_encoder(std::int32_t counts);
+  /// Level of channel 1 of TIM1, now.
+  bool step_level();
   /// Channel 1 of TIM1 changes, at exactly that cycle.
   std::function<void(Cycles, bool high)> on_pulse = [](Cycles, bool) {};
 

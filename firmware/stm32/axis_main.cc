@@ -35,16 +35,36 @@ struct Hardware {
 };
 Hardware hardware;
 
+/// Starts since power came on, this one included.
+std::uint16_t count_start() {
+  Register& count = chip::backup(0);
+  count = (count + 1) & 0xFFFF;
+  return static_cast<std::uint16_t>(count);
+}
+
+/// A latched stop outlives a reset by the watchdog: nobody released it.
+void remember_latch(bool latched) {
+  chip::backup(1) = latched ? 1 : 0;
+}
+bool was_latched() {
+  return chip::backup(1) == 1;
+}
+
 bool stop_line() {
   return !level(board::kStopLine);
 }
 
 void start_pins() {
+  chip::start_pins();
   set_output(board::kEnable, true);
+  set_output(board::kStep, false);
   set_output(board::kLed, true);
   for (const board::Place pin : {board::kEndStop, board::kStopLine, board::kDriverFault}) {
     chip::set_pin(pin.port, pin.pin, chip::Pin::kInputPullUp);
   }
+}
+
+void start_stop_line() {
   chip::choose_interrupt(board::kStopLine.pin, board::kStopLine.port);
   chip::exti().ftsr |= 1U << board::kStopLine.pin;
   chip::exti().imr |= 1U << board::kStopLine.pin;
@@ -93,15 +113,16 @@ void tick(AxisController& controller) {
 }
 
 [[noreturn]] void run() {
-  static SetupFlash flash;
+  static SetupFlash flash(hardware.steps);
   static SetupStore store(flash);
   static UnsetAxis unset;
   static std::optional<AxisController> controller;
   const std::optional<AxisSetup>& setup = store.setup();
   if (setup) controller.emplace(setup->axis);
+  if (controller && was_latched()) controller->emergency_stop();
   if (setup && setup->axis.encoders.joint == JointEncoder::kAs5600) hardware.joint_sensor.start();
   Axis& axis = controller ? static_cast<Axis&>(*controller) : unset;
-  static AxisSpiSlave slave(axis, axis_link_node_settings(setup, chip::count_start()),
+  static AxisSpiSlave slave(axis, axis_link_node_settings(setup, count_start()),
                             setup ? setup->registers : AxisRegisterSlaveSettings{}, &store);
   for (;;) {
     bool tick_due = false;
@@ -113,13 +134,16 @@ void tick(AxisController& controller) {
     }
     if (tick_due) {
       if (controller) tick(*controller);
+      remember_latch(axis.status().emergency_stopped);
       slave.advance(now());
       if (slave.restart_due()) restart();
       feed_watchdog();
     }
-    while (!hardware.spi.received().empty()) {
+    // A host that is quicker than this loop does not keep it from its ticks.
+    while (!hardware.tick_due && !hardware.spi.received().empty()) {
       slave.transfer(hardware.spi.received());
       hardware.spi.taken();
+      if (axis.status().emergency_stopped) hardware.steps.stop();
     }
     std::array<std::uint8_t, SpiSlave::kTransferMax> answer{};
     slave.next_answer(answer);
@@ -151,13 +175,14 @@ void external_interrupts_15_to_10() {
 }
 
 int main() {
-  chip::start_clocks();
   start_pins();
+  start_watchdog();
+  chip::start_clocks();
+  start_stop_line();
   hardware.motor_sensor.start();
   hardware.quadrature.start();
   hardware.spi.start();
   hardware.steps.start();
-  start_watchdog();
   run();
 }
 

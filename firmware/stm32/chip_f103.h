@@ -33,7 +33,13 @@ inline Register& spi_reset() {
 }
 inline constexpr std::uint32_t kSpiResetBit = 1 << 12;
 
-/// 72 MHz from the crystal of 8 MHz, two wait states, all that the board uses switched on.
+/// Pins can be set, and nothing else: before the clocks, which may not come.
+inline void start_pins() {
+  rcc().apb2enr |= 1U << 0 | 0b111U << 2;  // AFIO, GPIO A to C
+}
+
+/// 72 MHz from the crystal of 8 MHz, two wait states, all that the board uses switched on. Without
+/// its crystal it stays here, and the watchdog begins anew.
 inline void start_clocks() {
   at<Register>(0x4002'2000) = 0b1'0010;  // FLASH_ACR: prefetch, 2 wait states
   rcc().cr |= 1U << 16;
@@ -46,9 +52,9 @@ inline void start_clocks() {
   rcc().cfgr |= 0b10U;
   while ((rcc().cfgr & 0b1100U) != 0b1000U) {
   }
-  rcc().ahbenr |= 1;                                             // DMA1
-  rcc().apb2enr |= 1U << 0 | 0b111U << 2 | 1U << 11 | 1U << 12;  // AFIO, GPIO A to C, TIM1, SPI1
-  rcc().apb1enr |= 0b111U | 0b11U << 21 | 1U << 28;              // TIM2 to TIM4, I2C1, I2C2, PWR
+  rcc().ahbenr |= 1;                                 // DMA1
+  rcc().apb2enr |= 1U << 11 | 1U << 12;              // TIM1, SPI1
+  rcc().apb1enr |= 0b111U | 0b11U << 21 | 1U << 28;  // TIM2 to TIM4, I2C1, I2C2, PWR
 }
 
 enum class Pin : std::uint8_t {
@@ -62,11 +68,11 @@ enum class Pin : std::uint8_t {
 
 /// An alternate function needs no number here.
 inline void set_pin(char port, unsigned pin, Pin kind, unsigned /*function*/ = 0) {
-  constexpr std::uint32_t kModes[] = {0b0100, 0b1000, 0b0001, 0b1011, 0b1101, 0b0100};
+  constexpr std::uint32_t kModes[] = {0b0100, 0b1000, 0b0001, 0b1011, 0b1101, 0b1000};
   Gpio& block = gpio(port);
   Register& where = pin < 8 ? block.crl : block.crh;
   const unsigned shift = 4 * (pin % 8);
-  if (kind == Pin::kInputPullUp) block.bsrr = 1U << pin;
+  if (kind == Pin::kInputPullUp || kind == Pin::kFunctionInput) block.bsrr = 1U << pin;
   where = (where & ~(0xFU << shift)) | kModes[static_cast<int>(kind)] << shift;
 }
 inline constexpr unsigned kTimer1Function = 0;
@@ -116,13 +122,11 @@ class SpiDma {
   static std::uint32_t left_to_take() { return dma1(2).cndtr; }
 };
 
-/// Starts since power came on, this one included: the first backup register survives a reset.
-inline std::uint16_t count_start() {
+/// Registers that keep their value over a reset, not without power. @param number  0..9
+inline Register& backup(unsigned number) {
   rcc().apb1enr |= 1U << 27;             // BKP
   at<Register>(0x4000'7000) |= 1U << 8;  // PWR_CR: DBP
-  Register& counter = at<Register>(0x4000'6C04);
-  counter = (counter + 1) & 0xFFFF;
-  return static_cast<std::uint16_t>(counter);
+  return at<Register>(0x4000'6C04 + 4 * number);
 }
 
 /// Flash that the program writes, RM0008 and PM0075: half words, into an erased page.

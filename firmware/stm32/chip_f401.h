@@ -34,6 +34,11 @@ inline Register& spi_reset() {
 }
 inline constexpr std::uint32_t kSpiResetBit = 1 << 12;
 
+/// Pins can be set, and nothing else: before the clocks.
+inline void start_pins() {
+  rcc().ahb1enr |= 0b111U;  // GPIO A to C
+}
+
 /// 84 MHz from the inner 16 MHz oscillator, two wait states, all that the board uses switched on.
 inline void start_clocks() {
   at<Register>(0x4002'3C00) = 0x702;  // FLASH_ACR: caches, prefetch, 2 wait states
@@ -44,7 +49,7 @@ inline void start_clocks() {
   rcc().cfgr = 0b100U << 10 | 0b10U;
   while ((rcc().cfgr & 0b1100U) != 0b1000U) {
   }
-  rcc().ahb1enr |= 0b111U | 1U << 22;                // GPIO A to C, DMA2
+  rcc().ahb1enr |= 1U << 22;                         // DMA2
   rcc().apb1enr |= 0b111U | 0b11U << 21 | 1U << 28;  // TIM2 to TIM4, I2C1, I2C2, PWR
   rcc().apb2enr |= 1U << 0 | 1U << 12 | 1U << 14;    // TIM1, SPI1, SYSCFG
 }
@@ -65,7 +70,8 @@ inline void set_pin(char port, unsigned pin, Pin kind, unsigned function = 0) {
     where = (where & ~(0b11U << 2 * pin)) | value << 2 * pin;
   };
   two_bits(block.ospeedr, 0b10);
-  two_bits(block.pupdr, kind == Pin::kInputPullUp || kind == Pin::kFunctionOpenDrain ? 0b01 : 0);
+  const bool driven = kind == Pin::kOutput || kind == Pin::kFunction || kind == Pin::kInput;
+  two_bits(block.pupdr, driven ? 0 : 0b01);
   if (kind == Pin::kFunctionOpenDrain) block.otyper |= 1U << pin;
   block.afr[pin / 8] = (block.afr[pin / 8] & ~(0xFU << 4 * (pin % 8))) | function << 4 * (pin % 8);
   const bool plain = kind == Pin::kInput || kind == Pin::kInputPullUp;
@@ -120,12 +126,10 @@ class SpiDma {
   static std::uint32_t left_to_take() { return dma2(0).ndtr; }
 };
 
-/// Starts since power came on, this one included: the first backup register survives a reset.
-inline std::uint16_t count_start() {
+/// Registers that keep their value over a reset, not without power. @param number  0..9
+inline Register& backup(unsigned number) {
   at<Register>(0x4000'7000) |= 1U << 8;  // PWR_CR: DBP
-  Register& counter = at<Register>(0x4000'2850);
-  counter = (counter + 1) & 0xFFFF;
-  return static_cast<std::uint16_t>(counter);
+  return at<Register>(0x4000'2850 + 4 * number);
 }
 
 /// Flash that the program writes, RM0368 3.6: words, into an erased sector.
@@ -137,7 +141,14 @@ class Flash {
     registers().keyr = 0x4567'0123;
     registers().keyr = 0xCDEF'89AB;
   }
-  static void lock() { registers().cr = 1U << 31; }
+  static void lock() {
+    registers().cr = 1U << 31;
+    // The data cache may hold what stood there before.
+    registers().acr &= ~(1U << 10);
+    registers().acr |= 1U << 12;
+    registers().acr &= ~(1U << 12);
+    registers().acr |= 1U << 10;
+  }
   static bool erase(int which, std::uint32_t /*address*/) {
     const std::uint32_t sector = which == 0 ? 4 : 5;
     registers().cr = kWords | 1U << 1 | sector << 3;

@@ -58,7 +58,7 @@ inline void enable(Line line, std::uint8_t priority) {
   at<Register>(0xE000'E100 + 4 * (number / 32)) = 1U << number % 32;
 }
 
-/// As the reset pin does it.
+/// As the reset pin does it: whatever timers make ends.
 [[noreturn]] inline void restart() {
   at<Register>(0xE000'ED0C) = 0x05FA'0004;
   for (;;) {

@@ -12,6 +12,9 @@ void set_watchdog(std::uint32_t prescaler, std::uint32_t counts) {
   iwdg().kr = 0x5555;
   iwdg().pr = prescaler;
   iwdg().rlr = counts;
+  // Both values cross into the clock of 32 kHz first.
+  for (int i = 0; i < 10'000 && iwdg().sr != 0; ++i) {
+  }
   feed_watchdog();
 }
 void expect_the_loop() {
@@ -41,6 +44,7 @@ std::span<const std::uint8_t> SetupFlash::place(int which) const {
 }
 
 bool SetupFlash::erase(int which) {
+  steps_.stop();
   expect_the_flash();
   chip::Flash::unlock();
   const bool done = chip::Flash::erase(which, address_of(which));
@@ -50,6 +54,7 @@ bool SetupFlash::erase(int which) {
 }
 
 bool SetupFlash::append(int which, std::span<const std::uint8_t> bytes) {
+  steps_.stop();
   chip::Flash::unlock();
   bool done = true;
   constexpr std::size_t kUnit = sizeof(chip::Flash::Unit);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "firmware/stm32/steps.h"
 #include "sinew/devices/axis/axis_device_setup.h"
 
 namespace sinew::stm32 {
@@ -9,9 +10,14 @@ namespace sinew::stm32 {
 /// move; the watchdog waits for it.
 class SetupFlash : public SetupMemory {
  public:
+  /// @param steps  end before the processor stands still: timers would repeat what they made last
+  explicit SetupFlash(Steps& steps) : steps_(steps) {}
   std::span<const std::uint8_t> place(int which) const override;
   bool erase(int which) override;
   bool append(int which, std::span<const std::uint8_t> bytes) override;
+
+ private:
+  Steps& steps_;
 };
 
 /// A hang of the loop ends in a reset after 0.1 s; for a while it may take longer.

@@ -17,10 +17,10 @@ void timer_4();
 
 namespace {
 
-/// An interrupt that nobody asked for, or a fault of the processor: the watchdog ends it.
+/// An interrupt that nobody asked for, or a fault of the processor. Timers would go on with the
+/// pulses that they made last.
 [[noreturn]] void unexpected() {
-  for (;;) {
-  }
+  sinew::stm32::restart();
 }
 
 }  // namespace

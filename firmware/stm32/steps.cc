@@ -60,7 +60,8 @@ void Steps::start() {
 
 void Steps::go_to(std::int64_t count) {
   const InterruptsOff off;
-  wanted_ = count;
+  // What a tick cannot make is not owed: it would run on behind a stop.
+  wanted_ = std::clamp<std::int64_t>(count, planned_ - kPulsesMax, planned_ + kPulsesMax);
 }
 
 std::int64_t Steps::made() const {
@@ -82,6 +83,9 @@ void Steps::account() {
 void Steps::stop() {
   const InterruptsOff off;
   tim1().smcr = 0;
+  // A pulse that has begun keeps its length: it is counted, so it must be made.
+  for (int i = 0; i < 200 && level(board::kStep); ++i) {
+  }
   tim1().cr1 &= ~kEnabled;
   tim1().egr = kLoadNow;
   account();

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "sinew/core/assert.h"
 
@@ -63,6 +64,8 @@ AxisOutputs AxisController::tick(const AxisInputs& inputs, Instant now) {
   encoders_.read(inputs, since);
   const double dt = std::min(since, kTickMax);
   if (inputs.stop_line) emergency_stop();
+  // Also where it was released since: what was not made is not made up for.
+  if (std::exchange(cut_, false)) steps_ = static_cast<double>(outputs_.steps = inputs.steps);
   end_stop_.read(inputs.end_stop, dt);
   power(dt);
   supervise(dt);
@@ -397,7 +400,7 @@ void AxisController::stop(AxisFault why) {
 }
 
 void AxisController::emergency_stop() {
-  emergency_ = true;
+  emergency_ = cut_ = true;
   homing_.cancel();
   step_check_.cancel();
   begin_hold();

@@ -125,6 +125,7 @@ class AxisController : public Axis {
 
   AxisFault fault_ = AxisFault::kNone;
   bool emergency_ = false;
+  bool cut_ = false;  ///< steps were cut off since the last tick
   bool homed_ = false;
   bool was_closed_ = false;
   bool fault_frozen_ = false;  ///< the fault stopped the steps themselves

@@ -116,30 +116,47 @@ constexpr bool positive(double value) {
   return value > 0;
 }
 
+/// No number of an axis is larger; what is counted in 2^-26 fits into 64 bits then.
+constexpr double kMost = 1 << 20;
+constexpr double kStepRateMost = 40'000;  // microsteps/s
+
 /// What AxisController and the wires assume of their settings; a NaN fails every comparison.
 bool is_sound(const AxisSetup& setup) {
   bool numbers = true;
   for_each_field(setup, [&]<class T>(const T& value) {
-    if constexpr (std::is_same_v<T, double>) numbers = numbers && std::isfinite(value);
+    if constexpr (std::is_same_v<T, double>) numbers = numbers && std::abs(value) <= kMost;
     if constexpr (std::is_same_v<T, Duration>) {
-      numbers = numbers && value >= Duration::zero() && value <= std::chrono::minutes(1);
+      numbers = numbers && value >= Duration::zero() && value <= std::chrono::seconds(1);
     }
   });
   const AxisSettings& axis = setup.axis;
   const auto& encoders = axis.encoders;
-  return numbers && setup.axis_number < axis_link::kAxes && axis.lower < axis.upper &&
-         axis_link::to_units(axis.lower) && axis_link::to_units(axis.upper) &&
-         positive(axis.limits.velocity) && positive(axis.limits.acceleration) &&
-         positive(axis.limits.jerk) && axis.tracking_jerk >= axis.limits.jerk &&
-         positive(axis.gear_ratio) && positive(axis.full_steps_per_turn) &&
-         positive(axis.microsteps) && positive(axis.step_rate_max) &&
-         axis.cascade.rate_max >= axis.limits.velocity && positive(encoders.gear_ratio) &&
-         positive(encoders.speed_max) && encoders.joint_counts_per_turn != 0 &&
-         encoders.motor_counts_per_turn != 0 && encoders.joint <= JointEncoder::kAs5600 &&
-         std::abs(axis.homing.direction) == 1 && positive(axis.homing.approach_speed) &&
-         positive(axis.homing.slow_speed) && positive(axis.homing.travel_max) &&
-         axis.emergency_stop <= EmergencyStopAction::kPowerOff &&
-         setup.registers.encoding <= AngleEncoding::kF32Le;
+  const auto& cascade = axis.cascade;
+  const auto& homing = axis.homing;
+  const auto& supervision = axis.supervision;
+  const bool limits = axis.lower < axis.upper && axis_link::to_units(axis.lower) &&
+                      axis_link::to_units(axis.upper) && positive(axis.limits.velocity) &&
+                      positive(axis.limits.acceleration) && positive(axis.limits.jerk) &&
+                      axis.tracking_jerk >= axis.limits.jerk;
+  const bool drive = axis.gear_ratio >= 1e-3 && axis.full_steps_per_turn >= 1 &&
+                     axis.microsteps >= 1 && positive(axis.step_rate_max) &&
+                     axis.step_rate_max <= kStepRateMost && axis.backlash >= 0 && axis.give >= 0;
+  const bool sensors = encoders.gear_ratio >= 1e-3 && positive(encoders.speed_max) &&
+                       std::abs(encoders.joint_counts_per_turn) >= 1 &&
+                       std::abs(encoders.motor_counts_per_turn) >= 1 &&
+                       encoders.joint <= JointEncoder::kAs5600;
+  const bool loop = cascade.rate_max >= axis.limits.velocity && cascade.position_gain >= 0 &&
+                    cascade.velocity_gain >= 0 && cascade.integral_gain >= 0 &&
+                    cascade.feed_forward >= 0 && cascade.integral_share >= 0 &&
+                    cascade.dead_band >= 0;
+  const bool search = std::abs(homing.direction) == 1 && positive(homing.approach_speed) &&
+                      positive(homing.slow_speed) && positive(homing.travel_max) &&
+                      positive(homing.back_off) && homing.back_off_max >= homing.back_off;
+  const bool watch = positive(supervision.following_error) && positive(supervision.stall_angle) &&
+                     positive(supervision.disagreement) &&
+                     axis.emergency_stop <= EmergencyStopAction::kPowerOff;
+  return numbers && setup.axis_number < axis_link::kAxes && limits && drive && sensors && loop &&
+         search && watch && setup.registers.encoding <= AngleEncoding::kF32Le;
 }
 
 constexpr std::size_t fields_size() {
@@ -209,7 +226,8 @@ std::optional<std::uint32_t> SetupStore::count_of(int which) const {
 
 std::optional<std::uint32_t> SetupStore::word(std::size_t index) const {
   if (index >= kSetupWords) return std::nullopt;
-  return word_at(written_, 4 * index);
+  constexpr std::uint32_t kErased = 0xFFFF'FFFF;
+  return setup_ ? word_at(memory_.place(newest_), 4 * index) : kErased;
 }
 
 bool SetupStore::set_word(std::size_t index, std::uint32_t value) {
@@ -229,6 +247,7 @@ bool SetupStore::store() {
   if (!std::ranges::equal(memory_.place(which).first(kCopySize), copy)) return false;
   newest_ = which;
   ++count_;
+  setup_ = decode_setup(written_);
   return true;
 }
 

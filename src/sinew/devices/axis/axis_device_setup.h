@@ -48,12 +48,12 @@ class SetupStore {
  public:
   explicit SetupStore(SetupMemory& memory);
 
-  /// What the board started with; nothing where it has none yet.
+  /// What is kept: the board started with it, or will start again; nothing where there is none.
   const std::optional<AxisSetup>& setup() const { return setup_; }
 
-  /// The words of a setup that a host writes, one after the other; what they began as is the
-  /// board's own, or FF.
+  /// A word of the copy that counts; FF where there is none.
   std::optional<std::uint32_t> word(std::size_t index) const;
+  /// The words of a new one, one after the other; those that are not written are as they were.
   bool set_word(std::size_t index, std::uint32_t value);
   /// Keeps what was written, for the next start. @return  false where that is no setup, or the
   /// memory does not take it; the old one stays then

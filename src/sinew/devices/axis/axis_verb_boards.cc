@@ -128,7 +128,8 @@ Outcome set_up(const DeviceRequest& request, const RobotModel& model) {
 
 constexpr std::array<DeviceAction, 3> kBoardsAll{
     {{.name = "setup",
-      .note = "writes into each board what its axis is built of, nothing moves",
+      .note = "writes into each board what its axis is built of; its motor is without current for "
+              "0.1 s then",
       .alone = set_up},
      {.name = "release", .note = "a latched emergency stop, nothing moves", .run = release},
      {.name = "test",

@@ -240,7 +240,10 @@ Verdict AxisLinkNode::obey(const Request& request) {
 }
 
 Verdict AxisLinkNode::write_setup(const Request& request) {
-  if (under_way(axis_.status()) || restart_at_) return Verdict::kBusy;
+  const AxisStatus status = axis_.status();
+  if (under_way(status) || restart_at_) return Verdict::kBusy;
+  // The start with a new setup would take the latch back.
+  if (status.emergency_stopped) return Verdict::kEmergencyStopped;
   if (setup_ == nullptr || request.velocity < 0) return Verdict::kOutOfLimits;
   if (request.mode == Mode::kWriteSetup) {
     const bool kept = setup_->set_word(static_cast<std::size_t>(request.velocity),

@@ -69,7 +69,8 @@ class Talk {
       if (!reply || reply->session != session_ || reply->sequence != request.sequence) continue;
       const auto* state = std::get_if<State>(&reply->body);
       if (state != nullptr && state->verdict != Verdict::kAccepted) {
-        return std::unexpected(error(ErrorCode::kBusy));
+        const bool latched = state->verdict == Verdict::kEmergencyStopped;
+        return std::unexpected(error(latched ? ErrorCode::kEmergencyStop : ErrorCode::kBusy));
       }
       return *reply;
     }
@@ -112,10 +113,19 @@ class Talk {
   bool other_version_ = false;
 };
 
-std::expected<SetupBytes, Error> read_all(Talk& talk) {
+/// What a board keeps, and the count of its starts.
+struct Kept {
+  SetupBytes bytes;
+  std::uint16_t boot = 0;
+};
+
+std::expected<Kept, Error> read_all(Talk& talk) {
   if (const auto found = talk.find(); !found) return std::unexpected(found.error());
-  if (const auto opened = talk.open(); !opened) return std::unexpected(opened.error());
-  return talk.read();
+  const auto opened = talk.open();
+  if (!opened) return std::unexpected(opened.error());
+  const auto bytes = talk.read();
+  if (!bytes) return std::unexpected(bytes.error());
+  return Kept{*bytes, opened->boot};
 }
 
 }  // namespace
@@ -125,13 +135,13 @@ std::expected<SetupReport, Error> write_setup(const SetupBytes& wanted, std::int
   Talk talk(line, joint);
   const auto before = read_all(talk);
   if (!before) return std::unexpected(before.error());
-  if (*before == wanted) return SetupReport{*before, false};
+  if (before->bytes == wanted) return SetupReport{before->bytes, false};
   for (std::size_t i = 0; i < kSetupWords; ++i) {
     const auto reply = talk.ask(Mode::kWriteSetup, i, word_of(wanted, i));
     if (!reply) return std::unexpected(reply.error());
   }
   // The processor stands while its flash is written: the answer comes late, or is lost with the
-  // start behind it. What counts is what it keeps then.
+  // start behind it.
   const auto stored = talk.ask(Mode::kStoreSetup);
   if (!stored && stored.error().code != ErrorCode::kDeviceSilent) {
     return std::unexpected(stored.error());
@@ -139,8 +149,11 @@ std::expected<SetupReport, Error> write_setup(const SetupBytes& wanted, std::int
   line.wait(stored ? kStarting : kWriting);
   const auto after = read_all(talk);
   if (!after) return std::unexpected(after.error());
-  if (*after != wanted) return std::unexpected(talk.error(ErrorCode::kUnexpectedReply));
-  return SetupReport{*before, true};
+  // Nothing counts but what it keeps, and that it has started with it.
+  if (after->bytes != wanted || after->boot == before->boot) {
+    return std::unexpected(talk.error(ErrorCode::kUnexpectedReply));
+  }
+  return SetupReport{before->bytes, true};
 }
 
 }  // namespace sinew::axis_link

@@ -27,8 +27,8 @@ struct SetupReport {
 /// writes the whole, lets it start again and reads it back. The board must be
 /// the only one that is selected; nothing moves, and it is not homed afterwards.
 /// @param joint  that errors name
-/// @error  kDeviceSilent, kVersionMismatch; kBusy: the axis moves, or the board cannot be set up;
-///         kUnexpectedReply: it kept something else
+/// @error  kDeviceSilent, kVersionMismatch; kEmergencyStop: one is latched; kBusy: the
+///         axis moves, or the board cannot keep it; kUnexpectedReply: it kept something else
 std::expected<SetupReport, Error> write_setup(const SetupBytes& wanted, std::int8_t joint,
                                               const SetupLine& line);
 

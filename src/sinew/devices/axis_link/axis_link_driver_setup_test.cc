@@ -55,7 +55,8 @@ struct Board {
   SetupLine line() {
     return {.exchange =
                 [this](std::span<const std::uint8_t> mosi, std::span<std::uint8_t> miso) {
-                  const bool lost = random != nullptr && random->chance(0.2);
+                  const auto mode = static_cast<Mode>(mosi[1] & 0x0F);
+                  const bool lost = loses == mode || (random != nullptr && random->chance(0.2));
                   node->select(true);
                   for (std::size_t i = 0; i < mosi.size(); ++i) {
                     miso[i] = node->shift(lost ? 0 : mosi[i]);
@@ -81,6 +82,7 @@ struct Board {
   Instant now{};
   std::uint16_t boots = 0;
   bool mute = false;
+  std::optional<Mode> loses;  ///< no frame of this kind arrives
   test::Random* random = nullptr;
 };
 
@@ -133,6 +135,26 @@ TEST(AxisLinkSetup, comes_through_a_line_that_loses_and_damages_frames) {
     ASSERT_TRUE(report->written);
     ASSERT_EQ(encode_setup(*board.kept()), encode_setup(setup_of(5)));
   });
+}
+
+/// What a host before had written and not stored, or could not store, is not kept.
+TEST(AxisLinkSetup, takes_nothing_for_kept_that_was_only_written) {
+  Board board(setup_of(4));
+  const SetupBytes bytes = encode_setup(setup_of(2));
+  for (std::size_t i = 0; i < kSetupWords; ++i) {
+    std::uint32_t word = 0;
+    for (std::size_t k = 0; k < 4; ++k) word |= std::uint32_t{bytes[4 * i + k]} << 8 * k;
+    ASSERT_TRUE(board.store->set_word(i, word));
+  }
+  board.loses = Mode::kStoreSetup;
+  EXPECT_EQ(write(2, board).error().code, ErrorCode::kUnexpectedReply);
+  EXPECT_EQ(board.kept()->axis_number, 4);
+  board.loses.reset();
+  const auto report = write(2, board);
+  ASSERT_TRUE(report) << describe(report.error());
+  EXPECT_TRUE(report->written);
+  EXPECT_EQ(was(*report), 4);
+  EXPECT_EQ(board.kept()->axis_number, 2);
 }
 
 TEST(AxisLinkSetup, says_why_not) {
