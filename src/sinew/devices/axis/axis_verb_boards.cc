@@ -84,7 +84,7 @@ Outcome set_up(const DeviceRequest& request, const RobotModel& model) {
   if (!model.device.settings.is<AxisLinkDevice>()) {
     return could_not(model.id +
                      ": only boards of the axis link keep a setup; --wire link, or protocol = "
-                     "\"axis-link\" in its file, says that these are");
+                     "\"axis_link\" in its file, says that these are");
   }
   const std::string& port = *request.robot.port;
   if (const auto wrong = runtime::wrong_port(model, port)) return bad_input(*wrong);
@@ -140,7 +140,7 @@ constexpr std::array<DeviceAction, 3> kBoardsAll{
 
 extern const DeviceActions kAxisActions;
 constexpr DeviceActions kAxisActions{
-    .whose = "the boards of robot-arm-2",
+    .whose = "axis boards on SPI",
     .are_of = [](const Device& device) { return !boards_of(device).empty(); },
     .all = kBoardsAll};
 
