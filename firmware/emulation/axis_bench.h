@@ -1,5 +1,6 @@
 #pragma once
 
+#include <bit>
 #include <cmath>
 #include <optional>
 #include <vector>
@@ -50,6 +51,21 @@ class AxisBench : public EmulatedBoard {
                                      .session = session};
     const bool good = exchange(request).has_value();
     return run(0.01) && good;
+  }
+  /// Each word of a setup, not stored yet.
+  bool write_setup_words(const SetupBytes& bytes) {
+    for (std::size_t i = 0; i < kSetupWords; ++i) {
+      const bool good =
+          exchange({.axis = setup.axis_number,
+                    .mode = axis_link::Mode::kWriteSetup,
+                    .sequence = ++sequence,
+                    .target = std::bit_cast<std::int32_t>(axis_link::setup_word(bytes, i)),
+                    .velocity = static_cast<std::int32_t>(i),
+                    .session = session})
+              .has_value();
+      if (!run(0.005) || !good) return false;
+    }
+    return true;
   }
   /// Asks who it is, and opens a session.
   bool open(std::optional<std::uint8_t> number = std::nullopt) {

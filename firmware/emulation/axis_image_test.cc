@@ -175,16 +175,7 @@ TEST_P(AxisImage, makes_no_pulse_while_its_flash_is_erased) {
   AxisSetup other = bench.setup;
   other.axis.limits.velocity /= 2;
   const SetupBytes bytes = encode_setup(other);
-  for (std::size_t i = 0; i < axis_link::kSetupWords; ++i) {
-    ASSERT_TRUE(
-        bench.exchange({.axis = bench.setup.axis_number,
-                        .mode = Mode::kWriteSetup,
-                        .sequence = ++bench.sequence,
-                        .target = std::bit_cast<std::int32_t>(EmulatedBoard::setup_word(bytes, i)),
-                        .velocity = static_cast<std::int32_t>(i),
-                        .session = bench.session}));
-    ASSERT_TRUE(bench.run(0.005));
-  }
+  ASSERT_TRUE(bench.write_setup_words(bytes));
   // Something leans on the arm: the loop makes steps against it.
   bench.plant.set_extra_load(6);
   ASSERT_TRUE(bench.run(0.06));
@@ -257,16 +248,7 @@ TEST_P(AxisImage, a_power_cut_at_any_unit_of_a_setup_leaves_a_whole_one) {
     SCOPED_TRACE(cut);
     ASSERT_TRUE(bench.open());
     ASSERT_EQ(bench.identity.model_hash, hash(bench.setup));
-    for (std::size_t i = 0; i < kSetupWords; ++i) {
-      const std::uint32_t value = EmulatedBoard::setup_word(bytes, i);
-      bench.exchange({.axis = bench.setup.axis_number,
-                      .mode = Mode::kWriteSetup,
-                      .sequence = ++bench.sequence,
-                      .target = std::bit_cast<std::int32_t>(value),
-                      .velocity = static_cast<std::int32_t>(i),
-                      .session = bench.session});
-      ASSERT_TRUE(bench.run(0.005));
-    }
+    ASSERT_TRUE(bench.write_setup_words(bytes));
     bench.chip.flash().cut_power_in(cut);
     static_cast<void>(bench.send(Mode::kStoreSetup));
     if (!bench.broken) static_cast<void>(bench.run(2.5));

@@ -143,7 +143,7 @@ void CortexM::spoil_memory() {
   for (std::uint32_t i = 0; i < settings_.ram_size; ++i) store_byte(settings_.ram_at + i, kSpoilt);
 }
 
-/// Between data and stack lies the longest stretch that nobody wrote.
+/// Between data and stack lies the longest stretch that was never written.
 std::uint32_t CortexM::stack_depth() const {
   std::uint32_t longest = 0;
   std::uint32_t end_of_longest = settings_.ram_size;
@@ -201,21 +201,6 @@ std::uint8_t CortexM::load_byte(std::uint32_t address) const {
 
 void CortexM::store_byte(std::uint32_t address, std::uint8_t value) {
   check(uc_mem_write(uc_, address, &value, 1), "memory");
-}
-
-std::uint32_t CortexM::bus_read(std::uint32_t address, unsigned size) {
-  if (Peripheral* const peripheral = bus_->at(address)) return peripheral->read(address % kBlock);
-  std::uint32_t value = 0;
-  check(uc_mem_read(uc_, address, &value, size), "memory");
-  return value;
-}
-
-void CortexM::bus_write(std::uint32_t address, std::uint32_t value, unsigned size) {
-  if (Peripheral* const peripheral = bus_->at(address)) {
-    peripheral->write(address % kBlock, value);
-    return;
-  }
-  check(uc_mem_write(uc_, address, &value, size), "memory");
 }
 
 /// Instructions of a block: 16 bits each, or 32 where the first half says so (ARMv7-M A5.1).

@@ -100,10 +100,6 @@ class CortexM {
   std::uint32_t load_word(std::uint32_t address) const;
   std::uint8_t load_byte(std::uint32_t address) const;
   void store_byte(std::uint32_t address, std::uint8_t value);
-  /// As a DMA does it: 1, 2 or 4 bytes from memory or from a register.
-  std::uint32_t bus_read(std::uint32_t address, unsigned size);
-  void bus_write(std::uint32_t address, std::uint32_t value, unsigned size);
-
   /// Of one line: how often it was taken, and the most that it took and waited, in cycles.
   struct InterruptFigures {
     std::uint64_t taken = 0;

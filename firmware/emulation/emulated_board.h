@@ -92,7 +92,7 @@ class EmulatedBoard {
     chip.timers().on_pulse = [this](Cycles at, bool high) {
       if (!high) return;
       steps += chip.output('B', 12) ? -1 : 1;
-      if (pulses++ > 0) shortest_gap = std::min(shortest_gap, at - last_pulse);
+      ++pulses;
       last_pulse = at;
     };
   }
@@ -110,12 +110,6 @@ class EmulatedBoard {
     SINEW_ASSERT(SetupStore(memory).keep(setup));
     chip.power_cycle();
   }
-  static std::uint32_t setup_word(const SetupBytes& bytes, std::size_t index) {
-    std::uint32_t word = 0;
-    for (std::size_t i = 0; i < 4; ++i) word |= std::uint32_t{bytes[4 * index + i]} << 8 * i;
-    return word;
-  }
-
   /// The mechanics of the last `dt` (s), and what the board senses from now on.
   void advance_plant(double dt) {
     AxisOutputs outputs;
@@ -144,7 +138,6 @@ class EmulatedBoard {
   std::int64_t steps = 0;  ///< by the step pin, signed by the direction pin
   std::int64_t pulses = 0;
   Cycles last_pulse = 0;
-  Cycles shortest_gap = ~Cycles{0};
 };
 
 }  // namespace sinew::emulation

@@ -19,7 +19,7 @@ class Stm32Timers {
   Peripheral& tim4() { return tim4_; }
   void reset();
 
-  /// The encoder on TIM2 stands there now; its counter has 16 bits of it.
+  /// The encoder on TIM2 is at `counts` now; its counter has 16 bits of it.
   void turn_encoder(std::int32_t counts);
   /// Level of channel 1 of TIM1, now.
   bool step_level();

@@ -42,7 +42,7 @@ std::uint16_t count_start() {
   return static_cast<std::uint16_t>(count);
 }
 
-/// A latched stop outlives a reset by the watchdog: nobody released it.
+/// A latched stop outlives a reset by the watchdog: it was not released.
 void remember_latch(bool latched) {
   chip::backup(1) = latched ? 1 : 0;
 }

@@ -43,7 +43,7 @@ void I2cMaster::start() {
   i2c().cr1 = kOn;
 }
 
-/// A chip that lost count in the middle of a byte lets go of the data line after nine clocks.
+/// A chip that lost count in the middle of a byte releases the data line after nine clocks.
 void I2cMaster::free_bus() {
   const board::Place clock = clock_.place;
   chip::set_pin(data_.place.port, data_.place.pin, chip::Pin::kInputPullUp);

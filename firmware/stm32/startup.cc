@@ -17,7 +17,7 @@ void timer_4();
 
 namespace {
 
-/// An interrupt that nobody asked for, or a fault of the processor. Timers would go on with the
+/// An unexpected interrupt, or a fault of the processor. Timers would go on with the
 /// pulses that they made last.
 [[noreturn]] void unexpected() {
   sinew::stm32::restart();

@@ -7,6 +7,9 @@
 
 namespace sinew {
 
+/// Microsteps a second that a board makes at most: docs/firmware/axis_controller.md.
+inline constexpr int kStepRateMost = 40'000;
+
 /// What both wires of axis boards have in common.
 /// @tparam Kind  derives from this
 template <class Kind>

@@ -103,11 +103,6 @@ T from_bits(std::uint64_t bits) {
     return static_cast<T>(bits);
 }
 
-std::uint32_t word_at(std::span<const std::uint8_t> bytes, std::size_t place) {
-  std::uint32_t word = 0;
-  for (std::size_t i = 0; i < 4; ++i) word |= std::uint32_t{bytes[place + i]} << 8 * i;
-  return word;
-}
 void put_word(std::span<std::uint8_t> bytes, std::size_t place, std::uint32_t word) {
   for (std::size_t i = 0; i < 4; ++i) bytes[place + i] = static_cast<std::uint8_t>(word >> 8 * i);
 }
@@ -118,7 +113,6 @@ constexpr bool positive(double value) {
 
 /// No number of an axis is larger; what is counted in 2^-26 fits into 64 bits then.
 constexpr double kMost = 1 << 20;
-constexpr double kStepRateMost = 40'000;  // microsteps/s
 
 /// What AxisController and the wires assume of their settings; a NaN fails every comparison.
 bool is_sound(const AxisSetup& setup) {
@@ -185,7 +179,8 @@ SetupBytes encode_setup(const AxisSetup& setup) {
 
 std::optional<AxisSetup> decode_setup(std::span<const std::uint8_t, kSetupSize> bytes) {
   constexpr std::size_t kEnd = kSetupSize - kChecksum;
-  if (crc32c(bytes.first<kEnd>()) != word_at(bytes, kEnd) || bytes[0] != kVersion) {
+  if (crc32c(bytes.first<kEnd>()) != axis_link::setup_word(bytes, kEnd / 4) ||
+      bytes[0] != kVersion) {
     return std::nullopt;
   }
   AxisSetup setup;
@@ -220,14 +215,15 @@ SetupStore::SetupStore(SetupMemory& memory) : memory_(memory) {
 std::optional<std::uint32_t> SetupStore::count_of(int which) const {
   const auto copy = memory_.place(which);
   if (copy.size() < kCopySize) return std::nullopt;
-  if (crc32c(copy.first(kCopySize - 4)) != word_at(copy, kCopySize - 4)) return std::nullopt;
-  return word_at(copy, kSetupSize);
+  if (crc32c(copy.first(kCopySize - 4)) != axis_link::setup_word(copy, kCopySize / 4 - 1))
+    return std::nullopt;
+  return axis_link::setup_word(copy, kSetupWords);
 }
 
 std::optional<std::uint32_t> SetupStore::word(std::size_t index) const {
   if (index >= kSetupWords) return std::nullopt;
   constexpr std::uint32_t kErased = 0xFFFF'FFFF;
-  return setup_ ? word_at(memory_.place(newest_), 4 * index) : kErased;
+  return setup_ ? axis_link::setup_word(memory_.place(newest_), index) : kErased;
 }
 
 bool SetupStore::set_word(std::size_t index, std::uint32_t value) {

@@ -50,9 +50,7 @@ class FakeMemory : public SetupMemory {
 
 void write(SetupStore& store, const SetupBytes& bytes) {
   for (std::size_t i = 0; i < kSetupWords; ++i) {
-    std::uint32_t word = 0;
-    for (std::size_t k = 0; k < 4; ++k) word |= std::uint32_t{bytes[4 * i + k]} << 8 * k;
-    ASSERT_TRUE(store.set_word(i, word));
+    ASSERT_TRUE(store.set_word(i, axis_link::setup_word(bytes, i)));
   }
 }
 

@@ -13,7 +13,6 @@ namespace {
 
 constexpr std::int64_t kClockMax = 50'000'000;  // Hz, what a Raspberry Pi's header still carries
 constexpr std::int64_t kGpioMax = 53;           // BCM numbers
-constexpr std::int64_t kStepRateMost = 40'000;  // microsteps/s: docs/firmware/axis_controller.md
 
 constexpr Named<std::int8_t> kDirections[] = {{"lower", -1}, {"upper", 1}};
 

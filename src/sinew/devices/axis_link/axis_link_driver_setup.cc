@@ -16,12 +16,6 @@ constexpr Duration kPause = std::chrono::milliseconds(2);       // between two f
 constexpr Duration kWriting = std::chrono::milliseconds(3500);  // two sectors of the slowest flash
 constexpr Duration kStarting = std::chrono::milliseconds(500);
 
-std::uint32_t word_of(const SetupBytes& bytes, std::size_t index) {
-  std::uint32_t word = 0;
-  for (std::size_t i = 0; i < 4; ++i) word |= std::uint32_t{bytes[4 * index + i]} << 8 * i;
-  return word;
-}
-
 /// One board, and frames to it of which each is repeated until an answer names it.
 class Talk {
  public:
@@ -137,7 +131,7 @@ std::expected<SetupReport, Error> write_setup(const SetupBytes& wanted, std::int
   if (!before) return std::unexpected(before.error());
   if (before->bytes == wanted) return SetupReport{before->bytes, false};
   for (std::size_t i = 0; i < kSetupWords; ++i) {
-    const auto reply = talk.ask(Mode::kWriteSetup, i, word_of(wanted, i));
+    const auto reply = talk.ask(Mode::kWriteSetup, i, setup_word(wanted, i));
     if (!reply) return std::unexpected(reply.error());
   }
   // The processor stands while its flash is written: the answer comes late, or is lost with the

@@ -142,9 +142,7 @@ TEST(AxisLinkSetup, takes_nothing_for_kept_that_was_only_written) {
   Board board(setup_of(4));
   const SetupBytes bytes = encode_setup(setup_of(2));
   for (std::size_t i = 0; i < kSetupWords; ++i) {
-    std::uint32_t word = 0;
-    for (std::size_t k = 0; k < 4; ++k) word |= std::uint32_t{bytes[4 * i + k]} << 8 * k;
-    ASSERT_TRUE(board.store->set_word(i, word));
+    ASSERT_TRUE(board.store->set_word(i, setup_word(bytes, i)));
   }
   board.loses = Mode::kStoreSetup;
   EXPECT_EQ(write(2, board).error().code, ErrorCode::kUnexpectedReply);

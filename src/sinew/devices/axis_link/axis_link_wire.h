@@ -108,6 +108,12 @@ struct Health {
 inline constexpr std::size_t kSetupSize = 380;
 inline constexpr std::size_t kSetupWords = kSetupSize / 4;
 using SetupBytes = std::array<std::uint8_t, kSetupSize>;
+/// Word `index` of bytes that hold it.
+constexpr std::uint32_t setup_word(std::span<const std::uint8_t> bytes, std::size_t index) {
+  std::uint32_t word = 0;
+  for (std::size_t i = 0; i < 4; ++i) word |= std::uint32_t{bytes[4 * index + i]} << 8 * i;
+  return word;
+}
 
 /// Answer to kReadSetup: four bytes of what the board keeps about its axis, little endian.
 struct SetupWord {
